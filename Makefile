@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: BSD-2-Clause
+# One make process; each folder's module.mk adds to the lists below. `make help` lists the targets.
+O ?= build
+V ?= 0
+SAN ?=
+PREFIX ?= /usr/local
+DESTDIR ?=
+
+CXX ?= g++
+ifeq ($(origin CXX),default)
+CXX := g++
+endif
+CLANG ?= clang-19
+LLVM_STRIP ?= llvm-strip-19
+CLANG_TIDY ?= clang-tidy-19
+CLANG_FORMAT ?= clang-format-19
+BPFTOOL ?= $(firstword $(wildcard /usr/sbin/bpftool) bpftool)
+PROTOC ?= protoc
+PKG_CONFIG ?= pkg-config
+
+CXXFLAGS ?= -O2 -g
+STD := -std=c++23
+WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(if $(CI),-Werror)
+CPPFLAGS += -I. -Iinclude -isystem $O/gen
+ifneq ($(SAN),)
+CXXFLAGS += -fsanitize=$(SAN) -fno-omit-frame-pointer
+LDFLAGS += -fsanitize=$(SAN)
+endif
+
+Q := $(if $(filter 1,$V),,@)
+say = $(if $(filter 1,$V),,@printf '  %-7s %s\n' '$1' '$2')
+
+.DELETE_ON_ERROR:
+.SECONDARY:
+.SUFFIXES:
+MAKEFLAGS += --no-builtin-rules
+
+all:
+
+# Lists that the fragments fill.
+PROGRAMS := # linked executables
+OBJECTS := # every C++ object, for the dependency files
+UNIT_TESTS := # test executables that need no privileges
+KERNEL_TESTS := # test executables that need root and this kernel
+INSTALL := # targets that install something
+CLEAN_EXTRA :=
+
+# $(call library,NAME,SOURCES) gives build/libNAME.a
+define library
+$1_objects := $$(patsubst %.cc,$O/%.o,$2)
+OBJECTS += $$($1_objects)
+$O/lib$1.a: $$($1_objects)
+	$$(call say,AR,$$@)
+	$$(Q)rm -f $$@ && ar rcs $$@ $$^
+endef
+
+# $(call program,FILE,SOURCES,ARCHIVES,LIBS)
+define program
+$(notdir $1)_objects := $$(patsubst %.cc,$O/%.o,$2)
+OBJECTS += $$($(notdir $1)_objects)
+$O/$1: $$($(notdir $1)_objects) $3
+	$$(call say,LINK,$$@)
+	$$(Q)mkdir -p $$(@D) && $$(CXX) $$(LDFLAGS) -o $$@ $$($(notdir $1)_objects) $3 $4
+endef
+
+# $(call unit_test,NAME,SOURCES,ARCHIVES,LIBS): needs no privileges. kernel_test: needs root.
+define unit_test
+$(call program,tests/$1,$2,$3,$4 -lgtest_main -lgtest -lpthread)
+UNIT_TESTS += $O/tests/$1
+endef
+define kernel_test
+$(call program,tests/$1,$2,$3,$4 -lgtest_main -lgtest -lpthread)
+KERNEL_TESTS += $O/tests/$1
+endef
+
+-include deps.mk
+-include core/module.mk description/module.mk proto/module.mk control/module.mk bpf/module.mk
+-include daemon/module.mk tools/module.mk include/module.mk systemd/module.mk tests/module.mk
+-include examples/module.mk
+
+all: $(PROGRAMS) ## build mlccad, mlccactl and the gate
+
+$O/%.o: %.cc
+	$(call say,CXX,$<)
+	$(Q)mkdir -p $(@D) && $(CXX) $(STD) $(WARN) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
+
+-include $(OBJECTS:.o=.d)
+
+# --- what a person calls ---------------------------------------------------------------------------
+
+demo: ensure-deps ## the emergency stop, told on real SocketCAN and systemd (DEMO=host: on this kernel)
+	$(Q)$(MAKE) run-demo
+
+test: ensure-deps ## everything: lint, unit, kernel and guest tests
+	$(Q)$(MAKE) test-all
+
+test-all:
+	$(Q)$(MAKE) all lint check-mcu
+	$(Q)$(MAKE) check check-kernel
+	$(Q)$(MAKE) check-harness check-guest
+
+lint: check-layers check-format tidy ## layering, clang-format-19 and clang-tidy-19
+
+check-layers: ## who may include whom
+	$(Q)tests/support/check-layers
+
+FORMATTED = $(shell git ls-files '*.cc' '*.hpp' '*.h' '*.c' 2>/dev/null || true)
+check-format:
+	$(call say,FORMAT,$(words $(FORMATTED)) files)
+	$(Q)$(CLANG_FORMAT) --dry-run -Werror $(FORMATTED)
+format: ## format every file in place
+	$(Q)$(CLANG_FORMAT) -i $(FORMATTED)
+
+# One stamp a file: only what changed is looked at again.
+TIDY_SOURCES := $(filter-out tests/% include/% bpf/%,$(shell git ls-files '*.cc' 2>/dev/null))
+TIDY_STAMPS := $(patsubst %.cc,$O/tidy/%.ok,$(TIDY_SOURCES))
+$O/tidy/%.ok: %.cc .clang-tidy | $(BPF_SKELETONS) $O/gen/mlcca/v1/control.pb.h
+	$(call say,TIDY,$<)
+	$(Q)mkdir -p $(@D) && $(CLANG_TIDY) --quiet $< -- $(STD) $(CPPFLAGS) $(XML_CFLAGS) $(NL_CFLAGS) \
+		2>$@.log || { cat $@.log; exit 1; }
+	$(Q)touch $@
+$(foreach f,$(TIDY_SOURCES),$(eval $O/tidy/$(f:.cc=.ok): $O/$(f:.cc=.o)))
+tidy: $(TIDY_STAMPS)
+
+bench: ensure-deps ## ratios against named peers in the same run (root)
+	$(Q)$(MAKE) run-bench
+
+install: all $(INSTALL) ## install below $(DESTDIR)$(PREFIX); units and rules where the system looks for them
+
+clean: ## remove the build tree
+	$(Q)rm -rf $O $(CLEAN_EXTRA)
+
+help: ## list the targets
+	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@echo "  variables      O=build V=1 SAN=address,undefined DESTDIR= PREFIX=/usr/local CXX= CXXFLAGS="
+
+.PHONY: all demo test test-all lint check-layers check-format format tidy bench install clean help
