@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What has been promised, as a value: `next = ledger.with(...)`, apply, then commit; dropping
+// `next` is the rollback. Integers, so that a release restores exactly.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/system.hpp"
+
+namespace mlcca::core {
+
+/// The traffic of one publisher on one network. A broadcast medium carries it once, however many
+/// subscribers listen there.
+struct Flow {
+  std::size_t publisher = 0;
+  std::size_t network = 0;
+  auto operator<=>(const Flow&) const = default;
+};
+
+class Ledger {
+ public:
+  explicit Ledger(std::size_t networks = 0) : reserved_(networks, 0) {}
+
+  /// Payload bytes/s promised on a network.
+  [[nodiscard]] Value reserved(std::size_t network) const { return reserved_[network]; }
+  [[nodiscard]] bool carries(const Flow& flow) const { return flows_.contains(flow); }
+
+  /// This ledger and the flow. A flow that is carried already is not counted twice. The caller has
+  /// checked the capacity: a sum beyond 2^64 - 1 bytes/s is a bug.
+  [[nodiscard]] Ledger with(const Flow& flow, Value bytes_per_second) const;
+  /// This ledger without anything of the publishers.
+  [[nodiscard]] Ledger without(std::span<const std::size_t> publishers) const;
+
+  /// The sums alone, without what the publishers reserve: all that a decision about these
+  /// publishers' channel needs, at a cost that does not grow with the flows of others.
+  [[nodiscard]] Ledger balance_without(std::span<const std::size_t> publishers) const;
+
+  /// This ledger with the publishers' flows replaced by those of `decided`, which was derived from
+  /// balance_without(publishers).
+  [[nodiscard]] Ledger replaced(std::span<const std::size_t> publishers, const Ledger& decided) &&;
+
+  bool operator==(const Ledger&) const = default;
+
+ private:
+  friend class LedgerBuilder;
+  void add(const Flow& flow, Value bytes_per_second);
+  [[nodiscard]] auto flows_of(std::size_t publisher) const;
+
+  std::vector<Value> reserved_;
+  std::map<Flow, Value> flows_;
+};
+
+/// Fills a ledger of its own in place; for a decision over all channels.
+class LedgerBuilder {
+ public:
+  explicit LedgerBuilder(Ledger start) : ledger_(std::move(start)) {}
+  void add(const Flow& flow, Value bytes_per_second) { ledger_.add(flow, bytes_per_second); }
+  [[nodiscard]] const Ledger& ledger() const { return ledger_; }
+  [[nodiscard]] Ledger take() && { return std::move(ledger_); }
+
+ private:
+  Ledger ledger_;
+};
+
+}  // namespace mlcca::core

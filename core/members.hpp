@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Who publishes and who subscribes: the described ends and those admitted at run time.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "core/system.hpp"
+
+namespace mlcca::core {
+
+/// Id of a run-time admission; 0 means described.
+using AdmissionId = std::uint64_t;
+
+/// Indices stay valid while a member is there; a removed member's index may be used again.
+class Members {
+ public:
+  Members() = default;
+  explicit Members(const System& system);
+
+  /// At most one publisher and one subscriber for each admission.
+  std::size_t add(Publisher publisher, AdmissionId admission);
+  std::size_t add(Subscriber subscriber, AdmissionId admission);
+  /// Removes what the admission brought in.
+  void remove(AdmissionId admission);
+
+  [[nodiscard]] const Publisher& publisher(std::size_t i) const {
+    return *publishers_.slots[i].end;
+  }
+  [[nodiscard]] const Subscriber& subscriber(std::size_t i) const {
+    return *subscribers_.slots[i].end;
+  }
+  [[nodiscard]] AdmissionId admission_of_publisher(std::size_t i) const {
+    return publishers_.slots[i].admission;
+  }
+  [[nodiscard]] AdmissionId admission_of_subscriber(std::size_t i) const {
+    return subscribers_.slots[i].admission;
+  }
+
+  [[nodiscard]] const std::vector<std::size_t>& publishers_of(std::size_t channel) const {
+    return by_channel_[channel].publishers;
+  }
+  [[nodiscard]] const std::vector<std::size_t>& subscribers_of(std::size_t channel) const {
+    return by_channel_[channel].subscribers;
+  }
+  [[nodiscard]] std::size_t channels() const { return by_channel_.size(); }
+
+ private:
+  /// Ends of one kind: a slot that is empty is in `free`.
+  template <class End>
+  struct Ends {
+    struct Slot {
+      std::optional<End> end;
+      AdmissionId admission = 0;
+    };
+    std::vector<Slot> slots;
+    std::vector<std::size_t> free;
+
+    std::size_t add(End end, AdmissionId admission);
+    void remove(std::size_t i);
+  };
+  struct Channel {
+    std::vector<std::size_t> publishers;
+    std::vector<std::size_t> subscribers;
+  };
+  struct Admitted {
+    std::optional<std::size_t> publisher;
+    std::optional<std::size_t> subscriber;
+  };
+
+  Ends<Publisher> publishers_;
+  Ends<Subscriber> subscribers_;
+  std::vector<Channel> by_channel_;
+  std::unordered_map<AdmissionId, Admitted> admitted_;
+};
+
+}  // namespace mlcca::core

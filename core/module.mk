@@ -1,0 +1,1 @@
+$(eval $(call library,core,$(wildcard core/*.cc)))

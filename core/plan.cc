@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/plan.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "core/medium.hpp"
+
+namespace mlcca::core {
+namespace {
+
+// FAMOUSO's 29-bit identifier: priority, fragment bit, node, etag.
+constexpr std::uint32_t kEtagMask = 0x3fff;
+constexpr std::uint32_t kStandardMask = 0x7ff;
+constexpr std::uint32_t kExtendedMask = 0x1fffffff;
+constexpr unsigned kNodeShift = 14;
+constexpr unsigned kFragmentShift = 21;
+constexpr unsigned kPriorityShift = 22;
+
+/// Collects rules; the same entry from two publishers passes only if both do.
+class Rules {
+ public:
+  void add(const GateEntry& entry, bool pass) {
+    auto [it, fresh] = rules_.try_emplace(entry, pass);
+    if (!fresh) it->second = it->second && pass;
+  }
+  [[nodiscard]] GateState take() const {
+    GateState state;
+    state.reserve(rules_.size());
+    for (const auto& [entry, pass] : rules_) state.push_back({entry, pass});
+    return state;
+  }
+
+ private:
+  std::map<GateEntry, bool> rules_;
+};
+
+class Planner {
+ public:
+  Planner(const System& system, const Members& members, std::size_t gateway)
+      : system_(system), members_(members), here_{Place::Kind::gateway, gateway} {}
+
+  /// The rules of one publisher: where its events enter this gateway, and where they leave.
+  void add(std::size_t publisher, const std::vector<const Verdict*>& verdicts) {
+    std::map<std::pair<std::size_t, std::size_t>, bool> out;  // (in, out) ports
+    std::map<std::size_t, bool> in;
+    for (const Verdict* v : verdicts) {
+      for (const auto& crossing : crossings(*v)) {
+        if (crossing.in != kLocal) in[crossing.in] |= v->granted;
+        if (crossing.out != kLocal) {
+          auto [it, fresh] = out.try_emplace({crossing.in, crossing.out}, v->granted);
+          if (!fresh) it->second |= v->granted;
+        }
+      }
+    }
+    // A publisher on a network of ours whose events nobody needs here: known, and not passed.
+    const Publisher& p = members_.publisher(publisher);
+    if (p.place.kind == Place::Kind::network)
+      if (const std::size_t port = port_on(p.place.index); port != kLocal)
+        in.try_emplace(port, false);
+
+    for (const auto& [port, pass] : in) emit(p, port, Direction::ingress, kLocal, pass);
+    for (const auto& [ports, pass] : out)
+      emit(p, ports.second, Direction::egress, ports.first, pass);
+  }
+
+  [[nodiscard]] GateState take() const { return rules_.take(); }
+
+ private:
+  static constexpr std::size_t kLocal = ~std::size_t{0};
+  struct Crossing {
+    std::size_t in;
+    std::size_t out;
+  };
+
+  [[nodiscard]] std::size_t port_on(std::size_t network) const {
+    const auto& ports = system_.gateways[here_.index].ports;
+    const auto it = std::ranges::find(ports, network, &Port::network);
+    return it == ports.end() ? kLocal : static_cast<std::size_t>(it - ports.begin());
+  }
+
+  /// Where the verdict's route passes this gateway. A refusal without a route is held at the
+  /// publisher's own network and at the target.
+  [[nodiscard]] std::vector<Crossing> crossings(const Verdict& v) const {
+    std::vector<Crossing> found;
+    for (std::size_t i = 0; i < v.route.size(); ++i) {
+      if (v.route[i] != here_) continue;
+      const std::size_t in = i == 0 ? kLocal : port_on(v.route[i - 1].index);
+      const std::size_t out = i + 1 == v.route.size() ? kLocal : port_on(v.route[i + 1].index);
+      found.push_back({in, out});
+    }
+    return found;
+  }
+
+  void emit(const Publisher& p, std::size_t port, Direction direction, std::size_t source,
+            bool pass) {
+    const Network& network = system_.networks[system_.gateways[here_.index].ports[port].network];
+    const Binding* binding = network.binding_of(p.channel);
+    if (network.profile == Profile::none || binding == nullptr) return;
+    GateEntry e;
+    e.port = port;
+    e.direction = direction;
+    e.subject = system_.channels[p.channel].subject;
+    e.classic = binding->format != FrameFormat::fd;
+    e.fd = binding->format != FrameFormat::classic;
+    if (!identify(p, network, *binding, e)) return;
+    if (direction == Direction::egress) {
+      if (source != kLocal)
+        e.source_port = source;
+      else if (p.uid)
+        e.uid = *p.uid;
+      else
+        return;  // a local publisher without a user: nobody may send
+    }
+    rules_.add(e, pass);
+  }
+
+  static bool identify(const Publisher& p, const Network& network, const Binding& b, GateEntry& e) {
+    const bool sized = p.attributes.has(Attribute::max_payload);
+    const Value bytes = p.attributes[Attribute::max_payload];
+    e.max_length =
+        static_cast<std::uint8_t>(sized ? std::min<Value>(bytes, frame_bytes(b)) : frame_bytes(b));
+    e.mask = kExtendedFlag | (b.remote_frames ? 0 : kRemoteFlag);
+    if (network.profile == Profile::famouso) {
+      if (!p.node) return false;
+      e.key = b.id;
+      e.id = kExtendedFlag | static_cast<std::uint32_t>(p.priority) << kPriorityShift |
+             static_cast<std::uint32_t>(*p.node) << kNodeShift | b.id;
+      e.mask |= kExtendedMask;
+      // Events up to the published size may be split or not: both forms of the frame are granted.
+      if (is_fragmented(network, &b, bytes)) e.mask &= ~(1U << kFragmentShift);
+      return true;
+    }
+    e.key = b.extended ? b.id | kExtendedFlag : b.id;
+    e.id = e.key;
+    e.mask |= b.extended ? kExtendedMask : kStandardMask;
+    return true;
+  }
+
+  const System& system_;
+  const Members& members_;
+  Place here_;
+  Rules rules_;
+};
+static_assert(kEtagMask == (1U << kNodeShift) - 1);
+
+void add_channel(Planner& planner, const Members& members, std::size_t channel,
+                 const std::vector<Verdict>& verdicts, AdmissionId without = 0) {
+  for (const std::size_t publisher : members.publishers_of(channel)) {
+    if (without != 0 && members.admission_of_publisher(publisher) == without) continue;
+    std::vector<const Verdict*> of_publisher;
+    for (const Verdict& v : verdicts)
+      if (v.publisher == publisher) of_publisher.push_back(&v);
+    planner.add(publisher, of_publisher);
+  }
+}
+
+}  // namespace
+
+GateState gate_state(const System& system, const Members& members, std::size_t channel,
+                     const std::vector<Verdict>& verdicts, std::size_t gateway,
+                     AdmissionId without) {
+  Planner planner(system, members, gateway);
+  add_channel(planner, members, channel, verdicts, without);
+  return planner.take();
+}
+
+GateState gate_state(const System& system, const Members& members, const Decision& decision,
+                     std::size_t gateway) {
+  Planner planner(system, members, gateway);
+  for (std::size_t c = 0; c < decision.channels.size(); ++c)
+    add_channel(planner, members, c, decision.channels[c]);
+  return planner.take();
+}
+
+GateChanges difference(const GateState& now, const GateState& next) {
+  GateChanges changes;
+  auto a = now.begin();
+  auto b = next.begin();
+  while (a != now.end() || b != next.end()) {
+    if (b == next.end() || (a != now.end() && a->entry < b->entry)) {
+      changes.remove.push_back((a++)->entry);
+    } else if (a == now.end() || b->entry < a->entry) {
+      changes.add.push_back(*b++);
+    } else {
+      if (a->pass && !b->pass) changes.close.push_back(a->entry);
+      if (!a->pass && b->pass) changes.open.push_back(b->entry);
+      ++a;
+      ++b;
+    }
+  }
+  return changes;
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// From verdicts to what the gates of one gateway must hold, and the difference of two such states.
+#pragma once
+#include <compare>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/admission.hpp"
+#include "core/members.hpp"
+#include "core/system.hpp"
+#include "core/verdict.hpp"
+
+namespace mlcca::core {
+
+enum class Direction : std::uint8_t { ingress, egress };
+
+/// Flags of a CAN identifier as the kernel carries them.
+inline constexpr std::uint32_t kExtendedFlag = 0x80000000U;
+inline constexpr std::uint32_t kRemoteFlag = 0x40000000U;
+
+/// What one slot of a gate admits or refuses: everything that was granted and nothing more.
+struct GateEntry {
+  std::size_t port = 0;  ///< of this gateway
+  Direction direction = Direction::ingress;
+  std::uint32_t key = 0;  ///< etag or identifier; with kExtendedFlag for a 29-bit raw identifier
+  std::uint32_t id = 0;   ///< a frame fits when (can_id & mask) == id
+  std::uint32_t mask = 0;
+  std::optional<std::size_t>
+      source_port;              ///< egress: where the frame came in; none: a local program
+  std::uint32_t uid = 0;        ///< egress, local program: its user
+  std::uint8_t max_length = 0;  ///< payload bytes of a frame
+  bool classic = false;
+  bool fd = false;
+  Subject subject = 0;
+
+  auto operator<=>(const GateEntry&) const = default;
+};
+
+struct GateRule {
+  GateEntry entry;
+  bool pass = false;
+  bool operator==(const GateRule&) const = default;
+};
+
+/// The gates of one gateway, sorted by entry; an entry stands once. Where two publishers cannot be
+/// told apart on the wire, the frames pass only if both may.
+using GateState = std::vector<GateRule>;
+
+/// What leads from one state to the next, in the order in which it must be done: nothing is open
+/// that either state forbids.
+struct GateChanges {
+  std::vector<GateEntry> close;
+  std::vector<GateEntry> remove;
+  std::vector<GateRule> add;  ///< denied at first, opened with the others where they pass
+  std::vector<GateEntry> open;
+  [[nodiscard]] bool empty() const {
+    return close.empty() && remove.empty() && add.empty() && open.empty();
+  }
+  bool operator==(const GateChanges&) const = default;
+};
+[[nodiscard]] GateChanges difference(const GateState& now, const GateState& next);
+
+/// The part of one channel. Entries of different channels never meet: they carry the subject.
+/// Publishers of the admission `without` are left out.
+[[nodiscard]] GateState gate_state(const System& system, const Members& members,
+                                   std::size_t channel, const std::vector<Verdict>& verdicts,
+                                   std::size_t gateway, AdmissionId without = 0);
+
+[[nodiscard]] GateState gate_state(const System& system, const Members& members,
+                                   const Decision& decision, std::size_t gateway);
+
+}  // namespace mlcca::core

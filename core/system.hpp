@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The described world as plain structs: what description/ reads and what every decision starts
+// from. Things refer to each other by index; nothing here has behaviour beyond look-up.
+#pragma once
+#include <algorithm>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mlcca/attribute.hpp"
+
+namespace mlcca::core {
+
+/// 64-bit identity of a channel, unique over all networks.
+using Subject = std::uint64_t;
+
+/// Where something was declared, for error texts. An empty file means "at run time".
+struct Origin {
+  std::string file;
+  int line = 0;
+};
+
+/// Largest number of hops (networks and gateways) of a route. Longer ones are not found.
+inline constexpr std::size_t kMaxHops = 16;
+
+enum class NetworkKind : std::uint8_t { can, udp_multicast, mesh, ieee802154, other };
+
+/// How frames on the network's interfaces name their subject.
+enum class Profile : std::uint8_t { none, raw, famouso };
+
+/// Which CAN frame formats a binding allows.
+enum class FrameFormat : std::uint8_t { classic, fd, any };
+
+/// The subject of a channel on one network: an identifier (raw) or an etag (famouso).
+struct Binding {
+  std::size_t channel = 0;  ///< index into System::channels
+  std::uint32_t id = 0;     ///< raw: 11 or 29 bits; famouso: etag, 14 bits
+  bool extended = false;    ///< raw: 29-bit form; famouso: always true
+  FrameFormat format = FrameFormat::classic;
+  bool remote_frames = false;  ///< RTR frames are part of the channel (default: never)
+  Origin origin;
+};
+
+struct Network {
+  std::string name;
+  NetworkKind kind = NetworkKind::can;
+  Profile profile = Profile::none;
+  AttributeSet provision;         ///< static provision; a dynamic mark makes it a best case
+  std::vector<Binding> bindings;  ///< State sorts them by channel
+  Origin origin;
+
+  /// For bindings that are sorted by channel.
+  [[nodiscard]] const Binding* binding_of(std::size_t channel) const {
+    const auto it = std::ranges::lower_bound(bindings, channel, {}, &Binding::channel);
+    return it != bindings.end() && it->channel == channel ? &*it : nullptr;
+  }
+};
+
+/// What an interface is recognised by; every part that is given must match.
+struct InterfaceIdentity {
+  std::string name;              ///< kernel name
+  std::string id_path;           ///< udev ID_PATH
+  std::string serial;            ///< udev ID_SERIAL_SHORT
+  std::string alias;             ///< ifalias
+  std::optional<unsigned> port;  ///< dev_port or dev_id, for adapters with several channels
+
+  auto operator<=>(const InterfaceIdentity&) const = default;
+};
+
+/// One interface of a gateway, on one network.
+struct Port {
+  std::size_t network = 0;
+  InterfaceIdentity identity;
+  bool managed = false;            ///< mlccad sets bit rates and brings it up
+  std::uint32_t bitrate = 0;       ///< bit/s, 0: not set by us
+  std::uint32_t data_bitrate = 0;  ///< bit/s of the FD data phase, 0: classic only
+  Origin origin;
+};
+
+/// A host that joins networks. It is a hop too: it forwards with a provision of its own.
+struct Gateway {
+  std::string name;
+  std::string host;  ///< host name of the machine, empty: not stated
+  AttributeSet provision;
+  std::vector<Port> ports;
+  Origin origin;
+
+  [[nodiscard]] const Port* port_on(std::size_t network) const {
+    for (const auto& p : ports)
+      if (p.network == network) return &p;
+    return nullptr;
+  }
+};
+
+struct EventChannel {
+  std::string name;  ///< short name; unique
+  Subject subject = 0;
+  std::string description;
+  AttributeSet attributes;  ///< default for publishers and subscribers of the channel
+  Origin origin;
+};
+
+/// A network (any node on it) or a gateway (a program on that host).
+struct Place {
+  enum class Kind : std::uint8_t { network, gateway };
+  Kind kind = Kind::network;
+  std::size_t index = 0;
+  auto operator<=>(const Place&) const = default;
+};
+
+struct Publisher {
+  std::string name;
+  std::size_t channel = 0;
+  Place place;
+  AttributeSet attributes;  ///< effective: Period, MaxPayload, Jitter and Bandwidth are its
+                            ///< traffic, the others requirements of its own
+  std::optional<std::uint8_t> node;  ///< famouso tx_node, 0..127
+  std::uint8_t priority = 0x7d;      ///< famouso, 0 (highest)..127
+  std::optional<std::uint32_t> uid;  ///< on a gateway: the user that may send
+  Origin origin;
+};
+
+struct Subscriber {
+  std::string name;
+  std::size_t channel = 0;
+  Place place;
+  AttributeSet attributes;  ///< effective requirements
+  Origin origin;
+};
+
+struct System {
+  std::string name;
+  std::vector<EventChannel> channels;
+  std::vector<Network> networks;
+  std::vector<Gateway> gateways;
+  std::vector<Publisher> publishers;
+  std::vector<Subscriber> subscribers;
+};
+
+}  // namespace mlcca::core

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/text.hpp"
+
+#include <array>
+#include <span>
+
+namespace mlcca::core {
+namespace {
+
+struct Unit {
+  Value size;
+  std::string_view name;
+};
+constexpr std::array<Unit, 4> kTime{
+    {{1000000000, " s"}, {1000000, " ms"}, {1000, " us"}, {1, " ns"}}};
+constexpr std::array<Unit, 4> kRate{
+    {{1000000000, " GB/s"}, {1000000, " MB/s"}, {1000, " kB/s"}, {1, " B/s"}}};
+constexpr std::array<Unit, 1> kPercent{{{10000000, " %"}}};
+constexpr std::array<Unit, 1> kBytes{{{1, " bytes"}}};
+constexpr std::array<Unit, 1> kCount{{{1, ""}}};
+
+std::span<const Unit> units_of(Attribute a) {
+  switch (a) {
+    case Attribute::bandwidth:
+      return kRate;
+    case Attribute::packet_loss:
+      return kPercent;
+    case Attribute::omission:
+      return kCount;
+    case Attribute::max_payload:
+      return kBytes;
+    default:
+      return kTime;
+  }
+}
+
+std::string with_unit(Value value, const Unit& unit) {
+  // Thousandths, or the last digit that a percentage of 1e-9 parts can have.
+  const Value step = unit.size >= 10000000 && unit.name == " %" ? 1 : unit.size / 1000;
+  Value whole = value / unit.size;
+  Value rest = value % unit.size;
+  if (step > 1) {
+    rest = (rest + step / 2) / step * step;
+    if (rest == unit.size) {
+      ++whole;
+      rest = 0;
+    }
+  }
+  std::string text = std::to_string(whole);
+  if (rest != 0) {
+    std::string digits = std::to_string(rest);
+    digits.insert(0, std::to_string(unit.size).size() - 1 - digits.size(), '0');
+    digits.erase(digits.find_last_not_of('0') + 1);
+    text += "." + digits;
+  }
+  return text.append(unit.name);
+}
+
+const char* excess_word(Attribute a) {
+  switch (a) {
+    case Attribute::bandwidth:
+      return " short";
+    case Attribute::max_payload:
+      return " short";
+    case Attribute::omission:
+      return " too many";
+    case Attribute::packet_loss:
+      return " too much";
+    default:
+      return " too long";
+  }
+}
+
+std::string title(Attribute a) { return info(a).name; }
+
+std::string compared(const Comparison& c, const std::string& place) {
+  std::string text =
+      title(c.attribute) + " " + format_value(c.attribute, c.required) + " required, ";
+  if (!c.known) return text + place + " provides none";
+  text += place + " provides " + format_value(c.attribute, c.provided);
+  if (c.dynamic) return text + " at best, decided at run time and not known now";
+  return text + " (" + format_margin(c) + ")";
+}
+
+std::string obstacle_text(const System& system, const Members& members, const Verdict& v,
+                          const std::string& problem) {
+  const auto at = [&] { return name_of(system, v.obstacle_at); };
+  const auto& publisher = members.publisher(v.publisher);
+  switch (v.obstacle) {
+    case Obstacle::none:
+      return {};
+    case Obstacle::no_route:
+      return "no route from " + name_of(system, publisher.place) + " to " + name_of(system, v.to) +
+             " within " + std::to_string(kMaxHops) + " hops";
+    case Obstacle::unavailable:
+      return at() + " is not usable" + (problem.empty() ? "" : ": " + problem);
+    case Obstacle::unbound:
+      return "the channel has no identifier on " + at();
+    case Obstacle::no_node:
+      return "publisher " + publisher.name + " states no node, which " + at() + " needs";
+    case Obstacle::too_long:
+      return "an event of " +
+             format_value(Attribute::max_payload, publisher.attributes[Attribute::max_payload]) +
+             " does not fit a frame of " + at();
+    case Obstacle::no_traffic:
+      return "publisher " + publisher.name +
+             " states neither Period with MaxPayload nor Bandwidth, and the capacity of " + at() +
+             " is shared";
+    case Obstacle::released:
+      return "released by the operator";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string format_value(Attribute attribute, Value value) {
+  if (value == kUnbounded) return "unbounded";
+  const auto units = units_of(attribute);
+  for (const Unit& unit : units)
+    if (value >= unit.size) return with_unit(value, unit);
+  return with_unit(value, units.back());
+}
+
+std::string format_margin(const Comparison& c) {
+  if (!c.known) return "not provided";
+  if (c.required == c.provided) return "exactly met";
+  const bool better = info(c.attribute).better == Better::smaller ? c.provided < c.required
+                                                                  : c.provided > c.required;
+  const Value by = c.required > c.provided ? c.required - c.provided : c.provided - c.required;
+  if (c.provided == kUnbounded) return better ? "no limit" : "unbounded";
+  return format_value(c.attribute, by) + (better ? " to spare" : excess_word(c.attribute));
+}
+
+std::string format_subject(Subject subject) {
+  static constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text = "0x0000000000000000";
+  for (std::size_t i = 17; i > 1; --i, subject >>= 4) text[i] = kDigits[subject & 15];
+  return text;
+}
+
+std::string_view to_text(NetworkKind kind) {
+  switch (kind) {
+    case NetworkKind::can:
+      return "can";
+    case NetworkKind::udp_multicast:
+      return "udp-multicast";
+    case NetworkKind::mesh:
+      return "mesh";
+    case NetworkKind::ieee802154:
+      return "ieee802154";
+    case NetworkKind::other:
+      return "other";
+  }
+  return "other";
+}
+
+std::string_view to_text(Profile profile) {
+  switch (profile) {
+    case Profile::none:
+      return "none";
+    case Profile::raw:
+      return "raw";
+    case Profile::famouso:
+      return "famouso";
+  }
+  return "none";
+}
+
+const std::string& name_of(const System& system, Place place) {
+  return place.kind == Place::Kind::network ? system.networks[place.index].name
+                                            : system.gateways[place.index].name;
+}
+
+std::string where(const System& system, const Members& members, const Verdict& verdict,
+                  const Row& row) {
+  switch (row.against) {
+    case Against::hop:
+      return name_of(system, row.place);
+    case Against::end_to_end:
+      return "end to end";
+    case Against::traffic:
+      return "publisher " + members.publisher(verdict.publisher).name + " for " +
+             members.subscriber(row.subscriber).name;
+    case Against::bystander:
+      return "listeners on " + name_of(system, row.place);
+    case Against::capacity:
+      return "capacity of " + name_of(system, row.place);
+  }
+  return {};
+}
+
+std::string reason(const System& system, const Members& members, const Verdict& v,
+                   const std::string& problem) {
+  if (v.obstacle != Obstacle::none) return obstacle_text(system, members, v, problem);
+  const Row* row = deciding_row(v);
+  if (row == nullptr) return "nothing is required of the route";
+  if (row->against == Against::capacity && !v.granted)
+    return format_value(Attribute::bandwidth, row->comparison.required) + " needed on " +
+           name_of(system, row->place) + ", " +
+           format_value(Attribute::bandwidth, row->comparison.provided) + " left (" +
+           format_value(Attribute::bandwidth, row->reserved) + " promised to others)";
+  std::string place = where(system, members, v, *row);
+  if (row->against == Against::end_to_end) place = "the route";
+  if (row->against == Against::bystander)
+    return compared(row->comparison, "the way to " + name_of(system, row->place)) +
+           ", and subscribers there would hear it";
+  return compared(row->comparison, place);
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Decisions in words for a person: values with units, the one line that says why.
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "core/members.hpp"
+#include "core/system.hpp"
+#include "core/verdict.hpp"
+
+namespace mlcca::core {
+
+/// "50 ms", "400 kB/s", "0.5 %", "2", "unbounded": at most three decimals, rounded to the nearest.
+[[nodiscard]] std::string format_value(Attribute attribute, Value value);
+
+/// "3 too many", "12.5 ms to spare", "exactly met"; "not provided" where nothing is known.
+[[nodiscard]] std::string format_margin(const Comparison& comparison);
+
+/// "0xa4efeccc3210b497", always 16 digits.
+[[nodiscard]] std::string format_subject(Subject subject);
+
+[[nodiscard]] std::string_view to_text(NetworkKind kind);
+[[nodiscard]] std::string_view to_text(Profile profile);
+
+[[nodiscard]] const std::string& name_of(const System& system, Place place);
+
+/// Where a row looks: a hop's name, "end to end", "publisher NAME for NAME", "capacity of NAME",
+/// "listeners on NAME".
+[[nodiscard]] std::string where(const System& system, const Members& members,
+                                const Verdict& verdict, const Row& row);
+
+/// Why, in one line without a full stop: the failed attribute, the hop, by how much; of a grant the
+/// tightest margin.
+[[nodiscard]] std::string reason(const System& system, const Members& members,
+                                 const Verdict& verdict, const std::string& problem = {});
+
+}  // namespace mlcca::core

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// An answer with its reasons: grant or refusal of one publisher towards one place.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/topology.hpp"
+#include "mlcca/check.hpp"
+
+namespace mlcca::core {
+
+/// What an attribute was held against.
+enum class Against : std::uint8_t {
+  hop,         ///< one network or gateway of the route (Fig. 5)
+  end_to_end,  ///< the composed provision of the route
+  traffic,     ///< what the publisher offers, for one subscriber
+  bystander,   ///< the way to an intermediate network whose subscribers hear the event too
+  capacity,    ///< what is left of a network
+};
+
+struct Row {
+  Against against = Against::hop;
+  Place place;                 ///< hop, bystander, capacity
+  std::size_t subscriber = 0;  ///< traffic
+  Comparison comparison{};
+  Value reserved = 0;  ///< capacity: promised to others
+};
+
+/// Why there is nothing to compare, or a comparison is beside the point.
+enum class Obstacle : std::uint8_t {
+  none,
+  no_route,
+  unavailable,  ///< the interface of a network is not usable
+  unbound,      ///< the channel has no identifier on a network
+  no_node,      ///< the profile needs a node, the publisher states none
+  too_long,     ///< the event does not fit the frames of a network
+  no_traffic,   ///< a capacity to be held, and the publisher does not say what it sends
+  released,     ///< taken back by the operator
+};
+
+struct Verdict {
+  std::size_t channel = 0;
+  std::size_t publisher = 0;
+  Place to;
+  std::vector<std::size_t> subscribers;
+  bool granted = false;
+  Obstacle obstacle = Obstacle::none;
+  Place obstacle_at;
+  Route route;               ///< the granted one, or the shortest that was tried
+  AttributeSet requirement;  ///< strictest union
+  AttributeSet provision;    ///< composed, end to end
+  std::vector<Row> rows;
+  Value demand = 0;  ///< payload bytes/s reserved on each network of the route
+};
+
+/// The row that decided a refusal, or the one with the smallest relative margin of a grant.
+[[nodiscard]] const Row* deciding_row(const Verdict& verdict);
+
+/// Time from the last heart-beat to the subscriber's certainty that it is missing, ns:
+/// (Omission + 1) * Period + Latency + Jitter, with the required Omission and the composed rest.
+/// Nothing where the channel is not periodic or one of the parts is not known.
+[[nodiscard]] std::optional<Value> worst_case_reaction(const Verdict& verdict);
+
+}  // namespace mlcca::core

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/core/robot.hpp"
+
+namespace mlcca::core::testing {
+namespace {
+
+constexpr std::uint32_t kId = 0x1f400000U | (std::uint32_t{kSwitchNode} << 14) | kEtag;
+constexpr std::uint32_t kAllBits = 0x1fffffff;
+
+const GateRule* find(const GateState& state, std::size_t port, Direction direction) {
+  const auto it = std::ranges::find_if(state, [&](const GateRule& r) {
+    return r.entry.port == port && r.entry.direction == direction;
+  });
+  return it == state.end() ? nullptr : &*it;
+}
+
+TEST(PlanTest, OpensTheWayInAndTheWayOutForExactlyWhatWasGranted) {
+  const GateState gates = State(robot(0)).gate_state(kBridge);
+  ASSERT_EQ(gates.size(), 2U);
+  const GateRule* in = find(gates, kSecondCan, Direction::ingress);
+  const GateRule* out = find(gates, kRobotCan, Direction::egress);
+  ASSERT_NE(in, nullptr);
+  ASSERT_NE(out, nullptr);
+  for (const GateRule* rule : {in, out}) {
+    EXPECT_TRUE(rule->pass);
+    EXPECT_EQ(rule->entry.id, kExtendedFlag | kId);
+    EXPECT_EQ(rule->entry.mask, kExtendedFlag | kRemoteFlag | kAllBits);
+    EXPECT_EQ(rule->entry.key, kEtag);
+    EXPECT_EQ(rule->entry.max_length, 8);
+    EXPECT_TRUE(rule->entry.classic);
+    EXPECT_FALSE(rule->entry.fd);
+    EXPECT_EQ(rule->entry.subject, kEmergency);
+  }
+  EXPECT_EQ(out->entry.source_port, kSecondCan);
+}
+
+TEST(PlanTest, KnowsARefusedSubjectAndDeniesIt) {
+  const GateState gates = State(robot(5)).gate_state(kBridge);
+  ASSERT_EQ(gates.size(), 2U);
+  for (const GateRule& rule : gates) EXPECT_FALSE(rule.pass);
+}
+
+TEST(PlanTest, NeedsNothingForAChannelThatStaysOnItsBus) {
+  System system = robot(0);
+  system.publishers[0].place = network(kRobotCan);
+  const GateState gates = State(system).gate_state(kBridge);
+  ASSERT_EQ(gates.size(), 1U);
+  EXPECT_EQ(gates[0].entry.direction, Direction::ingress);
+  EXPECT_FALSE(gates[0].pass);
+}
+
+TEST(PlanTest, ALocalProgramMaySendOnlyAsItsUser) {
+  System system = robot(0);
+  system.publishers[0].place = gateway(kBridge);
+  EXPECT_TRUE(State(system).gate_state(kBridge).empty());
+  system.publishers[0].uid = 1000;
+  const GateState gates = State(system).gate_state(kBridge);
+  ASSERT_EQ(gates.size(), 1U);
+  EXPECT_EQ(gates[0].entry.direction, Direction::egress);
+  EXPECT_EQ(gates[0].entry.port, kRobotCan);
+  EXPECT_FALSE(gates[0].entry.source_port);
+  EXPECT_EQ(gates[0].entry.uid, 1000U);
+}
+
+TEST(PlanTest, PublishersThatLookAlikePassOnlyIfAllMay) {
+  System system = robot(0);
+  for (Network& n : system.networks) {
+    n.profile = Profile::raw;
+    n.bindings[0].id = 0x123;
+    n.bindings[0].extended = false;
+  }
+  system.publishers[0].node.reset();
+  Publisher slow = system.publishers[0];
+  slow.name = "slow";
+  slow.attributes.set(Attribute::period, 51 * kMs);
+  EXPECT_TRUE(find(State(system).gate_state(kBridge), kRobotCan, Direction::egress)->pass);
+  system.publishers.push_back(slow);
+  const GateState gates = State(system).gate_state(kBridge);
+  ASSERT_EQ(gates.size(), 2U);
+  for (const GateRule& rule : gates) EXPECT_FALSE(rule.pass);
+}
+
+TEST(PlanTest, RawIdentifiersAreMatchedInTheirForm) {
+  System system = robot(0);
+  for (Network& n : system.networks) n.profile = Profile::raw;
+  system.publishers[0].node.reset();
+  for (const bool extended : {false, true}) {
+    for (Network& n : system.networks) {
+      n.bindings[0].id = 0x123;
+      n.bindings[0].extended = extended;
+      n.bindings[0].remote_frames = extended;
+      n.bindings[0].format = extended ? FrameFormat::any : FrameFormat::fd;
+    }
+    const GateEntry e = State(system).gate_state(kBridge).at(0).entry;
+    EXPECT_EQ(e.id, extended ? 0x80000123U : 0x123U);
+    EXPECT_EQ(e.key, e.id);
+    EXPECT_EQ(e.mask, extended ? 0x9fffffffU : 0xc00007ffU);
+    EXPECT_EQ(e.classic, extended);
+    EXPECT_TRUE(e.fd);
+    EXPECT_EQ(e.max_length, 8);
+  }
+}
+
+TEST(PlanTest, SplitEventsMayCarryTheFragmentBit) {
+  System system = robot(0);
+  system.publishers[0].attributes.set(Attribute::max_payload, 9);
+  for (Network& n : system.networks) n.provision.set(Attribute::max_payload, 100);
+  system.subscribers[0].attributes.set(Attribute::max_payload, 9);
+  const GateEntry e = State(system).gate_state(kBridge).at(0).entry;
+  EXPECT_EQ(e.mask, (kExtendedFlag | kRemoteFlag | kAllBits) & ~(1U << 21));
+}
+
+TEST(PlanTest, TheDifferenceLeavesAloneWhatStays) {
+  GateState a = State(robot(0)).gate_state(kBridge);
+  GateState b = a;
+  EXPECT_TRUE(difference(a, b).empty());
+  b[0].pass = false;
+  EXPECT_EQ(difference(a, b), (GateChanges{{a[0].entry}, {}, {}, {}}));
+  EXPECT_EQ(difference(b, a), (GateChanges{{}, {}, {}, {a[0].entry}}));
+  EXPECT_EQ(difference({}, a), (GateChanges{{}, {}, a, {}}));
+  EXPECT_EQ(difference(a, {}), (GateChanges{{}, {a[0].entry, a[1].entry}, {}, {}}));
+}
+
+}  // namespace
+}  // namespace mlcca::core::testing

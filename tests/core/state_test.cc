@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/state.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/core/robot.hpp"
+
+namespace mlcca::core::testing {
+namespace {
+
+Admission one_more_subscriber(AdmissionId id, AttributeSet attributes) {
+  Admission a;
+  a.id = id;
+  a.subscriber = subscriber("late", network(kRobotCan), attributes);
+  return a;
+}
+
+System only_a_logger() {
+  System system = robot(5);
+  system.publishers[0].attributes.set(Attribute::omission, 10);
+  system.subscribers = {
+      subscriber("logger", network(kRobotCan), heart_beat().set(Attribute::omission, 10))};
+  return system;
+}
+
+TEST(StateTest, AProposalThatIsNotAcceptedLeavesNoTrace) {
+  State state(robot(0));
+  const Ledger before = state.decision().ledger;
+  {
+    const Proposal p = state.propose(one_more_subscriber(1, heart_beat()));
+    EXPECT_TRUE(p.fit());
+  }
+  EXPECT_EQ(state.members().subscribers_of(0).size(), 1U);
+  EXPECT_EQ(state.decision().ledger, before);
+  EXPECT_EQ(only_verdict(state).subscribers.size(), 1U);
+}
+
+TEST(StateTest, WhoComesLaterIsRefusedAndNobodyElseSuffers) {
+  State state(only_a_logger());
+  ASSERT_TRUE(only_verdict(state).granted);
+  {
+    const Proposal p = state.propose(one_more_subscriber(1, heart_beat()));
+    EXPECT_FALSE(p.fit());
+    ASSERT_EQ(p.verdicts().size(), 1U);
+    EXPECT_FALSE(p.verdicts()[0]->granted);
+  }
+  EXPECT_TRUE(only_verdict(state).granted);
+}
+
+TEST(StateTest, AcceptedAdmissionsTakePartInLaterDecisions) {
+  State state(robot(0));
+  state.propose(one_more_subscriber(1, heart_beat().set(Attribute::omission, 1))).accept();
+  EXPECT_EQ(only_verdict(state).requirement[Attribute::omission], 1U);
+  state.decide();
+  EXPECT_EQ(only_verdict(state).requirement[Attribute::omission], 1U);
+  EXPECT_TRUE(state.remove(1));
+  EXPECT_FALSE(state.remove(1));
+  state.decide();
+  EXPECT_EQ(only_verdict(state).requirement[Attribute::omission], 2U);
+}
+
+TEST(StateTest, AProposalDecidesAsIfDecidedFromScratch) {
+  State state(robot(0));
+  Admission a;
+  a.id = 7;
+  Publisher second = state.system().publishers[0];
+  second.name = "second";
+  second.node = 0x21;
+  a.publisher = second;
+  a.subscriber = subscriber("app", gateway(kBridge), heart_beat());
+  Proposal p = state.propose(a);
+  ASSERT_TRUE(p.fit());
+  const GateChanges changes = p.changes(kBridge);
+  const GateState before = [&] {
+    State other(robot(0));
+    return other.gate_state(kBridge);
+  }();
+  std::move(p).accept();
+  const GateState incremental = state.gate_state(kBridge);
+  const Ledger ledger = state.decision().ledger;
+  EXPECT_EQ(changes, difference(before, incremental));
+  state.decide();
+  EXPECT_EQ(state.decision().ledger, ledger);
+  EXPECT_EQ(state.gate_state(kBridge), incremental);
+}
+
+TEST(StateTest, ReleaseRestoresTheLedgerExactly) {
+  State state(robot(0));
+  const Ledger before = state.decision().ledger;
+  Admission a;
+  a.id = 3;
+  Publisher second = state.system().publishers[0];
+  second.node = 0x22;
+  second.attributes.set(Attribute::period, 25'000'001);
+  a.publisher = second;
+  Proposal p = state.propose(a);
+  ASSERT_TRUE(p.fit());
+  std::move(p).accept();
+  EXPECT_NE(state.decision().ledger, before);
+  state.remove(3);
+  state.decide();
+  EXPECT_EQ(state.decision().ledger, before);
+}
+
+TEST(StateTest, AReleasedChannelIsRefused) {
+  State state(robot(0));
+  state.set_released(0, true);
+  state.decide();
+  EXPECT_EQ(only_verdict(state).obstacle, Obstacle::released);
+  for (const GateRule& rule : state.gate_state(kBridge)) EXPECT_FALSE(rule.pass);
+}
+
+TEST(StateTest, NobodyOnTheOtherSideMeansNothingToGrant) {
+  System system = robot(0);
+  system.publishers.clear();
+  State state(system);
+  const Proposal p = state.propose(one_more_subscriber(1, heart_beat()));
+  EXPECT_FALSE(p.fit());
+  EXPECT_TRUE(p.verdicts().empty());
+}
+
+TEST(StateTest, FindsChannelsByNameAndBySubject) {
+  const State state(robot(0));
+  EXPECT_EQ(state.find_channel("emergency-switch"), 0U);
+  EXPECT_EQ(state.find_channel("0xa4efeccc3210b497"), 0U);
+  EXPECT_EQ(state.find_channel("0xA4EFECCC3210B497"), 0U);
+  EXPECT_FALSE(state.find_channel("0xa4efeccc3210b498"));
+  EXPECT_FALSE(state.find_channel("0xa4efeccc3210b49700"));
+  EXPECT_FALSE(state.find_channel("0x"));
+  EXPECT_FALSE(state.find_channel(""));
+}
+
+}  // namespace
+}  // namespace mlcca::core::testing
