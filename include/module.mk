@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # The attribute core: headers for every compiler, from an 8-bit node to the daemon.
 AVR_CXX ?= avr-g++
 CORE_HEADERS := $(wildcard include/mlcca/*.hpp)

@@ -64,7 +64,8 @@ constexpr AttributeSet strictest_of(const AttributeSet* all, size_t n) {
 /// Latency, Deadline, PacketLoss and Omission are requirements of its own; its Period, Bandwidth
 /// and MaxPayload are what must be carried; its Jitter is a property of the source and asks
 /// nothing. The subscriber's MaxPayload says what it accepts (check_traffic()) and counts as the
-/// size to be carried only when the publisher states none.
+/// size to be carried only when the publisher states none. A publisher whose Period is meant as a
+/// rate only states a longer Deadline of its own.
 constexpr AttributeSet requirement_between(AttributeSet publisher, AttributeSet subscriber) {
   if (publisher.has(Attribute::max_payload)) subscriber.clear(Attribute::max_payload);
   return strictest(publisher.clear(Attribute::jitter), subscriber);
