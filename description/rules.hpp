@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What must hold in a described system beyond its form. Each rule names the place where it is
+// broken and what would be right.
+#pragma once
+#include <cstddef>
+
+#include "core/system.hpp"
+#include "description/problems.hpp"
+
+namespace mlcca::description {
+
+inline constexpr std::size_t kMaxChannels = 65536;
+inline constexpr std::size_t kMaxNetworks = 1024;
+inline constexpr std::size_t kMaxGateways = 256;
+inline constexpr std::size_t kMaxPorts = 16;  ///< of one gateway
+
+/// Names, subjects, networks with their bindings, gateways with their ports, publishers and
+/// subscribers. `system` must have valid indices.
+void check_rules(const core::System& system, Problems& problems);
+
+/// The parts of check_rules.
+void check_channels(const core::System& system, Problems& problems);
+void check_networks(const core::System& system, Problems& problems);
+void check_gateways(const core::System& system, Problems& problems);
+void check_ends(const core::System& system, Problems& problems);
+
+}  // namespace mlcca::description

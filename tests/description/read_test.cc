@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What no file of the corpus can show: limits from both sides, files that are none, hostile sizes.
+#include "description/read.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include "description/problems.hpp"
+
+namespace mlcca::description {
+namespace {
+
+std::string system_of(const std::string& parts) {
+  return "<System name=\"test\">\n" + parts + "</System>\n";
+}
+
+std::string channels(int count) {
+  std::string out;
+  for (int i = 0; i < count; ++i)
+    out += fmt::format(
+        "<EventChannel name=\"c{0}\"><SubjectUID>{1:#x}</SubjectUID></EventChannel>\n", i, i + 1);
+  return out;
+}
+
+std::string networks(int count) {
+  std::string out;
+  for (int i = 0; i < count; ++i)
+    out += fmt::format("<Network name=\"n{0}\"><Kind>mesh</Kind></Network>\n", i);
+  return out;
+}
+
+std::string gateways(int count) {
+  std::string out;
+  for (int i = 0; i < count; ++i)
+    out += fmt::format(
+        "<Gateway name=\"g{0}\"><Port network=\"n0\"><Interface name=\"w{0}\"/></Port></Gateway>\n",
+        i);
+  return out;
+}
+
+/// The only problem, as text; "" if there is none, all of them if there are several.
+std::string problem_of(const std::string& xml) {
+  const auto result = read_memory(xml, "t.xml");
+  if (result) return "";
+  std::string out;
+  for (const auto& p : result.error()) out += (out.empty() ? "" : "\n") + to_string(p);
+  return out;
+}
+
+TEST(Limits, AllowSoManyChannelsAndNoMore) {
+  EXPECT_EQ(problem_of(system_of(channels(65536))), "");
+  EXPECT_EQ(problem_of(system_of(channels(65537))),
+            "t.xml:65538: <EventChannel>: 65537 channels are too many: at most 65536");
+}
+
+TEST(Limits, AllowSoManyNetworksAndNoMore) {
+  EXPECT_EQ(problem_of(system_of(networks(1024))), "");
+  EXPECT_EQ(problem_of(system_of(networks(1025))),
+            "t.xml:1026: <Network>: 1025 networks are too many: at most 1024");
+}
+
+TEST(Limits, AllowSoManyGatewaysAndNoMore) {
+  EXPECT_EQ(problem_of(system_of(networks(1) + gateways(256))), "");
+  EXPECT_EQ(problem_of(system_of(networks(1) + gateways(257))),
+            "t.xml:259: <Gateway>: 257 gateways are too many: at most 256");
+}
+
+TEST(Limits, AllowSoManyBytesAndNoMore) {
+  auto xml = system_of("");
+  xml.resize(16777216, ' ');
+  EXPECT_EQ(problem_of(xml), "");
+  xml += ' ';
+  EXPECT_EQ(problem_of(xml), "t.xml: the file has 16777217 bytes; the limit is 16777216");
+}
+
+TEST(Limits, AllowAFileOfAlmostThatManyBytesInOrdinaryElements) {
+  auto parts = channels(65536);
+  for (int i = 0; parts.size() < 16000000; ++i)
+    parts +=
+        fmt::format("<Subscriber channel=\"c{}\" network=\"n0\" name=\"s{}\"/>\n", i % 65536, i);
+  EXPECT_EQ(problem_of(system_of(networks(1) + parts)), "");
+}
+
+TEST(Limits, AllowElementsSoDeepAndNoDeeper) {
+  const auto nested = [](int depth) {
+    std::string xml = "<System name=\"test\">";
+    for (int i = 1; i < depth; ++i) xml += "<x>";
+    for (int i = 1; i < depth; ++i) xml += "</x>";
+    return problem_of(xml + "</System>");
+  };
+  EXPECT_EQ(nested(256).find("deeper"), std::string::npos);
+  EXPECT_NE(nested(257).find("is nested deeper than 256 elements"), std::string::npos);
+}
+
+TEST(Limits, AllowSoManyElementsAndAttributesAndNoMore) {
+  // The root and its name are two; an unknown part costs one, its own problem, and then its
+  // content.
+  const auto with = [](int inside) {
+    std::string xml = "<System name=\"test\"><x>";
+    for (int i = 0; i < inside; ++i) xml += "<a/>";
+    return xml + "</x></System>";
+  };
+  EXPECT_EQ(problem_of(with(1048576 - 3)).find("1048576"), std::string::npos);
+  EXPECT_NE(problem_of(with(1048576 - 2))
+                .find("the file has more than 1048576 elements and attributes; that is the limit"),
+            std::string::npos);
+}
+
+TEST(Limits, AreNotReachedByManyUnknownNames) {
+  std::string parts = channels(4096);
+  for (int i = 0; i < 100000; ++i) parts += "<Publisher channel=\"c409x\" network=\"n\"/>\n";
+  const auto result = read_memory(system_of(parts), "t.xml");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().size(), 1001U);
+  EXPECT_EQ(result.error().back().line, 0);
+  EXPECT_EQ(result.error().back().text, "there are more problems than these: repair them first");
+}
+
+TEST(Limits, AreSaidOfAHugeGatewayToo) {
+  std::string ports;
+  for (int i = 0; i < 150000; ++i)
+    ports += fmt::format("<Port network=\"n0\"><Interface name=\"w{}\"/></Port>\n", i);
+  const auto result = read_memory(
+      system_of(networks(1) + "<Gateway name=\"g\">\n" + ports + "</Gateway>"), "t.xml");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().size(), 1001U);
+}
+
+TEST(Problems, ShowNoMoreOfALongValueThanAPersonReads) {
+  const auto with = [](std::size_t length) {
+    return problem_of(
+        system_of("<Network name=\"n\"><Kind>" + std::string(length, 'x') + "</Kind></Network>"));
+  };
+  EXPECT_EQ(with(80), "t.xml:2: <Kind>: '" + std::string(80, 'x') +
+                          "' is not one of can, udp-multicast, mesh, ieee802154, other");
+  EXPECT_EQ(with(81), "t.xml:2: <Kind>: '" + std::string(80, 'x') +
+                          "…' is not one of can, udp-multicast, mesh, ieee802154, other");
+  EXPECT_EQ(with(100000), "t.xml:2: <Kind>: is far too long");
+}
+
+TEST(Problems, AreCutAtWholeCharactersAndCleaned) {
+  Problems problems("t.xml");
+  problems.add(1, "", std::string(479, 'x') + "ä");
+  problems.add(2, "a\x1b[b", "c\x7f\n\td");
+  const auto found = problems.take();
+  EXPECT_EQ(found[0].text, std::string(479, 'x') + "…");
+  EXPECT_EQ(found[1].element, "a [b");
+  EXPECT_EQ(found[1].text, "c   d");
+}
+
+TEST(Problems, HaveTheirLineBeyond65535) {
+  EXPECT_EQ(problem_of(system_of(std::string(70000, '\n') + "<Network name=\"n\"/>\n")),
+            "t.xml:70002: <Network>: is not complete: it needs ( Kind )");
+  EXPECT_EQ(problem_of(system_of(std::string(70000, '\n') +
+                                 "<Network name=\"n\"><Kind>can</Kind></Network>\n")),
+            "t.xml:70002: <Network>: a CAN network needs a Profile: raw or famouso");
+}
+
+TEST(Problems, AreShownUpToTheThousandthAndThenSaidToBeMore) {
+  std::string parts;
+  for (int i = 0; i < 1000; ++i) parts += "<x/>\n";
+  const auto all = read_memory(system_of(parts), "t.xml");
+  ASSERT_FALSE(all);
+  EXPECT_EQ(all.error().size(), 1000U);
+  EXPECT_EQ(all.error().back().line, 1001);
+  const auto more = read_memory(system_of(parts + "<x/>\n"), "t.xml");
+  ASSERT_FALSE(more);
+  EXPECT_EQ(more.error().size(), 1001U);
+  EXPECT_EQ(more.error().back().text, "there are more problems than these: repair them first");
+}
+
+TEST(Problems, PrintNothing) {
+  testing::internal::CaptureStderr();
+  testing::internal::CaptureStdout();
+  for (const std::string xml :
+       {"", "<", "<System", "\xff\xfe<\0S", "<?xml version='1.0' encoding='x'?><S/>",
+        "<!DOCTYPE a [<!ENTITY % b SYSTEM 'c'> %b;]><a/>", "<System name='a'>\xff"})
+    EXPECT_FALSE(read_memory(xml, "t.xml")) << xml;
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+}
+
+TEST(ReadMemory, RefusesWhatIsNoUtf8Xml) {
+  EXPECT_EQ(problem_of(""), "t.xml:1: the file is empty: a System element is needed");
+  EXPECT_EQ(problem_of(" \n"), "t.xml:1: the file is empty: a System element is needed");
+  EXPECT_EQ(problem_of("name: volksbot"),
+            "t.xml:1: this is not XML in UTF-8: the first character must be '<'");
+  EXPECT_EQ(problem_of(std::string("<\0S\0y\0", 6)),
+            "t.xml:1: this is not XML in UTF-8: the first character must be '<'");
+  EXPECT_EQ(problem_of(std::string("\xff\xfe<\0S\0", 6)),
+            "t.xml:1: this is not XML in UTF-8: the first character must be '<'");
+  EXPECT_EQ(problem_of("\xef\xbb\xbf<System name=\"test\"/>"), "");
+}
+
+TEST(ReadMemory, ReadsTheSameTwice) {
+  const auto xml = system_of(channels(3));
+  const auto first = read_memory(xml, "t.xml");
+  const auto second = read_memory(xml, "t.xml");
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->channels.size(), 3U);
+  EXPECT_EQ(second->channels[2].subject, first->channels[2].subject);
+  EXPECT_EQ(second->channels[2].origin.file, "t.xml");
+  EXPECT_EQ(second->channels[2].origin.line, 4);
+}
+
+class ReadFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string form = testing::TempDir() + "mlcca-read-XXXXXX";
+    ASSERT_NE(mkdtemp(form.data()), nullptr);
+    folder_ = form;
+  }
+  void TearDown() override {
+    unlink(path().c_str());
+    rmdir(folder_.c_str());
+  }
+  [[nodiscard]] std::string path() const { return folder_ + "/system.xml"; }
+  [[nodiscard]] std::string problem() const {
+    const auto result = read(path());
+    if (result) return "";
+    EXPECT_EQ(result.error().size(), 1U);
+    return to_string(result.error().front());
+  }
+
+ private:
+  std::string folder_;
+};
+
+TEST_F(ReadFile, ReadsAFile) {
+  std::ofstream(path()) << system_of(channels(2));
+  EXPECT_EQ(problem(), "");
+}
+
+TEST_F(ReadFile, SaysThatThereIsNone) {
+  EXPECT_EQ(problem(), path() + ": cannot open the file: No such file or directory");
+}
+
+TEST_F(ReadFile, RefusesAFolder) {
+  const auto result = read("tests");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(to_string(result.error()[0]), "tests: not a regular file: a description must be one");
+}
+
+TEST_F(ReadFile, RefusesAFifoWithoutWaitingForAWriter) {
+  ASSERT_EQ(mkfifo(path().c_str(), 0600), 0);
+  EXPECT_EQ(problem(), path() + ": not a regular file: a description must be one");
+}
+
+TEST_F(ReadFile, RefusesADevice) {
+  const auto result = read("/dev/zero");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(to_string(result.error()[0]),
+            "/dev/zero: not a regular file: a description must be one");
+}
+
+TEST_F(ReadFile, ReadsNoMoreOfAHugeFileThanItMust) {
+  std::ofstream(path()) << "<";
+  ASSERT_EQ(truncate(path().c_str(), off_t{1} << 40), 0);
+  EXPECT_EQ(problem(), path() + ": the file has 16777217 bytes; the limit is 16777216");
+}
+
+TEST(ToString, LeavesOutWhatIsUnknown) {
+  EXPECT_EQ(to_string({"f.xml", 3, "Port", "bad"}), "f.xml:3: <Port>: bad");
+  EXPECT_EQ(to_string({"f.xml", 3, "", "bad"}), "f.xml:3: bad");
+  EXPECT_EQ(to_string({"f.xml", 0, "", "bad"}), "f.xml: bad");
+}
+
+}  // namespace
+}  // namespace mlcca::description
