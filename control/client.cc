@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One write per request; replies are read in large pieces and decoded as they become whole.
+#include "control/client.hpp"
+
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include "control/codec.hpp"
+
+namespace mlcca::control {
+namespace {
+
+constexpr std::size_t kReadSize = 64UL * 1024;
+
+std::unexpected<mlcca::Error> cannot_connect(const std::string& path, int error) {
+  const std::string cause = path + ": " + ::strerror(error);
+  switch (error) {
+    case ENOENT:
+    case ENOTDIR:
+      return fail("no daemon: " + cause);
+    case ECONNREFUSED:
+      return fail("no daemon listens: " + cause);
+    case EAGAIN:
+      return fail("the daemon does not answer: " + path);
+    case EACCES:
+    case EPERM:
+      return fail("not permitted to ask the daemon: " + cause);
+    default:
+      return fail("connect " + cause);
+  }
+}
+
+}  // namespace
+
+Result<Client> Client::connect(const std::string& path, std::chrono::milliseconds patience) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof address.sun_path)
+    return fail("socket path '" + path + "': must have 1 to " +
+                std::to_string(sizeof address.sun_path - 1) + " bytes");
+  std::ranges::copy(path, std::begin(address.sun_path));
+  Fd socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  if (!socket) return fail(std::string("socket: ") + ::strerror(errno));
+  Client client(std::move(socket), patience);
+  if (::connect(client.socket_.get(), reinterpret_cast<const sockaddr*>(&address),
+                sizeof address) != 0)
+    return cannot_connect(path, errno);
+  return client;
+}
+
+Client::Client(Fd socket, std::chrono::milliseconds patience)
+    : socket_(std::move(socket)), patience_(patience) {
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(patience);
+  const timeval limit{.tv_sec = seconds.count(),
+                      .tv_usec = std::chrono::microseconds(patience - seconds).count()};
+  // Also bounds connect(): a stopped daemon stops accepting. Cannot fail on a socket.
+  ::setsockopt(socket_.get(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+  ::setsockopt(socket_.get(), SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
+}
+
+Result<Reply> Client::call(Request request) {
+  request.id = ++last_id_;
+  const auto bytes = encode(request);
+  if (bytes.size() > kMaxRequest)
+    return fail("the request has " + std::to_string(bytes.size()) + " bytes, at most " +
+                std::to_string(kMaxRequest) + " are possible");
+  const auto sent = send(bytes);
+  for (;;) {
+    auto reply = receive(Wait::with_patience);
+    // What could not be sent may have been answered: refused, then closed.
+    if (!reply) return sent ? std::move(reply) : std::unexpected(sent.error());
+    if (auto* event = std::get_if<Event>(&reply->body)) {
+      events_.push_back(std::move(*event));
+      continue;
+    }
+    const bool about_the_stream = reply->id == 0 && std::holds_alternative<Error>(reply->body);
+    if (reply->id == request.id || about_the_stream) return reply;
+    return fail("mlccad answered request " + std::to_string(reply->id) + " instead of " +
+                std::to_string(request.id));
+  }
+}
+
+Result<Event> Client::next_event() {
+  if (!events_.empty()) {
+    auto event = std::move(events_.front());
+    events_.pop_front();
+    return event;
+  }
+  auto reply = receive(Wait::for_ever);
+  if (!reply) return std::unexpected(std::move(reply).error());
+  if (auto* event = std::get_if<Event>(&reply->body)) return std::move(*event);
+  if (const auto* error = std::get_if<Error>(&reply->body)) return fail(error->message);
+  return fail("mlccad sent a reply that nobody asked for");
+}
+
+Result<void> Client::send(const std::string& bytes) {
+  std::string_view rest = bytes;
+  while (!rest.empty()) {
+    const auto n = ::send(socket_.get(), rest.data(), rest.size(), MSG_NOSIGNAL);
+    if (n >= 0) {
+      rest.remove_prefix(static_cast<std::size_t>(n));
+    } else if (errno == EAGAIN) {
+      return fail(silence());
+    } else if (errno != EINTR) {
+      return fail(std::string("send to mlccad: ") + ::strerror(errno));
+    }
+  }
+  return {};
+}
+
+Result<Reply> Client::receive(Wait how) {
+  for (;;) {
+    auto reply = decode_reply(received_);
+    if (!reply) return std::unexpected(std::move(reply).error());
+    if (auto& whole = *reply; whole) return std::move(*whole);
+    const auto room = received_.space(kReadSize);
+    const auto n = ::recv(socket_.get(), room.data(), room.size(), 0);
+    if (n > 0) {
+      received_.commit(static_cast<std::size_t>(n));
+    } else if (n == 0) {
+      return fail("mlccad closed the connection");
+    } else if (errno == EAGAIN) {
+      if (how == Wait::with_patience) return fail(silence());
+    } else if (errno != EINTR) {
+      return fail(std::string("receive from mlccad: ") + ::strerror(errno));
+    }
+  }
+}
+
+std::string Client::silence() const {
+  return "no answer from mlccad within " + std::to_string(patience_.count()) + " ms";
+}
+
+}  // namespace mlcca::control

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The blocking other end of mlccad's control socket, for command line tools and tests.
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <string>
+
+#include "control/buffer.hpp"
+#include "control/messages.hpp"
+#include "core/handle.hpp"
+#include "core/result.hpp"
+
+namespace mlcca::control {
+
+/// How long the daemon may stay silent before it counts as stopped.
+inline constexpr std::chrono::milliseconds kPatience{10'000};
+
+class Client {
+ public:
+  /// Connects to the socket at `path`. The error says whether there is no daemon, nobody listens or
+  /// permission is missing.
+  static Result<Client> connect(const std::string& path,
+                                std::chrono::milliseconds patience = kPatience);
+
+  /// Takes over a connected stream socket.
+  explicit Client(Fd socket, std::chrono::milliseconds patience = kPatience);
+
+  /// Sends the request under a fresh id (`request.id` is not used) and waits for its reply. Events
+  /// that come in between are kept for next_event(). A refusal by the daemon is a reply with an
+  /// Error body; a lost or silent daemon is an error.
+  Result<Reply> call(Request request);
+
+  /// Waits without limit for the next event of a monitor; an error when the daemon goes away.
+  Result<Event> next_event();
+
+ private:
+  enum class Wait : bool { with_patience, for_ever };
+
+  Result<void> send(const std::string& bytes);
+  Result<Reply> receive(Wait how);
+  [[nodiscard]] std::string silence() const;
+
+  Fd socket_;  ///< gives up sending and receiving after patience_
+  std::chrono::milliseconds patience_;
+  std::uint64_t last_id_ = 0;
+  Buffer received_;
+  std::deque<Event> events_;
+};
+
+}  // namespace mlcca::control

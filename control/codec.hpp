@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Messages to bytes and back: each one a varint length and a protobuf message, as the delimited
+// form of every protobuf runtime has it.
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "control/buffer.hpp"
+#include "control/messages.hpp"
+#include "core/result.hpp"
+
+namespace mlcca::control {
+
+inline constexpr std::size_t kMaxRequest = 64UL * 1024;
+inline constexpr std::size_t kMaxReply = 16UL * 1024 * 1024;
+
+/// Text that is not UTF-8 (an interface alias may be anything) goes out with U+FFFD for each wrong
+/// byte. The size is the caller's to check: the other side refuses more than kMaxRequest bytes
+/// behind the length.
+std::string encode(const Request& request);
+
+/// As above. A reply that would be larger than kMaxReply becomes an Error that says so.
+std::string encode(const Reply& reply);
+
+/// Takes one whole request off the buffer; nullopt while it is incomplete. After an error (too
+/// large, malformed, unknown request) nothing more can be read from the stream: answer with the
+/// text, id 0, ErrorKind::invalid, and close it.
+Result<std::optional<Request>> decode_request(Buffer& buffer);
+
+/// Takes one whole reply off the buffer; nullopt while it is incomplete. After an error the stream
+/// cannot be read any further.
+Result<std::optional<Reply>> decode_reply(Buffer& buffer);
+
+}  // namespace mlcca::control

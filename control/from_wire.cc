@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Protobuf to plain structs: field by field, in the order of control.proto. Texts are moved.
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "control/wire.hpp"
+
+namespace mlcca::control {
+namespace {
+
+std::string text(std::string* from) { return std::move(*from); }
+
+/// read() of each element of a repeated field.
+template <class Wires, class Read>
+auto all(Wires* from, Read read) {
+  std::vector<decltype(read(*from->begin()))> result;
+  result.reserve(static_cast<std::size_t>(from->size()));
+  for (auto& wire : *from) result.push_back(read(wire));
+  return result;
+}
+
+template <class Texts>
+std::vector<std::string> texts(Texts* from) {
+  return all(from, [](std::string& one) { return std::move(one); });
+}
+
+ErrorKind error_kind(v1::ErrorKind from) {
+  switch (from) {
+    case v1::ERROR_INVALID:
+      return ErrorKind::invalid;
+    case v1::ERROR_FORBIDDEN:
+      return ErrorKind::forbidden;
+    case v1::ERROR_UNREADABLE:
+      return ErrorKind::unreadable;
+    case v1::ERROR_WORLD:
+      return ErrorKind::world;
+    default:
+      return ErrorKind::unspecified;
+  }
+}
+
+Outcome outcome(v1::Outcome from) {
+  switch (from) {
+    case v1::OUTCOME_FIT:
+      return Outcome::fit;
+    case v1::OUTCOME_RUN_TIME:
+      return Outcome::run_time;
+    default:
+      return Outcome::unfit;
+  }
+}
+
+Attribute attribute(v1::Attribute& from) {
+  return {.name = text(from.mutable_name()),
+          .value = from.value(),
+          .unit = text(from.mutable_unit()),
+          .dynamic = from.dynamic()};
+}
+
+ReasonCount reason_count(v1::ReasonCount& from) {
+  return {.reason = text(from.mutable_reason()), .frames = from.frames()};
+}
+
+Traffic traffic(v1::Traffic& from) {
+  return {.passed = from.passed(),
+          .dropped = from.dropped(),
+          .unknown = from.unknown(),
+          .reasons = all(from.mutable_reasons(), reason_count)};
+}
+
+Unknown unknown(v1::Unknown& from) {
+  return {.can_id = from.can_id(),
+          .length = from.length(),
+          .fd = from.fd(),
+          .egress = from.egress(),
+          .frames = from.frames()};
+}
+
+Interface interface(v1::Interface& from) {
+  return {.name = text(from.mutable_name()),
+          .ifindex = from.ifindex(),
+          .network = text(from.mutable_network()),
+          .identity = text(from.mutable_identity()),
+          .profile = text(from.mutable_profile()),
+          .managed = from.managed(),
+          .up = from.up(),
+          .can_state = text(from.mutable_can_state()),
+          .bitrate = from.bitrate(),
+          .gated = from.gated(),
+          .slots = from.slots(),
+          .ingress = traffic(*from.mutable_ingress()),
+          .egress = traffic(*from.mutable_egress()),
+          .unknown = all(from.mutable_unknown(), unknown),
+          .problem = text(from.mutable_problem())};
+}
+
+Network network(v1::Network& from) {
+  return {.name = text(from.mutable_name()),
+          .kind = text(from.mutable_kind()),
+          .profile = text(from.mutable_profile()),
+          .provision = all(from.mutable_provision(), attribute),
+          .capacity_known = from.capacity_known(),
+          .capacity = from.capacity(),
+          .reserved = from.reserved(),
+          .available = from.available(),
+          .problem = text(from.mutable_problem()),
+          .gateways = texts(from.mutable_gateways())};
+}
+
+Row row(v1::Row& from) {
+  return {.where = text(from.mutable_where()),
+          .attribute = text(from.mutable_attribute()),
+          .unit = text(from.mutable_unit()),
+          .required = from.required(),
+          .provided_known = from.provided_known(),
+          .provided = from.provided(),
+          .dynamic = from.dynamic(),
+          .outcome = outcome(from.outcome()),
+          .margin = text(from.mutable_margin())};
+}
+
+Channel channel(v1::Channel& from) {
+  return {.subject = from.subject(),
+          .name = text(from.mutable_name()),
+          .description = text(from.mutable_description()),
+          .publisher = text(from.mutable_publisher()),
+          .from = text(from.mutable_from()),
+          .to = text(from.mutable_to()),
+          .subscribers = texts(from.mutable_subscribers()),
+          .granted = from.granted(),
+          .reason = text(from.mutable_reason()),
+          .route = texts(from.mutable_route()),
+          .rows = all(from.mutable_rows(), row),
+          .admission = from.admission(),
+          .passed = from.passed(),
+          .dropped = from.dropped()};
+}
+
+template <class Body>
+Body channel_request(v1::ChannelRequest& from) {
+  Body to;
+  to.channel = text(from.mutable_channel());
+  to.from = text(from.mutable_from());
+  to.to = text(from.mutable_to());
+  to.offered = all(from.mutable_offered(), attribute);
+  to.required = all(from.mutable_required(), attribute);
+  if (from.has_node()) to.node = from.node();
+  if (from.has_priority()) to.priority = from.priority();
+  to.user = text(from.mutable_user());
+  to.subscriber = text(from.mutable_subscriber());
+  to.publisher = text(from.mutable_publisher());
+  return to;
+}
+
+Error error(v1::Error& from) {
+  return {.kind = error_kind(from.kind()),
+          .message = text(from.mutable_message()),
+          .details = texts(from.mutable_details())};
+}
+
+Status status(v1::Status& from) {
+  return {.version = text(from.mutable_version()),
+          .gateway = text(from.mutable_gateway()),
+          .system = text(from.mutable_system()),
+          .description_file = text(from.mutable_description_file()),
+          .mode = text(from.mutable_mode()),
+          .open = from.open(),
+          .grace_ns = from.grace_ns(),
+          .lapses = from.lapses(),
+          .channels_granted = from.channels_granted(),
+          .channels_refused = from.channels_refused(),
+          .started_unix_s = from.started_unix_s(),
+          .loaded_unix_s = from.loaded_unix_s(),
+          .last_error = text(from.mutable_last_error()),
+          .interfaces = all(from.mutable_interfaces(), interface),
+          .problem = text(from.mutable_problem())};
+}
+
+Event event(v1::Event& from) {
+  return {.unix_ns = from.unix_ns(),
+          .kind = text(from.mutable_kind()),
+          .subject = from.subject(),
+          .channel = text(from.mutable_channel()),
+          .network = text(from.mutable_network()),
+          .message = text(from.mutable_message())};
+}
+
+}  // namespace
+
+Result<Request> from_wire(v1::Request& from) {
+  const auto id = from.id();
+  switch (from.body_case()) {
+    case v1::Request::kStatus:
+      return Request{id, StatusRequest{}};
+    case v1::Request::kNetworks:
+      return Request{id, NetworksRequest{}};
+    case v1::Request::kChannels:
+      return Request{id, ChannelsRequest{}};
+    case v1::Request::kQuery:
+      return Request{id, channel_request<Query>(*from.mutable_query())};
+    case v1::Request::kAdmit:
+      return Request{id, channel_request<Admit>(*from.mutable_admit())};
+    case v1::Request::kRelease:
+      return Request{id, ReleaseRequest{.channel = text(from.mutable_release()->mutable_channel()),
+                                        .admission = from.release().admission()}};
+    case v1::Request::kExplain:
+      return Request{id, ExplainRequest{text(from.mutable_explain()->mutable_channel())}};
+    case v1::Request::kMonitor:
+      return Request{id, MonitorRequest{}};
+    case v1::Request::kMode:
+      return Request{id, ModeRequest{text(from.mutable_mode()->mutable_mode())}};
+    case v1::Request::kReload:
+      return Request{id, ReloadRequest{}};
+    case v1::Request::BODY_NOT_SET:
+      break;
+  }
+  return fail("unknown request: this mlccad does not know it; is the client newer?");
+}
+
+Result<Reply> from_wire(v1::Reply& from) {
+  const auto id = from.id();
+  switch (from.body_case()) {
+    case v1::Reply::kError:
+      return Reply{id, error(*from.mutable_error())};
+    case v1::Reply::kStatus:
+      return Reply{id, status(*from.mutable_status())};
+    case v1::Reply::kNetworks:
+      return Reply{id, Networks{all(from.mutable_networks()->mutable_networks(), network)}};
+    case v1::Reply::kChannels:
+      return Reply{id, Channels{all(from.mutable_channels()->mutable_channels(), channel)}};
+    case v1::Reply::kDone:
+      return Reply{id, Done{text(from.mutable_done()->mutable_message())}};
+    case v1::Reply::kEvent:
+      return Reply{id, event(*from.mutable_event())};
+    case v1::Reply::BODY_NOT_SET:
+      break;
+  }
+  return fail("unknown reply: this program does not know it; is mlccad newer?");
+}
+
+}  // namespace mlcca::control

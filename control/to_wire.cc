@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Plain structs to protobuf: field by field, in the order of control.proto.
+#include <variant>
+
+#include "control/utf8.hpp"
+#include "control/wire.hpp"
+
+namespace mlcca::control {
+namespace {
+
+v1::ErrorKind to_wire(ErrorKind kind) {
+  switch (kind) {
+    case ErrorKind::invalid:
+      return v1::ERROR_INVALID;
+    case ErrorKind::forbidden:
+      return v1::ERROR_FORBIDDEN;
+    case ErrorKind::unreadable:
+      return v1::ERROR_UNREADABLE;
+    case ErrorKind::world:
+      return v1::ERROR_WORLD;
+    case ErrorKind::unspecified:
+      break;
+  }
+  return v1::ERROR_UNSPECIFIED;
+}
+
+v1::Outcome to_wire(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::fit:
+      return v1::OUTCOME_FIT;
+    case Outcome::run_time:
+      return v1::OUTCOME_RUN_TIME;
+    case Outcome::unfit:
+      break;
+  }
+  return v1::OUTCOME_UNFIT;
+}
+
+void put(const Attribute& from, v1::Attribute& to) {
+  to.set_name(to_utf8(from.name));
+  to.set_value(from.value);
+  to.set_unit(to_utf8(from.unit));
+  to.set_dynamic(from.dynamic);
+}
+
+void put(const Traffic& from, v1::Traffic& to) {
+  to.set_passed(from.passed);
+  to.set_dropped(from.dropped);
+  to.set_unknown(from.unknown);
+  for (const auto& count : from.reasons) {
+    auto& wire = *to.add_reasons();
+    wire.set_reason(to_utf8(count.reason));
+    wire.set_frames(count.frames);
+  }
+}
+
+void put(const Unknown& from, v1::Unknown& to) {
+  to.set_can_id(from.can_id);
+  to.set_length(from.length);
+  to.set_fd(from.fd);
+  to.set_egress(from.egress);
+  to.set_frames(from.frames);
+}
+
+void put(const Interface& from, v1::Interface& to) {
+  to.set_name(to_utf8(from.name));
+  to.set_ifindex(from.ifindex);
+  to.set_network(to_utf8(from.network));
+  to.set_identity(to_utf8(from.identity));
+  to.set_profile(to_utf8(from.profile));
+  to.set_managed(from.managed);
+  to.set_up(from.up);
+  to.set_can_state(to_utf8(from.can_state));
+  to.set_bitrate(from.bitrate);
+  to.set_gated(from.gated);
+  to.set_slots(from.slots);
+  put(from.ingress, *to.mutable_ingress());
+  put(from.egress, *to.mutable_egress());
+  for (const auto& unknown : from.unknown) put(unknown, *to.add_unknown());
+  to.set_problem(to_utf8(from.problem));
+}
+
+void put(const Network& from, v1::Network& to) {
+  to.set_name(to_utf8(from.name));
+  to.set_kind(to_utf8(from.kind));
+  to.set_profile(to_utf8(from.profile));
+  for (const auto& attribute : from.provision) put(attribute, *to.add_provision());
+  to.set_capacity_known(from.capacity_known);
+  to.set_capacity(from.capacity);
+  to.set_reserved(from.reserved);
+  to.set_available(from.available);
+  to.set_problem(to_utf8(from.problem));
+  for (const auto& gateway : from.gateways) to.add_gateways(to_utf8(gateway));
+}
+
+void put(const Row& from, v1::Row& to) {
+  to.set_where(to_utf8(from.where));
+  to.set_attribute(to_utf8(from.attribute));
+  to.set_unit(to_utf8(from.unit));
+  to.set_required(from.required);
+  to.set_provided_known(from.provided_known);
+  to.set_provided(from.provided);
+  to.set_dynamic(from.dynamic);
+  to.set_outcome(to_wire(from.outcome));
+  to.set_margin(to_utf8(from.margin));
+}
+
+void put(const Channel& from, v1::Channel& to) {
+  to.set_subject(from.subject);
+  to.set_name(to_utf8(from.name));
+  to.set_description(to_utf8(from.description));
+  to.set_publisher(to_utf8(from.publisher));
+  to.set_from(to_utf8(from.from));
+  to.set_to(to_utf8(from.to));
+  for (const auto& subscriber : from.subscribers) to.add_subscribers(to_utf8(subscriber));
+  to.set_granted(from.granted);
+  to.set_reason(to_utf8(from.reason));
+  for (const auto& hop : from.route) to.add_route(to_utf8(hop));
+  for (const auto& row : from.rows) put(row, *to.add_rows());
+  to.set_admission(from.admission);
+  to.set_passed(from.passed);
+  to.set_dropped(from.dropped);
+}
+
+void put(const ChannelRequest& from, v1::ChannelRequest& to) {
+  to.set_channel(to_utf8(from.channel));
+  to.set_from(to_utf8(from.from));
+  to.set_to(to_utf8(from.to));
+  for (const auto& attribute : from.offered) put(attribute, *to.add_offered());
+  for (const auto& attribute : from.required) put(attribute, *to.add_required());
+  if (from.node) to.set_node(*from.node);
+  if (from.priority) to.set_priority(*from.priority);
+  to.set_user(to_utf8(from.user));
+  to.set_subscriber(to_utf8(from.subscriber));
+  to.set_publisher(to_utf8(from.publisher));
+}
+
+/// One function for each alternative of Request::body.
+struct RequestBody {
+  v1::Request& to;
+
+  void operator()(const StatusRequest&) const { to.mutable_status(); }
+  void operator()(const NetworksRequest&) const { to.mutable_networks(); }
+  void operator()(const ChannelsRequest&) const { to.mutable_channels(); }
+  void operator()(const Query& from) const { put(from, *to.mutable_query()); }
+  void operator()(const Admit& from) const { put(from, *to.mutable_admit()); }
+  void operator()(const ReleaseRequest& from) const {
+    to.mutable_release()->set_channel(to_utf8(from.channel));
+    to.mutable_release()->set_admission(from.admission);
+  }
+  void operator()(const ExplainRequest& from) const {
+    to.mutable_explain()->set_channel(to_utf8(from.channel));
+  }
+  void operator()(const MonitorRequest&) const { to.mutable_monitor(); }
+  void operator()(const ModeRequest& from) const {
+    to.mutable_mode()->set_mode(to_utf8(from.mode));
+  }
+  void operator()(const ReloadRequest&) const { to.mutable_reload(); }
+};
+
+/// One function for each alternative of Reply::body.
+struct ReplyBody {
+  v1::Reply& to;
+
+  void operator()(const Error& from) const {
+    auto& error = *to.mutable_error();
+    error.set_kind(to_wire(from.kind));
+    error.set_message(to_utf8(from.message));
+    for (const auto& detail : from.details) error.add_details(to_utf8(detail));
+  }
+  void operator()(const Status& from) const {
+    auto& status = *to.mutable_status();
+    status.set_version(to_utf8(from.version));
+    status.set_gateway(to_utf8(from.gateway));
+    status.set_system(to_utf8(from.system));
+    status.set_description_file(to_utf8(from.description_file));
+    status.set_mode(to_utf8(from.mode));
+    status.set_open(from.open);
+    status.set_grace_ns(from.grace_ns);
+    status.set_lapses(from.lapses);
+    status.set_channels_granted(from.channels_granted);
+    status.set_channels_refused(from.channels_refused);
+    status.set_started_unix_s(from.started_unix_s);
+    status.set_loaded_unix_s(from.loaded_unix_s);
+    status.set_last_error(to_utf8(from.last_error));
+    for (const auto& interface : from.interfaces) put(interface, *status.add_interfaces());
+    status.set_problem(to_utf8(from.problem));
+  }
+  void operator()(const Networks& from) const {
+    auto& networks = *to.mutable_networks();
+    for (const auto& network : from.networks) put(network, *networks.add_networks());
+  }
+  void operator()(const Channels& from) const {
+    auto& channels = *to.mutable_channels();
+    for (const auto& channel : from.channels) put(channel, *channels.add_channels());
+  }
+  void operator()(const Done& from) const { to.mutable_done()->set_message(to_utf8(from.message)); }
+  void operator()(const Event& from) const {
+    auto& event = *to.mutable_event();
+    event.set_unix_ns(from.unix_ns);
+    event.set_kind(to_utf8(from.kind));
+    event.set_subject(from.subject);
+    event.set_channel(to_utf8(from.channel));
+    event.set_network(to_utf8(from.network));
+    event.set_message(to_utf8(from.message));
+  }
+};
+
+}  // namespace
+
+void to_wire(const Request& from, v1::Request& to) {
+  to.set_id(from.id);
+  std::visit(RequestBody{to}, from.body);
+}
+
+void to_wire(const Reply& from, v1::Reply& to) {
+  to.set_id(from.id);
+  std::visit(ReplyBody{to}, from.body);
+}
+
+}  // namespace mlcca::control

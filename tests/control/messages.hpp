@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One of each message, every field set and no two alike, so that a mixed-up field shows.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "control/messages.hpp"
+
+namespace mlcca::test {
+
+struct NamedRequest {
+  std::string name;
+  control::Request request;
+};
+std::vector<NamedRequest> all_requests();
+
+struct NamedReply {
+  std::string name;
+  control::Reply reply;
+};
+std::vector<NamedReply> all_replies();
+
+control::ChannelRequest full_channel_request();
+
+/// The paper's emergency switch behind a bridge that only promises Omission 5: refused.
+control::Channel refused_channel();
+
+/// The same on the robot's own bus: granted.
+control::Channel granted_channel();
+
+control::Status full_status();
+control::Networks full_networks();
+control::Event full_event();
+
+}  // namespace mlcca::test
