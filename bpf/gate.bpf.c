@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause
+/*
+ * The gate of one CAN interface: lets through what a slot admits and drops everything else.
+ * Pass is TC_ACT_UNSPEC, so that other filters still see the frame.
+ */
+#include <stdbool.h>
+#include <linux/bpf.h>
+#include <linux/can.h>
+#include <linux/if_ether.h>
+#include <linux/pkt_cls.h>
+#include <bpf/bpf_endian.h>
+#include <bpf/bpf_helpers.h>
+
+#include "bpf/gate.h"
+#include "bpf/once.bpf.h"
+
+/* Set before loading. */
+const volatile __u32 profile = GATE_PROFILE_NONE;
+const volatile __u32 ifindex = 0;
+/* The device gives what it has sent back through ingress, with the mark that egress has set. */
+const volatile bool echo_by_mark = false;
+/* Read frames by packet pointers; false where the verifier refuses unaligned loads. */
+const volatile bool direct_access = true;
+/* PREEMPT_RT: one program can interrupt another on its CPU. */
+const volatile bool atomic_counts = false;
+/*
+ * BPF_PROG_TEST_RUN can make neither ETH_P_CAN nor a frame without a socket: in tests the format
+ * follows from the length, and a frame is locally sent when its priority says so.
+ */
+const volatile bool test_run = false;
+#define TEST_RUN_LOCAL 1
+
+struct gate_table table; /* the only variable of .bss: this map is pinned and memory-mapped */
+struct gate_control control SEC(".data.control"); /* shared by all interfaces */
+
+struct {
+	__uint(type, BPF_MAP_TYPE_ARRAY);
+	__uint(map_flags, BPF_F_MMAPABLE);
+	__uint(max_entries, 1); /* possible CPUs, set before loading */
+	__type(key, __u32);
+	__type(value, struct gate_cpu);
+} cpus SEC(".maps");
+
+#include "bpf/gate_frame.bpf.h"
+#include "bpf/gate_count.bpf.h"
+#include "bpf/gate_slot.bpf.h"
+
+static __always_inline bool closed(void)
+{
+	return !READ_ONCE(control.open) || READ_ONCE(control.lapsed);
+}
+
+/*
+ * A device without IFF_ECHO: the CAN core makes the echo itself, before egress, so that the echo of
+ * a forwarded frame still has the mark of the interface it came in by. Believed only for a frame
+ * that our egress lets out from there.
+ */
+static __noinline bool is_forwarded_echo(struct __sk_buff *skb, __u32 mark, __u32 can_id, __u32 len,
+					 __u32 format)
+{
+	struct frame frame = {.can_id = can_id, .len = len, .format = format};
+	struct decision d;
+	__u32 source = mark ^ control.token;
+
+	if (!source || source == ifindex || source >> 31)
+		return false;
+	d = decide(skb, GATE_EGRESS, &frame, source);
+	return d.reason == GATE_R_PASSED;
+}
+
+SEC("tc")
+int gate_ingress(struct __sk_buff *skb)
+{
+	struct gate_cpu *cpu = this_cpu();
+	struct frame frame;
+	struct decision d;
+	__u32 mark = skb->mark;
+
+	if (!cpu)
+		return TC_ACT_SHOT;
+	if (is_local(skb) || (echo_by_mark && mark == gate_echo_token(control.token)))
+		goto echo;
+
+	skb->mark = 0;
+	if (!read_frame(skb, &frame))
+		return drop(cpu, GATE_INGRESS, GATE_INGRESS, GATE_R_MALFORMED);
+	if (frame.can_id & CAN_ERR_FLAG) {
+		count_reason(cpu, GATE_INGRESS, GATE_R_ERROR_IN);
+		return TC_ACT_UNSPEC;
+	}
+	if (mark && is_forwarded_echo(skb, mark, frame.can_id, frame.len, frame.format))
+		goto echo;
+	if (closed())
+		return drop(cpu, GATE_INGRESS, GATE_INGRESS, GATE_R_CLOSED);
+
+	d = decide(skb, GATE_INGRESS, &frame, GATE_NO_SOURCE);
+	if (d.reason != GATE_R_PASSED)
+		return refuse(cpu, GATE_INGRESS, &d, &frame);
+	count_pass(cpu, GATE_INGRESS, d.slot, &frame);
+	skb->mark = gate_ingress_token(control.token, ifindex);
+	return TC_ACT_UNSPEC;
+
+echo:
+	/* Without a mark, so that nobody forwards it as a frame from the bus. */
+	skb->mark = 0;
+	count_reason(cpu, GATE_INGRESS, GATE_R_ECHO);
+	return TC_ACT_UNSPEC;
+}
+
+SEC("tc")
+int gate_egress(struct __sk_buff *skb)
+{
+	struct gate_cpu *cpu = this_cpu();
+	struct frame frame;
+	struct decision d;
+	__u32 source;
+
+	if (!cpu)
+		return TC_ACT_SHOT;
+	source = source_of(skb);
+	/*
+	 * No token leaves the machine or the namespace. The echo mark goes on local frames too: the
+	 * echo of a program that has closed its socket has lost it.
+	 */
+	skb->mark = echo_by_mark ? gate_echo_token(control.token) : 0;
+
+	if (!read_frame(skb, &frame))
+		return drop(cpu, GATE_EGRESS, GATE_EGRESS, GATE_R_MALFORMED);
+	if (frame.can_id & CAN_ERR_FLAG)
+		return drop(cpu, GATE_EGRESS, GATE_EGRESS, GATE_R_ERROR_FRAME);
+	if (closed())
+		return drop(cpu, GATE_EGRESS, GATE_EGRESS, GATE_R_CLOSED);
+
+	d = decide(skb, GATE_EGRESS, &frame, source);
+	if (d.reason != GATE_R_PASSED)
+		return refuse(cpu, GATE_EGRESS, &d, &frame);
+	count_pass(cpu, GATE_EGRESS, d.slot, &frame);
+	return TC_ACT_UNSPEC;
+}
+
+char LICENSE[] SEC("license") = "Dual BSD/GPL";

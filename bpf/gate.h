@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
+/*
+ * What the gate programs and user space share. Every size is asserted on both sides; a change of
+ * any layout here needs a new GATE_LAYOUT_VERSION, which is part of the pin path.
+ */
+#ifndef MLCCA_GATE_H
+#define MLCCA_GATE_H
+
+#include <linux/can.h>
+#include <linux/types.h>
+
+#define GATE_LAYOUT_VERSION 1
+
+/* Our tc filters: this priority and handle belong to the gate, and nothing else is ever replaced.
+ */
+#define GATE_TC_PRIORITY 1
+#define GATE_TC_HANDLE	 0x4d4c4343 /* "MLCC" */
+
+#define GATE_INGRESS	0
+#define GATE_EGRESS	1
+#define GATE_DIRECTIONS 2
+
+/* Slots of one interface, both directions. 0 and 1 count what has no slot, per direction. */
+#define GATE_SLOTS	4096
+#define GATE_FIRST_SLOT 2
+
+/* Slots that may share one key (publishers of one subject on one interface). */
+#define GATE_CHAIN 8
+/* Slots of one bucket that the program walks: several 29-bit identifiers may hash together. */
+#define GATE_WALK 32
+
+/*
+ * Buckets of one direction. raw: an 11-bit identifier is its own bucket, a 29-bit one hashes into
+ * the 14 bits behind them. famouso: the 14-bit etag is the bucket.
+ */
+#define GATE_STANDARD_BUCKETS 2048
+#define GATE_HASH_BITS	      14
+#define GATE_BUCKETS	      (GATE_STANDARD_BUCKETS + (1 << GATE_HASH_BITS))
+#define GATE_NO_BUCKET	      0xffffffffU
+#define GATE_ETAG_MASK	      0x3fffU
+
+#define GATE_SEEN 64 /* last seen frames without a slot, per CPU; power of two */
+
+#define GATE_ANY_UID   0xffffffffU
+#define GATE_NO_SOURCE 0xffffffffU /* source of a frame that nobody vouches for; no slot has it */
+
+enum gate_profile {
+	GATE_PROFILE_NONE = 0,	  /* no frame names a subject: everything is unknown */
+	GATE_PROFILE_RAW = 1,	  /* key: the identifier, 11 or 29 bits */
+	GATE_PROFILE_FAMOUSO = 2, /* 29-bit only; key: the low 14 bits */
+};
+
+enum gate_verdict {
+	GATE_DENY = 0,
+	GATE_PASS = 1,
+};
+
+enum gate_mode {
+	GATE_ENFORCE = 0,
+	GATE_AUDIT = 1, /* count as if enforcing, drop nothing */
+};
+
+/* Frame formats of a slot, a bit set. */
+#define GATE_CLASSIC 1
+#define GATE_FD	     2
+
+/*
+ * Why a frame was dropped; index of the reason counters. Of several slots with the frame's key the
+ * one that came furthest gives the reason: UNKNOWN < IDENTIFIER < ... < DENIED is that order.
+ */
+enum gate_reason {
+	GATE_R_PASSED = 0,
+	GATE_R_UNKNOWN,	    /* no slot */
+	GATE_R_IDENTIFIER,  /* priority, node, fragment or RTR differ from the grant */
+	GATE_R_SOURCE,	    /* egress: not from the granted interface or user */
+	GATE_R_FORMAT,	    /* classic/FD not granted */
+	GATE_R_LENGTH,	    /* longer than granted */
+	GATE_R_DENIED,	    /* slot, verdict deny */
+	GATE_R_ERROR_FRAME, /* error frame on its way out */
+	GATE_R_MALFORMED,   /* not a CAN or CAN FD frame */
+	GATE_R_CLOSED,	    /* gate closed: stopped, starting, or the daemon's heart-beat lapsed */
+	GATE_R_ECHO,	    /* not a drop: echo of a frame that left here, let through at ingress */
+	GATE_R_ERROR_IN,    /* not a drop: error frame let through at ingress */
+	GATE_REASONS = 16,
+};
+
+/*
+ * One admitted or refused (subject, publisher) on one interface and direction. It says everything
+ * that was granted and nothing more: a frame fits when (can_id & mask) == id, where both hold the
+ * EFF and RTR flags of <linux/can.h> in place.
+ * User space never changes a live slot other than `verdict` and `next`.
+ */
+struct gate_slot {
+	__u32 verdict; /* enum gate_verdict; one aligned store flips it */
+	__u32 id;
+	__u32 mask;
+	__u32 source; /* egress: ifindex it must have entered by; 0: sent by a local program */
+	__u32 uid;    /* local sender's user, or GATE_ANY_UID */
+	__u16 next;   /* further slot of the same bucket; 0: none */
+	__u8 max_len; /* payload bytes */
+	__u8 formats; /* GATE_CLASSIC | GATE_FD */
+	__u64 subject;
+};
+
+/*
+ * One for each interface, one memory-mapped value. Written by user space, except for
+ * `unknown_frames` and `last_reason`.
+ */
+struct gate_table {
+	__u32 layout_version;
+	__u32 profile;	      /* enum gate_profile that the buckets were filled for */
+	__u64 unknown_frames; /* frames without a slot: the order of gate_seen across CPUs */
+	__u8 pad[48];
+	struct gate_slot slots[GATE_SLOTS];
+	__u16 head[GATE_DIRECTIONS][GATE_BUCKETS]; /* bucket -> first slot, 0 for none */
+	__u8 last_reason[GATE_SLOTS]; /* enum gate_reason of the latest drop, 0: none */
+};
+
+struct gate_count {
+	__u64 passed;
+	__u64 dropped; /* in audit mode: would have been dropped */
+	__u64 bytes;   /* payload bytes passed; a remote frame has none */
+	__u64 pad;
+};
+
+/* A frame without a slot; entry [hash(id)] is overwritten by the latest. */
+struct gate_seen {
+	__u64
+	    sequence; /* value of unknown_frames when it was last seen; 0: empty or being written */
+	__u64 count;  /* frames of this id since it took the entry */
+	__u32 can_id;
+	__u8 len;
+	__u8 format; /* GATE_CLASSIC or GATE_FD */
+	__u8 direction;
+	__u8 pad;
+};
+
+/* One for each possible CPU, memory-mapped; written by that CPU, summed by user space. */
+struct gate_cpu {
+	struct gate_count slots[GATE_SLOTS];
+	__u64 reasons[GATE_DIRECTIONS][GATE_REASONS]; /* frames */
+	struct gate_seen seen[GATE_SEEN];
+};
+
+/*
+ * One for the whole gateway, pinned, memory-mapped. The gates are open only while `open` is set
+ * and `lapsed` is not. A kernel timer sets `lapsed` when `heartbeat` is older than `grace_ns`;
+ * only the daemon clears it, after it has looked at the world anew.
+ */
+struct gate_control {
+	__u32 layout_version;
+	__u32 open;
+	__u32 mode; /* enum gate_mode */
+	__u32 lapsed;
+	__u64 heartbeat; /* CLOCK_MONOTONIC ns of the daemon's last sign of life */
+	__u64 grace_ns;	 /* ~0: for ever */
+	__u64 check_ns;	 /* interval of the kernel timer */
+	__u32 token;	 /* random: see gate_ingress_token() */
+	__u32 armed;	 /* the timer runs */
+	__u64 lapses;	 /* how often the timer has closed the gates */
+};
+
+/* Bucket of a frame or slot, or GATE_NO_BUCKET where the profile has no subject for it. */
+static inline __u32 gate_bucket(__u32 profile, __u32 can_id)
+{
+	if (profile == GATE_PROFILE_FAMOUSO)
+		return can_id & CAN_EFF_FLAG ? can_id & GATE_ETAG_MASK : GATE_NO_BUCKET;
+	if (profile != GATE_PROFILE_RAW)
+		return GATE_NO_BUCKET;
+	if (!(can_id & CAN_EFF_FLAG))
+		return can_id & CAN_SFF_MASK;
+	/* Multiplication by 2^32 over the golden ratio spreads neighbours. */
+	return GATE_STANDARD_BUCKETS +
+	       (((can_id & CAN_EFF_MASK) * 0x9e3779b1U) >> (32 - GATE_HASH_BITS));
+}
+
+/* The part of an identifier that is the key; frames of other keys can share a bucket. */
+static inline __u32 gate_key_mask(__u32 profile)
+{
+	return profile == GATE_PROFILE_FAMOUSO ? GATE_ETAG_MASK : CAN_EFF_MASK;
+}
+
+/*
+ * Marks that frames carry inside this kernel. The ingress gate of an interface marks what it has
+ * passed, the egress gate what it lets out to a device that echoes. The token's top bit is set,
+ * not all bits are, and an ifindex is positive: neither mark is 0 and the two never meet.
+ */
+static inline __u32 gate_ingress_token(__u32 token, __u32 ifindex) { return token ^ ifindex; }
+
+static inline __u32 gate_echo_token(__u32 token) { return ~token; }
+
+#ifdef __cplusplus
+#define GATE_ASSERT static_assert
+#else
+#define GATE_ASSERT _Static_assert
+#endif
+GATE_ASSERT(sizeof(struct gate_slot) == 32, "gate_slot is pinned layout");
+GATE_ASSERT(sizeof(struct gate_table) == 64 + 32 * 4096 + 4 * 18432 + 4096, "pinned layout");
+GATE_ASSERT(sizeof(struct gate_count) == 32, "gate_count is pinned layout");
+GATE_ASSERT(sizeof(struct gate_seen) == 24, "gate_seen is pinned layout");
+GATE_ASSERT(sizeof(struct gate_cpu) == 32 * 4096 + 8 * 32 + 24 * 64, "gate_cpu is pinned layout");
+GATE_ASSERT(sizeof(struct gate_control) == 56, "gate_control is pinned layout");
+
+#endif

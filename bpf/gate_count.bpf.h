@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
+/*
+ * Counting, exact. A CPU writes only its own gate_cpu. tc programs run with bottom halves off, from
+ * a system call or from a softirq, and never nest: a frame that ingress passes meets egress only
+ * after the ingress program has returned. So plain additions lose nothing. Under PREEMPT_RT bottom
+ * halves can be preempted: there `atomic_counts` is set.
+ */
+#ifndef MLCCA_GATE_COUNT_BPF_H
+#define MLCCA_GATE_COUNT_BPF_H
+
+static __always_inline struct gate_cpu *this_cpu(void)
+{
+	__u32 key = bpf_get_smp_processor_id();
+
+	return bpf_map_lookup_elem(&cpus, &key);
+}
+
+static __always_inline void add(__u64 *counter, __u64 n)
+{
+	if (atomic_counts)
+		__sync_fetch_and_add(counter, n);
+	else
+		*counter += n;
+}
+
+static __always_inline void count_reason(struct gate_cpu *cpu, __u32 direction, __u32 reason)
+{
+	add(&cpu->reasons[direction][reason & (GATE_REASONS - 1)], 1);
+}
+
+static __always_inline void count_pass(struct gate_cpu *cpu, __u32 direction, __u32 slot,
+				       const struct frame *frame)
+{
+	struct gate_count *count = &cpu->slots[slot & (GATE_SLOTS - 1)];
+
+	add(&count->passed, 1);
+	add(&count->bytes, frame->can_id & CAN_RTR_FLAG ? 0 : frame->len);
+	count_reason(cpu, direction, GATE_R_PASSED);
+}
+
+/* Counts a drop and gives the action: audit mode drops nothing. */
+static __always_inline int drop(struct gate_cpu *cpu, __u32 direction, __u32 slot, __u32 reason)
+{
+	slot &= GATE_SLOTS - 1;
+	add(&cpu->slots[slot].dropped, 1);
+	count_reason(cpu, direction, reason);
+	table.last_reason[slot] = reason;
+	return READ_ONCE(control.mode) == GATE_AUDIT ? TC_ACT_UNSPEC : TC_ACT_SHOT;
+}
+
+/* The sequence is 0 while the entry changes hands; the exchanges order the stores around it. */
+static __always_inline void note_unknown(struct gate_cpu *cpu, __u32 direction,
+					 const struct frame *frame)
+{
+	__u32 at = ((frame->can_id + direction) * 0x9e3779b1U) >> 16;
+	struct gate_seen *seen = &cpu->seen[at & (GATE_SEEN - 1)];
+	__u64 sequence = __sync_fetch_and_add(&table.unknown_frames, 1) + 1;
+
+	if (!seen->sequence || seen->can_id != frame->can_id || seen->format != frame->format ||
+	    seen->direction != direction) {
+		__sync_lock_test_and_set(&seen->sequence, 0);
+		seen->can_id = frame->can_id;
+		seen->format = frame->format;
+		seen->direction = direction;
+		seen->count = 0;
+	}
+	seen->len = frame->len;
+	seen->count++;
+	__sync_lock_test_and_set(&seen->sequence, sequence);
+}
+
+#endif

@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
+/* What a socket buffer says about itself: the CAN frame in it and where it comes from. */
+#ifndef MLCCA_GATE_FRAME_BPF_H
+#define MLCCA_GATE_FRAME_BPF_H
+
+struct frame {
+	__u32 can_id;
+	__u32 len;    /* payload bytes */
+	__u32 format; /* GATE_CLASSIC or GATE_FD */
+};
+
+/* First words of struct can_frame and struct canfd_frame. */
+struct frame_head {
+	__u32 can_id;
+	__u8 len;
+	__u8 rest[3];
+};
+
+static __always_inline __u32 protocol_of(struct __sk_buff *skb)
+{
+	if (!test_run)
+		return skb->protocol;
+	if (skb->len == CAN_MTU)
+		return bpf_htons(ETH_P_CAN);
+	return skb->len == CANFD_MTU ? bpf_htons(ETH_P_CANFD) : 0;
+}
+
+/* False: neither a CAN nor a CAN FD frame of the right size. */
+static __always_inline bool read_frame(struct __sk_buff *skb, struct frame *frame)
+{
+	__u32 protocol = protocol_of(skb);
+	struct frame_head head;
+	__u32 limit;
+
+	if (protocol == bpf_htons(ETH_P_CAN) && skb->len == CAN_MTU) {
+		frame->format = GATE_CLASSIC;
+		limit = CAN_MAX_DLEN;
+	} else if (protocol == bpf_htons(ETH_P_CANFD) && skb->len == CANFD_MTU) {
+		frame->format = GATE_FD;
+		limit = CANFD_MAX_DLEN;
+	} else {
+		return false;
+	}
+
+	if (direct_access) {
+		struct frame_head *data = (void *)(long)skb->data;
+
+		/* CAN buffers are linear. */
+		if ((void *)(data + 1) > (void *)(long)skb->data_end)
+			return false;
+		frame->can_id = data->can_id;
+		frame->len = data->len;
+	} else {
+		if (bpf_skb_load_bytes(skb, 0, &head, sizeof(head)))
+			return false;
+		frame->can_id = head.can_id;
+		frame->len = head.len;
+	}
+	return frame->len <= limit;
+}
+
+/* Sent by a program on this machine. Forwarded frames and frames from the bus have no socket. */
+static __always_inline bool is_local(struct __sk_buff *skb)
+{
+	if (test_run)
+		return skb->priority == TEST_RUN_LOCAL;
+	return skb->sk != 0;
+}
+
+/*
+ * Egress: 0 for a local program, the ifindex for a frame that the ingress gate there has passed.
+ * Whatever else is forwarded (from an interface without a gate, or the echo of a local program's
+ * frame) has no source that a slot could name.
+ */
+static __always_inline __u32 source_of(struct __sk_buff *skb)
+{
+	__u32 from = skb->ingress_ifindex;
+
+	if (is_local(skb))
+		return 0;
+	if (from && skb->mark == gate_ingress_token(control.token, from))
+		return from;
+	return GATE_NO_SOURCE;
+}
+
+#endif

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
+/* The decision: which slot a frame belongs to, and whether that slot admits it. */
+#ifndef MLCCA_GATE_SLOT_BPF_H
+#define MLCCA_GATE_SLOT_BPF_H
+
+struct decision {
+	__u32 slot;
+	__u32 reason; /* enum gate_reason */
+};
+
+/* A slot's mask covers its key, so that only a misfit needs to know whose key it was. */
+static __always_inline __u32 misfit_identifier(const struct gate_slot *slot, __u32 can_id)
+{
+	return (slot->id ^ can_id) & gate_key_mask(profile) ? GATE_R_UNKNOWN : GATE_R_IDENTIFIER;
+}
+
+static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
+				 const struct gate_slot *slot, const struct frame *frame,
+				 __u32 source)
+{
+	if ((frame->can_id & slot->mask) != slot->id)
+		return misfit_identifier(slot, frame->can_id);
+	if (direction == GATE_EGRESS) {
+		if (source != slot->source)
+			return GATE_R_SOURCE;
+		if (!source && slot->uid != GATE_ANY_UID && slot->uid != bpf_get_socket_uid(skb))
+			return GATE_R_SOURCE;
+	}
+	if (!(slot->formats & frame->format))
+		return GATE_R_FORMAT;
+	if (frame->len > slot->max_len)
+		return GATE_R_LENGTH;
+	return READ_ONCE(slot->verdict) == GATE_PASS ? GATE_R_PASSED : GATE_R_DENIED;
+}
+
+/*
+ * Not static, like walk(): the verifier looks at it once by itself, and takes its result for any
+ * number. Static functions would multiply with every way that leads to and from them.
+ */
+__noinline __u32 fit_apart(struct __sk_buff *skb, __u32 at, const struct frame *frame,
+			   __u32 direction, __u32 source)
+{
+	if (!frame)
+		return GATE_R_UNKNOWN;
+	return fit(skb, direction, &table.slots[at & (GATE_SLOTS - 1)], frame, source);
+}
+
+/*
+ * Passes when any slot of the frame's key admits it. Otherwise gives the slot that came furthest,
+ * of equals the first; the direction's own slot where the key has none. Reason in the upper half,
+ * slot in the lower.
+ */
+__noinline __u32 walk(struct __sk_buff *skb, __u32 at, const struct frame *frame, __u32 direction,
+		      __u32 source)
+{
+	__u32 slot = direction, best = GATE_R_UNKNOWN, i;
+
+	for (i = 0; i < GATE_WALK && at; i++) {
+		__u32 reason = fit_apart(skb, at, frame, direction, source);
+
+		if (reason == GATE_R_PASSED)
+			return at;
+		if (reason > best) {
+			best = reason;
+			slot = at;
+		}
+		at = READ_ONCE(table.slots[at & (GATE_SLOTS - 1)].next);
+	}
+	return best << 16 | slot;
+}
+
+/* The first slot is looked at in place: nearly always it is the only one. */
+static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direction,
+					      const struct frame *frame, __u32 source)
+{
+	struct decision d = {.slot = direction, .reason = GATE_R_UNKNOWN};
+	__u32 bucket = gate_bucket(profile, frame->can_id);
+	const struct gate_slot *slot;
+	struct frame copy;
+	__u32 first, found;
+
+	if (bucket >= GATE_BUCKETS)
+		return d;
+	first = READ_ONCE(table.head[direction][bucket]);
+	if (!first)
+		return d;
+	slot = &table.slots[first & (GATE_SLOTS - 1)];
+	d.reason = fit(skb, direction, slot, frame, source);
+	if (d.reason != GATE_R_PASSED && READ_ONCE(slot->next)) {
+		copy = *frame;
+		found = walk(skb, first, &copy, direction, source);
+		d.reason = found >> 16;
+		d.slot = found & 0xffff;
+		return d;
+	}
+	if (d.reason != GATE_R_UNKNOWN)
+		d.slot = first;
+	return d;
+}
+
+/* Drops what decide() has not passed. */
+static __always_inline int refuse(struct gate_cpu *cpu, __u32 direction, const struct decision *d,
+				  const struct frame *frame)
+{
+	if (d->reason == GATE_R_UNKNOWN)
+		note_unknown(cpu, direction, frame);
+	return drop(cpu, direction, d->slot, d->reason);
+}
+
+#endif

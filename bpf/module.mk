@@ -1,0 +1,11 @@
+# The gate: BPF object -> skeleton header. The shared header gate.h is a prerequisite of both sides.
+# v3: atomic operations that return a value; every kernel since 5.12 has them.
+BPF_CFLAGS := -target bpf -mcpu=v3 -O2 -g -Wall -Werror -I. -I/usr/include/$(shell gcc -print-multiarch 2>/dev/null)
+BPF_SKELETONS := $O/gen/gate.skel.h $O/gen/deadman.skel.h
+
+$O/bpf/%.bpf.o: bpf/%.bpf.c $(wildcard bpf/*.h)
+	$(call say,BPF,$<)
+	$(Q)mkdir -p $(@D) && $(CLANG) $(BPF_CFLAGS) -c $< -o $@ && $(LLVM_STRIP) -g $@
+$O/gen/%.skel.h: $O/bpf/%.bpf.o
+	$(call say,SKEL,$@)
+	$(Q)mkdir -p $(@D) && $(BPFTOOL) gen skeleton $< name $*_bpf > $@

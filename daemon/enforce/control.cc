@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The control word is memory shared with the kernel: single stores and loads, no system calls.
+#include "daemon/enforce/control.hpp"
+
+#include <bpf/bpf.h>
+#include <bpf/libbpf.h>
+#include <deadman.skel.h>
+#include <fmt/format.h>
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <memory>
+#include <utility>
+
+#include "bpf/gate.h"
+#include "core/handle.hpp"
+#include "daemon/enforce/complaints.hpp"
+#include "daemon/enforce/failure.hpp"
+#include "daemon/enforce/mapped.hpp"
+#include "daemon/enforce/pins.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+constexpr std::uint64_t kShortestCheck = 20'000'000;    // ns
+constexpr std::uint64_t kLongestCheck = 1'000'000'000;  // ns
+constexpr std::uint64_t kLongestBeat = 1'000'000'000;   // ns
+
+std::uint64_t check_interval(std::uint64_t grace) {
+  return std::clamp(grace / 8, kShortestCheck, kLongestCheck);
+}
+
+template <class T>
+void store(T& word, T value) {
+  __atomic_store_n(&word, value, __ATOMIC_RELEASE);
+}
+
+template <class T>
+T load(const T& word) {
+  return __atomic_load_n(&word, __ATOMIC_ACQUIRE);
+}
+
+/// See gate_ingress_token(): top bit set, not all bits.
+Result<std::uint32_t> random_token() {
+  std::uint32_t token = 0;
+  do {
+    if (getrandom(&token, sizeof(token), 0) != sizeof(token)) return failure("getrandom", errno);
+    token |= 0x80000000U;
+  } while (token == 0xffffffffU);
+  return token;
+}
+
+Result<Fd> make_word() {
+  LIBBPF_OPTS(bpf_map_create_opts, options, .map_flags = BPF_F_MMAPABLE);
+  Fd map(bpf_map_create(BPF_MAP_TYPE_ARRAY, "mlcca_control", sizeof(std::uint32_t),
+                        sizeof(gate_control), 1, &options));
+  if (!map) return failure("control map", errno);
+  const auto token = random_token();
+  if (!token) return std::unexpected(token.error());
+  gate_control word{};
+  word.layout_version = GATE_LAYOUT_VERSION;
+  word.grace_ns = kDefaultGrace;
+  word.check_ns = check_interval(kDefaultGrace);
+  word.token = *token;
+  const std::uint32_t key = 0;
+  if (bpf_map_update_elem(map.get(), &key, &word, BPF_ANY) != 0)
+    return failure("control map", errno);
+  return map;
+}
+
+}  // namespace
+
+struct Control::State {
+  std::string directory;
+  Fd map;
+  Mapped<gate_control> memory;
+  Fd deadman;  ///< the timer ends with the last reference to its map
+  bool reused = false;
+
+  [[nodiscard]] std::string control_pin() const { return directory + "/control"; }
+  [[nodiscard]] std::string deadman_pin() const { return directory + "/deadman"; }
+
+  Result<void> open_or_make();
+  Result<void> start_timer(deadman_bpf& object);
+};
+
+/// Two processes may be at it: the one whose pin comes first has made it.
+Result<void> Control::State::open_or_make() {
+  map = open_pin(control_pin());
+  reused = static_cast<bool>(map);
+  if (!map) {
+    auto made = make_word();
+    if (!made) return std::unexpected(made.error());
+    const auto pinned = pin(made->get(), control_pin());
+    if (!pinned) return std::unexpected(pinned.error());
+    if (*pinned) {
+      map = std::move(*made);
+      remove_pin(deadman_pin());  // its timer would look at another word
+    } else {
+      map = open_pin(control_pin());
+      if (!map) return failure("open " + control_pin(), errno);
+      reused = true;
+    }
+  }
+  if (!is_mappable_array(map.get(), sizeof(gate_control), 1))
+    return fail(control_pin() + ": not the control map of this version");
+  memory = Mapped<gate_control>(map.get(), 1);
+  if (!memory) return failure("map " + control_pin(), errno);
+  const std::uint32_t version = memory[0].layout_version;
+  if (version != GATE_LAYOUT_VERSION)
+    return fail(
+        fmt::format("{}: layout {} instead of {}", control_pin(), version, GATE_LAYOUT_VERSION));
+  return {};
+}
+
+Result<Control> Control::create(const std::string& root) {
+  auto state = std::make_unique<State>();
+  state->directory = fmt::format("{}/v{}", root, GATE_LAYOUT_VERSION);
+  if (auto made = make_pin_directory(state->directory); !made) return std::unexpected(made.error());
+  if (auto opened = state->open_or_make(); !opened) return std::unexpected(opened.error());
+  return Control(std::move(state));
+}
+
+Control::Control(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Control::Control(Control&&) noexcept = default;
+Control& Control::operator=(Control&&) noexcept = default;
+Control::~Control() = default;
+
+gate_control& Control::word() const { return state_->memory[0]; }
+bool Control::reused() const { return state_->reused; }
+const std::string& Control::directory() const { return state_->directory; }
+int Control::map_fd() const { return state_->map.get(); }
+
+void Control::open() { store(word().open, std::uint32_t{1}); }
+void Control::close_all() { store(word().open, std::uint32_t{0}); }
+bool Control::is_open() const { return load(word().open) != 0; }
+
+void Control::set_mode(Mode mode) {
+  store(word().mode, std::uint32_t{mode == Mode::audit ? GATE_AUDIT : GATE_ENFORCE});
+}
+Mode Control::mode() const { return load(word().mode) == GATE_AUDIT ? Mode::audit : Mode::enforce; }
+
+void Control::beat(std::uint64_t now) { store(word().heartbeat, static_cast<__u64>(now)); }
+std::uint64_t Control::beat_interval() const { return std::min(grace() / 4, kLongestBeat); }
+
+bool Control::lapsed() const { return load(word().lapsed) != 0; }
+std::uint64_t Control::lapses() const { return load(word().lapses); }
+void Control::clear_lapse(std::uint64_t now) {
+  beat(now);
+  store(word().lapsed, std::uint32_t{0});
+}
+
+std::uint64_t Control::grace() const { return load(word().grace_ns); }
+Result<void> Control::set_grace(std::uint64_t grace) {
+  const __u64 kept = std::max(grace, kShortestGrace);
+  store(word().check_ns, static_cast<__u64>(check_interval(kept)));
+  store(word().grace_ns, kept);
+  if (load(word().armed) == 0) return {};
+  return arm();
+}
+
+Result<void> Control::arm() {
+  const Complaints complaints;
+  const std::unique_ptr<deadman_bpf, FreeWith<deadman_bpf__destroy>> object(deadman_bpf__open());
+  if (!object) return complaints.error("open the dead-man program", errno);
+  if (const int error = bpf_map__reuse_fd(object->maps.data_control, map_fd()); error != 0)
+    return complaints.error("dead-man: share the control map", error);
+  const Fd pinned = open_pin(state_->deadman_pin());
+  if (pinned) {
+    if (const int error = bpf_map__reuse_fd(object->maps.deadman, pinned.get()); error != 0)
+      return complaints.error("dead-man: take over the timer", error);
+  }
+  if (const int error = deadman_bpf__load(object.get()); error != 0)
+    return complaints.error("load the dead-man program", error);
+  return state_->start_timer(*object);
+}
+
+Result<void> Control::State::start_timer(deadman_bpf& object) {
+  if (auto done = pin(bpf_map__fd(object.maps.deadman), deadman_pin()); !done)
+    return std::unexpected(done.error());
+  deadman = open_pin(deadman_pin());
+  if (!deadman) return failure("open " + deadman_pin(), errno);
+
+  std::array<std::uint8_t, 14> frame{};  // the least that a test run takes; not looked at
+  LIBBPF_OPTS(bpf_test_run_opts, run);
+  run.data_in = frame.data();
+  run.data_size_in = frame.size();
+  if (const int error = bpf_prog_test_run_opts(bpf_program__fd(object.progs.gate_arm), &run);
+      error != 0)
+    return failure("run the dead-man program", error);
+  if (run.retval != 0) return failure("start the dead-man timer", static_cast<int>(run.retval));
+  return {};
+}
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Puts the gate in place. At every moment either the old or the new program is there, and a crash
+// at any line leaves pins that the next start understands: a program is pinned under its next name
+// before it is attached and gets its own name after that.
+#include "daemon/enforce/gate.hpp"
+
+#include <fmt/format.h>
+#include <net/if.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "daemon/enforce/failure.hpp"
+#include "daemon/enforce/filters.hpp"
+#include "daemon/enforce/grace_period.hpp"
+#include "daemon/enforce/mapped.hpp"
+#include "daemon/enforce/pins.hpp"
+#include "daemon/enforce/programs.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+/// Egress first: what a half-finished start leaves open is the way in, not the way out.
+constexpr std::array kBoth = {Direction::egress, Direction::ingress};
+
+std::string directory_of(const Control& control, std::uint32_t ifindex) {
+  return fmt::format("{}/if{}", control.directory(), ifindex);
+}
+
+std::string program_pin(const std::string& directory, Direction direction) {
+  return directory + (direction == Direction::ingress ? "/ingress" : "/egress");
+}
+std::string next_pin(const std::string& directory, Direction direction) {
+  return program_pin(directory, direction) + "_next";
+}
+std::string table_pin(const std::string& directory) { return directory + "/table"; }
+std::string cpus_pin(const std::string& directory) { return directory + "/cpus"; }
+
+std::uint32_t gate_profile_of(core::Profile profile) {
+  switch (profile) {
+    case core::Profile::raw:
+      return GATE_PROFILE_RAW;
+    case core::Profile::famouso:
+      return GATE_PROFILE_FAMOUSO;
+    case core::Profile::none:
+      break;
+  }
+  return GATE_PROFILE_NONE;
+}
+
+/// The pinned program is the attached one and looks at these maps.
+bool is_attached(const std::string& pin, std::uint32_t attached, const GateMaps& maps) {
+  const Fd program = open_pin(pin);
+  if (!program || attached == 0) return false;
+  const auto info = program_info(program.get());
+  const auto uses = [&](const Fd& map) {
+    return std::ranges::find(info.map_ids, map_id(map.get())) != info.map_ids.end();
+  };
+  return info.id == attached && uses(maps.table) && uses(maps.cpus);
+}
+
+/// The maps of the gate that is attached to this very device, or none: an ifindex alone can have
+/// been given to another device, whose gate must start empty.
+Result<GateMaps> maps_in_force(const std::string& directory, const ProgramConfig& config) {
+  GateMaps maps{.table = open_pin(table_pin(directory)), .cpus = open_pin(cpus_pin(directory))};
+  if (!maps.table || !maps.cpus || !is_mappable_array(maps.table.get(), sizeof(gate_table), 1) ||
+      !is_mappable_array(maps.cpus.get(), sizeof(gate_cpu), possible_cpus()))
+    return GateMaps{};
+  bool in_force = false;
+  for (const auto direction : kBoth) {
+    const auto attached = program_in_place(config.ifindex, direction);
+    if (!attached) return std::unexpected(attached.error());
+    if (is_attached(next_pin(directory, direction), *attached, maps)) {
+      // A crash came between attaching and renaming.
+      if (auto named =
+              rename_pin(next_pin(directory, direction), program_pin(directory, direction));
+          !named)
+        return std::unexpected(named.error());
+      in_force = true;
+    }
+    in_force = in_force || is_attached(program_pin(directory, direction), *attached, maps);
+  }
+  const Mapped<gate_table> table(maps.table.get(), 1);
+  if (!in_force || !table || table[0].profile != config.profile) return GateMaps{};
+  return maps;
+}
+
+}  // namespace
+
+struct Gate::State {
+  GateConfig config;
+  std::string directory;
+  Programs programs;
+  Mapped<gate_cpu> cpus;
+  SlotTable slots;
+  bool reused = false;
+
+  [[nodiscard]] std::uint32_t program_id(Direction direction) const {
+    return program_info(programs.program_fd(direction)).id;
+  }
+  Result<void> pin_all();
+  Result<void> put_all_in_place();
+
+  static Result<std::unique_ptr<State>> load(const GateConfig& config, const Control& control,
+                                             const GateMaps& maps);
+};
+
+Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
+                                                       const Control& control,
+                                                       const GateMaps& maps) {
+  const ProgramConfig knobs{.ifindex = config.ifindex,
+                            .profile = gate_profile_of(config.profile),
+                            .echo_by_mark = config.echo_by_mark};
+  auto programs = Programs::load(knobs, control.map_fd(), maps);
+  if (!programs) return std::unexpected(programs.error());
+  Mapped<gate_cpu> cpus(programs->cpus_fd(), possible_cpus());
+  if (!cpus) return failure("map the counters", errno);
+  const bool fresh = !maps.table;
+  auto slots =
+      SlotTable::read(programs->table(), cpus.span(), knobs.profile, fresh, wait_for_grace_period);
+  if (!slots) return std::unexpected(slots.error());
+  return std::make_unique<State>(State{.config = config,
+                                       .directory = directory_of(control, config.ifindex),
+                                       .programs = std::move(*programs),
+                                       .cpus = std::move(cpus),
+                                       .slots = std::move(*slots),
+                                       .reused = !fresh});
+}
+
+Result<void> Gate::State::pin_all() {
+  if (!reused) remove_pin_directory(directory);
+  if (auto made = make_pin_directory(directory); !made) return made;
+  const auto pin_new = [](int fd, const std::string& path) -> Result<void> {
+    remove_pin(path);
+    const auto pinned = pin(fd, path);
+    if (!pinned) return std::unexpected(pinned.error());
+    return {};
+  };
+  if (!reused) {
+    if (auto done = pin_new(programs.table_fd(), table_pin(directory)); !done) return done;
+    if (auto done = pin_new(programs.cpus_fd(), cpus_pin(directory)); !done) return done;
+  }
+  for (const auto direction : kBoth)
+    if (auto done = pin_new(programs.program_fd(direction), next_pin(directory, direction)); !done)
+      return done;
+  return {};
+}
+
+Result<void> Gate::State::put_all_in_place() {
+  if (auto made = make_hooks(config.ifindex); !made) return made;
+  for (const auto direction : kBoth)
+    if (auto put = put_in_place(config.ifindex, direction, programs.program_fd(direction)); !put)
+      return put;
+  return {};
+}
+
+Result<Gate> Gate::attach(const GateConfig& config, const Control& control) {
+  const auto in_context = [&](const Error& error) {
+    return fail(fmt::format("gate of {}: {}", config.name, error.text));
+  };
+  const std::string directory = directory_of(control, config.ifindex);
+  const ProgramConfig knobs{.ifindex = config.ifindex, .profile = gate_profile_of(config.profile)};
+  auto maps = maps_in_force(directory, knobs);
+  if (!maps) return in_context(maps.error());
+  auto state = State::load(config, control, *maps);
+  // Maps that make no sense are not worth keeping: start closed.
+  if (!state && maps->table) state = State::load(config, control, GateMaps{});
+  if (!state) return in_context(state.error());
+
+  if (auto pinned = (*state)->pin_all(); !pinned) return in_context(pinned.error());
+  if (auto put = (*state)->put_all_in_place(); !put) return in_context(put.error());
+  for (const auto direction : kBoth)
+    if (auto named = rename_pin(next_pin(directory, direction), program_pin(directory, direction));
+        !named)
+      return in_context(named.error());
+  return Gate(std::move(*state));
+}
+
+Gate::Gate(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Gate::Gate(Gate&&) noexcept = default;
+Gate& Gate::operator=(Gate&&) noexcept = default;
+Gate::~Gate() = default;
+
+std::uint32_t Gate::ifindex() const { return state_->config.ifindex; }
+const std::string& Gate::name() const { return state_->config.name; }
+bool Gate::reused() const { return state_->reused; }
+
+Result<bool> Gate::attached() const {
+  for (const auto direction : kBoth) {
+    const auto id = program_in_place(state_->config.ifindex, direction);
+    if (!id) return std::unexpected(id.error());
+    if (*id != state_->program_id(direction)) return false;
+  }
+  return true;
+}
+
+Result<void> Gate::reattach() {
+  if (auto put = state_->put_all_in_place(); !put)
+    return fail(fmt::format("gate of {}: {}", name(), put.error().text));
+  return {};
+}
+
+Result<void> Gate::apply(const SlotChanges& changes) { return state_->slots.apply(changes); }
+std::vector<SlotSpec> Gate::present() const { return state_->slots.present(); }
+void Gate::deny_all() { state_->slots.deny_all(); }
+
+std::optional<SlotCounters> Gate::counters(const SlotSpec& spec) const {
+  const auto slot = state_->slots.find(spec);
+  if (!slot) return std::nullopt;
+  return slot_counters(state_->programs.table(), state_->cpus.span(), *slot);
+}
+ReasonCounters Gate::reasons(Direction direction) const {
+  return reason_counters(state_->cpus.span(), direction);
+}
+std::vector<UnknownFrame> Gate::unknown() const { return unknown_frames(state_->cpus.span()); }
+
+void Gate::unpin() { remove_pin_directory(state_->directory); }
+
+Result<void> unpin_vanished(const Control& control) {
+  std::error_code error;
+  std::filesystem::directory_iterator entries(control.directory(), error);
+  if (error) return failure("read " + control.directory(), error.value());
+  std::vector<std::string> vanished;
+  for (const auto& entry : entries) {
+    const std::string name = entry.path().filename();
+    std::uint32_t ifindex = 0;
+    if (!name.starts_with("if")) continue;
+    const auto [end, bad] = std::from_chars(name.data() + 2, name.data() + name.size(), ifindex);
+    std::array<char, IF_NAMESIZE> found{};
+    if (bad == std::errc{} && if_indextoname(ifindex, found.data()) == nullptr && errno == ENXIO)
+      vanished.push_back(entry.path());
+  }
+  for (const auto& path : vanished) remove_pin_directory(path);
+  return {};
+}
+
+Result<Closing> close_interface(const std::string& name, const std::string& root) {
+  const auto in_context = [&](const Error& error) {
+    return fail(fmt::format("close {}: {}", name, error.text));
+  };
+  const std::uint32_t ifindex = if_nametoindex(name.c_str());
+  if (ifindex == 0) return failure("close " + name, errno);
+  bool gated = true;
+  for (const auto direction : kBoth) {
+    const auto id = program_in_place(ifindex, direction);
+    if (!id) return in_context(id.error());
+    gated = gated && *id != 0;
+  }
+  if (gated) return Closing::was_gated;
+
+  // Nothing is pinned for it: it has nothing that is worth keeping.
+  const auto control = Control::create(root);
+  if (!control) return in_context(control.error());
+  const auto programs = Programs::load({.ifindex = ifindex}, control->map_fd(), {});
+  if (!programs) return in_context(programs.error());
+  if (auto made = make_hooks(ifindex); !made) return in_context(made.error());
+  auto closing = Closing::was_gated;
+  for (const auto direction : kBoth) {
+    const auto put = put_in_empty_place(ifindex, direction, programs->program_fd(direction));
+    if (!put) return in_context(put.error());
+    if (*put) closing = Closing::closed;
+  }
+  return closing;
+}
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The gate of one interface: two tc filters of ours and the memory they obey.
+// Closing the object leaves the gate in the kernel as it is.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+#include "core/system.hpp"
+#include "daemon/enforce/control.hpp"
+#include "daemon/enforce/counters.hpp"
+#include "daemon/enforce/slots.hpp"
+
+namespace mlcca::enforce {
+
+struct GateConfig {
+  std::uint32_t ifindex = 0;
+  std::string name;  ///< for error texts
+  core::Profile profile = core::Profile::none;
+  /// The device gives every frame it has sent back through ingress (IFF_ECHO: real controllers). Do
+  /// not set it for a device whose frames come from another namespace (vxcan): marks cross there.
+  bool echo_by_mark = false;
+};
+
+class Gate {
+ public:
+  /// Puts our filters in place, by replacement where they are there already, never by detaching.
+  /// The slots and counters of the filters that are attached now are taken over when their pins
+  /// and profile fit; otherwise the gate starts without slots, so that nothing stale passes.
+  /// Pins live in `control.directory()`/if<ifindex>. Acts in the calling thread's network
+  /// namespace. Errors: no such interface, no privilege, a foreign filter in our place.
+  static Result<Gate> attach(const GateConfig& config, const Control& control);
+  Gate(Gate&&) noexcept;
+  Gate& operator=(Gate&&) noexcept;
+  Gate(const Gate&) = delete;
+  Gate& operator=(const Gate&) = delete;
+  ~Gate();
+
+  [[nodiscard]] std::uint32_t ifindex() const;
+  [[nodiscard]] const std::string& name() const;
+  /// The slots of the gate that was attached before were taken over: see present().
+  [[nodiscard]] bool reused() const;
+
+  /// Both filters are there now and are the programs of this object.
+  [[nodiscard]] Result<bool> attached() const;
+  /// Puts the same programs back after somebody removed or replaced them; slots and counters stay.
+  Result<void> reattach();
+
+  /// See SlotTable.
+  Result<void> apply(const SlotChanges& changes);
+  [[nodiscard]] std::vector<SlotSpec> present() const;
+  void deny_all();
+
+  /// Of the slot with this grant (verdict not compared); nothing where there is none.
+  [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const;
+  [[nodiscard]] ReasonCounters reasons(Direction direction) const;
+  /// Frames without a slot, newest first.
+  [[nodiscard]] std::vector<UnknownFrame> unknown() const;
+
+  /// Removes the pins, not the filters: for an interface that is gone.
+  void unpin();
+
+ private:
+  struct State;
+  explicit Gate(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Frees what is pinned for interfaces that do not exist any more in this network namespace.
+Result<void> unpin_vanished(const Control& control);
+
+enum class Closing : std::uint8_t {
+  closed,     ///< a gate without slots is attached now
+  was_gated,  ///< a gate was there already; nothing was done
+};
+
+/// For early boot and udev: puts a gate without slots on the interface unless one of ours is there.
+/// Never replaces a filter, so that it may race with the daemon.
+Result<Closing> close_interface(const std::string& name, const std::string& root);
+
+}  // namespace mlcca::enforce

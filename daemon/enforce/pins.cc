@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Thin over the bpf system call and the file system.
+#include "daemon/enforce/pins.hpp"
+
+#include <bpf/bpf.h>
+#include <linux/magic.h>
+#include <sys/vfs.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+
+#include "daemon/enforce/failure.hpp"
+
+namespace mlcca::enforce {
+
+Result<void> make_pin_directory(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) return failure("mkdir " + path, error.value());
+  struct statfs info{};
+  if (statfs(path.c_str(), &info) != 0) return failure("statfs " + path, errno);
+  if (info.f_type != BPF_FS_MAGIC) return fail(path + " is not in a bpffs: mount one there");
+  return {};
+}
+
+Fd open_pin(const std::string& path) { return Fd(bpf_obj_get(path.c_str())); }
+
+Result<bool> pin(int fd, const std::string& path) {
+  if (bpf_obj_pin(fd, path.c_str()) == 0) return true;
+  if (errno == EEXIST) return false;
+  return failure("pin " + path, errno);
+}
+
+Result<void> rename_pin(const std::string& from, const std::string& to) {
+  if (std::rename(from.c_str(), to.c_str()) != 0) return failure("rename " + from, errno);
+  return {};
+}
+
+void remove_pin(const std::string& path) {
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+}
+
+void remove_pin_directory(const std::string& path) {
+  std::error_code ignored;
+  std::filesystem::remove_all(path, ignored);
+}
+
+namespace {
+
+bpf_map_info map_info(int fd) {
+  bpf_map_info info{};
+  std::uint32_t size = sizeof(info);
+  if (bpf_obj_get_info_by_fd(fd, &info, &size) != 0) return {};
+  return info;
+}
+
+}  // namespace
+
+bool is_mappable_array(int map_fd, std::uint32_t value_size, std::uint32_t entries) {
+  const auto info = map_info(map_fd);
+  return info.type == BPF_MAP_TYPE_ARRAY && info.key_size == sizeof(std::uint32_t) &&
+         info.value_size == value_size && info.max_entries == entries &&
+         (info.map_flags & BPF_F_MMAPABLE) != 0;
+}
+
+std::uint32_t map_id(int map_fd) { return map_info(map_fd).id; }
+
+ProgramInfo program_info(int program_fd) {
+  std::array<std::uint32_t, 16> maps{};
+  bpf_prog_info info{};
+  info.nr_map_ids = maps.size();
+  info.map_ids = reinterpret_cast<std::uintptr_t>(maps.data());
+  std::uint32_t size = sizeof(info);
+  if (bpf_obj_get_info_by_fd(program_fd, &info, &size) != 0) return {};
+  const std::size_t count = std::min<std::size_t>(info.nr_map_ids, maps.size());
+  return {.id = info.id,
+          .map_ids = {maps.begin(), maps.begin() + static_cast<std::ptrdiff_t>(count)}};
+}
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Names in a bpffs that keep maps and programs alive when the daemon is not.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/handle.hpp"
+#include "core/result.hpp"
+
+namespace mlcca::enforce {
+
+/// Makes `path` and what is missing above it. Error: it is not in a bpffs.
+Result<void> make_pin_directory(const std::string& path);
+
+/// The object pinned there, or an empty Fd.
+Fd open_pin(const std::string& path);
+/// Error EEXIST is reported as `false`.
+Result<bool> pin(int fd, const std::string& path);
+/// Puts a new object under a name at once, whether or not the name is in use.
+Result<void> rename_pin(const std::string& from, const std::string& to);
+void remove_pin(const std::string& path);
+/// Removes all pins of the directory and the directory.
+void remove_pin_directory(const std::string& path);
+
+/// Value size, entries and kind of a map fit; maps that differ have another layout.
+bool is_mappable_array(int map_fd, std::uint32_t value_size, std::uint32_t entries);
+std::uint32_t map_id(int map_fd);
+
+struct ProgramInfo {
+  std::uint32_t id = 0;
+  std::vector<std::uint32_t> map_ids;
+};
+ProgramInfo program_info(int program_fd);
+
+}  // namespace mlcca::enforce

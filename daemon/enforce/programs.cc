@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Sets the switches of the gate's skeleton and loads it.
+#include "daemon/enforce/programs.hpp"
+
+#include <bpf/libbpf.h>
+#include <gate.skel.h>
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <string_view>
+
+#include "daemon/enforce/complaints.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+/// There a program can be preempted by another one on its CPU.
+bool is_preempt_rt() {
+  utsname kernel{};
+  return uname(&kernel) == 0 &&
+         std::string_view(kernel.version).find("PREEMPT_RT") != std::string_view::npos;
+}
+
+int share_maps(gate_bpf& object, int control_map, const GateMaps& maps) {
+  if (const int error = bpf_map__reuse_fd(object.maps.data_control, control_map); error != 0)
+    return error;
+  if (!maps.table) return bpf_map__set_max_entries(object.maps.cpus, possible_cpus());
+  if (const int error = bpf_map__reuse_fd(object.maps.bss, maps.table.get()); error != 0)
+    return error;
+  return bpf_map__reuse_fd(object.maps.cpus, maps.cpus.get());
+}
+
+}  // namespace
+
+void destroy_programs(gate_bpf* object) { gate_bpf__destroy(object); }
+
+std::uint32_t possible_cpus() {
+  return static_cast<std::uint32_t>(std::max(libbpf_num_possible_cpus(), 1));
+}
+
+Result<Programs::Object> Programs::try_load(const ProgramConfig& config, int control_map,
+                                            const GateMaps& maps, bool direct_access) {
+  const Complaints complaints;
+  Object object(gate_bpf__open());
+  if (!object) return complaints.error("open the gate", errno);
+  object->rodata->ifindex = config.ifindex;
+  object->rodata->profile = config.profile;
+  object->rodata->echo_by_mark = config.echo_by_mark;
+  object->rodata->direct_access = direct_access;
+  object->rodata->atomic_counts = is_preempt_rt();
+  if (const int error = share_maps(*object, control_map, maps); error != 0)
+    return complaints.error("prepare the gate's maps", error);
+  if (const int error = gate_bpf__load(object.get()); error != 0)
+    return complaints.error("load the gate", error);
+  return object;
+}
+
+/// The verifier refuses packet pointers on machines that cannot read unaligned words.
+Result<Programs> Programs::load(const ProgramConfig& config, int control_map,
+                                const GateMaps& maps) {
+  auto object = try_load(config, control_map, maps, true);
+  if (!object) object = try_load(config, control_map, maps, false);
+  if (!object) return std::unexpected(object.error());
+  return Programs(std::move(*object));
+}
+
+int Programs::program_fd(Direction direction) const {
+  return bpf_program__fd(direction == Direction::ingress ? object_->progs.gate_ingress
+                                                         : object_->progs.gate_egress);
+}
+int Programs::table_fd() const { return bpf_map__fd(object_->maps.bss); }
+int Programs::cpus_fd() const { return bpf_map__fd(object_->maps.cpus); }
+gate_table& Programs::table() const { return object_->bss->table; }
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The gate's object in the kernel: two programs and the maps they look at.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "bpf/gate.h"
+#include "core/handle.hpp"
+#include "core/result.hpp"
+#include "daemon/enforce/slots.hpp"
+
+struct gate_bpf;
+
+namespace mlcca::enforce {
+
+void destroy_programs(gate_bpf* object);
+
+/// The per-interface maps; both or none.
+struct GateMaps {
+  Fd table;
+  Fd cpus;
+};
+
+struct ProgramConfig {
+  std::uint32_t ifindex = 0;
+  std::uint32_t profile = GATE_PROFILE_NONE;
+  bool echo_by_mark = false;
+};
+
+class Programs {
+ public:
+  /// Loads over `maps`, or over new ones where they are empty.
+  static Result<Programs> load(const ProgramConfig& config, int control_map, const GateMaps& maps);
+
+  [[nodiscard]] int program_fd(Direction direction) const;
+  [[nodiscard]] int table_fd() const;
+  [[nodiscard]] int cpus_fd() const;
+  [[nodiscard]] gate_table& table() const;
+
+ private:
+  using Object = std::unique_ptr<gate_bpf, FreeWith<destroy_programs>>;
+  explicit Programs(Object object) : object_(std::move(object)) {}
+  static Result<Object> try_load(const ProgramConfig& config, int control_map, const GateMaps& maps,
+                                 bool direct_access);
+  Object object_;
+};
+
+/// Possible CPUs of this machine: entries of the counters map.
+std::uint32_t possible_cpus();
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Edits chains of slots under a reader that never waits: a slot is filled before it is linked, and
+// is filled again only when no reader can still hold it.
+#include "daemon/enforce/slots.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+
+namespace mlcca::enforce {
+namespace {
+
+constexpr std::uint32_t kLargestIfindex = 0x7fffffff;
+
+auto grant(const SlotSpec& s) {
+  return std::tie(s.direction, s.max_len, s.formats, s.id, s.mask, s.source, s.uid, s.subject);
+}
+
+struct ByGrant {
+  bool operator()(const SlotSpec& a, const SlotSpec& b) const { return grant(a) < grant(b); }
+};
+
+template <class T>
+void publish(T& word, T value) {
+  std::atomic_ref<T>(word).store(value, std::memory_order_release);
+}
+
+std::string name(const SlotSpec& s) {
+  return fmt::format("slot of subject {:#018x} (identifier {:#x}, {})", s.subject, s.id,
+                     s.direction == Direction::ingress ? "ingress" : "egress");
+}
+
+Result<void> check_spec(const SlotSpec& s, std::uint32_t profile) {
+  if (gate_bucket(profile, s.id) == GATE_NO_BUCKET)
+    return fail(name(s) + ": the interface's profile has no such identifier");
+  if ((s.id & ~s.mask) != 0) return fail(name(s) + ": the identifier has bits outside its mask");
+  std::uint32_t needed = CAN_EFF_FLAG | gate_key_mask(profile);
+  if ((s.id & CAN_EFF_FLAG) == 0) {
+    if ((s.id & CAN_EFF_MASK) > CAN_SFF_MASK)
+      return fail(name(s) + ": an 11-bit identifier is at most 0x7ff");
+    needed = CAN_EFF_FLAG | CAN_SFF_MASK;
+  }
+  if ((s.mask & needed) != needed) return fail(name(s) + ": the mask leaves part of the key open");
+  if ((s.id & CAN_ERR_FLAG) != 0) return fail(name(s) + ": error frames have no slot");
+  if (s.formats == 0 || (s.formats & ~(GATE_CLASSIC | GATE_FD)) != 0)
+    return fail(name(s) + ": neither classic nor FD");
+  if (s.source > kLargestIfindex) return fail(name(s) + ": the source is no interface");
+  return {};
+}
+
+}  // namespace
+
+bool SlotSpec::same_grant(const SlotSpec& other) const { return grant(*this) == grant(other); }
+
+SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSpec> wanted) {
+  // Two publishers with one grant share a slot; it passes when one of them may.
+  std::map<SlotSpec, bool, ByGrant> want;
+  using Succession = std::tuple<Direction, std::uint64_t, std::uint32_t, std::uint32_t>;
+  const auto succession = [](const SlotSpec& s) {
+    return Succession{s.direction, s.subject, s.id, s.source};
+  };
+  std::set<Succession> passing;
+  for (const auto& s : wanted) {
+    want[s] = want[s] || s.pass;
+    if (s.pass) passing.insert(succession(s));
+  }
+
+  SlotChanges changes;
+  for (const auto& s : present) {
+    const auto found = want.find(s);
+    if (found == want.end()) {
+      if (s.pass && !passing.contains(succession(s))) changes.close.push_back(s);
+      changes.remove.push_back(s);
+      continue;
+    }
+    if (s.pass && !found->second) changes.close.push_back(s);
+    if (!s.pass && found->second) changes.open.push_back(s);
+    want.erase(found);
+  }
+  for (const auto& [spec, pass] : want) {
+    changes.add.push_back(spec);
+    changes.add.back().pass = pass;
+  }
+  return changes;
+}
+
+SlotTable::SlotTable(gate_table& table, std::span<gate_cpu> cpus, std::uint32_t profile,
+                     GracePeriod wait)
+    : table_(&table), cpus_(cpus), profile_(profile), wait_(std::move(wait)) {}
+
+Result<SlotTable> SlotTable::read(gate_table& table, std::span<gate_cpu> cpus,
+                                  std::uint32_t profile, bool fresh, GracePeriod wait) {
+  if (fresh) {
+    table.layout_version = GATE_LAYOUT_VERSION;
+    table.profile = profile;
+  }
+  if (table.layout_version != GATE_LAYOUT_VERSION)
+    return fail(fmt::format("slot table: layout {} instead of {}", table.layout_version,
+                            GATE_LAYOUT_VERSION));
+  if (table.profile != profile)
+    return fail(
+        fmt::format("slot table: filled for profile {} instead of {}", table.profile, profile));
+  SlotTable slots(table, cpus, profile, std::move(wait));
+  if (auto adopted = slots.adopt(fresh); !adopted) return std::unexpected(adopted.error());
+  return slots;
+}
+
+/// Finds the used slots by the chains, the only truth there is, and the free ones by exclusion.
+Result<void> SlotTable::adopt(bool fresh) {
+  std::vector<bool> seen(GATE_SLOTS, false);
+  for (std::uint32_t direction = 0; direction < GATE_DIRECTIONS; ++direction) {
+    for (std::uint32_t bucket = 0; bucket < GATE_BUCKETS; ++bucket) {
+      for (std::uint16_t at = table_->head[direction][bucket]; at != 0;
+           at = table_->slots[at].next) {
+        if (at < GATE_FIRST_SLOT || at >= GATE_SLOTS || seen[at])
+          return fail(fmt::format("slot table: broken chain in bucket {}", bucket));
+        if (gate_bucket(profile_, table_->slots[at].id) != bucket)
+          return fail(fmt::format("slot table: slot {} is in the wrong bucket", at));
+        seen[at] = true;
+        ++used_;
+      }
+    }
+  }
+  auto& unused = fresh ? free_ : quarantine_;
+  for (std::uint16_t slot = GATE_SLOTS - 1; slot >= GATE_FIRST_SLOT; --slot)
+    if (!seen[slot]) unused.push_back(slot);
+  return {};
+}
+
+std::uint16_t* SlotTable::head(const SlotSpec& spec) const {
+  return &table_->head[std::to_underlying(spec.direction)][gate_bucket(profile_, spec.id)];
+}
+
+std::vector<std::uint16_t> SlotTable::chain(const SlotSpec& spec) const {
+  std::vector<std::uint16_t> slots;
+  for (std::uint16_t at = *head(spec); at != 0; at = table_->slots[at].next) slots.push_back(at);
+  return slots;
+}
+
+SlotSpec SlotTable::spec_of(std::uint16_t slot, Direction direction) const {
+  const gate_slot& s = table_->slots[slot];
+  return {.direction = direction,
+          .pass = s.verdict == GATE_PASS,
+          .max_len = s.max_len,
+          .formats = s.formats,
+          .id = s.id,
+          .mask = s.mask,
+          .source = s.source,
+          .uid = s.uid,
+          .subject = s.subject};
+}
+
+std::optional<std::uint16_t> SlotTable::find(const SlotSpec& spec) const {
+  if (gate_bucket(profile_, spec.id) == GATE_NO_BUCKET) return std::nullopt;
+  for (const auto slot : chain(spec))
+    if (spec_of(slot, spec.direction).same_grant(spec)) return slot;
+  return std::nullopt;
+}
+
+std::vector<SlotSpec> SlotTable::present() const {
+  std::vector<SlotSpec> specs;
+  specs.reserve(used_);
+  for (const auto direction : {Direction::ingress, Direction::egress})
+    for (const std::uint16_t first : table_->head[std::to_underlying(direction)])
+      for (std::uint16_t at = first; at != 0; at = table_->slots[at].next)
+        specs.push_back(spec_of(at, direction));
+  return specs;
+}
+
+Result<void> SlotTable::check(const SlotChanges& changes) const {
+  std::set<SlotSpec, ByGrant> added;
+  for (const auto& s : changes.add) {
+    if (auto good = check_spec(s, profile_); !good) return good;
+    if (find(s) || !added.insert(s).second) return fail(name(s) + " is there already");
+  }
+  std::set<SlotSpec, ByGrant> removed;
+  for (const auto& s : changes.remove)
+    if (!find(s) || !removed.insert(s).second) return fail(name(s) + " to be removed is not there");
+  for (const auto* list : {&changes.close, &changes.open})
+    for (const auto& s : *list)
+      if (!find(s)) return fail(name(s) + " is not there");
+  for (const auto& s : changes.open)
+    if (removed.contains(s)) return fail(name(s) + " is to be opened and removed");
+  return check_room(changes);
+}
+
+/// Of the state after the changes.
+Result<void> SlotTable::check_room(const SlotChanges& changes) const {
+  if (used_ + changes.add.size() - changes.remove.size() > GATE_SLOTS - GATE_FIRST_SLOT)
+    return fail(fmt::format("more than {} slots on one interface", GATE_SLOTS - GATE_FIRST_SLOT));
+  using Place = std::pair<Direction, std::uint32_t>;
+  std::map<Place, std::ptrdiff_t> keys;
+  std::map<Place, std::ptrdiff_t> buckets;
+  const std::uint32_t key_mask = gate_key_mask(profile_);
+  const auto count = [&](const SlotSpec& s, std::ptrdiff_t n) {
+    keys[{s.direction, s.id & (key_mask | CAN_EFF_FLAG)}] += n;
+    buckets[{s.direction, gate_bucket(profile_, s.id)}] += n;
+  };
+  for (const auto& s : changes.add) {
+    if (!buckets.contains({s.direction, gate_bucket(profile_, s.id)}))
+      for (const auto slot : chain(s)) count(spec_of(slot, s.direction), 1);
+    count(s, 1);
+  }
+  for (const auto& s : changes.remove)
+    if (buckets.contains({s.direction, gate_bucket(profile_, s.id)})) count(s, -1);
+  for (const auto& s : changes.add) {
+    if (keys[{s.direction, s.id & (key_mask | CAN_EFF_FLAG)}] > GATE_CHAIN)
+      return fail(
+          fmt::format("{}: more than {} publishers with this identifier", name(s), GATE_CHAIN));
+    if (buckets[{s.direction, gate_bucket(profile_, s.id)}] > GATE_WALK)
+      return fail(fmt::format("{}: more than {} slots whose identifiers fall together", name(s),
+                              GATE_WALK));
+  }
+  return {};
+}
+
+/// Old and new slots have room side by side, so that a successor opens before its forerunner goes.
+bool SlotTable::fits_at_once(const SlotChanges& changes) const {
+  if (changes.add.size() > free_.size() + quarantine_.size()) return false;
+  std::map<const std::uint16_t*, std::size_t> lengths;
+  for (const auto& s : changes.add) {
+    auto [entry, first] = lengths.try_emplace(head(s), 0);
+    if (first) entry->second = chain(s).size();
+    if (++entry->second > GATE_WALK) return false;
+  }
+  return true;
+}
+
+Result<void> SlotTable::reclaim(std::size_t wanted) {
+  if (free_.size() >= wanted) return {};
+  if (auto waited = wait_(); !waited) return waited;
+  free_.insert(free_.begin(), quarantine_.begin(), quarantine_.end());
+  quarantine_.clear();
+  return {};
+}
+
+Result<void> SlotTable::apply(const SlotChanges& changes) {
+  if (auto good = check(changes); !good) return good;
+  for (const auto& s : changes.close) set_verdict(s, GATE_DENY);
+  const bool at_once = fits_at_once(changes);
+  if (!at_once)
+    for (const auto& s : changes.remove) unlink(s);
+  if (auto room = reclaim(changes.add.size()); !room) return room;
+  for (const auto& s : changes.add) link(s);
+  for (const auto& s : changes.add)
+    if (s.pass) set_verdict(s, GATE_PASS);
+  for (const auto& s : changes.open) set_verdict(s, GATE_PASS);
+  if (at_once)
+    for (const auto& s : changes.remove) unlink(s);
+  return {};
+}
+
+void SlotTable::link(const SlotSpec& spec) {
+  const std::uint16_t slot = free_.back();
+  free_.pop_back();
+  for (auto& cpu : cpus_) cpu.slots[slot] = {};
+  table_->last_reason[slot] = GATE_R_PASSED;
+  table_->slots[slot] = {.verdict = GATE_DENY,
+                         .id = spec.id,
+                         .mask = spec.mask,
+                         .source = spec.source,
+                         .uid = spec.uid,
+                         .next = *head(spec),
+                         .max_len = spec.max_len,
+                         .formats = spec.formats,
+                         .subject = spec.subject};
+  publish(*head(spec), slot);
+  ++used_;
+}
+
+/// The slot keeps its `next`, so that a program which stands on it finds the rest of the chain.
+void SlotTable::unlink(const SlotSpec& spec) {
+  const std::uint16_t slot = find(spec).value_or(0);
+  publish(table_->slots[slot].verdict, std::uint32_t{GATE_DENY});
+  std::uint16_t* before = head(spec);
+  while (*before != slot) before = &table_->slots[*before].next;
+  publish(*before, table_->slots[slot].next);
+  quarantine_.push_back(slot);
+  --used_;
+}
+
+void SlotTable::set_verdict(const SlotSpec& spec, gate_verdict verdict) {
+  if (const auto slot = find(spec))
+    publish(table_->slots[*slot].verdict, static_cast<std::uint32_t>(verdict));
+}
+
+void SlotTable::deny_all() {
+  for (auto& slot : table_->slots) publish(slot.verdict, std::uint32_t{GATE_DENY});
+}
+
+}  // namespace mlcca::enforce

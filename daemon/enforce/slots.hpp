@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The slots of one interface, edited in the memory that the gate program reads at the same time.
+// Pure pointer logic: works on any gate_table, so that it is tested without a kernel.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "bpf/gate.h"
+#include "core/result.hpp"
+
+namespace mlcca::enforce {
+
+enum class Direction : std::uint8_t { ingress = GATE_INGRESS, egress = GATE_EGRESS };
+
+/// What one slot admits. A frame fits when (can_id & mask) == id, with the flags of <linux/can.h>.
+/// Its key is the identifier (raw) or the low 14 bits of it (famouso).
+struct SlotSpec {
+  Direction direction = Direction::ingress;
+  bool pass = false;
+  std::uint8_t max_len = 8;             ///< payload bytes
+  std::uint8_t formats = GATE_CLASSIC;  ///< GATE_CLASSIC | GATE_FD
+  std::uint32_t id = 0;                 ///< with CAN_EFF_FLAG for 29 bits
+  std::uint32_t mask = 0;               ///< has CAN_EFF_FLAG and the key; RTR unless declared
+  std::uint32_t source = 0;             ///< egress: ifindex it entered by, 0: a local program
+  std::uint32_t uid = GATE_ANY_UID;     ///< local program's user
+  std::uint64_t subject = 0;
+
+  bool operator==(const SlotSpec&) const = default;
+  /// Equal but for the verdict.
+  [[nodiscard]] bool same_grant(const SlotSpec& other) const;
+};
+
+/// Changes of one interface. `close`, `remove` and `open` name slots by everything but the verdict.
+struct SlotChanges {
+  std::vector<SlotSpec> close;
+  std::vector<SlotSpec> add;  ///< opened at the end where `pass` is set
+  std::vector<SlotSpec> remove;
+  std::vector<SlotSpec> open;
+
+  [[nodiscard]] bool empty() const {
+    return close.empty() && add.empty() && remove.empty() && open.empty();
+  }
+};
+
+/// What turns `present` into `wanted`. Slots that are in both with one verdict are not mentioned.
+/// A passing slot that goes without a passing successor (same direction, subject, identifier and
+/// source) is closed before anything opens; one with a successor stays until that has opened.
+SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSpec> wanted);
+
+/// Waits until no CPU runs a program that began before the call (one RCU grace period).
+using GracePeriod = std::function<Result<void>()>;
+
+class SlotTable {
+ public:
+  /// Takes the table as it is. `fresh`: no program can have seen its slots; otherwise free slots
+  /// are reused only after a grace period. Errors: another layout or profile, broken chains.
+  static Result<SlotTable> read(gate_table& table, std::span<gate_cpu> cpus, std::uint32_t profile,
+                                bool fresh, GracePeriod wait);
+
+  /// All or nothing: after an error nothing was changed, unless waiting for the grace period
+  /// failed; then what closes has closed. Order: verdicts that close, new slots (denying), verdicts
+  /// that open, removals; where the table is too full for that, removals before new slots. A
+  /// channel that is not mentioned is not touched. Errors: a slot that the profile has no key for,
+  /// is there twice or is not there; more than GATE_SLOTS - 2 slots, GATE_CHAIN of one key,
+  /// GATE_WALK of one bucket. May wait for one grace period (some 10 ms), when only lately removed
+  /// slots are free.
+  Result<void> apply(const SlotChanges& changes);
+
+  /// What the kernel obeys now.
+  [[nodiscard]] std::vector<SlotSpec> present() const;
+  [[nodiscard]] std::size_t size() const { return used_; }
+  /// Number of the slot with this grant.
+  [[nodiscard]] std::optional<std::uint16_t> find(const SlotSpec& spec) const;
+
+  /// Every verdict deny; the slots stay.
+  void deny_all();
+
+ private:
+  SlotTable(gate_table& table, std::span<gate_cpu> cpus, std::uint32_t profile, GracePeriod wait);
+
+  Result<void> adopt(bool fresh);
+  [[nodiscard]] Result<void> check(const SlotChanges& changes) const;
+  [[nodiscard]] Result<void> check_room(const SlotChanges& changes) const;
+  [[nodiscard]] bool fits_at_once(const SlotChanges& changes) const;
+  Result<void> reclaim(std::size_t wanted);
+  void link(const SlotSpec& spec);
+  void unlink(const SlotSpec& spec);
+  void set_verdict(const SlotSpec& spec, gate_verdict verdict);
+  [[nodiscard]] std::uint16_t* head(const SlotSpec& spec) const;
+  [[nodiscard]] std::vector<std::uint16_t> chain(const SlotSpec& spec) const;
+  [[nodiscard]] SlotSpec spec_of(std::uint16_t slot, Direction direction) const;
+
+  gate_table* table_;
+  std::span<gate_cpu> cpus_;
+  std::uint32_t profile_;
+  GracePeriod wait_;
+  std::size_t used_ = 0;
+  std::vector<std::uint16_t> free_;        ///< no program can hold them
+  std::vector<std::uint16_t> quarantine_;  ///< a running program may still look at them
+};
+
+}  // namespace mlcca::enforce

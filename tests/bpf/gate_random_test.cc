@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Random slots, states and frames: the program and the plain rules must agree on every frame and
+// on every counter.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <random>
+
+#include "bpf/oracle.hpp"
+#include "daemon/enforce/counters.hpp"
+
+namespace mlcca::test {
+namespace {
+
+using enforce::Direction;
+using enforce::SlotSpec;
+
+constexpr int kRounds = 40;
+constexpr int kFrames = 6000;
+
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(engine_() % n); }
+  bool chance(std::uint32_t one_in) { return below(one_in) == 0; }
+  std::uint32_t of(std::initializer_list<std::uint32_t> values) {
+    return *(values.begin() + below(static_cast<std::uint32_t>(values.size())));
+  }
+
+ private:
+  std::mt19937 engine_;
+};
+
+/// Few values, so that frames and slots meet.
+std::uint32_t identifier(Random& random, std::uint32_t profile) {
+  if (profile == GATE_PROFILE_FAMOUSO)
+    return CAN_EFF_FLAG | random.of({0, 0x7d}) << 22 | random.below(2) << 21 |
+           random.of({5, 6, 0x7f}) << 14 | random.of({0x64, 0x65, 0x3fff});
+  if (random.chance(2)) return random.of({0, 0x123, 0x124, 0x7ff});
+  return CAN_EFF_FLAG | random.of({0x123, 0x1abcdef, 0x1fffffff, 0x64});
+}
+
+std::uint8_t byte(std::uint32_t v) { return static_cast<std::uint8_t>(v); }
+
+SlotSpec random_slot(Random& random, std::uint32_t profile) {
+  SlotSpec s;
+  s.direction = random.chance(2) ? Direction::ingress : Direction::egress;
+  s.pass = !random.chance(4);
+  s.id = identifier(random, profile);
+  s.mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_EFF_MASK;
+  if (random.chance(4)) s.mask &= ~CAN_RTR_FLAG;
+  if (profile == GATE_PROFILE_FAMOUSO && random.chance(3))
+    s.mask &= ~random.of({0x1fc000, 0x200000, 0x1fc00000});
+  s.id &= s.mask;
+  s.max_len = byte(random.of({0, 4, 8, 64}));
+  s.formats = byte(random.of({GATE_CLASSIC, GATE_FD, GATE_CLASSIC | GATE_FD}));
+  s.source = random.of({0, kOther, 11});
+  s.uid = random.of({GATE_ANY_UID, 0, 1000});
+  s.subject = random.below(1000);
+  return s;
+}
+
+Bytes random_frame(Random& random, std::uint32_t profile) {
+  std::uint32_t id = identifier(random, profile);
+  if (random.chance(8)) id |= CAN_RTR_FLAG;
+  if (random.chance(30)) id |= CAN_ERR_FLAG;
+  if (random.chance(30)) id ^= 1U << random.below(32);
+  const bool fd = random.chance(3);
+  auto bytes = frame(id, random.of({0, 4, 5, 8, fd ? 64U : 8U}), fd);
+  if (random.chance(40)) bytes[4] = byte(random.below(256));
+  if (random.chance(60)) bytes.resize(14 + random.below(80));
+  return bytes;
+}
+
+Sender random_sender(Random& random) {
+  Sender s;
+  s.local = random.chance(3);
+  s.mark = random.of({0, 0, kToken ^ kOther, kToken ^ 11U, kToken ^ kIfindex, kToken, ~kToken, 7});
+  s.ingress_ifindex = random.of({0, kOther, kOther, 11, kIfindex});
+  return s;
+}
+
+struct Counted {
+  std::uint64_t passed = 0;
+  std::uint64_t dropped = 0;
+  std::uint64_t bytes = 0;
+  gate_reason last_reason = GATE_R_PASSED;
+};
+
+class Round {
+ public:
+  Round(unsigned seed, const GateOptions& options)
+      : random_(seed), gate_(LoadedGate::with(options)), own_(2) {
+    world_.profile = options.profile;
+    world_.echo_by_mark = options.echo_by_mark;
+    const auto slots = random_.below(40);
+    for (std::uint32_t i = 0; i < slots; ++i) add(random_slot(random_, world_.profile));
+  }
+
+  void play() {
+    for (int i = 0; i < kFrames && !testing::Test::HasFailure(); ++i) {
+      if (random_.chance(200)) change_state();
+      if (random_.chance(100)) flip();
+      step();
+    }
+    compare_counters();
+  }
+
+ private:
+  void add(const SlotSpec& spec) {
+    enforce::SlotChanges changes;
+    changes.add.push_back(spec);
+    if (!gate_.slots().apply(changes)) return;  // there already, or the chain is full
+    world_.slots.push_back(spec);
+    counted_.emplace_back();
+  }
+
+  void change_state() {
+    auto& control = gate_.control();
+    control.open = world_.open = !random_.chance(4);
+    control.lapsed = world_.lapsed = random_.chance(4);
+    world_.audit = random_.chance(3);
+    control.mode = world_.audit ? GATE_AUDIT : GATE_ENFORCE;
+  }
+
+  void flip() {
+    if (world_.slots.empty()) return;
+    auto& s = world_.slots[random_.below(static_cast<std::uint32_t>(world_.slots.size()))];
+    s.pass = !s.pass;
+    enforce::SlotChanges changes;
+    (s.pass ? changes.open : changes.close).push_back(s);
+    ASSERT_TRUE(gate_.slots().apply(changes));
+  }
+
+  void step() {
+    const auto direction = random_.chance(2) ? Direction::ingress : Direction::egress;
+    const auto bytes = random_frame(random_, world_.profile);
+    const auto sender = random_sender(random_);
+    const auto want = judge(world_, direction, bytes, sender);
+    const auto got = gate_.run(direction, bytes, sender);
+    ASSERT_EQ(got.dropped, want.outcome.dropped) << enforce::reason_text(want.reason);
+    ASSERT_EQ(got.mark, want.outcome.mark) << enforce::reason_text(want.reason);
+
+    const auto d = static_cast<std::size_t>(direction);
+    ++reasons_.at(d).at(want.reason);
+    auto& counted = want.slot ? counted_[*want.slot] : own_[d];
+    if (want.reason == GATE_R_PASSED) {
+      ++counted.passed;
+      counted.bytes += want.bytes;
+    } else if (enforce::is_drop(want.reason)) {
+      ++counted.dropped;
+      counted.last_reason = want.reason;
+    }
+  }
+
+  void compare(std::uint16_t slot, const Counted& want) const {
+    const auto got = enforce::slot_counters(gate_.table(), gate_.cpus(), slot);
+    EXPECT_EQ(got.passed, want.passed);
+    EXPECT_EQ(got.dropped, want.dropped);
+    EXPECT_EQ(got.bytes, want.bytes);
+    EXPECT_EQ(got.last_reason, want.last_reason);
+  }
+
+  void compare_counters() {
+    for (const auto direction : {Direction::ingress, Direction::egress}) {
+      const auto d = static_cast<std::uint16_t>(direction);
+      EXPECT_EQ(enforce::reason_counters(gate_.cpus(), direction), reasons_.at(d));
+      compare(d, own_[d]);
+    }
+    for (std::size_t i = 0; i < world_.slots.size(); ++i)
+      compare(gate_.slots().find(world_.slots[i]).value(), counted_[i]);
+  }
+
+  Random random_;
+  World world_;
+  LoadedGate& gate_;
+  std::array<enforce::ReasonCounters, 2> reasons_{};
+  std::vector<Counted> own_;
+  std::vector<Counted> counted_;
+};
+
+TEST(GateAgainstPlainRules, AgreesOnRandomFrames) {
+  for (unsigned seed = 1; seed <= kRounds && !HasFailure(); ++seed) {
+    SCOPED_TRACE(seed);
+    const GateOptions options{
+        .profile = seed % 3 == 0 ? unsigned{GATE_PROFILE_FAMOUSO} : unsigned{GATE_PROFILE_RAW},
+        .direct_access = seed % 4 != 0,
+        .echo_by_mark = seed % 2 == 0};
+    Round(seed, options).play();
+  }
+}
+
+}  // namespace
+}  // namespace mlcca::test

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Loads the gate's skeleton with the switches of a test run.
+#include "bpf/loaded_gate.hpp"
+
+#include <bpf/bpf.h>
+#include <bpf/libbpf.h>
+#include <gate.skel.h>
+#include <linux/pkt_cls.h>
+#include <sys/mman.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+
+namespace mlcca::test {
+namespace {
+
+constexpr std::uint32_t kTestRunLocal = 1;  // TEST_RUN_LOCAL of the program
+
+template <class T>
+T require(T value, const char* what) {
+  if (!value) {
+    std::perror(what);
+    std::abort();
+  }
+  return value;
+}
+
+}  // namespace
+
+Bytes frame(std::uint32_t can_id, unsigned length, bool fd) {
+  Bytes bytes(fd ? CANFD_MTU : CAN_MTU);
+  std::memcpy(bytes.data(), &can_id, sizeof(can_id));
+  bytes[4] = static_cast<std::uint8_t>(length);
+  if (fd) bytes[5] = CANFD_FDF;
+  return bytes;
+}
+
+LoadedGate::LoadedGate(const GateOptions& options)
+    : profile_(options.profile),
+      object_(require(gate_bpf__open(), "open the gate"), gate_bpf__destroy) {
+  auto* knobs = object_->rodata;
+  knobs->profile = options.profile;
+  knobs->ifindex = kIfindex;
+  knobs->direct_access = options.direct_access;
+  knobs->echo_by_mark = options.echo_by_mark;
+  knobs->atomic_counts = options.atomic_counts;
+  knobs->test_run = true;
+  const auto cpus = static_cast<std::size_t>(libbpf_num_possible_cpus());
+  bpf_map__set_max_entries(object_->maps.cpus, static_cast<std::uint32_t>(cpus));
+  require(gate_bpf__load(object_.get()) == 0, "load the gate");
+  void* memory = mmap(nullptr, cpus * sizeof(gate_cpu), PROT_READ | PROT_WRITE, MAP_SHARED,
+                      bpf_map__fd(object_->maps.cpus), 0);
+  require(memory != MAP_FAILED, "map the counters");
+  cpus_ = {static_cast<gate_cpu*>(memory), cpus};
+
+  reset();
+}
+
+LoadedGate& LoadedGate::with(const GateOptions& options) {
+  static std::map<GateOptions, std::unique_ptr<LoadedGate>> loaded;
+  auto& gate = loaded[options];
+  if (gate)
+    gate->reset();
+  else
+    gate = std::make_unique<LoadedGate>(options);
+  return *gate;
+}
+
+void LoadedGate::reset() {
+  table() = {};
+  for (auto& cpu : cpus_) cpu = {};
+  control() = {};
+  control().layout_version = GATE_LAYOUT_VERSION;
+  control().open = 1;
+  control().token = kToken;
+  auto slots =
+      enforce::SlotTable::read(table(), cpus_, profile_, true, [] { return Result<void>{}; });
+  require(slots.has_value(), "read the slots");
+  slots_ = std::make_unique<enforce::SlotTable>(std::move(*slots));
+}
+
+LoadedGate::~LoadedGate() { munmap(cpus_.data(), cpus_.size_bytes()); }
+
+gate_table& LoadedGate::table() const { return object_->bss->table; }
+gate_control& LoadedGate::control() const { return object_->data_control->control; }
+
+Outcome LoadedGate::run(enforce::Direction direction, const Bytes& bytes,
+                        const Sender& sender) const {
+  __sk_buff context{};
+  context.priority = sender.local ? kTestRunLocal : 0;
+  context.mark = sender.mark;
+  context.ingress_ifindex = sender.ingress_ifindex;
+  LIBBPF_OPTS(bpf_test_run_opts, run);
+  run.data_in = bytes.data();
+  run.data_size_in = static_cast<std::uint32_t>(bytes.size());
+  run.ctx_in = &context;
+  run.ctx_out = &context;
+  run.ctx_size_in = run.ctx_size_out = sizeof(context);
+  auto* program = direction == enforce::Direction::ingress ? object_->progs.gate_ingress
+                                                           : object_->progs.gate_egress;
+  require(bpf_prog_test_run_opts(bpf_program__fd(program), &run) == 0, "run a frame");
+  require(run.retval == TC_ACT_SHOT || static_cast<int>(run.retval) == TC_ACT_UNSPEC, "an action");
+  return {run.retval == TC_ACT_SHOT, context.mark};
+}
+
+std::uint32_t LoadedGate::time(enforce::Direction direction, const Bytes& bytes,
+                               const Sender& sender, int repeat) const {
+  __sk_buff context{};
+  context.priority = sender.local ? kTestRunLocal : 0;
+  context.mark = sender.mark;
+  context.ingress_ifindex = sender.ingress_ifindex;
+  LIBBPF_OPTS(bpf_test_run_opts, run);
+  run.data_in = bytes.data();
+  run.data_size_in = static_cast<std::uint32_t>(bytes.size());
+  run.ctx_in = &context;
+  run.ctx_size_in = sizeof(context);
+  run.repeat = repeat;
+  auto* program = direction == enforce::Direction::ingress ? object_->progs.gate_ingress
+                                                           : object_->progs.gate_egress;
+  require(bpf_prog_test_run_opts(bpf_program__fd(program), &run) == 0, "time a frame");
+  return run.duration;
+}
+
+void LoadedGate::admit(const std::vector<enforce::SlotSpec>& specs) {
+  for (const auto& spec : specs) {
+    enforce::SlotChanges changes;
+    changes.add.push_back(spec);
+    const auto added = slots_->apply(changes);
+    if (!added) std::fprintf(stderr, "%s\n", added.error().text.c_str());
+    require(added.has_value(), "add a slot");
+  }
+}
+
+}  // namespace mlcca::test

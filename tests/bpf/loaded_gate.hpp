@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The real gate object, loaded but not attached, and frames run through it by BPF_PROG_TEST_RUN.
+#pragma once
+#include <linux/bpf.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "bpf/gate.h"
+#include "daemon/enforce/slots.hpp"
+
+struct gate_bpf;
+
+namespace mlcca::test {
+
+inline constexpr std::uint32_t kIfindex = 7;  ///< of the gate under test
+inline constexpr std::uint32_t kOther = 9;    ///< another interface with a gate
+inline constexpr std::uint32_t kToken = 0xa5c30f1e;
+
+struct GateOptions {
+  std::uint32_t profile = GATE_PROFILE_RAW;
+  bool direct_access = true;
+  bool echo_by_mark = false;
+  bool atomic_counts = false;
+
+  auto operator<=>(const GateOptions&) const = default;
+};
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// A classic frame for up to 8 bytes when `fd` is false, else an FD frame. `length` may be wrong.
+Bytes frame(std::uint32_t can_id, unsigned length, bool fd = false);
+
+struct Sender {
+  bool local = false;  ///< a program of user 0
+  std::uint32_t mark = 0;
+  std::uint32_t ingress_ifindex = 0;
+};
+
+struct Outcome {
+  bool dropped = false;
+  std::uint32_t mark = 0;
+  bool operator==(const Outcome&) const = default;
+};
+
+class LoadedGate {
+ public:
+  /// Aborts the test program where the kernel refuses the object.
+  explicit LoadedGate(const GateOptions& options = {});
+  /// One loaded gate for each set of options, as new: loading takes far longer than a frame.
+  static LoadedGate& with(const GateOptions& options = {});
+  ~LoadedGate();
+  LoadedGate(const LoadedGate&) = delete;
+  LoadedGate& operator=(const LoadedGate&) = delete;
+
+  Outcome run(enforce::Direction direction, const Bytes& bytes, const Sender& sender = {}) const;
+  /// Average ns of a run.
+  std::uint32_t time(enforce::Direction direction, const Bytes& bytes, const Sender& sender,
+                     int repeat) const;
+
+  [[nodiscard]] gate_table& table() const;
+  [[nodiscard]] gate_control& control() const;
+  [[nodiscard]] std::span<gate_cpu> cpus() const { return cpus_; }
+  [[nodiscard]] enforce::SlotTable& slots() { return *slots_; }
+
+  /// No slots, no counts, open and enforcing.
+  void reset();
+
+  /// Adds slots one after the other; the last is the first of its chain.
+  void admit(const std::vector<enforce::SlotSpec>& specs);
+
+ private:
+  std::uint32_t profile_;
+  std::unique_ptr<gate_bpf, void (*)(gate_bpf*)> object_;
+  std::span<gate_cpu> cpus_;
+  std::unique_ptr<enforce::SlotTable> slots_;
+};
+
+}  // namespace mlcca::test

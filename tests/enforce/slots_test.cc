@@ -1,0 +1,403 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The slot table on plain memory: no kernel, no root.
+#include "daemon/enforce/slots.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <random>
+#include <tuple>
+
+#include "daemon/enforce/counters.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+constexpr std::uint32_t kStandard = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK;
+constexpr std::uint32_t kExtended = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_EFF_MASK;
+
+SlotSpec raw(std::uint32_t id, std::uint32_t source = 0) {
+  SlotSpec s;
+  s.direction = Direction::egress;
+  s.pass = true;
+  s.id = id;
+  s.mask = (id & CAN_EFF_FLAG) != 0 ? kExtended : kStandard;
+  s.source = source;
+  s.subject = 1;
+  return s;
+}
+
+SlotSpec refused(SlotSpec s) {
+  s.pass = false;
+  return s;
+}
+
+SlotChanges adding(std::vector<SlotSpec> specs) {
+  SlotChanges changes;
+  changes.add = std::move(specs);
+  return changes;
+}
+SlotChanges removing(std::vector<SlotSpec> specs) {
+  SlotChanges changes;
+  changes.remove = std::move(specs);
+  return changes;
+}
+
+std::vector<SlotSpec> sorted(std::vector<SlotSpec> specs) {
+  std::ranges::sort(specs, {}, [](const SlotSpec& s) {
+    return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.max_len, s.formats, s.subject,
+                      s.pass);
+  });
+  return specs;
+}
+
+/// Identifiers of 29 bits that fall into one bucket.
+std::vector<std::uint32_t> colliding(std::size_t count) {
+  std::vector<std::uint32_t> ids;
+  const std::uint32_t bucket = gate_bucket(GATE_PROFILE_RAW, CAN_EFF_FLAG);
+  for (std::uint32_t id = CAN_EFF_FLAG; ids.size() < count; ++id)
+    if (gate_bucket(GATE_PROFILE_RAW, id) == bucket) ids.push_back(id);
+  return ids;
+}
+
+class Slots : public testing::Test {
+ protected:
+  SlotTable read(bool fresh = true, std::uint32_t profile = GATE_PROFILE_RAW) {
+    auto table = SlotTable::read(*memory_, {cpus_.get(), 2}, profile, fresh, [this] {
+      ++waits_;
+      return wait_result_;
+    });
+    EXPECT_TRUE(table) << table.error().text;
+    return std::move(*table);
+  }
+  static std::string error(SlotTable& slots, const SlotChanges& changes) {
+    const auto before = slots.present();
+    const auto result = slots.apply(changes);
+    EXPECT_EQ(slots.present(), before);
+    return result ? "" : result.error().text;
+  }
+
+  std::unique_ptr<gate_table> memory_ = std::make_unique<gate_table>();
+  std::unique_ptr<gate_cpu[]> cpus_ = std::make_unique<gate_cpu[]>(2);
+  int waits_ = 0;
+  Result<void> wait_result_;
+};
+
+TEST_F(Slots, FreshTableIsEmpty) {
+  const auto slots = read();
+  EXPECT_EQ(slots.size(), 0U);
+  EXPECT_TRUE(slots.present().empty());
+}
+
+TEST_F(Slots, PresentGivesBackWhatWasAdded) {
+  auto slots = read();
+  auto full = raw(CAN_EFF_FLAG | 0x1fffffff, 9);
+  full.direction = Direction::ingress;
+  full.max_len = 64;
+  full.formats = GATE_FD;
+  full.uid = 1000;
+  full.subject = 0xa4efeccc3210b497;
+  const std::vector specs = {raw(0), raw(0x7ff, 7), refused(raw(0x123)), full};
+  ASSERT_TRUE(slots.apply(adding(specs)));
+  EXPECT_EQ(sorted(slots.present()), sorted(specs));
+}
+
+TEST_F(Slots, RestartReadsTheSameSlots) {
+  std::vector<SlotSpec> specs;
+  for (std::uint32_t i = 0; i < 300; ++i) specs.push_back(raw(i * 5 % 2048, i % 3));
+  for (std::uint32_t i = 0; i < 300; ++i) specs.push_back(raw(CAN_EFF_FLAG | i * 7919));
+  auto before = read();
+  ASSERT_TRUE(before.apply(adding(specs)));
+  const auto after = read(false);
+  EXPECT_EQ(after.present(), before.present());
+  EXPECT_EQ(after.size(), specs.size());
+}
+
+TEST_F(Slots, NewSlotIsLinkedAndOpenedOnlyWhenItPasses) {
+  auto slots = read();
+  ASSERT_TRUE(slots.apply(adding({raw(0x10), refused(raw(0x11))})));
+  EXPECT_EQ(memory_->slots[memory_->head[GATE_EGRESS][0x10]].verdict, unsigned{GATE_PASS});
+  EXPECT_EQ(memory_->slots[memory_->head[GATE_EGRESS][0x11]].verdict, unsigned{GATE_DENY});
+  EXPECT_EQ(memory_->head[GATE_INGRESS][0x10], 0);
+}
+
+TEST_F(Slots, FlipChangesNothingButTheVerdict) {
+  auto slots = read();
+  ASSERT_TRUE(slots.apply(adding({raw(0x10), raw(0x10, 3)})));
+  const gate_table before = *memory_;
+  SlotChanges close;
+  close.close = {raw(0x10)};
+  ASSERT_TRUE(slots.apply(close));
+  const auto slot = slots.find(raw(0x10)).value();
+  EXPECT_EQ(memory_->slots[slot].verdict, unsigned{GATE_DENY});
+  SlotChanges open;
+  open.open = {raw(0x10)};
+  ASSERT_TRUE(slots.apply(open));
+  EXPECT_EQ(std::memcmp(&before, memory_.get(), sizeof(before)), 0);
+}
+
+TEST_F(Slots, RemovalKeepsTheRestOfTheChain) {
+  for (std::size_t gone = 0; gone < 3; ++gone) {
+    *memory_ = {};
+    auto slots = read();
+    std::vector specs = {raw(0x10, 1), raw(0x10, 2), raw(0x10, 3)};
+    ASSERT_TRUE(slots.apply(adding(specs)));
+    const auto slot = slots.find(specs[gone]).value();
+    const auto next = memory_->slots[slot].next;
+    ASSERT_TRUE(slots.apply(removing({specs[gone]})));
+    EXPECT_FALSE(slots.find(specs[gone]));
+    EXPECT_EQ(memory_->slots[slot].verdict, unsigned{GATE_DENY});
+    EXPECT_EQ(memory_->slots[slot].next, next) << "a program that stands on it must find the rest";
+    specs.erase(specs.begin() + static_cast<std::ptrdiff_t>(gone));
+    EXPECT_EQ(sorted(slots.present()), sorted(specs));
+  }
+}
+
+TEST_F(Slots, RemovedSlotsAreReusedOnlyAfterAGracePeriod) {
+  auto slots = read();
+  std::vector<SlotSpec> all;
+  for (std::uint32_t i = 0; i < GATE_SLOTS - GATE_FIRST_SLOT; ++i) all.push_back(raw(i / 2, i % 2));
+  ASSERT_TRUE(slots.apply(adding(all)));
+  ASSERT_TRUE(slots.apply(removing({all[0], all[1]})));
+  EXPECT_EQ(waits_, 0);
+  ASSERT_TRUE(slots.apply(adding({raw(0x7ff, 5)})));
+  EXPECT_EQ(waits_, 1);
+  ASSERT_TRUE(slots.apply(adding({raw(0x7ff, 6)})));
+  EXPECT_EQ(waits_, 1);
+}
+
+TEST_F(Slots, FreeSlotsOfARunningGateWaitForAGracePeriod) {
+  read();
+  auto slots = read(false);
+  ASSERT_TRUE(slots.apply(adding({raw(1)})));
+  EXPECT_EQ(waits_, 1);
+}
+
+TEST_F(Slots, FailedGracePeriodAddsNothing) {
+  read();
+  auto slots = read(false);
+  wait_result_ = fail("no grace");
+  EXPECT_EQ(error(slots, adding({raw(1)})), "no grace");
+}
+
+TEST_F(Slots, ReusedSlotCountsFromZero) {
+  auto slots = read();
+  ASSERT_TRUE(slots.apply(adding({raw(1)})));
+  const auto first = slots.find(raw(1)).value();
+  cpus_[1].slots[first] = {.passed = 5, .dropped = 6, .bytes = 7, .pad = 0};
+  memory_->last_reason[first] = GATE_R_LENGTH;
+  ASSERT_TRUE(slots.apply(removing({raw(1)})));
+  for (std::uint32_t i = 0; i < 2047; ++i) ASSERT_TRUE(slots.apply(adding({raw(i, 1), raw(i, 2)})));
+  ASSERT_EQ(slots.size(), std::size_t{GATE_SLOTS - GATE_FIRST_SLOT});
+  const auto count = slot_counters(*memory_, {cpus_.get(), 2}, first);
+  EXPECT_EQ(count.passed + count.dropped + count.bytes, 0U);
+  EXPECT_EQ(count.last_reason, GATE_R_PASSED);
+}
+
+TEST_F(Slots, LimitOfSlotsIsExact) {
+  auto slots = read();
+  std::vector<SlotSpec> all;
+  for (std::uint32_t i = 0; i < GATE_SLOTS - GATE_FIRST_SLOT; ++i) all.push_back(raw(i / 2, i % 2));
+  auto more = all;
+  more.push_back(raw(0x7ff, 5));
+  EXPECT_NE(error(slots, adding(more)).find("more than 4094 slots"), std::string::npos);
+  ASSERT_TRUE(slots.apply(adding(all)));
+  EXPECT_NE(error(slots, adding({raw(0x7ff, 5)})).find("more than 4094 slots"), std::string::npos);
+}
+
+TEST_F(Slots, FullTableIsExchangedAsAWhole) {
+  auto slots = read();
+  std::vector<SlotSpec> old_slots;
+  std::vector<SlotSpec> new_slots;
+  for (std::uint32_t i = 0; i < GATE_SLOTS - GATE_FIRST_SLOT; ++i) {
+    old_slots.push_back(raw(i / 2, i % 2));
+    new_slots.push_back(raw(CAN_EFF_FLAG | i));
+  }
+  ASSERT_TRUE(slots.apply(adding(old_slots)));
+  ASSERT_TRUE(slots.apply(difference(slots.present(), new_slots)));
+  EXPECT_EQ(sorted(slots.present()), sorted(new_slots));
+}
+
+TEST_F(Slots, LimitOfPublishersIsExact) {
+  auto slots = read();
+  for (std::uint32_t i = 0; i < GATE_CHAIN; ++i)
+    ASSERT_TRUE(slots.apply(adding({raw(0x10, i)}))) << i;
+  EXPECT_NE(error(slots, adding({raw(0x10, GATE_CHAIN)})).find("more than 8 publishers"),
+            std::string::npos);
+  ASSERT_TRUE(slots.apply(removing({raw(0x10, 3)})));
+  EXPECT_TRUE(slots.apply(adding({raw(0x10, GATE_CHAIN)})));
+}
+
+TEST_F(Slots, LimitOfIdentifiersThatFallTogetherIsExact) {
+  auto slots = read();
+  const auto ids = colliding(GATE_WALK + 1);
+  for (std::uint32_t i = 0; i < GATE_WALK; ++i)
+    ASSERT_TRUE(slots.apply(adding({raw(ids[i])}))) << i;
+  EXPECT_NE(error(slots, adding({raw(ids.back())})).find("more than 32 slots"), std::string::npos);
+  auto changes = adding({raw(ids.back())});
+  changes.remove = {raw(ids.front())};
+  EXPECT_TRUE(slots.apply(changes)) << "room is made first";
+}
+
+TEST_F(Slots, EightPublishersOfEachCollidingIdentifierFit) {
+  auto slots = read();
+  for (const auto id : colliding(GATE_WALK / GATE_CHAIN))
+    for (std::uint32_t i = 0; i < GATE_CHAIN; ++i) ASSERT_TRUE(slots.apply(adding({raw(id, i)})));
+}
+
+TEST_F(Slots, FamousoSlotsOfOneEtagShareABucket) {
+  auto slots = read(true, GATE_PROFILE_FAMOUSO);
+  ASSERT_TRUE(slots.apply(adding({raw(CAN_EFF_FLAG | 5U << 14 | 0x64)})));
+  ASSERT_TRUE(slots.apply(adding({raw(CAN_EFF_FLAG | 6U << 14 | 0x64)})));
+  EXPECT_NE(memory_->slots[memory_->head[GATE_EGRESS][0x64]].next, 0);
+}
+
+struct BadSpec {
+  const char* name;
+  std::uint32_t profile;
+  void (*spoil)(SlotSpec&);
+  const char* text;
+};
+
+class BadSlots : public Slots, public testing::WithParamInterface<BadSpec> {};
+
+TEST_P(BadSlots, AreRefusedWithoutAChange) {
+  auto slots = read(true, GetParam().profile);
+  auto spec = raw(GetParam().profile == GATE_PROFILE_RAW ? 0x10 : CAN_EFF_FLAG | 0x10);
+  auto good = spec;
+  good.subject = 2;
+  GetParam().spoil(spec);
+  const auto text = error(slots, adding({good, spec}));
+  EXPECT_NE(text.find(GetParam().text), std::string::npos) << text;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadSlots,
+    testing::Values(
+        BadSpec{"StandardIdInFamouso", GATE_PROFILE_FAMOUSO, [](auto& s) { s.id = 0x10; },
+                "no such identifier"},
+        BadSpec{"NoProfile", GATE_PROFILE_NONE, [](auto&) {}, "no such identifier"},
+        BadSpec{"BitsOutsideTheMask", GATE_PROFILE_RAW,
+                [](auto& s) { s.mask = kStandard & ~0x10U; }, "outside its mask"},
+        BadSpec{"KeyBitOpen", GATE_PROFILE_RAW, [](auto& s) { s.mask &= ~1U; }, "part of the key"},
+        BadSpec{"FormOpen", GATE_PROFILE_RAW, [](auto& s) { s.mask &= ~CAN_EFF_FLAG; },
+                "part of the key"},
+        BadSpec{"EtagBitOpen", GATE_PROFILE_FAMOUSO, [](auto& s) { s.mask &= ~0x2000U; },
+                "part of the key"},
+        BadSpec{"StandardIdTooLarge", GATE_PROFILE_RAW,
+                [](auto& s) { s.id = 0x800, s.mask = kExtended; }, "at most 0x7ff"},
+        BadSpec{"ErrorFrame", GATE_PROFILE_RAW,
+                [](auto& s) { s.id |= CAN_ERR_FLAG, s.mask |= CAN_ERR_FLAG; }, "error frames"},
+        BadSpec{"NoFormat", GATE_PROFILE_RAW, [](auto& s) { s.formats = 0; }, "neither classic"},
+        BadSpec{"UnknownFormat", GATE_PROFILE_RAW, [](auto& s) { s.formats = 4; },
+                "neither classic"},
+        BadSpec{"NobodyAsSource", GATE_PROFILE_RAW, [](auto& s) { s.source = GATE_NO_SOURCE; },
+                "no interface"},
+        BadSpec{"TheSameTwice", GATE_PROFILE_RAW, [](auto& s) { s.subject = 2; }, "there already"}),
+    [](const auto& row) { return row.param.name; });
+
+TEST_F(Slots, ChangesOfAbsentSlotsAreRefused) {
+  auto slots = read();
+  ASSERT_TRUE(slots.apply(adding({raw(1)})));
+  EXPECT_NE(error(slots, adding({raw(1)})), "");
+  EXPECT_NE(error(slots, adding({refused(raw(1))})), "") << "the verdict does not make it another";
+  EXPECT_NE(error(slots, removing({raw(2)})), "");
+  EXPECT_NE(error(slots, removing({raw(1), raw(1)})), "");
+  SlotChanges close;
+  close.close = {raw(1), raw(2)};
+  EXPECT_NE(error(slots, close), "");
+  SlotChanges open;
+  open.open = {raw(2)};
+  EXPECT_NE(error(slots, open), "");
+  auto both = removing({raw(1)});
+  both.open = {raw(1)};
+  EXPECT_NE(error(slots, both), "");
+}
+
+TEST_F(Slots, DenyAllKeepsTheSlots) {
+  auto slots = read();
+  ASSERT_TRUE(slots.apply(adding({raw(1), raw(2), refused(raw(3))})));
+  slots.deny_all();
+  EXPECT_EQ(sorted(slots.present()),
+            (std::vector{refused(raw(1)), refused(raw(2)), refused(raw(3))}));
+}
+
+TEST_F(Slots, DamagedTablesAreNotRead) {
+  const auto bad = [this](std::uint32_t profile = GATE_PROFILE_RAW) {
+    return !SlotTable::read(*memory_, {cpus_.get(), 2}, profile, false, nullptr).has_value();
+  };
+  EXPECT_TRUE(bad()) << "no layout version";
+  {
+    auto slots = read();
+    ASSERT_TRUE(slots.apply(adding({raw(1), raw(1, 5), raw(2)})));
+  }
+  EXPECT_FALSE(bad());
+  EXPECT_TRUE(bad(GATE_PROFILE_FAMOUSO));
+  const gate_table good = *memory_;
+  memory_->slots[memory_->head[GATE_EGRESS][2]].next = memory_->head[GATE_EGRESS][1];
+  EXPECT_TRUE(bad()) << "two chains meet";
+  *memory_ = good;
+  memory_->slots[memory_->head[GATE_EGRESS][2]].next = memory_->head[GATE_EGRESS][2];
+  EXPECT_TRUE(bad()) << "a circle";
+  *memory_ = good;
+  memory_->head[GATE_EGRESS][7] = GATE_SLOTS;
+  EXPECT_TRUE(bad()) << "no such slot";
+  *memory_ = good;
+  memory_->head[GATE_EGRESS][7] = 1;
+  EXPECT_TRUE(bad()) << "a counting slot";
+  *memory_ = good;
+  memory_->layout_version = GATE_LAYOUT_VERSION + 1;
+  EXPECT_TRUE(bad());
+}
+
+TEST(Difference, OfEqualStatesIsNothing) {
+  const std::vector specs = {raw(1), refused(raw(2))};
+  EXPECT_TRUE(difference(specs, specs).empty());
+}
+
+TEST(Difference, NamesOnlyWhatChanges) {
+  const std::vector present = {raw(1), refused(raw(2)), raw(3), raw(4)};
+  const std::vector wanted = {refused(raw(1)), raw(2), raw(3), raw(5)};
+  const auto changes = difference(present, wanted);
+  EXPECT_EQ(changes.close, (std::vector{raw(1), raw(4)}));
+  EXPECT_EQ(changes.open, std::vector{refused(raw(2))});
+  EXPECT_EQ(changes.remove, std::vector{raw(4)});
+  EXPECT_EQ(changes.add, std::vector{raw(5)});
+}
+
+TEST(Difference, ForerunnerOfAPassingSlotIsNotClosedFirst) {
+  auto longer = raw(1);
+  longer.max_len = 64;
+  const std::vector present = {raw(1)};
+  EXPECT_TRUE(difference(present, std::vector{longer}).close.empty());
+  EXPECT_EQ(difference(present, std::vector{refused(longer)}).close, present);
+  EXPECT_EQ(difference(present, std::vector{raw(1, 9)}).close, present) << "another source";
+}
+
+TEST(Difference, PublishersWithOneGrantShareASlotThatPassesForEither) {
+  const auto changes = difference({}, std::vector{refused(raw(1)), raw(1), refused(raw(1))});
+  EXPECT_EQ(changes.add, std::vector{raw(1)});
+}
+
+TEST_F(Slots, RandomStatesAreReachedFromOneAnother) {
+  std::mt19937 random(7);
+  const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
+  auto slots = read();
+  for (int round = 0; round < 300; ++round) {
+    std::vector<SlotSpec> wanted;
+    for (std::uint32_t i = below(60); i > 0; --i) {
+      auto s = raw(below(2) == 0 ? below(8) : CAN_EFF_FLAG | below(8), below(6));
+      s.pass = below(3) != 0;
+      if (std::ranges::none_of(wanted, [&](const auto& t) { return t.same_grant(s); }))
+        wanted.push_back(s);
+    }
+    ASSERT_TRUE(slots.apply(difference(slots.present(), wanted))) << round;
+    ASSERT_EQ(sorted(slots.present()), sorted(wanted));
+    ASSERT_EQ(read(false).present(), slots.present());
+  }
+}
+
+}  // namespace
+}  // namespace mlcca::enforce
