@@ -26,6 +26,8 @@ const Row* deciding_row(const Verdict& verdict) {
       continue;
     }
     if (row.against != Against::end_to_end) continue;
+    // Sizes are met exactly as a rule; what a person wants to know is how near time and loss are.
+    if (row.comparison.attribute == Attribute::max_payload) continue;
     if (tightest == nullptr || slack(row.comparison) < slack(tightest->comparison)) tightest = &row;
   }
   if (verdict.granted && tightest == nullptr && !verdict.rows.empty()) return &verdict.rows.front();

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/journal.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <charconv>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+#include <vector>
+
+#define SD_JOURNAL_SUPPRESS_LOCATION
+#include <sys/uio.h>
+#include <systemd/sd-journal.h>
+
+#include "core/text.hpp"
+
+namespace mlcca {
+namespace {
+
+struct KindInfo {
+  const char* name;
+  const char* message_id;
+};
+// Indexed by Kind. The ids are forever: operators filter by them.
+constexpr std::array kKinds{
+    KindInfo{"started", "14b643dd05dc43898c7b5b35e1589983"},
+    KindInfo{"stopped", "f43723b89f424375a34f886fc34794e7"},
+    KindInfo{"granted", "36505939845e4576b62c8f50eff44cfa"},
+    KindInfo{"refused", "a761365c7d7649f79e98dc3442aa1d7a"},
+    KindInfo{"withdrawn", "08b8e094cb174563a6171d269dba6874"},
+    KindInfo{"released", "07140c11d56b4440bad6cc08ff7d96aa"},
+    KindInfo{"dropping", "009adc297a61474d8ea0e3a17efa72f3"},
+    KindInfo{"interface", "f1d09b13c2ac45a9b3d48dcf98334a4e"},
+    KindInfo{"mode", "8e4024714a6c4e21bebd3ea336faf49b"},
+    KindInfo{"reload", "16600d2717154f5087c62d70858f4596"},
+    KindInfo{"lapsed", "9e1ef985cd944886ba5ceea7d0859707"},
+    KindInfo{"trouble", "11436d69f9dc477a90d4c483ce53572b"},
+};
+
+/// JOURNAL_STREAM names device and inode of the stream that systemd gave us as stderr.
+bool stderr_is_journal() {
+  const char* stream = std::getenv("JOURNAL_STREAM");  // NOLINT(concurrency-mt-unsafe)
+  struct stat here{};
+  if (stream == nullptr || ::fstat(STDERR_FILENO, &here) < 0) return false;
+  return std::string_view(stream) ==
+         std::to_string(here.st_dev) + ":" + std::to_string(here.st_ino);
+}
+
+const char* verdict_of(Kind kind) {
+  switch (kind) {
+    case Kind::granted:
+      return "grant";
+    case Kind::refused:
+    case Kind::withdrawn:
+    case Kind::released:
+      return "refusal";
+    default:
+      return nullptr;
+  }
+}
+
+}  // namespace
+
+const char* name_of(Kind kind) { return kKinds[static_cast<std::size_t>(kind)].name; }
+const char* message_id_of(Kind kind) { return kKinds[static_cast<std::size_t>(kind)].message_id; }
+
+Journal Journal::automatic() { return Journal(stderr_is_journal()); }
+
+void Journal::write(const Note& note) const {
+  if (!journald_) {
+    std::fprintf(stderr, "%s\n", note.message.c_str());  // NOLINT(cert-err33-c)
+    return;
+  }
+  std::vector<std::string> fields{
+      "MESSAGE=" + note.message, "PRIORITY=" + std::to_string(note.priority),
+      std::string("MESSAGE_ID=") + message_id_of(note.kind),
+      std::string("MLCCA_KIND=") + name_of(note.kind), "SYSLOG_IDENTIFIER=mlccad"};
+  if (note.subject != 0) fields.push_back("SUBJECT=" + core::format_subject(note.subject));
+  if (!note.channel.empty()) fields.push_back("CHANNEL=" + note.channel);
+  if (!note.network.empty()) fields.push_back("NETWORK=" + note.network);
+  if (const char* verdict = verdict_of(note.kind))
+    fields.push_back(std::string("VERDICT=") + verdict);
+  std::vector<iovec> parts;
+  parts.reserve(fields.size());
+  for (std::string& f : fields) parts.push_back({f.data(), f.size()});
+  sd_journal_sendv(parts.data(), static_cast<int>(parts.size()));
+}
+
+}  // namespace mlcca

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the operator reads: one line an event with structured fields, in the journal or on stderr.
+#pragma once
+#include <cstdint>
+#include <string>
+
+namespace mlcca {
+
+/// Kinds of events; each has a MESSAGE_ID of its own (docs/man/mlccad.8 lists them).
+enum class Kind : std::uint8_t {
+  started,
+  stopped,
+  granted,
+  refused,
+  withdrawn,
+  released,
+  dropping,
+  interface,
+  mode,
+  reload,
+  lapsed,
+  trouble,
+};
+
+/// "granted", as in events of the control protocol.
+[[nodiscard]] const char* name_of(Kind kind);
+/// 32 hex digits.
+[[nodiscard]] const char* message_id_of(Kind kind);
+
+struct Note {
+  Kind kind = Kind::trouble;
+  int priority = 6;  ///< as in syslog: 3 error, 4 warning, 5 notice, 6 information
+  std::string message;
+  std::uint64_t subject = 0;  ///< 0: not about a subject
+  std::string channel;
+  std::string network;
+};
+
+class Journal {
+ public:
+  /// To journald when this process's stderr is a journal stream, else to stderr.
+  static Journal automatic();
+  static Journal to_stderr() { return Journal(false); }
+
+  void write(const Note& note) const;
+
+ private:
+  explicit Journal(bool journald) : journald_(journald) {}
+  bool journald_;
+};
+
+}  // namespace mlcca

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/loop.hpp"
+
+#include <sys/epoll.h>
+#include <systemd/sd-daemon.h>
+
+#include <csignal>
+#include <cstring>
+#include <string>
+
+namespace mlcca {
+namespace {
+
+constexpr std::uint64_t kLookInterval = 1'000'000;  // µs
+constexpr std::uint64_t kAccuracy = 10'000;         // µs
+
+std::uint64_t beat_micros(const Gateway& gateway) { return gateway.beat_interval() / 1000; }
+
+}  // namespace
+
+Result<Loop> Loop::open(Gateway& gateway) {
+  auto sources = std::make_unique<Sources>(gateway);
+  Sources* const s = sources.get();
+  sd_event* raw = nullptr;
+  int e = sd_event_new(&raw);
+  s->event.reset(raw);
+  // The signals must be blocked before their sources are added.
+  sigset_t handled;
+  sigemptyset(&handled);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&handled, signal);
+  ::sigprocmask(SIG_BLOCK, &handled, nullptr);
+  if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGTERM, nullptr, nullptr);
+  if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGINT, nullptr, nullptr);
+  if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGHUP, on_hangup, s);
+  if (e >= 0) e = sd_event_add_io(raw, nullptr, gateway.links_fd(), EPOLLIN, on_links, s);
+  if (e >= 0)
+    e = sd_event_add_time_relative(raw, nullptr, CLOCK_MONOTONIC, 0, kAccuracy, on_beat, s);
+  if (e >= 0)
+    e = sd_event_add_time_relative(raw, nullptr, CLOCK_MONOTONIC, kLookInterval, kAccuracy, on_look,
+                                   s);
+  if (e >= 0) e = sd_event_add_post(raw, nullptr, after_turn, s);
+  if (e >= 0) e = sd_event_set_watchdog(raw, 1);
+  if (e < 0)
+    return fail(std::string("event loop: ") + std::strerror(-e));  // NOLINT(concurrency-mt-unsafe)
+
+  // Without udev (a container, an early boot) names and aliases still identify interfaces.
+  sd_device_monitor* monitor = nullptr;
+  if (sd_device_monitor_new(&monitor) >= 0) {
+    s->udev.reset(monitor);
+    sd_device_monitor_filter_add_match_subsystem_devtype(monitor, "net", nullptr);
+    sd_device_monitor_attach_event(monitor, raw);
+    sd_device_monitor_start(monitor, on_udev, s);
+  }
+  return Loop(std::move(sources));
+}
+
+int Loop::run() { return sd_event_loop(event()) < 0 ? 1 : 0; }
+
+int Loop::on_links(sd_event_source*, int, std::uint32_t, void* self) noexcept {
+  static_cast<Sources*>(self)->links_dirty = true;
+  // The notifications are taken off the socket after the turn: until then it stays readable, and
+  // the turn ends with this handler.
+  return 0;
+}
+
+int Loop::on_udev(sd_device_monitor*, sd_device*, void* self) noexcept {
+  static_cast<Sources*>(self)->identities_dirty = true;
+  return 0;
+}
+
+int Loop::on_beat(sd_event_source* source, std::uint64_t, void* self) noexcept {
+  auto& s = *static_cast<Sources*>(self);
+  s.gateway.beat();
+  sd_event_source_set_time_relative(source, beat_micros(s.gateway));
+  sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
+  return 0;
+}
+
+int Loop::on_look(sd_event_source* source, std::uint64_t, void* self) noexcept {
+  auto& s = *static_cast<Sources*>(self);
+  s.gateway.look_around();
+  sd_notifyf(0, "STATUS=%s", s.gateway.summary().c_str());
+  sd_event_source_set_time_relative(source, kLookInterval);
+  sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
+  return 0;
+}
+
+int Loop::on_hangup(sd_event_source*, const signalfd_siginfo*, void* self) noexcept {
+  static_cast<Sources*>(self)->gateway.reload();
+  return 0;
+}
+
+int Loop::after_turn(sd_event_source*, void* self) noexcept {
+  auto& s = *static_cast<Sources*>(self);
+  if (std::exchange(s.links_dirty, false)) s.gateway.links_changed();
+  if (std::exchange(s.identities_dirty, false)) s.gateway.identities_changed();
+  return 0;
+}
+
+}  // namespace mlcca

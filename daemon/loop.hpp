@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The one event loop: signals, interfaces, udev, timers. Handlers only mark what is dirty; a post
+// handler acts once a turn.
+#pragma once
+#include <systemd/sd-device.h>
+#include <systemd/sd-event.h>
+
+#include <memory>
+
+#include "core/handle.hpp"
+#include "core/result.hpp"
+#include "daemon/gateway.hpp"
+
+namespace mlcca {
+
+class Loop {
+ public:
+  static Result<Loop> open(Gateway& gateway);
+
+  [[nodiscard]] sd_event* event() const { return sources_->event.get(); }
+  /// Until SIGTERM or SIGINT. The exit status of the program.
+  int run();
+
+ private:
+  struct Sources {
+    explicit Sources(Gateway& g) : gateway(g) {}
+    Gateway& gateway;
+    bool links_dirty = false;
+    bool identities_dirty = false;
+    std::unique_ptr<sd_event, FreeWith<sd_event_unref>> event;
+    std::unique_ptr<sd_device_monitor, FreeWith<sd_device_monitor_unref>> udev;
+  };
+  explicit Loop(std::unique_ptr<Sources> sources) : sources_(std::move(sources)) {}
+  static int on_links(sd_event_source*, int, std::uint32_t, void* self) noexcept;
+  static int on_udev(sd_device_monitor*, sd_device*, void* self) noexcept;
+  static int on_beat(sd_event_source* source, std::uint64_t now, void* self) noexcept;
+  static int on_look(sd_event_source* source, std::uint64_t now, void* self) noexcept;
+  static int on_hangup(sd_event_source*, const signalfd_siginfo*, void* self) noexcept;
+  static int after_turn(sd_event_source*, void* self) noexcept;
+
+  std::unique_ptr<Sources> sources_;
+};
+
+}  // namespace mlcca

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// mlccad: reads the command line, puts the parts together and runs one event loop.
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <grp.h>
+#include <net/if.h>
+#include <sys/fsuid.h>
+#include <sys/stat.h>
+#include <systemd/sd-daemon.h>
+#include <systemd/sd-device.h>
+#include <systemd/sd-event.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstring>
+#include <memory>
+
+#include "core/handle.hpp"
+#include "core/result.hpp"
+#include "daemon/enforce/gate.hpp"
+#include "daemon/gateway.hpp"
+#include "daemon/loop.hpp"
+#include "daemon/options.hpp"
+#include "description/read.hpp"
+
+namespace {
+
+using namespace mlcca;  // NOLINT(google-build-using-namespace): the program itself
+
+// Exit statuses; mlccad.service does not restart after kBadInput.
+constexpr int kFailed = 1;
+constexpr int kBadInput = 2;
+
+int check_description(const Options& options) {
+  const auto system = description::read(options.description);
+  if (system) {
+    fmt::print("{}: {} channels, {} networks, {} gateways, {} publishers, {} subscribers\n",
+               options.description, system->channels.size(), system->networks.size(),
+               system->gateways.size(), system->publishers.size(), system->subscribers.size());
+    return 0;
+  }
+  for (const auto& problem : system.error())
+    fmt::print(stderr, "{}\n", description::to_string(problem));
+  return kBadInput;
+}
+
+/// What root pins here must be the service user's: it is the owner of the bpffs.
+void pin_as_owner_of(const std::string& root) {
+  struct stat owner{};
+  if (::geteuid() != 0 || ::stat(root.c_str(), &owner) < 0) return;
+  ::setfsgid(owner.st_gid);
+  ::setfsuid(owner.st_uid);
+}
+
+int close_interfaces(const Options& options) {
+  int status = 0;
+  pin_as_owner_of(options.bpf_root);
+  for (const std::string& name : options.close) {
+    if (name.empty()) continue;
+    if (::if_nametoindex(name.c_str()) == 0) {
+      fmt::print(stderr, "{}: not there yet; the udev rule closes it when it appears\n", name);
+      continue;
+    }
+    const auto done = enforce::close_interface(name, options.bpf_root);
+    if (!done) {
+      fmt::print(stderr, "{}: {}\n", name, done.error().text);
+      status = kFailed;
+    } else {
+      fmt::print(
+          stderr, "{}: {}\n", name,
+          *done == enforce::Closing::closed ? "closed" : "has a gate already, left as it is");
+    }
+  }
+  return status;
+}
+
+/// The socket that systemd hands over, or one of our own.
+Result<Fd> control_socket(const Options& options) {
+  const int given = sd_listen_fds(1);
+  if (given > 1) return fail("systemd handed over more than one socket");
+  if (given < 1) return serve::listen_at(options.socket);
+  Fd socket(SD_LISTEN_FDS_START);
+  if (sd_is_socket_unix(socket.get(), SOCK_STREAM, 1, nullptr, 0) <= 0)
+    return fail("the socket from systemd is no AF_UNIX stream socket that listens");
+  ::fcntl(socket.get(), F_SETFL, O_NONBLOCK);  // NOLINT(*-vararg)
+  return socket;
+}
+
+gid_t control_group(const Options& options, const Journal& journal) {
+  std::array<char, 16384> buffer{};
+  group entry{};
+  group* found = nullptr;
+  ::getgrnam_r(options.group.c_str(), &entry, buffer.data(), buffer.size(), &found);
+  if (found != nullptr) return found->gr_gid;
+  journal.write({Kind::trouble,
+                 4,
+                 fmt::format("there is no group {}: only root may change anything", options.group),
+                 0,
+                 {},
+                 {}});
+  return static_cast<gid_t>(-1);
+}
+
+int give_up(const Journal& journal, const std::string& line) {
+  journal.write({Kind::trouble, 3, line, 0, {}, {}});
+  return kFailed;
+}
+
+int run(const Options& options) {
+  const Journal journal = Journal::automatic();
+  auto control = enforce::Control::create(options.bpf_root);
+  if (!control) return give_up(journal, control.error().text);
+  auto links = net::Links::open();
+  if (!links) {
+    control->close_all();
+    return give_up(journal, links.error().text);
+  }
+  Gateway gateway(options, journal, std::move(*control), std::move(*links), net::udev_facts);
+  if (const auto problem = gateway.start()) {
+    for (const std::string& line : problem->lines)
+      journal.write({Kind::trouble, 3, line, 0, {}, {}});
+    journal.write({Kind::stopped, 3, "not started: everything is denied on every gate", 0, {}, {}});
+    return problem->description ? kBadInput : kFailed;
+  }
+  auto loop = Loop::open(gateway);
+  auto socket = control_socket(options);
+  if (!loop || !socket) {
+    gateway.stop();
+    return give_up(journal, !loop ? loop.error().text : socket.error().text);
+  }
+  auto server = serve::Server::open(
+      loop->event(), std::move(*socket), control_group(options, journal),
+      [&gateway](const auto& request, const auto& peer) { return gateway.answer(request, peer); });
+  if (!server) {
+    gateway.stop();
+    return give_up(journal, server.error().text);
+  }
+  gateway.on_event([&server](const control::Event& event) { (*server)->publish(event); });
+  sd_notifyf(0, "READY=1\nSTATUS=%s", gateway.summary().c_str());
+  const int status = loop->run();
+  sd_notify(0, "STOPPING=1\nSTATUS=everything is denied");
+  gateway.stop();
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const Parsed parsed = parse_options(argc, argv);
+  if (parsed.exit) return parsed.status;
+  if (parsed.options.check_only) return check_description(parsed.options);
+  if (parsed.options.close_mode) return close_interfaces(parsed.options);
+  return run(parsed.options);
+}

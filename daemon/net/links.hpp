@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The interfaces as the kernel has them (rtnetlink), and the few things we set on them.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+
+struct nl_sock;
+
+namespace mlcca::net {
+
+struct Link {
+  int ifindex = 0;
+  std::string name;
+  std::string kind;  ///< "can", "vcan", "vxcan", …; empty: a device without rtnl_link_ops
+  std::string alias;
+  bool is_can = false;             ///< ARPHRD_CAN
+  bool up = false;                 ///< administratively
+  std::string can_state;           ///< "error-active", "error-warning", "error-passive", "bus-off",
+                                   ///< "stopped", "sleeping"; empty: the driver has none
+  std::uint32_t bitrate = 0;       ///< bit/s, 0: unknown
+  std::uint32_t data_bitrate = 0;  ///< bit/s, 0: unknown or classic only
+
+  bool operator==(const Link&) const = default;
+};
+
+/// By ifindex.
+using LinkTable = std::map<int, Link>;
+
+class Links {
+ public:
+  /// Joins the link group first and reads the table then, so that no change is missed.
+  static Result<Links> open();
+  Links(Links&&) noexcept;
+  Links& operator=(Links&&) noexcept;
+  ~Links();
+
+  /// Readable when something changed.
+  [[nodiscard]] int fd() const;
+  /// Takes all notifications off the socket and reads the table anew. True if it differs.
+  Result<bool> refresh();
+  [[nodiscard]] const LinkTable& table() const { return table_; }
+
+  /// Bit rates in bit/s, 0 leaves one alone. The interface must be down.
+  Result<void> set_bitrates(int ifindex, std::uint32_t bitrate, std::uint32_t data_bitrate);
+  Result<void> set_up(int ifindex, bool up);
+
+ private:
+  struct FreeSocket {
+    void operator()(nl_sock* socket) const noexcept;
+  };
+  using Socket = std::unique_ptr<nl_sock, FreeSocket>;
+  Links(Socket notices, Socket requests);
+  Result<LinkTable> read();
+
+  Socket notices_;
+  Socket requests_;
+  LinkTable table_;
+};
+
+}  // namespace mlcca::net

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <optional>
+
+#include "daemon/version.hpp"
+
+namespace mlcca {
+namespace {
+
+/// "10s", "500ms", "0", "forever".
+std::optional<std::uint64_t> parse_grace(const std::string& text) {
+  constexpr std::uint64_t kLongest = 86'400;  // a day in seconds
+  if (text == "forever") return ~std::uint64_t{0};
+  if (text == "0") return 0;
+  std::size_t used = 0;
+  const auto digits = text.find_first_not_of("0123456789");
+  if (digits == 0 || digits == std::string::npos || digits > 8) return std::nullopt;
+  const std::uint64_t number = std::stoull(text, &used);
+  const std::string unit = text.substr(used);
+  if (unit == "ms" && number <= kLongest * 1000) return number * 1'000'000;
+  if (unit == "s" && number <= kLongest) return number * 1'000'000'000;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Parsed parse_options(int argc, char** argv) {
+  Parsed parsed;
+  Options& o = parsed.options;
+  std::string grace = "10s";
+  CLI::App app{"mlccad - lets no data pass over a network that cannot carry it"};
+  app.set_version_flag("--version", kVersion);
+  app.add_option("-d,--description", o.description, "system description (XML)")
+      ->capture_default_str();
+  app.add_option("-g,--gateway", o.gateway,
+                 "name of this gateway in the description (default: the one whose host is this "
+                 "machine's host name, or the only one)");
+  app.add_option("--socket", o.socket, "control socket")->capture_default_str();
+  app.add_option("--bpf-root", o.bpf_root, "bpffs for programs and maps")->capture_default_str();
+  app.add_option("--state-directory", o.state_directory, "run-time admissions are kept here")
+      ->envname("STATE_DIRECTORY")
+      ->capture_default_str();
+  app.add_option("--group", o.group, "members may admit, release, reload and change the mode")
+      ->capture_default_str();
+  app.add_option(
+         "--grace", grace,
+         "how long verdicts stay when this daemon dies or hangs: 10s, 500ms, 0 (as soon as it "
+         "is noticed), forever")
+      ->check([](const std::string& text) {
+        return parse_grace(text) ? std::string()
+                                 : "a time such as 10s or 500ms, 0 or forever (not " + text + ")";
+      })
+      ->capture_default_str();
+  auto* close =
+      app.add_option("--close", o.close,
+                     "close these interfaces in the kernel and exit; one that does not exist "
+                     "is left to the udev rule")
+          ->expected(0, 64);
+  app.add_flag("--check", o.check_only, "read the description, say what is wrong, and exit");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    parsed.exit = true;
+    parsed.status = app.exit(e) == 0 ? 0 : 2;
+  }
+  if (const auto ns = parse_grace(grace)) o.grace_ns = *ns;
+  o.close_mode = close->count() > 0;
+  return parsed;
+}
+
+}  // namespace mlcca

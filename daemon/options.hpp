@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the command line of mlccad says.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mlcca {
+
+struct Options {
+  std::string description = "/etc/mlcca/system.xml";
+  std::string gateway;  ///< which gateway of the description this is; empty: by host name
+  std::string socket = "/run/mlcca/control.sock";
+  std::string bpf_root = "/run/mlcca/bpf";
+  std::string state_directory = "/var/lib/mlcca";
+  std::string group = "mlcca";
+  /// How long verdicts stay when the daemon is silent; ~0 for ever, 0 as soon as it is noticed.
+  std::uint64_t grace_ns = 10'000'000'000;
+  std::vector<std::string> close;  ///< close these interfaces and exit
+  bool close_mode = false;
+  bool check_only = false;  ///< read the description, say what is wrong, exit
+};
+
+/// Result of reading the command line: go on, or exit with the status.
+struct Parsed {
+  Options options;
+  bool exit = false;
+  int status = 0;
+};
+
+[[nodiscard]] Parsed parse_options(int argc, char** argv);
+
+}  // namespace mlcca

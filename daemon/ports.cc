@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/ports.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <ranges>
+#include <utility>
+
+#include "core/text.hpp"
+
+namespace mlcca {
+namespace {
+
+constexpr std::string_view kPinPrefix = "if";
+
+/// Interfaces that have pins of ours: gates of this daemon or of the one before it.
+std::vector<int> pinned_interfaces(const std::string& directory) {
+  std::vector<int> found;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
+    const std::string name = entry.path().filename();
+    int ifindex = 0;
+    const char* const end = name.data() + name.size();
+    if (!name.starts_with(kPinPrefix)) continue;
+    if (std::from_chars(name.data() + kPinPrefix.size(), end, ifindex).ptr == end)
+      found.push_back(ifindex);
+  }
+  return found;
+}
+
+bool needs_gate(core::Profile profile) { return profile != core::Profile::none; }
+
+control::Traffic traffic_of(const enforce::Gate& gate, enforce::Direction direction) {
+  control::Traffic out;
+  const auto reasons = gate.reasons(direction);
+  for (std::size_t i = 0; i < reasons.size(); ++i) {
+    if (reasons[i] == 0) continue;
+    const auto reason = static_cast<gate_reason>(i);
+    if (reason == GATE_R_PASSED) out.passed = reasons[i];
+    if (reason == GATE_R_UNKNOWN) out.unknown = reasons[i];
+    if (enforce::is_drop(reason)) out.dropped += reasons[i];
+    out.reasons.push_back({enforce::reason_text(reason), reasons[i]});
+  }
+  return out;
+}
+
+}  // namespace
+
+void Ports::describe(const core::System& system, std::size_t gateway) {
+  std::vector<PortState> next;
+  for (const core::Port& port : system.gateways[gateway].ports) {
+    PortState state{
+        port, system.networks[port.network].name, system.networks[port.network].profile, 0, {},
+        false};
+    const auto old = std::ranges::find_if(ports_, [&](const PortState& p) {
+      return p.port.identity == port.identity && p.network_name == state.network_name;
+    });
+    if (old != ports_.end()) {
+      state.ifindex = old->ifindex;
+      state.raised = old->raised && old->port.bitrate == port.bitrate &&
+                     old->port.data_bitrate == port.data_bitrate;
+    }
+    next.push_back(std::move(state));
+  }
+  ports_ = std::move(next);
+}
+
+const net::Link* Ports::link_of(const PortState& port) const {
+  const auto it = links_.table().find(port.ifindex);
+  return it == links_.table().end() ? nullptr : &it->second;
+}
+
+bool Ports::is_described(int ifindex) const {
+  return std::ranges::any_of(ports_,
+                             [ifindex](const PortState& p) { return p.ifindex == ifindex; });
+}
+
+void Ports::follow() {
+  forget_vanished();
+  for (PortState& port : ports_) match(port);
+  close_undescribed();
+  for (PortState& port : ports_) {
+    if (port.ifindex == 0 || !port.problem.empty()) continue;
+    if (needs_gate(port.profile)) attach(port);
+    if (port.problem.empty() && port.port.managed && !port.raised) raise(port);
+    judge(port);
+  }
+}
+
+void Ports::forget_vanished() {
+  for (auto it = gates_.begin(); it != gates_.end();) {
+    if (links_.table().contains(it->first)) {
+      ++it;
+      continue;
+    }
+    it->second.unpin();
+    it = gates_.erase(it);
+  }
+  if (const auto unpinned = enforce::unpin_vanished(control_); !unpinned)
+    tell_({}, unpinned.error().text, true);
+}
+
+void Ports::match(PortState& port) {
+  const auto found = net::find_interface(port.port.identity, links_.table(), facts_of_);
+  port.problem = found ? "" : found.error().text;
+  const int now = found && *found ? **found : 0;
+  if (now == 0 && port.problem.empty())
+    port.problem = fmt::format("the interface ({}) is not there", net::to_text(port.port.identity));
+  if (now == port.ifindex) return;
+  // Both the interface that was this port and the one that is it now may hold grants of another.
+  for (const int ifindex : {port.ifindex, now})
+    if (const auto gate = gates_.find(ifindex); gate != gates_.end()) gate->second.deny_all();
+  if (now != 0)
+    tell_(port.network_name,
+          fmt::format("{} is {} ({})", links_.table().at(now).name, port.network_name,
+                      net::to_text(port.port.identity)),
+          false);
+  else
+    tell_(port.network_name, fmt::format("{}: {}", port.network_name, port.problem), true);
+  port.ifindex = now;
+  port.raised = false;
+}
+
+void Ports::close_undescribed() {
+  for (auto& [ifindex, gate] : gates_)
+    if (!is_described(ifindex)) gate.deny_all();
+  for (const int ifindex : pinned_interfaces(control_.directory())) {
+    if (is_described(ifindex) || gates_.contains(ifindex)) continue;
+    const auto link = links_.table().find(ifindex);
+    if (link == links_.table().end()) continue;
+    // A gate without a profile starts without slots: nothing that was granted before passes.
+    auto gate = enforce::Gate::attach(
+        {static_cast<std::uint32_t>(ifindex), link->second.name, core::Profile::none, false},
+        control_);
+    if (!gate) {
+      tell_({}, gate.error().text, true);
+      continue;
+    }
+    tell_({}, fmt::format("{} is not described: its gate stays closed", link->second.name), true);
+    gates_.emplace(ifindex, std::move(*gate));
+  }
+}
+
+void Ports::attach(PortState& port) {
+  const net::Link& link = *link_of(port);
+  if (!link.is_can) {
+    port.problem = fmt::format("{} is not a CAN interface", link.name);
+    return;
+  }
+  if (gates_.contains(port.ifindex)) return;
+  auto gate = enforce::Gate::attach(
+      {static_cast<std::uint32_t>(port.ifindex), link.name, port.profile, link.kind == "can"},
+      control_);
+  if (!gate) {
+    port.problem = gate.error().text;
+    tell_(port.network_name, port.problem, true);
+    hold_closed(port, link.name);
+    return;
+  }
+  port.lost = false;
+  gates_.emplace(port.ifindex, std::move(*gate));
+}
+
+/// The last resort: a gate without pins and slots, which denies everything.
+void Ports::hold_closed(PortState& port, const std::string& name) {
+  const auto closing = enforce::close_interface(name, root_);
+  port.lost = !closing || *closing != enforce::Closing::closed;
+  tell_(port.network_name,
+        port.lost ? name + " cannot be held: every gate is closed until it can"
+                  : name + " is held closed",
+        true);
+}
+
+bool Ports::out_of_hand() const { return std::ranges::any_of(ports_, &PortState::lost); }
+
+void Ports::raise(PortState& port) {
+  const net::Link link = *link_of(port);
+  const bool set_rates =
+      link.kind == "can" && port.port.bitrate != 0 &&
+      (link.bitrate != port.port.bitrate ||
+       (port.port.data_bitrate != 0 && link.data_bitrate != port.port.data_bitrate));
+  Result<void> done;
+  if (set_rates) {
+    if (link.up) done = links_.set_up(link.ifindex, false);
+    if (done) done = links_.set_bitrates(link.ifindex, port.port.bitrate, port.port.data_bitrate);
+  }
+  if (done && (!link.up || set_rates)) done = links_.set_up(link.ifindex, true);
+  if (done) {
+    port.raised = true;
+    if (const auto refreshed = links_.refresh(); !refreshed)
+      tell_(port.network_name, refreshed.error().text, true);
+    return;
+  }
+  port.problem = fmt::format("{}: {}", link.name, done.error().text);
+  tell_(port.network_name, port.problem, true);
+}
+
+void Ports::judge(PortState& port) {
+  const net::Link* link = link_of(port);
+  if (!port.problem.empty() || link == nullptr) return;
+  if (!link->up)
+    port.problem = link->name + " is down";
+  else if (link->can_state == "bus-off")
+    port.problem = link->name + " is bus-off";
+  else if (link->kind == "can" && link->bitrate == 0)
+    port.problem = "the bit rate of " + link->name + " is unknown";
+}
+
+bool Ports::repair() {
+  for (auto& [ifindex, gate] : gates_) {
+    const auto there = gate.attached();
+    if (there && *there) continue;
+    if (!links_.table().contains(ifindex)) continue;
+    const auto repaired = gate.reattach();
+    tell_({},
+          repaired
+              ? fmt::format("somebody removed the gate of {}: it was open until now, and is back",
+                            gate.name())
+              : fmt::format("the gate of {} is gone and cannot be put back: {}", gate.name(),
+                            repaired.error().text),
+          true);
+  }
+  return std::ranges::any_of(ports_, [this](const PortState& p) {
+    const net::Link* link = link_of(p);
+    return link != nullptr && link->is_can && needs_gate(p.profile) && !gates_.contains(p.ifindex);
+  });
+}
+
+std::vector<core::Condition> Ports::conditions(std::size_t networks) const {
+  std::vector<core::Condition> out(networks);
+  for (const PortState& port : ports_)
+    out[port.port.network] = {port.problem.empty(), port.problem};
+  return out;
+}
+
+const enforce::Gate* Ports::gate_of(std::size_t port) const {
+  const auto it = gates_.find(ports_[port].ifindex);
+  return it == gates_.end() || !needs_gate(ports_[port].profile) ? nullptr : &it->second;
+}
+enforce::Gate* Ports::gate_of(std::size_t port) {
+  return const_cast<enforce::Gate*>(std::as_const(*this).gate_of(port));  // NOLINT(*-const-cast)
+}
+
+std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateEntry& e, bool pass) const {
+  enforce::SlotSpec slot;
+  slot.direction = e.direction == core::Direction::ingress ? enforce::Direction::ingress
+                                                           : enforce::Direction::egress;
+  slot.pass = pass;
+  slot.max_len = e.max_length;
+  slot.formats = static_cast<std::uint8_t>((e.classic ? GATE_CLASSIC : 0) | (e.fd ? GATE_FD : 0));
+  slot.id = e.id;
+  slot.mask = e.mask;
+  slot.subject = e.subject;
+  if (e.direction == core::Direction::egress) {
+    if (e.source_port) {
+      slot.source = static_cast<std::uint32_t>(ports_[*e.source_port].ifindex);
+      if (slot.source == 0) return std::nullopt;  // nothing can come from there
+    } else {
+      slot.uid = e.uid;
+    }
+  }
+  return slot;
+}
+
+Result<void> Ports::sync(const core::GateState& wanted) {
+  std::string problems;
+  for (std::size_t p = 0; p < ports_.size(); ++p) {
+    enforce::Gate* gate = gate_of(p);
+    if (gate == nullptr) continue;
+    std::vector<enforce::SlotSpec> slots;
+    for (const core::GateRule& rule : wanted)
+      if (rule.entry.port == p)
+        if (auto slot = slot_of(rule.entry, rule.pass)) slots.push_back(*slot);
+    if (const auto done = gate->apply(enforce::difference(gate->present(), slots)); !done) {
+      gate->deny_all();
+      problems += (problems.empty() ? "" : "; ") + gate->name() + ": " + done.error().text;
+    }
+  }
+  if (!problems.empty()) return fail(problems);
+  return {};
+}
+
+Result<void> Ports::apply(const core::GateChanges& changes) {
+  std::map<std::size_t, enforce::SlotChanges> by_port;
+  const auto spread = [&](const std::vector<core::GateEntry>& entries,
+                          std::vector<enforce::SlotSpec> enforce::SlotChanges::* list) {
+    for (const core::GateEntry& e : entries)
+      if (gate_of(e.port) != nullptr)
+        if (auto slot = slot_of(e, false)) (by_port[e.port].*list).push_back(*slot);
+  };
+  spread(changes.close, &enforce::SlotChanges::close);
+  spread(changes.remove, &enforce::SlotChanges::remove);
+  spread(changes.open, &enforce::SlotChanges::open);
+  for (const core::GateRule& rule : changes.add)
+    if (gate_of(rule.entry.port) != nullptr)
+      if (auto slot = slot_of(rule.entry, rule.pass)) by_port[rule.entry.port].add.push_back(*slot);
+  std::vector<std::pair<std::size_t, std::vector<enforce::SlotSpec>>> before;
+  for (const auto& [p, change] : by_port) {
+    enforce::Gate* gate = gate_of(p);
+    before.emplace_back(p, gate->present());
+    const auto done = gate->apply(change);
+    if (done) continue;
+    before.pop_back();
+    for (const auto& [changed, slots] : before) {
+      enforce::Gate* other = gate_of(changed);
+      if (const auto undone = other->apply(enforce::difference(other->present(), slots)); !undone)
+        other->deny_all();
+    }
+    return fail(gate->name() + ": " + done.error().text);
+  }
+  return {};
+}
+
+Frames Ports::frames(const core::GateState& rules) const {
+  Frames sum;
+  for (const core::GateRule& rule : rules) {
+    const enforce::Gate* gate = gate_of(rule.entry.port);
+    if (gate == nullptr) continue;
+    const auto slot = slot_of(rule.entry, rule.pass);
+    const auto counted = slot ? gate->counters(*slot) : std::nullopt;
+    if (!counted) continue;
+    sum.dropped += counted->dropped;
+    // What entered is counted where it leaves, if it leaves: once.
+    const bool leaves = std::ranges::any_of(rules, [](const core::GateRule& r) {
+      return r.entry.direction == core::Direction::egress;
+    });
+    if (!leaves || rule.entry.direction == core::Direction::egress) sum.passed += counted->passed;
+  }
+  return sum;
+}
+
+std::uint64_t Ports::unknown_frames(std::size_t port) const {
+  const enforce::Gate* gate = gate_of(port);
+  if (gate == nullptr) return 0;
+  return gate->reasons(enforce::Direction::ingress)[GATE_R_UNKNOWN] +
+         gate->reasons(enforce::Direction::egress)[GATE_R_UNKNOWN];
+}
+
+std::string Ports::interface_name(std::size_t port) const {
+  const net::Link* link = link_of(ports_[port]);
+  return link != nullptr ? link->name : net::to_text(ports_[port].port.identity);
+}
+
+std::vector<control::Interface> Ports::report() const {
+  std::vector<control::Interface> out;
+  for (std::size_t p = 0; p < ports_.size(); ++p) {
+    const PortState& port = ports_[p];
+    control::Interface i;
+    i.name = interface_name(p);
+    i.network = port.network_name;
+    i.identity = net::to_text(port.port.identity);
+    i.profile = core::to_text(port.profile);
+    i.managed = port.port.managed;
+    i.problem = port.problem;
+    i.ifindex = static_cast<std::uint32_t>(port.ifindex);
+    if (const net::Link* link = link_of(port)) {
+      i.up = link->up;
+      i.can_state = link->can_state;
+      i.bitrate = link->bitrate;
+    }
+    if (const enforce::Gate* gate = gate_of(p)) {
+      i.gated = gate->attached().value_or(false);
+      i.slots = static_cast<std::uint32_t>(gate->present().size());
+      i.ingress = traffic_of(*gate, enforce::Direction::ingress);
+      i.egress = traffic_of(*gate, enforce::Direction::egress);
+      for (const enforce::UnknownFrame& f : gate->unknown())
+        i.unknown.push_back(
+            {f.can_id, f.len, f.fd, f.direction == enforce::Direction::egress, f.count});
+    }
+    out.push_back(std::move(i));
+  }
+  return out;
+}
+
+}  // namespace mlcca

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The interfaces of this gateway: which of those that are there belong to which network, their
+// gates, and what the gates hold.
+#pragma once
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/messages.hpp"
+#include "core/admission.hpp"
+#include "core/plan.hpp"
+#include "core/result.hpp"
+#include "core/system.hpp"
+#include "daemon/enforce/control.hpp"
+#include "daemon/enforce/gate.hpp"
+#include "daemon/net/identity.hpp"
+#include "daemon/net/links.hpp"
+#include "daemon/report.hpp"
+
+namespace mlcca {
+
+class Ports {
+ public:
+  /// Told of everything an operator should know: interface, one line, whether it is a problem.
+  using Tell =
+      std::function<void(const std::string& network, const std::string& line, bool problem)>;
+
+  /// `root`: the bpffs of `control`.
+  Ports(net::Links& links, enforce::Control& control, std::string root, net::FactsOf facts_of,
+        Tell tell)
+      : links_(links),
+        control_(control),
+        root_(std::move(root)),
+        facts_of_(std::move(facts_of)),
+        tell_(std::move(tell)) {}
+
+  /// The ports of a new description. Gates that are there stay as they are until follow() and
+  /// sync(); an interface that is not described any more is closed by follow().
+  void describe(const core::System& system, std::size_t gateway);
+
+  /// Brings gates and interfaces in line with what is there now: bit rate, then gate, then up.
+  /// Everything that changed hands is denied before anything else happens.
+  void follow();
+
+  /// Gates that lost their filters get them back; one that could not be attached is tried again.
+  /// True if that changed anything: follow() then.
+  bool repair();
+
+  /// An interface that ought to be gated has no gate that we command, and an older one may still
+  /// pass what it was told: everything must be closed.
+  [[nodiscard]] bool out_of_hand() const;
+
+  /// Usable or why not, per network of the system.
+  [[nodiscard]] std::vector<core::Condition> conditions(std::size_t networks) const;
+
+  /// Makes every gate hold exactly `wanted`. A gate that refuses is denied as a whole, and the
+  /// error names it.
+  Result<void> sync(const core::GateState& wanted);
+  /// Makes the changes, or none of them.
+  Result<void> apply(const core::GateChanges& changes);
+
+  [[nodiscard]] Frames frames(const core::GateState& rules) const;
+  [[nodiscard]] std::vector<control::Interface> report() const;
+  [[nodiscard]] std::size_t size() const { return ports_.size(); }
+  [[nodiscard]] const std::string& network_of(std::size_t port) const {
+    return ports_[port].network_name;
+  }
+  /// Frames without a slot so far, on one port.
+  [[nodiscard]] std::uint64_t unknown_frames(std::size_t port) const;
+  /// Name of the interface now, or what it is recognised by.
+  [[nodiscard]] std::string interface_name(std::size_t port) const;
+
+ private:
+  struct PortState {
+    core::Port port;
+    std::string network_name;
+    core::Profile profile = core::Profile::none;
+    int ifindex = 0;  ///< 0: not there
+    std::string problem;
+    bool raised = false;  ///< a managed interface was brought up once since it appeared
+    bool lost = false;    ///< no gate of ours could be attached, not even a closed one
+  };
+
+  [[nodiscard]] const net::Link* link_of(const PortState& port) const;
+  void match(PortState& port);
+  void attach(PortState& port);
+  void hold_closed(PortState& port, const std::string& name);
+  void raise(PortState& port);
+  void forget_vanished();
+  void close_undescribed();
+  void judge(PortState& port);
+  [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateEntry& entry,
+                                                         bool pass) const;
+  [[nodiscard]] const enforce::Gate* gate_of(std::size_t port) const;
+  enforce::Gate* gate_of(std::size_t port);
+  [[nodiscard]] bool is_described(int ifindex) const;
+
+  net::Links& links_;
+  enforce::Control& control_;
+  std::string root_;
+  net::FactsOf facts_of_;
+  Tell tell_;
+  std::vector<PortState> ports_;
+  std::map<int, enforce::Gate> gates_;  ///< by ifindex
+};
+
+}  // namespace mlcca

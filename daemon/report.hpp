@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Decisions and the state of the gates in the words of the control protocol.
+#pragma once
+#include <string>
+
+#include "control/messages.hpp"
+#include "core/state.hpp"
+#include "core/verdict.hpp"
+
+namespace mlcca {
+
+/// Frames that a delivery's slots have passed and dropped at this gateway.
+struct Frames {
+  std::uint64_t passed = 0;
+  std::uint64_t dropped = 0;
+};
+
+[[nodiscard]] control::Channel channel_report(const core::State& state,
+                                              const core::Verdict& verdict, Frames frames);
+[[nodiscard]] control::Network network_report(const core::State& state, std::size_t network);
+
+/// "emergency-switch (0xa4efeccc3210b497) refused from second-can to robot-can: Omission …".
+[[nodiscard]] std::string verdict_line(const core::State& state, const core::Verdict& verdict);
+
+}  // namespace mlcca

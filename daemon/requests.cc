@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/requests.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <pwd.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+namespace mlcca {
+namespace {
+
+constexpr std::size_t kNamesShown = 8;
+constexpr std::uint32_t kHighestNode = 126;  // 127 is FAMOUSO's broker
+constexpr std::uint32_t kLowestPriority = 127;
+constexpr std::size_t kLongestName = 63;
+
+template <class Range>
+std::string known(const Range& things) {
+  std::vector<std::string> names;
+  for (const auto& thing : things) {
+    if (names.size() == kNamesShown) {
+      names.emplace_back("…");
+      break;
+    }
+    names.push_back(thing.name);
+  }
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+Result<core::Place> place_named(const core::State& state, const std::string& name) {
+  if (const auto place = state.find_place(name)) return *place;
+  return fail(fmt::format("no network or gateway is called '{}' (networks: {}; gateways: {})", name,
+                          known(state.system().networks), known(state.system().gateways)));
+}
+
+Result<AttributeSet> overridden(AttributeSet base, const std::vector<control::Attribute>& changes) {
+  for (const control::Attribute& change : changes) {
+    std::size_t i = 0;
+    while (i < kAttributes && change.name != kAttributeTable[i].name) ++i;
+    if (i == kAttributes)
+      return fail(fmt::format("there is no attribute '{}' (there are: {})", change.name,
+                              known(kAttributeTable)));
+    base.set(attribute_at(i), change.value);
+  }
+  return base;
+}
+
+/// Names go into one-line logs: no control characters.
+Result<std::string> end_name(const std::string& given, const std::string& otherwise) {
+  if (given.empty()) return otherwise;
+  const bool plain = std::ranges::all_of(given, [](char c) { return c > ' ' && c < 127; });
+  if (!plain || given.size() > kLongestName)
+    return fail(
+        fmt::format("a name has 1 to {} printable characters without blanks", kLongestName));
+  return given;
+}
+
+Result<core::Publisher> new_publisher(const core::State& state,
+                                      const control::ChannelRequest& request, std::size_t channel,
+                                      core::Place from, core::AdmissionId id) {
+  core::Publisher p;
+  p.channel = channel;
+  p.place = from;
+  // The channel's Jitter is what subscribers ask; a publisher's own is stated by itself.
+  AttributeSet base = state.system().channels[channel].attributes;
+  auto attributes = overridden(base.clear(Attribute::jitter), request.offered);
+  if (!attributes) return std::unexpected(attributes.error());
+  p.attributes = *attributes;
+  auto name = end_name(request.publisher, fmt::format("publisher-{}", id));
+  if (!name) return std::unexpected(name.error());
+  p.name = *name;
+  if (request.node) {
+    if (*request.node > kHighestNode)
+      return fail(fmt::format("node {} is out of range: 0 to {}", *request.node, kHighestNode));
+    p.node = static_cast<std::uint8_t>(*request.node);
+  }
+  if (request.priority) {
+    if (*request.priority > kLowestPriority)
+      return fail(fmt::format("priority {} is out of range: 0 (highest) to {}", *request.priority,
+                              kLowestPriority));
+    p.priority = static_cast<std::uint8_t>(*request.priority);
+  }
+  if (from.kind == core::Place::Kind::gateway) {
+    if (request.user.empty())
+      return fail("a publisher on a gateway is a local program: say as which user it runs");
+    std::array<char, 16384> buffer{};
+    passwd entry{};
+    passwd* found = nullptr;
+    ::getpwnam_r(request.user.c_str(), &entry, buffer.data(), buffer.size(), &found);
+    if (found == nullptr) return fail(fmt::format("there is no user '{}'", request.user));
+    p.uid = found->pw_uid;
+  } else if (!request.user.empty()) {
+    return fail("a user is said only for a publisher on a gateway");
+  }
+  return p;
+}
+
+Result<core::Subscriber> new_subscriber(const core::State& state,
+                                        const control::ChannelRequest& request, std::size_t channel,
+                                        core::Place to, core::AdmissionId id) {
+  core::Subscriber s;
+  s.channel = channel;
+  s.place = to;
+  auto attributes = overridden(state.system().channels[channel].attributes, request.required);
+  if (!attributes) return std::unexpected(attributes.error());
+  s.attributes = *attributes;
+  auto name = end_name(request.subscriber, fmt::format("subscriber-{}", id));
+  if (!name) return std::unexpected(name.error());
+  s.name = *name;
+  return s;
+}
+
+bool describes_publisher(const control::ChannelRequest& r) {
+  return r.node || r.priority || !r.user.empty() || !r.offered.empty() || !r.publisher.empty();
+}
+bool describes_subscriber(const control::ChannelRequest& r) {
+  return !r.required.empty() || !r.subscriber.empty();
+}
+
+}  // namespace
+
+Result<std::size_t> channel_named(const core::State& state, const std::string& name) {
+  if (const auto channel = state.find_channel(name)) return *channel;
+  return fail(fmt::format("no event channel is called '{}' (channels: {})", name,
+                          known(state.system().channels)));
+}
+
+Result<Asked> understand(const core::State& state, const control::ChannelRequest& request,
+                         core::AdmissionId id) {
+  Asked asked;
+  const auto channel = channel_named(state, request.channel);
+  if (!channel) return std::unexpected(channel.error());
+  asked.channel = *channel;
+  core::Admission admission{id, *channel, {}, {}};
+  const auto& members = state.members();
+
+  if (!request.from.empty()) {
+    const auto from = place_named(state, request.from);
+    if (!from) return std::unexpected(from.error());
+    const bool there = std::ranges::any_of(members.publishers_of(*channel), [&](std::size_t p) {
+      return members.publisher(p).place == *from;
+    });
+    if (describes_publisher(request) || !there) {
+      auto publisher = new_publisher(state, request, *channel, *from, id);
+      if (!publisher) return std::unexpected(publisher.error());
+      admission.publisher = std::move(*publisher);
+    } else {
+      asked.from = *from;
+    }
+  } else if (describes_publisher(request)) {
+    return fail("a new publisher needs its place: say from which network or gateway");
+  }
+
+  if (!request.to.empty()) {
+    const auto to = place_named(state, request.to);
+    if (!to) return std::unexpected(to.error());
+    const bool there = std::ranges::any_of(members.subscribers_of(*channel), [&](std::size_t s) {
+      return members.subscriber(s).place == *to;
+    });
+    if (describes_subscriber(request) || !there) {
+      auto subscriber = new_subscriber(state, request, *channel, *to, id);
+      if (!subscriber) return std::unexpected(subscriber.error());
+      admission.subscriber = std::move(*subscriber);
+    } else {
+      asked.to = *to;
+    }
+  } else if (describes_subscriber(request)) {
+    return fail("a new subscriber needs its place: say to which network or gateway");
+  }
+
+  if (admission.publisher || admission.subscriber) asked.admission = std::move(admission);
+  return asked;
+}
+
+}  // namespace mlcca

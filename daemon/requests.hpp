@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What a client asks for, in the terms of the core: names become indices, gaps are filled from the
+// channel, and nonsense is refused with what would be right.
+#pragma once
+#include <optional>
+
+#include "control/messages.hpp"
+#include "core/result.hpp"
+#include "core/state.hpp"
+
+namespace mlcca {
+
+/// A request that was understood. Without an admission it concerns ends that are known already.
+struct Asked {
+  std::size_t channel = 0;
+  std::optional<core::Place> from;  ///< only deliveries from there
+  std::optional<core::Place> to;    ///< only deliveries to there
+  std::optional<core::Admission> admission;
+};
+
+/// `from` means the publisher that is there; a new one where there is none or where the request
+/// describes one (node, priority, user, offered, publisher). Likewise `to` with required and
+/// subscriber.
+[[nodiscard]] Result<Asked> understand(const core::State& state,
+                                       const control::ChannelRequest& request,
+                                       core::AdmissionId id);
+
+/// Channel by name or 0x subject; the error names what is known.
+[[nodiscard]] Result<std::size_t> channel_named(const core::State& state, const std::string& name);
+
+}  // namespace mlcca

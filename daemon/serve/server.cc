@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/serve/server.hpp"
+
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "control/codec.hpp"
+#include "daemon/serve/session.hpp"
+
+namespace mlcca::serve {
+namespace {
+
+std::unexpected<Error> system_error(const std::string& call) {
+  return fail(call + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
+}
+
+bool in_group(int fd, gid_t primary, gid_t group) {
+  if (primary == group) return true;
+  std::vector<gid_t> groups(64);
+  auto size = static_cast<socklen_t>(groups.size() * sizeof(gid_t));
+  if (::getsockopt(fd, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &size) < 0) {
+    if (errno != ERANGE) return false;
+    groups.resize(size / sizeof(gid_t));
+    if (::getsockopt(fd, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &size) < 0) return false;
+  }
+  groups.resize(size / sizeof(gid_t));
+  return std::ranges::find(groups, group) != groups.end();
+}
+
+}  // namespace
+
+Result<Fd> listen_at(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof address.sun_path)
+    return fail(path + ": a socket path has at most " +
+                std::to_string(sizeof address.sun_path - 1) + " characters");
+  path.copy(address.sun_path, path.size());
+  Fd socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!socket) return system_error("socket");
+  struct stat old{};
+  if (::lstat(path.c_str(), &old) == 0 && S_ISSOCK(old.st_mode)) ::unlink(path.c_str());
+  // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
+  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) < 0)
+    return system_error(path);
+  if (::chmod(path.c_str(), 0666) < 0) return system_error(path);
+  if (::listen(socket.get(), SOMAXCONN) < 0) return system_error(path);
+  return socket;
+}
+
+Server::Server(sd_event* loop, Fd listening, gid_t group, Answer answer)
+    : loop_(loop), listening_(std::move(listening)), group_(group), answer_(std::move(answer)) {}
+Server::~Server() = default;
+
+Result<std::unique_ptr<Server>> Server::open(sd_event* loop, Fd listening, gid_t group,
+                                             Answer answer) {
+  std::unique_ptr<Server> server(new Server(loop, std::move(listening), group, std::move(answer)));
+  sd_event_source* raw = nullptr;
+  const auto on_connection = [](sd_event_source*, int, std::uint32_t, void* self) noexcept {
+    static_cast<Server*>(self)->accept_one();
+    return 0;
+  };
+  if (const int e = sd_event_add_io(loop, &raw, server->listening_.get(), EPOLLIN, on_connection,
+                                    server.get());
+      e < 0)
+    return fail(std::string("control socket: ") +
+                std::strerror(-e));  // NOLINT(concurrency-mt-unsafe)
+  server->source_.reset(raw);
+  return server;
+}
+
+Result<Peer> Server::identify(int fd) const {
+  ucred who{};
+  socklen_t size = sizeof who;
+  if (::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &size) < 0)
+    return system_error("SO_PEERCRED");
+  Peer peer{who.pid, who.uid, who.uid == 0};
+  if (!peer.may_change && group_ != static_cast<gid_t>(-1))
+    peer.may_change = in_group(fd, who.gid, group_);
+  return peer;
+}
+
+std::size_t Server::sessions_of(uid_t uid) const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      sessions_, [uid](const auto& s) { return s.second->peer().uid == uid; }));
+}
+
+void Server::accept_one() {
+  Fd socket(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  if (!socket) return;  // gone again, or out of descriptors: the client sees it
+  const auto peer = identify(socket.get());
+  if (!peer) return;
+  const bool full = peer->may_change ? sessions_.size() >= kMaxSessions
+                                     : sessions_.size() >= kMaxSessions - kReservedSessions ||
+                                           sessions_of(peer->uid) >= kMaxSessionsPerUser;
+  if (full) {
+    const std::string text = control::encode(control::Reply{
+        0, control::Error{control::ErrorKind::world, "too many clients are connected", {}}});
+    // NOLINTNEXTLINE(bugprone-unused-return-value): it is told on the way out, if it can be
+    (void)::send(socket.get(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    return;
+  }
+  const int fd = socket.get();
+  if (auto session = Session::open(*this, std::move(socket), *peer))
+    sessions_.emplace(fd, std::move(session));
+}
+
+void Server::drop(int fd) { sessions_.erase(fd); }
+
+void Server::publish(const control::Event& event) {
+  if (sessions_.empty()) return;
+  const std::string encoded = control::encode(control::Reply{0, event});
+  for (auto& [fd, session] : sessions_) session->send_event(encoded);
+}
+
+}  // namespace mlcca::serve

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One client of the control socket: bytes in, requests answered in order, bytes out.
+#pragma once
+#include <systemd/sd-event.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "control/buffer.hpp"
+#include "control/messages.hpp"
+#include "core/handle.hpp"
+#include "daemon/serve/server.hpp"
+
+namespace mlcca::serve {
+
+class Session {
+ public:
+  /// Bytes that may wait for a client that does not read; no request of its is read meanwhile.
+  static constexpr std::size_t kBusy = std::size_t{1} << 20;
+
+  static std::unique_ptr<Session> open(Server& server, Fd socket, Peer peer);
+
+  [[nodiscard]] const Peer& peer() const { return peer_; }
+  void send_event(const std::string& encoded);
+  /// Sends an error under id 0 and closes once it is out.
+  void refuse(std::string text);
+
+ private:
+  Session(Server& server, Fd socket, Peer peer);
+  static int on_io(sd_event_source*, int fd, std::uint32_t events, void* userdata) noexcept;
+
+  /// False when the session is over.
+  bool receive();
+  bool answer_pending();
+  bool flush();
+  void watch();
+
+  using Source = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_unref>>;
+  Server& server_;
+  Fd socket_;
+  Peer peer_;
+  Source source_;
+  control::Buffer in_;
+  std::string out_;
+  std::size_t sent_ = 0;
+  bool monitoring_ = false;
+  bool closing_ = false;
+  std::uint64_t lost_events_ = 0;
+};
+
+}  // namespace mlcca::serve
