@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The manual page and the shell completion know what the program knows.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/handle.hpp"
+#include "tests/control/messages.hpp"
+#include "tests/control/server.hpp"
+#include "tests/tools/run.hpp"
+
+namespace mlcca {
+namespace {
+
+using Words = std::set<std::string>;
+
+std::filesystem::path top() { return std::filesystem::path(__FILE__).parent_path() / ".." / ".."; }
+
+Words words_of(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+/// "--socket" and its like, wherever they are in `text`.
+Words options_in(const std::string& text) {
+  Words result;
+  for (auto at = text.find("--"); at != std::string::npos; at = text.find("--", at + 2)) {
+    const auto end = text.find_first_not_of("abcdefghijklmnopqrstuvwxyz-", at);
+    result.insert(text.substr(at, end - at));
+  }
+  return result;
+}
+
+/// The first words of the indented lines of `text`.
+Words entries_in(const std::string& text) {
+  Words result;
+  for (auto at = text.find("\n  "); at != std::string::npos; at = text.find("\n  ", at + 3))
+    if (text[at + 3] != ' ') result.insert(text.substr(at + 3, text.find(' ', at + 3) - at - 3));
+  return result;
+}
+
+/// Of the help of the program and of every verb.
+struct Help {
+  Words verbs;
+  Words options;
+};
+
+Help help() {
+  const auto text = test::run_mlccactl({"--help"}).out;
+  Help result;
+  const auto verbs = text.find("Subcommands:");
+  result.verbs = entries_in(text.substr(verbs, text.find("\n\n", verbs) - verbs));
+  result.options = options_in(text);
+  for (const auto& verb : result.verbs)
+    result.options.merge(options_in(test::run_mlccactl({verb, "--help"}).out));
+  return result;
+}
+
+/// The macros of the manual page without their quotes and escapes, a line each.
+std::vector<std::string> manual_macros() {
+  std::ifstream file(top() / "docs/man/mlccactl.1");
+  std::vector<std::string> result;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with(".B")) continue;
+    std::erase(line, '\\');
+    std::erase(line, '"');
+    result.push_back(line.substr(line.find(' ') + 1));
+  }
+  return result;
+}
+
+/// `text` as one word of a shell.
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
+/// What bash offers for the last of `words`, with the daemon at `socket`.
+Words completions(const std::string& words, const std::string& socket) {
+  const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path();
+  const std::string script = "export PATH=" + program.string() + ":$PATH MLCCA_SOCKET=" + socket +
+                             "; . " + (top() / "tools/completion/mlccactl.bash").string() +
+                             "; COMP_WORDS=(" + words +
+                             "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _mlccactl;"
+                             " printf '%s\\n' \"${COMPREPLY[@]}\"";
+  const std::unique_ptr<FILE, FreeWith<::pclose>> bash(
+      ::popen(("bash -c " + quoted(script)).c_str(), "r"));
+  std::string text;
+  std::array<char, 4096> piece{};
+  while (const auto n = std::fread(piece.data(), 1, piece.size(), bash.get()))
+    text.append(piece.data(), n);
+  return words_of(text);
+}
+
+TEST(DocumentationTest, ManualDescribesEveryVerbAndOption) {
+  const auto macros = manual_macros();
+  const auto known = help();
+  ASSERT_EQ(known.verbs.size(), 10U);
+  ASSERT_GT(known.options.size(), 15U);
+  for (const auto& verb : known.verbs)
+    EXPECT_TRUE(std::ranges::any_of(macros, [&](const std::string& macro) {
+      return words_of(macro.substr(0, macro.find(' '))) == Words{verb};
+    })) << verb;
+  for (const auto& option : known.options)
+    EXPECT_TRUE(std::ranges::any_of(macros, [&](const std::string& macro) {
+      return options_in(macro).contains(option);
+    })) << option;
+}
+
+TEST(DocumentationTest, CompletionOffersEveryVerb) {
+  EXPECT_EQ(completions("mlccactl s", "/nonexistent"), (Words{"status"}));
+  auto expected = help().verbs;
+  expected.merge(options_in("--socket --timeout --json --no-color --help --version"));
+  EXPECT_EQ(completions("mlccactl \"\"", "/nonexistent"), expected);
+}
+
+TEST(DocumentationTest, CompletionOffersEveryOptionOfAVerb) {
+  for (const auto& verb : help().verbs) {
+    auto expected = options_in(test::run_mlccactl({verb, "--help"}).out);
+    expected.merge(options_in("--socket --timeout --json --no-color --help"));
+    EXPECT_EQ(completions("mlccactl " + verb + " --", "/nonexistent"), expected) << verb;
+  }
+}
+
+TEST(DocumentationTest, CompletionAsksTheDaemonForNames) {
+  test::Server server([](const control::Request& request) {
+    if (std::holds_alternative<control::NetworksRequest>(request.body))
+      return test::Server::Answer{{{0, test::full_networks()}}};
+    return test::Server::Answer{{{0, control::Channels{{test::refused_channel()}}}}};
+  });
+  EXPECT_EQ(completions("mlccactl explain em", server.path()), (Words{"emergency-switch"}));
+  EXPECT_EQ(completions("mlccactl query a --from \"\"", server.path()),
+            (Words{"robot-can", "mesh", "bridge", "second-bridge"}));
+  EXPECT_EQ(completions("mlccactl query a --require Pe", server.path()), (Words{"Period="}));
+  EXPECT_EQ(completions("mlccactl mode a", server.path()), (Words{"audit"}));
+}
+
+}  // namespace
+}  // namespace mlcca

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The built program, end to end against a fake daemon: what it asks, prints and exits with.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "control/version.hpp"
+#include "tests/control/messages.hpp"
+#include "tests/control/server.hpp"
+#include "tests/tools/run.hpp"
+
+namespace mlcca {
+namespace {
+
+using control::Reply;
+using test::run_mlccactl;
+using test::Server;
+using Json = nlohmann::json;
+using Arguments = std::vector<std::string>;
+
+Server::Handler always(Reply reply) {
+  return [reply](const control::Request&) { return Server::Answer{{reply}}; };
+}
+
+/// What the daemon was asked by `arguments`.
+control::Request request_of(Arguments arguments) {
+  Server server(always({0, control::Done{"fine"}}));
+  arguments.insert(arguments.begin(), {"--socket", server.path()});
+  const auto outcome = run_mlccactl(arguments);
+  EXPECT_EQ(outcome.status, 0) << outcome.error;
+  const auto requests = server.requests();
+  EXPECT_EQ(requests.size(), 1U);
+  return requests.empty() ? control::Request{} : requests.front();
+}
+
+/// Status and output of `arguments` when the daemon answers `reply`.
+test::Outcome outcome_of(Arguments arguments, const Reply& reply) {
+  Server server(always(reply));
+  arguments.insert(arguments.end(), {"--socket", server.path()});
+  return run_mlccactl(arguments);
+}
+
+Reply error_of(control::ErrorKind kind) {
+  return {0, control::Error{kind, "this is wrong", {"here: so"}}};
+}
+
+TEST(MlccactlTest, AsksWhatEachVerbSays) {
+  EXPECT_EQ(request_of({"status"}), (control::Request{1, control::StatusRequest{}}));
+  EXPECT_EQ(request_of({"networks"}), (control::Request{1, control::NetworksRequest{}}));
+  EXPECT_EQ(request_of({"channels"}), (control::Request{1, control::ChannelsRequest{}}));
+  EXPECT_EQ(request_of({"reload"}), (control::Request{1, control::ReloadRequest{}}));
+  EXPECT_EQ(request_of({"mode", "audit"}), (control::Request{1, control::ModeRequest{"audit"}}));
+  EXPECT_EQ(request_of({"mode", "enforce"}),
+            (control::Request{1, control::ModeRequest{"enforce"}}));
+  EXPECT_EQ(request_of({"explain", "0xa4efeccc3210b497"}),
+            (control::Request{1, control::ExplainRequest{"0xa4efeccc3210b497"}}));
+  EXPECT_EQ(request_of({"release", "a"}), (control::Request{1, control::ReleaseRequest{"a", 0}}));
+  EXPECT_EQ(request_of({"release", "--id", "18446744073709551615"}),
+            (control::Request{1, control::ReleaseRequest{"", ~std::uint64_t{0}}}));
+}
+
+TEST(MlccactlTest, AsksAboutADeliveryWithAllThatWasSaid) {
+  auto expected = test::full_channel_request();
+  for (auto& attribute : expected.required) attribute.dynamic = false;
+  const Arguments arguments = {"--from",          "second-can",  "--to",         "robot-can",
+                               "--offer",         "Period=50ms", "--offer",      "MaxPayload=8",
+                               "--require",       "Omission=2",  "--node",       "0",
+                               "--priority",      "125",         "--user",       "robot",
+                               "--publisher",     "switch",      "--subscriber", "motors",
+                               "emergency-switch"};
+  auto query = arguments;
+  query.insert(query.begin(), "query");
+  EXPECT_EQ(request_of(query), (control::Request{1, control::Query{expected}}));
+  auto admit = arguments;
+  admit.insert(admit.begin(), "admit");
+  EXPECT_EQ(request_of(admit), (control::Request{1, control::Admit{expected}}));
+}
+
+TEST(MlccactlTest, AsksForChannelsWhoseNameLooksLikeAnOption) {
+  EXPECT_EQ(request_of({"explain", "--", "-x"}),
+            (control::Request{1, control::ExplainRequest{"-x"}}));
+}
+
+TEST(MlccactlTest, ExitsWith0WhenGrantedAnd1WhenRefused) {
+  const Reply granted{0, control::Channels{{test::granted_channel()}}};
+  const Reply mixed{0, control::Channels{{test::granted_channel(), test::refused_channel()}}};
+  const Reply nothing{0, control::Channels{}};
+  for (const auto* verb : {"query", "admit", "explain"}) {
+    EXPECT_EQ(outcome_of({verb, "a"}, granted).status, 0) << verb;
+    EXPECT_EQ(outcome_of({verb, "a"}, mixed).status, 1) << verb;
+    EXPECT_EQ(outcome_of({verb, "a"}, nothing).status, 1) << verb;
+    EXPECT_EQ(outcome_of({verb, "a", "--json"}, granted).status, 0) << verb;
+    EXPECT_EQ(outcome_of({verb, "a", "--json"}, mixed).status, 1) << verb;
+  }
+  EXPECT_EQ(outcome_of({"channels"}, mixed).status, 0);
+}
+
+TEST(MlccactlTest, ExitsWith2WhenTheDaemonCannotUseTheInput) {
+  for (const auto kind : {control::ErrorKind::invalid, control::ErrorKind::unreadable}) {
+    const auto outcome = outcome_of({"reload"}, error_of(kind));
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.error, "mlccactl: this is wrong\n  here: so\n");
+  }
+}
+
+TEST(MlccactlTest, ExitsWith3WhenTheDaemonOrTheWorldFails) {
+  for (const auto kind :
+       {control::ErrorKind::forbidden, control::ErrorKind::world, control::ErrorKind::unspecified})
+    EXPECT_EQ(outcome_of({"reload"}, error_of(kind)).status, 3);
+}
+
+TEST(MlccactlTest, PrintsErrorsAsJsonWhereJsonIsAskedFor) {
+  const auto outcome = outcome_of({"reload", "--json"}, error_of(control::ErrorKind::world));
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(Json::parse(outcome.out).at("error").at("kind"), "world");
+  EXPECT_EQ(outcome.error, "");
+}
+
+TEST(MlccactlTest, ExitsWith3WithoutADaemon) {
+  const test::TempDir directory;
+  const auto path = directory.path("none.sock");
+  for (const Arguments& verb : {Arguments{"status"}, Arguments{"monitor"}}) {
+    auto arguments = verb;
+    arguments.insert(arguments.end(), {"--socket", path});
+    const auto outcome = run_mlccactl(arguments);
+    EXPECT_EQ(outcome.status, 3);
+    EXPECT_EQ(outcome.error, "mlccactl: no daemon: " + path + ": No such file or directory\n");
+  }
+}
+
+TEST(MlccactlTest, ExitsWith3WhenTheDaemonIsSilent) {
+  const test::TempDir directory;
+  const auto listener = test::listen_at(directory.path("mute.sock"));
+  const auto outcome =
+      run_mlccactl({"status", "--timeout", "0.01", "--socket", directory.path("mute.sock")});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.error, "mlccactl: no answer from mlccad within 10 ms\n");
+}
+
+TEST(MlccactlTest, ExitsWith3WhenItsOutputIsLost) {
+  Server server(always({0, test::full_status()}));
+  const auto outcome = run_mlccactl({"status", "--socket", server.path()}, {}, "/dev/full");
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.error, "mlccactl: write: No space left on device\n");
+}
+
+TEST(MlccactlTest, TakesTheSocketFromTheEnvironment) {
+  Server server(always({0, control::Done{"done it"}}));
+  const auto outcome = run_mlccactl({"reload"}, {"MLCCA_SOCKET=" + server.path()});
+  EXPECT_EQ(outcome.status, 0) << outcome.error;
+  EXPECT_EQ(outcome.out, "done it\n");
+}
+
+TEST(MlccactlTest, PrintsNoColourIntoAFile) {
+  const auto outcome = outcome_of({"status"}, {0, test::full_status()});
+  EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos);
+  EXPECT_TRUE(outcome.out.starts_with("gateway      bridge of robot\n")) << outcome.out;
+}
+
+struct MlccactlJsonTest : testing::TestWithParam<const char*> {};
+
+TEST_P(MlccactlJsonTest, PrintsOneObjectOnOneLine) {
+  for (const auto& [name, reply] : test::all_replies()) {
+    if (std::holds_alternative<control::Event>(reply.body)) continue;
+    const auto outcome = outcome_of({GetParam(), "--json"}, {0, reply.body});
+    const auto json = Json::parse(outcome.out, nullptr, false);
+    EXPECT_TRUE(json.is_object()) << name << ": " << outcome.out;
+    EXPECT_EQ(outcome.out.find('\n'), outcome.out.size() - 1) << name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Verbs, MlccactlJsonTest,
+                         testing::Values("status", "networks", "channels", "reload"),
+                         [](const auto& row) { return std::string(row.param); });
+
+/// Two events and the end of the daemon.
+Server::Answer two_events(const control::Request&) {
+  return {{{0, control::Done{}}, {0, test::full_event()}, {0, test::full_event()}}, true};
+}
+
+TEST(MlccactlTest, MonitorPrintsALineForEachEventUntilTheDaemonEnds) {
+  Server server(two_events);
+  const auto outcome = run_mlccactl({"monitor", "--socket", server.path()}, {"TZ=UTC"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.error, "mlccactl: mlccad closed the connection\n");
+  const std::string line =
+      "2023-11-14 22:13:20.123  refused    emergency-switch (0xa4efeccc3210b497) on robot-can: "
+      "Omission 2 required, bridge provides 5\n";
+  EXPECT_EQ(outcome.out, line + line);
+}
+
+TEST(MlccactlTest, MonitorPrintsAnObjectForEachEvent) {
+  Server server(two_events);
+  const auto outcome = run_mlccactl({"--json", "monitor", "--socket", server.path()});
+  std::istringstream lines(outcome.out);
+  std::string line;
+  std::vector<Json> objects;
+  while (std::getline(lines, line)) objects.push_back(Json::parse(line, nullptr, false));
+  ASSERT_EQ(objects.size(), 3U);
+  EXPECT_EQ(objects[0].at("kind"), "refused");
+  EXPECT_EQ(objects[1].at("unix_ns"), 1'700'000'000'123'456'789);
+  EXPECT_TRUE(objects[2].contains("error"));
+}
+
+TEST(MlccactlTest, MonitorReportsThatItIsNotPossible) {
+  EXPECT_EQ(outcome_of({"monitor"}, error_of(control::ErrorKind::world)).status, 3);
+}
+
+struct UsageRow {
+  const char* name;
+  Arguments arguments;
+  const char* error;  ///< part of it
+};
+void PrintTo(const UsageRow& row, std::ostream* out) { *out << row.name; }
+
+struct MlccactlUsageTest : testing::TestWithParam<UsageRow> {};
+
+TEST_P(MlccactlUsageTest, ExitsWith2AndSaysWhatIsWrong) {
+  const auto outcome = run_mlccactl(GetParam().arguments, {"MLCCA_SOCKET=/nonexistent"});
+  EXPECT_EQ(outcome.status, 2) << outcome.out << outcome.error;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_TRUE(outcome.error.starts_with("mlccactl: ")) << outcome.error;
+  EXPECT_NE(outcome.error.find(GetParam().error), std::string::npos) << outcome.error;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Wrong, MlccactlUsageTest,
+    testing::Values(
+        UsageRow{"NoVerb", {}, "no verb: must be one of status, networks, channels, query, admit"},
+        UsageRow{"UnknownVerb", {"foo"}, "unknown verb 'foo': must be one of status"},
+        UsageRow{"UnknownOption", {"--foo", "status"}, "unexpected argument '--foo'"},
+        UsageRow{"UnknownOptionOnly", {"--foo"}, "unexpected argument '--foo'"},
+        UsageRow{"UnknownOptionOfVerb", {"status", "--foo"}, "unexpected argument '--foo'"},
+        UsageRow{"TooManyArguments", {"query", "a", "b"}, "unexpected argument 'b'"},
+        UsageRow{"TwoVerbs", {"status", "reload"}, "reload"},
+        UsageRow{"NoChannel", {"query"}, "channel is required"},
+        UsageRow{"NoChannelToExplain", {"explain"}, "channel is required"},
+        UsageRow{"NoMode", {"mode"}, "mode is required"},
+        UsageRow{"UnknownMode", {"mode", "off"}, "off not in {enforce,audit}"},
+        UsageRow{"ReleaseOfNothing", {"release"}, "Exactly 1 option from [channel,--id]"},
+        UsageRow{"ReleaseOfBoth", {"release", "a", "--id", "1"}, "2 were given"},
+        UsageRow{"AdmissionZero", {"release", "--id", "0"}, "not in range 1 to"},
+        UsageRow{"NodeTooLarge", {"query", "a", "--node", "128"}, "128 not in range 0 to 127"},
+        UsageRow{"PriorityNegative", {"query", "a", "--priority", "-1"}, "--priority"},
+        UsageRow{"NoUnit", {"query", "a", "--require", "Period=50"}, "needs a unit: ns, us, ms"},
+        UsageRow{"UnknownAttribute", {"admit", "a", "--offer", "X=1"}, "must be one of Latency"},
+        UsageRow{"AttributeTwice",
+                 {"query", "a", "--require", "Omission=1", "--require", "Omission=2"},
+                 "Omission is given twice"},
+        UsageRow{"TimeoutZero", {"status", "--timeout", "0"}, "must be 0.001 to 86400 seconds"},
+        UsageRow{"TimeoutLong", {"status", "--timeout", "86401"}, "must be 0.001 to 86400 seconds"},
+        UsageRow{"TimeoutNan", {"status", "--timeout", "nan"}, "must be 0.001 to 86400 seconds"},
+        UsageRow{"SocketMissing", {"status", "--socket"}, "--socket"}),
+    [](const auto& row) { return row.param.name; });
+
+TEST(MlccactlTest, HelpAndVersionAreFine) {
+  const auto help = run_mlccactl({"--help"});
+  EXPECT_EQ(help.status, 0);
+  EXPECT_NE(help.out.find("Exit status"), std::string::npos);
+  EXPECT_EQ(run_mlccactl({"query", "--help"}).status, 0);
+  const auto version = run_mlccactl({"--version"});
+  EXPECT_EQ(version.status, 0);
+  EXPECT_EQ(version.out, std::string("mlccactl ") + kVersion + "\n");
+}
+
+}  // namespace
+}  // namespace mlcca

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A function for each message, its fields in the order of control.proto.
+#include "tools/json.hpp"
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <variant>
+#include <vector>
+
+#include "core/text.hpp"
+#include "mlcca/attribute.hpp"
+#include "tools/values.hpp"
+
+namespace mlcca::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json quantity(std::uint64_t value) { return value == kUnbounded ? Json("unbounded") : Json(value); }
+
+template <class T, class ToJson>
+Json array(const std::vector<T>& elements, ToJson to_json) {
+  auto result = Json::array();
+  for (const auto& element : elements) result.push_back(to_json(element));
+  return result;
+}
+
+const char* name_of(control::ErrorKind kind) {
+  switch (kind) {
+    case control::ErrorKind::invalid:
+      return "invalid";
+    case control::ErrorKind::forbidden:
+      return "forbidden";
+    case control::ErrorKind::unreadable:
+      return "unreadable";
+    case control::ErrorKind::world:
+      return "world";
+    case control::ErrorKind::unspecified:
+      break;
+  }
+  return "unspecified";
+}
+
+const char* name_of(control::Outcome outcome) {
+  switch (outcome) {
+    case control::Outcome::fit:
+      return "fit";
+    case control::Outcome::run_time:
+      return "run-time";
+    case control::Outcome::unfit:
+      break;
+  }
+  return "unfit";
+}
+
+Json attribute(const control::Attribute& a) {
+  return {{"name", a.name}, {"value", quantity(a.value)}, {"unit", a.unit}, {"dynamic", a.dynamic}};
+}
+
+Json traffic(const control::Traffic& t) {
+  auto reasons = Json::object();
+  for (const auto& count : t.reasons) reasons[count.reason] = count.frames;
+  return {
+      {"passed", t.passed}, {"dropped", t.dropped}, {"unknown", t.unknown}, {"reasons", reasons}};
+}
+
+Json unknown(const control::Unknown& u) {
+  return {{"can_id", u.can_id}, {"identifier", print_can_id(u.can_id)},
+          {"length", u.length}, {"fd", u.fd},
+          {"egress", u.egress}, {"frames", u.frames}};
+}
+
+Json interface(const control::Interface& i) {
+  return {{"name", i.name},
+          {"ifindex", i.ifindex},
+          {"network", i.network},
+          {"identity", i.identity},
+          {"profile", i.profile},
+          {"managed", i.managed},
+          {"up", i.up},
+          {"can_state", i.can_state},
+          {"bitrate", i.bitrate == 0 ? Json() : Json(i.bitrate)},
+          {"gated", i.gated},
+          {"slots", i.slots},
+          {"ingress", traffic(i.ingress)},
+          {"egress", traffic(i.egress)},
+          {"unknown", array(i.unknown, unknown)},
+          {"problem", i.problem}};
+}
+
+Json network(const control::Network& n) {
+  return {{"name", n.name},
+          {"kind", n.kind},
+          {"profile", n.profile},
+          {"provision", array(n.provision, attribute)},
+          {"capacity", n.capacity_known ? quantity(n.capacity) : Json()},
+          {"reserved", n.reserved},
+          {"available", n.available},
+          {"problem", n.problem},
+          {"gateways", n.gateways}};
+}
+
+Json row(const control::Row& r) {
+  return {{"where", r.where},
+          {"attribute", r.attribute},
+          {"unit", r.unit},
+          {"required", quantity(r.required)},
+          {"provided", r.provided_known ? quantity(r.provided) : Json()},
+          {"dynamic", r.dynamic},
+          {"outcome", name_of(r.outcome)},
+          {"margin", r.margin}};
+}
+
+Json channel(const control::Channel& c) {
+  return {{"subject", core::format_subject(c.subject)},
+          {"name", c.name},
+          {"description", c.description},
+          {"publisher", c.publisher},
+          {"from", c.from},
+          {"to", c.to},
+          {"subscribers", c.subscribers},
+          {"granted", c.granted},
+          {"reason", c.reason},
+          {"route", c.route},
+          {"rows", array(c.rows, row)},
+          {"admission", c.admission},
+          {"passed", c.passed},
+          {"dropped", c.dropped}};
+}
+
+/// One function for each alternative of Reply::body.
+struct Body {
+  Json operator()(const control::Error& e) const {
+    return {{"error", {{"kind", name_of(e.kind)}, {"message", e.message}, {"details", e.details}}}};
+  }
+  Json operator()(const control::Status& s) const {
+    return {{"version", s.version},
+            {"gateway", s.gateway},
+            {"system", s.system},
+            {"description_file", s.description_file},
+            {"mode", s.mode},
+            {"open", s.open},
+            {"grace_ns", quantity(s.grace_ns)},
+            {"lapses", s.lapses},
+            {"channels_granted", s.channels_granted},
+            {"channels_refused", s.channels_refused},
+            {"started_unix_s", s.started_unix_s},
+            {"loaded_unix_s", s.loaded_unix_s},
+            {"last_error", s.last_error},
+            {"interfaces", array(s.interfaces, interface)},
+            {"problem", s.problem}};
+  }
+  Json operator()(const control::Networks& n) const {
+    return {{"networks", array(n.networks, network)}};
+  }
+  Json operator()(const control::Channels& c) const {
+    return {{"channels", array(c.channels, channel)}};
+  }
+  Json operator()(const control::Done& d) const { return {{"message", d.message}}; }
+  Json operator()(const control::Event& e) const {
+    return {{"unix_ns", e.unix_ns},
+            {"kind", e.kind},
+            {"subject", e.subject == 0 ? Json() : Json(core::format_subject(e.subject))},
+            {"channel", e.channel},
+            {"network", e.network},
+            {"message", e.message}};
+  }
+};
+
+}  // namespace
+
+std::string to_json(const control::Reply& reply) {
+  const auto json = std::visit(Body{}, reply.body);
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace mlcca::tools

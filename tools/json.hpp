@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Replies of mlccad for programs: one JSON object, on one line that ends with a newline.
+#pragma once
+#include <string>
+
+#include "control/messages.hpp"
+
+namespace mlcca::tools {
+
+/// The fields of the message under the names of control.proto, numbers in its units. Subjects are
+/// strings ("0xa4efeccc3210b497"), "unbounded" stands for 2^64-1, null for what is not known.
+/// An Error is {"error": {"kind": …, "message": …, "details": […]}}.
+std::string to_json(const control::Reply& reply);
+
+}  // namespace mlcca::tools

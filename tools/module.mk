@@ -1,0 +1,23 @@
+# mlccactl starts as often as a shell prompt: everything is linked into it, which also lets it run
+# where no library of ours is installed. MLCCACTL_STATIC= links the shared libraries instead.
+MLCCACTL_STATIC ?= $(if $(SAN),,-static)
+TOOLS_SOURCES := $(filter-out tools/main.cc,$(wildcard tools/*.cc))
+# Debian has no libfmt.a.
+TOOLS_CPPFLAGS := -DFMT_HEADER_ONLY
+
+$(eval $(call library,tools,$(TOOLS_SOURCES)))
+TOOLS_ARCHIVES := $O/libtools.a $O/libcontrol.a $O/libcore.a
+$(eval $(call program,mlccactl,tools/main.cc,$(TOOLS_ARCHIVES),$(PROTO_LIBS)))
+$(tools_objects) $(mlccactl_objects): CPPFLAGS += $(TOOLS_CPPFLAGS)
+$O/mlccactl: LDFLAGS += $(MLCCACTL_STATIC)
+PROGRAMS += $O/mlccactl
+
+install-tools-extras:
+	$(call say,INSTALL,manual page and shell completion of mlccactl)
+	$(Q)install -d $(DESTDIR)$(PREFIX)/share/man/man1 \
+		$(DESTDIR)$(PREFIX)/share/bash-completion/completions
+	$(Q)install -m 644 docs/man/mlccactl.1 $(DESTDIR)$(PREFIX)/share/man/man1/mlccactl.1
+	$(Q)install -m 644 tools/completion/mlccactl.bash \
+		$(DESTDIR)$(PREFIX)/share/bash-completion/completions/mlccactl
+INSTALL += install-tools-extras
+.PHONY: install-tools-extras

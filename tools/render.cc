@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What happens on the channels: verdicts, deliveries, events and errors.
+#include "tools/render.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <ctime>
+#include <string_view>
+#include <vector>
+
+#include "core/text.hpp"
+#include "tools/values.hpp"
+
+namespace mlcca::tools {
+namespace {
+
+Cell verdict(bool granted) {
+  return granted ? Cell{"granted", Style::good} : Cell{"refused", Style::bad};
+}
+
+Cell outcome(control::Outcome outcome) {
+  switch (outcome) {
+    case control::Outcome::fit:
+      return {"fit", Style::good};
+    case control::Outcome::run_time:
+      return {"decided at run time", Style::warning};
+    case control::Outcome::unfit:
+      break;
+  }
+  return {"unfit", Style::bad};
+}
+
+Cell frames(std::uint64_t count, Style style = Style::plain) {
+  return {fmt::format("{}", count), count == 0 ? Style::plain : style};
+}
+
+std::string provided(const control::Row& row) {
+  if (!row.provided_known) return "nothing";
+  const auto value = print_value(row.attribute, row.provided, row.unit);
+  return row.dynamic ? "at best " + value : value;
+}
+
+std::string rows_of(const control::Channel& channel, Color color) {
+  Table table({{"WHERE"},
+               {"ATTRIBUTE"},
+               {"REQUIRED", Align::right},
+               {"PROVIDED", Align::right},
+               {"OUTCOME"},
+               {"MARGIN"}});
+  for (const auto& row : channel.rows)
+    table.add({{row.where},
+               {row.attribute},
+               {print_value(row.attribute, row.required, row.unit)},
+               {provided(row)},
+               outcome(row.outcome),
+               {row.margin}});
+  return table.text(color, "  ");
+}
+
+/// "refused  emergency-switch (0xa4efeccc3210b497) from second-can to robot-can: why"
+std::string verdict_line(const control::Channel& channel, Color color) {
+  const auto [text, style] = verdict(channel.granted);
+  auto line = styled(text, style, color) + "  " + styled(channel.name, Style::bold, color) +
+              fmt::format(" ({})", core::format_subject(channel.subject));
+  if (!channel.from.empty()) line += " from " + printable(channel.from);
+  if (!channel.to.empty()) line += " to " + printable(channel.to);
+  if (!channel.reason.empty()) line += ": " + printable(channel.reason);
+  return line + '\n';
+}
+
+std::string delivery(const control::Channel& channel, Color color, bool with_counters) {
+  auto text = verdict_line(channel, color) + rows_of(channel, color);
+  const auto also = [&](std::string_view name, const std::string& value) {
+    if (!value.empty()) text += fmt::format("  {:<11}  {}\n", name, printable(value));
+  };
+  also("route", fmt::format("{}", fmt::join(channel.route, " > ")));
+  also("publisher", channel.publisher);
+  also("subscribers", fmt::format("{}", fmt::join(channel.subscribers, ", ")));
+  if (channel.admission != 0)
+    also("admission",
+         fmt::format("{0} (mlccactl release --id {0} takes it back)", channel.admission));
+  if (with_counters)
+    also("frames", fmt::format("{} passed, {} dropped", channel.passed, channel.dropped));
+  return text;
+}
+
+Style style_of_event(std::string_view kind) {
+  if (kind == "granted") return Style::good;
+  if (kind == "refused" || kind == "withdrawn" || kind == "lapsed") return Style::bad;
+  if (kind == "dropping" || kind == "lagged" || kind == "mode") return Style::warning;
+  return Style::plain;
+}
+
+}  // namespace
+
+std::string render(const control::Channels& channels, Color color) {
+  Table table({{"CHANNEL"},
+               {"SUBJECT"},
+               {"FROM"},
+               {"TO"},
+               {"VERDICT"},
+               {"PASSED", Align::right},
+               {"DROPPED", Align::right},
+               {"ADMISSION", Align::right},
+               {"REASON"}});
+  for (const auto& channel : channels.channels)
+    table.add({{channel.name},
+               {core::format_subject(channel.subject)},
+               {channel.from},
+               {channel.to},
+               verdict(channel.granted),
+               frames(channel.passed),
+               frames(channel.dropped, Style::warning),
+               {channel.admission == 0 ? "" : fmt::format("{}", channel.admission)},
+               {channel.reason}});
+  return table.empty() ? "no channel has a publisher and a subscriber\n" : table.text(color);
+}
+
+std::string explain(const control::Channels& channels, Color color, bool with_counters) {
+  if (channels.channels.empty())
+    return styled("refused", Style::bad, color) +
+           "  nothing to deliver: no publisher or no subscriber of the channel is known\n";
+  std::string text;
+  for (const auto& channel : channels.channels) {
+    if (!text.empty()) text += '\n';
+    text += delivery(channel, color, with_counters);
+  }
+  return text;
+}
+
+std::string render(const control::Done& done, Color color) {
+  return styled(done.message.empty() ? "done" : done.message, Style::plain, color) + '\n';
+}
+
+std::string render(const control::Event& event, Color color) {
+  const auto seconds = static_cast<std::time_t>(event.unix_ns / 1'000'000'000);
+  std::tm local{};
+  ::localtime_r(&seconds, &local);
+  auto line =
+      fmt::format("{:%Y-%m-%d %H:%M:%S}.{:03}  ", local, event.unix_ns % 1'000'000'000 / 1'000'000);
+  line += styled(fmt::format("{:<9}", event.kind), style_of_event(event.kind), color) + "  ";
+  if (event.subject != 0)
+    line += fmt::format("{} ({}) ", printable(event.channel), core::format_subject(event.subject));
+  if (!event.network.empty()) line += fmt::format("on {} ", printable(event.network));
+  if (event.subject != 0 || !event.network.empty()) line.back() = ':';
+  if (line.back() == ':') line += ' ';
+  return line + printable(event.message) + '\n';
+}
+
+std::string render(const control::Error& error, Color color) {
+  auto text = styled("mlccactl: " + error.message, Style::bad, color) + '\n';
+  for (const auto& detail : error.details) text += "  " + printable(detail) + '\n';
+  return text;
+}
+
+}  // namespace mlcca::tools

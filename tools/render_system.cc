@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the gateway is: its status, interfaces and networks.
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <ctime>
+#include <string_view>
+#include <vector>
+
+#include "tools/render.hpp"
+#include "tools/values.hpp"
+
+namespace mlcca::tools {
+namespace {
+
+std::string moment(std::uint64_t unix_s) {
+  if (unix_s == 0) return "never";
+  const auto seconds = static_cast<std::time_t>(unix_s);
+  std::tm local{};
+  ::localtime_r(&seconds, &local);
+  return fmt::format("{:%Y-%m-%d %H:%M:%S}", local);
+}
+
+Cell link(const control::Interface& interface) {
+  if (interface.ifindex == 0) return {"absent", Style::warning};
+  return interface.up ? Cell{"up", Style::good} : Cell{"down", Style::warning};
+}
+
+Cell gate(const control::Interface& interface) {
+  if (interface.ifindex == 0) return {};
+  return interface.gated ? Cell{"held", Style::good} : Cell{"NOT HELD", Style::bad};
+}
+
+Style style_of_can_state(std::string_view state) {
+  if (state == "ERROR-ACTIVE") return Style::good;
+  return state == "BUS-OFF" ? Style::bad : Style::warning;
+}
+
+Cell number(std::uint64_t n, Style style = Style::plain) {
+  return {fmt::format("{}", n), n == 0 ? Style::plain : style};
+}
+
+std::string interfaces(const std::vector<control::Interface>& all, Color color) {
+  Table table({{"INTERFACE"},
+               {"NETWORK"},
+               {"PROFILE"},
+               {"LINK"},
+               {"CAN STATE"},
+               {"BITRATE", Align::right},
+               {"GATE"},
+               {"SLOTS", Align::right},
+               {"IN PASSED", Align::right},
+               {"IN DROPPED", Align::right},
+               {"OUT PASSED", Align::right},
+               {"OUT DROPPED", Align::right},
+               {"MANAGED"},
+               {"IDENTITY"}});
+  for (const auto& one : all)
+    table.add({{one.name, Style::bold},
+               {one.network},
+               {one.profile},
+               link(one),
+               {one.can_state, style_of_can_state(one.can_state)},
+               {one.bitrate == 0 ? "" : print_bitrate(one.bitrate)},
+               gate(one),
+               number(one.slots),
+               number(one.ingress.passed),
+               number(one.ingress.dropped, Style::warning),
+               number(one.egress.passed),
+               number(one.egress.dropped, Style::warning),
+               {one.managed ? "yes" : ""},
+               {one.identity}});
+  return table.text(color);
+}
+
+void add_reasons(Table& table, const std::string& interface, const char* direction,
+                 const control::Traffic& traffic) {
+  for (const auto& count : traffic.reasons)
+    if (count.frames != 0)
+      table.add({{interface}, {direction}, {count.reason}, number(count.frames)});
+}
+
+std::string reasons(const std::vector<control::Interface>& all, Color color) {
+  Table table({{"INTERFACE"}, {"DIRECTION"}, {"REASON"}, {"FRAMES", Align::right}});
+  for (const auto& one : all) {
+    add_reasons(table, one.name, "in", one.ingress);
+    add_reasons(table, one.name, "out", one.egress);
+  }
+  return table.empty() ? "" : "\nframes by reason\n" + table.text(color, "  ");
+}
+
+std::string unknown_frames(const std::vector<control::Interface>& all, Color color) {
+  Table table({{"INTERFACE"},
+               {"DIRECTION"},
+               {"IDENTIFIER"},
+               {"FORMAT"},
+               {"LENGTH", Align::right},
+               {"FRAMES", Align::right}});
+  for (const auto& one : all)
+    for (const auto& frame : one.unknown)
+      table.add({{one.name},
+                 {frame.egress ? "out" : "in"},
+                 {print_can_id(frame.can_id)},
+                 {frame.fd ? "FD" : "classic"},
+                 number(frame.length),
+                 number(frame.frames)});
+  return table.empty() ? "" : "\nunknown frames, last seen first\n" + table.text(color, "  ");
+}
+
+std::string problems(const std::vector<control::Interface>& all, Color color) {
+  std::string text;
+  for (const auto& one : all)
+    if (!one.problem.empty())
+      text += styled(one.name + ": " + one.problem, Style::bad, color) + '\n';
+  return text;
+}
+
+std::string provision(const control::Network& network) {
+  std::vector<std::string> parts;
+  parts.reserve(network.provision.size());
+  for (const auto& attribute : network.provision)
+    parts.push_back(fmt::format("{} {}{}", attribute.name, attribute.dynamic ? "at best " : "",
+                                print_value(attribute.name, attribute.value, attribute.unit)));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string rate(std::uint64_t bytes_per_second) {
+  return print_value("Bandwidth", bytes_per_second, "bytes/s");
+}
+
+}  // namespace
+
+std::string render(const control::Status& status, Color color) {
+  std::string text;
+  const auto line = [&](std::string_view name, std::string_view value, Style style = Style::plain) {
+    text += fmt::format("{:<11}  {}\n", name, styled(value, style, color));
+  };
+  if (status.mode != "enforce")
+    text += styled("AUDIT MODE: nothing is dropped, unfit data passes", Style::bad, color) + '\n';
+  line("gateway", fmt::format("{} of {}", status.gateway, status.system), Style::bold);
+  line("mlccad", fmt::format("{}, since {}", status.version, moment(status.started_unix_s)));
+  line("description",
+       fmt::format("{}, read {}", status.description_file, moment(status.loaded_unix_s)));
+  if (status.open)
+    line("gate", "open: verdicts are in force", Style::good);
+  else
+    line("gate", "CLOSED: everything is denied", Style::bad);
+  line("mode", status.mode, status.mode == "enforce" ? Style::good : Style::bad);
+  line("channels",
+       fmt::format("{} granted, {} refused", status.channels_granted, status.channels_refused));
+  line("grace",
+       fmt::format("{}, lapsed {}", print_duration(status.grace_ns),
+                   status.lapses == 1 ? "once" : fmt::format("{} times", status.lapses)),
+       status.lapses == 0 ? Style::plain : Style::warning);
+  if (!status.problem.empty()) line("problem", status.problem, Style::bad);
+  if (!status.last_error.empty()) line("last reload", status.last_error, Style::bad);
+  if (!status.interfaces.empty()) text += '\n' + interfaces(status.interfaces, color);
+  return text + problems(status.interfaces, color) + reasons(status.interfaces, color) +
+         unknown_frames(status.interfaces, color);
+}
+
+std::string render(const control::Networks& networks, Color color) {
+  Table table({{"NETWORK"},
+               {"KIND"},
+               {"PROFILE"},
+               {"STATE"},
+               {"RESERVED", Align::right},
+               {"CAPACITY", Align::right},
+               {"GATEWAYS"},
+               {"PROVISION"}});
+  for (const auto& network : networks.networks)
+    table.add({{network.name, Style::bold},
+               {network.kind},
+               {network.profile},
+               network.available ? Cell{"usable", Style::good} : Cell{"not usable", Style::bad},
+               {rate(network.reserved)},
+               {network.capacity_known ? rate(network.capacity) : "unknown"},
+               {fmt::format("{}", fmt::join(network.gateways, ", "))},
+               {provision(network)}});
+  auto text = table.empty() ? "no networks are described\n" : table.text(color);
+  for (const auto& network : networks.networks)
+    if (!network.problem.empty())
+      text += styled(network.name + ": " + network.problem, Style::bad, color) + '\n';
+  return text;
+}
+
+}  // namespace mlcca::tools

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Attribute values as people write and read them: "Period=50ms", "400 kB/s", "0.5 %".
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "control/messages.hpp"
+#include "core/result.hpp"
+
+namespace mlcca::tools {
+
+/// What a value on the command line states; decides the side to which it is rounded.
+enum class Role : std::uint8_t {
+  required,  ///< of a subscriber: rounded towards harder
+  offered,   ///< of a publisher: requirements towards harder, traffic towards more of it
+};
+
+/// Reads "Name=Value": a name of mlcca::kAttributeTable and a decimal number with a unit, which
+/// only Omission and MaxPayload may leave out. Exact: what the attribute's own unit cannot hold is
+/// rounded as `role` says. The error says what would be right.
+Result<control::Attribute> parse_attribute(std::string_view text, Role role);
+
+/// "50 ms"; "12 apples" for an attribute and unit that are not in mlcca::kAttributeTable.
+std::string print_value(std::string_view attribute, std::uint64_t value, std::string_view unit);
+
+/// "50 ms" of nanoseconds, "for ever" of 2^64-1.
+std::string print_duration(std::uint64_t ns);
+
+/// "500 kbit/s", "unknown" of 0.
+std::string print_bitrate(std::uint32_t bits_per_second);
+
+/// Identifier as candump prints it ("123", "0123abcd"), then " RTR" or " error" where it is one.
+std::string print_can_id(std::uint32_t can_id);
+
+}  // namespace mlcca::tools
