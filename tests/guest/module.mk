@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: BSD-2-Clause
+# Tests on Debian's kernel in QEMU, each in a guest of its own.
+# GUEST_TESTS run from init, GUEST_SYSTEMD_TESTS as a service of systemd. What they need built is a
+# prerequisite of check-guest.
+GUEST_TESTS :=
+GUEST_SYSTEMD_TESTS :=
+GUEST_JOBS ?= 2
+GUEST_READY := $O/guest/ready
+
+$(GUEST_READY): tests/guest/build-image tests/guest/extract-vmlinux tests/guest/init
+	$(call say,GUEST,$(@D))
+	$(Q)tests/guest/build-image $(@D) && touch $@
+
+guest-image: $(GUEST_READY) ## Debian's kernel and an initramfs for the guest
+
+check-guest: all $(GUEST_READY) ## the product on real SocketCAN and systemd, in QEMU
+	$(Q)BUILD=$(abspath $O) GUEST_IMAGE=$(abspath $O)/guest tests/guest/run-tests -j $(GUEST_JOBS) \
+		$O/guest/log $(GUEST_TESTS) --systemd $(GUEST_SYSTEMD_TESTS)
+
+check-harness: $(GUEST_READY) ## the guest harness itself
+	$(Q)GUEST_IMAGE=$(abspath $O)/guest tests/guest/selftest
+
+.PHONY: guest-image check-guest check-harness
+
+GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-dies interfaces-change logger-case)
+GUEST_SYSTEMD_TESTS += $(addprefix tests/guest/cases/,service-life plugged-in)
+check-guest: stage
