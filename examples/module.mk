@@ -1,0 +1,14 @@
+# The stage is what a package would install; the guest copies it over its root.
+STAGE := $O/stage
+stage: all
+	$(Q)rm -rf $(STAGE) && $(MAKE) install DESTDIR=$(abspath $(STAGE)) PREFIX=/usr V=$V >/dev/null
+
+DEMO ?= guest
+run-demo: run-demo-$(DEMO)
+run-demo-guest: stage $(GUEST_READY)
+	$(Q)GUEST_IMAGE=$(abspath $O)/guest tests/guest/run --systemd --smp 2 -- \
+		examples/volksbot/demo systemd $(abspath $(STAGE))
+run-demo-host: all
+	$(Q)unshare --net --mount sh -c 'mount -t tmpfs run /run && mkdir /run/netns && \
+		exec examples/volksbot/demo plain $(abspath $O)'
+.PHONY: stage run-demo run-demo-guest run-demo-host
