@@ -73,10 +73,10 @@ $(call program,tests/$1,$2,$3,$4 -lgtest_main -lgtest -lpthread)
 KERNEL_TESTS += $O/tests/$1
 endef
 
--include deps.mk
--include core/module.mk description/module.mk proto/module.mk control/module.mk bpf/module.mk
--include daemon/module.mk tools/module.mk include/module.mk systemd/module.mk tests/module.mk
--include examples/module.mk
+include deps.mk
+include core/module.mk description/module.mk proto/module.mk control/module.mk bpf/module.mk
+include daemon/module.mk tools/module.mk include/module.mk systemd/module.mk tests/module.mk
+include examples/module.mk
 
 all: $(PROGRAMS) ## build mlccad, mlccactl and the gate
 
