@@ -82,7 +82,7 @@ int gate_ingress(struct __sk_buff *skb)
 		goto echo;
 
 	skb->mark = 0;
-	if (!read_frame(skb, &frame))
+	if (!read_frame(skb, GATE_INGRESS, &frame))
 		return drop(cpu, GATE_INGRESS, GATE_INGRESS, GATE_R_MALFORMED);
 	if (frame.can_id & CAN_ERR_FLAG) {
 		count_reason(cpu, GATE_INGRESS, GATE_R_ERROR_IN);
@@ -124,7 +124,7 @@ int gate_egress(struct __sk_buff *skb)
 	 */
 	skb->mark = echo_by_mark ? gate_echo_token(control.token) : 0;
 
-	if (!read_frame(skb, &frame))
+	if (!read_frame(skb, GATE_EGRESS, &frame))
 		return drop(cpu, GATE_EGRESS, GATE_EGRESS, GATE_R_MALFORMED);
 	if (frame.can_id & CAN_ERR_FLAG)
 		return drop(cpu, GATE_EGRESS, GATE_EGRESS, GATE_R_ERROR_FRAME);

@@ -16,34 +16,51 @@ struct frame_head {
 	__u8 rest[3];
 };
 
+/*
+ * What a controller's driver receives has struct can_skb_priv in front of the frame, and takes it
+ * for a link-layer header: ingress sees it, egress and virtual devices do not. 16 bytes since
+ * Linux 5.11.
+ */
+#define MAX_LEAD  32
+#define LEAD_STEP 8
+
+static __always_inline bool is_lead(__u32 lead)
+{
+	return lead <= MAX_LEAD && lead % LEAD_STEP == 0;
+}
+
 static __always_inline __u32 protocol_of(struct __sk_buff *skb)
 {
 	if (!test_run)
 		return skb->protocol;
-	if (skb->len == CAN_MTU)
+	if (is_lead(skb->len - CAN_MTU))
 		return bpf_htons(ETH_P_CAN);
-	return skb->len == CANFD_MTU ? bpf_htons(ETH_P_CANFD) : 0;
+	return is_lead(skb->len - CANFD_MTU) ? bpf_htons(ETH_P_CANFD) : 0;
 }
 
 /* False: neither a CAN nor a CAN FD frame of the right size. */
-static __always_inline bool read_frame(struct __sk_buff *skb, struct frame *frame)
+static __always_inline bool read_frame(struct __sk_buff *skb, __u32 direction, struct frame *frame)
 {
 	__u32 protocol = protocol_of(skb);
 	struct frame_head head;
-	__u32 limit;
+	__u32 limit, lead;
 
-	if (protocol == bpf_htons(ETH_P_CAN) && skb->len == CAN_MTU) {
+	if (protocol == bpf_htons(ETH_P_CAN)) {
 		frame->format = GATE_CLASSIC;
 		limit = CAN_MAX_DLEN;
-	} else if (protocol == bpf_htons(ETH_P_CANFD) && skb->len == CANFD_MTU) {
+		lead = skb->len - CAN_MTU;
+	} else if (protocol == bpf_htons(ETH_P_CANFD)) {
 		frame->format = GATE_FD;
 		limit = CANFD_MAX_DLEN;
+		lead = skb->len - CANFD_MTU;
 	} else {
 		return false;
 	}
+	if (lead && (direction == GATE_EGRESS || !is_lead(lead)))
+		return false;
 
 	if (direct_access) {
-		struct frame_head *data = (void *)(long)skb->data;
+		struct frame_head *data = (void *)(long)skb->data + lead;
 
 		/* CAN buffers are linear. */
 		if ((void *)(data + 1) > (void *)(long)skb->data_end)
@@ -51,7 +68,7 @@ static __always_inline bool read_frame(struct __sk_buff *skb, struct frame *fram
 		frame->can_id = data->can_id;
 		frame->len = data->len;
 	} else {
-		if (bpf_skb_load_bytes(skb, 0, &head, sizeof(head)))
+		if (bpf_skb_load_bytes(skb, lead, &head, sizeof(head)))
 			return false;
 		frame->can_id = head.can_id;
 		frame->len = head.len;

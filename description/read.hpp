@@ -28,9 +28,11 @@ using Description = std::expected<core::System, std::vector<Problem>>;
 
 /// Reads the regular file `path` (at most 16 MiB). The System refers to nothing outside itself, all
 /// its indices are valid and every rule of system.xsd and rules.hpp holds. Otherwise all problems
-/// of the first stage that found any are returned, ordered by line: syntax and schema, then
-/// meaning. More than 1000 problems end with one that says so. Looks up user names in the system's
-/// user database; opens no other file and no connection.
+/// of the first stage that found any are returned, ordered by line: syntax, schema and values of
+/// attributes; then names and rules. What follows a syntax error, or stands in the same element
+/// after one that does not belong there, is not examined. More than 1000 problems end with one that
+/// says so. Looks up user names in the system's user database; opens no other file and no
+/// connection.
 Description read(const std::string& path);
 
 /// The same for a text; `name` stands for the file in problems and origins.

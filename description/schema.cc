@@ -213,7 +213,7 @@ std::string explain_schema_message(std::string_view message, std::string_view el
   if (message.starts_with(", attribute '")) {
     message.remove_prefix(13);
     attribute = message.substr(0, message.find('\''));
-    message.remove_prefix(attribute.size() + 1);
+    message.remove_prefix(std::min(attribute.size() + 1, message.size()));
   }
   if (message.starts_with(": ")) message.remove_prefix(2);
 

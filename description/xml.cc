@@ -272,7 +272,7 @@ bool Reader::run(std::string_view xml) {
       xmlSchemaNewMemParserCtxt(schema().begin(), static_cast<int>(schema().size())));
   const Schema compiled(schema_parser ? xmlSchemaParse(schema_parser.get()) : nullptr);
   const Validator validator(compiled ? xmlSchemaNewValidCtxt(compiled.get()) : nullptr);
-  parser_.reset(xmlCreateMemoryParserCtxt(xml.data(), size));
+  parser_.reset(xmlCreateMemoryParserCtxt(xml.begin(), size));
   if (!validator || !parser_) {
     add(0, "", "the parser or the compiled-in schema could not be set up: out of memory");
     return false;

@@ -185,10 +185,31 @@ std::vector<Row> format_rows() {
     Bytes bytes(size);
     bytes[0] = 0x23;
     bytes[1] = 0x01;
-    rows.push_back(raw("BufferOf" + std::to_string(size) + "BytesIsMalformed",
-                       {sized(in(id), 64, GATE_CLASSIC | GATE_FD)}, kIn, bytes, kBus,
-                       {GATE_R_MALFORMED}));
+    const std::string name = "BufferOf" + std::to_string(size) + "Bytes";
+    rows.push_back(raw(name + "NeverLeaves", {sized(out(id, 0), 64, GATE_CLASSIC | GATE_FD)}, kOut,
+                       bytes, kLocal, {GATE_R_MALFORMED}));
+    const bool led = (size - CAN_MTU) % 8 == 0 && size <= CAN_MTU + 32;
+    if (size > CAN_MTU && (led || size == CANFD_MTU + 8)) continue;
+    rows.push_back(raw(name + "IsMalformed", {sized(in(id), 64, GATE_CLASSIC | GATE_FD)}, kIn,
+                       bytes, kBus, {GATE_R_MALFORMED}));
   }
+  // A controller's driver leaves its private data in front of what it has received.
+  const auto led = [](std::size_t lead, Bytes bytes) {
+    bytes.insert(bytes.begin(), lead, 0x5a);
+    return bytes;
+  };
+  // Not 8: the kernel would take bytes 12 and 13 of a test frame for an EtherType, here that of IP.
+  for (const std::size_t lead : {16, 24, 32}) {
+    const std::string name = "Behind" + std::to_string(lead) + "Bytes";
+    rows.push_back(raw("ClassicFrame" + name + "Passes", {in(id)}, kIn, led(lead, frame(id, 8)),
+                       kBus, admitted()));
+    rows.push_back(raw("FdFrame" + name + "Passes", {sized(in(id), 64, GATE_FD)}, kIn,
+                       led(lead, frame(id, 64, true)), kBus, admitted()));
+    rows.push_back(raw("UnknownFrame" + name + "IsUnknown", {in(id)}, kIn,
+                       led(lead, frame(0x7ff, 8)), kBus, {GATE_R_UNKNOWN}));
+  }
+  rows.push_back(raw("ClassicFrameBehind40BytesIsMalformed", {in(id)}, kIn, led(40, frame(id, 8)),
+                     kBus, {GATE_R_MALFORMED}));
   return rows;
 }
 

@@ -69,6 +69,7 @@ Bytes random_frame(Random& random, std::uint32_t profile) {
   auto bytes = frame(id, random.of({0, 4, 5, 8, fd ? 64U : 8U}), fd);
   if (random.chance(40)) bytes[4] = byte(random.below(256));
   if (random.chance(60)) bytes.resize(14 + random.below(80));
+  if (random.chance(6)) bytes.insert(bytes.begin(), random.of({16, 24, 32, 40}), 0x5a);
   return bytes;
 }
 

@@ -16,12 +16,19 @@ struct Parsed {
   bool fd = false;
 };
 
-std::optional<Parsed> parse(const Bytes& bytes) {
-  if (bytes.size() != CAN_MTU && bytes.size() != CANFD_MTU) return std::nullopt;
+/// At ingress up to 32 bytes, a multiple of 8, may stand in front of the frame.
+bool is_frame(std::size_t size, std::size_t mtu, Direction direction) {
+  if (size == mtu) return true;
+  return direction == Direction::ingress && size > mtu && size <= mtu + 32 && (size - mtu) % 8 == 0;
+}
+
+std::optional<Parsed> parse(const Bytes& bytes, Direction direction) {
   Parsed f;
-  std::memcpy(&f.can_id, bytes.data(), 4);
-  f.len = bytes[4];
-  f.fd = bytes.size() == CANFD_MTU;
+  f.fd = is_frame(bytes.size(), CANFD_MTU, direction);
+  if (!f.fd && !is_frame(bytes.size(), CAN_MTU, direction)) return std::nullopt;
+  const auto* const start = bytes.data() + bytes.size() - (f.fd ? CANFD_MTU : CAN_MTU);
+  std::memcpy(&f.can_id, start, 4);
+  f.len = start[4];
   if (f.len > (f.fd ? 64U : 8U)) return std::nullopt;
   return f;
 }
@@ -84,7 +91,7 @@ Judgement refused(const World& world, gate_reason reason, std::uint32_t mark) {
 Judgement judge_ingress(const World& world, const Bytes& bytes, const Sender& sender) {
   const Judgement echo{.outcome = {false, 0}, .reason = GATE_R_ECHO, .slot = {}, .bytes = 0};
   if (sender.local || (world.echo_by_mark && sender.mark == ~kToken)) return echo;
-  const auto f = parse(bytes);
+  const auto f = parse(bytes, Direction::ingress);
   if (!f) return refused(world, GATE_R_MALFORMED, 0);
   if ((f->can_id & CAN_ERR_FLAG) != 0)
     return {.outcome = {false, 0}, .reason = GATE_R_ERROR_IN, .slot = {}, .bytes = 0};
@@ -100,7 +107,7 @@ Judgement judge_ingress(const World& world, const Bytes& bytes, const Sender& se
 
 Judgement judge_egress(const World& world, const Bytes& bytes, const Sender& sender) {
   const std::uint32_t mark = world.echo_by_mark ? ~kToken : 0;
-  const auto f = parse(bytes);
+  const auto f = parse(bytes, Direction::egress);
   if (!f) return refused(world, GATE_R_MALFORMED, mark);
   if ((f->can_id & CAN_ERR_FLAG) != 0) return refused(world, GATE_R_ERROR_FRAME, mark);
   if (!world.open || world.lapsed) return refused(world, GATE_R_CLOSED, mark);
