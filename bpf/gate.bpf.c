@@ -18,16 +18,16 @@
 const volatile __u32 profile = GATE_PROFILE_NONE;
 const volatile __u32 ifindex = 0;
 /* The device gives what it has sent back through ingress, with the mark that egress has set. */
-const volatile bool echo_by_mark = false;
+const volatile __u8 echo_by_mark = false;
 /* Read frames by packet pointers; false where the verifier refuses unaligned loads. */
-const volatile bool direct_access = true;
+const volatile __u8 direct_access = true;
 /* PREEMPT_RT: one program can interrupt another on its CPU. */
-const volatile bool atomic_counts = false;
+const volatile __u8 atomic_counts = false;
 /*
  * BPF_PROG_TEST_RUN can make neither ETH_P_CAN nor a frame without a socket: in tests the format
  * follows from the length, and a frame is locally sent when its priority says so.
  */
-const volatile bool test_run = false;
+const volatile __u8 test_run = false;
 #define TEST_RUN_LOCAL 1
 
 struct gate_table table; /* the only variable of .bss: this map is pinned and memory-mapped */

@@ -65,8 +65,8 @@ class RouteCheck {
   }
 
  private:
-  const Publisher& publisher() const { return s_.members.publisher(v_.publisher); }
-  std::span<const Place> hops() const { return hops_of(v_.route); }
+  [[nodiscard]] const Publisher& publisher() const { return s_.members.publisher(v_.publisher); }
+  [[nodiscard]] std::span<const Place> hops() const { return hops_of(v_.route); }
 
   void obstruct(Obstacle obstacle, Place at) {
     if (v_.obstacle != Obstacle::none) return;
@@ -81,10 +81,16 @@ class RouteCheck {
 
   void find_obstacle_on(Place hop) {
     const Network& network = s_.system.networks[hop.index];
-    if (!s_.conditions[hop.index].available) return obstruct(Obstacle::unavailable, hop);
+    if (!s_.conditions[hop.index].available) {
+      obstruct(Obstacle::unavailable, hop);
+      return;
+    }
     if (network.profile == Profile::none) return;
     const Binding* binding = network.binding_of(v_.channel);
-    if (binding == nullptr) return obstruct(Obstacle::unbound, hop);
+    if (binding == nullptr) {
+      obstruct(Obstacle::unbound, hop);
+      return;
+    }
     if (network.profile == Profile::famouso) {
       if (!publisher().node) obstruct(Obstacle::no_node, hop);
     } else if (publisher().attributes.has(Attribute::max_payload) &&
@@ -125,7 +131,8 @@ class RouteCheck {
       add_rows(Against::hop, hops()[i], check_hop(v_.requirement, hops_[i], hops()[i]));
   }
 
-  Check check_hop(const AttributeSet& requirement, const Hop& hop, Place place) const {
+  [[nodiscard]] static Check check_hop(const AttributeSet& requirement, const Hop& hop,
+                                       Place place) {
     AttributeSet asked = requirement;
     if (place.kind == Place::Kind::gateway) drop_unstated_limits(asked, hop.provision);
     if (hop.frames == 1) return check_layer(asked, hop.provision);
@@ -139,7 +146,7 @@ class RouteCheck {
   }
 
   /// The composed provision of the first `count` hops.
-  AttributeSet composed(std::size_t count) const {
+  [[nodiscard]] AttributeSet composed(std::size_t count) const {
     std::array<Hop, kMaxHops> filled;
     for (std::size_t i = 0; i < count; ++i) {
       filled[i] = hops_[i];
@@ -201,7 +208,10 @@ class RouteCheck {
       const CapacityCheck c =
           check_capacity(s_.system.networks[hop.index].provision, reserved, v_.demand);
       if (!c.known) continue;
-      if (!known) return obstruct(Obstacle::no_traffic, hop);
+      if (!known) {
+        obstruct(Obstacle::no_traffic, hop);
+        return;
+      }
       Row row{Against::capacity, hop, 0, {}, reserved};
       row.comparison.attribute = Attribute::bandwidth;
       row.comparison.outcome = c.outcome;

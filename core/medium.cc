@@ -15,12 +15,12 @@ bool is_fragmented(const Network& network, const Binding* binding, Value bytes) 
 
 unsigned frames_per_event(const Network& network, const Binding* binding, Value bytes) {
   if (!is_fragmented(network, binding, bytes)) return 1;
-  constexpr Value kShortHeaders = 32;  // fragments whose count of followers fits in 5 bits
+  constexpr Value short_headers = 32;  // fragments whose count of followers fits in 5 bits
   const Value mtu = frame_bytes(*binding);
-  const Value in_short = kShortHeaders * (mtu - 1);
+  const Value in_short = short_headers * (mtu - 1);
   if (bytes <= in_short) return static_cast<unsigned>((bytes + mtu - 2) / (mtu - 1));
   const Value rest = std::min(bytes, kFamousoMaxEvent * 8) - in_short;
-  return static_cast<unsigned>(kShortHeaders + (rest + mtu - 3) / (mtu - 2));
+  return static_cast<unsigned>(short_headers + (rest + mtu - 3) / (mtu - 2));
 }
 
 }  // namespace mlcca::core

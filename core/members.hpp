@@ -26,10 +26,10 @@ class Members {
   void remove(AdmissionId admission);
 
   [[nodiscard]] const Publisher& publisher(std::size_t i) const {
-    return *publishers_.slots[i].end;
+    return publishers_.slots[i].end.value();
   }
   [[nodiscard]] const Subscriber& subscriber(std::size_t i) const {
-    return *subscribers_.slots[i].end;
+    return subscribers_.slots[i].end.value();
   }
   [[nodiscard]] AdmissionId admission_of_publisher(std::size_t i) const {
     return publishers_.slots[i].admission;

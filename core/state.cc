@@ -76,8 +76,8 @@ GateChanges Proposal::changes(std::size_t gateway) const {
   // The rules as they are come from the verdicts as they are; a newcomer has none among them, but
   // its publisher would be listed as known: leave it out.
   const Members& members = state_->members_;
-  GateState now = core::gate_state(state_->system_, members, c, state_->decision_.channels[c],
-                                   gateway, admission_.id);
+  const GateState now = core::gate_state(state_->system_, members, c, state_->decision_.channels[c],
+                                         gateway, admission_.id);
   return difference(now, core::gate_state(state_->system_, members, c, next_.verdicts, gateway));
 }
 

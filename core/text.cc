@@ -59,7 +59,6 @@ std::string with_unit(Value value, const Unit& unit) {
 const char* excess_word(Attribute a) {
   switch (a) {
     case Attribute::bandwidth:
-      return " short";
     case Attribute::max_payload:
       return " short";
     case Attribute::omission:
@@ -133,9 +132,9 @@ std::string format_margin(const Comparison& c) {
 }
 
 std::string format_subject(Subject subject) {
-  static constexpr std::string_view kDigits = "0123456789abcdef";
+  static constexpr std::string_view digits = "0123456789abcdef";
   std::string text = "0x0000000000000000";
-  for (std::size_t i = 17; i > 1; --i, subject >>= 4) text[i] = kDigits[subject & 15];
+  for (std::size_t i = 17; i > 1; --i, subject >>= 4) text[i] = digits[subject & 15];
   return text;
 }
 

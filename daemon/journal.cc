@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/journal.hpp"
 
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -71,7 +72,7 @@ Journal Journal::automatic() { return Journal(stderr_is_journal()); }
 
 void Journal::write(const Note& note) const {
   if (!journald_) {
-    std::fprintf(stderr, "%s\n", note.message.c_str());  // NOLINT(cert-err33-c)
+    fmt::print(stderr, "{}\n", note.message);
     return;
   }
   std::vector<std::string> fields{

@@ -54,7 +54,7 @@ Result<Loop> Loop::open(Gateway& gateway) {
   return Loop(std::move(sources));
 }
 
-int Loop::run() { return sd_event_loop(event()) < 0 ? 1 : 0; }
+int Loop::run() const { return sd_event_loop(event()) < 0 ? 1 : 0; }
 
 int Loop::on_links(sd_event_source*, int, std::uint32_t, void* self) noexcept {
   static_cast<Sources*>(self)->links_dirty = true;

@@ -19,7 +19,7 @@ class Loop {
 
   [[nodiscard]] sd_event* event() const { return sources_->event.get(); }
   /// Until SIGTERM or SIGINT. The exit status of the program.
-  int run();
+  [[nodiscard]] int run() const;
 
  private:
   struct Sources {

@@ -11,7 +11,7 @@ namespace {
 
 /// "10s", "500ms", "0", "forever".
 std::optional<std::uint64_t> parse_grace(const std::string& text) {
-  constexpr std::uint64_t kLongest = 86'400;  // a day in seconds
+  constexpr std::uint64_t longest = 86'400;  // a day in seconds
   if (text == "forever") return ~std::uint64_t{0};
   if (text == "0") return 0;
   std::size_t used = 0;
@@ -19,8 +19,8 @@ std::optional<std::uint64_t> parse_grace(const std::string& text) {
   if (digits == 0 || digits == std::string::npos || digits > 8) return std::nullopt;
   const std::uint64_t number = std::stoull(text, &used);
   const std::string unit = text.substr(used);
-  if (unit == "ms" && number <= kLongest * 1000) return number * 1'000'000;
-  if (unit == "s" && number <= kLongest) return number * 1'000'000'000;
+  if (unit == "ms" && number <= longest * 1000) return number * 1'000'000;
+  if (unit == "s" && number <= longest) return number * 1'000'000'000;
   return std::nullopt;
 }
 

@@ -283,33 +283,34 @@ Result<void> Ports::sync(const core::GateState& wanted) {
   return {};
 }
 
-Result<void> Ports::apply(const core::GateChanges& changes) {
-  std::map<std::size_t, enforce::SlotChanges> by_port;
+std::map<std::size_t, enforce::SlotChanges> Ports::by_port(const core::GateChanges& changes) const {
+  std::map<std::size_t, enforce::SlotChanges> out;
   const auto spread = [&](const std::vector<core::GateEntry>& entries,
                           std::vector<enforce::SlotSpec> enforce::SlotChanges::* list) {
     for (const core::GateEntry& e : entries)
       if (gate_of(e.port) != nullptr)
-        if (auto slot = slot_of(e, false)) (by_port[e.port].*list).push_back(*slot);
+        if (auto slot = slot_of(e, false)) (out[e.port].*list).push_back(*slot);
   };
   spread(changes.close, &enforce::SlotChanges::close);
   spread(changes.remove, &enforce::SlotChanges::remove);
   spread(changes.open, &enforce::SlotChanges::open);
   for (const core::GateRule& rule : changes.add)
     if (gate_of(rule.entry.port) != nullptr)
-      if (auto slot = slot_of(rule.entry, rule.pass)) by_port[rule.entry.port].add.push_back(*slot);
-  std::vector<std::pair<std::size_t, std::vector<enforce::SlotSpec>>> before;
-  for (const auto& [p, change] : by_port) {
+      if (auto slot = slot_of(rule.entry, rule.pass)) out[rule.entry.port].add.push_back(*slot);
+  return out;
+}
+
+Result<void> Ports::apply(const core::GateChanges& changes) {
+  std::vector<std::pair<enforce::Gate*, std::vector<enforce::SlotSpec>>> before;
+  for (const auto& [p, change] : by_port(changes)) {
     enforce::Gate* gate = gate_of(p);
-    before.emplace_back(p, gate->present());
-    const auto done = gate->apply(change);
-    if (done) continue;
-    before.pop_back();
-    for (const auto& [changed, slots] : before) {
-      enforce::Gate* other = gate_of(changed);
-      if (const auto undone = other->apply(enforce::difference(other->present(), slots)); !undone)
-        other->deny_all();
+    std::vector<enforce::SlotSpec> present = gate->present();
+    if (const auto done = gate->apply(change); !done) {
+      for (const auto& [changed, slots] : before)
+        if (!changed->apply(enforce::difference(changed->present(), slots))) changed->deny_all();
+      return fail(gate->name() + ": " + done.error().text);
     }
-    return fail(gate->name() + ": " + done.error().text);
+    before.emplace_back(gate, std::move(present));
   }
   return {};
 }

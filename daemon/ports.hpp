@@ -93,6 +93,8 @@ class Ports {
   void judge(PortState& port);
   [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateEntry& entry,
                                                          bool pass) const;
+  [[nodiscard]] std::map<std::size_t, enforce::SlotChanges> by_port(
+      const core::GateChanges& changes) const;
   [[nodiscard]] const enforce::Gate* gate_of(std::size_t port) const;
   enforce::Gate* gate_of(std::size_t port);
   [[nodiscard]] bool is_described(int ifindex) const;

@@ -17,7 +17,7 @@ struct Frames {
 
 [[nodiscard]] control::Channel channel_report(const core::State& state,
                                               const core::Verdict& verdict, Frames frames);
-[[nodiscard]] control::Network network_report(const core::State& state, std::size_t network);
+[[nodiscard]] control::Network network_report(const core::State& state, std::size_t index);
 
 /// "emergency-switch (0xa4efeccc3210b497) refused from second-can to robot-can: Omission …".
 [[nodiscard]] std::string verdict_line(const core::State& state, const core::Verdict& verdict);

@@ -129,49 +129,65 @@ Result<std::size_t> channel_named(const core::State& state, const std::string& n
                           known(state.system().channels)));
 }
 
-Result<Asked> understand(const core::State& state, const control::ChannelRequest& request,
-                         core::AdmissionId id) {
-  Asked asked;
-  const auto channel = channel_named(state, request.channel);
-  if (!channel) return std::unexpected(channel.error());
-  asked.channel = *channel;
-  core::Admission admission{id, *channel, {}, {}};
-  const auto& members = state.members();
+namespace {
 
-  if (!request.from.empty()) {
-    const auto from = place_named(state, request.from);
-    if (!from) return std::unexpected(from.error());
-    const bool there = std::ranges::any_of(members.publishers_of(*channel), [&](std::size_t p) {
-      return members.publisher(p).place == *from;
-    });
-    if (describes_publisher(request) || !there) {
-      auto publisher = new_publisher(state, request, *channel, *from, id);
-      if (!publisher) return std::unexpected(publisher.error());
-      admission.publisher = std::move(*publisher);
-    } else {
-      asked.from = *from;
-    }
-  } else if (describes_publisher(request)) {
+/// The publisher that the request means: one that is there, or a new one for the admission.
+Result<void> understand_publisher(const core::State& state, const control::ChannelRequest& request,
+                                  Asked& asked, core::Admission& admission) {
+  if (request.from.empty()) {
+    if (!describes_publisher(request)) return {};
     return fail("a new publisher needs its place: say from which network or gateway");
   }
+  const auto from = place_named(state, request.from);
+  if (!from) return std::unexpected(from.error());
+  const auto& members = state.members();
+  const bool there = std::ranges::any_of(members.publishers_of(asked.channel), [&](std::size_t p) {
+    return members.publisher(p).place == *from;
+  });
+  if (there && !describes_publisher(request)) {
+    asked.from = *from;
+    return {};
+  }
+  auto publisher = new_publisher(state, request, asked.channel, *from, admission.id);
+  if (!publisher) return std::unexpected(publisher.error());
+  admission.publisher = std::move(*publisher);
+  return {};
+}
 
-  if (!request.to.empty()) {
-    const auto to = place_named(state, request.to);
-    if (!to) return std::unexpected(to.error());
-    const bool there = std::ranges::any_of(members.subscribers_of(*channel), [&](std::size_t s) {
-      return members.subscriber(s).place == *to;
-    });
-    if (describes_subscriber(request) || !there) {
-      auto subscriber = new_subscriber(state, request, *channel, *to, id);
-      if (!subscriber) return std::unexpected(subscriber.error());
-      admission.subscriber = std::move(*subscriber);
-    } else {
-      asked.to = *to;
-    }
-  } else if (describes_subscriber(request)) {
+Result<void> understand_subscriber(const core::State& state, const control::ChannelRequest& request,
+                                   Asked& asked, core::Admission& admission) {
+  if (request.to.empty()) {
+    if (!describes_subscriber(request)) return {};
     return fail("a new subscriber needs its place: say to which network or gateway");
   }
+  const auto to = place_named(state, request.to);
+  if (!to) return std::unexpected(to.error());
+  const auto& members = state.members();
+  const bool there = std::ranges::any_of(members.subscribers_of(asked.channel), [&](std::size_t s) {
+    return members.subscriber(s).place == *to;
+  });
+  if (there && !describes_subscriber(request)) {
+    asked.to = *to;
+    return {};
+  }
+  auto subscriber = new_subscriber(state, request, asked.channel, *to, admission.id);
+  if (!subscriber) return std::unexpected(subscriber.error());
+  admission.subscriber = std::move(*subscriber);
+  return {};
+}
 
+}  // namespace
+
+Result<Asked> understand(const core::State& state, const control::ChannelRequest& request,
+                         core::AdmissionId id) {
+  const auto channel = channel_named(state, request.channel);
+  if (!channel) return std::unexpected(channel.error());
+  Asked asked{.channel = *channel, .from = {}, .to = {}, .admission = {}};
+  core::Admission admission{.id = id, .channel = *channel, .publisher = {}, .subscriber = {}};
+  if (const auto ok = understand_publisher(state, request, asked, admission); !ok)
+    return std::unexpected(ok.error());
+  if (const auto ok = understand_subscriber(state, request, asked, admission); !ok)
+    return std::unexpected(ok.error());
   if (admission.publisher || admission.subscriber) asked.admission = std::move(admission);
   return asked;
 }

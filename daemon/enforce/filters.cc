@@ -47,6 +47,8 @@ Result<std::uint32_t> program_in_place(std::uint32_t ifindex, Direction directio
 
 Result<void> make_hooks(std::uint32_t ifindex) {
   const Complaints complaints;
+  // libbpf takes a set of bits as its enum.
+  // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange)
   auto hook = hook_of(ifindex, static_cast<bpf_tc_attach_point>(BPF_TC_INGRESS | BPF_TC_EGRESS));
   const int error = bpf_tc_hook_create(&hook);
   if (error != 0 && error != -EEXIST) return complaints.error("clsact", error);

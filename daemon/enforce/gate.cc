@@ -103,8 +103,8 @@ struct Gate::State {
   [[nodiscard]] std::uint32_t program_id(Direction direction) const {
     return program_info(programs.program_fd(direction)).id;
   }
-  Result<void> pin_all();
-  Result<void> put_all_in_place();
+  [[nodiscard]] Result<void> pin_all() const;
+  [[nodiscard]] Result<void> put_all_in_place() const;
 
   static Result<std::unique_ptr<State>> load(const GateConfig& config, const Control& control,
                                              const GateMaps& maps);
@@ -132,7 +132,7 @@ Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
                                        .reused = !fresh});
 }
 
-Result<void> Gate::State::pin_all() {
+Result<void> Gate::State::pin_all() const {
   if (!reused) remove_pin_directory(directory);
   if (auto made = make_pin_directory(directory); !made) return made;
   const auto pin_new = [](int fd, const std::string& path) -> Result<void> {
@@ -151,7 +151,7 @@ Result<void> Gate::State::pin_all() {
   return {};
 }
 
-Result<void> Gate::State::put_all_in_place() {
+Result<void> Gate::State::put_all_in_place() const {
   if (auto made = make_hooks(config.ifindex); !made) return made;
   for (const auto direction : kBoth)
     if (auto put = put_in_place(config.ifindex, direction, programs.program_fd(direction)); !put)
@@ -223,7 +223,7 @@ void Gate::unpin() { remove_pin_directory(state_->directory); }
 
 Result<void> unpin_vanished(const Control& control) {
   std::error_code error;
-  std::filesystem::directory_iterator entries(control.directory(), error);
+  const std::filesystem::directory_iterator entries(control.directory(), error);
   if (error) return failure("read " + control.directory(), error.value());
   std::vector<std::string> vanished;
   for (const auto& entry : entries) {

@@ -10,7 +10,7 @@
 #include "core/result.hpp"
 #include "daemon/enforce/slots.hpp"
 
-struct gate_bpf;
+struct gate_bpf;  // NOLINT(readability-identifier-naming): the skeleton's name
 
 namespace mlcca::enforce {
 

@@ -113,10 +113,10 @@ Result<SlotTable> SlotTable::read(gate_table& table, std::span<gate_cpu> cpus,
 /// Finds the used slots by the chains, the only truth there is, and the free ones by exclusion.
 Result<void> SlotTable::adopt(bool fresh) {
   std::vector<bool> seen(GATE_SLOTS, false);
-  for (std::uint32_t direction = 0; direction < GATE_DIRECTIONS; ++direction) {
-    for (std::uint32_t bucket = 0; bucket < GATE_BUCKETS; ++bucket) {
-      for (std::uint16_t at = table_->head[direction][bucket]; at != 0;
-           at = table_->slots[at].next) {
+  for (const auto& heads : table_->head) {
+    std::uint32_t bucket = 0;
+    for (const std::uint16_t first : heads) {
+      for (std::uint16_t at = first; at != 0; at = table_->slots[at].next) {
         if (at < GATE_FIRST_SLOT || at >= GATE_SLOTS || seen[at])
           return fail(fmt::format("slot table: broken chain in bucket {}", bucket));
         if (gate_bucket(profile_, table_->slots[at].id) != bucket)
@@ -124,10 +124,13 @@ Result<void> SlotTable::adopt(bool fresh) {
         seen[at] = true;
         ++used_;
       }
+      ++bucket;
     }
   }
   auto& unused = fresh ? free_ : quarantine_;
-  for (std::uint16_t slot = GATE_SLOTS - 1; slot >= GATE_FIRST_SLOT; --slot)
+  unused.reserve(GATE_SLOTS - GATE_FIRST_SLOT - used_);
+  std::uint16_t slot = GATE_SLOTS;
+  while (slot-- > GATE_FIRST_SLOT)
     if (!seen[slot]) unused.push_back(slot);
   return {};
 }

@@ -29,9 +29,9 @@ std::unexpected<Error> netlink_error(const std::string& call, int error) {
 std::string text_or_empty(const char* text) { return text == nullptr ? "" : text; }
 
 std::string can_state_name(std::uint32_t state) {
-  static constexpr std::array kNames{"error-active", "error-warning", "error-passive",
-                                     "bus-off",      "stopped",       "sleeping"};
-  return state < kNames.size() ? kNames[state] : "unknown";
+  static constexpr std::array names{"error-active", "error-warning", "error-passive",
+                                    "bus-off",      "stopped",       "sleeping"};
+  return state < names.size() ? names[state] : "unknown";
 }
 
 Link describe(rtnl_link* link) {

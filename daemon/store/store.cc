@@ -108,7 +108,7 @@ Result<Contents> Store::load() const {
 
 Result<void> Store::save(const Contents& contents) const {
   const std::string fresh = path_ + ".new";
-  Fd file(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  const Fd file(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
   if (!file) return system_error(fresh);
   if (auto written = write_all(file.get(), encode(contents), fresh); !written) return written;
   if (::fsync(file.get()) < 0) return system_error(fresh);
