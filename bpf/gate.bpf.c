@@ -58,14 +58,9 @@ static __always_inline bool closed(void)
 static __noinline bool is_forwarded_echo(struct __sk_buff *skb, __u32 mark, __u32 can_id, __u32 len,
 					 __u32 format)
 {
-	struct frame frame = {.can_id = can_id, .len = len, .format = format};
-	struct decision d;
-	__u32 source = mark ^ control.token;
+	struct frame frame = {.can_id = can_id, .len = len, .format = format, .mark = mark};
 
-	if (!source || source == ifindex || source >> 31)
-		return false;
-	d = decide(skb, GATE_EGRESS, &frame, source);
-	return d.reason == GATE_R_PASSED;
+	return decide(skb, GATE_EGRESS, &frame, GATE_BY_MARK).reason == GATE_R_PASSED;
 }
 
 SEC("tc")
@@ -97,7 +92,8 @@ int gate_ingress(struct __sk_buff *skb)
 	if (d.reason != GATE_R_PASSED)
 		return refuse(cpu, GATE_INGRESS, &d, &frame);
 	count_pass(cpu, GATE_INGRESS, d.slot, &frame);
-	skb->mark = gate_ingress_token(control.token, ifindex);
+	skb->mark = gate_ingress_token(control.token, ifindex,
+				       table.slots[d.slot & (GATE_SLOTS - 1)].subject);
 	return TC_ACT_UNSPEC;
 
 echo:
@@ -118,6 +114,7 @@ int gate_egress(struct __sk_buff *skb)
 	if (!cpu)
 		return TC_ACT_SHOT;
 	source = source_of(skb);
+	frame.mark = skb->mark;
 	/*
 	 * No token leaves the machine or the namespace. The echo mark goes on local frames too: the
 	 * echo of a program that has closed its socket has lost it.

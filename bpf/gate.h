@@ -42,7 +42,8 @@
 #define GATE_SEEN 64 /* last seen frames without a slot, per CPU; power of two */
 
 #define GATE_ANY_UID   0xffffffffU
-#define GATE_NO_SOURCE 0xffffffffU /* source of a frame that nobody vouches for; no slot has it */
+#define GATE_NO_SOURCE 0xffffffffU /* source of a frame that came from nowhere; no slot has it */
+#define GATE_BY_MARK   0xfffffffeU /* source of an echo: only its mark says where it entered */
 
 enum gate_profile {
 	GATE_PROFILE_NONE = 0,	  /* no frame names a subject: everything is unknown */
@@ -182,10 +183,15 @@ static inline __u32 gate_key_mask(__u32 profile)
 
 /*
  * Marks that frames carry inside this kernel. The ingress gate of an interface marks what it has
- * passed, the egress gate what it lets out to a device that echoes. The token's top bit is set,
- * not all bits are, and an ifindex is positive: neither mark is 0 and the two never meet.
+ * passed: as which subject and from where, so that egress admits neither a frame of a third bus nor
+ * one that was admitted as another subject. Two subjects share a mark with a chance of 2^-31. The
+ * egress gate marks what it lets out to a device that echoes. The token's top bit is set, not all
+ * bits are, and an ifindex is positive: neither mark is 0 and the two never meet.
  */
-static inline __u32 gate_ingress_token(__u32 token, __u32 ifindex) { return token ^ ifindex; }
+static inline __u32 gate_ingress_token(__u32 token, __u32 ifindex, __u64 subject)
+{
+	return token ^ ifindex ^ (__u32)(subject * 0x9e3779b97f4a7c15ULL >> 33);
+}
 
 static inline __u32 gate_echo_token(__u32 token) { return ~token; }
 

@@ -7,6 +7,7 @@ struct frame {
 	__u32 can_id;
 	__u32 len;    /* payload bytes */
 	__u32 format; /* GATE_CLASSIC or GATE_FD */
+	__u32 mark;   /* when the gate saw it first */
 };
 
 /* First words of struct can_frame and struct canfd_frame. */
@@ -85,9 +86,9 @@ static __always_inline bool is_local(struct __sk_buff *skb)
 }
 
 /*
- * Egress: 0 for a local program, the ifindex for a frame that the ingress gate there has passed.
- * Whatever else is forwarded (from an interface without a gate, or the echo of a local program's
- * frame) has no source that a slot could name.
+ * Egress: 0 for a local program, else the ifindex that the frame came in by. That the ingress gate
+ * there has passed it is what its mark must say: a frame from an interface without a gate, or the
+ * echo of a local program's frame, has none.
  */
 static __always_inline __u32 source_of(struct __sk_buff *skb)
 {
@@ -95,9 +96,7 @@ static __always_inline __u32 source_of(struct __sk_buff *skb)
 
 	if (is_local(skb))
 		return 0;
-	if (from && skb->mark == gate_ingress_token(control.token, from))
-		return from;
-	return GATE_NO_SOURCE;
+	return from ? from : GATE_NO_SOURCE;
 }
 
 #endif

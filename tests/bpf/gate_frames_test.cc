@@ -17,8 +17,13 @@ constexpr std::uint32_t kEff = CAN_EFF_FLAG;
 constexpr std::uint32_t kRtr = CAN_RTR_FLAG;
 constexpr std::uint32_t kStandard = kEff | kRtr | CAN_SFF_MASK;  // whole 11-bit identifier, no RTR
 constexpr std::uint32_t kExtended = kEff | kRtr | CAN_EFF_MASK;
-constexpr std::uint32_t kAdmitted = kToken ^ kIfindex;  // mark of a frame that ingress has passed
-constexpr std::uint32_t kFromOther = kToken ^ kOther;
+constexpr std::uint64_t kSubject = 0xa4efeccc3210b497;
+/// Mark of a frame of kSubject that the ingress gate of an interface has passed.
+std::uint32_t mark_from(std::uint32_t ifindex, std::uint64_t subject = kSubject) {
+  return gate_ingress_token(kToken, ifindex, subject);
+}
+const std::uint32_t kAdmitted = mark_from(kIfindex);
+const std::uint32_t kFromOther = mark_from(kOther);
 constexpr std::uint32_t kEcho = ~kToken;
 constexpr auto kIn = Direction::ingress;
 constexpr auto kOut = Direction::egress;
@@ -35,7 +40,7 @@ SlotSpec slot(Direction direction, std::uint32_t id, std::uint32_t mask) {
   s.pass = true;
   s.id = id;
   s.mask = mask;
-  s.subject = 0xa4efeccc3210b497;
+  s.subject = kSubject;
   return s;
 }
 SlotSpec in(std::uint32_t id) { return slot(kIn, id, (id & kEff) != 0 ? kExtended : kStandard); }
@@ -63,7 +68,7 @@ SlotSpec remote(SlotSpec s) {
 
 constexpr Sender kBus{};
 constexpr Sender kLocal{.local = true};
-constexpr Sender kForwarded{.mark = kFromOther, .ingress_ifindex = kOther};
+const Sender kForwarded{.mark = kFromOther, .ingress_ifindex = kOther};
 constexpr Sender marked(std::uint32_t mark) { return {.mark = mark}; }
 
 constexpr int kOwn = -1;  // counted by the direction's own slot
@@ -72,7 +77,7 @@ struct Expect {
   int slot = kOwn;  // index into the row's slots
   std::uint32_t mark = 0;
 };
-constexpr Expect admitted(int index = 0) { return {GATE_R_PASSED, index, kAdmitted}; }
+Expect admitted(int index = 0) { return {GATE_R_PASSED, index, kAdmitted}; }
 constexpr Expect sent(int index = 0) { return {GATE_R_PASSED, index}; }
 
 enum class State : std::uint8_t { open, closed, lapsed, audit };
@@ -216,14 +221,16 @@ std::vector<Row> format_rows() {
 std::vector<Row> source_rows() {
   const auto f = frame(0x123, 8);
   const Sender unvouched{.ingress_ifindex = kOther};
-  const Sender third{.mark = kToken ^ 11U, .ingress_ifindex = 11};
+  const Sender third{.mark = mark_from(11), .ingress_ifindex = 11};
   return {
       raw("ForwardedFromGrantedSourceLeavesUnmarked", {out(0x123)}, kOut, f, kForwarded, sent()),
       raw("ForwardedFromThirdBusIsRefused", {out(0x123)}, kOut, f, third, {GATE_R_SOURCE, 0}),
       raw("ForwardedButNotPassedByIngressIsRefused", {out(0x123)}, kOut, f, unvouched,
           {GATE_R_SOURCE, 0}),
       raw("TokenOfAnotherInterfaceIsRefused", {out(0x123)}, kOut, f,
-          {.mark = kToken ^ 11U, .ingress_ifindex = kOther}, {GATE_R_SOURCE, 0}),
+          {.mark = mark_from(11), .ingress_ifindex = kOther}, {GATE_R_SOURCE, 0}),
+      raw("AdmittedAsAnotherSubjectIsRefused", {out(0x123)}, kOut, f,
+          {.mark = mark_from(kOther, kSubject + 1), .ingress_ifindex = kOther}, {GATE_R_SOURCE, 0}),
       raw("TokenWithoutInterfaceIsRefused", {out(0x123)}, kOut, f, marked(kFromOther),
           {GATE_R_SOURCE, 0}),
       raw("SenderWithoutSocketIsNotLocal", {out(0x123, 0)}, kOut, f, kBus, {GATE_R_SOURCE, 0}),
@@ -286,7 +293,7 @@ std::vector<Row> state_rows() {
           {GATE_R_DENIED, 0}, State::audit),
       raw("AuditMarksAdmitted", {in(0x123)}, kIn, f, kBus, admitted(), State::audit),
       raw("AuditLetsWrongSourceOutUnmarked", {out(0x123)}, kOut, f,
-          {.mark = kToken ^ 11U, .ingress_ifindex = 11}, {GATE_R_SOURCE, 0}, State::audit),
+          {.mark = mark_from(11), .ingress_ifindex = 11}, {GATE_R_SOURCE, 0}, State::audit),
       raw("AuditLetsErrorFrameOut", {}, kOut, frame(CAN_ERR_FLAG | 1, 8), kLocal,
           {GATE_R_ERROR_FRAME}, State::audit),
       raw("AuditLetsMalformedThrough", {}, kIn, Bytes(20), kBus, {GATE_R_MALFORMED}, State::audit),

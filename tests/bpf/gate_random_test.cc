@@ -56,7 +56,7 @@ SlotSpec random_slot(Random& random, std::uint32_t profile) {
   s.formats = byte(random.of({GATE_CLASSIC, GATE_FD, GATE_CLASSIC | GATE_FD}));
   s.source = random.of({0, kOther, 11});
   s.uid = random.of({GATE_ANY_UID, 0, 1000});
-  s.subject = random.below(1000);
+  s.subject = random.of({1, 1, 2});
   return s;
 }
 
@@ -76,7 +76,11 @@ Bytes random_frame(Random& random, std::uint32_t profile) {
 Sender random_sender(Random& random) {
   Sender s;
   s.local = random.chance(3);
-  s.mark = random.of({0, 0, kToken ^ kOther, kToken ^ 11U, kToken ^ kIfindex, kToken, ~kToken, 7});
+  const auto from = [](std::uint32_t ifindex, std::uint64_t subject) {
+    return gate_ingress_token(kToken, ifindex, subject);
+  };
+  s.mark = random.of({0, from(kOther, 1), from(kOther, 2), from(11, 1), from(11, 2),
+                      from(kIfindex, 1), kToken, ~kToken, 7});
   s.ingress_ifindex = random.of({0, kOther, kOther, 11, kIfindex});
   return s;
 }

@@ -41,18 +41,24 @@ bool same_key(std::uint32_t profile, std::uint32_t a, std::uint32_t b) {
 }
 
 constexpr std::int64_t kNobody = -1;
+constexpr std::int64_t kByMark = -2;
 
 std::int64_t source(const Sender& sender) {
   if (sender.local) return 0;
-  const bool vouched =
-      sender.ingress_ifindex != 0 && sender.mark == (kToken ^ sender.ingress_ifindex);
-  return vouched ? sender.ingress_ifindex : kNobody;
+  return sender.ingress_ifindex != 0 ? sender.ingress_ifindex : kNobody;
 }
 
-gate_reason misfit(const SlotSpec& s, const Parsed& f, std::int64_t from) {
+/// The mark says that the interface of the slot has passed the frame as the slot's subject.
+bool vouched(const SlotSpec& s, std::uint32_t mark) {
+  return s.source != 0 && mark == gate_ingress_token(kToken, s.source, s.subject);
+}
+
+gate_reason misfit(const SlotSpec& s, const Parsed& f, std::int64_t from, std::uint32_t mark) {
   if ((f.can_id & s.mask) != s.id) return GATE_R_IDENTIFIER;
   if (s.direction == Direction::egress) {
-    if (from != std::int64_t{s.source}) return GATE_R_SOURCE;
+    if (from == kByMark ? s.source == kIfindex : from != std::int64_t{s.source})
+      return GATE_R_SOURCE;
+    if (from != 0 && !vouched(s, mark)) return GATE_R_SOURCE;
     if (from == 0 && s.uid != GATE_ANY_UID && s.uid != 0) return GATE_R_SOURCE;
   }
   if ((s.formats & (f.fd ? GATE_FD : GATE_CLASSIC)) == 0) return GATE_R_FORMAT;
@@ -62,12 +68,12 @@ gate_reason misfit(const SlotSpec& s, const Parsed& f, std::int64_t from) {
 
 /// The latest slot is asked first; a passing one wins, then the one that came furthest.
 void decide(const World& world, Direction direction, const Parsed& f, std::int64_t from,
-            Judgement& j) {
+            std::uint32_t mark, Judgement& j) {
   j.reason = GATE_R_UNKNOWN;
   for (std::size_t i = world.slots.size(); i-- > 0;) {
     const auto& s = world.slots[i];
     if (s.direction != direction || !same_key(world.profile, s.id, f.can_id)) continue;
-    const auto reason = misfit(s, f, from);
+    const auto reason = misfit(s, f, from, mark);
     if (reason == GATE_R_PASSED || reason > j.reason) {
       j.reason = reason;
       j.slot = i;
@@ -77,10 +83,9 @@ void decide(const World& world, Direction direction, const Parsed& f, std::int64
 }
 
 bool forwarded_echo(const World& world, const Parsed& f, std::uint32_t mark) {
-  const std::uint32_t from = mark ^ kToken;
-  if (mark == 0 || from == 0 || from == kIfindex || from > 0x7fffffff) return false;
+  if (mark == 0) return false;
   Judgement j;
-  decide(world, Direction::egress, f, from, j);
+  decide(world, Direction::egress, f, kByMark, mark, j);
   return j.reason == GATE_R_PASSED;
 }
 
@@ -98,9 +103,10 @@ Judgement judge_ingress(const World& world, const Bytes& bytes, const Sender& se
   if (forwarded_echo(world, *f, sender.mark)) return echo;
   if (!world.open || world.lapsed) return refused(world, GATE_R_CLOSED, 0);
   Judgement j;
-  decide(world, Direction::ingress, *f, kNobody, j);
+  decide(world, Direction::ingress, *f, kNobody, sender.mark, j);
   const bool pass = j.reason == GATE_R_PASSED;
-  j.outcome = {!pass && !world.audit, pass ? kToken ^ kIfindex : 0};
+  j.outcome = {!pass && !world.audit,
+               pass ? gate_ingress_token(kToken, kIfindex, world.slots[*j.slot].subject) : 0};
   if (pass && (f->can_id & CAN_RTR_FLAG) == 0) j.bytes = f->len;
   return j;
 }
@@ -112,7 +118,7 @@ Judgement judge_egress(const World& world, const Bytes& bytes, const Sender& sen
   if ((f->can_id & CAN_ERR_FLAG) != 0) return refused(world, GATE_R_ERROR_FRAME, mark);
   if (!world.open || world.lapsed) return refused(world, GATE_R_CLOSED, mark);
   Judgement j;
-  decide(world, Direction::egress, *f, source(sender), j);
+  decide(world, Direction::egress, *f, source(sender), sender.mark, j);
   j.outcome = {j.reason != GATE_R_PASSED && !world.audit, mark};
   if (j.reason == GATE_R_PASSED && (f->can_id & CAN_RTR_FLAG) == 0) j.bytes = f->len;
   return j;
