@@ -91,11 +91,11 @@ $O/%.o: %.cc
 demo: ensure-deps ## the emergency stop, told on real SocketCAN and systemd (DEMO=host: on this kernel)
 	$(Q)$(MAKE) run-demo
 
-test: ensure-deps ## everything: lint, unit, kernel and guest tests
+test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 	$(Q)$(MAKE) test-all
 
 test-all:
-	$(Q)$(MAKE) all lint check-mcu
+	$(Q)$(MAKE) all check-layers check-format check-mcu
 	$(Q)$(MAKE) check check-kernel
 	$(Q)$(MAKE) check-harness check-guest
 

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -76,6 +77,7 @@ Gateway::LoadResult Gateway::load() const {
   if (!self) return std::unexpected(std::vector{options_.description + ": " + self.error()});
   Loaded loaded{std::make_unique<core::State>(std::move(*system)), *self, {}};
   restore_into(loaded);
+  ::malloc_trim(0);  // reading leaves several times the memory of what was read
   return loaded;
 }
 

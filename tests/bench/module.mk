@@ -4,3 +4,12 @@ BENCHES ?=
 $(eval $(call program,bench/gate_bench,tests/bench/gate_bench.cc tests/bpf/loaded_gate.cc,$O/libenforce.a,-lbpf -lfmt))
 $O/tests/bench/gate_bench.o: $(BPF_SKELETONS)
 BENCHES += $O/bench/gate_bench
+
+$(eval $(call program,bench/admission_bench,tests/bench/admission_bench.cc,$O/libcore.a,-lbenchmark -lpthread))
+$(eval $(call program,bench/socket_bench,tests/bench/socket_bench.cc,$O/libcontrol.a,$(PROTO_LIBS) -lfmt))
+$O/tests/bench/socket_bench.o: | $O/gen/mlcca/v1/control.pb.h
+BENCHES += $O/bench/admission_bench $O/bench/socket_bench
+
+run-bench: all $(BENCHES)
+	$(Q)tests/bench/run $O
+.PHONY: run-bench

@@ -167,6 +167,15 @@ TEST(ClientTest, ReportsADaemonThatGoesAwayInAReply) {
   ASSERT_FALSE(reply);
 }
 
+TEST(ClientTest, SaysThatItCouldNotSend) {
+  auto [near, far] = pair_of(SOCK_STREAM);
+  far.reset();
+  Client client(std::move(near));
+  const auto reply = client.call({0, StatusRequest{}});
+  ASSERT_FALSE(reply);
+  EXPECT_EQ(reply.error().text, "send to mlccad: Broken pipe");
+}
+
 TEST(ClientTest, ReadsTheRefusalOfADaemonThatHasHungUp) {
   auto [near, far] = pair_of(SOCK_STREAM);
   send_all(far, encode(Reply{0, Error{ErrorKind::invalid, "unknown request", {}}}));

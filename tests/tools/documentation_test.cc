@@ -67,15 +67,16 @@ Help help() {
   return result;
 }
 
-/// The macros of the manual page without their quotes and escapes, a line each.
-std::vector<std::string> manual_macros() {
+/// What the manual page describes: the lines behind .TP and .TQ without quotes and escapes.
+std::vector<std::string> manual_entries() {
   std::ifstream file(top() / "docs/man/mlccactl.1");
   std::vector<std::string> result;
+  bool follows = false;
   for (std::string line; std::getline(file, line);) {
-    if (!line.starts_with(".B")) continue;
     std::erase(line, '\\');
     std::erase(line, '"');
-    result.push_back(line.substr(line.find(' ') + 1));
+    if (follows) result.push_back(line.substr(line.find(' ') + 1));
+    follows = line == ".TP" || line == ".TQ";
   }
   return result;
 }
@@ -105,17 +106,17 @@ Words completions(const std::string& words, const std::string& socket) {
 }
 
 TEST(DocumentationTest, ManualDescribesEveryVerbAndOption) {
-  const auto macros = manual_macros();
+  const auto entries = manual_entries();
   const auto known = help();
   ASSERT_EQ(known.verbs.size(), 10U);
   ASSERT_GT(known.options.size(), 15U);
   for (const auto& verb : known.verbs)
-    EXPECT_TRUE(std::ranges::any_of(macros, [&](const std::string& macro) {
-      return words_of(macro.substr(0, macro.find(' '))) == Words{verb};
+    EXPECT_TRUE(std::ranges::any_of(entries, [&](const std::string& entry) {
+      return words_of(entry.substr(0, entry.find(' '))) == Words{verb};
     })) << verb;
   for (const auto& option : known.options)
-    EXPECT_TRUE(std::ranges::any_of(macros, [&](const std::string& macro) {
-      return options_in(macro).contains(option);
+    EXPECT_TRUE(std::ranges::any_of(entries, [&](const std::string& entry) {
+      return options_in(entry).contains(option);
     })) << option;
 }
 
