@@ -134,7 +134,8 @@ Channel channel(v1::Channel& from) {
           .rows = all(from.mutable_rows(), row),
           .admission = from.admission(),
           .passed = from.passed(),
-          .dropped = from.dropped()};
+          .dropped = from.dropped(),
+          .reaction = from.reaction()};
 }
 
 template <class Body>

@@ -113,6 +113,7 @@ struct Channel {
   std::uint64_t admission = 0;  ///< id of the run-time admission, 0: described
   std::uint64_t passed = 0;     ///< frames, at this gateway
   std::uint64_t dropped = 0;
+  std::string reaction;  ///< worst-case reaction to a stopped heart-beat; empty: none
   bool operator==(const Channel&) const = default;
 };
 

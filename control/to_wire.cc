@@ -120,6 +120,7 @@ void put(const Channel& from, v1::Channel& to) {
   to.set_admission(from.admission);
   to.set_passed(from.passed);
   to.set_dropped(from.dropped);
+  to.set_reaction(to_utf8(from.reaction));
 }
 
 void put(const ChannelRequest& from, v1::ChannelRequest& to) {

@@ -13,17 +13,15 @@
 namespace mlcca::core {
 namespace {
 
-/// What a publisher asks of the networks: its jitter is its own, not a demand.
-AttributeSet demanded_by(const Publisher& publisher) {
-  AttributeSet set = publisher.attributes;
-  return set.clear(Attribute::jitter);
-}
-
-/// What a subscriber asks of the networks: its MaxPayload is what it accepts, checked against the
-/// publisher.
-AttributeSet demanded_by(const Subscriber& subscriber) {
-  AttributeSet set = subscriber.attributes;
-  return set.clear(Attribute::max_payload);
+/// What a publisher and all of these subscribers together ask of the networks between them.
+AttributeSet union_of(const Members& members, std::size_t publisher,
+                      const std::vector<std::size_t>& subscribers) {
+  const AttributeSet& offered = members.publisher(publisher).attributes;
+  AttributeSet requirement = requirement_between(offered, {});
+  for (const std::size_t s : subscribers)
+    requirement =
+        strictest(requirement, requirement_between(offered, members.subscriber(s).attributes));
+  return requirement;
 }
 
 /// Subscribers of a channel at one place.
@@ -186,11 +184,8 @@ class RouteCheck {
     for (std::size_t i = 1; i + 1 < count_; ++i) {
       const auto target = std::ranges::find(targets_, hops()[i], &Target::place);
       if (target == targets_.end()) continue;
-      AttributeSet requirement = demanded_by(publisher());
-      for (const std::size_t s : target->subscribers)
-        requirement = strictest(requirement, demanded_by(s_.members.subscriber(s)));
-      add_rows(Against::bystander, hops()[i],
-               check_layer(normalised_requirement(requirement), composed(i + 1)));
+      const AttributeSet requirement = union_of(s_.members, v_.publisher, target->subscribers);
+      add_rows(Against::bystander, hops()[i], check_layer(requirement, composed(i + 1)));
       for (const std::size_t s : target->subscribers)
         add_rows(Against::traffic, hops()[i],
                  check_traffic(publisher().attributes, s_.members.subscriber(s).attributes), s);
@@ -238,10 +233,7 @@ Verdict blank(const Situation& s, std::size_t channel, std::size_t publisher,
   v.publisher = publisher;
   v.to = target.place;
   v.subscribers = target.subscribers;
-  AttributeSet requirement = demanded_by(s.members.publisher(publisher));
-  for (const std::size_t i : target.subscribers)
-    requirement = strictest(requirement, demanded_by(s.members.subscriber(i)));
-  v.requirement = normalised_requirement(requirement);
+  v.requirement = normalised_requirement(union_of(s.members, publisher, target.subscribers));
   return v;
 }
 

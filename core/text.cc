@@ -189,6 +189,16 @@ std::string where(const System& system, const Members& members, const Verdict& v
   return {};
 }
 
+std::string reaction(const Verdict& verdict) {
+  const auto sum = worst_case_reaction(verdict);
+  if (!sum) return {};
+  const AttributeSet terms = reaction_terms(verdict);
+  const auto term = [&terms](Attribute a) { return title(a) + " " + format_value(a, terms[a]); };
+  return format_value(Attribute::latency, *sum) + " = (" + term(Attribute::omission) + " + 1) x " +
+         term(Attribute::period) + " + " + term(Attribute::latency) + " + " +
+         term(Attribute::jitter);
+}
+
 std::string reason(const System& system, const Members& members, const Verdict& v,
                    const std::string& problem) {
   if (v.obstacle != Obstacle::none) return obstacle_text(system, members, v, problem);

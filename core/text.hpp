@@ -29,6 +29,10 @@ namespace mlcca::core {
 [[nodiscard]] std::string where(const System& system, const Members& members,
                                 const Verdict& verdict, const Row& row);
 
+/// "174 ms = (Omission 2 + 1) x Period 50 ms + Latency 12 ms + Jitter 12 ms": how long after the
+/// last heart-beat a subscriber reacts at the latest. Empty where that is not known.
+[[nodiscard]] std::string reaction(const Verdict& verdict);
+
 /// Why, in one line without a full stop: the failed attribute, the hop, by how much; of a grant the
 /// tightest margin.
 [[nodiscard]] std::string reason(const System& system, const Members& members,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "core/verdict.hpp"
 
-#include "mlcca/compose.hpp"
+#include "mlcca/check.hpp"
 #include "mlcca/units.hpp"
 
 namespace mlcca::core {
@@ -34,15 +34,22 @@ const Row* deciding_row(const Verdict& verdict) {
   return tightest;
 }
 
+AttributeSet reaction_terms(const Verdict& verdict) {
+  AttributeSet terms;
+  for (const Attribute a : {Attribute::omission, Attribute::period})
+    if (verdict.requirement.has(a)) terms.set(a, verdict.requirement[a]);
+  for (const Attribute a : {Attribute::latency, Attribute::jitter})
+    if (verdict.provision.has(a)) terms.set(a, verdict.provision[a]);
+  // A Jitter that is not stated is at most the Latency.
+  if (!terms.has(Attribute::jitter) && terms.has(Attribute::latency))
+    terms.set(Attribute::jitter, terms[Attribute::latency]);
+  return terms;
+}
+
 std::optional<Value> worst_case_reaction(const Verdict& verdict) {
-  const AttributeSet& required = verdict.requirement;
-  const AttributeSet provided = normalised_provision(verdict.provision);
-  if (!required.has(Attribute::period) || !required.has(Attribute::omission)) return std::nullopt;
-  if (!provided.has(Attribute::latency)) return std::nullopt;
-  const Value jitter = provided.has(Attribute::jitter) ? provided[Attribute::jitter] : 0;
-  const Value silence =
-      mul_saturating(add_saturating(required[Attribute::omission], 1), required[Attribute::period]);
-  return add_saturating(add_saturating(silence, provided[Attribute::latency]), jitter);
+  const Value reaction = mlcca::worst_case_reaction(reaction_terms(verdict));
+  if (reaction == kUnbounded) return std::nullopt;
+  return reaction;
 }
 
 }  // namespace mlcca::core

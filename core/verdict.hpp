@@ -57,9 +57,13 @@ struct Verdict {
 /// The row that decided a refusal, or the one with the smallest relative margin of a grant.
 [[nodiscard]] const Row* deciding_row(const Verdict& verdict);
 
+/// What the worst-case reaction is the sum of: the required Omission and Period, the composed
+/// Latency and Jitter.
+[[nodiscard]] AttributeSet reaction_terms(const Verdict& verdict);
+
 /// Time from the last heart-beat to the subscriber's certainty that it is missing, ns:
-/// (Omission + 1) * Period + Latency + Jitter, with the required Omission and the composed rest.
-/// Nothing where the channel is not periodic or one of the parts is not known.
+/// (Omission + 1) * Period + Latency + Jitter. Nothing where the channel is not periodic or a part
+/// is not known.
 [[nodiscard]] std::optional<Value> worst_case_reaction(const Verdict& verdict);
 
 }  // namespace mlcca::core

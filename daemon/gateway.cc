@@ -13,7 +13,6 @@
 
 #include "core/text.hpp"
 #include "daemon/report.hpp"
-#include "daemon/version.hpp"
 #include "description/read.hpp"
 
 namespace mlcca {

@@ -6,10 +6,10 @@
 #include <utility>
 #include <variant>
 
+#include "control/version.hpp"
 #include "core/text.hpp"
 #include "daemon/gateway.hpp"
 #include "daemon/report.hpp"
-#include "daemon/version.hpp"
 
 namespace mlcca {
 namespace {
@@ -88,6 +88,7 @@ Gateway::Body Gateway::handle(const control::StatusRequest&) {
   s.started_unix_s = static_cast<std::uint64_t>(started_);
   s.loaded_unix_s = static_cast<std::uint64_t>(loaded_);
   s.last_error = last_error_;
+  if (ports_.out_of_hand()) s.problem = "an interface cannot be held: everything is denied";
   s.interfaces = ports_.report();
   return s;
 }

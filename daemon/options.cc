@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 
-#include "daemon/version.hpp"
+#include "control/version.hpp"
 
 namespace mlcca {
 namespace {

@@ -61,6 +61,7 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
                         .outcome = outcome_of(row.comparison.outcome),
                         .margin = core::format_margin(row.comparison)});
   }
+  if (v.granted) out.reaction = core::reaction(v);
   out.passed = frames.passed;
   out.dropped = frames.dropped;
   return out;

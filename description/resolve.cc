@@ -139,10 +139,13 @@ class Resolver {
       uid = uid_at(end, *place);
     }
     if (!channel || !place) return;
+    // The channel's Jitter is what subscribers stand; a publisher's own is stated by itself.
+    AttributeSet inherited = draft_.channels[*channel].attributes;
+    inherited.clear(Attribute::jitter);
     core::Publisher out{.name = name_of(end, "publisher"),
                         .channel = *channel,
                         .place = *place,
-                        .attributes = with_own(draft_.channels[*channel].attributes, end.own),
+                        .attributes = with_own(inherited, end.own),
                         .node = std::nullopt,
                         .uid = uid,
                         .origin = end.origin};

@@ -125,7 +125,8 @@ Json channel(const control::Channel& c) {
           {"rows", array(c.rows, row)},
           {"admission", c.admission},
           {"passed", c.passed},
-          {"dropped", c.dropped}};
+          {"dropped", c.dropped},
+          {"reaction", c.reaction}};
 }
 
 /// One function for each alternative of Reply::body.

@@ -80,6 +80,7 @@ std::string delivery(const control::Channel& channel, Color color, bool with_cou
   if (channel.admission != 0)
     also("admission",
          fmt::format("{0} (mlccactl release --id {0} takes it back)", channel.admission));
+  if (!channel.reaction.empty()) also("reaction", channel.reaction);
   if (with_counters)
     also("frames", fmt::format("{} passed, {} dropped", channel.passed, channel.dropped));
   return text;

@@ -140,7 +140,7 @@ Result<Value> read_value(Attribute attribute, std::string_view text, Role role) 
   const auto base = std::string_view(info(attribute).unit);
   const auto split = std::min(text.find_first_not_of("0123456789."), text.size());
   const auto unit_name = trimmed(text.substr(split));
-  const auto unit = std::ranges::find_if(
+  const auto* const unit = std::ranges::find_if(
       kUnits, [&](const Unit& u) { return u.base == base && u.name == unit_name; });
   const auto number = read_decimal(trimmed(text.substr(0, split)));
   if (!number)

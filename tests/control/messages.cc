@@ -68,7 +68,8 @@ Channel refused_channel() {
                     .margin = "not provided"}},
           .admission = 0,
           .passed = 12,
-          .dropped = 345};
+          .dropped = 345,
+          .reaction = {}};
 }
 
 Channel granted_channel() {
@@ -81,6 +82,7 @@ Channel granted_channel() {
   channel.rows[0].where = "robot-can";
   channel.admission = 7;
   channel.dropped = 0;
+  channel.reaction = "174 ms = (Omission 2 + 1) x Period 50 ms + Latency 12 ms + Jitter 12 ms";
   return channel;
 }
 

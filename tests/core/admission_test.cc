@@ -29,7 +29,8 @@ TEST(AdmissionTest, AdmitsItBehindABridgeThatIsGoodEnough) {
   const Verdict& v = only_verdict(state);
   EXPECT_TRUE(v.granted) << why(state, v);
   EXPECT_EQ(v.route.size(), 3U);
-  EXPECT_EQ(worst_case_reaction(v), 3 * 50 * kMs + 12 * kMs);
+  EXPECT_EQ(worst_case_reaction(v), 3 * 50 * kMs + 12 * kMs + 12 * kMs);
+  EXPECT_EQ(reaction(v), "174 ms = (Omission 2 + 1) x Period 50 ms + Latency 12 ms + Jitter 12 ms");
 }
 
 TEST(AdmissionTest, RefusesWhenOnlyTheWholeRouteLosesTooMuch) {
@@ -244,6 +245,20 @@ TEST(AdmissionTest, SplitEventsMakeEveryFrameLossAnEventLoss) {
   EXPECT_FALSE(only_verdict(state).granted);
   EXPECT_EQ(why(state, only_verdict(state)),
             "Omission 2 required, robot-can provides unbounded (unbounded)");
+}
+
+TEST(AdmissionTest, AddsTheJitterOfTheSourceToThatOfTheRoute) {
+  System system = robot(0);
+  for (Network& n : system.networks) n.provision.set(Attribute::jitter, kMs);
+  system.gateways[0].provision.set(Attribute::jitter, kMs);
+  system.publishers[0].attributes.set(Attribute::jitter, 2 * kMs);
+  system.subscribers[0].attributes.set(Attribute::jitter, 5 * kMs);
+  EXPECT_TRUE(only_verdict(State(system)).granted);
+  system.publishers[0].attributes.set(Attribute::jitter, 2 * kMs + 1);
+  const State state(system);
+  EXPECT_FALSE(only_verdict(state).granted);
+  EXPECT_EQ(why(state, only_verdict(state)),
+            "Jitter 5 ms required, the route provides 5 ms (1 ns too long)");
 }
 
 }  // namespace

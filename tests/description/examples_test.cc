@@ -94,5 +94,23 @@ TEST(MakeSystem, WritesAValidDescriptionWhoseChannelsAreAllGranted) {
   }
 }
 
+TEST(Jitter, OfAChannelIsWhatSubscribersStandAndNotThePublishersOwn) {
+  const std::string jitter =
+      "<Attribute><Name>Jitter</Name><Dimension><SIUnit><Seconds>1</Seconds></SIUnit>"
+      "<Magnitude>-3</Magnitude></Dimension><Value>5</Value></Attribute>";
+  const auto system = read_memory(
+      "<System name=\"s\"><EventChannel name=\"c\"><SubjectUID>0x1</SubjectUID><Attributes>" +
+          jitter +
+          "</Attributes></EventChannel><Network name=\"n\"><Kind>mesh</Kind></Network>"
+          "<Publisher channel=\"c\" network=\"n\"/><Publisher channel=\"c\" "
+          "network=\"n\"><Attributes>" +
+          jitter + "</Attributes></Publisher><Subscriber channel=\"c\" network=\"n\"/></System>",
+      "jitter.xml");
+  ASSERT_TRUE(system) << to_string(system.error()[0]);
+  EXPECT_FALSE(system->publishers[0].attributes.has(Attribute::jitter));
+  EXPECT_TRUE(system->publishers[1].attributes.has(Attribute::jitter));
+  EXPECT_TRUE(system->subscribers[0].attributes.has(Attribute::jitter));
+}
+
 }  // namespace
 }  // namespace mlcca::description
