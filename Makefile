@@ -31,7 +31,7 @@ Q := $(if $(filter 1,$V),,@)
 say = $(if $(filter 1,$V),,@printf '  %-7s %s\n' '$1' '$2')
 
 .DELETE_ON_ERROR:
-.SECONDARY:
+.PRECIOUS: %.o %.bpf.o %.skel.h %.pb.cc %.pb.h
 .SUFFIXES:
 MAKEFLAGS += --no-builtin-rules
 

@@ -125,6 +125,7 @@ std::optional<StartError> Gateway::start() {
   control_.beat(monotonic_ns());
   if (const auto armed = control_.arm(); !armed) return give_up({armed.error().text}, false);
   if (control_.lapsed()) control_.clear_lapse(monotonic_ns());
+  look_at_drops(false);  // what a former daemon has seen is not news
   open_unless_lost();
   tell({Kind::started, 5, "started: " + summary(), 0, {}, {}});
   if (control_.mode() == enforce::Mode::audit)
@@ -197,21 +198,30 @@ void Gateway::beat() {
 
 void Gateway::look_around() {
   if (ports_.repair()) follow_world();
+  look_at_drops(true);
+}
+
+void Gateway::look_at_drops(bool mention) {
   const auto now = static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000);
   for (const auto& verdicts : state_->decision().channels) {
     for (const core::Verdict& v : verdicts) {
-      if (v.granted) continue;
-      const control::Channel c = report(v);
-      const auto dropped = drops_.look(c.name + " " + c.publisher + " " + c.to, c.dropped, now);
-      if (dropped)
-        tell({Kind::dropping, 4,
-              fmt::format("{} frames dropped of {}", *dropped, verdict_line(*state_, v)), c.subject,
-              c.name, c.from});
+      const core::EventChannel& c = state_->system().channels[v.channel];
+      const core::Publisher& publisher = state_->members().publisher(v.publisher);
+      const std::string& to = core::name_of(state_->system(), v.to);
+      const auto dropped =
+          drops_.look(c.name + " " + publisher.name + " " + to, frames_of(v).dropped, now);
+      if (!dropped || !mention) continue;
+      const std::string line =
+          v.granted ? fmt::format("{} frames dropped that named {} ({}) and differ from the grant",
+                                  *dropped, c.name, core::format_subject(c.subject))
+                    : fmt::format("{} frames dropped of {}", *dropped, verdict_line(*state_, v));
+      tell({Kind::dropping, 4, line, c.subject, c.name,
+            core::name_of(state_->system(), publisher.place)});
     }
   }
   for (std::size_t p = 0; p < ports_.size(); ++p) {
     const auto dropped = drops_.look("unknown " + std::to_string(p), ports_.unknown_frames(p), now);
-    if (dropped)
+    if (dropped && mention)
       tell({Kind::dropping,
             4,
             fmt::format("{} frames without a known subject dropped on {} ({})", *dropped,
@@ -259,9 +269,13 @@ void Gateway::tell_changes(const std::vector<std::vector<core::Verdict>>& before
   }
 }
 
+Frames Gateway::frames_of(const core::Verdict& v) const {
+  return ports_.frames(
+      core::gate_state(state_->system(), state_->members(), v.channel, {v}, self_));
+}
+
 control::Channel Gateway::report(const core::Verdict& v) const {
-  const auto rules = core::gate_state(state_->system(), state_->members(), v.channel, {v}, self_);
-  return channel_report(*state_, v, ports_.frames(rules));
+  return channel_report(*state_, v, frames_of(v));
 }
 
 control::Channels Gateway::report_known(const Asked& asked) const {

@@ -93,11 +93,13 @@ class Gateway {
   void follow_world();
   Result<void> enforce();
   void open_unless_lost();
+  void look_at_drops(bool mention);
   void tell(Note note);
   void tell_changes(const std::vector<std::vector<core::Verdict>>& before);
   void tell_verdict(Kind kind, const core::Verdict& verdict);
   /// "enforce" or "audit".
   [[nodiscard]] const char* mode_name() const;
+  [[nodiscard]] Frames frames_of(const core::Verdict& verdict) const;
   [[nodiscard]] control::Channel report(const core::Verdict& verdict) const;
   [[nodiscard]] control::Channels report_known(const Asked& asked) const;
   Body admit_known(const Asked& asked);

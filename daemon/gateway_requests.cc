@@ -48,7 +48,6 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   const auto old = std::exchange(state_, std::move(loaded->state));
   self_ = loaded->self;
   loaded_ = std::time(nullptr);
-  drops_.forget();
   for (std::string& line : loaded->left_out) tell({Kind::trouble, 4, std::move(line), 0, {}, {}});
   ports_.describe(state_->system(), self_);
   ports_.follow();
@@ -59,6 +58,8 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
     for (const core::Verdict& v : verdicts)
       tell_verdict(v.granted ? Kind::granted : Kind::refused, v);
   const auto done = enforce();
+  drops_.forget();
+  look_at_drops(false);
   open_unless_lost();
   if (!done) return error(control::ErrorKind::world, done.error().text);
   return control::Done{"reloaded: " + summary()};

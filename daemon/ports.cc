@@ -52,14 +52,16 @@ control::Traffic traffic_of(const enforce::Gate& gate, enforce::Direction direct
 void Ports::describe(const core::System& system, std::size_t gateway) {
   std::vector<PortState> next;
   for (const core::Port& port : system.gateways[gateway].ports) {
-    PortState state{
-        port, system.networks[port.network].name, system.networks[port.network].profile, 0, {},
-        false};
+    PortState state;
+    state.port = port;
+    state.network_name = system.networks[port.network].name;
+    state.profile = system.networks[port.network].profile;
     const auto old = std::ranges::find_if(ports_, [&](const PortState& p) {
       return p.port.identity == port.identity && p.network_name == state.network_name;
     });
     if (old != ports_.end()) {
       state.ifindex = old->ifindex;
+      state.held = old->held;
       state.raised = old->raised && old->port.bitrate == port.bitrate &&
                      old->port.data_bitrate == port.data_bitrate;
     }
@@ -156,10 +158,11 @@ void Ports::attach(PortState& port) {
       control_);
   if (!gate) {
     port.problem = gate.error().text;
-    tell_(port.network_name, port.problem, true);
     hold_closed(port, link.name);
     return;
   }
+  port.held = 0;
+  port.told.clear();
   port.lost = false;
   gates_.emplace(port.ifindex, std::move(*gate));
 }
@@ -167,7 +170,12 @@ void Ports::attach(PortState& port) {
 /// The last resort: a gate without pins and slots, which denies everything.
 void Ports::hold_closed(PortState& port, const std::string& name) {
   const auto closing = enforce::close_interface(name, root_);
-  port.lost = !closing || *closing != enforce::Closing::closed;
+  const bool fresh = closing && *closing == enforce::Closing::closed;
+  if (fresh) port.held = port.ifindex;
+  // A gate that was there already is an older one that we do not command, unless it is that one.
+  port.lost = !closing || (!fresh && port.held != port.ifindex);
+  if (std::exchange(port.told, port.problem) == port.problem) return;
+  tell_(port.network_name, port.problem, true);
   tell_(port.network_name,
         port.lost ? name + " cannot be held: every gate is closed until it can"
                   : name + " is held closed",

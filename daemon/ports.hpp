@@ -81,6 +81,8 @@ class Ports {
     std::string problem;
     bool raised = false;  ///< a managed interface was brought up once since it appeared
     bool lost = false;    ///< no gate of ours could be attached, not even a closed one
+    int held = 0;  ///< ifindex that was given a gate without slots, because nothing else could be
+    std::string told;  ///< the last problem of attaching that was told
   };
 
   [[nodiscard]] const net::Link* link_of(const PortState& port) const;
