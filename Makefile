@@ -34,6 +34,9 @@ say = $(if $(filter 1,$V),,@printf '  %-7s %s\n' '$1' '$2')
 .PRECIOUS: %.o %.bpf.o %.skel.h %.pb.cc %.pb.h
 .SUFFIXES:
 MAKEFLAGS += --no-builtin-rules
+ifeq ($(filter -j%,$(MAKEFLAGS)),)
+MAKEFLAGS += -j$(shell nproc)
+endif
 
 all:
 

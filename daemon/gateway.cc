@@ -77,7 +77,7 @@ Gateway::LoadResult Gateway::load() const {
   Loaded loaded{std::make_unique<core::State>(std::move(*system)), *self, {}};
   restore_into(loaded);
   ::malloc_trim(0);  // reading leaves several times the memory of what was read
-  return loaded;
+  return loaded;     // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): the state moves with it
 }
 
 void Gateway::restore_into(Loaded& loaded) const {
@@ -145,8 +145,10 @@ void Gateway::stop() {
 
 void Gateway::links_changed() {
   const auto changed = links_.refresh();
-  if (!changed) return tell({Kind::trouble, 3, changed.error().text, 0, {}, {}});
-  if (*changed) follow_world();
+  if (!changed)
+    tell({Kind::trouble, 3, changed.error().text, 0, {}, {}});
+  else if (*changed)
+    follow_world();
 }
 
 void Gateway::follow_world() {
