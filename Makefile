@@ -34,7 +34,7 @@ say = $(if $(filter 1,$V),,@printf '  %-7s %s\n' '$1' '$2')
 .PRECIOUS: %.o %.bpf.o %.skel.h %.pb.cc %.pb.h
 .SUFFIXES:
 MAKEFLAGS += --no-builtin-rules
-ifeq ($(filter -j%,$(MAKEFLAGS)),)
+ifeq ($(MAKELEVEL)$(filter -j%,$(MAKEFLAGS)),0)
 MAKEFLAGS += -j$(shell nproc)
 endif
 

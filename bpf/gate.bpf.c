@@ -50,19 +50,6 @@ static __always_inline bool closed(void)
 	return !READ_ONCE(control.open) || READ_ONCE(control.lapsed);
 }
 
-/*
- * A device without IFF_ECHO: the CAN core makes the echo itself, before egress, so that the echo of
- * a forwarded frame still has the mark of the interface it came in by. Believed only for a frame
- * that our egress lets out from there.
- */
-static __noinline bool is_forwarded_echo(struct __sk_buff *skb, __u32 mark, __u32 can_id, __u32 len,
-					 __u32 format)
-{
-	struct frame frame = {.can_id = can_id, .len = len, .format = format, .mark = mark};
-
-	return decide(skb, GATE_EGRESS, &frame, GATE_BY_MARK).reason == GATE_R_PASSED;
-}
-
 SEC("tc")
 int gate_ingress(struct __sk_buff *skb)
 {
@@ -83,8 +70,6 @@ int gate_ingress(struct __sk_buff *skb)
 		count_reason(cpu, GATE_INGRESS, GATE_R_ERROR_IN);
 		return TC_ACT_UNSPEC;
 	}
-	if (mark && is_forwarded_echo(skb, mark, frame.can_id, frame.len, frame.format))
-		goto echo;
 	if (closed())
 		return drop(cpu, GATE_INGRESS, GATE_INGRESS, GATE_R_CLOSED);
 

@@ -43,7 +43,6 @@
 
 #define GATE_ANY_UID   0xffffffffU
 #define GATE_NO_SOURCE 0xffffffffU /* source of a frame that came from nowhere; no slot has it */
-#define GATE_BY_MARK   0xfffffffeU /* source of an echo: only its mark says where it entered */
 
 enum gate_profile {
 	GATE_PROFILE_NONE = 0,	  /* no frame names a subject: everything is unknown */

@@ -21,13 +21,10 @@ static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
 	if ((frame->can_id & slot->mask) != slot->id)
 		return misfit_identifier(slot, frame->can_id);
 	if (direction == GATE_EGRESS) {
-		/* What came in here was not forwarded here: an echo is never from the own
-		 * interface. */
-		if (source == GATE_BY_MARK ? slot->source == ifindex : slot->source != source)
+		if (source != slot->source)
 			return GATE_R_SOURCE;
 		if (source &&
-		    !(slot->source && frame->mark == gate_ingress_token(control.token, slot->source,
-									slot->subject)))
+		    frame->mark != gate_ingress_token(control.token, source, slot->subject))
 			return GATE_R_SOURCE;
 		if (!source && slot->uid != GATE_ANY_UID && slot->uid != bpf_get_socket_uid(skb))
 			return GATE_R_SOURCE;

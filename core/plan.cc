@@ -11,7 +11,6 @@ namespace {
 
 // FAMOUSO's 29-bit identifier: priority, fragment bit, node, etag.
 constexpr std::uint32_t kEtagMask = 0x3fff;
-constexpr std::uint32_t kStandardMask = 0x7ff;
 constexpr std::uint32_t kExtendedMask = 0x1fffffff;
 constexpr unsigned kNodeShift = 14;
 constexpr unsigned kFragmentShift = 21;
@@ -133,7 +132,8 @@ class Planner {
     }
     e.key = b.extended ? b.id | kExtendedFlag : b.id;
     e.id = e.key;
-    e.mask |= b.extended ? kExtendedMask : kStandardMask;
+    // All 29 bits for 11-bit identifiers too: bits that a standard frame does not have must be 0.
+    e.mask |= kExtendedMask;
     return true;
   }
 

@@ -99,14 +99,14 @@ void Gateway::restore_into(Loaded& loaded) const {
 
 std::optional<StartError> Gateway::start() {
   started_ = std::time(nullptr);
-  const auto give_up = [this](std::vector<std::string> lines, bool description) {
+  const auto give_up = [this](std::vector<std::string> lines, bool bad_input) {
     control_.close_all();
-    return StartError{std::move(lines), description};
+    return StartError{std::move(lines), bad_input};
   };
   if (const auto set = control_.set_grace(options_.grace_ns); !set)
     return give_up({set.error().text}, false);
   auto contents = store_.load();
-  if (!contents) return give_up({contents.error().text}, false);
+  if (!contents) return give_up({contents.error().text}, true);
   stored_ = std::move(*contents);
   auto loaded = load();
   if (!loaded) return give_up(std::move(loaded.error()), true);

@@ -24,11 +24,11 @@
 
 namespace mlcca {
 
-/// Why the daemon cannot start; a description that cannot be used is told apart, since starting
-/// again does not help.
+/// Why the daemon cannot start; what starting again cannot mend (a description or a store that
+/// cannot be used) is told apart.
 struct StartError {
   std::vector<std::string> lines;
-  bool description = false;
+  bool bad_input = false;
 };
 
 class Gateway {
@@ -92,6 +92,7 @@ class Gateway {
   /// Follows the interfaces, decides anew and brings the kernel in line; reports what changed.
   void follow_world();
   Result<void> enforce();
+  Result<void> settle();
   void open_unless_lost();
   void look_at_drops(bool mention);
   void tell(Note note);

@@ -45,24 +45,36 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
                           std::move(loaded.error())};
   }
   last_error_.clear();
-  const auto old = std::exchange(state_, std::move(loaded->state));
-  self_ = loaded->self;
+  const std::size_t old_self = std::exchange(self_, loaded->self);
+  auto old = std::exchange(state_, std::move(loaded->state));
+  if (const auto done = settle(); !done) {
+    state_ = std::move(old);
+    self_ = old_self;
+    last_error_ = done.error().text;
+    tell({Kind::reload, 3, "reload refused, back to what was: " + last_error_, 0, {}, {}});
+    static_cast<void>(settle());
+    return error(control::ErrorKind::world, last_error_);
+  }
   loaded_ = std::time(nullptr);
   for (std::string& line : loaded->left_out) tell({Kind::trouble, 4, std::move(line), 0, {}, {}});
-  ports_.describe(state_->system(), self_);
-  ports_.follow();
-  state_->set_conditions(ports_.conditions(state_->system().networks.size()));
-  state_->decide();
   tell({Kind::reload, 5, "reloaded: " + summary(), 0, {}, {}});
   for (const auto& verdicts : state_->decision().channels)
     for (const core::Verdict& v : verdicts)
       tell_verdict(v.granted ? Kind::granted : Kind::refused, v);
-  const auto done = enforce();
+  return control::Done{"reloaded: " + summary()};
+}
+
+/// Brings interfaces and gates in line with a description that has just become the one in force.
+Result<void> Gateway::settle() {
+  ports_.describe(state_->system(), self_);
+  ports_.follow();
+  state_->set_conditions(ports_.conditions(state_->system().networks.size()));
+  state_->decide();
+  auto done = enforce();
   drops_.forget();
   look_at_drops(false);
   open_unless_lost();
-  if (!done) return error(control::ErrorKind::world, done.error().text);
-  return control::Done{"reloaded: " + summary()};
+  return done;
 }
 
 control::Reply Gateway::answer(const control::Request& request, const serve::Peer& peer) {

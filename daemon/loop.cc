@@ -33,8 +33,12 @@ Result<Loop> Loop::open(Gateway& gateway) {
   if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGINT, nullptr, nullptr);
   if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGHUP, on_hangup, s);
   if (e >= 0) e = sd_event_add_io(raw, nullptr, gateway.links_fd(), EPOLLIN, on_links, s);
-  if (e >= 0)
-    e = sd_event_add_time_relative(raw, nullptr, CLOCK_MONOTONIC, 0, kAccuracy, on_beat, s);
+  // The heart-beat comes before whatever clients want.
+  sd_event_source* beat = nullptr;
+  if (e >= 0) e = sd_event_add_time_relative(raw, &beat, CLOCK_MONOTONIC, 0, kAccuracy, on_beat, s);
+  if (e >= 0) e = sd_event_source_set_priority(beat, SD_EVENT_PRIORITY_IMPORTANT);
+  if (e >= 0) e = sd_event_source_set_floating(beat, 1);
+  sd_event_source_unref(beat);
   if (e >= 0)
     e = sd_event_add_time_relative(raw, nullptr, CLOCK_MONOTONIC, kLookInterval, kAccuracy, on_look,
                                    s);

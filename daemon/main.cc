@@ -121,7 +121,7 @@ int run(const Options& options) {
     for (const std::string& line : problem->lines)
       journal.write({Kind::trouble, 3, line, 0, {}, {}});
     journal.write({Kind::stopped, 3, "not started: everything is denied on every gate", 0, {}, {}});
-    return problem->description ? kBadInput : kFailed;
+    return problem->bad_input ? kBadInput : kFailed;
   }
   auto loop = Loop::open(gateway);
   auto socket = control_socket(options);

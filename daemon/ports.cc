@@ -152,10 +152,16 @@ void Ports::attach(PortState& port) {
     port.problem = fmt::format("{} is not a CAN interface", link.name);
     return;
   }
-  if (gates_.contains(port.ifindex)) return;
-  auto gate = enforce::Gate::attach(
-      {static_cast<std::uint32_t>(port.ifindex), link.name, port.profile, link.kind == "can"},
-      control_);
+  const enforce::GateConfig config{static_cast<std::uint32_t>(port.ifindex), link.name,
+                                   port.profile, link.kind == "can"};
+  // A gate is of one profile: another one is put in its place, and starts without slots.
+  if (const auto old = gates_.find(port.ifindex); old != gates_.end()) {
+    if (old->second.config().profile == config.profile &&
+        old->second.config().echo_by_mark == config.echo_by_mark)
+      return;
+    gates_.erase(old);
+  }
+  auto gate = enforce::Gate::attach(config, control_);
   if (!gate) {
     port.problem = gate.error().text;
     hold_closed(port, link.name);
@@ -218,18 +224,25 @@ void Ports::judge(PortState& port) {
 }
 
 bool Ports::repair() {
-  for (auto& [ifindex, gate] : gates_) {
+  for (auto it = gates_.begin(); it != gates_.end();) {
+    enforce::Gate& gate = it->second;
     const auto there = gate.attached();
-    if (there && *there) continue;
-    if (!links_.table().contains(ifindex)) continue;
-    const auto repaired = gate.reattach();
-    tell_({},
-          repaired
-              ? fmt::format("somebody removed the gate of {}: it was open until now, and is back",
-                            gate.name())
-              : fmt::format("the gate of {} is gone and cannot be put back: {}", gate.name(),
-                            repaired.error().text),
-          true);
+    if ((there && *there) || !links_.table().contains(it->first)) {
+      ++it;
+      continue;
+    }
+    if (const auto repaired = gate.reattach(); repaired) {
+      tell_({},
+            "somebody removed the gate of " + gate.name() + ": it was open until now, and is back",
+            true);
+      ++it;
+    } else {
+      tell_({},
+            "the gate of " + gate.name() +
+                " is gone and cannot be put back: " + repaired.error().text,
+            true);
+      it = gates_.erase(it);
+    }
   }
   return std::ranges::any_of(ports_, [this](const PortState& p) {
     const net::Link* link = link_of(p);

@@ -41,7 +41,7 @@ void add_delivery(CLI::App& app, Arguments& to) {
   app.add_option("--offer", to.offer, "what the new publisher offers, such as Period=50ms")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
-  app.add_option("--node", to.node, "FAMOUSO node of the new publisher, 0 to 127")
+  app.add_option("--node", to.node, "FAMOUSO node of the new publisher, 0 to 126")
       ->type_name("N")
       ->check(CLI::Range(0U, kMaxFamouso));
   app.add_option("--priority", to.priority, "FAMOUSO priority of its events, 0 (highest) to 127")

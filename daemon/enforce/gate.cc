@@ -156,7 +156,8 @@ Result<void> Gate::State::put_all_in_place() const {
   for (const auto direction : kBoth)
     if (auto put = put_in_place(config.ifindex, direction, programs.program_fd(direction)); !put)
       return put;
-  return {};
+  return verify_in_place(config.ifindex, program_id(Direction::ingress),
+                         program_id(Direction::egress));
 }
 
 Result<Gate> Gate::attach(const GateConfig& config, const Control& control) {
@@ -186,6 +187,7 @@ Gate::Gate(Gate&&) noexcept = default;
 Gate& Gate::operator=(Gate&&) noexcept = default;
 Gate::~Gate() = default;
 
+const GateConfig& Gate::config() const { return state_->config; }
 std::uint32_t Gate::ifindex() const { return state_->config.ifindex; }
 const std::string& Gate::name() const { return state_->config.name; }
 bool Gate::reused() const { return state_->reused; }
@@ -246,12 +248,16 @@ Result<Closing> close_interface(const std::string& name, const std::string& root
   const std::uint32_t ifindex = if_nametoindex(name.c_str());
   if (ifindex == 0) return failure("close " + name, errno);
   bool gated = true;
+  bool same = false;  // one program in both places: there is no egress hook
+  std::uint32_t other = 0;
   for (const auto direction : kBoth) {
     const auto id = program_in_place(ifindex, direction);
     if (!id) return in_context(id.error());
     gated = gated && *id != 0;
+    same = *id != 0 && *id == other;
+    other = *id;
   }
-  if (gated) return Closing::was_gated;
+  if (gated && !same) return Closing::was_gated;
 
   // Nothing is pinned for it: it has nothing that is worth keeping.
   const auto control = Control::create(root);
@@ -263,7 +269,15 @@ Result<Closing> close_interface(const std::string& name, const std::string& root
   for (const auto direction : kBoth) {
     const auto put = put_in_empty_place(ifindex, direction, programs->program_fd(direction));
     if (!put) return in_context(put.error());
-    if (*put) closing = Closing::closed;
+    if (*put || same) closing = Closing::closed;
+  }
+  if (closing == Closing::closed) {
+    const auto in = program_in_place(ifindex, Direction::ingress);
+    const auto out = program_in_place(ifindex, Direction::egress);
+    if (in && out && (*in == *out || *in == 0 || *out == 0))
+      return fail(fmt::format(
+          "close {0}: an ingress qdisc stands in the place of clsact: tc qdisc del dev {0} ingress",
+          name));
   }
   return closing;
 }

@@ -39,6 +39,7 @@ class Gate {
   Gate& operator=(const Gate&) = delete;
   ~Gate();
 
+  [[nodiscard]] const GateConfig& config() const;
   [[nodiscard]] std::uint32_t ifindex() const;
   [[nodiscard]] const std::string& name() const;
   /// The slots of the gate that was attached before were taken over: see present().

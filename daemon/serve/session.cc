@@ -46,7 +46,12 @@ bool Session::receive() {
 }
 
 bool Session::answer_pending() {
-  while (!closing_ && out_.size() - sent_ < kBusy) {
+  more_ = false;
+  for (int answered = 0; !closing_ && out_.size() - sent_ < kBusy; ++answered) {
+    if (answered == kTurn) {
+      more_ = true;
+      break;
+    }
     auto request = control::decode_request(in_);
     if (!request) {
       refuse(request.error().text);
@@ -99,9 +104,9 @@ bool Session::flush() {
 
 void Session::watch() {
   const bool waiting = sent_ < out_.size();
-  const bool reading = !closing_ && out_.size() - sent_ < kBusy;
+  const bool reading = !closing_ && !more_ && out_.size() - sent_ < kBusy;
   sd_event_source_set_io_events(source_.get(),
-                                (reading ? EPOLLIN : 0U) | (waiting ? EPOLLOUT : 0U));
+                                (reading ? EPOLLIN : 0U) | (waiting || more_ ? EPOLLOUT : 0U));
 }
 
 }  // namespace mlcca::serve

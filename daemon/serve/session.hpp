@@ -19,6 +19,9 @@ class Session {
   /// Bytes that may wait for a client that does not read; no request of its is read meanwhile.
   static constexpr std::size_t kBusy = std::size_t{1} << 20;
 
+  /// Requests that are answered before others get their turn.
+  static constexpr int kTurn = 16;
+
   static std::unique_ptr<Session> open(Server& server, Fd socket, Peer peer);
 
   [[nodiscard]] const Peer& peer() const { return peer_; }
@@ -46,6 +49,7 @@ class Session {
   std::size_t sent_ = 0;
   bool monitoring_ = false;
   bool closing_ = false;
+  bool more_ = false;  ///< the turn ended before the requests did
   std::uint64_t lost_events_ = 0;
 };
 

@@ -41,7 +41,6 @@ bool same_key(std::uint32_t profile, std::uint32_t a, std::uint32_t b) {
 }
 
 constexpr std::int64_t kNobody = -1;
-constexpr std::int64_t kByMark = -2;
 
 std::int64_t source(const Sender& sender) {
   if (sender.local) return 0;
@@ -56,8 +55,7 @@ bool vouched(const SlotSpec& s, std::uint32_t mark) {
 gate_reason misfit(const SlotSpec& s, const Parsed& f, std::int64_t from, std::uint32_t mark) {
   if ((f.can_id & s.mask) != s.id) return GATE_R_IDENTIFIER;
   if (s.direction == Direction::egress) {
-    if (from == kByMark ? s.source == kIfindex : from != std::int64_t{s.source})
-      return GATE_R_SOURCE;
+    if (from != std::int64_t{s.source}) return GATE_R_SOURCE;
     if (from != 0 && !vouched(s, mark)) return GATE_R_SOURCE;
     if (from == 0 && s.uid != GATE_ANY_UID && s.uid != 0) return GATE_R_SOURCE;
   }
@@ -82,13 +80,6 @@ void decide(const World& world, Direction direction, const Parsed& f, std::int64
   }
 }
 
-bool forwarded_echo(const World& world, const Parsed& f, std::uint32_t mark) {
-  if (mark == 0) return false;
-  Judgement j;
-  decide(world, Direction::egress, f, kByMark, mark, j);
-  return j.reason == GATE_R_PASSED;
-}
-
 Judgement refused(const World& world, gate_reason reason, std::uint32_t mark) {
   return {.outcome = {!world.audit, mark}, .reason = reason, .slot = {}, .bytes = 0};
 }
@@ -100,7 +91,6 @@ Judgement judge_ingress(const World& world, const Bytes& bytes, const Sender& se
   if (!f) return refused(world, GATE_R_MALFORMED, 0);
   if ((f->can_id & CAN_ERR_FLAG) != 0)
     return {.outcome = {false, 0}, .reason = GATE_R_ERROR_IN, .slot = {}, .bytes = 0};
-  if (forwarded_echo(world, *f, sender.mark)) return echo;
   if (!world.open || world.lapsed) return refused(world, GATE_R_CLOSED, 0);
   Judgement j;
   decide(world, Direction::ingress, *f, kNobody, sender.mark, j);

@@ -100,7 +100,7 @@ TEST(PlanTest, RawIdentifiersAreMatchedInTheirForm) {
     const GateEntry e = State(system).gate_state(kBridge).at(0).entry;
     EXPECT_EQ(e.id, extended ? 0x80000123U : 0x123U);
     EXPECT_EQ(e.key, e.id);
-    EXPECT_EQ(e.mask, extended ? 0x9fffffffU : 0xc00007ffU);
+    EXPECT_EQ(e.mask, extended ? 0x9fffffffU : 0xdfffffffU);
     EXPECT_EQ(e.classic, extended);
     EXPECT_TRUE(e.fd);
     EXPECT_EQ(e.max_length, 8);
