@@ -22,6 +22,6 @@ check-harness: $(GUEST_READY) ## the guest harness itself
 
 .PHONY: guest-image check-guest check-harness
 
-GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-dies interfaces-change logger-case managed-interface same-identifier)
+GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-dies interfaces-change logger-case managed-interface same-identifier profile-change)
 GUEST_SYSTEMD_TESTS += $(addprefix tests/guest/cases/,service-life plugged-in)
 check-guest: stage
