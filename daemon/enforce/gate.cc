@@ -241,23 +241,35 @@ Result<void> unpin_vanished(const Control& control) {
   return {};
 }
 
+namespace {
+
+/// Ids of the programs in our two places, 0 for none.
+struct InPlace {
+  std::uint32_t ingress = 0;
+  std::uint32_t egress = 0;
+  /// One program in both means an ingress qdisc, which has no egress hook.
+  [[nodiscard]] bool is_gate() const { return ingress != 0 && egress != 0 && ingress != egress; }
+};
+
+Result<InPlace> in_place(std::uint32_t ifindex) {
+  const auto in = program_in_place(ifindex, Direction::ingress);
+  if (!in) return std::unexpected(in.error());
+  const auto out = program_in_place(ifindex, Direction::egress);
+  if (!out) return std::unexpected(out.error());
+  return InPlace{.ingress = *in, .egress = *out};
+}
+
+}  // namespace
+
 Result<Closing> close_interface(const std::string& name, const std::string& root) {
   const auto in_context = [&](const Error& error) {
     return fail(fmt::format("close {}: {}", name, error.text));
   };
   const std::uint32_t ifindex = if_nametoindex(name.c_str());
   if (ifindex == 0) return failure("close " + name, errno);
-  bool gated = true;
-  bool same = false;  // one program in both places: there is no egress hook
-  std::uint32_t other = 0;
-  for (const auto direction : kBoth) {
-    const auto id = program_in_place(ifindex, direction);
-    if (!id) return in_context(id.error());
-    gated = gated && *id != 0;
-    same = *id != 0 && *id == other;
-    other = *id;
-  }
-  if (gated && !same) return Closing::was_gated;
+  const auto before = in_place(ifindex);
+  if (!before) return in_context(before.error());
+  if (before->is_gate()) return Closing::was_gated;
 
   // Nothing is pinned for it: it has nothing that is worth keeping.
   const auto control = Control::create(root);
@@ -269,16 +281,14 @@ Result<Closing> close_interface(const std::string& name, const std::string& root
   for (const auto direction : kBoth) {
     const auto put = put_in_empty_place(ifindex, direction, programs->program_fd(direction));
     if (!put) return in_context(put.error());
-    if (*put || same) closing = Closing::closed;
+    if (*put) closing = Closing::closed;
   }
-  if (closing == Closing::closed) {
-    const auto in = program_in_place(ifindex, Direction::ingress);
-    const auto out = program_in_place(ifindex, Direction::egress);
-    if (in && out && (*in == *out || *in == 0 || *out == 0))
-      return fail(fmt::format(
-          "close {0}: an ingress qdisc stands in the place of clsact: tc qdisc del dev {0} ingress",
-          name));
-  }
+  const auto after = in_place(ifindex);
+  if (!after) return in_context(after.error());
+  if (!after->is_gate())
+    return fail(fmt::format(
+        "close {0}: an ingress qdisc stands in the place of clsact: tc qdisc del dev {0} ingress",
+        name));
   return closing;
 }
 
