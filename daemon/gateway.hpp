@@ -104,6 +104,9 @@ class Gateway {
   [[nodiscard]] control::Channel report(const core::Verdict& verdict) const;
   [[nodiscard]] control::Channels report_known(const Asked& asked) const;
   Body admit_known(const Asked& asked);
+  /// The newcomer's verdicts, or an error where there is nobody on the other side.
+  [[nodiscard]] Body answer_to(const core::Proposal& proposal, const Asked& asked,
+                               const char* to_do) const;
 
   Options options_;
   Journal journal_;

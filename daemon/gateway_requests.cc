@@ -126,20 +126,23 @@ Gateway::Body Gateway::handle(const control::ExplainRequest& request) {
   return report_known({*channel, {}, {}, {}});
 }
 
+Gateway::Body Gateway::answer_to(const core::Proposal& proposal, const Asked& asked,
+                                 const char* to_do) const {
+  control::Channels out;
+  for (const core::Verdict* v : proposal.verdicts())
+    out.channels.push_back(channel_report(*state_, *v, {}));
+  if (!out.channels.empty()) return out;
+  return error(control::ErrorKind::invalid,
+               fmt::format("nobody {} {}: there is nothing to {}",
+                           asked.admission->publisher ? "subscribes" : "publishes",
+                           state_->system().channels[asked.channel].name, to_do));
+}
+
 Gateway::Body Gateway::handle(const control::Query& request) {
   const auto asked = understand(*state_, request, stored_.next_id);
   if (!asked) return error(control::ErrorKind::invalid, asked.error().text);
   if (!asked->admission) return report_known(*asked);
-  const core::Proposal proposal = state_->propose(*asked->admission);
-  control::Channels out;
-  for (const core::Verdict* v : proposal.verdicts())
-    out.channels.push_back(channel_report(*state_, *v, {}));
-  if (out.channels.empty())
-    return error(control::ErrorKind::invalid,
-                 fmt::format("nobody {} {}: there is nothing to decide",
-                             asked->admission->publisher ? "subscribes" : "publishes",
-                             state_->system().channels[asked->channel].name));
-  return out;
+  return answer_to(state_->propose(*asked->admission), *asked, "decide");
 }
 
 Gateway::Body Gateway::admit_known(const Asked& asked) {
@@ -166,14 +169,7 @@ Gateway::Body Gateway::handle(const control::Admit& request) {
   if (!asked->admission) return admit_known(*asked);
 
   core::Proposal proposal = state_->propose(*asked->admission);
-  control::Channels out;
-  for (const core::Verdict* v : proposal.verdicts())
-    out.channels.push_back(channel_report(*state_, *v, {}));
-  if (out.channels.empty())
-    return error(control::ErrorKind::invalid,
-                 fmt::format("nobody {} {}: there is nothing to admit",
-                             asked->admission->publisher ? "subscribes" : "publishes",
-                             state_->system().channels[asked->channel].name));
+  Body out = answer_to(proposal, *asked, "admit");
   if (!proposal.fit()) {
     for (const core::Verdict* v : proposal.verdicts())
       if (!v->granted) tell_verdict(Kind::refused, *v);

@@ -86,9 +86,8 @@ LoadedGate::~LoadedGate() { munmap(cpus_.data(), cpus_.size_bytes()); }
 gate_table& LoadedGate::table() const { return object_->bss->table; }
 gate_control& LoadedGate::control() const { return object_->data_control->control; }
 
-Outcome LoadedGate::run(enforce::Direction direction, const Bytes& bytes,
-                        const Sender& sender) const {
-  __sk_buff context{};
+bpf_test_run_opts LoadedGate::execute(enforce::Direction direction, const Bytes& bytes,
+                                      __sk_buff& context, const Sender& sender, int repeat) const {
   context.priority = sender.local ? kTestRunLocal : 0;
   context.mark = sender.mark;
   context.ingress_ifindex = sender.ingress_ifindex;
@@ -98,9 +97,17 @@ Outcome LoadedGate::run(enforce::Direction direction, const Bytes& bytes,
   run.ctx_in = &context;
   run.ctx_out = &context;
   run.ctx_size_in = run.ctx_size_out = sizeof(context);
+  run.repeat = repeat;
   auto* program = direction == enforce::Direction::ingress ? object_->progs.gate_ingress
                                                            : object_->progs.gate_egress;
   require(bpf_prog_test_run_opts(bpf_program__fd(program), &run) == 0, "run a frame");
+  return run;
+}
+
+Outcome LoadedGate::run(enforce::Direction direction, const Bytes& bytes,
+                        const Sender& sender) const {
+  __sk_buff context{};
+  const auto run = execute(direction, bytes, context, sender, 0);
   require(run.retval == TC_ACT_SHOT || static_cast<int>(run.retval) == TC_ACT_UNSPEC, "an action");
   return {run.retval == TC_ACT_SHOT, context.mark};
 }
@@ -108,19 +115,7 @@ Outcome LoadedGate::run(enforce::Direction direction, const Bytes& bytes,
 std::uint32_t LoadedGate::time(enforce::Direction direction, const Bytes& bytes,
                                const Sender& sender, int repeat) const {
   __sk_buff context{};
-  context.priority = sender.local ? kTestRunLocal : 0;
-  context.mark = sender.mark;
-  context.ingress_ifindex = sender.ingress_ifindex;
-  LIBBPF_OPTS(bpf_test_run_opts, run);
-  run.data_in = bytes.data();
-  run.data_size_in = static_cast<std::uint32_t>(bytes.size());
-  run.ctx_in = &context;
-  run.ctx_size_in = sizeof(context);
-  run.repeat = repeat;
-  auto* program = direction == enforce::Direction::ingress ? object_->progs.gate_ingress
-                                                           : object_->progs.gate_egress;
-  require(bpf_prog_test_run_opts(bpf_program__fd(program), &run) == 0, "time a frame");
-  return run.duration;
+  return execute(direction, bytes, context, sender, repeat).duration;
 }
 
 void LoadedGate::admit(const std::vector<enforce::SlotSpec>& specs) {

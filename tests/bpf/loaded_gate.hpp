@@ -11,6 +11,7 @@
 #include "bpf/gate.h"
 #include "daemon/enforce/slots.hpp"
 
+struct bpf_test_run_opts;
 struct gate_bpf;
 
 namespace mlcca::test {
@@ -72,6 +73,10 @@ class LoadedGate {
   void admit(const std::vector<enforce::SlotSpec>& specs);
 
  private:
+  /// Runs a frame; `context` is what the program was given and left behind.
+  bpf_test_run_opts execute(enforce::Direction direction, const Bytes& bytes, __sk_buff& context,
+                            const Sender& sender, int repeat) const;
+
   std::uint32_t profile_;
   std::unique_ptr<gate_bpf, void (*)(gate_bpf*)> object_;
   std::span<gate_cpu> cpus_;
