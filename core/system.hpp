@@ -19,9 +19,12 @@ namespace mlcca::core {
 /// 64-bit identity of a channel, unique over all networks.
 using Subject = std::uint64_t;
 
-/// Where something was declared, for error texts. An empty file means "at run time".
+/// The file of what was not described but came at run time.
+inline constexpr std::uint32_t kNoFile = 0xffffffff;
+
+/// Where something was declared, for error texts.
 struct Origin {
-  std::string file;
+  std::uint32_t file = kNoFile;  ///< index into System::files
   int line = 0;
 };
 
@@ -135,6 +138,7 @@ struct Subscriber {
 
 struct System {
   std::string name;
+  std::vector<std::string> files;  ///< what was read: the description, then what it includes
   std::vector<EventChannel> channels;
   std::vector<Network> networks;
   std::vector<Gateway> gateways;
