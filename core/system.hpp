@@ -28,6 +28,39 @@ struct Origin {
   int line = 0;
 };
 
+/// An attribute that the description adds to the table of mlcca/attribute.hpp.
+struct UserAttribute {
+  std::string name;
+  Better better = Better::smaller;
+  Composition composition = Composition::sum;  ///< sum, slowest, smallest or survival
+  std::string unit;   ///< in words: "K", "m s^-1"; empty for a plain number
+  int magnitude = 0;  ///< values are whole multiples of 10^magnitude of the unit
+  Origin origin;
+};
+
+/// The value of a user-defined attribute.
+struct UserValue {
+  std::uint32_t attribute = 0;  ///< index into System::user_attributes
+  bool dynamic = false;         ///< provided as a best case only
+  Value value = 0;
+  bool operator==(const UserValue&) const = default;
+};
+/// Sorted by attribute, each at most once.
+using UserValues = std::vector<UserValue>;
+
+/// One of several attribute sets of a channel, as one of its ends sees it.
+struct Alternative {
+  AttributeSet attributes;
+  UserValues user;
+};
+
+/// Where a subject stands when its events are dropped.
+enum class SafeSide : std::uint8_t {
+  unstated,
+  drop,     ///< silence is safe: a heart-beat
+  deliver,  ///< silence is a danger: a message that must arrive to stop something
+};
+
 /// Largest number of hops (networks and gateways) of a route. Longer ones are not found.
 inline constexpr std::size_t kMaxHops = 16;
 
@@ -53,7 +86,8 @@ struct Network {
   std::string name;
   NetworkKind kind = NetworkKind::can;
   Profile profile = Profile::none;
-  AttributeSet provision;         ///< static provision; a dynamic mark makes it a best case
+  AttributeSet provision;  ///< static provision; a dynamic mark makes it a best case
+  UserValues user;
   std::vector<Binding> bindings;  ///< State sorts them by channel
   Origin origin;
 
@@ -90,6 +124,7 @@ struct Gateway {
   std::string name;
   std::string host;  ///< host name of the machine, empty: not stated
   AttributeSet provision;
+  UserValues user;
   std::vector<Port> ports;
   Origin origin;
 
@@ -104,7 +139,13 @@ struct EventChannel {
   std::string name;  ///< short name; unique
   Subject subject = 0;
   std::string description;
+  SafeSide safe_side = SafeSide::unstated;
   AttributeSet attributes;  ///< default for publishers and subscribers of the channel
+  UserValues user;
+  std::int32_t priority = 0;  ///< of these attributes, where there are further sets
+  /// Priorities of the further sets, falling; empty for a channel with one set. Publishers and
+  /// subscribers of the channel have an alternative for each.
+  std::vector<std::int32_t> lower_priorities;
   Origin origin;
 };
 
@@ -116,12 +157,18 @@ struct Place {
   auto operator<=>(const Place&) const = default;
 };
 
+/// The component of an end that belongs to none.
+inline constexpr std::uint32_t kNoComponent = 0xffffffff;
+
 struct Publisher {
   std::string name;
   std::size_t channel = 0;
   Place place;
   AttributeSet attributes;  ///< effective: Period, MaxPayload, Jitter and Bandwidth are its
                             ///< traffic, the others requirements of its own
+  UserValues user;
+  std::vector<Alternative> lower;  ///< the same in the channel's further sets
+  std::uint32_t component = kNoComponent;
   std::optional<std::uint8_t> node;  ///< famouso tx_node, 0..127
   std::uint8_t priority = 0x7d;      ///< famouso, 0 (highest)..127
   std::optional<std::uint32_t> uid;  ///< on a gateway: the user that may send
@@ -133,15 +180,36 @@ struct Subscriber {
   std::size_t channel = 0;
   Place place;
   AttributeSet attributes;  ///< effective requirements
+  UserValues user;
+  std::vector<Alternative> lower;
+  std::uint32_t component = kNoComponent;
+  Origin origin;
+};
+
+/// A device or program with the ends that it brings along.
+struct Component {
+  std::string name;
+  std::string description;
+  Place place;
+  Origin origin;
+};
+
+/// The declared way between two places, in both directions. Where one is declared, no other is
+/// looked for.
+struct DeclaredRoute {
+  std::vector<Place> places;  ///< both ends included; networks and gateways alternate
   Origin origin;
 };
 
 struct System {
   std::string name;
   std::vector<std::string> files;  ///< what was read: the description, then what it includes
+  std::vector<UserAttribute> user_attributes;
   std::vector<EventChannel> channels;
   std::vector<Network> networks;
   std::vector<Gateway> gateways;
+  std::vector<Component> components;
+  std::vector<DeclaredRoute> routes;
   std::vector<Publisher> publishers;
   std::vector<Subscriber> subscribers;
 };

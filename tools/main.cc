@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 #include <string>
@@ -12,6 +13,7 @@
 #include <variant>
 
 #include "control/client.hpp"
+#include "tools/design_verbs.hpp"
 #include "tools/json.hpp"
 #include "tools/options.hpp"
 #include "tools/render.hpp"
@@ -142,6 +144,8 @@ constexpr std::array kVerbs = {
 
 // NOLINTNEXTLINE(bugprone-exception-escape): without memory there is nothing left to do
 int main(int argc, char** argv) {
+  if (is_design_time({argv, static_cast<std::size_t>(argc)}))
+    return static_cast<int>(become_design(argv));
   const auto parsed = parse(kVerbs, argc, argv);
   if (const auto* exit = std::get_if<Exit>(&parsed)) return static_cast<int>(*exit);
   const auto& command = std::get<Command>(parsed);

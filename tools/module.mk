@@ -12,6 +12,20 @@ $(tools_objects) $(mlccactl_objects): CPPFLAGS += $(TOOLS_CPPFLAGS)
 $O/mlccactl: LDFLAGS += $(MLCCACTL_STATIC)
 PROGRAMS += $O/mlccactl
 
+# The verbs of design time (check, describe, generate): mlccactl starts this program for them.
+$(eval $(call library,design,$(filter-out tools/design/main.cc,$(wildcard tools/design/*.cc))))
+DESIGN_ARCHIVES := $O/libdesign.a $O/libtools.a $O/libdescription.a $O/libcore.a
+$(eval $(call program,mlcca-design,tools/design/main.cc,$(DESIGN_ARCHIVES),$(XML_LIBS)))
+$(design_objects) $(mlcca-design_objects): CPPFLAGS += $(TOOLS_CPPFLAGS) $(XML_CFLAGS)
+PROGRAMS += $O/mlcca-design
+
+install-design: $O/mlcca-design
+	$(call say,INSTALL,the verbs of design time)
+	$(Q)install -d $(DESTDIR)$(PREFIX)/libexec/mlcca
+	$(Q)install -m 755 $O/mlcca-design $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-design
+INSTALL += install-design
+.PHONY: install-design
+
 install-tools-extras:
 	$(call say,INSTALL,manual page and shell completion of mlccactl)
 	$(Q)install -d $(DESTDIR)$(PREFIX)/share/man/man1 \

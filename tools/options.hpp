@@ -11,17 +11,10 @@
 
 #include "control/messages.hpp"
 #include "core/result.hpp"
+#include "tools/exit.hpp"
 #include "tools/table.hpp"
 
 namespace mlcca::tools {
-
-/// What scripts can rely on.
-enum class Exit : std::uint8_t {
-  fine = 0,     ///< granted, or nothing to decide
-  refused = 1,  ///< at least one delivery that was asked for is not granted
-  usage = 2,    ///< the command line or a description cannot be used
-  world = 3,    ///< no daemon, no permission, or the kernel or the disk refused
-};
 
 /// Arguments of all verbs; each takes the ones that its Takes names.
 struct Arguments {

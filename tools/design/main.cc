@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// mlcca-design: what mlccactl starts for the verbs of design time. A program of its own, because it
+// needs libxml2, and mlccactl shall be small and start at once on a gateway.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "control/version.hpp"
+#include "tools/design/verbs.hpp"
+
+namespace {
+
+using namespace mlcca;                 // NOLINT(google-build-using-namespace)
+using namespace mlcca::tools::design;  // NOLINT(google-build-using-namespace)
+using tools::Exit;
+
+constexpr const char* kFooter =
+    "Exit status: 0 clean, 1 findings, 2 usage or unreadable input, 3 the outside world failed.";
+
+}  // namespace
+
+// NOLINTNEXTLINE(bugprone-exception-escape): without memory there is nothing left to do
+int main(int argc, char** argv) {
+  Context context;
+  CLI::App app("Checks and describes systems, and generates code for them.", "mlccactl");
+  app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
+  app.set_help_flag("-h,--help", "print this help");
+  app.add_flag("--json", context.json, "print JSON");
+  app.add_flag("--no-color", context.no_color, "no colour on a terminal, as with NO_COLOR");
+  app.footer(kFooter);
+  app.require_subcommand(1, 1);
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return fmt::format("mlccactl: {}\nmlccactl VERB --help says more.\n", error.what());
+  });
+  add_check(app, context);
+  add_describe(app, context);
+  add_generate(app, context);
+  for (auto* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+    verb->fallthrough();
+    verb->footer(kFooter);
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return static_cast<int>(app.exit(error) == 0 ? Exit::fine : Exit::usage);
+  }
+  return static_cast<int>(context.exit);
+}

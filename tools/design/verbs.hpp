@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The verbs of design time. Each adds itself to the command line; the callback carries it out.
+#pragma once
+#include <CLI/App.hpp>
+
+#include "tools/exit.hpp"
+#include "tools/table.hpp"
+
+namespace mlcca::tools::design {
+
+/// What every verb is told, and where it leaves its exit status.
+struct Context {
+  bool json = false;
+  bool no_color = false;  ///< as asked for; see color_of()
+  Exit exit = Exit::fine;
+};
+
+void add_check(CLI::App& app, Context& context);
+void add_describe(CLI::App& app, Context& context);
+void add_generate(CLI::App& app, Context& context);
+
+}  // namespace mlcca::tools::design
