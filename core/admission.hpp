@@ -29,10 +29,14 @@ struct Situation {
   const Members& members;
   const std::vector<Condition>& conditions;  ///< per network
   const std::vector<bool>& released;         ///< per channel: taken back by the operator
+  /// At design time a best case passes: it is decided at run time, where it does not.
+  bool best_cases_pass = false;
 };
 
 /// The verdicts of one channel, publishers and places in the order of their members, and the
-/// ledger with what they reserve. `before` holds nothing of this channel.
+/// ledger with what they reserve. `before` holds nothing of this channel. Of several attribute sets
+/// the preferred one in which everything is granted counts; if there is none, the one in which most
+/// deliveries are, for all ends alike.
 struct ChannelDecision {
   std::vector<Verdict> verdicts;
   Ledger ledger;
@@ -46,5 +50,10 @@ struct Decision {
   Ledger ledger;
 };
 [[nodiscard]] Decision decide_all(const Situation& situation);
+
+/// The same, handed over channel by channel with the ledger so far, so that nobody need keep all.
+using EachChannel =
+    std::function<void(std::size_t channel, std::vector<Verdict> verdicts, const Ledger& ledger)>;
+Ledger decide_each(const Situation& situation, const EachChannel& each);
 
 }  // namespace mlcca::core

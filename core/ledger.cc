@@ -6,11 +6,19 @@
 
 namespace mlcca::core {
 
-void Ledger::add(const Flow& flow, Value bytes_per_second) {
-  if (!flows_.try_emplace(flow, bytes_per_second).second) return;
+bool Ledger::add(const Flow& flow, Value bytes_per_second) {
+  if (!flows_.try_emplace(flow, bytes_per_second).second) return false;
   Value& sum = reserved_[flow.network];
   assert(bytes_per_second <= kUnbounded - sum);
   sum += bytes_per_second;
+  return true;
+}
+
+void LedgerBuilder::remove(const Flow& flow) {
+  const auto it = ledger_.flows_.find(flow);
+  if (it == ledger_.flows_.end()) return;
+  ledger_.reserved_[flow.network] -= it->second;
+  ledger_.flows_.erase(it);
 }
 
 Ledger Ledger::with(const Flow& flow, Value bytes_per_second) const {

@@ -46,7 +46,7 @@ class Ledger {
 
  private:
   friend class LedgerBuilder;
-  void add(const Flow& flow, Value bytes_per_second);
+  bool add(const Flow& flow, Value bytes_per_second);
   [[nodiscard]] auto flows_of(std::size_t publisher) const;
 
   std::vector<Value> reserved_;
@@ -57,7 +57,10 @@ class Ledger {
 class LedgerBuilder {
  public:
   explicit LedgerBuilder(Ledger start) : ledger_(std::move(start)) {}
-  void add(const Flow& flow, Value bytes_per_second) { ledger_.add(flow, bytes_per_second); }
+  /// False if the flow is carried already.
+  bool add(const Flow& flow, Value bytes_per_second) { return ledger_.add(flow, bytes_per_second); }
+  /// Takes back what was added.
+  void remove(const Flow& flow);
   [[nodiscard]] const Ledger& ledger() const { return ledger_; }
   [[nodiscard]] Ledger take() && { return std::move(ledger_); }
 

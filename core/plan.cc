@@ -41,6 +41,7 @@ class Planner {
 
   /// The rules of one publisher: where its events enter this gateway, and where they leave.
   void add(std::size_t publisher, const std::vector<const Verdict*>& verdicts) {
+    set_ = verdicts.empty() ? 0 : verdicts.front()->set;      // all of a channel have the same
     std::map<std::pair<std::size_t, std::size_t>, bool> out;  // (in, out) ports
     std::map<std::size_t, bool> in;
     for (const Verdict* v : verdicts) {
@@ -114,9 +115,11 @@ class Planner {
     rules_.add(e, pass);
   }
 
-  static bool identify(const Publisher& p, const Network& network, const Binding& b, GateEntry& e) {
-    const bool sized = p.attributes.has(Attribute::max_payload);
-    const Value bytes = p.attributes[Attribute::max_payload];
+  [[nodiscard]] bool identify(const Publisher& p, const Network& network, const Binding& b,
+                              GateEntry& e) const {
+    const AttributeSet& offered = attributes_in(p, set_);
+    const bool sized = offered.has(Attribute::max_payload);
+    const Value bytes = offered[Attribute::max_payload];
     e.max_length =
         static_cast<std::uint8_t>(sized ? std::min<Value>(bytes, frame_bytes(b)) : frame_bytes(b));
     e.mask = kExtendedFlag | (b.remote_frames ? 0 : kRemoteFlag);
@@ -140,6 +143,7 @@ class Planner {
   const System& system_;
   const Members& members_;
   Place here_;
+  std::size_t set_ = 0;  ///< attribute set that the channel is in
   Rules rules_;
 };
 static_assert(kEtagMask == (1U << kNodeShift) - 1);

@@ -14,8 +14,7 @@ void add_to(Members& members, const Admission& admission) {
 }
 
 System sorted(System system) {
-  for (Network& network : system.networks)
-    std::ranges::sort(network.bindings, {}, &Binding::channel);
+  system.sort_bindings();
   return system;
 }
 

@@ -48,8 +48,9 @@ struct UserValue {
 /// Sorted by attribute, each at most once.
 using UserValues = std::vector<UserValue>;
 
-/// One of several attribute sets of a channel, as one of its ends sees it.
+/// One of several attribute sets of a channel, or of one of its ends.
 struct Alternative {
+  std::int32_t priority = 0;  ///< larger is preferred
   AttributeSet attributes;
   UserValues user;
 };
@@ -142,10 +143,8 @@ struct EventChannel {
   SafeSide safe_side = SafeSide::unstated;
   AttributeSet attributes;  ///< default for publishers and subscribers of the channel
   UserValues user;
-  std::int32_t priority = 0;  ///< of these attributes, where there are further sets
-  /// Priorities of the further sets, falling; empty for a channel with one set. Publishers and
-  /// subscribers of the channel have an alternative for each.
-  std::vector<std::int32_t> lower_priorities;
+  std::int32_t priority = 0;       ///< of these attributes, where there are further sets
+  std::vector<Alternative> lower;  ///< the further sets, priorities falling
   Origin origin;
 };
 
@@ -167,7 +166,7 @@ struct Publisher {
   AttributeSet attributes;  ///< effective: Period, MaxPayload, Jitter and Bandwidth are its
                             ///< traffic, the others requirements of its own
   UserValues user;
-  std::vector<Alternative> lower;  ///< the same in the channel's further sets
+  std::vector<Alternative> lower;  ///< the same in each of the channel's further sets
   std::uint32_t component = kNoComponent;
   std::optional<std::uint8_t> node;  ///< famouso tx_node, 0..127
   std::uint8_t priority = 0x7d;      ///< famouso, 0 (highest)..127
@@ -185,6 +184,17 @@ struct Subscriber {
   std::uint32_t component = kNoComponent;
   Origin origin;
 };
+
+/// What an end states in its channel's attribute set of that number (0: the preferred one). An end
+/// that was admitted at run time may state one set, which counts in all.
+template <class End>
+[[nodiscard]] const AttributeSet& attributes_in(const End& end, std::size_t set) {
+  return set == 0 || set > end.lower.size() ? end.attributes : end.lower[set - 1].attributes;
+}
+template <class End>
+[[nodiscard]] const UserValues& user_values_in(const End& end, std::size_t set) {
+  return set == 0 || set > end.lower.size() ? end.user : end.lower[set - 1].user;
+}
 
 /// A device or program with the ends that it brings along.
 struct Component {
@@ -212,6 +222,11 @@ struct System {
   std::vector<DeclaredRoute> routes;
   std::vector<Publisher> publishers;
   std::vector<Subscriber> subscribers;
+
+  /// So that Network::binding_of() finds them; every decision needs it.
+  void sort_bindings() {
+    for (Network& network : networks) std::ranges::sort(network.bindings, {}, &Binding::channel);
+  }
 };
 
 }  // namespace mlcca::core

@@ -72,13 +72,14 @@ const char* excess_word(Attribute a) {
 
 std::string title(Attribute a) { return info(a).name; }
 
-std::string compared(const Comparison& c, const std::string& place) {
+std::string compared(const System& system, const Row& row, const std::string& place) {
+  const Comparison& c = row.comparison;
   std::string text =
-      title(c.attribute) + " " + format_value(c.attribute, c.required) + " required, ";
+      attribute_name(system, row) + " " + format_value(system, row, c.required) + " required, ";
   if (!c.known) return text + place + " provides none";
-  text += place + " provides " + format_value(c.attribute, c.provided);
+  text += place + " provides " + format_value(system, row, c.provided);
   if (c.dynamic) return text + " at best, decided at run time and not known now";
-  return text + " (" + format_margin(c) + ")";
+  return text + " (" + format_margin(system, row) + ")";
 }
 
 std::string obstacle_text(const System& system, const Members& members, const Verdict& v,
@@ -99,7 +100,8 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
       return "publisher " + publisher.name + " states no node, which " + at() + " needs";
     case Obstacle::too_long:
       return "an event of " +
-             format_value(Attribute::max_payload, publisher.attributes[Attribute::max_payload]) +
+             format_value(Attribute::max_payload,
+                          attributes_in(publisher, v.set)[Attribute::max_payload]) +
              " does not fit a frame of " + at();
     case Obstacle::no_traffic:
       return "publisher " + publisher.name +
@@ -129,6 +131,51 @@ std::string format_margin(const Comparison& c) {
   const Value by = c.required > c.provided ? c.required - c.provided : c.provided - c.required;
   if (c.provided == kUnbounded) return better ? "no limit" : "unbounded";
   return format_value(c.attribute, by) + (better ? " to spare" : excess_word(c.attribute));
+}
+
+std::string attribute_name(const System& system, const Row& row) {
+  return row.is_user() ? system.user_attributes[row.user].name : title(row.comparison.attribute);
+}
+
+std::string unit_name(const System& system, const Row& row) {
+  if (!row.is_user()) return info(row.comparison.attribute).unit;
+  const UserAttribute& attribute = system.user_attributes[row.user];
+  if (attribute.magnitude == 0) return attribute.unit;
+  return "1e" + std::to_string(attribute.magnitude) +
+         (attribute.unit.empty() ? "" : " " + attribute.unit);
+}
+
+std::string format_user_value(const UserAttribute& attribute, Value value) {
+  if (value == kUnbounded) return "unbounded";
+  std::string digits = std::to_string(value);
+  if (attribute.magnitude > 0 && value != 0) {
+    digits.append(static_cast<std::size_t>(attribute.magnitude), '0');
+  } else if (attribute.magnitude < 0) {
+    const auto places = static_cast<std::size_t>(-attribute.magnitude);
+    if (digits.size() <= places) digits.insert(0, places + 1 - digits.size(), '0');
+    digits.insert(digits.size() - places, 1, '.');
+    digits.erase(digits.find_last_not_of('0') + 1);
+    if (digits.ends_with('.')) digits.pop_back();
+  }
+  return attribute.unit.empty() ? digits : digits + " " + attribute.unit;
+}
+
+std::string format_value(const System& system, const Row& row, Value value) {
+  return row.is_user() ? format_user_value(system.user_attributes[row.user], value)
+                       : format_value(row.comparison.attribute, value);
+}
+
+std::string format_margin(const System& system, const Row& row) {
+  const Comparison& c = row.comparison;
+  if (!row.is_user()) return format_margin(c);
+  if (!c.known) return "not provided";
+  if (c.required == c.provided) return "exactly met";
+  const UserAttribute& attribute = system.user_attributes[row.user];
+  if (c.provided == kUnbounded || c.required == kUnbounded) return "unbounded";
+  return format_user_value(attribute, c.margin()) +
+         (satisfies(attribute.better, c.provided, c.required) ? " to spare"
+          : attribute.better == Better::smaller               ? " too much"
+                                                              : " short");
 }
 
 std::string format_subject(Subject subject) {
@@ -212,9 +259,9 @@ std::string reason(const System& system, const Members& members, const Verdict& 
   std::string place = where(system, members, v, *row);
   if (row->against == Against::end_to_end) place = "the route";
   if (row->against == Against::bystander)
-    return compared(row->comparison, "the way to " + name_of(system, row->place)) +
+    return compared(system, *row, "the way to " + name_of(system, row->place)) +
            ", and subscribers there would hear it";
-  return compared(row->comparison, place);
+  return compared(system, *row, place);
 }
 
 }  // namespace mlcca::core

@@ -13,6 +13,15 @@ namespace mlcca::core {
 /// "50 ms", "400 kB/s", "0.5 %", "2", "unbounded": at most three decimals, rounded to the nearest.
 [[nodiscard]] std::string format_value(Attribute attribute, Value value);
 
+/// Of a row: its attribute's name, and values as format_value has them. A user-defined one is
+/// "21.5 K".
+[[nodiscard]] std::string attribute_name(const System& system, const Row& row);
+/// Unit of the row's integers: "ns", or "1e-3 K" of a user-defined attribute.
+[[nodiscard]] std::string unit_name(const System& system, const Row& row);
+[[nodiscard]] std::string format_value(const System& system, const Row& row, Value value);
+[[nodiscard]] std::string format_user_value(const UserAttribute& attribute, Value value);
+[[nodiscard]] std::string format_margin(const System& system, const Row& row);
+
 /// "3 too many", "12.5 ms to spare", "exactly met"; "not provided" where nothing is known.
 [[nodiscard]] std::string format_margin(const Comparison& comparison);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <utility>
 
 namespace mlcca::core {
 
@@ -20,6 +21,12 @@ Topology::Topology(const System& system)
       of_network_[port.network].push_back({Place::Kind::gateway, g});
       of_gateway_[g].push_back({Place::Kind::network, port.network});
     }
+  }
+  for (const DeclaredRoute& declared : system.routes) {
+    const auto& there = declared.places;
+    found_.insert_or_assign({there.front(), there.back()}, std::vector<Route>{there});
+    found_.insert_or_assign({there.back(), there.front()},
+                            std::vector<Route>{{there.rbegin(), there.rend()}});
   }
 }
 

@@ -21,8 +21,9 @@ class Topology {
  public:
   explicit Topology(const System& system);
 
-  /// Routes without a loop, fewest hops first, at most kMaxRoutes; equal lengths in the order of
-  /// the description. Empty when there is none within kMaxHops.
+  /// The declared route, where there is one. Otherwise routes without a loop, fewest hops first, at
+  /// most kMaxRoutes; equal lengths in the order of the description. Empty when there is none
+  /// within kMaxHops.
   [[nodiscard]] const std::vector<Route>& routes(Place from, Place to) const;
 
   /// Alternatives that are looked at for one pair of places.

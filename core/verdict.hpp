@@ -24,7 +24,11 @@ struct Row {
   Place place;                 ///< hop, bystander, capacity
   std::size_t subscriber = 0;  ///< traffic
   Comparison comparison{};
-  Value reserved = 0;  ///< capacity: promised to others
+  Value reserved = 0;             ///< capacity: promised to others
+  std::uint32_t user = kBuiltIn;  ///< index of a user-defined attribute
+
+  [[nodiscard]] bool is_user() const { return user != kBuiltIn; }
+  static constexpr std::uint32_t kBuiltIn = 0xffffffff;
 };
 
 /// Why there is nothing to compare, or a comparison is beside the point.
@@ -44,12 +48,15 @@ struct Verdict {
   std::size_t publisher = 0;
   Place to;
   std::vector<std::size_t> subscribers;
+  std::size_t set = 0;  ///< attribute set of the channel: 0 is the preferred one
+  Outcome outcome = Outcome::unfit;
   bool granted = false;
   Obstacle obstacle = Obstacle::none;
   Place obstacle_at;
   Route route;               ///< the granted one, or the shortest that was tried
   AttributeSet requirement;  ///< strictest union
-  AttributeSet provision;    ///< composed, end to end
+  UserValues user_requirement;
+  AttributeSet provision;  ///< composed, end to end
   std::vector<Row> rows;
   Value demand = 0;  ///< payload bytes/s reserved on each network of the route
 };

@@ -50,16 +50,15 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
   out.reason = why(state, v);
   for (const core::Place place : v.route) out.route.push_back(core::name_of(system, place));
   for (const core::Row& row : v.rows) {
-    const AttributeInfo& attribute = info(row.comparison.attribute);
     out.rows.push_back({.where = core::where(system, members, v, row),
-                        .attribute = attribute.name,
-                        .unit = attribute.unit,
+                        .attribute = core::attribute_name(system, row),
+                        .unit = core::unit_name(system, row),
                         .required = row.comparison.required,
                         .provided_known = row.comparison.known,
                         .provided = row.comparison.provided,
                         .dynamic = row.comparison.dynamic,
                         .outcome = outcome_of(row.comparison.outcome),
-                        .margin = core::format_margin(row.comparison)});
+                        .margin = core::format_margin(system, row)});
   }
   if (v.granted) out.reaction = core::reaction(v);
   out.passed = frames.passed;

@@ -59,6 +59,21 @@ Result<std::string> end_name(const std::string& given, const std::string& otherw
   return given;
 }
 
+/// What a newcomer states in each of the channel's attribute sets.
+template <class End, class Stated>
+Result<void> set_attributes(End& end, const core::EventChannel& channel, const Stated& stated) {
+  auto first = stated(channel.attributes);
+  if (!first) return std::unexpected(first.error());
+  end.attributes = *first;
+  end.user = channel.user;
+  for (const core::Alternative& lower : channel.lower) {
+    auto set = stated(lower.attributes);
+    if (!set) return std::unexpected(set.error());
+    end.lower.push_back({lower.priority, *set, lower.user});
+  }
+  return {};
+}
+
 Result<core::Publisher> new_publisher(const core::State& state,
                                       const control::ChannelRequest& request, std::size_t channel,
                                       core::Place from, core::AdmissionId id) {
@@ -66,10 +81,10 @@ Result<core::Publisher> new_publisher(const core::State& state,
   p.channel = channel;
   p.place = from;
   // The channel's Jitter is what subscribers ask; a publisher's own is stated by itself.
-  AttributeSet base = state.system().channels[channel].attributes;
-  auto attributes = overridden(base.clear(Attribute::jitter), request.offered);
-  if (!attributes) return std::unexpected(attributes.error());
-  p.attributes = *attributes;
+  const auto stated = set_attributes(p, state.system().channels[channel], [&](AttributeSet base) {
+    return overridden(base.clear(Attribute::jitter), request.offered);
+  });
+  if (!stated) return std::unexpected(stated.error());
   auto name = end_name(request.publisher, fmt::format("publisher-{}", id));
   if (!name) return std::unexpected(name.error());
   p.name = *name;
@@ -105,9 +120,10 @@ Result<core::Subscriber> new_subscriber(const core::State& state,
   core::Subscriber s;
   s.channel = channel;
   s.place = to;
-  auto attributes = overridden(state.system().channels[channel].attributes, request.required);
-  if (!attributes) return std::unexpected(attributes.error());
-  s.attributes = *attributes;
+  const auto stated =
+      set_attributes(s, state.system().channels[channel],
+                     [&](const AttributeSet& base) { return overridden(base, request.required); });
+  if (!stated) return std::unexpected(stated.error());
   auto name = end_name(request.subscriber, fmt::format("subscriber-{}", id));
   if (!name) return std::unexpected(name.error());
   s.name = *name;

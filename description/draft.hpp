@@ -1,15 +1,37 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The description between XML and System: values are converted, names are not yet looked up.
 #pragma once
+#include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/system.hpp"
+#include "description/attributes.hpp"
 #include "description/problems.hpp"
+#include "description/read.hpp"
 #include "description/xml.hpp"
 
 namespace mlcca::description {
+
+/// The content of an <Attributes> or <Provision> element.
+struct StatedDraft {
+  AttributeSet set;
+  std::vector<UserValueDraft> user;
+  std::optional<int> priority;
+  core::Origin origin;
+};
+
+struct UserAttributeDraft {
+  core::UserAttribute attribute;
+  Dimension dimension;
+};
+
+struct ChannelDraft {
+  core::EventChannel channel;  ///< without attributes
+  std::vector<StatedDraft> sets;
+};
 
 struct BindingDraft {
   std::string channel;
@@ -18,7 +40,8 @@ struct BindingDraft {
 };
 
 struct NetworkDraft {
-  core::Network network;  ///< without bindings
+  core::Network network;  ///< without provision and bindings
+  StatedDraft provision;
   std::vector<BindingDraft> bindings;
 };
 
@@ -28,30 +51,64 @@ struct PortDraft {
 };
 
 struct GatewayDraft {
-  core::Gateway gateway;  ///< without ports
+  core::Gateway gateway;  ///< without provision and ports
+  StatedDraft provision;
   std::vector<PortDraft> ports;
+};
+
+/// Where something sits and what tells a sender apart: of an end, a component or a placement.
+struct SeatDraft {
+  std::string network;
+  std::string gateway;
+  std::string user;
+  std::optional<unsigned> node;
+  std::optional<unsigned> priority;
 };
 
 /// A publisher or subscriber.
 struct EndDraft {
   std::string name;
   std::string channel;
-  std::string network;
-  std::string gateway;
-  std::string user;
-  std::optional<unsigned> node;
-  std::optional<unsigned> priority;
-  AttributeSet own;
+  SeatDraft seat;
+  std::uint32_t component = core::kNoComponent;  ///< index into Draft::components
+  std::vector<StatedDraft> own;
   core::Origin origin;
 };
 
+struct ComponentDraft {
+  core::Component component;  ///< without place
+  SeatDraft seat;
+};
+
+struct PlacementDraft {
+  std::string component;
+  SeatDraft seat;
+  core::Origin origin;
+};
+
+struct HopDraft {
+  std::string place;
+  core::Origin origin;
+};
+
+struct RouteDraft {
+  std::vector<HopDraft> places;  ///< both ends included
+  core::Origin origin;
+};
+
+/// Deques where many entries are taken off one by one, so that draft and System together need
+/// little more than one of them.
 struct Draft {
   std::string name;
-  std::vector<core::EventChannel> channels;
+  std::vector<UserAttributeDraft> user_attributes;
+  std::deque<ChannelDraft> channels;
   std::vector<NetworkDraft> networks;
   std::vector<GatewayDraft> gateways;
-  std::vector<EndDraft> publishers;
-  std::vector<EndDraft> subscribers;
+  std::vector<ComponentDraft> components;
+  std::vector<PlacementDraft> placements;
+  std::vector<RouteDraft> routes;
+  std::deque<EndDraft> publishers;
+  std::deque<EndDraft> subscribers;
 };
 
 /// Adds what a valid child of System says. Reports attributes that have a wrong unit or value.
@@ -60,6 +117,6 @@ void add_part(const Element& part, Draft& draft, Problems& problems);
 /// Looks up all names and builds the System. What refers to something unknown, stands at a wrong
 /// place or has parts that its place does not know is reported; only an entry whose references are
 /// all known gets into the System, so that its indices are valid.
-core::System resolve(Draft draft, Problems& problems);
+core::System resolve(Draft draft, Problems& problems, Users users = Users::of_this_machine);
 
 }  // namespace mlcca::description

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "core/text.hpp"
 #include "description/attributes.hpp"
 #include "description/draft.hpp"
 
@@ -35,7 +36,9 @@ std::optional<unsigned> optional_number(std::string_view text) {
 
 bool is_true(std::string_view text) { return text == "true" || text == "1"; }
 
-std::string text_of(const Element* element) { return element == nullptr ? "" : element->text; }
+std::string text_of(const Element* element) {
+  return element == nullptr ? std::string() : std::string(element->text);
+}
 
 std::string text_of(const Element& element, std::string_view attribute) {
   return std::string(element.attribute(attribute));
@@ -72,34 +75,85 @@ constexpr auto kFormats = std::to_array<std::pair<std::string_view, FrameFormat>
     {"any", FrameFormat::any},
 });
 
+constexpr auto kSafeSides = std::to_array<std::pair<std::string_view, core::SafeSide>>({
+    {"", core::SafeSide::unstated},
+    {"drop", core::SafeSide::drop},
+    {"deliver", core::SafeSide::deliver},
+});
+
+constexpr auto kBetters = std::to_array<std::pair<std::string_view, Better>>({
+    {"smaller", Better::smaller},
+    {"larger", Better::larger},
+});
+
+constexpr auto kCompositions = std::to_array<std::pair<std::string_view, Composition>>({
+    {"sum", Composition::sum},
+    {"maximum", Composition::slowest},
+    {"minimum", Composition::smallest},
+    {"survival", Composition::survival},
+});
+
 class PartReader {
  public:
   PartReader(Draft& draft, Problems& problems) : draft_(draft), problems_(problems) {}
 
   void add(const Element& part) {
     if (part.name == "EventChannel") draft_.channels.push_back(channel(part));
-    if (part.name == "Network") draft_.networks.push_back(network(part));
-    if (part.name == "Gateway") draft_.gateways.push_back(gateway(part));
     if (part.name == "Publisher") draft_.publishers.push_back(end(part));
     if (part.name == "Subscriber") draft_.subscribers.push_back(end(part));
+    if (part.name == "Network") draft_.networks.push_back(network(part));
+    if (part.name == "Gateway") draft_.gateways.push_back(gateway(part));
+    if (part.name == "Component") add_component(part);
+    if (part.name == "Placement") draft_.placements.push_back(placement(part));
+    if (part.name == "Route") draft_.routes.push_back(route(part));
+    if (part.name == "UserAttribute") draft_.user_attributes.push_back(user_attribute(part));
   }
 
  private:
-  [[nodiscard]] core::Origin origin(const Element& element) const {
-    return {problems_.file(), element.line};
+  StatedDraft stated(const Element& list, Side side) {
+    StatedDraft out;
+    out.set = read_attributes(list, side, problems_, out.user);
+    if (const auto priority = list.attribute("priority"); !priority.empty())
+      out.priority = number<int>(priority);
+    out.origin = list.origin();
+    return out;
   }
 
-  AttributeSet attributes(const Element& parent, std::string_view list, Side side) {
-    const auto* element = parent.child(list);
-    return element == nullptr ? AttributeSet{} : read_attributes(*element, side, problems_);
+  std::vector<StatedDraft> sets(const Element& parent) {
+    std::vector<StatedDraft> out;
+    for (const auto& child : parent.children)
+      if (child.name == "Attributes") out.push_back(stated(child, Side::requirement));
+    return out;
   }
 
-  core::EventChannel channel(const Element& e) {
-    return {.name = text_of(e, "name"),
-            .subject = number<core::Subject>(text_of(e.child("SubjectUID"))),
-            .description = text_of(e.child("Description")),
-            .attributes = attributes(e, "Attributes", Side::requirement),
-            .origin = origin(e)};
+  StatedDraft provision(const Element& parent) {
+    const auto* list = parent.child("Provision");
+    return list == nullptr ? StatedDraft{} : stated(*list, Side::provision);
+  }
+
+  ChannelDraft channel(const Element& e) {
+    ChannelDraft out;
+    out.channel.name = text_of(e, "name");
+    out.channel.subject = number<core::Subject>(text_of(e.child("SubjectUID")));
+    if (out.channel.name.empty()) out.channel.name = core::format_subject(out.channel.subject);
+    out.channel.description = text_of(e.child("Description"));
+    out.channel.safe_side = value_named<core::SafeSide>(e.attribute("safe-side"), kSafeSides);
+    out.channel.origin = e.origin();
+    out.sets = sets(e);
+    return out;
+  }
+
+  [[nodiscard]] static UserAttributeDraft user_attribute(const Element& e) {
+    UserAttributeDraft out;
+    out.dimension = read_dimension(e.child("Dimension"));
+    out.attribute = {
+        .name = text_of(e, "name"),
+        .better = value_named<Better>(text_of(e.child("Better")), kBetters),
+        .composition = value_named<Composition>(text_of(e.child("Composition")), kCompositions),
+        .unit = unit_words(out.dimension.unit),
+        .magnitude = out.dimension.magnitude,
+        .origin = e.origin()};
+    return out;
   }
 
   NetworkDraft network(const Element& e) {
@@ -107,14 +161,14 @@ class PartReader {
     out.network.name = text_of(e, "name");
     out.network.kind = value_named<NetworkKind>(text_of(e.child("Kind")), kKinds);
     out.network.profile = value_named<Profile>(text_of(e.child("Profile")), kProfiles);
-    out.network.provision = attributes(e, "Provision", Side::provision);
-    out.network.origin = origin(e);
+    out.network.origin = e.origin();
+    out.provision = provision(e);
     for (const auto& child : e.children)
       if (child.name == "Binding") out.bindings.push_back(binding(child));
     return out;
   }
 
-  [[nodiscard]] BindingDraft binding(const Element& e) const {
+  [[nodiscard]] static BindingDraft binding(const Element& e) {
     BindingDraft out;
     out.channel = text_of(e, "channel");
     const auto* etag = e.child("ETag");
@@ -124,7 +178,7 @@ class PartReader {
     out.binding.extended = out.etag || identifier->attribute("form") == "extended";
     out.binding.format = value_named<FrameFormat>(e.attribute("format"), kFormats);
     out.binding.remote_frames = is_true(e.attribute("remote-frames"));
-    out.binding.origin = origin(e);
+    out.binding.origin = e.origin();
     return out;
   }
 
@@ -132,14 +186,14 @@ class PartReader {
     GatewayDraft out;
     out.gateway.name = text_of(e, "name");
     out.gateway.host = text_of(e, "host");
-    out.gateway.provision = attributes(e, "Provision", Side::provision);
-    out.gateway.origin = origin(e);
+    out.gateway.origin = e.origin();
+    out.provision = provision(e);
     for (const auto& child : e.children)
       if (child.name == "Port") out.ports.push_back(port(child));
     return out;
   }
 
-  [[nodiscard]] PortDraft port(const Element& e) const {
+  [[nodiscard]] static PortDraft port(const Element& e) {
     PortDraft out;
     out.network = text_of(e, "network");
     const auto* interface = e.child("Interface");
@@ -151,20 +205,51 @@ class PartReader {
     out.port.managed = is_true(e.attribute("managed"));
     out.port.bitrate = number<std::uint32_t>(text_of(e.child("Bitrate")));
     out.port.data_bitrate = number<std::uint32_t>(text_of(e.child("DataBitrate")));
-    out.port.origin = origin(e);
+    out.port.origin = e.origin();
     return out;
   }
 
-  EndDraft end(const Element& e) {
-    return {.name = text_of(e, "name"),
-            .channel = text_of(e, "channel"),
-            .network = text_of(e, "network"),
+  [[nodiscard]] static SeatDraft seat(const Element& e) {
+    return {.network = text_of(e, "network"),
             .gateway = text_of(e, "gateway"),
             .user = text_of(e, "user"),
             .node = optional_number(e.attribute("node")),
-            .priority = optional_number(e.attribute("priority")),
-            .own = attributes(e, "Attributes", Side::requirement),
-            .origin = origin(e)};
+            .priority = optional_number(e.attribute("priority"))};
+  }
+
+  EndDraft end(const Element& e, std::uint32_t component = core::kNoComponent) {
+    return {.name = text_of(e, "name"),
+            .channel = text_of(e, "channel"),
+            .seat = seat(e),
+            .component = component,
+            .own = sets(e),
+            .origin = e.origin()};
+  }
+
+  void add_component(const Element& e) {
+    const auto number = static_cast<std::uint32_t>(draft_.components.size());
+    auto& component = draft_.components.emplace_back();
+    component.component.name = text_of(e, "name");
+    component.component.description = text_of(e.child("Description"));
+    component.component.origin = e.origin();
+    component.seat = seat(e);
+    for (const auto& child : e.children) {
+      if (child.name == "EventChannel") draft_.channels.push_back(channel(child));
+      if (child.name == "Publisher") draft_.publishers.push_back(end(child, number));
+      if (child.name == "Subscriber") draft_.subscribers.push_back(end(child, number));
+    }
+  }
+
+  [[nodiscard]] static PlacementDraft placement(const Element& e) {
+    return {text_of(e, "component"), seat(e), e.origin()};
+  }
+
+  [[nodiscard]] static RouteDraft route(const Element& e) {
+    RouteDraft out{{}, e.origin()};
+    out.places.push_back({text_of(e, "from"), out.origin});
+    for (const auto& hop : e.children) out.places.push_back({text_of(hop, "place"), hop.origin()});
+    out.places.push_back({text_of(e, "to"), out.origin});
+    return out;
   }
 
   Draft& draft_;

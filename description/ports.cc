@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "description/names.hpp"
 #include "description/rules.hpp"
 
 namespace mlcca::description {
@@ -36,7 +37,7 @@ bool same_interface(const InterfaceIdentity& a, const InterfaceIdentity& b) {
 }
 
 void check_port(const core::System& system, const Port& p, Problems& problems) {
-  const auto say = [&](std::string_view text) { problems.add(p.origin.line, "Port", text); };
+  const auto say = [&](std::string_view text) { problems.add(p.origin, "Port", text); };
   const auto& network = system.networks[p.network];
   if (states_nothing(p.identity))
     say("Interface says nothing: one of name, id-path, serial, alias, port is needed");
@@ -51,31 +52,30 @@ void check_port(const core::System& system, const Port& p, Problems& problems) {
 }
 
 void check_ports_of(const core::System& system, const Gateway& g, Problems& problems) {
-  if (g.ports.size() > kMaxPorts)
-    problems.add(g.ports[kMaxPorts].origin.line, "Port",
-                 fmt::format("{} ports are too many for gateway {}: at most {}", g.ports.size(),
-                             g.name, kMaxPorts));
-  std::map<std::size_t, int> line_of;
+  check_count(g.ports, kMaxPorts, "Port", fmt::format("ports of gateway {}", g.name), problems);
+  std::map<std::size_t, core::Origin> seen;
   for (const auto& p : g.ports) {
     check_port(system, p, problems);
-    if (const auto [it, fresh] = line_of.try_emplace(p.network, p.origin.line); !fresh)
-      problems.add(p.origin.line, "Port",
-                   fmt::format("gateway {} already has a port on {} in line {}: one is enough",
-                               g.name, system.networks[p.network].name, it->second));
+    if (const auto [it, fresh] = seen.try_emplace(p.network, p.origin); !fresh)
+      problems.add(
+          p.origin, "Port",
+          fmt::format("gateway {} already has a port on {} in {}: one is enough", g.name,
+                      system.networks[p.network].name, line_words(system, p.origin, it->second)));
   }
 }
 
 /// Ports that can see the same interfaces: those of one gateway, and of gateways on one host.
 using Machine = std::vector<const Port*>;
 
-void check_claims(const Machine& ports, Problems& problems) {
+void check_claims(const core::System& system, const Machine& ports, Problems& problems) {
   for (std::size_t i = 0; i < ports.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       if (!same_interface(ports[i]->identity, ports[j]->identity)) continue;
-      problems.add(ports[i]->origin.line, "Port",
-                   fmt::format("its Interface is already claimed by the port in line {}: an "
-                               "interface is on one network",
-                               ports[j]->origin.line));
+      problems.add(ports[i]->origin, "Port",
+                   fmt::format("its Interface is already claimed by the port in {}: an interface "
+                               "is on one network",
+                               line_words(system, ports[i]->origin, ports[j]->origin)),
+                   core::FindingId::interface_twice);
       break;
     }
 }
@@ -83,20 +83,22 @@ void check_claims(const Machine& ports, Problems& problems) {
 }  // namespace
 
 void check_gateways(const core::System& system, Problems& problems) {
-  std::unordered_map<std::string_view, int> network_line;
-  for (const auto& n : system.networks) network_line.try_emplace(n.name, n.origin.line);
-  std::unordered_map<std::string_view, int> gateway_line;
+  std::unordered_map<std::string_view, core::Origin> networks;
+  for (const auto& n : system.networks) networks.try_emplace(n.name, n.origin);
+  std::unordered_map<std::string_view, core::Origin> gateways;
   std::map<std::string, Machine> machines;
   for (const auto& g : system.gateways) {
-    if (const auto [it, fresh] = gateway_line.try_emplace(g.name, g.origin.line); !fresh)
-      problems.add(g.origin.line, "Gateway",
-                   fmt::format("the name {} is already taken in line {}: names are unique", g.name,
-                               it->second));
-    if (const auto it = network_line.find(g.name); it != network_line.end())
-      problems.add(g.origin.line, "Gateway",
-                   fmt::format("{} is already a network's name, in line {}: both are places, and "
-                               "a place is asked for by name",
-                               g.name, it->second));
+    if (const auto [it, fresh] = gateways.try_emplace(g.name, g.origin); !fresh)
+      problems.add(g.origin, "Gateway",
+                   fmt::format("the name {} is already taken in {}: names are unique", g.name,
+                               line_words(system, g.origin, it->second)),
+                   core::FindingId::name_twice);
+    if (const auto it = networks.find(g.name); it != networks.end())
+      problems.add(g.origin, "Gateway",
+                   fmt::format("{} is already a network's name, in {}: both are places, and a "
+                               "place is asked for by name",
+                               g.name, line_words(system, g.origin, it->second)),
+                   core::FindingId::name_twice);
     check_ports_of(system, g, problems);
     const auto number = static_cast<std::size_t>(&g - system.gateways.data());
     if (number >= kMaxGateways) continue;
@@ -105,11 +107,8 @@ void check_gateways(const core::System& system, Problems& problems) {
     for (const auto& p : std::span(g.ports).first(std::min(g.ports.size(), kMaxPorts)))
       machine.push_back(&p);
   }
-  for (const auto& [host, ports] : machines) check_claims(ports, problems);
-  if (system.gateways.size() > kMaxGateways)
-    problems.add(
-        system.gateways[kMaxGateways].origin.line, "Gateway",
-        fmt::format("{} gateways are too many: at most {}", system.gateways.size(), kMaxGateways));
+  for (const auto& [host, ports] : machines) check_claims(system, ports, problems);
+  check_count(system.gateways, kMaxGateways, "Gateway", "gateways", problems);
 }
 
 }  // namespace mlcca::description

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Collecting problems: cleaned, cut, without repetitions, ordered by line.
+// Collecting problems: cleaned, cut, without repetitions, ordered by file and line.
 #include "description/problems.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace mlcca::description {
@@ -33,20 +34,39 @@ std::string to_string(const Problem& problem) {
   return out + ": " + problem.text;
 }
 
-void Problems::add(int line, std::string_view element, std::string_view text) {
-  Problem problem{file_, line, printable(element), printable(text)};
-  if (!found_.empty() && found_.back() == problem) return;
+std::uint32_t Problems::add_file(const std::string& file) {
+  const auto known = std::ranges::find(files_, file);
+  const auto number = static_cast<std::uint32_t>(std::distance(files_.begin(), known));
+  if (known == files_.end()) files_.push_back(file);
+  return number;
+}
+
+void Problems::add(core::Origin at, std::string_view element, std::string_view text,
+                   core::FindingId id) {
+  Entry entry{at, printable(element), printable(text), id};
+  const auto same = [&](const Entry& e) {
+    return e.at.file == at.file && e.at.line == at.line && e.element == entry.element &&
+           e.text == entry.text;
+  };
+  if (!found_.empty() && same(found_.back())) return;
   if (found_.size() == kMaxProblems)
     overflowing_ = true;
   else
-    found_.push_back(std::move(problem));
+    found_.push_back(std::move(entry));
 }
 
 std::vector<Problem> Problems::take() {
-  auto out = std::exchange(found_, {});
-  std::ranges::stable_sort(out, {}, &Problem::line);
+  auto found = std::exchange(found_, {});
+  std::ranges::stable_sort(found, {},
+                           [](const Entry& e) { return std::pair(e.at.file, e.at.line); });
+  std::vector<Problem> out;
+  out.reserve(found.size() + 1);
+  for (auto& e : found)
+    out.push_back({name_of(e.at.file), e.at.line, std::move(e.element), std::move(e.text),
+                   static_cast<std::uint16_t>(e.id)});
   if (std::exchange(overflowing_, false))
-    out.push_back({file_, 0, "", "there are more problems than these: repair them first"});
+    out.push_back({files_.front(), 0, "", "there are more problems than these: repair them first",
+                   static_cast<std::uint16_t>(core::FindingId::rule)});
   return out;
 }
 

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Collects what is wrong with one file, in a form that is safe to print and bounded in size.
+// Collects what is wrong with the files of a description, in a form that is safe to print and
+// bounded in size.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/findings.hpp"
+#include "core/system.hpp"
 #include "description/read.hpp"
 
 namespace mlcca::description {
@@ -22,24 +26,48 @@ std::string clipped(std::string_view text, std::size_t bytes);
 
 class Problems {
  public:
-  explicit Problems(std::string file) : file_(std::move(file)) {}
+  /// `file` is the first one, number 0, and the current one.
+  explicit Problems(std::string file) : files_{std::move(file)} {}
 
-  /// Control characters in the texts become spaces. A repeated line, element and text is one
-  /// problem.
-  void add(int line, std::string_view element, std::string_view text);
+  /// The number of that file: its own if it is known, else the next one.
+  std::uint32_t add_file(const std::string& file);
+  /// The file that a problem without an origin is in from now on: a number of add_file.
+  void set_file(std::uint32_t file) { current_ = file; }
+
+  /// Control characters in the texts become spaces. A repeated file, line, element and text is one
+  /// problem. Without an origin, the line is one of the current file.
+  void add(core::Origin at, std::string_view element, std::string_view text,
+           core::FindingId id = core::FindingId::rule);
+  void add(int line, std::string_view element, std::string_view text,
+           core::FindingId id = core::FindingId::rule) {
+    add(core::Origin{.file = current_, .line = line}, element, text, id);
+  }
 
   [[nodiscard]] bool empty() const { return found_.empty(); }
   [[nodiscard]] std::size_t size() const { return found_.size(); }
   /// Some were no longer kept: there is no point in looking for more.
   [[nodiscard]] bool overflowing() const { return overflowing_; }
-  [[nodiscard]] const std::string& file() const { return file_; }
+  /// All files, by number.
+  [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
 
-  /// All of them, ordered by line; leaves the collector empty.
+  /// All of them, ordered by file in the order of the numbers, then by line; leaves the collector
+  /// without any.
   std::vector<Problem> take();
 
  private:
-  std::string file_;
-  std::vector<Problem> found_;
+  struct Entry {
+    core::Origin at;
+    std::string element;
+    std::string text;
+    core::FindingId id;
+  };
+  [[nodiscard]] std::string name_of(std::uint32_t file) const {
+    return file < files_.size() ? files_[file] : std::string();
+  }
+
+  std::vector<std::string> files_;
+  std::uint32_t current_ = 0;
+  std::vector<Entry> found_;
   bool overflowing_ = false;
 };
 

@@ -1,75 +1,101 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The stages in their order: file, document, draft, names, rules.
+// The stages in their order: documents, draft, names, rules.
 #include "description/read.hpp"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstddef>
-#include <cstring>
 #include <utility>
 
-#include "core/handle.hpp"
-#include "core/result.hpp"
 #include "description/draft.hpp"
+#include "description/grammar.hpp"
 #include "description/problems.hpp"
 #include "description/rules.hpp"
+#include "description/source.hpp"
 #include "description/xml.hpp"
 
 namespace mlcca::description {
 namespace {
 
-/// At most one byte more than the limit, so that a file that grows while it is read is noticed.
-Result<std::string> contents(const std::string& path) {
-  // A FIFO must not hold the daemon: it is opened without waiting, then refused.
-  const Fd fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!fd) return fail(fmt::format("cannot open the file: {}", std::strerror(errno)));
-  struct stat status{};
-  if (::fstat(fd.get(), &status) != 0)
-    return fail(fmt::format("cannot examine the file: {}", std::strerror(errno)));
-  if (!S_ISREG(status.st_mode)) return fail("not a regular file: a description must be one");
-  const auto most = kMaxFileBytes + 1;
-  const auto expected = static_cast<std::size_t>(std::max<off_t>(status.st_size, 0)) + 1;
-  std::string text;
-  text.resize(std::min(expected, most));
-  std::size_t size = 0;
-  while (size < text.size()) {
-    const auto got = ::read(fd.get(), text.data() + size, text.size() - size);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return fail(fmt::format("cannot read the file: {}", std::strerror(errno)));
-    if (got == 0) break;
-    size += static_cast<std::size_t>(got);
-    if (size == text.size() && size < most) text.resize(std::min(size * 2, most));
+/// A draft that is filled while a description is parsed.
+class Stages {
+ public:
+  explicit Stages(std::string name) : problems_(std::move(name)) {}
+
+  [[nodiscard]] Receiver receiver() {
+    return {.root = [this](const Element& root) { draft_.name = root.attribute("name"); },
+            .part = [this](const Element& part) { add_part(part, draft_, problems_); }};
   }
-  text.resize(size);
-  return text;
+  Problems& problems() { return problems_; }
+
+  /// `valid`: nothing was wrong so far but values of attributes.
+  Examined finish(bool valid, Users users = Users::of_this_machine) {
+    Examined out;
+    out.readable = valid;
+    // Names that an invalid part would have defined are not known: looking them up would accuse
+    // those who use them.
+    if (valid) {
+      out.system = resolve(std::move(draft_), problems_, users);
+      out.system.files = problems_.files();
+      check_rules(out.system, problems_);
+    }
+    out.problems = problems_.take();
+    return out;
+  }
+
+ private:
+  Problems problems_;
+  Draft draft_;
+};
+
+/// The name in the first start tag, behind comments and processing instructions; empty if none
+/// begins here.
+std::string_view root_name(std::string_view xml) {
+  for (auto at = xml.find('<'); at != std::string_view::npos; at = xml.find('<')) {
+    xml.remove_prefix(at + 1);
+    const bool comment = xml.starts_with("!--");
+    if (!comment && !xml.starts_with('?')) {
+      const auto end = xml.find_first_of(" \t\r\n/>");
+      return end == std::string_view::npos ? std::string_view{} : xml.substr(0, end);
+    }
+    const auto end = xml.find(comment ? "-->" : "?>");
+    if (end == std::string_view::npos) break;
+    xml.remove_prefix(end);
+  }
+  return {};
+}
+
+Description only_without_problems(Examined examined) {
+  if (!examined.problems.empty()) return std::unexpected(std::move(examined.problems));
+  return std::move(examined.system);
 }
 
 }  // namespace
 
-Description read_memory(std::string_view xml, const std::string& name) {
-  Problems problems(name);
-  Draft draft;
-  const bool valid = parse(
-      xml, problems, [&](const Element& root) { draft.name = root.attribute("name"); },
-      [&](const Element& part) { add_part(part, draft, problems); });
-  // Names that an invalid part would have defined are not known: looking them up would accuse
-  // those who use them.
-  if (!valid) return std::unexpected(problems.take());
-  auto system = resolve(std::move(draft), problems);
-  check_rules(system, problems);
-  if (!problems.empty()) return std::unexpected(problems.take());
-  return system;
+Examined examine(const std::vector<std::string>& paths, const Progress& progress, Users users) {
+  Stages stages(paths.front());
+  const bool valid =
+      parse_files(paths, Root::system, stages.problems(), stages.receiver(), progress);
+  return stages.finish(valid, users);
 }
 
-Description read(const std::string& path) {
-  const auto text = contents(path);
-  if (!text) return std::unexpected(std::vector<Problem>{{path, 0, "", text.error().text}});
-  return read_memory(*text, path);
+bool is_part(const std::string& path) {
+  const auto source = Source::open(path);
+  if (!source) return false;
+  const auto root = root_name(source->start());
+  return std::ranges::find(system_parts(), root, &Child::name) != system_parts().end();
+}
+
+Description read(const std::string& path) { return only_without_problems(examine({path})); }
+
+Description read_memory(std::string_view xml, const std::string& name, const std::string& base) {
+  Stages stages(name);
+  return only_without_problems(
+      stages.finish(parse_text(xml, base, stages.problems(), stages.receiver())));
+}
+
+std::vector<Problem> check_part(const std::string& path) {
+  Problems problems(path);
+  parse_files(std::span(&path, 1), Root::system_or_part, problems, {}, {});
+  return problems.take();
 }
 
 }  // namespace mlcca::description

@@ -2,7 +2,9 @@
 // The system description: XML in, core::System out, or every problem with the line it is on.
 // The format and its limits are documented in system.xsd; nothing of libxml2 is visible here.
 #pragma once
+#include <cstdint>
 #include <expected>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,9 +16,10 @@ namespace mlcca::description {
 /// One mistake in a description.
 struct Problem {
   std::string file;
-  int line = 0;         ///< 1.., or 0: the file as a whole
-  std::string element;  ///< local name; empty: the document or its syntax
-  std::string text;     ///< what is wrong and what would be right
+  int line = 0;          ///< 1.., or 0: the file as a whole
+  std::string element;   ///< local name; empty: the document or its syntax
+  std::string text;      ///< what is wrong and what would be right
+  std::uint16_t id = 0;  ///< a core::FindingId
 
   bool operator==(const Problem&) const = default;
 };
@@ -26,17 +29,45 @@ std::string to_string(const Problem& problem);
 
 using Description = std::expected<core::System, std::vector<Problem>>;
 
-/// Reads the regular file `path` (at most 16 MiB). The System refers to nothing outside itself, all
-/// its indices are valid and every rule of system.xsd and rules.hpp holds. Otherwise all problems
-/// of the first stage that found any are returned, ordered by line: syntax, schema and values of
-/// attributes; then names and rules. What follows a syntax error, or stands in the same element
-/// after one that does not belong there, is not examined. More than 1000 problems end with one that
-/// says so. Looks up user names in the system's user database; opens no other file and no
-/// connection.
+/// Told about every MiB how many bytes are read, of how many in the files that are known so far.
+/// May be empty.
+using Progress = std::function<void(std::uint64_t bytes_read, std::uint64_t bytes_total)>;
+
+/// Whose user names count: those of this machine, or any, because the description is for another.
+enum class Users : std::uint8_t { of_this_machine, any };
+
+/// What is found out about a description, as far as it can be read.
+struct Examined {
+  core::System system;            ///< empty unless readable
+  std::vector<Problem> problems;  ///< ordered by file as they appear, then by line
+  bool readable = false;          ///< every file could be read and fits the schema
+};
+
+/// Reads the regular file paths[0], whose root is a System, and the files that it includes (at most
+/// 256 MiB together). The roots of further paths are parts of a System: they count as if they were
+/// included at its end. If readable, all indices of the System are valid, and the problems are
+/// those of values of attributes, names and rules (system.xsd, rules.hpp); what a problem is about
+/// may be missing in the System. If not, they are those of files, syntax and schema; what follows a
+/// syntax error, or stands in the same element after one that does not belong there, is not
+/// examined. More than 1000 problems end with one that says so. Looks up user names in the system's
+/// user database; opens no other file and no connection. `paths` must not be empty.
+Examined examine(const std::vector<std::string>& paths, const Progress& progress = {},
+                 Users users = Users::of_this_machine);
+
+/// Whether the root of the file is a part of a System. False for what is no XML, too.
+bool is_part(const std::string& path);
+
+/// The System of the file `path` and what it includes; any problem is an error. See examine().
 Description read(const std::string& path);
 
-/// The same for a text; `name` stands for the file in problems and origins.
-Description read_memory(std::string_view xml, const std::string& name);
+/// The same for a text; `name` stands for the file in problems and origins. Includes are looked up
+/// in the folder `base`, or refused if that is empty.
+Description read_memory(std::string_view xml, const std::string& name,
+                        const std::string& base = {});
+
+/// Whether one file, whose root is a System or a part of one, can be read and fits the schema, with
+/// the files that it includes. Values, names and rules are not examined.
+std::vector<Problem> check_part(const std::string& path);
 
 /// The text of system.xsd, as compiled into the program.
 std::string_view schema();

@@ -4,17 +4,20 @@
 
 #include <fmt/format.h>
 
-#include <map>
+#include <algorithm>
 #include <string>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "description/names.hpp"
+
 namespace mlcca::description {
 namespace {
 
 using core::Binding;
+using core::FindingId;
 using core::FrameFormat;
 using core::NetworkKind;
 using core::Place;
@@ -29,7 +32,9 @@ constexpr Value kFdBytes = 64;
 constexpr Value kFamousoBytes = 24608;  // 4064 fragments of 6 bytes, the last 32 of 7
 
 void check_binding(const core::Network& network, const Binding& b, Problems& problems) {
-  const auto say = [&](std::string_view text) { problems.add(b.origin.line, "Binding", text); };
+  const auto say = [&](std::string_view text) {
+    problems.add(b.origin, "Binding", text, FindingId::wrong_place);
+  };
   if (network.profile == Profile::famouso) {
     if (b.id < kFirstEtag || b.id > kLastEtag)
       say(
@@ -51,20 +56,44 @@ std::string_view identifier_words(const core::Network& network, const Binding& b
   return b.extended ? "extended identifier" : "standard identifier";
 }
 
+/// Bindings in an order that brings together what must not be the same.
+template <class Key>
+std::vector<const Binding*> sorted_by(const core::Network& network, const Key& key) {
+  std::vector<const Binding*> out;
+  out.reserve(network.bindings.size());
+  for (const auto& b : network.bindings) out.push_back(&b);
+  std::ranges::stable_sort(out, {}, key);
+  return out;
+}
+
 void check_bindings(const core::System& system, const core::Network& network, Problems& problems) {
-  std::unordered_map<std::size_t, int> line_of_channel;
-  std::map<std::pair<std::uint32_t, bool>, const Binding*> of_id;
-  for (const auto& b : network.bindings) {
-    const auto say = [&](std::string_view text) { problems.add(b.origin.line, "Binding", text); };
-    if (const auto [it, fresh] = line_of_channel.try_emplace(b.channel, b.origin.line); !fresh)
-      say(fmt::format("channel {} is already bound on {} in line {}: one binding is enough",
-                      system.channels[b.channel].name, network.name, it->second));
-    if (const auto [it, fresh] = of_id.try_emplace({b.id, b.extended}, &b); !fresh)
-      say(fmt::format("{} 0x{:x} is already channel {}'s on {}, from line {}: choose another",
-                      identifier_words(network, b), b.id, system.channels[it->second->channel].name,
-                      network.name, it->second->origin.line));
-    if (network.kind == NetworkKind::can) check_binding(network, b, problems);
+  const auto say = [&](const Binding& b, std::string_view text) {
+    problems.add(b.origin, "Binding", text, FindingId::identifier_clash);
+  };
+  const auto by_channel = sorted_by(network, [](const Binding* b) { return b->channel; });
+  const Binding* first = nullptr;
+  for (const auto* b : by_channel) {
+    if (first == nullptr || first->channel != b->channel)
+      first = b;
+    else
+      say(*b, fmt::format("channel {} is already bound on {} in {}: one binding is enough",
+                          system.channels[b->channel].name, network.name,
+                          line_words(system, b->origin, first->origin)));
   }
+  const auto by_id =
+      sorted_by(network, [](const Binding* b) { return std::pair(b->id, b->extended); });
+  first = nullptr;
+  for (const auto* b : by_id) {
+    if (first == nullptr || first->id != b->id || first->extended != b->extended)
+      first = b;
+    else
+      say(*b,
+          fmt::format("{} 0x{:x} is already channel {}'s on {}, from {}: choose another",
+                      identifier_words(network, *b), b->id, system.channels[first->channel].name,
+                      network.name, line_words(system, b->origin, first->origin)));
+  }
+  if (network.kind == NetworkKind::can)
+    for (const auto& b : network.bindings) check_binding(network, b, problems);
 }
 
 /// Which bindings there are, without a search for each publisher.
@@ -95,10 +124,11 @@ const Binding* check_bound(const core::System& system, const Bindings& bindings,
   const auto* binding = bindings.find(end.place.index, end.channel);
   if (binding == nullptr) {
     const auto& channel = system.channels[end.channel].name;
-    problems.add(end.origin.line, element,
+    problems.add(end.origin, element,
                  fmt::format("channel {0} has no binding on {1}: add <Binding channel=\"{0}\"> to "
-                             "Network {1}, line {2}",
-                             channel, network.name, network.origin.line));
+                             "Network {1}, {2}",
+                             channel, network.name, line_words(system, end.origin, network.origin)),
+                 FindingId::unbound);
   }
   return binding;
 }
@@ -122,19 +152,23 @@ void check_payload(const core::Network& network, const Binding& binding,
   const Value bytes = publisher.attributes[Attribute::max_payload];
   const auto room = room_in(network, binding);
   if (bytes <= room.bytes) return;
-  problems.add(publisher.origin.line, "Publisher",
+  problems.add(publisher.origin, "Publisher",
                fmt::format("MaxPayload {} bytes does not fit {}: at most {} bytes {}", bytes,
-                           network.name, room.bytes, room.where));
+                           network.name, room.bytes, room.where),
+               FindingId::too_long);
 }
 
 template <class Ends>
-void check_names(const Ends& ends, std::string_view element, Problems& problems) {
-  std::unordered_map<std::string_view, int> line_of;
+void check_names(const core::System& system, const Ends& ends, std::string_view element,
+                 Problems& problems) {
+  std::unordered_map<std::string_view, core::Origin> seen;
+  seen.reserve(ends.size());
   for (const auto& end : ends)
-    if (const auto [it, fresh] = line_of.try_emplace(end.name, end.origin.line); !fresh)
-      problems.add(end.origin.line, element,
-                   fmt::format("the name {} is already taken in line {}: names are unique",
-                               end.name, it->second));
+    if (const auto [it, fresh] = seen.try_emplace(end.name, end.origin); !fresh)
+      problems.add(end.origin, element,
+                   fmt::format("the name {} is already taken in {}: names are unique", end.name,
+                               line_words(system, end.origin, it->second)),
+                   FindingId::name_twice);
 }
 
 /// False where several senders are no harm, and where what tells them apart is missing (which is
@@ -152,61 +186,68 @@ std::string_view way_out(const core::Publisher& p) {
 }
 
 void check_twice(const core::System& system, Problems& problems) {
-  using Sender =
-      std::tuple<std::size_t, Place, std::optional<std::uint8_t>, std::optional<std::uint32_t>>;
-  std::map<Sender, int> line_of;
-  for (const auto& p : system.publishers) {
-    if (!is_told_apart(system, p)) continue;
-    const auto [it, fresh] =
-        line_of.try_emplace({p.channel, p.place, p.node, p.uid}, p.origin.line);
-    if (fresh) continue;
-    problems.add(p.origin.line, "Publisher",
-                 fmt::format("channel {} is already published by this sender in line {}: {}",
-                             system.channels[p.channel].name, it->second, way_out(p)));
+  std::vector<const core::Publisher*> told_apart;
+  for (const auto& p : system.publishers)
+    if (is_told_apart(system, p)) told_apart.push_back(&p);
+  const auto sender = [](const core::Publisher* p) {
+    return std::tie(p->channel, p->place, p->node, p->uid);
+  };
+  std::ranges::stable_sort(told_apart, {}, sender);
+  const core::Publisher* first = nullptr;
+  for (const auto* p : told_apart) {
+    if (first == nullptr || sender(first) != sender(p))
+      first = p;
+    else
+      problems.add(p->origin, "Publisher",
+                   fmt::format("channel {} is already published by this sender in {}: {}",
+                               system.channels[p->channel].name,
+                               line_words(system, p->origin, first->origin), way_out(*p)),
+                   FindingId::sender_twice);
   }
 }
 
 }  // namespace
 
 void check_channels(const core::System& system, Problems& problems) {
-  check_names(system.channels, "EventChannel", problems);
+  check_names(system, system.channels, "EventChannel", problems);
+  check_names(system, system.user_attributes, "UserAttribute", problems);
+  check_names(system, system.components, "Component", problems);
   std::unordered_map<core::Subject, const core::EventChannel*> of_subject;
+  of_subject.reserve(system.channels.size());
   for (const auto& c : system.channels) {
     if (c.subject == 0)
-      problems.add(c.origin.line, "EventChannel",
+      problems.add(c.origin, "EventChannel",
                    "SubjectUID 0 means no subject: choose another number");
     if (const auto [it, fresh] = of_subject.try_emplace(c.subject, &c); !fresh)
-      problems.add(c.origin.line, "EventChannel",
-                   fmt::format("SubjectUID 0x{:x} is already channel {}'s, from line {}: subjects "
-                               "are unique",
-                               c.subject, it->second->name, it->second->origin.line));
+      problems.add(c.origin, "EventChannel",
+                   fmt::format("SubjectUID 0x{:x} is already channel {}'s, from {}: subjects are "
+                               "unique",
+                               c.subject, it->second->name,
+                               line_words(system, c.origin, it->second->origin)),
+                   FindingId::subject_twice);
   }
-  if (system.channels.size() > kMaxChannels)
-    problems.add(
-        system.channels[kMaxChannels].origin.line, "EventChannel",
-        fmt::format("{} channels are too many: at most {}", system.channels.size(), kMaxChannels));
+  check_count(system.channels, kMaxChannels, "EventChannel", "channels", problems);
+  check_count(system.user_attributes, kMaxUserAttributes, "UserAttribute", "user attributes",
+              problems);
 }
 
 void check_networks(const core::System& system, Problems& problems) {
-  check_names(system.networks, "Network", problems);
+  check_names(system, system.networks, "Network", problems);
   for (const auto& n : system.networks) {
     const bool can = n.kind == NetworkKind::can;
     if (can && n.profile == Profile::none)
-      problems.add(n.origin.line, "Network", "a CAN network needs a Profile: raw or famouso");
+      problems.add(n.origin, "Network", "a CAN network needs a Profile: raw or famouso");
     if (!can && n.profile != Profile::none)
-      problems.add(n.origin.line, "Network",
+      problems.add(n.origin, "Network",
                    "only a CAN network has a Profile other than none: remove it");
     check_bindings(system, n, problems);
   }
-  if (system.networks.size() > kMaxNetworks)
-    problems.add(
-        system.networks[kMaxNetworks].origin.line, "Network",
-        fmt::format("{} networks are too many: at most {}", system.networks.size(), kMaxNetworks));
+  check_count(system.networks, kMaxNetworks, "Network", "networks", problems);
 }
 
 void check_ends(const core::System& system, Problems& problems) {
-  check_names(system.publishers, "Publisher", problems);
-  check_names(system.subscribers, "Subscriber", problems);
+  check_names(system, system.publishers, "Publisher", problems);
+  check_names(system, system.subscribers, "Subscriber", problems);
   check_twice(system, problems);
   const Bindings bindings(system);
   for (const auto& p : system.publishers)

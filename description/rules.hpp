@@ -3,13 +3,16 @@
 // broken and what would be right.
 #pragma once
 #include <cstddef>
+#include <string>
+#include <string_view>
 
 #include "core/system.hpp"
 #include "description/problems.hpp"
 
 namespace mlcca::description {
 
-inline constexpr std::size_t kMaxChannels = 65536;
+inline constexpr std::size_t kMaxChannels = 262144;
+inline constexpr std::size_t kMaxUserAttributes = 64;
 inline constexpr std::size_t kMaxNetworks = 1024;
 inline constexpr std::size_t kMaxGateways = 256;
 inline constexpr std::size_t kMaxPorts = 16;  ///< of one gateway
@@ -17,6 +20,17 @@ inline constexpr std::size_t kMaxPorts = 16;  ///< of one gateway
 /// Names, subjects, networks with their bindings, gateways with their ports, publishers and
 /// subscribers. `system` must have valid indices.
 void check_rules(const core::System& system, Problems& problems);
+
+/// More than `most` of them are too many.
+template <class Things>
+void check_count(const Things& things, std::size_t most, std::string_view element,
+                 std::string_view words, Problems& problems) {
+  if (things.size() > most)
+    problems.add(things[most].origin, element,
+                 std::to_string(things.size()) + " " + std::string(words) +
+                     " are too many: at most " + std::to_string(most),
+                 core::FindingId::too_many);
+}
 
 /// The parts of check_rules.
 void check_channels(const core::System& system, Problems& problems);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kLongest = 63;
 constexpr std::size_t kMostCompared = 4096;
-constexpr std::size_t kMostNamed = 8;
+constexpr std::size_t kMostNamed = 9;
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 

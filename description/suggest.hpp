@@ -11,7 +11,7 @@ namespace mlcca::description {
 /// case aside), or an empty text. Looks at no more than the first 4096.
 std::string_view closest(std::string_view name, std::span<const std::string_view> known);
 
-/// "did you mean robot-can? Known are robot-can, second-can"; at most 8 are named.
+/// "did you mean robot-can? Known are robot-can, second-can"; at most 9 are named.
 std::string known_names(std::string_view name, std::span<const std::string_view> known);
 
 }  // namespace mlcca::description

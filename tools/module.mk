@@ -13,8 +13,8 @@ $O/mlccactl: LDFLAGS += $(MLCCACTL_STATIC)
 PROGRAMS += $O/mlccactl
 
 # The verbs of design time (check, describe, generate): mlccactl starts this program for them.
-$(eval $(call library,design,$(filter-out tools/design/main.cc,$(wildcard tools/design/*.cc))))
-DESIGN_ARCHIVES := $O/libdesign.a $O/libtools.a $O/libdescription.a $O/libcore.a
+$(eval $(call library,design,$(filter-out tools/design/main.cc,$(wildcard tools/design/*.cc tools/design/*/*.cc))))
+DESIGN_ARCHIVES := $O/libdesign.a $O/libtools.a $O/libdescription.a $O/libcontrol.a $O/libcore.a
 $(eval $(call program,mlcca-design,tools/design/main.cc,$(DESIGN_ARCHIVES),$(XML_LIBS)))
 $(design_objects) $(mlcca-design_objects): CPPFLAGS += $(TOOLS_CPPFLAGS) $(XML_CFLAGS)
 PROGRAMS += $O/mlcca-design

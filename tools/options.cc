@@ -95,14 +95,6 @@ std::string no_verb(std::span<const Verb> verbs, std::string_view instead) {
                      fmt::join(names, ", "));
 }
 
-Color color_of(int fd, bool forbidden) {
-  const char* no_color = std::getenv("NO_COLOR");  // NOLINT(concurrency-mt-unsafe)
-  const char* terminal = std::getenv("TERM");      // NOLINT(concurrency-mt-unsafe)
-  const bool dumb = terminal != nullptr && std::string_view(terminal) == "dumb";
-  const bool asked_not_to = forbidden || (no_color != nullptr && *no_color != '\0');
-  return asked_not_to || dumb || ::isatty(fd) == 0 ? Color::no : Color::yes;
-}
-
 Result<std::vector<control::Attribute>> attributes(const std::vector<std::string>& texts,
                                                    Role role) {
   std::vector<control::Attribute> result;

@@ -2,9 +2,12 @@
 // Widths count UTF-8 characters; padding is never coloured.
 #include "tools/table.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cstddef>
+#include <cstdlib>
 #include <utility>
 
 namespace mlcca::tools {
@@ -34,6 +37,14 @@ std::size_t width(std::string_view text) {
 }
 
 }  // namespace
+
+Color color_of(int fd, bool forbidden) {
+  const char* no_color = std::getenv("NO_COLOR");  // NOLINT(concurrency-mt-unsafe)
+  const char* terminal = std::getenv("TERM");      // NOLINT(concurrency-mt-unsafe)
+  const bool dumb = terminal != nullptr && std::string_view(terminal) == "dumb";
+  const bool asked_not_to = forbidden || (no_color != nullptr && *no_color != '\0');
+  return asked_not_to || dumb || ::isatty(fd) == 0 ? Color::no : Color::yes;
+}
 
 std::string printable(std::string_view text) {
   std::string result;

@@ -12,6 +12,9 @@ enum class Color : bool { no, yes };
 enum class Style : std::uint8_t { plain, bold, dim, good, bad, warning };
 enum class Align : std::uint8_t { left, right };
 
+/// Colour on a terminal, unless it is forbidden here, by NO_COLOR or by a dumb TERM.
+Color color_of(int fd, bool forbidden);
+
 /// `text` with each control character as '?', so that no name or alias can steer the terminal.
 std::string printable(std::string_view text);
 

@@ -175,6 +175,13 @@ Result<control::Attribute> parse_attribute(std::string_view text, Role role) {
                             .dynamic = false};
 }
 
+std::optional<UnitScale> unit_scale(std::string_view base, std::string_view name) {
+  const auto* const unit =
+      std::ranges::find_if(kUnits, [&](const Unit& u) { return u.base == base && u.name == name; });
+  if (unit == kUnits.end()) return std::nullopt;
+  return UnitScale{unit->numerator, unit->denominator};
+}
+
 std::string print_value(std::string_view attribute, std::uint64_t value, std::string_view unit) {
   for (std::size_t i = 0; i < kAttributes; ++i)
     if (attribute == kAttributeTable[i].name) return core::format_value(attribute_at(i), value);

@@ -2,11 +2,13 @@
 // Attribute values as people write and read them: "Period=50ms", "400 kB/s", "0.5 %".
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "control/messages.hpp"
 #include "core/result.hpp"
+#include "mlcca/attribute.hpp"
 
 namespace mlcca::tools {
 
@@ -20,6 +22,16 @@ enum class Role : std::uint8_t {
 /// only Omission and MaxPayload may leave out. Exact: what the attribute's own unit cannot hold is
 /// rounded as `role` says. The error says what would be right.
 Result<control::Attribute> parse_attribute(std::string_view text, Role role);
+
+/// One of a unit that is typed is numerator / denominator of the attribute's own unit.
+struct UnitScale {
+  Value numerator = 1;
+  Value denominator = 1;  ///< 1 or 8
+};
+
+/// Of the unit `name` (may be empty, where none is needed) for attributes whose own unit is `base`
+/// (AttributeInfo::unit); nullopt if they do not take it.
+std::optional<UnitScale> unit_scale(std::string_view base, std::string_view name);
 
 /// "50 ms"; "12 apples" for an attribute and unit that are not in mlcca::kAttributeTable.
 std::string print_value(std::string_view attribute, std::uint64_t value, std::string_view unit);

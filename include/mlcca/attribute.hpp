@@ -67,26 +67,36 @@ constexpr Attribute attribute_at(size_t i) { return static_cast<Attribute>(i); }
 constexpr const AttributeInfo& info(Attribute a) { return kAttributeTable[index_of(a)]; }
 
 /// Values of some of the attributes. `dynamic` marks a provision that is only a best case: it can
-/// refute, never grant.
+/// refute, never grant. The members call as little as they can: a compiler evaluates them for every
+/// compile-time check.
 class AttributeSet {
  public:
-  constexpr bool has(Attribute a) const { return (present_ & bit(a)) != 0; }
-  constexpr bool is_dynamic(Attribute a) const { return (dynamic_ & bit(a)) != 0; }
+  constexpr bool has(Attribute a) const { return (present_ & (1U << static_cast<size_t>(a))) != 0; }
+  constexpr bool is_dynamic(Attribute a) const {
+    return (dynamic_ & (1U << static_cast<size_t>(a))) != 0;
+  }
   constexpr bool empty() const { return present_ == 0; }
 
   /// The value, or 0 where the attribute is absent: ask has() first.
-  constexpr Value operator[](Attribute a) const { return value_[index_of(a)]; }
+  constexpr Value operator[](Attribute a) const { return value_[static_cast<size_t>(a)]; }
 
   constexpr AttributeSet& set(Attribute a, Value v, bool dynamic = false) {
-    value_[index_of(a)] = v;
-    present_ = static_cast<uint8_t>(present_ | bit(a));
-    dynamic_ = static_cast<uint8_t>(dynamic ? dynamic_ | bit(a) : dynamic_ & ~bit(a));
+    const unsigned bit = 1U << static_cast<size_t>(a);
+    value_[static_cast<size_t>(a)] = v;
+    present_ = static_cast<uint8_t>(present_ | bit);
+    dynamic_ = static_cast<uint8_t>(dynamic ? dynamic_ | bit : dynamic_ & ~bit);
     return *this;
   }
   constexpr AttributeSet& clear(Attribute a) {
-    value_[index_of(a)] = 0;
-    present_ = static_cast<uint8_t>(present_ & ~bit(a));
-    dynamic_ = static_cast<uint8_t>(dynamic_ & ~bit(a));
+    const unsigned bit = 1U << static_cast<size_t>(a);
+    value_[static_cast<size_t>(a)] = 0;
+    present_ = static_cast<uint8_t>(present_ & ~bit);
+    dynamic_ = static_cast<uint8_t>(dynamic_ & ~bit);
+    return *this;
+  }
+  /// Takes every value as it is: a best case means nothing in a requirement.
+  constexpr AttributeSet& clear_dynamic() {
+    dynamic_ = 0;
     return *this;
   }
 
@@ -101,8 +111,6 @@ class AttributeSet {
   }
 
  private:
-  static constexpr uint8_t bit(Attribute a) { return static_cast<uint8_t>(1U << index_of(a)); }
-
   Value value_[kAttributes] = {};
   uint8_t present_ = 0;
   uint8_t dynamic_ = 0;

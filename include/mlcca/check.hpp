@@ -10,7 +10,7 @@
 namespace mlcca {
 
 /// The answer with a line for each required attribute, in the order of the table.
-struct Check {
+struct CheckResult {
   Comparison rows[kAttributes];
   uint8_t count = 0;
   Outcome outcome = Outcome::fit;  ///< the worst of the rows; fit when nothing is required
@@ -29,13 +29,25 @@ constexpr void set_harder(AttributeSet& requirement, Attribute a, Value value) {
 }
 
 /// Rows for a requirement and a provision that are both normalised.
-constexpr Check check_normalised(const AttributeSet& requirement, const AttributeSet& provision) {
-  Check check;
+constexpr CheckResult check_normalised(const AttributeSet& requirement,
+                                       const AttributeSet& provision) {
+  CheckResult check;
   for (size_t i = 0; i < kAttributes; ++i) {
     const Attribute a = attribute_at(i);
     if (requirement.has(a)) check.add(compare(a, requirement[a], provision));
   }
   return check;
+}
+
+/// The outcome of the same rows alone, which is less work for a compiler.
+constexpr Outcome outcome_normalised(const AttributeSet& requirement,
+                                     const AttributeSet& provision) {
+  Outcome worst = Outcome::fit;
+  for (size_t i = 0; i < kAttributes; ++i) {
+    const auto a = static_cast<Attribute>(i);
+    if (requirement.has(a)) worst = worse(worst, outcome_of(a, requirement[a], provision));
+  }
+  return worst;
 }
 
 }  // namespace detail
@@ -73,18 +85,42 @@ constexpr AttributeSet requirement_between(AttributeSet publisher, AttributeSet 
 
 /// Check 1: a requirement against one network layer (figure 5 of the paper). A Deadline is held
 /// against the provided Latency. In a requirement, MaxPayload is the size to be carried.
-constexpr Check check_layer(const AttributeSet& requirement, const AttributeSet& provision) {
+constexpr CheckResult check_layer(const AttributeSet& requirement, const AttributeSet& provision) {
   return detail::check_normalised(normalised_requirement(requirement),
                                   normalised_provision(provision));
+}
+
+/// The outcome of check 1 alone.
+constexpr Outcome layer_outcome(const AttributeSet& requirement, const AttributeSet& provision) {
+  return detail::outcome_normalised(normalised_requirement(requirement),
+                                    normalised_provision(provision));
+}
+
+namespace detail {
+
+/// What a gateway limits only where it says so.
+constexpr Attribute kMatterOfNetworks[] = {Attribute::period, Attribute::bandwidth,
+                                           Attribute::max_payload};
+
+}  // namespace detail
+
+/// Check 1 for one hop of a route, which may take several frames for an event. A gateway is asked
+/// for rate, period and size only if it limits them; the Deadline that a Period implies is asked of
+/// it all the same.
+constexpr CheckResult check_hop(const AttributeSet& requirement, const Hop& hop) {
+  AttributeSet asked = normalised_requirement(requirement);
+  for (const Attribute a : detail::kMatterOfNetworks)
+    if (hop.gateway && !hop.provision.has(a)) asked.clear(a);
+  return check_layer(asked, hop.frames == 1 ? hop.provision : compose(&hop, 1));
 }
 
 /// Check 2: a requirement against the composed provision of a route. No route, or one of more than
 /// kMaxComposedHops, is unfit even when nothing is required. With one hop this is check 1 for
 /// events of several frames.
-constexpr Check check_route(const AttributeSet& requirement, const Hop* hops, size_t count,
-                            Value source_jitter = 0) {
-  Check check = detail::check_normalised(normalised_requirement(requirement),
-                                         compose(hops, count, source_jitter));
+constexpr CheckResult check_route(const AttributeSet& requirement, const Hop* hops, size_t count,
+                                  Value source_jitter = 0) {
+  CheckResult check = detail::check_normalised(normalised_requirement(requirement),
+                                               compose(hops, count, source_jitter));
   if (count == 0 || count > kMaxComposedHops) check.outcome = Outcome::unfit;
   return check;
 }
@@ -132,9 +168,9 @@ constexpr AttributeSet offer_of(AttributeSet traffic) {
 ///  - MaxPayload: the other way round. The subscriber's is the most that it accepts (`required`),
 ///    the published size (`provided`) must not be larger.
 ///  - Jitter: that of the source alone; the rest of the route only adds to it.
-constexpr Check check_traffic(const AttributeSet& traffic, const AttributeSet& subscriber) {
+constexpr CheckResult check_traffic(const AttributeSet& traffic, const AttributeSet& subscriber) {
   const AttributeSet offer = detail::offer_of(traffic);
-  Check check;
+  CheckResult check;
   for (const Attribute a : detail::kTraffic) {
     if (!subscriber.has(a)) continue;
     Comparison row = compare(a, subscriber[a], offer);
@@ -147,8 +183,8 @@ constexpr Check check_traffic(const AttributeSet& traffic, const AttributeSet& s
 
 /// Check 4: a frame on a broadcast medium reaches everybody there, so the medium is open only if
 /// everybody is fulfilled. Nobody there requires nothing: fit.
-constexpr Check check_everybody(const AttributeSet* requirements, size_t n,
-                                const AttributeSet& provision) {
+constexpr CheckResult check_everybody(const AttributeSet* requirements, size_t n,
+                                      const AttributeSet& provision) {
   return check_layer(strictest_of(requirements, n), provision);
 }
 

@@ -13,15 +13,21 @@ struct Hop {
   AttributeSet provision;
   uint16_t medium = 0;  ///< hops with the same number share one medium's time
   uint16_t frames = 1;  ///< frames of one event on this hop; 0: not known, assume the worst
+  bool gateway =
+      false;  ///< forwards between media: no limit of rate, period or size but stated ones
+};
+
+/// One value of a hop, for compose_values().
+struct HopValue {
+  Value value = 0;
+  uint16_t medium = 0;
+  uint16_t frames = 1;
 };
 
 /// A required Period without a Deadline asks for Deadline = Period. Dynamic marks mean nothing in
 /// a requirement and are cleared.
 constexpr AttributeSet normalised_requirement(AttributeSet requirement) {
-  for (size_t i = 0; i < kAttributes; ++i) {
-    const Attribute a = attribute_at(i);
-    if (requirement.has(a)) requirement.set(a, requirement[a]);
-  }
+  requirement.clear_dynamic();
   if (requirement.has(Attribute::period) && !requirement.has(Attribute::deadline))
     requirement.set(Attribute::deadline, requirement[Attribute::period]);
   return requirement;
@@ -51,113 +57,143 @@ constexpr AttributeSet normalised_provision(AttributeSet provision) {
 
 namespace detail {
 
-/// The hops of a route, each of which states the attribute that is being composed.
-struct Hops {
-  const Hop* hop;
+/// The values of one attribute or dimension on each hop of a route.
+struct HopValues {
+  const HopValue* hop;
   size_t count;
-
-  constexpr Value value(size_t i, Attribute a) const {
-    return hop[i].provision[stated_by(hop[i].provision, a)];
-  }
 };
 
-constexpr Value sum(const Hops& hops, Attribute a) {
+constexpr Value sum(const HopValues& hops) {
   Value total = 0;
-  for (size_t i = 0; i < hops.count; ++i) total = add_saturating(total, hops.value(i, a));
+  for (size_t i = 0; i < hops.count; ++i) total = add_saturating(total, hops.hop[i].value);
   return total;
 }
 
-constexpr Value largest(const Hops& hops, Attribute a) {
+constexpr Value largest(const HopValues& hops) {
   Value most = 0;
-  for (size_t i = 0; i < hops.count; ++i) {
-    const Value v = hops.value(i, a);
-    most = v > most ? v : most;
-  }
+  for (size_t i = 0; i < hops.count; ++i)
+    most = hops.hop[i].value > most ? hops.hop[i].value : most;
   return most;
 }
 
-constexpr Value smallest(const Hops& hops, Attribute a) {
+constexpr Value smallest(const HopValues& hops) {
   Value least = kUnbounded;
-  for (size_t i = 0; i < hops.count; ++i) {
-    const Value v = hops.value(i, a);
-    least = v < least ? v : least;
-  }
+  for (size_t i = 0; i < hops.count; ++i)
+    least = hops.hop[i].value < least ? hops.hop[i].value : least;
   return least;
 }
 
-constexpr bool is_first_on_medium(const Hops& hops, size_t index) {
+constexpr bool is_first_on_medium(const HopValues& hops, size_t index) {
   for (size_t i = 0; i < index; ++i)
     if (hops.hop[i].medium == hops.hop[index].medium) return false;
   return true;
 }
 
 /// Every link of a medium takes its share of the medium's time: equation 1 of the paper.
-constexpr Value medium_rate(const Hops& hops, Attribute a, uint16_t medium) {
+constexpr Value medium_rate(const HopValues& hops, uint16_t medium) {
   ReciprocalSum sum;
   for (size_t i = 0; i < hops.count; ++i)
-    if (hops.hop[i].medium == medium) sum.add(hops.value(i, a));
+    if (hops.hop[i].medium == medium) sum.add(hops.hop[i].value);
   return sum.value();
 }
 
-constexpr Value shared_medium(const Hops& hops, Attribute a) {
+constexpr Value shared_medium(const HopValues& hops) {
   Value least = kUnbounded;
   for (size_t i = 0; i < hops.count; ++i) {
     if (!is_first_on_medium(hops, i)) continue;
-    const Value rate = medium_rate(hops, a, hops.hop[i].medium);
+    const Value rate = medium_rate(hops, hops.hop[i].medium);
     least = rate < least ? rate : least;
   }
   return least;
 }
 
-constexpr Value loss(const Hops& hops, Attribute a) {
+constexpr Value loss(const HopValues& hops) {
   Survival survival;
-  for (size_t i = 0; i < hops.count; ++i) survival.add(hops.value(i, a), hops.hop[i].frames);
+  for (size_t i = 0; i < hops.count; ++i) survival.add(hops.hop[i].value, hops.hop[i].frames);
   return survival.loss();
 }
 
 /// A run of `a` lost events on one hop can meet a run of `b` on the next after each event that
 /// got through: (a + 1)(b + 1) - 1. A bound on lost frames bounds no events of several frames.
-constexpr Value consecutive(const Hops& hops, Attribute a) {
+constexpr Value consecutive(const HopValues& hops) {
   Value run = 0;
   for (size_t i = 0; i < hops.count; ++i) {
-    const Value degree = hops.value(i, a);
+    const Value degree = hops.hop[i].value;
     if (degree != 0 && hops.hop[i].frames != 1) return kUnbounded;
     run = add_saturating(add_saturating(mul_saturating(run, degree), run), degree);
   }
   return run;
 }
 
-constexpr Value composed_value(const Hops& hops, Attribute a) {
-  switch (info(a).composition) {
+}  // namespace detail
+
+/// The value of a route from those of its hops, also for what users define themselves. Composition
+/// survival takes shares of 1e-9; not_provided gives 0. At most kMaxComposedHops hops.
+constexpr Value compose_values(Composition composition, const HopValue* values, size_t count) {
+  const detail::HopValues hops = {values, count};
+  switch (composition) {
     case Composition::sum:
-      return sum(hops, a);
+      return detail::sum(hops);
     case Composition::slowest:
-      return largest(hops, a);
+      return detail::largest(hops);
     case Composition::shared_medium:
-      return shared_medium(hops, a);
+      return detail::shared_medium(hops);
     case Composition::survival:
-      return loss(hops, a);
+      return detail::loss(hops);
     case Composition::consecutive:
-      return consecutive(hops, a);
+      return detail::consecutive(hops);
     case Composition::smallest:
-      return smallest(hops, a);
+      return detail::smallest(hops);
     case Composition::not_provided:
       break;
   }
   return 0;
 }
 
-/// Sets one attribute of a route, unless a hop does not state it.
-constexpr void compose_attribute(const Hops& hops, Attribute a, Value source_jitter,
-                                 AttributeSet& result) {
+namespace detail {
+
+struct Stated {
+  bool known = false;
   bool dynamic = false;
-  for (size_t i = 0; i < hops.count; ++i) {
-    const AttributeSet& provision = hops.hop[i].provision;
-    const Attribute stated = stated_by(provision, a);
-    if (!provision.has(stated)) return;
-    dynamic = dynamic || provision.is_dynamic(stated);
+  Value value = 0;
+};
+
+/// What a gateway gives where it states nothing. It is no medium: it limits rate, period or size
+/// only where it says so, and nothing bounds its delay unless it states a Latency or a Period.
+constexpr Stated unstated_by_gateway(Attribute a) {
+  switch (a) {
+    case Attribute::bandwidth:
+    case Attribute::max_payload:
+    case Attribute::latency:
+      return {true, false, kUnbounded};
+    case Attribute::period:
+      return {true, false, 0};
+    default:
+      return {};
   }
-  Value value = composed_value(hops, a);
+}
+
+constexpr Stated stated_on(const Hop& hop, Attribute a) {
+  const Attribute source = stated_by(hop.provision, a);
+  if (hop.provision.has(source))
+    return {true, hop.provision.is_dynamic(source), hop.provision[source]};
+  return hop.gateway ? unstated_by_gateway(a) : Stated{};
+}
+
+/// Sets one attribute of a route, unless a hop does not state it.
+constexpr void compose_attribute(const Hop* hops, size_t count, Attribute a, Value source_jitter,
+                                 AttributeSet& result) {
+  HopValue values[kMaxComposedHops];
+  bool dynamic = false;
+  for (size_t i = 0; i < count; ++i) {
+    const Stated stated = stated_on(hops[i], a);
+    if (!stated.known) return;
+    dynamic = dynamic || stated.dynamic;
+    values[i].value = stated.value;
+    values[i].medium = hops[i].medium;
+    values[i].frames = hops[i].frames;
+  }
+  Value value = compose_values(info(a).composition, values, count);
   if (a == Attribute::jitter) value = add_saturating(value, source_jitter);
   result.set(a, value, dynamic);
 }
@@ -174,7 +210,7 @@ constexpr AttributeSet compose(const Hop* hops, size_t count, Value source_jitte
   for (size_t i = 0; i < kAttributes; ++i) {
     const Attribute a = attribute_at(i);
     if (info(a).composition != Composition::not_provided)
-      detail::compose_attribute(detail::Hops{hops, count}, a, source_jitter, result);
+      detail::compose_attribute(hops, count, a, source_jitter, result);
   }
   return result;
 }

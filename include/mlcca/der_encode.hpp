@@ -3,6 +3,7 @@
 // the right size, at run time into a buffer of the caller. C++14, freestanding.
 #pragma once
 #include "mlcca/der_format.hpp"
+#include "mlcca/values_of.hpp"
 
 namespace mlcca {
 namespace der {
@@ -192,10 +193,11 @@ struct Blob {
   constexpr const uint8_t* data() const { return octets; }
 };
 
-/// The channel of a specification: Attributes is an AttributeList or any type with a set().
+/// The channel of a specification: Attributes is an AttributeList or any type with a set(). With
+/// attributes of the user's own: a type like this one, whose channel() names them.
 template <Role R, Subject S, class Attributes>
 struct Spec {
-  static constexpr Channel channel() { return Channel(R, S, Attributes::set()); }
+  static constexpr Channel channel() { return Channel(R, S, values_of<Attributes>()); }
 };
 template <Subject S, class Attributes>
 using PublisherSpec = Spec<Role::publisher, S, Attributes>;

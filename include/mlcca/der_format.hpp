@@ -135,8 +135,8 @@ constexpr size_t kHead = 3 + 3 + 2 + kSubjectSize;  // version, role, subject
 /// Largest encoding without user attributes.
 constexpr size_t kMaxPlainSize = 2 + detail::kHead + detail::kMaxAttributes;
 /// Largest encoding.
-constexpr size_t kMaxSize = 4 + detail::kHead + detail::kMaxAttributes + 4 +
-                            kMaxUserAttributes * detail::kMaxUserAttribute;
+constexpr size_t kMaxSize =
+    4 + detail::kHead + detail::kMaxAttributes + 4 + kMaxUserAttributes * detail::kMaxUserAttribute;
 static_assert(kMaxPlainSize == 112 && kMaxSize == 1414, "part of the documentation");
 
 namespace detail {

@@ -52,8 +52,8 @@ class Wide {
   friend constexpr Value quotient(Wide n, const Wide& d) {
     Value result = 0;
     while (!(n < d)) {
-      const size_t n_shift = sub_floor(n.bits(), 64);
-      const size_t d_shift = sub_floor(d.bits(), 32);
+      const auto n_shift = static_cast<size_t>(sub_floor(n.bits(), 64));
+      const auto d_shift = static_cast<size_t>(sub_floor(d.bits(), 32));
       const Value ratio = n.from_bit(n_shift) / (d.from_bit(d_shift) + (d_shift != 0 ? 1 : 0));
       Value part = n_shift >= d_shift ? ratio << (n_shift - d_shift) : ratio >> (d_shift - n_shift);
       if (part == 0) part = 1;

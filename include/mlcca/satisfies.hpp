@@ -56,19 +56,26 @@ constexpr Outcome outcome_of(bool satisfied, bool dynamic) {
 
 }  // namespace detail
 
-/// What is not provided does not fulfil anything. The provision is taken as it is: see
-/// normalised_provision() for what follows from a stated Period.
+/// One required value against a provision, which is taken as it is: see normalised_provision() for
+/// what follows from a stated Period. What is not provided does not fulfil anything.
+constexpr Outcome outcome_of(Attribute attribute, Value required, const AttributeSet& provision) {
+  const Attribute source = held_against(attribute);
+  if (!provision.has(source)) return Outcome::unfit;
+  const Better better = kAttributeTable[static_cast<size_t>(attribute)].better;
+  return detail::outcome_of(satisfies(better, provision[source], required),
+                            provision.is_dynamic(source));
+}
+
+/// The same with the values, to be shown.
 constexpr Comparison compare(Attribute attribute, Value required, const AttributeSet& provision) {
   const Attribute source = held_against(attribute);
   Comparison row;
   row.attribute = attribute;
-  row.required = required;
+  row.outcome = outcome_of(attribute, required, provision);
   row.known = provision.has(source);
-  if (!row.known) return row;
-  row.dynamic = provision.is_dynamic(source);
-  row.provided = provision[source];
-  row.outcome =
-      detail::outcome_of(satisfies(info(attribute).better, row.provided, required), row.dynamic);
+  row.dynamic = row.known && provision.is_dynamic(source);
+  row.required = required;
+  row.provided = row.known ? provision[source] : 0;
   return row;
 }
 

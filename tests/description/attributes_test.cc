@@ -10,10 +10,10 @@
 namespace mlcca::description {
 namespace {
 
-constexpr Dimension kSeconds{.seconds = 1, .bytes = 0, .magnitude = 0};
-constexpr Dimension kNanoseconds{.seconds = 1, .bytes = 0, .magnitude = -9};
-constexpr Dimension kRate{.seconds = -1, .bytes = 1, .magnitude = 0};
-constexpr Dimension kBytes{.seconds = 0, .bytes = 1, .magnitude = 0};
+constexpr Dimension kSeconds{.unit = {1, 0}, .magnitude = 0};
+constexpr Dimension kNanoseconds{.unit = {1, 0}, .magnitude = -9};
+constexpr Dimension kRate{.unit = {-1, 1}, .magnitude = 0};
+constexpr Dimension kBytes{.unit = {0, 1}, .magnitude = 0};
 constexpr Dimension kPlain{};
 
 struct Row {
@@ -100,7 +100,9 @@ TEST(ToValue, AcceptsEachAttributeInOneDimensionOnly) {
     int accepted = 0;
     for (const int seconds : {-2, -1, 0, 1, 2})
       for (const int bytes : {-1, 0, 1, 2}) {
-        const Dimension d{.seconds = seconds, .bytes = bytes, .magnitude = 0};
+        const Dimension d{
+            .unit = {static_cast<std::int8_t>(seconds), static_cast<std::int8_t>(bytes)},
+            .magnitude = 0};
         if (to_value(attribute_at(i), "1", d, Side::requirement)) ++accepted;
       }
     EXPECT_EQ(accepted, 1) << info(attribute_at(i)).name;

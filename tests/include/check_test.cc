@@ -7,21 +7,21 @@
 #include <array>
 #include <vector>
 
-#include "mlcca/units.hpp"
+#include "mlcca/attribute_list.hpp"
 
 namespace mlcca {
 namespace {
 
-const AttributeSet kSwitch = make_set(Period{50_ms}, Omission{2_events});
+const AttributeSet kSwitch = make_set<Period<50_ms>, Omission<2>>();
 
 TEST(CheckLayerTest, EmergencySwitchPassesItsOwnBus) {
-  const Check check = check_layer(kSwitch, make_set(Period{10_ms}, Omission{2_events}));
+  const CheckResult check = check_layer(kSwitch, make_set<Period<10_ms>, Omission<2>>());
   EXPECT_EQ(check.outcome, Outcome::fit);
   EXPECT_EQ(check.count, 3);
 }
 
 TEST(CheckLayerTest, EmergencySwitchIsRefusedBehindTheBridgeWithItsMargin) {
-  const Check check = check_layer(kSwitch, make_set(Period{10_ms}, Omission{5_events}));
+  const CheckResult check = check_layer(kSwitch, make_set<Period<10_ms>, Omission<5>>());
   EXPECT_EQ(check.outcome, Outcome::unfit);
   const Comparison& row = check.rows[2];
   EXPECT_EQ(row.attribute, Attribute::omission);
@@ -32,35 +32,35 @@ TEST(CheckLayerTest, EmergencySwitchIsRefusedBehindTheBridgeWithItsMargin) {
 }
 
 TEST(CheckLayerTest, ImpliedDeadlineIsHeldAgainstTheLatency) {
-  const AttributeSet required = make_set(Period{50_ms});
-  EXPECT_EQ(check_layer(required, make_set(Period{50_ms})).outcome, Outcome::fit);
-  EXPECT_EQ(check_layer(required, make_set(Period{50_ms}, Latency{50_ms})).outcome, Outcome::fit);
-  const Check late = check_layer(required, make_set(Period{10_ms}, Latency{51_ms}));
+  const AttributeSet required = make_set<Period<50_ms>>();
+  EXPECT_EQ(check_layer(required, make_set<Period<50_ms>>()).outcome, Outcome::fit);
+  EXPECT_EQ(check_layer(required, make_set<Period<50_ms>, Latency<50_ms>>()).outcome, Outcome::fit);
+  const CheckResult late = check_layer(required, make_set<Period<10_ms>, Latency<51_ms>>());
   EXPECT_EQ(late.outcome, Outcome::unfit);
   EXPECT_EQ(late.rows[0].attribute, Attribute::deadline);
-  EXPECT_EQ(late.rows[0].provided, (51_ms).count);
-  EXPECT_EQ(late.rows[0].margin(), (1_ms).count);
+  EXPECT_EQ(late.rows[0].provided, count(51_ms));
+  EXPECT_EQ(late.rows[0].margin(), count(1_ms));
 }
 
 TEST(CheckLayerTest, MaxPayloadIsTheSizeToBeCarried) {
-  const AttributeSet required = make_set(MaxPayload{9_bytes});
-  EXPECT_EQ(check_layer(required, make_set(MaxPayload{9_bytes})).outcome, Outcome::fit);
-  EXPECT_EQ(check_layer(required, make_set(MaxPayload{8_bytes})).outcome, Outcome::unfit);
+  const AttributeSet required = make_set<MaxPayload<9_bytes>>();
+  EXPECT_EQ(check_layer(required, make_set<MaxPayload<9_bytes>>()).outcome, Outcome::fit);
+  EXPECT_EQ(check_layer(required, make_set<MaxPayload<8_bytes>>()).outcome, Outcome::unfit);
 }
 
 TEST(CheckLayerTest, DynamicProvisionIsDecidedAtRunTimeUnlessItRefutes) {
-  AttributeSet mesh = make_set(Latency{1_ms});
-  assign(mesh, Bandwidth{24_Mbit_per_s}, true);
-  EXPECT_EQ(check_layer(make_set(Bandwidth{24_Mbit_per_s}, Latency{1_ms}), mesh).outcome,
+  AttributeSet mesh = make_set<Latency<1_ms>>();
+  mesh.set(Attribute::bandwidth, count(24_Mbit_per_s), true);
+  EXPECT_EQ(check_layer(make_set<Bandwidth<24_Mbit_per_s>, Latency<1_ms>>(), mesh).outcome,
             Outcome::run_time);
-  EXPECT_EQ(check_layer(make_set(Bandwidth{25_Mbit_per_s}), mesh).outcome, Outcome::unfit);
-  EXPECT_EQ(check_layer(make_set(Latency{1_ms}), mesh).outcome, Outcome::fit);
+  EXPECT_EQ(check_layer(make_set<Bandwidth<25_Mbit_per_s>>(), mesh).outcome, Outcome::unfit);
+  EXPECT_EQ(check_layer(make_set<Latency<1_ms>>(), mesh).outcome, Outcome::fit);
 }
 
 TEST(CheckLayerTest, DynamicMarksInARequirementMeanNothing) {
   const AttributeSet marked = AttributeSet().set(Attribute::omission, 2, true);
-  EXPECT_EQ(check_layer(marked, make_set(Omission{2_events})).outcome, Outcome::fit);
-  EXPECT_EQ(check_layer(marked, make_set(Omission{3_events})).outcome, Outcome::unfit);
+  EXPECT_EQ(check_layer(marked, make_set<Omission<2>>()).outcome, Outcome::fit);
+  EXPECT_EQ(check_layer(marked, make_set<Omission<3>>()).outcome, Outcome::unfit);
 }
 
 TEST(CheckLayerTest, NothingRequiredIsFulfilledByAnything) {
@@ -69,25 +69,25 @@ TEST(CheckLayerTest, NothingRequiredIsFulfilledByAnything) {
 }
 
 TEST(CheckRouteTest, EachHopFitsButTheRouteDoesNot) {
-  const AttributeSet hop = make_set(Period{10_ms}, Latency{20_ms}, Omission{1_events});
+  const AttributeSet hop = make_set<Period<10_ms>, Latency<20_ms>, Omission<1>>();
   const std::array<Hop, 3> hops = {{{hop, 1, 1}, {hop, 2, 1}, {hop, 3, 1}}};
   EXPECT_EQ(check_layer(kSwitch, hop).outcome, Outcome::fit);
   EXPECT_EQ(check_route(kSwitch, hops.data(), 1).outcome, Outcome::fit);
-  const Check check = check_route(kSwitch, hops.data(), 3);
+  const CheckResult check = check_route(kSwitch, hops.data(), 3);
   EXPECT_EQ(check.outcome, Outcome::unfit);
-  EXPECT_EQ(check.rows[0].provided, (60_ms).count);
+  EXPECT_EQ(check.rows[0].provided, count(60_ms));
   EXPECT_EQ(check.rows[2].provided, 7U);
 }
 
 TEST(CheckRouteTest, SourceJitterCountsAgainstTheRequirement) {
-  const Hop hop = {make_set(Jitter{3_ms}), 1, 1};
-  const AttributeSet required = make_set(Jitter{5_ms});
-  EXPECT_EQ(check_route(required, &hop, 1, (2_ms).count).outcome, Outcome::fit);
-  EXPECT_EQ(check_route(required, &hop, 1, (2_ms).count + 1).outcome, Outcome::unfit);
+  const Hop hop = {make_set<Jitter<3_ms>>(), 1, 1};
+  const AttributeSet required = make_set<Jitter<5_ms>>();
+  EXPECT_EQ(check_route(required, &hop, 1, count(2_ms)).outcome, Outcome::fit);
+  EXPECT_EQ(check_route(required, &hop, 1, count(2_ms) + 1).outcome, Outcome::unfit);
 }
 
 TEST(CheckRouteTest, NoRouteOrOneTooLongIsUnfitEvenWhenNothingIsRequired) {
-  const std::vector<Hop> hops(kMaxComposedHops + 1, Hop{make_set(Latency{1_ns}), 1, 1});
+  const std::vector<Hop> hops(kMaxComposedHops + 1, Hop{make_set<Latency<1_ns>>(), 1, 1});
   EXPECT_EQ(check_route(AttributeSet(), hops.data(), 0).outcome, Outcome::unfit);
   EXPECT_EQ(check_route(AttributeSet(), hops.data(), kMaxComposedHops + 1).outcome, Outcome::unfit);
   EXPECT_EQ(check_route(AttributeSet(), hops.data(), kMaxComposedHops).outcome, Outcome::fit);
@@ -107,74 +107,105 @@ TEST_P(CheckTrafficTest, HoldsTheOfferAgainstTheSubscriber) {
 }
 
 // 8 bytes in 3 ns are 2666666666.67 bytes/s.
-const AttributeSet kEightInThree = make_set(Period{3_ns}, MaxPayload{8_bytes});
+const AttributeSet kEightInThree = make_set<Period<3_ns>, MaxPayload<8_bytes>>();
 
 INSTANTIATE_TEST_SUITE_P(
     Table, CheckTrafficTest,
     ::testing::Values(
-        TrafficCase{"PeriodAsAsked", kSwitch, make_set(Period{50_ms}), Outcome::fit},
-        TrafficCase{"PeriodTooLong", make_set(Period{51_ms}), kSwitch, Outcome::unfit},
-        TrafficCase{"PeriodNotStated", make_set(MaxPayload{1_bytes}), kSwitch, Outcome::unfit},
-        TrafficCase{"PayloadAccepted", make_set(MaxPayload{8_bytes}), make_set(MaxPayload{8_bytes}),
+        TrafficCase{"PeriodAsAsked", kSwitch, make_set<Period<50_ms>>(), Outcome::fit},
+        TrafficCase{"PeriodTooLong", make_set<Period<51_ms>>(), kSwitch, Outcome::unfit},
+        TrafficCase{"PeriodNotStated", make_set<MaxPayload<1_bytes>>(), kSwitch, Outcome::unfit},
+        TrafficCase{"PayloadAccepted", make_set<MaxPayload<8_bytes>>(),
+                    make_set<MaxPayload<8_bytes>>(), Outcome::fit},
+        TrafficCase{"PayloadTooLarge", make_set<MaxPayload<9_bytes>>(),
+                    make_set<MaxPayload<8_bytes>>(), Outcome::unfit},
+        TrafficCase{"PayloadNotStated", kSwitch, make_set<MaxPayload<8_bytes>>(), Outcome::unfit},
+        TrafficCase{"JitterAsAsked", make_set<Jitter<1_ms>>(), make_set<Jitter<1_ms>>(),
                     Outcome::fit},
-        TrafficCase{"PayloadTooLarge", make_set(MaxPayload{9_bytes}), make_set(MaxPayload{8_bytes}),
+        TrafficCase{"JitterTooLarge", make_set<Jitter<2_ms>>(), make_set<Jitter<1_ms>>(),
                     Outcome::unfit},
-        TrafficCase{"PayloadNotStated", kSwitch, make_set(MaxPayload{8_bytes}), Outcome::unfit},
-        TrafficCase{"JitterAsAsked", make_set(Jitter{1_ms}), make_set(Jitter{1_ms}), Outcome::fit},
-        TrafficCase{"JitterTooLarge", make_set(Jitter{2_ms}), make_set(Jitter{1_ms}),
-                    Outcome::unfit},
-        TrafficCase{"JitterNotStatedIsUnknown", kSwitch, make_set(Jitter{1_ms}), Outcome::unfit},
-        TrafficCase{"RateStated", make_set(Bandwidth{100_kB_per_s}),
-                    make_set(Bandwidth{100_kB_per_s}), Outcome::fit},
-        TrafficCase{"RateTooLow", make_set(Bandwidth{99_kB_per_s}),
-                    make_set(Bandwidth{100_kB_per_s}), Outcome::unfit},
+        TrafficCase{"JitterNotStatedIsUnknown", kSwitch, make_set<Jitter<1_ms>>(), Outcome::unfit},
+        TrafficCase{"RateStated", make_set<Bandwidth<100_kB_per_s>>(),
+                    make_set<Bandwidth<100_kB_per_s>>(), Outcome::fit},
+        TrafficCase{"RateTooLow", make_set<Bandwidth<99_kB_per_s>>(),
+                    make_set<Bandwidth<100_kB_per_s>>(), Outcome::unfit},
         TrafficCase{"RateOfPayloadAndPeriod", kEightInThree,
-                    make_set(Bandwidth{2666666666_bytes_per_s}), Outcome::fit},
-        TrafficCase{"RateIsRoundedDown", kEightInThree, make_set(Bandwidth{2666666667_bytes_per_s}),
-                    Outcome::unfit},
-        TrafficCase{"RateUnknown", make_set(MaxPayload{8_bytes}),
-                    make_set(Bandwidth{1_bytes_per_s}), Outcome::unfit},
-        TrafficCase{"PeriodOfZeroSaysNothingOfTheRate", make_set(Period{0_ns}, MaxPayload{8_bytes}),
-                    make_set(Bandwidth{1_bytes_per_s}), Outcome::unfit},
+                    make_set<Bandwidth<2666666666_bytes_per_s>>(), Outcome::fit},
+        TrafficCase{"RateIsRoundedDown", kEightInThree,
+                    make_set<Bandwidth<2666666667_bytes_per_s>>(), Outcome::unfit},
+        TrafficCase{"RateUnknown", make_set<MaxPayload<8_bytes>>(),
+                    make_set<Bandwidth<1_bytes_per_s>>(), Outcome::unfit},
+        TrafficCase{"PeriodOfZeroSaysNothingOfTheRate",
+                    make_set<Period<0_ns>, MaxPayload<8_bytes>>(),
+                    make_set<Bandwidth<1_bytes_per_s>>(), Outcome::unfit},
         TrafficCase{"BestCaseOfAnOffer", AttributeSet().set(Attribute::period, 1, true), kSwitch,
                     Outcome::run_time},
         TrafficCase{"BestCaseOfAPayload", AttributeSet().set(Attribute::max_payload, 8, true),
-                    make_set(MaxPayload{8_bytes}), Outcome::run_time},
+                    make_set<MaxPayload<8_bytes>>(), Outcome::run_time},
         TrafficCase{"WhatTheNetworkOwesIsNotAskedOfThePublisher", AttributeSet(),
-                    make_set(Latency{1_ns}, Deadline{1_ns}, PacketLoss{0_ppb}, Omission{0_events}),
+                    make_set<Latency<1_ns>, Deadline<1_ns>, PacketLoss<0_ppb>, Omission<0>>(),
                     Outcome::fit}),
     [](const auto& row) { return row.param.name; });
 
+TEST(CheckHopTest, AGatewayIsAskedForRatePeriodAndSizeOnlyIfItLimitsThem) {
+  const AttributeSet required =
+      make_set<Period<50_ms>, Bandwidth<1_kB_per_s>, MaxPayload<8_bytes>, Omission<2>>();
+  Hop gateway = {make_set<Latency<1_ms>, Omission<0>>(), 0, 1, true};
+  EXPECT_EQ(check_hop(required, gateway).outcome, Outcome::fit);
+  gateway.provision.set(Attribute::max_payload, 7);
+  EXPECT_EQ(check_hop(required, gateway).outcome, Outcome::unfit);
+  gateway.gateway = false;
+  gateway.provision.set(Attribute::max_payload, 8);
+  EXPECT_EQ(check_hop(required, gateway).outcome, Outcome::unfit);
+}
+
+TEST(CheckHopTest, AGatewayThatDelaysTooLongIsUnfitWhateverItLimits) {
+  const Hop slow = {make_set<Latency<51_ms>, Omission<0>>(), 0, 1, true};
+  const CheckResult check = check_hop(kSwitch, slow);
+  ASSERT_EQ(check.count, 2);
+  EXPECT_EQ(check.rows[0].attribute, Attribute::deadline);
+  EXPECT_EQ(check.rows[0].outcome, Outcome::unfit);
+  const Hop silent = {make_set<Omission<0>>(), 0, 1, true};
+  EXPECT_EQ(check_hop(kSwitch, silent).outcome, Outcome::unfit);
+}
+
+TEST(CheckHopTest, AHopOfSeveralFramesLosesMoreThanItsFrames) {
+  const AttributeSet required = make_set<PacketLoss<10_percent>>();
+  EXPECT_EQ(check_hop(required, {make_set<PacketLoss<10_percent>>(), 0, 1}).outcome, Outcome::fit);
+  EXPECT_EQ(check_hop(required, {make_set<PacketLoss<10_percent>>(), 0, 2}).outcome,
+            Outcome::unfit);
+}
+
 TEST(StrictestTest, TakesTheHarderValueOfEachAttribute) {
-  const AttributeSet a = make_set(Latency{5_ms}, Bandwidth{1_kB_per_s}, Omission{1_events});
-  const AttributeSet b = make_set(Latency{4_ms}, Bandwidth{2_kB_per_s}, MaxPayload{8_bytes});
+  const AttributeSet a = make_set<Latency<5_ms>, Bandwidth<1_kB_per_s>, Omission<1>>();
+  const AttributeSet b = make_set<Latency<4_ms>, Bandwidth<2_kB_per_s>, MaxPayload<8_bytes>>();
   const AttributeSet both =
-      make_set(Latency{4_ms}, Bandwidth{2_kB_per_s}, Omission{1_events}, MaxPayload{8_bytes});
+      make_set<Latency<4_ms>, Bandwidth<2_kB_per_s>, Omission<1>, MaxPayload<8_bytes>>();
   EXPECT_EQ(strictest(a, b), both);
   EXPECT_EQ(strictest(b, a), both);
 }
 
 TEST(StrictestTest, LenientDeadlineDoesNotReplaceTheOneThatAPeriodImplies) {
-  const AttributeSet logger = make_set(Deadline{1_s});
-  EXPECT_EQ(strictest(kSwitch, logger)[Attribute::deadline], (50_ms).count);
-  EXPECT_EQ(strictest(logger, kSwitch)[Attribute::deadline], (50_ms).count);
+  const AttributeSet logger = make_set<Deadline<1_s>>();
+  EXPECT_EQ(strictest(kSwitch, logger)[Attribute::deadline], count(50_ms));
+  EXPECT_EQ(strictest(logger, kSwitch)[Attribute::deadline], count(50_ms));
 }
 
 TEST(StrictestTest, RequirementBetweenLeavesTheSourceOutOfWhatIsAsked) {
   const AttributeSet publisher =
-      make_set(Jitter{1_ms}, MaxPayload{8_bytes}, Period{10_ms}, Omission{3_events});
+      make_set<Jitter<1_ms>, MaxPayload<8_bytes>, Period<10_ms>, Omission<3>>();
   const AttributeSet subscriber =
-      make_set(Jitter{5_ms}, MaxPayload{64_bytes}, Latency{20_ms}, Omission{4_events});
+      make_set<Jitter<5_ms>, MaxPayload<64_bytes>, Latency<20_ms>, Omission<4>>();
   EXPECT_EQ(requirement_between(publisher, subscriber),
-            make_set(Jitter{5_ms}, MaxPayload{8_bytes}, Period{10_ms}, Deadline{10_ms},
-                     Omission{3_events}, Latency{20_ms}));
+            (make_set<Jitter<5_ms>, MaxPayload<8_bytes>, Period<10_ms>, Deadline<10_ms>,
+                      Omission<3>, Latency<20_ms>>()));
   EXPECT_EQ(requirement_between(kSwitch, subscriber)[Attribute::max_payload], 64U);
   EXPECT_FALSE(requirement_between(publisher, AttributeSet()).has(Attribute::jitter));
 }
 
 TEST(CheckEverybodyTest, LenientLoggerDoesNotOpenTheWayThatTheMotorIsRefused) {
   const AttributeSet logger;
-  const AttributeSet bridge = make_set(Period{10_ms}, Omission{5_events});
+  const AttributeSet bridge = make_set<Period<10_ms>, Omission<5>>();
   const std::array<AttributeSet, 3> listeners = {logger, kSwitch, logger};
   EXPECT_EQ(check_everybody(listeners.data(), 1, bridge).outcome, Outcome::fit);
   EXPECT_EQ(check_everybody(listeners.data(), 2, bridge).outcome, Outcome::unfit);
@@ -183,7 +214,7 @@ TEST(CheckEverybodyTest, LenientLoggerDoesNotOpenTheWayThatTheMotorIsRefused) {
 }
 
 TEST(CheckCapacityTest, LastByteFitsAndOneMoreDoesNot) {
-  const AttributeSet provision = make_set(Bandwidth{1000_bytes_per_s});
+  const AttributeSet provision = make_set<Bandwidth<1000_bytes_per_s>>();
   EXPECT_EQ(check_capacity(provision, 600, 400).outcome, Outcome::fit);
   EXPECT_EQ(check_capacity(provision, 600, 400).margin(), 0U);
   EXPECT_EQ(check_capacity(provision, 600, 401).outcome, Outcome::unfit);
@@ -207,7 +238,7 @@ TEST(CheckCapacityTest, BestCaseCanOnlyRefute) {
 }
 
 TEST(CheckCapacityTest, NetworkWithoutBandwidthHasNoLedger) {
-  const CapacityCheck check = check_capacity(make_set(Latency{1_ms}), 5, 7);
+  const CapacityCheck check = check_capacity(make_set<Latency<1_ms>>(), 5, 7);
   EXPECT_FALSE(check.known);
   EXPECT_EQ(check.outcome, Outcome::fit);
   EXPECT_EQ(check.margin(), 0U);
@@ -215,38 +246,38 @@ TEST(CheckCapacityTest, NetworkWithoutBandwidthHasNoLedger) {
 
 TEST(DemandTest, IsTheLargerOfBandwidthAndPayloadPerPeriodRoundedUp) {
   Value demand = 4711;
-  EXPECT_FALSE(demand_of(make_set(Period{1_ms}), &demand));
-  EXPECT_FALSE(demand_of(make_set(MaxPayload{8_bytes}), &demand));
+  EXPECT_FALSE(demand_of(make_set<Period<1_ms>>(), &demand));
+  EXPECT_FALSE(demand_of(make_set<MaxPayload<8_bytes>>(), &demand));
   EXPECT_EQ(demand, 4711U);
-  EXPECT_TRUE(demand_of(make_set(Bandwidth{7_bytes_per_s}), &demand));
+  EXPECT_TRUE(demand_of(make_set<Bandwidth<7_bytes_per_s>>(), &demand));
   EXPECT_EQ(demand, 7U);
   EXPECT_TRUE(demand_of(kEightInThree, &demand));
   EXPECT_EQ(demand, 2666666667U);
   AttributeSet both = kEightInThree;
-  EXPECT_TRUE(demand_of(assign(both, Bandwidth{2666666668_bytes_per_s}), &demand));
+  EXPECT_TRUE(demand_of(both.set(Attribute::bandwidth, count(2666666668_bytes_per_s)), &demand));
   EXPECT_EQ(demand, 2666666668U);
-  EXPECT_TRUE(demand_of(assign(both, Bandwidth{2666666666_bytes_per_s}), &demand));
+  EXPECT_TRUE(demand_of(both.set(Attribute::bandwidth, count(2666666666_bytes_per_s)), &demand));
   EXPECT_EQ(demand, 2666666667U);
 }
 
 TEST(DemandTest, HasNoBoundWithoutAPeriodOrBeyondTheRange) {
   Value demand = 0;
-  EXPECT_TRUE(demand_of(make_set(MaxPayload{8_bytes}, Period{0_ns}), &demand));
+  EXPECT_TRUE(demand_of(make_set<MaxPayload<8_bytes>, Period<0_ns>>(), &demand));
   EXPECT_EQ(demand, kUnbounded);
-  EXPECT_TRUE(demand_of(make_set(MaxPayload{Bytes(kUnbounded)}, Period{1_ms}), &demand));
+  EXPECT_TRUE(demand_of(make_set<MaxPayload<Bytes(kUnbounded)>, Period<1_ms>>(), &demand));
   EXPECT_EQ(demand, kUnbounded);
 }
 
 TEST(ReactionTest, IsTheWholeSum) {
-  AttributeSet route = make_set(Period{50_ms}, Omission{2_events}, Latency{4_ms}, Jitter{1_ms});
-  EXPECT_EQ(worst_case_reaction(route), (155_ms).count);
-  EXPECT_EQ(worst_case_reaction(assign(route, Omission{0_events})), (55_ms).count);
+  AttributeSet route = make_set<Period<50_ms>, Omission<2>, Latency<4_ms>, Jitter<1_ms>>();
+  EXPECT_EQ(worst_case_reaction(route), count(155_ms));
+  EXPECT_EQ(worst_case_reaction(route.set(Attribute::omission, 0)), count(55_ms));
 }
 
 TEST(ReactionTest, TakesTheSafeSideForWhatIsNotStated) {
-  const AttributeSet route = make_set(Period{50_ms}, Omission{2_events}, Latency{4_ms});
-  EXPECT_EQ(worst_case_reaction(route), (158_ms).count);
-  EXPECT_EQ(worst_case_reaction(normalised_requirement(kSwitch)), (250_ms).count);
+  const AttributeSet route = make_set<Period<50_ms>, Omission<2>, Latency<4_ms>>();
+  EXPECT_EQ(worst_case_reaction(route), count(158_ms));
+  EXPECT_EQ(worst_case_reaction(normalised_requirement(kSwitch)), count(250_ms));
   EXPECT_EQ(worst_case_reaction(kSwitch), kUnbounded);
   EXPECT_EQ(worst_case_reaction(AttributeSet(route).clear(Attribute::omission)), kUnbounded);
   EXPECT_EQ(worst_case_reaction(AttributeSet(route).clear(Attribute::period)), kUnbounded);
@@ -254,13 +285,13 @@ TEST(ReactionTest, TakesTheSafeSideForWhatIsNotStated) {
 
 TEST(ReactionTest, Saturates) {
   EXPECT_EQ(worst_case_reaction(
-                make_set(Period{1_ns}, Omission{Events(kUnbounded)}, Latency{0_ns}, Jitter{0_ns})),
+                make_set<Period<1_ns>, Omission<kUnbounded>, Latency<0_ns>, Jitter<0_ns>>()),
             kUnbounded);
-  EXPECT_EQ(worst_case_reaction(make_set(Period{1_ns}, Omission{Events(kUnbounded - 2)},
-                                         Latency{0_ns}, Jitter{0_ns})),
+  EXPECT_EQ(worst_case_reaction(
+                make_set<Period<1_ns>, Omission<kUnbounded - 2>, Latency<0_ns>, Jitter<0_ns>>()),
             kUnbounded - 1);
-  EXPECT_EQ(worst_case_reaction(make_set(Period{1_ns}, Omission{0_events},
-                                         Latency{Nanoseconds(kUnbounded - 1)}, Jitter{9_ns})),
+  EXPECT_EQ(worst_case_reaction(make_set<Period<1_ns>, Omission<0>,
+                                         Latency<Nanoseconds(kUnbounded - 1)>, Jitter<9_ns>>()),
             kUnbounded);
 }
 

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "mlcca/units.hpp"
+#include "mlcca/attribute_list.hpp"
 #include "natural.hpp"
 #include "random_world.hpp"
 
@@ -43,12 +43,12 @@ TEST(ComposeTest, DelaysAddUpAndSaturate) {
 }
 
 TEST(ComposeTest, SourceJitterIsAddedToJitterOnly) {
-  const std::vector<Hop> hops = {{make_set(Latency{10_ns}, Jitter{3_ns}), 1, 1},
-                                 {make_set(Latency{20_ns}, Jitter{4_ns}), 2, 1}};
+  const std::vector<Hop> hops = {{make_set<Latency<10_ns>, Jitter<3_ns>>(), 1, 1},
+                                 {make_set<Latency<20_ns>, Jitter<4_ns>>(), 2, 1}};
   EXPECT_EQ(composed(hops, 5)[Attribute::jitter], 12U);
   EXPECT_EQ(composed(hops, 5)[Attribute::latency], 30U);
   EXPECT_EQ(composed(hops, kUnbounded)[Attribute::jitter], kUnbounded);
-  EXPECT_FALSE(composed({{make_set(Latency{10_ns}), 1, 1}}, 5).has(Attribute::jitter));
+  EXPECT_FALSE(composed({{make_set<Latency<10_ns>>(), 1, 1}}, 5).has(Attribute::jitter));
 }
 
 TEST(ComposeTest, SlowestPeriodAndSmallestPayloadCount) {
@@ -57,33 +57,33 @@ TEST(ComposeTest, SlowestPeriodAndSmallestPayloadCount) {
 }
 
 TEST(ComposeTest, PeriodWithoutLatencyPromisesLatency) {
-  const std::vector<Hop> hops = {{make_set(Period{10_ms}), 1, 1},
-                                 {make_set(Period{20_ms}, Latency{3_ms}), 2, 1}};
-  EXPECT_EQ(composed(hops)[Attribute::latency], (13_ms).count);
-  EXPECT_EQ(normalised_provision(make_set(Period{10_ms}))[Attribute::latency], (10_ms).count);
-  EXPECT_EQ(normalised_provision(make_set(Period{10_ms}, Latency{3_ms}))[Attribute::latency],
-            (3_ms).count);
+  const std::vector<Hop> hops = {{make_set<Period<10_ms>>(), 1, 1},
+                                 {make_set<Period<20_ms>, Latency<3_ms>>(), 2, 1}};
+  EXPECT_EQ(composed(hops)[Attribute::latency], count(13_ms));
+  EXPECT_EQ(normalised_provision(make_set<Period<10_ms>>())[Attribute::latency], count(10_ms));
+  EXPECT_EQ(normalised_provision(make_set<Period<10_ms>, Latency<3_ms>>())[Attribute::latency],
+            count(3_ms));
 }
 
 TEST(ComposeTest, PeriodOfABestCasePromisesABestCaseOfLatency) {
   AttributeSet provision;
-  assign(provision, Period{10_ms}, true);
+  provision.set(Attribute::period, count(10_ms), true);
   EXPECT_TRUE(normalised_provision(provision).is_dynamic(Attribute::latency));
   EXPECT_TRUE(composed({{provision, 1, 1}}).is_dynamic(Attribute::latency));
 }
 
 TEST(ComposeTest, PeriodicRequirementWithoutDeadlineImpliesIt) {
-  EXPECT_EQ(normalised_requirement(make_set(Period{50_ms}))[Attribute::deadline], (50_ms).count);
-  EXPECT_EQ(normalised_requirement(make_set(Period{50_ms}, Deadline{9_ms}))[Attribute::deadline],
-            (9_ms).count);
+  EXPECT_EQ(normalised_requirement(make_set<Period<50_ms>>())[Attribute::deadline], count(50_ms));
+  EXPECT_EQ(normalised_requirement(make_set<Period<50_ms>, Deadline<9_ms>>())[Attribute::deadline],
+            count(9_ms));
   EXPECT_TRUE(normalised_requirement(AttributeSet()).empty());
   const AttributeSet marked = AttributeSet().set(Attribute::omission, 2, true);
-  EXPECT_EQ(normalised_requirement(marked), make_set(Omission{2_events}));
+  EXPECT_EQ(normalised_requirement(marked), make_set<Omission<2>>());
 }
 
 TEST(ComposeTest, NobodyProvidesADeadline) {
-  EXPECT_TRUE(composed({{make_set(Deadline{1_ms}), 1, 1}}).empty());
-  EXPECT_TRUE(normalised_provision(make_set(Deadline{1_ms})).empty());
+  EXPECT_TRUE(composed({{make_set<Deadline<1_ms>>(), 1, 1}}).empty());
+  EXPECT_TRUE(normalised_provision(make_set<Deadline<1_ms>>()).empty());
 }
 
 TEST(ComposeTest, LinksOfOneMediumShareItsTime) {
@@ -125,7 +125,7 @@ TEST(ComposeTest, LostFramesBoundNoEventsOfSeveralFrames) {
 }
 
 TEST(ComposeTest, UnknownNumberOfFramesIsTheWorst) {
-  const Hop hop = {make_set(Omission{1_events}, PacketLoss{1_ppb}), 1, 0};
+  const Hop hop = {make_set<Omission<1>, PacketLoss<1_ppb>>(), 1, 0};
   EXPECT_EQ(composed({hop})[Attribute::omission], kUnbounded);
   EXPECT_EQ(composed({hop})[Attribute::packet_loss], kCertainLoss);
 }
@@ -172,7 +172,7 @@ TEST(ComposeTest, BestCaseOfOneHopIsABestCaseOfTheRoute) {
 }
 
 TEST(ComposeTest, RouteWithoutHopsOrWithTooManyProvidesNothing) {
-  const std::vector<Hop> hops(kMaxComposedHops + 1, Hop{make_set(Latency{1_ns}), 1, 1});
+  const std::vector<Hop> hops(kMaxComposedHops + 1, Hop{make_set<Latency<1_ns>>(), 1, 1});
   EXPECT_TRUE(compose(nullptr, 0).empty());
   EXPECT_TRUE(compose(hops.data(), kMaxComposedHops + 1).empty());
   EXPECT_EQ(compose(hops.data(), kMaxComposedHops)[Attribute::latency], kMaxComposedHops);
@@ -264,11 +264,11 @@ TEST(ComposeLawTest, LossOfTheMostFramesIsNeverBelowTheExactOne) {
 
 TEST(ComposeTest, EventOfWhichHardlyAnythingSurvivesIsCertainlyLost) {
   // 0.5^29 = 1.86e-9 and 0.5^30 = 0.93e-9 lie on both sides of the smallest survival.
-  EXPECT_EQ(composed({{make_set(PacketLoss{50_percent}), 1, 29}})[Attribute::packet_loss],
+  EXPECT_EQ(composed({{make_set<PacketLoss<50_percent>>(), 1, 29}})[Attribute::packet_loss],
             kCertainLoss - 1);
   for (const unsigned frames : {30U, 40U, 59U, 60U, 65535U}) {
-    const Hop most = {make_set(PacketLoss{50_percent}), 1, static_cast<std::uint16_t>(frames)};
-    const Hop other = {make_set(PacketLoss{1_ppb}), 1, 1};
+    const Hop most = {make_set<PacketLoss<50_percent>>(), 1, static_cast<std::uint16_t>(frames)};
+    const Hop other = {make_set<PacketLoss<1_ppb>>(), 1, 1};
     EXPECT_EQ(composed({most})[Attribute::packet_loss], kCertainLoss) << frames;
     EXPECT_EQ(composed({most, other})[Attribute::packet_loss], kCertainLoss) << frames;
     EXPECT_EQ(composed({other, most})[Attribute::packet_loss], kCertainLoss) << frames;
@@ -294,6 +294,34 @@ TEST(ComposeLawTest, SumsMaximaMinimaAndRunsAreExactOrSaturated) {
     ASSERT_EQ(composed_of(Attribute::omission, values), fits ? quotient(runs, 1) - 1 : kUnbounded)
         << ::testing::PrintToString(values);
   }
+}
+
+TEST(ComposeGatewayTest, AGatewayLimitsWhatItSaysAndNothingElse) {
+  const Hop network = {make_set<Bandwidth<9_kB_per_s>, MaxPayload<8_bytes>, Period<10_ms>>(), 1, 1};
+  const AttributeSet through =
+      composed({network, {make_set<Latency<1_ms>, Bandwidth<8_kB_per_s>>(), 2, 1, true}});
+  EXPECT_EQ(through[Attribute::bandwidth], 8000U);
+  EXPECT_EQ(through[Attribute::max_payload], 8U);
+  EXPECT_EQ(through[Attribute::period], count(10_ms));
+  EXPECT_EQ(through[Attribute::latency], count(11_ms));
+  EXPECT_FALSE(through.has(Attribute::omission));
+}
+
+TEST(ComposeGatewayTest, NothingBoundsTheDelayOfAGatewayThatStatesNone) {
+  const Hop network = {make_set<Latency<1_ms>>(), 1, 1};
+  EXPECT_EQ(composed({network, {AttributeSet(), 2, 1, true}})[Attribute::latency], kUnbounded);
+}
+
+// The same folds serve what users define themselves.
+TEST(ComposeValuesTest, EachCompositionFoldsTheValuesOfTheHops) {
+  const HopValue hops[] = {{30, 1, 1}, {20, 1, 1}, {60, 2, 1}};
+  EXPECT_EQ(compose_values(Composition::sum, hops, 3), 110U);
+  EXPECT_EQ(compose_values(Composition::slowest, hops, 3), 60U);
+  EXPECT_EQ(compose_values(Composition::smallest, hops, 3), 20U);
+  EXPECT_EQ(compose_values(Composition::shared_medium, hops, 3), 12U);  // 1/(1/30 + 1/20) and 60
+  EXPECT_EQ(compose_values(Composition::consecutive, hops, 3), 31U * 21U * 61U - 1U);
+  EXPECT_EQ(compose_values(Composition::survival, hops, 3), 110U);  // rounded up once
+  EXPECT_EQ(compose_values(Composition::not_provided, hops, 3), 0U);
 }
 
 }  // namespace

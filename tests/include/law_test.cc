@@ -176,8 +176,8 @@ TEST(LawTest, LayerCheckIsTheRouteCheckOfOneHop) {
   for (int round = 0; round < kRounds; ++round) {
     const AttributeSet requirement = world.set(3, 5);
     const Hop hop = {world.set(8, 5), 0, 1};
-    const Check layer = check_layer(requirement, hop.provision);
-    const Check route = check_route(requirement, &hop, 1);
+    const CheckResult layer = check_layer(requirement, hop.provision);
+    const CheckResult route = check_route(requirement, &hop, 1);
     ASSERT_EQ(layer.outcome, route.outcome);
     ASSERT_EQ(layer.count, route.count);
     for (std::size_t i = 0; i < layer.count; ++i) {

@@ -32,10 +32,10 @@ static_assert(same_text(info(Attribute::packet_loss).name, "PacketLoss"), "");
 static_assert(!same_text("Period", "Perio") && !same_text("Perio", "Period"), "");
 
 // The emergency switch of the paper, on its own bus and behind the bridge.
-constexpr AttributeSet kSwitch = make_set(Period{50_ms}, Omission{2_events});
-constexpr AttributeSet kBus = make_set(Period{10_ms}, Omission{2_events});
-constexpr AttributeSet kBridge = make_set(Period{10_ms}, Omission{5_events});
-constexpr Check kRefusal = check_layer(kSwitch, kBridge);
+constexpr AttributeSet kSwitch = make_set<Period<50_ms>, Omission<2>>();
+constexpr AttributeSet kBus = make_set<Period<10_ms>, Omission<2>>();
+constexpr AttributeSet kBridge = make_set<Period<10_ms>, Omission<5>>();
+constexpr CheckResult kRefusal = check_layer(kSwitch, kBridge);
 static_assert(check_layer(kSwitch, kBus).outcome == Outcome::fit, "");
 static_assert(kRefusal.outcome == Outcome::unfit && kRefusal.count == 3, "");
 static_assert(kRefusal.rows[0].attribute == Attribute::deadline, "implied by the Period");
@@ -46,20 +46,22 @@ static_assert(kRefusal.rows[2].required == 2 && kRefusal.rows[2].provided == 5, 
 static_assert(kRefusal.rows[2].margin() == 3, "");
 
 // 24 and 11 Mbit/s in a row on one medium are 7.542857 Mbit/s; on two media the slower one.
-constexpr Hop kMesh[] = {{make_set(Bandwidth{24_Mbit_per_s}), 1, 1},
-                         {make_set(Bandwidth{11_Mbit_per_s}), 1, 1}};
-constexpr Hop kTwoMedia[] = {{make_set(Bandwidth{24_Mbit_per_s}), 1, 1},
-                             {make_set(Bandwidth{11_Mbit_per_s}), 2, 1}};
+constexpr Hop kMesh[] = {{make_set<Bandwidth<24_Mbit_per_s>>(), 1, 1},
+                         {make_set<Bandwidth<11_Mbit_per_s>>(), 1, 1}};
+constexpr Hop kTwoMedia[] = {{make_set<Bandwidth<24_Mbit_per_s>>(), 1, 1},
+                             {make_set<Bandwidth<11_Mbit_per_s>>(), 2, 1}};
 static_assert(compose(kMesh, 2)[Attribute::bandwidth] == 7542857 / 8, "");
 static_assert(compose(kTwoMedia, 2)[Attribute::bandwidth] == 11000000 / 8, "");
-static_assert(check_route(make_set(Bandwidth{400_kB_per_s}), kMesh, 2).outcome == Outcome::fit, "");
+static_assert(check_route(make_set<Bandwidth<400_kB_per_s>>(), kMesh, 2).outcome == Outcome::fit,
+              "");
 
 // Composition at its edges.
-constexpr Hop kLossy[] = {{make_set(PacketLoss{10_percent}, Omission{1_events}), 1, 1},
-                          {make_set(PacketLoss{10_percent}, Omission{2_events}), 2, 1}};
-constexpr Hop kTiny[] = {{make_set(PacketLoss{1_ppb}), 1, 1}, {make_set(PacketLoss{1_ppb}), 1, 1}};
-constexpr Hop kFragmented[] = {{make_set(PacketLoss{10_percent}, Omission{0_events}), 1, 2}};
-constexpr Hop kFragmentedLosing[] = {{make_set(Omission{1_events}), 1, 2}};
+constexpr Hop kLossy[] = {{make_set<PacketLoss<10_percent>, Omission<1>>(), 1, 1},
+                          {make_set<PacketLoss<10_percent>, Omission<2>>(), 2, 1}};
+constexpr Hop kTiny[] = {{make_set<PacketLoss<1_ppb>>(), 1, 1},
+                         {make_set<PacketLoss<1_ppb>>(), 1, 1}};
+constexpr Hop kFragmented[] = {{make_set<PacketLoss<10_percent>, Omission<0>>(), 1, 2}};
+constexpr Hop kFragmentedLosing[] = {{make_set<Omission<1>>(), 1, 2}};
 static_assert(compose(kLossy, 2)[Attribute::packet_loss] == 190000000, "");
 static_assert(compose(kLossy, 2)[Attribute::omission] == 5, "(1 + 1)(2 + 1) - 1");
 static_assert(compose(kTiny, 2)[Attribute::packet_loss] == 2, "1.999999999 rounded up once");
@@ -87,9 +89,10 @@ static_assert(mul_div_down(kUnbounded - 1, kUnbounded, kUnbounded) == kUnbounded
 static_assert(mul_div_up(kUnbounded, kUnbounded, kUnbounded - 1) == kUnbounded, "");
 
 // Worst-case reaction of the switch: 3 * 50 ms and the whole way.
-static_assert(worst_case_reaction(make_set(Period{50_ms}, Omission{2_events}, Latency{4_ms},
-                                           Jitter{1_ms})) == (155_ms).count,
-              "");
+static_assert(
+    worst_case_reaction(make_set<Period<50_ms>, Omission<2>, Latency<4_ms>, Jitter<1_ms>>()) ==
+        count(155_ms),
+    "");
 
 }  // namespace
 }  // namespace mlcca

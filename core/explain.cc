@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/explain.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "core/text.hpp"
+#include "core/user_values.hpp"
+#include "mlcca/check.hpp"
+#include "mlcca/compose.hpp"
+
+namespace mlcca::core {
+namespace {
+
+FindingId id_of(Obstacle obstacle) {
+  switch (obstacle) {
+    case Obstacle::unbound:
+      return FindingId::unbound;
+    case Obstacle::no_node:
+      return FindingId::no_node;
+    case Obstacle::too_long:
+      return FindingId::too_long;
+    case Obstacle::no_traffic:
+      return FindingId::no_traffic;
+    default:
+      return FindingId::no_route;
+  }
+}
+
+FindingId id_of(Against against) {
+  switch (against) {
+    case Against::hop:
+      return FindingId::hop_unfit;
+    case Against::end_to_end:
+      return FindingId::route_unfit;
+    case Against::traffic:
+      return FindingId::traffic_mismatch;
+    case Against::bystander:
+      return FindingId::bystander_unfit;
+    case Against::capacity:
+      return FindingId::capacity;
+  }
+  return FindingId::rule;
+}
+
+bool is_unfit(const Row& row) { return row.comparison.outcome == Outcome::unfit; }
+
+bool same_attribute(const Row& a, const Row& b) {
+  return a.user == b.user && a.comparison.attribute == b.comparison.attribute;
+}
+
+/// "robot-can, bridge, second-can"
+std::string way_of(const System& system, const Route& route) {
+  std::string text;
+  for (const Place place : route) text += (text.empty() ? "" : ", ") + name_of(system, place);
+  return text;
+}
+
+/// Which of the two states the value that is required: the subscriber where both do.
+const std::string& asker(const Situation& s, const Verdict& v, const Row& row,
+                         std::size_t subscriber) {
+  const Publisher& publisher = s.members.publisher(v.publisher);
+  const Subscriber& listener = s.members.subscriber(subscriber);
+  const Value required = row.comparison.required;
+  if (row.is_user()) {
+    const UserValues& stated = user_values_in(listener, v.set);
+    const bool own = std::ranges::any_of(
+        stated, [&](const UserValue& u) { return u.attribute == row.user && u.value == required; });
+    return own ? listener.name : publisher.name;
+  }
+  const Attribute a = row.comparison.attribute;
+  const AttributeSet alone =
+      normalised_requirement(requirement_between(attributes_in(publisher, v.set), {}));
+  const bool publishers = alone.has(a) && alone[a] == required;
+  const AttributeSet stated = normalised_requirement(attributes_in(listener, v.set));
+  const bool subscribers = stated.has(a) && stated[a] == required;
+  return subscribers || !publishers ? listener.name : publisher.name;
+}
+
+}  // namespace
+
+Finding& Explainer::new_finding(FindingId id, const Verdict& v) {
+  Finding& f = findings_.emplace_back();
+  f.id = id;
+  f.origin = s_.members.publisher(v.publisher).origin;
+  f.channel = static_cast<std::uint32_t>(v.channel);
+  f.publisher = static_cast<std::uint32_t>(v.publisher);
+  return f;
+}
+
+void Explainer::add(const Verdict& v) {
+  if (v.outcome == Outcome::fit) return;
+  if (v.outcome == Outcome::run_time) {
+    add_run_time(v);
+    return;
+  }
+  if (v.obstacle != Obstacle::none) add_obstacle(v);
+  if (v.obstacle != Obstacle::none && v.obstacle != Obstacle::no_traffic) return;
+  for (const std::size_t subscriber : v.subscribers) add_pair(v, subscriber);
+  for (const Row& row : v.rows) {
+    if (!is_unfit(row)) continue;
+    if (row.against == Against::capacity) add_capacity(v, row);
+    if (row.against == Against::bystander) add_row(v, row, kNone);
+  }
+}
+
+void Explainer::add_obstacle(const Verdict& v) {
+  const Publisher& publisher = s_.members.publisher(v.publisher);
+  // On the ends' own networks these are rules of the description, which have been checked.
+  const bool by_rule = v.obstacle == Obstacle::unbound || v.obstacle == Obstacle::no_node ||
+                       v.obstacle == Obstacle::too_long;
+  const bool own = v.obstacle_at == publisher.place ||
+                   (v.obstacle_at == v.to && v.obstacle == Obstacle::unbound);
+  if (by_rule && own) return;
+  Finding& f = new_finding(id_of(v.obstacle), v);
+  const std::string ends =
+      publisher.name + " to " + s_.members.subscriber(v.subscribers.front()).name + ": ";
+  f.subscriber = static_cast<std::uint32_t>(v.subscribers.front());
+  f.text = ends + reason(s_.system, s_.members, v);
+  const std::string& channel = s_.system.channels[v.channel].name;
+  if (v.obstacle != Obstacle::no_route) {
+    f.place = v.obstacle_at;
+    f.has_place = true;
+  }
+  switch (v.obstacle) {
+    case Obstacle::no_route:
+      f.hint = "join the networks by a Gateway with a Port on each";
+      break;
+    case Obstacle::unbound:
+      f.origin = s_.system.networks[v.obstacle_at.index].origin;
+      f.hint = "add <Binding channel=\"" + channel + "\"> to Network " +
+               name_of(s_.system, v.obstacle_at);
+      break;
+    case Obstacle::no_node:
+      f.hint = "add attribute node to the publisher";
+      break;
+    case Obstacle::too_long:
+      f.hint = "publish a smaller MaxPayload, or use a network with longer frames";
+      break;
+    case Obstacle::no_traffic:
+      f.hint = "state Period and MaxPayload, or Bandwidth, of the publisher";
+      break;
+    default:
+      break;
+  }
+}
+
+void Explainer::add_run_time(const Verdict& v) {
+  Finding& f = new_finding(FindingId::run_time, v);
+  std::string what;
+  const auto at_best = [](const Row& row) { return row.comparison.outcome == Outcome::run_time; };
+  for (const Row& row : v.rows) {
+    if (!at_best(row)) continue;
+    if (!f.has_place && row.against == Against::hop) {
+      f.place = row.place;
+      f.has_place = true;
+    }
+    const std::string name = attribute_name(s_.system, row);
+    if (what.find(name) != std::string::npos) continue;
+    what += (what.empty() ? "" : ", ") + name + " " +
+            format_value(s_.system, row, row.comparison.required);
+  }
+  f.text = s_.members.publisher(v.publisher).name + " to " + name_of(s_.system, v.to) + " over " +
+           way_of(s_.system, v.route) + ": decided at run time (" + what + ")";
+}
+
+void Explainer::add_lower_set(std::size_t channel, std::size_t set) {
+  const EventChannel& c = s_.system.channels[channel];
+  Finding& f = findings_.emplace_back();
+  f.id = FindingId::lower_set;
+  f.origin = c.origin;
+  f.channel = static_cast<std::uint32_t>(channel);
+  f.text = "channel " + c.name + ": the attribute set of priority " + std::to_string(c.priority) +
+           " does not fit, that of priority " + std::to_string(c.lower[set - 1].priority) +
+           " is used";
+}
+
+void Explainer::add_pair(const Verdict& v, std::size_t subscriber) {
+  Verdict pair;
+  pair.channel = v.channel;
+  pair.publisher = v.publisher;
+  pair.to = v.to;
+  pair.subscribers = {subscriber};
+  pair.set = v.set;
+  pair.route = v.route;
+  Asked asked = asked_together(s_, v.publisher, pair.subscribers, v.set);
+  pair.requirement = normalised_requirement(asked.set);
+  pair.user_requirement = std::move(asked.user);
+  check_route(s_, ledger_, {}, pair);
+  for (const Row& row : pair.rows) {
+    if (!is_unfit(row) || row.against == Against::capacity) continue;
+    // What one hop cannot give, the whole way cannot: once is enough.
+    const bool said =
+        row.against == Against::end_to_end && std::ranges::any_of(pair.rows, [&](const Row& other) {
+          return other.against == Against::hop && is_unfit(other) && same_attribute(other, row);
+        });
+    if (!said) add_row(pair, row, subscriber);
+  }
+}
+
+void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber) {
+  const System& system = s_.system;
+  const Comparison& c = row.comparison;
+  Finding& f = new_finding(id_of(row.against), v);
+  const std::string& publisher = s_.members.publisher(v.publisher).name;
+  f.attribute = attribute_name(system, row);
+  f.required = format_value(system, row, c.required);
+  f.provided = c.known ? format_value(system, row, c.provided) : "not provided";
+  if (row.against == Against::hop || row.against == Against::bystander) {
+    f.place = row.place;
+    f.has_place = true;
+  }
+  std::string listener = "its subscribers";
+  if (subscriber != kNone) {
+    const Subscriber& s = s_.members.subscriber(subscriber);
+    f.subscriber = static_cast<std::uint32_t>(subscriber);
+    f.origin = s.origin;
+    listener = s.name;
+  }
+  const std::string numbers =
+      c.known ? f.provided + " (" + format_margin(system, row) + ")" : "none";
+  switch (row.against) {
+    case Against::traffic:
+      f.text = listener + " asks " + f.attribute + " " + f.required + " of " + publisher +
+               ", which offers " + numbers;
+      f.hint = c.known ? "let " + publisher + " offer " + f.attribute + " " + f.required +
+                             ", or ask less"
+                       : "state " + f.attribute + " of " + publisher;
+      break;
+    case Against::hop:
+      f.text = publisher + " to " + listener + ": " + f.attribute + " " + f.required +
+               " required by " + asker(s_, v, row, subscriber) + ", " + name_of(system, row.place) +
+               " provides " + numbers;
+      break;
+    case Against::bystander:
+      f.text = publisher + " to " + name_of(system, v.to) + ": " + f.attribute + " " + f.required +
+               " required by who listens on " + name_of(system, row.place) +
+               " on the way, which is given " + numbers;
+      f.hint = "they would hear the events too: fulfil them, or let them subscribe elsewhere";
+      break;
+    default:
+      f.text = publisher + " to " + listener + ": " + f.attribute + " " + f.required +
+               " required end to end by " + asker(s_, v, row, subscriber) + ", the way over " +
+               way_of(system, v.route) + " provides " + numbers;
+      f.hint = "let a hop provide better, take a shorter way, or ask less";
+  }
+  if (row.against == Against::hop)
+    f.hint = c.known ? "let " + name_of(system, row.place) + " provide " + f.attribute + " " +
+                           f.required + " or better, ask less, or take another way"
+                     : "state " + f.attribute + " of " + name_of(system, row.place) +
+                           ": what is not stated is not given";
+}
+
+void Explainer::add_capacity(const Verdict& v, const Row& row) {
+  Finding& f = new_finding(FindingId::capacity, v);
+  const std::string& network = name_of(s_.system, row.place);
+  const auto rate = [](Value value) { return format_value(Attribute::bandwidth, value); };
+  f.place = row.place;
+  f.has_place = true;
+  f.attribute = info(Attribute::bandwidth).name;
+  f.required = rate(row.comparison.required);
+  f.provided = rate(row.comparison.provided);
+  f.text = s_.members.publisher(v.publisher).name + " needs " + f.required + " on " + network +
+           ", where " + f.provided + " of " +
+           rate(s_.system.networks[row.place.index].provision[Attribute::bandwidth]) +
+           " are left (" + rate(row.reserved) + " for the channels described before it)";
+  f.hint = "send less, or less often, or move channels to another network";
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The check of a whole description at design time: completeness and correctness, as findings.
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "core/findings.hpp"
+#include "core/system.hpp"
+#include "mlcca/satisfies.hpp"
+
+namespace mlcca::core {
+
+/// What became of one channel.
+struct ChannelResult {
+  std::size_t deliveries = 0;      ///< from each publisher to each place with subscribers
+  Outcome outcome = Outcome::fit;  ///< the worst of them; unfit too where a publisher is missing
+  std::size_t set = 0;             ///< the attribute set that is used
+};
+
+/// What all fit channels together need of a network.
+struct NetworkLoad {
+  Value reserved = 0;  ///< payload bytes/s
+};
+
+struct Inspection {
+  std::vector<Finding> findings;  ///< in the order of the description: file, line, number
+  std::vector<ChannelResult> channels;
+  std::vector<NetworkLoad> networks;
+};
+
+/// Called about every thousand channels.
+using InspectProgress = std::function<void(std::size_t channels_done)>;
+
+/// Decides every channel of `system` as a gateway would, but lets best cases pass, which are then
+/// notes: the run time decides. `system` has sorted bindings, and what the description's own rules
+/// find (two channels with one subject, an identifier given twice, …) is not repeated here.
+[[nodiscard]] Inspection inspect(const System& system, const InspectProgress& progress = {});
+
+}  // namespace mlcca::core

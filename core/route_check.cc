@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/route_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "core/medium.hpp"
+#include "core/user_values.hpp"
+#include "mlcca/check.hpp"
+#include "mlcca/compose.hpp"
+
+namespace mlcca::core {
+namespace {
+
+class RouteCheck {
+ public:
+  RouteCheck(const Situation& situation, const Ledger& ledger, const std::vector<Target>& targets,
+             Verdict& verdict)
+      : s_(situation), ledger_(ledger), targets_(targets), v_(verdict) {}
+
+  void run() {
+    find_obstacle();
+    if (v_.obstacle != Obstacle::none) return;
+    collect_hops();
+    check_hops();
+    check_end_to_end();
+    check_offers();
+    check_bystanders();
+    check_capacities();
+    v_.outcome = v_.obstacle == Obstacle::none ? Outcome::fit : Outcome::unfit;
+    for (const Row& row : v_.rows) v_.outcome = worse(v_.outcome, row.comparison.outcome);
+    v_.granted = s_.best_cases_pass ? v_.outcome != Outcome::unfit : v_.outcome == Outcome::fit;
+  }
+
+ private:
+  [[nodiscard]] const Publisher& publisher() const { return s_.members.publisher(v_.publisher); }
+  /// What the publisher states in the attribute set that is tried.
+  [[nodiscard]] const AttributeSet& offered() const { return attributes_in(publisher(), v_.set); }
+  [[nodiscard]] const AttributeSet& asked_by(std::size_t subscriber) const {
+    return attributes_in(s_.members.subscriber(subscriber), v_.set);
+  }
+  [[nodiscard]] std::span<const Place> hops() const { return hops_of(v_.route); }
+
+  void obstruct(Obstacle obstacle, Place at) {
+    if (v_.obstacle != Obstacle::none) return;
+    v_.obstacle = obstacle;
+    v_.obstacle_at = at;
+  }
+
+  void find_obstacle() {
+    for (const Place hop : hops())
+      if (hop.kind == Place::Kind::network) find_obstacle_on(hop);
+  }
+
+  void find_obstacle_on(Place hop) {
+    const Network& network = s_.system.networks[hop.index];
+    if (!s_.conditions[hop.index].available) {
+      obstruct(Obstacle::unavailable, hop);
+      return;
+    }
+    if (network.profile == Profile::none) return;
+    const Binding* binding = network.binding_of(v_.channel);
+    if (binding == nullptr) {
+      obstruct(Obstacle::unbound, hop);
+      return;
+    }
+    if (network.profile == Profile::famouso) {
+      if (!publisher().node) obstruct(Obstacle::no_node, hop);
+    } else if (offered().has(Attribute::max_payload) &&
+               offered()[Attribute::max_payload] > frame_bytes(*binding)) {
+      obstruct(Obstacle::too_long, hop);
+    }
+  }
+
+  void collect_hops() {
+    const Value bytes = offered()[Attribute::max_payload];
+    count_ = 0;
+    for (const Place hop : hops()) {
+      Hop& out = hops_[count_++];
+      if (hop.kind == Place::Kind::gateway) {
+        out.provision = s_.system.gateways[hop.index].provision;
+        out.medium = static_cast<std::uint16_t>(s_.system.networks.size() + hop.index);
+        out.frames = 1;
+        out.gateway = true;
+      } else {
+        const Network& network = s_.system.networks[hop.index];
+        out.provision = network.provision;
+        out.medium = static_cast<std::uint16_t>(hop.index);
+        out.gateway = false;
+        out.frames = static_cast<std::uint16_t>(
+            frames_per_event(network, network.binding_of(v_.channel), bytes));
+      }
+    }
+  }
+
+  void add_rows(Against against, Place place, const CheckResult& check,
+                std::size_t subscriber = 0) {
+    for (std::size_t i = 0; i < check.count; ++i)
+      v_.rows.push_back({against, place, subscriber, check.rows[i], 0});
+  }
+
+  /// The same for user-defined attributes.
+  void add_rows(Against against, Place place, const UserValues& required,
+                const UserValues& provided) {
+    for (const UserValue& r : required)
+      v_.rows.push_back({against, place, 0, compare(s_.system, r, provided), 0, r.attribute});
+  }
+
+  void check_hops() {
+    for (std::size_t i = 0; i < count_; ++i) {
+      add_rows(Against::hop, hops()[i], check_hop(v_.requirement, hops_[i]));
+      if (!v_.user_requirement.empty())
+        add_rows(Against::hop, hops()[i], asked_of(i), user_provision(i, 1));
+    }
+  }
+
+  /// A gateway is asked for what it limits, and for what adds up.
+  [[nodiscard]] UserValues asked_of(std::size_t hop) const {
+    UserValues asked = v_.user_requirement;
+    if (hops_[hop].gateway) {
+      const UserValues gives = user_provision(hop, 1);
+      const auto& own = s_.system.gateways[hops()[hop].index].user;
+      std::erase_if(asked, [&](const UserValue& v) {
+        const auto same = [&](const UserValue& o) { return o.attribute == v.attribute; };
+        return std::ranges::none_of(own, same) && std::ranges::any_of(gives, same);
+      });
+    }
+    return asked;
+  }
+
+  /// What `count` hops from the first on provide together.
+  [[nodiscard]] UserValues user_provision(std::size_t first, std::size_t count) const {
+    std::array<UserHop, kMaxHops> out;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Place hop = hops()[first + i];
+      const bool gateway = hop.kind == Place::Kind::gateway;
+      out[i] = {gateway ? &s_.system.gateways[hop.index].user : &s_.system.networks[hop.index].user,
+                gateway, hops_[first + i].frames};
+    }
+    return core::composed(s_.system, std::span(out).first(count));
+  }
+
+  /// The composed provision of the first `count` hops.
+  [[nodiscard]] AttributeSet composed(std::size_t count) const {
+    return compose(hops_.data(), count, offered()[Attribute::jitter]);
+  }
+
+  void check_end_to_end() {
+    v_.provision = composed(count_);
+    if (count_ == 0) return;  // publisher and subscriber on one host: no network in between
+    add_rows(Against::end_to_end, v_.to, check_layer(v_.requirement, v_.provision));
+    if (!v_.user_requirement.empty())
+      add_rows(Against::end_to_end, v_.to, v_.user_requirement, user_provision(0, count_));
+  }
+
+  void check_offers() {
+    for (const std::size_t s : v_.subscribers)
+      add_rows(Against::traffic, v_.to, check_traffic(offered(), asked_by(s)), s);
+  }
+
+  /// An event that crosses a broadcast medium is heard by every subscriber there: the way is open
+  /// only if each of them is fulfilled too. The first network is the publisher's own: there the
+  /// event is, whatever we decide.
+  void check_bystanders() {
+    for (std::size_t i = 1; i + 1 < count_; ++i) {
+      const auto target = std::ranges::find(targets_, hops()[i], &Target::place);
+      if (target == targets_.end()) continue;
+      const Asked asked = asked_together(s_, v_.publisher, target->subscribers, v_.set);
+      add_rows(Against::bystander, hops()[i], check_layer(asked.set, composed(i + 1)));
+      if (!asked.user.empty())
+        add_rows(Against::bystander, hops()[i], asked.user, user_provision(0, i + 1));
+      for (const std::size_t s : target->subscribers)
+        add_rows(Against::traffic, hops()[i], check_traffic(offered(), asked_by(s)), s);
+    }
+  }
+
+  void check_capacities() {
+    Value demand = 0;
+    const bool known = demand_of(offered(), &demand);
+    v_.demand = known ? demand : 0;
+    for (const Place hop : hops()) {
+      if (hop.kind != Place::Kind::network) continue;
+      if (ledger_.carries({v_.publisher, hop.index})) continue;
+      const Value reserved = ledger_.reserved(hop.index);
+      const CapacityCheck c =
+          check_capacity(s_.system.networks[hop.index].provision, reserved, v_.demand);
+      if (!c.known) continue;
+      if (!known) {
+        obstruct(Obstacle::no_traffic, hop);
+        return;
+      }
+      Row row{Against::capacity, hop, 0, {}, reserved};
+      row.comparison.attribute = Attribute::bandwidth;
+      row.comparison.outcome = c.outcome;
+      row.comparison.known = true;
+      row.comparison.dynamic = c.outcome == Outcome::run_time;
+      row.comparison.required = c.demand;
+      row.comparison.provided = c.capacity > reserved ? c.capacity - reserved : 0;
+      v_.rows.push_back(row);
+    }
+  }
+
+  const Situation& s_;
+  const Ledger& ledger_;
+  const std::vector<Target>& targets_;
+  Verdict& v_;
+  std::array<Hop, kMaxHops> hops_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+Asked asked_together(const Situation& situation, std::size_t publisher,
+                     const std::vector<std::size_t>& subscribers, std::size_t set) {
+  const Publisher& p = situation.members.publisher(publisher);
+  const AttributeSet& offered = attributes_in(p, set);
+  Asked asked{requirement_between(offered, {}), user_values_in(p, set)};
+  for (const std::size_t s : subscribers) {
+    const Subscriber& subscriber = situation.members.subscriber(s);
+    asked.set = strictest(asked.set, requirement_between(offered, attributes_in(subscriber, set)));
+    const UserValues& user = user_values_in(subscriber, set);
+    if (!user.empty()) asked.user = strictest(situation.system, asked.user, user);
+  }
+  return asked;
+}
+
+void check_route(const Situation& situation, const Ledger& ledger,
+                 const std::vector<Target>& targets, Verdict& verdict) {
+  RouteCheck(situation, ledger, targets, verdict).run();
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One publisher towards one place, over one route: the obstacles, and each of the five checks.
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "core/admission.hpp"
+#include "core/ledger.hpp"
+#include "core/system.hpp"
+#include "core/verdict.hpp"
+
+namespace mlcca::core {
+
+/// Subscribers of a channel at one place.
+struct Target {
+  Place place;
+  std::vector<std::size_t> subscribers;
+};
+
+/// What is asked of the networks between some ends.
+struct Asked {
+  AttributeSet set;
+  UserValues user;
+};
+
+/// What a publisher and all of these subscribers together ask, in the channel's attribute set of
+/// that number.
+[[nodiscard]] Asked asked_together(const Situation& situation, std::size_t publisher,
+                                   const std::vector<std::size_t>& subscribers, std::size_t set);
+
+/// Fills in rows, obstacle, provision and outcome of a verdict that has its publisher, place,
+/// subscribers, set, requirement and route. `targets` are all of the channel: some of them may hear
+/// the events on the way.
+void check_route(const Situation& situation, const Ledger& ledger,
+                 const std::vector<Target>& targets, Verdict& verdict);
+
+}  // namespace mlcca::core

@@ -1,0 +1,95 @@
+<?xml version="1.0" encoding="UTF-8"?>
+<!-- SPDX-License-Identifier: BSD-2-Clause -->
+<!-- For check.xsl: a finding as an element that holds its line, and the names in it. -->
+<xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform"
+                xmlns:t="urn:mlcca:table" exclude-result-prefixes="t">
+  <!-- Ends without a name of their own share what their names begin with. -->
+  <xsl:key name="unnamed" match="System/Publisher[not(@name)] | System/Subscriber[not(@name)]"
+           use="concat(local-name(), ' ', normalize-space(@channel), '@', normalize-space(concat(@network, @gateway)))"/>
+  <xsl:key name="unnamed" match="Component/Publisher[not(@name)] | Component/Subscriber[not(@name)]"
+           use="concat(local-name(), ' ', normalize-space(@channel), '@', normalize-space(../@name))"/>
+
+  <!-- A line, with its parts in attributes. publisher, subscriber and hop are elements, or nothing. -->
+  <xsl:template name="finding">
+    <xsl:param name="id"/>
+    <xsl:param name="channel" select="/.."/>
+    <xsl:param name="publisher" select="/.."/>
+    <xsl:param name="subscriber" select="/.."/>
+    <xsl:param name="hop" select="/.."/>
+    <xsl:param name="row" select="/.."/>
+    <xsl:param name="required"/>
+    <xsl:param name="provided"/>
+    <xsl:param name="text"/>
+    <xsl:variable name="publisher-name"><xsl:apply-templates select="$publisher" mode="name"/></xsl:variable>
+    <xsl:variable name="subscriber-name"><xsl:apply-templates select="$subscriber" mode="name"/></xsl:variable>
+    <xsl:variable name="required-value"><xsl:call-template name="plain"><xsl:with-param name="value" select="$required"/></xsl:call-template></xsl:variable>
+    <xsl:variable name="provided-value"><xsl:call-template name="plain"><xsl:with-param name="value" select="$provided"/></xsl:call-template></xsl:variable>
+    <xsl:variable name="unit"><xsl:apply-templates select="$row" mode="unit"/></xsl:variable>
+    <Finding id="{$id}">
+      <xsl:if test="$channel"><xsl:attribute name="channel"><xsl:apply-templates select="$channel" mode="name"/></xsl:attribute></xsl:if>
+      <xsl:if test="$publisher"><xsl:attribute name="publisher"><xsl:value-of select="$publisher-name"/></xsl:attribute></xsl:if>
+      <xsl:if test="$subscriber"><xsl:attribute name="subscriber"><xsl:value-of select="$subscriber-name"/></xsl:attribute></xsl:if>
+      <xsl:if test="$hop"><xsl:attribute name="hop"><xsl:value-of select="normalize-space($hop/@name)"/></xsl:attribute></xsl:if>
+      <xsl:if test="$row">
+        <xsl:attribute name="attribute"><xsl:value-of select="normalize-space($row/@name)"/></xsl:attribute>
+        <xsl:attribute name="required"><xsl:value-of select="$required-value"/></xsl:attribute>
+        <xsl:if test="$provided != ''"><xsl:attribute name="provided"><xsl:value-of select="$provided-value"/></xsl:attribute></xsl:if>
+        <xsl:attribute name="unit"><xsl:value-of select="$unit"/></xsl:attribute>
+      </xsl:if>
+      <xsl:value-of select="concat('error ', $id, ': ')"/>
+      <xsl:if test="$publisher"><xsl:value-of select="concat('publisher ', $publisher-name, ', ')"/></xsl:if>
+      <xsl:if test="$subscriber"><xsl:value-of select="concat('subscriber ', $subscriber-name)"/></xsl:if>
+      <xsl:if test="$hop"><xsl:value-of select="concat(', hop ', normalize-space($hop/@name))"/></xsl:if>
+      <xsl:if test="$row">
+        <xsl:value-of select="concat(', attribute ', normalize-space($row/@name), ': required ', $required-value, ' ', $unit, ', ')"/>
+        <xsl:choose>
+          <xsl:when test="$provided = ''">not provided</xsl:when>
+          <xsl:when test="$provided = $unbounded">provided without a bound</xsl:when>
+          <xsl:otherwise><xsl:value-of select="concat('provided ', $provided-value, ' ', $unit)"/></xsl:otherwise>
+        </xsl:choose>
+      </xsl:if>
+      <xsl:if test="$subscriber and $text">: </xsl:if>
+      <xsl:value-of select="concat($text, '&#10;')"/>
+    </Finding>
+  </xsl:template>
+
+  <xsl:template name="left">
+    <xsl:param name="publisher"/>
+    <xsl:param name="subscriber"/>
+    <xsl:param name="text"/>
+    <xsl:variable name="publisher-name"><xsl:apply-templates select="$publisher" mode="name"/></xsl:variable>
+    <xsl:variable name="subscriber-name"><xsl:apply-templates select="$subscriber" mode="name"/></xsl:variable>
+    <Left publisher="{$publisher-name}" subscriber="{$subscriber-name}">
+      <xsl:value-of select="concat('note: publisher ', $publisher-name, ', subscriber ', $subscriber-name, ': ', $text, '&#10;')"/>
+    </Left>
+  </xsl:template>
+
+  <xsl:template match="t:attribute" mode="unit"><xsl:value-of select="@unit"/></xsl:template>
+  <xsl:template match="UserAttribute" mode="unit">
+    <xsl:variable name="magnitude"><xsl:call-template name="magnitude"><xsl:with-param name="of" select="."/></xsl:call-template></xsl:variable>
+    <xsl:value-of select="concat('x 1e', $magnitude)"/>
+    <xsl:for-each select="Dimension/SIUnit/*"><xsl:value-of select="concat(' ', local-name(), '^', normalize-space(.))"/></xsl:for-each>
+  </xsl:template>
+
+  <xsl:template match="EventChannel" mode="name">
+    <xsl:value-of select="normalize-space(@name)"/>
+    <xsl:if test="not(@name)">
+      <xsl:apply-templates select="SubjectUID" mode="subject"/>
+    </xsl:if>
+  </xsl:template>
+
+  <xsl:template match="Publisher | Subscriber" mode="name">
+    <xsl:variable name="stem" select="concat(normalize-space(@channel), '@', normalize-space(parent::Component/@name),
+                                             substring(normalize-space(concat(@network, @gateway)), 1, 63 * not(parent::Component)))"/>
+    <xsl:variable name="id" select="generate-id()"/>
+    <xsl:choose>
+      <xsl:when test="@name"><xsl:value-of select="normalize-space(@name)"/></xsl:when>
+      <xsl:otherwise>
+        <xsl:value-of select="$stem"/>
+        <xsl:for-each select="key('unnamed', concat(local-name(), ' ', $stem))">
+          <xsl:if test="generate-id() = $id and position() &gt; 1"><xsl:value-of select="concat('#', position())"/></xsl:if>
+        </xsl:for-each>
+      </xsl:otherwise>
+    </xsl:choose>
+  </xsl:template>
+</xsl:stylesheet>

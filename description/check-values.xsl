@@ -1,0 +1,220 @@
+<?xml version="1.0" encoding="UTF-8"?>
+<!-- SPDX-License-Identifier: BSD-2-Clause -->
+<!--
+  For check.xsl: what ends, networks and gateways state, as whole numbers of 20 digits in strings.
+  XSLT has only floating point, which is exact up to 15 digits.
+-->
+<xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform">
+  <!-- As many as the largest Magnitudes append to a value. -->
+  <xsl:variable name="zeros" select="'00000000000000000000000000000000000000000000000000000000000000000000000000000000'"/>
+  <xsl:variable name="none" select="substring($zeros, 1, 20)"/>
+  <xsl:variable name="unbounded" select="'18446744073709551615'"/>
+
+  <xsl:key name="provided" match="Provision/Attribute" use="concat(generate-id(../..), ' ', normalize-space(Name))"/>
+
+  <!-- ============================ what is stated ============================ -->
+
+  <!--
+    The value that an end requires (or offers) in a channel's set, or nothing: its own for that set,
+    its own for every set, the channel's. A publisher does not inherit the channel's Jitter, which is
+    what subscribers stand. A Period without a Deadline asks for Deadline = Period.
+  -->
+  <xsl:template name="required-by">
+    <xsl:param name="end"/>
+    <xsl:param name="set"/>
+    <xsl:param name="row" select="."/>
+    <xsl:param name="name" select="normalize-space($row/@name)"/>
+    <xsl:variable name="priority" select="number(translate($set/@priority, '+', ''))"/>
+    <xsl:variable name="of-set" select="$end/Attributes[number(translate(@priority, '+', '')) = $priority]/Attribute[normalize-space(Name) = $name]"/>
+    <xsl:variable name="of-all" select="$end/Attributes[not(@priority)]/Attribute[normalize-space(Name) = $name]"/>
+    <xsl:variable name="inherited" select="$set[$end/self::Subscriber or $name != 'Jitter']/Attribute[normalize-space(Name) = $name]"/>
+    <xsl:variable name="attribute" select="$of-set | $of-all[not($of-set)] | $inherited[not($of-set or $of-all)]"/>
+    <xsl:choose>
+      <xsl:when test="$attribute">
+        <xsl:call-template name="whole">
+          <xsl:with-param name="attribute" select="$attribute"/>
+          <xsl:with-param name="row" select="$row"/>
+          <xsl:with-param name="up" select="concat($row/@better, normalize-space($row/Better)) = 'larger'"/>
+        </xsl:call-template>
+      </xsl:when>
+      <xsl:when test="$name = 'Deadline'">
+        <xsl:call-template name="required-by">
+          <xsl:with-param name="end" select="$end"/>
+          <xsl:with-param name="set" select="$set"/>
+          <xsl:with-param name="row" select="$row"/>
+          <xsl:with-param name="name" select="'Period'"/>
+        </xsl:call-template>
+      </xsl:when>
+    </xsl:choose>
+  </xsl:template>
+
+  <!--
+    The value that a network or gateway provides, or nothing. A Deadline is held against the Latency;
+    a Period without a Latency promises Latency = Period.
+  -->
+  <xsl:template name="provided-by">
+    <xsl:param name="hop"/>
+    <xsl:param name="row"/>
+    <xsl:variable name="name" select="normalize-space($row/@name)"/>
+    <xsl:variable name="held-against">
+      <xsl:choose>
+        <xsl:when test="$name = 'Deadline'">Latency</xsl:when>
+        <xsl:otherwise><xsl:value-of select="$name"/></xsl:otherwise>
+      </xsl:choose>
+    </xsl:variable>
+    <xsl:variable name="stated" select="key('provided', concat(generate-id($hop), ' ', $held-against))"/>
+    <xsl:variable name="implied" select="key('provided', concat(generate-id($hop[$held-against = 'Latency']), ' Period'))"/>
+    <xsl:variable name="attribute" select="$stated | $implied[not($stated)]"/>
+    <xsl:if test="$attribute">
+      <xsl:call-template name="whole">
+        <xsl:with-param name="attribute" select="$attribute"/>
+        <xsl:with-param name="row" select="$row"/>
+        <xsl:with-param name="up" select="concat($row/@better, normalize-space($row/Better)) = 'smaller'"/>
+      </xsl:call-template>
+    </xsl:if>
+  </xsl:template>
+
+  <!-- The name of the network or gateway where an end sits. -->
+  <xsl:template match="Publisher | Subscriber" mode="place">
+    <xsl:variable name="own" select="@network | @gateway"/>
+    <xsl:variable name="component" select="parent::Component[not($own)]"/>
+    <xsl:variable name="components" select="$component/@network | $component/@gateway"/>
+    <xsl:variable name="placement" select="key('placement', normalize-space($component[not($components)]/@name))"/>
+    <xsl:value-of select="normalize-space($own | $components | $placement/@network | $placement/@gateway)"/>
+  </xsl:template>
+
+  <!-- ============================ numbers ============================ -->
+
+  <!-- A subject as 0x and 16 lower-case digits. -->
+  <xsl:template match="SubjectUID | @channel" mode="subject">
+    <xsl:variable name="text" select="normalize-space()"/>
+    <xsl:value-of select="concat('0x', substring('0000000000000000', string-length($text) - 1),
+                                 translate(substring($text, 3), 'ABCDEF', 'abcdef'))"/>
+  </xsl:template>
+
+  <!-- The Magnitude of a Dimension, 0 where there is none. -->
+  <xsl:template name="magnitude">
+    <xsl:param name="of"/>
+    <xsl:choose>
+      <xsl:when test="$of/Dimension/Magnitude"><xsl:value-of select="translate(normalize-space($of/Dimension/Magnitude), '+', '')"/></xsl:when>
+      <xsl:otherwise>0</xsl:otherwise>
+    </xsl:choose>
+  </xsl:template>
+
+  <!-- An Attribute's value in the unit of its row: the point is moved, what is behind it is cut. -->
+  <xsl:template name="whole">
+    <xsl:param name="attribute"/>
+    <xsl:param name="row"/>
+    <xsl:param name="up"/>
+    <xsl:variable name="magnitude"><xsl:call-template name="magnitude"><xsl:with-param name="of" select="$attribute"/></xsl:call-template></xsl:variable>
+    <xsl:variable name="resolution"><xsl:call-template name="magnitude"><xsl:with-param name="of" select="$row"/></xsl:call-template></xsl:variable>
+    <xsl:variable name="decimal" select="normalize-space($attribute/Value)"/>
+    <xsl:variable name="before" select="substring-before(concat($decimal, '.'), '.')"/>
+    <xsl:variable name="digits" select="concat($before, substring-after($decimal, '.'))"/>
+    <xsl:variable name="kept" select="string-length($before) + $magnitude - $resolution + sum($row/@scale)"/>
+    <xsl:variable name="head" select="substring(concat($digits, $zeros), 1, $kept)"/>
+    <xsl:variable name="value" select="substring(concat($none, $head), string-length($head) + 1)"/>
+    <xsl:choose>
+      <xsl:when test="$up and translate(substring($digits, 1 + $kept * ($kept &gt; 0)), '0', '') != ''">
+        <xsl:call-template name="next"><xsl:with-param name="value" select="$value"/></xsl:call-template>
+      </xsl:when>
+      <xsl:otherwise><xsl:value-of select="$value"/></xsl:otherwise>
+    </xsl:choose>
+  </xsl:template>
+
+  <!-- The value plus one. Ten digits are exact in floating point, twenty are not. -->
+  <xsl:template name="next">
+    <xsl:param name="value"/>
+    <xsl:variable name="low" select="substring($value, 11) + 1"/>
+    <xsl:variable name="carry" select="$low = 10000000000"/>
+    <xsl:value-of select="concat(format-number(substring($value, 1, 10) + $carry, '0000000000'),
+                                 format-number($low * not($carry), '0000000000'))"/>
+  </xsl:template>
+
+  <!-- Not empty if the value is on the wrong side of the bound. -->
+  <xsl:template name="fails">
+    <xsl:param name="value"/>
+    <xsl:param name="bound"/>
+    <xsl:param name="better" select="concat(@better, normalize-space(Better))"/>
+    <xsl:variable name="high" select="substring($value, 1, 10) - substring($bound, 1, 10)"/>
+    <xsl:variable name="low" select="substring($value, 11) - substring($bound, 11)"/>
+    <xsl:variable name="over" select="$high &gt; 0 or ($high = 0 and $low &gt; 0)"/>
+    <xsl:if test="$value != $bound and $over = ($better = 'smaller')">yes</xsl:if>
+  </xsl:template>
+
+  <!-- bytes in every period (ns) as bytes/s, rounded down; nothing where one of them is not stated. -->
+  <xsl:template name="rate">
+    <xsl:param name="bytes"/>
+    <xsl:param name="period"/>
+    <xsl:if test="string($bytes) and string($period)">
+      <xsl:variable name="quotient">
+        <xsl:call-template name="divide">
+          <xsl:with-param name="digits" select="concat($bytes, '000000000')"/>
+          <xsl:with-param name="divisor-high" select="number(substring($period, 1, 10))"/>
+          <xsl:with-param name="divisor-low" select="number(substring($period, 11))"/>
+        </xsl:call-template>
+      </xsl:variable>
+      <xsl:variable name="too-large">
+        <xsl:call-template name="fails">
+          <xsl:with-param name="value" select="substring($quotient, 11)"/>
+          <xsl:with-param name="bound" select="$unbounded"/>
+          <xsl:with-param name="better" select="'smaller'"/>
+        </xsl:call-template>
+      </xsl:variable>
+      <xsl:choose>
+        <xsl:when test="translate(substring($quotient, 1, 10), '0', '') != '' or string($too-large)"><xsl:value-of select="$unbounded"/></xsl:when>
+        <xsl:otherwise><xsl:value-of select="substring($quotient, 11)"/></xsl:otherwise>
+      </xsl:choose>
+    </xsl:if>
+  </xsl:template>
+
+  <!--
+    Long division: one digit of the quotient for each of the dividend, after a 0 that comes first.
+    What remains stands in two halves of ten digits, like the divisor.
+  -->
+  <xsl:template name="divide">
+    <xsl:param name="digits"/>
+    <xsl:param name="divisor-high"/>
+    <xsl:param name="divisor-low"/>
+    <xsl:param name="high" select="0"/>
+    <xsl:param name="low" select="0"/>
+    <xsl:param name="digit" select="0"/>
+    <xsl:choose>
+      <xsl:when test="$high &gt; $divisor-high or ($high = $divisor-high and $low &gt;= $divisor-low)">
+        <xsl:variable name="borrow" select="number($low &lt; $divisor-low)"/>
+        <xsl:call-template name="divide">
+          <xsl:with-param name="digits" select="$digits"/>
+          <xsl:with-param name="divisor-high" select="$divisor-high"/>
+          <xsl:with-param name="divisor-low" select="$divisor-low"/>
+          <xsl:with-param name="high" select="$high - $divisor-high - $borrow"/>
+          <xsl:with-param name="low" select="$low - $divisor-low + $borrow * 10000000000"/>
+          <xsl:with-param name="digit" select="$digit + 1"/>
+        </xsl:call-template>
+      </xsl:when>
+      <xsl:otherwise>
+        <xsl:value-of select="$digit"/>
+        <xsl:if test="$digits != ''">
+          <xsl:variable name="next" select="$low * 10 + substring($digits, 1, 1)"/>
+          <xsl:variable name="carry" select="floor($next div 10000000000)"/>
+          <xsl:call-template name="divide">
+            <xsl:with-param name="digits" select="substring($digits, 2)"/>
+            <xsl:with-param name="divisor-high" select="$divisor-high"/>
+            <xsl:with-param name="divisor-low" select="$divisor-low"/>
+            <xsl:with-param name="high" select="$high * 10 + $carry"/>
+            <xsl:with-param name="low" select="$next - $carry * 10000000000"/>
+          </xsl:call-template>
+        </xsl:if>
+      </xsl:otherwise>
+    </xsl:choose>
+  </xsl:template>
+
+  <!-- Without zeros in front. -->
+  <xsl:template name="plain">
+    <xsl:param name="value"/>
+    <xsl:variable name="first" select="substring(translate($value, '0', ''), 1, 1)"/>
+    <xsl:choose>
+      <xsl:when test="$first = ''">0</xsl:when>
+      <xsl:otherwise><xsl:value-of select="concat($first, substring-after($value, $first))"/></xsl:otherwise>
+    </xsl:choose>
+  </xsl:template>
+</xsl:stylesheet>

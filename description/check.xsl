@@ -1,0 +1,497 @@
+<?xml version="1.0" encoding="UTF-8"?>
+<!-- SPDX-License-Identifier: BSD-2-Clause -->
+<!--
+  The check of a system description in XSLT 1.0, for tool chains that have nothing but XML:
+
+      xsltproc -xinclude check.xsl system.xml
+
+  It finds what the MLCCA paper calls completeness and correctness, under the same numbers as
+  "mlccactl check":
+    MLCCA010  a subscription has no publisher
+    MLCCA020  a publisher does not offer the traffic that a subscriber asks of it
+    MLCCA021  a network or gateway of the connection does not fulfil what the two ask together
+  The connection is the network that both sit on, or the Route that is declared between their
+  places. Left to "mlccactl check": routes as a whole, others who hear the events, capacity, bindings,
+  frame lengths, and connections that are not declared (said in a note).
+
+  Output: a line for each finding, in the order of channels, their publishers and subscribers, then
+  the notes, and last the line "N findings", since an exit status cannot tell. With
+  -stringparam format xml: Findings/Finding, with names and numbers in attributes and the line as
+  text, and Findings/Left for a note.
+
+  - A description is taken for valid ("xmllint -xinclude -schema system.xsd" holds it against the
+    schema; "mlccactl check" also knows the other rules). Names that lead nowhere (MLCCA005) and an
+    xi:include that was not carried out (MLCCA001) are findings here all the same: what they hide
+    would not be checked.
+  - Values are whole numbers of 20 digits in the unit of the table below, kept as strings: XSLT has
+    only floating point, which would round them. They are cut or rounded up from the decimal as
+    everywhere: a requirement towards harder, a provision towards worse.
+  - A best case (dynamic) refutes like any other value. That it cannot grant is for the run time.
+  - An event of several CAN frames (FAMOUSO fragments): a bound above 0 on lost frames bounds no
+    events. Its PacketLoss, which is larger than that of a frame, is taken for a best case.
+  - Of a channel's attribute sets the first, by priority, in which nothing is found counts. If there
+    is none, the findings are those of the preferred set.
+-->
+<xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform"
+                xmlns:xi="http://www.w3.org/2001/XInclude" xmlns:t="urn:mlcca:table"
+                exclude-result-prefixes="t xi">
+  <!-- Not text, which could not write format xml. No line holds what XML would escape. -->
+  <xsl:output method="xml" omit-xml-declaration="yes" encoding="UTF-8"/>
+  <xsl:param name="format" select="'text'"/>
+
+  <!--
+    As in include/mlcca/attribute.hpp. scale: units in one of the SI unit, as a power of ten.
+    traffic: what a subscriber may ask of the publisher itself, and which values are better there (its
+    MaxPayload is the most that it accepts). of-networks: what a gateway limits only where it says so.
+  -->
+  <t:attribute name="Latency" scale="9" unit="ns" better="smaller"/>
+  <t:attribute name="Jitter" scale="9" unit="ns" better="smaller" traffic="smaller"/>
+  <t:attribute name="Deadline" scale="9" unit="ns" better="smaller"/>
+  <t:attribute name="Period" scale="9" unit="ns" better="smaller" traffic="smaller" of-networks="yes"/>
+  <t:attribute name="Bandwidth" scale="0" unit="bytes/s" better="larger" traffic="larger" of-networks="yes"/>
+  <t:attribute name="PacketLoss" scale="9" unit="x 1e-9" better="smaller"/>
+  <t:attribute name="Omission" scale="0" unit="events" better="smaller"/>
+  <t:attribute name="MaxPayload" scale="0" unit="bytes" better="larger" traffic="smaller" of-networks="yes"/>
+
+  <xsl:variable name="table" select="document('')/xsl:stylesheet/t:attribute"/>
+  <xsl:variable name="user-attributes" select="/System/UserAttribute"/>
+
+  <!-- By name, and by subject as 0x and 16 lower-case digits, which is also the default name. -->
+  <xsl:key name="channel" match="EventChannel[@name]" use="normalize-space(@name)"/>
+  <xsl:key name="channel" match="EventChannel"
+           use="concat('0x', substring('0000000000000000', string-length(normalize-space(SubjectUID)) - 1),
+                translate(substring(normalize-space(SubjectUID), 3), 'ABCDEF', 'abcdef'))"/>
+  <xsl:key name="use-of" match="Publisher | Subscriber | Binding"
+           use="concat(local-name(), ' ', normalize-space(@channel))"/>
+  <xsl:key name="use-of" match="Publisher[starts-with(normalize-space(@channel), '0x')] |
+                                Subscriber[starts-with(normalize-space(@channel), '0x')] |
+                                Binding[starts-with(normalize-space(@channel), '0x')]"
+           use="concat(local-name(), ' 0x', substring('0000000000000000', string-length(normalize-space(@channel)) - 1),
+                translate(substring(normalize-space(@channel), 3), 'ABCDEF', 'abcdef'))"/>
+  <xsl:key name="place" match="Network | Gateway" use="normalize-space(@name)"/>
+  <xsl:key name="placement" match="Placement" use="normalize-space(@component)"/>
+  <xsl:key name="route" match="Route" use="concat(normalize-space(@from), ' ', normalize-space(@to))"/>
+  <xsl:key name="route" match="Route" use="concat(normalize-space(@to), ' ', normalize-space(@from))"/>
+
+  <xsl:include href="check-values.xsl"/>
+  <xsl:include href="check-report.xsl"/>
+
+  <!-- ============================ the description as a whole ============================ -->
+
+  <xsl:template match="/">
+    <xsl:variable name="found">
+      <xsl:if test="not(System)">
+        <xsl:call-template name="finding">
+          <xsl:with-param name="id" select="'MLCCA003'"/>
+          <xsl:with-param name="text" select="'the root element must be System'"/>
+        </xsl:call-template>
+      </xsl:if>
+      <xsl:for-each select="//xi:include">
+        <xsl:call-template name="finding">
+          <xsl:with-param name="id" select="'MLCCA001'"/>
+          <xsl:with-param name="text" select="concat(@href, ' was not included: xsltproc needs -xinclude')"/>
+        </xsl:call-template>
+      </xsl:for-each>
+      <!-- One by one: libxslt needs quadratic time for a union of many nodes. -->
+      <xsl:apply-templates select="//Attribute" mode="names"/>
+      <xsl:apply-templates select="//Publisher" mode="names"/>
+      <xsl:apply-templates select="//Subscriber" mode="names"/>
+      <xsl:apply-templates select="System/Route/@from | System/Route/@to | System/Route/Hop/@place" mode="names"/>
+      <xsl:apply-templates select="//EventChannel"/>
+    </xsl:variable>
+    <xsl:variable name="left">
+      <xsl:apply-templates select="//EventChannel" mode="left"/>
+    </xsl:variable>
+    <xsl:choose>
+      <xsl:when test="$format = 'xml'">
+        <Findings><xsl:text>&#10;</xsl:text><xsl:copy-of select="$found"/><xsl:copy-of select="$left"/></Findings>
+      </xsl:when>
+      <xsl:otherwise>
+        <xsl:variable name="count" select="string-length($found) - string-length(translate($found, '&#10;', ''))"/>
+        <xsl:value-of select="concat($found, $left, $count, ' findings')"/>
+      </xsl:otherwise>
+    </xsl:choose>
+  </xsl:template>
+
+  <xsl:template match="Attribute" mode="names">
+    <xsl:variable name="name" select="normalize-space(Name)"/>
+    <xsl:if test="not($table[@name = $name]) and not($user-attributes[normalize-space(@name) = $name])">
+      <xsl:call-template name="unknown">
+        <xsl:with-param name="what" select="concat('attribute ', $name)"/>
+      </xsl:call-template>
+    </xsl:if>
+  </xsl:template>
+
+  <xsl:template match="Publisher | Subscriber" mode="names">
+    <xsl:variable name="channel" select="normalize-space(@channel)"/>
+    <xsl:variable name="subject"><xsl:apply-templates select="@channel[starts-with($channel, '0x')]" mode="subject"/></xsl:variable>
+    <xsl:variable name="place"><xsl:apply-templates select="." mode="place"/></xsl:variable>
+    <xsl:if test="not(key('channel', $channel) | key('channel', $subject))">
+      <xsl:call-template name="unknown">
+        <xsl:with-param name="what" select="concat('channel ', $channel)"/>
+      </xsl:call-template>
+    </xsl:if>
+    <xsl:if test="not(key('place', $place))">
+      <xsl:call-template name="unknown">
+        <xsl:with-param name="what" select="concat('place ', $place, ' of channel ', $channel)"/>
+      </xsl:call-template>
+    </xsl:if>
+  </xsl:template>
+
+  <xsl:template match="@*" mode="names">
+    <xsl:if test="not(key('place', normalize-space(.)))">
+      <xsl:call-template name="unknown"><xsl:with-param name="what" select="concat('place ', .)"/></xsl:call-template>
+    </xsl:if>
+  </xsl:template>
+
+  <xsl:template name="unknown">
+    <xsl:param name="what"/>
+    <xsl:call-template name="finding">
+      <xsl:with-param name="id" select="'MLCCA005'"/>
+      <xsl:with-param name="text" select="concat($what, ' is not known')"/>
+    </xsl:call-template>
+  </xsl:template>
+
+  <!-- ============================ a channel ============================ -->
+
+  <xsl:template match="EventChannel">
+    <xsl:variable name="subject"><xsl:apply-templates select="SubjectUID" mode="subject"/></xsl:variable>
+    <xsl:variable name="name" select="normalize-space(@name)"/>
+    <xsl:variable name="publishers" select="key('use-of', concat('Publisher ', $name)) |
+                                            key('use-of', concat('Publisher ', $subject))"/>
+    <xsl:variable name="subscribers" select="key('use-of', concat('Subscriber ', $name)) |
+                                             key('use-of', concat('Subscriber ', $subject))"/>
+    <xsl:choose>
+      <xsl:when test="$publishers and $subscribers">
+        <xsl:call-template name="check-in-best-set">
+          <xsl:with-param name="publishers" select="$publishers"/>
+          <xsl:with-param name="subscribers" select="$subscribers"/>
+          <xsl:with-param name="bindings" select="key('use-of', concat('Binding ', $name)) |
+                                                  key('use-of', concat('Binding ', $subject))"/>
+        </xsl:call-template>
+      </xsl:when>
+      <xsl:otherwise>
+        <xsl:variable name="channel" select="."/>
+        <xsl:for-each select="$subscribers">
+          <xsl:call-template name="finding">
+            <xsl:with-param name="id" select="'MLCCA010'"/>
+            <xsl:with-param name="channel" select="$channel"/>
+            <xsl:with-param name="subscriber" select="."/>
+            <xsl:with-param name="text" select="'nobody publishes its channel'"/>
+          </xsl:call-template>
+        </xsl:for-each>
+      </xsl:otherwise>
+    </xsl:choose>
+  </xsl:template>
+
+  <!-- What is not checked here, said so that nobody takes it for fit. -->
+  <xsl:template match="EventChannel" mode="left">
+    <xsl:variable name="subject"><xsl:apply-templates select="SubjectUID" mode="subject"/></xsl:variable>
+    <xsl:variable name="name" select="normalize-space(@name)"/>
+    <xsl:variable name="subscribers" select="key('use-of', concat('Subscriber ', $name)) |
+                                             key('use-of', concat('Subscriber ', $subject))"/>
+    <xsl:for-each select="key('use-of', concat('Publisher ', $name)) | key('use-of', concat('Publisher ', $subject))">
+      <xsl:variable name="publisher" select="."/>
+      <xsl:variable name="from"><xsl:apply-templates select="." mode="place"/></xsl:variable>
+      <xsl:for-each select="$subscribers">
+        <xsl:variable name="to"><xsl:apply-templates select="." mode="place"/></xsl:variable>
+        <xsl:if test="$from != $to and not(key('route', concat($from, ' ', $to)))">
+          <xsl:call-template name="left">
+            <xsl:with-param name="publisher" select="$publisher"/>
+            <xsl:with-param name="subscriber" select="."/>
+            <xsl:with-param name="text" select="concat('no Route is declared between ', $from, ' and ', $to, ': left to mlccactl check')"/>
+          </xsl:call-template>
+        </xsl:if>
+      </xsl:for-each>
+    </xsl:for-each>
+  </xsl:template>
+
+  <!-- The findings of the preferred set, unless there are none in another one. -->
+  <xsl:template name="check-in-best-set">
+    <xsl:param name="publishers"/>
+    <xsl:param name="subscribers"/>
+    <xsl:param name="bindings"/>
+    <xsl:param name="rank" select="1"/>
+    <xsl:variable name="id">
+      <xsl:for-each select="Attributes">
+        <xsl:sort select="translate(@priority, '+', '')" data-type="number" order="descending"/>
+        <xsl:if test="position() = $rank"><xsl:value-of select="generate-id()"/></xsl:if>
+      </xsl:for-each>
+    </xsl:variable>
+    <xsl:variable name="channel" select="."/>
+    <xsl:variable name="found">
+      <xsl:for-each select="$publishers">
+        <xsl:variable name="publisher" select="."/>
+        <xsl:for-each select="$subscribers">
+          <xsl:call-template name="check-pair">
+            <xsl:with-param name="channel" select="$channel"/>
+            <xsl:with-param name="set" select="$channel/Attributes[generate-id() = $id]"/>
+            <xsl:with-param name="publisher" select="$publisher"/>
+            <xsl:with-param name="subscriber" select="."/>
+            <xsl:with-param name="bindings" select="$bindings"/>
+          </xsl:call-template>
+        </xsl:for-each>
+      </xsl:for-each>
+    </xsl:variable>
+    <xsl:if test="string($found)">
+      <xsl:variable name="lower">
+        <xsl:if test="$rank &lt; count(Attributes)">
+          <xsl:call-template name="check-in-best-set">
+            <xsl:with-param name="publishers" select="$publishers"/>
+            <xsl:with-param name="subscribers" select="$subscribers"/>
+            <xsl:with-param name="bindings" select="$bindings"/>
+            <xsl:with-param name="rank" select="$rank + 1"/>
+          </xsl:call-template>
+        </xsl:if>
+      </xsl:variable>
+      <xsl:if test="$rank &gt;= count(Attributes) or string($lower)"><xsl:copy-of select="$found"/></xsl:if>
+    </xsl:if>
+  </xsl:template>
+
+  <!-- ============================ a publisher and a subscriber ============================ -->
+
+  <xsl:template name="check-pair">
+    <xsl:param name="channel"/>
+    <xsl:param name="set"/>
+    <xsl:param name="publisher"/>
+    <xsl:param name="subscriber"/>
+    <xsl:param name="bindings"/>
+    <xsl:variable name="from"><xsl:apply-templates select="$publisher" mode="place"/></xsl:variable>
+    <xsl:variable name="to"><xsl:apply-templates select="$subscriber" mode="place"/></xsl:variable>
+    <xsl:variable name="route" select="key('route', concat($from, ' ', $to))"/>
+    <!-- A gateway at an end is no hop: there the program runs. -->
+    <xsl:variable name="legs" select="key('place', $from)[$from = $to]/self::Network/@name |
+                                      $route/@from | $route/@to | $route/Hop/@place"/>
+    <xsl:variable name="names">
+      <xsl:text> </xsl:text>
+      <xsl:for-each select="($set | $publisher/Attributes | $subscriber/Attributes)/Attribute/Name">
+        <xsl:value-of select="concat(normalize-space(), ' ')"/>
+        <xsl:if test="normalize-space() = 'Period'">Deadline </xsl:if>
+      </xsl:for-each>
+    </xsl:variable>
+    <!-- The rows of the table are in another document: there no key finds anything of this one. -->
+    <xsl:for-each select="($table | $user-attributes)[contains($names, concat(' ', normalize-space(@name), ' '))]">
+      <xsl:call-template name="check-attribute">
+        <xsl:with-param name="channel" select="$channel"/>
+        <xsl:with-param name="set" select="$set"/>
+        <xsl:with-param name="publisher" select="$publisher"/>
+        <xsl:with-param name="subscriber" select="$subscriber"/>
+        <xsl:with-param name="bindings" select="$bindings"/>
+        <xsl:with-param name="legs" select="$legs"/>
+      </xsl:call-template>
+    </xsl:for-each>
+  </xsl:template>
+
+  <!-- The current node is the attribute's row. -->
+  <xsl:template name="check-attribute">
+    <xsl:param name="channel"/>
+    <xsl:param name="set"/>
+    <xsl:param name="publisher"/>
+    <xsl:param name="subscriber"/>
+    <xsl:param name="bindings"/>
+    <xsl:param name="legs"/>
+    <xsl:variable name="row" select="."/>
+    <xsl:variable name="offered">
+      <xsl:call-template name="required-by">
+        <xsl:with-param name="end" select="$publisher"/>
+        <xsl:with-param name="set" select="$set"/>
+      </xsl:call-template>
+    </xsl:variable>
+    <xsl:variable name="asked">
+      <xsl:call-template name="required-by">
+        <xsl:with-param name="end" select="$subscriber"/>
+        <xsl:with-param name="set" select="$set"/>
+      </xsl:call-template>
+    </xsl:variable>
+    <xsl:if test="@traffic and string($asked)">
+      <xsl:call-template name="check-traffic">
+        <xsl:with-param name="channel" select="$channel"/>
+        <xsl:with-param name="set" select="$set"/>
+        <xsl:with-param name="publisher" select="$publisher"/>
+        <xsl:with-param name="subscriber" select="$subscriber"/>
+        <xsl:with-param name="offered" select="string($offered)"/>
+        <xsl:with-param name="asked" select="string($asked)"/>
+      </xsl:call-template>
+    </xsl:if>
+    <!-- The publisher's Jitter is that of the source; the size to be carried is the publisher's. -->
+    <xsl:variable name="union">
+      <xsl:choose>
+        <xsl:when test="@name = 'Jitter'"><xsl:value-of select="$asked"/></xsl:when>
+        <xsl:when test="not(string($asked)) or (@name = 'MaxPayload' and string($offered))"><xsl:value-of select="$offered"/></xsl:when>
+        <xsl:when test="not(string($offered))"><xsl:value-of select="$asked"/></xsl:when>
+        <xsl:otherwise>
+          <xsl:variable name="offered-fails">
+            <xsl:call-template name="fails">
+              <xsl:with-param name="value" select="$offered"/>
+              <xsl:with-param name="bound" select="$asked"/>
+            </xsl:call-template>
+          </xsl:variable>
+          <xsl:choose>
+            <xsl:when test="string($offered-fails)"><xsl:value-of select="$asked"/></xsl:when>
+            <xsl:otherwise><xsl:value-of select="$offered"/></xsl:otherwise>
+          </xsl:choose>
+        </xsl:otherwise>
+      </xsl:choose>
+    </xsl:variable>
+    <xsl:if test="string($union)">
+      <xsl:for-each select="$legs">
+        <xsl:variable name="hop" select="key('place', normalize-space(.))"/>
+        <xsl:if test="$hop/self::Network or parent::Hop">
+          <xsl:call-template name="check-hop">
+            <xsl:with-param name="row" select="$row"/>
+            <xsl:with-param name="channel" select="$channel"/>
+            <xsl:with-param name="set" select="$set"/>
+            <xsl:with-param name="publisher" select="$publisher"/>
+            <xsl:with-param name="subscriber" select="$subscriber"/>
+            <xsl:with-param name="hop" select="$hop"/>
+            <xsl:with-param name="binding" select="$bindings[generate-id(..) = generate-id($hop)]"/>
+            <xsl:with-param name="required" select="string($union)"/>
+          </xsl:call-template>
+        </xsl:if>
+      </xsl:for-each>
+    </xsl:if>
+  </xsl:template>
+
+  <!-- What the publisher really offers; the current node is the attribute's row. -->
+  <xsl:template name="check-traffic">
+    <xsl:param name="channel"/>
+    <xsl:param name="set"/>
+    <xsl:param name="publisher"/>
+    <xsl:param name="subscriber"/>
+    <xsl:param name="offered"/>
+    <xsl:param name="asked"/>
+    <xsl:variable name="provided">
+      <xsl:choose>
+        <xsl:when test="@name = 'Bandwidth' and $offered = ''">
+          <xsl:call-template name="rate">
+            <xsl:with-param name="bytes">
+              <xsl:call-template name="required-by">
+                <xsl:with-param name="end" select="$publisher"/>
+                <xsl:with-param name="set" select="$set"/>
+                <xsl:with-param name="row" select="$table[@name = 'MaxPayload']"/>
+              </xsl:call-template>
+            </xsl:with-param>
+            <xsl:with-param name="period">
+              <xsl:call-template name="required-by">
+                <xsl:with-param name="end" select="$publisher"/>
+                <xsl:with-param name="set" select="$set"/>
+                <xsl:with-param name="row" select="$table[@name = 'Period']"/>
+              </xsl:call-template>
+            </xsl:with-param>
+          </xsl:call-template>
+        </xsl:when>
+        <xsl:otherwise><xsl:value-of select="$offered"/></xsl:otherwise>
+      </xsl:choose>
+    </xsl:variable>
+    <xsl:call-template name="compare">
+      <xsl:with-param name="id" select="'MLCCA020'"/>
+      <xsl:with-param name="row" select="."/>
+      <xsl:with-param name="channel" select="$channel"/>
+      <xsl:with-param name="publisher" select="$publisher"/>
+      <xsl:with-param name="subscriber" select="$subscriber"/>
+      <xsl:with-param name="required" select="$asked"/>
+      <xsl:with-param name="provided" select="string($provided)"/>
+      <xsl:with-param name="better" select="@traffic"/>
+    </xsl:call-template>
+  </xsl:template>
+
+  <xsl:template name="check-hop">
+    <xsl:param name="row"/>
+    <xsl:param name="channel"/>
+    <xsl:param name="set"/>
+    <xsl:param name="publisher"/>
+    <xsl:param name="subscriber"/>
+    <xsl:param name="hop"/>
+    <xsl:param name="binding"/>
+    <xsl:param name="required"/>
+    <xsl:variable name="stated">
+      <xsl:call-template name="provided-by">
+        <xsl:with-param name="hop" select="$hop"/>
+        <xsl:with-param name="row" select="$row"/>
+      </xsl:call-template>
+    </xsl:variable>
+    <xsl:variable name="composition" select="normalize-space($row/Composition)"/>
+    <xsl:variable name="limits-by-statement-only" select="$row/@of-networks or $composition = 'maximum' or $composition = 'minimum'"/>
+    <xsl:if test="string($stated) or $hop/self::Network or not($limits-by-statement-only)">
+      <xsl:variable name="unbounded-by-fragments">
+        <xsl:if test="$row/@name = 'Omission' and string($stated) and $stated != $none">
+          <xsl:call-template name="is-fragmented">
+            <xsl:with-param name="set" select="$set"/>
+            <xsl:with-param name="publisher" select="$publisher"/>
+            <xsl:with-param name="hop" select="$hop"/>
+            <xsl:with-param name="binding" select="$binding"/>
+          </xsl:call-template>
+        </xsl:if>
+      </xsl:variable>
+      <xsl:call-template name="compare">
+        <xsl:with-param name="id" select="'MLCCA021'"/>
+        <xsl:with-param name="row" select="$row"/>
+        <xsl:with-param name="channel" select="$channel"/>
+        <xsl:with-param name="publisher" select="$publisher"/>
+        <xsl:with-param name="subscriber" select="$subscriber"/>
+        <xsl:with-param name="hop" select="$hop"/>
+        <xsl:with-param name="required" select="$required"/>
+        <xsl:with-param name="provided">
+          <xsl:choose>
+            <xsl:when test="string($unbounded-by-fragments)"><xsl:value-of select="$unbounded"/></xsl:when>
+            <xsl:otherwise><xsl:value-of select="$stated"/></xsl:otherwise>
+          </xsl:choose>
+        </xsl:with-param>
+      </xsl:call-template>
+    </xsl:if>
+  </xsl:template>
+
+  <!-- Not empty if an event of the publisher is longer than a frame that FAMOUSO puts it into. -->
+  <xsl:template name="is-fragmented">
+    <xsl:param name="set"/>
+    <xsl:param name="publisher"/>
+    <xsl:param name="hop"/>
+    <xsl:param name="binding"/>
+    <xsl:if test="normalize-space($hop/Profile[1]) = 'famouso' and $binding">
+      <xsl:variable name="bytes">
+        <xsl:call-template name="required-by">
+          <xsl:with-param name="end" select="$publisher"/>
+          <xsl:with-param name="set" select="$set"/>
+          <xsl:with-param name="row" select="$table[@name = 'MaxPayload']"/>
+        </xsl:call-template>
+      </xsl:variable>
+      <xsl:variable name="format" select="normalize-space($binding/@format)"/>
+      <xsl:variable name="room" select="8 + 56 * ($format = 'fd' or $format = 'any')"/>
+      <xsl:if test="$bytes &gt; $room">yes</xsl:if>
+    </xsl:if>
+  </xsl:template>
+
+  <!-- A finding, unless what is provided fulfils what is required. -->
+  <xsl:template name="compare">
+    <xsl:param name="id"/>
+    <xsl:param name="row"/>
+    <xsl:param name="channel"/>
+    <xsl:param name="publisher"/>
+    <xsl:param name="subscriber"/>
+    <xsl:param name="hop" select="/.."/>
+    <xsl:param name="required"/>
+    <xsl:param name="provided"/>
+    <xsl:param name="better" select="concat($row/@better, normalize-space($row/Better))"/>
+    <xsl:variable name="fails">
+      <xsl:if test="string($provided)">
+        <xsl:call-template name="fails">
+          <xsl:with-param name="value" select="$provided"/>
+          <xsl:with-param name="bound" select="$required"/>
+          <xsl:with-param name="better" select="$better"/>
+        </xsl:call-template>
+      </xsl:if>
+    </xsl:variable>
+    <xsl:if test="not(string($provided)) or string($fails)">
+      <xsl:call-template name="finding">
+        <xsl:with-param name="id" select="$id"/>
+        <xsl:with-param name="channel" select="$channel"/>
+        <xsl:with-param name="publisher" select="$publisher"/>
+        <xsl:with-param name="subscriber" select="$subscriber"/>
+        <xsl:with-param name="hop" select="$hop"/>
+        <xsl:with-param name="row" select="$row"/>
+        <xsl:with-param name="required" select="string($required)"/>
+        <xsl:with-param name="provided" select="string($provided)"/>
+      </xsl:call-template>
+    </xsl:if>
+  </xsl:template>
+</xsl:stylesheet>

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Steps are gone through in their order; a step that has its least number may be left behind.
+#include "description/content.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "description/suggest.hpp"
+
+namespace mlcca::description {
+namespace {
+
+const Child* child_named(const Step& step, std::string_view name) {
+  for (const auto& child : step.children)
+    if (child.name == name) return &child;
+  return nullptr;
+}
+
+bool was_seen(const Content& content, std::size_t step) {
+  return ((content.seen >> step) & 1U) != 0;
+}
+
+/// How often the step has been taken.
+std::uint32_t taken(const Content& content, std::size_t step) {
+  return step == content.step ? content.count : 0;
+}
+
+bool is_open(const Step& step, const Content& content, std::size_t number) {
+  if (taken(content, number) >= step.most) return false;
+  const bool begun = taken(content, number) > 0;
+  return !step.needs_previous || begun || taken(content, number - 1) > 0;
+}
+
+/// Calls `visit(step, number)` for every step that may be next, until it returns true.
+template <class Visit>
+void for_each_next(const ElementType& type, const Content& content, const Visit& visit) {
+  if (type.any_order) {
+    for (std::size_t i = 0; i < type.steps.size(); ++i)
+      if (!was_seen(content, i) && visit(type.steps[i], i)) return;
+    return;
+  }
+  for (std::size_t i = content.step; i < type.steps.size(); ++i) {
+    const auto& step = type.steps[i];
+    if (is_open(step, content, i) && visit(step, i)) return;
+    if (taken(content, i) < step.least) return;
+  }
+}
+
+using Names = std::vector<std::string_view>;
+
+Names names_of(const ElementType& type) {
+  Names out;
+  for (const auto& step : type.steps)
+    for (const auto& child : step.children) out.push_back(child.name);
+  return out;
+}
+
+Names next_names(const ElementType& type, const Content& content) {
+  Names out;
+  for_each_next(type, content, [&](const Step& step, std::size_t) {
+    for (const auto& child : step.children) out.push_back(child.name);
+    return false;
+  });
+  return out;
+}
+
+std::string listed(const Names& names) {
+  return fmt::format("{}( {} )", names.size() > 1 ? "one of " : "", fmt::join(names, ", "));
+}
+
+std::string did_you_mean(std::string_view name, const Names& known) {
+  const auto close = closest(name, known);
+  return close.empty() ? "" : fmt::format("; did you mean {}?", close);
+}
+
+std::string order_of(const ElementType& type, std::string_view element) {
+  const auto names = names_of(type);
+  if (type.steps.size() == 1 && names.size() > 1)
+    return fmt::format("{} has one of {}", element, fmt::join(names, ", "));
+  return fmt::format("{} has {}{}", element, fmt::join(names, ", "),
+                     type.steps.size() == 1 || type.any_order ? "" : ", in this order");
+}
+
+}  // namespace
+
+const Child* next_child(const ElementType& type, Content& content, std::string_view name) {
+  const Child* found = nullptr;
+  std::size_t at = 0;
+  for_each_next(type, content, [&](const Step& step, std::size_t number) {
+    found = child_named(step, name);
+    at = number;
+    return found != nullptr;
+  });
+  if (found == nullptr) return nullptr;
+  if (type.any_order) {
+    content.seen |= 1U << at;
+    return found;
+  }
+  content.count = taken(content, at) + 1;
+  content.step = at;
+  return found;
+}
+
+bool is_complete(const ElementType& type, const Content& content) {
+  for (std::size_t i = 0; i < type.steps.size(); ++i) {
+    if (type.any_order ? !was_seen(content, i) && type.steps[i].least > 0
+                       : i >= content.step && taken(content, i) < type.steps[i].least)
+      return false;
+  }
+  return true;
+}
+
+bool is_container(const ElementType& type) {
+  return std::ranges::any_of(type.steps, &Step::includes);
+}
+
+std::string explain_child(const ElementType& type, const Content& content, std::string_view parent,
+                          std::string_view name) {
+  if (type.value != nullptr) return fmt::format("is not expected: {} is a plain value", parent);
+  if (type.steps.empty()) return fmt::format("is not expected: {} is empty", parent);
+  const auto names = names_of(type);
+  const bool known = std::ranges::find(names, name) != names.end();
+  if (!known && is_container(type))
+    return fmt::format("is not known here; {}", known_names(name, names));
+  const auto order = order_of(type, parent);
+  if (!known) return fmt::format("is not known here: {}{}", order, did_you_mean(name, names));
+  const auto next = next_names(type, content);
+  return next.empty() ? fmt::format("is one too many or out of place: {}", order)
+                      : fmt::format("is not expected here, but {}: {}", listed(next), order);
+}
+
+std::string explain_incomplete(const ElementType& type, const Content& content) {
+  return fmt::format("is not complete: it needs {}", listed(next_names(type, content)));
+}
+
+std::string explain_key(const ElementType& type, std::string_view element, std::string_view key) {
+  if (type.name == "Attribute" && key == "dynamic")
+    return "attribute dynamic is only for a Provision: a requirement is never a best case";
+  if (type.keys.empty()) return fmt::format("attribute {} is not known: {} has none", key, element);
+  Names names;
+  for (const auto& k : type.keys) names.push_back(k.name);
+  return fmt::format("attribute {} is not known: {} has {}{}", key, element, fmt::join(names, ", "),
+                     did_you_mean(key, names));
+}
+
+}  // namespace mlcca::description

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Publishers and subscribers: where they sit, who may send, and what they state in each of their
+// channel's attribute sets.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <map>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "description/resolve.hpp"
+#include "description/users.hpp"
+
+namespace mlcca::description {
+namespace {
+
+using core::FindingId;
+using core::Place;
+using core::Profile;
+
+constexpr unsigned kBrokerNode = 0x7f;
+constexpr unsigned kMaxPriority = 0x7f;
+constexpr std::string_view kOnePlace =
+    "it is at one place: either attribute network or attribute gateway is needed";
+
+class Ends {
+ public:
+  Ends(Draft& draft, Resolved& to, Problems& problems, Users users)
+      : draft_(draft), to_(to), problems_(problems), users_of_(users) {}
+
+  void run() {
+    place_components();
+    to_.system.publishers.reserve(draft_.publishers.size());
+    for (; !draft_.publishers.empty(); draft_.publishers.pop_front())
+      add_publisher(draft_.publishers.front());
+    to_.system.subscribers.reserve(draft_.subscribers.size());
+    for (; !draft_.subscribers.empty(); draft_.subscribers.pop_front())
+      add_subscriber(draft_.subscribers.front());
+    for (auto& component : draft_.components)
+      to_.system.components.push_back(std::move(component.component));
+  }
+
+ private:
+  void say(FindingId id, core::Origin origin, std::string_view element, std::string_view text) {
+    problems_.add(origin, element, text, id);
+  }
+
+  // --- components --------------------------------------------------------------------------------
+
+  void place_components() {
+    Index names("component");
+    for (const auto& c : draft_.components) names.add(c.component.name);
+    for (auto& placement : draft_.placements) {
+      const auto found = names.find(placement.component, placement.origin, "Placement", problems_);
+      if (!found) continue;
+      if (auto& component = draft_.components[*found]; has_place(component.seat))
+        say(FindingId::unplaced, placement.origin, "Placement",
+            fmt::format("component {} already has its place: one is enough", placement.component));
+      else
+        component.seat = with_own(component.seat, std::move(placement.seat));
+    }
+    for (auto& c : draft_.components) {
+      places_.push_back(std::nullopt);
+      if (has_place(c.seat))
+        places_.back() = place_of(c.seat, c.component.origin, "Component");
+      else
+        say(FindingId::unplaced, c.component.origin, "Component",
+            fmt::format("component {0} sits nowhere: add attribute network or gateway, or "
+                        "<Placement component=\"{0}\" network=\"…\"/>",
+                        c.component.name));
+      if (places_.back()) c.component.place = *places_.back();
+    }
+  }
+
+  static bool has_place(const SeatDraft& seat) {
+    return !seat.network.empty() || !seat.gateway.empty();
+  }
+
+  /// What the outer one says, unless the own says it.
+  static SeatDraft with_own(const SeatDraft& outer, SeatDraft own) {
+    if (own.network.empty()) own.network = outer.network;
+    if (own.gateway.empty()) own.gateway = outer.gateway;
+    if (own.user.empty()) own.user = outer.user;
+    if (!own.node) own.node = outer.node;
+    if (!own.priority) own.priority = outer.priority;
+    return own;
+  }
+
+  // --- places ------------------------------------------------------------------------------------
+
+  std::optional<Place> place_of(const SeatDraft& seat, core::Origin origin,
+                                std::string_view element) {
+    if (seat.network.empty() == seat.gateway.empty()) {
+      say(FindingId::wrong_place, origin, element, kOnePlace);
+      return std::nullopt;
+    }
+    const bool on_network = !seat.network.empty();
+    const auto index = on_network ? to_.networks.find(seat.network, origin, element, problems_)
+                                  : to_.gateways.find(seat.gateway, origin, element, problems_);
+    if (!index) return std::nullopt;
+    return Place{on_network ? Place::Kind::network : Place::Kind::gateway, *index};
+  }
+
+  /// Of an end; one in a component sits where that sits, and says nothing else.
+  std::optional<Place> place_of(const EndDraft& end, std::string_view element) {
+    if (end.component == core::kNoComponent) return place_of(end.seat, end.origin, element);
+    if (has_place(end.seat))
+      say(FindingId::wrong_place, end.origin, element,
+          fmt::format("it sits where component {} sits: remove its own network or gateway",
+                      draft_.components[end.component].component.name));
+    return places_[end.component];
+  }
+
+  std::string name_of(const EndDraft& end, std::string_view kind) {
+    if (!end.name.empty()) return end.name;
+    const auto& where = end.component != core::kNoComponent
+                            ? draft_.components[end.component].component.name
+                        : end.seat.network.empty() ? end.seat.gateway
+                                                   : end.seat.network;
+    auto name = fmt::format("{}@{}", end.channel, where);
+    const auto count = ++unnamed_[fmt::format("{} {}", kind, name)];
+    return count == 1 ? name : fmt::format("{}#{}", name, count);
+  }
+
+  // --- attribute sets ----------------------------------------------------------------------------
+
+  /// Own sets for every alternative, for one that there is, and each of them once.
+  void check_sets(const core::EventChannel& channel, const EndDraft& end) {
+    for (auto own = end.own.begin(); own != end.own.end(); ++own) {
+      if (std::ranges::find(end.own.begin(), own, own->priority, &StatedDraft::priority) != own)
+        say(FindingId::name_twice, own->origin, "Attributes",
+            own->priority ? fmt::format("priority {} stands here a second time: state it once",
+                                        *own->priority)
+                          : "stands here a second time without a priority: state it once");
+      if (own->priority && !has_set(channel, *own->priority))
+        say(FindingId::unknown_name, own->origin, "Attributes",
+            fmt::format("channel {} has no set of priority {}", channel.name, *own->priority));
+    }
+  }
+
+  static bool has_set(const core::EventChannel& channel, int priority) {
+    return (channel.priority == priority && !channel.lower.empty()) ||
+           std::ranges::find(channel.lower, priority, &core::Alternative::priority) !=
+               channel.lower.end();
+  }
+
+  /// What an end states in the channel's set of that priority.
+  core::Alternative own_set(const core::Alternative& of_channel, const EndDraft& end) {
+    core::Alternative out = of_channel;
+    const auto add = [&](const StatedDraft& own) {
+      out.attributes = description::with_own(out.attributes, own.set);
+      out.user = description::with_own(
+          out.user, user_values(own.user, to_.user_attributes, Side::requirement, problems_));
+    };
+    for (const auto& own : end.own)
+      if (!own.priority) add(own);
+    for (const auto& own : end.own)
+      if (own.priority == of_channel.priority) add(own);
+    return out;
+  }
+
+  /// All of them. The channel's Jitter is what subscribers stand; a publisher's own is stated by
+  /// itself: `prepare` takes it away.
+  template <class End, class Prepare>
+  void set_attributes(End& out, const EndDraft& end, const Prepare& prepare) {
+    const auto& channel = to_.system.channels[out.channel];
+    if (!end.own.empty()) check_sets(channel, end);
+    auto first = own_set(
+        prepare(core::Alternative{channel.priority, channel.attributes, channel.user}), end);
+    out.attributes = first.attributes;
+    out.user = std::move(first.user);
+    for (const auto& lower : channel.lower) out.lower.push_back(own_set(prepare(lower), end));
+  }
+
+  // --- ends --------------------------------------------------------------------------------------
+
+  void add_publisher(EndDraft& end) {
+    if (end.component != core::kNoComponent) {
+      const auto& outer = draft_.components[end.component].seat;
+      if (end.seat.user.empty()) end.seat.user = outer.user;
+      if (!end.seat.node) end.seat.node = outer.node;
+      if (!end.seat.priority) end.seat.priority = outer.priority;
+    }
+    const auto channel = to_.channel_named(end.channel, end.origin, "Publisher", problems_);
+    const auto place = place_of(end, "Publisher");
+    std::optional<std::uint32_t> uid;
+    if (place) {
+      check_sender(end, *place);
+      uid = uid_at(end, *place);
+    }
+    if (!channel || !place) return;
+    auto& out = to_.system.publishers.emplace_back();
+    out.name = name_of(end, "publisher");
+    out.channel = *channel;
+    out.place = *place;
+    out.uid = uid;
+    out.component = end.component;
+    out.origin = end.origin;
+    if (end.seat.node) out.node = static_cast<std::uint8_t>(*end.seat.node);
+    if (end.seat.priority) out.priority = static_cast<std::uint8_t>(*end.seat.priority);
+    set_attributes(out, end, [](core::Alternative set) {
+      set.attributes.clear(Attribute::jitter);
+      return set;
+    });
+  }
+
+  void add_subscriber(const EndDraft& end) {
+    const auto channel = to_.channel_named(end.channel, end.origin, "Subscriber", problems_);
+    const auto place = place_of(end, "Subscriber");
+    if (!channel || !place) return;
+    auto& out = to_.system.subscribers.emplace_back();
+    out.name = name_of(end, "subscriber");
+    out.channel = *channel;
+    out.place = *place;
+    out.component = end.component;
+    out.origin = end.origin;
+    set_attributes(out, end, std::identity{});
+  }
+
+  [[nodiscard]] bool speaks_famouso(Place place) const {
+    const auto& system = to_.system;
+    if (place.kind == Place::Kind::network)
+      return system.networks[place.index].profile == Profile::famouso;
+    return std::ranges::any_of(system.gateways[place.index].ports, [&](const core::Port& port) {
+      return system.networks[port.network].profile == Profile::famouso;
+    });
+  }
+
+  /// Node and priority: where FAMOUSO is spoken, and only there. A component's count only where
+  /// they have a meaning.
+  void check_sender(EndDraft& end, Place place) {
+    const auto wrong = [&](std::string_view text) {
+      say(FindingId::wrong_place, end.origin, "Publisher", text);
+    };
+    auto& seat = end.seat;
+    if (!speaks_famouso(place)) {
+      if (seat.node || seat.priority)
+        wrong(
+            "attributes node and priority are for profile famouso, which is not spoken here: "
+            "remove them");
+      return;
+    }
+    if (!seat.node && place.kind == Place::Kind::network)
+      say(FindingId::no_node, end.origin, "Publisher",
+          "attribute node is missing: on a network with profile famouso it is 0 to 126");
+    if (seat.node && *seat.node >= kBrokerNode)
+      wrong(fmt::format("attribute node: {} is not right: 0 to 126 (127 is the broker's)",
+                        *seat.node));
+    if (seat.priority && *seat.priority > kMaxPriority)
+      wrong(fmt::format("attribute priority: {} is not right: 0 (highest) to 127", *seat.priority));
+  }
+
+  std::optional<std::uint32_t> uid_at(const EndDraft& end, Place place) {
+    const auto wrong = [&](std::string_view text) {
+      say(FindingId::wrong_place, end.origin, "Publisher", text);
+    };
+    const auto& user = end.seat.user;
+    const bool local = place.kind == Place::Kind::gateway;
+    if (user.empty()) {
+      if (local) wrong("attribute user is missing: whose programs on the gateway may send");
+      return std::nullopt;
+    }
+    if (!local) {
+      wrong(
+          "attribute user is for a program on a gateway; nobody knows a user behind a bus: "
+          "remove it");
+      return std::nullopt;
+    }
+    auto& known = known_users_[user];
+    if (!known)
+      known = users_of_ == Users::of_this_machine
+                  ? uid_of(user)
+                  : static_cast<std::uint32_t>(known_users_.size());  // told apart, no more
+    if (*known) return **known;
+    wrong(fmt::format("attribute user: {}", known->error()));
+    return std::nullopt;
+  }
+
+  Draft& draft_;
+  Resolved& to_;
+  Problems& problems_;
+  Users users_of_;
+  std::vector<std::optional<Place>> places_;  ///< of the components
+  std::unordered_map<std::string, std::size_t> unnamed_;
+  std::map<std::string, std::optional<std::expected<std::uint32_t, std::string>>> known_users_;
+};
+
+}  // namespace
+
+void add_ends(Draft& draft, Resolved& to, Problems& problems, Users users) {
+  Ends(draft, to, problems, users).run();
+}
+
+}  // namespace mlcca::description

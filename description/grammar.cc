@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The table of elements, from the leaves to System.
+#include "description/grammar.hpp"
+
+#include <array>
+
+namespace mlcca::description {
+namespace {
+
+constexpr ElementType plain(const ValueType& type) {
+  return {.name = {}, .value = &type, .steps = {}, .keys = {}};
+}
+
+constexpr auto kText = plain(type::kText);
+constexpr auto kSubject = plain(type::kSubject);
+constexpr auto kShortHex = plain(type::kShortHex);
+constexpr auto kDecimal = plain(type::kDecimal);
+constexpr auto kExponent = plain(type::kExponent);
+constexpr auto kMagnitude = plain(type::kMagnitude);
+constexpr auto kBitrate = plain(type::kBitrate);
+constexpr auto kDataBitrate = plain(type::kDataBitrate);
+constexpr auto kAttributeName = plain(type::kAttributeName);
+constexpr auto kBetter = plain(type::kBetter);
+constexpr auto kComposition = plain(type::kComposition);
+constexpr auto kNetworkKind = plain(type::kNetworkKind);
+constexpr auto kProfile = plain(type::kProfile);
+
+template <std::size_t N>
+using Children = std::array<Child, N>;
+
+// --- quantities
+// -----------------------------------------------------------------------------------
+
+constexpr Children<1> kSeconds{{{"Seconds", &kExponent}}};
+constexpr Children<1> kBytes{{{"Bytes", &kExponent}}};
+constexpr Children<1> kMetres{{{"Metres", &kExponent}}};
+constexpr Children<1> kKilograms{{{"Kilograms", &kExponent}}};
+constexpr Children<1> kAmperes{{{"Amperes", &kExponent}}};
+constexpr Children<1> kKelvins{{{"Kelvins", &kExponent}}};
+constexpr Children<1> kMoles{{{"Moles", &kExponent}}};
+constexpr Children<1> kCandelas{{{"Candelas", &kExponent}}};
+constexpr auto kSiUnitSteps = std::to_array<Step>({{.children = kSeconds, .least = 0},
+                                                   {.children = kBytes, .least = 0},
+                                                   {.children = kMetres, .least = 0},
+                                                   {.children = kKilograms, .least = 0},
+                                                   {.children = kAmperes, .least = 0},
+                                                   {.children = kKelvins, .least = 0},
+                                                   {.children = kMoles, .least = 0},
+                                                   {.children = kCandelas, .least = 0}});
+constexpr ElementType kSiUnit{
+    .name = "SIUnit", .steps = kSiUnitSteps, .any_order = true, .keys = {}};
+
+constexpr Children<1> kSiUnitChild{{{"SIUnit", &kSiUnit}}};
+constexpr Children<1> kMagnitudeChild{{{"Magnitude", &kMagnitude}}};
+constexpr auto kDimensionSteps = std::to_array<Step>(
+    {{.children = kSiUnitChild, .least = 0}, {.children = kMagnitudeChild, .least = 0}});
+constexpr ElementType kDimension{.name = "Dimension", .steps = kDimensionSteps, .keys = {}};
+
+constexpr Children<1> kNameChild{{{"Name", &kAttributeName}}};
+constexpr Children<1> kDimensionChild{{{"Dimension", &kDimension}}};
+constexpr Children<1> kValueChild{{{"Value", &kDecimal}}};
+constexpr auto kQuantity = std::to_array<Step>({{.children = kNameChild},
+                                                {.children = kDimensionChild, .least = 0},
+                                                {.children = kValueChild}});
+constexpr auto kDynamic = std::to_array<Key>({{"dynamic", &type::kBoolean}});
+constexpr ElementType kAttribute{.name = "Attribute", .steps = kQuantity, .keys = {}};
+constexpr ElementType kProvidedAttribute{
+    .name = "ProvidedAttribute", .steps = kQuantity, .keys = kDynamic};
+
+constexpr Children<1> kRequired{{{"Attribute", &kAttribute}}};
+constexpr auto kAttributesSteps =
+    std::to_array<Step>({{.children = kRequired, .least = 0, .most = kUnlimited}});
+constexpr auto kAttributesKeys = std::to_array<Key>({{"priority", &type::kSetPriority}});
+constexpr ElementType kAttributes{
+    .name = "Attributes", .steps = kAttributesSteps, .keys = kAttributesKeys};
+
+constexpr Children<1> kProvided{{{"Attribute", &kProvidedAttribute}}};
+constexpr auto kProvisionSteps =
+    std::to_array<Step>({{.children = kProvided, .least = 0, .most = kUnlimited}});
+constexpr ElementType kProvision{.name = "Provision", .steps = kProvisionSteps, .keys = kDynamic};
+
+constexpr Children<1> kDescription{{{"Description", &kText}}};
+constexpr Children<1> kBetterChild{{{"Better", &kBetter}}};
+constexpr Children<1> kCompositionChild{{{"Composition", &kComposition}}};
+constexpr auto kUserAttributeSteps = std::to_array<Step>({{.children = kDescription, .least = 0},
+                                                          {.children = kDimensionChild, .least = 0},
+                                                          {.children = kBetterChild},
+                                                          {.children = kCompositionChild}});
+constexpr auto kUserAttributeKeys = std::to_array<Key>({{"name", &type::kAttributeName, true}});
+constexpr ElementType kUserAttribute{
+    .name = "UserAttribute", .steps = kUserAttributeSteps, .keys = kUserAttributeKeys};
+
+// --- channels and their ends
+// ----------------------------------------------------------------------
+
+constexpr Children<1> kSubjectChild{{{"SubjectUID", &kSubject}}};
+constexpr Children<1> kAttributesChild{{{"Attributes", &kAttributes}}};
+constexpr auto kChannelSteps =
+    std::to_array<Step>({{.children = kSubjectChild},
+                         {.children = kDescription, .least = 0},
+                         {.children = kAttributesChild, .least = 0, .most = 16}});
+constexpr auto kChannelKeys =
+    std::to_array<Key>({{"name", &type::kName}, {"safe-side", &type::kSafeSide}});
+constexpr ElementType kEventChannel{
+    .name = "EventChannel", .steps = kChannelSteps, .keys = kChannelKeys};
+
+constexpr auto kEndSteps =
+    std::to_array<Step>({{.children = kAttributesChild, .least = 0, .most = 17}});
+constexpr auto kPublisherKeys = std::to_array<Key>({{"channel", &type::kChannelName, true},
+                                                    {"network", &type::kName},
+                                                    {"gateway", &type::kName},
+                                                    {"name", &type::kName},
+                                                    {"node", &type::kSmallNumber},
+                                                    {"priority", &type::kSmallNumber},
+                                                    {"user", &type::kUserName}});
+constexpr ElementType kPublisher{.name = "Publisher", .steps = kEndSteps, .keys = kPublisherKeys};
+
+constexpr auto kSubscriberKeys = std::to_array<Key>({{"channel", &type::kChannelName, true},
+                                                     {"network", &type::kName},
+                                                     {"gateway", &type::kName},
+                                                     {"name", &type::kName}});
+constexpr ElementType kSubscriber{
+    .name = "Subscriber", .steps = kEndSteps, .keys = kSubscriberKeys};
+
+constexpr Children<3> kComponentParts{
+    {{"EventChannel", &kEventChannel}, {"Publisher", &kPublisher}, {"Subscriber", &kSubscriber}}};
+constexpr auto kComponentSteps = std::to_array<Step>(
+    {{.children = kDescription, .least = 0},
+     {.children = kComponentParts, .least = 0, .most = kUnlimited, .includes = true}});
+constexpr auto kComponentKeys = std::to_array<Key>({{"name", &type::kName, true},
+                                                    {"network", &type::kName},
+                                                    {"gateway", &type::kName},
+                                                    {"node", &type::kSmallNumber},
+                                                    {"priority", &type::kSmallNumber},
+                                                    {"user", &type::kUserName}});
+constexpr ElementType kComponent{
+    .name = "Component", .steps = kComponentSteps, .keys = kComponentKeys};
+
+constexpr auto kPlacementKeys = std::to_array<Key>({{"component", &type::kName, true},
+                                                    {"network", &type::kName},
+                                                    {"gateway", &type::kName},
+                                                    {"node", &type::kSmallNumber},
+                                                    {"priority", &type::kSmallNumber},
+                                                    {"user", &type::kUserName}});
+constexpr ElementType kPlacement{.name = "Placement", .steps = {}, .keys = kPlacementKeys};
+
+// --- networks, gateways, routes
+// -------------------------------------------------------------------
+
+constexpr auto kIdentifierKeys = std::to_array<Key>({{"form", &type::kIdentifierForm, true}});
+constexpr ElementType kIdentifier{
+    .name = "Identifier", .value = &type::kShortHex, .steps = {}, .keys = kIdentifierKeys};
+
+constexpr Children<2> kBindingForms{{{"ETag", &kShortHex}, {"Identifier", &kIdentifier}}};
+constexpr auto kBindingSteps = std::to_array<Step>({{.children = kBindingForms}});
+constexpr auto kBindingKeys = std::to_array<Key>({{"channel", &type::kChannelName, true},
+                                                  {"format", &type::kFrameFormat},
+                                                  {"remote-frames", &type::kBoolean}});
+constexpr ElementType kBinding{.name = "Binding", .steps = kBindingSteps, .keys = kBindingKeys};
+
+constexpr Children<1> kKindChild{{{"Kind", &kNetworkKind}}};
+constexpr Children<1> kProfileChild{{{"Profile", &kProfile}}};
+constexpr Children<1> kProvisionChild{{{"Provision", &kProvision}}};
+constexpr Children<1> kBindingChild{{{"Binding", &kBinding}}};
+constexpr auto kNetworkSteps =
+    std::to_array<Step>({{.children = kKindChild},
+                         {.children = kProfileChild, .least = 0},
+                         {.children = kProvisionChild, .least = 0},
+                         {.children = kBindingChild, .least = 0, .most = kUnlimited}});
+constexpr auto kNamed = std::to_array<Key>({{"name", &type::kName, true}});
+constexpr ElementType kNetwork{.name = "Network", .steps = kNetworkSteps, .keys = kNamed};
+
+constexpr auto kInterfaceKeys = std::to_array<Key>({{"name", &type::kInterfaceName},
+                                                    {"id-path", &type::kDeviceText},
+                                                    {"serial", &type::kDeviceText},
+                                                    {"alias", &type::kDeviceText},
+                                                    {"port", &type::kPortNumber}});
+constexpr ElementType kInterface{.name = "Interface", .steps = {}, .keys = kInterfaceKeys};
+
+constexpr Children<1> kInterfaceChild{{{"Interface", &kInterface}}};
+constexpr Children<1> kBitrateChild{{{"Bitrate", &kBitrate}}};
+constexpr Children<1> kDataBitrateChild{{{"DataBitrate", &kDataBitrate}}};
+constexpr auto kPortSteps =
+    std::to_array<Step>({{.children = kInterfaceChild},
+                         {.children = kBitrateChild, .least = 0},
+                         {.children = kDataBitrateChild, .least = 0, .needs_previous = true}});
+constexpr auto kPortKeys =
+    std::to_array<Key>({{"network", &type::kName, true}, {"managed", &type::kBoolean}});
+constexpr ElementType kPort{.name = "Port", .steps = kPortSteps, .keys = kPortKeys};
+
+constexpr Children<1> kPortChild{{{"Port", &kPort}}};
+constexpr auto kGatewaySteps = std::to_array<Step>(
+    {{.children = kProvisionChild, .least = 0}, {.children = kPortChild, .most = kUnlimited}});
+constexpr auto kGatewayKeys =
+    std::to_array<Key>({{"name", &type::kName, true}, {"host", &type::kHostName}});
+constexpr ElementType kGateway{.name = "Gateway", .steps = kGatewaySteps, .keys = kGatewayKeys};
+
+constexpr auto kHopKeys = std::to_array<Key>({{"place", &type::kName, true}});
+constexpr ElementType kHop{.name = "Hop", .steps = {}, .keys = kHopKeys};
+
+constexpr Children<1> kHopChild{{{"Hop", &kHop}}};
+constexpr auto kRouteSteps = std::to_array<Step>({{.children = kHopChild, .least = 0, .most = 14}});
+constexpr auto kRouteKeys =
+    std::to_array<Key>({{"from", &type::kName, true}, {"to", &type::kName, true}});
+constexpr ElementType kRoute{.name = "Route", .steps = kRouteSteps, .keys = kRouteKeys};
+
+// --- the system
+// -----------------------------------------------------------------------------------
+
+constexpr Children<9> kSystemParts{{{"EventChannel", &kEventChannel},
+                                    {"UserAttribute", &kUserAttribute},
+                                    {"Network", &kNetwork},
+                                    {"Gateway", &kGateway},
+                                    {"Component", &kComponent},
+                                    {"Placement", &kPlacement},
+                                    {"Route", &kRoute},
+                                    {"Publisher", &kPublisher},
+                                    {"Subscriber", &kSubscriber}}};
+constexpr auto kSystemSteps = std::to_array<Step>(
+    {{.children = kSystemParts, .least = 0, .most = kUnlimited, .includes = true}});
+constexpr ElementType kSystem{.name = "System", .steps = kSystemSteps, .keys = kNamed};
+constexpr Child kRoot{"System", &kSystem};
+
+constexpr auto kTypes = std::to_array<const ElementType*>(
+    {&kSystem,    &kUserAttribute, &kEventChannel, &kNetwork,   &kGateway,
+     &kComponent, &kPlacement,     &kRoute,        &kPublisher, &kSubscriber,
+     &kHop,       &kPort,          &kInterface,    &kBinding,   &kIdentifier,
+     &kProvision, &kAttributes,    &kAttribute,    &kDimension, &kProvidedAttribute,
+     &kSiUnit});
+
+}  // namespace
+
+const Child& system_root() { return kRoot; }
+std::span<const Child> system_parts() { return kSystemParts; }
+std::span<const ElementType* const> element_types() { return kTypes; }
+
+}  // namespace mlcca::description

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// SAX instead of a tree: a line is known exactly even beyond 65535, a DTD is stopped at its first
+// character, and no more than a few KiB of the document are in memory.
+#include "description/parser.hpp"
+
+#include <fmt/format.h>
+#include <libxml/parser.h>
+#include <libxml/parserInternals.h>
+#include <libxml/xmlerror.h>
+
+#include <cerrno>
+#include <cstring>
+#include <memory>
+
+#include "core/handle.hpp"
+
+namespace mlcca::description {
+namespace {
+
+using core::FindingId;
+using ParserContext = std::unique_ptr<xmlParserCtxt, FreeWith<xmlFreeParserCtxt>>;
+
+std::string_view view(const xmlChar* text) {
+  return text == nullptr ? std::string_view{} : reinterpret_cast<const char*>(text);
+}
+
+/// Library messages that belong to no context come here instead of stderr, for one parse.
+class CaughtMessages {
+ public:
+  CaughtMessages(void* context, xmlStructuredErrorFunc function)
+      : old_context_(xmlStructuredErrorContext), old_function_(xmlStructuredError) {
+    xmlSetStructuredErrorFunc(context, function);
+  }
+  ~CaughtMessages() { xmlSetStructuredErrorFunc(old_context_, old_function_); }
+  CaughtMessages(const CaughtMessages&) = delete;
+  CaughtMessages(CaughtMessages&&) = delete;
+  CaughtMessages& operator=(const CaughtMessages&) = delete;
+  CaughtMessages& operator=(CaughtMessages&&) = delete;
+
+ private:
+  void* old_context_;
+  xmlStructuredErrorFunc old_function_;
+};
+
+class Parser {
+ public:
+  Parser(Source& source, std::uint32_t file, Builder& builder, const Account& account)
+      : source_(source), file_(file), builder_(builder), account_(account) {}
+
+  void run();
+
+ private:
+  static Parser& of(void* data) { return *static_cast<Parser*>(data); }
+  static xmlSAXHandler events();
+  static int read(void* data, char* to, int size) noexcept;
+  static void message(void* data, xmlError* error) noexcept;
+
+  void start(const xmlChar* name, const xmlChar* uri, int attributes, const xmlChar** rows);
+  [[nodiscard]] int line() const { return context_->input == nullptr ? 0 : context_->input->line; }
+  [[nodiscard]] core::Origin here() const { return {.file = file_, .line = line()}; }
+  void end_here() {
+    ended_ = true;
+    if (context_) xmlStopParser(context_.get());
+  }
+  void end_if_stopped() {
+    if (builder_.stopped()) end_here();
+  }
+
+  Source& source_;
+  std::uint32_t file_;
+  Builder& builder_;
+  const Account& account_;
+  ParserContext context_;
+  std::vector<ParsedAttribute> attributes_;
+  bool ended_ = false;  ///< further messages would be consequences
+};
+
+int Parser::read(void* data, char* to, int size) noexcept {
+  auto& self = of(data);
+  if (self.ended_) return 0;
+  const auto got = self.source_.read(to, static_cast<std::size_t>(size));
+  if (got < 0) {
+    self.builder_.stop({.file = self.file_, .line = 0}, "",
+                       fmt::format("cannot read the file: {}", std::strerror(errno)),
+                       FindingId::unreadable);
+  } else if (self.account_(static_cast<std::size_t>(got))) {
+    return static_cast<int>(got);
+  }
+  // As if the file ended: what the library says of that is not passed on.
+  self.ended_ = true;
+  return 0;
+}
+
+void Parser::message(void* data, xmlError* error) noexcept {
+  auto& self = of(data);
+  if (self.ended_ || error->level == XML_ERR_WARNING || error->message == nullptr) return;
+  std::string_view text = error->message;
+  while (text.ends_with('\n')) text.remove_suffix(1);
+  const bool has_line = error->domain == XML_FROM_PARSER || error->domain == XML_FROM_NAMESPACE;
+  self.builder_.fail({.file = self.file_, .line = has_line ? error->line : self.line()},
+                     self.builder_.inside(), fmt::format("not well-formed XML: {}", text),
+                     FindingId::not_xml);
+  if (error->level == XML_ERR_FATAL) self.end_here();
+}
+
+void Parser::start(const xmlChar* name, const xmlChar* uri, int attributes, const xmlChar** rows) {
+  attributes_.clear();
+  // Of each attribute the name, its prefix and namespace, and where its value begins and ends.
+  for (const auto row = std::span(rows, static_cast<std::size_t>(attributes) * 5);
+       attributes_.size() * 5 < row.size();) {
+    const auto at = row.subspan(attributes_.size() * 5, 5);
+    attributes_.push_back(
+        {{.space = view(at[2]), .local = view(at[0])},
+         {reinterpret_cast<const char*>(at[3]), reinterpret_cast<const char*>(at[4])}});
+  }
+  builder_.start(line(), {.space = view(uri), .local = view(name)}, attributes_);
+  end_if_stopped();
+}
+
+xmlSAXHandler Parser::events() {
+  xmlSAXHandler sax{};
+  sax.initialized = XML_SAX2_MAGIC;
+  sax.serror = message;
+  sax.startElementNs = [](void* data, const xmlChar* name, const xmlChar*, const xmlChar* uri, int,
+                          const xmlChar**, int attributes, int, const xmlChar** rows) noexcept {
+    of(data).start(name, uri, attributes, rows);
+  };
+  sax.endElementNs = [](void* data, const xmlChar*, const xmlChar*, const xmlChar*) noexcept {
+    auto& self = of(data);
+    self.builder_.end();
+    self.end_if_stopped();
+  };
+  sax.characters = [](void* data, const xmlChar* characters, int length) noexcept {
+    auto& self = of(data);
+    self.builder_.text(
+        self.line(), {reinterpret_cast<const char*>(characters), static_cast<std::size_t>(length)});
+    self.end_if_stopped();
+  };
+  sax.cdataBlock = sax.characters;
+  sax.ignorableWhitespace = sax.characters;
+  sax.internalSubset = [](void* data, const xmlChar*, const xmlChar*, const xmlChar*) noexcept {
+    auto& self = of(data);
+    self.builder_.fail(self.here(), "", "a DOCTYPE is refused, and entities with it: remove it",
+                       FindingId::not_xml);
+    self.end_here();
+  };
+  return sax;
+}
+
+void Parser::run() {
+  const CaughtMessages caught(this, message);
+  auto sax = events();
+  context_.reset(xmlCreateIOParserCtxt(&sax, this, read, nullptr, this, XML_CHAR_ENCODING_NONE));
+  if (!context_) {
+    if (!ended_)
+      builder_.stop({.file = file_, .line = 0}, "", "the parser could not be set up: out of memory",
+                    FindingId::unreadable);
+    return;
+  }
+  // NOENT: the five entities of XML itself are replaced in attributes too; there are no others
+  // without a DTD. The library's own limits (10 MB of one token) hold below ours.
+  xmlCtxtUseOptions(context_.get(), XML_PARSE_NONET | XML_PARSE_NOENT);
+  xmlParseDocument(context_.get());
+}
+
+}  // namespace
+
+void parse_document(Source& source, std::uint32_t file, Builder& builder, const Account& account) {
+  Parser(source, file, builder, account).run();
+}
+
+}  // namespace mlcca::description

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The run-time representation of an event channel's attributes, proto/mlcca.asn1: writer and
+// reader. C++14, freestanding. docs/NODES.md has the format as a table.
+#pragma once
+#include "mlcca/der_decode.hpp"
+#include "mlcca/der_encode.hpp"
+#include "mlcca/der_format.hpp"

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/design/check/report.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <utility>
+
+#include "core/text.hpp"
+#include "description/read.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+using core::FindingId;
+
+constexpr double kReadingShare = 0.6;  // of the whole work
+
+/// Without these the System lacks what the others would be compared with.
+bool hides_others(FindingId id) {
+  switch (id) {
+    case FindingId::not_in_schema:
+    case FindingId::rule:
+    case FindingId::unknown_name:
+    case FindingId::wrong_place:
+    case FindingId::unplaced:
+    case FindingId::too_many:
+      return true;
+    default:
+      return false;
+  }
+}
+
+ReportedFinding reported(const description::Problem& problem) {
+  ReportedFinding out;
+  out.id = static_cast<FindingId>(problem.id);
+  out.file = problem.file;
+  out.line = problem.line;
+  out.element = problem.element;
+  out.text = problem.text;
+  return out;
+}
+
+ReportedFinding reported(const core::System& system, core::Finding& finding) {
+  ReportedFinding out;
+  out.id = finding.id;
+  if (finding.origin.file < system.files.size()) out.file = system.files[finding.origin.file];
+  out.line = finding.origin.line;
+  out.text = std::move(finding.text);
+  out.hint = std::move(finding.hint);
+  if (finding.channel != core::kNone) out.channel = system.channels[finding.channel].name;
+  if (finding.publisher != core::kNone) out.publisher = system.publishers[finding.publisher].name;
+  if (finding.subscriber != core::kNone)
+    out.subscriber = system.subscribers[finding.subscriber].name;
+  if (finding.has_place) out.place = core::name_of(system, finding.place);
+  out.attribute = std::move(finding.attribute);
+  out.required = std::move(finding.required);
+  out.provided = std::move(finding.provided);
+  return out;
+}
+
+/// Problems and findings in one order; both are sorted by file and line.
+void sort_findings(const core::System& system, std::vector<ReportedFinding>& findings) {
+  const auto number = [&](const ReportedFinding& f) {
+    return std::ranges::find(system.files, f.file) - system.files.begin();
+  };
+  std::ranges::stable_sort(findings, [&](const ReportedFinding& a, const ReportedFinding& b) {
+    if (a.file != b.file) return number(a) < number(b);
+    return a.line < b.line;
+  });
+}
+
+SystemReport check_system(const std::vector<std::string>& paths, const ReportProgress& progress) {
+  SystemReport out;
+  out.file = paths.front();
+  const auto say = [&](std::string_view what, double done) {
+    if (progress) progress(what, done);
+  };
+  auto examined = description::examine(
+      paths,
+      [&](std::uint64_t read, std::uint64_t total) {
+        say("reading", total == 0 ? 0 : kReadingShare * double(read) / double(total));
+      },
+      description::Users::any);
+  out.readable = examined.readable;
+  out.system = std::move(examined.system);
+  for (const auto& problem : examined.problems) out.findings.push_back(reported(problem));
+  out.inspected =
+      out.readable && std::ranges::none_of(out.findings, hides_others, &ReportedFinding::id);
+  if (!out.inspected) return out;
+  out.system.sort_bindings();
+  const auto all = static_cast<double>(std::max<std::size_t>(out.system.channels.size(), 1));
+  out.inspection = core::inspect(out.system, [&](std::size_t done) {
+    say("checking", kReadingShare + (1 - kReadingShare) * static_cast<double>(done) / all);
+  });
+  const bool problems = !out.findings.empty();
+  for (auto& finding : std::exchange(out.inspection.findings, {}))
+    out.findings.push_back(reported(out.system, finding));
+  if (problems) sort_findings(out.system, out.findings);
+  return out;
+}
+
+}  // namespace
+
+Totals Report::totals() const {
+  Totals totals;
+  for_each_finding(*this, [&](const ReportedFinding& f) {
+    switch (core::info(f.id).severity) {
+      case core::Severity::error:
+        ++totals.errors;
+        break;
+      case core::Severity::warning:
+        ++totals.warnings;
+        break;
+      case core::Severity::note:
+        ++totals.notes;
+        break;
+    }
+  });
+  return totals;
+}
+
+bool Report::readable() const {
+  return parts.empty() && std::ranges::all_of(systems, &SystemReport::readable);
+}
+
+Report make_report(const std::vector<std::string>& paths, const ReportProgress& progress) {
+  Report report;
+  std::vector<std::string> systems;
+  std::vector<std::string> parts;
+  for (const auto& path : paths) (description::is_part(path) ? parts : systems).push_back(path);
+  for (const auto& path : systems) {
+    std::vector<std::string> together{path};
+    together.insert(together.end(), parts.begin(), parts.end());
+    report.systems.push_back(check_system(together, progress));
+  }
+  if (!systems.empty()) return report;
+  for (const auto& path : parts)
+    for (const auto& problem : description::check_part(path))
+      report.parts.push_back(reported(problem));
+  return report;
+}
+
+void for_each_finding(const Report& report,
+                      const std::function<void(const ReportedFinding&)>& each) {
+  for (const auto& system : report.systems)
+    for (const auto& finding : system.findings) each(finding);
+  for (const auto& finding : report.parts) each(finding);
+}
+
+std::string_view to_text(core::Severity severity) {
+  switch (severity) {
+    case core::Severity::error:
+      return "error";
+    case core::Severity::warning:
+      return "warning";
+    case core::Severity::note:
+      break;
+  }
+  return "note";
+}
+
+}  // namespace mlcca::tools::design

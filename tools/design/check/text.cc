@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "tools/design/check/write.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+Style style_of(core::Severity severity) {
+  switch (severity) {
+    case core::Severity::error:
+      return Style::bad;
+    case core::Severity::warning:
+      return Style::warning;
+    case core::Severity::note:
+      break;
+  }
+  return Style::dim;
+}
+
+void write(std::string& out, const ReportedFinding& f, Color color) {
+  const auto& info = core::info(f.id);
+  std::string where = f.file;
+  if (f.line > 0) where += fmt::format(":{}", f.line);
+  const auto what = fmt::format("{} {}:", to_text(info.severity), core::code_of(f.id));
+  fmt::format_to(std::back_inserter(out), "{}: {} {}{}\n", styled(where, Style::bold, color),
+                 styled(what, style_of(info.severity), color),
+                 f.element.empty() ? "" : fmt::format("<{}>: ", f.element), printable(f.text));
+  if (!f.hint.empty())
+    fmt::format_to(std::back_inserter(out), "    {}\n",
+                   styled("hint: " + f.hint, Style::dim, color));
+}
+
+std::string counted(std::size_t n, std::string_view one) {
+  return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
+}
+
+/// "volksbot: 3 channels: 2 fit, 1 decided at run time, 0 do not fit"
+std::string channels_line(const SystemReport& system) {
+  const auto& name = system.system.name.empty() ? system.file : system.system.name;
+  if (!system.readable) return fmt::format("{}: cannot be read", name);
+  if (!system.inspected)
+    return fmt::format("{}: deliveries are checked when the names and rules are right", name);
+  std::size_t fit = 0;
+  std::size_t run_time = 0;
+  std::size_t unfit = 0;
+  for (const auto& channel : system.inspection.channels)
+    ++(channel.outcome == Outcome::fit        ? fit
+       : channel.outcome == Outcome::run_time ? run_time
+                                              : unfit);
+  return fmt::format("{}: {}: {} fit, {} decided at run time, {} do not fit", name,
+                     counted(system.inspection.channels.size(), "channel"), fit, run_time, unfit);
+}
+
+}  // namespace
+
+std::string write_text(const Report& report, Color color) {
+  std::string out;
+  for_each_finding(report, [&](const ReportedFinding& f) { write(out, f, color); });
+  for (const auto& system : report.systems) out += printable(channels_line(system)) + "\n";
+  const auto totals = report.totals();
+  if (totals.errors + totals.warnings + totals.notes != 0)
+    out += fmt::format("{}, {}, {}\n", counted(totals.errors, "error"),
+                       counted(totals.warnings, "warning"), counted(totals.notes, "note"));
+  else if (report.systems.empty())
+    out += "no problems: each part fits the schema\n";
+  return out;
+}
+
+}  // namespace mlcca::tools::design

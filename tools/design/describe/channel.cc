@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/design/describe/channel.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "control/utf8.hpp"
+#include "description/values.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+constexpr std::array<std::string_view, description::kBaseUnits> kBaseElements = {
+    "Seconds", "Bytes", "Metres", "Kilograms", "Amperes", "Kelvins", "Moles", "Candelas"};
+
+void collect(const Node& node, std::vector<const Node*>& found) {
+  if (node.name == "EventChannel") {
+    found.push_back(&node);
+    return;
+  }
+  for (const auto& child : node.children) collect(child, found);
+}
+
+std::string text_of(const Markup& markup, const Node* node) {
+  return node == nullptr ? std::string() : markup.text_of(*node);
+}
+
+std::string text_of(const Markup& markup, const MarkupAttribute* attribute) {
+  return attribute == nullptr ? std::string() : markup.text_of(*attribute);
+}
+
+int number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  int value = 0;  // the schema has bounded it
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
+description::Dimension dimension_of(const Markup& markup, const Node* node) {
+  description::Dimension result;
+  if (node == nullptr) return result;
+  result.magnitude = number(text_of(markup, node->child("Magnitude")));
+  const auto* unit = node->child("SIUnit");
+  if (unit == nullptr) return result;
+  for (std::size_t i = 0; i < kBaseElements.size(); ++i)
+    result.unit.at(i) =
+        static_cast<std::int8_t>(number(text_of(markup, unit->child(kBaseElements.at(i)))));
+  return result;
+}
+
+AttributeSetText read_set(const Markup& markup, const Node& node) {
+  AttributeSetText result;
+  if (const auto* priority = node.attribute("priority")) {
+    result.has_priority = true;
+    result.priority = number(markup.text_of(*priority));
+  }
+  for (const auto& child : node.children)
+    if (child.name == "Attribute")
+      result.attributes.push_back({.name = text_of(markup, child.child("Name")),
+                                   .value = text_of(markup, child.child("Value")),
+                                   .dimension = dimension_of(markup, child.child("Dimension"))});
+  return result;
+}
+
+std::uint64_t subject_number(std::string_view text) {
+  std::uint64_t value = 0;
+  if (text.starts_with("0x"))
+    std::from_chars(text.data() + 2, text.data() + text.size(), value, 16);
+  return value;
+}
+
+std::string problem_of(const description::ValueType& type, std::string_view text) {
+  return description::is_valid(type, text) ? std::string() : description::explain(type, text);
+}
+
+/// Of one set: bad values, and what stands there twice.
+void add_problems(const Markup& markup, const Node& set, std::vector<std::string>& problems) {
+  std::set<std::string> seen;
+  const auto attributes = read_set(markup, set).attributes;
+  for (std::size_t i = 0, at = 0; i < set.children.size(); ++i) {
+    if (set.children[i].name != "Attribute") continue;
+    const auto& quantity = attributes[at++];
+    if (const auto problem = design::problem_of(quantity); !problem.empty())
+      problems.push_back(fmt::format("line {}: {}", set.children[i].line, problem));
+    if (!seen.insert(quantity.name).second)
+      problems.push_back(fmt::format("line {}: {} stands here a second time: state it once",
+                                     set.children[i].line, quantity.name));
+  }
+}
+
+/// "Period", or "Period of the set of priority 5".
+std::string title(const std::string& name, const AttributeSetText& set) {
+  return set.has_priority ? fmt::format("{} of the set of priority {}", name, set.priority) : name;
+}
+
+void add_changes(const AttributeSetText& before, const AttributeSetText& after,
+                 std::vector<Change>& out) {
+  for (const auto& old : before.attributes) {
+    const auto now = std::ranges::find(after.attributes, old.name, &Quantity::name);
+    if (now == after.attributes.end())
+      out.push_back({title(old.name, before), to_words(old), {}});
+    else if (!is_same(old, *now))
+      out.push_back({title(old.name, after), to_words(old), to_words(*now)});
+  }
+  for (const auto& now : after.attributes)
+    if (std::ranges::find(before.attributes, now.name, &Quantity::name) == before.attributes.end())
+      out.push_back({title(now.name, after), {}, to_words(now)});
+}
+
+}  // namespace
+
+std::vector<const Node*> channel_nodes(const Markup& markup) {
+  std::vector<const Node*> found;
+  collect(markup.root(), found);
+  return found;
+}
+
+ChannelText read_channel(const Markup& markup, const Node& node) {
+  ChannelText result{.name = text_of(markup, node.attribute("name")),
+                     .subject = text_of(markup, node.child("SubjectUID")),
+                     .description = text_of(markup, node.child("Description")),
+                     .safe_side = text_of(markup, node.attribute("safe-side")),
+                     .sets = {}};
+  for (const auto& child : node.children)
+    if (child.name == "Attributes") result.sets.push_back(read_set(markup, child));
+  return result;
+}
+
+std::optional<description::Unit> declared_unit(const Markup& markup, std::string_view name) {
+  for (const auto& child : markup.root().children)
+    if (child.name == "UserAttribute" && text_of(markup, child.attribute("name")) == name)
+      return dimension_of(markup, child.child("Dimension")).unit;
+  return std::nullopt;
+}
+
+std::string problem_of_subject(std::string_view text) {
+  auto problem = problem_of(description::type::kSubject, text);
+  if (problem.empty() && subject_number(text) == 0)
+    problem = "0 means no subject: choose another number";
+  return problem;
+}
+
+std::string problem_of_name(std::string_view text) {
+  return text.empty() ? std::string() : problem_of(description::type::kName, text);
+}
+
+std::string problem_of_description(std::string_view text) {
+  if (control::to_utf8(text) != text) return "the text is not UTF-8";
+  if (std::ranges::any_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
+    return "the text has control characters; it is one line";
+  return problem_of(description::type::kText, text);
+}
+
+std::string problem_of_safe_side(std::string_view text) {
+  return text.empty() ? std::string() : problem_of(description::type::kSafeSide, text);
+}
+
+std::string problem_of_priority(int priority) {
+  return problem_of(description::type::kSetPriority, std::to_string(priority));
+}
+
+std::vector<std::string> problems_of(const Markup& markup, std::size_t about) {
+  std::vector<std::string> problems;
+  const auto channels = channel_nodes(markup);
+  const auto& own = *channels[about];
+  const auto channel = read_channel(markup, own);
+  if (const auto problem = problem_of_subject(channel.subject); !problem.empty())
+    problems.push_back(fmt::format("line {}: SubjectUID: {}", own.line, problem));
+  std::map<int, int> priorities;
+  for (const auto& child : own.children) {
+    if (child.name != "Attributes") continue;
+    add_problems(markup, child, problems);
+    const int priority = read_set(markup, child).priority;
+    if (!priorities.try_emplace(priority, child.line).second)
+      problems.push_back(fmt::format(
+          "line {}: a second attribute set of priority {}: each has a priority of its own",
+          child.line, priority));
+  }
+  for (const auto* other : channels) {
+    if (other == &own) continue;
+    const auto name = text_of(markup, other->attribute("name"));
+    if (!name.empty() && name == channel.name)
+      problems.push_back(
+          fmt::format("line {}: the name {} is already taken in line {}: names are unique",
+                      own.line, name, other->line));
+    const auto subject = text_of(markup, other->child("SubjectUID"));
+    if (subject_number(subject) == subject_number(channel.subject))
+      problems.push_back(
+          fmt::format("line {}: SubjectUID {} is already that of the channel in line {}: subjects "
+                      "are unique",
+                      own.line, channel.subject, other->line));
+  }
+  return problems;
+}
+
+std::vector<Change> changes(const ChannelText& before, const ChannelText& after) {
+  std::vector<Change> out;
+  const auto compare = [&](const char* what, const std::string& old, const std::string& now) {
+    if (old != now) out.push_back({what, old, now});
+  };
+  compare("subject", before.subject, after.subject);
+  compare("name", before.name, after.name);
+  compare("description", before.description, after.description);
+  compare("safe side", before.safe_side, after.safe_side);
+  const auto with = [](const ChannelText& channel, int priority) {
+    const auto found = std::ranges::find(channel.sets, priority, &AttributeSetText::priority);
+    return found == channel.sets.end()
+               ? AttributeSetText{.priority = priority, .has_priority = false, .attributes = {}}
+               : *found;
+  };
+  std::vector<int> priorities;
+  for (const auto* channel : {&before, &after})
+    for (const auto& set : channel->sets)
+      if (std::ranges::find(priorities, set.priority) == priorities.end())
+        priorities.push_back(set.priority);
+  for (const int priority : priorities)
+    add_changes(with(before, priority), with(after, priority), out);
+  return out;
+}
+
+}  // namespace mlcca::tools::design

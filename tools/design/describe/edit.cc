@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/design/describe/edit.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "tools/design/describe/layout.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+constexpr std::array<const char*, description::kBaseUnits> kBaseElements = {
+    "Seconds", "Bytes", "Metres", "Kilograms", "Amperes", "Kelvins", "Moles", "Candelas"};
+
+NewElement leaf(std::string name, std::string text) {
+  return {.name = std::move(name), .text = std::move(text), .children = {}, .attributes = {}};
+}
+NewElement parent(std::string name, std::vector<NewElement> children) {
+  return {.name = std::move(name), .text = {}, .children = std::move(children), .attributes = {}};
+}
+
+NewElement unit_element(const description::Unit& unit) {
+  auto result = parent("SIUnit", {});
+  for (std::size_t i = 0; i < unit.size(); ++i)
+    if (unit.at(i) != 0)
+      result.children.push_back(leaf(kBaseElements.at(i), std::to_string(unit.at(i))));
+  return result;
+}
+
+NewElement dimension_element(const description::Dimension& dimension) {
+  auto result = parent("Dimension", {});
+  if (dimension.unit != description::Unit{})
+    result.children.push_back(unit_element(dimension.unit));
+  if (dimension.magnitude != 0)
+    result.children.push_back(leaf("Magnitude", std::to_string(dimension.magnitude)));
+  return result;
+}
+
+NewElement attribute_element(const Quantity& quantity) {
+  auto result = parent("Attribute", {leaf("Name", quantity.name)});
+  auto dimension = dimension_element(quantity.dimension);
+  if (!dimension.children.empty()) result.children.push_back(std::move(dimension));
+  result.children.push_back(leaf("Value", quantity.value));
+  return result;
+}
+
+/// One channel of a text; each step finds its elements anew, because the one before moved them.
+class Editor {
+ public:
+  Editor(Markup& markup, std::size_t channel) : markup_(markup), channel_(channel) {}
+
+  Result<void> operator()(const SetField& edit) {
+    switch (edit.which) {
+      case SetField::Which::subject:
+        replace_text(markup_, *node().child("SubjectUID"), edit.text);
+        break;
+      case SetField::Which::name:
+        set_attribute(markup_, node(), "name", edit.text);
+        break;
+      case SetField::Which::safe_side:
+        set_attribute(markup_, node(), "safe-side", edit.text);
+        break;
+      case SetField::Which::description:
+        set_description(edit.text);
+    }
+    return {};
+  }
+
+  Result<void> operator()(const SetAttribute& edit) {
+    auto set = set_of(edit.priority, true);
+    if (!set) return std::unexpected(set.error());
+    set_ = *set;
+    name_ = edit.quantity.name;
+    const auto now = read_channel(markup_, node()).sets.at(set_).attributes;
+    const auto found = std::ranges::find(now, name_, &Quantity::name);
+    if (found == now.end())
+      add(edit.quantity);
+    else if (!is_same(*found, edit.quantity))
+      change(*found, edit.quantity);
+    return {};
+  }
+
+  Result<void> operator()(const UnsetAttribute& edit) {
+    auto set = set_of(edit.priority, false);
+    if (!set) return std::unexpected(set.error());
+    set_ = *set;
+    name_ = edit.name;
+    if (attribute() == nullptr)
+      return fail(fmt::format("there is no {} that could be removed", edit.name));
+    remove(markup_, *attribute());
+    return {};
+  }
+
+  Result<void> operator()(const RemoveSet& edit) {
+    auto set = set_of(edit.priority, false);
+    if (!set) return std::unexpected(set.error());
+    remove(markup_, *sets().at(*set));
+    return {};
+  }
+
+ private:
+  [[nodiscard]] const Node& node() const { return *channel_nodes(markup_).at(channel_); }
+
+  [[nodiscard]] std::vector<const Node*> sets() const {
+    std::vector<const Node*> found;
+    for (const auto& child : node().children)
+      if (child.name == "Attributes") found.push_back(&child);
+    return found;
+  }
+
+  /// The Attribute element of that name in the set, or null.
+  [[nodiscard]] const Node* attribute() const {
+    for (const auto& child : sets().at(set_)->children) {
+      const auto* name = child.name == "Attribute" ? child.child("Name") : nullptr;
+      if (name != nullptr && markup_.text_of(*name) == name_) return &child;
+    }
+    return nullptr;
+  }
+
+  void set_description(const std::string& text) {
+    const auto* old = node().child("Description");
+    if (old != nullptr && text.empty())
+      remove(markup_, *old);
+    else if (old != nullptr)
+      replace_text(markup_, *old, text);
+    else if (!text.empty())
+      insert_after(markup_, *node().child("SubjectUID"), leaf("Description", text));
+  }
+
+  /// The number of the set of that priority, which is made if `make` says so.
+  Result<std::size_t> set_of(std::optional<int> priority, bool make) {
+    const auto sets = read_channel(markup_, node()).sets;
+    if (!priority && sets.size() == 1) return std::size_t{0};
+    if (!priority && sets.size() > 1) {
+      std::vector<int> known;
+      for (const auto& set : sets) known.push_back(set.priority);
+      return fail(fmt::format("there are several attribute sets, of priority {}: say which",
+                              fmt::join(known, ", ")));
+    }
+    const auto found = std::ranges::find(sets, priority.value_or(0), &AttributeSetText::priority);
+    if (found != sets.end()) return static_cast<std::size_t>(found - sets.begin());
+    if (!make) return fail("there is no such attribute set");
+    return make_set(sets, priority);
+  }
+
+  std::size_t make_set(const std::vector<AttributeSetText>& sets, std::optional<int> priority) {
+    auto element = parent("Attributes", {});
+    if (priority) element.attributes = fmt::format(" priority=\"{}\"", *priority);
+    if (sets.empty()) {
+      const auto* before = node().child("Description");
+      if (before == nullptr) before = node().child("SubjectUID");
+      insert_after(markup_, *before, element);
+      return 0;
+    }
+    // Alternatives state their priorities, also the one that was alone so far.
+    for (std::size_t i = 0; i < sets.size(); ++i)
+      if (!sets[i].has_priority)
+        set_attribute(markup_, *this->sets().at(i), "priority", std::to_string(sets[i].priority));
+    insert_after(markup_, *this->sets().back(), element);
+    return sets.size();
+  }
+
+  void add(const Quantity& quantity) {
+    const auto& set = *sets().at(set_);
+    if (set.children.empty())
+      insert_first(markup_, set, attribute_element(quantity));
+    else
+      insert_after(markup_, set.children.back(), attribute_element(quantity));
+  }
+
+  void change(const Quantity& from, const Quantity& to) {
+    if (from.value != to.value) replace_text(markup_, *attribute()->child("Value"), to.value);
+    if (attribute()->child("Dimension") == nullptr) {
+      const auto dimension = dimension_element(to.dimension);
+      if (!dimension.children.empty())
+        insert_after(markup_, *attribute()->child("Name"), dimension);
+      return;
+    }
+    if (from.dimension.unit != to.dimension.unit)
+      change_unit(from.dimension.unit, to.dimension.unit);
+    if (from.dimension.magnitude != to.dimension.magnitude)
+      change_magnitude(std::to_string(to.dimension.magnitude));
+  }
+
+  [[nodiscard]] const Node& dimension() const { return *attribute()->child("Dimension"); }
+
+  void change_magnitude(const std::string& text) {
+    if (const auto* old = dimension().child("Magnitude"))
+      replace_text(markup_, *old, text);
+    else if (const auto* unit = dimension().child("SIUnit"))
+      insert_after(markup_, *unit, leaf("Magnitude", text));
+    else
+      insert_first(markup_, dimension(), leaf("Magnitude", text));
+  }
+
+  void change_unit(const description::Unit& from, const description::Unit& to) {
+    if (dimension().child("SIUnit") == nullptr) {
+      insert_first(markup_, dimension(), unit_element(to));
+      return;
+    }
+    for (std::size_t i = 0; i < to.size(); ++i)
+      if (from.at(i) != to.at(i)) change_exponent(kBaseElements.at(i), std::to_string(to.at(i)));
+  }
+
+  void change_exponent(const char* base, const std::string& text) {
+    const auto& unit = *dimension().child("SIUnit");
+    if (const auto* old = unit.child(base))
+      replace_text(markup_, *old, text);
+    else if (unit.children.empty())
+      insert_first(markup_, unit, leaf(base, text));
+    else
+      insert_after(markup_, unit.children.back(), leaf(base, text));
+  }
+
+  Markup& markup_;
+  std::size_t channel_;
+  std::size_t set_ = 0;  ///< of the attribute that is being changed
+  std::string name_;
+};
+
+}  // namespace
+
+Result<void> apply(Markup& markup, std::size_t channel, const Edit& edit) {
+  return std::visit(Editor(markup, channel), edit);
+}
+
+std::string new_channel_file(const std::string& subject) {
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<EventChannel>\n"
+      "  <SubjectUID>{}</SubjectUID>\n"
+      "</EventChannel>\n",
+      escaped(subject));
+}
+
+}  // namespace mlcca::tools::design

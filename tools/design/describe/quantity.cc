@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Digits are multiplied and shifted as text or 128-bit integers, never as floating point.
+#include "tools/design/describe/quantity.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "core/text.hpp"
+#include "description/values.hpp"
+#include "tools/values.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+using description::Dimension;
+using description::Unit;
+
+__extension__ using Wide = unsigned __int128;
+
+constexpr std::size_t kSeconds = 0;
+constexpr std::size_t kBytes = 1;
+
+struct Symbol {
+  std::string_view name;
+  std::size_t base;  ///< index into Unit
+  int magnitude;     ///< powers of ten of the base unit
+};
+constexpr auto kSymbols = std::to_array<Symbol>({{"s", kSeconds, 0},
+                                                 {"B", kBytes, 0},
+                                                 {"m", 2, 0},
+                                                 {"kg", 3, 0},
+                                                 {"g", 3, -3},
+                                                 {"A", 4, 0},
+                                                 {"K", 5, 0},
+                                                 {"mol", 6, 0},
+                                                 {"cd", 7, 0}});
+
+struct Prefix {
+  std::string_view name;
+  int magnitude;
+};
+constexpr auto kPrefixes =
+    std::to_array<Prefix>({{"n", -9}, {"u", -6}, {"m", -3}, {"k", 3}, {"M", 6}, {"G", 9}});
+
+/// The dimension that attributes with that unit of the attribute table have in XML.
+struct TableUnit {
+  std::string_view unit;  ///< as in AttributeInfo::unit
+  int magnitude;
+  std::int8_t seconds;
+  std::int8_t bytes;
+};
+constexpr auto kTableUnits = std::to_array<TableUnit>({{"ns", -9, 1, 0},
+                                                       {"bytes/s", 0, -1, 1},
+                                                       {"1e-9", -9, 0, 0},
+                                                       {"events", 0, 0, 0},
+                                                       {"bytes", 0, 0, 1}});
+
+const TableUnit& table_unit(const AttributeInfo& row) {
+  return *std::ranges::find(kTableUnits, std::string_view(row.unit), &TableUnit::unit);
+}
+
+/// Of this file's own table: a header's constant has an address in each file.
+std::optional<Attribute> built_in_named(std::string_view name) {
+  for (std::size_t i = 0; i < kAttributes; ++i)
+    if (name == kAttributeTable[i].name) return attribute_at(i);
+  return std::nullopt;
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
+/// Without zeros that say nothing.
+std::string tidy(std::string_view decimal) {
+  const auto point = decimal.find('.');
+  if (point != std::string_view::npos) {
+    while (decimal.ends_with('0')) decimal.remove_suffix(1);
+    if (decimal.ends_with('.')) decimal.remove_suffix(1);
+  }
+  while (decimal.size() > 1 && decimal[0] == '0' && decimal[1] != '.') decimal.remove_prefix(1);
+  return std::string(decimal);
+}
+
+/// decimal * factor; both fit 64 bits without the point.
+std::string times(std::string_view typed, Value factor) {
+  const auto decimal = tidy(typed);
+  if (factor == 1) return decimal;
+  const auto point = std::min(decimal.find('.'), decimal.size());
+  const std::size_t decimals = point == decimal.size() ? 0 : decimal.size() - point - 1;
+  auto digits = decimal.substr(0, point);
+  if (decimals > 0) digits += decimal.substr(point + 1);
+  Wide product = 0;
+  for (const char c : digits) product = product * 10 + static_cast<Wide>(c - '0');
+  product *= factor;
+  std::string out;
+  for (; product != 0; product /= 10)
+    out += static_cast<char>('0' + static_cast<int>(product % 10));
+  while (out.size() <= decimals) out += '0';
+  std::ranges::reverse(out);
+  if (decimals > 0) out.insert(out.size() - decimals, 1, '.');
+  return tidy(out);
+}
+
+/// A value as digits without leading or trailing zeros, times a power of ten.
+std::pair<std::string, int> normal(const Quantity& q) {
+  const auto point = std::min(q.value.find('.'), q.value.size());
+  int magnitude = q.dimension.magnitude;
+  std::string digits = q.value.substr(0, point);
+  if (point < q.value.size()) {
+    digits += q.value.substr(point + 1);
+    magnitude -= static_cast<int>(q.value.size() - point - 1);
+  }
+  for (; digits.ends_with('0'); digits.pop_back()) ++magnitude;
+  digits.erase(0, std::min(digits.find_first_not_of('0'), digits.size()));
+  return digits.empty() ? std::pair(digits, 0) : std::pair(digits, magnitude);
+}
+
+std::optional<Symbol> symbol_of(std::string_view text) {
+  if (const auto* found = std::ranges::find(kSymbols, text, &Symbol::name); found != kSymbols.end())
+    return *found;
+  for (const auto& prefix : kPrefixes) {
+    if (!text.starts_with(prefix.name)) continue;
+    const auto* found = std::ranges::find(kSymbols, text.substr(prefix.name.size()), &Symbol::name);
+    if (found == kSymbols.end() || found->name == "kg") continue;
+    return Symbol{text, found->base, found->magnitude + prefix.magnitude};
+  }
+  return std::nullopt;
+}
+
+/// One factor, such as "mm^2".
+Result<void> multiply(Dimension& by, std::string_view factor, int sign) {
+  const auto hat = std::min(factor.find('^'), factor.size());
+  const auto symbol = symbol_of(factor.substr(0, hat));
+  if (!symbol)
+    return fail(
+        fmt::format("'{}' is not a unit: must be a product of s, B, m, kg, A, K, mol and "
+                    "cd, such as m/s^2",
+                    factor));
+  int exponent = 1;
+  if (hat < factor.size()) {
+    const auto* end = factor.data() + factor.size();
+    const auto read = std::from_chars(factor.data() + hat + 1, end, exponent);
+    if (read.ec != std::errc{} || read.ptr != end || exponent < -9 || exponent > 9)
+      return fail(fmt::format("'{}': the exponent must be a whole number of -9 to 9", factor));
+  }
+  const int sum = by.unit.at(symbol->base) + sign * exponent;
+  if (sum < -9 || sum > 9)
+    return fail(fmt::format("'{}': the exponents of a unit sum up to -9 to 9", factor));
+  by.unit.at(symbol->base) = static_cast<std::int8_t>(sum);
+  by.magnitude += symbol->magnitude * sign * exponent;
+  return {};
+}
+
+Result<Dimension> parse_unit(std::string_view text) {
+  Dimension result;
+  int sign = 1;
+  while (!text.empty()) {
+    const auto end = std::min(text.find_first_of(" */"), text.size());
+    if (end > 0)
+      if (auto done = multiply(result, text.substr(0, end), sign); !done)
+        return std::unexpected(done.error());
+    if (end < text.size() && text[end] == '/') sign = -1;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return result;
+}
+
+/// Name and value of "Name=Value".
+Result<std::pair<std::string_view, std::string_view>> split(std::string_view text) {
+  const auto equals = text.find('=');
+  if (equals == std::string_view::npos)
+    return fail(fmt::format("'{}': must be Name=Value, such as Period=50ms", text));
+  return std::pair(trimmed(text.substr(0, equals)), trimmed(text.substr(equals + 1)));
+}
+
+std::string_view prefix_of(int magnitude) {
+  const auto* found = std::ranges::find(kPrefixes, magnitude, &Prefix::magnitude);
+  return found == kPrefixes.end() ? std::string_view{} : found->name;
+}
+
+bool has_prefix(int magnitude) { return magnitude == 0 || !prefix_of(magnitude).empty(); }
+
+std::string built_in_words(const Quantity& q, Attribute attribute) {
+  const std::string_view unit = info(attribute).unit;
+  const int magnitude = q.dimension.magnitude;
+  const auto with = [&](std::string_view suffix) { return fmt::format("{} {}", q.value, suffix); };
+  if (unit == "ns" && has_prefix(magnitude) && magnitude <= 0)
+    return with(fmt::format("{}s", prefix_of(magnitude)));
+  if (unit == "bytes/s" && has_prefix(magnitude) && magnitude >= 0)
+    return with(fmt::format("{}B/s", prefix_of(magnitude)));
+  if (unit == "1e-9" && magnitude == -2) return with("%");
+  if (unit == "1e-9" && magnitude == -6) return with("ppm");
+  if (unit == "1e-9" && magnitude == -9) return with("ppb");
+  if (unit == "events" && magnitude == 0) return q.value;
+  if (unit == "bytes" && magnitude == 0) return with("bytes");
+  const auto value =
+      description::to_value(attribute, q.value, q.dimension, description::Side::requirement);
+  return value ? core::format_value(attribute, *value)
+               : fmt::format("{} x 10^{}", q.value, magnitude);
+}
+
+std::string unit_words(const Unit& unit) {
+  std::string out;
+  for (const auto& symbol : kSymbols) {
+    const int exponent = unit.at(symbol.base);
+    if (symbol.magnitude != 0 || exponent == 0) continue;
+    out += out.empty() ? "" : " ";
+    out += exponent == 1 ? std::string(symbol.name) : fmt::format("{}^{}", symbol.name, exponent);
+  }
+  return out;
+}
+
+/// The first factor can take a prefix that stands for the whole magnitude.
+bool takes_prefix(const Unit& unit) {
+  for (std::size_t i = 0; i < unit.size(); ++i)
+    if (unit.at(i) != 0) return unit.at(i) == 1 && i != 3;  // kilograms have one already
+  return false;
+}
+
+}  // namespace
+
+bool names_built_in(std::string_view text) {
+  const auto name = trimmed(text.substr(0, text.find('=')));
+  constexpr auto lower = [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+  };
+  return std::ranges::any_of(kAttributeTable, [&](const AttributeInfo& row) {
+    return std::ranges::equal(name, std::string_view(row.name), {}, lower, lower);
+  });
+}
+
+Result<Quantity> parse_built_in(std::string_view text) {
+  // The common reader says what is wrong and what would be right.
+  const auto known = parse_attribute(text, Role::required);
+  if (!known) return std::unexpected(known.error());
+  const auto parts = split(text);
+  if (!parts) return std::unexpected(parts.error());
+  const auto value = parts->second;
+  const auto digits = std::min(value.find_first_not_of("0123456789."), value.size());
+  const auto scale = unit_scale(known->unit, trimmed(value.substr(digits)));
+  if (!scale) return fail(fmt::format("'{}': no such unit", text));
+  const auto& unit = table_unit(info(*built_in_named(known->name)));
+  Quantity result{.name = known->name, .value = {}, .dimension = {}};
+  result.dimension.unit.at(kSeconds) = unit.seconds;
+  result.dimension.unit.at(kBytes) = unit.bytes;
+  result.dimension.magnitude = unit.magnitude;
+  // A unit is a power of ten of the one inside, times what no power of ten can say: 60, 1024, 1/8.
+  Value factor = scale->numerator;
+  if (scale->denominator == 8) {
+    factor *= 125;
+    result.dimension.magnitude -= 3;
+  }
+  const bool multiple = factor % 3 == 0;  // minutes and hours are written in seconds
+  const int most = multiple ? 0 : 30;
+  for (; factor % 10 == 0 && result.dimension.magnitude < most; factor /= 10)
+    ++result.dimension.magnitude;
+  result.value = times(value.substr(0, digits), factor);
+  return result;
+}
+
+Result<Quantity> parse_user_defined(std::string_view text) {
+  const auto parts = split(text);
+  if (!parts) return std::unexpected(parts.error());
+  const auto [name, value] = *parts;
+  if (names_built_in(name))
+    return fail(fmt::format("'{}': {} is built in, not user-defined", text, name));
+  const auto digits = std::min(value.find_first_not_of("0123456789."), value.size());
+  const auto dimension = parse_unit(trimmed(value.substr(digits)));
+  if (!dimension) return fail(fmt::format("{}: {}", text, dimension.error().text));
+  Quantity result{
+      .name = std::string(name), .value = tidy(value.substr(0, digits)), .dimension = *dimension};
+  if (auto problem = problem_of(result); !problem.empty())
+    return fail(fmt::format("{}: {}", text, problem));
+  return result;
+}
+
+std::string problem_of(const Quantity& quantity) {
+  namespace type = description::type;
+  if (!description::is_valid(type::kAttributeName, quantity.name))
+    return description::explain(type::kAttributeName, quantity.name);
+  if (!description::is_valid(type::kDecimal, quantity.value))
+    return description::explain(type::kDecimal, quantity.value);
+  if (quantity.dimension.magnitude < -30 || quantity.dimension.magnitude > 30)
+    return "the power of ten must be -30 to 30";
+  const auto attribute = built_in_named(quantity.name);
+  if (!attribute) return {};
+  const auto value = description::to_value(*attribute, quantity.value, quantity.dimension,
+                                           description::Side::requirement);
+  return value ? std::string() : value.error();
+}
+
+bool is_same(const Quantity& a, const Quantity& b) {
+  return a.name == b.name && a.dimension.unit == b.dimension.unit && normal(a) == normal(b);
+}
+
+std::string to_words(const Quantity& quantity) {
+  if (const auto attribute = built_in_named(quantity.name))
+    return built_in_words(quantity, *attribute);
+  const int magnitude = quantity.dimension.magnitude;
+  const auto unit = unit_words(quantity.dimension.unit);
+  if (magnitude != 0 && takes_prefix(quantity.dimension.unit) && has_prefix(magnitude))
+    return fmt::format("{} {}{}", quantity.value, prefix_of(magnitude), unit);
+  const auto number =
+      magnitude == 0 ? quantity.value : fmt::format("{} x 10^{}", quantity.value, magnitude);
+  return unit.empty() ? number : fmt::format("{} {}", number, unit);
+}
+
+std::string_view help_of(Attribute attribute) {
+  constexpr std::array<std::string_view, kAttributes> kHelp = {
+      "longest time from sending to receiving, jitter included; ns, us, ms, s",
+      "longest minus shortest such time; ns, us, ms, s",
+      "time by which an event must be there; ns, us, ms, s",
+      "time between two events; ns, us, ms, s",
+      "payload in a second; B/s, kB/s, MB/s, bit/s, kbit/s, Mbit/s",
+      "share of events that may be lost; %, ppm, ppb",
+      "events in a row that may be lost; a number",
+      "largest event; a number of bytes, or B, kB, KiB",
+  };
+  return kHelp.at(index_of(attribute));
+}
+
+}  // namespace mlcca::tools::design

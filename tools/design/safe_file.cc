@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/design/safe_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include "core/handle.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+std::unexpected<Error> failed(const std::string& path, const char* what) {
+  return fail(fmt::format("{}: {}: {}", path, what, ::strerror(errno)));
+}
+
+std::string folder_of(const std::string& path) {
+  const auto slash = path.rfind('/');
+  if (slash == std::string::npos) return ".";
+  return slash == 0 ? "/" : path.substr(0, slash);
+}
+
+Result<std::string> read_all(int fd, const std::string& path, std::size_t limit) {
+  std::string text;
+  for (;;) {
+    const std::size_t had = text.size();
+    text.resize(had + 65536);
+    const auto n = ::read(fd, text.data() + had, 65536);
+    if (n < 0) return failed(path, "read");
+    text.resize(had + static_cast<std::size_t>(n));
+    if (n == 0) return text;
+    if (text.size() > limit)
+      return fail(fmt::format("{}: is larger than {} bytes; that is the limit", path, limit));
+  }
+}
+
+/// A file beside the one that it shall become; removed unless it did.
+class Draft {
+ public:
+  explicit Draft(const std::string& target) : name_(target + ".XXXXXX") {}
+  ~Draft() {
+    if (fd_) ::unlink(name_.c_str());
+  }
+  Draft(const Draft&) = delete;
+  Draft(Draft&&) = delete;
+  Draft& operator=(const Draft&) = delete;
+  Draft& operator=(Draft&&) = delete;
+
+  Result<void> open() {
+    fd_.reset(::mkostemp(name_.data(), O_CLOEXEC));
+    if (!fd_) return failed(name_, "create");
+    return {};
+  }
+
+  Result<void> keep_owner_and_mode(const struct stat& of) {
+    struct stat own{};
+    if (::fstat(fd_.get(), &own) != 0) return failed(name_, "stat");
+    const bool other = own.st_uid != of.st_uid || own.st_gid != of.st_gid;
+    if (other && ::fchown(fd_.get(), of.st_uid, of.st_gid) != 0)
+      return failed(name_, "cannot give the new file to the owner of the old one");
+    return set_mode(of.st_mode & 07777U);
+  }
+
+  Result<void> set_mode(mode_t mode) {
+    if (::fchmod(fd_.get(), mode) != 0) return failed(name_, "chmod");
+    return {};
+  }
+
+  Result<void> write(std::string_view text) {
+    while (!text.empty()) {
+      const auto n = ::write(fd_.get(), text.data(), text.size());
+      if (n < 0 && errno != EINTR) return failed(name_, "write");
+      if (n > 0) text.remove_prefix(static_cast<std::size_t>(n));
+    }
+    if (::fsync(fd_.get()) != 0) return failed(name_, "sync");
+    return {};
+  }
+
+  Result<void> become(const std::string& target, bool replace) {
+    if (::renameat2(AT_FDCWD, name_.c_str(), AT_FDCWD, target.c_str(),
+                    replace ? 0U : static_cast<unsigned>(RENAME_NOREPLACE)) != 0)
+      return failed(target, "rename");
+    fd_.reset();
+    const Fd folder(::open(folder_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (folder) ::fsync(folder.get());
+    return {};
+  }
+
+ private:
+  std::string name_;
+  Fd fd_;
+};
+
+bool is_same(const struct stat& a, const struct stat& b) {
+  return a.st_dev == b.st_dev && a.st_ino == b.st_ino && a.st_size == b.st_size &&
+         a.st_mtim.tv_sec == b.st_mtim.tv_sec && a.st_mtim.tv_nsec == b.st_mtim.tv_nsec;
+}
+
+}  // namespace
+
+Result<std::optional<FileContent>> read_file(const std::string& path, std::size_t limit) {
+  // Non-blocking, so that a pipe is refused instead of waited for.
+  const Fd fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!fd && errno == ENOENT) {
+    // A link that leads nowhere would be replaced by a file.
+    struct stat link{};
+    if (::lstat(path.c_str(), &link) == 0)
+      return fail(fmt::format("{}: is a symbolic link that leads nowhere", path));
+    return std::optional<FileContent>();
+  }
+  FileContent result;
+  if (!fd || ::fstat(fd.get(), &result.status) != 0) return failed(path, "open");
+  if (!S_ISREG(result.status.st_mode)) return fail(path + ": is not a regular file");
+  auto text = read_all(fd.get(), path, limit);
+  if (!text) return std::unexpected(text.error());
+  result.text = std::move(*text);
+  const std::unique_ptr<char, FreeWith<std::free>> real(::realpath(path.c_str(), nullptr));
+  if (!real) return failed(path, "resolve");
+  result.path = real.get();
+  return result;
+}
+
+Result<void> replace_file(const FileContent& old, std::string_view text) {
+  Draft draft(old.path);
+  if (auto done = draft.open(); !done) return done;
+  if (auto done = draft.keep_owner_and_mode(old.status); !done) return done;
+  if (auto done = draft.write(text); !done) return done;
+  struct stat now{};
+  if (::stat(old.path.c_str(), &now) != 0 || !is_same(now, old.status))
+    return fail(old.path + ": has been changed by someone else meanwhile; nothing was written");
+  return draft.become(old.path, true);
+}
+
+Result<void> create_file(const std::string& path, std::string_view text) {
+  Draft draft(path);
+  if (auto done = draft.open(); !done) return done;
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  if (auto done = draft.set_mode(0666U & ~mask); !done) return done;
+  if (auto done = draft.write(text); !done) return done;
+  return draft.become(path, false);
+}
+
+}  // namespace mlcca::tools::design
