@@ -63,7 +63,7 @@ constexpr const char* to_text(Error error) {
     case Error::trailing:
       return "octets after the end";
     case Error::too_long:
-      return "longer than any encoding";
+      return "longer than the reader takes";
     case Error::tag:
       return "unexpected tag";
     case Error::order:

@@ -74,13 +74,13 @@ constexpr bool is_unit(uint32_t unit) { return unit != 0 && unit < 0x80000000; }
 template <class Count>
 __attribute__((noinline)) constexpr Count divide_magnitude(const uint8_t* magnitude, uint8_t size,
                                                            uint32_t unit, bool up) {
-  constexpr Count kNoBound = static_cast<Count>(~Count{0});
+  constexpr Count no_bound = static_cast<Count>(~Count{0});
   Count quotient = 0;
   uint32_t rest = 0;
   for (; size != 0; --size, ++magnitude) {
     uint8_t octet = *magnitude;
     for (uint8_t bit = 0; bit < 8; ++bit) {
-      if (quotient > kNoBound / 2) return kNoBound;
+      if (quotient > no_bound / 2) return no_bound;
       quotient = static_cast<Count>(quotient << 1);
       rest <<= 1;
       if ((octet & 0x80) != 0) rest |= 1;
@@ -91,7 +91,7 @@ __attribute__((noinline)) constexpr Count divide_magnitude(const uint8_t* magnit
       }
     }
   }
-  if (up && rest != 0 && quotient != kNoBound) ++quotient;
+  if (up && rest != 0 && quotient != no_bound) ++quotient;
   return quotient;
 }
 
@@ -270,12 +270,12 @@ template <class Units, Side S>
 constexpr bool fits(const AttributeSet& set) {
   NarrowSet<Units, S> narrow;
   if (!to_narrow(set, &narrow)) return false;
-  constexpr auto kNoBound = static_cast<typename Units::Value>(~typename Units::Value{0});
+  constexpr auto no_bound = static_cast<typename Units::Value>(~typename Units::Value{0});
   for (size_t i = 0; i < kAttributes; ++i) {
     const Attribute a = attribute_at(i);
     if (!set.has(a) || set[a] == kUnbounded || (S == Side::provision && a == Attribute::deadline))
       continue;
-    if (narrow[a] == kNoBound) return false;
+    if (narrow[a] == no_bound) return false;
   }
   return true;
 }

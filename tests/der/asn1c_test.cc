@@ -3,6 +3,7 @@
 // reads what we write, and we read what it writes.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <map>
 #include <memory>
 #include <string>

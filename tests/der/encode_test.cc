@@ -70,6 +70,7 @@ TEST(EncodeTest, WhatHasNoEncodingIsRefused) {
   const UserAttribute marked[] = {{"a", 1, true}};
   const UserAttribute unnamed[] = {{"", 1}};
   const UserAttribute not_utf8[] = {{"\xff", 1}};
+  const UserAttribute cut_off[] = {{"\u20ac", 2, 1}};  // the third octet is not part of the name
   UserAttribute many[der::kMaxUserAttributes + 1];
   const AttributeSet dynamic = AttributeSet().set(Attribute::latency, 1, true);
   const std::pair<Channel, Error> rows[] = {
@@ -80,7 +81,9 @@ TEST(EncodeTest, WhatHasNoEncodingIsRefused) {
       {{Role::subscriber, 1, {}, marked, 1}, Error::marks},
       {{Role::subscriber, 1, {}, unnamed, 1}, Error::name},
       {{Role::subscriber, 1, {}, not_utf8, 1}, Error::name},
+      {{Role::subscriber, 1, {}, cut_off, 1}, Error::name},
       {{Role::subscriber, 1, {}, many, der::kMaxUserAttributes + 1}, Error::user_attributes},
+      // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange)
       {{static_cast<Role>(3), 1, {}}, Error::role},
   };
   for (const auto& [channel, error] : rows) {

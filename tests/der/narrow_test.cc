@@ -95,6 +95,7 @@ TYPED_TEST(NarrowTest, WholeUnitsHaveTheWideOutcome) {
     const auto wide = check_layer(needs, gives);
     const NarrowCheck narrow = check_layer(narrow_needs, narrow_gives);
     ASSERT_EQ(narrow.outcome(), wide.outcome);
+    ASSERT_EQ(narrow.unfit & narrow.run_time, 0);
     for (std::size_t i = 0; i < wide.count; ++i)
       ASSERT_EQ(narrow.outcome(wide.rows[i].attribute), wide.rows[i].outcome)
           << info(wide.rows[i].attribute).name;
@@ -199,15 +200,15 @@ TYPED_TEST(NarrowTest, UnionOfPublisherAndSubscriberIsTheWideOne) {
 }
 
 TEST(NarrowTest, BoundIsMetExactlyAndMissedByOneUnit) {
-  constexpr Value kMillisecond = 1000000;
+  constexpr Value millisecond = 1000000;
   NarrowRequirement<Units16> needs;
-  ASSERT_TRUE(to_narrow(AttributeSet().set(Attribute::period, 65534 * kMillisecond), &needs));
+  ASSERT_TRUE(to_narrow(AttributeSet().set(Attribute::period, 65534 * millisecond), &needs));
   EXPECT_EQ(needs[Attribute::deadline], 65534U) << "implied by the Period";
-  EXPECT_FALSE(to_narrow(AttributeSet().set(Attribute::period, 65535 * kMillisecond), &needs));
+  EXPECT_FALSE(to_narrow(AttributeSet().set(Attribute::period, 65535 * millisecond), &needs));
   NarrowProvision<Units16> gives;
-  ASSERT_TRUE(to_narrow(AttributeSet().set(Attribute::period, 65534 * kMillisecond), &gives));
+  ASSERT_TRUE(to_narrow(AttributeSet().set(Attribute::period, 65534 * millisecond), &gives));
   EXPECT_EQ(check_layer(needs, gives).outcome(), Outcome::fit);
-  ASSERT_TRUE(to_narrow(AttributeSet().set(Attribute::period, 65534 * kMillisecond + 1), &gives));
+  ASSERT_TRUE(to_narrow(AttributeSet().set(Attribute::period, 65534 * millisecond + 1), &gives));
   EXPECT_EQ(check_layer(needs, gives).outcome(), Outcome::unfit) << "saturated";
   ASSERT_TRUE(to_narrow(AttributeSet().set(Attribute::period, kUnbounded), &gives));
   EXPECT_EQ(check_layer(needs, gives).outcome(Attribute::deadline), Outcome::unfit);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // `openssl asn1parse` reads every encoding that we write, element by element.
 #include <gtest/gtest.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -79,12 +79,12 @@ TEST(OpensslTest, EmergencySwitchIsPrinted) {
 
 TEST(OpensslTest, EveryEncodingIsRead) {
   // One after the other in one file: a process for each would take minutes.
-  constexpr std::size_t kChannels = 2000;
+  constexpr std::size_t channels = 2000;
   RandomWorld world(21);
   Octets all;
   std::size_t attributes = 0;
   std::size_t users = 0;
-  for (std::size_t i = 0; i < kChannels; ++i) {
+  for (std::size_t i = 0; i < channels; ++i) {
     const RandomChannel random(world);
     all = join({all, random.encoded()});
     bool dynamic = false;
@@ -97,10 +97,10 @@ TEST(OpensslTest, EveryEncodingIsRead) {
   }
   const Printed run = asn1parse(all);
   ASSERT_EQ(run.status, 0) << run.output.substr(run.output.size() - 500);
-  EXPECT_EQ(count(run.output, ":d=0 "), kChannels);
+  EXPECT_EQ(count(run.output, ":d=0 "), channels);
   EXPECT_EQ(count(run.output, "prim: cont [ "), attributes);
   EXPECT_EQ(count(run.output, "prim: UTF8STRING"), users);
-  EXPECT_EQ(count(run.output, "prim: OCTET STRING"), kChannels);
+  EXPECT_EQ(count(run.output, "prim: OCTET STRING"), channels);
 }
 
 }  // namespace

@@ -2,9 +2,8 @@
 // Any octets at all into the readers of the run-time representation. The sanitizers watch what is
 // read; here: what is understood encodes to the same octets, and the small reader understands
 // nothing else.
-#include <stddef.h>
-#include <stdint.h>
-
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <vector>

@@ -59,7 +59,8 @@ const char* word(Outcome outcome) {
 
 template <class Units, class Provision>
 void judge(const char* network) {
-  auto given = narrow<Units, Side::provision, Provision>();
+  constexpr auto provision = narrow<Units, Side::provision, Provision>();
+  auto given = provision;
   hide(given);
   der::NarrowDecoded<Units, Side::requirement> needs;
   board::print(network);
@@ -92,7 +93,8 @@ void print_number(const char* what, uint16_t number) {
 
 template <class Units>
 void measure(const char* decode_text, const char* check_text) {
-  auto given = narrow<Units, Side::provision, SixGiven>();
+  constexpr auto provision = narrow<Units, Side::provision, SixGiven>();
+  auto given = provision;
   hide(given);
   der::NarrowDecoded<Units, Side::requirement> needs;
   board::start_cycles();

@@ -52,4 +52,7 @@ check-node: check-node-proof $(NODE_PROGRAMS) ## the attribute core on simulated
 	$(Q)tests/node/check $O/node
 	$(Q)tests/node/costs $O/node
 
+# The bench shows the costs, too.
+run-bench: $(NODE_PROGRAMS)
+
 .PHONY: check-node check-node-proof
