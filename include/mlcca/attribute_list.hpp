@@ -19,21 +19,23 @@ struct ListValues {
   AttributeSet set;
   uint8_t users = 0;  ///< how many attributes of the user
   bool distinct = true;
+
+  constexpr void add(uint8_t code, Value value) {
+    if ((code & kUserCode) != 0) {
+      ++users;
+      return;
+    }
+    const auto a = static_cast<Attribute>(code & ~kDynamicCode);
+    if (set.has(a)) distinct = false;
+    set.set(a, value, (code & kDynamicCode) != 0);
+  }
 };
 
 /// The values of a list. Element 0 is not looked at: an array has at least one.
 template <size_t N>
 constexpr ListValues collect(const uint8_t (&codes)[N], const Value (&values)[N]) {
   ListValues list;
-  for (size_t i = 1; i < N; ++i) {
-    if ((codes[i] & kUserCode) != 0) {
-      ++list.users;
-      continue;
-    }
-    const auto a = static_cast<Attribute>(codes[i] & ~kDynamicCode);
-    list.distinct = list.distinct && !list.set.has(a);
-    list.set.set(a, values[i], (codes[i] & kDynamicCode) != 0);
-  }
+  for (size_t i = 1; i < N; ++i) list.add(codes[i], values[i]);
   return list;
 }
 
@@ -81,9 +83,10 @@ struct PacketLoss {
   static constexpr uint8_t kCode = detail::code_of(Attribute::packet_loss);
   static constexpr Value kValue = static_cast<Value>(V);
 };
-/// Events lost in a row, at most.
+/// Events lost in a row, at most; below 2^32, so that no compiler takes a negative number.
 template <Value V>
 struct Omission {
+  static_assert(V <= 0xffffffff, "an Omission is a number of events from 0 to 4294967295");
   static constexpr uint8_t kCode = detail::code_of(Attribute::omission);
   static constexpr Value kValue = V;
 };

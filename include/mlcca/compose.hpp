@@ -150,6 +150,14 @@ constexpr Value compose_values(Composition composition, const HopValue* values, 
   return 0;
 }
 
+/// What a gateway gives of an attribute of the user's own that it does not state: it limits no
+/// maximum and no minimum. False, and *value is left alone, for what it has to state.
+constexpr bool unlimited_by_gateway(Composition composition, Value* value) {
+  if (composition != Composition::slowest && composition != Composition::smallest) return false;
+  *value = composition == Composition::slowest ? 0 : kUnbounded;
+  return true;
+}
+
 namespace detail {
 
 struct Stated {

@@ -27,8 +27,7 @@ struct UserValue {
 struct UserValues {
   UserValue values[kMaxUserAttributes];
   size_t count = 0;
-  size_t seen = 0;      ///< attributes of the list so far, the table's among them
-  uint16_t frames = 1;  ///< of an event, where the list is the provision of a hop
+  size_t seen = 0;  ///< attributes of the list so far, the table's among them
   bool distinct = true;
 
   /// The place of the attribute, or count.
@@ -80,17 +79,22 @@ struct UsersOf<AttributeList<As...>> {
   }
 };
 
-/// The values of a list that is in order. `frames` of an event, where it is the provision of a hop.
+/// The values of a list that is in order.
 template <class List>
-constexpr UserValues users_of(uint16_t frames) {
+constexpr UserValues users_of() {
   static_assert(List::kList.users <= kMaxUserAttributes,
                 "an AttributeList has at most 8 attributes of the user's own");
   static_assert(UsersOf<List>::values().distinct,
                 "an attribute is given twice in one AttributeList");
-  UserValues list = UsersOf<List>::values();
-  list.frames = frames;
-  return list;
+  return UsersOf<List>::values();
 }
+
+/// What a hop provides of them.
+struct UserHop {
+  UserValues provision;
+  uint16_t frames;  ///< of an event
+  bool gateway;
+};
 
 /// What an attribute of the user meets on a hop, or (place == number of hops) end to end.
 struct UserFinding {
@@ -107,30 +111,33 @@ struct UserFinding {
   }
 };
 
-/// One attribute against every hop and the whole route.
-constexpr UserFinding check_user(const UserValue& required, const UserValues* hops, size_t count) {
+/// One attribute against every hop and the whole route. A gateway that says nothing of a maximum or
+/// a minimum does not limit it and is not asked.
+constexpr UserFinding check_user(const UserValue& required, const UserHop* hops, size_t count) {
   HopValue values[kMaxComposedHops];
   UserFinding finding;
   for (; finding.place < count; ++finding.place) {
-    const UserValues& hop = hops[finding.place];
-    const size_t found = hop.find(required.tag);
-    finding.known = found != hop.count;
+    const UserHop& hop = hops[finding.place];
+    const size_t found = hop.provision.find(required.tag);
+    HopValue& value = values[finding.place];
+    value.frames = hop.frames;
+    finding.known = found != hop.provision.count;
+    if (!finding.known && hop.gateway && unlimited_by_gateway(required.composition, &value.value))
+      continue;
     finding.outcome = Outcome::unfit;
     if (!finding.known) return finding;
-    HopValue& value = values[finding.place];
-    value.value = hop.values[found].value;
-    value.frames = hop.frames;
-    finding.dynamic = finding.dynamic || hop.values[found].dynamic;
+    value.value = hop.provision.values[found].value;
+    finding.dynamic = finding.dynamic || hop.provision.values[found].dynamic;
     finding.compare(required, compose_values(required.composition, &value, 1));
     if (finding.outcome == Outcome::unfit) return finding;
   }
+  finding.known = true;
   finding.compare(required, compose_values(required.composition, values, count));
   return finding;
 }
 
 /// The first attribute of either end that is unfit; fit when there is none.
-constexpr UserFinding check_users(const UserValues (&ends)[2], const UserValues* hops,
-                                  size_t count) {
+constexpr UserFinding check_users(const UserValues (&ends)[2], const UserHop* hops, size_t count) {
   for (size_t end = 0; end < 2; ++end)
     for (size_t i = 0; i < ends[end].count; ++i) {
       UserFinding finding = check_user(ends[end].values[i], hops, count);
@@ -143,8 +150,9 @@ constexpr UserFinding check_users(const UserValues (&ends)[2], const UserValues*
 /// The same for AttributeLists and hops.
 template <class Publisher, class Subscriber, class... Hops>
 constexpr UserFinding check_users_of() {
-  const UserValues ends[] = {users_of<Publisher>(1), users_of<Subscriber>(1)};
-  const UserValues hops[] = {users_of<typename Hops::provision>(Hops::kFrames)...};
+  const UserValues ends[] = {users_of<Publisher>(), users_of<Subscriber>()};
+  const UserHop hops[] = {
+      {users_of<typename Hops::provision>(), Hops::kFrames, Hops::kIsGateway}...};
   return check_users(ends, hops, sizeof...(Hops));
 }
 

@@ -10,6 +10,10 @@ $(eval $(call program,bench/socket_bench,tests/bench/socket_bench.cc,$O/libcontr
 $O/tests/bench/socket_bench.o: | $O/gen/mlcca/v1/control.pb.h
 BENCHES += $O/bench/admission_bench $O/bench/socket_bench
 
+$(eval $(call program,bench/reader_bench,tests/bench/reader_bench.cc,$O/libdescription.a $O/libcore.a,$(XML_LIBS) -lfmt))
+$O/tests/bench/reader_bench.o: CPPFLAGS += $(XML_CFLAGS)
+BENCHES += $O/bench/reader_bench
+
 run-bench: all $(BENCHES)
 	$(Q)tests/bench/run $O
 .PHONY: run-bench

@@ -122,6 +122,10 @@ static_assert(CheckRoute<Tolerant, RouteOf<Network<Lossy>>>::value);
 static_assert(says<RouteQuestion<Tolerant, RouteOf<Network<Lossy, 2>>>,
                    ATTRIBUTES_MISMATCH<HOP<1>, PROVIDED<PacketLoss<19_percent>>,
                                        REQUIRED<PacketLoss<18_percent>>>>);
+// Two networks are two media: the slower one counts, they do not share one medium's time.
+static_assert(CheckRoute<AttributeList<Bandwidth<11_Mbit_per_s>>,
+                         RouteOf<Network<AttributeList<Bandwidth<24_Mbit_per_s>>>,
+                                 Network<AttributeList<Bandwidth<11_Mbit_per_s>>>>>::value);
 // The jitter of the source joins that of the route.
 using Shaky = AttributeList<Jitter<2_ms>>;
 static_assert(CheckRoute<Union<Shaky, AttributeList<Jitter<5_ms>>>,
@@ -168,6 +172,18 @@ static_assert(
               ATTRIBUTES_MISMATCH<END_TO_END, PROVIDED<Corruption<190000001>>,
                                   REQUIRED<Corruption<190000000>>>>,
     "1 - 0.9 * 0.899999999 = 0.1900000009, rounded up");
+template <class Required, class Provided>
+using BehindSilentGateway =
+    RouteQuestion<AttributeList<Required>,
+                  RouteOf<Gateway<AttributeList<>>, Network<AttributeList<Provided>>>>;
+static_assert(BehindSilentGateway<Temperature<4>, Temperature<4>>::Users::kFinding ==
+                  detail::Finding::fit,
+              "a gateway limits no maximum that it does not state");
+static_assert(BehindSilentGateway<Trust<4>, Trust<4>>::Users::kFinding == detail::Finding::fit,
+              "nor a minimum");
+static_assert(user_says<BehindSilentGateway<Cost<4>, Cost<4>>,
+                        ATTRIBUTES_MISMATCH<HOP<1>, NOT_PROVIDED, REQUIRED<Cost<4>>>>,
+              "but it may cost anything");
 static_assert(
     user_says<RouteQuestion<Union<AttributeList<Omission<9>, Cost<9>>, AttributeList<Cost<1>>>,
                             RouteOf<Network<AttributeList<Omission<0>, Cost<2>>>>>,

@@ -7,17 +7,14 @@
 namespace mlcca {
 namespace detail {
 
-/// What a list asks of one attribute: the values that are held against it.
-constexpr AttributeSet asked_of(const AttributeSet& required, const AttributeSet& provided) {
+/// What a list asks of one attribute: its namesake, and what is held against it.
+constexpr AttributeSet asked_of(const AttributeSet& required, Attribute provided) {
   AttributeSet asked = normalised_requirement(required);
-  for (size_t i = 0; i < kAttributes; ++i)
-    if (!provided.has(held_against(attribute_at(i)))) asked.clear(attribute_at(i));
+  for (size_t i = 0; i < kAttributes; ++i) {
+    const Attribute a = attribute_at(i);
+    if (a != provided && held_against(a) != provided) asked.clear(a);
+  }
   return asked;
-}
-
-/// Who provides a Deadline delivers within it: a Latency.
-constexpr AttributeSet lone_provision(uint8_t code, Value value) {
-  return AttributeSet().set(held_against(static_cast<Attribute>(code)), value);
 }
 
 /// One attribute is held against its namesake in the list, a Latency against the Deadline too. What
@@ -25,9 +22,10 @@ constexpr AttributeSet lone_provision(uint8_t code, Value value) {
 template <class Required, class Provided>
 struct FamousoQuestion {
   static constexpr CheckResult check() {
-    return check_normalised(
-        asked_of(Required::kList.set, lone_provision(Provided::kCode, Provided::kValue)),
-        lone_provision(Provided::kCode, Provided::kValue));
+    constexpr auto kProvided = static_cast<Attribute>(Provided::kCode);
+    // Who provides a Deadline delivers within it, which is what a required one is held against.
+    return check_normalised(asked_of(Required::kList.set, kProvided),
+                            AttributeSet().set(held_against(kProvided), Provided::kValue));
   }
   struct Mismatch {
     static ATTRIBUTES_MISMATCH<

@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A hexadecimal number.
+// expect: NOT_A_WHOLE_DECIMAL_NUMBER_OR_TOO_LARGE_FOR_ITS_UNIT
+// lines: 25
+#include "mlcca/attribute_list.hpp"
+
+using namespace mlcca::literals;
+mlcca::Period<0x10_ms> period;
