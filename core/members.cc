@@ -7,29 +7,30 @@ namespace mlcca::core {
 
 template <class End>
 std::size_t Members::Ends<End>::add(End end, AdmissionId admission) {
-  if (free.empty()) {
-    slots.push_back({std::move(end), admission});
-    return slots.size() - 1;
+  if (free_.empty()) {
+    slots_.push_back({std::move(end), admission});
+    return described_->size() + slots_.size() - 1;
   }
-  const std::size_t i = free.back();
-  free.pop_back();
-  slots[i] = {std::move(end), admission};
+  const std::size_t i = free_.back();
+  free_.pop_back();
+  slots_[i - described_->size()] = {std::move(end), admission};
   return i;
 }
 
 template <class End>
 void Members::Ends<End>::remove(std::size_t i) {
-  slots[i] = {};
-  free.push_back(i);
+  slots_[i - described_->size()] = {};
+  free_.push_back(i);
 }
 
-Members::Members(const System& system) : by_channel_(system.channels.size()) {
-  publishers_.slots.reserve(system.publishers.size());
-  subscribers_.slots.reserve(system.subscribers.size());
-  for (const Publisher& p : system.publishers)
-    by_channel_[p.channel].publishers.push_back(publishers_.add(p, 0));
-  for (const Subscriber& s : system.subscribers)
-    by_channel_[s.channel].subscribers.push_back(subscribers_.add(s, 0));
+Members::Members(const System& system)
+    : publishers_(system.publishers),
+      subscribers_(system.subscribers),
+      by_channel_(system.channels.size()) {
+  for (std::size_t i = 0; i < system.publishers.size(); ++i)
+    by_channel_[system.publishers[i].channel].publishers.push_back(i);
+  for (std::size_t i = 0; i < system.subscribers.size(); ++i)
+    by_channel_[system.subscribers[i].channel].subscribers.push_back(i);
 }
 
 std::size_t Members::add(Publisher publisher, AdmissionId admission) {

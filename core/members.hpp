@@ -13,10 +13,11 @@ namespace mlcca::core {
 /// Id of a run-time admission; 0 means described.
 using AdmissionId = std::uint64_t;
 
-/// Indices stay valid while a member is there; a removed member's index may be used again.
+/// Described ends have the numbers that they have in the System, which must outlive this; those
+/// admitted at run time follow. Numbers stay valid while a member is there; a removed member's may
+/// be used again.
 class Members {
  public:
-  Members() = default;
   explicit Members(const System& system);
 
   /// At most one publisher and one subscriber for each admission.
@@ -26,16 +27,16 @@ class Members {
   void remove(AdmissionId admission);
 
   [[nodiscard]] const Publisher& publisher(std::size_t i) const {
-    return publishers_.slots[i].end.value();
+    return publishers_[i];
   }
   [[nodiscard]] const Subscriber& subscriber(std::size_t i) const {
-    return subscribers_.slots[i].end.value();
+    return subscribers_[i];
   }
   [[nodiscard]] AdmissionId admission_of_publisher(std::size_t i) const {
-    return publishers_.slots[i].admission;
+    return publishers_.admission_of(i);
   }
   [[nodiscard]] AdmissionId admission_of_subscriber(std::size_t i) const {
-    return subscribers_.slots[i].admission;
+    return subscribers_.admission_of(i);
   }
 
   [[nodiscard]] const std::vector<std::size_t>& publishers_of(std::size_t channel) const {
@@ -47,18 +48,32 @@ class Members {
   [[nodiscard]] std::size_t channels() const { return by_channel_.size(); }
 
  private:
-  /// Ends of one kind: a slot that is empty is in `free`.
+  /// Ends of one kind: the described ones, then a slot for each that was admitted. One that is
+  /// empty is in `free`.
   template <class End>
-  struct Ends {
+  class Ends {
+   public:
+    explicit Ends(const std::vector<End>& described) : described_(&described) {}
+
+    const End& operator[](std::size_t i) const {
+      return i < described_->size() ? (*described_)[i] : slot(i).end.value();
+    }
+    [[nodiscard]] AdmissionId admission_of(std::size_t i) const {
+      return i < described_->size() ? 0 : slot(i).admission;
+    }
+    std::size_t add(End end, AdmissionId admission);
+    void remove(std::size_t i);
+
+   private:
     struct Slot {
       std::optional<End> end;
       AdmissionId admission = 0;
     };
-    std::vector<Slot> slots;
-    std::vector<std::size_t> free;
+    [[nodiscard]] const Slot& slot(std::size_t i) const { return slots_[i - described_->size()]; }
 
-    std::size_t add(End end, AdmissionId admission);
-    void remove(std::size_t i);
+    const std::vector<End>* described_;
+    std::vector<Slot> slots_;
+    std::vector<std::size_t> free_;
   };
   struct Channel {
     std::vector<std::size_t> publishers;

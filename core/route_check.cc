@@ -13,6 +13,9 @@
 namespace mlcca::core {
 namespace {
 
+/// Requirements that a channel has as a rule.
+constexpr std::size_t kRowsAtOnce = 4;
+
 class RouteCheck {
  public:
   RouteCheck(const Situation& situation, const Ledger& ledger, const std::vector<Target>& targets,
@@ -23,6 +26,7 @@ class RouteCheck {
     find_obstacle();
     if (v_.obstacle != Obstacle::none) return;
     collect_hops();
+    v_.rows.reserve((count_ + 2) * kRowsAtOnce);
     check_hops();
     check_end_to_end();
     check_offers();

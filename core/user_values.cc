@@ -17,9 +17,9 @@ const UserValue* find(const UserValues& values, std::uint32_t attribute) {
 
 /// What a gateway gives where it states nothing.
 std::optional<Value> no_limit(Composition composition) {
-  if (composition == Composition::slowest) return Value{0};
-  if (composition == Composition::smallest) return kUnbounded;
-  return std::nullopt;
+  Value value = 0;
+  if (!unlimited_by_gateway(composition, &value)) return std::nullopt;
+  return value;
 }
 
 std::optional<UserValue> composed_one(const UserAttribute& info, std::uint32_t attribute,

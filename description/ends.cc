@@ -27,6 +27,12 @@ constexpr unsigned kMaxPriority = 0x7f;
 constexpr std::string_view kOnePlace =
     "it is at one place: either attribute network or attribute gateway is needed";
 
+/// Ends without a name, by channel and by place or component.
+using Counts = std::unordered_map<std::size_t, unsigned>;
+constexpr std::size_t kGateways = std::size_t{1} << 20U;    // above the number of any network
+constexpr std::size_t kComponents = std::size_t{1} << 21U;  // above the number of any gateway
+constexpr std::size_t kPlaces = std::size_t{1} << 32U;
+
 class Ends {
  public:
   Ends(Draft& draft, Resolved& to, Problems& problems, Users users)
@@ -115,14 +121,20 @@ class Ends {
     return places_[end.component];
   }
 
-  std::string name_of(const EndDraft& end, std::string_view kind) {
+  /// channel@place or channel@component, numbered from the second one there on. Each kind of end
+  /// has names of its own.
+  std::string name_of(const EndDraft& end, std::size_t channel, Place place, Counts& counts) {
     if (!end.name.empty()) return end.name;
-    const auto& where = end.component != core::kNoComponent
-                            ? draft_.components[end.component].component.name
+    const bool in_component = end.component != core::kNoComponent;
+    const auto& where = in_component               ? draft_.components[end.component].component.name
                         : end.seat.network.empty() ? end.seat.gateway
                                                    : end.seat.network;
-    auto name = fmt::format("{}@{}", end.channel, where);
-    const auto count = ++unnamed_[fmt::format("{} {}", kind, name)];
+    std::string name = to_.system.channels[channel].name;
+    name.append(1, '@').append(where);
+    const std::size_t at = in_component                         ? kComponents + end.component
+                           : place.kind == Place::Kind::gateway ? kGateways + place.index
+                                                                : place.index;
+    const auto count = ++counts[channel * kPlaces + at];
     return count == 1 ? name : fmt::format("{}#{}", name, count);
   }
 
@@ -194,7 +206,7 @@ class Ends {
     }
     if (!channel || !place) return;
     auto& out = to_.system.publishers.emplace_back();
-    out.name = name_of(end, "publisher");
+    out.name = name_of(end, *channel, *place, unnamed_publishers_);
     out.channel = *channel;
     out.place = *place;
     out.uid = uid;
@@ -213,7 +225,7 @@ class Ends {
     const auto place = place_of(end, "Subscriber");
     if (!channel || !place) return;
     auto& out = to_.system.subscribers.emplace_back();
-    out.name = name_of(end, "subscriber");
+    out.name = name_of(end, *channel, *place, unnamed_subscribers_);
     out.channel = *channel;
     out.place = *place;
     out.component = end.component;
@@ -285,7 +297,8 @@ class Ends {
   Problems& problems_;
   Users users_of_;
   std::vector<std::optional<Place>> places_;  ///< of the components
-  std::unordered_map<std::string, std::size_t> unnamed_;
+  Counts unnamed_publishers_;
+  Counts unnamed_subscribers_;
   std::map<std::string, std::optional<std::expected<std::uint32_t, std::string>>> known_users_;
 };
 

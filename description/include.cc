@@ -13,6 +13,9 @@
 namespace mlcca::description {
 namespace {
 
+constexpr std::string_view kRightHref =
+    "is not right: it must be the path of a local file, relative to this one or absolute";
+
 /// "letter (letter | digit | + | - | .)* :" at the start, RFC 3986, 3.1.
 bool has_scheme(std::string_view href) {
   const auto colon = href.find(':');
@@ -55,15 +58,13 @@ std::string explain_include_key(std::string_view key, std::string_view value) {
 
 std::expected<std::string, std::string> included_path(std::string_view href,
                                                       std::string_view folder) {
-  constexpr std::string_view kRight =
-      "is not right: it must be the path of a local file, relative to this one or absolute";
   if (href.empty()) return std::unexpected("attribute href is empty: it names the file");
   if (href.size() >= kMaxHref) return wrong(href, "is too long for a path");
   if (href.contains('#'))
     return wrong(href, "names a part of a file: only a whole one is included (%23 stands for #)");
   if (href.contains('?'))
     return wrong(href, "has a query: it must be the path of a local file (%3F stands for ?)");
-  if (has_scheme(href) || href.starts_with("//")) return wrong(href, kRight);
+  if (has_scheme(href) || href.starts_with("//")) return wrong(href, kRightHref);
   const auto path = decoded(href);
   if (!path) return wrong(href, "is not right: % is followed by two hexadecimal digits, not 00");
   if (path->starts_with('/')) return *path;

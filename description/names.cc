@@ -26,8 +26,13 @@ void Index::add(std::string_view name) {
 }
 
 std::optional<std::size_t> Index::find(std::string_view name) const {
+  // A name that is there twice is its first place's: the hint must not see the second.
+  if (next_ < names_.size() && names_[next_] == name && index_.size() == names_.size())
+    return next_++;
   const auto found = index_.find(name);
-  return found == index_.end() ? std::nullopt : std::optional(found->second);
+  if (found == index_.end()) return std::nullopt;
+  next_ = found->second + 1;
+  return found->second;
 }
 
 std::optional<std::size_t> Index::find(std::string_view name, core::Origin origin,

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Names become indices; for one that nothing has, what was meant.
 #pragma once
+#include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/system.hpp"
@@ -34,7 +37,31 @@ class Index {
   std::string_view kind_;
   std::unordered_map<std::string_view, std::size_t> index_;
   std::vector<std::string_view> names_;
+  /// Behind the last one found: descriptions name things in the same order again and again.
+  mutable std::size_t next_ = 0;
 };
+
+/// Calls `say(first, again)` with the numbers of things that have the same name. Cheaper than a
+/// table of all names: only the rare equal hash makes it compare texts.
+template <class Things, class Say>
+void for_each_twice(const Things& things, const Say& say) {
+  std::vector<std::pair<std::size_t, std::size_t>> hashes;
+  hashes.reserve(things.size());
+  for (std::size_t i = 0; i < things.size(); ++i)
+    hashes.emplace_back(std::hash<std::string_view>{}(things[i].name), i);
+  std::ranges::sort(hashes);
+  for (std::size_t i = 0; i < hashes.size();) {
+    std::size_t end = i + 1;
+    while (end < hashes.size() && hashes[end].first == hashes[i].first) ++end;
+    for (std::size_t b = i + 1; b < end; ++b)
+      for (std::size_t a = i; a < b; ++a) {
+        if (things[hashes[a].second].name != things[hashes[b].second].name) continue;
+        say(hashes[a].second, hashes[b].second);
+        break;
+      }
+    i = end;
+  }
+}
 
 /// "line 5", or "line 5 of motors.xml" where that is another file than `here`.
 std::string line_words(const core::System& system, core::Origin here, core::Origin there);

@@ -42,6 +42,15 @@ class CaughtMessages {
   xmlStructuredErrorFunc old_function_;
 };
 
+/// The library's message; what only tells of a limit inside it becomes ours.
+std::string words_for(const xmlError& error) {
+  std::string_view text = error.message;
+  while (text.ends_with('\n')) text.remove_suffix(1);
+  if (text.contains("Huge input lookup") || text.contains("AttValue length too long"))
+    return "a name or value is longer than 10 MB; that is the limit";
+  return fmt::format("not well-formed XML: {}", text);
+}
+
 class Parser {
  public:
   Parser(Source& source, std::uint32_t file, Builder& builder, const Account& account)
@@ -94,12 +103,9 @@ int Parser::read(void* data, char* to, int size) noexcept {
 void Parser::message(void* data, xmlError* error) noexcept {
   auto& self = of(data);
   if (self.ended_ || error->level == XML_ERR_WARNING || error->message == nullptr) return;
-  std::string_view text = error->message;
-  while (text.ends_with('\n')) text.remove_suffix(1);
   const bool has_line = error->domain == XML_FROM_PARSER || error->domain == XML_FROM_NAMESPACE;
   self.builder_.fail({.file = self.file_, .line = has_line ? error->line : self.line()},
-                     self.builder_.inside(), fmt::format("not well-formed XML: {}", text),
-                     FindingId::not_xml);
+                     self.builder_.inside(), words_for(*error), FindingId::not_xml);
   if (error->level == XML_ERR_FATAL) self.end_here();
 }
 

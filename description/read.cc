@@ -34,8 +34,9 @@ class Stages {
     // those who use them.
     if (valid) {
       out.system = resolve(std::move(draft_), problems_, users);
-      out.system.files = problems_.files();
       check_rules(out.system, problems_);
+    } else {
+      out.system.files = problems_.files();
     }
     out.problems = problems_.take();
     return out;

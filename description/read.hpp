@@ -38,7 +38,7 @@ enum class Users : std::uint8_t { of_this_machine, any };
 
 /// What is found out about a description, as far as it can be read.
 struct Examined {
-  core::System system;            ///< empty unless readable
+  core::System system;            ///< only its files unless readable
   std::vector<Problem> problems;  ///< ordered by file as they appear, then by line
   bool readable = false;          ///< every file could be read and fits the schema
 };

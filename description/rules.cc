@@ -100,18 +100,18 @@ void check_bindings(const core::System& system, const core::Network& network, Pr
 class Bindings {
  public:
   explicit Bindings(const core::System& system) {
-    for (const auto& network : system.networks) {
-      auto& of_channel = of_network_.emplace_back();
-      for (const auto& b : network.bindings) of_channel.try_emplace(b.channel, &b);
-    }
+    for (const auto& network : system.networks)
+      of_network_.push_back(sorted_by(network, [](const Binding* b) { return b->channel; }));
   }
   [[nodiscard]] const Binding* find(std::size_t network, std::size_t channel) const {
-    const auto found = of_network_[network].find(channel);
-    return found == of_network_[network].end() ? nullptr : found->second;
+    const auto& all = of_network_[network];
+    const auto found =
+        std::ranges::lower_bound(all, channel, {}, [](const Binding* b) { return b->channel; });
+    return found == all.end() || (*found)->channel != channel ? nullptr : *found;
   }
 
  private:
-  std::vector<std::unordered_map<std::size_t, const Binding*>> of_network_;
+  std::vector<std::vector<const Binding*>> of_network_;
 };
 
 /// The binding of a publisher's or subscriber's channel on its own network, if it needs one.
@@ -158,17 +158,16 @@ void check_payload(const core::Network& network, const Binding& binding,
                FindingId::too_long);
 }
 
-template <class Ends>
-void check_names(const core::System& system, const Ends& ends, std::string_view element,
+template <class Things>
+void check_names(const core::System& system, const Things& things, std::string_view element,
                  Problems& problems) {
-  std::unordered_map<std::string_view, core::Origin> seen;
-  seen.reserve(ends.size());
-  for (const auto& end : ends)
-    if (const auto [it, fresh] = seen.try_emplace(end.name, end.origin); !fresh)
-      problems.add(end.origin, element,
-                   fmt::format("the name {} is already taken in {}: names are unique", end.name,
-                               line_words(system, end.origin, it->second)),
-                   FindingId::name_twice);
+  for_each_twice(things, [&](std::size_t first, std::size_t again) {
+    const auto& thing = things[again];
+    problems.add(thing.origin, element,
+                 fmt::format("the name {} is already taken in {}: names are unique", thing.name,
+                             line_words(system, thing.origin, things[first].origin)),
+                 FindingId::name_twice);
+  });
 }
 
 /// False where several senders are no harm, and where what tells them apart is missing (which is
@@ -212,19 +211,26 @@ void check_channels(const core::System& system, Problems& problems) {
   check_names(system, system.channels, "EventChannel", problems);
   check_names(system, system.user_attributes, "UserAttribute", problems);
   check_names(system, system.components, "Component", problems);
-  std::unordered_map<core::Subject, const core::EventChannel*> of_subject;
-  of_subject.reserve(system.channels.size());
-  for (const auto& c : system.channels) {
-    if (c.subject == 0)
-      problems.add(c.origin, "EventChannel",
+  std::vector<const core::EventChannel*> by_subject;
+  by_subject.reserve(system.channels.size());
+  for (const auto& c : system.channels) by_subject.push_back(&c);
+  std::ranges::sort(by_subject, {}, [](const core::EventChannel* c) {
+    return std::pair(c->subject, c);  // of equal ones the first that is described comes first
+  });
+  const core::EventChannel* first = nullptr;
+  for (const auto* c : by_subject) {
+    if (c->subject == 0)
+      problems.add(c->origin, "EventChannel",
                    "SubjectUID 0 means no subject: choose another number");
-    if (const auto [it, fresh] = of_subject.try_emplace(c.subject, &c); !fresh)
-      problems.add(c.origin, "EventChannel",
-                   fmt::format("SubjectUID 0x{:x} is already channel {}'s, from {}: subjects are "
-                               "unique",
-                               c.subject, it->second->name,
-                               line_words(system, c.origin, it->second->origin)),
-                   FindingId::subject_twice);
+    if (first == nullptr || first->subject != c->subject)
+      first = c;
+    else
+      problems.add(
+          c->origin, "EventChannel",
+          fmt::format("SubjectUID 0x{:x} is already channel {}'s, from {}: subjects are "
+                      "unique",
+                      c->subject, first->name, line_words(system, c->origin, first->origin)),
+          FindingId::subject_twice);
   }
   check_count(system.channels, kMaxChannels, "EventChannel", "channels", problems);
   check_count(system.user_attributes, kMaxUserAttributes, "UserAttribute", "user attributes",

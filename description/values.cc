@@ -50,7 +50,7 @@ class Characters {
 
  private:
   constexpr void add(char first, char last) {
-    for (int c = first; c <= last; ++c) in_[static_cast<std::size_t>(c)] = true;
+    for (char c = first; c <= last; ++c) in_[static_cast<unsigned char>(c)] = true;
   }
   std::array<bool, 256> in_{};
 };
@@ -228,17 +228,20 @@ constexpr ValueType kBoolean = shaped("xs:boolean", "true or false", "", is_bool
 
 }  // namespace type
 
-std::span<const ValueType* const> value_types() {
-  static constexpr auto kAll = std::to_array<const ValueType*>(
-      {&type::kName,           &type::kChannelName, &type::kHostName,    &type::kUserName,
-       &type::kInterfaceName,  &type::kDeviceText,  &type::kText,        &type::kSubject,
-       &type::kShortHex,       &type::kSmallNumber, &type::kDecimal,     &type::kExponent,
-       &type::kMagnitude,      &type::kPortNumber,  &type::kBitrate,     &type::kDataBitrate,
-       &type::kAttributeName,  &type::kBetter,      &type::kComposition, &type::kSafeSide,
-       &type::kSetPriority,    &type::kNetworkKind, &type::kProfile,     &type::kFrameFormat,
-       &type::kIdentifierForm, &type::kBoolean});
-  return kAll;
-}
+namespace {
+
+constexpr auto kTypes = std::to_array<const ValueType*>(
+    {&type::kName,           &type::kChannelName, &type::kHostName,    &type::kUserName,
+     &type::kInterfaceName,  &type::kDeviceText,  &type::kText,        &type::kSubject,
+     &type::kShortHex,       &type::kSmallNumber, &type::kDecimal,     &type::kExponent,
+     &type::kMagnitude,      &type::kPortNumber,  &type::kBitrate,     &type::kDataBitrate,
+     &type::kAttributeName,  &type::kBetter,      &type::kComposition, &type::kSafeSide,
+     &type::kSetPriority,    &type::kNetworkKind, &type::kProfile,     &type::kFrameFormat,
+     &type::kIdentifierForm, &type::kBoolean});
+
+}  // namespace
+
+std::span<const ValueType* const> value_types() { return kTypes; }
 
 bool is_valid(const ValueType& type, std::string_view value) {
   if (type.fits != nullptr) return type.fits(value);

@@ -43,7 +43,8 @@ class Document {
 
   void read_file(const std::string& path);
   void include(std::string_view href, core::Origin at);
-  std::optional<std::string> refusal(const Source& source, const std::string& path) const;
+  [[nodiscard]] std::optional<std::string> refusal(const Source& source,
+                                                   const std::string& path) const;
   void parse(Source& source, OpenFile file);
   bool account(std::size_t bytes);
 
@@ -139,6 +140,7 @@ void Document::include(std::string_view href, core::Origin at) {
   }
   auto source = Source::open(*path);
   if (!source) {
+    problems_.add_file(*path);  // who watches the files wants to know when it appears
     refuse(fmt::format("{}: {}", *path, source.error().text), FindingId::unreadable);
     return;
   }

@@ -39,8 +39,7 @@ std::string said(const std::vector<Problem>& problems, const std::string& folder
   std::string out;
   for (const auto& p : problems) {
     auto text = to_string(p);
-    for (auto at = text.find(folder); at != std::string::npos; at = text.find(folder))
-      text.erase(at, folder.size());
+    while (!folder.empty() && text.contains(folder)) text.erase(text.find(folder), folder.size());
     out += (out.empty() ? "" : "|") + text;
   }
   return out;
@@ -118,7 +117,7 @@ TEST_F(Include, GivesWhatAPlainProcessorGives) {
                           include("c/c.xml") + channel("z", 9)));
   const std::unique_ptr<xmlDoc, FreeWith<xmlFreeDoc>> document(
       xmlReadFile(path("s.xml").c_str(), nullptr, XML_PARSE_NONET));
-  ASSERT_EQ(xmlXIncludeProcessFlags(document.get(), XML_PARSE_NOXINCNODE), 3);
+  ASSERT_GT(xmlXIncludeProcessFlags(document.get(), XML_PARSE_NOXINCNODE), 0);
   xmlChar* memory = nullptr;
   int size = 0;
   xmlDocDumpMemory(document.get(), &memory, &size);
@@ -152,11 +151,11 @@ TEST_F(Include, SaysWhatIsWrongInAFileOfThatFile) {
 
 TEST_F(Include, LeavesNothingOpenOfAFileThatBreaksOff) {
   file("b.xml", "<Gateway name=\"g\"><Port network=\"air\"><Interface");
-  file("c.xml", "<EventChannel name=\"c\"><SubjectUID>0x3");
+  file("c.xml", "<EventChannel name=\"c\"><Zebra><Zebra>");
   const auto said = problems_of(include("b.xml") + channel("a", 1) + include("c.xml") +
                                 "<Network name=\"air\"><Kind>other</Kind><Kind/></Network>");
   EXPECT_TRUE(said.starts_with("s.xml:5: <Kind>: is not expected here")) << said;
-  EXPECT_EQ(std::ranges::count(said, '|'), 2) << said;
+  EXPECT_EQ(std::ranges::count(said, '|'), 3) << said;
 }
 
 TEST_F(Include, RefusesWhatIsNoLocalFile) {
@@ -262,11 +261,9 @@ TEST_F(Include, CountsTheBytesOfAllFilesTogether) {
   std::filesystem::resize_file(path("b.xml"), 200U << 20U);
   file("c.xml", channel("c", 2));
   std::filesystem::resize_file(path("c.xml"), 200U << 20U);
-  const auto said = problems_of(include("b.xml") + include("c.xml"));
-  EXPECT_TRUE(
-      said.starts_with("s.xml:3: <include>: the files of the description have more than "
-                       "268435456 bytes; that is the limit|b.xml:2"))
-      << said;
+  EXPECT_EQ(problems_of(include("b.xml") + include("c.xml")),
+            "s.xml:3: <include>: the files of the description have more than 268435456 bytes; that "
+            "is the limit");
 }
 
 TEST_F(Include, IsRefusedInATextWithoutAFolder) {
