@@ -216,12 +216,12 @@ class Describe {
   std::optional<Refusal> change_by_questions(const ChannelText& before) {
     Terminal terminal;
     const auto called = before.name.empty() ? before.subject : before.name;
-    terminal.say(file_ ? fmt::format("{}: event channel {}", a_.file, called)
-                       : fmt::format("{}: a new event channel", a_.file));
+    Terminal::say(file_ ? fmt::format("{}: event channel {}", a_.file, called)
+                        : fmt::format("{}: a new event channel", a_.file));
     if (!ask_for_changes(terminal, *markup_, channel_)) return nothing_written();
     const auto found = changes(before, present());
     if (found.empty()) return std::nullopt;
-    for (const auto& change : found) terminal.say("  " + line(change));
+    for (const auto& change : found) Terminal::say("  " + line(change));
     if (!confirm(terminal, fmt::format("Write {}?", a_.file))) return nothing_written();
     return std::nullopt;
   }
@@ -277,10 +277,8 @@ class Describe {
       print(out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
       return;
     }
-    std::string text = fmt::format("{}: {}\n", a_.file,
-                                   !written ? "nothing to change"
-                                   : file_  ? "changed"
-                                            : "created");
+    const char* done = file_ ? "changed" : "created";
+    auto text = fmt::format("{}: {}\n", printable(a_.file), written ? done : "nothing to change");
     for (const auto& change : found) text += fmt::format("  {}\n", line(change));
     print(text);
   }

@@ -1,8 +1,203 @@
 // SPDX-License-Identifier: BSD-2-Clause
+// mlccactl generate: from the description of a system to C++ and DER.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "description/read.hpp"
+#include "tools/design/generate/build_files.hpp"
+#include "tools/design/generate/callbacks.hpp"
+#include "tools/design/generate/header.hpp"
+#include "tools/design/generate/target_folder.hpp"
+#include "tools/design/safe_file.hpp"
 #include "tools/design/verbs.hpp"
 
 namespace mlcca::tools::design {
+namespace {
 
-void add_generate(CLI::App& app, Context& /*context*/) { app.add_subcommand("generate"); }
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMaxCallbacks = std::size_t{16} << 20U;
+
+struct Arguments {
+  std::string system;
+  std::vector<std::string> components;
+  std::string out = "generated";
+  bool force = false;
+};
+
+struct Refusal {
+  Exit exit = Exit::usage;
+  std::string message;
+  std::vector<std::string> details;
+};
+
+class Generate {
+ public:
+  Generate(const Arguments& arguments, const Context& context) : a_(arguments), context_(context) {}
+
+  Exit run() {
+    auto done = carry_out();
+    if (done) return *done;
+    print(done.error());
+    return done.error().exit;
+  }
+
+ private:
+  using Outcome = std::expected<Exit, Refusal>;
+
+  static std::unexpected<Refusal> refuse(Exit exit, std::string message) {
+    return std::unexpected(Refusal{exit, std::move(message), {}});
+  }
+
+  Outcome carry_out() {
+    auto system = description::read(a_.system);
+    if (!system) {
+      Refusal refusal{Exit::usage, fmt::format("{}: cannot be generated from", a_.system), {}};
+      for (const auto& problem : system.error())
+        refusal.details.push_back(description::to_string(problem));
+      return std::unexpected(std::move(refusal));
+    }
+    const auto units = units_of(*system, a_.components);
+    if (!units) return refuse(Exit::usage, units.error().text);
+    if (units->empty())
+      return refuse(Exit::usage, a_.system + ": nobody publishes or subscribes anything");
+    const auto output = TargetFolder::open(a_.out);
+    if (!output) return refuse(Exit::world, output.error().text);
+    if (auto done = make(*system, *units, *output); !done) return done;
+    return write(*output);
+  }
+
+  /// Everything is made before anything is written.
+  Outcome make(const core::System& system, const std::vector<Unit>& units,
+               const TargetFolder& output) {
+    const core::Topology topology(system);
+    for (const auto& unit : units) {
+      auto header = header_of(system, topology, unit);
+      if (!header) return refuse(Exit::usage, header.error().text);
+      const auto name = unit.stem + "_callbacks.cpp";
+      const auto old = read_file(output.path(name), kMaxCallbacks);
+      if (!old) return refuse(Exit::world, old.error().text);
+      auto text = *old ? std::optional((*old)->text) : std::nullopt;
+      // What somebody else wrote has no code of ours; only --force may replace it.
+      const bool foreign = text && !text->substr(0, text->find('\n')).contains(kMark);
+      auto callbacks =
+          callbacks_of(system, unit, header->callbacks, foreign ? std::nullopt : text, a_.force);
+      if (!callbacks)
+        return refuse(Exit::usage,
+                      fmt::format("{}: {}", output.path(name), callbacks.error().text));
+      for (const auto& region : kept_regions(*callbacks))
+        notes_.push_back(
+            fmt::format("{}: code of {} is kept at its end", output.path(name), region));
+      files_.push_back({unit.stem + "_channels.hpp", std::move(header->text), FileKind::text});
+      files_.push_back({name, std::move(*callbacks), FileKind::text});
+      for (auto& blob : header->blobs)
+        files_.push_back({std::move(blob.name), std::move(blob.bytes), FileKind::blob});
+    }
+    auto build = build_files(system, units, a_.components);
+    files_.push_back({"mlcca_generated.mk", std::move(build.make), FileKind::text});
+    files_.push_back({"mlcca_generated.cmake", std::move(build.cmake), FileKind::text});
+    return Exit::fine;
+  }
+
+  Outcome write(const TargetFolder& output) {
+    if (!a_.force)
+      for (const auto& file : files_)
+        if (const auto good = output.check(file); !good)
+          return refuse(Exit::usage, good.error().text + "; nothing was written");
+    std::vector<std::pair<std::string, Written>> done;
+    std::vector<std::string> names;
+    for (const auto& file : files_) {
+      const auto written = output.write(file);
+      if (!written) return refuse(Exit::world, written.error().text);
+      done.emplace_back(output.path(file.name), *written);
+      names.push_back(file.name);
+    }
+    if (a_.components.empty())
+      for (const auto& name : output.leftovers(names))
+        notes_.push_back(fmt::format("{}: belongs to no component any more; nothing removes it",
+                                     output.path(name)));
+    return report(done);
+  }
+
+  static const char* word_of(Written written) {
+    switch (written) {
+      case Written::created:
+        return "created";
+      case Written::changed:
+        return "changed";
+      case Written::unchanged:
+        break;
+    }
+    return "unchanged";
+  }
+
+  [[nodiscard]] Exit report(const std::vector<std::pair<std::string, Written>>& done) const {
+    if (context_.json) {
+      auto files = Json::array();
+      for (const auto& [path, written] : done)
+        files.push_back({{"file", path}, {"state", word_of(written)}});
+      const Json out = {{"files", std::move(files)}, {"notes", notes_}};
+      return print(out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+    }
+    std::string text;
+    for (const auto& [path, written] : done)
+      if (written != Written::unchanged)
+        text += fmt::format("{}: {}\n", printable(path), word_of(written));
+    if (text.empty()) text = fmt::format("{}: nothing to change\n", printable(a_.out));
+    for (const auto& note : notes_) text += fmt::format("note: {}\n", printable(note));
+    return print(text);
+  }
+
+  static Exit print(const std::string& text) {
+    if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
+      return Exit::fine;
+    fmt::print(stderr, "mlccactl: write: {}\n", ::strerror(errno));
+    return Exit::world;
+  }
+
+  void print(const Refusal& refused) const {
+    if (context_.json) {
+      const char* kind = refused.exit == Exit::world ? "world" : "invalid";
+      const Json out = {
+          {"error", {{"kind", kind}, {"message", refused.message}, {"details", refused.details}}}};
+      print(out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+      return;
+    }
+    fmt::print(stderr, "mlccactl: {}\n", printable(refused.message));
+    for (const auto& detail : refused.details) fmt::print(stderr, "{}\n", printable(detail));
+  }
+
+  const Arguments& a_;
+  const Context& context_;
+  std::vector<OutputFile> files_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace
+
+void add_generate(CLI::App& app, Context& context) {
+  auto* verb = app.add_subcommand("generate", "C++ and DER for the components of a system");
+  auto a = std::make_shared<Arguments>();
+  verb->add_option("system", a->system, "description of the system")
+      ->required()
+      ->type_name("SYSTEM.xml");
+  verb->add_option("--component", a->components,
+                   "only this component, or what sits at this place without one; repeatable")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  verb->add_option("--out", a->out, "folder for what is generated; default: generated")
+      ->type_name("DIR");
+  verb->add_flag("--force", a->force,
+                 "overwrite files of others, and give up changes outside of user code");
+  verb->callback([a, &context] { context.exit = Generate(*a, context).run(); });
+}
 
 }  // namespace mlcca::tools::design

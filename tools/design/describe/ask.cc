@@ -45,7 +45,7 @@ class Questions {
       if (answer->empty()) return true;
       const auto done = accept(*answer);
       if (done) return true;
-      terminal_.say(fmt::format("  {}", printable(done.error().text)));
+      Terminal::say(fmt::format("  {}", printable(done.error().text)));
     }
   }
 
@@ -86,13 +86,11 @@ class Questions {
   bool attributes() {
     auto sets = present().sets;
     if (sets.empty()) sets.emplace_back();
-    for (const auto& set : sets) {
-      if (sets.size() > 1) terminal_.say(fmt::format("Attribute set of priority {}", set.priority));
+    return std::ranges::all_of(sets, [&](const AttributeSetText& set) {
+      if (sets.size() > 1) Terminal::say(fmt::format("Attribute set of priority {}", set.priority));
       const auto priority = sets.size() > 1 ? std::optional(set.priority) : std::nullopt;
-      if (!built_in(set, priority) || !user_defined(set, priority) || !further(priority))
-        return false;
-    }
-    return true;
+      return built_in(set, priority) && user_defined(set, priority) && further(priority);
+    });
   }
 
   static std::string now_of(const AttributeSetText& set, std::string_view name) {
@@ -108,7 +106,7 @@ class Questions {
                    [&](const std::string& answer) -> Result<void> {
                      if (answer == kRemove)
                        return apply(markup_, channel_, UnsetAttribute{name, priority});
-                     const auto quantity = parse_built_in(name + "=" + answer);
+                     const auto quantity = parse_built_in(fmt::format("{}={}", name, answer));
                      if (!quantity) return std::unexpected(quantity.error());
                      return put(*quantity, priority);
                    });
@@ -120,13 +118,13 @@ class Questions {
   bool user_defined(const AttributeSetText& set, std::optional<int> priority) {
     for (const auto& attribute : set.attributes) {
       if (names_built_in(attribute.name)) continue;
-      const bool more =
-          question(attribute.name + ", user-defined: a number with its unit", to_words(attribute),
-                   [&](const std::string& answer) -> Result<void> {
-                     if (answer == kRemove)
-                       return apply(markup_, channel_, UnsetAttribute{attribute.name, priority});
-                     return put_user_defined(attribute.name + "=" + answer, priority);
-                   });
+      const bool more = question(
+          attribute.name + ", user-defined: a number with its unit", to_words(attribute),
+          [&](const std::string& answer) -> Result<void> {
+            if (answer == kRemove)
+              return apply(markup_, channel_, UnsetAttribute{attribute.name, priority});
+            return put_user_defined(fmt::format("{}={}", attribute.name, answer), priority);
+          });
       if (!more) return false;
     }
     return true;
@@ -189,7 +187,7 @@ std::optional<std::string> Terminal::ask(const std::string& question) {
 }
 
 bool ask_for_changes(Terminal& terminal, Markup& markup, std::size_t channel) {
-  terminal.say("Enter keeps what stands in brackets, - removes it, Ctrl-D ends without a change.");
+  Terminal::say("Enter keeps what stands in brackets, - removes it, Ctrl-D ends without a change.");
   return Questions(terminal, markup, channel).run();
 }
 
@@ -198,7 +196,7 @@ bool confirm(Terminal& terminal, const std::string& question) {
     const auto answer = terminal.ask(question + " [yes]: ");
     if (!answer || *answer == "no" || *answer == "n") return false;
     if (answer->empty() || *answer == "yes" || *answer == "y") return true;
-    terminal.say("  yes or no");
+    Terminal::say("  yes or no");
   }
 }
 

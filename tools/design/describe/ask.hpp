@@ -15,7 +15,7 @@ class Terminal {
   /// Standard input and standard error are a terminal.
   static bool is_there();
 
-  void say(const std::string& line);
+  static void say(const std::string& line);
   /// The answer without blanks around it; nullopt at the end of the input (Ctrl-D).
   std::optional<std::string> ask(const std::string& question);
 

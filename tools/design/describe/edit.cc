@@ -54,6 +54,8 @@ class Editor {
   Editor(Markup& markup, std::size_t channel) : markup_(markup), channel_(channel) {}
 
   Result<void> operator()(const SetField& edit) {
+    // However it is written in the file, with references or comments in it.
+    if (present(edit.which) == edit.text) return {};
     switch (edit.which) {
       case SetField::Which::subject:
         replace_text(markup_, *node().child("SubjectUID"), edit.text);
@@ -103,6 +105,21 @@ class Editor {
   }
 
  private:
+  [[nodiscard]] std::string present(SetField::Which which) const {
+    const auto channel = read_channel(markup_, node());
+    switch (which) {
+      case SetField::Which::subject:
+        return channel.subject;
+      case SetField::Which::name:
+        return channel.name;
+      case SetField::Which::description:
+        return channel.description;
+      case SetField::Which::safe_side:
+        break;
+    }
+    return channel.safe_side;
+  }
+
   [[nodiscard]] const Node& node() const { return *channel_nodes(markup_).at(channel_); }
 
   [[nodiscard]] std::vector<const Node*> sets() const {
@@ -137,6 +154,7 @@ class Editor {
     if (!priority && sets.size() == 1) return std::size_t{0};
     if (!priority && sets.size() > 1) {
       std::vector<int> known;
+      known.reserve(sets.size());
       for (const auto& set : sets) known.push_back(set.priority);
       return fail(fmt::format("there are several attribute sets, of priority {}: say which",
                               fmt::join(known, ", ")));

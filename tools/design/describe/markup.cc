@@ -145,9 +145,9 @@ void append_utf8(std::string& out, std::uint32_t c) {
 
 /// What "&name;" stands for.
 void append_reference(std::string& out, std::string_view name) {
-  constexpr std::pair<std::string_view, char> kNamed[] = {
+  constexpr std::pair<std::string_view, char> named[] = {
       {"lt", '<'}, {"gt", '>'}, {"amp", '&'}, {"quot", '"'}, {"apos", '\''}};
-  for (const auto& [known, character] : kNamed)
+  for (const auto& [known, character] : named)
     if (name == known) out += character;
   if (!name.starts_with('#')) return;
   name.remove_prefix(1);

@@ -91,7 +91,7 @@ std::string tidy(std::string_view decimal) {
 
 /// decimal * factor; both fit 64 bits without the point.
 std::string times(std::string_view typed, Value factor) {
-  const auto decimal = tidy(typed);
+  auto decimal = tidy(typed);
   if (factor == 1) return decimal;
   const auto point = std::min(decimal.find('.'), decimal.size());
   const std::size_t decimals = point == decimal.size() ? 0 : decimal.size() - point - 1;
@@ -210,7 +210,7 @@ std::string built_in_words(const Quantity& q, Attribute attribute) {
 std::string unit_words(const Unit& unit) {
   std::string out;
   for (const auto& symbol : kSymbols) {
-    const int exponent = unit.at(symbol.base);
+    const auto exponent = unit.at(symbol.base);
     if (symbol.magnitude != 0 || exponent == 0) continue;
     out += out.empty() ? "" : " ";
     out += exponent == 1 ? std::string(symbol.name) : fmt::format("{}^{}", symbol.name, exponent);
@@ -314,7 +314,7 @@ std::string to_words(const Quantity& quantity) {
 }
 
 std::string_view help_of(Attribute attribute) {
-  constexpr std::array<std::string_view, kAttributes> kHelp = {
+  constexpr std::array<std::string_view, kAttributes> help = {
       "longest time from sending to receiving, jitter included; ns, us, ms, s",
       "longest minus shortest such time; ns, us, ms, s",
       "time by which an event must be there; ns, us, ms, s",
@@ -324,7 +324,7 @@ std::string_view help_of(Attribute attribute) {
       "events in a row that may be lost; a number",
       "largest event; a number of bytes, or B, kB, KiB",
   };
-  return kHelp.at(index_of(attribute));
+  return help.at(index_of(attribute));
 }
 
 }  // namespace mlcca::tools::design

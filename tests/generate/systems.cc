@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tests/generate/systems.hpp"
+
+namespace mlcca::test {
+namespace {
+
+const std::string kTime = "<Dimension><SIUnit><Seconds>1</Seconds></SIUnit><Magnitude>";
+
+std::string plain(const std::string& name, const std::string& value) {
+  return "<Attribute><Name>" + name + "</Name><Value>" + value + "</Value></Attribute>";
+}
+std::string time(const std::string& name, const std::string& value, const std::string& magnitude) {
+  return "<Attribute><Name>" + name + "</Name>" + kTime + magnitude +
+         "</Magnitude></Dimension><Value>" + value + "</Value></Attribute>";
+}
+std::string rate(const std::string& value, const std::string& magnitude) {
+  return "<Attribute><Name>Bandwidth</Name><Dimension><SIUnit><Seconds>-1</Seconds>"
+         "<Bytes>1</Bytes></SIUnit><Magnitude>" +
+         magnitude + "</Magnitude></Dimension><Value>" + value + "</Value></Attribute>";
+}
+std::string bytes(const std::string& value) {
+  return "<Attribute><Name>MaxPayload</Name><Dimension><SIUnit><Bytes>1</Bytes></SIUnit>"
+         "</Dimension><Value>" +
+         value + "</Value></Attribute>";
+}
+
+std::string bus(const std::string& name, const std::string& provision,
+                const std::string& bindings) {
+  return "<Network name=\"" + name + "\"><Kind>can</Kind><Profile>famouso</Profile><Provision>" +
+         provision + "</Provision>" + bindings + "</Network>\n";
+}
+
+}  // namespace
+
+std::string robot(const std::string& lost) {
+  const auto provision = plain("Omission", lost) + time("Period", "10", "-3") +
+                         time("Latency", "5", "-3") + bytes("8");
+  const std::string binding = "<Binding channel=\"emergency-switch\"><ETag>0x64</ETag></Binding>";
+  return "<System name=\"robot\">\n"
+         "<EventChannel name=\"emergency-switch\"><SubjectUID>0xa4efeccc3210b497</SubjectUID>"
+         "<Description>heart-beats while it is not pressed</Description><Attributes>" +
+         plain("Omission", "2") + time("Period", "50", "-3") + bytes("8") +
+         "</Attributes></EventChannel>\n" + bus("robot-can", provision, binding) +
+         bus("second-can", provision, binding) + "<Gateway name=\"bridge\"><Provision>" +
+         plain("Omission", "0") + time("Latency", "2", "-3") +
+         "</Provision><Port network=\"robot-can\"><Interface name=\"can0\"/></Port>"
+         "<Port network=\"second-can\"><Interface name=\"can1\"/></Port></Gateway>\n"
+         "<Component name=\"switch\" network=\"robot-can\" node=\"1\">"
+         "<Publisher channel=\"emergency-switch\"/></Component>\n"
+         "<Component name=\"motors\" network=\"robot-can\">"
+         "<Subscriber channel=\"emergency-switch\"/></Component>\n"
+         "<Subscriber channel=\"emergency-switch\" network=\"second-can\" name=\"lamp\"/>\n"
+         "</System>\n";
+}
+
+std::string nasty() {
+  const auto provision =
+      plain("Omission", "0") + time("Period", "1", "-9") + time("Latency", "0", "0") +
+      time("Jitter", "0", "0") + rate("18446744073709551614", "0") + bytes("18446744073709551614") +
+      plain("PacketLoss", "0") + plain("Wear", "18446744073709551614") + plain("Int", "3");
+  const std::string largest = "18446744073709551614";
+  return "<System name=\"class\">\n"
+         "<UserAttribute name=\"Wear\"><Better>larger</Better><Composition>minimum</Composition>"
+         "</UserAttribute>\n"
+         "<UserAttribute name=\"Int\"><Better>smaller</Better><Composition>sum</Composition>"
+         "</UserAttribute>\n"
+         // What it says would end a comment, join the next line to it, and turn the text around.
+         "<EventChannel name=\"int\"><SubjectUID>0x1</SubjectUID>"
+         "<Description>*/ #error \" &#x202e; ?\?/ \\</Description><Attributes>" +
+         plain("Omission", "4294967295") + time("Latency", largest, "-9") +
+         time("Deadline", "1", "-9") + time("Period", "18446744073", "0") + rate("1", "0") +
+         plain("PacketLoss", "1") + bytes("8") + plain("Int", "7") + plain("Wear", "0") +
+         "</Attributes></EventChannel>\n"
+         "<EventChannel name=\"NULL\"><SubjectUID>0x2</SubjectUID><Attributes priority=\"5\">" +
+         plain("Omission", "0") + time("Latency", "1500", "-9") +
+         "</Attributes><Attributes priority=\"-5\">" + plain("Omission", "40000") +
+         "</Attributes></EventChannel>\n"
+         "<EventChannel name=\"a.b\"><SubjectUID>0x3</SubjectUID></EventChannel>\n"
+         "<EventChannel name=\"a-b\"><SubjectUID>0x4</SubjectUID></EventChannel>\n"
+         "<EventChannel name=\"A-B\"><SubjectUID>0x5</SubjectUID></EventChannel>\n"
+         "<EventChannel><SubjectUID>0xDEADbeef00000001</SubjectUID></EventChannel>\n"
+         "<Network name=\"std\"><Kind>other</Kind><Provision>" +
+         provision +
+         "</Provision></Network>\n"
+         "<Network name=\"Std\"><Kind>other</Kind></Network>\n"
+         "<Component name=\"mlcca\" network=\"std\">"
+         "<Publisher channel=\"int\"/><Publisher channel=\"NULL\"/><Publisher channel=\"a.b\"/>"
+         "<Publisher channel=\"a-b\"/><Publisher channel=\"A-B\"/>"
+         "<Publisher channel=\"0xdeadbeef00000001\"/></Component>\n"
+         "<Component name=\"linux\" network=\"std\"><Subscriber channel=\"int\"/>"
+         "<Subscriber channel=\"NULL\"/><Subscriber channel=\"a.b\" name=\"x\"/>"
+         "<Subscriber channel=\"a.b\" name=\"X\"/></Component>\n"
+         "<Component name=\"x\" network=\"Std\"><Subscriber channel=\"0xdeadbeef00000001\"/>"
+         "</Component>\n"
+         "<Component name=\"X\" network=\"std\"><Subscriber channel=\"a-b\"/></Component>\n"
+         "</System>\n";
+}
+
+}  // namespace mlcca::test
