@@ -3,12 +3,6 @@
 <!-- For check.xsl: a finding as an element that holds its line, and the names in it. -->
 <xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform"
                 xmlns:t="urn:mlcca:table" exclude-result-prefixes="t">
-  <!-- Ends without a name of their own share what their names begin with. -->
-  <xsl:key name="unnamed" match="System/Publisher[not(@name)] | System/Subscriber[not(@name)]"
-           use="concat(local-name(), ' ', normalize-space(@channel), '@', normalize-space(concat(@network, @gateway)))"/>
-  <xsl:key name="unnamed" match="Component/Publisher[not(@name)] | Component/Subscriber[not(@name)]"
-           use="concat(local-name(), ' ', normalize-space(@channel), '@', normalize-space(../@name))"/>
-
   <!-- A line, with its parts in attributes. publisher, subscriber and hop are elements, or nothing. -->
   <xsl:template name="finding">
     <xsl:param name="id"/>
@@ -78,15 +72,24 @@
     </xsl:if>
   </xsl:template>
 
+  <!-- By default channel@place or channel@component, with #2, #3 for further ones there. -->
   <xsl:template match="Publisher | Subscriber" mode="name">
-    <xsl:variable name="stem" select="concat(normalize-space(@channel), '@', normalize-space(parent::Component/@name),
-                                             substring(normalize-space(concat(@network, @gateway)), 1, 63 * not(parent::Component)))"/>
-    <xsl:variable name="id" select="generate-id()"/>
+    <xsl:variable name="subject"><xsl:apply-templates select="@channel[starts-with(normalize-space(), '0x')]" mode="subject"/></xsl:variable>
+    <xsl:variable name="channel" select="key('channel', normalize-space(@channel)) | key('channel', $subject)"/>
     <xsl:choose>
-      <xsl:when test="@name"><xsl:value-of select="normalize-space(@name)"/></xsl:when>
+      <xsl:when test="@name or not($channel)"><xsl:value-of select="normalize-space(@name)"/></xsl:when>
       <xsl:otherwise>
-        <xsl:value-of select="$stem"/>
-        <xsl:for-each select="key('unnamed', concat(local-name(), ' ', $stem))">
+        <xsl:variable name="id" select="generate-id()"/>
+        <xsl:variable name="component" select="generate-id(parent::Component)"/>
+        <xsl:variable name="seat" select="normalize-space(concat(@network, @gateway))"/>
+        <xsl:variable name="channels-subject"><xsl:apply-templates select="$channel/SubjectUID" mode="subject"/></xsl:variable>
+        <xsl:variable name="name"><xsl:apply-templates select="$channel" mode="name"/></xsl:variable>
+        <xsl:variable name="all" select="key('use-of', concat(local-name(), ' ', $name)) |
+                                         key('use-of', concat(local-name(), ' ', $channels-subject))"/>
+        <xsl:value-of select="concat($name, '@', normalize-space(parent::Component/@name))"/>
+        <xsl:if test="not(parent::Component)"><xsl:value-of select="$seat"/></xsl:if>
+        <xsl:for-each select="$all[not(@name)][generate-id(parent::Component) = $component and
+                                               normalize-space(concat(@network, @gateway)) = $seat]">
           <xsl:if test="generate-id() = $id and position() &gt; 1"><xsl:value-of select="concat('#', position())"/></xsl:if>
         </xsl:for-each>
       </xsl:otherwise>

@@ -106,8 +106,11 @@
     <xsl:param name="attribute"/>
     <xsl:param name="row"/>
     <xsl:param name="up"/>
-    <xsl:variable name="magnitude"><xsl:call-template name="magnitude"><xsl:with-param name="of" select="$attribute"/></xsl:call-template></xsl:variable>
-    <xsl:variable name="resolution"><xsl:call-template name="magnitude"><xsl:with-param name="of" select="$row"/></xsl:call-template></xsl:variable>
+    <!-- The second term is for "+3", which is no number to XPath; without a sign it is 0. -->
+    <xsl:variable name="magnitude" select="sum($attribute/Dimension/Magnitude[not(contains(., '+'))]) +
+                                           concat('0', normalize-space(substring-after($attribute/Dimension/Magnitude, '+')))"/>
+    <xsl:variable name="resolution" select="sum($row/Dimension/Magnitude[not(contains(., '+'))]) +
+                                            concat('0', normalize-space(substring-after($row/Dimension/Magnitude, '+')))"/>
     <xsl:variable name="decimal" select="normalize-space($attribute/Value)"/>
     <xsl:variable name="before" select="substring-before(concat($decimal, '.'), '.')"/>
     <xsl:variable name="digits" select="concat($before, substring-after($decimal, '.'))"/>

@@ -19,10 +19,10 @@
   -stringparam format xml: Findings/Finding, with names and numbers in attributes and the line as
   text, and Findings/Left for a note.
 
-  - A description is taken for valid ("xmllint -xinclude -schema system.xsd" holds it against the
-    schema; "mlccactl check" also knows the other rules). Names that lead nowhere (MLCCA005) and an
-    xi:include that was not carried out (MLCCA001) are findings here all the same: what they hide
-    would not be checked.
+  - A description is taken for valid: "xmllint -xinclude -nofixup-base-uris -schema system.xsd" holds
+    it against the schema, and "mlccactl check" knows the other rules. Names that lead nowhere
+    (MLCCA005) and an xi:include that was not carried out (MLCCA001) are findings here all the same:
+    what they hide would not be checked.
   - Values are whole numbers of 20 digits in the unit of the table below, kept as strings: XSLT has
     only floating point, which would round them. They are cut or rounded up from the decimal as
     everywhere: a requirement towards harder, a provision towards worse.

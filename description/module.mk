@@ -9,3 +9,19 @@ $O/gen/system_xsd.inc: description/system.xsd
 	$(call say,XSD,$@)
 	$(Q)mkdir -p $(@D) && { printf 'R"xsd('; cat $<; printf ')xsd"\n'; } > $@
 $O/description/schema.o: $O/gen/system_xsd.inc
+
+# The format as one page, and the check in XSLT for tool chains that have nothing but XML.
+$O/reference.html: description/reference.xsl description/system.xsd \
+		$(wildcard examples/volksbot/*.xml examples/volksbot/*/*.xml)
+	$(call say,XSLT,$@)
+	$(Q)mkdir -p $(@D) && xsltproc --nonet -o $@ description/reference.xsl description/system.xsd
+reference: $O/reference.html ## the reference of the description format, as HTML
+
+FORMAT_FILES := $(addprefix description/,system.xsd check.xsl check-values.xsl check-report.xsl)
+install-format: $O/reference.html
+	$(call say,INSTALL,schema and XSLT check and reference of the description format)
+	$(Q)install -d $(DESTDIR)$(PREFIX)/share/mlcca $(DESTDIR)$(PREFIX)/share/doc/mlcca
+	$(Q)install -m 644 $(FORMAT_FILES) $(DESTDIR)$(PREFIX)/share/mlcca
+	$(Q)install -m 644 $O/reference.html $(DESTDIR)$(PREFIX)/share/doc/mlcca/reference.html
+INSTALL += install-format
+.PHONY: reference install-format

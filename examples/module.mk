@@ -12,3 +12,12 @@ run-demo-host: all
 	$(Q)unshare --net --mount sh -c 'mount -t tmpfs run /run && mkdir /run/netns && \
 		exec examples/volksbot/demo plain $(abspath $O)'
 .PHONY: stage run-demo run-demo-guest run-demo-host
+
+EXAMPLES := $(wildcard examples/volksbot/*.xml examples/volksbot/*/*.xml examples/volksbot/*.md)
+install-examples:
+	$(call say,INSTALL,examples)
+	$(Q)for file in $(EXAMPLES); do \
+		install -D -m 644 $$file $(DESTDIR)$(PREFIX)/share/doc/mlcca/$$file || exit 1; \
+	done
+INSTALL += install-examples
+.PHONY: install-examples
