@@ -99,7 +99,7 @@ test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 
 test-all:
 	$(Q)$(MAKE) all check-layers check-format check-mcu
-	$(Q)$(MAKE) check check-kernel
+	$(Q)$(MAKE) check-node check-fuzz check check-kernel
 	$(Q)$(MAKE) check-harness check-guest
 
 lint: check-layers check-format tidy ## layering, clang-format-19 and clang-tidy-19

@@ -7,7 +7,10 @@
 namespace mlcca::core {
 
 bool Ledger::add(const Flow& flow, Value bytes_per_second) {
-  if (!flows_.try_emplace(flow, bytes_per_second).second) return false;
+  // Whoever decides all channels adds in rising order: the end is where the next one belongs.
+  const std::size_t before = flows_.size();
+  flows_.try_emplace(flows_.end(), flow, bytes_per_second);
+  if (flows_.size() == before) return false;
   Value& sum = reserved_[flow.network];
   assert(bytes_per_second <= kUnbounded - sum);
   sum += bytes_per_second;

@@ -9,8 +9,8 @@
 #include <functional>
 #include <map>
 #include <string>
-#include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "description/resolve.hpp"
 #include "description/users.hpp"
@@ -27,11 +27,29 @@ constexpr unsigned kMaxPriority = 0x7f;
 constexpr std::string_view kOnePlace =
     "it is at one place: either attribute network or attribute gateway is needed";
 
-/// Ends without a name, by channel and by place or component.
-using Counts = std::unordered_map<std::size_t, unsigned>;
-constexpr std::size_t kGateways = std::size_t{1} << 20U;    // above the number of any network
-constexpr std::size_t kComponents = std::size_t{1} << 21U;  // above the number of any gateway
-constexpr std::size_t kPlaces = std::size_t{1} << 32U;
+/// Numbers ends that state no name of their own, per channel and name of their place.
+class Counter {
+ public:
+  void reset(std::size_t channels) { first_.assign(channels, {}); }
+
+  /// 1 for the first one of the channel there, 2 for the second.
+  unsigned next(std::size_t channel, const std::string& where) {
+    const auto hash = std::hash<std::string>{}(where);
+    auto& first = first_[channel];
+    if (first.count == 0) first.hash = hash;
+    if (first.hash == hash) return ++first.count;
+    // Two texts with one hash: the second gets a number that it need not have, no more.
+    return ++others_[{channel, hash}];
+  }
+
+ private:
+  struct First {
+    std::size_t hash = 0;
+    unsigned count = 0;
+  };
+  std::vector<First> first_;  ///< of each channel: nearly all have one place
+  std::map<std::pair<std::size_t, std::size_t>, unsigned> others_;
+};
 
 class Ends {
  public:
@@ -41,9 +59,11 @@ class Ends {
   void run() {
     place_components();
     to_.system.publishers.reserve(draft_.publishers.size());
+    unnamed_publishers_.reset(to_.system.channels.size());
     for (; !draft_.publishers.empty(); draft_.publishers.pop_front())
       add_publisher(draft_.publishers.front());
     to_.system.subscribers.reserve(draft_.subscribers.size());
+    unnamed_subscribers_.reset(to_.system.channels.size());
     for (; !draft_.subscribers.empty(); draft_.subscribers.pop_front())
       add_subscriber(draft_.subscribers.front());
     for (auto& component : draft_.components)
@@ -123,7 +143,7 @@ class Ends {
 
   /// channel@place or channel@component, numbered from the second one there on. Each kind of end
   /// has names of its own.
-  std::string name_of(const EndDraft& end, std::size_t channel, Place place, Counts& counts) {
+  std::string name_of(const EndDraft& end, std::size_t channel, Counter& counter) {
     if (!end.name.empty()) return end.name;
     const bool in_component = end.component != core::kNoComponent;
     const auto& where = in_component               ? draft_.components[end.component].component.name
@@ -131,10 +151,7 @@ class Ends {
                                                    : end.seat.network;
     std::string name = to_.system.channels[channel].name;
     name.append(1, '@').append(where);
-    const std::size_t at = in_component                         ? kComponents + end.component
-                           : place.kind == Place::Kind::gateway ? kGateways + place.index
-                                                                : place.index;
-    const auto count = ++counts[channel * kPlaces + at];
+    const auto count = counter.next(channel, where);
     return count == 1 ? name : fmt::format("{}#{}", name, count);
   }
 
@@ -206,7 +223,7 @@ class Ends {
     }
     if (!channel || !place) return;
     auto& out = to_.system.publishers.emplace_back();
-    out.name = name_of(end, *channel, *place, unnamed_publishers_);
+    out.name = name_of(end, *channel, unnamed_publishers_);
     out.channel = *channel;
     out.place = *place;
     out.uid = uid;
@@ -225,7 +242,7 @@ class Ends {
     const auto place = place_of(end, "Subscriber");
     if (!channel || !place) return;
     auto& out = to_.system.subscribers.emplace_back();
-    out.name = name_of(end, *channel, *place, unnamed_subscribers_);
+    out.name = name_of(end, *channel, unnamed_subscribers_);
     out.channel = *channel;
     out.place = *place;
     out.component = end.component;
@@ -233,30 +250,24 @@ class Ends {
     set_attributes(out, end, std::identity{});
   }
 
-  [[nodiscard]] bool speaks_famouso(Place place) const {
-    const auto& system = to_.system;
-    if (place.kind == Place::Kind::network)
-      return system.networks[place.index].profile == Profile::famouso;
-    return std::ranges::any_of(system.gateways[place.index].ports, [&](const core::Port& port) {
-      return system.networks[port.network].profile == Profile::famouso;
-    });
-  }
-
-  /// Node and priority: where FAMOUSO is spoken, and only there. A component's count only where
-  /// they have a meaning.
+  /// Node and priority: needed where FAMOUSO is spoken, and of use wherever events may go there.
   void check_sender(EndDraft& end, Place place) {
     const auto wrong = [&](std::string_view text) {
       say(FindingId::wrong_place, end.origin, "Publisher", text);
     };
     auto& seat = end.seat;
-    if (!speaks_famouso(place)) {
+    const auto speaks_famouso = [](const core::Network& n) {
+      return n.profile == Profile::famouso;
+    };
+    const auto& networks = to_.system.networks;
+    if (std::ranges::none_of(networks, speaks_famouso)) {
       if (seat.node || seat.priority)
         wrong(
-            "attributes node and priority are for profile famouso, which is not spoken here: "
+            "attributes node and priority are for profile famouso, which no network speaks here: "
             "remove them");
       return;
     }
-    if (!seat.node && place.kind == Place::Kind::network)
+    if (!seat.node && place.kind == Place::Kind::network && speaks_famouso(networks[place.index]))
       say(FindingId::no_node, end.origin, "Publisher",
           "attribute node is missing: on a network with profile famouso it is 0 to 126");
     if (seat.node && *seat.node >= kBrokerNode)
@@ -297,8 +308,8 @@ class Ends {
   Problems& problems_;
   Users users_of_;
   std::vector<std::optional<Place>> places_;  ///< of the components
-  Counts unnamed_publishers_;
-  Counts unnamed_subscribers_;
+  Counter unnamed_publishers_;
+  Counter unnamed_subscribers_;
   std::map<std::string, std::optional<std::expected<std::uint32_t, std::string>>> known_users_;
 };
 

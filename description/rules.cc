@@ -62,7 +62,8 @@ std::vector<const Binding*> sorted_by(const core::Network& network, const Key& k
   std::vector<const Binding*> out;
   out.reserve(network.bindings.size());
   for (const auto& b : network.bindings) out.push_back(&b);
-  std::ranges::stable_sort(out, {}, key);
+  // Most descriptions are in order already.
+  if (!std::ranges::is_sorted(out, {}, key)) std::ranges::stable_sort(out, {}, key);
   return out;
 }
 
@@ -96,27 +97,34 @@ void check_bindings(const core::System& system, const core::Network& network, Pr
     for (const auto& b : network.bindings) check_binding(network, b, problems);
 }
 
-/// Which bindings there are, without a search for each publisher.
+/// Which bindings there are, without a search through all for each publisher.
 class Bindings {
  public:
   explicit Bindings(const core::System& system) {
     for (const auto& network : system.networks)
-      of_network_.push_back(sorted_by(network, [](const Binding* b) { return b->channel; }));
+      of_network_.push_back({sorted_by(network, [](const Binding* b) { return b->channel; }), 0});
   }
-  [[nodiscard]] const Binding* find(std::size_t network, std::size_t channel) const {
-    const auto& all = of_network_[network];
-    const auto found =
-        std::ranges::lower_bound(all, channel, {}, [](const Binding* b) { return b->channel; });
-    return found == all.end() || (*found)->channel != channel ? nullptr : *found;
+  const Binding* find(std::size_t network, std::size_t channel) {
+    auto& [all, next] = of_network_[network];
+    // Publishers and subscribers mostly come in the order of their channels.
+    if (next >= all.size() || all[next]->channel != channel)
+      next = static_cast<std::size_t>(
+          std::ranges::lower_bound(all, channel, {}, [](const Binding* b) { return b->channel; }) -
+          all.begin());
+    return next < all.size() && all[next]->channel == channel ? all[next++] : nullptr;
   }
 
  private:
-  std::vector<std::vector<const Binding*>> of_network_;
+  struct Sorted {
+    std::vector<const Binding*> bindings;
+    std::size_t next;  ///< behind the one that was found last
+  };
+  std::vector<Sorted> of_network_;
 };
 
 /// The binding of a publisher's or subscriber's channel on its own network, if it needs one.
 template <class End>
-const Binding* check_bound(const core::System& system, const Bindings& bindings, const End& end,
+const Binding* check_bound(const core::System& system, Bindings& bindings, const End& end,
                            std::string_view element, Problems& problems) {
   if (end.place.kind != Place::Kind::network) return nullptr;
   const auto& network = system.networks[end.place.index];
@@ -185,12 +193,15 @@ std::string_view way_out(const core::Publisher& p) {
 }
 
 void check_twice(const core::System& system, Problems& problems) {
-  std::vector<const core::Publisher*> told_apart;
-  for (const auto& p : system.publishers)
-    if (is_told_apart(system, p)) told_apart.push_back(&p);
   const auto sender = [](const core::Publisher* p) {
     return std::tie(p->channel, p->place, p->node, p->uid);
   };
+  // One that is alone in its channel needs no comparison.
+  std::vector<std::uint32_t> senders(system.channels.size(), 0);
+  for (const auto& p : system.publishers) ++senders[p.channel];
+  std::vector<const core::Publisher*> told_apart;
+  for (const auto& p : system.publishers)
+    if (senders[p.channel] > 1 && is_told_apart(system, p)) told_apart.push_back(&p);
   std::ranges::stable_sort(told_apart, {}, sender);
   const core::Publisher* first = nullptr;
   for (const auto* p : told_apart) {
@@ -214,9 +225,9 @@ void check_channels(const core::System& system, Problems& problems) {
   std::vector<const core::EventChannel*> by_subject;
   by_subject.reserve(system.channels.size());
   for (const auto& c : system.channels) by_subject.push_back(&c);
-  std::ranges::sort(by_subject, {}, [](const core::EventChannel* c) {
-    return std::pair(c->subject, c);  // of equal ones the first that is described comes first
-  });
+  const auto subject = [](const core::EventChannel* c) { return c->subject; };
+  if (!std::ranges::is_sorted(by_subject, {}, subject))
+    std::ranges::stable_sort(by_subject, {}, subject);
   const core::EventChannel* first = nullptr;
   for (const auto* c : by_subject) {
     if (c->subject == 0)
@@ -255,7 +266,7 @@ void check_ends(const core::System& system, Problems& problems) {
   check_names(system, system.publishers, "Publisher", problems);
   check_names(system, system.subscribers, "Subscriber", problems);
   check_twice(system, problems);
-  const Bindings bindings(system);
+  Bindings bindings(system);
   for (const auto& p : system.publishers)
     if (const auto* binding = check_bound(system, bindings, p, "Publisher", problems))
       check_payload(system.networks[p.place.index], *binding, p, problems);
