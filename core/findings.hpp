@@ -10,7 +10,7 @@
 namespace mlcca::core {
 
 /// Printed as MLCCA and three digits. A number is never used again for something else.
-enum class FindingId : std::uint16_t {
+enum class FindingId : std::uint8_t {
   // The description cannot be used.
   unreadable = 1,
   not_xml = 2,

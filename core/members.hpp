@@ -26,12 +26,8 @@ class Members {
   /// Removes what the admission brought in.
   void remove(AdmissionId admission);
 
-  [[nodiscard]] const Publisher& publisher(std::size_t i) const {
-    return publishers_[i];
-  }
-  [[nodiscard]] const Subscriber& subscriber(std::size_t i) const {
-    return subscribers_[i];
-  }
+  [[nodiscard]] const Publisher& publisher(std::size_t i) const { return publishers_[i]; }
+  [[nodiscard]] const Subscriber& subscriber(std::size_t i) const { return subscribers_[i]; }
   [[nodiscard]] AdmissionId admission_of_publisher(std::size_t i) const {
     return publishers_.admission_of(i);
   }

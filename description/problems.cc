@@ -62,11 +62,10 @@ std::vector<Problem> Problems::take() {
   std::vector<Problem> out;
   out.reserve(found.size() + 1);
   for (auto& e : found)
-    out.push_back({name_of(e.at.file), e.at.line, std::move(e.element), std::move(e.text),
-                   static_cast<std::uint16_t>(e.id)});
+    out.push_back({name_of(e.at.file), e.at.line, std::move(e.element), std::move(e.text), e.id});
   if (std::exchange(overflowing_, false))
     out.push_back({files_.front(), 0, "", "there are more problems than these: repair them first",
-                   static_cast<std::uint16_t>(core::FindingId::rule)});
+                   core::FindingId::rule});
   return out;
 }
 

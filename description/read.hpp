@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/findings.hpp"
 #include "core/system.hpp"
 
 namespace mlcca::description {
@@ -16,10 +17,10 @@ namespace mlcca::description {
 /// One mistake in a description.
 struct Problem {
   std::string file;
-  int line = 0;          ///< 1.., or 0: the file as a whole
-  std::string element;   ///< local name; empty: the document or its syntax
-  std::string text;      ///< what is wrong and what would be right
-  std::uint16_t id = 0;  ///< a core::FindingId
+  int line = 0;         ///< 1.., or 0: the file as a whole
+  std::string element;  ///< local name; empty: the document or its syntax
+  std::string text;     ///< what is wrong and what would be right
+  core::FindingId id = core::FindingId::rule;
 
   bool operator==(const Problem&) const = default;
 };

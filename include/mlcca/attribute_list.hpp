@@ -39,12 +39,6 @@ constexpr ListValues collect(const uint8_t (&codes)[N], const Value (&values)[N]
   return list;
 }
 
-/// The attribute of the user as an XML name would tell it apart: Name<0>.
-template <class Name>
-struct UserTag {
-  static const char id;  ///< only its address matters
-};
-
 }  // namespace detail
 
 /// Worst case, jitter included.
@@ -120,7 +114,7 @@ struct UserAttribute {
   static constexpr Value kValue = V;
   static constexpr Better kBetter = B;
   static constexpr Composition kComposition = C;
-  using Tag = detail::UserTag<Name<0>>;
+  using Tag = Name<0>;  ///< the same whatever the value
   template <Value W>
   using With = Name<W>;
 };

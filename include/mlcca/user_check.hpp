@@ -15,8 +15,7 @@ namespace detail {
 constexpr size_t kMaxUserAttributes = 8;
 
 struct UserValue {
-  const char* tag = nullptr;  ///< its address tells attributes apart
-  size_t index = 0;           ///< in the list
+  size_t index = 0;  ///< in the list
   Value value = 0;
   Better better = Better::smaller;
   Composition composition = Composition::sum;
@@ -30,23 +29,24 @@ struct UserValues {
   size_t seen = 0;  ///< attributes of the list so far, the table's among them
   bool distinct = true;
 
-  /// The place of the attribute, or count.
-  constexpr size_t find(const char* tag) const {
+  /// The value of the attribute with that index in the list; count when there is none.
+  constexpr size_t find(size_t index) const {
     size_t i = 0;
-    while (i < count && values[i].tag != tag) ++i;
+    while (i < count && values[i].index != index) ++i;
     return i;
   }
   constexpr bool skip() {
     ++seen;
     return false;
   }
-  constexpr bool add(const char* tag, Value value, Better better, Composition composition,
+  /// `first` is where the list has the attribute first.
+  constexpr bool add(size_t first, Value value, Better better, Composition composition,
                      bool dynamic) {
-    distinct = distinct && find(tag) == count;
+    const size_t index = seen++;
+    distinct = distinct && first == index;
     if (count == kMaxUserAttributes) return false;
     UserValue& added = values[count++];
-    added.tag = tag;
-    added.index = seen++;
+    added.index = index;
     added.value = value;
     added.better = better;
     added.composition = composition;
@@ -55,27 +55,88 @@ struct UserValues {
   }
 };
 
-template <bool IsUser, class A>
-struct UserValueOf {
-  static constexpr bool add(UserValues& list) { return list.skip(); }
-};
-template <class A>
-struct UserValueOf<true, A> {
-  static constexpr bool add(UserValues& list) {
-    return list.add(&A::Tag::id, A::kValue, A::kBetter, A::kComposition,
-                    (A::kCode & kDynamicCode) != 0);
+/// Where the attributes of the user's own in one list are in another list.
+struct UserPlaces {
+  size_t places[kMaxUserAttributes] = {};
+  size_t count = 0;
+
+  constexpr bool add(size_t place) {
+    if (count == kMaxUserAttributes) return false;
+    places[count++] = place;
+    return true;
   }
 };
 
+template <class A, class B>
+struct IsSame {
+  static constexpr bool kSame = false;
+};
+template <class A>
+struct IsSame<A, A> {
+  static constexpr bool kSame = true;
+};
+
+/// An element of a list: those of the table have no tag.
+template <class A, bool IsUser = (A::kCode & kUserCode) != 0>
+struct Element {
+  using Tag = void;
+  template <class List>
+  static constexpr bool add(UserValues& values) {
+    return values.skip();
+  }
+  template <class List>
+  static constexpr bool find(UserPlaces&) {
+    return false;
+  }
+};
+
+/// Where an attribute is in a list first. The same for all its values, so that a compiler looks it
+/// up once. An address for each tag would be simpler, but avr-g++ 5.4 does not compare addresses at
+/// compile time.
+template <class Tag, class List>
+struct PlaceIn;
+template <class Tag, class... As>
+struct PlaceIn<Tag, AttributeList<As...>> {
+  /// The length of the list when it is not there.
+  static constexpr size_t place() {
+    const bool same[] = {IsSame<Tag, typename Element<As>::Tag>::kSame..., true};
+    size_t i = 0;
+    while (!same[i]) ++i;
+    return i;
+  }
+};
+
+template <class A>
+struct Element<A, true> {
+  using Tag = typename A::Tag;
+  template <class List>
+  static constexpr bool add(UserValues& values) {
+    return values.add(PlaceIn<Tag, List>::place(), A::kValue, A::kBetter, A::kComposition,
+                      (A::kCode & kDynamicCode) != 0);
+  }
+  template <class List>
+  static constexpr bool find(UserPlaces& places) {
+    return places.add(PlaceIn<Tag, List>::place());
+  }
+};
+
+/// Of a list: the values, and where its attributes are in a provision.
 template <class List>
 struct UsersOf;
 template <class... As>
 struct UsersOf<AttributeList<As...>> {
   static constexpr UserValues values() {
-    UserValues list;
-    const bool added[] = {false, UserValueOf < (As::kCode & kUserCode) != 0, As > ::add(list)...};
+    UserValues values;
+    const bool added[] = {false, Element<As>::template add<AttributeList<As...>>(values)...};
     static_cast<void>(added);
-    return list;
+    return values;
+  }
+  template <class Provision>
+  static constexpr UserPlaces places_in() {
+    UserPlaces places;
+    const bool found[] = {false, Element<As>::template find<Provision>(places)...};
+    static_cast<void>(found);
+    return places;
   }
 };
 
@@ -92,7 +153,8 @@ constexpr UserValues users_of() {
 /// What a hop provides of them.
 struct UserHop {
   UserValues provision;
-  uint16_t frames;  ///< of an event
+  UserPlaces places[2];  ///< of the attributes of publisher and subscriber in the provision
+  uint16_t frames;       ///< of an event
   bool gateway;
 };
 
@@ -111,14 +173,16 @@ struct UserFinding {
   }
 };
 
-/// One attribute against every hop and the whole route. A gateway that says nothing of a maximum or
-/// a minimum does not limit it and is not asked.
-constexpr UserFinding check_user(const UserValue& required, const UserHop* hops, size_t count) {
+/// Attribute `i` of an end against every hop and the whole route. A gateway that says nothing of a
+/// maximum or a minimum does not limit it and is not asked.
+constexpr UserFinding check_user(const UserValues (&ends)[2], size_t end, size_t i,
+                                 const UserHop* hops, size_t count) {
+  const UserValue& required = ends[end].values[i];
   HopValue values[kMaxComposedHops];
   UserFinding finding;
   for (; finding.place < count; ++finding.place) {
     const UserHop& hop = hops[finding.place];
-    const size_t found = hop.provision.find(required.tag);
+    const size_t found = hop.provision.find(hop.places[end].places[i]);
     HopValue& value = values[finding.place];
     value.frames = hop.frames;
     finding.known = found != hop.provision.count;
@@ -140,11 +204,20 @@ constexpr UserFinding check_user(const UserValue& required, const UserHop* hops,
 constexpr UserFinding check_users(const UserValues (&ends)[2], const UserHop* hops, size_t count) {
   for (size_t end = 0; end < 2; ++end)
     for (size_t i = 0; i < ends[end].count; ++i) {
-      UserFinding finding = check_user(ends[end].values[i], hops, count);
+      UserFinding finding = check_user(ends, end, i, hops, count);
       finding.attribute = ends[end].values[i].index + (end == 0 ? 0 : ends[0].seen);
       if (finding.outcome == Outcome::unfit) return finding;
     }
   return {};
+}
+
+template <class Publisher, class Subscriber, class Provision>
+constexpr UserHop hop_of(uint16_t frames, bool gateway) {
+  return {users_of<Provision>(),
+          {UsersOf<Publisher>::template places_in<Provision>(),
+           UsersOf<Subscriber>::template places_in<Provision>()},
+          frames,
+          gateway};
 }
 
 /// The same for AttributeLists and hops.
@@ -152,7 +225,7 @@ template <class Publisher, class Subscriber, class... Hops>
 constexpr UserFinding check_users_of() {
   const UserValues ends[] = {users_of<Publisher>(), users_of<Subscriber>()};
   const UserHop hops[] = {
-      {users_of<typename Hops::provision>(), Hops::kFrames, Hops::kIsGateway}...};
+      hop_of<Publisher, Subscriber, typename Hops::provision>(Hops::kFrames, Hops::kIsGateway)...};
   return check_users(ends, hops, sizeof...(Hops));
 }
 

@@ -284,8 +284,8 @@ TEST_F(Include, HasItsWayOfSayingAnIdForTools) {
   const auto result = read(path("s.xml"));
   ASSERT_FALSE(result);
   ASSERT_EQ(result.error().size(), 2U);
-  EXPECT_EQ(result.error()[0].id, static_cast<std::uint16_t>(core::FindingId::unreadable));
-  EXPECT_EQ(result.error()[1].id, static_cast<std::uint16_t>(core::FindingId::not_in_schema));
+  EXPECT_EQ(result.error()[0].id, core::FindingId::unreadable);
+  EXPECT_EQ(result.error()[1].id, core::FindingId::not_in_schema);
 }
 
 class Examine : public Include {};

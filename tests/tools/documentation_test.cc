@@ -50,11 +50,14 @@ Words entries_in(const std::string& text) {
   return result;
 }
 
-/// Of the help of the program and of every verb.
+/// Of the help of the program and of every verb. The design verbs are carried out by another
+/// program; those that have a manual page of their own describe their options there.
 struct Help {
   Words verbs;
   Words options;
 };
+const Words kDesign{"check", "describe", "generate"};
+const Words kOwnPage{"describe", "generate"};
 
 Help help() {
   const auto text = test::run_mlccactl({"--help"}).out;
@@ -63,13 +66,15 @@ Help help() {
   result.verbs = entries_in(text.substr(verbs, text.find("\n\n", verbs) - verbs));
   result.options = options_in(text);
   for (const auto& verb : result.verbs)
-    result.options.merge(options_in(test::run_mlccactl({verb, "--help"}).out));
+    if (!kOwnPage.contains(verb))
+      result.options.merge(options_in(test::run_mlccactl({verb, "--help"}).out));
   return result;
 }
 
-/// What the manual page describes: the lines behind .TP and .TQ without quotes and escapes.
-std::vector<std::string> manual_entries() {
-  std::ifstream file(top() / "docs/man/mlccactl.1");
+/// What a manual page describes: the lines behind .TP and .TQ without quotes and escapes.
+std::vector<std::string> manual_entries(const std::string& page) {
+  std::ifstream file(top() / "docs/man" / page);
+  EXPECT_TRUE(file) << page;
   std::vector<std::string> result;
   bool follows = false;
   for (std::string line; std::getline(file, line);) {
@@ -106,9 +111,9 @@ Words completions(const std::string& words, const std::string& socket) {
 }
 
 TEST(DocumentationTest, ManualDescribesEveryVerbAndOption) {
-  const auto entries = manual_entries();
+  const auto entries = manual_entries("mlccactl.1");
   const auto known = help();
-  ASSERT_EQ(known.verbs.size(), 10U);
+  ASSERT_EQ(known.verbs.size(), 13U);
   ASSERT_GT(known.options.size(), 15U);
   for (const auto& verb : known.verbs)
     EXPECT_TRUE(std::ranges::any_of(entries, [&](const std::string& entry) {
@@ -118,6 +123,18 @@ TEST(DocumentationTest, ManualDescribesEveryVerbAndOption) {
     EXPECT_TRUE(std::ranges::any_of(entries, [&](const std::string& entry) {
       return options_in(entry).contains(option);
     })) << option;
+}
+
+TEST(DocumentationTest, APageOfItsOwnDescribesEveryOptionOfAVerb) {
+  for (const auto& verb : kOwnPage) {
+    const auto entries = manual_entries("mlccactl-" + verb + ".1");
+    const auto options = options_in(test::run_mlccactl({verb, "--help"}).out);
+    ASSERT_GT(options.size(), 1U) << verb;
+    for (const auto& option : options)
+      EXPECT_TRUE(std::ranges::any_of(
+          entries, [&](const std::string& entry) { return options_in(entry).contains(option); }))
+          << verb << " " << option;
+  }
 }
 
 TEST(DocumentationTest, CompletionOffersEveryVerb) {
@@ -130,9 +147,27 @@ TEST(DocumentationTest, CompletionOffersEveryVerb) {
 TEST(DocumentationTest, CompletionOffersEveryOptionOfAVerb) {
   for (const auto& verb : help().verbs) {
     auto expected = options_in(test::run_mlccactl({verb, "--help"}).out);
-    expected.merge(options_in("--socket --timeout --json --no-color --help"));
+    // Without a daemon there is no socket.
+    expected.merge(options_in(kDesign.contains(verb)
+                                  ? "--json --no-color --help"
+                                  : "--socket --timeout --json --no-color --help"));
     EXPECT_EQ(completions("mlccactl " + verb + " --", "/nonexistent"), expected) << verb;
   }
+}
+
+TEST(DocumentationTest, CompletionOffersFilesAndFormsToCheck) {
+  EXPECT_EQ(completions("mlccactl check --format s", "/nonexistent"), (Words{"sarif"}));
+  const auto folder = (top() / "examples/volksbot/").lexically_normal().string();
+  const auto offered = completions("mlccactl check " + folder, "/nonexistent");
+  EXPECT_TRUE(offered.contains(folder + "system.xml"));
+  EXPECT_FALSE(offered.contains(folder + "demo")) << "it is no description";
+}
+
+TEST(DocumentationTest, CompletionOffersWhatDescribeTakes) {
+  EXPECT_EQ(completions("mlccactl describe a.xml --set Pe", "/nonexistent"), (Words{"Period="}));
+  EXPECT_EQ(completions("mlccactl describe a.xml --unset Pe", "/nonexistent"), (Words{"Period"}));
+  EXPECT_EQ(completions("mlccactl describe a.xml --safe-side \"\"", "/nonexistent"),
+            (Words{"drop", "deliver", "none"}));
 }
 
 TEST(DocumentationTest, CompletionAsksTheDaemonForNames) {

@@ -2,4 +2,4 @@
 TOOLS_TEST_SOURCES := $(wildcard tests/tools/*.cc) tests/control/server.cc tests/control/messages.cc
 $(eval $(call unit_test,tools_test,$(TOOLS_TEST_SOURCES),$(TOOLS_ARCHIVES),$(PROTO_LIBS)))
 # It runs the program that lies beside it in the build tree.
-$O/tests/tools_test: | $O/mlccactl
+$O/tests/tools_test: | $O/mlccactl $O/mlcca-design

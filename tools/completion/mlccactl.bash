@@ -20,7 +20,9 @@ _mlccactl_places() {
 _mlccactl() {
 	local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
 	local verbs="status networks channels query admit release explain monitor mode reload"
+	local design="check describe generate"
 	local common="--socket --timeout --json --no-color --help"
+	local offline="--json --no-color --help"
 	local attributes="Latency= Jitter= Deadline= Period= Bandwidth= PacketLoss= Omission= MaxPayload="
 	local verb= word i
 	COMPREPLY=()
@@ -35,15 +37,19 @@ _mlccactl() {
 	done
 
 	case $prev in
-	--socket)
+	--socket | --output)
 		mapfile -t COMPREPLY < <(compgen -f -- "$cur")
+		return
+		;;
+	--format)
+		mapfile -t COMPREPLY < <(compgen -W "text json sarif html" -- "$cur")
 		return
 		;;
 	--from | --to)
 		mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_places)" -- "$cur")
 		return
 		;;
-	--require | --offer)
+	--require | --offer | --set)
 		mapfile -t COMPREPLY < <(compgen -W "$attributes" -- "$cur")
 		compopt -o nospace 2>/dev/null
 		return
@@ -52,12 +58,31 @@ _mlccactl() {
 		mapfile -t COMPREPLY < <(compgen -u -- "$cur")
 		return
 		;;
+	--unset)
+		mapfile -t COMPREPLY < <(compgen -W "${attributes//=/}" -- "$cur")
+		return
+		;;
+	--safe-side)
+		mapfile -t COMPREPLY < <(compgen -W "drop deliver none" -- "$cur")
+		return
+		;;
+	--out)
+		mapfile -t COMPREPLY < <(compgen -d -- "$cur")
+		return
+		;;
 	--timeout | --node | --priority | --id | --subscriber | --publisher) return ;;
+	--channel | --subject | --name | --description | --set-user | --remove-set | --component) return ;;
 	esac
 
 	local words=$common
 	case $verb in
-	"") words="$verbs $common --version" ;;
+	"") words="$verbs $design $common --version" ;;
+	check) words="--format --output --watch $offline" ;;
+	describe)
+		words="--channel --subject --random-subject --name --description --safe-side --set --set-user"
+		words+=" --unset --priority --remove-set --dry-run $offline"
+		;;
+	generate) words="--component --out --force $offline" ;;
 	query | admit)
 		words+=" --from --to --require --offer --node --priority --user --subscriber --publisher"
 		;;
@@ -67,6 +92,14 @@ _mlccactl() {
 	case $verb in
 	query | admit | release | explain)
 		[[ $cur == -* ]] || words=$(_mlccactl_channels)
+		;;
+	check | describe | generate)
+		if [[ $cur != -* ]]; then
+			# Folders too: they lead to files.
+			mapfile -t COMPREPLY < <(compgen -f -X '!*.xml' -- "$cur"; compgen -d -- "$cur")
+			compopt -o filenames 2>/dev/null
+			return
+		fi
 		;;
 	esac
 	mapfile -t COMPREPLY < <(compgen -W "$words" -- "$cur")

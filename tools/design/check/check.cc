@@ -4,48 +4,118 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
+#include <chrono>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "tools/design/check/output.hpp"
+#include "tools/design/check/progress.hpp"
 #include "tools/design/check/report.hpp"
+#include "tools/design/check/watch.hpp"
 #include "tools/design/check/write.hpp"
 #include "tools/design/verbs.hpp"
 
 namespace mlcca::tools::design {
 namespace {
 
+// Cursor to the corner, then screen and what was scrolled away.
+constexpr const char* kClear = "\x1b[H\x1b[2J\x1b[3J";
+
 struct Options {
   std::vector<std::string> files;
   std::string format = "text";
   std::string output;  ///< empty: standard output
+  bool watch = false;
 };
 
-std::string written(const Report& report, const std::string& format, Color color) {
-  if (format == "json") return write_json(report);
-  if (format == "sarif") return write_sarif(report);
-  if (format == "html") return write_html(report);
-  return write_text(report, color);
+Exit complain(Exit status, const std::string& text) {
+  fmt::print(stderr, "mlccactl: {}\n", printable(text));
+  return status;
 }
 
-Exit status_of(const Report& report) {
-  if (!report.readable()) return Exit::usage;
-  const auto totals = report.totals();
-  return totals.errors + totals.warnings == 0 ? Exit::fine : Exit::refused;
-}
+class Check {
+ public:
+  Check(const Options& options, Color color) : options_(options), color_(color) {}
 
-Exit check(const Options& options, Color color) {
-  const auto report = make_report(options.files, {});
-  const auto text = written(report, options.format, color);
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
-    fmt::print(stderr, "mlccactl: write: {}\n", ::strerror(errno));
-    return Exit::world;
+  Exit run() {
+    if (options_.watch) return watch();
+    return deliver(examine());
   }
-  return status_of(report);
-}
+
+ private:
+  [[nodiscard]] Report examine() const {
+    if (::isatty(STDERR_FILENO) == 0) return make_report(options_.files, {});
+    ProgressLine line(std::chrono::steady_clock::now, [](std::string_view text) {
+      fmt::print(stderr, "{}", text);
+      std::fflush(stderr);
+    });
+    return make_report(options_.files,
+                       [&](std::string_view what, double done) { line.show(what, done); });
+  }
+
+  [[nodiscard]] std::string written(const Report& report) const {
+    if (options_.format == "json") return write_json(report);
+    if (options_.format == "sarif") return write_sarif(report);
+    if (options_.format == "html") return write_html(report);
+    return write_text(report, options_.output.empty() ? color_ : Color::no);
+  }
+
+  [[nodiscard]] Exit deliver(const Report& report) const {
+    const auto& output = options_.output;
+    if (!output.empty() && is_one_of(output, report.files()))
+      return complain(Exit::usage, output +
+                                       ": is a file that is checked; the report would "
+                                       "replace it");
+    const auto text = written(report);
+    const auto done = output.empty() ? print(text) : write_output(output, text);
+    return done ? status_of(report) : complain(Exit::world, done.error().text);
+  }
+
+  // --- watching ----------------------------------------------------------------------------------
+
+  Exit watch() {
+    auto watch = FileWatch::open();
+    if (!watch) return complain(Exit::world, watch.error().text);
+    std::vector<std::string> files = options_.files;
+    for (bool first = true;; first = false) {
+      const auto since = file_time();
+      if (auto followed = watch->follow(files, since); !followed)
+        return complain(Exit::world, followed.error().text);
+      const auto report = examine();
+      const auto status = show(report, first);
+      // What is included is known only now.
+      files = options_.files;
+      for (auto& file : report.files()) files.push_back(std::move(file));
+      const auto missed = watch->follow(files, since);
+      if (!missed) return complain(Exit::world, missed.error().text);
+      if (*missed) continue;
+      const auto woken = watch->wait();
+      if (!woken) return complain(Exit::world, woken.error().text);
+      if (*woken == Woken::ended) return status;
+    }
+  }
+
+  /// The report, and with --output the text for the person who watches.
+  [[nodiscard]] Exit show(const Report& report, bool first) const {
+    const bool for_person = options_.format == "text" || !options_.output.empty();
+    if (for_person) {
+      const bool terminal = ::isatty(STDOUT_FILENO) != 0;
+      std::string text;
+      if (terminal)
+        text = kClear;
+      else if (!first)
+        text = "--- checked again\n";
+      if (!options_.output.empty()) text += write_text(report, color_);
+      if (auto done = print(text); !done) return complain(Exit::world, done.error().text);
+    }
+    return deliver(report);
+  }
+
+  const Options& options_;
+  Color color_;
+};
 
 }  // namespace
 
@@ -60,9 +130,16 @@ void add_check(CLI::App& app, Context& context) {
   verb->add_option("--format", options->format, "text, json, sarif (2.1.0) or html")
       ->check(CLI::IsMember({"text", "json", "sarif", "html"}))
       ->capture_default_str();
+  verb->add_option("--output", options->output, "write the report to this file, in one piece")
+      ->type_name("FILE");
+  verb->add_flag("--watch", options->watch,
+                 "check again whenever one of the files is saved, until interrupted");
   verb->callback([&context, options] {
     if (context.json) options->format = "json";
-    context.exit = check(*options, color_of(STDOUT_FILENO, context.no_color));
+    const bool page = options->format == "sarif" || options->format == "html";
+    if (options->watch && page && options->output.empty())
+      throw CLI::ValidationError("--watch", options->format + " needs --output");
+    context.exit = Check(*options, color_of(STDOUT_FILENO, context.no_color)).run();
   });
 }
 

@@ -10,22 +10,17 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;  // of the object
 
-std::size_t count(const SystemReport& system, Outcome outcome) {
-  std::size_t n = 0;
-  for (const auto& channel : system.inspection.channels) n += channel.outcome == outcome ? 1 : 0;
-  return n;
-}
-
 Json to_json(const SystemReport& system) {
   Json out{{"file", system.file},
            {"name", system.system.name},
            {"readable", system.readable},
            {"inspected", system.inspected}};
-  if (system.inspected)
-    out["channels"] = {{"all", system.inspection.channels.size()},
-                       {"fit", count(system, Outcome::fit)},
-                       {"run_time", count(system, Outcome::run_time)},
-                       {"unfit", count(system, Outcome::unfit)}};
+  if (!system.inspected) return out;
+  const auto counts = counts_of(system);
+  out["channels"] = {{"all", system.inspection.channels.size()},
+                     {"fit", counts.fit},
+                     {"run_time", counts.run_time},
+                     {"unfit", counts.unfit}};
   return out;
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "tools/design/check/report.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <fstream>
+#include <unordered_set>
 #include <utility>
 
 #include "core/text.hpp"
@@ -32,7 +34,7 @@ bool hides_others(FindingId id) {
 
 ReportedFinding reported(const description::Problem& problem) {
   ReportedFinding out;
-  out.id = static_cast<FindingId>(problem.id);
+  out.id = problem.id;
   out.file = problem.file;
   out.line = problem.line;
   out.element = problem.element;
@@ -123,17 +125,53 @@ bool Report::readable() const {
   return parts.empty() && std::ranges::all_of(systems, &SystemReport::readable);
 }
 
+std::vector<std::string> Report::files() const {
+  std::vector<std::string> out;
+  std::unordered_set<std::string_view> known;
+  const auto add = [&](const std::string& file) {
+    if (!file.empty() && known.insert(file).second) out.push_back(file);
+  };
+  for (const auto& system : systems)
+    for (const auto& file : system.system.files) add(file);
+  for (const auto& file : part_files) add(file);
+  for (const auto& finding : parts) add(finding.file);
+  return out;
+}
+
+Exit status_of(const Report& report) {
+  if (!report.readable()) return Exit::usage;
+  const auto totals = report.totals();
+  return totals.errors + totals.warnings == 0 ? Exit::fine : Exit::refused;
+}
+
+ChannelCounts counts_of(const SystemReport& system) {
+  ChannelCounts counts;
+  for (const auto& channel : system.inspection.channels) {
+    if (channel.outcome == Outcome::fit)
+      ++counts.fit;
+    else if (channel.outcome == Outcome::run_time)
+      ++counts.run_time;
+    else
+      ++counts.unfit;
+  }
+  return counts;
+}
+
 Report make_report(const std::vector<std::string>& paths, const ReportProgress& progress) {
   Report report;
   std::vector<std::string> systems;
   std::vector<std::string> parts;
-  for (const auto& path : paths) (description::is_part(path) ? parts : systems).push_back(path);
+  for (const auto& path : paths) {
+    auto& group = description::is_part(path) ? parts : systems;
+    if (std::ranges::find(group, path) == group.end()) group.push_back(path);
+  }
   for (const auto& path : systems) {
     std::vector<std::string> together{path};
     together.insert(together.end(), parts.begin(), parts.end());
     report.systems.push_back(check_system(together, progress));
   }
   if (!systems.empty()) return report;
+  report.part_files = parts;
   for (const auto& path : parts)
     for (const auto& problem : description::check_part(path))
       report.parts.push_back(reported(problem));
@@ -157,6 +195,10 @@ std::string_view to_text(core::Severity severity) {
       break;
   }
   return "note";
+}
+
+std::string counted(std::size_t n, std::string_view one) {
+  return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
 }
 
 }  // namespace mlcca::tools::design

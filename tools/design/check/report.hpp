@@ -11,6 +11,7 @@
 #include "core/findings.hpp"
 #include "core/inspect.hpp"
 #include "core/system.hpp"
+#include "tools/exit.hpp"
 
 namespace mlcca::tools::design {
 
@@ -36,7 +37,7 @@ struct SystemReport {
   std::string file;  ///< as it was named on the command line
   bool readable = false;
   bool inspected = false;       ///< names and places are known, so that deliveries could be decided
-  core::System system;          ///< empty unless readable
+  core::System system;          ///< only its files unless readable
   core::Inspection inspection;  ///< without findings: they are below; empty unless inspected
   std::vector<ReportedFinding> findings;  ///< by file as they appear, line, number
 };
@@ -47,20 +48,36 @@ struct Totals {
   std::size_t notes = 0;
 };
 
+/// The channels of a system by what became of them.
+struct ChannelCounts {
+  std::size_t fit = 0;
+  std::size_t run_time = 0;
+  std::size_t unfit = 0;
+};
+
 struct Report {
   std::vector<SystemReport> systems;
-  std::vector<ReportedFinding> parts;  ///< of files that belong to no System
+  std::vector<std::string> part_files;  ///< that belong to no System
+  std::vector<ReportedFinding> parts;   ///< what is wrong with them
 
   [[nodiscard]] Totals totals() const;
   [[nodiscard]] bool readable() const;
+  /// Every file that was read, or should have been, each once, in the order in which they appear.
+  [[nodiscard]] std::vector<std::string> files() const;
 };
 
 /// Part of the work that is done, from 0 to 1, in words such as "reading".
 using ReportProgress = std::function<void(std::string_view what, double done)>;
 
 /// Checks every file whose root is a System; files with a part as root count as included in each of
-/// them, or are held against the schema where there is no System.
+/// them, or are held against the schema where there is no System. A path that is given twice counts
+/// once.
 Report make_report(const std::vector<std::string>& paths, const ReportProgress& progress);
+
+/// fine (notes do not count), refused (errors or warnings), or usage (a file cannot be read).
+[[nodiscard]] Exit status_of(const Report& report);
+
+[[nodiscard]] ChannelCounts counts_of(const SystemReport& system);
 
 /// All in one order: those of each system, then those of parts.
 void for_each_finding(const Report& report,
@@ -68,5 +85,8 @@ void for_each_finding(const Report& report,
 
 /// "error", "warning" or "note".
 std::string_view to_text(core::Severity severity);
+
+/// "1 channel", "2 channels"
+std::string counted(std::size_t n, std::string_view one);
 
 }  // namespace mlcca::tools::design

@@ -27,14 +27,10 @@ void write(std::string& out, const ReportedFinding& f, Color color) {
   const auto what = fmt::format("{} {}:", to_text(info.severity), core::code_of(f.id));
   fmt::format_to(std::back_inserter(out), "{}: {} {}{}\n", styled(where, Style::bold, color),
                  styled(what, style_of(info.severity), color),
-                 f.element.empty() ? "" : fmt::format("<{}>: ", f.element), printable(f.text));
+                 f.element.empty() ? "" : printable("<" + f.element + ">: "), printable(f.text));
   if (!f.hint.empty())
     fmt::format_to(std::back_inserter(out), "    {}\n",
                    styled("hint: " + f.hint, Style::dim, color));
-}
-
-std::string counted(std::size_t n, std::string_view one) {
-  return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
 }
 
 /// "volksbot: 3 channels: 2 fit, 1 decided at run time, 0 do not fit"
@@ -43,15 +39,10 @@ std::string channels_line(const SystemReport& system) {
   if (!system.readable) return fmt::format("{}: cannot be read", name);
   if (!system.inspected)
     return fmt::format("{}: deliveries are checked when the names and rules are right", name);
-  std::size_t fit = 0;
-  std::size_t run_time = 0;
-  std::size_t unfit = 0;
-  for (const auto& channel : system.inspection.channels)
-    ++(channel.outcome == Outcome::fit        ? fit
-       : channel.outcome == Outcome::run_time ? run_time
-                                              : unfit);
+  const auto counts = counts_of(system);
   return fmt::format("{}: {}: {} fit, {} decided at run time, {} do not fit", name,
-                     counted(system.inspection.channels.size(), "channel"), fit, run_time, unfit);
+                     counted(system.inspection.channels.size(), "channel"), counts.fit,
+                     counts.run_time, counts.unfit);
 }
 
 }  // namespace

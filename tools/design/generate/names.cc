@@ -87,7 +87,7 @@ std::string type_name(std::string_view name) {
       end_word();
   }
   end_word();
-  if (out.empty() || is_digit(out.front())) out.insert(0, 1, 'N');
+  if (out.empty() || is_digit(out.front())) out.insert(out.begin(), 'N');
   return out;
 }
 

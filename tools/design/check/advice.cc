@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/design/check/advice.hpp"
+
+namespace mlcca::tools::design {
+
+const char* advice_on(core::FindingId id) {
+  using Id = core::FindingId;
+  switch (id) {
+    case Id::unreadable:
+      return "The file is missing, is not a regular file, or must not be read. Correct the path or "
+             "the permissions.";
+    case Id::not_xml:
+      return "The file breaks the syntax of XML or a limit of its size, is not in UTF-8, or has a "
+             "DOCTYPE, which is refused. What follows the mistake is not checked.";
+    case Id::not_in_schema:
+      return "The text of the finding says what may stand there. system.xsd is the schema: an "
+             "editor that knows it marks such mistakes while typing.";
+    case Id::rule:
+      return "A rule that a schema cannot say is broken. It stands in the schema's documentation "
+             "of the element.";
+    case Id::unknown_name:
+      return "Mostly a typing error: names that are close are suggested. Otherwise the file that "
+             "defines the name is not included.";
+    case Id::name_twice:
+      return "Rename one of the two; the other stands on the line that the finding names.";
+    case Id::wrong_place:
+      return "Something is stated where it has no meaning, such as a FAMOUSO node on a network "
+             "that does not speak it. Remove it, or put it where it belongs.";
+    case Id::too_many:
+      return "The limits stand in the schema's documentation.";
+    case Id::subject_twice:
+      return "Gateways tell channels apart by their subject: give each channel its own.";
+    case Id::no_publisher:
+      return "Whoever subscribes would wait for ever. Add the publisher, or include the file that "
+             "has it.";
+    case Id::unused_publisher:
+      return "The events would be sent for nothing and their capacity be reserved nowhere. Add the "
+             "subscriber, or remove the publisher.";
+    case Id::unused_channel:
+      return "It does no harm; remove the channel if nobody will use it.";
+    case Id::no_route:
+      return "No chain of gateways joins the two networks. Add a Gateway with a Port on each, or "
+             "move an end.";
+    case Id::unreachable_network:
+      return "Nothing can be exchanged with any other network. Add a Port to a Gateway, or remove "
+             "the network.";
+    case Id::identifier_clash:
+      return "Frames of two channels would look alike on this network. Choose another identifier.";
+    case Id::interface_twice:
+      return "An interface is on one network. Give one of the ports another identity.";
+    case Id::unbound:
+      return "Frames on CAN name their channel by an identifier. Add a Binding to the network.";
+    case Id::sender_twice:
+      return "A gateway could not tell the two senders apart. Give each its own node or user, or "
+             "keep one.";
+    case Id::unplaced:
+      return "State network or gateway of the component, or add one Placement for it.";
+    case Id::traffic_mismatch:
+      return "No network can repair this: the publisher has to send more often, in smaller events "
+             "or with less jitter, or the subscriber has to ask for less.";
+    case Id::hop_unfit:
+      return "This network or gateway alone does not suffice (the check of Fig. 5 of the paper). "
+             "Improve it, ask for less, or take another way. What a network does not state, it "
+             "does not give.";
+    case Id::route_unfit:
+      return "Each hop suffices, all of them together do not: latencies and jitters add up, losses "
+             "and omissions multiply. Take a shorter way or improve a hop.";
+    case Id::bystander_unfit:
+      return "Events on a shared medium reach every subscriber there. One that is not fulfilled "
+             "keeps the way closed for all behind it.";
+    case Id::capacity:
+      return "The channels described before it have reserved the rest. Send less, or move channels "
+             "to another network.";
+    case Id::too_long:
+      return "An event does not fit a frame, or the fragments of one FAMOUSO event. Publish a "
+             "smaller MaxPayload or use longer frames.";
+    case Id::no_node:
+      return "FAMOUSO frames carry the node that sent them. Add attribute node.";
+    case Id::no_traffic:
+      return "Without its rate nothing can be reserved. State Period and MaxPayload, or Bandwidth.";
+    case Id::run_time:
+      return "A dynamic network stated a best case, which can refute and never grant. The gateway "
+             "decides when it knows the real value.";
+    case Id::lower_set:
+      return "An alternative of lower priority is used for all ends of the channel. Improve the "
+             "network if the preferred one is needed.";
+    case Id::unsafe_drop:
+      return "A gate drops what it does not know, after a crash too. Make silence the safe state "
+             "(a heart-beat), or keep all ends on one network.";
+  }
+  return "";
+}
+
+}  // namespace mlcca::tools::design

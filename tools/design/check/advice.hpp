@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What each kind of finding means and what helps: a sentence or two beside the table of
+// core/findings.hpp, for rule lists of editors and code hosts, the HTML report and docs/CHECK.md.
+#pragma once
+#include "core/findings.hpp"
+
+namespace mlcca::tools::design {
+
+/// Never empty.
+const char* advice_on(core::FindingId id);
+
+}  // namespace mlcca::tools::design

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/design/check/output.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+#include "core/handle.hpp"
+#include "tools/design/safe_file.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+std::unexpected<Error> failed(const std::string& what) {
+  return fail(fmt::format("{}: {}", what, std::strerror(errno)));
+}
+
+Result<void> write_through(const std::string& path, std::string_view text) {
+  const Fd fd(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY));
+  if (!fd) return failed(path);
+  while (!text.empty()) {
+    const auto n = ::write(fd.get(), text.data(), text.size());
+    if (n < 0 && errno != EINTR) return failed(path);
+    if (n > 0) text.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> print(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
+    return {};
+  return failed("write");
+}
+
+Result<void> write_output(const std::string& path, std::string_view text) {
+  FileContent old;
+  if (::stat(path.c_str(), &old.status) != 0) {
+    if (errno == ENOENT) return create_file(path, text);
+    return failed(path);
+  }
+  if (!S_ISREG(old.status.st_mode)) return write_through(path, text);
+  const std::unique_ptr<char, FreeWith<std::free>> real(::realpath(path.c_str(), nullptr));
+  if (!real) return failed(path);
+  old.path = real.get();
+  return replace_file(old, text);
+}
+
+bool is_one_of(const std::string& path, const std::vector<std::string>& files) {
+  struct stat own{};
+  if (::stat(path.c_str(), &own) != 0) return false;
+  return std::ranges::any_of(files, [&](const std::string& file) {
+    struct stat other{};
+    return ::stat(file.c_str(), &other) == 0 && other.st_dev == own.st_dev &&
+           other.st_ino == own.st_ino;
+  });
+}
+
+}  // namespace mlcca::tools::design
