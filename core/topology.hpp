@@ -32,6 +32,8 @@ class Topology {
   static constexpr std::size_t kMaxExplored = 65536;
 
  private:
+  class Distances;
+  class Search;
   [[nodiscard]] std::vector<Route> search(Place from, Place to) const;
   [[nodiscard]] const std::vector<Place>& neighbours(Place p) const;
 

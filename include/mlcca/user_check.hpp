@@ -12,7 +12,7 @@ namespace mlcca {
 namespace detail {
 
 /// Most attributes of the user's own in one list.
-constexpr size_t kMaxUserAttributes = 8;
+constexpr size_t kMaxUserAttributes = 16;
 
 struct UserValue {
   size_t index = 0;  ///< in the list
@@ -144,7 +144,7 @@ struct UsersOf<AttributeList<As...>> {
 template <class List>
 constexpr UserValues users_of() {
   static_assert(List::kList.users <= kMaxUserAttributes,
-                "an AttributeList has at most 8 attributes of the user's own");
+                "an AttributeList has at most 16 attributes of the user's own");
   static_assert(UsersOf<List>::values().distinct,
                 "an attribute is given twice in one AttributeList");
   return UsersOf<List>::values();

@@ -3,6 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <deque>
+#include <random>
+#include <string>
+#include <vector>
+
 #include "core/medium.hpp"
 #include "tests/core/robot.hpp"
 
@@ -67,6 +73,61 @@ TEST(TopologyTest, StaysBoundedInADenseGraph) {
   }
   EXPECT_EQ(Topology(dense).routes(network(0), network(11)).size(),
             12U + (Topology::kMaxRoutes - 12U));
+}
+
+/// Every route without a loop, breadth first: short ones first, equal ones as the ports are listed.
+std::vector<Route> all_routes(const System& system, Place from, Place to) {
+  std::vector<Route> found;
+  std::deque<Route> open{{from}};
+  for (; !open.empty(); open.pop_front()) {
+    const auto extend = [&](Place next) {
+      Route longer = open.front();
+      if (std::ranges::find(longer, next) != longer.end()) return;
+      longer.push_back(next);
+      if (hops_of(longer).size() > kMaxHops) return;
+      if (next == to)
+        found.push_back(longer);
+      else
+        open.push_back(longer);
+    };
+    const Place here = open.front().back();
+    for (std::size_t g = 0; g < system.gateways.size(); ++g)
+      for (const Port& port : system.gateways[g].ports) {
+        if (here == gateway(g)) extend(network(port.network));
+        if (here == network(port.network)) extend(gateway(g));
+      }
+  }
+  return found;
+}
+
+TEST(TopologyTest, FindsWhatAnExhaustiveSearchFindsInTheSameOrder) {
+  std::mt19937 random(7);  // NOLINT(cert-msc51-cpp): the same graphs each time
+  const auto below = [&](std::size_t n) { return std::size_t{random()} % n; };
+  std::size_t longest = 0;
+  for (int round = 0; round < 300; ++round) {
+    System system;
+    const std::size_t networks = 1 + below(6);
+    for (std::size_t n = 0; n < networks; ++n)
+      system.networks.push_back(can_network("n" + std::to_string(n)));
+    for (std::size_t g = below(6); g > 0; --g) {
+      Gateway& added = system.gateways.emplace_back();
+      for (std::size_t n = 0; n < networks; ++n)
+        if (below(2) == 0) added.ports.emplace_back().network = n;
+    }
+    const Topology topology(system);
+    const auto any_place = [&] {
+      const std::size_t i = below(networks + system.gateways.size());
+      return i < networks ? network(i) : gateway(i - networks);
+    };
+    const Place from = any_place();
+    const Place to = any_place();
+    if (from == to) continue;
+    auto expected = all_routes(system, from, to);
+    if (expected.size() > Topology::kMaxRoutes) expected.resize(Topology::kMaxRoutes);
+    ASSERT_EQ(topology.routes(from, to), expected) << "round " << round;
+    if (!expected.empty()) longest = std::max(longest, expected.back().size());
+  }
+  EXPECT_GT(longest, 6U) << "the graphs are too simple to tell";
 }
 
 TEST(MediumTest, CountsFamousoFragments) {
