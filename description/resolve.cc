@@ -31,6 +31,10 @@ void add_user_attributes(const Draft& draft, Resolved& to, Problems& problems) {
                    "Composition survival is for a fraction up to 1: a Dimension without SIUnit and "
                    "with Magnitude -9",
                    FindingId::wrong_place);
+    if ((attribute.better == Better::larger) != (attribute.composition == Composition::smallest))
+      problems.add(attribute.origin, "UserAttribute",
+                   "a way must not be better than its hops: Better larger goes with Composition "
+                   "minimum, Better smaller with sum, maximum or survival");
     to.system.user_attributes.push_back(attribute);
   }
   // The System's are complete now: their addresses stay.

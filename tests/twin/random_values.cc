@@ -96,7 +96,7 @@ Quantity user_quantity(Random& random, const std::string& name) {
     out.most = kBillion;
     out.survival = true;
   }
-  out.larger = random.one_in(2);
+  out.larger = composition == "minimum";
   out.definition = "<UserAttribute name=\"" + name + "\">" +
                    dimension(out.unit, magnitude_text(random, -out.scale)) + "<Better>" +
                    (out.larger ? "larger" : "smaller") + "</Better><Composition>" + composition +

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
-#include <cstring>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -19,6 +17,7 @@
 #include "tools/design/describe/edit.hpp"
 #include "tools/design/describe/validate.hpp"
 #include "tools/design/safe_file.hpp"
+#include "tools/design/say.hpp"
 #include "tools/design/verbs.hpp"
 
 namespace mlcca::tools::design {
@@ -27,12 +26,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Why nothing was written.
-struct Refusal {
-  Exit exit = Exit::usage;
-  std::string message;
-  std::vector<std::string> details;  ///< each a line; empty: the message says it all
-};
-
 Refusal refusal(Exit exit, std::string message) { return {exit, std::move(message), {}}; }
 
 /// The command line of this verb. The order of the options counts: --priority says for which set
@@ -61,7 +54,7 @@ class Describe {
   Exit run() {
     const auto refused = carry_out();
     if (!refused) return exit_;
-    print(*refused);
+    say(*refused, context_.json);
     return refused->exit;
   }
 
@@ -284,22 +277,7 @@ class Describe {
   }
 
   void print(const std::string& text) {
-    if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
-      return;
-    fmt::print(stderr, "mlccactl: write: {}\n", ::strerror(errno));
-    exit_ = Exit::world;
-  }
-
-  void print(const Refusal& refused) {
-    if (context_.json) {
-      const char* kind = refused.exit == Exit::world ? "world" : "invalid";
-      const Json out = {
-          {"error", {{"kind", kind}, {"message", refused.message}, {"details", refused.details}}}};
-      print(out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
-      return;
-    }
-    fmt::print(stderr, "mlccactl: {}\n", printable(refused.message));
-    for (const auto& detail : refused.details) fmt::print(stderr, "{}\n", printable(detail));
+    if (const auto said = say(text); said != Exit::fine) exit_ = said;
   }
 
   const Arguments& a_;

@@ -2,8 +2,6 @@
 // mlccactl generate: from the description of a system to C++ and DER.
 #include <fmt/format.h>
 
-#include <cstdio>
-#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -17,6 +15,7 @@
 #include "tools/design/generate/header.hpp"
 #include "tools/design/generate/target_folder.hpp"
 #include "tools/design/safe_file.hpp"
+#include "tools/design/say.hpp"
 #include "tools/design/verbs.hpp"
 
 namespace mlcca::tools::design {
@@ -33,12 +32,6 @@ struct Arguments {
   bool force = false;
 };
 
-struct Refusal {
-  Exit exit = Exit::usage;
-  std::string message;
-  std::vector<std::string> details;
-};
-
 class Generate {
  public:
   Generate(const Arguments& arguments, const Context& context) : a_(arguments), context_(context) {}
@@ -46,7 +39,7 @@ class Generate {
   Exit run() {
     auto done = carry_out();
     if (done) return *done;
-    print(done.error());
+    say(done.error(), context_.json);
     return done.error().exit;
   }
 
@@ -145,7 +138,7 @@ class Generate {
       for (const auto& [path, written] : done)
         files.push_back({{"file", path}, {"state", word_of(written)}});
       const Json out = {{"files", std::move(files)}, {"notes", notes_}};
-      return print(out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+      return say(out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
     }
     std::string text;
     for (const auto& [path, written] : done)
@@ -153,26 +146,7 @@ class Generate {
         text += fmt::format("{}: {}\n", printable(path), word_of(written));
     if (text.empty()) text = fmt::format("{}: nothing to change\n", printable(a_.out));
     for (const auto& note : notes_) text += fmt::format("note: {}\n", printable(note));
-    return print(text);
-  }
-
-  static Exit print(const std::string& text) {
-    if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
-      return Exit::fine;
-    fmt::print(stderr, "mlccactl: write: {}\n", ::strerror(errno));
-    return Exit::world;
-  }
-
-  void print(const Refusal& refused) const {
-    if (context_.json) {
-      const char* kind = refused.exit == Exit::world ? "world" : "invalid";
-      const Json out = {
-          {"error", {{"kind", kind}, {"message", refused.message}, {"details", refused.details}}}};
-      print(out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
-      return;
-    }
-    fmt::print(stderr, "mlccactl: {}\n", printable(refused.message));
-    for (const auto& detail : refused.details) fmt::print(stderr, "{}\n", printable(detail));
+    return say(text);
   }
 
   const Arguments& a_;

@@ -15,6 +15,7 @@
 #include "tools/design/check/report.hpp"
 #include "tools/design/check/watch.hpp"
 #include "tools/design/check/write.hpp"
+#include "tools/design/say.hpp"
 #include "tools/design/verbs.hpp"
 
 namespace mlcca::tools::design {
@@ -31,8 +32,7 @@ struct Options {
 };
 
 Exit complain(Exit status, const std::string& text) {
-  fmt::print(stderr, "mlccactl: {}\n", printable(text));
-  return status;
+  return say(Refusal{status, text, {}}, false);
 }
 
 class Check {
@@ -69,7 +69,11 @@ class Check {
                                        ": is a file that is checked; the report would "
                                        "replace it");
     const auto text = written(report);
-    const auto done = output.empty() ? print(text) : write_output(output, text);
+    if (output.empty()) {
+      const auto said = say(text);
+      return said == Exit::fine ? status_of(report) : said;
+    }
+    const auto done = write_output(output, text);
     return done ? status_of(report) : complain(Exit::world, done.error().text);
   }
 
@@ -108,7 +112,7 @@ class Check {
       else if (!first)
         text = "--- checked again\n";
       if (!options_.output.empty()) text += write_text(report, color_);
-      if (auto done = print(text); !done) return complain(Exit::world, done.error().text);
+      if (const auto said = say(text); said != Exit::fine) return said;
     }
     return deliver(report);
   }

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -35,12 +34,6 @@ Result<void> write_through(const std::string& path, std::string_view text) {
 }
 
 }  // namespace
-
-Result<void> print(std::string_view text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
-    return {};
-  return failed("write");
-}
 
 Result<void> write_output(const std::string& path, std::string_view text) {
   FileContent old;

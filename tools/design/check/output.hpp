@@ -9,9 +9,6 @@
 
 namespace mlcca::tools::design {
 
-/// To standard output.
-Result<void> print(std::string_view text);
-
 /// To the file `path`: whoever opens it sees the old content or the new. A device or pipe is
 /// written as it is.
 Result<void> write_output(const std::string& path, std::string_view text);
