@@ -1,5 +1,8 @@
 include $(wildcard tests/*/module.mk)
-$(patsubst %.cc,$O/%.o,$(wildcard tests/*/*.cc)): CPPFLAGS += -Itests
+TEST_OBJECTS := $(patsubst %.cc,$O/%.o,$(wildcard tests/*/*.cc))
+$(TEST_OBJECTS): CPPFLAGS += -Itests
+# What is tested is optimised; the tests themselves would cost most of the time of a build.
+$(filter-out $O/tests/bench/%,$(TEST_OBJECTS)): CXXFLAGS := $(patsubst -O2,-O1,$(CXXFLAGS))
 
 check: $(UNIT_TESTS) ## unit tests: no root, seconds
 	$(Q)tests/support/run-tests $(UNIT_TESTS)
