@@ -79,9 +79,14 @@ Trial decide_in(const Situation& s, std::size_t channel, const std::vector<Targe
       Verdict v = decide_one(s, builder.ledger(), targets, channel, publisher, target, set);
       if (v.granted) {
         ++trial.granted;
-        for (const Place hop : hops_of(v.route))
-          if (hop.kind == Place::Kind::network && builder.add({publisher, hop.index}, v.demand))
-            trial.flows.emplace_back(Flow{publisher, hop.index}, v.demand);
+        for (const Place hop : hops_of(v.route)) {
+          // A gateway without a stated rate has nothing to be shared.
+          if (hop.kind == Place::Kind::gateway &&
+              !s.system.gateways[hop.index].provision.has(Attribute::bandwidth))
+            continue;
+          const Flow flow{publisher, s.system.resource_of(hop)};
+          if (builder.add(flow, v.demand)) trial.flows.emplace_back(flow, v.demand);
+        }
       }
       trial.verdicts.push_back(std::move(v));
     }
@@ -118,7 +123,7 @@ ChannelDecision decide(const Situation& situation, std::size_t channel, const Le
 }
 
 Ledger decide_each(const Situation& situation, const EachChannel& each) {
-  LedgerBuilder builder(Ledger(situation.system.networks.size()));
+  LedgerBuilder builder(Ledger(situation.system.resources()));
   for (std::size_t c = 0; c < situation.system.channels.size(); ++c) {
     std::vector<Verdict> verdicts;
     decide_into(situation, c, builder, verdicts);

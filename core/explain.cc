@@ -78,6 +78,35 @@ const std::string& asker(const Situation& s, const Verdict& v, const Row& row,
   return subscribers || !publishers ? listener.name : publisher.name;
 }
 
+/// What is provided and how far that is from what is required. A payload that is accepted is a
+/// most, and there is no margin to speak of; what has no bound is said so once.
+std::string numbers_of(const System& system, const Row& row) {
+  const Comparison& c = row.comparison;
+  if (!c.known) return "none";
+  std::string text = format_value(system, row, c.provided);
+  if (!row.is_user() && held_against(c.attribute) != c.attribute)
+    text = std::string(info(held_against(c.attribute)).name) + " " + text;
+  if (c.provided == kUnbounded && !row.is_user() && c.attribute == Attribute::omission)
+    return "no bound for events of several frames";
+  const bool accepted =
+      row.against == Against::traffic && !row.is_user() && c.attribute == Attribute::max_payload;
+  if (accepted || c.provided == kUnbounded) return text;
+  return text + " (" + format_margin(system, row) + ")";
+}
+
+/// What must be stated or improved for an attribute: nobody provides a Deadline.
+std::string provided_name(const System& system, const Row& row) {
+  if (row.is_user()) return attribute_name(system, row);
+  return info(held_against(row.comparison.attribute)).name;
+}
+
+/// False where a required Deadline follows from a Period.
+bool states_deadline(const Situation& s, const Verdict& v, std::size_t subscriber) {
+  if (attributes_in(s.members.publisher(v.publisher), v.set).has(Attribute::deadline)) return true;
+  return subscriber != kNone &&
+         attributes_in(s.members.subscriber(subscriber), v.set).has(Attribute::deadline);
+}
+
 }  // namespace
 
 Finding& Explainer::new_finding(FindingId id, const Verdict& v) {
@@ -218,8 +247,11 @@ void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber
     f.origin = s.origin;
     listener = s.name;
   }
-  const std::string numbers =
-      c.known ? f.provided + " (" + format_margin(system, row) + ")" : "none";
+  const std::string numbers = numbers_of(system, row);
+  const bool implied = !row.is_user() && c.attribute == Attribute::deadline &&
+                       row.against != Against::traffic && !states_deadline(s_, v, subscriber);
+  const std::string asked =
+      f.attribute + " " + f.required + (implied ? " (implied by the Period)" : "");
   switch (row.against) {
     case Against::traffic:
       f.text = listener + " asks " + f.attribute + " " + f.required + " of " + publisher +
@@ -229,27 +261,28 @@ void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber
                        : "state " + f.attribute + " of " + publisher;
       break;
     case Against::hop:
-      f.text = publisher + " to " + listener + ": " + f.attribute + " " + f.required +
-               " required by " + asker(s_, v, row, subscriber) + ", " + name_of(system, row.place) +
-               " provides " + numbers;
+      f.text = publisher + " to " + listener + ": " + asked + " required by " +
+               asker(s_, v, row, subscriber) + ", " + name_of(system, row.place) + " provides " +
+               numbers;
       break;
     case Against::bystander:
       f.text = publisher + " to " + name_of(system, v.to) + ": " + f.attribute + " " + f.required +
-               " required by who listens on " + name_of(system, row.place) +
-               " on the way, which is given " + numbers;
+               " required by subscribers on " + name_of(system, row.place) +
+               ", which lies on the way and is given " + numbers;
       f.hint = "they would hear the events too: fulfil them, or let them subscribe elsewhere";
       break;
     default:
-      f.text = publisher + " to " + listener + ": " + f.attribute + " " + f.required +
-               " required end to end by " + asker(s_, v, row, subscriber) + ", the way over " +
-               way_of(system, v.route) + " provides " + numbers;
+      f.text = publisher + " to " + listener + ": " + asked + " required end to end by " +
+               asker(s_, v, row, subscriber) + ", the way over " + way_of(system, v.route) +
+               " provides " + numbers;
       f.hint = "let a hop provide better, take a shorter way, or ask less";
   }
-  if (row.against == Against::hop)
-    f.hint = c.known ? "let " + name_of(system, row.place) + " provide " + f.attribute + " " +
-                           f.required + " or better, ask less, or take another way"
-                     : "state " + f.attribute + " of " + name_of(system, row.place) +
-                           ": what is not stated is not given";
+  if (row.against != Against::hop) return;
+  const std::string name = provided_name(system, row);
+  f.hint = c.known ? "let " + name_of(system, row.place) + " provide " + name + " " + f.required +
+                         " or better, ask less, or take another way"
+                   : "state " + name + " of " + name_of(system, row.place) +
+                         ": what is not stated is not given";
 }
 
 void Explainer::add_capacity(const Verdict& v, const Row& row) {
@@ -261,10 +294,13 @@ void Explainer::add_capacity(const Verdict& v, const Row& row) {
   f.attribute = info(Attribute::bandwidth).name;
   f.required = rate(row.comparison.required);
   f.provided = rate(row.comparison.provided);
-  f.text = s_.members.publisher(v.publisher).name + " needs " + f.required + " on " + network +
-           ", where " + f.provided + " of " +
-           rate(s_.system.networks[row.place.index].provision[Attribute::bandwidth]) +
-           " are left (" + rate(row.reserved) + " for the channels described before it)";
+  const Value all = s_.system.provision_of(row.place)[Attribute::bandwidth];
+  f.text = s_.members.publisher(v.publisher).name + " needs " + f.required + " on " + network;
+  if (row.reserved == 0)
+    f.text += ", which carries " + rate(all) + " in all";
+  else
+    f.text += ", where " + f.provided + " of " + rate(all) + " are left (" + rate(row.reserved) +
+              " for the channels described before it)";
   f.hint = "send less, or less often, or move channels to another network";
 }
 

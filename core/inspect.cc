@@ -2,6 +2,8 @@
 #include "core/inspect.hpp"
 
 #include <algorithm>
+#include <map>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -83,6 +85,7 @@ class Inspector {
     for (const Verdict& v : verdicts) result.outcome = worse(result.outcome, v.outcome);
     if (!is_complete(c)) result.outcome = Outcome::unfit;
     if (s_.channels[c].safe_side == SafeSide::deliver) check_safe_side(c, verdicts);
+    if (members_.publishers_of(c).size() > 1) check_senders(c, verdicts);
     if (result.outcome == Outcome::fit && result.set == 0) return;
     for (const Verdict& v : verdicts) explain.add(v);
     if (result.outcome != Outcome::unfit && result.set != 0) explain.add_lower_set(c, result.set);
@@ -112,6 +115,46 @@ class Inspector {
             static_cast<std::uint32_t>(p));
       }
     return !publishers.empty() || subscribers.empty();
+  }
+
+  /// Devices that put frames on a bus: gateways by number, publishers there from kOwn on.
+  static constexpr std::size_t kOwn = std::size_t{1} << 32U;
+
+  /// Frames with one identifier have one sender on a CAN bus: two that start at once destroy each
+  /// other. Publishers on the bus itself are told apart by the rules of the description.
+  void check_senders(std::size_t c, const std::vector<Verdict>& verdicts) {
+    std::map<std::pair<std::size_t, unsigned>, std::size_t> device_of;
+    std::set<std::size_t> said;
+    for (const Verdict& v : verdicts) {
+      if (v.outcome == Outcome::unfit) continue;
+      for (std::size_t i = 0; i < v.route.size(); ++i) {
+        const Place hop = v.route[i];
+        if (hop.kind != Place::Kind::network || s_.networks[hop.index].profile == Profile::none)
+          continue;
+        const Publisher& p = members_.publisher(v.publisher);
+        const bool named = s_.networks[hop.index].profile == Profile::famouso;
+        const std::size_t device = i == 0 ? kOwn + v.publisher : v.route[i - 1].index;
+        const auto [it, fresh] =
+            device_of.try_emplace({hop.index, named ? p.node.value_or(0) : 0U}, device);
+        const bool both_own = it->second >= kOwn && device >= kOwn;
+        if (fresh || it->second == device || both_own || !said.insert(hop.index).second) continue;
+        add(FindingId::sender_twice, p.origin,
+            "events of channel " + s_.channels[c].name + " from " + p.name + " reach " +
+                s_.networks[hop.index].name + " over " + sender_words(device) +
+                ", those of another "
+                "publisher over " +
+                sender_words(it->second) + ": two senders of one identifier",
+            "give each publisher a node of its own (famouso), or let one gateway send them all", c,
+            static_cast<std::uint32_t>(v.publisher));
+        out_.findings.back().place = hop;
+        out_.findings.back().has_place = true;
+      }
+    }
+  }
+
+  [[nodiscard]] std::string sender_words(std::size_t device) const {
+    if (device >= kOwn) return "publisher " + members_.publisher(device - kOwn).name;
+    return "gateway " + s_.gateways[device].name;
   }
 
   /// A gate drops what it does not know, after a crash too: a danger for what must arrive.

@@ -11,7 +11,7 @@ bool Ledger::add(const Flow& flow, Value bytes_per_second) {
   const std::size_t before = flows_.size();
   flows_.try_emplace(flows_.end(), flow, bytes_per_second);
   if (flows_.size() == before) return false;
-  Value& sum = reserved_[flow.network];
+  Value& sum = reserved_[flow.resource];
   assert(bytes_per_second <= kUnbounded - sum);
   sum += bytes_per_second;
   return true;
@@ -20,7 +20,7 @@ bool Ledger::add(const Flow& flow, Value bytes_per_second) {
 void LedgerBuilder::remove(const Flow& flow) {
   const auto it = ledger_.flows_.find(flow);
   if (it == ledger_.flows_.end()) return;
-  ledger_.reserved_[flow.network] -= it->second;
+  ledger_.reserved_[flow.resource] -= it->second;
   ledger_.flows_.erase(it);
 }
 
@@ -39,7 +39,7 @@ Ledger Ledger::balance_without(std::span<const std::size_t> publishers) const {
   Ledger balance;
   balance.reserved_ = reserved_;
   for (const std::size_t p : publishers)
-    for (const auto& [flow, bytes] : flows_of(p)) balance.reserved_[flow.network] -= bytes;
+    for (const auto& [flow, bytes] : flows_of(p)) balance.reserved_[flow.resource] -= bytes;
   return balance;
 }
 

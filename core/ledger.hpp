@@ -12,20 +12,20 @@
 
 namespace mlcca::core {
 
-/// The traffic of one publisher on one network. A broadcast medium carries it once, however many
-/// subscribers listen there.
+/// The traffic of one publisher on one resource (a network or gateway, see System::resource_of). It
+/// is carried once, however many subscribers are behind it.
 struct Flow {
   std::size_t publisher = 0;
-  std::size_t network = 0;
+  std::size_t resource = 0;
   auto operator<=>(const Flow&) const = default;
 };
 
 class Ledger {
  public:
-  explicit Ledger(std::size_t networks = 0) : reserved_(networks, 0) {}
+  explicit Ledger(std::size_t resources = 0) : reserved_(resources, 0) {}
 
-  /// Payload bytes/s promised on a network.
-  [[nodiscard]] Value reserved(std::size_t network) const { return reserved_[network]; }
+  /// Payload bytes/s promised on a resource.
+  [[nodiscard]] Value reserved(std::size_t resource) const { return reserved_[resource]; }
   [[nodiscard]] bool carries(const Flow& flow) const { return flows_.contains(flow); }
 
   /// This ledger and the flow. A flow that is carried already is not counted twice. The caller has

@@ -184,11 +184,10 @@ class RouteCheck {
     const bool known = demand_of(offered(), &demand);
     v_.demand = known ? demand : 0;
     for (const Place hop : hops()) {
-      if (hop.kind != Place::Kind::network) continue;
-      if (ledger_.carries({v_.publisher, hop.index})) continue;
-      const Value reserved = ledger_.reserved(hop.index);
-      const CapacityCheck c =
-          check_capacity(s_.system.networks[hop.index].provision, reserved, v_.demand);
+      const std::size_t resource = s_.system.resource_of(hop);
+      if (ledger_.carries({v_.publisher, resource})) continue;
+      const Value reserved = ledger_.reserved(resource);
+      const CapacityCheck c = check_capacity(s_.system.provision_of(hop), reserved, v_.demand);
       if (!c.known) continue;
       if (!known) {
         obstruct(Obstacle::no_traffic, hop);

@@ -223,6 +223,16 @@ struct System {
   std::vector<Publisher> publishers;
   std::vector<Subscriber> subscribers;
 
+  /// What capacity is held of: each network, then each gateway.
+  [[nodiscard]] std::size_t resources() const { return networks.size() + gateways.size(); }
+  [[nodiscard]] std::size_t resource_of(Place place) const {
+    return place.kind == Place::Kind::network ? place.index : networks.size() + place.index;
+  }
+  [[nodiscard]] const AttributeSet& provision_of(Place place) const {
+    return place.kind == Place::Kind::network ? networks[place.index].provision
+                                              : gateways[place.index].provision;
+  }
+
   /// So that Network::binding_of() finds them; every decision needs it.
   void sort_bindings() {
     for (Network& network : networks) std::ranges::sort(network.bindings, {}, &Binding::channel);

@@ -172,10 +172,9 @@ std::string format_margin(const System& system, const Row& row) {
   if (c.required == c.provided) return "exactly met";
   const UserAttribute& attribute = system.user_attributes[row.user];
   if (c.provided == kUnbounded || c.required == kUnbounded) return "unbounded";
-  return format_user_value(attribute, c.margin()) +
-         (satisfies(attribute.better, c.provided, c.required) ? " to spare"
-          : attribute.better == Better::smaller               ? " too much"
-                                                              : " short");
+  const std::string by = format_user_value(attribute, c.margin());
+  if (satisfies(attribute.better, c.provided, c.required)) return by + " to spare";
+  return by + (attribute.better == Better::smaller ? " too much" : " short");
 }
 
 std::string format_subject(Subject subject) {

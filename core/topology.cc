@@ -80,7 +80,6 @@ class Topology::Search {
 
   std::vector<Route> run() {
     // Networks and gateways alternate: two places have an odd or an even distance on every route.
-    constexpr std::size_t kMostSteps = kMaxHops + 1;  // a gateway at each end is no hop
     for (std::size_t steps = steps_to_.at(route_.front()); steps <= kMostSteps && !enough();
          steps += 2)
       extend(steps);
@@ -88,6 +87,8 @@ class Topology::Search {
   }
 
  private:
+  static constexpr std::size_t kMostSteps = kMaxHops + 1;  // a gateway at each end is no hop
+
   [[nodiscard]] bool enough() const {
     return found_.size() == kMaxRoutes || explored_ == kMaxExplored;
   }

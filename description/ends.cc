@@ -90,7 +90,7 @@ class Ends {
         component.seat = with_own(component.seat, std::move(placement.seat));
     }
     for (auto& c : draft_.components) {
-      places_.push_back(std::nullopt);
+      places_.emplace_back();
       if (has_place(c.seat))
         places_.back() = place_of(c.seat, c.component.origin, "Component");
       else
@@ -145,14 +145,16 @@ class Ends {
   /// has names of its own.
   std::string name_of(const EndDraft& end, std::size_t channel, Counter& counter) {
     if (!end.name.empty()) return end.name;
-    const bool in_component = end.component != core::kNoComponent;
-    const auto& where = in_component               ? draft_.components[end.component].component.name
-                        : end.seat.network.empty() ? end.seat.gateway
-                                                   : end.seat.network;
+    const auto& where = name_of_place(end);
     std::string name = to_.system.channels[channel].name;
     name.append(1, '@').append(where);
     const auto count = counter.next(channel, where);
     return count == 1 ? name : fmt::format("{}#{}", name, count);
+  }
+
+  [[nodiscard]] const std::string& name_of_place(const EndDraft& end) const {
+    if (end.component != core::kNoComponent) return draft_.components[end.component].component.name;
+    return end.seat.network.empty() ? end.seat.gateway : end.seat.network;
   }
 
   // --- attribute sets ----------------------------------------------------------------------------

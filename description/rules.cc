@@ -216,6 +216,25 @@ void check_twice(const core::System& system, Problems& problems) {
   }
 }
 
+/// Each publisher is held against each subscriber: what a channel costs is their product.
+void check_pairs(const core::System& system, Problems& problems) {
+  struct Ends {
+    std::size_t publishers = 0;
+    std::size_t subscribers = 0;
+  };
+  std::vector<Ends> ends(system.channels.size());
+  for (const auto& p : system.publishers) ++ends[p.channel].publishers;
+  for (const auto& s : system.subscribers) ++ends[s.channel].subscribers;
+  for (std::size_t c = 0; c < ends.size(); ++c)
+    if (ends[c].publishers * ends[c].subscribers > kMaxPairs)
+      problems.add(
+          system.channels[c].origin, "EventChannel",
+          fmt::format("{} publishers and {} subscribers of channel {} are too many: at "
+                      "most {} pairs",
+                      ends[c].publishers, ends[c].subscribers, system.channels[c].name, kMaxPairs),
+          FindingId::too_many);
+}
+
 }  // namespace
 
 void check_channels(const core::System& system, Problems& problems) {
@@ -266,6 +285,7 @@ void check_ends(const core::System& system, Problems& problems) {
   check_names(system, system.publishers, "Publisher", problems);
   check_names(system, system.subscribers, "Subscriber", problems);
   check_twice(system, problems);
+  check_pairs(system, problems);
   Bindings bindings(system);
   for (const auto& p : system.publishers)
     if (const auto* binding = check_bound(system, bindings, p, "Publisher", problems))

@@ -13,6 +13,7 @@ namespace mlcca::description {
 
 inline constexpr std::size_t kMaxChannels = 262144;
 inline constexpr std::size_t kMaxUserAttributes = 64;
+inline constexpr std::size_t kMaxPairs = 262144;  ///< publishers times subscribers of a channel
 inline constexpr std::size_t kMaxNetworks = 1024;
 inline constexpr std::size_t kMaxGateways = 256;
 inline constexpr std::size_t kMaxPorts = 16;  ///< of one gateway

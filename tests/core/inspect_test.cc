@@ -374,5 +374,65 @@ TEST(InspectTest, WhereCapacityIsSharedTheTrafficMustBeKnown) {
   EXPECT_EQ(ids_of(inspect(system)), Ids{}) << "nothing is shared out";
 }
 
+TEST(InspectTest, AGatewaysBandwidthIsSharedByAllThatItForwards) {
+  System system = described(0);
+  system.gateways[kBridge].provision.set(Attribute::bandwidth, 320);  // two heart-beats of 160
+  for (std::size_t c = 1; c < 3; ++c) {
+    system.channels.push_back(system.channels[0]);
+    system.publishers.push_back(system.publishers[0]);
+    system.subscribers.push_back(system.subscribers[0]);
+    system.publishers[c].channel = system.subscribers[c].channel = c;
+    for (Network& n : system.networks) {
+      n.bindings.push_back(n.bindings[0]);
+      n.bindings[c].channel = c;
+    }
+  }
+  const Inspection result = inspect(system);
+  const Finding& f = only(result);
+  EXPECT_EQ(f.id, Id::capacity);
+  EXPECT_EQ(f.place, gateway(kBridge));
+  EXPECT_EQ(f.channel, 2U);
+  EXPECT_TRUE(f.text.contains("0 B/s of 320 B/s are left")) << f.text;
+  system.gateways[kBridge].provision.set(Attribute::bandwidth, 480);
+  EXPECT_EQ(ids_of(inspect(system)), Ids{});
+}
+
+/// A third bus with a publisher of the same channel, joined to the robot's bus by a gateway of its
+/// own.
+System with_second_sender(std::uint8_t node) {
+  System system = described(0);
+  system.networks.push_back(can_network("third-can"));
+  Gateway other = system.gateways[kBridge];
+  other.name = "other";
+  other.ports[1].network = 2;
+  system.gateways.push_back(other);
+  Publisher second = system.publishers[0];
+  second.name = "second";
+  second.place = network(2);
+  second.node = node;
+  second.origin.line = kPublisherLine + 1;
+  system.publishers.push_back(second);
+  return system;
+}
+
+TEST(InspectTest, TwoGatewaysMustNotSendTheSameIdentifier) {
+  const Inspection result = inspect(with_second_sender(kSwitchNode));
+  const Finding& f = only(result);
+  EXPECT_EQ(f.id, Id::sender_twice);
+  EXPECT_EQ(f.place, network(kRobotCan));
+  EXPECT_EQ(f.origin.line, kPublisherLine + 1);
+  EXPECT_EQ(ids_of(inspect(with_second_sender(kSwitchNode + 1))), Ids{});
+}
+
+TEST(InspectTest, ADeadlineThatFollowsFromThePeriodIsSaidToBeImplied) {
+  System system = described(0);
+  system.gateways[kBridge].provision.clear(Attribute::latency);
+  const Inspection result = inspect(system);
+  const auto f = std::ranges::find(result.findings, Id::hop_unfit, &Finding::id);
+  ASSERT_NE(f, result.findings.end());
+  EXPECT_TRUE(f->text.contains("Deadline 50 ms (implied by the Period)")) << f->text;
+  EXPECT_TRUE(f->hint.contains("state Latency of bridge")) << f->hint;
+}
+
 }  // namespace
 }  // namespace mlcca::core::testing

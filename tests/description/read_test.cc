@@ -72,6 +72,19 @@ TEST(Limits, AllowSoManyGatewaysAndNoMore) {
             "t.xml:259: <Gateway>: 257 gateways are too many: at most 256");
 }
 
+TEST(Limits, AllowSoManyPairsOfAChannelAndNoMore) {
+  const auto with = [](int publishers) {
+    std::string parts = networks(1) + channels(1);
+    for (int i = 0; i < publishers; ++i) parts += "<Publisher channel=\"c0\" network=\"n0\"/>\n";
+    for (int i = 0; i < 512; ++i) parts += "<Subscriber channel=\"c0\" network=\"n0\"/>\n";
+    return problem_of(system_of(parts));
+  };
+  EXPECT_EQ(with(512), "");
+  EXPECT_EQ(with(513),
+            "t.xml:3: <EventChannel>: 513 publishers and 512 subscribers of channel c0 are too "
+            "many: at most 262144 pairs");
+}
+
 TEST(Limits, AllowSoManyBytesAndNoMore) {
   const std::string comment = "<!--" + std::string((1U << 20U) - 7, 'x') + "-->";  // 1 MiB
   auto xml = system_of("");
