@@ -77,8 +77,8 @@ Gateway::LoadResult Gateway::load() const {
   Loaded loaded{std::make_unique<core::State>(std::move(*system)), *self, {}};
   restore_into(loaded);
   ::malloc_trim(0);  // reading leaves several times the memory of what was read
-  return loaded;     // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): the state moves with it
-}
+  return loaded;
+}  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): the state moves with what is returned
 
 void Gateway::restore_into(Loaded& loaded) const {
   core::State& state = *loaded.state;

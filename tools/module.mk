@@ -27,11 +27,12 @@ INSTALL += install-design
 .PHONY: install-design
 
 install-tools-extras:
-	$(call say,INSTALL,manual pages and shell completion of mlccactl)
-	$(Q)install -d $(DESTDIR)$(PREFIX)/share/man/man1 \
+	$(call say,INSTALL,manual pages and shell completion)
+	$(Q)install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/man/man8 \
 		$(DESTDIR)$(PREFIX)/share/bash-completion/completions
 	$(Q)install -m 644 docs/man/mlccactl.1 docs/man/mlccactl-describe.1 docs/man/mlccactl-generate.1 \
 		$(DESTDIR)$(PREFIX)/share/man/man1
+	$(Q)install -m 644 docs/man/mlccad.8 $(DESTDIR)$(PREFIX)/share/man/man8
 	$(Q)install -m 644 tools/completion/mlccactl.bash \
 		$(DESTDIR)$(PREFIX)/share/bash-completion/completions/mlccactl
 INSTALL += install-tools-extras
