@@ -71,6 +71,18 @@ struct Trial {
   [[nodiscard]] bool all_granted() const { return granted == verdicts.size(); }
 };
 
+/// Promises what a granted verdict needs of each hop, unless its publisher has been promised it.
+void reserve(const System& system, const Verdict& v, LedgerBuilder& builder, Trial& trial) {
+  for (const Place hop : hops_of(v.route)) {
+    // A gateway without a stated rate has nothing to be shared.
+    if (hop.kind == Place::Kind::gateway &&
+        !system.gateways[hop.index].provision.has(Attribute::bandwidth))
+      continue;
+    const Flow flow{v.publisher, system.resource_of(hop)};
+    if (builder.add(flow, v.demand)) trial.flows.emplace_back(flow, v.demand);
+  }
+}
+
 Trial decide_in(const Situation& s, std::size_t channel, const std::vector<Target>& targets,
                 std::size_t set, LedgerBuilder& builder) {
   Trial trial;
@@ -79,14 +91,7 @@ Trial decide_in(const Situation& s, std::size_t channel, const std::vector<Targe
       Verdict v = decide_one(s, builder.ledger(), targets, channel, publisher, target, set);
       if (v.granted) {
         ++trial.granted;
-        for (const Place hop : hops_of(v.route)) {
-          // A gateway without a stated rate has nothing to be shared.
-          if (hop.kind == Place::Kind::gateway &&
-              !s.system.gateways[hop.index].provision.has(Attribute::bandwidth))
-            continue;
-          const Flow flow{publisher, s.system.resource_of(hop)};
-          if (builder.add(flow, v.demand)) trial.flows.emplace_back(flow, v.demand);
-        }
+        reserve(s.system, v, builder, trial);
       }
       trial.verdicts.push_back(std::move(v));
     }

@@ -244,6 +244,20 @@ TEST_F(WatchTest, ReplacesTheOutputAndShowsTheText) {
   EXPECT_TRUE(test::content_of(page).contains("No findings."));
 }
 
+TEST_F(WatchTest, EndsAtOnceWhenNobodyCanGetTheFirstReport) {
+  save(2, 2);
+  for (const auto& output : {path("missing/report.txt"), path(name_)}) {
+    const std::vector<std::string> arguments = {"check", "--output", output, path(name_)};
+    auto watching = arguments;
+    watching.emplace_back("--watch");
+    const auto once = test::run(arguments);
+    const auto watched = test::run(watching);
+    EXPECT_GE(once.status, 2) << once.error;
+    EXPECT_EQ(watched.status, once.status);
+    EXPECT_TRUE(watched.error.contains(output)) << watched.error;
+  }
+}
+
 TEST_F(WatchTest, WantsAFileForAPage) {
   save(2, 2);
   for (const std::string format : {"html", "sarif"}) {

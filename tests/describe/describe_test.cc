@@ -231,37 +231,6 @@ TEST(DescribeTest, AFileOnOneLineStaysOnOneLine) {
             "</EventChannel>");
 }
 
-TEST(DescribeTest, PriorityIsForTheOptionsBehindIt) {
-  const Folder folder;
-  const auto file = folder.path("c.xml");
-  ASSERT_EQ(run({"describe", file, "--subject", "0x1", "--priority", "10", "--set", "Omission=1",
-                 "--priority", "-5", "--set", "Omission=4"})
-                .status,
-            0);
-  const auto text = content_of(file);
-  const auto high = text.find("<Attributes priority=\"10\">");
-  const auto low = text.find("<Attributes priority=\"-5\">");
-  EXPECT_LT(high, text.find("<Value>1</Value>"));
-  EXPECT_LT(text.find("<Value>1</Value>"), low);
-  EXPECT_LT(low, text.find("<Value>4</Value>"));
-
-  const auto unclear = run({"describe", file, "--set", "Omission=2"});
-  EXPECT_EQ(unclear.status, 2);
-  EXPECT_TRUE(unclear.error.contains("of priority 10, -5: say which")) << unclear.error;
-  ASSERT_EQ(run({"describe", file, "--remove-set", "10"}).status, 0);
-  EXPECT_FALSE(content_of(file).contains("priority=\"10\""));
-  EXPECT_TRUE(content_of(file).contains("<Value>4</Value>"));
-}
-
-TEST(DescribeTest, ASecondSetGivesTheFirstItsPriority) {
-  const Folder folder;
-  const auto file = folder.path("c.xml");
-  ASSERT_EQ(run({"describe", file, "--set", "Omission=1"}).status, 0);
-  ASSERT_EQ(run({"describe", file, "--priority", "-1", "--set", "Omission=9"}).status, 0);
-  EXPECT_TRUE(content_of(file).contains("<Attributes priority=\"0\">")) << content_of(file);
-  EXPECT_TRUE(content_of(file).contains("<Attributes priority=\"-1\">"));
-}
-
 TEST(DescribeTest, UserDefinedAttributesHaveUnits) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"Temperature=21.5 K", "<Dimension><SIUnit><Kelvins>1</Kelvins></SIUnit></Dimension>"},
@@ -312,6 +281,31 @@ TEST(DescribeTest, EditsAChannelInsideOfASystem) {
                   "        <Value>300</Value>\n      </Attribute>\n    </Attributes>\n");
   EXPECT_EQ(content_of(file), expected);
   EXPECT_TRUE(description::read(file).has_value());
+}
+
+TEST(DescribeTest, ANameThatOthersReferToStays) {
+  const Folder folder;
+  auto text = std::string(kSystem);
+  text.insert(text.find("</System>"),
+              "  <Subscriber channel=\"second\" network=\"n\"/>\n"
+              "  <Subscriber channel='first' network=\"n\"/>\n"
+              "  <Publisher channel=\"first\" network=\"n\"/>\n"
+              "  <Publisher channel=\"0x01\" network=\"n\"/>\n"
+              "  <Network name=\"n\"><Kind>other</Kind></Network>\n");
+  const auto file = folder.write("s.xml", text);
+  for (const char* name : {"third", ""}) {
+    const auto ran = run({"describe", file, "--channel", "first", "--name", name});
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_TRUE(ran.error.contains("line 11: Subscriber refers to the channel as first"))
+        << ran.error;
+    EXPECT_EQ(content_of(file), text);
+  }
+  const auto moved = run({"describe", file, "--channel", "first", "--subject", "0x3"});
+  EXPECT_EQ(moved.status, 2);
+  EXPECT_TRUE(moved.error.contains("line 13: Publisher refers to the channel as 0x01"))
+      << moved.error;
+  EXPECT_EQ(content_of(file), text);
+  EXPECT_EQ(run({"describe", file, "--channel", "second", "--subject", "0x3"}).status, 0);
 }
 
 TEST(DescribeTest, WhatIsWrongIsRefusedAndNothingIsWritten) {

@@ -61,13 +61,15 @@ TEST(MarkupTest, RandomEditsSayWhatAModelSaysAndKeepEveryComment) {
           ASSERT_TRUE(apply(markup, 1, SetField{SetField::Which::description, description}));
           break;
         case 1: {
-          auto& set = model[priority];
-          const bool there = set.erase(quantity.name) == 1;
+          const auto set = model.find(priority);
+          const bool there = set != model.end() && set->second.erase(quantity.name) == 1;
           EXPECT_EQ(apply(markup, 1, UnsetAttribute{quantity.name, priority}).has_value(), there);
           break;
         }
         default:
           ASSERT_TRUE(apply(markup, 1, SetAttribute{quantity, priority}));
+          // A new one is a copy of that of the highest priority.
+          if (!model.empty()) model.try_emplace(priority, model.rbegin()->second);
           model[priority][quantity.name] = quantity;
       }
       const auto channel = read_channel(markup, *channel_nodes(markup).at(1));

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/describe/program.hpp"
@@ -308,6 +310,87 @@ TEST(GenerateTest, FilesOfOthersAreNotOverwritten) {
         run({"generate", folder.path("system.xml"), "--out", folder.path("out"), "--force"}).status,
         0);
     EXPECT_NE(content_of(folder.path("out/") + name), "somebody's work\n");
+  }
+}
+
+TEST(GenerateTest, NothingIsWrittenThroughASymbolicLink) {
+  for (const char* name : {"motors_channels.hpp", "motors_callbacks.cpp", "mlcca_generated.mk",
+                           "switch_EmergencySwitchSpec.der"})
+    for (const bool leads_somewhere : {true, false}) {
+      const Folder folder;
+      fs::create_directory(folder.path("out"));
+      const auto target = folder.path("target");
+      if (leads_somewhere) folder.write("target", "somebody's work\n");
+      fs::create_symlink(target, folder.path("out/") + name);
+      const auto system = folder.write("system.xml", robot());
+      for (const bool force : {true, false}) {
+        std::vector<std::string> arguments = {"generate", system, "--out", folder.path("out")};
+        if (force) arguments.emplace_back("--force");
+        const auto ran = run(arguments);
+        EXPECT_EQ(ran.status, 2) << name << ran.out;
+        EXPECT_TRUE(ran.error.contains(std::string(name) + ": is a symbolic link")) << ran.error;
+        EXPECT_TRUE(ran.error.contains("nothing was written")) << ran.error;
+        EXPECT_TRUE(fs::is_symlink(folder.path("out/") + name));
+        EXPECT_EQ(std::distance(fs::directory_iterator(folder.path("out")), {}), 1) << name;
+        EXPECT_EQ(fs::exists(target), leads_somewhere);
+        if (leads_somewhere) {
+          EXPECT_EQ(content_of(target), "somebody's work\n");
+        }
+      }
+    }
+}
+
+TEST(GenerateTest, ALinkToAFileOfTheGeneratorIsRefusedToo) {
+  const Folder folder;
+  const auto out = generated(folder, robot());
+  const auto file = out + "/motors_channels.hpp";
+  const auto text = content_of(file);
+  fs::rename(file, folder.path("target"));
+  fs::create_symlink(folder.path("target"), file);
+  const auto ran = run({"generate", folder.path("system.xml"), "--out", out, "--force"});
+  EXPECT_EQ(ran.status, 2) << ran.out;
+  EXPECT_EQ(content_of(folder.path("target")), text);
+}
+
+TEST(GenerateTest, TheJitterOfTheSourceIsAddedToThatOfTheNetwork) {
+  // 5 ms of the publisher and 3 ms of the network are 8 ms.
+  for (const auto& [asked, fits] : {std::pair("6", false), std::pair("9", true)}) {
+    const Folder folder;
+    const auto out = generated(folder, jittery("5", "3", asked));
+    for (const auto& compiler : compilers()) {
+      const auto said = complaints(compiler, out);
+      EXPECT_EQ(said.empty(), fits) << said;
+      EXPECT_EQ(said.contains("ATTRIBUTES_MISMATCH"), !fits) << said;
+      EXPECT_EQ(said.contains("8000000"), !fits) << said;
+    }
+  }
+}
+
+TEST(GenerateTest, TheNamesOfTheGeneratedCodeAreNotTaken) {
+  for (const char* name :
+       {"uint8_t",          "uint16_t", "uint32_t",  "uint64_t", "int8_t", "int16_t",   "int32_t",
+        "int64_t",          "size_t",   "ptrdiff_t", "mlcca",    "peer",   "checks",    "std",
+        "ChannelException", "literals", "der",       "Network",  "notify", "exception", "subject",
+        "attributes",       "channel",  "provision", "why",      "event",  "size"}) {
+    const Folder folder;
+    const auto out = generated(folder, called(name));
+    EXPECT_EQ(complaints({"g++"}, out), "") << name;
+    EXPECT_EQ(complaints({"clang++-19"}, out), "") << name;
+  }
+}
+
+TEST(GenerateTest, MoreUserDefinedAttributesThanAListHoldsAreRefused) {
+  for (const bool of_network : {true, false}) {
+    const Folder folder;
+    const auto most = folder.write("most.xml", with_user_attributes(16, of_network));
+    const auto more = folder.write("more.xml", with_user_attributes(17, of_network));
+    const auto ran = run({"generate", more, "--out", folder.path("out")});
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_TRUE(ran.error.contains("has 17 user-defined attributes")) << ran.error;
+    EXPECT_TRUE(ran.error.contains("at most 16")) << ran.error;
+    EXPECT_TRUE(files_in(folder.path("out")).empty());
+    ASSERT_EQ(run({"generate", most, "--out", folder.path("out")}).status, 0);
+    EXPECT_EQ(complaints({"g++"}, folder.path("out")), "");
   }
 }
 

@@ -20,6 +20,8 @@ TEST(NamesTest, SmallNamesAreNoKeywords) {
   EXPECT_EQ(small_name("Emergency-Switch"), "emergency_switch");
   EXPECT_EQ(small_name("switch"), "switch_");
   EXPECT_EQ(small_name("mlcca"), "mlcca_");
+  EXPECT_EQ(small_name("uint8_t"), "uint8_t_");
+  EXPECT_EQ(small_name("Size-T"), "size_t_");
   EXPECT_EQ(small_name("a--b__c-"), "a_b_c");
 }
 

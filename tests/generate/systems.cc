@@ -53,6 +53,54 @@ std::string robot(const std::string& lost) {
          "</System>\n";
 }
 
+std::string jittery(const std::string& sent, const std::string& added, const std::string& asked) {
+  const auto own = [](const std::string& jitter) {
+    return "<Attributes>" + time("Jitter", jitter, "-3") + "</Attributes>";
+  };
+  return "<System name=\"s\"><EventChannel name=\"c\"><SubjectUID>0x1</SubjectUID></EventChannel>"
+         "<Network name=\"n\"><Kind>other</Kind><Provision>" +
+         time("Jitter", added, "-3") +
+         "</Provision></Network>"
+         "<Publisher channel=\"c\" network=\"n\" name=\"from\">" +
+         own(sent) + R"(</Publisher><Subscriber channel="c" network="n" name="to">)" + own(asked) +
+         "</Subscriber></System>\n";
+}
+
+std::string called(const std::string& name) {
+  const auto is = " name=\"" + name + "\"";
+  std::string own;  // letters and digits only
+  for (const char c : name)
+    if (c != '_') own += c;
+  const auto ends = [&](const char* end) {
+    return " network=\"" + name + "\"><" + end + " channel=\"" + name + "\"/></Component>";
+  };
+  return "<System" + is + "><UserAttribute name=\"" + own +
+         "\"><Better>smaller</Better><Composition>sum</Composition></UserAttribute><EventChannel" +
+         is + "><SubjectUID>0x1</SubjectUID><Attributes>" + plain(own, "3") +
+         "</Attributes></EventChannel><Network" + is + "><Kind>other</Kind><Provision>" +
+         plain(own, "3") + "</Provision></Network><Component" + is + ends("Publisher") +
+         "<Component name=\"other\"" + ends("Subscriber") + "</System>\n";
+}
+
+std::string with_user_attributes(int count, bool of_network) {
+  std::string declared;
+  std::string stated;
+  std::string most;  // as much as a list holds
+  for (int i = 0; i < count; ++i) {
+    const auto name = "Own" + std::to_string(i);
+    declared += "<UserAttribute name=\"" + name +
+                "\"><Better>smaller</Better><Composition>sum</Composition></UserAttribute>";
+    stated += plain(name, "3");
+    if (of_network || i < 16) most += plain(name, "3");
+  }
+  return "<System name=\"s\">" + declared +
+         "<EventChannel name=\"c\"><SubjectUID>0x1</SubjectUID><Attributes>" +
+         (of_network ? plain("Omission", "1") : stated) +
+         "</Attributes></EventChannel><Network name=\"n\"><Kind>other</Kind><Provision>" +
+         plain("Omission", "1") + most +
+         "</Provision></Network><Publisher channel=\"c\" network=\"n\"/></System>\n";
+}
+
 std::string nasty() {
   const auto provision =
       plain("Omission", "0") + time("Period", "1", "-9") + time("Latency", "0", "0") +

@@ -13,4 +13,15 @@ std::string robot(const std::string& lost = "0");
 /// comment; the largest and smallest values; user-defined attributes; several attribute sets.
 std::string nasty();
 
+/// A publisher of Jitter `sent`, a network that adds `added` and a subscriber that asks for
+/// `asked`, all in ms.
+std::string jittery(const std::string& sent, const std::string& added, const std::string& asked);
+
+/// A system whose user-defined attribute, channel, network and component all have that name.
+std::string called(const std::string& name);
+
+/// A publisher on a network, one of which states `count` user-defined attributes: the network if
+/// `of_network`, else the publisher, which the network provides 16 of.
+std::string with_user_attributes(int count, bool of_network);
+
 }  // namespace mlcca::test

@@ -72,7 +72,7 @@ class Describe {
     const auto before = file_ ? present() : ChannelText{};
     if (auto refused = interactive_ ? change_by_questions(before) : change_by_flags())
       return refused;
-    if (auto refused = check_result()) return refused;
+    if (auto refused = check_result(before)) return refused;
     return finish(changes(before, present()));
   }
 
@@ -223,10 +223,13 @@ class Describe {
     return refusal(Exit::refused, fmt::format("{}: nothing was written", a_.file));
   }
 
-  [[nodiscard]] std::optional<Refusal> check_result() const {
+  [[nodiscard]] std::optional<Refusal> check_result(const ChannelText& before) const {
     const std::string what = "nothing was written, because the result would be wrong";
     if (auto refused = unusable(problems_of_text(markup_->text()), what)) return refused;
-    return unusable(problems_of(*markup_, channel_), what);
+    auto problems = problems_of(*markup_, channel_);
+    if (auto lost = lost_reference(*markup_, before, present()); !lost.empty())
+      problems.push_back(std::move(lost));
+    return unusable(problems, what);
   }
 
   std::optional<Refusal> finish(const std::vector<Change>& found) {

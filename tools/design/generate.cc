@@ -14,7 +14,6 @@
 #include "tools/design/generate/callbacks.hpp"
 #include "tools/design/generate/header.hpp"
 #include "tools/design/generate/target_folder.hpp"
-#include "tools/design/safe_file.hpp"
 #include "tools/design/say.hpp"
 #include "tools/design/verbs.hpp"
 
@@ -50,6 +49,10 @@ class Generate {
     return std::unexpected(Refusal{exit, std::move(message), {}});
   }
 
+  static std::unexpected<Refusal> refuse_to_write(const Error& why) {
+    return refuse(Exit::usage, why.text + "; nothing was written");
+  }
+
   Outcome carry_out() {
     auto system = description::read(a_.system);
     if (!system) {
@@ -76,7 +79,8 @@ class Generate {
       auto header = header_of(system, topology, unit);
       if (!header) return refuse(Exit::usage, header.error().text);
       const auto name = unit.stem + "_callbacks.cpp";
-      const auto old = read_file(output.path(name), kMaxCallbacks);
+      if (const auto good = output.check_link(name); !good) return refuse_to_write(good.error());
+      const auto old = output.read(name, kMaxCallbacks);
       if (!old) return refuse(Exit::world, old.error().text);
       auto text = *old ? std::optional((*old)->text) : std::nullopt;
       // What somebody else wrote has no code of ours; only --force may replace it.
@@ -101,10 +105,12 @@ class Generate {
   }
 
   Outcome write(const TargetFolder& output) {
-    if (!a_.force)
-      for (const auto& file : files_)
-        if (const auto good = output.check(file); !good)
-          return refuse(Exit::usage, good.error().text + "; nothing was written");
+    for (const auto& file : files_) {
+      if (const auto good = output.check_link(file.name); !good)
+        return refuse_to_write(good.error());
+      if (a_.force) continue;
+      if (const auto good = output.check(file); !good) return refuse_to_write(good.error());
+    }
     std::vector<std::pair<std::string, Written>> done;
     std::vector<std::string> names;
     for (const auto& file : files_) {

@@ -105,9 +105,11 @@ bool is_same(const struct stat& a, const struct stat& b) {
 
 }  // namespace
 
-Result<std::optional<FileContent>> read_file(const std::string& path, std::size_t limit) {
+Result<std::optional<FileContent>> read_file(const std::string& path, std::size_t limit,
+                                             Links links) {
   // Non-blocking, so that a pipe is refused instead of waited for.
-  const Fd fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  const int follow = links == Links::follow ? 0 : O_NOFOLLOW;
+  const Fd fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | follow));
   if (!fd && errno == ENOENT) {
     // A link that leads nowhere would be replaced by a file.
     struct stat link{};
@@ -121,6 +123,10 @@ Result<std::optional<FileContent>> read_file(const std::string& path, std::size_
   auto text = read_all(fd.get(), path, limit);
   if (!text) return std::unexpected(text.error());
   result.text = std::move(*text);
+  if (links == Links::refuse) {
+    result.path = path;
+    return result;
+  }
   const std::unique_ptr<char, FreeWith<std::free>> real(::realpath(path.c_str(), nullptr));
   if (!real) return failed(path, "resolve");
   result.path = real.get();

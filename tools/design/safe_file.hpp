@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,13 +15,17 @@ namespace mlcca::tools::design {
 
 /// A file as it was when it was read.
 struct FileContent {
-  std::string path;  ///< with symbolic links followed
+  std::string path;  ///< with symbolic links followed, unless they are refused
   std::string text;
   struct stat status{};
 };
 
+/// What becomes of a path whose last part is a symbolic link.
+enum class Links : std::uint8_t { follow, refuse };
+
 /// The regular file `path`, of at most `limit` bytes; nullopt if there is none.
-Result<std::optional<FileContent>> read_file(const std::string& path, std::size_t limit);
+Result<std::optional<FileContent>> read_file(const std::string& path, std::size_t limit,
+                                             Links links = Links::follow);
 
 /// Puts `text` in the place of `old`, with the same mode and owner: written and synced beside it,
 /// then renamed. Refused, and nothing happens, if the file has changed since it was read.

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <expected>
 #include <memory>
 #include <string>
 #include <vector>
@@ -41,7 +42,8 @@ class Check {
 
   Exit run() {
     if (options_.watch) return watch();
-    return deliver(examine());
+    const auto delivered = deliver(examine());
+    return delivered ? *delivered : delivered.error();
   }
 
  private:
@@ -62,19 +64,23 @@ class Check {
     return write_text(report, options_.output.empty() ? color_ : Color::no);
   }
 
-  [[nodiscard]] Exit deliver(const Report& report) const {
+  /// The status of a report; the error is the one of a report that nobody got.
+  using Delivery = std::expected<Exit, Exit>;
+
+  [[nodiscard]] Delivery deliver(const Report& report) const {
     const auto& output = options_.output;
     if (!output.empty() && is_one_of(output, report.files()))
-      return complain(Exit::usage, output +
-                                       ": is a file that is checked; the report would "
-                                       "replace it");
+      return std::unexpected(complain(
+          Exit::usage, output + ": is a file that is checked; the report would replace it"));
     const auto text = written(report);
     if (output.empty()) {
       const auto said = say(text);
-      return said == Exit::fine ? status_of(report) : said;
+      if (said != Exit::fine) return std::unexpected(said);
+      return status_of(report);
     }
     const auto done = write_output(output, text);
-    return done ? status_of(report) : complain(Exit::world, done.error().text);
+    if (!done) return std::unexpected(complain(Exit::world, done.error().text));
+    return status_of(report);
   }
 
   // --- watching ----------------------------------------------------------------------------------
@@ -89,6 +95,8 @@ class Check {
         return complain(Exit::world, followed.error().text);
       const auto report = examine();
       const auto status = show(report, first);
+      // Later it may be a matter of time, such as a full disk; now the command is wrong.
+      if (first && !status) return status.error();
       // What is included is known only now.
       files = options_.files;
       for (auto& file : report.files()) files.push_back(std::move(file));
@@ -97,12 +105,12 @@ class Check {
       if (*missed) continue;
       const auto woken = watch->wait();
       if (!woken) return complain(Exit::world, woken.error().text);
-      if (*woken == Woken::ended) return status;
+      if (*woken == Woken::ended) return status ? *status : status.error();
     }
   }
 
   /// The report, and with --output the text for the person who watches.
-  [[nodiscard]] Exit show(const Report& report, bool first) const {
+  [[nodiscard]] Delivery show(const Report& report, bool first) const {
     const bool for_person = options_.format == "text" || !options_.output.empty();
     if (for_person) {
       const bool terminal = ::isatty(STDOUT_FILENO) != 0;
@@ -112,7 +120,7 @@ class Check {
       else if (!first)
         text = "--- checked again\n";
       if (!options_.output.empty()) text += write_text(report, color_);
-      if (const auto said = say(text); said != Exit::fine) return said;
+      if (const auto said = say(text); said != Exit::fine) return std::unexpected(said);
     }
     return deliver(report);
   }

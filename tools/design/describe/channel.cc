@@ -28,6 +28,15 @@ void collect(const Node& node, std::vector<const Node*>& found) {
   for (const auto& child : node.children) collect(child, found);
 }
 
+/// The first one of the tree, in the order of the file, or null.
+template <class Wanted>
+const Node* find_node(const Node& node, const Wanted& wanted) {
+  if (wanted(node)) return &node;
+  for (const auto& child : node.children)
+    if (const auto* found = find_node(child, wanted)) return found;
+  return nullptr;
+}
+
 std::string text_of(const Markup& markup, const Node* node) {
   return node == nullptr ? std::string() : markup.text_of(*node);
 }
@@ -200,6 +209,21 @@ std::vector<std::string> problems_of(const Markup& markup, std::size_t about) {
   return problems;
 }
 
+std::string lost_reference(const Markup& markup, const ChannelText& before,
+                           const ChannelText& after) {
+  const bool renamed = !before.name.empty() && before.name != after.name;
+  const auto subject = subject_number(before.subject);
+  const bool moved = subject != 0 && subject != subject_number(after.subject);
+  const auto* found = find_node(markup.root(), [&](const Node& node) {
+    const auto called = text_of(markup, node.attribute("channel"));
+    return (renamed && called == before.name) || (moved && subject_number(called) == subject);
+  });
+  if (found == nullptr) return {};
+  return fmt::format(
+      "line {}: {} refers to the channel as {}: state the new name or subject there first",
+      found->line, found->name, text_of(markup, found->attribute("channel")));
+}
+
 std::vector<Change> changes(const ChannelText& before, const ChannelText& after) {
   std::vector<Change> out;
   const auto compare = [&](const char* what, const std::string& old, const std::string& now) {
@@ -209,6 +233,12 @@ std::vector<Change> changes(const ChannelText& before, const ChannelText& after)
   compare("name", before.name, after.name);
   compare("description", before.description, after.description);
   compare("safe side", before.safe_side, after.safe_side);
+  // The one without a priority is alone, before and after.
+  if (before.sets.size() == 1 && !before.sets.front().has_priority) {
+    const auto now = std::ranges::find(after.sets, 0, &AttributeSetText::priority);
+    if (now != after.sets.end() && now->has_priority)
+      out.push_back({"priority of the set that had none", {}, "0"});
+  }
   const auto with = [](const ChannelText& channel, int priority) {
     const auto found = std::ranges::find(channel.sets, priority, &AttributeSetText::priority);
     return found == channel.sets.end()

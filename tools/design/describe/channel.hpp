@@ -48,6 +48,11 @@ std::string problem_of_priority(int priority);
 /// only name and subject.
 std::vector<std::string> problems_of(const Markup& markup, std::size_t about);
 
+/// The first publisher, subscriber or binding of the file that calls the channel by a name or a
+/// subject that it had before and has no more, with "line N: " in front; empty if there is none.
+std::string lost_reference(const Markup& markup, const ChannelText& before,
+                           const ChannelText& after);
+
 /// A difference between two states of a channel: "Period", "50 ms", "40 ms". Empty: absent.
 struct Change {
   std::string what;

@@ -167,6 +167,11 @@ class Editor {
 
   std::size_t make_set(const std::vector<AttributeSetText>& sets, std::optional<int> priority) {
     auto element = parent("Attributes", {});
+    // What is not said anew stays required: a set without it would be granted on any network.
+    if (!sets.empty())
+      for (const auto& quantity :
+           std::ranges::max_element(sets, {}, &AttributeSetText::priority)->attributes)
+        element.children.push_back(attribute_element(quantity));
     if (priority) element.attributes = fmt::format(" priority=\"{}\"", *priority);
     if (sets.empty()) {
       const auto* before = node().child("Description");

@@ -15,7 +15,8 @@ struct SetField {
   Which which = Which::subject;
   std::string text;
 };
-/// One attribute of the set of that priority; without a priority, of the only set.
+/// One attribute of the set of that priority; without a priority, of the only set. A set that is
+/// not there is made first, as a copy of the one that is preferred until then.
 struct SetAttribute {
   Quantity quantity;
   std::optional<int> priority;

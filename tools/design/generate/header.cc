@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/text.hpp"
+#include "mlcca/user_check.hpp"
 #include "tools/design/generate/attributes.hpp"
 #include "tools/design/generate/checks.hpp"
 #include "tools/design/generate/names.hpp"
@@ -71,13 +72,24 @@ class Writer {
   }
 
  private:
-  /// The list as text. What its types cannot hold becomes the error of the whole header.
-  std::string listed(const std::string& whose, const AttributeSet& set,
-                     const core::UserValues& values) {
+  /// What the types of a list cannot hold becomes the error of the whole header.
+  void check_limits(const std::string& whose, const AttributeSet& set,
+                    const core::UserValues& values) {
+    static_assert(der::kMaxUserAttributes == detail::kMaxUserAttributes);
+    if (values.size() > der::kMaxUserAttributes)
+      problem_ = fmt::format(
+          "{}: has {} user-defined attributes: generated code and DER hold at most {} in one list; "
+          "state fewer there",
+          whose, values.size(), der::kMaxUserAttributes);
     constexpr Value most_omissions = 0xffffffff;  // of mlcca::Omission
     if (set[Attribute::omission] > most_omissions)
       problem_ = fmt::format("{}: Omission {}: generated code holds at most {}", whose,
                              set[Attribute::omission], most_omissions);
+  }
+
+  std::string listed(const std::string& whose, const AttributeSet& set,
+                     const core::UserValues& values) {
+    check_limits(whose, set, values);
     return attribute_list(set, values, user_);
   }
 
@@ -134,6 +146,8 @@ class Writer {
       const auto name = names_.take(stem + "Spec" + set_suffix(sets, i));
       types.push_back(name);
       const auto file = fmt::format("{}_{}.der", unit_.stem, name);
+      check_limits(name_of(system_, end), *sets[i].attributes, *sets[i].user);
+      if (!problem_.empty()) return fail(problem_);
       auto blob = der_of(system_, end.role, channel.subject, *sets[i].attributes, *sets[i].user);
       if (!blob)
         return fail(
@@ -206,7 +220,8 @@ class Writer {
 
   /// The ends of others that are on the other side of a channel.
   void peers() {
-    Names names;
+    // Nor a type of others one that their attributes name.
+    Names names = names_;
     std::string text;
     for (const auto& pair : pairs_)
       for (const auto& end : {pair.publisher, pair.subscriber}) {
@@ -243,6 +258,12 @@ class Writer {
     return fmt::format("mlcca::RouteOf<{}>", out);
   }
 
+  [[nodiscard]] bool states_jitter(const Pair& pair, std::size_t set) const {
+    if (!pair.publisher) return false;
+    const auto sets = sets_of(system_, *pair.publisher);
+    return sets[std::min(set, sets.size() - 1)].attributes->has(Attribute::jitter);
+  }
+
   struct CheckText {
     std::string comment;
     std::string name;
@@ -263,7 +284,8 @@ class Writer {
                                  list(pair.subscriber, set))});
     const auto both =
         fmt::format("mlcca::Union<{}, {}>", list(pair.publisher, set), list(pair.subscriber, set));
-    if (pair.hops.size() == 1 && pair.hops.front().frames == 1)
+    // Check knows no source: only a route adds its Jitter to that of the network.
+    if (pair.hops.size() == 1 && pair.hops.front().frames == 1 && !states_jitter(pair, set))
       out.push_back({between + ": on the network between them.",
                      stem + "On" + places_.at(pair.hops.front().place),
                      fmt::format("mlcca::Check<{}, {}::provision>", both,
@@ -295,6 +317,8 @@ class Writer {
 
   void checks() {
     CheckTexts texts;
+    // A check must not hide a type that the checks behind it name.
+    texts.names = names_;
     for (const auto& pair : pairs_) {
       const auto sets =
           sets_of(system_, pair.publisher ? *pair.publisher : *pair.subscriber).size();

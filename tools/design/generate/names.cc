@@ -31,7 +31,7 @@ constexpr auto kReserved = std::to_array<std::string_view>(
      "true",          "try",         "typedef",   "typeid",    "typename",     "union",
      "unix",          "unsigned",    "using",     "virtual",   "void",         "volatile",
      "wchar_t",       "while",       "xor",       "xor_eq",    "checks",       "const_cast",
-     "dynamic_cast"});
+     "dynamic_cast",  "i386"});
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -100,13 +100,14 @@ std::string file_name(std::string_view name) {
       out += '_';
   }
   while (out.ends_with('_')) out.pop_back();
-  if (out.empty() || is_digit(out.front())) out.insert(0, "n");
+  if (out.empty() || is_digit(out.front())) out.insert(out.begin(), 'n');
   return out;
 }
 
 std::string small_name(std::string_view name) {
   auto out = file_name(name);
-  if (std::ranges::find(kReserved, out) != kReserved.end()) out += '_';
+  // The types of the C library end in _t, such as the size_t and uint8_t of the generated code.
+  if (out.ends_with("_t") || std::ranges::find(kReserved, out) != kReserved.end()) out += '_';
   return out;
 }
 

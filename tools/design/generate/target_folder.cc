@@ -2,6 +2,7 @@
 #include "tools/design/generate/target_folder.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -10,7 +11,6 @@
 
 #include "mlcca/der_decode.hpp"
 #include "tools/design/generate/header.hpp"
-#include "tools/design/safe_file.hpp"
 
 namespace mlcca::tools::design {
 namespace {
@@ -34,8 +34,17 @@ Result<TargetFolder> TargetFolder::open(const std::string& folder) {
   return TargetFolder(folder);
 }
 
+Result<void> TargetFolder::check_link(const std::string& name) const {
+  struct stat status{};
+  if (::lstat(path(name).c_str(), &status) != 0 || !S_ISLNK(status.st_mode)) return {};
+  return fail(
+      fmt::format("{}: is a symbolic link, and nothing is written through one: remove it, or "
+                  "generate into the folder that it leads to (--out)",
+                  path(name)));
+}
+
 Result<void> TargetFolder::check(const OutputFile& file) const {
-  const auto old = read_file(path(file.name), kMaxFile);
+  const auto old = read(file.name, kMaxFile);
   if (!old) return std::unexpected(old.error());
   if (!*old || (*old)->text == file.content || is_ours(file.kind, (*old)->text)) return {};
   return fail(
@@ -43,7 +52,7 @@ Result<void> TargetFolder::check(const OutputFile& file) const {
 }
 
 Result<Written> TargetFolder::write(const OutputFile& file) const {
-  const auto old = read_file(path(file.name), kMaxFile);
+  const auto old = read(file.name, kMaxFile);
   if (!old) return std::unexpected(old.error());
   if (*old && (*old)->text == file.content) return Written::unchanged;
   const auto done =
@@ -59,7 +68,7 @@ std::vector<std::string> TargetFolder::leftovers(const std::vector<std::string>&
     const auto name = entry.path().filename().string();
     if (!name.ends_with("_channels.hpp") && !name.ends_with("_callbacks.cpp")) continue;
     if (std::ranges::find(names, name) != names.end()) continue;
-    const auto content = read_file(entry.path().string(), kMaxFile);
+    const auto content = read(name, kMaxFile);
     if (content && *content && is_ours(FileKind::text, (*content)->text)) out.push_back(name);
   }
   std::ranges::sort(out);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Writes what was generated: only what is new or differs, and never over the work of somebody else.
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/result.hpp"
+#include "tools/design/safe_file.hpp"
 
 namespace mlcca::tools::design {
 
@@ -30,8 +33,16 @@ class TargetFolder {
 
   [[nodiscard]] std::string path(const std::string& name) const { return folder_ + "/" + name; }
 
+  /// What is wrong with that name: it is a symbolic link, and could lead out of the folder.
+  [[nodiscard]] Result<void> check_link(const std::string& name) const;
   /// What is wrong with writing `file`: one of that name is there that we did not generate.
   [[nodiscard]] Result<void> check(const OutputFile& file) const;
+  /// The file of that name, of at most `limit` bytes; nullopt if there is none. Never through a
+  /// link.
+  [[nodiscard]] Result<std::optional<FileContent>> read(const std::string& name,
+                                                        std::size_t limit) const {
+    return read_file(path(name), limit, Links::refuse);
+  }
   /// Atomically; a file that has the content already is not touched.
   [[nodiscard]] Result<Written> write(const OutputFile& file) const;
   /// The generated headers in the folder that are not among `names`.
