@@ -73,12 +73,13 @@ struct Trial {
 
 /// Promises what a granted verdict needs of each hop, unless its publisher has been promised it.
 void reserve(const System& system, const Verdict& v, LedgerBuilder& builder, Trial& trial) {
-  for (const Place hop : hops_of(v.route)) {
+  const auto hops = hops_of(v.route);
+  for (std::size_t i = 0; i < hops.size(); ++i) {
     // A gateway without a stated rate has nothing to be shared.
-    if (hop.kind == Place::Kind::gateway &&
-        !system.gateways[hop.index].provision.has(Attribute::bandwidth))
+    if (hops[i].kind == Place::Kind::gateway &&
+        !system.gateways[hops[i].index].provision.has(Attribute::bandwidth))
       continue;
-    const Flow flow{v.publisher, system.resource_of(hop)};
+    const Flow flow = flow_on(system, v.publisher, v.route, i);
     if (builder.add(flow, v.demand)) trial.flows.emplace_back(flow, v.demand);
   }
 }

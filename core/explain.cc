@@ -141,7 +141,8 @@ void Explainer::add_obstacle(const Verdict& v) {
                        v.obstacle == Obstacle::too_long;
   const bool own = v.obstacle_at == publisher.place ||
                    (v.obstacle_at == v.to && v.obstacle == Obstacle::unbound);
-  if (by_rule && own) return;
+  // But a rule looks at no further attribute sets.
+  if (by_rule && own && (publisher.lower.empty() || v.obstacle != Obstacle::too_long)) return;
   Finding& f = new_finding(id_of(v.obstacle), v);
   const std::string ends =
       publisher.name + " to " + s_.members.subscriber(v.subscribers.front()).name + ": ";
@@ -301,7 +302,7 @@ void Explainer::add_capacity(const Verdict& v, const Row& row) {
   else
     f.text += ", where " + f.provided + " of " + rate(all) + " are left (" + rate(row.reserved) +
               " for the channels described before it)";
-  f.hint = "send less, or less often, or move channels to another network";
+  f.hint = "send less, or less often, or move channels to another way";
 }
 
 }  // namespace mlcca::core

@@ -85,7 +85,7 @@ class Inspector {
     for (const Verdict& v : verdicts) result.outcome = worse(result.outcome, v.outcome);
     if (!is_complete(c)) result.outcome = Outcome::unfit;
     if (s_.channels[c].safe_side == SafeSide::deliver) check_safe_side(c, verdicts);
-    if (members_.publishers_of(c).size() > 1) check_senders(c, verdicts);
+    if (verdicts.size() > 1) check_senders(c, verdicts);
     if (result.outcome == Outcome::fit && result.set == 0) return;
     for (const Verdict& v : verdicts) explain.add(v);
     if (result.outcome != Outcome::unfit && result.set != 0) explain.add_lower_set(c, result.set);
@@ -139,13 +139,11 @@ class Inspector {
         const bool both_own = it->second >= kOwn && device >= kOwn;
         if (fresh || it->second == device || both_own || !said.insert(hop.index).second) continue;
         add(FindingId::sender_twice, p.origin,
-            "events of channel " + s_.channels[c].name + " from " + p.name + " reach " +
-                s_.networks[hop.index].name + " over " + sender_words(device) +
-                ", those of another "
-                "publisher over " +
-                sender_words(it->second) + ": two senders of one identifier",
-            "give each publisher a node of its own (famouso), or let one gateway send them all", c,
-            static_cast<std::uint32_t>(v.publisher));
+            "events of channel " + s_.channels[c].name + " reach " + s_.networks[hop.index].name +
+                " over " + sender_words(it->second) + " and over " + sender_words(device) +
+                ": two senders of one identifier",
+            "declare routes over one gateway, or give each publisher a node of its own (famouso)",
+            c, static_cast<std::uint32_t>(v.publisher));
         out_.findings.back().place = hop;
         out_.findings.back().has_place = true;
       }

@@ -31,8 +31,8 @@ Ledger Ledger::with(const Flow& flow, Value bytes_per_second) const {
 }
 
 auto Ledger::flows_of(std::size_t publisher) const {
-  return std::ranges::subrange(flows_.lower_bound({publisher, 0}),
-                               flows_.lower_bound({publisher + 1, 0}));
+  return std::ranges::subrange(flows_.lower_bound({publisher, 0, 0}),
+                               flows_.lower_bound({publisher + 1, 0, 0}));
 }
 
 Ledger Ledger::balance_without(std::span<const std::size_t> publishers) const {

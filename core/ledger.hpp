@@ -13,10 +13,13 @@
 namespace mlcca::core {
 
 /// The traffic of one publisher on one resource (a network or gateway, see System::resource_of). It
-/// is carried once, however many subscribers are behind it.
+/// is carried once, however many subscribers are behind it, but once more for each way in.
 struct Flow {
   std::size_t publisher = 0;
   std::size_t resource = 0;
+  std::size_t from = kOwn;  ///< the resource that it comes from; kOwn: the publisher itself
+
+  static constexpr std::size_t kOwn = 0xffffffff;
   auto operator<=>(const Flow&) const = default;
 };
 

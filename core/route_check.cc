@@ -71,6 +71,9 @@ class RouteCheck {
     }
     if (network.profile == Profile::famouso) {
       if (!publisher().node) obstruct(Obstacle::no_node, hop);
+      if (offered().has(Attribute::max_payload) &&
+          offered()[Attribute::max_payload] > kFamousoMaxEvent)
+        obstruct(Obstacle::too_long, hop);
     } else if (offered().has(Attribute::max_payload) &&
                offered()[Attribute::max_payload] > frame_bytes(*binding)) {
       obstruct(Obstacle::too_long, hop);
@@ -164,29 +167,45 @@ class RouteCheck {
   }
 
   /// An event that crosses a broadcast medium is heard by every subscriber there: the way is open
-  /// only if each of them is fulfilled too. The first network is the publisher's own: there the
-  /// event is, whatever we decide.
+  /// only if each of them is fulfilled too. On the publisher's own network the event is, whatever
+  /// we decide.
   void check_bystanders() {
-    for (std::size_t i = 1; i + 1 < count_; ++i) {
-      const auto target = std::ranges::find(targets_, hops()[i], &Target::place);
-      if (target == targets_.end()) continue;
-      const Asked asked = asked_together(s_, v_.publisher, target->subscribers, v_.set);
-      add_rows(Against::bystander, hops()[i], check_layer(asked.set, composed(i + 1)));
-      if (!asked.user.empty())
-        add_rows(Against::bystander, hops()[i], asked.user, user_provision(0, i + 1));
-      for (const std::size_t s : target->subscribers)
-        add_rows(Against::traffic, hops()[i], check_traffic(offered(), asked_by(s)), s);
-    }
+    const bool at_home = publisher().place.kind == Place::Kind::network;
+    for (std::size_t i = at_home ? 1 : 0; i < count_; ++i)
+      if (hops()[i].kind == Place::Kind::network)
+        for (const Target& target : targets_)
+          if (target.place != v_.to && hears(target.place, i)) check_bystander(target, i);
+  }
+
+  /// Whether somebody at a place hears what crosses the network of that hop for the first time:
+  /// there, or as a program on a gateway that has a port there and is not behind us on the way.
+  [[nodiscard]] bool hears(Place listener, std::size_t hop) const {
+    const Place network = hops()[hop];
+    if (listener.kind == Place::Kind::network) return listener == network;
+    if (s_.system.gateways[listener.index].port_on(network.index) == nullptr) return false;
+    const auto before = std::ranges::find(v_.route, network);
+    return std::find(v_.route.begin(), before, listener) == before;
+  }
+
+  void check_bystander(const Target& target, std::size_t hop) {
+    const Place place = hops()[hop];
+    const Asked asked = asked_together(s_, v_.publisher, target.subscribers, v_.set);
+    add_rows(Against::bystander, place, check_layer(asked.set, composed(hop + 1)));
+    if (!asked.user.empty())
+      add_rows(Against::bystander, place, asked.user, user_provision(0, hop + 1));
+    for (const std::size_t s : target.subscribers)
+      add_rows(Against::traffic, place, check_traffic(offered(), asked_by(s)), s);
   }
 
   void check_capacities() {
     Value demand = 0;
     const bool known = demand_of(offered(), &demand);
     v_.demand = known ? demand : 0;
-    for (const Place hop : hops()) {
-      const std::size_t resource = s_.system.resource_of(hop);
-      if (ledger_.carries({v_.publisher, resource})) continue;
-      const Value reserved = ledger_.reserved(resource);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Place hop = hops()[i];
+      const Flow flow = flow_on(s_.system, v_.publisher, v_.route, i);
+      if (ledger_.carries(flow)) continue;
+      const Value reserved = ledger_.reserved(flow.resource);
       const CapacityCheck c = check_capacity(s_.system.provision_of(hop), reserved, v_.demand);
       if (!c.known) continue;
       if (!known) {
@@ -213,6 +232,17 @@ class RouteCheck {
 };
 
 }  // namespace
+
+Flow flow_on(const System& system, std::size_t publisher, const Route& route, std::size_t hop) {
+  const auto hops = hops_of(route);
+  Flow flow{publisher, system.resource_of(hops[hop])};
+  // A program's own gateway is no hop, but it is where the traffic comes from.
+  if (hop > 0)
+    flow.from = system.resource_of(hops[hop - 1]);
+  else if (route.front() != hops.front())
+    flow.from = system.resource_of(route.front());
+  return flow;
+}
 
 Asked asked_together(const Situation& situation, std::size_t publisher,
                      const std::vector<std::size_t>& subscribers, std::size_t set) {

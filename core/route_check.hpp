@@ -17,6 +17,10 @@ struct Target {
   std::vector<std::size_t> subscribers;
 };
 
+/// The flow of a publisher on the hop of that number of its route: what it is promised there.
+[[nodiscard]] Flow flow_on(const System& system, std::size_t publisher, const Route& route,
+                           std::size_t hop);
+
 /// What is asked of the networks between some ends.
 struct Asked {
   AttributeSet set;

@@ -156,7 +156,8 @@ Room room_in(const core::Network& network, const Binding& binding) {
 
 void check_payload(const core::Network& network, const Binding& binding,
                    const core::Publisher& publisher, Problems& problems) {
-  if (!publisher.attributes.has(Attribute::max_payload)) return;
+  // One of several sets may fit where another does not: that is decided, not a rule.
+  if (!publisher.attributes.has(Attribute::max_payload) || !publisher.lower.empty()) return;
   const Value bytes = publisher.attributes[Attribute::max_payload];
   const auto room = room_in(network, binding);
   if (bytes <= room.bytes) return;
