@@ -23,24 +23,10 @@ std::vector<Target> targets_of(const Members& members, std::size_t channel) {
   return targets;
 }
 
-Verdict blank(const Situation& s, std::size_t channel, std::size_t publisher, const Target& target,
-              std::size_t set) {
-  Verdict v;
-  v.channel = channel;
-  v.publisher = publisher;
-  v.to = target.place;
-  v.subscribers = target.subscribers;
-  v.set = set;
-  Asked asked = asked_together(s, publisher, target.subscribers, set);
-  v.requirement = normalised_requirement(asked.set);
-  v.user_requirement = std::move(asked.user);
-  return v;
-}
-
 Verdict decide_one(const Situation& s, const Ledger& ledger, const std::vector<Target>& targets,
                    std::size_t channel, std::size_t publisher, const Target& target,
                    std::size_t set) {
-  Verdict first = blank(s, channel, publisher, target, set);
+  Verdict first = undecided(s, channel, publisher, target, set);
   if (s.released[channel]) {
     first.obstacle = Obstacle::released;
     return first;
@@ -77,7 +63,7 @@ void reserve(const System& system, const Verdict& v, LedgerBuilder& builder, Tri
   for (std::size_t i = 0; i < hops.size(); ++i) {
     // A gateway without a stated rate has nothing to be shared.
     if (hops[i].kind == Place::Kind::gateway &&
-        !system.gateways[hops[i].index].provision.has(Attribute::bandwidth))
+        !system.provision_of(hops[i]).has(Attribute::bandwidth))
       continue;
     const Flow flow = flow_on(system, v.publisher, v.route, i);
     if (builder.add(flow, v.demand)) trial.flows.emplace_back(flow, v.demand);

@@ -207,16 +207,8 @@ void Explainer::add_lower_set(std::size_t channel, std::size_t set) {
 }
 
 void Explainer::add_pair(const Verdict& v, std::size_t subscriber) {
-  Verdict pair;
-  pair.channel = v.channel;
-  pair.publisher = v.publisher;
-  pair.to = v.to;
-  pair.subscribers = {subscriber};
-  pair.set = v.set;
+  Verdict pair = undecided(s_, v.channel, v.publisher, {v.to, {subscriber}}, v.set);
   pair.route = v.route;
-  Asked asked = asked_together(s_, v.publisher, pair.subscribers, v.set);
-  pair.requirement = normalised_requirement(asked.set);
-  pair.user_requirement = std::move(asked.user);
   check_route(s_, ledger_, {}, pair);
   for (const Row& row : pair.rows) {
     if (!is_unfit(row) || row.against == Against::capacity) continue;
@@ -265,6 +257,11 @@ void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber
       f.text = publisher + " to " + listener + ": " + asked + " required by " +
                asker(s_, v, row, subscriber) + ", " + name_of(system, row.place) + " provides " +
                numbers;
+      f.hint = c.known ? "let " + name_of(system, row.place) + " provide " +
+                             provided_name(system, row) + " " + f.required +
+                             " or better, ask less, or take another way"
+                       : "state " + provided_name(system, row) + " of " +
+                             name_of(system, row.place) + ": what is not stated is not given";
       break;
     case Against::bystander:
       f.text = publisher + " to " + name_of(system, v.to) + ": " + f.attribute + " " + f.required +
@@ -278,12 +275,6 @@ void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber
                " provides " + numbers;
       f.hint = "let a hop provide better, take a shorter way, or ask less";
   }
-  if (row.against != Against::hop) return;
-  const std::string name = provided_name(system, row);
-  f.hint = c.known ? "let " + name_of(system, row.place) + " provide " + name + " " + f.required +
-                         " or better, ask less, or take another way"
-                   : "state " + name + " of " + name_of(system, row.place) +
-                         ": what is not stated is not given";
 }
 
 void Explainer::add_capacity(const Verdict& v, const Row& row) {

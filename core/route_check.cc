@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <utility>
 
 #include "core/medium.hpp"
 #include "core/user_values.hpp"
@@ -85,19 +86,14 @@ class RouteCheck {
     count_ = 0;
     for (const Place hop : hops()) {
       Hop& out = hops_[count_++];
-      if (hop.kind == Place::Kind::gateway) {
-        out.provision = s_.system.gateways[hop.index].provision;
-        out.medium = static_cast<std::uint16_t>(s_.system.networks.size() + hop.index);
-        out.frames = 1;
-        out.gateway = true;
-      } else {
-        const Network& network = s_.system.networks[hop.index];
-        out.provision = network.provision;
-        out.medium = static_cast<std::uint16_t>(hop.index);
-        out.gateway = false;
-        out.frames = static_cast<std::uint16_t>(
-            frames_per_event(network, network.binding_of(v_.channel), bytes));
-      }
+      out.provision = s_.system.provision_of(hop);
+      out.medium = static_cast<std::uint16_t>(s_.system.resource_of(hop));
+      out.gateway = hop.kind == Place::Kind::gateway;
+      out.frames = 1;
+      if (out.gateway) continue;
+      const Network& network = s_.system.networks[hop.index];
+      out.frames = static_cast<std::uint16_t>(
+          frames_per_event(network, network.binding_of(v_.channel), bytes));
     }
   }
 
@@ -256,6 +252,20 @@ Asked asked_together(const Situation& situation, std::size_t publisher,
     if (!user.empty()) asked.user = strictest(situation.system, asked.user, user);
   }
   return asked;
+}
+
+Verdict undecided(const Situation& situation, std::size_t channel, std::size_t publisher,
+                  const Target& target, std::size_t set) {
+  Verdict v;
+  v.channel = channel;
+  v.publisher = publisher;
+  v.to = target.place;
+  v.subscribers = target.subscribers;
+  v.set = set;
+  Asked asked = asked_together(situation, publisher, target.subscribers, set);
+  v.requirement = normalised_requirement(asked.set);
+  v.user_requirement = std::move(asked.user);
+  return v;
 }
 
 void check_route(const Situation& situation, const Ledger& ledger,

@@ -32,6 +32,11 @@ struct Asked {
 [[nodiscard]] Asked asked_together(const Situation& situation, std::size_t publisher,
                                    const std::vector<std::size_t>& subscribers, std::size_t set);
 
+/// The verdict of a publisher towards a target in an attribute set, with what both ask, before any
+/// route has been looked at.
+[[nodiscard]] Verdict undecided(const Situation& situation, std::size_t channel,
+                                std::size_t publisher, const Target& target, std::size_t set);
+
 /// Fills in rows, obstacle, provision and outcome of a verdict that has its publisher, place,
 /// subscribers, set, requirement and route. `targets` are all of the channel: some of them may hear
 /// the events on the way.

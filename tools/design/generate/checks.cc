@@ -66,8 +66,7 @@ class Finder {
     for (const auto& hop : route) {
       Hop& out = hops.emplace_back();
       out.gateway = hop.place.kind == core::Place::Kind::gateway;
-      out.provision = out.gateway ? system_.gateways[hop.place.index].provision
-                                  : system_.networks[hop.place.index].provision;
+      out.provision = system_.provision_of(hop.place);
       out.medium = static_cast<std::uint16_t>(hops.size());
       out.frames = hop.frames;
       if (check_hop(requirement, out).outcome == Outcome::unfit) return false;

@@ -209,8 +209,7 @@ class Writer {
       const auto& name = core::name_of(system_, place);
       const auto type = names_.take(type_name(name));
       places_.emplace(place, type);
-      const auto& set = network ? system_.networks[place.index].provision
-                                : system_.gateways[place.index].provision;
+      const auto& set = system_.provision_of(place);
       const auto& user =
           network ? system_.networks[place.index].user : system_.gateways[place.index].user;
       add("/// What {} {} provides.\nstruct {} {{\n  using provision = {};\n}};\n\n",
