@@ -83,11 +83,14 @@ class Ends {
     for (auto& placement : draft_.placements) {
       const auto found = names.find(placement.component, placement.origin, "Placement", problems_);
       if (!found) continue;
-      if (auto& component = draft_.components[*found]; has_place(component.seat))
+      auto& component = draft_.components[*found];
+      if (has_place(component.seat)) {
         say(FindingId::unplaced, placement.origin, "Placement",
             fmt::format("component {} already has its place: one is enough", placement.component));
-      else
-        component.seat = with_own(component.seat, std::move(placement.seat));
+        continue;
+      }
+      inherit_sender(placement.seat, component.seat);
+      component.seat = std::move(placement.seat);
     }
     for (auto& c : draft_.components) {
       places_.emplace_back();
@@ -106,14 +109,11 @@ class Ends {
     return !seat.network.empty() || !seat.gateway.empty();
   }
 
-  /// What the outer one says, unless the own says it.
-  static SeatDraft with_own(const SeatDraft& outer, SeatDraft own) {
-    if (own.network.empty()) own.network = outer.network;
-    if (own.gateway.empty()) own.gateway = outer.gateway;
+  /// What tells a sender apart is the outer one's, unless it is stated here.
+  static void inherit_sender(SeatDraft& own, const SeatDraft& outer) {
     if (own.user.empty()) own.user = outer.user;
     if (!own.node) own.node = outer.node;
     if (!own.priority) own.priority = outer.priority;
-    return own;
   }
 
   // --- places ------------------------------------------------------------------------------------
@@ -210,12 +210,8 @@ class Ends {
   // --- ends --------------------------------------------------------------------------------------
 
   void add_publisher(EndDraft& end) {
-    if (end.component != core::kNoComponent) {
-      const auto& outer = draft_.components[end.component].seat;
-      if (end.seat.user.empty()) end.seat.user = outer.user;
-      if (!end.seat.node) end.seat.node = outer.node;
-      if (!end.seat.priority) end.seat.priority = outer.priority;
-    }
+    if (end.component != core::kNoComponent)
+      inherit_sender(end.seat, draft_.components[end.component].seat);
     const auto channel = to_.channel_named(end.channel, end.origin, "Publisher", problems_);
     const auto place = place_of(end, "Publisher");
     std::optional<std::uint32_t> uid;
