@@ -11,7 +11,7 @@
 
 #include "tests/check/program.hpp"
 #include "tools/design/check/drawing.hpp"
-#include "tools/design/check/escape.hpp"
+#include "tools/design/escape.hpp"
 #include "tools/design/check/graphviz.hpp"
 #include "tools/design/check/tables.hpp"
 

@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "tools/design/check/escape.hpp"
+#include "tools/design/escape.hpp"
 
 #include "tools/table.hpp"
 
 namespace mlcca::tools::design {
 
-std::string html_text(std::string_view text) {
+std::string escaped(std::string_view text, std::string_view apostrophe) {
   std::string out;
-  for (const char c : printable(text)) {
+  for (const char c : text) {
     switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
       case '<':
         out += "&lt;";
         break;
       case '>':
         out += "&gt;";
         break;
+      case '&':
+        out += "&amp;";
+        break;
       case '"':
         out += "&quot;";
         break;
       case '\'':
-        out += "&#39;";
+        out += apostrophe;
         break;
       default:
         out += c;
@@ -30,5 +30,7 @@ std::string html_text(std::string_view text) {
   }
   return out;
 }
+
+std::string html_text(std::string_view text) { return escaped(printable(text), "&#39;"); }
 
 }  // namespace mlcca::tools::design

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Text for HTML: whatever a description says, it stays text.
+// Text for XML and HTML: whatever it says, it stays text.
 #pragma once
 #include <string>
 #include <string_view>
 
 namespace mlcca::tools::design {
 
-/// For content and for attribute values in double or single quotes: markup characters as
-/// references, control characters as '?'.
+/// Markup characters as references, for content and for attribute values in double or single
+/// quotes.
+std::string escaped(std::string_view text, std::string_view apostrophe = "&apos;");
+
+/// The same for HTML, with control characters as '?'.
 std::string html_text(std::string_view text);
 
 }  // namespace mlcca::tools::design

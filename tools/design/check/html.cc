@@ -6,10 +6,10 @@
 
 #include "control/version.hpp"
 #include "tools/design/check/drawing.hpp"
-#include "tools/design/check/escape.hpp"
 #include "tools/design/check/graphviz.hpp"
 #include "tools/design/check/tables.hpp"
 #include "tools/design/check/write.hpp"
+#include "tools/design/escape.hpp"
 
 namespace mlcca::tools::design {
 namespace {

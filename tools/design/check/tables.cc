@@ -8,7 +8,7 @@
 
 #include "core/text.hpp"
 #include "tools/design/check/advice.hpp"
-#include "tools/design/check/escape.hpp"
+#include "tools/design/escape.hpp"
 
 namespace mlcca::tools::design {
 namespace {

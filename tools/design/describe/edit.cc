@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tools/design/describe/layout.hpp"
+#include "tools/design/escape.hpp"
 
 namespace mlcca::tools::design {
 namespace {

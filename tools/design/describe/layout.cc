@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "tools/design/escape.hpp"
+
 namespace mlcca::tools::design {
 namespace {
 

@@ -77,7 +77,4 @@ class Markup {
   Node root_;
 };
 
-/// `text` as XML has to write it, in an element or between any quotes.
-std::string escaped(std::string_view text);
-
 }  // namespace mlcca::tools::design
