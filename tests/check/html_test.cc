@@ -11,9 +11,9 @@
 
 #include "tests/check/program.hpp"
 #include "tools/design/check/drawing.hpp"
-#include "tools/design/escape.hpp"
 #include "tools/design/check/graphviz.hpp"
 #include "tools/design/check/tables.hpp"
+#include "tools/design/escape.hpp"
 
 namespace mlcca {
 namespace {
