@@ -1,1 +1,1 @@
-$(eval $(call library,core,$(wildcard core/*.cc)))
+$(eval $(call library,core,$(wildcard core/*.cc core/*/*.cc)))

@@ -12,21 +12,14 @@
 #include <string_view>
 #include <vector>
 
+#include "core/mesh/mesh.hpp"
+#include "core/origin.hpp"
 #include "mlcca/attribute.hpp"
 
 namespace mlcca::core {
 
 /// 64-bit identity of a channel, unique over all networks.
 using Subject = std::uint64_t;
-
-/// The file of what was not described but came at run time.
-inline constexpr std::uint32_t kNoFile = 0xffffffff;
-
-/// Where something was declared, for error texts.
-struct Origin {
-  std::uint32_t file = kNoFile;  ///< index into System::files
-  int line = 0;
-};
 
 /// An attribute that the description adds to the table of mlcca/attribute.hpp.
 struct UserAttribute {
@@ -83,11 +76,30 @@ struct Binding {
   Origin origin;
 };
 
+/// At most `count` errors on the bus in any `interval`, ns. count 0: errors are not expected.
+struct FaultHypothesis {
+  std::uint32_t count = 0;
+  Value interval = 0;
+  bool operator==(const FaultHypothesis&) const = default;
+};
+
+/// What is stated of a CAN bus beyond what is admitted onto it.
+struct CanBus {
+  std::uint32_t bitrate = 0;       ///< bit/s, 0: not stated
+  std::uint32_t data_bitrate = 0;  ///< bit/s of the FD data phase, 0: classic frames only
+  bool unknown_senders = false;    ///< somebody who is not described may send: any frame may block
+  std::uint32_t background = 0;    ///< 1e-6 of the bus time that others take, at any priority
+  FaultHypothesis faults;
+  bool operator==(const CanBus&) const = default;
+};
+
 struct Network {
   std::string name;
   NetworkKind kind = NetworkKind::can;
   Profile profile = Profile::none;
-  AttributeSet provision;  ///< static provision; a dynamic mark makes it a best case
+  CanBus bus;                      ///< of a CAN network
+  std::optional<mesh::Mesh> mesh;  ///< of a mesh whose routes are evaluated
+  AttributeSet provision;          ///< static provision; a dynamic mark makes it a best case
   UserValues user;
   std::vector<Binding> bindings;  ///< State sorts them by channel
   Origin origin;
@@ -110,6 +122,12 @@ struct InterfaceIdentity {
   auto operator<=>(const InterfaceIdentity&) const = default;
 };
 
+/// How a gateway's frames wait for the bus.
+enum class Queueing : std::uint8_t {
+  fifo,      ///< in the order in which they came: what Linux does unless told otherwise
+  priority,  ///< the frame that wins arbitration first; mlccad sets the queueing discipline up
+};
+
 /// One interface of a gateway, on one network.
 struct Port {
   std::size_t network = 0;
@@ -117,6 +135,9 @@ struct Port {
   bool managed = false;            ///< mlccad sets bit rates and brings it up
   std::uint32_t bitrate = 0;       ///< bit/s, 0: not set by us
   std::uint32_t data_bitrate = 0;  ///< bit/s of the FD data phase, 0: classic only
+  Queueing queueing = Queueing::fifo;
+  std::uint32_t fifo_depth = 1;     ///< frames that the controller holds behind the queue, 1 to 64
+  std::uint32_t queue_length = 10;  ///< frames that fit the queue before one is lost, 1 to 10000
   Origin origin;
 };
 
@@ -141,7 +162,8 @@ struct EventChannel {
   Subject subject = 0;
   std::string description;
   SafeSide safe_side = SafeSide::unstated;
-  AttributeSet attributes;  ///< default for publishers and subscribers of the channel
+  std::uint8_t importance = 0;  ///< larger is kept longer and served earlier when networks change
+  AttributeSet attributes;      ///< default for publishers and subscribers of the channel
   UserValues user;
   std::int32_t priority = 0;       ///< of these attributes, where there are further sets
   std::vector<Alternative> lower;  ///< the further sets, priorities falling
@@ -168,9 +190,10 @@ struct Publisher {
   UserValues user;
   std::vector<Alternative> lower;  ///< the same in each of the channel's further sets
   std::uint32_t component = kNoComponent;
-  std::optional<std::uint8_t> node;  ///< famouso tx_node, 0..127
-  std::uint8_t priority = 0x7d;      ///< famouso, 0 (highest)..127
-  std::optional<std::uint32_t> uid;  ///< on a gateway: the user that may send
+  std::optional<std::uint8_t> node;        ///< famouso tx_node, 0..127
+  std::optional<std::uint32_t> mesh_node;  ///< on a mesh: index into its nodes; none: any of them
+  std::uint8_t priority = 0x7d;            ///< famouso, 0 (highest)..127
+  std::optional<std::uint32_t> uid;        ///< on a gateway: the user that may send
   Origin origin;
 };
 
@@ -182,6 +205,7 @@ struct Subscriber {
   UserValues user;
   std::vector<Alternative> lower;
   std::uint32_t component = kNoComponent;
+  std::optional<std::uint32_t> mesh_node;  ///< on a mesh: index into its nodes; none: any of them
   Origin origin;
 };
 
