@@ -15,6 +15,7 @@ struct DesignVerb {
   const char* help;
 };
 inline constexpr std::array kDesignVerbs = {
+    DesignVerb{"analyse-bus", "response times of the messages of a CAN bus"},
     DesignVerb{"check", "find what cannot work in the description of a system"},
     DesignVerb{"describe", "create and edit the description of an event channel"},
     DesignVerb{"generate", "C++ and DER from the description of a system"},

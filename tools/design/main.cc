@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
     return fmt::format("mlccactl: {}\nmlccactl VERB --help says more.\n", error.what());
   });
+  add_analyse_bus(app, context);
   add_check(app, context);
   add_describe(app, context);
   add_generate(app, context);

@@ -15,6 +15,7 @@ struct Context {
   Exit exit = Exit::fine;
 };
 
+void add_analyse_bus(CLI::App& app, Context& context);
 void add_check(CLI::App& app, Context& context);
 void add_describe(CLI::App& app, Context& context);
 void add_generate(CLI::App& app, Context& context);

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/can/level.hpp"
+
+namespace mlcca::core::can {
+namespace {
+
+constexpr unsigned kErrorFrameBits = 31;  // 6 + 6 of flags, 8 of delimiter, 3 of intermission, and
+                                          // a further flag that an error in a delimiter raises
+constexpr Time kMillionth = 1'000'000;
+
+/// What the frames of `events` events take until the last of them starts, blocking included.
+Time own_time(const Message& m, Time blocking, Time events) {
+  const Time gaps = m.back_to_back ? 0 : events * (m.frames - 1);
+  return blocking * (1 + gaps) + events * m.transmission;
+}
+
+}  // namespace
+
+bool usable(const Assumptions& assumptions, const Message& m) {
+  const Time bit = bit_time(assumptions.timing);
+  constexpr std::uint32_t most_frames = 1U << 16U;
+  return bit != kNever && m.period > 1 && m.frames >= 1 && m.frames <= most_frames &&
+         m.last_frame >= bit && m.last_frame <= m.longest_frame &&
+         m.longest_frame <= m.transmission && m.transmission <= kLongestTime &&
+         m.jitter <= kLongestTime && (m.queue == kOwnQueue || m.queue < assumptions.queues.size());
+}
+
+bool is_coupled(const Message& m) {
+  return m.queue != kOwnQueue || (m.frames > 1 && !m.back_to_back) || lowest_of(m) > m.priority;
+}
+
+Overhead::Overhead(const Assumptions& a)
+    : plain_(a.background == 0 && a.faults.count == 0),
+      longest_(can::longest_frame(a.timing, a.fd_frames)),
+      error_frame_(kErrorFrameBits * bit_time(a.timing)),
+      background_(a.background),
+      faults_{.count = a.faults.count,
+              .interval = std::clamp<Time>(a.faults.interval, 1, kLongestTime)} {
+  if (a.faults.count > 0) least_blocking_ = error_frame_;
+  if (a.unknown_senders) least_blocking_ = std::max(least_blocking_, longest_);
+}
+
+Time Overhead::background(Time t) const {
+  if (background_ == 0) return 0;
+  return longest_ + (t * background_ + kMillionth - 1) / kMillionth;
+}
+
+Time Overhead::errors(Time t, Time longest) const {
+  if (faults_.count == 0) return 0;
+  // A frame of the background may be the one that is sent again.
+  const Time spoilt = background_ > 0 ? std::max(longest, longest_) : longest;
+  const Time intervals = (t + faults_.interval - 1) / faults_.interval;
+  return (error_frame_ + spoilt) * faults_.count * intervals;
+}
+
+Share Overhead::share(Time longest) const {
+  if (plain_) return 0;
+  Share share = share_of(std::min<Time>(background_, kMillionth), kMillionth);
+  if (faults_.count > 0) {
+    const Time spoilt = background_ > 0 ? std::max(longest, longest_) : longest;
+    const Time each = error_frame_ + spoilt;
+    if (faults_.count >= kLongestTime / each) return kAllShare;
+    share += share_of(each * faults_.count, faults_.interval);
+  }
+  return share;
+}
+
+LevelResponse level_response(const Interference& all, const Overhead& overhead, const Message& m,
+                             const Level& level, Time begin) {
+  if (all.share(0, level.end) + overhead.share(level.longest) >= kAllShare) return {};
+  const auto others = [&](Time until) {
+    return all.demand(0, level.self, until) + all.demand(level.self + 1, level.end, until);
+  };
+  const auto start_of = [&](Time events, Time from) {
+    const Time own = own_time(m, level.blocking, events) - m.last_frame;
+    return fixpoint(std::max(from, own), [&](Time w) {
+      return own + overhead.until(w, w + m.last_frame, level.longest) + others(w);
+    });
+  };
+  const auto first = start_of(1, begin);
+  if (!first) return {};
+
+  const Time period = std::min(m.period, kLongestTime);
+  // The busy period ends when everything that was offered before its end is sent.
+  const auto busy_until = [&](Time t) {
+    const Time events = (t + m.jitter + period - 1) / period;
+    return own_time(m, level.blocking, events) + overhead.until(t, t, level.longest) +
+           others(t - all.bit());
+  };
+  const Time second = period > m.jitter ? period - m.jitter : 0;
+  const Time end_of_first = *first + m.last_frame;
+  Time events = 1;
+  // Most messages are alone in their busy period; then one look at their second release shows it.
+  if (second < end_of_first || busy_until(second) > second) {
+    const auto busy = fixpoint(end_of_first, busy_until);
+    if (!busy) return {};
+    events = (*busy + m.jitter + period - 1) / period;
+  }
+  if (events > kMaxInstances) return {};
+
+  LevelResponse found{.bounded = true, .response = m.jitter + end_of_first, .first = *first};
+  Time start = *first;
+  for (Time event = 1; event < events; ++event) {
+    const auto next = start_of(event + 1, start + m.last_frame);
+    if (!next) return {};
+    start = *next;
+    const Time since = event * period;
+    if (m.jitter + start + m.last_frame > since)
+      found.response = std::max(found.response, m.jitter + start + m.last_frame - since);
+  }
+  return found;
+}
+
+bool surely_in_time(const Interference& all, const Message& m, const Level& level) {
+  const Time taken = m.jitter + m.last_frame;
+  const Time last_start = std::min(m.deadline, kLongestTime);
+  const Time second = std::min(m.period, kLongestTime);
+  if (last_start < taken || second < taken || all.share(0, level.end) >= kAllShare) return false;
+  const auto others = [&](Time until) {
+    return all.demand(0, level.self, until) + all.demand(level.self + 1, level.end, until);
+  };
+  const Time own = own_time(m, level.blocking, 1);
+  const Time start = last_start - taken;
+  if (own - m.last_frame + others(start) > start) return false;
+  const Time end = second - m.jitter;  // of the busy period, before the second event is queued
+  return end >= all.bit() && own + others(end - all.bit()) <= end;
+}
+
+}  // namespace mlcca::core::can

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The messages that are admitted to one CAN bus. A value: copies are independent, so a decision is
+// tried on a copy or taken back by remove().
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/can/analysis.hpp"
+#include "core/can/interference.hpp"
+#include "core/can/message.hpp"
+
+namespace mlcca::core::can {
+
+class Schedule {
+ public:
+  explicit Schedule(Assumptions assumptions = {});
+
+  /// A message that cannot be guaranteed.
+  struct Late {
+    std::uint64_t key = 0;
+    Time response = 0;  ///< ns; says nothing unless `bounded`
+    bool bounded = false;
+    Time deadline = 0;
+    bool overflow = false;  ///< its queue may hold more frames than fit
+    bool operator==(const Late&) const = default;
+  };
+
+  /// Adds the message if every message then meets its deadline. Otherwise nothing changes, and one
+  /// that would be late is returned: the new one or one that is there. The key must be new.
+  [[nodiscard]] std::optional<Late> add(const Message& message);
+
+  /// Afterwards the schedule is as if the message had never been added. An unknown key is ignored.
+  void remove(std::uint64_t key);
+
+  [[nodiscard]] bool contains(std::uint64_t key) const { return find(key) != nullptr; }
+  /// Null if there is none. Valid until the schedule changes.
+  [[nodiscard]] const Message* find(std::uint64_t key) const;
+  /// The bound as of now, ns; kNever if it is not bounded or the key is unknown.
+  [[nodiscard]] Time response(std::uint64_t key) const;
+
+  /// Other assumptions from now on. Returns all that is late under them; nothing is removed. The
+  /// messages stay as they are: with another bit rate their times are the caller's to replace.
+  std::vector<Late> set_assumptions(Assumptions assumptions);
+  /// All that is late now, in the order of messages(). Empty unless assumptions changed.
+  [[nodiscard]] std::vector<Late> late() const;
+
+  /// Sorted by priority, then key.
+  [[nodiscard]] std::span<const Message> messages() const { return messages_; }
+  /// 1e-6 of the bus time, background included.
+  [[nodiscard]] std::uint64_t utilisation_ppm() const;
+  [[nodiscard]] const Assumptions& assumptions() const { return assumptions_; }
+
+  /// The same messages under the same assumptions; all else follows from these.
+  bool operator==(const Schedule& other) const {
+    return assumptions_ == other.assumptions_ && messages_ == other.messages_;
+  }
+
+ private:
+  [[nodiscard]] std::size_t position_of(std::uint64_t key) const;
+  [[nodiscard]] Late late_of(std::size_t at, const Response& response) const;
+  [[nodiscard]] std::vector<Response> all_responses() const;
+  std::optional<Late> check_alone(std::size_t added);
+  std::optional<Late> check_coupled();
+  void insert(std::size_t at, const Message& message);
+  void erase(std::size_t at);
+  void rebuild();
+
+  Assumptions assumptions_;
+  std::vector<Message> messages_;
+  Interference interference_;  ///< of messages_, in their order
+  /// A response that each message is known not to be below, to start from. 0: nothing is known.
+  std::vector<Time> at_least_;
+  std::size_t coupled_ = 0;  ///< messages whose bounds depend on the bounds of others
+  bool settled_ = true;      ///< nothing is late
+};
+
+}  // namespace mlcca::core::can

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The verb analyse-bus: what to read, the analysis, and the exit status.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+
+#include "tools/design/analyse_bus/bus.hpp"
+#include "tools/design/analyse_bus/write.hpp"
+#include "tools/design/say.hpp"
+#include "tools/design/verbs.hpp"
+#include "tools/values.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+constexpr std::uint32_t kMostBitrate = 100'000'000;  // more than any CAN there is
+
+struct Options {
+  std::string file;
+  BusOptions bus;
+  std::string background;
+  std::uint32_t faults = 0;
+  double fault_interval_ms = 0;
+  bool assign = false;
+};
+
+bool is_table(const std::string& file) { return !file.ends_with(".xml"); }
+
+Buses read_file(const std::string& file, const BusOptions& options) {
+  if (!is_table(file)) return read_description(file, options);
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream.good() && !stream.eof())
+    return {{}, {fmt::format("{}: {}", file, ::strerror(errno != 0 ? errno : EIO))}};
+  return read_table(text, file, options);
+}
+
+std::vector<core::can::Message> messages_of(const Bus& bus) {
+  std::vector<core::can::Message> messages;
+  messages.reserve(bus.messages.size());
+  for (const BusMessage& m : bus.messages) messages.push_back(m.message);
+  return messages;
+}
+
+AnalysedBus analysed(Bus bus, bool assign) {
+  AnalysedBus result;
+  std::ranges::stable_sort(bus.messages, {},
+                           [](const BusMessage& m) { return m.message.priority; });
+  const auto messages = messages_of(bus);
+  result.responses = analyse(bus.assumptions, messages);
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    result.in_time.push_back(fits(bus.assumptions, messages[i], result.responses[i]));
+    result.schedulable = result.schedulable && result.in_time.back();
+  }
+  result.load = utilisation_ppm(bus.assumptions, messages);
+  result.assigned = assign;
+  if (assign) result.order = assign_priorities(bus.assumptions, messages);
+  result.bus = std::move(bus);
+  return result;
+}
+
+/// What the command line says in words, as numbers. Throws what CLI11 reports.
+void understand(Options& options) {
+  if (!options.background.empty()) {
+    const auto share = parse_share(options.background, 1'000'000, Rounding::up);
+    if (!share) throw CLI::ValidationError("--background-load", share.error().text);
+    options.bus.background = static_cast<std::uint32_t>(*share);
+  }
+  if (options.faults > 0) {
+    if (options.fault_interval_ms <= 0)
+      throw CLI::ValidationError("--faults", "needs --fault-interval-ms, more than 0");
+    options.bus.faults = {.count = options.faults,
+                          .interval = static_cast<Value>(options.fault_interval_ms * 1e6)};
+  }
+  if (options.bus.data_bitrate != 0 && options.bus.bitrate > options.bus.data_bitrate)
+    throw CLI::ValidationError("--data-bitrate", "must not be less than --bitrate");
+  if (is_table(options.file) && options.bus.bitrate == 0)
+    throw CLI::ValidationError("--bitrate", "is needed for a table of messages: bit/s of the bus");
+  if (is_table(options.file) && !options.bus.network.empty())
+    throw CLI::ValidationError("--network", "is for SYSTEM.xml: a table is one bus");
+}
+
+Exit run(const Options& options, bool json, Color color) {
+  auto read = read_file(options.file, options.bus);
+  if (!read.problems.empty()) {
+    const std::string first = read.problems.front();
+    read.problems.erase(read.problems.begin());
+    return say(Refusal{Exit::usage, first, std::move(read.problems)}, json);
+  }
+  std::vector<AnalysedBus> buses;
+  for (Bus& bus : read.buses) buses.push_back(analysed(std::move(bus), options.assign));
+  const auto said = say(json ? write_json(buses) : write_text(buses, color));
+  if (said != Exit::fine) return said;
+  return std::ranges::all_of(buses, &AnalysedBus::schedulable) ? Exit::fine : Exit::refused;
+}
+
+}  // namespace
+
+void add_analyse_bus(CLI::App& app, Context& context) {
+  auto* verb = app.add_subcommand(
+      "analyse-bus", "response time of every message of a CAN bus, and whether it is in time");
+  const auto options = std::make_shared<Options>();
+  verb->add_option("file", options->file,
+                   "table of the messages (columns name,id,extended,bytes,period_us,deadline_us,"
+                   "jitter_us), or the description of a system")
+      ->required()
+      ->type_name("FILE.csv|SYSTEM.xml");
+  verb->add_option("--network", options->bus.network,
+                   "only this CAN network of SYSTEM.xml; otherwise each of them")
+      ->type_name("NAME");
+  const auto rates = CLI::Range(std::uint32_t{1}, kMostBitrate);
+  verb->add_option("--bitrate", options->bus.bitrate, "of the bus; SYSTEM.xml may state it")
+      ->check(rates)
+      ->type_name("BIT/S");
+  verb->add_option("--data-bitrate", options->bus.data_bitrate, "of the data phase of FD frames")
+      ->check(rates)
+      ->type_name("BIT/S");
+  verb->add_flag("--unknown-senders", options->bus.unknown_senders,
+                 "somebody else may send: the longest frame of the bus may block");
+  verb->add_option("--background-load", options->background,
+                   "share of the bus that others take at any priority, such as 0.05")
+      ->type_name("SHARE");
+  verb->add_option("--faults", options->faults, "errors on the bus within --fault-interval-ms")
+      ->type_name("N");
+  verb->add_option("--fault-interval-ms", options->fault_interval_ms, "see --faults")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("MS");
+  verb->add_flag("--assign", options->assign,
+                 "look for an order of the identifiers in which all deadlines are met");
+  verb->callback([&context, options] {
+    understand(*options);
+    context.exit = run(*options, context.json, color_of(STDOUT_FILENO, context.no_color));
+  });
+}
+
+}  // namespace mlcca::tools::design
