@@ -33,6 +33,7 @@ struct Node {
   std::string address;  ///< as the sources name it, lower case: a MAC or an IP address
   std::optional<std::uint32_t> gateway;  ///< index into System::gateways
   Origin origin;
+  bool operator==(const Node&) const = default;
 };
 
 /// A link that the description states, in one direction.
@@ -44,6 +45,7 @@ struct DescribedLink {
   std::uint32_t channel = 0;  ///< any number; equal ones share the medium
   RateKind kind = RateKind::phy;
   Origin origin;
+  bool operator==(const DescribedLink&) const = default;
 };
 
 /// Links (of both directions) that share one medium's time, for Interference::explicit_sets.
@@ -51,6 +53,7 @@ struct DescribedDomain {
   std::string name;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> links;  ///< node indices, either direction
   Origin origin;
+  bool operator==(const DescribedDomain&) const = default;
 };
 
 enum class SourceKind : std::uint8_t {
@@ -73,6 +76,7 @@ struct Source {
   std::string endpoint;   ///< babel, olsr: HOST:PORT (numeric) or the path of a socket; file: path
   AwdsMetric metric = AwdsMetric::etx;
   Origin origin;
+  bool operator==(const Source&) const = default;
 };
 
 inline constexpr std::uint32_t kWhole = 1'000'000;  ///< 1e-6 units of a whole
@@ -93,6 +97,10 @@ struct Mesh {
   std::vector<DescribedDomain> domains;
   std::vector<Source> sources;
   Origin origin;
+  bool operator==(const Mesh&) const = default;
 };
+
+/// They say the same, wherever they say it.
+[[nodiscard]] bool same_description(const Mesh& a, const Mesh& b);
 
 }  // namespace mlcca::core::mesh

@@ -70,6 +70,7 @@ struct Division {
 /// One digit of a long division in base 2^32: (high, digit) / divisor, where high < divisor and
 /// the divisor has its highest bit set (Knuth, TAOCP 4.3.1 D).
 constexpr Division divide_digit(Value high, Value digit, Value divisor) {
+  // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): its highest bit is set
   Value q = high / (divisor >> 32);
   Value rest = high % (divisor >> 32);
   while (q > kLowHalf || q * (divisor & kLowHalf) > ((rest << 32) | digit)) {

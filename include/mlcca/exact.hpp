@@ -54,6 +54,7 @@ class Wide {
     while (!(n < d)) {
       const auto n_shift = static_cast<size_t>(sub_floor(n.bits(), 64));
       const auto d_shift = static_cast<size_t>(sub_floor(d.bits(), 32));
+      // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): d is not 0
       const Value ratio = n.from_bit(n_shift) / (d.from_bit(d_shift) + (d_shift != 0 ? 1 : 0));
       Value part = n_shift >= d_shift ? ratio << (n_shift - d_shift) : ratio >> (d_shift - n_shift);
       if (part == 0) part = 1;

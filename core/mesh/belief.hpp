@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is believed of one link, from what is observed of it as time goes on.
+#pragma once
+#include <cstdint>
+#include <optional>
+
+#include "core/mesh/graph.hpp"
+#include "core/mesh/medium_time.hpp"
+#include "core/mesh/mesh.hpp"
+#include "mlcca/arithmetic.hpp"
+
+namespace mlcca::core::mesh {
+
+/// A link as all fresh reports together have it.
+struct Observation {
+  LinkQuality quality;  ///< rate is not 0
+  Value busy = 0;       ///< 1e-6
+  std::uint32_t channel = kAnyChannel;
+};
+
+/// One quantity, of which a worse value counts at once and a better one once it has lasted.
+/// Order::better(a, b, mesh): a is better than b. Order::clearly(a, b, mesh): by more than
+/// Mesh::tolerance of b.
+template <class T, class Order>
+class Held {
+ public:
+  explicit Held(T value) : value_(value) {}
+
+  [[nodiscard]] const T& value() const { return value_; }
+
+  void observe(const T& now_seen, std::uint64_t now, const Mesh& mesh) {
+    if (!Order::better(now_seen, value_, mesh)) {
+      value_ = now_seen;
+      rise_.reset();
+    } else if (!Order::clearly(now_seen, value_, mesh)) {
+      rise_.reset();
+    } else if (!rise_) {
+      rise_ = Rise{now_seen, now};
+    } else if (Order::better(rise_->least, now_seen, mesh)) {
+      rise_->least = now_seen;
+    }
+    if (now >= due(mesh)) {
+      value_ = rise_->least;
+      rise_.reset();
+    }
+  }
+
+  /// When a rise will have lasted; kUnbounded: there is none.
+  [[nodiscard]] std::uint64_t due(const Mesh& mesh) const {
+    return rise_ ? add_saturating(rise_->since, mesh.hold_up) : kUnbounded;
+  }
+
+ private:
+  struct Rise {
+    T least;  ///< the worst value since then
+    std::uint64_t since = 0;
+  };
+
+  T value_;
+  std::optional<Rise> rise_;
+};
+
+/// Loss and busy time.
+struct LessIsBetter {
+  [[nodiscard]] static bool better(Value a, Value b, const Mesh&) { return a < b; }
+  [[nodiscard]] static bool clearly(Value a, Value b, const Mesh& mesh) {
+    return sub_floor(b, a) > mul_div_down(b, mesh.tolerance, kWhole);
+  }
+};
+
+/// Rates by their number; one that includes the overhead against one that does not by what they
+/// carry in full packets. Losses are left aside.
+struct FasterIsBetter {
+  [[nodiscard]] static bool better(const LinkQuality& a, const LinkQuality& b, const Mesh& mesh);
+  [[nodiscard]] static bool clearly(const LinkQuality& a, const LinkQuality& b, const Mesh& mesh);
+};
+
+/// One direction of a link. Times in ns, never going back.
+class Belief {
+ public:
+  /// nullopt: nobody knows that it carries anything.
+  void observe(const std::optional<Observation>& seen, std::uint64_t now, const Mesh& mesh);
+
+  /// Known, and for long enough if it was lost.
+  [[nodiscard]] bool usable(std::uint64_t now) const { return seen_ && now >= usable_from_; }
+  /// Of a usable link, without its ends and its weight.
+  [[nodiscard]] Link link() const;
+  /// Unknown for so long that it will count at once.
+  [[nodiscard]] bool forgotten(std::uint64_t now, const Mesh& mesh) const {
+    return !seen_ && now >= held_until(mesh);
+  }
+  /// When time alone changes something, if it is later than `now`; kUnbounded: never.
+  [[nodiscard]] std::uint64_t deadline(std::uint64_t now, const Mesh& mesh) const;
+
+ private:
+  struct Seen {
+    Held<LinkQuality, FasterIsBetter> carrier;  ///< rate and kind
+    Held<Value, LessIsBetter> loss;
+    Held<Value, LessIsBetter> busy;
+    bool loss_known = false;
+    std::uint32_t channel = kAnyChannel;
+  };
+
+  [[nodiscard]] std::uint64_t held_until(const Mesh& mesh) const {
+    return lost_at_ ? add_saturating(*lost_at_, mesh.hold_up) : 0;
+  }
+
+  std::optional<Seen> seen_;
+  std::uint64_t usable_from_ = 0;
+  std::optional<std::uint64_t> lost_at_;
+};
+
+}  // namespace mlcca::core::mesh

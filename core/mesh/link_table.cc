@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/mesh/link_table.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <tuple>
+
+#include "mlcca/arithmetic.hpp"
+
+namespace mlcca::core::mesh {
+namespace {
+
+const std::string& address_of(const Node& node) {
+  return node.address.empty() ? node.name : node.address;
+}
+
+int rank(RateKind kind) {
+  switch (kind) {
+    case RateKind::effective:
+      return 2;
+    case RateKind::derived:
+      return 1;
+    case RateKind::phy:
+      break;
+  }
+  return 0;
+}
+
+std::string ignored(std::size_t count) {
+  return std::to_string(count) + " links or next hops are ignored: there are more than " +
+         std::to_string(kMaxNodes) + " nodes or " + std::to_string(kMaxLinks) + " links";
+}
+
+}  // namespace
+
+LinkTable::LinkTable(const Mesh& mesh) : mesh_(mesh), sources_(mesh.sources.size()) {
+  for (const Node& node : mesh.nodes) {
+    nodes_.emplace(address_of(node), static_cast<std::uint32_t>(addresses_.size()));
+    addresses_.push_back(address_of(node));
+  }
+  graph_.nodes = addresses_.size();
+}
+
+bool LinkTable::is_description(std::size_t source) const {
+  return source < mesh_.sources.size() && mesh_.sources[source].kind == SourceKind::description;
+}
+
+std::uint64_t LinkTable::fresh_until(const Report& report) const {
+  if (is_description(report.source)) return kUnbounded;
+  const Value age = std::min(mesh_.stale_after, report.sample.valid.value_or(kUnbounded));
+  return add_saturating(report.sample.taken, age);
+}
+
+std::uint64_t LinkTable::routes_fresh_until(std::size_t source) const {
+  return is_description(source) ? kUnbounded
+                                : add_saturating(sources_[source].heard, mesh_.stale_after);
+}
+
+std::optional<std::uint32_t> LinkTable::node(const std::string& address) const {
+  const auto it = nodes_.find(address);
+  return it == nodes_.end() ? std::nullopt : std::optional(it->second);
+}
+
+std::optional<std::uint32_t> LinkTable::node_for(const std::string& address) {
+  if (const auto known = node(address)) return known;
+  if (addresses_.size() >= kMaxNodes) return std::nullopt;
+  const auto index = static_cast<std::uint32_t>(addresses_.size());
+  nodes_.emplace(address, index);
+  addresses_.push_back(address);
+  return index;
+}
+
+/// False: there is no room for it.
+bool LinkTable::enter(std::size_t source, const Sample& sample) {
+  const auto from = node_for(sample.from);
+  const auto to = node_for(sample.to);
+  if (!from || !to) return false;
+  if (from == to) return true;
+  const Ends ends(*from, *to);
+  auto it = entries_.find(ends);
+  if (it == entries_.end()) {
+    if (entries_.size() >= kMaxLinks) return false;
+    it = entries_.emplace(ends, Entry{}).first;
+  }
+  auto& reports = it->second.reports;
+  auto report = std::ranges::find(reports, source, &Report::source);
+  if (report == reports.end())
+    report = reports.insert(reports.end(), Report{.source = source, .sample = {}});
+  const std::uint64_t round = sources_[source].rounds;
+  // Of two reports for one direction the slower counts.
+  if (report->round == round && report->sample.rate <= sample.rate) return true;
+  report->round = round;
+  report->sample = sample;
+  report->sample.taken = std::min(sample.taken, now_);
+  return true;
+}
+
+bool LinkTable::enter_next_hop(SourceState& state, const NextHop& hop) {
+  const auto from = node_for(hop.from);
+  const auto to = node_for(hop.to);
+  const auto via = node_for(hop.via);
+  if (!from || !to || !via) return false;
+  state.next_hops.push_back({*from, *to, *via});
+  return true;
+}
+
+/// What a source did not say again is gone.
+void LinkTable::drop_old_rounds(std::size_t source) {
+  for (auto& [ends, entry] : entries_)
+    std::erase_if(entry.reports, [&](const Report& report) {
+      return report.source == source && report.round != sources_[source].rounds;
+    });
+}
+
+bool LinkTable::take(std::size_t source, const Snapshot& snapshot, std::uint64_t now) {
+  now_ = std::max(now_, now);
+  if (source >= sources_.size()) sources_.resize(source + 1);
+  SourceState& state = sources_[source];
+  ++state.rounds;
+  state.heard = now_;
+  state.problem = snapshot.problem;
+  state.next_hops.clear();
+  std::size_t without_room = 0;
+  for (const Sample& sample : snapshot.links)
+    if (!enter(source, sample)) ++without_room;
+  for (const NextHop& hop : snapshot.next_hops)
+    if (!enter_next_hop(state, hop)) ++without_room;
+  drop_old_rounds(source);
+  if (without_room != 0)
+    state.problem += (state.problem.empty() ? "" : "; ") + ignored(without_room);
+  return settle();
+}
+
+bool LinkTable::expire(std::uint64_t now) {
+  now_ = std::max(now_, now);
+  return now_ >= deadline_ && settle();
+}
+
+const std::string& LinkTable::problem(std::size_t source) const {
+  static const std::string none;
+  return source < sources_.size() ? sources_[source].problem : none;
+}
+
+std::vector<Known> LinkTable::links() const {
+  std::vector<Known> result;
+  for (const auto& [ends, entry] : entries_) {
+    const bool usable = entry.belief.usable(now_);
+    for (const Report& report : entry.reports)
+      result.push_back({.sample = report.sample,
+                        .believed_rate = usable ? entry.belief.link().quality.rate : 0,
+                        .stale = !is_fresh(report),
+                        .source = report.source});
+  }
+  return result;
+}
+
+/// Whether the rate of a counts rather than that of b.
+bool LinkTable::is_preferred(const Report& a, const Report& b) const {
+  const auto key = [&](const Report& r) {
+    return std::tuple(!is_description(r.source), rank(r.sample.kind), r.sample.taken);
+  };
+  return key(a) > key(b);
+}
+
+std::optional<Observation> LinkTable::observe(const Entry& entry) const {
+  const Report* rated = nullptr;
+  Observation seen;
+  for (const Report& report : entry.reports) {
+    if (!is_fresh(report)) continue;
+    const Sample& sample = report.sample;
+    if (sample.rate != 0 && (rated == nullptr || is_preferred(report, *rated))) rated = &report;
+    if (sample.loss) seen.quality.loss_known = true;
+    seen.quality.loss =
+        std::max(seen.quality.loss, std::min(sample.loss.value_or(0), kCertainLoss));
+    seen.busy = std::max<Value>(seen.busy, std::min(sample.busy.value_or(0), kWhole));
+    if (seen.channel == kAnyChannel) seen.channel = sample.channel.value_or(kAnyChannel);
+  }
+  if (rated == nullptr) return std::nullopt;
+  seen.quality.rate = rated->sample.rate;
+  seen.quality.kind = rated->sample.kind;
+  seen.channel = rated->sample.channel.value_or(seen.channel);
+  return seen;
+}
+
+std::optional<std::size_t> LinkTable::weighing_source() const {
+  std::optional<std::size_t> first;
+  for (const auto& [ends, entry] : entries_)
+    for (const Report& report : entry.reports)
+      if (report.sample.weight && is_fresh(report) && (!first || report.source < *first))
+        first = report.source;
+  return first;
+}
+
+std::vector<NextHopIndex> LinkTable::next_hops() const {
+  std::vector<NextHopIndex> result;
+  for (std::size_t source = 0; source < sources_.size(); ++source)
+    if (now_ <= routes_fresh_until(source))
+      std::ranges::copy(sources_[source].next_hops, std::back_inserter(result));
+  const auto ends = [](const NextHopIndex& hop) { return Ends(hop.from, hop.to); };
+  std::ranges::stable_sort(result, {}, ends);
+  const auto others = std::ranges::unique(result, {}, ends);
+  result.erase(others.begin(), others.end());
+  return result;
+}
+
+Graph LinkTable::believed() const {
+  Graph graph;
+  graph.nodes = addresses_.size();
+  const auto weighing = weighing_source();
+  for (const auto& [ends, entry] : entries_) {
+    std::optional<std::uint64_t> weight;
+    for (const Report& report : entry.reports)
+      if (report.source == weighing && is_fresh(report)) weight = report.sample.weight;
+    if (!entry.belief.usable(now_)) {
+      graph.unusable.push_back({ends.first, ends.second, weight});
+      continue;
+    }
+    Link& link = graph.links.emplace_back(entry.belief.link());
+    link.from = ends.first;
+    link.to = ends.second;
+    link.weight = weight;
+  }
+  graph.next_hops = next_hops();
+  return graph;
+}
+
+std::uint64_t LinkTable::earliest_deadline() const {
+  std::uint64_t earliest = kUnbounded;
+  const auto after = [&](std::uint64_t fresh_until) {
+    if (now_ <= fresh_until) earliest = std::min(earliest, add_saturating(fresh_until, 1));
+  };
+  for (const auto& [ends, entry] : entries_) {
+    earliest = std::min(earliest, entry.belief.deadline(now_, mesh_));
+    for (const Report& report : entry.reports) after(fresh_until(report));
+  }
+  for (std::size_t source = 0; source < sources_.size(); ++source)
+    if (!sources_[source].next_hops.empty()) after(routes_fresh_until(source));
+  return earliest;
+}
+
+bool LinkTable::settle() {
+  for (auto& [ends, entry] : entries_) entry.belief.observe(observe(entry), now_, mesh_);
+  std::erase_if(entries_, [&](const auto& known) {
+    return known.second.reports.empty() && known.second.belief.forgotten(now_, mesh_);
+  });
+  deadline_ = earliest_deadline();
+  Graph graph = believed();
+  const bool changed = graph != graph_;
+  graph_ = std::move(graph);
+  return changed;
+}
+
+Snapshot described_snapshot(const Mesh& mesh, std::uint64_t now) {
+  Snapshot snapshot;
+  for (const DescribedLink& link : mesh.links)
+    snapshot.links.push_back({.from = address_of(mesh.nodes[link.from]),
+                              .to = address_of(mesh.nodes[link.to]),
+                              .rate = link.rate,
+                              .kind = link.kind,
+                              .loss = link.loss,
+                              .channel = link.channel,
+                              .busy = std::nullopt,
+                              .weight = std::nullopt,
+                              .taken = now,
+                              .valid = std::nullopt});
+  return snapshot;
+}
+
+}  // namespace mlcca::core::mesh
