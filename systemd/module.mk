@@ -3,15 +3,18 @@ UNITDIR ?= /usr/lib/systemd/system
 UDEVDIR ?= /usr/lib/udev/rules.d
 SYSUSERSDIR ?= /usr/lib/sysusers.d
 TMPFILESDIR ?= /usr/lib/tmpfiles.d
-MAKE_UNIT = sed -e 's|@sbindir@|$(PREFIX)/sbin|g' -e 's|@bindir@|$(PREFIX)/bin|g'
+MAKE_UNIT = sed -e 's|@sbindir@|$(PREFIX)/sbin|g' -e 's|@bindir@|$(PREFIX)/bin|g' \
+	-e 's|@libexecdir@|$(PREFIX)/libexec|g'
 
 install-systemd:
 	$(call say,INSTALL,units, udev rule, sysusers, tmpfiles)
 	$(Q)install -d $(DESTDIR)$(UNITDIR) $(DESTDIR)$(UDEVDIR) $(DESTDIR)$(SYSUSERSDIR) \
 		$(DESTDIR)$(TMPFILESDIR) $(DESTDIR)/etc/mlcca
-	$(Q)install -m 644 systemd/mlccad.socket systemd/run-mlcca-bpf.mount $(DESTDIR)$(UNITDIR)
+	$(Q)install -m 644 systemd/mlccad.socket systemd/run-mlcca-bpf.mount \
+		systemd/mlcca-awds@.socket $(DESTDIR)$(UNITDIR)
 	$(Q)$(MAKE_UNIT) systemd/mlccad.service.in > $(DESTDIR)$(UNITDIR)/mlccad.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-gate.service.in > $(DESTDIR)$(UNITDIR)/mlcca-gate.service
+	$(Q)$(MAKE_UNIT) systemd/mlcca-awds@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-awds@.service
 	$(Q)$(MAKE_UNIT) systemd/90-mlcca.rules.in > $(DESTDIR)$(UDEVDIR)/90-mlcca.rules
 	$(Q)install -m 644 systemd/mlcca.sysusers $(DESTDIR)$(SYSUSERSDIR)/mlcca.conf
 	$(Q)install -m 644 systemd/mlcca.tmpfiles $(DESTDIR)$(TMPFILESDIR)/mlcca.conf
@@ -19,8 +22,9 @@ install-systemd:
 		[ -e $(DESTDIR)/etc/mlcca/$$f ] || install -m 644 systemd/$$f $(DESTDIR)/etc/mlcca/$$f; done
 install-programs: $(PROGRAMS)
 	$(call say,INSTALL,$(PREFIX)/sbin/mlccad $(PREFIX)/bin/mlccactl)
-	$(Q)install -d $(DESTDIR)$(PREFIX)/sbin $(DESTDIR)$(PREFIX)/bin
+	$(Q)install -d $(addprefix $(DESTDIR)$(PREFIX)/,sbin bin libexec/mlcca)
 	$(Q)install -m 755 $O/mlccad $(DESTDIR)$(PREFIX)/sbin/mlccad
 	$(Q)install -m 755 $O/mlccactl $(DESTDIR)$(PREFIX)/bin/mlccactl
+	$(Q)install -m 755 $O/mlcca-awds $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-awds
 INSTALL += install-programs install-systemd
 .PHONY: install-systemd install-programs

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/awds/readers.hpp"
+
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace mlcca::awds {
+namespace {
+
+std::unexpected<Error> system_error(const std::string& what, int error) {
+  return fail(what + ": " + std::strerror(error));  // NOLINT(concurrency-mt-unsafe): one thread
+}
+
+}  // namespace
+
+Result<Fd> listen_at(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof address.sun_path)
+    return fail(path + ": a socket path has at most " +
+                std::to_string(sizeof address.sun_path - 1) + " characters");
+  path.copy(address.sun_path, path.size());
+  Fd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!socket) return system_error("socket", errno);
+  struct stat old{};
+  if (::lstat(path.c_str(), &old) == 0 && S_ISSOCK(old.st_mode)) ::unlink(path.c_str());
+  // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
+  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) < 0)
+    return system_error(path, errno);
+  if (::listen(socket.get(), SOMAXCONN) < 0) return system_error(path, errno);
+  return socket;
+}
+
+Result<void> Readers::start() {
+  sd_event_source* raw = nullptr;
+  const int e = sd_event_add_io(loop_, &raw, listening_.get(), EPOLLIN, on_connection, this);
+  if (e < 0) return system_error("watching the socket", -e);
+  source_.reset(raw);
+  return {};
+}
+
+void Readers::send(std::span<const std::uint8_t> packet) const {
+  // NOLINTBEGIN(bugprone-unused-return-value): who has hung up is noticed by on_hangup
+  for (const auto& [fd, reader] : readers_)
+    (void)::send(fd, packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  // NOLINTEND(bugprone-unused-return-value)
+}
+
+int Readers::on_connection(sd_event_source*, int listening, std::uint32_t, void* self) noexcept {
+  auto& readers = *static_cast<Readers*>(self);
+  Fd socket(::accept4(listening, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  if (!socket || readers.readers_.size() >= kMost) return 0;
+  const int fd = socket.get();
+  sd_event_source* raw = nullptr;
+  // Nothing is to be read from a reader: the end is all that is awaited.
+  if (sd_event_add_io(readers.loop_, &raw, fd, EPOLLRDHUP, on_hangup, self) < 0) return 0;
+  readers.readers_.insert_or_assign(fd, Reader{std::move(socket), Source(raw)});
+  return 0;
+}
+
+int Readers::on_hangup(sd_event_source*, int fd, std::uint32_t, void* self) noexcept {
+  static_cast<Readers*>(self)->readers_.erase(fd);
+  return 0;
+}
+
+}  // namespace mlcca::awds

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/net/sources/awds.hpp"
+
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <array>
+#include <cerrno>
+#include <string>
+#include <utility>
+
+#include "daemon/net/sources/awds_packet.hpp"
+#include "daemon/net/sources/timer.hpp"
+
+namespace mlcca::net {
+namespace {
+
+/// Packets that are taken before others get their turn.
+constexpr int kTurn = 64;
+
+class Awds final : public LinkSource {
+ public:
+  Awds(std::string path, core::mesh::AwdsMetric metric, sd_event* loop, Report report)
+      : path_(std::move(path)), loop_(loop), report_(std::move(report)), graph_(metric) {}
+
+  Result<void> start() {
+    return timer_.start(loop_, [this] { look(); });
+  }
+
+ private:
+  void look() {
+    if (!socket_) connect();
+    tell();
+    timer_.set(kLookAgain);
+  }
+
+  void connect() {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path_.copy(address.sun_path, path_.size());
+    Fd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    // A local socket connects at once or not at all.
+    // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
+    const auto* to = reinterpret_cast<const sockaddr*>(&address);
+    if (!socket || ::connect(socket.get(), to, sizeof address) < 0) {
+      problem_ = system_error(path_, errno);
+      return;
+    }
+    sd_event_source* raw = nullptr;
+    if (const int e = sd_event_add_io(loop_, &raw, socket.get(), EPOLLIN, on_packets, this);
+        e < 0) {
+      problem_ = system_error(path_, -e);
+      return;
+    }
+    io_.reset(raw);
+    socket_ = std::move(socket);
+    problem_.clear();
+  }
+
+  static int on_packets(sd_event_source*, int, std::uint32_t, void* self) noexcept {
+    static_cast<Awds*>(self)->receive();
+    return 0;
+  }
+
+  void receive() {
+    bool changed = false;
+    for (int i = 0; i < kTurn; ++i) {
+      std::array<std::uint8_t, awds::kLongest> packet{};
+      const auto size = ::recv(socket_.get(), packet.data(), packet.size(), 0);
+      if (size < 0 && (errno == EAGAIN || errno == EINTR)) break;
+      if (size <= 0) {
+        disconnect(size == 0 ? "has closed" : system_error("receiving", errno));
+        changed = true;
+        break;
+      }
+      auto topology = awds::parse({packet.data(), static_cast<std::size_t>(size)});
+      if (topology && graph_.take(std::move(*topology), time_of(loop_))) changed = true;
+    }
+    if (changed) tell();
+  }
+
+  /// What was heard stays true for as long as it is valid; looking again connects.
+  void disconnect(const std::string& why) {
+    io_.reset();
+    socket_.reset();
+    problem_ = path_ + ": " + why;
+  }
+
+  void tell() {
+    auto snapshot = graph_.snapshot(time_of(loop_));
+    if (snapshot.links.empty() && !problem_.empty()) snapshot.problem = problem_;
+    report_(std::move(snapshot));
+  }
+
+  std::string path_;
+  sd_event* loop_;
+  Report report_;
+  awds::Graph graph_;
+  Fd socket_;
+  EventSource io_;
+  Timer timer_;
+  std::string problem_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<LinkSource>> open_awds(const core::mesh::Source& source, sd_event* loop,
+                                              LinkSource::Report report) {
+  const bool elsewhere = source.endpoint.starts_with('/');
+  std::string path = elsewhere ? source.endpoint : kAwdsFolder + source.interface;
+  if (path.size() >= sizeof(sockaddr_un::sun_path))
+    return fail(path + ": is too long for a socket");
+  auto awds = std::make_unique<Awds>(std::move(path), source.metric, loop, std::move(report));
+  if (auto started = awds->start(); !started) return std::unexpected(started.error());
+  return awds;
+}
+
+}  // namespace mlcca::net

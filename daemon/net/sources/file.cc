@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/net/sources/file.hpp"
+
+#include <sys/inotify.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "daemon/net/sources/timer.hpp"
+
+namespace mlcca::net {
+namespace {
+
+using core::mesh::Mesh;
+using core::mesh::Sample;
+
+constexpr Value kBillion = 1'000'000'000;
+
+template <class Integer>
+std::optional<Integer> parse_integer(std::string_view text) {
+  Integer value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// A number with at most nine decimals, in 1e-9. Nothing: no number, or one that is too large.
+std::optional<Value> parse_number(std::string_view text) {
+  const auto point = std::min(text.find('.'), text.size());
+  const std::string_view whole = text.substr(0, point);
+  std::string decimals(text.substr(std::min(point + 1, text.size())));
+  if (whole.empty() || decimals.size() > 9 || text.ends_with('.')) return std::nullopt;
+  decimals.resize(9, '0');
+  const auto units = parse_integer<std::uint64_t>(whole);
+  const auto billionths = parse_integer<std::uint64_t>(decimals);
+  if (!units || !billionths || *units > std::numeric_limits<Value>::max() / kBillion - 1)
+    return std::nullopt;
+  return *units * kBillion + *billionths;
+}
+
+/// bit/s, whole, at least 1.
+std::optional<Value> parse_rate(std::string_view text) {
+  static constexpr std::array<std::pair<std::string_view, Value>, 4> units{
+      {{"Gbit/s", 1'000'000'000}, {"Mbit/s", 1'000'000}, {"kbit/s", 1'000}, {"bit/s", 1}}};
+  const auto* const unit =
+      std::ranges::find_if(units, [text](const auto& u) { return text.ends_with(u.first); });
+  if (unit == units.end()) return std::nullopt;
+  text.remove_suffix(unit->first.size());
+  const auto number = parse_number(text);
+  if (!number || *number / kBillion >= std::numeric_limits<Value>::max() / unit->second)
+    return std::nullopt;
+  const Value rate =
+      *number / kBillion * unit->second + *number % kBillion * unit->second / kBillion;
+  if (rate == 0) return std::nullopt;
+  return rate;
+}
+
+/// A share from 0 to 1, in units of 1/whole.
+std::optional<Value> parse_share(std::string_view text, Value whole) {
+  const auto number = parse_number(text);
+  if (!number || *number > kBillion) return std::nullopt;
+  return *number * whole / kBillion;
+}
+
+std::optional<core::mesh::RateKind> parse_kind(std::string_view text) {
+  using enum core::mesh::RateKind;
+  if (text == "phy") return phy;
+  if (text == "effective") return effective;
+  if (text == "derived") return derived;
+  return std::nullopt;
+}
+
+/// The address of a described node that `text` names.
+const std::string* address_of(const Mesh& mesh, const std::string& text) {
+  for (const auto& node : mesh.nodes)
+    if (node.name == text || node.address == text) return &node.address;
+  return nullptr;
+}
+
+std::vector<std::string> words_of(std::string_view line) {
+  constexpr std::string_view blank = " \t\r";
+  std::vector<std::string> words;
+  line = line.substr(0, line.find('#'));
+  for (auto begin = line.find_first_not_of(blank); begin != std::string_view::npos;) {
+    const auto end = std::min(line.find_first_of(blank, begin), line.size());
+    words.emplace_back(line.substr(begin, end - begin));
+    begin = line.find_first_not_of(blank, end);
+  }
+  return words;
+}
+
+/// Takes "NAME=VALUE" into the sample; an error in words.
+std::optional<std::string> take_option(const std::string& word, Sample& sample) {
+  const auto equals = std::min(word.find('='), word.size());
+  const std::string_view name = std::string_view(word).substr(0, equals);
+  const std::string_view value = std::string_view(word).substr(std::min(equals + 1, word.size()));
+  const auto store = [](auto parsed, auto& field) {
+    if (parsed) field = static_cast<std::remove_cvref_t<decltype(*parsed)>>(*parsed);
+    return parsed.has_value();
+  };
+  if (name == "loss" && !store(parse_share(value, kBillion), sample.loss))
+    return "loss is a share from 0 to 1 with at most nine decimals: loss=0.01";
+  if (name == "busy") {
+    const auto share = parse_share(value, core::mesh::kWhole);
+    if (!share) return "busy is a share from 0 to 1 with at most nine decimals: busy=0.1";
+    sample.busy = static_cast<std::uint32_t>(*share);
+  }
+  if (name == "channel" && !store(parse_integer<std::uint32_t>(value), sample.channel))
+    return "channel is a whole number: channel=2412";
+  if (name == "weight" && !store(parse_integer<std::uint64_t>(value), sample.weight))
+    return "weight is a whole number: weight=256";
+  if (name == "kind" && !store(parse_kind(value), sample.kind))
+    return "kind is phy, effective or derived";
+  static constexpr std::array names{"loss", "busy", "channel", "weight", "kind"};
+  if (std::ranges::find(names, name) == names.end())
+    return "\"" + word + "\" is unknown: loss=, channel=, kind=, busy=, weight= or both";
+  return std::nullopt;
+}
+
+/// Adds what the line says; an error in words.
+std::optional<std::string> take_line(const std::vector<std::string>& words, const Mesh& mesh,
+                                     std::vector<Sample>& links) {
+  if (words.size() < 3) return "a link needs FROM, TO and RATE";
+  Sample sample;
+  const std::string* from = address_of(mesh, words[0]);
+  const std::string* to = address_of(mesh, words[1]);
+  if (from == nullptr || to == nullptr)
+    return "no node has the name or address \"" + words[from == nullptr ? 0 : 1] + "\"";
+  sample.from = *from;
+  sample.to = *to;
+  if (sample.from == sample.to) return "a link leads to another node";
+  const auto rate = parse_rate(words[2]);
+  if (!rate) return "\"" + words[2] + "\" is no rate: 24Mbit/s, 5.5Mbit/s, 250kbit/s";
+  sample.rate = *rate;
+  bool both = false;
+  for (std::size_t i = 3; i < words.size(); ++i) {
+    if (words[i] == "both")
+      both = true;
+    else if (auto problem = take_option(words[i], sample))
+      return problem;
+  }
+  links.push_back(sample);
+  if (both) {
+    std::swap(sample.from, sample.to);
+    links.push_back(sample);
+  }
+  for (auto it = links.end() - (both ? 2 : 1); it != links.end(); ++it)
+    if (std::find_if(links.begin(), it,
+                     [it](const Sample& s) { return s.from == it->from && s.to == it->to; }) != it)
+      return "the link from \"" + it->from + "\" to \"" + it->to + "\" was stated before";
+  return std::nullopt;
+}
+
+Result<std::string> read_file(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return fail(system_error(path, errno));
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (in.bad()) return fail(system_error(path, errno));
+  return text;
+}
+
+class File final : public LinkSource {
+ public:
+  File(std::string path, Mesh mesh, sd_event* loop, Report report)
+      : path_(std::move(path)), mesh_(std::move(mesh)), loop_(loop), report_(std::move(report)) {}
+
+  Result<void> start() {
+    return timer_.start(loop_, [this] { look(); });
+  }
+
+ private:
+  /// Refreshes the samples; watches the folder as soon as there is one.
+  void look() {
+    if (!watch_) {
+      watch();
+      read();
+    }
+    tell();
+    timer_.set(kLookAgain);
+  }
+
+  void watch() {
+    const auto folder = std::filesystem::path(path_).parent_path();
+    sd_event_source* raw = nullptr;
+    // Not every write: a file that is being written is read when its writer closes it.
+    constexpr std::uint32_t changes =
+        IN_CLOSE_WRITE | IN_MOVED_TO | IN_MOVED_FROM | IN_DELETE | IN_ONLYDIR;
+    if (sd_event_add_inotify(loop_, &raw, folder.c_str(), changes, on_change, this) >= 0)
+      watch_.reset(raw);
+  }
+
+  static int on_change(sd_event_source*, const inotify_event* event, void* self) noexcept {
+    auto& file = *static_cast<File*>(self);
+    // The watch is over when the folder is.
+    if ((event->mask & IN_IGNORED) != 0) file.watch_.reset();
+    const bool other =
+        event->len > 0 && std::filesystem::path(file.path_).filename() != event->name;
+    if (other) return 0;
+    file.read();
+    file.tell();
+    return 0;
+  }
+
+  void read() {
+    links_.clear();
+    problem_.clear();
+    const auto text = read_file(path_);
+    auto links = text ? parse_links(*text, path_, mesh_) : std::unexpected(text.error());
+    if (links)
+      links_ = std::move(*links);
+    else
+      problem_ = links.error().text;
+  }
+
+  void tell() {
+    core::mesh::Snapshot snapshot{.links = links_, .next_hops = {}, .problem = problem_};
+    stamp(snapshot, time_of(loop_));
+    report_(std::move(snapshot));
+  }
+
+  std::string path_;
+  Mesh mesh_;
+  sd_event* loop_;
+  Report report_;
+  std::vector<Sample> links_;
+  std::string problem_;
+  EventSource watch_;
+  Timer timer_;
+};
+
+}  // namespace
+
+Result<std::vector<Sample>> parse_links(std::string_view text, const std::string& name,
+                                        const Mesh& mesh) {
+  std::vector<Sample> links;
+  std::size_t number = 0;
+  while (!text.empty()) {
+    const auto end = std::min(text.find('\n'), text.size());
+    const auto words = words_of(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    ++number;
+    if (words.empty()) continue;
+    if (const auto problem = take_line(words, mesh, links))
+      return fail(name + ":" + std::to_string(number) + ": " + *problem);
+  }
+  return links;
+}
+
+Result<std::unique_ptr<LinkSource>> open_file(const core::mesh::Source& source, const Mesh& mesh,
+                                              sd_event* loop, LinkSource::Report report) {
+  if (!source.endpoint.starts_with('/'))
+    return fail("\"" + source.endpoint + "\": a file of links is named by an absolute path");
+  auto file = std::make_unique<File>(source.endpoint, mesh, loop, std::move(report));
+  if (auto started = file->start(); !started) return std::unexpected(started.error());
+  return file;
+}
+
+}  // namespace mlcca::net

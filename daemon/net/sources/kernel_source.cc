@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/net/sources/kernel_source.hpp"
+
+#include <linux/netlink.h>
+#include <linux/rtnetlink.h>
+#include <netlink/netlink.h>
+#include <netlink/socket.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+
+namespace mlcca::net {
+namespace {
+
+constexpr std::uint64_t kInterval = kLookAgain * 1000;  // ns between looks
+constexpr std::uint64_t kSoon = 100'000'000;            // ns
+constexpr std::uint64_t kAfterNotice = 50'000'000;      // ns between looks that notices ask for
+
+}  // namespace
+
+void KernelSource::FreeSocket::operator()(nl_sock* socket) const noexcept {
+  nl_socket_free(socket);
+}
+
+Result<void> KernelSource::start() {
+  if (auto joined = join_notices(); !joined) return joined;
+  return timer_.start(loop_, [this] { begin(); });
+}
+
+Result<void> KernelSource::join_notices() {
+  notices_.reset(nl_socket_alloc());
+  if (!notices_) return fail("nl_socket_alloc: out of memory");
+  nl_socket_disable_seq_check(notices_.get());
+  int e = nl_connect(notices_.get(), NETLINK_ROUTE);
+  if (e >= 0) e = nl_socket_add_membership(notices_.get(), RTNLGRP_LINK);
+  if (e >= 0) e = nl_socket_set_nonblocking(notices_.get());
+  if (e < 0) return fail(std::string("rtnetlink link notifications: ") + nl_geterror(e));
+  sd_event_source* raw = nullptr;
+  const auto on_notice = [](sd_event_source*, int, std::uint32_t, void* self) noexcept {
+    static_cast<KernelSource*>(self)->take_notices();
+    return 0;
+  };
+  e = sd_event_add_io(loop_, &raw, nl_socket_get_fd(notices_.get()), EPOLLIN, on_notice, this);
+  noticed_.reset(raw);
+  if (e < 0) return fail(system_error("rtnetlink link notifications", -e));
+  return {};
+}
+
+void KernelSource::take_notices() {
+  // What they say is asked for anew; an overflow (ENOBUFS) is just one of them.
+  std::array<char, 1024> sink{};
+  const int fd = nl_socket_get_fd(notices_.get());
+  while (::recv(fd, sink.data(), sink.size(), MSG_TRUNC) >= 0 || errno == ENOBUFS ||
+         errno == EINTR) {
+  }
+  look_at(begun_ + kAfterNotice);
+}
+
+void KernelSource::look_at(std::uint64_t when) { arm(std::min(next_, when)); }
+
+void KernelSource::arm(std::uint64_t when) {
+  next_ = when;
+  const std::uint64_t time = now();
+  timer_.set(when > time ? (when - time) / 1000 : 0);
+}
+
+void KernelSource::begin() {
+  const std::uint64_t time = now();
+  if (looking_ && time < begun_ + kInterval) {
+    // A notice came during a look that has not seen what it tells of.
+    arm(std::min(begun_ + kInterval, time + kAfterNotice));
+    return;
+  }
+  if (looking_) tell_problem("the kernel did not answer within a second");
+  looking_ = true;
+  begun_ = time;
+  arm(begun_ + kInterval);
+  look();
+}
+
+Conversation* KernelSource::talk(int protocol) {
+  auto& conversation = protocol == NETLINK_ROUTE ? route_ : generic_;
+  if (conversation) return conversation.get();
+  auto opened = Conversation::open(loop_, protocol);
+  if (!opened) {
+    tell_problem(std::move(opened.error().text));
+    return nullptr;
+  }
+  conversation = std::move(*opened);
+  return conversation.get();
+}
+
+void KernelSource::end() {
+  looking_ = false;
+  generic_.reset();
+  route_.reset();
+}
+
+void KernelSource::tell(core::mesh::Snapshot snapshot) {
+  end();
+  report_(std::move(snapshot));
+}
+
+void KernelSource::tell_problem(std::string problem) {
+  tell({.links = {}, .next_hops = {}, .problem = std::move(problem)});
+}
+
+void KernelSource::tell_refusal(const std::string& what, int error) {
+  if (error != EINTR) {
+    tell_problem(system_error(what, error));
+    return;
+  }
+  end();
+  look_again_soon();
+}
+
+void KernelSource::look_again_soon() { look_at(begun_ + kSoon); }
+
+}  // namespace mlcca::net

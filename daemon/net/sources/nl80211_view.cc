@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/net/sources/nl80211_view.hpp"
+
+#include <linux/nl80211.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace mlcca::net::nl80211 {
+namespace {
+
+using core::mesh::RateKind;
+using core::mesh::Sample;
+
+constexpr std::size_t kLossLooks = 10;
+constexpr std::uint64_t kLossPackets = 20;  // fewer say nothing about a share
+constexpr std::uint64_t kLossScale = 1'000'000'000;
+constexpr unsigned kDoubts = 3;
+constexpr std::size_t kBusyLooks = 2;
+constexpr std::uint64_t kBusyTime = 500;  // ms
+constexpr std::uint64_t kNanosPerMilli = 1'000'000;
+
+constexpr std::uint64_t kMetricBits = 8192;
+constexpr std::uint64_t kNoLink = std::numeric_limits<std::uint32_t>::max();
+
+bool is_peer(const Station& station, bool mesh) {
+  return !mesh || station.plink_state == std::optional<std::uint8_t>(NL80211_PLINK_ESTAB);
+}
+
+/// The metric of a path is that of a link only if the path is the link.
+const MeshPath* direct_path(const Seen& seen, const std::string& to) {
+  const auto it = std::ranges::find_if(seen.paths, [&](const MeshPath& path) {
+    return path.destination == to && path.next_hop == to && path.hops == 1 &&
+           (path.flags & NL80211_MPATH_FLAG_ACTIVE) != 0;
+  });
+  return it == seen.paths.end() ? nullptr : &*it;
+}
+
+}  // namespace
+
+void GrowingPart::add(std::uint64_t whole, std::uint64_t part) {
+  if (!seen_.empty() && (whole < seen_.back().whole || part < seen_.back().part)) seen_.clear();
+  seen_.push_back({.whole = whole, .part = part});
+  if (seen_.size() > looks_ + 1) seen_.pop_front();
+}
+
+std::optional<std::uint64_t> GrowingPart::share(std::uint64_t least, std::uint64_t scale) const {
+  if (seen_.empty()) return {};
+  const std::uint64_t whole = seen_.back().whole - seen_.front().whole;
+  const std::uint64_t part = seen_.back().part - seen_.front().part;
+  if (whole < least) return {};
+  if (part >= whole) return scale;
+  return (part * scale + whole - 1) / whole;
+}
+
+std::optional<Value> rate_of_metric(std::uint32_t metric) {
+  if (metric <= 1 || metric == kNoLink) return {};
+  return kMetricBits * 1'000'000 / (metric - 1);
+}
+
+View::Memory& View::memory_of(const std::string& mac) {
+  return stations_.try_emplace(mac, Memory{.given_up = GrowingPart(kLossLooks), .doubted = {}})
+      .first->second;
+}
+
+View::Rate View::judge(const Station& station, Memory& memory) {
+  const Rate sent{.rate = station.tx_bitrate.value_or(0), .kind = RateKind::phy};
+  if (!station.expected_throughput) return sent;
+  const Rate expected{.rate = *station.expected_throughput, .kind = RateKind::effective};
+  if (!station.tx_bitrate || sent.rate >= expected.rate) {
+    memory.doubted.reset();
+    memory.doubts = 0;
+    memory.slower = false;
+    return expected;
+  }
+  // More cannot get through than is sent. Where rates are pinned by hand, the rate control goes on
+  // expecting what it learned before. But a slow frame may just have tried a rate out: several in a
+  // row, each sent after the one before, are believed.
+  const std::uint32_t packets = station.tx_packets.value_or(0);
+  if (!memory.slower && memory.doubted != packets) {
+    memory.doubted = packets;
+    memory.slower = ++memory.doubts >= kDoubts;
+    doubtful_ |= !memory.slower;
+  }
+  return memory.slower ? sent : expected;
+}
+
+std::optional<std::uint32_t> View::busy_of(const Seen& seen) {
+  const auto used = std::ranges::find_if(seen.surveys, &Survey::in_use);
+  if (used == seen.surveys.end() || !used->time || !used->busy) {
+    busy_.reset();
+    return {};
+  }
+  if (!busy_ || surveyed_ != used->frequency) busy_.emplace(kBusyLooks);
+  surveyed_ = used->frequency;
+  busy_->add(*used->time, *used->busy);
+  const auto share = busy_->share(kBusyTime, core::mesh::kWhole);
+  if (!share) return {};
+  return static_cast<std::uint32_t>(*share);
+}
+
+core::mesh::Snapshot View::look(const Seen& seen, std::uint64_t now) {
+  core::mesh::Snapshot out;
+  const std::string& own = seen.interface.mac;
+  doubtful_ = false;
+  const auto busy = busy_of(seen);
+  for (const Station& station : seen.stations) {
+    if (!is_peer(station, seen.interface.mesh)) continue;
+    Memory& memory = memory_of(station.mac);
+    Rate rate = judge(station, memory);
+    if (rate.rate == 0) {
+      if (const MeshPath* path = direct_path(seen, station.mac))
+        rate = {.rate = rate_of_metric(path->metric).value_or(0), .kind = RateKind::derived};
+    }
+    // A peer that falls silent stays a station for long: its age is the time since it was heard.
+    const std::uint64_t silent = station.inactive.value_or(0) * kNanosPerMilli;
+    Sample there;
+    there.from = own;
+    there.to = station.mac;
+    there.rate = rate.rate;
+    there.kind = rate.kind;
+    there.channel = seen.interface.frequency;
+    there.taken = now - std::min(now, silent);
+    Sample back = there;
+    std::swap(back.from, back.to);
+    back.rate = station.rx_bitrate.value_or(0);
+    back.kind = RateKind::phy;
+    there.busy = busy;
+    if (station.tx_packets && station.tx_failed) {
+      memory.given_up.add(*station.tx_packets, *station.tx_failed);
+      there.loss = memory.given_up.share(kLossPackets, kLossScale);
+    }
+    if (station.airtime_metric && *station.airtime_metric != kNoLink)
+      there.weight = station.airtime_metric;
+    out.links.push_back(std::move(there));
+    out.links.push_back(std::move(back));
+  }
+  std::erase_if(stations_, [&](const auto& known) {
+    return std::ranges::none_of(seen.stations,
+                                [&](const Station& s) { return s.mac == known.first; });
+  });
+  for (const MeshPath& path : seen.paths)
+    if ((path.flags & NL80211_MPATH_FLAG_ACTIVE) != 0)
+      out.next_hops.push_back({.from = own, .to = path.destination, .via = path.next_hop});
+  return out;
+}
+
+}  // namespace mlcca::net::nl80211

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What every source does with the event loop: keeps handles, asks the time, looks again in a while.
+#pragma once
+#include <systemd/sd-event.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "core/handle.hpp"
+#include "core/mesh/sample.hpp"
+#include "core/result.hpp"
+
+namespace mlcca::net {
+
+/// Of an event source: it is over with its owner, even in the middle of its own handler.
+using EventSource = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_disable_unref>>;
+
+inline constexpr std::uint64_t kLookAgain = 1'000'000;  ///< µs after which sources look again
+
+/// ns, CLOCK_MONOTONIC, when this turn of the loop began.
+[[nodiscard]] std::uint64_t time_of(sd_event* loop);
+
+/// Gives every link of the snapshot the same age.
+void stamp(core::mesh::Snapshot& snapshot, std::uint64_t taken);
+
+/// "WHAT: words of the error".
+[[nodiscard]] std::string system_error(const std::string& what, int error);
+
+/// Calls a function from the loop, once for each time that it is set.
+class Timer {
+ public:
+  Timer() = default;
+  Timer(const Timer&) = delete;
+  Timer& operator=(const Timer&) = delete;
+  Timer(Timer&&) = delete;
+  Timer& operator=(Timer&&) = delete;
+  ~Timer() = default;
+
+  /// Fires at the first turn.
+  [[nodiscard]] Result<void> start(sd_event* loop, std::function<void()> call);
+  /// `micros` from now; replaces an earlier setting.
+  void set(std::uint64_t micros);
+
+ private:
+  static int on_time(sd_event_source*, std::uint64_t, void* self) noexcept;
+
+  EventSource source_;
+  std::function<void()> call_;
+};
+
+}  // namespace mlcca::net
