@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What was granted or taken back at run time and must survive the daemon and a reboot, and the
+// entries of the journal that change it. All texts are UTF-8, as on the control socket.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <map>
+#include <optional>
+#include <ranges>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "control/messages.hpp"
+
+namespace mlcca::store {
+
+/// An Admit request was granted.
+struct Admitted {
+  control::Request request;  ///< id: the admission's, from 1; body: control::Admit
+  bool operator==(const Admitted&) const = default;
+};
+/// An admission is gone.
+struct Removed {
+  std::uint64_t id = 0;
+  bool operator==(const Removed&) const = default;
+};
+/// The operator has released a channel (subject as "0x…").
+struct Released {
+  std::string subject;
+  bool operator==(const Released&) const = default;
+};
+/// A released channel is admitted again.
+struct Reinstated {
+  std::string subject;
+  bool operator==(const Reinstated&) const = default;
+};
+/// What a channel has been granted; the latest one of a subject counts.
+struct Granted {
+  std::string subject;
+  std::string state;  ///< the writer's own words; empty: nothing
+  bool operator==(const Granted&) const = default;
+};
+
+using Entry = std::variant<Admitted, Removed, Released, Reinstated, Granted>;
+
+/// Admit requests that were granted: a range of control::Request, oldest first (by id).
+class Admissions {
+ public:
+  Admissions() = default;
+  Admissions(std::initializer_list<control::Request> requests) {
+    for (const control::Request& r : requests) put(r);
+  }
+
+  [[nodiscard]] auto begin() const { return std::views::values(by_id_).begin(); }
+  [[nodiscard]] auto end() const { return std::views::values(by_id_).end(); }
+  [[nodiscard]] std::size_t size() const { return by_id_.size(); }
+  [[nodiscard]] bool empty() const { return by_id_.empty(); }
+
+  /// Null when there is none of this id.
+  [[nodiscard]] const control::Request* find(std::uint64_t id) const {
+    const auto found = by_id_.find(id);
+    return found == by_id_.end() ? nullptr : &found->second;
+  }
+  /// Replaces the one of the same id.
+  void put(control::Request request) {
+    const std::uint64_t id = request.id;
+    by_id_.insert_or_assign(id, std::move(request));
+  }
+  void erase(std::uint64_t id) { by_id_.erase(id); }
+
+  bool operator==(const Admissions&) const = default;
+
+ private:
+  std::map<std::uint64_t, control::Request> by_id_;
+};
+
+struct Contents {
+  Admissions admissions;
+  /// Channels (by subject, "0x…") that the operator has released, sorted.
+  std::vector<std::string> released;
+  /// By subject; never an empty text.
+  std::map<std::string, std::string> granted;
+  /// The next admission gets this id; ids are never used twice.
+  std::uint64_t next_id = 1;
+  bool operator==(const Contents&) const = default;
+
+  /// What an entry says. One that names what is not there changes nothing.
+  void apply(const Entry& entry);
+
+  /// The entry that takes `entry` back if it were applied now (except for next_id, which only
+  /// grows); nothing when it would change nothing.
+  [[nodiscard]] std::optional<Entry> inverse(const Entry& entry) const;
+};
+
+}  // namespace mlcca::store

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/store/format.hpp"
+
+#include <utility>
+
+#include "control/buffer.hpp"
+#include "control/codec.hpp"
+#include "daemon/store/checksum.hpp"
+
+namespace mlcca::store::format {
+namespace {
+
+constexpr std::string_view kFileMark = "MLCCAJ01";
+constexpr std::string_view kBatchMark = "BTCH";
+
+enum class Kind : std::uint8_t {
+  admitted = 1,
+  removed = 2,
+  released = 3,
+  reinstated = 4,
+  granted = 5,
+  next_id = 6,
+};
+
+template <class Integer>
+void put(std::string& to, Integer value) {
+  for (std::size_t i = 0; i < sizeof value; ++i)
+    to.push_back(static_cast<char>((value >> (8 * i)) & 0xffU));
+}
+
+/// Takes an integer off the front, which must hold it.
+template <class Integer>
+Integer take(std::string_view& from) {
+  Integer value = 0;
+  for (std::size_t i = 0; i < sizeof value; ++i)
+    value |=
+        static_cast<Integer>(static_cast<Integer>(static_cast<unsigned char>(from[i])) << (8 * i));
+  from.remove_prefix(sizeof value);
+  return value;
+}
+
+std::string octets(std::uint64_t value) {
+  std::string out;
+  put(out, value);
+  return out;
+}
+
+std::string with_head(Kind kind, std::string_view body) {
+  std::string out(1, static_cast<char>(kind));
+  put(out, static_cast<std::uint32_t>(body.size()));
+  return out.append(body);
+}
+
+std::uint64_t head_checksum(std::string_view head, std::uint64_t salt) {
+  return crc64(head, crc64(octets(salt)));
+}
+
+struct Encode {
+  std::string operator()(const Admitted& entry) const {
+    return with_head(Kind::admitted, control::encode(entry.request));
+  }
+  std::string operator()(const Removed& entry) const {
+    return with_head(Kind::removed, octets(entry.id));
+  }
+  std::string operator()(const Released& entry) const {
+    return with_head(Kind::released, entry.subject);
+  }
+  std::string operator()(const Reinstated& entry) const {
+    return with_head(Kind::reinstated, entry.subject);
+  }
+  std::string operator()(const Granted& entry) const {
+    std::string body;
+    put(body, static_cast<std::uint32_t>(entry.subject.size()));
+    return with_head(Kind::granted, body + entry.subject + entry.state);
+  }
+};
+
+std::optional<Entry> decode_admitted(std::string_view body) {
+  control::Buffer buffer;
+  buffer.append(body);
+  auto request = control::decode_request(buffer);
+  if (!request || !*request || !buffer.content().empty()) return std::nullopt;
+  if (!std::holds_alternative<control::Admit>((*request)->body)) return std::nullopt;
+  return Admitted{std::move(**request)};
+}
+
+std::optional<Entry> decode_granted(std::string_view body) {
+  if (body.size() < sizeof(std::uint32_t)) return std::nullopt;
+  const auto length = take<std::uint32_t>(body);
+  if (length > body.size()) return std::nullopt;
+  return Granted{std::string(body.substr(0, length)), std::string(body.substr(length))};
+}
+
+std::optional<Entry> decode(std::uint8_t kind, std::string_view body) {
+  switch (static_cast<Kind>(kind)) {
+    case Kind::admitted:
+      return decode_admitted(body);
+    case Kind::removed:
+      if (body.size() != sizeof(std::uint64_t)) return std::nullopt;
+      return Removed{take<std::uint64_t>(body)};
+    case Kind::released:
+      return Released{std::string(body)};
+    case Kind::reinstated:
+      return Reinstated{std::string(body)};
+    case Kind::granted:
+      return decode_granted(body);
+    case Kind::next_id:
+      break;  // no entry: the reader keeps it
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string file_head(std::uint64_t salt) {
+  std::string head(kFileMark);
+  put(head, salt);
+  put(head, crc64(head));
+  return head;
+}
+
+std::optional<std::uint64_t> read_file_head(std::string_view bytes) {
+  if (bytes.size() < kFileHead || !bytes.starts_with(kFileMark)) return std::nullopt;
+  const std::uint64_t expected = crc64(bytes.substr(0, kFileHead - sizeof(std::uint64_t)));
+  bytes.remove_prefix(kFileMark.size());
+  const auto salt = take<std::uint64_t>(bytes);
+  if (take<std::uint64_t>(bytes) != expected) return std::nullopt;
+  return salt;
+}
+
+std::string encode(const Entry& entry) { return std::visit(Encode{}, entry); }
+
+std::uint64_t live_bytes(const Entry& entry) {
+  const auto* granted = std::get_if<Granted>(&entry);
+  const bool adds = std::holds_alternative<Admitted>(entry) ||
+                    std::holds_alternative<Released>(entry) ||
+                    (granted != nullptr && !granted->state.empty());
+  return adds ? encode(entry).size() : 0;
+}
+
+std::string batch(std::uint64_t salt, std::uint64_t sequence, std::uint32_t count,
+                  std::string entries) {
+  entries.resize((entries.size() + kAlign - 1) / kAlign * kAlign, '\0');
+  std::string out(kBatchMark);
+  put(out, count);
+  put(out, sequence);
+  put(out, static_cast<std::uint64_t>(entries.size()));
+  put(out, crc64(entries));
+  put(out, head_checksum(out, salt));
+  return out.append(entries);
+}
+
+std::string snapshot(std::uint64_t salt, const Contents& contents) {
+  std::string entries = with_head(Kind::next_id, octets(contents.next_id));
+  std::uint32_t count = 1;
+  const auto add = [&](const Entry& entry) {
+    entries += encode(entry);
+    ++count;
+  };
+  for (const control::Request& r : contents.admissions) add(Admitted{r});
+  for (const std::string& subject : contents.released) add(Released{subject});
+  for (const auto& [subject, state] : contents.granted) add(Granted{subject, state});
+  return batch(salt, 0, count, std::move(entries));
+}
+
+std::optional<BatchHead> read_batch_head(std::string_view bytes, std::uint64_t salt) {
+  if (bytes.size() < kBatchHead || !bytes.starts_with(kBatchMark)) return std::nullopt;
+  const std::uint64_t expected =
+      head_checksum(bytes.substr(0, kBatchHead - sizeof(std::uint64_t)), salt);
+  bytes.remove_prefix(kBatchMark.size());
+  BatchHead head;
+  head.count = take<std::uint32_t>(bytes);
+  head.sequence = take<std::uint64_t>(bytes);
+  head.length = take<std::uint64_t>(bytes);
+  head.checksum = take<std::uint64_t>(bytes);
+  if (take<std::uint64_t>(bytes) != expected) return std::nullopt;
+  return head;
+}
+
+bool holds_batch_head(std::string_view bytes, std::uint64_t salt) {
+  for (; bytes.size() >= kBatchHead; bytes.remove_prefix(kAlign))
+    if (read_batch_head(bytes, salt)) return true;
+  return false;
+}
+
+Result<std::optional<Entry>> Reader::next() {
+  while (left_ > 0) {
+    if (bytes_.size() < kEntryHead) return fail("ends within an entry");
+    --left_;
+    const auto kind = take<std::uint8_t>(bytes_);
+    const auto length = take<std::uint32_t>(bytes_);
+    if (length > bytes_.size()) return fail("ends within an entry");
+    std::string_view body = bytes_.substr(0, length);
+    bytes_.remove_prefix(length);
+    if (static_cast<Kind>(kind) == Kind::next_id && length == sizeof(std::uint64_t)) {
+      next_id_ = take<std::uint64_t>(body);
+      continue;
+    }
+    auto entry = decode(kind, body);
+    if (!entry) return fail("an entry of kind " + std::to_string(kind) + " that is not understood");
+    return entry;
+  }
+  return std::optional<Entry>();
+}
+
+}  // namespace mlcca::store::format

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The bytes of the journal's file (docs/RESERVATIONS.md). Integers are little endian. A file is a
+// head and batches; the first batch is the state that the file began with.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/result.hpp"
+#include "daemon/store/contents.hpp"
+
+namespace mlcca::store::format {
+
+inline constexpr std::size_t kFileHead = 24;
+inline constexpr std::size_t kBatchHead = 40;
+inline constexpr std::size_t kEntryHead = 5;
+/// Batches begin at multiples of this.
+inline constexpr std::size_t kAlign = 8;
+
+/// Of a file whose batch heads are bound to it by `salt`, a number that nobody else knows: bytes of
+/// another file, or of a client's text, are never taken for a batch of this one.
+std::string file_head(std::uint64_t salt);
+/// The salt; nothing if the bytes do not begin with a whole head.
+std::optional<std::uint64_t> read_file_head(std::string_view bytes);
+
+/// One entry.
+std::string encode(const Entry& entry);
+/// Bytes that the entry needs in a file written anew; 0 for one that only takes something away.
+std::uint64_t live_bytes(const Entry& entry);
+
+/// A batch of `count` encoded entries, with its head and filled up to kAlign.
+std::string batch(std::uint64_t salt, std::uint64_t sequence, std::uint32_t count,
+                  std::string entries);
+/// The first batch of a file: all of `contents`.
+std::string snapshot(std::uint64_t salt, const Contents& contents);
+
+struct BatchHead {
+  std::uint32_t count = 0;     ///< entries
+  std::uint64_t sequence = 0;  ///< 0: the snapshot; then 1, 2, …
+  std::uint64_t length = 0;    ///< bytes behind the head
+  std::uint64_t checksum = 0;  ///< of those
+};
+/// Nothing if the bytes do not begin with the whole head of a batch of this file.
+std::optional<BatchHead> read_batch_head(std::string_view bytes, std::uint64_t salt);
+
+/// True if somewhere in the bytes, at a multiple of kAlign, there is the head of a batch.
+bool holds_batch_head(std::string_view bytes, std::uint64_t salt);
+
+/// What is behind the head of a batch, entry by entry.
+class Reader {
+ public:
+  Reader(const BatchHead& head, std::string_view bytes) : left_(head.count), bytes_(bytes) {}
+
+  /// Nothing after the last one. An error is no damage, the checksum was right: the words of a
+  /// later version.
+  Result<std::optional<Entry>> next();
+  /// The id that a snapshot sets, 0 for none: known after the last entry.
+  [[nodiscard]] std::uint64_t next_id() const { return next_id_; }
+
+ private:
+  std::uint32_t left_;
+  std::string_view bytes_;
+  std::uint64_t next_id_ = 0;
+};
+
+}  // namespace mlcca::store::format

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/store/history.hpp"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <ranges>
+#include <string_view>
+#include <utility>
+
+namespace mlcca::store {
+namespace {
+
+// WAL and NORMAL: a crash loses the last decisions at most, never the database, and a flush waits
+// for the disk only when the log is copied back.
+constexpr const char* kPragmas = R"(
+  PRAGMA journal_mode = WAL;
+  PRAGMA synchronous = NORMAL;
+  PRAGMA trusted_schema = OFF;
+)";
+constexpr const char* kSchema = R"(
+  BEGIN IMMEDIATE;
+  CREATE TABLE IF NOT EXISTS decision (
+    id INTEGER PRIMARY KEY,
+    unix_ns INTEGER NOT NULL,
+    kind TEXT NOT NULL,
+    subject INTEGER NOT NULL,
+    channel TEXT NOT NULL,
+    "from" TEXT NOT NULL,
+    "to" TEXT NOT NULL,
+    network TEXT NOT NULL,
+    message TEXT NOT NULL
+  );
+  CREATE INDEX IF NOT EXISTS decision_time ON decision (unix_ns);
+  CREATE INDEX IF NOT EXISTS decision_channel ON decision (channel, unix_ns);
+  CREATE INDEX IF NOT EXISTS decision_kind ON decision (kind, unix_ns);
+  COMMIT;
+)";
+constexpr const char* kInsert =
+    R"(INSERT INTO decision (unix_ns, kind, subject, channel, "from", "to", network, message)
+       VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8))";
+constexpr const char* kPruneOld =
+    R"(DELETE FROM decision WHERE id IN (
+         SELECT id FROM decision WHERE unix_ns < ?1 ORDER BY unix_ns LIMIT ?2))";
+// Ids are given in order and leave in about the same: their difference counts the rows, and never
+// too few of them.
+constexpr const char* kPruneMany =
+    R"(DELETE FROM decision WHERE id IN (
+         SELECT id FROM decision WHERE id <= (SELECT MAX(id) FROM decision) - ?1
+         ORDER BY id LIMIT ?2))";
+
+/// A time or a number as the column can hold it.
+std::int64_t bounded(std::uint64_t value) {
+  return static_cast<std::int64_t>(
+      std::min<std::uint64_t>(value, std::numeric_limits<std::int64_t>::max()));
+}
+
+void bind(sqlite3_stmt* to, int place, std::int64_t value) { sqlite3_bind_int64(to, place, value); }
+void bind(sqlite3_stmt* to, int place, const std::string& text) {
+  sqlite3_bind_text64(to, place, text.data(), text.size(), SQLITE_STATIC, SQLITE_UTF8);
+}
+
+std::string text_of(sqlite3_stmt* row, int column) {
+  const void* bytes = sqlite3_column_blob(row, column);
+  if (bytes == nullptr) return {};
+  return {static_cast<const char*>(bytes),
+          static_cast<std::size_t>(sqlite3_column_bytes(row, column))};
+}
+
+Decision decision_of(sqlite3_stmt* row) {
+  const auto number = [row](int column) {
+    return static_cast<std::uint64_t>(sqlite3_column_int64(row, column));
+  };
+  return {number(0),       text_of(row, 1), number(2),       text_of(row, 3),
+          text_of(row, 4), text_of(row, 5), text_of(row, 6), text_of(row, 7)};
+}
+
+bool matches(const Decision& d, const HistoryFilter& filter) {
+  return (filter.channel.empty() || d.channel == filter.channel) &&
+         (filter.kind.empty() || d.kind == filter.kind) && d.unix_ns >= filter.since_ns &&
+         d.unix_ns <= filter.until_ns;
+}
+
+/// Only the conditions that are asked for: each has its index, and a channel's is the better one.
+std::string query_text(const HistoryFilter& filter) {
+  std::string text =
+      R"(SELECT unix_ns, kind, subject, channel, "from", "to", network, message FROM decision
+         WHERE unix_ns BETWEEN ?1 AND ?2)";
+  if (!filter.channel.empty()) text += " AND channel = ?3";
+  if (!filter.kind.empty()) text += filter.channel.empty() ? " AND kind = ?4" : " AND +kind = ?4";
+  return text + " ORDER BY unix_ns DESC, id DESC LIMIT ?5";
+}
+
+/// Codes that another try cannot mend: no database of ours. What the disk says is not among them.
+bool is_damage(int code) {
+  return code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR ||
+         code == SQLITE_FORMAT || code == SQLITE_MISMATCH;
+}
+
+/// A name beside `path` that is not taken.
+std::string free_name(const std::string& path) {
+  for (unsigned i = 1;; ++i) {
+    std::string name = path + ".damaged-" + std::to_string(i);
+    struct stat status{};
+    if (::stat(name.c_str(), &status) < 0) return name;
+  }
+}
+
+}  // namespace
+
+// --- the database --------------------------------------------------------------------------------
+
+std::unexpected<Error> History::failed() {
+  damaged_ = is_damage(sqlite3_errcode(database_.get()));
+  return fail(path_ + ": " + sqlite3_errmsg(database_.get()));
+}
+
+Result<History::Statement> History::prepare(const char* text) {
+  sqlite3_stmt* statement = nullptr;
+  if (sqlite3_prepare_v2(database_.get(), text, -1, &statement, nullptr) != SQLITE_OK)
+    return failed();
+  return Statement(statement);
+}
+
+Result<void> History::run(const char* text) {
+  if (sqlite3_exec(database_.get(), text, nullptr, nullptr, nullptr) != SQLITE_OK) return failed();
+  return {};
+}
+
+/// Runs a statement that gives no rows and makes it ready for the next time.
+Result<void> History::finish(sqlite3_stmt* statement) {
+  Result<void> done;
+  if (sqlite3_step(statement) != SQLITE_DONE) done = failed();
+  sqlite3_reset(statement);
+  sqlite3_clear_bindings(statement);
+  return done;
+}
+
+void History::disconnect() {
+  insert_.reset();
+  prune_old_.reset();
+  prune_many_.reset();
+  database_.reset();
+}
+
+Result<void> History::connect() {
+  sqlite3* database = nullptr;
+  const int opened =
+      sqlite3_open_v2(path_.c_str(), &database,
+                      SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
+  database_.reset(database);
+  Result<void> done;
+  if (opened != SQLITE_OK) done = failed();
+  if (done) done = run(kPragmas);
+  if (done) done = run(kSchema);
+  for (const auto& [statement, text] :
+       {std::pair(&insert_, kInsert), std::pair(&prune_old_, kPruneOld),
+        std::pair(&prune_many_, kPruneMany)}) {
+    if (!done) break;
+    auto prepared = prepare(text);
+    if (prepared)
+      *statement = std::move(*prepared);
+    else
+      done = std::unexpected(prepared.error());
+  }
+  if (!done) disconnect();
+  return done;
+}
+
+void History::set_aside(const std::string& why) {
+  disconnect();
+  const std::string name = free_name(path_);
+  if (std::rename(path_.c_str(), name.c_str()) != 0) {
+    troubles_.push_back(why + "; and it could not be set aside: " +
+                        std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
+    return;
+  }
+  for (const char* companion : {"-wal", "-shm"})
+    static_cast<void>(std::rename((path_ + companion).c_str(), (name + companion).c_str()));
+  troubles_.push_back(why + ": the history begins anew, the damaged one is kept as " + name);
+}
+
+template <class Work>
+auto History::with_database(const Work& work) -> decltype(work()) {
+  for (bool again = false;; again = true) {
+    damaged_ = false;
+    auto connected = database_ ? Result<void>() : connect();
+    auto done = connected ? work() : std::unexpected(connected.error());
+    if (done || !damaged_ || again) return done;
+    set_aside(done.error().text);
+  }
+}
+
+History History::open(const std::string& directory, HistoryLimits limits) {
+  History history(directory + "/history.db", limits);
+  if (const auto done = history.with_database([] { return Result<void>(); }); !done) {
+    history.failing_ = true;
+    history.troubles_.push_back("the history is not written: " + done.error().text);
+  }
+  return history;
+}
+
+// --- writing -------------------------------------------------------------------------------------
+
+void History::append(Decision decision) {
+  if (pending_.size() == kMaxPending) {
+    pending_.pop_front();
+    ++lost_;
+  }
+  pending_.push_back(std::move(decision));
+}
+
+void History::flush(std::uint64_t now_unix_ns) {
+  if (pending_.empty()) return;
+  const bool soon = now_unix_ns >= failed_at_ && now_unix_ns - failed_at_ < kRetryNs;
+  if (failing_ && soon) return;
+  const auto done = with_database([&] { return write(now_unix_ns); });
+  if (!done) {
+    if (!std::exchange(failing_, true))
+      troubles_.push_back("the history is not written: " + done.error().text);
+    failed_at_ = now_unix_ns;
+    return;
+  }
+  pending_.clear();
+  if (std::exchange(failing_, false))
+    troubles_.push_back("the history is written again, " + std::to_string(lost_) +
+                        " decisions were lost so far");
+}
+
+Result<void> History::write(std::uint64_t now_unix_ns) {
+  auto done = run("BEGIN IMMEDIATE");
+  if (!done) return done;
+  for (const Decision& d : pending_) {
+    sqlite3_stmt* to = insert_.get();
+    bind(to, 1, bounded(d.unix_ns));
+    bind(to, 2, d.kind);
+    bind(to, 3, static_cast<std::int64_t>(d.subject));
+    bind(to, 4, d.channel);
+    bind(to, 5, d.from);
+    bind(to, 6, d.to);
+    bind(to, 7, d.network);
+    bind(to, 8, d.message);
+    done = finish(to);
+    if (!done) break;
+  }
+  if (done) done = prune(now_unix_ns);
+  if (done) done = run("COMMIT");
+  // Some failures have rolled back already; then there is nothing left to roll back.
+  if (!done && sqlite3_get_autocommit(database_.get()) == 0)
+    sqlite3_exec(database_.get(), "ROLLBACK", nullptr, nullptr, nullptr);
+  return done;
+}
+
+Result<void> History::prune(std::uint64_t now_unix_ns) {
+  const auto step = static_cast<std::int64_t>(kPruneStep + pending_.size());
+  const std::uint64_t oldest = now_unix_ns > limits_.age_ns ? now_unix_ns - limits_.age_ns : 0;
+  bind(prune_old_.get(), 1, bounded(oldest));
+  bind(prune_old_.get(), 2, step);
+  if (auto done = finish(prune_old_.get()); !done) return done;
+  bind(prune_many_.get(), 1, bounded(limits_.rows));
+  bind(prune_many_.get(), 2, step);
+  return finish(prune_many_.get());
+}
+
+// --- reading -------------------------------------------------------------------------------------
+
+Result<std::vector<Decision>> History::query(const HistoryFilter& filter) {
+  std::vector<Decision> found;
+  for (const Decision& d : std::views::reverse(pending_)) {
+    if (found.size() == filter.limit) return found;
+    if (matches(d, filter)) found.push_back(d);
+  }
+  auto written = with_database([&] { return select(filter, filter.limit - found.size()); });
+  if (!written) return written;
+  std::ranges::move(*written, std::back_inserter(found));
+  return found;
+}
+
+Result<std::vector<Decision>> History::select(const HistoryFilter& filter, std::size_t limit) {
+  const auto statement = prepare(query_text(filter).c_str());
+  if (!statement) return std::unexpected(statement.error());
+  sqlite3_stmt* rows = statement->get();
+  bind(rows, 1, bounded(filter.since_ns));
+  bind(rows, 2, bounded(filter.until_ns));
+  if (!filter.channel.empty()) bind(rows, 3, filter.channel);
+  if (!filter.kind.empty()) bind(rows, 4, filter.kind);
+  bind(rows, 5, bounded(limit));
+  std::vector<Decision> found;
+  for (;;) {
+    const int stepped = sqlite3_step(rows);
+    if (stepped == SQLITE_DONE) return found;
+    if (stepped != SQLITE_ROW) return failed();
+    found.push_back(decision_of(rows));
+  }
+}
+
+std::vector<std::string> History::take_troubles() { return std::exchange(troubles_, {}); }
+
+}  // namespace mlcca::store

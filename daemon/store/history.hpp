@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The history of decisions and why, for people who ask later. It never stops the gateway: what
+// cannot be written is said once and counted, a damaged database is set aside and a new one begun.
+#pragma once
+#include <sqlite3.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/handle.hpp"
+#include "core/result.hpp"
+
+namespace mlcca::store {
+
+struct Decision {
+  std::uint64_t unix_ns = 0;  ///< nanoseconds since 1970, UTC; at most 2^63-1
+  std::string kind;           ///< granted, refused, withdrawn, switched, released, …
+  std::uint64_t subject = 0;  ///< 0: not about a subject
+  std::string channel;
+  std::string from;
+  std::string to;
+  std::string network;
+  std::string message;  ///< one line
+  bool operator==(const Decision&) const = default;
+};
+
+/// What to look for. Empty texts match everything; others match exactly.
+struct HistoryFilter {
+  std::string channel;
+  std::string kind;
+  std::uint64_t since_ns = 0;  ///< nanoseconds since 1970, inclusive
+  std::uint64_t until_ns = std::numeric_limits<std::int64_t>::max();  ///< inclusive
+  std::size_t limit = 100;
+};
+
+struct HistoryLimits {
+  std::uint64_t rows = 1'000'000;
+  std::uint64_t age_ns = 90ULL * 24 * 3600 * 1'000'000'000;
+};
+
+class History {
+ public:
+  /// Decisions that wait for flush(); of more, the oldest are lost and counted.
+  static constexpr std::size_t kMaxPending = 10'000;
+  /// A flush() removes at most as many rows as it adds and this many more, so that it stays short.
+  static constexpr std::size_t kPruneStep = 1'000;
+  /// After a failure flush() tries again when this time has passed, nanoseconds.
+  static constexpr std::uint64_t kRetryNs = 5'000'000'000;
+
+  /// Opens or creates `directory`/history.db. Always usable, see take_troubles().
+  static History open(const std::string& directory, HistoryLimits limits = {});
+
+  /// Into memory only.
+  void append(Decision decision);
+
+  /// Writes what was appended in one transaction, and removes some of what is too old at
+  /// `now_unix_ns` or too much. Call it when there is nothing else to do.
+  void flush(std::uint64_t now_unix_ns);
+
+  /// The newest that match, the newest first; those that wait for flush() count as newer than all
+  /// others. An error says what the database said.
+  [[nodiscard]] Result<std::vector<Decision>> query(const HistoryFilter& filter);
+
+  /// What the operator should know (a database set aside, a disk that is full, and when it is not
+  /// any more), each said once.
+  std::vector<std::string> take_troubles();
+
+  /// Decisions that wait for flush().
+  [[nodiscard]] std::size_t pending() const { return pending_.size(); }
+  /// Decisions that were never written, since open().
+  [[nodiscard]] std::uint64_t lost() const { return lost_; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  using Database = std::unique_ptr<sqlite3, FreeWith<sqlite3_close_v2>>;
+  using Statement = std::unique_ptr<sqlite3_stmt, FreeWith<sqlite3_finalize>>;
+
+  History(std::string path, HistoryLimits limits) : path_(std::move(path)), limits_(limits) {}
+
+  Result<void> connect();
+  void disconnect();
+  /// Runs `work` on the database, connecting where needed; on a damaged one a second time, with a
+  /// new database.
+  template <class Work>
+  auto with_database(const Work& work) -> decltype(work());
+  void set_aside(const std::string& why);
+  Result<Statement> prepare(const char* text);
+  Result<void> run(const char* text);
+  Result<void> finish(sqlite3_stmt* statement);
+  std::unexpected<Error> failed();
+
+  Result<void> write(std::uint64_t now_unix_ns);
+  Result<void> prune(std::uint64_t now_unix_ns);
+  Result<std::vector<Decision>> select(const HistoryFilter& filter, std::size_t limit);
+
+  std::string path_;
+  HistoryLimits limits_;
+  Database database_;
+  Statement insert_;
+  Statement prune_old_;
+  Statement prune_many_;
+  bool damaged_ = false;  ///< so the last failed() said
+  std::deque<Decision> pending_;
+  std::uint64_t lost_ = 0;
+  bool failing_ = false;
+  std::uint64_t failed_at_ = 0;  ///< unix time, ns
+  std::vector<std::string> troubles_;
+};
+
+}  // namespace mlcca::store
