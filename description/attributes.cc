@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Exact decimal arithmetic on digits: the point is moved, then the rest decides the rounding.
+// Units are compared, then the decimal is brought into the integer unit of its attribute.
 #include "description/attributes.hpp"
 
 #include <fmt/format.h>
@@ -7,10 +7,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstddef>
-#include <optional>
 
+#include "description/convert.hpp"
+#include "description/decimal.hpp"
 #include "description/suggest.hpp"
 
 namespace mlcca::description {
@@ -68,31 +68,10 @@ std::string dimension_words(const Unit& unit) {
   return out.empty() ? "no SIUnit" : out;
 }
 
-/// Nothing if it does not fit below kUnbounded.
-std::optional<Value> whole(std::string_view digits) {
-  digits.remove_prefix(std::min(digits.find_first_not_of('0'), digits.size()));
-  if (digits.empty()) return Value{0};
-  Value value = 0;
-  const auto [stop, error] = std::from_chars(digits.begin(), digits.end(), value);
-  if (error != std::errc{} || stop != digits.end() || value == kUnbounded) return std::nullopt;
-  return value;
+Rounding rounding_of(Side side, Better better) {
+  const bool up = (side == Side::provision) == (better == Better::smaller);
+  return up ? Rounding::up : Rounding::down;
 }
-
-/// decimal * 10^shift, rounded up or down.
-std::optional<Value> shifted(std::string_view decimal, int shift, bool up) {
-  const auto point = std::min(decimal.find('.'), decimal.size());
-  std::string digits(decimal.substr(0, point));
-  if (point < decimal.size()) digits += decimal.substr(point + 1);
-  const auto cut = static_cast<int>(point) + shift;
-  const auto kept = static_cast<std::size_t>(std::max(cut, 0));
-  if (kept > digits.size()) digits.append(kept - digits.size(), '0');
-  const auto value = whole(std::string_view(digits).substr(0, kept));
-  const bool exact = digits.find_first_not_of('0', kept) == std::string::npos;
-  if (!value || exact || !up) return value;
-  return *value + 1 == kUnbounded ? std::nullopt : std::optional(*value + 1);
-}
-
-bool is_true(std::string_view text) { return text == "true" || text == "1"; }
 
 std::string twice_words(std::string_view name) {
   return fmt::format("{} stands here a second time: state it once", name);
@@ -101,11 +80,7 @@ std::string twice_words(std::string_view name) {
 int exponent(const Element* parent, std::string_view name) {
   const auto* element = parent == nullptr ? nullptr : parent->child(name);
   if (element == nullptr) return 0;
-  std::string_view text = element->text;
-  if (text.starts_with('+')) text.remove_prefix(1);
-  int value = 0;  // the schema has bounded it
-  std::from_chars(text.begin(), text.end(), value);
-  return value;
+  return number<int>(element->text);
 }
 
 }  // namespace
@@ -140,8 +115,8 @@ std::expected<Value, std::string> to_value(Attribute attribute, std::string_view
   if (dimension.unit != unit.unit)
     return std::unexpected(
         fmt::format("{} {}; here is {}", row.name, unit.right, dimension_words(dimension.unit)));
-  const bool up = (side == Side::provision) == (row.better == Better::smaller);
-  const auto value = shifted(decimal, dimension.magnitude + unit.scale, up);
+  const auto value =
+      scaled(decimal, dimension.magnitude + unit.scale, rounding_of(side, row.better));
   if (!value)
     return std::unexpected(fmt::format("{} {} with Magnitude {} is too large: at most {} {}",
                                        row.name, decimal, dimension.magnitude, kUnbounded - 1,
@@ -204,8 +179,8 @@ std::expected<Value, std::string> to_user_value(const UserValueDraft& draft,
     return std::unexpected(fmt::format("{} has {}; here is {}", attribute.name,
                                        dimension_words(known.unit),
                                        dimension_words(draft.dimension.unit)));
-  const bool up = (side == Side::provision) == (attribute.better == Better::smaller);
-  const auto value = shifted(draft.decimal, draft.dimension.magnitude - attribute.magnitude, up);
+  const auto value = scaled(draft.decimal, draft.dimension.magnitude - attribute.magnitude,
+                            rounding_of(side, attribute.better));
   if (!value)
     return std::unexpected(
         fmt::format("{} {} with Magnitude {} is too large: at most {} times "

@@ -138,7 +138,7 @@ std::string explain_incomplete(const ElementType& type, const Content& content) 
 
 std::string explain_key(const ElementType& type, std::string_view element, std::string_view key) {
   if (type.name == "Attribute" && key == "dynamic")
-    return "attribute dynamic is only for a Provision: a requirement is never a best case";
+    return "attribute dynamic is only for a Provision: nothing else is a best case";
   if (type.keys.empty()) return fmt::format("attribute {} is not known: {} has none", key, element);
   Names names;
   for (const auto& k : type.keys) names.push_back(k.name);

@@ -39,15 +39,50 @@ struct BindingDraft {
   core::Binding binding;  ///< without channel
 };
 
+/// Names of the two nodes of a link.
+struct NodePairDraft {
+  std::string from;
+  std::string to;
+  core::Origin origin;
+};
+
+struct MeshLinkDraft {
+  NodePairDraft ends;
+  core::mesh::DescribedLink link;  ///< without ends
+  bool both_ways = true;
+};
+
+struct MeshDomainDraft {
+  core::mesh::DescribedDomain domain;  ///< without links
+  std::vector<NodePairDraft> members;
+};
+
+struct MeshNodeDraft {
+  core::mesh::Node node;  ///< without gateway
+  std::string gateway;
+};
+
+struct MeshDraft {
+  core::mesh::Mesh mesh;  ///< without nodes, links, domains
+  StatedDraft per_hop;
+  bool states_hops = false;
+  std::vector<MeshNodeDraft> nodes;
+  std::vector<MeshLinkDraft> links;
+  std::vector<MeshDomainDraft> domains;
+};
+
 struct NetworkDraft {
-  core::Network network;  ///< without provision and bindings
+  core::Network network;            ///< without mesh, provision and bindings
+  std::optional<core::Origin> bus;  ///< where its Bus stands
+  std::optional<MeshDraft> mesh;
   StatedDraft provision;
   std::vector<BindingDraft> bindings;
 };
 
 struct PortDraft {
   std::string network;
-  core::Port port;  ///< without network
+  core::Port port;            ///< without network
+  bool states_queue = false;  ///< something that is for CAN only
 };
 
 struct GatewayDraft {
@@ -60,6 +95,7 @@ struct GatewayDraft {
 struct SeatDraft {
   std::string network;
   std::string gateway;
+  std::string mesh_node;
   std::string user;
   std::optional<unsigned> node;
   std::optional<unsigned> priority;

@@ -1,97 +1,62 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Elements that the schema has accepted, into the structs of the draft.
-#include <algorithm>
-#include <array>
-#include <charconv>
 #include <cstdint>
-#include <span>
-#include <utility>
 
 #include "core/text.hpp"
 #include "description/attributes.hpp"
+#include "description/convert.hpp"
 #include "description/draft.hpp"
+#include "description/media.hpp"
 
 namespace mlcca::description {
 namespace {
-
-/// Decimal, or hexadecimal after 0x; the schema has bounded the digits to what fits.
-template <class Number>
-Number number(std::string_view text) {
-  int base = 10;
-  if (text.starts_with("0x")) {
-    base = 16;
-    text.remove_prefix(2);
-  } else if (text.starts_with('+')) {
-    text.remove_prefix(1);
-  }
-  Number value = 0;
-  std::from_chars(text.begin(), text.end(), value, base);
-  return value;
-}
-
-std::optional<unsigned> optional_number(std::string_view text) {
-  if (text.empty()) return std::nullopt;
-  return number<unsigned>(text);
-}
-
-bool is_true(std::string_view text) { return text == "true" || text == "1"; }
-
-std::string text_of(const Element* element) {
-  return element == nullptr ? std::string() : std::string(element->text);
-}
-
-std::string text_of(const Element& element, std::string_view attribute) {
-  return std::string(element.attribute(attribute));
-}
-
-template <class Enum>
-Enum value_named(std::string_view name, std::span<const std::pair<std::string_view, Enum>> names) {
-  const auto found = std::ranges::find_if(names, [&](const auto& n) { return n.first == name; });
-  return found == names.end() ? names.front().second : found->second;
-}
 
 using core::FrameFormat;
 using core::NetworkKind;
 using core::Profile;
 
-constexpr auto kKinds = std::to_array<std::pair<std::string_view, NetworkKind>>({
+constexpr Words<NetworkKind, 5> kKinds{{
     {"can", NetworkKind::can},
     {"udp-multicast", NetworkKind::udp_multicast},
     {"mesh", NetworkKind::mesh},
     {"ieee802154", NetworkKind::ieee802154},
     {"other", NetworkKind::other},
-});
+}};
 
-// The first is what an absent element or attribute means.
-constexpr auto kProfiles = std::to_array<std::pair<std::string_view, Profile>>({
+constexpr Words<Profile, 3> kProfiles{{
     {"none", Profile::none},
     {"raw", Profile::raw},
     {"famouso", Profile::famouso},
-});
+}};
 
-constexpr auto kFormats = std::to_array<std::pair<std::string_view, FrameFormat>>({
+constexpr Words<FrameFormat, 3> kFormats{{
     {"classic", FrameFormat::classic},
     {"fd", FrameFormat::fd},
     {"any", FrameFormat::any},
-});
+}};
 
-constexpr auto kSafeSides = std::to_array<std::pair<std::string_view, core::SafeSide>>({
+constexpr Words<core::SafeSide, 3> kSafeSides{{
     {"", core::SafeSide::unstated},
     {"drop", core::SafeSide::drop},
     {"deliver", core::SafeSide::deliver},
-});
+}};
 
-constexpr auto kBetters = std::to_array<std::pair<std::string_view, Better>>({
+constexpr Words<core::Queueing, 2> kQueues{{
+    {"fifo", core::Queueing::fifo},
+    {"priority", core::Queueing::priority},
+}};
+
+constexpr Words<Better, 2> kBetters{{
     {"smaller", Better::smaller},
     {"larger", Better::larger},
-});
+}};
 
-constexpr auto kCompositions = std::to_array<std::pair<std::string_view, Composition>>({
+constexpr Words<Composition, 4> kCompositions{{
     {"sum", Composition::sum},
     {"maximum", Composition::slowest},
     {"minimum", Composition::smallest},
     {"survival", Composition::survival},
-});
+}};
 
 class PartReader {
  public:
@@ -137,7 +102,8 @@ class PartReader {
     out.channel.subject = number<core::Subject>(text_of(e.child("SubjectUID")));
     if (out.channel.name.empty()) out.channel.name = core::format_subject(out.channel.subject);
     out.channel.description = text_of(e.child("Description"));
-    out.channel.safe_side = value_named<core::SafeSide>(e.attribute("safe-side"), kSafeSides);
+    out.channel.safe_side = value_named(e.attribute("safe-side"), kSafeSides);
+    out.channel.importance = number_or<std::uint8_t>(e, "importance", 0);
     out.channel.origin = e.origin();
     out.sets = sets(e);
     return out;
@@ -146,22 +112,26 @@ class PartReader {
   [[nodiscard]] static UserAttributeDraft user_attribute(const Element& e) {
     UserAttributeDraft out;
     out.dimension = read_dimension(e.child("Dimension"));
-    out.attribute = {
-        .name = text_of(e, "name"),
-        .better = value_named<Better>(text_of(e.child("Better")), kBetters),
-        .composition = value_named<Composition>(text_of(e.child("Composition")), kCompositions),
-        .unit = unit_words(out.dimension.unit),
-        .magnitude = out.dimension.magnitude,
-        .origin = e.origin()};
+    out.attribute = {.name = text_of(e, "name"),
+                     .better = value_named(text_of(e.child("Better")), kBetters),
+                     .composition = value_named(text_of(e.child("Composition")), kCompositions),
+                     .unit = unit_words(out.dimension.unit),
+                     .magnitude = out.dimension.magnitude,
+                     .origin = e.origin()};
     return out;
   }
 
   NetworkDraft network(const Element& e) {
     NetworkDraft out;
     out.network.name = text_of(e, "name");
-    out.network.kind = value_named<NetworkKind>(text_of(e.child("Kind")), kKinds);
-    out.network.profile = value_named<Profile>(text_of(e.child("Profile")), kProfiles);
+    out.network.kind = value_named(text_of(e.child("Kind")), kKinds);
+    out.network.profile = value_named(text_of(e.child("Profile")), kProfiles);
     out.network.origin = e.origin();
+    if (const auto* bus = e.child("Bus")) {
+      out.network.bus = read_bus(*bus, problems_);
+      out.bus = bus->origin();
+    }
+    if (const auto* mesh = e.child("Mesh")) out.mesh = read_mesh(*mesh, problems_);
     out.provision = provision(e);
     for (const auto& child : e.children)
       if (child.name == "Binding") out.bindings.push_back(binding(child));
@@ -176,7 +146,7 @@ class PartReader {
     out.etag = etag != nullptr;
     out.binding.id = number<std::uint32_t>(text_of(out.etag ? etag : identifier));
     out.binding.extended = out.etag || identifier->attribute("form") == "extended";
-    out.binding.format = value_named<FrameFormat>(e.attribute("format"), kFormats);
+    out.binding.format = value_named(e.attribute("format"), kFormats);
     out.binding.remote_frames = is_true(e.attribute("remote-frames"));
     out.binding.origin = e.origin();
     return out;
@@ -205,13 +175,18 @@ class PartReader {
     out.port.managed = is_true(e.attribute("managed"));
     out.port.bitrate = number<std::uint32_t>(text_of(e.child("Bitrate")));
     out.port.data_bitrate = number<std::uint32_t>(text_of(e.child("DataBitrate")));
+    out.port.queueing = value_named(e.attribute("queue"), kQueues);
+    out.port.fifo_depth = number_or(e, "fifo-depth", out.port.fifo_depth);
+    out.port.queue_length = number_or(e, "queue-length", out.port.queue_length);
     out.port.origin = e.origin();
+    out.states_queue = e.has("queue") || e.has("fifo-depth") || e.has("queue-length");
     return out;
   }
 
   [[nodiscard]] static SeatDraft seat(const Element& e) {
     return {.network = text_of(e, "network"),
             .gateway = text_of(e, "gateway"),
+            .mesh_node = text_of(e, "mesh-node"),
             .user = text_of(e, "user"),
             .node = optional_number(e.attribute("node")),
             .priority = optional_number(e.attribute("priority"))};

@@ -90,9 +90,11 @@ class Ends {
         continue;
       }
       inherit_sender(placement.seat, component.seat);
+      if (placement.seat.mesh_node.empty()) placement.seat.mesh_node = component.seat.mesh_node;
       component.seat = std::move(placement.seat);
     }
     for (auto& c : draft_.components) {
+      mesh_nodes_.emplace_back();
       places_.emplace_back();
       if (has_place(c.seat))
         places_.back() = place_of(c.seat, c.component.origin, "Component");
@@ -101,7 +103,9 @@ class Ends {
             fmt::format("component {0} sits nowhere: add attribute network or gateway, or "
                         "<Placement component=\"{0}\" network=\"…\"/>",
                         c.component.name));
-      if (places_.back()) c.component.place = *places_.back();
+      if (!places_.back()) continue;
+      c.component.place = *places_.back();
+      mesh_nodes_.back() = mesh_node_of(c.seat, *places_.back(), c.component.origin, "Component");
     }
   }
 
@@ -139,6 +143,36 @@ class Ends {
           fmt::format("it sits where component {} sits: remove its own network or gateway",
                       draft_.components[end.component].component.name));
     return places_[end.component];
+  }
+
+  /// The node that a seat names, if it names one.
+  std::optional<std::uint32_t> mesh_node_of(const SeatDraft& seat, Place place, core::Origin origin,
+                                            std::string_view element) {
+    if (seat.mesh_node.empty()) return std::nullopt;
+    if (place.kind == Place::Kind::gateway) {
+      say(FindingId::wrong_place, origin, element,
+          "attribute mesh-node is for what sits on a network; the node of a gateway says so by its "
+          "attribute gateway: remove it");
+      return std::nullopt;
+    }
+    const auto nodes = to_.mesh_nodes.find(place.index);
+    if (nodes == to_.mesh_nodes.end() || nodes->second.empty()) {
+      say(FindingId::wrong_place, origin, element,
+          fmt::format("attribute mesh-node is for a network with a Mesh that has nodes, and {} has "
+                      "none: remove it",
+                      to_.system.networks[place.index].name));
+      return std::nullopt;
+    }
+    const auto found = nodes->second.find(seat.mesh_node, origin, element, problems_);
+    return found ? std::optional(static_cast<std::uint32_t>(*found)) : std::nullopt;
+  }
+
+  /// Of an end; one in a component sits at that one's node unless it states its own.
+  std::optional<std::uint32_t> mesh_node_of(const EndDraft& end, Place place,
+                                            std::string_view element) {
+    if (end.component != core::kNoComponent && end.seat.mesh_node.empty())
+      return mesh_nodes_[end.component];
+    return mesh_node_of(end.seat, place, end.origin, element);
   }
 
   /// channel@place or channel@component, numbered from the second one there on. Each kind of end
@@ -215,7 +249,9 @@ class Ends {
     const auto channel = to_.channel_named(end.channel, end.origin, "Publisher", problems_);
     const auto place = place_of(end, "Publisher");
     std::optional<std::uint32_t> uid;
+    std::optional<std::uint32_t> mesh_node;
     if (place) {
+      mesh_node = mesh_node_of(end, *place, "Publisher");
       check_sender(end, *place);
       uid = uid_at(end, *place);
     }
@@ -225,6 +261,7 @@ class Ends {
     out.channel = *channel;
     out.place = *place;
     out.uid = uid;
+    out.mesh_node = mesh_node;
     out.component = end.component;
     out.origin = end.origin;
     if (end.seat.node) out.node = static_cast<std::uint8_t>(*end.seat.node);
@@ -238,11 +275,14 @@ class Ends {
   void add_subscriber(const EndDraft& end) {
     const auto channel = to_.channel_named(end.channel, end.origin, "Subscriber", problems_);
     const auto place = place_of(end, "Subscriber");
+    std::optional<std::uint32_t> mesh_node;
+    if (place) mesh_node = mesh_node_of(end, *place, "Subscriber");
     if (!channel || !place) return;
     auto& out = to_.system.subscribers.emplace_back();
     out.name = name_of(end, *channel, unnamed_subscribers_);
     out.channel = *channel;
     out.place = *place;
+    out.mesh_node = mesh_node;
     out.component = end.component;
     out.origin = end.origin;
     set_attributes(out, end, std::identity{});
@@ -305,7 +345,8 @@ class Ends {
   Resolved& to_;
   Problems& problems_;
   Users users_of_;
-  std::vector<std::optional<Place>> places_;  ///< of the components
+  std::vector<std::optional<Place>> places_;              ///< of the components
+  std::vector<std::optional<std::uint32_t>> mesh_nodes_;  ///< the same
   Counter unnamed_publishers_;
   Counter unnamed_subscribers_;
   std::map<std::string, std::optional<std::expected<std::uint32_t, std::string>>> known_users_;

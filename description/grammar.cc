@@ -99,8 +99,8 @@ constexpr auto kChannelSteps =
     std::to_array<Step>({{.children = kSubjectChild},
                          {.children = kDescription, .least = 0},
                          {.children = kAttributesChild, .least = 0, .most = 16}});
-constexpr auto kChannelKeys =
-    std::to_array<Key>({{"name", &type::kName}, {"safe-side", &type::kSafeSide}});
+constexpr auto kChannelKeys = std::to_array<Key>(
+    {{"name", &type::kName}, {"safe-side", &type::kSafeSide}, {"importance", &type::kImportance}});
 constexpr ElementType kEventChannel{
     .name = "EventChannel", .steps = kChannelSteps, .keys = kChannelKeys};
 
@@ -109,6 +109,7 @@ constexpr auto kEndSteps =
 constexpr auto kPublisherKeys = std::to_array<Key>({{"channel", &type::kChannelName, true},
                                                     {"network", &type::kName},
                                                     {"gateway", &type::kName},
+                                                    {"mesh-node", &type::kName},
                                                     {"name", &type::kName},
                                                     {"node", &type::kSmallNumber},
                                                     {"priority", &type::kSmallNumber},
@@ -118,6 +119,7 @@ constexpr ElementType kPublisher{.name = "Publisher", .steps = kEndSteps, .keys 
 constexpr auto kSubscriberKeys = std::to_array<Key>({{"channel", &type::kChannelName, true},
                                                      {"network", &type::kName},
                                                      {"gateway", &type::kName},
+                                                     {"mesh-node", &type::kName},
                                                      {"name", &type::kName}});
 constexpr ElementType kSubscriber{
     .name = "Subscriber", .steps = kEndSteps, .keys = kSubscriberKeys};
@@ -130,6 +132,7 @@ constexpr auto kComponentSteps = std::to_array<Step>(
 constexpr auto kComponentKeys = std::to_array<Key>({{"name", &type::kName, true},
                                                     {"network", &type::kName},
                                                     {"gateway", &type::kName},
+                                                    {"mesh-node", &type::kName},
                                                     {"node", &type::kSmallNumber},
                                                     {"priority", &type::kSmallNumber},
                                                     {"user", &type::kUserName}});
@@ -139,6 +142,7 @@ constexpr ElementType kComponent{
 constexpr auto kPlacementKeys = std::to_array<Key>({{"component", &type::kName, true},
                                                     {"network", &type::kName},
                                                     {"gateway", &type::kName},
+                                                    {"mesh-node", &type::kName},
                                                     {"node", &type::kSmallNumber},
                                                     {"priority", &type::kSmallNumber},
                                                     {"user", &type::kUserName}});
@@ -158,16 +162,82 @@ constexpr auto kBindingKeys = std::to_array<Key>({{"channel", &type::kChannelNam
                                                   {"remote-frames", &type::kBoolean}});
 constexpr ElementType kBinding{.name = "Binding", .steps = kBindingSteps, .keys = kBindingKeys};
 
+constexpr auto kBusKeys = std::to_array<Key>({{"bitrate", &type::kBitrate, true},
+                                              {"data-bitrate", &type::kDataBitrate},
+                                              {"measured", &type::kBoolean},
+                                              {"unknown-senders", &type::kBoolean},
+                                              {"background-load", &type::kDecimal},
+                                              {"errors", &type::kErrorCount},
+                                              {"error-interval", &type::kDecimal}});
+constexpr ElementType kBus{.name = "Bus", .steps = {}, .keys = kBusKeys};
+
+constexpr ElementType kPerHop{.name = "PerHop", .steps = kAttributesSteps, .keys = {}};
+
+constexpr auto kMeshNodeKeys = std::to_array<Key>({{"name", &type::kName, true},
+                                                   {"address", &type::kNodeAddress, true},
+                                                   {"gateway", &type::kName}});
+constexpr ElementType kMeshNode{.name = "MeshNode", .steps = {}, .keys = kMeshNodeKeys};
+
+constexpr auto kMeshLinkKeys = std::to_array<Key>({{"from", &type::kName, true},
+                                                   {"to", &type::kName, true},
+                                                   {"rate", &type::kLinkRate, true},
+                                                   {"loss", &type::kDecimal},
+                                                   {"channel", &type::kMediumNumber},
+                                                   {"kind", &type::kRateKind},
+                                                   {"both-ways", &type::kBoolean}});
+constexpr ElementType kMeshLink{.name = "MeshLink", .steps = {}, .keys = kMeshLinkKeys};
+
+constexpr auto kFromTo =
+    std::to_array<Key>({{"from", &type::kName, true}, {"to", &type::kName, true}});
+constexpr ElementType kMeshMember{.name = "MeshMember", .steps = {}, .keys = kFromTo};
+
+constexpr auto kNamed = std::to_array<Key>({{"name", &type::kName, true}});
+constexpr Children<1> kMemberChild{{{"Member", &kMeshMember}}};
+constexpr auto kMeshDomainSteps =
+    std::to_array<Step>({{.children = kMemberChild, .least = 0, .most = kUnlimited}});
+constexpr ElementType kMeshDomain{.name = "MeshDomain", .steps = kMeshDomainSteps, .keys = kNamed};
+
+constexpr auto kMeshSourceKeys = std::to_array<Key>({{"kind", &type::kSourceKind, true},
+                                                     {"interface", &type::kInterfaceName},
+                                                     {"endpoint", &type::kDeviceText},
+                                                     {"metric", &type::kLinkMetric}});
+constexpr ElementType kMeshSource{.name = "MeshSource", .steps = {}, .keys = kMeshSourceKeys};
+
+constexpr Children<1> kPerHopChild{{{"PerHop", &kPerHop}}};
+constexpr Children<1> kNodeChild{{{"Node", &kMeshNode}}};
+constexpr Children<1> kLinkChild{{{"Link", &kMeshLink}}};
+constexpr Children<1> kDomainChild{{{"Domain", &kMeshDomain}}};
+constexpr Children<1> kSourceChild{{{"Source", &kMeshSource}}};
+constexpr auto kMeshSteps =
+    std::to_array<Step>({{.children = kPerHopChild, .least = 0},
+                         {.children = kNodeChild, .least = 0, .most = kUnlimited},
+                         {.children = kLinkChild, .least = 0, .most = kUnlimited},
+                         {.children = kDomainChild, .least = 0, .most = kUnlimited},
+                         {.children = kSourceChild, .least = 0, .most = kUnlimited}});
+constexpr auto kMeshKeys = std::to_array<Key>({{"interference", &type::kInterference},
+                                               {"hops", &type::kHopCount},
+                                               {"limit", &type::kDecimal},
+                                               {"packet-bytes", &type::kPacketBytes},
+                                               {"header-bytes", &type::kHeaderBytes},
+                                               {"packet-time", &type::kDecimal},
+                                               {"stale-after", &type::kDecimal},
+                                               {"hold-up", &type::kDecimal},
+                                               {"tolerance", &type::kDecimal}});
+constexpr ElementType kMesh{.name = "Mesh", .steps = kMeshSteps, .keys = kMeshKeys};
+
 constexpr Children<1> kKindChild{{{"Kind", &kNetworkKind}}};
 constexpr Children<1> kProfileChild{{{"Profile", &kProfile}}};
+constexpr Children<1> kBusChild{{{"Bus", &kBus}}};
+constexpr Children<1> kMeshChild{{{"Mesh", &kMesh}}};
 constexpr Children<1> kProvisionChild{{{"Provision", &kProvision}}};
 constexpr Children<1> kBindingChild{{{"Binding", &kBinding}}};
 constexpr auto kNetworkSteps =
     std::to_array<Step>({{.children = kKindChild},
                          {.children = kProfileChild, .least = 0},
+                         {.children = kBusChild, .least = 0},
+                         {.children = kMeshChild, .least = 0},
                          {.children = kProvisionChild, .least = 0},
                          {.children = kBindingChild, .least = 0, .most = kUnlimited}});
-constexpr auto kNamed = std::to_array<Key>({{"name", &type::kName, true}});
 constexpr ElementType kNetwork{.name = "Network", .steps = kNetworkSteps, .keys = kNamed};
 
 constexpr auto kInterfaceKeys = std::to_array<Key>({{"name", &type::kInterfaceName},
@@ -184,8 +254,11 @@ constexpr auto kPortSteps =
     std::to_array<Step>({{.children = kInterfaceChild},
                          {.children = kBitrateChild, .least = 0},
                          {.children = kDataBitrateChild, .least = 0, .needs_previous = true}});
-constexpr auto kPortKeys =
-    std::to_array<Key>({{"network", &type::kName, true}, {"managed", &type::kBoolean}});
+constexpr auto kPortKeys = std::to_array<Key>({{"network", &type::kName, true},
+                                               {"managed", &type::kBoolean},
+                                               {"queue", &type::kQueueing},
+                                               {"fifo-depth", &type::kFifoDepth},
+                                               {"queue-length", &type::kQueueLength}});
 constexpr ElementType kPort{.name = "Port", .steps = kPortSteps, .keys = kPortKeys};
 
 constexpr Children<1> kPortChild{{{"Port", &kPort}}};
@@ -200,9 +273,7 @@ constexpr ElementType kHop{.name = "Hop", .steps = {}, .keys = kHopKeys};
 
 constexpr Children<1> kHopChild{{{"Hop", &kHop}}};
 constexpr auto kRouteSteps = std::to_array<Step>({{.children = kHopChild, .least = 0, .most = 14}});
-constexpr auto kRouteKeys =
-    std::to_array<Key>({{"from", &type::kName, true}, {"to", &type::kName, true}});
-constexpr ElementType kRoute{.name = "Route", .steps = kRouteSteps, .keys = kRouteKeys};
+constexpr ElementType kRoute{.name = "Route", .steps = kRouteSteps, .keys = kFromTo};
 
 // --- the system
 // -----------------------------------------------------------------------------------
@@ -226,7 +297,8 @@ constexpr auto kTypes = std::to_array<const ElementType*>(
      &kComponent, &kPlacement,     &kRoute,        &kPublisher, &kSubscriber,
      &kHop,       &kPort,          &kInterface,    &kBinding,   &kIdentifier,
      &kProvision, &kAttributes,    &kAttribute,    &kDimension, &kProvidedAttribute,
-     &kSiUnit});
+     &kSiUnit,    &kBus,           &kMesh,         &kPerHop,    &kMeshNode,
+     &kMeshLink,  &kMeshDomain,    &kMeshMember,   &kMeshSource});
 
 }  // namespace
 

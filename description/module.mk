@@ -12,7 +12,7 @@ $O/description/schema.o: $O/gen/system_xsd.inc
 
 # The format as one page, and the check in XSLT for tool chains that have nothing but XML.
 $O/reference.html: description/reference.xsl description/system.xsd \
-		$(wildcard examples/volksbot/*.xml examples/volksbot/*/*.xml)
+		$(wildcard examples/*/*.xml examples/*/*/*.xml)
 	$(call say,XSLT,$@)
 	$(Q)mkdir -p $(@D) && xsltproc --nonet -o $@ description/reference.xsl description/system.xsd
 reference: $O/reference.html ## the reference of the description format, as HTML

@@ -23,6 +23,8 @@ class Index {
 
   void reserve(std::size_t names);
 
+  [[nodiscard]] bool empty() const { return names_.empty(); }
+
   /// `name` must outlive the index.
   void add(std::string_view name);
 

@@ -46,6 +46,13 @@ void check_port(const core::System& system, const Port& p, Problems& problems) {
     say(fmt::format("only CAN has a Bitrate here, and {} is no CAN network: remove it",
                     network.name));
   if (!p.managed) say("a Bitrate is only set on a managed port: add managed=\"true\" or remove it");
+  const auto check_rate = [&](std::string_view element, std::uint32_t own, std::uint32_t of_bus) {
+    if (own != 0 && of_bus != 0 && own != of_bus)
+      say(fmt::format("{} {} is not that of {}, whose Bus has {}: all on a bus send alike", element,
+                      own, network.name, of_bus));
+  };
+  check_rate("Bitrate", p.bitrate, network.bus.bitrate);
+  check_rate("DataBitrate", p.data_bitrate, network.bus.data_bitrate);
   if (p.data_bitrate != 0 && p.data_bitrate < p.bitrate)
     say(fmt::format("DataBitrate {} is below Bitrate {}: the data phase is not the slower one",
                     p.data_bitrate, p.bitrate));

@@ -24,16 +24,19 @@
   <r:words type="SmallNumber">a number such as 32 or 0x20, without a sign</r:words>
   <r:words type="Decimal">a decimal number such as 50 or 0.5, without a sign, up to 20 digits on each side</r:words>
   <r:words type="AttributeName">a letter, then up to 62 letters or digits</r:words>
+  <r:words type="NodeAddress">a MAC address such as 02:00:00:00:00:01, or an IPv4 or IPv6 address</r:words>
 
-  <r:example type="System" file="robot" element="System"/>
-  <r:example type="EventChannel" file="channels/emergency-switch" element="EventChannel"/>
-  <r:example type="Attributes" file="channels/video" element="Attributes"/>
-  <r:example type="Network" file="networks/operator-can" element="Network"/>
-  <r:example type="Provision" file="networks/awds" element="Provision"/>
-  <r:example type="Gateway" file="gateways/laptop" element="Gateway"/>
-  <r:example type="Component" file="components/control" element="Component"/>
-  <r:example type="Placement" file="second-bus" element="Placement"/>
-  <r:example type="Route" file="second-bus" element="Route"/>
+  <r:example type="System" file="volksbot/robot" element="System"/>
+  <r:example type="EventChannel" file="volksbot/channels/emergency-switch" element="EventChannel"/>
+  <r:example type="Attributes" file="volksbot/channels/video" element="Attributes"/>
+  <r:example type="Network" file="volksbot/networks/operator-can" element="Network"/>
+  <r:example type="Bus" file="volksbot/networks/operator-can" element="Bus"/>
+  <r:example type="Mesh" file="mesh/system" element="Mesh"/>
+  <r:example type="Provision" file="volksbot/networks/awds" element="Provision"/>
+  <r:example type="Gateway" file="volksbot/gateways/laptop" element="Gateway"/>
+  <r:example type="Component" file="volksbot/components/control" element="Component"/>
+  <r:example type="Placement" file="volksbot/second-bus" element="Placement"/>
+  <r:example type="Route" file="volksbot/second-bus" element="Route"/>
 
   <xsl:variable name="words" select="document('')/xsl:stylesheet/r:words"/>
   <xsl:variable name="examples" select="document('')/xsl:stylesheet/r:example"/>
@@ -190,7 +193,7 @@
       <xsl:for-each select="$examples[@type = $name]">
         <xsl:variable name="element" select="@element"/>
         <!-- A part begins as far to the right as in its file. -->
-        <xsl:variable name="part" select="document(concat('../examples/volksbot/', @file, '.xml'))//*[local-name() = $element][last()]"/>
+        <xsl:variable name="part" select="document(concat('../examples/', @file, '.xml'))//*[local-name() = $element][last()]"/>
         <pre>
           <xsl:value-of select="translate($part/preceding-sibling::node()[1]/self::text(), '&#10;', '')"/>
           <xsl:apply-templates select="$part" mode="source"/>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Names become indices: user-defined attributes, channels, networks, gateways. Publishers and
-// subscribers follow in ends.cc, declared routes in routes.cc.
+// Names become indices: user-defined attributes, channels, networks, gateways. Meshes follow in
+// mesh.cc, publishers and subscribers in ends.cc, declared routes in routes.cc.
 #include "description/resolve.hpp"
 
 #include <fmt/format.h>
@@ -120,6 +120,12 @@ void add_gateway(const GatewayDraft& from, Resolved& to, Problems& problems) {
   for (const auto& p : from.ports) {
     const auto network = to.networks.find(p.network, p.port.origin, "Port", problems);
     if (!network) continue;
+    if (p.states_queue && to.system.networks[*network].kind != NetworkKind::can)
+      problems.add(p.port.origin, "Port",
+                   fmt::format("queue, fifo-depth and queue-length are for CAN, and {} is no CAN "
+                               "network: remove them",
+                               p.network),
+                   FindingId::wrong_place);
     gateway.ports.push_back(p.port);
     gateway.ports.back().network = *network;
   }
@@ -150,6 +156,7 @@ core::System resolve(Draft draft, Problems& problems, Users users) {
   for (const auto& n : draft.networks) add_network(n, to, problems);
   for (const auto& g : draft.gateways) to.gateways.add(g.gateway.name);
   for (const auto& g : draft.gateways) add_gateway(g, to, problems);
+  add_meshes(draft, to, problems);
   add_ends(draft, to, problems, users);
   add_routes(draft, to, problems);
   return std::move(to.system);

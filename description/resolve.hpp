@@ -2,6 +2,7 @@
 // From the draft to the System, step by step: what has been resolved so far.
 #pragma once
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <unordered_map>
@@ -25,12 +26,16 @@ struct Resolved {
   Index channels{"channel"};
   Index networks{"network"};
   Index gateways{"gateway"};
+  std::map<std::size_t, Index> mesh_nodes;                    ///< of the networks that have a Mesh
   std::unordered_map<core::Subject, std::size_t> by_subject;  ///< filled when first asked
 
   /// By name, or by subject as 0x….
   std::optional<std::size_t> channel_named(std::string_view name, core::Origin origin,
                                            std::string_view element, Problems& problems);
 };
+
+/// The meshes of the networks that have one. Networks and gateways are known.
+void add_meshes(Draft& draft, Resolved& to, Problems& problems);
 
 /// Components, then publishers and subscribers, which are taken out of the draft.
 void add_ends(Draft& draft, Resolved& to, Problems& problems, Users users);

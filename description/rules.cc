@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The rules of channels, networks, publishers and subscribers; those of gateways are in ports.cc.
+// The rules of channels, networks, publishers and subscribers; those of gateways are in ports.cc,
+// those of meshes in mesh_rules.cc.
 #include "description/rules.hpp"
 
 #include <fmt/format.h>
@@ -298,6 +299,7 @@ void check_rules(const core::System& system, Problems& problems) {
   check_channels(system, problems);
   check_networks(system, problems);
   check_gateways(system, problems);
+  check_meshes(system, problems);
   check_ends(system, problems);
 }
 

@@ -16,9 +16,13 @@ inline constexpr std::size_t kMaxUserAttributes = 64;
 inline constexpr std::size_t kMaxPairs = 262144;  ///< publishers times subscribers of a channel
 inline constexpr std::size_t kMaxNetworks = 1024;
 inline constexpr std::size_t kMaxGateways = 256;
-inline constexpr std::size_t kMaxPorts = 16;  ///< of one gateway
+inline constexpr std::size_t kMaxPorts = 16;         ///< of one gateway
+inline constexpr std::size_t kMaxMeshNodes = 4096;   ///< of one mesh, as the following
+inline constexpr std::size_t kMaxMeshLinks = 65536;  ///< directions; also members of domains
+inline constexpr std::size_t kMaxMeshDomains = 1024;
+inline constexpr std::size_t kMaxMeshSources = 16;
 
-/// Names, subjects, networks with their bindings, gateways with their ports, publishers and
+/// Names, subjects, networks with their bindings, gateways with their ports, meshes, publishers and
 /// subscribers. `system` must have valid indices.
 void check_rules(const core::System& system, Problems& problems);
 
@@ -37,6 +41,7 @@ void check_count(const Things& things, std::size_t most, std::string_view elemen
 void check_channels(const core::System& system, Problems& problems);
 void check_networks(const core::System& system, Problems& problems);
 void check_gateways(const core::System& system, Problems& problems);
+void check_meshes(const core::System& system, Problems& problems);
 void check_ends(const core::System& system, Problems& problems);
 
 }  // namespace mlcca::description

@@ -26,8 +26,7 @@ class Characters {
   static constexpr Characters letters_digits_and(std::string_view others) {
     auto out = letters();
     out.add('0', '9');
-    for (const char c : others) out.add(c, c);
-    return out;
+    return out.with(others);
   }
   static constexpr Characters letters() {
     Characters out;
@@ -44,6 +43,11 @@ class Characters {
     auto out = digits();
     out.add('A', 'F');
     out.add('a', 'f');
+    return out;
+  }
+  [[nodiscard]] constexpr Characters with(std::string_view others) const {
+    auto out = *this;
+    for (const char c : others) out.add(c, c);
     return out;
   }
   [[nodiscard]] constexpr bool has(char c) const { return in_[static_cast<unsigned char>(c)]; }
@@ -64,6 +68,7 @@ constexpr auto kUserRest = Characters::letters_digits_and("_.@-");
 constexpr auto kInterfaceRest = Characters::letters_digits_and("_.@+-");
 constexpr auto kDigits = Characters::digits();
 constexpr auto kHexadecimal = Characters::hexadecimal_digits();
+constexpr auto kAddress = kHexadecimal.with(".:");
 
 bool all_in(const Characters& set, std::string_view text) {
   return std::ranges::all_of(text, [&](char c) { return set.has(c); });
@@ -105,6 +110,9 @@ bool is_decimal(std::string_view text) {
   if (point == std::string_view::npos) return is_run(text, kDigits, 20);
   return is_run(text.substr(0, point), kDigits, 20) && is_run(text.substr(point + 1), kDigits, 20);
 }
+bool is_node_address(std::string_view text) {
+  return text.size() >= 2 && is_run(text, kAddress, 45);
+}
 bool is_boolean(std::string_view text) {
   return text == "true" || text == "false" || text == "1" || text == "0";
 }
@@ -120,6 +128,12 @@ constexpr auto kNetworkKindWords = words("can", "udp-multicast", "mesh", "ieee80
 constexpr auto kProfileWords = words("none", "raw", "famouso");
 constexpr auto kFrameFormatWords = words("classic", "fd", "any");
 constexpr auto kIdentifierFormWords = words("standard", "extended");
+constexpr auto kQueueingWords = words("fifo", "priority");
+constexpr auto kInterferenceWords = words("single-domain", "k-hop", "channel", "explicit");
+constexpr auto kRateKindWords = words("phy", "effective", "derived");
+constexpr auto kSourceKindWords =
+    words("description", "file", "nl80211", "batman", "awds", "babel", "olsr", "wire");
+constexpr auto kLinkMetricWords = words("hops", "etx", "packet-pair", "transmission-time");
 
 constexpr ValueType shaped(std::string_view name, std::string_view words, std::string_view pattern,
                            bool (*fits)(std::string_view)) {
@@ -224,6 +238,27 @@ constexpr ValueType kNetworkKind = one_of("NetworkKind", kNetworkKindWords);
 constexpr ValueType kProfile = one_of("Profile", kProfileWords);
 constexpr ValueType kFrameFormat = one_of("FrameFormat", kFrameFormatWords);
 constexpr ValueType kIdentifierForm = one_of("IdentifierForm", kIdentifierFormWords);
+constexpr ValueType kImportance = whole("Importance", 0, 255, "a whole number from 0 to 255");
+constexpr ValueType kErrorCount = whole("ErrorCount", 0, 1000, "a whole number from 0 to 1000");
+constexpr ValueType kQueueing = one_of("Queueing", kQueueingWords);
+constexpr ValueType kFifoDepth = whole("FifoDepth", 1, 64, "a whole number from 1 to 64");
+constexpr ValueType kQueueLength = whole("QueueLength", 1, 10000, "a whole number from 1 to 10000");
+constexpr ValueType kInterference = one_of("Interference", kInterferenceWords);
+constexpr ValueType kHopCount = whole("HopCount", 0, 16, "a whole number from 0 to 16");
+constexpr ValueType kPacketBytes =
+    whole("PacketBytes", 1, 65535, "a whole number of bytes from 1 to 65535");
+constexpr ValueType kHeaderBytes =
+    whole("HeaderBytes", 0, 65535, "a whole number of bytes from 0 to 65535");
+constexpr ValueType kNodeAddress =
+    shaped("NodeAddress", "a MAC address such as 02:00:00:00:00:01, or an IPv4 or IPv6 address",
+           "[0-9a-fA-F.:]{2,45}", is_node_address);
+constexpr ValueType kLinkRate =
+    whole("LinkRate", 1, 1000000000000, "a whole number of bits per second from 1 to 10^12");
+constexpr ValueType kMediumNumber =
+    whole("MediumNumber", 0, 4294967295, "a whole number from 0 to 4294967295");
+constexpr ValueType kRateKind = one_of("RateKind", kRateKindWords);
+constexpr ValueType kSourceKind = one_of("SourceKind", kSourceKindWords);
+constexpr ValueType kLinkMetric = one_of("LinkMetric", kLinkMetricWords);
 constexpr ValueType kBoolean = shaped("xs:boolean", "true or false", "", is_boolean);
 
 }  // namespace type
@@ -231,13 +266,17 @@ constexpr ValueType kBoolean = shaped("xs:boolean", "true or false", "", is_bool
 namespace {
 
 constexpr auto kTypes = std::to_array<const ValueType*>(
-    {&type::kName,           &type::kChannelName, &type::kHostName,    &type::kUserName,
-     &type::kInterfaceName,  &type::kDeviceText,  &type::kText,        &type::kSubject,
-     &type::kShortHex,       &type::kSmallNumber, &type::kDecimal,     &type::kExponent,
-     &type::kMagnitude,      &type::kPortNumber,  &type::kBitrate,     &type::kDataBitrate,
-     &type::kAttributeName,  &type::kBetter,      &type::kComposition, &type::kSafeSide,
-     &type::kSetPriority,    &type::kNetworkKind, &type::kProfile,     &type::kFrameFormat,
-     &type::kIdentifierForm, &type::kBoolean});
+    {&type::kName,           &type::kChannelName, &type::kHostName,     &type::kUserName,
+     &type::kInterfaceName,  &type::kDeviceText,  &type::kText,         &type::kSubject,
+     &type::kShortHex,       &type::kSmallNumber, &type::kDecimal,      &type::kExponent,
+     &type::kMagnitude,      &type::kPortNumber,  &type::kBitrate,      &type::kDataBitrate,
+     &type::kAttributeName,  &type::kBetter,      &type::kComposition,  &type::kSafeSide,
+     &type::kSetPriority,    &type::kNetworkKind, &type::kProfile,      &type::kFrameFormat,
+     &type::kIdentifierForm, &type::kImportance,  &type::kErrorCount,   &type::kQueueing,
+     &type::kFifoDepth,      &type::kQueueLength, &type::kInterference, &type::kHopCount,
+     &type::kPacketBytes,    &type::kHeaderBytes, &type::kNodeAddress,  &type::kLinkRate,
+     &type::kMediumNumber,   &type::kRateKind,    &type::kSourceKind,   &type::kLinkMetric,
+     &type::kBoolean});
 
 }  // namespace
 

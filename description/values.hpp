@@ -28,7 +28,9 @@ namespace type {
 extern const ValueType kName, kChannelName, kHostName, kUserName, kInterfaceName, kDeviceText,
     kText, kSubject, kShortHex, kSmallNumber, kDecimal, kExponent, kMagnitude, kPortNumber,
     kBitrate, kDataBitrate, kAttributeName, kBetter, kComposition, kSafeSide, kSetPriority,
-    kNetworkKind, kProfile, kFrameFormat, kIdentifierForm, kBoolean;
+    kNetworkKind, kProfile, kFrameFormat, kIdentifierForm, kImportance, kErrorCount, kQueueing,
+    kFifoDepth, kQueueLength, kInterference, kHopCount, kPacketBytes, kHeaderBytes, kNodeAddress,
+    kLinkRate, kMediumNumber, kRateKind, kSourceKind, kLinkMetric, kBoolean;
 }  // namespace type
 
 /// All of them.

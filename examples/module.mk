@@ -13,7 +13,7 @@ run-demo-host: all
 		exec examples/volksbot/demo plain $(abspath $O)'
 .PHONY: stage run-demo run-demo-guest run-demo-host
 
-EXAMPLES := $(wildcard examples/volksbot/*.xml examples/volksbot/*/*.xml examples/volksbot/*.md)
+EXAMPLES := $(foreach e,volksbot mesh,$(wildcard examples/$e/*.xml examples/$e/*/*.xml examples/$e/*.md))
 install-examples:
 	$(call say,INSTALL,examples)
 	$(Q)for file in $(EXAMPLES); do \

@@ -283,6 +283,41 @@ TEST(DescribeTest, EditsAChannelInsideOfASystem) {
   EXPECT_TRUE(description::read(file).has_value());
 }
 
+TEST(DescribeTest, WhatItDoesNotEditIsLeftAsItIs) {
+  const Folder folder;
+  // The number of a medium is no reference to the channel of that subject.
+  const std::string text =
+      "<System name=\"s\">\n"
+      "  <EventChannel name=\"c\" importance = '200' safe-side=\"drop\">\n"
+      "    <SubjectUID>0x10</SubjectUID>\n"
+      "    <Attributes><Attribute><Name>Omission</Name><Value>2</Value></Attribute></Attributes>\n"
+      "  </EventChannel>\n"
+      "  <Network name=\"bus\">\n"
+      "    <Kind>can</Kind><Profile>raw</Profile><Bus bitrate=\"500000\" "
+      "background-load=\"0.05\"/>\n"
+      "  </Network>\n"
+      "  <Network name=\"net\"><Kind>mesh</Kind><Mesh limit=\"0.80\"><!-- measured -->\n"
+      "    <PerHop><Attribute><Name>Omission</Name><Value>0</Value></Attribute></PerHop>\n"
+      "    <Node name=\"a\" address=\"02:00:00:00:00:0A\"/><Node name=\"b\" "
+      "address=\"10.0.0.1\"/>\n"
+      "    <Link from=\"a\" to=\"b\" rate=\"24000000\" channel=\"10\"/>\n"
+      "  </Mesh></Network>\n"
+      "</System>\n";
+  const auto file = folder.write("s.xml", text);
+  const auto ran =
+      run({"describe", file, "--set", "Omission=3", "--subject", "0x11", "--name", "d"});
+  ASSERT_EQ(ran.status, 0) << ran.error;
+  EXPECT_EQ(differences(text, content_of(file)),
+            (Lines{{"  <EventChannel name=\"c\" importance = '200' safe-side=\"drop\">",
+                    "  <EventChannel name=\"d\" importance = '200' safe-side=\"drop\">"},
+                   {"    <SubjectUID>0x10</SubjectUID>", "    <SubjectUID>0x11</SubjectUID>"},
+                   {"    <Attributes><Attribute><Name>Omission</Name><Value>2</Value></Attribute>"
+                    "</Attributes>",
+                    "    <Attributes><Attribute><Name>Omission</Name><Value>3</Value></Attribute>"
+                    "</Attributes>"}}));
+  EXPECT_TRUE(description::read(file).has_value());
+}
+
 TEST(DescribeTest, ANameThatOthersReferToStays) {
   const Folder folder;
   auto text = std::string(kSystem);

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -68,6 +70,78 @@ void add_attributes(std::set<std::string>& out, const std::string& owner, const 
   }
 }
 
+constexpr std::array kInterferences = {"single-domain", "k-hop", "channel", "explicit"};
+constexpr std::array kRateKinds = {"phy", "effective", "derived"};
+constexpr std::array kSourceKinds = {"description", "file",  "nl80211", "batman",
+                                     "awds",        "babel", "olsr",    "wire"};
+constexpr std::array kMetrics = {"hops", "etx", "packet-pair", "transmission-time"};
+
+/// The word of an enumerator, in the order of its header.
+template <class Enum, std::size_t N>
+const char* word(const std::array<const char*, N>& words, Enum value) {
+  return words.at(static_cast<std::size_t>(value));
+}
+
+std::string words_of(const core::mesh::Source& s) {
+  auto out = std::string(word(kSourceKinds, s.kind));
+  if (!s.interface.empty()) out += " " + s.interface;
+  if (!s.endpoint.empty()) out += " " + s.endpoint;
+  if (s.kind == core::mesh::SourceKind::awds)
+    out += std::string(" metric ") + word(kMetrics, s.metric);
+  return out;
+}
+
+void add_mesh(std::set<std::string>& out, std::size_t i, const core::mesh::Mesh& m) {
+  const auto node = [&](std::uint32_t number) { return m.nodes.at(number).name; };
+  out.insert(fmt::format(
+      "mesh: {} {} hops {} limit {} packet {}+{} bytes {} ns stale {} hold {} tolerance {}", i,
+      word(kInterferences, m.interference), m.hops, m.limit, m.packet_bytes, m.header_bytes,
+      m.packet_time, m.stale_after, m.hold_up, m.tolerance));
+  add_attributes(out, fmt::format("per-hop: {}", i), m.per_hop);
+  out.insert(fmt::format("mesh-nodes: {} {}", i, m.nodes.size()));
+  for (const auto& n : m.nodes)
+    out.insert(fmt::format("mesh-node: {} {} {}{}", i, n.name, n.address,
+                           n.gateway ? fmt::format(" gateway {}", *n.gateway) : ""));
+  out.insert(fmt::format("mesh-links: {} {}", i, m.links.size()));
+  for (const auto& l : m.links)
+    out.insert(fmt::format("mesh-link: {} {} {} {} loss {} channel {} {}", i, node(l.from),
+                           node(l.to), l.rate, l.loss, l.channel, word(kRateKinds, l.kind)));
+  for (const auto& d : m.domains) {
+    auto fact = fmt::format("domain: {} {}", i, d.name);
+    for (const auto& [from, to] : d.links) fact += fmt::format(" {}-{}", node(from), node(to));
+    out.insert(fact);
+  }
+  out.insert(fmt::format("sources: {} {}", i, m.sources.size()));
+  for (std::size_t n = 0; n < m.sources.size(); ++n)
+    out.insert(fmt::format("source: {} {} {}", i, n, words_of(m.sources[n])));
+}
+
+void add_network(std::set<std::string>& out, std::size_t i, const core::Network& n) {
+  out.insert(fmt::format("bindings: {} {}", i, n.bindings.size()));
+  add_attributes(out, fmt::format("provision: {}", i), n.provision);
+  out.insert(fmt::format("bus: {} bitrate {} data {} unknown {} background {} errors {} in {}", i,
+                         n.bus.bitrate, n.bus.data_bitrate, n.bus.unknown_senders ? "yes" : "no",
+                         n.bus.background, n.bus.faults.count, n.bus.faults.interval));
+  if (n.mesh) add_mesh(out, i, *n.mesh);
+}
+
+void add_gateway(std::set<std::string>& out, std::size_t i, const core::Gateway& g) {
+  out.insert(fmt::format("ports: {} {}", i, g.ports.size()));
+  for (std::size_t n = 0; n < g.ports.size(); ++n) {
+    const auto& port = g.ports[n];
+    out.insert(fmt::format("queue: {} {} {} {} {}", i, n,
+                           port.queueing == core::Queueing::priority ? "priority" : "fifo",
+                           port.fifo_depth, port.queue_length));
+  }
+}
+
+/// The name of the node where an end sits.
+template <class End>
+std::string node_of(const core::System& s, const End& end) {
+  return end.mesh_node ? s.networks[end.place.index].mesh.value().nodes.at(*end.mesh_node).name
+                       : "anywhere";
+}
+
 /// What can be stated, as "name: value"; lists begin with the index of the entry.
 std::set<std::string> facts(const core::System& s) {
   std::set<std::string> out{fmt::format("channels: {}", s.channels.size()),
@@ -78,24 +152,24 @@ std::set<std::string> facts(const core::System& s) {
   for (std::size_t i = 0; i < s.channels.size(); ++i) {
     out.insert(fmt::format("subject: {} 0x{:x}", i, s.channels[i].subject));
     out.insert(fmt::format("channel-text: {} {}", i, s.channels[i].description));
+    out.insert(fmt::format("importance: {} {}", i, s.channels[i].importance));
     add_attributes(out, fmt::format("channel-attribute: {}", i), s.channels[i].attributes);
   }
-  for (std::size_t i = 0; i < s.networks.size(); ++i) {
-    out.insert(fmt::format("bindings: {} {}", i, s.networks[i].bindings.size()));
-    add_attributes(out, fmt::format("provision: {}", i), s.networks[i].provision);
-  }
-  for (std::size_t i = 0; i < s.gateways.size(); ++i)
-    out.insert(fmt::format("ports: {} {}", i, s.gateways[i].ports.size()));
+  for (std::size_t i = 0; i < s.networks.size(); ++i) add_network(out, i, s.networks[i]);
+  for (std::size_t i = 0; i < s.gateways.size(); ++i) add_gateway(out, i, s.gateways[i]);
   for (std::size_t i = 0; i < s.publishers.size(); ++i) {
     const auto& p = s.publishers[i];
     out.insert(fmt::format("publisher-name: {} {}", i, p.name));
     out.insert(fmt::format("priority: {} {}", i, p.priority));
     if (p.node) out.insert(fmt::format("node: {} {}", i, *p.node));
+    out.insert(fmt::format("publisher-on: {} {}", i, node_of(s, p)));
     if (p.uid) out.insert(fmt::format("uid: {} {}", i, *p.uid));
     add_attributes(out, fmt::format("publisher-attribute: {}", i), p.attributes);
   }
-  for (std::size_t i = 0; i < s.subscribers.size(); ++i)
+  for (std::size_t i = 0; i < s.subscribers.size(); ++i) {
+    out.insert(fmt::format("subscriber-on: {} {}", i, node_of(s, s.subscribers[i])));
     add_attributes(out, fmt::format("subscriber-attribute: {}", i), s.subscribers[i].attributes);
+  }
   return out;
 }
 

@@ -26,16 +26,13 @@ core::System system_of(Description read) {
 
 /// The only verdict: one publisher towards one place.
 core::Verdict verdict_of(const std::string& path) {
-  core::State state(system_of(read(path)));
-  state.set_conditions(
-      std::vector<core::Condition>(state.system().networks.size(), core::Condition{}));
-  state.decide();
-  const auto& channels = state.decision().channels;
-  if (channels.size() != 1 || channels[0].size() != 1) {
+  const core::State state(system_of(read(path)));
+  const auto& channels = state.decisions();
+  if (channels.size() != 1 || channels[0].verdicts.size() != 1) {
     ADD_FAILURE() << path << " does not have exactly one verdict";
     return {};
   }
-  return channels[0][0];
+  return channels[0].verdicts[0];
 }
 
 TEST(Volksbot, IsRefusedBehindTheBridgeForItsOmissionAlone) {
@@ -83,14 +80,13 @@ std::string output_of(const std::string& command) {
 }
 
 TEST(MakeSystem, WritesAValidDescriptionWhoseChannelsAreAllGranted) {
-  core::State state(system_of(read_memory(output_of("tests/bench/make-system 40"), "made.xml")));
-  state.set_conditions(
-      std::vector<core::Condition>(state.system().networks.size(), core::Condition{}));
-  state.decide();
-  ASSERT_EQ(state.decision().channels.size(), 40U);
-  for (const auto& verdicts : state.decision().channels) {
-    ASSERT_EQ(verdicts.size(), 1U);
-    EXPECT_TRUE(verdicts[0].granted) << reason(state.system(), state.members(), verdicts[0]);
+  const core::State state(
+      system_of(read_memory(output_of("tests/bench/make-system 40"), "made.xml")));
+  ASSERT_EQ(state.decisions().size(), 40U);
+  for (const auto& decision : state.decisions()) {
+    ASSERT_EQ(decision.verdicts.size(), 1U);
+    EXPECT_TRUE(decision.all_granted())
+        << reason(state.system(), state.members(), decision.verdicts[0]);
   }
 }
 

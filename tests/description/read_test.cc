@@ -72,6 +72,82 @@ TEST(Limits, AllowSoManyGatewaysAndNoMore) {
             "t.xml:259: <Gateway>: 257 gateways are too many: at most 256");
 }
 
+std::string mesh(const std::string& attributes, const std::string& parts) {
+  return system_of("<Network name=\"n\"><Kind>mesh</Kind><Mesh " + attributes + ">\n" + parts +
+                   "</Mesh></Network>\n");
+}
+
+/// Each on a line of its own, from line 3 of a mesh() on.
+std::string nodes(int count) {
+  std::string out;
+  for (int i = 0; i < count; ++i)
+    out += fmt::format("<Node name=\"n{}\" address=\"10.0.{}.{}\"/>\n", i, i / 256, i % 256);
+  return out;
+}
+
+TEST(Limits, AllowSoManyNodesOfAMeshAndNoMore) {
+  EXPECT_EQ(problem_of(mesh("", nodes(4096))), "");
+  EXPECT_EQ(problem_of(mesh("", nodes(4097))),
+            "t.xml:4099: <Node>: 4097 nodes of mesh n are too many: at most 4096");
+}
+
+TEST(Limits, AllowSoManyLinksOfAMeshAndNoMore) {
+  // 512 nodes have 130816 pairs: enough for each link to be another one.
+  const auto with = [](int links, const char* both_ways) {
+    std::string parts = nodes(512);
+    for (int from = 0, made = 0; made < links; ++from)
+      for (int to = from + 1; to < 512 && made < links; ++to, ++made)
+        parts += fmt::format("<Link from=\"n{}\" to=\"n{}\" rate=\"1\" both-ways=\"{}\"/>\n", from,
+                             to, both_ways);
+    return problem_of(mesh("", parts));
+  };
+  EXPECT_EQ(with(65536, "false"), "");
+  EXPECT_EQ(with(65537, "false"),
+            "t.xml:66051: <Link>: 65537 links of mesh n are too many: at most 65536");
+  EXPECT_EQ(with(32768, "true"), "");
+  EXPECT_EQ(with(32769, "true"),
+            "t.xml:33283: <Link>: 65538 links of mesh n are too many: at most 65536");
+}
+
+TEST(Limits, AllowSoManyDomainsOfAMeshAndNoMore) {
+  const auto with = [](int domains, int members) {
+    std::string parts = nodes(2);
+    for (int i = 0; i < domains; ++i) {
+      parts += fmt::format("<Domain name=\"d{}\">", i);
+      for (int m = 0; m < members; ++m) parts += "<Member from=\"n0\" to=\"n1\"/>";
+      parts += "</Domain>\n";
+    }
+    return problem_of(mesh("interference=\"explicit\"", parts));
+  };
+  EXPECT_EQ(with(1024, 64), "");
+  EXPECT_EQ(with(1025, 0),
+            "t.xml:1029: <Domain>: 1025 domains of mesh n are too many: at most 1024");
+  EXPECT_EQ(with(1, 65537),
+            "t.xml:2: <Mesh>: 65537 members of its domains are too many: at most 65536");
+}
+
+TEST(Limits, AllowSoManySourcesOfAMeshAndNoMore) {
+  const auto with = [](int sources) {
+    std::string parts;
+    for (int i = 0; i < sources; ++i)
+      parts += fmt::format("<Source kind=\"wire\" interface=\"eth{}\"/>\n", i);
+    return problem_of(mesh("", parts));
+  };
+  EXPECT_EQ(with(16), "");
+  EXPECT_EQ(with(17), "t.xml:19: <Source>: 17 sources of mesh n are too many: at most 16");
+}
+
+/// The path of a socket with that many bytes.
+std::string socket_problem(std::size_t bytes) {
+  return problem_of(
+      mesh("", "<Source kind=\"babel\" endpoint=\"/" + std::string(bytes - 1, 's') + "\"/>\n"));
+}
+
+TEST(Limits, AllowASocketPathThatTheKernelCanHoldAndNoLonger) {
+  EXPECT_EQ(socket_problem(107), "");
+  EXPECT_NE(socket_problem(108), "");
+}
+
 TEST(Limits, AllowSoManyPairsOfAChannelAndNoMore) {
   const auto with = [](int publishers) {
     std::string parts = networks(1) + channels(1);

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Texts of elements that the schema has accepted, into numbers, words and truth values.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "description/xml.hpp"
+
+namespace mlcca::description {
+
+/// Decimal, or hexadecimal after 0x; the schema has bounded the digits to what fits.
+template <class Number>
+Number number(std::string_view text) {
+  int base = 10;
+  if (text.starts_with("0x")) {
+    base = 16;
+    text.remove_prefix(2);
+  } else if (text.starts_with('+')) {
+    text.remove_prefix(1);
+  }
+  Number value = 0;
+  std::from_chars(text.begin(), text.end(), value, base);
+  return value;
+}
+
+inline std::optional<unsigned> optional_number(std::string_view text) {
+  if (text.empty()) return std::nullopt;
+  return number<unsigned>(text);
+}
+
+/// The number that an attribute states, or `otherwise` where it is absent.
+template <class Number>
+Number number_or(const Element& element, std::string_view attribute, Number otherwise) {
+  const auto text = element.attribute(attribute);
+  return text.empty() ? otherwise : number<Number>(text);
+}
+
+inline bool is_true(std::string_view text) { return text == "true" || text == "1"; }
+
+inline std::string text_of(const Element* element) {
+  return element == nullptr ? std::string() : std::string(element->text);
+}
+
+inline std::string text_of(const Element& element, std::string_view attribute) {
+  return std::string(element.attribute(attribute));
+}
+
+/// The words of an enumeration. The first is what an absent element or attribute means.
+template <class Enum, std::size_t N>
+using Words = std::array<std::pair<std::string_view, Enum>, N>;
+
+template <class Enum, std::size_t N>
+Enum value_named(std::string_view name, const Words<Enum, N>& words) {
+  const auto found = std::ranges::find_if(words, [&](const auto& w) { return w.first == name; });
+  return found == words.end() ? words.front().second : found->second;
+}
+
+}  // namespace mlcca::description
