@@ -23,20 +23,24 @@ std::vector<Target> targets_of(const Members& members, std::size_t channel) {
   return targets;
 }
 
-Verdict decide_one(const Situation& s, const Ledger& ledger, const std::vector<Target>& targets,
-                   std::size_t channel, std::size_t publisher, const Target& target,
-                   std::size_t set) {
-  Verdict first = undecided(s, channel, publisher, target, set);
-  if (s.released[channel]) {
+Verdict decide_one(const Situation& s, Ledger& ledger, const std::vector<Target>& targets,
+                   Verdict first, const Route* preferred) {
+  if (s.released[first.channel]) {
     first.obstacle = Obstacle::released;
     return first;
   }
-  const auto& routes = s.topology.routes(s.members.publisher(publisher).place, target.place);
+  const auto& routes = s.topology.routes(s.members.publisher(first.publisher).place, first.to);
   if (routes.empty()) {
     first.obstacle = Obstacle::no_route;
     return first;
   }
   const Verdict start = routes.size() > 1 ? first : Verdict{};
+  if (preferred != nullptr && *preferred != routes.front()) {
+    Verdict as_before = start;
+    as_before.route = *preferred;
+    check_route(s, ledger, targets, as_before);
+    if (as_before.granted) return as_before;
+  }
   first.route = routes.front();
   check_route(s, ledger, targets, first);
   for (std::size_t i = 1; i < routes.size() && !first.granted; ++i) {
@@ -48,90 +52,48 @@ Verdict decide_one(const Situation& s, const Ledger& ledger, const std::vector<T
   return first;
 }
 
-/// The verdicts of a channel in one of its attribute sets, and the flows that they reserve.
-struct Trial {
-  std::vector<Verdict> verdicts;
-  std::vector<std::pair<Flow, Value>> flows;
-  std::size_t granted = 0;
-
-  [[nodiscard]] bool all_granted() const { return granted == verdicts.size(); }
-};
-
-/// Promises what a granted verdict needs of each hop, unless its publisher has been promised it.
-void reserve(const System& system, const Verdict& v, LedgerBuilder& builder, Trial& trial) {
-  const auto hops = hops_of(v.route);
-  for (std::size_t i = 0; i < hops.size(); ++i) {
-    // A gateway without a stated rate has nothing to be shared.
-    if (hops[i].kind == Place::Kind::gateway &&
-        !system.provision_of(hops[i]).has(Attribute::bandwidth))
-      continue;
-    const Flow flow = flow_on(system, v.publisher, v.route, i);
-    if (builder.add(flow, v.demand)) trial.flows.emplace_back(flow, v.demand);
-  }
-}
-
-Trial decide_in(const Situation& s, std::size_t channel, const std::vector<Target>& targets,
-                std::size_t set, LedgerBuilder& builder) {
-  Trial trial;
-  for (const std::size_t publisher : s.members.publishers_of(channel)) {
-    for (const Target& target : targets) {
-      Verdict v = decide_one(s, builder.ledger(), targets, channel, publisher, target, set);
-      if (v.granted) {
-        ++trial.granted;
-        reserve(s.system, v, builder, trial);
-      }
-      trial.verdicts.push_back(std::move(v));
-    }
-  }
-  return trial;
-}
-
-/// The preferred set in which everything is granted; if there is none, the one in which most is.
-void decide_into(const Situation& s, std::size_t channel, LedgerBuilder& builder,
-                 std::vector<Verdict>& verdicts) {
-  const std::vector<Target> targets = targets_of(s.members, channel);
-  const std::size_t sets = 1 + s.system.channels[channel].lower.size();
-  Trial best = decide_in(s, channel, targets, 0, builder);
-  for (std::size_t set = 1; set < sets && !best.all_granted(); ++set) {
-    for (const auto& [flow, bytes] : best.flows) builder.remove(flow);
-    Trial other = decide_in(s, channel, targets, set, builder);
-    if (other.granted > best.granted) {
-      best = std::move(other);
-      continue;
-    }
-    for (const auto& [flow, bytes] : other.flows) builder.remove(flow);
-    for (const auto& [flow, bytes] : best.flows) builder.add(flow, bytes);
-  }
-  verdicts = std::move(best.verdicts);
-}
-
 }  // namespace
 
-ChannelDecision decide(const Situation& situation, std::size_t channel, const Ledger& before) {
-  LedgerBuilder builder(before);
-  std::vector<Verdict> verdicts;
-  decide_into(situation, channel, builder, verdicts);
-  return {std::move(verdicts), std::move(builder).take()};
+const Verdict* same_delivery(const Decision& decision, const Verdict& v) {
+  const auto it = std::ranges::find_if(decision.verdicts, [&v](const Verdict& o) {
+    return o.publisher == v.publisher && o.to == v.to;
+  });
+  return it == decision.verdicts.end() ? nullptr : &*it;
 }
 
-Ledger decide_each(const Situation& situation, const EachChannel& each) {
-  LedgerBuilder builder(Ledger(situation.system.resources()));
-  for (std::size_t c = 0; c < situation.system.channels.size(); ++c) {
-    std::vector<Verdict> verdicts;
-    decide_into(situation, c, builder, verdicts);
-    each(c, std::move(verdicts), builder.ledger());
-  }
-  return std::move(builder).take();
-}
-
-Decision decide_all(const Situation& situation) {
+Decision decide_in(const Situation& situation, std::size_t channel, std::size_t set, Ledger& ledger,
+                   const Decision* before) {
   Decision decision;
-  decision.channels.resize(situation.system.channels.size());
-  decision.ledger = decide_each(
-      situation, [&](std::size_t channel, std::vector<Verdict> verdicts, const Ledger&) {
-        decision.channels[channel] = std::move(verdicts);
-      });
+  decision.set = set;
+  const std::vector<Target> targets = targets_of(situation.members, channel);
+  for (const std::size_t publisher : situation.members.publishers_of(channel)) {
+    for (const Target& target : targets) {
+      Verdict start = undecided(situation, channel, publisher, target, set);
+      const Verdict* old = before != nullptr ? same_delivery(*before, start) : nullptr;
+      const bool kept = old != nullptr && old->granted;
+      const Ledger::Mark mark = ledger.mark();
+      Verdict v =
+          decide_one(situation, ledger, targets, std::move(start), kept ? &old->route : nullptr);
+      if (v.granted && before != nullptr && !kept) {
+        ledger.roll_back(mark);
+        v.granted = false;
+      }
+      if (v.granted) ++decision.granted;
+      decision.verdicts.push_back(std::move(v));
+    }
+  }
   return decision;
+}
+
+std::size_t sets_of(const System& system, std::size_t channel) {
+  return 1 + system.channels[channel].lower.size();
+}
+
+bool keeps_grants(const Decision& before, const Decision& after) {
+  return std::ranges::all_of(before.verdicts, [&](const Verdict& old) {
+    const Verdict* now = same_delivery(after, old);
+    return !old.granted || (now != nullptr && now->granted);
+  });
 }
 
 }  // namespace mlcca::core

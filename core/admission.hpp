@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The decision: which publisher may reach which place, given what is described, what is promised
-// already and what the interfaces can do now. Pure: same input, same answer.
+// The decision about one channel: which publisher may reach which place, given what is described,
+// what is promised already and what the networks can do now. Pure: same input, same answer.
 #pragma once
-#include <functional>
-#include <string>
+#include <cstddef>
 #include <vector>
 
 #include "core/ledger.hpp"
@@ -11,49 +10,44 @@
 #include "core/system.hpp"
 #include "core/topology.hpp"
 #include "core/verdict.hpp"
+#include "core/world.hpp"
 
 namespace mlcca::core {
-
-/// What is known of a network now. A network that this gateway does not touch is taken as
-/// described.
-struct Condition {
-  bool available = true;
-  std::string problem;  ///< why not, in words
-  bool operator==(const Condition&) const = default;
-};
 
 /// Everything that a decision looks at, by reference.
 struct Situation {
   const System& system;
   const Topology& topology;
   const Members& members;
-  const std::vector<Condition>& conditions;  ///< per network
-  const std::vector<bool>& released;         ///< per channel: taken back by the operator
+  const World& world;
+  const std::vector<bool>& released;  ///< per channel: taken back by the operator
   /// At design time a best case passes: it is decided at run time, where it does not.
   bool best_cases_pass = false;
 };
 
-/// The verdicts of one channel, publishers and places in the order of their members, and the
-/// ledger with what they reserve. `before` holds nothing of this channel. Of several attribute sets
-/// the preferred one in which everything is granted counts; if there is none, the one in which most
-/// deliveries are, for all ends alike.
-struct ChannelDecision {
-  std::vector<Verdict> verdicts;
-  Ledger ledger;
-};
-[[nodiscard]] ChannelDecision decide(const Situation& situation, std::size_t channel,
-                                     const Ledger& before);
-
-/// All channels in the order of the description.
+/// The verdicts of a channel in one of its attribute sets, publishers and places in the order of
+/// their members.
 struct Decision {
-  std::vector<std::vector<Verdict>> channels;
-  Ledger ledger;
-};
-[[nodiscard]] Decision decide_all(const Situation& situation);
+  std::size_t set = 0;
+  std::size_t granted = 0;
+  std::vector<Verdict> verdicts;
 
-/// The same, handed over channel by channel with the ledger so far, so that nobody need keep all.
-using EachChannel =
-    std::function<void(std::size_t channel, std::vector<Verdict> verdicts, const Ledger& ledger)>;
-Ledger decide_each(const Situation& situation, const EachChannel& each);
+  [[nodiscard]] bool all_granted() const { return granted == verdicts.size(); }
+};
+
+/// Decides a channel in an attribute set and reserves what is granted. The ledger holds nothing of
+/// its publishers. With `before`: nothing is granted that was not granted there, and what was keeps
+/// its way if that is still possible.
+[[nodiscard]] Decision decide_in(const Situation& situation, std::size_t channel, std::size_t set,
+                                 Ledger& ledger, const Decision* before = nullptr);
+
+/// The number of attribute sets of a channel.
+[[nodiscard]] std::size_t sets_of(const System& system, std::size_t channel);
+
+/// Every delivery that was granted in `before` is granted in `after`.
+[[nodiscard]] bool keeps_grants(const Decision& before, const Decision& after);
+
+/// The verdict about the same publisher and place; null if there is none.
+[[nodiscard]] const Verdict* same_delivery(const Decision& decision, const Verdict& verdict);
 
 }  // namespace mlcca::core

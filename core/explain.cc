@@ -40,11 +40,20 @@ FindingId id_of(Against against) {
       return FindingId::bystander_unfit;
     case Against::capacity:
       return FindingId::capacity;
+    case Against::schedule:
+      return FindingId::deadline_missed;
+    case Against::medium_time:
+      return FindingId::medium_time;
   }
   return FindingId::rule;
 }
 
 bool is_unfit(const Row& row) { return row.comparison.outcome == Outcome::unfit; }
+
+/// What a medium has left depends on everybody, not on one pair of ends.
+bool is_about_medium(const Row& row) {
+  return row.against == Against::schedule || row.against == Against::medium_time;
+}
 
 bool same_attribute(const Row& a, const Row& b) {
   return a.user == b.user && a.comparison.attribute == b.comparison.attribute;
@@ -131,6 +140,7 @@ void Explainer::add(const Verdict& v) {
     if (!is_unfit(row)) continue;
     if (row.against == Against::capacity) add_capacity(v, row);
     if (row.against == Against::bystander) add_row(v, row, kNone);
+    if (is_about_medium(row)) add_medium(v, row);
   }
 }
 
@@ -167,6 +177,9 @@ void Explainer::add_obstacle(const Verdict& v) {
       break;
     case Obstacle::too_long:
       f.hint = "publish a smaller MaxPayload, or use a network with longer frames";
+      break;
+    case Obstacle::no_path:
+      f.hint = "state the links of the mesh, or a source that knows them";
       break;
     case Obstacle::no_traffic:
       f.hint = "state Period and MaxPayload, or Bandwidth, of the publisher";
@@ -209,9 +222,11 @@ void Explainer::add_lower_set(std::size_t channel, std::size_t set) {
 void Explainer::add_pair(const Verdict& v, std::size_t subscriber) {
   Verdict pair = undecided(s_, v.channel, v.publisher, {v.to, {subscriber}}, v.set);
   pair.route = v.route;
+  const Ledger::Mark before = ledger_.mark();
   check_route(s_, ledger_, {}, pair);
+  ledger_.roll_back(before);
   for (const Row& row : pair.rows) {
-    if (!is_unfit(row) || row.against == Against::capacity) continue;
+    if (!is_unfit(row) || row.against == Against::capacity || is_about_medium(row)) continue;
     // What one hop cannot give, the whole way cannot: once is enough.
     const bool said =
         row.against == Against::end_to_end && std::ranges::any_of(pair.rows, [&](const Row& other) {
@@ -275,6 +290,28 @@ void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber
                " provides " + numbers;
       f.hint = "let a hop provide better, take a shorter way, or ask less";
   }
+}
+
+void Explainer::add_medium(const Verdict& v, const Row& row) {
+  Finding& f = new_finding(id_of(row.against), v);
+  const std::string& publisher = s_.members.publisher(v.publisher).name;
+  const Comparison& c = row.comparison;
+  f.place = row.place;
+  f.has_place = true;
+  f.attribute = info(c.attribute).name;
+  f.required = format_value(c.attribute, c.required);
+  f.provided = format_value(c.attribute, c.provided);
+  if (row.against == Against::schedule) {
+    f.text = "with " + publisher + ", " + schedule_text(s_.system, s_.members, row);
+    f.hint = c.attribute == Attribute::omission
+                 ? "send less often, or give the port a longer queue (queue-length)"
+                 : "give it a better identifier (mlccactl analyse-bus --assign), send less often, "
+                   "or allow more time";
+    return;
+  }
+  f.text = publisher + " needs " + f.required + " on " + name_of(s_.system, row.place) +
+           ", whose links have time for " + f.provided;
+  f.hint = "send less, or state a lower attribute set";
 }
 
 void Explainer::add_capacity(const Verdict& v, const Row& row) {

@@ -16,7 +16,8 @@ namespace mlcca::core {
 
 class Explainer {
  public:
-  Explainer(const Situation& situation, const Ledger& ledger, std::vector<Finding>& findings)
+  /// The ledger is used to try things out, and left as it is.
+  Explainer(const Situation& situation, Ledger& ledger, std::vector<Finding>& findings)
       : s_(situation), ledger_(ledger), findings_(findings) {}
 
   /// Nothing for a fit one, a note for one that is decided at run time.
@@ -30,10 +31,11 @@ class Explainer {
   void add_pair(const Verdict& v, std::size_t subscriber);
   void add_row(const Verdict& v, const Row& row, std::size_t subscriber);
   void add_capacity(const Verdict& v, const Row& row);
+  void add_medium(const Verdict& v, const Row& row);
   Finding& new_finding(FindingId id, const Verdict& v);
 
   const Situation& s_;
-  const Ledger& ledger_;
+  Ledger& ledger_;
   std::vector<Finding>& findings_;
 };
 

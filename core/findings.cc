@@ -50,6 +50,10 @@ constexpr auto kTable = std::to_array<FindingInfo>({
      "a preferred attribute set does not fit, a lower one does"},
     {Id::unsafe_drop, S::warning, "unsafe-drop",
      "events that must arrive cross a gate, which drops when in doubt"},
+    {Id::deadline_missed, S::error, "deadline-missed",
+     "a message on a CAN bus can come too late, or be lost in the queue of a gateway"},
+    {Id::medium_time, S::error, "medium-time",
+     "the links of a mesh have not enough time left for a channel"},
 });
 
 constexpr bool is_dense() {

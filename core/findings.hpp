@@ -45,6 +45,8 @@ enum class FindingId : std::uint8_t {
   run_time = 28,
   lower_set = 29,
   unsafe_drop = 30,
+  deadline_missed = 31,
+  medium_time = 32,
 };
 
 /// A note is information: it does not make a description unfit.

@@ -8,11 +8,12 @@
 #include <tuple>
 #include <utility>
 
-#include "core/admission.hpp"
+#include "core/allocation.hpp"
 #include "core/explain.hpp"
 #include "core/members.hpp"
 #include "core/text.hpp"
 #include "core/topology.hpp"
+#include "core/world.hpp"
 
 namespace mlcca::core {
 namespace {
@@ -26,21 +27,20 @@ class Inspector {
         progress_(progress),
         topology_(system),
         members_(system),
-        conditions_(system.networks.size()),
-        released_(system.channels.size(), false) {}
+        world_(described_world(system)),
+        released_(system.channels.size(), false),
+        ledger_(empty_ledger(system, world_)) {}
 
   Inspection run() {
     out_.channels.resize(s_.channels.size());
     check_networks();
-    const Situation situation{s_, topology_, members_, conditions_, released_, true};
-    const Ledger ledger = decide_each(
-        situation,
-        [&](std::size_t channel, const std::vector<Verdict>& verdicts, const Ledger& so_far) {
-          check_channel(channel, verdicts, Explainer(situation, so_far, out_.findings));
-          if (progress_ && (channel + 1) % kProgressStep == 0) progress_(channel + 1);
-        });
+    const Situation situation{s_, topology_, members_, world_, released_, true};
+    decide_each(situation, ledger_, [&](std::size_t channel, const Decision& decision) {
+      check_channel(channel, decision, Explainer(situation, ledger_, out_.findings));
+      if (progress_ && (channel + 1) % kProgressStep == 0) progress_(channel + 1);
+    });
     for (std::size_t n = 0; n < s_.networks.size(); ++n)
-      out_.networks.push_back({ledger.reserved(n)});
+      out_.networks.push_back({ledger_.reserved(n)});
     std::ranges::stable_sort(out_.findings, {}, [](const Finding& f) {
       return std::tuple(f.origin.file, f.origin.line, f.id);
     });
@@ -78,10 +78,11 @@ class Inspector {
     }
   }
 
-  void check_channel(std::size_t c, const std::vector<Verdict>& verdicts, Explainer explain) {
+  void check_channel(std::size_t c, const Decision& decision, Explainer explain) {
+    const auto& verdicts = decision.verdicts;
     ChannelResult& result = out_.channels[c];
     result.deliveries = verdicts.size();
-    if (!verdicts.empty()) result.set = verdicts.front().set;
+    result.set = decision.set;
     for (const Verdict& v : verdicts) result.outcome = worse(result.outcome, v.outcome);
     if (!is_complete(c)) result.outcome = Outcome::unfit;
     if (s_.channels[c].safe_side == SafeSide::deliver) check_safe_side(c, verdicts);
@@ -176,8 +177,9 @@ class Inspector {
   const InspectProgress& progress_;
   Topology topology_;
   Members members_;
-  std::vector<Condition> conditions_;
+  World world_;
   std::vector<bool> released_;
+  Ledger ledger_;
   Inspection out_;
 };
 

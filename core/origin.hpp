@@ -11,6 +11,7 @@ inline constexpr std::uint32_t kNoFile = 0xffffffff;
 struct Origin {
   std::uint32_t file = kNoFile;  ///< index into System::files
   int line = 0;
+  bool operator==(const Origin&) const = default;
 };
 
 }  // namespace mlcca::core

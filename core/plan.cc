@@ -169,11 +169,11 @@ GateState gate_state(const System& system, const Members& members, std::size_t c
   return planner.take();
 }
 
-GateState gate_state(const System& system, const Members& members, const Decision& decision,
-                     std::size_t gateway) {
+GateState gate_state(const System& system, const Members& members,
+                     const std::vector<Decision>& decisions, std::size_t gateway) {
   Planner planner(system, members, gateway);
-  for (std::size_t c = 0; c < decision.channels.size(); ++c)
-    add_channel(planner, members, c, decision.channels[c]);
+  for (std::size_t c = 0; c < decisions.size(); ++c)
+    add_channel(planner, members, c, decisions[c].verdicts);
   return planner.take();
 }
 

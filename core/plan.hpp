@@ -68,6 +68,6 @@ struct GateChanges {
                                    std::size_t gateway, AdmissionId without = 0);
 
 [[nodiscard]] GateState gate_state(const System& system, const Members& members,
-                                   const Decision& decision, std::size_t gateway);
+                                   const std::vector<Decision>& decisions, std::size_t gateway);
 
 }  // namespace mlcca::core

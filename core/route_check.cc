@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "core/media.hpp"
 #include "core/medium.hpp"
 #include "core/user_values.hpp"
 #include "mlcca/check.hpp"
@@ -19,7 +20,7 @@ constexpr std::size_t kRowsAtOnce = 4;
 
 class RouteCheck {
  public:
-  RouteCheck(const Situation& situation, const Ledger& ledger, const std::vector<Target>& targets,
+  RouteCheck(const Situation& situation, Ledger& ledger, const std::vector<Target>& targets,
              Verdict& verdict)
       : s_(situation), ledger_(ledger), targets_(targets), v_(verdict) {}
 
@@ -28,14 +29,19 @@ class RouteCheck {
     if (v_.obstacle != Obstacle::none) return;
     collect_hops();
     v_.rows.reserve((count_ + 2) * kRowsAtOnce);
+    const Ledger::Mark before = ledger_.mark();
+    reserve();
+    const std::vector<Row> medium_rows = take_media();
     check_hops();
     check_end_to_end();
     check_offers();
     check_bystanders();
     check_capacities();
+    v_.rows.insert(v_.rows.end(), medium_rows.begin(), medium_rows.end());
     v_.outcome = v_.obstacle == Obstacle::none ? Outcome::fit : Outcome::unfit;
     for (const Row& row : v_.rows) v_.outcome = worse(v_.outcome, row.comparison.outcome);
     v_.granted = s_.best_cases_pass ? v_.outcome != Outcome::unfit : v_.outcome == Outcome::fit;
+    if (!v_.granted) ledger_.roll_back(before);
   }
 
  private:
@@ -60,7 +66,7 @@ class RouteCheck {
 
   void find_obstacle_on(Place hop) {
     const Network& network = s_.system.networks[hop.index];
-    if (!s_.conditions[hop.index].available) {
+    if (!s_.world.conditions[hop.index].available) {
       obstruct(Obstacle::unavailable, hop);
       return;
     }
@@ -100,14 +106,14 @@ class RouteCheck {
   void add_rows(Against against, Place place, const CheckResult& check,
                 std::size_t subscriber = 0) {
     for (std::size_t i = 0; i < check.count; ++i)
-      v_.rows.push_back({against, place, subscriber, check.rows[i], 0});
+      v_.rows.push_back({against, place, subscriber, 0, check.rows[i], 0});
   }
 
   /// The same for user-defined attributes.
   void add_rows(Against against, Place place, const UserValues& required,
                 const UserValues& provided) {
     for (const UserValue& r : required)
-      v_.rows.push_back({against, place, 0, compare(s_.system, r, provided), 0, r.attribute});
+      v_.rows.push_back({against, place, 0, 0, compare(s_.system, r, provided), 0, r.attribute});
   }
 
   void check_hops() {
@@ -166,11 +172,16 @@ class RouteCheck {
   /// only if each of them is fulfilled too. On the publisher's own network the event is, whatever
   /// we decide.
   void check_bystanders() {
+    each_bystander([this](const Target& target, std::size_t hop) { check_bystander(target, hop); });
+  }
+
+  template <class Then>
+  void each_bystander(const Then& then) const {
     const bool at_home = publisher().place.kind == Place::Kind::network;
     for (std::size_t i = at_home ? 1 : 0; i < count_; ++i)
       if (hops()[i].kind == Place::Kind::network)
         for (const Target& target : targets_)
-          if (target.place != v_.to && hears(target.place, i)) check_bystander(target, i);
+          if (target.place != v_.to && hears(target.place, i)) then(target, i);
   }
 
   /// Whether somebody at a place hears what crosses the network of that hop for the first time:
@@ -193,37 +204,83 @@ class RouteCheck {
       add_rows(Against::traffic, place, check_traffic(offered(), asked_by(s)), s);
   }
 
-  void check_capacities() {
-    Value demand = 0;
-    const bool known = demand_of(offered(), &demand);
-    v_.demand = known ? demand : 0;
+  /// The flow on each hop, unless it is carried already: what is promised to the others is
+  /// remembered for the rows.
+  void reserve() {
+    known_ = demand_of(offered(), &v_.demand);
+    if (!known_) v_.demand = 0;
     for (std::size_t i = 0; i < count_; ++i) {
-      const Place hop = hops()[i];
+      // A gateway without a stated rate has nothing to be shared.
+      if (hops_[i].gateway && !hops_[i].provision.has(Attribute::bandwidth)) continue;
       const Flow flow = flow_on(s_.system, v_.publisher, v_.route, i);
-      if (ledger_.carries(flow)) continue;
-      const Value reserved = ledger_.reserved(flow.resource);
-      const CapacityCheck c = check_capacity(s_.system.provision_of(hop), reserved, v_.demand);
-      if (!c.known) continue;
-      if (!known) {
+      reserved_[i] = ledger_.reserved(flow.resource);
+      // What does not fit is refused below; it must not overflow the sum before that.
+      fresh_[i] = ledger_.add(flow, std::min(v_.demand, kUnbounded - reserved_[i]));
+    }
+  }
+
+  /// The time of its domains is what a mesh has to give, in place of a best case.
+  [[nodiscard]] bool is_evaluated(Place hop) const {
+    return hop.kind == Place::Kind::network && s_.world.meshes[hop.index] != nullptr;
+  }
+
+  std::vector<Row> take_media() {
+    if (!Media::any(s_, ledger_, v_)) return {};
+    for (std::size_t i = 0; i < count_ && !known_; ++i)
+      if (is_evaluated(hops()[i])) obstruct(Obstacle::no_traffic, hops()[i]);
+    if (v_.obstacle != Obstacle::none) return {};
+    Media media(s_, ledger_, std::span(hops_).first(count_), limits(), v_);
+    media.take();
+    return media.take_medium_rows();
+  }
+
+  /// By when everybody who hears the events must have them.
+  [[nodiscard]] std::vector<Limit> limits() const {
+    std::vector<Limit> all{limit_at(count_ - 1, v_.requirement)};
+    each_bystander([&](const Target& target, std::size_t hop) {
+      all.push_back(
+          limit_at(hop, normalised_requirement(
+                            asked_together(s_, v_.publisher, target.subscribers, v_.set).set)));
+    });
+    return all;
+  }
+  [[nodiscard]] static Limit limit_at(std::size_t hop, const AttributeSet& asked) {
+    Limit limit{hop, kUnbounded, kUnbounded};
+    for (const Attribute a : {Attribute::deadline, Attribute::latency})
+      if (asked.has(a)) limit.latency = std::min(limit.latency, asked[a]);
+    if (asked.has(Attribute::jitter)) limit.jitter = asked[Attribute::jitter];
+    return limit;
+  }
+
+  void check_capacities() {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (!fresh_[i]) continue;
+      const Place hop = hops()[i];
+      const CapacityCheck c = check_capacity(s_.system.provision_of(hop), reserved_[i], v_.demand);
+      if (!c.known || (c.outcome == Outcome::run_time && is_evaluated(hop))) continue;
+      if (!known_) {
         obstruct(Obstacle::no_traffic, hop);
         return;
       }
-      Row row{Against::capacity, hop, 0, {}, reserved};
+      Row row{Against::capacity, hop, 0, 0, {}, reserved_[i]};
       row.comparison.attribute = Attribute::bandwidth;
       row.comparison.outcome = c.outcome;
       row.comparison.known = true;
       row.comparison.dynamic = c.outcome == Outcome::run_time;
       row.comparison.required = c.demand;
-      row.comparison.provided = c.capacity > reserved ? c.capacity - reserved : 0;
+      row.comparison.provided = c.capacity > reserved_[i] ? c.capacity - reserved_[i] : 0;
       v_.rows.push_back(row);
     }
   }
 
   const Situation& s_;
-  const Ledger& ledger_;
+  Ledger& ledger_;
   const std::vector<Target>& targets_;
   Verdict& v_;
   std::array<Hop, kMaxHops> hops_{};
+  std::array<Value, kMaxHops> reserved_{};  ///< to others
+  std::array<bool, kMaxHops> fresh_{};      ///< not carried for another place already
+  bool known_ = false;                      ///< the publisher says what it sends
   std::size_t count_ = 0;
 };
 
@@ -268,8 +325,8 @@ Verdict undecided(const Situation& situation, std::size_t channel, std::size_t p
   return v;
 }
 
-void check_route(const Situation& situation, const Ledger& ledger,
-                 const std::vector<Target>& targets, Verdict& verdict) {
+void check_route(const Situation& situation, Ledger& ledger, const std::vector<Target>& targets,
+                 Verdict& verdict) {
   RouteCheck(situation, ledger, targets, verdict).run();
 }
 

@@ -39,8 +39,8 @@ struct Asked {
 
 /// Fills in rows, obstacle, provision and outcome of a verdict that has its publisher, place,
 /// subscribers, set, requirement and route. `targets` are all of the channel: some of them may hear
-/// the events on the way.
-void check_route(const Situation& situation, const Ledger& ledger,
-                 const std::vector<Target>& targets, Verdict& verdict);
+/// the events on the way. What is granted is reserved; otherwise the ledger is left as it was.
+void check_route(const Situation& situation, Ledger& ledger, const std::vector<Target>& targets,
+                 Verdict& verdict);
 
 }  // namespace mlcca::core

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <charconv>
+#include <numeric>
 #include <utility>
+
+#include "core/allocation.hpp"
 
 namespace mlcca::core {
 namespace {
@@ -18,20 +21,16 @@ System sorted(System system) {
   return system;
 }
 
-bool same_delivery(const Verdict& a, const Verdict& b) {
-  return a.publisher == b.publisher && a.to == b.to;
-}
-
 }  // namespace
 
+// --- proposals ----------------------------------------------------------------------------------
+
 Proposal::Proposal(State& state, const Admission& admission)
-    : state_(&state), admission_(admission) {
-  const std::size_t channel = admission.channel;
+    : state_(&state), admission_(admission), before_(state.ledger_.mark()) {
   const Members& members = state.members_;
-  const auto& before = state.decision_.channels[channel];
+  for (const std::size_t p : members.publishers_of(admission.channel)) state.ledger_.remove(p);
   add_to(state.members_, admission);
-  next_ = core::decide(state.situation(), channel,
-                       state.decision_.ledger.balance_without(members.publishers_of(channel)));
+  decide();
 
   const auto is_own = [&](const Verdict& v) {
     return members.admission_of_publisher(v.publisher) == admission.id ||
@@ -39,28 +38,47 @@ Proposal::Proposal(State& state, const Admission& admission)
              return members.admission_of_subscriber(s) == admission.id;
            });
   };
-  fit_ = true;
-  for (std::size_t i = 0; i < next_.verdicts.size(); ++i) {
-    const Verdict& v = next_.verdicts[i];
-    const auto old =
-        std::ranges::find_if(before, [&](const Verdict& o) { return same_delivery(o, v); });
-    const bool lost = old != before.end() && old->granted && !v.granted;
-    const bool own = is_own(v);
-    if (own) own_.push_back(i);
-    if (lost || (own && !v.granted)) fit_ = false;
+  for (std::size_t i = 0; i < next_.verdicts.size(); ++i)
+    if (is_own(next_.verdicts[i])) own_.push_back(i);
+  fit_ = !own_.empty() && keeps_grants(state.decisions_[admission.channel], next_) &&
+         std::ranges::all_of(own_, [&](std::size_t i) { return next_.verdicts[i].granted; });
+}
+
+/// The best attribute set in which everything is granted, if it is not lower than what there was.
+/// Otherwise the one in which most is.
+void Proposal::decide() {
+  const std::size_t channel = admission_.channel;
+  const Decision& before = state_->decisions_[channel];
+  const std::size_t sets = before.granted != 0 ? before.set + 1 : sets_of(state_->system_, channel);
+  const Situation situation = state_->situation();
+  std::size_t best = 0;
+  for (std::size_t set = 0; set < sets; ++set) {
+    const Ledger::Mark mark = state_->ledger_.mark();
+    Decision decision = decide_in(situation, channel, set, state_->ledger_);
+    const bool done = decision.all_granted();
+    if (set == 0 || done || decision.granted > next_.granted) {
+      next_ = std::move(decision);
+      best = set;
+    }
+    if (done) return;
+    state_->ledger_.roll_back(mark);
   }
-  fit_ = fit_ && !own_.empty();
+  next_ = decide_in(situation, channel, best, state_->ledger_);
 }
 
 Proposal::Proposal(Proposal&& other) noexcept
     : state_(std::exchange(other.state_, nullptr)),
       admission_(std::move(other.admission_)),
+      before_(other.before_),
       next_(std::move(other.next_)),
       own_(std::move(other.own_)),
       fit_(other.fit_) {}
 
 Proposal::~Proposal() {
-  if (state_ != nullptr) state_->members_.remove(admission_.id);
+  if (state_ == nullptr) return;
+  state_->ledger_.roll_back(before_);
+  state_->ledger_.commit();
+  state_->members_.remove(admission_.id);
 }
 
 std::vector<const Verdict*> Proposal::verdicts() const {
@@ -75,49 +93,154 @@ GateChanges Proposal::changes(std::size_t gateway) const {
   // The rules as they are come from the verdicts as they are; a newcomer has none among them, but
   // its publisher would be listed as known: leave it out.
   const Members& members = state_->members_;
-  const GateState now = core::gate_state(state_->system_, members, c, state_->decision_.channels[c],
-                                         gateway, admission_.id);
+  const GateState now = core::gate_state(state_->system_, members, c,
+                                         state_->decisions_[c].verdicts, gateway, admission_.id);
   return difference(now, core::gate_state(state_->system_, members, c, next_.verdicts, gateway));
 }
 
 void Proposal::accept() && {
   const std::size_t c = admission_.channel;
-  Decision& decision = state_->decision_;
-  decision.ledger =
-      std::move(decision.ledger).replaced(state_->members_.publishers_of(c), next_.ledger);
-  decision.channels[c] = std::move(next_.verdicts);
+  state_->ledger_.commit();
+  // What the channel held may be less now: a better set, another way.
+  for (const std::size_t r : state_->usage_.resources_of(c)) state_->relieved_.insert(r);
+  state_->decisions_[c] = std::move(next_);
   state_->admissions_.push_back(std::move(admission_));
+  state_->note_age(c);
+  state_->usage_.set(state_->situation(), c, state_->decisions_[c]);
   state_ = nullptr;
 }
+
+// --- the state ----------------------------------------------------------------------------------
 
 State::State(System system)
     : system_(sorted(std::move(system))),
       topology_(system_),
       members_(system_),
-      conditions_(system_.networks.size()),
-      released_(system_.channels.size(), false) {
+      world_(system_),
+      released_(system_.channels.size(), false),
+      ledger_(empty_ledger(system_, world_)),
+      decisions_(system_.channels.size()),
+      ages_(system_.channels.size(), 0),
+      usage_(system_) {
   decide();
 }
 
-bool State::set_conditions(std::vector<Condition> conditions) {
-  if (conditions == conditions_) return false;
-  conditions_ = std::move(conditions);
-  return true;
+void State::set_condition(std::size_t network, Condition condition) {
+  if (condition == world_.conditions[network])
+    new_conditions_.erase(network);
+  else
+    new_conditions_.insert_or_assign(network, std::move(condition));
 }
 
-void State::set_released(std::size_t channel, bool released) { released_[channel] = released; }
+void State::set_graph(std::size_t network, std::optional<mesh::Graph> graph,
+                      std::vector<std::string> addresses) {
+  new_graphs_.insert_or_assign(network, NewGraph{std::move(graph), std::move(addresses)});
+}
 
-void State::decide() { decision_ = decide_all(situation()); }
+void State::set_released(std::size_t channel, bool released) {
+  if (released_[channel] == released) return;
+  released_[channel] = released;
+  touched_.insert(channel);
+}
 
 void State::restore(const Admission& admission) {
   add_to(members_, admission);
   admissions_.push_back(admission);
+  note_age(admission.channel);
 }
 
 bool State::remove(AdmissionId id) {
+  const auto it = std::ranges::find(admissions_, id, &Admission::id);
+  if (it == admissions_.end()) return false;
+  const std::size_t channel = it->channel;
+  // What the others of the channel hold may depend on who left, so all of it is decided anew.
+  for (const std::size_t p : members_.publishers_of(channel)) ledger_.remove(p);
+  forget_deliveries(channel, id);
+  for (const std::size_t r : usage_.resources_of(channel)) relieved_.insert(r);
   members_.remove(id);
-  return std::erase_if(admissions_, [id](const Admission& a) { return a.id == id; }) != 0;
+  admissions_.erase(it);
+  note_age(channel);
+  touched_.insert(channel);
+  return true;
 }
+
+void State::doubt_everything() {
+  for (std::size_t c = 0; c < system_.channels.size(); ++c) touched_.insert(c);
+  for (std::size_t r = 0; r < system_.resources(); ++r) relieved_.insert(r);
+}
+
+/// Those who stay are decided as if the one who leaves had never been granted anything.
+void State::forget_deliveries(std::size_t channel, AdmissionId leaving) {
+  Decision& decision = decisions_[channel];
+  std::erase_if(decision.verdicts, [&](Verdict& v) {
+    std::erase_if(v.subscribers,
+                  [&](std::size_t s) { return members_.admission_of_subscriber(s) == leaving; });
+    return v.subscribers.empty() || members_.admission_of_publisher(v.publisher) == leaving;
+  });
+  decision.granted = static_cast<std::size_t>(
+      std::ranges::count_if(decision.verdicts, [](const Verdict& v) { return v.granted; }));
+}
+
+/// A channel that is complete without anybody from the run time is as old as the description.
+void State::note_age(std::size_t channel) {
+  ages_[channel] = 0;
+  std::uint64_t oldest = kUnbounded;
+  bool published = false;
+  bool subscribed = false;
+  for (const std::size_t p : members_.publishers_of(channel)) {
+    const AdmissionId id = members_.admission_of_publisher(p);
+    published = published || id == 0;
+    if (id != 0) oldest = std::min(oldest, id);
+  }
+  for (const std::size_t s : members_.subscribers_of(channel)) {
+    const AdmissionId id = members_.admission_of_subscriber(s);
+    subscribed = subscribed || id == 0;
+    if (id != 0) oldest = std::min(oldest, id);
+  }
+  if (!(published && subscribed) && oldest != kUnbounded) ages_[channel] = oldest;
+}
+
+void State::decide(const std::map<std::size_t, std::size_t>& before) {
+  static_cast<void>(settle());
+  Allocation allocation(situation(), ages_, decisions_, ledger_);
+  std::vector<std::size_t> all(system_.channels.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  allocation.sort(all);
+  for (const std::size_t c : all) allocation.take_out(c);
+  ledger_.commit();
+  for (const std::size_t c : all) decisions_[c] = {};
+  for (const std::size_t c : all) {
+    const auto it = before.find(c);
+    if (it == before.end() || it->second >= sets_of(system_, c)) continue;
+    decisions_[c] = decide_in(situation(), c, it->second, ledger_);
+    ledger_.commit();
+  }
+  while (allocation.serve(all) || allocation.raise(all)) {
+  }
+  for (const std::size_t c : all) usage_.set(situation(), c, decisions_[c]);
+}
+
+// --- gates --------------------------------------------------------------------------------------
+
+GateChanges State::gate_changes(const std::vector<Change>& changes, std::size_t gateway,
+                                GateState before) const {
+  GateState now;
+  const auto append = [&](GateState& to, std::size_t channel,
+                          const std::vector<Verdict>& verdicts) {
+    const GateState rules = core::gate_state(system_, members_, channel, verdicts, gateway);
+    to.insert(to.end(), rules.begin(), rules.end());
+  };
+  const bool known = !before.empty();
+  for (const Change& change : changes) {
+    if (!known) append(before, change.channel, change.before.verdicts);
+    append(now, change.channel, decisions_[change.channel].verdicts);
+  }
+  std::ranges::sort(before, {}, &GateRule::entry);
+  std::ranges::sort(now, {}, &GateRule::entry);
+  return difference(before, now);
+}
+
+// --- names --------------------------------------------------------------------------------------
 
 std::optional<std::size_t> State::find_channel(const std::string& name_or_subject) const {
   const auto subject = parse_subject(name_or_subject);

@@ -3,16 +3,21 @@
 // Changes are proposed first; a proposal that is not accepted leaves no trace.
 #pragma once
 #include <cstddef>
-#include <memory>
+#include <cstdint>
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "core/admission.hpp"
+#include "core/ledger.hpp"
 #include "core/members.hpp"
 #include "core/plan.hpp"
 #include "core/system.hpp"
 #include "core/topology.hpp"
+#include "core/usage.hpp"
+#include "core/world.hpp"
 
 namespace mlcca::core {
 
@@ -26,7 +31,8 @@ struct Admission {
 
 class State;
 
-/// An admission tried out. While it lives the newcomer is among the members of the state.
+/// An admission tried out. While it lives the newcomer is among the members of the state, what it
+/// would reserve is in the ledger, and nothing else may be asked of the state.
 class Proposal {
  public:
   Proposal(Proposal&& other) noexcept;
@@ -35,8 +41,9 @@ class Proposal {
   Proposal& operator=(Proposal&&) = delete;
   ~Proposal();
 
-  /// Every delivery that the newcomer takes part in is granted and none that was granted is lost.
-  /// Without anybody on the other side there is nothing to grant: not fit.
+  /// Every delivery that the newcomer takes part in is granted, none that was granted is lost, and
+  /// the channel is in no lower attribute set than before. Without anybody on the other side there
+  /// is nothing to grant: not fit.
   [[nodiscard]] bool fit() const { return fit_; }
   /// The newcomer's verdicts.
   [[nodiscard]] std::vector<const Verdict*> verdicts() const;
@@ -48,12 +55,20 @@ class Proposal {
  private:
   friend class State;
   Proposal(State& state, const Admission& admission);
+  void decide();
 
   State* state_;
   Admission admission_;
-  ChannelDecision next_;
+  Ledger::Mark before_;
+  Decision next_;
   std::vector<std::size_t> own_;  // indices into the verdicts
   bool fit_ = false;
+};
+
+/// A channel whose decision is another one now.
+struct Change {
+  std::size_t channel = 0;
+  Decision before;
 };
 
 class State {
@@ -67,44 +82,82 @@ class State {
 
   [[nodiscard]] const System& system() const { return system_; }
   [[nodiscard]] const Members& members() const { return members_; }
-  [[nodiscard]] const Decision& decision() const { return decision_; }
-  [[nodiscard]] const std::vector<Condition>& conditions() const { return conditions_; }
+  [[nodiscard]] const Topology& topology() const { return topology_; }
+  /// Of each channel.
+  [[nodiscard]] const std::vector<Decision>& decisions() const { return decisions_; }
+  [[nodiscard]] const Ledger& ledger() const { return ledger_; }
+  [[nodiscard]] const World& world() const { return world_; }
   [[nodiscard]] const std::vector<Admission>& admissions() const { return admissions_; }
   [[nodiscard]] bool released(std::size_t channel) const { return released_[channel]; }
 
-  /// True if it differs from what was known; decide() then.
-  bool set_conditions(std::vector<Condition> conditions);
-  void set_released(std::size_t channel, bool released);
+  // What changes from here on counts after the next settle().
 
-  /// Decides everything anew: described ends and accepted admissions, whether they fit or not.
-  void decide();
+  void set_condition(std::size_t network, Condition condition);
+  /// The links of a mesh as they are believed to be; nothing: nothing is known of it.
+  /// `addresses`: of its nodes, for people.
+  void set_graph(std::size_t network, std::optional<mesh::Graph> graph,
+                 std::vector<std::string> addresses = {});
+  void set_released(std::size_t channel, bool released);
+  /// False if there is none of that id.
+  bool remove(AdmissionId id);
+  /// As if everything had changed.
+  void doubt_everything();
+
+  /// Decides what these changes touch, and nothing else: what was granted is kept as far as it can
+  /// be, then who has nothing is served, then quality is raised (core/allocation.hpp).
+  std::vector<Change> settle();
+
+  /// Decides everything anew, with described ends and admissions, whether they fit or not, as after
+  /// a start. `before`: what each channel was granted, by channel: the number of its set; they are
+  /// served first.
+  void decide(const std::map<std::size_t, std::size_t>& before = {});
 
   [[nodiscard]] Proposal propose(const Admission& admission) { return {*this, admission}; }
-  /// Takes an admission in without asking: one that was granted before a restart.
+  /// Takes an admission in without asking, before decide(): one that was granted before a restart.
   void restore(const Admission& admission);
-  /// False if there is none of that id. Call decide() afterwards.
-  bool remove(AdmissionId id);
 
   [[nodiscard]] GateState gate_state(std::size_t gateway) const {
-    return core::gate_state(system_, members_, decision_, gateway);
+    return core::gate_state(system_, members_, decisions_, gateway);
   }
+  [[nodiscard]] GateState gate_state(std::size_t gateway, std::size_t channel) const {
+    return core::gate_state(system_, members_, channel, decisions_[channel].verdicts, gateway);
+  }
+  /// What the gates of a gateway have to change after settle(). `before`: their rules of all these
+  /// channels, where somebody has left since; otherwise they follow from the changes.
+  [[nodiscard]] GateChanges gate_changes(const std::vector<Change>& changes, std::size_t gateway,
+                                         GateState before = {}) const;
 
   [[nodiscard]] std::optional<std::size_t> find_channel(const std::string& name_or_subject) const;
   [[nodiscard]] std::optional<Place> find_place(const std::string& name) const;
 
  private:
   friend class Proposal;
+  class Settlement;
   [[nodiscard]] Situation situation() const {
-    return {system_, topology_, members_, conditions_, released_};
+    return {system_, topology_, members_, world_, released_};
   }
+  void note_age(std::size_t channel);
+  void forget_deliveries(std::size_t channel, AdmissionId leaving);
 
   System system_;
   Topology topology_;
   Members members_;
-  std::vector<Condition> conditions_;
+  World world_;
   std::vector<bool> released_;
-  Decision decision_;
+  Ledger ledger_;
+  std::vector<Decision> decisions_;
+  std::vector<std::uint64_t> ages_;  // of each channel: id of its oldest admission, 0: described
+  Usage usage_;
   std::vector<Admission> admissions_;
+
+  std::map<std::size_t, Condition> new_conditions_;
+  struct NewGraph {
+    std::optional<mesh::Graph> graph;
+    std::vector<std::string> addresses;
+  };
+  std::map<std::size_t, NewGraph> new_graphs_;
+  std::set<std::size_t> touched_;   // channels that must be decided anew
+  std::set<std::size_t> relieved_;  // resources that carry less now
 };
 
 /// 64-bit subject of "0x…" with up to 16 hex digits; nothing otherwise.

@@ -82,6 +82,13 @@ std::string compared(const System& system, const Row& row, const std::string& pl
   return text + " (" + format_margin(system, row) + ")";
 }
 
+/// What a CAN bus carries must be periodic.
+bool is_analysed(const System& system, Place place) {
+  return place.kind == Place::Kind::network &&
+         system.networks[place.index].profile != Profile::none &&
+         !system.networks[place.index].provision.has(Attribute::bandwidth);
+}
+
 std::string obstacle_text(const System& system, const Members& members, const Verdict& v,
                           const std::string& problem) {
   const auto at = [&] { return name_of(system, v.obstacle_at); };
@@ -105,8 +112,12 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
              " does not fit a frame of " + at();
     case Obstacle::no_traffic:
       return "publisher " + publisher.name +
-             " states neither Period with MaxPayload nor Bandwidth, and the capacity of " + at() +
-             " is shared";
+             (is_analysed(system, v.obstacle_at)
+                  ? " states no Period, and response times on " + at() + " depend on it"
+                  : " states neither Period with MaxPayload nor Bandwidth, and the capacity of " +
+                        at() + " is shared");
+    case Obstacle::no_path:
+      return "no links are known that lead through " + at();
     case Obstacle::released:
       return "released by the operator";
   }
@@ -212,6 +223,17 @@ std::string_view to_text(Profile profile) {
   return "none";
 }
 
+std::string_view to_text(mesh::SourceKind kind) {
+  constexpr std::array<std::string_view, 8> names{"description", "file",  "nl80211", "batman",
+                                                  "awds",        "babel", "olsr",    "wire"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+std::string_view to_text(mesh::RateKind kind) {
+  constexpr std::array<std::string_view, 3> names{"phy", "effective", "derived"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
 const std::string& name_of(const System& system, Place place) {
   return place.kind == Place::Kind::network ? system.networks[place.index].name
                                             : system.gateways[place.index].name;
@@ -231,8 +253,25 @@ std::string where(const System& system, const Members& members, const Verdict& v
       return "listeners on " + name_of(system, row.place);
     case Against::capacity:
       return "capacity of " + name_of(system, row.place);
+    case Against::schedule:
+      return "response times on " + name_of(system, row.place);
+    case Against::medium_time:
+      return "medium time of " + name_of(system, row.place);
   }
   return {};
+}
+
+std::string schedule_text(const System& system, const Members& members, const Row& row) {
+  const Publisher& late = members.publisher(row.late);
+  const std::string frames = "the frames of " + late.name + " (" +
+                             system.channels[late.channel].name + ") on " +
+                             name_of(system, row.place);
+  const Comparison& c = row.comparison;
+  if (c.attribute == Attribute::omission)
+    return frames + " could find the queue of their gateway full and be lost";
+  if (c.provided == kUnbounded) return frames + " could wait without a bound";
+  return frames + " could take " + format_value(Attribute::latency, c.provided) + " of the " +
+         format_value(Attribute::latency, c.required) + " they may take at most";
 }
 
 std::string reaction(const Verdict& verdict) {
@@ -255,6 +294,11 @@ std::string reason(const System& system, const Members& members, const Verdict& 
            name_of(system, row->place) + ", " +
            format_value(Attribute::bandwidth, row->comparison.provided) + " left (" +
            format_value(Attribute::bandwidth, row->reserved) + " promised to others)";
+  if (row->against == Against::schedule) return schedule_text(system, members, *row);
+  if (row->against == Against::medium_time && !v.granted)
+    return format_value(Attribute::bandwidth, row->comparison.required) + " needed on " +
+           name_of(system, row->place) + ", whose links have time for " +
+           format_value(Attribute::bandwidth, row->comparison.provided);
   std::string place = where(system, members, v, *row);
   if (row->against == Against::end_to_end) place = "the route";
   if (row->against == Against::bystander)

@@ -30,13 +30,19 @@ namespace mlcca::core {
 
 [[nodiscard]] std::string_view to_text(NetworkKind kind);
 [[nodiscard]] std::string_view to_text(Profile profile);
+[[nodiscard]] std::string_view to_text(mesh::SourceKind kind);
+[[nodiscard]] std::string_view to_text(mesh::RateKind kind);
 
 [[nodiscard]] const std::string& name_of(const System& system, Place place);
 
 /// Where a row looks: a hop's name, "end to end", "publisher NAME for NAME", "capacity of NAME",
-/// "listeners on NAME".
+/// "listeners on NAME", "response times on NAME", "medium time of NAME".
 [[nodiscard]] std::string where(const System& system, const Members& members,
                                 const Verdict& verdict, const Row& row);
+
+/// A failed schedule row in words: whose frames would be late or lost, by how much.
+[[nodiscard]] std::string schedule_text(const System& system, const Members& members,
+                                        const Row& row);
 
 /// "174 ms = (Omission 2 + 1) x Period 50 ms + Latency 12 ms + Jitter 12 ms": how long after the
 /// last heart-beat a subscriber reacts at the latest. Empty where that is not known.

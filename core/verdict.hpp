@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/topology.hpp"
@@ -12,17 +13,20 @@ namespace mlcca::core {
 
 /// What an attribute was held against.
 enum class Against : std::uint8_t {
-  hop,         ///< one network or gateway of the route (Fig. 5)
-  end_to_end,  ///< the composed provision of the route
-  traffic,     ///< what the publisher offers, for one subscriber
-  bystander,   ///< the way to an intermediate network whose subscribers hear the event too
-  capacity,    ///< what is left of a network
+  hop,          ///< one network or gateway of the route (Fig. 5)
+  end_to_end,   ///< the composed provision of the route
+  traffic,      ///< what the publisher offers, for one subscriber
+  bystander,    ///< the way to an intermediate network whose subscribers hear the event too
+  capacity,     ///< what is left of a network
+  schedule,     ///< a message of an analysed bus and its deadline, or the queue of a gateway there
+  medium_time,  ///< what is left of the time of a mesh's domains, as payload bytes/s
 };
 
 struct Row {
   Against against = Against::hop;
   Place place;                 ///< hop, bystander, capacity
   std::size_t subscriber = 0;  ///< traffic
+  std::size_t late = 0;        ///< schedule: the publisher whose message would be late
   Comparison comparison{};
   Value reserved = 0;             ///< capacity: promised to others
   std::uint32_t user = kBuiltIn;  ///< index of a user-defined attribute
@@ -40,7 +44,21 @@ enum class Obstacle : std::uint8_t {
   no_node,      ///< the profile needs a node, the publisher states none
   too_long,     ///< the event does not fit the frames of a network
   no_traffic,   ///< a capacity to be held, and the publisher does not say what it sends
+  no_path,      ///< no links are known that lead through a mesh
   released,     ///< taken back by the operator
+};
+
+/// What an analysed medium gives a flow: times on a CAN bus, rates on a mesh.
+struct MediumUse {
+  std::size_t network = 0;
+  Value response = 0;    ///< ns from arrival to the end of the last frame, as the bus is now
+  Value guaranteed = 0;  ///< ns that whoever comes later cannot exceed
+  Value paper_rate = 0;  ///< bytes/s, 1 / sum(1 / R) over the links
+  Value available = 0;   ///< payload bytes/s of such events that the domains had left
+  std::size_t limiting_domain = 0;
+  std::vector<std::uint32_t> links;  ///< of the mesh, in the order of travel; the longest path
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> hops;   ///< the nodes of each of them
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  ///< nodes of the mesh, from and to
 };
 
 struct Verdict {
@@ -58,6 +76,7 @@ struct Verdict {
   UserValues user_requirement;
   AttributeSet provision;  ///< composed, end to end
   std::vector<Row> rows;
+  std::vector<MediumUse> media;
   Value demand = 0;  ///< payload bytes/s reserved on each network of the route
 };
 

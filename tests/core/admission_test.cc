@@ -78,7 +78,7 @@ TEST(AdmissionTest, ChecksStrictListenersOfANetworkThatTheEventCrosses) {
   system.publishers[0].attributes.set(Attribute::omission, 10);
   system.subscribers.push_back(subscriber("logger", network(2), lenient()));
   const State state(system);
-  const auto& verdicts = state.decision().channels[0];
+  const auto& verdicts = state.decisions()[0].verdicts;
   ASSERT_EQ(verdicts.size(), 2U);
   EXPECT_FALSE(verdicts[0].granted);
   EXPECT_FALSE(verdicts[1].granted);
@@ -164,14 +164,14 @@ TEST(AdmissionTest, ReservesAndRefusesWhatDoesNotFitAnyMore) {
     }
   }
   const State state(system);
-  EXPECT_TRUE(state.decision().channels[0][0].granted);
-  EXPECT_TRUE(state.decision().channels[1][0].granted);
-  const Verdict& last = state.decision().channels[2][0];
+  EXPECT_TRUE(state.decisions()[0].verdicts[0].granted);
+  EXPECT_TRUE(state.decisions()[1].verdicts[0].granted);
+  const Verdict& last = state.decisions()[2].verdicts[0];
   EXPECT_FALSE(last.granted);
   EXPECT_EQ(why(state, last),
             "160 B/s needed on robot-can, 0 B/s left (320 B/s promised to others)");
-  EXPECT_EQ(state.decision().ledger.reserved(kRobotCan), 320U);
-  EXPECT_EQ(state.decision().ledger.reserved(kSecondCan), 320U);
+  EXPECT_EQ(state.ledger().reserved(kRobotCan), 320U);
+  EXPECT_EQ(state.ledger().reserved(kSecondCan), 320U);
 }
 
 TEST(AdmissionTest, CountsABroadcastOnceHoweverManyListen) {
@@ -179,7 +179,7 @@ TEST(AdmissionTest, CountsABroadcastOnceHoweverManyListen) {
   system.subscribers.push_back(subscriber("logger", network(kRobotCan), lenient()));
   system.subscribers.push_back(subscriber("app", gateway(kBridge), heart_beat()));
   const State state(system);
-  EXPECT_EQ(state.decision().ledger.reserved(kSecondCan), 160U);
+  EXPECT_EQ(state.ledger().reserved(kSecondCan), 160U);
 }
 
 TEST(AdmissionTest, RefusesUnknownTrafficWhereTheCapacityIsShared) {
@@ -192,14 +192,17 @@ TEST(AdmissionTest, RefusesUnknownTrafficWhereTheCapacityIsShared) {
 TEST(AdmissionTest, RefusesAnInterfaceThatIsNotUsableAndGivesBackWhenItIs) {
   State state(robot(0));
   ASSERT_TRUE(only_verdict(state).granted);
-  EXPECT_TRUE(state.set_conditions({{false, "can0 is down"}, {}}));
-  state.decide();
+  state.set_condition(0, {false, "can0 is down", {}, 0});
+  const auto lost = state.settle();
+  ASSERT_EQ(lost.size(), 1U);
+  EXPECT_TRUE(lost[0].before.all_granted());
   EXPECT_FALSE(only_verdict(state).granted);
   EXPECT_EQ(reason(state.system(), state.members(), only_verdict(state), "can0 is down"),
             "robot-can is not usable: can0 is down");
-  EXPECT_TRUE(state.set_conditions({{}, {}}));
-  EXPECT_FALSE(state.set_conditions({{}, {}}));
-  state.decide();
+  state.set_condition(0, {});
+  EXPECT_EQ(state.settle().size(), 1U);
+  state.set_condition(0, {});
+  EXPECT_TRUE(state.settle().empty()) << "nothing has changed";
   EXPECT_TRUE(only_verdict(state).granted);
 }
 

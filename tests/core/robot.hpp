@@ -86,7 +86,7 @@ inline System robot(Value omission) {
 }
 
 inline const Verdict& only_verdict(const State& state) {
-  return state.decision().channels[0].at(0);
+  return state.decisions()[0].verdicts.at(0);
 }
 
 }  // namespace mlcca::core::testing

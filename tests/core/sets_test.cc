@@ -39,23 +39,23 @@ TEST(SetsTest, ThePreferredSetIsUsedWhereItFits) {
   const State state(with_video(kHighRate));
   EXPECT_TRUE(only_verdict(state).granted);
   EXPECT_EQ(only_verdict(state).set, 0U);
-  EXPECT_EQ(state.decision().ledger.reserved(kSecondCan), kHighRate);
+  EXPECT_EQ(state.ledger().reserved(kSecondCan), kHighRate);
 }
 
 TEST(SetsTest, TheLowerSetIsUsedAndReservedWhereOnlyThatFits) {
   const State state(with_video(kHighRate - 1));
   EXPECT_TRUE(only_verdict(state).granted);
   EXPECT_EQ(only_verdict(state).set, 1U);
-  EXPECT_EQ(state.decision().ledger.reserved(kRobotCan), kLowRate);
-  EXPECT_EQ(state.decision().ledger.reserved(kSecondCan), kLowRate);
+  EXPECT_EQ(state.ledger().reserved(kRobotCan), kLowRate);
+  EXPECT_EQ(state.ledger().reserved(kSecondCan), kLowRate);
 }
 
 TEST(SetsTest, WhereNoSetFitsThePreferredOneSaysWhyAndNothingIsReserved) {
   const State state(with_video(kLowRate - 1));
   EXPECT_FALSE(only_verdict(state).granted);
   EXPECT_EQ(only_verdict(state).set, 0U);
-  EXPECT_EQ(state.decision().ledger.reserved(kRobotCan), 0U);
-  EXPECT_EQ(state.decision().ledger.reserved(kSecondCan), 0U);
+  EXPECT_EQ(state.ledger().reserved(kRobotCan), 0U);
+  EXPECT_EQ(state.ledger().reserved(kSecondCan), 0U);
 }
 
 TEST(SetsTest, OneListenerThatNoSetServesDoesNotPullTheOthersDown) {
@@ -65,12 +65,12 @@ TEST(SetsTest, OneListenerThatNoSetServesDoesNotPullTheOthersDown) {
   strict.lower = {{1, video(kLowRate).set(Attribute::latency, 1), {}}};
   system.subscribers.push_back(strict);
   const State state(std::move(system));
-  const auto& verdicts = state.decision().channels[0];
+  const auto& verdicts = state.decisions()[0].verdicts;
   ASSERT_EQ(verdicts.size(), 2U);
   EXPECT_EQ(std::ranges::count_if(verdicts, &Verdict::granted), 1);
   for (const Verdict& v : verdicts) EXPECT_EQ(v.set, 0U);
   // What was tried in the lower set has left no trace.
-  EXPECT_EQ(state.decision().ledger.reserved(kRobotCan), kHighRate);
+  EXPECT_EQ(state.ledger().reserved(kRobotCan), kHighRate);
 }
 
 TEST(SetsTest, TheGateHoldsTheLengthOfTheSetThatIsUsed) {
@@ -96,10 +96,10 @@ TEST(SetsTest, ANewcomerMayBringTheChannelToALowerSet) {
   EXPECT_TRUE(proposal.fit());
   EXPECT_EQ(proposal.verdicts().at(0)->set, 1U);
   std::move(proposal).accept();
-  EXPECT_EQ(state.decision().ledger.reserved(kRobotCan), kLowRate);
+  EXPECT_EQ(state.ledger().reserved(kRobotCan), kLowRate);
   EXPECT_TRUE(state.remove(7));
-  state.decide();
-  EXPECT_EQ(state.decision().ledger.reserved(kRobotCan), 0U);
+  state.settle();
+  EXPECT_EQ(state.ledger().reserved(kRobotCan), 0U);
 }
 
 TEST(SetsTest, ADeclaredRouteIsTheOnlyOne) {

@@ -38,7 +38,7 @@ System two_ways(Value slow_omission) {
 }
 
 const Verdict& towards(const State& state, Place place) {
-  return *std::ranges::find(state.decision().channels[0], place, &Verdict::to);
+  return *std::ranges::find(state.decisions()[0].verdicts, place, &Verdict::to);
 }
 
 bool passes(const Verdict& v, std::size_t g) {
@@ -80,11 +80,11 @@ System entering_twice(Value capacity) {
 
 TEST(WayInTest, EventsThatEnterANetworkTwiceTakeItsCapacityTwice) {
   const State enough(entering_twice(320));  // two heart-beats of 160 B/s
-  EXPECT_TRUE(std::ranges::all_of(enough.decision().channels[0], &Verdict::granted));
-  EXPECT_EQ(enough.decision().ledger.reserved(kRobotCan), 320U);
-  EXPECT_EQ(enough.decision().ledger.reserved(kSecondCan), 160U) << "sent once";
+  EXPECT_TRUE(std::ranges::all_of(enough.decisions()[0].verdicts, &Verdict::granted));
+  EXPECT_EQ(enough.ledger().reserved(kRobotCan), 320U);
+  EXPECT_EQ(enough.ledger().reserved(kSecondCan), 160U) << "sent once";
   const State short_by_one(entering_twice(319));
-  EXPECT_EQ(std::ranges::count_if(short_by_one.decision().channels[0], &Verdict::granted), 1);
+  EXPECT_EQ(std::ranges::count_if(short_by_one.decisions()[0].verdicts, &Verdict::granted), 1);
 }
 
 TEST(WayInTest, TwoGatewaysSendTheEventsOfOnePublisherUnderOneIdentifier) {

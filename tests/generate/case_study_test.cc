@@ -105,7 +105,7 @@ bool granted(const std::string& name, const std::string& channel) {
     ADD_FAILURE() << name << " has no channel " << channel;
     return false;
   }
-  const auto& verdicts = state.decision().channels[*number];
+  const auto& verdicts = state.decisions()[*number].verdicts;
   EXPECT_FALSE(verdicts.empty());
   return std::ranges::all_of(verdicts, &core::Verdict::granted);
 }

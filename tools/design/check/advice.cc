@@ -84,6 +84,16 @@ const char* advice_on(core::FindingId id) {
     case Id::lower_set:
       return "An alternative of lower priority is used for all ends of the channel. Improve the "
              "network if the preferred one is needed.";
+    case Id::deadline_missed:
+      return "Every message on a CAN bus delays others (docs/CAN.md). Send less often, choose "
+             "another "
+             "identifier (mlccactl analyse-bus --assign finds an order), allow more time, or let "
+             "the "
+             "gateway queue by priority (queue=\"priority\" of its Port).";
+    case Id::medium_time:
+      return "The links of a mesh share the time of their medium (docs/MESH.md). Send less, state "
+             "a "
+             "lower attribute set, or give more important channels an importance.";
     case Id::unsafe_drop:
       return "A gate drops what it does not know, after a crash too. Make silence the safe state "
              "(a heart-beat), or keep all ends on one network.";

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/media.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "core/can/of_system.hpp"
+#include "core/route_check.hpp"
+#include "mlcca/arithmetic.hpp"
+#include "mlcca/check.hpp"
+
+namespace mlcca::core {
+namespace {
+
+Value less(Value a, Value b) { return a == kUnbounded ? a : a > b ? a - b : 0; }
+
+bool is_missing(const AttributeSet& provision, Attribute a) {
+  return !provision.has(a) || provision.is_dynamic(a);
+}
+
+void provide(AttributeSet& provision, Attribute a, Value value, bool dynamic = false) {
+  if (is_missing(provision, a)) provision.set(a, value, dynamic);
+}
+
+/// The links of a mesh are known for good only if nothing but the description knows them.
+bool is_fixed(const mesh::Mesh& mesh) {
+  return !mesh.sources.empty() && std::ranges::all_of(mesh.sources, [](const mesh::Source& s) {
+    return s.kind == mesh::SourceKind::description;
+  });
+}
+
+}  // namespace
+
+Media::Media(const Situation& situation, Ledger& ledger, std::span<Hop> hops,
+             std::vector<Limit> limits, Verdict& verdict)
+    : s_(situation),
+      ledger_(ledger),
+      places_(hops_of(verdict.route)),
+      hops_(hops),
+      limits_(std::move(limits)),
+      v_(verdict),
+      guaranteed_(hops.size(), kUnbounded) {}
+
+bool Media::any(const Situation& situation, const Ledger& ledger, const Verdict& verdict) {
+  return std::ranges::any_of(hops_of(verdict.route), [&](Place hop) {
+    return hop.kind == Place::Kind::network &&
+           (ledger.schedule(hop.index) != nullptr || situation.world.meshes[hop.index] != nullptr);
+  });
+}
+
+Media::Kind Media::kind_of(std::size_t hop) const {
+  if (places_[hop].kind != Place::Kind::network) return Kind::stated;
+  const std::size_t network = places_[hop].index;
+  if (ledger_.schedule(network) != nullptr) return Kind::bus;
+  return s_.world.meshes[network] != nullptr ? Kind::mesh : Kind::stated;
+}
+
+void Media::take() {
+  // Meshes first: what a bus may take of the time depends on what they give.
+  for (std::size_t i = 0; i < hops_.size(); ++i)
+    if (kind_of(i) == Kind::mesh) take_mesh(i);
+  for (std::size_t i = 0; i < hops_.size(); ++i)
+    if (kind_of(i) == Kind::bus) take_bus(i);
+}
+
+// --- CAN buses
+// -------------------------------------------------------------------------------------
+
+Value Media::latency_of(std::size_t hop) const {
+  if (guaranteed_[hop] != kUnbounded) return guaranteed_[hop];
+  const AttributeSet& provision = hops_[hop].provision;
+  // What nobody states is refused for that; it takes nothing of what the buses may.
+  return normalised_provision(provision)[Attribute::latency];
+}
+
+Value Media::variation_of(std::size_t hop) const {
+  if (guaranteed_[hop] != kUnbounded) return guaranteed_[hop];
+  const AttributeSet& provision = hops_[hop].provision;
+  return provision.has(Attribute::jitter) ? provision[Attribute::jitter] : latency_of(hop);
+}
+
+Value Media::variation_before(std::size_t hop) const {
+  const Publisher& publisher = s_.members.publisher(v_.publisher);
+  Value sum = attributes_in(publisher, v_.set)[Attribute::jitter];
+  for (std::size_t i = 0; i < hop; ++i) sum = add_saturating(sum, variation_of(i));
+  return sum;
+}
+
+/// How long the hop may take at most, so that everybody who hears the events there or later has
+/// them in time: of what the other hops leave, buses get shares like their bit times. That depends
+/// on nobody else on the buses, so a message is promised the same whenever it is decided.
+Value Media::delay_allowed(std::size_t hop) const {
+  const Publisher& publisher = s_.members.publisher(v_.publisher);
+  const Value source = attributes_in(publisher, v_.set)[Attribute::jitter];
+  Value most = kUnbounded;
+  for (const Limit& limit : limits_) {
+    if (limit.hop < hop) continue;
+    Value latency = limit.latency;
+    Value jitter = less(limit.jitter, source);
+    Value all = 0;
+    for (std::size_t i = 0; i <= limit.hop; ++i) {
+      if (const Value weight = bit_time(i); weight != 0) {
+        all += weight;
+        continue;
+      }
+      const Value promised = promised_delay(i);
+      latency = less(latency, std::min(latency_of(i), promised));
+      jitter = less(jitter, std::min(variation_of(i), promised));
+    }
+    const Value allowed = std::min(latency, jitter);
+    if (allowed != kUnbounded) most = std::min(most, mul_div_down(allowed, bit_time(hop), all));
+  }
+  return most;
+}
+
+/// Weight of a bus that shares what is left, in ns; 0: the hop has a delay of its own.
+Value Media::bit_time(std::size_t hop) const {
+  if (kind_of(hop) != Kind::bus || promised_delay(hop) != kUnbounded) return 0;
+  return can::bit_time(ledger_.schedule(places_[hop].index)->assumptions().timing);
+}
+
+/// What the description promises of a bus, and the analysis has to keep; kUnbounded: nothing.
+Value Media::promised_delay(std::size_t hop) const {
+  if (places_[hop].kind != Place::Kind::network) return kUnbounded;
+  const AttributeSet& stated = s_.system.networks[places_[hop].index].provision;
+  if (kind_of(hop) != Kind::bus || is_missing(stated, Attribute::latency)) return kUnbounded;
+  const Value latency = stated[Attribute::latency];
+  if (is_missing(stated, Attribute::jitter)) return latency;
+  return std::min(latency, stated[Attribute::jitter]);
+}
+
+std::uint32_t Media::sender_queue(std::size_t hop) const {
+  const Place sender = hop > 0 ? places_[hop - 1] : v_.route.front();
+  if (sender.kind != Place::Kind::gateway) return can::kOwnQueue;
+  return queue_of(s_.system, sender.index, places_[hop].index);
+}
+
+void Media::late_row(Place hop, const can::Schedule::Late& late) {
+  Row row{Against::schedule, hop, 0, Ledger::publisher_of(late.key), {}, 0};
+  Comparison& c = row.comparison;
+  c.attribute = late.overflow ? Attribute::omission : Attribute::deadline;
+  c.outcome = Outcome::unfit;
+  c.known = true;
+  c.required = late.overflow ? 0 : late.deadline;
+  c.provided = late.overflow || !late.bounded ? kUnbounded : late.response;
+  v_.rows.push_back(row);
+}
+
+void Media::take_bus(std::size_t hop) {
+  const std::size_t network = places_[hop].index;
+  const Publisher& publisher = s_.members.publisher(v_.publisher);
+  const can::Timing timing = ledger_.schedule(network)->assumptions().timing;
+  auto message = can::message_of(s_.system, publisher, v_.set, network, timing);
+  if (!message) {
+    if (v_.obstacle == Obstacle::none) {
+      v_.obstacle = Obstacle::no_traffic;
+      v_.obstacle_at = places_[hop];
+    }
+    return;
+  }
+  const Flow flow = flow_on(s_.system, v_.publisher, v_.route, hop);
+  const std::uint64_t key = Ledger::key_of(flow);
+  message->jitter = variation_before(hop);
+  message->queue = sender_queue(hop);
+  const Value promised = promised_delay(hop);
+  Value delay = promised != kUnbounded ? promised : delay_allowed(hop);
+  if (const can::Message* held = ledger_.schedule(network)->find(key)) {
+    // For another place behind this bus: whoever is stricter counts.
+    message->jitter = std::max(message->jitter, held->jitter);
+    delay = std::min(delay, less(held->deadline, held->jitter));
+  }
+  message->deadline = add_saturating(message->jitter, delay);
+  const auto late = ledger_.schedule(flow, *message);
+  MediumUse& use = v_.media.emplace_back();
+  use.network = network;
+  if (late) {
+    late_row(places_[hop], *late);
+    if (late->key == key && late->bounded) use.response = less(late->response, message->jitter);
+  } else {
+    use.response = less(ledger_.schedule(network)->response(key), message->jitter);
+    use.guaranteed = delay;
+    guaranteed_[hop] = delay;
+  }
+  AttributeSet& provision = hops_[hop].provision;
+  if (use.response != 0) {
+    provide(provision, Attribute::latency, use.response);
+    provide(provision, Attribute::jitter, use.response);
+  }
+  provide(provision, Attribute::period, message->period);
+}
+
+// --- meshes -------------------------------------------------------------------------------------
+
+std::vector<std::uint32_t> Media::entries(std::size_t hop) const {
+  const mesh::Mesh& mesh = *s_.system.networks[places_[hop].index].mesh;
+  const Place before = hop > 0 ? places_[hop - 1] : v_.route.front();
+  std::vector<std::uint32_t> nodes;
+  const auto& at_home = s_.members.publisher(v_.publisher).mesh_node;
+  for (std::uint32_t n = 0; n < mesh.nodes.size(); ++n) {
+    const bool meant = before.kind == Place::Kind::gateway ? mesh.nodes[n].gateway == before.index
+                                                           : !at_home || *at_home == n;
+    if (meant) nodes.push_back(n);
+  }
+  return nodes;
+}
+
+std::vector<std::uint32_t> Media::exits(std::size_t hop) const {
+  const mesh::Mesh& mesh = *s_.system.networks[places_[hop].index].mesh;
+  const bool last = hop + 1 == places_.size();
+  const Place after = last ? v_.route.back() : places_[hop + 1];
+  std::vector<std::uint32_t> nodes;
+  for (std::uint32_t n = 0; n < mesh.nodes.size(); ++n) {
+    bool meant = false;
+    if (after.kind == Place::Kind::gateway)
+      meant = mesh.nodes[n].gateway == after.index;
+    else
+      meant = std::ranges::any_of(v_.subscribers, [&](std::size_t s) {
+        const auto& node = s_.members.subscriber(s).mesh_node;
+        return !node || *node == n;
+      });
+    if (meant) nodes.push_back(n);
+  }
+  return nodes;
+}
+
+void Media::take_mesh(std::size_t hop) {
+  const std::size_t network = places_[hop].index;
+  const MeshView& view = *s_.world.meshes[network];
+  const mesh::Mesh& mesh = *s_.system.networks[network].mesh;
+  const AttributeSet& offered = attributes_in(s_.members.publisher(v_.publisher), v_.set);
+  const Value event = offered[Attribute::max_payload];
+  const bool best_case = s_.best_cases_pass && !is_fixed(mesh);
+  const Flow flow = flow_on(s_.system, v_.publisher, v_.route, hop);
+  const auto taken = [&](std::size_t domain) {
+    return add_saturating(ledger_.medium_time(network, domain), view.background[domain]);
+  };
+
+  MediumUse use;
+  use.network = network;
+  use.paper_rate = kUnbounded;
+  use.available = kUnbounded;
+  Value alone = kUnbounded;
+  std::size_t longest = 0;
+  AttributeSet links_give;
+  bool reached = false;
+  bool fits = true;
+  for (const std::uint32_t from : entries(hop)) {
+    for (const std::uint32_t to : exits(hop)) {
+      if (from == to) continue;
+      const auto& path = view.path(from, to);
+      if (path.empty()) {
+        if (best_case) return;  // nothing is described: the run time decides
+        if (v_.obstacle == Obstacle::none) {
+          v_.obstacle = Obstacle::no_path;
+          v_.obstacle_at = places_[hop];
+        }
+        return;
+      }
+      reached = true;
+      use.pairs.emplace_back(from, to);
+      const mesh::PathCost& cost = view.cost(from, to);
+      const auto unused = cost.evaluate(event, [&](std::size_t d) { return view.background[d]; });
+      alone = std::min(alone, unused.available);
+      use.paper_rate = std::min(use.paper_rate, unused.paper);
+      if (path.size() > longest) {
+        longest = path.size();
+        use.links = path;
+        use.hops.clear();
+        for (const std::uint32_t link : path)
+          use.hops.emplace_back(view.graph.links[link].from, view.graph.links[link].to);
+        links_give = mesh::composed_per_hop(view.graph, mesh, path, event);
+      }
+      // Links that the flow goes over already, to another place, carry it once.
+      std::vector<std::uint32_t> more;
+      const Holding* held = ledger_.find(flow);
+      for (const std::uint32_t link : path)
+        if (!held->mesh || std::ranges::find(held->mesh->links, link) == held->mesh->links.end())
+          more.push_back(link);
+      if (more.empty()) continue;
+      std::optional<mesh::PathCost> part;
+      if (more.size() != path.size()) part.emplace(view.graph, mesh, view.domains, more);
+      const mesh::PathCost& extra = part ? *part : cost;
+      const auto left = extra.evaluate(event, taken);
+      if (left.available < use.available) {
+        use.available = left.available;
+        use.limiting_domain = left.limiting_domain;
+      }
+      if (left.available < v_.demand)
+        fits = false;
+      else
+        ledger_.occupy(flow, more, extra.shares(v_.demand, event));
+    }
+  }
+  AttributeSet& provision = hops_[hop].provision;
+  if (!reached) {
+    provide(provision, Attribute::bandwidth, kUnbounded);
+    return;
+  }
+  provide(provision, Attribute::bandwidth, alone, best_case);
+  for (std::size_t i = 0; i < kAttributes; ++i) {
+    const Attribute a = attribute_at(i);
+    if (a != Attribute::bandwidth && links_give.has(a))
+      provide(provision, a, links_give[a], best_case);
+  }
+  if (use.available != kUnbounded) {
+    Row row{Against::medium_time, places_[hop], 0, 0, {}, 0};
+    Comparison& c = row.comparison;
+    c.attribute = Attribute::bandwidth;
+    c.known = true;
+    c.dynamic = best_case && fits;
+    c.outcome = !fits ? Outcome::unfit : best_case ? Outcome::run_time : Outcome::fit;
+    c.required = v_.demand;
+    c.provided = use.available;
+    medium_rows_.push_back(row);
+  }
+  v_.media.push_back(std::move(use));
+}
+
+}  // namespace mlcca::core

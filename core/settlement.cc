@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What a round of changes touches, and what becomes of it.
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/allocation.hpp"
+#include "core/state.hpp"
+
+namespace mlcca::core {
+namespace {
+
+/// Domains depend on which links there are, not on how good they are.
+bool same_topology(const mesh::Graph& a, const mesh::Graph& b) {
+  return a.nodes == b.nodes &&
+         std::ranges::equal(a.links, b.links, [](const auto& x, const auto& y) {
+           return x.from == y.from && x.to == y.to && x.channel == y.channel;
+         });
+}
+
+}  // namespace
+
+/// One round of changes: finds what they touch, brings ledger and world in line, and decides.
+class State::Settlement {
+ public:
+  explicit Settlement(State& state) : s_(state) {}
+
+  std::vector<Change> run() {
+    collect();
+    Allocation allocation(s_.situation(), s_.ages_, s_.decisions_, s_.ledger_);
+    for (const std::size_t c : s_.touched_) take_out(allocation, c);
+    s_.ledger_.commit();
+    renew_world();
+    std::vector<std::vector<std::size_t>> short_of;
+    for (Component& component : components()) {
+      allocation.sort(component.touched);
+      if (!allocation.keep(component.touched)) short_of.push_back(everybody_in(component));
+    }
+    for (std::vector<std::size_t>& channels : short_of) {
+      for (const std::size_t c : channels) take_out(allocation, c);
+      allocation.sort(channels);
+      allocation.squeeze(channels);
+    }
+    s_.ledger_.commit();
+    hand_out(allocation);
+    s_.touched_.clear();
+    s_.relieved_.clear();
+    return changes();
+  }
+
+ private:
+  /// Channels that share resources, directly or over others. What one of them gives up or takes
+  /// matters to no channel outside.
+  struct Component {
+    std::vector<std::size_t> touched;
+    std::set<std::size_t> resources;
+  };
+
+  void take_out(Allocation& allocation, std::size_t channel) {
+    before_.try_emplace(channel, s_.decisions_[channel]);
+    allocation.take_out(channel);
+  }
+
+  std::vector<Component> components() {
+    std::vector<Component> all;
+    std::set<std::size_t> placed;
+    for (const std::size_t c : s_.touched_) {
+      if (s_.decisions_[c].granted == 0 || placed.contains(c)) continue;
+      Component component;
+      spread(c, component.resources);
+      for (const std::size_t other : s_.touched_) {
+        const auto& used = s_.usage_.resources_of(other);
+        if (s_.decisions_[other].granted == 0 || used.empty() ||
+            !component.resources.contains(used.front()))
+          continue;
+        component.touched.push_back(other);
+        placed.insert(other);
+      }
+      if (component.touched.empty()) component.touched.push_back(c);  // it crosses nothing
+      all.push_back(std::move(component));
+    }
+    return all;
+  }
+
+  /// Everything that is shared with a channel.
+  void spread(std::size_t channel, std::set<std::size_t>& resources) const {
+    std::vector<std::size_t> open = s_.usage_.resources_of(channel);
+    while (!open.empty()) {
+      const std::size_t resource = open.back();
+      open.pop_back();
+      if (!resources.insert(resource).second) continue;
+      for (const std::size_t c : s_.usage_.carried_by(resource))
+        for (const std::size_t r : s_.usage_.resources_of(c))
+          if (!resources.contains(r)) open.push_back(r);
+    }
+  }
+
+  [[nodiscard]] std::vector<std::size_t> everybody_in(const Component& component) const {
+    std::set<std::size_t> all(component.touched.begin(), component.touched.end());
+    for (const std::size_t r : component.resources)
+      all.insert(s_.usage_.carried_by(r).begin(), s_.usage_.carried_by(r).end());
+    return {all.begin(), all.end()};
+  }
+
+  /// Serves and raises until what became free is given away, and what that sets free.
+  void hand_out(Allocation& allocation) {
+    for (;;) {
+      find_relief();
+      std::vector<std::size_t> waiting = waiting_channels();
+      for (const std::size_t c : waiting) before_.try_emplace(c, s_.decisions_[c]);
+      allocation.sort(waiting);
+      bool any = false;
+      while (allocation.serve(waiting) || allocation.raise(waiting)) any = true;
+      if (!any) return;
+    }
+  }
+
+  void touch(const Usage::Channels& channels) {
+    s_.touched_.insert(channels.begin(), channels.end());
+  }
+
+  void collect() {
+    for (const auto& [network, condition] : s_.new_conditions_) {
+      touch(s_.usage_.carried_by(network));
+      s_.relieved_.insert(network);
+    }
+    for (auto& [network, links] : s_.new_graphs_) collect_mesh(network, std::move(links));
+    s_.new_graphs_.clear();
+  }
+
+  void collect_mesh(std::size_t network, NewGraph links) {
+    const auto& old = s_.world_.meshes[network];
+    auto& graph = links.graph;
+    if (graph && old && *graph == old->graph) return;
+    std::shared_ptr<MeshView> now;
+    if (graph) {
+      now = std::make_shared<MeshView>(*s_.system_.networks[network].mesh, std::move(*graph),
+                                       std::move(links.addresses));
+      if (old && same_topology(old->graph, now->graph)) {
+        collect_pairs(network, *old, *now);
+      } else {
+        touch(s_.usage_.carried_by(network));
+        s_.relieved_.insert(network);
+      }
+      measure_background(network, *now, old != nullptr && same_topology(old->graph, now->graph));
+    } else {
+      touch(s_.usage_.carried_by(network));
+    }
+    views_.emplace_back(network, std::move(now));
+  }
+
+  /// Only flows over a pair of nodes whose path or whose links are others than before.
+  void collect_pairs(std::size_t network, const MeshView& old, const MeshView& now) {
+    const auto changed = [&](std::uint32_t link) {
+      const mesh::Link& a = old.graph.links[link];
+      const mesh::Link& b = now.graph.links[link];
+      return a.quality != b.quality || a.busy != b.busy;
+    };
+    std::vector<bool> domain_changed(now.domains.count(), false);
+    for (std::uint32_t l = 0; l < now.graph.links.size(); ++l)
+      if (old.graph.links[l].busy != now.graph.links[l].busy)
+        for (const std::uint32_t d : now.domains.of_link(l)) domain_changed[d] = true;
+    const auto in_changed_domain = [&](std::uint32_t link) {
+      return std::ranges::any_of(now.domains.of_link(link),
+                                 [&](std::uint32_t d) { return domain_changed[d]; });
+    };
+    for (const auto& [key, channels] : s_.usage_.pairs_of(network)) {
+      const auto [from, to] = Usage::pair_of(key);
+      const auto& path = now.path(from, to);
+      if (path != old.path(from, to) || std::ranges::any_of(path, changed) ||
+          std::ranges::any_of(path, in_changed_domain))
+        touch(channels);
+    }
+    // Also where links got worse only: packets may take another way through the mesh.
+    s_.relieved_.insert(network);
+  }
+
+  /// What is measured includes what we reserved ourselves, which is taken as sent.
+  void measure_background(std::size_t network, MeshView& view, bool same_domains) const {
+    for (std::size_t d = 0; d < view.domains.count(); ++d)
+      view.background[d] = mesh::background_of(
+          view.domains.busy_of(d), same_domains ? s_.ledger_.medium_time(network, d) : 0);
+  }
+
+  /// Nobody who is touched holds anything any more.
+  void renew_world() {
+    for (auto& [network, condition] : s_.new_conditions_) {
+      s_.world_.conditions[network] = std::move(condition);
+      s_.ledger_.set_bus(network, bus_of(s_.system_, s_.world_.conditions[network], network));
+    }
+    s_.new_conditions_.clear();
+    for (auto& [network, view] : views_) {
+      const auto& old = s_.world_.meshes[network];
+      if (!old || !view || !same_topology(old->graph, view->graph))
+        s_.ledger_.set_domains(network, view ? view->domains.count() : 0);
+      s_.world_.meshes[network] = std::move(view);
+    }
+  }
+
+  /// Networks that carry less of somebody than before, or something else.
+  void find_relief() {
+    for (const auto& [channel, old] : before_) {
+      const Decision& now = s_.decisions_[channel];
+      // Who was touched may hold something else now, also where it was granted the same.
+      if (old.granted == 0 || (!s_.touched_.contains(channel) && is_same(old, now))) continue;
+      for (const std::size_t r : s_.usage_.resources_of(channel)) s_.relieved_.insert(r);
+    }
+  }
+
+  [[nodiscard]] static bool is_same(const Decision& a, const Decision& b) {
+    return a.set == b.set && a.granted == b.granted &&
+           std::ranges::equal(a.verdicts, b.verdicts, [](const Verdict& x, const Verdict& y) {
+             return x.granted == y.granted && x.publisher == y.publisher && x.to == y.to &&
+                    x.route == y.route;
+           });
+  }
+
+  [[nodiscard]] std::vector<std::size_t> waiting_channels() const {
+    std::set<std::size_t> waiting;
+    for (const auto& [channel, before] : before_) waiting.insert(channel);
+    for (const std::size_t r : s_.relieved_) {
+      const auto& channels = s_.usage_.waiting_for(r);
+      waiting.insert(channels.begin(), channels.end());
+    }
+    return {waiting.begin(), waiting.end()};
+  }
+
+  std::vector<Change> changes() {
+    std::vector<Change> all;
+    for (auto& [channel, before] : before_) {
+      s_.usage_.set(s_.situation(), channel, s_.decisions_[channel]);
+      all.push_back({channel, std::move(before)});
+    }
+    return all;
+  }
+
+  State& s_;
+  std::map<std::size_t, Decision> before_;
+  std::vector<std::pair<std::size_t, std::shared_ptr<MeshView>>> views_;
+};
+
+std::vector<Change> State::settle() {
+  if (new_conditions_.empty() && new_graphs_.empty() && touched_.empty() && relieved_.empty())
+    return {};
+  return Settlement(*this).run();
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/usage.hpp"
+
+#include <algorithm>
+
+namespace mlcca::core {
+namespace {
+
+void note(const System& system, std::vector<std::size_t>& resources, const Route& route) {
+  for (const Place hop : hops_of(route)) {
+    const std::size_t resource = system.resource_of(hop);
+    if (std::ranges::find(resources, resource) == resources.end()) resources.push_back(resource);
+  }
+}
+
+}  // namespace
+
+void Usage::forget(std::size_t channel) {
+  OfChannel& old = of_channel_[channel];
+  for (const std::size_t r : old.carried) carried_[r].erase(channel);
+  for (const std::size_t r : old.waiting) waiting_[r].erase(channel);
+  for (const auto& [n, pair] : old.pairs) {
+    const auto it = pairs_[n].find(pair);
+    it->second.erase(channel);
+    if (it->second.empty()) pairs_[n].erase(it);
+  }
+  old.carried.clear();
+  old.waiting.clear();
+  old.pairs.clear();
+}
+
+void Usage::set(const Situation& s, std::size_t channel, const Decision& decision) {
+  forget(channel);
+  OfChannel& now = of_channel_[channel];
+  const bool best = decision.all_granted() && decision.set == 0;
+  for (const Verdict& v : decision.verdicts) {
+    if (v.granted) {
+      note(s.system, now.carried, v.route);
+      for (const MediumUse& use : v.media)
+        for (const auto& [from, to] : use.pairs) {
+          const std::pair entry(use.network, std::uint64_t{from} << 32U | to);
+          if (std::ranges::find(now.pairs, entry) == now.pairs.end()) now.pairs.push_back(entry);
+        }
+    }
+    if (best) continue;
+    for (const Route& route : s.topology.routes(s.members.publisher(v.publisher).place, v.to))
+      note(s.system, now.waiting, route);
+  }
+  for (const std::size_t r : now.carried) carried_[r].insert(channel);
+  for (const std::size_t r : now.waiting) waiting_[r].insert(channel);
+  for (const auto& [n, pair] : now.pairs) pairs_[n][pair].insert(channel);
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Who gets what when a network changes: keep, squeeze, serve, raise.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/core/robot.hpp"
+
+namespace mlcca::core::testing {
+namespace {
+
+constexpr Value kHigh = 400;
+constexpr Value kLow = 100;
+
+AttributeSet rate(Value bytes_per_second) {
+  return AttributeSet{}.set(Attribute::bandwidth, bytes_per_second).set(Attribute::max_payload, 8);
+}
+
+/// Channels of two attribute sets, high and low, all over one link of a mesh between two nodes.
+/// With a rate of 8 bit/s for each byte/s and no overhead, the mesh carries so many bytes/s, and 1
+/// % more.
+class Scarce {
+ public:
+  explicit Scarce(const std::vector<std::uint8_t>& importances) {
+    System system;
+    system.name = "scarce";
+    Network net;
+    net.name = "air";
+    net.kind = NetworkKind::mesh;
+    net.provision.set(Attribute::max_payload, 1400);
+    mesh::Mesh m;
+    m.limit = mesh::kWhole;
+    m.header_bytes = 0;
+    m.nodes = {{"a", "a", {}, {}}, {"b", "b", {}, {}}};
+    net.mesh = m;
+    system.networks.push_back(net);
+    for (std::size_t c = 0; c < importances.size(); ++c) {
+      EventChannel channel;
+      channel.name = "c" + std::to_string(c);
+      channel.subject = c + 1;
+      channel.importance = importances[c];
+      channel.priority = 2;
+      channel.attributes = rate(kHigh);
+      channel.lower = {{1, rate(kLow), {}}};
+      system.channels.push_back(channel);
+      Publisher p;
+      p.name = "p" + std::to_string(c);
+      p.channel = c;
+      p.place = network(0);
+      p.attributes = channel.attributes;
+      p.lower = channel.lower;
+      p.mesh_node = 0;
+      system.publishers.push_back(p);
+      Subscriber s;
+      s.name = "s" + std::to_string(c);
+      s.channel = c;
+      s.place = network(0);
+      s.attributes = channel.attributes;
+      s.lower = channel.lower;
+      s.mesh_node = 1;
+      system.subscribers.push_back(s);
+    }
+    state_ = std::make_unique<State>(std::move(system));
+  }
+
+  std::vector<Change> carries(Value bytes_per_second) {
+    mesh::Graph graph;
+    graph.nodes = 2;
+    if (bytes_per_second != 0) {
+      mesh::Link link;
+      link.from = 0;
+      link.to = 1;
+      link.quality.rate = bytes_per_second * 8 * 101 / 100;  // shares are rounded up
+      link.quality.kind = mesh::RateKind::effective;
+      graph.links = {link};
+    }
+    state_->set_graph(0, graph);
+    return state_->settle();
+  }
+  void decide() { state_->decide(); }
+
+  /// 'h', 'l' or '-' for each channel.
+  [[nodiscard]] std::string service() const {
+    std::string all;
+    for (const Decision& d : state_->decisions())
+      all += d.granted == 0 ? '-' : d.set == 0 ? 'h' : 'l';
+    return all;
+  }
+  State& state() { return *state_; }
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+TEST(AllocationTest, NothingIsGrantedOverLinksThatNobodyKnows) {
+  Scarce s({0, 0});
+  EXPECT_EQ(s.service(), "--");
+  EXPECT_EQ(s.state().decisions()[0].verdicts.at(0).obstacle, Obstacle::none);
+  s.carries(0);
+  EXPECT_EQ(s.service(), "--");
+  EXPECT_EQ(s.state().decisions()[0].verdicts.at(0).obstacle, Obstacle::no_path);
+}
+
+TEST(AllocationTest, TheVideoGoesDownAndComesBackByItself) {
+  Scarce s({0});
+  s.carries(500);
+  EXPECT_EQ(s.service(), "h");
+  s.carries(300);
+  EXPECT_EQ(s.service(), "l");
+  s.carries(50);
+  EXPECT_EQ(s.service(), "-");
+  s.carries(150);
+  EXPECT_EQ(s.service(), "l");
+  s.carries(500);
+  EXPECT_EQ(s.service(), "h");
+}
+
+TEST(AllocationTest, QualityIsLoweredBeforeAnybodyIsWithdrawn) {
+  Scarce s({0, 0, 0});
+  s.carries(1200);
+  EXPECT_EQ(s.service(), "hhh");
+  s.carries(900);
+  EXPECT_EQ(s.service(), "hhl");
+  s.carries(300);
+  EXPECT_EQ(s.service(), "lll");
+  s.carries(250);
+  EXPECT_EQ(s.service(), "ll-") << "the youngest";
+}
+
+TEST(AllocationTest, TheMoreImportantIsKeptAndRaisedFirst) {
+  Scarce s({0, 0, 7});
+  s.carries(1200);
+  s.carries(600);
+  EXPECT_EQ(s.service(), "llh");
+  s.carries(100);
+  EXPECT_EQ(s.service(), "--l");
+  s.carries(200);
+  EXPECT_EQ(s.service(), "l-l") << "served before anybody is raised";
+  s.carries(550);
+  EXPECT_EQ(s.service(), "lll") << "the important one would need 50 more";
+  s.carries(600);
+  EXPECT_EQ(s.service(), "llh");
+}
+
+TEST(AllocationTest, ServiceComesBeforeQualityAlsoFromTheStart) {
+  Scarce s({7, 0, 0});
+  s.carries(600);
+  EXPECT_EQ(s.service(), "hll");
+  s.decide();
+  EXPECT_EQ(s.service(), "hll");
+}
+
+TEST(AllocationTest, NobodyIsLoweredForWhoWaits) {
+  Scarce s({0, 9});
+  s.carries(400);
+  // Both at once: each is served, and the rest is too little for more.
+  EXPECT_EQ(s.service(), "ll");
+  Scarce t({0, 9});
+  t.state().set_released(1, true);
+  t.carries(400);
+  EXPECT_EQ(t.service(), "h-");
+  t.state().set_released(1, false);
+  t.state().settle();
+  EXPECT_EQ(t.service(), "h-") << "who was there keeps what he has";
+}
+
+TEST(AllocationTest, AReleaseServesWhoWaits) {
+  Scarce s({0, 0});
+  s.carries(150);
+  EXPECT_EQ(s.service(), "l-");
+  s.state().set_released(0, true);
+  s.state().settle();
+  EXPECT_EQ(s.service(), "-l");
+}
+
+TEST(AllocationTest, AChangeThatChangesNothingTellsNobody) {
+  Scarce s({0, 0});
+  s.carries(2000);
+  EXPECT_TRUE(s.carries(2000).empty());
+}
+
+TEST(AllocationTest, WhatWasGrantedBeforeTheRestartIsServedFirst) {
+  Scarce s({0, 0});
+  s.carries(450);
+  // Alone the second got its high quality before the first was admitted again.
+  s.state().decide({{1, 0}});
+  EXPECT_EQ(s.service(), "-h");
+}
+
+}  // namespace
+}  // namespace mlcca::core::testing
