@@ -2,11 +2,13 @@
 // One write per request; replies are read in large pieces and decoded as they become whole.
 #include "control/client.hpp"
 
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <sys/un.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <string_view>
@@ -35,6 +37,21 @@ std::unexpected<mlcca::Error> cannot_connect(const std::string& path, int error)
     default:
       return fail("connect " + cause);
   }
+}
+
+/// Waits without limit until one of them can be read or has ended: whether it is `first`.
+Result<bool> wait_for_either(int first, int second) {
+  std::array<pollfd, 2> waiting{pollfd{.fd = first, .events = POLLIN, .revents = 0},
+                                pollfd{.fd = second, .events = POLLIN, .revents = 0}};
+  while (::poll(waiting.data(), waiting.size(), -1) < 0)
+    if (errno != EINTR) return fail(std::string("wait for mlccad: ") + ::strerror(errno));
+  return waiting[0].revents != 0;
+}
+
+Result<std::optional<Event>> event_of(Reply reply) {
+  if (auto* event = std::get_if<Event>(&reply.body)) return std::move(*event);
+  if (const auto* error = std::get_if<Error>(&reply.body)) return fail(error->message);
+  return fail("mlccad sent a reply that nobody asked for");
 }
 
 }  // namespace
@@ -73,7 +90,7 @@ Result<Reply> Client::call(Request request) {
                 std::to_string(kMaxRequest) + " are possible");
   const auto sent = send(bytes);
   for (;;) {
-    auto reply = receive(Wait::with_patience);
+    auto reply = receive();
     // What could not be sent may have been answered: refused, then closed.
     if (!reply) return sent ? std::move(reply) : std::unexpected(sent.error());
     if (auto* event = std::get_if<Event>(&reply->body)) {
@@ -88,16 +105,28 @@ Result<Reply> Client::call(Request request) {
 }
 
 Result<Event> Client::next_event() {
-  if (!events_.empty()) {
-    auto event = std::move(events_.front());
-    events_.pop_front();
-    return event;
+  for (;;) {
+    auto event = next_event_unless(-1);
+    if (!event) return std::unexpected(std::move(event).error());
+    if (auto& one = *event; one) return std::move(*one);
   }
-  auto reply = receive(Wait::for_ever);
-  if (!reply) return std::unexpected(std::move(reply).error());
-  if (auto* event = std::get_if<Event>(&reply->body)) return std::move(*event);
-  if (const auto* error = std::get_if<Error>(&reply->body)) return fail(error->message);
-  return fail("mlccad sent a reply that nobody asked for");
+}
+
+Result<std::optional<Event>> Client::next_event_unless(int other) {
+  for (;;) {
+    if (!events_.empty()) {
+      auto event = std::move(events_.front());
+      events_.pop_front();
+      return event;
+    }
+    auto reply = decode_reply(received_);
+    if (!reply) return std::unexpected(std::move(reply).error());
+    if (auto& whole = *reply; whole) return event_of(std::move(*whole));
+    const auto heard = wait_for_either(socket_.get(), other);
+    if (!heard) return std::unexpected(heard.error());
+    if (!*heard) return std::nullopt;
+    if (const auto received = receive_bytes(); !received) return std::unexpected(received.error());
+  }
 }
 
 Result<void> Client::send(const std::string& bytes) {
@@ -115,22 +144,28 @@ Result<void> Client::send(const std::string& bytes) {
   return {};
 }
 
-Result<Reply> Client::receive(Wait how) {
+Result<Reply> Client::receive() {
   for (;;) {
     auto reply = decode_reply(received_);
     if (!reply) return std::unexpected(std::move(reply).error());
     if (auto& whole = *reply; whole) return std::move(*whole);
+    const auto received = receive_bytes();
+    if (!received) return std::unexpected(received.error());
+    if (!*received) return fail(silence());
+  }
+}
+
+Result<bool> Client::receive_bytes() {
+  for (;;) {
     const auto room = received_.space(kReadSize);
     const auto n = ::recv(socket_.get(), room.data(), room.size(), 0);
     if (n > 0) {
       received_.commit(static_cast<std::size_t>(n));
-    } else if (n == 0) {
-      return fail("mlccad closed the connection");
-    } else if (errno == EAGAIN) {
-      if (how == Wait::with_patience) return fail(silence());
-    } else if (errno != EINTR) {
-      return fail(std::string("receive from mlccad: ") + ::strerror(errno));
+      return true;
     }
+    if (n == 0) return fail("mlccad closed the connection");
+    if (errno == EAGAIN) return false;
+    if (errno != EINTR) return fail(std::string("receive from mlccad: ") + ::strerror(errno));
   }
 }
 

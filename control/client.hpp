@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 
 #include "control/buffer.hpp"
@@ -31,14 +32,20 @@ class Client {
   /// Error body; a lost or silent daemon is an error.
   Result<Reply> call(Request request);
 
-  /// Waits without limit for the next event of a monitor; an error when the daemon goes away.
+  /// Waits without limit for the next event of a monitor, or of admissions that are held; an error
+  /// when the daemon goes away.
   Result<Event> next_event();
 
- private:
-  enum class Wait : bool { with_patience, for_ever };
+  /// The same, or nothing once file descriptor `other` can be read or has ended, and no event is
+  /// there. What comes in there is the caller's to read. Negative: as next_event().
+  Result<std::optional<Event>> next_event_unless(int other);
 
+ private:
   Result<void> send(const std::string& bytes);
-  Result<Reply> receive(Wait how);
+  /// The next reply, within the daemon's patience.
+  Result<Reply> receive();
+  /// Receives some bytes; false if none came in time.
+  Result<bool> receive_bytes();
   [[nodiscard]] std::string silence() const;
 
   Fd socket_;  ///< gives up sending and receiving after patience_

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Protobuf to plain structs: field by field, in the order of control.proto. Texts are moved.
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -120,6 +121,16 @@ Row row(v1::Row& from) {
           .margin = text(from.mutable_margin())};
 }
 
+MediumUse medium_use(v1::MediumUse& from) {
+  return {.network = text(from.mutable_network()),
+          .response_ns = from.response_ns(),
+          .guaranteed_ns = from.guaranteed_ns(),
+          .paper_rate = from.paper_rate(),
+          .available = from.available(),
+          .limiting_domain = text(from.mutable_limiting_domain()),
+          .nodes = texts(from.mutable_nodes())};
+}
+
 Channel channel(v1::Channel& from) {
   return {.subject = from.subject(),
           .name = text(from.mutable_name()),
@@ -133,9 +144,90 @@ Channel channel(v1::Channel& from) {
           .route = texts(from.mutable_route()),
           .rows = all(from.mutable_rows(), row),
           .admission = from.admission(),
+          .set = from.set(),
+          .sets = std::max(from.sets(), 1U),
+          .importance = from.importance(),
+          .media = all(from.mutable_media(), medium_use),
           .passed = from.passed(),
           .dropped = from.dropped(),
-          .reaction = from.reaction()};
+          .reaction = text(from.mutable_reaction())};
+}
+
+RouteReport route_report(v1::RouteReport& from) {
+  return {.from = text(from.mutable_from()),
+          .to = text(from.mutable_to()),
+          .places = texts(from.mutable_places()),
+          .granted = from.granted(),
+          .refused = from.refused(),
+          .media = all(from.mutable_media(), medium_use),
+          .problem = text(from.mutable_problem())};
+}
+
+MeshLink mesh_link(v1::MeshLink& from) {
+  return {.network = text(from.mutable_network()),
+          .from = text(from.mutable_from()),
+          .to = text(from.mutable_to()),
+          .rate = from.rate(),
+          .believed_rate = from.believed_rate(),
+          .kind = text(from.mutable_kind()),
+          .loss_known = from.loss_known(),
+          .loss = from.loss(),
+          .busy_known = from.busy_known(),
+          .busy = from.busy(),
+          .age_ns = from.age_ns(),
+          .stale = from.stale(),
+          .source = text(from.mutable_source())};
+}
+
+Reservation reservation(v1::Reservation& from) {
+  return {.channel = text(from.mutable_channel()),
+          .publisher = text(from.mutable_publisher()),
+          .amount = from.amount(),
+          .admission = from.admission(),
+          .set = from.set(),
+          .importance = from.importance(),
+          .lease_ns = from.lease_ns()};
+}
+
+Resource resource(v1::Resource& from) {
+  return {.name = text(from.mutable_name()),
+          .kind = text(from.mutable_kind()),
+          .unit = text(from.mutable_unit()),
+          .capacity_known = from.capacity_known(),
+          .capacity = from.capacity(),
+          .reserved = from.reserved(),
+          .background = from.background(),
+          .reservations = all(from.mutable_reservations(), reservation)};
+}
+
+Outlook outlook(v1::Outlook& from) {
+  return {.channel = text(from.mutable_channel()),
+          .publisher = text(from.mutable_publisher()),
+          .to = text(from.mutable_to()),
+          .granted_now = from.granted_now(),
+          .granted_then = from.granted_then(),
+          .set_now = from.set_now(),
+          .set_then = from.set_then(),
+          .reason = text(from.mutable_reason())};
+}
+
+HistoryEntry history_entry(v1::HistoryEntry& from) {
+  return {.unix_ns = from.unix_ns(),
+          .kind = text(from.mutable_kind()),
+          .subject = from.subject(),
+          .channel = text(from.mutable_channel()),
+          .from = text(from.mutable_from()),
+          .to = text(from.mutable_to()),
+          .network = text(from.mutable_network()),
+          .message = text(from.mutable_message())};
+}
+
+LinkChange link_change(v1::LinkChange& from) {
+  return {.network = text(from.mutable_network()),
+          .from = text(from.mutable_from()),
+          .to = text(from.mutable_to()),
+          .rate = from.rate(),
+          .both_ways = !from.one_way()};
 }
 
 template <class Body>
@@ -152,6 +244,27 @@ Body channel_request(v1::ChannelRequest& from) {
   to.subscriber = text(from.mutable_subscriber());
   to.publisher = text(from.mutable_publisher());
   return to;
+}
+
+Admit admit(v1::ChannelRequest& from) {
+  auto to = channel_request<Admit>(from);
+  to.key = text(from.mutable_key());
+  to.lease_ns = from.lease_ns();
+  to.hold = from.hold();
+  return to;
+}
+
+WhatIfRequest what_if_request(v1::WhatIfRequest& from) {
+  return {.links = all(from.mutable_links(), link_change),
+          .without = texts(from.mutable_without())};
+}
+
+HistoryRequest history_request(v1::HistoryRequest& from) {
+  return {.channel = text(from.mutable_channel()),
+          .kind = text(from.mutable_kind()),
+          .since_unix_ns = from.since_unix_ns(),
+          .until_unix_ns = from.until_unix_ns(),
+          .limit = from.limit()};
 }
 
 Error error(v1::Error& from) {
@@ -184,7 +297,18 @@ Event event(v1::Event& from) {
           .subject = from.subject(),
           .channel = text(from.mutable_channel()),
           .network = text(from.mutable_network()),
-          .message = text(from.mutable_message())};
+          .message = text(from.mutable_message()),
+          .admissions = {from.admissions().begin(), from.admissions().end()}};
+}
+
+Routes routes(v1::Routes& from) {
+  return {.routes = all(from.mutable_routes(), route_report),
+          .links = all(from.mutable_links(), mesh_link),
+          .problems = texts(from.mutable_problems())};
+}
+
+WhatIf what_if(v1::WhatIf& from) {
+  return {.outlooks = all(from.mutable_outlooks(), outlook), .unchanged = from.unchanged()};
 }
 
 }  // namespace
@@ -201,7 +325,7 @@ Result<Request> from_wire(v1::Request& from) {
     case v1::Request::kQuery:
       return Request{id, channel_request<Query>(*from.mutable_query())};
     case v1::Request::kAdmit:
-      return Request{id, channel_request<Admit>(*from.mutable_admit())};
+      return Request{id, admit(*from.mutable_admit())};
     case v1::Request::kRelease:
       return Request{id, ReleaseRequest{.channel = text(from.mutable_release()->mutable_channel()),
                                         .admission = from.release().admission()}};
@@ -213,6 +337,17 @@ Result<Request> from_wire(v1::Request& from) {
       return Request{id, ModeRequest{text(from.mutable_mode()->mutable_mode())}};
     case v1::Request::kReload:
       return Request{id, ReloadRequest{}};
+    case v1::Request::kRenew:
+      return Request{id, RenewRequest{.admission = from.renew().admission(),
+                                      .key = text(from.mutable_renew()->mutable_key())}};
+    case v1::Request::kRoutes:
+      return Request{id, RoutesRequest{}};
+    case v1::Request::kReservations:
+      return Request{id, ReservationsRequest{text(from.mutable_reservations()->mutable_place())}};
+    case v1::Request::kWhatIf:
+      return Request{id, what_if_request(*from.mutable_what_if())};
+    case v1::Request::kHistory:
+      return Request{id, history_request(*from.mutable_history())};
     case v1::Request::BODY_NOT_SET:
       break;
   }
@@ -234,6 +369,15 @@ Result<Reply> from_wire(v1::Reply& from) {
       return Reply{id, Done{text(from.mutable_done()->mutable_message())}};
     case v1::Reply::kEvent:
       return Reply{id, event(*from.mutable_event())};
+    case v1::Reply::kRoutes:
+      return Reply{id, routes(*from.mutable_routes())};
+    case v1::Reply::kReservations:
+      return Reply{id,
+                   Reservations{all(from.mutable_reservations()->mutable_resources(), resource)}};
+    case v1::Reply::kWhatIf:
+      return Reply{id, what_if(*from.mutable_what_if())};
+    case v1::Reply::kHistory:
+      return Reply{id, History{all(from.mutable_history()->mutable_entries(), history_entry)}};
     case v1::Reply::BODY_NOT_SET:
       break;
   }

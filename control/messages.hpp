@@ -97,6 +97,18 @@ struct Row {
   bool operator==(const Row&) const = default;
 };
 
+/// What an analysed medium gives a channel: times on a CAN bus, rates on a mesh.
+struct MediumUse {
+  std::string network;
+  std::uint64_t response_ns = 0;    ///< as the bus is now; 0: no bus
+  std::uint64_t guaranteed_ns = 0;  ///< whoever comes later cannot exceed it
+  std::uint64_t paper_rate = 0;     ///< bytes/s, 1 / sum(1 / R) over the links; 0: no mesh
+  std::uint64_t available = 0;      ///< payload bytes/s that were left when it was decided
+  std::string limiting_domain;
+  std::vector<std::string> nodes;  ///< of the mesh, in the order of travel
+  bool operator==(const MediumUse&) const = default;
+};
+
 /// One publisher of a subject towards one place, decided.
 struct Channel {
   std::uint64_t subject = 0;
@@ -111,10 +123,95 @@ struct Channel {
   std::vector<std::string> route;
   std::vector<Row> rows;
   std::uint64_t admission = 0;  ///< id of the run-time admission, 0: described
-  std::uint64_t passed = 0;     ///< frames, at this gateway
+  std::uint32_t set = 0;        ///< attribute set in use, 0 is the preferred one
+  std::uint32_t sets = 1;       ///< how many there are
+  std::uint32_t importance = 0;
+  std::vector<MediumUse> media;
+  std::uint64_t passed = 0;  ///< frames, at this gateway
   std::uint64_t dropped = 0;
   std::string reaction;  ///< worst-case reaction to a stopped heart-beat; empty: none
   bool operator==(const Channel&) const = default;
+};
+
+/// A link of a mesh as a source reports it and as it is believed to be.
+struct MeshLink {
+  std::string network;
+  std::string from;  ///< described name, or address
+  std::string to;
+  std::uint64_t rate = 0;           ///< bit/s as reported, 0: unknown
+  std::uint64_t believed_rate = 0;  ///< bit/s, 0: carries nothing
+  std::string kind;                 ///< phy, effective, derived
+  bool loss_known = false;
+  std::uint64_t loss = 0;  ///< 1e-9
+  bool busy_known = false;
+  std::uint32_t busy = 0;  ///< 1e-6 of the medium's time
+  std::uint64_t age_ns = 0;
+  bool stale = false;
+  std::string source;
+  bool operator==(const MeshLink&) const = default;
+};
+
+/// A way that channels take or would take, between two places.
+struct RouteReport {
+  std::string from;
+  std::string to;
+  std::vector<std::string> places;  ///< both ends included; empty: there is none
+  std::uint32_t granted = 0;        ///< channels
+  std::uint32_t refused = 0;
+  std::vector<MediumUse> media;  ///< what it gives now; response_ns: the longest of its channels
+  std::string problem;
+  bool operator==(const RouteReport&) const = default;
+};
+
+/// What one flow has been promised of a resource.
+struct Reservation {
+  std::string channel;
+  std::string publisher;
+  std::uint64_t amount = 0;     ///< in the unit of the resource
+  std::uint64_t admission = 0;  ///< 0: described
+  std::uint32_t set = 0;
+  std::uint32_t importance = 0;
+  std::uint64_t lease_ns = 0;  ///< what is left of the lease, 0: none
+  bool operator==(const Reservation&) const = default;
+};
+
+/// A network or gateway (bytes/s), a CAN bus (1e-6 of its time), a domain of a mesh (1e-12 of its
+/// time).
+struct Resource {
+  std::string name;  ///< "robot-can", "robot-can: bus time", "awds: all links"
+  std::string kind;  ///< network, gateway, bus, domain
+  std::string unit;  ///< bytes/s, ppm, ps/s
+  bool capacity_known = false;
+  std::uint64_t capacity = 0;
+  std::uint64_t reserved = 0;
+  std::uint64_t background = 0;  ///< taken by others
+  std::vector<Reservation> reservations;
+  bool operator==(const Resource&) const = default;
+};
+
+/// What would become of one delivery.
+struct Outlook {
+  std::string channel;
+  std::string publisher;
+  std::string to;
+  bool granted_now = false;
+  bool granted_then = false;
+  std::uint32_t set_now = 0;
+  std::uint32_t set_then = 0;
+  std::string reason;  ///< then, in one line
+  bool operator==(const Outlook&) const = default;
+};
+
+struct HistoryEntry {
+  std::uint64_t unix_ns = 0;
+  std::string kind;
+  std::uint64_t subject = 0;
+  std::string channel;
+  std::string from;
+  std::string to;
+  std::string network;
+  std::string message;
+  bool operator==(const HistoryEntry&) const = default;
 };
 
 // --- requests ------------------------------------------------------------------------------------
@@ -148,6 +245,12 @@ struct Query : ChannelRequest {
   bool operator==(const Query&) const = default;
 };
 struct Admit : ChannelRequest {
+  /// The client's own name for this admission: asked again it is answered again, and not admitted
+  /// twice. Empty: none.
+  std::string key;
+  std::uint64_t lease_ns = 0;  ///< released unless it is renewed in that time; 0: never
+  /// Renewed as long as this connection is open, which gets the events that concern it.
+  bool hold = false;
   bool operator==(const Admit&) const = default;
 };
 
@@ -156,6 +259,43 @@ struct ReleaseRequest {
   std::string channel;
   std::uint64_t admission = 0;
   bool operator==(const ReleaseRequest&) const = default;
+};
+/// The lease of an admission starts anew. By id or by key.
+struct RenewRequest {
+  std::uint64_t admission = 0;
+  std::string key;
+  bool operator==(const RenewRequest&) const = default;
+};
+struct RoutesRequest {
+  bool operator==(const RoutesRequest&) const = default;
+};
+struct ReservationsRequest {
+  std::string place;  ///< network or gateway; empty: all
+  bool operator==(const ReservationsRequest&) const = default;
+};
+
+/// A link of a mesh as it might be.
+struct LinkChange {
+  std::string network;  ///< empty: the only mesh
+  std::string from;     ///< node, by name or address
+  std::string to;
+  std::uint64_t rate = 0;  ///< bit/s, 0: gone
+  bool both_ways = true;
+  bool operator==(const LinkChange&) const = default;
+};
+/// Who would lose, who would gain? Changes nothing.
+struct WhatIfRequest {
+  std::vector<LinkChange> links;
+  std::vector<std::string> without;  ///< networks and gateways that are not there
+  bool operator==(const WhatIfRequest&) const = default;
+};
+struct HistoryRequest {
+  std::string channel;  ///< empty: all
+  std::string kind;     ///< empty: all
+  std::uint64_t since_unix_ns = 0;
+  std::uint64_t until_unix_ns = 0;  ///< 0: now
+  std::uint32_t limit = 0;          ///< newest first; 0: 100, at most 10000
+  bool operator==(const HistoryRequest&) const = default;
 };
 struct ExplainRequest {
   std::string channel;
@@ -175,7 +315,8 @@ struct ReloadRequest {
 struct Request {
   std::uint64_t id = 0;  ///< copied into the reply
   std::variant<StatusRequest, NetworksRequest, ChannelsRequest, Query, Admit, ReleaseRequest,
-               ExplainRequest, MonitorRequest, ModeRequest, ReloadRequest>
+               ExplainRequest, MonitorRequest, ModeRequest, ReloadRequest, RenewRequest,
+               RoutesRequest, ReservationsRequest, WhatIfRequest, HistoryRequest>
       body;
   bool operator==(const Request&) const = default;
 };
@@ -230,12 +371,39 @@ struct Event {
   std::string channel;
   std::string network;
   std::string message;  ///< one line
+  /// Run-time admissions that it concerns: sent to whoever holds one of them, too.
+  std::vector<std::uint64_t> admissions;
   bool operator==(const Event&) const = default;
+};
+
+struct Routes {
+  std::vector<RouteReport> routes;
+  std::vector<MeshLink> links;
+  std::vector<std::string> problems;  ///< of sources: "awds: nl80211 mesh0: …"
+  bool operator==(const Routes&) const = default;
+};
+
+struct Reservations {
+  std::vector<Resource> resources;
+  bool operator==(const Reservations&) const = default;
+};
+
+struct WhatIf {
+  std::vector<Outlook> outlooks;  ///< of everything that would change
+  std::uint32_t unchanged = 0;    ///< deliveries that would not
+  bool operator==(const WhatIf&) const = default;
+};
+
+struct History {
+  std::vector<HistoryEntry> entries;
+  bool operator==(const History&) const = default;
 };
 
 struct Reply {
   std::uint64_t id = 0;  ///< of the request; 0: an event, or the request could not be read
-  std::variant<Error, Status, Networks, Channels, Done, Event> body;
+  std::variant<Error, Status, Networks, Channels, Done, Event, Routes, Reservations, WhatIf,
+               History>
+      body;
   bool operator==(const Reply&) const = default;
 };
 

@@ -105,6 +105,16 @@ void put(const Row& from, v1::Row& to) {
   to.set_margin(to_utf8(from.margin));
 }
 
+void put(const MediumUse& from, v1::MediumUse& to) {
+  to.set_network(to_utf8(from.network));
+  to.set_response_ns(from.response_ns);
+  to.set_guaranteed_ns(from.guaranteed_ns);
+  to.set_paper_rate(from.paper_rate);
+  to.set_available(from.available);
+  to.set_limiting_domain(to_utf8(from.limiting_domain));
+  for (const auto& node : from.nodes) to.add_nodes(to_utf8(node));
+}
+
 void put(const Channel& from, v1::Channel& to) {
   to.set_subject(from.subject);
   to.set_name(to_utf8(from.name));
@@ -121,6 +131,87 @@ void put(const Channel& from, v1::Channel& to) {
   to.set_passed(from.passed);
   to.set_dropped(from.dropped);
   to.set_reaction(to_utf8(from.reaction));
+  to.set_set(from.set);
+  to.set_sets(from.sets);
+  to.set_importance(from.importance);
+  for (const auto& use : from.media) put(use, *to.add_media());
+}
+
+void put(const RouteReport& from, v1::RouteReport& to) {
+  to.set_from(to_utf8(from.from));
+  to.set_to(to_utf8(from.to));
+  for (const auto& place : from.places) to.add_places(to_utf8(place));
+  to.set_granted(from.granted);
+  to.set_refused(from.refused);
+  for (const auto& use : from.media) put(use, *to.add_media());
+  to.set_problem(to_utf8(from.problem));
+}
+
+void put(const MeshLink& from, v1::MeshLink& to) {
+  to.set_network(to_utf8(from.network));
+  to.set_from(to_utf8(from.from));
+  to.set_to(to_utf8(from.to));
+  to.set_rate(from.rate);
+  to.set_believed_rate(from.believed_rate);
+  to.set_kind(to_utf8(from.kind));
+  to.set_loss_known(from.loss_known);
+  to.set_loss(from.loss);
+  to.set_busy_known(from.busy_known);
+  to.set_busy(from.busy);
+  to.set_age_ns(from.age_ns);
+  to.set_stale(from.stale);
+  to.set_source(to_utf8(from.source));
+}
+
+void put(const Reservation& from, v1::Reservation& to) {
+  to.set_channel(to_utf8(from.channel));
+  to.set_publisher(to_utf8(from.publisher));
+  to.set_amount(from.amount);
+  to.set_admission(from.admission);
+  to.set_set(from.set);
+  to.set_importance(from.importance);
+  to.set_lease_ns(from.lease_ns);
+}
+
+void put(const Resource& from, v1::Resource& to) {
+  to.set_name(to_utf8(from.name));
+  to.set_kind(to_utf8(from.kind));
+  to.set_unit(to_utf8(from.unit));
+  to.set_capacity_known(from.capacity_known);
+  to.set_capacity(from.capacity);
+  to.set_reserved(from.reserved);
+  to.set_background(from.background);
+  for (const auto& reservation : from.reservations) put(reservation, *to.add_reservations());
+}
+
+void put(const Outlook& from, v1::Outlook& to) {
+  to.set_channel(to_utf8(from.channel));
+  to.set_publisher(to_utf8(from.publisher));
+  to.set_to(to_utf8(from.to));
+  to.set_granted_now(from.granted_now);
+  to.set_granted_then(from.granted_then);
+  to.set_set_now(from.set_now);
+  to.set_set_then(from.set_then);
+  to.set_reason(to_utf8(from.reason));
+}
+
+void put(const HistoryEntry& from, v1::HistoryEntry& to) {
+  to.set_unix_ns(from.unix_ns);
+  to.set_kind(to_utf8(from.kind));
+  to.set_subject(from.subject);
+  to.set_channel(to_utf8(from.channel));
+  to.set_from(to_utf8(from.from));
+  to.set_to(to_utf8(from.to));
+  to.set_network(to_utf8(from.network));
+  to.set_message(to_utf8(from.message));
+}
+
+void put(const LinkChange& from, v1::LinkChange& to) {
+  to.set_network(to_utf8(from.network));
+  to.set_from(to_utf8(from.from));
+  to.set_to(to_utf8(from.to));
+  to.set_rate(from.rate);
+  to.set_one_way(!from.both_ways);
 }
 
 void put(const ChannelRequest& from, v1::ChannelRequest& to) {
@@ -144,7 +235,13 @@ struct RequestBody {
   void operator()(const NetworksRequest&) const { to.mutable_networks(); }
   void operator()(const ChannelsRequest&) const { to.mutable_channels(); }
   void operator()(const Query& from) const { put(from, *to.mutable_query()); }
-  void operator()(const Admit& from) const { put(from, *to.mutable_admit()); }
+  void operator()(const Admit& from) const {
+    auto& admit = *to.mutable_admit();
+    put(from, admit);
+    admit.set_key(to_utf8(from.key));
+    admit.set_lease_ns(from.lease_ns);
+    admit.set_hold(from.hold);
+  }
   void operator()(const ReleaseRequest& from) const {
     to.mutable_release()->set_channel(to_utf8(from.channel));
     to.mutable_release()->set_admission(from.admission);
@@ -157,6 +254,27 @@ struct RequestBody {
     to.mutable_mode()->set_mode(to_utf8(from.mode));
   }
   void operator()(const ReloadRequest&) const { to.mutable_reload(); }
+  void operator()(const RenewRequest& from) const {
+    to.mutable_renew()->set_admission(from.admission);
+    to.mutable_renew()->set_key(to_utf8(from.key));
+  }
+  void operator()(const RoutesRequest&) const { to.mutable_routes(); }
+  void operator()(const ReservationsRequest& from) const {
+    to.mutable_reservations()->set_place(to_utf8(from.place));
+  }
+  void operator()(const WhatIfRequest& from) const {
+    auto& what_if = *to.mutable_what_if();
+    for (const auto& link : from.links) put(link, *what_if.add_links());
+    for (const auto& name : from.without) what_if.add_without(to_utf8(name));
+  }
+  void operator()(const HistoryRequest& from) const {
+    auto& history = *to.mutable_history();
+    history.set_channel(to_utf8(from.channel));
+    history.set_kind(to_utf8(from.kind));
+    history.set_since_unix_ns(from.since_unix_ns);
+    history.set_until_unix_ns(from.until_unix_ns);
+    history.set_limit(from.limit);
+  }
 };
 
 /// One function for each alternative of Reply::body.
@@ -204,6 +322,26 @@ struct ReplyBody {
     event.set_channel(to_utf8(from.channel));
     event.set_network(to_utf8(from.network));
     event.set_message(to_utf8(from.message));
+    for (const auto admission : from.admissions) event.add_admissions(admission);
+  }
+  void operator()(const Routes& from) const {
+    auto& routes = *to.mutable_routes();
+    for (const auto& route : from.routes) put(route, *routes.add_routes());
+    for (const auto& link : from.links) put(link, *routes.add_links());
+    for (const auto& problem : from.problems) routes.add_problems(to_utf8(problem));
+  }
+  void operator()(const Reservations& from) const {
+    auto& reservations = *to.mutable_reservations();
+    for (const auto& resource : from.resources) put(resource, *reservations.add_resources());
+  }
+  void operator()(const WhatIf& from) const {
+    auto& what_if = *to.mutable_what_if();
+    for (const auto& outlook : from.outlooks) put(outlook, *what_if.add_outlooks());
+    what_if.set_unchanged(from.unchanged);
+  }
+  void operator()(const History& from) const {
+    auto& history = *to.mutable_history();
+    for (const auto& entry : from.entries) put(entry, *history.add_entries());
   }
 };
 

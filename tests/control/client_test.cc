@@ -142,6 +142,36 @@ TEST(ClientTest, GivesUpOnADaemonThatDoesNotAnswer) {
   EXPECT_EQ(reply.error().text, "no answer from mlccad within 20 ms");
 }
 
+TEST(ClientTest, WaitsForAnEventOnlyUntilTheOtherEndIsHeard) {
+  auto [near, far] = pair_of(SOCK_STREAM);
+  auto [input, other] = pair_of(SOCK_STREAM);
+  Client client(std::move(near), 20ms);
+  send_all(other, "x");
+  const auto interrupted = client.next_event_unless(input.get());
+  ASSERT_TRUE(interrupted) << interrupted.error().text;
+  EXPECT_EQ(*interrupted, std::nullopt);
+  other.reset();
+  EXPECT_EQ(*client.next_event_unless(input.get()), std::nullopt);
+}
+
+TEST(ClientTest, PrefersTheEventsThatAreThere) {
+  auto [near, far] = pair_of(SOCK_STREAM);
+  auto [input, other] = pair_of(SOCK_STREAM);
+  Client client(std::move(near));
+  other.reset();
+  const auto bytes = encode(Reply{0, test::full_event()});
+  send_all(far, bytes + bytes + bytes.substr(0, 9));
+  EXPECT_EQ(*client.next_event_unless(input.get()), test::full_event());
+  EXPECT_EQ(*client.next_event_unless(input.get()), test::full_event());
+  EXPECT_EQ(*client.next_event_unless(input.get()), std::nullopt);
+  send_all(far, bytes.substr(9));
+  EXPECT_EQ(*client.next_event_unless(input.get()), test::full_event());
+  far.reset();
+  const auto end = client.next_event_unless(input.get());
+  ASSERT_FALSE(end);
+  EXPECT_EQ(end.error().text, "mlccad closed the connection");
+}
+
 TEST(ClientTest, GivesUpOnADaemonThatDoesNotAccept) {
   const test::TempDir directory;
   const auto path = directory.path("full.sock");

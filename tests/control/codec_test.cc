@@ -212,6 +212,52 @@ TEST(CodecTest, AnOutcomeThatIsNotStatedIsUnfit) {
   }
 }
 
+/// Bytes by hand, as another runtime would write them from control.proto.
+TEST(CodecTest, ReadsTheNumbersOfTheFieldsAsTheyArePublished) {
+  // id 5; what_if { links { from: "a" to: "b" rate: 6 one_way: true } without: "g" }
+  auto what_if =
+      exactly(framed("\x08\x05\x7a\x0f\x0a\x0a\x12\x01"
+                     "a\x1a\x01"
+                     "b\x20\x06\x28\x01\x12\x01g"));
+  EXPECT_EQ(
+      next_request(what_if),
+      (Request{
+          5, WhatIfRequest{
+                 .links = {{.network = "", .from = "a", .to = "b", .rate = 6, .both_ways = false}},
+                 .without = {"g"}}}));
+  // id 5; admit { channel: "c" key: "k" lease_ns: 7 hold: true }
+  auto admit =
+      exactly(framed("\x08\x05\x32\x0a\x0a\x01"
+                     "c\x5a\x01k\x60\x07\x68\x01"));
+  Admit expected;
+  expected.channel = "c";
+  expected.key = "k";
+  expected.lease_ns = 7;
+  expected.hold = true;
+  EXPECT_EQ(next_request(admit), (Request{5, expected}));
+  // id 5; renew { admission: 3 }
+  auto renew = exactly(framed("\x08\x05\x62\x02\x08\x03"));
+  EXPECT_EQ(next_request(renew), (Request{5, RenewRequest{.admission = 3, .key = ""}}));
+}
+
+TEST(CodecTest, AQueryNeverCarriesALease) {
+  // id 5; query { channel: "c" lease_ns: 7 hold: true }
+  auto buffer =
+      exactly(framed("\x08\x05\x2a\x07\x0a\x01"
+                     "c\x60\x07\x68\x01"));
+  Query expected;
+  expected.channel = "c";
+  EXPECT_EQ(next_request(buffer), (Request{5, expected}));
+}
+
+TEST(CodecTest, AChannelOfAnOlderDaemonHasOneSet) {
+  // channels { channels { } }
+  auto buffer = exactly(framed(std::string("\x2a\x02\x0a\x00", 4)));
+  const auto decoded = decode_reply(buffer);
+  ASSERT_TRUE(decoded && *decoded);
+  EXPECT_EQ(std::get<Channels>((*decoded)->body), Channels{{Channel{}}});
+}
+
 TEST(CodecTest, ReplacesWhatIsNotUtf8) {
   auto status = test::full_status();
   status.interfaces[0].identity = "alias \xff\xfe";

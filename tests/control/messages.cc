@@ -67,6 +67,10 @@ Channel refused_channel() {
                     .outcome = Outcome::unfit,
                     .margin = "not provided"}},
           .admission = 0,
+          .set = 0,
+          .sets = 1,
+          .importance = 3,
+          .media = {},
           .passed = 12,
           .dropped = 345,
           .reaction = {}};
@@ -83,6 +87,46 @@ Channel granted_channel() {
   channel.admission = 7;
   channel.dropped = 0;
   channel.reaction = "174 ms = (Omission 2 + 1) x Period 50 ms + Latency 12 ms + Jitter 12 ms";
+  return channel;
+}
+
+namespace {
+
+MediumUse bus_use() {
+  return {.network = "robot-can",
+          .response_ns = 310'000,
+          .guaranteed_ns = 5'000'000,
+          .paper_rate = 0,
+          .available = 0,
+          .limiting_domain = "",
+          .nodes = {}};
+}
+
+/// 24 and 11 Mbit/s one after the other: 1 / (1/24 + 1/11) = 264/35 Mbit/s = 942857.1 bytes/s.
+MediumUse mesh_use() {
+  return {.network = "awds",
+          .response_ns = 0,
+          .guaranteed_ns = 0,
+          .paper_rate = 942'857,
+          .available = 600'000,
+          .limiting_domain = "all links",
+          .nodes = {"laptop", "relay", "control"}};
+}
+
+}  // namespace
+
+Channel switched_channel() {
+  auto channel = granted_channel();
+  channel.subject = 0x10;
+  channel.name = "video";
+  channel.from = "awds";
+  channel.route = {"awds", "bridge", "robot-can"};
+  channel.admission = 0;
+  channel.reaction.clear();
+  channel.set = 1;
+  channel.sets = 2;
+  channel.importance = 9;
+  channel.media = {mesh_use(), bus_use()};
   return channel;
 }
 
@@ -158,8 +202,170 @@ Event full_event() {
           .subject = 0xa4efeccc3210b497,
           .channel = "emergency-switch",
           .network = "robot-can",
-          .message = "Omission 2 required, bridge provides 5"};
+          .message = "Omission 2 required, bridge provides 5",
+          .admissions = {7, ~std::uint64_t{0}}};
 }
+
+Routes full_routes() {
+  return {.routes = {{.from = "awds",
+                      .to = "robot-can",
+                      .places = {"awds", "bridge", "robot-can"},
+                      .granted = 2,
+                      .refused = 1,
+                      .media = {mesh_use(), bus_use()},
+                      .problem = ""},
+                     {.from = "second-can",
+                      .to = "awds",
+                      .places = {},
+                      .granted = 0,
+                      .refused = 3,
+                      .media = {},
+                      .problem = "no gateway leads there"}},
+          .links = {{.network = "awds",
+                     .from = "laptop",
+                     .to = "relay",
+                     .rate = 24'000'000,
+                     .believed_rate = 22'500'000,
+                     .kind = "phy",
+                     .loss_known = true,
+                     .loss = 12'500'000,
+                     .busy_known = true,
+                     .busy = 43'000,
+                     .age_ns = 1'250'000'000,
+                     .stale = false,
+                     .source = "nl80211 mesh0"},
+                    {.network = "awds",
+                     .from = "relay",
+                     .to = "02:00:00:00:00:03",
+                     .rate = 0,
+                     .believed_rate = 0,
+                     .kind = "derived",
+                     .loss_known = false,
+                     .loss = 0,
+                     .busy_known = false,
+                     .busy = 0,
+                     .age_ns = 60'000'000'000,
+                     .stale = true,
+                     .source = "awds eth1"}},
+          .problems = {"awds: babel: connection refused", "awds: olsr: no such node"}};
+}
+
+Reservations full_reservations() {
+  const Reservation switch_on_bus{.channel = "emergency-switch",
+                                  .publisher = "switch",
+                                  .amount = 15'000,
+                                  .admission = 0,
+                                  .set = 0,
+                                  .importance = 0,
+                                  .lease_ns = 0};
+  const Reservation video_on_mesh{.channel = "video",
+                                  .publisher = "camera",
+                                  .amount = 424'242'424'242,
+                                  .admission = 8,
+                                  .set = 1,
+                                  .importance = 9,
+                                  .lease_ns = 7'500'000'000};
+  auto video = video_on_mesh;
+  video.amount = 400'000;
+  auto heartbeat = switch_on_bus;
+  heartbeat.amount = 1'000'000;
+  return {{{.name = "robot-can: bus time",
+            .kind = "bus",
+            .unit = "ppm",
+            .capacity_known = true,
+            .capacity = 600'000,
+            .reserved = 15'000,
+            .background = 100'000,
+            .reservations = {switch_on_bus}},
+           {.name = "awds: all links",
+            .kind = "domain",
+            .unit = "ps/s",
+            .capacity_known = true,
+            .capacity = 800'000'000'000,
+            .reserved = 424'242'424'242,
+            .background = 0,
+            .reservations = {video_on_mesh, heartbeat}},
+           {.name = "uplink",
+            .kind = "network",
+            .unit = "bytes/s",
+            .capacity_known = true,
+            .capacity = 300'000,
+            .reserved = 400'000,
+            .background = 0,
+            .reservations = {video}},
+           {.name = "bridge",
+            .kind = "gateway",
+            .unit = "bytes/s",
+            .capacity_known = false,
+            .capacity = 0,
+            .reserved = 160,
+            .background = 0,
+            .reservations = {}}}};
+}
+
+WhatIf full_what_if() {
+  const auto outlook = [](const char* channel, bool now, bool then, std::uint32_t set_now,
+                          std::uint32_t set_then, const char* reason) {
+    return Outlook{.channel = channel,
+                   .publisher = "camera",
+                   .to = "robot-can",
+                   .granted_now = now,
+                   .granted_then = then,
+                   .set_now = set_now,
+                   .set_then = set_then,
+                   .reason = reason};
+  };
+  return {.outlooks = {outlook("map", false, true, 0, 0, "fits"),
+                       outlook("sonar", true, true, 2, 0, "fits again"),
+                       outlook("video", true, true, 0, 1, "100 kB/s fit"),
+                       outlook("speech", true, false, 1, 0, "300 kB/s too much")},
+          .unchanged = 12};
+}
+
+History full_history() {
+  return {{{.unix_ns = 1'700'000'100'000'000'000,
+            .kind = "switched",
+            .subject = 0x10,
+            .channel = "video",
+            .from = "awds",
+            .to = "robot-can",
+            .network = "awds",
+            .message = "set 2 of 2: laptop > relay is slower"},
+           {.unix_ns = 1'700'000'000'123'456'789,
+            .kind = "reload",
+            .subject = 0,
+            .channel = "",
+            .from = "",
+            .to = "",
+            .network = "",
+            .message = "read again"}}};
+}
+
+namespace {
+
+Admit full_admit() {
+  Admit admit{full_channel_request(), {}, 0, false};
+  admit.key = "camera of robot 7";
+  admit.lease_ns = 30'000'000'000;
+  admit.hold = true;
+  return admit;
+}
+
+WhatIfRequest full_what_if_request() {
+  return {.links = {{.network = "awds",
+                     .from = "laptop",
+                     .to = "relay",
+                     .rate = 6'000'000,
+                     .both_ways = true},
+                    {.network = "",
+                     .from = "02:00:00:00:00:01",
+                     .to = "02:00:00:00:00:02",
+                     .rate = 0,
+                     .both_ways = false}},
+          .without = {"second-can", "bridge"}};
+}
+
+}  // namespace
 
 std::vector<NamedRequest> all_requests() {
   ChannelRequest channel_only;
@@ -169,12 +375,24 @@ std::vector<NamedRequest> all_requests() {
           {"Channels", {3, ChannelsRequest{}}},
           {"Query", {4, Query{full_channel_request()}}},
           {"QueryOfChannelOnly", {4, Query{channel_only}}},
-          {"Admit", {5, Admit{full_channel_request()}}},
+          {"Admit", {5, Admit{full_channel_request(), {}, 0, false}}},
           {"Release", {6, ReleaseRequest{.channel = "emergency-switch", .admission = 9}}},
           {"Explain", {7, ExplainRequest{"0xa4efeccc3210b497"}}},
           {"Monitor", {8, MonitorRequest{}}},
           {"Mode", {9, ModeRequest{"audit"}}},
-          {"Reload", {~std::uint64_t{0}, ReloadRequest{}}}};
+          {"Reload", {~std::uint64_t{0}, ReloadRequest{}}},
+          {"AdmitWithLease", {10, full_admit()}},
+          {"Renew", {11, RenewRequest{.admission = 9, .key = "camera"}}},
+          {"Routes", {12, RoutesRequest{}}},
+          {"Reservations", {13, ReservationsRequest{"awds"}}},
+          {"WhatIf", {14, full_what_if_request()}},
+          {"WhatIfNothing", {15, WhatIfRequest{}}},
+          {"History",
+           {16, HistoryRequest{.channel = "video",
+                               .kind = "switched",
+                               .since_unix_ns = 1'700'000'000'000'000'001,
+                               .until_unix_ns = 1'800'000'000'000'000'002,
+                               .limit = 50}}}};
 }
 
 std::vector<NamedReply> all_replies() {
@@ -188,10 +406,14 @@ std::vector<NamedReply> all_replies() {
           {"ErrorWorld", error(ErrorKind::world)},
           {"Status", {2, full_status()}},
           {"Networks", {3, full_networks()}},
-          {"Channels", {4, Channels{{refused_channel(), granted_channel()}}}},
+          {"Channels", {4, Channels{{refused_channel(), granted_channel(), switched_channel()}}}},
           {"NoChannels", {4, Channels{}}},
           {"Done", {5, Done{"released 1 admission"}}},
-          {"Event", {0, full_event()}}};
+          {"Event", {0, full_event()}},
+          {"Routes", {6, full_routes()}},
+          {"Reservations", {7, full_reservations()}},
+          {"WhatIf", {8, full_what_if()}},
+          {"History", {9, full_history()}}};
 }
 
 }  // namespace mlcca::test

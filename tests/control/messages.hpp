@@ -28,8 +28,19 @@ control::Channel refused_channel();
 /// The same on the robot's own bus: granted.
 control::Channel granted_channel();
 
+/// The paper's video over the mesh, with a second set of attributes: switched to it.
+control::Channel switched_channel();
+
 control::Status full_status();
 control::Networks full_networks();
 control::Event full_event();
+
+/// A way over both kinds of medium, and one that is not there.
+control::Routes full_routes();
+/// One resource of each kind; of the network more is promised than it has.
+control::Reservations full_reservations();
+/// One outlook for each effect, the gain first.
+control::WhatIf full_what_if();
+control::History full_history();
 
 }  // namespace mlcca::test
