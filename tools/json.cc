@@ -25,6 +25,13 @@ Json array(const std::vector<T>& elements, ToJson to_json) {
   return result;
 }
 
+/// Of a number whose 0 says that there is none.
+Json unless_zero(std::uint64_t value) { return value == 0 ? Json() : quantity(value); }
+
+Json subject(std::uint64_t value) {
+  return value == 0 ? Json() : Json(core::format_subject(value));
+}
+
 const char* name_of(control::ErrorKind kind) {
   switch (kind) {
     case control::ErrorKind::invalid:
@@ -111,6 +118,17 @@ Json row(const control::Row& r) {
           {"margin", r.margin}};
 }
 
+Json medium_use(const control::MediumUse& m) {
+  const bool mesh = m.paper_rate != 0;
+  return {{"network", m.network},
+          {"response_ns", unless_zero(m.response_ns)},
+          {"guaranteed_ns", unless_zero(m.guaranteed_ns)},
+          {"paper_rate", unless_zero(m.paper_rate)},
+          {"available", mesh ? quantity(m.available) : Json()},
+          {"limiting_domain", m.limiting_domain},
+          {"nodes", m.nodes}};
+}
+
 Json channel(const control::Channel& c) {
   return {{"subject", core::format_subject(c.subject)},
           {"name", c.name},
@@ -126,7 +144,68 @@ Json channel(const control::Channel& c) {
           {"admission", c.admission},
           {"passed", c.passed},
           {"dropped", c.dropped},
-          {"reaction", c.reaction}};
+          {"reaction", c.reaction},
+          {"set", c.set},
+          {"sets", c.sets},
+          {"importance", c.importance},
+          {"media", array(c.media, medium_use)}};
+}
+
+Json route(const control::RouteReport& r) {
+  return {{"from", r.from},       {"to", r.to},           {"places", r.places},
+          {"granted", r.granted}, {"refused", r.refused}, {"media", array(r.media, medium_use)},
+          {"problem", r.problem}};
+}
+
+Json mesh_link(const control::MeshLink& l) {
+  return {{"network", l.network},
+          {"from", l.from},
+          {"to", l.to},
+          {"rate", unless_zero(l.rate)},
+          {"believed_rate", l.believed_rate},
+          {"kind", l.kind},
+          {"loss", l.loss_known ? Json(l.loss) : Json()},
+          {"busy", l.busy_known ? Json(l.busy) : Json()},
+          {"age_ns", quantity(l.age_ns)},
+          {"stale", l.stale},
+          {"source", l.source}};
+}
+
+Json reservation(const control::Reservation& r) {
+  return {{"channel", r.channel},
+          {"publisher", r.publisher},
+          {"amount", r.amount},
+          {"admission", r.admission},
+          {"set", r.set},
+          {"importance", r.importance},
+          {"lease_ns", unless_zero(r.lease_ns)}};
+}
+
+Json resource(const control::Resource& r) {
+  return {{"name", r.name},
+          {"kind", r.kind},
+          {"unit", r.unit},
+          {"capacity", r.capacity_known ? quantity(r.capacity) : Json()},
+          {"reserved", r.reserved},
+          {"background", r.background},
+          {"reservations", array(r.reservations, reservation)}};
+}
+
+Json outlook(const control::Outlook& o) {
+  return {{"channel", o.channel},
+          {"publisher", o.publisher},
+          {"to", o.to},
+          {"granted_now", o.granted_now},
+          {"granted_then", o.granted_then},
+          {"set_now", o.set_now},
+          {"set_then", o.set_then},
+          {"reason", o.reason}};
+}
+
+Json history_entry(const control::HistoryEntry& h) {
+  return {{"unix_ns", h.unix_ns}, {"kind", h.kind},      {"subject", subject(h.subject)},
+          {"channel", h.channel}, {"from", h.from},      {"to", h.to},
+          {"network", h.network}, {"message", h.message}};
 }
 
 /// One function for each alternative of Reply::body.
@@ -159,12 +238,23 @@ struct Body {
   }
   Json operator()(const control::Done& d) const { return {{"message", d.message}}; }
   Json operator()(const control::Event& e) const {
-    return {{"unix_ns", e.unix_ns},
-            {"kind", e.kind},
-            {"subject", e.subject == 0 ? Json() : Json(core::format_subject(e.subject))},
-            {"channel", e.channel},
-            {"network", e.network},
-            {"message", e.message}};
+    return {{"unix_ns", e.unix_ns},      {"kind", e.kind},       {"subject", subject(e.subject)},
+            {"channel", e.channel},      {"network", e.network}, {"message", e.message},
+            {"admissions", e.admissions}};
+  }
+  Json operator()(const control::Routes& r) const {
+    return {{"routes", array(r.routes, route)},
+            {"links", array(r.links, mesh_link)},
+            {"problems", r.problems}};
+  }
+  Json operator()(const control::Reservations& r) const {
+    return {{"resources", array(r.resources, resource)}};
+  }
+  Json operator()(const control::WhatIf& w) const {
+    return {{"outlooks", array(w.outlooks, outlook)}, {"unchanged", w.unchanged}};
+  }
+  Json operator()(const control::History& h) const {
+    return {{"entries", array(h.entries, history_entry)}};
   }
 };
 

@@ -1,22 +1,31 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // mlccactl: each verb is a row of the table below; asking, printing and the exit status are common.
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <set>
 #include <string>
 #include <type_traits>
 #include <utility>
 #include <variant>
 
 #include "control/client.hpp"
+#include "tools/bandwidth.hpp"
 #include "tools/design_verbs.hpp"
 #include "tools/json.hpp"
 #include "tools/options.hpp"
 #include "tools/render.hpp"
+#include "tools/requests.hpp"
+#include "tools/values.hpp"
 
 namespace {
 
@@ -52,6 +61,11 @@ bool all_granted(const control::Channels& channels) {
   return !channels.channels.empty();
 }
 
+bool somebody_loses(const Reply& reply) {
+  const auto* what_if = std::get_if<control::WhatIf>(&reply.body);
+  return what_if != nullptr && std::ranges::any_of(what_if->outlooks, loses);
+}
+
 /// Prints the reply to a Question; only some ask for a verdict.
 template <class Question>
 Exit print_reply(const Options& options, const Reply& reply) {
@@ -60,8 +74,8 @@ Exit print_reply(const Options& options, const Reply& reply) {
   if (const auto* error = std::get_if<control::Error>(&reply.body))
     return print_error(options, *error);
   const auto* channels = std::get_if<control::Channels>(&reply.body);
-  const auto status =
-      decides && channels != nullptr && !all_granted(*channels) ? Exit::refused : Exit::fine;
+  const bool refused = decides && channels != nullptr && !all_granted(*channels);
+  const auto status = refused || somebody_loses(reply) ? Exit::refused : Exit::fine;
   if (options.json) return print(to_json(reply), status);
   if (decides && channels != nullptr)
     return print(explain(*channels, options.color, explains), status);
@@ -84,11 +98,108 @@ Exit ask_plain(const Options& options, const Arguments&) {
   return ask(options, Question{});
 }
 
+/// Asks what the arguments were understood to be.
 template <class Question>
-Exit ask_delivery(const Options& options, const Arguments& arguments) {
-  auto request = delivery(arguments);
+Exit ask_made(const Options& options, Result<Question> request) {
   if (!request) return print_error(options, control::ErrorKind::invalid, request.error().text);
-  return ask(options, Question{std::move(*request)});
+  return ask(options, std::move(*request));
+}
+
+Exit ask_query(const Options& options, const Arguments& arguments) {
+  return ask_made(options, query(arguments));
+}
+
+Exit ask_what_if(const Options& options, const Arguments& arguments) {
+  return ask_made(options, what_if(arguments));
+}
+
+Exit ask_history(const Options& options, const Arguments& arguments) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return ask_made(
+      options,
+      history(arguments, static_cast<std::uint64_t>(std::chrono::nanoseconds(now).count())));
+}
+
+Exit ask_reservations(const Options& options, const Arguments& arguments) {
+  return ask(options, control::ReservationsRequest{arguments.place});
+}
+
+Exit ask_renew(const Options& options, const Arguments& arguments) {
+  return ask(options, control::RenewRequest{.admission = arguments.admission.value_or(0),
+                                            .key = arguments.key});
+}
+
+Exit print_event(const Options& options, const control::Event& event) {
+  return print(options.json ? to_json(Reply{0, event}) : render(event, options.color), Exit::fine);
+}
+
+/// Its end can say that whoever started us does not need us any more. /dev/null says nothing, and a
+/// terminal has Ctrl-C.
+bool is_pipe(int fd) {
+  struct stat is{};
+  return ::fstat(fd, &is) == 0 && (S_ISFIFO(is.st_mode) || S_ISSOCK(is.st_mode));
+}
+
+/// Reads what is there; false at the end.
+bool discard_input(int fd) {
+  std::array<char, 4096> unused{};
+  const auto n = ::read(fd, unused.data(), unused.size());
+  return n > 0 || (n < 0 && (errno == EINTR || errno == EAGAIN));
+}
+
+std::set<std::uint64_t> admissions_of(const control::Channels& channels) {
+  std::set<std::uint64_t> ids;
+  for (const auto& channel : channels.channels)
+    if (channel.admission != 0) ids.insert(channel.admission);
+  return ids;
+}
+
+/// What the holder of a lease must know.
+std::string lease_note(const control::Admit& request, const std::set<std::uint64_t>& admissions) {
+  const auto lease = print_duration(request.lease_ns);
+  if (request.hold)
+    return fmt::format(
+        "held until Ctrl-C or the end of a pipe on standard input; {} later it is released\n",
+        lease);
+  std::string text = fmt::format("released in {} unless it is renewed\n", lease);
+  for (const auto id : admissions) text += fmt::format("  mlccactl renew --id {} renews it\n", id);
+  return text;
+}
+
+/// Prints what happens to admissions while the connection holds them; ends when none is left.
+Exit hold(const Options& options, control::Client& client, std::set<std::uint64_t> admissions) {
+  const bool known = !admissions.empty();
+  const int input = is_pipe(STDIN_FILENO) ? STDIN_FILENO : -1;
+  for (;;) {
+    const auto event = client.next_event_unless(input);
+    if (!event) return print_error(options, control::ErrorKind::world, event.error().text);
+    if (!*event) {
+      if (discard_input(input)) continue;
+      return Exit::fine;
+    }
+    if (const auto status = print_event(options, **event); status != Exit::fine) return status;
+    if ((*event)->kind != "released") continue;
+    for (const auto admission : (*event)->admissions) admissions.erase(admission);
+    if (known && admissions.empty()) return Exit::refused;
+  }
+}
+
+Exit ask_admit(const Options& options, const Arguments& arguments) {
+  const auto request = admit(arguments);
+  if (!request) return print_error(options, control::ErrorKind::invalid, request.error().text);
+  auto client = control::Client::connect(options.socket, options.patience);
+  if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
+  const auto reply = client->call({0, *request});
+  if (!reply) return print_error(options, control::ErrorKind::world, reply.error().text);
+  const auto status = print_reply<control::Admit>(options, *reply);
+  const auto* channels = std::get_if<control::Channels>(&reply->body);
+  if (channels == nullptr || status != Exit::fine || request->lease_ns == 0) return status;
+  auto admissions = admissions_of(*channels);
+  if (!options.json) {
+    const auto said = print(lease_note(*request, admissions), Exit::fine);
+    if (said != Exit::fine) return said;
+  }
+  return request->hold ? hold(options, *client, std::move(admissions)) : status;
 }
 
 Exit ask_release(const Options& options, const Arguments& arguments) {
@@ -104,6 +215,13 @@ Exit ask_mode(const Options& options, const Arguments& arguments) {
   return ask(options, control::ModeRequest{arguments.mode});
 }
 
+Exit tell_bandwidth(const Options& options, const Arguments& arguments) {
+  const auto answer = bandwidth(arguments.bandwidth);
+  if (!answer) return print_error(options, control::ErrorKind::invalid, answer.error().text);
+  return print(options.json ? answer->json : answer->text,
+               answer->fits ? Exit::fine : Exit::refused);
+}
+
 Exit monitor(const Options& options, const Arguments&) {
   auto client = control::Client::connect(options.socket, options.patience);
   if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
@@ -114,8 +232,7 @@ Exit monitor(const Options& options, const Arguments&) {
   for (;;) {
     const auto event = client->next_event();
     if (!event) return print_error(options, control::ErrorKind::world, event.error().text);
-    const auto text = options.json ? to_json(Reply{0, *event}) : render(*event, options.color);
-    if (const auto status = print(text, Exit::fine); status != Exit::fine) return status;
+    if (const auto status = print_event(options, *event); status != Exit::fine) return status;
   }
 }
 
@@ -126,18 +243,26 @@ constexpr std::array kVerbs = {
          ask_plain<control::NetworksRequest>},
     Verb{"channels", "every delivery with its verdict and its frames", Takes::nothing,
          ask_plain<control::ChannelsRequest>},
-    Verb{"query", "would this be admitted? changes nothing", Takes::delivery,
-         ask_delivery<control::Query>},
-    Verb{"admit", "admit a new publisher or subscriber of a channel", Takes::delivery,
-         ask_delivery<control::Admit>},
+    Verb{"routes", "the ways between places, and the links of the meshes", Takes::nothing,
+         ask_plain<control::RoutesRequest>},
+    Verb{"reservations", "what has been promised to whom, and what is left", Takes::place,
+         ask_reservations},
+    Verb{"query", "would this be admitted? changes nothing", Takes::delivery, ask_query},
+    Verb{"what-if", "who would lose, who would gain? changes nothing", Takes::changes, ask_what_if},
+    Verb{"admit", "admit a new publisher or subscriber of a channel", Takes::reservation,
+         ask_admit},
+    Verb{"renew", "the lease of an admission starts anew", Takes::lease, ask_renew},
     Verb{"release", "take admissions back", Takes::admission, ask_release},
     Verb{"explain", "why a channel is granted or refused, attribute by attribute", Takes::channel,
          ask_explain},
+    Verb{"history", "what was decided, and why", Takes::past, ask_history},
     Verb{"monitor", "print events as they happen", Takes::nothing, monitor},
     Verb{"mode", "enforce, or audit: count what would be dropped and drop nothing", Takes::mode,
          ask_mode},
     Verb{"reload", "read the description again, all or nothing", Takes::nothing,
          ask_plain<control::ReloadRequest>},
+    Verb{"bandwidth", "what a chain of radio links carries; asks no daemon", Takes::links,
+         tell_bandwidth},
 };
 
 }  // namespace

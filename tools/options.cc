@@ -15,7 +15,6 @@
 #include "control/client.hpp"
 #include "control/version.hpp"
 #include "tools/design_verbs.hpp"
-#include "tools/values.hpp"
 
 namespace mlcca::tools {
 namespace {
@@ -25,6 +24,8 @@ constexpr const char* kFooter =
     "Exit status: 0 granted or fine, 1 refused, 2 usage or unreadable input,\n"
     "3 no daemon or the outside world failed.";
 constexpr unsigned kMaxFamouso = 127;
+constexpr unsigned kMaxPacket = 65535;
+constexpr unsigned kMaxEntries = 10'000;  // of the history
 
 void add_channel(CLI::App& app, Arguments& to) {
   app.add_option("channel", to.channel, "name of an event channel, or its 0x subject")
@@ -53,6 +54,93 @@ void add_delivery(CLI::App& app, Arguments& to) {
   app.add_option("--publisher", to.publisher, "name of the new publisher, for reports");
 }
 
+void add_reservation(CLI::App& app, Arguments& to) {
+  add_delivery(app, to);
+  app.add_option("--key", to.key,
+                 "a name of your own for this admission: asked again it is not admitted twice");
+  app.add_option("--lease", to.lease, "release it unless it is renewed in this time, such as 30s")
+      ->type_name("TIME");
+  app.add_flag("--hold", to.hold,
+               "stay, renew the lease (10s by default) and print what happens to it, until Ctrl-C "
+               "or the end of a pipe on standard input");
+}
+
+CLI::Option* add_id(CLI::App& app, Arguments& to) {
+  return app
+      .add_option("--id,--admission", to.admission, "one admission, as admit and explain name it")
+      ->type_name("N")
+      ->check(CLI::Range(std::uint64_t{1}, ~std::uint64_t{0}));
+}
+
+void add_admission(CLI::App& app, Arguments& to) {
+  auto* group = app.add_option_group("what");
+  group->add_option("channel", to.channel, "all admissions of this channel")->type_name("CHANNEL");
+  add_id(*group, to);
+  group->require_option(1);
+}
+
+void add_lease(CLI::App& app, Arguments& to) {
+  auto* group = app.add_option_group("what");
+  add_id(*group, to);
+  group->add_option("--key", to.key, "the name that admit gave it");
+  group->require_option(1);
+}
+
+void add_changes(CLI::App& app, Arguments& to) {
+  auto* group = app.add_option_group("what");
+  group
+      ->add_option("--link", to.links,
+                   "a link of a mesh at this rate, 0: gone; such as laptop,relay=6Mbit/s")
+      ->type_name("[NETWORK/]FROM,TO=RATE")
+      ->allow_extra_args(false);
+  group->add_option("--without", to.without, "a network or gateway that is not there")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  group->require_option(1, 2);
+  app.add_flag("--one-way", to.one_way, "the links only from FROM to TO, not both ways");
+}
+
+void add_past(CLI::App& app, Arguments& to) {
+  app.add_option("--channel", to.channel, "of this channel only")->type_name("CHANNEL");
+  app.add_option("--kind", to.kind, "such as withdrawn, as monitor names it");
+  app.add_option("--since", to.since, "such as '2026-11-21 14:00:00', today, -1h, '10 min ago'")
+      ->type_name("TIME");
+  app.add_option("--until", to.until, "as --since; now by default")->type_name("TIME");
+  app.add_option("--limit", to.limit, "the newest ones, 1 to 10000; 100 by default")
+      ->type_name("N")
+      ->check(CLI::Range(1U, kMaxEntries));
+}
+
+void add_links(CLI::App& app, BandwidthArguments& to) {
+  app.add_option(
+         "rate", to.rates,
+         "rate of each link of the way, such as 24Mbit/s, or with the share of lost packets "
+         "24Mbit/s:0.01")
+      ->required()
+      ->type_name("RATE");
+  app.add_option("--packet", to.packet, "payload of a packet, 1 to 65535, 1400 by default")
+      ->type_name("BYTES")
+      ->check(CLI::Range(1U, kMaxPacket));
+  app.add_option("--header", to.header, "sent with each packet; 36 on 802.11, 0 by default")
+      ->type_name("BYTES")
+      ->check(CLI::Range(0U, kMaxPacket));
+  app.add_option("--overhead-us", to.overhead,
+                 "time for each packet beside its bits: gaps, preamble, acknowledgement")
+      ->type_name("TIME");
+  app.add_option("--loss", to.loss, "lost packets of links that state none, such as 0.01 or 1%")
+      ->type_name("SHARE");
+  app.add_option("--limit", to.limit, "of the medium's time that may be taken, 0.8 by default")
+      ->type_name("SHARE");
+  app.add_option("--background", to.background, "of the medium's time that others take")
+      ->type_name("SHARE");
+  app.add_option("--domain", to.domain,
+                 "which links share the medium: single-domain, all of them, or 2-hop, those whose "
+                 "ends are at most two links apart")
+      ->type_name("KIND");
+  app.add_option("--demand", to.demand, "does this much fit? exit status 1 if not")
+      ->type_name("RATE");
+}
+
 void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
   switch (takes) {
     case Takes::nothing:
@@ -63,21 +151,32 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
     case Takes::delivery:
       add_delivery(app, to);
       break;
-    case Takes::admission: {
-      auto* group = app.add_option_group("what");
-      group->add_option("channel", to.channel, "all admissions of this channel")
-          ->type_name("CHANNEL");
-      group->add_option("--id", to.admission, "one admission, as admit and explain name it")
-          ->type_name("N")
-          ->check(CLI::Range(std::uint64_t{1}, ~std::uint64_t{0}));
-      group->require_option(1);
+    case Takes::reservation:
+      add_reservation(app, to);
       break;
-    }
+    case Takes::admission:
+      add_admission(app, to);
+      break;
+    case Takes::lease:
+      add_lease(app, to);
+      break;
+    case Takes::place:
+      app.add_option("place", to.place, "only this network or gateway")->type_name("PLACE");
+      break;
+    case Takes::changes:
+      add_changes(app, to);
+      break;
+    case Takes::past:
+      add_past(app, to);
+      break;
     case Takes::mode:
       app.add_option("mode", to.mode, "enforce: drop what is not admitted; audit: only count it")
           ->required()
           ->type_name("enforce|audit")
           ->check(CLI::IsMember({"enforce", "audit"}));
+      break;
+    case Takes::links:
+      add_links(app, to.bandwidth);
       break;
   }
 }
@@ -93,19 +192,6 @@ std::string no_verb(std::span<const Verb> verbs, std::string_view instead) {
   return fmt::format("{}: must be one of {}",
                      instead.empty() ? "no verb" : fmt::format("unknown verb '{}'", instead),
                      fmt::join(names, ", "));
-}
-
-Result<std::vector<control::Attribute>> attributes(const std::vector<std::string>& texts,
-                                                   Role role) {
-  std::vector<control::Attribute> result;
-  for (const auto& text : texts) {
-    auto attribute = parse_attribute(text, role);
-    if (!attribute) return std::unexpected(std::move(attribute).error());
-    if (std::ranges::find(result, attribute->name, &control::Attribute::name) != result.end())
-      return fail(fmt::format("{}: {} is given twice", text, attribute->name));
-    result.push_back(std::move(*attribute));
-  }
-  return result;
 }
 
 /// What is wrong about the arguments that nothing took; empty: nothing.
@@ -174,23 +260,6 @@ std::variant<Command, Exit> parse(std::span<const Verb> verbs, int argc, const c
   options.color = color_of(STDOUT_FILENO, no_color);
   options.error_color = color_of(STDERR_FILENO, no_color);
   return command;
-}
-
-Result<control::ChannelRequest> delivery(const Arguments& from) {
-  auto required = attributes(from.require, Role::required);
-  if (!required) return std::unexpected(std::move(required).error());
-  auto offered = attributes(from.offer, Role::offered);
-  if (!offered) return std::unexpected(std::move(offered).error());
-  return control::ChannelRequest{.channel = from.channel,
-                                 .from = from.from,
-                                 .to = from.to,
-                                 .offered = std::move(*offered),
-                                 .required = std::move(*required),
-                                 .node = from.node,
-                                 .priority = from.priority,
-                                 .user = from.user,
-                                 .subscriber = from.subscriber,
-                                 .publisher = from.publisher};
 }
 
 }  // namespace mlcca::tools

@@ -11,6 +11,7 @@
 
 #include "control/messages.hpp"
 #include "core/result.hpp"
+#include "tools/bandwidth.hpp"
 #include "tools/exit.hpp"
 #include "tools/table.hpp"
 
@@ -30,14 +31,32 @@ struct Arguments {
   std::string publisher;
   std::optional<std::uint64_t> admission;
   std::string mode;
+  std::string key;    ///< the user's own name of an admission
+  std::string lease;  ///< a span of time
+  bool hold = false;
+  std::string place;
+  std::vector<std::string> links;  ///< "[NETWORK/]FROM,TO=RATE"
+  bool one_way = false;
+  std::vector<std::string> without;
+  std::string kind;
+  std::string since;  ///< a moment
+  std::string until;
+  std::uint32_t limit = 0;  ///< 0: the daemon's
+  BandwidthArguments bandwidth;
 };
 
 enum class Takes : std::uint8_t {
   nothing,
   channel,
-  delivery,   ///< a channel, and the ends that shall be added to it
-  admission,  ///< a channel, or the id of an admission
+  delivery,     ///< a channel, and the ends that shall be added to it
+  reservation,  ///< a delivery, and for how long it is admitted
+  admission,    ///< a channel, or the id of an admission
+  lease,        ///< the id or the key of an admission
   mode,
+  place,    ///< perhaps a network or gateway
+  changes,  ///< links as they might be, and what might be gone
+  past,     ///< of which channel, kind and time
+  links,    ///< rates of a chain of links
 };
 
 struct Options {
@@ -64,8 +83,5 @@ struct Command {
 
 /// The command, or how to exit because everything has been said: help, version, or what is wrong.
 std::variant<Command, Exit> parse(std::span<const Verb> verbs, int argc, const char* const* argv);
-
-/// The message that query and admit send.
-Result<control::ChannelRequest> delivery(const Arguments& from);
 
 }  // namespace mlcca::tools

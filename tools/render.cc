@@ -2,22 +2,18 @@
 // What happens on the channels: verdicts, deliveries, events and errors.
 #include "tools/render.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <ctime>
 #include <string_view>
 #include <vector>
 
 #include "core/text.hpp"
+#include "tools/times.hpp"
 #include "tools/values.hpp"
+#include "tools/words.hpp"
 
 namespace mlcca::tools {
 namespace {
-
-Cell verdict(bool granted) {
-  return granted ? Cell{"granted", Style::good} : Cell{"refused", Style::bad};
-}
 
 Cell outcome(control::Outcome outcome) {
   switch (outcome) {
@@ -60,7 +56,7 @@ std::string rows_of(const control::Channel& channel, Color color) {
 
 /// "refused  emergency-switch (0xa4efeccc3210b497) from second-can to robot-can: why"
 std::string verdict_line(const control::Channel& channel, Color color) {
-  const auto [text, style] = verdict(channel.granted);
+  const auto [text, style] = verdict_cell(channel.granted);
   auto line = styled(text, style, color) + "  " + styled(channel.name, Style::bold, color) +
               fmt::format(" ({})", core::format_subject(channel.subject));
   if (!channel.from.empty()) line += " from " + printable(channel.from);
@@ -69,28 +65,37 @@ std::string verdict_line(const control::Channel& channel, Color color) {
   return line + '\n';
 }
 
-std::string delivery(const control::Channel& channel, Color color, bool with_counters) {
+/// "awds 600 kB/s left, robot-can response 310 us"
+std::string media_of(const control::Channel& channel) {
+  std::vector<std::string> parts;
+  for (const auto& use : channel.media) {
+    if (use.paper_rate != 0)
+      parts.push_back(fmt::format("{} {} left", use.network, bytes_per_second(use.available)));
+    if (use.response_ns != 0)
+      parts.push_back(fmt::format("{} response {}", use.network, print_duration(use.response_ns)));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string delivery(const control::Channel& channel, Color color, bool in_full) {
   auto text = verdict_line(channel, color) + rows_of(channel, color);
   const auto also = [&](std::string_view name, const std::string& value) {
     if (!value.empty()) text += fmt::format("  {:<11}  {}\n", name, printable(value));
   };
-  also("route", fmt::format("{}", fmt::join(channel.route, " > ")));
+  also("set", set_in_use(channel));
+  also("route", way(channel.route));
+  for (const auto& use : channel.media) also(use.network, describe(use));
   also("publisher", channel.publisher);
   also("subscribers", fmt::format("{}", fmt::join(channel.subscribers, ", ")));
   if (channel.admission != 0)
     also("admission",
          fmt::format("{0} (mlccactl release --id {0} takes it back)", channel.admission));
-  if (!channel.reaction.empty()) also("reaction", channel.reaction);
-  if (with_counters)
+  also("reaction", channel.reaction);
+  if (in_full) {
+    also("importance", fmt::format("{}", channel.importance));
     also("frames", fmt::format("{} passed, {} dropped", channel.passed, channel.dropped));
+  }
   return text;
-}
-
-Style style_of_event(std::string_view kind) {
-  if (kind == "granted") return Style::good;
-  if (kind == "refused" || kind == "withdrawn" || kind == "lapsed") return Style::bad;
-  if (kind == "dropping" || kind == "lagged" || kind == "mode") return Style::warning;
-  return Style::plain;
 }
 
 }  // namespace
@@ -101,31 +106,35 @@ std::string render(const control::Channels& channels, Color color) {
                {"FROM"},
                {"TO"},
                {"VERDICT"},
+               {"SET"},
                {"PASSED", Align::right},
                {"DROPPED", Align::right},
                {"ADMISSION", Align::right},
+               {"MEDIA"},
                {"REASON"}});
   for (const auto& channel : channels.channels)
     table.add({{channel.name},
                {core::format_subject(channel.subject)},
                {channel.from},
                {channel.to},
-               verdict(channel.granted),
+               verdict_cell(channel.granted),
+               {set_in_use(channel)},
                frames(channel.passed),
                frames(channel.dropped, Style::warning),
                {channel.admission == 0 ? "" : fmt::format("{}", channel.admission)},
+               {media_of(channel)},
                {channel.reason}});
   return table.empty() ? "no channel has a publisher and a subscriber\n" : table.text(color);
 }
 
-std::string explain(const control::Channels& channels, Color color, bool with_counters) {
+std::string explain(const control::Channels& channels, Color color, bool in_full) {
   if (channels.channels.empty())
     return styled("refused", Style::bad, color) +
            "  nothing to deliver: no publisher or no subscriber of the channel is known\n";
   std::string text;
   for (const auto& channel : channels.channels) {
     if (!text.empty()) text += '\n';
-    text += delivery(channel, color, with_counters);
+    text += delivery(channel, color, in_full);
   }
   return text;
 }
@@ -135,11 +144,7 @@ std::string render(const control::Done& done, Color color) {
 }
 
 std::string render(const control::Event& event, Color color) {
-  const auto seconds = static_cast<std::time_t>(event.unix_ns / 1'000'000'000);
-  std::tm local{};
-  ::localtime_r(&seconds, &local);
-  auto line =
-      fmt::format("{:%Y-%m-%d %H:%M:%S}.{:03}  ", local, event.unix_ns % 1'000'000'000 / 1'000'000);
+  auto line = print_moment(event.unix_ns) + "  ";
   line += styled(fmt::format("{:<9}", event.kind), style_of_event(event.kind), color) + "  ";
   if (event.subject != 0)
     line += fmt::format("{} ({}) ", printable(event.channel), core::format_subject(event.subject));

@@ -10,13 +10,25 @@ namespace mlcca::tools {
 
 std::string render(const control::Status& status, Color color);
 std::string render(const control::Networks& networks, Color color);
+std::string render(const control::Routes& routes, Color color);
+
+/// All resources, then who holds what of each.
+std::string render(const control::Reservations& reservations, Color color);
+
+/// The losers first, then a line that counts.
+std::string render(const control::WhatIf& what_if, Color color);
+/// Granted now, and then no more.
+bool loses(const control::Outlook& outlook);
+
+/// The newest last, where a terminal has its prompt.
+std::string render(const control::History& history, Color color);
 
 /// An overview: one line for each delivery.
 std::string render(const control::Channels& channels, Color color);
 
-/// Each delivery with its verdict, a line for each attribute, the route, and, `with_counters`, the
-/// frames that passed and were dropped.
-std::string explain(const control::Channels& channels, Color color, bool with_counters);
+/// Each delivery with its verdict, a line for each attribute, the route, and, `in_full`, its
+/// importance and the frames that passed and were dropped.
+std::string explain(const control::Channels& channels, Color color, bool in_full);
 
 std::string render(const control::Done& done, Color color);
 

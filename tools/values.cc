@@ -59,6 +59,28 @@ constexpr std::array kUnits = {
     Unit{"bytes", "KiB", 1U << 10U},
 };
 
+/// Of rates in bit/s.
+constexpr std::array kBitRates = {
+    Unit{"", "bit/s", 1},
+    Unit{"", "kbit/s", 1'000},
+    Unit{"", "Mbit/s", 1'000'000},
+    Unit{"", "Gbit/s", 1'000'000'000},
+    Unit{"", "k", 1'000},
+    Unit{"", "M", 1'000'000},
+    Unit{"", "G", 1'000'000'000},
+    Unit{"", "B/s", 8},
+    Unit{"", "kB/s", 8'000},
+    Unit{"", "MB/s", 8'000'000},
+    Unit{"", "GB/s", 8'000'000'000},
+    Unit{"", "KiB/s", 8U << 10U},
+    Unit{"", "MiB/s", 8U << 20U},
+    Unit{"", "Byte/s", 8},
+    Unit{"", "kByte/s", 8'000},
+    Unit{"", "KByte/s", 8'000},
+    Unit{"", "MByte/s", 8'000'000},
+    Unit{"", "GByte/s", 8'000'000'000},
+};
+
 /// "ns, us, ms, s, min or h"; spellings that are not ASCII are accepted but not named.
 std::string units_of(std::string_view base) {
   std::vector<std::string_view> names;
@@ -159,7 +181,68 @@ Result<Value> read_value(Attribute attribute, std::string_view text, Role role) 
   return *value;
 }
 
+/// A number and what follows it.
+struct Quantity {
+  Decimal number;
+  std::string_view unit;
+};
+
+Result<Quantity> read_quantity(std::string_view text) {
+  text = trimmed(text);
+  const auto split = std::min(text.find_first_not_of("0123456789."), text.size());
+  const auto number = read_decimal(trimmed(text.substr(0, split)));
+  if (!number)
+    return fail(
+        fmt::format("'{}': must begin with a number of 0 or more, such as 50 or 12.5", text));
+  return Quantity{*number, trimmed(text.substr(split))};
+}
+
+Result<Value> whole_parts(const Quantity& quantity, Value numerator, Value denominator,
+                          Rounding rounding, std::string_view text) {
+  const auto value =
+      scaled(quantity.number, {"", "", numerator, denominator}, rounding == Rounding::up);
+  if (!value) return fail(fmt::format("'{}': too large", text));
+  return *value;
+}
+
 }  // namespace
+
+Result<std::uint64_t> parse_bit_rate(std::string_view text, Rounding rounding) {
+  const auto quantity = read_quantity(text);
+  if (!quantity) return std::unexpected(quantity.error());
+  const auto* const unit = std::ranges::find(kBitRates, quantity->unit, &Unit::name);
+  if (unit == kBitRates.end())
+    return fail(
+        fmt::format("'{}': needs a unit of bit/s, kbit/s, Mbit/s, Gbit/s, B/s, kB/s, MB/s, "
+                    "GB/s, KiB/s or MiB/s",
+                    text));
+  auto rate = whole_parts(*quantity, unit->numerator, 1, rounding, text);
+  if (rate && *rate == 0) return fail(fmt::format("'{}': must be 1 bit/s or more", text));
+  return rate;
+}
+
+Result<std::uint64_t> parse_share(std::string_view text, std::uint64_t whole, Rounding rounding) {
+  const auto quantity = read_quantity(text);
+  if (!quantity) return std::unexpected(quantity.error());
+  if (!quantity->unit.empty() && quantity->unit != "%")
+    return fail(fmt::format("'{}': must be a share such as 0.25 or 25%", text));
+  auto parts = whole_parts(*quantity, whole, quantity->unit.empty() ? 1 : 100, rounding, text);
+  if (parts && *parts > whole) return fail(fmt::format("'{}': must be at most 1 or 100%", text));
+  return parts;
+}
+
+Result<std::uint64_t> parse_microseconds(std::string_view text, Rounding rounding) {
+  const auto quantity = read_quantity(text);
+  if (!quantity) return std::unexpected(quantity.error());
+  if (!quantity->unit.empty() && quantity->unit != "us")
+    return fail(fmt::format("'{}': must be a number of microseconds", text));
+  return whole_parts(*quantity, 1'000, 1, rounding, text);
+}
+
+std::string print_bit_rate(std::uint64_t bits_per_second) {
+  constexpr std::uint64_t mega = 1'000'000;
+  return fmt::format("{}.{:06} Mbit/s", bits_per_second / mega, bits_per_second % mega);
+}
 
 Result<control::Attribute> parse_attribute(std::string_view text, Role role) {
   const auto equals = text.find('=');

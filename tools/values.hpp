@@ -8,6 +8,7 @@
 
 #include "control/messages.hpp"
 #include "core/result.hpp"
+#include "mlcca/arithmetic.hpp"
 #include "mlcca/attribute.hpp"
 
 namespace mlcca::tools {
@@ -32,6 +33,18 @@ struct UnitScale {
 /// Of the unit `name` (may be empty, where none is needed) for attributes whose own unit is `base`
 /// (AttributeInfo::unit); nullopt if they do not take it.
 std::optional<UnitScale> unit_scale(std::string_view base, std::string_view name);
+
+/// bit/s of "24Mbit/s", "1.5 MB/s", "400 KByte/s" or, as radios are called, "54M". 1 or more.
+Result<std::uint64_t> parse_bit_rate(std::string_view text, Rounding rounding);
+
+/// Parts of `whole` in "0.25" or "25%", at most all of it.
+Result<std::uint64_t> parse_share(std::string_view text, std::uint64_t whole, Rounding rounding);
+
+/// ns of "12.5", a number of microseconds.
+Result<std::uint64_t> parse_microseconds(std::string_view text, Rounding rounding);
+
+/// "7.542857 Mbit/s" of bit/s, exactly.
+std::string print_bit_rate(std::uint64_t bits_per_second);
 
 /// "50 ms"; "12 apples" for an attribute and unit that are not in mlcca::kAttributeTable.
 std::string print_value(std::string_view attribute, std::uint64_t value, std::string_view unit);

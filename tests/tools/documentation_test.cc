@@ -113,7 +113,7 @@ Words completions(const std::string& words, const std::string& socket) {
 TEST(DocumentationTest, ManualDescribesEveryVerbAndOption) {
   const auto entries = manual_entries("mlccactl.1");
   const auto known = help();
-  ASSERT_EQ(known.verbs.size(), 13U);
+  ASSERT_GT(known.verbs.size(), 15U);
   ASSERT_GT(known.options.size(), 15U);
   for (const auto& verb : known.verbs)
     EXPECT_TRUE(std::ranges::any_of(entries, [&](const std::string& entry) {

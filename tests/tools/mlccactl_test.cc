@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The built program, end to end against a fake daemon: what it asks, prints and exits with.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <array>
+#include <chrono>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "control/version.hpp"
+#include "core/handle.hpp"
 #include "tests/control/messages.hpp"
 #include "tests/control/server.hpp"
 #include "tests/tools/run.hpp"
@@ -73,7 +79,186 @@ TEST(MlccactlTest, AsksAboutADeliveryWithAllThatWasSaid) {
   EXPECT_EQ(request_of(query), (control::Request{1, control::Query{expected}}));
   auto admit = arguments;
   admit.insert(admit.begin(), "admit");
-  EXPECT_EQ(request_of(admit), (control::Request{1, control::Admit{expected}}));
+  EXPECT_EQ(request_of(admit), (control::Request{1, control::Admit{expected, {}, 0, false}}));
+}
+
+TEST(MlccactlTest, AsksForRoutesReservationsAndRenewals) {
+  EXPECT_EQ(request_of({"routes"}), (control::Request{1, control::RoutesRequest{}}));
+  EXPECT_EQ(request_of({"reservations"}), (control::Request{1, control::ReservationsRequest{""}}));
+  EXPECT_EQ(request_of({"reservations", "awds"}),
+            (control::Request{1, control::ReservationsRequest{"awds"}}));
+  EXPECT_EQ(request_of({"renew", "--admission", "7"}),
+            (control::Request{1, control::RenewRequest{.admission = 7, .key = ""}}));
+  EXPECT_EQ(request_of({"renew", "--key", "camera"}),
+            (control::Request{1, control::RenewRequest{.admission = 0, .key = "camera"}}));
+  EXPECT_EQ(request_of({"release", "--admission", "7"}),
+            (control::Request{1, control::ReleaseRequest{"", 7}}));
+}
+
+TEST(MlccactlTest, AsksWhatWouldBeWithOtherLinksAndWithoutPlaces) {
+  control::WhatIfRequest expected;
+  expected.links = {{.network = "",
+                     .from = "relay-1",
+                     .to = "02:00:00:00:00:03",
+                     .rate = 6'000'000,
+                     .both_ways = true},
+                    {.network = "awds", .from = "a.b", .to = "c", .rate = 0, .both_ways = true}};
+  expected.without = {"second-can", "bridge"};
+  Arguments arguments = {"what-if",    "--link",       "relay-1,02:00:00:00:00:03=6Mbit/s",
+                         "--link",     "awds/a.b,c=0", "--without",
+                         "second-can", "--without",    "bridge"};
+  EXPECT_EQ(request_of(arguments), (control::Request{1, expected}));
+  for (auto& link : expected.links) link.both_ways = false;
+  arguments.emplace_back("--one-way");
+  EXPECT_EQ(request_of(arguments), (control::Request{1, expected}));
+}
+
+TEST(MlccactlTest, AsksForAPartOfTheHistory) {
+  EXPECT_EQ(request_of({"history"}), (control::Request{1, control::HistoryRequest{}}));
+  EXPECT_EQ(request_of({"history", "--channel", "video", "--kind", "switched", "--since",
+                        "@1700000000", "--until", "@1700000001", "--limit", "7"}),
+            (control::Request{1, control::HistoryRequest{.channel = "video",
+                                                         .kind = "switched",
+                                                         .since_unix_ns = 1'700'000'000'000'000'000,
+                                                         .until_unix_ns = 1'700'000'001'000'000'000,
+                                                         .limit = 7}}));
+  const auto before = std::chrono::system_clock::now().time_since_epoch();
+  const auto request = request_of({"history", "--since", "-1h"});
+  const auto after = std::chrono::system_clock::now().time_since_epoch();
+  const std::chrono::nanoseconds since(
+      std::get<control::HistoryRequest>(request.body).since_unix_ns);
+  EXPECT_GE(since, before - std::chrono::hours(1));
+  EXPECT_LE(since, after - std::chrono::hours(1));
+}
+
+/// What admit asks for with `arguments`.
+control::Admit admit_of(Arguments arguments) {
+  arguments.insert(arguments.begin(), {"admit", "a"});
+  const auto request = request_of(arguments);
+  const auto* admit = std::get_if<control::Admit>(&request.body);
+  EXPECT_NE(admit, nullptr);
+  return admit == nullptr ? control::Admit{} : *admit;
+}
+
+TEST(MlccactlTest, AsksForALeaseAndAHold) {
+  control::Admit expected;
+  expected.channel = "a";
+  EXPECT_EQ(admit_of({}), expected);
+  expected.key = "camera";
+  expected.lease_ns = 90'000'000'000;
+  EXPECT_EQ(admit_of({"--key", "camera", "--lease", "1min 30s"}), expected);
+  expected.hold = true;
+  EXPECT_EQ(admit_of({"--key", "camera", "--lease", "90s", "--hold"}), expected);
+  expected.lease_ns = 10'000'000'000;
+  EXPECT_EQ(admit_of({"--key", "camera", "--hold"}), expected) << "10 s without a word";
+}
+
+TEST(MlccactlTest, SaysHowALeaseIsRenewed) {
+  const Reply granted{0, control::Channels{{test::granted_channel(), test::granted_channel()}}};
+  const auto leased = outcome_of({"admit", "a", "--lease", "30s"}, granted);
+  EXPECT_EQ(leased.status, 0);
+  EXPECT_TRUE(
+      leased.out.ends_with("released in 30 s unless it is renewed\n"
+                           "  mlccactl renew --id 7 renews it\n"))
+      << leased.out;
+  const auto json = outcome_of({"admit", "a", "--lease", "30s", "--json"}, granted);
+  EXPECT_TRUE(Json::parse(json.out, nullptr, false).is_object()) << json.out;
+  const auto unlimited = outcome_of({"admit", "a"}, granted);
+  EXPECT_EQ(unlimited.out.find("renew"), std::string::npos) << unlimited.out;
+  const auto refused = outcome_of({"admit", "a", "--lease", "30s"},
+                                  {0, control::Channels{{test::refused_channel()}}});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_EQ(refused.out.find("renew"), std::string::npos) << refused.out;
+}
+
+control::Event event_of(const char* kind, std::vector<std::uint64_t> admissions) {
+  auto event = test::full_event();
+  event.kind = kind;
+  event.admissions = std::move(admissions);
+  return event;
+}
+
+Reply granted_as_7() { return {0, control::Channels{{test::granted_channel()}}}; }
+
+TEST(MlccactlTest, HoldPrintsWhatHappensUntilTheDaemonEnds) {
+  Server server([](const control::Request&) {
+    return Server::Answer{{granted_as_7(),
+                           {0, event_of("withdrawn", {7})},
+                           {0, event_of("released", {8})},
+                           {0, event_of("granted", {7})}},
+                          true};
+  });
+  const auto outcome =
+      run_mlccactl({"admit", "a", "--hold", "--socket", server.path()}, {"TZ=UTC"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_EQ(outcome.error, "mlccactl: mlccad closed the connection\n");
+  EXPECT_TRUE(outcome.out.starts_with("granted  emergency-switch"));
+  const std::string rest =
+      "emergency-switch (0xa4efeccc3210b497) on robot-can: Omission 2 "
+      "required, bridge provides 5\n";
+  EXPECT_TRUE(outcome.out.ends_with(
+      "held until Ctrl-C or the end of a pipe on standard input; 10 s later it is released\n"
+      "2023-11-14 22:13:20.123  withdrawn  " +
+      rest + "2023-11-14 22:13:20.123  released   " + rest +
+      "2023-11-14 22:13:20.123  granted    " + rest))
+      << outcome.out;
+}
+
+TEST(MlccactlTest, HoldPrintsObjectsOnlyWhereJsonIsAskedFor) {
+  Server server([](const control::Request&) {
+    return Server::Answer{{granted_as_7(), {0, event_of("released", {7})}}};
+  });
+  const auto outcome = run_mlccactl({"admit", "a", "--hold", "--json", "--socket", server.path()});
+  std::istringstream lines(outcome.out);
+  std::string line;
+  std::vector<Json> objects;
+  while (std::getline(lines, line)) objects.push_back(Json::parse(line, nullptr, false));
+  ASSERT_EQ(objects.size(), 2U) << outcome.out;
+  EXPECT_TRUE(objects[0].contains("channels"));
+  EXPECT_EQ(objects[1].at("admissions"), Json{7});
+}
+
+TEST(MlccactlTest, HoldEndsWhenSomebodyElseReleasesIt) {
+  Server server([](const control::Request&) {
+    return Server::Answer{{granted_as_7(), {0, event_of("released", {6, 7})}}};
+  });
+  const auto outcome = run_mlccactl({"admit", "a", "--hold", "--socket", server.path()});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.error, "");
+}
+
+TEST(MlccactlTest, HoldEndsWithItsInput) {
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe2(pipe.data(), O_CLOEXEC), 0);
+  const Fd input(pipe[0]);
+  Fd other(pipe[1]);
+  ASSERT_EQ(::write(other.get(), "what is typed\n", 14), 14);
+  other.reset();
+  Server server(always(granted_as_7()));
+  const auto outcome =
+      run_mlccactl({"admit", "a", "--hold", "--socket", server.path()}, {}, nullptr, input.get());
+  EXPECT_EQ(outcome.status, 0) << outcome.error;
+}
+
+TEST(MlccactlTest, HoldsNothingThatIsRefused) {
+  const auto outcome =
+      outcome_of({"admit", "a", "--hold"}, {0, control::Channels{{test::refused_channel()}}});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.out.find("held"), std::string::npos);
+  EXPECT_EQ(outcome_of({"admit", "a", "--hold"}, error_of(control::ErrorKind::forbidden)).status,
+            3);
+}
+
+TEST(MlccactlTest, ExitsWith1WhenSomebodyWouldLose) {
+  auto what_if = test::full_what_if();
+  const Arguments arguments{"what-if", "--without", "bridge"};
+  EXPECT_EQ(outcome_of(arguments, {0, what_if}).status, 1);
+  what_if.outlooks.pop_back();  // the loser
+  EXPECT_EQ(outcome_of(arguments, {0, what_if}).status, 0);
+  EXPECT_EQ(outcome_of(arguments, {0, control::WhatIf{}}).status, 0);
+  EXPECT_EQ(
+      outcome_of({"what-if", "--without", "bridge", "--json"}, {0, test::full_what_if()}).status,
+      1);
 }
 
 TEST(MlccactlTest, AsksForChannelsWhoseNameLooksLikeAnOption) {
@@ -120,7 +305,8 @@ TEST(MlccactlTest, PrintsErrorsAsJsonWhereJsonIsAskedFor) {
 TEST(MlccactlTest, ExitsWith3WithoutADaemon) {
   const test::TempDir directory;
   const auto path = directory.path("none.sock");
-  for (const Arguments& verb : {Arguments{"status"}, Arguments{"monitor"}}) {
+  for (const Arguments& verb : {Arguments{"status"}, Arguments{"monitor"}, Arguments{"routes"},
+                                Arguments{"admit", "a"}, Arguments{"history"}}) {
     auto arguments = verb;
     arguments.insert(arguments.end(), {"--socket", path});
     const auto outcome = run_mlccactl(arguments);
@@ -171,7 +357,8 @@ TEST_P(MlccactlJsonTest, PrintsOneObjectOnOneLine) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Verbs, MlccactlJsonTest,
-                         testing::Values("status", "networks", "channels", "reload"),
+                         testing::Values("status", "networks", "channels", "reload", "routes",
+                                         "reservations", "history"),
                          [](const auto& row) { return std::string(row.param); });
 
 /// Two events and the end of the daemon.
@@ -227,7 +414,7 @@ TEST_P(MlccactlUsageTest, ExitsWith2AndSaysWhatIsWrong) {
 INSTANTIATE_TEST_SUITE_P(
     Wrong, MlccactlUsageTest,
     testing::Values(
-        UsageRow{"NoVerb", {}, "no verb: must be one of status, networks, channels, query, admit"},
+        UsageRow{"NoVerb", {}, "no verb: must be one of status, networks, channels, routes"},
         UsageRow{"UnknownVerb", {"foo"}, "unknown verb 'foo': must be one of status"},
         UsageRow{"UnknownOption", {"--foo", "status"}, "unexpected argument '--foo'"},
         UsageRow{"UnknownOptionOnly", {"--foo"}, "unexpected argument '--foo'"},
@@ -238,9 +425,29 @@ INSTANTIATE_TEST_SUITE_P(
         UsageRow{"NoChannelToExplain", {"explain"}, "channel is required"},
         UsageRow{"NoMode", {"mode"}, "mode is required"},
         UsageRow{"UnknownMode", {"mode", "off"}, "off not in {enforce,audit}"},
-        UsageRow{"ReleaseOfNothing", {"release"}, "Exactly 1 option from [channel,--id]"},
+        UsageRow{"ReleaseOfNothing", {"release"}, "Exactly 1 option from [channel,--id"},
         UsageRow{"ReleaseOfBoth", {"release", "a", "--id", "1"}, "2 were given"},
         UsageRow{"AdmissionZero", {"release", "--id", "0"}, "not in range 1 to"},
+        UsageRow{"RenewalOfNothing", {"renew"}, "Exactly 1 option from [--id,"},
+        UsageRow{"RenewalOfBoth", {"renew", "--id", "1", "--key", "a"}, "2 were given"},
+        UsageRow{"WhatIfNothing", {"what-if"}, "--link"},
+        UsageRow{"WhatIfOneWayOnly", {"what-if", "--one-way"}, "--link"},
+        UsageRow{"LinkWithoutRate", {"what-if", "--link", "a,b"}, "must be FROM,TO=RATE"},
+        UsageRow{"LinkWithoutEnd", {"what-if", "--link", "a-b=0"}, "must be FROM,TO=RATE"},
+        UsageRow{"LinkFromNowhere", {"what-if", "--link", ",b=0"}, "must be FROM,TO=RATE"},
+        UsageRow{"LinkToNowhere", {"what-if", "--link", "a,=0"}, "must be FROM,TO=RATE"},
+        UsageRow{"LinkOfNoNetwork", {"what-if", "--link", "/a,b=0"}, "must be FROM,TO=RATE"},
+        UsageRow{"LinkWithoutUnit", {"what-if", "--link", "a,b=6"}, "needs a unit of bit/s"},
+        UsageRow{"LeaseWithoutUnit", {"admit", "a", "--lease", "30"}, "--lease '30': must be"},
+        UsageRow{"LeaseZero", {"admit", "a", "--lease", "0s"}, "must be more than 0"},
+        UsageRow{"LeaseOfAQuery", {"query", "a", "--lease", "1s"}, "unexpected argument"},
+        UsageRow{"NoMoment", {"history", "--since", "soon"}, "--since 'soon': must be a moment"},
+        UsageRow{"PastBackwards",
+                 {"history", "--since", "@2", "--until", "@1"},
+                 "--until '@1' is before --since '@2'"},
+        UsageRow{"LimitZero", {"history", "--limit", "0"}, "not in range 1 to 10000"},
+        UsageRow{"LimitLarge", {"history", "--limit", "10001"}, "not in range 1 to 10000"},
+        UsageRow{"TwoPlaces", {"reservations", "a", "b"}, "unexpected argument 'b'"},
         UsageRow{"NodeTooLarge", {"query", "a", "--node", "128"}, "128 not in range 0 to 127"},
         UsageRow{"PriorityNegative", {"query", "a", "--priority", "-1"}, "--priority"},
         UsageRow{"NoUnit", {"query", "a", "--require", "Period=50"}, "needs a unit: ns, us, ms"},

@@ -9,6 +9,7 @@
 
 #include "tests/control/messages.hpp"
 #include "tools/json.hpp"
+#include "tools/words.hpp"
 
 namespace mlcca::tools {
 namespace {
@@ -41,8 +42,33 @@ TEST_F(RenderTest, ExplainsARefusalAttributeByAttribute) {
   route        second-can > bridge > robot-can
   publisher    switch
   subscribers  motor-left, motor-right
+  importance   3
   frames       12 passed, 345 dropped
 )");
+}
+
+TEST_F(RenderTest, ExplainsWhatTheMediaGiveAndWhichSetIsInUse) {
+  EXPECT_EQ(
+      explain({{test::switched_channel()}}, Color::no, true),
+      R"(granted  video (0x0000000000000010) from awds to robot-can: Period 50 ms required, the route provides 12.5 ms (37.5 ms to spare)
+  WHERE      ATTRIBUTE  REQUIRED  PROVIDED  OUTCOME  MARGIN
+  robot-can  Period        50 ms   12.5 ms  fit      37.5 ms to spare
+  set          2 of 2
+  route        awds > bridge > robot-can
+  awds         path laptop > relay > control, 7.543 Mbit/s by the links, 600 kB/s left in all links
+  robot-can    response 310 us, at most 5 ms guaranteed
+  publisher    switch
+  subscribers  motor-left, motor-right
+  importance   9
+  frames       12 passed, 0 dropped
+)");
+}
+
+TEST_F(RenderTest, SaysThatNoSetFits) {
+  auto channel = test::switched_channel();
+  channel.granted = false;
+  EXPECT_NE(explain({{channel}}, Color::no, false).find("  set          none of 2\n"),
+            std::string::npos);
 }
 
 TEST_F(RenderTest, NamesTheAdmissionThatCanBeReleased) {
@@ -72,6 +98,108 @@ TEST_F(RenderTest, ListsDeliveries) {
 emergency-switch  0xa4efeccc3210b497  second-can  robot-can  refused      12      345             Omission 2 required, bridge provides 5 (3 too many)
 emergency-switch  0xa4efeccc3210b497  robot-can   robot-can  granted      12        0          7  Period 50 ms required, the route provides 12.5 ms (37.5 ms to spare)
 )");
+}
+
+TEST_F(RenderTest, ListsSetsAndMediaWhereThereAreAny) {
+  EXPECT_EQ(
+      render(control::Channels{{test::refused_channel(), test::switched_channel()}}, Color::no),
+      R"(CHANNEL           SUBJECT             FROM        TO         VERDICT  SET     PASSED  DROPPED  MEDIA                                          REASON
+emergency-switch  0xa4efeccc3210b497  second-can  robot-can  refused              12      345                                                 Omission 2 required, bridge provides 5 (3 too many)
+video             0x0000000000000010  awds        robot-can  granted  2 of 2      12        0  awds 600 kB/s left, robot-can response 310 us  Period 50 ms required, the route provides 12.5 ms (37.5 ms to spare)
+)");
+}
+
+TEST_F(RenderTest, ShowsRoutesMediaLinksAndWhatIsWrongAboutSources) {
+  EXPECT_EQ(render(test::full_routes(), Color::no),
+            R"(FROM        TO         GRANTED  REFUSED  ROUTE
+awds        robot-can        2        1  awds > bridge > robot-can
+second-can  awds             0        3  none: no gateway leads there
+
+what their media give
+  FROM  TO         MEDIUM     RESPONSE  GUARANTEED  PATH                      BY THE LINKS  AVAILABLE  LIMITED BY
+  awds  robot-can  awds                             laptop > relay > control  7.543 Mbit/s   600 kB/s  all links
+  awds  robot-can  robot-can    310 us        5 ms
+
+links
+  NETWORK  FROM    TO                      RATE     BELIEVED  KIND       LOSS   BUSY     AGE  STATE  SOURCE
+  awds     laptop  relay              24 Mbit/s  22.5 Mbit/s  phy      1.25 %  4.3 %  1.25 s         nl80211 mesh0
+  awds     relay   02:00:00:00:00:03    unknown      nothing  derived                   60 s  stale  awds eth1
+
+awds: babel: connection refused
+awds: olsr: no such node
+)");
+}
+
+TEST_F(RenderTest, SaysThatThereIsNothingToRoute) {
+  EXPECT_EQ(render(control::Routes{}, Color::no), "no channel has a publisher and a subscriber\n");
+}
+
+TEST_F(RenderTest, ShowsWhoHoldsWhatAndWhatIsLeft) {
+  EXPECT_EQ(render(test::full_reservations(), Color::no),
+            R"(RESOURCE             KIND     CAPACITY  RESERVED  OTHERS              FREE
+robot-can: bus time  bus          60 %     1.5 %    10 %            48.5 %
+awds: all links      domain       80 %  42.424 %                  37.576 %
+uplink               network  300 kB/s  400 kB/s          over by 100 kB/s
+bridge               gateway   unknown   160 B/s
+
+robot-can: bus time
+  CHANNEL           PUBLISHER  AMOUNT  SHARE
+  emergency-switch  switch      1.5 %  2.5 %
+
+awds: all links
+  CHANNEL           PUBLISHER     AMOUNT      SHARE  ADMISSION  SET  IMPORTANCE  LEASE
+  video             camera      42.424 %    53.03 %          8    2           9  7.5 s
+  emergency-switch  switch     < 0.001 %  < 0.001 %
+
+uplink
+  CHANNEL  PUBLISHER    AMOUNT      SHARE  ADMISSION  SET  IMPORTANCE  LEASE
+  video    camera     400 kB/s  133.333 %          8    2           9  7.5 s
+)");
+}
+
+TEST_F(RenderTest, SaysThatThereIsNothingToReserve) {
+  EXPECT_EQ(render(control::Reservations{}, Color::no),
+            "nothing that can be reserved is described\n");
+}
+
+TEST_F(RenderTest, ShowsTheLosersFirst) {
+  EXPECT_EQ(render(test::full_what_if(), Color::no),
+            R"(EFFECT         CHANNEL  PUBLISHER  TO         NOW      THEN     REASON
+lost           speech   camera     robot-can  set 2    refused  300 kB/s too much
+switched down  video    camera     robot-can  set 1    set 2    100 kB/s fit
+switched up    sonar    camera     robot-can  set 3    set 1    fits again
+gained         map      camera     robot-can  refused  granted  fits
+1 lost, 2 switched, 1 gained, 12 as now
+)");
+}
+
+TEST_F(RenderTest, SaysThatNothingWouldChange) {
+  EXPECT_EQ(render(control::WhatIf{.outlooks = {}, .unchanged = 3}, Color::no),
+            "nothing would change; 3 deliveries are as they are now\n");
+}
+
+TEST_F(RenderTest, ShowsTheNewestDecisionLast) {
+  EXPECT_EQ(render(test::full_history(), Color::no),
+            R"(TIME                     KIND      CHANNEL  FROM  TO         NETWORK  MESSAGE
+2023-11-14 22:13:20.123  reload                                       read again
+2023-11-14 22:15:00.000  switched  video    awds  robot-can  awds     set 2 of 2: laptop > relay is slower
+)");
+  EXPECT_EQ(render(control::History{}, Color::no), "nothing of that is recorded\n");
+}
+
+TEST_F(RenderTest, RoundsSharesAndRatesToThreeDecimals) {
+  EXPECT_EQ(percent(0, 1'000'000), "0 %");
+  EXPECT_EQ(percent(4, 1'000'000), "< 0.001 %");  // 0.0004 %
+  EXPECT_EQ(percent(5, 1'000'000), "0.001 %");    // 0.0005 %
+  EXPECT_EQ(percent(1, 3), "33.333 %");
+  EXPECT_EQ(percent(2, 3), "66.667 %");
+  EXPECT_EQ(percent(~std::uint64_t{0} - 1, ~std::uint64_t{0} - 1), "100 %");
+  EXPECT_EQ(bits_per_second(999), "999 bit/s");
+  EXPECT_EQ(bits_per_second(1'000), "1 kbit/s");
+  EXPECT_EQ(bits_per_second(1'500'499), "1.5 Mbit/s");
+  EXPECT_EQ(bits_per_second(1'500'500), "1.501 Mbit/s");
+  EXPECT_EQ(bits_per_second(2'000'000'000), "2 Gbit/s");
+  EXPECT_EQ(bits_per_second(~std::uint64_t{0}), "unbounded");
 }
 
 TEST_F(RenderTest, ShowsTheGatewayAsItIs) {
@@ -190,6 +318,58 @@ TEST(JsonFieldsTest, AreNullWhereNothingIsKnown) {
   const auto json = json_of({1, test::full_networks()});
   EXPECT_EQ(json.at("networks").at(0).at("capacity"), 40'000);
   EXPECT_TRUE(json.at("networks").at(1).at("capacity").is_null());
+}
+
+TEST(JsonFieldsTest, TellWhatMediaGiveAndNullOfOtherMedia) {
+  const auto json = json_of({1, control::Channels{{test::switched_channel()}}});
+  const auto& channel = json.at("channels").at(0);
+  EXPECT_EQ(channel.at("set"), 1);
+  EXPECT_EQ(channel.at("sets"), 2);
+  EXPECT_EQ(channel.at("importance"), 9);
+  EXPECT_EQ(channel.at("media"), Json::parse(R"([
+      {"network": "awds", "response_ns": null, "guaranteed_ns": null, "paper_rate": 942857,
+       "available": 600000, "limiting_domain": "all links", "nodes": ["laptop", "relay", "control"]},
+      {"network": "robot-can", "response_ns": 310000, "guaranteed_ns": 5000000,
+       "paper_rate": null, "available": null, "limiting_domain": "", "nodes": []}])"));
+}
+
+TEST(JsonFieldsTest, TellRoutesAndLinks) {
+  const auto json = json_of({1, test::full_routes()});
+  const auto& route = json.at("routes").at(1);
+  EXPECT_EQ(route, Json::parse(R"({"from": "second-can", "to": "awds", "places": [], "granted": 0,
+      "refused": 3, "media": [], "problem": "no gateway leads there"})"));
+  EXPECT_EQ(json.at("links"), Json::parse(R"([
+      {"network": "awds", "from": "laptop", "to": "relay", "rate": 24000000,
+       "believed_rate": 22500000, "kind": "phy", "loss": 12500000, "busy": 43000,
+       "age_ns": 1250000000, "stale": false, "source": "nl80211 mesh0"},
+      {"network": "awds", "from": "relay", "to": "02:00:00:00:00:03", "rate": null,
+       "believed_rate": 0, "kind": "derived", "loss": null, "busy": null,
+       "age_ns": 60000000000, "stale": true, "source": "awds eth1"}])"));
+  EXPECT_EQ(json.at("problems").size(), 2U);
+}
+
+TEST(JsonFieldsTest, TellReservations) {
+  const auto json = json_of({1, test::full_reservations()});
+  EXPECT_EQ(json.at("resources").at(2), Json::parse(R"({"name": "uplink", "kind": "network",
+      "unit": "bytes/s", "capacity": 300000, "reserved": 400000, "background": 0,
+      "reservations": [{"channel": "video", "publisher": "camera", "amount": 400000,
+        "admission": 8, "set": 1, "importance": 9, "lease_ns": 7500000000}]})"));
+  EXPECT_TRUE(json.at("resources").at(3).at("capacity").is_null());
+  EXPECT_TRUE(json.at("resources").at(0).at("reservations").at(0).at("lease_ns").is_null());
+}
+
+TEST(JsonFieldsTest, TellWhatWouldBeAndWhatWas) {
+  const auto what_if = json_of({1, test::full_what_if()});
+  EXPECT_EQ(what_if.at("unchanged"), 12);
+  EXPECT_EQ(what_if.at("outlooks").at(3), Json::parse(R"({"channel": "speech",
+      "publisher": "camera", "to": "robot-can", "granted_now": true, "granted_then": false,
+      "set_now": 1, "set_then": 0, "reason": "300 kB/s too much"})"));
+  const auto history = json_of({1, test::full_history()});
+  EXPECT_EQ(history.at("entries").at(0), Json::parse(R"({"unix_ns": 1700000100000000000,
+      "kind": "switched", "subject": "0x0000000000000010", "channel": "video", "from": "awds",
+      "to": "robot-can", "network": "awds", "message": "set 2 of 2: laptop > relay is slower"})"));
+  EXPECT_TRUE(history.at("entries").at(1).at("subject").is_null());
+  EXPECT_EQ(json_of({0, test::full_event()}).at("admissions"), (Json{7, ~std::uint64_t{0}}));
 }
 
 TEST(JsonFieldsTest, SurviveTextThatIsNotUtf8) {

@@ -30,7 +30,7 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 }  // namespace
 
 Outcome run_mlccactl(std::vector<std::string> arguments, std::vector<std::string> environment,
-                     const char* out) {
+                     const char* out, int input) {
   const TempDir directory;
   const std::string out_path = out == nullptr ? directory.path("out") : out;
   const std::string error_path = directory.path("error");
@@ -42,6 +42,10 @@ Outcome run_mlccactl(std::vector<std::string> arguments, std::vector<std::string
   posix_spawn_file_actions_t files;
   ::posix_spawn_file_actions_init(&files);
   const int flags = O_WRONLY | (out == nullptr ? O_CREAT : 0);
+  if (input < 0)
+    ::posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
+  else
+    ::posix_spawn_file_actions_adddup2(&files, input, 0);
   ::posix_spawn_file_actions_addopen(&files, 1, out_path.c_str(), flags, 0600);
   ::posix_spawn_file_actions_addopen(&files, 2, error_path.c_str(), O_WRONLY | O_CREAT, 0600);
   ::pid_t child = 0;

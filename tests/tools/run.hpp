@@ -13,8 +13,9 @@ struct Outcome {
 };
 
 /// mlccactl of the build tree that this test is from, with an environment of only `environment`.
-/// An `out` replaces the captured standard output.
+/// An `out` replaces the captured standard output, a file descriptor `input` the empty standard
+/// input.
 Outcome run_mlccactl(std::vector<std::string> arguments, std::vector<std::string> environment = {},
-                     const char* out = nullptr);
+                     const char* out = nullptr, int input = -1);
 
 }  // namespace mlcca::test

@@ -19,8 +19,9 @@ _mlccactl_places() {
 
 _mlccactl() {
 	local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
-	local verbs="status networks channels query admit release explain monitor mode reload"
-	local design="check describe generate"
+	local verbs="status networks channels routes reservations query what-if admit renew release explain"
+	verbs+=" history monitor mode reload bandwidth"
+	local design="analyse-bus check describe generate"
 	local common="--socket --timeout --json --no-color --help"
 	local offline="--json --no-color --help"
 	local attributes="Latency= Jitter= Deadline= Period= Bandwidth= PacketLoss= Omission= MaxPayload="
@@ -45,7 +46,7 @@ _mlccactl() {
 		mapfile -t COMPREPLY < <(compgen -W "text json sarif html" -- "$cur")
 		return
 		;;
-	--from | --to)
+	--from | --to | --without)
 		mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_places)" -- "$cur")
 		return
 		;;
@@ -62,6 +63,15 @@ _mlccactl() {
 		mapfile -t COMPREPLY < <(compgen -W "${attributes//=/}" -- "$cur")
 		return
 		;;
+	--kind)
+		mapfile -t COMPREPLY < <(compgen -W "started stopped granted refused withdrawn switched
+			released dropping interface mode reload lapsed trouble" -- "$cur")
+		return
+		;;
+	--domain)
+		mapfile -t COMPREPLY < <(compgen -W "single-domain 1-hop 2-hop 3-hop" -- "$cur")
+		return
+		;;
 	--safe-side)
 		mapfile -t COMPREPLY < <(compgen -W "drop deliver none" -- "$cur")
 		return
@@ -70,13 +80,26 @@ _mlccactl() {
 		mapfile -t COMPREPLY < <(compgen -d -- "$cur")
 		return
 		;;
-	--timeout | --node | --priority | --id | --subscriber | --publisher) return ;;
-	--channel | --subject | --name | --description | --set-user | --remove-set | --component) return ;;
+	--timeout | --node | --priority | --id | --admission | --subscriber | --publisher) return ;;
+	--packet | --header | --overhead-us | --loss | --limit | --background | --demand) return ;;
+	--network | --bitrate | --data-bitrate | --background-load | --faults | --fault-interval-ms) return ;;
+	--key | --lease | --link | --since | --until) return ;;
+	--channel)
+		if [[ $verb == history ]]; then
+			mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_channels)" -- "$cur")
+		fi
+		return
+		;;
+	--subject | --name | --description | --set-user | --remove-set | --component) return ;;
 	esac
 
 	local words=$common
 	case $verb in
 	"") words="$verbs $design $common --version" ;;
+	analyse-bus)
+		words="--network --bitrate --data-bitrate --unknown-senders --background-load --faults"
+		words+=" --fault-interval-ms --assign $offline"
+		;;
 	check) words="--format --output --watch $offline" ;;
 	describe)
 		words="--channel --subject --random-subject --name --description --safe-side --set --set-user"
@@ -86,17 +109,29 @@ _mlccactl() {
 	query | admit)
 		words+=" --from --to --require --offer --node --priority --user --subscriber --publisher"
 		;;
-	release) words+=" --id" ;;
+	release) words+=" --id --admission" ;;
+	renew) words+=" --id --admission --key" ;;
+	what-if) words+=" --link --without --one-way" ;;
+	history) words+=" --channel --kind --since --until --limit" ;;
+	bandwidth)
+		words+=" --packet --header --overhead-us --loss --limit --background --domain --demand"
+		;;
 	mode) [[ $cur == -* ]] || words="enforce audit" ;;
+	esac
+	case $verb in
+	admit) words+=" --key --lease --hold" ;;
+	reservations) [[ $cur == -* ]] || words=$(_mlccactl_places) ;;
 	esac
 	case $verb in
 	query | admit | release | explain)
 		[[ $cur == -* ]] || words=$(_mlccactl_channels)
 		;;
-	check | describe | generate)
+	analyse-bus | check | describe | generate)
 		if [[ $cur != -* ]]; then
+			local kinds='*.xml'
+			[[ $verb == analyse-bus ]] && kinds='*.@(xml|csv)'
 			# Folders too: they lead to files.
-			mapfile -t COMPREPLY < <(compgen -f -X '!*.xml' -- "$cur"; compgen -d -- "$cur")
+			mapfile -t COMPREPLY < <(compgen -f -X "!$kinds" -- "$cur"; compgen -d -- "$cur")
 			compopt -o filenames 2>/dev/null
 			return
 		fi

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The ways that data takes and what they give: routes, media, links of meshes.
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "tools/render.hpp"
+#include "tools/values.hpp"
+#include "tools/words.hpp"
+
+namespace mlcca::tools {
+namespace {
+
+constexpr std::uint64_t kLossWhole = 1'000'000'000;
+constexpr std::uint64_t kBusyWhole = 1'000'000;
+
+Cell count(std::uint32_t n, Style style) {
+  return {fmt::format("{}", n), n == 0 ? Style::plain : style};
+}
+
+Cell places_of(const control::RouteReport& route) {
+  if (!route.places.empty()) return {way(route.places)};
+  return {route.problem.empty() ? "none" : "none: " + route.problem, Style::bad};
+}
+
+std::string ways(const std::vector<control::RouteReport>& all, Color color) {
+  Table table({{"FROM"}, {"TO"}, {"GRANTED", Align::right}, {"REFUSED", Align::right}, {"ROUTE"}});
+  for (const auto& route : all)
+    table.add({{route.from},
+               {route.to},
+               count(route.granted, Style::good),
+               count(route.refused, Style::bad),
+               places_of(route)});
+  return table.empty() ? "no channel has a publisher and a subscriber\n" : table.text(color);
+}
+
+void add_medium(Table& table, const control::RouteReport& route, const control::MediumUse& use) {
+  const bool mesh = use.paper_rate != 0;
+  table.add({{route.from},
+             {route.to},
+             {use.network},
+             {use.response_ns == 0 ? "" : print_duration(use.response_ns)},
+             {use.guaranteed_ns == 0 ? "" : print_duration(use.guaranteed_ns)},
+             {way(use.nodes)},
+             {mesh ? by_the_links(use) : ""},
+             {mesh ? bytes_per_second(use.available) : ""},
+             {use.limiting_domain}});
+}
+
+std::string media(const std::vector<control::RouteReport>& all, Color color) {
+  Table table({{"FROM"},
+               {"TO"},
+               {"MEDIUM"},
+               {"RESPONSE", Align::right},
+               {"GUARANTEED", Align::right},
+               {"PATH"},
+               {"BY THE LINKS", Align::right},
+               {"AVAILABLE", Align::right},
+               {"LIMITED BY"}});
+  for (const auto& route : all)
+    for (const auto& use : route.media) add_medium(table, route, use);
+  return table.empty() ? "" : "\nwhat their media give\n" + table.text(color, "  ");
+}
+
+Cell believed(const control::MeshLink& link) {
+  return link.believed_rate == 0 ? Cell{"nothing", Style::bad}
+                                 : Cell{bits_per_second(link.believed_rate)};
+}
+
+std::string links(const std::vector<control::MeshLink>& all, Color color) {
+  Table table({{"NETWORK"},
+               {"FROM"},
+               {"TO"},
+               {"RATE", Align::right},
+               {"BELIEVED", Align::right},
+               {"KIND"},
+               {"LOSS", Align::right},
+               {"BUSY", Align::right},
+               {"AGE", Align::right},
+               {"STATE"},
+               {"SOURCE"}});
+  for (const auto& link : all)
+    table.add({{link.network},
+               {link.from},
+               {link.to},
+               {link.rate == 0 ? "unknown" : bits_per_second(link.rate)},
+               believed(link),
+               {link.kind},
+               {link.loss_known ? percent(link.loss, kLossWhole) : ""},
+               {link.busy_known ? percent(link.busy, kBusyWhole) : ""},
+               {print_duration(link.age_ns)},
+               {link.stale ? "stale" : "", Style::warning},
+               {link.source}});
+  return table.empty() ? "" : "\nlinks\n" + table.text(color, "  ");
+}
+
+}  // namespace
+
+std::string render(const control::Routes& routes, Color color) {
+  auto text = ways(routes.routes, color) + media(routes.routes, color) + links(routes.links, color);
+  if (!routes.problems.empty()) text += '\n';
+  for (const auto& problem : routes.problems) text += styled(problem, Style::bad, color) + '\n';
+  return text;
+}
+
+}  // namespace mlcca::tools

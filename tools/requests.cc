@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/requests.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "mlcca/arithmetic.hpp"
+#include "tools/times.hpp"
+#include "tools/values.hpp"
+
+namespace mlcca::tools {
+namespace {
+
+Result<std::vector<control::Attribute>> attributes(const std::vector<std::string>& texts,
+                                                   Role role) {
+  std::vector<control::Attribute> result;
+  for (const auto& text : texts) {
+    auto attribute = parse_attribute(text, role);
+    if (!attribute) return std::unexpected(std::move(attribute).error());
+    if (std::ranges::find(result, attribute->name, &control::Attribute::name) != result.end())
+      return fail(fmt::format("{}: {} is given twice", text, attribute->name));
+    result.push_back(std::move(*attribute));
+  }
+  return result;
+}
+
+Result<control::ChannelRequest> delivery(const Arguments& from) {
+  auto required = attributes(from.require, Role::required);
+  if (!required) return std::unexpected(std::move(required).error());
+  auto offered = attributes(from.offer, Role::offered);
+  if (!offered) return std::unexpected(std::move(offered).error());
+  return control::ChannelRequest{.channel = from.channel,
+                                 .from = from.from,
+                                 .to = from.to,
+                                 .offered = std::move(*offered),
+                                 .required = std::move(*required),
+                                 .node = from.node,
+                                 .priority = from.priority,
+                                 .user = from.user,
+                                 .subscriber = from.subscriber,
+                                 .publisher = from.publisher};
+}
+
+Result<std::uint64_t> lease(const Arguments& from) {
+  if (from.lease.empty())
+    return from.hold ? static_cast<std::uint64_t>(kHoldLease.count()) : std::uint64_t{0};
+  auto span = parse_span(from.lease);
+  if (!span) return fail("--lease " + span.error().text);
+  if (*span == 0) return fail(fmt::format("--lease '{}': must be more than 0", from.lease));
+  return span;
+}
+
+/// A rate rounded down: the worse side for whoever needs it.
+Result<std::uint64_t> link_rate(std::string_view text) {
+  return text == "0" ? std::uint64_t{0} : parse_bit_rate(text, Rounding::down);
+}
+
+Result<control::LinkChange> link_change(std::string_view text) {
+  const auto wrong = [&](std::string_view why) {
+    return fail(fmt::format("--link '{}': {}", text, why));
+  };
+  const auto equals = text.find('=');
+  const auto ends = text.substr(0, equals);
+  const auto slash = ends.find('/');
+  const auto nodes = ends.substr(slash == std::string_view::npos ? 0 : slash + 1);
+  const auto comma = nodes.find(',');
+  if (equals == std::string_view::npos || comma == std::string_view::npos || comma == 0 ||
+      comma + 1 == nodes.size() || slash == 0)
+    return wrong("must be FROM,TO=RATE or NETWORK/FROM,TO=RATE, such as laptop,relay=6Mbit/s");
+  const auto rate = link_rate(text.substr(equals + 1));
+  if (!rate) return wrong(rate.error().text + "; 0 stands for a link that is gone");
+  return control::LinkChange{
+      .network = std::string(ends.substr(0, slash == std::string_view::npos ? 0 : slash)),
+      .from = std::string(nodes.substr(0, comma)),
+      .to = std::string(nodes.substr(comma + 1)),
+      .rate = *rate,
+      .both_ways = true};
+}
+
+/// 0 of an option that is not given.
+Result<std::uint64_t> moment(std::string_view option, const std::string& text, std::uint64_t now) {
+  if (text.empty()) return std::uint64_t{0};
+  auto result = parse_moment(text, now);
+  if (!result) return fail(fmt::format("{} {}", option, result.error().text));
+  return result;
+}
+
+}  // namespace
+
+Result<control::Query> query(const Arguments& from) {
+  auto request = delivery(from);
+  if (!request) return std::unexpected(std::move(request).error());
+  return control::Query{std::move(*request)};
+}
+
+Result<control::Admit> admit(const Arguments& from) {
+  auto request = delivery(from);
+  if (!request) return std::unexpected(std::move(request).error());
+  const auto lease_ns = lease(from);
+  if (!lease_ns) return std::unexpected(lease_ns.error());
+  return control::Admit{{std::move(*request)}, from.key, *lease_ns, from.hold};
+}
+
+Result<control::WhatIfRequest> what_if(const Arguments& from) {
+  control::WhatIfRequest request;
+  for (const auto& text : from.links) {
+    auto change = link_change(text);
+    if (!change) return std::unexpected(std::move(change).error());
+    change->both_ways = !from.one_way;
+    request.links.push_back(std::move(*change));
+  }
+  request.without = from.without;
+  return request;
+}
+
+Result<control::HistoryRequest> history(const Arguments& from, std::uint64_t now_unix_ns) {
+  const auto since = moment("--since", from.since, now_unix_ns);
+  if (!since) return std::unexpected(since.error());
+  const auto until = moment("--until", from.until, now_unix_ns);
+  if (!until) return std::unexpected(until.error());
+  if (!from.until.empty() && *until < *since)
+    return fail(fmt::format("--until '{}' is before --since '{}'", from.until, from.since));
+  return control::HistoryRequest{.channel = from.channel,
+                                 .kind = from.kind,
+                                 .since_unix_ns = *since,
+                                 .until_unix_ns = *until,
+                                 .limit = from.limit};
+}
+
+}  // namespace mlcca::tools
