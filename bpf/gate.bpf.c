@@ -88,6 +88,19 @@ echo:
 	return TC_ACT_UNSPEC;
 }
 
+/* So that the frame that wins arbitration is also the first to leave the queue. */
+static __always_inline void choose_band(struct __sk_buff *skb, __u32 can_id)
+{
+	__u32 rank = gate_arbitration(can_id), band = 0, i;
+
+	if (!READ_ONCE(table.bands))
+		return;
+#pragma unroll
+	for (i = 0; i < GATE_BANDS - 1; i++)
+		band += rank > READ_ONCE(table.band_limit[i]);
+	skb->priority = band;
+}
+
 SEC("tc")
 int gate_egress(struct __sk_buff *skb)
 {
@@ -117,6 +130,7 @@ int gate_egress(struct __sk_buff *skb)
 	if (d.reason != GATE_R_PASSED)
 		return refuse(cpu, GATE_EGRESS, &d, &frame);
 	count_pass(cpu, GATE_EGRESS, d.slot, &frame);
+	choose_band(skb, frame.can_id);
 	return TC_ACT_UNSPEC;
 }
 

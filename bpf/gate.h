@@ -9,7 +9,7 @@
 #include <linux/can.h>
 #include <linux/types.h>
 
-#define GATE_LAYOUT_VERSION 1
+#define GATE_LAYOUT_VERSION 2
 
 /* Our tc filters: this priority and handle belong to the gate, and nothing else is ever replaced.
  */
@@ -40,6 +40,9 @@
 #define GATE_ETAG_MASK	      0x3fffU
 
 #define GATE_SEEN 64 /* last seen frames without a slot, per CPU; power of two */
+
+/* Bands of the prio queueing discipline behind a gate, the first one is served first. */
+#define GATE_BANDS 16
 
 #define GATE_ANY_UID   0xffffffffU
 #define GATE_NO_SOURCE 0xffffffffU /* source of a frame that came from nowhere; no slot has it */
@@ -110,7 +113,13 @@ struct gate_table {
 	__u32 layout_version;
 	__u32 profile;	      /* enum gate_profile that the buckets were filled for */
 	__u64 unknown_frames; /* frames without a slot: the order of gate_seen across CPUs */
-	__u8 pad[48];
+	/*
+	 * Of what leaves: 0 leaves skb->priority alone. Otherwise a frame goes into the first band
+	 * whose limit is not below its gate_arbitration(), and into the last one if there is none.
+	 */
+	__u32 bands;
+	__u32 band_limit[GATE_BANDS - 1];
+	__u8 pad[16];
 	struct gate_slot slots[GATE_SLOTS];
 	__u16 head[GATE_DIRECTIONS][GATE_BUCKETS]; /* bucket -> first slot, 0 for none */
 	__u8 last_reason[GATE_SLOTS]; /* enum gate_reason of the latest drop, 0: none */
@@ -174,6 +183,14 @@ static inline __u32 gate_bucket(__u32 profile, __u32 can_id)
 	       (((can_id & CAN_EFF_MASK) * 0x9e3779b1U) >> (32 - GATE_HASH_BITS));
 }
 
+/* The order of arbitration as one number: the smaller identifier wins. */
+static inline __u32 gate_arbitration(__u32 can_id)
+{
+	if (!(can_id & CAN_EFF_FLAG))
+		return (can_id & CAN_SFF_MASK) << 19;
+	return (can_id & CAN_EFF_MASK) >> 18 << 19 | 1U << 18 | (can_id & 0x3ffffU);
+}
+
 /* The part of an identifier that is the key; frames of other keys can share a bucket. */
 static inline __u32 gate_key_mask(__u32 profile)
 {
@@ -200,7 +217,7 @@ static inline __u32 gate_echo_token(__u32 token) { return ~token; }
 #define GATE_ASSERT _Static_assert
 #endif
 GATE_ASSERT(sizeof(struct gate_slot) == 32, "gate_slot is pinned layout");
-GATE_ASSERT(sizeof(struct gate_table) == 64 + 32 * 4096 + 4 * 18432 + 4096, "pinned layout");
+GATE_ASSERT(sizeof(struct gate_table) == 96 + 32 * 4096 + 4 * 18432 + 4096, "pinned layout");
 GATE_ASSERT(sizeof(struct gate_count) == 32, "gate_count is pinned layout");
 GATE_ASSERT(sizeof(struct gate_seen) == 24, "gate_seen is pinned layout");
 GATE_ASSERT(sizeof(struct gate_cpu) == 32 * 4096 + 8 * 32 + 24 * 64, "gate_cpu is pinned layout");

@@ -8,21 +8,38 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
+#include <charconv>
+#include <string_view>
 #include <utility>
 
 #include "core/text.hpp"
+#include "daemon/clock.hpp"
 #include "daemon/report.hpp"
 #include "description/read.hpp"
 
 namespace mlcca {
 namespace {
 
-std::uint64_t monotonic_ns() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000 +
-         static_cast<std::uint64_t>(now.tv_nsec);
+/// How long a start waits for the sources of links: well below the grace in which the gates stay
+/// as they were.
+constexpr std::uint64_t kFirstReports = 2'500'000'000;
+
+/// The journal's word for a grant in an attribute set.
+constexpr std::string_view kSet = "set=";
+std::string grant_text(std::size_t set) { return std::string(kSet) + std::to_string(set); }
+std::optional<std::size_t> set_of(std::string_view text) {
+  if (!text.starts_with(kSet)) return std::nullopt;
+  std::size_t set = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data() + kSet.size(), end, set);
+  if (read.ec != std::errc{} || read.ptr != end) return std::nullopt;
+  return set;
+}
+
+void put_graph(core::State& state, std::size_t network, const core::mesh::LinkTable& table) {
+  std::vector<std::string> addresses;
+  for (std::uint32_t n = 0; n < table.graph().nodes; ++n) addresses.push_back(table.address(n));
+  state.set_graph(network, table.graph(), std::move(addresses));
 }
 
 std::string host_name() {
@@ -52,16 +69,20 @@ std::expected<std::size_t, std::string> find_self(const core::System& system,
 }  // namespace
 
 Gateway::Gateway(Options options, Journal journal, enforce::Control control, net::Links links,
-                 net::FactsOf facts_of)
+                 net::FactsOf facts_of, sd_event* loop)
     : options_(std::move(options)),
       journal_(journal),
       control_(std::move(control)),
       links_(std::move(links)),
       ports_(links_, control_, options_.bpf_root, std::move(facts_of),
              [this](const std::string& network, const std::string& line, bool problem) {
-               tell({Kind::interface, problem ? 4 : 6, line, 0, {}, network});
+               tell({Kind::interface, problem ? 4 : 6, line, 0, {}, network, {}, {}});
              }),
-      store_(options_.state_directory) {}
+      meshes_(
+          loop, [this](std::size_t network) { dirty_meshes_.insert(network); },
+          [this](const std::string& network, const std::string& line, bool problem) {
+            tell({Kind::interface, problem ? 4 : 6, line, 0, {}, network, {}, {}});
+          }) {}
 
 // --- start, stop, reload -------------------------------------------------------------------------
 
@@ -82,7 +103,7 @@ Gateway::LoadResult Gateway::load() const {
 
 void Gateway::restore_into(Loaded& loaded) const {
   core::State& state = *loaded.state;
-  for (const control::Request& request : stored_.admissions) {
+  for (const control::Request& request : stored().admissions) {
     const auto* admit = std::get_if<control::Admit>(&request.body);
     if (admit == nullptr) continue;
     const auto asked = understand(state, *admit, request.id);
@@ -93,8 +114,19 @@ void Gateway::restore_into(Loaded& loaded) const {
           fmt::format("admission {} of {} is left out: {}", request.id, admit->channel,
                       asked ? "the description has it now" : asked.error().text));
   }
-  for (const std::string& subject : stored_.released)
+  for (const std::string& subject : stored().released)
     if (const auto channel = state.find_channel(subject)) state.set_released(*channel, true);
+}
+
+/// After a start nobody is connected: leases begin anew.
+void Gateway::remember_leases_and_keys() {
+  for (const control::Request& request : stored().admissions) {
+    const auto* admit = std::get_if<control::Admit>(&request.body);
+    if (admit == nullptr) continue;
+    if (!admit->key.empty()) keys_.insert_or_assign(admit->key, request.id);
+    const std::uint64_t length = lease_of(*admit);
+    if (length != 0) leases_.set(request.id, length, monotonic_ns());
+  }
 }
 
 std::optional<StartError> Gateway::start() {
@@ -105,40 +137,57 @@ std::optional<StartError> Gateway::start() {
   };
   if (const auto set = control_.set_grace(options_.grace_ns); !set)
     return give_up({set.error().text}, false);
-  auto contents = store_.load();
-  if (!contents) return give_up({contents.error().text}, true);
-  stored_ = std::move(*contents);
+  auto opened = store::Journal::open(options_.state_directory);
+  if (!opened) return give_up({opened.error().text}, true);
+  store_.emplace(std::move(*opened));
+  history_.emplace(store::History::open(options_.state_directory));
   auto loaded = load();
   if (!loaded) return give_up(std::move(loaded.error()), true);
   state_ = std::move(loaded->state);
   self_ = loaded->self;
   loaded_ = std::time(nullptr);
-  for (std::string& line : loaded->left_out) tell({Kind::trouble, 4, std::move(line), 0, {}, {}});
+  if (const auto& cut = store_->recovered()) tell({Kind::trouble, 5, *cut, 0, {}, {}, {}, {}});
+  for (std::string& line : loaded->left_out)
+    tell({Kind::trouble, 4, std::move(line), 0, {}, {}, {}, {}});
+  remember_leases_and_keys();
 
-  ports_.describe(state_->system(), self_);
-  ports_.follow();
-  state_->set_conditions(ports_.conditions(state_->system().networks.size()));
-  state_->decide();
-  if (const auto done = ports_.sync(state_->gate_state(self_)); !done)
-    tell({Kind::trouble, 3, done.error().text, 0, {}, {}});
+  meshes_.describe(state_->system());
+  meshes_.await_first_reports(kFirstReports);
+  if (const auto done = put_in_force(); !done)
+    tell({Kind::trouble, 3, done.error().text, 0, {}, {}, {}, {}});
 
   control_.beat(monotonic_ns());
   if (const auto armed = control_.arm(); !armed) return give_up({armed.error().text}, false);
   if (control_.lapsed()) control_.clear_lapse(monotonic_ns());
   look_at_drops(false);  // what a former daemon has seen is not news
   open_unless_lost();
-  tell({Kind::started, 5, "started: " + summary(), 0, {}, {}});
+  tell({Kind::started, 5, "started: " + summary(), 0, {}, {}, {}, {}});
   if (control_.mode() == enforce::Mode::audit)
-    tell({Kind::mode, 4, "AUDIT MODE: nothing is dropped, everything is only counted", 0, {}, {}});
-  for (const auto& verdicts : state_->decision().channels)
-    for (const core::Verdict& v : verdicts)
-      tell_verdict(v.granted ? Kind::granted : Kind::refused, v);
+    tell({Kind::mode,
+          4,
+          "AUDIT MODE: nothing is dropped, everything is only counted",
+          0,
+          {},
+          {},
+          {},
+          {}});
+  tell_all();
+  commit();
   return std::nullopt;
 }
 
 void Gateway::stop() {
   control_.close_all();
-  tell({Kind::stopped, 5, "stopped: the gates stay in the kernel and deny everything", 0, {}, {}});
+  tell({Kind::stopped,
+        5,
+        "stopped: the gates stay in the kernel and deny everything",
+        0,
+        {},
+        {},
+        {},
+        {}});
+  commit();
+  if (history_) history_->flush(unix_ns());
 }
 
 // --- the world changes ---------------------------------------------------------------------------
@@ -146,18 +195,113 @@ void Gateway::stop() {
 void Gateway::links_changed() {
   const auto changed = links_.refresh();
   if (!changed)
-    tell({Kind::trouble, 3, changed.error().text, 0, {}, {}});
+    tell({Kind::trouble, 3, changed.error().text, 0, {}, {}, {}, {}});
   else if (*changed)
     follow_world();
 }
 
+void Gateway::put_conditions(core::State& state) const {
+  auto conditions = ports_.conditions(state.system().networks.size());
+  for (const auto& [network, excess] : excess_)
+    if (network < conditions.size()) conditions[network].background = excess;
+  for (std::size_t n = 0; n < conditions.size(); ++n)
+    state.set_condition(n, std::move(conditions[n]));
+}
+
+void Gateway::put_graphs(core::State& state) const {
+  for (std::size_t n = 0; n < state.system().networks.size(); ++n)
+    if (const auto* table = meshes_.table(n)) put_graph(state, n, *table);
+}
+
 void Gateway::follow_world() {
   ports_.follow();
-  const auto before = state_->decision().channels;
-  if (state_->set_conditions(ports_.conditions(state_->system().networks.size()))) state_->decide();
+  put_conditions(*state_);
+  static_cast<void>(settle());
+  // An interface that became another one needs all of its slots anew.
   static_cast<void>(enforce());
   open_unless_lost();
-  tell_changes(before);
+}
+
+void Gateway::act() {
+  for (const std::size_t n : std::exchange(dirty_meshes_, {}))
+    if (const auto* table = meshes_.table(n)) put_graph(*state_, n, *table);
+  static_cast<void>(settle());
+  commit();
+}
+
+Result<void> Gateway::settle(core::GateState before) {
+  const std::vector<core::Change> changes = state_->settle();
+  if (changes.empty()) return {};
+  Result<void> done = ports_.apply(state_->gate_changes(changes, self_, std::move(before)));
+  if (!done) done = enforce();
+  set_bands();
+  for (const core::Change& change : changes) note_granted(change.channel);
+  tell_changes(changes);
+  return done;
+}
+
+std::map<std::size_t, std::size_t> Gateway::granted_before(const core::State& state) const {
+  std::map<std::size_t, std::size_t> sets;
+  for (const auto& [subject, text] : stored().granted) {
+    const auto channel = state.find_channel(subject);
+    if (const auto set = set_of(text); channel && set) sets.emplace(*channel, *set);
+  }
+  return sets;
+}
+
+void Gateway::note_granted(std::size_t channel) {
+  const core::Decision& decision = state_->decisions()[channel];
+  const std::string text = decision.granted == 0 ? "" : grant_text(decision.set);
+  const store::Granted entry{core::format_subject(state_->system().channels[channel].subject),
+                             text};
+  if (const auto done = store_->append(entry); !done)
+    tell({Kind::trouble, 3, done.error().text, 0, {}, {}, {}, {}});
+}
+
+/// Interfaces, links and gates for a description that has just become the one in force.
+Result<void> Gateway::put_in_force() {
+  ports_.describe(state_->system(), self_);
+  ports_.follow();
+  put_conditions(*state_);
+  put_graphs(*state_);
+  dirty_meshes_.clear();
+  state_->decide(granted_before(*state_));
+  for (std::size_t c = 0; c < state_->decisions().size(); ++c) note_granted(c);
+  return enforce();
+}
+
+// --- the journal ---------------------------------------------------------------------------------
+
+void Gateway::commit() {
+  if (!store_ || !store_->dirty()) return;
+  const Result<void> done = store_->commit();
+  if (!done) {
+    tell({Kind::trouble, 3, done.error().text, 0, {}, {}, {}, {}});
+    take_back_uncommitted();
+  }
+  uncommitted_.clear();
+  if (committed_) committed_(done);
+  if (!done)
+    for (std::size_t c = 0; c < state_->decisions().size(); ++c) note_granted(c);
+}
+
+/// What could not be written down was never granted.
+void Gateway::take_back_uncommitted() {
+  core::GateState before;
+  std::set<std::size_t> channels;
+  for (const core::Admission& a : state_->admissions())
+    if (std::ranges::find(uncommitted_, a.id) != uncommitted_.end()) channels.insert(a.channel);
+  for (const std::size_t c : channels) {
+    const auto rules = state_->gate_state(self_, c);
+    before.insert(before.end(), rules.begin(), rules.end());
+  }
+  for (const core::AdmissionId id : uncommitted_) {
+    state_->remove(id);
+    leases_.forget(id);
+    held_.erase(id);
+    std::erase_if(keys_, [id](const auto& key) { return key.second == id; });
+  }
+  if (!channels.empty()) static_cast<void>(settle(std::move(before)));
 }
 
 void Gateway::open_unless_lost() {
@@ -168,12 +312,15 @@ void Gateway::open_unless_lost() {
 }
 
 Result<void> Gateway::enforce() {
+  set_bands();
   auto done = ports_.sync(state_->gate_state(self_));
   if (!done)
     tell({Kind::trouble,
           3,
           "denied as a whole, because the kernel refused: " + done.error().text,
           0,
+          {},
+          {},
           {},
           {}});
   return done;
@@ -193,83 +340,14 @@ void Gateway::beat() {
                      core::format_value(Attribute::latency, control_.grace())),
          0,
          {},
+         {},
+         {},
          {}});
   }
   control_.beat(monotonic_ns());
 }
 
-void Gateway::look_around() {
-  if (ports_.repair()) follow_world();
-  look_at_drops(true);
-}
-
-void Gateway::look_at_drops(bool mention) {
-  const auto now = static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000);
-  for (const auto& verdicts : state_->decision().channels) {
-    for (const core::Verdict& v : verdicts) {
-      const core::EventChannel& c = state_->system().channels[v.channel];
-      const core::Publisher& publisher = state_->members().publisher(v.publisher);
-      const std::string& to = core::name_of(state_->system(), v.to);
-      const auto dropped =
-          drops_.look(c.name + " " + publisher.name + " " + to, frames_of(v).dropped, now);
-      if (!dropped || !mention) continue;
-      const std::string line =
-          v.granted ? fmt::format("{} frames dropped that named {} ({}) and differ from the grant",
-                                  *dropped, c.name, core::format_subject(c.subject))
-                    : fmt::format("{} frames dropped of {}", *dropped, verdict_line(*state_, v));
-      tell({Kind::dropping, 4, line, c.subject, c.name,
-            core::name_of(state_->system(), publisher.place)});
-    }
-  }
-  for (std::size_t p = 0; p < ports_.size(); ++p) {
-    const auto dropped = drops_.look("unknown " + std::to_string(p), ports_.unknown_frames(p), now);
-    if (dropped && mention)
-      tell({Kind::dropping,
-            4,
-            fmt::format("{} frames without a known subject dropped on {} ({})", *dropped,
-                        ports_.interface_name(p), ports_.network_of(p)),
-            0,
-            {},
-            ports_.network_of(p)});
-  }
-}
-
-// --- telling -------------------------------------------------------------------------------------
-
-void Gateway::tell(Note note) {
-  journal_.write(note);
-  if (!publish_) return;
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  control::Event event;
-  event.unix_ns =
-      static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
-  event.kind = name_of(note.kind);
-  event.subject = note.subject;
-  event.channel = std::move(note.channel);
-  event.network = std::move(note.network);
-  event.message = std::move(note.message);
-  publish_(event);
-}
-
-void Gateway::tell_verdict(Kind kind, const core::Verdict& v) {
-  const core::EventChannel& channel = state_->system().channels[v.channel];
-  tell({kind, v.granted ? 6 : 4, verdict_line(*state_, v), channel.subject, channel.name,
-        core::name_of(state_->system(), v.to)});
-}
-
-void Gateway::tell_changes(const std::vector<std::vector<core::Verdict>>& before) {
-  const auto& now = state_->decision().channels;
-  for (std::size_t c = 0; c < now.size(); ++c) {
-    for (const core::Verdict& v : now[c]) {
-      const auto old = std::ranges::find_if(before[c], [&v](const core::Verdict& o) {
-        return o.publisher == v.publisher && o.to == v.to;
-      });
-      const bool was = old != before[c].end() && old->granted;
-      if (v.granted && !was) tell_verdict(Kind::granted, v);
-      if (!v.granted && was) tell_verdict(Kind::withdrawn, v);
-    }
-  }
-}
+// --- reports -------------------------------------------------------------------------------------
 
 Frames Gateway::frames_of(const core::Verdict& v) const {
   return ports_.frames(
@@ -282,7 +360,7 @@ control::Channel Gateway::report(const core::Verdict& v) const {
 
 control::Channels Gateway::report_known(const Asked& asked) const {
   control::Channels out;
-  for (const core::Verdict& v : state_->decision().channels[asked.channel]) {
+  for (const core::Verdict& v : state_->decisions()[asked.channel].verdicts) {
     if (asked.from && state_->members().publisher(v.publisher).place != *asked.from) continue;
     if (asked.to && v.to != *asked.to) continue;
     out.channels.push_back(report(v));
@@ -297,8 +375,8 @@ const char* Gateway::mode_name() const {
 std::string Gateway::summary() const {
   std::size_t granted = 0;
   std::size_t refused = 0;
-  for (const auto& verdicts : state_->decision().channels)
-    for (const core::Verdict& v : verdicts) ++(v.granted ? granted : refused);
+  for (const core::Decision& decision : state_->decisions())
+    for (const core::Verdict& v : decision.verdicts) ++(v.granted ? granted : refused);
   return fmt::format("{} of {}: {} granted, {} refused, {}{}",
                      state_->system().gateways[self_].name, state_->system().name, granted, refused,
                      mode_name(), control_.is_open() ? "" : ", closed");

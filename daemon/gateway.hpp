@@ -1,26 +1,34 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The gateway itself: events come in, the core decides, the kernel obeys, then the answer is given.
 #pragma once
+#include <systemd/sd-event.h>
+
 #include <cstdint>
 #include <ctime>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "control/messages.hpp"
 #include "core/result.hpp"
 #include "core/state.hpp"
+#include "daemon/bus_load.hpp"
 #include "daemon/drops.hpp"
 #include "daemon/enforce/control.hpp"
 #include "daemon/journal.hpp"
+#include "daemon/leases.hpp"
+#include "daemon/meshes.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/options.hpp"
 #include "daemon/ports.hpp"
 #include "daemon/requests.hpp"
 #include "daemon/serve/server.hpp"
-#include "daemon/store/store.hpp"
+#include "daemon/store/history.hpp"
+#include "daemon/store/journal.hpp"
 
 namespace mlcca {
 
@@ -34,9 +42,11 @@ struct StartError {
 class Gateway {
  public:
   using Publish = std::function<void(const control::Event&)>;
+  using Committed = std::function<void(const Result<void>&)>;
 
+  /// `loop` must outlive this; sources of link states run on it.
   Gateway(Options options, Journal journal, enforce::Control control, net::Links links,
-          net::FactsOf facts_of);
+          net::FactsOf facts_of, sd_event* loop);
   Gateway(const Gateway&) = delete;
   Gateway& operator=(const Gateway&) = delete;
   Gateway(Gateway&&) = delete;
@@ -44,7 +54,7 @@ class Gateway {
   ~Gateway() = default;
 
   /// Reads the description and what was admitted before, closes or keeps the gates accordingly and
-  /// opens them. On failure every gate is closed.
+  /// opens them. On failure every gate is closed. Nothing else may be on the loop yet.
   std::optional<StartError> start();
   /// Everything is denied; the gates stay in the kernel.
   void stop();
@@ -52,16 +62,24 @@ class Gateway {
   void reload() { handle(control::ReloadRequest{}); }
 
   void on_event(Publish publish) { publish_ = std::move(publish); }
-  control::Reply answer(const control::Request& request, const serve::Peer& peer);
+  /// Told when everything that was answered with `held` is on disk, or why it is not: then none of
+  /// it is granted any more.
+  void on_commit(Committed committed) { committed_ = std::move(committed); }
+  serve::Answer answer(const control::Request& request, const serve::Peer& peer);
+  /// A connection has ended: the leases that it held begin to run.
+  void session_closed(std::uint64_t session);
 
   [[nodiscard]] int links_fd() const { return links_.fd(); }
   void links_changed();
   /// Udev learned something about an interface.
   void identities_changed() { follow_world(); }
+  /// Once a turn of the loop, after the handlers: decides what changed links touch, and writes down
+  /// what was granted.
+  void act();
   /// Sign of life for the kernel, at least every beat_interval().
   void beat();
   [[nodiscard]] std::uint64_t beat_interval() const { return control_.beat_interval(); }
-  /// Once a second: lost filters, drops to report.
+  /// Once a second: lost filters, leases, the load of buses, drops to report.
   void look_around();
 
   /// One line for systemd's status.
@@ -79,6 +97,11 @@ class Gateway {
   Body handle(const control::MonitorRequest& request);
   Body handle(const control::ModeRequest& request);
   Body handle(const control::ReloadRequest& request);
+  Body handle(const control::RenewRequest& request);
+  Body handle(const control::RoutesRequest& request);
+  Body handle(const control::ReservationsRequest& request);
+  Body handle(const control::WhatIfRequest& request);
+  Body handle(const control::HistoryRequest& request);
 
   struct Loaded {
     std::unique_ptr<core::State> state;
@@ -88,22 +111,48 @@ class Gateway {
   using LoadResult = std::expected<Loaded, std::vector<std::string>>;
   [[nodiscard]] LoadResult load() const;
   void restore_into(Loaded& loaded) const;
+  void remember_leases_and_keys();
 
-  /// Follows the interfaces, decides anew and brings the kernel in line; reports what changed.
+  /// Follows the interfaces, decides what that touches and brings the kernel in line.
   void follow_world();
+  void put_conditions(core::State& state) const;
+  void put_graphs(core::State& state) const;
+  /// What each channel was granted when the journal was last written.
+  [[nodiscard]] std::map<std::size_t, std::size_t> granted_before(const core::State& state) const;
+
+  /// Decides what was changed, brings the gates in line and tells. `before`: rules of the channels
+  /// that somebody has left.
+  Result<void> settle(core::GateState before = {});
   Result<void> enforce();
-  Result<void> settle();
+  Result<void> put_in_force();
+  void commit();
+  void take_back_uncommitted();
+  void note_granted(std::size_t channel);
+  [[nodiscard]] const store::Contents& stored() const { return store_->contents(); }
+
+  Result<void> release(const std::vector<core::AdmissionId>& gone,
+                       std::optional<std::size_t> channel);
+  void end_leases();
+  void measure_buses();
+  void set_bands();
   void open_unless_lost();
   void look_at_drops(bool mention);
   void tell(Note note);
-  void tell_changes(const std::vector<std::vector<core::Verdict>>& before);
-  void tell_verdict(Kind kind, const core::Verdict& verdict);
+  void tell_all();
+  void tell_changes(const std::vector<core::Change>& changes);
+  void tell_verdict(Kind kind, const core::Verdict& verdict, const std::string& line);
+  [[nodiscard]] std::vector<core::AdmissionId> admissions_of(const core::Verdict& verdict) const;
+  [[nodiscard]] bool concerns(const core::Verdict& verdict, core::AdmissionId id) const;
   /// "enforce" or "audit".
   [[nodiscard]] const char* mode_name() const;
   [[nodiscard]] Frames frames_of(const core::Verdict& verdict) const;
   [[nodiscard]] control::Channel report(const core::Verdict& verdict) const;
   [[nodiscard]] control::Channels report_known(const Asked& asked) const;
+  [[nodiscard]] control::Channels report_admission(core::AdmissionId id) const;
   Body admit_known(const Asked& asked);
+  std::optional<Body> admit_again(const control::Admit& request);
+  Body admit_new(const control::Admit& request, const Asked& asked);
+  void own(core::AdmissionId id, const control::Admit& request);
   /// The newcomer's verdicts, or an error where there is nobody on the other side.
   [[nodiscard]] Body answer_to(const core::Proposal& proposal, const Asked& asked,
                                const char* to_do) const;
@@ -113,15 +162,30 @@ class Gateway {
   enforce::Control control_;
   net::Links links_;
   Ports ports_;
-  store::Store store_;
-  store::Contents stored_;
+  Meshes meshes_;
+  std::optional<store::Journal> store_;
+  std::optional<store::History> history_;
   std::unique_ptr<core::State> state_;
   std::size_t self_ = 0;
   DropWatch drops_;
   Publish publish_;
+  Committed committed_;
   std::time_t started_ = 0;
   std::time_t loaded_ = 0;
   std::string last_error_;
+
+  std::set<std::size_t> dirty_meshes_;          // networks
+  std::vector<core::AdmissionId> uncommitted_;  // granted, and not on disk yet
+  Leases leases_;
+  std::map<std::string, core::AdmissionId> keys_;
+  std::map<core::AdmissionId, std::uint64_t> held_;  // by which session
+  std::map<std::size_t, BusLoad> loads_;             // by port
+  std::map<std::size_t, std::uint32_t> excess_;      // by network, 1e-6 of the bus time
+
+  // Of the request that is being answered.
+  std::uint64_t session_ = 0;
+  bool hold_answer_ = false;
+  core::AdmissionId owned_ = 0;
 };
 
 }  // namespace mlcca

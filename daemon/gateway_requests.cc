@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What clients ask of the gateway, one handle() for each kind of request.
+// What clients want to have changed, one handle() for each kind of request; and what they would
+// get.
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <utility>
 #include <variant>
 
-#include "control/version.hpp"
 #include "core/text.hpp"
+#include "daemon/clock.hpp"
 #include "daemon/gateway.hpp"
 #include "daemon/report.hpp"
 
@@ -18,7 +19,8 @@ bool wants_change(const control::Request& request) {
   return std::holds_alternative<control::Admit>(request.body) ||
          std::holds_alternative<control::ReleaseRequest>(request.body) ||
          std::holds_alternative<control::ModeRequest>(request.body) ||
-         std::holds_alternative<control::ReloadRequest>(request.body);
+         std::holds_alternative<control::ReloadRequest>(request.body) ||
+         std::holds_alternative<control::RenewRequest>(request.body);
 }
 
 control::Error error(control::ErrorKind kind, std::string message) {
@@ -28,6 +30,7 @@ control::Error error(control::ErrorKind kind, std::string message) {
 }  // namespace
 
 Gateway::Body Gateway::handle(const control::ReloadRequest&) {
+  commit();
   auto loaded = load();
   if (!loaded) {
     last_error_ = loaded.error().front();
@@ -39,6 +42,8 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
                           : ""),
           0,
           {},
+          {},
+          {},
           {}});
     return control::Error{control::ErrorKind::unreadable,
                           "the description cannot be used, nothing was changed",
@@ -47,83 +52,43 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   last_error_.clear();
   const std::size_t old_self = std::exchange(self_, loaded->self);
   auto old = std::exchange(state_, std::move(loaded->state));
-  if (const auto done = settle(); !done) {
+  excess_.clear();
+  loads_.clear();
+  meshes_.describe(state_->system());
+  auto done = put_in_force();
+  if (!done) {
     state_ = std::move(old);
     self_ = old_self;
     last_error_ = done.error().text;
-    tell({Kind::reload, 3, "reload refused, back to what was: " + last_error_, 0, {}, {}});
-    static_cast<void>(settle());
-    return error(control::ErrorKind::world, last_error_);
+    tell({Kind::reload, 3, "reload refused, back to what was: " + last_error_, 0, {}, {}, {}, {}});
+    meshes_.describe(state_->system());
+    static_cast<void>(put_in_force());
   }
-  loaded_ = std::time(nullptr);
-  for (std::string& line : loaded->left_out) tell({Kind::trouble, 4, std::move(line), 0, {}, {}});
-  tell({Kind::reload, 5, "reloaded: " + summary(), 0, {}, {}});
-  for (const auto& verdicts : state_->decision().channels)
-    for (const core::Verdict& v : verdicts)
-      tell_verdict(v.granted ? Kind::granted : Kind::refused, v);
-  return control::Done{"reloaded: " + summary()};
-}
-
-/// Brings interfaces and gates in line with a description that has just become the one in force.
-Result<void> Gateway::settle() {
-  ports_.describe(state_->system(), self_);
-  ports_.follow();
-  state_->set_conditions(ports_.conditions(state_->system().networks.size()));
-  state_->decide();
-  auto done = enforce();
   drops_.forget();
   look_at_drops(false);
   open_unless_lost();
-  return done;
+  if (!done) return error(control::ErrorKind::world, last_error_);
+  loaded_ = std::time(nullptr);
+  for (std::string& line : loaded->left_out)
+    tell({Kind::trouble, 4, std::move(line), 0, {}, {}, {}, {}});
+  tell({Kind::reload, 5, "reloaded: " + summary(), 0, {}, {}, {}, {}});
+  tell_all();
+  return control::Done{"reloaded: " + summary()};
 }
 
-control::Reply Gateway::answer(const control::Request& request, const serve::Peer& peer) {
+serve::Answer Gateway::answer(const control::Request& request, const serve::Peer& peer) {
   if (wants_change(request) && !peer.may_change)
-    return {request.id,
-            error(control::ErrorKind::forbidden,
-                  fmt::format("only root and members of the group {} may change anything",
-                              options_.group))};
-  return {request.id, std::visit([this](const auto& body) { return handle(body); }, request.body)};
-}
-
-Gateway::Body Gateway::handle(const control::StatusRequest&) {
-  control::Status s;
-  s.version = kVersion;
-  s.gateway = state_->system().gateways[self_].name;
-  s.system = state_->system().name;
-  s.description_file = options_.description;
-  s.mode = mode_name();
-  s.open = control_.is_open() && !control_.lapsed();
-  s.grace_ns = control_.grace();
-  s.lapses = control_.lapses();
-  for (const auto& verdicts : state_->decision().channels)
-    for (const core::Verdict& v : verdicts) ++(v.granted ? s.channels_granted : s.channels_refused);
-  s.started_unix_s = static_cast<std::uint64_t>(started_);
-  s.loaded_unix_s = static_cast<std::uint64_t>(loaded_);
-  s.last_error = last_error_;
-  if (ports_.out_of_hand()) s.problem = "an interface cannot be held: everything is denied";
-  s.interfaces = ports_.report();
-  return s;
-}
-
-Gateway::Body Gateway::handle(const control::NetworksRequest&) {
-  control::Networks out;
-  for (std::size_t n = 0; n < state_->system().networks.size(); ++n)
-    out.networks.push_back(network_report(*state_, n));
-  return out;
-}
-
-Gateway::Body Gateway::handle(const control::ChannelsRequest&) {
-  control::Channels out;
-  for (const auto& verdicts : state_->decision().channels)
-    for (const core::Verdict& v : verdicts) out.channels.push_back(report(v));
-  return out;
-}
-
-Gateway::Body Gateway::handle(const control::ExplainRequest& request) {
-  const auto channel = channel_named(*state_, request.channel);
-  if (!channel) return error(control::ErrorKind::invalid, channel.error().text);
-  return report_known({*channel, {}, {}, {}});
+    return {
+        {request.id, error(control::ErrorKind::forbidden,
+                           fmt::format("only root and members of the group {} may change anything",
+                                       options_.group))},
+        false,
+        0};
+  session_ = peer.session;
+  hold_answer_ = false;
+  owned_ = 0;
+  Body body = std::visit([this](const auto& asked) { return handle(asked); }, request.body);
+  return {{request.id, std::move(body)}, hold_answer_, owned_};
 }
 
 Gateway::Body Gateway::answer_to(const core::Proposal& proposal, const Asked& asked,
@@ -139,65 +104,133 @@ Gateway::Body Gateway::answer_to(const core::Proposal& proposal, const Asked& as
 }
 
 Gateway::Body Gateway::handle(const control::Query& request) {
-  const auto asked = understand(*state_, request, stored_.next_id);
+  const auto asked = understand(*state_, request, stored().next_id);
   if (!asked) return error(control::ErrorKind::invalid, asked.error().text);
   if (!asked->admission) return report_known(*asked);
   return answer_to(state_->propose(*asked->admission), *asked, "decide");
 }
 
-Gateway::Body Gateway::admit_known(const Asked& asked) {
-  if (state_->released(asked.channel)) {
-    const auto before = state_->decision().channels;
-    store::Contents next = stored_;
-    std::erase(next.released,
-               core::format_subject(state_->system().channels[asked.channel].subject));
-    if (const auto saved = store_.save(next); !saved)
-      return error(control::ErrorKind::world, saved.error().text);
-    stored_ = std::move(next);
-    state_->set_released(asked.channel, false);
-    state_->decide();
-    const auto done = enforce();
-    tell_changes(before);
-    if (!done) return error(control::ErrorKind::world, done.error().text);
-  }
-  return report_known(asked);
-}
+// --- admit ---------------------------------------------------------------------------------------
 
 Gateway::Body Gateway::handle(const control::Admit& request) {
-  const auto asked = understand(*state_, request, stored_.next_id);
+  if (auto again = admit_again(request)) return std::move(*again);
+  const auto asked = understand(*state_, request, stored().next_id);
   if (!asked) return error(control::ErrorKind::invalid, asked.error().text);
-  if (!asked->admission) return admit_known(*asked);
+  if (asked->admission) return admit_new(request, *asked);
+  if (!request.key.empty() || request.lease_ns != 0 || request.hold)
+    return error(control::ErrorKind::invalid,
+                 "these ends are described: a key, a lease or hold needs a new publisher or "
+                 "subscriber (say its attributes, or give it a name)");
+  return admit_known(*asked);
+}
 
-  core::Proposal proposal = state_->propose(*asked->admission);
-  Body out = answer_to(proposal, *asked, "admit");
-  if (!proposal.fit()) {
-    for (const core::Verdict* v : proposal.verdicts())
-      if (!v->granted) tell_verdict(Kind::refused, *v);
-    return out;
+/// A key that was granted before is answered as now, and its lease begins anew.
+std::optional<Gateway::Body> Gateway::admit_again(const control::Admit& request) {
+  const auto known = request.key.empty() ? keys_.end() : keys_.find(request.key);
+  if (known == keys_.end()) return std::nullopt;
+  const core::AdmissionId id = known->second;
+  const control::Request* granted = stored().admissions.find(id);
+  if (granted == nullptr) return std::nullopt;
+  if (std::get<control::Admit>(granted->body) != request)
+    return error(
+        control::ErrorKind::invalid,
+        fmt::format("admission {} has the key '{}' and was asked for otherwise: release it "
+                    "first, or take another key",
+                    id, request.key));
+  own(id, request);
+  hold_answer_ = std::ranges::find(uncommitted_, id) != uncommitted_.end();
+  return report_admission(id);
+}
+
+Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& asked) {
+  const core::AdmissionId id = asked.admission->id;
+  Body out;
+  Result<void> done;
+  {
+    core::Proposal proposal = state_->propose(*asked.admission);
+    out = answer_to(proposal, asked, "admit");
+    if (!proposal.fit()) {
+      for (const core::Verdict* v : proposal.verdicts())
+        if (!v->granted) tell_verdict(Kind::refused, *v, verdict_line(*state_, *v));
+      return out;
+    }
+    done = store_->append(store::Admitted{{id, request}});
+    if (done) done = ports_.apply(proposal.changes(self_));
+    if (done) std::move(proposal).accept();
   }
-  const core::GateChanges changes = proposal.changes(self_);
-  if (const auto done = ports_.apply(changes); !done)
+  if (!done) {
+    if (stored().admissions.find(id) != nullptr)
+      static_cast<void>(store_->append(store::Removed{id}));
+    static_cast<void>(enforce());
     return error(control::ErrorKind::world, "nothing was changed: " + done.error().text);
-  store::Contents next = stored_;
-  next.admissions.push_back({next.next_id, request});
-  ++next.next_id;
-  if (const auto saved = store_.save(next); !saved) {
-    static_cast<void>(ports_.sync(state_->gate_state(self_)));
-    return error(control::ErrorKind::world, "nothing was changed: " + saved.error().text);
   }
-  stored_ = std::move(next);
-  std::vector<core::Verdict> granted;
-  for (const core::Verdict* v : proposal.verdicts()) granted.push_back(*v);
-  std::move(proposal).accept();
-  for (const core::Verdict& v : granted) tell_verdict(Kind::granted, v);
+  set_bands();
+  uncommitted_.push_back(id);
+  hold_answer_ = true;
+  if (!request.key.empty()) keys_.insert_or_assign(request.key, id);
+  own(id, request);
+  note_granted(asked.channel);
+  for (const core::Verdict& v : state_->decisions()[asked.channel].verdicts)
+    if (concerns(v, id)) tell_verdict(Kind::granted, v, verdict_line(*state_, v));
   return out;
 }
 
+/// The lease of an admission that a connection holds does not run.
+void Gateway::own(core::AdmissionId id, const control::Admit& request) {
+  if (request.hold) {
+    held_[id] = session_;
+    owned_ = id;
+    leases_.forget(id);
+  } else if (request.lease_ns != 0) {
+    leases_.set(id, request.lease_ns, monotonic_ns());
+  }
+}
+
+Gateway::Body Gateway::admit_known(const Asked& asked) {
+  if (!state_->released(asked.channel)) return report_known(asked);
+  commit();
+  const std::string subject =
+      core::format_subject(state_->system().channels[asked.channel].subject);
+  Result<void> done = store_->append(store::Reinstated{subject});
+  if (done) done = store_->commit();
+  if (!done) return error(control::ErrorKind::world, "nothing was changed: " + done.error().text);
+  state_->set_released(asked.channel, false);
+  if (const auto settled = settle(); !settled)
+    return error(control::ErrorKind::world, settled.error().text);
+  return report_known(asked);
+}
+
+Gateway::Body Gateway::handle(const control::RenewRequest& request) {
+  core::AdmissionId id = request.admission;
+  if (!request.key.empty()) {
+    const auto known = keys_.find(request.key);
+    if (known == keys_.end())
+      return error(control::ErrorKind::invalid,
+                   fmt::format("there is no admission with the key '{}'", request.key));
+    id = known->second;
+  }
+  if (stored().admissions.find(id) == nullptr)
+    return error(control::ErrorKind::invalid, fmt::format("there is no admission {}", id));
+  if (!leases_.remaining(id, monotonic_ns())) {
+    const bool held = held_.contains(id);
+    return control::Done{
+        fmt::format("admission {} {}", id, held ? "is held by a connection" : "has no lease")};
+  }
+  leases_.renew(id, monotonic_ns());
+  return control::Done{
+      fmt::format("renewed: admission {} has {} left", id,
+                  core::format_value(Attribute::latency, *leases_.remaining(id, monotonic_ns())))};
+}
+
+// --- release -------------------------------------------------------------------------------------
+
 Gateway::Body Gateway::handle(const control::ReleaseRequest& request) {
-  store::Contents next = stored_;
   std::vector<core::AdmissionId> gone;
   std::optional<std::size_t> channel;
   if (request.admission != 0) {
+    if (stored().admissions.find(request.admission) == nullptr)
+      return error(control::ErrorKind::invalid,
+                   fmt::format("there is no admission {}", request.admission));
     gone.push_back(request.admission);
   } else {
     const auto named = channel_named(*state_, request.channel);
@@ -206,34 +239,54 @@ Gateway::Body Gateway::handle(const control::ReleaseRequest& request) {
     for (const core::Admission& a : state_->admissions())
       if (a.channel == *channel) gone.push_back(a.id);
   }
-  const auto removed = std::erase_if(next.admissions, [&gone](const control::Request& r) {
-    return std::ranges::find(gone, r.id) != gone.end();
-  });
-  if (request.admission != 0 && removed == 0)
-    return error(control::ErrorKind::invalid,
-                 fmt::format("there is no admission {}", request.admission));
+  if (const auto done = release(gone, channel); !done)
+    return error(control::ErrorKind::world, done.error().text);
   std::string what = fmt::format("admission {}", request.admission);
-  core::Subject subject = 0;
-  if (channel) {
-    const core::EventChannel& c = state_->system().channels[*channel];
-    subject = c.subject;
-    what = c.name;
-    const std::string text = core::format_subject(subject);
-    if (std::ranges::find(next.released, text) == next.released.end())
-      next.released.push_back(text);
-  }
-  const auto before = state_->decision().channels;
-  if (const auto saved = store_.save(next); !saved)
-    return error(control::ErrorKind::world, "nothing was changed: " + saved.error().text);
-  stored_ = std::move(next);
-  for (const core::AdmissionId id : gone) state_->remove(id);
-  if (channel) state_->set_released(*channel, true);
-  state_->decide();
-  const auto done = enforce();
-  tell({Kind::released, 5, "released by the operator: " + what, subject, channel ? what : "", {}});
-  if (!done) return error(control::ErrorKind::world, done.error().text);
-  tell_changes(before);
+  if (channel) what = state_->system().channels[*channel].name;
+  tell({Kind::released,
+        5,
+        "released by the operator: " + what,
+        channel ? state_->system().channels[*channel].subject : 0,
+        channel ? what : "",
+        {},
+        {},
+        gone});
   return control::Done{"released " + what};
+}
+
+/// Takes admissions back, and with `channel` all that is described of it: on disk first, then in
+/// the kernel.
+Result<void> Gateway::release(const std::vector<core::AdmissionId>& gone,
+                              std::optional<std::size_t> channel) {
+  commit();
+  Result<void> done;
+  for (const core::AdmissionId id : gone)
+    if (done) done = store_->append(store::Removed{id});
+  if (done && channel)
+    done = store_->append(
+        store::Released{core::format_subject(state_->system().channels[*channel].subject)});
+  if (done && store_->dirty()) done = store_->commit();
+  if (!done) {
+    store_->roll_back();
+    return fail("nothing was changed: " + done.error().text);
+  }
+  std::set<std::size_t> channels;
+  if (channel) channels.insert(*channel);
+  for (const core::Admission& a : state_->admissions())
+    if (std::ranges::find(gone, a.id) != gone.end()) channels.insert(a.channel);
+  core::GateState before;
+  for (const std::size_t c : channels) {
+    const auto rules = state_->gate_state(self_, c);
+    before.insert(before.end(), rules.begin(), rules.end());
+  }
+  for (const core::AdmissionId id : gone) {
+    state_->remove(id);
+    leases_.forget(id);
+    held_.erase(id);
+    std::erase_if(keys_, [id](const auto& key) { return key.second == id; });
+  }
+  if (channel) state_->set_released(*channel, true);
+  return settle(std::move(before));
 }
 
 // NOLINTNEXTLINE(readability-convert-member-functions-to-static): one of the handle()s
@@ -250,7 +303,7 @@ Gateway::Body Gateway::handle(const control::ModeRequest& request) {
   const std::string line = audit ? "AUDIT MODE: nothing is dropped, everything is only counted"
                                  : "enforcing: what is not "
                                    "admitted is dropped";
-  tell({Kind::mode, audit ? 4 : 5, line, 0, {}, {}});
+  tell({Kind::mode, audit ? 4 : 5, line, 0, {}, {}, {}, {}});
   return control::Done{line};
 }
 

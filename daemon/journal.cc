@@ -32,6 +32,7 @@ constexpr std::array kKinds{
     KindInfo{"granted", "36505939845e4576b62c8f50eff44cfa"},
     KindInfo{"refused", "a761365c7d7649f79e98dc3442aa1d7a"},
     KindInfo{"withdrawn", "08b8e094cb174563a6171d269dba6874"},
+    KindInfo{"switched", "349a04610aa34f5dbd79b55781cb57a0"},
     KindInfo{"released", "07140c11d56b4440bad6cc08ff7d96aa"},
     KindInfo{"dropping", "009adc297a61474d8ea0e3a17efa72f3"},
     KindInfo{"interface", "f1d09b13c2ac45a9b3d48dcf98334a4e"},
@@ -53,6 +54,7 @@ bool stderr_is_journal() {
 const char* verdict_of(Kind kind) {
   switch (kind) {
     case Kind::granted:
+    case Kind::switched:
       return "grant";
     case Kind::refused:
     case Kind::withdrawn:
@@ -82,6 +84,7 @@ void Journal::write(const Note& note) const {
   if (note.subject != 0) fields.push_back("SUBJECT=" + core::format_subject(note.subject));
   if (!note.channel.empty()) fields.push_back("CHANNEL=" + note.channel);
   if (!note.network.empty()) fields.push_back("NETWORK=" + note.network);
+  if (!note.from.empty()) fields.push_back("FROM=" + note.from);
   if (const char* verdict = verdict_of(note.kind))
     fields.push_back(std::string("VERDICT=") + verdict);
   std::vector<iovec> parts;

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace mlcca {
 
@@ -13,6 +14,7 @@ enum class Kind : std::uint8_t {
   granted,
   refused,
   withdrawn,
+  switched,
   released,
   dropping,
   interface,
@@ -33,7 +35,9 @@ struct Note {
   std::string message;
   std::uint64_t subject = 0;  ///< 0: not about a subject
   std::string channel;
-  std::string network;
+  std::string network;                    ///< or gateway; of a delivery the place that it leads to
+  std::string from;                       ///< of a delivery: the place of its publisher
+  std::vector<std::uint64_t> admissions;  ///< run-time admissions that it concerns
 };
 
 class Journal {

@@ -18,12 +18,16 @@ std::uint64_t beat_micros(const Gateway& gateway) { return gateway.beat_interval
 
 }  // namespace
 
-Result<Loop> Loop::open(Gateway& gateway) {
-  auto sources = std::make_unique<Sources>(gateway);
-  Sources* const s = sources.get();
+EventLoop new_event_loop() {
   sd_event* raw = nullptr;
-  int e = sd_event_new(&raw);
-  s->event.reset(raw);
+  sd_event_new(&raw);
+  return EventLoop(raw);
+}
+
+Result<Loop> Loop::open(sd_event* raw, Gateway& gateway) {
+  auto sources = std::make_unique<Sources>(raw, gateway);
+  Sources* const s = sources.get();
+  int e = 0;
   // The signals must be blocked before their sources are added.
   sigset_t handled;
   sigemptyset(&handled);
@@ -58,7 +62,7 @@ Result<Loop> Loop::open(Gateway& gateway) {
   return Loop(std::move(sources));
 }
 
-int Loop::run() const { return sd_event_loop(event()) < 0 ? 1 : 0; }
+int Loop::run() const { return sd_event_loop(sources_->event) < 0 ? 1 : 0; }
 
 int Loop::on_links(sd_event_source*, int, std::uint32_t, void* self) noexcept {
   static_cast<Sources*>(self)->links_dirty = true;
@@ -98,6 +102,7 @@ int Loop::after_turn(sd_event_source*, void* self) noexcept {
   auto& s = *static_cast<Sources*>(self);
   if (std::exchange(s.links_dirty, false)) s.gateway.links_changed();
   if (std::exchange(s.identities_dirty, false)) s.gateway.identities_changed();
+  s.gateway.act();
   return 0;
 }
 

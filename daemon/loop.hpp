@@ -13,21 +13,25 @@
 
 namespace mlcca {
 
+using EventLoop = std::unique_ptr<sd_event, FreeWith<sd_event_unref>>;
+/// Null when there is no memory.
+[[nodiscard]] EventLoop new_event_loop();
+
 class Loop {
  public:
-  static Result<Loop> open(Gateway& gateway);
+  /// Adds what the gateway needs to `event`, which must outlive this.
+  static Result<Loop> open(sd_event* event, Gateway& gateway);
 
-  [[nodiscard]] sd_event* event() const { return sources_->event.get(); }
   /// Until SIGTERM or SIGINT. The exit status of the program.
   [[nodiscard]] int run() const;
 
  private:
   struct Sources {
-    explicit Sources(Gateway& g) : gateway(g) {}
+    Sources(sd_event* e, Gateway& g) : event(e), gateway(g) {}
+    sd_event* event;
     Gateway& gateway;
     bool links_dirty = false;
     bool identities_dirty = false;
-    std::unique_ptr<sd_event, FreeWith<sd_event_unref>> event;
     std::unique_ptr<sd_device_monitor, FreeWith<sd_device_monitor_unref>> udev;
   };
   explicit Loop(std::unique_ptr<Sources> sources) : sources_(std::move(sources)) {}

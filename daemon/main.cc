@@ -98,12 +98,14 @@ gid_t control_group(const Options& options, const Journal& journal) {
                  fmt::format("there is no group {}: only root may change anything", options.group),
                  0,
                  {},
+                 {},
+                 {},
                  {}});
   return static_cast<gid_t>(-1);
 }
 
 int give_up(const Journal& journal, const std::string& line) {
-  journal.write({Kind::trouble, 3, line, 0, {}, {}});
+  journal.write({Kind::trouble, 3, line, 0, {}, {}, {}, {}});
   return kFailed;
 }
 
@@ -116,26 +118,35 @@ int run(const Options& options) {
     control->close_all();
     return give_up(journal, links.error().text);
   }
-  Gateway gateway(options, journal, std::move(*control), std::move(*links), net::udev_facts);
+  const EventLoop events = new_event_loop();
+  if (!events) {
+    control->close_all();
+    return give_up(journal, "there is no event loop to be had");
+  }
+  Gateway gateway(options, journal, std::move(*control), std::move(*links), net::udev_facts,
+                  events.get());
   if (const auto problem = gateway.start()) {
     for (const std::string& line : problem->lines)
-      journal.write({Kind::trouble, 3, line, 0, {}, {}});
-    journal.write({Kind::stopped, 3, "not started: everything is denied on every gate", 0, {}, {}});
+      journal.write({Kind::trouble, 3, line, 0, {}, {}, {}, {}});
+    journal.write(
+        {Kind::stopped, 3, "not started: everything is denied on every gate", 0, {}, {}, {}, {}});
     return problem->bad_input ? kBadInput : kFailed;
   }
-  auto loop = Loop::open(gateway);
+  auto loop = Loop::open(events.get(), gateway);
   auto socket = control_socket(options);
   if (!loop || !socket) {
     gateway.stop();
     return give_up(journal, !loop ? loop.error().text : socket.error().text);
   }
   auto server = serve::Server::open(
-      loop->event(), std::move(*socket), control_group(options, journal),
+      events.get(), std::move(*socket), control_group(options, journal),
       [&gateway](const auto& request, const auto& peer) { return gateway.answer(request, peer); });
   if (!server) {
     gateway.stop();
     return give_up(journal, server.error().text);
   }
+  gateway.on_commit([&server](const Result<void>& done) { (*server)->release(done); });
+  (*server)->on_close([&gateway](std::uint64_t session) { gateway.session_closed(session); });
   gateway.on_event([&server](const control::Event& event) { (*server)->publish(event); });
   sd_notifyf(0, "READY=1\nSTATUS=%s", gateway.summary().c_str());
   const int status = loop->run();

@@ -1,12 +1,20 @@
 # Everything but main.cc is a library, so that tests link the same objects.
-NL_CFLAGS := $(shell $(PKG_CONFIG) --cflags libnl-3.0 libnl-route-3.0 2>/dev/null | sed 's/-I/-isystem /g')
-NL_LIBS := $(shell $(PKG_CONFIG) --libs libnl-route-3.0 libnl-3.0 2>/dev/null)
-DAEMON_LIBS := $(NL_LIBS) -lsystemd -lbpf $(XML_LIBS) $(PROTO_LIBS) -lfmt
+NL_CFLAGS := $(shell $(PKG_CONFIG) --cflags libnl-3.0 libnl-route-3.0 libnl-genl-3.0 2>/dev/null | sed 's/-I/-isystem /g')
+NL_LIBS := $(shell $(PKG_CONFIG) --libs libnl-genl-3.0 libnl-route-3.0 libnl-3.0 2>/dev/null)
+DAEMON_LIBS := $(NL_LIBS) -lsystemd -lsqlite3 -lbpf $(XML_LIBS) $(PROTO_LIBS) -lfmt
 
 $(eval $(call library,enforce,$(wildcard daemon/enforce/*.cc)))
 $(enforce_objects): $(BPF_SKELETONS)
+# Adapters of what knows the state of links: an archive of their own, so that tests link them alone.
+$(eval $(call library,sources,$(wildcard daemon/net/sources/*.cc)))
+$(sources_objects): CPPFLAGS += $(NL_CFLAGS)
+SOURCES_LIBS := $(NL_LIBS) -lsystemd
 $(eval $(call library,daemon,$(filter-out daemon/main.cc,$(wildcard daemon/*.cc daemon/net/*.cc daemon/serve/*.cc daemon/store/*.cc))))
 $(daemon_objects): CPPFLAGS += $(NL_CFLAGS)
-DAEMON_ARCHIVES := $O/libdaemon.a $O/libenforce.a $O/libcontrol.a $O/libdescription.a $O/libcore.a
+DAEMON_ARCHIVES := $O/libdaemon.a $O/libsources.a $O/libenforce.a $O/libcontrol.a $O/libdescription.a $O/libcore.a
 $(eval $(call program,mlccad,daemon/main.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 PROGRAMS += $O/mlccad
+
+# The only program that may listen to a network interface; mlccad reads it through a socket.
+$(eval $(call program,mlcca-awds,$(wildcard daemon/awds/*.cc),$O/libsources.a,$(SOURCES_LIBS)))
+PROGRAMS += $O/mlcca-awds

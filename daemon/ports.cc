@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/text.hpp"
+#include "daemon/net/queue.hpp"
 
 namespace mlcca {
 namespace {
@@ -56,11 +57,13 @@ void Ports::describe(const core::System& system, std::size_t gateway) {
     state.port = port;
     state.network_name = system.networks[port.network].name;
     state.profile = system.networks[port.network].profile;
+    state.described_bitrate = system.networks[port.network].bus.bitrate;
     const auto old = std::ranges::find_if(ports_, [&](const PortState& p) {
       return p.port.identity == port.identity && p.network_name == state.network_name;
     });
     if (old != ports_.end()) {
       state.ifindex = old->ifindex;
+      state.can_state = old->can_state;
       state.held = old->held;
       state.raised = old->raised && old->port.bitrate == port.bitrate &&
                      old->port.data_bitrate == port.data_bitrate;
@@ -88,6 +91,7 @@ void Ports::follow() {
     if (port.ifindex == 0 || !port.problem.empty()) continue;
     if (needs_gate(port.profile)) attach(port);
     if (port.problem.empty() && port.port.managed && !port.raised) raise(port);
+    if (port.problem.empty()) queue(port);
     judge(port);
   }
 }
@@ -212,6 +216,22 @@ void Ports::raise(PortState& port) {
   tell_(port.network_name, port.problem, true);
 }
 
+/// As the analysis assumes it: a queue that somebody replaced is put back.
+void Ports::queue(PortState& port) {
+  if (port.port.queueing != core::Queueing::priority || !needs_gate(port.profile)) return;
+  const std::string& name = link_of(port)->name;
+  const auto kept = net::keep_priority_queue(port.ifindex);
+  if (!kept)
+    port.problem = fmt::format("{}: {}", name, kept.error().text);
+  else if (!*kept)
+    tell_(port.network_name, fmt::format("{} queues by priority, in {} bands", name, GATE_BANDS),
+          false);
+}
+
+void Ports::set_bands(std::size_t port, std::span<const std::uint32_t> limits) {
+  if (enforce::Gate* gate = gate_of(port)) gate->set_bands(limits);
+}
+
 void Ports::judge(PortState& port) {
   const net::Link* link = link_of(port);
   if (!port.problem.empty() || link == nullptr) return;
@@ -219,8 +239,25 @@ void Ports::judge(PortState& port) {
     port.problem = link->name + " is down";
   else if (link->can_state == "bus-off")
     port.problem = link->name + " is bus-off";
-  else if (link->kind == "can" && link->bitrate == 0)
+  else if (needs_gate(port.profile) && link->bitrate == 0 && link->kind == "can")
     port.problem = "the bit rate of " + link->name + " is unknown";
+  else if (needs_gate(port.profile) && link->bitrate == 0 && port.described_bitrate == 0)
+    port.problem = fmt::format("{} has no bit rate of its own: state <Bus bitrate=\"…\"/> of {}",
+                               link->name, port.network_name);
+  tell_can_state(port, *link);
+}
+
+/// Error-active is as it should be; bus-off is told with what it withdraws.
+void Ports::tell_can_state(PortState& port, const net::Link& link) {
+  const bool warns = link.can_state == "error-warning" || link.can_state == "error-passive";
+  const std::string now = warns ? link.can_state : "";
+  if (std::exchange(port.can_state, now) == now) return;
+  tell_(port.network_name,
+        warns ? fmt::format("{} is {}: frames on {} are being disturbed", link.name, now,
+                            port.network_name)
+              : fmt::format("{} is {} again", link.name,
+                            link.can_state.empty() ? "in order" : link.can_state),
+        warns);
 }
 
 bool Ports::repair() {
@@ -244,7 +281,11 @@ bool Ports::repair() {
       it = gates_.erase(it);
     }
   }
+  for (PortState& port : ports_)
+    if (port.ifindex != 0 && port.problem.empty() && link_of(port) != nullptr) queue(port);
   return std::ranges::any_of(ports_, [this](const PortState& p) {
+    if (p.port.queueing == core::Queueing::priority && !p.problem.empty() && p.ifindex != 0)
+      return true;
     const net::Link* link = link_of(p);
     return link != nullptr && link->is_can && needs_gate(p.profile) && !gates_.contains(p.ifindex);
   });
@@ -252,9 +293,24 @@ bool Ports::repair() {
 
 std::vector<core::Condition> Ports::conditions(std::size_t networks) const {
   std::vector<core::Condition> out(networks);
-  for (const PortState& port : ports_)
-    out[port.port.network] = {port.problem.empty(), port.problem};
+  for (const PortState& port : ports_) {
+    core::Condition& c = out[port.port.network];
+    c = {port.problem.empty(), port.problem, {}, 0};
+    if (const net::Link* link = link_of(port); link != nullptr && link->kind == "can")
+      c.timing = {link->bitrate, link->data_bitrate};
+  }
   return out;
+}
+
+std::optional<BusCounters> Ports::bus_counters(std::size_t port) {
+  const net::Link* link = link_of(ports_[port]);
+  if (link == nullptr || !link->is_can || !link->up) return std::nullopt;
+  const auto traffic = links_.traffic(link->ifindex);
+  if (!traffic) return std::nullopt;
+  // A virtual bus counts what it loops back as received, too.
+  if (link->kind == "vcan") return BusCounters{traffic->sent_frames, traffic->sent_bytes};
+  return BusCounters{traffic->sent_frames + traffic->received_frames,
+                     traffic->sent_bytes + traffic->received_bytes};
 }
 
 const enforce::Gate* Ports::gate_of(std::size_t port) const {
@@ -322,16 +378,10 @@ std::map<std::size_t, enforce::SlotChanges> Ports::by_port(const core::GateChang
 }
 
 Result<void> Ports::apply(const core::GateChanges& changes) {
-  std::vector<std::pair<enforce::Gate*, std::vector<enforce::SlotSpec>>> before;
   for (const auto& [p, change] : by_port(changes)) {
     enforce::Gate* gate = gate_of(p);
-    std::vector<enforce::SlotSpec> present = gate->present();
-    if (const auto done = gate->apply(change); !done) {
-      for (const auto& [changed, slots] : before)
-        if (!changed->apply(enforce::difference(changed->present(), slots))) changed->deny_all();
+    if (const auto done = gate->apply(change); !done)
       return fail(gate->name() + ": " + done.error().text);
-    }
-    before.emplace_back(gate, std::move(present));
   }
   return {};
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "core/plan.hpp"
 #include "core/result.hpp"
 #include "core/system.hpp"
+#include "daemon/bus_load.hpp"
 #include "daemon/enforce/control.hpp"
 #include "daemon/enforce/gate.hpp"
 #include "daemon/net/identity.hpp"
@@ -55,10 +57,24 @@ class Ports {
   /// Usable or why not, per network of the system.
   [[nodiscard]] std::vector<core::Condition> conditions(std::size_t networks) const;
 
+  /// What the bus behind a port has carried; nothing where the kernel does not say.
+  [[nodiscard]] std::optional<BusCounters> bus_counters(std::size_t port);
+  /// Network of the system that a port is on.
+  [[nodiscard]] std::size_t network_number(std::size_t port) const {
+    return ports_[port].port.network;
+  }
+
   /// Makes every gate hold exactly `wanted`. A gate that refuses is denied as a whole, and the
   /// error names it.
   Result<void> sync(const core::GateState& wanted);
-  /// Makes the changes, or none of them.
+  /// What leaves through a port is queued by these limits, see enforce::Gate::set_bands().
+  void set_bands(std::size_t port, std::span<const std::uint32_t> limits);
+  /// The port queues by priority, and is there to do so.
+  [[nodiscard]] bool queues_by_priority(std::size_t port) const {
+    return ports_[port].port.queueing == core::Queueing::priority && ports_[port].problem.empty();
+  }
+
+  /// Makes the changes. After an error gates hold part of them: sync() then.
   Result<void> apply(const core::GateChanges& changes);
 
   [[nodiscard]] Frames frames(const core::GateState& rules) const;
@@ -77,7 +93,9 @@ class Ports {
     core::Port port;
     std::string network_name;
     core::Profile profile = core::Profile::none;
-    int ifindex = 0;  ///< 0: not there
+    std::uint32_t described_bitrate = 0;  ///< of the network
+    std::string can_state;                ///< as last told
+    int ifindex = 0;                      ///< 0: not there
     std::string problem;
     bool raised = false;  ///< a managed interface was brought up once since it appeared
     bool lost = false;    ///< no gate of ours could be attached, not even a closed one
@@ -93,6 +111,8 @@ class Ports {
   void forget_vanished();
   void close_undescribed();
   void judge(PortState& port);
+  void queue(PortState& port);
+  void tell_can_state(PortState& port, const net::Link& link);
   [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateEntry& entry,
                                                          bool pass) const;
   [[nodiscard]] std::map<std::size_t, enforce::SlotChanges> by_port(

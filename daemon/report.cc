@@ -24,10 +24,29 @@ std::string why(const core::State& state, const core::Verdict& v) {
   const bool unavailable = v.obstacle == core::Obstacle::unavailable;
   return core::reason(
       state.system(), state.members(), v,
-      unavailable ? state.conditions()[v.obstacle_at.index].problem : std::string());
+      unavailable ? state.world().conditions[v.obstacle_at.index].problem : std::string());
 }
 
 }  // namespace
+
+control::MediumUse medium_report(const core::State& state, const core::MediumUse& use) {
+  control::MediumUse out;
+  out.network = state.system().networks[use.network].name;
+  out.response_ns = use.response;
+  out.guaranteed_ns = use.guaranteed;
+  const auto& view = state.world().meshes[use.network];
+  if (!view || use.links.empty()) return out;
+  out.paper_rate = use.paper_rate;
+  out.available = use.available;
+  // The links may be others by now; the names of the domain and nodes are those of now.
+  if (use.limiting_domain < view->domains.count())
+    out.limiting_domain = view->domain_name(use.limiting_domain);
+  for (const auto& [from, to] : use.hops) {
+    if (out.nodes.empty()) out.nodes.push_back(view->node_name(from));
+    out.nodes.push_back(view->node_name(to));
+  }
+  return out;
+}
 
 control::Channel channel_report(const core::State& state, const core::Verdict& v, Frames frames) {
   const core::System& system = state.system();
@@ -47,6 +66,10 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
     if (out.admission == 0) out.admission = members.admission_of_subscriber(s);
   }
   out.granted = v.granted;
+  out.set = static_cast<std::uint32_t>(v.set);
+  out.sets = static_cast<std::uint32_t>(core::sets_of(system, v.channel));
+  out.importance = channel.importance;
+  for (const core::MediumUse& use : v.media) out.media.push_back(medium_report(state, use));
   out.reason = why(state, v);
   for (const core::Place place : v.route) out.route.push_back(core::name_of(system, place));
   for (const core::Row& row : v.rows) {
@@ -81,9 +104,9 @@ control::Network network_report(const core::State& state, std::size_t index) {
   }
   out.capacity_known = network.provision.has(Attribute::bandwidth);
   out.capacity = network.provision[Attribute::bandwidth];
-  out.reserved = state.decision().ledger.reserved(index);
-  out.available = state.conditions()[index].available;
-  out.problem = state.conditions()[index].problem;
+  out.reserved = state.ledger().reserved(index);
+  out.available = state.world().conditions[index].available;
+  out.problem = state.world().conditions[index].problem;
   for (const core::Gateway& gateway : system.gateways)
     if (gateway.port_on(index) != nullptr) out.gateways.push_back(gateway.name);
   return out;
@@ -97,6 +120,16 @@ std::string verdict_line(const core::State& state, const core::Verdict& v) {
                      core::format_subject(channel.subject), v.granted ? "granted" : "refused",
                      core::name_of(system, publisher.place), core::name_of(system, v.to),
                      why(state, v));
+}
+
+std::string switch_line(const core::State& state, const core::Verdict& v, std::size_t former_set) {
+  const core::System& system = state.system();
+  const core::EventChannel& channel = system.channels[v.channel];
+  return fmt::format("{} ({}) switched from attribute set {} to {} of {}, from {} to {}: {}",
+                     channel.name, core::format_subject(channel.subject), former_set + 1, v.set + 1,
+                     core::sets_of(system, v.channel),
+                     core::name_of(system, state.members().publisher(v.publisher).place),
+                     core::name_of(system, v.to), why(state, v));
 }
 
 }  // namespace mlcca

@@ -15,11 +15,16 @@ struct Frames {
   std::uint64_t dropped = 0;
 };
 
+[[nodiscard]] control::MediumUse medium_report(const core::State& state,
+                                               const core::MediumUse& use);
 [[nodiscard]] control::Channel channel_report(const core::State& state,
                                               const core::Verdict& verdict, Frames frames);
 [[nodiscard]] control::Network network_report(const core::State& state, std::size_t index);
 
 /// "emergency-switch (0xa4efeccc3210b497) refused from second-can to robot-can: Omission …".
+/// "video (0x…) switched from set 1 to set 2 of 2, from laptop to awds: …"
+[[nodiscard]] std::string switch_line(const core::State& state, const core::Verdict& verdict,
+                                      std::size_t former_set);
 [[nodiscard]] std::string verdict_line(const core::State& state, const core::Verdict& verdict);
 
 }  // namespace mlcca

@@ -208,4 +208,9 @@ Result<Asked> understand(const core::State& state, const control::ChannelRequest
   return asked;
 }
 
+std::uint64_t lease_of(const control::Admit& request) {
+  constexpr std::uint64_t of_a_connection = 10'000'000'000;
+  return request.hold && request.lease_ns == 0 ? of_a_connection : request.lease_ns;
+}
+
 }  // namespace mlcca

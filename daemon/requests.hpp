@@ -28,4 +28,8 @@ struct Asked {
 /// Channel by name or 0x subject; the error names what is known.
 [[nodiscard]] Result<std::size_t> channel_named(const core::State& state, const std::string& name);
 
+/// ns that an admission lives without being renewed; 0: until it is released. One that a connection
+/// holds lives 10 s longer than that if it says nothing else.
+[[nodiscard]] std::uint64_t lease_of(const control::Admit& request);
+
 }  // namespace mlcca

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <filesystem>
@@ -210,6 +211,14 @@ Result<void> Gate::reattach() {
 Result<void> Gate::apply(const SlotChanges& changes) { return state_->slots.apply(changes); }
 std::vector<SlotSpec> Gate::present() const { return state_->slots.present(); }
 void Gate::deny_all() { state_->slots.deny_all(); }
+
+void Gate::set_bands(std::span<const std::uint32_t> limits) {
+  gate_table& table = state_->programs.table();
+  for (std::size_t i = 0; i < std::size(table.band_limit); ++i)
+    std::atomic_ref(table.band_limit[i])
+        .store(i < limits.size() ? limits[i] : ~0U, std::memory_order_relaxed);
+  std::atomic_ref(table.bands).store(limits.empty() ? 0 : GATE_BANDS, std::memory_order_release);
+}
 
 std::optional<SlotCounters> Gate::counters(const SlotSpec& spec) const {
   const auto slot = state_->slots.find(spec);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,11 @@ class Gate {
   Result<void> apply(const SlotChanges& changes);
   [[nodiscard]] std::vector<SlotSpec> present() const;
   void deny_all();
+
+  /// Frames that leave are put into bands by their identifiers: those up to the first limit
+  /// (gate_arbitration()) into the first band, … at most GATE_BANDS - 1 limits, rising. No limits:
+  /// they are left as they are.
+  void set_bands(std::span<const std::uint32_t> limits);
 
   /// Of the slot with this grant (verdict not compared); nothing where there is none.
   [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const;

@@ -110,6 +110,16 @@ Result<bool> Links::refresh() {
   return changed;
 }
 
+Result<Traffic> Links::traffic(int ifindex) {
+  rtnl_link* raw = nullptr;
+  if (const int e = rtnl_link_get_kernel(requests_.get(), ifindex, nullptr, &raw); e < 0)
+    return netlink_error("reading the counters of an interface", e);
+  const LinkObject link(raw);
+  return Traffic{
+      rtnl_link_get_stat(raw, RTNL_LINK_TX_PACKETS), rtnl_link_get_stat(raw, RTNL_LINK_TX_BYTES),
+      rtnl_link_get_stat(raw, RTNL_LINK_RX_PACKETS), rtnl_link_get_stat(raw, RTNL_LINK_RX_BYTES)};
+}
+
 Result<void> Links::set_bitrates(int ifindex, std::uint32_t bitrate, std::uint32_t data_bitrate) {
   const LinkObject change(rtnl_link_alloc());
   if (!change) return fail("rtnl_link_alloc: out of memory");

@@ -28,6 +28,14 @@ struct Link {
   bool operator==(const Link&) const = default;
 };
 
+/// Counters of an interface since it was made.
+struct Traffic {
+  std::uint64_t sent_frames = 0;
+  std::uint64_t sent_bytes = 0;
+  std::uint64_t received_frames = 0;
+  std::uint64_t received_bytes = 0;
+};
+
 /// By ifindex.
 using LinkTable = std::map<int, Link>;
 
@@ -44,6 +52,9 @@ class Links {
   /// Takes all notifications off the socket and reads the table anew. True if it differs.
   Result<bool> refresh();
   [[nodiscard]] const LinkTable& table() const { return table_; }
+
+  /// Asks the kernel now.
+  [[nodiscard]] Result<Traffic> traffic(int ifindex);
 
   /// Bit rates in bit/s, 0 leaves one alone. The interface must be down.
   Result<void> set_bitrates(int ifindex, std::uint32_t bitrate, std::uint32_t data_bitrate);

@@ -58,12 +58,12 @@ Result<Fd> listen_at(const std::string& path) {
   return socket;
 }
 
-Server::Server(sd_event* loop, Fd listening, gid_t group, Answer answer)
+Server::Server(sd_event* loop, Fd listening, gid_t group, AnswerTo answer)
     : loop_(loop), listening_(std::move(listening)), group_(group), answer_(std::move(answer)) {}
 Server::~Server() = default;
 
 Result<std::unique_ptr<Server>> Server::open(sd_event* loop, Fd listening, gid_t group,
-                                             Answer answer) {
+                                             AnswerTo answer) {
   std::unique_ptr<Server> server(new Server(loop, std::move(listening), group, std::move(answer)));
   sd_event_source* raw = nullptr;
   const auto on_connection = [](sd_event_source*, int, std::uint32_t, void* self) noexcept {
@@ -84,7 +84,7 @@ Result<Peer> Server::identify(int fd) const {
   socklen_t size = sizeof who;
   if (::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &size) < 0)
     return system_error("SO_PEERCRED");
-  Peer peer{who.pid, who.uid, who.uid == 0};
+  Peer peer{who.pid, who.uid, who.uid == 0, 0};
   if (!peer.may_change && group_ != static_cast<gid_t>(-1))
     peer.may_change = in_group(fd, who.gid, group_);
   return peer;
@@ -98,8 +98,9 @@ std::size_t Server::sessions_of(uid_t uid) const {
 void Server::accept_one() {
   Fd socket(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket) return;  // gone again, or out of descriptors: the client sees it
-  const auto peer = identify(socket.get());
+  auto peer = identify(socket.get());
   if (!peer) return;
+  peer->session = ++last_session_;
   const bool full = peer->may_change ? sessions_.size() >= kMaxSessions
                                      : sessions_.size() >= kMaxSessions - kReservedSessions ||
                                            sessions_of(peer->uid) >= kMaxSessionsPerUser;
@@ -115,12 +116,23 @@ void Server::accept_one() {
     sessions_.emplace(fd, std::move(session));
 }
 
-void Server::drop(int fd) { sessions_.erase(fd); }
+void Server::drop(int fd) {
+  const auto it = sessions_.find(fd);
+  if (it == sessions_.end()) return;
+  const std::uint64_t session = it->second->peer().session;
+  sessions_.erase(it);
+  if (closed_) closed_(session);
+}
 
 void Server::publish(const control::Event& event) {
   if (sessions_.empty()) return;
   const std::string encoded = control::encode(control::Reply{0, event});
-  for (auto& [fd, session] : sessions_) session->send_event(encoded);
+  for (auto& [fd, session] : sessions_)
+    if (session->wants(event)) session->send_event(encoded);
+}
+
+void Server::release(const Result<void>& done) {
+  for (auto& [fd, session] : sessions_) session->release(done);
 }
 
 }  // namespace mlcca::serve

@@ -4,6 +4,7 @@
 #include <sys/types.h>
 #include <systemd/sd-event.h>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -19,7 +20,17 @@ namespace mlcca::serve {
 struct Peer {
   pid_t pid = 0;
   uid_t uid = 0;
-  bool may_change = false;  ///< root, or in the control group
+  bool may_change = false;    ///< root, or in the control group
+  std::uint64_t session = 0;  ///< number of the connection, never used twice
+};
+
+/// What is answered, and what follows from it for the connection.
+struct Answer {
+  control::Reply reply;
+  /// Not sent before release(): what it says is not on disk yet. If that fails, an error is sent in
+  /// its place.
+  bool held = false;
+  std::uint64_t owned = 0;  ///< an admission whose events go to this connection from now on
 };
 
 /// Listens at `path` (mode 0666: everybody may ask); a stale socket is replaced.
@@ -29,7 +40,8 @@ class Session;
 
 class Server {
  public:
-  using Answer = std::function<control::Reply(const control::Request&, const Peer&)>;
+  using AnswerTo = std::function<Answer(const control::Request&, const Peer&)>;
+  using Closed = std::function<void(std::uint64_t session)>;
 
   /// Clients at once; a further one is told so and closed.
   static constexpr std::size_t kMaxSessions = 256;
@@ -40,21 +52,27 @@ class Server {
 
   /// `group`: whose members may change; -1: root only.
   static Result<std::unique_ptr<Server>> open(sd_event* loop, Fd listening, gid_t group,
-                                              Answer answer);
+                                              AnswerTo answer);
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
   Server(Server&&) = delete;
   Server& operator=(Server&&) = delete;
   ~Server();
 
-  /// To every client that monitors. One that does not read loses events and is told how many.
+  /// To every client that monitors, and to those that own an admission of the event. One that does
+  /// not read loses events and is told how many.
   void publish(const control::Event& event);
+
+  /// Sends what was held, or the error in its place.
+  void release(const Result<void>& done);
+  /// Told of every connection that ends.
+  void on_close(Closed closed) { closed_ = std::move(closed); }
 
   [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
 
  private:
   friend class Session;
-  Server(sd_event* loop, Fd listening, gid_t group, Answer answer);
+  Server(sd_event* loop, Fd listening, gid_t group, AnswerTo answer);
   void accept_one();
   void drop(int fd);
   [[nodiscard]] Result<Peer> identify(int fd) const;
@@ -64,7 +82,9 @@ class Server {
   sd_event* loop_;
   Fd listening_;
   gid_t group_;
-  Answer answer_;
+  AnswerTo answer_;
+  Closed closed_;
+  std::uint64_t last_session_ = 0;
   Source source_;
   std::unordered_map<int, std::unique_ptr<Session>> sessions_;
 };

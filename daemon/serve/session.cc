@@ -4,6 +4,7 @@
 #include <sys/epoll.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <utility>
 
@@ -47,7 +48,8 @@ bool Session::receive() {
 
 bool Session::answer_pending() {
   more_ = false;
-  for (int answered = 0; !closing_ && out_.size() - sent_ < kBusy; ++answered) {
+  for (int answered = 0; !closing_ && out_.size() - sent_ < kBusy && held_.size() < kMostHeld;
+       ++answered) {
     if (answered == kTurn) {
       more_ = true;
       break;
@@ -59,9 +61,40 @@ bool Session::answer_pending() {
     }
     if (!*request) break;
     if (std::holds_alternative<control::MonitorRequest>((*request)->body)) monitoring_ = true;
-    out_ += control::encode(server_.answer_(**request, peer_));
+    take(server_.answer_(**request, peer_));
   }
   return flush();
+}
+
+void Session::take(Answer answer) {
+  if (answer.held || !held_.empty()) {
+    held_.push_back(std::move(answer));
+    return;
+  }
+  if (answer.owned != 0) owned_.push_back(answer.owned);
+  out_ += control::encode(answer.reply);
+}
+
+void Session::release(const Result<void>& done) {
+  if (held_.empty()) return;
+  for (Answer& answer : std::exchange(held_, {})) {
+    if (answer.held && !done)
+      answer.reply.body = control::Error{
+          control::ErrorKind::world, "nothing was changed: " + done.error().text, {}};
+    else if (answer.owned != 0)
+      owned_.push_back(answer.owned);
+    out_ += control::encode(answer.reply);
+  }
+  // A failed write shows at the next event of the socket. What was not read meanwhile is read then.
+  more_ = true;
+  flush();
+  watch();
+}
+
+bool Session::wants(const control::Event& event) const {
+  return monitoring_ || std::ranges::any_of(event.admissions, [this](std::uint64_t id) {
+           return std::ranges::find(owned_, id) != owned_.end();
+         });
 }
 
 void Session::refuse(std::string text) {
@@ -71,7 +104,7 @@ void Session::refuse(std::string text) {
 }
 
 void Session::send_event(const std::string& encoded) {
-  if (!monitoring_ || closing_) return;
+  if (closing_) return;
   if (out_.size() - sent_ >= kBusy) {
     ++lost_events_;
     return;
@@ -104,7 +137,8 @@ bool Session::flush() {
 
 void Session::watch() {
   const bool waiting = sent_ < out_.size();
-  const bool reading = !closing_ && !more_ && out_.size() - sent_ < kBusy;
+  const bool reading =
+      !closing_ && !more_ && out_.size() - sent_ < kBusy && held_.size() < kMostHeld;
   sd_event_source_set_io_events(source_.get(),
                                 (reading ? EPOLLIN : 0U) | (waiting || more_ ? EPOLLOUT : 0U));
 }

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is really sent on a CAN bus, against what was analysed. Bookkeeping only: counters and time
+// come in as arguments.
+#pragma once
+#include <cstdint>
+#include <optional>
+
+namespace mlcca {
+
+/// Counters of an interface, of everything that was on the bus: each frame once.
+struct BusCounters {
+  std::uint64_t frames = 0;
+  std::uint64_t bytes = 0;  ///< of payload
+};
+
+class BusLoad {
+ public:
+  /// Differences that count are whole steps of the bus time: 1e-6.
+  static constexpr std::uint32_t kStep = 10'000;
+  /// A load that went down counts after so many measurements.
+  static constexpr int kHold = 5;
+
+  /// To be called about once a second. `analysed`: 1e-6 of the bus time that admitted messages and
+  /// declared background take at most. What the bus carried beyond it, in 1e-6, rounded up to
+  /// steps: more at once, less once it has lasted. Frames count with their fewest bits (11-bit
+  /// identifier, nothing stuffed), so that nobody is accused for stuff bits.
+  std::uint32_t measure(const BusCounters& counters, std::uint32_t bitrate, std::uint64_t analysed,
+                        std::uint64_t now_ns);
+
+  /// 1e-6 of the bus time that was carried at least, in the last interval.
+  [[nodiscard]] std::uint64_t load() const { return load_; }
+
+ private:
+  std::optional<BusCounters> last_;
+  std::uint64_t last_ns_ = 0;
+  std::uint64_t load_ = 0;
+  std::uint32_t excess_ = 0;
+  int lower_for_ = 0;
+};
+
+}  // namespace mlcca

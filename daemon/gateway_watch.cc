@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the gateway looks at by itself, once a second, and what it tells of all that happens.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "bpf/gate.h"
+#include "core/text.hpp"
+#include "daemon/clock.hpp"
+#include "daemon/gateway.hpp"
+#include "daemon/report.hpp"
+
+namespace mlcca {
+namespace {
+
+/// What drops and comes and goes each second is for the log, not for the history.
+bool is_history(Kind kind) { return kind != Kind::dropping; }
+
+}  // namespace
+
+void Gateway::look_around() {
+  if (ports_.repair()) follow_world();
+  end_leases();
+  measure_buses();
+  look_at_drops(true);
+  if (!history_) return;
+  history_->flush(unix_ns());
+  for (std::string& line : history_->take_troubles())
+    tell({Kind::trouble, 4, std::move(line), 0, {}, {}, {}, {}});
+}
+
+void Gateway::end_leases() {
+  for (const std::uint64_t id : leases_.expired(monotonic_ns())) {
+    tell({Kind::released,
+          5,
+          fmt::format("admission {}: its lease ended and was not renewed", id),
+          0,
+          {},
+          {},
+          {},
+          {id}});
+    if (const auto done = release({id}, std::nullopt); !done)
+      tell({Kind::trouble, 3, done.error().text, 0, {}, {}, {}, {}});
+  }
+}
+
+void Gateway::session_closed(std::uint64_t session) {
+  for (auto it = held_.begin(); it != held_.end();) {
+    if (it->second != session) {
+      ++it;
+      continue;
+    }
+    const control::Request* request = stored().admissions.find(it->first);
+    if (request != nullptr)
+      leases_.set(it->first, lease_of(std::get<control::Admit>(request->body)), monotonic_ns());
+    it = held_.erase(it);
+  }
+}
+
+/// The bands of queues by priority, as the analysis has them.
+void Gateway::set_bands() {
+  for (std::size_t p = 0; p < ports_.size(); ++p) {
+    if (!ports_.queues_by_priority(p)) continue;
+    const std::size_t network = ports_.network_number(p);
+    const core::can::Schedule* bus = state_->ledger().schedule(network);
+    if (bus == nullptr) continue;
+    const std::uint32_t queue = core::queue_of(state_->system(), self_, network);
+    const auto bands = core::can::bands_of(bus->assumptions(), bus->messages());
+    std::array<std::uint32_t, GATE_BANDS - 1> limits{};
+    limits.fill(~0U);
+    for (std::size_t m = 0; m < bands.size(); ++m) {
+      const core::can::Message& message = bus->messages()[m];
+      if (message.queue != queue || bands[m] >= limits.size()) continue;
+      std::uint32_t& limit = limits[bands[m]];
+      const std::uint32_t last = std::max(message.priority, message.lowest_priority);
+      limit = limit == ~0U ? last : std::max(limit, last);
+    }
+    ports_.set_bands(p, limits);
+  }
+}
+
+/// More on a bus than was analysed: somebody sends who was not admitted, or more than he said. What
+/// the gate drops has been on the bus all the same.
+void Gateway::measure_buses() {
+  bool changed = false;
+  for (std::size_t p = 0; p < ports_.size(); ++p) {
+    const std::size_t network = ports_.network_number(p);
+    const core::can::Schedule* bus = state_->ledger().schedule(network);
+    const auto counters = ports_.bus_counters(p);
+    if (bus == nullptr || !counters || !state_->system().networks[network].bus.measured) continue;
+    const std::uint32_t known = excess_.contains(network) ? excess_.at(network) : 0;
+    const std::uint64_t analysed =
+        bus->utilisation_ppm() - std::min<std::uint64_t>(known, bus->utilisation_ppm());
+    const std::uint32_t excess =
+        loads_[p].measure(*counters, bus->assumptions().timing.bitrate, analysed, monotonic_ns());
+    if (excess == known) continue;
+    excess_[network] = excess;
+    changed = true;
+    tell({Kind::interface,
+          excess != 0 ? 4 : 5,
+          excess != 0
+              ? fmt::format("{} carries at least {:.1f} % more than was admitted: somebody sends "
+                            "who was not, or more than he said",
+                            ports_.network_of(p), excess / 1e4)
+              : fmt::format("{} carries no more than was admitted again", ports_.network_of(p)),
+          0,
+          {},
+          ports_.network_of(p),
+          {},
+          {}});
+  }
+  if (!changed) return;
+  put_conditions(*state_);
+  static_cast<void>(settle());
+}
+
+void Gateway::look_at_drops(bool mention) {
+  const auto now = static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000);
+  for (const core::Decision& decision : state_->decisions()) {
+    for (const core::Verdict& v : decision.verdicts) {
+      const core::EventChannel& c = state_->system().channels[v.channel];
+      const core::Publisher& publisher = state_->members().publisher(v.publisher);
+      const std::string& to = core::name_of(state_->system(), v.to);
+      const auto dropped =
+          drops_.look(c.name + " " + publisher.name + " " + to, frames_of(v).dropped, now);
+      if (!dropped || !mention) continue;
+      const std::string line =
+          v.granted ? fmt::format("{} frames dropped that named {} ({}) and differ from the grant",
+                                  *dropped, c.name, core::format_subject(c.subject))
+                    : fmt::format("{} frames dropped of {}", *dropped, verdict_line(*state_, v));
+      tell({Kind::dropping,
+            4,
+            line,
+            c.subject,
+            c.name,
+            core::name_of(state_->system(), publisher.place),
+            {},
+            {}});
+    }
+  }
+  for (std::size_t p = 0; p < ports_.size(); ++p) {
+    const auto dropped = drops_.look("unknown " + std::to_string(p), ports_.unknown_frames(p), now);
+    if (dropped && mention)
+      tell({Kind::dropping,
+            4,
+            fmt::format("{} frames without a known subject dropped on {} ({})", *dropped,
+                        ports_.interface_name(p), ports_.network_of(p)),
+            0,
+            {},
+            ports_.network_of(p),
+            {},
+            {}});
+  }
+}
+
+// --- telling -------------------------------------------------------------------------------------
+
+void Gateway::tell(Note note) {
+  journal_.write(note);
+  const std::uint64_t now = unix_ns();
+  if (history_ && is_history(note.kind))
+    history_->append({now, name_of(note.kind), note.subject, note.channel, note.from,
+                      note.from.empty() ? "" : note.network, note.from.empty() ? note.network : "",
+                      note.message});
+  if (!publish_) return;
+  control::Event event;
+  event.unix_ns = now;
+  event.kind = name_of(note.kind);
+  event.subject = note.subject;
+  event.channel = std::move(note.channel);
+  event.network = std::move(note.network);
+  event.message = std::move(note.message);
+  event.admissions = std::move(note.admissions);
+  publish_(event);
+}
+
+std::vector<core::AdmissionId> Gateway::admissions_of(const core::Verdict& v) const {
+  std::vector<core::AdmissionId> ids;
+  const auto add = [&ids](core::AdmissionId id) {
+    if (id != 0 && std::ranges::find(ids, id) == ids.end()) ids.push_back(id);
+  };
+  add(state_->members().admission_of_publisher(v.publisher));
+  for (const std::size_t s : v.subscribers) add(state_->members().admission_of_subscriber(s));
+  return ids;
+}
+
+bool Gateway::concerns(const core::Verdict& v, core::AdmissionId id) const {
+  const auto ids = admissions_of(v);
+  return std::ranges::find(ids, id) != ids.end();
+}
+
+void Gateway::tell_verdict(Kind kind, const core::Verdict& v, const std::string& line) {
+  const core::EventChannel& channel = state_->system().channels[v.channel];
+  tell({kind, v.granted ? 6 : 4, line, channel.subject, channel.name,
+        core::name_of(state_->system(), v.to),
+        core::name_of(state_->system(), state_->members().publisher(v.publisher).place),
+        admissions_of(v)});
+}
+
+void Gateway::tell_all() {
+  for (const core::Decision& decision : state_->decisions())
+    for (const core::Verdict& v : decision.verdicts)
+      tell_verdict(v.granted ? Kind::granted : Kind::refused, v, verdict_line(*state_, v));
+}
+
+void Gateway::tell_changes(const std::vector<core::Change>& changes) {
+  for (const core::Change& change : changes) {
+    for (const core::Verdict& v : state_->decisions()[change.channel].verdicts) {
+      const auto& before = change.before.verdicts;
+      const auto old = std::ranges::find_if(before, [&v](const core::Verdict& o) {
+        return o.publisher == v.publisher && o.to == v.to;
+      });
+      const bool was = old != before.end() && old->granted;
+      if (v.granted && !was) tell_verdict(Kind::granted, v, verdict_line(*state_, v));
+      if (!v.granted && was) tell_verdict(Kind::withdrawn, v, verdict_line(*state_, v));
+      if (v.granted && was && v.set != old->set)
+        tell_verdict(Kind::switched, v, switch_line(*state_, v, old->set));
+    }
+  }
+}
+
+}  // namespace mlcca

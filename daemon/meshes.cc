@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/meshes.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/text.hpp"
+#include "daemon/clock.hpp"
+
+namespace mlcca {
+namespace {
+
+/// "nl80211 mesh0"
+std::string name_of_source(const core::mesh::Source& source) {
+  const std::string& where = source.interface.empty() ? source.endpoint : source.interface;
+  return std::string(core::to_text(source.kind)) + (where.empty() ? "" : " " + where);
+}
+
+}  // namespace
+
+const core::mesh::LinkTable* Meshes::table(std::size_t network) const {
+  const auto it = std::ranges::find(entries_, network, [](const auto& e) { return e->network; });
+  return it == entries_.end() ? nullptr : &(*it)->table;
+}
+
+const core::mesh::Mesh* Meshes::mesh(std::size_t network) const {
+  const auto it = std::ranges::find(entries_, network, [](const auto& e) { return e->network; });
+  return it == entries_.end() ? nullptr : &(*it)->mesh;
+}
+
+void Meshes::describe(const core::System& system) {
+  auto former = std::exchange(entries_, {});
+  for (std::size_t n = 0; n < system.networks.size(); ++n) {
+    const core::Network& network = system.networks[n];
+    if (!network.mesh) continue;
+    const auto same = std::ranges::find_if(former, [&](const auto& e) {
+      return e != nullptr && e->name == network.name && same_description(e->mesh, *network.mesh);
+    });
+    if (same != former.end()) {
+      (*same)->network = n;
+      entries_.push_back(std::move(*same));
+      continue;
+    }
+    entries_.push_back(std::make_unique<Entry>(
+        Entry{network.name, n, *network.mesh, core::mesh::LinkTable(*network.mesh), {}, {}, {}}));
+    open_sources(*entries_.back());
+  }
+  arm();
+}
+
+void Meshes::open_sources(Entry& entry) {
+  for (std::size_t s = 0; s < entry.mesh.sources.size(); ++s) {
+    entry.reported.push_back(false);
+    entry.problems.emplace_back();
+    auto source = net::open_source(
+        entry.mesh.sources[s], entry.mesh, loop_,
+        [this, &entry, s](const core::mesh::Snapshot& snapshot) { take(entry, s, snapshot); });
+    if (source) {
+      entry.sources.push_back(std::move(*source));
+      continue;
+    }
+    entry.reported.back() = true;
+    entry.sources.emplace_back();
+    tell_(entry.name,
+          fmt::format("{}: {}: {}", entry.name, name_of_source(entry.mesh.sources[s]),
+                      source.error().text),
+          true);
+  }
+}
+
+void Meshes::take(Entry& entry, std::size_t source, const core::mesh::Snapshot& snapshot) {
+  entry.reported[source] = true;
+  const bool changed = entry.table.take(source, snapshot, monotonic_ns());
+  const std::string& problem = entry.table.problem(source);
+  if (problem != entry.problems[source]) {
+    const std::string name = name_of_source(entry.mesh.sources[source]);
+    entry.problems[source] = problem;
+    if (problem.empty())
+      tell_(entry.name, fmt::format("{}: {} knows its links again", entry.name, name), false);
+    else
+      tell_(entry.name, fmt::format("{}: {}: {}", entry.name, name, problem), true);
+  }
+  if (changed) changed_(entry.network);
+  arm();
+}
+
+void Meshes::expire() {
+  const std::uint64_t now = monotonic_ns();
+  for (const auto& entry : entries_)
+    if (entry->table.expire(now)) changed_(entry->network);
+  arm();
+}
+
+void Meshes::arm() {
+  std::uint64_t next = kUnbounded;
+  for (const auto& entry : entries_) next = std::min(next, entry->table.next_deadline());
+  if (next == kUnbounded) {
+    if (timer_) sd_event_source_set_enabled(timer_.get(), SD_EVENT_OFF);
+    return;
+  }
+  const std::uint64_t micros = next / 1000 + 1;
+  if (timer_) {
+    sd_event_source_set_time(timer_.get(), micros);
+    sd_event_source_set_enabled(timer_.get(), SD_EVENT_ONESHOT);
+    return;
+  }
+  sd_event_source* raw = nullptr;
+  const auto on_time = [](sd_event_source*, std::uint64_t, void* self) noexcept {
+    static_cast<Meshes*>(self)->expire();
+    return 0;
+  };
+  if (sd_event_add_time(loop_, &raw, CLOCK_MONOTONIC, micros, 1000, on_time, this) >= 0)
+    timer_.reset(raw);
+}
+
+void Meshes::await_first_reports(std::uint64_t limit_ns) {
+  const std::uint64_t end = monotonic_ns() + limit_ns;
+  const auto all_reported = [this] {
+    return std::ranges::all_of(entries_, [](const auto& e) {
+      return std::ranges::all_of(e->reported, [](bool reported) { return reported; });
+    });
+  };
+  for (std::uint64_t now = monotonic_ns(); now < end && !all_reported(); now = monotonic_ns())
+    if (sd_event_run(loop_, (end - now) / 1000) < 0) return;
+}
+
+}  // namespace mlcca
