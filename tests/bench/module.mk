@@ -14,6 +14,15 @@ $(eval $(call program,bench/reader_bench,tests/bench/reader_bench.cc,$O/libdescr
 $O/tests/bench/reader_bench.o: CPPFLAGS += $(XML_CFLAGS)
 BENCHES += $O/bench/reader_bench
 
+$(eval $(call program,bench/mesh_bench,tests/bench/mesh_bench.cc,$O/libcore.a,-lbenchmark -lpthread))
+BENCHES += $O/bench/mesh_bench
+
+$(eval $(call program,bench/journal_bench,tests/bench/journal_bench.cc,$(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a,-lsqlite3 $(PROTO_LIBS) -lfmt))
+BENCHES += $O/bench/journal_bench
+
+$(eval $(call program,bench/can_bench,tests/bench/can_bench.cc,$O/libcore.a,))
+BENCHES += $O/bench/can_bench
+
 run-bench: all $(BENCHES)
 	$(Q)tests/bench/run $O
 .PHONY: run-bench
