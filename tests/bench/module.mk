@@ -23,6 +23,21 @@ BENCHES += $O/bench/journal_bench
 $(eval $(call program,bench/can_bench,tests/bench/can_bench.cc,$O/libcore.a,))
 BENCHES += $O/bench/can_bench
 
+$(eval $(call program,bench/reservation_bench,tests/bench/reservation_bench.cc,$O/libcore.a,-lfmt))
+BENCHES += $O/bench/reservation_bench
+
+# Cyclone DDS, the peer: its types are made by its own compiler.
+$O/gen/bench/dds/pair.h: tests/bench/dds/pair.idl
+	$(call say,IDLC,$<)
+	$(Q)mkdir -p $(@D) && idlc -o $(@D) $<
+$O/tests/bench/dds_peer.o: $O/gen/bench/dds/pair.h
+$O/bench/dds_peer: $O/tests/bench/dds_peer.o
+	$(call say,LINK,$@)
+	$(Q)mkdir -p $(@D) && $(CC) -c -I$O/gen -o $O/gen/bench/dds/pair.o $O/gen/bench/dds/pair.c && \
+		$(CXX) $(LDFLAGS) -o $@ $^ $O/gen/bench/dds/pair.o -lddsc
+OBJECTS += $O/tests/bench/dds_peer.o
+BENCHES += $O/bench/dds_peer
+
 run-bench: all $(BENCHES)
 	$(Q)tests/bench/run $O
 .PHONY: run-bench

@@ -101,12 +101,12 @@ TEST(Limits, AllowSoManyLinksOfAMeshAndNoMore) {
                              to, both_ways);
     return problem_of(mesh("", parts));
   };
-  EXPECT_EQ(with(65536, "false"), "");
-  EXPECT_EQ(with(65537, "false"),
-            "t.xml:66051: <Link>: 65537 links of mesh n are too many: at most 65536");
-  EXPECT_EQ(with(32768, "true"), "");
-  EXPECT_EQ(with(32769, "true"),
-            "t.xml:33283: <Link>: 65538 links of mesh n are too many: at most 65536");
+  EXPECT_EQ(with(8192, "false"), "");
+  EXPECT_EQ(with(8193, "false"),
+            "t.xml:8707: <Link>: 8193 links of mesh n are too many: at most 8192");
+  EXPECT_EQ(with(4096, "true"), "");
+  EXPECT_EQ(with(4097, "true"),
+            "t.xml:4611: <Link>: 8194 links of mesh n are too many: at most 8192");
 }
 
 TEST(Limits, AllowSoManyDomainsOfAMeshAndNoMore) {
@@ -119,11 +119,11 @@ TEST(Limits, AllowSoManyDomainsOfAMeshAndNoMore) {
     }
     return problem_of(mesh("interference=\"explicit\"", parts));
   };
-  EXPECT_EQ(with(1024, 64), "");
+  EXPECT_EQ(with(1024, 8), "");
   EXPECT_EQ(with(1025, 0),
             "t.xml:1029: <Domain>: 1025 domains of mesh n are too many: at most 1024");
-  EXPECT_EQ(with(1, 65537),
-            "t.xml:2: <Mesh>: 65537 members of its domains are too many: at most 65536");
+  EXPECT_EQ(with(1, 8193),
+            "t.xml:2: <Mesh>: 8193 members of its domains are too many: at most 8192");
 }
 
 TEST(Limits, AllowSoManySourcesOfAMeshAndNoMore) {
