@@ -174,6 +174,7 @@ void Media::take_bus(std::size_t hop) {
   const auto late = ledger_.schedule(flow, *message);
   MediumUse& use = v_.media.emplace_back();
   use.network = network;
+  use.key = key;
   if (late) {
     late_row(places_[hop], *late);
     if (late->key == key && late->bounded) use.response = less(late->response, message->jitter);
@@ -192,34 +193,33 @@ void Media::take_bus(std::size_t hop) {
 
 // --- meshes -------------------------------------------------------------------------------------
 
+/// The node of a gateway, or all nodes of a mesh.
+std::vector<std::uint32_t> Media::nodes_of(const mesh::Mesh& mesh, Place place) const {
+  std::vector<std::uint32_t> nodes;
+  for (std::uint32_t n = 0; n < mesh.nodes.size(); ++n)
+    if (place.kind == Place::Kind::network || mesh.nodes[n].gateway == place.index)
+      nodes.push_back(n);
+  return nodes;
+}
+
 std::vector<std::uint32_t> Media::entries(std::size_t hop) const {
   const mesh::Mesh& mesh = *s_.system.networks[places_[hop].index].mesh;
   const Place before = hop > 0 ? places_[hop - 1] : v_.route.front();
-  std::vector<std::uint32_t> nodes;
   const auto& at_home = s_.members.publisher(v_.publisher).mesh_node;
-  for (std::uint32_t n = 0; n < mesh.nodes.size(); ++n) {
-    const bool meant = before.kind == Place::Kind::gateway ? mesh.nodes[n].gateway == before.index
-                                                           : !at_home || *at_home == n;
-    if (meant) nodes.push_back(n);
-  }
-  return nodes;
+  if (before.kind == Place::Kind::network && at_home) return {*at_home};
+  return nodes_of(mesh, before);
 }
 
 std::vector<std::uint32_t> Media::exits(std::size_t hop) const {
   const mesh::Mesh& mesh = *s_.system.networks[places_[hop].index].mesh;
   const bool last = hop + 1 == places_.size();
   const Place after = last ? v_.route.back() : places_[hop + 1];
+  if (after.kind == Place::Kind::gateway) return nodes_of(mesh, after);
   std::vector<std::uint32_t> nodes;
-  for (std::uint32_t n = 0; n < mesh.nodes.size(); ++n) {
-    bool meant = false;
-    if (after.kind == Place::Kind::gateway)
-      meant = mesh.nodes[n].gateway == after.index;
-    else
-      meant = std::ranges::any_of(v_.subscribers, [&](std::size_t s) {
-        const auto& node = s_.members.subscriber(s).mesh_node;
-        return !node || *node == n;
-      });
-    if (meant) nodes.push_back(n);
+  for (const std::size_t s : v_.subscribers) {
+    const auto& node = s_.members.subscriber(s).mesh_node;
+    if (!node) return nodes_of(mesh, after);
+    if (std::ranges::find(nodes, *node) == nodes.end()) nodes.push_back(*node);
   }
   return nodes;
 }
@@ -229,7 +229,12 @@ void Media::take_mesh(std::size_t hop) {
   const MeshView& view = *s_.world.meshes[network];
   const mesh::Mesh& mesh = *s_.system.networks[network].mesh;
   const AttributeSet& offered = attributes_in(s_.members.publisher(v_.publisher), v_.set);
-  const Value event = offered[Attribute::max_payload];
+  // An event without payload is a packet all the same.
+  const bool empty = offered.has(Attribute::max_payload) && offered[Attribute::max_payload] == 0;
+  const Value event = empty ? 1 : offered[Attribute::max_payload];
+  Value demand = v_.demand;
+  if (empty && offered[Attribute::period] != 0)
+    demand = std::max(demand, mul_div_up(1, kNanosecondsPerSecond, offered[Attribute::period]));
   const bool best_case = s_.best_cases_pass && !is_fixed(mesh);
   const Flow flow = flow_on(s_.system, v_.publisher, v_.route, hop);
   const auto taken = [&](std::size_t domain) {
@@ -279,17 +284,17 @@ void Media::take_mesh(std::size_t hop) {
           more.push_back(link);
       if (more.empty()) continue;
       std::optional<mesh::PathCost> part;
-      if (more.size() != path.size()) part.emplace(view.graph, mesh, view.domains, more);
+      if (more.size() != path.size()) part.emplace(view.graph, mesh, view.domains(), more);
       const mesh::PathCost& extra = part ? *part : cost;
       const auto left = extra.evaluate(event, taken);
       if (left.available < use.available) {
         use.available = left.available;
         use.limiting_domain = left.limiting_domain;
       }
-      if (left.available < v_.demand)
+      if (left.available < demand)
         fits = false;
       else
-        ledger_.occupy(flow, more, extra.shares(v_.demand, event));
+        ledger_.occupy(flow, more, extra.shares(demand, event));
     }
   }
   AttributeSet& provision = hops_[hop].provision;
@@ -298,6 +303,11 @@ void Media::take_mesh(std::size_t hop) {
     return;
   }
   provide(provision, Attribute::bandwidth, alone, best_case);
+  // Events are sent in packets, however long they are, and as often as the time of the medium
+  // lasts.
+  provide(provision, Attribute::max_payload, kUnbounded, best_case);
+  if (offered.has(Attribute::period))
+    provide(provision, Attribute::period, offered[Attribute::period], best_case);
   for (std::size_t i = 0; i < kAttributes; ++i) {
     const Attribute a = attribute_at(i);
     if (a != Attribute::bandwidth && links_give.has(a))
@@ -310,7 +320,7 @@ void Media::take_mesh(std::size_t hop) {
     c.known = true;
     c.dynamic = best_case && fits;
     c.outcome = !fits ? Outcome::unfit : best_case ? Outcome::run_time : Outcome::fit;
-    c.required = v_.demand;
+    c.required = demand;
     c.provided = use.available;
     medium_rows_.push_back(row);
   }

@@ -35,9 +35,14 @@ class State::Settlement {
     s_.ledger_.commit();
     renew_world();
     std::vector<std::vector<std::size_t>> short_of;
-    for (Component& component : components()) {
-      allocation.sort(component.touched);
-      if (!allocation.keep(component.touched)) short_of.push_back(everybody_in(component));
+    std::vector<std::size_t> touched(s_.touched_.begin(), s_.touched_.end());
+    allocation.sort(touched);
+    // Mostly everybody can be kept, and nobody needs to know who shares what with whom.
+    if (!allocation.keep(touched)) {
+      for (Component& component : components()) {
+        allocation.sort(component.touched);
+        if (!allocation.keep(component.touched)) short_of.push_back(everybody_in(component));
+      }
     }
     for (std::vector<std::size_t>& channels : short_of) {
       for (const std::size_t c : channels) take_out(allocation, c);
@@ -87,14 +92,21 @@ class State::Settlement {
 
   /// Everything that is shared with a channel.
   void spread(std::size_t channel, std::set<std::size_t>& resources) const {
-    std::vector<std::size_t> open = s_.usage_.resources_of(channel);
+    std::vector<bool> seen(s_.system_.resources(), false);
+    std::vector<std::size_t> open;
+    const auto reach = [&](std::size_t c) {
+      for (const std::size_t r : s_.usage_.resources_of(c)) {
+        if (seen[r]) continue;
+        seen[r] = true;
+        open.push_back(r);
+      }
+    };
+    reach(channel);
     while (!open.empty()) {
       const std::size_t resource = open.back();
       open.pop_back();
-      if (!resources.insert(resource).second) continue;
-      for (const std::size_t c : s_.usage_.carried_by(resource))
-        for (const std::size_t r : s_.usage_.resources_of(c))
-          if (!resources.contains(r)) open.push_back(r);
+      resources.insert(resource);
+      for (const std::size_t c : s_.usage_.carried_by(resource)) reach(c);
     }
   }
 
@@ -137,15 +149,16 @@ class State::Settlement {
     if (graph && old && *graph == old->graph) return;
     std::shared_ptr<MeshView> now;
     if (graph) {
+      const bool same = old && same_topology(old->graph, *graph);
       now = std::make_shared<MeshView>(*s_.system_.networks[network].mesh, std::move(*graph),
-                                       std::move(links.addresses));
-      if (old && same_topology(old->graph, now->graph)) {
+                                       std::move(links.addresses), same ? old.get() : nullptr);
+      if (same) {
         collect_pairs(network, *old, *now);
       } else {
         touch(s_.usage_.carried_by(network));
         s_.relieved_.insert(network);
       }
-      measure_background(network, *now, old != nullptr && same_topology(old->graph, now->graph));
+      take_background(*now);
     } else {
       touch(s_.usage_.carried_by(network));
     }
@@ -159,12 +172,12 @@ class State::Settlement {
       const mesh::Link& b = now.graph.links[link];
       return a.quality != b.quality || a.busy != b.busy;
     };
-    std::vector<bool> domain_changed(now.domains.count(), false);
+    std::vector<bool> domain_changed(now.domains().count(), false);
     for (std::uint32_t l = 0; l < now.graph.links.size(); ++l)
       if (old.graph.links[l].busy != now.graph.links[l].busy)
-        for (const std::uint32_t d : now.domains.of_link(l)) domain_changed[d] = true;
+        for (const std::uint32_t d : now.domains().of_link(l)) domain_changed[d] = true;
     const auto in_changed_domain = [&](std::uint32_t link) {
-      return std::ranges::any_of(now.domains.of_link(link),
+      return std::ranges::any_of(now.domains().of_link(link),
                                  [&](std::uint32_t d) { return domain_changed[d]; });
     };
     for (const auto& [key, channels] : s_.usage_.pairs_of(network)) {
@@ -178,11 +191,11 @@ class State::Settlement {
     s_.relieved_.insert(network);
   }
 
-  /// What is measured includes what we reserved ourselves, which is taken as sent.
-  void measure_background(std::size_t network, MeshView& view, bool same_domains) const {
-    for (std::size_t d = 0; d < view.domains.count(); ++d)
-      view.background[d] = mesh::background_of(
-          view.domains.busy_of(d), same_domains ? s_.ledger_.medium_time(network, d) : 0);
+  /// Others take what is measured: a source that can tell its own traffic has taken it off. Nothing
+  /// is taken off for what is reserved here, since nobody knows whether it was sent.
+  static void take_background(MeshView& view) {
+    for (std::size_t d = 0; d < view.domains().count(); ++d)
+      view.background[d] = view.domains().busy_of(d);
   }
 
   /// Nobody who is touched holds anything any more.
@@ -195,7 +208,7 @@ class State::Settlement {
     for (auto& [network, view] : views_) {
       const auto& old = s_.world_.meshes[network];
       if (!old || !view || !same_topology(old->graph, view->graph))
-        s_.ledger_.set_domains(network, view ? view->domains.count() : 0);
+        s_.ledger_.set_domains(network, view ? view->domains().count() : 0);
       s_.world_.meshes[network] = std::move(view);
     }
   }

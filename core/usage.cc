@@ -2,6 +2,7 @@
 #include "core/usage.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace mlcca::core {
 namespace {
@@ -30,8 +31,7 @@ void Usage::forget(std::size_t channel) {
 }
 
 void Usage::set(const Situation& s, std::size_t channel, const Decision& decision) {
-  forget(channel);
-  OfChannel& now = of_channel_[channel];
+  OfChannel now;
   const bool best = decision.all_granted() && decision.set == 0;
   for (const Verdict& v : decision.verdicts) {
     if (v.granted) {
@@ -46,9 +46,12 @@ void Usage::set(const Situation& s, std::size_t channel, const Decision& decisio
     for (const Route& route : s.topology.routes(s.members.publisher(v.publisher).place, v.to))
       note(s.system, now.waiting, route);
   }
+  if (now == of_channel_[channel]) return;
+  forget(channel);
   for (const std::size_t r : now.carried) carried_[r].insert(channel);
   for (const std::size_t r : now.waiting) waiting_[r].insert(channel);
   for (const auto& [n, pair] : now.pairs) pairs_[n][pair].insert(channel);
+  of_channel_[channel] = std::move(now);
 }
 
 }  // namespace mlcca::core

@@ -53,6 +53,7 @@ class Usage {
     std::vector<std::size_t> carried;
     std::vector<std::pair<std::size_t, std::uint64_t>> pairs;
     std::vector<std::size_t> waiting;
+    bool operator==(const OfChannel&) const = default;
   };
   void forget(std::size_t channel);
 

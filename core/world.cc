@@ -1,14 +1,39 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "core/world.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "core/can/of_system.hpp"
 
 namespace mlcca::core {
+namespace {
+
+/// Domains know how busy their links are, and nothing else that changes with the state of a link.
+bool equally_busy(const mesh::Graph& a, const mesh::Graph& b) {
+  return std::ranges::equal(a.links, b.links, {}, &mesh::Link::busy, &mesh::Link::busy);
+}
+
+}  // namespace
+
+MeshView::MeshView(const mesh::Mesh& mesh, mesh::Graph links,
+                   std::vector<std::string> node_addresses, const MeshView* before)
+    : graph(std::move(links)),
+      addresses(std::move(node_addresses)),
+      mesh_(&mesh),
+      domains_(before != nullptr && equally_busy(before->graph, graph)
+                   ? before->domains_
+                   : std::make_shared<const mesh::Domains>(graph, mesh)),
+      paths_(graph, mesh) {
+  background.assign(domains_->count(), 0);
+}
+
 const mesh::PathCost& MeshView::cost(std::uint32_t from, std::uint32_t to) const {
   const std::uint64_t key = std::uint64_t{from} << 32U | to;
   const auto it = costs_.find(key);
   if (it != costs_.end()) return it->second;
-  return costs_.emplace(key, mesh::PathCost(graph, *mesh_, domains, path(from, to))).first->second;
+  return costs_.emplace(key, mesh::PathCost(graph, *mesh_, *domains_, path(from, to)))
+      .first->second;
 }
 
 std::string MeshView::node_name(std::uint32_t node) const {
@@ -17,7 +42,7 @@ std::string MeshView::node_name(std::uint32_t node) const {
 }
 
 std::string MeshView::domain_name(std::size_t domain) const {
-  return domains.name(domain, [this](std::uint32_t node) { return node_name(node); });
+  return domains_->name(domain, [this](std::uint32_t node) { return node_name(node); });
 }
 
 World described_world(const System& system) {
@@ -51,7 +76,7 @@ Ledger empty_ledger(const System& system, const World& world) {
   Ledger ledger(system);
   for (std::size_t n = 0; n < system.networks.size(); ++n) {
     ledger.set_bus(n, bus_of(system, world.conditions[n], n));
-    if (world.meshes[n]) ledger.set_domains(n, world.meshes[n]->domains.count());
+    if (world.meshes[n]) ledger.set_domains(n, world.meshes[n]->domains().count());
   }
   return ledger;
 }

@@ -33,14 +33,10 @@ struct Condition {
 /// A mesh as its links are believed to be, with what follows from them.
 class MeshView {
  public:
-  /// `mesh` must outlive this. `node_addresses`: of the nodes of the graph.
-  MeshView(const mesh::Mesh& mesh, mesh::Graph links, std::vector<std::string> node_addresses = {})
-      : graph(std::move(links)),
-        addresses(std::move(node_addresses)),
-        domains(graph, mesh),
-        background(domains.count(), 0),
-        mesh_(&mesh),
-        paths_(graph, mesh) {}
+  /// `mesh` must outlive this. `node_addresses`: of the nodes of the graph. `before`: a view of the
+  /// same links in another state, whose domains are taken over.
+  MeshView(const mesh::Mesh& mesh, mesh::Graph links, std::vector<std::string> node_addresses = {},
+           const MeshView* before = nullptr);
   MeshView(const MeshView&) = delete;
   MeshView& operator=(const MeshView&) = delete;
   MeshView(MeshView&&) = delete;
@@ -61,12 +57,13 @@ class MeshView {
 
   mesh::Graph graph;
   std::vector<std::string> addresses;  ///< of nodes, as far as they are known
-  mesh::Domains domains;
+  [[nodiscard]] const mesh::Domains& domains() const { return *domains_; }
   /// Medium time of each domain that others take, ps/s.
   std::vector<Value> background;
 
  private:
   const mesh::Mesh* mesh_;
+  std::shared_ptr<const mesh::Domains> domains_;
   // What was looked for is remembered.
   mutable mesh::Paths paths_;
   mutable std::unordered_map<std::uint64_t, mesh::PathCost> costs_;

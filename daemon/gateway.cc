@@ -279,6 +279,9 @@ void Gateway::commit() {
     tell({Kind::trouble, 3, done.error().text, 0, {}, {}, {}, {}});
     take_back_uncommitted();
   }
+  if (const auto& trouble = store_->trouble(); trouble && *trouble != told_trouble_)
+    tell({Kind::trouble, 4, *trouble, 0, {}, {}, {}, {}});
+  told_trouble_ = store_->trouble().value_or("");
   uncommitted_.clear();
   if (committed_) committed_(done);
   if (!done)
@@ -296,6 +299,14 @@ void Gateway::take_back_uncommitted() {
     before.insert(before.end(), rules.begin(), rules.end());
   }
   for (const core::AdmissionId id : uncommitted_) {
+    tell({Kind::withdrawn,
+          4,
+          fmt::format("admission {} was never granted: it could not be written down", id),
+          0,
+          {},
+          {},
+          {},
+          {id}});
     state_->remove(id);
     leases_.forget(id);
     held_.erase(id);

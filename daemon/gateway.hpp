@@ -173,14 +173,15 @@ class Gateway {
   std::time_t started_ = 0;
   std::time_t loaded_ = 0;
   std::string last_error_;
+  std::string told_trouble_;  // of the journal
 
   std::set<std::size_t> dirty_meshes_;          // networks
   std::vector<core::AdmissionId> uncommitted_;  // granted, and not on disk yet
   Leases leases_;
   std::map<std::string, core::AdmissionId> keys_;
-  std::map<core::AdmissionId, std::uint64_t> held_;  // by which session
-  std::map<std::size_t, BusLoad> loads_;             // by port
-  std::map<std::size_t, std::uint32_t> excess_;      // by network, 1e-6 of the bus time
+  std::map<core::AdmissionId, std::set<std::uint64_t>> held_;  // by which sessions
+  std::map<std::size_t, BusLoad> loads_;                       // by port
+  std::map<std::size_t, std::uint32_t> excess_;                // by network, 1e-6 of the bus time
 
   // Of the request that is being answered.
   std::uint64_t session_ = 0;

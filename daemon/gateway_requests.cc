@@ -52,7 +52,12 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   last_error_.clear();
   const std::size_t old_self = std::exchange(self_, loaded->self);
   auto old = std::exchange(state_, std::move(loaded->state));
-  excess_.clear();
+  const auto loads = std::exchange(excess_, {});
+  // A stranger does not go away with a description.
+  for (const auto& [network, excess] : loads)
+    if (const auto place = state_->find_place(old->system().networks[network].name);
+        place && place->kind == core::Place::Kind::network)
+      excess_[place->index] = excess;
   loads_.clear();
   meshes_.describe(state_->system());
   auto done = put_in_force();
@@ -96,6 +101,9 @@ Gateway::Body Gateway::answer_to(const core::Proposal& proposal, const Asked& as
   control::Channels out;
   for (const core::Verdict* v : proposal.verdicts())
     out.channels.push_back(channel_report(*state_, *v, {}));
+  if (!proposal.fit())
+    for (control::Channel& channel : out.channels)
+      if (channel.admission == asked.admission->id) channel.admission = 0;
   if (!out.channels.empty()) return out;
   return error(control::ErrorKind::invalid,
                fmt::format("nobody {} {}: there is nothing to {}",
@@ -178,7 +186,7 @@ Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& ask
 /// The lease of an admission that a connection holds does not run.
 void Gateway::own(core::AdmissionId id, const control::Admit& request) {
   if (request.hold) {
-    held_[id] = session_;
+    held_[id].insert(session_);
     owned_ = id;
     leases_.forget(id);
   } else if (request.lease_ns != 0) {
@@ -251,7 +259,9 @@ Gateway::Body Gateway::handle(const control::ReleaseRequest& request) {
         {},
         {},
         gone});
-  return control::Done{"released " + what};
+  return control::Done{
+      "released " + what +
+      (channel ? ": refused to everybody until 'mlccactl admit " + what + "'" : "")};
 }
 
 /// Takes admissions back, and with `channel` all that is described of it: on disk first, then in

@@ -50,7 +50,7 @@ void Gateway::end_leases() {
 
 void Gateway::session_closed(std::uint64_t session) {
   for (auto it = held_.begin(); it != held_.end();) {
-    if (it->second != session) {
+    if (it->second.erase(session) == 0 || !it->second.empty()) {
       ++it;
       continue;
     }

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <grp.h>
 #include <net/if.h>
+#include <sys/file.h>
 #include <sys/fsuid.h>
 #include <sys/stat.h>
 #include <systemd/sd-daemon.h>
@@ -12,6 +13,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <memory>
@@ -109,8 +111,20 @@ int give_up(const Journal& journal, const std::string& line) {
   return kFailed;
 }
 
+/// One daemon commands the gates of a bpffs. Whoever else is started must not touch them, not even
+/// to close them.
+Result<Fd> lock_gates(const std::string& root) {
+  Fd folder(::open(root.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!folder) return fail(root + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
+  if (::flock(folder.get(), LOCK_EX | LOCK_NB) < 0)
+    return fail(root + ": another mlccad commands the gates there; they are left as they are");
+  return folder;
+}
+
 int run(const Options& options) {
   const Journal journal = Journal::automatic();
+  const auto alone = lock_gates(options.bpf_root);
+  if (!alone) return give_up(journal, alone.error().text);
   auto control = enforce::Control::create(options.bpf_root);
   if (!control) return give_up(journal, control.error().text);
   auto links = net::Links::open();
@@ -158,6 +172,8 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A file that must not grow is an error of the write, not the end of the gateway.
+  ::signal(SIGXFSZ, SIG_IGN);  // NOLINT(cert-err33-c): it cannot fail for a known signal
   const Parsed parsed = parse_options(argc, argv);
   if (parsed.exit) return parsed.status;
   if (parsed.options.check_only) return check_description(parsed.options);

@@ -18,7 +18,23 @@ std::string name_of_source(const core::mesh::Source& source) {
   return std::string(core::to_text(source.kind)) + (where.empty() ? "" : " " + where);
 }
 
+bool same_sources(const core::mesh::Mesh& a, const core::mesh::Mesh& b) {
+  return std::ranges::equal(a.sources, b.sources, [](const auto& x, const auto& y) {
+    return x.kind == y.kind && x.interface == y.interface && x.endpoint == y.endpoint &&
+           x.metric == y.metric;
+  });
+}
+
 }  // namespace
+
+/// What was known before a reload is known until the sources say something else.
+void Meshes::hand_over(const core::mesh::LinkTable& former, Entry& entry) {
+  std::vector<core::mesh::Snapshot> known(entry.mesh.sources.size());
+  for (const core::mesh::Known& link : former.links())
+    if (!link.stale) known[link.source].links.push_back(link.sample);
+  for (std::size_t s = 0; s < known.size(); ++s)
+    if (!known[s].links.empty()) entry.table.take(s, known[s], monotonic_ns());
+}
 
 const core::mesh::LinkTable* Meshes::table(std::size_t network) const {
   const auto it = std::ranges::find(entries_, network, [](const auto& e) { return e->network; });
@@ -45,6 +61,10 @@ void Meshes::describe(const core::System& system) {
     }
     entries_.push_back(std::make_unique<Entry>(
         Entry{network.name, n, *network.mesh, core::mesh::LinkTable(*network.mesh), {}, {}, {}}));
+    const auto with_same_sources = std::ranges::find_if(former, [&](const auto& e) {
+      return e != nullptr && e->name == network.name && same_sources(e->mesh, *network.mesh);
+    });
+    if (with_same_sources != former.end()) hand_over((*with_same_sources)->table, *entries_.back());
     open_sources(*entries_.back());
   }
   arm();

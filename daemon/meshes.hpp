@@ -53,6 +53,7 @@ class Meshes {
     std::vector<std::string> problems;  // per source, as last told
     std::vector<std::unique_ptr<net::LinkSource>> sources;
   };
+  static void hand_over(const core::mesh::LinkTable& former, Entry& entry);
   void open_sources(Entry& entry);
   void take(Entry& entry, std::size_t source, const core::mesh::Snapshot& snapshot);
   void expire();

@@ -34,12 +34,17 @@ control::MediumUse medium_report(const core::State& state, const core::MediumUse
   out.network = state.system().networks[use.network].name;
   out.response_ns = use.response;
   out.guaranteed_ns = use.guaranteed;
+  // Others may have come or gone since it was decided.
+  const auto* bus = state.ledger().schedule(use.network);
+  if (const auto* message = bus != nullptr ? bus->find(use.key) : nullptr;
+      message != nullptr && use.guaranteed != 0 && bus->response(use.key) >= message->jitter)
+    out.response_ns = bus->response(use.key) - message->jitter;
   const auto& view = state.world().meshes[use.network];
   if (!view || use.links.empty()) return out;
   out.paper_rate = use.paper_rate;
   out.available = use.available;
   // The links may be others by now; the names of the domain and nodes are those of now.
-  if (use.limiting_domain < view->domains.count())
+  if (use.limiting_domain < view->domains().count())
     out.limiting_domain = view->domain_name(use.limiting_domain);
   for (const auto& [from, to] : use.hops) {
     if (out.nodes.empty()) out.nodes.push_back(view->node_name(from));

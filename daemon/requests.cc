@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <string>
 #include <vector>
 
@@ -102,6 +103,13 @@ Result<core::Publisher> new_publisher(const core::State& state,
   if (from.kind == core::Place::Kind::gateway) {
     if (request.user.empty())
       return fail("a publisher on a gateway is a local program: say as which user it runs");
+    std::uint32_t number = 0;
+    const char* const end = request.user.data() + request.user.size();
+    const auto read = std::from_chars(request.user.data(), end, number);
+    if (read.ec == std::errc{} && read.ptr == end) {
+      p.uid = number;
+      return p;
+    }
     std::array<char, 16384> buffer{};
     passwd entry{};
     passwd* found = nullptr;

@@ -82,7 +82,7 @@ class Listing {
   }
 
   void add_domains(const std::string& name, std::size_t network, const core::MeshView& view) {
-    for (std::size_t d = 0; d < view.domains.count(); ++d) {
+    for (std::size_t d = 0; d < view.domains().count(); ++d) {
       control::Resource& r = add(name + ": " + view.domain_name(d), "domain", "ps/s");
       r.capacity_known = true;
       r.capacity = core::mesh::limit_of(*system().networks[network].mesh);

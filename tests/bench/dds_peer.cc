@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The peer of admissions: Cyclone DDS matching as many readers and writers, each pair on a topic of its
-// own, with a deadline that the match depends on. One participant, one process, no network between.
+// The peer of admissions: Cyclone DDS matching as many readers and writers, each pair on a topic of
+// its own, with a deadline that the match depends on. One participant, one process, no network
+// between.
 #include <dds/dds.h>
 
 #include <chrono>

@@ -175,7 +175,7 @@ void check_bounds(const State& state) {
       EXPECT_TRUE(can::fits(bus->assumptions(), bus->messages()[m], responses[m]));
   }
   const auto& view = state.world().meshes[kAir];
-  for (std::size_t d = 0; view && d < view->domains.count(); ++d)
+  for (std::size_t d = 0; view && d < view->domains().count(); ++d)
     EXPECT_LE(ledger.medium_time(kAir, d), mesh::limit_of(*state.system().networks[kAir].mesh));
   // The sums are those of what is held.
   std::vector<Value> sums(state.system().resources(), 0);

@@ -1,23 +1,30 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/net/sources/file.hpp"
 
+#include <fcntl.h>
 #include <sys/inotify.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <cstdint>
+#include <ctime>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
 
+#include "core/handle.hpp"
 #include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::net {
 namespace {
+
+/// A file of links is not longer: 8192 links of a few words each.
+constexpr std::size_t kMostBytes = std::size_t{4} << 20U;
 
 using core::mesh::Mesh;
 using core::mesh::Sample;
@@ -159,12 +166,37 @@ std::optional<std::string> take_line(const std::vector<std::string>& words, cons
   return std::nullopt;
 }
 
+/// Of a regular file: another would block, or never end.
 Result<std::string> read_file(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return fail(system_error(path, errno));
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (in.bad()) return fail(system_error(path, errno));
-  return text;
+  const Fd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!file) return fail(system_error(path, errno));
+  struct stat about{};
+  if (::fstat(file.get(), &about) < 0) return fail(system_error(path, errno));
+  if (!S_ISREG(about.st_mode)) return fail(path + ": is not a regular file");
+  std::string text;
+  std::array<char, 65536> block{};
+  for (;;) {
+    const ssize_t n = ::read(file.get(), block.data(), block.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return fail(system_error(path, errno));
+    if (n == 0) return text;
+    text.append(block.data(), static_cast<std::size_t>(n));
+    if (text.size() > kMostBytes)
+      return fail(path + ": is longer than " + std::to_string(kMostBytes) + " bytes");
+  }
+}
+
+/// What tells one content of a path from another; nothing where there is none.
+using Version = std::optional<std::array<std::int64_t, 6>>;
+Version version_of(const std::string& path) {
+  struct stat s{};
+  if (::stat(path.c_str(), &s) < 0) return std::nullopt;
+  return std::array<std::int64_t, 6>{static_cast<std::int64_t>(s.st_dev),
+                                     static_cast<std::int64_t>(s.st_ino),
+                                     s.st_size,
+                                     s.st_mtim.tv_sec,
+                                     s.st_mtim.tv_nsec,
+                                     s.st_ctim.tv_nsec};
 }
 
 class File final : public LinkSource {
@@ -182,9 +214,19 @@ class File final : public LinkSource {
     if (!watch_) {
       watch();
       read();
+    } else if (has_changed_unseen()) {
+      read();
     }
     tell();
     timer_.set(kLookAgain);
+  }
+
+  /// Behind a symbolic link, or with the folder itself: the watch does not tell of that. What is
+  /// being written is left to its writer, who closes it.
+  [[nodiscard]] bool has_changed_unseen() const {
+    const Version now = version_of(path_);
+    if (now == version_) return false;
+    return !now || std::time(nullptr) > (*now)[3] + 1;
   }
 
   void watch() {
@@ -192,7 +234,7 @@ class File final : public LinkSource {
     sd_event_source* raw = nullptr;
     // Not every write: a file that is being written is read when its writer closes it.
     constexpr std::uint32_t changes =
-        IN_CLOSE_WRITE | IN_MOVED_TO | IN_MOVED_FROM | IN_DELETE | IN_ONLYDIR;
+        IN_CLOSE_WRITE | IN_MOVED_TO | IN_MOVED_FROM | IN_DELETE | IN_MOVE_SELF | IN_ONLYDIR;
     if (sd_event_add_inotify(loop_, &raw, folder.c_str(), changes, on_change, this) >= 0)
       watch_.reset(raw);
   }
@@ -200,7 +242,7 @@ class File final : public LinkSource {
   static int on_change(sd_event_source*, const inotify_event* event, void* self) noexcept {
     auto& file = *static_cast<File*>(self);
     // The watch is over when the folder is.
-    if ((event->mask & IN_IGNORED) != 0) file.watch_.reset();
+    if ((event->mask & (IN_IGNORED | IN_MOVE_SELF)) != 0) file.watch_.reset();
     const bool other =
         event->len > 0 && std::filesystem::path(file.path_).filename() != event->name;
     if (other) return 0;
@@ -212,6 +254,7 @@ class File final : public LinkSource {
   void read() {
     links_.clear();
     problem_.clear();
+    version_ = version_of(path_);
     const auto text = read_file(path_);
     auto links = text ? parse_links(*text, path_, mesh_) : std::unexpected(text.error());
     if (links)
@@ -232,6 +275,7 @@ class File final : public LinkSource {
   Report report_;
   std::vector<Sample> links_;
   std::string problem_;
+  Version version_;  ///< of what was read
   EventSource watch_;
   Timer timer_;
 };

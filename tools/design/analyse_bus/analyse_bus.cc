@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -38,6 +39,8 @@ bool is_table(const std::string& file) { return !file.ends_with(".xml"); }
 Buses read_file(const std::string& file, const BusOptions& options) {
   if (!is_table(file)) return read_description(file, options);
   errno = 0;
+  if (std::error_code error; std::filesystem::is_directory(file, error))
+    return {{}, {file + ": is a folder"}};
   std::ifstream stream(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (!stream.good() && !stream.eof())
@@ -77,8 +80,10 @@ void understand(Options& options) {
     options.bus.background = static_cast<std::uint32_t>(*share);
   }
   if (options.faults > 0) {
-    if (options.fault_interval_ms <= 0)
-      throw CLI::ValidationError("--faults", "needs --fault-interval-ms, more than 0");
+    constexpr double most = 1e9;
+    if (!(options.fault_interval_ms > 0 && options.fault_interval_ms <= most))
+      throw CLI::ValidationError("--faults",
+                                 "needs --fault-interval-ms, more than 0 and at most 1e9");
     options.bus.faults = {.count = options.faults,
                           .interval = static_cast<Value>(options.fault_interval_ms * 1e6)};
   }
