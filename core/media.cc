@@ -177,7 +177,8 @@ void Media::take_bus(std::size_t hop) {
   use.key = key;
   if (late) {
     late_row(places_[hop], *late);
-    if (late->key == key && late->bounded) use.response = less(late->response, message->jitter);
+    // What is refused for the schedule is not refused for its consequences as well.
+    use.response = delay;
   } else {
     use.response = less(ledger_.schedule(network)->response(key), message->jitter);
     use.guaranteed = delay;

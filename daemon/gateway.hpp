@@ -183,6 +183,8 @@ class Gateway {
   std::map<std::size_t, BusLoad> loads_;                       // by port
   std::map<std::size_t, std::uint32_t> excess_;                // by network, 1e-6 of the bus time
 
+  std::map<std::size_t, std::uint32_t> told_excess_;  // the same, as last told
+
   // Of the request that is being answered.
   std::uint64_t session_ = 0;
   bool hold_answer_ = false;

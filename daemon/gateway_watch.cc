@@ -100,6 +100,12 @@ void Gateway::measure_buses() {
     if (excess == known) continue;
     excess_[network] = excess;
     changed = true;
+    // A load that swings is told when it comes, when it goes, and when it is quite another.
+    constexpr std::uint32_t large = 200'000;
+    std::uint32_t& told = told_excess_[network];
+    const std::uint32_t difference = told > excess ? told - excess : excess - told;
+    if ((told == 0) == (excess == 0) && difference < large) continue;
+    told = excess;
     tell({Kind::interface,
           excess != 0 ? 4 : 5,
           excess != 0

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Buses and meshes as part of a decision: what is computed takes the place of what is only stated.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "core/text.hpp"
+#include "tests/core/robot.hpp"
+
+namespace mlcca::core::testing {
+namespace {
+
+constexpr Value kMs = 1'000'000;
+
+AttributeSet every(Value period) {
+  return AttributeSet{}.set(Attribute::period, period).set(Attribute::max_payload, 8);
+}
+
+/// `count` channels on one raw bus of 125 kbit/s, where a frame takes 1.08 ms; identifiers rising.
+System one_bus(std::size_t count, Value period) {
+  System system;
+  Network bus;
+  bus.name = "bus";
+  bus.profile = Profile::raw;
+  bus.bus.bitrate = 125'000;
+  bus.provision.set(Attribute::max_payload, 8);
+  for (std::size_t c = 0; c < count; ++c) {
+    EventChannel channel;
+    channel.name = "c" + std::to_string(c);
+    channel.subject = c + 1;
+    channel.attributes = every(period);
+    system.channels.push_back(channel);
+    Binding binding;
+    binding.channel = c;
+    binding.id = static_cast<std::uint32_t>(c);
+    bus.bindings.push_back(binding);
+    Publisher p;
+    p.name = "p" + std::to_string(c);
+    p.channel = c;
+    p.place = network(0);
+    p.attributes = channel.attributes;
+    system.publishers.push_back(p);
+    system.subscribers.push_back(subscriber("s" + std::to_string(c), network(0), every(period)));
+    system.subscribers.back().channel = c;
+  }
+  system.networks.push_back(bus);
+  return system;
+}
+
+std::size_t granted(const State& state) {
+  std::size_t n = 0;
+  for (const Decision& d : state.decisions()) n += d.granted;
+  return n;
+}
+
+TEST(BusTest, GrantsWhatMeetsItsDeadlineAndNothingMore) {
+  // 135 bits of 8 us: in 5 ms four frames of 1.08 ms end, a fifth does not.
+  const State state(one_bus(6, 5 * kMs));
+  EXPECT_EQ(granted(state), 4U);
+  const Verdict& first = state.decisions()[0].verdicts.at(0);
+  EXPECT_EQ(first.media.at(0).guaranteed, 5 * kMs);
+  const Verdict& refused = state.decisions()[4].verdicts.at(0);
+  const Row* row = deciding_row(refused);
+  ASSERT_NE(row, nullptr);
+  EXPECT_EQ(row->against, Against::schedule);
+  EXPECT_NE(reason(state.system(), state.members(), refused).find("could wait without a bound"),
+            std::string::npos)
+      << reason(state.system(), state.members(), refused);
+}
+
+TEST(BusTest, AStatedLatencyIsHeldAgainstTheAnalysis) {
+  System system = one_bus(4, 50 * kMs);
+  system.networks[0].provision.set(Attribute::latency, 3 * kMs).set(Attribute::period, kMs);
+  // Blocked by one lower frame, or behind two higher ones: three frames in 3 ms are too many.
+  const State state(std::move(system));
+  EXPECT_EQ(granted(state), 2U);
+}
+
+TEST(BusTest, AnotherBitRateDecidesAnew) {
+  State state(one_bus(4, 5 * kMs));
+  ASSERT_EQ(granted(state), 4U);
+  Condition slow;
+  slow.timing.bitrate = 50'000;  // 2.7 ms a frame
+  state.set_condition(0, slow);
+  state.settle();
+  EXPECT_EQ(granted(state), 1U);
+  state.set_condition(0, {});
+  state.settle();
+  EXPECT_EQ(granted(state), 4U);
+}
+
+TEST(BusTest, AStrangersLoadWithdrawsWhatCanNoLongerBeGuaranteed) {
+  State state(one_bus(4, 5 * kMs));
+  Condition loaded;
+  loaded.background = 500'000;
+  state.set_condition(0, loaded);
+  state.settle();
+  EXPECT_LT(granted(state), 4U);
+}
+
+TEST(BusTest, WhoDoesNotSayHowOftenHeSendsIsRefused) {
+  System system = one_bus(1, 5 * kMs);
+  system.publishers[0].attributes.clear(Attribute::period);
+  system.subscribers[0].attributes.clear(Attribute::period);
+  const State state(std::move(system));
+  EXPECT_EQ(state.decisions()[0].verdicts.at(0).obstacle, Obstacle::no_traffic);
+}
+
+TEST(BusTest, AQueueThatCanOverflowLosesEvents) {
+  System system = one_bus(4, 100 * kMs);
+  Network second = system.networks[0];
+  second.name = "second";
+  system.networks.push_back(second);
+  Gateway gateway;
+  gateway.name = "g";
+  gateway.provision.set(Attribute::latency, 0).set(Attribute::jitter, 0);
+  for (const std::size_t n : {0, 1}) {
+    Port port;
+    port.network = n;
+    port.queue_length = 3;
+    gateway.ports.push_back(port);
+  }
+  system.gateways.push_back(gateway);
+  for (Subscriber& s : system.subscribers) s.place = network(1);
+  const State state(std::move(system));
+  EXPECT_EQ(granted(state), 3U);
+  const Verdict& refused = state.decisions()[3].verdicts.at(0);
+  EXPECT_NE(reason(state.system(), state.members(), refused).find("queue of their gateway full"),
+            std::string::npos)
+      << reason(state.system(), state.members(), refused);
+}
+
+/// One mesh of two nodes, one link of 8 kbit/s: 1000 bytes/s.
+System air(AttributeSet attributes) {
+  System system = one_bus(1, 5 * kMs);
+  Network& net = system.networks[0];
+  net = {};
+  net.name = "air";
+  net.kind = NetworkKind::mesh;
+  mesh::Mesh m;
+  m.limit = mesh::kWhole;
+  m.header_bytes = 0;
+  m.nodes = {{"a", "a", {}, {}}, {"b", "b", {}, {}}};
+  net.mesh = m;
+  system.channels[0].attributes = attributes;
+  system.publishers[0].attributes = attributes;
+  system.publishers[0].mesh_node = 0;
+  system.subscribers[0].attributes = {};
+  system.subscribers[0].mesh_node = 1;
+  return system;
+}
+
+mesh::Graph link_of(Value bits_per_second, Value busy = 0) {
+  mesh::Graph graph;
+  graph.nodes = 2;
+  mesh::Link link;
+  link.from = 0;
+  link.to = 1;
+  link.quality.rate = bits_per_second;
+  link.busy = busy;
+  graph.links = {link};
+  return graph;
+}
+
+TEST(MeshTest, EventsWithoutPayloadTakeTimeAllTheSame) {
+  AttributeSet often;
+  often.set(Attribute::max_payload, 0).set(Attribute::bandwidth, 0);
+  State state(air(often.set(Attribute::period, 100'000).set(Attribute::deadline, 1000 * kMs)));
+  state.set_graph(0, link_of(8000));
+  state.settle();
+  const Verdict& v = state.decisions()[0].verdicts.at(0);
+  bool found = false;
+  for (const Row& row : v.rows)
+    if (row.against == Against::medium_time) {
+      found = true;
+      EXPECT_EQ(row.comparison.required, 10'000U) << "10000 events/s, a byte each";
+      EXPECT_EQ(row.comparison.outcome, Outcome::unfit);
+    }
+  EXPECT_TRUE(found);
+  EXPECT_FALSE(v.granted);
+}
+
+TEST(MeshTest, WhatIsMeasuredBusyIsTakenWhateverIsReserved) {
+  AttributeSet slow;
+  slow.set(Attribute::bandwidth, 400).set(Attribute::max_payload, 100);
+  State state(air(slow));
+  state.set_graph(0, link_of(8000, 500'000));
+  state.settle();
+  EXPECT_TRUE(state.decisions()[0].all_granted()) << "400 beside 500 of 1000";
+  // The same load as before, the link a little slower: nothing is taken off for the reservation.
+  state.set_graph(0, link_of(7900, 500'000));
+  state.settle();
+  EXPECT_EQ(state.world().meshes[0]->background[0], mesh::kFullTime / 2);
+  state.set_graph(0, link_of(8000, 700'000));
+  state.settle();
+  EXPECT_FALSE(state.decisions()[0].all_granted());
+}
+
+}  // namespace
+}  // namespace mlcca::core::testing
