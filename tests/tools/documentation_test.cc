@@ -56,7 +56,7 @@ struct Help {
   Words verbs;
   Words options;
 };
-const Words kDesign{"check", "describe", "generate"};
+const Words kDesign{"analyse-bus", "check", "describe", "generate"};
 const Words kOwnPage{"describe", "generate"};
 
 Help help() {
