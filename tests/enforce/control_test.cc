@@ -92,15 +92,18 @@ TEST(Control, AnotherLayoutIsRefusedInWords) {
   }
   const auto control = Control::create(root);
   ASSERT_FALSE(control);
-  EXPECT_NE(control.error().text.find("layout 2 instead of 1"), std::string::npos)
+  EXPECT_NE(control.error().text.find("layout " + std::to_string(GATE_LAYOUT_VERSION + 1) +
+                                      " instead of " + std::to_string(GATE_LAYOUT_VERSION)),
+            std::string::npos)
       << control.error().text;
 }
 
 TEST(Control, AnotherMapUnderItsNameIsRefused) {
   const auto root = new_bpf_root();
-  std::filesystem::create_directories(root + "/v1");
+  const std::string folder = root + "/v" + std::to_string(GATE_LAYOUT_VERSION);
+  std::filesystem::create_directories(folder);
   const Fd other(bpf_map_create(BPF_MAP_TYPE_ARRAY, "other", 4, 8, 1, nullptr));
-  ASSERT_EQ(bpf_obj_pin(other.get(), (root + "/v1/control").c_str()), 0);
+  ASSERT_EQ(bpf_obj_pin(other.get(), (folder + "/control").c_str()), 0);
   EXPECT_FALSE(Control::create(root));
 }
 
