@@ -167,7 +167,6 @@ void decide_each(const Situation& situation, Ledger& ledger, const EachChannel& 
   std::vector<std::size_t> all(channels);
   std::iota(all.begin(), all.end(), std::size_t{0});
   Allocation allocation(situation, ages, decisions, ledger);
-  for (const std::size_t c : all) decisions[c].set = 0;
   allocation.sort(all);
   while (allocation.serve(all) || allocation.raise(all)) {
   }

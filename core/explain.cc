@@ -22,6 +22,7 @@ FindingId id_of(Obstacle obstacle) {
     case Obstacle::too_long:
       return FindingId::too_long;
     case Obstacle::no_traffic:
+    case Obstacle::no_period:
       return FindingId::no_traffic;
     default:
       return FindingId::no_route;
@@ -134,7 +135,7 @@ void Explainer::add(const Verdict& v) {
     return;
   }
   if (v.obstacle != Obstacle::none) add_obstacle(v);
-  if (v.obstacle != Obstacle::none && v.obstacle != Obstacle::no_traffic) return;
+  if (v.obstacle != Obstacle::none && id_of(v.obstacle) != FindingId::no_traffic) return;
   for (const std::size_t subscriber : v.subscribers) add_pair(v, subscriber);
   for (const Row& row : v.rows) {
     if (!is_unfit(row)) continue;
@@ -183,6 +184,9 @@ void Explainer::add_obstacle(const Verdict& v) {
       break;
     case Obstacle::no_traffic:
       f.hint = "state Period and MaxPayload, or Bandwidth, of the publisher";
+      break;
+    case Obstacle::no_period:
+      f.hint = "state the shortest Period of the publisher";
       break;
     default:
       break;

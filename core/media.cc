@@ -64,8 +64,13 @@ void Media::take() {
     if (kind_of(i) == Kind::bus) take_bus(i);
 }
 
-// --- CAN buses
-// -------------------------------------------------------------------------------------
+void Media::obstruct(Obstacle obstacle, std::size_t hop) {
+  if (v_.obstacle != Obstacle::none) return;
+  v_.obstacle = obstacle;
+  v_.obstacle_at = places_[hop];
+}
+
+// --- CAN buses ----------------------------------------------------------------------------------
 
 Value Media::latency_of(std::size_t hop) const {
   if (guaranteed_[hop] != kUnbounded) return guaranteed_[hop];
@@ -153,10 +158,7 @@ void Media::take_bus(std::size_t hop) {
   const can::Timing timing = ledger_.schedule(network)->assumptions().timing;
   auto message = can::message_of(s_.system, publisher, v_.set, network, timing);
   if (!message) {
-    if (v_.obstacle == Obstacle::none) {
-      v_.obstacle = Obstacle::no_traffic;
-      v_.obstacle_at = places_[hop];
-    }
+    obstruct(Obstacle::no_period, hop);
     return;
   }
   const Flow flow = flow_on(s_.system, v_.publisher, v_.route, hop);
@@ -225,6 +227,12 @@ std::vector<std::uint32_t> Media::exits(std::size_t hop) const {
   return nodes;
 }
 
+/// At design time nobody need know the links: the run time decides.
+void Media::no_path(std::size_t hop) {
+  const mesh::Mesh& mesh = *s_.system.networks[places_[hop].index].mesh;
+  if (!s_.best_cases_pass || is_fixed(mesh)) obstruct(Obstacle::no_path, hop);
+}
+
 void Media::take_mesh(std::size_t hop) {
   const std::size_t network = places_[hop].index;
   const MeshView& view = *s_.world.meshes[network];
@@ -242,6 +250,12 @@ void Media::take_mesh(std::size_t hop) {
     return add_saturating(ledger_.medium_time(network, domain), view.background[domain]);
   };
 
+  const std::vector<std::uint32_t> from_nodes = entries(hop);
+  const std::vector<std::uint32_t> to_nodes = exits(hop);
+  if (from_nodes.empty() || to_nodes.empty()) {
+    no_path(hop);
+    return;
+  }
   MediumUse use;
   use.network = network;
   use.paper_rate = kUnbounded;
@@ -251,16 +265,12 @@ void Media::take_mesh(std::size_t hop) {
   AttributeSet links_give;
   bool reached = false;
   bool fits = true;
-  for (const std::uint32_t from : entries(hop)) {
-    for (const std::uint32_t to : exits(hop)) {
+  for (const std::uint32_t from : from_nodes) {
+    for (const std::uint32_t to : to_nodes) {
       if (from == to) continue;
       const auto& path = view.path(from, to);
       if (path.empty()) {
-        if (best_case) return;  // nothing is described: the run time decides
-        if (v_.obstacle == Obstacle::none) {
-          v_.obstacle = Obstacle::no_path;
-          v_.obstacle_at = places_[hop];
-        }
+        no_path(hop);
         return;
       }
       reached = true;
@@ -299,21 +309,21 @@ void Media::take_mesh(std::size_t hop) {
     }
   }
   AttributeSet& provision = hops_[hop].provision;
-  if (!reached) {
+  if (!reached) {  // from a node to itself
     provide(provision, Attribute::bandwidth, kUnbounded);
     return;
   }
   provide(provision, Attribute::bandwidth, alone, best_case);
-  // Events are sent in packets, however long they are, and as often as the time of the medium
-  // lasts.
-  provide(provision, Attribute::max_payload, kUnbounded, best_case);
-  if (offered.has(Attribute::period))
-    provide(provision, Attribute::period, offered[Attribute::period], best_case);
   for (std::size_t i = 0; i < kAttributes; ++i) {
     const Attribute a = attribute_at(i);
     if (a != Attribute::bandwidth && links_give.has(a))
       provide(provision, a, links_give[a], best_case);
   }
+  // Events are sent in packets, however long they are, and as often as the time of the medium
+  // lasts.
+  provide(provision, Attribute::max_payload, kUnbounded, best_case);
+  if (offered.has(Attribute::period))
+    provide(provision, Attribute::period, offered[Attribute::period], best_case);
   if (use.available != kUnbounded) {
     Row row{Against::medium_time, places_[hop], 0, 0, {}, 0};
     Comparison& c = row.comparison;

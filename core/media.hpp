@@ -43,6 +43,8 @@ class Media {
   enum class Kind : std::uint8_t { stated, bus, mesh };
 
   [[nodiscard]] Kind kind_of(std::size_t hop) const;
+  void obstruct(Obstacle obstacle, std::size_t hop);
+  void no_path(std::size_t hop);
   void take_bus(std::size_t hop);
   void take_mesh(std::size_t hop);
   void late_row(Place hop, const can::Schedule::Late& late);

@@ -82,13 +82,6 @@ std::string compared(const System& system, const Row& row, const std::string& pl
   return text + " (" + format_margin(system, row) + ")";
 }
 
-/// What a CAN bus carries must be periodic.
-bool is_analysed(const System& system, Place place) {
-  return place.kind == Place::Kind::network &&
-         system.networks[place.index].profile != Profile::none &&
-         !system.networks[place.index].provision.has(Attribute::bandwidth);
-}
-
 std::string obstacle_text(const System& system, const Members& members, const Verdict& v,
                           const std::string& problem) {
   const auto at = [&] { return name_of(system, v.obstacle_at); };
@@ -112,10 +105,11 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
              " does not fit a frame of " + at();
     case Obstacle::no_traffic:
       return "publisher " + publisher.name +
-             (is_analysed(system, v.obstacle_at)
-                  ? " states no Period, and response times on " + at() + " depend on it"
-                  : " states neither Period with MaxPayload nor Bandwidth, and the capacity of " +
-                        at() + " is shared");
+             " states neither Period with MaxPayload nor Bandwidth, and the capacity of " + at() +
+             " is shared";
+    case Obstacle::no_period:
+      return "publisher " + publisher.name + " states no Period, and response times on " + at() +
+             " depend on it";
     case Obstacle::no_path:
       return "no links are known that lead through " + at();
     case Obstacle::released:

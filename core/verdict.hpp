@@ -44,6 +44,7 @@ enum class Obstacle : std::uint8_t {
   no_node,      ///< the profile needs a node, the publisher states none
   too_long,     ///< the event does not fit the frames of a network
   no_traffic,   ///< a capacity to be held, and the publisher does not say what it sends
+  no_period,    ///< an analysed bus, and the publisher does not say how often it sends
   no_path,      ///< no links are known that lead through a mesh
   released,     ///< taken back by the operator
 };

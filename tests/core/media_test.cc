@@ -105,7 +105,7 @@ TEST(BusTest, WhoDoesNotSayHowOftenHeSendsIsRefused) {
   system.publishers[0].attributes.clear(Attribute::period);
   system.subscribers[0].attributes.clear(Attribute::period);
   const State state(std::move(system));
-  EXPECT_EQ(state.decisions()[0].verdicts.at(0).obstacle, Obstacle::no_traffic);
+  EXPECT_EQ(state.decisions()[0].verdicts.at(0).obstacle, Obstacle::no_period);
 }
 
 TEST(BusTest, AQueueThatCanOverflowLosesEvents) {
@@ -162,6 +162,34 @@ mesh::Graph link_of(Value bits_per_second, Value busy = 0) {
   link.busy = busy;
   graph.links = {link};
   return graph;
+}
+
+TEST(MeshTest, AMeshWhoseNodesNobodyDescribesGrantsNothing) {
+  AttributeSet slow;
+  slow.set(Attribute::bandwidth, 400).set(Attribute::max_payload, 100);
+  System system = air(slow);
+  system.networks[0].mesh->nodes.clear();
+  system.publishers[0].mesh_node.reset();
+  system.subscribers[0].mesh_node.reset();
+  State state(std::move(system));
+  state.set_graph(0, link_of(8000));
+  state.settle();
+  EXPECT_EQ(state.decisions()[0].verdicts.at(0).obstacle, Obstacle::no_path);
+}
+
+TEST(MeshTest, WhatEachLinkStatesCountsBeforeWhatFollowsFromTheTime) {
+  AttributeSet often;
+  often.set(Attribute::period, 10 * kMs)
+      .set(Attribute::max_payload, 1)
+      .set(Attribute::deadline, 1000 * kMs);
+  for (const Value period : {5 * kMs, 20 * kMs}) {
+    System system = air(often);
+    system.networks[0].mesh->per_hop.set(Attribute::period, period).set(Attribute::latency, kMs);
+    State state(std::move(system));
+    state.set_graph(0, link_of(8000));
+    state.settle();
+    EXPECT_EQ(state.decisions()[0].all_granted(), period == 5 * kMs);
+  }
 }
 
 TEST(MeshTest, EventsWithoutPayloadTakeTimeAllTheSame) {
