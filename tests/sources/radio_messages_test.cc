@@ -12,6 +12,7 @@
 #include <array>
 #include <bit>
 #include <span>
+#include <vector>
 
 #include "daemon/net/sources/batman.hpp"
 #include "daemon/net/sources/nl80211_messages.hpp"
@@ -64,18 +65,36 @@ TEST(RadioMessages, AStationHasItsRatesCountersAndAge) {
   EXPECT_EQ(read->airtime_metric, 820U);
 }
 
-// Written by hand, octet by octet: libnl has no part in it.
+// Numbers as netlink has them: in the byte order of the machine.
+template <class Number>
+void put(std::vector<std::byte>& to, Number number) {
+  const auto octets = std::bit_cast<std::array<std::byte, sizeof number>>(number);
+  to.insert(to.end(), octets.begin(), octets.end());
+}
+void put_attribute_head(std::vector<std::byte>& to, std::uint16_t length, std::uint16_t type) {
+  put(to, length);
+  put(to, type);
+}
+
+// Written by hand, field by field: libnl has no part in it.
 TEST(RadioMessages, AStationIsReadFromItsOctets) {
-  if constexpr (std::endian::native != std::endian::little) GTEST_SKIP() << "little-endian octets";
-  constexpr std::array<unsigned char, 56> raw{
-      56, 0, 0,  0,    0x1c, 0, 2, 0, 1,  0, 0, 0, 2, 0, 0, 0,  // length, type, seq, port
-      19, 1, 0,  0,                                             // NEW_STATION
-      10, 0, 6,  0,    0x02, 0, 0, 0, 1,  0, 0, 0,              // MAC, 2 octets of padding
-      24, 0, 21, 0x80,                                          // STA_INFO, nested
-      8,  0, 1,  0,    0x80, 1, 0, 0,                           // INACTIVE_TIME 384
-      12, 0, 8,  0x80, 8,    0, 5, 0, 10, 0, 0, 0,              // TX_BITRATE {BITRATE32 10}
-  };
-  const auto read = nl80211::read_station(std::as_bytes(std::span(raw)));
+  std::vector<std::byte> raw;
+  put(raw, std::uint32_t{56});    // length of the message
+  put(raw, std::uint16_t{0x1c});  // type: the family
+  put(raw, std::uint16_t{2});     // flags: one of several
+  put(raw, std::uint32_t{1});     // sequence
+  put(raw, std::uint32_t{2});     // port
+  for (const auto octet : {19, 1, 0, 0}) put(raw, static_cast<std::uint8_t>(octet));  // NEW_STATION
+  put_attribute_head(raw, 10, 6);                                                     // MAC
+  for (const auto octet : {2, 0, 0, 0, 1, 0}) put(raw, static_cast<std::uint8_t>(octet));
+  put(raw, std::uint16_t{0});           // padding
+  put_attribute_head(raw, 24, 0x8015);  // STA_INFO, nested
+  put_attribute_head(raw, 8, 1);        // INACTIVE_TIME
+  put(raw, std::uint32_t{384});
+  put_attribute_head(raw, 12, 0x8008);  // TX_BITRATE, nested
+  put_attribute_head(raw, 8, 5);        // BITRATE32
+  put(raw, std::uint32_t{10});
+  const auto read = nl80211::read_station(raw);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->mac, "02:00:00:00:01:00");
   EXPECT_EQ(read->inactive, 384U);
