@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -90,6 +91,8 @@ OnTerminal::OnTerminal(std::vector<std::string> arguments) {
   int terminal = -1;
   child_ = ::forkpty(&terminal, nullptr, nullptr, nullptr);
   if (child_ == 0) {
+    // As from a shell, also where the tests were started in the background (nohup, &).
+    for (const int signal : {SIGHUP, SIGINT, SIGQUIT}) ::signal(signal, SIG_DFL);
     ::execv(program.c_str(), words.data());
     ::_exit(127);
   }
