@@ -4,6 +4,8 @@
 #include <array>
 #include <span>
 
+#include "core/words.hpp"
+
 namespace mlcca::core {
 namespace {
 
@@ -189,43 +191,14 @@ std::string format_subject(Subject subject) {
   return text;
 }
 
-std::string_view to_text(NetworkKind kind) {
-  switch (kind) {
-    case NetworkKind::can:
-      return "can";
-    case NetworkKind::udp_multicast:
-      return "udp-multicast";
-    case NetworkKind::mesh:
-      return "mesh";
-    case NetworkKind::ieee802154:
-      return "ieee802154";
-    case NetworkKind::other:
-      return "other";
-  }
-  return "other";
-}
+std::string_view to_text(NetworkKind kind) { return words::kNetworkKinds.of(kind); }
+std::string_view to_text(Profile profile) { return words::kProfiles.of(profile); }
+std::string_view to_text(mesh::SourceKind kind) { return words::kSourceKinds.of(kind); }
+std::string_view to_text(mesh::RateKind kind) { return words::kRateKinds.of(kind); }
 
-std::string_view to_text(Profile profile) {
-  switch (profile) {
-    case Profile::none:
-      return "none";
-    case Profile::raw:
-      return "raw";
-    case Profile::famouso:
-      return "famouso";
-  }
-  return "none";
-}
-
-std::string_view to_text(mesh::SourceKind kind) {
-  constexpr std::array<std::string_view, 8> names{"description", "file",  "nl80211", "batman",
-                                                  "awds",        "babel", "olsr",    "wire"};
-  return names[static_cast<std::size_t>(kind)];
-}
-
-std::string_view to_text(mesh::RateKind kind) {
-  constexpr std::array<std::string_view, 3> names{"phy", "effective", "derived"};
-  return names[static_cast<std::size_t>(kind)];
+std::string name_of(const mesh::Source& source) {
+  const std::string& where = source.interface.empty() ? source.endpoint : source.interface;
+  return std::string(to_text(source.kind)) + (where.empty() ? "" : " " + where);
 }
 
 const std::string& name_of(const System& system, Place place) {

@@ -32,6 +32,8 @@ namespace mlcca::core {
 [[nodiscard]] std::string_view to_text(Profile profile);
 [[nodiscard]] std::string_view to_text(mesh::SourceKind kind);
 [[nodiscard]] std::string_view to_text(mesh::RateKind kind);
+/// "nl80211 mesh0".
+[[nodiscard]] std::string name_of(const mesh::Source& source);
 
 [[nodiscard]] const std::string& name_of(const System& system, Place place);
 

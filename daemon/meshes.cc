@@ -12,12 +12,6 @@
 namespace mlcca {
 namespace {
 
-/// "nl80211 mesh0"
-std::string name_of_source(const core::mesh::Source& source) {
-  const std::string& where = source.interface.empty() ? source.endpoint : source.interface;
-  return std::string(core::to_text(source.kind)) + (where.empty() ? "" : " " + where);
-}
-
 bool same_sources(const core::mesh::Mesh& a, const core::mesh::Mesh& b) {
   return std::ranges::equal(a.sources, b.sources, [](const auto& x, const auto& y) {
     return x.kind == y.kind && x.interface == y.interface && x.endpoint == y.endpoint &&
@@ -84,7 +78,7 @@ void Meshes::open_sources(Entry& entry) {
     entry.reported.back() = true;
     entry.sources.emplace_back();
     tell_(entry.name,
-          fmt::format("{}: {}: {}", entry.name, name_of_source(entry.mesh.sources[s]),
+          fmt::format("{}: {}: {}", entry.name, core::name_of(entry.mesh.sources[s]),
                       source.error().text),
           true);
   }
@@ -95,7 +89,7 @@ void Meshes::take(Entry& entry, std::size_t source, const core::mesh::Snapshot& 
   const bool changed = entry.table.take(source, snapshot, monotonic_ns());
   const std::string& problem = entry.table.problem(source);
   if (problem != entry.problems[source]) {
-    const std::string name = name_of_source(entry.mesh.sources[source]);
+    const std::string name = core::name_of(entry.mesh.sources[source]);
     entry.problems[source] = problem;
     if (problem.empty())
       tell_(entry.name, fmt::format("{}: {} knows its links again", entry.name, name), false);

@@ -52,14 +52,4 @@ inline std::string text_of(const Element& element, std::string_view attribute) {
   return std::string(element.attribute(attribute));
 }
 
-/// The words of an enumeration. The first is what an absent element or attribute means.
-template <class Enum, std::size_t N>
-using Words = std::array<std::pair<std::string_view, Enum>, N>;
-
-template <class Enum, std::size_t N>
-Enum value_named(std::string_view name, const Words<Enum, N>& words) {
-  const auto found = std::ranges::find_if(words, [&](const auto& w) { return w.first == name; });
-  return found == words.end() ? words.front().second : found->second;
-}
-
 }  // namespace mlcca::description

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/text.hpp"
+#include "core/words.hpp"
 #include "description/attributes.hpp"
 #include "description/convert.hpp"
 #include "description/draft.hpp"
@@ -11,52 +12,14 @@
 namespace mlcca::description {
 namespace {
 
-using core::FrameFormat;
-using core::NetworkKind;
 using core::Profile;
 
-constexpr Words<NetworkKind, 5> kKinds{{
-    {"can", NetworkKind::can},
-    {"udp-multicast", NetworkKind::udp_multicast},
-    {"mesh", NetworkKind::mesh},
-    {"ieee802154", NetworkKind::ieee802154},
-    {"other", NetworkKind::other},
-}};
-
-constexpr Words<Profile, 3> kProfiles{{
-    {"none", Profile::none},
-    {"raw", Profile::raw},
-    {"famouso", Profile::famouso},
-}};
-
-constexpr Words<FrameFormat, 3> kFormats{{
-    {"classic", FrameFormat::classic},
-    {"fd", FrameFormat::fd},
-    {"any", FrameFormat::any},
-}};
-
-constexpr Words<core::SafeSide, 3> kSafeSides{{
-    {"", core::SafeSide::unstated},
-    {"drop", core::SafeSide::drop},
-    {"deliver", core::SafeSide::deliver},
-}};
-
-constexpr Words<core::Queueing, 2> kQueues{{
-    {"fifo", core::Queueing::fifo},
-    {"priority", core::Queueing::priority},
-}};
-
-constexpr Words<Better, 2> kBetters{{
-    {"smaller", Better::smaller},
-    {"larger", Better::larger},
-}};
-
-constexpr Words<Composition, 4> kCompositions{{
-    {"sum", Composition::sum},
-    {"maximum", Composition::slowest},
-    {"minimum", Composition::smallest},
-    {"survival", Composition::survival},
-}};
+Composition composition_named(std::string_view word) {
+  if (word == "maximum") return Composition::slowest;
+  if (word == "minimum") return Composition::smallest;
+  if (word == "survival") return Composition::survival;
+  return Composition::sum;
+}
 
 class PartReader {
  public:
@@ -102,7 +65,7 @@ class PartReader {
     out.channel.subject = number<core::Subject>(text_of(e.child("SubjectUID")));
     if (out.channel.name.empty()) out.channel.name = core::format_subject(out.channel.subject);
     out.channel.description = text_of(e.child("Description"));
-    out.channel.safe_side = value_named(e.attribute("safe-side"), kSafeSides);
+    out.channel.safe_side = core::words::kSafeSides.or_first(e.attribute("safe-side"));
     out.channel.importance = number_or<std::uint8_t>(e, "importance", 0);
     out.channel.origin = e.origin();
     out.sets = sets(e);
@@ -113,8 +76,8 @@ class PartReader {
     UserAttributeDraft out;
     out.dimension = read_dimension(e.child("Dimension"));
     out.attribute = {.name = text_of(e, "name"),
-                     .better = value_named(text_of(e.child("Better")), kBetters),
-                     .composition = value_named(text_of(e.child("Composition")), kCompositions),
+                     .better = core::words::kBetters.or_first(text_of(e.child("Better"))),
+                     .composition = composition_named(text_of(e.child("Composition"))),
                      .unit = unit_words(out.dimension.unit),
                      .magnitude = out.dimension.magnitude,
                      .origin = e.origin()};
@@ -124,8 +87,8 @@ class PartReader {
   NetworkDraft network(const Element& e) {
     NetworkDraft out;
     out.network.name = text_of(e, "name");
-    out.network.kind = value_named(text_of(e.child("Kind")), kKinds);
-    out.network.profile = value_named(text_of(e.child("Profile")), kProfiles);
+    out.network.kind = core::words::kNetworkKinds.or_first(text_of(e.child("Kind")));
+    out.network.profile = core::words::kProfiles.or_first(text_of(e.child("Profile")));
     out.network.origin = e.origin();
     if (const auto* bus = e.child("Bus")) {
       out.network.bus = read_bus(*bus, problems_);
@@ -146,7 +109,7 @@ class PartReader {
     out.etag = etag != nullptr;
     out.binding.id = number<std::uint32_t>(text_of(out.etag ? etag : identifier));
     out.binding.extended = out.etag || identifier->attribute("form") == "extended";
-    out.binding.format = value_named(e.attribute("format"), kFormats);
+    out.binding.format = core::words::kFrameFormats.or_first(e.attribute("format"));
     out.binding.remote_frames = is_true(e.attribute("remote-frames"));
     out.binding.origin = e.origin();
     return out;
@@ -175,7 +138,7 @@ class PartReader {
     out.port.managed = is_true(e.attribute("managed"));
     out.port.bitrate = number<std::uint32_t>(text_of(e.child("Bitrate")));
     out.port.data_bitrate = number<std::uint32_t>(text_of(e.child("DataBitrate")));
-    out.port.queueing = value_named(e.attribute("queue"), kQueues);
+    out.port.queueing = core::words::kQueueings.or_first(e.attribute("queue"));
     out.port.fifo_depth = number_or(e, "fifo-depth", out.port.fifo_depth);
     out.port.queue_length = number_or(e, "queue-length", out.port.queue_length);
     out.port.origin = e.origin();

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/words.hpp"
 #include "description/convert.hpp"
 #include "description/decimal.hpp"
 #include "description/suggest.hpp"
@@ -24,13 +25,9 @@ namespace mlcca::description {
 namespace {
 
 using core::FindingId;
-using core::mesh::AwdsMetric;
-using core::mesh::Interference;
-using core::mesh::RateKind;
 using core::mesh::SourceKind;
 
-// --- decimals
-// -------------------------------------------------------------------------------------
+// --- decimals ------------------------------------------------------------------------------------
 
 /// What a decimal attribute becomes: a whole number of 10^-digits, rounded to the safe side.
 struct Decimals {
@@ -62,42 +59,7 @@ Number decimal_or(const Element& e, std::string_view attribute, const Decimals& 
   return otherwise;
 }
 
-// --- words
-// ----------------------------------------------------------------------------------------
-
-constexpr Words<Interference, 4> kInterferences{{
-    {"single-domain", Interference::single_domain},
-    {"k-hop", Interference::k_hop},
-    {"channel", Interference::channel},
-    {"explicit", Interference::explicit_sets},
-}};
-
-constexpr Words<RateKind, 3> kRateKinds{{
-    {"phy", RateKind::phy},
-    {"effective", RateKind::effective},
-    {"derived", RateKind::derived},
-}};
-
-constexpr Words<SourceKind, 8> kSourceKinds{{
-    {"description", SourceKind::description},
-    {"file", SourceKind::file},
-    {"nl80211", SourceKind::nl80211},
-    {"batman", SourceKind::batman},
-    {"awds", SourceKind::awds},
-    {"babel", SourceKind::babel},
-    {"olsr", SourceKind::olsr},
-    {"wire", SourceKind::wire},
-}};
-
-constexpr Words<AwdsMetric, 4> kMetrics{{
-    {"etx", AwdsMetric::etx},
-    {"hops", AwdsMetric::hops},
-    {"packet-pair", AwdsMetric::packet_pair},
-    {"transmission-time", AwdsMetric::transmission_time},
-}};
-
-// --- addresses
-// ------------------------------------------------------------------------------------
+// --- addresses -----------------------------------------------------------------------------------
 
 bool is_mac(std::string_view text) {
   constexpr std::size_t kLength = 17;  // "02:00:00:00:00:01"
@@ -137,8 +99,7 @@ bool is_socket_path(std::string_view text) {
   return text.starts_with('/') && text.size() < sizeof(sockaddr_un::sun_path);
 }
 
-// --- sources
-// --------------------------------------------------------------------------------------
+// --- sources -------------------------------------------------------------------------------------
 
 bool has_interface(SourceKind kind) {
   return kind == SourceKind::nl80211 || kind == SourceKind::batman || kind == SourceKind::awds ||
@@ -185,12 +146,12 @@ void check_source(const Element& e, SourceKind kind, Problems& problems) {
 }
 
 core::mesh::Source source(const Element& e, Problems& problems) {
-  const auto kind = value_named(e.attribute("kind"), kSourceKinds);
+  const auto kind = core::words::kSourceKinds.or_first(e.attribute("kind"));
   check_source(e, kind, problems);
   return {.kind = kind,
           .interface = text_of(e, "interface"),
           .endpoint = text_of(e, "endpoint"),
-          .metric = value_named(e.attribute("metric"), kMetrics),
+          .metric = core::words::kAwdsMetrics.or_first(e.attribute("metric")),
           .origin = e.origin()};
 }
 
@@ -262,7 +223,7 @@ MeshLinkDraft link(const Element& e, Problems& problems) {
   out.link.rate = number<Value>(e.attribute("rate"));
   out.link.loss = decimal_or<Value>(e, "loss", kLoss, 0, problems);
   out.link.channel = number_or<std::uint32_t>(e, "channel", 0);
-  out.link.kind = value_named(e.attribute("kind"), kRateKinds);
+  out.link.kind = core::words::kRateKinds.or_first(e.attribute("kind"));
   out.link.origin = e.origin();
   out.both_ways = !e.has("both-ways") || is_true(e.attribute("both-ways"));
   return out;
@@ -314,7 +275,7 @@ core::CanBus read_bus(const Element& e, Problems& problems) {
 MeshDraft read_mesh(const Element& e, Problems& problems) {
   MeshDraft out;
   auto& mesh = out.mesh;
-  mesh.interference = value_named(e.attribute("interference"), kInterferences);
+  mesh.interference = core::words::kInterferences.or_first(e.attribute("interference"));
   mesh.hops = number_or(e, "hops", mesh.hops);
   out.states_hops = e.has("hops");
   mesh.limit = decimal_or(e, "limit", kLimit, mesh.limit, problems);

@@ -10,11 +10,16 @@
 #include <charconv>
 #include <limits>
 #include <optional>
+#include <span>
 
+#include "core/words.hpp"
 #include "description/problems.hpp"
 #include "description/suggest.hpp"
 
 namespace mlcca::description {
+
+namespace words = core::words;
+
 namespace {
 
 constexpr std::size_t kShownValue = 80;  // bytes of a value that is quoted
@@ -117,23 +122,9 @@ bool is_boolean(std::string_view text) {
   return text == "true" || text == "false" || text == "1" || text == "0";
 }
 
-template <class... T>
-constexpr std::array<std::string_view, sizeof...(T)> words(T... n) {
-  return {std::string_view(n)...};
-}
-constexpr auto kBetterWords = words("smaller", "larger");
-constexpr auto kCompositionWords = words("sum", "maximum", "minimum", "survival");
-constexpr auto kSafeSideWords = words("drop", "deliver");
-constexpr auto kNetworkKindWords = words("can", "udp-multicast", "mesh", "ieee802154", "other");
-constexpr auto kProfileWords = words("none", "raw", "famouso");
-constexpr auto kFrameFormatWords = words("classic", "fd", "any");
-constexpr auto kIdentifierFormWords = words("standard", "extended");
-constexpr auto kQueueingWords = words("fifo", "priority");
-constexpr auto kInterferenceWords = words("single-domain", "k-hop", "channel", "explicit");
-constexpr auto kRateKindWords = words("phy", "effective", "derived");
-constexpr auto kSourceKindWords =
-    words("description", "file", "nl80211", "batman", "awds", "babel", "olsr", "wire");
-constexpr auto kLinkMetricWords = words("hops", "etx", "packet-pair", "transmission-time");
+constexpr auto kCompositionWords =
+    std::to_array<std::string_view>({"sum", "maximum", "minimum", "survival"});
+constexpr auto kIdentifierFormWords = std::to_array<std::string_view>({"standard", "extended"});
 
 constexpr ValueType shaped(std::string_view name, std::string_view words, std::string_view pattern,
                            bool (*fits)(std::string_view)) {
@@ -229,21 +220,21 @@ constexpr ValueType kDataBitrate =
 constexpr ValueType kAttributeName =
     shaped("AttributeName", "a letter, then up to 62 letters or digits",
            "[A-Za-z][A-Za-z0-9]{0,62}", is_attribute_name);
-constexpr ValueType kBetter = one_of("Better", kBetterWords);
+constexpr ValueType kBetter = one_of("Better", words::kBetters);
 constexpr ValueType kComposition = one_of("Composition", kCompositionWords);
-constexpr ValueType kSafeSide = one_of("SafeSide", kSafeSideWords);
+constexpr ValueType kSafeSide = one_of("SafeSide", std::span(words::kSafeSides).subspan<1>());
 constexpr ValueType kSetPriority =
     whole("SetPriority", -1000, 1000, "a whole number from -1000 to 1000");
-constexpr ValueType kNetworkKind = one_of("NetworkKind", kNetworkKindWords);
-constexpr ValueType kProfile = one_of("Profile", kProfileWords);
-constexpr ValueType kFrameFormat = one_of("FrameFormat", kFrameFormatWords);
+constexpr ValueType kNetworkKind = one_of("NetworkKind", words::kNetworkKinds);
+constexpr ValueType kProfile = one_of("Profile", words::kProfiles);
+constexpr ValueType kFrameFormat = one_of("FrameFormat", words::kFrameFormats);
 constexpr ValueType kIdentifierForm = one_of("IdentifierForm", kIdentifierFormWords);
 constexpr ValueType kImportance = whole("Importance", 0, 255, "a whole number from 0 to 255");
 constexpr ValueType kErrorCount = whole("ErrorCount", 0, 1000, "a whole number from 0 to 1000");
-constexpr ValueType kQueueing = one_of("Queueing", kQueueingWords);
+constexpr ValueType kQueueing = one_of("Queueing", words::kQueueings);
 constexpr ValueType kFifoDepth = whole("FifoDepth", 1, 64, "a whole number from 1 to 64");
 constexpr ValueType kQueueLength = whole("QueueLength", 1, 10000, "a whole number from 1 to 10000");
-constexpr ValueType kInterference = one_of("Interference", kInterferenceWords);
+constexpr ValueType kInterference = one_of("Interference", words::kInterferences);
 constexpr ValueType kHopCount = whole("HopCount", 0, 16, "a whole number from 0 to 16");
 constexpr ValueType kPacketBytes =
     whole("PacketBytes", 1, 65535, "a whole number of bytes from 1 to 65535");
@@ -256,9 +247,9 @@ constexpr ValueType kLinkRate =
     whole("LinkRate", 1, 1000000000000, "a whole number of bits per second from 1 to 10^12");
 constexpr ValueType kMediumNumber =
     whole("MediumNumber", 0, 4294967295, "a whole number from 0 to 4294967295");
-constexpr ValueType kRateKind = one_of("RateKind", kRateKindWords);
-constexpr ValueType kSourceKind = one_of("SourceKind", kSourceKindWords);
-constexpr ValueType kLinkMetric = one_of("LinkMetric", kLinkMetricWords);
+constexpr ValueType kRateKind = one_of("RateKind", words::kRateKinds);
+constexpr ValueType kSourceKind = one_of("SourceKind", words::kSourceKinds);
+constexpr ValueType kLinkMetric = one_of("LinkMetric", words::kAwdsMetrics);
 constexpr ValueType kBoolean = shaped("xs:boolean", "true or false", "", is_boolean);
 
 }  // namespace type

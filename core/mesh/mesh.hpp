@@ -68,7 +68,7 @@ enum class SourceKind : std::uint8_t {
 };
 
 /// What the 16-bit quality of an AWDS link means; the packets do not say.
-enum class AwdsMetric : std::uint8_t { hops, etx, packet_pair, transmission_time };
+enum class AwdsMetric : std::uint8_t { etx, hops, packet_pair, transmission_time };
 
 struct Source {
   SourceKind kind = SourceKind::description;

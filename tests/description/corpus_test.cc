@@ -74,7 +74,7 @@ constexpr std::array kInterferences = {"single-domain", "k-hop", "channel", "exp
 constexpr std::array kRateKinds = {"phy", "effective", "derived"};
 constexpr std::array kSourceKinds = {"description", "file",  "nl80211", "batman",
                                      "awds",        "babel", "olsr",    "wire"};
-constexpr std::array kMetrics = {"hops", "etx", "packet-pair", "transmission-time"};
+constexpr std::array kMetrics = {"etx", "hops", "packet-pair", "transmission-time"};
 
 /// The word of an enumerator, in the order of its header.
 template <class Enum, std::size_t N>

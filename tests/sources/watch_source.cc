@@ -10,7 +10,6 @@
 // Exit status 2: it cannot be watched.
 #include <systemd/sd-event.h>
 
-#include <array>
 #include <ctime>
 #include <iostream>
 #include <memory>
@@ -20,25 +19,13 @@
 #include <utility>
 
 #include "core/handle.hpp"
+#include "core/words.hpp"
 #include "daemon/net/sources/source.hpp"
 
 namespace mlcca {
 namespace {
 
-using core::mesh::RateKind;
-using core::mesh::SourceKind;
 using Json = nlohmann::ordered_json;
-
-constexpr std::array<std::pair<std::string_view, SourceKind>, 8> kKinds{{
-    {"description", SourceKind::description},
-    {"file", SourceKind::file},
-    {"nl80211", SourceKind::nl80211},
-    {"batman", SourceKind::batman},
-    {"awds", SourceKind::awds},
-    {"babel", SourceKind::babel},
-    {"olsr", SourceKind::olsr},
-    {"wire", SourceKind::wire},
-}};
 
 struct Options {
   core::mesh::Source source;
@@ -50,10 +37,9 @@ struct Options {
 Result<Options> read_options(int argc, char** argv) {
   if (argc < 3) return fail("usage: watch-source KIND INTERFACE|ENDPOINT [ADDRESS...] [OPTION...]");
   Options out;
-  const auto* const kind = std::ranges::find(kKinds, std::string_view(argv[1]),
-                                             &std::pair<std::string_view, SourceKind>::first);
-  if (kind == kKinds.end()) return fail(std::string("no kind of source: ") + argv[1]);
-  out.source.kind = kind->second;
+  const auto kind = core::words::kSourceKinds.find(argv[1]);
+  if (!kind) return fail(std::string("no kind of source: ") + argv[1]);
+  out.source.kind = *kind;
   out.source.interface = out.source.endpoint = argv[2];
   for (int i = 3; i < argc; ++i) {
     const std::string_view word = argv[i];
@@ -77,18 +63,6 @@ std::uint64_t nanos(clockid_t clock) {
          static_cast<std::uint64_t>(time.tv_nsec);
 }
 
-std::string_view name_of(RateKind kind) {
-  switch (kind) {
-    case RateKind::phy:
-      return "phy";
-    case RateKind::effective:
-      return "effective";
-    case RateKind::derived:
-      return "derived";
-  }
-  return "?";
-}
-
 Json describe(const core::mesh::Snapshot& snapshot) {
   const std::uint64_t now = nanos(CLOCK_MONOTONIC);
   Json out{{"at", nanos(CLOCK_REALTIME) / 1000},
@@ -99,7 +73,7 @@ Json describe(const core::mesh::Snapshot& snapshot) {
     Json link{{"from", sample.from},
               {"to", sample.to},
               {"rate", sample.rate},
-              {"kind", name_of(sample.kind)},
+              {"kind", core::words::kRateKinds.of(sample.kind)},
               {"age_ms", (now - std::min(now, sample.taken)) / 1'000'000}};
     if (sample.loss) link["loss"] = *sample.loss;
     if (sample.channel) link["channel"] = *sample.channel;

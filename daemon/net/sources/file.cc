@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "core/handle.hpp"
+#include "core/words.hpp"
 #include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::net {
@@ -77,14 +78,6 @@ std::optional<Value> parse_share(std::string_view text, Value whole) {
   return *number * whole / kBillion;
 }
 
-std::optional<core::mesh::RateKind> parse_kind(std::string_view text) {
-  using enum core::mesh::RateKind;
-  if (text == "phy") return phy;
-  if (text == "effective") return effective;
-  if (text == "derived") return derived;
-  return std::nullopt;
-}
-
 /// The address of a described node that `text` names.
 const std::string* address_of(const Mesh& mesh, const std::string& text) {
   for (const auto& node : mesh.nodes)
@@ -124,7 +117,7 @@ std::optional<std::string> take_option(const std::string& word, Sample& sample) 
     return "channel is a whole number: channel=2412";
   if (name == "weight" && !store(parse_integer<std::uint64_t>(value), sample.weight))
     return "weight is a whole number: weight=256";
-  if (name == "kind" && !store(parse_kind(value), sample.kind))
+  if (name == "kind" && !store(core::words::kRateKinds.find(value), sample.kind))
     return "kind is phy, effective or derived";
   static constexpr std::array names{"loss", "busy", "channel", "weight", "kind"};
   if (std::ranges::find(names, name) == names.end())
