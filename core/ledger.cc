@@ -77,21 +77,29 @@ void Ledger::roll_back(Mark mark) {
   }
   last_mark_ = mark;
   // What was kept before the mark may have been kept for an older one: keep anew when in doubt.
-  for (std::size_t& kept : kept_)
-    if (kept != kNever && kept >= steps_.size()) kept = kNever;
+  forget_kept(steps_.size());
 }
 
 void Ledger::commit() {
   steps_.clear();
   marked_ = false;
   last_mark_ = 0;
-  std::ranges::fill(kept_, kNever);
+  forget_kept(0);
+}
+
+/// Of schedules that were kept at that step or later.
+void Ledger::forget_kept(std::size_t from) {
+  while (!kept_networks_.empty() && kept_[kept_networks_.back()] >= from) {
+    kept_[kept_networks_.back()] = kNever;
+    kept_networks_.pop_back();
+  }
 }
 
 void Ledger::keep_schedule(std::size_t network) {
   if (!marked_) return;
   if (kept_[network] != kNever && kept_[network] >= last_mark_) return;
   kept_[network] = steps_.size();
+  kept_networks_.push_back(network);
   steps_.emplace_back(Kept{network, std::make_unique<can::Schedule>(*schedules_[network])});
 }
 

@@ -126,6 +126,7 @@ class Ledger {
 
   [[nodiscard]] std::size_t index_of(const Flow& flow) const;
   void keep_schedule(std::size_t network);
+  void forget_kept(std::size_t from);
   void count(const Holding& holding, bool in);
   void undo(Added& step);
   void undo(Occupied& step);
@@ -138,6 +139,7 @@ class Ledger {
   std::vector<std::vector<Value>> domains_;              // per network, per domain
   std::vector<std::optional<can::Schedule>> schedules_;  // per network
   std::vector<std::size_t> kept_;                        // per network: number of its last Kept
+  std::vector<std::size_t> kept_networks_;               // those that have one, oldest first
   std::vector<std::vector<Holding>> holdings_;           // per publisher
   std::vector<Step> steps_;
   std::size_t last_mark_ = 0;
