@@ -64,6 +64,12 @@ class State::Settlement {
     std::set<std::size_t> resources;
   };
 
+  struct NewView {
+    std::size_t network = 0;
+    std::shared_ptr<MeshView> view;  ///< nothing is known
+    bool same_domains = false;
+  };
+
   void take_out(Allocation& allocation, std::size_t channel) {
     before_.try_emplace(channel, s_.decisions_[channel]);
     allocation.take_out(channel);
@@ -148,8 +154,8 @@ class State::Settlement {
     auto& graph = links.graph;
     if (graph && old && *graph == old->graph) return;
     std::shared_ptr<MeshView> now;
+    const bool same = old && graph && same_topology(old->graph, *graph);
     if (graph) {
-      const bool same = old && same_topology(old->graph, *graph);
       now = std::make_shared<MeshView>(*s_.system_.networks[network].mesh, std::move(*graph),
                                        std::move(links.addresses), same ? old.get() : nullptr);
       if (same) {
@@ -162,7 +168,7 @@ class State::Settlement {
     } else {
       touch(s_.usage_.carried_by(network));
     }
-    views_.emplace_back(network, std::move(now));
+    views_.push_back({network, std::move(now), same});
   }
 
   /// Only flows over a pair of nodes whose path or whose links are others than before.
@@ -205,10 +211,8 @@ class State::Settlement {
       s_.ledger_.set_bus(network, bus_of(s_.system_, s_.world_.conditions[network], network));
     }
     s_.new_conditions_.clear();
-    for (auto& [network, view] : views_) {
-      const auto& old = s_.world_.meshes[network];
-      if (!old || !view || !same_topology(old->graph, view->graph))
-        s_.ledger_.set_domains(network, view ? view->domains().count() : 0);
+    for (auto& [network, view, same_domains] : views_) {
+      if (!same_domains) s_.ledger_.set_domains(network, view ? view->domains().count() : 0);
       s_.world_.meshes[network] = std::move(view);
     }
   }
@@ -252,7 +256,7 @@ class State::Settlement {
 
   State& s_;
   std::map<std::size_t, Decision> before_;
-  std::vector<std::pair<std::size_t, std::shared_ptr<MeshView>>> views_;
+  std::vector<NewView> views_;
 };
 
 std::vector<Change> State::settle() {
