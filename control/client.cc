@@ -5,7 +5,6 @@
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/time.h>
-#include <sys/un.h>
 
 #include <algorithm>
 #include <array>
@@ -15,6 +14,7 @@
 #include <utility>
 
 #include "control/codec.hpp"
+#include "core/unix_address.hpp"
 
 namespace mlcca::control {
 namespace {
@@ -57,17 +57,12 @@ Result<std::optional<Event>> event_of(Reply reply) {
 }  // namespace
 
 Result<Client> Client::connect(const std::string& path, std::chrono::milliseconds patience) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.empty() || path.size() >= sizeof address.sun_path)
-    return fail("socket path '" + path + "': must have 1 to " +
-                std::to_string(sizeof address.sun_path - 1) + " bytes");
-  std::ranges::copy(path, std::begin(address.sun_path));
+  const auto address = unix_address(path);
+  if (!address) return std::unexpected(address.error());
   Fd socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (!socket) return fail(std::string("socket: ") + ::strerror(errno));
   Client client(std::move(socket), patience);
-  if (::connect(client.socket_.get(), reinterpret_cast<const sockaddr*>(&address),
-                sizeof address) != 0)
+  if (::connect(client.socket_.get(), generic(*address), sizeof *address) != 0)
     return cannot_connect(path, errno);
   return client;
 }

@@ -6,6 +6,7 @@
 #include <net/if.h>
 #include <sys/file.h>
 #include <sys/fsuid.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <systemd/sd-daemon.h>
 #include <systemd/sd-device.h>
@@ -22,6 +23,7 @@
 #include "core/result.hpp"
 #include "daemon/enforce/gate.hpp"
 #include "daemon/gateway.hpp"
+#include "daemon/listen.hpp"
 #include "daemon/loop.hpp"
 #include "daemon/options.hpp"
 #include "description/read.hpp"
@@ -81,7 +83,7 @@ int close_interfaces(const Options& options) {
 Result<Fd> control_socket(const Options& options) {
   const int given = sd_listen_fds(1);
   if (given > 1) return fail("systemd handed over more than one socket");
-  if (given < 1) return serve::listen_at(options.socket);
+  if (given < 1) return listen_at(options.socket, SOCK_STREAM, 0666);
   Fd socket(SD_LISTEN_FDS_START);
   if (sd_is_socket_unix(socket.get(), SOCK_STREAM, 1, nullptr, 0) <= 0)
     return fail("the socket from systemd is no AF_UNIX stream socket that listens");

@@ -16,5 +16,5 @@ $(eval $(call program,mlccad,daemon/main.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 PROGRAMS += $O/mlccad
 
 # The only program that may listen to a network interface; mlccad reads it through a socket.
-$(eval $(call program,mlcca-awds,$(wildcard daemon/awds/*.cc),$O/libsources.a,$(SOURCES_LIBS)))
+$(eval $(call program,mlcca-awds,$(wildcard daemon/awds/*.cc) daemon/listen.cc,$O/libsources.a,$(SOURCES_LIBS)))
 PROGRAMS += $O/mlcca-awds

@@ -4,6 +4,7 @@
 // here: there is one parser, in mlccad, and this program stays small enough to be read at once.
 #include <linux/capability.h>
 #include <sys/epoll.h>
+#include <sys/socket.h>
 #include <sys/syscall.h>
 #include <systemd/sd-daemon.h>
 #include <systemd/sd-event.h>
@@ -20,6 +21,7 @@
 
 #include "daemon/awds/capture.hpp"
 #include "daemon/awds/readers.hpp"
+#include "daemon/listen.hpp"
 #include "daemon/net/sources/awds_packet.hpp"
 #include "daemon/net/sources/timer.hpp"
 
@@ -42,7 +44,7 @@ Result<void> drop_capabilities() {
 
 /// The socket that systemd has made, or one of our own.
 Result<Fd> listening_socket(const char* path) {
-  if (path != nullptr) return listen_at(path);
+  if (path != nullptr) return listen_at(path, SOCK_SEQPACKET);
   const int count = ::sd_listen_fds(1);
   if (count == 1) return Fd(SD_LISTEN_FDS_START);
   return fail("no socket: start mlcca-awds@INTERFACE.socket, or name one");

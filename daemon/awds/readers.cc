@@ -3,8 +3,6 @@
 
 #include <sys/epoll.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
 
 #include <cerrno>
 #include <cstring>
@@ -18,24 +16,6 @@ std::unexpected<Error> system_error(const std::string& what, int error) {
 }
 
 }  // namespace
-
-Result<Fd> listen_at(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path)
-    return fail(path + ": a socket path has at most " +
-                std::to_string(sizeof address.sun_path - 1) + " characters");
-  path.copy(address.sun_path, path.size());
-  Fd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (!socket) return system_error("socket", errno);
-  struct stat old{};
-  if (::lstat(path.c_str(), &old) == 0 && S_ISSOCK(old.st_mode)) ::unlink(path.c_str());
-  // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
-  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) < 0)
-    return system_error(path, errno);
-  if (::listen(socket.get(), SOMAXCONN) < 0) return system_error(path, errno);
-  return socket;
-}
 
 Result<void> Readers::start() {
   sd_event_source* raw = nullptr;

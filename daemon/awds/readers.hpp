@@ -14,9 +14,6 @@
 
 namespace mlcca::awds {
 
-/// A listening SOCK_SEQPACKET socket at `path`; one that is left over there is replaced.
-[[nodiscard]] Result<Fd> listen_at(const std::string& path);
-
 class Readers {
  public:
   static constexpr std::size_t kMost = 16;  ///< further ones are turned away

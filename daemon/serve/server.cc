@@ -3,8 +3,6 @@
 
 #include <sys/epoll.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -38,25 +36,6 @@ bool in_group(int fd, gid_t primary, gid_t group) {
 }
 
 }  // namespace
-
-Result<Fd> listen_at(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path)
-    return fail(path + ": a socket path has at most " +
-                std::to_string(sizeof address.sun_path - 1) + " characters");
-  path.copy(address.sun_path, path.size());
-  Fd socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (!socket) return system_error("socket");
-  struct stat old{};
-  if (::lstat(path.c_str(), &old) == 0 && S_ISSOCK(old.st_mode)) ::unlink(path.c_str());
-  // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
-  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) < 0)
-    return system_error(path);
-  if (::chmod(path.c_str(), 0666) < 0) return system_error(path);
-  if (::listen(socket.get(), SOMAXCONN) < 0) return system_error(path);
-  return socket;
-}
 
 Server::Server(sd_event* loop, Fd listening, gid_t group, AnswerTo answer)
     : loop_(loop), listening_(std::move(listening)), group_(group), answer_(std::move(answer)) {}

@@ -33,9 +33,6 @@ struct Answer {
   std::uint64_t owned = 0;  ///< an admission whose events go to this connection from now on
 };
 
-/// Listens at `path` (mode 0666: everybody may ask); a stale socket is replaced.
-[[nodiscard]] Result<Fd> listen_at(const std::string& path);
-
 class Session;
 
 class Server {

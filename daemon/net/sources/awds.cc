@@ -3,13 +3,13 @@
 
 #include <sys/epoll.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 
 #include <array>
 #include <cerrno>
 #include <string>
 #include <utility>
 
+#include "core/unix_address.hpp"
 #include "daemon/net/sources/awds_packet.hpp"
 #include "daemon/net/sources/timer.hpp"
 
@@ -21,8 +21,13 @@ constexpr int kTurn = 64;
 
 class Awds final : public LinkSource {
  public:
-  Awds(std::string path, core::mesh::AwdsMetric metric, sd_event* loop, Report report)
-      : path_(std::move(path)), loop_(loop), report_(std::move(report)), graph_(metric) {}
+  Awds(std::string path, const sockaddr_un& address, core::mesh::AwdsMetric metric, sd_event* loop,
+       Report report)
+      : path_(std::move(path)),
+        address_(address),
+        loop_(loop),
+        report_(std::move(report)),
+        graph_(metric) {}
 
   Result<void> start() {
     return timer_.start(loop_, [this] { look(); });
@@ -36,14 +41,9 @@ class Awds final : public LinkSource {
   }
 
   void connect() {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    path_.copy(address.sun_path, path_.size());
     Fd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
     // A local socket connects at once or not at all.
-    // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
-    const auto* to = reinterpret_cast<const sockaddr*>(&address);
-    if (!socket || ::connect(socket.get(), to, sizeof address) < 0) {
+    if (!socket || ::connect(socket.get(), generic(address_), sizeof address_) < 0) {
       problem_ = system_error(path_, errno);
       return;
     }
@@ -94,6 +94,7 @@ class Awds final : public LinkSource {
   }
 
   std::string path_;
+  sockaddr_un address_;
   sd_event* loop_;
   Report report_;
   awds::Graph graph_;
@@ -109,9 +110,10 @@ Result<std::unique_ptr<LinkSource>> open_awds(const core::mesh::Source& source, 
                                               LinkSource::Report report) {
   const bool elsewhere = source.endpoint.starts_with('/');
   std::string path = elsewhere ? source.endpoint : kAwdsFolder + source.interface;
-  if (path.size() >= sizeof(sockaddr_un::sun_path))
-    return fail(path + ": is too long for a socket");
-  auto awds = std::make_unique<Awds>(std::move(path), source.metric, loop, std::move(report));
+  const auto address = unix_address(path);
+  if (!address) return std::unexpected(address.error());
+  auto awds =
+      std::make_unique<Awds>(std::move(path), *address, source.metric, loop, std::move(report));
   if (auto started = awds->start(); !started) return std::unexpected(started.error());
   return awds;
 }

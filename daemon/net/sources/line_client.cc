@@ -4,7 +4,6 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/epoll.h>
-#include <sys/un.h>
 
 #include <array>
 #include <cerrno>
@@ -12,6 +11,8 @@
 #include <cstring>
 #include <optional>
 #include <utility>
+
+#include "core/unix_address.hpp"
 
 namespace mlcca::net {
 namespace {
@@ -33,13 +34,9 @@ Endpoint endpoint_of(const Address& address, std::string text) {
 }
 
 Result<Endpoint> path_endpoint(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path)
-    return fail(path + ": a socket path has at most " +
-                std::to_string(sizeof address.sun_path - 1) + " characters");
-  path.copy(address.sun_path, path.size());
-  return endpoint_of(address, path);
+  const auto address = unix_address(path);
+  if (!address) return std::unexpected(address.error());
+  return endpoint_of(*address, path);
 }
 
 }  // namespace

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#pragma once
+#include <sys/types.h>
+
+#include <string>
+
+#include "core/handle.hpp"
+#include "core/result.hpp"
+
+namespace mlcca {
+
+/// A local socket of `type` (SOCK_STREAM, SOCK_SEQPACKET) that listens at `path`, in place of one
+/// that nobody removed. Does not block. `mode`: who may connect, where it is not as the umask says.
+[[nodiscard]] Result<Fd> listen_at(const std::string& path, int type, mode_t mode = 0);
+
+}  // namespace mlcca
