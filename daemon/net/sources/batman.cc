@@ -2,7 +2,6 @@
 #include "daemon/net/sources/batman.hpp"
 
 #include <linux/batman_adv.h>
-#include <net/if.h>
 #include <netlink/attr.h>
 #include <netlink/netlink.h>
 
@@ -122,20 +121,11 @@ class BatmanSource : public KernelSource {
  private:
   void look() override {
     seen_ = {};
-    index_ = ::if_nametoindex(interface_.c_str());
-    if (index_ == 0) {
-      tell_problem("there is no interface " + interface_);
-      return;
-    }
-    Conversation* const kernel = talk(NETLINK_GENERIC);
-    if (kernel == nullptr) return;
-    kernel->find_family(BATADV_NL_NAME, [this](Result<std::uint16_t> family) {
-      if (!family) {
-        tell_problem(std::move(family.error().text));
-        return;
-      }
-      ask_all(*talk(NETLINK_GENERIC), *family);
-    });
+    look_at_family(BATADV_NL_NAME, interface_,
+                   [this](Conversation& kernel, std::uint16_t family, unsigned index) {
+                     index_ = index;
+                     ask_all(kernel, family);
+                   });
   }
 
   /// A dump of which `read` makes an entry of `into` out of each message.

@@ -3,6 +3,7 @@
 
 #include <linux/netlink.h>
 #include <linux/rtnetlink.h>
+#include <net/if.h>
 #include <netlink/netlink.h>
 #include <netlink/socket.h>
 #include <sys/epoll.h>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <utility>
 
 namespace mlcca::net {
 namespace {
@@ -79,6 +81,23 @@ void KernelSource::begin() {
   begun_ = time;
   arm(begun_ + kInterval);
   look();
+}
+
+void KernelSource::look_at_family(const char* family, const std::string& interface,
+                                  std::function<void(Conversation&, std::uint16_t, unsigned)> ask) {
+  const unsigned index = ::if_nametoindex(interface.c_str());
+  if (index == 0) {
+    tell_problem("there is no interface " + interface);
+    return;
+  }
+  Conversation* const kernel = talk(NETLINK_GENERIC);
+  if (kernel == nullptr) return;
+  kernel->find_family(family, [this, index, ask = std::move(ask)](Result<std::uint16_t> number) {
+    if (number)
+      ask(*talk(NETLINK_GENERIC), *number, index);
+    else
+      tell_problem(std::move(number.error().text));
+  });
 }
 
 Conversation* KernelSource::talk(int protocol) {

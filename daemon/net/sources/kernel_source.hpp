@@ -2,6 +2,7 @@
 // What the sources that ask the kernel have in common: when they look, and what becomes of a look.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -26,6 +27,10 @@ class KernelSource : public LinkSource {
   /// destroy the conversations of the look, so they are called last.
   virtual void look() = 0;
 
+  /// Begins a look at a generic netlink family about an interface: `ask` is called with both. That
+  /// one of them is not there is told as a problem.
+  void look_at_family(const char* family, const std::string& interface,
+                      std::function<void(Conversation&, std::uint16_t, unsigned)> ask);
   /// The conversation of this look, opened when first asked for. Nothing if that is impossible,
   /// which is told as a problem.
   Conversation* talk(int protocol);

@@ -2,7 +2,6 @@
 #include "daemon/net/sources/nl80211.hpp"
 
 #include <linux/nl80211.h>
-#include <net/if.h>
 #include <netlink/attr.h>
 #include <netlink/netlink.h>
 
@@ -24,20 +23,11 @@ class Nl80211Source : public KernelSource {
  private:
   void look() override {
     seen_ = {};
-    index_ = ::if_nametoindex(interface_.c_str());
-    if (index_ == 0) {
-      tell_problem("there is no interface " + interface_);
-      return;
-    }
-    Conversation* const kernel = talk(NETLINK_GENERIC);
-    if (kernel == nullptr) return;
-    kernel->find_family(NL80211_GENL_NAME, [this](Result<std::uint16_t> family) {
-      if (!family) {
-        tell_problem(std::move(family.error().text));
-        return;
-      }
-      ask_interface(*talk(NETLINK_GENERIC), *family);
-    });
+    look_at_family(NL80211_GENL_NAME, interface_,
+                   [this](Conversation& kernel, std::uint16_t family, unsigned index) {
+                     index_ = index;
+                     ask_interface(kernel, family);
+                   });
   }
 
   [[nodiscard]] Conversation::Request request(std::uint16_t family, std::uint8_t command,
