@@ -104,7 +104,7 @@ void Proposal::accept() && {
   // What the channel held may be less now: a better set, another way.
   for (const std::size_t r : state_->usage_.resources_of(c)) state_->relieved_.insert(r);
   state_->decisions_[c] = std::move(next_);
-  state_->admissions_.push_back(std::move(admission_));
+  state_->admissions_.emplace(admission_.id, std::move(admission_));
   state_->note_age(c);
   state_->usage_.set(state_->situation(), c, state_->decisions_[c]);
   state_ = nullptr;
@@ -122,6 +122,10 @@ State::State(System system)
       decisions_(system_.channels.size()),
       ages_(system_.channels.size(), 0),
       usage_(system_) {
+  for (std::size_t c = 0; c < system_.channels.size(); ++c) {
+    channel_of_name_.emplace(system_.channels[c].name, c);
+    channel_of_subject_.emplace(system_.channels[c].subject, c);
+  }
   decide();
 }
 
@@ -145,14 +149,14 @@ void State::set_released(std::size_t channel, bool released) {
 
 void State::restore(const Admission& admission) {
   add_to(members_, admission);
-  admissions_.push_back(admission);
+  admissions_.insert_or_assign(admission.id, admission);
   note_age(admission.channel);
 }
 
 bool State::remove(AdmissionId id) {
-  const auto it = std::ranges::find(admissions_, id, &Admission::id);
+  const auto it = admissions_.find(id);
   if (it == admissions_.end()) return false;
-  const std::size_t channel = it->channel;
+  const std::size_t channel = it->second.channel;
   // What the others of the channel hold may depend on who left, so all of it is decided anew.
   for (const std::size_t p : members_.publishers_of(channel)) ledger_.remove(p);
   forget_deliveries(channel, id);
@@ -223,17 +227,19 @@ void State::decide(const std::map<std::size_t, std::size_t>& before) {
 // --- gates --------------------------------------------------------------------------------------
 
 GateChanges State::gate_changes(const std::vector<Change>& changes, std::size_t gateway,
-                                GateState before) const {
+                                const FormerRules& left) const {
+  GateState before;
   GateState now;
-  const auto append = [&](GateState& to, std::size_t channel,
-                          const std::vector<Verdict>& verdicts) {
-    const GateState rules = core::gate_state(system_, members_, channel, verdicts, gateway);
+  const auto append = [](GateState& to, const GateState& rules) {
     to.insert(to.end(), rules.begin(), rules.end());
   };
-  const bool known = !before.empty();
   for (const Change& change : changes) {
-    if (!known) append(before, change.channel, change.before.verdicts);
-    append(now, change.channel, decisions_[change.channel].verdicts);
+    const std::size_t c = change.channel;
+    const auto known = left.find(c);
+    append(before, known != left.end()
+                       ? known->second
+                       : core::gate_state(system_, members_, c, change.before.verdicts, gateway));
+    append(now, gate_state(gateway, c));
   }
   std::ranges::sort(before, {}, &GateRule::entry);
   std::ranges::sort(now, {}, &GateRule::entry);
@@ -243,12 +249,14 @@ GateChanges State::gate_changes(const std::vector<Change>& changes, std::size_t 
 // --- names --------------------------------------------------------------------------------------
 
 std::optional<std::size_t> State::find_channel(const std::string& name_or_subject) const {
-  const auto subject = parse_subject(name_or_subject);
-  for (std::size_t c = 0; c < system_.channels.size(); ++c) {
-    const EventChannel& channel = system_.channels[c];
-    if (subject ? channel.subject == *subject : channel.name == name_or_subject) return c;
-  }
-  return std::nullopt;
+  const auto found = [](const auto& index, const auto& key) -> std::optional<std::size_t> {
+    const auto it = index.find(key);
+    if (it == index.end()) return std::nullopt;
+    return it->second;
+  };
+  if (const auto subject = parse_subject(name_or_subject))
+    return found(channel_of_subject_, *subject);
+  return found(channel_of_name_, name_or_subject);
 }
 
 std::optional<Place> State::find_place(const std::string& name) const {

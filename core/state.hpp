@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "core/admission.hpp"
@@ -65,6 +66,9 @@ class Proposal {
   bool fit_ = false;
 };
 
+/// Of channels: the rules that the gates of one gateway had.
+using FormerRules = std::map<std::size_t, GateState>;
+
 /// A channel whose decision is another one now.
 struct Change {
   std::size_t channel = 0;
@@ -87,7 +91,8 @@ class State {
   [[nodiscard]] const std::vector<Decision>& decisions() const { return decisions_; }
   [[nodiscard]] const Ledger& ledger() const { return ledger_; }
   [[nodiscard]] const World& world() const { return world_; }
-  [[nodiscard]] const std::vector<Admission>& admissions() const { return admissions_; }
+  /// In the order of their ids.
+  [[nodiscard]] const std::map<AdmissionId, Admission>& admissions() const { return admissions_; }
   [[nodiscard]] bool released(std::size_t channel) const { return released_[channel]; }
 
   // What changes from here on counts after the next settle().
@@ -122,10 +127,10 @@ class State {
   [[nodiscard]] GateState gate_state(std::size_t gateway, std::size_t channel) const {
     return core::gate_state(system_, members_, channel, decisions_[channel].verdicts, gateway);
   }
-  /// What the gates of a gateway have to change after settle(). `before`: their rules of all these
-  /// channels, where somebody has left since; otherwise they follow from the changes.
+  /// What the gates of a gateway have to change after settle(). `left`: what they had of the
+  /// channels that somebody has left since; of the others that follows from the changes.
   [[nodiscard]] GateChanges gate_changes(const std::vector<Change>& changes, std::size_t gateway,
-                                         GateState before = {}) const;
+                                         const FormerRules& left = {}) const;
 
   [[nodiscard]] std::optional<std::size_t> find_channel(const std::string& name_or_subject) const;
   [[nodiscard]] std::optional<Place> find_place(const std::string& name) const;
@@ -148,7 +153,7 @@ class State {
   std::vector<Decision> decisions_;
   std::vector<std::uint64_t> ages_;  // of each channel: id of its oldest admission, 0: described
   Usage usage_;
-  std::vector<Admission> admissions_;
+  std::map<AdmissionId, Admission> admissions_;
 
   std::map<std::size_t, Condition> new_conditions_;
   struct NewGraph {
@@ -156,6 +161,9 @@ class State {
     std::vector<std::string> addresses;
   };
   std::map<std::size_t, NewGraph> new_graphs_;
+  std::unordered_map<std::string, std::size_t> channel_of_name_;
+  std::unordered_map<Subject, std::size_t> channel_of_subject_;
+
   std::set<std::size_t> touched_;   // channels that must be decided anew
   std::set<std::size_t> relieved_;  // resources that carry less now
 };

@@ -76,12 +76,12 @@ Gateway::Gateway(Options options, Journal journal, enforce::Control control, net
       links_(std::move(links)),
       ports_(links_, control_, options_.bpf_root, std::move(facts_of),
              [this](const std::string& network, const std::string& line, bool problem) {
-               tell({Kind::interface, problem ? 4 : 6, line, 0, {}, network, {}, {}});
+               tell(Kind::interface, problem ? 4 : 6, line, network);
              }),
       meshes_(
           loop, [this](std::size_t network) { dirty_meshes_.insert(network); },
           [this](const std::string& network, const std::string& line, bool problem) {
-            tell({Kind::interface, problem ? 4 : 6, line, 0, {}, network, {}, {}});
+            tell(Kind::interface, problem ? 4 : 6, line, network);
           }) {}
 
 // --- start, stop, reload -------------------------------------------------------------------------
@@ -123,7 +123,7 @@ void Gateway::remember_leases_and_keys() {
   for (const control::Request& request : stored().admissions) {
     const auto* admit = std::get_if<control::Admit>(&request.body);
     if (admit == nullptr) continue;
-    if (!admit->key.empty()) keys_.insert_or_assign(admit->key, request.id);
+    keys_.put(admit->key, request.id);
     const std::uint64_t length = lease_of(*admit);
     if (length != 0) leases_.set(request.id, length, monotonic_ns());
   }
@@ -146,31 +146,22 @@ std::optional<StartError> Gateway::start() {
   state_ = std::move(loaded->state);
   self_ = loaded->self;
   loaded_ = std::time(nullptr);
-  if (const auto& cut = store_->recovered()) tell({Kind::trouble, 5, *cut, 0, {}, {}, {}, {}});
-  for (std::string& line : loaded->left_out)
-    tell({Kind::trouble, 4, std::move(line), 0, {}, {}, {}, {}});
+  if (const auto& cut = store_->recovered()) tell(Kind::trouble, 5, *cut);
+  for (std::string& line : loaded->left_out) tell(Kind::trouble, 4, std::move(line));
   remember_leases_and_keys();
 
   meshes_.describe(state_->system());
   meshes_.await_first_reports(kFirstReports);
-  if (const auto done = put_in_force(); !done)
-    tell({Kind::trouble, 3, done.error().text, 0, {}, {}, {}, {}});
+  if (const auto done = put_in_force(); !done) tell(Kind::trouble, 3, done.error().text);
 
   control_.beat(monotonic_ns());
   if (const auto armed = control_.arm(); !armed) return give_up({armed.error().text}, false);
   if (control_.lapsed()) control_.clear_lapse(monotonic_ns());
   look_at_drops(false);  // what a former daemon has seen is not news
   open_unless_lost();
-  tell({Kind::started, 5, "started: " + summary(), 0, {}, {}, {}, {}});
+  tell(Kind::started, 5, "started: " + summary());
   if (control_.mode() == enforce::Mode::audit)
-    tell({Kind::mode,
-          4,
-          "AUDIT MODE: nothing is dropped, everything is only counted",
-          0,
-          {},
-          {},
-          {},
-          {}});
+    tell(Kind::mode, 4, "AUDIT MODE: nothing is dropped, everything is only counted");
   tell_all();
   commit();
   return std::nullopt;
@@ -178,14 +169,7 @@ std::optional<StartError> Gateway::start() {
 
 void Gateway::stop() {
   control_.close_all();
-  tell({Kind::stopped,
-        5,
-        "stopped: the gates stay in the kernel and deny everything",
-        0,
-        {},
-        {},
-        {},
-        {}});
+  tell(Kind::stopped, 5, "stopped: the gates stay in the kernel and deny everything");
   commit();
   if (history_) history_->flush(unix_ns());
 }
@@ -195,7 +179,7 @@ void Gateway::stop() {
 void Gateway::links_changed() {
   const auto changed = links_.refresh();
   if (!changed)
-    tell({Kind::trouble, 3, changed.error().text, 0, {}, {}, {}, {}});
+    tell(Kind::trouble, 3, changed.error().text);
   else if (*changed)
     follow_world();
 }
@@ -203,7 +187,7 @@ void Gateway::links_changed() {
 void Gateway::put_conditions(core::State& state) const {
   auto conditions = ports_.conditions(state.system().networks.size());
   for (const auto& [network, excess] : excess_)
-    if (network < conditions.size()) conditions[network].background = excess;
+    if (network < conditions.size()) conditions[network].background = excess.measured;
   for (std::size_t n = 0; n < conditions.size(); ++n)
     state.set_condition(n, std::move(conditions[n]));
 }
@@ -229,10 +213,10 @@ void Gateway::act() {
   commit();
 }
 
-Result<void> Gateway::settle(core::GateState before) {
+Result<void> Gateway::settle(const core::FormerRules& left) {
   const std::vector<core::Change> changes = state_->settle();
   if (changes.empty()) return {};
-  Result<void> done = ports_.apply(state_->gate_changes(changes, self_, std::move(before)));
+  Result<void> done = ports_.apply(state_->gate_changes(changes, self_, left));
   if (!done) done = enforce();
   set_bands();
   for (const core::Change& change : changes) note_granted(change.channel);
@@ -254,8 +238,7 @@ void Gateway::note_granted(std::size_t channel) {
   const std::string text = decision.granted == 0 ? "" : grant_text(decision.set);
   const store::Granted entry{core::format_subject(state_->system().channels[channel].subject),
                              text};
-  if (const auto done = store_->append(entry); !done)
-    tell({Kind::trouble, 3, done.error().text, 0, {}, {}, {}, {}});
+  if (const auto done = store_->append(entry); !done) tell(Kind::trouble, 3, done.error().text);
 }
 
 /// Interfaces, links and gates for a description that has just become the one in force.
@@ -276,11 +259,11 @@ void Gateway::commit() {
   if (!store_ || !store_->dirty()) return;
   const Result<void> done = store_->commit();
   if (!done) {
-    tell({Kind::trouble, 3, done.error().text, 0, {}, {}, {}, {}});
+    tell(Kind::trouble, 3, done.error().text);
     take_back_uncommitted();
   }
   if (const auto& trouble = store_->trouble(); trouble && *trouble != told_trouble_)
-    tell({Kind::trouble, 4, *trouble, 0, {}, {}, {}, {}});
+    tell(Kind::trouble, 4, *trouble);
   told_trouble_ = store_->trouble().value_or("");
   uncommitted_.clear();
   if (committed_) committed_(done);
@@ -290,14 +273,6 @@ void Gateway::commit() {
 
 /// What could not be written down was never granted.
 void Gateway::take_back_uncommitted() {
-  core::GateState before;
-  std::set<std::size_t> channels;
-  for (const core::Admission& a : state_->admissions())
-    if (std::ranges::find(uncommitted_, a.id) != uncommitted_.end()) channels.insert(a.channel);
-  for (const std::size_t c : channels) {
-    const auto rules = state_->gate_state(self_, c);
-    before.insert(before.end(), rules.begin(), rules.end());
-  }
   for (const core::AdmissionId id : uncommitted_) {
     tell({Kind::withdrawn,
           4,
@@ -307,12 +282,8 @@ void Gateway::take_back_uncommitted() {
           {},
           {},
           {id}});
-    state_->remove(id);
-    leases_.forget(id);
-    held_.erase(id);
-    std::erase_if(keys_, [id](const auto& key) { return key.second == id; });
   }
-  if (!channels.empty()) static_cast<void>(settle(std::move(before)));
+  static_cast<void>(settle(forget(uncommitted_)));
 }
 
 void Gateway::open_unless_lost() {
@@ -326,14 +297,7 @@ Result<void> Gateway::enforce() {
   set_bands();
   auto done = ports_.sync(state_->gate_state(self_));
   if (!done)
-    tell({Kind::trouble,
-          3,
-          "denied as a whole, because the kernel refused: " + done.error().text,
-          0,
-          {},
-          {},
-          {},
-          {}});
+    tell(Kind::trouble, 3, "denied as a whole, because the kernel refused: " + done.error().text);
   return done;
 }
 
@@ -343,17 +307,10 @@ void Gateway::beat() {
     links_changed();
     follow_world();
     control_.clear_lapse(monotonic_ns());
-    tell(
-        {Kind::lapsed,
-         3,
+    tell(Kind::lapsed, 3,
          fmt::format("the kernel had closed all gates because this daemon was silent for more than "
                      "{}; they follow the verdicts again",
-                     core::format_value(Attribute::latency, control_.grace())),
-         0,
-         {},
-         {},
-         {},
-         {}});
+                     core::format_value(Attribute::latency, control_.grace())));
   }
   control_.beat(monotonic_ns());
 }

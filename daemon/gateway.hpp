@@ -20,6 +20,7 @@
 #include "daemon/drops.hpp"
 #include "daemon/enforce/control.hpp"
 #include "daemon/journal.hpp"
+#include "daemon/keys.hpp"
 #include "daemon/leases.hpp"
 #include "daemon/meshes.hpp"
 #include "daemon/net/links.hpp"
@@ -120,9 +121,15 @@ class Gateway {
   /// What each channel was granted when the journal was last written.
   [[nodiscard]] std::map<std::size_t, std::size_t> granted_before(const core::State& state) const;
 
-  /// Decides what was changed, brings the gates in line and tells. `before`: rules of the channels
-  /// that somebody has left.
-  Result<void> settle(core::GateState before = {});
+  /// What a bus carries that was not analysed, in 1e-6 of its time.
+  struct Excess {
+    std::uint32_t measured = 0;
+    std::uint32_t told = 0;  ///< when it was last told of
+  };
+
+  /// Decides what was changed, brings the gates in line and tells. `left`: what the gates had of
+  /// the channels that somebody has left.
+  Result<void> settle(const core::FormerRules& left = {});
   Result<void> enforce();
   Result<void> put_in_force();
   void commit();
@@ -132,12 +139,16 @@ class Gateway {
 
   Result<void> release(const std::vector<core::AdmissionId>& gone,
                        std::optional<std::size_t> channel);
+  core::FormerRules forget(const std::vector<core::AdmissionId>& gone);
   void end_leases();
   void measure_buses();
   void set_bands();
   void open_unless_lost();
   void look_at_drops(bool mention);
   void tell(Note note);
+  void tell(Kind kind, int priority, std::string message, std::string network = {}) {
+    tell({kind, priority, std::move(message), 0, {}, std::move(network), {}, {}});
+  }
   void tell_all();
   void tell_changes(const std::vector<core::Change>& changes);
   void tell_verdict(Kind kind, const core::Verdict& verdict, const std::string& line);
@@ -178,12 +189,10 @@ class Gateway {
   std::set<std::size_t> dirty_meshes_;          // networks
   std::vector<core::AdmissionId> uncommitted_;  // granted, and not on disk yet
   Leases leases_;
-  std::map<std::string, core::AdmissionId> keys_;
+  Keys keys_;
   std::map<core::AdmissionId, std::set<std::uint64_t>> held_;  // by which sessions
   std::map<std::size_t, BusLoad> loads_;                       // by port
-  std::map<std::size_t, std::uint32_t> excess_;                // by network, 1e-6 of the bus time
-
-  std::map<std::size_t, std::uint32_t> told_excess_;  // the same, as last told
+  std::map<std::size_t, Excess> excess_;                       // by network
 
   // Of the request that is being answered.
   std::uint64_t session_ = 0;

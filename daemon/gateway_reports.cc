@@ -67,11 +67,10 @@ Gateway::Body Gateway::handle(const control::ExplainRequest& request) {
 
 control::Channels Gateway::report_admission(core::AdmissionId id) const {
   control::Channels out;
-  for (const core::Admission& a : state_->admissions()) {
-    if (a.id != id) continue;
-    for (const core::Verdict& v : state_->decisions()[a.channel].verdicts)
-      if (concerns(v, id)) out.channels.push_back(report(v));
-  }
+  const auto known = state_->admissions().find(id);
+  if (known == state_->admissions().end()) return out;
+  for (const core::Verdict& v : state_->decisions()[known->second.channel].verdicts)
+    if (concerns(v, id)) out.channels.push_back(report(v));
   return out;
 }
 

@@ -34,17 +34,11 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   auto loaded = load();
   if (!loaded) {
     last_error_ = loaded.error().front();
-    tell({Kind::reload,
-          3,
-          fmt::format("reload refused, nothing changed: {}{}", last_error_,
-                      loaded.error().size() > 1
-                          ? fmt::format(" (and {} more)", loaded.error().size() - 1)
-                          : ""),
-          0,
-          {},
-          {},
-          {},
-          {}});
+    tell(Kind::reload, 3,
+         fmt::format("reload refused, nothing changed: {}{}", last_error_,
+                     loaded.error().size() > 1
+                         ? fmt::format(" (and {} more)", loaded.error().size() - 1)
+                         : ""));
     return control::Error{control::ErrorKind::unreadable,
                           "the description cannot be used, nothing was changed",
                           std::move(loaded.error())};
@@ -52,9 +46,9 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   last_error_.clear();
   const std::size_t old_self = std::exchange(self_, loaded->self);
   auto old = std::exchange(state_, std::move(loaded->state));
-  const auto loads = std::exchange(excess_, {});
+  const auto old_excess = std::exchange(excess_, {});
   // A stranger does not go away with a description.
-  for (const auto& [network, excess] : loads)
+  for (const auto& [network, excess] : old_excess)
     if (const auto place = state_->find_place(old->system().networks[network].name);
         place && place->kind == core::Place::Kind::network)
       excess_[place->index] = excess;
@@ -64,8 +58,9 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   if (!done) {
     state_ = std::move(old);
     self_ = old_self;
+    excess_ = old_excess;
     last_error_ = done.error().text;
-    tell({Kind::reload, 3, "reload refused, back to what was: " + last_error_, 0, {}, {}, {}, {}});
+    tell(Kind::reload, 3, "reload refused, back to what was: " + last_error_);
     meshes_.describe(state_->system());
     static_cast<void>(put_in_force());
   }
@@ -74,9 +69,8 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   open_unless_lost();
   if (!done) return error(control::ErrorKind::world, last_error_);
   loaded_ = std::time(nullptr);
-  for (std::string& line : loaded->left_out)
-    tell({Kind::trouble, 4, std::move(line), 0, {}, {}, {}, {}});
-  tell({Kind::reload, 5, "reloaded: " + summary(), 0, {}, {}, {}, {}});
+  for (std::string& line : loaded->left_out) tell(Kind::trouble, 4, std::move(line));
+  tell(Kind::reload, 5, "reloaded: " + summary());
   tell_all();
   return control::Done{"reloaded: " + summary()};
 }
@@ -134,9 +128,9 @@ Gateway::Body Gateway::handle(const control::Admit& request) {
 
 /// A key that was granted before is answered as now, and its lease begins anew.
 std::optional<Gateway::Body> Gateway::admit_again(const control::Admit& request) {
-  const auto known = request.key.empty() ? keys_.end() : keys_.find(request.key);
-  if (known == keys_.end()) return std::nullopt;
-  const core::AdmissionId id = known->second;
+  const auto known = keys_.find(request.key);
+  if (!known) return std::nullopt;
+  const core::AdmissionId id = *known;
   const control::Request* granted = stored().admissions.find(id);
   if (granted == nullptr) return std::nullopt;
   if (std::get<control::Admit>(granted->body) != request)
@@ -175,7 +169,7 @@ Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& ask
   set_bands();
   uncommitted_.push_back(id);
   hold_answer_ = true;
-  if (!request.key.empty()) keys_.insert_or_assign(request.key, id);
+  keys_.put(request.key, id);
   own(id, request);
   note_granted(asked.channel);
   for (const core::Verdict& v : state_->decisions()[asked.channel].verdicts)
@@ -212,10 +206,10 @@ Gateway::Body Gateway::handle(const control::RenewRequest& request) {
   core::AdmissionId id = request.admission;
   if (!request.key.empty()) {
     const auto known = keys_.find(request.key);
-    if (known == keys_.end())
+    if (!known)
       return error(control::ErrorKind::invalid,
                    fmt::format("there is no admission with the key '{}'", request.key));
-    id = known->second;
+    id = *known;
   }
   if (stored().admissions.find(id) == nullptr)
     return error(control::ErrorKind::invalid, fmt::format("there is no admission {}", id));
@@ -244,8 +238,8 @@ Gateway::Body Gateway::handle(const control::ReleaseRequest& request) {
     const auto named = channel_named(*state_, request.channel);
     if (!named) return error(control::ErrorKind::invalid, named.error().text);
     channel = *named;
-    for (const core::Admission& a : state_->admissions())
-      if (a.channel == *channel) gone.push_back(a.id);
+    for (const auto& [id, admission] : state_->admissions())
+      if (admission.channel == *channel) gone.push_back(id);
   }
   if (const auto done = release(gone, channel); !done)
     return error(control::ErrorKind::world, done.error().text);
@@ -280,23 +274,25 @@ Result<void> Gateway::release(const std::vector<core::AdmissionId>& gone,
     store_->roll_back();
     return fail("nothing was changed: " + done.error().text);
   }
-  std::set<std::size_t> channels;
-  if (channel) channels.insert(*channel);
-  for (const core::Admission& a : state_->admissions())
-    if (std::ranges::find(gone, a.id) != gone.end()) channels.insert(a.channel);
-  core::GateState before;
-  for (const std::size_t c : channels) {
-    const auto rules = state_->gate_state(self_, c);
-    before.insert(before.end(), rules.begin(), rules.end());
-  }
+  const core::FormerRules left = forget(gone);
+  if (channel) state_->set_released(*channel, true);
+  return settle(left);
+}
+
+/// Takes admissions out of everything but the disk. What the gates had of their channels.
+core::FormerRules Gateway::forget(const std::vector<core::AdmissionId>& gone) {
+  core::FormerRules left;
   for (const core::AdmissionId id : gone) {
+    const auto known = state_->admissions().find(id);
+    if (known == state_->admissions().end()) continue;
+    const std::size_t channel = known->second.channel;
+    if (!left.contains(channel)) left.emplace(channel, state_->gate_state(self_, channel));
     state_->remove(id);
     leases_.forget(id);
     held_.erase(id);
-    std::erase_if(keys_, [id](const auto& key) { return key.second == id; });
+    keys_.forget(id);
   }
-  if (channel) state_->set_released(*channel, true);
-  return settle(std::move(before));
+  return left;
 }
 
 // NOLINTNEXTLINE(readability-convert-member-functions-to-static): one of the handle()s
@@ -313,7 +309,7 @@ Gateway::Body Gateway::handle(const control::ModeRequest& request) {
   const std::string line = audit ? "AUDIT MODE: nothing is dropped, everything is only counted"
                                  : "enforcing: what is not "
                                    "admitted is dropped";
-  tell({Kind::mode, audit ? 4 : 5, line, 0, {}, {}, {}, {}});
+  tell(Kind::mode, audit ? 4 : 5, line);
   return control::Done{line};
 }
 

@@ -29,12 +29,13 @@ void Gateway::look_around() {
   look_at_drops(true);
   if (!history_) return;
   history_->flush(unix_ns());
-  for (std::string& line : history_->take_troubles())
-    tell({Kind::trouble, 4, std::move(line), 0, {}, {}, {}, {}});
+  for (std::string& line : history_->take_troubles()) tell(Kind::trouble, 4, std::move(line));
 }
 
 void Gateway::end_leases() {
-  for (const std::uint64_t id : leases_.expired(monotonic_ns())) {
+  const std::vector<core::AdmissionId> expired = leases_.expired(monotonic_ns());
+  if (expired.empty()) return;
+  for (const core::AdmissionId id : expired)
     tell({Kind::released,
           5,
           fmt::format("admission {}: its lease ended and was not renewed", id),
@@ -43,9 +44,8 @@ void Gateway::end_leases() {
           {},
           {},
           {id}});
-    if (const auto done = release({id}, std::nullopt); !done)
-      tell({Kind::trouble, 3, done.error().text, 0, {}, {}, {}, {}});
-  }
+  if (const auto done = release(expired, std::nullopt); !done)
+    tell(Kind::trouble, 3, done.error().text);
 }
 
 void Gateway::session_closed(std::uint64_t session) {
@@ -92,32 +92,26 @@ void Gateway::measure_buses() {
     const core::can::Schedule* bus = state_->ledger().schedule(network);
     const auto counters = ports_.bus_counters(p);
     if (bus == nullptr || !counters || !state_->system().networks[network].bus.measured) continue;
-    const std::uint32_t known = excess_.contains(network) ? excess_.at(network) : 0;
+    auto& [known, told] = excess_[network];
     const std::uint64_t analysed =
         bus->utilisation_ppm() - std::min<std::uint64_t>(known, bus->utilisation_ppm());
     const std::uint32_t excess =
         loads_[p].measure(*counters, bus->assumptions().timing.bitrate, analysed, monotonic_ns());
     if (excess == known) continue;
-    excess_[network] = excess;
+    known = excess;
     changed = true;
     // A load that swings is told when it comes, when it goes, and when it is quite another.
     constexpr std::uint32_t large = 200'000;
-    std::uint32_t& told = told_excess_[network];
     const std::uint32_t difference = told > excess ? told - excess : excess - told;
     if ((told == 0) == (excess == 0) && difference < large) continue;
     told = excess;
-    tell({Kind::interface,
-          excess != 0 ? 4 : 5,
-          excess != 0
-              ? fmt::format("{} carries at least {:.1f} % more than was admitted: somebody sends "
-                            "who was not, or more than he said",
-                            ports_.network_of(p), excess / 1e4)
-              : fmt::format("{} carries no more than was admitted again", ports_.network_of(p)),
-          0,
-          {},
-          ports_.network_of(p),
-          {},
-          {}});
+    tell(Kind::interface, excess != 0 ? 4 : 5,
+         excess != 0
+             ? fmt::format("{} carries at least {:.1f} % more than was admitted: somebody sends "
+                           "who was not, or more than he said",
+                           ports_.network_of(p), excess / 1e4)
+             : fmt::format("{} carries no more than was admitted again", ports_.network_of(p)),
+         ports_.network_of(p));
   }
   if (!changed) return;
   put_conditions(*state_);
@@ -151,15 +145,10 @@ void Gateway::look_at_drops(bool mention) {
   for (std::size_t p = 0; p < ports_.size(); ++p) {
     const auto dropped = drops_.look("unknown " + std::to_string(p), ports_.unknown_frames(p), now);
     if (dropped && mention)
-      tell({Kind::dropping,
-            4,
-            fmt::format("{} frames without a known subject dropped on {} ({})", *dropped,
-                        ports_.interface_name(p), ports_.network_of(p)),
-            0,
-            {},
-            ports_.network_of(p),
-            {},
-            {}});
+      tell(Kind::dropping, 4,
+           fmt::format("{} frames without a known subject dropped on {} ({})", *dropped,
+                       ports_.interface_name(p), ports_.network_of(p)),
+           ports_.network_of(p));
   }
 }
 
@@ -216,11 +205,8 @@ void Gateway::tell_all() {
 void Gateway::tell_changes(const std::vector<core::Change>& changes) {
   for (const core::Change& change : changes) {
     for (const core::Verdict& v : state_->decisions()[change.channel].verdicts) {
-      const auto& before = change.before.verdicts;
-      const auto old = std::ranges::find_if(before, [&v](const core::Verdict& o) {
-        return o.publisher == v.publisher && o.to == v.to;
-      });
-      const bool was = old != before.end() && old->granted;
+      const core::Verdict* old = core::same_delivery(change.before, v);
+      const bool was = old != nullptr && old->granted;
       if (v.granted && !was) tell_verdict(Kind::granted, v, verdict_line(*state_, v));
       if (!v.granted && was) tell_verdict(Kind::withdrawn, v, verdict_line(*state_, v));
       if (v.granted && was && v.set != old->set)

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/text.hpp"
+#include "daemon/report.hpp"
 
 namespace mlcca {
 namespace {
@@ -115,7 +116,7 @@ Result<std::unique_ptr<core::State>> suppose(const core::State& now,
   }
 
   auto then = std::make_unique<core::State>(std::move(system));
-  for (const core::Admission& a : now.admissions()) then->restore(a);
+  for (const auto& [id, admission] : now.admissions()) then->restore(admission);
   std::map<std::size_t, std::size_t> granted;
   for (std::size_t c = 0; c < now.decisions().size(); ++c) {
     then->set_released(c, now.released(c));
@@ -152,18 +153,14 @@ control::WhatIf outlook(const core::State& now, const core::State& then) {
         ++out.unchanged;
         continue;
       }
-      const bool unavailable = v.obstacle == core::Obstacle::unavailable;
-      out.outlooks.push_back(
-          {.channel = then.system().channels[v.channel].name,
-           .publisher = then.members().publisher(v.publisher).name,
-           .to = core::name_of(then.system(), v.to),
-           .granted_now = was,
-           .granted_then = v.granted,
-           .set_now = static_cast<std::uint32_t>(old != nullptr ? old->set : 0),
-           .set_then = static_cast<std::uint32_t>(v.set),
-           .reason = core::reason(then.system(), then.members(), v,
-                                  unavailable ? then.world().conditions[v.obstacle_at.index].problem
-                                              : std::string())});
+      out.outlooks.push_back({.channel = then.system().channels[v.channel].name,
+                              .publisher = then.members().publisher(v.publisher).name,
+                              .to = core::name_of(then.system(), v.to),
+                              .granted_now = was,
+                              .granted_then = v.granted,
+                              .set_now = static_cast<std::uint32_t>(old != nullptr ? old->set : 0),
+                              .set_then = static_cast<std::uint32_t>(v.set),
+                              .reason = why(then, v)});
     }
   }
   return out;

@@ -20,14 +20,14 @@ control::Outcome outcome_of(Outcome outcome) {
   return control::Outcome::unfit;
 }
 
+}  // namespace
+
 std::string why(const core::State& state, const core::Verdict& v) {
   const bool unavailable = v.obstacle == core::Obstacle::unavailable;
   return core::reason(
       state.system(), state.members(), v,
       unavailable ? state.world().conditions[v.obstacle_at.index].problem : std::string());
 }
-
-}  // namespace
 
 control::MediumUse medium_report(const core::State& state, const core::MediumUse& use) {
   control::MediumUse out;

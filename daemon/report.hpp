@@ -15,6 +15,8 @@ struct Frames {
   std::uint64_t dropped = 0;
 };
 
+/// Why it was decided so, with what is wrong with a network that cannot be used.
+[[nodiscard]] std::string why(const core::State& state, const core::Verdict& verdict);
 [[nodiscard]] control::MediumUse medium_report(const core::State& state,
                                                const core::MediumUse& use);
 [[nodiscard]] control::Channel channel_report(const core::State& state,

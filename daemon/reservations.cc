@@ -150,10 +150,7 @@ control::Routes routes_report(const core::State& state) {
       control::RouteReport& r = out.routes[it->second];
       ++(v.granted ? r.granted : r.refused);
       if (v.obstacle == core::Obstacle::no_path || v.obstacle == core::Obstacle::unavailable)
-        r.problem = core::reason(state.system(), state.members(), v,
-                                 v.obstacle == core::Obstacle::unavailable
-                                     ? state.world().conditions[v.obstacle_at.index].problem
-                                     : std::string());
+        r.problem = why(state, v);
       for (const core::MediumUse& use : v.media) {
         const control::MediumUse now = medium_report(state, use);
         const auto same = std::ranges::find(r.media, now.network, &control::MediumUse::network);
@@ -173,11 +170,6 @@ void add_links(const core::mesh::Mesh& mesh, const core::mesh::LinkTable& table,
     const auto it = std::ranges::find(mesh.nodes, address, &core::mesh::Node::address);
     return it == mesh.nodes.end() ? address : it->name;
   };
-  const auto source_name = [&](std::size_t s) {
-    const core::mesh::Source& source = mesh.sources[s];
-    const std::string& where = source.interface.empty() ? source.endpoint : source.interface;
-    return std::string(core::to_text(source.kind)) + (where.empty() ? "" : " " + where);
-  };
   for (const core::mesh::Known& known : table.links()) {
     control::MeshLink link;
     link.network = network;
@@ -192,12 +184,12 @@ void add_links(const core::mesh::Mesh& mesh, const core::mesh::LinkTable& table,
     link.busy = known.sample.busy.value_or(0);
     link.age_ns = now > known.sample.taken ? now - known.sample.taken : 0;
     link.stale = known.stale;
-    link.source = source_name(known.source);
+    link.source = core::name_of(mesh.sources[known.source]);
     out.links.push_back(std::move(link));
   }
   for (std::size_t s = 0; s < mesh.sources.size(); ++s)
     if (const std::string& problem = table.problem(s); !problem.empty())
-      out.problems.push_back(network + ": " + source_name(s) + ": " + problem);
+      out.problems.push_back(network + ": " + core::name_of(mesh.sources[s]) + ": " + problem);
 }
 
 control::Reservations reservations_report(const core::State& state,

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Under which key an application asked for an admission, so that asking again grants it once.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+namespace mlcca {
+
+class Keys {
+ public:
+  /// No key: nothing is remembered.
+  void put(const std::string& key, std::uint64_t id) {
+    if (key.empty()) return;
+    ids_.insert_or_assign(key, id);
+    keys_.insert_or_assign(id, key);
+  }
+  [[nodiscard]] std::optional<std::uint64_t> find(const std::string& key) const {
+    const auto known = ids_.find(key);
+    if (known == ids_.end()) return std::nullopt;
+    return known->second;
+  }
+  void forget(std::uint64_t id) {
+    const auto known = keys_.find(id);
+    if (known == keys_.end()) return;
+    ids_.erase(known->second);
+    keys_.erase(known);
+  }
+
+ private:
+  std::map<std::string, std::uint64_t> ids_;
+  std::map<std::uint64_t, std::string> keys_;
+};
+
+}  // namespace mlcca
