@@ -126,25 +126,44 @@ mesh::Graph grid_links(Value rate_of_first) {
   return graph;
 }
 
-/// Proposed and accepted, then released: of one more channel beside those that are there.
-double admissions_per_second(State& state, std::size_t spare, std::size_t rounds) {
-  const Publisher& known = state.system().publishers[spare];
-  const double start = now();
-  for (std::size_t i = 0; i < rounds; ++i) {
-    Admission a;
-    a.id = i + 1;
-    a.channel = known.channel;
-    a.publisher = known;
-    Proposal p = state.propose(a);
-    if (!p.fit()) {
-      fmt::print(stderr, "refused\n");
-      std::exit(1);
+/// A publisher for each of the last channels, which have none; then all of them leave again.
+struct PerSecond {
+  double admitted = 0;
+  double both = 0;
+};
+
+PerSecond admissions_per_second(State& state, const std::vector<Publisher>& newcomers) {
+  PerSecond best;
+  for (int round = 0; round < 5; ++round) {
+    std::vector<Admission> asked;
+    for (const Publisher& p : newcomers) asked.push_back({asked.size() + 1, p.channel, p, {}});
+    const double start = now();
+    for (Admission& a : asked) {
+      Proposal p = state.propose(std::move(a));
+      if (!p.fit()) {
+        fmt::print(stderr, "refused\n");
+        std::exit(1);
+      }
+      std::move(p).accept();
     }
-    std::move(p).accept();
-    state.remove(a.id);
-    state.settle();
+    const double admitted = now();
+    for (std::size_t i = 0; i < newcomers.size(); ++i) {
+      state.remove(i + 1);
+      state.settle();
+    }
+    const auto n = static_cast<double>(newcomers.size());
+    best.admitted = std::max(best.admitted, n / (admitted - start));
+    best.both = std::max(best.both, n / (now() - start));
   }
-  return static_cast<double>(rounds) / (now() - start);
+  return best;
+}
+
+/// The publishers of the last channels, which the system has no more.
+std::vector<Publisher> take_publishers(System& system, std::size_t count) {
+  const auto first = system.publishers.end() - static_cast<std::ptrdiff_t>(count);
+  std::vector<Publisher> taken(first, system.publishers.end());
+  system.publishers.erase(first, system.publishers.end());
+  return taken;
 }
 
 /// The ledger alone: check and commit of a flow over one resource, and its release.
@@ -194,14 +213,16 @@ void link_change(std::size_t touched, std::size_t others) {
 
 int main(int argc, char** argv) {
   constexpr std::size_t many = 100'000;
+  constexpr std::size_t spare = 10'000;
   {
-    System system = wires(many + 1);
-    system.publishers.back().attributes = rate(100);
-    fmt::print("ledger alone, one link of 1000, {} flows    {:>12.0f} /s\n", many,
+    System system = wires(many + spare);
+    fmt::print("ledger alone, one link of 1000, {} flows       {:>9.0f} /s\n", many,
                ledger_per_second(system, many, 2'000'000));
+    const auto newcomers = take_publishers(system, spare);
     State state(std::move(system));
-    const double ours = admissions_per_second(state, many, 100'000);
-    fmt::print("admit and release, one link of 1000, {} others {:>9.0f} /s\n", many, ours);
+    const PerSecond ours = admissions_per_second(state, newcomers);
+    fmt::print("admit, one link of 1000, {} others             {:>9.0f} /s\n", many, ours.admitted);
+    fmt::print("admit and release, one link of 1000            {:>14.0f} /s\n", ours.both);
     if (argc > 1) {
       double peer = 0;
       const std::string command = std::string(argv[1]) + " 1000";
@@ -209,17 +230,19 @@ int main(int argc, char** argv) {
         if (std::fscanf(pipe, "%lf", &peer) != 1) peer = 0;
         ::pclose(pipe);
       }
-      fmt::print("  Cyclone DDS, reader and writer pairs of 1000     {:>9.0f} /s   ratio {:.1f}\n",
-                 peer, peer > 0 ? ours / peer : 0);
+      fmt::print("  Cyclone DDS, reader and writer pairs of 1000    {:>9.0f} /s   ratio {:.0f}\n",
+                 peer, peer > 0 ? ours.both / peer : 0);
     }
   }
   {
-    System system = grid(many + 1);
+    System system = grid(many + spare);
+    const auto newcomers = take_publishers(system, spare);
     State state(std::move(system));
     state.set_graph(0, grid_links(10'000'000'000));
     state.settle();
-    fmt::print("admit and release, four hops of a mesh, {} others {:>6.0f} /s\n", many,
-               admissions_per_second(state, many, 20'000));
+    const PerSecond ours = admissions_per_second(state, newcomers);
+    fmt::print("admit, four hops of a mesh, {} others          {:>9.0f} /s\n", many, ours.admitted);
+    fmt::print("admit and release, four hops of a mesh         {:>14.0f} /s\n", ours.both);
   }
   for (const std::size_t touched : {10, 1000}) link_change(touched, 0);
   link_change(1000, 99'000);
