@@ -17,6 +17,11 @@ void Allocation::take_out(std::size_t channel) {
   for (const std::size_t p : s_.members.publishers_of(channel)) ledger_.remove(p);
 }
 
+void Allocation::put(std::size_t channel, Decision decision) {
+  if (former_ != nullptr) former_->try_emplace(channel, std::move(decisions_[channel]));
+  decisions_[channel] = std::move(decision);
+}
+
 bool Allocation::is_best(std::size_t channel) const {
   const Decision& now = decisions_[channel];
   return now.set == 0 && now.granted != 0 && now.all_granted();
@@ -42,18 +47,20 @@ bool Allocation::keep(const std::vector<std::size_t>& channels) {
     }
     kept.emplace_back(c, std::move(now));
   }
-  for (auto& [c, decision] : kept) decisions_[c] = std::move(decision);
+  for (auto& [c, decision] : kept) put(c, std::move(decision));
   ledger_.commit();
   return true;
 }
 
 /// What a channel could have of what it had, from its set downwards, if nobody else were there.
-Decision Allocation::alone(std::size_t channel) const {
+Decision Allocation::alone(std::size_t channel) {
+  if (!nobody_) nobody_ = empty_ledger(s_.system, s_.world);
   const Decision& old = decisions_[channel];
   Decision most;
   for (std::size_t set = old.set; set < sets_of(s_.system, channel); ++set) {
-    Ledger empty = empty_ledger(s_.system, s_.world);
-    Decision now = decide_in(s_, channel, set, empty, &old);
+    const Ledger::Mark mark = nobody_->mark();
+    Decision now = decide_in(s_, channel, set, *nobody_, &old);
+    nobody_->roll_back(mark);
     if (keeps_grants(old, now)) return now;
     if (set == old.set || now.granted > most.granted) most = std::move(now);
   }
@@ -74,11 +81,12 @@ std::optional<Decision> Allocation::lowered(std::size_t channel, const Decision&
 void Allocation::squeeze(const std::vector<std::size_t>& channels) {
   for (const std::size_t c : channels) {
     if (decisions_[c].granted == 0) continue;
-    const Decision before = std::exchange(decisions_[c], {});
+    const Decision before = decisions_[c];
     if (auto now = lowered(c, before)) {
-      decisions_[c] = std::move(*now);
+      put(c, std::move(*now));
       continue;
     }
+    put(c, {});
     // Part of it is better than nothing.
     std::optional<std::size_t> chosen;
     std::size_t most = 0;
@@ -90,14 +98,14 @@ void Allocation::squeeze(const std::vector<std::size_t>& channels) {
       most = now.granted;
       chosen = set;
     }
-    if (chosen) decisions_[c] = decide_in(s_, c, *chosen, ledger_, &before);
+    if (chosen) put(c, decide_in(s_, c, *chosen, ledger_, &before));
   }
   ledger_.commit();
 }
 
 bool Allocation::step_up(std::size_t channel) {
   if (is_best(channel)) return false;
-  Decision& now = decisions_[channel];
+  const Decision& now = decisions_[channel];
   const std::size_t sets = sets_of(s_.system, channel);
   const std::size_t first = now.granted == 0 ? sets : now.all_granted() ? now.set : now.set + 1;
   for (std::size_t set = first; set-- > 0;) {
@@ -109,7 +117,7 @@ bool Allocation::step_up(std::size_t channel) {
     const bool better = next.granted == now.granted && set < now.set && now.granted != 0;
     const bool same = next.granted == now.granted && set == now.set && now.granted != 0;
     if (keeps && (more || better || same)) {
-      now = std::move(next);
+      put(channel, std::move(next));
       ledger_.commit();
       // The same again: only the reasons of what is refused are those of now.
       if (!same) return true;
@@ -117,7 +125,7 @@ bool Allocation::step_up(std::size_t channel) {
     }
     ledger_.roll_back(mark);
     // A refusal is explained with the set that is wanted.
-    if (now.granted == 0 && set == 0) now = std::move(next);
+    if (now.granted == 0 && set == 0) put(channel, std::move(next));
   }
   return false;
 }

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -19,11 +20,15 @@ namespace mlcca::core {
 
 class Allocation {
  public:
+  /// Of channels: what was decided before.
+  using Former = std::map<std::size_t, Decision>;
+
   /// `ages`: of each channel, the larger the younger. `decisions`: of each channel, changed in
-  /// place. What they grant is in the ledger, except where it says otherwise.
+  /// place. What they grant is in the ledger, except where it says otherwise. `former`: gets what
+  /// is replaced, the first time that it is.
   Allocation(const Situation& situation, std::span<const std::uint64_t> ages,
-             std::vector<Decision>& decisions, Ledger& ledger)
-      : s_(situation), ages_(ages), decisions_(decisions), ledger_(ledger) {}
+             std::vector<Decision>& decisions, Ledger& ledger, Former* former = nullptr)
+      : s_(situation), ages_(ages), decisions_(decisions), ledger_(ledger), former_(former) {}
 
   /// In the order in which they are served.
   void sort(std::vector<std::size_t>& channels) const;
@@ -45,7 +50,8 @@ class Allocation {
   void take_out(std::size_t channel);
 
  private:
-  [[nodiscard]] Decision alone(std::size_t channel) const;
+  void put(std::size_t channel, Decision decision);
+  [[nodiscard]] Decision alone(std::size_t channel);
   [[nodiscard]] std::optional<Decision> lowered(std::size_t channel, const Decision& before);
   bool step_up(std::size_t channel);
   [[nodiscard]] bool is_best(std::size_t channel) const;
@@ -57,6 +63,8 @@ class Allocation {
   std::span<const std::uint64_t> ages_;
   std::vector<Decision>& decisions_;
   Ledger& ledger_;
+  Former* former_;
+  std::optional<Ledger> nobody_;  // as if nobody held anything
 };
 
 /// There is nothing to be divided: one set each, all equally important. Then serving one channel

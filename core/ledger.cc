@@ -111,6 +111,12 @@ void Ledger::undo(Added& step) {
 
 void Ledger::undo(Occupied& step) {
   Holding& holding = holdings_[step.publisher][step.index];
+  if (step.links == 0) {
+    for (const mesh::Share& share : holding.mesh->shares)
+      domains_[holding.resource][share.domain] -= share.time;
+    holding.mesh.reset();
+    return;
+  }
   for (const mesh::Share& share : step.shares) {
     domains_[holding.resource][share.domain] -= share.time;
     const auto it = std::ranges::find(holding.mesh->shares, share.domain, &mesh::Share::domain);
@@ -118,7 +124,6 @@ void Ledger::undo(Occupied& step) {
     if (it->time == 0) holding.mesh->shares.erase(it);
   }
   holding.mesh->links.resize(step.links);
-  if (step.links == 0) holding.mesh.reset();
 }
 
 void Ledger::undo(Scheduled& step) { holdings_[step.publisher][step.index].scheduled = false; }
@@ -146,17 +151,21 @@ bool Ledger::add(const Flow& flow, Value bytes_per_second) {
 }
 
 void Ledger::occupy(const Flow& flow, std::span<const std::uint32_t> links,
-                    std::span<const mesh::Share> shares) {
+                    std::vector<mesh::Share> shares) {
   const std::size_t index = index_of(flow);
   assert(index != kNotFound);
   Holding& holding = holdings_[flow.publisher][index];
   if (!holding.mesh) holding.mesh = std::make_unique<MeshHolding>();
+  const bool first = holding.mesh->links.empty();
   if (marked_)
-    steps_.emplace_back(Occupied{
-        flow.publisher, index, holding.mesh->links.size(), {shares.begin(), shares.end()}});
+    steps_.emplace_back(Occupied{flow.publisher, index, holding.mesh->links.size(),
+                                 first ? std::vector<mesh::Share>() : shares});
   holding.mesh->links.insert(holding.mesh->links.end(), links.begin(), links.end());
-  add_shares(holding.mesh->shares, shares);
   for (const mesh::Share& share : shares) domains_[flow.resource][share.domain] += share.time;
+  if (first)
+    holding.mesh->shares = std::move(shares);
+  else
+    add_shares(holding.mesh->shares, shares);
 }
 
 std::optional<can::Schedule::Late> Ledger::schedule(const Flow& flow, can::Message message) {

@@ -77,7 +77,7 @@ class Ledger {
   bool add(const Flow& flow, Value bytes_per_second);
   /// More links of a mesh for a flow that was added, and what they take of its domains.
   void occupy(const Flow& flow, std::span<const std::uint32_t> links,
-              std::span<const mesh::Share> shares);
+              std::vector<mesh::Share> shares);
   /// A message for a flow that was added, on an analysed bus; in place of the one that it has. What
   /// would be late if it did not fit: nothing was changed then.
   std::optional<can::Schedule::Late> schedule(const Flow& flow, can::Message message);
@@ -106,8 +106,8 @@ class Ledger {
   struct Occupied {
     std::size_t publisher;
     std::size_t index;
-    std::size_t links;  ///< how many it had
-    std::vector<mesh::Share> shares;
+    std::size_t links;                ///< how many it had
+    std::vector<mesh::Share> shares;  ///< what was added; where it had none: all that it has
   };
   struct Scheduled {
     std::size_t publisher;

@@ -142,7 +142,8 @@ std::uint32_t Media::sender_queue(std::size_t hop) const {
 }
 
 void Media::late_row(Place hop, const can::Schedule::Late& late) {
-  Row row{Against::schedule, hop, 0, Ledger::publisher_of(late.key), {}, 0};
+  Row row{.place = hop, .against = Against::schedule};
+  row.end = static_cast<std::uint32_t>(Ledger::publisher_of(late.key));
   Comparison& c = row.comparison;
   c.attribute = late.overflow ? Attribute::omission : Attribute::deadline;
   c.outcome = Outcome::unfit;
@@ -325,7 +326,7 @@ void Media::take_mesh(std::size_t hop) {
   if (offered.has(Attribute::period))
     provide(provision, Attribute::period, offered[Attribute::period], best_case);
   if (use.available != kUnbounded) {
-    Row row{Against::medium_time, places_[hop], 0, 0, {}, 0};
+    Row row{.place = places_[hop], .against = Against::medium_time};
     Comparison& c = row.comparison;
     c.attribute = Attribute::bandwidth;
     c.known = true;

@@ -41,6 +41,15 @@ class Members {
   [[nodiscard]] const std::vector<std::size_t>& subscribers_of(std::size_t channel) const {
     return by_channel_[channel].subscribers;
   }
+  /// What an admission brought in.
+  struct Admitted {
+    std::optional<std::size_t> publisher;
+    std::optional<std::size_t> subscriber;
+  };
+  [[nodiscard]] Admitted admitted(AdmissionId admission) const {
+    const auto found = admitted_.find(admission);
+    return found == admitted_.end() ? Admitted{} : found->second;
+  }
   [[nodiscard]] std::size_t channels() const { return by_channel_.size(); }
 
  private:
@@ -75,11 +84,6 @@ class Members {
     std::vector<std::size_t> publishers;
     std::vector<std::size_t> subscribers;
   };
-  struct Admitted {
-    std::optional<std::size_t> publisher;
-    std::optional<std::size_t> subscriber;
-  };
-
   Ends<Publisher> publishers_;
   Ends<Subscriber> subscribers_;
   std::vector<Channel> by_channel_;

@@ -15,9 +15,6 @@
 namespace mlcca::core {
 namespace {
 
-/// Requirements that a channel has as a rule.
-constexpr std::size_t kRowsAtOnce = 4;
-
 class RouteCheck {
  public:
   RouteCheck(const Situation& situation, Ledger& ledger, const std::vector<Target>& targets,
@@ -28,7 +25,11 @@ class RouteCheck {
     find_obstacle();
     if (v_.obstacle != Obstacle::none) return;
     collect_hops();
-    v_.rows.reserve((count_ + 2) * kRowsAtOnce);
+    // Each hop, the whole way and what is offered; the capacity of each hop.
+    std::size_t asked = 0;
+    for (std::size_t i = 0; i < kAttributes; ++i)
+      asked += v_.requirement.has(attribute_at(i)) ? 1 : 0;
+    v_.rows.reserve((count_ + 2) * asked + count_);
     const Ledger::Mark before = ledger_.mark();
     reserve();
     const std::vector<Row> medium_rows = take_media();
@@ -106,14 +107,20 @@ class RouteCheck {
   void add_rows(Against against, Place place, const CheckResult& check,
                 std::size_t subscriber = 0) {
     for (std::size_t i = 0; i < check.count; ++i)
-      v_.rows.push_back({against, place, subscriber, 0, check.rows[i], 0});
+      v_.rows.push_back({.place = place,
+                         .comparison = check.rows[i],
+                         .end = static_cast<std::uint32_t>(subscriber),
+                         .against = against});
   }
 
   /// The same for user-defined attributes.
   void add_rows(Against against, Place place, const UserValues& required,
                 const UserValues& provided) {
     for (const UserValue& r : required)
-      v_.rows.push_back({against, place, 0, 0, compare(s_.system, r, provided), 0, r.attribute});
+      v_.rows.push_back({.place = place,
+                         .comparison = compare(s_.system, r, provided),
+                         .user = r.attribute,
+                         .against = against});
   }
 
   void check_hops() {
@@ -262,7 +269,7 @@ class RouteCheck {
         obstruct(Obstacle::no_traffic, hop);
         return;
       }
-      Row row{Against::capacity, hop, 0, 0, {}, reserved_[i]};
+      Row row{.place = hop, .reserved = reserved_[i], .against = Against::capacity};
       row.comparison.attribute = Attribute::bandwidth;
       row.comparison.outcome = c.outcome;
       row.comparison.known = true;

@@ -30,8 +30,8 @@ class State::Settlement {
 
   std::vector<Change> run() {
     collect();
-    Allocation allocation(s_.situation(), s_.ages_, s_.decisions_, s_.ledger_);
-    for (const std::size_t c : s_.touched_) take_out(allocation, c);
+    Allocation allocation(s_.situation(), s_.ages_, s_.decisions_, s_.ledger_, &before_);
+    for (const std::size_t c : s_.touched_) allocation.take_out(c);
     s_.ledger_.commit();
     renew_world();
     std::vector<std::vector<std::size_t>> short_of;
@@ -45,7 +45,7 @@ class State::Settlement {
       }
     }
     for (std::vector<std::size_t>& channels : short_of) {
-      for (const std::size_t c : channels) take_out(allocation, c);
+      for (const std::size_t c : channels) allocation.take_out(c);
       allocation.sort(channels);
       allocation.squeeze(channels);
     }
@@ -69,11 +69,6 @@ class State::Settlement {
     std::shared_ptr<MeshView> view;  ///< nothing is known
     bool same_domains = false;
   };
-
-  void take_out(Allocation& allocation, std::size_t channel) {
-    before_.try_emplace(channel, s_.decisions_[channel]);
-    allocation.take_out(channel);
-  }
 
   std::vector<Component> components() {
     std::vector<Component> all;
@@ -128,7 +123,6 @@ class State::Settlement {
     for (;;) {
       find_relief();
       std::vector<std::size_t> waiting = waiting_channels();
-      for (const std::size_t c : waiting) before_.try_emplace(c, s_.decisions_[c]);
       allocation.sort(waiting);
       bool any = false;
       while (allocation.serve(waiting) || allocation.raise(waiting)) any = true;
@@ -237,6 +231,7 @@ class State::Settlement {
 
   [[nodiscard]] std::vector<std::size_t> waiting_channels() const {
     std::set<std::size_t> waiting;
+    for (const std::size_t c : s_.touched_) waiting.insert(c);
     for (const auto& [channel, before] : before_) waiting.insert(channel);
     for (const std::size_t r : s_.relieved_) {
       const auto& channels = s_.usage_.waiting_for(r);
@@ -255,7 +250,7 @@ class State::Settlement {
   }
 
   State& s_;
-  std::map<std::size_t, Decision> before_;
+  Allocation::Former before_;
   std::vector<NewView> views_;
 };
 

@@ -11,9 +11,9 @@
 namespace mlcca::core {
 namespace {
 
-void add_to(Members& members, const Admission& admission) {
-  if (admission.publisher) members.add(*admission.publisher, admission.id);
-  if (admission.subscriber) members.add(*admission.subscriber, admission.id);
+void add_to(Members& members, Admission admission) {
+  if (admission.publisher) members.add(std::move(*admission.publisher), admission.id);
+  if (admission.subscriber) members.add(std::move(*admission.subscriber), admission.id);
 }
 
 System sorted(System system) {
@@ -25,29 +25,32 @@ System sorted(System system) {
 
 // --- proposals ----------------------------------------------------------------------------------
 
-Proposal::Proposal(State& state, const Admission& admission)
-    : state_(&state), admission_(admission), before_(state.ledger_.mark()) {
+Proposal::Proposal(State& state, Admission admission)
+    : state_(&state),
+      id_(admission.id),
+      channel_(admission.channel),
+      before_(state.ledger_.mark()) {
   const Members& members = state.members_;
-  for (const std::size_t p : members.publishers_of(admission.channel)) state.ledger_.remove(p);
-  add_to(state.members_, admission);
+  for (const std::size_t p : members.publishers_of(channel_)) state.ledger_.remove(p);
+  add_to(state.members_, std::move(admission));
   decide();
 
   const auto is_own = [&](const Verdict& v) {
-    return members.admission_of_publisher(v.publisher) == admission.id ||
+    return members.admission_of_publisher(v.publisher) == id_ ||
            std::ranges::any_of(v.subscribers, [&](std::size_t s) {
-             return members.admission_of_subscriber(s) == admission.id;
+             return members.admission_of_subscriber(s) == id_;
            });
   };
   for (std::size_t i = 0; i < next_.verdicts.size(); ++i)
     if (is_own(next_.verdicts[i])) own_.push_back(i);
-  fit_ = !own_.empty() && keeps_grants(state.decisions_[admission.channel], next_) &&
+  fit_ = !own_.empty() && keeps_grants(state.decisions_[channel_], next_) &&
          std::ranges::all_of(own_, [&](std::size_t i) { return next_.verdicts[i].granted; });
 }
 
 /// The best attribute set in which everything is granted, if it is not lower than what there was.
 /// Otherwise the one in which most is.
 void Proposal::decide() {
-  const std::size_t channel = admission_.channel;
+  const std::size_t channel = channel_;
   const Decision& before = state_->decisions_[channel];
   const std::size_t sets = before.granted != 0 ? before.set + 1 : sets_of(state_->system_, channel);
   const Situation situation = state_->situation();
@@ -68,7 +71,8 @@ void Proposal::decide() {
 
 Proposal::Proposal(Proposal&& other) noexcept
     : state_(std::exchange(other.state_, nullptr)),
-      admission_(std::move(other.admission_)),
+      id_(other.id_),
+      channel_(other.channel_),
       before_(other.before_),
       next_(std::move(other.next_)),
       own_(std::move(other.own_)),
@@ -78,7 +82,7 @@ Proposal::~Proposal() {
   if (state_ == nullptr) return;
   state_->ledger_.roll_back(before_);
   state_->ledger_.commit();
-  state_->members_.remove(admission_.id);
+  state_->members_.remove(id_);
 }
 
 std::vector<const Verdict*> Proposal::verdicts() const {
@@ -89,22 +93,22 @@ std::vector<const Verdict*> Proposal::verdicts() const {
 }
 
 GateChanges Proposal::changes(std::size_t gateway) const {
-  const std::size_t c = admission_.channel;
+  const std::size_t c = channel_;
   // The rules as they are come from the verdicts as they are; a newcomer has none among them, but
   // its publisher would be listed as known: leave it out.
   const Members& members = state_->members_;
-  const GateState now = core::gate_state(state_->system_, members, c,
-                                         state_->decisions_[c].verdicts, gateway, admission_.id);
+  const GateState now =
+      core::gate_state(state_->system_, members, c, state_->decisions_[c].verdicts, gateway, id_);
   return difference(now, core::gate_state(state_->system_, members, c, next_.verdicts, gateway));
 }
 
 void Proposal::accept() && {
-  const std::size_t c = admission_.channel;
+  const std::size_t c = channel_;
   state_->ledger_.commit();
   // What the channel held may be less now: a better set, another way.
   for (const std::size_t r : state_->usage_.resources_of(c)) state_->relieved_.insert(r);
   state_->decisions_[c] = std::move(next_);
-  state_->admissions_.emplace(admission_.id, std::move(admission_));
+  state_->admissions_.emplace(id_, c);
   state_->note_age(c);
   state_->usage_.set(state_->situation(), c, state_->decisions_[c]);
   state_ = nullptr;
@@ -147,16 +151,25 @@ void State::set_released(std::size_t channel, bool released) {
   touched_.insert(channel);
 }
 
-void State::restore(const Admission& admission) {
-  add_to(members_, admission);
-  admissions_.insert_or_assign(admission.id, admission);
-  note_age(admission.channel);
+void State::restore(Admission admission) {
+  const std::size_t channel = admission.channel;
+  admissions_.insert_or_assign(admission.id, channel);
+  add_to(members_, std::move(admission));
+  note_age(channel);
+}
+
+Admission State::admission(AdmissionId id) const {
+  Admission out{id, admissions_.at(id), {}, {}};
+  const Members::Admitted ends = members_.admitted(id);
+  if (ends.publisher) out.publisher = members_.publisher(*ends.publisher);
+  if (ends.subscriber) out.subscriber = members_.subscriber(*ends.subscriber);
+  return out;
 }
 
 bool State::remove(AdmissionId id) {
   const auto it = admissions_.find(id);
   if (it == admissions_.end()) return false;
-  const std::size_t channel = it->second.channel;
+  const std::size_t channel = it->second;
   // What the others of the channel hold may depend on who left, so all of it is decided anew.
   for (const std::size_t p : members_.publishers_of(channel)) ledger_.remove(p);
   forget_deliveries(channel, id);

@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/admission.hpp"
@@ -55,11 +56,12 @@ class Proposal {
 
  private:
   friend class State;
-  Proposal(State& state, const Admission& admission);
+  Proposal(State& state, Admission admission);
   void decide();
 
   State* state_;
-  Admission admission_;
+  AdmissionId id_;
+  std::size_t channel_;
   Ledger::Mark before_;
   Decision next_;
   std::vector<std::size_t> own_;  // indices into the verdicts
@@ -91,8 +93,10 @@ class State {
   [[nodiscard]] const std::vector<Decision>& decisions() const { return decisions_; }
   [[nodiscard]] const Ledger& ledger() const { return ledger_; }
   [[nodiscard]] const World& world() const { return world_; }
-  /// In the order of their ids.
-  [[nodiscard]] const std::map<AdmissionId, Admission>& admissions() const { return admissions_; }
+  /// The channels of the admissions, in the order of their ids.
+  [[nodiscard]] const std::map<AdmissionId, std::size_t>& admissions() const { return admissions_; }
+  /// Of one that is there.
+  [[nodiscard]] Admission admission(AdmissionId id) const;
   [[nodiscard]] bool released(std::size_t channel) const { return released_[channel]; }
 
   // What changes from here on counts after the next settle().
@@ -117,9 +121,9 @@ class State {
   /// served first.
   void decide(const std::map<std::size_t, std::size_t>& before = {});
 
-  [[nodiscard]] Proposal propose(const Admission& admission) { return {*this, admission}; }
+  [[nodiscard]] Proposal propose(Admission admission) { return {*this, std::move(admission)}; }
   /// Takes an admission in without asking, before decide(): one that was granted before a restart.
-  void restore(const Admission& admission);
+  void restore(Admission admission);
 
   [[nodiscard]] GateState gate_state(std::size_t gateway) const {
     return core::gate_state(system_, members_, decisions_, gateway);
@@ -153,7 +157,7 @@ class State {
   std::vector<Decision> decisions_;
   std::vector<std::uint64_t> ages_;  // of each channel: id of its oldest admission, 0: described
   Usage usage_;
-  std::map<AdmissionId, Admission> admissions_;
+  std::map<AdmissionId, std::size_t> admissions_;
 
   std::map<std::size_t, Condition> new_conditions_;
   struct NewGraph {

@@ -215,7 +215,7 @@ std::string where(const System& system, const Members& members, const Verdict& v
       return "end to end";
     case Against::traffic:
       return "publisher " + members.publisher(verdict.publisher).name + " for " +
-             members.subscriber(row.subscriber).name;
+             members.subscriber(row.end).name;
     case Against::bystander:
       return "listeners on " + name_of(system, row.place);
     case Against::capacity:
@@ -229,7 +229,7 @@ std::string where(const System& system, const Members& members, const Verdict& v
 }
 
 std::string schedule_text(const System& system, const Members& members, const Row& row) {
-  const Publisher& late = members.publisher(row.late);
+  const Publisher& late = members.publisher(row.end);
   const std::string frames = "the frames of " + late.name + " (" +
                              system.channels[late.channel].name + ") on " +
                              name_of(system, row.place);

@@ -23,16 +23,16 @@ enum class Against : std::uint8_t {
 };
 
 struct Row {
-  Against against = Against::hop;
-  Place place;                 ///< hop, bystander, capacity
-  std::size_t subscriber = 0;  ///< traffic
-  std::size_t late = 0;        ///< schedule: the publisher whose message would be late
+  static constexpr std::uint32_t kBuiltIn = 0xffffffff;
+
+  Place place;  ///< hop, bystander, capacity
   Comparison comparison{};
   Value reserved = 0;             ///< capacity: promised to others
+  std::uint32_t end = 0;          ///< traffic: the subscriber; schedule: the publisher who is late
   std::uint32_t user = kBuiltIn;  ///< index of a user-defined attribute
+  Against against = Against::hop;
 
   [[nodiscard]] bool is_user() const { return user != kBuiltIn; }
-  static constexpr std::uint32_t kBuiltIn = 0xffffffff;
 };
 
 /// Why there is nothing to compare, or a comparison is beside the point.

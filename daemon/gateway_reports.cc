@@ -69,7 +69,7 @@ control::Channels Gateway::report_admission(core::AdmissionId id) const {
   control::Channels out;
   const auto known = state_->admissions().find(id);
   if (known == state_->admissions().end()) return out;
-  for (const core::Verdict& v : state_->decisions()[known->second.channel].verdicts)
+  for (const core::Verdict& v : state_->decisions()[known->second].verdicts)
     if (concerns(v, id)) out.channels.push_back(report(v));
   return out;
 }

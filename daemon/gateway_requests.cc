@@ -238,8 +238,8 @@ Gateway::Body Gateway::handle(const control::ReleaseRequest& request) {
     const auto named = channel_named(*state_, request.channel);
     if (!named) return error(control::ErrorKind::invalid, named.error().text);
     channel = *named;
-    for (const auto& [id, admission] : state_->admissions())
-      if (admission.channel == *channel) gone.push_back(id);
+    for (const auto& [id, of] : state_->admissions())
+      if (of == *channel) gone.push_back(id);
   }
   if (const auto done = release(gone, channel); !done)
     return error(control::ErrorKind::world, done.error().text);
@@ -285,7 +285,7 @@ core::FormerRules Gateway::forget(const std::vector<core::AdmissionId>& gone) {
   for (const core::AdmissionId id : gone) {
     const auto known = state_->admissions().find(id);
     if (known == state_->admissions().end()) continue;
-    const std::size_t channel = known->second.channel;
+    const std::size_t channel = known->second;
     if (!left.contains(channel)) left.emplace(channel, state_->gate_state(self_, channel));
     state_->remove(id);
     leases_.forget(id);

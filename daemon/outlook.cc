@@ -116,7 +116,7 @@ Result<std::unique_ptr<core::State>> suppose(const core::State& now,
   }
 
   auto then = std::make_unique<core::State>(std::move(system));
-  for (const auto& [id, admission] : now.admissions()) then->restore(admission);
+  for (const auto& [id, channel] : now.admissions()) then->restore(now.admission(id));
   std::map<std::size_t, std::size_t> granted;
   for (std::size_t c = 0; c < now.decisions().size(); ++c) {
     then->set_released(c, now.released(c));

@@ -82,7 +82,6 @@ RouteRate PathCost::evaluate(Value event_bytes, const Taken& taken) const {
   if (path_.empty()) return result;
   result.paper = paper_;
   result.available = kUnbounded;
-  result.links = path_;
   const Value event = reckoned_event(packets_, event_bytes);
   const auto times = group_times(event);
   // Of the domains that take the same time, only the one with the least left can be the limit.
@@ -120,7 +119,9 @@ std::vector<Share> PathCost::shares(Value bytes_per_second, Value event_bytes) c
 
 RouteRate evaluate(const Graph& graph, const Mesh& mesh, const Domains& domains,
                    std::span<const std::uint32_t> path, Value event_bytes, const Taken& taken) {
-  return PathCost(graph, mesh, domains, path).evaluate(event_bytes, taken);
+  RouteRate result = PathCost(graph, mesh, domains, path).evaluate(event_bytes, taken);
+  result.links.assign(path.begin(), path.end());
+  return result;
 }
 
 std::vector<Share> shares(const Graph& graph, const Mesh& mesh, const Domains& domains,
@@ -131,7 +132,10 @@ std::vector<Share> shares(const Graph& graph, const Mesh& mesh, const Domains& d
 
 AttributeSet composed_per_hop(const Graph& graph, const Mesh& mesh,
                               std::span<const std::uint32_t> path, Value event_bytes) {
+  const auto is_known = [&](std::uint32_t link) { return graph.links[link].quality.loss_known; };
+  if (mesh.per_hop == AttributeSet{} && std::ranges::none_of(path, is_known)) return {};
   std::vector<Hop> hops;
+  hops.reserve(path.size());
   for (const std::uint32_t link : path)
     hops.push_back({.provision = given_by(graph.links[link].quality, mesh.per_hop),
                     .medium = static_cast<std::uint16_t>(hops.size()),

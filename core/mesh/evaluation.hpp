@@ -20,7 +20,7 @@ struct RouteRate {
   Value available = 0;  ///< bytes/s of payload in events of that size that still fit, with
                         ///< overhead, loss, limit, background and what is reserved
   std::size_t limiting_domain = 0;   ///< which allows no more than `available`
-  std::vector<std::uint32_t> links;  ///< the path; empty: there is none, and both numbers are 0
+  std::vector<std::uint32_t> links;  ///< the path, of the function evaluate()
 };
 
 /// What a flow takes of a domain.
