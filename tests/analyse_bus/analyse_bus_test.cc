@@ -123,11 +123,11 @@ TEST_F(AnalyseBusTest, TablesMayHaveCommentsBlankLinesAnyOrderAndFurtherColumns)
   const auto path = file("free.csv",
                          "\xef\xbb\xbf# a bus\r\n\r\n"
                          "id, name ,bytes,extended,jitter_us,deadline_us,period_us,fd,frames\r\n"
-                         "0x10, \"a b\", 64, false, 0.5, 9000.25, 10000, 1, 2\r\n");
+                         "0x10, \"a, b\", 64, false, 0.5, 9000.25, 10000, 1, 2\r\n");
   const auto done = analyse(path, {"--bitrate", "500000", "--data-bitrate", "2000000", "--json"});
   ASSERT_EQ(done.status, 0) << done.error << done.out;
   const Json m = Json::parse(done.out)["messages"][0];
-  EXPECT_EQ(m["name"], "a b");
+  EXPECT_EQ(m["name"], "a, b") << "a comma in quotes is one of the name";
   EXPECT_EQ(m["id"], 16);
   EXPECT_EQ(m["frames"], 2);
   EXPECT_EQ(m["jitter_us"], 0.5);
@@ -185,6 +185,7 @@ TEST_F(AnalyseBusTest, CommandLinesThatCannotBeUsed) {
   EXPECT_NE(analyse(path).error.find("--bitrate"), std::string::npos);
   EXPECT_EQ(analyse(path, {"--bitrate", "0"}).status, 2);
   EXPECT_EQ(slow(path, {"--faults", "1"}).status, 2);
+  EXPECT_EQ(slow(path, {"--fault-interval-ms", "1"}).status, 2);
   EXPECT_EQ(slow(path, {"--background-load", "2"}).status, 2);
   EXPECT_EQ(slow(path, {"--network", "a"}).status, 2);
   EXPECT_EQ(slow(path, {"--data-bitrate", "1000"}).status, 2);

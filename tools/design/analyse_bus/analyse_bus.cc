@@ -79,6 +79,8 @@ void understand(Options& options) {
     if (!share) throw CLI::ValidationError("--background-load", share.error().text);
     options.bus.background = static_cast<std::uint32_t>(*share);
   }
+  if (options.faults == 0 && options.fault_interval_ms != 0)
+    throw CLI::ValidationError("--fault-interval-ms", "needs --faults, how many errors that often");
   if (options.faults > 0) {
     constexpr double most = 1e9;
     if (!(options.fault_interval_ms > 0 && options.fault_interval_ms <= most))

@@ -47,7 +47,11 @@ std::string_view unquoted(std::string_view text) {
 std::vector<std::string_view> cells_of(std::string_view line) {
   std::vector<std::string_view> cells;
   while (true) {
-    const auto comma = line.find(',');
+    // A comma in quotes is one of the cell.
+    const auto begin = line.find_first_not_of(" \t");
+    const bool quoted = begin != std::string_view::npos && line[begin] == '"';
+    const auto close = quoted ? line.find('"', begin + 1) : std::string_view::npos;
+    const auto comma = line.find(',', close == std::string_view::npos ? 0 : close);
     cells.push_back(unquoted(trimmed(line.substr(0, comma))));
     if (comma == std::string_view::npos) return cells;
     line.remove_prefix(comma + 1);
