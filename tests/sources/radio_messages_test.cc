@@ -195,6 +195,7 @@ MessageMaker survey() {
       .flag(NL80211_SURVEY_INFO_IN_USE)
       .u64(NL80211_SURVEY_INFO_TIME, 0x1'0000'0000)
       .u64(NL80211_SURVEY_INFO_TIME_BUSY, 77)
+      .u64(NL80211_SURVEY_INFO_TIME_TX, 33)
       .end();
   return made;
 }
@@ -206,6 +207,7 @@ TEST(RadioMessages, ASurveyHasTimesOfSixtyFourBits) {
   EXPECT_TRUE(read->in_use);
   EXPECT_EQ(read->time, 0x1'0000'0000U);
   EXPECT_EQ(read->busy, 77U);
+  EXPECT_EQ(read->sent, 33U);
 }
 
 MessageMaker batman_neighbour() {

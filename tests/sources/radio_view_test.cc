@@ -206,6 +206,13 @@ TEST_F(RadioView, BusyIsTheShareOfTheChannelInUse) {
   EXPECT_FALSE(back().busy) << "how busy it is around the peer is not known here";
 }
 
+TEST_F(RadioView, WhatThisRadioSendsIsNotTakenByOthers) {
+  seen.surveys = {{.frequency = 2412, .in_use = true, .time = 10'000, .busy = 400, .sent = 300}};
+  EXPECT_FALSE(there().busy);
+  seen.surveys[0] = {.frequency = 2412, .in_use = true, .time = 11'000, .busy = 650, .sent = 450};
+  EXPECT_EQ(there().busy, 100'000U);
+}
+
 TEST_F(RadioView, ASurveyThatDoesNotCountTellsNothing) {
   seen.surveys = {{.frequency = 2412, .in_use = true, .time = 10'000, .busy = 400}};
   for (int look = 0; look < 4; ++look) EXPECT_FALSE(there().busy);

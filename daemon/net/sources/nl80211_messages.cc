@@ -80,7 +80,8 @@ std::optional<Survey> read_survey(genl::Octets message) {
   return Survey{.frequency = *frequency,
                 .in_use = info.has(NL80211_SURVEY_INFO_IN_USE),
                 .time = info.u64(NL80211_SURVEY_INFO_TIME),
-                .busy = info.u64(NL80211_SURVEY_INFO_TIME_BUSY)};
+                .busy = info.u64(NL80211_SURVEY_INFO_TIME_BUSY),
+                .sent = info.u64(NL80211_SURVEY_INFO_TIME_TX)};
 }
 
 }  // namespace mlcca::net::nl80211

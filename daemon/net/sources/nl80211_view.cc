@@ -93,7 +93,8 @@ std::optional<std::uint32_t> View::busy_of(const Seen& seen) {
   }
   if (!busy_ || surveyed_ != used->frequency) busy_.emplace(kBusyLooks);
   surveyed_ = used->frequency;
-  busy_->add(*used->time, *used->busy);
+  // What this radio sends is reserved: it must not count again as taken by others.
+  busy_->add(*used->time, *used->busy - std::min(*used->busy, used->sent.value_or(0)));
   const auto share = busy_->share(kBusyTime, core::mesh::kWhole);
   if (!share) return {};
   return static_cast<std::uint32_t>(*share);
