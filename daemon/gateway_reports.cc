@@ -104,6 +104,9 @@ Gateway::Body Gateway::handle(const control::WhatIfRequest& request) {
 Gateway::Body Gateway::handle(const control::HistoryRequest& request) {
   constexpr std::uint32_t usual = 100;
   constexpr std::uint32_t most = 10'000;
+  if (!request.kind.empty() && !kind_named(request.kind))
+    return error(control::ErrorKind::invalid,
+                 fmt::format("there is no kind '{}' (there are: {})", request.kind, kind_names()));
   store::HistoryFilter filter;
   filter.channel = request.channel;
   filter.kind = request.kind;
@@ -112,6 +115,10 @@ Gateway::Body Gateway::handle(const control::HistoryRequest& request) {
   filter.limit = request.limit == 0 ? usual : std::min(request.limit, most);
   auto found = history_->query(filter);
   if (!found) return error(control::ErrorKind::world, found.error().text);
+  if (found->empty() && !request.channel.empty() && !state_->find_channel(request.channel))
+    return error(control::ErrorKind::invalid,
+                 fmt::format("no event channel is called '{}', and the history knows none",
+                             request.channel));
   control::History out;
   for (store::Decision& d : *found)
     out.entries.push_back({d.unix_ns, std::move(d.kind), d.subject, std::move(d.channel),

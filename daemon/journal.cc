@@ -68,6 +68,16 @@ const char* verdict_of(Kind kind) {
 }  // namespace
 
 const char* name_of(Kind kind) { return kKinds[static_cast<std::size_t>(kind)].name; }
+std::optional<Kind> kind_named(std::string_view name) {
+  const auto* const at = std::ranges::find(kKinds, name, &KindInfo::name);
+  if (at == kKinds.end()) return std::nullopt;
+  return static_cast<Kind>(at - kKinds.begin());
+}
+std::string kind_names() {
+  std::string names;
+  for (const KindInfo& kind : kKinds) names += (names.empty() ? "" : ", ") + std::string(kind.name);
+  return names;
+}
 const char* message_id_of(Kind kind) { return kKinds[static_cast<std::size_t>(kind)].message_id; }
 
 Journal Journal::automatic() { return Journal(stderr_is_journal()); }

@@ -2,7 +2,9 @@
 // What the operator reads: one line an event with structured fields, in the journal or on stderr.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mlcca {
@@ -26,6 +28,9 @@ enum class Kind : std::uint8_t {
 
 /// "granted", as in events of the control protocol.
 [[nodiscard]] const char* name_of(Kind kind);
+[[nodiscard]] std::optional<Kind> kind_named(std::string_view name);
+/// "started, stopped, …"
+[[nodiscard]] std::string kind_names();
 /// 32 hex digits.
 [[nodiscard]] const char* message_id_of(Kind kind);
 
