@@ -243,6 +243,8 @@ Body channel_request(v1::ChannelRequest& from) {
   to.user = text(from.mutable_user());
   to.subscriber = text(from.mutable_subscriber());
   to.publisher = text(from.mutable_publisher());
+  to.from_node = text(from.mutable_from_node());
+  to.to_node = text(from.mutable_to_node());
   return to;
 }
 

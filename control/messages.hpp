@@ -237,6 +237,8 @@ struct ChannelRequest {
   std::string user;
   std::string subscriber;
   std::string publisher;
+  std::string from_node;  ///< node of the mesh `from` that the new publisher is at; empty: any
+  std::string to_node;    ///< the same for the new subscriber, of the mesh `to`
   bool operator==(const ChannelRequest&) const = default;
 };
 

@@ -225,6 +225,8 @@ void put(const ChannelRequest& from, v1::ChannelRequest& to) {
   to.set_user(to_utf8(from.user));
   to.set_subscriber(to_utf8(from.subscriber));
   to.set_publisher(to_utf8(from.publisher));
+  to.set_from_node(to_utf8(from.from_node));
+  to.set_to_node(to_utf8(from.to_node));
 }
 
 /// One function for each alternative of Request::body.

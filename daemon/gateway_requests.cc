@@ -115,6 +115,8 @@ Gateway::Body Gateway::handle(const control::Query& request) {
 // --- admit ---------------------------------------------------------------------------------------
 
 Gateway::Body Gateway::handle(const control::Admit& request) {
+  if (const auto key = check_key(request.key); !key)
+    return error(control::ErrorKind::invalid, key.error().text);
   if (auto again = admit_again(request)) return std::move(*again);
   const auto asked = understand(*state_, request, stored().next_id);
   if (!asked) return error(control::ErrorKind::invalid, asked.error().text);

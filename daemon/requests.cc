@@ -38,6 +38,24 @@ Result<core::Place> place_named(const core::State& state, const std::string& nam
                           known(state.system().networks), known(state.system().gateways)));
 }
 
+/// The node of a mesh that an end is at; nothing where it is not said.
+Result<std::optional<std::uint32_t>> mesh_node_named(const core::State& state, core::Place place,
+                                                     const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  const core::System& system = state.system();
+  const bool network = place.kind == core::Place::Kind::network;
+  if (!network || !system.networks[place.index].mesh)
+    return fail(fmt::format(
+        "{} is no mesh, and so has no node '{}'",
+        network ? system.networks[place.index].name : system.gateways[place.index].name, name));
+  const auto& nodes = system.networks[place.index].mesh->nodes;
+  const auto it = std::ranges::find(nodes, name, &core::mesh::Node::name);
+  if (it == nodes.end())
+    return fail(fmt::format("{} has no node '{}' (nodes: {})", system.networks[place.index].name,
+                            name, known(nodes)));
+  return static_cast<std::uint32_t>(it - nodes.begin());
+}
+
 Result<AttributeSet> overridden(AttributeSet base, const std::vector<control::Attribute>& changes) {
   for (const control::Attribute& change : changes) {
     std::size_t i = 0;
@@ -89,6 +107,9 @@ Result<core::Publisher> new_publisher(const core::State& state,
   auto name = end_name(request.publisher, fmt::format("publisher-{}", id));
   if (!name) return std::unexpected(name.error());
   p.name = *name;
+  const auto at = mesh_node_named(state, from, request.from_node);
+  if (!at) return std::unexpected(at.error());
+  p.mesh_node = *at;
   if (request.node) {
     if (*request.node > kHighestNode)
       return fail(fmt::format("node {} is out of range: 0 to {}", *request.node, kHighestNode));
@@ -135,14 +156,18 @@ Result<core::Subscriber> new_subscriber(const core::State& state,
   auto name = end_name(request.subscriber, fmt::format("subscriber-{}", id));
   if (!name) return std::unexpected(name.error());
   s.name = *name;
+  const auto at = mesh_node_named(state, to, request.to_node);
+  if (!at) return std::unexpected(at.error());
+  s.mesh_node = *at;
   return s;
 }
 
 bool describes_publisher(const control::ChannelRequest& r) {
-  return r.node || r.priority || !r.user.empty() || !r.offered.empty() || !r.publisher.empty();
+  return r.node || r.priority || !r.user.empty() || !r.offered.empty() || !r.publisher.empty() ||
+         !r.from_node.empty();
 }
 bool describes_subscriber(const control::ChannelRequest& r) {
-  return !r.required.empty() || !r.subscriber.empty();
+  return !r.required.empty() || !r.subscriber.empty() || !r.to_node.empty();
 }
 
 }  // namespace
@@ -214,6 +239,13 @@ Result<Asked> understand(const core::State& state, const control::ChannelRequest
     return std::unexpected(ok.error());
   if (admission.publisher || admission.subscriber) asked.admission = std::move(admission);
   return asked;
+}
+
+Result<void> check_key(const std::string& key) {
+  constexpr std::size_t longest = 255;
+  const auto is_control = [](unsigned char c) { return c < ' ' || c == 127; };
+  if (key.size() <= longest && std::ranges::none_of(key, is_control)) return {};
+  return fail(fmt::format("a key has up to {} bytes, none of them a control character", longest));
 }
 
 std::uint64_t lease_of(const control::Admit& request) {

@@ -29,6 +29,8 @@ struct Asked {
 [[nodiscard]] Result<std::size_t> channel_named(const core::State& state, const std::string& name);
 
 /// ns that an admission lives without being renewed; 0: until it is released. One that a connection
+/// Whether a key can be shown and stored.
+[[nodiscard]] Result<void> check_key(const std::string& key);
 /// holds lives 10 s longer than that if it says nothing else.
 [[nodiscard]] std::uint64_t lease_of(const control::Admit& request);
 

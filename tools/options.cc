@@ -37,6 +37,10 @@ void add_delivery(CLI::App& app, Arguments& to) {
   add_channel(app, to);
   app.add_option("--from", to.from, "network or gateway of a new publisher")->type_name("PLACE");
   app.add_option("--to", to.to, "network or gateway of a new subscriber")->type_name("PLACE");
+  app.add_option("--from-node", to.from_node, "node of that mesh where the new publisher is")
+      ->type_name("NODE");
+  app.add_option("--to-node", to.to_node, "node of that mesh where the new subscriber is")
+      ->type_name("NODE");
   app.add_option("--require", to.require, "what the new subscriber requires, such as Omission=2")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);

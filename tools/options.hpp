@@ -29,6 +29,8 @@ struct Arguments {
   std::string user;
   std::string subscriber;
   std::string publisher;
+  std::string from_node;
+  std::string to_node;
   std::optional<std::uint64_t> admission;
   std::string mode;
   std::string key;    ///< the user's own name of an admission

@@ -43,7 +43,9 @@ Result<control::ChannelRequest> delivery(const Arguments& from) {
                                  .priority = from.priority,
                                  .user = from.user,
                                  .subscriber = from.subscriber,
-                                 .publisher = from.publisher};
+                                 .publisher = from.publisher,
+                                 .from_node = from.from_node,
+                                 .to_node = from.to_node};
 }
 
 Result<std::uint64_t> lease(const Arguments& from) {

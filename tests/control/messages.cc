@@ -16,7 +16,9 @@ ChannelRequest full_channel_request() {
           .priority = 125,
           .user = "robot",
           .subscriber = "motors",
-          .publisher = "switch"};
+          .publisher = "switch",
+          .from_node = "laptop",
+          .to_node = "relay"};
 }
 
 Channel refused_channel() {

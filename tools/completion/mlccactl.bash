@@ -80,7 +80,7 @@ _mlccactl() {
 		mapfile -t COMPREPLY < <(compgen -d -- "$cur")
 		return
 		;;
-	--timeout | --node | --priority | --id | --admission | --subscriber | --publisher) return ;;
+	--timeout | --node | --priority | --id | --admission | --subscriber | --publisher | --from-node | --to-node) return ;;
 	--packet | --header | --overhead-us | --loss | --limit | --background | --demand) return ;;
 	--network | --bitrate | --data-bitrate | --background-load | --faults | --fault-interval-ms) return ;;
 	--key | --lease | --link | --since | --until) return ;;
@@ -107,7 +107,7 @@ _mlccactl() {
 		;;
 	generate) words="--component --out --force $offline" ;;
 	query | admit)
-		words+=" --from --to --require --offer --node --priority --user --subscriber --publisher"
+		words+=" --from --to --require --offer --node --priority --user --subscriber --publisher --from-node --to-node"
 		;;
 	release) words+=" --id --admission" ;;
 	renew) words+=" --id --admission --key" ;;
