@@ -190,6 +190,12 @@ std::optional<can::Schedule::Late> Ledger::schedule(const Flow& flow, can::Messa
   return std::nullopt;
 }
 
+void Ledger::assume(std::size_t network, can::Assumptions bus) {
+  if (bus == schedules_[network]->assumptions()) return;
+  keep_schedule(network);
+  schedules_[network]->set_assumptions(std::move(bus));
+}
+
 void Ledger::count(const Holding& holding, bool in) {
   const auto change = [in](Value& sum, Value by) { sum = in ? sum + by : sum - by; };
   change(reserved_[holding.resource], holding.bytes_per_second);

@@ -81,6 +81,8 @@ class Ledger {
   /// A message for a flow that was added, on an analysed bus; in place of the one that it has. What
   /// would be late if it did not fit: nothing was changed then.
   std::optional<can::Schedule::Late> schedule(const Flow& flow, can::Message message);
+  /// The bus is analysed with less background, or the same, from now on.
+  void assume(std::size_t network, can::Assumptions bus);
   /// Everything that a publisher holds.
   void remove(std::size_t publisher);
 

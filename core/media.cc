@@ -153,8 +153,21 @@ void Media::late_row(Place hop, const can::Schedule::Late& late) {
   v_.rows.push_back(row);
 }
 
+/// What this publisher, and those that are analysed, are heard sending is no background.
+void Media::leave_out_own_load(std::size_t network) {
+  Condition condition = s_.world.conditions[network];
+  if (condition.heard.empty()) return;
+  const can::Schedule& bus = *ledger_.schedule(network);
+  for (const Heard& heard : condition.heard)
+    if (heard.publisher == v_.publisher ||
+        bus.contains(Ledger::key_of({heard.publisher, network, Flow::kOwn})))
+      condition.background -= std::min(condition.background, heard.load);
+  ledger_.assume(network, *bus_of(s_.system, condition, network));
+}
+
 void Media::take_bus(std::size_t hop) {
   const std::size_t network = places_[hop].index;
+  leave_out_own_load(network);
   const Publisher& publisher = s_.members.publisher(v_.publisher);
   const can::Timing timing = ledger_.schedule(network)->assumptions().timing;
   auto message = can::message_of(s_.system, publisher, v_.set, network, timing);

@@ -46,6 +46,7 @@ class Media {
   void obstruct(Obstacle obstacle, std::size_t hop);
   void no_path(std::size_t hop);
   void take_bus(std::size_t hop);
+  void leave_out_own_load(std::size_t network);
   void take_mesh(std::size_t hop);
   void late_row(Place hop, const can::Schedule::Late& late);
   [[nodiscard]] Value delay_allowed(std::size_t hop) const;

@@ -135,12 +135,24 @@ class State::Settlement {
   }
 
   void collect() {
+    doubt_heard();
     for (const auto& [network, condition] : s_.new_conditions_) {
       touch(s_.usage_.carried_by(network));
       s_.relieved_.insert(network);
     }
     for (auto& [network, links] : s_.new_graphs_) collect_mesh(network, std::move(links));
     s_.new_graphs_.clear();
+  }
+
+  /// Where somebody is heard that is not granted, the background is that of who is analysed: what
+  /// concerns one there concerns all.
+  void doubt_heard() {
+    for (std::size_t n = 0; n < s_.world_.conditions.size(); ++n) {
+      if (s_.world_.conditions[n].heard.empty() || s_.new_conditions_.contains(n)) continue;
+      const auto& here = s_.usage_.carried_by(n);
+      if (std::ranges::any_of(s_.touched_, [&](std::size_t c) { return here.contains(c); }))
+        s_.new_conditions_.emplace(n, s_.world_.conditions[n]);
+    }
   }
 
   void collect_mesh(std::size_t network, NewGraph links) {

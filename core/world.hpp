@@ -19,6 +19,13 @@
 
 namespace mlcca::core {
 
+/// A publisher that is heard on its bus although nothing is granted to it.
+struct Heard {
+  std::size_t publisher = 0;
+  std::uint32_t load = 0;  ///< 1e-6 of the bus time
+  bool operator==(const Heard&) const = default;
+};
+
 /// What is known of a network now. A network that this gateway does not touch is taken as
 /// described.
 struct Condition {
@@ -26,7 +33,9 @@ struct Condition {
   std::string problem;           ///< why not, in words
   can::Timing timing;            ///< of a CAN bus, 0: as described
   std::uint32_t background = 0;  ///< of a CAN bus: 1e-6 of its time that was measured beyond what
-                                 ///< is reserved
+                                 ///< is reserved, that of `heard` included
+  /// To itself none of them is a stranger: what it sends is analysed where it is decided.
+  std::vector<Heard> heard;
   bool operator==(const Condition&) const = default;
 };
 

@@ -15,24 +15,44 @@ constexpr std::uint64_t kBitsOfByte = 8;
 constexpr std::uint64_t kWhole = 1'000'000;
 constexpr std::uint64_t kSecond = 1'000'000'000;
 
+/// Of frames with that many bytes of payload altogether within a time: 1e-6 of the bus time.
+std::uint64_t load_of(std::uint64_t frames, std::uint64_t bytes, std::uint32_t bitrate,
+                      std::uint64_t ns) {
+  const std::uint64_t bits = frames * kFewestBits + bytes * kBitsOfByte;
+  return mul_div_down(mul_div_down(bits, kSecond, ns), kWhole, bitrate);
+}
+
+std::uint32_t in_steps(std::uint64_t load) {
+  constexpr std::uint64_t step = BusLoad::kStep;
+  return static_cast<std::uint32_t>(std::min(kWhole, (load + step - 1) / step * step));
+}
+
 }  // namespace
+
+std::uint32_t SenderLoad::measure(std::uint64_t frames, std::uint64_t bytes, std::uint32_t bitrate,
+                                  std::uint64_t now_ns) {
+  std::uint32_t now = 0;
+  if (last_ && now_ns > last_ns_ && frames >= *last_ && bitrate != 0)
+    now = in_steps(load_of(frames - *last_, (frames - *last_) * bytes, bitrate, now_ns - last_ns_));
+  last_ = frames;
+  last_ns_ = now_ns;
+  const std::uint32_t difference = now > load_ ? now - load_ : load_ - now;
+  if (now == 0 || load_ == 0 || difference > BusLoad::kStep) load_ = now;
+  return load_;
+}
 
 std::uint32_t BusLoad::measure(const BusCounters& counters, std::uint32_t bitrate,
                                std::uint64_t analysed, std::uint64_t now_ns) {
   const bool usable = last_ && now_ns > last_ns_ && counters.frames >= last_->frames &&
                       counters.bytes >= last_->bytes && bitrate != 0;
   load_ = 0;
-  if (usable) {
-    const std::uint64_t bits = (counters.frames - last_->frames) * kFewestBits +
-                               (counters.bytes - last_->bytes) * kBitsOfByte;
-    const std::uint64_t per_second = mul_div_down(bits, kSecond, now_ns - last_ns_);
-    load_ = mul_div_down(per_second, kWhole, bitrate);
-  }
+  if (usable)
+    load_ = load_of(counters.frames - last_->frames, counters.bytes - last_->bytes, bitrate,
+                    now_ns - last_ns_);
   last_ = counters;
   last_ns_ = now_ns;
   const std::uint64_t beyond = load_ > analysed ? load_ - analysed : 0;
-  const auto excess =
-      static_cast<std::uint32_t>(std::min(kWhole, (beyond + kStep - 1) / kStep * kStep));
+  const std::uint32_t excess = in_steps(beyond);
   if (excess >= excess_) {
     excess_ = excess;
     lower_for_ = 0;

@@ -38,4 +38,19 @@ class BusLoad {
   int lower_for_ = 0;
 };
 
+/// What one publisher sends on a CAN bus that is not granted: it is dropped, and on its own bus all
+/// the same.
+class SenderLoad {
+ public:
+  /// To be called about once a second. `frames`: of it so far, of `bytes` each. 1e-6 of the bus
+  /// time, rounded up to steps; a step more or less is no change.
+  std::uint32_t measure(std::uint64_t frames, std::uint64_t bytes, std::uint32_t bitrate,
+                        std::uint64_t now_ns);
+
+ private:
+  std::optional<std::uint64_t> last_;
+  std::uint64_t last_ns_ = 0;
+  std::uint32_t load_ = 0;
+};
+
 }  // namespace mlcca

@@ -186,8 +186,13 @@ void Gateway::links_changed() {
 
 void Gateway::put_conditions(core::State& state) const {
   auto conditions = ports_.conditions(state.system().networks.size());
-  for (const auto& [network, excess] : excess_)
-    if (network < conditions.size()) conditions[network].background = excess.measured;
+  for (const auto& [network, beyond] : beyond_) {
+    if (network >= conditions.size()) continue;
+    core::Condition& condition = conditions[network];
+    condition.background = beyond.strangers;
+    condition.heard = beyond.heard;
+    for (const core::Heard& heard : beyond.heard) condition.background += heard.load;
+  }
   for (std::size_t n = 0; n < conditions.size(); ++n)
     state.set_condition(n, std::move(conditions[n]));
 }

@@ -121,10 +121,11 @@ class Gateway {
   /// What each channel was granted when the journal was last written.
   [[nodiscard]] std::map<std::size_t, std::size_t> granted_before(const core::State& state) const;
 
-  /// What a bus carries that was not analysed, in 1e-6 of its time.
-  struct Excess {
-    std::uint32_t measured = 0;
-    std::uint32_t told = 0;  ///< when it was last told of
+  /// What a bus carries beside what is analysed, in 1e-6 of its time.
+  struct Beyond {
+    std::uint32_t strangers = 0;
+    std::uint32_t told = 0;          ///< of the strangers, when it was last told
+    std::vector<core::Heard> heard;  ///< who is known, refused, and sends all the same
   };
 
   /// Decides what was changed, brings the gates in line and tells. `left`: what the gates had of
@@ -142,6 +143,7 @@ class Gateway {
   core::FormerRules forget(const std::vector<core::AdmissionId>& gone);
   void end_leases();
   void measure_buses();
+  [[nodiscard]] std::vector<core::Heard> heard_on(std::size_t port);
   void set_bands();
   void open_unless_lost();
   void look_at_drops(bool mention);
@@ -190,9 +192,10 @@ class Gateway {
   std::vector<core::AdmissionId> uncommitted_;  // granted, and not on disk yet
   Leases leases_;
   Keys keys_;
-  std::map<core::AdmissionId, std::set<std::uint64_t>> held_;  // by which sessions
-  std::map<std::size_t, BusLoad> loads_;                       // by port
-  std::map<std::size_t, Excess> excess_;                       // by network
+  std::map<core::AdmissionId, std::set<std::uint64_t>> held_;          // by which sessions
+  std::map<std::size_t, BusLoad> loads_;                               // by port
+  std::map<std::pair<std::size_t, std::size_t>, SenderLoad> senders_;  // by port and publisher
+  std::map<std::size_t, Beyond> beyond_;                               // by network
 
   // Of the request that is being answered.
   std::uint64_t session_ = 0;

@@ -46,19 +46,20 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   last_error_.clear();
   const std::size_t old_self = std::exchange(self_, loaded->self);
   auto old = std::exchange(state_, std::move(loaded->state));
-  const auto old_excess = std::exchange(excess_, {});
+  const auto old_beyond = std::exchange(beyond_, {});
   // A stranger does not go away with a description.
-  for (const auto& [network, excess] : old_excess)
+  for (const auto& [network, beyond] : old_beyond)
     if (const auto place = state_->find_place(old->system().networks[network].name);
         place && place->kind == core::Place::Kind::network)
-      excess_[place->index] = excess;
+      beyond_[place->index] = {beyond.strangers, beyond.told, {}};
   loads_.clear();
+  senders_.clear();
   meshes_.describe(state_->system());
   auto done = put_in_force();
   if (!done) {
     state_ = std::move(old);
     self_ = old_self;
-    excess_ = old_excess;
+    beyond_ = old_beyond;
     last_error_ = done.error().text;
     tell(Kind::reload, 3, "reload refused, back to what was: " + last_error_);
     meshes_.describe(state_->system());

@@ -92,30 +92,66 @@ void Gateway::measure_buses() {
     const core::can::Schedule* bus = state_->ledger().schedule(network);
     const auto counters = ports_.bus_counters(p);
     if (bus == nullptr || !counters || !state_->system().networks[network].bus.measured) continue;
-    auto& [known, told] = excess_[network];
-    const std::uint64_t analysed =
-        bus->utilisation_ppm() - std::min<std::uint64_t>(known, bus->utilisation_ppm());
-    const std::uint32_t excess =
-        loads_[p].measure(*counters, bus->assumptions().timing.bitrate, analysed, monotonic_ns());
-    if (excess == known) continue;
-    known = excess;
+    auto& [strangers, told, heard] = beyond_[network];
+    auto senders = heard_on(p);
+    // Expected are what was declared, the messages of the analysis, and who is known and refused.
+    std::uint64_t expected =
+        bus->utilisation_ppm() -
+        std::min<std::uint64_t>(bus->assumptions().background, bus->utilisation_ppm()) +
+        state_->system().networks[network].bus.background;
+    // Its frames and those of the bus are not counted at the same moment.
+    for (const core::Heard& sender : senders) expected += sender.load + BusLoad::kStep;
+    const std::uint32_t now =
+        loads_[p].measure(*counters, bus->assumptions().timing.bitrate, expected, monotonic_ns());
+    if (now == strangers && senders == heard) continue;
+    strangers = now;
+    heard = std::move(senders);
     changed = true;
     // A load that swings is told when it comes, when it goes, and when it is quite another.
     constexpr std::uint32_t large = 200'000;
-    const std::uint32_t difference = told > excess ? told - excess : excess - told;
-    if ((told == 0) == (excess == 0) && difference < large) continue;
-    told = excess;
-    tell(Kind::interface, excess != 0 ? 4 : 5,
-         excess != 0
-             ? fmt::format("{} carries at least {:.1f} % more than was admitted: somebody sends "
-                           "who was not, or more than he said",
-                           ports_.network_of(p), excess / 1e4)
-             : fmt::format("{} carries no more than was admitted again", ports_.network_of(p)),
+    const std::uint32_t difference = told > now ? told - now : now - told;
+    if ((told == 0) == (now == 0) && difference < large) continue;
+    told = now;
+    tell(Kind::interface, now != 0 ? 4 : 5,
+         now != 0 ? fmt::format("{} carries at least {:.1f} % more than was admitted: somebody "
+                                "sends who was not, or more than he said",
+                                ports_.network_of(p), now / 1e4)
+                  : fmt::format("{} carries no more than was admitted again", ports_.network_of(p)),
          ports_.network_of(p));
   }
   if (!changed) return;
   put_conditions(*state_);
   static_cast<void>(settle());
+}
+
+/// Who sends on the bus of a port without being granted anything, as far as its gate tells them
+/// apart.
+std::vector<core::Heard> Gateway::heard_on(std::size_t port) {
+  const std::size_t network = ports_.network_number(port);
+  const core::can::Schedule& bus = *state_->ledger().schedule(network);
+  const core::Place here{core::Place::Kind::network, network};
+  std::vector<core::Heard> refused;
+  std::set<std::size_t> looked_at;
+  for (const core::Decision& decision : state_->decisions()) {
+    for (const core::Verdict& v : decision.verdicts) {
+      if (state_->members().publisher(v.publisher).place != here ||
+          !looked_at.insert(v.publisher).second)
+        continue;
+      auto rules = core::gate_state(state_->system(), state_->members(), v.channel, {v}, self_);
+      std::erase_if(rules, [port](const core::GateRule& rule) {
+        return rule.entry.port != port || rule.entry.direction != core::Direction::ingress;
+      });
+      if (rules.empty()) continue;
+      const Frames frames = ports_.frames(rules);
+      const std::uint32_t load = senders_[{port, v.publisher}].measure(
+          frames.passed + frames.dropped, rules.front().entry.max_length,
+          bus.assumptions().timing.bitrate, monotonic_ns());
+      if (load != 0 &&
+          !bus.contains(core::Ledger::key_of({v.publisher, network, core::Flow::kOwn})))
+        refused.push_back({v.publisher, load});
+    }
+  }
+  return refused;
 }
 
 void Gateway::look_at_drops(bool mention) {

@@ -70,6 +70,66 @@ TEST(BusTest, GrantsWhatMeetsItsDeadlineAndNothingMore) {
       << reason(state.system(), state.members(), refused);
 }
 
+/// One message of 36 % of the bus, and one of 5 %.
+System loud_and_quiet() {
+  System system = one_bus(2, 20 * kMs);
+  system.channels[0].attributes = every(3 * kMs);
+  system.publishers[0].attributes = every(3 * kMs);
+  system.subscribers[0].attributes = every(3 * kMs);
+  return system;
+}
+bool is_granted(const State& state, std::size_t channel) {
+  return state.decisions()[channel].granted != 0;
+}
+Condition carrying(std::uint32_t background, std::vector<Heard> heard = {}) {
+  Condition condition;
+  condition.background = background;
+  condition.heard = std::move(heard);
+  return condition;
+}
+
+TEST(BusTest, WhoIsRefusedAndSendsAllTheSameIsNoStrangerToHimself) {
+  State state(loud_and_quiet());
+  EXPECT_TRUE(is_granted(state, 0));
+  state.set_condition(0, carrying(600'000));
+  state.settle();
+  EXPECT_FALSE(is_granted(state, 0));
+  // The stranger has gone, and the refused publisher goes on sending: as background it would be in
+  // its own way for ever.
+  state.set_condition(0, carrying(360'000));
+  state.settle();
+  EXPECT_FALSE(is_granted(state, 0));
+  state.set_condition(0, carrying(360'000, {{0, 360'000}}));
+  state.settle();
+  EXPECT_TRUE(is_granted(state, 0));
+  EXPECT_EQ(state.ledger().schedule(0)->assumptions().background, 0U);
+  // From now on it is analysed; a measurement that says the same changes nothing.
+  state.set_condition(0, carrying(0));
+  state.settle();
+  EXPECT_TRUE(is_granted(state, 0));
+}
+
+TEST(BusTest, WhoIsHeardIsBackgroundToAllOthers) {
+  State state(loud_and_quiet());
+  state.set_released(0, true);
+  state.set_condition(0, carrying(990'000, {{0, 990'000}}));
+  state.settle();
+  EXPECT_FALSE(is_granted(state, 1)) << "0.99 of the bus is taken by somebody who may not";
+  state.set_condition(0, carrying(360'000, {{0, 360'000}}));
+  state.settle();
+  EXPECT_TRUE(is_granted(state, 1));
+  EXPECT_EQ(state.ledger().schedule(0)->assumptions().background, 360'000U);
+  state.set_released(0, false);
+  state.settle();
+  EXPECT_TRUE(is_granted(state, 0));
+  EXPECT_TRUE(is_granted(state, 1));
+  EXPECT_EQ(state.ledger().schedule(0)->assumptions().background, 0U);
+  state.set_released(0, true);
+  state.settle();
+  EXPECT_EQ(state.ledger().schedule(0)->assumptions().background, 360'000U)
+      << "it goes on sending as far as anybody knows";
+}
+
 TEST(BusTest, AStatedLatencyIsHeldAgainstTheAnalysis) {
   System system = one_bus(4, 50 * kMs);
   system.networks[0].provision.set(Attribute::latency, 3 * kMs).set(Attribute::period, kMs);
