@@ -30,7 +30,15 @@ bool is_fixed(const mesh::Mesh& mesh) {
   });
 }
 
+bool is_empty(const AttributeSet& offered) {
+  return offered.has(Attribute::max_payload) && offered[Attribute::max_payload] == 0;
+}
+
 }  // namespace
+
+Value mesh_event(const AttributeSet& offered) {
+  return is_empty(offered) ? 1 : offered[Attribute::max_payload];
+}
 
 Media::Media(const Situation& situation, Ledger& ledger, std::span<Hop> hops,
              std::vector<Limit> limits, Verdict& verdict)
@@ -252,9 +260,8 @@ void Media::take_mesh(std::size_t hop) {
   const MeshView& view = *s_.world.meshes[network];
   const mesh::Mesh& mesh = *s_.system.networks[network].mesh;
   const AttributeSet& offered = attributes_in(s_.members.publisher(v_.publisher), v_.set);
-  // An event without payload is a packet all the same.
-  const bool empty = offered.has(Attribute::max_payload) && offered[Attribute::max_payload] == 0;
-  const Value event = empty ? 1 : offered[Attribute::max_payload];
+  const bool empty = is_empty(offered);
+  const Value event = mesh_event(offered);
   Value demand = v_.demand;
   if (empty && offered[Attribute::period] != 0)
     demand = std::max(demand, mul_div_up(1, kNanosecondsPerSecond, offered[Attribute::period]));
@@ -272,8 +279,7 @@ void Media::take_mesh(std::size_t hop) {
   }
   MediumUse use;
   use.network = network;
-  use.paper_rate = kUnbounded;
-  use.available = kUnbounded;
+  Value available = kUnbounded;
   Value alone = kUnbounded;
   std::size_t longest = 0;
   AttributeSet links_give;
@@ -292,13 +298,8 @@ void Media::take_mesh(std::size_t hop) {
       const mesh::PathCost& cost = view.cost(from, to);
       const auto unused = cost.evaluate(event, [&](std::size_t d) { return view.background[d]; });
       alone = std::min(alone, unused.available);
-      use.paper_rate = std::min(use.paper_rate, unused.paper);
       if (path.size() > longest) {
         longest = path.size();
-        use.links = path;
-        use.hops.clear();
-        for (const std::uint32_t link : path)
-          use.hops.emplace_back(view.graph.links[link].from, view.graph.links[link].to);
         links_give = mesh::composed_per_hop(view.graph, mesh, path, event);
       }
       // Links that the flow goes over already, to another place, carry it once.
@@ -312,10 +313,7 @@ void Media::take_mesh(std::size_t hop) {
       if (more.size() != path.size()) part.emplace(view.graph, mesh, view.domains(), more);
       const mesh::PathCost& extra = part ? *part : cost;
       const auto left = extra.evaluate(event, taken);
-      if (left.available < use.available) {
-        use.available = left.available;
-        use.limiting_domain = left.limiting_domain;
-      }
+      available = std::min(available, left.available);
       if (left.available < demand)
         fits = false;
       else
@@ -338,7 +336,7 @@ void Media::take_mesh(std::size_t hop) {
   provide(provision, Attribute::max_payload, kUnbounded, best_case);
   if (offered.has(Attribute::period))
     provide(provision, Attribute::period, offered[Attribute::period], best_case);
-  if (use.available != kUnbounded) {
+  if (available != kUnbounded) {
     Row row{.place = places_[hop], .against = Against::medium_time};
     Comparison& c = row.comparison;
     c.attribute = Attribute::bandwidth;
@@ -346,7 +344,7 @@ void Media::take_mesh(std::size_t hop) {
     c.dynamic = best_case && fits;
     c.outcome = !fits ? Outcome::unfit : best_case ? Outcome::run_time : Outcome::fit;
     c.required = demand;
-    c.provided = use.available;
+    c.provided = available;
     medium_rows_.push_back(row);
   }
   v_.media.push_back(std::move(use));

@@ -21,6 +21,10 @@ struct Limit {
   Value jitter = kUnbounded;   ///< ns, the source's included
 };
 
+/// Payload bytes of an event as a mesh carries it: one without payload is a packet all the same,
+/// and of one whose size is not stated nothing is known: 0.
+[[nodiscard]] Value mesh_event(const AttributeSet& offered);
+
 class Media {
  public:
   /// `hops`: what the hops of the verdict's route state; what is computed is put in its place.

@@ -49,17 +49,13 @@ enum class Obstacle : std::uint8_t {
   released,     ///< taken back by the operator
 };
 
-/// What an analysed medium gives a flow: times on a CAN bus, rates on a mesh.
+/// What an analysed medium gives a flow: times on a CAN bus; over a mesh the way, whose rates
+/// change with the others.
 struct MediumUse {
   std::size_t network = 0;
   std::uint64_t key = 0;  ///< of the message on a bus
   Value response = 0;     ///< ns from arrival to the end of the last frame, as the bus is now
   Value guaranteed = 0;   ///< ns that whoever comes later cannot exceed
-  Value paper_rate = 0;   ///< bytes/s, 1 / sum(1 / R) over the links
-  Value available = 0;    ///< payload bytes/s of such events that the domains had left
-  std::size_t limiting_domain = 0;
-  std::vector<std::uint32_t> links;  ///< of the mesh, in the order of travel; the longest path
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> hops;   ///< the nodes of each of them
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  ///< nodes of the mesh, from and to
 };
 

@@ -3,7 +3,12 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
+#include "core/admission.hpp"
+#include "core/media.hpp"
 #include "core/text.hpp"
+#include "mlcca/arithmetic.hpp"
 
 namespace mlcca {
 namespace {
@@ -20,6 +25,45 @@ control::Outcome outcome_of(Outcome outcome) {
   return control::Outcome::unfit;
 }
 
+/// Rates of the paths through a mesh, as its links and reservations are now.
+void add_rates(const core::State& state, const core::Verdict& v, const core::MediumUse& use,
+               Own own, control::MediumUse& out) {
+  const core::MeshView& view = *state.world().meshes[use.network];
+  const auto held = [&](std::size_t domain) {
+    Value sum = 0;
+    if (own == Own::is_taken) return sum;
+    for (const core::Holding& h : state.ledger().holdings_of(v.publisher)) {
+      if (h.resource != use.network || !h.mesh) continue;
+      for (const core::mesh::Share& share : h.mesh->shares)
+        if (share.domain == domain) sum += share.time;
+    }
+    return sum;
+  };
+  const auto taken = [&](std::size_t domain) {
+    return add_saturating(state.ledger().medium_time(use.network, domain) - held(domain),
+                          view.background[domain]);
+  };
+  const core::Publisher& publisher = state.members().publisher(v.publisher);
+  const Value event = core::mesh_event(core::attributes_in(publisher, v.set));
+  out.paper_rate = out.available = kUnbounded;
+  std::size_t longest = 0;
+  for (const auto& [from, to] : use.pairs) {
+    const auto& path = view.path(from, to);
+    const auto rate =
+        path.empty() ? core::mesh::RouteRate{} : view.cost(from, to).evaluate(event, taken);
+    out.paper_rate = std::min(out.paper_rate, rate.paper);
+    if (rate.available < out.available) {
+      out.available = rate.available;
+      out.limiting_domain = path.empty() ? "" : view.domain_name(rate.limiting_domain);
+    }
+    if (path.size() <= longest) continue;
+    longest = path.size();
+    out.nodes = {view.node_name(view.graph.links[path.front()].from)};
+    for (const std::uint32_t link : path)
+      out.nodes.push_back(view.node_name(view.graph.links[link].to));
+  }
+}
+
 }  // namespace
 
 std::string why(const core::State& state, const core::Verdict& v) {
@@ -29,7 +73,8 @@ std::string why(const core::State& state, const core::Verdict& v) {
       unavailable ? state.world().conditions[v.obstacle_at.index].problem : std::string());
 }
 
-control::MediumUse medium_report(const core::State& state, const core::MediumUse& use) {
+control::MediumUse medium_report(const core::State& state, const core::Verdict& v,
+                                 const core::MediumUse& use, Own own) {
   control::MediumUse out;
   out.network = state.system().networks[use.network].name;
   out.response_ns = use.response;
@@ -39,17 +84,7 @@ control::MediumUse medium_report(const core::State& state, const core::MediumUse
   if (const auto* message = bus != nullptr ? bus->find(use.key) : nullptr;
       message != nullptr && use.guaranteed != 0 && bus->response(use.key) >= message->jitter)
     out.response_ns = bus->response(use.key) - message->jitter;
-  const auto& view = state.world().meshes[use.network];
-  if (!view || use.links.empty()) return out;
-  out.paper_rate = use.paper_rate;
-  out.available = use.available;
-  // The links may be others by now; the names of the domain and nodes are those of now.
-  if (use.limiting_domain < view->domains().count())
-    out.limiting_domain = view->domain_name(use.limiting_domain);
-  for (const auto& [from, to] : use.hops) {
-    if (out.nodes.empty()) out.nodes.push_back(view->node_name(from));
-    out.nodes.push_back(view->node_name(to));
-  }
+  if (state.world().meshes[use.network] && !use.pairs.empty()) add_rates(state, v, use, own, out);
   return out;
 }
 
@@ -74,7 +109,8 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
   out.set = static_cast<std::uint32_t>(v.set);
   out.sets = static_cast<std::uint32_t>(core::sets_of(system, v.channel));
   out.importance = channel.importance;
-  for (const core::MediumUse& use : v.media) out.media.push_back(medium_report(state, use));
+  for (const core::MediumUse& use : v.media)
+    out.media.push_back(medium_report(state, v, use, Own::is_available));
   out.reason = why(state, v);
   for (const core::Place place : v.route) out.route.push_back(core::name_of(system, place));
   for (const core::Row& row : v.rows) {

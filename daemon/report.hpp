@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Decisions and the state of the gates in the words of the control protocol.
 #pragma once
+#include <cstdint>
 #include <string>
 
 #include "control/messages.hpp"
@@ -17,8 +18,12 @@ struct Frames {
 
 /// Why it was decided so, with what is wrong with a network that cannot be used.
 [[nodiscard]] std::string why(const core::State& state, const core::Verdict& verdict);
+/// Whether what the publisher of a delivery holds of a mesh is available to whoever asks.
+enum class Own : std::uint8_t { is_available, is_taken };
+/// What a medium gives a delivery, as its links and what is reserved are now.
 [[nodiscard]] control::MediumUse medium_report(const core::State& state,
-                                               const core::MediumUse& use);
+                                               const core::Verdict& verdict,
+                                               const core::MediumUse& use, Own own);
 [[nodiscard]] control::Channel channel_report(const core::State& state,
                                               const core::Verdict& verdict, Frames frames);
 [[nodiscard]] control::Network network_report(const core::State& state, std::size_t index);

@@ -152,7 +152,7 @@ control::Routes routes_report(const core::State& state) {
       if (v.obstacle == core::Obstacle::no_path || v.obstacle == core::Obstacle::unavailable)
         r.problem = why(state, v);
       for (const core::MediumUse& use : v.media) {
-        const control::MediumUse now = medium_report(state, use);
+        const control::MediumUse now = medium_report(state, v, use, Own::is_taken);
         const auto same = std::ranges::find(r.media, now.network, &control::MediumUse::network);
         if (same == r.media.end())
           r.media.push_back(now);
