@@ -13,12 +13,18 @@
 namespace mlcca::core {
 namespace {
 
-/// Domains depend on which links there are, not on how good they are.
+/// Domains depend on which links there are, also those that carry nothing now, and not on how good
+/// they are.
 bool same_topology(const mesh::Graph& a, const mesh::Graph& b) {
+  const auto same_ends = [](const auto& x, const auto& y) {
+    return x.from == y.from && x.to == y.to;
+  };
   return a.nodes == b.nodes &&
-         std::ranges::equal(a.links, b.links, [](const auto& x, const auto& y) {
-           return x.from == y.from && x.to == y.to && x.channel == y.channel;
-         });
+         std::ranges::equal(a.links, b.links,
+                            [&](const auto& x, const auto& y) {
+                              return same_ends(x, y) && x.channel == y.channel;
+                            }) &&
+         std::ranges::equal(a.unusable, b.unusable, same_ends);
 }
 
 }  // namespace
@@ -41,7 +47,8 @@ class State::Settlement {
     if (!allocation.keep(touched)) {
       for (Component& component : components()) {
         allocation.sort(component.touched);
-        if (!allocation.keep(component.touched)) short_of.push_back(everybody_in(component));
+        if (!allocation.keep(component.touched))
+          short_of.emplace_back(component.everybody.begin(), component.everybody.end());
       }
     }
     for (std::vector<std::size_t>& channels : short_of) {
@@ -57,12 +64,15 @@ class State::Settlement {
   }
 
  private:
-  /// Channels that share resources, directly or over others. What one of them gives up or takes
+  /// Channels that share something, directly or over others. What one of them gives up or takes
   /// matters to no channel outside.
   struct Component {
     std::vector<std::size_t> touched;
-    std::set<std::size_t> resources;
+    std::set<std::size_t> everybody;
   };
+  /// What several channels want: a resource, or a domain of one that is a mesh.
+  using Shared = std::pair<std::size_t, std::size_t>;
+  static constexpr std::size_t kAllOfIt = ~std::size_t{0};
 
   struct NewView {
     std::size_t network = 0;
@@ -76,46 +86,78 @@ class State::Settlement {
     for (const std::size_t c : s_.touched_) {
       if (s_.decisions_[c].granted == 0 || placed.contains(c)) continue;
       Component component;
-      spread(c, component.resources);
-      for (const std::size_t other : s_.touched_) {
-        const auto& used = s_.usage_.resources_of(other);
-        if (s_.decisions_[other].granted == 0 || used.empty() ||
-            !component.resources.contains(used.front()))
-          continue;
+      component.everybody = sharing_with(c);
+      for (const std::size_t other : component.everybody) {
+        if (!s_.touched_.contains(other) || s_.decisions_[other].granted == 0) continue;
         component.touched.push_back(other);
         placed.insert(other);
       }
-      if (component.touched.empty()) component.touched.push_back(c);  // it crosses nothing
       all.push_back(std::move(component));
     }
     return all;
   }
 
-  /// Everything that is shared with a channel.
-  void spread(std::size_t channel, std::set<std::size_t>& resources) const {
-    std::vector<bool> seen(s_.system_.resources(), false);
-    std::vector<std::size_t> open;
-    const auto reach = [&](std::size_t c) {
-      for (const std::size_t r : s_.usage_.resources_of(c)) {
-        if (seen[r]) continue;
-        seen[r] = true;
-        open.push_back(r);
-      }
-    };
-    reach(channel);
+  /// The channel itself, and everything that shares with it.
+  std::set<std::size_t> sharing_with(std::size_t channel) {
+    std::set<std::size_t> channels{channel};
+    std::set<Shared> seen;
+    std::vector<std::size_t> open{channel};
     while (!open.empty()) {
-      const std::size_t resource = open.back();
+      const std::size_t next = open.back();
       open.pop_back();
-      resources.insert(resource);
-      for (const std::size_t c : s_.usage_.carried_by(resource)) reach(c);
+      for (const Shared& shared : shared_by(next)) {
+        if (!seen.insert(shared).second) continue;
+        for (const std::size_t user : users_of(shared))
+          if (channels.insert(user).second) open.push_back(user);
+      }
     }
+    return channels;
   }
 
-  [[nodiscard]] std::vector<std::size_t> everybody_in(const Component& component) const {
-    std::set<std::size_t> all(component.touched.begin(), component.touched.end());
-    for (const std::size_t r : component.resources)
-      all.insert(s_.usage_.carried_by(r).begin(), s_.usage_.carried_by(r).end());
-    return {all.begin(), all.end()};
+  [[nodiscard]] std::set<Shared> shared_by(std::size_t channel) const {
+    std::set<Shared> all;
+    for (const std::size_t r : s_.usage_.resources_of(channel))
+      if (is_shared(r)) all.emplace(r, kAllOfIt);
+    for (const auto& [network, key] : s_.usage_.pairs_of_channel(channel))
+      for (const std::uint32_t d : domains_of(network, key)) all.emplace(network, d);
+    return all;
+  }
+
+  /// There is only so much of it for all that it carries.
+  [[nodiscard]] bool is_shared(std::size_t resource) const {
+    const std::size_t networks = s_.system_.networks.size();
+    const bool network = resource < networks;
+    if (network && s_.ledger_.schedule(resource) != nullptr) return true;
+    const AttributeSet& provision = network ? s_.system_.networks[resource].provision
+                                            : s_.system_.gateways[resource - networks].provision;
+    return provision.has(Attribute::bandwidth);
+  }
+
+  /// On the way between two nodes, as the links are now.
+  [[nodiscard]] std::set<std::uint32_t> domains_of(std::size_t network, std::uint64_t key) const {
+    std::set<std::uint32_t> all;
+    const auto& view = s_.world_.meshes[network];
+    if (!view) return all;
+    const auto [from, to] = Usage::pair_of(key);
+    for (const std::uint32_t link : view->path(from, to)) {
+      const auto& here = view->domains().of_link(link);
+      all.insert(here.begin(), here.end());
+    }
+    return all;
+  }
+
+  std::vector<std::size_t> users_of(const Shared& shared) {
+    const auto [resource, domain] = shared;
+    if (domain == kAllOfIt) {
+      const auto& carried = s_.usage_.carried_by(resource);
+      return {carried.begin(), carried.end()};
+    }
+    auto [it, fresh] = domain_users_.try_emplace(resource);
+    if (fresh)
+      for (const auto& [key, channels] : s_.usage_.pairs_of(resource))
+        for (const std::uint32_t d : domains_of(resource, key))
+          it->second[d].insert(it->second[d].end(), channels.begin(), channels.end());
+    return it->second[domain];
   }
 
   /// Serves and raises until what became free is given away, and what that sets free.
@@ -264,6 +306,8 @@ class State::Settlement {
   State& s_;
   Allocation::Former before_;
   std::vector<NewView> views_;
+  /// Of each mesh that was asked for: the channels over each of its domains.
+  std::map<std::size_t, std::map<std::size_t, std::vector<std::size_t>>> domain_users_;
 };
 
 std::vector<Change> State::settle() {

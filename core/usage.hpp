@@ -36,6 +36,11 @@ class Usage {
       std::size_t network) const {
     return pairs_[network];
   }
+  /// Those of a channel, with their networks.
+  [[nodiscard]] const std::vector<std::pair<std::size_t, std::uint64_t>>& pairs_of_channel(
+      std::size_t channel) const {
+    return of_channel_[channel].pairs;
+  }
   [[nodiscard]] static NodePair pair_of(std::uint64_t key) {
     return {static_cast<std::uint32_t>(key >> 32U), static_cast<std::uint32_t>(key)};
   }

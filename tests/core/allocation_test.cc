@@ -191,5 +191,107 @@ TEST(AllocationTest, WhatWasGrantedBeforeTheRestartIsServedFirst) {
   EXPECT_EQ(s.service(), "-h");
 }
 
+/// Two links that hear each other only over a third, from b to c: k-hop domains, k = 1. Channels
+/// of two sets, each over the link that is said.
+class Islands {
+ public:
+  explicit Islands(std::vector<std::size_t> links_of_channels) {
+    System system;
+    Network net;
+    net.name = "air";
+    net.kind = NetworkKind::mesh;
+    mesh::Mesh m;
+    m.interference = mesh::Interference::k_hop;
+    m.hops = 1;
+    m.limit = mesh::kWhole;
+    m.header_bytes = 0;
+    for (const char* name : {"a", "b", "c", "d"}) m.nodes.push_back({name, name, {}, {}});
+    net.mesh = m;
+    system.networks.push_back(net);
+    for (std::size_t c = 0; c < links_of_channels.size(); ++c) {
+      EventChannel channel;
+      channel.name = "c" + std::to_string(c);
+      channel.subject = c + 1;
+      channel.priority = 2;
+      channel.attributes = rate(kHigh);
+      channel.lower = {{1, rate(kLow), {}}};
+      system.channels.push_back(channel);
+      Publisher p;
+      p.channel = c;
+      p.place = network(0);
+      p.attributes = channel.attributes;
+      p.lower = channel.lower;
+      p.mesh_node = static_cast<std::uint32_t>(2 * links_of_channels[c]);
+      system.publishers.push_back(p);
+      Subscriber s;
+      s.channel = c;
+      s.place = network(0);
+      s.attributes = channel.attributes;
+      s.lower = channel.lower;
+      s.mesh_node = *p.mesh_node + 1;
+      system.subscribers.push_back(s);
+    }
+    state_ = std::make_unique<State>(std::move(system));
+  }
+
+  void carry(Value first, Value second, bool joined = false, Value busy = 0) {
+    mesh::Graph graph;
+    graph.nodes = 4;
+    const auto link = [&](std::uint32_t from, Value bytes_per_second) {
+      mesh::Link l;
+      l.from = from;
+      l.to = from + 1;
+      l.quality.rate = bytes_per_second * 8 * 101 / 100;
+      l.quality.kind = mesh::RateKind::effective;
+      l.busy = busy;
+      graph.links.push_back(l);
+    };
+    link(0, first);
+    link(2, second);
+    if (joined) graph.unusable.push_back({1, 2, {}});
+    state_->set_graph(0, graph);
+    state_->settle();
+  }
+  [[nodiscard]] std::string service() const {
+    std::string all;
+    for (const Decision& d : state_->decisions())
+      all += d.granted == 0 ? '-' : d.set == 0 ? 'h' : 'l';
+    return all;
+  }
+  void release(std::size_t channel, bool released) {
+    state_->set_released(channel, released);
+    state_->settle();
+  }
+  [[nodiscard]] const State& state() const { return *state_; }
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+TEST(AllocationTest, ALinkThatCarriesNothingJoinsWhatIsAroundItsEnds) {
+  Islands two({0, 1});
+  two.carry(400, 400);
+  EXPECT_EQ(two.service(), "hh");
+  two.carry(400, 400, true);
+  EXPECT_EQ(two.state().world().meshes[0]->domains().count(), 1U);
+  EXPECT_EQ(two.service(), "ll") << "one domain: 400 bytes/s for both together";
+  two.carry(400, 400, true, 1);
+  EXPECT_EQ(two.service(), "ll");
+  two.carry(400, 400);
+  EXPECT_EQ(two.service(), "hh");
+}
+
+TEST(AllocationTest, WhoIsInAnotherDomainKeepsWhatItHas) {
+  Islands four({0, 0, 1, 1});
+  four.carry(800, 500);
+  EXPECT_EQ(four.service(), "hhhl");
+  four.release(2, true);
+  EXPECT_EQ(four.service(), "hh-h");
+  four.release(2, false);
+  EXPECT_EQ(four.service(), "hhlh") << "who comes back takes from nobody";
+  four.carry(450, 500);
+  EXPECT_EQ(four.service(), "lllh") << "the first link is none of their business";
+}
+
 }  // namespace
 }  // namespace mlcca::core::testing

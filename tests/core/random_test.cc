@@ -152,6 +152,13 @@ mesh::Graph random_graph(Random& random) {
 mesh::Graph varied(Random& random, mesh::Graph graph) {
   for (mesh::Link& link : graph.links)
     if (chance(random, 20)) link.quality.rate = 10'000 + below(random, 300'000);
+  // A link that carries nothing joins what is around its ends all the same.
+  graph.unusable.clear();
+  for (std::uint32_t from = 0; from < kNodes; ++from)
+    for (std::uint32_t to = 0; to < kNodes; ++to)
+      if (from != to && graph.find(from, to) == nullptr && chance(random, 20))
+        graph.unusable.push_back({from, to, {}});
+  if (chance(random, 30)) graph.links.front().busy = below(random, 100'000);
   return graph;
 }
 
