@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/can/of_system.hpp"
+#include "core/medium.hpp"
 #include "core/route_check.hpp"
 #include "mlcca/arithmetic.hpp"
 #include "mlcca/check.hpp"
@@ -21,6 +22,14 @@ bool is_missing(const AttributeSet& provision, Attribute a) {
 
 void provide(AttributeSet& provision, Attribute a, Value value, bool dynamic = false) {
   if (is_missing(provision, a)) provision.set(a, value, dynamic);
+}
+
+/// Over a mesh events are sent in packets, however long they are, and as often as the time of the
+/// medium lasts.
+void provide_events(AttributeSet& provision, const AttributeSet& offered, bool dynamic = false) {
+  provide(provision, Attribute::max_payload, kUnbounded, dynamic);
+  if (offered.has(Attribute::period))
+    provide(provision, Attribute::period, offered[Attribute::period], dynamic);
 }
 
 /// The links of a mesh are known for good only if nothing but the description knows them.
@@ -214,6 +223,10 @@ void Media::take_bus(std::size_t hop) {
     provide(provision, Attribute::jitter, use.response);
   }
   provide(provision, Attribute::period, message->period);
+  const Network& medium = s_.system.networks[network];
+  provide(provision, Attribute::max_payload,
+          medium.profile == Profile::famouso ? kFamousoMaxEvent
+                                             : frame_bytes(*medium.binding_of(v_.channel)));
 }
 
 // --- meshes -------------------------------------------------------------------------------------
@@ -252,7 +265,13 @@ std::vector<std::uint32_t> Media::exits(std::size_t hop) const {
 /// At design time nobody need know the links: the run time decides.
 void Media::no_path(std::size_t hop) {
   const mesh::Mesh& mesh = *s_.system.networks[places_[hop].index].mesh;
-  if (!s_.best_cases_pass || is_fixed(mesh)) obstruct(Obstacle::no_path, hop);
+  if (!s_.best_cases_pass || is_fixed(mesh)) {
+    obstruct(Obstacle::no_path, hop);
+    return;
+  }
+  AttributeSet& provision = hops_[hop].provision;
+  provide(provision, Attribute::bandwidth, kUnbounded, true);
+  provide_events(provision, attributes_in(s_.members.publisher(v_.publisher), v_.set), true);
 }
 
 void Media::take_mesh(std::size_t hop) {
@@ -321,8 +340,12 @@ void Media::take_mesh(std::size_t hop) {
     }
   }
   AttributeSet& provision = hops_[hop].provision;
-  if (!reached) {  // from a node to itself
+  if (!reached) {  // from a node to itself: there is nothing in between
+    for (const Attribute a :
+         {Attribute::latency, Attribute::jitter, Attribute::omission, Attribute::packet_loss})
+      provide(provision, a, 0);
     provide(provision, Attribute::bandwidth, kUnbounded);
+    provide_events(provision, offered);
     return;
   }
   provide(provision, Attribute::bandwidth, alone, best_case);
@@ -331,11 +354,7 @@ void Media::take_mesh(std::size_t hop) {
     if (a != Attribute::bandwidth && links_give.has(a))
       provide(provision, a, links_give[a], best_case);
   }
-  // Events are sent in packets, however long they are, and as often as the time of the medium
-  // lasts.
-  provide(provision, Attribute::max_payload, kUnbounded, best_case);
-  if (offered.has(Attribute::period))
-    provide(provision, Attribute::period, offered[Attribute::period], best_case);
+  provide_events(provision, offered, best_case);
   if (available != kUnbounded) {
     Row row{.place = places_[hop], .against = Against::medium_time};
     Comparison& c = row.comparison;

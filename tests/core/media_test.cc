@@ -252,6 +252,23 @@ TEST(MeshTest, WhatEachLinkStatesCountsBeforeWhatFollowsFromTheTime) {
   }
 }
 
+TEST(MeshTest, BetweenProgramsOfOneNodeThereIsNothingToWaitFor) {
+  AttributeSet often;
+  often.set(Attribute::period, 10 * kMs)
+      .set(Attribute::max_payload, 1)
+      .set(Attribute::deadline, 1)
+      .set(Attribute::omission, 0)
+      .set(Attribute::packet_loss, 0);
+  System system = air(often);
+  system.networks[0].provision.set(Attribute::latency, 20 * kMs, true);
+  system.subscribers[0].mesh_node = 0;
+  State state(std::move(system));
+  state.set_graph(0, link_of(8000));
+  state.settle();
+  EXPECT_TRUE(state.decisions()[0].all_granted())
+      << reason(state.system(), state.members(), state.decisions()[0].verdicts.at(0));
+}
+
 TEST(MeshTest, EventsWithoutPayloadTakeTimeAllTheSame) {
   AttributeSet often;
   often.set(Attribute::max_payload, 0).set(Attribute::bandwidth, 0);
