@@ -268,13 +268,14 @@ bool fits(const Assumptions& assumptions, const Message& message, const Response
 }
 
 std::uint64_t utilisation_ppm(const Assumptions& assumptions, std::span<const Message> messages) {
+  __extension__ using Wide = unsigned __int128;
   constexpr std::uint64_t whole = 1'000'000;
-  Share sum = 0;
+  constexpr std::uint64_t finer = 1'000'000;  // each is rounded up that much finer than the sum
+  Wide sum = 0;
   for (const Message& m : messages)
-    if (usable(assumptions, m)) sum += share_of(m.transmission, std::min(m.period, kLongestTime));
-  __extension__ using Product = unsigned __int128;
-  const Product parts = Product{sum} * whole + (kAllShare - 1);
-  return static_cast<std::uint64_t>(parts >> kShareBits) + assumptions.background;
+    if (usable(assumptions, m))
+      sum += (Wide{m.transmission} * whole * finer + m.period - 1) / m.period;
+  return static_cast<std::uint64_t>((sum + finer - 1) / finer) + assumptions.background;
 }
 
 }  // namespace mlcca::core::can
