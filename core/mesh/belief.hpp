@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What is believed of one link, from what is observed of it as time goes on.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -18,7 +19,8 @@ struct Observation {
   std::uint32_t channel = kAnyChannel;
 };
 
-/// One quantity, of which a worse value counts at once and a better one once it has lasted.
+/// One quantity, of which a worse value counts at once and a better one once it has lasted: a
+/// clearly better one for Mesh::hold_up, any other for kPatience times that.
 /// Order::better(a, b, mesh): a is better than b. Order::clearly(a, b, mesh): by more than
 /// Mesh::tolerance of b.
 template <class T, class Order>
@@ -32,32 +34,51 @@ class Held {
     if (!Order::better(now_seen, value_, mesh)) {
       value_ = now_seen;
       rise_.reset();
-    } else if (!Order::clearly(now_seen, value_, mesh)) {
-      rise_.reset();
-    } else if (!rise_) {
-      rise_ = Rise{now_seen, now};
-    } else if (Order::better(rise_->least, now_seen, mesh)) {
-      rise_->least = now_seen;
+      clear_rise_.reset();
+    } else {
+      follow(rise_, now_seen, now, mesh);
+      if (Order::clearly(now_seen, value_, mesh))
+        follow(clear_rise_, now_seen, now, mesh);
+      else
+        clear_rise_.reset();
     }
-    if (now >= due(mesh)) {
-      value_ = rise_->least;
-      rise_.reset();
-    }
+    if (now < due(mesh)) return;
+    value_ =
+        clear_rise_ && now >= end(clear_rise_, mesh.hold_up) ? clear_rise_->least : rise_->least;
+    rise_.reset();
+    clear_rise_.reset();
+    // What is better than that still is a rise from here.
+    if (Order::better(now_seen, value_, mesh)) follow(rise_, now_seen, now, mesh);
+    if (Order::clearly(now_seen, value_, mesh)) follow(clear_rise_, now_seen, now, mesh);
   }
 
   /// When a rise will have lasted; kUnbounded: there is none.
   [[nodiscard]] std::uint64_t due(const Mesh& mesh) const {
-    return rise_ ? add_saturating(rise_->since, mesh.hold_up) : kUnbounded;
+    return std::min(end(clear_rise_, mesh.hold_up),
+                    end(rise_, mul_saturating(mesh.hold_up, kPatience)));
   }
 
  private:
+  static constexpr Value kPatience = 10;
   struct Rise {
     T least;  ///< the worst value since then
     std::uint64_t since = 0;
   };
 
+  static void follow(std::optional<Rise>& rise, const T& seen, std::uint64_t now,
+                     const Mesh& mesh) {
+    if (!rise)
+      rise = Rise{seen, now};
+    else if (Order::better(rise->least, seen, mesh))
+      rise->least = seen;
+  }
+  [[nodiscard]] static std::uint64_t end(const std::optional<Rise>& rise, Value lasting) {
+    return rise ? add_saturating(rise->since, lasting) : kUnbounded;
+  }
+
   T value_;
-  std::optional<Rise> rise_;
+  std::optional<Rise> rise_;        ///< to any better value
+  std::optional<Rise> clear_rise_;  ///< to clearly better ones
 };
 
 /// Loss and busy time.

@@ -118,12 +118,20 @@ TEST_F(LinkTableTest, AnInterruptedRiseBeginsAnew) {
   EXPECT_EQ(rate(), 24 * kMega);
 }
 
-TEST_F(LinkTableTest, SmallImprovementsAreNone) {
+TEST_F(LinkTableTest, SmallImprovementsTakeLonger) {
   see(10 * kMega, 0);
   for (std::uint64_t i = 1; i <= 20; ++i) see(11 * kMega, i * kSecond);
   EXPECT_EQ(rate(), 10 * kMega) << "a tenth is not more than the tolerance";
   for (std::uint64_t i = 21; i <= 26; ++i) see(11 * kMega + 1, i * kSecond);
   EXPECT_EQ(rate(), 11 * kMega + 1);
+}
+
+TEST_F(LinkTableTest, SmallImprovementsThatLastCountInTheEnd) {
+  see(10 * kMega, 0);
+  for (std::uint64_t i = 1; i <= 50; ++i) see(11 * kMega - (i == 7 ? 1 : 0), i * kSecond);
+  EXPECT_EQ(rate(), 10 * kMega) << "ten times as long as a clear one, and that is not over";
+  see(11 * kMega, 51 * kSecond);
+  EXPECT_EQ(rate(), 11 * kMega - 1) << "the worst of that time";
 }
 
 TEST_F(LinkTableTest, LossAndBusyAreHeldTheOtherWayRound) {
