@@ -2,6 +2,7 @@
 // Links that people write down: in a file that may change, and in the description.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 
@@ -173,6 +174,21 @@ TEST_F(WatchedFile, AFolderMayComeLaterAndComeBack) {
     std::filesystem::remove_all(folder);
     ASSERT_TRUE(watched.await([](const auto& s) { return s.links.empty(); })) << watched.last();
   }
+}
+
+TEST_F(WatchedFile, WhatASymbolicLinkLeadsToIsSeenWhateverTimeItBears) {
+  const std::string elsewhere = folder_ / "elsewhere";
+  std::filesystem::create_directory(elsewhere);
+  write(elsewhere + "/a", "n1 n2 24Mbit/s\n");
+  write(elsewhere + "/b", "n1 n2 11Mbit/s\n");
+  std::filesystem::create_symlink(elsewhere + "/a", path());
+  test::Watched watched(source(), kMesh);
+  ASSERT_TRUE(watched.await(rate_is(24'000'000))) << watched.last();
+  // Of a clock that was an hour ahead.
+  std::filesystem::last_write_time(
+      elsewhere + "/b", std::filesystem::file_time_type::clock::now() + std::chrono::hours(1));
+  std::filesystem::rename(elsewhere + "/b", elsewhere + "/a");
+  EXPECT_TRUE(watched.await(rate_is(11'000'000))) << watched.last();
 }
 
 TEST_F(WatchedFile, ARelativePathIsRefusedAtOnce) {

@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <charconv>
 #include <cstdint>
-#include <ctime>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -214,12 +213,16 @@ class File final : public LinkSource {
     timer_.set(kLookAgain);
   }
 
-  /// Behind a symbolic link, or with the folder itself: the watch does not tell of that. What is
-  /// being written is left to its writer, who closes it.
-  [[nodiscard]] bool has_changed_unseen() const {
+  /// Behind a symbolic link, or with the folder itself: the watch does not tell of that. A file
+  /// that is being written in place is left alone until it is the same in two looks.
+  [[nodiscard]] bool has_changed_unseen() {
     const Version now = version_of(path_);
     if (now == version_) return false;
-    return !now || std::time(nullptr) > (*now)[3] + 1;
+    const auto is_other = [&] {
+      return (*now)[0] != (*version_)[0] || (*now)[1] != (*version_)[1];  // device, inode
+    };
+    if (!now || !version_ || is_other()) return true;
+    return std::exchange(seen_, now) == now;
   }
 
   void watch() {
@@ -268,6 +271,7 @@ class File final : public LinkSource {
   Report report_;
   std::vector<Sample> links_;
   std::string problem_;
+  Version seen_;     ///< in the last look, while it differs from what was read
   Version version_;  ///< of what was read
   EventSource watch_;
   Timer timer_;
