@@ -27,6 +27,10 @@ class BusLoad {
   std::uint32_t measure(const BusCounters& counters, std::uint32_t bitrate, std::uint64_t analysed,
                         std::uint64_t now_ns);
 
+  /// What a load that was counted with the fewest bits takes at most: with 29-bit identifiers and
+  /// all stuff bits.
+  [[nodiscard]] static std::uint32_t at_most(std::uint32_t load);
+
   /// 1e-6 of the bus time that was carried at least, in the last interval.
   [[nodiscard]] std::uint64_t load() const { return load_; }
 

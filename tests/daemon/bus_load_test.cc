@@ -25,6 +25,12 @@ TEST(BusLoadTest, IsRoundedUpToSteps) {
   EXPECT_EQ(bus.measure({501, 4008}, kBitrate, 500'000, 2 * kSecond), BusLoad::kStep);
 }
 
+TEST(BusLoadTest, IsAnalysedWithTheMostBits) {
+  EXPECT_EQ(BusLoad::at_most(0), 0U);
+  EXPECT_EQ(BusLoad::at_most(470'000), 800'000U);
+  EXPECT_EQ(BusLoad::at_most(900'000), 1'000'000U);
+}
+
 TEST(SenderLoadTest, IsTheShareOfItsFramesAndDoesNotSwingByAStep) {
   SenderLoad sender;
   EXPECT_EQ(sender.measure(1000, 8, kBitrate, kSecond), 0U) << "nothing to compare";
