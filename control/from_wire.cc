@@ -330,7 +330,8 @@ Result<Request> from_wire(v1::Request& from) {
       return Request{id, admit(*from.mutable_admit())};
     case v1::Request::kRelease:
       return Request{id, ReleaseRequest{.channel = text(from.mutable_release()->mutable_channel()),
-                                        .admission = from.release().admission()}};
+                                        .admission = from.release().admission(),
+                                        .key = text(from.mutable_release()->mutable_key())}};
     case v1::Request::kExplain:
       return Request{id, ExplainRequest{text(from.mutable_explain()->mutable_channel())}};
     case v1::Request::kMonitor:

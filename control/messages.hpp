@@ -260,6 +260,7 @@ struct Admit : ChannelRequest {
 struct ReleaseRequest {
   std::string channel;
   std::uint64_t admission = 0;
+  std::string key;  ///< in place of the id
   bool operator==(const ReleaseRequest&) const = default;
 };
 /// The lease of an admission starts anew. By id or by key.

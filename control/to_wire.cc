@@ -247,6 +247,7 @@ struct RequestBody {
   void operator()(const ReleaseRequest& from) const {
     to.mutable_release()->set_channel(to_utf8(from.channel));
     to.mutable_release()->set_admission(from.admission);
+    to.mutable_release()->set_key(to_utf8(from.key));
   }
   void operator()(const ExplainRequest& from) const {
     to.mutable_explain()->set_channel(to_utf8(from.channel));

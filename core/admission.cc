@@ -72,8 +72,9 @@ Decision decide_in(const Situation& situation, std::size_t channel, std::size_t 
       const Verdict* old = before != nullptr ? same_delivery(*before, start) : nullptr;
       const bool kept = old != nullptr && old->granted;
       const Ledger::Mark mark = ledger.mark();
-      Verdict v =
-          decide_one(situation, ledger, targets, std::move(start), kept ? &old->route : nullptr);
+      // Of what was granted before a restart the way is not known any more.
+      const Route* way = kept && !old->route.empty() ? &old->route : nullptr;
+      Verdict v = decide_one(situation, ledger, targets, std::move(start), way);
       if (v.granted && before != nullptr && !kept) {
         ledger.roll_back(mark);
         v.granted = false;

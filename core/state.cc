@@ -130,6 +130,10 @@ State::State(System system)
     channel_of_name_.emplace(system_.channels[c].name, c);
     channel_of_subject_.emplace(system_.channels[c].subject, c);
   }
+  for (std::size_t n = 0; n < system_.networks.size(); ++n)
+    place_of_name_.emplace(system_.networks[n].name, Place{Place::Kind::network, n});
+  for (std::size_t g = 0; g < system_.gateways.size(); ++g)
+    place_of_name_.emplace(system_.gateways[g].name, Place{Place::Kind::gateway, g});
   decide();
 }
 
@@ -217,7 +221,43 @@ void State::note_age(std::size_t channel) {
   if (!(published && subscribed) && oldest != kUnbounded) ages_[channel] = oldest;
 }
 
-void State::decide(const std::map<std::size_t, std::size_t>& before) {
+Delivery State::delivery_of(const Verdict& v) const {
+  return {members_.publisher(v.publisher).name, members_.admission_of_publisher(v.publisher),
+          v.to.kind == Place::Kind::network ? system_.networks[v.to.index].name
+                                            : system_.gateways[v.to.index].name};
+}
+
+Grants State::grants(std::size_t channel) const {
+  Grants out;
+  out.set = decisions_[channel].set;
+  for (const Verdict& v : decisions_[channel].verdicts)
+    if (v.granted) out.deliveries.push_back(delivery_of(v));
+  return out;
+}
+
+/// What was granted, as far as those whom it concerns are there now.
+Decision State::known(std::size_t channel, const Grants& grants) const {
+  Decision out;
+  out.set = grants.set;
+  for (const Delivery& delivery : grants.deliveries) {
+    const auto to = find_place(delivery.to);
+    if (!to) continue;
+    for (const std::size_t p : members_.publishers_of(channel)) {
+      if (members_.publisher(p).name != delivery.publisher ||
+          members_.admission_of_publisher(p) != delivery.admission)
+        continue;
+      Verdict& v = out.verdicts.emplace_back();
+      v.channel = channel;
+      v.publisher = p;
+      v.to = *to;
+      v.granted = true;
+    }
+  }
+  out.granted = out.verdicts.size();
+  return out;
+}
+
+void State::decide(const std::map<std::size_t, Grants>& before) {
   static_cast<void>(settle());
   Allocation allocation(situation(), ages_, decisions_, ledger_);
   std::vector<std::size_t> all(system_.channels.size());
@@ -228,8 +268,10 @@ void State::decide(const std::map<std::size_t, std::size_t>& before) {
   for (const std::size_t c : all) decisions_[c] = {};
   for (const std::size_t c : all) {
     const auto it = before.find(c);
-    if (it == before.end() || it->second >= sets_of(system_, c)) continue;
-    decisions_[c] = decide_in(situation(), c, it->second, ledger_);
+    if (it == before.end() || it->second.set >= sets_of(system_, c)) continue;
+    const Decision old = known(c, it->second);
+    if (old.granted == 0) continue;
+    decisions_[c] = decide_in(situation(), c, old.set, ledger_, &old);
     ledger_.commit();
   }
   while (allocation.serve(all) || allocation.raise(all)) {
@@ -273,11 +315,9 @@ std::optional<std::size_t> State::find_channel(const std::string& name_or_subjec
 }
 
 std::optional<Place> State::find_place(const std::string& name) const {
-  for (std::size_t n = 0; n < system_.networks.size(); ++n)
-    if (system_.networks[n].name == name) return Place{Place::Kind::network, n};
-  for (std::size_t g = 0; g < system_.gateways.size(); ++g)
-    if (system_.gateways[g].name == name) return Place{Place::Kind::gateway, g};
-  return std::nullopt;
+  const auto it = place_of_name_.find(name);
+  if (it == place_of_name_.end()) return std::nullopt;
+  return it->second;
 }
 
 std::optional<Subject> parse_subject(const std::string& text) {

@@ -68,6 +68,21 @@ class Proposal {
   bool fit_ = false;
 };
 
+/// A delivery in words that outlive the state: numbers of ends change with a description.
+struct Delivery {
+  std::string publisher;
+  AdmissionId admission = 0;  ///< that brought the publisher in; 0: it is described
+  std::string to;
+  auto operator<=>(const Delivery&) const = default;
+};
+
+/// What is granted of a channel.
+struct Grants {
+  std::size_t set = 0;
+  std::vector<Delivery> deliveries;  ///< none: nothing is granted
+  bool operator==(const Grants&) const = default;
+};
+
 /// Of channels: the rules that the gates of one gateway had.
 using FormerRules = std::map<std::size_t, GateState>;
 
@@ -117,9 +132,11 @@ class State {
   std::vector<Change> settle();
 
   /// Decides everything anew, with described ends and admissions, whether they fit or not, as after
-  /// a start. `before`: what each channel was granted, by channel: the number of its set; they are
-  /// served first.
-  void decide(const std::map<std::size_t, std::size_t>& before = {});
+  /// a start. `before`: what was granted, by channel; that is served first, and nobody else with
+  /// it.
+  void decide(const std::map<std::size_t, Grants>& before = {});
+  [[nodiscard]] Grants grants(std::size_t channel) const;
+  [[nodiscard]] Delivery delivery_of(const Verdict& verdict) const;
 
   [[nodiscard]] Proposal propose(Admission admission) { return {*this, std::move(admission)}; }
   /// Takes an admission in without asking, before decide(): one that was granted before a restart.
@@ -145,6 +162,7 @@ class State {
   [[nodiscard]] Situation situation() const {
     return {system_, topology_, members_, world_, released_};
   }
+  [[nodiscard]] Decision known(std::size_t channel, const Grants& grants) const;
   void note_age(std::size_t channel);
   void forget_deliveries(std::size_t channel, AdmissionId leaving);
 
@@ -167,6 +185,7 @@ class State {
   std::map<std::size_t, NewGraph> new_graphs_;
   std::unordered_map<std::string, std::size_t> channel_of_name_;
   std::unordered_map<Subject, std::size_t> channel_of_subject_;
+  std::unordered_map<std::string, Place> place_of_name_;
 
   std::set<std::size_t> touched_;   // channels that must be decided anew
   std::set<std::size_t> relieved_;  // resources that carry less now

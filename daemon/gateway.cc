@@ -24,16 +24,50 @@ namespace {
 /// as they were.
 constexpr std::uint64_t kFirstReports = 2'500'000'000;
 
-/// The journal's word for a grant in an attribute set.
+// The journal's words for what is granted: "set=0 camera#0>control player#7>laptop": the attribute
+// set, then publisher, its admission and the place of each delivery.
 constexpr std::string_view kSet = "set=";
-std::string grant_text(std::size_t set) { return std::string(kSet) + std::to_string(set); }
-std::optional<std::size_t> set_of(std::string_view text) {
+
+std::string text_of(const core::Grants& grants) {
+  if (grants.deliveries.empty()) return {};
+  std::string text = std::string(kSet) + std::to_string(grants.set);
+  for (const core::Delivery& d : grants.deliveries)
+    text += fmt::format(" {}#{}>{}", d.publisher, d.admission, d.to);
+  return text;
+}
+
+template <class Number>
+std::optional<Number> number_in(std::string_view text) {
+  Number number = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (read.ec != std::errc{} || read.ptr != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// Nothing for words that are not ours. Neither names of places nor numbers have a # or a >.
+std::optional<core::Grants> grants_of(std::string_view text) {
   if (!text.starts_with(kSet)) return std::nullopt;
-  std::size_t set = 0;
-  const char* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data() + kSet.size(), end, set);
-  if (read.ec != std::errc{} || read.ptr != end) return std::nullopt;
-  return set;
+  core::Grants grants;
+  bool first = true;
+  while (!text.empty()) {
+    const auto blank = std::min(text.find(' '), text.size());
+    const std::string_view word = text.substr(0, blank);
+    text.remove_prefix(std::min(blank + 1, text.size()));
+    if (std::exchange(first, false)) {
+      const auto set = number_in<std::size_t>(word.substr(kSet.size()));
+      if (!set) return std::nullopt;
+      grants.set = *set;
+      continue;
+    }
+    const auto to = word.rfind('>');
+    const auto id = to == std::string_view::npos ? to : word.rfind('#', to);
+    if (id == std::string_view::npos) return std::nullopt;
+    const auto admission = number_in<core::AdmissionId>(word.substr(id + 1, to - id - 1));
+    if (!admission) return std::nullopt;
+    grants.deliveries.push_back(
+        {std::string(word.substr(0, id)), *admission, std::string(word.substr(to + 1))});
+  }
+  return grants;
 }
 
 void put_graph(core::State& state, std::size_t network, const core::mesh::LinkTable& table) {
@@ -110,9 +144,9 @@ void Gateway::restore_into(Loaded& loaded) const {
     if (asked && asked->admission)
       state.restore(*asked->admission);
     else
-      loaded.left_out.push_back(
-          fmt::format("admission {} of {} is left out: {}", request.id, admit->channel,
-                      asked ? "the description has it now" : asked.error().text));
+      loaded.left_out.emplace(
+          request.id, fmt::format("admission {} of {} is left out: {}", request.id, admit->channel,
+                                  asked ? "the description has it now" : asked.error().text));
   }
   for (const std::string& subject : stored().released)
     if (const auto channel = state.find_channel(subject)) state.set_released(*channel, true);
@@ -147,8 +181,8 @@ std::optional<StartError> Gateway::start() {
   self_ = loaded->self;
   loaded_ = std::time(nullptr);
   if (const auto& cut = store_->recovered()) tell(Kind::trouble, 5, *cut);
-  for (std::string& line : loaded->left_out) tell(Kind::trouble, 4, std::move(line));
   remember_leases_and_keys();
+  const Granted before = granted();
 
   meshes_.describe(state_->system());
   meshes_.await_first_reports(kFirstReports);
@@ -162,7 +196,8 @@ std::optional<StartError> Gateway::start() {
   tell(Kind::started, 5, "started: " + summary());
   if (control_.mode() == enforce::Mode::audit)
     tell(Kind::mode, 4, "AUDIT MODE: nothing is dropped, everything is only counted");
-  tell_all();
+  left_out_ = std::move(loaded->left_out);
+  tell_outcome(before);
   commit();
   return std::nullopt;
 }
@@ -189,9 +224,12 @@ void Gateway::put_conditions(core::State& state) const {
   for (const auto& [network, beyond] : beyond_) {
     if (network >= conditions.size()) continue;
     core::Condition& condition = conditions[network];
-    condition.background = beyond.strangers;
+    condition.background = BusLoad::at_most(beyond.strangers);
     condition.heard = beyond.heard;
-    for (const core::Heard& heard : beyond.heard) condition.background += heard.load;
+    for (core::Heard& heard : condition.heard) {
+      heard.load = BusLoad::at_most(heard.load + BusLoad::kStep);
+      condition.background += heard.load;
+    }
   }
   for (std::size_t n = 0; n < conditions.size(); ++n)
     state.set_condition(n, std::move(conditions[n]));
@@ -229,21 +267,21 @@ Result<void> Gateway::settle(const core::FormerRules& left) {
   return done;
 }
 
-std::map<std::size_t, std::size_t> Gateway::granted_before(const core::State& state) const {
-  std::map<std::size_t, std::size_t> sets;
-  for (const auto& [subject, text] : stored().granted) {
-    const auto channel = state.find_channel(subject);
-    if (const auto set = set_of(text); channel && set) sets.emplace(*channel, *set);
-  }
-  return sets;
+Gateway::Granted Gateway::granted() const {
+  Granted all;
+  for (const auto& [subject, text] : stored().granted)
+    if (auto grants = grants_of(text)) all.emplace(subject, std::move(*grants));
+  return all;
 }
 
 void Gateway::note_granted(std::size_t channel) {
-  const core::Decision& decision = state_->decisions()[channel];
-  const std::string text = decision.granted == 0 ? "" : grant_text(decision.set);
-  const store::Granted entry{core::format_subject(state_->system().channels[channel].subject),
-                             text};
-  if (const auto done = store_->append(entry); !done) tell(Kind::trouble, 3, done.error().text);
+  note_granted(core::format_subject(state_->system().channels[channel].subject),
+               text_of(state_->grants(channel)));
+}
+
+void Gateway::note_granted(const std::string& subject, const std::string& text) {
+  if (const auto done = store_->append(store::Granted{subject, text}); !done)
+    tell(Kind::trouble, 3, done.error().text);
 }
 
 /// Interfaces, links and gates for a description that has just become the one in force.
@@ -253,7 +291,14 @@ Result<void> Gateway::put_in_force() {
   put_conditions(*state_);
   put_graphs(*state_);
   dirty_meshes_.clear();
-  state_->decide(granted_before(*state_));
+  std::map<std::size_t, core::Grants> before;
+  for (const auto& [subject, grants] : granted()) {
+    if (const auto channel = state_->find_channel(subject))
+      before.emplace(*channel, grants);
+    else
+      note_granted(subject, {});
+  }
+  state_->decide(before);
   for (std::size_t c = 0; c < state_->decisions().size(); ++c) note_granted(c);
   return enforce();
 }

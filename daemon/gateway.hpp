@@ -104,10 +104,12 @@ class Gateway {
   Body handle(const control::WhatIfRequest& request);
   Body handle(const control::HistoryRequest& request);
 
+  /// Admissions that have no place in the description, and why.
+  using LeftOut = std::map<core::AdmissionId, std::string>;
   struct Loaded {
     std::unique_ptr<core::State> state;
     std::size_t self = 0;
-    std::vector<std::string> left_out;  ///< admissions that have no place in the description
+    LeftOut left_out;
   };
   using LoadResult = std::expected<Loaded, std::vector<std::string>>;
   [[nodiscard]] LoadResult load() const;
@@ -118,8 +120,9 @@ class Gateway {
   void follow_world();
   void put_conditions(core::State& state) const;
   void put_graphs(core::State& state) const;
-  /// What each channel was granted when the journal was last written.
-  [[nodiscard]] std::map<std::size_t, std::size_t> granted_before(const core::State& state) const;
+  /// What was granted when the journal was last written, by subject ("0x…").
+  using Granted = std::map<std::string, core::Grants>;
+  [[nodiscard]] Granted granted() const;
 
   /// What a bus carries beside what is analysed, in 1e-6 of its time.
   struct Beyond {
@@ -136,10 +139,11 @@ class Gateway {
   void commit();
   void take_back_uncommitted();
   void note_granted(std::size_t channel);
+  void note_granted(const std::string& subject, const std::string& text);
   [[nodiscard]] const store::Contents& stored() const { return store_->contents(); }
 
   Result<void> release(const std::vector<core::AdmissionId>& gone,
-                       std::optional<std::size_t> channel);
+                       std::optional<std::size_t> channel, const std::string& why);
   core::FormerRules forget(const std::vector<core::AdmissionId>& gone);
   void end_leases();
   void measure_buses();
@@ -151,7 +155,9 @@ class Gateway {
   void tell(Kind kind, int priority, std::string message, std::string network = {}) {
     tell({kind, priority, std::move(message), 0, {}, std::move(network), {}, {}});
   }
-  void tell_all();
+  void tell_outcome(const Granted& before);
+  void tell_gone(const std::string& subject, const core::Delivery& delivery);
+  void tell_released(const std::vector<core::AdmissionId>& gone, const std::string& why);
   void tell_changes(const std::vector<core::Change>& changes);
   void tell_verdict(Kind kind, const core::Verdict& verdict, const std::string& line);
   [[nodiscard]] std::vector<core::AdmissionId> admissions_of(const core::Verdict& verdict) const;
@@ -192,8 +198,9 @@ class Gateway {
   std::vector<core::AdmissionId> uncommitted_;  // granted, and not on disk yet
   Leases leases_;
   Keys keys_;
+  LeftOut left_out_;
   std::map<core::AdmissionId, std::set<std::uint64_t>> held_;          // by which sessions
-  std::map<std::size_t, BusLoad> loads_;                               // by port
+  std::map<std::string, BusLoad> loads_;                               // by network
   std::map<std::pair<std::size_t, std::size_t>, SenderLoad> senders_;  // by port and publisher
   std::map<std::size_t, Beyond> beyond_;                               // by network
 

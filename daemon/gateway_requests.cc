@@ -31,6 +31,7 @@ control::Error error(control::ErrorKind kind, std::string message) {
 
 Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   commit();
+  const Granted before = granted();
   auto loaded = load();
   if (!loaded) {
     last_error_ = loaded.error().front();
@@ -52,7 +53,6 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
     if (const auto place = state_->find_place(old->system().networks[network].name);
         place && place->kind == core::Place::Kind::network)
       beyond_[place->index] = {beyond.strangers, beyond.told, {}};
-  loads_.clear();
   senders_.clear();
   meshes_.describe(state_->system());
   auto done = put_in_force();
@@ -70,9 +70,9 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   open_unless_lost();
   if (!done) return error(control::ErrorKind::world, last_error_);
   loaded_ = std::time(nullptr);
-  for (std::string& line : loaded->left_out) tell(Kind::trouble, 4, std::move(line));
+  left_out_ = std::move(loaded->left_out);
   tell(Kind::reload, 5, "reloaded: " + summary());
-  tell_all();
+  tell_outcome(before);
   return control::Done{"reloaded: " + summary()};
 }
 
@@ -142,6 +142,9 @@ std::optional<Gateway::Body> Gateway::admit_again(const control::Admit& request)
         fmt::format("admission {} has the key '{}' and was asked for otherwise: release it "
                     "first, or take another key",
                     id, request.key));
+  if (const auto out = left_out_.find(id); out != left_out_.end())
+    return error(control::ErrorKind::invalid,
+                 out->second + ": release it, or mend the description");
   own(id, request);
   hold_answer_ = std::ranges::find(uncommitted_, id) != uncommitted_.end();
   return report_admission(id);
@@ -216,6 +219,8 @@ Gateway::Body Gateway::handle(const control::RenewRequest& request) {
   }
   if (stored().admissions.find(id) == nullptr)
     return error(control::ErrorKind::invalid, fmt::format("there is no admission {}", id));
+  if (const auto out = left_out_.find(id); out != left_out_.end())
+    return error(control::ErrorKind::invalid, out->second);
   if (!leases_.remaining(id, monotonic_ns())) {
     const bool held = held_.contains(id);
     return control::Done{
@@ -232,39 +237,45 @@ Gateway::Body Gateway::handle(const control::RenewRequest& request) {
 Gateway::Body Gateway::handle(const control::ReleaseRequest& request) {
   std::vector<core::AdmissionId> gone;
   std::optional<std::size_t> channel;
-  if (request.admission != 0) {
-    if (stored().admissions.find(request.admission) == nullptr)
+  core::AdmissionId id = request.admission;
+  if (!request.key.empty()) {
+    const auto known = keys_.find(request.key);
+    if (!known)
       return error(control::ErrorKind::invalid,
-                   fmt::format("there is no admission {}", request.admission));
-    gone.push_back(request.admission);
+                   fmt::format("there is no admission with the key '{}'", request.key));
+    id = *known;
+  }
+  if (id != 0) {
+    if (stored().admissions.find(id) == nullptr)
+      return error(control::ErrorKind::invalid, fmt::format("there is no admission {}", id));
+    gone.push_back(id);
   } else {
     const auto named = channel_named(*state_, request.channel);
     if (!named) return error(control::ErrorKind::invalid, named.error().text);
     channel = *named;
-    for (const auto& [id, of] : state_->admissions())
-      if (of == *channel) gone.push_back(id);
+    for (const auto& [admission, of] : state_->admissions())
+      if (of == *channel) gone.push_back(admission);
   }
-  if (const auto done = release(gone, channel); !done)
+  if (const auto done = release(gone, channel, "released by the operator"); !done)
     return error(control::ErrorKind::world, done.error().text);
-  std::string what = fmt::format("admission {}", request.admission);
-  if (channel) what = state_->system().channels[*channel].name;
+  if (!channel) return control::Done{fmt::format("released admission {}", id)};
+  const core::EventChannel& released = state_->system().channels[*channel];
   tell({Kind::released,
         5,
-        "released by the operator: " + what,
-        channel ? state_->system().channels[*channel].subject : 0,
-        channel ? what : "",
+        "released by the operator: " + released.name,
+        released.subject,
+        released.name,
         {},
         {},
-        gone});
-  return control::Done{
-      "released " + what +
-      (channel ? ": refused to everybody until 'mlccactl admit " + what + "'" : "")};
+        {}});
+  return control::Done{"released " + released.name +
+                       ": refused to everybody until 'mlccactl admit " + released.name + "'"};
 }
 
 /// Takes admissions back, and with `channel` all that is described of it: on disk first, then in
 /// the kernel.
 Result<void> Gateway::release(const std::vector<core::AdmissionId>& gone,
-                              std::optional<std::size_t> channel) {
+                              std::optional<std::size_t> channel, const std::string& why) {
   commit();
   Result<void> done;
   for (const core::AdmissionId id : gone)
@@ -277,6 +288,7 @@ Result<void> Gateway::release(const std::vector<core::AdmissionId>& gone,
     store_->roll_back();
     return fail("nothing was changed: " + done.error().text);
   }
+  tell_released(gone, why);
   const core::FormerRules left = forget(gone);
   if (channel) state_->set_released(*channel, true);
   return settle(left);
@@ -287,13 +299,15 @@ core::FormerRules Gateway::forget(const std::vector<core::AdmissionId>& gone) {
   core::FormerRules left;
   for (const core::AdmissionId id : gone) {
     const auto known = state_->admissions().find(id);
-    if (known == state_->admissions().end()) continue;
-    const std::size_t channel = known->second;
-    if (!left.contains(channel)) left.emplace(channel, state_->gate_state(self_, channel));
-    state_->remove(id);
+    if (known != state_->admissions().end()) {
+      const std::size_t channel = known->second;
+      if (!left.contains(channel)) left.emplace(channel, state_->gate_state(self_, channel));
+      state_->remove(id);
+    }
     leases_.forget(id);
     held_.erase(id);
     keys_.forget(id);
+    left_out_.erase(id);
   }
   return left;
 }

@@ -17,6 +17,8 @@
 namespace mlcca {
 namespace {
 
+constexpr std::uint64_t kTryAgain = 10'000'000'000;  // ns
+
 /// What drops and comes and goes each second is for the log, not for the history.
 bool is_history(Kind kind) { return kind != Kind::dropping; }
 
@@ -35,17 +37,11 @@ void Gateway::look_around() {
 void Gateway::end_leases() {
   const std::vector<core::AdmissionId> expired = leases_.expired(monotonic_ns());
   if (expired.empty()) return;
-  for (const core::AdmissionId id : expired)
-    tell({Kind::released,
-          5,
-          fmt::format("admission {}: its lease ended and was not renewed", id),
-          0,
-          {},
-          {},
-          {},
-          {id}});
-  if (const auto done = release(expired, std::nullopt); !done)
-    tell(Kind::trouble, 3, done.error().text);
+  const auto done = release(expired, std::nullopt, "its lease ended and was not renewed");
+  if (done) return;
+  tell(Kind::trouble, 3, done.error().text);
+  // What could not be written down stays reserved, and is tried again.
+  for (const core::AdmissionId id : expired) leases_.postpone(id, kTryAgain, monotonic_ns());
 }
 
 void Gateway::session_closed(std::uint64_t session) {
@@ -101,8 +97,8 @@ void Gateway::measure_buses() {
         state_->system().networks[network].bus.background;
     // Its frames and those of the bus are not counted at the same moment.
     for (const core::Heard& sender : senders) expected += sender.load + BusLoad::kStep;
-    const std::uint32_t now =
-        loads_[p].measure(*counters, bus->assumptions().timing.bitrate, expected, monotonic_ns());
+    const std::uint32_t now = loads_[ports_.network_of(p)].measure(
+        *counters, bus->assumptions().timing.bitrate, expected, monotonic_ns());
     if (now == strangers && senders == heard) continue;
     strangers = now;
     heard = std::move(senders);
@@ -232,10 +228,61 @@ void Gateway::tell_verdict(Kind kind, const core::Verdict& v, const std::string&
         admissions_of(v)});
 }
 
-void Gateway::tell_all() {
-  for (const core::Decision& decision : state_->decisions())
-    for (const core::Verdict& v : decision.verdicts)
-      tell_verdict(v.granted ? Kind::granted : Kind::refused, v, verdict_line(*state_, v));
+/// After a start or a reload: everything, and of what was granted before what is not any more.
+void Gateway::tell_outcome(const Granted& before) {
+  for (const auto& [id, why] : left_out_) {
+    const auto* request = stored().admissions.find(id);
+    const auto* admit = request != nullptr ? std::get_if<control::Admit>(&request->body) : nullptr;
+    tell({Kind::trouble, 4, why, 0, admit != nullptr ? admit->channel : "", {}, {}, {id}});
+  }
+  Granted lost = before;
+  for (const core::Decision& decision : state_->decisions()) {
+    for (const core::Verdict& v : decision.verdicts) {
+      const auto known =
+          lost.find(core::format_subject(state_->system().channels[v.channel].subject));
+      const bool was =
+          known != lost.end() && std::erase(known->second.deliveries, state_->delivery_of(v)) != 0;
+      tell_verdict(v.granted ? Kind::granted
+                   : was     ? Kind::withdrawn
+                             : Kind::refused,
+                   v, verdict_line(*state_, v));
+    }
+  }
+  for (const auto& [subject, grants] : lost)
+    for (const core::Delivery& delivery : grants.deliveries) tell_gone(subject, delivery);
+}
+
+/// Was granted, and one of those whom it concerned is not there any more.
+void Gateway::tell_gone(const std::string& subject, const core::Delivery& delivery) {
+  const auto channel = state_->find_channel(subject);
+  const std::string name = channel ? state_->system().channels[*channel].name : subject;
+  tell({Kind::withdrawn,
+        4,
+        fmt::format("{} ({}) of {} to {} is gone: the description has it no more", name, subject,
+                    delivery.publisher, delivery.to),
+        core::parse_subject(subject).value_or(0),
+        name,
+        delivery.to,
+        {},
+        delivery.admission != 0 ? std::vector{delivery.admission}
+                                : std::vector<core::AdmissionId>{}});
+}
+
+void Gateway::tell_released(const std::vector<core::AdmissionId>& gone, const std::string& why) {
+  for (const core::AdmissionId id : gone) {
+    const auto known = state_->admissions().find(id);
+    const core::EventChannel* channel =
+        known != state_->admissions().end() ? &state_->system().channels[known->second] : nullptr;
+    tell({Kind::released,
+          5,
+          fmt::format("admission {}{}: {}", id, channel != nullptr ? " of " + channel->name : "",
+                      why),
+          channel != nullptr ? channel->subject : 0,
+          channel != nullptr ? channel->name : "",
+          {},
+          {},
+          {id}});
+  }
 }
 
 void Gateway::tell_changes(const std::vector<core::Change>& changes) {

@@ -3,21 +3,26 @@
 
 namespace mlcca {
 
-void Leases::end_at(std::uint64_t id, Lease& lease, std::uint64_t now) {
+void Leases::end_after(std::uint64_t id, Lease& lease, std::uint64_t ns, std::uint64_t now) {
   by_end_.erase({lease.end, id});
-  lease.end = lease.length_ns > kUnbounded - now ? kUnbounded : now + lease.length_ns;
+  lease.end = ns > kUnbounded - now ? kUnbounded : now + ns;
   if (lease.end != kUnbounded) by_end_.emplace(lease.end, id);
 }
 
 void Leases::set(std::uint64_t id, std::uint64_t length_ns, std::uint64_t now) {
   Lease& lease = by_id_[id];
   lease.length_ns = length_ns;
-  end_at(id, lease, now);
+  end_after(id, lease, length_ns, now);
 }
 
 void Leases::renew(std::uint64_t id, std::uint64_t now) {
   const auto found = by_id_.find(id);
-  if (found != by_id_.end()) end_at(id, found->second, now);
+  if (found != by_id_.end()) end_after(id, found->second, found->second.length_ns, now);
+}
+
+void Leases::postpone(std::uint64_t id, std::uint64_t by_ns, std::uint64_t now) {
+  const auto found = by_id_.find(id);
+  if (found != by_id_.end()) end_after(id, found->second, by_ns, now);
 }
 
 void Leases::forget(std::uint64_t id) {

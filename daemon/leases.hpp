@@ -21,6 +21,8 @@ class Leases {
   void set(std::uint64_t id, std::uint64_t length_ns, std::uint64_t now);
   /// From `now` on as long as it was set for; nothing for an id without a lease.
   void renew(std::uint64_t id, std::uint64_t now);
+  /// Ends `by_ns` from `now` on, and is as long as before when it is renewed.
+  void postpone(std::uint64_t id, std::uint64_t by_ns, std::uint64_t now);
   void forget(std::uint64_t id);
 
   /// Those whose end has come (end <= now), the one that ended first in front. They stay until they
@@ -37,7 +39,7 @@ class Leases {
     std::uint64_t length_ns = 0;
     std::uint64_t end = 0;
   };
-  void end_at(std::uint64_t id, Lease& lease, std::uint64_t now);
+  void end_after(std::uint64_t id, Lease& lease, std::uint64_t ns, std::uint64_t now);
 
   std::map<std::uint64_t, Lease> by_id_;
   std::set<std::pair<std::uint64_t, std::uint64_t>> by_end_;  ///< end, id

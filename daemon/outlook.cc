@@ -8,7 +8,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -29,7 +28,7 @@ Result<std::size_t> mesh_named(const core::State& state, const std::string& name
     const std::string& here = state.system().networks[n].name;
     known += (known.empty() ? "" : ", ") + here;
     if (!name.empty() && name != here) continue;
-    if (found) return fail("there are several meshes: say which one, NETWORK:FROM,TO=RATE");
+    if (found) return fail("there are several meshes: say which one, NETWORK/FROM,TO=RATE");
     found = n;
   }
   if (found) return *found;
@@ -91,9 +90,9 @@ void take_away(core::System& system, std::size_t gateway) {
   });
 }
 
-using Key = std::tuple<std::size_t, std::string, core::Place>;
+using Key = std::pair<std::size_t, core::Delivery>;
 Key key_of(const core::State& state, const core::Verdict& v) {
-  return {v.channel, state.members().publisher(v.publisher).name, v.to};
+  return {v.channel, state.delivery_of(v)};
 }
 
 }  // namespace
@@ -117,10 +116,10 @@ Result<std::unique_ptr<core::State>> suppose(const core::State& now,
 
   auto then = std::make_unique<core::State>(std::move(system));
   for (const auto& [id, channel] : now.admissions()) then->restore(now.admission(id));
-  std::map<std::size_t, std::size_t> granted;
+  std::map<std::size_t, core::Grants> granted;
   for (std::size_t c = 0; c < now.decisions().size(); ++c) {
     then->set_released(c, now.released(c));
-    if (now.decisions()[c].granted != 0) granted.emplace(c, now.decisions()[c].set);
+    if (now.decisions()[c].granted != 0) granted.emplace(c, now.grants(c));
   }
   for (std::size_t n = 0; n < now.system().networks.size(); ++n) {
     then->set_condition(n, now.world().conditions[n]);

@@ -204,7 +204,8 @@ Exit ask_admit(const Options& options, const Arguments& arguments) {
 
 Exit ask_release(const Options& options, const Arguments& arguments) {
   return ask(options, control::ReleaseRequest{.channel = arguments.channel,
-                                              .admission = arguments.admission.value_or(0)});
+                                              .admission = arguments.admission.value_or(0),
+                                              .key = arguments.key});
 }
 
 Exit ask_explain(const Options& options, const Arguments& arguments) {

@@ -76,17 +76,21 @@ CLI::Option* add_id(CLI::App& app, Arguments& to) {
       ->check(CLI::Range(std::uint64_t{1}, ~std::uint64_t{0}));
 }
 
+void add_id_or_key(CLI::App& app, Arguments& to) {
+  add_id(app, to);
+  app.add_option("--key", to.key, "the same by the name that admit gave it");
+}
+
 void add_admission(CLI::App& app, Arguments& to) {
   auto* group = app.add_option_group("what");
   group->add_option("channel", to.channel, "all admissions of this channel")->type_name("CHANNEL");
-  add_id(*group, to);
+  add_id_or_key(*group, to);
   group->require_option(1);
 }
 
 void add_lease(CLI::App& app, Arguments& to) {
   auto* group = app.add_option_group("what");
-  add_id(*group, to);
-  group->add_option("--key", to.key, "the name that admit gave it");
+  add_id_or_key(*group, to);
   group->require_option(1);
 }
 

@@ -187,7 +187,7 @@ TEST(AllocationTest, WhatWasGrantedBeforeTheRestartIsServedFirst) {
   Scarce s({0, 0});
   s.carries(450);
   // Alone the second got its high quality before the first was admitted again.
-  s.state().decide({{1, 0}});
+  s.state().decide({{1, {0, {{"p1", 0, "air"}}}}});
   EXPECT_EQ(s.service(), "-h");
 }
 

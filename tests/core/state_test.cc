@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+
 #include "tests/core/robot.hpp"
 
 namespace mlcca::core::testing {
@@ -57,6 +60,53 @@ TEST(StateTest, AcceptedAdmissionsTakePartInLaterDecisions) {
   EXPECT_FALSE(state.remove(1));
   state.settle();
   EXPECT_EQ(only_verdict(state).requirement[Attribute::omission], 2U);
+}
+
+/// One network that carries 250 bytes/s: the first channel, with two publishers, is more important
+/// than the second. Each event stream needs 100.
+System three_for_two() {
+  System system;
+  Network net;
+  net.name = "wire";
+  net.kind = NetworkKind::other;
+  net.provision.set(Attribute::bandwidth, 250).set(Attribute::max_payload, 8);
+  system.networks.push_back(net);
+  for (std::size_t c = 0; c < 2; ++c) {
+    EventChannel channel;
+    channel.name = "c" + std::to_string(c);
+    channel.subject = c + 1;
+    channel.importance = c == 0 ? 7 : 0;
+    channel.attributes.set(Attribute::bandwidth, 100).set(Attribute::max_payload, 8);
+    system.channels.push_back(channel);
+    system.subscribers.push_back(
+        subscriber("s" + std::to_string(c), network(0), channel.attributes));
+    system.subscribers.back().channel = c;
+  }
+  for (const auto& [name, channel] : {std::pair("p1", 0U), {"p2", 0U}, {"p3", 1U}}) {
+    Publisher p;
+    p.name = name;
+    p.channel = channel;
+    p.place = network(0);
+    p.attributes = system.channels[channel].attributes;
+    system.publishers.push_back(p);
+  }
+  return system;
+}
+
+TEST(StateTest, WhatWasGrantedBeforeIsGrantedAgainAndNobodyElseFirst) {
+  State state(three_for_two());
+  EXPECT_EQ(state.grants(0), (Grants{0, {{"p1", 0, "wire"}, {"p2", 0, "wire"}}}));
+  EXPECT_EQ(state.grants(1), (Grants{}));
+  // As it would be if p2 had come last, and was refused.
+  state.decide({{0, {0, {{"p1", 0, "wire"}}}}, {1, {0, {{"p3", 0, "wire"}}}}});
+  EXPECT_EQ(state.grants(0), (Grants{0, {{"p1", 0, "wire"}}}));
+  EXPECT_EQ(state.grants(1), (Grants{0, {{"p3", 0, "wire"}}}));
+}
+
+TEST(StateTest, GrantsOfWhomNobodyKnowsAreForgotten) {
+  State state(three_for_two());
+  state.decide({{0, {0, {{"p1", 9, "wire"}, {"p2", 0, "air"}}}}, {1, {4, {{"p3", 0, "wire"}}}}});
+  EXPECT_EQ(state.grants(0).deliveries.size(), 2U) << "as from scratch";
 }
 
 TEST(StateTest, AProposalDecidesAsIfDecidedFromScratch) {

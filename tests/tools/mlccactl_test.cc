@@ -60,9 +60,12 @@ TEST(MlccactlTest, AsksWhatEachVerbSays) {
             (control::Request{1, control::ModeRequest{"enforce"}}));
   EXPECT_EQ(request_of({"explain", "0xa4efeccc3210b497"}),
             (control::Request{1, control::ExplainRequest{"0xa4efeccc3210b497"}}));
-  EXPECT_EQ(request_of({"release", "a"}), (control::Request{1, control::ReleaseRequest{"a", 0}}));
+  EXPECT_EQ(request_of({"release", "a"}),
+            (control::Request{1, control::ReleaseRequest{"a", 0, ""}}));
   EXPECT_EQ(request_of({"release", "--id", "18446744073709551615"}),
-            (control::Request{1, control::ReleaseRequest{"", ~std::uint64_t{0}}}));
+            (control::Request{1, control::ReleaseRequest{"", ~std::uint64_t{0}, ""}}));
+  EXPECT_EQ(request_of({"release", "--key", "blue"}),
+            (control::Request{1, control::ReleaseRequest{"", 0, "blue"}}));
 }
 
 TEST(MlccactlTest, AsksAboutADeliveryWithAllThatWasSaid) {
@@ -92,7 +95,7 @@ TEST(MlccactlTest, AsksForRoutesReservationsAndRenewals) {
   EXPECT_EQ(request_of({"renew", "--key", "camera"}),
             (control::Request{1, control::RenewRequest{.admission = 0, .key = "camera"}}));
   EXPECT_EQ(request_of({"release", "--admission", "7"}),
-            (control::Request{1, control::ReleaseRequest{"", 7}}));
+            (control::Request{1, control::ReleaseRequest{"", 7, ""}}));
 }
 
 TEST(MlccactlTest, AsksWhatWouldBeWithOtherLinksAndWithoutPlaces) {

@@ -109,7 +109,7 @@ _mlccactl() {
 	query | admit)
 		words+=" --from --to --require --offer --node --priority --user --subscriber --publisher --from-node --to-node"
 		;;
-	release) words+=" --id --admission" ;;
+	release) words+=" --id --admission --key" ;;
 	renew) words+=" --id --admission --key" ;;
 	what-if) words+=" --link --without --one-way" ;;
 	history) words+=" --channel --kind --since --until --limit" ;;
