@@ -103,7 +103,7 @@ struct MediumUse {
   std::uint64_t response_ns = 0;    ///< as the bus is now; 0: no bus
   std::uint64_t guaranteed_ns = 0;  ///< whoever comes later cannot exceed it
   std::uint64_t paper_rate = 0;     ///< bytes/s, 1 / sum(1 / R) over the links; 0: no mesh
-  std::uint64_t available = 0;      ///< payload bytes/s that are left now; of a channel with what it holds itself
+  std::uint64_t available = 0;      ///< payload bytes/s left now, and what it holds
   std::string limiting_domain;
   std::vector<std::string> nodes;  ///< of the mesh, in the order of travel
   bool operator==(const MediumUse&) const = default;
