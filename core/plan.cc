@@ -177,6 +177,13 @@ GateState gate_state(const System& system, const Members& members,
   return planner.take();
 }
 
+GateState gate_state(const System& system, const Members& members, const Verdict& verdict,
+                     std::size_t gateway) {
+  Planner planner(system, members, gateway);
+  planner.add(verdict.publisher, {&verdict});
+  return planner.take();
+}
+
 GateChanges difference(const GateState& now, const GateState& next) {
   GateChanges changes;
   auto a = now.begin();

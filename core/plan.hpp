@@ -70,4 +70,8 @@ struct GateChanges {
 [[nodiscard]] GateState gate_state(const System& system, const Members& members,
                                    const std::vector<Decision>& decisions, std::size_t gateway);
 
+/// The part of one delivery: of its publisher alone, where its channel has several.
+[[nodiscard]] GateState gate_state(const System& system, const Members& members,
+                                   const Verdict& verdict, std::size_t gateway);
+
 }  // namespace mlcca::core

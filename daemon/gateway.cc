@@ -368,8 +368,7 @@ void Gateway::beat() {
 // --- reports -------------------------------------------------------------------------------------
 
 Frames Gateway::frames_of(const core::Verdict& v) const {
-  return ports_.frames(
-      core::gate_state(state_->system(), state_->members(), v.channel, {v}, self_));
+  return ports_.frames(core::gate_state(state_->system(), state_->members(), v, self_));
 }
 
 control::Channel Gateway::report(const core::Verdict& v) const {

@@ -133,7 +133,7 @@ std::vector<core::Heard> Gateway::heard_on(std::size_t port) {
       if (state_->members().publisher(v.publisher).place != here ||
           !looked_at.insert(v.publisher).second)
         continue;
-      auto rules = core::gate_state(state_->system(), state_->members(), v.channel, {v}, self_);
+      auto rules = core::gate_state(state_->system(), state_->members(), v, self_);
       std::erase_if(rules, [port](const core::GateRule& rule) {
         return rule.entry.port != port || rule.entry.direction != core::Direction::ingress;
       });

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "tests/core/robot.hpp"
 
@@ -114,6 +115,22 @@ TEST(PlanTest, SplitEventsMayCarryTheFragmentBit) {
   system.subscribers[0].attributes.set(Attribute::max_payload, 9);
   const GateEntry e = State(system).gate_state(kBridge).at(0).entry;
   EXPECT_EQ(e.mask, (kExtendedFlag | kRemoteFlag | kAllBits) & ~(1U << 21));
+}
+
+TEST(PlanTest, ADeliveryHasTheSlotsOfItsOwnPublisherOnly) {
+  System system = robot(0);
+  Publisher other = system.publishers[0];
+  other.name = "other";
+  other.node = 0x21;
+  system.publishers.push_back(other);
+  const State state(std::move(system));
+  EXPECT_EQ(state.gate_state(kBridge).size(), 4U);
+  for (const Verdict& v : state.decisions()[0].verdicts) {
+    const GateState own = gate_state(state.system(), state.members(), v, kBridge);
+    ASSERT_EQ(own.size(), 2U);
+    for (const GateRule& rule : own)
+      EXPECT_EQ(rule.entry.id >> 14 & 0x7fU, *state.members().publisher(v.publisher).node);
+  }
 }
 
 TEST(PlanTest, TheDifferenceLeavesAloneWhatStays) {
