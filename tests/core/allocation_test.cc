@@ -20,76 +20,90 @@ AttributeSet rate(Value bytes_per_second) {
   return AttributeSet{}.set(Attribute::bandwidth, bytes_per_second).set(Attribute::max_payload, 8);
 }
 
-/// Channels of two attribute sets, high and low, all over one link of a mesh between two nodes.
-/// With a rate of 8 bit/s for each byte/s and no overhead, the mesh carries so many bytes/s, and 1
-/// % more.
+/// A mesh of so many nodes, without overhead and links, that may be used up to the last moment.
+System mesh_of(std::uint32_t nodes) {
+  System system;
+  Network net;
+  net.name = "air";
+  net.kind = NetworkKind::mesh;
+  mesh::Mesh m;
+  m.limit = mesh::kWhole;
+  m.header_bytes = 0;
+  for (std::uint32_t n = 0; n < nodes; ++n) {
+    const std::string name(1, static_cast<char>('a' + n));
+    m.nodes.push_back({name, name, {}, {}});
+  }
+  net.mesh = m;
+  system.networks.push_back(net);
+  return system;
+}
+
+/// A channel of two attribute sets, high and low, from a node to the next one.
+void add_channel(System& system, std::uint32_t from, std::uint8_t importance = 0) {
+  const std::size_t c = system.channels.size();
+  EventChannel channel;
+  channel.name = "c" + std::to_string(c);
+  channel.subject = c + 1;
+  channel.importance = importance;
+  channel.priority = 2;
+  channel.attributes = rate(kHigh);
+  channel.lower = {{1, rate(kLow), {}}};
+  system.channels.push_back(channel);
+  Publisher p;
+  p.name = "p" + std::to_string(c);
+  p.channel = c;
+  p.place = network(0);
+  p.attributes = channel.attributes;
+  p.lower = channel.lower;
+  p.mesh_node = from;
+  system.publishers.push_back(p);
+  Subscriber s;
+  s.name = "s" + std::to_string(c);
+  s.channel = c;
+  s.place = network(0);
+  s.attributes = channel.attributes;
+  s.lower = channel.lower;
+  s.mesh_node = from + 1;
+  system.subscribers.push_back(s);
+}
+
+/// From a node to the next one: so many bytes/s, and 1 % more, since shares are rounded up.
+mesh::Link link(std::uint32_t from, Value bytes_per_second) {
+  mesh::Link l;
+  l.from = from;
+  l.to = from + 1;
+  l.quality.rate = bytes_per_second * 8 * 101 / 100;
+  l.quality.kind = mesh::RateKind::effective;
+  return l;
+}
+
+/// 'h', 'l' or '-' for each channel.
+std::string service_of(const State& state) {
+  std::string all;
+  for (const Decision& d : state.decisions()) all += d.granted == 0 ? '-' : d.set == 0 ? 'h' : 'l';
+  return all;
+}
+
+/// Channels that share one link of a mesh between two nodes.
 class Scarce {
  public:
   explicit Scarce(const std::vector<std::uint8_t>& importances) {
-    System system;
-    system.name = "scarce";
-    Network net;
-    net.name = "air";
-    net.kind = NetworkKind::mesh;
-    net.provision.set(Attribute::max_payload, 1400);
-    mesh::Mesh m;
-    m.limit = mesh::kWhole;
-    m.header_bytes = 0;
-    m.nodes = {{"a", "a", {}, {}}, {"b", "b", {}, {}}};
-    net.mesh = m;
-    system.networks.push_back(net);
-    for (std::size_t c = 0; c < importances.size(); ++c) {
-      EventChannel channel;
-      channel.name = "c" + std::to_string(c);
-      channel.subject = c + 1;
-      channel.importance = importances[c];
-      channel.priority = 2;
-      channel.attributes = rate(kHigh);
-      channel.lower = {{1, rate(kLow), {}}};
-      system.channels.push_back(channel);
-      Publisher p;
-      p.name = "p" + std::to_string(c);
-      p.channel = c;
-      p.place = network(0);
-      p.attributes = channel.attributes;
-      p.lower = channel.lower;
-      p.mesh_node = 0;
-      system.publishers.push_back(p);
-      Subscriber s;
-      s.name = "s" + std::to_string(c);
-      s.channel = c;
-      s.place = network(0);
-      s.attributes = channel.attributes;
-      s.lower = channel.lower;
-      s.mesh_node = 1;
-      system.subscribers.push_back(s);
-    }
+    System system = mesh_of(2);
+    system.networks[0].provision.set(Attribute::max_payload, 1400);
+    for (const std::uint8_t importance : importances) add_channel(system, 0, importance);
     state_ = std::make_unique<State>(std::move(system));
   }
 
   std::vector<Change> carries(Value bytes_per_second) {
     mesh::Graph graph;
     graph.nodes = 2;
-    if (bytes_per_second != 0) {
-      mesh::Link link;
-      link.from = 0;
-      link.to = 1;
-      link.quality.rate = bytes_per_second * 8 * 101 / 100;  // shares are rounded up
-      link.quality.kind = mesh::RateKind::effective;
-      graph.links = {link};
-    }
+    if (bytes_per_second != 0) graph.links = {link(0, bytes_per_second)};
     state_->set_graph(0, graph);
     return state_->settle();
   }
   void decide() { state_->decide(); }
 
-  /// 'h', 'l' or '-' for each channel.
-  [[nodiscard]] std::string service() const {
-    std::string all;
-    for (const Decision& d : state_->decisions())
-      all += d.granted == 0 ? '-' : d.set == 0 ? 'h' : 'l';
-    return all;
-  }
+  [[nodiscard]] std::string service() const { return service_of(*state_); }
   State& state() { return *state_; }
 
  private:
@@ -195,69 +209,24 @@ TEST(AllocationTest, WhatWasGrantedBeforeTheRestartIsServedFirst) {
 /// of two sets, each over the link that is said.
 class Islands {
  public:
-  explicit Islands(std::vector<std::size_t> links_of_channels) {
-    System system;
-    Network net;
-    net.name = "air";
-    net.kind = NetworkKind::mesh;
-    mesh::Mesh m;
-    m.interference = mesh::Interference::k_hop;
-    m.hops = 1;
-    m.limit = mesh::kWhole;
-    m.header_bytes = 0;
-    for (const char* name : {"a", "b", "c", "d"}) m.nodes.push_back({name, name, {}, {}});
-    net.mesh = m;
-    system.networks.push_back(net);
-    for (std::size_t c = 0; c < links_of_channels.size(); ++c) {
-      EventChannel channel;
-      channel.name = "c" + std::to_string(c);
-      channel.subject = c + 1;
-      channel.priority = 2;
-      channel.attributes = rate(kHigh);
-      channel.lower = {{1, rate(kLow), {}}};
-      system.channels.push_back(channel);
-      Publisher p;
-      p.channel = c;
-      p.place = network(0);
-      p.attributes = channel.attributes;
-      p.lower = channel.lower;
-      p.mesh_node = static_cast<std::uint32_t>(2 * links_of_channels[c]);
-      system.publishers.push_back(p);
-      Subscriber s;
-      s.channel = c;
-      s.place = network(0);
-      s.attributes = channel.attributes;
-      s.lower = channel.lower;
-      s.mesh_node = *p.mesh_node + 1;
-      system.subscribers.push_back(s);
-    }
+  explicit Islands(const std::vector<std::uint32_t>& links_of_channels) {
+    System system = mesh_of(4);
+    system.networks[0].mesh->interference = mesh::Interference::k_hop;
+    system.networks[0].mesh->hops = 1;
+    for (const std::uint32_t number : links_of_channels) add_channel(system, 2 * number);
     state_ = std::make_unique<State>(std::move(system));
   }
 
   void carry(Value first, Value second, bool joined = false, Value busy = 0) {
     mesh::Graph graph;
     graph.nodes = 4;
-    const auto link = [&](std::uint32_t from, Value bytes_per_second) {
-      mesh::Link l;
-      l.from = from;
-      l.to = from + 1;
-      l.quality.rate = bytes_per_second * 8 * 101 / 100;
-      l.quality.kind = mesh::RateKind::effective;
-      l.busy = busy;
-      graph.links.push_back(l);
-    };
-    link(0, first);
-    link(2, second);
+    graph.links = {link(0, first), link(2, second)};
+    for (mesh::Link& l : graph.links) l.busy = busy;
     if (joined) graph.unusable.push_back({1, 2, {}});
     state_->set_graph(0, graph);
     state_->settle();
   }
-  [[nodiscard]] std::string service() const {
-    std::string all;
-    for (const Decision& d : state_->decisions())
-      all += d.granted == 0 ? '-' : d.set == 0 ? 'h' : 'l';
-    return all;
-  }
+  [[nodiscard]] std::string service() const { return service_of(*state_); }
   void release(std::size_t channel, bool released) {
     state_->set_released(channel, released);
     state_->settle();
