@@ -168,6 +168,8 @@ class Gateway {
   [[nodiscard]] control::Channel report(const core::Verdict& verdict) const;
   [[nodiscard]] control::Channels report_known(const Asked& asked) const;
   [[nodiscard]] control::Channels report_admission(core::AdmissionId id) const;
+  [[nodiscard]] Result<core::AdmissionId> admission_named(core::AdmissionId id,
+                                                          const std::string& key) const;
   Body admit_known(const Asked& asked);
   std::optional<Body> admit_again(const control::Admit& request);
   Body admit_new(const control::Admit& request, const Asked& asked);

@@ -208,17 +208,22 @@ Gateway::Body Gateway::admit_known(const Asked& asked) {
   return report_known(asked);
 }
 
-Gateway::Body Gateway::handle(const control::RenewRequest& request) {
-  core::AdmissionId id = request.admission;
-  if (!request.key.empty()) {
-    const auto known = keys_.find(request.key);
-    if (!known)
-      return error(control::ErrorKind::invalid,
-                   fmt::format("there is no admission with the key '{}'", request.key));
-    id = *known;
+/// By its key, or else by its number; one that was granted, and perhaps left out since.
+Result<core::AdmissionId> Gateway::admission_named(core::AdmissionId id,
+                                                   const std::string& key) const {
+  if (!key.empty()) {
+    if (const auto known = keys_.find(key)) return *known;
+    return fail(fmt::format("there is no admission with the key '{}'", key));
   }
   if (stored().admissions.find(id) == nullptr)
-    return error(control::ErrorKind::invalid, fmt::format("there is no admission {}", id));
+    return fail(fmt::format("there is no admission {}", id));
+  return id;
+}
+
+Gateway::Body Gateway::handle(const control::RenewRequest& request) {
+  const auto named = admission_named(request.admission, request.key);
+  if (!named) return error(control::ErrorKind::invalid, named.error().text);
+  const core::AdmissionId id = *named;
   if (const auto out = left_out_.find(id); out != left_out_.end())
     return error(control::ErrorKind::invalid, out->second);
   if (!leases_.remaining(id, monotonic_ns())) {
@@ -237,18 +242,10 @@ Gateway::Body Gateway::handle(const control::RenewRequest& request) {
 Gateway::Body Gateway::handle(const control::ReleaseRequest& request) {
   std::vector<core::AdmissionId> gone;
   std::optional<std::size_t> channel;
-  core::AdmissionId id = request.admission;
-  if (!request.key.empty()) {
-    const auto known = keys_.find(request.key);
-    if (!known)
-      return error(control::ErrorKind::invalid,
-                   fmt::format("there is no admission with the key '{}'", request.key));
-    id = *known;
-  }
-  if (id != 0) {
-    if (stored().admissions.find(id) == nullptr)
-      return error(control::ErrorKind::invalid, fmt::format("there is no admission {}", id));
-    gone.push_back(id);
+  if (request.admission != 0 || !request.key.empty()) {
+    const auto named = admission_named(request.admission, request.key);
+    if (!named) return error(control::ErrorKind::invalid, named.error().text);
+    gone.push_back(*named);
   } else {
     const auto named = channel_named(*state_, request.channel);
     if (!named) return error(control::ErrorKind::invalid, named.error().text);
@@ -258,7 +255,7 @@ Gateway::Body Gateway::handle(const control::ReleaseRequest& request) {
   }
   if (const auto done = release(gone, channel, "released by the operator"); !done)
     return error(control::ErrorKind::world, done.error().text);
-  if (!channel) return control::Done{fmt::format("released admission {}", id)};
+  if (!channel) return control::Done{fmt::format("released admission {}", gone.front())};
   const core::EventChannel& released = state_->system().channels[*channel];
   tell({Kind::released,
         5,
