@@ -186,7 +186,7 @@ std::optional<StartError> Gateway::start() {
 
   meshes_.describe(state_->system());
   meshes_.await_first_reports(kFirstReports);
-  if (const auto done = put_in_force(); !done) tell(Kind::trouble, 3, done.error().text);
+  if (const auto done = put_in_force(before); !done) tell(Kind::trouble, 3, done.error().text);
 
   control_.beat(monotonic_ns());
   if (const auto armed = control_.arm(); !armed) return give_up({armed.error().text}, false);
@@ -284,15 +284,16 @@ void Gateway::note_granted(const std::string& subject, const std::string& text) 
     tell(Kind::trouble, 3, done.error().text);
 }
 
-/// Interfaces, links and gates for a description that has just become the one in force.
-Result<void> Gateway::put_in_force() {
+/// Interfaces, links and gates for a description that has just become the one in force; what was
+/// granted before is served first.
+Result<void> Gateway::put_in_force(const Granted& granted_before) {
   ports_.describe(state_->system(), self_);
   ports_.follow();
   put_conditions(*state_);
   put_graphs(*state_);
   dirty_meshes_.clear();
   std::map<std::size_t, core::Grants> before;
-  for (const auto& [subject, grants] : granted()) {
+  for (const auto& [subject, grants] : granted_before) {
     if (const auto channel = state_->find_channel(subject))
       before.emplace(*channel, grants);
     else

@@ -135,7 +135,7 @@ class Gateway {
   /// the channels that somebody has left.
   Result<void> settle(const core::FormerRules& left = {});
   Result<void> enforce();
-  Result<void> put_in_force();
+  Result<void> put_in_force(const Granted& granted_before);
   void commit();
   void take_back_uncommitted();
   void note_granted(std::size_t channel);

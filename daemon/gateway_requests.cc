@@ -55,7 +55,7 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
       beyond_[place->index] = {beyond.strangers, beyond.told, {}};
   senders_.clear();
   meshes_.describe(state_->system());
-  auto done = put_in_force();
+  auto done = put_in_force(before);
   if (!done) {
     state_ = std::move(old);
     self_ = old_self;
@@ -63,7 +63,7 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
     last_error_ = done.error().text;
     tell(Kind::reload, 3, "reload refused, back to what was: " + last_error_);
     meshes_.describe(state_->system());
-    static_cast<void>(put_in_force());
+    static_cast<void>(put_in_force(before));
   }
   drops_.forget();
   look_at_drops(false);
