@@ -3,6 +3,8 @@
 O ?= build
 V ?= 0
 SAN ?=
+# A warning is an error; `make WERROR=` for another compiler than ours.
+WERROR ?= -Werror
 PREFIX ?= /usr/local
 DESTDIR ?=
 
@@ -20,7 +22,7 @@ PKG_CONFIG ?= pkg-config
 
 CXXFLAGS ?= -O2 -g
 STD := -std=c++23
-WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(if $(CI),-Werror)
+WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(WERROR)
 CPPFLAGS += -I. -Iinclude -isystem $O/gen
 ifneq ($(SAN),)
 CXXFLAGS += -fsanitize=$(SAN) -fno-omit-frame-pointer

@@ -48,11 +48,11 @@ struct MeshPath {
 
 /// NL80211_CMD_NEW_SURVEY_RESULTS: one channel. Times run from when the driver began to count.
 struct Survey {
-  std::uint32_t frequency = 0;        ///< MHz
-  bool in_use = false;                ///< the channel that the interface is on
-  std::optional<std::uint64_t> time;  ///< ms spent on the channel
-  std::optional<std::uint64_t> busy;  ///< ms of these in which it was taken, by anybody
-  std::optional<std::uint64_t> sent;  ///< ms of these in which this radio sent
+  std::uint32_t frequency = 0;          ///< MHz
+  bool in_use = false;                  ///< the channel that the interface is on
+  std::optional<std::uint64_t> time{};  ///< ms spent on the channel
+  std::optional<std::uint64_t> busy{};  ///< ms of these in which it was taken, by anybody
+  std::optional<std::uint64_t> sent{};  ///< ms of these in which this radio sent
 };
 [[nodiscard]] std::optional<Survey> read_survey(genl::Octets message);
 
