@@ -50,6 +50,19 @@ static __always_inline bool closed(void)
 	return !READ_ONCE(control.open) || READ_ONCE(control.lapsed);
 }
 
+/* False: more than was admitted, and to be dropped. */
+static __always_inline bool police(struct gate_cpu *cpu, __u32 at, const struct frame *frame)
+{
+	struct gate_slot *slot = &table.slots[at & (GATE_SLOTS - 1)];
+
+	if (in_turn(slot, frame))
+		return true;
+	if (!(slot->formats & GATE_EXCESS_PASSES))
+		return false;
+	add(&cpu->slots[at & (GATE_SLOTS - 1)].excess, 1);
+	return true;
+}
+
 SEC("tc")
 int gate_ingress(struct __sk_buff *skb)
 {
@@ -76,6 +89,8 @@ int gate_ingress(struct __sk_buff *skb)
 	d = decide(skb, GATE_INGRESS, &frame, GATE_NO_SOURCE);
 	if (d.reason != GATE_R_PASSED)
 		return refuse(cpu, GATE_INGRESS, &d, &frame);
+	if (!police(cpu, d.slot, &frame))
+		return drop(cpu, GATE_INGRESS, d.slot, GATE_R_EXCESS);
 	count_pass(cpu, GATE_INGRESS, d.slot, &frame);
 	skb->mark = gate_ingress_token(control.token, ifindex,
 				       table.slots[d.slot & (GATE_SLOTS - 1)].subject);
@@ -129,6 +144,8 @@ int gate_egress(struct __sk_buff *skb)
 	d = decide(skb, GATE_EGRESS, &frame, source);
 	if (d.reason != GATE_R_PASSED)
 		return refuse(cpu, GATE_EGRESS, &d, &frame);
+	if (!police(cpu, d.slot, &frame))
+		return drop(cpu, GATE_EGRESS, d.slot, GATE_R_EXCESS);
 	count_pass(cpu, GATE_EGRESS, d.slot, &frame);
 	choose_band(skb, frame.can_id);
 	return TC_ACT_UNSPEC;

@@ -9,7 +9,7 @@
 #include <linux/can.h>
 #include <linux/types.h>
 
-#define GATE_LAYOUT_VERSION 2
+#define GATE_LAYOUT_VERSION 3
 
 /* Our tc filters: this priority and handle belong to the gate, and nothing else is ever replaced.
  */
@@ -66,6 +66,8 @@ enum gate_mode {
 /* Frame formats of a slot, a bit set. */
 #define GATE_CLASSIC 1
 #define GATE_FD	     2
+/* In the same bits: frames beyond the admitted traffic are counted, and pass. */
+#define GATE_EXCESS_PASSES 4
 
 /*
  * Why a frame was dropped; index of the reason counters. Of several slots with the frame's key the
@@ -84,6 +86,7 @@ enum gate_reason {
 	GATE_R_CLOSED,	    /* gate closed: stopped, starting, or the daemon's heart-beat lapsed */
 	GATE_R_ECHO,	    /* not a drop: echo of a frame that left here, let through at ingress */
 	GATE_R_ERROR_IN,    /* not a drop: error frame let through at ingress */
+	GATE_R_EXCESS,	    /* admitted, but more than was admitted: see gate_slot */
 	GATE_REASONS = 16,
 };
 
@@ -91,7 +94,11 @@ enum gate_reason {
  * One admitted or refused (subject, publisher) on one interface and direction. It says everything
  * that was granted and nothing more: a frame fits when (can_id & mask) == id, where both hold the
  * EFF and RTR flags of <linux/can.h> in place.
- * User space never changes a live slot other than `verdict` and `next`.
+ * User space never changes a live slot other than `verdict`, `next` and what is policed.
+ *
+ * Policing is the virtual scheduling form of the generic cell rate algorithm (ITU-T I.371): a frame
+ * costs per_frame + bytes * per_byte of time, and is in turn when it comes no more than `tolerance`
+ * before `due`. An empty frame costs as much as one of a byte.
  */
 struct gate_slot {
 	__u32 verdict; /* enum gate_verdict; one aligned store flips it */
@@ -103,11 +110,15 @@ struct gate_slot {
 	__u8 max_len; /* payload bytes */
 	__u8 formats; /* GATE_CLASSIC | GATE_FD */
 	__u64 subject;
+	__u64 per_frame; /* ns; with per_byte 0: this slot is not policed */
+	__u64 per_byte;	 /* 2^-8 ns */
+	__u64 tolerance; /* ns */
+	__u64 due;	 /* CLOCK_MONOTONIC ns of the next turn; written by the program */
 };
 
 /*
  * One for each interface, one memory-mapped value. Written by user space, except for
- * `unknown_frames` and `last_reason`.
+ * `unknown_frames`, `last_reason` and the `due` of slots. A slot is a cache line.
  */
 struct gate_table {
 	__u32 layout_version;
@@ -119,7 +130,7 @@ struct gate_table {
 	 */
 	__u32 bands;
 	__u32 band_limit[GATE_BANDS - 1];
-	__u8 pad[16];
+	__u8 pad[48];
 	struct gate_slot slots[GATE_SLOTS];
 	__u16 head[GATE_DIRECTIONS][GATE_BUCKETS]; /* bucket -> first slot, 0 for none */
 	__u8 last_reason[GATE_SLOTS]; /* enum gate_reason of the latest drop, 0: none */
@@ -129,7 +140,7 @@ struct gate_count {
 	__u64 passed;
 	__u64 dropped; /* in audit mode: would have been dropped */
 	__u64 bytes;   /* payload bytes passed; a remote frame has none */
-	__u64 pad;
+	__u64 excess;  /* more than admitted; of them dropped those that do not pass all the same */
 };
 
 /* A frame without a slot; entry [hash(id)] is overwritten by the latest. */
@@ -216,8 +227,8 @@ static inline __u32 gate_echo_token(__u32 token) { return ~token; }
 #else
 #define GATE_ASSERT _Static_assert
 #endif
-GATE_ASSERT(sizeof(struct gate_slot) == 32, "gate_slot is pinned layout");
-GATE_ASSERT(sizeof(struct gate_table) == 96 + 32 * 4096 + 4 * 18432 + 4096, "pinned layout");
+GATE_ASSERT(sizeof(struct gate_slot) == 64, "gate_slot is pinned layout");
+GATE_ASSERT(sizeof(struct gate_table) == 128 + 64 * 4096 + 4 * 18432 + 4096, "pinned layout");
 GATE_ASSERT(sizeof(struct gate_count) == 32, "gate_count is pinned layout");
 GATE_ASSERT(sizeof(struct gate_seen) == 24, "gate_seen is pinned layout");
 GATE_ASSERT(sizeof(struct gate_cpu) == 32 * 4096 + 8 * 32 + 24 * 64, "gate_cpu is pinned layout");

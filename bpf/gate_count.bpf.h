@@ -43,6 +43,8 @@ static __always_inline int drop(struct gate_cpu *cpu, __u32 direction, __u32 slo
 {
 	slot &= GATE_SLOTS - 1;
 	add(&cpu->slots[slot].dropped, 1);
+	if (reason == GATE_R_EXCESS)
+		add(&cpu->slots[slot].excess, 1);
 	count_reason(cpu, direction, reason);
 	table.last_reason[slot] = reason;
 	return READ_ONCE(control.mode) == GATE_AUDIT ? TC_ACT_UNSPEC : TC_ACT_SHOT;

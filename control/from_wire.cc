@@ -150,6 +150,7 @@ Channel channel(v1::Channel& from) {
           .media = all(from.mutable_media(), medium_use),
           .passed = from.passed(),
           .dropped = from.dropped(),
+          .excess = from.excess(),
           .reaction = text(from.mutable_reaction())};
 }
 

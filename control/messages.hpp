@@ -129,7 +129,8 @@ struct Channel {
   std::vector<MediumUse> media;
   std::uint64_t passed = 0;  ///< frames, at this gateway
   std::uint64_t dropped = 0;
-  std::string reaction;  ///< worst-case reaction to a stopped heart-beat; empty: none
+  std::uint64_t excess = 0;  ///< beyond the admitted traffic, dropped or not
+  std::string reaction;      ///< worst-case reaction to a stopped heart-beat; empty: none
   bool operator==(const Channel&) const = default;
 };
 

@@ -130,6 +130,7 @@ void put(const Channel& from, v1::Channel& to) {
   to.set_admission(from.admission);
   to.set_passed(from.passed);
   to.set_dropped(from.dropped);
+  to.set_excess(from.excess);
   to.set_reaction(to_utf8(from.reaction));
   to.set_set(from.set);
   to.set_sets(from.sets);

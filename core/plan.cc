@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/medium.hpp"
+#include "mlcca/arithmetic.hpp"
 
 namespace mlcca::core {
 namespace {
@@ -16,22 +17,34 @@ constexpr unsigned kNodeShift = 14;
 constexpr unsigned kFragmentShift = 21;
 constexpr unsigned kPriorityShift = 22;
 
+/// The traffic of two publishers that cannot be told apart. Of different kinds: not policed.
+Policing together(const Policing& a, const Policing& b) {
+  if (!a.any() || !b.any() || (a.per_frame == 0) != (b.per_frame == 0)) return {};
+  const auto rates_added = [](Value x, Value y) {
+    return x == 0 ? 0 : mul_div_down(x, y, add_saturating(x, y));
+  };
+  return {rates_added(a.per_frame, b.per_frame), rates_added(a.per_byte, b.per_byte),
+          std::max(a.tolerance, b.tolerance), a.counts_only || b.counts_only};
+}
+
 /// Collects rules; the same entry from two publishers passes only if both do.
 class Rules {
  public:
-  void add(const GateEntry& entry, bool pass) {
-    auto [it, fresh] = rules_.try_emplace(entry, pass);
-    if (!fresh) it->second = it->second && pass;
+  void add(const GateEntry& entry, bool pass, const Policing& policing) {
+    auto [it, fresh] = rules_.try_emplace(entry, GateRule{entry, pass, policing});
+    if (fresh) return;
+    it->second.pass = it->second.pass && pass;
+    it->second.policing = together(it->second.policing, policing);
   }
   [[nodiscard]] GateState take() const {
     GateState state;
     state.reserve(rules_.size());
-    for (const auto& [entry, pass] : rules_) state.push_back({entry, pass});
+    for (const auto& [entry, rule] : rules_) state.push_back(rule);
     return state;
   }
 
  private:
-  std::map<GateEntry, bool> rules_;
+  std::map<GateEntry, GateRule> rules_;
 };
 
 class Planner {
@@ -112,7 +125,16 @@ class Planner {
       else
         return;  // a local publisher without a user: nobody may send
     }
-    rules_.add(e, pass);
+    // Where a frame came in it has been policed already.
+    const bool first = direction == Direction::ingress || source == kLocal;
+    Policing policing;
+    if (first) {
+      const AttributeSet& offered = attributes_in(p, set_);
+      policing =
+          policing_of(offered, frames_per_event(network, binding, offered[Attribute::max_payload]));
+      policing.counts_only = system_.gateways[here_.index].ports[port].excess == Excess::pass;
+    }
+    rules_.add(e, pass, policing);
   }
 
   [[nodiscard]] bool identify(const Publisher& p, const Network& network, const Binding& b,
@@ -161,6 +183,28 @@ void add_channel(Planner& planner, const Members& members, std::size_t channel,
 
 }  // namespace
 
+Policing policing_of(const AttributeSet& offered, std::uint64_t frames) {
+  constexpr Value faster = 2000;  // 500 ppm: a clock's and ours
+  constexpr Value second = 1'000'000'000;
+  constexpr Value unit = 256;  // of per_byte
+  const auto hurried = [](Value time) { return time - time / faster; };
+  const Value jitter = offered[Attribute::jitter];
+  Policing out;
+  if (offered.has(Attribute::period)) {
+    const Value period = hurried(offered[Attribute::period]);
+    out.per_frame = std::max<Value>(period / std::max<Value>(frames, 1), 1);
+    // The frames of an event come together, and the next event may be early.
+    out.tolerance = add_saturating(mul_saturating(period, 2) - out.per_frame, jitter);
+  } else if (offered.has(Attribute::bandwidth) && offered[Attribute::bandwidth] != 0) {
+    out.per_byte =
+        std::max<Value>(hurried(mul_div_down(second, unit, offered[Attribute::bandwidth])), 1);
+    const Value event = std::max<Value>(offered[Attribute::max_payload], 1);
+    out.tolerance =
+        add_saturating(mul_saturating(out.per_byte, mul_saturating(event, 2)) / unit, jitter);
+  }
+  return out;
+}
+
 GateState gate_state(const System& system, const Members& members, std::size_t channel,
                      const std::vector<Verdict>& verdicts, std::size_t gateway,
                      AdmissionId without) {
@@ -196,6 +240,7 @@ GateChanges difference(const GateState& now, const GateState& next) {
     } else {
       if (a->pass && !b->pass) changes.close.push_back(a->entry);
       if (!a->pass && b->pass) changes.open.push_back(b->entry);
+      if (a->policing != b->policing) changes.police.push_back(*b);
       ++a;
       ++b;
     }

@@ -37,9 +37,22 @@ struct GateEntry {
   auto operator<=>(const GateEntry&) const = default;
 };
 
+/// How much of what an entry admits: the admitted traffic, as the generic cell rate algorithm takes
+/// it (ITU-T I.371, virtual scheduling). A frame costs per_frame + its bytes * per_byte and may
+/// come `tolerance` before its turn. Nothing costs anything: not policed.
+struct Policing {
+  Value per_frame = 0;       ///< ns
+  Value per_byte = 0;        ///< 2^-8 ns
+  Value tolerance = 0;       ///< ns
+  bool counts_only = false;  ///< what is too much is counted and passes
+  bool operator==(const Policing&) const = default;
+  [[nodiscard]] bool any() const { return per_frame != 0 || per_byte != 0; }
+};
+
 struct GateRule {
   GateEntry entry;
   bool pass = false;
+  Policing policing;
   bool operator==(const GateRule&) const = default;
 };
 
@@ -54,12 +67,18 @@ struct GateChanges {
   std::vector<GateEntry> remove;
   std::vector<GateRule> add;  ///< denied at first, opened with the others where they pass
   std::vector<GateEntry> open;
+  std::vector<GateRule> police;  ///< entries that stay, with what is admitted of them now
   [[nodiscard]] bool empty() const {
-    return close.empty() && remove.empty() && add.empty() && open.empty();
+    return close.empty() && remove.empty() && add.empty() && open.empty() && police.empty();
   }
   bool operator==(const GateChanges&) const = default;
 };
 [[nodiscard]] GateChanges difference(const GateState& now, const GateState& next);
+
+/// The traffic of a publisher that states these attributes, in frames that are `frames` to the
+/// event: one event each Period, or Bandwidth bytes/s in events of MaxPayload; 500 ppm more, since
+/// clocks differ, and one event and its Jitter early. Without either nothing is policed.
+[[nodiscard]] Policing policing_of(const AttributeSet& offered, std::uint64_t frames);
 
 /// The part of one channel. Entries of different channels never meet: they carry the subject.
 /// Publishers of the admission `without` are left out.

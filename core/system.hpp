@@ -129,6 +129,12 @@ enum class Queueing : std::uint8_t {
   priority,  ///< the frame that wins arbitration first; mlccad sets the queueing discipline up
 };
 
+/// What becomes of frames beyond the admitted traffic.
+enum class Excess : std::uint8_t {
+  drop,
+  pass,  ///< they are counted only
+};
+
 /// One interface of a gateway, on one network.
 struct Port {
   std::size_t network = 0;
@@ -139,6 +145,7 @@ struct Port {
   Queueing queueing = Queueing::fifo;
   std::uint32_t fifo_depth = 1;     ///< frames that the controller holds behind the queue, 1 to 64
   std::uint32_t queue_length = 10;  ///< frames that fit the queue before one is lost, 1 to 10000
+  Excess excess = Excess::drop;
   Origin origin;
 };
 

@@ -36,6 +36,7 @@ inline constexpr Words<Profile, 3> kProfiles{{"none", "raw", "famouso"}};
 inline constexpr Words<FrameFormat, 3> kFrameFormats{{"classic", "fd", "any"}};
 inline constexpr Words<SafeSide, 3> kSafeSides{{"", "drop", "deliver"}};
 inline constexpr Words<Queueing, 2> kQueueings{{"fifo", "priority"}};
+inline constexpr Words<Excess, 2> kExcesses{{"drop", "pass"}};
 inline constexpr Words<Better, 2> kBetters{{"smaller", "larger"}};
 inline constexpr Words<mesh::Interference, 4> kInterferences{
     {"single-domain", "k-hop", "channel", "explicit"}};

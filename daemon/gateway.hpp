@@ -158,6 +158,7 @@ class Gateway {
   void tell_outcome(const Granted& before);
   void tell_gone(const std::string& subject, const core::Delivery& delivery);
   void tell_released(const std::vector<core::AdmissionId>& gone, const std::string& why);
+  void tell_excess(const core::Verdict& verdict, std::uint64_t frames);
   void tell_changes(const std::vector<core::Change>& changes);
   void tell_verdict(Kind kind, const core::Verdict& verdict, const std::string& line);
   [[nodiscard]] std::vector<core::AdmissionId> admissions_of(const core::Verdict& verdict) const;

@@ -157,8 +157,11 @@ void Gateway::look_at_drops(bool mention) {
       const core::EventChannel& c = state_->system().channels[v.channel];
       const core::Publisher& publisher = state_->members().publisher(v.publisher);
       const std::string& to = core::name_of(state_->system(), v.to);
-      const auto dropped =
-          drops_.look(c.name + " " + publisher.name + " " + to, frames_of(v).dropped, now);
+      const Frames frames = frames_of(v);
+      const std::string name = c.name + " " + publisher.name + " " + to;
+      if (const auto excess = drops_.look(name + " excess", frames.excess, now); excess && mention)
+        tell_excess(v, *excess);
+      const auto dropped = drops_.look(name, frames.dropped - frames.excess_dropped, now);
       if (!dropped || !mention) continue;
       const std::string line =
           v.granted ? fmt::format("{} frames dropped that named {} ({}) and differ from the grant",
@@ -226,6 +229,20 @@ void Gateway::tell_verdict(Kind kind, const core::Verdict& v, const std::string&
         core::name_of(state_->system(), v.to),
         core::name_of(state_->system(), state_->members().publisher(v.publisher).place),
         admissions_of(v)});
+}
+
+/// The owner of the publisher hears of it, as does everybody who watches.
+void Gateway::tell_excess(const core::Verdict& v, std::uint64_t frames) {
+  const core::EventChannel& channel = state_->system().channels[v.channel];
+  const core::Publisher& publisher = state_->members().publisher(v.publisher);
+  const AttributeSet& said = core::attributes_in(publisher, v.set);
+  const Attribute what = said.has(Attribute::period) ? Attribute::period : Attribute::bandwidth;
+  tell({Kind::excess, 4,
+        fmt::format("{} sent {} frames of {} ({}) more than was admitted: it said {} {}",
+                    publisher.name, frames, channel.name, core::format_subject(channel.subject),
+                    info(what).name, core::format_value(what, said[what])),
+        channel.subject, channel.name, core::name_of(state_->system(), v.to),
+        core::name_of(state_->system(), publisher.place), admissions_of(v)});
 }
 
 /// After a start or a reload: everything, and of what was granted before what is not any more.

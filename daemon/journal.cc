@@ -35,6 +35,7 @@ constexpr std::array kKinds{
     KindInfo{"switched", "349a04610aa34f5dbd79b55781cb57a0"},
     KindInfo{"released", "07140c11d56b4440bad6cc08ff7d96aa"},
     KindInfo{"dropping", "009adc297a61474d8ea0e3a17efa72f3"},
+    KindInfo{"excess", "faf4d5399e254409bf55d3b1bb42104d"},
     KindInfo{"interface", "f1d09b13c2ac45a9b3d48dcf98334a4e"},
     KindInfo{"mode", "8e4024714a6c4e21bebd3ea336faf49b"},
     KindInfo{"reload", "16600d2717154f5087c62d70858f4596"},

@@ -19,6 +19,7 @@ enum class Kind : std::uint8_t {
   switched,
   released,
   dropping,
+  excess,
   interface,
   mode,
   reload,

@@ -342,6 +342,16 @@ std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateEntry& e, bool p
   return slot;
 }
 
+std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateRule& rule) const {
+  auto slot = slot_of(rule.entry, rule.pass);
+  if (!slot) return slot;
+  slot->per_frame = rule.policing.per_frame;
+  slot->per_byte = rule.policing.per_byte;
+  slot->tolerance = rule.policing.tolerance;
+  slot->excess_passes = rule.policing.counts_only;
+  return slot;
+}
+
 Result<void> Ports::sync(const core::GateState& wanted) {
   std::string problems;
   for (std::size_t p = 0; p < ports_.size(); ++p) {
@@ -350,7 +360,7 @@ Result<void> Ports::sync(const core::GateState& wanted) {
     std::vector<enforce::SlotSpec> slots;
     for (const core::GateRule& rule : wanted)
       if (rule.entry.port == p)
-        if (auto slot = slot_of(rule.entry, rule.pass)) slots.push_back(*slot);
+        if (auto slot = slot_of(rule)) slots.push_back(*slot);
     if (const auto done = gate->apply(enforce::difference(gate->present(), slots)); !done) {
       gate->deny_all();
       problems += (problems.empty() ? "" : "; ") + gate->name() + ": " + done.error().text;
@@ -371,9 +381,14 @@ std::map<std::size_t, enforce::SlotChanges> Ports::by_port(const core::GateChang
   spread(changes.close, &enforce::SlotChanges::close);
   spread(changes.remove, &enforce::SlotChanges::remove);
   spread(changes.open, &enforce::SlotChanges::open);
-  for (const core::GateRule& rule : changes.add)
-    if (gate_of(rule.entry.port) != nullptr)
-      if (auto slot = slot_of(rule.entry, rule.pass)) out[rule.entry.port].add.push_back(*slot);
+  const auto spread_rules = [&](const core::GateState& rules,
+                                std::vector<enforce::SlotSpec> enforce::SlotChanges::* list) {
+    for (const core::GateRule& rule : rules)
+      if (gate_of(rule.entry.port) != nullptr)
+        if (auto slot = slot_of(rule)) (out[rule.entry.port].*list).push_back(*slot);
+  };
+  spread_rules(changes.add, &enforce::SlotChanges::add);
+  spread_rules(changes.police, &enforce::SlotChanges::police);
   return out;
 }
 
@@ -395,6 +410,8 @@ Frames Ports::frames(const core::GateState& rules) const {
     const auto counted = slot ? gate->counters(*slot) : std::nullopt;
     if (!counted) continue;
     sum.dropped += counted->dropped;
+    sum.excess += counted->excess;
+    if (!rule.policing.counts_only) sum.excess_dropped += counted->excess;
     // What entered is counted where it leaves, if it leaves: once.
     const bool leaves = std::ranges::any_of(rules, [](const core::GateRule& r) {
       return r.entry.direction == core::Direction::egress;

@@ -115,6 +115,7 @@ class Ports {
   void tell_can_state(PortState& port, const net::Link& link);
   [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateEntry& entry,
                                                          bool pass) const;
+  [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateRule& rule) const;
   [[nodiscard]] std::map<std::size_t, enforce::SlotChanges> by_port(
       const core::GateChanges& changes) const;
   [[nodiscard]] const enforce::Gate* gate_of(std::size_t port) const;

@@ -127,6 +127,7 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
   if (v.granted) out.reaction = core::reaction(v);
   out.passed = frames.passed;
   out.dropped = frames.dropped;
+  out.excess = frames.excess;
   return out;
 }
 

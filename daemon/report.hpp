@@ -14,6 +14,8 @@ namespace mlcca {
 struct Frames {
   std::uint64_t passed = 0;
   std::uint64_t dropped = 0;
+  std::uint64_t excess = 0;          ///< more than was admitted, dropped or not
+  std::uint64_t excess_dropped = 0;  ///< part of both
 };
 
 /// Why it was decided so, with what is wrong with a network that cannot be used.

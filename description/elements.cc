@@ -141,6 +141,7 @@ class PartReader {
     out.port.queueing = core::words::kQueueings.or_first(e.attribute("queue"));
     out.port.fifo_depth = number_or(e, "fifo-depth", out.port.fifo_depth);
     out.port.queue_length = number_or(e, "queue-length", out.port.queue_length);
+    out.port.excess = core::words::kExcesses.or_first(e.attribute("excess"));
     out.port.origin = e.origin();
     out.states_queue = e.has("queue") || e.has("fifo-depth") || e.has("queue-length");
     return out;

@@ -258,7 +258,8 @@ constexpr auto kPortKeys = std::to_array<Key>({{"network", &type::kName, true},
                                                {"managed", &type::kBoolean},
                                                {"queue", &type::kQueueing},
                                                {"fifo-depth", &type::kFifoDepth},
-                                               {"queue-length", &type::kQueueLength}});
+                                               {"queue-length", &type::kQueueLength},
+                                               {"excess", &type::kExcess}});
 constexpr ElementType kPort{.name = "Port", .steps = kPortSteps, .keys = kPortKeys};
 
 constexpr Children<1> kPortChild{{{"Port", &kPort}}};

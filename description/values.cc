@@ -232,6 +232,7 @@ constexpr ValueType kIdentifierForm = one_of("IdentifierForm", kIdentifierFormWo
 constexpr ValueType kImportance = whole("Importance", 0, 255, "a whole number from 0 to 255");
 constexpr ValueType kErrorCount = whole("ErrorCount", 0, 1000, "a whole number from 0 to 1000");
 constexpr ValueType kQueueing = one_of("Queueing", words::kQueueings);
+constexpr ValueType kExcess = one_of("Excess", words::kExcesses);
 constexpr ValueType kFifoDepth = whole("FifoDepth", 1, 64, "a whole number from 1 to 64");
 constexpr ValueType kQueueLength = whole("QueueLength", 1, 10000, "a whole number from 1 to 10000");
 constexpr ValueType kInterference = one_of("Interference", words::kInterferences);
@@ -257,17 +258,17 @@ constexpr ValueType kBoolean = shaped("xs:boolean", "true or false", "", is_bool
 namespace {
 
 constexpr auto kTypes = std::to_array<const ValueType*>(
-    {&type::kName,           &type::kChannelName, &type::kHostName,     &type::kUserName,
-     &type::kInterfaceName,  &type::kDeviceText,  &type::kText,         &type::kSubject,
-     &type::kShortHex,       &type::kSmallNumber, &type::kDecimal,      &type::kExponent,
-     &type::kMagnitude,      &type::kPortNumber,  &type::kBitrate,      &type::kDataBitrate,
-     &type::kAttributeName,  &type::kBetter,      &type::kComposition,  &type::kSafeSide,
-     &type::kSetPriority,    &type::kNetworkKind, &type::kProfile,      &type::kFrameFormat,
-     &type::kIdentifierForm, &type::kImportance,  &type::kErrorCount,   &type::kQueueing,
-     &type::kFifoDepth,      &type::kQueueLength, &type::kInterference, &type::kHopCount,
-     &type::kPacketBytes,    &type::kHeaderBytes, &type::kNodeAddress,  &type::kLinkRate,
-     &type::kMediumNumber,   &type::kRateKind,    &type::kSourceKind,   &type::kLinkMetric,
-     &type::kBoolean});
+    {&type::kName,           &type::kChannelName,  &type::kHostName,    &type::kUserName,
+     &type::kInterfaceName,  &type::kDeviceText,   &type::kText,        &type::kSubject,
+     &type::kShortHex,       &type::kSmallNumber,  &type::kDecimal,     &type::kExponent,
+     &type::kMagnitude,      &type::kPortNumber,   &type::kBitrate,     &type::kDataBitrate,
+     &type::kAttributeName,  &type::kBetter,       &type::kComposition, &type::kSafeSide,
+     &type::kSetPriority,    &type::kNetworkKind,  &type::kProfile,     &type::kFrameFormat,
+     &type::kIdentifierForm, &type::kImportance,   &type::kErrorCount,  &type::kQueueing,
+     &type::kExcess,         &type::kFifoDepth,    &type::kQueueLength, &type::kInterference,
+     &type::kHopCount,       &type::kPacketBytes,  &type::kHeaderBytes, &type::kNodeAddress,
+     &type::kLinkRate,       &type::kMediumNumber, &type::kRateKind,    &type::kSourceKind,
+     &type::kLinkMetric,     &type::kBoolean});
 
 }  // namespace
 

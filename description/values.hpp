@@ -29,8 +29,8 @@ extern const ValueType kName, kChannelName, kHostName, kUserName, kInterfaceName
     kText, kSubject, kShortHex, kSmallNumber, kDecimal, kExponent, kMagnitude, kPortNumber,
     kBitrate, kDataBitrate, kAttributeName, kBetter, kComposition, kSafeSide, kSetPriority,
     kNetworkKind, kProfile, kFrameFormat, kIdentifierForm, kImportance, kErrorCount, kQueueing,
-    kFifoDepth, kQueueLength, kInterference, kHopCount, kPacketBytes, kHeaderBytes, kNodeAddress,
-    kLinkRate, kMediumNumber, kRateKind, kSourceKind, kLinkMetric, kBoolean;
+    kExcess, kFifoDepth, kQueueLength, kInterference, kHopCount, kPacketBytes, kHeaderBytes,
+    kNodeAddress, kLinkRate, kMediumNumber, kRateKind, kSourceKind, kLinkMetric, kBoolean;
 }  // namespace type
 
 /// All of them.

@@ -144,6 +144,7 @@ Json channel(const control::Channel& c) {
           {"admission", c.admission},
           {"passed", c.passed},
           {"dropped", c.dropped},
+          {"excess", c.excess},
           {"reaction", c.reaction},
           {"set", c.set},
           {"sets", c.sets},

@@ -93,7 +93,10 @@ std::string delivery(const control::Channel& channel, Color color, bool in_full)
   also("reaction", channel.reaction);
   if (in_full) {
     also("importance", fmt::format("{}", channel.importance));
-    also("frames", fmt::format("{} passed, {} dropped", channel.passed, channel.dropped));
+    also("frames", fmt::format("{} passed, {} dropped{}", channel.passed, channel.dropped,
+                               channel.excess == 0
+                                   ? ""
+                                   : fmt::format("; {} were more than admitted", channel.excess)));
   }
   return text;
 }

@@ -44,7 +44,8 @@ Cell verdict_cell(bool granted) {
 Style style_of_event(std::string_view kind) {
   if (kind == "granted") return Style::good;
   if (kind == "refused" || kind == "withdrawn" || kind == "lapsed") return Style::bad;
-  if (kind == "dropping" || kind == "lagged" || kind == "mode" || kind == "switched")
+  if (kind == "dropping" || kind == "excess" || kind == "lagged" || kind == "mode" ||
+      kind == "switched")
     return Style::warning;
   return Style::plain;
 }

@@ -40,6 +40,7 @@ SlotCounters slot_counters(const gate_table& table, std::span<const gate_cpu> cp
     sum.passed += load(cpu.slots[slot].passed);
     sum.dropped += load(cpu.slots[slot].dropped);
     sum.bytes += load(cpu.slots[slot].bytes);
+    sum.excess += load(cpu.slots[slot].excess);
   }
   sum.last_reason = static_cast<gate_reason>(load(table.last_reason[slot]));
   return sum;
@@ -104,6 +105,8 @@ const char* reason_text(gate_reason reason) {
       return "echo";
     case GATE_R_ERROR_IN:
       return "error frame from the bus";
+    case GATE_R_EXCESS:
+      return "more than admitted";
     case GATE_REASONS:
       break;
   }

@@ -16,6 +16,7 @@ struct SlotCounters {
   std::uint64_t passed = 0;
   std::uint64_t dropped = 0;                ///< in audit mode: would have been dropped
   std::uint64_t bytes = 0;                  ///< payload bytes passed
+  std::uint64_t excess = 0;                 ///< more than admitted, dropped or not
   gate_reason last_reason = GATE_R_PASSED;  ///< of the latest drop
 };
 

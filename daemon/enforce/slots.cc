@@ -30,6 +30,10 @@ void publish(T& word, T value) {
   std::atomic_ref<T>(word).store(value, std::memory_order_release);
 }
 
+std::uint8_t formats_of(const SlotSpec& s) {
+  return static_cast<std::uint8_t>(s.formats | (s.excess_passes ? GATE_EXCESS_PASSES : 0));
+}
+
 std::string name(const SlotSpec& s) {
   return fmt::format("slot of subject {:#018x} (identifier {:#x}, {})", s.subject, s.id,
                      s.direction == Direction::ingress ? "ingress" : "egress");
@@ -54,6 +58,11 @@ Result<void> check_spec(const SlotSpec& s, std::uint32_t profile) {
 }
 
 }  // namespace
+
+bool SlotSpec::same_policing(const SlotSpec& other) const {
+  return std::tie(per_frame, per_byte, tolerance, excess_passes) ==
+         std::tie(other.per_frame, other.per_byte, other.tolerance, other.excess_passes);
+}
 
 bool SlotSpec::same_grant(const SlotSpec& other) const { return grant(*this) == grant(other); }
 
@@ -80,6 +89,7 @@ SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSp
     }
     if (s.pass && !found->second) changes.close.push_back(s);
     if (!s.pass && found->second) changes.open.push_back(s);
+    if (!s.same_policing(found->first)) changes.police.push_back(found->first);
     want.erase(found);
   }
   for (const auto& [spec, pass] : want) {
@@ -150,12 +160,16 @@ SlotSpec SlotTable::spec_of(std::uint16_t slot, Direction direction) const {
   return {.direction = direction,
           .pass = s.verdict == GATE_PASS,
           .max_len = s.max_len,
-          .formats = s.formats,
+          .formats = static_cast<std::uint8_t>(s.formats & ~GATE_EXCESS_PASSES),
           .id = s.id,
           .mask = s.mask,
           .source = s.source,
           .uid = s.uid,
-          .subject = s.subject};
+          .subject = s.subject,
+          .per_frame = s.per_frame,
+          .per_byte = s.per_byte,
+          .tolerance = s.tolerance,
+          .excess_passes = (s.formats & GATE_EXCESS_PASSES) != 0};
 }
 
 std::optional<std::uint16_t> SlotTable::find(const SlotSpec& spec) const {
@@ -184,7 +198,7 @@ Result<void> SlotTable::check(const SlotChanges& changes) const {
   std::set<SlotSpec, ByGrant> removed;
   for (const auto& s : changes.remove)
     if (!find(s) || !removed.insert(s).second) return fail(name(s) + " to be removed is not there");
-  for (const auto* list : {&changes.close, &changes.open})
+  for (const auto* list : {&changes.close, &changes.open, &changes.police})
     for (const auto& s : *list)
       if (!find(s)) return fail(name(s) + " is not there");
   for (const auto& s : changes.open)
@@ -252,6 +266,7 @@ Result<void> SlotTable::apply(const SlotChanges& changes) {
   for (const auto& s : changes.add) link(s);
   for (const auto& s : changes.add)
     if (s.pass) set_verdict(s, GATE_PASS);
+  for (const auto& s : changes.police) set_policing(s);
   for (const auto& s : changes.open) set_verdict(s, GATE_PASS);
   if (at_once)
     for (const auto& s : changes.remove) unlink(s);
@@ -270,8 +285,12 @@ void SlotTable::link(const SlotSpec& spec) {
                          .uid = spec.uid,
                          .next = *head(spec),
                          .max_len = spec.max_len,
-                         .formats = spec.formats,
-                         .subject = spec.subject};
+                         .formats = formats_of(spec),
+                         .subject = spec.subject,
+                         .per_frame = spec.per_frame,
+                         .per_byte = spec.per_byte,
+                         .tolerance = spec.tolerance,
+                         .due = 0};
   publish(*head(spec), slot);
   ++used_;
 }
@@ -290,6 +309,17 @@ void SlotTable::unlink(const SlotSpec& spec) {
 void SlotTable::set_verdict(const SlotSpec& spec, gate_verdict verdict) {
   if (const auto slot = find(spec))
     publish(table_->slots[*slot].verdict, static_cast<std::uint32_t>(verdict));
+}
+
+/// One word after the other: a frame in between meets the old rate with the new tolerance at most.
+void SlotTable::set_policing(const SlotSpec& spec) {
+  const auto found = find(spec);
+  if (!found) return;
+  gate_slot& slot = table_->slots[*found];
+  publish(slot.per_frame, __u64{spec.per_frame});
+  publish(slot.per_byte, __u64{spec.per_byte});
+  publish(slot.tolerance, __u64{spec.tolerance});
+  publish(slot.formats, formats_of(spec));
 }
 
 void SlotTable::deny_all() {

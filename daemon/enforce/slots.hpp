@@ -27,21 +27,29 @@ struct SlotSpec {
   std::uint32_t source = 0;             ///< egress: ifindex it entered by, 0: a local program
   std::uint32_t uid = GATE_ANY_UID;     ///< local program's user
   std::uint64_t subject = 0;
+  // How much passes, see gate_slot; all 0: not policed.
+  std::uint64_t per_frame = 0;
+  std::uint64_t per_byte = 0;
+  std::uint64_t tolerance = 0;
+  bool excess_passes = false;
 
   bool operator==(const SlotSpec&) const = default;
-  /// Equal but for the verdict.
+  [[nodiscard]] bool same_policing(const SlotSpec& other) const;
+  /// Equal but for the verdict and the policing.
   [[nodiscard]] bool same_grant(const SlotSpec& other) const;
 };
 
-/// Changes of one interface. `close`, `remove` and `open` name slots by everything but the verdict.
+/// Changes of one interface. `close`, `remove` and `open` name slots by everything but the verdict
+/// and the policing.
 struct SlotChanges {
   std::vector<SlotSpec> close;
   std::vector<SlotSpec> add;  ///< opened at the end where `pass` is set
   std::vector<SlotSpec> remove;
   std::vector<SlotSpec> open;
+  std::vector<SlotSpec> police;  ///< slots that stay, with the policing that they get
 
   [[nodiscard]] bool empty() const {
-    return close.empty() && add.empty() && remove.empty() && open.empty();
+    return close.empty() && add.empty() && remove.empty() && open.empty() && police.empty();
   }
 };
 
@@ -89,6 +97,7 @@ class SlotTable {
   void link(const SlotSpec& spec);
   void unlink(const SlotSpec& spec);
   void set_verdict(const SlotSpec& spec, gate_verdict verdict);
+  void set_policing(const SlotSpec& spec);
   [[nodiscard]] std::uint16_t* head(const SlotSpec& spec) const;
   [[nodiscard]] std::vector<std::uint16_t> chain(const SlotSpec& spec) const;
   [[nodiscard]] SlotSpec spec_of(std::uint16_t slot, Direction direction) const;

@@ -75,6 +75,7 @@ Channel refused_channel() {
           .media = {},
           .passed = 12,
           .dropped = 345,
+          .excess = 6,
           .reaction = {}};
 }
 

@@ -138,10 +138,54 @@ TEST(PlanTest, TheDifferenceLeavesAloneWhatStays) {
   GateState b = a;
   EXPECT_TRUE(difference(a, b).empty());
   b[0].pass = false;
-  EXPECT_EQ(difference(a, b), (GateChanges{{a[0].entry}, {}, {}, {}}));
-  EXPECT_EQ(difference(b, a), (GateChanges{{}, {}, {}, {a[0].entry}}));
-  EXPECT_EQ(difference({}, a), (GateChanges{{}, {}, a, {}}));
-  EXPECT_EQ(difference(a, {}), (GateChanges{{}, {a[0].entry, a[1].entry}, {}, {}}));
+  EXPECT_EQ(difference(a, b), (GateChanges{{a[0].entry}, {}, {}, {}, {}}));
+  EXPECT_EQ(difference(b, a), (GateChanges{{}, {}, {}, {a[0].entry}, {}}));
+  EXPECT_EQ(difference({}, a), (GateChanges{{}, {}, a, {}, {}}));
+  EXPECT_EQ(difference(a, {}), (GateChanges{{}, {a[0].entry, a[1].entry}, {}, {}, {}}));
+}
+
+TEST(PlanTest, AnotherRateIsAChangeOfItsOwn) {
+  const GateState a = State(robot(0)).gate_state(kBridge);
+  GateState b = a;
+  b[1].policing.per_frame += 1;
+  EXPECT_EQ(difference(a, b), (GateChanges{{}, {}, {}, {}, {b[1]}}));
+}
+
+constexpr Value kMillisecond = 1'000'000;
+
+TEST(PlanTest, APeriodicPublisherIsPolicedByItsPeriod) {
+  AttributeSet said;
+  said.set(Attribute::period, 2 * kMillisecond).set(Attribute::jitter, 5);
+  const Policing one = policing_of(said, 1);
+  EXPECT_EQ(one.per_frame, 1'999'000U) << "500 ppm faster: clocks differ";
+  EXPECT_EQ(one.tolerance, 1'999'000U + 5) << "one event early, and its jitter";
+  EXPECT_EQ(one.per_byte, 0U);
+  const Policing four = policing_of(said, 4);
+  EXPECT_EQ(four.per_frame, 499'750U);
+  EXPECT_EQ(four.tolerance, 2 * 1'999'000U - 499'750U + 5) << "all frames of two events at once";
+}
+
+TEST(PlanTest, WithoutAPeriodTheBandwidthCounts) {
+  AttributeSet said;
+  said.set(Attribute::bandwidth, 1'000'000).set(Attribute::max_payload, 64);
+  const Policing p = policing_of(said, 1);
+  EXPECT_EQ(p.per_frame, 0U);
+  EXPECT_EQ(p.per_byte, 255'872U) << "1000 ns a byte, in 1/256, 500 ppm less";
+  EXPECT_EQ(p.tolerance, 2 * 64 * Value{255'872} / 256);
+  EXPECT_FALSE(policing_of({}, 1).any()) << "who says nothing was promised nothing";
+}
+
+TEST(PlanTest, OnlyWhereFramesComeInTheyArePoliced) {
+  const GateState rules = State(robot(0)).gate_state(kBridge);
+  ASSERT_EQ(rules.size(), 2U);
+  for (const GateRule& rule : rules) {
+    EXPECT_EQ(rule.policing.any(), rule.entry.direction == Direction::ingress);
+    EXPECT_FALSE(rule.policing.counts_only);
+  }
+  System lenient = robot(0);
+  for (Port& port : lenient.gateways[kBridge].ports) port.excess = Excess::pass;
+  for (const GateRule& rule : State(lenient).gate_state(kBridge))
+    EXPECT_EQ(rule.policing.counts_only, rule.entry.direction == Direction::ingress);
 }
 
 }  // namespace

@@ -104,6 +104,35 @@ TEST_F(Slots, PresentGivesBackWhatWasAdded) {
   EXPECT_EQ(sorted(slots.present()), sorted(specs));
 }
 
+SlotSpec policed(SlotSpec s, std::uint64_t per_frame, bool excess_passes = false) {
+  s.per_frame = per_frame;
+  s.tolerance = per_frame / 2;
+  s.excess_passes = excess_passes;
+  return s;
+}
+
+TEST_F(Slots, PolicingIsNoPartOfTheGrant) {
+  auto slots = read();
+  ASSERT_TRUE(slots.apply(adding({policed(raw(1), 10)})));
+  EXPECT_EQ(slots.present().front(), policed(raw(1), 10));
+  const auto number = slots.find(raw(1));
+  ASSERT_TRUE(number);
+  memory_->slots[*number].due = 7;
+
+  const std::vector wanted = {policed(raw(1), 20, true)};
+  const SlotChanges changes = difference(slots.present(), wanted);
+  EXPECT_TRUE(changes.add.empty() && changes.remove.empty() && changes.close.empty());
+  EXPECT_EQ(changes.police, wanted);
+  ASSERT_TRUE(slots.apply(changes));
+  EXPECT_EQ(slots.present(), wanted);
+  EXPECT_EQ(slots.find(raw(1)), number) << "the same slot, with what it has counted";
+  EXPECT_EQ(memory_->slots[*number].due, 7U);
+  EXPECT_TRUE(difference(slots.present(), wanted).empty());
+  SlotChanges of_nobody;
+  of_nobody.police = {raw(2)};
+  EXPECT_NE(error(slots, of_nobody), "");
+}
+
 TEST_F(Slots, RestartReadsTheSameSlots) {
   std::vector<SlotSpec> specs;
   for (std::uint32_t i = 0; i < 300; ++i) specs.push_back(raw(i * 5 % 2048, i % 3));
@@ -186,7 +215,7 @@ TEST_F(Slots, ReusedSlotCountsFromZero) {
   auto slots = read();
   ASSERT_TRUE(slots.apply(adding({raw(1)})));
   const auto first = slots.find(raw(1)).value();
-  cpus_[1].slots[first] = {.passed = 5, .dropped = 6, .bytes = 7, .pad = 0};
+  cpus_[1].slots[first] = {.passed = 5, .dropped = 6, .bytes = 7, .excess = 8};
   memory_->last_reason[first] = GATE_R_LENGTH;
   ASSERT_TRUE(slots.apply(removing({raw(1)})));
   for (std::uint32_t i = 0; i < 2047; ++i) ASSERT_TRUE(slots.apply(adding({raw(i, 1), raw(i, 2)})));

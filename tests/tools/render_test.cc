@@ -43,7 +43,7 @@ TEST_F(RenderTest, ExplainsARefusalAttributeByAttribute) {
   publisher    switch
   subscribers  motor-left, motor-right
   importance   3
-  frames       12 passed, 345 dropped
+  frames       12 passed, 345 dropped; 6 were more than admitted
 )");
 }
 
@@ -60,7 +60,7 @@ TEST_F(RenderTest, ExplainsWhatTheMediaGiveAndWhichSetIsInUse) {
   publisher    switch
   subscribers  motor-left, motor-right
   importance   9
-  frames       12 passed, 0 dropped
+  frames       12 passed, 0 dropped; 6 were more than admitted
 )");
 }
 
