@@ -237,7 +237,7 @@ std::string earlier(std::uint64_t next_id, const std::vector<control::Request>& 
 TEST(EarlierStore, IsTakenOverOnce) {
   const Folder folder;
   const std::string bytes = earlier(
-      9, {admitted(3).request, admitted(8).request, {0, control::ReleaseRequest{"0x7", 0}}});
+      9, {admitted(3).request, admitted(8).request, {0, control::ReleaseRequest{"0x7", 0, ""}}});
   write_file(folder.file("admissions"), bytes);
   Contents expected;
   expected.admissions = {admitted(3).request, admitted(8).request};
