@@ -26,6 +26,8 @@
 
 /* Slots that may share one key (publishers of one subject on one interface). */
 #define GATE_CHAIN 8
+/* Decisions of one frame that a change of generation may undo; then it is denied. */
+#define GATE_TRIES 32
 /* Slots of one bucket that the program walks: several 29-bit identifiers may hash together. */
 #define GATE_WALK 32
 
@@ -96,12 +98,17 @@ enum gate_reason {
  * EFF and RTR flags of <linux/can.h> in place.
  * User space never changes a live slot other than `verdict`, `next` and what is policed.
  *
+ * Many verdicts change as one step, on all interfaces: the halves that the next generation will
+ * read are written, then gate_control.generation, then the halves that nobody reads any more. A
+ * program that finds another generation at the end of a decision than at its beginning decides
+ * again.
+ *
  * Policing is the virtual scheduling form of the generic cell rate algorithm (ITU-T I.371): a frame
  * costs per_frame + bytes * per_byte of time, and is in turn when it comes no more than `tolerance`
  * before `due`. An empty frame costs as much as one of a byte.
  */
 struct gate_slot {
-	__u32 verdict; /* enum gate_verdict; one aligned store flips it */
+	__u16 verdict[2]; /* enum gate_verdict, in even and in odd generations */
 	__u32 id;
 	__u32 mask;
 	__u32 source; /* egress: ifindex it must have entered by; 0: sent by a local program */
@@ -178,6 +185,9 @@ struct gate_control {
 	__u32 token;	 /* random: see gate_ingress_token() */
 	__u32 armed;	 /* the timer runs */
 	__u64 lapses;	 /* how often the timer has closed the gates */
+	__u32
+	    generation; /* of all verdicts: its lowest bit chooses the half of gate_slot.verdict */
+	__u32 pad;
 };
 
 /* Bucket of a frame or slot, or GATE_NO_BUCKET where the profile has no subject for it. */
@@ -232,6 +242,6 @@ GATE_ASSERT(sizeof(struct gate_table) == 128 + 64 * 4096 + 4 * 18432 + 4096, "pi
 GATE_ASSERT(sizeof(struct gate_count) == 32, "gate_count is pinned layout");
 GATE_ASSERT(sizeof(struct gate_seen) == 24, "gate_seen is pinned layout");
 GATE_ASSERT(sizeof(struct gate_cpu) == 32 * 4096 + 8 * 32 + 24 * 64, "gate_cpu is pinned layout");
-GATE_ASSERT(sizeof(struct gate_control) == 56, "gate_control is pinned layout");
+GATE_ASSERT(sizeof(struct gate_control) == 64, "gate_control is pinned layout");
 
 #endif

@@ -5,9 +5,11 @@
 
 struct frame {
 	__u32 can_id;
-	__u32 len;    /* payload bytes */
-	__u32 format; /* GATE_CLASSIC or GATE_FD */
-	__u32 mark;   /* when the gate saw it first */
+	__u32 len;	  /* payload bytes */
+	__u32 format;	  /* GATE_CLASSIC or GATE_FD */
+	__u32 mark;	  /* when the gate saw it first */
+	__u32 generation; /* of the verdicts that it is decided by */
+	__u32 read;	  /* sum of what was read for that: see moved_on() */
 };
 
 /* First words of struct can_frame and struct canfd_frame. */

@@ -15,9 +15,10 @@ static __always_inline __u32 misfit_identifier(const struct gate_slot *slot, __u
 }
 
 static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
-				 const struct gate_slot *slot, const struct frame *frame,
-				 __u32 source)
+				 const struct gate_slot *slot, struct frame *frame, __u32 source)
 {
+	__u32 verdict;
+
 	if ((frame->can_id & slot->mask) != slot->id)
 		return misfit_identifier(slot, frame->can_id);
 	if (direction == GATE_EGRESS) {
@@ -33,15 +34,17 @@ static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
 		return GATE_R_FORMAT;
 	if (frame->len > slot->max_len)
 		return GATE_R_LENGTH;
-	return READ_ONCE(slot->verdict) == GATE_PASS ? GATE_R_PASSED : GATE_R_DENIED;
+	verdict = READ_ONCE(slot->verdict[frame->generation & 1]);
+	frame->read += verdict;
+	return verdict == GATE_PASS ? GATE_R_PASSED : GATE_R_DENIED;
 }
 
 /*
  * Not static, like walk(): the verifier looks at it once by itself, and takes its result for any
  * number. Static functions would multiply with every way that leads to and from them.
  */
-__noinline __u32 fit_apart(struct __sk_buff *skb, __u32 at, const struct frame *frame,
-			   __u32 direction, __u32 source)
+__noinline __u32 fit_apart(struct __sk_buff *skb, __u32 at, struct frame *frame, __u32 direction,
+			   __u32 source)
 {
 	if (!frame)
 		return GATE_R_UNKNOWN;
@@ -53,11 +56,13 @@ __noinline __u32 fit_apart(struct __sk_buff *skb, __u32 at, const struct frame *
  * of equals the first; the direction's own slot where the key has none. Reason in the upper half,
  * slot in the lower.
  */
-__noinline __u32 walk(struct __sk_buff *skb, __u32 at, const struct frame *frame, __u32 direction,
+__noinline __u32 walk(struct __sk_buff *skb, __u32 at, struct frame *frame, __u32 direction,
 		      __u32 source)
 {
 	__u32 slot = direction, best = GATE_R_UNKNOWN, i;
 
+	if (!frame)
+		return GATE_R_UNKNOWN << 16;
 	for (i = 0; i < GATE_WALK && at; i++) {
 		__u32 reason = fit_apart(skb, at, frame, direction, source);
 
@@ -68,13 +73,50 @@ __noinline __u32 walk(struct __sk_buff *skb, __u32 at, const struct frame *frame
 			slot = at;
 		}
 		at = READ_ONCE(table.slots[at & (GATE_SLOTS - 1)].next);
+		frame->read += at;
 	}
 	return best << 16 | slot;
 }
 
+/*
+ * Another generation than the frame was decided by. The address of the load depends on what was
+ * read for the decision, so that no machine does the one before the other.
+ */
+static __always_inline bool moved_on(const struct frame *frame)
+{
+	__u64 nothing = frame->read;
+
+	asm volatile("%0 ^= %0" : "+r"(nothing));
+	return READ_ONCE((&control.generation)[nothing & 1]) != frame->generation;
+}
+
+/* As walk(), by the verdicts of one generation. */
+__noinline __u32 decide_again(struct __sk_buff *skb, const struct frame *frame, __u32 direction,
+			      __u32 source)
+{
+	__u32 bucket, first, found, i;
+	struct frame copy;
+
+	if (!frame)
+		return GATE_R_UNKNOWN << 16;
+	copy = *frame;
+	bucket = gate_bucket(profile, copy.can_id);
+	direction &= GATE_DIRECTIONS - 1;
+	if (bucket >= GATE_BUCKETS)
+		return GATE_R_UNKNOWN << 16 | direction;
+	for (i = 0; i < GATE_TRIES; i++) {
+		copy.generation = READ_ONCE(control.generation);
+		copy.read = first = READ_ONCE(table.head[direction][bucket]);
+		found = walk(skb, first, &copy, direction, source);
+		if (!moved_on(&copy))
+			return found;
+	}
+	return GATE_R_DENIED << 16 | direction;
+}
+
 /* The first slot is looked at in place: nearly always it is the only one. */
 static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direction,
-					      const struct frame *frame, __u32 source)
+					      struct frame *frame, __u32 source)
 {
 	struct decision d = {.slot = direction, .reason = GATE_R_UNKNOWN};
 	__u32 bucket = gate_bucket(profile, frame->can_id);
@@ -84,20 +126,26 @@ static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direc
 
 	if (bucket >= GATE_BUCKETS)
 		return d;
-	first = READ_ONCE(table.head[direction][bucket]);
-	if (!first)
-		return d;
-	slot = &table.slots[first & (GATE_SLOTS - 1)];
-	d.reason = fit(skb, direction, slot, frame, source);
-	if (d.reason != GATE_R_PASSED && READ_ONCE(slot->next)) {
-		copy = *frame;
-		found = walk(skb, first, &copy, direction, source);
-		d.reason = found >> 16;
-		d.slot = found & 0xffff;
-		return d;
+	frame->generation = READ_ONCE(control.generation);
+	frame->read = first = READ_ONCE(table.head[direction][bucket]);
+	found = GATE_R_UNKNOWN << 16 | direction;
+	if (first) {
+		slot = &table.slots[first & (GATE_SLOTS - 1)];
+		d.reason = fit(skb, direction, slot, frame, source);
+		if (d.reason != GATE_R_PASSED && READ_ONCE(slot->next)) {
+			copy = *frame;
+			found = walk(skb, first, &copy, direction, source);
+			frame->read += copy.read;
+		} else if (d.reason != GATE_R_UNKNOWN) {
+			found = d.reason << 16 | first;
+		}
 	}
-	if (d.reason != GATE_R_UNKNOWN)
-		d.slot = first;
+	if (moved_on(frame)) {
+		copy = *frame;
+		found = decide_again(skb, &copy, direction, source);
+	}
+	d.reason = found >> 16;
+	d.slot = found & 0xffff;
 	return d;
 }
 

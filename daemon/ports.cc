@@ -353,7 +353,7 @@ std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateRule& rule) cons
 }
 
 Result<void> Ports::sync(const core::GateState& wanted) {
-  std::string problems;
+  std::vector<enforce::Gate::Change> changes;
   for (std::size_t p = 0; p < ports_.size(); ++p) {
     enforce::Gate* gate = gate_of(p);
     if (gate == nullptr) continue;
@@ -361,10 +361,17 @@ Result<void> Ports::sync(const core::GateState& wanted) {
     for (const core::GateRule& rule : wanted)
       if (rule.entry.port == p)
         if (auto slot = slot_of(rule)) slots.push_back(*slot);
-    if (const auto done = gate->apply(enforce::difference(gate->present(), slots)); !done) {
-      gate->deny_all();
-      problems += (problems.empty() ? "" : "; ") + gate->name() + ": " + done.error().text;
-    }
+    if (auto change = enforce::difference(gate->present(), slots); !change.empty())
+      changes.push_back({gate, std::move(change)});
+  }
+  std::string problems;
+  for (;;) {
+    const auto done = enforce::Gate::apply_together(changes);
+    if (done) break;
+    const auto& [refusing, error] = done.error();
+    refusing->deny_all();
+    problems += (problems.empty() ? "" : "; ") + refusing->name() + ": " + error.text;
+    std::erase_if(changes, [&](const auto& c) { return c.gate == refusing; });
   }
   if (!problems.empty()) return fail(problems);
   return {};
@@ -393,11 +400,10 @@ std::map<std::size_t, enforce::SlotChanges> Ports::by_port(const core::GateChang
 }
 
 Result<void> Ports::apply(const core::GateChanges& changes) {
-  for (const auto& [p, change] : by_port(changes)) {
-    enforce::Gate* gate = gate_of(p);
-    if (const auto done = gate->apply(change); !done)
-      return fail(gate->name() + ": " + done.error().text);
-  }
+  std::vector<enforce::Gate::Change> gates;
+  for (auto& [p, change] : by_port(changes)) gates.push_back({gate_of(p), std::move(change)});
+  if (const auto done = enforce::Gate::apply_together(gates); !done)
+    return fail(done.error().gate->name() + ": " + done.error().error.text);
   return {};
 }
 

@@ -122,8 +122,8 @@ Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
   Mapped<gate_cpu> cpus(programs->cpus_fd(), possible_cpus());
   if (!cpus) return failure("map the counters", errno);
   const bool fresh = !maps.table;
-  auto slots =
-      SlotTable::read(programs->table(), cpus.span(), knobs.profile, fresh, wait_for_grace_period);
+  auto slots = SlotTable::read({programs->table(), cpus.span(), programs->generation()},
+                               knobs.profile, fresh, wait_for_grace_period);
   if (!slots) return std::unexpected(slots.error());
   return std::make_unique<State>(State{.config = config,
                                        .directory = directory_of(control, config.ifindex),
@@ -209,6 +209,16 @@ Result<void> Gate::reattach() {
 }
 
 Result<void> Gate::apply(const SlotChanges& changes) { return state_->slots.apply(changes); }
+
+std::expected<void, Gate::Refusal> Gate::apply_together(std::span<const Change> changes) {
+  std::vector<SlotTable::Change> tables;
+  tables.reserve(changes.size());
+  for (const Change& c : changes) tables.push_back({&c.gate->state_->slots, &c.changes});
+  auto done = SlotTable::apply_together(tables);
+  if (done) return {};
+  return std::unexpected(Refusal{changes[done.error().change].gate, std::move(done.error().error)});
+}
+
 std::vector<SlotSpec> Gate::present() const { return state_->slots.present(); }
 void Gate::deny_all() { state_->slots.deny_all(); }
 

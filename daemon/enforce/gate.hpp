@@ -3,6 +3,7 @@
 // Closing the object leaves the gate in the kernel as it is.
 #pragma once
 #include <cstdint>
+#include <expected>
 #include <memory>
 #include <optional>
 #include <span>
@@ -53,6 +54,16 @@ class Gate {
 
   /// See SlotTable.
   Result<void> apply(const SlotChanges& changes);
+  struct Change {
+    Gate* gate;
+    SlotChanges changes;
+  };
+  struct Refusal {
+    Gate* gate;
+    Error error;
+  };
+  /// See SlotTable: one step for frames on all of them.
+  static std::expected<void, Refusal> apply_together(std::span<const Change> changes);
   [[nodiscard]] std::vector<SlotSpec> present() const;
   void deny_all();
 

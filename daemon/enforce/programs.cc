@@ -72,5 +72,6 @@ int Programs::program_fd(Direction direction) const {
 int Programs::table_fd() const { return bpf_map__fd(object_->maps.bss); }
 int Programs::cpus_fd() const { return bpf_map__fd(object_->maps.cpus); }
 gate_table& Programs::table() const { return object_->bss->table; }
+std::uint32_t& Programs::generation() const { return object_->data_control->control.generation; }
 
 }  // namespace mlcca::enforce

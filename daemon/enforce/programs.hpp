@@ -37,6 +37,8 @@ class Programs {
   [[nodiscard]] int table_fd() const;
   [[nodiscard]] int cpus_fd() const;
   [[nodiscard]] gate_table& table() const;
+  /// Of the control map.
+  [[nodiscard]] std::uint32_t& generation() const;
 
  private:
   using Object = std::unique_ptr<gate_bpf, FreeWith<destroy_programs>>;

@@ -99,12 +99,16 @@ SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSp
   return changes;
 }
 
-SlotTable::SlotTable(gate_table& table, std::span<gate_cpu> cpus, std::uint32_t profile,
-                     GracePeriod wait)
-    : table_(&table), cpus_(cpus), profile_(profile), wait_(std::move(wait)) {}
+SlotTable::SlotTable(const Memory& memory, std::uint32_t profile, GracePeriod wait)
+    : table_(&memory.table),
+      cpus_(memory.cpus),
+      generation_(&memory.generation),
+      profile_(profile),
+      wait_(std::move(wait)) {}
 
-Result<SlotTable> SlotTable::read(gate_table& table, std::span<gate_cpu> cpus,
-                                  std::uint32_t profile, bool fresh, GracePeriod wait) {
+Result<SlotTable> SlotTable::read(const Memory& memory, std::uint32_t profile, bool fresh,
+                                  GracePeriod wait) {
+  gate_table& table = memory.table;
   if (fresh) {
     table.layout_version = GATE_LAYOUT_VERSION;
     table.profile = profile;
@@ -115,7 +119,7 @@ Result<SlotTable> SlotTable::read(gate_table& table, std::span<gate_cpu> cpus,
   if (table.profile != profile)
     return fail(
         fmt::format("slot table: filled for profile {} instead of {}", table.profile, profile));
-  SlotTable slots(table, cpus, profile, std::move(wait));
+  SlotTable slots(memory, profile, std::move(wait));
   if (auto adopted = slots.adopt(fresh); !adopted) return std::unexpected(adopted.error());
   return slots;
 }
@@ -133,6 +137,9 @@ Result<void> SlotTable::adopt(bool fresh) {
           return fail(fmt::format("slot table: slot {} is in the wrong bucket", at));
         seen[at] = true;
         ++used_;
+        // Whoever wrote it may have ended halfway to the next generation.
+        __u16(&halves)[2] = table_->slots[at].verdict;
+        publish(halves[(*generation_ + 1) & 1], halves[*generation_ & 1]);
       }
       ++bucket;
     }
@@ -158,7 +165,7 @@ std::vector<std::uint16_t> SlotTable::chain(const SlotSpec& spec) const {
 SlotSpec SlotTable::spec_of(std::uint16_t slot, Direction direction) const {
   const gate_slot& s = table_->slots[slot];
   return {.direction = direction,
-          .pass = s.verdict == GATE_PASS,
+          .pass = s.verdict[*generation_ & 1] == GATE_PASS,
           .max_len = s.max_len,
           .formats = static_cast<std::uint8_t>(s.formats & ~GATE_EXCESS_PASSES),
           .id = s.id,
@@ -257,20 +264,78 @@ Result<void> SlotTable::reclaim(std::size_t wanted) {
 }
 
 Result<void> SlotTable::apply(const SlotChanges& changes) {
-  if (auto good = check(changes); !good) return good;
-  for (const auto& s : changes.close) set_verdict(s, GATE_DENY);
-  const bool at_once = fits_at_once(changes);
-  if (!at_once)
-    for (const auto& s : changes.remove) unlink(s);
-  if (auto room = reclaim(changes.add.size()); !room) return room;
-  for (const auto& s : changes.add) link(s);
-  for (const auto& s : changes.add)
-    if (s.pass) set_verdict(s, GATE_PASS);
-  for (const auto& s : changes.police) set_policing(s);
-  for (const auto& s : changes.open) set_verdict(s, GATE_PASS);
-  if (at_once)
-    for (const auto& s : changes.remove) unlink(s);
+  const Change change{this, &changes};
+  if (auto done = apply_together({&change, 1}); !done)
+    return std::unexpected(std::move(done.error().error));
   return {};
+}
+
+std::expected<void, SlotTable::Refusal> SlotTable::apply_together(std::span<const Change> changes) {
+  const auto refusal = [&](const Change& change, Error error) {
+    return std::unexpected(
+        Refusal{static_cast<std::size_t>(&change - changes.data()), std::move(error)});
+  };
+  for (const Change& c : changes)
+    if (auto good = c.table->check(*c.changes); !good) return refusal(c, good.error());
+
+  std::vector<Change> full;
+  for (const Change& c : changes)
+    if (!c.table->fits_at_once(*c.changes)) full.push_back(c);
+  if (!full.empty()) {
+    deny_what_goes(changes);
+    for (const Change& c : full)
+      for (const auto& s : c.changes->remove) c.table->unlink(s);
+  }
+  for (const Change& c : changes)
+    if (auto room = c.table->reclaim(c.changes->add.size()); !room) {
+      deny_what_goes(changes);
+      return refusal(c, room.error());
+    }
+
+  for (const auto& [table, change] : changes) {
+    for (const auto& s : change->add) table->link(s);
+    for (const auto& s : change->police) table->set_policing(s);
+    table->stage_what_goes(*change);
+    for (const auto* list : {&change->add, &change->open})
+      for (const auto& s : *list)
+        if (s.pass || list == &change->open) table->stage(s, GATE_PASS);
+  }
+  if (!changes.empty()) changes.front().table->next_generation();
+  for (const auto& [table, change] : changes) {
+    table->settle();
+    for (const auto& s : change->remove)
+      if (table->find(s)) table->unlink(s);
+  }
+  return {};
+}
+
+void SlotTable::deny_what_goes(std::span<const Change> changes) {
+  for (const auto& [table, change] : changes) table->stage_what_goes(*change);
+  changes.front().table->next_generation();
+  for (const Change& c : changes) c.table->settle();
+}
+
+void SlotTable::stage_what_goes(const SlotChanges& changes) {
+  for (const auto& s : changes.close) stage(s, GATE_DENY);
+  for (const auto& s : changes.remove) stage(s, GATE_DENY);
+}
+
+void SlotTable::stage(const SlotSpec& spec, gate_verdict verdict) {
+  if (const auto slot = find(spec)) stage(*slot, verdict);
+}
+
+void SlotTable::stage(std::uint16_t slot, gate_verdict verdict) {
+  const auto value = static_cast<std::uint16_t>(verdict);
+  publish(table_->slots[slot].verdict[(*generation_ + 1) & 1], value);
+  staged_.push_back({slot, value});
+}
+
+void SlotTable::next_generation() { publish(*generation_, *generation_ + 1); }
+
+void SlotTable::settle() {
+  for (const auto& [slot, verdict] : staged_)
+    publish(table_->slots[slot].verdict[(*generation_ + 1) & 1], verdict);
+  staged_.clear();
 }
 
 void SlotTable::link(const SlotSpec& spec) {
@@ -278,7 +343,7 @@ void SlotTable::link(const SlotSpec& spec) {
   free_.pop_back();
   for (auto& cpu : cpus_) cpu.slots[slot] = {};
   table_->last_reason[slot] = GATE_R_PASSED;
-  table_->slots[slot] = {.verdict = GATE_DENY,
+  table_->slots[slot] = {.verdict = {GATE_DENY, GATE_DENY},
                          .id = spec.id,
                          .mask = spec.mask,
                          .source = spec.source,
@@ -298,17 +363,11 @@ void SlotTable::link(const SlotSpec& spec) {
 /// The slot keeps its `next`, so that a program which stands on it finds the rest of the chain.
 void SlotTable::unlink(const SlotSpec& spec) {
   const std::uint16_t slot = find(spec).value_or(0);
-  publish(table_->slots[slot].verdict, std::uint32_t{GATE_DENY});
   std::uint16_t* before = head(spec);
   while (*before != slot) before = &table_->slots[*before].next;
   publish(*before, table_->slots[slot].next);
   quarantine_.push_back(slot);
   --used_;
-}
-
-void SlotTable::set_verdict(const SlotSpec& spec, gate_verdict verdict) {
-  if (const auto slot = find(spec))
-    publish(table_->slots[*slot].verdict, static_cast<std::uint32_t>(verdict));
 }
 
 /// One word after the other: a frame in between meets the old rate with the new tolerance at most.
@@ -323,7 +382,10 @@ void SlotTable::set_policing(const SlotSpec& spec) {
 }
 
 void SlotTable::deny_all() {
-  for (auto& slot : table_->slots) publish(slot.verdict, std::uint32_t{GATE_DENY});
+  for (std::uint16_t slot = GATE_FIRST_SLOT; slot < GATE_SLOTS; ++slot)
+    if (table_->slots[slot].verdict[*generation_ & 1] != GATE_DENY) stage(slot, GATE_DENY);
+  next_generation();
+  settle();
 }
 
 }  // namespace mlcca::enforce

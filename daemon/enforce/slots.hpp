@@ -3,6 +3,7 @@
 // Pure pointer logic: works on any gate_table, so that it is tested without a kernel.
 #pragma once
 #include <cstdint>
+#include <expected>
 #include <functional>
 #include <optional>
 #include <span>
@@ -63,19 +64,39 @@ using GracePeriod = std::function<Result<void>()>;
 
 class SlotTable {
  public:
+  /// The table, and where the generation of the verdicts stands (gate_control). Several tables may
+  /// share one, and must then be changed by one thread.
+  struct Memory {
+    gate_table& table;
+    std::span<gate_cpu> cpus;
+    std::uint32_t& generation;
+  };
+
   /// Takes the table as it is. `fresh`: no program can have seen its slots; otherwise free slots
   /// are reused only after a grace period. Errors: another layout or profile, broken chains.
-  static Result<SlotTable> read(gate_table& table, std::span<gate_cpu> cpus, std::uint32_t profile,
-                                bool fresh, GracePeriod wait);
+  static Result<SlotTable> read(const Memory& memory, std::uint32_t profile, bool fresh,
+                                GracePeriod wait);
 
-  /// All or nothing: after an error nothing was changed, unless waiting for the grace period
-  /// failed; then what closes has closed. Order: verdicts that close, new slots (denying), verdicts
-  /// that open, removals; where the table is too full for that, removals before new slots. A
-  /// channel that is not mentioned is not touched. Errors: a slot that the profile has no key for,
-  /// is there twice or is not there; more than GATE_SLOTS - 2 slots, GATE_CHAIN of one key,
-  /// GATE_WALK of one bucket. May wait for one grace period (some 10 ms), when only lately removed
-  /// slots are free.
+  /// All or nothing, and for a frame all at once: every decision is by the verdicts before the call
+  /// or by those after it. After an error nothing was changed, unless waiting for the grace period
+  /// failed; then what goes is denied. Where a table is too full to hold old and new slots side by
+  /// side there are two steps: what goes is denied and removed, and then comes what is new.
+  /// What is policed changes word by word, before the verdicts. A channel that is not mentioned is
+  /// not touched. Errors: a slot that the profile has no key for, is there twice or is not there;
+  /// more than GATE_SLOTS - 2 slots, GATE_CHAIN of one key, GATE_WALK of one bucket. May wait for
+  /// one grace period (some 10 ms), when only lately removed slots are free.
   Result<void> apply(const SlotChanges& changes);
+
+  struct Change {
+    SlotTable* table;
+    const SlotChanges* changes;
+  };
+  struct Refusal {
+    std::size_t change;  ///< which one
+    Error error;
+  };
+  /// As apply(), of tables with one generation, each mentioned once.
+  static std::expected<void, Refusal> apply_together(std::span<const Change> changes);
 
   /// What the kernel obeys now.
   [[nodiscard]] std::vector<SlotSpec> present() const;
@@ -87,7 +108,7 @@ class SlotTable {
   void deny_all();
 
  private:
-  SlotTable(gate_table& table, std::span<gate_cpu> cpus, std::uint32_t profile, GracePeriod wait);
+  SlotTable(const Memory& memory, std::uint32_t profile, GracePeriod wait);
 
   Result<void> adopt(bool fresh);
   [[nodiscard]] Result<void> check(const SlotChanges& changes) const;
@@ -96,14 +117,28 @@ class SlotTable {
   Result<void> reclaim(std::size_t wanted);
   void link(const SlotSpec& spec);
   void unlink(const SlotSpec& spec);
-  void set_verdict(const SlotSpec& spec, gate_verdict verdict);
+  /// From the next generation on.
+  void stage(std::uint16_t slot, gate_verdict verdict);
+  void stage(const SlotSpec& spec, gate_verdict verdict);
+  void stage_what_goes(const SlotChanges& changes);
+  static void deny_what_goes(std::span<const Change> changes);
+  /// The next generation is there: nobody reads the other half of what was staged.
+  void settle();
+  void next_generation();
   void set_policing(const SlotSpec& spec);
   [[nodiscard]] std::uint16_t* head(const SlotSpec& spec) const;
   [[nodiscard]] std::vector<std::uint16_t> chain(const SlotSpec& spec) const;
   [[nodiscard]] SlotSpec spec_of(std::uint16_t slot, Direction direction) const;
 
+  struct Staged {
+    std::uint16_t slot;
+    std::uint16_t verdict;
+  };
+
   gate_table* table_;
   std::span<gate_cpu> cpus_;
+  std::uint32_t* generation_;
+  std::vector<Staged> staged_;
   std::uint32_t profile_;
   GracePeriod wait_;
   std::size_t used_ = 0;

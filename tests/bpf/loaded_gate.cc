@@ -75,8 +75,8 @@ void LoadedGate::reset() {
   control().layout_version = GATE_LAYOUT_VERSION;
   control().open = 1;
   control().token = kToken;
-  auto slots =
-      enforce::SlotTable::read(table(), cpus_, profile_, true, [] { return Result<void>{}; });
+  auto slots = enforce::SlotTable::read({table(), cpus_, control().generation}, profile_, true,
+                                        [] { return Result<void>{}; });
   require(slots.has_value(), "read the slots");
   slots_ = std::make_unique<enforce::SlotTable>(std::move(*slots));
 }

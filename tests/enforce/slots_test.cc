@@ -65,7 +65,7 @@ std::vector<std::uint32_t> colliding(std::size_t count) {
 class Slots : public testing::Test {
  protected:
   SlotTable read(bool fresh = true, std::uint32_t profile = GATE_PROFILE_RAW) {
-    auto table = SlotTable::read(*memory_, {cpus_.get(), 2}, profile, fresh, [this] {
+    auto table = SlotTable::read({*memory_, {cpus_.get(), 2}, generation_}, profile, fresh, [this] {
       ++waits_;
       return wait_result_;
     });
@@ -79,6 +79,14 @@ class Slots : public testing::Test {
     return result ? "" : result.error().text;
   }
 
+  /// Of a slot that no step is halfway through.
+  [[nodiscard]] unsigned verdict_of(std::uint16_t slot) const {
+    const auto& verdict = memory_->slots[slot].verdict;
+    EXPECT_EQ(verdict[0], verdict[1]);
+    return verdict[generation_ & 1];
+  }
+
+  std::uint32_t generation_ = 0;
   std::unique_ptr<gate_table> memory_ = std::make_unique<gate_table>();
   std::unique_ptr<gate_cpu[]> cpus_ = std::make_unique<gate_cpu[]>(2);
   int waits_ = 0;
@@ -147,8 +155,8 @@ TEST_F(Slots, RestartReadsTheSameSlots) {
 TEST_F(Slots, NewSlotIsLinkedAndOpenedOnlyWhenItPasses) {
   auto slots = read();
   ASSERT_TRUE(slots.apply(adding({raw(0x10), refused(raw(0x11))})));
-  EXPECT_EQ(memory_->slots[memory_->head[GATE_EGRESS][0x10]].verdict, unsigned{GATE_PASS});
-  EXPECT_EQ(memory_->slots[memory_->head[GATE_EGRESS][0x11]].verdict, unsigned{GATE_DENY});
+  EXPECT_EQ(verdict_of(memory_->head[GATE_EGRESS][0x10]), unsigned{GATE_PASS});
+  EXPECT_EQ(verdict_of(memory_->head[GATE_EGRESS][0x11]), unsigned{GATE_DENY});
   EXPECT_EQ(memory_->head[GATE_INGRESS][0x10], 0);
 }
 
@@ -160,11 +168,77 @@ TEST_F(Slots, FlipChangesNothingButTheVerdict) {
   close.close = {raw(0x10)};
   ASSERT_TRUE(slots.apply(close));
   const auto slot = slots.find(raw(0x10)).value();
-  EXPECT_EQ(memory_->slots[slot].verdict, unsigned{GATE_DENY});
+  EXPECT_EQ(verdict_of(slot), unsigned{GATE_DENY});
   SlotChanges open;
   open.open = {raw(0x10)};
   ASSERT_TRUE(slots.apply(open));
   EXPECT_EQ(std::memcmp(&before, memory_.get(), sizeof(before)), 0);
+}
+
+TEST_F(Slots, AnyNumberOfVerdictsIsOneGeneration) {
+  auto slots = read();
+  ASSERT_TRUE(slots.apply(adding({raw(1), refused(raw(2)), raw(3)})));
+  EXPECT_EQ(generation_, 1U);
+  SlotChanges change;
+  change.close = {raw(1)};
+  change.open = {raw(2)};
+  change.remove = {raw(3)};
+  change.add = {raw(4)};
+  ASSERT_TRUE(slots.apply(change));
+  EXPECT_EQ(generation_, 2U);
+  EXPECT_EQ(sorted(slots.present()), (std::vector{refused(raw(1)), raw(2), raw(4)}));
+}
+
+TEST_F(Slots, GenerationsGoOnWhereTheNumberEnds) {
+  generation_ = 0xffffffff;
+  auto slots = read();
+  ASSERT_TRUE(slots.apply(adding({raw(1)})));
+  EXPECT_EQ(generation_, 0U);
+  EXPECT_EQ(slots.present(), std::vector{raw(1)});
+}
+
+TEST_F(Slots, ChangesOfTwoTablesAreOneGeneration) {
+  auto slots = read();
+  ASSERT_TRUE(slots.apply(adding({raw(1)})));
+  const auto other_memory = std::make_unique<gate_table>();
+  auto other = SlotTable::read({*other_memory, {}, generation_}, GATE_PROFILE_RAW, true, nullptr);
+  ASSERT_TRUE(other) << other.error().text;
+  const auto before = generation_;
+  const SlotChanges away = removing({raw(1)});
+  const SlotChanges here = adding({raw(2)});
+  const std::vector<SlotTable::Change> both = {{&slots, &away}, {&*other, &here}};
+  ASSERT_TRUE(SlotTable::apply_together(both));
+  EXPECT_EQ(generation_, before + 1);
+  EXPECT_TRUE(slots.present().empty());
+  EXPECT_EQ(other->present(), std::vector{raw(2)});
+}
+
+TEST_F(Slots, OneTableThatRefusesChangesNone) {
+  auto slots = read();
+  ASSERT_TRUE(slots.apply(adding({raw(1)})));
+  const auto other_memory = std::make_unique<gate_table>();
+  auto other = SlotTable::read({*other_memory, {}, generation_}, GATE_PROFILE_RAW, true, nullptr);
+  const auto before = generation_;
+  const SlotChanges away = removing({raw(1)});
+  const std::vector<SlotTable::Change> both = {{&slots, &away}, {&*other, &away}};
+  const auto done = SlotTable::apply_together(both);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().change, 1U);
+  EXPECT_EQ(generation_, before);
+  EXPECT_EQ(slots.present(), std::vector{raw(1)});
+}
+
+TEST_F(Slots, StepThatAFormerDaemonDidNotFinishIsUndone) {
+  {
+    auto slots = read();
+    ASSERT_TRUE(slots.apply(adding({raw(1), refused(raw(2))})));
+  }
+  for (const std::uint32_t id : {1U, 2U})
+    memory_->slots[memory_->head[GATE_EGRESS][id]].verdict[(generation_ + 1) & 1] ^= 1;
+  auto slots = read(false);
+  EXPECT_EQ(sorted(slots.present()), (std::vector{raw(1), refused(raw(2))}));
+  ASSERT_TRUE(slots.apply(adding({raw(3)})));
+  EXPECT_EQ(sorted(slots.present()), (std::vector{raw(1), refused(raw(2)), raw(3)}));
 }
 
 TEST_F(Slots, RemovalKeepsTheRestOfTheChain) {
@@ -177,7 +251,7 @@ TEST_F(Slots, RemovalKeepsTheRestOfTheChain) {
     const auto next = memory_->slots[slot].next;
     ASSERT_TRUE(slots.apply(removing({specs[gone]})));
     EXPECT_FALSE(slots.find(specs[gone]));
-    EXPECT_EQ(memory_->slots[slot].verdict, unsigned{GATE_DENY});
+    EXPECT_EQ(verdict_of(slot), unsigned{GATE_DENY});
     EXPECT_EQ(memory_->slots[slot].next, next) << "a program that stands on it must find the rest";
     specs.erase(specs.begin() + static_cast<std::ptrdiff_t>(gone));
     EXPECT_EQ(sorted(slots.present()), sorted(specs));
@@ -355,7 +429,8 @@ TEST_F(Slots, DenyAllKeepsTheSlots) {
 
 TEST_F(Slots, DamagedTablesAreNotRead) {
   const auto bad = [this](std::uint32_t profile = GATE_PROFILE_RAW) {
-    return !SlotTable::read(*memory_, {cpus_.get(), 2}, profile, false, nullptr).has_value();
+    return !SlotTable::read({*memory_, {cpus_.get(), 2}, generation_}, profile, false, nullptr)
+                .has_value();
   };
   EXPECT_TRUE(bad()) << "no layout version";
   {
