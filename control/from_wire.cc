@@ -131,6 +131,21 @@ MediumUse medium_use(v1::MediumUse& from) {
           .nodes = texts(from.mutable_nodes())};
 }
 
+Watch watch(const v1::Watch& from) {
+  return {.period_ns = from.period_ns(),
+          .silence_ns = from.silence_ns(),
+          .missing_now = from.missing_now(),
+          .events = from.events(),
+          .missing = from.missing(),
+          .since_last_ns = from.since_last_ns(),
+          .last_gap_ns = from.last_gap_ns(),
+          .shortest_gap_ns = from.shortest_gap_ns(),
+          .longest_gap_ns = from.longest_gap_ns(),
+          .jitter_ns = from.jitter_ns(),
+          .rate_mhz = from.rate_mhz(),
+          .gaps = {from.gaps().begin(), from.gaps().end()}};
+}
+
 Channel channel(v1::Channel& from) {
   return {.subject = from.subject(),
           .name = text(from.mutable_name()),
@@ -151,7 +166,8 @@ Channel channel(v1::Channel& from) {
           .passed = from.passed(),
           .dropped = from.dropped(),
           .excess = from.excess(),
-          .reaction = text(from.mutable_reaction())};
+          .reaction = text(from.mutable_reaction()),
+          .watch = from.has_watch() ? std::optional(watch(from.watch())) : std::nullopt};
 }
 
 RouteReport route_report(v1::RouteReport& from) {
@@ -301,7 +317,9 @@ Event event(v1::Event& from) {
           .channel = text(from.mutable_channel()),
           .network = text(from.mutable_network()),
           .message = text(from.mutable_message()),
-          .admissions = {from.admissions().begin(), from.admissions().end()}};
+          .admissions = {from.admissions().begin(), from.admissions().end()},
+          .silent_ns = from.silent_ns(),
+          .missing = from.missing()};
 }
 
 Routes routes(v1::Routes& from) {

@@ -109,6 +109,23 @@ struct MediumUse {
   bool operator==(const MediumUse&) const = default;
 };
 
+/// How the events of a periodic publisher come to the gate that they enter by.
+struct Watch {
+  std::uint64_t period_ns = 0;
+  std::uint64_t silence_ns = 0;  ///< so long without an event is an exception; 0: never
+  bool missing_now = false;      ///< the exception is in force
+  std::uint64_t events = 0;
+  std::uint64_t missing = 0;
+  std::uint64_t since_last_ns = 0;
+  std::uint64_t last_gap_ns = 0;
+  std::uint64_t shortest_gap_ns = 0;
+  std::uint64_t longest_gap_ns = 0;
+  std::uint64_t jitter_ns = 0;      ///< furthest that a gap was from the period
+  std::uint64_t rate_mhz = 0;       ///< 0: unknown
+  std::vector<std::uint64_t> gaps;  ///< by eighths of the period; the last: or longer
+  bool operator==(const Watch&) const = default;
+};
+
 /// One publisher of a subject towards one place, decided.
 struct Channel {
   std::uint64_t subject = 0;
@@ -131,6 +148,7 @@ struct Channel {
   std::uint64_t dropped = 0;
   std::uint64_t excess = 0;  ///< beyond the admitted traffic, dropped or not
   std::string reaction;      ///< worst-case reaction to a stopped heart-beat; empty: none
+  std::optional<Watch> watch;
   bool operator==(const Channel&) const = default;
 };
 
@@ -377,6 +395,9 @@ struct Event {
   std::string message;  ///< one line
   /// Run-time admissions that it concerns: sent to whoever holds one of them, too.
   std::vector<std::uint64_t> admissions;
+  // Of missing and restored:
+  std::uint64_t silent_ns = 0;  ///< how long nothing has come, or had not
+  std::uint64_t missing = 0;    ///< events in that time
   bool operator==(const Event&) const = default;
 };
 

@@ -115,6 +115,21 @@ void put(const MediumUse& from, v1::MediumUse& to) {
   for (const auto& node : from.nodes) to.add_nodes(to_utf8(node));
 }
 
+void put(const Watch& from, v1::Watch& to) {
+  to.set_period_ns(from.period_ns);
+  to.set_silence_ns(from.silence_ns);
+  to.set_missing_now(from.missing_now);
+  to.set_events(from.events);
+  to.set_missing(from.missing);
+  to.set_since_last_ns(from.since_last_ns);
+  to.set_last_gap_ns(from.last_gap_ns);
+  to.set_shortest_gap_ns(from.shortest_gap_ns);
+  to.set_longest_gap_ns(from.longest_gap_ns);
+  to.set_jitter_ns(from.jitter_ns);
+  to.set_rate_mhz(from.rate_mhz);
+  for (const auto count : from.gaps) to.add_gaps(count);
+}
+
 void put(const Channel& from, v1::Channel& to) {
   to.set_subject(from.subject);
   to.set_name(to_utf8(from.name));
@@ -136,6 +151,7 @@ void put(const Channel& from, v1::Channel& to) {
   to.set_sets(from.sets);
   to.set_importance(from.importance);
   for (const auto& use : from.media) put(use, *to.add_media());
+  if (from.watch) put(*from.watch, *to.mutable_watch());
 }
 
 void put(const RouteReport& from, v1::RouteReport& to) {
@@ -327,6 +343,8 @@ struct ReplyBody {
     event.set_network(to_utf8(from.network));
     event.set_message(to_utf8(from.message));
     for (const auto admission : from.admissions) event.add_admissions(admission);
+    event.set_silent_ns(from.silent_ns);
+    event.set_missing(from.missing);
   }
   void operator()(const Routes& from) const {
     auto& routes = *to.mutable_routes();

@@ -129,6 +129,21 @@ Json medium_use(const control::MediumUse& m) {
           {"nodes", m.nodes}};
 }
 
+Json watch(const control::Watch& w) {
+  return {{"period_ns", w.period_ns},
+          {"silence_ns", unless_zero(w.silence_ns)},
+          {"missing_now", w.missing_now},
+          {"events", w.events},
+          {"missing", w.missing},
+          {"since_last_ns", w.since_last_ns},
+          {"last_gap_ns", unless_zero(w.last_gap_ns)},
+          {"shortest_gap_ns", unless_zero(w.shortest_gap_ns)},
+          {"longest_gap_ns", unless_zero(w.longest_gap_ns)},
+          {"jitter_ns", w.jitter_ns},
+          {"rate_mhz", unless_zero(w.rate_mhz)},
+          {"gaps", w.gaps}};
+}
+
 Json channel(const control::Channel& c) {
   return {{"subject", core::format_subject(c.subject)},
           {"name", c.name},
@@ -149,7 +164,8 @@ Json channel(const control::Channel& c) {
           {"set", c.set},
           {"sets", c.sets},
           {"importance", c.importance},
-          {"media", array(c.media, medium_use)}};
+          {"media", array(c.media, medium_use)},
+          {"watch", c.watch ? watch(*c.watch) : Json()}};
 }
 
 Json route(const control::RouteReport& r) {
@@ -239,9 +255,11 @@ struct Body {
   }
   Json operator()(const control::Done& d) const { return {{"message", d.message}}; }
   Json operator()(const control::Event& e) const {
-    return {{"unix_ns", e.unix_ns},      {"kind", e.kind},       {"subject", subject(e.subject)},
-            {"channel", e.channel},      {"network", e.network}, {"message", e.message},
-            {"admissions", e.admissions}};
+    return {{"unix_ns", e.unix_ns},          {"kind", e.kind},
+            {"subject", subject(e.subject)}, {"channel", e.channel},
+            {"network", e.network},          {"message", e.message},
+            {"admissions", e.admissions},    {"silent_ns", unless_zero(e.silent_ns)},
+            {"missing", e.missing}};
   }
   Json operator()(const control::Routes& r) const {
     return {{"routes", array(r.routes, route)},

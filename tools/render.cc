@@ -77,6 +77,38 @@ std::string media_of(const control::Channel& channel) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+/// To a microsecond: what lies below is of no use to a person.
+std::string about(std::uint64_t ns) { return print_duration(ns - ns % 1'000); }
+
+/// "1001 events, 19.975 a second, jitter 6 ms, 4 missing; the latest 200 ms ago, 49 ms after …"
+std::string arrivals_of(const control::Watch& watch) {
+  if (watch.events == 0)
+    return fmt::format("nothing has come for {}{}", about(watch.since_last_ns),
+                       watch.missing_now ? ": MISSING" : "");
+  std::string text = fmt::format("{} events", watch.events);
+  if (watch.rate_mhz != 0)
+    text += fmt::format(", {} a second", static_cast<double>(watch.rate_mhz) / 1e3);
+  text += fmt::format(", jitter {}, {} missing; the latest {} ago", about(watch.jitter_ns),
+                      watch.missing, about(watch.since_last_ns));
+  if (watch.missing_now) text += ": MISSING";
+  return text;
+}
+
+/// "44 ms to 101 ms, the latest 49 ms; in periods 0.875 to 1: 499, …"
+std::string gaps_of(const control::Watch& watch) {
+  if (watch.last_gap_ns == 0) return {};
+  std::vector<std::string> bins;
+  for (std::size_t i = 0; i < watch.gaps.size(); ++i) {
+    if (watch.gaps[i] == 0) continue;
+    const bool last = i + 1 == watch.gaps.size();
+    const double from = static_cast<double>(i) / 8;
+    bins.push_back(last ? fmt::format("{} and more: {}", from, watch.gaps[i])
+                        : fmt::format("{} to {}: {}", from, from + 0.125, watch.gaps[i]));
+  }
+  return fmt::format("{} to {}, the latest {}; in periods {}", about(watch.shortest_gap_ns),
+                     about(watch.longest_gap_ns), about(watch.last_gap_ns), fmt::join(bins, ", "));
+}
+
 std::string delivery(const control::Channel& channel, Color color, bool in_full) {
   auto text = verdict_line(channel, color) + rows_of(channel, color);
   const auto also = [&](std::string_view name, const std::string& value) {
@@ -97,6 +129,10 @@ std::string delivery(const control::Channel& channel, Color color, bool in_full)
                                channel.excess == 0
                                    ? ""
                                    : fmt::format("; {} were more than admitted", channel.excess)));
+    if (channel.watch) {
+      also("watched", arrivals_of(*channel.watch));
+      also("gaps", gaps_of(*channel.watch));
+    }
   }
   return text;
 }

@@ -42,8 +42,9 @@ Cell verdict_cell(bool granted) {
 }
 
 Style style_of_event(std::string_view kind) {
-  if (kind == "granted") return Style::good;
-  if (kind == "refused" || kind == "withdrawn" || kind == "lapsed") return Style::bad;
+  if (kind == "granted" || kind == "restored") return Style::good;
+  if (kind == "refused" || kind == "withdrawn" || kind == "lapsed" || kind == "missing")
+    return Style::bad;
   if (kind == "dropping" || kind == "excess" || kind == "lagged" || kind == "mode" ||
       kind == "switched")
     return Style::warning;

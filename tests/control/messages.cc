@@ -76,7 +76,23 @@ Channel refused_channel() {
           .passed = 12,
           .dropped = 345,
           .excess = 6,
-          .reaction = {}};
+          .reaction = {},
+          .watch = {}};
+}
+
+Watch full_watch() {
+  return {.period_ns = 50'000'000,
+          .silence_ns = 162'075'000,
+          .missing_now = true,
+          .events = 1001,
+          .missing = 4,
+          .since_last_ns = 200'000'000,
+          .last_gap_ns = 49'000'000,
+          .shortest_gap_ns = 44'000'000,
+          .longest_gap_ns = 101'000'000,
+          .jitter_ns = 6'000'000,
+          .rate_mhz = 19'975,
+          .gaps = {0, 0, 0, 0, 0, 0, 0, 499, 500, 0, 0, 0, 0, 0, 0, 1}};
 }
 
 Channel granted_channel() {
@@ -89,6 +105,7 @@ Channel granted_channel() {
   channel.rows[0].where = "robot-can";
   channel.admission = 7;
   channel.dropped = 0;
+  channel.watch = full_watch();
   channel.reaction = "174 ms = (Omission 2 + 1) x Period 50 ms + Latency 12 ms + Jitter 12 ms";
   return channel;
 }
@@ -126,6 +143,7 @@ Channel switched_channel() {
   channel.route = {"awds", "bridge", "robot-can"};
   channel.admission = 0;
   channel.reaction.clear();
+  channel.watch.reset();
   channel.set = 1;
   channel.sets = 2;
   channel.importance = 9;
@@ -206,7 +224,9 @@ Event full_event() {
           .channel = "emergency-switch",
           .network = "robot-can",
           .message = "Omission 2 required, bridge provides 5",
-          .admissions = {7, ~std::uint64_t{0}}};
+          .admissions = {7, ~std::uint64_t{0}},
+          .silent_ns = 174'000'000,
+          .missing = 3};
 }
 
 Routes full_routes() {

@@ -24,6 +24,8 @@ control::ChannelRequest full_channel_request();
 
 /// The paper's emergency switch behind a bridge that only promises Omission 5: refused.
 control::Channel refused_channel();
+/// 1001 heart-beats, 50 ms apart, one of them missing in between and three now.
+control::Watch full_watch();
 
 /// The same on the robot's own bus: granted.
 control::Channel granted_channel();

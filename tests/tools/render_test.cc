@@ -80,6 +80,25 @@ TEST_F(RenderTest, NamesTheAdmissionThatCanBeReleased) {
   EXPECT_EQ(text.find("passed"), std::string::npos);
 }
 
+TEST_F(RenderTest, TellsHowWatchedEventsCome) {
+  auto channel = test::granted_channel();
+  const auto watched = [&] { return explain({{channel}}, Color::no, true); };
+  EXPECT_NE(watched().find("  watched      1001 events, 19.975 a second, jitter 6 ms, 4 missing; "
+                           "the latest 200 ms ago: MISSING\n"),
+            std::string::npos)
+      << watched();
+  EXPECT_NE(watched().find("  gaps         44 ms to 101 ms, the latest 49 ms; in periods "
+                           "0.875 to 1: 499, 1 to 1.125: 500, 1.875 and more: 1\n"),
+            std::string::npos)
+      << watched();
+  channel.watch.emplace();
+  channel.watch->since_last_ns = 3'000'000'000;
+  EXPECT_NE(watched().find("  watched      nothing has come for 3 s\n"), std::string::npos);
+  EXPECT_EQ(watched().find("  gaps "), std::string::npos);
+  channel.watch.reset();
+  EXPECT_EQ(watched().find("  watched "), std::string::npos);
+}
+
 TEST_F(RenderTest, StartsEachDeliveryWithItsVerdict) {
   const auto text =
       explain({{test::refused_channel(), test::granted_channel()}}, Color::yes, false);
@@ -304,6 +323,17 @@ TEST(JsonFieldsTest, CarryTheNamesAndUnitsOfTheProtocol) {
       "margin": "3 too many"})"));
   EXPECT_TRUE(channel.at("rows").at(3).at("provided").is_null());
   EXPECT_EQ(channel.at("rows").at(2).at("outcome"), "run-time");
+}
+
+TEST(JsonFieldsTest, TellHowWatchedEventsComeAndNullOfOthers) {
+  const auto json =
+      json_of({1, control::Channels{{test::granted_channel(), test::refused_channel()}}});
+  EXPECT_EQ(json.at("channels").at(0).at("watch"), Json::parse(R"({"period_ns": 50000000,
+      "silence_ns": 162075000, "missing_now": true, "events": 1001, "missing": 4,
+      "since_last_ns": 200000000, "last_gap_ns": 49000000, "shortest_gap_ns": 44000000,
+      "longest_gap_ns": 101000000, "jitter_ns": 6000000, "rate_mhz": 19975,
+      "gaps": [0, 0, 0, 0, 0, 0, 0, 499, 500, 0, 0, 0, 0, 0, 0, 1]})"));
+  EXPECT_TRUE(json.at("channels").at(1).at("watch").is_null());
 }
 
 TEST(JsonFieldsTest, SayUnboundedWhereNumbersWouldLie) {

@@ -65,7 +65,7 @@ _mlccactl() {
 		;;
 	--kind)
 		mapfile -t COMPREPLY < <(compgen -W "started stopped granted refused withdrawn switched
-			released dropping excess interface mode reload lapsed trouble" -- "$cur")
+			released dropping excess missing restored interface mode reload lapsed trouble" -- "$cur")
 		return
 		;;
 	--domain)
