@@ -6,6 +6,7 @@
 
 #include "core/medium.hpp"
 #include "mlcca/arithmetic.hpp"
+#include "mlcca/check.hpp"
 
 namespace mlcca::core {
 namespace {
@@ -16,6 +17,11 @@ constexpr std::uint32_t kExtendedMask = 0x1fffffff;
 constexpr unsigned kNodeShift = 14;
 constexpr unsigned kFragmentShift = 21;
 constexpr unsigned kPriorityShift = 22;
+
+/// 500 ppm: a publisher's clock and ours.
+constexpr Value kClocks = 2000;
+
+Value slower(Value time) { return add_saturating(time, time / kClocks); }
 
 /// The traffic of two publishers that cannot be told apart. Of different kinds: not policed.
 Policing together(const Policing& a, const Policing& b) {
@@ -30,11 +36,12 @@ Policing together(const Policing& a, const Policing& b) {
 /// Collects rules; the same entry from two publishers passes only if both do.
 class Rules {
  public:
-  void add(const GateEntry& entry, bool pass, const Policing& policing) {
-    auto [it, fresh] = rules_.try_emplace(entry, GateRule{entry, pass, policing});
+  void add(const GateRule& rule) {
+    auto [it, fresh] = rules_.try_emplace(rule.entry, rule);
     if (fresh) return;
-    it->second.pass = it->second.pass && pass;
-    it->second.policing = together(it->second.policing, policing);
+    it->second.pass = it->second.pass && rule.pass;
+    it->second.policing = together(it->second.policing, rule.policing);
+    it->second.watching = {};  // whose event is it that is missing?
   }
   [[nodiscard]] GateState take() const {
     GateState state;
@@ -54,7 +61,11 @@ class Planner {
 
   /// The rules of one publisher: where its events enter this gateway, and where they leave.
   void add(std::size_t publisher, const std::vector<const Verdict*>& verdicts) {
-    set_ = verdicts.empty() ? 0 : verdicts.front()->set;      // all of a channel have the same
+    set_ = verdicts.empty() ? 0 : verdicts.front()->set;  // all of a channel have the same
+    silence_ = kUnbounded;
+    for (const Verdict* v : verdicts)
+      if (const Value silence = silence_of(*v); silence != 0)
+        silence_ = std::min(silence_, silence);
     std::map<std::pair<std::size_t, std::size_t>, bool> out;  // (in, out) ports
     std::map<std::size_t, bool> in;
     for (const Verdict* v : verdicts) {
@@ -127,14 +138,22 @@ class Planner {
     }
     // Where a frame came in it has been policed already.
     const bool first = direction == Direction::ingress || source == kLocal;
-    Policing policing;
+    GateRule rule{e, pass, {}, {}};
     if (first) {
       const AttributeSet& offered = attributes_in(p, set_);
-      policing =
-          policing_of(offered, frames_per_event(network, binding, offered[Attribute::max_payload]));
-      policing.counts_only = system_.gateways[here_.index].ports[port].excess == Excess::pass;
+      const auto frames = frames_per_event(network, binding, offered[Attribute::max_payload]);
+      rule.policing = policing_of(offered, frames);
+      rule.policing.counts_only = system_.gateways[here_.index].ports[port].excess == Excess::pass;
+      rule.watching = watching(offered, frames);
     }
-    rules_.add(e, pass, policing);
+    rules_.add(rule);
+  }
+
+  /// The frames of an event come together; from half a period on it is the next event.
+  [[nodiscard]] Watching watching(const AttributeSet& offered, std::uint64_t frames) const {
+    const Value period = offered[Attribute::period];
+    if (period == 0) return {};
+    return {period, silence_ == kUnbounded ? 0 : silence_, frames > 1 ? period / 2 : 0};
   }
 
   [[nodiscard]] bool identify(const Publisher& p, const Network& network, const Binding& b,
@@ -166,6 +185,7 @@ class Planner {
   const Members& members_;
   Place here_;
   std::size_t set_ = 0;  ///< attribute set that the channel is in
+  Value silence_ = 0;    ///< of the publisher that is being added, kUnbounded: none
   Rules rules_;
 };
 static_assert(kEtagMask == (1U << kNodeShift) - 1);
@@ -184,10 +204,9 @@ void add_channel(Planner& planner, const Members& members, std::size_t channel,
 }  // namespace
 
 Policing policing_of(const AttributeSet& offered, std::uint64_t frames) {
-  constexpr Value faster = 2000;  // 500 ppm: a clock's and ours
   constexpr Value second = 1'000'000'000;
   constexpr Value unit = 256;  // of per_byte
-  const auto hurried = [](Value time) { return time - time / faster; };
+  const auto hurried = [](Value time) { return time - time / kClocks; };
   const Value jitter = offered[Attribute::jitter];
   Policing out;
   if (offered.has(Attribute::period)) {
@@ -203,6 +222,15 @@ Policing policing_of(const AttributeSet& offered, std::uint64_t frames) {
         add_saturating(mul_saturating(out.per_byte, mul_saturating(event, 2)) / unit, jitter);
   }
   return out;
+}
+
+Value silence_of(const Verdict& v) {
+  if (!v.granted || !worst_case_reaction(v)) return 0;
+  AttributeSet terms = reaction_terms(v);
+  terms.set(Attribute::period, slower(terms[Attribute::period]));
+  terms.set(Attribute::latency, 0);
+  const Value silence = mlcca::worst_case_reaction(terms);
+  return silence == kUnbounded ? 0 : silence;
 }
 
 GateState gate_state(const System& system, const Members& members, std::size_t channel,
@@ -240,7 +268,7 @@ GateChanges difference(const GateState& now, const GateState& next) {
     } else {
       if (a->pass && !b->pass) changes.close.push_back(a->entry);
       if (!a->pass && b->pass) changes.open.push_back(b->entry);
-      if (a->policing != b->policing) changes.police.push_back(*b);
+      if (a->policing != b->policing || a->watching != b->watching) changes.police.push_back(*b);
       ++a;
       ++b;
     }

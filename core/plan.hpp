@@ -49,10 +49,19 @@ struct Policing {
   [[nodiscard]] bool any() const { return per_frame != 0 || per_byte != 0; }
 };
 
+/// How the events of an entry ought to come. No period: nobody looks.
+struct Watching {
+  Value period = 0;    ///< ns between events, as the publisher states it
+  Value silence = 0;   ///< ns without an event that are too long; 0: no subscriber minds
+  Value together = 0;  ///< ns: frames closer than this to the first one of an event belong to it
+  bool operator==(const Watching&) const = default;
+};
+
 struct GateRule {
   GateEntry entry;
   bool pass = false;
   Policing policing;
+  Watching watching;
   bool operator==(const GateRule&) const = default;
 };
 
@@ -67,7 +76,7 @@ struct GateChanges {
   std::vector<GateEntry> remove;
   std::vector<GateRule> add;  ///< denied at first, opened with the others where they pass
   std::vector<GateEntry> open;
-  std::vector<GateRule> police;  ///< entries that stay, with what is admitted of them now
+  std::vector<GateRule> police;  ///< entries that stay, with what is admitted or expected now
   [[nodiscard]] bool empty() const {
     return close.empty() && remove.empty() && add.empty() && open.empty() && police.empty();
   }
@@ -79,6 +88,11 @@ struct GateChanges {
 /// event: one event each Period, or Bandwidth bytes/s in events of MaxPayload; 500 ppm more, since
 /// clocks differ, and one event and its Jitter early. Without either nothing is policed.
 [[nodiscard]] Policing policing_of(const AttributeSet& offered, std::uint64_t frames);
+
+/// So long nothing may come to a gate before more events are missing than a delivery allows, ns:
+/// (Omission + 1) * Period + Jitter, 500 ppm more, since clocks differ: the worst-case reaction
+/// less the Latency. 0: unknown, or nothing was granted.
+[[nodiscard]] Value silence_of(const Verdict& verdict);
 
 /// The part of one channel. Entries of different channels never meet: they carry the subject.
 /// Publishers of the admission `without` are left out.

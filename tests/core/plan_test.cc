@@ -151,6 +151,66 @@ TEST(PlanTest, AnotherRateIsAChangeOfItsOwn) {
   EXPECT_EQ(difference(a, b), (GateChanges{{}, {}, {}, {}, {b[1]}}));
 }
 
+TEST(PlanTest, WhatIsExpectedIsAChangeOfItsOwn) {
+  const GateState a = State(robot(0)).gate_state(kBridge);
+  GateState b = a;
+  b[1].watching.silence += 1;
+  EXPECT_EQ(difference(a, b), (GateChanges{{}, {}, {}, {}, {b[1]}}));
+}
+
+/// Of the slot that the switch's events enter by.
+Watching expected(const System& system) {
+  return find(State(system).gate_state(kBridge), kSecondCan, Direction::ingress)->watching;
+}
+
+TEST(PlanTest, AHeartBeatIsWatchedWhereItComesIn) {
+  const GateState rules = State(robot(0)).gate_state(kBridge);
+  EXPECT_EQ(find(rules, kRobotCan, Direction::egress)->watching, Watching{});
+  const Watching w = expected(robot(0));
+  EXPECT_EQ(w.period, 50 * kMs);
+  EXPECT_EQ(w.silence, 3 * 50'025'000U + 12 * kMs)
+      << "(Omission + 1) * Period, 500 ppm slower, and the Jitter: at most the Latency";
+  EXPECT_EQ(w.together, 0U);
+}
+
+TEST(PlanTest, TheStrictestSubscriberSaysHowLongSilenceMayLast) {
+  System system = robot(0);
+  system.subscribers[0].attributes.set(Attribute::omission, 0);
+  EXPECT_EQ(expected(system).silence, 50'025'000U + 12 * kMs);
+}
+
+TEST(PlanTest, NobodyMindsSilenceOfWhatIsRefusedOrRequiresNoOmission) {
+  EXPECT_EQ(expected(robot(5)).silence, 0U) << "refused";
+  EXPECT_EQ(expected(robot(5)).period, 50 * kMs);
+  System system = robot(0);
+  system.channels[0].attributes.clear(Attribute::omission);
+  system.publishers[0].attributes.clear(Attribute::omission);
+  system.subscribers[0].attributes.clear(Attribute::omission);
+  EXPECT_EQ(expected(system).silence, 0U);
+}
+
+TEST(PlanTest, FramesOfAnEventAreExpectedTogether) {
+  System system = robot(0);
+  system.publishers[0].attributes.set(Attribute::max_payload, 9);
+  system.subscribers[0].attributes.set(Attribute::max_payload, 9);
+  for (Network& n : system.networks) n.provision.set(Attribute::max_payload, 100);
+  EXPECT_EQ(expected(system).together, 25 * kMs);
+}
+
+TEST(PlanTest, OfPublishersThatLookAlikeNobodyKnowsWhoseEventIsMissing) {
+  System system = robot(0);
+  for (Network& n : system.networks) {
+    n.profile = Profile::raw;
+    n.bindings[0].id = 0x123;
+    n.bindings[0].extended = false;
+  }
+  system.publishers[0].node.reset();
+  EXPECT_NE(expected(system), Watching{});
+  system.publishers.push_back(system.publishers[0]);
+  system.publishers[1].name = "other";
+  EXPECT_EQ(expected(system), Watching{});
+}
+
 constexpr Value kMillisecond = 1'000'000;
 
 TEST(PlanTest, APeriodicPublisherIsPolicedByItsPeriod) {
