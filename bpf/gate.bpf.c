@@ -44,22 +44,34 @@ struct {
 #include "bpf/gate_frame.bpf.h"
 #include "bpf/gate_count.bpf.h"
 #include "bpf/gate_slot.bpf.h"
+#include "bpf/gate_watch.bpf.h"
 
 static __always_inline bool closed(void)
 {
 	return !READ_ONCE(control.open) || READ_ONCE(control.lapsed);
 }
 
-/* False: more than was admitted, and to be dropped. */
-static __always_inline bool police(struct gate_cpu *cpu, __u32 at, const struct frame *frame)
+/*
+ * Polices, counts and watches a frame that its slot admits. One reading of the clock serves all of
+ * it. False: more than was admitted, and to be dropped.
+ */
+static __always_inline bool admit(struct gate_cpu *cpu, __u32 direction, __u32 at,
+				  const struct frame *frame)
 {
 	struct gate_slot *slot = &table.slots[at & (GATE_SLOTS - 1)];
+	struct gate_watch *w = &table.watches[at & (GATE_SLOTS - 1)];
+	__u64 cost = cost_of(slot, frame), period = READ_ONCE(w->period), now = 0;
 
-	if (in_turn(slot, frame))
-		return true;
-	if (!(slot->formats & GATE_EXCESS_PASSES))
-		return false;
-	add(&cpu->slots[at & (GATE_SLOTS - 1)].excess, 1);
+	if (cost || period)
+		now = bpf_ktime_get_ns();
+	if (cost && !in_turn(slot, cost, now)) {
+		if (!(slot->formats & GATE_EXCESS_PASSES))
+			return false;
+		add(&cpu->slots[at & (GATE_SLOTS - 1)].excess, 1);
+	}
+	count_pass(cpu, direction, at, frame);
+	if (period)
+		watch(w, period, now);
 	return true;
 }
 
@@ -89,9 +101,8 @@ int gate_ingress(struct __sk_buff *skb)
 	d = decide(skb, GATE_INGRESS, &frame, GATE_NO_SOURCE);
 	if (d.reason != GATE_R_PASSED)
 		return refuse(cpu, GATE_INGRESS, &d, &frame);
-	if (!police(cpu, d.slot, &frame))
+	if (!admit(cpu, GATE_INGRESS, d.slot, &frame))
 		return drop(cpu, GATE_INGRESS, d.slot, GATE_R_EXCESS);
-	count_pass(cpu, GATE_INGRESS, d.slot, &frame);
 	skb->mark = gate_ingress_token(control.token, ifindex,
 				       table.slots[d.slot & (GATE_SLOTS - 1)].subject);
 	return TC_ACT_UNSPEC;
@@ -144,9 +155,8 @@ int gate_egress(struct __sk_buff *skb)
 	d = decide(skb, GATE_EGRESS, &frame, source);
 	if (d.reason != GATE_R_PASSED)
 		return refuse(cpu, GATE_EGRESS, &d, &frame);
-	if (!police(cpu, d.slot, &frame))
+	if (!admit(cpu, GATE_EGRESS, d.slot, &frame))
 		return drop(cpu, GATE_EGRESS, d.slot, GATE_R_EXCESS);
-	count_pass(cpu, GATE_EGRESS, d.slot, &frame);
 	choose_band(skb, frame.can_id);
 	return TC_ACT_UNSPEC;
 }

@@ -43,6 +43,20 @@
 
 #define GATE_SEEN 64 /* last seen frames without a slot, per CPU; power of two */
 
+/*
+ * Gaps between the events of a slot, by eighths of its period: [n] counts those of n to n + 1
+ * eighths, the last one what is longer. From 12 on (one and a half) an event is missing in between.
+ */
+#define GATE_GAPS	    16
+#define GATE_GAPS_PERIOD    8
+#define GATE_GAPS_MISSING   12
+#define GATE_GAP_BITS	    56		 /* of gap * scale behind the point */
+#define GATE_LONGEST_PERIOD (1ULL << 50) /* ns, 13 days: longer ones are not watched */
+
+#define GATE_WATCHMEN	 16	       /* timers of one interface; each looks at every 16th slot */
+#define GATE_CALM	 1000000000ULL /* ns for which events come again before that is told */
+#define GATE_EVENTS_SIZE (256 * 1024)  /* bytes of the ring of gate_event */
+
 /* Bands of the prio queueing discipline behind a gate, the first one is served first. */
 #define GATE_BANDS 16
 
@@ -124,8 +138,35 @@ struct gate_slot {
 };
 
 /*
+ * How the events of a slot come: the first cache line and the gaps are written by the gate, with
+ * atomic operations where two CPUs may meet, the last line by the timer of the slot. What is
+ * expected is written by user space. An event is one frame, or those that come within `together` of
+ * its first one.
+ */
+struct gate_watch {
+	__u64 period;	 /* ns; 0: nobody looks */
+	__u64 scale;	 /* gate_gap_scale(period) */
+	__u64 together;	 /* ns; 0: each frame is an event */
+	__u64 last;	 /* CLOCK_MONOTONIC ns of the latest event that passed, 0: none yet */
+	__u64 last_gap;	 /* ns, as the others; 0: not two events yet */
+	__u64 shortest;	 /* 0: not two events yet */
+	__u64 longest;	 /* with what was missing in between */
+	__u64 deviation; /* furthest that a gap was from the events that it should have been */
+	__u64 gaps[GATE_GAPS];
+	__u64 missing; /* events between those that came */
+	__u64 silence; /* ns without an event that are too long; 0: no timer */
+	__u64 since; /* CLOCK_MONOTONIC ns from which on silence counts, 0: from the next look on */
+	__u64 silent; /* it has lasted too long, and that was told */
+	__u64 from;   /* when that silence began */
+	__u64 calm;   /* since when events come again, 0: they do not */
+	__u64 first;  /* CLOCK_MONOTONIC ns of the first event */
+	__u64 pad;
+};
+
+/*
  * One for each interface, one memory-mapped value. Written by user space, except for
- * `unknown_frames`, `last_reason` and the `due` of slots. A slot is a cache line.
+ * `unknown_frames`, `last_reason`, the `due` of slots and what watches find. A slot is a cache
+ * line.
  */
 struct gate_table {
 	__u32 layout_version;
@@ -137,8 +178,10 @@ struct gate_table {
 	 */
 	__u32 bands;
 	__u32 band_limit[GATE_BANDS - 1];
-	__u8 pad[48];
+	__u32 slots_end; /* all slots that were ever used are below this one */
+	__u8 pad[44];
 	struct gate_slot slots[GATE_SLOTS];
+	struct gate_watch watches[GATE_SLOTS];
 	__u16 head[GATE_DIRECTIONS][GATE_BUCKETS]; /* bucket -> first slot, 0 for none */
 	__u8 last_reason[GATE_SLOTS]; /* enum gate_reason of the latest drop, 0: none */
 };
@@ -167,6 +210,22 @@ struct gate_cpu {
 	struct gate_count slots[GATE_SLOTS];
 	__u64 reasons[GATE_DIRECTIONS][GATE_REASONS]; /* frames */
 	struct gate_seen seen[GATE_SEEN];
+};
+
+enum gate_event_kind {
+	GATE_E_MISSING = 1, /* nothing has come for longer than `silence` */
+	GATE_E_RESTORED,    /* events come again */
+};
+
+/* What the kernel tells by the ring, one for the whole gateway. */
+struct gate_event {
+	__u32 kind; /* enum gate_event_kind */
+	__u32 ifindex;
+	__u64 subject;
+	__u64 at;     /* CLOCK_MONOTONIC ns of the finding */
+	__u64 silent; /* ns that nothing came: up to `at`, or until it came again */
+	__u32 slot;
+	__u32 never; /* nothing had come since the slot was granted */
 };
 
 /*
@@ -212,6 +271,14 @@ static inline __u32 gate_arbitration(__u32 can_id)
 	return (can_id & CAN_EFF_MASK) >> 18 << 19 | 1U << 18 | (can_id & 0x3ffffU);
 }
 
+/* Rounded up: a gap of just an eighth is in the bin that begins there. 0: not to be watched. */
+static inline __u64 gate_gap_scale(__u64 period)
+{
+	if (!period || period > GATE_LONGEST_PERIOD)
+		return 0;
+	return ((__u64)GATE_GAPS_PERIOD << GATE_GAP_BITS) / period + 1;
+}
+
 /* The part of an identifier that is the key; frames of other keys can share a bucket. */
 static inline __u32 gate_key_mask(__u32 profile)
 {
@@ -238,10 +305,13 @@ static inline __u32 gate_echo_token(__u32 token) { return ~token; }
 #define GATE_ASSERT _Static_assert
 #endif
 GATE_ASSERT(sizeof(struct gate_slot) == 64, "gate_slot is pinned layout");
-GATE_ASSERT(sizeof(struct gate_table) == 128 + 64 * 4096 + 4 * 18432 + 4096, "pinned layout");
+GATE_ASSERT(sizeof(struct gate_watch) == 256, "gate_watch is pinned layout");
+GATE_ASSERT(sizeof(struct gate_table) == 128 + (64 + 256) * 4096 + 4 * 18432 + 4096,
+	    "gate_table is pinned layout");
 GATE_ASSERT(sizeof(struct gate_count) == 32, "gate_count is pinned layout");
 GATE_ASSERT(sizeof(struct gate_seen) == 24, "gate_seen is pinned layout");
 GATE_ASSERT(sizeof(struct gate_cpu) == 32 * 4096 + 8 * 32 + 24 * 64, "gate_cpu is pinned layout");
+GATE_ASSERT(sizeof(struct gate_event) == 40, "gate_event is pinned layout");
 GATE_ASSERT(sizeof(struct gate_control) == 64, "gate_control is pinned layout");
 
 #endif

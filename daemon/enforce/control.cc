@@ -17,6 +17,7 @@
 #include "bpf/gate.h"
 #include "core/handle.hpp"
 #include "daemon/enforce/complaints.hpp"
+#include "daemon/enforce/events.hpp"
 #include "daemon/enforce/failure.hpp"
 #include "daemon/enforce/mapped.hpp"
 #include "daemon/enforce/pins.hpp"
@@ -76,6 +77,7 @@ struct Control::State {
   std::string directory;
   Fd map;
   Mapped<gate_control> memory;
+  Fd events;
   Fd deadman;  ///< the timer ends with the last reference to its map
   bool reused = false;
 
@@ -120,6 +122,9 @@ Result<Control> Control::create(const std::string& root) {
   state->directory = fmt::format("{}/v{}", root, GATE_LAYOUT_VERSION);
   if (auto made = make_pin_directory(state->directory); !made) return std::unexpected(made.error());
   if (auto opened = state->open_or_make(); !opened) return std::unexpected(opened.error());
+  auto events = open_event_ring(state->directory + "/events");
+  if (!events) return std::unexpected(events.error());
+  state->events = std::move(*events);
   return Control(std::move(state));
 }
 
@@ -132,6 +137,7 @@ gate_control& Control::word() const { return state_->memory[0]; }
 bool Control::reused() const { return state_->reused; }
 const std::string& Control::directory() const { return state_->directory; }
 int Control::map_fd() const { return state_->map.get(); }
+int Control::events_fd() const { return state_->events.get(); }
 
 void Control::open() { store(word().open, std::uint32_t{1}); }
 void Control::close_all() { store(word().open, std::uint32_t{0}); }

@@ -68,6 +68,8 @@ class Control {
   [[nodiscard]] const std::string& directory() const;
   /// The map that gates share; stays ours.
   [[nodiscard]] int map_fd() const;
+  /// The ring of gate_event that all gates share; stays ours.
+  [[nodiscard]] int events_fd() const;
 
  private:
   struct State;

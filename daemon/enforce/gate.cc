@@ -22,6 +22,7 @@
 #include "daemon/enforce/mapped.hpp"
 #include "daemon/enforce/pins.hpp"
 #include "daemon/enforce/programs.hpp"
+#include "daemon/enforce/watchmen.hpp"
 
 namespace mlcca::enforce {
 namespace {
@@ -41,6 +42,7 @@ std::string next_pin(const std::string& directory, Direction direction) {
 }
 std::string table_pin(const std::string& directory) { return directory + "/table"; }
 std::string cpus_pin(const std::string& directory) { return directory + "/cpus"; }
+std::string watchmen_pin(const std::string& directory) { return directory + "/watchmen"; }
 
 std::uint32_t gate_profile_of(core::Profile profile) {
   switch (profile) {
@@ -100,12 +102,15 @@ struct Gate::State {
   Mapped<gate_cpu> cpus;
   SlotTable slots;
   bool reused = false;
+  std::optional<Watchmen> watchmen;  ///< from when it is pinned on
 
   [[nodiscard]] std::uint32_t program_id(Direction direction) const {
     return program_info(programs.program_fd(direction)).id;
   }
   [[nodiscard]] Result<void> pin_all() const;
   [[nodiscard]] Result<void> put_all_in_place() const;
+  Result<void> watch(const Control& control);
+  Result<void> arm_what_is_new();
 
   static Result<std::unique_ptr<State>> load(const GateConfig& config, const Control& control,
                                              const GateMaps& maps);
@@ -130,7 +135,8 @@ Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
                                        .programs = std::move(*programs),
                                        .cpus = std::move(cpus),
                                        .slots = std::move(*slots),
-                                       .reused = !fresh});
+                                       .reused = !fresh,
+                                       .watchmen = std::nullopt});
 }
 
 Result<void> Gate::State::pin_all() const {
@@ -149,6 +155,19 @@ Result<void> Gate::State::pin_all() const {
   for (const auto direction : kBoth)
     if (auto done = pin_new(programs.program_fd(direction), next_pin(directory, direction)); !done)
       return done;
+  return {};
+}
+
+/// Timers that run already go on, by our program.
+Result<void> Gate::State::watch(const Control& control) {
+  auto loaded = Watchmen::load(
+      config.ifindex,
+      {.table = programs.table_fd(), .control = control.map_fd(), .events = control.events_fd()},
+      watchmen_pin(directory));
+  if (!loaded) return std::unexpected(loaded.error());
+  watchmen = std::move(*loaded);
+  for (const auto slot : slots.watched())
+    if (auto armed = watchmen->arm(slot); !armed) return armed;
   return {};
 }
 
@@ -175,6 +194,7 @@ Result<Gate> Gate::attach(const GateConfig& config, const Control& control) {
   if (!state) return in_context(state.error());
 
   if (auto pinned = (*state)->pin_all(); !pinned) return in_context(pinned.error());
+  if (auto watched = (*state)->watch(control); !watched) return in_context(watched.error());
   if (auto put = (*state)->put_all_in_place(); !put) return in_context(put.error());
   for (const auto direction : kBoth)
     if (auto named = rename_pin(next_pin(directory, direction), program_pin(directory, direction));
@@ -208,15 +228,28 @@ Result<void> Gate::reattach() {
   return {};
 }
 
-Result<void> Gate::apply(const SlotChanges& changes) { return state_->slots.apply(changes); }
+Result<void> Gate::State::arm_what_is_new() {
+  for (const auto slot : slots.take_newly_watched())
+    if (auto armed = watchmen->arm(slot); !armed) return armed;
+  return {};
+}
+
+Result<void> Gate::apply(const SlotChanges& changes) {
+  if (auto applied = state_->slots.apply(changes); !applied) return applied;
+  return state_->arm_what_is_new();
+}
 
 std::expected<void, Gate::Refusal> Gate::apply_together(std::span<const Change> changes) {
   std::vector<SlotTable::Change> tables;
   tables.reserve(changes.size());
   for (const Change& c : changes) tables.push_back({&c.gate->state_->slots, &c.changes});
-  auto done = SlotTable::apply_together(tables);
-  if (done) return {};
-  return std::unexpected(Refusal{changes[done.error().change].gate, std::move(done.error().error)});
+  if (auto done = SlotTable::apply_together(tables); !done)
+    return std::unexpected(
+        Refusal{changes[done.error().change].gate, std::move(done.error().error)});
+  for (const Change& c : changes)
+    if (auto armed = c.gate->state_->arm_what_is_new(); !armed)
+      return std::unexpected(Refusal{c.gate, std::move(armed.error())});
+  return {};
 }
 
 std::vector<SlotSpec> Gate::present() const { return state_->slots.present(); }
@@ -234,6 +267,16 @@ std::optional<SlotCounters> Gate::counters(const SlotSpec& spec) const {
   const auto slot = state_->slots.find(spec);
   if (!slot) return std::nullopt;
   return slot_counters(state_->programs.table(), state_->cpus.span(), *slot);
+}
+std::optional<std::uint16_t> Gate::number_of(const SlotSpec& spec) const {
+  return state_->slots.find(spec);
+}
+Arrivals Gate::arrivals(std::uint16_t slot, std::uint64_t now) const {
+  return enforce::arrivals(state_->programs.table().watches[slot], now);
+}
+Result<void> Gate::tell_again(std::uint16_t slot) const {
+  return state_->programs.table().watches[slot].silent != 0 ? state_->watchmen->arm(slot)
+                                                            : Result<void>{};
 }
 ReasonCounters Gate::reasons(Direction direction) const {
   return reason_counters(state_->cpus.span(), direction);

@@ -15,6 +15,7 @@
 #include "daemon/enforce/control.hpp"
 #include "daemon/enforce/counters.hpp"
 #include "daemon/enforce/slots.hpp"
+#include "daemon/enforce/watchmen.hpp"
 
 namespace mlcca::enforce {
 
@@ -74,6 +75,12 @@ class Gate {
 
   /// Of the slot with this grant (verdict not compared); nothing where there is none.
   [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const;
+  /// Number of the slot with this grant, as events name it.
+  [[nodiscard]] std::optional<std::uint16_t> number_of(const SlotSpec& spec) const;
+  /// How the events of a slot have come. `now`: CLOCK_MONOTONIC.
+  [[nodiscard]] Arrivals arrivals(std::uint16_t slot, std::uint64_t now) const;
+  /// If events of a slot are missing that is told once more.
+  Result<void> tell_again(std::uint16_t slot) const;
   [[nodiscard]] ReasonCounters reasons(Direction direction) const;
   /// Frames without a slot, newest first.
   [[nodiscard]] std::vector<UnknownFrame> unknown() const;

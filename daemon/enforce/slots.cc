@@ -57,11 +57,21 @@ Result<void> check_spec(const SlotSpec& s, std::uint32_t profile) {
   return {};
 }
 
+void forget_findings(gate_watch& watch) {
+  for (__u64* word : {&watch.last, &watch.last_gap, &watch.shortest, &watch.longest,
+                      &watch.deviation, &watch.missing, &watch.since, &watch.silent, &watch.first})
+    publish(*word, __u64{0});
+  for (__u64& gaps : watch.gaps) publish(gaps, __u64{0});
+}
+
 }  // namespace
 
-bool SlotSpec::same_policing(const SlotSpec& other) const {
-  return std::tie(per_frame, per_byte, tolerance, excess_passes) ==
-         std::tie(other.per_frame, other.per_byte, other.tolerance, other.excess_passes);
+bool SlotSpec::same_traffic(const SlotSpec& other) const {
+  const auto traffic = [](const SlotSpec& s) {
+    return std::tie(s.per_frame, s.per_byte, s.tolerance, s.excess_passes, s.period, s.silence,
+                    s.together);
+  };
+  return traffic(*this) == traffic(other);
 }
 
 bool SlotSpec::same_grant(const SlotSpec& other) const { return grant(*this) == grant(other); }
@@ -89,7 +99,7 @@ SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSp
     }
     if (s.pass && !found->second) changes.close.push_back(s);
     if (!s.pass && found->second) changes.open.push_back(s);
-    if (!s.same_policing(found->first)) changes.police.push_back(found->first);
+    if (!s.same_traffic(found->first)) changes.police.push_back(found->first);
     want.erase(found);
   }
   for (const auto& [spec, pass] : want) {
@@ -176,7 +186,10 @@ SlotSpec SlotTable::spec_of(std::uint16_t slot, Direction direction) const {
           .per_frame = s.per_frame,
           .per_byte = s.per_byte,
           .tolerance = s.tolerance,
-          .excess_passes = (s.formats & GATE_EXCESS_PASSES) != 0};
+          .excess_passes = (s.formats & GATE_EXCESS_PASSES) != 0,
+          .period = table_->watches[slot].period,
+          .silence = table_->watches[slot].silence,
+          .together = table_->watches[slot].together};
 }
 
 std::optional<std::uint16_t> SlotTable::find(const SlotSpec& spec) const {
@@ -294,7 +307,7 @@ std::expected<void, SlotTable::Refusal> SlotTable::apply_together(std::span<cons
 
   for (const auto& [table, change] : changes) {
     for (const auto& s : change->add) table->link(s);
-    for (const auto& s : change->police) table->set_policing(s);
+    for (const auto& s : change->police) table->set_traffic(s);
     table->stage_what_goes(*change);
     for (const auto* list : {&change->add, &change->open})
       for (const auto& s : *list)
@@ -326,6 +339,7 @@ void SlotTable::stage(const SlotSpec& spec, gate_verdict verdict) {
 
 void SlotTable::stage(std::uint16_t slot, gate_verdict verdict) {
   const auto value = static_cast<std::uint16_t>(verdict);
+  if (verdict == GATE_PASS) forget_findings(table_->watches[slot]);
   publish(table_->slots[slot].verdict[(*generation_ + 1) & 1], value);
   staged_.push_back({slot, value});
 }
@@ -333,8 +347,10 @@ void SlotTable::stage(std::uint16_t slot, gate_verdict verdict) {
 void SlotTable::next_generation() { publish(*generation_, *generation_ + 1); }
 
 void SlotTable::settle() {
-  for (const auto& [slot, verdict] : staged_)
+  for (const auto& [slot, verdict] : staged_) {
     publish(table_->slots[slot].verdict[(*generation_ + 1) & 1], verdict);
+    if (is_watched(slot)) newly_watched_.insert(slot);
+  }
   staged_.clear();
 }
 
@@ -356,6 +372,9 @@ void SlotTable::link(const SlotSpec& spec) {
                          .per_byte = spec.per_byte,
                          .tolerance = spec.tolerance,
                          .due = 0};
+  table_->watches[slot] = {};
+  set_expected(slot, spec);
+  if (slot >= table_->slots_end) publish(table_->slots_end, slot + 1U);
   publish(*head(spec), slot);
   ++used_;
 }
@@ -371,7 +390,7 @@ void SlotTable::unlink(const SlotSpec& spec) {
 }
 
 /// One word after the other: a frame in between meets the old rate with the new tolerance at most.
-void SlotTable::set_policing(const SlotSpec& spec) {
+void SlotTable::set_traffic(const SlotSpec& spec) {
   const auto found = find(spec);
   if (!found) return;
   gate_slot& slot = table_->slots[*found];
@@ -379,6 +398,40 @@ void SlotTable::set_policing(const SlotSpec& spec) {
   publish(slot.per_byte, __u64{spec.per_byte});
   publish(slot.tolerance, __u64{spec.tolerance});
   publish(slot.formats, formats_of(spec));
+  set_expected(*found, spec);
+  if (is_watched(*found)) newly_watched_.insert(*found);
+}
+
+/// What was found under another period means nothing any more. Without a period no frame writes.
+void SlotTable::set_expected(std::uint16_t slot, const SlotSpec& spec) {
+  gate_watch& watch = table_->watches[slot];
+  if (watch.period != spec.period) {
+    publish(watch.period, __u64{0});
+    forget_findings(watch);
+  }
+  publish(watch.scale, gate_gap_scale(spec.period));
+  publish(watch.together, __u64{spec.together});
+  publish(watch.silence, __u64{spec.silence});
+  publish(watch.period, __u64{spec.period});
+}
+
+bool SlotTable::is_watched(std::uint16_t slot) const {
+  return table_->slots[slot].verdict[*generation_ & 1] == GATE_PASS &&
+         table_->watches[slot].silence != 0;
+}
+
+std::vector<std::uint16_t> SlotTable::watched() const {
+  std::vector<std::uint16_t> slots;
+  for (const auto& heads : table_->head)
+    for (const std::uint16_t first : heads)
+      for (std::uint16_t at = first; at != 0; at = table_->slots[at].next)
+        if (is_watched(at)) slots.push_back(at);
+  return slots;
+}
+
+std::vector<std::uint16_t> SlotTable::take_newly_watched() {
+  const auto slots = std::exchange(newly_watched_, {});
+  return {slots.begin(), slots.end()};
 }
 
 void SlotTable::deny_all() {

@@ -6,6 +6,7 @@
 #include <expected>
 #include <functional>
 #include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -33,21 +34,26 @@ struct SlotSpec {
   std::uint64_t per_byte = 0;
   std::uint64_t tolerance = 0;
   bool excess_passes = false;
+  // How its events are expected, see gate_watch; all 0: nobody looks.
+  std::uint64_t period = 0;  ///< at most GATE_LONGEST_PERIOD
+  std::uint64_t silence = 0;
+  std::uint64_t together = 0;
 
   bool operator==(const SlotSpec&) const = default;
-  [[nodiscard]] bool same_policing(const SlotSpec& other) const;
-  /// Equal but for the verdict and the policing.
+  /// The same traffic is admitted and expected.
+  [[nodiscard]] bool same_traffic(const SlotSpec& other) const;
+  /// Equal but for the verdict and the traffic.
   [[nodiscard]] bool same_grant(const SlotSpec& other) const;
 };
 
 /// Changes of one interface. `close`, `remove` and `open` name slots by everything but the verdict
-/// and the policing.
+/// and the traffic.
 struct SlotChanges {
   std::vector<SlotSpec> close;
   std::vector<SlotSpec> add;  ///< opened at the end where `pass` is set
   std::vector<SlotSpec> remove;
   std::vector<SlotSpec> open;
-  std::vector<SlotSpec> police;  ///< slots that stay, with the policing that they get
+  std::vector<SlotSpec> police;  ///< slots that stay, with the traffic that they get
 
   [[nodiscard]] bool empty() const {
     return close.empty() && add.empty() && remove.empty() && open.empty() && police.empty();
@@ -107,6 +113,11 @@ class SlotTable {
   /// Every verdict deny; the slots stay.
   void deny_all();
 
+  /// Slots that pass and whose silence matters: all of them, or those of which that was changed
+  /// since the last call.
+  [[nodiscard]] std::vector<std::uint16_t> watched() const;
+  [[nodiscard]] std::vector<std::uint16_t> take_newly_watched();
+
  private:
   SlotTable(const Memory& memory, std::uint32_t profile, GracePeriod wait);
 
@@ -125,7 +136,9 @@ class SlotTable {
   /// The next generation is there: nobody reads the other half of what was staged.
   void settle();
   void next_generation();
-  void set_policing(const SlotSpec& spec);
+  void set_traffic(const SlotSpec& spec);
+  void set_expected(std::uint16_t slot, const SlotSpec& spec);
+  [[nodiscard]] bool is_watched(std::uint16_t slot) const;
   [[nodiscard]] std::uint16_t* head(const SlotSpec& spec) const;
   [[nodiscard]] std::vector<std::uint16_t> chain(const SlotSpec& spec) const;
   [[nodiscard]] SlotSpec spec_of(std::uint16_t slot, Direction direction) const;
@@ -144,6 +157,7 @@ class SlotTable {
   std::size_t used_ = 0;
   std::vector<std::uint16_t> free_;        ///< no program can hold them
   std::vector<std::uint16_t> quarantine_;  ///< a running program may still look at them
+  std::set<std::uint16_t> newly_watched_;
 };
 
 }  // namespace mlcca::enforce

@@ -94,6 +94,8 @@ constexpr std::array kCases = {
     Case{"echo of a local frame", GATE_PROFILE_RAW, Direction::ingress, 0x123, true},
     Case{"raw dense pass, portable loads", GATE_PROFILE_RAW, Direction::egress, 0x123, true, false},
     Case{"raw dense pass, policed", GATE_PROFILE_RAW, Direction::egress, 0x125, true},
+    Case{"raw dense pass, watched", GATE_PROFILE_RAW, Direction::egress, 0x127, true},
+    Case{"raw dense pass, policed and watched", GATE_PROFILE_RAW, Direction::egress, 0x128, true},
     Case{"raw dense excess, dropped", GATE_PROFILE_RAW, Direction::egress, 0x126, true},
 };
 
@@ -103,12 +105,19 @@ SlotSpec policed(SlotSpec s, std::uint64_t per_frame, std::uint64_t tolerance) {
   return s;
 }
 
+SlotSpec watched(SlotSpec s, std::uint64_t period) {
+  s.period = period;
+  return s;
+}
+
 void fill(LoadedGate& gate, std::uint32_t profile) {
   constexpr std::uint64_t hour = 3'600'000'000'000;  // ns
   if (profile == GATE_PROFILE_RAW) {
     // One that is always in turn, and one that never is again.
     gate.admit({policed(slot(Direction::egress, 0x125, true), 1, hour),
-                policed(slot(Direction::egress, 0x126, true), hour, 0)});
+                policed(slot(Direction::egress, 0x126, true), hour, 0),
+                watched(slot(Direction::egress, 0x127, true), hour),
+                watched(policed(slot(Direction::egress, 0x128, true), 1, hour), hour)});
     gate.admit({slot(Direction::egress, 0x123, true), slot(Direction::ingress, 0x124, false),
                 slot(Direction::egress, kEff | 0x1abcdef, true)});
     return;

@@ -141,6 +141,43 @@ TEST_F(Slots, PolicingIsNoPartOfTheGrant) {
   EXPECT_NE(error(slots, of_nobody), "");
 }
 
+SlotSpec watched(SlotSpec s, std::uint64_t silence) {
+  s.period = 50;
+  s.silence = silence;
+  return s;
+}
+
+TEST_F(Slots, KnowsWhichSlotsToWatchFromNowOn) {
+  using Numbers = std::vector<std::uint16_t>;
+  auto slots = read();
+  auto closed = watched(raw(3), 70);
+  closed.pass = false;
+  ASSERT_TRUE(slots.apply(adding({watched(raw(1), 70), watched(raw(2), 0), closed})));
+  EXPECT_EQ(slots.present().front(), watched(raw(1), 70));
+  const auto first = slots.find(raw(1)).value();
+  EXPECT_EQ(slots.watched(), Numbers{first});
+  EXPECT_EQ(slots.take_newly_watched(), Numbers{first});
+  EXPECT_TRUE(slots.take_newly_watched().empty());
+
+  memory_->watches[first].last = 7;
+  SlotChanges changes;
+  changes.police = {watched(raw(1), 80)};
+  changes.open = {closed};
+  ASSERT_TRUE(slots.apply(changes));
+  EXPECT_EQ(memory_->watches[first].last, 7U) << "it goes on";
+  EXPECT_EQ(slots.take_newly_watched().size(), 2U);
+
+  // Closed and opened again it begins anew.
+  SlotChanges close;
+  SlotChanges open;
+  close.close = open.open = {raw(1)};
+  ASSERT_TRUE(slots.apply(close));
+  EXPECT_TRUE(slots.take_newly_watched().empty());
+  ASSERT_TRUE(slots.apply(open));
+  EXPECT_EQ(memory_->watches[first].last, 0U);
+  EXPECT_EQ(slots.take_newly_watched(), Numbers{first});
+}
+
 TEST_F(Slots, RestartReadsTheSameSlots) {
   std::vector<SlotSpec> specs;
   for (std::uint32_t i = 0; i < 300; ++i) specs.push_back(raw(i * 5 % 2048, i % 3));

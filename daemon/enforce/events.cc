@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/enforce/events.hpp"
+
+#include <bpf/bpf.h>
+#include <bpf/libbpf.h>
+
+#include <cerrno>
+#include <utility>
+
+#include "daemon/enforce/failure.hpp"
+#include "daemon/enforce/pins.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+/// Longer records are of no gate that we know.
+int take_record(void* context, void* data, std::size_t size) {
+  if (size == sizeof(gate_event))
+    (*static_cast<EventReader::Take*>(context))(*static_cast<const gate_event*>(data));
+  return 0;
+}
+
+}  // namespace
+
+void free_ring(ring_buffer* ring) { ring_buffer__free(ring); }
+
+Result<Fd> open_event_ring(const std::string& pin_path) {
+  if (Fd there = open_pin(pin_path)) return there;
+  Fd made(bpf_map_create(BPF_MAP_TYPE_RINGBUF, "mlcca_events", 0, 0, GATE_EVENTS_SIZE, nullptr));
+  if (!made) return failure("ring of events", errno);
+  const auto pinned = pin(made.get(), pin_path);
+  if (!pinned) return std::unexpected(pinned.error());
+  if (*pinned) return made;
+  // Somebody else was first: his is the one.
+  Fd there = open_pin(pin_path);
+  if (!there) return failure("open " + pin_path, errno);
+  return there;
+}
+
+Result<EventReader> EventReader::open(int ring, Take take) {
+  auto owned = std::make_unique<Take>(std::move(take));
+  Ring reader(ring_buffer__new(ring, take_record, owned.get(), nullptr));
+  if (!reader) return failure("read the ring of events", errno);
+  return EventReader(std::move(reader), std::move(owned));
+}
+
+int EventReader::fd() const { return ring_buffer__epoll_fd(ring_.get()); }
+
+Result<void> EventReader::read() {
+  if (const int taken = ring_buffer__consume(ring_.get()); taken < 0)
+    return failure("read the ring of events", taken);
+  return {};
+}
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the kernel tells by itself: the ring that the timers of all gates of this gateway write to.
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "bpf/gate.h"
+#include "core/handle.hpp"
+#include "core/result.hpp"
+
+struct ring_buffer;  // NOLINT(readability-identifier-naming): libbpf's name
+
+namespace mlcca::enforce {
+
+void free_ring(ring_buffer* ring);
+
+/// The pinned ring, or a new one that is pinned there: what was told while no daemon ran is kept.
+Result<Fd> open_event_ring(const std::string& pin_path);
+
+class EventReader {
+ public:
+  using Take = std::function<void(const gate_event&)>;
+
+  /// `ring` is the map; it may be closed afterwards. Only one reader at a time.
+  static Result<EventReader> open(int ring, Take take);
+
+  /// Readable when there are events.
+  [[nodiscard]] int fd() const;
+  /// Takes all that is there.
+  Result<void> read();
+
+ private:
+  using Ring = std::unique_ptr<ring_buffer, FreeWith<free_ring>>;
+  EventReader(Ring ring, std::unique_ptr<Take> take)
+      : take_(std::move(take)), ring_(std::move(ring)) {}
+  std::unique_ptr<Take> take_;  ///< the ring holds its address
+  Ring ring_;
+};
+
+}  // namespace mlcca::enforce
