@@ -188,6 +188,10 @@ std::optional<StartError> Gateway::start() {
   meshes_.await_first_reports(kFirstReports);
   if (const auto done = put_in_force(before); !done) tell(Kind::trouble, 3, done.error().text);
 
+  auto events = enforce::EventReader::open(control_.events_fd(),
+                                           [this](const gate_event& event) { hear(event); });
+  if (!events) return give_up({events.error().text}, false);
+  events_.emplace(std::move(*events));
   control_.beat(monotonic_ns());
   if (const auto armed = control_.arm(); !armed) return give_up({armed.error().text}, false);
   if (control_.lapsed()) control_.clear_lapse(monotonic_ns());
@@ -373,7 +377,10 @@ Frames Gateway::frames_of(const core::Verdict& v) const {
 }
 
 control::Channel Gateway::report(const core::Verdict& v) const {
-  return channel_report(*state_, v, frames_of(v));
+  const auto rules = core::gate_state(state_->system(), state_->members(), v, self_);
+  control::Channel out = channel_report(*state_, v, ports_.frames(rules));
+  if (v.granted) out.watch = ports_.watch(rules);
+  return out;
 }
 
 control::Channels Gateway::report_known(const Asked& asked) const {

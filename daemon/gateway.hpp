@@ -19,6 +19,7 @@
 #include "daemon/bus_load.hpp"
 #include "daemon/drops.hpp"
 #include "daemon/enforce/control.hpp"
+#include "daemon/enforce/events.hpp"
 #include "daemon/journal.hpp"
 #include "daemon/keys.hpp"
 #include "daemon/leases.hpp"
@@ -72,6 +73,9 @@ class Gateway {
 
   [[nodiscard]] int links_fd() const { return links_.fd(); }
   void links_changed();
+  /// What the kernel tells by itself; there from start() on.
+  [[nodiscard]] int events_fd() const { return events_->fd(); }
+  void events_came();
   /// Udev learned something about an interface.
   void identities_changed() { follow_world(); }
   /// Once a turn of the loop, after the handlers: decides what changed links touch, and writes down
@@ -151,6 +155,9 @@ class Gateway {
   void set_bands();
   void open_unless_lost();
   void look_at_drops(bool mention);
+  void hear(const gate_event& event);
+  void tell_missing_again(const core::Verdict& verdict);
+  void tell_heard(const core::Verdict& verdict, const gate_event& event);
   void tell(Note note);
   void tell(Kind kind, int priority, std::string message, std::string network = {}) {
     tell({kind, priority, std::move(message), 0, {}, std::move(network), {}, {}});
@@ -184,6 +191,7 @@ class Gateway {
   enforce::Control control_;
   net::Links links_;
   Ports ports_;
+  std::optional<enforce::EventReader> events_;
   Meshes meshes_;
   std::optional<store::Journal> store_;
   std::optional<store::History> history_;

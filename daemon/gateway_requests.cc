@@ -179,7 +179,10 @@ Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& ask
   own(id, request);
   note_granted(asked.channel);
   for (const core::Verdict& v : state_->decisions()[asked.channel].verdicts)
-    if (concerns(v, id)) tell_verdict(Kind::granted, v, verdict_line(*state_, v));
+    if (concerns(v, id)) {
+      tell_verdict(Kind::granted, v, verdict_line(*state_, v));
+      tell_missing_again(v);
+    }
   return out;
 }
 

@@ -187,6 +187,26 @@ void Gateway::look_at_drops(bool mention) {
   }
 }
 
+void Gateway::events_came() {
+  if (const auto read = events_->read(); !read) tell(Kind::trouble, 3, read.error().text);
+}
+
+/// Of a slot that was given to another grant meanwhile it concerns nobody any more.
+void Gateway::hear(const gate_event& event) {
+  for (const core::Decision& decision : state_->decisions())
+    for (const core::Verdict& v : decision.verdicts)
+      if (v.granted && state_->system().channels[v.channel].subject == event.subject &&
+          ports_.is_of(event, core::gate_state(state_->system(), state_->members(), v, self_)))
+        tell_heard(v, event);
+}
+
+/// The kernel tells it, once the newcomer has its answer and holds what it was granted.
+void Gateway::tell_missing_again(const core::Verdict& v) {
+  const auto told =
+      ports_.tell_again(core::gate_state(state_->system(), state_->members(), v, self_));
+  if (!told) tell(Kind::trouble, 3, told.error().text);
+}
+
 // --- telling -------------------------------------------------------------------------------------
 
 void Gateway::tell(Note note) {
@@ -205,6 +225,8 @@ void Gateway::tell(Note note) {
   event.network = std::move(note.network);
   event.message = std::move(note.message);
   event.admissions = std::move(note.admissions);
+  event.silent_ns = note.silent_ns;
+  event.missing = note.missing;
   publish_(event);
 }
 
@@ -243,6 +265,37 @@ void Gateway::tell_excess(const core::Verdict& v, std::uint64_t frames) {
                     info(what).name, core::format_value(what, said[what])),
         channel.subject, channel.name, core::name_of(state_->system(), v.to),
         core::name_of(state_->system(), publisher.place), admissions_of(v)});
+}
+
+/// Whoever holds the publisher or a subscriber hears of it.
+void Gateway::tell_heard(const core::Verdict& v, const gate_event& event) {
+  const core::EventChannel& channel = state_->system().channels[v.channel];
+  const core::Publisher& publisher = state_->members().publisher(v.publisher);
+  const Value period = std::max<Value>(core::attributes_in(publisher, v.set)[Attribute::period], 1);
+  const std::string what = fmt::format("{} ({}) of {}", channel.name,
+                                       core::format_subject(channel.subject), publisher.name);
+  const auto time = core::format_value(Attribute::latency, event.silent / 1'000 * 1'000);
+  const bool missing = event.kind == GATE_E_MISSING;
+  Note note{missing ? Kind::missing : Kind::restored,
+            missing ? 4 : 5,
+            {},
+            channel.subject,
+            channel.name,
+            core::name_of(state_->system(), v.to),
+            core::name_of(state_->system(), publisher.place),
+            admissions_of(v)};
+  note.silent_ns = event.silent;
+  // Half a period is late, unless no more comes.
+  note.missing = missing ? event.silent / period : (event.silent + period / 2) / period - 1;
+  if (missing)
+    note.message = fmt::format(
+        "{} towards {}: {} {}, {} events are missing where {} may be", what, note.network,
+        event.never != 0 ? "nothing has come since it was granted, for" : "nothing has come for",
+        time, note.missing, v.requirement[Attribute::omission]);
+  else
+    note.message =
+        fmt::format("{} towards {} comes again, after {} without", what, note.network, time);
+  tell(std::move(note));
 }
 
 /// After a start or a reload: everything, and of what was granted before what is not any more.

@@ -20,6 +20,8 @@ enum class Kind : std::uint8_t {
   released,
   dropping,
   excess,
+  missing,
+  restored,
   interface,
   mode,
   reload,
@@ -44,6 +46,8 @@ struct Note {
   std::string network;                    ///< or gateway; of a delivery the place that it leads to
   std::string from;                       ///< of a delivery: the place of its publisher
   std::vector<std::uint64_t> admissions;  ///< run-time admissions that it concerns
+  std::uint64_t silent_ns = 0;            ///< of missing and restored: how long nothing came
+  std::uint64_t missing = 0;              ///< and how many events that are
 };
 
 class Journal {

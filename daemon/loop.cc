@@ -37,6 +37,7 @@ Result<Loop> Loop::open(sd_event* raw, Gateway& gateway) {
   if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGINT, nullptr, nullptr);
   if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGHUP, on_hangup, s);
   if (e >= 0) e = sd_event_add_io(raw, nullptr, gateway.links_fd(), EPOLLIN, on_links, s);
+  if (e >= 0) e = sd_event_add_io(raw, nullptr, gateway.events_fd(), EPOLLIN, on_events, s);
   // The heart-beat comes before whatever clients want.
   sd_event_source* beat = nullptr;
   if (e >= 0) e = sd_event_add_time_relative(raw, &beat, CLOCK_MONOTONIC, 0, kAccuracy, on_beat, s);
@@ -68,6 +69,11 @@ int Loop::on_links(sd_event_source*, int, std::uint32_t, void* self) noexcept {
   static_cast<Sources*>(self)->links_dirty = true;
   // The notifications are taken off the socket after the turn: until then it stays readable, and
   // the turn ends with this handler.
+  return 0;
+}
+
+int Loop::on_events(sd_event_source*, int, std::uint32_t, void* self) noexcept {
+  static_cast<Sources*>(self)->gateway.events_came();
   return 0;
 }
 

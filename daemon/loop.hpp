@@ -36,6 +36,7 @@ class Loop {
   };
   explicit Loop(std::unique_ptr<Sources> sources) : sources_(std::move(sources)) {}
   static int on_links(sd_event_source*, int, std::uint32_t, void* self) noexcept;
+  static int on_events(sd_event_source*, int, std::uint32_t, void* self) noexcept;
   static int on_udev(sd_device_monitor*, sd_device*, void* self) noexcept;
   static int on_beat(sd_event_source* source, std::uint64_t now, void* self) noexcept;
   static int on_look(sd_event_source* source, std::uint64_t now, void* self) noexcept;

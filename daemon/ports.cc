@@ -349,6 +349,11 @@ std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateRule& rule) cons
   slot->per_byte = rule.policing.per_byte;
   slot->tolerance = rule.policing.tolerance;
   slot->excess_passes = rule.policing.counts_only;
+  if (gate_gap_scale(rule.watching.period) != 0) {
+    slot->period = rule.watching.period;
+    slot->silence = rule.watching.silence;
+    slot->together = rule.watching.together;
+  }
   return slot;
 }
 

@@ -78,6 +78,12 @@ class Ports {
   Result<void> apply(const core::GateChanges& changes);
 
   [[nodiscard]] Frames frames(const core::GateState& rules) const;
+  /// How the events of a delivery come to the slot that they enter by; nothing where nobody looks.
+  [[nodiscard]] std::optional<control::Watch> watch(const core::GateState& rules) const;
+  /// If events of a delivery are missing that is told once more: somebody has not heard it.
+  Result<void> tell_again(const core::GateState& rules) const;
+  /// The event is of the slot that one of these rules is held by.
+  [[nodiscard]] bool is_of(const gate_event& event, const core::GateState& rules) const;
   [[nodiscard]] std::vector<control::Interface> report() const;
   [[nodiscard]] std::size_t size() const { return ports_.size(); }
   [[nodiscard]] const std::string& network_of(std::size_t port) const {
@@ -121,6 +127,12 @@ class Ports {
   [[nodiscard]] const enforce::Gate* gate_of(std::size_t port) const;
   enforce::Gate* gate_of(std::size_t port);
   [[nodiscard]] bool is_described(int ifindex) const;
+  struct WatchedSlot {
+    const enforce::Gate* gate;
+    std::uint16_t number;
+    core::Watching expected;
+  };
+  [[nodiscard]] std::optional<WatchedSlot> watched_slot(const core::GateState& rules) const;
 
   net::Links& links_;
   enforce::Control& control_;

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// How events come to the gates of this gateway.
+#include <algorithm>
+
+#include "daemon/clock.hpp"
+#include "daemon/ports.hpp"
+
+namespace mlcca {
+namespace {
+
+control::Watch report_of(const core::Watching& expected, const enforce::Arrivals& found) {
+  return {.period_ns = expected.period,
+          .silence_ns = expected.silence,
+          .missing_now = found.silent,
+          .events = found.events,
+          .missing = found.missing,
+          .since_last_ns = found.since_last,
+          .last_gap_ns = found.last_gap,
+          .shortest_gap_ns = found.shortest,
+          .longest_gap_ns = found.longest,
+          .jitter_ns = found.jitter,
+          .rate_mhz = found.rate,
+          .gaps = {std::begin(found.gaps), std::end(found.gaps)}};
+}
+
+}  // namespace
+
+/// The slot that the events of a delivery enter by, if they are watched.
+std::optional<Ports::WatchedSlot> Ports::watched_slot(const core::GateState& rules) const {
+  for (const core::GateRule& rule : rules) {
+    const enforce::Gate* gate = gate_of(rule.entry.port);
+    const auto slot = slot_of(rule);
+    if (gate == nullptr || !slot || slot->period == 0) continue;
+    if (const auto number = gate->number_of(*slot))
+      return WatchedSlot{gate, *number, rule.watching};
+  }
+  return std::nullopt;
+}
+
+std::optional<control::Watch> Ports::watch(const core::GateState& rules) const {
+  const auto slot = watched_slot(rules);
+  if (!slot) return std::nullopt;
+  return report_of(slot->expected, slot->gate->arrivals(slot->number, monotonic_ns()));
+}
+
+Result<void> Ports::tell_again(const core::GateState& rules) const {
+  const auto slot = watched_slot(rules);
+  return slot ? slot->gate->tell_again(slot->number) : Result<void>{};
+}
+
+bool Ports::is_of(const gate_event& event, const core::GateState& rules) const {
+  return std::ranges::any_of(rules, [&](const core::GateRule& rule) {
+    const enforce::Gate* gate = gate_of(rule.entry.port);
+    const auto slot = slot_of(rule);
+    return gate != nullptr && slot && gate->ifindex() == event.ifindex &&
+           rule.entry.subject == event.subject && gate->number_of(*slot) == event.slot;
+  });
+}
+
+}  // namespace mlcca
