@@ -25,10 +25,11 @@ const volatile __u8 direct_access = true;
 const volatile __u8 atomic_counts = false;
 /*
  * BPF_PROG_TEST_RUN can make neither ETH_P_CAN nor a frame without a socket: in tests the format
- * follows from the length, and a frame is locally sent when its priority says so.
+ * follows from the length, and the priority says whether a frame is locally sent or CAN XL.
  */
 const volatile __u8 test_run = false;
 #define TEST_RUN_LOCAL 1
+#define TEST_RUN_XL    2
 
 struct gate_table table; /* the only variable of .bss: this map is pinned and memory-mapped */
 struct gate_control control SEC(".data.control"); /* shared by all interfaces */

@@ -28,18 +28,39 @@
 #define GATE_CHAIN 8
 /* Decisions of one frame that a change of generation may undo; then it is denied. */
 #define GATE_TRIES 32
-/* Slots of one bucket that the program walks: several 29-bit identifiers may hash together. */
+/*
+ * Slots of one bucket that the program walks: several 29-bit identifiers may hash together. So many
+ * masked slots a direction has at most.
+ */
 #define GATE_WALK 32
 
 /*
- * Buckets of one direction. raw: an 11-bit identifier is its own bucket, a 29-bit one hashes into
- * the 14 bits behind them. famouso: the 14-bit etag is the bucket.
+ * Buckets of one direction. An 11-bit identifier is its own bucket; a 29-bit one (raw) or a PGN
+ * (j1939) hashes into the 14 bits behind them. An etag (famouso) or subject-id (cyphal) is the
+ * bucket.
  */
 #define GATE_STANDARD_BUCKETS 2048
 #define GATE_HASH_BITS	      14
 #define GATE_BUCKETS	      (GATE_STANDARD_BUCKETS + (1 << GATE_HASH_BITS))
 #define GATE_NO_BUCKET	      0xffffffffU
 #define GATE_ETAG_MASK	      0x3fffU
+
+/*
+ * SAE J1939-21: priority, extended data page, data page, PDU format, PDU specific, source address.
+ * The PGN is everything between priority and source; below PDU format 240 (PDU1) PDU specific is
+ * the destination and no part of it.
+ */
+#define GATE_J1939_PDU1_KEY 0x03ff0000U
+#define GATE_J1939_PDU2_KEY 0x03ffff00U
+#define GATE_J1939_PDU2	    0x00f00000U /* PDU format of 240 and more has all of these */
+
+/*
+ * Cyphal/CAN 1.0: priority, service, anonymous, reserved (0), two bits that receivers ignore,
+ * subject-id, reserved (0), source. Frames of services and with a reserved bit have no key.
+ */
+#define GATE_CYPHAL_KEY	    0x001fff00U
+#define GATE_CYPHAL_SHIFT   8
+#define GATE_CYPHAL_FOREIGN (1U << 25 | 1U << 23 | 1U << 7)
 
 #define GATE_SEEN 64 /* last seen frames without a slot, per CPU; power of two */
 
@@ -60,13 +81,20 @@
 /* Bands of the prio queueing discipline behind a gate, the first one is served first. */
 #define GATE_BANDS 16
 
-#define GATE_ANY_UID   0xffffffffU
-#define GATE_NO_SOURCE 0xffffffffU /* source of a frame that came from nowhere; no slot has it */
+#define GATE_ANY_UID 0xffffffffU
+/*
+ * Source of a frame that came by no interface and belongs to no socket: the kernel made it (the
+ * transport protocol of can-j1939).
+ */
+#define GATE_NO_SOURCE 0xffffffffU
 
 enum gate_profile {
 	GATE_PROFILE_NONE = 0,	  /* no frame names a subject: everything is unknown */
 	GATE_PROFILE_RAW = 1,	  /* key: the identifier, 11 or 29 bits */
 	GATE_PROFILE_FAMOUSO = 2, /* 29-bit only; key: the low 14 bits */
+	GATE_PROFILE_J1939 = 3,	  /* 29-bit only; key: the 18-bit PGN */
+	GATE_PROFILE_CYPHAL = 4,  /* 29-bit messages only; key: the 13-bit subject-id */
+	GATE_PROFILE_CANOPEN = 5, /* 11-bit only; key: the COB-ID */
 };
 
 enum gate_verdict {
@@ -82,6 +110,7 @@ enum gate_mode {
 /* Frame formats of a slot, a bit set. */
 #define GATE_CLASSIC 1
 #define GATE_FD	     2
+#define GATE_XL	     8 /* identifier: the 11-bit priority */
 /* In the same bits: frames beyond the admitted traffic are counted, and pass. */
 #define GATE_EXCESS_PASSES 4
 
@@ -94,11 +123,11 @@ enum gate_reason {
 	GATE_R_UNKNOWN,	    /* no slot */
 	GATE_R_IDENTIFIER,  /* priority, node, fragment or RTR differ from the grant */
 	GATE_R_SOURCE,	    /* egress: not from the granted interface or user */
-	GATE_R_FORMAT,	    /* classic/FD not granted */
+	GATE_R_FORMAT,	    /* classic/FD/XL not granted */
 	GATE_R_LENGTH,	    /* longer than granted */
 	GATE_R_DENIED,	    /* slot, verdict deny */
 	GATE_R_ERROR_FRAME, /* error frame on its way out */
-	GATE_R_MALFORMED,   /* not a CAN or CAN FD frame */
+	GATE_R_MALFORMED,   /* not a CAN, CAN FD or CAN XL frame */
 	GATE_R_CLOSED,	    /* gate closed: stopped, starting, or the daemon's heart-beat lapsed */
 	GATE_R_ECHO,	    /* not a drop: echo of a frame that left here, let through at ingress */
 	GATE_R_ERROR_IN,    /* not a drop: error frame let through at ingress */
@@ -110,7 +139,9 @@ enum gate_reason {
  * One admitted or refused (subject, publisher) on one interface and direction. It says everything
  * that was granted and nothing more: a frame fits when (can_id & mask) == id, where both hold the
  * EFF and RTR flags of <linux/can.h> in place.
- * User space never changes a live slot other than `verdict`, `next` and what is policed.
+ * A slot of the profiles raw and canopen whose mask leaves part of the key open is a masked slot:
+ * it has no bucket, and frames come to it whose own key has no slot. User space never changes a
+ * live slot other than `verdict`, `next` and what is policed.
  *
  * Many verdicts change as one step, on all interfaces: the halves that the next generation will
  * read are written, then gate_control.generation, then the halves that nobody reads any more. A
@@ -122,14 +153,17 @@ enum gate_reason {
  * before `due`. An empty frame costs as much as one of a byte.
  */
 struct gate_slot {
-	__u16 verdict[2]; /* enum gate_verdict, in even and in odd generations */
+	__u8 verdict[2]; /* enum gate_verdict, in even and in odd generations */
+	__u16 max_len;	 /* payload bytes */
 	__u32 id;
 	__u32 mask;
-	__u32 source; /* egress: ifindex it must have entered by; 0: sent by a local program */
+	/* Egress: ifindex it must have entered by; 0: a local program; GATE_NO_SOURCE: the kernel
+	 */
+	__u32 source;
 	__u32 uid;    /* local sender's user, or GATE_ANY_UID */
 	__u16 next;   /* further slot of the same bucket; 0: none */
-	__u8 max_len; /* payload bytes */
-	__u8 formats; /* GATE_CLASSIC | GATE_FD */
+	__u8 formats; /* GATE_CLASSIC | GATE_FD | GATE_XL */
+	__u8 pad;
 	__u64 subject;
 	__u64 per_frame; /* ns; with per_byte 0: this slot is not policed */
 	__u64 per_byte;	 /* 2^-8 ns */
@@ -179,7 +213,8 @@ struct gate_table {
 	__u32 bands;
 	__u32 band_limit[GATE_BANDS - 1];
 	__u32 slots_end; /* all slots that were ever used are below this one */
-	__u8 pad[44];
+	__u16 masked[GATE_DIRECTIONS]; /* first masked slot, 0 for none */
+	__u8 pad[40];
 	struct gate_slot slots[GATE_SLOTS];
 	struct gate_watch watches[GATE_SLOTS];
 	__u16 head[GATE_DIRECTIONS][GATE_BUCKETS]; /* bucket -> first slot, 0 for none */
@@ -199,10 +234,9 @@ struct gate_seen {
 	    sequence; /* value of unknown_frames when it was last seen; 0: empty or being written */
 	__u64 count;  /* frames of this id since it took the entry */
 	__u32 can_id;
-	__u8 len;
-	__u8 format; /* GATE_CLASSIC or GATE_FD */
+	__u16 len;
+	__u8 format; /* GATE_CLASSIC, GATE_FD or GATE_XL */
 	__u8 direction;
-	__u8 pad;
 };
 
 /* One for each possible CPU, memory-mapped; written by that CPU, summed by user space. */
@@ -249,18 +283,45 @@ struct gate_control {
 	__u32 pad;
 };
 
+/*
+ * The part of an identifier that is the key, 0 where the profile has no subject for it; frames of
+ * other keys can share a bucket.
+ */
+static inline __u32 gate_key_mask(__u32 profile, __u32 can_id)
+{
+	if (profile == GATE_PROFILE_RAW)
+		return CAN_EFF_FLAG | CAN_EFF_MASK;
+	if (profile == GATE_PROFILE_CANOPEN)
+		return can_id & CAN_EFF_FLAG ? 0 : CAN_EFF_FLAG | CAN_EFF_MASK;
+	if (!(can_id & CAN_EFF_FLAG))
+		return 0;
+	if (profile == GATE_PROFILE_FAMOUSO)
+		return CAN_EFF_FLAG | GATE_ETAG_MASK;
+	if (profile == GATE_PROFILE_J1939)
+		return CAN_EFF_FLAG |
+		       ((can_id & GATE_J1939_PDU2) == GATE_J1939_PDU2 ? GATE_J1939_PDU2_KEY
+								      : GATE_J1939_PDU1_KEY);
+	if (profile == GATE_PROFILE_CYPHAL && !(can_id & GATE_CYPHAL_FOREIGN))
+		return CAN_EFF_FLAG | GATE_CYPHAL_KEY;
+	return 0;
+}
+
 /* Bucket of a frame or slot, or GATE_NO_BUCKET where the profile has no subject for it. */
 static inline __u32 gate_bucket(__u32 profile, __u32 can_id)
 {
-	if (profile == GATE_PROFILE_FAMOUSO)
-		return can_id & CAN_EFF_FLAG ? can_id & GATE_ETAG_MASK : GATE_NO_BUCKET;
-	if (profile != GATE_PROFILE_RAW)
+	__u32 key_mask = gate_key_mask(profile, can_id);
+
+	if (!key_mask)
 		return GATE_NO_BUCKET;
+	if (profile == GATE_PROFILE_FAMOUSO)
+		return can_id & GATE_ETAG_MASK;
+	if (profile == GATE_PROFILE_CYPHAL)
+		return (can_id & GATE_CYPHAL_KEY) >> GATE_CYPHAL_SHIFT;
 	if (!(can_id & CAN_EFF_FLAG))
 		return can_id & CAN_SFF_MASK;
 	/* Multiplication by 2^32 over the golden ratio spreads neighbours. */
 	return GATE_STANDARD_BUCKETS +
-	       (((can_id & CAN_EFF_MASK) * 0x9e3779b1U) >> (32 - GATE_HASH_BITS));
+	       (((can_id & key_mask & CAN_EFF_MASK) * 0x9e3779b1U) >> (32 - GATE_HASH_BITS));
 }
 
 /* The order of arbitration as one number: the smaller identifier wins. */
@@ -277,12 +338,6 @@ static inline __u64 gate_gap_scale(__u64 period)
 	if (!period || period > GATE_LONGEST_PERIOD)
 		return 0;
 	return ((__u64)GATE_GAPS_PERIOD << GATE_GAP_BITS) / period + 1;
-}
-
-/* The part of an identifier that is the key; frames of other keys can share a bucket. */
-static inline __u32 gate_key_mask(__u32 profile)
-{
-	return profile == GATE_PROFILE_FAMOUSO ? GATE_ETAG_MASK : CAN_EFF_MASK;
 }
 
 /*

@@ -6,7 +6,7 @@
 struct frame {
 	__u32 can_id;
 	__u32 len;	  /* payload bytes */
-	__u32 format;	  /* GATE_CLASSIC or GATE_FD */
+	__u32 format;	  /* GATE_CLASSIC, GATE_FD or GATE_XL */
 	__u32 mark;	  /* when the gate saw it first */
 	__u32 generation; /* of the verdicts that it is decided by */
 	__u32 read;	  /* sum of what was read for that: see moved_on() */
@@ -17,7 +17,24 @@ struct frame_head {
 	__u32 can_id;
 	__u8 len;
 	__u8 rest[3];
-};
+} __attribute__((aligned(8)));
+
+/*
+ * First words of struct canxl_frame, which the headers of older kernels lack. The identifier is the
+ * 11-bit priority; the network's number (VCID) stands beside it.
+ */
+struct xl_head {
+	__u32 prio;
+	__u8 flags;
+	__u8 sdt;
+	__u16 len;
+} __attribute__((aligned(8)));
+
+#define XL_PROTOCOL 0x000e /* ETH_P_CANXL */
+#define XL_HEADER   12
+#define XL_MAX_DLEN 2048
+#define XL_FLAG	    0x80
+#define XL_ID_MASK  0x00ff07ffU
 
 /*
  * What a controller's driver receives has struct can_skb_priv in front of the frame, and takes it
@@ -26,6 +43,7 @@ struct frame_head {
  */
 #define MAX_LEAD  32
 #define LEAD_STEP 8
+#define XL_LEAD	  16 /* no kernel before 5.11 has CAN XL */
 
 static __always_inline bool is_lead(__u32 lead)
 {
@@ -36,12 +54,49 @@ static __always_inline __u32 protocol_of(struct __sk_buff *skb)
 {
 	if (!test_run)
 		return skb->protocol;
+	if (skb->priority & TEST_RUN_XL)
+		return bpf_htons(XL_PROTOCOL);
 	if (is_lead(skb->len - CAN_MTU))
 		return bpf_htons(ETH_P_CAN);
 	return is_lead(skb->len - CANFD_MTU) ? bpf_htons(ETH_P_CANFD) : 0;
 }
 
-/* False: neither a CAN nor a CAN FD frame of the right size. */
+/* The first eight bytes of a frame; CAN buffers are linear. */
+static __always_inline bool load_head(struct __sk_buff *skb, __u32 lead, void *head)
+{
+	if (direct_access) {
+		__u64 *data = (void *)(long)skb->data + lead;
+
+		if ((void *)(data + 1) > (void *)(long)skb->data_end)
+			return false;
+		*(__u64 *)head = *data;
+		return true;
+	}
+	return !bpf_skb_load_bytes(skb, lead, head, sizeof(__u64));
+}
+
+static __always_inline bool is_xl(struct __sk_buff *skb, __u32 lead, struct xl_head *head)
+{
+	return load_head(skb, lead, head) && head->flags & XL_FLAG && head->len &&
+	       head->len <= XL_MAX_DLEN && skb->len == lead + XL_HEADER + head->len;
+}
+
+/* The length does not tell whether something stands in front. Where both could be: neither. */
+static __always_inline bool read_xl(struct __sk_buff *skb, __u32 direction, struct frame *frame)
+{
+	struct xl_head bare, led;
+	bool is_bare = is_xl(skb, 0, &bare);
+	bool is_led = direction == GATE_INGRESS && is_xl(skb, XL_LEAD, &led);
+
+	if (is_bare == is_led)
+		return false;
+	frame->can_id = is_bare ? bare.prio : led.prio;
+	frame->len = is_bare ? bare.len : led.len;
+	frame->format = GATE_XL;
+	return !(frame->can_id & ~XL_ID_MASK);
+}
+
+/* False: not a frame of the right size. */
 static __always_inline bool read_frame(struct __sk_buff *skb, __u32 direction, struct frame *frame)
 {
 	__u32 protocol = protocol_of(skb);
@@ -57,25 +112,14 @@ static __always_inline bool read_frame(struct __sk_buff *skb, __u32 direction, s
 		limit = CANFD_MAX_DLEN;
 		lead = skb->len - CANFD_MTU;
 	} else {
-		return false;
+		return protocol == bpf_htons(XL_PROTOCOL) && read_xl(skb, direction, frame);
 	}
 	if (lead && (direction == GATE_EGRESS || !is_lead(lead)))
 		return false;
-
-	if (direct_access) {
-		struct frame_head *data = (void *)(long)skb->data + lead;
-
-		/* CAN buffers are linear. */
-		if ((void *)(data + 1) > (void *)(long)skb->data_end)
-			return false;
-		frame->can_id = data->can_id;
-		frame->len = data->len;
-	} else {
-		if (bpf_skb_load_bytes(skb, lead, &head, sizeof(head)))
-			return false;
-		frame->can_id = head.can_id;
-		frame->len = head.len;
-	}
+	if (!load_head(skb, lead, &head))
+		return false;
+	frame->can_id = head.can_id;
+	frame->len = head.len;
 	return frame->len <= limit;
 }
 
@@ -83,7 +127,7 @@ static __always_inline bool read_frame(struct __sk_buff *skb, __u32 direction, s
 static __always_inline bool is_local(struct __sk_buff *skb)
 {
 	if (test_run)
-		return skb->priority == TEST_RUN_LOCAL;
+		return skb->priority & TEST_RUN_LOCAL;
 	return skb->sk != 0;
 }
 

@@ -8,10 +8,15 @@ struct decision {
 	__u32 reason; /* enum gate_reason */
 };
 
-/* A slot's mask covers its key, so that only a misfit needs to know whose key it was. */
+/*
+ * A slot's mask covers its key, so that only a misfit needs to know whose key it was. Of a masked
+ * slot what the mask covers is the key.
+ */
 static __always_inline __u32 misfit_identifier(const struct gate_slot *slot, __u32 can_id)
 {
-	return (slot->id ^ can_id) & gate_key_mask(profile) ? GATE_R_UNKNOWN : GATE_R_IDENTIFIER;
+	__u32 key = slot->mask & gate_key_mask(profile, slot->id);
+
+	return (slot->id ^ can_id) & key ? GATE_R_UNKNOWN : GATE_R_IDENTIFIER;
 }
 
 static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
@@ -24,7 +29,7 @@ static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
 	if (direction == GATE_EGRESS) {
 		if (source != slot->source)
 			return GATE_R_SOURCE;
-		if (source &&
+		if (source && source != GATE_NO_SOURCE &&
 		    frame->mark != gate_ingress_token(control.token, source, slot->subject))
 			return GATE_R_SOURCE;
 		if (!source && slot->uid != GATE_ANY_UID && slot->uid != bpf_get_socket_uid(skb))
@@ -90,6 +95,17 @@ static __always_inline bool moved_on(const struct frame *frame)
 	return READ_ONCE((&control.generation)[nothing & 1]) != frame->generation;
 }
 
+/* As walk(), from the first masked slot. */
+static __always_inline __u32 walk_masked(struct __sk_buff *skb, struct frame *frame,
+					 __u32 direction, __u32 source)
+{
+	__u32 first = READ_ONCE(table.masked[direction]);
+
+	frame->read += first;
+	return first ? walk(skb, first, frame, direction, source)
+		     : GATE_R_UNKNOWN << 16 | direction;
+}
+
 /* As walk(), by the verdicts of one generation. */
 __noinline __u32 decide_again(struct __sk_buff *skb, const struct frame *frame, __u32 direction,
 			      __u32 source)
@@ -108,13 +124,18 @@ __noinline __u32 decide_again(struct __sk_buff *skb, const struct frame *frame, 
 		copy.generation = READ_ONCE(control.generation);
 		copy.read = first = READ_ONCE(table.head[direction][bucket]);
 		found = walk(skb, first, &copy, direction, source);
+		if (found >> 16 == GATE_R_UNKNOWN)
+			found = walk_masked(skb, &copy, direction, source);
 		if (!moved_on(&copy))
 			return found;
 	}
 	return GATE_R_DENIED << 16 | direction;
 }
 
-/* The first slot is looked at in place: nearly always it is the only one. */
+/*
+ * The first slot is looked at in place: nearly always it is the only one. A key that has a slot is
+ * decided there, even if that refuses: masked slots never open what was refused by name.
+ */
 static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direction,
 					      struct frame *frame, __u32 source)
 {
@@ -139,6 +160,11 @@ static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direc
 		} else if (d.reason != GATE_R_UNKNOWN) {
 			found = d.reason << 16 | first;
 		}
+	}
+	if (found >> 16 == GATE_R_UNKNOWN && READ_ONCE(table.masked[direction])) {
+		copy = *frame;
+		found = walk_masked(skb, &copy, direction, source);
+		frame->read += copy.read;
 	}
 	if (moved_on(frame)) {
 		copy = *frame;

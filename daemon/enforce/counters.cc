@@ -22,7 +22,7 @@ std::optional<UnknownFrame> read(const gate_seen& seen) {
   const std::uint64_t before = load(seen.sequence, __ATOMIC_ACQUIRE);
   const UnknownFrame frame{.can_id = load(seen.can_id),
                            .len = load(seen.len),
-                           .fd = load(seen.format) == GATE_FD,
+                           .format = load(seen.format),
                            .direction = static_cast<Direction>(load(seen.direction)),
                            .count = load(seen.count),
                            .sequence = before};
@@ -55,7 +55,7 @@ ReasonCounters reason_counters(std::span<const gate_cpu> cpus, Direction directi
 }
 
 std::vector<UnknownFrame> unknown_frames(std::span<const gate_cpu> cpus) {
-  std::map<std::tuple<std::uint32_t, bool, Direction>, UnknownFrame> merged;
+  std::map<std::tuple<std::uint32_t, std::uint8_t, Direction>, UnknownFrame> merged;
   for (const auto& cpu : cpus) {
     for (const auto& seen : cpu.seen) {
       // A second try: the writer is done within nanoseconds.
@@ -63,7 +63,7 @@ std::vector<UnknownFrame> unknown_frames(std::span<const gate_cpu> cpus) {
       if (!frame) frame = read(seen);
       if (!frame) continue;
       auto [entry, first] =
-          merged.try_emplace({frame->can_id, frame->fd, frame->direction}, *frame);
+          merged.try_emplace({frame->can_id, frame->format, frame->direction}, *frame);
       if (first) continue;
       frame->count += entry->second.count;
       if (frame->sequence > entry->second.sequence)

@@ -25,8 +25,8 @@ using ReasonCounters = std::array<std::uint64_t, GATE_REASONS>;
 
 struct UnknownFrame {
   std::uint32_t can_id = 0;  ///< with the flags of <linux/can.h>
-  std::uint8_t len = 0;      ///< payload bytes of the latest
-  bool fd = false;
+  std::uint16_t len = 0;     ///< payload bytes of the latest
+  std::uint8_t format = 0;   ///< GATE_CLASSIC, GATE_FD or GATE_XL
   Direction direction = Direction::ingress;
   std::uint64_t count = 0;     ///< at least; a rarer one may have taken its place meanwhile
   std::uint64_t sequence = 0;  ///< grows with every unknown frame of the interface

@@ -39,21 +39,38 @@ std::string name(const SlotSpec& s) {
                      s.direction == Direction::ingress ? "ingress" : "egress");
 }
 
+/// Bits that a mask must have so that the key leads to the slot.
+std::uint32_t whole_key(const SlotSpec& s, std::uint32_t profile) {
+  const std::uint32_t key = gate_key_mask(profile, s.id);
+  return (s.id & CAN_EFF_FLAG) != 0 ? key : key & (CAN_EFF_FLAG | CAN_SFF_MASK);
+}
+
+bool masks_key(const SlotSpec& s, std::uint32_t profile) {
+  const std::uint32_t needed = whole_key(s, profile);
+  return (s.mask & needed) != needed;
+}
+
+bool may_be_masked(std::uint32_t profile) {
+  return profile == GATE_PROFILE_RAW || profile == GATE_PROFILE_CANOPEN;
+}
+
 Result<void> check_spec(const SlotSpec& s, std::uint32_t profile) {
   if (gate_bucket(profile, s.id) == GATE_NO_BUCKET)
     return fail(name(s) + ": the interface's profile has no such identifier");
   if ((s.id & ~s.mask) != 0) return fail(name(s) + ": the identifier has bits outside its mask");
-  std::uint32_t needed = CAN_EFF_FLAG | gate_key_mask(profile);
-  if ((s.id & CAN_EFF_FLAG) == 0) {
-    if ((s.id & CAN_EFF_MASK) > CAN_SFF_MASK)
-      return fail(name(s) + ": an 11-bit identifier is at most 0x7ff");
-    needed = CAN_EFF_FLAG | CAN_SFF_MASK;
-  }
-  if ((s.mask & needed) != needed) return fail(name(s) + ": the mask leaves part of the key open");
+  if ((s.id & CAN_EFF_FLAG) == 0 && (s.id & CAN_EFF_MASK) > CAN_SFF_MASK)
+    return fail(name(s) + ": an 11-bit identifier is at most 0x7ff");
+  if ((s.mask & CAN_EFF_FLAG) == 0)
+    return fail(name(s) + ": the mask leaves open whether there are 11 or 29 bits");
+  if (masks_key(s, profile) && !may_be_masked(profile))
+    return fail(name(s) + ": the mask leaves part of the key open");
   if ((s.id & CAN_ERR_FLAG) != 0) return fail(name(s) + ": error frames have no slot");
-  if (s.formats == 0 || (s.formats & ~(GATE_CLASSIC | GATE_FD)) != 0)
-    return fail(name(s) + ": neither classic nor FD");
-  if (s.source > kLargestIfindex) return fail(name(s) + ": the source is no interface");
+  if (s.formats == 0 || (s.formats & ~(GATE_CLASSIC | GATE_FD | GATE_XL)) != 0)
+    return fail(name(s) + ": neither classic nor FD nor XL");
+  if ((s.formats & GATE_XL) != 0 && (s.id & CAN_EFF_FLAG) != 0)
+    return fail(name(s) + ": CAN XL has 11 bits of priority");
+  if (s.source > kLargestIfindex && s.source != GATE_NO_SOURCE)
+    return fail(name(s) + ": the source is no interface");
   return {};
 }
 
@@ -137,23 +154,24 @@ Result<SlotTable> SlotTable::read(const Memory& memory, std::uint32_t profile, b
 /// Finds the used slots by the chains, the only truth there is, and the free ones by exclusion.
 Result<void> SlotTable::adopt(bool fresh) {
   std::vector<bool> seen(GATE_SLOTS, false);
-  for (const auto& heads : table_->head) {
-    std::uint32_t bucket = 0;
-    for (const std::uint16_t first : heads) {
-      for (std::uint16_t at = first; at != 0; at = table_->slots[at].next) {
-        if (at < GATE_FIRST_SLOT || at >= GATE_SLOTS || seen[at])
-          return fail(fmt::format("slot table: broken chain in bucket {}", bucket));
-        if (gate_bucket(profile_, table_->slots[at].id) != bucket)
-          return fail(fmt::format("slot table: slot {} is in the wrong bucket", at));
-        seen[at] = true;
-        ++used_;
-        // Whoever wrote it may have ended halfway to the next generation.
-        __u16(&halves)[2] = table_->slots[at].verdict;
-        publish(halves[(*generation_ + 1) & 1], halves[*generation_ & 1]);
+  Result<void> sound;
+  for_each_chain([&](Direction direction, std::uint32_t bucket, std::uint16_t first) {
+    for (std::uint16_t at = first; at != 0 && sound; at = table_->slots[at].next) {
+      if (at < GATE_FIRST_SLOT || at >= GATE_SLOTS || seen[at]) {
+        sound = fail(fmt::format("slot table: broken chain in bucket {}", bucket));
+        return;
       }
-      ++bucket;
+      const SlotSpec spec = spec_of(at, direction);
+      if ((is_masked(spec) ? GATE_NO_BUCKET : gate_bucket(profile_, spec.id)) != bucket)
+        sound = fail(fmt::format("slot table: slot {} is in the wrong bucket", at));
+      seen[at] = true;
+      ++used_;
+      // Whoever wrote it may have ended halfway to the next generation.
+      __u8(&halves)[2] = table_->slots[at].verdict;
+      publish(halves[(*generation_ + 1) & 1], halves[*generation_ & 1]);
     }
-  }
+  });
+  if (!sound) return sound;
   auto& unused = fresh ? free_ : quarantine_;
   unused.reserve(GATE_SLOTS - GATE_FIRST_SLOT - used_);
   std::uint16_t slot = GATE_SLOTS;
@@ -162,7 +180,22 @@ Result<void> SlotTable::adopt(bool fresh) {
   return {};
 }
 
+template <class Use>
+void SlotTable::for_each_chain(const Use& use) const {
+  for (const auto direction : {Direction::ingress, Direction::egress}) {
+    const auto d = std::to_underlying(direction);
+    for (std::uint32_t bucket = 0; bucket < GATE_BUCKETS; ++bucket)
+      if (const std::uint16_t first = table_->head[d][bucket]; first != 0)
+        use(direction, bucket, first);
+    if (const std::uint16_t first = table_->masked[d]; first != 0)
+      use(direction, GATE_NO_BUCKET, first);
+  }
+}
+
+bool SlotTable::is_masked(const SlotSpec& spec) const { return masks_key(spec, profile_); }
+
 std::uint16_t* SlotTable::head(const SlotSpec& spec) const {
+  if (is_masked(spec)) return &table_->masked[std::to_underlying(spec.direction)];
   return &table_->head[std::to_underlying(spec.direction)][gate_bucket(profile_, spec.id)];
 }
 
@@ -202,10 +235,10 @@ std::optional<std::uint16_t> SlotTable::find(const SlotSpec& spec) const {
 std::vector<SlotSpec> SlotTable::present() const {
   std::vector<SlotSpec> specs;
   specs.reserve(used_);
-  for (const auto direction : {Direction::ingress, Direction::egress})
-    for (const std::uint16_t first : table_->head[std::to_underlying(direction)])
-      for (std::uint16_t at = first; at != 0; at = table_->slots[at].next)
-        specs.push_back(spec_of(at, direction));
+  for_each_chain([&](Direction direction, std::uint32_t, std::uint16_t first) {
+    for (std::uint16_t at = first; at != 0; at = table_->slots[at].next)
+      specs.push_back(spec_of(at, direction));
+  });
   return specs;
 }
 
@@ -230,28 +263,32 @@ Result<void> SlotTable::check(const SlotChanges& changes) const {
 Result<void> SlotTable::check_room(const SlotChanges& changes) const {
   if (used_ + changes.add.size() - changes.remove.size() > GATE_SLOTS - GATE_FIRST_SLOT)
     return fail(fmt::format("more than {} slots on one interface", GATE_SLOTS - GATE_FIRST_SLOT));
-  using Place = std::pair<Direction, std::uint32_t>;
-  std::map<Place, std::ptrdiff_t> keys;
-  std::map<Place, std::ptrdiff_t> buckets;
-  const std::uint32_t key_mask = gate_key_mask(profile_);
+  using Key = std::pair<Direction, std::uint32_t>;
+  std::map<Key, std::ptrdiff_t> keys;
+  std::map<const std::uint16_t*, std::ptrdiff_t> chains;
+  const auto key_of = [&](const SlotSpec& s) {
+    return Key{s.direction, s.id & gate_key_mask(profile_, s.id)};
+  };
   const auto count = [&](const SlotSpec& s, std::ptrdiff_t n) {
-    keys[{s.direction, s.id & (key_mask | CAN_EFF_FLAG)}] += n;
-    buckets[{s.direction, gate_bucket(profile_, s.id)}] += n;
+    if (!is_masked(s)) keys[key_of(s)] += n;
+    chains[head(s)] += n;
   };
   for (const auto& s : changes.add) {
-    if (!buckets.contains({s.direction, gate_bucket(profile_, s.id)}))
+    if (!chains.contains(head(s)))
       for (const auto slot : chain(s)) count(spec_of(slot, s.direction), 1);
     count(s, 1);
   }
   for (const auto& s : changes.remove)
-    if (buckets.contains({s.direction, gate_bucket(profile_, s.id)})) count(s, -1);
+    if (chains.contains(head(s))) count(s, -1);
   for (const auto& s : changes.add) {
-    if (keys[{s.direction, s.id & (key_mask | CAN_EFF_FLAG)}] > GATE_CHAIN)
+    if (!is_masked(s) && keys[key_of(s)] > GATE_CHAIN)
       return fail(
           fmt::format("{}: more than {} publishers with this identifier", name(s), GATE_CHAIN));
-    if (buckets[{s.direction, gate_bucket(profile_, s.id)}] > GATE_WALK)
-      return fail(fmt::format("{}: more than {} slots whose identifiers fall together", name(s),
-                              GATE_WALK));
+    if (chains[head(s)] <= GATE_WALK) continue;
+    return fail(fmt::format(
+        fmt::runtime(is_masked(s) ? "{}: more than {} slots with a mask in one direction"
+                                  : "{}: more than {} slots whose identifiers fall together"),
+        name(s), GATE_WALK));
   }
   return {};
 }
@@ -338,7 +375,7 @@ void SlotTable::stage(const SlotSpec& spec, gate_verdict verdict) {
 }
 
 void SlotTable::stage(std::uint16_t slot, gate_verdict verdict) {
-  const auto value = static_cast<std::uint16_t>(verdict);
+  const auto value = static_cast<std::uint8_t>(verdict);
   if (verdict == GATE_PASS) forget_findings(table_->watches[slot]);
   publish(table_->slots[slot].verdict[(*generation_ + 1) & 1], value);
   staged_.push_back({slot, value});
@@ -360,13 +397,14 @@ void SlotTable::link(const SlotSpec& spec) {
   for (auto& cpu : cpus_) cpu.slots[slot] = {};
   table_->last_reason[slot] = GATE_R_PASSED;
   table_->slots[slot] = {.verdict = {GATE_DENY, GATE_DENY},
+                         .max_len = spec.max_len,
                          .id = spec.id,
                          .mask = spec.mask,
                          .source = spec.source,
                          .uid = spec.uid,
                          .next = *head(spec),
-                         .max_len = spec.max_len,
                          .formats = formats_of(spec),
+                         .pad = 0,
                          .subject = spec.subject,
                          .per_frame = spec.per_frame,
                          .per_byte = spec.per_byte,

@@ -18,15 +18,17 @@ namespace mlcca::enforce {
 enum class Direction : std::uint8_t { ingress = GATE_INGRESS, egress = GATE_EGRESS };
 
 /// What one slot admits. A frame fits when (can_id & mask) == id, with the flags of <linux/can.h>.
-/// Its key is the identifier (raw) or the low 14 bits of it (famouso).
+/// Its key is what the profile makes the subject: gate_key_mask().
 struct SlotSpec {
   Direction direction = Direction::ingress;
   bool pass = false;
-  std::uint8_t max_len = 8;             ///< payload bytes
-  std::uint8_t formats = GATE_CLASSIC;  ///< GATE_CLASSIC | GATE_FD
+  std::uint16_t max_len = 8;            ///< payload bytes
+  std::uint8_t formats = GATE_CLASSIC;  ///< GATE_CLASSIC | GATE_FD | GATE_XL
   std::uint32_t id = 0;                 ///< with CAN_EFF_FLAG for 29 bits
-  std::uint32_t mask = 0;               ///< has CAN_EFF_FLAG and the key; RTR unless declared
-  std::uint32_t source = 0;             ///< egress: ifindex it entered by, 0: a local program
+  std::uint32_t mask = 0;               ///< has CAN_EFF_FLAG and the key (a masked slot: a part of
+                                        ///< it); RTR unless declared
+  std::uint32_t source = 0;             ///< egress: ifindex it entered by, 0: a local program,
+                                        ///< GATE_NO_SOURCE: the kernel itself
   std::uint32_t uid = GATE_ANY_UID;     ///< local program's user
   std::uint64_t subject = 0;
   // How much passes, see gate_slot; all 0: not policed.
@@ -89,8 +91,9 @@ class SlotTable {
   /// side there are two steps: what goes is denied and removed, and then comes what is new.
   /// What is policed changes word by word, before the verdicts. A channel that is not mentioned is
   /// not touched. Errors: a slot that the profile has no key for, is there twice or is not there;
-  /// more than GATE_SLOTS - 2 slots, GATE_CHAIN of one key, GATE_WALK of one bucket. May wait for
-  /// one grace period (some 10 ms), when only lately removed slots are free.
+  /// more than GATE_SLOTS - 2 slots, GATE_CHAIN of one key, GATE_WALK of one bucket, GATE_WALK
+  /// masked ones of one direction. May wait for one grace period (some 10 ms), when only lately
+  /// removed slots are free.
   Result<void> apply(const SlotChanges& changes);
 
   struct Change {
@@ -107,6 +110,8 @@ class SlotTable {
   /// What the kernel obeys now.
   [[nodiscard]] std::vector<SlotSpec> present() const;
   [[nodiscard]] std::size_t size() const { return used_; }
+  /// Whether the slot is found by its mask, and not by its key.
+  [[nodiscard]] bool is_masked(const SlotSpec& spec) const;
   /// Number of the slot with this grant.
   [[nodiscard]] std::optional<std::uint16_t> find(const SlotSpec& spec) const;
 
@@ -139,13 +144,17 @@ class SlotTable {
   void set_traffic(const SlotSpec& spec);
   void set_expected(std::uint16_t slot, const SlotSpec& spec);
   [[nodiscard]] bool is_watched(std::uint16_t slot) const;
+  /// Calls `use` with the direction, the bucket (GATE_NO_BUCKET: the masked slots) and the first
+  /// slot of every chain that is not empty.
+  template <class Use>
+  void for_each_chain(const Use& use) const;
   [[nodiscard]] std::uint16_t* head(const SlotSpec& spec) const;
   [[nodiscard]] std::vector<std::uint16_t> chain(const SlotSpec& spec) const;
   [[nodiscard]] SlotSpec spec_of(std::uint16_t slot, Direction direction) const;
 
   struct Staged {
     std::uint16_t slot;
-    std::uint16_t verdict;
+    std::uint8_t verdict;
   };
 
   gate_table* table_;

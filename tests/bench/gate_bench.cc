@@ -137,7 +137,7 @@ double time_of(const Case& c) {
 }
 
 /// A step of one verdict.
-void step(__u16 (&halves)[2], std::uint32_t& generation, std::uint16_t verdict) {
+void step(__u8 (&halves)[2], std::uint32_t& generation, std::uint8_t verdict) {
   const std::uint32_t next = generation + 1;
   __atomic_store_n(&halves[next & 1], verdict, __ATOMIC_RELEASE);
   __atomic_store_n(&generation, next, __ATOMIC_RELEASE);
@@ -159,7 +159,7 @@ double verdict_flip(bool with_lookup) {
       [&](int repeat) {
         for (int i = 0; i < repeat; ++i) {
           if (!with_lookup)
-            step(verdict, generation, static_cast<std::uint16_t>(i & 1));
+            step(verdict, generation, static_cast<std::uint8_t>(i & 1));
           else if (!gate.slots().apply((i & 1) != 0 ? open : close))
             std::abort();
         }
@@ -175,7 +175,7 @@ double map_update() {
   return nanoseconds_of(
       [&](int repeat) {
         for (int i = 0; i < repeat; ++i) {
-          value.verdict[0] = static_cast<std::uint16_t>(i & 1);
+          value.verdict[0] = static_cast<std::uint8_t>(i & 1);
           if (bpf_map_update_elem(map.get(), &key, &value, BPF_ANY) != 0) std::abort();
         }
       },

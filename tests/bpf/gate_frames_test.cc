@@ -403,7 +403,7 @@ TEST(GateCounters, ListUnknownFramesNewestFirst) {
   ASSERT_EQ(seen.size(), 4U);
   EXPECT_EQ(seen[0].can_id, 0x200U);
   EXPECT_EQ(seen[0].direction, kOut);
-  EXPECT_TRUE(seen[0].fd);
+  EXPECT_EQ(seen[0].format, GATE_FD);
   EXPECT_EQ(seen[0].len, 5U);
   EXPECT_EQ(seen[1].can_id, 0x100U);
   EXPECT_EQ(seen[1].count, 2U);

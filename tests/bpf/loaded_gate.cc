@@ -16,7 +16,9 @@
 namespace mlcca::test {
 namespace {
 
-constexpr std::uint32_t kTestRunLocal = 1;  // TEST_RUN_LOCAL of the program
+// TEST_RUN_LOCAL and TEST_RUN_XL of the program
+constexpr std::uint32_t kTestRunLocal = 1;
+constexpr std::uint32_t kTestRunXl = 2;
 
 template <class T>
 T require(T value, const char* what) {
@@ -34,6 +36,17 @@ Bytes frame(std::uint32_t can_id, unsigned length, bool fd) {
   std::memcpy(bytes.data(), &can_id, sizeof(can_id));
   bytes[4] = static_cast<std::uint8_t>(length);
   if (fd) bytes[5] = CANFD_FDF;
+  return bytes;
+}
+
+Bytes xl_frame(std::uint32_t id, unsigned length, std::size_t lead) {
+  constexpr std::size_t header = 12;  // of struct canxl_frame: id, flags, SDT, length, acceptance
+  constexpr std::uint8_t xl_flag = 0x80;
+  Bytes bytes(lead + header + length);
+  const auto size = static_cast<std::uint16_t>(length);
+  std::memcpy(&bytes[lead], &id, sizeof(id));
+  bytes[lead + 4] = xl_flag;
+  std::memcpy(&bytes[lead + 6], &size, sizeof(size));
   return bytes;
 }
 
@@ -88,7 +101,7 @@ gate_control& LoadedGate::control() const { return object_->data_control->contro
 
 bpf_test_run_opts LoadedGate::execute(enforce::Direction direction, const Bytes& bytes,
                                       __sk_buff& context, const Sender& sender, int repeat) const {
-  context.priority = sender.local ? kTestRunLocal : 0;
+  context.priority = (sender.local ? kTestRunLocal : 0) | (sender.xl ? kTestRunXl : 0);
   context.mark = sender.mark;
   context.ingress_ifindex = sender.ingress_ifindex;
   LIBBPF_OPTS(bpf_test_run_opts, run);

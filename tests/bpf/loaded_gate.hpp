@@ -34,10 +34,15 @@ using Bytes = std::vector<std::uint8_t>;
 /// A classic frame for up to 8 bytes when `fd` is false, else an FD frame. `length` may be wrong.
 Bytes frame(std::uint32_t can_id, unsigned length, bool fd = false);
 
+/// A CAN XL frame of `length` payload bytes behind `lead` bytes of a driver's private data, which
+/// are 0. `id`: the word with the priority.
+Bytes xl_frame(std::uint32_t id, unsigned length, std::size_t lead = 0);
+
 struct Sender {
   bool local = false;  ///< a program of user 0
   std::uint32_t mark = 0;
   std::uint32_t ingress_ifindex = 0;
+  bool xl = false;  ///< the kernel says that it is a CAN XL frame
 };
 
 struct Outcome {

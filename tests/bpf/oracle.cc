@@ -13,7 +13,7 @@ using enforce::SlotSpec;
 struct Parsed {
   std::uint32_t can_id = 0;
   unsigned len = 0;
-  bool fd = false;
+  std::uint8_t format = GATE_CLASSIC;
 };
 
 /// At ingress up to 32 bytes, a multiple of 8, may stand in front of the frame.
@@ -24,23 +24,67 @@ bool is_frame(std::size_t size, std::size_t mtu, Direction direction) {
 
 std::optional<Parsed> parse(const Bytes& bytes, Direction direction) {
   Parsed f;
-  f.fd = is_frame(bytes.size(), CANFD_MTU, direction);
-  if (!f.fd && !is_frame(bytes.size(), CAN_MTU, direction)) return std::nullopt;
-  const auto* const start = bytes.data() + bytes.size() - (f.fd ? CANFD_MTU : CAN_MTU);
+  const bool fd = is_frame(bytes.size(), CANFD_MTU, direction);
+  if (!fd && !is_frame(bytes.size(), CAN_MTU, direction)) return std::nullopt;
+  const auto* const start = bytes.data() + bytes.size() - (fd ? CANFD_MTU : CAN_MTU);
   std::memcpy(&f.can_id, start, 4);
   f.len = start[4];
-  if (f.len > (f.fd ? 64U : 8U)) return std::nullopt;
+  f.format = fd ? GATE_FD : GATE_CLASSIC;
+  if (f.len > (fd ? 64U : 8U)) return std::nullopt;
   return f;
 }
 
-bool same_key(std::uint32_t profile, std::uint32_t a, std::uint32_t b) {
-  const bool extended = (a & CAN_EFF_FLAG) != 0;
-  if (extended != ((b & CAN_EFF_FLAG) != 0)) return false;
-  if (profile == GATE_PROFILE_FAMOUSO) return extended && (a & 0x3fff) == (b & 0x3fff);
-  return profile == GATE_PROFILE_RAW && (a & CAN_EFF_MASK) == (b & CAN_EFF_MASK);
+/// A header of 12 bytes that fits what is there, at its start or behind 16 bytes, not both.
+std::optional<Parsed> parse_xl(const Bytes& bytes, Direction direction) {
+  std::optional<Parsed> found;
+  for (const std::size_t lead : {0U, 16U}) {
+    if ((lead != 0 && direction == Direction::egress) || bytes.size() < lead + 8) continue;
+    Parsed f{.format = GATE_XL};
+    std::uint16_t len = 0;
+    std::memcpy(&f.can_id, &bytes[lead], 4);
+    std::memcpy(&len, &bytes[lead + 6], 2);
+    f.len = len;
+    if ((bytes[lead + 4] & 0x80U) == 0 || len < 1 || len > 2048) continue;
+    if (bytes.size() != lead + 12 + len) continue;
+    if (found) return std::nullopt;
+    found = f;
+  }
+  // The priority has 11 bits, and the network's number stands in bits 16 to 23.
+  if (found && (found->can_id & ~0x00ff07ffU) != 0) return std::nullopt;
+  return found;
 }
 
-constexpr std::int64_t kNobody = -1;
+std::uint32_t bits(std::uint32_t id, unsigned first, unsigned last) {
+  return (id >> first) & ((1U << (last - first + 1)) - 1);
+}
+
+/// What the profile's document calls the name of a message; nothing where it knows none.
+std::optional<std::uint32_t> key(std::uint32_t profile, std::uint32_t id) {
+  const bool extended = (id & CAN_EFF_FLAG) != 0;
+  switch (profile) {
+    case GATE_PROFILE_RAW:
+      return extended ? id & (CAN_EFF_FLAG | CAN_EFF_MASK) : bits(id, 0, 10);
+    case GATE_PROFILE_CANOPEN:
+      if (extended) return std::nullopt;
+      return bits(id, 0, 10);
+    case GATE_PROFILE_FAMOUSO:
+      if (!extended) return std::nullopt;
+      return bits(id, 0, 13);
+    case GATE_PROFILE_J1939: {
+      if (!extended) return std::nullopt;
+      const bool has_destination = bits(id, 16, 23) < 240;
+      return bits(id, 16, 25) << 8 | (has_destination ? 0 : bits(id, 8, 15));
+    }
+    case GATE_PROFILE_CYPHAL:
+      if (!extended || bits(id, 25, 25) != 0 || bits(id, 23, 23) != 0 || bits(id, 7, 7) != 0)
+        return std::nullopt;
+      return bits(id, 8, 20);
+    default:
+      return std::nullopt;
+  }
+}
+
+constexpr std::int64_t kNobody = GATE_NO_SOURCE;
 
 std::int64_t source(const Sender& sender) {
   if (sender.local) return 0;
@@ -49,7 +93,7 @@ std::int64_t source(const Sender& sender) {
 
 /// The mark says that the interface of the slot has passed the frame as the slot's subject.
 bool vouched(const SlotSpec& s, std::uint32_t mark) {
-  return s.source != 0 && mark == gate_ingress_token(kToken, s.source, s.subject);
+  return s.source == GATE_NO_SOURCE || mark == gate_ingress_token(kToken, s.source, s.subject);
 }
 
 gate_reason misfit(const SlotSpec& s, const Parsed& f, std::int64_t from, std::uint32_t mark) {
@@ -59,24 +103,49 @@ gate_reason misfit(const SlotSpec& s, const Parsed& f, std::int64_t from, std::u
     if (from != 0 && !vouched(s, mark)) return GATE_R_SOURCE;
     if (from == 0 && s.uid != GATE_ANY_UID && s.uid != 0) return GATE_R_SOURCE;
   }
-  if ((s.formats & (f.fd ? GATE_FD : GATE_CLASSIC)) == 0) return GATE_R_FORMAT;
+  if ((s.formats & f.format) == 0) return GATE_R_FORMAT;
   if (f.len > s.max_len) return GATE_R_LENGTH;
   return s.pass ? GATE_R_PASSED : GATE_R_DENIED;
 }
 
-/// The latest slot is asked first; a passing one wins, then the one that came furthest.
+/// Identifiers as they are: the key is all of them.
+bool is_plain(std::uint32_t profile) {
+  return profile == GATE_PROFILE_RAW || profile == GATE_PROFILE_CANOPEN;
+}
+
+/// The slot leaves part of the key open.
+bool is_masked(std::uint32_t profile, const SlotSpec& s) {
+  if (!is_plain(profile)) return false;
+  const std::uint32_t whole = (s.id & CAN_EFF_FLAG) != 0 ? CAN_EFF_MASK : CAN_SFF_MASK;
+  return (s.mask & whole) != whole;
+}
+
+/// The frame has what the mask covers of the slot's key.
+bool fits_mask(const SlotSpec& s, std::uint32_t can_id) {
+  return ((s.id ^ can_id) & s.mask & (CAN_EFF_FLAG | CAN_EFF_MASK)) == 0;
+}
+
+/// The latest slot is asked first; a passing one wins, then the one that came furthest. Slots with
+/// a mask are asked when no slot has the frame's key.
 void decide(const World& world, Direction direction, const Parsed& f, std::int64_t from,
             std::uint32_t mark, Judgement& j) {
   j.reason = GATE_R_UNKNOWN;
-  for (std::size_t i = world.slots.size(); i-- > 0;) {
-    const auto& s = world.slots[i];
-    if (s.direction != direction || !same_key(world.profile, s.id, f.can_id)) continue;
-    const auto reason = misfit(s, f, from, mark);
-    if (reason == GATE_R_PASSED || reason > j.reason) {
-      j.reason = reason;
-      j.slot = i;
+  const auto name = key(world.profile, f.can_id);
+  if (!name) return;
+  for (const bool masked : {false, true}) {
+    for (std::size_t i = world.slots.size(); i-- > 0;) {
+      const auto& s = world.slots[i];
+      if (s.direction != direction || is_masked(world.profile, s) != masked) continue;
+      if (!masked && key(world.profile, s.id) != name) continue;
+      if (is_plain(world.profile) && !fits_mask(s, f.can_id)) continue;
+      const auto reason = misfit(s, f, from, mark);
+      if (reason == GATE_R_PASSED || reason > j.reason) {
+        j.reason = reason;
+        j.slot = i;
+      }
+      if (reason == GATE_R_PASSED) return;
     }
-    if (reason == GATE_R_PASSED) return;
+    if (j.reason != GATE_R_UNKNOWN) return;
   }
 }
 
@@ -87,7 +156,7 @@ Judgement refused(const World& world, gate_reason reason, std::uint32_t mark) {
 Judgement judge_ingress(const World& world, const Bytes& bytes, const Sender& sender) {
   const Judgement echo{.outcome = {false, 0}, .reason = GATE_R_ECHO, .slot = {}, .bytes = 0};
   if (sender.local || (world.echo_by_mark && sender.mark == ~kToken)) return echo;
-  const auto f = parse(bytes, Direction::ingress);
+  const auto f = sender.xl ? parse_xl(bytes, Direction::ingress) : parse(bytes, Direction::ingress);
   if (!f) return refused(world, GATE_R_MALFORMED, 0);
   if ((f->can_id & CAN_ERR_FLAG) != 0)
     return {.outcome = {false, 0}, .reason = GATE_R_ERROR_IN, .slot = {}, .bytes = 0};
@@ -103,7 +172,7 @@ Judgement judge_ingress(const World& world, const Bytes& bytes, const Sender& se
 
 Judgement judge_egress(const World& world, const Bytes& bytes, const Sender& sender) {
   const std::uint32_t mark = world.echo_by_mark ? ~kToken : 0;
-  const auto f = parse(bytes, Direction::egress);
+  const auto f = sender.xl ? parse_xl(bytes, Direction::egress) : parse(bytes, Direction::egress);
   if (!f) return refused(world, GATE_R_MALFORMED, mark);
   if ((f->can_id & CAN_ERR_FLAG) != 0) return refused(world, GATE_R_ERROR_FRAME, mark);
   if (!world.open || world.lapsed) return refused(world, GATE_R_CLOSED, mark);

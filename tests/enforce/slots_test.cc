@@ -1,97 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The slot table on plain memory: no kernel, no root.
-#include "daemon/enforce/slots.hpp"
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <cstring>
-#include <memory>
 #include <random>
-#include <tuple>
 
 #include "daemon/enforce/counters.hpp"
+#include "enforce/slots_fixture.hpp"
 
 namespace mlcca::enforce {
 namespace {
-
-constexpr std::uint32_t kStandard = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK;
-constexpr std::uint32_t kExtended = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_EFF_MASK;
-
-SlotSpec raw(std::uint32_t id, std::uint32_t source = 0) {
-  SlotSpec s;
-  s.direction = Direction::egress;
-  s.pass = true;
-  s.id = id;
-  s.mask = (id & CAN_EFF_FLAG) != 0 ? kExtended : kStandard;
-  s.source = source;
-  s.subject = 1;
-  return s;
-}
-
-SlotSpec refused(SlotSpec s) {
-  s.pass = false;
-  return s;
-}
-
-SlotChanges adding(std::vector<SlotSpec> specs) {
-  SlotChanges changes;
-  changes.add = std::move(specs);
-  return changes;
-}
-SlotChanges removing(std::vector<SlotSpec> specs) {
-  SlotChanges changes;
-  changes.remove = std::move(specs);
-  return changes;
-}
-
-std::vector<SlotSpec> sorted(std::vector<SlotSpec> specs) {
-  std::ranges::sort(specs, {}, [](const SlotSpec& s) {
-    return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.max_len, s.formats, s.subject,
-                      s.pass);
-  });
-  return specs;
-}
-
-/// Identifiers of 29 bits that fall into one bucket.
-std::vector<std::uint32_t> colliding(std::size_t count) {
-  std::vector<std::uint32_t> ids;
-  const std::uint32_t bucket = gate_bucket(GATE_PROFILE_RAW, CAN_EFF_FLAG);
-  for (std::uint32_t id = CAN_EFF_FLAG; ids.size() < count; ++id)
-    if (gate_bucket(GATE_PROFILE_RAW, id) == bucket) ids.push_back(id);
-  return ids;
-}
-
-class Slots : public testing::Test {
- protected:
-  SlotTable read(bool fresh = true, std::uint32_t profile = GATE_PROFILE_RAW) {
-    auto table = SlotTable::read({*memory_, {cpus_.get(), 2}, generation_}, profile, fresh, [this] {
-      ++waits_;
-      return wait_result_;
-    });
-    EXPECT_TRUE(table) << table.error().text;
-    return std::move(*table);
-  }
-  static std::string error(SlotTable& slots, const SlotChanges& changes) {
-    const auto before = slots.present();
-    const auto result = slots.apply(changes);
-    EXPECT_EQ(slots.present(), before);
-    return result ? "" : result.error().text;
-  }
-
-  /// Of a slot that no step is halfway through.
-  [[nodiscard]] unsigned verdict_of(std::uint16_t slot) const {
-    const auto& verdict = memory_->slots[slot].verdict;
-    EXPECT_EQ(verdict[0], verdict[1]);
-    return verdict[generation_ & 1];
-  }
-
-  std::uint32_t generation_ = 0;
-  std::unique_ptr<gate_table> memory_ = std::make_unique<gate_table>();
-  std::unique_ptr<gate_cpu[]> cpus_ = std::make_unique<gate_cpu[]>(2);
-  int waits_ = 0;
-  Result<void> wait_result_;
-};
 
 TEST_F(Slots, FreshTableIsEmpty) {
   const auto slots = read();
@@ -269,108 +185,6 @@ TEST_F(Slots, ReusedSlotCountsFromZero) {
   EXPECT_EQ(count.passed + count.dropped + count.bytes, 0U);
   EXPECT_EQ(count.last_reason, GATE_R_PASSED);
 }
-
-TEST_F(Slots, LimitOfSlotsIsExact) {
-  auto slots = read();
-  std::vector<SlotSpec> all;
-  for (std::uint32_t i = 0; i < GATE_SLOTS - GATE_FIRST_SLOT; ++i) all.push_back(raw(i / 2, i % 2));
-  auto more = all;
-  more.push_back(raw(0x7ff, 5));
-  EXPECT_NE(error(slots, adding(more)).find("more than 4094 slots"), std::string::npos);
-  ASSERT_TRUE(slots.apply(adding(all)));
-  EXPECT_NE(error(slots, adding({raw(0x7ff, 5)})).find("more than 4094 slots"), std::string::npos);
-}
-
-TEST_F(Slots, FullTableIsExchangedAsAWhole) {
-  auto slots = read();
-  std::vector<SlotSpec> old_slots;
-  std::vector<SlotSpec> new_slots;
-  for (std::uint32_t i = 0; i < GATE_SLOTS - GATE_FIRST_SLOT; ++i) {
-    old_slots.push_back(raw(i / 2, i % 2));
-    new_slots.push_back(raw(CAN_EFF_FLAG | i));
-  }
-  ASSERT_TRUE(slots.apply(adding(old_slots)));
-  ASSERT_TRUE(slots.apply(difference(slots.present(), new_slots)));
-  EXPECT_EQ(sorted(slots.present()), sorted(new_slots));
-}
-
-TEST_F(Slots, LimitOfPublishersIsExact) {
-  auto slots = read();
-  for (std::uint32_t i = 0; i < GATE_CHAIN; ++i)
-    ASSERT_TRUE(slots.apply(adding({raw(0x10, i)}))) << i;
-  EXPECT_NE(error(slots, adding({raw(0x10, GATE_CHAIN)})).find("more than 8 publishers"),
-            std::string::npos);
-  ASSERT_TRUE(slots.apply(removing({raw(0x10, 3)})));
-  EXPECT_TRUE(slots.apply(adding({raw(0x10, GATE_CHAIN)})));
-}
-
-TEST_F(Slots, LimitOfIdentifiersThatFallTogetherIsExact) {
-  auto slots = read();
-  const auto ids = colliding(GATE_WALK + 1);
-  for (std::uint32_t i = 0; i < GATE_WALK; ++i)
-    ASSERT_TRUE(slots.apply(adding({raw(ids[i])}))) << i;
-  EXPECT_NE(error(slots, adding({raw(ids.back())})).find("more than 32 slots"), std::string::npos);
-  auto changes = adding({raw(ids.back())});
-  changes.remove = {raw(ids.front())};
-  EXPECT_TRUE(slots.apply(changes)) << "room is made first";
-}
-
-TEST_F(Slots, EightPublishersOfEachCollidingIdentifierFit) {
-  auto slots = read();
-  for (const auto id : colliding(GATE_WALK / GATE_CHAIN))
-    for (std::uint32_t i = 0; i < GATE_CHAIN; ++i) ASSERT_TRUE(slots.apply(adding({raw(id, i)})));
-}
-
-TEST_F(Slots, FamousoSlotsOfOneEtagShareABucket) {
-  auto slots = read(true, GATE_PROFILE_FAMOUSO);
-  ASSERT_TRUE(slots.apply(adding({raw(CAN_EFF_FLAG | 5U << 14 | 0x64)})));
-  ASSERT_TRUE(slots.apply(adding({raw(CAN_EFF_FLAG | 6U << 14 | 0x64)})));
-  EXPECT_NE(memory_->slots[memory_->head[GATE_EGRESS][0x64]].next, 0);
-}
-
-struct BadSpec {
-  const char* name;
-  std::uint32_t profile;
-  void (*spoil)(SlotSpec&);
-  const char* text;
-};
-
-class BadSlots : public Slots, public testing::WithParamInterface<BadSpec> {};
-
-TEST_P(BadSlots, AreRefusedWithoutAChange) {
-  auto slots = read(true, GetParam().profile);
-  auto spec = raw(GetParam().profile == GATE_PROFILE_RAW ? 0x10 : CAN_EFF_FLAG | 0x10);
-  auto good = spec;
-  good.subject = 2;
-  GetParam().spoil(spec);
-  const auto text = error(slots, adding({good, spec}));
-  EXPECT_NE(text.find(GetParam().text), std::string::npos) << text;
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Table, BadSlots,
-    testing::Values(
-        BadSpec{"StandardIdInFamouso", GATE_PROFILE_FAMOUSO, [](auto& s) { s.id = 0x10; },
-                "no such identifier"},
-        BadSpec{"NoProfile", GATE_PROFILE_NONE, [](auto&) {}, "no such identifier"},
-        BadSpec{"BitsOutsideTheMask", GATE_PROFILE_RAW,
-                [](auto& s) { s.mask = kStandard & ~0x10U; }, "outside its mask"},
-        BadSpec{"KeyBitOpen", GATE_PROFILE_RAW, [](auto& s) { s.mask &= ~1U; }, "part of the key"},
-        BadSpec{"FormOpen", GATE_PROFILE_RAW, [](auto& s) { s.mask &= ~CAN_EFF_FLAG; },
-                "part of the key"},
-        BadSpec{"EtagBitOpen", GATE_PROFILE_FAMOUSO, [](auto& s) { s.mask &= ~0x2000U; },
-                "part of the key"},
-        BadSpec{"StandardIdTooLarge", GATE_PROFILE_RAW,
-                [](auto& s) { s.id = 0x800, s.mask = kExtended; }, "at most 0x7ff"},
-        BadSpec{"ErrorFrame", GATE_PROFILE_RAW,
-                [](auto& s) { s.id |= CAN_ERR_FLAG, s.mask |= CAN_ERR_FLAG; }, "error frames"},
-        BadSpec{"NoFormat", GATE_PROFILE_RAW, [](auto& s) { s.formats = 0; }, "neither classic"},
-        BadSpec{"UnknownFormat", GATE_PROFILE_RAW, [](auto& s) { s.formats = 4; },
-                "neither classic"},
-        BadSpec{"NobodyAsSource", GATE_PROFILE_RAW, [](auto& s) { s.source = GATE_NO_SOURCE; },
-                "no interface"},
-        BadSpec{"TheSameTwice", GATE_PROFILE_RAW, [](auto& s) { s.subject = 2; }, "there already"}),
-    [](const auto& row) { return row.param.name; });
 
 TEST_F(Slots, ChangesOfAbsentSlotsAreRefused) {
   auto slots = read();
