@@ -174,7 +174,8 @@ void Explainer::add_obstacle(const Verdict& v) {
                name_of(s_.system, v.obstacle_at);
       break;
     case Obstacle::no_node:
-      f.hint = "add attribute node to the publisher";
+      f.hint = publisher.node ? "give the publisher another node"
+                              : "add attribute node to the publisher";
       break;
     case Obstacle::too_long:
       f.hint = "publish a smaller MaxPayload, or use a network with longer frames";

@@ -42,7 +42,7 @@ constexpr auto kTable = std::to_array<FindingInfo>({
      "others who hear the events on a shared medium are not fulfilled"},
     {Id::capacity, S::error, "capacity", "a network cannot carry all of its channels together"},
     {Id::too_long, S::error, "too-long", "events do not fit the frames of a network"},
-    {Id::no_node, S::error, "no-node", "a publisher states no FAMOUSO node where one is needed"},
+    {Id::no_node, S::error, "no-node", "a publisher states no node where one is needed"},
     {Id::no_traffic, S::error, "no-traffic",
      "a publisher does not say what it sends where capacity is shared"},
     {Id::run_time, S::note, "run-time", "best cases do not refute it: decided at run time"},

@@ -11,6 +11,7 @@
 #include "core/allocation.hpp"
 #include "core/explain.hpp"
 #include "core/members.hpp"
+#include "core/profile.hpp"
 #include "core/text.hpp"
 #include "core/topology.hpp"
 #include "core/world.hpp"
@@ -133,7 +134,7 @@ class Inspector {
         if (hop.kind != Place::Kind::network || s_.networks[hop.index].profile == Profile::none)
           continue;
         const Publisher& p = members_.publisher(v.publisher);
-        const bool named = s_.networks[hop.index].profile == Profile::famouso;
+        const bool named = has_nodes(s_.networks[hop.index].profile);
         const std::size_t device = i == 0 ? kOwn + v.publisher : v.route[i - 1].index;
         const auto [it, fresh] =
             device_of.try_emplace({hop.index, named ? p.node.value_or(0) : 0U}, device);
@@ -143,7 +144,8 @@ class Inspector {
             "events of channel " + s_.channels[c].name + " reach " + s_.networks[hop.index].name +
                 " over " + sender_words(it->second) + " and over " + sender_words(device) +
                 ": two senders of one identifier",
-            "declare routes over one gateway, or give each publisher a node of its own (famouso)",
+            "declare routes over one gateway, or give each publisher a node of its own (where the "
+            "profile has nodes)",
             c, static_cast<std::uint32_t>(v.publisher));
         out_.findings.back().place = hop;
         out_.findings.back().has_place = true;

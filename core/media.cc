@@ -224,9 +224,7 @@ void Media::take_bus(std::size_t hop) {
   }
   provide(provision, Attribute::period, message->period);
   const Network& medium = s_.system.networks[network];
-  provide(provision, Attribute::max_payload,
-          medium.profile == Profile::famouso ? kFamousoMaxEvent
-                                             : frame_bytes(*medium.binding_of(v_.channel)));
+  provide(provision, Attribute::max_payload, event_bytes(medium, *medium.binding_of(v_.channel)));
 }
 
 // --- meshes -------------------------------------------------------------------------------------

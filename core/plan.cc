@@ -11,13 +11,6 @@
 namespace mlcca::core {
 namespace {
 
-// FAMOUSO's 29-bit identifier: priority, fragment bit, node, etag.
-constexpr std::uint32_t kEtagMask = 0x3fff;
-constexpr std::uint32_t kExtendedMask = 0x1fffffff;
-constexpr unsigned kNodeShift = 14;
-constexpr unsigned kFragmentShift = 21;
-constexpr unsigned kPriorityShift = 22;
-
 /// 500 ppm: a publisher's clock and ours.
 constexpr Value kClocks = 2000;
 
@@ -125,8 +118,9 @@ class Planner {
     e.port = port;
     e.direction = direction;
     e.subject = system_.channels[p.channel].subject;
-    e.classic = binding->format != FrameFormat::fd;
-    e.fd = binding->format != FrameFormat::classic;
+    e.classic = binding->format == FrameFormat::classic || binding->format == FrameFormat::any;
+    e.fd = binding->format == FrameFormat::fd || binding->format == FrameFormat::any;
+    e.xl = binding->format == FrameFormat::xl;
     if (!identify(p, network, *binding, e)) return;
     if (direction == Direction::egress) {
       if (source != kLocal)
@@ -161,23 +155,12 @@ class Planner {
     const AttributeSet& offered = attributes_in(p, set_);
     const bool sized = offered.has(Attribute::max_payload);
     const Value bytes = offered[Attribute::max_payload];
+    const auto identity = identity_of(p, network, b, is_fragmented(network, &b, bytes));
+    if (!identity) return false;
     e.max_length =
-        static_cast<std::uint8_t>(sized ? std::min<Value>(bytes, frame_bytes(b)) : frame_bytes(b));
-    e.mask = kExtendedFlag | (b.remote_frames ? 0 : kRemoteFlag);
-    if (network.profile == Profile::famouso) {
-      if (!p.node) return false;
-      e.key = b.id;
-      e.id = kExtendedFlag | static_cast<std::uint32_t>(p.priority) << kPriorityShift |
-             static_cast<std::uint32_t>(*p.node) << kNodeShift | b.id;
-      e.mask |= kExtendedMask;
-      // Events up to the published size may be split or not: both forms of the frame are granted.
-      if (is_fragmented(network, &b, bytes)) e.mask &= ~(1U << kFragmentShift);
-      return true;
-    }
-    e.key = b.extended ? b.id | kExtendedFlag : b.id;
-    e.id = e.key;
-    // All 29 bits for 11-bit identifiers too: bits that a standard frame does not have must be 0.
-    e.mask |= kExtendedMask;
+        static_cast<std::uint16_t>(sized ? frame_bytes(network, b, bytes) : frame_bytes(b));
+    e.id = identity->id;
+    e.mask = identity->mask | (b.remote_frames ? 0 : kRemoteFlag);
     return true;
   }
 
@@ -188,7 +171,6 @@ class Planner {
   Value silence_ = 0;    ///< of the publisher that is being added, kUnbounded: none
   Rules rules_;
 };
-static_assert(kEtagMask == (1U << kNodeShift) - 1);
 
 void add_channel(Planner& planner, const Members& members, std::size_t channel,
                  const std::vector<Verdict>& verdicts, AdmissionId without = 0) {

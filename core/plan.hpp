@@ -8,6 +8,7 @@
 
 #include "core/admission.hpp"
 #include "core/members.hpp"
+#include "core/profile.hpp"
 #include "core/system.hpp"
 #include "core/verdict.hpp"
 
@@ -15,23 +16,20 @@ namespace mlcca::core {
 
 enum class Direction : std::uint8_t { ingress, egress };
 
-/// Flags of a CAN identifier as the kernel carries them.
-inline constexpr std::uint32_t kExtendedFlag = 0x80000000U;
-inline constexpr std::uint32_t kRemoteFlag = 0x40000000U;
-
 /// What one slot of a gate admits or refuses: everything that was granted and nothing more.
 struct GateEntry {
   std::size_t port = 0;  ///< of this gateway
   Direction direction = Direction::ingress;
-  std::uint32_t key = 0;  ///< etag or identifier; with kExtendedFlag for a 29-bit raw identifier
-  std::uint32_t id = 0;   ///< a frame fits when (can_id & mask) == id
+  std::uint32_t id = 0;  ///< a frame fits when (can_id & mask) == id
   std::uint32_t mask = 0;
   std::optional<std::size_t>
-      source_port;              ///< egress: where the frame came in; none: a local program
-  std::uint32_t uid = 0;        ///< egress, local program: its user
-  std::uint8_t max_length = 0;  ///< payload bytes of a frame
+      source_port;               ///< egress: where the frame came in; none: a local program
+  std::uint32_t uid = 0;         ///< egress, local program: its user
+  bool from_kernel = false;      ///< egress: of no program, but of a protocol in the kernel
+  std::uint16_t max_length = 0;  ///< payload bytes of a frame
   bool classic = false;
   bool fd = false;
+  bool xl = false;
   Subject subject = 0;
 
   auto operator<=>(const GateEntry&) const = default;

@@ -8,6 +8,7 @@
 
 #include "core/media.hpp"
 #include "core/medium.hpp"
+#include "core/profile.hpp"
 #include "core/user_values.hpp"
 #include "mlcca/check.hpp"
 #include "mlcca/compose.hpp"
@@ -77,15 +78,10 @@ class RouteCheck {
       obstruct(Obstacle::unbound, hop);
       return;
     }
-    if (network.profile == Profile::famouso) {
-      if (!publisher().node) obstruct(Obstacle::no_node, hop);
-      if (offered().has(Attribute::max_payload) &&
-          offered()[Attribute::max_payload] > kFamousoMaxEvent)
-        obstruct(Obstacle::too_long, hop);
-    } else if (offered().has(Attribute::max_payload) &&
-               offered()[Attribute::max_payload] > frame_bytes(*binding)) {
+    if (!can_send(publisher(), network)) obstruct(Obstacle::no_node, hop);
+    if (offered().has(Attribute::max_payload) &&
+        offered()[Attribute::max_payload] > event_bytes(network, *binding))
       obstruct(Obstacle::too_long, hop);
-    }
   }
 
   void collect_hops() {

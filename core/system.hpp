@@ -61,19 +61,28 @@ inline constexpr std::size_t kMaxHops = 16;
 enum class NetworkKind : std::uint8_t { can, udp_multicast, mesh, ieee802154, other };
 
 /// How frames on the network's interfaces name their subject.
-enum class Profile : std::uint8_t { none, raw, famouso };
+enum class Profile : std::uint8_t { none, raw, famouso, j1939, cyphal, canopen };
 
-/// Which CAN frame formats a binding allows.
-enum class FrameFormat : std::uint8_t { classic, fd, any };
+/// Which CAN frame formats a binding allows; any: classic and FD.
+enum class FrameFormat : std::uint8_t { classic, fd, any, xl };
 
-/// The subject of a channel on one network: an identifier (raw) or an etag (famouso).
+/// The subject of a channel on one network: what the profile calls it.
 struct Binding {
   std::size_t channel = 0;  ///< index into System::channels
-  std::uint32_t id = 0;     ///< raw: 11 or 29 bits; famouso: etag, 14 bits
-  bool extended = false;    ///< raw: 29-bit form; famouso: always true
+  std::uint32_t id = 0;     ///< identifier (raw), etag, PGN, subject-id or COB-ID
+  bool extended = false;    ///< 29-bit identifiers; raw: as stated, else as the profile has them
   FrameFormat format = FrameFormat::classic;
-  bool remote_frames = false;  ///< RTR frames are part of the channel (default: never)
+  bool remote_frames = false;               ///< RTR frames are part of the channel (default: never)
+  std::optional<std::uint8_t> priority;     ///< j1939, cyphal: 0 (highest) to 7; none: any
+  std::optional<std::uint8_t> destination;  ///< j1939, PDU1: address; none: any
+  std::uint32_t mask = 0x1fffffff;          ///< raw: bits of the identifier that count
   Origin origin;
+
+  /// It names a range of identifiers.
+  [[nodiscard]] bool is_masked() const {
+    const std::uint32_t whole = extended ? 0x1fffffff : 0x7ff;
+    return (mask & whole) != whole;
+  }
 };
 
 /// At most `count` errors on the bus in any `interval`, ns. count 0: errors are not expected.
@@ -94,11 +103,19 @@ struct CanBus {
   bool operator==(const CanBus&) const = default;
 };
 
+/// What of a profile's control traffic (core/control_traffic.hpp) passes a gate.
+struct ControlPolicy {
+  std::optional<std::uint32_t> kinds;  ///< a bit for each kind, in their order; none: the default
+  std::uint32_t rate = 0;              ///< frames/s of each kind; 0: the kind's own
+  bool operator==(const ControlPolicy&) const = default;
+};
+
 struct Network {
   std::string name;
   NetworkKind kind = NetworkKind::can;
   Profile profile = Profile::none;
   CanBus bus;                      ///< of a CAN network
+  ControlPolicy control;           ///< of a CAN network
   std::optional<mesh::Mesh> mesh;  ///< of a mesh whose routes are evaluated
   AttributeSet provision;          ///< static provision; a dynamic mark makes it a best case
   UserValues user;
@@ -146,6 +163,8 @@ struct Port {
   std::uint32_t fifo_depth = 1;     ///< frames that the controller holds behind the queue, 1 to 64
   std::uint32_t queue_length = 10;  ///< frames that fit the queue before one is lost, 1 to 10000
   Excess excess = Excess::drop;
+  ControlPolicy control;          ///< what it states goes before what the network states
+  std::uint32_t control_uid = 0;  ///< user whose programs may send control traffic
   Origin origin;
 };
 
@@ -198,7 +217,7 @@ struct Publisher {
   UserValues user;
   std::vector<Alternative> lower;  ///< the same in each of the channel's further sets
   std::uint32_t component = kNoComponent;
-  std::optional<std::uint8_t> node;        ///< famouso tx_node, 0..127
+  std::optional<std::uint8_t> node;        ///< its number where the profile has one
   std::optional<std::uint32_t> mesh_node;  ///< on a mesh: index into its nodes; none: any of them
   std::uint8_t priority = 0x7d;            ///< famouso, 0 (highest)..127
   std::optional<std::uint32_t> uid;        ///< on a gateway: the user that may send

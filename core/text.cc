@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 
+#include "core/profile.hpp"
 #include "core/words.hpp"
 
 namespace mlcca::core {
@@ -99,7 +100,11 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
     case Obstacle::unbound:
       return "the channel has no identifier on " + at();
     case Obstacle::no_node:
-      return "publisher " + publisher.name + " states no node, which " + at() + " needs";
+      if (!publisher.node)
+        return "publisher " + publisher.name + " states no node, which " + at() + " needs";
+      return "publisher " + publisher.name + " has node " + std::to_string(*publisher.node) +
+             ", and nodes of " + at() + " are 0 to " +
+             std::to_string(traits_of(system.networks[v.obstacle_at.index].profile).last_node);
     case Obstacle::too_long:
       return "an event of " +
              format_value(Attribute::max_payload,

@@ -32,8 +32,9 @@ namespace words {
 
 inline constexpr Words<NetworkKind, 5> kNetworkKinds{
     {"can", "udp-multicast", "mesh", "ieee802154", "other"}};
-inline constexpr Words<Profile, 3> kProfiles{{"none", "raw", "famouso"}};
-inline constexpr Words<FrameFormat, 3> kFrameFormats{{"classic", "fd", "any"}};
+inline constexpr Words<Profile, 6> kProfiles{
+    {"none", "raw", "famouso", "j1939", "cyphal", "canopen"}};
+inline constexpr Words<FrameFormat, 4> kFrameFormats{{"classic", "fd", "any", "xl"}};
 inline constexpr Words<SafeSide, 3> kSafeSides{{"", "drop", "deliver"}};
 inline constexpr Words<Queueing, 2> kQueueings{{"fifo", "priority"}};
 inline constexpr Words<Excess, 2> kExcesses{{"drop", "pass"}};

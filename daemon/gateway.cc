@@ -9,9 +9,11 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
+#include "core/control_traffic.hpp"
 #include "core/text.hpp"
 #include "daemon/clock.hpp"
 #include "daemon/report.hpp"
@@ -350,7 +352,9 @@ void Gateway::open_unless_lost() {
 
 Result<void> Gateway::enforce() {
   set_bands();
-  auto done = ports_.sync(state_->gate_state(self_));
+  auto wanted = state_->gate_state(self_);
+  std::ranges::copy(core::control_rules(state_->system(), self_), std::back_inserter(wanted));
+  auto done = ports_.sync(wanted);
   if (!done)
     tell(Kind::trouble, 3, "denied as a whole, because the kernel refused: " + done.error().text);
   return done;

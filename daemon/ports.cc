@@ -327,7 +327,8 @@ std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateEntry& e, bool p
                                                            : enforce::Direction::egress;
   slot.pass = pass;
   slot.max_len = e.max_length;
-  slot.formats = static_cast<std::uint8_t>((e.classic ? GATE_CLASSIC : 0) | (e.fd ? GATE_FD : 0));
+  slot.formats = static_cast<std::uint8_t>((e.classic ? GATE_CLASSIC : 0) | (e.fd ? GATE_FD : 0) |
+                                           (e.xl ? GATE_XL : 0));
   slot.id = e.id;
   slot.mask = e.mask;
   slot.subject = e.subject;
@@ -335,6 +336,8 @@ std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateEntry& e, bool p
     if (e.source_port) {
       slot.source = static_cast<std::uint32_t>(ports_[*e.source_port].ifindex);
       if (slot.source == 0) return std::nullopt;  // nothing can come from there
+    } else if (e.from_kernel) {
+      slot.source = GATE_NO_SOURCE;
     } else {
       slot.uid = e.uid;
     }
@@ -467,8 +470,8 @@ std::vector<control::Interface> Ports::report() const {
       i.ingress = traffic_of(*gate, enforce::Direction::ingress);
       i.egress = traffic_of(*gate, enforce::Direction::egress);
       for (const enforce::UnknownFrame& f : gate->unknown())
-        i.unknown.push_back(
-            {f.can_id, f.len, f.format == GATE_FD, f.direction == enforce::Direction::egress, f.count});
+        i.unknown.push_back({f.can_id, f.len, f.format == GATE_FD,
+                             f.direction == enforce::Direction::egress, f.count});
     }
     out.push_back(std::move(i));
   }

@@ -15,7 +15,7 @@ namespace mlcca {
 namespace {
 
 constexpr std::size_t kNamesShown = 8;
-constexpr std::uint32_t kHighestNode = 126;  // 127 is FAMOUSO's broker
+constexpr std::uint32_t kHighestNode = 253;  // of any profile
 constexpr std::uint32_t kLowestPriority = 127;
 constexpr std::size_t kLongestName = 63;
 

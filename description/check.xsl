@@ -441,13 +441,15 @@
     </xsl:if>
   </xsl:template>
 
-  <!-- Not empty if an event of the publisher is longer than a frame that FAMOUSO puts it into. -->
+  <!-- Not empty if an event of the publisher is longer than a frame that FAMOUSO or Cyphal (which
+       needs a byte of it) puts it into. -->
   <xsl:template name="is-fragmented">
     <xsl:param name="set"/>
     <xsl:param name="publisher"/>
     <xsl:param name="hop"/>
     <xsl:param name="binding"/>
-    <xsl:if test="normalize-space($hop/Profile[1]) = 'famouso' and $binding">
+    <xsl:variable name="profile" select="normalize-space($hop/Profile[1])"/>
+    <xsl:if test="($profile = 'famouso' or $profile = 'cyphal') and $binding">
       <xsl:variable name="bytes">
         <xsl:call-template name="required-by">
           <xsl:with-param name="end" select="$publisher"/>
@@ -456,7 +458,8 @@
         </xsl:call-template>
       </xsl:variable>
       <xsl:variable name="format" select="normalize-space($binding/@format)"/>
-      <xsl:variable name="room" select="8 + 56 * ($format = 'fd' or $format = 'any')"/>
+      <xsl:variable name="room"
+          select="8 + 56 * ($format = 'fd' or $format = 'any') - ($profile = 'cyphal')"/>
       <xsl:if test="$bytes &gt; $room">yes</xsl:if>
     </xsl:if>
   </xsl:template>

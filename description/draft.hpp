@@ -35,8 +35,9 @@ struct ChannelDraft {
 
 struct BindingDraft {
   std::string channel;
-  bool etag = false;      ///< named by ETag; otherwise by Identifier
-  core::Binding binding;  ///< without channel
+  std::string element;    ///< that names it: ETag, Identifier, …
+  core::Binding binding;  ///< without channel and destination
+  std::optional<unsigned> destination;
 };
 
 /// Names of the two nodes of a link.
@@ -71,8 +72,20 @@ struct MeshDraft {
   std::vector<MeshDomainDraft> domains;
 };
 
+/// What a network or a port says about control traffic.
+struct ControlDraft {
+  std::string kinds;
+  std::uint32_t rate = 0;
+  std::string user;  ///< of a port
+
+  [[nodiscard]] bool states_something() const {
+    return !kinds.empty() || rate != 0 || !user.empty();
+  }
+};
+
 struct NetworkDraft {
-  core::Network network;            ///< without mesh, provision and bindings
+  core::Network network;  ///< without mesh, provision and bindings
+  ControlDraft control;
   std::optional<core::Origin> bus;  ///< where its Bus stands
   std::optional<MeshDraft> mesh;
   StatedDraft provision;
@@ -83,6 +96,7 @@ struct PortDraft {
   std::string network;
   core::Port port;            ///< without network
   bool states_queue = false;  ///< something that is for CAN only
+  ControlDraft control;
 };
 
 struct GatewayDraft {

@@ -90,6 +90,7 @@ class PartReader {
     out.network.kind = core::words::kNetworkKinds.or_first(text_of(e.child("Kind")));
     out.network.profile = core::words::kProfiles.or_first(text_of(e.child("Profile")));
     out.network.origin = e.origin();
+    out.control = control(e);
     if (const auto* bus = e.child("Bus")) {
       out.network.bus = read_bus(*bus, problems_);
       out.bus = bus->origin();
@@ -104,11 +105,16 @@ class PartReader {
   [[nodiscard]] static BindingDraft binding(const Element& e) {
     BindingDraft out;
     out.channel = text_of(e, "channel");
-    const auto* etag = e.child("ETag");
-    const auto* identifier = e.child("Identifier");
-    out.etag = etag != nullptr;
-    out.binding.id = number<std::uint32_t>(text_of(out.etag ? etag : identifier));
-    out.binding.extended = out.etag || identifier->attribute("form") == "extended";
+    const auto& named = e.children.front();
+    out.element = named.name;
+    out.binding.id = number<std::uint32_t>(named.text);
+    if (const auto priority = optional_number(named.attribute("priority")))
+      out.binding.priority = static_cast<std::uint8_t>(*priority);
+    if (const auto destination = optional_number(named.attribute("destination")))
+      out.destination = *destination;
+    out.binding.mask = number_or(named, "mask", out.binding.mask);
+    out.binding.extended =
+        named.name == "Identifier" ? named.attribute("form") == "extended" : named.name != "COBID";
     out.binding.format = core::words::kFrameFormats.or_first(e.attribute("format"));
     out.binding.remote_frames = is_true(e.attribute("remote-frames"));
     out.binding.origin = e.origin();
@@ -124,6 +130,12 @@ class PartReader {
     for (const auto& child : e.children)
       if (child.name == "Port") out.ports.push_back(port(child));
     return out;
+  }
+
+  [[nodiscard]] static ControlDraft control(const Element& e) {
+    return {.kinds = text_of(e, "control"),
+            .rate = number_or<std::uint32_t>(e, "control-rate", 0),
+            .user = text_of(e, "control-user")};
   }
 
   [[nodiscard]] static PortDraft port(const Element& e) {
@@ -143,6 +155,7 @@ class PartReader {
     out.port.queue_length = number_or(e, "queue-length", out.port.queue_length);
     out.port.excess = core::words::kExcesses.or_first(e.attribute("excess"));
     out.port.origin = e.origin();
+    out.control = control(e);
     out.states_queue = e.has("queue") || e.has("fifo-depth") || e.has("queue-length");
     return out;
   }

@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/profile.hpp"
+#include "core/words.hpp"
 #include "description/resolve.hpp"
 #include "description/users.hpp"
 
@@ -22,7 +24,6 @@ using core::FindingId;
 using core::Place;
 using core::Profile;
 
-constexpr unsigned kBrokerNode = 0x7f;
 constexpr unsigned kMaxPriority = 0x7f;
 constexpr std::string_view kOnePlace =
     "it is at one place: either attribute network or attribute gateway is needed";
@@ -288,31 +289,49 @@ class Ends {
     set_attributes(out, end, std::identity{});
   }
 
-  /// Node and priority: needed where FAMOUSO is spoken, and of use wherever events may go there.
+  /// A node is needed where the network's profile has them, and of use wherever events may go
+  /// there; the priority is FAMOUSO's.
   void check_sender(EndDraft& end, Place place) {
     const auto wrong = [&](std::string_view text) {
       say(FindingId::wrong_place, end.origin, "Publisher", text);
     };
-    auto& seat = end.seat;
-    const auto speaks_famouso = [](const core::Network& n) {
-      return n.profile == Profile::famouso;
-    };
+    const auto& seat = end.seat;
     const auto& networks = to_.system.networks;
-    if (std::ranges::none_of(networks, speaks_famouso)) {
-      if (seat.node || seat.priority)
-        wrong(
-            "attributes node and priority are for profile famouso, which no network speaks here: "
-            "remove them");
-      return;
-    }
-    if (!seat.node && place.kind == Place::Kind::network && speaks_famouso(networks[place.index]))
+    const auto spoken = [&](Profile profile) {
+      return std::ranges::find(networks, profile, &core::Network::profile) != networks.end();
+    };
+    const Profile here =
+        place.kind == Place::Kind::network ? networks[place.index].profile : Profile::none;
+    if (core::has_nodes(here) && !seat.node)
       say(FindingId::no_node, end.origin, "Publisher",
-          "attribute node is missing: on a network with profile famouso it is 0 to 126");
-    if (seat.node && *seat.node >= kBrokerNode)
-      wrong(fmt::format("attribute node: {} is not right: 0 to 126 (127 is the broker's)",
-                        *seat.node));
-    if (seat.priority && *seat.priority > kMaxPriority)
+          fmt::format("attribute node is missing: on a network with profile {} it is {}",
+                      core::words::kProfiles.of(here), node_words(here)));
+    if (seat.node) {
+      // What is not known here may be needed where its events go.
+      Profile widest = here;
+      if (!core::has_nodes(here))
+        for (const Profile profile : {Profile::famouso, Profile::cyphal, Profile::j1939})
+          if (spoken(profile)) widest = profile;
+      if (!core::has_nodes(widest))
+        wrong(
+            "attribute node is for profiles famouso, j1939 and cyphal, and no network speaks one "
+            "of them here: remove it");
+      else if (*seat.node > static_cast<unsigned>(core::traits_of(widest).last_node))
+        wrong(fmt::format("attribute node: {} is not right: {}", *seat.node, node_words(widest)));
+    }
+    if (!seat.priority) return;
+    if (!spoken(Profile::famouso))
+      wrong(
+          "attribute priority is for profile famouso, which no network speaks here: remove it "
+          "(a PGN and a SubjectID have a priority in their Binding)");
+    else if (*seat.priority > kMaxPriority)
       wrong(fmt::format("attribute priority: {} is not right: 0 (highest) to 127", *seat.priority));
+  }
+
+  static std::string_view node_words(Profile profile) {
+    if (profile == Profile::famouso) return "0 to 126 (127 is the broker's)";
+    if (profile == Profile::j1939) return "0 to 253 (254 and 255 are nobody's address)";
+    return "0 to 127";
   }
 
   std::optional<std::uint32_t> uid_at(const EndDraft& end, Place place) {

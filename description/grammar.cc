@@ -151,11 +151,24 @@ constexpr ElementType kPlacement{.name = "Placement", .steps = {}, .keys = kPlac
 // --- networks, gateways, routes
 // -------------------------------------------------------------------
 
-constexpr auto kIdentifierKeys = std::to_array<Key>({{"form", &type::kIdentifierForm, true}});
+constexpr auto kIdentifierKeys =
+    std::to_array<Key>({{"form", &type::kIdentifierForm, true}, {"mask", &type::kShortHex}});
 constexpr ElementType kIdentifier{
     .name = "Identifier", .value = &type::kShortHex, .steps = {}, .keys = kIdentifierKeys};
 
-constexpr Children<2> kBindingForms{{{"ETag", &kShortHex}, {"Identifier", &kIdentifier}}};
+constexpr auto kPgnKeys = std::to_array<Key>(
+    {{"priority", &type::kMessagePriority}, {"destination", &type::kSmallNumber}});
+constexpr ElementType kPgn{.name = "PGN", .value = &type::kNumber, .steps = {}, .keys = kPgnKeys};
+
+constexpr auto kSubjectIdKeys = std::to_array<Key>({{"priority", &type::kMessagePriority}});
+constexpr ElementType kSubjectId{
+    .name = "SubjectID", .value = &type::kNumber, .steps = {}, .keys = kSubjectIdKeys};
+
+constexpr Children<5> kBindingForms{{{"ETag", &kShortHex},
+                                     {"Identifier", &kIdentifier},
+                                     {"PGN", &kPgn},
+                                     {"SubjectID", &kSubjectId},
+                                     {"COBID", &kShortHex}}};
 constexpr auto kBindingSteps = std::to_array<Step>({{.children = kBindingForms}});
 constexpr auto kBindingKeys = std::to_array<Key>({{"channel", &type::kChannelName, true},
                                                   {"format", &type::kFrameFormat},
@@ -238,7 +251,10 @@ constexpr auto kNetworkSteps =
                          {.children = kMeshChild, .least = 0},
                          {.children = kProvisionChild, .least = 0},
                          {.children = kBindingChild, .least = 0, .most = kUnlimited}});
-constexpr ElementType kNetwork{.name = "Network", .steps = kNetworkSteps, .keys = kNamed};
+constexpr auto kNetworkKeys = std::to_array<Key>({{"name", &type::kName, true},
+                                                  {"control", &type::kControlKinds},
+                                                  {"control-rate", &type::kControlRate}});
+constexpr ElementType kNetwork{.name = "Network", .steps = kNetworkSteps, .keys = kNetworkKeys};
 
 constexpr auto kInterfaceKeys = std::to_array<Key>({{"name", &type::kInterfaceName},
                                                     {"id-path", &type::kDeviceText},
@@ -259,7 +275,10 @@ constexpr auto kPortKeys = std::to_array<Key>({{"network", &type::kName, true},
                                                {"queue", &type::kQueueing},
                                                {"fifo-depth", &type::kFifoDepth},
                                                {"queue-length", &type::kQueueLength},
-                                               {"excess", &type::kExcess}});
+                                               {"excess", &type::kExcess},
+                                               {"control", &type::kControlKinds},
+                                               {"control-rate", &type::kControlRate},
+                                               {"control-user", &type::kUserName}});
 constexpr ElementType kPort{.name = "Port", .steps = kPortSteps, .keys = kPortKeys};
 
 constexpr Children<1> kPortChild{{{"Port", &kPort}}};
@@ -293,13 +312,22 @@ constexpr auto kSystemSteps = std::to_array<Step>(
 constexpr ElementType kSystem{.name = "System", .steps = kSystemSteps, .keys = kNamed};
 constexpr Child kRoot{"System", &kSystem};
 
-constexpr auto kTypes = std::to_array<const ElementType*>(
-    {&kSystem,    &kUserAttribute, &kEventChannel, &kNetwork,   &kGateway,
-     &kComponent, &kPlacement,     &kRoute,        &kPublisher, &kSubscriber,
-     &kHop,       &kPort,          &kInterface,    &kBinding,   &kIdentifier,
-     &kProvision, &kAttributes,    &kAttribute,    &kDimension, &kProvidedAttribute,
-     &kSiUnit,    &kBus,           &kMesh,         &kPerHop,    &kMeshNode,
-     &kMeshLink,  &kMeshDomain,    &kMeshMember,   &kMeshSource});
+constexpr auto kTypes = std::to_array<const ElementType*>({&kSystem,       &kUserAttribute,
+                                                           &kEventChannel, &kNetwork,
+                                                           &kGateway,      &kComponent,
+                                                           &kPlacement,    &kRoute,
+                                                           &kPublisher,    &kSubscriber,
+                                                           &kHop,          &kPort,
+                                                           &kInterface,    &kBinding,
+                                                           &kIdentifier,   &kPgn,
+                                                           &kSubjectId,    &kProvision,
+                                                           &kAttributes,   &kAttribute,
+                                                           &kDimension,    &kProvidedAttribute,
+                                                           &kSiUnit,       &kBus,
+                                                           &kMesh,         &kPerHop,
+                                                           &kMeshNode,     &kMeshLink,
+                                                           &kMeshDomain,   &kMeshMember,
+                                                           &kMeshSource});
 
 }  // namespace
 

@@ -8,8 +8,16 @@
 #include <algorithm>
 #include <charconv>
 #include <iterator>
+#include <optional>
+#include <ranges>
+#include <string>
 #include <string_view>
 #include <utility>
+
+#include "core/control_traffic.hpp"
+#include "core/profile.hpp"
+#include "core/words.hpp"
+#include "description/users.hpp"
 
 namespace mlcca::description {
 namespace {
@@ -17,6 +25,8 @@ namespace {
 using core::FindingId;
 using core::NetworkKind;
 using core::Profile;
+
+constexpr unsigned kLastAddress = 255;  // of J1939: everybody
 
 void add_user_attributes(const Draft& draft, Resolved& to, Problems& problems) {
   for (const auto& d : draft.user_attributes) {
@@ -85,22 +95,81 @@ void add_channels(Draft& draft, Resolved& to, Problems& problems) {
   for (const auto& c : to.system.channels) to.channels.add(c.name);
 }
 
+/// The element of the network's profile, and what only some profiles have.
 void check_form(const BindingDraft& b, const core::Network& network, Problems& problems) {
   const auto say = [&](std::string_view text) {
     problems.add(b.binding.origin, "Binding", text, FindingId::wrong_place);
   };
   if (network.kind != NetworkKind::can)
     say(fmt::format("only a CAN network has bindings, and {} is none: remove it", network.name));
-  if (network.profile == Profile::famouso && !b.etag)
-    say("an Identifier is for profile raw: profile famouso needs an ETag");
-  if (network.profile == Profile::raw && b.etag)
-    say("an ETag is for profile famouso: profile raw needs an Identifier");
-  if (network.profile == Profile::famouso && b.binding.remote_frames)
-    say("remote-frames is for profile raw: FAMOUSO has no remote frames");
+  if (b.destination && *b.destination > kLastAddress)
+    say(fmt::format("attribute destination: {} is not right: 0 to 255 (255 is everybody)",
+                    *b.destination));
+  if (network.profile == Profile::none) return;
+  const auto& traits = core::traits_of(network.profile);
+  const auto profile = core::words::kProfiles.of(network.profile);
+  if (!traits.element.ends_with(" " + b.element)) {
+    const auto owner = std::ranges::find_if(core::words::kProfiles, [&](std::string_view word) {
+      return core::traits_of(core::words::kProfiles.or_first(word))
+          .element.ends_with(" " + b.element);
+    });
+    say(fmt::format("{} is for profile {}: profile {} needs {}",
+                    core::traits_of(core::words::kProfiles.or_first(*owner)).element, *owner,
+                    profile, traits.element));
+  }
+  if (b.binding.remote_frames && !traits.remote_frames)
+    say(fmt::format("remote-frames is for profiles raw and canopen: {} has no remote frames",
+                    profile));
+  if (b.binding.format == core::FrameFormat::xl && !traits.xl)
+    say(fmt::format("format xl is for profile raw: {} has no CAN XL frames", profile));
+}
+
+/// The kinds that are named, as bits; nothing is named: none.
+std::optional<std::uint32_t> kinds_named(const std::string& words, Profile profile,
+                                         const auto& say) {
+  const auto kinds = core::control_kinds(profile);
+  const auto all = (std::uint32_t{1} << kinds.size()) - 1;
+  if (words.empty()) return std::nullopt;
+  if (words == "all") return all;
+  if (words == "none") return 0;
+  std::uint32_t bits = 0;
+  for (const auto part : std::views::split(words, ' ')) {
+    const std::string_view word(part.begin(), part.end());
+    const auto found = std::ranges::find(kinds, word, &core::ControlKind::name);
+    if (found != kinds.end()) {
+      bits |= std::uint32_t{1} << (found - kinds.begin());
+      continue;
+    }
+    std::string known;
+    for (const auto& kind : kinds) known.append(known.empty() ? "" : ", ").append(kind.name);
+    say(fmt::format(
+        "attribute control: '{}' is no control traffic of profile {}: all, none, or some "
+        "of {}",
+        word, core::words::kProfiles.of(profile), known));
+  }
+  return bits;
+}
+
+core::ControlPolicy control_policy(const ControlDraft& from, const core::Network& network,
+                                   core::Origin origin, std::string_view element,
+                                   Problems& problems) {
+  const auto say = [&](std::string_view text) {
+    problems.add(origin, element, text, FindingId::wrong_place);
+  };
+  if (!from.states_something()) return {};
+  if (core::control_kinds(network.profile).empty()) {
+    say(fmt::format(
+        "{} has no control traffic: remove control, control-rate and control-user, which "
+        "are for profiles famouso, j1939, cyphal and canopen",
+        network.name));
+    return {};
+  }
+  return {.kinds = kinds_named(from.kinds, network.profile, say), .rate = from.rate};
 }
 
 void add_network(const NetworkDraft& from, Resolved& to, Problems& problems) {
   auto& network = to.system.networks.emplace_back(from.network);
+  network.control = control_policy(from.control, network, network.origin, "Network", problems);
   network.provision = from.provision.set;
   network.user = user_values(from.provision.user, to.user_attributes, Side::provision, problems);
   network.bindings.reserve(from.bindings.size());
@@ -108,12 +177,23 @@ void add_network(const NetworkDraft& from, Resolved& to, Problems& problems) {
     const auto channel = to.channel_named(b.channel, b.binding.origin, "Binding", problems);
     check_form(b, network, problems);
     if (!channel) continue;
-    network.bindings.push_back(b.binding);
-    network.bindings.back().channel = *channel;
+    auto& binding = network.bindings.emplace_back(b.binding);
+    binding.channel = *channel;
+    if (b.destination) binding.destination = static_cast<std::uint8_t>(*b.destination);
   }
 }
 
-void add_gateway(const GatewayDraft& from, Resolved& to, Problems& problems) {
+/// Whose programs may send control traffic: the superuser's, unless another is named.
+std::uint32_t control_user(const PortDraft& p, Users users, Problems& problems) {
+  if (p.control.user.empty() || users != Users::of_this_machine) return 0;
+  const auto uid = uid_of(p.control.user);
+  if (uid) return *uid;
+  problems.add(p.port.origin, "Port", fmt::format("attribute control-user: {}", uid.error()),
+               FindingId::wrong_place);
+  return 0;
+}
+
+void add_gateway(const GatewayDraft& from, Resolved& to, Users users, Problems& problems) {
   auto& gateway = to.system.gateways.emplace_back(from.gateway);
   gateway.provision = from.provision.set;
   gateway.user = user_values(from.provision.user, to.user_attributes, Side::provision, problems);
@@ -126,8 +206,11 @@ void add_gateway(const GatewayDraft& from, Resolved& to, Problems& problems) {
                                "network: remove them",
                                p.network),
                    FindingId::wrong_place);
-    gateway.ports.push_back(p.port);
-    gateway.ports.back().network = *network;
+    auto& port = gateway.ports.emplace_back(p.port);
+    port.network = *network;
+    port.control =
+        control_policy(p.control, to.system.networks[*network], port.origin, "Port", problems);
+    port.control_uid = control_user(p, users, problems);
   }
 }
 
@@ -155,7 +238,7 @@ core::System resolve(Draft draft, Problems& problems, Users users) {
   for (const auto& n : draft.networks) to.networks.add(n.network.name);
   for (const auto& n : draft.networks) add_network(n, to, problems);
   for (const auto& g : draft.gateways) to.gateways.add(g.gateway.name);
-  for (const auto& g : draft.gateways) add_gateway(g, to, problems);
+  for (const auto& g : draft.gateways) add_gateway(g, to, users, problems);
   add_meshes(draft, to, problems);
   add_ends(draft, to, problems, users);
   add_routes(draft, to, problems);

@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/medium.hpp"
+#include "core/profile.hpp"
 #include "description/names.hpp"
 
 namespace mlcca::description {
@@ -24,37 +26,68 @@ using core::NetworkKind;
 using core::Place;
 using core::Profile;
 
-constexpr std::uint32_t kFirstEtag = 0x64;
-constexpr std::uint32_t kLastEtag = 0x3fff;
-constexpr std::uint32_t kLastStandard = 0x7ff;
-constexpr std::uint32_t kLastExtended = 0x1fffffff;
-constexpr Value kClassicBytes = 8;
-constexpr Value kFdBytes = 64;
-constexpr Value kFamousoBytes = 24608;  // 4064 fragments of 6 bytes, the last 32 of 7
+void check_pgn(const Binding& b, const auto& say) {
+  if (b.id > core::traits_of(Profile::j1939).last)
+    say(fmt::format("PGN {0} (0x{0:x}) is too large: up to 262143 (0x3ffff)", b.id));
+  else if (core::has_destination(b.id) && (b.id & 0xff) != 0)
+    say(
+        fmt::format("PGN {0} (0x{0:x}) is sent to an address, which is no part of it: write "
+                    "0x{1:x}, with destination=\"0x{2:x}\" where it is for that one alone",
+                    b.id, b.id & ~0xffU, b.id & 0xff));
+  else if (b.destination && !core::has_destination(b.id))
+    say(
+        fmt::format("PGN {0} (0x{0:x}) goes to everybody: remove attribute destination, which is "
+                    "for PGNs below 0xf000 of a data page",
+                    b.id));
+}
+
+void check_identifier(const Binding& b, const auto& say) {
+  if (b.id > (b.extended ? core::kExtendedBits : core::kStandardBits))
+    say(b.extended ? fmt::format("extended identifier 0x{:x} is too large: up to 0x1fffffff", b.id)
+                   : fmt::format("standard identifier 0x{:x} is too large: up to 0x7ff, or "
+                                 "form=\"extended\" up to 0x1fffffff",
+                                 b.id));
+  if (b.extended && b.format == FrameFormat::xl)
+    say("CAN XL has priorities of 11 bits: form=\"standard\"");
+  if (!b.is_masked()) return;
+  if (b.mask == 0)
+    say("mask 0x0 is every frame: state the bits of the identifier that count");
+  else if ((b.id & ~b.mask) != 0)
+    say(fmt::format("identifier 0x{:x} has bits that mask 0x{:x} leaves open: write 0x{:x}", b.id,
+                    b.mask, b.id & b.mask));
+}
 
 void check_binding(const core::Network& network, const Binding& b, Problems& problems) {
   const auto say = [&](std::string_view text) {
     problems.add(b.origin, "Binding", text, FindingId::wrong_place);
   };
+  const auto& traits = core::traits_of(network.profile);
   if (network.profile == Profile::famouso) {
-    if (b.id < kFirstEtag || b.id > kLastEtag)
+    if (b.id < traits.first || b.id > traits.last)
       say(
           fmt::format("ETag 0x{:x} is not right: 0x64 to 0x3fff (the smaller ones are the "
                       "protocol's own)",
                       b.id));
-  } else if (b.id > (b.extended ? kLastExtended : kLastStandard)) {
-    say(b.extended ? fmt::format("extended identifier 0x{:x} is too large: up to 0x1fffffff", b.id)
-                   : fmt::format("standard identifier 0x{:x} is too large: up to 0x7ff, or "
-                                 "form=\"extended\" up to 0x1fffffff",
-                                 b.id));
+  } else if (network.profile == Profile::j1939) {
+    check_pgn(b, say);
+  } else if (network.profile == Profile::cyphal) {
+    if (b.id > traits.last) say(fmt::format("SubjectID {} is too large: up to 8191", b.id));
+  } else if (network.profile == Profile::canopen) {
+    if (b.id > traits.last) say(fmt::format("COBID 0x{:x} is too large: up to 0x7ff", b.id));
+  } else {
+    check_identifier(b, say);
   }
-  if (b.remote_frames && b.format == FrameFormat::fd)
+  if (b.remote_frames && b.format != FrameFormat::classic && b.format != FrameFormat::any)
     say("there are no FD remote frames: remote-frames needs format classic or any");
 }
 
-std::string_view identifier_words(const core::Network& network, const Binding& b) {
-  if (network.profile == Profile::famouso) return "ETag";
-  return b.extended ? "extended identifier" : "standard identifier";
+std::string identifier_words(const core::Network& network, const Binding& b) {
+  if (network.profile != Profile::raw && network.profile != Profile::none) {
+    const auto element = core::traits_of(network.profile).element;
+    return std::string(element.substr(element.find(' ') + 1));
+  }
+  const std::string mask = b.is_masked() ? fmt::format(" of mask 0x{:x}", b.mask) : "";
+  return (b.extended ? "extended identifier" : "standard identifier") + mask;
 }
 
 /// Bindings in an order that brings together what must not be the same.
@@ -66,6 +99,34 @@ std::vector<const Binding*> sorted_by(const core::Network& network, const Key& k
   // Most descriptions are in order already.
   if (!std::ranges::is_sorted(out, {}, key)) std::ranges::stable_sort(out, {}, key);
   return out;
+}
+
+/// A range of identifiers must have none of another binding in it.
+void check_masks(const core::System& system, const core::Network& network, Problems& problems) {
+  std::vector<const Binding*> masked;
+  for (const auto& b : network.bindings)
+    if (b.is_masked()) masked.push_back(&b);
+  if (masked.size() > kMaxMasks) {
+    problems.add(masked[kMaxMasks]->origin, "Binding",
+                 fmt::format("{} masks on {} are too many: at most {}", masked.size(), network.name,
+                             kMaxMasks),
+                 FindingId::too_many);
+    return;
+  }
+  for (const auto* m : masked)
+    for (const auto& b : network.bindings) {
+      // Of two masks the later one is told; equal numbers are told already.
+      const bool told = &b == m || (b.is_masked() && &b > m) || b.id == m->id;
+      if (told || !core::clash(network.profile, *m, b)) continue;
+      problems.add(
+          m->origin, "Binding",
+          fmt::format("{} 0x{:x} has {} 0x{:x} of channel {} in it, from {}: each "
+                      "identifier is one channel's",
+                      identifier_words(network, *m), m->id, identifier_words(network, b), b.id,
+                      system.channels[b.channel].name, line_words(system, m->origin, b.origin)),
+          FindingId::identifier_clash);
+      break;
+    }
 }
 
 void check_bindings(const core::System& system, const core::Network& network, Problems& problems) {
@@ -82,18 +143,25 @@ void check_bindings(const core::System& system, const core::Network& network, Pr
                           system.channels[b->channel].name, network.name,
                           line_words(system, b->origin, first->origin)));
   }
-  const auto by_id =
-      sorted_by(network, [](const Binding* b) { return std::pair(b->id, b->extended); });
+  const auto taken = [&](const Binding& b, const Binding& by) {
+    say(b, fmt::format("{} 0x{:x} is already channel {}'s on {}, from {}: choose another",
+                       identifier_words(network, b), b.id, system.channels[by.channel].name,
+                       network.name, line_words(system, b.origin, by.origin)));
+  };
+  const auto by_id = sorted_by(
+      network, [](const Binding* b) { return std::tuple(b->id, b->extended, b->destination); });
   first = nullptr;
+  const Binding* previous = nullptr;
   for (const auto* b : by_id) {
-    if (first == nullptr || first->id != b->id || first->extended != b->extended)
-      first = b;
-    else
-      say(*b,
-          fmt::format("{} 0x{:x} is already channel {}'s on {}, from {}: choose another",
-                      identifier_words(network, *b), b->id, system.channels[first->channel].name,
-                      network.name, line_words(system, b->origin, first->origin)));
+    const bool same = first != nullptr && first->id == b->id && first->extended == b->extended;
+    if (same && core::clash(network.profile, *first, *b))
+      taken(*b, *first);
+    else if (same && core::clash(network.profile, *previous, *b))
+      taken(*b, *previous);
+    if (!same) first = b;
+    previous = b;
   }
+  check_masks(system, network, problems);
   if (network.kind == NetworkKind::can)
     for (const auto& b : network.bindings) check_binding(network, b, problems);
 }
@@ -142,17 +210,12 @@ const Binding* check_bound(const core::System& system, Bindings& bindings, const
   return binding;
 }
 
-/// What the frames of a binding carry of one event.
-struct Room {
-  Value bytes;
-  std::string_view where;
-};
-
-Room room_in(const core::Network& network, const Binding& binding) {
-  if (network.profile == Profile::famouso) return {kFamousoBytes, "in 4096 fragments"};
-  if (binding.format == FrameFormat::classic)
-    return {kClassicBytes, "in a classic frame (64 with format=\"fd\")"};
-  return {kFdBytes, "in an FD frame"};
+/// How a network carries its largest event.
+std::string_view room_words(const core::Network& network, const Binding& binding) {
+  if (network.profile == Profile::famouso) return "in 4096 fragments";
+  if (network.profile == Profile::cyphal) return "in 4096 frames";
+  if (binding.format == FrameFormat::classic) return "in a classic frame (64 with format=\"fd\")";
+  return binding.format == FrameFormat::xl ? "in a CAN XL frame" : "in an FD frame";
 }
 
 void check_payload(const core::Network& network, const Binding& binding,
@@ -160,11 +223,11 @@ void check_payload(const core::Network& network, const Binding& binding,
   // One of several sets may fit where another does not: that is decided, not a rule.
   if (!publisher.attributes.has(Attribute::max_payload) || !publisher.lower.empty()) return;
   const Value bytes = publisher.attributes[Attribute::max_payload];
-  const auto room = room_in(network, binding);
-  if (bytes <= room.bytes) return;
+  const Value most = core::event_bytes(network, binding);
+  if (bytes <= most) return;
   problems.add(publisher.origin, "Publisher",
                fmt::format("MaxPayload {} bytes does not fit {}: at most {} bytes {}", bytes,
-                           network.name, room.bytes, room.where),
+                           network.name, most, room_words(network, binding)),
                FindingId::too_long);
 }
 
@@ -185,8 +248,8 @@ void check_names(const core::System& system, const Things& things, std::string_v
 bool is_told_apart(const core::System& system, const core::Publisher& p) {
   if (p.place.kind == Place::Kind::gateway) return p.uid.has_value();
   const auto& network = system.networks[p.place.index];
-  return network.profile == Profile::raw ||
-         (network.profile == Profile::famouso && p.node.has_value());
+  if (core::has_nodes(network.profile)) return p.node.has_value();
+  return network.profile != Profile::none;
 }
 
 std::string_view way_out(const core::Publisher& p) {
@@ -274,7 +337,8 @@ void check_networks(const core::System& system, Problems& problems) {
   for (const auto& n : system.networks) {
     const bool can = n.kind == NetworkKind::can;
     if (can && n.profile == Profile::none)
-      problems.add(n.origin, "Network", "a CAN network needs a Profile: raw or famouso");
+      problems.add(n.origin, "Network",
+                   "a CAN network needs a Profile: raw, famouso, j1939, cyphal or canopen");
     if (!can && n.profile != Profile::none)
       problems.add(n.origin, "Network",
                    "only a CAN network has a Profile other than none: remove it");

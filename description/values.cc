@@ -110,6 +110,15 @@ bool is_short_hex(std::string_view text) { return is_hexadecimal(text, 8); }
 bool is_small_number(std::string_view text) {
   return is_hexadecimal(text, 2) || is_run(text, kDigits, 3);
 }
+bool is_number(std::string_view text) {
+  return is_hexadecimal(text, 5) || is_run(text, kDigits, 6);
+}
+/// Words of small letters and hyphens, one blank between them.
+bool is_word_list(std::string_view text) {
+  if (text.empty() || text.front() == ' ' || text.back() == ' ') return false;
+  return text.find("  ") == std::string_view::npos &&
+         text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789- ") == std::string_view::npos;
+}
 bool is_decimal(std::string_view text) {
   const auto point = text.find('.');
   if (point == std::string_view::npos) return is_run(text, kDigits, 20);
@@ -207,6 +216,15 @@ constexpr ValueType kShortHex =
 constexpr ValueType kSmallNumber =
     shaped("SmallNumber", "a number such as 32 or 0x20, without a sign",
            "0x[0-9a-fA-F]{1,2}|[0-9]{1,3}", is_small_number);
+constexpr ValueType kNumber = shaped("Number", "a number such as 65226 or 0xfeca, without a sign",
+                                     "0x[0-9a-fA-F]{1,5}|[0-9]{1,6}", is_number);
+constexpr ValueType kMessagePriority =
+    whole("MessagePriority", 0, 7, "a whole number from 0 (highest) to 7");
+constexpr ValueType kControlKinds =
+    shaped("ControlKinds", "all, none, or names of kinds with blanks between them",
+           "[a-z0-9\\-]+( [a-z0-9\\-]+)*", is_word_list);
+constexpr ValueType kControlRate =
+    whole("ControlRate", 1, 10000, "a whole number of frames per second from 1 to 10000");
 constexpr ValueType kDecimal = shaped(
     "Decimal", "a decimal number such as 50 or 0.5, without a sign, up to 20 digits on each side",
     R"([0-9]{1,20}(\.[0-9]{1,20})?)", is_decimal);
@@ -260,7 +278,8 @@ namespace {
 constexpr auto kTypes = std::to_array<const ValueType*>(
     {&type::kName,           &type::kChannelName,  &type::kHostName,    &type::kUserName,
      &type::kInterfaceName,  &type::kDeviceText,   &type::kText,        &type::kSubject,
-     &type::kShortHex,       &type::kSmallNumber,  &type::kDecimal,     &type::kExponent,
+     &type::kShortHex,       &type::kSmallNumber,  &type::kNumber,      &type::kMessagePriority,
+     &type::kControlKinds,   &type::kControlRate,  &type::kDecimal,     &type::kExponent,
      &type::kMagnitude,      &type::kPortNumber,   &type::kBitrate,     &type::kDataBitrate,
      &type::kAttributeName,  &type::kBetter,       &type::kComposition, &type::kSafeSide,
      &type::kSetPriority,    &type::kNetworkKind,  &type::kProfile,     &type::kFrameFormat,

@@ -26,11 +26,12 @@ struct ValueType {
 /// The types by the names that the schema gives them.
 namespace type {
 extern const ValueType kName, kChannelName, kHostName, kUserName, kInterfaceName, kDeviceText,
-    kText, kSubject, kShortHex, kSmallNumber, kDecimal, kExponent, kMagnitude, kPortNumber,
-    kBitrate, kDataBitrate, kAttributeName, kBetter, kComposition, kSafeSide, kSetPriority,
-    kNetworkKind, kProfile, kFrameFormat, kIdentifierForm, kImportance, kErrorCount, kQueueing,
-    kExcess, kFifoDepth, kQueueLength, kInterference, kHopCount, kPacketBytes, kHeaderBytes,
-    kNodeAddress, kLinkRate, kMediumNumber, kRateKind, kSourceKind, kLinkMetric, kBoolean;
+    kText, kSubject, kShortHex, kSmallNumber, kNumber, kMessagePriority, kControlKinds,
+    kControlRate, kDecimal, kExponent, kMagnitude, kPortNumber, kBitrate, kDataBitrate,
+    kAttributeName, kBetter, kComposition, kSafeSide, kSetPriority, kNetworkKind, kProfile,
+    kFrameFormat, kIdentifierForm, kImportance, kErrorCount, kQueueing, kExcess, kFifoDepth,
+    kQueueLength, kInterference, kHopCount, kPacketBytes, kHeaderBytes, kNodeAddress, kLinkRate,
+    kMediumNumber, kRateKind, kSourceKind, kLinkMetric, kBoolean;
 }  // namespace type
 
 /// All of them.

@@ -37,6 +37,18 @@ constexpr unsigned kFdShortCrc = 27;
 constexpr unsigned kFdLongCrc = 32;
 constexpr unsigned kFdShortCrcBytes = 16;
 
+// CAN XL, first and last part at the arbitration rate: start of frame, priority, RRS, IDE, FDF, XLF
+// and resXL with a stuff bit for each four behind the first five, ADH; then the four bits back
+// (DAS), acknowledgement and its delimiter, end of frame, intermission, and two bits as for FD.
+constexpr unsigned kXlSlow = 1 + 11 + 5 + 4 + 1 + 4 + 2 + 7 + 3 + 2;
+// At the data rate, with a stuff bit behind each ten bits: DL1, SDT, SEC, DLC, stuff count, CRC of
+// the preface, VCID, acceptance field, payload, CRC of the frame. Without: DH1 and DH2, and the
+// format check pattern.
+constexpr unsigned kXlStuffed = 1 + 8 + 1 + 11 + 3 + 13 + 8 + 32 + 32;
+constexpr unsigned kXlPlain = 2 + 4;
+constexpr unsigned kXlRun = 10;
+constexpr unsigned kXlMost = 2048;
+
 constexpr std::array<unsigned, 16> kFdSizes = {0, 1,  2,  3,  4,  5,  6,  7,
                                                8, 12, 16, 20, 24, 32, 48, 64};
 
@@ -50,19 +62,32 @@ unsigned classic_bits(bool extended, unsigned bytes) {
 
 }  // namespace
 
+unsigned fd_size(unsigned bytes) {
+  return *std::ranges::lower_bound(kFdSizes, std::min(bytes, kFdSizes.back()));
+}
+
 Time frame_time(const Timing& timing, FrameForm form, unsigned bytes) {
   if (timing.bitrate == 0) return kNever;
   if (!form.fd) return time_of(classic_bits(form.extended, bytes), timing.bitrate);
-  const auto* const size = std::ranges::lower_bound(kFdSizes, std::min(bytes, kFdSizes.back()));
+  const unsigned size = fd_size(bytes);
   const unsigned slow = form.extended ? kFdHeadExtended + kFdHeadStuffExtended + kFdTail
                                       : kFdHeadStandard + kFdHeadStuffStandard + kFdTail;
   const unsigned fast =
-      kFdControl + 10 * *size + (*size <= kFdShortCrcBytes ? kFdShortCrc : kFdLongCrc);
+      kFdControl + 10 * size + (size <= kFdShortCrcBytes ? kFdShortCrc : kFdLongCrc);
   if (timing.data_bitrate <= timing.bitrate) return time_of(slow + fast, timing.bitrate);
   return time_of(slow, timing.bitrate) + time_of(fast, timing.data_bitrate);
 }
 
-Time longest_frame(const Timing& timing, bool fd) {
+Time xl_frame_time(const Timing& timing, unsigned bytes) {
+  if (timing.bitrate == 0) return kNever;
+  const unsigned stuffed = kXlStuffed + 8 * std::clamp(bytes, 1U, kXlMost);
+  const unsigned fast = kXlPlain + stuffed + (stuffed + kXlRun - 1) / kXlRun;
+  return time_of(kXlSlow, timing.bitrate) +
+         time_of(fast, std::max(timing.bitrate, timing.data_bitrate));
+}
+
+Time longest_frame(const Timing& timing, bool fd, bool xl) {
+  if (xl) return std::max(longest_frame(timing, fd), xl_frame_time(timing, kXlMost));
   const Time classic = frame_time(timing, {.extended = true, .fd = false}, kFdSizes[8]);
   if (!fd) return classic;
   return std::max(classic, frame_time(timing, {.extended = true, .fd = true}, kFdSizes.back()));

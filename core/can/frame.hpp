@@ -24,6 +24,9 @@ struct FrameForm {
   bool fd = false;        ///< FD format, with the change of rate wherever the bus has one
 };
 
+/// The smallest size of an FD frame that has room for so many bytes, at most 64.
+[[nodiscard]] unsigned fd_size(unsigned bytes);
+
 /// Longest time that a data frame of `bytes` payload bytes holds the bus, stuff bits and the three
 /// bits of intermission included. FD: bytes are rounded up to the next size that exists. More than
 /// 8 (FD: 64) count as 8 (64). kNever if the bit rate is unknown.
@@ -33,8 +36,11 @@ struct FrameForm {
 /// counted from ISO 11898-1:2015, see frame.cc. docs/CAN.md has both.
 [[nodiscard]] Time frame_time(const Timing& timing, FrameForm form, unsigned bytes);
 
+/// The same for a CAN XL frame of 1 to 2048 bytes, see frame.cc.
+[[nodiscard]] Time xl_frame_time(const Timing& timing, unsigned bytes);
+
 /// The longest frame that a bus can carry, of either identifier length; kNever as above.
-[[nodiscard]] Time longest_frame(const Timing& timing, bool fd);
+[[nodiscard]] Time longest_frame(const Timing& timing, bool fd, bool xl = false);
 
 /// One bit of the arbitration phase; kNever as above.
 [[nodiscard]] Time bit_time(const Timing& timing);

@@ -31,7 +31,7 @@ bool is_coupled(const Message& m) {
 
 Overhead::Overhead(const Assumptions& a)
     : plain_(a.background == 0 && a.faults.count == 0),
-      longest_(can::longest_frame(a.timing, a.fd_frames)),
+      longest_(can::longest_frame(a.timing, a.fd_frames, a.xl_frames)),
       error_frame_(kErrorFrameBits * bit_time(a.timing)),
       background_(a.background),
       faults_{.count = a.faults.count,

@@ -56,6 +56,7 @@ struct Queue {
 struct Assumptions {
   Timing timing;
   bool fd_frames = false;        ///< FD frames may occur, so the longest frame is one of them
+  bool xl_frames = false;        ///< CAN XL frames may occur
   bool unknown_senders = false;  ///< any frame, the longest of the bus, may block
   /// 1e-6 of the bus time that others take at any priority: in any time t they hold the bus for at
   /// most longest_frame() + background * t.

@@ -4,44 +4,41 @@
 #include <algorithm>
 
 #include "core/medium.hpp"
+#include "core/profile.hpp"
 
 namespace mlcca::core::can {
 namespace {
 
-// FAMOUSO's 29-bit identifier: priority, fragment bit, node, etag.
-constexpr unsigned kNodeShift = 14;
-constexpr std::uint32_t kFragmentBit = 1U << 21U;
-constexpr unsigned kPriorityShift = 22;
 constexpr unsigned kShortHeaders = 32;  // fragments of an event whose headers are all of one byte
 
-/// Longest frame with these payload bytes in any format that the binding allows.
-Time longest_of(const Timing& timing, const Binding& binding, bool extended, unsigned bytes) {
+/// Time of a frame with these payload bytes, the longest (or shortest) in any format that the
+/// binding allows.
+struct Range {
+  Time shortest = 0;
   Time longest = 0;
-  if (binding.format != FrameFormat::fd)
-    longest = frame_time(timing, {.extended = extended, .fd = false}, bytes);
-  if (binding.format != FrameFormat::classic)
-    longest = std::max(longest, frame_time(timing, {.extended = extended, .fd = true}, bytes));
-  return longest;
-}
-
-/// Shortest frame with these payload bytes in any format that the binding allows.
-Time shortest_of(const Timing& timing, const Binding& binding, bool extended, unsigned bytes) {
-  Time shortest = kNever;
-  if (binding.format != FrameFormat::fd)
-    shortest = frame_time(timing, {.extended = extended, .fd = false}, bytes);
-  if (binding.format != FrameFormat::classic)
-    shortest = std::min(shortest, frame_time(timing, {.extended = extended, .fd = true}, bytes));
-  return shortest;
+};
+Range times_of(const Timing& timing, const Binding& binding, unsigned bytes) {
+  if (binding.format == FrameFormat::xl) {
+    const Time time = xl_frame_time(timing, bytes);
+    return {time, time};
+  }
+  const Time classic = frame_time(timing, {.extended = binding.extended, .fd = false}, bytes);
+  const Time fd = frame_time(timing, {.extended = binding.extended, .fd = true}, bytes);
+  if (binding.format == FrameFormat::classic) return {classic, classic};
+  if (binding.format == FrameFormat::fd) return {fd, fd};
+  return {std::min(classic, fd), std::max(classic, fd)};
 }
 
 }  // namespace
 
-Identifier identifier_of(const Publisher& publisher, const Network& network,
-                         const Binding& binding) {
-  if (network.profile != Profile::famouso) return {.id = binding.id, .extended = binding.extended};
-  return {.id = static_cast<std::uint32_t>(publisher.priority) << kPriorityShift |
-                static_cast<std::uint32_t>(publisher.node.value_or(0)) << kNodeShift | binding.id,
-          .extended = true};
+std::optional<Identifier> identifier_of(const Publisher& publisher, const Network& network,
+                                        const Binding& binding, bool split) {
+  const auto identity = identity_of(publisher, network, binding, split);
+  if (!identity) return std::nullopt;
+  const std::uint32_t whole = binding.extended ? kExtendedBits : kStandardBits;
+  const std::uint32_t first = identity->id & whole;
+  return Identifier{
+      .id = first, .last = first | (whole & ~identity->mask), .extended = binding.extended};
 }
 
 std::optional<Message> message_of(const System& system, const Publisher& publisher, std::size_t set,
@@ -52,30 +49,28 @@ std::optional<Message> message_of(const System& system, const Publisher& publish
   if (medium.kind != NetworkKind::can || binding == nullptr || timing.bitrate == 0 ||
       !offered.has(Attribute::period))
     return std::nullopt;
-  const bool famouso = medium.profile == Profile::famouso;
-  if (medium.profile == Profile::none || (famouso && !publisher.node)) return std::nullopt;
   const unsigned most = frame_bytes(*binding);
   const Value bytes = offered.has(Attribute::max_payload) ? offered[Attribute::max_payload] : most;
-
   Message m;
   m.frames = frames_per_event(medium, binding, bytes);
-  const auto [id, extended] = identifier_of(publisher, medium, *binding);
-  m.priority = arbitration(id, extended);
-  // An event that fits one frame is not split, so both identifiers occur.
-  if (m.frames > 1) m.lowest_priority = arbitration(id | kFragmentBit, extended);
-  const auto in_frame = static_cast<unsigned>(std::min<Value>(bytes, most));
-  m.longest_frame = longest_of(timing, *binding, extended, in_frame);
+  const auto identifier = identifier_of(publisher, medium, *binding, m.frames > 1);
+  if (!identifier) return std::nullopt;
+  m.priority = arbitration(identifier->id, identifier->extended);
+  if (identifier->last != identifier->id)
+    m.lowest_priority = arbitration(identifier->last, identifier->extended);
+  m.longest_frame = times_of(timing, *binding, frame_bytes(medium, *binding, bytes)).longest;
   m.last_frame = m.longest_frame;
   m.transmission = m.longest_frame * m.frames;
   if (m.frames > 1) {
-    // All fragments but the last are full; which one is short beyond 32 of them is not relied on.
+    // All frames but the last are full; which one is short beyond 32 of FAMOUSO is not relied on.
+    const bool famouso = medium.profile == Profile::famouso;
     const unsigned chunk = most - 1;
-    const auto rest = m.frames <= kShortHeaders
-                          ? static_cast<unsigned>(bytes - (m.frames - 1) * Value{chunk})
-                          : 0;
-    m.last_frame = shortest_of(timing, *binding, extended, rest + 1);
-    if (m.frames <= kShortHeaders)
-      m.transmission -= m.longest_frame - longest_of(timing, *binding, extended, rest + 1);
+    const bool known = !famouso || m.frames <= kShortHeaders;
+    const Value sent = famouso ? bytes : bytes + kCyphalCrc;
+    const auto rest = known ? static_cast<unsigned>(sent - (m.frames - 1) * Value{chunk}) : 0;
+    const Range last = times_of(timing, *binding, rest + 1);
+    m.last_frame = last.shortest;
+    if (known) m.transmission -= m.longest_frame - last.longest;
   }
   m.period = offered[Attribute::period];
   m.deadline = m.period;
@@ -92,8 +87,10 @@ Assumptions assumptions_of(const System& system, std::size_t network, const Timi
   Assumptions assumptions;
   assumptions.timing = timing;
   assumptions.fd_frames = timing.data_bitrate > 0;
-  for (const Binding& binding : system.networks[network].bindings)
+  for (const Binding& binding : system.networks[network].bindings) {
     if (binding.format != FrameFormat::classic) assumptions.fd_frames = true;
+    if (binding.format == FrameFormat::xl) assumptions.xl_frames = true;
+  }
   assumptions.unknown_senders = bus.unknown_senders;
   assumptions.background = bus.background;
   assumptions.faults = bus.faults;

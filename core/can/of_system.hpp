@@ -15,21 +15,25 @@ namespace mlcca::core::can {
 /// or identity on that network, when the payload is not bounded by anything, or when the bit rate
 /// is unknown. The network's bindings must be sorted.
 ///
-/// FAMOUSO: identifier of priority, node and etag; where the size is not stated, an event counts as
-/// one longest frame of its binding; a longer event is split as core/medium.hpp says. Raw: a frame
-/// is at most as long as its binding allows.
+/// The identifier is what core/profile.hpp says; where the description leaves a part of it open,
+/// the message disturbs others with the first and suffers with the last of them. Where the size is
+/// not stated, an event counts as one longest frame of its binding; a longer event is split as
+/// core/medium.hpp says.
 [[nodiscard]] std::optional<Message> message_of(const System& system, const Publisher& publisher,
                                                 std::size_t set, std::size_t network,
                                                 const Timing& timing);
 
-/// The identifier of frames of a publisher that are not fragments. FAMOUSO: the publisher must have
-/// a node.
+/// The identifiers of a publisher's frames: the first and the last that they may have. Nothing
+/// where the publisher lacks the node that the profile needs. `split`: an event takes several
+/// frames.
 struct Identifier {
-  std::uint32_t id = 0;  ///< 11 or 29 bits
+  std::uint32_t id = 0;    ///< 11 or 29 bits
+  std::uint32_t last = 0;  ///< what is left open are ones here
   bool extended = false;
 };
-[[nodiscard]] Identifier identifier_of(const Publisher& publisher, const Network& network,
-                                       const Binding& binding);
+[[nodiscard]] std::optional<Identifier> identifier_of(const Publisher& publisher,
+                                                      const Network& network,
+                                                      const Binding& binding, bool split);
 
 /// The bit rates that are described for a network.
 [[nodiscard]] Timing timing_of(const Network& network);

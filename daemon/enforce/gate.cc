@@ -50,6 +50,12 @@ std::uint32_t gate_profile_of(core::Profile profile) {
       return GATE_PROFILE_RAW;
     case core::Profile::famouso:
       return GATE_PROFILE_FAMOUSO;
+    case core::Profile::j1939:
+      return GATE_PROFILE_J1939;
+    case core::Profile::cyphal:
+      return GATE_PROFILE_CYPHAL;
+    case core::Profile::canopen:
+      return GATE_PROFILE_CANOPEN;
     case core::Profile::none:
       break;
   }

@@ -32,7 +32,6 @@ TEST(PlanTest, OpensTheWayInAndTheWayOutForExactlyWhatWasGranted) {
     EXPECT_TRUE(rule->pass);
     EXPECT_EQ(rule->entry.id, kExtendedFlag | kId);
     EXPECT_EQ(rule->entry.mask, kExtendedFlag | kRemoteFlag | kAllBits);
-    EXPECT_EQ(rule->entry.key, kEtag);
     EXPECT_EQ(rule->entry.max_length, 8);
     EXPECT_TRUE(rule->entry.classic);
     EXPECT_FALSE(rule->entry.fd);
@@ -100,7 +99,6 @@ TEST(PlanTest, RawIdentifiersAreMatchedInTheirForm) {
     }
     const GateEntry e = State(system).gate_state(kBridge).at(0).entry;
     EXPECT_EQ(e.id, extended ? 0x80000123U : 0x123U);
-    EXPECT_EQ(e.key, e.id);
     EXPECT_EQ(e.mask, extended ? 0x9fffffffU : 0xdfffffffU);
     EXPECT_EQ(e.classic, extended);
     EXPECT_TRUE(e.fd);

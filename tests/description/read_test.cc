@@ -268,7 +268,8 @@ TEST(Problems, HaveTheirLineBeyond65535) {
             "t.xml:70002: <Network>: is not complete: it needs ( Kind )");
   EXPECT_EQ(problem_of(system_of(std::string(70000, '\n') +
                                  "<Network name=\"n\"><Kind>can</Kind></Network>\n")),
-            "t.xml:70002: <Network>: a CAN network needs a Profile: raw or famouso");
+            "t.xml:70002: <Network>: a CAN network needs a Profile: raw, famouso, "
+            "j1939, cyphal or canopen");
 }
 
 TEST(Problems, AreShownUpToTheThousandthAndThenSaidToBeMore) {

@@ -131,9 +131,9 @@ class DescribedBuses {
     message->queue = crossing.queue;
     BusMessage m;
     m.name = p.name;
-    const auto identifier = core::can::identifier_of(p, network, *binding);
-    m.id = identifier.id;
-    m.extended = identifier.extended;
+    const auto identifier = core::can::identifier_of(p, network, *binding, message->frames > 1);
+    m.id = identifier->id;
+    m.extended = identifier->extended;
     m.bytes = p.attributes.has(Attribute::max_payload) ? p.attributes[Attribute::max_payload]
                                                        : core::frame_bytes(*binding);
     m.message = *message;
@@ -154,7 +154,7 @@ class DescribedBuses {
     if (network.profile == core::Profile::none)
       return fmt::format("network {} has no Profile: the identifier of publisher {} is not known",
                          network.name, p.name);
-    return fmt::format("publisher {} has no node: its identifier on network {} is not known",
+    return fmt::format("publisher {} has no node of network {}: its identifier there is not known",
                        p.name, network.name);
   }
 

@@ -72,10 +72,11 @@ const char* advice_on(core::FindingId id) {
       return "The channels described before it have reserved the rest. Send less, or move channels "
              "to another network.";
     case Id::too_long:
-      return "An event does not fit a frame, or the fragments of one FAMOUSO event. Publish a "
+      return "An event does not fit a frame, or what FAMOUSO or Cyphal splits it into. Publish a "
              "smaller MaxPayload or use longer frames.";
     case Id::no_node:
-      return "FAMOUSO frames carry the node that sent them. Add attribute node.";
+      return "Frames of FAMOUSO, J1939 and Cyphal carry the node that sent them. Add attribute "
+             "node.";
     case Id::no_traffic:
       return "Without its rate nothing can be reserved. State Period and MaxPayload, or Bandwidth.";
     case Id::run_time:

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/control_traffic.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/medium.hpp"
+
+namespace mlcca::core {
+namespace {
+
+constexpr ControlFrames extended(std::uint32_t id, std::uint32_t open, std::uint16_t bytes = 8) {
+  return {{.id = kExtendedFlag | id, .mask = kExtendedFlag | (kExtendedBits & ~open)}, bytes};
+}
+constexpr ControlFrames standard(std::uint32_t id, std::uint32_t open, std::uint16_t bytes) {
+  return {{.id = id, .mask = kExtendedFlag | (kExtendedBits & ~open)}, bytes};
+}
+
+// FAMOUSO: all with priority 0x7d. The request of a stage has stage and nibble where the node and
+// the fragment bit are; its answer keeps the top bit of the stage. Tags are given by node 0x7f.
+constexpr std::uint32_t kNode = 0x1fc000;
+constexpr std::uint32_t kStage = 0x3fc000;
+constexpr std::array kConfiguration = {extended(0x1f400000, kStage),
+                                       extended(0x1f400001, kStage, 0)};
+constexpr std::array kBinding = {extended(0x1f400002, kNode), extended(0x1f5fc004, 0)};
+constexpr std::array kFamouso = {
+    ControlKind{.name = "configuration", .frames = kConfiguration, .rate = 200, .burst = 32},
+    ControlKind{.name = "binding", .frames = kBinding, .rate = 200, .burst = 32}};
+
+// SAE J1939-81 (address claim), J1939-21 (request, acknowledgement, transport), ISO 11783-3
+// (extended transport). Priorities and, where there are some, destinations are open. An address is
+// claimed towards everybody, from the null address too.
+constexpr std::uint32_t kPriority = 0x1c000000;
+constexpr std::uint32_t kSource = 0xff;
+constexpr std::uint32_t kAnyTwo = kPriority | 0xff00 | kSource;
+constexpr std::array kAddressClaim = {extended(0x00eeff00, kPriority | kSource)};
+constexpr std::array kRequest = {extended(0x00ea0000, kAnyTwo)};
+constexpr std::array kAcknowledgement = {extended(0x00e80000, kAnyTwo)};
+constexpr std::array kTransport = {extended(0x00ec0000, kAnyTwo), extended(0x00eb0000, kAnyTwo)};
+constexpr std::array kExtendedTransport = {extended(0x00c80000, kAnyTwo),
+                                           extended(0x00c70000, kAnyTwo)};
+constexpr std::array kJ1939 = {
+    ControlKind{.name = "address-claim", .frames = kAddressClaim, .rate = 50, .burst = 256},
+    ControlKind{.name = "request", .frames = kRequest, .rate = 100, .burst = 20},
+    ControlKind{.name = "acknowledgement", .frames = kAcknowledgement, .rate = 100, .burst = 20},
+    ControlKind{
+        .name = "transport", .frames = kTransport, .rate = 500, .burst = 300, .is_carrier = true},
+    ControlKind{.name = "extended-transport",
+                .frames = kExtendedTransport,
+                .rate = 500,
+                .burst = 300,
+                .is_carrier = true}};
+
+// Cyphal Specification v1.0, 5.3: heartbeat (7509) of every node once a second, and the allocation
+// of node-ids (8165, 8166), asked for anonymously. Services (GetInfo too) are no messages.
+constexpr std::uint32_t kAnyNode = kPriority | 0x600000 | 0x7f;
+constexpr std::uint32_t kAnonymous = 0x1000000;
+constexpr std::array kHeartbeat = {extended(7509U << 8, kAnyNode)};
+constexpr std::array kAllocation = {extended(8165U << 8, kAnyNode | kAnonymous, 64),
+                                    extended(8166U << 8, kAnyNode | kAnonymous)};
+constexpr std::array kCyphal = {
+    ControlKind{.name = "heartbeat", .frames = kHeartbeat, .rate = 200, .burst = 128},
+    ControlKind{.name = "allocation", .frames = kAllocation, .rate = 20, .burst = 10}};
+
+// CiA 301 v4.2, table 39.
+constexpr std::uint32_t kNodeId = 0x7f;
+constexpr std::array kNmt = {standard(0x000, 0, 2)};
+constexpr std::array kSync = {standard(0x080, 0, 1)};
+constexpr std::array kEmergency = {standard(0x080, kNodeId, 8)};
+constexpr std::array kTime = {standard(0x100, 0, 6)};
+constexpr std::array kErrorControl = {standard(0x700, kNodeId, 1)};
+constexpr std::array kCanopen = {
+    ControlKind{.name = "nmt", .frames = kNmt, .rate = 50, .burst = 10},
+    ControlKind{.name = "sync", .frames = kSync, .rate = 1000, .burst = 2},
+    ControlKind{.name = "emergency", .frames = kEmergency, .rate = 200, .burst = 127},
+    ControlKind{.name = "time", .frames = kTime, .rate = 10, .burst = 2},
+    ControlKind{.name = "error-control", .frames = kErrorControl, .rate = 1500, .burst = 127}};
+
+/// A binding has this very number. What it has of a wider range is told apart by its own slots.
+bool is_bound(const Network& network, const ControlFrames& frames) {
+  return std::ranges::any_of(network.bindings, [&](const Binding& b) {
+    Publisher anybody;
+    anybody.node = 0;
+    const auto bound = identity_of(anybody, network, b, false);
+    constexpr std::uint32_t j1939_number = 0x03ff0000;
+    constexpr std::uint32_t cyphal_number = 0x001fff00;
+    std::uint32_t number = kExtendedFlag | kExtendedBits;
+    if (network.profile == Profile::j1939) number = j1939_number;
+    if (network.profile == Profile::cyphal) number = cyphal_number;
+    return bound && (frames.identity.mask & number) == number &&
+           ((bound->id ^ frames.identity.id) & number) == 0;
+  });
+}
+
+class ControlRules {
+ public:
+  void add(std::size_t port, const ControlFrames& frames, const ControlKind& kind,
+           const ControlState& state, const Port& at) {
+    constexpr Value second = 1'000'000'000;
+    const Value per_frame = second / state.rate;
+    GateRule rule;
+    rule.entry.port = port;
+    rule.entry.id = frames.identity.id;
+    rule.entry.mask = frames.identity.mask | kRemoteFlag;
+    rule.entry.max_length = frames.max_length;
+    rule.entry.classic = true;
+    rule.entry.fd = frames.max_length > kClassicBytes;
+    rule.entry.subject = kControlSubject;
+    rule.pass = state.allowed;
+    rule.policing = {.per_frame = per_frame,
+                     .per_byte = 0,
+                     .tolerance = per_frame * kind.burst,
+                     .counts_only = at.excess == Excess::pass};
+    rules_.push_back(rule);
+    rule.entry.direction = Direction::egress;
+    rule.entry.uid = at.control_uid;
+    rules_.push_back(rule);
+    if (!kind.is_carrier) return;
+    rule.entry.uid = 0;
+    rule.entry.from_kernel = true;
+    rules_.push_back(rule);
+  }
+  [[nodiscard]] GateState take() {
+    std::ranges::sort(rules_, {}, &GateRule::entry);
+    return std::move(rules_);
+  }
+
+ private:
+  GateState rules_;
+};
+
+}  // namespace
+
+std::span<const ControlKind> control_kinds(Profile profile) {
+  switch (profile) {
+    case Profile::famouso:
+      return kFamouso;
+    case Profile::j1939:
+      return kJ1939;
+    case Profile::cyphal:
+      return kCyphal;
+    case Profile::canopen:
+      return kCanopen;
+    default:
+      return {};
+  }
+}
+
+std::string_view control_kind_of(Profile profile, std::uint32_t id, std::uint32_t mask) {
+  for (const ControlKind& kind : control_kinds(profile))
+    for (const ControlFrames& frames : kind.frames)
+      if (frames.identity.id == id && frames.identity.mask == (mask & ~kRemoteFlag))
+        return kind.name;
+  return {};
+}
+
+ControlState control_at(const Network& network, const Port& port, std::size_t kind) {
+  const auto allowed = port.control.kinds ? port.control.kinds : network.control.kinds;
+  const std::uint32_t rate = port.control.rate != 0 ? port.control.rate : network.control.rate;
+  const ControlKind& known = control_kinds(network.profile)[kind];
+  return {.allowed = allowed ? (*allowed >> kind & 1U) != 0 : !known.is_carrier,
+          .rate = rate != 0 ? rate : known.rate};
+}
+
+GateState control_rules(const System& system, std::size_t gateway) {
+  ControlRules rules;
+  const auto& ports = system.gateways[gateway].ports;
+  for (std::size_t p = 0; p < ports.size(); ++p) {
+    const Network& network = system.networks[ports[p].network];
+    const auto kinds = control_kinds(network.profile);
+    for (std::size_t k = 0; k < kinds.size(); ++k)
+      for (const ControlFrames& frames : kinds[k].frames)
+        if (!is_bound(network, frames))
+          rules.add(p, frames, kinds[k], control_at(network, ports[p], k), ports[p]);
+  }
+  return rules.take();
+}
+
+}  // namespace mlcca::core

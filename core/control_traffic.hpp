@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What a profile needs beside its channels: addresses, bindings, node states. It is no channel's,
+// stays on its bus, and is limited to a rate.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "core/plan.hpp"
+#include "core/system.hpp"
+
+namespace mlcca::core {
+
+/// Subject of the slots of control traffic: no channel has it.
+inline constexpr Subject kControlSubject = 0;
+
+/// Frames of a kind of control traffic, as identifier and mask with kExtendedFlag in both.
+struct ControlFrames {
+  FrameIdentity identity;
+  std::uint16_t max_length = 8;
+};
+
+struct ControlKind {
+  std::string_view name;  ///< "address-claim"
+  std::span<const ControlFrames> frames;
+  std::uint32_t rate = 0;   ///< frames/s in each direction, unless a description says another
+  std::uint32_t burst = 0;  ///< frames that may come at once
+  /// can-j1939 sends them itself, whoever gave it the data. Such frames carry what no gate can look
+  /// into, so that they pass only where a description names them.
+  bool is_carrier = false;
+};
+
+/// Of a profile, in the order of ControlPolicy::kinds.
+[[nodiscard]] std::span<const ControlKind> control_kinds(Profile profile);
+
+/// The kind that frames of this identity are of, by name; empty: none.
+[[nodiscard]] std::string_view control_kind_of(Profile profile, std::uint32_t id,
+                                               std::uint32_t mask);
+
+/// Whether the kind passes at the port, and its frames/s there.
+struct ControlState {
+  bool allowed = true;
+  std::uint32_t rate = 0;
+};
+[[nodiscard]] ControlState control_at(const Network& network, const Port& port, std::size_t kind);
+
+/// The rules of all control traffic of one gateway, sorted by entry. A kind that is switched off
+/// has rules that refuse. A number that a Binding gives to a channel is that channel's alone.
+[[nodiscard]] GateState control_rules(const System& system, std::size_t gateway);
+
+}  // namespace mlcca::core
