@@ -96,6 +96,40 @@ Interface interface(v1::Interface& from) {
           .problem = text(from.mutable_problem())};
 }
 
+GateSlot gate_slot(v1::GateSlot& from) {
+  return {.name = text(from.mutable_name()),
+          .egress = from.egress(),
+          .passes = from.passes(),
+          .id = from.id(),
+          .mask = from.mask(),
+          .formats = text(from.mutable_formats()),
+          .max_length = from.max_length(),
+          .source = text(from.mutable_source()),
+          .per_frame_ns = from.per_frame_ns(),
+          .per_byte = from.per_byte(),
+          .tolerance_ns = from.tolerance_ns(),
+          .excess_passes = from.excess_passes(),
+          .passed = from.passed(),
+          .dropped = from.dropped(),
+          .excess = from.excess(),
+          .bytes = from.bytes(),
+          .last_reason = text(from.mutable_last_reason())};
+}
+
+Gate gate(v1::Gate& from) {
+  return {.interface = text(from.mutable_interface()),
+          .network = text(from.mutable_network()),
+          .profile = text(from.mutable_profile()),
+          .attached = from.attached(),
+          .problem = text(from.mutable_problem()),
+          .slots = from.slots(),
+          .room = from.room(),
+          .masked = from.masked(),
+          .masked_room = from.masked_room(),
+          .control = all(from.mutable_control(), gate_slot),
+          .channels = all(from.mutable_channels(), gate_slot)};
+}
+
 Network network(v1::Network& from) {
   return {.name = text(from.mutable_name()),
           .kind = text(from.mutable_kind()),
@@ -366,6 +400,8 @@ Result<Request> from_wire(v1::Request& from) {
       return Request{id, RoutesRequest{}};
     case v1::Request::kReservations:
       return Request{id, ReservationsRequest{text(from.mutable_reservations()->mutable_place())}};
+    case v1::Request::kGate:
+      return Request{id, GateRequest{text(from.mutable_gate()->mutable_place())}};
     case v1::Request::kWhatIf:
       return Request{id, what_if_request(*from.mutable_what_if())};
     case v1::Request::kHistory:
@@ -396,6 +432,8 @@ Result<Reply> from_wire(v1::Reply& from) {
     case v1::Reply::kReservations:
       return Reply{id,
                    Reservations{all(from.mutable_reservations()->mutable_resources(), resource)}};
+    case v1::Reply::kGates:
+      return Reply{id, Gates{all(from.mutable_gates()->mutable_gates(), gate)}};
     case v1::Reply::kWhatIf:
       return Reply{id, what_if(*from.mutable_what_if())};
     case v1::Reply::kHistory:

@@ -233,6 +233,43 @@ struct HistoryEntry {
   bool operator==(const HistoryEntry&) const = default;
 };
 
+/// One slot of a gate: what it admits, how much of it, and what became of the frames.
+struct GateSlot {
+  std::string name;  ///< kind of control traffic, or channel
+  bool egress = false;
+  bool passes = false;
+  std::uint32_t id = 0;  ///< (can_id & mask) == id, with the flags of <linux/can.h>
+  std::uint32_t mask = 0;
+  std::string formats;
+  std::uint32_t max_length = 0;
+  std::string source;              ///< egress: interface, "user 1000", "any user", "kernel"
+  std::uint64_t per_frame_ns = 0;  ///< with per_byte 0: not policed
+  std::uint64_t per_byte = 0;      ///< 2^-8 ns
+  std::uint64_t tolerance_ns = 0;
+  bool excess_passes = false;
+  std::uint64_t passed = 0;
+  std::uint64_t dropped = 0;
+  std::uint64_t excess = 0;
+  std::uint64_t bytes = 0;
+  std::string last_reason;  ///< of the latest drop; empty: none
+  bool operator==(const GateSlot&) const = default;
+};
+
+struct Gate {
+  std::string interface;
+  std::string network;
+  std::string profile;
+  bool attached = false;
+  std::string problem;
+  std::uint32_t slots = 0;
+  std::uint32_t room = 0;
+  std::uint32_t masked = 0;  ///< of the direction that has more of them
+  std::uint32_t masked_room = 0;
+  std::vector<GateSlot> control;
+  std::vector<GateSlot> channels;
+  bool operator==(const Gate&) const = default;
+};
+
 // --- requests ------------------------------------------------------------------------------------
 
 struct StatusRequest {
@@ -319,6 +356,11 @@ struct HistoryRequest {
   std::uint32_t limit = 0;          ///< newest first; 0: 100, at most 10000
   bool operator==(const HistoryRequest&) const = default;
 };
+/// What do the gates hold?
+struct GateRequest {
+  std::string place;  ///< interface or network; empty: all
+  bool operator==(const GateRequest&) const = default;
+};
 struct ExplainRequest {
   std::string channel;
   bool operator==(const ExplainRequest&) const = default;
@@ -338,7 +380,7 @@ struct Request {
   std::uint64_t id = 0;  ///< copied into the reply
   std::variant<StatusRequest, NetworksRequest, ChannelsRequest, Query, Admit, ReleaseRequest,
                ExplainRequest, MonitorRequest, ModeRequest, ReloadRequest, RenewRequest,
-               RoutesRequest, ReservationsRequest, WhatIfRequest, HistoryRequest>
+               RoutesRequest, ReservationsRequest, WhatIfRequest, HistoryRequest, GateRequest>
       body;
   bool operator==(const Request&) const = default;
 };
@@ -401,6 +443,11 @@ struct Event {
   bool operator==(const Event&) const = default;
 };
 
+struct Gates {
+  std::vector<Gate> gates;
+  bool operator==(const Gates&) const = default;
+};
+
 struct Routes {
   std::vector<RouteReport> routes;
   std::vector<MeshLink> links;
@@ -427,7 +474,7 @@ struct History {
 struct Reply {
   std::uint64_t id = 0;  ///< of the request; 0: an event, or the request could not be read
   std::variant<Error, Status, Networks, Channels, Done, Event, Routes, Reservations, WhatIf,
-               History>
+               History, Gates>
       body;
   bool operator==(const Reply&) const = default;
 };

@@ -80,6 +80,40 @@ void put(const Interface& from, v1::Interface& to) {
   to.set_problem(to_utf8(from.problem));
 }
 
+void put(const GateSlot& from, v1::GateSlot& to) {
+  to.set_name(to_utf8(from.name));
+  to.set_egress(from.egress);
+  to.set_passes(from.passes);
+  to.set_id(from.id);
+  to.set_mask(from.mask);
+  to.set_formats(to_utf8(from.formats));
+  to.set_max_length(from.max_length);
+  to.set_source(to_utf8(from.source));
+  to.set_per_frame_ns(from.per_frame_ns);
+  to.set_per_byte(from.per_byte);
+  to.set_tolerance_ns(from.tolerance_ns);
+  to.set_excess_passes(from.excess_passes);
+  to.set_passed(from.passed);
+  to.set_dropped(from.dropped);
+  to.set_excess(from.excess);
+  to.set_bytes(from.bytes);
+  to.set_last_reason(to_utf8(from.last_reason));
+}
+
+void put(const Gate& from, v1::Gate& to) {
+  to.set_interface(to_utf8(from.interface));
+  to.set_network(to_utf8(from.network));
+  to.set_profile(to_utf8(from.profile));
+  to.set_attached(from.attached);
+  to.set_problem(to_utf8(from.problem));
+  to.set_slots(from.slots);
+  to.set_room(from.room);
+  to.set_masked(from.masked);
+  to.set_masked_room(from.masked_room);
+  for (const auto& slot : from.control) put(slot, *to.add_control());
+  for (const auto& slot : from.channels) put(slot, *to.add_channels());
+}
+
 void put(const Network& from, v1::Network& to) {
   to.set_name(to_utf8(from.name));
   to.set_kind(to_utf8(from.kind));
@@ -279,6 +313,9 @@ struct RequestBody {
     to.mutable_renew()->set_key(to_utf8(from.key));
   }
   void operator()(const RoutesRequest&) const { to.mutable_routes(); }
+  void operator()(const GateRequest& from) const {
+    to.mutable_gate()->set_place(to_utf8(from.place));
+  }
   void operator()(const ReservationsRequest& from) const {
     to.mutable_reservations()->set_place(to_utf8(from.place));
   }
@@ -351,6 +388,10 @@ struct ReplyBody {
     for (const auto& route : from.routes) put(route, *routes.add_routes());
     for (const auto& link : from.links) put(link, *routes.add_links());
     for (const auto& problem : from.problems) routes.add_problems(to_utf8(problem));
+  }
+  void operator()(const Gates& from) const {
+    auto& gates = *to.mutable_gates();
+    for (const auto& gate : from.gates) put(gate, *gates.add_gates());
   }
   void operator()(const Reservations& from) const {
     auto& reservations = *to.mutable_reservations();

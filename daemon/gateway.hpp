@@ -107,6 +107,7 @@ class Gateway {
   Body handle(const control::ReservationsRequest& request);
   Body handle(const control::WhatIfRequest& request);
   Body handle(const control::HistoryRequest& request);
+  Body handle(const control::GateRequest& request);
 
   /// Admissions that have no place in the description, and why.
   using LeftOut = std::map<core::AdmissionId, std::string>;

@@ -10,6 +10,7 @@
 #include "control/version.hpp"
 #include "core/text.hpp"
 #include "daemon/clock.hpp"
+#include "daemon/gate_report.hpp"
 #include "daemon/gateway.hpp"
 #include "daemon/outlook.hpp"
 #include "daemon/report.hpp"
@@ -93,6 +94,17 @@ Gateway::Body Gateway::handle(const control::ReservationsRequest& request) {
   return reservations_report(*state_, place, [this](core::AdmissionId id) -> std::uint64_t {
     return leases_.remaining(id, monotonic_ns()).value_or(0);
   });
+}
+
+Gateway::Body Gateway::handle(const control::GateRequest& request) {
+  control::Gates out = gates_report(ports_, *state_, request.place);
+  if (out.gates.empty() && !request.place.empty())
+    return error(
+        control::ErrorKind::invalid,
+        fmt::format("there is no CAN interface or network '{}' at this gateway (there are: "
+                    "{})",
+                    request.place, gated_places(ports_)));
+  return out;
 }
 
 Gateway::Body Gateway::handle(const control::WhatIfRequest& request) {

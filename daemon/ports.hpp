@@ -86,6 +86,10 @@ class Ports {
   [[nodiscard]] bool is_of(const gate_event& event, const core::GateState& rules) const;
   [[nodiscard]] std::vector<control::Interface> report() const;
   [[nodiscard]] std::size_t size() const { return ports_.size(); }
+  /// The gate of a port; none where it needs none or could not be attached.
+  [[nodiscard]] const enforce::Gate* gate(std::size_t port) const { return gate_of(port); }
+  [[nodiscard]] core::Profile profile(std::size_t port) const { return ports_[port].profile; }
+  [[nodiscard]] const std::string& problem(std::size_t port) const { return ports_[port].problem; }
   [[nodiscard]] const std::string& network_of(std::size_t port) const {
     return ports_[port].network_name;
   }

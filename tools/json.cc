@@ -95,6 +95,41 @@ Json interface(const control::Interface& i) {
           {"problem", i.problem}};
 }
 
+Json gate_slot(const control::GateSlot& s) {
+  return {{"name", s.name},
+          {"egress", s.egress},
+          {"passes", s.passes},
+          {"id", s.id},
+          {"mask", s.mask},
+          {"identifier", print_can_id(s.id)},
+          {"formats", s.formats},
+          {"max_length", s.max_length},
+          {"source", s.source},
+          {"per_frame_ns", s.per_frame_ns},
+          {"per_byte", s.per_byte},
+          {"tolerance_ns", s.tolerance_ns},
+          {"excess_passes", s.excess_passes},
+          {"passed", s.passed},
+          {"dropped", s.dropped},
+          {"excess", s.excess},
+          {"bytes", s.bytes},
+          {"last_reason", s.last_reason}};
+}
+
+Json gate(const control::Gate& g) {
+  return {{"interface", g.interface},
+          {"network", g.network},
+          {"profile", g.profile},
+          {"attached", g.attached},
+          {"problem", g.problem},
+          {"slots", g.slots},
+          {"room", g.room},
+          {"masked", g.masked},
+          {"masked_room", g.masked_room},
+          {"control", array(g.control, gate_slot)},
+          {"channels", array(g.channels, gate_slot)}};
+}
+
 Json network(const control::Network& n) {
   return {{"name", n.name},
           {"kind", n.kind},
@@ -266,6 +301,7 @@ struct Body {
             {"links", array(r.links, mesh_link)},
             {"problems", r.problems}};
   }
+  Json operator()(const control::Gates& g) const { return {{"gates", array(g.gates, gate)}}; }
   Json operator()(const control::Reservations& r) const {
     return {{"resources", array(r.resources, resource)}};
   }

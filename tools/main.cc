@@ -124,6 +124,10 @@ Exit ask_reservations(const Options& options, const Arguments& arguments) {
   return ask(options, control::ReservationsRequest{arguments.place});
 }
 
+Exit ask_gate(const Options& options, const Arguments& arguments) {
+  return ask(options, control::GateRequest{arguments.place});
+}
+
 Exit ask_renew(const Options& options, const Arguments& arguments) {
   return ask(options, control::RenewRequest{.admission = arguments.admission.value_or(0),
                                             .key = arguments.key});
@@ -248,6 +252,8 @@ constexpr std::array kVerbs = {
          ask_plain<control::RoutesRequest>},
     Verb{"reservations", "what has been promised to whom, and what is left", Takes::place,
          ask_reservations},
+    Verb{"gate", "what the gates hold: control traffic, channels, limits, counters", Takes::gate,
+         ask_gate},
     Verb{"query", "would this be admitted? changes nothing", Takes::delivery, ask_query},
     Verb{"what-if", "who would lose, who would gain? changes nothing", Takes::changes, ask_what_if},
     Verb{"admit", "admit a new publisher or subscriber of a channel", Takes::reservation,

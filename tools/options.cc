@@ -23,7 +23,8 @@ constexpr const char* kDefaultSocket = "/run/mlcca/control.sock";
 constexpr const char* kFooter =
     "Exit status: 0 granted or fine, 1 refused, 2 usage or unreadable input,\n"
     "3 no daemon or the outside world failed.";
-constexpr unsigned kMaxFamouso = 127;
+constexpr unsigned kMaxNode = 253;  // of any profile
+constexpr unsigned kMaxPriority = 127;
 constexpr unsigned kMaxPacket = 65535;
 constexpr unsigned kMaxEntries = 10'000;  // of the history
 
@@ -47,12 +48,14 @@ void add_delivery(CLI::App& app, Arguments& to) {
   app.add_option("--offer", to.offer, "what the new publisher offers, such as Period=50ms")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
-  app.add_option("--node", to.node, "FAMOUSO node of the new publisher, 0 to 126")
+  app.add_option("--node", to.node,
+                 "node of the new publisher: FAMOUSO 0 to 126, J1939 (source address) 0 to 253, "
+                 "Cyphal 0 to 127")
       ->type_name("N")
-      ->check(CLI::Range(0U, kMaxFamouso));
+      ->check(CLI::Range(0U, kMaxNode));
   app.add_option("--priority", to.priority, "FAMOUSO priority of its events, 0 (highest) to 127")
       ->type_name("N")
-      ->check(CLI::Range(0U, kMaxFamouso));
+      ->check(CLI::Range(0U, kMaxPriority));
   app.add_option("--user", to.user, "user that may send, for a publisher on this gateway");
   app.add_option("--subscriber", to.subscriber, "name of the new subscriber, for reports");
   app.add_option("--publisher", to.publisher, "name of the new publisher, for reports");
@@ -170,6 +173,9 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
       break;
     case Takes::place:
       app.add_option("place", to.place, "only this network or gateway")->type_name("PLACE");
+      break;
+    case Takes::gate:
+      app.add_option("place", to.place, "only this interface or network")->type_name("PLACE");
       break;
     case Takes::changes:
       add_changes(app, to);

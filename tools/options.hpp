@@ -56,6 +56,7 @@ enum class Takes : std::uint8_t {
   lease,        ///< the id or the key of an admission
   mode,
   place,    ///< perhaps a network or gateway
+  gate,     ///< perhaps an interface or network
   changes,  ///< links as they might be, and what might be gone
   past,     ///< of which channel, kind and time
   links,    ///< rates of a chain of links

@@ -12,6 +12,9 @@ std::string render(const control::Status& status, Color color);
 std::string render(const control::Networks& networks, Color color);
 std::string render(const control::Routes& routes, Color color);
 
+/// Of each gate its control traffic, then its channels.
+std::string render(const control::Gates& gates, Color color);
+
 /// All resources, then who holds what of each.
 std::string render(const control::Reservations& reservations, Color color);
 

@@ -259,6 +259,7 @@ std::expected<void, Gate::Refusal> Gate::apply_together(std::span<const Change> 
 }
 
 std::vector<SlotSpec> Gate::present() const { return state_->slots.present(); }
+bool Gate::is_masked(const SlotSpec& spec) const { return state_->slots.is_masked(spec); }
 void Gate::deny_all() { state_->slots.deny_all(); }
 
 void Gate::set_bands(std::span<const std::uint32_t> limits) {

@@ -66,6 +66,7 @@ class Gate {
   /// See SlotTable: one step for frames on all of them.
   static std::expected<void, Refusal> apply_together(std::span<const Change> changes);
   [[nodiscard]] std::vector<SlotSpec> present() const;
+  [[nodiscard]] bool is_masked(const SlotSpec& spec) const;
   void deny_all();
 
   /// Frames that leave are put into bands by their identifiers: those up to the first limit

@@ -91,6 +91,13 @@ constexpr std::array kCases = {
     Case{"famouso drop", GATE_PROFILE_FAMOUSO, Direction::ingress, kEff | 0x65, false},
     Case{"famouso last of 8 publishers", GATE_PROFILE_FAMOUSO, Direction::egress, kEff | 0x66,
          true},
+    Case{"j1939 pass", GATE_PROFILE_J1939, Direction::egress, kEff | 0x18feca21, true},
+    Case{"j1939 drop", GATE_PROFILE_J1939, Direction::ingress, kEff | 0x18fecb21, false},
+    Case{"cyphal pass", GATE_PROFILE_CYPHAL, Direction::egress, kEff | 0x107d552a, true},
+    Case{"cyphal drop", GATE_PROFILE_CYPHAL, Direction::ingress, kEff | 0x107d542a, false},
+    Case{"canopen pass", GATE_PROFILE_CANOPEN, Direction::egress, 0x181, true},
+    Case{"canopen pass by a mask", GATE_PROFILE_CANOPEN, Direction::egress, 0x701, true},
+    Case{"canopen drop", GATE_PROFILE_CANOPEN, Direction::ingress, 0x182, false},
     Case{"echo of a local frame", GATE_PROFILE_RAW, Direction::ingress, 0x123, true},
     Case{"raw dense pass, portable loads", GATE_PROFILE_RAW, Direction::egress, 0x123, true, false},
     Case{"raw dense pass, policed", GATE_PROFILE_RAW, Direction::egress, 0x125, true},
@@ -121,6 +128,18 @@ void fill(LoadedGate& gate, std::uint32_t profile) {
     gate.admit({slot(Direction::egress, 0x123, true), slot(Direction::ingress, 0x124, false),
                 slot(Direction::egress, kEff | 0x1abcdef, true)});
     return;
+  }
+  // What passes on egress; the neighbour that is dropped on ingress has a slot that denies.
+  const auto pair = [&](std::uint32_t pass, std::uint32_t drop) {
+    gate.admit({slot(Direction::egress, pass, true), slot(Direction::ingress, drop, false)});
+  };
+  if (profile == GATE_PROFILE_J1939) return pair(kEff | 0x18feca21, kEff | 0x18fecb21);
+  if (profile == GATE_PROFILE_CYPHAL) return pair(kEff | 0x107d552a, kEff | 0x107d542a);
+  if (profile == GATE_PROFILE_CANOPEN) {
+    auto error_control = slot(Direction::egress, 0x700, true);
+    error_control.mask &= ~0x7fU;
+    gate.admit({error_control});
+    return pair(0x181, 0x182);
   }
   gate.admit(
       {slot(Direction::egress, kEff | 0x64, true), slot(Direction::ingress, kEff | 0x65, false)});

@@ -273,6 +273,42 @@ Routes full_routes() {
           .problems = {"awds: babel: connection refused", "awds: olsr: no such node"}};
 }
 
+Gates full_gates() {
+  const GateSlot claim{.name = "address-claim",
+                       .egress = true,
+                       .passes = true,
+                       .id = 0x80eeff00,
+                       .mask = 0xc3ffff00,
+                       .formats = "classic",
+                       .max_length = 8,
+                       .source = "user 0",
+                       .per_frame_ns = 20'000'000,
+                       .per_byte = 3,
+                       .tolerance_ns = 5'120'000'000,
+                       .excess_passes = true,
+                       .passed = 7,
+                       .dropped = 2,
+                       .excess = 1,
+                       .bytes = 56,
+                       .last_reason = "more than admitted"};
+  auto channel = claim;
+  channel.name = "engine-speed";
+  channel.egress = false;
+  channel.source = "";
+  return {{{.interface = "can0",
+            .network = "powertrain",
+            .profile = "j1939",
+            .attached = true,
+            .problem = "can0 is down",
+            .slots = 21,
+            .room = 4094,
+            .masked = 3,
+            .masked_room = 32,
+            .control = {claim},
+            .channels = {channel, claim}},
+           {}}};
+}
+
 Reservations full_reservations() {
   const Reservation switch_on_bus{.channel = "emergency-switch",
                                   .publisher = "switch",
@@ -409,6 +445,7 @@ std::vector<NamedRequest> all_requests() {
           {"Renew", {11, RenewRequest{.admission = 9, .key = "camera"}}},
           {"Routes", {12, RoutesRequest{}}},
           {"Reservations", {13, ReservationsRequest{"awds"}}},
+          {"Gate", {13, GateRequest{"can0"}}},
           {"WhatIf", {14, full_what_if_request()}},
           {"WhatIfNothing", {15, WhatIfRequest{}}},
           {"History",
@@ -436,6 +473,7 @@ std::vector<NamedReply> all_replies() {
           {"Event", {0, full_event()}},
           {"Routes", {6, full_routes()}},
           {"Reservations", {7, full_reservations()}},
+          {"Gates", {8, full_gates()}},
           {"WhatIf", {8, full_what_if()}},
           {"History", {9, full_history()}}};
 }

@@ -451,7 +451,7 @@ INSTANTIATE_TEST_SUITE_P(
         UsageRow{"LimitZero", {"history", "--limit", "0"}, "not in range 1 to 10000"},
         UsageRow{"LimitLarge", {"history", "--limit", "10001"}, "not in range 1 to 10000"},
         UsageRow{"TwoPlaces", {"reservations", "a", "b"}, "unexpected argument 'b'"},
-        UsageRow{"NodeTooLarge", {"query", "a", "--node", "128"}, "128 not in range 0 to 127"},
+        UsageRow{"NodeTooLarge", {"query", "a", "--node", "254"}, "254 not in range 0 to 253"},
         UsageRow{"PriorityNegative", {"query", "a", "--priority", "-1"}, "--priority"},
         UsageRow{"NoUnit", {"query", "a", "--require", "Period=50"}, "needs a unit: ns, us, ms"},
         UsageRow{"UnknownAttribute", {"admit", "a", "--offer", "X=1"}, "must be one of Latency"},

@@ -17,9 +17,14 @@ _mlccactl_places() {
 		cut -d: -f2 | grep -oE '[^][",]+' | sort -u
 }
 
+_mlccactl_gates() {
+	mlccactl --timeout 1 --json gate 2>/dev/null | grep -oE '"(interface|network)":"[^"\\]*"' |
+		cut -d'"' -f4 | sort -u
+}
+
 _mlccactl() {
 	local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
-	local verbs="status networks channels routes reservations query what-if admit renew release explain"
+	local verbs="status networks channels routes reservations gate query what-if admit renew release explain"
 	verbs+=" history monitor mode reload bandwidth"
 	local design="analyse-bus check describe generate"
 	local common="--socket --timeout --json --no-color --help"
@@ -121,6 +126,7 @@ _mlccactl() {
 	case $verb in
 	admit) words+=" --key --lease --hold" ;;
 	reservations) [[ $cur == -* ]] || words=$(_mlccactl_places) ;;
+	gate) [[ $cur == -* ]] || words=$(_mlccactl_gates) ;;
 	esac
 	case $verb in
 	query | admit | release | explain)

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the gates hold: control traffic, then channels, with limits and counters.
+#include <fmt/format.h>
+
+#include "tools/render.hpp"
+#include "tools/values.hpp"
+#include "tools/words.hpp"
+
+namespace mlcca::tools {
+namespace {
+
+/// "50/s, 256 at once", "250 kB/s", nothing where it is not policed.
+std::string limit(const control::GateSlot& slot) {
+  constexpr double second = 1e9;
+  constexpr double unit = 256;  // of per_byte
+  if (slot.per_frame_ns != 0) {
+    const double rate = second / static_cast<double>(slot.per_frame_ns);
+    const std::uint64_t burst = slot.tolerance_ns / slot.per_frame_ns;
+    return fmt::format("{:.{}f}/s, {} at once", rate, rate < 10 ? 1 : 0, burst + 1);
+  }
+  if (slot.per_byte != 0)
+    return bytes_per_second(
+        static_cast<std::uint64_t>(second * unit / static_cast<double>(slot.per_byte)));
+  return {};
+}
+
+Cell state(const control::GateSlot& slot, bool control) {
+  if (slot.passes) return {"passes", Style::good};
+  return control ? Cell{"off", Style::dim} : Cell{"refused", Style::bad};
+}
+
+Cell number(std::uint64_t n, Style style = Style::plain) {
+  return {n == 0 ? "" : fmt::format("{}", n), style};
+}
+
+std::string slots(const std::vector<control::GateSlot>& all, bool control, Color color) {
+  Table table({{control ? "CONTROL TRAFFIC" : "CHANNEL"},
+               {"WAY"},
+               {"FROM"},
+               {"IDENTIFIER"},
+               {"MASK"},
+               {"FORMATS"},
+               {"BYTES", Align::right},
+               {"STATE"},
+               {"LIMIT"},
+               {"PASSED", Align::right},
+               {"DROPPED", Align::right},
+               {"EXCESS", Align::right},
+               {"LAST DROP"}});
+  for (const auto& slot : all) {
+    // All 29 bits of an 11-bit identifier count, whatever is open of the 11.
+    const unsigned digits = slot.id >> 31 != 0 ? 8 : 3;
+    const std::uint32_t bits = digits == 8 ? 0x1fffffff : 0x7ff;
+    table.add({{slot.name, Style::bold},
+               {slot.egress ? "out" : "in"},
+               {slot.source},
+               {print_can_id(slot.id)},
+               {fmt::format("{:0{}x}", slot.mask & bits, digits)},
+               {slot.formats},
+               {fmt::format("{}", slot.max_length)},
+               state(slot, control),
+               {limit(slot)},
+               number(slot.passed),
+               number(slot.dropped, Style::warning),
+               number(slot.excess, Style::warning),
+               {slot.last_reason, Style::warning}});
+  }
+  return table.empty() ? "" : table.text(color, "  ");
+}
+
+}  // namespace
+
+std::string render(const control::Gates& gates, Color color) {
+  std::string text;
+  for (const auto& gate : gates.gates) {
+    if (!text.empty()) text += '\n';
+    text += fmt::format(
+        "{} on {}: profile {}, {}, {} of {} slots", styled(gate.interface, Style::bold, color),
+        printable(gate.network), gate.profile,
+        gate.attached ? styled("held", Style::good, color) : styled("NOT HELD", Style::bad, color),
+        gate.slots, gate.room);
+    if (gate.masked != 0) text += fmt::format(", {} of {} masks", gate.masked, gate.masked_room);
+    text += '\n';
+    if (!gate.problem.empty()) text += "  " + styled(gate.problem, Style::bad, color) + '\n';
+    text += slots(gate.control, true, color) + slots(gate.channels, false, color);
+  }
+  return text.empty() ? "this gateway has no gates\n" : text;
+}
+
+}  // namespace mlcca::tools
