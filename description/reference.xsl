@@ -22,6 +22,8 @@
   <r:words type="Subject">0x and up to 16 hexadecimal digits</r:words>
   <r:words type="ShortHex">0x and up to 8 hexadecimal digits</r:words>
   <r:words type="SmallNumber">a number such as 32 or 0x20, without a sign</r:words>
+  <r:words type="Number">a number such as 65226 or 0xfeca, without a sign</r:words>
+  <r:words type="ControlKinds">all, none, or names of kinds with blanks between them</r:words>
   <r:words type="Decimal">a decimal number such as 50 or 0.5, without a sign, up to 20 digits on each side</r:words>
   <r:words type="AttributeName">a letter, then up to 62 letters or digits</r:words>
   <r:words type="NodeAddress">a MAC address such as 02:00:00:00:00:01, or an IPv4 or IPv6 address</r:words>
