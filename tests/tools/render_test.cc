@@ -189,9 +189,9 @@ TEST_F(RenderTest, ListsControlTrafficOfAGateBeforeItsChannels) {
   EXPECT_EQ(render(control::Gates{{gate}}, Color::no),
             R"(can0 on powertrain: profile j1939, held, 21 of 4094 slots, 3 of 32 masks
   can0 is down
-  CONTROL TRAFFIC  WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE   LIMIT             PASSED  DROPPED  EXCESS  LAST DROP
+  CONTROL TRAFFIC  WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE   LIMIT              PASSED  DROPPED  EXCESS  LAST DROP
   address-claim    out  user 0  00eeff00    03ffff00  classic      8  passes  50/s, 257 at once       7        2       1  more than admitted
-  CHANNEL        WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE    LIMIT             PASSED  DROPPED  EXCESS  LAST DROP
+  CHANNEL        WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE    LIMIT              PASSED  DROPPED  EXCESS  LAST DROP
   engine-speed   in           00eeff00    03ffff00  classic      8  passes   50/s, 257 at once       7        2       1  more than admitted
   address-claim  out  user 0  00eeff00    03ffff00  classic      8  refused  100 MB/s                7        2       1  more than admitted
 )");
