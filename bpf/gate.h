@@ -212,7 +212,7 @@ struct gate_table {
 	 */
 	__u32 bands;
 	__u32 band_limit[GATE_BANDS - 1];
-	__u32 slots_end; /* all slots that were ever used are below this one */
+	__u32 slots_end;	       /* all slots that were ever used are below this one */
 	__u16 masked[GATE_DIRECTIONS]; /* first masked slot, 0 for none */
 	__u8 pad[40];
 	struct gate_slot slots[GATE_SLOTS];
