@@ -83,6 +83,21 @@ class Planner {
 
   [[nodiscard]] GateState take() const { return rules_.take(); }
 
+  /// From one bus to another, granted, and both ends gated.
+  void add_transits(const Verdict& v, std::vector<Transit>& to) {
+    if (!v.granted) return;
+    set_ = v.set;
+    const Publisher& p = members_.publisher(v.publisher);
+    for (const auto& [in, out] : crossings(v)) {
+      if (in == kLocal || out == kLocal || network_at(in).kind != NetworkKind::can ||
+          network_at(out).kind != NetworkKind::can)
+        continue;
+      const auto enters = entry(p, in, Direction::ingress, kLocal);
+      const auto leaves = entry(p, out, Direction::egress, in);
+      if (enters && leaves) to.push_back({*enters, *leaves});
+    }
+  }
+
  private:
   static constexpr std::size_t kLocal = ~std::size_t{0};
   struct Crossing {
@@ -109,11 +124,16 @@ class Planner {
     return found;
   }
 
-  void emit(const Publisher& p, std::size_t port, Direction direction, std::size_t source,
-            bool pass) {
-    const Network& network = system_.networks[system_.gateways[here_.index].ports[port].network];
+  [[nodiscard]] const Network& network_at(std::size_t port) const {
+    return system_.networks[system_.gateways[here_.index].ports[port].network];
+  }
+
+  /// Nothing where no gate can tell the frames apart, or nobody may send.
+  [[nodiscard]] std::optional<GateEntry> entry(const Publisher& p, std::size_t port,
+                                               Direction direction, std::size_t source) const {
+    const Network& network = network_at(port);
     const Binding* binding = network.binding_of(p.channel);
-    if (network.profile == Profile::none || binding == nullptr) return;
+    if (network.profile == Profile::none || binding == nullptr) return std::nullopt;
     GateEntry e;
     e.port = port;
     e.direction = direction;
@@ -121,21 +141,30 @@ class Planner {
     e.classic = binding->format == FrameFormat::classic || binding->format == FrameFormat::any;
     e.fd = binding->format == FrameFormat::fd || binding->format == FrameFormat::any;
     e.xl = binding->format == FrameFormat::xl;
-    if (!identify(p, network, *binding, e)) return;
+    if (!identify(p, network, *binding, e)) return std::nullopt;
     if (direction == Direction::egress) {
       if (source != kLocal)
         e.source_port = source;
       else if (p.uid)
         e.uid = *p.uid;
       else
-        return;  // a local publisher without a user: nobody may send
+        return std::nullopt;  // a local publisher without a user: nobody may send
     }
+    return e;
+  }
+
+  void emit(const Publisher& p, std::size_t port, Direction direction, std::size_t source,
+            bool pass) {
+    const auto e = entry(p, port, direction, source);
+    if (!e) return;
     // Where a frame came in it has been policed already.
     const bool first = direction == Direction::ingress || source == kLocal;
-    GateRule rule{e, pass, {}, {}};
+    GateRule rule{*e, pass, {}, {}};
     if (first) {
       const AttributeSet& offered = attributes_in(p, set_);
-      const auto frames = frames_per_event(network, binding, offered[Attribute::max_payload]);
+      const Network& network = network_at(port);
+      const auto frames = frames_per_event(network, network.binding_of(p.channel),
+                                           offered[Attribute::max_payload]);
       rule.policing = policing_of(offered, frames);
       rule.policing.counts_only = system_.gateways[here_.index].ports[port].excess == Excess::pass;
       rule.watching = watching(offered, frames);
@@ -221,6 +250,16 @@ GateState gate_state(const System& system, const Members& members, std::size_t c
   Planner planner(system, members, gateway);
   add_channel(planner, members, channel, verdicts, without);
   return planner.take();
+}
+
+std::vector<Transit> transits(const System& system, const Members& members,
+                              const std::vector<Verdict>& verdicts, std::size_t gateway) {
+  std::vector<Transit> found;
+  Planner planner(system, members, gateway);
+  for (const Verdict& v : verdicts) planner.add_transits(v, found);
+  std::ranges::sort(found);
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
 }
 
 GateState gate_state(const System& system, const Members& members,

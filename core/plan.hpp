@@ -92,6 +92,18 @@ struct GateChanges {
 /// less the Latency. 0: unknown, or nothing was granted.
 [[nodiscard]] Value silence_of(const Verdict& verdict);
 
+/// What the frames of a granted publisher look like where they enter a gateway and where they leave
+/// it, from one of its ports to another.
+struct Transit {
+  GateEntry in;
+  GateEntry out;
+  auto operator<=>(const Transit&) const = default;
+};
+/// Of one channel, sorted, each once.
+[[nodiscard]] std::vector<Transit> transits(const System& system, const Members& members,
+                                            const std::vector<Verdict>& verdicts,
+                                            std::size_t gateway);
+
 /// The part of one channel. Entries of different channels never meet: they carry the subject.
 /// Publishers of the admission `without` are left out.
 [[nodiscard]] GateState gate_state(const System& system, const Members& members,

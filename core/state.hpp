@@ -145,6 +145,9 @@ class State {
   [[nodiscard]] GateState gate_state(std::size_t gateway) const {
     return core::gate_state(system_, members_, decisions_, gateway);
   }
+  [[nodiscard]] std::vector<Transit> transits(std::size_t gateway, std::size_t channel) const {
+    return core::transits(system_, members_, decisions_[channel].verdicts, gateway);
+  }
   [[nodiscard]] GateState gate_state(std::size_t gateway, std::size_t channel) const {
     return core::gate_state(system_, members_, channel, decisions_[channel].verdicts, gateway);
   }

@@ -152,6 +152,12 @@ enum class Excess : std::uint8_t {
   pass,  ///< they are counted only
 };
 
+/// Who carries admitted frames from one CAN bus of a gateway to another.
+enum class Forwarder : std::uint8_t {
+  can_gw,  ///< the kernel's can-gw, by rules that mlccad makes
+  none,    ///< somebody else, or nobody
+};
+
 /// One interface of a gateway, on one network.
 struct Port {
   std::size_t network = 0;
@@ -174,6 +180,7 @@ struct Gateway {
   std::string host;  ///< host name of the machine, empty: not stated
   AttributeSet provision;
   UserValues user;
+  Forwarder forwarder = Forwarder::can_gw;
   std::vector<Port> ports;
   Origin origin;
 

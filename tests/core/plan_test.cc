@@ -233,6 +233,39 @@ TEST(PlanTest, WithoutAPeriodTheBandwidthCounts) {
   EXPECT_FALSE(policing_of({}, 1).any()) << "who says nothing was promised nothing";
 }
 
+TEST(PlanTest, AGrantThatCrossesKnowsBothEnds) {
+  System system = robot(0);
+  const std::uint32_t other = kEtag + 1;
+  system.networks[kRobotCan].bindings[0].id = other;
+  const auto crossing = State(system).transits(kBridge, 0);
+  ASSERT_EQ(crossing.size(), 1U);
+  EXPECT_EQ(crossing[0].in.port, kSecondCan);
+  EXPECT_EQ(crossing[0].in.id, kExtendedFlag | kId);
+  EXPECT_EQ(crossing[0].out.port, kRobotCan);
+  EXPECT_EQ(crossing[0].out.id, kExtendedFlag | (kId - kEtag + other));
+  EXPECT_EQ(crossing[0].out.source_port, kSecondCan);
+}
+
+TEST(PlanTest, NothingCrossesThatIsRefusedOrStaysOrComesFromAProgramHere) {
+  EXPECT_TRUE(State(robot(5)).transits(kBridge, 0).empty());
+  System stays = robot(0);
+  stays.publishers[0].place = network(kRobotCan);
+  EXPECT_TRUE(State(stays).transits(kBridge, 0).empty());
+  System here = robot(0);
+  here.publishers[0].place = {Place::Kind::gateway, kBridge};
+  here.publishers[0].uid = 1000;
+  ASSERT_TRUE(only_verdict(State(here)).granted);
+  EXPECT_TRUE(State(here).transits(kBridge, 0).empty());
+}
+
+TEST(PlanTest, PublishersThatLookAlikeCrossOnce) {
+  System system = robot(0);
+  for (Network& n : system.networks) n.profile = Profile::raw;
+  system.publishers.push_back(system.publishers[0]);
+  system.publishers[1].name = "second switch";
+  EXPECT_EQ(State(system).transits(kBridge, 0).size(), 1U);
+}
+
 TEST(PlanTest, OnlyWhereFramesComeInTheyArePoliced) {
   const GateState rules = State(robot(0)).gate_state(kBridge);
   ASSERT_EQ(rules.size(), 2U);
