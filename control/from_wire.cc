@@ -230,6 +230,21 @@ MeshLink mesh_link(v1::MeshLink& from) {
           .source = text(from.mutable_source())};
 }
 
+CanRule can_rule(v1::CanRule& from) {
+  return {.from = text(from.mutable_from()),
+          .to = text(from.mutable_to()),
+          .id = from.id(),
+          .mask = from.mask(),
+          .fd = from.fd(),
+          .ours = from.ours(),
+          .channel = text(from.mutable_channel()),
+          .change = text(from.mutable_change()),
+          .hops = from.hops(),
+          .handled = from.handled(),
+          .dropped = from.dropped(),
+          .deleted = from.deleted()};
+}
+
 Reservation reservation(v1::Reservation& from) {
   return {.channel = text(from.mutable_channel()),
           .publisher = text(from.mutable_publisher()),
@@ -359,7 +374,8 @@ Event event(v1::Event& from) {
 Routes routes(v1::Routes& from) {
   return {.routes = all(from.mutable_routes(), route_report),
           .links = all(from.mutable_links(), mesh_link),
-          .problems = texts(from.mutable_problems())};
+          .problems = texts(from.mutable_problems()),
+          .can_rules = all(from.mutable_can_rules(), can_rule)};
 }
 
 WhatIf what_if(v1::WhatIf& from) {

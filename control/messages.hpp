@@ -170,6 +170,23 @@ struct MeshLink {
   bool operator==(const MeshLink&) const = default;
 };
 
+/// A rule of can-gw between two CAN interfaces, mlccad's or somebody else's.
+struct CanRule {
+  std::string from;  ///< interface
+  std::string to;
+  std::uint32_t id = 0;  ///< frames with (can_id & mask) == id, as struct can_filter has it
+  std::uint32_t mask = 0;
+  bool fd = false;
+  bool ours = false;
+  std::string channel;        ///< for which it was made, of ours
+  std::string change;         ///< made to the frames on their way; empty: none
+  std::uint32_t hops = 0;     ///< limit of its own, 0: none
+  std::uint64_t handled = 0;  ///< frames
+  std::uint64_t dropped = 0;
+  std::uint64_t deleted = 0;  ///< for too many hops
+  bool operator==(const CanRule&) const = default;
+};
+
 /// A way that channels take or would take, between two places.
 struct RouteReport {
   std::string from;
@@ -451,7 +468,8 @@ struct Gates {
 struct Routes {
   std::vector<RouteReport> routes;
   std::vector<MeshLink> links;
-  std::vector<std::string> problems;  ///< of sources: "awds: nl80211 mesh0: …"
+  std::vector<std::string> problems;  ///< of sources: "awds: nl80211 mesh0: …"; of forwarding
+  std::vector<CanRule> can_rules;
   bool operator==(const Routes&) const = default;
 };
 

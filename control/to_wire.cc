@@ -214,6 +214,21 @@ void put(const MeshLink& from, v1::MeshLink& to) {
   to.set_source(to_utf8(from.source));
 }
 
+void put(const CanRule& from, v1::CanRule& to) {
+  to.set_from(to_utf8(from.from));
+  to.set_to(to_utf8(from.to));
+  to.set_id(from.id);
+  to.set_mask(from.mask);
+  to.set_fd(from.fd);
+  to.set_ours(from.ours);
+  to.set_channel(to_utf8(from.channel));
+  to.set_change(to_utf8(from.change));
+  to.set_hops(from.hops);
+  to.set_handled(from.handled);
+  to.set_dropped(from.dropped);
+  to.set_deleted(from.deleted);
+}
+
 void put(const Reservation& from, v1::Reservation& to) {
   to.set_channel(to_utf8(from.channel));
   to.set_publisher(to_utf8(from.publisher));
@@ -388,6 +403,7 @@ struct ReplyBody {
     for (const auto& route : from.routes) put(route, *routes.add_routes());
     for (const auto& link : from.links) put(link, *routes.add_links());
     for (const auto& problem : from.problems) routes.add_problems(to_utf8(problem));
+    for (const auto& rule : from.can_rules) put(rule, *routes.add_can_rules());
   }
   void operator()(const Gates& from) const {
     auto& gates = *to.mutable_gates();

@@ -118,7 +118,11 @@ Gateway::Gateway(Options options, Journal journal, enforce::Control control, net
           loop, [this](std::size_t network) { dirty_meshes_.insert(network); },
           [this](const std::string& network, const std::string& line, bool problem) {
             tell(Kind::interface, problem ? 4 : 6, line, network);
-          }) {}
+          }),
+      forwarder_(std::make_unique<net::KernelCanRules>(),
+                 [this](const std::string& line, bool problem) {
+                   tell(problem ? Kind::trouble : Kind::interface, problem ? 4 : 6, line);
+                 }) {}
 
 // --- start, stop, reload -------------------------------------------------------------------------
 
@@ -204,12 +208,14 @@ std::optional<StartError> Gateway::start() {
     tell(Kind::mode, 4, "AUDIT MODE: nothing is dropped, everything is only counted");
   left_out_ = std::move(loaded->left_out);
   tell_outcome(before);
+  forwarder_.act();
   commit();
   return std::nullopt;
 }
 
 void Gateway::stop() {
   control_.close_all();
+  forwarder_.stop();
   tell(Kind::stopped, 5, "stopped: the gates stay in the kernel and deny everything");
   commit();
   if (history_) history_->flush(unix_ns());
@@ -259,6 +265,7 @@ void Gateway::act() {
   for (const std::size_t n : std::exchange(dirty_meshes_, {}))
     if (const auto* table = meshes_.table(n)) put_graph(*state_, n, *table);
   static_cast<void>(settle());
+  forwarder_.act();  // before the answers go out
   commit();
 }
 
@@ -268,7 +275,10 @@ Result<void> Gateway::settle(const core::FormerRules& left) {
   Result<void> done = ports_.apply(state_->gate_changes(changes, self_, left));
   if (!done) done = enforce();
   set_bands();
-  for (const core::Change& change : changes) note_granted(change.channel);
+  for (const core::Change& change : changes) {
+    note_granted(change.channel);
+    forward(change.channel);
+  }
   tell_changes(changes);
   return done;
 }
@@ -355,6 +365,7 @@ Result<void> Gateway::enforce() {
   auto wanted = state_->gate_state(self_);
   std::ranges::copy(core::control_rules(state_->system(), self_), std::back_inserter(wanted));
   auto done = ports_.sync(wanted);
+  forward_all();
   if (!done)
     tell(Kind::trouble, 3, "denied as a whole, because the kernel refused: " + done.error().text);
   return done;

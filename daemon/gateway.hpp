@@ -20,6 +20,7 @@
 #include "daemon/drops.hpp"
 #include "daemon/enforce/control.hpp"
 #include "daemon/enforce/events.hpp"
+#include "daemon/forwarder.hpp"
 #include "daemon/journal.hpp"
 #include "daemon/keys.hpp"
 #include "daemon/leases.hpp"
@@ -154,6 +155,10 @@ class Gateway {
   void measure_buses();
   [[nodiscard]] std::vector<core::Heard> heard_on(std::size_t port);
   void set_bands();
+  /// What can-gw must carry of a channel, and of all of them.
+  void forward(std::size_t channel);
+  void forward_all();
+  void add_can_rules(control::Routes& to);
   void open_unless_lost();
   void look_at_drops(bool mention);
   void hear(const gate_event& event);
@@ -194,6 +199,8 @@ class Gateway {
   Ports ports_;
   std::optional<enforce::EventReader> events_;
   Meshes meshes_;
+  Forwarder forwarder_;
+  std::map<std::size_t, std::string> not_carried_;  // why, by channel
   std::optional<store::Journal> store_;
   std::optional<store::History> history_;
   std::unique_ptr<core::State> state_;

@@ -41,7 +41,10 @@ Gateway::Body Gateway::handle(const control::StatusRequest&) {
   s.started_unix_s = static_cast<std::uint64_t>(started_);
   s.loaded_unix_s = static_cast<std::uint64_t>(loaded_);
   s.last_error = last_error_;
-  if (ports_.out_of_hand()) s.problem = "an interface cannot be held: everything is denied";
+  if (ports_.out_of_hand())
+    s.problem = "an interface cannot be held: everything is denied";
+  else
+    s.problem = forwarder_.problem();
   s.interfaces = ports_.report();
   return s;
 }
@@ -80,6 +83,7 @@ Gateway::Body Gateway::handle(const control::RoutesRequest&) {
   for (std::size_t n = 0; n < state_->system().networks.size(); ++n)
     if (const auto* table = meshes_.table(n))
       add_links(*meshes_.mesh(n), *table, state_->system().networks[n].name, monotonic_ns(), out);
+  add_can_rules(out);
   return out;
 }
 

@@ -88,6 +88,7 @@ serve::Answer Gateway::answer(const control::Request& request, const serve::Peer
   hold_answer_ = false;
   owned_ = 0;
   Body body = std::visit([this](const auto& asked) { return handle(asked); }, request.body);
+  if (!hold_answer_) forwarder_.act();
   return {{request.id, std::move(body)}, hold_answer_, owned_};
 }
 
@@ -178,6 +179,7 @@ Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& ask
   keys_.put(request.key, id);
   own(id, request);
   note_granted(asked.channel);
+  forward(asked.channel);
   for (const core::Verdict& v : state_->decisions()[asked.channel].verdicts)
     if (concerns(v, id)) {
       tell_verdict(Kind::granted, v, verdict_line(*state_, v));

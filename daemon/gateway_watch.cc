@@ -28,6 +28,7 @@ void Gateway::look_around() {
   if (ports_.repair()) follow_world();
   end_leases();
   measure_buses();
+  forwarder_.look();
   look_at_drops(true);
   if (!history_) return;
   history_->flush(unix_ns());

@@ -93,6 +93,10 @@ class Ports {
   [[nodiscard]] const std::string& network_of(std::size_t port) const {
     return ports_[port].network_name;
   }
+  /// Of the interface that is held by a gate, 0: there is none.
+  [[nodiscard]] int gated_interface(std::size_t port) const {
+    return gate_of(port) == nullptr ? 0 : ports_[port].ifindex;
+  }
   /// Frames without a slot so far, on one port.
   [[nodiscard]] std::uint64_t unknown_frames(std::size_t port) const;
   /// Name of the interface now, or what it is recognised by.

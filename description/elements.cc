@@ -125,6 +125,7 @@ class PartReader {
     GatewayDraft out;
     out.gateway.name = text_of(e, "name");
     out.gateway.host = text_of(e, "host");
+    out.gateway.forwarder = core::words::kForwarders.or_first(e.attribute("forward"));
     out.gateway.origin = e.origin();
     out.provision = provision(e);
     for (const auto& child : e.children)

@@ -284,8 +284,8 @@ constexpr ElementType kPort{.name = "Port", .steps = kPortSteps, .keys = kPortKe
 constexpr Children<1> kPortChild{{{"Port", &kPort}}};
 constexpr auto kGatewaySteps = std::to_array<Step>(
     {{.children = kProvisionChild, .least = 0}, {.children = kPortChild, .most = kUnlimited}});
-constexpr auto kGatewayKeys =
-    std::to_array<Key>({{"name", &type::kName, true}, {"host", &type::kHostName}});
+constexpr auto kGatewayKeys = std::to_array<Key>(
+    {{"name", &type::kName, true}, {"host", &type::kHostName}, {"forward", &type::kForwarder}});
 constexpr ElementType kGateway{.name = "Gateway", .steps = kGatewaySteps, .keys = kGatewayKeys};
 
 constexpr auto kHopKeys = std::to_array<Key>({{"place", &type::kName, true}});

@@ -31,7 +31,7 @@ extern const ValueType kName, kChannelName, kHostName, kUserName, kInterfaceName
     kAttributeName, kBetter, kComposition, kSafeSide, kSetPriority, kNetworkKind, kProfile,
     kFrameFormat, kIdentifierForm, kImportance, kErrorCount, kQueueing, kExcess, kFifoDepth,
     kQueueLength, kInterference, kHopCount, kPacketBytes, kHeaderBytes, kNodeAddress, kLinkRate,
-    kMediumNumber, kRateKind, kSourceKind, kLinkMetric, kBoolean;
+    kMediumNumber, kRateKind, kSourceKind, kLinkMetric, kForwarder, kBoolean;
 }  // namespace type
 
 /// All of them.

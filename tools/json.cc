@@ -223,6 +223,12 @@ Json mesh_link(const control::MeshLink& l) {
           {"source", l.source}};
 }
 
+Json can_rule(const control::CanRule& r) {
+  return {{"from", r.from}, {"to", r.to},           {"id", r.id},           {"mask", r.mask},
+          {"fd", r.fd},     {"ours", r.ours},       {"channel", r.channel}, {"change", r.change},
+          {"hops", r.hops}, {"handled", r.handled}, {"dropped", r.dropped}, {"deleted", r.deleted}};
+}
+
 Json reservation(const control::Reservation& r) {
   return {{"channel", r.channel},
           {"publisher", r.publisher},
@@ -299,7 +305,8 @@ struct Body {
   Json operator()(const control::Routes& r) const {
     return {{"routes", array(r.routes, route)},
             {"links", array(r.links, mesh_link)},
-            {"problems", r.problems}};
+            {"problems", r.problems},
+            {"can_rules", array(r.can_rules, can_rule)}};
   }
   Json operator()(const control::Gates& g) const { return {{"gates", array(g.gates, gate)}}; }
   Json operator()(const control::Reservations& r) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The ways that data takes and what they give: routes, media, links of meshes.
+// The ways that data takes and what they give: routes, media, links of meshes, rules of can-gw.
 #include <fmt/format.h>
 
 #include <vector>
@@ -94,10 +94,56 @@ std::string links(const std::vector<control::MeshLink>& all, Color color) {
   return table.empty() ? "" : "\nlinks\n" + table.text(color, "  ");
 }
 
+/// "1f480064", of several with the bits that count: "100/7ff"; "all"; "not" what is left out.
+std::string filter_of(const control::CanRule& rule) {
+  constexpr std::uint32_t kForm = 0x80000000;
+  constexpr std::uint32_t kOnlyData = 0x40000000;
+  constexpr std::uint32_t kInverted = 0x20000000;
+  const std::uint32_t bits = (rule.id & kForm) != 0 ? 0x1fffffff : 0x7ff;
+  const bool exact = (rule.mask & bits) == bits && (rule.mask & kForm) != 0 &&
+                     (rule.mask & kOnlyData) != 0 && (rule.id & kOnlyData) == 0;
+  const std::string inverted = (rule.id & kInverted) != 0 ? "not " : "";
+  if (rule.mask == 0) return inverted + "all";
+  if (exact) return inverted + print_can_id(rule.id & ~kInverted);
+  return fmt::format("{}{:03x}/{:03x}", inverted, rule.id & ~kInverted, rule.mask);
+}
+
+Cell frames(std::uint64_t n, Style style = Style::plain) {
+  return {fmt::format("{}", n), n == 0 ? Style::plain : style};
+}
+
+std::string can_rules(const std::vector<control::CanRule>& all, Color color) {
+  Table table({{"FROM"},
+               {"TO"},
+               {"FILTER"},
+               {"FORMAT"},
+               {"WHOSE"},
+               {"HANDLED", Align::right},
+               {"DROPPED", Align::right},
+               {"DELETED", Align::right},
+               {"HOPS", Align::right},
+               {"CHANGES"},
+               {"CHANNEL"}});
+  for (const auto& rule : all)
+    table.add({{rule.from},
+               {rule.to},
+               {filter_of(rule)},
+               {rule.fd ? "FD" : "classic"},
+               rule.ours ? Cell{"mlccad"} : Cell{"foreign", Style::warning},
+               frames(rule.handled),
+               frames(rule.dropped, Style::warning),
+               rule.deleted == 0 ? Cell{} : frames(rule.deleted, Style::warning),
+               {rule.hops == 0 ? "" : fmt::format("{}", rule.hops)},
+               {rule.change},
+               {rule.channel}});
+  return table.empty() ? "" : "\ncan-gw rules\n" + table.text(color, "  ");
+}
+
 }  // namespace
 
 std::string render(const control::Routes& routes, Color color) {
-  auto text = ways(routes.routes, color) + media(routes.routes, color) + links(routes.links, color);
+  auto text = ways(routes.routes, color) + media(routes.routes, color) +
+              links(routes.links, color) + can_rules(routes.can_rules, color);
   if (!routes.problems.empty()) text += '\n';
   for (const auto& problem : routes.problems) text += styled(problem, Style::bad, color) + '\n';
   return text;

@@ -52,6 +52,11 @@ class Links {
   /// Takes all notifications off the socket and reads the table anew. True if it differs.
   Result<bool> refresh();
   [[nodiscard]] const LinkTable& table() const { return table_; }
+  /// Of an interface, or its index where it is unknown.
+  [[nodiscard]] std::string name_of(int ifindex) const {
+    const auto known = table_.find(ifindex);
+    return known != table_.end() ? known->second.name : std::to_string(ifindex);
+  }
 
   /// Asks the kernel now.
   [[nodiscard]] Result<Traffic> traffic(int ifindex);

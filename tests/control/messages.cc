@@ -270,7 +270,31 @@ Routes full_routes() {
                      .age_ns = 60'000'000'000,
                      .stale = true,
                      .source = "awds eth1"}},
-          .problems = {"awds: babel: connection refused", "awds: olsr: no such node"}};
+          .problems = {"awds: babel: connection refused", "awds: olsr: no such node"},
+          .can_rules = {{.from = "can1",
+                         .to = "can0",
+                         .id = 0x9f480064,
+                         .mask = 0xdfffffff,
+                         .fd = true,
+                         .ours = true,
+                         .channel = "emergency-switch",
+                         .change = "id to 1f480065",
+                         .hops = 0,
+                         .handled = 7'000'000'000,
+                         .dropped = 1,
+                         .deleted = 2},
+                        {.from = "can0",
+                         .to = "can2",
+                         .id = 0x100,
+                         .mask = 0x7ff,
+                         .fd = false,
+                         .ours = false,
+                         .channel = "",
+                         .change = "the frame",
+                         .hops = 1,
+                         .handled = 0,
+                         .dropped = 0,
+                         .deleted = 0}}};
 }
 
 Gates full_gates() {

@@ -127,6 +127,7 @@ void add_network(std::set<std::string>& out, std::size_t i, const core::Network&
 
 void add_gateway(std::set<std::string>& out, std::size_t i, const core::Gateway& g) {
   out.insert(fmt::format("ports: {} {}", i, g.ports.size()));
+  if (g.forwarder == core::Forwarder::none) out.insert(fmt::format("forward: {} none", i));
   for (std::size_t n = 0; n < g.ports.size(); ++n) {
     const auto& port = g.ports[n];
     out.insert(fmt::format("queue: {} {} {} {} {}", i, n,

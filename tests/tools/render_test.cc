@@ -144,6 +144,11 @@ links
   awds     laptop  relay              24 Mbit/s  22.5 Mbit/s  phy      1.25 %  4.3 %  1.25 s         nl80211 mesh0
   awds     relay   02:00:00:00:00:03    unknown      nothing  derived                   60 s  stale  awds eth1
 
+can-gw rules
+  FROM  TO    FILTER    FORMAT   WHOSE       HANDLED  DROPPED  DELETED  HOPS  CHANGES         CHANNEL
+  can1  can0  1f480064  FD       mlccad   7000000000        1        2        id to 1f480065  emergency-switch
+  can0  can2  100/7ff   classic  foreign           0        0              1  the frame
+
 awds: babel: connection refused
 awds: olsr: no such node
 )");
@@ -393,6 +398,10 @@ TEST(JsonFieldsTest, TellRoutesAndLinks) {
        "believed_rate": 0, "kind": "derived", "loss": null, "busy": null,
        "age_ns": 60000000000, "stale": true, "source": "awds eth1"}])"));
   EXPECT_EQ(json.at("problems").size(), 2U);
+  EXPECT_EQ(json.at("can_rules").at(0), Json::parse(R"({"from": "can1", "to": "can0",
+      "id": 2672296036, "mask": 3758096383, "fd": true, "ours": true,
+      "channel": "emergency-switch", "change": "id to 1f480065", "hops": 0,
+      "handled": 7000000000, "dropped": 1, "deleted": 2})"));
 }
 
 TEST(JsonFieldsTest, TellReservations) {
