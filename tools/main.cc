@@ -241,6 +241,10 @@ Exit monitor(const Options& options, const Arguments&) {
   }
 }
 
+Exit watch(const Options& options, const Arguments& arguments) {
+  return follow(options, arguments.top);
+}
+
 constexpr std::array kVerbs = {
     Verb{"status", "what the gateway does and sees", Takes::nothing,
          ask_plain<control::StatusRequest>},
@@ -264,6 +268,8 @@ constexpr std::array kVerbs = {
          ask_explain},
     Verb{"history", "what was decided, and why", Takes::past, ask_history},
     Verb{"monitor", "print events as they happen", Takes::nothing, monitor},
+    Verb{"top", "a live screen: rates, jitter, loss, drops, what is reserved and used",
+         Takes::screen, watch},
     Verb{"mode", "enforce, or audit: count what would be dropped and drop nothing", Takes::mode,
          ask_mode},
     Verb{"reload", "read the description again, all or nothing", Takes::nothing,

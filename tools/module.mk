@@ -1,7 +1,7 @@
 # mlccactl starts as often as a shell prompt: everything is linked into it, which also lets it run
 # where no library of ours is installed. MLCCACTL_STATIC= links the shared libraries instead.
 MLCCACTL_STATIC ?= $(if $(SAN),,-static)
-TOOLS_SOURCES := $(filter-out tools/main.cc,$(wildcard tools/*.cc))
+TOOLS_SOURCES := $(filter-out tools/main.cc,$(wildcard tools/*.cc tools/top/*.cc))
 # Debian has no libfmt.a.
 TOOLS_CPPFLAGS := -DFMT_HEADER_ONLY
 

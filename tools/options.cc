@@ -28,6 +28,21 @@ constexpr unsigned kMaxPriority = 127;
 constexpr unsigned kMaxPacket = 65535;
 constexpr unsigned kMaxEntries = 10'000;  // of the history
 
+constexpr double kShortestDelay = 0.1;  // s
+constexpr unsigned kMostTables = 1'000'000'000;
+
+/// CLI::Range would let nan through.
+std::string check_seconds(const std::string& text, double least, double most) {
+  double seconds = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), seconds);
+  const bool whole = read.ec == std::errc{} && read.ptr == text.data() + text.size();
+  return whole && seconds >= least && seconds <= most
+             ? ""
+             : fmt::format("must be {} to {} seconds", least, most);
+}
+
+std::string check_timeout(const std::string& text) { return check_seconds(text, 0.001, 86400); }
+
 void add_channel(CLI::App& app, Arguments& to) {
   app.add_option("channel", to.channel, "name of an event channel, or its 0x subject")
       ->required()
@@ -152,6 +167,25 @@ void add_links(CLI::App& app, BandwidthArguments& to) {
       ->type_name("RATE");
 }
 
+void add_screen(CLI::App& app, TopArguments& to) {
+  app.add_option("-d,--delay", to.delay, "seconds between two looks, 0.1 to 3600; 1 by default")
+      ->type_name("SECONDS")
+      ->check([](const std::string& text) { return check_seconds(text, kShortestDelay, 3600); });
+  app.add_flag("-b,--batch", to.batch,
+               "print one table after the other, as without a terminal or with TERM=dumb");
+  app.add_option("-n,--count", to.count, "end after so many")
+      ->type_name("N")
+      ->check(CLI::Range(1U, kMostTables));
+  app.add_option("--by", to.by, "a row for each delivery of a subject, or for each network")
+      ->type_name("subject|network")
+      ->check(CLI::IsMember({"subject", "network"}));
+  app.add_option("--sort", to.sort,
+                 "name, way, verdict, rate, jitter, loss, drops, reserved, used; rate by default")
+      ->type_name("COLUMN");
+  app.add_flag("--reverse", to.reverse, "the smallest first, and names from z to a");
+  app.add_option("--filter", to.filter, "only rows that contain this text");
+}
+
 void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
   switch (takes) {
     case Takes::nothing:
@@ -192,6 +226,9 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
     case Takes::links:
       add_links(app, to.bandwidth);
       break;
+    case Takes::screen:
+      add_screen(app, to.top);
+      break;
   }
 }
 
@@ -215,14 +252,6 @@ std::string leftover(const CLI::App& app, const Command& command, std::span<cons
   const std::string first = extra.empty() ? "" : extra.front();
   if (command.verb == nullptr && !first.starts_with('-')) return no_verb(verbs, first);
   return extra.empty() ? "" : fmt::format("unexpected argument '{}'", first);
-}
-
-/// CLI::Range would let nan through.
-std::string check_timeout(const std::string& text) {
-  double seconds = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), seconds);
-  const bool whole = read.ec == std::errc{} && read.ptr == text.data() + text.size();
-  return whole && seconds >= 0.001 && seconds <= 86400 ? "" : "must be 0.001 to 86400 seconds";
 }
 
 }  // namespace

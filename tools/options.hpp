@@ -14,6 +14,7 @@
 #include "tools/bandwidth.hpp"
 #include "tools/exit.hpp"
 #include "tools/table.hpp"
+#include "tools/top/top.hpp"
 
 namespace mlcca::tools {
 
@@ -45,6 +46,7 @@ struct Arguments {
   std::string until;
   std::uint32_t limit = 0;  ///< 0: the daemon's
   BandwidthArguments bandwidth;
+  TopArguments top;
 };
 
 enum class Takes : std::uint8_t {
@@ -60,6 +62,7 @@ enum class Takes : std::uint8_t {
   changes,  ///< links as they might be, and what might be gone
   past,     ///< of which channel, kind and time
   links,    ///< rates of a chain of links
+  screen,   ///< how often, and what of it
 };
 
 struct Options {

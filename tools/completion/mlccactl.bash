@@ -25,7 +25,7 @@ _mlccactl_gates() {
 _mlccactl() {
 	local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
 	local verbs="status networks channels routes reservations gate query what-if admit renew release explain"
-	verbs+=" history monitor mode reload bandwidth"
+	verbs+=" history monitor top mode reload bandwidth"
 	local design="analyse-bus check describe generate"
 	local common="--socket --timeout --json --no-color --help"
 	local offline="--json --no-color --help"
@@ -73,6 +73,14 @@ _mlccactl() {
 			released dropping excess missing restored interface mode reload lapsed trouble" -- "$cur")
 		return
 		;;
+	--by)
+		mapfile -t COMPREPLY < <(compgen -W "subject network" -- "$cur")
+		return
+		;;
+	--sort)
+		mapfile -t COMPREPLY < <(compgen -W "name way verdict rate jitter loss drops reserved used" -- "$cur")
+		return
+		;;
 	--domain)
 		mapfile -t COMPREPLY < <(compgen -W "single-domain 1-hop 2-hop 3-hop" -- "$cur")
 		return
@@ -88,6 +96,7 @@ _mlccactl() {
 	--timeout | --node | --priority | --id | --admission | --subscriber | --publisher | --from-node | --to-node) return ;;
 	--packet | --header | --overhead-us | --loss | --limit | --background | --demand) return ;;
 	--network | --bitrate | --data-bitrate | --background-load | --faults | --fault-interval-ms) return ;;
+	--delay | --count | --filter | -d | -n) return ;;
 	--key | --lease | --link | --since | --until) return ;;
 	--channel)
 		if [[ $verb == history ]]; then
@@ -118,6 +127,7 @@ _mlccactl() {
 	renew) words+=" --id --admission --key" ;;
 	what-if) words+=" --link --without --one-way" ;;
 	history) words+=" --channel --kind --since --until --limit" ;;
+	top) words+=" --delay --batch --count --by --sort --reverse --filter" ;;
 	bandwidth)
 		words+=" --packet --header --overhead-us --loss --limit --background --domain --demand"
 		;;

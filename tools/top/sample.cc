@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/top/sample.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "mlcca/arithmetic.hpp"
+#include "tools/words.hpp"
+
+namespace mlcca::tools::top {
+namespace {
+
+constexpr double kSecond = 1e9;
+
+struct Counts {
+  std::uint64_t passed = 0;
+  std::uint64_t dropped = 0;
+};
+
+/// How often a second something was counted between two moments.
+class Interval {
+ public:
+  Interval(const Sample* before, const Sample& now)
+      : seconds_(before == nullptr || now.at_ns <= before->at_ns
+                     ? 0
+                     : static_cast<double>(now.at_ns - before->at_ns) / kSecond) {}
+
+  [[nodiscard]] std::optional<double> rate(const std::uint64_t* before, std::uint64_t now) const {
+    if (seconds_ == 0 || before == nullptr) return std::nullopt;
+    return static_cast<double>(now >= *before ? now - *before : now) / seconds_;
+  }
+
+ private:
+  double seconds_;
+};
+
+using Key = std::tuple<std::uint64_t, std::string, std::uint64_t, std::string>;
+
+Key key_of(const control::Channel& c) { return {c.subject, c.publisher, c.admission, c.to}; }
+
+std::map<Key, Counts> delivery_counts(const Sample* sample) {
+  std::map<Key, Counts> counts;
+  if (sample != nullptr)
+    for (const auto& c : sample->channels.channels)
+      counts.try_emplace(key_of(c), Counts{c.passed, c.dropped});
+  return counts;
+}
+
+/// Of all interfaces on each network.
+std::map<std::string, Counts> network_counts(const Sample* sample) {
+  std::map<std::string, Counts> counts;
+  if (sample != nullptr)
+    for (const auto& i : sample->status.interfaces) {
+      auto& sum = counts[i.network];
+      sum.passed += i.ingress.passed + i.egress.passed;
+      sum.dropped += i.ingress.dropped + i.egress.dropped;
+    }
+  return counts;
+}
+
+template <class Map, class K>
+const Counts* find(const Map& counts, const K& key) {
+  const auto known = counts.find(key);
+  return known == counts.end() ? nullptr : &known->second;
+}
+
+/// Of the events that its publisher announced, 0: none is announced.
+std::uint64_t period_of(const control::Channel& c) {
+  std::uint64_t period = 0;
+  for (const auto& row : c.rows)
+    if (row.attribute == "Period" && row.required != 0 && row.required != kUnbounded)
+      period = period == 0 ? row.required : std::min(period, row.required);
+  return period;
+}
+
+std::optional<double> share(std::uint64_t part, std::uint64_t whole) {
+  if (whole == 0) return std::nullopt;
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+
+void raise(std::optional<double>& most, std::optional<double> value) {
+  if (value && (!most || *most < *value)) most = value;
+}
+
+using Holder = std::pair<std::string, std::string>;  // channel, publisher
+
+/// What each publisher holds of the resource that it takes the most of.
+std::map<Holder, double> shares_held(const control::Reservations& all) {
+  std::map<Holder, double> held;
+  for (const auto& resource : all.resources) {
+    if (!resource.capacity_known) continue;
+    for (const auto& r : resource.reservations)
+      if (const auto part = share(r.amount, resource.capacity)) {
+        auto& most = held[{r.channel, r.publisher}];
+        most = std::max(most, *part);
+      }
+  }
+  return held;
+}
+
+Row delivery(const control::Channel& c) {
+  Row row;
+  row.name = c.name;
+  row.place = c.from + " > " + c.to;
+  row.subject = fmt::format("0x{:016x}", c.subject);
+  const auto verdict = verdict_cell(c.granted);
+  row.verdict =
+      c.granted && c.sets > 1 ? fmt::format("set {}/{}", c.set + 1, c.sets) : verdict.text;
+  row.style = c.granted && c.set != 0 ? Style::warning : verdict.style;
+  return row;
+}
+
+bool is_of(const control::Resource& resource, const std::string& network) {
+  return resource.name == network || resource.name.starts_with(network + ": ");
+}
+
+/// The resource of a network of which the largest share is reserved.
+const control::Resource* tightest(const control::Reservations& all, const std::string& network) {
+  const control::Resource* found = nullptr;
+  double most = -1;
+  for (const auto& resource : all.resources) {
+    if (!resource.capacity_known || !is_of(resource, network)) continue;
+    const auto part = share(resource.reserved, resource.capacity);
+    if (!part || *part <= most) continue;
+    most = *part;
+    found = &resource;
+  }
+  return found;
+}
+
+/// Of what is reserved of a resource, by those of whom it is known.
+std::optional<double> used_of(const control::Resource& resource,
+                              const std::map<Holder, double>& used) {
+  double reserved = 0;
+  double taken = 0;
+  for (const auto& r : resource.reservations) {
+    const auto known = used.find({r.channel, r.publisher});
+    if (known == used.end()) continue;
+    reserved += static_cast<double>(r.amount);
+    taken += static_cast<double>(r.amount) * known->second;
+  }
+  if (reserved == 0) return std::nullopt;
+  return taken / reserved;
+}
+
+/// How much of what it holds a publisher uses, as far as it is known.
+std::map<Holder, double> used_by_holder(const Sample& now, const std::vector<Row>& deliveries) {
+  std::map<Holder, double> used;
+  for (std::size_t i = 0; i < deliveries.size(); ++i) {
+    if (!deliveries[i].used) continue;
+    const auto& c = now.channels.channels[i];
+    auto& most = used[{c.name, c.publisher}];
+    most = std::max(most, *deliveries[i].used);
+  }
+  return used;
+}
+
+/// Those that cross the network of `row`: how many are granted, and the worst of what is measured.
+void add_deliveries(const Sample& now, const std::vector<Row>& deliveries, Row& row) {
+  std::size_t granted = 0;
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < deliveries.size(); ++i) {
+    const auto& c = now.channels.channels[i];
+    if (std::ranges::find(c.route, row.name) == c.route.end() && c.from != row.name &&
+        c.to != row.name)
+      continue;
+    ++all;
+    granted += c.granted ? 1 : 0;
+    raise(row.jitter, deliveries[i].jitter);
+    raise(row.loss, deliveries[i].loss);
+  }
+  row.place = fmt::format("{} of {}", granted, all);
+}
+
+}  // namespace
+
+std::vector<Row> rows_by_subject(const Sample* before, const Sample& now) {
+  const Interval interval(before, now);
+  const auto counted = delivery_counts(before);
+  const auto held = shares_held(now.reservations);
+  std::vector<Row> rows;
+  for (const auto& c : now.channels.channels) {
+    Row row = delivery(c);
+    const Counts* old = find(counted, key_of(c));
+    row.rate = interval.rate(old == nullptr ? nullptr : &old->passed, c.passed);
+    row.drops = interval.rate(old == nullptr ? nullptr : &old->dropped, c.dropped);
+    if (c.granted) {
+      if (const auto known = held.find({c.name, c.publisher}); known != held.end())
+        row.reserved = known->second;
+      const auto period = period_of(c);
+      if (row.rate && period != 0) row.used = *row.rate * static_cast<double>(period) / kSecond;
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::vector<Row> rows_by_network(const Sample* before, const Sample& now) {
+  const Interval interval(before, now);
+  const auto counted = network_counts(before);
+  const auto counts = network_counts(&now);
+  const auto deliveries = rows_by_subject(before, now);
+  const auto used = used_by_holder(now, deliveries);
+  std::vector<Row> rows;
+  for (const auto& network : now.networks.networks) {
+    Row row;
+    row.name = network.name;
+    row.verdict = network.available ? "usable" : "DOWN";
+    row.style = network.available ? Style::good : Style::bad;
+    add_deliveries(now, deliveries, row);
+    if (const Counts* of = find(counts, network.name)) {
+      const Counts* old = find(counted, network.name);
+      row.rate = interval.rate(old == nullptr ? nullptr : &old->passed, of->passed);
+      row.drops = interval.rate(old == nullptr ? nullptr : &old->dropped, of->dropped);
+    }
+    if (const auto* resource = tightest(now.reservations, network.name)) {
+      row.reserved = share(resource->reserved, resource->capacity);
+      row.used = used_of(*resource, used);
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace mlcca::tools::top

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/top/top.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <variant>
+
+#include "control/client.hpp"
+#include "tools/options.hpp"
+#include "tools/render.hpp"
+#include "tools/top/layout.hpp"
+#include "tools/top/sample.hpp"
+#include "tools/top/terminal.hpp"
+#include "tools/top/view.hpp"
+
+namespace mlcca::tools {
+namespace {
+
+using namespace mlcca::tools::top;  // NOLINT(google-build-using-namespace)
+using Clock = std::chrono::steady_clock;
+
+/// A daemon that is silent must not hold the keys for longer.
+constexpr std::chrono::milliseconds kPatience{3000};
+
+/// Asks again and again over one connection, and makes another one when it is lost.
+class Watcher {
+ public:
+  explicit Watcher(const Options& options)
+      : socket_(options.socket), patience_(std::min(options.patience, kPatience)) {}
+
+  Result<void> look() {
+    Result<Sample> fresh = ask();
+    if (!fresh) {
+      client_.reset();
+      before_.reset();
+      lost_ = true;
+      return std::unexpected(fresh.error());
+    }
+    if (!std::exchange(lost_, false)) before_ = std::move(now_);
+    now_ = std::move(*fresh);
+    return {};
+  }
+
+  [[nodiscard]] bool has_any() const { return now_.has_value(); }
+  [[nodiscard]] const Sample& now() const { return *now_; }
+  [[nodiscard]] std::vector<Row> rows(const View& view) const {
+    if (!now_) return {};
+    const Sample* before = before_ ? &*before_ : nullptr;
+    return arranged(
+        view.by_network ? rows_by_network(before, *now_) : rows_by_subject(before, *now_), view);
+  }
+
+ private:
+  template <class Answer, class Question>
+  Result<void> ask_for(Answer& answer, Question question) {
+    auto reply = client_->call({0, std::move(question)});
+    if (!reply) return std::unexpected(reply.error());
+    if (const auto* error = std::get_if<control::Error>(&reply->body)) return fail(error->message);
+    auto* body = std::get_if<Answer>(&reply->body);
+    if (body == nullptr) return fail("mlccad answers something else: is it another version?");
+    answer = std::move(*body);
+    return {};
+  }
+
+  Result<Sample> ask() {
+    if (!client_) {
+      auto client = control::Client::connect(socket_, patience_);
+      if (!client) return std::unexpected(client.error());
+      client_.emplace(std::move(*client));
+    }
+    Sample sample;
+    auto done = ask_for(sample.channels, control::ChannelsRequest{});
+    sample.at_ns = static_cast<std::uint64_t>(
+        std::chrono::nanoseconds(Clock::now().time_since_epoch()).count());
+    if (done) done = ask_for(sample.status, control::StatusRequest{});
+    if (done) done = ask_for(sample.networks, control::NetworksRequest{});
+    if (done) done = ask_for(sample.reservations, control::ReservationsRequest{});
+    if (!done) return std::unexpected(done.error());
+    return sample;
+  }
+
+  std::string socket_;
+  std::chrono::milliseconds patience_;
+  std::optional<control::Client> client_;
+  std::optional<Sample> before_;
+  std::optional<Sample> now_;
+  bool lost_ = true;
+};
+
+Exit complain(const Options& options, control::ErrorKind kind, const std::string& message) {
+  fmt::print(
+      stderr, "{}",
+      render(control::Error{.kind = kind, .message = message, .details = {}}, options.error_color));
+  return kind == control::ErrorKind::invalid ? Exit::usage : Exit::world;
+}
+
+Heading heading(const Watcher& watcher, const Result<void>& looked, double delay) {
+  Heading heading;
+  if (watcher.has_any()) heading = heading_of(watcher.now().status);
+  if (!looked) {
+    heading.problem = looked.error().text;
+    heading.alarming = true;
+  }
+  heading.interval = fmt::format("{:.3g} s", delay);
+  const std::time_t now = std::time(nullptr);
+  heading.time = fmt::format("{:%H:%M:%S}", fmt::localtime(now));
+  return heading;
+}
+
+std::size_t columns_of_batch() {
+  const char* columns = std::getenv("COLUMNS");                   // NOLINT(concurrency-mt-unsafe)
+  const int given = columns == nullptr ? 0 : std::atoi(columns);  // NOLINT(cert-err34-c)
+  return given > 0 ? static_cast<std::size_t>(given) : Size{}.columns;
+}
+
+Exit in_batches(const Options& options, const TopArguments& arguments, Watcher& watcher,
+                const View& view, Clock::duration delay) {
+  const Size size{columns_of_batch(), 0};
+  auto next = Clock::now();
+  for (std::uint32_t n = 0; arguments.count == 0 || n < arguments.count; ++n) {
+    next += delay;
+    std::this_thread::sleep_until(next);
+    const auto looked = watcher.look();
+    std::string text = n == 0 ? "" : "\n";
+    for (const auto& line : screen(heading(watcher, looked, arguments.delay), watcher.rows(view),
+                                   view, size, options.color))
+      text += line + '\n';
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+      return complain(options, control::ErrorKind::world,
+                      std::string("write: ") + std::strerror(errno));  // NOLINT
+  }
+  return Exit::fine;
+}
+
+Exit on_screen(const Options& options, const TopArguments& arguments, Watcher& watcher, View view,
+               Clock::duration delay) {
+  auto terminal = Terminal::take();
+  if (!terminal) return complain(options, control::ErrorKind::world, terminal.error().text);
+  Result<void> looked;
+  std::string keys;
+  auto next = Clock::now() + delay;
+  std::uint32_t shown = 0;
+  for (;;) {
+    const Size size = Terminal::size();
+    const auto rows = watcher.rows(view);
+    const std::size_t room = size.lines - std::min(size.lines, kFrame);
+    view.first = std::min(view.first, rows.size() - std::min(rows.size(), room));
+    if (!Terminal::draw(
+            screen(heading(watcher, looked, arguments.delay), rows, view, size, options.color)))
+      return Exit::world;
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(next - Clock::now());
+    const auto happened = terminal->wait(std::max(left, std::chrono::milliseconds{0}));
+    if (happened.gone) return Exit::world;
+    if (happened.signal == SIGTSTP) {
+      terminal->stop_and_go_on();
+    } else if (happened.signal != 0 && happened.signal != SIGWINCH && happened.signal != SIGCONT) {
+      terminal->end_by(happened.signal);
+    }
+    keys += happened.keys;
+    view = after(std::move(view), keys, room);
+    if (view.quit) return Exit::fine;
+    if (Clock::now() < next) continue;
+    next = Clock::now() + delay;
+    if (view.paused) continue;
+    looked = watcher.look();
+    if (++shown == arguments.count) return Exit::fine;
+  }
+}
+
+}  // namespace
+
+Exit follow(const Options& options, const TopArguments& arguments) {
+  View view;
+  view.by_network = arguments.by == "network";
+  view.reverse = arguments.reverse;
+  view.filter = arguments.filter;
+  const auto sort = field_named(arguments.sort);
+  if (!sort)
+    return complain(options, control::ErrorKind::invalid,
+                    fmt::format("--sort {}: must be one of {}", arguments.sort, field_names()));
+  view.sort = *sort;
+  if (options.json)
+    return complain(options, control::ErrorKind::invalid,
+                    "top has no JSON: take 'mlccactl --json channels' and its differences");
+  const auto delay =
+      std::chrono::ceil<Clock::duration>(std::chrono::duration<double>(arguments.delay));
+  Watcher watcher(options);
+  if (const auto looked = watcher.look(); !looked)
+    return complain(options, control::ErrorKind::world, looked.error().text);
+  if (arguments.batch || !has_screen()) return in_batches(options, arguments, watcher, view, delay);
+  return on_screen(options, arguments, watcher, view, delay);
+}
+
+}  // namespace mlcca::tools
