@@ -62,6 +62,14 @@ TEST(ForwardingTest, OnlyFormsThatBothBusesHaveAreCarried) {
   EXPECT_EQ(none.error(), "can-gw makes no FD frames of classic ones");
 }
 
+TEST(ForwardingTest, CanXlIsNotCarried) {
+  core::Transit transit{entry(1, false), entry(1, false)};
+  transit.in.xl = transit.out.xl = true;
+  const auto none = rules_of(transit, kFrom, kTo);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error(), "can-gw carries no CAN XL frames");
+}
+
 TEST(ForwardingTest, AnotherIdentifierIsSetOnTheWay) {
   const std::uint32_t in = core::kExtendedFlag | 0x1f480064;
   const std::uint32_t out = core::kExtendedFlag | 0x1f480065;
