@@ -80,6 +80,35 @@ TEST(TopRatesTest, AClockThatStandsStillGivesNoRate) {
   EXPECT_FALSE(rows_by_subject(&before, sample(10, {delivery("beat", 200, 7)})).at(0).rate);
 }
 
+TEST(TopRatesTest, WatchedEventsTellJitterLossAndWhatIsUsed) {
+  auto channel = delivery("beat", 0, 0);
+  channel.watch.emplace();
+  channel.watch->period_ns = 100'000'000;
+  channel.watch->events = 30;
+  const auto before = sample(10, {channel});
+  channel.passed = 60;  // three frames each
+  channel.watch->events = 50;
+  channel.watch->missing = 50;
+  channel.watch->last_gap_ns = 99'000'000;
+  channel.watch->jitter_ns = 1'200'000;
+  auto rows = rows_by_subject(&before, sample(12, {channel}));
+  EXPECT_DOUBLE_EQ(rows.at(0).jitter.value(), 0.0012);
+  EXPECT_DOUBLE_EQ(rows.at(0).loss.value(), 0.5);
+  EXPECT_DOUBLE_EQ(rows.at(0).used.value(), 1);
+  EXPECT_EQ(rows.at(0).verdict, "granted");
+  channel.watch->missing_now = true;
+  rows = rows_by_subject(&before, sample(12, {channel}));
+  EXPECT_EQ(rows.at(0).verdict, "SILENT");
+}
+
+TEST(TopRatesTest, BeforeTwoEventsThereIsNoJitter) {
+  auto channel = delivery("beat", 0, 0);
+  channel.watch.emplace();
+  channel.watch->events = 0;
+  EXPECT_FALSE(rows_by_subject(nullptr, sample(1, {channel})).at(0).jitter);
+  EXPECT_FALSE(rows_by_subject(nullptr, sample(1, {channel})).at(0).loss);
+}
+
 Sample with_reservations(Sample s) {
   control::Resource bus;
   bus.name = "robot-can: bus time";

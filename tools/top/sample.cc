@@ -19,6 +19,7 @@ constexpr double kSecond = 1e9;
 struct Counts {
   std::uint64_t passed = 0;
   std::uint64_t dropped = 0;
+  std::uint64_t events = 0;  ///< where they are watched
 };
 
 /// How often a second something was counted between two moments.
@@ -46,7 +47,7 @@ std::map<Key, Counts> delivery_counts(const Sample* sample) {
   std::map<Key, Counts> counts;
   if (sample != nullptr)
     for (const auto& c : sample->channels.channels)
-      counts.try_emplace(key_of(c), Counts{c.passed, c.dropped});
+      counts.try_emplace(key_of(c), Counts{c.passed, c.dropped, c.watch ? c.watch->events : 0});
   return counts;
 }
 
@@ -70,6 +71,7 @@ const Counts* find(const Map& counts, const K& key) {
 
 /// Of the events that its publisher announced, 0: none is announced.
 std::uint64_t period_of(const control::Channel& c) {
+  if (c.watch && c.watch->period_ns != 0) return c.watch->period_ns;
   std::uint64_t period = 0;
   for (const auto& row : c.rows)
     if (row.attribute == "Period" && row.required != 0 && row.required != kUnbounded)
@@ -102,6 +104,14 @@ std::map<Holder, double> shares_held(const control::Reservations& all) {
   return held;
 }
 
+void add_watch(const control::Watch& watch, Row& row) {
+  if (watch.last_gap_ns != 0) row.jitter = static_cast<double>(watch.jitter_ns) / kSecond;
+  row.loss = share(watch.missing, add_saturating(watch.missing, watch.events));
+  if (!watch.missing_now) return;
+  row.verdict = "SILENT";
+  row.style = Style::bad;
+}
+
 Row delivery(const control::Channel& c) {
   Row row;
   row.name = c.name;
@@ -111,6 +121,7 @@ Row delivery(const control::Channel& c) {
   row.verdict =
       c.granted && c.sets > 1 ? fmt::format("set {}/{}", c.set + 1, c.sets) : verdict.text;
   row.style = c.granted && c.set != 0 ? Style::warning : verdict.style;
+  if (c.watch) add_watch(*c.watch, row);
   return row;
 }
 
@@ -192,7 +203,11 @@ std::vector<Row> rows_by_subject(const Sample* before, const Sample& now) {
       if (const auto known = held.find({c.name, c.publisher}); known != held.end())
         row.reserved = known->second;
       const auto period = period_of(c);
-      if (row.rate && period != 0) row.used = *row.rate * static_cast<double>(period) / kSecond;
+      // A split event is several frames.
+      const auto events =
+          c.watch ? interval.rate(old == nullptr ? nullptr : &old->events, c.watch->events)
+                  : row.rate;
+      if (events && period != 0) row.used = *events * static_cast<double>(period) / kSecond;
     }
     rows.push_back(std::move(row));
   }
