@@ -13,6 +13,7 @@
 
 #include "bpf/gate.h"
 #include "bpf/once.bpf.h"
+#include "bpf/shared.bpf.h"
 
 /* Set before loading. */
 const volatile __u32 profile = GATE_PROFILE_NONE;
@@ -21,8 +22,6 @@ const volatile __u32 ifindex = 0;
 const volatile __u8 echo_by_mark = false;
 /* Read frames by packet pointers; false where the verifier refuses unaligned loads. */
 const volatile __u8 direct_access = true;
-/* PREEMPT_RT: one program can interrupt another on its CPU. */
-const volatile __u8 atomic_counts = false;
 /*
  * BPF_PROG_TEST_RUN can make neither ETH_P_CAN nor a frame without a socket: in tests the format
  * follows from the length, and the priority says whether a frame is locally sent or CAN XL.
@@ -32,7 +31,6 @@ const volatile __u8 test_run = false;
 #define TEST_RUN_XL    2
 
 struct gate_table table; /* the only variable of .bss: this map is pinned and memory-mapped */
-struct gate_control control SEC(".data.control"); /* shared by all interfaces */
 
 struct {
 	__uint(type, BPF_MAP_TYPE_ARRAY);
@@ -42,15 +40,11 @@ struct {
 	__type(value, struct gate_cpu);
 } cpus SEC(".maps");
 
+#include "bpf/police.bpf.h"
 #include "bpf/gate_frame.bpf.h"
 #include "bpf/gate_count.bpf.h"
 #include "bpf/gate_slot.bpf.h"
 #include "bpf/gate_watch.bpf.h"
-
-static __always_inline bool closed(void)
-{
-	return !READ_ONCE(control.open) || READ_ONCE(control.lapsed);
-}
 
 /*
  * Polices, counts and watches a frame that its slot admits. One reading of the clock serves all of
@@ -61,11 +55,12 @@ static __always_inline bool admit(struct gate_cpu *cpu, __u32 direction, __u32 a
 {
 	struct gate_slot *slot = &table.slots[at & (GATE_SLOTS - 1)];
 	struct gate_watch *w = &table.watches[at & (GATE_SLOTS - 1)];
-	__u64 cost = cost_of(slot, frame), period = READ_ONCE(w->period), now = 0;
+	__u64 cost = cost_of(READ_ONCE(slot->per_frame), READ_ONCE(slot->per_byte), frame->len),
+	      period = READ_ONCE(w->period), now = 0;
 
 	if (cost || period)
 		now = bpf_ktime_get_ns();
-	if (cost && !in_turn(slot, cost, now)) {
+	if (cost && !take_turn(&slot->due, cost, READ_ONCE(slot->tolerance), now)) {
 		if (!(slot->formats & GATE_EXCESS_PASSES))
 			return false;
 		add(&cpu->slots[at & (GATE_SLOTS - 1)].excess, 1);

@@ -15,14 +15,6 @@ static __always_inline struct gate_cpu *this_cpu(void)
 	return bpf_map_lookup_elem(&cpus, &key);
 }
 
-static __always_inline void add(__u64 *counter, __u64 n)
-{
-	if (atomic_counts)
-		__sync_fetch_and_add(counter, n);
-	else
-		*counter += n;
-}
-
 static __always_inline void count_reason(struct gate_cpu *cpu, __u32 direction, __u32 reason)
 {
 	add(&cpu->reasons[direction][reason & (GATE_REASONS - 1)], 1);

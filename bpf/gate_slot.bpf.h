@@ -175,35 +175,6 @@ static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direc
 	return d;
 }
 
-/* 0: not policed. */
-static __always_inline __u64 cost_of(const struct gate_slot *slot, const struct frame *frame)
-{
-	return READ_ONCE(slot->per_frame) +
-	       ((frame->len ? frame->len : 1) * READ_ONCE(slot->per_byte) >> 8);
-}
-
-/*
- * Whether a frame of an admitted slot is in turn; then it has had it. Tries of other CPUs only fail
- * an exchange when they have succeeded, so that after a few there is nothing left to win.
- */
-#define TURN_TRIES 8
-
-static __always_inline bool in_turn(struct gate_slot *slot, __u64 cost, __u64 now)
-{
-	__u64 tolerance = READ_ONCE(slot->tolerance), due, turn;
-	__u32 i;
-
-	for (i = 0; i < TURN_TRIES; i++) {
-		due = READ_ONCE(slot->due);
-		turn = due > now ? due : now;
-		if (turn - now > tolerance)
-			return false;
-		if (__sync_val_compare_and_swap(&slot->due, due, turn + cost) == due)
-			return true;
-	}
-	return false;
-}
-
 /* Drops what decide() has not passed. */
 static __always_inline int refuse(struct gate_cpu *cpu, __u32 direction, const struct decision *d,
 				  const struct frame *frame)

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
+/* What the gate programs of all kinds of links have in common. */
+#ifndef MLCCA_SHARED_BPF_H
+#define MLCCA_SHARED_BPF_H
+
+/* PREEMPT_RT: one program can interrupt another on its CPU. Set before loading. */
+const volatile __u8 atomic_counts = false;
+
+struct gate_control control SEC(".data.control"); /* shared by all interfaces */
+
+static __always_inline bool closed(void)
+{
+	return !READ_ONCE(control.open) || READ_ONCE(control.lapsed);
+}
+
+static __always_inline void add_atomic(__u64 *counter, __u64 n)
+{
+	__sync_fetch_and_add(counter, n);
+}
+
+static __always_inline void add(__u64 *counter, __u64 n)
+{
+	if (atomic_counts)
+		add_atomic(counter, n);
+	else
+		*counter += n;
+}
+
+#endif
