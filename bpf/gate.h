@@ -132,6 +132,9 @@ enum gate_reason {
 	GATE_R_ECHO,	    /* not a drop: echo of a frame that left here, let through at ingress */
 	GATE_R_ERROR_IN,    /* not a drop: error frame let through at ingress */
 	GATE_R_EXCESS,	    /* admitted, but more than was admitted: see gate_slot */
+	GATE_R_FOREIGN,	    /* Ethernet, not a drop: no event traffic, left alone */
+	GATE_R_FRAGMENT, /* Ethernet: IP fragment whose first one was not admitted, or not seen */
+	GATE_R_OPAQUE,	 /* Ethernet: may carry an event, and its subject cannot be seen */
 	GATE_REASONS = 16,
 };
 

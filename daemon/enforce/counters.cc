@@ -21,6 +21,7 @@ T load(const T& word, int order = __ATOMIC_RELAXED) {
 std::optional<UnknownFrame> read(const gate_seen& seen) {
   const std::uint64_t before = load(seen.sequence, __ATOMIC_ACQUIRE);
   const UnknownFrame frame{.can_id = load(seen.can_id),
+                           .subject = 0,
                            .len = load(seen.len),
                            .format = load(seen.format),
                            .direction = static_cast<Direction>(load(seen.direction)),
@@ -98,7 +99,7 @@ const char* reason_text(gate_reason reason) {
     case GATE_R_ERROR_FRAME:
       return "error frame on its way out";
     case GATE_R_MALFORMED:
-      return "not a CAN frame";
+      return "malformed";
     case GATE_R_CLOSED:
       return "gate closed";
     case GATE_R_ECHO:
@@ -107,6 +108,12 @@ const char* reason_text(gate_reason reason) {
       return "error frame from the bus";
     case GATE_R_EXCESS:
       return "more than admitted";
+    case GATE_R_FOREIGN:
+      return "no event traffic";
+    case GATE_R_FRAGMENT:
+      return "fragment of no admitted datagram";
+    case GATE_R_OPAQUE:
+      return "subject cannot be seen";
     case GATE_REASONS:
       break;
   }
@@ -114,7 +121,8 @@ const char* reason_text(gate_reason reason) {
 }
 
 bool is_drop(gate_reason reason) {
-  return reason != GATE_R_PASSED && reason != GATE_R_ECHO && reason != GATE_R_ERROR_IN;
+  return reason != GATE_R_PASSED && reason != GATE_R_ECHO && reason != GATE_R_ERROR_IN &&
+         reason != GATE_R_FOREIGN;
 }
 
 }  // namespace mlcca::enforce

@@ -24,9 +24,10 @@ struct SlotCounters {
 using ReasonCounters = std::array<std::uint64_t, GATE_REASONS>;
 
 struct UnknownFrame {
-  std::uint32_t can_id = 0;  ///< with the flags of <linux/can.h>
-  std::uint16_t len = 0;     ///< payload bytes of the latest
-  std::uint8_t format = 0;   ///< GATE_CLASSIC, GATE_FD or GATE_XL
+  std::uint32_t can_id = 0;   ///< with the flags of <linux/can.h>; 0 on Ethernet
+  std::uint64_t subject = 0;  ///< on Ethernet
+  std::uint16_t len = 0;      ///< payload bytes of the latest
+  std::uint8_t format = 0;    ///< GATE_CLASSIC, GATE_FD or GATE_XL
   Direction direction = Direction::ingress;
   std::uint64_t count = 0;     ///< at least; a rarer one may have taken its place meanwhile
   std::uint64_t sequence = 0;  ///< grows with every unknown frame of the interface
@@ -40,7 +41,7 @@ std::vector<UnknownFrame> unknown_frames(std::span<const gate_cpu> cpus);
 
 /// "unknown subject", "not from the granted source": one line for a person.
 const char* reason_text(gate_reason reason);
-/// Whether the reason means a drop (GATE_R_PASSED, _ECHO and _ERROR_IN do not).
+/// Whether the reason means a drop (GATE_R_PASSED, _ECHO, _ERROR_IN and _FOREIGN do not).
 bool is_drop(gate_reason reason);
 
 }  // namespace mlcca::enforce

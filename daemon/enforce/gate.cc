@@ -16,6 +16,8 @@
 #include <system_error>
 #include <utility>
 
+#include "daemon/enforce/ether_gate.hpp"
+#include "daemon/enforce/ether_programs.hpp"
 #include "daemon/enforce/failure.hpp"
 #include "daemon/enforce/filters.hpp"
 #include "daemon/enforce/grace_period.hpp"
@@ -260,6 +262,7 @@ std::expected<void, Gate::Refusal> Gate::apply_together(std::span<const Change> 
 
 std::vector<SlotSpec> Gate::present() const { return state_->slots.present(); }
 bool Gate::is_masked(const SlotSpec& spec) const { return state_->slots.is_masked(spec); }
+std::size_t Gate::size() const { return state_->slots.size(); }
 void Gate::deny_all() { state_->slots.deny_all(); }
 
 void Gate::set_bands(std::span<const std::uint32_t> limits) {
@@ -328,6 +331,32 @@ Result<InPlace> in_place(std::uint32_t ifindex) {
   return InPlace{.ingress = *in, .egress = *out};
 }
 
+/// Puts programs where none are. For an interface that has nothing that is worth keeping: nothing
+/// is pinned for it.
+Result<Closing> put_closed(std::uint32_t ifindex, const auto& programs) {
+  if (auto made = make_hooks(ifindex); !made) return std::unexpected(made.error());
+  auto closing = Closing::was_gated;
+  for (const auto direction : kBoth) {
+    const auto put = put_in_empty_place(ifindex, direction, programs.program_fd(direction));
+    if (!put) return std::unexpected(put.error());
+    if (*put) closing = Closing::closed;
+  }
+  return closing;
+}
+
+/// Of an Ethernet interface, what carries events alone.
+Result<Closing> put_closed(std::uint32_t ifindex, const Control& control) {
+  if (is_ethernet(ifindex)) {
+    const auto programs = EtherPrograms::load(ifindex, EtherSizes::for_slots(0, possible_cpus()),
+                                              control.map_fd(), {});
+    if (!programs) return std::unexpected(programs.error());
+    return put_closed(ifindex, *programs);
+  }
+  const auto programs = Programs::load({.ifindex = ifindex}, control.map_fd(), {});
+  if (!programs) return std::unexpected(programs.error());
+  return put_closed(ifindex, *programs);
+}
+
 }  // namespace
 
 Result<Closing> close_interface(const std::string& name, const std::string& root) {
@@ -340,18 +369,10 @@ Result<Closing> close_interface(const std::string& name, const std::string& root
   if (!before) return in_context(before.error());
   if (before->is_gate()) return Closing::was_gated;
 
-  // Nothing is pinned for it: it has nothing that is worth keeping.
   const auto control = Control::create(root);
   if (!control) return in_context(control.error());
-  const auto programs = Programs::load({.ifindex = ifindex}, control->map_fd(), {});
-  if (!programs) return in_context(programs.error());
-  if (auto made = make_hooks(ifindex); !made) return in_context(made.error());
-  auto closing = Closing::was_gated;
-  for (const auto direction : kBoth) {
-    const auto put = put_in_empty_place(ifindex, direction, programs->program_fd(direction));
-    if (!put) return in_context(put.error());
-    if (*put) closing = Closing::closed;
-  }
+  auto closing = put_closed(ifindex, *control);
+  if (!closing) return in_context(closing.error());
   const auto after = in_place(ifindex);
   if (!after) return in_context(after.error());
   if (!after->is_gate())

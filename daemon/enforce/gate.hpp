@@ -14,6 +14,7 @@
 #include "core/system.hpp"
 #include "daemon/enforce/control.hpp"
 #include "daemon/enforce/counters.hpp"
+#include "daemon/enforce/port_gate.hpp"
 #include "daemon/enforce/slots.hpp"
 #include "daemon/enforce/watchmen.hpp"
 
@@ -28,7 +29,7 @@ struct GateConfig {
   bool echo_by_mark = false;
 };
 
-class Gate {
+class Gate final : public PortGate {
  public:
   /// Puts our filters in place, by replacement where they are there already, never by detaching.
   /// The slots and counters of the filters that are attached now are taken over when their pins
@@ -38,23 +39,21 @@ class Gate {
   static Result<Gate> attach(const GateConfig& config, const Control& control);
   Gate(Gate&&) noexcept;
   Gate& operator=(Gate&&) noexcept;
-  Gate(const Gate&) = delete;
-  Gate& operator=(const Gate&) = delete;
-  ~Gate();
+  ~Gate() override;
 
   [[nodiscard]] const GateConfig& config() const;
   [[nodiscard]] std::uint32_t ifindex() const;
-  [[nodiscard]] const std::string& name() const;
+  [[nodiscard]] const std::string& name() const override;
   /// The slots of the gate that was attached before were taken over: see present().
   [[nodiscard]] bool reused() const;
 
   /// Both filters are there now and are the programs of this object.
-  [[nodiscard]] Result<bool> attached() const;
+  [[nodiscard]] Result<bool> attached() const override;
   /// Puts the same programs back after somebody removed or replaced them; slots and counters stay.
-  Result<void> reattach();
+  Result<void> reattach() override;
 
   /// See SlotTable.
-  Result<void> apply(const SlotChanges& changes);
+  Result<void> apply(const SlotChanges& changes) override;
   struct Change {
     Gate* gate;
     SlotChanges changes;
@@ -65,9 +64,10 @@ class Gate {
   };
   /// See SlotTable: one step for frames on all of them.
   static std::expected<void, Refusal> apply_together(std::span<const Change> changes);
-  [[nodiscard]] std::vector<SlotSpec> present() const;
+  [[nodiscard]] std::vector<SlotSpec> present() const override;
+  [[nodiscard]] std::size_t size() const override;
   [[nodiscard]] bool is_masked(const SlotSpec& spec) const;
-  void deny_all();
+  void deny_all() override;
 
   /// Frames that leave are put into bands by their identifiers: those up to the first limit
   /// (gate_arbitration()) into the first band, … at most GATE_BANDS - 1 limits, rising. No limits:
@@ -75,19 +75,19 @@ class Gate {
   void set_bands(std::span<const std::uint32_t> limits);
 
   /// Of the slot with this grant (verdict not compared); nothing where there is none.
-  [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const;
+  [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const override;
   /// Number of the slot with this grant, as events name it.
   [[nodiscard]] std::optional<std::uint16_t> number_of(const SlotSpec& spec) const;
   /// How the events of a slot have come. `now`: CLOCK_MONOTONIC.
   [[nodiscard]] Arrivals arrivals(std::uint16_t slot, std::uint64_t now) const;
   /// If events of a slot are missing that is told once more.
   Result<void> tell_again(std::uint16_t slot) const;
-  [[nodiscard]] ReasonCounters reasons(Direction direction) const;
+  [[nodiscard]] ReasonCounters reasons(Direction direction) const override;
   /// Frames without a slot, newest first.
-  [[nodiscard]] std::vector<UnknownFrame> unknown() const;
+  [[nodiscard]] std::vector<UnknownFrame> unknown() const override;
 
   /// Removes the pins, not the filters: for an interface that is gone.
-  void unpin();
+  void unpin() override;
 
  private:
   struct State;

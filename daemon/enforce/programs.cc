@@ -15,13 +15,6 @@
 namespace mlcca::enforce {
 namespace {
 
-/// There a program can be preempted by another one on its CPU.
-bool is_preempt_rt() {
-  utsname kernel{};
-  return uname(&kernel) == 0 &&
-         std::string_view(kernel.version).find("PREEMPT_RT") != std::string_view::npos;
-}
-
 int share_maps(gate_bpf& object, int control_map, const GateMaps& maps) {
   if (const int error = bpf_map__reuse_fd(object.maps.data_control, control_map); error != 0)
     return error;
@@ -34,6 +27,12 @@ int share_maps(gate_bpf& object, int control_map, const GateMaps& maps) {
 }  // namespace
 
 void destroy_programs(gate_bpf* object) { gate_bpf__destroy(object); }
+
+bool is_preempt_rt() {
+  utsname kernel{};
+  return uname(&kernel) == 0 &&
+         std::string_view(kernel.version).find("PREEMPT_RT") != std::string_view::npos;
+}
 
 std::uint32_t possible_cpus() {
   return static_cast<std::uint32_t>(std::max(libbpf_num_possible_cpus(), 1));

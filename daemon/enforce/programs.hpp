@@ -48,6 +48,9 @@ class Programs {
   Object object_;
 };
 
+/// Whether a program can be preempted by another one on its CPU.
+bool is_preempt_rt();
+
 /// Possible CPUs of this machine: entries of the counters map.
 std::uint32_t possible_cpus();
 

@@ -5,6 +5,13 @@ $(eval $(call program,bench/gate_bench,tests/bench/gate_bench.cc tests/bpf/loade
 $O/tests/bench/gate_bench.o: $(BPF_SKELETONS)
 BENCHES += $O/bench/gate_bench
 
+$(eval $(call program,bench/ether_bench,tests/bench/ether_bench.cc tests/ether/loaded_ether.cc tests/ether/packets.cc,$O/libenforce.a,-lbpf -lfmt))
+$O/bpf/shuffle.bpf.o: tests/bench/shuffle.bpf.c
+	$(call say,BPF,$<)
+	$(Q)mkdir -p $(@D) && $(CLANG) $(BPF_CFLAGS) -c $< -o $@ && $(LLVM_STRIP) -g $@
+$O/tests/bench/ether_bench.o: $(BPF_SKELETONS) $O/gen/shuffle.skel.h
+BENCHES += $O/bench/ether_bench
+
 $(eval $(call program,bench/admission_bench,tests/bench/admission_bench.cc,$O/libcore.a,-lbenchmark -lpthread))
 $(eval $(call program,bench/socket_bench,tests/bench/socket_bench.cc,$O/libcontrol.a,$(PROTO_LIBS) -lfmt))
 $O/tests/bench/socket_bench.o: | $O/gen/mlcca/v1/control.pb.h

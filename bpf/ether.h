@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
+/*
+ * What the gate programs of Ethernet-like links and user space share, beside gate.h. Events carry
+ * their 64-bit subject. A change of any layout here needs a new ETHER_LAYOUT_VERSION.
+ */
+#ifndef MLCCA_ETHER_H
+#define MLCCA_ETHER_H
+
+#include <linux/types.h>
+
+#include "bpf/gate.h"
+
+#define ETHER_LAYOUT_VERSION 1
+
+/* Datagrams to these ports are events, whatever address they go to: a receiver takes them all. */
+#define ETHER_MULTICAST_PORT 9999
+#define ETHER_BROADCAST_PORT 8888
+
+/* In a datagram: subject, and whether what follows is a fragment of an event. */
+#define ETHER_UDP_HEADER   8
+#define ETHER_EVENT_HEADER 9
+#define ETHER_MAX_PAYLOAD  8183
+
+/* IEEE 802.1Q and 802.1ad tags that are looked through, beside one that the device has taken off.
+ */
+#define ETHER_TAGS 2
+
+/* AWDS, behind its ethertype. Numbers are those of its packets; publish* are those of AWDSNL. */
+#define ETHER_P_AWDS		    0x8334
+#define ETHER_AWDS_FLOOD	    1
+#define ETHER_AWDS_UNICAST	    2
+#define ETHER_AWDS_FLOW		    3
+#define ETHER_AWDS_FLOOD_KIND	    16 /* where the kind of packet stands */
+#define ETHER_AWDS_UNICAST_KIND	    22
+#define ETHER_AWDS_TOPOLOGY	    0
+#define ETHER_AWDS_PING		    42
+#define ETHER_AWDS_CS_DETECT	    43
+#define ETHER_AWDS_CS_ANSWER	    44
+#define ETHER_AWDS_TRAFFIC	    96
+#define ETHER_AWDS_METRIC	    97
+#define ETHER_AWDS_FRAME	    98 /* an Ethernet frame */
+#define ETHER_AWDS_LOCK		    100
+#define ETHER_AWDS_PUBLISH_FRAGMENT 0x7b
+#define ETHER_AWDS_PUBLISH	    0x7c
+#define ETHER_AWDS_SUBSCRIBE	    0x7d
+#define ETHER_AWDS_NODE_ATTRIBUTES  0x81
+#define ETHER_AWDS_FLOW_MANAGEMENT  0x82
+#define ETHER_AWDS_PUBLISH_HEADER   4 /* kind, pad, size of what follows */
+
+/* Forms of an event, a bit set; GATE_EXCESS_PASSES is in the same bits. */
+#define ETHER_WHOLE 1
+#define ETHER_SPLIT 2
+
+/* Slots: 0 and 1 count what has no slot, per direction. */
+#define ETHER_FIRST_SLOT 2
+#define ETHER_MIN_SLOTS	 4096
+#define ETHER_MAX_SLOTS	 (1U << 22)
+#define ETHER_CONTRACTS	 65536 /* at most; 0 is not used */
+/* Tables with more slots have one bank of counters for all CPUs: memory, see ether_table. */
+#define ETHER_BANKED_SLOTS 16384
+
+/* IP fragments: first ones that are remembered, and how long, as a receiver may reassemble. */
+#define ETHER_FRAGMENTS		2048
+#define ETHER_FOREIGN_FRAGMENTS 2048
+#define ETHER_FRAGMENT_NS	30000000000ULL
+
+/*
+ * What was admitted, shared by all slots with the same of it. User space changes none that a slot
+ * refers to: another one takes its place.
+ */
+struct ether_contract {
+	__u32 uid;     /* local sender's user, or GATE_ANY_UID */
+	__u16 max_len; /* payload bytes of a datagram */
+	__u16 forms;
+	__u64 per_frame; /* as in gate_slot */
+	__u64 per_byte;
+	__u64 tolerance;
+};
+
+/*
+ * One (subject, publisher) on one interface and direction. Half a cache line. User space never
+ * changes a live slot other than `verdict`, `contract` and `next`.
+ */
+struct ether_slot {
+	__u64 subject; /* host order */
+	__u64 due;     /* as in gate_slot */
+	__u32 next;    /* further slot of the same bucket; 0: none */
+	__u32 source;  /* egress: ifindex it must have entered by; 0: sent by a local program */
+	__u16 contract;
+	__u8 verdict; /* enum gate_verdict */
+	__u8 direction;
+	__u8 last_reason; /* enum gate_reason of the latest drop, 0: none; written by the program */
+	__u8 pad[3];
+};
+
+/*
+ * A bucket is one word: the first slot in the lower half, and in the upper one a bit for each
+ * subject of the chain, by ether_sieve(). Most subjects that nobody has leave here.
+ */
+#define ETHER_SIEVE_SHIFT 32
+
+/* What is the same for the whole interface; the only variable of .bss. */
+struct ether_table {
+	__u32 layout_version;
+	__u32 slots;   /* entries of the slot map */
+	__u32 buckets; /* a power of two */
+	__u32 banks;   /* of counters: one for each CPU, or one for all */
+	__u64 seed;    /* of the hash, random: nobody can choose subjects that fall together */
+	__u64 unknown_frames; /* as in gate_table */
+	__u32 contracts;
+	__u32 pad[7];
+};
+
+/* A datagram without a slot; as gate_seen. */
+struct ether_seen {
+	__u64 sequence;
+	__u64 count;
+	__u64 subject;
+	__u32 len;
+	__u8 direction;
+	__u8 pad[3];
+};
+
+/* One for each possible CPU. */
+struct ether_cpu {
+	__u64 reasons[GATE_DIRECTIONS][GATE_REASONS]; /* packets: an IP fragment is one */
+	struct ether_seen seen[GATE_SEEN];
+};
+
+/* A datagram in IP fragments. */
+struct ether_fragment_key {
+	__u32 source; /* addresses and id as they stand in the header */
+	__u32 destination;
+	__u16 id;
+	__u8 direction;
+	__u8 inside; /* of an AWDS packet */
+};
+
+struct ether_fragment {
+	__u64 until; /* CLOCK_MONOTONIC ns */
+	__u64 subject;
+	__u32 slot;
+	__u16 first; /* bytes of the first fragment: nothing may be laid over them */
+	__u16 whole; /* bytes of the datagram with its UDP header; 0: no event */
+};
+
+static inline __u64 ether_hash(__u64 seed, __u64 subject, __u32 direction)
+{
+	__u64 h = (subject ^ seed) + direction;
+
+	h = (h ^ h >> 32) * 0x9e3779b97f4a7c15ULL;
+	h = (h ^ h >> 32) * 0xd6e8feb86659fd93ULL;
+	return h ^ h >> 32;
+}
+
+/* The bit of a subject in the upper half of its bucket. */
+static inline __u64 ether_sieve(__u64 hash) { return 1ULL << (ETHER_SIEVE_SHIFT + (hash >> 59)); }
+
+GATE_ASSERT(sizeof(struct ether_contract) == 32, "ether_contract is pinned layout");
+GATE_ASSERT(sizeof(struct ether_slot) == 32, "ether_slot is pinned layout");
+GATE_ASSERT(sizeof(struct ether_table) == 64, "ether_table is pinned layout");
+GATE_ASSERT(sizeof(struct ether_seen) == 32, "ether_seen is pinned layout");
+GATE_ASSERT(sizeof(struct ether_cpu) == 256 + 32 * 64, "ether_cpu is pinned layout");
+GATE_ASSERT(sizeof(struct ether_fragment_key) == 12, "a hash key has no holes");
+GATE_ASSERT(sizeof(struct ether_fragment) == 24, "ether_fragment is pinned layout");
+
+#endif

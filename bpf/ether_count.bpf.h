@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
+/*
+ * Counting, exact, as gate_count.bpf.h does it. Where a table has one bank of counters for all
+ * CPUs, they are added to atomically.
+ */
+#ifndef MLCCA_ETHER_COUNT_BPF_H
+#define MLCCA_ETHER_COUNT_BPF_H
+
+static __always_inline struct ether_cpu *this_cpu(void)
+{
+	__u32 key = bpf_get_smp_processor_id();
+
+	return bpf_map_lookup_elem(&cpus, &key);
+}
+
+static __always_inline struct gate_count *count_of(__u32 slot)
+{
+	__u32 at = banks == 1 ? slot : bpf_get_smp_processor_id() * slots_of_bank + slot;
+
+	return bpf_map_lookup_elem(&counts, &at);
+}
+
+static __always_inline void count_up(__u64 *counter, __u64 n)
+{
+	if (banks == 1)
+		add_atomic(counter, n);
+	else
+		add(counter, n);
+}
+
+static __always_inline void count_reason(struct ether_cpu *cpu, __u32 direction, __u32 reason)
+{
+	add(&cpu->reasons[direction][reason & (GATE_REASONS - 1)], 1);
+}
+
+static __always_inline void count_pass(struct ether_cpu *cpu, __u32 direction, __u32 slot,
+				       const struct event *e)
+{
+	struct gate_count *count = count_of(slot);
+
+	count_reason(cpu, direction, GATE_R_PASSED);
+	if (!count)
+		return;
+	count_up(&count->passed, 1);
+	count_up(&count->bytes, e->len);
+}
+
+/* The sequence is 0 while the entry changes hands; the exchanges order the stores around it. */
+static __always_inline void note_unknown(struct ether_cpu *cpu, __u32 direction,
+					 const struct event *e)
+{
+	__u32 at = ether_hash(0, e->subject, direction);
+	struct ether_seen *seen = &cpu->seen[at & (GATE_SEEN - 1)];
+	__u64 sequence = __sync_fetch_and_add(&table.unknown_frames, 1) + 1;
+
+	if (!seen->sequence || seen->subject != e->subject || seen->direction != direction) {
+		__sync_lock_test_and_set(&seen->sequence, 0);
+		seen->subject = e->subject;
+		seen->direction = direction;
+		seen->count = 0;
+	}
+	seen->len = e->len;
+	seen->count++;
+	__sync_lock_test_and_set(&seen->sequence, sequence);
+}
+
+static __always_inline void count_drop(struct ether_cpu *cpu, __u32 direction, __u32 at,
+				       __u32 reason, const struct event *e)
+{
+	struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
+	struct gate_count *count = count_of(at);
+
+	count_reason(cpu, direction, reason);
+	if (reason == GATE_R_UNKNOWN)
+		note_unknown(cpu, direction, e);
+	if (slot)
+		slot->last_reason = reason;
+	if (!count)
+		return;
+	count_up(&count->dropped, 1);
+	if (reason == GATE_R_EXCESS)
+		count_up(&count->excess, 1);
+}
+
+#endif

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
+/* Which slot an event belongs to, and whether that slot admits it. */
+#ifndef MLCCA_ETHER_DECIDE_BPF_H
+#define MLCCA_ETHER_DECIDE_BPF_H
+
+struct decision {
+	__u32 slot;
+	__u32 reason; /* enum gate_reason */
+};
+
+/* Who sends; of no interest at ingress. */
+struct sender {
+	__u32 source; /* as in gate_frame.bpf.h */
+	__u32 uid;    /* of a local program */
+};
+
+static __always_inline struct ether_contract *contract_of(const struct ether_slot *slot)
+{
+	__u32 at = READ_ONCE(slot->contract);
+
+	return bpf_map_lookup_elem(&contracts, &at);
+}
+
+static __always_inline __u32 fit(const struct ether_slot *slot, __u32 direction,
+				 const struct event *e, const struct sender *from)
+{
+	const struct ether_contract *contract = contract_of(slot);
+
+	if (!contract)
+		return GATE_R_DENIED;
+	if (direction == GATE_EGRESS) {
+		if (from->source != slot->source)
+			return GATE_R_SOURCE;
+		if (from->source &&
+		    e->mark != gate_ingress_token(control.token, from->source, slot->subject))
+			return GATE_R_SOURCE;
+		if (!from->source && contract->uid != GATE_ANY_UID && contract->uid != from->uid)
+			return GATE_R_SOURCE;
+	}
+	if (!(contract->forms & e->form))
+		return GATE_R_FORMAT;
+	if (e->len > contract->max_len)
+		return GATE_R_LENGTH;
+	return READ_ONCE(slot->verdict) == GATE_PASS ? GATE_R_PASSED : GATE_R_DENIED;
+}
+
+static __always_inline bool is_of(const struct ether_slot *slot, __u32 direction,
+				  const struct event *e)
+{
+	return slot->subject == e->subject && slot->direction == direction;
+}
+
+/*
+ * Not static, like walk(): the verifier looks at it once by itself, and takes its result for any
+ * number. Static functions would multiply with every way that leads to and from them.
+ */
+__noinline __u32 fit_apart(__u32 at, __u32 direction, const struct event *e,
+			   const struct sender *from)
+{
+	const struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
+
+	if (!slot || !e || !from || !is_of(slot, direction, e))
+		return GATE_R_UNKNOWN;
+	return fit(slot, direction, e, from);
+}
+
+/*
+ * Passes when any slot of the subject admits the event. Otherwise gives the slot that came
+ * furthest, of equals the first; the direction's own slot where the subject has none. Reason in the
+ * upper half of the word, slot in the lower.
+ */
+__noinline __u64 walk(__u32 at, const struct event *e, __u32 direction, const struct sender *from)
+{
+	__u64 slot = direction, best = GATE_R_UNKNOWN;
+	__u32 i;
+
+	for (i = 0; i < GATE_WALK && at; i++) {
+		const struct ether_slot *s;
+		__u32 reason = fit_apart(at, direction, e, from);
+
+		if (reason == GATE_R_PASSED)
+			return at;
+		if (reason > best) {
+			best = reason;
+			slot = at;
+		}
+		s = bpf_map_lookup_elem(&slots, &at);
+		if (!s)
+			break;
+		at = READ_ONCE(s->next);
+	}
+	return best << 32 | slot;
+}
+
+/* The first slot is looked at in place: nearly always it is the only one. */
+static __always_inline struct decision decide(__u32 direction, const struct event *e,
+					      const struct sender *from)
+{
+	struct decision d = {.slot = direction, .reason = GATE_R_UNKNOWN};
+	__u64 hash = ether_hash(table.seed, e->subject, direction);
+	__u32 at = hash & bucket_mask, first;
+	__u64 *bucket, found;
+	const struct ether_slot *slot;
+	struct sender from_copy;
+	struct event copy;
+
+	bucket = bpf_map_lookup_elem(&buckets, &at);
+	if (!bucket)
+		return d;
+	found = READ_ONCE(*bucket);
+	if (!(found & ether_sieve(hash)))
+		return d;
+	first = found;
+	slot = bpf_map_lookup_elem(&slots, &first);
+	if (!slot)
+		return d;
+	if (is_of(slot, direction, e)) {
+		d.slot = first;
+		d.reason = fit(slot, direction, e, from);
+		if (d.reason == GATE_R_PASSED)
+			return d;
+	}
+	if (READ_ONCE(slot->next)) {
+		copy = *e;
+		from_copy = *from;
+		found = walk(first, &copy, direction, &from_copy);
+		d.reason = found >> 32;
+		d.slot = found;
+	}
+	return d;
+}
+
+/* False: more than was admitted, and to be dropped. */
+static __always_inline bool police(__u32 at, const struct event *e)
+{
+	struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
+	const struct ether_contract *contract;
+	struct gate_count *count;
+	__u64 cost;
+
+	if (!slot)
+		return false;
+	contract = contract_of(slot);
+	if (!contract)
+		return false;
+	cost = cost_of(contract->per_frame, contract->per_byte, e->len);
+	if (!cost || take_turn(&slot->due, cost, contract->tolerance, bpf_ktime_get_ns()))
+		return true;
+	if (!(contract->forms & GATE_EXCESS_PASSES))
+		return false;
+	count = count_of(at);
+	if (count)
+		count_up(&count->excess, 1);
+	return true;
+}
+
+#endif

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
+/*
+ * IP fragments: only the first one has the subject. It is remembered for each datagram, of events
+ * and of other UDP traffic apart, so that a flood of the one cannot push out the other.
+ */
+#ifndef MLCCA_ETHER_FRAGMENT_BPF_H
+#define MLCCA_ETHER_FRAGMENT_BPF_H
+
+#define FRAGMENT_MAP(name, entries)                                                                \
+	struct {                                                                                   \
+		__uint(type, BPF_MAP_TYPE_LRU_HASH);                                               \
+		__uint(max_entries, entries);                                                      \
+		__type(key, struct ether_fragment_key);                                            \
+		__type(value, struct ether_fragment);                                              \
+	} name SEC(".maps")
+
+FRAGMENT_MAP(fragments, ETHER_FRAGMENTS);
+FRAGMENT_MAP(foreign_fragments, ETHER_FOREIGN_FRAGMENTS);
+
+static __always_inline struct ether_fragment *remembered(void *map,
+							 const struct ether_fragment_key *key)
+{
+	struct ether_fragment *f = bpf_map_lookup_elem(map, key);
+
+	return f && f->until > bpf_ktime_get_ns() ? f : NULL;
+}
+
+static __always_inline void remember(void *map, const struct event *e, __u32 slot)
+{
+	struct ether_fragment f = {.until = bpf_ktime_get_ns() + ETHER_FRAGMENT_NS,
+				   .subject = e->subject,
+				   .slot = slot,
+				   .first = e->payload,
+				   .whole = e->whole};
+
+	bpf_map_update_elem(map, &e->key, &f, BPF_ANY);
+}
+
+/* What a later fragment may not do to the first one. */
+static __always_inline bool is_overlaid(const struct ether_fragment *f, const struct event *e)
+{
+	return e->offset < f->first;
+}
+
+/* Of a datagram whose first fragment was admitted, and would be now. */
+static __always_inline __u32 fragment_reason(const struct ether_fragment *f, const struct event *e)
+{
+	__u32 end = e->offset + e->payload, at = f->slot;
+	const struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
+
+	if (is_overlaid(f, e) || (e->more ? end >= f->whole : end != f->whole))
+		return GATE_R_MALFORMED;
+	if (!slot || slot->subject != f->subject || slot->direction != e->key.direction ||
+	    READ_ONCE(slot->verdict) != GATE_PASS)
+		return GATE_R_DENIED;
+	return GATE_R_PASSED;
+}
+
+/* GATE_R_PASSED or a reason to drop it; GATE_R_FOREIGN where it belongs to nobody of ours. */
+static __always_inline __u32 judge_later(const struct event *e)
+{
+	struct ether_fragment *f = remembered(&fragments, &e->key);
+
+	if (f)
+		return closed() ? GATE_R_CLOSED : fragment_reason(f, e);
+	f = remembered(&foreign_fragments, &e->key);
+	if (!f)
+		return GATE_R_FRAGMENT;
+	return is_overlaid(f, e) ? GATE_R_MALFORMED : GATE_R_FOREIGN;
+}
+
+#endif

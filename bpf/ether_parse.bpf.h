@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
+/* From a packet to the event in it, for tc and XDP alike. */
+#ifndef MLCCA_ETHER_PARSE_BPF_H
+#define MLCCA_ETHER_PARSE_BPF_H
+
+struct packet {
+	void *ctx;
+	const void *data;
+	const void *end; /* of what can be read in place */
+	__u32 len;	 /* of all of it */
+	bool xdp;
+};
+
+enum nature {
+	NOT_EVENT,	 /* nothing of ours */
+	NOT_EVENT_FIRST, /* first IP fragment of a datagram that is no event */
+	EVENT,		 /* whole, or the first IP fragment */
+	LATER,		 /* IP fragment without a subject */
+	MALFORMED,
+	OPAQUE,
+};
+
+struct event {
+	__u64 subject;
+	__u32 len;  /* payload bytes */
+	__u32 form; /* ETHER_WHOLE or ETHER_SPLIT */
+	__u32 mark; /* when the gate saw it first */
+	/* Of an IP packet: */
+	__u32 offset;  /* of the fragment in the datagram */
+	__u32 payload; /* bytes of it here */
+	__u32 whole;   /* bytes of the datagram, as its UDP header has it */
+	bool more;     /* fragments follow */
+	struct ether_fragment_key key;
+};
+
+/* Reads one number or header; false beyond the end. Where to is bounded, so that it can be checked.
+ */
+#define TAKE(p, at, to)                                                                            \
+	({                                                                                         \
+		const typeof(*(to)) *from_ = (p)->data + (at);                                     \
+		bool ok_;                                                                          \
+		if (!direct_access) {                                                              \
+			ok_ =                                                                      \
+			    !((p)->xdp ? bpf_xdp_load_bytes((p)->ctx, (at), (to), sizeof(*(to)))   \
+				       : bpf_skb_load_bytes((p)->ctx, (at), (to), sizeof(*(to)))); \
+		} else {                                                                           \
+			ok_ = (const void *)(from_ + 1) <= (p)->end;                               \
+			if (ok_)                                                                   \
+				*(to) = *from_;                                                    \
+		}                                                                                  \
+		ok_;                                                                               \
+	})
+
+/* Behind the addresses and tags at *at: leaves *at where the payload begins. */
+static __always_inline enum nature parse_link(const struct packet *p, __u32 *at, __be16 *protocol)
+{
+	__u32 i;
+
+	*at += ETH_HLEN;
+	if (!TAKE(p, *at - 2, protocol))
+		return MALFORMED;
+#pragma unroll
+	for (i = 0; i < ETHER_TAGS; i++) {
+		if (*protocol != bpf_htons(ETH_P_8021Q) && *protocol != bpf_htons(ETH_P_8021AD))
+			return NOT_EVENT;
+		*at += 4;
+		if (!TAKE(p, *at - 2, protocol))
+			return MALFORMED;
+	}
+	/* A frame with more tags than anybody looks through. */
+	return *protocol == bpf_htons(ETH_P_8021Q) || *protocol == bpf_htons(ETH_P_8021AD)
+		   ? OPAQUE
+		   : NOT_EVENT;
+}
+
+static __always_inline bool is_event_port(__be16 port)
+{
+	return port == bpf_htons(ETHER_MULTICAST_PORT) || port == bpf_htons(ETHER_BROADCAST_PORT);
+}
+
+static __always_inline enum nature parse_udp(const struct packet *p, __u32 at, struct event *e)
+{
+	struct udphdr udp;
+	__be64 subject;
+	__u8 flag;
+
+	if (e->payload < sizeof(udp) || !TAKE(p, at, &udp))
+		return MALFORMED;
+	if (!is_event_port(udp.dest))
+		return e->more ? NOT_EVENT_FIRST : NOT_EVENT;
+	e->whole = bpf_ntohs(udp.len);
+	if (e->more ? e->whole <= e->payload : e->whole != e->payload)
+		return MALFORMED;
+	at += ETHER_UDP_HEADER;
+	if (e->payload < ETHER_UDP_HEADER + ETHER_EVENT_HEADER || !TAKE(p, at, &subject) ||
+	    !TAKE(p, at + sizeof(subject), &flag) || flag > 1)
+		return MALFORMED;
+	e->subject = bpf_be64_to_cpu(subject);
+	e->len = e->whole - ETHER_UDP_HEADER - ETHER_EVENT_HEADER;
+	e->form = flag ? ETHER_SPLIT : ETHER_WHOLE;
+	return EVENT;
+}
+
+static __always_inline enum nature parse_ip(const struct packet *p, __u32 at, struct event *e)
+{
+	struct iphdr ip;
+	__u32 header, total, fragment;
+
+	if (!TAKE(p, at, &ip))
+		return MALFORMED;
+	if (ip.protocol != IPPROTO_UDP)
+		return NOT_EVENT;
+	header = ip.ihl * 4;
+	total = bpf_ntohs(ip.tot_len);
+	if (ip.version != 4 || header < sizeof(ip) || total <= header || total > p->len - at)
+		return MALFORMED;
+	e->payload = total - header;
+	fragment = bpf_ntohs(ip.frag_off);
+	e->offset = (fragment & 0x1fff) * 8;
+	e->more = fragment & 0x2000;
+	/* All fragments but the last end at a multiple of 8, and none behind what a length can say.
+	 */
+	if ((e->more && e->payload % 8) || e->offset + e->payload > 0xffff)
+		return MALFORMED;
+	if (e->more || e->offset) {
+		e->key.source = ip.saddr;
+		e->key.destination = ip.daddr;
+		e->key.id = ip.id;
+	}
+	return e->offset ? LATER : parse_udp(p, at + header, e);
+}
+
+/* A packet of AWDSNL without its address: kind, pad, size, subject, event. */
+static __always_inline enum nature parse_publish(const struct packet *p, __u32 at, __u8 kind,
+						 struct event *e)
+{
+	__be64 subject;
+	__be16 size;
+
+	if (!TAKE(p, at + 2, &size) || !TAKE(p, at + ETHER_AWDS_PUBLISH_HEADER, &subject))
+		return MALFORMED;
+	e->len = bpf_ntohs(size);
+	if (e->len < sizeof(subject) || e->len > p->len - at - ETHER_AWDS_PUBLISH_HEADER)
+		return MALFORMED;
+	e->len -= sizeof(subject);
+	e->subject = bpf_be64_to_cpu(subject);
+	e->form = kind == ETHER_AWDS_PUBLISH ? ETHER_WHOLE : ETHER_SPLIT;
+	return EVENT;
+}
+
+/* What a mesh has to say about itself is left alone. */
+static __always_inline bool is_awds_business(__u8 kind)
+{
+	switch (kind) {
+	case ETHER_AWDS_TOPOLOGY:
+	case ETHER_AWDS_PING:
+	case ETHER_AWDS_CS_DETECT:
+	case ETHER_AWDS_CS_ANSWER:
+	case ETHER_AWDS_TRAFFIC:
+	case ETHER_AWDS_METRIC:
+	case ETHER_AWDS_LOCK:
+	case ETHER_AWDS_SUBSCRIBE:
+	case ETHER_AWDS_NODE_ATTRIBUTES:
+	case ETHER_AWDS_FLOW_MANAGEMENT:
+		return true;
+	}
+	return false;
+}
+
+/* *inner: where the Ethernet frame in it begins, or 0. */
+static __always_inline enum nature parse_awds(const struct packet *p, __u32 at, struct event *e,
+					      __u32 *inner)
+{
+	__u8 type, kind;
+
+	if (!TAKE(p, at, &type))
+		return MALFORMED;
+	type &= 3;
+	if (type == ETHER_AWDS_FLOW)
+		return OPAQUE;
+	if (type != ETHER_AWDS_FLOOD && type != ETHER_AWDS_UNICAST)
+		return NOT_EVENT;
+	at += type == ETHER_AWDS_FLOOD ? ETHER_AWDS_FLOOD_KIND : ETHER_AWDS_UNICAST_KIND;
+	if (!TAKE(p, at, &kind))
+		return MALFORMED;
+	if (kind == ETHER_AWDS_FRAME) {
+		*inner = at + 1;
+		return NOT_EVENT;
+	}
+	if (kind == ETHER_AWDS_PUBLISH || kind == ETHER_AWDS_PUBLISH_FRAGMENT)
+		return parse_publish(p, at, kind, e);
+	return is_awds_business(kind) ? NOT_EVENT : OPAQUE;
+}
+
+static __always_inline enum nature parse(const struct packet *p, struct event *e)
+{
+	__u32 at = 0, inner = 0;
+	enum nature nature;
+	__be16 protocol;
+
+	nature = parse_link(p, &at, &protocol);
+	if (nature != NOT_EVENT)
+		return nature;
+	if (protocol == bpf_htons(ETHER_P_AWDS)) {
+		nature = parse_awds(p, at, e, &inner);
+		if (!inner)
+			return nature;
+		at = inner;
+		nature = parse_link(p, &at, &protocol);
+		if (nature != NOT_EVENT)
+			return nature;
+		if (protocol == bpf_htons(ETHER_P_AWDS))
+			return OPAQUE;
+		e->key.inside = 1;
+	}
+	return protocol == bpf_htons(ETH_P_IP) ? parse_ip(p, at, e) : NOT_EVENT;
+}
+
+#endif

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Puts the Ethernet gate in place as gate.cc does its own: a program is pinned under its next name
+// before it is attached and gets its own name after that.
+#include "daemon/enforce/ether_gate.hpp"
+
+#include <fmt/format.h>
+#include <net/if.h>
+#include <net/if_arp.h>
+#include <sys/ioctl.h>
+#include <sys/random.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "daemon/enforce/early.hpp"
+#include "daemon/enforce/ether_counters.hpp"
+#include "daemon/enforce/ether_programs.hpp"
+#include "daemon/enforce/failure.hpp"
+#include "daemon/enforce/filters.hpp"
+#include "daemon/enforce/grace_period.hpp"
+#include "daemon/enforce/pins.hpp"
+#include "daemon/enforce/programs.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+/// Egress first: what a half-finished start leaves open is the way in, not the way out.
+constexpr std::array kBoth = {Direction::egress, Direction::ingress};
+
+std::string pin_of(const std::string& directory, Direction direction) {
+  return directory + (direction == Direction::ingress ? "/ingress" : "/egress");
+}
+std::string early_pin(const std::string& directory) { return directory + "/early"; }
+std::string next(const std::string& pin) { return pin + "_next"; }
+std::string map_pin(const std::string& directory, std::size_t n) {
+  return directory + "/" + kEtherMaps.at(n);
+}
+
+std::optional<std::uint64_t> random_seed() {
+  std::uint64_t seed = 0;
+  if (getrandom(&seed, sizeof(seed), 0) != sizeof(seed)) return std::nullopt;
+  return seed;
+}
+
+/// What a gate before this one has left, if its programs are attached to this very device.
+struct Former {
+  EtherMaps maps;
+  EtherSizes sizes;
+};
+
+bool is_attached(const std::string& pin, std::uint32_t attached, int table) {
+  const Fd program = open_pin(pin);
+  if (!program || attached == 0) return false;
+  const auto info = program_info(program.get());
+  return info.id == attached &&
+         std::ranges::find(info.map_ids, map_id(table)) != info.map_ids.end();
+}
+
+Result<bool> is_in_force(const std::string& directory, std::uint32_t ifindex, int table) {
+  bool in_force = false;
+  for (const auto direction : kBoth) {
+    const auto attached = program_in_place(ifindex, direction);
+    if (!attached) return std::unexpected(attached.error());
+    const std::string pin = pin_of(directory, direction);
+    if (is_attached(next(pin), *attached, table)) {
+      // A crash came between attaching and renaming.
+      if (auto named = rename_pin(next(pin), pin); !named) return std::unexpected(named.error());
+      in_force = true;
+    }
+    in_force = in_force || is_attached(pin, *attached, table);
+  }
+  return in_force;
+}
+
+Result<Former> former_gate(const std::string& directory, std::uint32_t ifindex) {
+  Former former;
+  for (std::size_t n = 0; n < kEtherMaps.size(); ++n) {
+    former.maps.at(n) = open_pin(map_pin(directory, n));
+    if (!former.maps.at(n)) return Former{};
+  }
+  const int table_fd = former.maps.front().get();
+  const auto in_force = is_in_force(directory, ifindex, table_fd);
+  if (!in_force) return std::unexpected(in_force.error());
+  if (!*in_force || !is_mappable_array(table_fd, sizeof(ether_table), 1)) return Former{};
+  const Mapped<ether_table> table(table_fd, 1);
+  if (!table || table[0].layout_version != ETHER_LAYOUT_VERSION) return Former{};
+  former.sizes = {table[0].slots, table[0].buckets, table[0].contracts, table[0].banks};
+  const auto fits = [&](std::size_t n, std::uint32_t size, std::uint32_t entries) {
+    return is_mappable_array(former.maps.at(n).get(), size, entries);
+  };
+  if (!fits(1, sizeof(std::uint64_t), former.sizes.buckets) ||
+      !fits(2, sizeof(ether_slot), former.sizes.slots) ||
+      !fits(3, sizeof(ether_contract), former.sizes.contracts) ||
+      !fits(4, sizeof(gate_count), former.sizes.banks * former.sizes.slots) ||
+      !fits(5, sizeof(ether_cpu), possible_cpus()))
+    return Former{};
+  return former;
+}
+
+}  // namespace
+
+struct EtherGate::State {
+  EtherConfig config;
+  std::string directory;
+  EtherSizes sizes;
+  EtherPrograms programs;
+  EtherMapping mapping;
+  EtherTable table;
+  bool reused = false;
+  bool early = false;
+
+  static Result<std::unique_ptr<State>> load(const EtherConfig& config, const Control& control,
+                                             const EtherSizes& sizes, const EtherMaps& maps);
+  [[nodiscard]] Result<void> pin_all() const;
+  [[nodiscard]] Result<void> put_all_in_place() const;
+  [[nodiscard]] Result<void> name_all() const;
+  void put_early_in_place();
+};
+
+Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConfig& config,
+                                                                 const Control& control,
+                                                                 const EtherSizes& sizes,
+                                                                 const EtherMaps& maps) {
+  const bool fresh = !maps.front();
+  auto programs = EtherPrograms::load(config.ifindex, sizes, control.map_fd(), maps);
+  if (!programs) return std::unexpected(programs.error());
+  auto mapping = EtherMapping::of(*programs, sizes);
+  if (!mapping) return std::unexpected(mapping.error());
+  const auto seed = random_seed();
+  if (!seed) return failure("getrandom", errno);
+  auto table = EtherTable::read(mapping->memory(), sizes, fresh, *seed, wait_for_grace_period);
+  if (!table) return std::unexpected(table.error());
+  return std::make_unique<State>(
+      State{.config = config,
+            .directory = fmt::format("{}/if{}", control.directory(), config.ifindex),
+            .sizes = sizes,
+            .programs = std::move(*programs),
+            .mapping = std::move(*mapping),
+            .table = std::move(*table),
+            .reused = !fresh});
+}
+
+Result<void> EtherGate::State::pin_all() const {
+  if (!reused) {
+    // The program in the driver keeps its name: it is replaced by it.
+    for (std::size_t n = 0; n < kEtherMaps.size(); ++n) remove_pin(map_pin(directory, n));
+    for (const auto direction : kBoth) remove_pin(pin_of(directory, direction));
+  }
+  if (auto made = make_pin_directory(directory); !made) return made;
+  const auto pin_new = [](int fd, const std::string& path) -> Result<void> {
+    remove_pin(path);
+    const auto pinned = pin(fd, path);
+    if (!pinned) return std::unexpected(pinned.error());
+    return {};
+  };
+  for (std::size_t n = 0; !reused && n < kEtherMaps.size(); ++n)
+    if (auto done = pin_new(programs.map_fd(n), map_pin(directory, n)); !done) return done;
+  for (const auto direction : kBoth)
+    if (auto done = pin_new(programs.program_fd(direction), next(pin_of(directory, direction)));
+        !done)
+      return done;
+  return pin_new(programs.early_fd(), next(early_pin(directory)));
+}
+
+Result<void> EtherGate::State::put_all_in_place() const {
+  if (auto made = make_hooks(config.ifindex); !made) return made;
+  for (const auto direction : kBoth)
+    if (auto put = put_in_place(config.ifindex, direction, programs.program_fd(direction)); !put)
+      return put;
+  const auto id = [&](Direction d) { return program_info(programs.program_fd(d)).id; };
+  return verify_in_place(config.ifindex, id(Direction::ingress), id(Direction::egress));
+}
+
+Result<void> EtherGate::State::name_all() const {
+  for (const auto direction : kBoth) {
+    const std::string pin = pin_of(directory, direction);
+    if (auto named = rename_pin(next(pin), pin); !named) return named;
+  }
+  return rename_pin(next(early_pin(directory)), early_pin(directory));
+}
+
+/// The program in the driver, if it is one of ours: of this layout, or of the one before an
+/// upgrade. Those that were attached and not named yet after a crash are found as well.
+Fd own_program(const std::string& directory, std::uint32_t id) {
+  const std::filesystem::path interface(directory);
+  std::error_code error;
+  for (const auto& layout :
+       std::filesystem::directory_iterator(interface.parent_path().parent_path(), error)) {
+    const std::string pin = early_pin(layout.path() / interface.filename());
+    for (const std::string& name : {pin, next(pin)})
+      if (Fd program = open_pin(name); program && program_info(program.get()).id == id)
+        return program;
+  }
+  return {};
+}
+
+void EtherGate::State::put_early_in_place() {
+  const std::uint32_t there = early_program(config.ifindex);
+  early = there == program_info(programs.early_fd()).id;
+  if (early) return;
+  const Fd ours = there != 0 ? own_program(directory, there) : Fd();
+  early = put_early(config.ifindex, programs.early_fd(), ours ? ours.get() : -1);
+}
+
+Result<EtherGate> EtherGate::attach(const EtherConfig& config, const Control& control) {
+  const auto in_context = [&](const Error& error) {
+    return fail(fmt::format("gate of {}: {}", config.name, error.text));
+  };
+  if (!is_ethernet(config.ifindex))
+    return fail(fmt::format("gate of {}: it is no Ethernet interface", config.name));
+  const std::string directory = fmt::format("{}/if{}", control.directory(), config.ifindex);
+  auto former = former_gate(directory, config.ifindex);
+  if (!former) return in_context(former.error());
+  const EtherSizes wanted = EtherSizes::for_slots(config.slots, possible_cpus());
+  const bool is_there = static_cast<bool>(former->maps.front());
+  const bool fits = is_there && former->sizes.slots >= wanted.slots;
+
+  auto state = fits ? State::load(config, control, former->sizes, former->maps)
+                    : State::load(config, control, wanted, {});
+  // Maps that make no sense are not worth keeping: start closed.
+  if (!state && fits) state = State::load(config, control, wanted, {});
+  if (!state) return in_context(state.error());
+  if (is_there && !fits) {
+    // Whoever was admitted goes on in the larger table.
+    if (const auto old = State::load(config, control, former->sizes, former->maps)) {
+      SlotChanges moved;
+      moved.add = (*old)->table.present();
+      if (auto done = (*state)->table.apply(moved); !done) return in_context(done.error());
+    }
+  }
+  if (auto pinned = (*state)->pin_all(); !pinned) return in_context(pinned.error());
+  if (auto put = (*state)->put_all_in_place(); !put) return in_context(put.error());
+  (*state)->put_early_in_place();
+  if (auto named = (*state)->name_all(); !named) return in_context(named.error());
+  return EtherGate(std::move(*state));
+}
+
+EtherGate::EtherGate(std::unique_ptr<State> state) : state_(std::move(state)) {}
+EtherGate::EtherGate(EtherGate&&) noexcept = default;
+EtherGate& EtherGate::operator=(EtherGate&&) noexcept = default;
+EtherGate::~EtherGate() = default;
+
+bool EtherGate::holds(std::size_t slots) const {
+  return state_->sizes.slots >= EtherSizes::for_slots(slots, possible_cpus()).slots;
+}
+bool EtherGate::reused() const { return state_->reused; }
+const std::string& EtherGate::name() const { return state_->config.name; }
+bool EtherGate::drops_early() const { return state_->early; }
+
+Result<bool> EtherGate::attached() const {
+  for (const auto direction : kBoth) {
+    const auto id = program_in_place(state_->config.ifindex, direction);
+    if (!id) return std::unexpected(id.error());
+    if (*id != program_info(state_->programs.program_fd(direction)).id) return false;
+  }
+  return !state_->early ||
+         early_program(state_->config.ifindex) == program_info(state_->programs.early_fd()).id;
+}
+
+Result<void> EtherGate::reattach() {
+  if (auto put = state_->put_all_in_place(); !put)
+    return fail(fmt::format("gate of {}: {}", name(), put.error().text));
+  state_->put_early_in_place();
+  return {};
+}
+
+Result<void> EtherGate::apply(const SlotChanges& changes) { return state_->table.apply(changes); }
+std::vector<SlotSpec> EtherGate::present() const { return state_->table.present(); }
+std::size_t EtherGate::size() const { return state_->table.size(); }
+void EtherGate::deny_all() { state_->table.deny_all(); }
+void EtherGate::unpin() { remove_pin_directory(state_->directory); }
+
+std::optional<SlotCounters> EtherGate::counters(const SlotSpec& spec) const {
+  const auto slot = state_->table.find(spec);
+  if (!slot) return std::nullopt;
+  return ether_counters(state_->mapping.memory(), *slot);
+}
+
+ReasonCounters EtherGate::reasons(Direction direction) const {
+  return ether_reasons(state_->mapping.cpus(), direction);
+}
+
+std::vector<UnknownFrame> EtherGate::unknown() const {
+  return unknown_subjects(state_->mapping.cpus());
+}
+
+bool is_ethernet(std::uint32_t ifindex) {
+  const Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  ifreq request{};
+  if (!socket || if_indextoname(ifindex, request.ifr_name) == nullptr ||
+      ::ioctl(socket.get(), SIOCGIFHWADDR, &request) != 0)
+    return false;
+  return request.ifr_hwaddr.sa_family == ARPHRD_ETHER;
+}
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The gate of one Ethernet-like interface. Closing the object leaves it in the kernel as it is.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "daemon/enforce/control.hpp"
+#include "daemon/enforce/port_gate.hpp"
+
+namespace mlcca::enforce {
+
+struct EtherConfig {
+  std::uint32_t ifindex = 0;
+  std::string name;       ///< for error texts
+  std::size_t slots = 0;  ///< so many there must be room for
+};
+
+class EtherGate final : public PortGate {
+ public:
+  /// As Gate::attach(): by replacement, never by detaching; slots and counters of the gate that is
+  /// attached now are taken over, its slots alone where it is too small. Where the driver has XDP
+  /// and nobody else's program is there, what is refused is dropped there. Error: no Ethernet
+  /// interface.
+  static Result<EtherGate> attach(const EtherConfig& config, const Control& control);
+  EtherGate(EtherGate&&) noexcept;
+  EtherGate& operator=(EtherGate&&) noexcept;
+  ~EtherGate() override;
+
+  /// There is room for so many slots.
+  [[nodiscard]] bool holds(std::size_t slots) const;
+  /// The slots of the gate that was attached before were taken over: see present().
+  [[nodiscard]] bool reused() const;
+
+  [[nodiscard]] const std::string& name() const override;
+  [[nodiscard]] Result<bool> attached() const override;
+  Result<void> reattach() override;
+  [[nodiscard]] bool drops_early() const override;
+  Result<void> apply(const SlotChanges& changes) override;
+  [[nodiscard]] std::vector<SlotSpec> present() const override;
+  [[nodiscard]] std::size_t size() const override;
+  void deny_all() override;
+  [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const override;
+  [[nodiscard]] ReasonCounters reasons(Direction direction) const override;
+  [[nodiscard]] std::vector<UnknownFrame> unknown() const override;
+  void unpin() override;
+
+ private:
+  struct State;
+  explicit EtherGate(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Frames have Ethernet headers there.
+bool is_ethernet(std::uint32_t ifindex);
+
+}  // namespace mlcca::enforce

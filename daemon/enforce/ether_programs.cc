@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Sets the switches and sizes of the skeleton and loads it.
+#include "daemon/enforce/ether_programs.hpp"
+
+#include <bpf/libbpf.h>
+#include <ether.skel.h>
+
+#include <cerrno>
+
+#include "daemon/enforce/complaints.hpp"
+#include "daemon/enforce/failure.hpp"
+#include "daemon/enforce/programs.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+std::array<bpf_map*, kEtherMaps.size()> maps_of(const ether_bpf& object) {
+  return {object.maps.bss,       object.maps.buckets,          object.maps.slots,
+          object.maps.contracts, object.maps.counts,           object.maps.cpus,
+          object.maps.fragments, object.maps.foreign_fragments};
+}
+
+int set_sizes(const ether_bpf& object, const EtherSizes& sizes) {
+  const std::array<std::pair<bpf_map*, std::uint32_t>, 5> entries{
+      {{object.maps.buckets, sizes.buckets},
+       {object.maps.slots, sizes.slots},
+       {object.maps.contracts, sizes.contracts},
+       {object.maps.counts, sizes.banks * sizes.slots},
+       {object.maps.cpus, possible_cpus()}}};
+  for (const auto& [map, count] : entries)
+    if (const int error = bpf_map__set_max_entries(map, count); error != 0) return error;
+  return 0;
+}
+
+int share_maps(const ether_bpf& object, const EtherSizes& sizes, int control_map,
+               const EtherMaps& maps) {
+  if (const int error = bpf_map__reuse_fd(object.maps.data_control, control_map); error != 0)
+    return error;
+  if (!maps.front()) return set_sizes(object, sizes);
+  const auto all = maps_of(object);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (const int error = bpf_map__reuse_fd(all.at(i), maps.at(i).get()); error != 0) return error;
+  return 0;
+}
+
+}  // namespace
+
+void destroy_ether_programs(ether_bpf* object) { ether_bpf__destroy(object); }
+
+Result<EtherPrograms::Object> EtherPrograms::try_load(std::uint32_t ifindex,
+                                                      const EtherSizes& sizes, int control_map,
+                                                      const EtherMaps& maps, bool direct_access) {
+  const Complaints complaints;
+  Object object(ether_bpf__open());
+  if (!object) return complaints.error("open the Ethernet gate", errno);
+  object->rodata->ifindex = ifindex;
+  object->rodata->bucket_mask = sizes.buckets - 1;
+  object->rodata->slots_of_bank = sizes.slots;
+  object->rodata->banks = sizes.banks;
+  object->rodata->direct_access = direct_access;
+  object->rodata->atomic_counts = is_preempt_rt();
+  if (const int error = share_maps(*object, sizes, control_map, maps); error != 0)
+    return complaints.error("prepare the maps of the Ethernet gate", error);
+  if (const int error = ether_bpf__load(object.get()); error != 0)
+    return complaints.error("load the Ethernet gate", error);
+  return object;
+}
+
+Result<EtherPrograms> EtherPrograms::load(std::uint32_t ifindex, const EtherSizes& sizes,
+                                          int control_map, const EtherMaps& maps) {
+  auto object = try_load(ifindex, sizes, control_map, maps, true);
+  if (!object) object = try_load(ifindex, sizes, control_map, maps, false);
+  if (!object) return std::unexpected(object.error());
+  return EtherPrograms(std::move(*object));
+}
+
+int EtherPrograms::program_fd(Direction direction) const {
+  return bpf_program__fd(direction == Direction::ingress ? object_->progs.ether_ingress
+                                                         : object_->progs.ether_egress);
+}
+int EtherPrograms::early_fd() const { return bpf_program__fd(object_->progs.ether_early); }
+int EtherPrograms::map_fd(std::size_t n) const { return bpf_map__fd(maps_of(*object_).at(n)); }
+
+Result<EtherMapping> EtherMapping::of(const EtherPrograms& programs, const EtherSizes& sizes) {
+  EtherMapping m;
+  m.table_ = {programs.map_fd(0), 1};
+  m.buckets_ = {programs.map_fd(1), sizes.buckets};
+  m.slots_ = {programs.map_fd(2), sizes.slots};
+  m.contracts_ = {programs.map_fd(3), sizes.contracts};
+  m.counts_ = {programs.map_fd(4), std::size_t{sizes.banks} * sizes.slots};
+  m.cpus_ = {programs.map_fd(5), possible_cpus()};
+  if (!m.table_ || !m.buckets_ || !m.slots_ || !m.contracts_ || !m.counts_ || !m.cpus_)
+    return failure("map the memory of the Ethernet gate", errno);
+  return m;
+}
+
+EtherMemory EtherMapping::memory() const {
+  return {.table = table_.span().data(),
+          .buckets = buckets_.span(),
+          .slots = slots_.span(),
+          .contracts = contracts_.span(),
+          .counts = counts_.span()};
+}
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The object of the Ethernet gate in the kernel: its programs and the maps they look at.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "bpf/ether.h"
+#include "core/handle.hpp"
+#include "core/result.hpp"
+#include "daemon/enforce/ether_table.hpp"
+#include "daemon/enforce/mapped.hpp"
+#include "daemon/enforce/slots.hpp"
+
+struct ether_bpf;  // NOLINT(readability-identifier-naming): the skeleton's name
+
+namespace mlcca::enforce {
+
+void destroy_ether_programs(ether_bpf* object);
+
+/// The maps of one interface that outlive a daemon, by the names of their pins.
+inline constexpr std::array kEtherMaps = {"ether_table",     "ether_buckets", "ether_slots",
+                                          "ether_contracts", "ether_counts",  "ether_cpus",
+                                          "ether_fragments", "ether_foreign"};
+using EtherMaps = std::array<Fd, kEtherMaps.size()>;  ///< in that order; all or none
+
+class EtherPrograms {
+ public:
+  /// Loads over `maps`, or over new ones where they are empty.
+  static Result<EtherPrograms> load(std::uint32_t ifindex, const EtherSizes& sizes, int control_map,
+                                    const EtherMaps& maps);
+
+  [[nodiscard]] int program_fd(Direction direction) const;
+  /// Of the XDP program.
+  [[nodiscard]] int early_fd() const;
+  /// Of the n-th of kEtherMaps.
+  [[nodiscard]] int map_fd(std::size_t n) const;
+
+ private:
+  using Object = std::unique_ptr<ether_bpf, FreeWith<destroy_ether_programs>>;
+  explicit EtherPrograms(Object object) : object_(std::move(object)) {}
+  static Result<Object> try_load(std::uint32_t ifindex, const EtherSizes& sizes, int control_map,
+                                 const EtherMaps& maps, bool direct_access);
+  Object object_;
+};
+
+/// The memory of the maps, while this lives.
+class EtherMapping {
+ public:
+  static Result<EtherMapping> of(const EtherPrograms& programs, const EtherSizes& sizes);
+  [[nodiscard]] EtherMemory memory() const;
+  [[nodiscard]] std::span<ether_cpu> cpus() const { return cpus_.span(); }
+
+ private:
+  Mapped<ether_table> table_;
+  Mapped<std::uint64_t> buckets_;
+  Mapped<ether_slot> slots_;
+  Mapped<ether_contract> contracts_;
+  Mapped<gate_count> counts_;
+  Mapped<ether_cpu> cpus_;
+};
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,412 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Chains under a reader that never waits, as in slots.cc. A bucket is one word, so that its first
+// slot and the sieve of its subjects change together.
+#include "daemon/enforce/ether_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+namespace mlcca::enforce {
+namespace {
+
+constexpr std::uint32_t kLargestIfindex = 0x7fffffff;
+
+template <class T>
+void publish(T& word, T value) {
+  std::atomic_ref<T>(word).store(value, std::memory_order_release);
+}
+
+std::string name(const SlotSpec& s) {
+  return fmt::format("slot of subject {:#018x} ({})", s.subject,
+                     s.direction == Direction::ingress ? "ingress" : "egress");
+}
+
+Result<void> check_spec(const SlotSpec& s) {
+  if (s.id != 0 || s.mask != 0) return fail(name(s) + ": an Ethernet frame has no identifier");
+  if (s.formats == 0 || (s.formats & ~(ETHER_WHOLE | ETHER_SPLIT)) != 0)
+    return fail(name(s) + ": neither whole events nor fragments of them");
+  if (s.max_len > ETHER_MAX_PAYLOAD)
+    return fail(
+        fmt::format("{}: a datagram has at most {} bytes of payload", name(s), ETHER_MAX_PAYLOAD));
+  if (s.source > kLargestIfindex) return fail(name(s) + ": the source is no interface");
+  return {};
+}
+
+using Key = std::pair<Direction, std::uint64_t>;
+Key key(const SlotSpec& s) { return {s.direction, s.subject}; }
+auto grant(const SlotSpec& s) {
+  return std::tie(s.direction, s.subject, s.source, s.uid, s.max_len, s.formats);
+}
+
+/// In an order that brings together what is of one subject, without a copy of each.
+std::vector<const SlotSpec*> sorted(const std::vector<SlotSpec>& specs) {
+  std::vector<const SlotSpec*> out;
+  out.reserve(specs.size());
+  for (const SlotSpec& s : specs) out.push_back(&s);
+  std::ranges::sort(out,
+                    [](const SlotSpec* a, const SlotSpec* b) { return grant(*a) < grant(*b); });
+  return out;
+}
+
+Result<void> check_once(const std::vector<SlotSpec>& specs) {
+  const auto all = sorted(specs);
+  const auto twice = std::ranges::adjacent_find(
+      all, [](const SlotSpec* a, const SlotSpec* b) { return grant(*a) == grant(*b); });
+  if (twice == all.end()) return {};
+  return fail(name(**twice) + " is there twice");
+}
+
+}  // namespace
+
+EtherSizes EtherSizes::for_slots(std::size_t slots, std::uint32_t cpus) {
+  EtherSizes out;
+  out.slots = static_cast<std::uint32_t>(
+      std::clamp<std::size_t>(slots + ETHER_FIRST_SLOT, ETHER_MIN_SLOTS, ETHER_MAX_SLOTS));
+  out.buckets = std::bit_ceil(out.slots);
+  out.contracts = std::min<std::uint32_t>(out.slots, ETHER_CONTRACTS);
+  out.banks = out.slots <= ETHER_BANKED_SLOTS ? cpus : 1;
+  return out;
+}
+
+EtherTable::EtherTable(const EtherMemory& memory, const EtherSizes& sizes, GracePeriod wait)
+    : memory_(memory), sizes_(sizes), wait_(std::move(wait)) {}
+
+Result<EtherTable> EtherTable::read(const EtherMemory& memory, const EtherSizes& sizes, bool fresh,
+                                    std::uint64_t seed, GracePeriod wait) {
+  ether_table& head = *memory.table;
+  if (fresh)
+    head = {.layout_version = ETHER_LAYOUT_VERSION,
+            .slots = sizes.slots,
+            .buckets = sizes.buckets,
+            .banks = sizes.banks,
+            .seed = seed,
+            .unknown_frames = 0,
+            .contracts = sizes.contracts,
+            .pad = {}};
+  if (head.layout_version != ETHER_LAYOUT_VERSION)
+    return fail(fmt::format("subject table: layout {} instead of {}", head.layout_version,
+                            ETHER_LAYOUT_VERSION));
+  if (EtherSizes{head.slots, head.buckets, head.contracts, head.banks} != sizes)
+    return fail("subject table: of another size");
+  EtherTable table(memory, sizes, std::move(wait));
+  if (auto adopted = table.adopt(fresh); !adopted) return std::unexpected(adopted.error());
+  return table;
+}
+
+std::uint64_t EtherTable::hash_of(std::uint64_t subject, Direction direction) const {
+  return ether_hash(memory_.table->seed, subject, std::to_underlying(direction));
+}
+
+std::uint64_t& EtherTable::bucket_of(std::uint64_t hash) const {
+  return memory_.buckets[hash & (sizes_.buckets - 1)];
+}
+
+/// Finds the used slots by the chains, the only truth there is, and the free ones by exclusion.
+Result<void> EtherTable::adopt(bool fresh) {
+  std::vector<bool> seen(sizes_.slots, false);
+  for (std::size_t b = 0; b < memory_.buckets.size(); ++b)
+    if (auto good = adopt_chain(b, seen); !good) return good;
+  auto& unused = fresh ? slots_.free : slots_.quarantine;
+  unused.reserve(sizes_.slots - ETHER_FIRST_SLOT - used_);
+  for (std::uint32_t slot = sizes_.slots; slot-- > ETHER_FIRST_SLOT;)
+    if (!seen[slot]) unused.push_back(slot);
+  std::vector<bool> used(sizes_.contracts, false);
+  for (const auto& [contract, use] : contracts_) used[use.number] = true;
+  auto& numbers = fresh ? contract_numbers_.free : contract_numbers_.quarantine;
+  for (std::uint32_t n = sizes_.contracts; n-- > 1;)
+    if (!used[n]) numbers.push_back(static_cast<std::uint16_t>(n));
+  return {};
+}
+
+Result<void> EtherTable::adopt_chain(std::size_t bucket, std::vector<bool>& seen) {
+  auto at = static_cast<std::uint32_t>(memory_.buckets[bucket]);
+  for (; at != 0; at = memory_.slots[at].next) {
+    if (at < ETHER_FIRST_SLOT || at >= sizes_.slots || seen[at])
+      return fail(fmt::format("subject table: broken chain in bucket {}", bucket));
+    const ether_slot& slot = memory_.slots[at];
+    const std::uint64_t hash = hash_of(slot.subject, static_cast<Direction>(slot.direction));
+    if (slot.direction >= GATE_DIRECTIONS || (hash & (sizes_.buckets - 1)) != bucket ||
+        (memory_.buckets[bucket] & ether_sieve(hash)) == 0)
+      return fail(fmt::format("subject table: slot {} is in the wrong bucket", at));
+    if (slot.contract == 0 || slot.contract >= sizes_.contracts)
+      return fail(fmt::format("subject table: slot {} has no contract", at));
+    Use& use = contracts_[contract_of(spec_of(at))];
+    // The same contract under two numbers, which nobody writes, would count as one.
+    if (use.slots != 0 && use.number != slot.contract)
+      return fail(fmt::format("subject table: contract {} is there twice", slot.contract));
+    use.number = slot.contract;
+    ++use.slots;
+    seen[at] = true;
+    ++used_;
+  }
+  return {};
+}
+
+EtherTable::Contract EtherTable::contract_of(const SlotSpec& s) {
+  return {s.uid,
+          s.max_len,
+          static_cast<std::uint16_t>(s.formats | (s.excess_passes ? GATE_EXCESS_PASSES : 0)),
+          s.per_frame,
+          s.per_byte,
+          s.tolerance};
+}
+
+SlotSpec EtherTable::spec_of(std::uint32_t at) const {
+  const ether_slot& slot = memory_.slots[at];
+  const ether_contract& c = memory_.contracts[slot.contract];
+  SlotSpec s;
+  s.direction = static_cast<Direction>(slot.direction);
+  s.pass = slot.verdict == GATE_PASS;
+  s.max_len = c.max_len;
+  s.formats = static_cast<std::uint8_t>(c.forms & ~GATE_EXCESS_PASSES);
+  s.source = slot.source;
+  s.uid = c.uid;
+  s.subject = slot.subject;
+  s.per_frame = c.per_frame;
+  s.per_byte = c.per_byte;
+  s.tolerance = c.tolerance;
+  s.excess_passes = (c.forms & GATE_EXCESS_PASSES) != 0;
+  return s;
+}
+
+std::optional<std::uint32_t> EtherTable::find(const SlotSpec& spec) const {
+  auto at = static_cast<std::uint32_t>(bucket_of(hash_of(spec.subject, spec.direction)));
+  for (; at != 0; at = memory_.slots[at].next)
+    if (memory_.slots[at].subject == spec.subject && spec_of(at).same_grant(spec)) return at;
+  return std::nullopt;
+}
+
+std::vector<SlotSpec> EtherTable::present() const {
+  std::vector<SlotSpec> specs;
+  specs.reserve(used_);
+  for (const std::uint64_t bucket : memory_.buckets)
+    for (auto at = static_cast<std::uint32_t>(bucket); at != 0; at = memory_.slots[at].next)
+      specs.push_back(spec_of(at));
+  return specs;
+}
+
+// --- changes ------------------------------------------------------------------------------------
+
+Result<void> EtherTable::check(const SlotChanges& changes) const {
+  if (auto good = check_adds(changes.add); !good) return good;
+  for (const auto* list : {&changes.close, &changes.remove, &changes.open, &changes.police})
+    for (const auto& s : *list)
+      if (!find(s)) return fail(name(s) + " is not there");
+  if (auto good = check_once(changes.remove); !good) return good;
+  const auto removed = sorted(changes.remove);
+  for (const auto& s : changes.open)
+    if (std::ranges::binary_search(removed, &s, [](const SlotSpec* a, const SlotSpec* b) {
+          return grant(*a) < grant(*b);
+        }))
+      return fail(name(s) + " is to be opened and removed");
+  return check_room(changes);
+}
+
+Result<void> EtherTable::check_adds(const std::vector<SlotSpec>& adds) const {
+  for (const auto& s : adds) {
+    if (auto good = check_spec(s); !good) return good;
+    if (find(s)) return fail(name(s) + " is there already");
+  }
+  return check_once(adds);
+}
+
+/// Of the state after the changes.
+Result<void> EtherTable::check_room(const SlotChanges& changes) const {
+  const std::size_t room = sizes_.slots - ETHER_FIRST_SLOT;
+  if (used_ + changes.add.size() - changes.remove.size() > room)
+    return fail(fmt::format("more than {} slots on one interface", room));
+  if (auto good = check_publishers(changes); !good) return good;
+  const auto buckets = [&](const std::vector<SlotSpec>& specs) {
+    std::vector<std::uint64_t> out;
+    out.reserve(specs.size());
+    for (const auto& s : specs)
+      out.push_back(hash_of(s.subject, s.direction) & (sizes_.buckets - 1));
+    std::ranges::sort(out);
+    return out;
+  };
+  const auto added = buckets(changes.add);
+  const auto removed = buckets(changes.remove);
+  for (auto run = added.begin(); run != added.end();) {
+    const auto end = std::upper_bound(run, added.end(), *run);
+    const auto gone = std::ranges::equal_range(removed, *run);
+    std::ptrdiff_t slots = end - run - std::ssize(gone);
+    for (auto at = static_cast<std::uint32_t>(memory_.buckets[*run]); at != 0;
+         at = memory_.slots[at].next)
+      ++slots;
+    if (slots > GATE_WALK)
+      return fail(fmt::format("more than {} slots whose subjects fall together", GATE_WALK));
+    run = end;
+  }
+  return {};
+}
+
+Result<void> EtherTable::check_publishers(const SlotChanges& changes) const {
+  const auto added = sorted(changes.add);
+  const auto removed = sorted(changes.remove);
+  const auto by_key = [](const SlotSpec* s) { return key(*s); };
+  for (auto run = added.begin(); run != added.end();) {
+    const auto end =
+        std::find_if(run, added.end(), [&](const SlotSpec* s) { return key(*s) != key(**run); });
+    const auto gone = std::ranges::equal_range(removed, key(**run), {}, by_key);
+    std::ptrdiff_t publishers = end - run - std::ssize(gone);
+    const std::uint64_t bucket = bucket_of(hash_of((*run)->subject, (*run)->direction));
+    for (auto at = static_cast<std::uint32_t>(bucket); at != 0; at = memory_.slots[at].next)
+      publishers +=
+          memory_.slots[at].subject == (*run)->subject && key(spec_of(at)) == key(**run) ? 1 : 0;
+    if (publishers > GATE_CHAIN)
+      return fail(
+          fmt::format("{}: more than {} publishers of this subject", name(**run), GATE_CHAIN));
+    run = end;
+  }
+  return {};
+}
+
+/// Room for what is added, and for contracts that nobody has yet. Old and new ones stand side by
+/// side until the old ones go.
+Result<void> EtherTable::reclaim(const SlotChanges& changes) {
+  std::size_t fresh = 0;
+  std::map<Contract, bool> wanted;
+  for (const auto* list : {&changes.add, &changes.police})
+    for (const auto& s : *list)
+      if (!contracts_.contains(contract_of(s)) && wanted.try_emplace(contract_of(s)).second)
+        ++fresh;
+  const bool enough =
+      slots_.free.size() >= changes.add.size() && contract_numbers_.free.size() >= fresh;
+  if (enough) return {};
+  if (slots_.free.size() + slots_.quarantine.size() < changes.add.size() ||
+      contract_numbers_.free.size() + contract_numbers_.quarantine.size() < fresh)
+    return fail(
+        fmt::format("more than {} different contracts (user, length, rate) on one interface",
+                    sizes_.contracts - 1));
+  if (auto waited = wait_(); !waited) return waited;
+  slots_.release();
+  contract_numbers_.release();
+  return {};
+}
+
+Result<void> EtherTable::apply(const SlotChanges& changes) {
+  if (auto good = check(changes); !good) return good;
+  const bool at_once = used_ + changes.add.size() <= std::size_t{sizes_.slots} - ETHER_FIRST_SLOT;
+  if (at_once)
+    if (auto room = reclaim(changes); !room) return room;
+  for (const auto& s : changes.close) set_verdict(s, GATE_DENY);
+  if (!at_once) {
+    for (const auto& s : changes.remove) unlink(s);
+    if (auto room = reclaim(changes); !room) return room;
+  }
+  std::vector<std::uint32_t> to_open;
+  for (const auto& s : changes.add) {
+    const std::uint32_t slot = link(s);
+    if (s.pass) to_open.push_back(slot);
+  }
+  for (const auto& s : changes.police) set_contract(s);
+  for (const std::uint32_t slot : to_open)
+    publish(memory_.slots[slot].verdict, std::uint8_t{GATE_PASS});
+  for (const auto& s : changes.open) set_verdict(s, GATE_PASS);
+  if (at_once)
+    for (const auto& s : changes.remove) unlink(s);
+  return {};
+}
+
+std::uint16_t EtherTable::take_contract(const SlotSpec& spec) {
+  auto [at, fresh] = contracts_.try_emplace(contract_of(spec));
+  Use& use = at->second;
+  ++use.slots;
+  if (!fresh) return use.number;
+  use.number = contract_numbers_.free.back();
+  contract_numbers_.free.pop_back();
+  const Contract& c = at->first;
+  memory_.contracts[use.number] = {.uid = c.uid,
+                                   .max_len = c.max_len,
+                                   .forms = c.forms,
+                                   .per_frame = c.per_frame,
+                                   .per_byte = c.per_byte,
+                                   .tolerance = c.tolerance};
+  return use.number;
+}
+
+void EtherTable::leave_contract(std::uint16_t number) {
+  const ether_contract& c = memory_.contracts[number];
+  const auto at =
+      contracts_.find(Contract{c.uid, c.max_len, c.forms, c.per_frame, c.per_byte, c.tolerance});
+  if (--at->second.slots != 0) return;
+  contracts_.erase(at);
+  contract_numbers_.quarantine.push_back(number);
+}
+
+std::uint32_t EtherTable::link(const SlotSpec& spec) {
+  const std::uint32_t slot = slots_.free.back();
+  slots_.free.pop_back();
+  for (std::size_t bank = 0; bank < sizes_.banks; ++bank)
+    memory_.counts[bank * sizes_.slots + slot] = {};
+  const std::uint64_t hash = hash_of(spec.subject, spec.direction);
+  std::uint64_t& bucket = bucket_of(hash);
+  memory_.slots[slot] = {.subject = spec.subject,
+                         .due = 0,
+                         .next = static_cast<std::uint32_t>(bucket),
+                         .source = spec.source,
+                         .contract = take_contract(spec),
+                         .verdict = GATE_DENY,
+                         .direction = std::to_underlying(spec.direction),
+                         .last_reason = GATE_R_PASSED,
+                         .pad = {}};
+  const std::uint64_t sieve = bucket >> ETHER_SIEVE_SHIFT << ETHER_SIEVE_SHIFT;
+  publish(bucket, std::uint64_t{sieve | ether_sieve(hash) | slot});
+  ++used_;
+  return slot;
+}
+
+std::uint64_t EtherTable::sieve_of(std::uint32_t first) const {
+  std::uint64_t sieve = 0;
+  for (std::uint32_t at = first; at != 0; at = memory_.slots[at].next)
+    sieve |= ether_sieve(
+        hash_of(memory_.slots[at].subject, static_cast<Direction>(memory_.slots[at].direction)));
+  return sieve;
+}
+
+/// The slot keeps its `next`, so that a program which stands on it finds the rest of the chain.
+void EtherTable::unlink(const SlotSpec& spec) {
+  const auto found = find(spec);
+  if (!found) return;
+  ether_slot& slot = memory_.slots[*found];
+  publish(slot.verdict, std::uint8_t{GATE_DENY});
+  std::uint64_t& bucket = bucket_of(hash_of(spec.subject, spec.direction));
+  auto first = static_cast<std::uint32_t>(bucket);
+  if (first == *found) {
+    first = slot.next;
+  } else {
+    std::uint32_t before = first;
+    while (memory_.slots[before].next != *found) before = memory_.slots[before].next;
+    publish(memory_.slots[before].next, slot.next);
+  }
+  publish(bucket, sieve_of(first) | first);
+  leave_contract(slot.contract);
+  slots_.quarantine.push_back(*found);
+  --used_;
+}
+
+void EtherTable::set_verdict(const SlotSpec& spec, gate_verdict verdict) {
+  if (const auto slot = find(spec))
+    publish(memory_.slots[*slot].verdict, static_cast<std::uint8_t>(verdict));
+}
+
+void EtherTable::set_contract(const SlotSpec& spec) {
+  const auto found = find(spec);
+  if (!found) return;
+  ether_slot& slot = memory_.slots[*found];
+  const std::uint16_t before = slot.contract;
+  publish(slot.contract, take_contract(spec));
+  leave_contract(before);
+}
+
+void EtherTable::deny_all() {
+  for (ether_slot& slot : memory_.slots) publish(slot.verdict, std::uint8_t{GATE_DENY});
+}
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The subjects of one Ethernet-like interface, edited in the memory that the gate program reads at
+// the same time. Pure pointer logic, as SlotTable: tested without a kernel.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "bpf/ether.h"
+#include "core/result.hpp"
+#include "daemon/enforce/slots.hpp"
+
+namespace mlcca::enforce {
+
+/// How large the maps of an interface are.
+struct EtherSizes {
+  std::uint32_t slots = ETHER_MIN_SLOTS;
+  std::uint32_t buckets = ETHER_MIN_SLOTS;  ///< a power of two
+  std::uint32_t contracts = ETHER_MIN_SLOTS;
+  std::uint32_t banks = 1;  ///< of counters
+
+  /// For so many subjects; at least ETHER_MIN_SLOTS, at most ETHER_MAX_SLOTS.
+  static EtherSizes for_slots(std::size_t slots, std::uint32_t cpus);
+  bool operator==(const EtherSizes&) const = default;
+};
+
+/// The values of the maps of one interface.
+struct EtherMemory {
+  ether_table* table = nullptr;
+  std::span<std::uint64_t> buckets;
+  std::span<ether_slot> slots;
+  std::span<ether_contract> contracts;
+  std::span<gate_count> counts;
+};
+
+class EtherTable {
+ public:
+  /// Takes the memory as it is; `fresh`: writes its header, with `seed` for the hash. Errors:
+  /// another layout or size, broken chains.
+  static Result<EtherTable> read(const EtherMemory& memory, const EtherSizes& sizes, bool fresh,
+                                 std::uint64_t seed, GracePeriod wait);
+
+  /// As SlotTable::apply(): all or nothing, closing before opening. Of a SlotSpec the identifier
+  /// and its mask are 0, and its formats are ETHER_WHOLE and ETHER_SPLIT. Errors: a slot that is
+  /// there twice or is not there; more slots than there is room for, GATE_CHAIN of one subject,
+  /// GATE_WALK of one bucket, more different contracts than there is room for.
+  Result<void> apply(const SlotChanges& changes);
+
+  [[nodiscard]] std::vector<SlotSpec> present() const;
+  [[nodiscard]] std::size_t size() const { return used_; }
+  [[nodiscard]] std::optional<std::uint32_t> find(const SlotSpec& spec) const;
+  void deny_all();
+
+ private:
+  EtherTable(const EtherMemory& memory, const EtherSizes& sizes, GracePeriod wait);
+
+  /// What ether_contract says, to be found by.
+  struct Contract {
+    std::uint32_t uid = 0;
+    std::uint16_t max_len = 0;
+    std::uint16_t forms = 0;
+    std::uint64_t per_frame = 0;
+    std::uint64_t per_byte = 0;
+    std::uint64_t tolerance = 0;
+    auto operator<=>(const Contract&) const = default;
+  };
+  struct Use {
+    std::uint16_t number = 0;
+    std::uint32_t slots = 0;
+  };
+  /// Entries of a map that nobody uses; a running program may still look at those in quarantine.
+  template <class Number>
+  struct Unused {
+    std::vector<Number> free;
+    std::vector<Number> quarantine;
+    void release() {
+      free.insert(free.end(), quarantine.begin(), quarantine.end());
+      quarantine.clear();
+    }
+  };
+
+  Result<void> adopt(bool fresh);
+  Result<void> adopt_chain(std::size_t bucket, std::vector<bool>& seen);
+  [[nodiscard]] Result<void> check(const SlotChanges& changes) const;
+  [[nodiscard]] Result<void> check_adds(const std::vector<SlotSpec>& adds) const;
+  [[nodiscard]] Result<void> check_room(const SlotChanges& changes) const;
+  [[nodiscard]] Result<void> check_publishers(const SlotChanges& changes) const;
+  Result<void> reclaim(const SlotChanges& changes);
+  std::uint32_t link(const SlotSpec& spec);
+  void unlink(const SlotSpec& spec);
+  void set_verdict(const SlotSpec& spec, gate_verdict verdict);
+  void set_contract(const SlotSpec& spec);
+  std::uint16_t take_contract(const SlotSpec& spec);
+  void leave_contract(std::uint16_t number);
+  [[nodiscard]] static Contract contract_of(const SlotSpec& spec);
+  [[nodiscard]] std::uint64_t hash_of(std::uint64_t subject, Direction direction) const;
+  [[nodiscard]] std::uint64_t& bucket_of(std::uint64_t hash) const;
+  [[nodiscard]] SlotSpec spec_of(std::uint32_t slot) const;
+  [[nodiscard]] std::uint64_t sieve_of(std::uint32_t first) const;
+
+  EtherMemory memory_;
+  EtherSizes sizes_;
+  GracePeriod wait_;
+  std::size_t used_ = 0;
+  std::map<Contract, Use> contracts_;
+  Unused<std::uint32_t> slots_;
+  Unused<std::uint16_t> contract_numbers_;
+};
+
+}  // namespace mlcca::enforce

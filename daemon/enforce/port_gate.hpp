@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The gate of one port, whatever runs on its wire.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+#include "daemon/enforce/counters.hpp"
+#include "daemon/enforce/slots.hpp"
+
+namespace mlcca::enforce {
+
+class PortGate {
+ public:
+  PortGate() = default;
+  PortGate(const PortGate&) = delete;
+  PortGate& operator=(const PortGate&) = delete;
+  PortGate(PortGate&&) = default;
+  PortGate& operator=(PortGate&&) = default;
+  virtual ~PortGate() = default;
+
+  [[nodiscard]] virtual const std::string& name() const = 0;
+  /// Both filters are there now and are the programs of this object.
+  [[nodiscard]] virtual Result<bool> attached() const = 0;
+  /// Puts the same programs back after somebody removed or replaced them; slots and counters stay.
+  virtual Result<void> reattach() = 0;
+  /// The driver drops what is refused before anything else sees it.
+  [[nodiscard]] virtual bool drops_early() const { return false; }
+
+  virtual Result<void> apply(const SlotChanges& changes) = 0;
+  [[nodiscard]] virtual std::vector<SlotSpec> present() const = 0;
+  [[nodiscard]] virtual std::size_t size() const = 0;
+  virtual void deny_all() = 0;
+
+  /// Of the slot with this grant (verdict not compared); nothing where there is none.
+  [[nodiscard]] virtual std::optional<SlotCounters> counters(const SlotSpec& spec) const = 0;
+  [[nodiscard]] virtual ReasonCounters reasons(Direction direction) const = 0;
+  /// Frames without a slot, newest first.
+  [[nodiscard]] virtual std::vector<UnknownFrame> unknown() const = 0;
+
+  /// Removes the pins, not the filters: for an interface that is gone.
+  virtual void unpin() = 0;
+};
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// IP fragments, and the states of a gate, by the real programs.
+#include <gtest/gtest.h>
+
+#include "ether/events.hpp"
+
+namespace mlcca::test {
+namespace {
+
+class EtherFragments : public testing::Test {
+ protected:
+  EtherFragments() { gate_.admit({admitted_}); }
+  bool passes(const Datagram& d, std::size_t begin, std::size_t end) {
+    return !gate_.run(kIn, frame(d.fragment(begin, end))).dropped;
+  }
+  [[nodiscard]] std::uint64_t counted(gate_reason reason) const {
+    return gate_.reasons(kIn).at(reason);
+  }
+
+  LoadedEther& gate_ = LoadedEther::with();
+  SlotSpec admitted_ = sized(in(), 1400);
+  Datagram known_ = event([](Datagram& d) { d.payload = 1383; });  // 1400 with its header
+  Datagram unknown_ = event([](Datagram& d) { d.payload = 1383, d.subject = 1; });
+};
+
+TEST_F(EtherFragments, OfAnAdmittedEventPass) {
+  EXPECT_TRUE(passes(known_, 0, 576));
+  EXPECT_TRUE(passes(known_, 1152, 1400)) << "the last one before the others";
+  EXPECT_TRUE(passes(known_, 576, 1152));
+  EXPECT_TRUE(passes(known_, 576, 1152)) << "again";
+  EXPECT_EQ(counted(GATE_R_PASSED), 4U) << "packets";
+  EXPECT_EQ(gate_.counted(admitted_).passed, 1U) << "datagrams";
+  EXPECT_EQ(gate_.counted(admitted_).bytes, 1383U) << "of the event";
+  const auto later = gate_.run(kIn, frame(known_.fragment(576, 1152)));
+  EXPECT_EQ(later.mark, kAdmitted) << "so that egress knows it";
+}
+
+TEST_F(EtherFragments, OfAnotherEventDoNot) {
+  EXPECT_FALSE(passes(unknown_, 0, 576));
+  EXPECT_FALSE(passes(unknown_, 576, 1152));
+  EXPECT_EQ(counted(GATE_R_UNKNOWN), 1U);
+  EXPECT_EQ(counted(GATE_R_FRAGMENT), 1U);
+}
+
+TEST_F(EtherFragments, BeforeTheFirstOneAreDropped) {
+  EXPECT_FALSE(passes(known_, 576, 1152));
+  EXPECT_TRUE(passes(known_, 0, 576));
+  EXPECT_TRUE(passes(known_, 576, 1152));
+}
+
+TEST_F(EtherFragments, OfAnotherDatagramAreToldApart) {
+  EXPECT_TRUE(passes(known_, 0, 576));
+  for (const auto& change : std::vector<void (*)(Datagram&)>{
+           [](Datagram& d) { ++d.id; }, [](Datagram& d) { ++d.source; },
+           [](Datagram& d) { ++d.destination; }}) {
+    Datagram other = known_;
+    change(other);
+    EXPECT_FALSE(passes(other, 576, 1152));
+  }
+  EXPECT_TRUE(gate_.run(kOut, frame(known_.fragment(576, 1152)), kLocal).dropped)
+      << "the other way";
+}
+
+TEST_F(EtherFragments, AreNotLaidOverTheFirstOne) {
+  EXPECT_TRUE(passes(known_, 0, 576));
+  EXPECT_FALSE(passes(known_, 8, 576)) << "the subject again";
+  EXPECT_FALSE(passes(known_, 568, 1152)) << "its last 8 bytes";
+  EXPECT_TRUE(passes(known_, 576, 1152));
+  EXPECT_EQ(counted(GATE_R_MALFORMED), 2U);
+}
+
+TEST_F(EtherFragments, EndWhereTheDatagramSaysSo) {
+  Datagram longer = known_;
+  longer.payload += 8;
+  EXPECT_TRUE(passes(known_, 0, 576));
+  EXPECT_FALSE(passes(longer, 576, 1408)) << "the last one, 8 bytes behind the end";
+  EXPECT_FALSE(passes(longer, 1392, 1400)) << "more to come at the end";
+  EXPECT_TRUE(passes(known_, 1152, 1400));
+}
+
+TEST_F(EtherFragments, OfADatagramThatLiesAboutItsLengthAreDropped) {
+  Datagram lies = known_;
+  lies.longer_udp = 576 - 1400;
+  EXPECT_FALSE(passes(lies, 0, 576)) << "no more bytes than are here, and more fragments";
+  lies.longer_udp = 8;
+  EXPECT_TRUE(passes(lies, 0, 576)) << "nobody can know yet";
+  EXPECT_FALSE(passes(lies, 1152, 1400));
+}
+
+TEST_F(EtherFragments, TheLengthOfTheEventIsThatOfTheDatagram) {
+  Datagram longer = known_;
+  longer.payload = 1401;
+  EXPECT_FALSE(passes(longer, 0, 576));
+  EXPECT_EQ(counted(GATE_R_LENGTH), 1U);
+}
+
+TEST_F(EtherFragments, OfWhatIsNoEventAreLeftAlone) {
+  Datagram dns = known_;
+  dns.port = 53;
+  EXPECT_FALSE(passes(dns, 576, 1152)) << "whose first one was not seen";
+  EXPECT_TRUE(passes(dns, 0, 576));
+  EXPECT_TRUE(passes(dns, 576, 1152));
+  EXPECT_TRUE(passes(dns, 1152, 1400));
+  EXPECT_EQ(counted(GATE_R_FOREIGN), 3U);
+  EXPECT_EQ(counted(GATE_R_FRAGMENT), 1U);
+}
+
+TEST_F(EtherFragments, OneIdentificationIsNotUsedForTwoThings) {
+  Datagram dns = known_;
+  dns.port = 53;
+  EXPECT_TRUE(passes(known_, 0, 576));
+  EXPECT_FALSE(passes(dns, 0, 8)) << "its fragments would be laid over the subject";
+  EXPECT_TRUE(passes(known_, 576, 1152));
+  dns.id = known_.id + 1;
+  Datagram next = known_;
+  ++next.id;
+  EXPECT_TRUE(passes(dns, 0, 8));
+  EXPECT_FALSE(passes(next, 0, 576));
+  EXPECT_EQ(counted(GATE_R_FRAGMENT), 2U);
+}
+
+TEST_F(EtherFragments, ARefusedSuccessorEndsThePassage) {
+  EXPECT_TRUE(passes(known_, 0, 576));
+  Datagram next = unknown_;
+  EXPECT_FALSE(passes(next, 0, 576)) << "the same identification";
+  EXPECT_FALSE(passes(known_, 576, 1152));
+}
+
+TEST_F(EtherFragments, ObeyTheVerdictOfNow) {
+  EXPECT_TRUE(passes(known_, 0, 576));
+  enforce::SlotChanges close;
+  close.close = {admitted_};
+  ASSERT_TRUE(gate_.table().apply(close));
+  EXPECT_FALSE(passes(known_, 576, 1152));
+  enforce::SlotChanges remove;
+  remove.remove = {admitted_};
+  ASSERT_TRUE(gate_.table().apply(remove));
+  EXPECT_FALSE(passes(known_, 576, 1152));
+  gate_.admit({admitted_});
+  EXPECT_TRUE(passes(known_, 0, 576));
+  gate_.control().lapsed = 1;
+  EXPECT_FALSE(passes(known_, 576, 1152));
+  EXPECT_EQ(counted(GATE_R_CLOSED), 1U);
+  gate_.control().lapsed = 0;
+  EXPECT_TRUE(passes(known_, 576, 1152));
+}
+
+TEST_F(EtherFragments, ADatagramIsPolicedOnce) {
+  SlotSpec policed = admitted_;
+  policed.per_frame = 3'600'000'000'000;
+  enforce::SlotChanges change;
+  change.police = {policed};
+  ASSERT_TRUE(gate_.table().apply(change));
+  EXPECT_TRUE(passes(known_, 0, 576));
+  EXPECT_TRUE(passes(known_, 576, 1152));
+  EXPECT_TRUE(passes(known_, 1152, 1400));
+  Datagram next = known_;
+  ++next.id;
+  EXPECT_FALSE(passes(next, 0, 576));
+  EXPECT_FALSE(passes(next, 576, 1152));
+  EXPECT_EQ(gate_.counted(admitted_).excess, 1U);
+}
+
+TEST_F(EtherFragments, ManyDatagramsAtOnceAreRemembered) {
+  constexpr std::uint16_t many = ETHER_FRAGMENTS / 4;
+  Datagram d = known_;
+  for (d.id = 0; d.id < many; ++d.id) ASSERT_TRUE(passes(d, 0, 576)) << d.id;
+  for (d.id = 0; d.id < many; ++d.id) ASSERT_TRUE(passes(d, 576, 1152)) << d.id;
+}
+
+TEST_F(EtherFragments, AFloodOfOthersPushesNoEventOut) {
+  EXPECT_TRUE(passes(known_, 0, 576));
+  Datagram dns = known_;
+  dns.port = 53;
+  ++dns.source;
+  for (std::uint32_t i = 0; i < 2 * ETHER_FOREIGN_FRAGMENTS; ++i) {
+    dns.id = static_cast<std::uint16_t>(i);
+    ASSERT_TRUE(passes(dns, 0, 576));
+  }
+  EXPECT_TRUE(passes(known_, 576, 1152));
+}
+
+TEST_F(EtherFragments, AreLeftToIngressByTheDriver) {
+  EXPECT_FALSE(gate_.dropped_early(frame(unknown_.fragment(0, 576))));
+  EXPECT_FALSE(gate_.dropped_early(frame(unknown_.fragment(576, 1152))));
+}
+
+// --- the states of a gate -----------------------------------------------------------------------
+
+TEST(EtherStates, AClosedGateStopsEventsAndNothingElse) {
+  LoadedEther& gate = LoadedEther::with();
+  gate.admit({in()});
+  const Bytes dns = packet([](Datagram& d) { d.port = 53; });
+  for (const bool lapsed : {false, true}) {
+    gate.control().open = lapsed ? 1 : 0;
+    gate.control().lapsed = lapsed ? 1 : 0;
+    EXPECT_TRUE(gate.run(kIn, packet()).dropped);
+    EXPECT_TRUE(gate.dropped_early(packet()));
+    EXPECT_FALSE(gate.run(kIn, dns).dropped);
+    EXPECT_FALSE(gate.dropped_early(dns));
+  }
+  EXPECT_EQ(gate.reasons(kIn).at(GATE_R_CLOSED), 4U);
+}
+
+TEST(EtherStates, AuditCountsAndDropsNothing) {
+  LoadedEther& gate = LoadedEther::with();
+  gate.control().mode = GATE_AUDIT;
+  EXPECT_FALSE(gate.run(kIn, packet()).dropped);
+  EXPECT_FALSE(gate.dropped_early(packet()));
+  EXPECT_EQ(gate.reasons(kIn).at(GATE_R_UNKNOWN), 1U) << "once, at ingress";
+  EXPECT_EQ(gate.counted(kIn).dropped, 1U);
+}
+
+TEST(EtherStates, WhoIsUnknownIsTold) {
+  LoadedEther& gate = LoadedEther::with();
+  for (int i = 0; i < 3; ++i) gate.run(kIn, packet());
+  gate.run(kOut, packet([](Datagram& d) { d.subject = 5, d.payload = 300; }), kLocal);
+  const auto unknown = enforce::unknown_subjects(gate.cpus());
+  ASSERT_EQ(unknown.size(), 2U);
+  EXPECT_EQ(unknown[0].subject, 5U);
+  EXPECT_EQ(unknown[0].len, 300U);
+  EXPECT_EQ(unknown[0].direction, kOut);
+  EXPECT_EQ(unknown[1].subject, kSubject);
+  EXPECT_EQ(unknown[1].count, 3U);
+}
+
+TEST(EtherStates, ExcessMayPassAndIsCountedAllTheSame) {
+  LoadedEther& gate = LoadedEther::with();
+  SlotSpec s = in();
+  s.per_frame = 3'600'000'000'000;
+  s.excess_passes = true;
+  gate.admit({s});
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(gate.run(kIn, packet()).dropped);
+  EXPECT_EQ(gate.counted(s).excess, 2U);
+  EXPECT_EQ(gate.counted(s).passed, 3U);
+}
+
+TEST(EtherStates, ForeignTrafficKeepsItsMark) {
+  LoadedEther& gate = LoadedEther::with();
+  EXPECT_EQ(gate.run(kIn, ethernet(0x0806, Bytes(28)), {.mark = 77}).mark, 77U);
+  EXPECT_EQ(gate.run(kIn, packet(), {.mark = kAdmitted}).mark, 0U) << "an event does not";
+}
+
+}  // namespace
+}  // namespace mlcca::test

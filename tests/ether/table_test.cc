@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The subjects of an interface in plain memory.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "daemon/enforce/ether_table.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+SlotSpec slot(std::uint64_t subject, bool pass = true) {
+  SlotSpec s;
+  s.direction = Direction::ingress;
+  s.pass = pass;
+  s.subject = subject;
+  s.formats = ETHER_WHOLE;
+  return s;
+}
+
+SlotChanges adding(std::vector<SlotSpec> specs) {
+  SlotChanges c;
+  c.add = std::move(specs);
+  return c;
+}
+SlotChanges removing(std::vector<SlotSpec> specs) {
+  SlotChanges c;
+  c.remove = std::move(specs);
+  return c;
+}
+
+class EtherTableTest : public testing::Test {
+ protected:
+  explicit EtherTableTest(const EtherSizes& sizes = EtherSizes::for_slots(0, 2))
+      : sizes_(sizes),
+        buckets_(sizes.buckets),
+        slots_(sizes.slots),
+        contracts_(sizes.contracts),
+        counts_(std::size_t{sizes.banks} * sizes.slots),
+        table_(open(true).value()) {}
+
+  Result<EtherTable> open(bool fresh) {
+    return EtherTable::read({&head_, buckets_, slots_, contracts_, counts_}, sizes_, fresh, 42,
+                            [this]() -> Result<void> {
+                              ++waits_;
+                              if (!grace_) return fail("no grace");
+                              return {};
+                            });
+  }
+  Result<void> add(const std::vector<SlotSpec>& specs) { return table_.apply(adding(specs)); }
+  Result<void> remove(const std::vector<SlotSpec>& specs) { return table_.apply(removing(specs)); }
+  [[nodiscard]] std::vector<SlotSpec> present() const { return sorted(table_.present()); }
+  static std::vector<SlotSpec> sorted(std::vector<SlotSpec> specs) {
+    std::ranges::sort(specs, [](const SlotSpec& a, const SlotSpec& b) {
+      return std::tie(a.subject, a.source, a.uid, a.max_len) <
+             std::tie(b.subject, b.source, b.uid, b.max_len);
+    });
+    return specs;
+  }
+  std::string error_of(const Result<void>& done) { return done ? "" : done.error().text; }
+
+  EtherSizes sizes_;
+  int waits_ = 0;
+  bool grace_ = true;
+  ether_table head_{};
+  std::vector<std::uint64_t> buckets_;
+  std::vector<ether_slot> slots_;
+  std::vector<ether_contract> contracts_;
+  std::vector<gate_count> counts_;
+  EtherTable table_;
+};
+
+TEST_F(EtherTableTest, HoldsWhatWasAdded) {
+  const std::vector<SlotSpec> both{slot(1), slot(2, false)};
+  ASSERT_TRUE(add(both));
+  EXPECT_EQ(present(), both);
+  EXPECT_EQ(slots_[table_.find(both[0]).value()].verdict, GATE_PASS);
+  EXPECT_EQ(slots_[table_.find(both[1]).value()].verdict, GATE_DENY);
+}
+
+TEST_F(EtherTableTest, SlotsOfOneContractShareIt) {
+  ASSERT_TRUE(add({slot(1), slot(2)}));
+  const auto contract = [&](const SlotSpec& s) { return slots_[table_.find(s).value()].contract; };
+  EXPECT_EQ(contract(slot(1)), contract(slot(2)));
+  SlotChanges police;
+  SlotSpec slower = slot(2);
+  slower.per_frame = 5;
+  police.police = {slower};
+  ASSERT_TRUE(table_.apply(police));
+  EXPECT_NE(contract(slot(1)), contract(slot(2)));
+  EXPECT_EQ(present(), (std::vector{slot(1), slower}));
+}
+
+TEST_F(EtherTableTest, AnotherDaemonFindsItAsItWas) {
+  SlotSpec policed = slot(3);
+  policed.per_byte = 7;
+  policed.tolerance = 9;
+  policed.excess_passes = true;
+  policed.direction = Direction::egress;
+  policed.source = 4;
+  const std::vector<SlotSpec> all{slot(1), slot(2, false), policed};
+  ASSERT_TRUE(add(all));
+  table_ = open(false).value();
+  EXPECT_EQ(present(), all);
+  ASSERT_TRUE(add({slot(5)}));
+  EXPECT_EQ(waits_, 1) << "nobody knows what the one before has removed lately";
+  ASSERT_TRUE(remove(all));
+  EXPECT_EQ(present(), std::vector{slot(5)});
+}
+
+TEST_F(EtherTableTest, AnotherSizeOrLayoutIsRefused) {
+  head_.slots = 17;
+  EXPECT_EQ(open(false).error().text, "subject table: of another size");
+  head_.layout_version = 0;
+  EXPECT_NE(open(false).error().text.find("layout 0"), std::string::npos);
+}
+
+TEST_F(EtherTableTest, ABrokenChainIsRefused) {
+  ASSERT_TRUE(add({slot(1)}));
+  slots_[table_.find(slot(1)).value()].next = table_.find(slot(1)).value();
+  EXPECT_NE(open(false).error().text.find("broken chain"), std::string::npos);
+}
+
+TEST_F(EtherTableTest, WhatIsWrongChangesNothing) {
+  ASSERT_TRUE(add({slot(1)}));
+  const auto refused = [&](SlotChanges c, const std::string& why) {
+    c.close.push_back(slot(1));
+    const std::string text = error_of(table_.apply(c));
+    EXPECT_NE(text.find(why), std::string::npos) << text;
+    EXPECT_EQ(present(), std::vector{slot(1)});
+  };
+  SlotSpec bad = slot(2);
+  bad.formats = 0;
+  refused(adding({bad}), "neither whole events nor fragments");
+  bad = slot(2);
+  bad.id = 1;
+  refused(adding({bad}), "no identifier");
+  bad = slot(2);
+  bad.max_len = ETHER_MAX_PAYLOAD + 1;
+  refused(adding({bad}), "at most 8183 bytes");
+  refused(adding({slot(1)}), "there already");
+  refused(adding({slot(2), slot(2)}), "there twice");
+  refused(removing({slot(2)}), "is not there");
+  SlotChanges both = removing({slot(1)});
+  both.open = {slot(1)};
+  refused(both, "opened and removed");
+  bad = slot(2);
+  bad.max_len = ETHER_MAX_PAYLOAD;
+  EXPECT_TRUE(add({bad}));
+}
+
+TEST_F(EtherTableTest, ASubjectHasSoManyPublishers) {
+  std::vector<SlotSpec> publishers;
+  for (std::uint32_t uid = 0; uid < GATE_CHAIN; ++uid) {
+    publishers.push_back(slot(1));
+    publishers.back().uid = uid;
+  }
+  ASSERT_TRUE(add(publishers));
+  EXPECT_NE(error_of(add({slot(1)})).find("more than 8 publishers"), std::string::npos);
+  SlotChanges exchange;
+  exchange.add = {slot(1)};
+  exchange.remove = {publishers.front()};
+  EXPECT_TRUE(table_.apply(exchange));
+}
+
+TEST_F(EtherTableTest, TheTableIsFullAtItsLastSlot) {
+  std::vector<SlotSpec> all;
+  for (std::uint64_t s = 1; s <= sizes_.slots - ETHER_FIRST_SLOT; ++s) all.push_back(slot(s));
+  ASSERT_TRUE(add(all));
+  EXPECT_NE(error_of(add({slot(0)})).find("more than 4094 slots"), std::string::npos);
+  SlotChanges exchange;
+  exchange.add = {slot(0)};
+  exchange.remove = {slot(1)};
+  ASSERT_TRUE(table_.apply(exchange));
+  EXPECT_EQ(waits_, 1) << "the slot that went is the only one";
+  EXPECT_TRUE(table_.find(slot(0)));
+}
+
+TEST_F(EtherTableTest, ContractsRunOut) {
+  std::vector<SlotSpec> all;
+  for (std::uint64_t s = 1; s < sizes_.contracts - 1; ++s) {
+    all.push_back(slot(s));
+    all.back().per_frame = s;
+  }
+  ASSERT_TRUE(add(all));
+  SlotChanges police;
+  police.police = {all[0], all[1]};
+  police.police[0].per_frame = 1'000'000;
+  ASSERT_TRUE(table_.apply(police)) << "one is left";
+  police.police = {all[2], all[3], all[4]};
+  for (auto& s : police.police) s.per_frame += 2'000'000;
+  const std::string text = error_of(table_.apply(police));
+  EXPECT_NE(text.find("different contracts"), std::string::npos) << text;
+}
+
+TEST_F(EtherTableTest, WithoutAGracePeriodNothingIsUsedAgain) {
+  std::vector<SlotSpec> all;
+  for (std::uint64_t s = 1; s <= sizes_.slots - ETHER_FIRST_SLOT; ++s) all.push_back(slot(s));
+  ASSERT_TRUE(add(all));
+  ASSERT_TRUE(remove({slot(1)}));
+  grace_ = false;
+  EXPECT_EQ(error_of(add({slot(0)})), "no grace");
+  EXPECT_FALSE(table_.find(slot(0)));
+  grace_ = true;
+  EXPECT_TRUE(add({slot(0)}));
+}
+
+TEST_F(EtherTableTest, TheSieveHasTheSubjectsOfTheChainAndNoOthers) {
+  std::mt19937_64 random(3);
+  std::vector<SlotSpec> all;
+  for (int i = 0; i < 4000; ++i) all.push_back(slot(random()));
+  ASSERT_TRUE(add(all));
+  std::ranges::shuffle(all, random);
+  ASSERT_TRUE(remove({all.begin() + 100, all.end()}));
+  all.resize(100);
+  std::vector<std::uint64_t> want(buckets_.size());
+  for (const auto& s : all) {
+    const std::uint64_t hash = ether_hash(42, s.subject, GATE_INGRESS);
+    want[hash & (sizes_.buckets - 1)] |= ether_sieve(hash);
+  }
+  for (std::size_t b = 0; b < buckets_.size(); ++b)
+    ASSERT_EQ(buckets_[b] >> 32 << 32, want[b]) << b;
+  EXPECT_EQ(present(), sorted(all));
+  ASSERT_TRUE(remove(all));
+  for (const auto bucket : buckets_) ASSERT_EQ(bucket, 0U);
+}
+
+TEST_F(EtherTableTest, CountersOfAReusedSlotBeginAtNothing) {
+  ASSERT_TRUE(add({slot(1)}));
+  const auto at = table_.find(slot(1)).value();
+  for (std::size_t bank = 0; bank < 2; ++bank) counts_[bank * sizes_.slots + at].passed = 5;
+  ASSERT_TRUE(remove({slot(1)}));
+  table_ = open(false).value();
+  std::vector<SlotSpec> all;
+  for (std::uint64_t s = 1; s <= sizes_.slots - ETHER_FIRST_SLOT; ++s) all.push_back(slot(s));
+  ASSERT_TRUE(add(all));
+  for (std::size_t bank = 0; bank < 2; ++bank)
+    EXPECT_EQ(counts_[bank * sizes_.slots + at].passed, 0U);
+}
+
+TEST(EtherSizes, FollowWhatIsNeeded) {
+  const auto small = EtherSizes::for_slots(0, 8);
+  EXPECT_EQ(small.slots, unsigned{ETHER_MIN_SLOTS});
+  EXPECT_EQ(small.banks, 8U);
+  const auto banked = EtherSizes::for_slots(ETHER_BANKED_SLOTS - ETHER_FIRST_SLOT, 8);
+  EXPECT_EQ(banked.banks, 8U);
+  const auto large = EtherSizes::for_slots(ETHER_BANKED_SLOTS - ETHER_FIRST_SLOT + 1, 8);
+  EXPECT_EQ(large.banks, 1U);
+  EXPECT_EQ(large.buckets, 32768U);
+  EXPECT_EQ(EtherSizes::for_slots(10'000'000, 8).slots, unsigned{ETHER_MAX_SLOTS});
+}
+
+}  // namespace
+}  // namespace mlcca::enforce
