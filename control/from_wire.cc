@@ -75,7 +75,8 @@ Unknown unknown(v1::Unknown& from) {
           .length = from.length(),
           .fd = from.fd(),
           .egress = from.egress(),
-          .frames = from.frames()};
+          .frames = from.frames(),
+          .subject = from.subject()};
 }
 
 Interface interface(v1::Interface& from) {
@@ -93,7 +94,8 @@ Interface interface(v1::Interface& from) {
           .ingress = traffic(*from.mutable_ingress()),
           .egress = traffic(*from.mutable_egress()),
           .unknown = all(from.mutable_unknown(), unknown),
-          .problem = text(from.mutable_problem())};
+          .problem = text(from.mutable_problem()),
+          .drops_early = from.drops_early()};
 }
 
 GateSlot gate_slot(v1::GateSlot& from) {

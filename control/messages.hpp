@@ -47,6 +47,7 @@ struct Unknown {
   bool fd = false;
   bool egress = false;
   std::uint64_t frames = 0;
+  std::uint64_t subject = 0;  ///< on Ethernet, where can_id is 0
   bool operator==(const Unknown&) const = default;
 };
 
@@ -66,6 +67,7 @@ struct Interface {
   Traffic egress;
   std::vector<Unknown> unknown;  ///< newest first
   std::string problem;           ///< empty: none
+  bool drops_early = false;      ///< Ethernet: what is refused is dropped in the driver
   bool operator==(const Interface&) const = default;
 };
 

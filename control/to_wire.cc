@@ -60,6 +60,7 @@ void put(const Unknown& from, v1::Unknown& to) {
   to.set_fd(from.fd);
   to.set_egress(from.egress);
   to.set_frames(from.frames);
+  to.set_subject(from.subject);
 }
 
 void put(const Interface& from, v1::Interface& to) {
@@ -78,6 +79,7 @@ void put(const Interface& from, v1::Interface& to) {
   put(from.egress, *to.mutable_egress());
   for (const auto& unknown : from.unknown) put(unknown, *to.add_unknown());
   to.set_problem(to_utf8(from.problem));
+  to.set_drops_early(from.drops_early);
 }
 
 void put(const GateSlot& from, v1::GateSlot& to) {

@@ -183,6 +183,9 @@ void Explainer::add_obstacle(const Verdict& v) {
     case Obstacle::no_path:
       f.hint = "state the links of the mesh, or a source that knows them";
       break;
+    case Obstacle::no_sender:
+      f.hint = "add sender=\"USER\" to the Port that the events leave by";
+      break;
     case Obstacle::no_traffic:
       f.hint = "state Period and MaxPayload, or Bandwidth, of the publisher";
       break;

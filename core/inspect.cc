@@ -131,7 +131,7 @@ class Inspector {
       if (v.outcome == Outcome::unfit) continue;
       for (std::size_t i = 0; i < v.route.size(); ++i) {
         const Place hop = v.route[i];
-        if (hop.kind != Place::Kind::network || s_.networks[hop.index].profile == Profile::none)
+        if (hop.kind != Place::Kind::network || s_.networks[hop.index].kind != NetworkKind::can)
           continue;
         const Publisher& p = members_.publisher(v.publisher);
         const bool named = has_nodes(s_.networks[hop.index].profile);

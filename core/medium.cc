@@ -21,6 +21,12 @@ unsigned famouso_frames(Value bytes, Value mtu) {
   return static_cast<unsigned>(short_headers + (rest + mtu - 3) / (mtu - 2));
 }
 
+unsigned datagrams(Value bytes) {
+  constexpr Value headers = 6;
+  constexpr Value chunk = kDatagramBytes - headers;
+  return static_cast<unsigned>((std::min(bytes, kDatagramMaxEvent) + chunk - 1) / chunk);
+}
+
 unsigned cyphal_frames(Value bytes, Value mtu) {
   const Value chunk = mtu - kCyphalTail;
   const Value most = kMaxFrames * chunk;
@@ -50,12 +56,14 @@ Value event_bytes(const Network& network, const Binding& binding) {
 }
 
 bool is_fragmented(const Network& network, const Binding* binding, Value bytes) {
+  if (network.carries_subjects()) return bytes > kDatagramBytes;
   const bool splits = network.profile == Profile::famouso || network.profile == Profile::cyphal;
   return splits && binding != nullptr && bytes > room(network, *binding);
 }
 
 unsigned frames_per_event(const Network& network, const Binding* binding, Value bytes) {
   if (!is_fragmented(network, binding, bytes)) return 1;
+  if (network.carries_subjects()) return datagrams(bytes);
   const Value mtu = frame_bytes(*binding);
   return network.profile == Profile::cyphal ? cyphal_frames(bytes, mtu)
                                             : famouso_frames(bytes, mtu);

@@ -17,14 +17,18 @@ inline constexpr unsigned kXlBytes = 2048;
 inline constexpr unsigned kMaxFrames = 4096;
 inline constexpr Value kFamousoMaxEvent = 24608;
 
+/// Payload bytes of the longest datagram that FAMOUSO sends, and its largest event there.
+inline constexpr unsigned kDatagramBytes = 8183;
+inline constexpr Value kDatagramMaxEvent = 65535;
+
 /// Cyphal/CAN: the last byte of each frame is the transfer's, and one of several frames ends with a
 /// CRC of two.
 inline constexpr unsigned kCyphalTail = 1;
 inline constexpr unsigned kCyphalCrc = 2;
 
 /// Frames that an event of `bytes` takes on the network, at least 1. FAMOUSO splits what is longer
-/// than one frame with a header of 1 byte (up to 32 fragments) or 2, Cyphal as it says above; other
-/// profiles do not split.
+/// than one frame with a header of 1 byte (up to 32 fragments) or 2, and 5 more in a datagram,
+/// Cyphal as it says above; other profiles do not split.
 [[nodiscard]] unsigned frames_per_event(const Network& network, const Binding* binding,
                                         Value bytes);
 

@@ -133,17 +133,20 @@ class Planner {
                                                Direction direction, std::size_t source) const {
     const Network& network = network_at(port);
     const Binding* binding = network.binding_of(p.channel);
-    if (network.profile == Profile::none || binding == nullptr) return std::nullopt;
+    const bool bound = network.carries_subjects() || binding != nullptr;
+    if (network.profile == Profile::none || !bound) return std::nullopt;
     GateEntry e;
     e.port = port;
     e.direction = direction;
     e.subject = system_.channels[p.channel].subject;
-    e.classic = binding->format == FrameFormat::classic || binding->format == FrameFormat::any;
-    e.fd = binding->format == FrameFormat::fd || binding->format == FrameFormat::any;
-    e.xl = binding->format == FrameFormat::xl;
-    if (!identify(p, network, *binding, e)) return std::nullopt;
+    if (network.carries_subjects())
+      size_datagram(p, e);
+    else if (!identify(p, network, *binding, e))
+      return std::nullopt;
     if (direction == Direction::egress) {
-      if (source != kLocal)
+      if (const auto& sender = sender_between(source, port))
+        e.uid = *sender;
+      else if (source != kLocal)
         e.source_port = source;
       else if (p.uid)
         e.uid = *p.uid;
@@ -179,8 +182,29 @@ class Planner {
     return {period, silence_ == kUnbounded ? 0 : silence_, frames > 1 ? period / 2 : 0};
   }
 
+  /// Who carries events from one port to the other where the kernel does not.
+  [[nodiscard]] std::optional<std::uint32_t> sender_between(std::size_t in, std::size_t out) const {
+    if (in == kLocal) return std::nullopt;
+    const auto& ports = system_.gateways[here_.index].ports;
+    const auto is_can = [&](std::size_t port) {
+      return system_.networks[ports[port].network].kind == NetworkKind::can;
+    };
+    return is_can(in) == is_can(out) ? std::nullopt : ports[out].sender;
+  }
+
+  void size_datagram(const Publisher& p, GateEntry& e) const {
+    const AttributeSet& offered = attributes_in(p, set_);
+    const Value bytes =
+        offered.has(Attribute::max_payload) ? offered[Attribute::max_payload] : kDatagramMaxEvent;
+    e.split = bytes > kDatagramBytes;
+    e.max_length = static_cast<std::uint16_t>(std::min<Value>(bytes, kDatagramBytes));
+  }
+
   [[nodiscard]] bool identify(const Publisher& p, const Network& network, const Binding& b,
                               GateEntry& e) const {
+    e.classic = b.format == FrameFormat::classic || b.format == FrameFormat::any;
+    e.fd = b.format == FrameFormat::fd || b.format == FrameFormat::any;
+    e.xl = b.format == FrameFormat::xl;
     const AttributeSet& offered = attributes_in(p, set_);
     const bool sized = offered.has(Attribute::max_payload);
     const Value bytes = offered[Attribute::max_payload];

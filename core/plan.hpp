@@ -17,6 +17,7 @@ namespace mlcca::core {
 enum class Direction : std::uint8_t { ingress, egress };
 
 /// What one slot of a gate admits or refuses: everything that was granted and nothing more.
+/// Where frames carry the subject, key, id and mask are 0.
 struct GateEntry {
   std::size_t port = 0;  ///< of this gateway
   Direction direction = Direction::ingress;
@@ -26,10 +27,11 @@ struct GateEntry {
       source_port;               ///< egress: where the frame came in; none: a local program
   std::uint32_t uid = 0;         ///< egress, local program: its user
   bool from_kernel = false;      ///< egress: of no program, but of a protocol in the kernel
-  std::uint16_t max_length = 0;  ///< payload bytes of a frame
+  std::uint16_t max_length = 0;  ///< payload bytes of a frame or datagram
   bool classic = false;
   bool fd = false;
   bool xl = false;
+  bool split = false;  ///< Ethernet: a datagram may hold a fragment of an event
   Subject subject = 0;
 
   auto operator<=>(const GateEntry&) const = default;

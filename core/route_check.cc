@@ -64,6 +64,21 @@ class RouteCheck {
   void find_obstacle() {
     for (const Place hop : hops())
       if (hop.kind == Place::Kind::network) find_obstacle_on(hop);
+    for (std::size_t i = 1; i + 1 < v_.route.size(); ++i)
+      if (v_.route[i].kind == Place::Kind::gateway && !is_carried(i))
+        obstruct(Obstacle::no_sender, v_.route[i]);
+  }
+
+  /// The kernel forwards between CAN networks, and between Ethernet networks. Between the two a
+  /// program does, and its gates let nobody send whom they do not know.
+  [[nodiscard]] bool is_carried(std::size_t at) const {
+    const Network& in = s_.system.networks[v_.route[at - 1].index];
+    const Network& out = s_.system.networks[v_.route[at + 1].index];
+    if (in.profile == Profile::none || out.profile == Profile::none ||
+        in.carries_subjects() == out.carries_subjects())
+      return true;
+    const Port* port = s_.system.gateways[v_.route[at].index].port_on(v_.route[at + 1].index);
+    return port != nullptr && port->sender.has_value();
   }
 
   void find_obstacle_on(Place hop) {
@@ -73,6 +88,10 @@ class RouteCheck {
       return;
     }
     if (network.profile == Profile::none) return;
+    if (network.carries_subjects()) {
+      if (offered()[Attribute::max_payload] > kDatagramMaxEvent) obstruct(Obstacle::too_long, hop);
+      return;
+    }
     const Binding* binding = network.binding_of(v_.channel);
     if (binding == nullptr) {
       obstruct(Obstacle::unbound, hop);

@@ -122,6 +122,10 @@ struct Network {
   std::vector<Binding> bindings;  ///< State sorts them by channel
   Origin origin;
 
+  /// Frames name the 64-bit subject itself: Ethernet and what looks like it. No channel is bound.
+  [[nodiscard]] bool carries_subjects() const {
+    return kind != NetworkKind::can && profile == Profile::famouso;
+  }
   /// For bindings that are sorted by channel.
   [[nodiscard]] const Binding* binding_of(std::size_t channel) const {
     const auto it = std::ranges::lower_bound(bindings, channel, {}, &Binding::channel);
@@ -171,6 +175,8 @@ struct Port {
   Excess excess = Excess::drop;
   ControlPolicy control;          ///< what it states goes before what the network states
   std::uint32_t control_uid = 0;  ///< user whose programs may send control traffic
+  /// The user whose program sends here what comes from networks that the kernel joins to no other.
+  std::optional<std::uint32_t> sender;
   Origin origin;
 };
 

@@ -119,6 +119,10 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
              " depend on it";
     case Obstacle::no_path:
       return "no links are known that lead through " + at();
+    case Obstacle::no_sender:
+      return "events cross " + at() +
+             " between CAN and Ethernet, and no program is stated that carries "
+             "them: sender of its Port";
     case Obstacle::released:
       return "released by the operator";
   }

@@ -46,6 +46,7 @@ enum class Obstacle : std::uint8_t {
   no_traffic,   ///< a capacity to be held, and the publisher does not say what it sends
   no_period,    ///< an analysed bus, and the publisher does not say how often it sends
   no_path,      ///< no links are known that lead through a mesh
+  no_sender,    ///< nobody carries events across a gateway, from CAN to Ethernet or back
   released,     ///< taken back by the operator
 };
 

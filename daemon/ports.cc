@@ -9,6 +9,7 @@
 #include <ranges>
 #include <utility>
 
+#include "bpf/ether.h"
 #include "core/text.hpp"
 #include "daemon/net/queue.hpp"
 
@@ -32,9 +33,13 @@ std::vector<int> pinned_interfaces(const std::string& directory) {
   return found;
 }
 
-bool needs_gate(core::Profile profile) { return profile != core::Profile::none; }
+std::uint8_t formats_of(const core::GateEntry& e, core::NetworkKind kind) {
+  if (kind != core::NetworkKind::can) return ETHER_WHOLE | (e.split ? ETHER_SPLIT : 0);
+  return static_cast<std::uint8_t>((e.classic ? GATE_CLASSIC : 0) | (e.fd ? GATE_FD : 0) |
+                                   (e.xl ? GATE_XL : 0));
+}
 
-control::Traffic traffic_of(const enforce::Gate& gate, enforce::Direction direction) {
+control::Traffic traffic_of(const enforce::PortGate& gate, enforce::Direction direction) {
   control::Traffic out;
   const auto reasons = gate.reasons(direction);
   for (std::size_t i = 0; i < reasons.size(); ++i) {
@@ -56,6 +61,7 @@ void Ports::describe(const core::System& system, std::size_t gateway) {
     PortState state;
     state.port = port;
     state.network_name = system.networks[port.network].name;
+    state.kind = system.networks[port.network].kind;
     state.profile = system.networks[port.network].profile;
     state.described_bitrate = system.networks[port.network].bus.bitrate;
     const auto old = std::ranges::find_if(ports_, [&](const PortState& p) {
@@ -71,6 +77,8 @@ void Ports::describe(const core::System& system, std::size_t gateway) {
     next.push_back(std::move(state));
   }
   ports_ = std::move(next);
+  // One slot for each way of a channel through a port; some more are asked for at run time.
+  ether_slots_ = system.channels.size() * GATE_DIRECTIONS + system.publishers.size() * 2;
 }
 
 const net::Link* Ports::link_of(const PortState& port) const {
@@ -78,9 +86,9 @@ const net::Link* Ports::link_of(const PortState& port) const {
   return it == links_.table().end() ? nullptr : &it->second;
 }
 
-bool Ports::is_described(int ifindex) const {
-  return std::ranges::any_of(ports_,
-                             [ifindex](const PortState& p) { return p.ifindex == ifindex; });
+bool Ports::is_to_be_gated(int ifindex) const {
+  return std::ranges::any_of(
+      ports_, [ifindex](const PortState& p) { return p.ifindex == ifindex && needs_gate(p); });
 }
 
 void Ports::follow() {
@@ -89,7 +97,7 @@ void Ports::follow() {
   close_undescribed();
   for (PortState& port : ports_) {
     if (port.ifindex == 0 || !port.problem.empty()) continue;
-    if (needs_gate(port.profile)) attach(port);
+    if (needs_gate(port)) attach(port);
     if (port.problem.empty() && port.port.managed && !port.raised) raise(port);
     if (port.problem.empty()) queue(port);
     judge(port);
@@ -102,7 +110,7 @@ void Ports::forget_vanished() {
       ++it;
       continue;
     }
-    it->second.unpin();
+    it->second->unpin();
     it = gates_.erase(it);
   }
   if (const auto unpinned = enforce::unpin_vanished(control_); !unpinned)
@@ -118,7 +126,7 @@ void Ports::match(PortState& port) {
   if (now == port.ifindex) return;
   // Both the interface that was this port and the one that is it now may hold grants of another.
   for (const int ifindex : {port.ifindex, now})
-    if (const auto gate = gates_.find(ifindex); gate != gates_.end()) gate->second.deny_all();
+    if (const auto gate = gates_.find(ifindex); gate != gates_.end()) gate->second->deny_all();
   if (now != 0)
     tell_(port.network_name,
           fmt::format("{} is {} ({})", links_.table().at(now).name, port.network_name,
@@ -132,49 +140,45 @@ void Ports::match(PortState& port) {
 
 void Ports::close_undescribed() {
   for (auto& [ifindex, gate] : gates_)
-    if (!is_described(ifindex)) gate.deny_all();
+    if (!is_to_be_gated(ifindex)) gate->deny_all();
   for (const int ifindex : pinned_interfaces(control_.directory())) {
-    if (is_described(ifindex) || gates_.contains(ifindex)) continue;
+    if (is_to_be_gated(ifindex) || gates_.contains(ifindex)) continue;
     const auto link = links_.table().find(ifindex);
     if (link == links_.table().end()) continue;
     // A gate without a profile starts without slots: nothing that was granted before passes.
-    auto gate = enforce::Gate::attach(
-        {static_cast<std::uint32_t>(ifindex), link->second.name, core::Profile::none, false},
-        control_);
-    if (!gate) {
-      tell_({}, gate.error().text, true);
+    const auto held = hold(link->second, core::NetworkKind::can, core::Profile::none);
+    if (!held) {
+      tell_({}, held.error().text, true);
       continue;
     }
-    tell_({}, fmt::format("{} is not described: its gate stays closed", link->second.name), true);
-    gates_.emplace(ifindex, std::move(*gate));
+    gates_.at(ifindex)->deny_all();
+    tell_({},
+          fmt::format("{} is not described, or without a profile: its gate stays closed",
+                      link->second.name),
+          true);
   }
 }
 
 void Ports::attach(PortState& port) {
   const net::Link& link = *link_of(port);
-  if (!link.is_can) {
+  const bool can = port.kind == core::NetworkKind::can;
+  if (can && !link.is_can) {
     port.problem = fmt::format("{} is not a CAN interface", link.name);
     return;
   }
-  const enforce::GateConfig config{static_cast<std::uint32_t>(port.ifindex), link.name,
-                                   port.profile, link.kind == "can"};
-  // A gate is of one profile: another one is put in its place, and starts without slots.
-  if (const auto old = gates_.find(port.ifindex); old != gates_.end()) {
-    if (old->second.config().profile == config.profile &&
-        old->second.config().echo_by_mark == config.echo_by_mark)
-      return;
-    gates_.erase(old);
+  if (!can && !enforce::is_ethernet(static_cast<std::uint32_t>(link.ifindex))) {
+    port.problem = fmt::format(
+        "{} has no Ethernet frames, and there is a gate for CAN and Ethernet only", link.name);
+    return;
   }
-  auto gate = enforce::Gate::attach(config, control_);
-  if (!gate) {
-    port.problem = gate.error().text;
+  if (const auto done = hold(link, port.kind, port.profile); !done) {
+    port.problem = done.error().text;
     hold_closed(port, link.name);
     return;
   }
   port.held = 0;
   port.told.clear();
   port.lost = false;
-  gates_.emplace(port.ifindex, std::move(*gate));
 }
 
 /// The last resort: a gate without pins and slots, which denies everything.
@@ -218,7 +222,7 @@ void Ports::raise(PortState& port) {
 
 /// As the analysis assumes it: a queue that somebody replaced is put back.
 void Ports::queue(PortState& port) {
-  if (port.port.queueing != core::Queueing::priority || !needs_gate(port.profile)) return;
+  if (port.port.queueing != core::Queueing::priority || !is_gated_can(port)) return;
   const std::string& name = link_of(port)->name;
   const auto kept = net::keep_priority_queue(port.ifindex);
   if (!kept)
@@ -229,7 +233,7 @@ void Ports::queue(PortState& port) {
 }
 
 void Ports::set_bands(std::size_t port, std::span<const std::uint32_t> limits) {
-  if (enforce::Gate* gate = gate_of(port)) gate->set_bands(limits);
+  if (enforce::Gate* gate = can_gate_of(port)) gate->set_bands(limits);
 }
 
 void Ports::judge(PortState& port) {
@@ -239,9 +243,9 @@ void Ports::judge(PortState& port) {
     port.problem = link->name + " is down";
   else if (link->can_state == "bus-off")
     port.problem = link->name + " is bus-off";
-  else if (needs_gate(port.profile) && link->bitrate == 0 && link->kind == "can")
+  else if (is_gated_can(port) && link->bitrate == 0 && link->kind == "can")
     port.problem = "the bit rate of " + link->name + " is unknown";
-  else if (needs_gate(port.profile) && link->bitrate == 0 && port.described_bitrate == 0)
+  else if (is_gated_can(port) && link->bitrate == 0 && port.described_bitrate == 0)
     port.problem = fmt::format("{} has no bit rate of its own: state <Bus bitrate=\"…\"/> of {}",
                                link->name, port.network_name);
   tell_can_state(port, *link);
@@ -262,7 +266,7 @@ void Ports::tell_can_state(PortState& port, const net::Link& link) {
 
 bool Ports::repair() {
   for (auto it = gates_.begin(); it != gates_.end();) {
-    enforce::Gate& gate = it->second;
+    enforce::PortGate& gate = *it->second.gate;
     const auto there = gate.attached();
     if ((there && *there) || !links_.table().contains(it->first)) {
       ++it;
@@ -287,7 +291,7 @@ bool Ports::repair() {
     if (p.port.queueing == core::Queueing::priority && !p.problem.empty() && p.ifindex != 0)
       return true;
     const net::Link* link = link_of(p);
-    return link != nullptr && link->is_can && needs_gate(p.profile) && !gates_.contains(p.ifindex);
+    return link != nullptr && can_have_gate(p, *link) && !gates_.contains(p.ifindex);
   });
 }
 
@@ -313,22 +317,13 @@ std::optional<BusCounters> Ports::bus_counters(std::size_t port) {
                      traffic->sent_bytes + traffic->received_bytes};
 }
 
-const enforce::Gate* Ports::gate_of(std::size_t port) const {
-  const auto it = gates_.find(ports_[port].ifindex);
-  return it == gates_.end() || !needs_gate(ports_[port].profile) ? nullptr : &it->second;
-}
-enforce::Gate* Ports::gate_of(std::size_t port) {
-  return const_cast<enforce::Gate*>(std::as_const(*this).gate_of(port));  // NOLINT(*-const-cast)
-}
-
 std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateEntry& e, bool pass) const {
   enforce::SlotSpec slot;
   slot.direction = e.direction == core::Direction::ingress ? enforce::Direction::ingress
                                                            : enforce::Direction::egress;
   slot.pass = pass;
   slot.max_len = e.max_length;
-  slot.formats = static_cast<std::uint8_t>((e.classic ? GATE_CLASSIC : 0) | (e.fd ? GATE_FD : 0) |
-                                           (e.xl ? GATE_XL : 0));
+  slot.formats = formats_of(e, ports_[e.port].kind);
   slot.id = e.id;
   slot.mask = e.mask;
   slot.subject = e.subject;
@@ -352,7 +347,8 @@ std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateRule& rule) cons
   slot->per_byte = rule.policing.per_byte;
   slot->tolerance = rule.policing.tolerance;
   slot->excess_passes = rule.policing.counts_only;
-  if (gate_gap_scale(rule.watching.period) != 0) {
+  // Nobody watches on Ethernet yet.
+  if (is_gated_can(ports_[rule.entry.port]) && gate_gap_scale(rule.watching.period) != 0) {
     slot->period = rule.watching.period;
     slot->silence = rule.watching.silence;
     slot->together = rule.watching.together;
@@ -361,26 +357,31 @@ std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateRule& rule) cons
 }
 
 Result<void> Ports::sync(const core::GateState& wanted) {
-  std::vector<enforce::Gate::Change> changes;
+  ToGates changes;
   for (std::size_t p = 0; p < ports_.size(); ++p) {
-    enforce::Gate* gate = gate_of(p);
+    const enforce::PortGate* gate = gate_of(p);
     if (gate == nullptr) continue;
     std::vector<enforce::SlotSpec> slots;
     for (const core::GateRule& rule : wanted)
       if (rule.entry.port == p)
         if (auto slot = slot_of(rule)) slots.push_back(*slot);
     if (auto change = enforce::difference(gate->present(), slots); !change.empty())
-      changes.push_back({gate, std::move(change)});
+      changes.add(gates_.at(ports_[p].ifindex), std::move(change));
   }
   std::string problems;
+  const auto deny = [&](enforce::PortGate& refusing, const Error& error) {
+    refusing.deny_all();
+    problems += (problems.empty() ? "" : "; ") + refusing.name() + ": " + error.text;
+  };
   for (;;) {
-    const auto done = enforce::Gate::apply_together(changes);
+    const auto done = enforce::Gate::apply_together(changes.can);
     if (done) break;
-    const auto& [refusing, error] = done.error();
-    refusing->deny_all();
-    problems += (problems.empty() ? "" : "; ") + refusing->name() + ": " + error.text;
-    std::erase_if(changes, [&](const auto& c) { return c.gate == refusing; });
+    enforce::Gate* const refusing = done.error().gate;
+    deny(*refusing, done.error().error);
+    std::erase_if(changes.can, [&](const auto& c) { return c.gate == refusing; });
   }
+  for (const auto& [gate, change] : changes.others)
+    if (const auto done = gate->apply(change); !done) deny(*gate, done.error());
   if (!problems.empty()) return fail(problems);
   return {};
 }
@@ -408,17 +409,21 @@ std::map<std::size_t, enforce::SlotChanges> Ports::by_port(const core::GateChang
 }
 
 Result<void> Ports::apply(const core::GateChanges& changes) {
-  std::vector<enforce::Gate::Change> gates;
-  for (auto& [p, change] : by_port(changes)) gates.push_back({gate_of(p), std::move(change)});
-  if (const auto done = enforce::Gate::apply_together(gates); !done)
+  ToGates gates;
+  for (auto& [p, change] : by_port(changes))
+    gates.add(gates_.at(ports_[p].ifindex), std::move(change));
+  if (const auto done = enforce::Gate::apply_together(gates.can); !done)
     return fail(done.error().gate->name() + ": " + done.error().error.text);
+  for (const auto& [gate, change] : gates.others)
+    if (const auto done = gate->apply(change); !done)
+      return fail(gate->name() + ": " + done.error().text);
   return {};
 }
 
 Frames Ports::frames(const core::GateState& rules) const {
   Frames sum;
   for (const core::GateRule& rule : rules) {
-    const enforce::Gate* gate = gate_of(rule.entry.port);
+    const enforce::PortGate* gate = gate_of(rule.entry.port);
     if (gate == nullptr) continue;
     const auto slot = slot_of(rule.entry, rule.pass);
     const auto counted = slot ? gate->counters(*slot) : std::nullopt;
@@ -436,7 +441,7 @@ Frames Ports::frames(const core::GateState& rules) const {
 }
 
 std::uint64_t Ports::unknown_frames(std::size_t port) const {
-  const enforce::Gate* gate = gate_of(port);
+  const enforce::PortGate* gate = gate_of(port);
   if (gate == nullptr) return 0;
   return gate->reasons(enforce::Direction::ingress)[GATE_R_UNKNOWN] +
          gate->reasons(enforce::Direction::egress)[GATE_R_UNKNOWN];
@@ -464,14 +469,15 @@ std::vector<control::Interface> Ports::report() const {
       i.can_state = link->can_state;
       i.bitrate = link->bitrate;
     }
-    if (const enforce::Gate* gate = gate_of(p)) {
+    if (const enforce::PortGate* gate = gate_of(p)) {
       i.gated = gate->attached().value_or(false);
-      i.slots = static_cast<std::uint32_t>(gate->present().size());
+      i.drops_early = gate->drops_early();
+      i.slots = static_cast<std::uint32_t>(gate->size());
       i.ingress = traffic_of(*gate, enforce::Direction::ingress);
       i.egress = traffic_of(*gate, enforce::Direction::egress);
       for (const enforce::UnknownFrame& f : gate->unknown())
         i.unknown.push_back({f.can_id, f.len, f.format == GATE_FD,
-                             f.direction == enforce::Direction::egress, f.count});
+                             f.direction == enforce::Direction::egress, f.count, f.subject});
     }
     out.push_back(std::move(i));
   }

@@ -4,9 +4,11 @@
 #pragma once
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "control/messages.hpp"
@@ -16,6 +18,7 @@
 #include "core/system.hpp"
 #include "daemon/bus_load.hpp"
 #include "daemon/enforce/control.hpp"
+#include "daemon/enforce/ether_gate.hpp"
 #include "daemon/enforce/gate.hpp"
 #include "daemon/net/identity.hpp"
 #include "daemon/net/links.hpp"
@@ -87,7 +90,7 @@ class Ports {
   [[nodiscard]] std::vector<control::Interface> report() const;
   [[nodiscard]] std::size_t size() const { return ports_.size(); }
   /// The gate of a port; none where it needs none or could not be attached.
-  [[nodiscard]] const enforce::Gate* gate(std::size_t port) const { return gate_of(port); }
+  [[nodiscard]] const enforce::Gate* gate(std::size_t port) const { return can_gate_of(port); }
   [[nodiscard]] core::Profile profile(std::size_t port) const { return ports_[port].profile; }
   [[nodiscard]] const std::string& problem(std::size_t port) const { return ports_[port].problem; }
   [[nodiscard]] const std::string& network_of(std::size_t port) const {
@@ -106,6 +109,7 @@ class Ports {
   struct PortState {
     core::Port port;
     std::string network_name;
+    core::NetworkKind kind = core::NetworkKind::can;
     core::Profile profile = core::Profile::none;
     std::uint32_t described_bitrate = 0;  ///< of the network
     std::string can_state;                ///< as last told
@@ -117,6 +121,23 @@ class Ports {
     std::string told;  ///< the last problem of attaching that was told
   };
 
+  /// A gate, and what it is where only gates of that kind can do something.
+  struct Held {
+    std::unique_ptr<enforce::PortGate> gate;
+    enforce::Gate* can = nullptr;
+    enforce::EtherGate* ethernet = nullptr;
+    enforce::PortGate* operator->() const { return gate.get(); }
+  };
+  /// What becomes of CAN gates becomes visible as one step; an Ethernet gate changes by itself.
+  struct ToGates {
+    std::vector<enforce::Gate::Change> can;
+    std::vector<std::pair<enforce::PortGate*, enforce::SlotChanges>> others;
+    void add(const Held& held, enforce::SlotChanges changes);
+  };
+
+  static bool needs_gate(const PortState& port);
+  static bool is_gated_can(const PortState& port);
+  static bool can_have_gate(const PortState& port, const net::Link& link);
   [[nodiscard]] const net::Link* link_of(const PortState& port) const;
   void match(PortState& port);
   void attach(PortState& port);
@@ -132,15 +153,21 @@ class Ports {
   [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateRule& rule) const;
   [[nodiscard]] std::map<std::size_t, enforce::SlotChanges> by_port(
       const core::GateChanges& changes) const;
-  [[nodiscard]] const enforce::Gate* gate_of(std::size_t port) const;
-  enforce::Gate* gate_of(std::size_t port);
-  [[nodiscard]] bool is_described(int ifindex) const;
   struct WatchedSlot {
     const enforce::Gate* gate;
     std::uint16_t number;
     core::Watching expected;
   };
   [[nodiscard]] std::optional<WatchedSlot> watched_slot(const core::GateState& rules) const;
+  /// Puts the gate in place that a port needs, unless it is there.
+  Result<void> hold(const net::Link& link, core::NetworkKind kind, core::Profile profile);
+  Result<void> hold_can(const enforce::GateConfig& config);
+  Result<void> hold_ethernet(const enforce::EtherConfig& config);
+  [[nodiscard]] const enforce::PortGate* gate_of(std::size_t port) const;
+  enforce::PortGate* gate_of(std::size_t port);
+  /// The gate of a port on a CAN network.
+  [[nodiscard]] enforce::Gate* can_gate_of(std::size_t port) const;
+  [[nodiscard]] bool is_to_be_gated(int ifindex) const;
 
   net::Links& links_;
   enforce::Control& control_;
@@ -148,7 +175,8 @@ class Ports {
   net::FactsOf facts_of_;
   Tell tell_;
   std::vector<PortState> ports_;
-  std::map<int, enforce::Gate> gates_;  ///< by ifindex
+  std::size_t ether_slots_ = 0;  ///< that Ethernet gates must have room for
+  std::map<int, Held> gates_;    ///< by ifindex
 };
 
 }  // namespace mlcca

@@ -28,7 +28,7 @@ control::Watch report_of(const core::Watching& expected, const enforce::Arrivals
 /// The slot that the events of a delivery enter by, if they are watched.
 std::optional<Ports::WatchedSlot> Ports::watched_slot(const core::GateState& rules) const {
   for (const core::GateRule& rule : rules) {
-    const enforce::Gate* gate = gate_of(rule.entry.port);
+    const enforce::Gate* gate = can_gate_of(rule.entry.port);
     const auto slot = slot_of(rule);
     if (gate == nullptr || !slot || slot->period == 0) continue;
     if (const auto number = gate->number_of(*slot))
@@ -50,7 +50,7 @@ Result<void> Ports::tell_again(const core::GateState& rules) const {
 
 bool Ports::is_of(const gate_event& event, const core::GateState& rules) const {
   return std::ranges::any_of(rules, [&](const core::GateRule& rule) {
-    const enforce::Gate* gate = gate_of(rule.entry.port);
+    const enforce::Gate* gate = can_gate_of(rule.entry.port);
     const auto slot = slot_of(rule);
     return gate != nullptr && slot && gate->ifindex() == event.ifindex &&
            rule.entry.subject == event.subject && gate->number_of(*slot) == event.slot;

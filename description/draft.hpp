@@ -94,7 +94,8 @@ struct NetworkDraft {
 
 struct PortDraft {
   std::string network;
-  core::Port port;            ///< without network
+  core::Port port;            ///< without network and sender
+  std::string sender;         ///< a user's name or number
   bool states_queue = false;  ///< something that is for CAN only
   ControlDraft control;
 };

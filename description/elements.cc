@@ -157,6 +157,7 @@ class PartReader {
     out.port.excess = core::words::kExcesses.or_first(e.attribute("excess"));
     out.port.origin = e.origin();
     out.control = control(e);
+    out.sender = text_of(e, "sender");
     out.states_queue = e.has("queue") || e.has("fifo-depth") || e.has("queue-length");
     return out;
   }

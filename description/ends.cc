@@ -58,6 +58,7 @@ class Ends {
       : draft_(draft), to_(to), problems_(problems), users_of_(users) {}
 
   void run() {
+    add_senders();
     place_components();
     to_.system.publishers.reserve(draft_.publishers.size());
     unnamed_publishers_.reset(to_.system.channels.size());
@@ -297,11 +298,15 @@ class Ends {
     };
     const auto& seat = end.seat;
     const auto& networks = to_.system.networks;
+    // Frames that carry the subject name no node.
+    const auto of_frames = [](const core::Network& n) {
+      return n.carries_subjects() ? Profile::none : n.profile;
+    };
     const auto spoken = [&](Profile profile) {
-      return std::ranges::find(networks, profile, &core::Network::profile) != networks.end();
+      return std::ranges::find(networks, profile, of_frames) != networks.end();
     };
     const Profile here =
-        place.kind == Place::Kind::network ? networks[place.index].profile : Profile::none;
+        place.kind == Place::Kind::network ? of_frames(networks[place.index]) : Profile::none;
     if (core::has_nodes(here) && !seat.node)
       say(FindingId::no_node, end.origin, "Publisher",
           fmt::format("attribute node is missing: on a network with profile {} it is {}",
@@ -350,14 +355,31 @@ class Ends {
           "remove it");
       return std::nullopt;
     }
+    const auto& uid = user_named(user);
+    if (uid) return *uid;
+    wrong(fmt::format("attribute user: {}", uid.error()));
+    return std::nullopt;
+  }
+
+  const std::expected<std::uint32_t, std::string>& user_named(const std::string& user) {
     auto& known = known_users_[user];
     if (!known)
       known = users_of_ == Users::of_this_machine
                   ? uid_of(user)
                   : static_cast<std::uint32_t>(known_users_.size());  // told apart, no more
-    if (*known) return **known;
-    wrong(fmt::format("attribute user: {}", known->error()));
-    return std::nullopt;
+    return *known;
+  }
+
+  void add_senders() {
+    for (const PortSender& s : to_.port_senders) {
+      core::Port& port = to_.system.gateways[s.gateway].ports[s.port];
+      const auto& uid = user_named(s.user);
+      if (uid)
+        port.sender = *uid;
+      else
+        say(FindingId::wrong_place, port.origin, "Port",
+            fmt::format("attribute sender: {}", uid.error()));
+    }
   }
 
   Draft& draft_;

@@ -278,7 +278,9 @@ constexpr auto kPortKeys = std::to_array<Key>({{"network", &type::kName, true},
                                                {"excess", &type::kExcess},
                                                {"control", &type::kControlKinds},
                                                {"control-rate", &type::kControlRate},
-                                               {"control-user", &type::kUserName}});
+                                               {"control-user", &type::kUserName},
+
+                                               {"sender", &type::kUserName}});
 constexpr ElementType kPort{.name = "Port", .steps = kPortSteps, .keys = kPortKeys};
 
 constexpr Children<1> kPortChild{{{"Port", &kPort}}};

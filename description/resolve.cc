@@ -206,6 +206,8 @@ void add_gateway(const GatewayDraft& from, Resolved& to, Users users, Problems& 
                                "network: remove them",
                                p.network),
                    FindingId::wrong_place);
+    if (!p.sender.empty())
+      to.port_senders.push_back({to.system.gateways.size() - 1, gateway.ports.size(), p.sender});
     auto& port = gateway.ports.emplace_back(p.port);
     port.network = *network;
     port.control =

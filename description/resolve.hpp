@@ -19,10 +19,18 @@ namespace mlcca::description {
 /// A user-defined attribute with composition survival counts in 1e-9, as PacketLoss does.
 inline constexpr int kSurvivalMagnitude = -9;
 
+/// Whose program sends at a port; users are looked up with those of publishers.
+struct PortSender {
+  std::size_t gateway = 0;
+  std::size_t port = 0;
+  std::string user;
+};
+
 /// The System with an index of its names. The indices refer to names in the draft or the System.
 struct Resolved {
   core::System system;
   std::vector<KnownUserAttribute> user_attributes;
+  std::vector<PortSender> port_senders;
   Index channels{"channel"};
   Index networks{"network"};
   Index gateways{"gateway"};

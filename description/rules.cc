@@ -339,9 +339,14 @@ void check_networks(const core::System& system, Problems& problems) {
     if (can && n.profile == Profile::none)
       problems.add(n.origin, "Network",
                    "a CAN network needs a Profile: raw, famouso, j1939, cyphal or canopen");
-    if (!can && n.profile != Profile::none)
+    const bool ethernet = n.kind == NetworkKind::udp_multicast || n.kind == NetworkKind::mesh;
+    if (!can && n.profile != Profile::none && n.profile != Profile::famouso)
       problems.add(n.origin, "Network",
-                   "only a CAN network has a Profile other than none: remove it");
+                   fmt::format("Profile {} is for CAN: remove it, or say famouso",
+                               core::words::kProfiles.of(n.profile)));
+    if (!can && !ethernet && n.profile == Profile::famouso)
+      problems.add(n.origin, "Network",
+                   "Profile famouso is for the kinds can, udp-multicast and mesh: remove it");
     check_bindings(system, n, problems);
   }
   check_count(system.networks, kMaxNetworks, "Network", "networks", problems);

@@ -72,9 +72,15 @@ Json traffic(const control::Traffic& t) {
 }
 
 Json unknown(const control::Unknown& u) {
-  return {{"can_id", u.can_id}, {"identifier", print_can_id(u.can_id)},
-          {"length", u.length}, {"fd", u.fd},
-          {"egress", u.egress}, {"frames", u.frames}};
+  Json out = {{"length", u.length}, {"egress", u.egress}, {"frames", u.frames}};
+  if (u.subject != 0) {
+    out["subject"] = core::format_subject(u.subject);
+    return out;
+  }
+  out["can_id"] = u.can_id;
+  out["identifier"] = print_can_id(u.can_id);
+  out["fd"] = u.fd;
+  return out;
 }
 
 Json interface(const control::Interface& i) {
@@ -88,6 +94,7 @@ Json interface(const control::Interface& i) {
           {"can_state", i.can_state},
           {"bitrate", i.bitrate == 0 ? Json() : Json(i.bitrate)},
           {"gated", i.gated},
+          {"drops_early", i.drops_early},
           {"slots", i.slots},
           {"ingress", traffic(i.ingress)},
           {"egress", traffic(i.egress)},

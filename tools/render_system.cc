@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/text.hpp"
 #include "tools/render.hpp"
 #include "tools/values.hpp"
 
@@ -28,7 +29,8 @@ Cell link(const control::Interface& interface) {
 
 Cell gate(const control::Interface& interface) {
   if (interface.ifindex == 0) return {};
-  return interface.gated ? Cell{"held", Style::good} : Cell{"NOT HELD", Style::bad};
+  if (!interface.gated) return {"NOT HELD", Style::bad};
+  return {interface.drops_early ? "held early" : "held", Style::good};
 }
 
 Style style_of_can_state(std::string_view state) {
@@ -89,6 +91,10 @@ std::string reasons(const std::vector<control::Interface>& all, Color color) {
   return table.empty() ? "" : "\nframes by reason\n" + table.text(color, "  ");
 }
 
+std::string name_of(const control::Unknown& frame) {
+  return frame.subject != 0 ? core::format_subject(frame.subject) : print_can_id(frame.can_id);
+}
+
 std::string unknown_frames(const std::vector<control::Interface>& all, Color color) {
   Table table({{"INTERFACE"},
                {"DIRECTION"},
@@ -100,8 +106,10 @@ std::string unknown_frames(const std::vector<control::Interface>& all, Color col
     for (const auto& frame : one.unknown)
       table.add({{one.name},
                  {frame.egress ? "out" : "in"},
-                 {print_can_id(frame.can_id)},
-                 {frame.fd ? "FD" : "classic"},
+                 {name_of(frame)},
+                 {frame.subject != 0 ? "datagram"
+                  : frame.fd         ? "FD"
+                                     : "classic"},
                  number(frame.length),
                  number(frame.frames)});
   return table.empty() ? "" : "\nunknown frames, last seen first\n" + table.text(color, "  ");

@@ -133,6 +133,7 @@ void add_gateway(std::set<std::string>& out, std::size_t i, const core::Gateway&
     out.insert(fmt::format("queue: {} {} {} {} {}", i, n,
                            port.queueing == core::Queueing::priority ? "priority" : "fifo",
                            port.fifo_depth, port.queue_length));
+    if (port.sender) out.insert(fmt::format("sender: {} {} {}", i, n, *port.sender));
     if (port.excess == core::Excess::pass) out.insert(fmt::format("excess: {} {} pass", i, n));
   }
 }
