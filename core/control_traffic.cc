@@ -168,6 +168,7 @@ GateState control_rules(const System& system, std::size_t gateway) {
   const auto& ports = system.gateways[gateway].ports;
   for (std::size_t p = 0; p < ports.size(); ++p) {
     const Network& network = system.networks[ports[p].network];
+    if (network.kind != NetworkKind::can) continue;  // UDP and AWDS need no frames beside events
     const auto kinds = control_kinds(network.profile);
     for (std::size_t k = 0; k < kinds.size(); ++k)
       for (const ControlFrames& frames : kinds[k].frames)

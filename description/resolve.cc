@@ -157,7 +157,7 @@ core::ControlPolicy control_policy(const ControlDraft& from, const core::Network
     problems.add(origin, element, text, FindingId::wrong_place);
   };
   if (!from.states_something()) return {};
-  if (core::control_kinds(network.profile).empty()) {
+  if (network.carries_subjects() || core::control_kinds(network.profile).empty()) {
     say(fmt::format(
         "{} has no control traffic: remove control, control-rate and control-user, which "
         "are for profiles famouso, j1939, cyphal and canopen",

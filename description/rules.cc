@@ -14,6 +14,7 @@
 
 #include "core/medium.hpp"
 #include "core/profile.hpp"
+#include "core/words.hpp"
 #include "description/names.hpp"
 
 namespace mlcca::description {

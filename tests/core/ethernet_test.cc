@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/control_traffic.hpp"
 #include "core/medium.hpp"
 #include "core/plan.hpp"
 #include "tests/core/robot.hpp"
@@ -100,6 +101,12 @@ TEST(EthernetTest, TheLargestEventFits) {
   EXPECT_EQ(State(system).decisions()[0].verdicts[0].obstacle, Obstacle::none);
   system.publishers[0].attributes.set(Attribute::max_payload, 65'536);
   EXPECT_EQ(State(system).decisions()[0].verdicts[0].obstacle, Obstacle::too_long);
+}
+
+TEST(EthernetTest, HasNoControlTrafficOfCan) {
+  const System system = from_ethernet();
+  for (const GateRule& rule : control_rules(system, kBridge)) EXPECT_EQ(rule.entry.port, kRobotCan);
+  EXPECT_FALSE(control_rules(system, kBridge).empty()) << "CAN has some";
 }
 
 TEST(EthernetTest, WithoutAProfileNothingIsGated) {
