@@ -23,7 +23,7 @@ bool Ports::can_have_gate(const PortState& port, const net::Link& link) {
 Result<void> Ports::hold(const net::Link& link, core::NetworkKind kind, core::Profile profile) {
   const auto ifindex = static_cast<std::uint32_t>(link.ifindex);
   if (kind == core::NetworkKind::can && !enforce::is_ethernet(ifindex))
-    return hold_can({ifindex, link.name, profile, link.kind == "can"});
+    return hold_can({ifindex, link.name, profile, link.kind == "can", {}});
   return hold_ethernet({ifindex, link.name, ether_slots_});
 }
 

@@ -30,7 +30,6 @@ namespace mlcca::enforce {
 namespace {
 
 /// Egress first: what a half-finished start leaves open is the way in, not the way out.
-constexpr std::array kBoth = {Direction::egress, Direction::ingress};
 
 std::string pin_of(const std::string& directory, Direction direction) {
   return directory + (direction == Direction::ingress ? "/ingress" : "/egress");
@@ -63,7 +62,7 @@ bool is_attached(const std::string& pin, std::uint32_t attached, int table) {
 
 Result<bool> is_in_force(const std::string& directory, std::uint32_t ifindex, int table) {
   bool in_force = false;
-  for (const auto direction : kBoth) {
+  for (const auto direction : kBothDirections) {
     const auto attached = program_in_place(ifindex, direction);
     if (!attached) return std::unexpected(attached.error());
     const std::string pin = pin_of(directory, direction);
@@ -149,7 +148,7 @@ Result<void> EtherGate::State::pin_all() const {
   if (!reused) {
     // The program in the driver keeps its name: it is replaced by it.
     for (std::size_t n = 0; n < kEtherMaps.size(); ++n) remove_pin(map_pin(directory, n));
-    for (const auto direction : kBoth) remove_pin(pin_of(directory, direction));
+    for (const auto direction : kBothDirections) remove_pin(pin_of(directory, direction));
   }
   if (auto made = make_pin_directory(directory); !made) return made;
   const auto pin_new = [](int fd, const std::string& path) -> Result<void> {
@@ -160,7 +159,7 @@ Result<void> EtherGate::State::pin_all() const {
   };
   for (std::size_t n = 0; !reused && n < kEtherMaps.size(); ++n)
     if (auto done = pin_new(programs.map_fd(n), map_pin(directory, n)); !done) return done;
-  for (const auto direction : kBoth)
+  for (const auto direction : kBothDirections)
     if (auto done = pin_new(programs.program_fd(direction), next(pin_of(directory, direction)));
         !done)
       return done;
@@ -169,15 +168,15 @@ Result<void> EtherGate::State::pin_all() const {
 
 Result<void> EtherGate::State::put_all_in_place() const {
   if (auto made = make_hooks(config.ifindex); !made) return made;
-  for (const auto direction : kBoth)
-    if (auto put = put_in_place(config.ifindex, direction, programs.program_fd(direction)); !put)
+  for (const auto direction : kBothDirections)
+    if (auto put = put_filter(config.ifindex, direction, programs.program_fd(direction)); !put)
       return put;
   const auto id = [&](Direction d) { return program_info(programs.program_fd(d)).id; };
-  return verify_in_place(config.ifindex, id(Direction::ingress), id(Direction::egress));
+  return verify_filters(config.ifindex, id(Direction::ingress), id(Direction::egress));
 }
 
 Result<void> EtherGate::State::name_all() const {
-  for (const auto direction : kBoth) {
+  for (const auto direction : kBothDirections) {
     const std::string pin = pin_of(directory, direction);
     if (auto named = rename_pin(next(pin), pin); !named) return named;
   }
@@ -253,13 +252,28 @@ const std::string& EtherGate::name() const { return state_->config.name; }
 bool EtherGate::drops_early() const { return state_->early; }
 
 Result<bool> EtherGate::attached() const {
-  for (const auto direction : kBoth) {
+  for (const auto direction : kBothDirections) {
     const auto id = program_in_place(state_->config.ifindex, direction);
     if (!id) return std::unexpected(id.error());
     if (*id != program_info(state_->programs.program_fd(direction)).id) return false;
   }
   return !state_->early ||
          early_program(state_->config.ifindex) == program_info(state_->programs.early_fd()).id;
+}
+
+Hook EtherGate::hook() const { return Hook::clsact; }
+
+Result<std::vector<Ahead>> EtherGate::ahead() const {
+  return tcx_ahead({state_->config.ifindex, {}, Hook::clsact});
+}
+
+Result<void> EtherGate::go_first() {
+  for (const auto direction : kBothDirections)
+    if (auto put = put_filter_first(state_->config.ifindex, direction,
+                                    state_->programs.program_fd(direction));
+        !put)
+      return put;
+  return {};
 }
 
 Result<void> EtherGate::reattach() {

@@ -35,6 +35,10 @@ class EtherGate final : public PortGate {
   [[nodiscard]] const std::string& name() const override;
   [[nodiscard]] Result<bool> attached() const override;
   Result<void> reattach() override;
+  /// clsact: other Ethernet traffic is not ours to judge, so a TCX program may well be in front.
+  [[nodiscard]] Hook hook() const override;
+  [[nodiscard]] Result<std::vector<Ahead>> ahead() const override;
+  Result<void> go_first() override;
   [[nodiscard]] bool drops_early() const override;
   Result<void> apply(const SlotChanges& changes) override;
   [[nodiscard]] std::vector<SlotSpec> present() const override;

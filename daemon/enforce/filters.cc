@@ -24,11 +24,22 @@ const char* name(Direction direction) {
   return direction == Direction::ingress ? "ingress filter" : "egress filter";
 }
 
-int attach(std::uint32_t ifindex, Direction direction, int program_fd, std::uint32_t flags) {
+/// Holds our place while our filter goes to the head of its priority.
+constexpr std::uint32_t kDeputy = GATE_TC_HANDLE + 1;
+
+int attach(std::uint32_t ifindex, Direction direction, int program_fd, std::uint32_t flags,
+           std::uint32_t handle = GATE_TC_HANDLE) {
   const auto hook = hook_of(ifindex, direction);
   LIBBPF_OPTS(bpf_tc_opts, options, .prog_fd = program_fd, .flags = flags, .prog_id = 0,
-              .handle = GATE_TC_HANDLE, .priority = GATE_TC_PRIORITY);
+              .handle = handle, .priority = GATE_TC_PRIORITY);
   return bpf_tc_attach(&hook, &options);
+}
+
+int detach(std::uint32_t ifindex, Direction direction, std::uint32_t handle) {
+  const auto hook = hook_of(ifindex, direction);
+  LIBBPF_OPTS(bpf_tc_opts, options, .prog_fd = 0, .flags = 0, .prog_id = 0, .handle = handle,
+              .priority = GATE_TC_PRIORITY);
+  return bpf_tc_detach(&hook, &options);
 }
 
 }  // namespace
@@ -55,14 +66,15 @@ Result<void> make_hooks(std::uint32_t ifindex) {
   return {};
 }
 
-Result<void> put_in_place(std::uint32_t ifindex, Direction direction, int program_fd) {
+Result<void> put_filter(std::uint32_t ifindex, Direction direction, int program_fd) {
   const Complaints complaints;
   const int error = attach(ifindex, direction, program_fd, BPF_TC_F_REPLACE);
   if (error != 0) return complaints.error(name(direction), error);
+  detach(ifindex, direction, kDeputy);  // of a daemon that ended in put_filter_first()
   return {};
 }
 
-Result<bool> put_in_empty_place(std::uint32_t ifindex, Direction direction, int program_fd) {
+Result<bool> put_filter_if_empty(std::uint32_t ifindex, Direction direction, int program_fd) {
   const Complaints complaints;
   const int error = attach(ifindex, direction, program_fd, 0);
   if (error == -EEXIST) return false;
@@ -70,7 +82,21 @@ Result<bool> put_in_empty_place(std::uint32_t ifindex, Direction direction, int 
   return true;
 }
 
-Result<void> verify_in_place(std::uint32_t ifindex, std::uint32_t ingress, std::uint32_t egress) {
+/// The kernel puts a new filter at the head of its priority, and one that replaces another where
+/// that was.
+Result<void> put_filter_first(std::uint32_t ifindex, Direction direction, int program_fd) {
+  const Complaints complaints;
+  detach(ifindex, direction, kDeputy);
+  for (const std::uint32_t handle : {kDeputy, std::uint32_t{GATE_TC_HANDLE}}) {
+    if (handle == GATE_TC_HANDLE) detach(ifindex, direction, handle);
+    if (const int error = attach(ifindex, direction, program_fd, 0, handle); error != 0)
+      return complaints.error(name(direction), error);
+  }
+  detach(ifindex, direction, kDeputy);
+  return {};
+}
+
+Result<void> verify_filters(std::uint32_t ifindex, std::uint32_t ingress, std::uint32_t egress) {
   const auto in = program_in_place(ifindex, Direction::ingress);
   if (!in) return std::unexpected(in.error());
   const auto out = program_in_place(ifindex, Direction::egress);
@@ -78,8 +104,13 @@ Result<void> verify_in_place(std::uint32_t ifindex, std::uint32_t ingress, std::
   if (*in == ingress && *out == egress) return {};
   return fail(
       "the filters are not where they were put: remove the qdisc that stands in the place of "
-      "clsact "
-      "(tc qdisc show; tc qdisc del dev … ingress)");
+      "clsact (tc qdisc show; tc qdisc del dev … ingress)");
+}
+
+void remove_filter(std::uint32_t ifindex, Direction direction) {
+  const Complaints complaints;
+  detach(ifindex, direction, GATE_TC_HANDLE);
+  detach(ifindex, direction, kDeputy);
 }
 
 }  // namespace mlcca::enforce

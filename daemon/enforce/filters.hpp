@@ -15,12 +15,15 @@ Result<std::uint32_t> program_in_place(std::uint32_t ifindex, Direction directio
 Result<void> make_hooks(std::uint32_t ifindex);
 
 /// Puts a program in our place, instead of what is there.
+Result<void> put_filter(std::uint32_t ifindex, Direction direction, int program_fd);
+/// Only where our place is empty: false when it is not.
+Result<bool> put_filter_if_empty(std::uint32_t ifindex, Direction direction, int program_fd);
+/// Before other filters of our priority. For a moment there are two of ours.
+Result<void> put_filter_first(std::uint32_t ifindex, Direction direction, int program_fd);
 /// Both programs are in our places, each in its own. They are not where an `ingress` qdisc instead
 /// of clsact takes the egress filter for an ingress one.
-Result<void> verify_in_place(std::uint32_t ifindex, std::uint32_t ingress, std::uint32_t egress);
-
-Result<void> put_in_place(std::uint32_t ifindex, Direction direction, int program_fd);
-/// Only where our place is empty: false when it is not.
-Result<bool> put_in_empty_place(std::uint32_t ifindex, Direction direction, int program_fd);
+Result<void> verify_filters(std::uint32_t ifindex, std::uint32_t ingress, std::uint32_t egress);
+/// Ours, if it is there.
+void remove_filter(std::uint32_t ifindex, Direction direction);
 
 }  // namespace mlcca::enforce

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 #include <net/if.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -19,7 +20,7 @@
 #include "daemon/enforce/ether_gate.hpp"
 #include "daemon/enforce/ether_programs.hpp"
 #include "daemon/enforce/failure.hpp"
-#include "daemon/enforce/filters.hpp"
+#include "daemon/enforce/gate_pins.hpp"
 #include "daemon/enforce/grace_period.hpp"
 #include "daemon/enforce/mapped.hpp"
 #include "daemon/enforce/pins.hpp"
@@ -28,23 +29,6 @@
 
 namespace mlcca::enforce {
 namespace {
-
-/// Egress first: what a half-finished start leaves open is the way in, not the way out.
-constexpr std::array kBoth = {Direction::egress, Direction::ingress};
-
-std::string directory_of(const Control& control, std::uint32_t ifindex) {
-  return fmt::format("{}/if{}", control.directory(), ifindex);
-}
-
-std::string program_pin(const std::string& directory, Direction direction) {
-  return directory + (direction == Direction::ingress ? "/ingress" : "/egress");
-}
-std::string next_pin(const std::string& directory, Direction direction) {
-  return program_pin(directory, direction) + "_next";
-}
-std::string table_pin(const std::string& directory) { return directory + "/table"; }
-std::string cpus_pin(const std::string& directory) { return directory + "/cpus"; }
-std::string watchmen_pin(const std::string& directory) { return directory + "/watchmen"; }
 
 std::uint32_t gate_profile_of(core::Profile profile) {
   switch (profile) {
@@ -83,18 +67,20 @@ Result<GateMaps> maps_in_force(const std::string& directory, const ProgramConfig
       !is_mappable_array(maps.cpus.get(), sizeof(gate_cpu), possible_cpus()))
     return GateMaps{};
   bool in_force = false;
-  for (const auto direction : kBoth) {
-    const auto attached = program_in_place(config.ifindex, direction);
+  for (const auto hook : {Hook::tcx, Hook::clsact}) {
+    const auto attached = in_place({config.ifindex, directory, hook});
     if (!attached) return std::unexpected(attached.error());
-    if (is_attached(next_pin(directory, direction), *attached, maps)) {
-      // A crash came between attaching and renaming.
-      if (auto named =
-              rename_pin(next_pin(directory, direction), program_pin(directory, direction));
-          !named)
-        return std::unexpected(named.error());
-      in_force = true;
+    for (const auto direction : kBothDirections) {
+      if (is_attached(next_pin(directory, direction), attached->of(direction), maps)) {
+        // A crash came between attaching and renaming.
+        if (auto named =
+                rename_pin(next_pin(directory, direction), program_pin(directory, direction));
+            !named)
+          return std::unexpected(named.error());
+      }
+      in_force =
+          in_force || is_attached(program_pin(directory, direction), attached->of(direction), maps);
     }
-    in_force = in_force || is_attached(program_pin(directory, direction), *attached, maps);
   }
   const Mapped<gate_table> table(maps.table.get(), 1);
   if (!in_force || !table || table[0].profile != config.profile) return GateMaps{};
@@ -105,7 +91,8 @@ Result<GateMaps> maps_in_force(const std::string& directory, const ProgramConfig
 
 struct Gate::State {
   GateConfig config;
-  std::string directory;
+  Place place;
+  int control_map;
   Programs programs;
   Mapped<gate_cpu> cpus;
   SlotTable slots;
@@ -115,22 +102,23 @@ struct Gate::State {
   [[nodiscard]] std::uint32_t program_id(Direction direction) const {
     return program_info(programs.program_fd(direction)).id;
   }
+  [[nodiscard]] Result<bool> in_force() const;
   [[nodiscard]] Result<void> pin_all() const;
   [[nodiscard]] Result<void> put_all_in_place() const;
   Result<void> watch(const Control& control);
   Result<void> arm_what_is_new();
+  [[nodiscard]] Result<void> name_all() const;
 
-  static Result<std::unique_ptr<State>> load(const GateConfig& config, const Control& control,
-                                             const GateMaps& maps);
+  static Result<std::unique_ptr<State>> load(const GateConfig& config, const Place& place,
+                                             int control_map, const GateMaps& maps);
 };
 
-Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
-                                                       const Control& control,
-                                                       const GateMaps& maps) {
+Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config, const Place& place,
+                                                       int control_map, const GateMaps& maps) {
   const ProgramConfig knobs{.ifindex = config.ifindex,
                             .profile = gate_profile_of(config.profile),
                             .echo_by_mark = config.echo_by_mark};
-  auto programs = Programs::load(knobs, control.map_fd(), maps);
+  auto programs = Programs::load(knobs, control_map, maps);
   if (!programs) return std::unexpected(programs.error());
   Mapped<gate_cpu> cpus(programs->cpus_fd(), possible_cpus());
   if (!cpus) return failure("map the counters", errno);
@@ -139,7 +127,8 @@ Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
                                knobs.profile, fresh, wait_for_grace_period);
   if (!slots) return std::unexpected(slots.error());
   return std::make_unique<State>(State{.config = config,
-                                       .directory = directory_of(control, config.ifindex),
+                                       .place = place,
+                                       .control_map = control_map,
                                        .programs = std::move(*programs),
                                        .cpus = std::move(cpus),
                                        .slots = std::move(*slots),
@@ -147,8 +136,9 @@ Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
                                        .watchmen = std::nullopt});
 }
 
+/// Links stay: what they hold is in force until they get another program.
 Result<void> Gate::State::pin_all() const {
-  if (!reused) remove_pin_directory(directory);
+  const std::string& directory = place.directory;
   if (auto made = make_pin_directory(directory); !made) return made;
   const auto pin_new = [](int fd, const std::string& path) -> Result<void> {
     remove_pin(path);
@@ -157,10 +147,11 @@ Result<void> Gate::State::pin_all() const {
     return {};
   };
   if (!reused) {
+    remove_pin(watchmen_pin(directory));  // of a table that is not in force any more
     if (auto done = pin_new(programs.table_fd(), table_pin(directory)); !done) return done;
     if (auto done = pin_new(programs.cpus_fd(), cpus_pin(directory)); !done) return done;
   }
-  for (const auto direction : kBoth)
+  for (const auto direction : kBothDirections)
     if (auto done = pin_new(programs.program_fd(direction), next_pin(directory, direction)); !done)
       return done;
   return {};
@@ -171,7 +162,7 @@ Result<void> Gate::State::watch(const Control& control) {
   auto loaded = Watchmen::load(
       config.ifindex,
       {.table = programs.table_fd(), .control = control.map_fd(), .events = control.events_fd()},
-      watchmen_pin(directory));
+      watchmen_pin(place.directory));
   if (!loaded) return std::unexpected(loaded.error());
   watchmen = std::move(*loaded);
   for (const auto slot : slots.watched())
@@ -179,35 +170,55 @@ Result<void> Gate::State::watch(const Control& control) {
   return {};
 }
 
+Result<bool> Gate::State::in_force() const {
+  const auto there = in_place(place);
+  if (!there) return std::unexpected(there.error());
+  return std::ranges::all_of(kBothDirections,
+                             [&](Direction d) { return there->of(d) == program_id(d); });
+}
+
 Result<void> Gate::State::put_all_in_place() const {
-  if (auto made = make_hooks(config.ifindex); !made) return made;
-  for (const auto direction : kBoth)
-    if (auto put = put_in_place(config.ifindex, direction, programs.program_fd(direction)); !put)
-      return put;
-  return verify_in_place(config.ifindex, program_id(Direction::ingress),
-                         program_id(Direction::egress));
+  for (const auto direction : kBothDirections)
+    if (auto put = put_in_place(place, direction, programs.program_fd(direction)); !put) return put;
+  const auto there = in_force();
+  if (!there) return std::unexpected(there.error());
+  if (!*there)
+    return fail(
+        "the programs are not where they were put: remove the qdisc that stands in the place of "
+        "clsact (tc qdisc show; tc qdisc del dev … ingress)");
+  Place other = place;
+  other.hook = place.hook == Hook::tcx ? Hook::clsact : Hook::tcx;
+  withdraw(other);
+  return {};
+}
+
+Result<void> Gate::State::name_all() const {
+  for (const auto direction : kBothDirections)
+    if (auto named = rename_pin(next_pin(place.directory, direction),
+                                program_pin(place.directory, direction));
+        !named)
+      return named;
+  return {};
 }
 
 Result<Gate> Gate::attach(const GateConfig& config, const Control& control) {
   const auto in_context = [&](const Error& error) {
     return fail(fmt::format("gate of {}: {}", config.name, error.text));
   };
-  const std::string directory = directory_of(control, config.ifindex);
+  const Place place{config.ifindex, gate_directory(control.directory(), config.ifindex),
+                    config.hook.value_or(best_hook())};
   const ProgramConfig knobs{.ifindex = config.ifindex, .profile = gate_profile_of(config.profile)};
-  auto maps = maps_in_force(directory, knobs);
+  auto maps = maps_in_force(place.directory, knobs);
   if (!maps) return in_context(maps.error());
-  auto state = State::load(config, control, *maps);
+  auto state = State::load(config, place, control.map_fd(), *maps);
   // Maps that make no sense are not worth keeping: start closed.
-  if (!state && maps->table) state = State::load(config, control, GateMaps{});
+  if (!state && maps->table) state = State::load(config, place, control.map_fd(), GateMaps{});
   if (!state) return in_context(state.error());
 
   if (auto pinned = (*state)->pin_all(); !pinned) return in_context(pinned.error());
   if (auto watched = (*state)->watch(control); !watched) return in_context(watched.error());
   if (auto put = (*state)->put_all_in_place(); !put) return in_context(put.error());
-  for (const auto direction : kBoth)
-    if (auto named = rename_pin(next_pin(directory, direction), program_pin(directory, direction));
-        !named)
-      return in_context(named.error());
+  if (auto named = (*state)->name_all(); !named) return in_context(named.error());
   return Gate(std::move(*state));
 }
 
@@ -221,18 +232,37 @@ std::uint32_t Gate::ifindex() const { return state_->config.ifindex; }
 const std::string& Gate::name() const { return state_->config.name; }
 bool Gate::reused() const { return state_->reused; }
 
-Result<bool> Gate::attached() const {
-  for (const auto direction : kBoth) {
-    const auto id = program_in_place(state_->config.ifindex, direction);
-    if (!id) return std::unexpected(id.error());
-    if (*id != state_->program_id(direction)) return false;
-  }
-  return true;
+Hook Gate::hook() const { return state_->place.hook; }
+Result<bool> Gate::attached() const { return state_->in_force(); }
+
+/// A link whose name was removed ends a little later, and its program cannot be put there again
+/// before that: a copy can.
+Result<void> Gate::reattach() {
+  const auto put = state_->put_all_in_place();
+  if (put) return {};
+  if (state_->place.hook == Hook::tcx) return go_first();
+  return fail(fmt::format("gate of {}: {}", name(), put.error().text));
 }
 
-Result<void> Gate::reattach() {
-  if (auto put = state_->put_all_in_place(); !put)
-    return fail(fmt::format("gate of {}: {}", name(), put.error().text));
+Result<std::vector<Ahead>> Gate::ahead() const { return tcx_ahead(state_->place); }
+
+/// A program can't be in the order of TCX twice: a copy of it takes its place.
+Result<void> Gate::go_first() {
+  const auto in_context = [&](const Error& error) {
+    return fail(fmt::format("gate of {}: {}", name(), error.text));
+  };
+  const GateMaps maps{.table = Fd(::dup(state_->programs.table_fd())),
+                      .cpus = Fd(::dup(state_->programs.cpus_fd()))};
+  auto copy = State::load(state_->config, state_->place, state_->control_map, maps);
+  if (!copy) return in_context(copy.error());
+  if (auto pinned = (*copy)->pin_all(); !pinned) return in_context(pinned.error());
+  for (const auto direction : kBothDirections)
+    if (auto put = put_first(state_->place, direction, (*copy)->programs.program_fd(direction));
+        !put)
+      return in_context(put.error());
+  if (auto named = (*copy)->name_all(); !named) return in_context(named.error());
+  (*copy)->watchmen = std::move(state_->watchmen);  // they look at the same table
+  state_ = std::move(*copy);
   return {};
 }
 
@@ -293,7 +323,7 @@ ReasonCounters Gate::reasons(Direction direction) const {
 }
 std::vector<UnknownFrame> Gate::unknown() const { return unknown_frames(state_->cpus.span()); }
 
-void Gate::unpin() { remove_pin_directory(state_->directory); }
+void Gate::unpin() { remove_pin_directory(state_->place.directory); }
 
 Result<void> unpin_vanished(const Control& control) {
   std::error_code error;
@@ -315,67 +345,65 @@ Result<void> unpin_vanished(const Control& control) {
 
 namespace {
 
-/// Ids of the programs in our two places, 0 for none.
-struct InPlace {
-  std::uint32_t ingress = 0;
-  std::uint32_t egress = 0;
-  /// One program in both means an ingress qdisc, which has no egress hook.
-  [[nodiscard]] bool is_gate() const { return ingress != 0 && egress != 0 && ingress != egress; }
-};
-
-Result<InPlace> in_place(std::uint32_t ifindex) {
-  const auto in = program_in_place(ifindex, Direction::ingress);
-  if (!in) return std::unexpected(in.error());
-  const auto out = program_in_place(ifindex, Direction::egress);
-  if (!out) return std::unexpected(out.error());
-  return InPlace{.ingress = *in, .egress = *out};
+Result<bool> has_gate(Place place) {
+  for (const auto hook : {Hook::tcx, Hook::clsact}) {
+    place.hook = hook;
+    const auto there = in_place(place);
+    if (!there) return std::unexpected(there.error());
+    if (there->is_gate()) return true;
+  }
+  return false;
 }
 
-/// Puts programs where none are. For an interface that has nothing that is worth keeping: nothing
-/// is pinned for it.
-Result<Closing> put_closed(std::uint32_t ifindex, const auto& programs) {
-  if (auto made = make_hooks(ifindex); !made) return std::unexpected(made.error());
+/// Puts programs where none are. For an interface that has nothing that is worth keeping: of its
+/// programs and maps nothing is pinned.
+Result<Closing> put_closed(const Place& place, const auto& programs) {
   auto closing = Closing::was_gated;
-  for (const auto direction : kBoth) {
-    const auto put = put_in_empty_place(ifindex, direction, programs.program_fd(direction));
+  for (const auto direction : kBothDirections) {
+    const auto put = put_in_empty_place(place, direction, programs.program_fd(direction));
     if (!put) return std::unexpected(put.error());
     if (*put) closing = Closing::closed;
   }
   return closing;
 }
 
-/// Of an Ethernet interface, what carries events alone.
-Result<Closing> put_closed(std::uint32_t ifindex, const Control& control) {
-  if (is_ethernet(ifindex)) {
-    const auto programs = EtherPrograms::load(ifindex, EtherSizes::for_slots(0, possible_cpus()),
-                                              control.map_fd(), {});
+/// Of an Ethernet interface, what carries events alone. By clsact where no link can be pinned.
+Result<Closing> put_closed(Place place, const Control& control) {
+  if (is_ethernet(place.ifindex)) {
+    const auto programs = EtherPrograms::load(
+        place.ifindex, EtherSizes::for_slots(0, possible_cpus()), control.map_fd(), {});
     if (!programs) return std::unexpected(programs.error());
-    return put_closed(ifindex, *programs);
+    place.hook = Hook::clsact;
+    return put_closed(place, *programs);
   }
-  const auto programs = Programs::load({.ifindex = ifindex}, control.map_fd(), {});
+  const auto programs = Programs::load({.ifindex = place.ifindex}, control.map_fd(), {});
   if (!programs) return std::unexpected(programs.error());
-  return put_closed(ifindex, *programs);
+  if (place.hook == Hook::tcx && !make_pin_directory(place.directory)) place.hook = Hook::clsact;
+  return put_closed(place, *programs);
 }
 
 }  // namespace
 
-Result<Closing> close_interface(const std::string& name, const std::string& root) {
+Result<Closing> close_interface(const std::string& name, const std::string& root,
+                                std::optional<Hook> hook) {
   const auto in_context = [&](const Error& error) {
     return fail(fmt::format("close {}: {}", name, error.text));
   };
   const std::uint32_t ifindex = if_nametoindex(name.c_str());
   if (ifindex == 0) return failure("close " + name, errno);
-  const auto before = in_place(ifindex);
-  if (!before) return in_context(before.error());
-  if (before->is_gate()) return Closing::was_gated;
-
   const auto control = Control::create(root);
   if (!control) return in_context(control.error());
-  auto closing = put_closed(ifindex, *control);
+  const Place place{ifindex, gate_directory(control->directory(), ifindex),
+                    hook.value_or(best_hook())};
+  const auto before = has_gate(place);
+  if (!before) return in_context(before.error());
+  if (*before) return Closing::was_gated;
+
+  auto closing = put_closed(place, *control);
   if (!closing) return in_context(closing.error());
-  const auto after = in_place(ifindex);
+  const auto after = has_gate(place);
   if (!after) return in_context(after.error());
-  if (!after->is_gate())
+  if (!*after)
     return fail(fmt::format(
         "close {0}: an ingress qdisc stands in the place of clsact: tc qdisc del dev {0} ingress",
         name));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gate of one interface: two tc filters of ours and the memory they obey.
+// The gate of one interface: two programs of ours in its hooks and the memory they obey.
 // Closing the object leaves the gate in the kernel as it is.
 #pragma once
 #include <cstdint>
@@ -12,6 +12,7 @@
 
 #include "core/result.hpp"
 #include "core/system.hpp"
+#include "daemon/enforce/attachment.hpp"
 #include "daemon/enforce/control.hpp"
 #include "daemon/enforce/counters.hpp"
 #include "daemon/enforce/port_gate.hpp"
@@ -27,15 +28,17 @@ struct GateConfig {
   /// The device gives every frame it has sent back through ingress (IFF_ECHO: real controllers). Do
   /// not set it for a device whose frames come from another namespace (vxcan): marks cross there.
   bool echo_by_mark = false;
+  std::optional<Hook> hook;  ///< the best one that the kernel has
 };
 
 class Gate final : public PortGate {
  public:
-  /// Puts our filters in place, by replacement where they are there already, never by detaching.
-  /// The slots and counters of the filters that are attached now are taken over when their pins
-  /// and profile fit; otherwise the gate starts without slots, so that nothing stale passes.
-  /// Pins live in `control.directory()`/if<ifindex>. Acts in the calling thread's network
-  /// namespace. Errors: no such interface, no privilege, a foreign filter in our place.
+  /// Puts our programs in place, by replacement where they are there already; those that an earlier
+  /// daemon had in the other hook go after that. The slots and counters of what is attached now are
+  /// taken over when their pins and profile fit; otherwise the gate starts without slots, so that
+  /// nothing stale passes. Pins live in `control.directory()`/if<ifindex>. Acts in the calling
+  /// thread's network namespace. Errors: no such interface, no privilege, a foreign filter in our
+  /// place.
   static Result<Gate> attach(const GateConfig& config, const Control& control);
   Gate(Gate&&) noexcept;
   Gate& operator=(Gate&&) noexcept;
@@ -47,10 +50,13 @@ class Gate final : public PortGate {
   /// The slots of the gate that was attached before were taken over: see present().
   [[nodiscard]] bool reused() const;
 
-  /// Both filters are there now and are the programs of this object.
+  [[nodiscard]] Hook hook() const override;
+  /// Both programs are in their places now and are those of this object.
   [[nodiscard]] Result<bool> attached() const override;
   /// Puts the same programs back after somebody removed or replaced them; slots and counters stay.
   Result<void> reattach() override;
+  [[nodiscard]] Result<std::vector<Ahead>> ahead() const override;
+  Result<void> go_first() override;
 
   /// See SlotTable.
   Result<void> apply(const SlotChanges& changes) override;
@@ -104,7 +110,9 @@ enum class Closing : std::uint8_t {
 };
 
 /// For early boot and udev: puts a gate without slots on the interface unless one of ours is there.
-/// Never replaces a filter, so that it may race with the daemon.
-Result<Closing> close_interface(const std::string& name, const std::string& root);
+/// Never replaces a program, so that it may race with the daemon. By clsact where no link can be
+/// pinned.
+Result<Closing> close_interface(const std::string& name, const std::string& root,
+                                std::optional<Hook> hook = std::nullopt);
 
 }  // namespace mlcca::enforce

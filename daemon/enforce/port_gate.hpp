@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result.hpp"
+#include "daemon/enforce/attachment.hpp"
 #include "daemon/enforce/counters.hpp"
 #include "daemon/enforce/slots.hpp"
 
@@ -26,6 +27,11 @@ class PortGate {
   [[nodiscard]] virtual Result<bool> attached() const = 0;
   /// Puts the same programs back after somebody removed or replaced them; slots and counters stay.
   virtual Result<void> reattach() = 0;
+  [[nodiscard]] virtual Hook hook() const = 0;
+  /// TCX programs of others that may let frames pass before ours have seen them.
+  [[nodiscard]] virtual Result<std::vector<Ahead>> ahead() const = 0;
+  /// Puts our programs before all others of their hook; see enforce::put_first().
+  virtual Result<void> go_first() = 0;
   /// The driver drops what is refused before anything else sees it.
   [[nodiscard]] virtual bool drops_early() const { return false; }
 

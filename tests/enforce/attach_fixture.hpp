@@ -13,6 +13,7 @@
 #include "daemon/enforce/gate.hpp"
 #include "daemon/enforce/grace_period.hpp"
 #include "daemon/enforce/mapped.hpp"
+#include "daemon/enforce/tcx.hpp"
 #include "enforce/sandbox.hpp"
 
 namespace mlcca::enforce {
@@ -60,7 +61,7 @@ class Traffic {
             for (const auto id : ids) bus.inject(frame(id));
             ++rounds_;
             // The kernel's queue is finite: a frame lost there was not lost by the gate.
-            while (before + rounds_ * ids.size() - seen(gate) > 200) std::this_thread::yield();
+            while (before + rounds_ * ids.size() > seen(gate) + 200) std::this_thread::yield();
           }
         }) {}
   Traffic(const Traffic&) = delete;
@@ -80,9 +81,11 @@ class Traffic {
   std::thread thread_;
 };
 
-class Attach : public testing::Test {
+class AttachTo : public testing::Test {
  protected:
-  Attach() : root_(test::new_bpf_root()), control_(create(root_)) { control_.open(); }
+  explicit AttachTo(Hook hook) : hook_(hook), root_(test::new_bpf_root()), control_(create(root_)) {
+    control_.open();
+  }
 
   static Control create(const std::string& root) {
     auto control = Control::create(root);
@@ -94,6 +97,7 @@ class Attach : public testing::Test {
     config.ifindex = bus.ifindex();
     config.name = bus.name();
     config.profile = profile;
+    config.hook = hook_;
     auto gate = Gate::attach(config, control_);
     EXPECT_TRUE(gate) << gate.error().text;
     return std::move(*gate);
@@ -127,8 +131,28 @@ class Attach : public testing::Test {
     return control_.directory() + "/if" + std::to_string(bus.ifindex());
   }
 
+  Hook hook_;
   std::string root_;
   Control control_;
 };
+
+/// What has to hold in either hook.
+class Attach : public AttachTo, public testing::WithParamInterface<Hook> {
+ protected:
+  Attach() : AttachTo(GetParam()) {}
+};
+class Clsact : public AttachTo {
+ protected:
+  Clsact() : AttachTo(Hook::clsact) {}
+};
+/// Only where the kernel has it.
+class Tcx : public AttachTo, public testing::WithParamInterface<Hook> {
+ protected:
+  Tcx() : AttachTo(Hook::tcx) {}
+};
+inline std::vector<Hook> tcx_if_there() {
+  return kernel_has_tcx() ? std::vector{Hook::tcx} : std::vector<Hook>{};
+}
+inline std::string name_of(const testing::TestParamInfo<Hook>& hook) { return to_text(hook.param); }
 
 }  // namespace mlcca::enforce

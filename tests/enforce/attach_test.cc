@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The real gate on real interfaces: what passes, foreign filters, repair, closing.
 #include <gtest/gtest.h>
+#include <linux/pkt_cls.h>
 
 #include "daemon/enforce/gate.hpp"
 #include "enforce/attach_fixture.hpp"
@@ -8,7 +9,7 @@
 namespace mlcca::enforce {
 namespace {
 
-TEST_F(Attach, NewGateIsInPlaceAndEmpty) {
+TEST_P(Attach, NewGateIsInPlaceAndEmpty) {
   const Bus bus("bus0");
   const auto gate = attach(bus);
   EXPECT_TRUE(gate.attached().value());
@@ -18,7 +19,7 @@ TEST_F(Attach, NewGateIsInPlaceAndEmpty) {
   EXPECT_EQ(gate.ifindex(), bus.ifindex());
 }
 
-TEST_F(Attach, AdmittedFramePassesIngressAndNoOther) {
+TEST_P(Attach, AdmittedFramePassesIngressAndNoOther) {
   const Bus bus("bus0");
   const Program listener(bus);
   auto gate = attach(bus);
@@ -32,7 +33,7 @@ TEST_F(Attach, AdmittedFramePassesIngressAndNoOther) {
   EXPECT_EQ(gate.unknown().front().can_id, 0x124U);
 }
 
-TEST_F(Attach, BufferThatIsNoCanFrameIsMalformed) {
+TEST_P(Attach, BufferThatIsNoCanFrameIsMalformed) {
   const Bus bus("bus0");
   auto gate = attach(bus);
   // 72 bytes are an FD frame only under the FD protocol.
@@ -41,7 +42,7 @@ TEST_F(Attach, BufferThatIsNoCanFrameIsMalformed) {
   expect_ingress(gate, GATE_R_MALFORMED, 9);
 }
 
-TEST_F(Attach, ForwardedFrameLeavesWhereItsSourceIsGranted) {
+TEST_P(Attach, ForwardedFrameLeavesWhereItsSourceIsGranted) {
   const Bus from("from");
   const Bus to("to");
   auto ingress = attach(from);
@@ -57,7 +58,7 @@ TEST_F(Attach, ForwardedFrameLeavesWhereItsSourceIsGranted) {
   expect_egress(egress, GATE_R_UNKNOWN, 1);  // 0x124; the other never came here
 }
 
-TEST_F(Attach, ThirdBusDoesNotReachTheNetwork) {
+TEST_P(Attach, ThirdBusDoesNotReachTheNetwork) {
   const Bus from("from");
   const Bus third("third");
   const Bus to("to");
@@ -76,7 +77,7 @@ TEST_F(Attach, ThirdBusDoesNotReachTheNetwork) {
   expect_egress(egress, GATE_R_PASSED, 1);
 }
 
-TEST_F(Attach, BusWithoutAGateDoesNotReachTheNetwork) {
+TEST_F(Clsact, BusWithoutAGateDoesNotReachTheNetwork) {
   const Bus from("from");
   const Bus to("to");
   test::add_clsact(from);
@@ -87,7 +88,7 @@ TEST_F(Attach, BusWithoutAGateDoesNotReachTheNetwork) {
   expect_egress(egress, GATE_R_SOURCE, 1);
 }
 
-TEST_F(Attach, LocalProgramLeavesOnlyWhereItsUserIsGranted) {
+TEST_P(Attach, LocalProgramLeavesOnlyWhereItsUserIsGranted) {
   const Bus bus("bus0");
   auto gate = attach(bus);
   admit(gate, {user(out(0x123, 0), 1000), out(0x124, 0), out(0x125, 99)});
@@ -102,7 +103,7 @@ TEST_F(Attach, LocalProgramLeavesOnlyWhereItsUserIsGranted) {
   expect_egress(gate, GATE_R_SOURCE, 2);
 }
 
-TEST_F(Attach, ForeignFiltersAreLeftAlone) {
+TEST_F(Clsact, ForeignFiltersAreLeftAlone) {
   const Bus bus("bus0");
   test::add_clsact(bus);
   test::add_foreign_filter(bus, 7, 1);
@@ -118,7 +119,7 @@ TEST_F(Attach, ForeignFiltersAreLeftAlone) {
   EXPECT_EQ(test::filter_at(bus, true, GATE_TC_PRIORITY, 2), beside);
 }
 
-TEST_F(Attach, RemovedClsactIsNoticedAndRepaired) {
+TEST_F(Clsact, RemovedClsactIsNoticedAndRepaired) {
   const Bus bus("bus0");
   auto gate = attach(bus);
   admit(gate, {in(0x123)});
@@ -132,7 +133,7 @@ TEST_F(Attach, RemovedClsactIsNoticedAndRepaired) {
   expect_ingress(gate, GATE_R_UNKNOWN, 1);
 }
 
-TEST_F(Attach, OneRemovedFilterIsNoticedAndTheSlotsSurviveARestart) {
+TEST_F(Clsact, OneRemovedFilterIsNoticedAndTheSlotsSurviveARestart) {
   for (const bool ingress : {true, false}) {
     const Bus bus("bus0");
     {
@@ -148,7 +149,7 @@ TEST_F(Attach, OneRemovedFilterIsNoticedAndTheSlotsSurviveARestart) {
   }
 }
 
-TEST_F(Attach, FilterOfAnotherInOurPlaceIsNoticed) {
+TEST_F(Clsact, FilterOfAnotherInOurPlaceIsNoticed) {
   const Bus bus("bus0");
   auto gate = attach(bus);
   test::remove_our_filter(bus, true);
@@ -158,7 +159,7 @@ TEST_F(Attach, FilterOfAnotherInOurPlaceIsNoticed) {
   EXPECT_TRUE(gate.attached().value());
 }
 
-TEST_F(Attach, OneWordClosesEveryGate) {
+TEST_P(Attach, OneWordClosesEveryGate) {
   const Bus a("a");
   const Bus b("b");
   auto gate_a = attach(a);
@@ -175,7 +176,7 @@ TEST_F(Attach, OneWordClosesEveryGate) {
   expect_passed(gate_a, in(0x123), 1);
 }
 
-TEST_F(Attach, AuditLetsThroughWhatItCounts) {
+TEST_P(Attach, AuditLetsThroughWhatItCounts) {
   const Bus bus("bus0");
   const Program listener(bus);
   const auto gate = attach(bus);
@@ -185,7 +186,7 @@ TEST_F(Attach, AuditLetsThroughWhatItCounts) {
   expect_ingress(gate, GATE_R_UNKNOWN, 1);
 }
 
-TEST_F(Attach, DenyAllStopsEverythingAndKeepsTheGate) {
+TEST_P(Attach, DenyAllStopsEverythingAndKeepsTheGate) {
   const Bus bus("bus0");
   auto gate = attach(bus);
   admit(gate, {in(0x123)});
@@ -196,7 +197,7 @@ TEST_F(Attach, DenyAllStopsEverythingAndKeepsTheGate) {
   EXPECT_TRUE(gate.attached().value());
 }
 
-TEST_F(Attach, AbsentInterfaceIsAnErrorInWords) {
+TEST_P(Attach, AbsentInterfaceIsAnErrorInWords) {
   GateConfig config;
   config.ifindex = 31337;
   config.name = "nowhere";
@@ -206,46 +207,46 @@ TEST_F(Attach, AbsentInterfaceIsAnErrorInWords) {
   EXPECT_NE(gate.error().text.find("No such device"), std::string::npos) << gate.error().text;
 }
 
-TEST_F(Attach, CountersOfAnAbsentSlotAreNone) {
+TEST_P(Attach, CountersOfAnAbsentSlotAreNone) {
   const Bus bus("bus0");
   EXPECT_FALSE(attach(bus).counters(in(0x123)));
 }
 
-TEST_F(Attach, ClosedInterfaceDropsAndIsClosedOnce) {
+TEST_F(Clsact, ClosedInterfaceDropsAndIsClosedOnce) {
   const Bus bus("bus0");
   const Program local(bus);
-  EXPECT_EQ(close_interface("bus0", root_).value(), Closing::closed);
+  EXPECT_EQ(close_interface("bus0", root_, hook_).value(), Closing::closed);
   const auto ingress = test::filter_at(bus, true, GATE_TC_PRIORITY, GATE_TC_HANDLE);
   EXPECT_NE(ingress, 0U);
   EXPECT_FALSE(local.send(frame(0x123)));
-  EXPECT_EQ(close_interface("bus0", root_).value(), Closing::was_gated);
+  EXPECT_EQ(close_interface("bus0", root_, hook_).value(), Closing::was_gated);
   EXPECT_EQ(test::filter_at(bus, true, GATE_TC_PRIORITY, GATE_TC_HANDLE), ingress);
 }
 
-TEST_F(Attach, ClosingAGatedInterfaceChangesNothing) {
+TEST_P(Attach, ClosingAGatedInterfaceChangesNothing) {
   const Bus bus("bus0");
   auto gate = attach(bus);
   admit(gate, {in(0x123)});
-  EXPECT_EQ(close_interface("bus0", root_).value(), Closing::was_gated);
+  EXPECT_EQ(close_interface("bus0", root_, hook_).value(), Closing::was_gated);
   EXPECT_TRUE(gate.attached().value());
   bus.inject(frame(0x123));
   expect_passed(gate, in(0x123), 1);
 }
 
-TEST_F(Attach, ClosingFillsTheSideThatIsOpenOnly) {
+TEST_F(Clsact, ClosingFillsTheSideThatIsOpenOnly) {
   const Bus bus("bus0");
   auto gate = attach(bus);
   admit(gate, {in(0x123)});
   test::remove_our_filter(bus, false);
-  EXPECT_EQ(close_interface("bus0", root_).value(), Closing::closed);
+  EXPECT_EQ(close_interface("bus0", root_, hook_).value(), Closing::closed);
   bus.inject(frame(0x123));
   expect_passed(gate, in(0x123), 1);
   EXPECT_FALSE(Program(bus).send(frame(0x123)));
 }
 
-TEST_F(Attach, DaemonTakesOverAClosedInterface) {
+TEST_P(Attach, DaemonTakesOverAClosedInterface) {
   const Bus bus("bus0");
-  ASSERT_TRUE(close_interface("bus0", root_));
+  ASSERT_TRUE(close_interface("bus0", root_, hook_));
   auto gate = attach(bus);
   EXPECT_FALSE(gate.reused());
   EXPECT_TRUE(gate.attached().value());
@@ -254,11 +255,36 @@ TEST_F(Attach, DaemonTakesOverAClosedInterface) {
   expect_passed(gate, in(0x123), 1);
 }
 
-TEST_F(Attach, ClosingAnAbsentInterfaceIsAnErrorInWords) {
+TEST_P(Attach, ClosingAnAbsentInterfaceIsAnErrorInWords) {
   const auto closing = close_interface("nowhere", root_);
   ASSERT_FALSE(closing);
   EXPECT_NE(closing.error().text.find("close nowhere"), std::string::npos);
 }
+
+TEST_F(Clsact, ForeignFilterBeforeOursComesAfterItAgain) {
+  const Bus bus("bus0");
+  const Program listener(bus);
+  auto gate = attach(bus);
+  admit(gate, {in(0x123)});
+  test::add_foreign_filter(bus, GATE_TC_PRIORITY, 2, TC_ACT_OK);
+  bus.inject(frame(0x124));
+  EXPECT_EQ(listener.received(), frame(0x124)) << "it runs first, and ours does not";
+  ASSERT_TRUE(gate.go_first());
+  EXPECT_TRUE(gate.attached().value());
+  bus.inject(frame(0x124));
+  bus.inject(frame(0x123));
+  EXPECT_EQ(listener.received(), frame(0x123));
+  expect_ingress(gate, GATE_R_UNKNOWN, 1);
+  EXPECT_NE(test::filter_at(bus, true, GATE_TC_PRIORITY, 2), 0U) << "it is not ours to remove";
+  EXPECT_EQ(test::filter_at(bus, true, GATE_TC_PRIORITY, GATE_TC_HANDLE + 1), 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Hooks, Attach, testing::ValuesIn([] {
+                           auto hooks = tcx_if_there();
+                           hooks.push_back(Hook::clsact);
+                           return hooks;
+                         }()),
+                         name_of);
 
 TEST(GracePeriod, BothWaysToItWork) {
   EXPECT_TRUE(wait_for_grace_period());

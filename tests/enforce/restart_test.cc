@@ -9,7 +9,7 @@
 namespace mlcca::enforce {
 namespace {
 
-TEST_F(Attach, RestartFindsSlotsVerdictsAndCounts) {
+TEST_P(Attach, RestartFindsSlotsVerdictsAndCounts) {
   const Bus bus("bus0");
   auto refused = in(0x200);
   refused.pass = false;
@@ -32,7 +32,7 @@ TEST_F(Attach, RestartFindsSlotsVerdictsAndCounts) {
   expect_dropped(gate, refused, 1);
 }
 
-TEST_F(Attach, ReplacementUnderTrafficLosesAndLeaksNothing) {
+TEST_P(Attach, ReplacementUnderTrafficLosesAndLeaksNothing) {
   const Bus bus("bus0");
   auto first = attach(bus);
   admit(first, {in(0x123)});
@@ -46,7 +46,7 @@ TEST_F(Attach, ReplacementUnderTrafficLosesAndLeaksNothing) {
   expect_ingress(gate, GATE_R_UNKNOWN, sent);
 }
 
-TEST_F(Attach, VerdictsFlipUnderTrafficAndEveryFrameIsCounted) {
+TEST_P(Attach, VerdictsFlipUnderTrafficAndEveryFrameIsCounted) {
   const Bus bus("bus0");
   auto gate = attach(bus);
   admit(gate, {in(0x123), in(0x124)});
@@ -66,7 +66,7 @@ TEST_F(Attach, VerdictsFlipUnderTrafficAndEveryFrameIsCounted) {
   EXPECT_EQ(flipped.bytes, 8 * flipped.passed);
 }
 
-TEST_F(Attach, SlotsComeAndGoUnderTrafficOfOthers) {
+TEST_P(Attach, SlotsComeAndGoUnderTrafficOfOthers) {
   const Bus bus("bus0");
   auto gate = attach(bus);
   auto narrow = in(0x123);
@@ -84,7 +84,7 @@ TEST_F(Attach, SlotsComeAndGoUnderTrafficOfOthers) {
   expect_passed(gate, in(0x123), traffic.stop());
 }
 
-TEST_F(Attach, PinsOfAVanishedDeviceAreNotUsedForItsSuccessor) {
+TEST_P(Attach, PinsOfAVanishedDeviceAreNotUsedForItsSuccessor) {
   constexpr std::uint32_t kIfindex = 4000;
   {
     const Bus bus("bus0", kIfindex);
@@ -100,7 +100,7 @@ TEST_F(Attach, PinsOfAVanishedDeviceAreNotUsedForItsSuccessor) {
   expect_ingress(gate, GATE_R_UNKNOWN, 1);
 }
 
-TEST_F(Attach, PinsOfVanishedDevicesAreRemovedAndOthersStay) {
+TEST_P(Attach, PinsOfVanishedDevicesAreRemovedAndOthersStay) {
   const Bus stays("stays");
   const auto gate = attach(stays);
   std::string gone;
@@ -115,7 +115,7 @@ TEST_F(Attach, PinsOfVanishedDevicesAreRemovedAndOthersStay) {
   EXPECT_TRUE(std::filesystem::exists(control_.directory() + "/control"));
 }
 
-TEST_F(Attach, UnpinnedGateStaysInPlace) {
+TEST_F(Clsact, UnpinnedGateStaysInPlace) {
   const Bus bus("bus0");
   auto gate = attach(bus);
   gate.unpin();
@@ -123,7 +123,7 @@ TEST_F(Attach, UnpinnedGateStaysInPlace) {
   EXPECT_TRUE(gate.attached().value());
 }
 
-TEST_F(Attach, CrashBetweenAttachingAndNamingKeepsTheSlots) {
+TEST_P(Attach, CrashBetweenAttachingAndNamingKeepsTheSlots) {
   const Bus bus("bus0");
   {
     auto gate = attach(bus);
@@ -138,7 +138,7 @@ TEST_F(Attach, CrashBetweenAttachingAndNamingKeepsTheSlots) {
   EXPECT_TRUE(attach(bus).reused());
 }
 
-TEST_F(Attach, MapsOfAnotherGateUnderOurNamesAreNotUsed) {
+TEST_P(Attach, MapsOfAnotherGateUnderOurNamesAreNotUsed) {
   const Bus bus("bus0");
   const Bus other("other");
   attach(bus);
@@ -148,7 +148,7 @@ TEST_F(Attach, MapsOfAnotherGateUnderOurNamesAreNotUsed) {
   EXPECT_FALSE(attach(bus).reused());
 }
 
-TEST_F(Attach, AnotherProfileStartsWithoutSlots) {
+TEST_P(Attach, AnotherProfileStartsWithoutSlots) {
   const Bus bus("bus0");
   {
     auto gate = attach(bus);
@@ -159,7 +159,7 @@ TEST_F(Attach, AnotherProfileStartsWithoutSlots) {
   EXPECT_TRUE(gate.present().empty());
 }
 
-TEST_F(Attach, DamagedTableIsReplacedByAnEmptyOne) {
+TEST_P(Attach, DamagedTableIsReplacedByAnEmptyOne) {
   const Bus bus("bus0");
   {
     auto gate = attach(bus);

@@ -74,12 +74,17 @@ bpf_tc_hook one_hook_of(const Bus& bus, bool ingress) {
   return hook_of(bus.ifindex(), ingress ? BPF_TC_INGRESS : BPF_TC_EGRESS);
 }
 
+Fd load(const std::vector<bpf_insn>& program) {
+  Fd fd(bpf_prog_load(BPF_PROG_TYPE_SCHED_CLS, "foreign", "GPL", program.data(), program.size(),
+                      nullptr));
+  require(static_cast<bool>(fd), "load a filter");
+  return fd;
+}
+
 /// An ingress filter.
 void attach(std::uint32_t ifindex, const std::vector<bpf_insn>& program, std::uint32_t priority,
             std::uint32_t handle) {
-  const Fd fd(bpf_prog_load(BPF_PROG_TYPE_SCHED_CLS, "foreign", "GPL", program.data(),
-                            program.size(), nullptr));
-  require(static_cast<bool>(fd), "load a filter");
+  const Fd fd = load(program);
   auto hook = hook_of(ifindex, BPF_TC_INGRESS);
   const auto quiet = libbpf_set_print(nullptr);
   const int made = bpf_tc_hook_create(&hook);
@@ -202,8 +207,10 @@ void forward(const Bus& from, const Bus& to) {
          9, 1);
 }
 
-void add_foreign_filter(const Bus& bus, std::uint32_t priority, std::uint32_t handle) {
-  attach(bus.ifindex(), {move(BPF_REG_0, TC_ACT_UNSPEC), jump(BPF_EXIT)}, priority, handle);
+Fd load_foreign(int action) { return load({move(BPF_REG_0, action), jump(BPF_EXIT)}); }
+
+void add_foreign_filter(const Bus& bus, std::uint32_t priority, std::uint32_t handle, int action) {
+  attach(bus.ifindex(), {move(BPF_REG_0, action), jump(BPF_EXIT)}, priority, handle);
 }
 
 std::uint32_t filter_at(const Bus& bus, bool ingress, std::uint32_t priority,

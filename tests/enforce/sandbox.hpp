@@ -55,8 +55,11 @@ class Program {
 /// Forwards every frame that passes `from`'s ingress gate, as can-gw does.
 void forward(const Bus& from, const Bus& to);
 
-/// A filter of somebody else on ingress, that passes everything.
-void add_foreign_filter(const Bus& bus, std::uint32_t priority, std::uint32_t handle);
+/// A program of somebody else, that does the same with every frame.
+Fd load_foreign(int action);
+/// A filter of somebody else on ingress, that leaves everything to others unless told otherwise.
+void add_foreign_filter(const Bus& bus, std::uint32_t priority, std::uint32_t handle,
+                        int action = -1);
 /// Id of the program there, 0 for none.
 std::uint32_t filter_at(const Bus& bus, bool ingress, std::uint32_t priority, std::uint32_t handle);
 void remove_our_filter(const Bus& bus, bool ingress);

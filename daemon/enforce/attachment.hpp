@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Our place in the two hooks of an interface: TCX links where the kernel has them (6.6), else
+// filters of clsact. Both can be there for a moment, when one takes over from the other.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+#include "daemon/enforce/slots.hpp"
+
+namespace mlcca::enforce {
+
+enum class Hook : std::uint8_t { clsact, tcx };
+const char* to_text(Hook hook);
+
+/// TCX where the kernel has it: it runs before clsact, and nobody removes a link by mistake.
+Hook best_hook();
+
+/// Egress first: what a half-finished start leaves open is the way in, not the way out.
+inline constexpr std::array kBothDirections = {Direction::egress, Direction::ingress};
+
+struct Place {
+  std::uint32_t ifindex = 0;
+  std::string directory;  ///< in a bpffs; where links are pinned
+  Hook hook = Hook::clsact;
+};
+
+/// Ids of the programs in our two places, 0 for none.
+struct InPlace {
+  std::uint32_t ingress = 0;
+  std::uint32_t egress = 0;
+  [[nodiscard]] std::uint32_t of(Direction direction) const {
+    return direction == Direction::ingress ? ingress : egress;
+  }
+  /// One program in both means an ingress qdisc, which has no egress hook.
+  [[nodiscard]] bool is_gate() const { return ingress != 0 && egress != 0 && ingress != egress; }
+};
+Result<InPlace> in_place(const Place& place);
+
+/// Puts a program in our place, instead of what is there: at every moment the old one or the new
+/// one runs. The directory must be there. In clsact with its hooks.
+Result<void> put_in_place(const Place& place, Direction direction, int program_fd);
+/// Only where our place is empty: false when it is not.
+Result<bool> put_in_empty_place(const Place& place, Direction direction, int program_fd);
+/// Removes what we have there; never anything else.
+void withdraw(const Place& place);
+
+/// Programs that run before ours in its own hook, or in a hook before it, and may let frames by.
+struct Ahead {
+  Direction direction = Direction::ingress;
+  Hook hook = Hook::clsact;
+  std::uint32_t program = 0;
+  bool operator==(const Ahead&) const = default;
+};
+/// Of TCX only: libnl knows the order of clsact (net/filters).
+Result<std::vector<Ahead>> tcx_ahead(const Place& place);
+
+/// Puts a program before all others of its hook, in the place of ours. Ours and it both run for a
+/// moment; a frame that is forwarded in it can be dropped, none passes unjudged. With TCX it must
+/// be another program than the one in place.
+Result<void> put_first(const Place& place, Direction direction, int program_fd);
+
+}  // namespace mlcca::enforce
