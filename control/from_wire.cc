@@ -95,7 +95,11 @@ Interface interface(v1::Interface& from) {
           .egress = traffic(*from.mutable_egress()),
           .unknown = all(from.mutable_unknown(), unknown),
           .problem = text(from.mutable_problem()),
-          .drops_early = from.drops_early()};
+          .drops_early = from.drops_early(),
+          .hook = text(from.mutable_hook()),
+          .drift = text(from.mutable_drift()),
+          .repaired = from.repaired(),
+          .bypassed = from.bypassed()};
 }
 
 GateSlot gate_slot(v1::GateSlot& from) {

@@ -68,6 +68,10 @@ struct Interface {
   std::vector<Unknown> unknown;  ///< newest first
   std::string problem;           ///< empty: none
   bool drops_early = false;      ///< Ethernet: what is refused is dropped in the driver
+  std::string hook;              ///< "tcx" or "clsact"; empty: not gated
+  std::string drift;             ///< of the gate, not to be repaired; empty: none
+  std::uint64_t repaired = 0;    ///< how often the gate was put back, or first
+  std::uint64_t bypassed = 0;    ///< frames sent past the gate
   bool operator==(const Interface&) const = default;
 };
 

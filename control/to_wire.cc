@@ -80,6 +80,10 @@ void put(const Interface& from, v1::Interface& to) {
   for (const auto& unknown : from.unknown) put(unknown, *to.add_unknown());
   to.set_problem(to_utf8(from.problem));
   to.set_drops_early(from.drops_early);
+  to.set_hook(to_utf8(from.hook));
+  to.set_drift(to_utf8(from.drift));
+  to.set_repaired(from.repaired);
+  to.set_bypassed(from.bypassed);
 }
 
 void put(const GateSlot& from, v1::GateSlot& to) {

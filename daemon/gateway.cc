@@ -110,10 +110,14 @@ Gateway::Gateway(Options options, Journal journal, enforce::Control control, net
       journal_(journal),
       control_(std::move(control)),
       links_(std::move(links)),
-      ports_(links_, control_, options_.bpf_root, std::move(facts_of),
-             [this](const std::string& network, const std::string& line, bool problem) {
-               tell(Kind::interface, problem ? 4 : 6, line, network);
-             }),
+      ports_(
+          links_, control_, options_.bpf_root, std::move(facts_of),
+          [this](const std::string& network, const std::string& line, bool problem) {
+            tell(Kind::interface, problem ? 4 : 6, line, network);
+          },
+          [this](Kind kind, const std::string& line, bool problem) {
+            tell(kind, problem ? 3 : 5, line);
+          }),
       meshes_(
           loop, [this](std::size_t network) { dirty_meshes_.insert(network); },
           [this](const std::string& network, const std::string& line, bool problem) {
@@ -229,6 +233,7 @@ void Gateway::links_changed() {
     tell(Kind::trouble, 3, changed.error().text);
   else if (*changed)
     follow_world();
+  if (links_.take_tc_changed() && ports_.repair()) follow_world();
 }
 
 void Gateway::put_conditions(core::State& state) const {

@@ -17,6 +17,7 @@
 namespace mlcca {
 namespace {
 
+constexpr std::uint64_t kSecond = 1'000'000'000;     // ns
 constexpr std::uint64_t kTryAgain = 10'000'000'000;  // ns
 
 /// What drops and comes and goes each second is for the log, not for the history.
@@ -30,6 +31,7 @@ void Gateway::look_around() {
   measure_buses();
   forwarder_.look();
   look_at_drops(true);
+  ports_.look_for_bypass(static_cast<std::int64_t>(monotonic_ns() / kSecond));
   if (!history_) return;
   history_->flush(unix_ns());
   for (std::string& line : history_->take_troubles()) tell(Kind::trouble, 4, std::move(line));

@@ -42,6 +42,8 @@ constexpr std::array kKinds{
     KindInfo{"mode", "8e4024714a6c4e21bebd3ea336faf49b"},
     KindInfo{"reload", "16600d2717154f5087c62d70858f4596"},
     KindInfo{"lapsed", "9e1ef985cd944886ba5ceea7d0859707"},
+    KindInfo{"drift", "d2984a3083094b93aa490521986a712f"},
+    KindInfo{"bypass", "49eae898e745474a8708fcd4a5987dda"},
     KindInfo{"trouble", "11436d69f9dc477a90d4c483ce53572b"},
 };
 

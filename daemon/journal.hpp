@@ -26,6 +26,8 @@ enum class Kind : std::uint8_t {
   mode,
   reload,
   lapsed,
+  drift,   ///< the kernel is not as it was set up
+  bypass,  ///< frames were sent past a gate
   trouble,
 };
 

@@ -104,7 +104,18 @@ void Ports::follow() {
   }
 }
 
+Drift::Gates Ports::all_gates() const {
+  Drift::Gates all;
+  for (const auto& [ifindex, held] : gates_) all.emplace(ifindex, held.gate.get());
+  return all;
+}
+
+void Ports::look_for_bypass(std::int64_t now_s) {
+  drift_.look_for_bypass(all_gates(), links_, control_.mode() == enforce::Mode::audit, now_s);
+}
+
 void Ports::forget_vanished() {
+  for (const net::Link& link : links_.take_moved()) drift_.tell_moved(link, all_gates());
   for (auto it = gates_.begin(); it != gates_.end();) {
     if (links_.table().contains(it->first)) {
       ++it;
@@ -265,26 +276,7 @@ void Ports::tell_can_state(PortState& port, const net::Link& link) {
 }
 
 bool Ports::repair() {
-  for (auto it = gates_.begin(); it != gates_.end();) {
-    enforce::PortGate& gate = *it->second.gate;
-    const auto there = gate.attached();
-    if ((there && *there) || !links_.table().contains(it->first)) {
-      ++it;
-      continue;
-    }
-    if (const auto repaired = gate.reattach(); repaired) {
-      tell_({},
-            "somebody removed the gate of " + gate.name() + ": it was open until now, and is back",
-            true);
-      ++it;
-    } else {
-      tell_({},
-            "the gate of " + gate.name() +
-                " is gone and cannot be put back: " + repaired.error().text,
-            true);
-      it = gates_.erase(it);
-    }
-  }
+  for (const int lost : drift_.repair(all_gates(), links_.table())) gates_.erase(lost);
   for (PortState& port : ports_)
     if (port.ifindex != 0 && port.problem.empty() && link_of(port) != nullptr) queue(port);
   return std::ranges::any_of(ports_, [this](const PortState& p) {
@@ -471,6 +463,7 @@ std::vector<control::Interface> Ports::report() const {
     }
     if (const enforce::PortGate* gate = gate_of(p)) {
       i.gated = gate->attached().value_or(false);
+      drift_.report(port.ifindex, *gate, i);
       i.drops_early = gate->drops_early();
       i.slots = static_cast<std::uint32_t>(gate->size());
       i.ingress = traffic_of(*gate, enforce::Direction::ingress);

@@ -17,6 +17,7 @@
 #include "core/result.hpp"
 #include "core/system.hpp"
 #include "daemon/bus_load.hpp"
+#include "daemon/drift.hpp"
 #include "daemon/enforce/control.hpp"
 #include "daemon/enforce/ether_gate.hpp"
 #include "daemon/enforce/gate.hpp"
@@ -34,12 +35,13 @@ class Ports {
 
   /// `root`: the bpffs of `control`.
   Ports(net::Links& links, enforce::Control& control, std::string root, net::FactsOf facts_of,
-        Tell tell)
+        Tell tell, Drift::Tell tell_drift)
       : links_(links),
         control_(control),
         root_(std::move(root)),
         facts_of_(std::move(facts_of)),
-        tell_(std::move(tell)) {}
+        tell_(std::move(tell)),
+        drift_(std::move(tell_drift)) {}
 
   /// The ports of a new description. Gates that are there stay as they are until follow() and
   /// sync(); an interface that is not described any more is closed by follow().
@@ -56,6 +58,9 @@ class Ports {
   /// An interface that ought to be gated has no gate that we command, and an older one may still
   /// pass what it was told: everything must be closed.
   [[nodiscard]] bool out_of_hand() const;
+
+  /// Once a second: frames that were sent past a gate.
+  void look_for_bypass(std::int64_t now_s);
 
   /// Usable or why not, per network of the system.
   [[nodiscard]] std::vector<core::Condition> conditions(std::size_t networks) const;
@@ -163,6 +168,7 @@ class Ports {
   Result<void> hold(const net::Link& link, core::NetworkKind kind, core::Profile profile);
   Result<void> hold_can(const enforce::GateConfig& config);
   Result<void> hold_ethernet(const enforce::EtherConfig& config);
+  [[nodiscard]] Drift::Gates all_gates() const;
   [[nodiscard]] const enforce::PortGate* gate_of(std::size_t port) const;
   enforce::PortGate* gate_of(std::size_t port);
   /// The gate of a port on a CAN network.
@@ -177,6 +183,7 @@ class Ports {
   std::vector<PortState> ports_;
   std::size_t ether_slots_ = 0;  ///< that Ethernet gates must have room for
   std::map<int, Held> gates_;    ///< by ifindex
+  Drift drift_;
 };
 
 }  // namespace mlcca

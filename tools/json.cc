@@ -99,7 +99,11 @@ Json interface(const control::Interface& i) {
           {"ingress", traffic(i.ingress)},
           {"egress", traffic(i.egress)},
           {"unknown", array(i.unknown, unknown)},
-          {"problem", i.problem}};
+          {"problem", i.problem},
+          {"hook", i.hook},
+          {"drift", i.drift},
+          {"repaired", i.repaired},
+          {"bypassed", i.bypassed}};
 }
 
 Json gate_slot(const control::GateSlot& s) {

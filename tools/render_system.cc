@@ -117,9 +117,15 @@ std::string unknown_frames(const std::vector<control::Interface>& all, Color col
 
 std::string problems(const std::vector<control::Interface>& all, Color color) {
   std::string text;
-  for (const auto& one : all)
+  for (const auto& one : all) {
     if (!one.problem.empty())
       text += styled(one.name + ": " + one.problem, Style::bad, color) + '\n';
+    if (!one.drift.empty()) text += styled(one.drift, Style::bad, color) + '\n';
+    if (one.bypassed != 0)
+      text += styled(fmt::format("{}: {} frames were sent past its gate", one.name, one.bypassed),
+                     Style::bad, color) +
+              '\n';
+  }
   return text;
 }
 

@@ -29,8 +29,6 @@
 namespace mlcca::enforce {
 namespace {
 
-/// Egress first: what a half-finished start leaves open is the way in, not the way out.
-
 std::string pin_of(const std::string& directory, Direction direction) {
   return directory + (direction == Direction::ingress ? "/ingress" : "/egress");
 }

@@ -39,6 +39,7 @@ class EtherGate final : public PortGate {
   [[nodiscard]] Hook hook() const override;
   [[nodiscard]] Result<std::vector<Ahead>> ahead() const override;
   Result<void> go_first() override;
+  [[nodiscard]] bool judges_everything() const override { return false; }
   [[nodiscard]] bool drops_early() const override;
   Result<void> apply(const SlotChanges& changes) override;
   [[nodiscard]] std::vector<SlotSpec> present() const override;

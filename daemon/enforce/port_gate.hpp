@@ -32,6 +32,8 @@ class PortGate {
   [[nodiscard]] virtual Result<std::vector<Ahead>> ahead() const = 0;
   /// Puts our programs before all others of their hook; see enforce::put_first().
   virtual Result<void> go_first() = 0;
+  /// Whatever leaves is counted; of Ethernet only what carries events is.
+  [[nodiscard]] virtual bool judges_everything() const { return true; }
   /// The driver drops what is refused before anything else sees it.
   [[nodiscard]] virtual bool drops_early() const { return false; }
 

@@ -4,6 +4,8 @@
 #include <linux/can/netlink.h>
 #include <linux/if.h>
 #include <linux/if_arp.h>
+#include <linux/rtnetlink.h>
+#include <netlink/msg.h>
 #include <netlink/netlink.h>
 #include <netlink/route/link.h>
 #include <netlink/route/link/can.h>
@@ -69,8 +71,9 @@ Result<Links> Links::open() {
   for (nl_sock* socket : {notices.get(), requests.get()})
     if (const int e = nl_connect(socket, NETLINK_ROUTE); e < 0)
       return netlink_error("rtnetlink", e);
-  if (const int e = nl_socket_add_membership(notices.get(), RTNLGRP_LINK); e < 0)
-    return netlink_error("rtnetlink link notifications", e);
+  for (const int group : {RTNLGRP_LINK, RTNLGRP_TC})
+    if (const int e = nl_socket_add_membership(notices.get(), group); e < 0)
+      return netlink_error("rtnetlink notifications", e);
   if (const int e = nl_socket_set_nonblocking(notices.get()); e < 0)
     return netlink_error("rtnetlink", e);
   Links links(std::move(notices), std::move(requests));
@@ -98,16 +101,39 @@ Result<LinkTable> Links::read() {
 }
 
 Result<bool> Links::refresh() {
-  // What the notifications say is read from the table; an overflow (ENOBUFS) is just one of them.
-  std::array<char, 32768> sink{};
-  while (::recv(fd(), sink.data(), sink.size(), MSG_TRUNC) >= 0 || errno == ENOBUFS ||
-         errno == EINTR) {
+  // What the notifications say of links is read from the table; an overflow (ENOBUFS) is just one
+  // of them.
+  alignas(nlmsghdr) std::array<char, 32768> notices{};
+  for (;;) {
+    const ssize_t size = ::recv(fd(), notices.data(), notices.size(), 0);
+    if (size >= 0) {
+      take_notices(notices.data(), static_cast<std::size_t>(size));
+      continue;
+    }
+    if (errno == ENOBUFS) tc_changed_ = true;
+    if (errno != ENOBUFS && errno != EINTR) break;
   }
   auto table = read();
   if (!table) return std::unexpected(table.error());
   const bool changed = *table != table_;
   table_ = std::move(*table);
   return changed;
+}
+
+void Links::take_notices(const char* notices, std::size_t size) {
+  auto left = static_cast<int>(size);
+  // NOLINTBEGIN(*-cstyle-cast,*-reinterpret-cast): macros of the kernel's header
+  for (auto* head = reinterpret_cast<const nlmsghdr*>(notices); NLMSG_OK(head, left);
+       head = NLMSG_NEXT(head, left)) {
+    const int type = head->nlmsg_type;
+    if (type >= RTM_NEWQDISC && type <= RTM_GETTFILTER) tc_changed_ = true;
+    if (type != RTM_DELLINK) continue;
+    const auto* info = static_cast<const ifinfomsg*>(NLMSG_DATA(head));
+    auto* moved = nlmsg_find_attr(const_cast<nlmsghdr*>(head), sizeof(ifinfomsg), IFLA_NEW_NETNSID);
+    const auto link = table_.find(info->ifi_index);
+    if (moved != nullptr && link != table_.end()) moved_.push_back(link->second);
+  }
+  // NOLINTEND(*-cstyle-cast,*-reinterpret-cast)
 }
 
 Result<Traffic> Links::traffic(int ifindex) {
@@ -117,7 +143,8 @@ Result<Traffic> Links::traffic(int ifindex) {
   const LinkObject link(raw);
   return Traffic{
       rtnl_link_get_stat(raw, RTNL_LINK_TX_PACKETS), rtnl_link_get_stat(raw, RTNL_LINK_TX_BYTES),
-      rtnl_link_get_stat(raw, RTNL_LINK_RX_PACKETS), rtnl_link_get_stat(raw, RTNL_LINK_RX_BYTES)};
+      rtnl_link_get_stat(raw, RTNL_LINK_RX_PACKETS), rtnl_link_get_stat(raw, RTNL_LINK_RX_BYTES),
+      rtnl_link_get_stat(raw, RTNL_LINK_TX_DROPPED)};
 }
 
 Result<void> Links::set_bitrates(int ifindex, std::uint32_t bitrate, std::uint32_t data_bitrate) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/result.hpp"
@@ -34,6 +35,7 @@ struct Traffic {
   std::uint64_t sent_bytes = 0;
   std::uint64_t received_frames = 0;
   std::uint64_t received_bytes = 0;
+  std::uint64_t send_drops = 0;  ///< frames
 };
 
 /// By ifindex.
@@ -41,7 +43,8 @@ using LinkTable = std::map<int, Link>;
 
 class Links {
  public:
-  /// Joins the link group first and reads the table then, so that no change is missed.
+  /// Joins the groups of links and of traffic control first and reads the table then, so that no
+  /// change is missed.
   static Result<Links> open();
   Links(Links&&) noexcept;
   Links& operator=(Links&&) noexcept;
@@ -57,6 +60,10 @@ class Links {
     const auto known = table_.find(ifindex);
     return known != table_.end() ? known->second.name : std::to_string(ifindex);
   }
+  /// A filter or a queueing discipline came, changed or went since the last call.
+  [[nodiscard]] bool take_tc_changed() { return std::exchange(tc_changed_, false); }
+  /// Links that went to another network namespace since the last call, as they were.
+  [[nodiscard]] std::vector<Link> take_moved() { return std::exchange(moved_, {}); }
 
   /// Asks the kernel now.
   [[nodiscard]] Result<Traffic> traffic(int ifindex);
@@ -72,10 +79,13 @@ class Links {
   using Socket = std::unique_ptr<nl_sock, FreeSocket>;
   Links(Socket notices, Socket requests);
   Result<LinkTable> read();
+  void take_notices(const char* notices, std::size_t size);
 
   Socket notices_;
   Socket requests_;
   LinkTable table_;
+  bool tc_changed_ = false;
+  std::vector<Link> moved_;
 };
 
 }  // namespace mlcca::net

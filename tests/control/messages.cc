@@ -173,7 +173,11 @@ Status full_status() {
                   {.can_id = 0x123, .length = 64, .fd = true, .egress = true, .frames = 2},
                   {.length = 8183, .frames = 3, .subject = 0xa4efeccc3210b497}},
       .problem = "queue is full",
-      .drops_early = true};
+      .drops_early = true,
+      .hook = "tcx",
+      .drift = "before the gate of can0 runs another",
+      .repaired = 3,
+      .bypassed = 70000};
   Interface can1;
   can1.name = "can1";
   can1.network = "second-can";

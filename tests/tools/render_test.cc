@@ -259,6 +259,8 @@ INTERFACE  NETWORK     PROFILE  LINK    CAN STATE        BITRATE  GATE  SLOTS  I
 can0       robot-can   famouso  up      ERROR-ACTIVE  500 kbit/s  held      4       1001          22        2002           33  yes      name can0
 can1       second-can           absent                                      0          0           0           0            0
 can0: queue is full
+before the gate of can0 runs another
+can0: 70000 frames were sent past its gate
 can1: no such interface
 
 frames by reason

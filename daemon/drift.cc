@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/drift.hpp"
+
+#include <fmt/format.h>
+
+#include <numeric>
+#include <utility>
+
+#include "bpf/gate.h"
+#include "daemon/net/filters.hpp"
+
+namespace mlcca {
+namespace {
+
+/// What runs before our programs, in words; empty: nothing does.
+Result<std::string> before(int ifindex, const enforce::PortGate& gate) {
+  std::string text;
+  const auto add = [&](bool ingress, const std::string& what) {
+    text +=
+        fmt::format("{}{} at {}", text.empty() ? "" : ", ", what, ingress ? "ingress" : "egress");
+  };
+  const auto ahead = gate.ahead();
+  if (!ahead) return std::unexpected(ahead.error());
+  for (const enforce::Ahead& a : *ahead)
+    add(a.direction == enforce::Direction::ingress, fmt::format("TCX program {}", a.program));
+  if (gate.hook() != enforce::Hook::clsact) return text;
+  for (const bool ingress : {true, false}) {
+    const auto filters = net::filters_before(ifindex, ingress, GATE_TC_PRIORITY, GATE_TC_HANDLE);
+    if (!filters) return std::unexpected(filters.error());
+    for (const net::Filter& f : *filters)
+      add(ingress, fmt::format("{} filter{}{} (preference {}, handle {:#x}{})", f.kind,
+                               f.name.empty() ? "" : " ", f.name, f.priority, f.handle,
+                               f.program != 0 ? fmt::format(", program {}", f.program) : ""));
+  }
+  return text;
+}
+
+std::uint64_t let_out(const enforce::PortGate& gate, bool audit) {
+  const auto reasons = gate.reasons(enforce::Direction::egress);
+  std::uint64_t frames = reasons[GATE_R_PASSED];
+  for (std::size_t r = 0; audit && r < reasons.size(); ++r)
+    if (enforce::is_drop(static_cast<gate_reason>(r))) frames += reasons[r];
+  return frames;
+}
+
+}  // namespace
+
+std::vector<int> Drift::repair(const Gates& gates, const net::LinkTable& links) {
+  std::erase_if(seen_, [&](const auto& entry) { return !gates.contains(entry.first); });
+  std::vector<int> lost;
+  for (const auto& [ifindex, gate] : gates) {
+    if (!links.contains(ifindex)) continue;
+    Seen& seen = seen_[ifindex];
+    const auto there = gate->attached();
+    if (there && *there) {
+      keep_first(ifindex, *gate, seen);
+      continue;
+    }
+    if (const auto repaired = gate->reattach(); repaired) {
+      ++seen.repaired;
+      tell_(Kind::drift,
+            "somebody removed the gate of " + gate->name() + ": it was open until now, and is back",
+            true);
+    } else {
+      tell_(Kind::drift,
+            "the gate of " + gate->name() +
+                " is gone and cannot be put back: " + repaired.error().text,
+            true);
+      lost.push_back(ifindex);
+    }
+  }
+  return lost;
+}
+
+/// Ours goes first where that takes nothing away from anybody: a program in front of it may let
+/// frames pass that ours never sees.
+void Drift::keep_first(int ifindex, enforce::PortGate& gate, Seen& seen) {
+  auto found = before(ifindex, gate);
+  std::string standing;
+  if (!found) {
+    standing = found.error().text;
+  } else if (!found->empty()) {
+    if (*found == seen.unmovable) return;
+    const auto moved = gate.go_first();
+    const auto left = before(ifindex, gate);
+    if (moved && left && left->empty()) {
+      ++seen.repaired;
+      tell_(Kind::drift,
+            fmt::format("before the gate of {} ran {}: what that let pass until now was not "
+                        "judged; the gate is first again",
+                        gate.name(), *found),
+            true);
+    } else {
+      standing = fmt::format(
+          "before the gate of {} runs {}, and it cannot be put first{}: what "
+          "that lets pass is not judged",
+          gate.name(), *found, moved ? "" : " (" + moved.error().text + ")");
+    }
+  }
+  seen.unmovable = standing.empty() || !found ? "" : *found;
+  const std::string told = std::exchange(seen.standing, standing);
+  if (told == standing) return;
+  tell_(Kind::drift,
+        standing.empty() ? fmt::format("nothing runs before the gate of {} any more", gate.name())
+                         : standing,
+        !standing.empty());
+}
+
+void Drift::tell_moved(const net::Link& link, const Gates& gates) {
+  if (!gates.contains(link.ifindex)) return;
+  tell_(Kind::drift,
+        link.name + " was moved to another network namespace: there it has no gate of ours", true);
+}
+
+void Drift::look_for_bypass(const Gates& gates, net::Links& links, bool audit, std::int64_t now_s) {
+  for (const auto& [ifindex, gate] : gates) {
+    if (!gate->judges_everything()) continue;
+    Seen& seen = seen_[ifindex];
+    if (std::exchange(seen.audit, audit) != audit) seen.bypass.forget();
+    Bypass::Counts counts;
+    counts.let_out_before = let_out(*gate, audit);
+    const auto waiting = net::waiting_in_queue(ifindex);
+    const auto traffic = links.traffic(ifindex);
+    if (!waiting || !traffic) continue;
+    counts.waiting = waiting->frames;
+    counts.sent = traffic->sent_frames + traffic->send_drops + waiting->dropped;
+    counts.let_out_after = let_out(*gate, audit);
+    told_past_.look(gate->name(), seen.past, now_s);
+    seen.past += seen.bypass.look(counts);
+    if (const auto news = told_past_.look(gate->name(), seen.past, now_s))
+      tell_(Kind::bypass,
+            fmt::format("{} has sent {} frames that its gate has not seen: somebody sends past the "
+                        "queueing layer (AF_PACKET with PACKET_QDISC_BYPASS)",
+                        gate->name(), *news),
+            true);
+  }
+}
+
+void Drift::report(int ifindex, const enforce::PortGate& gate, control::Interface& to) const {
+  to.hook = enforce::to_text(gate.hook());
+  const auto it = seen_.find(ifindex);
+  if (it == seen_.end()) return;
+  to.drift = it->second.standing;
+  to.repaired = it->second.repaired;
+  to.bypassed = it->second.past;
+}
+
+}  // namespace mlcca

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The kernel drifts from what was put there: gates that somebody removed or stepped in front of are
+// put back, and frames that went past them are told.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "control/messages.hpp"
+#include "daemon/bypass.hpp"
+#include "daemon/drops.hpp"
+#include "daemon/enforce/port_gate.hpp"
+#include "daemon/journal.hpp"
+#include "daemon/net/links.hpp"
+
+namespace mlcca {
+
+class Drift {
+ public:
+  using Tell = std::function<void(Kind kind, const std::string& line, bool problem)>;
+  /// By ifindex.
+  using Gates = std::map<int, enforce::PortGate*>;
+
+  explicit Drift(Tell tell) : tell_(std::move(tell)) {}
+
+  /// Puts gates back, and first. Gives those that cannot be put back.
+  std::vector<int> repair(const Gates& gates, const net::LinkTable& links);
+  /// Interfaces that were taken to another namespace, where our gate is not.
+  void tell_moved(const net::Link& link, const Gates& gates);
+  /// About once a second. `audit`: gates let out what they count as dropped. `now_s`: any steady
+  /// clock.
+  void look_for_bypass(const Gates& gates, net::Links& links, bool audit, std::int64_t now_s);
+
+  void report(int ifindex, const enforce::PortGate& gate, control::Interface& to) const;
+
+ private:
+  struct Seen {
+    std::string standing;   ///< what cannot be repaired; empty: nothing
+    std::string unmovable;  ///< what runs before the gate and could not be put behind it
+    std::uint64_t repaired = 0;
+    std::uint64_t past = 0;  ///< frames that went past the gate
+    Bypass bypass;
+    bool audit = false;
+  };
+  void keep_first(int ifindex, enforce::PortGate& gate, Seen& seen);
+
+  Tell tell_;
+  std::map<int, Seen> seen_;
+  DropWatch told_past_;
+};
+
+}  // namespace mlcca

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The order of filters in the clsact hooks of an interface, and what waits in its queue.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+
+namespace mlcca::net {
+
+struct Filter {
+  std::uint32_t priority = 0;
+  std::uint32_t handle = 0;
+  std::string kind;           ///< "bpf", "flower", …
+  std::string name;           ///< of a BPF program, as its loader called it
+  std::uint32_t program = 0;  ///< id of a BPF program
+  bool operator==(const Filter&) const = default;
+};
+
+/// Those of chain 0 that run before the one with this priority and handle, first to last; all of
+/// them where it is not there. None where there is no clsact.
+[[nodiscard]] Result<std::vector<Filter>> filters_before(int ifindex, bool ingress,
+                                                         std::uint32_t priority,
+                                                         std::uint32_t handle);
+
+struct Waiting {
+  std::uint64_t frames = 0;   ///< in the queueing discipline at the root
+  std::uint64_t dropped = 0;  ///< by it, so far
+};
+[[nodiscard]] Result<Waiting> waiting_in_queue(int ifindex);
+
+}  // namespace mlcca::net
