@@ -15,6 +15,16 @@ DAEMON_ARCHIVES := $O/libdaemon.a $O/libsources.a $O/libenforce.a $O/libcontrol.
 $(eval $(call program,mlccad,daemon/main.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 PROGRAMS += $O/mlccad
 
+# What `mlccactl gate --verify` becomes.
+$(eval $(call program,mlcca-readback,daemon/readback/main.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
+PROGRAMS += $O/mlcca-readback
+install-readback: $O/mlcca-readback
+	$(call say,INSTALL,the reader of what is in force)
+	$(Q)install -d $(DESTDIR)$(PREFIX)/libexec/mlcca
+	$(Q)install -m 755 $O/mlcca-readback $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-readback
+INSTALL += install-readback
+.PHONY: install-readback
+
 # The only program that may listen to a network interface; mlccad reads it through a socket.
 $(eval $(call program,mlcca-awds,$(wildcard daemon/awds/*.cc) daemon/listen.cc,$O/libsources.a,$(SOURCES_LIBS)))
 PROGRAMS += $O/mlcca-awds

@@ -24,8 +24,12 @@ inline constexpr std::array kDesignVerbs = {
 /// The first word that is no option names a verb of design time.
 bool is_design_time(std::span<char*> arguments);
 
+/// The verb gate with --verify: mlcca-readback carries it out, without the daemon.
+bool is_read_back(std::span<char*> arguments);
+
 /// Becomes that program, with the same arguments. Returns only if it cannot be started, which has
 /// been said then.
 Exit become_design(char** arguments);
+Exit become_readback(char** arguments);
 
 }  // namespace mlcca::tools

@@ -284,6 +284,8 @@ constexpr std::array kVerbs = {
 int main(int argc, char** argv) {
   if (is_design_time({argv, static_cast<std::size_t>(argc)}))
     return static_cast<int>(become_design(argv));
+  if (is_read_back({argv, static_cast<std::size_t>(argc)}))
+    return static_cast<int>(become_readback(argv));
   const auto parsed = parse(kVerbs, argc, argv);
   if (const auto* exit = std::get_if<Exit>(&parsed)) return static_cast<int>(*exit);
   const auto& command = std::get<Command>(parsed);

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Tables are copied before they are looked at: a daemon may be at work on them.
+#include "daemon/enforce/readback.hpp"
+
+#include <fmt/format.h>
+#include <net/if.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+#include "daemon/enforce/failure.hpp"
+#include "daemon/enforce/gate_pins.hpp"
+#include "daemon/enforce/mapped.hpp"
+#include "daemon/enforce/pins.hpp"
+#include "daemon/enforce/programs.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+const char* name(Direction direction) {
+  return direction == Direction::ingress ? "ingress" : "egress";
+}
+
+void read_programs(GateReading& gate, const std::string& directory,
+                   const std::vector<std::uint32_t>& maps) {
+  InPlace attached;
+  for (const auto hook : {Hook::tcx, Hook::clsact}) {
+    gate.hook = hook;
+    const auto found = in_place({gate.ifindex, directory, hook});
+    if (!found) {
+      gate.problems.push_back(found.error().text);
+      return;
+    }
+    attached = *found;
+    if (attached.ingress != 0 || attached.egress != 0) break;
+  }
+  for (const auto direction : kBothDirections) {
+    const Fd pinned = open_pin(program_pin(directory, direction));
+    const ProgramInfo info = pinned ? program_info(pinned.get()) : ProgramInfo{};
+    const std::uint32_t there = attached.of(direction);
+    if (there == 0)
+      gate.problems.push_back(fmt::format("no program of ours is attached at {}", name(direction)));
+    else if (there != info.id)
+      gate.problems.push_back(
+          fmt::format("the program attached at {} ({}) is not the pinned one ({})", name(direction),
+                      there, info.id));
+    for (const std::uint32_t map : maps)
+      if (info.id != 0 && std::ranges::find(info.map_ids, map) == info.map_ids.end())
+        gate.problems.push_back(fmt::format(
+            "the program pinned for {} does not look at the pinned map {}", name(direction), map));
+  }
+  const auto ahead = tcx_ahead({gate.ifindex, directory, gate.hook});
+  if (!ahead) gate.problems.push_back(ahead.error().text);
+  for (const Ahead& a : ahead.value_or(std::vector<Ahead>{}))
+    gate.problems.push_back(
+        fmt::format("TCX program {} runs before ours at {}", a.program, name(a.direction)));
+}
+
+void read_table(GateReading& gate, const Fd& map, std::uint32_t generation) {
+  if (!is_mappable_array(map.get(), sizeof(gate_table), 1)) {
+    gate.problems.emplace_back("the pinned table is not there or of another layout");
+    return;
+  }
+  const Mapped<gate_table> table(map.get(), 1);
+  if (!table) {
+    gate.problems.push_back(failure("map the table", errno).error().text);
+    return;
+  }
+  const auto copy = std::make_unique<gate_table>(table[0]);
+  const auto slots = SlotTable::read({*copy, {}, generation}, copy->profile, false, nullptr);
+  if (slots)
+    gate.slots = slots->present();
+  else
+    gate.problems.push_back(slots.error().text);
+}
+
+GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const Fd& control,
+                      std::uint32_t generation) {
+  GateReading gate;
+  gate.ifindex = ifindex;
+  std::array<char, IF_NAMESIZE> interface{};
+  if (if_indextoname(ifindex, interface.data()) == nullptr) {
+    gate.problems.push_back(fmt::format(
+        "no interface of this network namespace has the index {}: the pins are left over",
+        ifindex));
+    return gate;
+  }
+  gate.interface = interface.data();
+  const Fd table = open_pin(table_pin(directory));
+  const Fd cpus = open_pin(cpus_pin(directory));
+  if (!table || !cpus) {
+    gate.problems.emplace_back("held closed: it has no maps of its own");
+    return gate;
+  }
+  read_programs(gate, directory, {map_id(table.get()), map_id(cpus.get()), map_id(control.get())});
+  read_table(gate, table, generation);
+  return gate;
+}
+
+}  // namespace
+
+Result<Reading> read_back(const std::string& root) {
+  const std::string directory = fmt::format("{}/v{}", root, GATE_LAYOUT_VERSION);
+  const Fd control = open_pin(directory + "/control");
+  if (!control) return failure("open " + directory + "/control", errno);
+  if (!is_mappable_array(control.get(), sizeof(gate_control), 1))
+    return fail(directory + "/control: not the control map of this version");
+  const Mapped<gate_control> memory(control.get(), 1);
+  if (!memory) return failure("map " + directory + "/control", errno);
+  const gate_control word = memory[0];
+  if (word.layout_version != GATE_LAYOUT_VERSION)
+    return fail(fmt::format("{}/control: layout {} instead of {}", directory, word.layout_version,
+                            GATE_LAYOUT_VERSION));
+  Reading reading{.open = word.open != 0,
+                  .lapsed = word.lapsed != 0,
+                  .audit = word.mode == GATE_AUDIT,
+                  .generation = word.generation,
+                  .gates = {}};
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
+    const std::string file = entry.path().filename();
+    std::uint32_t ifindex = 0;
+    const char* const end = file.data() + file.size();
+    if (file.starts_with("if") && std::from_chars(file.data() + 2, end, ifindex).ptr == end)
+      reading.gates.push_back(read_gate(entry.path(), ifindex, control, word.generation));
+  }
+  if (error) return failure("read " + directory, error.value());
+  std::ranges::sort(reading.gates, {}, &GateReading::ifindex);
+  return reading;
+}
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is in force, read back from the pins and the kernel without the daemon. Changes nothing.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/result.hpp"
+#include "daemon/enforce/attachment.hpp"
+#include "daemon/enforce/slots.hpp"
+
+namespace mlcca::enforce {
+
+struct GateReading {
+  std::uint32_t ifindex = 0;
+  std::string interface;  ///< empty: there is none of this index in this network namespace
+  Hook hook = Hook::clsact;
+  std::vector<std::string> problems;  ///< what is not as the daemon leaves it
+  std::vector<SlotSpec> slots;
+};
+
+struct Reading {
+  bool open = false;
+  bool lapsed = false;
+  bool audit = false;
+  std::uint32_t generation = 0;
+  std::vector<GateReading> gates;  ///< by ifindex
+};
+
+/// Errors: nothing is pinned there, no permission, another layout.
+Result<Reading> read_back(const std::string& root);
+
+}  // namespace mlcca::enforce

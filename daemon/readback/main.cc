@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// mlcca-readback: what `mlccactl gate --verify` becomes. Compares what the kernel has in force with
+// what is pinned and with what the journal has granted; asks no daemon and changes nothing.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "bpf/gate.h"
+#include "control/version.hpp"
+#include "core/text.hpp"
+#include "daemon/enforce/readback.hpp"
+#include "daemon/net/filters.hpp"
+#include "daemon/net/links.hpp"
+#include "daemon/store/journal.hpp"
+
+namespace {
+
+using namespace mlcca;  // NOLINT(google-build-using-namespace): the program itself
+
+enum Exit : std::uint8_t { kAsItShouldBe = 0, kDiffers = 1, kUsage = 2, kWorld = 3 };
+
+constexpr const char* kFooter =
+    "Exit status: 0 everything is as it should be, 1 something differs, 2 usage, 3 it cannot be "
+    "read.";
+
+/// A copy of the journal is opened, because the daemon holds the journal itself.
+Result<std::set<std::string>> granted_by(const std::string& state_directory) {
+  std::string copy = (std::filesystem::temp_directory_path() / "mlcca-readback-XXXXXX").string();
+  if (::mkdtemp(copy.data()) == nullptr) return fail("no directory for a copy of the journal");
+  std::error_code error;
+  std::filesystem::copy_file(state_directory + "/journal", copy + "/journal", error);
+  std::set<std::string> subjects;
+  auto result = Result<void>{};
+  if (error) {
+    result = fail(state_directory + "/journal: " + error.message());
+  } else if (const auto journal = store::Journal::open(copy); journal) {
+    for (const auto& [subject, text] : journal->contents().granted) subjects.insert(subject);
+  } else {
+    result = std::unexpected(journal.error());
+  }
+  std::filesystem::remove_all(copy, error);
+  if (!result) return std::unexpected(result.error());
+  return subjects;
+}
+
+/// Problems that need more than the pins to be seen.
+void compare(enforce::GateReading& gate, const std::set<std::string>& granted) {
+  std::set<std::string> stale;
+  for (const enforce::SlotSpec& slot : gate.slots)
+    if (const auto subject = core::format_subject(slot.subject);
+        slot.pass && !granted.contains(subject))
+      stale.insert(subject);
+  for (const auto& subject : stale)
+    gate.problems.push_back("passes subject " + subject + ", which the journal has not granted");
+  if (gate.interface.empty() || gate.hook != enforce::Hook::clsact) return;
+  for (const bool ingress : {true, false}) {
+    const auto before = net::filters_before(static_cast<int>(gate.ifindex), ingress,
+                                            GATE_TC_PRIORITY, GATE_TC_HANDLE);
+    if (!before) gate.problems.push_back(before.error().text);
+    for (const net::Filter& f : before.value_or(std::vector<net::Filter>{}))
+      gate.problems.push_back(
+          fmt::format("{} filter {} (preference {}, handle {:#x}) runs before ours at {}", f.kind,
+                      f.name, f.priority, f.handle, ingress ? "ingress" : "egress"));
+  }
+}
+
+std::vector<std::string> without_gate(const enforce::Reading& reading) {
+  std::vector<std::string> names;
+  const auto links = net::Links::open();
+  if (!links) return names;
+  for (const auto& [ifindex, link] : links->table())
+    if (link.is_can && std::ranges::none_of(reading.gates, [&](const auto& gate) {
+          return static_cast<int>(gate.ifindex) == ifindex;
+        }))
+      names.push_back(link.name);
+  return names;
+}
+
+std::size_t passing(const enforce::GateReading& gate) {
+  return static_cast<std::size_t>(std::ranges::count_if(gate.slots, &enforce::SlotSpec::pass));
+}
+
+std::string json(const enforce::Reading& reading, const std::vector<std::string>& ungated) {
+  nlohmann::ordered_json gates = nlohmann::ordered_json::array();
+  for (const auto& gate : reading.gates)
+    gates.push_back({{"ifindex", gate.ifindex},
+                     {"interface", gate.interface},
+                     {"hook", enforce::to_text(gate.hook)},
+                     {"slots", gate.slots.size()},
+                     {"passing", passing(gate)},
+                     {"problems", gate.problems}});
+  const nlohmann::ordered_json all = {{"open", reading.open && !reading.lapsed},
+                                      {"lapsed", reading.lapsed},
+                                      {"mode", reading.audit ? "audit" : "enforce"},
+                                      {"generation", reading.generation},
+                                      {"gates", gates},
+                                      {"without_gate", ungated}};
+  return all.dump() + "\n";
+}
+
+std::string text(const enforce::Reading& reading, const std::vector<std::string>& ungated) {
+  std::string out = fmt::format("gates are {}{}, generation {}\n",
+                                reading.lapsed ? "closed by the kernel: the daemon is silent"
+                                : reading.open ? "open"
+                                               : "closed",
+                                reading.audit ? " in AUDIT MODE" : "", reading.generation);
+  for (const auto& gate : reading.gates) {
+    const std::string name =
+        gate.interface.empty() ? fmt::format("ifindex {}", gate.ifindex) : gate.interface;
+    out += fmt::format("{}: {}, {} slots, {} of them pass: {}\n", name, enforce::to_text(gate.hook),
+                       gate.slots.size(), passing(gate),
+                       gate.problems.empty() ? "as it should be" : "NOT as it should be");
+    for (const auto& problem : gate.problems) out += "  " + problem + "\n";
+  }
+  for (const auto& name : ungated) out += name + ": a CAN interface without a gate\n";
+  return out;
+}
+
+int verify(const std::string& root, const std::string& state, bool as_json) {
+  auto reading = enforce::read_back(root);
+  const auto granted = granted_by(state);
+  if (!reading || !granted) {
+    fmt::print(stderr, "mlccactl: {}\n", !reading ? reading.error().text : granted.error().text);
+    return kWorld;
+  }
+  for (auto& gate : reading->gates) compare(gate, *granted);
+  const auto ungated = without_gate(*reading);
+  fmt::print("{}", as_json ? json(*reading, ungated) : text(*reading, ungated));
+  const bool good =
+      std::ranges::all_of(reading->gates, [](const auto& gate) { return gate.problems.empty(); });
+  return good ? kAsItShouldBe : kDiffers;
+}
+
+}  // namespace
+
+// NOLINTNEXTLINE(bugprone-exception-escape): without memory there is nothing left to do
+int main(int argc, char** argv) {
+  std::string root = "/run/mlcca/bpf";
+  std::string state = "/var/lib/mlcca";
+  bool as_json = false;
+  bool is_verify = false;
+  CLI::App app("Reads back what is in force, without the daemon.", "mlccactl");
+  app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
+  app.set_help_flag("-h,--help", "print this help");
+  app.require_subcommand(1, 1);
+  auto* gate = app.add_subcommand("gate", "compare the gates with what is pinned and granted");
+  for (auto* at : {&app, gate}) at->add_flag("--json", as_json, "print JSON");
+  gate->add_flag("--verify", is_verify, "of what is in force, without the daemon")->required();
+  gate->add_option("--bpf-root", root, "where the gates are pinned")
+      ->type_name("PATH")
+      ->capture_default_str();
+  gate->add_option("--state-directory", state, "where the journal is")
+      ->type_name("PATH")
+      ->capture_default_str();
+  gate->footer(kFooter);
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return fmt::format("mlccactl: {}\nmlccactl gate --verify --help says more.\n", error.what());
+  });
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kAsItShouldBe : kUsage;
+  }
+  return verify(root, state, as_json);
+}

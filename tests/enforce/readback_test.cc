@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is in force is read back without the object that put it there, and what is wrong is named.
+#include "daemon/enforce/readback.hpp"
+
+#include <gtest/gtest.h>
+
+#include "enforce/attach_fixture.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+std::string all_problems(const GateReading& gate) {
+  std::string all;
+  for (const auto& problem : gate.problems) all += problem + "\n";
+  return all;
+}
+
+TEST_P(Attach, ReadBackIsWhatWasPutThere) {
+  const Bus bus("bus0");
+  auto refused = in(0x200);
+  refused.pass = false;
+  auto gate = attach(bus);
+  admit(gate, {in(0x123), refused});
+  const auto reading = read_back(root_);
+  ASSERT_TRUE(reading) << reading.error().text;
+  EXPECT_TRUE(reading->open);
+  ASSERT_EQ(reading->gates.size(), 1U);
+  EXPECT_EQ(all_problems(reading->gates[0]), "");
+  EXPECT_EQ(reading->gates[0].interface, "bus0");
+  EXPECT_EQ(reading->gates[0].hook, hook_);
+  EXPECT_EQ(reading->gates[0].slots, gate.present());
+}
+
+TEST_P(Attach, ReadBackSaysThatGatesAreClosed) {
+  control_.close_all();
+  EXPECT_FALSE(read_back(root_).value().open);
+}
+
+TEST_F(Clsact, ReadBackNamesARemovedFilter) {
+  const Bus bus("bus0");
+  const auto gate = attach(bus);
+  test::remove_our_filter(bus, false);
+  EXPECT_EQ(all_problems(read_back(root_).value().gates.at(0)),
+            "no program of ours is attached at egress\n");
+}
+
+TEST_F(Clsact, ReadBackNamesAnotherProgramInOurPlace) {
+  const Bus bus("bus0");
+  const auto gate = attach(bus);
+  test::remove_our_filter(bus, true);
+  test::add_foreign_filter(bus, GATE_TC_PRIORITY, GATE_TC_HANDLE);
+  EXPECT_NE(all_problems(read_back(root_).value().gates.at(0)).find("is not the pinned one"),
+            std::string::npos);
+}
+
+TEST_P(Attach, ReadBackNamesMapsOfAnotherGate) {
+  const Bus bus("bus0");
+  const Bus other("other");
+  const auto gate = attach(bus);
+  attach(other);
+  std::filesystem::rename(pins(other) + "/table", pins(bus) + "/table");
+  EXPECT_NE(all_problems(read_back(root_).value().gates.at(0)).find("does not look at the pinned"),
+            std::string::npos);
+}
+
+TEST_P(Attach, ReadBackNamesPinsOfAVanishedInterface) {
+  {
+    const Bus bus("bus0");
+    attach(bus);
+  }
+  const auto reading = read_back(root_);
+  EXPECT_EQ(reading->gates.at(0).interface, "");
+  EXPECT_NE(all_problems(reading->gates[0]).find("the pins are left over"), std::string::npos);
+}
+
+TEST_P(Attach, ReadBackOfADamagedTableIsAProblemAndNoCrash) {
+  const Bus bus("bus0");
+  const auto gate = attach(bus);
+  const Fd map(bpf_obj_get((pins(bus) + "/table").c_str()));
+  Mapped<gate_table>(map.get(), 1)[0].head[GATE_INGRESS][5] = GATE_SLOTS;
+  EXPECT_NE(all_problems(read_back(root_).value().gates.at(0)).find("broken chain"),
+            std::string::npos);
+}
+
+TEST_P(Tcx, ReadBackNamesAProgramBeforeOurs) {
+  const Bus bus("bus0");
+  const auto gate = attach(bus);
+  const Fd foreign = test::load_foreign(0);
+  const auto link = tcx_attach_first(bus.ifindex(), Direction::ingress, foreign.get());
+  EXPECT_NE(all_problems(read_back(root_).value().gates.at(0)).find("runs before ours at ingress"),
+            std::string::npos);
+}
+
+TEST(ReadBack, OfNothingIsAnErrorInWords) {
+  const auto reading = read_back(test::new_bpf_root());
+  ASSERT_FALSE(reading);
+  EXPECT_NE(reading.error().text.find("/v3/control: No such file"), std::string::npos)
+      << reading.error().text;
+}
+
+}  // namespace
+}  // namespace mlcca::enforce
