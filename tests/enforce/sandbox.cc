@@ -191,6 +191,12 @@ bool Program::send(const Bytes& bytes) const {
   return size == std::ssize(bytes);
 }
 
+void Program::skip_queueing() const {
+  const int on = 1;
+  require(setsockopt(fd_.get(), SOL_PACKET, PACKET_QDISC_BYPASS, &on, sizeof(on)) == 0,
+          "skip the queueing layer");
+}
+
 std::optional<Bytes> Program::received() const {
   if (!readable(fd_.get())) return std::nullopt;
   Bytes bytes(256);

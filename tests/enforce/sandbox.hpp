@@ -45,6 +45,8 @@ class Program {
   explicit Program(const Bus& bus, std::uint32_t uid = 0);
   /// False: the gate has dropped it.
   [[nodiscard]] bool send(const Bytes& bytes) const;
+  /// From now on it sends past the queueing layer, where no gate is.
+  void skip_queueing() const;
   [[nodiscard]] std::optional<Bytes> received() const;
 
  private:
