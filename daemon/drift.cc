@@ -51,6 +51,7 @@ std::vector<int> Drift::repair(const Gates& gates, const net::LinkTable& links) 
   for (const auto& [ifindex, gate] : gates) {
     if (!links.contains(ifindex)) continue;
     Seen& seen = seen_[ifindex];
+    gated_.insert(ifindex);
     const auto there = gate->attached();
     if (there && *there) {
       keep_first(ifindex, *gate, seen);
@@ -106,8 +107,8 @@ void Drift::keep_first(int ifindex, enforce::PortGate& gate, Seen& seen) {
         !standing.empty());
 }
 
-void Drift::tell_moved(const net::Link& link, const Gates& gates) {
-  if (!gates.contains(link.ifindex)) return;
+void Drift::tell_moved(const net::Links::Moved& link) {
+  if (gated_.erase(link.ifindex) == 0) return;
   tell_(Kind::drift,
         link.name + " was moved to another network namespace: there it has no gate of ours", true);
 }

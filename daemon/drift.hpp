@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,8 @@ class Drift {
 
   /// Puts gates back, and first. Gives those that cannot be put back.
   std::vector<int> repair(const Gates& gates, const net::LinkTable& links);
-  /// Interfaces that were taken to another namespace, where our gate is not.
-  void tell_moved(const net::Link& link, const Gates& gates);
+  /// An interface was taken to another namespace, where our gate is not; of those that had one.
+  void tell_moved(const net::Links::Moved& link);
   /// About once a second. `audit`: gates let out what they count as dropped. `now_s`: any steady
   /// clock.
   void look_for_bypass(const Gates& gates, net::Links& links, bool audit, std::int64_t now_s);
@@ -48,6 +49,7 @@ class Drift {
 
   Tell tell_;
   std::map<int, Seen> seen_;
+  std::set<int> gated_;  ///< interfaces that had a gate, those that are gone too
   DropWatch told_past_;
 };
 

@@ -115,7 +115,6 @@ void Ports::look_for_bypass(std::int64_t now_s) {
 }
 
 void Ports::forget_vanished() {
-  for (const net::Link& link : links_.take_moved()) drift_.tell_moved(link, all_gates());
   for (auto it = gates_.begin(); it != gates_.end();) {
     if (links_.table().contains(it->first)) {
       ++it;
@@ -276,6 +275,7 @@ void Ports::tell_can_state(PortState& port, const net::Link& link) {
 }
 
 bool Ports::repair() {
+  for (const auto& link : links_.take_moved()) drift_.tell_moved(link);
   for (const int lost : drift_.repair(all_gates(), links_.table())) gates_.erase(lost);
   for (PortState& port : ports_)
     if (port.ifindex != 0 && port.problem.empty() && link_of(port) != nullptr) queue(port);

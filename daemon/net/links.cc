@@ -5,6 +5,7 @@
 #include <linux/if.h>
 #include <linux/if_arp.h>
 #include <linux/rtnetlink.h>
+#include <netlink/attr.h>
 #include <netlink/msg.h>
 #include <netlink/netlink.h>
 #include <netlink/route/link.h>
@@ -123,15 +124,19 @@ Result<bool> Links::refresh() {
 void Links::take_notices(const char* notices, std::size_t size) {
   auto left = static_cast<int>(size);
   // NOLINTBEGIN(*-cstyle-cast,*-reinterpret-cast): macros of the kernel's header
-  for (auto* head = reinterpret_cast<const nlmsghdr*>(notices); NLMSG_OK(head, left);
+  for (const auto* head = reinterpret_cast<const nlmsghdr*>(notices); NLMSG_OK(head, left);
        head = NLMSG_NEXT(head, left)) {
     const int type = head->nlmsg_type;
     if (type >= RTM_NEWQDISC && type <= RTM_GETTFILTER) tc_changed_ = true;
     if (type != RTM_DELLINK) continue;
     const auto* info = static_cast<const ifinfomsg*>(NLMSG_DATA(head));
-    auto* moved = nlmsg_find_attr(const_cast<nlmsghdr*>(head), sizeof(ifinfomsg), IFLA_NEW_NETNSID);
-    const auto link = table_.find(info->ifi_index);
-    if (moved != nullptr && link != table_.end()) moved_.push_back(link->second);
+    const auto attribute = [head](int type_of_it) {
+      return nlmsg_find_attr(const_cast<nlmsghdr*>(head), sizeof(ifinfomsg), type_of_it);
+    };
+    auto* name = attribute(IFLA_IFNAME);
+    // By the message alone: the table may have been read when the link was already gone.
+    if (name != nullptr && attribute(IFLA_NEW_NETNSID) != nullptr)
+      moved_.push_back({info->ifi_index, nla_get_string(name)});
   }
   // NOLINTEND(*-cstyle-cast,*-reinterpret-cast)
 }

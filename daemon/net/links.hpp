@@ -62,8 +62,12 @@ class Links {
   }
   /// A filter or a queueing discipline came, changed or went since the last call.
   [[nodiscard]] bool take_tc_changed() { return std::exchange(tc_changed_, false); }
-  /// Links that went to another network namespace since the last call, as they were.
-  [[nodiscard]] std::vector<Link> take_moved() { return std::exchange(moved_, {}); }
+  struct Moved {
+    int ifindex = 0;  ///< that it had here
+    std::string name;
+  };
+  /// Links that went to another network namespace since the last call.
+  [[nodiscard]] std::vector<Moved> take_moved() { return std::exchange(moved_, {}); }
 
   /// Asks the kernel now.
   [[nodiscard]] Result<Traffic> traffic(int ifindex);
@@ -85,7 +89,7 @@ class Links {
   Socket requests_;
   LinkTable table_;
   bool tc_changed_ = false;
-  std::vector<Link> moved_;
+  std::vector<Moved> moved_;
 };
 
 }  // namespace mlcca::net

@@ -3,6 +3,13 @@
 #include "daemon/drift.hpp"
 
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdlib>
 
 #include "enforce/attach_fixture.hpp"
 
@@ -12,15 +19,16 @@ namespace {
 class DriftTest : public AttachTo, public testing::WithParamInterface<Hook> {
  protected:
   DriftTest() : AttachTo(GetParam()) {
-    gates_.emplace(static_cast<int>(bus_.ifindex()), attach(bus_));
+    gates_.emplace(ifindex(), &gate_);
     EXPECT_TRUE(links_);
   }
-  Gate& gate() { return gates_.at(static_cast<int>(bus_.ifindex())); }
+  [[nodiscard]] int ifindex() const { return static_cast<int>(bus_.ifindex()); }
+  Gate& gate() { return gate_; }
   void repair() { drift_.repair(gates_, links_->table()); }
   void look() { drift_.look_for_bypass(gates_, *links_, control_.mode() == Mode::audit, ++now_); }
   control::Interface report() {
     control::Interface interface;
-    drift_.report(gate(), interface);
+    drift_.report(ifindex(), gate_, interface);
     return interface;
   }
   void remove_ours() {
@@ -39,6 +47,7 @@ class DriftTest : public AttachTo, public testing::WithParamInterface<Hook> {
   }
 
   Bus bus_{"bus0"};
+  Gate gate_ = attach(bus_);
   Drift::Gates gates_;
   Result<net::Links> links_ = net::Links::open();
   std::vector<std::string> told_;
@@ -124,6 +133,37 @@ TEST_P(DriftTest, FramesThatAuditLetsOutRaiseNoAlarm) {
   }
   look();
   EXPECT_TRUE(told_.empty()) << told_.front();
+}
+
+TEST_P(DriftTest, DeviceThatWentToAnotherNamespaceIsTold) {
+  repair();
+  std::array<int, 2> ready{};
+  ASSERT_EQ(pipe(ready.data()), 0);
+  const pid_t elsewhere = fork();
+  if (elsewhere == 0) {
+    if (unshare(CLONE_NEWNET) != 0 || write(ready[1], "", 1) != 1) _exit(1);
+    pause();
+    _exit(0);
+  }
+  char byte = 0;
+  ASSERT_EQ(read(ready[0], &byte, 1), 1);
+  const auto move = "ip link set bus0 netns " + std::to_string(elsewhere);
+  ASSERT_EQ(std::system(move.c_str()), 0);
+  // The table may have been read before the notice is.
+  ASSERT_TRUE(links_->refresh());
+  gates_.clear();
+  repair();
+  kill(elsewhere, SIGKILL);
+  waitpid(elsewhere, nullptr, 0);
+  const auto moved = links_->take_moved();
+  ASSERT_EQ(moved.size(), 1U);
+  EXPECT_EQ(moved[0].name, "bus0");
+  drift_.tell_moved(moved[0]);
+  ASSERT_EQ(told_.size(), 1U);
+  EXPECT_EQ(kinds_[0], Kind::drift);
+  EXPECT_NE(told_[0].find("bus0 was moved to another network namespace"), std::string::npos);
+  drift_.tell_moved({4711, "stranger"});
+  EXPECT_EQ(told_.size(), 1U) << "it had no gate";
 }
 
 INSTANTIATE_TEST_SUITE_P(Hooks, DriftTest, testing::ValuesIn([] {

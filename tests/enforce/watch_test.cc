@@ -30,7 +30,7 @@ SlotSpec heart_beat(std::uint32_t id, std::uint64_t silence = kSilence) {
   return s;
 }
 
-class WatchAttached : public Attach {
+class WatchAttached : public Clsact {
  protected:
   WatchAttached() : reader_(open_reader()) {}
 
