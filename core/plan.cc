@@ -166,8 +166,8 @@ class Planner {
     if (first) {
       const AttributeSet& offered = attributes_in(p, set_);
       const Network& network = network_at(port);
-      const auto frames = frames_per_event(network, network.binding_of(p.channel),
-                                           offered[Attribute::max_payload]);
+      const auto frames =
+          frames_per_event(network, network.binding_of(p.channel), offered[Attribute::max_payload]);
       rule.policing = policing_of(offered, frames);
       rule.policing.counts_only = system_.gateways[here_.index].ports[port].excess == Excess::pass;
       rule.watching = watching(offered, frames);
