@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Which rules can-gw must have so that what was granted from one CAN bus to another gets there, and
-// what leads to them. No I/O; docs/adr/0018 says why they are as they are.
+// what leads to them. No I/O; docs/adr/0019 says why they are as they are.
 #pragma once
 #include <cstdint>
 #include <expected>
