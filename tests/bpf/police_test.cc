@@ -200,9 +200,6 @@ TEST_P(PoliceFlood, PassesAtTheAdmittedRateToTheFrame) {
   constexpr std::uint64_t early = 2'000 * millisecond;
   admit(policed(millisecond, early));
   const Flood flood = Flooding(gate_, 1'000 * millisecond).on(GetParam());
-  fprintf(stderr, "due-tol-now %ld us; shortest %lu longest %lu passed %lu\n",
-          (long)(gate_.table().slots[slot_].due - early - now()) / 1000, flood.shortest / 1000,
-          flood.longest / 1000, flood.passed);
   EXPECT_GE(flood.passed, (flood.shortest + early) / millisecond);
   EXPECT_LE(flood.passed, (flood.longest + early) / millisecond + 1);
   EXPECT_EQ(counted().passed, flood.passed);
