@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tests/control/messages.hpp"
+
+namespace mlcca::test {
+
+using namespace control;
+
+ChannelRequest full_channel_request() {
+  return {.channel = "emergency-switch",
+          .from = "second-can",
+          .to = "robot-can",
+          .offered = {{.name = "Period", .value = 50'000'000, .unit = "ns", .dynamic = false},
+                      {.name = "MaxPayload", .value = 8, .unit = "bytes", .dynamic = false}},
+          .required = {{.name = "Omission", .value = 2, .unit = "events", .dynamic = true}},
+          .node = 0,  // present, and the default of the wire
+          .priority = 125,
+          .user = "robot",
+          .subscriber = "motors",
+          .publisher = "switch",
+          .from_node = "laptop",
+          .to_node = "relay"};
+}
+
+namespace {
+
+Admit full_admit() {
+  Admit admit{full_channel_request(), {}, 0, false};
+  admit.key = "camera of robot 7";
+  admit.lease_ns = 30'000'000'000;
+  admit.hold = true;
+  return admit;
+}
+
+WhatIfRequest full_what_if_request() {
+  return {.links = {{.network = "awds",
+                     .from = "laptop",
+                     .to = "relay",
+                     .rate = 6'000'000,
+                     .both_ways = true},
+                    {.network = "",
+                     .from = "02:00:00:00:00:01",
+                     .to = "02:00:00:00:00:02",
+                     .rate = 0,
+                     .both_ways = false}},
+          .without = {"second-can", "bridge"}};
+}
+
+}  // namespace
+
+std::vector<NamedRequest> all_requests() {
+  ChannelRequest channel_only;
+  channel_only.channel = "a";
+  return {{"Status", {1, StatusRequest{}}},
+          {"Networks", {2, NetworksRequest{}}},
+          {"Channels", {3, ChannelsRequest{}}},
+          {"Query", {4, Query{full_channel_request()}}},
+          {"QueryOfChannelOnly", {4, Query{channel_only}}},
+          {"Admit", {5, Admit{full_channel_request(), {}, 0, false}}},
+          {"Release",
+           {6, ReleaseRequest{.channel = "emergency-switch", .admission = 9, .key = "blue"}}},
+          {"Explain", {7, ExplainRequest{"0xa4efeccc3210b497"}}},
+          {"Monitor", {8, MonitorRequest{}}},
+          {"Mode", {9, ModeRequest{"audit"}}},
+          {"Reload", {~std::uint64_t{0}, ReloadRequest{}}},
+          {"AdmitWithLease", {10, full_admit()}},
+          {"Renew", {11, RenewRequest{.admission = 9, .key = "camera"}}},
+          {"Routes", {12, RoutesRequest{}}},
+          {"Reservations", {13, ReservationsRequest{"awds"}}},
+          {"Gate", {17, GateRequest{"can0"}}},
+          {"WhatIf", {14, full_what_if_request()}},
+          {"WhatIfNothing", {15, WhatIfRequest{}}},
+          {"History",
+           {16, HistoryRequest{.channel = "video",
+                               .kind = "switched",
+                               .since_unix_ns = 1'700'000'000'000'000'001,
+                               .until_unix_ns = 1'800'000'000'000'000'002,
+                               .limit = 50}}}};
+}
+
+}  // namespace mlcca::test
