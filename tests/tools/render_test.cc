@@ -255,9 +255,9 @@ grace        10 s, lapsed 2 times
 problem      can1 is missing
 last reload  system.xml:7: <Period>: not a number
 
-INTERFACE  NETWORK     PROFILE  LINK    CAN STATE        BITRATE  GATE  SLOTS  IN PASSED  IN DROPPED  OUT PASSED  OUT DROPPED  MANAGED  IDENTITY
-can0       robot-can   famouso  up      ERROR-ACTIVE  500 kbit/s  held      4       1001          22        2002           33  yes      name can0
-can1       second-can           absent                                      0          0           0           0            0
+INTERFACE  NETWORK     PROFILE  LINK    CAN STATE        BITRATE  GATE        SLOTS  IN PASSED  IN DROPPED  OUT PASSED  OUT DROPPED  MANAGED  IDENTITY
+can0       robot-can   famouso  up      ERROR-ACTIVE  500 kbit/s  held early      4       1001          22        2002           33  yes      name can0
+can1       second-can           absent                                            0          0           0           0            0
 can0: queue is full
 before the gate of can0 runs another
 can0: 70000 frames were sent past its gate
@@ -270,9 +270,10 @@ frames by reason
   can0       out        source        3
 
 unknown frames, last seen first
-  INTERFACE  DIRECTION  IDENTIFIER  FORMAT   LENGTH  FRAMES
-  can0       in         18ffa533    classic       8      19
-  can0       out        123         FD           64       2
+  INTERFACE  DIRECTION  IDENTIFIER          FORMAT    LENGTH  FRAMES
+  can0       in         18ffa533            classic        8      19
+  can0       out        123                 FD            64       2
+  can0       in         0xa4efeccc3210b497  datagram    8183       3
 )");
 }
 
