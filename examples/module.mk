@@ -1,7 +1,9 @@
-# The stage is what a package would install; the guest copies it over its root.
+# The stage is what a package would install, without debug information; the guest copies it over its
+# root, which is in its memory.
 STAGE := $O/stage
 stage: all
-	$(Q)rm -rf $(STAGE) && $(MAKE) install DESTDIR=$(abspath $(STAGE)) PREFIX=/usr V=$V >/dev/null
+	$(Q)rm -rf $(STAGE) && $(MAKE) install DESTDIR=$(abspath $(STAGE)) PREFIX=/usr V=$V >/dev/null && \
+		find $(STAGE) -type f -perm -100 -exec strip --strip-debug {} +
 
 DEMO ?= guest
 run-demo: run-demo-$(DEMO)
