@@ -6,7 +6,6 @@
 #include <bpf/libbpf.h>
 #include <gate.skel.h>
 #include <linux/pkt_cls.h>
-#include <sys/mman.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -63,11 +62,8 @@ LoadedGate::LoadedGate(const GateOptions& options)
   const auto cpus = static_cast<std::size_t>(libbpf_num_possible_cpus());
   bpf_map__set_max_entries(object_->maps.cpus, static_cast<std::uint32_t>(cpus));
   require(gate_bpf__load(object_.get()) == 0, "load the gate");
-  void* memory = mmap(nullptr, cpus * sizeof(gate_cpu), PROT_READ | PROT_WRITE, MAP_SHARED,
-                      bpf_map__fd(object_->maps.cpus), 0);
-  require(memory != MAP_FAILED, "map the counters");
-  cpus_ = {static_cast<gate_cpu*>(memory), cpus};
-
+  cpus_ = {bpf_map__fd(object_->maps.cpus), cpus};
+  require(static_cast<bool>(cpus_), "map the counters");
   reset();
 }
 
@@ -83,18 +79,16 @@ LoadedGate& LoadedGate::with(const GateOptions& options) {
 
 void LoadedGate::reset() {
   table() = {};
-  for (auto& cpu : cpus_) cpu = {};
+  for (auto& cpu : cpus()) cpu = {};
   control() = {};
   control().layout_version = GATE_LAYOUT_VERSION;
   control().open = 1;
   control().token = kToken;
-  auto slots = enforce::SlotTable::read({table(), cpus_, control().generation}, profile_, true,
+  auto slots = enforce::SlotTable::read({table(), cpus(), control().generation}, profile_, true,
                                         [] { return Result<void>{}; });
   require(slots.has_value(), "read the slots");
   slots_ = std::make_unique<enforce::SlotTable>(std::move(*slots));
 }
-
-LoadedGate::~LoadedGate() { munmap(cpus_.data(), cpus_.size_bytes()); }
 
 gate_table& LoadedGate::table() const { return object_->bss->table; }
 gate_control& LoadedGate::control() const { return object_->data_control->control; }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bpf/gate.h"
+#include "daemon/enforce/mapped.hpp"
 #include "daemon/enforce/slots.hpp"
 
 struct bpf_test_run_opts;
@@ -57,7 +58,6 @@ class LoadedGate {
   explicit LoadedGate(const GateOptions& options = {});
   /// One loaded gate for each set of options, as new: loading takes far longer than a frame.
   static LoadedGate& with(const GateOptions& options = {});
-  ~LoadedGate();
   LoadedGate(const LoadedGate&) = delete;
   LoadedGate& operator=(const LoadedGate&) = delete;
 
@@ -68,7 +68,7 @@ class LoadedGate {
 
   [[nodiscard]] gate_table& table() const;
   [[nodiscard]] gate_control& control() const;
-  [[nodiscard]] std::span<gate_cpu> cpus() const { return cpus_; }
+  [[nodiscard]] std::span<gate_cpu> cpus() const { return cpus_.span(); }
   [[nodiscard]] enforce::SlotTable& slots() { return *slots_; }
 
   /// No slots, no counts, open and enforcing.
@@ -84,7 +84,7 @@ class LoadedGate {
 
   std::uint32_t profile_;
   std::unique_ptr<gate_bpf, void (*)(gate_bpf*)> object_;
-  std::span<gate_cpu> cpus_;
+  enforce::Mapped<gate_cpu> cpus_;
   std::unique_ptr<enforce::SlotTable> slots_;
 };
 

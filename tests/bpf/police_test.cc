@@ -5,11 +5,11 @@
 #include <sched.h>
 
 #include <atomic>
-#include <ctime>
 #include <thread>
 #include <vector>
 
-#include "bpf/loaded_gate.hpp"
+#include "bpf/one_slot.hpp"
+#include "daemon/clock.hpp"
 #include "daemon/enforce/counters.hpp"
 
 namespace mlcca::test {
@@ -19,44 +19,20 @@ using enforce::Direction;
 using enforce::SlotSpec;
 
 constexpr std::uint64_t kHour = 3'600'000'000'000;  // ns
-constexpr std::uint32_t kId = 0x123;
-
-std::uint64_t now() {
-  timespec time{};
-  ::clock_gettime(CLOCK_MONOTONIC, &time);
-  return static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 +
-         static_cast<std::uint64_t>(time.tv_nsec);
-}
 
 SlotSpec policed(std::uint64_t per_frame, std::uint64_t tolerance, std::uint64_t per_byte = 0) {
-  SlotSpec s;
-  s.direction = Direction::ingress;
-  s.pass = true;
-  s.id = kId;
-  s.mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK;
-  s.subject = 1;
+  SlotSpec s = one_slot();
   s.per_frame = per_frame;
   s.per_byte = per_byte;
   s.tolerance = tolerance;
   return s;
 }
 
-class Police : public testing::Test {
+class Police : public OneSlot {
  protected:
-  void admit(const SlotSpec& s) {
-    gate_.reset();
-    gate_.admit({s});
-    slot_ = gate_.slots().find(s).value();
-  }
-  bool passes(unsigned length = 8) {
-    return !gate_.run(Direction::ingress, frame(kId, length)).dropped;
-  }
   [[nodiscard]] enforce::SlotCounters counted() const {
     return enforce::slot_counters(gate_.table(), gate_.cpus(), slot_);
   }
-
-  LoadedGate& gate_ = LoadedGate::with();
-  std::uint16_t slot_ = 0;
 };
 
 TEST_F(Police, WhatComesBeforeItsTurnIsDroppedAndCounted) {
@@ -152,11 +128,11 @@ class Flooding {
   Flooding(const LoadedGate& gate, std::uint64_t length) : gate_(gate), length_(length) {}
 
   Flood on(unsigned cpus) {
-    const std::uint64_t before = now();
+    const std::uint64_t before = monotonic_ns();
     std::vector<std::thread> senders;
     for (unsigned cpu = 0; cpu < cpus; ++cpu) senders.emplace_back([this, cpu] { send(cpu); });
     for (std::thread& sender : senders) sender.join();
-    return {passed_, sent_, last_ - first_, now() - before};
+    return {passed_, sent_, last_ - first_, monotonic_ns() - before};
   }
 
  private:
@@ -172,13 +148,13 @@ class Flooding {
     CPU_SET(cpu, &one);
     ::sched_setaffinity(0, sizeof one, &one);
     passes();
-    std::uint64_t time = now();
+    std::uint64_t time = monotonic_ns();
     for (std::uint64_t first = first_;
          time < first && !first_.compare_exchange_weak(first, time);) {
     }
     const std::uint64_t end = time + length_;
     do {
-      time = now();
+      time = monotonic_ns();
     } while (passes() || time < end);
     for (std::uint64_t last = last_; last < time && !last_.compare_exchange_weak(last, time);) {
     }

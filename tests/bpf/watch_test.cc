@@ -5,12 +5,12 @@
 #include <sched.h>
 
 #include <algorithm>
-#include <ctime>
 #include <numeric>
 #include <thread>
 #include <vector>
 
-#include "bpf/loaded_gate.hpp"
+#include "bpf/one_slot.hpp"
+#include "daemon/clock.hpp"
 
 namespace mlcca::test {
 namespace {
@@ -21,55 +21,33 @@ using enforce::SlotSpec;
 constexpr std::uint64_t kPeriod = 8'000'000'000;  // ns
 constexpr std::uint64_t kEighth = kPeriod / 8;
 constexpr std::uint64_t kSoon = 500'000'000;  // ns; longer than a frame takes
-constexpr std::uint32_t kId = 0x123;
-
-std::uint64_t now() {
-  timespec time{};
-  ::clock_gettime(CLOCK_MONOTONIC, &time);
-  return static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 +
-         static_cast<std::uint64_t>(time.tv_nsec);
-}
 
 SlotSpec watched(std::uint64_t period, std::uint64_t together = 0) {
-  SlotSpec s;
-  s.direction = Direction::ingress;
-  s.pass = true;
-  s.id = kId;
-  s.mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK;
-  s.subject = 1;
+  SlotSpec s = one_slot();
   s.period = period;
   s.together = together;
   return s;
 }
 
-class Watch : public testing::Test {
+class Watch : public OneSlot {
  protected:
-  void admit(const SlotSpec& s) {
-    gate_.reset();
-    gate_.admit({s});
-    slot_ = gate_.slots().find(s).value();
-  }
-  bool passes() { return !gate_.run(Direction::ingress, frame(kId, 8)).dropped; }
   /// A frame `gap` after the latest one, and a little.
   void passes_after(std::uint64_t gap) {
-    watch().last = now() - gap;
+    watch().last = monotonic_ns() - gap;
     ASSERT_TRUE(passes());
   }
   gate_watch& watch() { return gate_.table().watches[slot_]; }
   std::uint64_t gaps() {
     return std::accumulate(std::begin(watch().gaps), std::end(watch().gaps), std::uint64_t{0});
   }
-
-  LoadedGate& gate_ = LoadedGate::with();
-  std::uint16_t slot_ = 0;
 };
 
 TEST_F(Watch, TheFirstEventHasNoGap) {
   admit(watched(kPeriod));
-  const std::uint64_t before = now();
+  const std::uint64_t before = monotonic_ns();
   ASSERT_TRUE(passes());
   EXPECT_GE(watch().last, before);
-  EXPECT_LE(watch().last, now());
+  EXPECT_LE(watch().last, monotonic_ns());
   EXPECT_EQ(gaps(), 0U);
   EXPECT_EQ(watch().last_gap, 0U);
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Silence noticed by the kernel's own timers, on a real clock: when it is told is held against what
 // the time stamps of the frames say.
-#include <ctime>
 #include <deque>
 #include <set>
 
+#include "daemon/clock.hpp"
 #include "daemon/enforce/events.hpp"
 #include "enforce/attach_fixture.hpp"
 
@@ -15,13 +15,6 @@ constexpr std::uint64_t kMillisecond = 1'000'000;
 constexpr std::uint64_t kPeriod = 100 * kMillisecond;
 constexpr std::uint64_t kSilence = 250 * kMillisecond;
 constexpr int kPatience = 20'000;  // ms
-
-std::uint64_t now() {
-  timespec time{};
-  ::clock_gettime(CLOCK_MONOTONIC, &time);
-  return static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 +
-         static_cast<std::uint64_t>(time.tv_nsec);
-}
 
 SlotSpec heart_beat(std::uint32_t id, std::uint64_t silence = kSilence) {
   SlotSpec s = in(id);
@@ -58,7 +51,7 @@ class WatchAttached : public Clsact {
   }
   /// A heart-beat every fifth of a period, until it is time.
   static void beat_until(const Bus& bus, std::uint32_t id, std::uint64_t end) {
-    while (now() < end) {
+    while (monotonic_ns() < end) {
       bus.inject(frame(id));
       poll(nullptr, 0, 20);
     }
@@ -78,9 +71,9 @@ class WatchAttached : public Clsact {
 TEST_F(WatchAttached, AHeartBeatThatNeverComesIsTold) {
   const Bus bus("can0");
   Gate gate = attach(bus);
-  const std::uint64_t before = now();
+  const std::uint64_t before = monotonic_ns();
   admit(gate, {heart_beat(1)});
-  const std::uint64_t after = now();
+  const std::uint64_t after = monotonic_ns();
   const gate_event event = next();
   EXPECT_EQ(event.kind, std::uint32_t{GATE_E_MISSING});
   EXPECT_EQ(event.ifindex, bus.ifindex());
@@ -89,7 +82,7 @@ TEST_F(WatchAttached, AHeartBeatThatNeverComesIsTold) {
   EXPECT_EQ(event.never, 1U);
   EXPECT_GE(event.at, before + kSilence);
   EXPECT_LT(event.at, after + kSilence + kPeriod) << "within a period";
-  EXPECT_TRUE(gate.arrivals(static_cast<std::uint16_t>(event.slot), now()).silent);
+  EXPECT_TRUE(gate.arrivals(static_cast<std::uint16_t>(event.slot), monotonic_ns()).silent);
 }
 
 TEST_F(WatchAttached, SilenceAfterTheLastEventIsToldOnceAndSoIsItsEnd) {
@@ -97,7 +90,7 @@ TEST_F(WatchAttached, SilenceAfterTheLastEventIsToldOnceAndSoIsItsEnd) {
   Gate gate = attach(bus);
   admit(gate, {heart_beat(1)});
   const auto slot = gate.number_of(heart_beat(1)).value();
-  beat_until(bus, 1, now() + 6 * kPeriod);
+  beat_until(bus, 1, monotonic_ns() + 6 * kPeriod);
   EXPECT_TRUE(got_.empty());
   const gate_event missing = next();
   const std::uint64_t last = missing.at - gate.arrivals(slot, missing.at).since_last;
@@ -107,14 +100,14 @@ TEST_F(WatchAttached, SilenceAfterTheLastEventIsToldOnceAndSoIsItsEnd) {
 
   // It goes on for long: the next thing that is told is its end.
   poll(nullptr, 0, 400);
-  const std::uint64_t again = now();
+  const std::uint64_t again = monotonic_ns();
   beat_until(bus, 1, again + GATE_CALM + 5 * kPeriod);
   const gate_event restored = next();
   EXPECT_EQ(restored.kind, std::uint32_t{GATE_E_RESTORED});
   EXPECT_GE(restored.at, again + GATE_CALM);
   EXPECT_GE(restored.silent, again - last) << "from the last one to the next one, ";
   EXPECT_LT(restored.silent, again - last + 3 * kPeriod) << "as the timer saw it";
-  EXPECT_FALSE(gate.arrivals(slot, now()).silent);
+  EXPECT_FALSE(gate.arrivals(slot, monotonic_ns()).silent);
   // Then it may be missing again.
   EXPECT_EQ(next().kind, std::uint32_t{GATE_E_MISSING});
 }
@@ -147,7 +140,7 @@ TEST_F(WatchAttached, NobodyIsToldOfWhatDoesNotPassAnyMore) {
   // Opened again, silence begins anew.
   changes = {};
   changes.open = {heart_beat(1)};
-  const std::uint64_t before = now();
+  const std::uint64_t before = monotonic_ns();
   ASSERT_TRUE(gate.apply(changes));
   const gate_event event = next();
   EXPECT_EQ(event.subject, 1U);
@@ -160,7 +153,7 @@ TEST_F(WatchAttached, SilenceOfClosedGatesIsNobodysFault) {
   control_.close_all();
   admit(gate, {heart_beat(1)});
   poll(nullptr, 0, 600);
-  const std::uint64_t opened = now();
+  const std::uint64_t opened = monotonic_ns();
   control_.open();
   const gate_event event = next();
   EXPECT_GE(event.at, opened + kSilence);
@@ -190,7 +183,7 @@ TEST_F(WatchAttached, AFloodOfStrangersHidesNothing) {
   Gate gate = attach(bus);
   admit(gate, {heart_beat(1)});
   const auto slot = gate.number_of(heart_beat(1)).value();
-  beat_until(bus, 1, now() + 2 * kPeriod);
+  beat_until(bus, 1, monotonic_ns() + 2 * kPeriod);
   Traffic flood(bus, gate, {2, 3, 4, 5, 6, 7, 8, 9});
   const gate_event event = next();
   expect_missing(event, event.at - gate.arrivals(slot, event.at).since_last);

@@ -6,7 +6,6 @@
 #include <bpf/libbpf.h>
 #include <ether.skel.h>
 #include <linux/pkt_cls.h>
-#include <sys/mman.h>
 
 #include <array>
 #include <cstdio>
@@ -30,17 +29,10 @@ T require(T value, const char* what) {
 }
 
 template <class T>
-std::span<T> map_memory(const bpf_map* map) {
-  const std::size_t count = bpf_map__max_entries(map);
-  void* memory =
-      mmap(nullptr, count * sizeof(T), PROT_READ | PROT_WRITE, MAP_SHARED, bpf_map__fd(map), 0);
-  require(memory != MAP_FAILED, "map memory");
-  return {static_cast<T*>(memory), count};
-}
-
-template <class T>
-void unmap(std::span<T> memory) {
-  munmap(memory.data(), memory.size_bytes());
+enforce::Mapped<T> mapped(const bpf_map* map) {
+  enforce::Mapped<T> memory(bpf_map__fd(map), bpf_map__max_entries(map));
+  require(static_cast<bool>(memory), "map memory");
+  return memory;
 }
 
 void clear(const bpf_map* map) {
@@ -70,12 +62,16 @@ LoadedEther::LoadedEther(const EtherOptions& options)
   bpf_map__set_max_entries(maps.counts, sizes_.banks * sizes_.slots);
   bpf_map__set_max_entries(maps.cpus, static_cast<std::uint32_t>(libbpf_num_possible_cpus()));
   require(ether_bpf__load(object_.get()) == 0, "load the gate");
+  buckets_ = mapped<std::uint64_t>(maps.buckets);
+  slots_ = mapped<ether_slot>(maps.slots);
+  contracts_ = mapped<ether_contract>(maps.contracts);
+  counts_ = mapped<gate_count>(maps.counts);
+  cpus_ = mapped<ether_cpu>(maps.cpus);
   memory_ = {.table = &object_->bss->table,
-             .buckets = map_memory<std::uint64_t>(maps.buckets),
-             .slots = map_memory<ether_slot>(maps.slots),
-             .contracts = map_memory<ether_contract>(maps.contracts),
-             .counts = map_memory<gate_count>(maps.counts)};
-  cpus_ = map_memory<ether_cpu>(maps.cpus);
+             .buckets = buckets_.span(),
+             .slots = slots_.span(),
+             .contracts = contracts_.span(),
+             .counts = counts_.span()};
   reset();
 }
 
@@ -89,18 +85,10 @@ LoadedEther& LoadedEther::with(const EtherOptions& options) {
   return *gate;
 }
 
-LoadedEther::~LoadedEther() {
-  unmap(memory_.buckets);
-  unmap(memory_.slots);
-  unmap(memory_.contracts);
-  unmap(memory_.counts);
-  unmap(cpus_);
-}
-
 void LoadedEther::reset() {
   std::memset(memory_.buckets.data(), 0, memory_.buckets.size_bytes());
   std::memset(memory_.counts.data(), 0, memory_.counts.size_bytes());
-  for (auto& cpu : cpus_) cpu = {};
+  for (auto& cpu : cpus()) cpu = {};
   for (std::size_t own = 0; own < ETHER_FIRST_SLOT; ++own) memory_.slots[own] = {};
   clear(object_->maps.fragments);
   clear(object_->maps.foreign_fragments);
@@ -157,7 +145,7 @@ enforce::SlotCounters LoadedEther::counted(enforce::Direction direction) const {
   return enforce::ether_counters(memory_, static_cast<std::uint32_t>(direction));
 }
 enforce::ReasonCounters LoadedEther::reasons(enforce::Direction direction) const {
-  return enforce::ether_reasons(cpus_, direction);
+  return enforce::ether_reasons(cpus(), direction);
 }
 
 std::size_t LoadedEther::map_bytes() const {

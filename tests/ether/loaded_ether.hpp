@@ -11,6 +11,7 @@
 
 #include "daemon/enforce/ether_counters.hpp"
 #include "daemon/enforce/ether_table.hpp"
+#include "daemon/enforce/mapped.hpp"
 #include "ether/packets.hpp"
 
 struct bpf_program;
@@ -49,7 +50,6 @@ class LoadedEther {
   explicit LoadedEther(const EtherOptions& options = {});
   /// One loaded gate for each set of options, as new.
   static LoadedEther& with(const EtherOptions& options = {});
-  ~LoadedEther();
   LoadedEther(const LoadedEther&) = delete;
   LoadedEther& operator=(const LoadedEther&) = delete;
 
@@ -63,7 +63,7 @@ class LoadedEther {
   [[nodiscard]] enforce::EtherTable& table() { return *table_; }
   [[nodiscard]] const enforce::EtherMemory& memory() const { return memory_; }
   [[nodiscard]] const enforce::EtherSizes& sizes() const { return sizes_; }
-  [[nodiscard]] std::span<ether_cpu> cpus() const { return cpus_; }
+  [[nodiscard]] std::span<ether_cpu> cpus() const { return cpus_.span(); }
   [[nodiscard]] enforce::SlotCounters counted(const enforce::SlotSpec& spec) const;
   /// Of the direction's own slot.
   [[nodiscard]] enforce::SlotCounters counted(enforce::Direction direction) const;
@@ -78,8 +78,12 @@ class LoadedEther {
  private:
   enforce::EtherSizes sizes_;
   std::unique_ptr<ether_bpf, void (*)(ether_bpf*)> object_;
+  enforce::Mapped<std::uint64_t> buckets_;
+  enforce::Mapped<ether_slot> slots_;
+  enforce::Mapped<ether_contract> contracts_;
+  enforce::Mapped<gate_count> counts_;
+  enforce::Mapped<ether_cpu> cpus_;
   enforce::EtherMemory memory_;
-  std::span<ether_cpu> cpus_;
   std::unique_ptr<enforce::EtherTable> table_;
 };
 

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A gate with one slot, which admits the frames of one identifier that come in.
+#pragma once
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+#include "bpf/loaded_gate.hpp"
+
+namespace mlcca::test {
+
+inline constexpr std::uint32_t kId = 0x123;
+
+inline enforce::SlotSpec one_slot() {
+  enforce::SlotSpec s;
+  s.direction = enforce::Direction::ingress;
+  s.pass = true;
+  s.id = kId;
+  s.mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK;
+  s.subject = 1;
+  return s;
+}
+
+class OneSlot : public testing::Test {
+ protected:
+  void admit(const enforce::SlotSpec& s) {
+    gate_.reset();
+    gate_.admit({s});
+    slot_ = gate_.slots().find(s).value();
+  }
+  bool passes(unsigned length = 8) {
+    return !gate_.run(enforce::Direction::ingress, frame(kId, length)).dropped;
+  }
+
+  LoadedGate& gate_ = LoadedGate::with();
+  std::uint16_t slot_ = 0;
+};
+
+}  // namespace mlcca::test
