@@ -9,8 +9,6 @@
 #include <sys/mman.h>
 
 #include <algorithm>
-#include <array>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -18,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/timing.hpp"
 #include "core/handle.hpp"
 #include "ether/loaded_ether.hpp"
 
@@ -32,9 +31,7 @@ constexpr int kRepeat = 20'000;
 
 /// A packet that is repeated keeps what is written into it: mark 0 again is egress' own.
 double nanoseconds_of(int program, const Bytes& bytes) {
-  using Clock = std::chrono::steady_clock;
-  double best = 1e9;
-  for (int run = 0; run < kRuns; ++run) {
+  return best_of(kRuns, kRepeat, [&](int repeat) {
     __sk_buff context{};
     context.priority = 1;  // locally sent
     LIBBPF_OPTS(bpf_test_run_opts, options);
@@ -42,21 +39,9 @@ double nanoseconds_of(int program, const Bytes& bytes) {
     options.data_size_in = static_cast<std::uint32_t>(bytes.size());
     options.ctx_in = &context;
     options.ctx_size_in = sizeof(context);
-    options.repeat = kRepeat;
-    const auto start = Clock::now();
+    options.repeat = repeat;
     if (bpf_prog_test_run_opts(program, &options) != 0) std::abort();
-    const std::chrono::duration<double, std::nano> took = Clock::now() - start;
-    best = std::min(best, took.count() / kRepeat);
-  }
-  return best;
-}
-
-Fd empty_program() {
-  std::array<bpf_insn, 2> program{};
-  program[0].code = BPF_ALU64 | BPF_MOV | BPF_K;
-  program[0].imm = TC_ACT_UNSPEC;
-  program[1].code = BPF_JMP | BPF_EXIT;
-  return Fd(bpf_prog_load(BPF_PROG_TYPE_SCHED_CLS, "empty", "GPL", program.data(), 2, nullptr));
+  });
 }
 
 SlotSpec slot(std::uint64_t subject) {

@@ -9,13 +9,12 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <functional>
 #include <string>
 #include <vector>
 
+#include "bench/timing.hpp"
 #include "bpf/loaded_gate.hpp"
 #include "core/handle.hpp"
 
@@ -30,25 +29,10 @@ constexpr int kRepeat = 20'000;
 constexpr std::uint32_t kRtr = CAN_RTR_FLAG;
 constexpr std::uint32_t kEff = CAN_EFF_FLAG;
 
-/// The kernel's own figure is in whole ns: the time of the whole call is finer.
-double nanoseconds_of(const std::function<void(int)>& work, int repeat) {
-  using Clock = std::chrono::steady_clock;
-  double best = 1e9;
-  for (int run = 0; run < kRuns; ++run) {
-    const auto start = Clock::now();
-    work(repeat);
-    const std::chrono::duration<double, std::nano> took = Clock::now() - start;
-    best = std::min(best, took.count() / repeat);
-  }
-  return best;
-}
+double nanoseconds_of(const auto& work, int repeat) { return best_of(kRuns, repeat, work); }
 
-double empty_program() {
-  std::array<bpf_insn, 2> program{};
-  program[0].code = BPF_ALU64 | BPF_MOV | BPF_K;
-  program[0].imm = TC_ACT_UNSPEC;
-  program[1].code = BPF_JMP | BPF_EXIT;
-  const Fd fd(bpf_prog_load(BPF_PROG_TYPE_SCHED_CLS, "empty", "GPL", program.data(), 2, nullptr));
+double empty_program_ns() {
+  const Fd fd = empty_program();
   const Bytes bytes = frame(0x123, 8);
   return nanoseconds_of(
       [&](int repeat) {
@@ -202,7 +186,7 @@ double map_update() {
 }
 
 void print() {
-  const double empty = empty_program();
+  const double empty = empty_program_ns();
   std::string rows;
   for (const auto& c : kCases) {
     const double ns = time_of(c);
