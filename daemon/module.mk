@@ -16,7 +16,7 @@ $(eval $(call program,mlccad,daemon/main.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 PROGRAMS += $O/mlccad
 
 # What `mlccactl gate --verify` becomes.
-$(eval $(call program,mlcca-readback,daemon/readback/main.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
+$(eval $(call program,mlcca-readback,$(wildcard daemon/readback/*.cc),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 PROGRAMS += $O/mlcca-readback
 install-readback: $O/mlcca-readback
 	$(call say,INSTALL,the reader of what is in force)

@@ -30,24 +30,6 @@
 namespace mlcca::enforce {
 namespace {
 
-std::uint32_t gate_profile_of(core::Profile profile) {
-  switch (profile) {
-    case core::Profile::raw:
-      return GATE_PROFILE_RAW;
-    case core::Profile::famouso:
-      return GATE_PROFILE_FAMOUSO;
-    case core::Profile::j1939:
-      return GATE_PROFILE_J1939;
-    case core::Profile::cyphal:
-      return GATE_PROFILE_CYPHAL;
-    case core::Profile::canopen:
-      return GATE_PROFILE_CANOPEN;
-    case core::Profile::none:
-      break;
-  }
-  return GATE_PROFILE_NONE;
-}
-
 /// The pinned program is the attached one and looks at these maps.
 bool is_attached(const std::string& pin, std::uint32_t attached, const GateMaps& maps) {
   const Fd program = open_pin(pin);

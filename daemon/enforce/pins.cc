@@ -3,6 +3,7 @@
 #include "daemon/enforce/pins.hpp"
 
 #include <bpf/bpf.h>
+#include <fmt/format.h>
 #include <linux/magic.h>
 #include <sys/vfs.h>
 
@@ -12,6 +13,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "daemon/enforce/failure.hpp"
 
@@ -78,7 +80,10 @@ ProgramInfo program_info(int program_fd) {
   std::uint32_t size = sizeof(info);
   if (bpf_obj_get_info_by_fd(program_fd, &info, &size) != 0) return {};
   const std::size_t count = std::min<std::size_t>(info.nr_map_ids, maps.size());
+  std::string tag;
+  for (const auto byte : info.tag) tag += fmt::format("{:02x}", byte);
   return {.id = info.id,
+          .tag = std::move(tag),
           .map_ids = {maps.begin(), maps.begin() + static_cast<std::ptrdiff_t>(count)}};
 }
 

@@ -29,6 +29,7 @@ std::uint32_t map_id(int map_fd);
 
 struct ProgramInfo {
   std::uint32_t id = 0;
+  std::string tag;  ///< the same for the same instructions, whatever maps they use
   std::vector<std::uint32_t> map_ids;
 };
 ProgramInfo program_info(int program_fd);

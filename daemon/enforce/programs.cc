@@ -7,6 +7,7 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <string_view>
 
@@ -14,6 +15,16 @@
 
 namespace mlcca::enforce {
 namespace {
+
+struct KnownProfile {
+  core::Profile core;
+  std::uint32_t gate;
+};
+constexpr std::array kProfiles = {KnownProfile{core::Profile::raw, GATE_PROFILE_RAW},
+                                  KnownProfile{core::Profile::famouso, GATE_PROFILE_FAMOUSO},
+                                  KnownProfile{core::Profile::j1939, GATE_PROFILE_J1939},
+                                  KnownProfile{core::Profile::cyphal, GATE_PROFILE_CYPHAL},
+                                  KnownProfile{core::Profile::canopen, GATE_PROFILE_CANOPEN}};
 
 int share_maps(gate_bpf& object, int control_map, const GateMaps& maps) {
   if (const int error = bpf_map__reuse_fd(object.maps.data_control, control_map); error != 0)
@@ -25,6 +36,15 @@ int share_maps(gate_bpf& object, int control_map, const GateMaps& maps) {
 }
 
 }  // namespace
+
+std::uint32_t gate_profile_of(core::Profile profile) {
+  const auto known = std::ranges::find(kProfiles, profile, &KnownProfile::core);
+  return known == kProfiles.end() ? std::uint32_t{GATE_PROFILE_NONE} : known->gate;
+}
+core::Profile core_profile_of(std::uint32_t profile) {
+  const auto known = std::ranges::find(kProfiles, profile, &KnownProfile::gate);
+  return known == kProfiles.end() ? core::Profile::none : known->core;
+}
 
 void destroy_programs(gate_bpf* object) { gate_bpf__destroy(object); }
 

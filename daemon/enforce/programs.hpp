@@ -8,6 +8,7 @@
 #include "bpf/gate.h"
 #include "core/handle.hpp"
 #include "core/result.hpp"
+#include "core/system.hpp"
 #include "daemon/enforce/slots.hpp"
 
 struct gate_bpf;  // NOLINT(readability-identifier-naming): the skeleton's name
@@ -15,6 +16,10 @@ struct gate_bpf;  // NOLINT(readability-identifier-naming): the skeleton's name
 namespace mlcca::enforce {
 
 void destroy_programs(gate_bpf* object);
+
+std::uint32_t gate_profile_of(core::Profile profile);
+/// Its inverse; none for a number that is no profile.
+core::Profile core_profile_of(std::uint32_t profile);
 
 /// The per-interface maps; both or none.
 struct GateMaps {

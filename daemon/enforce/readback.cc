@@ -72,6 +72,7 @@ void read_table(GateReading& gate, const Fd& map, std::uint32_t generation) {
     return;
   }
   const auto copy = std::make_unique<gate_table>(table[0]);
+  gate.profile = copy->profile;
   const auto slots = SlotTable::read({*copy, {}, generation}, copy->profile, false, nullptr);
   if (slots)
     gate.slots = slots->present();

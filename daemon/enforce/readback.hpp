@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bpf/gate.h"
 #include "core/result.hpp"
 #include "daemon/enforce/attachment.hpp"
 #include "daemon/enforce/slots.hpp"
@@ -15,6 +16,7 @@ struct GateReading {
   std::uint32_t ifindex = 0;
   std::string interface;  ///< empty: there is none of this index in this network namespace
   Hook hook = Hook::clsact;
+  std::uint32_t profile = GATE_PROFILE_NONE;
   std::vector<std::string> problems;  ///< what is not as the daemon leaves it
   std::vector<SlotSpec> slots;
 };

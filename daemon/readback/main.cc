@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // mlcca-readback: what `mlccactl gate --verify` becomes. Compares what the kernel has in force with
-// what is pinned and with what the journal has granted; asks no daemon and changes nothing.
+// what is pinned and with what the journal has granted, and sends frames through copies of the
+// gates; asks no daemon and changes nothing.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bpf/gate.h"
@@ -20,6 +22,7 @@
 #include "daemon/enforce/readback.hpp"
 #include "daemon/net/filters.hpp"
 #include "daemon/net/links.hpp"
+#include "daemon/readback/replica.hpp"
 #include "daemon/store/journal.hpp"
 
 namespace {
@@ -93,25 +96,44 @@ std::size_t passing(const enforce::GateReading& gate) {
   return static_cast<std::size_t>(std::ranges::count_if(gate.slots, &enforce::SlotSpec::pass));
 }
 
-std::string json(const enforce::Reading& reading, const std::vector<std::string>& ungated) {
+/// Of the gates, by ifindex; or why there is none.
+using Trials = Result<std::map<std::uint32_t, readback::Trial>>;
+
+nlohmann::ordered_json json(const enforce::GateReading& gate, const Trials& trials) {
+  nlohmann::ordered_json out = {{"ifindex", gate.ifindex},
+                                {"interface", gate.interface},
+                                {"hook", enforce::to_text(gate.hook)},
+                                {"slots", gate.slots.size()},
+                                {"passing", passing(gate)},
+                                {"problems", gate.problems}};
+  if (!trials || !trials->contains(gate.ifindex)) {
+    out["probes"] = nullptr;
+    return out;
+  }
+  const readback::Trial& trial = trials->at(gate.ifindex);
+  out["probes"] = {
+      {"passed", trial.passed}, {"dropped", trial.dropped}, {"not_tried", trial.untried}};
+  return out;
+}
+
+std::string json(const enforce::Reading& reading, const std::vector<std::string>& ungated,
+                 const Trials& trials) {
   nlohmann::ordered_json gates = nlohmann::ordered_json::array();
-  for (const auto& gate : reading.gates)
-    gates.push_back({{"ifindex", gate.ifindex},
-                     {"interface", gate.interface},
-                     {"hook", enforce::to_text(gate.hook)},
-                     {"slots", gate.slots.size()},
-                     {"passing", passing(gate)},
-                     {"problems", gate.problems}});
-  const nlohmann::ordered_json all = {{"open", reading.open && !reading.lapsed},
-                                      {"lapsed", reading.lapsed},
-                                      {"mode", reading.audit ? "audit" : "enforce"},
-                                      {"generation", reading.generation},
-                                      {"gates", gates},
-                                      {"without_gate", ungated}};
+  for (const auto& gate : reading.gates) gates.push_back(json(gate, trials));
+  const nlohmann::ordered_json all = {
+      {"open", reading.open && !reading.lapsed},
+      {"lapsed", reading.lapsed},
+      {"mode", reading.audit ? "audit" : "enforce"},
+      {"generation", reading.generation},
+      {"gates", gates},
+      {"without_gate", ungated},
+      {"no_probes",
+       trials ? nlohmann::ordered_json() : nlohmann::ordered_json(trials.error().text)}};
   return all.dump() + "\n";
 }
 
-std::string text(const enforce::Reading& reading, const std::vector<std::string>& ungated) {
+std::string text(const enforce::Reading& reading, const std::vector<std::string>& ungated,
+                 const Trials& trials) {
   std::string out = fmt::format("gates are {}{}, generation {}\n",
                                 reading.lapsed ? "closed by the kernel: the daemon is silent"
                                 : reading.open ? "open"
@@ -124,12 +146,35 @@ std::string text(const enforce::Reading& reading, const std::vector<std::string>
                        gate.slots.size(), passing(gate),
                        gate.problems.empty() ? "as it should be" : "NOT as it should be");
     for (const auto& problem : gate.problems) out += "  " + problem + "\n";
+    if (!trials || !trials->contains(gate.ifindex)) continue;
+    const readback::Trial& trial = trials->at(gate.ifindex);
+    out += fmt::format(
+        "  frames through a copy of it: {} that had to pass did, {} that had to be "
+        "dropped were\n",
+        trial.passed, trial.dropped);
+    for (const auto& why : trial.untried) out += "  not tried: " + why + "\n";
   }
   for (const auto& name : ungated) out += name + ": a CAN interface without a gate\n";
+  if (!trials)
+    out += "no frames were sent through copies of the gates: " + trials.error().text + "\n";
   return out;
 }
 
-int verify(const std::string& root, const std::string& state, bool as_json) {
+/// What frames have shown that ought not to be is a problem of the gate.
+Trials try_gates(enforce::Reading& reading, const std::string& root) {
+  auto tried = readback::try_gates(reading, root);
+  if (!tried) return std::unexpected(tried.error());
+  std::map<std::uint32_t, readback::Trial> trials;
+  for (readback::Trial& trial : *tried) {
+    auto& problems =
+        std::ranges::find(reading.gates, trial.ifindex, &enforce::GateReading::ifindex)->problems;
+    problems.insert(problems.end(), trial.problems.begin(), trial.problems.end());
+    trials.emplace(trial.ifindex, std::move(trial));
+  }
+  return trials;
+}
+
+int verify(const std::string& root, const std::string& state, bool as_json, bool probes) {
   auto reading = enforce::read_back(root);
   const auto granted = granted_by(state);
   if (!reading || !granted) {
@@ -138,7 +183,8 @@ int verify(const std::string& root, const std::string& state, bool as_json) {
   }
   for (auto& gate : reading->gates) compare(gate, *granted);
   const auto ungated = without_gate(*reading);
-  fmt::print("{}", as_json ? json(*reading, ungated) : text(*reading, ungated));
+  const Trials trials = probes ? try_gates(*reading, root) : Trials(fail("--no-probes"));
+  fmt::print("{}", as_json ? json(*reading, ungated, trials) : text(*reading, ungated, trials));
   const bool good =
       std::ranges::all_of(reading->gates, [](const auto& gate) { return gate.problems.empty(); });
   return good ? kAsItShouldBe : kDiffers;
@@ -152,6 +198,7 @@ int main(int argc, char** argv) {
   std::string state = "/var/lib/mlcca";
   bool as_json = false;
   bool is_verify = false;
+  bool no_probes = false;
   CLI::App app("Reads back what is in force, without the daemon.", "mlccactl");
   app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
   app.set_help_flag("-h,--help", "print this help");
@@ -159,6 +206,7 @@ int main(int argc, char** argv) {
   auto* gate = app.add_subcommand("gate", "compare the gates with what is pinned and granted");
   for (auto* at : {&app, gate}) at->add_flag("--json", as_json, "print JSON");
   gate->add_flag("--verify", is_verify, "of what is in force, without the daemon")->required();
+  gate->add_flag("--no-probes", no_probes, "compare only: send no frames through copies of gates");
   gate->add_option("--bpf-root", root, "where the gates are pinned")
       ->type_name("PATH")
       ->capture_default_str();
@@ -174,5 +222,5 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kAsItShouldBe : kUsage;
   }
-  return verify(root, state, as_json);
+  return verify(root, state, as_json, !no_probes);
 }

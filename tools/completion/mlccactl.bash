@@ -136,7 +136,11 @@ _mlccactl() {
 	case $verb in
 	admit) words+=" --key --lease --hold" ;;
 	reservations) [[ $cur == -* ]] || words=$(_mlccactl_places) ;;
-	gate) [[ $cur == -* ]] || words=$(_mlccactl_gates) ;;
+	gate)
+		words+=" --verify"
+		[[ " ${COMP_WORDS[*]} " == *" --verify "* ]] && words="--no-probes --bpf-root --state-directory --json --help"
+		[[ $cur == -* ]] || words=$(_mlccactl_gates)
+		;;
 	esac
 	case $verb in
 	query | admit | release | explain)
