@@ -15,7 +15,7 @@ namespace {
 using enforce::Direction;
 using enforce::SlotSpec;
 
-constexpr int kRounds = 60;
+constexpr int kRounds = 800;  // 4 million frames
 constexpr int kFrames = 5000;
 
 class Random {

@@ -15,7 +15,7 @@ namespace {
 using enforce::Direction;
 using enforce::SlotSpec;
 
-constexpr int kRounds = 40;
+constexpr int kRounds = 250;  // 2.5 million packets
 constexpr int kPackets = 10'000;
 
 class Random {
