@@ -76,7 +76,11 @@
 
 #define GATE_WATCHMEN	 16	       /* timers of one interface; each looks at every 16th slot */
 #define GATE_CALM	 1000000000ULL /* ns for which events come again before that is told */
-#define GATE_EVENTS_SIZE (256 * 1024)  /* bytes of the ring of gate_event */
+#define GATE_EVENTS_SIZE (256 * 1024)  /* bytes of the ring of gate_event and gate_sample */
+
+/* Samples of frames without a slot, for each interface: so many at once, then one in that time. */
+#define GATE_SAMPLES   16
+#define GATE_SAMPLE_NS 1000000000ULL
 
 /* Bands of the prio queueing discipline behind a gate, the first one is served first. */
 #define GATE_BANDS 16
@@ -217,7 +221,8 @@ struct gate_table {
 	__u32 band_limit[GATE_BANDS - 1];
 	__u32 slots_end;	       /* all slots that were ever used are below this one */
 	__u16 masked[GATE_DIRECTIONS]; /* first masked slot, 0 for none */
-	__u8 pad[40];
+	__u64 sample_due; /* as gate_slot.due, of the samples; written by the program */
+	__u8 pad[32];
 	struct gate_slot slots[GATE_SLOTS];
 	struct gate_watch watches[GATE_SLOTS];
 	__u16 head[GATE_DIRECTIONS][GATE_BUCKETS]; /* bucket -> first slot, 0 for none */
@@ -252,9 +257,10 @@ struct gate_cpu {
 enum gate_event_kind {
 	GATE_E_MISSING = 1, /* nothing has come for longer than `silence` */
 	GATE_E_RESTORED,    /* events come again */
+	GATE_E_UNKNOWN,	    /* a frame without a slot: a gate_sample */
 };
 
-/* What the kernel tells by the ring, one for the whole gateway. */
+/* What the kernel tells by the ring, one for the whole gateway, in the order it was told. */
 struct gate_event {
 	__u32 kind; /* enum gate_event_kind */
 	__u32 ifindex;
@@ -263,6 +269,21 @@ struct gate_event {
 	__u64 silent; /* ns that nothing came: up to `at`, or until it came again */
 	__u32 slot;
 	__u32 never; /* nothing had come since the slot was granted */
+};
+
+/*
+ * A frame without a slot that was not among the gate_seen before. Told only while half of the ring
+ * is free, so that no stranger takes the place of a gate_event.
+ */
+struct gate_sample {
+	__u32 kind; /* GATE_E_UNKNOWN */
+	__u32 ifindex;
+	__u64 at;     /* CLOCK_MONOTONIC ns */
+	__u64 frames; /* without a slot on this interface, with this one */
+	__u32 can_id;
+	__u16 len;
+	__u8 format; /* GATE_CLASSIC, GATE_FD or GATE_XL */
+	__u8 direction;
 };
 
 /*
@@ -370,6 +391,7 @@ GATE_ASSERT(sizeof(struct gate_count) == 32, "gate_count is pinned layout");
 GATE_ASSERT(sizeof(struct gate_seen) == 24, "gate_seen is pinned layout");
 GATE_ASSERT(sizeof(struct gate_cpu) == 32 * 4096 + 8 * 32 + 24 * 64, "gate_cpu is pinned layout");
 GATE_ASSERT(sizeof(struct gate_event) == 40, "gate_event is pinned layout");
+GATE_ASSERT(sizeof(struct gate_sample) == 32, "gate_sample is pinned layout");
 GATE_ASSERT(sizeof(struct gate_control) == 64, "gate_control is pinned layout");
 
 #endif

@@ -76,7 +76,8 @@ Unknown unknown(v1::Unknown& from) {
           .fd = from.fd(),
           .egress = from.egress(),
           .frames = from.frames(),
-          .subject = from.subject()};
+          .subject = from.subject(),
+          .xl = from.xl()};
 }
 
 Interface interface(v1::Interface& from) {

@@ -44,6 +44,7 @@ struct Unknown {
   bool egress = false;
   std::uint64_t frames = 0;
   std::uint64_t subject = 0;  ///< on Ethernet, where can_id is 0
+  bool xl = false;
   bool operator==(const Unknown&) const = default;
 };
 

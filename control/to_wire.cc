@@ -61,6 +61,7 @@ void put(const Unknown& from, v1::Unknown& to) {
   to.set_egress(from.egress);
   to.set_frames(from.frames);
   to.set_subject(from.subject);
+  to.set_xl(from.xl);
 }
 
 void put(const Interface& from, v1::Interface& to) {

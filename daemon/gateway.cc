@@ -199,7 +199,8 @@ std::optional<StartError> Gateway::start() {
   if (const auto done = put_in_force(before); !done) tell(Kind::trouble, 3, done.error().text);
 
   auto events = enforce::EventReader::open(control_.events_fd(),
-                                           [this](const gate_event& event) { hear(event); });
+                                           {[this](const gate_event& event) { hear(event); },
+                                            [this](const gate_sample& s) { hear(s); }});
   if (!events) return give_up({events.error().text}, false);
   events_.emplace(std::move(*events));
   control_.beat(monotonic_ns());

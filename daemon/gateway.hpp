@@ -162,6 +162,7 @@ class Gateway {
   void open_unless_lost();
   void look_at_drops(bool mention);
   void hear(const gate_event& event);
+  void hear(const gate_sample& sample);
   void tell_missing_again(const core::Verdict& verdict);
   void tell_heard(const core::Verdict& verdict, const gate_event& event);
   void tell(Note note);

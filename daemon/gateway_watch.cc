@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What the gateway looks at by itself, once a second, and what it tells of all that happens.
 #include <fmt/core.h>
+#include <linux/can.h>
 
 #include <algorithm>
 #include <array>
@@ -22,6 +23,18 @@ constexpr std::uint64_t kTryAgain = 10'000'000'000;  // ns
 
 /// What drops and comes and goes each second is for the log, not for the history.
 bool is_history(Kind kind) { return kind != Kind::dropping; }
+
+/// "123", "FD 1ABCDEF0", "123 on its way out"
+std::string frame_name(const gate_sample& sample) {
+  const char* const format = sample.format == GATE_FD   ? "FD "
+                             : sample.format == GATE_XL ? "XL "
+                                                        : "";
+  const char* const remote = (sample.can_id & CAN_RTR_FLAG) != 0 ? "remote " : "";
+  const char* const way = sample.direction == GATE_EGRESS ? " on its way out" : "";
+  return (sample.can_id & CAN_EFF_FLAG) != 0
+             ? fmt::format("{}{}{:08X}{}", format, remote, sample.can_id & CAN_EFF_MASK, way)
+             : fmt::format("{}{}{:03X}{}", format, remote, sample.can_id & CAN_SFF_MASK, way);
+}
 
 }  // namespace
 
@@ -201,6 +214,21 @@ void Gateway::hear(const gate_event& event) {
       if (v.granted && state_->system().channels[v.channel].subject == event.subject &&
           ports_.is_of(event, core::gate_state(state_->system(), state_->members(), v, self_)))
         tell_heard(v, event);
+}
+
+/// A stranger that was not heard before; the kernel sees to it that there are not too many.
+void Gateway::hear(const gate_sample& sample) {
+  const std::string interface = links_.name_of(static_cast<int>(sample.ifindex));
+  for (std::size_t p = 0; p < ports_.size(); ++p) {
+    if (ports_.interface_name(p) != interface) continue;
+    tell(
+        Kind::dropping, 4,
+        fmt::format("a frame that names no known subject {} {} ({}): {}, {} bytes; {} so far",
+                    control_.mode() == enforce::Mode::audit ? "was seen on" : "was dropped on",
+                    interface, ports_.network_of(p), frame_name(sample), sample.len, sample.frames),
+        ports_.network_of(p));
+    return;
+  }
 }
 
 /// The kernel tells it, once the newcomer has its answer and holds what it was granted.

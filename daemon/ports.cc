@@ -470,7 +470,8 @@ std::vector<control::Interface> Ports::report() const {
       i.egress = traffic_of(*gate, enforce::Direction::egress);
       for (const enforce::UnknownFrame& f : gate->unknown())
         i.unknown.push_back({f.can_id, f.len, f.format == GATE_FD,
-                             f.direction == enforce::Direction::egress, f.count, f.subject});
+                             f.direction == enforce::Direction::egress, f.count, f.subject,
+                             f.format == GATE_XL});
     }
     out.push_back(std::move(i));
   }

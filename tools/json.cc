@@ -80,6 +80,7 @@ Json unknown(const control::Unknown& u) {
   out["can_id"] = u.can_id;
   out["identifier"] = print_can_id(u.can_id);
   out["fd"] = u.fd;
+  out["xl"] = u.xl;
   return out;
 }
 

@@ -210,6 +210,9 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
       break;
     case Takes::gate:
       app.add_option("place", to.place, "only this interface or network")->type_name("PLACE");
+      // Another program answers (is_read_back): here it is only named.
+      app.add_flag("--verify", to.verify,
+                   "read back what is in force, without the daemon: see --verify --help");
       break;
     case Takes::changes:
       add_changes(app, to);

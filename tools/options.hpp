@@ -38,6 +38,7 @@ struct Arguments {
   std::string lease;  ///< a span of time
   bool hold = false;
   std::string place;
+  bool verify = false;             ///< never seen: see is_read_back()
   std::vector<std::string> links;  ///< "[NETWORK/]FROM,TO=RATE"
   bool one_way = false;
   std::vector<std::string> without;

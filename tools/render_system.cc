@@ -108,6 +108,7 @@ std::string unknown_frames(const std::vector<control::Interface>& all, Color col
                  {frame.egress ? "out" : "in"},
                  {name_of(frame)},
                  {frame.subject != 0 ? "datagram"
+                  : frame.xl         ? "XL"
                   : frame.fd         ? "FD"
                                      : "classic"},
                  number(frame.length),

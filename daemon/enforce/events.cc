@@ -13,10 +13,11 @@
 namespace mlcca::enforce {
 namespace {
 
-/// Longer records are of no gate that we know.
+/// Records of other sizes are of no gate that we know.
 int take_record(void* context, void* data, std::size_t size) {
-  if (size == sizeof(gate_event))
-    (*static_cast<EventReader::Take*>(context))(*static_cast<const gate_event*>(data));
+  const auto& take = *static_cast<const EventReader::Take*>(context);
+  if (size == sizeof(gate_event)) take.event(*static_cast<const gate_event*>(data));
+  if (size == sizeof(gate_sample)) take.sample(*static_cast<const gate_sample*>(data));
   return 0;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the kernel tells by itself: the ring that the timers of all gates of this gateway write to.
+// What the kernel tells by itself: the ring that all gates of this gateway, and their timers, write
+// to.
 #pragma once
 #include <functional>
 #include <memory>
@@ -20,7 +21,10 @@ Result<Fd> open_event_ring(const std::string& pin_path);
 
 class EventReader {
  public:
-  using Take = std::function<void(const gate_event&)>;
+  struct Take {
+    std::function<void(const gate_event&)> event;
+    std::function<void(const gate_sample&)> sample;
+  };
 
   /// `ring` is the map; it may be closed afterwards. Only one reader at a time.
   static Result<EventReader> open(int ring, Take take);

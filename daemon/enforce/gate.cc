@@ -30,6 +30,8 @@
 namespace mlcca::enforce {
 namespace {
 
+SharedMaps shared_by(const Control& control) { return {control.map_fd(), control.events_fd()}; }
+
 /// The pinned program is the attached one and looks at these maps.
 bool is_attached(const std::string& pin, std::uint32_t attached, const GateMaps& maps) {
   const Fd program = open_pin(pin);
@@ -74,7 +76,7 @@ Result<GateMaps> maps_in_force(const std::string& directory, const ProgramConfig
 struct Gate::State {
   GateConfig config;
   Place place;
-  int control_map;
+  SharedMaps shared;
   Programs programs;
   Mapped<gate_cpu> cpus;
   SlotTable slots;
@@ -92,15 +94,16 @@ struct Gate::State {
   [[nodiscard]] Result<void> name_all() const;
 
   static Result<std::unique_ptr<State>> load(const GateConfig& config, const Place& place,
-                                             int control_map, const GateMaps& maps);
+                                             const SharedMaps& shared, const GateMaps& maps);
 };
 
 Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config, const Place& place,
-                                                       int control_map, const GateMaps& maps) {
+                                                       const SharedMaps& shared,
+                                                       const GateMaps& maps) {
   const ProgramConfig knobs{.ifindex = config.ifindex,
                             .profile = gate_profile_of(config.profile),
                             .echo_by_mark = config.echo_by_mark};
-  auto programs = Programs::load(knobs, control_map, maps);
+  auto programs = Programs::load(knobs, shared, maps);
   if (!programs) return std::unexpected(programs.error());
   Mapped<gate_cpu> cpus(programs->cpus_fd(), possible_cpus());
   if (!cpus) return failure("map the counters", errno);
@@ -110,7 +113,7 @@ Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
   if (!slots) return std::unexpected(slots.error());
   return std::make_unique<State>(State{.config = config,
                                        .place = place,
-                                       .control_map = control_map,
+                                       .shared = shared,
                                        .programs = std::move(*programs),
                                        .cpus = std::move(cpus),
                                        .slots = std::move(*slots),
@@ -192,9 +195,9 @@ Result<Gate> Gate::attach(const GateConfig& config, const Control& control) {
   const ProgramConfig knobs{.ifindex = config.ifindex, .profile = gate_profile_of(config.profile)};
   auto maps = maps_in_force(place.directory, knobs);
   if (!maps) return in_context(maps.error());
-  auto state = State::load(config, place, control.map_fd(), *maps);
+  auto state = State::load(config, place, shared_by(control), *maps);
   // Maps that make no sense are not worth keeping: start closed.
-  if (!state && maps->table) state = State::load(config, place, control.map_fd(), GateMaps{});
+  if (!state && maps->table) state = State::load(config, place, shared_by(control), GateMaps{});
   if (!state) return in_context(state.error());
 
   if (auto pinned = (*state)->pin_all(); !pinned) return in_context(pinned.error());
@@ -235,7 +238,7 @@ Result<void> Gate::go_first() {
   };
   const GateMaps maps{.table = Fd(::dup(state_->programs.table_fd())),
                       .cpus = Fd(::dup(state_->programs.cpus_fd()))};
-  auto copy = State::load(state_->config, state_->place, state_->control_map, maps);
+  auto copy = State::load(state_->config, state_->place, state_->shared, maps);
   if (!copy) return in_context(copy.error());
   if (auto pinned = (*copy)->pin_all(); !pinned) return in_context(pinned.error());
   for (const auto direction : kBothDirections)
@@ -358,7 +361,7 @@ Result<Closing> put_closed(Place place, const Control& control) {
     place.hook = Hook::clsact;
     return put_closed(place, *programs);
   }
-  const auto programs = Programs::load({.ifindex = place.ifindex}, control.map_fd(), {});
+  const auto programs = Programs::load({.ifindex = place.ifindex}, shared_by(control), {});
   if (!programs) return std::unexpected(programs.error());
   if (place.hook == Hook::tcx && !make_pin_directory(place.directory)) place.hook = Hook::clsact;
   return put_closed(place, *programs);

@@ -26,8 +26,10 @@ constexpr std::array kProfiles = {KnownProfile{core::Profile::raw, GATE_PROFILE_
                                   KnownProfile{core::Profile::cyphal, GATE_PROFILE_CYPHAL},
                                   KnownProfile{core::Profile::canopen, GATE_PROFILE_CANOPEN}};
 
-int share_maps(gate_bpf& object, int control_map, const GateMaps& maps) {
-  if (const int error = bpf_map__reuse_fd(object.maps.data_control, control_map); error != 0)
+int share_maps(gate_bpf& object, const SharedMaps& shared, const GateMaps& maps) {
+  if (const int error = bpf_map__reuse_fd(object.maps.data_control, shared.control); error != 0)
+    return error;
+  if (const int error = bpf_map__reuse_fd(object.maps.events, shared.events); error != 0)
     return error;
   if (!maps.table) return bpf_map__set_max_entries(object.maps.cpus, possible_cpus());
   if (const int error = bpf_map__reuse_fd(object.maps.bss, maps.table.get()); error != 0)
@@ -58,7 +60,7 @@ std::uint32_t possible_cpus() {
   return static_cast<std::uint32_t>(std::max(libbpf_num_possible_cpus(), 1));
 }
 
-Result<Programs::Object> Programs::try_load(const ProgramConfig& config, int control_map,
+Result<Programs::Object> Programs::try_load(const ProgramConfig& config, const SharedMaps& shared,
                                             const GateMaps& maps, bool direct_access) {
   const Complaints complaints;
   Object object(gate_bpf__open());
@@ -68,7 +70,7 @@ Result<Programs::Object> Programs::try_load(const ProgramConfig& config, int con
   object->rodata->echo_by_mark = config.echo_by_mark;
   object->rodata->direct_access = direct_access;
   object->rodata->atomic_counts = is_preempt_rt();
-  if (const int error = share_maps(*object, control_map, maps); error != 0)
+  if (const int error = share_maps(*object, shared, maps); error != 0)
     return complaints.error("prepare the gate's maps", error);
   if (const int error = gate_bpf__load(object.get()); error != 0)
     return complaints.error("load the gate", error);
@@ -76,10 +78,10 @@ Result<Programs::Object> Programs::try_load(const ProgramConfig& config, int con
 }
 
 /// The verifier refuses packet pointers on machines that cannot read unaligned words.
-Result<Programs> Programs::load(const ProgramConfig& config, int control_map,
+Result<Programs> Programs::load(const ProgramConfig& config, const SharedMaps& shared,
                                 const GateMaps& maps) {
-  auto object = try_load(config, control_map, maps, true);
-  if (!object) object = try_load(config, control_map, maps, false);
+  auto object = try_load(config, shared, maps, true);
+  if (!object) object = try_load(config, shared, maps, false);
   if (!object) return std::unexpected(object.error());
   return Programs(std::move(*object));
 }

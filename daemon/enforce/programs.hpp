@@ -21,6 +21,12 @@ std::uint32_t gate_profile_of(core::Profile profile);
 /// Its inverse; none for a number that is no profile.
 core::Profile core_profile_of(std::uint32_t profile);
 
+/// Of Control: the maps that all gates share.
+struct SharedMaps {
+  int control;
+  int events;
+};
+
 /// The per-interface maps; both or none.
 struct GateMaps {
   Fd table;
@@ -36,7 +42,8 @@ struct ProgramConfig {
 class Programs {
  public:
   /// Loads over `maps`, or over new ones where they are empty.
-  static Result<Programs> load(const ProgramConfig& config, int control_map, const GateMaps& maps);
+  static Result<Programs> load(const ProgramConfig& config, const SharedMaps& shared,
+                               const GateMaps& maps);
 
   [[nodiscard]] int program_fd(Direction direction) const;
   [[nodiscard]] int table_fd() const;
@@ -48,8 +55,8 @@ class Programs {
  private:
   using Object = std::unique_ptr<gate_bpf, FreeWith<destroy_programs>>;
   explicit Programs(Object object) : object_(std::move(object)) {}
-  static Result<Object> try_load(const ProgramConfig& config, int control_map, const GateMaps& maps,
-                                 bool direct_access);
+  static Result<Object> try_load(const ProgramConfig& config, const SharedMaps& shared,
+                                 const GateMaps& maps, bool direct_access);
   Object object_;
 };
 

@@ -155,6 +155,7 @@ Status full_status() {
       .egress = {.passed = 2002, .dropped = 33, .unknown = 30, .reasons = {{"source", 3}}},
       .unknown = {{.can_id = 0x98ffa533, .length = 8, .fd = false, .egress = false, .frames = 19},
                   {.can_id = 0x123, .length = 64, .fd = true, .egress = true, .frames = 2},
+                  {.can_id = 0x17, .length = 2048, .egress = false, .frames = 1, .xl = true},
                   {.length = 8183, .frames = 3, .subject = 0xa4efeccc3210b497}},
       .problem = "queue is full",
       .drops_early = true,

@@ -273,6 +273,7 @@ unknown frames, last seen first
   INTERFACE  DIRECTION  IDENTIFIER          FORMAT    LENGTH  FRAMES
   can0       in         18ffa533            classic        8      19
   can0       out        123                 FD            64       2
+  can0       in         017                 XL          2048       1
   can0       in         0xa4efeccc3210b497  datagram    8183       3
 )");
 }
