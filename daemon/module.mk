@@ -25,6 +25,17 @@ install-readback: $O/mlcca-readback
 INSTALL += install-readback
 .PHONY: install-readback
 
+# What `mlccactl doctor` becomes.
+$(eval $(call library,doctor,$(filter-out daemon/doctor/main.cc,$(wildcard daemon/doctor/*.cc))))
+$(eval $(call program,mlcca-doctor,daemon/doctor/main.cc,$O/libdoctor.a $(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
+PROGRAMS += $O/mlcca-doctor
+install-doctor: $O/mlcca-doctor
+	$(call say,INSTALL,the doctor)
+	$(Q)install -d $(DESTDIR)$(PREFIX)/libexec/mlcca
+	$(Q)install -m 755 $O/mlcca-doctor $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-doctor
+INSTALL += install-doctor
+.PHONY: install-doctor
+
 # The only program that may listen to a network interface; mlccad reads it through a socket.
 $(eval $(call program,mlcca-awds,$(wildcard daemon/awds/*.cc) daemon/listen.cc,$O/libsources.a,$(SOURCES_LIBS)))
 PROGRAMS += $O/mlcca-awds

@@ -20,9 +20,9 @@
 
 #include "control/client.hpp"
 #include "tools/bandwidth.hpp"
-#include "tools/design_verbs.hpp"
 #include "tools/json.hpp"
 #include "tools/options.hpp"
+#include "tools/other_programs.hpp"
 #include "tools/render.hpp"
 #include "tools/requests.hpp"
 #include "tools/values.hpp"
@@ -282,10 +282,8 @@ constexpr std::array kVerbs = {
 
 // NOLINTNEXTLINE(bugprone-exception-escape): without memory there is nothing left to do
 int main(int argc, char** argv) {
-  if (is_design_time({argv, static_cast<std::size_t>(argc)}))
-    return static_cast<int>(become_design(argv));
-  if (is_read_back({argv, static_cast<std::size_t>(argc)}))
-    return static_cast<int>(become_readback(argv));
+  if (const auto* other = program_for({argv, static_cast<std::size_t>(argc)}); other != nullptr)
+    return static_cast<int>(become(*other, argv));
   const auto parsed = parse(kVerbs, argc, argv);
   if (const auto* exit = std::get_if<Exit>(&parsed)) return static_cast<int>(*exit);
   const auto& command = std::get<Command>(parsed);

@@ -14,7 +14,7 @@
 
 #include "control/client.hpp"
 #include "control/version.hpp"
-#include "tools/design_verbs.hpp"
+#include "tools/other_programs.hpp"
 
 namespace mlcca::tools {
 namespace {
@@ -242,7 +242,7 @@ std::string wrong(std::string_view what) {
 std::string no_verb(std::span<const Verb> verbs, std::string_view instead) {
   std::vector<std::string_view> names;
   for (const auto& verb : verbs) names.emplace_back(verb.name);
-  for (const auto& verb : kDesignVerbs) names.emplace_back(verb.name);
+  for (const auto& verb : kOtherVerbs) names.emplace_back(verb.name);
   return fmt::format("{}: must be one of {}",
                      instead.empty() ? "no verb" : fmt::format("unknown verb '{}'", instead),
                      fmt::join(names, ", "));
@@ -290,7 +290,7 @@ std::variant<Command, Exit> parse(std::span<const Verb> verbs, int argc, const c
     add_arguments(*sub, verb.takes, command.arguments);
   }
   // For the help: main() has given them to their program before.
-  for (const auto& verb : kDesignVerbs) app.add_subcommand(verb.name, verb.help);
+  for (const auto& verb : kOtherVerbs) app.add_subcommand(verb.name, verb.help);
 
   try {
     app.parse(argc, argv);

@@ -65,8 +65,7 @@ int collect(nl_msg* message, void* list) noexcept {
 
 }  // namespace
 
-Result<std::vector<Filter>> filters_before(int ifindex, bool ingress, std::uint32_t priority,
-                                           std::uint32_t handle) {
+Result<std::vector<Filter>> all_filters(int ifindex, bool ingress) {
   const auto socket = connect();
   if (!socket) return std::unexpected(socket.error());
   std::vector<Filter> filters;
@@ -77,10 +76,17 @@ Result<std::vector<Filter>> filters_before(int ifindex, bool ingress, std::uint3
   int e = nl_send_simple(socket->get(), RTM_GETTFILTER, NLM_F_DUMP, &request, sizeof(request));
   if (e >= 0) e = nl_recvmsgs_default(socket->get());
   if (e < 0) return netlink_error("reading the filters of an interface", e);
-  filters.erase(
+  return filters;
+}
+
+Result<std::vector<Filter>> filters_before(int ifindex, bool ingress, std::uint32_t priority,
+                                           std::uint32_t handle) {
+  auto filters = all_filters(ifindex, ingress);
+  if (!filters) return filters;
+  filters->erase(
       std::ranges::find_if(
-          filters, [&](const Filter& f) { return f.priority == priority && f.handle == handle; }),
-      filters.end());
+          *filters, [&](const Filter& f) { return f.priority == priority && f.handle == handle; }),
+      filters->end());
   return filters;
 }
 

@@ -18,6 +18,9 @@ struct Filter {
   bool operator==(const Filter&) const = default;
 };
 
+/// Those of chain 0, first to last. None where there is no clsact.
+[[nodiscard]] Result<std::vector<Filter>> all_filters(int ifindex, bool ingress);
+
 /// Those of chain 0 that run before the one with this priority and handle, first to last; all of
 /// them where it is not there. None where there is no clsact.
 [[nodiscard]] Result<std::vector<Filter>> filters_before(int ifindex, bool ingress,

@@ -22,11 +22,16 @@ _mlccactl_gates() {
 		cut -d'"' -f4 | sort -u
 }
 
+# CAN interfaces: ARPHRD_CAN is 280.
+_mlccactl_can() {
+	grep -lx 280 /sys/class/net/*/type 2>/dev/null | cut -d/ -f5
+}
+
 _mlccactl() {
 	local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
 	local verbs="status networks channels routes reservations gate query what-if admit renew release explain"
 	verbs+=" history monitor top mode reload bandwidth"
-	local design="analyse-bus check describe generate"
+	local others="analyse-bus check describe generate doctor"
 	local common="--socket --timeout --json --no-color --help"
 	local offline="--json --no-color --help"
 	local attributes="Latency= Jitter= Deadline= Period= Bandwidth= PacketLoss= Omission= MaxPayload="
@@ -43,7 +48,7 @@ _mlccactl() {
 	done
 
 	case $prev in
-	--socket | --output)
+	--socket | --output | --bpf-root)
 		mapfile -t COMPREPLY < <(compgen -f -- "$cur")
 		return
 		;;
@@ -81,6 +86,10 @@ _mlccactl() {
 		mapfile -t COMPREPLY < <(compgen -W "name way verdict rate jitter loss drops reserved used" -- "$cur")
 		return
 		;;
+	--can)
+		mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_can)" -- "$cur")
+		return
+		;;
 	--domain)
 		mapfile -t COMPREPLY < <(compgen -W "single-domain 1-hop 2-hop 3-hop" -- "$cur")
 		return
@@ -96,6 +105,7 @@ _mlccactl() {
 	--timeout | --node | --priority | --id | --admission | --subscriber | --publisher | --from-node | --to-node) return ;;
 	--packet | --header | --overhead-us | --loss | --limit | --background | --demand) return ;;
 	--network | --bitrate | --data-bitrate | --background-load | --faults | --fault-interval-ms) return ;;
+	--fifo-depth | --bus-off) return ;;
 	--delay | --count | --filter | -d | -n) return ;;
 	--key | --lease | --link | --since | --until) return ;;
 	--channel)
@@ -109,7 +119,7 @@ _mlccactl() {
 
 	local words=$common
 	case $verb in
-	"") words="$verbs $design $common --version" ;;
+	"") words="$verbs $others $common --version" ;;
 	analyse-bus)
 		words="--network --bitrate --data-bitrate --unknown-senders --background-load --faults"
 		words+=" --fault-interval-ms --assign $offline"
@@ -119,6 +129,7 @@ _mlccactl() {
 		words="--channel --subject --random-subject --name --description --safe-side --set --set-user"
 		words+=" --unset --priority --remove-set --dry-run $offline"
 		;;
+	doctor) words="--can --send --id --fifo-depth --bus-off --bpf-root --json --help" ;;
 	generate) words="--component --out --force $offline" ;;
 	query | admit)
 		words+=" --from --to --require --offer --node --priority --user --subscriber --publisher --from-node --to-node"

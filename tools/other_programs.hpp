@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Verbs that other programs carry out: they are beside mlccactl in a build tree, in
+// ../libexec/mlcca where they are installed.
+#pragma once
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "tools/exit.hpp"
+
+namespace mlcca::tools {
+
+struct Program {
+  const char* name;
+  const char* what;  ///< for whom it is missing
+};
+inline constexpr Program kDesign{"mlcca-design",
+                                 "The verbs of design time are a program of their own"};
+inline constexpr Program kReadback{"mlcca-readback",
+                                   "Reading back without the daemon is a program of its own"};
+inline constexpr Program kDoctor{"mlcca-doctor", "The doctor is a program of its own"};
+
+struct OtherVerb {
+  const char* name;
+  const char* help;
+  const Program* program;
+};
+inline constexpr std::array kOtherVerbs = {
+    OtherVerb{"analyse-bus", "response times of the messages of a CAN bus", &kDesign},
+    OtherVerb{"check", "find what cannot work in the description of a system", &kDesign},
+    OtherVerb{"describe", "create and edit the description of an event channel", &kDesign},
+    OtherVerb{"generate", "C++ and DER from the description of a system", &kDesign},
+    OtherVerb{"doctor", "examine a CAN controller before it is trusted; asks no daemon", &kDoctor},
+};
+
+/// The program that carries out what the first word that is no option asks for, gate only with
+/// --verify; nullptr: mlccactl itself.
+const Program* program_for(std::span<char*> arguments);
+
+/// Becomes that program, with the same arguments. Returns only if it cannot be started, which has
+/// been said then.
+Exit become(const Program& program, char** arguments);
+
+}  // namespace mlcca::tools
