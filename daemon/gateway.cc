@@ -260,6 +260,7 @@ void Gateway::put_graphs(core::State& state) const {
 
 void Gateway::follow_world() {
   ports_.follow();
+  note_ports();
   put_conditions(*state_);
   static_cast<void>(settle());
   // An interface that became another one needs all of its slots anew.
@@ -306,11 +307,31 @@ void Gateway::note_granted(const std::string& subject, const std::string& text) 
     tell(Kind::trouble, 3, done.error().text);
 }
 
+/// For whoever reads back what is in force without this daemon.
+void Gateway::note_ports() {
+  auto gone = stored().gated;
+  std::vector<store::Gated> news;
+  for (const control::Interface& port : ports_.report()) {
+    if (!port.gated) continue;
+    const store::Gated now{port.identity, port.network, port.name, port.ifindex};
+    const auto known = gone.extract(port.identity);
+    if (known.empty() || known.mapped() != now) news.push_back(now);
+  }
+  for (auto& [identity, port] : gone) {
+    port.ifindex = 0;
+    news.push_back(std::move(port));
+  }
+  for (store::Gated& entry : news)
+    if (const auto done = store_->append(std::move(entry)); !done)
+      tell(Kind::trouble, 3, done.error().text);
+}
+
 /// Interfaces, links and gates for a description that has just become the one in force; what was
 /// granted before is served first.
 Result<void> Gateway::put_in_force(const Granted& granted_before) {
   ports_.describe(state_->system(), self_);
   ports_.follow();
+  note_ports();
   put_conditions(*state_);
   put_graphs(*state_);
   dirty_meshes_.clear();

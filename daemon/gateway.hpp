@@ -145,6 +145,7 @@ class Gateway {
   void commit();
   void take_back_uncommitted();
   void note_granted(std::size_t channel);
+  void note_ports();
   void note_granted(const std::string& subject, const std::string& text);
   [[nodiscard]] const store::Contents& stored() const { return store_->contents(); }
 

@@ -40,31 +40,54 @@ constexpr const char* kFooter =
 constexpr std::uint64_t kControlTraffic = 0;
 
 /// A copy of the journal is opened, because the daemon holds the journal itself.
-Result<std::set<std::string>> granted_by(const std::string& state_directory) {
+Result<store::Contents> read_journal(const std::string& state_directory) {
   std::string copy = (std::filesystem::temp_directory_path() / "mlcca-readback-XXXXXX").string();
   if (::mkdtemp(copy.data()) == nullptr) return fail("no directory for a copy of the journal");
   std::error_code error;
   std::filesystem::copy_file(state_directory + "/journal", copy + "/journal", error);
-  std::set<std::string> subjects;
-  auto result = Result<void>{};
-  if (error) {
-    result = fail(state_directory + "/journal: " + error.message());
-  } else if (const auto journal = store::Journal::open(copy); journal) {
-    for (const auto& [subject, text] : journal->contents().granted) subjects.insert(subject);
-  } else {
-    result = std::unexpected(journal.error());
+  Result<store::Contents> contents = fail(state_directory + "/journal: " + error.message());
+  if (!error) {
+    if (const auto journal = store::Journal::open(copy))
+      contents = journal->contents();
+    else
+      contents = std::unexpected(journal.error());
   }
   std::filesystem::remove_all(copy, error);
-  if (!result) return std::unexpected(result.error());
-  return subjects;
+  return contents;
+}
+
+/// The interface of each port is the one that the journal says, and has a gate; and nobody else's
+/// interface passes anything.
+std::vector<std::string> compare_ports(const enforce::Reading& reading,
+                                       const store::Contents& journal) {
+  std::vector<std::string> problems;
+  for (const auto& [identity, port] : journal.gated) {
+    const auto gate =
+        std::ranges::find(reading.gates, port.ifindex, &enforce::GateReading::ifindex);
+    const std::string what = fmt::format("the journal has {} (interface {}) as {} of {}",
+                                         port.interface, port.ifindex, identity, port.network);
+    if (gate == reading.gates.end())
+      problems.push_back(what + ": no gate is pinned for it");
+    else if (gate->interface != port.interface)
+      problems.push_back(what + ": that interface is " +
+                         (gate->interface.empty() ? "not there" : "now " + gate->interface));
+  }
+  for (const auto& gate : reading.gates)
+    if (std::ranges::any_of(gate.slots, &enforce::SlotSpec::pass) &&
+        std::ranges::none_of(
+            journal.gated, [&](const auto& known) { return known.second.ifindex == gate.ifindex; }))
+      problems.push_back(
+          fmt::format("{} (interface {}) passes subjects, and the journal knows no port there",
+                      gate.interface, gate.ifindex));
+  return problems;
 }
 
 /// Problems that need more than the pins to be seen.
-void compare(enforce::GateReading& gate, const std::set<std::string>& granted) {
+void compare(enforce::GateReading& gate, const store::Contents& journal) {
   std::set<std::string> stale;
   for (const enforce::SlotSpec& slot : gate.slots)
     if (const auto subject = core::format_subject(slot.subject);
-        slot.pass && slot.subject != kControlTraffic && !granted.contains(subject))
+        slot.pass && slot.subject != kControlTraffic && !journal.granted.contains(subject))
       stale.insert(subject);
   for (const auto& subject : stale)
     gate.problems.push_back("passes subject " + subject + ", which the journal has not granted");
@@ -96,6 +119,12 @@ std::size_t passing(const enforce::GateReading& gate) {
   return static_cast<std::size_t>(std::ranges::count_if(gate.slots, &enforce::SlotSpec::pass));
 }
 
+/// What belongs to no gate.
+struct Rest {
+  std::vector<std::string> without_gate;  ///< CAN interfaces
+  std::vector<std::string> problems;
+};
+
 /// Of the gates, by ifindex; or why there is none.
 using Trials = Result<std::map<std::uint32_t, readback::Trial>>;
 
@@ -116,8 +145,7 @@ nlohmann::ordered_json json(const enforce::GateReading& gate, const Trials& tria
   return out;
 }
 
-std::string json(const enforce::Reading& reading, const std::vector<std::string>& ungated,
-                 const Trials& trials) {
+std::string json(const enforce::Reading& reading, const Rest& rest, const Trials& trials) {
   nlohmann::ordered_json gates = nlohmann::ordered_json::array();
   for (const auto& gate : reading.gates) gates.push_back(json(gate, trials));
   const nlohmann::ordered_json all = {
@@ -126,14 +154,14 @@ std::string json(const enforce::Reading& reading, const std::vector<std::string>
       {"mode", reading.audit ? "audit" : "enforce"},
       {"generation", reading.generation},
       {"gates", gates},
-      {"without_gate", ungated},
+      {"without_gate", rest.without_gate},
+      {"problems", rest.problems},
       {"no_probes",
        trials ? nlohmann::ordered_json() : nlohmann::ordered_json(trials.error().text)}};
   return all.dump() + "\n";
 }
 
-std::string text(const enforce::Reading& reading, const std::vector<std::string>& ungated,
-                 const Trials& trials) {
+std::string text(const enforce::Reading& reading, const Rest& rest, const Trials& trials) {
   std::string out = fmt::format("gates are {}{}, generation {}\n",
                                 reading.lapsed ? "closed by the kernel: the daemon is silent"
                                 : reading.open ? "open"
@@ -154,7 +182,8 @@ std::string text(const enforce::Reading& reading, const std::vector<std::string>
         trial.passed, trial.dropped);
     for (const auto& why : trial.untried) out += "  not tried: " + why + "\n";
   }
-  for (const auto& name : ungated) out += name + ": a CAN interface without a gate\n";
+  for (const auto& problem : rest.problems) out += "NOT as it should be: " + problem + "\n";
+  for (const auto& name : rest.without_gate) out += name + ": a CAN interface without a gate\n";
   if (!trials)
     out += "no frames were sent through copies of the gates: " + trials.error().text + "\n";
   return out;
@@ -176,16 +205,18 @@ Trials try_gates(enforce::Reading& reading, const std::string& root) {
 
 int verify(const std::string& root, const std::string& state, bool as_json, bool probes) {
   auto reading = enforce::read_back(root);
-  const auto granted = granted_by(state);
-  if (!reading || !granted) {
-    fmt::print(stderr, "mlccactl: {}\n", !reading ? reading.error().text : granted.error().text);
+  const auto journal = read_journal(state);
+  if (!reading || !journal) {
+    fmt::print(stderr, "mlccactl: {}\n", !reading ? reading.error().text : journal.error().text);
     return kWorld;
   }
-  for (auto& gate : reading->gates) compare(gate, *granted);
-  const auto ungated = without_gate(*reading);
+  for (auto& gate : reading->gates) compare(gate, *journal);
+  const Rest rest{without_gate(*reading), compare_ports(*reading, *journal)};
+  // The last of all: there is no way back from its namespaces.
   const Trials trials = probes ? try_gates(*reading, root) : Trials(fail("--no-probes"));
-  fmt::print("{}", as_json ? json(*reading, ungated, trials) : text(*reading, ungated, trials));
+  fmt::print("{}", as_json ? json(*reading, rest, trials) : text(*reading, rest, trials));
   const bool good =
+      rest.problems.empty() &&
       std::ranges::all_of(reading->gates, [](const auto& gate) { return gate.problems.empty(); });
   return good ? kAsItShouldBe : kDiffers;
 }

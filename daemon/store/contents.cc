@@ -33,6 +33,12 @@ struct Apply {
     else
       to.granted.insert_or_assign(entry.subject, entry.state);
   }
+  void operator()(const Gated& entry) const {
+    if (entry.ifindex == 0)
+      to.gated.erase(entry.identity);
+    else
+      to.gated.insert_or_assign(entry.identity, entry);
+  }
 };
 
 struct Inverse {
@@ -63,6 +69,15 @@ struct Inverse {
     const std::string before = old == of.granted.end() ? std::string() : old->second;
     if (before == entry.state) return std::nullopt;
     return Granted{entry.subject, before};
+  }
+  Answer operator()(const Gated& entry) const {
+    const auto old = of.gated.find(entry.identity);
+    if (old == of.gated.end()) {
+      if (entry.ifindex == 0) return std::nullopt;
+      return Gated{.identity = entry.identity, .network = {}, .interface = {}, .ifindex = 0};
+    }
+    if (old->second == entry) return std::nullopt;
+    return old->second;
   }
 };
 

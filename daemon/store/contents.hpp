@@ -43,7 +43,16 @@ struct Granted {
   bool operator==(const Granted&) const = default;
 };
 
-using Entry = std::variant<Admitted, Removed, Released, Reinstated, Granted>;
+/// Which interface a port has, by its identity ("name can0"); the latest one of an identity counts.
+struct Gated {
+  std::string identity;
+  std::string network;
+  std::string interface;
+  std::uint32_t ifindex = 0;  ///< 0: none any more
+  bool operator==(const Gated&) const = default;
+};
+
+using Entry = std::variant<Admitted, Removed, Released, Reinstated, Granted, Gated>;
 
 /// Admit requests that were granted: a range of control::Request, oldest first (by id).
 class Admissions {
@@ -82,6 +91,8 @@ struct Contents {
   std::vector<std::string> released;
   /// By subject; never an empty text.
   std::map<std::string, std::string> granted;
+  /// By identity; never of ifindex 0.
+  std::map<std::string, Gated> gated;
   /// The next admission gets this id; ids are never used twice.
   std::uint64_t next_id = 1;
   bool operator==(const Contents&) const = default;

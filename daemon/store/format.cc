@@ -20,6 +20,7 @@ enum class Kind : std::uint8_t {
   reinstated = 4,
   granted = 5,
   next_id = 6,
+  gated = 7,
 };
 
 template <class Integer>
@@ -43,6 +44,20 @@ std::string octets(std::uint64_t value) {
   std::string out;
   put(out, value);
   return out;
+}
+
+/// A text that others follow.
+void put_text(std::string& to, const std::string& text) {
+  put(to, static_cast<std::uint32_t>(text.size()));
+  to += text;
+}
+std::optional<std::string> take_text(std::string_view& from) {
+  if (from.size() < sizeof(std::uint32_t)) return std::nullopt;
+  const auto length = take<std::uint32_t>(from);
+  if (length > from.size()) return std::nullopt;
+  std::string text(from.substr(0, length));
+  from.remove_prefix(length);
+  return text;
 }
 
 std::string with_head(Kind kind, std::string_view body) {
@@ -70,8 +85,15 @@ struct Encode {
   }
   std::string operator()(const Granted& entry) const {
     std::string body;
-    put(body, static_cast<std::uint32_t>(entry.subject.size()));
-    return with_head(Kind::granted, body + entry.subject + entry.state);
+    put_text(body, entry.subject);
+    return with_head(Kind::granted, body + entry.state);
+  }
+  std::string operator()(const Gated& entry) const {
+    std::string body;
+    put(body, entry.ifindex);
+    put_text(body, entry.network);
+    put_text(body, entry.interface);
+    return with_head(Kind::gated, body + entry.identity);
   }
 };
 
@@ -85,10 +107,22 @@ std::optional<Entry> decode_admitted(std::string_view body) {
 }
 
 std::optional<Entry> decode_granted(std::string_view body) {
+  auto subject = take_text(body);
+  if (!subject) return std::nullopt;
+  return Granted{std::move(*subject), std::string(body)};
+}
+
+std::optional<Entry> decode_gated(std::string_view body) {
   if (body.size() < sizeof(std::uint32_t)) return std::nullopt;
-  const auto length = take<std::uint32_t>(body);
-  if (length > body.size()) return std::nullopt;
-  return Granted{std::string(body.substr(0, length)), std::string(body.substr(length))};
+  Gated entry;
+  entry.ifindex = take<std::uint32_t>(body);
+  auto network = take_text(body);
+  auto interface = take_text(body);
+  if (!network || !interface) return std::nullopt;
+  entry.network = std::move(*network);
+  entry.interface = std::move(*interface);
+  entry.identity = body;
+  return entry;
 }
 
 std::optional<Entry> decode(std::uint8_t kind, std::string_view body) {
@@ -104,6 +138,8 @@ std::optional<Entry> decode(std::uint8_t kind, std::string_view body) {
       return Reinstated{std::string(body)};
     case Kind::granted:
       return decode_granted(body);
+    case Kind::gated:
+      return decode_gated(body);
     case Kind::next_id:
       break;  // no entry: the reader keeps it
   }
@@ -132,9 +168,10 @@ std::string encode(const Entry& entry) { return std::visit(Encode{}, entry); }
 
 std::uint64_t live_bytes(const Entry& entry) {
   const auto* granted = std::get_if<Granted>(&entry);
-  const bool adds = std::holds_alternative<Admitted>(entry) ||
-                    std::holds_alternative<Released>(entry) ||
-                    (granted != nullptr && !granted->state.empty());
+  const auto* gated = std::get_if<Gated>(&entry);
+  const bool adds =
+      std::holds_alternative<Admitted>(entry) || std::holds_alternative<Released>(entry) ||
+      (granted != nullptr && !granted->state.empty()) || (gated != nullptr && gated->ifindex != 0);
   return adds ? encode(entry).size() : 0;
 }
 
@@ -160,6 +197,7 @@ std::string snapshot(std::uint64_t salt, const Contents& contents) {
   for (const control::Request& r : contents.admissions) add(Admitted{r});
   for (const std::string& subject : contents.released) add(Released{subject});
   for (const auto& [subject, state] : contents.granted) add(Granted{subject, state});
+  for (const auto& [identity, gated] : contents.gated) add(gated);
   return batch(salt, 0, count, std::move(entries));
 }
 

@@ -52,6 +52,22 @@ TEST(Contents, HaveNoInverseForWhatChangesNothing) {
   EXPECT_FALSE(contents.inverse(Granted{"0x1", "set=1"}));
 }
 
+TEST(Contents, KeepWhichInterfaceAPortHas) {
+  Contents contents;
+  const Gated can0{"name can0", "robot-can", "can0", 3};
+  Gated again = can0;
+  again.ifindex = 7;
+  EXPECT_EQ(contents.inverse(can0), Entry(Gated{"name can0", "", "", 0}));
+  contents.apply(can0);
+  EXPECT_FALSE(contents.inverse(can0));
+  EXPECT_EQ(contents.inverse(again), Entry(can0));
+  contents.apply(again);
+  EXPECT_EQ(contents.gated, (std::map<std::string, Gated>{{"name can0", again}}));
+  contents.apply(Gated{"name can0", "", "", 0});
+  EXPECT_TRUE(contents.gated.empty());
+  EXPECT_FALSE(contents.inverse(Gated{"name can0", "", "", 0}));
+}
+
 TEST(Contents, KeepTheLatestGrantOfASubject) {
   Contents contents;
   contents.apply(Granted{"0x1", "set=1"});

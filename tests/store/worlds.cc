@@ -45,11 +45,12 @@ class Model {
 
   Entry step() {
     for (;;) {
-      const std::uint32_t choice = pick(10);
+      const std::uint32_t choice = pick(11);
       if (choice < 4) return admit();
       if (choice < 6 && !living_.empty()) return remove();
       if (choice == 6) return release();
       if (choice == 7 && !released_.empty()) return reinstate();
+      if (choice == 10) return gate();
       if (choice > 7) return grant();
     }
   }
@@ -60,6 +61,7 @@ class Model {
     out.released = released_;
     std::ranges::sort(out.released);
     for (const Granted& g : granted_) out.granted[g.subject] = g.state;
+    for (const Gated& g : gated_) out.gated[g.identity] = g;
     out.next_id = next_;
     return out;
   }
@@ -99,11 +101,27 @@ class Model {
     return granted_.back();
   }
 
+  Entry gate() {
+    if (!gated_.empty() && pick(3) == 0) {
+      const Gated entry{gated_.back().identity, "", "", 0};
+      gated_.pop_back();
+      return entry;
+    }
+    if (!gated_.empty() && pick(3) == 0) {
+      ++gated_.back().ifindex;
+      return gated_.back();
+    }
+    gated_.push_back(
+        {"name can" + std::to_string(++subjects_), "net" + text(), "can" + text(), 1 + pick(1000)});
+    return gated_.back();
+  }
+
   std::mt19937 random_;
   std::size_t largest_;
   std::vector<Admitted> living_;
   std::vector<std::string> released_;
   std::vector<Granted> granted_;
+  std::vector<Gated> gated_;
   std::uint64_t next_ = 1;
   std::uint64_t subjects_ = 0;
 };
