@@ -283,10 +283,10 @@ struct Gate {
   std::string problem;
   std::uint32_t slots = 0;
   std::uint32_t room = 0;
-  std::uint32_t masked = 0;  ///< of the direction that has more of them
-  std::uint32_t masked_room = 0;
-  std::vector<GateSlot> control;
-  std::vector<GateSlot> channels;
+  std::uint32_t masked = 0;        ///< of the direction that has more of them
+  std::uint32_t masked_room = 0;   ///< 0: an Ethernet gate, which goes by subject
+  std::vector<GateSlot> control;   ///< Ethernet: what is left alone
+  std::vector<GateSlot> channels;  ///< the first 4096
   bool operator==(const Gate&) const = default;
 };
 

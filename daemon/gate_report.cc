@@ -9,23 +9,43 @@
 #include <tuple>
 #include <vector>
 
+#include "bpf/ether.h"
 #include "core/control_traffic.hpp"
 #include "core/words.hpp"
 
 namespace mlcca {
 namespace {
 
+/// Slots of one gate that are listed; it may have a thousand times as many.
+constexpr std::ptrdiff_t kListed = GATE_SLOTS;
+
 bool has_gate(const Ports& ports, std::size_t p) { return ports.profile(p) != core::Profile::none; }
 
-std::string formats_of(std::uint8_t formats) {
+std::string formats_of(std::uint8_t formats, bool can) {
   std::string words;
   const auto add = [&](unsigned format, const char* word) {
     if ((formats & format) != 0) words.append(words.empty() ? "" : " ").append(word);
   };
-  add(GATE_CLASSIC, "classic");
-  add(GATE_FD, "fd");
-  add(GATE_XL, "xl");
+  if (can) {
+    add(GATE_CLASSIC, "classic");
+    add(GATE_FD, "fd");
+    add(GATE_XL, "xl");
+  } else {
+    add(ETHER_WHOLE, "whole");
+    add(ETHER_SPLIT, "split");
+  }
   return words;
+}
+
+/// What an Ethernet gate passes without a subject.
+control::GateSlot left_alone(const enforce::PortGate& gate, enforce::Direction direction,
+                             gate_reason reason) {
+  control::GateSlot out;
+  out.name = enforce::reason_text(reason);
+  out.egress = direction == enforce::Direction::egress;
+  out.passes = true;
+  out.passed = gate.reasons(direction)[reason];
+  return out;
 }
 
 class Report {
@@ -38,36 +58,43 @@ class Report {
     out.network = ports_.network_of(p);
     out.profile = core::words::kProfiles.of(ports_.profile(p));
     out.problem = ports_.problem(p);
-    out.room = GATE_SLOTS - GATE_FIRST_SLOT;
-    out.masked_room = GATE_WALK;
-    const enforce::Gate* gate = ports_.gate(p);
+    const bool can = ports_.is_can(p);
+    out.masked_room = can ? GATE_WALK : 0;
+    const enforce::PortGate* gate = ports_.gate(p);
     if (gate == nullptr) return out;
     out.attached = gate->attached().value_or(false);
+    out.room = static_cast<std::uint32_t>(gate->room());
     auto slots = gate->present();
     out.slots = static_cast<std::uint32_t>(slots.size());
-    std::ranges::sort(slots, {}, [](const enforce::SlotSpec& s) {
+    const auto listed = slots.begin() + std::min(std::ssize(slots), kListed);
+    std::ranges::partial_sort(slots, listed, {}, [](const enforce::SlotSpec& s) {
       return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.subject);
     });
+    slots.erase(listed, slots.end());
     std::array<std::uint32_t, 2> masked{};
     for (const enforce::SlotSpec& slot : slots) {
       if (gate->is_masked(slot)) ++masked.at(static_cast<std::size_t>(slot.direction));
-      auto& list = slot.subject == core::kControlSubject ? out.control : out.channels;
-      list.push_back(slot_of(*gate, slot, ports_.profile(p)));
+      auto& list = can && slot.subject == core::kControlSubject ? out.control : out.channels;
+      list.push_back(slot_of(*gate, slot, p));
     }
     out.masked = std::ranges::max(masked);
+    if (!can)
+      for (const auto direction : {enforce::Direction::ingress, enforce::Direction::egress})
+        out.control.push_back(left_alone(*gate, direction, GATE_R_FOREIGN));
+    if (!can) out.control.push_back(left_alone(*gate, enforce::Direction::ingress, GATE_R_ECHO));
     return out;
   }
 
  private:
-  [[nodiscard]] control::GateSlot slot_of(const enforce::Gate& gate, const enforce::SlotSpec& slot,
-                                          core::Profile profile) const {
+  [[nodiscard]] control::GateSlot slot_of(const enforce::PortGate& gate,
+                                          const enforce::SlotSpec& slot, std::size_t port) const {
     control::GateSlot out;
-    out.name = name_of(slot, profile);
+    out.name = name_of(slot, port);
     out.egress = slot.direction == enforce::Direction::egress;
     out.passes = slot.pass;
     out.id = slot.id;
     out.mask = slot.mask;
-    out.formats = formats_of(slot.formats);
+    out.formats = formats_of(slot.formats, ports_.is_can(port));
     out.max_length = slot.max_len;
     out.source = source_of(slot);
     out.per_frame_ns = slot.per_frame;
@@ -85,9 +112,9 @@ class Report {
     return out;
   }
 
-  [[nodiscard]] std::string name_of(const enforce::SlotSpec& slot, core::Profile profile) const {
-    if (slot.subject == core::kControlSubject)
-      return std::string(core::control_kind_of(profile, slot.id, slot.mask));
+  [[nodiscard]] std::string name_of(const enforce::SlotSpec& slot, std::size_t port) const {
+    if (ports_.is_can(port) && slot.subject == core::kControlSubject)
+      return std::string(core::control_kind_of(ports_.profile(port), slot.id, slot.mask));
     const std::string subject = fmt::format("{:#x}", slot.subject);
     const auto channel = state_.find_channel(subject);
     return channel ? state_.system().channels[*channel].name : subject;

@@ -105,7 +105,7 @@ Gateway::Body Gateway::handle(const control::GateRequest& request) {
   if (out.gates.empty() && !request.place.empty())
     return error(
         control::ErrorKind::invalid,
-        fmt::format("there is no CAN interface or network '{}' at this gateway (there are: "
+        fmt::format("there is no gated interface or network '{}' at this gateway (there are: "
                     "{})",
                     request.place, gated_places(ports_)));
   return out;

@@ -95,7 +95,10 @@ class Ports {
   [[nodiscard]] std::vector<control::Interface> report() const;
   [[nodiscard]] std::size_t size() const { return ports_.size(); }
   /// The gate of a port; none where it needs none or could not be attached.
-  [[nodiscard]] const enforce::Gate* gate(std::size_t port) const { return can_gate_of(port); }
+  [[nodiscard]] const enforce::PortGate* gate(std::size_t port) const { return gate_of(port); }
+  [[nodiscard]] bool is_can(std::size_t port) const {
+    return ports_[port].kind == core::NetworkKind::can;
+  }
   [[nodiscard]] core::Profile profile(std::size_t port) const { return ports_[port].profile; }
   [[nodiscard]] const std::string& problem(std::size_t port) const { return ports_[port].problem; }
   [[nodiscard]] const std::string& network_of(std::size_t port) const {

@@ -9,6 +9,7 @@
 
 #include "core/text.hpp"
 #include "mlcca/attribute.hpp"
+#include "tools/render.hpp"
 #include "tools/values.hpp"
 
 namespace mlcca::tools {
@@ -128,7 +129,15 @@ Json gate_slot(const control::GateSlot& s) {
           {"last_reason", s.last_reason}};
 }
 
+/// An Ethernet gate goes by subject.
+Json ethernet_slot(const control::GateSlot& s) {
+  auto out = gate_slot(s);
+  for (const char* of_can : {"id", "mask", "identifier"}) out.erase(of_can);
+  return out;
+}
+
 Json gate(const control::Gate& g) {
+  const auto slot = g.masked_room != 0 ? gate_slot : ethernet_slot;
   return {{"interface", g.interface},
           {"network", g.network},
           {"profile", g.profile},
@@ -138,8 +147,8 @@ Json gate(const control::Gate& g) {
           {"room", g.room},
           {"masked", g.masked},
           {"masked_room", g.masked_room},
-          {"control", array(g.control, gate_slot)},
-          {"channels", array(g.channels, gate_slot)}};
+          {"control", array(g.control, slot)},
+          {"channels", array(g.channels, slot)}};
 }
 
 Json network(const control::Network& n) {
@@ -332,11 +341,27 @@ struct Body {
   }
 };
 
+std::string on_one_line(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
 }  // namespace
 
 std::string to_json(const control::Reply& reply) {
-  const auto json = std::visit(Body{}, reply.body);
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+  return on_one_line(std::visit(Body{}, reply.body));
+}
+
+std::string to_json(const control::Gates& gates,
+                    const std::vector<control::Interface>& interfaces) {
+  return on_one_line({{"gates", array(gates.gates, [&](const control::Gate& g) {
+                         Json out = gate(g);
+                         if (const auto* const i = interface_of(g, interfaces))
+                           out.update({{"hook", i->hook},
+                                       {"drops_early", i->drops_early},
+                                       {"ingress", traffic(i->ingress)},
+                                       {"egress", traffic(i->egress)}});
+                         return out;
+                       })}});
 }
 
 }  // namespace mlcca::tools

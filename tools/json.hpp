@@ -2,6 +2,7 @@
 // Replies of mlccad for programs: one JSON object, on one line that ends with a newline.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "control/messages.hpp"
 
@@ -11,5 +12,8 @@ namespace mlcca::tools {
 /// strings ("0xa4efeccc3210b497"), "unbounded" stands for 2^64-1, null for what is not known.
 /// An Error is {"error": {"kind": …, "message": …, "details": […]}}.
 std::string to_json(const control::Reply& reply);
+
+/// Each gate also with what its interface tells: "hook", "drops_early", "ingress" and "egress".
+std::string to_json(const control::Gates& gates, const std::vector<control::Interface>& interfaces);
 
 }  // namespace mlcca::tools

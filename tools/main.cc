@@ -124,8 +124,21 @@ Exit ask_reservations(const Options& options, const Arguments& arguments) {
   return ask(options, control::ReservationsRequest{arguments.place});
 }
 
+/// What the gates hold, and what the status tells of their interfaces.
 Exit ask_gate(const Options& options, const Arguments& arguments) {
-  return ask(options, control::GateRequest{arguments.place});
+  auto client = control::Client::connect(options.socket, options.patience);
+  if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
+  const auto reply = client->call({0, control::GateRequest{arguments.place}});
+  if (!reply) return print_error(options, control::ErrorKind::world, reply.error().text);
+  const auto* gates = std::get_if<control::Gates>(&reply->body);
+  if (gates == nullptr) return print_reply<control::GateRequest>(options, *reply);
+  const auto second = client->call({0, control::StatusRequest{}});
+  if (!second) return print_error(options, control::ErrorKind::world, second.error().text);
+  const auto* status = std::get_if<control::Status>(&second->body);
+  if (status == nullptr) return print_reply<control::StatusRequest>(options, *second);
+  return print(options.json ? to_json(*gates, status->interfaces)
+                            : render(*gates, status->interfaces, options.color),
+               Exit::fine);
 }
 
 Exit ask_renew(const Options& options, const Arguments& arguments) {

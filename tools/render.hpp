@@ -2,6 +2,7 @@
 // Replies of mlccad for a person: text that ends with a newline, or nothing.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "control/messages.hpp"
 #include "tools/table.hpp"
@@ -12,8 +13,16 @@ std::string render(const control::Status& status, Color color);
 std::string render(const control::Networks& networks, Color color);
 std::string render(const control::Routes& routes, Color color);
 
-/// Of each gate its control traffic, then its channels.
-std::string render(const control::Gates& gates, Color color);
+/// Of each gate its control traffic, then its channels; and, of those that are among `interfaces`,
+/// where they are and what became of frames.
+std::string render(const control::Gates& gates, const std::vector<control::Interface>& interfaces,
+                   Color color);
+inline std::string render(const control::Gates& gates, Color color) {
+  return render(gates, {}, color);
+}
+/// The interface that a gate is on; none where it is not among them.
+const control::Interface* interface_of(const control::Gate& gate,
+                                       const std::vector<control::Interface>& interfaces);
 
 /// All resources, then who holds what of each.
 std::string render(const control::Reservations& reservations, Color color);

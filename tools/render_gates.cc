@@ -2,6 +2,8 @@
 // What the gates hold: control traffic, then channels, with limits and counters.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "tools/render.hpp"
 #include "tools/values.hpp"
 #include "tools/words.hpp"
@@ -33,8 +35,22 @@ Cell number(std::uint64_t n, Style style = Style::plain) {
   return {n == 0 ? "" : fmt::format("{}", n), style};
 }
 
-std::string slots(const std::vector<control::GateSlot>& all, bool control, Color color) {
-  Table table({{control ? "CONTROL TRAFFIC" : "CHANNEL"},
+/// Of Ethernet there is none: slots go by subject.
+Cell identifier(const control::GateSlot& slot, bool ethernet) {
+  return {ethernet ? "" : print_can_id(slot.id)};
+}
+
+Cell mask(const control::GateSlot& slot, bool ethernet) {
+  if (ethernet) return {};
+  // All 29 bits of an 11-bit identifier count, whatever is open of the 11.
+  const unsigned digits = slot.id >> 31 != 0 ? 8 : 3;
+  const std::uint32_t bits = digits == 8 ? 0x1fffffff : 0x7ff;
+  return {fmt::format("{:0{}x}", slot.mask & bits, digits)};
+}
+
+std::string slots(const std::vector<control::GateSlot>& all, bool control, bool ethernet,
+                  Color color) {
+  Table table({{control ? ethernet ? "OTHER TRAFFIC" : "CONTROL TRAFFIC" : "CHANNEL"},
                {"WAY"},
                {"FROM"},
                {"IDENTIFIER"},
@@ -47,42 +63,70 @@ std::string slots(const std::vector<control::GateSlot>& all, bool control, Color
                {"DROPPED", Align::right},
                {"EXCESS", Align::right},
                {"LAST DROP"}});
-  for (const auto& slot : all) {
-    // All 29 bits of an 11-bit identifier count, whatever is open of the 11.
-    const unsigned digits = slot.id >> 31 != 0 ? 8 : 3;
-    const std::uint32_t bits = digits == 8 ? 0x1fffffff : 0x7ff;
+  for (const auto& slot : all)
     table.add({{slot.name, Style::bold},
                {slot.egress ? "out" : "in"},
                {slot.source},
-               {print_can_id(slot.id)},
-               {fmt::format("{:0{}x}", slot.mask & bits, digits)},
+               identifier(slot, ethernet),
+               mask(slot, ethernet),
                {slot.formats},
-               {fmt::format("{}", slot.max_length)},
+               ethernet && control ? Cell{} : Cell{fmt::format("{}", slot.max_length)},
                state(slot, control),
                {limit(slot)},
                number(slot.passed),
                number(slot.dropped, Style::warning),
                number(slot.excess, Style::warning),
                {slot.last_reason, Style::warning}});
-  }
+  return table.empty() ? "" : table.text(color, "  ");
+}
+
+std::string held(const control::Gate& gate, const control::Interface* interface, Color color) {
+  if (!gate.attached) return styled("NOT HELD", Style::bad, color);
+  std::string text = styled("held", Style::good, color);
+  if (interface == nullptr) return text;
+  if (!interface->hook.empty()) text += " by " + printable(interface->hook);
+  if (interface->drops_early) text += ", early in the driver";
+  return text;
+}
+
+std::string fates(const control::Interface& interface, Color color) {
+  Table table({{"FATE"}, {"WAY"}, {"FRAMES", Align::right}});
+  for (const auto* traffic : {&interface.ingress, &interface.egress})
+    for (const auto& count : traffic->reasons)
+      table.add({{count.reason},
+                 {traffic == &interface.egress ? "out" : "in"},
+                 {fmt::format("{}", count.frames)}});
   return table.empty() ? "" : table.text(color, "  ");
 }
 
 }  // namespace
 
-std::string render(const control::Gates& gates, Color color) {
+const control::Interface* interface_of(const control::Gate& gate,
+                                       const std::vector<control::Interface>& interfaces) {
+  const auto found = std::ranges::find_if(interfaces, [&](const control::Interface& i) {
+    return i.name == gate.interface && i.network == gate.network;
+  });
+  return found == interfaces.end() ? nullptr : &*found;
+}
+
+std::string render(const control::Gates& gates, const std::vector<control::Interface>& interfaces,
+                   Color color) {
   std::string text;
   for (const auto& gate : gates.gates) {
+    const bool ethernet = gate.masked_room == 0;
+    const control::Interface* const interface = interface_of(gate, interfaces);
     if (!text.empty()) text += '\n';
-    text += fmt::format(
-        "{} on {}: profile {}, {}, {} of {} slots", styled(gate.interface, Style::bold, color),
-        printable(gate.network), gate.profile,
-        gate.attached ? styled("held", Style::good, color) : styled("NOT HELD", Style::bad, color),
-        gate.slots, gate.room);
+    text += fmt::format("{} on {}: profile {}, {}, {} of {} slots",
+                        styled(gate.interface, Style::bold, color), printable(gate.network),
+                        gate.profile, held(gate, interface, color), gate.slots, gate.room);
     if (gate.masked != 0) text += fmt::format(", {} of {} masks", gate.masked, gate.masked_room);
     text += '\n';
     if (!gate.problem.empty()) text += "  " + styled(gate.problem, Style::bad, color) + '\n';
-    text += slots(gate.control, true, color) + slots(gate.channels, false, color);
+    text +=
+        slots(gate.control, true, ethernet, color) + slots(gate.channels, false, ethernet, color);
+    if (ethernet && gate.slots > gate.channels.size())
+      text += fmt::format("  and {} slots more\n", gate.slots - gate.channels.size());
+    if (interface != nullptr) text += fates(*interface, color);
   }
   return text.empty() ? "this gateway has no gates\n" : text;
 }

@@ -247,6 +247,7 @@ bool EtherGate::holds(std::size_t slots) const {
 }
 bool EtherGate::reused() const { return state_->reused; }
 const std::string& EtherGate::name() const { return state_->config.name; }
+std::uint32_t EtherGate::ifindex() const { return state_->config.ifindex; }
 bool EtherGate::drops_early() const { return state_->early; }
 
 Result<bool> EtherGate::attached() const {
@@ -284,6 +285,7 @@ Result<void> EtherGate::reattach() {
 Result<void> EtherGate::apply(const SlotChanges& changes) { return state_->table.apply(changes); }
 std::vector<SlotSpec> EtherGate::present() const { return state_->table.present(); }
 std::size_t EtherGate::size() const { return state_->table.size(); }
+std::size_t EtherGate::room() const { return state_->sizes.slots - ETHER_FIRST_SLOT; }
 void EtherGate::deny_all() { state_->table.deny_all(); }
 void EtherGate::unpin() { remove_pin_directory(state_->directory); }
 

@@ -33,6 +33,7 @@ class EtherGate final : public PortGate {
   [[nodiscard]] bool reused() const;
 
   [[nodiscard]] const std::string& name() const override;
+  [[nodiscard]] std::uint32_t ifindex() const override;
   [[nodiscard]] Result<bool> attached() const override;
   Result<void> reattach() override;
   /// clsact: other Ethernet traffic is not ours to judge, so a TCX program may well be in front.
@@ -44,6 +45,7 @@ class EtherGate final : public PortGate {
   Result<void> apply(const SlotChanges& changes) override;
   [[nodiscard]] std::vector<SlotSpec> present() const override;
   [[nodiscard]] std::size_t size() const override;
+  [[nodiscard]] std::size_t room() const override;
   void deny_all() override;
   [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const override;
   [[nodiscard]] ReasonCounters reasons(Direction direction) const override;

@@ -45,7 +45,7 @@ class Gate final : public PortGate {
   ~Gate() override;
 
   [[nodiscard]] const GateConfig& config() const;
-  [[nodiscard]] std::uint32_t ifindex() const;
+  [[nodiscard]] std::uint32_t ifindex() const override;
   [[nodiscard]] const std::string& name() const override;
   /// The slots of the gate that was attached before were taken over: see present().
   [[nodiscard]] bool reused() const;
@@ -72,7 +72,8 @@ class Gate final : public PortGate {
   static std::expected<void, Refusal> apply_together(std::span<const Change> changes);
   [[nodiscard]] std::vector<SlotSpec> present() const override;
   [[nodiscard]] std::size_t size() const override;
-  [[nodiscard]] bool is_masked(const SlotSpec& spec) const;
+  [[nodiscard]] std::size_t room() const override { return GATE_SLOTS - GATE_FIRST_SLOT; }
+  [[nodiscard]] bool is_masked(const SlotSpec& spec) const override;
   void deny_all() override;
 
   /// Frames that leave are put into bands by their identifiers: those up to the first limit

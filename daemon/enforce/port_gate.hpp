@@ -23,6 +23,7 @@ class PortGate {
   virtual ~PortGate() = default;
 
   [[nodiscard]] virtual const std::string& name() const = 0;
+  [[nodiscard]] virtual std::uint32_t ifindex() const = 0;
   /// Both filters are there now and are the programs of this object.
   [[nodiscard]] virtual Result<bool> attached() const = 0;
   /// Puts the same programs back after somebody removed or replaced them; slots and counters stay.
@@ -40,6 +41,10 @@ class PortGate {
   virtual Result<void> apply(const SlotChanges& changes) = 0;
   [[nodiscard]] virtual std::vector<SlotSpec> present() const = 0;
   [[nodiscard]] virtual std::size_t size() const = 0;
+  /// So many slots there can be.
+  [[nodiscard]] virtual std::size_t room() const = 0;
+  /// The slot is found by a mask, and not by a key or subject.
+  [[nodiscard]] virtual bool is_masked(const SlotSpec& /*spec*/) const { return false; }
   virtual void deny_all() = 0;
 
   /// Of the slot with this grant (verdict not compared); nothing where there is none.

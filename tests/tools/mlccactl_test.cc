@@ -183,6 +183,25 @@ control::Event event_of(const char* kind, std::vector<std::uint64_t> admissions)
 
 Reply granted_as_7() { return {0, control::Channels{{test::granted_channel()}}}; }
 
+TEST(MlccactlTest, GateTellsWhatTheStatusKnowsOfItsInterface) {
+  auto gates = test::full_gates();
+  gates.gates.resize(1);
+  auto status = test::full_status();
+  status.interfaces[0].name = gates.gates[0].interface;
+  status.interfaces[0].network = gates.gates[0].network;
+  status.interfaces[0].hook = "tcx";
+  Server server([&](const control::Request& request) -> Server::Answer {
+    if (std::holds_alternative<control::GateRequest>(request.body)) return {{{0, gates}}};
+    return {{{0, status}}};
+  });
+  const auto outcome = run_mlccactl({"gate", "can0", "--socket", server.path()});
+  EXPECT_EQ(outcome.status, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find("held by tcx"), std::string::npos) << outcome.out;
+  ASSERT_EQ(server.requests().size(), 2U);
+  EXPECT_EQ(server.requests()[0].body,
+            (decltype(control::Request::body){control::GateRequest{"can0"}}));
+}
+
 TEST(MlccactlTest, HoldPrintsWhatHappensUntilTheDaemonEnds) {
   Server server([](const control::Request&) {
     return Server::Answer{{granted_as_7(),

@@ -186,23 +186,6 @@ TEST_F(RenderTest, SaysThatThereIsNothingToReserve) {
             "nothing that can be reserved is described\n");
 }
 
-TEST_F(RenderTest, ListsControlTrafficOfAGateBeforeItsChannels) {
-  auto gate = test::full_gates().gates.front();
-  gate.channels[1].passes = false;
-  gate.channels[1].per_frame_ns = 0;
-  gate.channels[1].per_byte = 2560;
-  EXPECT_EQ(render(control::Gates{{gate}}, Color::no),
-            R"(can0 on powertrain: profile j1939, held, 21 of 4094 slots, 3 of 32 masks
-  can0 is down
-  CONTROL TRAFFIC  WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE   LIMIT              PASSED  DROPPED  EXCESS  LAST DROP
-  address-claim    out  user 0  00eeff00    03ffff00  classic      8  passes  50/s, 257 at once       7        2       1  more than admitted
-  CHANNEL        WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE    LIMIT              PASSED  DROPPED  EXCESS  LAST DROP
-  engine-speed   in           00eeff00    03ffff00  classic      8  passes   50/s, 257 at once       7        2       1  more than admitted
-  address-claim  out  user 0  00eeff00    03ffff00  classic      8  refused  100 MB/s                7        2       1  more than admitted
-)");
-  EXPECT_EQ(render(control::Gates{}, Color::no), "this gateway has no gates\n");
-}
-
 TEST_F(RenderTest, ShowsTheLosersFirst) {
   EXPECT_EQ(render(test::full_what_if(), Color::no),
             R"(EFFECT         CHANNEL  PUBLISHER  TO         NOW      THEN     REASON
@@ -416,17 +399,6 @@ TEST(JsonFieldsTest, TellReservations) {
         "admission": 8, "set": 1, "importance": 9, "lease_ns": 7500000000}]})"));
   EXPECT_TRUE(json.at("resources").at(3).at("capacity").is_null());
   EXPECT_TRUE(json.at("resources").at(0).at("reservations").at(0).at("lease_ns").is_null());
-}
-
-TEST(JsonFieldsTest, TellGates) {
-  const auto json = json_of({1, test::full_gates()});
-  EXPECT_EQ(json.at("gates").at(0).at("masked_room"), 32);
-  EXPECT_EQ(json.at("gates").at(0).at("control").at(0),
-            Json::parse(R"({"name": "address-claim", "egress": true, "passes": true,
-      "id": 2163146496, "mask": 3288334080, "identifier": "00eeff00", "formats": "classic",
-      "max_length": 8, "source": "user 0", "per_frame_ns": 20000000, "per_byte": 3,
-      "tolerance_ns": 5120000000, "excess_passes": true, "passed": 7, "dropped": 2, "excess": 1,
-      "bytes": 56, "last_reason": "more than admitted"})"));
 }
 
 TEST(JsonFieldsTest, TellWhatWouldBeAndWhatWas) {

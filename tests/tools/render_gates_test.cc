@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What `mlccactl gate` prints, for a person and for programs.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/control/messages.hpp"
+#include "tools/json.hpp"
+#include "tools/render.hpp"
+
+namespace mlcca::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+TEST(RenderGates, ListsControlTrafficOfAGateBeforeItsChannels) {
+  auto gate = test::full_gates().gates.front();
+  gate.channels[1].passes = false;
+  gate.channels[1].per_frame_ns = 0;
+  gate.channels[1].per_byte = 2560;
+  EXPECT_EQ(render(control::Gates{{gate}}, Color::no),
+            R"(can0 on powertrain: profile j1939, held, 21 of 4094 slots, 3 of 32 masks
+  can0 is down
+  CONTROL TRAFFIC  WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE   LIMIT              PASSED  DROPPED  EXCESS  LAST DROP
+  address-claim    out  user 0  00eeff00    03ffff00  classic      8  passes  50/s, 257 at once       7        2       1  more than admitted
+  CHANNEL        WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE    LIMIT              PASSED  DROPPED  EXCESS  LAST DROP
+  engine-speed   in           00eeff00    03ffff00  classic      8  passes   50/s, 257 at once       7        2       1  more than admitted
+  address-claim  out  user 0  00eeff00    03ffff00  classic      8  refused  100 MB/s                7        2       1  more than admitted
+)");
+  EXPECT_EQ(render(control::Gates{}, Color::no), "this gateway has no gates\n");
+}
+
+/// An Ethernet gate with one channel listed of those that it has, and its interface.
+control::Gate ethernet_gate() {
+  control::GateSlot foreign;
+  foreign.name = "no event traffic";
+  foreign.passes = true;
+  foreign.passed = 12;
+  control::GateSlot channel = test::full_gates().gates.front().channels.front();
+  channel.name = "distance";
+  channel.id = channel.mask = 0;
+  channel.formats = "whole";
+  return {.interface = "eth1",
+          .network = "lan",
+          .profile = "famouso",
+          .attached = true,
+          .problem = "",
+          .slots = 5000,
+          .room = 8190,
+          .masked = 0,
+          .masked_room = 0,
+          .control = {foreign},
+          .channels = {channel}};
+}
+std::vector<control::Interface> its_interface() {
+  control::Interface eth1;
+  eth1.name = "eth1";
+  eth1.network = "lan";
+  eth1.hook = "clsact";
+  eth1.drops_early = true;
+  eth1.ingress.reasons = {{"no event traffic", 12}, {"malformed", 3}};
+  eth1.egress.reasons = {{"passed", 1}};
+  return {eth1};
+}
+
+TEST(RenderGates, ListsWhatAnEthernetGatePassesBesidesSubjectsAndWhatBecameOfFrames) {
+  EXPECT_EQ(render(control::Gates{{ethernet_gate()}}, its_interface(), Color::no),
+            R"(eth1 on lan: profile famouso, held by clsact, early in the driver, 5000 of 8190 slots
+  OTHER TRAFFIC     WAY  STATE   PASSED
+  no event traffic  in   passes      12
+  CHANNEL   WAY  FORMATS  BYTES  STATE   LIMIT              PASSED  DROPPED  EXCESS  LAST DROP
+  distance  in   whole        8  passes  50/s, 257 at once       7        2       1  more than admitted
+  and 4999 slots more
+  FATE              WAY  FRAMES
+  no event traffic  in       12
+  malformed         in        3
+  passed            out       1
+)");
+}
+
+TEST(GatesAsJson, TellGates) {
+  const auto json = Json::parse(to_json(control::Reply{1, test::full_gates()}));
+  EXPECT_EQ(json.at("gates").at(0).at("masked_room"), 32);
+  EXPECT_EQ(json.at("gates").at(0).at("control").at(0),
+            Json::parse(R"({"name": "address-claim", "egress": true, "passes": true,
+      "id": 2163146496, "mask": 3288334080, "identifier": "00eeff00", "formats": "classic",
+      "max_length": 8, "source": "user 0", "per_frame_ns": 20000000, "per_byte": 3,
+      "tolerance_ns": 5120000000, "excess_passes": true, "passed": 7, "dropped": 2, "excess": 1,
+      "bytes": 56, "last_reason": "more than admitted"})"));
+}
+
+TEST(GatesAsJson, TellAnEthernetGateWithItsInterface) {
+  const auto json = Json::parse(to_json(control::Gates{{ethernet_gate(), {}}}, its_interface()));
+  const auto& gate = json.at("gates").at(0);
+  EXPECT_EQ(gate.at("hook"), "clsact");
+  EXPECT_EQ(gate.at("drops_early"), true);
+  EXPECT_EQ(gate.at("room"), 8190);
+  EXPECT_EQ(gate.at("ingress").at("reasons").at("malformed"), 3);
+  EXPECT_FALSE(gate.at("channels").at(0).contains("identifier"));
+  EXPECT_EQ(gate.at("channels").at(0).at("formats"), "whole");
+  EXPECT_FALSE(json.at("gates").at(1).contains("hook")) << "of another interface";
+}
+
+}  // namespace
+}  // namespace mlcca::tools
