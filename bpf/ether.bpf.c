@@ -31,19 +31,9 @@ const volatile __u8 direct_access = true;
 const volatile __u8 test_run = false;
 #define TEST_RUN_LOCAL 1
 
-struct ether_table table; /* the only variable of .bss: this map is pinned and memory-mapped */
-
-#define MAPPED_ARRAY(name, value_type)                                                             \
-	struct {                                                                                   \
-		__uint(type, BPF_MAP_TYPE_ARRAY);                                                  \
-		__uint(map_flags, BPF_F_MMAPABLE);                                                 \
-		__uint(max_entries, 1); /* set before loading */                                   \
-		__type(key, __u32);                                                                \
-		__type(value, value_type);                                                         \
-	} name SEC(".maps")
+#include "bpf/ether_maps.bpf.h"
 
 MAPPED_ARRAY(buckets, __u64);
-MAPPED_ARRAY(slots, struct ether_slot);
 MAPPED_ARRAY(contracts, struct ether_contract);
 MAPPED_ARRAY(counts, struct gate_count); /* [bank][slot] */
 MAPPED_ARRAY(cpus, struct ether_cpu);
@@ -51,6 +41,8 @@ MAPPED_ARRAY(cpus, struct ether_cpu);
 #include "bpf/ether_parse.bpf.h"
 #include "bpf/ether_count.bpf.h"
 #include "bpf/ether_decide.bpf.h"
+#include "bpf/gate_watch.bpf.h"
+#include "bpf/ether_admit.bpf.h"
 #include "bpf/ether_fragment.bpf.h"
 
 /* Longest part of a packet that is read: an event in AWDS with tags and options. */
@@ -128,10 +120,7 @@ static __always_inline struct decision judge(struct __sk_buff *skb, __u32 direct
 	d.reason = skb->gso_size ? GATE_R_MALFORMED : judge_first(e, &foreign_fragments);
 	if (d.reason != GATE_R_PASSED)
 		return d;
-	d = decide(direction, e, from);
-	if (d.reason == GATE_R_PASSED && !police(d.slot, e))
-		d.reason = GATE_R_EXCESS;
-	return d;
+	return decide(direction, e, from);
 }
 
 static __always_inline int filter_event(struct __sk_buff *skb, struct ether_cpu *cpu,
@@ -140,6 +129,8 @@ static __always_inline int filter_event(struct __sk_buff *skb, struct ether_cpu 
 {
 	struct decision d = judge(skb, direction, e, from);
 
+	if (d.reason == GATE_R_PASSED && !admit(cpu, direction, d.slot, e))
+		d.reason = GATE_R_EXCESS;
 	if (d.reason != GATE_R_PASSED) {
 		if (e->more && d.reason != GATE_R_FRAGMENT)
 			bpf_map_delete_elem(&fragments, &e->key);
@@ -147,7 +138,6 @@ static __always_inline int filter_event(struct __sk_buff *skb, struct ether_cpu 
 	}
 	if (e->more)
 		remember(&fragments, e, d.slot);
-	count_pass(cpu, direction, d.slot, e);
 	if (direction == GATE_INGRESS)
 		skb->mark = gate_ingress_token(control.token, ifindex, e->subject);
 	return TC_ACT_UNSPEC;

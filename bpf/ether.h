@@ -59,6 +59,9 @@
 /* Tables with more slots have one bank of counters for all CPUs: memory, see ether_table. */
 #define ETHER_BANKED_SLOTS 16384
 
+/* Slots whose events can be watched; 0 is not used. What more is granted is not watched. */
+#define ETHER_WATCHES 4096
+
 /* IP fragments: first ones that are remembered, and how long, as a receiver may reassemble. */
 #define ETHER_FRAGMENTS		2048
 #define ETHER_FOREIGN_FRAGMENTS 2048
@@ -79,7 +82,7 @@ struct ether_contract {
 
 /*
  * One (subject, publisher) on one interface and direction. Half a cache line. User space never
- * changes a live slot other than `verdict`, `contract` and `next`.
+ * changes a live slot other than `verdict`, `contract`, `watch` and `next`.
  */
 struct ether_slot {
 	__u64 subject; /* host order */
@@ -90,7 +93,8 @@ struct ether_slot {
 	__u8 verdict; /* enum gate_verdict */
 	__u8 direction;
 	__u8 last_reason; /* enum gate_reason of the latest drop, 0: none; written by the program */
-	__u8 pad[3];
+	__u8 pad;
+	__u16 watch; /* number of its gate_watch; 0: nobody looks */
 };
 
 /*
@@ -108,7 +112,8 @@ struct ether_table {
 	__u64 seed;    /* of the hash, random: nobody can choose subjects that fall together */
 	__u64 unknown_frames; /* as in gate_table */
 	__u32 contracts;
-	__u32 pad[7];
+	__u32 watches_end; /* all watches that were ever used are below this one */
+	__u32 pad[6];
 };
 
 /* A datagram without a slot; as gate_seen. */

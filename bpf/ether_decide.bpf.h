@@ -130,28 +130,4 @@ static __always_inline struct decision decide(__u32 direction, const struct even
 	return d;
 }
 
-/* False: more than was admitted, and to be dropped. */
-static __always_inline bool police(__u32 at, const struct event *e)
-{
-	struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
-	const struct ether_contract *contract;
-	struct gate_count *count;
-	__u64 cost;
-
-	if (!slot)
-		return false;
-	contract = contract_of(slot);
-	if (!contract)
-		return false;
-	cost = cost_of(contract->per_frame, contract->per_byte, e->len);
-	if (!cost || take_turn(&slot->due, cost, contract->tolerance, bpf_ktime_get_ns()))
-		return true;
-	if (!(contract->forms & GATE_EXCESS_PASSES))
-		return false;
-	count = count_of(at);
-	if (count)
-		count_up(&count->excess, 1);
-	return true;
-}
-
 #endif

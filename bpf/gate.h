@@ -201,7 +201,7 @@ struct gate_watch {
 	__u64 from;   /* when that silence began */
 	__u64 calm;   /* since when events come again, 0: they do not */
 	__u64 first;  /* CLOCK_MONOTONIC ns of the first event */
-	__u64 pad;
+	__u64 slot;   /* Ethernet: whose events these are; on CAN each slot has its own */
 };
 
 /*

@@ -1,12 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause
-/*
- * Silence: kernel timers that notice when a watched slot of one interface has had no event for too
- * long. A timer is due when the oldest of the latest events of its slots would be too old, looks
- * whether later ones have come, and if so is due again by those: it ticks with the channels, and
- * never drifts. The kernel may refuse memory for a timer at any time (6.18 often does), so there
- * are a few for all slots, made when the gate is. A value with a timer can't be memory-mapped: they
- * have a map of their own.
- */
+/* The timers of a CAN gate: each slot has a watch of its own. */
 #include <stdbool.h>
 #include <linux/bpf.h>
 #include <linux/errno.h>
@@ -17,154 +10,28 @@
 #include "bpf/gate.h"
 #include "bpf/once.bpf.h"
 
-#define SHORTEST_WAIT 100000ULL	   /* ns: no Period keeps a CPU busy */
-#define AT_LEISURE    100000000ULL /* ns: where nobody waits for what is found */
-
-const volatile __u32 ifindex = 0; /* set before loading */
+#define WATCHES GATE_SLOTS
 
 struct gate_table table; /* of .bss: the one of the gate */
-struct gate_control control SEC(".data.control");
 
-struct {
-	__uint(type, BPF_MAP_TYPE_RINGBUF);
-	__uint(max_entries, GATE_EVENTS_SIZE);
-} events SEC(".maps");
+#include "bpf/watchmen.bpf.h"
 
-struct watchman {
-	struct bpf_timer timer;
-};
+static __u32 watches_end(void) { return READ_ONCE(table.slots_end); }
 
-struct {
-	__uint(type, BPF_MAP_TYPE_ARRAY);
-	__uint(max_entries, GATE_WATCHMEN);
-	__type(key, __u32);
-	__type(value, struct watchman);
-} watchmen SEC(".maps");
+static struct gate_watch *watch_of(__u32 at) { return &table.watches[at & (GATE_SLOTS - 1)]; }
 
-static bool closed(void) { return !READ_ONCE(control.open) || READ_ONCE(control.lapsed); }
-
-static bool passes(const struct gate_slot *slot)
+static __u64 subject_of(__u32 at, const struct gate_watch *w)
 {
+	return table.slots[at & (GATE_SLOTS - 1)].subject;
+}
+
+static __u32 slot_number(__u32 at, const struct gate_watch *w) { return at; }
+
+static bool passes(__u32 at, const struct gate_watch *w)
+{
+	const struct gate_slot *slot = &table.slots[at & (GATE_SLOTS - 1)];
+
 	return READ_ONCE(slot->verdict[READ_ONCE(control.generation) & 1]) == GATE_PASS;
-}
-
-/* False: the ring is full. Then it is told at the next tick. */
-static bool tell(__u32 at, __u32 kind, __u64 now, __u64 silent)
-{
-	struct gate_event event = {
-	    .kind = kind,
-	    .ifindex = ifindex,
-	    .subject = table.slots[at & (GATE_SLOTS - 1)].subject,
-	    .at = now,
-	    .silent = silent,
-	    .slot = at,
-	    .never = !READ_ONCE(table.watches[at & (GATE_SLOTS - 1)].last),
-	};
-
-	return !bpf_ringbuf_output(&events, &event, sizeof(event), 0);
-}
-
-/* Of a slot that is silent: when it has come for a while without a break it is told, not before. */
-static void look_for_events(__u32 at, struct gate_watch *w, bool quiet, __u64 now)
-{
-	if (quiet)
-		w->calm = 0;
-	else if (!w->calm)
-		w->calm = now;
-	else if (now - w->calm >= GATE_CALM && tell(at, GATE_E_RESTORED, now, w->calm - w->from))
-		w->silent = 0;
-}
-
-/*
- * Gives the time until the next look at a slot, 0 for none. Not static: the verifier looks at it
- * once by itself.
- */
-__noinline __u64 look(__u32 at)
-{
-	struct gate_watch *w = &table.watches[at & (GATE_SLOTS - 1)];
-	__u64 silence = READ_ONCE(w->silence), period = READ_ONCE(w->period);
-	/* The event before the clock: one in between must not look like a long silence. */
-	__u64 last = READ_ONCE(w->last), now = bpf_ktime_get_ns(), since;
-
-	if (!silence || !passes(&table.slots[at & (GATE_SLOTS - 1)]))
-		return 0;
-	if (closed()) {
-		/* Nothing can come: silence begins when the gates open. */
-		w->since = 0;
-		w->silent = 0;
-		return silence < AT_LEISURE ? silence : AT_LEISURE;
-	}
-	if (!w->since)
-		w->since = now;
-	since = last > w->since ? last : w->since;
-	if (w->silent) {
-		look_for_events(at, w, now - since >= silence, now);
-		return period > AT_LEISURE ? period : AT_LEISURE;
-	}
-	if (now < since + silence)
-		return since + silence - now;
-	if (tell(at, GATE_E_MISSING, now, now - since)) {
-		w->silent = 1;
-		w->from = since;
-		w->calm = 0;
-	}
-	return period;
-}
-
-static int tick(void *map, __u32 *key, struct watchman *man)
-{
-	__u32 end = READ_ONCE(table.slots_end), at = *key, i;
-	__u64 soonest = 0;
-
-	for (i = 0; i < GATE_SLOTS / GATE_WATCHMEN && at < end; i++, at += GATE_WATCHMEN) {
-		__u64 wait = look(at);
-
-		if (wait && (!soonest || wait < soonest))
-			soonest = wait;
-	}
-	if (soonest)
-		bpf_timer_start(&man->timer, soonest < SHORTEST_WAIT ? SHORTEST_WAIT : soonest, 0);
-	return 0;
-}
-
-/*
- * Makes the timers. They are there already after a restart of the daemon: then their callback
- * becomes ours. Like the next one it is run by BPF_PROG_TEST_RUN, since only programs have to do
- * with timers, and gives 0 or a negative errno.
- */
-SEC("tc")
-int watch_make(struct __sk_buff *skb)
-{
-	__u32 key;
-
-	for (key = 0; key < GATE_WATCHMEN; key++) {
-		__u32 at = key;
-		struct watchman *man = bpf_map_lookup_elem(&watchmen, &at);
-		long err;
-
-		if (!man)
-			return -ENOENT;
-		err = bpf_timer_init(&man->timer, &watchmen, CLOCK_MONOTONIC);
-		if (err && err != -EBUSY)
-			return err;
-		err = bpf_timer_set_callback(&man->timer, tick);
-		if (err)
-			return err;
-	}
-	return 0;
-}
-
-/* Slot `skb->mark` is watched from now on. What is missing already is told once more. */
-SEC("tc")
-int watch_arm(struct __sk_buff *skb)
-{
-	__u32 at = skb->mark & (GATE_SLOTS - 1), key = at % GATE_WATCHMEN;
-	struct watchman *man = bpf_map_lookup_elem(&watchmen, &key);
-
-	if (!man)
-		return -ENOENT;
-	table.watches[at].silent = 0;
-	return bpf_timer_start(&man->timer, SHORTEST_WAIT, 0);
 }
 
 char LICENSE[] SEC("license") = "Dual BSD/GPL";

@@ -71,6 +71,7 @@ void Ports::describe(const core::System& system, std::size_t gateway) {
       state.ifindex = old->ifindex;
       state.can_state = old->can_state;
       state.held = old->held;
+      state.unwatched = old->unwatched;
       state.raised = old->raised && old->port.bitrate == port.bitrate &&
                      old->port.data_bitrate == port.data_bitrate;
     }
@@ -339,8 +340,7 @@ std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateRule& rule) cons
   slot->per_byte = rule.policing.per_byte;
   slot->tolerance = rule.policing.tolerance;
   slot->excess_passes = rule.policing.counts_only;
-  // Nobody watches on Ethernet yet.
-  if (is_gated_can(ports_[rule.entry.port]) && gate_gap_scale(rule.watching.period) != 0) {
+  if (gate_gap_scale(rule.watching.period) != 0) {
     slot->period = rule.watching.period;
     slot->silence = rule.watching.silence;
     slot->together = rule.watching.together;
@@ -374,6 +374,7 @@ Result<void> Ports::sync(const core::GateState& wanted) {
   }
   for (const auto& [gate, change] : changes.others)
     if (const auto done = gate->apply(change); !done) deny(*gate, done.error());
+  tell_unwatched();
   if (!problems.empty()) return fail(problems);
   return {};
 }
@@ -409,6 +410,7 @@ Result<void> Ports::apply(const core::GateChanges& changes) {
   for (const auto& [gate, change] : gates.others)
     if (const auto done = gate->apply(change); !done)
       return fail(gate->name() + ": " + done.error().text);
+  tell_unwatched();
   return {};
 }
 

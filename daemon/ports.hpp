@@ -126,7 +126,8 @@ class Ports {
     bool raised = false;  ///< a managed interface was brought up once since it appeared
     bool lost = false;    ///< no gate of ours could be attached, not even a closed one
     int held = 0;  ///< ifindex that was given a gate without slots, because nothing else could be
-    std::string told;  ///< the last problem of attaching that was told
+    bool unwatched = false;  ///< its gate has more to watch than it can, and that was told
+    std::string told;        ///< the last problem of attaching that was told
   };
 
   /// A gate, and what it is where only gates of that kind can do something.
@@ -162,10 +163,11 @@ class Ports {
   [[nodiscard]] std::map<std::size_t, enforce::SlotChanges> by_port(
       const core::GateChanges& changes) const;
   struct WatchedSlot {
-    const enforce::Gate* gate;
-    std::uint16_t number;
+    const enforce::PortGate* gate;
+    std::uint32_t number;
     core::Watching expected;
   };
+  void tell_unwatched();
   [[nodiscard]] std::optional<WatchedSlot> watched_slot(const core::GateState& rules) const;
   /// Puts the gate in place that a port needs, unless it is there.
   Result<void> hold(const net::Link& link, core::NetworkKind kind, core::Profile profile);

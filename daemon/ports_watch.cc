@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // How events come to the gates of this gateway.
-#include <algorithm>
+#include <fmt/core.h>
 
+#include <algorithm>
+#include <utility>
+
+#include "bpf/ether.h"
 #include "daemon/clock.hpp"
 #include "daemon/ports.hpp"
 
@@ -28,10 +32,10 @@ control::Watch report_of(const core::Watching& expected, const enforce::Arrivals
 /// The slot that the events of a delivery enter by, if they are watched.
 std::optional<Ports::WatchedSlot> Ports::watched_slot(const core::GateState& rules) const {
   for (const core::GateRule& rule : rules) {
-    const enforce::Gate* gate = can_gate_of(rule.entry.port);
+    const enforce::PortGate* gate = gate_of(rule.entry.port);
     const auto slot = slot_of(rule);
     if (gate == nullptr || !slot || slot->period == 0) continue;
-    if (const auto number = gate->number_of(*slot))
+    if (const auto number = gate->watched_as(*slot))
       return WatchedSlot{gate, *number, rule.watching};
   }
   return std::nullopt;
@@ -50,11 +54,26 @@ Result<void> Ports::tell_again(const core::GateState& rules) const {
 
 bool Ports::is_of(const gate_event& event, const core::GateState& rules) const {
   return std::ranges::any_of(rules, [&](const core::GateRule& rule) {
-    const enforce::Gate* gate = can_gate_of(rule.entry.port);
+    const enforce::PortGate* gate = gate_of(rule.entry.port);
     const auto slot = slot_of(rule);
     return gate != nullptr && slot && gate->ifindex() == event.ifindex &&
-           rule.entry.subject == event.subject && gate->number_of(*slot) == event.slot;
+           rule.entry.subject == event.subject && gate->watched_as(*slot) == event.slot;
   });
+}
+
+/// Told when it begins and when it ends.
+void Ports::tell_unwatched() {
+  for (std::size_t p = 0; p < ports_.size(); ++p) {
+    const enforce::PortGate* gate = gate_of(p);
+    const bool now = gate != nullptr && gate->unwatched() != 0;
+    if (std::exchange(ports_[p].unwatched, now) == now) continue;
+    tell_(ports_[p].network_name,
+          now ? fmt::format("{} has {} periodic channels more than can be watched ({}): nobody "
+                            "looks whether their events come",
+                            gate->name(), gate->unwatched(), ETHER_WATCHES - 1)
+              : fmt::format("{}: every periodic channel is watched again", interface_name(p)),
+          now);
+  }
 }
 
 }  // namespace mlcca

@@ -22,9 +22,11 @@
 #include "daemon/enforce/ether_programs.hpp"
 #include "daemon/enforce/failure.hpp"
 #include "daemon/enforce/filters.hpp"
+#include "daemon/enforce/gate_pins.hpp"
 #include "daemon/enforce/grace_period.hpp"
 #include "daemon/enforce/pins.hpp"
 #include "daemon/enforce/programs.hpp"
+#include "daemon/enforce/watchmen.hpp"
 
 namespace mlcca::enforce {
 namespace {
@@ -94,7 +96,7 @@ Result<Former> former_gate(const std::string& directory, std::uint32_t ifindex) 
       !fits(2, sizeof(ether_slot), former.sizes.slots) ||
       !fits(3, sizeof(ether_contract), former.sizes.contracts) ||
       !fits(4, sizeof(gate_count), former.sizes.banks * former.sizes.slots) ||
-      !fits(5, sizeof(ether_cpu), possible_cpus()))
+      !fits(5, sizeof(ether_cpu), possible_cpus()) || !fits(8, sizeof(gate_watch), ETHER_WATCHES))
     return Former{};
   return former;
 }
@@ -110,6 +112,7 @@ struct EtherGate::State {
   EtherTable table;
   bool reused = false;
   bool early = false;
+  std::optional<Watchmen> watchmen;  ///< from when it is pinned on
 
   static Result<std::unique_ptr<State>> load(const EtherConfig& config, const Control& control,
                                              const EtherSizes& sizes, const EtherMaps& maps);
@@ -117,6 +120,8 @@ struct EtherGate::State {
   [[nodiscard]] Result<void> put_all_in_place() const;
   [[nodiscard]] Result<void> name_all() const;
   void put_early_in_place();
+  Result<void> watch(const Control& control);
+  Result<void> arm(const std::vector<std::uint16_t>& watches) const;
 };
 
 Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConfig& config,
@@ -139,7 +144,9 @@ Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConf
             .programs = std::move(*programs),
             .mapping = std::move(*mapping),
             .table = std::move(*table),
-            .reused = !fresh});
+            .reused = !fresh,
+            .early = false,
+            .watchmen = std::nullopt});
 }
 
 Result<void> EtherGate::State::pin_all() const {
@@ -147,6 +154,7 @@ Result<void> EtherGate::State::pin_all() const {
     // The program in the driver keeps its name: it is replaced by it.
     for (std::size_t n = 0; n < kEtherMaps.size(); ++n) remove_pin(map_pin(directory, n));
     for (const auto direction : kBothDirections) remove_pin(pin_of(directory, direction));
+    remove_pin(watchmen_pin(directory));  // of a table that is not in force any more
   }
   if (auto made = make_pin_directory(directory); !made) return made;
   const auto pin_new = [](int fd, const std::string& path) -> Result<void> {
@@ -204,6 +212,26 @@ void EtherGate::State::put_early_in_place() {
   early = put_early(config.ifindex, programs.early_fd(), ours ? ours.get() : -1);
 }
 
+/// Timers that run already go on, by our program.
+Result<void> EtherGate::State::watch(const Control& control) {
+  auto loaded = Watchmen::of_ethernet(config.ifindex,
+                                      {.table = programs.map_fd(0),
+                                       .control = control.map_fd(),
+                                       .events = control.events_fd(),
+                                       .slots = programs.map_fd(2),
+                                       .watches = programs.map_fd(8)},
+                                      watchmen_pin(directory));
+  if (!loaded) return std::unexpected(loaded.error());
+  watchmen = std::move(*loaded);
+  return arm(table.watched());
+}
+
+Result<void> EtherGate::State::arm(const std::vector<std::uint16_t>& watches) const {
+  for (const std::uint16_t watch : watches)
+    if (auto armed = watchmen->arm(watch); !armed) return armed;
+  return {};
+}
+
 Result<EtherGate> EtherGate::attach(const EtherConfig& config, const Control& control) {
   const auto in_context = [&](const Error& error) {
     return fail(fmt::format("gate of {}: {}", config.name, error.text));
@@ -231,6 +259,7 @@ Result<EtherGate> EtherGate::attach(const EtherConfig& config, const Control& co
     }
   }
   if (auto pinned = (*state)->pin_all(); !pinned) return in_context(pinned.error());
+  if (auto watched = (*state)->watch(control); !watched) return in_context(watched.error());
   if (auto put = (*state)->put_all_in_place(); !put) return in_context(put.error());
   (*state)->put_early_in_place();
   if (auto named = (*state)->name_all(); !named) return in_context(named.error());
@@ -282,7 +311,10 @@ Result<void> EtherGate::reattach() {
   return {};
 }
 
-Result<void> EtherGate::apply(const SlotChanges& changes) { return state_->table.apply(changes); }
+Result<void> EtherGate::apply(const SlotChanges& changes) {
+  if (auto applied = state_->table.apply(changes); !applied) return applied;
+  return state_->arm(state_->table.take_newly_watched());
+}
 std::vector<SlotSpec> EtherGate::present() const { return state_->table.present(); }
 std::size_t EtherGate::size() const { return state_->table.size(); }
 std::size_t EtherGate::room() const { return state_->sizes.slots - ETHER_FIRST_SLOT; }
@@ -294,6 +326,23 @@ std::optional<SlotCounters> EtherGate::counters(const SlotSpec& spec) const {
   if (!slot) return std::nullopt;
   return ether_counters(state_->mapping.memory(), *slot);
 }
+
+std::optional<std::uint32_t> EtherGate::watched_as(const SlotSpec& spec) const {
+  const auto slot = state_->table.find(spec);
+  return slot && state_->table.watch_of(*slot) != 0 ? slot : std::nullopt;
+}
+
+Arrivals EtherGate::arrivals(std::uint32_t slot, std::uint64_t now) const {
+  return enforce::arrivals(state_->mapping.memory().watches[state_->table.watch_of(slot)], now);
+}
+
+Result<void> EtherGate::tell_again(std::uint32_t slot) const {
+  const std::uint16_t watch = state_->table.watch_of(slot);
+  return state_->mapping.memory().watches[watch].silent != 0 ? state_->watchmen->arm(watch)
+                                                             : Result<void>{};
+}
+
+std::size_t EtherGate::unwatched() const { return state_->table.unwatched(); }
 
 ReasonCounters EtherGate::reasons(Direction direction) const {
   return ether_reasons(state_->mapping.cpus(), direction);

@@ -48,6 +48,10 @@ class EtherGate final : public PortGate {
   [[nodiscard]] std::size_t room() const override;
   void deny_all() override;
   [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const override;
+  [[nodiscard]] std::optional<std::uint32_t> watched_as(const SlotSpec& spec) const override;
+  [[nodiscard]] Arrivals arrivals(std::uint32_t slot, std::uint64_t now) const override;
+  Result<void> tell_again(std::uint32_t slot) const override;
+  [[nodiscard]] std::size_t unwatched() const override;
   [[nodiscard]] ReasonCounters reasons(Direction direction) const override;
   [[nodiscard]] std::vector<UnknownFrame> unknown() const override;
   void unpin() override;

@@ -15,18 +15,20 @@ namespace mlcca::enforce {
 namespace {
 
 std::array<bpf_map*, kEtherMaps.size()> maps_of(const ether_bpf& object) {
-  return {object.maps.bss,       object.maps.buckets,          object.maps.slots,
-          object.maps.contracts, object.maps.counts,           object.maps.cpus,
-          object.maps.fragments, object.maps.foreign_fragments};
+  return {
+      object.maps.bss,    object.maps.buckets, object.maps.slots,     object.maps.contracts,
+      object.maps.counts, object.maps.cpus,    object.maps.fragments, object.maps.foreign_fragments,
+      object.maps.watches};
 }
 
 int set_sizes(const ether_bpf& object, const EtherSizes& sizes) {
-  const std::array<std::pair<bpf_map*, std::uint32_t>, 5> entries{
+  const std::array<std::pair<bpf_map*, std::uint32_t>, 6> entries{
       {{object.maps.buckets, sizes.buckets},
        {object.maps.slots, sizes.slots},
        {object.maps.contracts, sizes.contracts},
        {object.maps.counts, sizes.banks * sizes.slots},
-       {object.maps.cpus, possible_cpus()}}};
+       {object.maps.cpus, possible_cpus()},
+       {object.maps.watches, ETHER_WATCHES}}};
   for (const auto& [map, count] : entries)
     if (const int error = bpf_map__set_max_entries(map, count); error != 0) return error;
   return 0;
@@ -89,7 +91,9 @@ Result<EtherMapping> EtherMapping::of(const EtherPrograms& programs, const Ether
   m.contracts_ = {programs.map_fd(3), sizes.contracts};
   m.counts_ = {programs.map_fd(4), std::size_t{sizes.banks} * sizes.slots};
   m.cpus_ = {programs.map_fd(5), possible_cpus()};
-  if (!m.table_ || !m.buckets_ || !m.slots_ || !m.contracts_ || !m.counts_ || !m.cpus_)
+  m.watches_ = {programs.map_fd(8), ETHER_WATCHES};
+  if (!m.table_ || !m.buckets_ || !m.slots_ || !m.contracts_ || !m.counts_ || !m.cpus_ ||
+      !m.watches_)
     return failure("map the memory of the Ethernet gate", errno);
   return m;
 }
@@ -99,7 +103,8 @@ EtherMemory EtherMapping::memory() const {
           .buckets = buckets_.span(),
           .slots = slots_.span(),
           .contracts = contracts_.span(),
-          .counts = counts_.span()};
+          .counts = counts_.span(),
+          .watches = watches_.span()};
 }
 
 }  // namespace mlcca::enforce

@@ -22,7 +22,7 @@ void destroy_ether_programs(ether_bpf* object);
 /// The maps of one interface that outlive a daemon, by the names of their pins.
 inline constexpr std::array kEtherMaps = {"ether_table",     "ether_buckets", "ether_slots",
                                           "ether_contracts", "ether_counts",  "ether_cpus",
-                                          "ether_fragments", "ether_foreign"};
+                                          "ether_fragments", "ether_foreign", "ether_watches"};
 using EtherMaps = std::array<Fd, kEtherMaps.size()>;  ///< in that order; all or none
 
 class EtherPrograms {
@@ -59,6 +59,7 @@ class EtherMapping {
   Mapped<ether_contract> contracts_;
   Mapped<gate_count> counts_;
   Mapped<ether_cpu> cpus_;
+  Mapped<gate_watch> watches_;
 };
 
 }  // namespace mlcca::enforce

@@ -6,21 +6,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <limits>
 #include <tuple>
 #include <utility>
 
+#include "daemon/enforce/publish.hpp"
+#include "daemon/enforce/watches.hpp"
+
 namespace mlcca::enforce {
 namespace {
 
 constexpr std::uint32_t kLargestIfindex = 0x7fffffff;
-
-template <class T>
-void publish(T& word, T value) {
-  std::atomic_ref<T>(word).store(value, std::memory_order_release);
-}
 
 std::string name(const SlotSpec& s) {
   return fmt::format("slot of subject {:#018x} ({})", s.subject,
@@ -75,7 +72,7 @@ EtherSizes EtherSizes::for_slots(std::size_t slots, std::uint32_t cpus) {
 }
 
 EtherTable::EtherTable(const EtherMemory& memory, const EtherSizes& sizes, GracePeriod wait)
-    : memory_(memory), sizes_(sizes), wait_(std::move(wait)) {}
+    : memory_(memory), sizes_(sizes), wait_(std::move(wait)), is_unwatched_(sizes.slots) {}
 
 Result<EtherTable> EtherTable::read(const EtherMemory& memory, const EtherSizes& sizes, bool fresh,
                                     std::uint64_t seed, GracePeriod wait) {
@@ -88,6 +85,7 @@ Result<EtherTable> EtherTable::read(const EtherMemory& memory, const EtherSizes&
             .seed = seed,
             .unknown_frames = 0,
             .contracts = sizes.contracts,
+            .watches_end = 1,
             .pad = {}};
   if (head.layout_version != ETHER_LAYOUT_VERSION)
     return fail(fmt::format("subject table: layout {} instead of {}", head.layout_version,
@@ -121,6 +119,12 @@ Result<void> EtherTable::adopt(bool fresh) {
   auto& numbers = fresh ? contract_numbers_.free : contract_numbers_.quarantine;
   for (std::uint32_t n = sizes_.contracts; n-- > 1;)
     if (!used[n]) numbers.push_back(static_cast<std::uint16_t>(n));
+  std::vector<bool> watching(ETHER_WATCHES, false);
+  for (std::uint32_t slot = ETHER_FIRST_SLOT; slot < sizes_.slots; ++slot)
+    if (seen[slot]) watching[memory_.slots[slot].watch] = true;
+  auto& watches = fresh ? watches_.free : watches_.quarantine;
+  for (std::uint16_t n = ETHER_WATCHES; n-- > 1;)
+    if (!watching[n]) watches.push_back(n);
   return {};
 }
 
@@ -136,6 +140,8 @@ Result<void> EtherTable::adopt_chain(std::size_t bucket, std::vector<bool>& seen
       return fail(fmt::format("subject table: slot {} is in the wrong bucket", at));
     if (slot.contract == 0 || slot.contract >= sizes_.contracts)
       return fail(fmt::format("subject table: slot {} has no contract", at));
+    if (slot.watch >= ETHER_WATCHES || (slot.watch != 0 && memory_.watches[slot.watch].slot != at))
+      return fail(fmt::format("subject table: the watch of slot {} is of another", at));
     Use& use = contracts_[contract_of(spec_of(at))];
     // The same contract under two numbers, which nobody writes, would count as one.
     if (use.slots != 0 && use.number != slot.contract)
@@ -172,6 +178,12 @@ SlotSpec EtherTable::spec_of(std::uint32_t at) const {
   s.per_byte = c.per_byte;
   s.tolerance = c.tolerance;
   s.excess_passes = (c.forms & GATE_EXCESS_PASSES) != 0;
+  if (slot.watch != 0) {
+    const gate_watch& watch = memory_.watches[slot.watch];
+    s.period = watch.period;
+    s.silence = watch.silence;
+    s.together = watch.together;
+  }
   return s;
 }
 
@@ -271,13 +283,17 @@ Result<void> EtherTable::check_publishers(const SlotChanges& changes) const {
 /// side until the old ones go.
 Result<void> EtherTable::reclaim(const SlotChanges& changes) {
   std::size_t fresh = 0;
+  std::size_t watches = 0;
   std::map<Contract, bool> wanted;
   for (const auto* list : {&changes.add, &changes.police})
-    for (const auto& s : *list)
+    for (const auto& s : *list) {
       if (!contracts_.contains(contract_of(s)) && wanted.try_emplace(contract_of(s)).second)
         ++fresh;
-  const bool enough =
-      slots_.free.size() >= changes.add.size() && contract_numbers_.free.size() >= fresh;
+      if (lacks_watch(s)) ++watches;
+    }
+  const bool enough = slots_.free.size() >= changes.add.size() &&
+                      contract_numbers_.free.size() >= fresh &&
+                      (watches_.free.size() >= watches || watches_.quarantine.empty());
   if (enough) return {};
   if (slots_.free.size() + slots_.quarantine.size() < changes.add.size() ||
       contract_numbers_.free.size() + contract_numbers_.quarantine.size() < fresh)
@@ -287,6 +303,7 @@ Result<void> EtherTable::reclaim(const SlotChanges& changes) {
   if (auto waited = wait_(); !waited) return waited;
   slots_.release();
   contract_numbers_.release();
+  watches_.release();
   return {};
 }
 
@@ -305,9 +322,8 @@ Result<void> EtherTable::apply(const SlotChanges& changes) {
     const std::uint32_t slot = link(s);
     if (s.pass) to_open.push_back(slot);
   }
-  for (const auto& s : changes.police) set_contract(s);
-  for (const std::uint32_t slot : to_open)
-    publish(memory_.slots[slot].verdict, std::uint8_t{GATE_PASS});
+  for (const auto& s : changes.police) set_traffic(s);
+  for (const std::uint32_t slot : to_open) open(slot);
   for (const auto& s : changes.open) set_verdict(s, GATE_PASS);
   if (at_once)
     for (const auto& s : changes.remove) unlink(s);
@@ -355,7 +371,9 @@ std::uint32_t EtherTable::link(const SlotSpec& spec) {
                          .verdict = GATE_DENY,
                          .direction = std::to_underlying(spec.direction),
                          .last_reason = GATE_R_PASSED,
-                         .pad = {}};
+                         .pad = 0,
+                         .watch = 0};
+  set_watch(slot, spec);
   const std::uint64_t sieve = bucket >> ETHER_SIEVE_SHIFT << ETHER_SIEVE_SHIFT;
   publish(bucket, std::uint64_t{sieve | ether_sieve(hash) | slot});
   ++used_;
@@ -387,22 +405,33 @@ void EtherTable::unlink(const SlotSpec& spec) {
   }
   publish(bucket, sieve_of(first) | first);
   leave_contract(slot.contract);
+  leave_watch(*found);
   slots_.quarantine.push_back(*found);
   --used_;
 }
 
 void EtherTable::set_verdict(const SlotSpec& spec, gate_verdict verdict) {
-  if (const auto slot = find(spec))
-    publish(memory_.slots[*slot].verdict, static_cast<std::uint8_t>(verdict));
+  const auto slot = find(spec);
+  if (slot && verdict == GATE_PASS) return open(*slot);
+  if (slot) publish(memory_.slots[*slot].verdict, static_cast<std::uint8_t>(verdict));
 }
 
-void EtherTable::set_contract(const SlotSpec& spec) {
+void EtherTable::open(std::uint32_t slot) {
+  const std::uint16_t watch = memory_.slots[slot].watch;
+  if (watch != 0) forget_findings(memory_.watches[watch]);
+  publish(memory_.slots[slot].verdict, std::uint8_t{GATE_PASS});
+  if (is_watched(watch)) newly_watched_.insert(watch);
+}
+
+void EtherTable::set_traffic(const SlotSpec& spec) {
   const auto found = find(spec);
   if (!found) return;
   ether_slot& slot = memory_.slots[*found];
   const std::uint16_t before = slot.contract;
   publish(slot.contract, take_contract(spec));
   leave_contract(before);
+  set_watch(*found, spec);
+  if (is_watched(slot.watch)) newly_watched_.insert(slot.watch);
 }
 
 void EtherTable::deny_all() {

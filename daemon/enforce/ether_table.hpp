@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -33,6 +34,7 @@ struct EtherMemory {
   std::span<ether_slot> slots;
   std::span<ether_contract> contracts;
   std::span<gate_count> counts;
+  std::span<gate_watch> watches;
 };
 
 class EtherTable {
@@ -52,6 +54,16 @@ class EtherTable {
   [[nodiscard]] std::size_t size() const { return used_; }
   [[nodiscard]] std::optional<std::uint32_t> find(const SlotSpec& spec) const;
   void deny_all();
+
+  /// Number of the watch of a slot; 0: nobody looks.
+  [[nodiscard]] std::uint16_t watch_of(std::uint32_t slot) const;
+  /// Slots that ought to be watched, beyond the ETHER_WATCHES - 1 that can be. One that is changed
+  /// takes a watch that has become free.
+  [[nodiscard]] std::size_t unwatched() const { return unwatched_; }
+  /// Watches of slots that pass and whose silence matters: all of them, or those of which that was
+  /// changed since the last call.
+  [[nodiscard]] std::vector<std::uint16_t> watched() const;
+  [[nodiscard]] std::vector<std::uint16_t> take_newly_watched();
 
  private:
   EtherTable(const EtherMemory& memory, const EtherSizes& sizes, GracePeriod wait);
@@ -91,7 +103,13 @@ class EtherTable {
   std::uint32_t link(const SlotSpec& spec);
   void unlink(const SlotSpec& spec);
   void set_verdict(const SlotSpec& spec, gate_verdict verdict);
-  void set_contract(const SlotSpec& spec);
+  void open(std::uint32_t slot);
+  void set_traffic(const SlotSpec& spec);
+  void set_watch(std::uint32_t slot, const SlotSpec& spec);
+  void leave_watch(std::uint32_t slot);
+  void set_unwatched(std::uint32_t slot, bool now);
+  [[nodiscard]] bool lacks_watch(const SlotSpec& spec) const;
+  [[nodiscard]] bool is_watched(std::uint16_t watch) const;
   std::uint16_t take_contract(const SlotSpec& spec);
   void leave_contract(std::uint16_t number);
   [[nodiscard]] static Contract contract_of(const SlotSpec& spec);
@@ -107,6 +125,10 @@ class EtherTable {
   std::map<Contract, Use> contracts_;
   Unused<std::uint32_t> slots_;
   Unused<std::uint16_t> contract_numbers_;
+  Unused<std::uint16_t> watches_;
+  std::vector<bool> is_unwatched_;  ///< by slot
+  std::size_t unwatched_ = 0;
+  std::set<std::uint16_t> newly_watched_;
 };
 
 }  // namespace mlcca::enforce

@@ -144,7 +144,7 @@ Result<void> Gate::State::pin_all() const {
 
 /// Timers that run already go on, by our program.
 Result<void> Gate::State::watch(const Control& control) {
-  auto loaded = Watchmen::load(
+  auto loaded = Watchmen::of_can(
       config.ifindex,
       {.table = programs.table_fd(), .control = control.map_fd(), .events = control.events_fd()},
       watchmen_pin(place.directory));
@@ -296,10 +296,15 @@ std::optional<SlotCounters> Gate::counters(const SlotSpec& spec) const {
 std::optional<std::uint16_t> Gate::number_of(const SlotSpec& spec) const {
   return state_->slots.find(spec);
 }
-Arrivals Gate::arrivals(std::uint16_t slot, std::uint64_t now) const {
+std::optional<std::uint32_t> Gate::watched_as(const SlotSpec& spec) const {
+  const auto slot = number_of(spec);
+  if (!slot || state_->programs.table().watches[*slot].period == 0) return std::nullopt;
+  return slot;
+}
+Arrivals Gate::arrivals(std::uint32_t slot, std::uint64_t now) const {
   return enforce::arrivals(state_->programs.table().watches[slot], now);
 }
-Result<void> Gate::tell_again(std::uint16_t slot) const {
+Result<void> Gate::tell_again(std::uint32_t slot) const {
   return state_->programs.table().watches[slot].silent != 0 ? state_->watchmen->arm(slot)
                                                             : Result<void>{};
 }

@@ -17,7 +17,6 @@
 #include "daemon/enforce/counters.hpp"
 #include "daemon/enforce/port_gate.hpp"
 #include "daemon/enforce/slots.hpp"
-#include "daemon/enforce/watchmen.hpp"
 
 namespace mlcca::enforce {
 
@@ -85,10 +84,9 @@ class Gate final : public PortGate {
   [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const override;
   /// Number of the slot with this grant, as events name it.
   [[nodiscard]] std::optional<std::uint16_t> number_of(const SlotSpec& spec) const;
-  /// How the events of a slot have come. `now`: CLOCK_MONOTONIC.
-  [[nodiscard]] Arrivals arrivals(std::uint16_t slot, std::uint64_t now) const;
-  /// If events of a slot are missing that is told once more.
-  Result<void> tell_again(std::uint16_t slot) const;
+  [[nodiscard]] std::optional<std::uint32_t> watched_as(const SlotSpec& spec) const override;
+  [[nodiscard]] Arrivals arrivals(std::uint32_t slot, std::uint64_t now) const override;
+  Result<void> tell_again(std::uint32_t slot) const override;
   [[nodiscard]] ReasonCounters reasons(Direction direction) const override;
   /// Frames without a slot, newest first.
   [[nodiscard]] std::vector<UnknownFrame> unknown() const override;

@@ -10,6 +10,7 @@
 #include "daemon/enforce/attachment.hpp"
 #include "daemon/enforce/counters.hpp"
 #include "daemon/enforce/slots.hpp"
+#include "daemon/enforce/watches.hpp"
 
 namespace mlcca::enforce {
 
@@ -49,6 +50,14 @@ class PortGate {
 
   /// Of the slot with this grant (verdict not compared); nothing where there is none.
   [[nodiscard]] virtual std::optional<SlotCounters> counters(const SlotSpec& spec) const = 0;
+  /// The slot with this grant, by the number that events name it by; nothing where nobody looks.
+  [[nodiscard]] virtual std::optional<std::uint32_t> watched_as(const SlotSpec& spec) const = 0;
+  /// How the events of a watched slot have come. `now`: CLOCK_MONOTONIC.
+  [[nodiscard]] virtual Arrivals arrivals(std::uint32_t slot, std::uint64_t now) const = 0;
+  /// If events of a watched slot are missing that is told once more.
+  virtual Result<void> tell_again(std::uint32_t slot) const = 0;
+  /// Slots whose events ought to be watched, beyond those that can be.
+  [[nodiscard]] virtual std::size_t unwatched() const { return 0; }
   [[nodiscard]] virtual ReasonCounters reasons(Direction direction) const = 0;
   /// Frames without a slot, newest first.
   [[nodiscard]] virtual std::vector<UnknownFrame> unknown() const = 0;

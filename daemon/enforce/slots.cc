@@ -6,11 +6,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <map>
 #include <set>
 #include <tuple>
 #include <utility>
+
+#include "daemon/enforce/publish.hpp"
+#include "daemon/enforce/watches.hpp"
 
 namespace mlcca::enforce {
 namespace {
@@ -24,11 +26,6 @@ auto grant(const SlotSpec& s) {
 struct ByGrant {
   bool operator()(const SlotSpec& a, const SlotSpec& b) const { return grant(a) < grant(b); }
 };
-
-template <class T>
-void publish(T& word, T value) {
-  std::atomic_ref<T>(word).store(value, std::memory_order_release);
-}
 
 std::uint8_t formats_of(const SlotSpec& s) {
   return static_cast<std::uint8_t>(s.formats | (s.excess_passes ? GATE_EXCESS_PASSES : 0));
@@ -72,13 +69,6 @@ Result<void> check_spec(const SlotSpec& s, std::uint32_t profile) {
   if (s.source > kLargestIfindex && s.source != GATE_NO_SOURCE)
     return fail(name(s) + ": the source is no interface");
   return {};
-}
-
-void forget_findings(gate_watch& watch) {
-  for (__u64* word : {&watch.last, &watch.last_gap, &watch.shortest, &watch.longest,
-                      &watch.deviation, &watch.missing, &watch.since, &watch.silent, &watch.first})
-    publish(*word, __u64{0});
-  for (__u64& gaps : watch.gaps) publish(gaps, __u64{0});
 }
 
 }  // namespace
@@ -411,7 +401,7 @@ void SlotTable::link(const SlotSpec& spec) {
                          .tolerance = spec.tolerance,
                          .due = 0};
   table_->watches[slot] = {};
-  set_expected(slot, spec);
+  expect_events(table_->watches[slot], spec);
   if (slot >= table_->slots_end) publish(table_->slots_end, slot + 1U);
   publish(*head(spec), slot);
   ++used_;
@@ -436,21 +426,8 @@ void SlotTable::set_traffic(const SlotSpec& spec) {
   publish(slot.per_byte, __u64{spec.per_byte});
   publish(slot.tolerance, __u64{spec.tolerance});
   publish(slot.formats, formats_of(spec));
-  set_expected(*found, spec);
+  expect_events(table_->watches[*found], spec);
   if (is_watched(*found)) newly_watched_.insert(*found);
-}
-
-/// What was found under another period means nothing any more. Without a period no frame writes.
-void SlotTable::set_expected(std::uint16_t slot, const SlotSpec& spec) {
-  gate_watch& watch = table_->watches[slot];
-  if (watch.period != spec.period) {
-    publish(watch.period, __u64{0});
-    forget_findings(watch);
-  }
-  publish(watch.scale, gate_gap_scale(spec.period));
-  publish(watch.together, __u64{spec.together});
-  publish(watch.silence, __u64{spec.silence});
-  publish(watch.period, __u64{spec.period});
 }
 
 bool SlotTable::is_watched(std::uint16_t slot) const {

@@ -142,7 +142,6 @@ class SlotTable {
   void settle();
   void next_generation();
   void set_traffic(const SlotSpec& spec);
-  void set_expected(std::uint16_t slot, const SlotSpec& spec);
   [[nodiscard]] bool is_watched(std::uint16_t slot) const;
   /// Calls `use` with the direction, the bucket (GATE_NO_BUCKET: the masked slots) and the first
   /// slot of every chain that is not empty.

@@ -61,17 +61,20 @@ LoadedEther::LoadedEther(const EtherOptions& options)
   bpf_map__set_max_entries(maps.contracts, sizes_.contracts);
   bpf_map__set_max_entries(maps.counts, sizes_.banks * sizes_.slots);
   bpf_map__set_max_entries(maps.cpus, static_cast<std::uint32_t>(libbpf_num_possible_cpus()));
+  bpf_map__set_max_entries(maps.watches, ETHER_WATCHES);
   require(ether_bpf__load(object_.get()) == 0, "load the gate");
   buckets_ = mapped<std::uint64_t>(maps.buckets);
   slots_ = mapped<ether_slot>(maps.slots);
   contracts_ = mapped<ether_contract>(maps.contracts);
   counts_ = mapped<gate_count>(maps.counts);
   cpus_ = mapped<ether_cpu>(maps.cpus);
+  watches_ = mapped<gate_watch>(maps.watches);
   memory_ = {.table = &object_->bss->table,
              .buckets = buckets_.span(),
              .slots = slots_.span(),
              .contracts = contracts_.span(),
-             .counts = counts_.span()};
+             .counts = counts_.span(),
+             .watches = watches_.span()};
   reset();
 }
 

@@ -83,6 +83,7 @@ class LoadedEther {
   enforce::Mapped<ether_contract> contracts_;
   enforce::Mapped<gate_count> counts_;
   enforce::Mapped<ether_cpu> cpus_;
+  enforce::Mapped<gate_watch> watches_;
   enforce::EtherMemory memory_;
   std::unique_ptr<enforce::EtherTable> table_;
 };

@@ -27,6 +27,7 @@ TEST(EtherMemory, AMillionSubjectsTakeLessThan100BytesEach) {
     s.subject = random();
     s.formats = ETHER_WHOLE;
     s.per_frame = 1 + i % 1000;
+    s.period = 1'000'000'000;
     batch.add.push_back(s);
   }
   const auto start = std::chrono::steady_clock::now();
@@ -38,6 +39,7 @@ TEST(EtherMemory, AMillionSubjectsTakeLessThan100BytesEach) {
   EXPECT_LT(each, 100);
   EXPECT_GT(each, 64) << "the slots and counters alone are that large";
   EXPECT_EQ(gate.table().size(), kMillion);
+  EXPECT_EQ(gate.table().unwatched(), kMillion - (ETHER_WATCHES - 1));
 
   std::size_t passed = 0;
   for (std::size_t i = 0; i < kMillion; i += 100) {

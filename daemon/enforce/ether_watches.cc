@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Which slots of an Ethernet interface are watched: there are fewer watches than subjects.
+#include "daemon/enforce/ether_table.hpp"
+#include "daemon/enforce/publish.hpp"
+#include "daemon/enforce/watches.hpp"
+
+namespace mlcca::enforce {
+
+std::uint16_t EtherTable::watch_of(std::uint32_t slot) const { return memory_.slots[slot].watch; }
+
+bool EtherTable::lacks_watch(const SlotSpec& spec) const {
+  if (gate_gap_scale(spec.period) == 0) return false;
+  const auto slot = find(spec);
+  return !slot || watch_of(*slot) == 0;
+}
+
+void EtherTable::set_unwatched(std::uint32_t slot, bool now) {
+  if (is_unwatched_[slot] == now) return;
+  is_unwatched_[slot] = now;
+  unwatched_ += now ? 1 : -1;
+}
+
+/// A watch names its slot before the slot names it.
+void EtherTable::set_watch(std::uint32_t slot, const SlotSpec& spec) {
+  if (gate_gap_scale(spec.period) == 0) return leave_watch(slot);
+  std::uint16_t watch = watch_of(slot);
+  if (watch == 0) {
+    if (watches_.free.empty()) return set_unwatched(slot, true);
+    watch = watches_.free.back();
+    watches_.free.pop_back();
+    memory_.watches[watch] = {};
+    memory_.watches[watch].slot = slot;
+    if (watch >= memory_.table->watches_end) publish(memory_.table->watches_end, __u32{watch} + 1);
+    set_unwatched(slot, false);
+  }
+  expect_events(memory_.watches[watch], spec);
+  publish(memory_.slots[slot].watch, __u16{watch});
+}
+
+void EtherTable::leave_watch(std::uint32_t slot) {
+  set_unwatched(slot, false);
+  const std::uint16_t watch = watch_of(slot);
+  if (watch == 0) return;
+  publish(memory_.slots[slot].watch, __u16{0});
+  publish(memory_.watches[watch].silence, __u64{0});
+  newly_watched_.erase(watch);
+  watches_.quarantine.push_back(watch);
+}
+
+bool EtherTable::is_watched(std::uint16_t watch) const {
+  if (watch == 0 || memory_.watches[watch].silence == 0) return false;
+  const ether_slot& slot = memory_.slots[memory_.watches[watch].slot];
+  return slot.watch == watch && slot.verdict == GATE_PASS;
+}
+
+std::vector<std::uint16_t> EtherTable::watched() const {
+  std::vector<std::uint16_t> watches;
+  for (std::uint16_t watch = 1; watch < memory_.table->watches_end; ++watch)
+    if (is_watched(watch)) watches.push_back(watch);
+  return watches;
+}
+
+std::vector<std::uint16_t> EtherTable::take_newly_watched() {
+  const auto watches = std::exchange(newly_watched_, {});
+  return {watches.begin(), watches.end()};
+}
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A store that programs in the kernel see after everything that was stored before it.
+#pragma once
+#include <atomic>
+
+namespace mlcca::enforce {
+
+template <class T>
+void publish(T& word, T value) {
+  std::atomic_ref<T>(word).store(value, std::memory_order_release);
+}
+
+}  // namespace mlcca::enforce
