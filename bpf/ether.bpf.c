@@ -110,7 +110,7 @@ static __always_inline __u32 judge_first(const struct event *e, void *others)
 }
 
 static __always_inline struct decision judge(struct __sk_buff *skb, __u32 direction,
-					     const struct event *e, const struct sender *from)
+					     struct event *e, const struct sender *from)
 {
 	struct decision d = {.slot = direction, .reason = GATE_R_CLOSED};
 
@@ -124,8 +124,7 @@ static __always_inline struct decision judge(struct __sk_buff *skb, __u32 direct
 }
 
 static __always_inline int filter_event(struct __sk_buff *skb, struct ether_cpu *cpu,
-					__u32 direction, const struct event *e,
-					const struct sender *from)
+					__u32 direction, struct event *e, const struct sender *from)
 {
 	struct decision d = judge(skb, direction, e, from);
 

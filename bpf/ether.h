@@ -90,11 +90,10 @@ struct ether_slot {
 	__u32 next;    /* further slot of the same bucket; 0: none */
 	__u32 source;  /* egress: ifindex it must have entered by; 0: sent by a local program */
 	__u16 contract;
-	__u8 verdict; /* enum gate_verdict */
+	__u8 verdict[2]; /* enum gate_verdict, in even and in odd generations */
 	__u8 direction;
 	__u8 last_reason; /* enum gate_reason of the latest drop, 0: none; written by the program */
-	__u8 pad;
-	__u16 watch; /* number of its gate_watch; 0: nobody looks */
+	__u16 watch;	  /* number of its gate_watch; 0: nobody looks */
 };
 
 /*

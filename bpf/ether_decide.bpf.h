@@ -21,10 +21,11 @@ static __always_inline struct ether_contract *contract_of(const struct ether_slo
 	return bpf_map_lookup_elem(&contracts, &at);
 }
 
-static __always_inline __u32 fit(const struct ether_slot *slot, __u32 direction,
-				 const struct event *e, const struct sender *from)
+static __always_inline __u32 fit(const struct ether_slot *slot, __u32 direction, struct event *e,
+				 const struct sender *from)
 {
 	const struct ether_contract *contract = contract_of(slot);
+	__u32 verdict;
 
 	if (!contract)
 		return GATE_R_DENIED;
@@ -41,7 +42,9 @@ static __always_inline __u32 fit(const struct ether_slot *slot, __u32 direction,
 		return GATE_R_FORMAT;
 	if (e->len > contract->max_len)
 		return GATE_R_LENGTH;
-	return READ_ONCE(slot->verdict) == GATE_PASS ? GATE_R_PASSED : GATE_R_DENIED;
+	verdict = READ_ONCE(slot->verdict[e->generation & 1]);
+	e->read += verdict;
+	return verdict == GATE_PASS ? GATE_R_PASSED : GATE_R_DENIED;
 }
 
 static __always_inline bool is_of(const struct ether_slot *slot, __u32 direction,
@@ -54,8 +57,7 @@ static __always_inline bool is_of(const struct ether_slot *slot, __u32 direction
  * Not static, like walk(): the verifier looks at it once by itself, and takes its result for any
  * number. Static functions would multiply with every way that leads to and from them.
  */
-__noinline __u32 fit_apart(__u32 at, __u32 direction, const struct event *e,
-			   const struct sender *from)
+__noinline __u32 fit_apart(__u32 at, __u32 direction, struct event *e, const struct sender *from)
 {
 	const struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
 
@@ -69,11 +71,13 @@ __noinline __u32 fit_apart(__u32 at, __u32 direction, const struct event *e,
  * furthest, of equals the first; the direction's own slot where the subject has none. Reason in the
  * upper half of the word, slot in the lower.
  */
-__noinline __u64 walk(__u32 at, const struct event *e, __u32 direction, const struct sender *from)
+__noinline __u64 walk(__u32 at, struct event *e, __u32 direction, const struct sender *from)
 {
 	__u64 slot = direction, best = GATE_R_UNKNOWN;
 	__u32 i;
 
+	if (!e)
+		return best << 32 | slot;
 	for (i = 0; i < GATE_WALK && at; i++) {
 		const struct ether_slot *s;
 		__u32 reason = fit_apart(at, direction, e, from);
@@ -88,12 +92,54 @@ __noinline __u64 walk(__u32 at, const struct event *e, __u32 direction, const st
 		if (!s)
 			break;
 		at = READ_ONCE(s->next);
+		e->read += at;
 	}
 	return best << 32 | slot;
 }
 
+/* As walk(), by the verdicts of one generation. */
+__noinline __u64 decide_again(const struct event *e, __u32 direction, const struct sender *from)
+{
+	__u64 *bucket, hash, found;
+	struct event copy;
+	__u32 at, first, i;
+
+	direction &= GATE_DIRECTIONS - 1;
+	if (!e)
+		return (__u64)GATE_R_UNKNOWN << 32 | direction;
+	copy = *e;
+	hash = ether_hash(table.seed, copy.subject, direction);
+	at = hash & bucket_mask;
+	bucket = bpf_map_lookup_elem(&buckets, &at);
+	if (!bucket)
+		return (__u64)GATE_R_UNKNOWN << 32 | direction;
+	for (i = 0; i < GATE_TRIES; i++) {
+		copy.generation = READ_ONCE(control.generation);
+		copy.read = first = READ_ONCE(*bucket);
+		found = walk(first, &copy, direction, from);
+		if (!moved_on(copy.generation, copy.read))
+			return found;
+	}
+	return (__u64)GATE_R_DENIED << 32 | direction;
+}
+
+/* Of one slot, by one generation. */
+static __always_inline __u32 verdict_of(const struct ether_slot *slot)
+{
+	__u32 i;
+
+	for (i = 0; i < GATE_TRIES; i++) {
+		__u32 generation = READ_ONCE(control.generation);
+		__u32 verdict = READ_ONCE(slot->verdict[generation & 1]);
+
+		if (!moved_on(generation, verdict))
+			return verdict;
+	}
+	return GATE_DENY;
+}
+
 /* The first slot is looked at in place: nearly always it is the only one. */
-static __always_inline struct decision decide(__u32 direction, const struct event *e,
+static __always_inline struct decision decide(__u32 direction, struct event *e,
 					      const struct sender *from)
 {
 	struct decision d = {.slot = direction, .reason = GATE_R_UNKNOWN};
@@ -107,23 +153,30 @@ static __always_inline struct decision decide(__u32 direction, const struct even
 	bucket = bpf_map_lookup_elem(&buckets, &at);
 	if (!bucket)
 		return d;
+	e->generation = READ_ONCE(control.generation);
 	found = READ_ONCE(*bucket);
 	if (!(found & ether_sieve(hash)))
 		return d;
-	first = found;
+	e->read = first = found;
 	slot = bpf_map_lookup_elem(&slots, &first);
 	if (!slot)
 		return d;
 	if (is_of(slot, direction, e)) {
 		d.slot = first;
 		d.reason = fit(slot, direction, e, from);
-		if (d.reason == GATE_R_PASSED)
-			return d;
 	}
-	if (READ_ONCE(slot->next)) {
+	if (d.reason != GATE_R_PASSED && READ_ONCE(slot->next)) {
 		copy = *e;
 		from_copy = *from;
 		found = walk(first, &copy, direction, &from_copy);
+		e->read += copy.read;
+		d.reason = found >> 32;
+		d.slot = found;
+	}
+	if (moved_on(e->generation, e->read)) {
+		copy = *e;
+		from_copy = *from;
+		found = decide_again(&copy, direction, &from_copy);
 		d.reason = found >> 32;
 		d.slot = found;
 	}

@@ -51,7 +51,7 @@ static __always_inline __u32 fragment_reason(const struct ether_fragment *f, con
 	if (is_overlaid(f, e) || (e->more ? end >= f->whole : end != f->whole))
 		return GATE_R_MALFORMED;
 	if (!slot || slot->subject != f->subject || slot->direction != e->key.direction ||
-	    READ_ONCE(slot->verdict) != GATE_PASS)
+	    verdict_of(slot) != GATE_PASS)
 		return GATE_R_DENIED;
 	return GATE_R_PASSED;
 }

@@ -22,9 +22,11 @@ enum nature {
 
 struct event {
 	__u64 subject;
-	__u32 len;  /* payload bytes */
-	__u32 form; /* ETHER_WHOLE or ETHER_SPLIT */
-	__u32 mark; /* when the gate saw it first */
+	__u32 len;	  /* payload bytes */
+	__u32 form;	  /* ETHER_WHOLE or ETHER_SPLIT */
+	__u32 mark;	  /* when the gate saw it first */
+	__u32 generation; /* of the verdicts that it is decided by */
+	__u32 read;	  /* sum of what was read for that: see moved_on() */
 	/* Of an IP packet: */
 	__u32 offset;  /* of the fragment in the datagram */
 	__u32 payload; /* bytes of it here */

@@ -39,7 +39,7 @@ static bool passes(__u32 at, const struct gate_watch *w)
 {
 	const struct ether_slot *slot = slot_of(w);
 
-	return slot && READ_ONCE(slot->watch) == at && READ_ONCE(slot->verdict) == GATE_PASS;
+	return slot && READ_ONCE(slot->watch) == at && passes_now(slot->verdict);
 }
 
 char LICENSE[] SEC("license") = "Dual BSD/GPL";

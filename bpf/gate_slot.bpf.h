@@ -83,18 +83,6 @@ __noinline __u32 walk(struct __sk_buff *skb, __u32 at, struct frame *frame, __u3
 	return best << 16 | slot;
 }
 
-/*
- * Another generation than the frame was decided by. The address of the load depends on what was
- * read for the decision, so that no machine does the one before the other.
- */
-static __always_inline bool moved_on(const struct frame *frame)
-{
-	__u64 nothing = frame->read;
-
-	asm volatile("%0 ^= %0" : "+r"(nothing));
-	return READ_ONCE((&control.generation)[nothing & 1]) != frame->generation;
-}
-
 /* As walk(), from the first masked slot. */
 static __always_inline __u32 walk_masked(struct __sk_buff *skb, struct frame *frame,
 					 __u32 direction, __u32 source)
@@ -126,7 +114,7 @@ __noinline __u32 decide_again(struct __sk_buff *skb, const struct frame *frame, 
 		found = walk(skb, first, &copy, direction, source);
 		if (found >> 16 == GATE_R_UNKNOWN)
 			found = walk_masked(skb, &copy, direction, source);
-		if (!moved_on(&copy))
+		if (!moved_on(copy.generation, copy.read))
 			return found;
 	}
 	return GATE_R_DENIED << 16 | direction;
@@ -166,7 +154,7 @@ static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direc
 		found = walk_masked(skb, &copy, direction, source);
 		frame->read += copy.read;
 	}
-	if (moved_on(frame)) {
+	if (moved_on(frame->generation, frame->read)) {
 		copy = *frame;
 		found = decide_again(skb, &copy, direction, source);
 	}

@@ -13,6 +13,18 @@ static __always_inline bool closed(void)
 	return !READ_ONCE(control.open) || READ_ONCE(control.lapsed);
 }
 
+/*
+ * Another generation than verdicts were read by. The address of the load depends on what was read
+ * for the decision, so that no machine does the one before the other.
+ */
+static __always_inline bool moved_on(__u32 generation, __u32 read)
+{
+	__u64 nothing = read;
+
+	asm volatile("%0 ^= %0" : "+r"(nothing));
+	return READ_ONCE((&control.generation)[nothing & 1]) != generation;
+}
+
 static __always_inline void add_atomic(__u64 *counter, __u64 n)
 {
 	__sync_fetch_and_add(counter, n);

@@ -29,9 +29,7 @@ static __u32 slot_number(__u32 at, const struct gate_watch *w) { return at; }
 
 static bool passes(__u32 at, const struct gate_watch *w)
 {
-	const struct gate_slot *slot = &table.slots[at & (GATE_SLOTS - 1)];
-
-	return READ_ONCE(slot->verdict[READ_ONCE(control.generation) & 1]) == GATE_PASS;
+	return passes_now(table.slots[at & (GATE_SLOTS - 1)].verdict);
 }
 
 char LICENSE[] SEC("license") = "Dual BSD/GPL";

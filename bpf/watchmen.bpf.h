@@ -44,6 +44,11 @@ struct {
 
 static bool closed(void) { return !READ_ONCE(control.open) || READ_ONCE(control.lapsed); }
 
+static bool passes_now(const __u8 *verdict)
+{
+	return READ_ONCE(verdict[READ_ONCE(control.generation) & 1]) == GATE_PASS;
+}
+
 /* False: the ring is full. Then it is told at the next tick. */
 static bool tell(__u32 at, const struct gate_watch *w, __u32 kind, __u64 now, __u64 silent)
 {

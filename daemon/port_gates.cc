@@ -71,11 +71,4 @@ enforce::Gate* Ports::can_gate_of(std::size_t port) const {
   return gate_of(port) == nullptr ? nullptr : gates_.at(ports_[port].ifindex).can;
 }
 
-void Ports::ToGates::add(const Held& held, enforce::SlotChanges changes) {
-  if (held.can != nullptr)
-    can.push_back({held.can, std::move(changes)});
-  else
-    others.emplace_back(held.gate.get(), std::move(changes));
-}
-
 }  // namespace mlcca

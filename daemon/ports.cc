@@ -349,31 +349,26 @@ std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateRule& rule) cons
 }
 
 Result<void> Ports::sync(const core::GateState& wanted) {
-  ToGates changes;
+  std::vector<enforce::PortGate::Change> changes;
   for (std::size_t p = 0; p < ports_.size(); ++p) {
-    const enforce::PortGate* gate = gate_of(p);
+    enforce::PortGate* const gate = gate_of(p);
     if (gate == nullptr) continue;
     std::vector<enforce::SlotSpec> slots;
     for (const core::GateRule& rule : wanted)
       if (rule.entry.port == p)
         if (auto slot = slot_of(rule)) slots.push_back(*slot);
     if (auto change = enforce::difference(gate->present(), slots); !change.empty())
-      changes.add(gates_.at(ports_[p].ifindex), std::move(change));
+      changes.push_back({gate, std::move(change)});
   }
   std::string problems;
-  const auto deny = [&](enforce::PortGate& refusing, const Error& error) {
-    refusing.deny_all();
-    problems += (problems.empty() ? "" : "; ") + refusing.name() + ": " + error.text;
-  };
   for (;;) {
-    const auto done = enforce::Gate::apply_together(changes.can);
+    const auto done = enforce::PortGate::apply_together(changes);
     if (done) break;
-    enforce::Gate* const refusing = done.error().gate;
-    deny(*refusing, done.error().error);
-    std::erase_if(changes.can, [&](const auto& c) { return c.gate == refusing; });
+    enforce::PortGate* const refusing = done.error().gate;
+    refusing->deny_all();
+    problems += (problems.empty() ? "" : "; ") + refusing->name() + ": " + done.error().error.text;
+    std::erase_if(changes, [&](const auto& c) { return c.gate == refusing; });
   }
-  for (const auto& [gate, change] : changes.others)
-    if (const auto done = gate->apply(change); !done) deny(*gate, done.error());
   tell_unwatched();
   if (!problems.empty()) return fail(problems);
   return {};
@@ -402,14 +397,10 @@ std::map<std::size_t, enforce::SlotChanges> Ports::by_port(const core::GateChang
 }
 
 Result<void> Ports::apply(const core::GateChanges& changes) {
-  ToGates gates;
-  for (auto& [p, change] : by_port(changes))
-    gates.add(gates_.at(ports_[p].ifindex), std::move(change));
-  if (const auto done = enforce::Gate::apply_together(gates.can); !done)
+  std::vector<enforce::PortGate::Change> gates;
+  for (auto& [p, change] : by_port(changes)) gates.push_back({gate_of(p), std::move(change)});
+  if (const auto done = enforce::PortGate::apply_together(gates); !done)
     return fail(done.error().gate->name() + ": " + done.error().error.text);
-  for (const auto& [gate, change] : gates.others)
-    if (const auto done = gate->apply(change); !done)
-      return fail(gate->name() + ": " + done.error().text);
   tell_unwatched();
   return {};
 }

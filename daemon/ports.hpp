@@ -137,13 +137,6 @@ class Ports {
     enforce::EtherGate* ethernet = nullptr;
     enforce::PortGate* operator->() const { return gate.get(); }
   };
-  /// What becomes of CAN gates becomes visible as one step; an Ethernet gate changes by itself.
-  struct ToGates {
-    std::vector<enforce::Gate::Change> can;
-    std::vector<std::pair<enforce::PortGate*, enforce::SlotChanges>> others;
-    void add(const Held& held, enforce::SlotChanges changes);
-  };
-
   static bool needs_gate(const PortState& port);
   static bool is_gated_can(const PortState& port);
   static bool can_have_gate(const PortState& port, const net::Link& link);

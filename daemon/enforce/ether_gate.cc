@@ -121,7 +121,6 @@ struct EtherGate::State {
   [[nodiscard]] Result<void> name_all() const;
   void put_early_in_place();
   Result<void> watch(const Control& control);
-  Result<void> arm(const std::vector<std::uint16_t>& watches) const;
 };
 
 Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConfig& config,
@@ -223,11 +222,7 @@ Result<void> EtherGate::State::watch(const Control& control) {
                                       watchmen_pin(directory));
   if (!loaded) return std::unexpected(loaded.error());
   watchmen = std::move(*loaded);
-  return arm(table.watched());
-}
-
-Result<void> EtherGate::State::arm(const std::vector<std::uint16_t>& watches) const {
-  for (const std::uint16_t watch : watches)
+  for (const std::uint16_t watch : table.watched())
     if (auto armed = watchmen->arm(watch); !armed) return armed;
   return {};
 }
@@ -311,10 +306,8 @@ Result<void> EtherGate::reattach() {
   return {};
 }
 
-Result<void> EtherGate::apply(const SlotChanges& changes) {
-  if (auto applied = state_->table.apply(changes); !applied) return applied;
-  return state_->arm(state_->table.take_newly_watched());
-}
+Table& EtherGate::table() { return state_->table; }
+Result<void> EtherGate::arm(std::uint16_t watch) const { return state_->watchmen->arm(watch); }
 std::vector<SlotSpec> EtherGate::present() const { return state_->table.present(); }
 std::size_t EtherGate::size() const { return state_->table.size(); }
 std::size_t EtherGate::room() const { return state_->sizes.slots - ETHER_FIRST_SLOT; }

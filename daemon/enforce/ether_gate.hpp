@@ -42,7 +42,6 @@ class EtherGate final : public PortGate {
   Result<void> go_first() override;
   [[nodiscard]] bool judges_everything() const override { return false; }
   [[nodiscard]] bool drops_early() const override;
-  Result<void> apply(const SlotChanges& changes) override;
   [[nodiscard]] std::vector<SlotSpec> present() const override;
   [[nodiscard]] std::size_t size() const override;
   [[nodiscard]] std::size_t room() const override;
@@ -57,6 +56,9 @@ class EtherGate final : public PortGate {
   void unpin() override;
 
  private:
+  [[nodiscard]] Table& table() override;
+  Result<void> arm(std::uint16_t watch) const override;
+
   struct State;
   explicit EtherGate(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;

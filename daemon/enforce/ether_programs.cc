@@ -83,8 +83,13 @@ int EtherPrograms::program_fd(Direction direction) const {
 int EtherPrograms::early_fd() const { return bpf_program__fd(object_->progs.ether_early); }
 int EtherPrograms::map_fd(std::size_t n) const { return bpf_map__fd(maps_of(*object_).at(n)); }
 
+std::uint32_t& EtherPrograms::generation() const {
+  return object_->data_control->control.generation;
+}
+
 Result<EtherMapping> EtherMapping::of(const EtherPrograms& programs, const EtherSizes& sizes) {
   EtherMapping m;
+  m.generation_ = &programs.generation();
   m.table_ = {programs.map_fd(0), 1};
   m.buckets_ = {programs.map_fd(1), sizes.buckets};
   m.slots_ = {programs.map_fd(2), sizes.slots};
@@ -104,7 +109,8 @@ EtherMemory EtherMapping::memory() const {
           .slots = slots_.span(),
           .contracts = contracts_.span(),
           .counts = counts_.span(),
-          .watches = watches_.span()};
+          .watches = watches_.span(),
+          .generation = generation_};
 }
 
 }  // namespace mlcca::enforce

@@ -36,6 +36,8 @@ class EtherPrograms {
   [[nodiscard]] int early_fd() const;
   /// Of the n-th of kEtherMaps.
   [[nodiscard]] int map_fd(std::size_t n) const;
+  /// Of the control map.
+  [[nodiscard]] std::uint32_t& generation() const;
 
  private:
   using Object = std::unique_ptr<ether_bpf, FreeWith<destroy_ether_programs>>;
@@ -45,7 +47,7 @@ class EtherPrograms {
   Object object_;
 };
 
-/// The memory of the maps, while this lives.
+/// The memory of the maps, while this and the programs live.
 class EtherMapping {
  public:
   static Result<EtherMapping> of(const EtherPrograms& programs, const EtherSizes& sizes);
@@ -53,6 +55,7 @@ class EtherMapping {
   [[nodiscard]] std::span<ether_cpu> cpus() const { return cpus_.span(); }
 
  private:
+  std::uint32_t* generation_ = nullptr;  ///< of the programs
   Mapped<ether_table> table_;
   Mapped<std::uint64_t> buckets_;
   Mapped<ether_slot> slots_;

@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "daemon/enforce/publish.hpp"
-#include "daemon/enforce/watches.hpp"
 
 namespace mlcca::enforce {
 namespace {
@@ -72,7 +71,11 @@ EtherSizes EtherSizes::for_slots(std::size_t slots, std::uint32_t cpus) {
 }
 
 EtherTable::EtherTable(const EtherMemory& memory, const EtherSizes& sizes, GracePeriod wait)
-    : memory_(memory), sizes_(sizes), wait_(std::move(wait)), is_unwatched_(sizes.slots) {}
+    : Table(*memory.generation),
+      memory_(memory),
+      sizes_(sizes),
+      wait_(std::move(wait)),
+      is_unwatched_(sizes.slots) {}
 
 Result<EtherTable> EtherTable::read(const EtherMemory& memory, const EtherSizes& sizes, bool fresh,
                                     std::uint64_t seed, GracePeriod wait) {
@@ -150,6 +153,7 @@ Result<void> EtherTable::adopt_chain(std::size_t bucket, std::vector<bool>& seen
     ++use.slots;
     seen[at] = true;
     ++used_;
+    undo_step(at);
   }
   return {};
 }
@@ -168,7 +172,7 @@ SlotSpec EtherTable::spec_of(std::uint32_t at) const {
   const ether_contract& c = memory_.contracts[slot.contract];
   SlotSpec s;
   s.direction = static_cast<Direction>(slot.direction);
-  s.pass = slot.verdict == GATE_PASS;
+  s.pass = passes(at);
   s.max_len = c.max_len;
   s.formats = static_cast<std::uint8_t>(c.forms & ~GATE_EXCESS_PASSES);
   s.source = slot.source;
@@ -234,6 +238,12 @@ Result<void> EtherTable::check_room(const SlotChanges& changes) const {
   if (used_ + changes.add.size() - changes.remove.size() > room)
     return fail(fmt::format("more than {} slots on one interface", room));
   if (auto good = check_publishers(changes); !good) return good;
+  if (auto good = check_contracts(changes); !good) return good;
+  return check_chains(changes, true);
+}
+
+/// Of the state after the changes, or of that in which old and new slots are side by side.
+Result<void> EtherTable::check_chains(const SlotChanges& changes, bool removed_first) const {
   const auto buckets = [&](const std::vector<SlotSpec>& specs) {
     std::vector<std::uint64_t> out;
     out.reserve(specs.size());
@@ -243,7 +253,7 @@ Result<void> EtherTable::check_room(const SlotChanges& changes) const {
     return out;
   };
   const auto added = buckets(changes.add);
-  const auto removed = buckets(changes.remove);
+  const auto removed = removed_first ? buckets(changes.remove) : std::vector<std::uint64_t>{};
   for (auto run = added.begin(); run != added.end();) {
     const auto end = std::upper_bound(run, added.end(), *run);
     const auto gone = std::ranges::equal_range(removed, *run);
@@ -256,6 +266,35 @@ Result<void> EtherTable::check_room(const SlotChanges& changes) const {
     run = end;
   }
   return {};
+}
+
+std::set<EtherTable::Contract> EtherTable::new_contracts(const SlotChanges& changes) const {
+  std::set<Contract> fresh;
+  for (const auto* list : {&changes.add, &changes.police})
+    for (const auto& s : *list)
+      if (!contracts_.contains(contract_of(s))) fresh.insert(contract_of(s));
+  return fresh;
+}
+
+/// What is removed leaves its contract before others are needed; what is policed takes the new one
+/// before it leaves the old one.
+Result<void> EtherTable::check_contracts(const SlotChanges& changes) const {
+  const std::size_t room = sizes_.contracts - 1;
+  std::size_t all = contracts_.size() + new_contracts(changes).size();
+  if (all <= room) return {};
+  std::map<std::uint16_t, std::uint32_t> left;
+  for (const auto& s : changes.remove)
+    if (const auto slot = find(s)) ++left[memory_.slots[*slot].contract];
+  std::set<Contract> kept;
+  for (const auto* list : {&changes.add, &changes.police})
+    for (const auto& s : *list) kept.insert(contract_of(s));
+  for (const auto& [contract, use] : contracts_)
+    if (const auto gone = left.find(use.number);
+        gone != left.end() && gone->second == use.slots && !kept.contains(contract))
+      --all;
+  if (all <= room) return {};
+  return fail(
+      fmt::format("more than {} different contracts (user, length, rate) on one interface", room));
 }
 
 Result<void> EtherTable::check_publishers(const SlotChanges& changes) const {
@@ -279,27 +318,28 @@ Result<void> EtherTable::check_publishers(const SlotChanges& changes) const {
   return {};
 }
 
-/// Room for what is added, and for contracts that nobody has yet. Old and new ones stand side by
-/// side until the old ones go.
+/// Where nothing goes, check() has looked at the same.
+bool EtherTable::fits_at_once(const SlotChanges& changes) const {
+  return changes.remove.empty() || (changes.add.size() <= slots_.size() &&
+                                    new_contracts(changes).size() <= contract_numbers_.size() &&
+                                    check_chains(changes, false).has_value());
+}
+
+/// Waits for what was left lately, if it is needed: check() has found that it suffices. Of watches
+/// there may be too few all the same.
 Result<void> EtherTable::reclaim(const SlotChanges& changes) {
-  std::size_t fresh = 0;
-  std::size_t watches = 0;
-  std::map<Contract, bool> wanted;
-  for (const auto* list : {&changes.add, &changes.police})
-    for (const auto& s : *list) {
-      if (!contracts_.contains(contract_of(s)) && wanted.try_emplace(contract_of(s)).second)
-        ++fresh;
-      if (lacks_watch(s)) ++watches;
-    }
+  const auto watches = [&] {
+    std::size_t count = 0;
+    for (const auto* list : {&changes.add, &changes.police})
+      count += static_cast<std::size_t>(
+          std::ranges::count_if(*list, [&](const SlotSpec& s) { return lacks_watch(s); }));
+    return count;
+  };
   const bool enough = slots_.free.size() >= changes.add.size() &&
-                      contract_numbers_.free.size() >= fresh &&
-                      (watches_.free.size() >= watches || watches_.quarantine.empty());
+                      (contract_numbers_.quarantine.empty() ||
+                       contract_numbers_.free.size() >= new_contracts(changes).size()) &&
+                      (watches_.quarantine.empty() || watches_.free.size() >= watches());
   if (enough) return {};
-  if (slots_.free.size() + slots_.quarantine.size() < changes.add.size() ||
-      contract_numbers_.free.size() + contract_numbers_.quarantine.size() < fresh)
-    return fail(
-        fmt::format("more than {} different contracts (user, length, rate) on one interface",
-                    sizes_.contracts - 1));
   if (auto waited = wait_(); !waited) return waited;
   slots_.release();
   contract_numbers_.release();
@@ -307,27 +347,14 @@ Result<void> EtherTable::reclaim(const SlotChanges& changes) {
   return {};
 }
 
-Result<void> EtherTable::apply(const SlotChanges& changes) {
-  if (auto good = check(changes); !good) return good;
-  const bool at_once = used_ + changes.add.size() <= std::size_t{sizes_.slots} - ETHER_FIRST_SLOT;
-  if (at_once)
-    if (auto room = reclaim(changes); !room) return room;
-  for (const auto& s : changes.close) set_verdict(s, GATE_DENY);
-  if (!at_once) {
-    for (const auto& s : changes.remove) unlink(s);
-    if (auto room = reclaim(changes); !room) return room;
-  }
-  std::vector<std::uint32_t> to_open;
-  for (const auto& s : changes.add) {
-    const std::uint32_t slot = link(s);
-    if (s.pass) to_open.push_back(slot);
-  }
+void EtherTable::put_what_comes(const SlotChanges& changes) {
+  for (const auto& s : changes.add) link(s);
   for (const auto& s : changes.police) set_traffic(s);
-  for (const std::uint32_t slot : to_open) open(slot);
-  for (const auto& s : changes.open) set_verdict(s, GATE_PASS);
-  if (at_once)
-    for (const auto& s : changes.remove) unlink(s);
-  return {};
+}
+
+void EtherTable::remove_what_goes(const SlotChanges& changes) {
+  for (const auto& s : changes.remove)
+    if (find(s)) unlink(s);
 }
 
 std::uint16_t EtherTable::take_contract(const SlotSpec& spec) {
@@ -356,7 +383,7 @@ void EtherTable::leave_contract(std::uint16_t number) {
   contract_numbers_.quarantine.push_back(number);
 }
 
-std::uint32_t EtherTable::link(const SlotSpec& spec) {
+void EtherTable::link(const SlotSpec& spec) {
   const std::uint32_t slot = slots_.free.back();
   slots_.free.pop_back();
   for (std::size_t bank = 0; bank < sizes_.banks; ++bank)
@@ -368,16 +395,14 @@ std::uint32_t EtherTable::link(const SlotSpec& spec) {
                          .next = static_cast<std::uint32_t>(bucket),
                          .source = spec.source,
                          .contract = take_contract(spec),
-                         .verdict = GATE_DENY,
+                         .verdict = {GATE_DENY, GATE_DENY},
                          .direction = std::to_underlying(spec.direction),
                          .last_reason = GATE_R_PASSED,
-                         .pad = 0,
                          .watch = 0};
   set_watch(slot, spec);
   const std::uint64_t sieve = bucket >> ETHER_SIEVE_SHIFT << ETHER_SIEVE_SHIFT;
   publish(bucket, std::uint64_t{sieve | ether_sieve(hash) | slot});
   ++used_;
-  return slot;
 }
 
 std::uint64_t EtherTable::sieve_of(std::uint32_t first) const {
@@ -393,7 +418,6 @@ void EtherTable::unlink(const SlotSpec& spec) {
   const auto found = find(spec);
   if (!found) return;
   ether_slot& slot = memory_.slots[*found];
-  publish(slot.verdict, std::uint8_t{GATE_DENY});
   std::uint64_t& bucket = bucket_of(hash_of(spec.subject, spec.direction));
   auto first = static_cast<std::uint32_t>(bucket);
   if (first == *found) {
@@ -410,19 +434,6 @@ void EtherTable::unlink(const SlotSpec& spec) {
   --used_;
 }
 
-void EtherTable::set_verdict(const SlotSpec& spec, gate_verdict verdict) {
-  const auto slot = find(spec);
-  if (slot && verdict == GATE_PASS) return open(*slot);
-  if (slot) publish(memory_.slots[*slot].verdict, static_cast<std::uint8_t>(verdict));
-}
-
-void EtherTable::open(std::uint32_t slot) {
-  const std::uint16_t watch = memory_.slots[slot].watch;
-  if (watch != 0) forget_findings(memory_.watches[watch]);
-  publish(memory_.slots[slot].verdict, std::uint8_t{GATE_PASS});
-  if (is_watched(watch)) newly_watched_.insert(watch);
-}
-
 void EtherTable::set_traffic(const SlotSpec& spec) {
   const auto found = find(spec);
   if (!found) return;
@@ -431,11 +442,7 @@ void EtherTable::set_traffic(const SlotSpec& spec) {
   publish(slot.contract, take_contract(spec));
   leave_contract(before);
   set_watch(*found, spec);
-  if (is_watched(slot.watch)) newly_watched_.insert(slot.watch);
-}
-
-void EtherTable::deny_all() {
-  for (ether_slot& slot : memory_.slots) publish(slot.verdict, std::uint8_t{GATE_DENY});
+  note_watched(*found);
 }
 
 }  // namespace mlcca::enforce

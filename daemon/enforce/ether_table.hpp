@@ -11,7 +11,8 @@
 
 #include "bpf/ether.h"
 #include "core/result.hpp"
-#include "daemon/enforce/slots.hpp"
+#include "daemon/enforce/slot_spec.hpp"
+#include "daemon/enforce/table.hpp"
 
 namespace mlcca::enforce {
 
@@ -35,35 +36,31 @@ struct EtherMemory {
   std::span<ether_contract> contracts;
   std::span<gate_count> counts;
   std::span<gate_watch> watches;
+  std::uint32_t* generation = nullptr;  ///< of the verdicts (gate_control)
 };
 
-class EtherTable {
+class EtherTable final : public Table {
  public:
   /// Takes the memory as it is; `fresh`: writes its header, with `seed` for the hash. Errors:
   /// another layout or size, broken chains.
   static Result<EtherTable> read(const EtherMemory& memory, const EtherSizes& sizes, bool fresh,
                                  std::uint64_t seed, GracePeriod wait);
 
-  /// As SlotTable::apply(): all or nothing, closing before opening. Of a SlotSpec the identifier
-  /// and its mask are 0, and its formats are ETHER_WHOLE and ETHER_SPLIT. Errors: a slot that is
-  /// there twice or is not there; more slots than there is room for, GATE_CHAIN of one subject,
-  /// GATE_WALK of one bucket, more different contracts than there is room for.
-  Result<void> apply(const SlotChanges& changes);
+  // Of a SlotSpec the identifier and its mask are 0, and its formats are ETHER_WHOLE and
+  // ETHER_SPLIT. Errors of apply(): a slot that is there twice or is not there; more slots than
+  // there is room for, GATE_CHAIN of one subject, GATE_WALK of one bucket, more different
+  // contracts than there is room for.
 
-  [[nodiscard]] std::vector<SlotSpec> present() const;
-  [[nodiscard]] std::size_t size() const { return used_; }
+  [[nodiscard]] std::vector<SlotSpec> present() const override;
+  [[nodiscard]] std::size_t size() const override { return used_; }
   [[nodiscard]] std::optional<std::uint32_t> find(const SlotSpec& spec) const;
-  void deny_all();
 
   /// Number of the watch of a slot; 0: nobody looks.
   [[nodiscard]] std::uint16_t watch_of(std::uint32_t slot) const;
   /// Slots that ought to be watched, beyond the ETHER_WATCHES - 1 that can be. One that is changed
   /// takes a watch that has become free.
   [[nodiscard]] std::size_t unwatched() const { return unwatched_; }
-  /// Watches of slots that pass and whose silence matters: all of them, or those of which that was
-  /// changed since the last call.
-  [[nodiscard]] std::vector<std::uint16_t> watched() const;
-  [[nodiscard]] std::vector<std::uint16_t> take_newly_watched();
+  [[nodiscard]] std::vector<std::uint16_t> watched() const override;
 
  private:
   EtherTable(const EtherMemory& memory, const EtherSizes& sizes, GracePeriod wait);
@@ -87,6 +84,7 @@ class EtherTable {
   struct Unused {
     std::vector<Number> free;
     std::vector<Number> quarantine;
+    [[nodiscard]] std::size_t size() const { return free.size() + quarantine.size(); }
     void release() {
       free.insert(free.end(), quarantine.begin(), quarantine.end());
       quarantine.clear();
@@ -95,21 +93,33 @@ class EtherTable {
 
   Result<void> adopt(bool fresh);
   Result<void> adopt_chain(std::size_t bucket, std::vector<bool>& seen);
-  [[nodiscard]] Result<void> check(const SlotChanges& changes) const;
+  [[nodiscard]] Result<void> check(const SlotChanges& changes) const override;
   [[nodiscard]] Result<void> check_adds(const std::vector<SlotSpec>& adds) const;
   [[nodiscard]] Result<void> check_room(const SlotChanges& changes) const;
   [[nodiscard]] Result<void> check_publishers(const SlotChanges& changes) const;
-  Result<void> reclaim(const SlotChanges& changes);
-  std::uint32_t link(const SlotSpec& spec);
+  [[nodiscard]] Result<void> check_contracts(const SlotChanges& changes) const;
+  [[nodiscard]] Result<void> check_chains(const SlotChanges& changes, bool removed_first) const;
+  [[nodiscard]] std::set<Contract> new_contracts(const SlotChanges& changes) const;
+  [[nodiscard]] bool fits_at_once(const SlotChanges& changes) const override;
+  Result<void> reclaim(const SlotChanges& changes) override;
+  void put_what_comes(const SlotChanges& changes) override;
+  void remove_what_goes(const SlotChanges& changes) override;
+  [[nodiscard]] std::optional<std::uint32_t> slot_of(const SlotSpec& spec) const override {
+    return find(spec);
+  }
+  [[nodiscard]] std::uint8_t* verdicts(std::uint32_t slot) const override {
+    return memory_.slots[slot].verdict;
+  }
+  [[nodiscard]] std::uint32_t slots_end() const override { return sizes_.slots; }
+  void forget_events(std::uint32_t slot) override;
+  [[nodiscard]] std::uint16_t minded_watch(std::uint32_t slot) const override;
+  void link(const SlotSpec& spec);
   void unlink(const SlotSpec& spec);
-  void set_verdict(const SlotSpec& spec, gate_verdict verdict);
-  void open(std::uint32_t slot);
   void set_traffic(const SlotSpec& spec);
   void set_watch(std::uint32_t slot, const SlotSpec& spec);
   void leave_watch(std::uint32_t slot);
   void set_unwatched(std::uint32_t slot, bool now);
   [[nodiscard]] bool lacks_watch(const SlotSpec& spec) const;
-  [[nodiscard]] bool is_watched(std::uint16_t watch) const;
   std::uint16_t take_contract(const SlotSpec& spec);
   void leave_contract(std::uint16_t number);
   [[nodiscard]] static Contract contract_of(const SlotSpec& spec);
@@ -128,7 +138,6 @@ class EtherTable {
   Unused<std::uint16_t> watches_;
   std::vector<bool> is_unwatched_;  ///< by slot
   std::size_t unwatched_ = 0;
-  std::set<std::uint16_t> newly_watched_;
 };
 
 }  // namespace mlcca::enforce

@@ -43,26 +43,27 @@ void EtherTable::leave_watch(std::uint32_t slot) {
   if (watch == 0) return;
   publish(memory_.slots[slot].watch, __u16{0});
   publish(memory_.watches[watch].silence, __u64{0});
-  newly_watched_.erase(watch);
+  forget_watched(watch);
   watches_.quarantine.push_back(watch);
 }
 
-bool EtherTable::is_watched(std::uint16_t watch) const {
-  if (watch == 0 || memory_.watches[watch].silence == 0) return false;
-  const ether_slot& slot = memory_.slots[memory_.watches[watch].slot];
-  return slot.watch == watch && slot.verdict == GATE_PASS;
+void EtherTable::forget_events(std::uint32_t slot) {
+  if (const std::uint16_t watch = watch_of(slot); watch != 0)
+    forget_findings(memory_.watches[watch]);
+}
+
+std::uint16_t EtherTable::minded_watch(std::uint32_t slot) const {
+  const std::uint16_t watch = watch_of(slot);
+  return memory_.watches[watch].silence != 0 ? watch : std::uint16_t{0};
 }
 
 std::vector<std::uint16_t> EtherTable::watched() const {
   std::vector<std::uint16_t> watches;
   for (std::uint16_t watch = 1; watch < memory_.table->watches_end; ++watch)
-    if (is_watched(watch)) watches.push_back(watch);
+    if (const auto slot = static_cast<std::uint32_t>(memory_.watches[watch].slot);
+        minded_watch(slot) == watch && passes(slot))
+      watches.push_back(watch);
   return watches;
-}
-
-std::vector<std::uint16_t> EtherTable::take_newly_watched() {
-  const auto watches = std::exchange(newly_watched_, {});
-  return {watches.begin(), watches.end()};
 }
 
 }  // namespace mlcca::enforce

@@ -90,7 +90,6 @@ struct Gate::State {
   [[nodiscard]] Result<void> pin_all() const;
   [[nodiscard]] Result<void> put_all_in_place() const;
   Result<void> watch(const Control& control);
-  Result<void> arm_what_is_new();
   [[nodiscard]] Result<void> name_all() const;
 
   static Result<std::unique_ptr<State>> load(const GateConfig& config, const Place& place,
@@ -251,30 +250,8 @@ Result<void> Gate::go_first() {
   return {};
 }
 
-Result<void> Gate::State::arm_what_is_new() {
-  for (const auto slot : slots.take_newly_watched())
-    if (auto armed = watchmen->arm(slot); !armed) return armed;
-  return {};
-}
-
-Result<void> Gate::apply(const SlotChanges& changes) {
-  if (auto applied = state_->slots.apply(changes); !applied) return applied;
-  return state_->arm_what_is_new();
-}
-
-std::expected<void, Gate::Refusal> Gate::apply_together(std::span<const Change> changes) {
-  std::vector<SlotTable::Change> tables;
-  tables.reserve(changes.size());
-  for (const Change& c : changes) tables.push_back({&c.gate->state_->slots, &c.changes});
-  if (auto done = SlotTable::apply_together(tables); !done)
-    return std::unexpected(
-        Refusal{changes[done.error().change].gate, std::move(done.error().error)});
-  for (const Change& c : changes)
-    if (auto armed = c.gate->state_->arm_what_is_new(); !armed)
-      return std::unexpected(Refusal{c.gate, std::move(armed.error())});
-  return {};
-}
-
+Table& Gate::table() { return state_->slots; }
+Result<void> Gate::arm(std::uint16_t watch) const { return state_->watchmen->arm(watch); }
 std::vector<SlotSpec> Gate::present() const { return state_->slots.present(); }
 bool Gate::is_masked(const SlotSpec& spec) const { return state_->slots.is_masked(spec); }
 std::size_t Gate::size() const { return state_->slots.size(); }
@@ -289,7 +266,7 @@ void Gate::set_bands(std::span<const std::uint32_t> limits) {
 }
 
 std::optional<SlotCounters> Gate::counters(const SlotSpec& spec) const {
-  const auto slot = state_->slots.find(spec);
+  const auto slot = number_of(spec);
   if (!slot) return std::nullopt;
   return slot_counters(state_->programs.table(), state_->cpus.span(), *slot);
 }

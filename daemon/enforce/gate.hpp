@@ -3,7 +3,6 @@
 // Closing the object leaves the gate in the kernel as it is.
 #pragma once
 #include <cstdint>
-#include <expected>
 #include <memory>
 #include <optional>
 #include <span>
@@ -57,18 +56,6 @@ class Gate final : public PortGate {
   [[nodiscard]] Result<std::vector<Ahead>> ahead() const override;
   Result<void> go_first() override;
 
-  /// See SlotTable.
-  Result<void> apply(const SlotChanges& changes) override;
-  struct Change {
-    Gate* gate;
-    SlotChanges changes;
-  };
-  struct Refusal {
-    Gate* gate;
-    Error error;
-  };
-  /// See SlotTable: one step for frames on all of them.
-  static std::expected<void, Refusal> apply_together(std::span<const Change> changes);
   [[nodiscard]] std::vector<SlotSpec> present() const override;
   [[nodiscard]] std::size_t size() const override;
   [[nodiscard]] std::size_t room() const override { return GATE_SLOTS - GATE_FIRST_SLOT; }
@@ -95,6 +82,9 @@ class Gate final : public PortGate {
   void unpin() override;
 
  private:
+  [[nodiscard]] Table& table() override;
+  Result<void> arm(std::uint16_t watch) const override;
+
   struct State;
   explicit Gate(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;

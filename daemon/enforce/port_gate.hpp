@@ -2,14 +2,17 @@
 // The gate of one port, whatever runs on its wire.
 #pragma once
 #include <cstdint>
+#include <expected>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/result.hpp"
 #include "daemon/enforce/attachment.hpp"
 #include "daemon/enforce/counters.hpp"
-#include "daemon/enforce/slots.hpp"
+#include "daemon/enforce/slot_spec.hpp"
+#include "daemon/enforce/table.hpp"
 #include "daemon/enforce/watches.hpp"
 
 namespace mlcca::enforce {
@@ -39,7 +42,8 @@ class PortGate {
   /// The driver drops what is refused before anything else sees it.
   [[nodiscard]] virtual bool drops_early() const { return false; }
 
-  virtual Result<void> apply(const SlotChanges& changes) = 0;
+  /// See Table::apply(); then the timers of what is newly watched.
+  Result<void> apply(const SlotChanges& changes);
   [[nodiscard]] virtual std::vector<SlotSpec> present() const = 0;
   [[nodiscard]] virtual std::size_t size() const = 0;
   /// So many slots there can be.
@@ -64,6 +68,25 @@ class PortGate {
 
   /// Removes the pins, not the filters: for an interface that is gone.
   virtual void unpin() = 0;
+
+  struct Change {
+    PortGate* gate;
+    SlotChanges changes;
+  };
+  struct Refusal {
+    PortGate* gate;
+    Error error;
+  };
+  /// See Table: one step for frames on all of them, CAN and Ethernet. They are of one Control.
+  static std::expected<void, Refusal> apply_together(std::span<const Change> changes);
+
+ protected:
+  [[nodiscard]] virtual Table& table() = 0;
+  /// Starts the timer of a watch.
+  virtual Result<void> arm(std::uint16_t watch) const = 0;
+
+ private:
+  Result<void> arm_what_is_new();
 };
 
 }  // namespace mlcca::enforce

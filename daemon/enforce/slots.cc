@@ -19,14 +19,6 @@ namespace {
 
 constexpr std::uint32_t kLargestIfindex = 0x7fffffff;
 
-auto grant(const SlotSpec& s) {
-  return std::tie(s.direction, s.max_len, s.formats, s.id, s.mask, s.source, s.uid, s.subject);
-}
-
-struct ByGrant {
-  bool operator()(const SlotSpec& a, const SlotSpec& b) const { return grant(a) < grant(b); }
-};
-
 std::uint8_t formats_of(const SlotSpec& s) {
   return static_cast<std::uint8_t>(s.formats | (s.excess_passes ? GATE_EXCESS_PASSES : 0));
 }
@@ -73,53 +65,10 @@ Result<void> check_spec(const SlotSpec& s, std::uint32_t profile) {
 
 }  // namespace
 
-bool SlotSpec::same_traffic(const SlotSpec& other) const {
-  const auto traffic = [](const SlotSpec& s) {
-    return std::tie(s.per_frame, s.per_byte, s.tolerance, s.excess_passes, s.period, s.silence,
-                    s.together);
-  };
-  return traffic(*this) == traffic(other);
-}
-
-bool SlotSpec::same_grant(const SlotSpec& other) const { return grant(*this) == grant(other); }
-
-SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSpec> wanted) {
-  // Two publishers with one grant share a slot; it passes when one of them may.
-  std::map<SlotSpec, bool, ByGrant> want;
-  using Succession = std::tuple<Direction, std::uint64_t, std::uint32_t, std::uint32_t>;
-  const auto succession = [](const SlotSpec& s) {
-    return Succession{s.direction, s.subject, s.id, s.source};
-  };
-  std::set<Succession> passing;
-  for (const auto& s : wanted) {
-    want[s] = want[s] || s.pass;
-    if (s.pass) passing.insert(succession(s));
-  }
-
-  SlotChanges changes;
-  for (const auto& s : present) {
-    const auto found = want.find(s);
-    if (found == want.end()) {
-      if (s.pass && !passing.contains(succession(s))) changes.close.push_back(s);
-      changes.remove.push_back(s);
-      continue;
-    }
-    if (s.pass && !found->second) changes.close.push_back(s);
-    if (!s.pass && found->second) changes.open.push_back(s);
-    if (!s.same_traffic(found->first)) changes.police.push_back(found->first);
-    want.erase(found);
-  }
-  for (const auto& [spec, pass] : want) {
-    changes.add.push_back(spec);
-    changes.add.back().pass = pass;
-  }
-  return changes;
-}
-
 SlotTable::SlotTable(const Memory& memory, std::uint32_t profile, GracePeriod wait)
-    : table_(&memory.table),
+    : Table(memory.generation),
+      table_(&memory.table),
       cpus_(memory.cpus),
-      generation_(&memory.generation),
       profile_(profile),
       wait_(std::move(wait)) {}
 
@@ -156,9 +105,7 @@ Result<void> SlotTable::adopt(bool fresh) {
         sound = fail(fmt::format("slot table: slot {} is in the wrong bucket", at));
       seen[at] = true;
       ++used_;
-      // Whoever wrote it may have ended halfway to the next generation.
-      __u8(&halves)[2] = table_->slots[at].verdict;
-      publish(halves[(*generation_ + 1) & 1], halves[*generation_ & 1]);
+      undo_step(at);
     }
   });
   if (!sound) return sound;
@@ -198,7 +145,7 @@ std::vector<std::uint16_t> SlotTable::chain(const SlotSpec& spec) const {
 SlotSpec SlotTable::spec_of(std::uint16_t slot, Direction direction) const {
   const gate_slot& s = table_->slots[slot];
   return {.direction = direction,
-          .pass = s.verdict[*generation_ & 1] == GATE_PASS,
+          .pass = passes(slot),
           .max_len = s.max_len,
           .formats = static_cast<std::uint8_t>(s.formats & ~GATE_EXCESS_PASSES),
           .id = s.id,
@@ -295,90 +242,22 @@ bool SlotTable::fits_at_once(const SlotChanges& changes) const {
   return true;
 }
 
-Result<void> SlotTable::reclaim(std::size_t wanted) {
-  if (free_.size() >= wanted) return {};
+Result<void> SlotTable::reclaim(const SlotChanges& changes) {
+  if (free_.size() >= changes.add.size()) return {};
   if (auto waited = wait_(); !waited) return waited;
   free_.insert(free_.begin(), quarantine_.begin(), quarantine_.end());
   quarantine_.clear();
   return {};
 }
 
-Result<void> SlotTable::apply(const SlotChanges& changes) {
-  const Change change{this, &changes};
-  if (auto done = apply_together({&change, 1}); !done)
-    return std::unexpected(std::move(done.error().error));
-  return {};
+void SlotTable::put_what_comes(const SlotChanges& changes) {
+  for (const auto& s : changes.add) link(s);
+  for (const auto& s : changes.police) set_traffic(s);
 }
 
-std::expected<void, SlotTable::Refusal> SlotTable::apply_together(std::span<const Change> changes) {
-  const auto refusal = [&](const Change& change, Error error) {
-    return std::unexpected(
-        Refusal{static_cast<std::size_t>(&change - changes.data()), std::move(error)});
-  };
-  for (const Change& c : changes)
-    if (auto good = c.table->check(*c.changes); !good) return refusal(c, good.error());
-
-  std::vector<Change> full;
-  for (const Change& c : changes)
-    if (!c.table->fits_at_once(*c.changes)) full.push_back(c);
-  if (!full.empty()) {
-    deny_what_goes(changes);
-    for (const Change& c : full)
-      for (const auto& s : c.changes->remove) c.table->unlink(s);
-  }
-  for (const Change& c : changes)
-    if (auto room = c.table->reclaim(c.changes->add.size()); !room) {
-      deny_what_goes(changes);
-      return refusal(c, room.error());
-    }
-
-  for (const auto& [table, change] : changes) {
-    for (const auto& s : change->add) table->link(s);
-    for (const auto& s : change->police) table->set_traffic(s);
-    table->stage_what_goes(*change);
-    for (const auto* list : {&change->add, &change->open})
-      for (const auto& s : *list)
-        if (s.pass || list == &change->open) table->stage(s, GATE_PASS);
-  }
-  if (!changes.empty()) changes.front().table->next_generation();
-  for (const auto& [table, change] : changes) {
-    table->settle();
-    for (const auto& s : change->remove)
-      if (table->find(s)) table->unlink(s);
-  }
-  return {};
-}
-
-void SlotTable::deny_what_goes(std::span<const Change> changes) {
-  for (const auto& [table, change] : changes) table->stage_what_goes(*change);
-  changes.front().table->next_generation();
-  for (const Change& c : changes) c.table->settle();
-}
-
-void SlotTable::stage_what_goes(const SlotChanges& changes) {
-  for (const auto& s : changes.close) stage(s, GATE_DENY);
-  for (const auto& s : changes.remove) stage(s, GATE_DENY);
-}
-
-void SlotTable::stage(const SlotSpec& spec, gate_verdict verdict) {
-  if (const auto slot = find(spec)) stage(*slot, verdict);
-}
-
-void SlotTable::stage(std::uint16_t slot, gate_verdict verdict) {
-  const auto value = static_cast<std::uint8_t>(verdict);
-  if (verdict == GATE_PASS) forget_findings(table_->watches[slot]);
-  publish(table_->slots[slot].verdict[(*generation_ + 1) & 1], value);
-  staged_.push_back({slot, value});
-}
-
-void SlotTable::next_generation() { publish(*generation_, *generation_ + 1); }
-
-void SlotTable::settle() {
-  for (const auto& [slot, verdict] : staged_) {
-    publish(table_->slots[slot].verdict[(*generation_ + 1) & 1], verdict);
-    if (is_watched(slot)) newly_watched_.insert(slot);
-  }
-  staged_.clear();
+void SlotTable::remove_what_goes(const SlotChanges& changes) {
+  for (const auto& s : changes.remove)
+    if (find(s)) unlink(s);
 }
 
 void SlotTable::link(const SlotSpec& spec) {
@@ -409,7 +288,7 @@ void SlotTable::link(const SlotSpec& spec) {
 
 /// The slot keeps its `next`, so that a program which stands on it finds the rest of the chain.
 void SlotTable::unlink(const SlotSpec& spec) {
-  const std::uint16_t slot = find(spec).value_or(0);
+  const auto slot = find(spec).value_or(0);
   std::uint16_t* before = head(spec);
   while (*before != slot) before = &table_->slots[*before].next;
   publish(*before, table_->slots[slot].next);
@@ -427,33 +306,22 @@ void SlotTable::set_traffic(const SlotSpec& spec) {
   publish(slot.tolerance, __u64{spec.tolerance});
   publish(slot.formats, formats_of(spec));
   expect_events(table_->watches[*found], spec);
-  if (is_watched(*found)) newly_watched_.insert(*found);
+  note_watched(*found);
 }
 
-bool SlotTable::is_watched(std::uint16_t slot) const {
-  return table_->slots[slot].verdict[*generation_ & 1] == GATE_PASS &&
-         table_->watches[slot].silence != 0;
+void SlotTable::forget_events(std::uint32_t slot) { forget_findings(table_->watches[slot]); }
+
+std::uint16_t SlotTable::minded_watch(std::uint32_t slot) const {
+  return table_->watches[slot].silence != 0 ? static_cast<std::uint16_t>(slot) : std::uint16_t{0};
 }
 
 std::vector<std::uint16_t> SlotTable::watched() const {
   std::vector<std::uint16_t> slots;
-  for (const auto& heads : table_->head)
-    for (const std::uint16_t first : heads)
-      for (std::uint16_t at = first; at != 0; at = table_->slots[at].next)
-        if (is_watched(at)) slots.push_back(at);
+  for_each_chain([&](Direction, std::uint32_t, std::uint16_t first) {
+    for (std::uint16_t at = first; at != 0; at = table_->slots[at].next)
+      if (passes(at) && minded_watch(at) != 0) slots.push_back(at);
+  });
   return slots;
-}
-
-std::vector<std::uint16_t> SlotTable::take_newly_watched() {
-  const auto slots = std::exchange(newly_watched_, {});
-  return {slots.begin(), slots.end()};
-}
-
-void SlotTable::deny_all() {
-  for (std::uint16_t slot = GATE_FIRST_SLOT; slot < GATE_SLOTS; ++slot)
-    if (table_->slots[slot].verdict[*generation_ & 1] != GATE_DENY) stage(slot, GATE_DENY);
-  next_generation();
-  settle();
 }
 
 }  // namespace mlcca::enforce

@@ -74,7 +74,8 @@ LoadedEther::LoadedEther(const EtherOptions& options)
              .slots = slots_.span(),
              .contracts = contracts_.span(),
              .counts = counts_.span(),
-             .watches = watches_.span()};
+             .watches = watches_.span(),
+             .generation = &object_->data_control->control.generation};
   reset();
 }
 
@@ -105,6 +106,8 @@ void LoadedEther::reset() {
   table_ = std::make_unique<enforce::EtherTable>(std::move(*table));
 }
 
+int LoadedEther::control_fd() const { return bpf_map__fd(object_->maps.data_control); }
+
 gate_control& LoadedEther::control() const { return object_->data_control->control; }
 
 int LoadedEther::program_fd(enforce::Direction direction) const {
@@ -130,6 +133,14 @@ Outcome LoadedEther::run(enforce::Direction direction, const Bytes& bytes,
   require(bpf_prog_test_run_opts(program_fd(direction), &run) == 0, "run a packet");
   require(run.retval == TC_ACT_SHOT || static_cast<int>(run.retval) == TC_ACT_UNSPEC, "an action");
   return {run.retval == TC_ACT_SHOT, context.mark};
+}
+
+void LoadedEther::repeat(enforce::Direction direction, const Bytes& bytes, int times) const {
+  LIBBPF_OPTS(bpf_test_run_opts, run);
+  run.data_in = bytes.data();
+  run.data_size_in = static_cast<std::uint32_t>(bytes.size());
+  run.repeat = times;
+  require(bpf_prog_test_run_opts(program_fd(direction), &run) == 0, "run a packet");
 }
 
 bool LoadedEther::dropped_early(const Bytes& bytes) const {

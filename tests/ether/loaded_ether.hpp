@@ -59,7 +59,10 @@ class LoadedEther {
   [[nodiscard]] int program_fd(enforce::Direction direction) const;
   [[nodiscard]] int early_fd() const;
 
+  /// Runs it so often.
+  void repeat(enforce::Direction direction, const Bytes& bytes, int times) const;
   [[nodiscard]] gate_control& control() const;
+  [[nodiscard]] int control_fd() const;
   [[nodiscard]] enforce::EtherTable& table() { return *table_; }
   [[nodiscard]] const enforce::EtherMemory& memory() const { return memory_; }
   [[nodiscard]] const enforce::EtherSizes& sizes() const { return sizes_; }

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <random>
 
 #include "daemon/enforce/ether_table.hpp"
+#include "daemon/enforce/slots.hpp"
 
 namespace mlcca::enforce {
 namespace {
@@ -42,8 +44,8 @@ class EtherTableTest : public testing::Test {
         table_(open(true).value()) {}
 
   Result<EtherTable> open(bool fresh) {
-    return EtherTable::read({&head_, buckets_, slots_, contracts_, counts_, watches_}, sizes_,
-                            fresh, 42, [this]() -> Result<void> {
+    return EtherTable::read({&head_, buckets_, slots_, contracts_, counts_, watches_, &generation_},
+                            sizes_, fresh, 42, [this]() -> Result<void> {
                               ++waits_;
                               if (!grace_) return fail("no grace");
                               return {};
@@ -51,6 +53,9 @@ class EtherTableTest : public testing::Test {
   }
   Result<void> add(const std::vector<SlotSpec>& specs) { return table_.apply(adding(specs)); }
   Result<void> remove(const std::vector<SlotSpec>& specs) { return table_.apply(removing(specs)); }
+  [[nodiscard]] bool passes(const SlotSpec& s) const {
+    return slots_[table_.find(s).value()].verdict[generation_ & 1] == GATE_PASS;
+  }
   [[nodiscard]] std::vector<SlotSpec> present() const { return sorted(table_.present()); }
   static std::vector<SlotSpec> sorted(std::vector<SlotSpec> specs) {
     std::ranges::sort(specs, [](const SlotSpec& a, const SlotSpec& b) {
@@ -64,6 +69,7 @@ class EtherTableTest : public testing::Test {
   EtherSizes sizes_;
   int waits_ = 0;
   bool grace_ = true;
+  std::uint32_t generation_ = 0;
   ether_table head_{};
   std::vector<std::uint64_t> buckets_;
   std::vector<ether_slot> slots_;
@@ -77,8 +83,8 @@ TEST_F(EtherTableTest, HoldsWhatWasAdded) {
   const std::vector<SlotSpec> both{slot(1), slot(2, false)};
   ASSERT_TRUE(add(both));
   EXPECT_EQ(present(), both);
-  EXPECT_EQ(slots_[table_.find(both[0]).value()].verdict, GATE_PASS);
-  EXPECT_EQ(slots_[table_.find(both[1]).value()].verdict, GATE_DENY);
+  EXPECT_TRUE(passes(both[0]));
+  EXPECT_FALSE(passes(both[1]));
 }
 
 TEST_F(EtherTableTest, SlotsOfOneContractShareIt) {
@@ -196,6 +202,80 @@ TEST_F(EtherTableTest, ContractsRunOut) {
   EXPECT_NE(text.find("different contracts"), std::string::npos) << text;
 }
 
+TEST_F(EtherTableTest, AContractThatGoesMakesRoomForAnother) {
+  std::vector<SlotSpec> all;
+  for (std::uint64_t s = 1; s < sizes_.contracts; ++s) {
+    all.push_back(slot(s % 4000));
+    all.back().per_frame = s;
+    all.back().uid = static_cast<std::uint32_t>(s / 4000);
+  }
+  ASSERT_EQ(all.size(), 4095U);
+  all.pop_back();  // there is room for 4094 slots
+  ASSERT_TRUE(add(all));
+  SlotChanges exchange = removing({all[0], all[1]});
+  exchange.add = {all[0], all[1]};
+  for (auto& s : exchange.add) {
+    s.per_frame += 1'000'000;
+    s.uid = 77;
+  }
+  EXPECT_TRUE(table_.apply(exchange)) << "one of them is free, the other becomes it";
+  EXPECT_TRUE(passes(exchange.add[1]));
+}
+
+TEST_F(EtherTableTest, AnyNumberOfVerdictsIsOneGeneration) {
+  ASSERT_TRUE(add({slot(1), slot(2, false), slot(3)}));
+  EXPECT_EQ(generation_, 1U);
+  SlotChanges change;
+  change.close = {slot(1)};
+  change.open = {slot(2)};
+  change.remove = {slot(3)};
+  change.add = {slot(4)};
+  ASSERT_TRUE(table_.apply(change));
+  EXPECT_EQ(generation_, 2U);
+  EXPECT_EQ(present(), (std::vector{slot(1, false), slot(2), slot(4)}));
+}
+
+TEST_F(EtherTableTest, AStepThatAFormerDaemonDidNotFinishIsUndone) {
+  ASSERT_TRUE(add({slot(1), slot(2, false)}));
+  for (const std::uint64_t s : {1, 2})
+    slots_[table_.find(slot(s)).value()].verdict[(generation_ + 1) & 1] ^= 1;
+  table_ = open(false).value();
+  for (const std::uint64_t s : {1, 2}) {
+    const auto& halves = slots_[table_.find(slot(s)).value()].verdict;
+    EXPECT_EQ(halves[0], halves[1]);
+  }
+  EXPECT_EQ(present(), (std::vector{slot(1), slot(2, false)}));
+}
+
+TEST_F(EtherTableTest, ChangesBesidesACanTableAreOneGeneration) {
+  ASSERT_TRUE(add({slot(1)}));
+  const auto memory = std::make_unique<gate_table>();
+  auto can = SlotTable::read({*memory, {}, generation_}, GATE_PROFILE_RAW, true, nullptr).value();
+  SlotSpec raw;
+  raw.pass = true;
+  raw.id = 5;
+  raw.mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK;
+  const SlotChanges away = removing({slot(1)});
+  const SlotChanges here = adding({raw});
+  const auto before = generation_;
+  ASSERT_TRUE(Table::apply_together(std::vector<Table::Change>{{&table_, &away}, {&can, &here}}));
+  EXPECT_EQ(generation_, before + 1);
+  EXPECT_TRUE(present().empty());
+  EXPECT_EQ(can.present(), std::vector{raw});
+  // One that refuses changes none.
+  const auto refused =
+      Table::apply_together(std::vector<Table::Change>{{&can, &away}, {&table_, &away}});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().change, 0U);
+  const SlotChanges again = adding({slot(1)});
+  EXPECT_EQ(Table::apply_together(std::vector<Table::Change>{{&table_, &again}, {&can, &here}})
+                .error()
+                .change,
+            1U);
+  EXPECT_EQ(generation_, before + 1);
+  EXPECT_TRUE(present().empty());
+}
+
 TEST_F(EtherTableTest, WithoutAGracePeriodNothingIsUsedAgain) {
   std::vector<SlotSpec> all;
   for (std::uint64_t s = 1; s <= sizes_.slots - ETHER_FIRST_SLOT; ++s) all.push_back(slot(s));
@@ -294,7 +374,7 @@ TEST_F(EtherWatches, WhoComesLaterThanTheLastOneIsAdmittedAndNotWatched) {
   ASSERT_TRUE(add({periodic(5000), periodic(5001)}));
   EXPECT_EQ(table_.unwatched(), 2U);
   EXPECT_EQ(watch_of(periodic(5000)), 0U);
-  EXPECT_EQ(slots_[table_.find(periodic(5000)).value()].verdict, GATE_PASS);
+  EXPECT_TRUE(passes(periodic(5000)));
   // One that goes makes room for one that is changed, or looked at again.
   ASSERT_TRUE(remove({periodic(7)}));
   SlotChanges police;
