@@ -144,10 +144,11 @@ static __always_inline int filter_event(struct __sk_buff *skb, struct ether_cpu 
 
 /* The mark of the datagram that a fragment belongs to. */
 static __always_inline int filter_later(struct __sk_buff *skb, struct ether_cpu *cpu,
-					__u32 direction, const struct event *e)
+					__u32 direction, const struct event *e,
+					const struct sender *from)
 {
 	const struct ether_fragment *f;
-	__u32 reason = judge_later(e);
+	__u32 reason = judge_later(e, from);
 
 	if (reason != GATE_R_PASSED && reason != GATE_R_FOREIGN)
 		return drop(cpu, direction, direction, reason, e);
@@ -180,15 +181,15 @@ static __always_inline int filter(struct __sk_buff *skb, __u32 direction)
 		remember(&foreign_fragments, &e, 0);
 		goto foreign;
 	}
+	if (direction == GATE_EGRESS)
+		from = sender_of(skb);
 	if (nature == LATER)
-		return filter_later(skb, cpu, direction, &e);
+		return filter_later(skb, cpu, direction, &e, &from);
 	/* No token leaves the machine or the namespace. */
 	skb->mark = 0;
 	if (nature != EVENT)
 		return drop(cpu, direction, direction,
 			    nature == OPAQUE ? GATE_R_OPAQUE : GATE_R_MALFORMED, &e);
-	if (direction == GATE_EGRESS)
-		from = sender_of(skb);
 	return filter_event(skb, cpu, direction, &e, &from);
 
 foreign:

@@ -21,6 +21,19 @@ static __always_inline struct ether_contract *contract_of(const struct ether_slo
 	return bpf_map_lookup_elem(&contracts, &at);
 }
 
+/* Egress: it comes from the interface of the grant, passed by its gate, or from a program of its
+ * user. */
+static __always_inline bool is_granted_to(const struct ether_slot *slot,
+					  const struct ether_contract *contract, __u32 mark,
+					  const struct sender *from)
+{
+	if (from->source != slot->source)
+		return false;
+	if (from->source)
+		return mark == gate_ingress_token(control.token, from->source, slot->subject);
+	return contract->uid == GATE_ANY_UID || contract->uid == from->uid;
+}
+
 static __always_inline __u32 fit(const struct ether_slot *slot, __u32 direction, struct event *e,
 				 const struct sender *from)
 {
@@ -29,15 +42,8 @@ static __always_inline __u32 fit(const struct ether_slot *slot, __u32 direction,
 
 	if (!contract)
 		return GATE_R_DENIED;
-	if (direction == GATE_EGRESS) {
-		if (from->source != slot->source)
-			return GATE_R_SOURCE;
-		if (from->source &&
-		    e->mark != gate_ingress_token(control.token, from->source, slot->subject))
-			return GATE_R_SOURCE;
-		if (!from->source && contract->uid != GATE_ANY_UID && contract->uid != from->uid)
-			return GATE_R_SOURCE;
-	}
+	if (direction == GATE_EGRESS && !is_granted_to(slot, contract, e->mark, from))
+		return GATE_R_SOURCE;
 	if (!(contract->forms & e->form))
 		return GATE_R_FORMAT;
 	if (e->len > contract->max_len)

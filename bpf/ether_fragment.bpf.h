@@ -42,27 +42,33 @@ static __always_inline bool is_overlaid(const struct ether_fragment *f, const st
 	return e->offset < f->first;
 }
 
-/* Of a datagram whose first fragment was admitted, and would be now. */
-static __always_inline __u32 fragment_reason(const struct ether_fragment *f, const struct event *e)
+/* Of a datagram whose first fragment was admitted, and would be now from the same sender. */
+static __always_inline __u32 fragment_reason(const struct ether_fragment *f, const struct event *e,
+					     const struct sender *from)
 {
 	__u32 end = e->offset + e->payload, at = f->slot;
 	const struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
+	const struct ether_contract *contract;
 
 	if (is_overlaid(f, e) || (e->more ? end >= f->whole : end != f->whole))
 		return GATE_R_MALFORMED;
 	if (!slot || slot->subject != f->subject || slot->direction != e->key.direction ||
 	    verdict_of(slot) != GATE_PASS)
 		return GATE_R_DENIED;
+	contract = contract_of(slot);
+	if (e->key.direction == GATE_EGRESS &&
+	    (!contract || !is_granted_to(slot, contract, e->mark, from)))
+		return GATE_R_SOURCE;
 	return GATE_R_PASSED;
 }
 
 /* GATE_R_PASSED or a reason to drop it; GATE_R_FOREIGN where it belongs to nobody of ours. */
-static __always_inline __u32 judge_later(const struct event *e)
+static __always_inline __u32 judge_later(const struct event *e, const struct sender *from)
 {
 	struct ether_fragment *f = remembered(&fragments, &e->key);
 
 	if (f)
-		return closed() ? GATE_R_CLOSED : fragment_reason(f, e);
+		return closed() ? GATE_R_CLOSED : fragment_reason(f, e, from);
 	f = remembered(&foreign_fragments, &e->key);
 	if (!f)
 		return GATE_R_FRAGMENT;

@@ -145,6 +145,32 @@ TEST_F(EtherFragments, ObeyTheVerdictOfNow) {
   EXPECT_TRUE(passes(known_, 576, 1152));
 }
 
+TEST_F(EtherFragments, LeaveFromWhoeverMaySendTheFirstOne) {
+  const Bytes first = frame(known_.fragment(0, 576));
+  const Bytes later = frame(known_.fragment(576, 1152));
+  const auto leaves = [&](const Bytes& bytes, const Sender& sender) {
+    return !gate_.run(kOut, bytes, sender).dropped;
+  };
+  gate_.admit({sized(of_user(0), 1400)});
+  EXPECT_TRUE(leaves(first, kLocal));
+  EXPECT_FALSE(leaves(later, kWire)) << "from nowhere";
+  EXPECT_FALSE(leaves(later, kForwarded)) << "from an interface";
+  EXPECT_EQ(gate_.reasons(kOut).at(GATE_R_SOURCE), 2U);
+  EXPECT_TRUE(leaves(later, kLocal));
+}
+
+TEST_F(EtherFragments, AreForwardedWithTheMarkOfTheirGate) {
+  const auto leaves = [&](const Bytes& bytes, const Sender& sender) {
+    return !gate_.run(kOut, bytes, sender).dropped;
+  };
+  gate_.admit({sized(from(kOther), 1400)});
+  EXPECT_TRUE(leaves(frame(known_.fragment(0, 576)), kForwarded));
+  const Bytes later = frame(known_.fragment(576, 1152));
+  EXPECT_FALSE(leaves(later, Sender{.ingress_ifindex = kOther})) << "no gate has passed it";
+  EXPECT_FALSE(leaves(later, kLocal));
+  EXPECT_TRUE(leaves(later, kForwarded));
+}
+
 TEST_F(EtherFragments, ADatagramIsPolicedOnce) {
   SlotSpec policed = admitted_;
   policed.per_frame = 3'600'000'000'000;

@@ -18,14 +18,15 @@ std::optional<std::uint64_t> number(const Bytes& bytes, std::size_t at, std::siz
 
 bool is_tag(std::uint64_t type) { return type == 0x8100 || type == 0x88a8; }
 
+bool comes_from(const SlotSpec& s, const Sender& sender) {
+  if (s.direction == Direction::ingress) return true;
+  if (sender.local) return s.source == 0 && (s.uid == GATE_ANY_UID || s.uid == 0);
+  return s.source != 0 && s.source == sender.ingress_ifindex &&
+         sender.mark == gate_ingress_token(kToken, s.source, s.subject);
+}
+
 gate_reason misfit(const SlotSpec& s, std::uint64_t length, bool split, const Sender& sender) {
-  if (s.direction == Direction::egress) {
-    if (sender.local && s.source != 0) return GATE_R_SOURCE;
-    if (sender.local && s.uid != GATE_ANY_UID && s.uid != 0) return GATE_R_SOURCE;
-    if (!sender.local && (s.source == 0 || s.source != sender.ingress_ifindex ||
-                          sender.mark != gate_ingress_token(kToken, s.source, s.subject)))
-      return GATE_R_SOURCE;
-  }
+  if (!comes_from(s, sender)) return GATE_R_SOURCE;
   if ((s.formats & (split ? ETHER_SPLIT : ETHER_WHOLE)) == 0) return GATE_R_FORMAT;
   if (length > s.max_len) return GATE_R_LENGTH;
   return s.pass ? GATE_R_PASSED : GATE_R_DENIED;
@@ -162,7 +163,7 @@ Judgement EtherWorld::judge_event(Direction direction, const Seen& seen, const S
           .counts_in_slot = true};
 }
 
-Judgement EtherWorld::judge_later(Direction direction, const Seen& seen) {
+Judgement EtherWorld::judge_later(Direction direction, const Seen& seen, const Sender& sender) {
   const auto known = fragments_.find({direction, seen.addresses, seen.id, seen.inside});
   if (known == fragments_.end()) return refused(GATE_R_FRAGMENT, {}, {});
   const Remembered& first = known->second;
@@ -173,6 +174,7 @@ Judgement EtherWorld::judge_later(Direction direction, const Seen& seen) {
   if (seen.more ? end >= first.whole : end != first.whole) return refused(GATE_R_MALFORMED, {}, {});
   const SlotSpec& slot = slots[first.slot];
   if (slot.formats == 0 || !slot.pass) return refused(GATE_R_DENIED, {}, {});
+  if (!comes_from(slot, sender)) return refused(GATE_R_SOURCE, {}, {});
   return {.mark = direction == Direction::ingress
                       ? gate_ingress_token(kToken, kIfindex, slot.subject)
                       : 0,
@@ -194,7 +196,7 @@ Judgement EtherWorld::judge(Direction direction, const Bytes& bytes, const Sende
       return {};
     }
     case Kind::later:
-      return judge_later(direction, seen);
+      return judge_later(direction, seen, sender);
     case Kind::malformed:
       return refused(GATE_R_MALFORMED, {}, 0);
     case Kind::opaque:

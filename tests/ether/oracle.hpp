@@ -58,7 +58,7 @@ class EtherWorld {
   static Seen look_at_ip(const Bytes& bytes, std::size_t at, bool inside);
   static Seen look_at_awds(const Bytes& bytes, std::size_t at, bool inside);
   Judgement judge_event(enforce::Direction direction, const Seen& seen, const Sender& sender);
-  Judgement judge_later(enforce::Direction direction, const Seen& seen);
+  Judgement judge_later(enforce::Direction direction, const Seen& seen, const Sender& sender);
   [[nodiscard]] std::pair<gate_reason, std::optional<std::size_t>> decide(
       enforce::Direction direction, const Seen& seen, const Sender& sender) const;
   [[nodiscard]] Judgement refused(gate_reason reason, std::optional<std::size_t> slot,

@@ -4,6 +4,7 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <linux/if_packet.h>
 #include <net/if.h>
 #include <poll.h>
 #include <sched.h>
@@ -217,6 +218,30 @@ TEST_F(EtherSockets, FragmentsLeaveAsTheyCame) {
   EXPECT_EQ(received(far_), 1409U);
   EXPECT_EQ(counted(Direction::egress, GATE_R_PASSED), 3U);
   EXPECT_EQ(counted(Direction::egress, GATE_R_UNKNOWN), 1U) << "the kernel sends no others then";
+}
+
+TEST_F(EtherSockets, NobodyElseSendsTheRestOfAnEvent) {
+  SlotSpec out = slot(Direction::egress);
+  out.uid = ::geteuid();
+  admit({out});
+  Datagram d{.subject = kSubject, .payload = 800};
+  d.source = inet_addr("10.0.0.1");
+  d.destination = inet_addr("10.0.0.2");
+  const auto by = [&](uid_t user, std::size_t begin, std::size_t end) {
+    const Fd raw(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0));
+    EXPECT_EQ(fchown(raw.get(), user, static_cast<gid_t>(-1)), 0);
+    sockaddr_ll to{};
+    to.sll_family = AF_PACKET;
+    to.sll_protocol = htons(0x0800);
+    to.sll_ifindex = static_cast<int>(if_nametoindex("eth0"));
+    const Bytes bytes = test::frame(d.fragment(begin, end));
+    ::sendto(raw.get(), bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&to), sizeof to);
+  };
+  by(::geteuid(), 0, 400);
+  by(12345, 400, 817);
+  EXPECT_EQ(counted(Direction::egress, GATE_R_SOURCE), 1U);
+  by(::geteuid(), 400, 817);
+  EXPECT_EQ(counted(Direction::egress, GATE_R_PASSED), 2U);
 }
 
 TEST_F(EtherSockets, WhatAProgramSendsIsItsUsers) {
