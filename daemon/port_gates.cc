@@ -24,7 +24,7 @@ Result<void> Ports::hold(const net::Link& link, core::NetworkKind kind, core::Pr
   const auto ifindex = static_cast<std::uint32_t>(link.ifindex);
   if (kind == core::NetworkKind::can && !enforce::is_ethernet(ifindex))
     return hold_can({ifindex, link.name, profile, link.kind == "can", {}});
-  return hold_ethernet({ifindex, link.name, ether_slots_});
+  return hold_ethernet({ifindex, link.name, ether_slots_, {}});
 }
 
 /// A gate is of one profile: another one is put in its place, and starts without slots.

@@ -117,6 +117,29 @@ void withdraw(const Place& place) {
   }
 }
 
+Result<bool> are_in_place(const Place& place, const GatePrograms& programs) {
+  const auto there = in_place(place);
+  if (!there) return std::unexpected(there.error());
+  return std::ranges::all_of(kBothDirections, [&](Direction d) {
+    return there->of(d) == program_info(programs.of(d)).id;
+  });
+}
+
+Result<void> put_gate_in_place(const Place& place, const GatePrograms& programs) {
+  for (const auto direction : kBothDirections)
+    if (auto put = put_in_place(place, direction, programs.of(direction)); !put) return put;
+  const auto there = are_in_place(place, programs);
+  if (!there) return std::unexpected(there.error());
+  if (!*there)
+    return fail(
+        "the programs are not where they were put: remove the qdisc that stands in the place of "
+        "clsact (tc qdisc show; tc qdisc del dev … ingress)");
+  Place other = place;
+  other.hook = place.hook == Hook::tcx ? Hook::clsact : Hook::tcx;
+  withdraw(other);
+  return {};
+}
+
 Result<std::vector<Ahead>> tcx_ahead(const Place& place) {
   std::vector<Ahead> ahead;
   for (const auto direction : kBothDirections) {

@@ -47,6 +47,20 @@ Result<bool> put_in_empty_place(const Place& place, Direction direction, int pro
 /// Removes what we have there; never anything else.
 void withdraw(const Place& place);
 
+/// The two programs of a gate.
+struct GatePrograms {
+  int ingress = -1;
+  int egress = -1;
+  [[nodiscard]] int of(Direction direction) const {
+    return direction == Direction::ingress ? ingress : egress;
+  }
+};
+/// Both are in their places, each in its own. They are not where an `ingress` qdisc instead of
+/// clsact takes the egress filter for an ingress one.
+Result<bool> are_in_place(const Place& place, const GatePrograms& programs);
+/// Puts both in place, and then withdraws what we have in the other hook.
+Result<void> put_gate_in_place(const Place& place, const GatePrograms& programs);
+
 /// Programs that run before ours in its own hook, or in a hook before it, and may let frames by.
 struct Ahead {
   Direction direction = Direction::ingress;

@@ -9,6 +9,7 @@
 #include <sys/ioctl.h>
 #include <sys/random.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -21,7 +22,6 @@
 #include "daemon/enforce/ether_counters.hpp"
 #include "daemon/enforce/ether_programs.hpp"
 #include "daemon/enforce/failure.hpp"
-#include "daemon/enforce/filters.hpp"
 #include "daemon/enforce/gate_pins.hpp"
 #include "daemon/enforce/grace_period.hpp"
 #include "daemon/enforce/pins.hpp"
@@ -31,9 +31,6 @@
 namespace mlcca::enforce {
 namespace {
 
-std::string pin_of(const std::string& directory, Direction direction) {
-  return directory + (direction == Direction::ingress ? "/ingress" : "/egress");
-}
 std::string early_pin(const std::string& directory) { return directory + "/early"; }
 std::string next(const std::string& pin) { return pin + "_next"; }
 std::string map_pin(const std::string& directory, std::size_t n) {
@@ -60,18 +57,21 @@ bool is_attached(const std::string& pin, std::uint32_t attached, int table) {
          std::ranges::find(info.map_ids, map_id(table)) != info.map_ids.end();
 }
 
+/// In either hook.
 Result<bool> is_in_force(const std::string& directory, std::uint32_t ifindex, int table) {
   bool in_force = false;
-  for (const auto direction : kBothDirections) {
-    const auto attached = program_in_place(ifindex, direction);
+  for (const auto hook : {Hook::tcx, Hook::clsact}) {
+    const auto attached = in_place({ifindex, directory, hook});
     if (!attached) return std::unexpected(attached.error());
-    const std::string pin = pin_of(directory, direction);
-    if (is_attached(next(pin), *attached, table)) {
-      // A crash came between attaching and renaming.
-      if (auto named = rename_pin(next(pin), pin); !named) return std::unexpected(named.error());
-      in_force = true;
+    for (const auto direction : kBothDirections) {
+      const std::string pin = program_pin(directory, direction);
+      if (is_attached(next_pin(directory, direction), attached->of(direction), table)) {
+        // A crash came between attaching and renaming.
+        if (auto named = rename_pin(next_pin(directory, direction), pin); !named)
+          return std::unexpected(named.error());
+      }
+      in_force = in_force || is_attached(pin, attached->of(direction), table);
     }
-    in_force = in_force || is_attached(pin, *attached, table);
   }
   return in_force;
 }
@@ -105,7 +105,8 @@ Result<Former> former_gate(const std::string& directory, std::uint32_t ifindex) 
 
 struct EtherGate::State {
   EtherConfig config;
-  std::string directory;
+  Place place;
+  int control_map;
   EtherSizes sizes;
   EtherPrograms programs;
   EtherMapping mapping;
@@ -114,21 +115,26 @@ struct EtherGate::State {
   bool early = false;
   std::optional<Watchmen> watchmen;  ///< from when it is pinned on
 
-  static Result<std::unique_ptr<State>> load(const EtherConfig& config, const Control& control,
-                                             const EtherSizes& sizes, const EtherMaps& maps);
+  static Result<std::unique_ptr<State>> load(const EtherConfig& config, const Place& place,
+                                             int control_map, const EtherSizes& sizes,
+                                             const EtherMaps& maps);
+  [[nodiscard]] GatePrograms both() const {
+    return {programs.program_fd(Direction::ingress), programs.program_fd(Direction::egress)};
+  }
+  [[nodiscard]] Result<EtherMaps> shared_maps() const;
   [[nodiscard]] Result<void> pin_all() const;
-  [[nodiscard]] Result<void> put_all_in_place() const;
   [[nodiscard]] Result<void> name_all() const;
   void put_early_in_place();
   Result<void> watch(const Control& control);
 };
 
 Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConfig& config,
-                                                                 const Control& control,
+                                                                 const Place& place,
+                                                                 int control_map,
                                                                  const EtherSizes& sizes,
                                                                  const EtherMaps& maps) {
   const bool fresh = !maps.front();
-  auto programs = EtherPrograms::load(config.ifindex, sizes, control.map_fd(), maps);
+  auto programs = EtherPrograms::load(config.ifindex, sizes, control_map, maps);
   if (!programs) return std::unexpected(programs.error());
   auto mapping = EtherMapping::of(*programs, sizes);
   if (!mapping) return std::unexpected(mapping.error());
@@ -136,23 +142,24 @@ Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConf
   if (!seed) return failure("getrandom", errno);
   auto table = EtherTable::read(mapping->memory(), sizes, fresh, *seed, wait_for_grace_period);
   if (!table) return std::unexpected(table.error());
-  return std::make_unique<State>(
-      State{.config = config,
-            .directory = fmt::format("{}/if{}", control.directory(), config.ifindex),
-            .sizes = sizes,
-            .programs = std::move(*programs),
-            .mapping = std::move(*mapping),
-            .table = std::move(*table),
-            .reused = !fresh,
-            .early = false,
-            .watchmen = std::nullopt});
+  return std::make_unique<State>(State{.config = config,
+                                       .place = place,
+                                       .control_map = control_map,
+                                       .sizes = sizes,
+                                       .programs = std::move(*programs),
+                                       .mapping = std::move(*mapping),
+                                       .table = std::move(*table),
+                                       .reused = !fresh,
+                                       .early = false,
+                                       .watchmen = std::nullopt});
 }
 
 Result<void> EtherGate::State::pin_all() const {
+  const std::string& directory = place.directory;
   if (!reused) {
     // The program in the driver keeps its name: it is replaced by it.
     for (std::size_t n = 0; n < kEtherMaps.size(); ++n) remove_pin(map_pin(directory, n));
-    for (const auto direction : kBothDirections) remove_pin(pin_of(directory, direction));
+    for (const auto direction : kBothDirections) remove_pin(program_pin(directory, direction));
     remove_pin(watchmen_pin(directory));  // of a table that is not in force any more
   }
   if (auto made = make_pin_directory(directory); !made) return made;
@@ -165,26 +172,27 @@ Result<void> EtherGate::State::pin_all() const {
   for (std::size_t n = 0; !reused && n < kEtherMaps.size(); ++n)
     if (auto done = pin_new(programs.map_fd(n), map_pin(directory, n)); !done) return done;
   for (const auto direction : kBothDirections)
-    if (auto done = pin_new(programs.program_fd(direction), next(pin_of(directory, direction)));
-        !done)
+    if (auto done = pin_new(programs.program_fd(direction), next_pin(directory, direction)); !done)
       return done;
   return pin_new(programs.early_fd(), next(early_pin(directory)));
 }
 
-Result<void> EtherGate::State::put_all_in_place() const {
-  if (auto made = make_hooks(config.ifindex); !made) return made;
-  for (const auto direction : kBothDirections)
-    if (auto put = put_filter(config.ifindex, direction, programs.program_fd(direction)); !put)
-      return put;
-  const auto id = [&](Direction d) { return program_info(programs.program_fd(d)).id; };
-  return verify_filters(config.ifindex, id(Direction::ingress), id(Direction::egress));
+/// For a second object over the same memory.
+Result<EtherMaps> EtherGate::State::shared_maps() const {
+  EtherMaps maps;
+  for (std::size_t n = 0; n < kEtherMaps.size(); ++n) {
+    maps.at(n) = Fd(::dup(programs.map_fd(n)));
+    if (!maps.at(n)) return failure("share the maps of the Ethernet gate", errno);
+  }
+  return maps;
 }
 
 Result<void> EtherGate::State::name_all() const {
-  for (const auto direction : kBothDirections) {
-    const std::string pin = pin_of(directory, direction);
-    if (auto named = rename_pin(next(pin), pin); !named) return named;
-  }
+  const std::string& directory = place.directory;
+  for (const auto direction : kBothDirections)
+    if (auto named = rename_pin(next_pin(directory, direction), program_pin(directory, direction));
+        !named)
+      return named;
   return rename_pin(next(early_pin(directory)), early_pin(directory));
 }
 
@@ -207,7 +215,7 @@ void EtherGate::State::put_early_in_place() {
   const std::uint32_t there = early_program(config.ifindex);
   early = there == program_info(programs.early_fd()).id;
   if (early) return;
-  const Fd ours = there != 0 ? own_program(directory, there) : Fd();
+  const Fd ours = there != 0 ? own_program(place.directory, there) : Fd();
   early = put_early(config.ifindex, programs.early_fd(), ours ? ours.get() : -1);
 }
 
@@ -219,7 +227,7 @@ Result<void> EtherGate::State::watch(const Control& control) {
                                        .events = control.events_fd(),
                                        .slots = programs.map_fd(2),
                                        .watches = programs.map_fd(8)},
-                                      watchmen_pin(directory));
+                                      watchmen_pin(place.directory));
   if (!loaded) return std::unexpected(loaded.error());
   watchmen = std::move(*loaded);
   for (const std::uint16_t watch : table.watched())
@@ -233,21 +241,23 @@ Result<EtherGate> EtherGate::attach(const EtherConfig& config, const Control& co
   };
   if (!is_ethernet(config.ifindex))
     return fail(fmt::format("gate of {}: it is no Ethernet interface", config.name));
-  const std::string directory = fmt::format("{}/if{}", control.directory(), config.ifindex);
-  auto former = former_gate(directory, config.ifindex);
+  const Place place{config.ifindex, gate_directory(control.directory(), config.ifindex),
+                    config.hook.value_or(best_hook())};
+  const int word = control.map_fd();
+  auto former = former_gate(place.directory, config.ifindex);
   if (!former) return in_context(former.error());
   const EtherSizes wanted = EtherSizes::for_slots(config.slots, possible_cpus());
   const bool is_there = static_cast<bool>(former->maps.front());
   const bool fits = is_there && former->sizes.slots >= wanted.slots;
 
-  auto state = fits ? State::load(config, control, former->sizes, former->maps)
-                    : State::load(config, control, wanted, {});
+  auto state = fits ? State::load(config, place, word, former->sizes, former->maps)
+                    : State::load(config, place, word, wanted, {});
   // Maps that make no sense are not worth keeping: start closed.
-  if (!state && fits) state = State::load(config, control, wanted, {});
+  if (!state && fits) state = State::load(config, place, word, wanted, {});
   if (!state) return in_context(state.error());
   if (is_there && !fits) {
     // Whoever was admitted goes on in the larger table.
-    if (const auto old = State::load(config, control, former->sizes, former->maps)) {
+    if (const auto old = State::load(config, place, word, former->sizes, former->maps)) {
       SlotChanges moved;
       moved.add = (*old)->table.present();
       if (auto done = (*state)->table.apply(moved); !done) return in_context(done.error());
@@ -255,7 +265,7 @@ Result<EtherGate> EtherGate::attach(const EtherConfig& config, const Control& co
   }
   if (auto pinned = (*state)->pin_all(); !pinned) return in_context(pinned.error());
   if (auto watched = (*state)->watch(control); !watched) return in_context(watched.error());
-  if (auto put = (*state)->put_all_in_place(); !put) return in_context(put.error());
+  if (auto put = put_gate_in_place(place, (*state)->both()); !put) return in_context(put.error());
   (*state)->put_early_in_place();
   if (auto named = (*state)->name_all(); !named) return in_context(named.error());
   return EtherGate(std::move(*state));
@@ -275,33 +285,42 @@ std::uint32_t EtherGate::ifindex() const { return state_->config.ifindex; }
 bool EtherGate::drops_early() const { return state_->early; }
 
 Result<bool> EtherGate::attached() const {
-  for (const auto direction : kBothDirections) {
-    const auto id = program_in_place(state_->config.ifindex, direction);
-    if (!id) return std::unexpected(id.error());
-    if (*id != program_info(state_->programs.program_fd(direction)).id) return false;
-  }
+  const auto there = are_in_place(state_->place, state_->both());
+  if (!there || !*there) return there;
   return !state_->early ||
          early_program(state_->config.ifindex) == program_info(state_->programs.early_fd()).id;
 }
 
-Hook EtherGate::hook() const { return Hook::clsact; }
+Hook EtherGate::hook() const { return state_->place.hook; }
 
-Result<std::vector<Ahead>> EtherGate::ahead() const {
-  return tcx_ahead({state_->config.ifindex, {}, Hook::clsact});
-}
+Result<std::vector<Ahead>> EtherGate::ahead() const { return tcx_ahead(state_->place); }
 
+/// As Gate::go_first(): a copy takes the place of the programs.
 Result<void> EtherGate::go_first() {
+  const auto in_context = [&](const Error& error) {
+    return fail(fmt::format("gate of {}: {}", name(), error.text));
+  };
+  const auto maps = state_->shared_maps();
+  if (!maps) return in_context(maps.error());
+  auto copy = State::load(state_->config, state_->place, state_->control_map, state_->sizes, *maps);
+  if (!copy) return in_context(copy.error());
+  if (auto pinned = (*copy)->pin_all(); !pinned) return in_context(pinned.error());
   for (const auto direction : kBothDirections)
-    if (auto put = put_filter_first(state_->config.ifindex, direction,
-                                    state_->programs.program_fd(direction));
-        !put)
-      return put;
+    if (auto put = put_first((*copy)->place, direction, (*copy)->both().of(direction)); !put)
+      return in_context(put.error());
+  (*copy)->put_early_in_place();
+  if (auto named = (*copy)->name_all(); !named) return in_context(named.error());
+  (*copy)->watchmen = std::move(state_->watchmen);  // they look at the same memory
+  state_ = std::move(*copy);
   return {};
 }
 
+/// As Gate::reattach().
 Result<void> EtherGate::reattach() {
-  if (auto put = state_->put_all_in_place(); !put)
+  if (auto put = put_gate_in_place(state_->place, state_->both()); !put) {
+    if (state_->place.hook == Hook::tcx) return go_first();
     return fail(fmt::format("gate of {}: {}", name(), put.error().text));
+  }
   state_->put_early_in_place();
   return {};
 }
@@ -312,7 +331,7 @@ std::vector<SlotSpec> EtherGate::present() const { return state_->table.present(
 std::size_t EtherGate::size() const { return state_->table.size(); }
 std::size_t EtherGate::room() const { return state_->sizes.slots - ETHER_FIRST_SLOT; }
 void EtherGate::deny_all() { state_->table.deny_all(); }
-void EtherGate::unpin() { remove_pin_directory(state_->directory); }
+void EtherGate::unpin() { remove_pin_directory(state_->place.directory); }
 
 std::optional<SlotCounters> EtherGate::counters(const SlotSpec& spec) const {
   const auto slot = state_->table.find(spec);

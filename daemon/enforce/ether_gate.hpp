@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "daemon/enforce/control.hpp"
@@ -12,8 +13,9 @@ namespace mlcca::enforce {
 
 struct EtherConfig {
   std::uint32_t ifindex = 0;
-  std::string name;       ///< for error texts
-  std::size_t slots = 0;  ///< so many there must be room for
+  std::string name;          ///< for error texts
+  std::size_t slots = 0;     ///< so many there must be room for
+  std::optional<Hook> hook;  ///< the best one that the kernel has
 };
 
 class EtherGate final : public PortGate {
@@ -36,7 +38,6 @@ class EtherGate final : public PortGate {
   [[nodiscard]] std::uint32_t ifindex() const override;
   [[nodiscard]] Result<bool> attached() const override;
   Result<void> reattach() override;
-  /// clsact: other Ethernet traffic is not ours to judge, so a TCX program may well be in front.
   [[nodiscard]] Hook hook() const override;
   [[nodiscard]] Result<std::vector<Ahead>> ahead() const override;
   Result<void> go_first() override;

@@ -96,17 +96,6 @@ Result<void> put_filter_first(std::uint32_t ifindex, Direction direction, int pr
   return {};
 }
 
-Result<void> verify_filters(std::uint32_t ifindex, std::uint32_t ingress, std::uint32_t egress) {
-  const auto in = program_in_place(ifindex, Direction::ingress);
-  if (!in) return std::unexpected(in.error());
-  const auto out = program_in_place(ifindex, Direction::egress);
-  if (!out) return std::unexpected(out.error());
-  if (*in == ingress && *out == egress) return {};
-  return fail(
-      "the filters are not where they were put: remove the qdisc that stands in the place of "
-      "clsact (tc qdisc show; tc qdisc del dev … ingress)");
-}
-
 void remove_filter(std::uint32_t ifindex, Direction direction) {
   const Complaints complaints;
   detach(ifindex, direction, GATE_TC_HANDLE);

@@ -20,9 +20,6 @@ Result<void> put_filter(std::uint32_t ifindex, Direction direction, int program_
 Result<bool> put_filter_if_empty(std::uint32_t ifindex, Direction direction, int program_fd);
 /// Before other filters of our priority. For a moment there are two of ours.
 Result<void> put_filter_first(std::uint32_t ifindex, Direction direction, int program_fd);
-/// Both programs are in our places, each in its own. They are not where an `ingress` qdisc instead
-/// of clsact takes the egress filter for an ingress one.
-Result<void> verify_filters(std::uint32_t ifindex, std::uint32_t ingress, std::uint32_t egress);
 /// Ours, if it is there.
 void remove_filter(std::uint32_t ifindex, Direction direction);
 

@@ -83,12 +83,10 @@ struct Gate::State {
   bool reused = false;
   std::optional<Watchmen> watchmen;  ///< from when it is pinned on
 
-  [[nodiscard]] std::uint32_t program_id(Direction direction) const {
-    return program_info(programs.program_fd(direction)).id;
+  [[nodiscard]] GatePrograms both() const {
+    return {programs.program_fd(Direction::ingress), programs.program_fd(Direction::egress)};
   }
-  [[nodiscard]] Result<bool> in_force() const;
   [[nodiscard]] Result<void> pin_all() const;
-  [[nodiscard]] Result<void> put_all_in_place() const;
   Result<void> watch(const Control& control);
   [[nodiscard]] Result<void> name_all() const;
 
@@ -154,28 +152,6 @@ Result<void> Gate::State::watch(const Control& control) {
   return {};
 }
 
-Result<bool> Gate::State::in_force() const {
-  const auto there = in_place(place);
-  if (!there) return std::unexpected(there.error());
-  return std::ranges::all_of(kBothDirections,
-                             [&](Direction d) { return there->of(d) == program_id(d); });
-}
-
-Result<void> Gate::State::put_all_in_place() const {
-  for (const auto direction : kBothDirections)
-    if (auto put = put_in_place(place, direction, programs.program_fd(direction)); !put) return put;
-  const auto there = in_force();
-  if (!there) return std::unexpected(there.error());
-  if (!*there)
-    return fail(
-        "the programs are not where they were put: remove the qdisc that stands in the place of "
-        "clsact (tc qdisc show; tc qdisc del dev … ingress)");
-  Place other = place;
-  other.hook = place.hook == Hook::tcx ? Hook::clsact : Hook::tcx;
-  withdraw(other);
-  return {};
-}
-
 Result<void> Gate::State::name_all() const {
   for (const auto direction : kBothDirections)
     if (auto named = rename_pin(next_pin(place.directory, direction),
@@ -201,7 +177,7 @@ Result<Gate> Gate::attach(const GateConfig& config, const Control& control) {
 
   if (auto pinned = (*state)->pin_all(); !pinned) return in_context(pinned.error());
   if (auto watched = (*state)->watch(control); !watched) return in_context(watched.error());
-  if (auto put = (*state)->put_all_in_place(); !put) return in_context(put.error());
+  if (auto put = put_gate_in_place(place, (*state)->both()); !put) return in_context(put.error());
   if (auto named = (*state)->name_all(); !named) return in_context(named.error());
   return Gate(std::move(*state));
 }
@@ -217,12 +193,12 @@ const std::string& Gate::name() const { return state_->config.name; }
 bool Gate::reused() const { return state_->reused; }
 
 Hook Gate::hook() const { return state_->place.hook; }
-Result<bool> Gate::attached() const { return state_->in_force(); }
+Result<bool> Gate::attached() const { return are_in_place(state_->place, state_->both()); }
 
 /// A link whose name was removed ends a little later, and its program cannot be put there again
 /// before that: a copy can.
 Result<void> Gate::reattach() {
-  const auto put = state_->put_all_in_place();
+  const auto put = put_gate_in_place(state_->place, state_->both());
   if (put) return {};
   if (state_->place.hook == Hook::tcx) return go_first();
   return fail(fmt::format("gate of {}: {}", name(), put.error().text));
@@ -336,16 +312,15 @@ Result<Closing> put_closed(const Place& place, const auto& programs) {
 
 /// Of an Ethernet interface, what carries events alone. By clsact where no link can be pinned.
 Result<Closing> put_closed(Place place, const Control& control) {
+  if (place.hook == Hook::tcx && !make_pin_directory(place.directory)) place.hook = Hook::clsact;
   if (is_ethernet(place.ifindex)) {
     const auto programs = EtherPrograms::load(
         place.ifindex, EtherSizes::for_slots(0, possible_cpus()), control.map_fd(), {});
     if (!programs) return std::unexpected(programs.error());
-    place.hook = Hook::clsact;
     return put_closed(place, *programs);
   }
   const auto programs = Programs::load({.ifindex = place.ifindex}, shared_by(control), {});
   if (!programs) return std::unexpected(programs.error());
-  if (place.hook == Hook::tcx && !make_pin_directory(place.directory)) place.hook = Hook::clsact;
   return put_closed(place, *programs);
 }
 
