@@ -14,7 +14,10 @@
 namespace mlcca::core {
 namespace {
 
-Value less(Value a, Value b) { return a == kUnbounded ? a : a > b ? a - b : 0; }
+Value less(Value a, Value b) {
+  if (a == kUnbounded) return a;
+  return a > b ? a - b : 0;
+}
 
 bool is_missing(const AttributeSet& provision, Attribute a) {
   return !provision.has(a) || provision.is_dynamic(a);
@@ -41,6 +44,15 @@ bool is_fixed(const mesh::Mesh& mesh) {
 
 bool is_empty(const AttributeSet& offered) {
   return offered.has(Attribute::max_payload) && offered[Attribute::max_payload] == 0;
+}
+
+/// From a node to itself: there is nothing in between.
+void provide_everything(AttributeSet& provision, const AttributeSet& offered) {
+  for (const Attribute a :
+       {Attribute::latency, Attribute::jitter, Attribute::omission, Attribute::packet_loss})
+    provide(provision, a, 0);
+  provide(provision, Attribute::bandwidth, kUnbounded);
+  provide_events(provision, offered);
 }
 
 }  // namespace
@@ -230,7 +242,7 @@ void Media::take_bus(std::size_t hop) {
 // --- meshes -------------------------------------------------------------------------------------
 
 /// The node of a gateway, or all nodes of a mesh.
-std::vector<std::uint32_t> Media::nodes_of(const mesh::Mesh& mesh, Place place) const {
+std::vector<std::uint32_t> Media::nodes_of(const mesh::Mesh& mesh, Place place) {
   std::vector<std::uint32_t> nodes;
   for (std::uint32_t n = 0; n < mesh.nodes.size(); ++n)
     if (place.kind == Place::Kind::network || mesh.nodes[n].gateway == place.index)
@@ -272,99 +284,122 @@ void Media::no_path(std::size_t hop) {
   provide_events(provision, attributes_in(s_.members.publisher(v_.publisher), v_.set), true);
 }
 
-void Media::take_mesh(std::size_t hop) {
-  const std::size_t network = places_[hop].index;
-  const MeshView& view = *s_.world.meshes[network];
-  const mesh::Mesh& mesh = *s_.system.networks[network].mesh;
-  const AttributeSet& offered = attributes_in(s_.members.publisher(v_.publisher), v_.set);
-  const bool empty = is_empty(offered);
-  const Value event = mesh_event(offered);
-  Value demand = v_.demand;
-  if (empty && offered[Attribute::period] != 0)
-    demand = std::max(demand, mul_div_up(1, kNanosecondsPerSecond, offered[Attribute::period]));
-  const bool best_case = s_.best_cases_pass && !is_fixed(mesh);
-  const Flow flow = flow_on(s_.system, v_.publisher, v_.route, hop);
-  const auto taken = [&](std::size_t domain) {
-    return add_saturating(ledger_.medium_time(network, domain), view.background[domain]);
-  };
+/// What is asked of a mesh, and what its paths have given so far.
+struct Media::Crossing {
+  std::size_t network;
+  const mesh::Mesh& mesh;
+  const MeshView& view;
+  Flow flow;
+  Value event;   ///< bytes of one
+  Value demand;  ///< bytes/s
+  bool best_case;
+  MediumUse use = {};
+  Value available = kUnbounded;  ///< bytes/s
+  Value alone = kUnbounded;      ///< bytes/s, were nobody else there
+  std::size_t longest = 0;       ///< links
+  AttributeSet links_give = {};  ///< on the longest way
+  bool reached = false;
+  bool fits = true;
+};
 
+/// Links that the flow goes over already, to another place, carry it once.
+std::vector<std::uint32_t> Media::new_links(const Crossing& c,
+                                            std::span<const std::uint32_t> path) const {
+  const Holding* held = ledger_.find(c.flow);
+  std::vector<std::uint32_t> more;
+  for (const std::uint32_t link : path)
+    if (!held->mesh || std::ranges::find(held->mesh->links, link) == held->mesh->links.end())
+      more.push_back(link);
+  return more;
+}
+
+/// False: there is no way.
+bool Media::take_path(Crossing& c, std::uint32_t from, std::uint32_t to) {
+  const auto& path = c.view.path(from, to);
+  if (path.empty()) return false;
+  c.reached = true;
+  c.use.pairs.emplace_back(from, to);
+  const mesh::PathCost& cost = c.view.cost(from, to);
+  const auto background = [&](std::size_t domain) { return c.view.background[domain]; };
+  c.alone = std::min(c.alone, cost.evaluate(c.event, background).available);
+  if (path.size() > c.longest) {
+    c.longest = path.size();
+    c.links_give = mesh::composed_per_hop(c.view.graph, c.mesh, path, c.event);
+  }
+  const std::vector<std::uint32_t> more = new_links(c, path);
+  if (more.empty()) return true;
+  std::optional<mesh::PathCost> part;
+  if (more.size() != path.size()) part.emplace(c.view.graph, c.mesh, c.view.domains(), more);
+  const mesh::PathCost& extra = part ? *part : cost;
+  const auto taken = [&](std::size_t domain) {
+    return add_saturating(ledger_.medium_time(c.network, domain), c.view.background[domain]);
+  };
+  const auto left = extra.evaluate(c.event, taken);
+  c.available = std::min(c.available, left.available);
+  if (left.available < c.demand)
+    c.fits = false;
+  else
+    ledger_.occupy(c.flow, more, extra.shares(c.demand, c.event));
+  return true;
+}
+
+/// From each node to each. False: there is no way between two of them.
+bool Media::take_paths(Crossing& c, std::size_t hop) {
   const std::vector<std::uint32_t> from_nodes = entries(hop);
   const std::vector<std::uint32_t> to_nodes = exits(hop);
-  if (from_nodes.empty() || to_nodes.empty()) {
+  if (from_nodes.empty() || to_nodes.empty()) return false;
+  for (const std::uint32_t from : from_nodes)
+    for (const std::uint32_t to : to_nodes)
+      if (from != to && !take_path(c, from, to)) return false;
+  return true;
+}
+
+void Media::compare_medium_time(const Crossing& crossing, std::size_t hop) {
+  Row row{.place = places_[hop], .against = Against::medium_time};
+  Comparison& c = row.comparison;
+  c.attribute = Attribute::bandwidth;
+  c.known = true;
+  c.dynamic = crossing.best_case && crossing.fits;
+  c.outcome = Outcome::unfit;
+  if (crossing.fits) c.outcome = crossing.best_case ? Outcome::run_time : Outcome::fit;
+  c.required = crossing.demand;
+  c.provided = crossing.available;
+  medium_rows_.push_back(row);
+}
+
+void Media::take_mesh(std::size_t hop) {
+  const std::size_t network = places_[hop].index;
+  const mesh::Mesh& mesh = *s_.system.networks[network].mesh;
+  const AttributeSet& offered = attributes_in(s_.members.publisher(v_.publisher), v_.set);
+  Value demand = v_.demand;
+  if (is_empty(offered) && offered[Attribute::period] != 0)
+    demand = std::max(demand, mul_div_up(1, kNanosecondsPerSecond, offered[Attribute::period]));
+  Crossing c{.network = network,
+             .mesh = mesh,
+             .view = *s_.world.meshes[network],
+             .flow = flow_on(s_.system, v_.publisher, v_.route, hop),
+             .event = mesh_event(offered),
+             .demand = demand,
+             .best_case = s_.best_cases_pass && !is_fixed(mesh)};
+  c.use.network = network;
+  if (!take_paths(c, hop)) {
     no_path(hop);
     return;
   }
-  MediumUse use;
-  use.network = network;
-  Value available = kUnbounded;
-  Value alone = kUnbounded;
-  std::size_t longest = 0;
-  AttributeSet links_give;
-  bool reached = false;
-  bool fits = true;
-  for (const std::uint32_t from : from_nodes) {
-    for (const std::uint32_t to : to_nodes) {
-      if (from == to) continue;
-      const auto& path = view.path(from, to);
-      if (path.empty()) {
-        no_path(hop);
-        return;
-      }
-      reached = true;
-      use.pairs.emplace_back(from, to);
-      const mesh::PathCost& cost = view.cost(from, to);
-      const auto unused = cost.evaluate(event, [&](std::size_t d) { return view.background[d]; });
-      alone = std::min(alone, unused.available);
-      if (path.size() > longest) {
-        longest = path.size();
-        links_give = mesh::composed_per_hop(view.graph, mesh, path, event);
-      }
-      // Links that the flow goes over already, to another place, carry it once.
-      std::vector<std::uint32_t> more;
-      const Holding* held = ledger_.find(flow);
-      for (const std::uint32_t link : path)
-        if (!held->mesh || std::ranges::find(held->mesh->links, link) == held->mesh->links.end())
-          more.push_back(link);
-      if (more.empty()) continue;
-      std::optional<mesh::PathCost> part;
-      if (more.size() != path.size()) part.emplace(view.graph, mesh, view.domains(), more);
-      const mesh::PathCost& extra = part ? *part : cost;
-      const auto left = extra.evaluate(event, taken);
-      available = std::min(available, left.available);
-      if (left.available < demand)
-        fits = false;
-      else
-        ledger_.occupy(flow, more, extra.shares(demand, event));
-    }
-  }
   AttributeSet& provision = hops_[hop].provision;
-  if (!reached) {  // from a node to itself: there is nothing in between
-    for (const Attribute a :
-         {Attribute::latency, Attribute::jitter, Attribute::omission, Attribute::packet_loss})
-      provide(provision, a, 0);
-    provide(provision, Attribute::bandwidth, kUnbounded);
-    provide_events(provision, offered);
+  if (!c.reached) {
+    provide_everything(provision, offered);
     return;
   }
-  provide(provision, Attribute::bandwidth, alone, best_case);
+  provide(provision, Attribute::bandwidth, c.alone, c.best_case);
   for (std::size_t i = 0; i < kAttributes; ++i) {
     const Attribute a = attribute_at(i);
-    if (a != Attribute::bandwidth && links_give.has(a))
-      provide(provision, a, links_give[a], best_case);
+    if (a != Attribute::bandwidth && c.links_give.has(a))
+      provide(provision, a, c.links_give[a], c.best_case);
   }
-  provide_events(provision, offered, best_case);
-  if (available != kUnbounded) {
-    Row row{.place = places_[hop], .against = Against::medium_time};
-    Comparison& c = row.comparison;
-    c.attribute = Attribute::bandwidth;
-    c.known = true;
-    c.dynamic = best_case && fits;
-    c.outcome = !fits ? Outcome::unfit : best_case ? Outcome::run_time : Outcome::fit;
-    c.required = demand;
-    c.provided = available;
-    medium_rows_.push_back(row);
-  }
-  v_.media.push_back(std::move(use));
+  provide_events(provision, offered, c.best_case);
+  if (c.available != kUnbounded) compare_medium_time(c, hop);
+  v_.media.push_back(std::move(c.use));
 }
 
 }  // namespace mlcca::core

@@ -51,7 +51,13 @@ class Media {
   void no_path(std::size_t hop);
   void take_bus(std::size_t hop);
   void leave_out_own_load(std::size_t network);
+  struct Crossing;
   void take_mesh(std::size_t hop);
+  bool take_paths(Crossing& c, std::size_t hop);
+  bool take_path(Crossing& c, std::uint32_t from, std::uint32_t to);
+  [[nodiscard]] std::vector<std::uint32_t> new_links(const Crossing& c,
+                                                     std::span<const std::uint32_t> path) const;
+  void compare_medium_time(const Crossing& crossing, std::size_t hop);
   void late_row(Place hop, const can::Schedule::Late& late);
   [[nodiscard]] Value delay_allowed(std::size_t hop) const;
   [[nodiscard]] Value bit_time(std::size_t hop) const;
@@ -60,7 +66,7 @@ class Media {
   [[nodiscard]] Value latency_of(std::size_t hop) const;
   [[nodiscard]] Value variation_of(std::size_t hop) const;
   [[nodiscard]] std::uint32_t sender_queue(std::size_t hop) const;
-  [[nodiscard]] std::vector<std::uint32_t> nodes_of(const mesh::Mesh& mesh, Place place) const;
+  [[nodiscard]] static std::vector<std::uint32_t> nodes_of(const mesh::Mesh& mesh, Place place);
   [[nodiscard]] std::vector<std::uint32_t> entries(std::size_t hop) const;
   [[nodiscard]] std::vector<std::uint32_t> exits(std::size_t hop) const;
 

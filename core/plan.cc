@@ -55,21 +55,14 @@ class Planner {
   /// The rules of one publisher: where its events enter this gateway, and where they leave.
   void add(std::size_t publisher, const std::vector<const Verdict*>& verdicts) {
     set_ = verdicts.empty() ? 0 : verdicts.front()->set;  // all of a channel have the same
-    silence_ = kUnbounded;
-    for (const Verdict* v : verdicts)
-      if (const Value silence = silence_of(*v); silence != 0)
-        silence_ = std::min(silence_, silence);
+    silence_ = shortest_silence(verdicts);
     std::map<std::pair<std::size_t, std::size_t>, bool> out;  // (in, out) ports
     std::map<std::size_t, bool> in;
-    for (const Verdict* v : verdicts) {
+    for (const Verdict* v : verdicts)
       for (const auto& crossing : crossings(*v)) {
         if (crossing.in != kLocal) in[crossing.in] |= v->granted;
-        if (crossing.out != kLocal) {
-          auto [it, fresh] = out.try_emplace({crossing.in, crossing.out}, v->granted);
-          if (!fresh) it->second |= v->granted;
-        }
+        if (crossing.out != kLocal) out[{crossing.in, crossing.out}] |= v->granted;
       }
-    }
     // A publisher on a network of ours whose events nobody needs here: known, and not passed.
     const Publisher& p = members_.publisher(publisher);
     if (p.place.kind == Place::Kind::network)
@@ -99,6 +92,13 @@ class Planner {
   }
 
  private:
+  static Value shortest_silence(const std::vector<const Verdict*>& verdicts) {
+    Value shortest = kUnbounded;
+    for (const Verdict* v : verdicts)
+      if (const Value silence = silence_of(*v); silence != 0)
+        shortest = std::min(shortest, silence);
+    return shortest;
+  }
   static constexpr std::size_t kLocal = ~std::size_t{0};
   struct Crossing {
     std::size_t in;
@@ -301,6 +301,17 @@ GateState gate_state(const System& system, const Members& members, const Verdict
   return planner.take();
 }
 
+namespace {
+
+void compare_same(const GateRule& now, const GateRule& next, GateChanges& changes) {
+  if (now.pass && !next.pass) changes.close.push_back(now.entry);
+  if (!now.pass && next.pass) changes.open.push_back(next.entry);
+  if (now.policing != next.policing || now.watching != next.watching)
+    changes.police.push_back(next);
+}
+
+}  // namespace
+
 GateChanges difference(const GateState& now, const GateState& next) {
   GateChanges changes;
   auto a = now.begin();
@@ -311,11 +322,7 @@ GateChanges difference(const GateState& now, const GateState& next) {
     } else if (a == now.end() || b->entry < a->entry) {
       changes.add.push_back(*b++);
     } else {
-      if (a->pass && !b->pass) changes.close.push_back(a->entry);
-      if (!a->pass && b->pass) changes.open.push_back(b->entry);
-      if (a->policing != b->policing || a->watching != b->watching) changes.police.push_back(*b);
-      ++a;
-      ++b;
+      compare_same(*a++, *b++, changes);
     }
   }
   return changes;
