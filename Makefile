@@ -129,6 +129,7 @@ tidy: $(TIDY_STAMPS)
 
 bench: ensure-deps ## ratios against named peers in the same run (root)
 	$(Q)$(MAKE) run-bench
+	$(Q)$(MAKE) run-bench-frames
 
 install: all $(INSTALL) ## install below $(DESTDIR)$(PREFIX); units and rules where the system looks for them
 

@@ -45,6 +45,11 @@ $O/bench/dds_peer: $O/tests/bench/dds_peer.o
 OBJECTS += $O/tests/bench/dds_peer.o
 BENCHES += $O/bench/dds_peer
 
+# Real frames need CAN: these run in the guest.
+$(eval $(call program,bench/frames,tests/bench/frames/frames.cc,$O/libenforce.a,-lbpf -lfmt))
+run-bench-frames: all $O/bench/frames $(GUEST_READY)
+	$(Q)tests/bench/frames/run $O
+
 run-bench: all $(BENCHES)
 	$(Q)tests/bench/run $O
 .PHONY: run-bench
