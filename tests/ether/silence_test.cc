@@ -16,9 +16,10 @@ constexpr std::uint64_t kSilence = 250 * kMillisecond;
 class EtherSilence : public EtherSockets {
  protected:
   EtherSilence()
-      : reader_(EventReader::open(control_.events_fd(), [this](const gate_event& e) {
-                  got_.push_back(e);
-                }).value()) {}
+      : reader_(EventReader::open(
+                    control_.events_fd(),
+                    {[this](const gate_event& e) { got_.push_back(e); }, [](const gate_sample&) {}})
+                    .value()) {}
   static SlotSpec watched(std::uint64_t subject = kSubject) {
     SlotSpec s = slot(Direction::ingress, subject);
     s.period = kPeriod;
