@@ -19,6 +19,7 @@
 #include "bpf/once.bpf.h"
 #include "bpf/shared.bpf.h"
 #include "bpf/police.bpf.h"
+#include "bpf/sample.bpf.h"
 
 /* Set before loading. */
 const volatile __u32 ifindex = 0;

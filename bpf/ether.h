@@ -112,7 +112,8 @@ struct ether_table {
 	__u64 unknown_frames; /* as in gate_table */
 	__u32 contracts;
 	__u32 watches_end; /* all watches that were ever used are below this one */
-	__u32 pad[6];
+	__u64 sample_due;  /* as in gate_table */
+	__u32 pad[4];
 };
 
 /* A datagram without a slot; as gate_seen. */

@@ -45,6 +45,19 @@ static __always_inline void count_pass(struct ether_cpu *cpu, __u32 direction, _
 	count_up(&count->bytes, e->len);
 }
 
+static __always_inline void tell_unknown(__u64 frames, __u32 direction, const struct event *e)
+{
+	struct gate_sample sample = {
+	    .ifindex = ifindex,
+	    .frames = frames,
+	    .subject = e->subject,
+	    .len = e->len,
+	    .direction = direction,
+	};
+
+	tell_sample(&sample, &table.sample_due);
+}
+
 /* The sequence is 0 while the entry changes hands; the exchanges order the stores around it. */
 static __always_inline void note_unknown(struct ether_cpu *cpu, __u32 direction,
 					 const struct event *e)
@@ -58,6 +71,7 @@ static __always_inline void note_unknown(struct ether_cpu *cpu, __u32 direction,
 		seen->subject = e->subject;
 		seen->direction = direction;
 		seen->count = 0;
+		tell_unknown(sequence, direction, e);
 	}
 	seen->len = e->len;
 	seen->count++;

@@ -40,12 +40,8 @@ struct {
 	__type(value, struct gate_cpu);
 } cpus SEC(".maps");
 
-struct {
-	__uint(type, BPF_MAP_TYPE_RINGBUF);
-	__uint(max_entries, GATE_EVENTS_SIZE);
-} events SEC(".maps");
-
 #include "bpf/police.bpf.h"
+#include "bpf/sample.bpf.h"
 #include "bpf/gate_frame.bpf.h"
 #include "bpf/gate_count.bpf.h"
 #include "bpf/gate_slot.bpf.h"

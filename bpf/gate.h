@@ -272,17 +272,18 @@ struct gate_event {
 };
 
 /*
- * A frame without a slot that was not among the gate_seen before. Told only while half of the ring
- * is free, so that no stranger takes the place of a gate_event.
+ * A frame without a slot that was not among the last seen ones before. Told only while half of the
+ * ring is free, so that no stranger takes the place of a gate_event.
  */
 struct gate_sample {
 	__u32 kind; /* GATE_E_UNKNOWN */
 	__u32 ifindex;
-	__u64 at;     /* CLOCK_MONOTONIC ns */
-	__u64 frames; /* without a slot on this interface, with this one */
-	__u32 can_id;
+	__u64 at;      /* CLOCK_MONOTONIC ns */
+	__u64 frames;  /* without a slot on this interface, with this one */
+	__u64 subject; /* Ethernet */
+	__u32 can_id;  /* CAN */
 	__u16 len;
-	__u8 format; /* GATE_CLASSIC, GATE_FD or GATE_XL */
+	__u8 format; /* GATE_CLASSIC, GATE_FD or GATE_XL; 0: Ethernet */
 	__u8 direction;
 };
 
@@ -391,7 +392,7 @@ GATE_ASSERT(sizeof(struct gate_count) == 32, "gate_count is pinned layout");
 GATE_ASSERT(sizeof(struct gate_seen) == 24, "gate_seen is pinned layout");
 GATE_ASSERT(sizeof(struct gate_cpu) == 32 * 4096 + 8 * 32 + 24 * 64, "gate_cpu is pinned layout");
 GATE_ASSERT(sizeof(struct gate_event) == 40, "gate_event is pinned layout");
-GATE_ASSERT(sizeof(struct gate_sample) == 32, "gate_sample is pinned layout");
+GATE_ASSERT(sizeof(struct gate_sample) == 40, "gate_sample is pinned layout");
 GATE_ASSERT(sizeof(struct gate_control) == 64, "gate_control is pinned layout");
 
 #endif

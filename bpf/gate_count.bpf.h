@@ -42,14 +42,10 @@ static __always_inline int drop(struct gate_cpu *cpu, __u32 direction, __u32 slo
 	return READ_ONCE(control.mode) == GATE_AUDIT ? TC_ACT_UNSPEC : TC_ACT_SHOT;
 }
 
-/* The clock is read only here: a stranger who floods is told once, and costs no time after that. */
 static __always_inline void tell_unknown(__u64 frames, __u32 direction, const struct frame *frame)
 {
-	__u64 now = bpf_ktime_get_ns();
 	struct gate_sample sample = {
-	    .kind = GATE_E_UNKNOWN,
 	    .ifindex = ifindex,
-	    .at = now,
 	    .frames = frames,
 	    .can_id = frame->can_id,
 	    .len = frame->len,
@@ -57,10 +53,7 @@ static __always_inline void tell_unknown(__u64 frames, __u32 direction, const st
 	    .direction = direction,
 	};
 
-	if (take_turn(&table.sample_due, GATE_SAMPLE_NS, (GATE_SAMPLES - 1) * GATE_SAMPLE_NS,
-		      now) &&
-	    bpf_ringbuf_query(&events, BPF_RB_AVAIL_DATA) < GATE_EVENTS_SIZE / 2)
-		bpf_ringbuf_output(&events, &sample, sizeof(sample), 0);
+	tell_sample(&sample, &table.sample_due);
 }
 
 /* The sequence is 0 while the entry changes hands; the exchanges order the stores around it. */

@@ -24,13 +24,14 @@ constexpr std::uint64_t kTryAgain = 10'000'000'000;  // ns
 /// What drops and comes and goes each second is for the log, not for the history.
 bool is_history(Kind kind) { return kind != Kind::dropping; }
 
-/// "123", "FD 1ABCDEF0", "123 on its way out"
+/// "123", "FD 1ABCDEF0", "0x44697374616e6365 on its way out"
 std::string frame_name(const gate_sample& sample) {
-  const char* const format = sample.format == GATE_FD   ? "FD "
-                             : sample.format == GATE_XL ? "XL "
-                                                        : "";
-  const char* const remote = (sample.can_id & CAN_RTR_FLAG) != 0 ? "remote " : "";
   const char* const way = sample.direction == GATE_EGRESS ? " on its way out" : "";
+  if (sample.format == 0) return core::format_subject(sample.subject) + way;
+  const char* const remote = (sample.can_id & CAN_RTR_FLAG) != 0 ? "remote " : "";
+  std::string format;
+  if (sample.format == GATE_FD) format = "FD ";
+  if (sample.format == GATE_XL) format = "XL ";
   return (sample.can_id & CAN_EFF_FLAG) != 0
              ? fmt::format("{}{}{:08X}{}", format, remote, sample.can_id & CAN_EFF_MASK, way)
              : fmt::format("{}{}{:03X}{}", format, remote, sample.can_id & CAN_SFF_MASK, way);

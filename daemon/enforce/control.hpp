@@ -22,6 +22,12 @@ inline constexpr std::uint64_t kDefaultGrace = 10'000'000'000;  ///< ns
 /// A shorter grace is taken as this: it could not be told from a busy daemon.
 inline constexpr std::uint64_t kShortestGrace = 100'000'000;  ///< ns
 
+/// The maps that all gates share, by their descriptors.
+struct SharedMaps {
+  int control;
+  int events;
+};
+
 class Control {
  public:
   /// Opens the pinned maps below `root`/v1 (a directory of a bpffs; made if absent) as they are, or
@@ -70,6 +76,7 @@ class Control {
   [[nodiscard]] int map_fd() const;
   /// The ring of gate_event that all gates share; stays ours.
   [[nodiscard]] int events_fd() const;
+  [[nodiscard]] SharedMaps shared() const { return {map_fd(), events_fd()}; }
 
  private:
   struct State;

@@ -33,21 +33,12 @@ namespace {
 
 std::string early_pin(const std::string& directory) { return directory + "/early"; }
 std::string next(const std::string& pin) { return pin + "_next"; }
-std::string map_pin(const std::string& directory, std::size_t n) {
-  return directory + "/" + kEtherMaps.at(n);
-}
 
 std::optional<std::uint64_t> random_seed() {
   std::uint64_t seed = 0;
   if (getrandom(&seed, sizeof(seed), 0) != sizeof(seed)) return std::nullopt;
   return seed;
 }
-
-/// What a gate before this one has left, if its programs are attached to this very device.
-struct Former {
-  EtherMaps maps;
-  EtherSizes sizes;
-};
 
 bool is_attached(const std::string& pin, std::uint32_t attached, int table) {
   const Fd program = open_pin(pin);
@@ -76,29 +67,13 @@ Result<bool> is_in_force(const std::string& directory, std::uint32_t ifindex, in
   return in_force;
 }
 
-Result<Former> former_gate(const std::string& directory, std::uint32_t ifindex) {
-  Former former;
-  for (std::size_t n = 0; n < kEtherMaps.size(); ++n) {
-    former.maps.at(n) = open_pin(map_pin(directory, n));
-    if (!former.maps.at(n)) return Former{};
-  }
-  const int table_fd = former.maps.front().get();
-  const auto in_force = is_in_force(directory, ifindex, table_fd);
+/// What a gate before this one has left, if its programs are attached to this very device.
+Result<EtherPinned> former_gate(const std::string& directory, std::uint32_t ifindex) {
+  auto there = pinned_ether_maps(directory);
+  if (!there) return EtherPinned{};
+  const auto in_force = is_in_force(directory, ifindex, there->maps.front().get());
   if (!in_force) return std::unexpected(in_force.error());
-  if (!*in_force || !is_mappable_array(table_fd, sizeof(ether_table), 1)) return Former{};
-  const Mapped<ether_table> table(table_fd, 1);
-  if (!table || table[0].layout_version != ETHER_LAYOUT_VERSION) return Former{};
-  former.sizes = {table[0].slots, table[0].buckets, table[0].contracts, table[0].banks};
-  const auto fits = [&](std::size_t n, std::uint32_t size, std::uint32_t entries) {
-    return is_mappable_array(former.maps.at(n).get(), size, entries);
-  };
-  if (!fits(1, sizeof(std::uint64_t), former.sizes.buckets) ||
-      !fits(2, sizeof(ether_slot), former.sizes.slots) ||
-      !fits(3, sizeof(ether_contract), former.sizes.contracts) ||
-      !fits(4, sizeof(gate_count), former.sizes.banks * former.sizes.slots) ||
-      !fits(5, sizeof(ether_cpu), possible_cpus()) || !fits(8, sizeof(gate_watch), ETHER_WATCHES))
-    return Former{};
-  return former;
+  return *in_force ? std::move(*there) : EtherPinned{};
 }
 
 }  // namespace
@@ -106,7 +81,7 @@ Result<Former> former_gate(const std::string& directory, std::uint32_t ifindex) 
 struct EtherGate::State {
   EtherConfig config;
   Place place;
-  int control_map;
+  SharedMaps shared;
   EtherSizes sizes;
   EtherPrograms programs;
   EtherMapping mapping;
@@ -116,7 +91,7 @@ struct EtherGate::State {
   std::optional<Watchmen> watchmen;  ///< from when it is pinned on
 
   static Result<std::unique_ptr<State>> load(const EtherConfig& config, const Place& place,
-                                             int control_map, const EtherSizes& sizes,
+                                             const SharedMaps& shared, const EtherSizes& sizes,
                                              const EtherMaps& maps);
   [[nodiscard]] GatePrograms both() const {
     return {programs.program_fd(Direction::ingress), programs.program_fd(Direction::egress)};
@@ -130,11 +105,11 @@ struct EtherGate::State {
 
 Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConfig& config,
                                                                  const Place& place,
-                                                                 int control_map,
+                                                                 const SharedMaps& shared,
                                                                  const EtherSizes& sizes,
                                                                  const EtherMaps& maps) {
   const bool fresh = !maps.front();
-  auto programs = EtherPrograms::load(config.ifindex, sizes, control_map, maps);
+  auto programs = EtherPrograms::load(config.ifindex, sizes, shared, maps);
   if (!programs) return std::unexpected(programs.error());
   auto mapping = EtherMapping::of(*programs, sizes);
   if (!mapping) return std::unexpected(mapping.error());
@@ -144,7 +119,7 @@ Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConf
   if (!table) return std::unexpected(table.error());
   return std::make_unique<State>(State{.config = config,
                                        .place = place,
-                                       .control_map = control_map,
+                                       .shared = shared,
                                        .sizes = sizes,
                                        .programs = std::move(*programs),
                                        .mapping = std::move(*mapping),
@@ -158,7 +133,7 @@ Result<void> EtherGate::State::pin_all() const {
   const std::string& directory = place.directory;
   if (!reused) {
     // The program in the driver keeps its name: it is replaced by it.
-    for (std::size_t n = 0; n < kEtherMaps.size(); ++n) remove_pin(map_pin(directory, n));
+    for (std::size_t n = 0; n < kEtherMaps.size(); ++n) remove_pin(ether_map_pin(directory, n));
     for (const auto direction : kBothDirections) remove_pin(program_pin(directory, direction));
     remove_pin(watchmen_pin(directory));  // of a table that is not in force any more
   }
@@ -170,7 +145,7 @@ Result<void> EtherGate::State::pin_all() const {
     return {};
   };
   for (std::size_t n = 0; !reused && n < kEtherMaps.size(); ++n)
-    if (auto done = pin_new(programs.map_fd(n), map_pin(directory, n)); !done) return done;
+    if (auto done = pin_new(programs.map_fd(n), ether_map_pin(directory, n)); !done) return done;
   for (const auto direction : kBothDirections)
     if (auto done = pin_new(programs.program_fd(direction), next_pin(directory, direction)); !done)
       return done;
@@ -243,21 +218,21 @@ Result<EtherGate> EtherGate::attach(const EtherConfig& config, const Control& co
     return fail(fmt::format("gate of {}: it is no Ethernet interface", config.name));
   const Place place{config.ifindex, gate_directory(control.directory(), config.ifindex),
                     config.hook.value_or(best_hook())};
-  const int word = control.map_fd();
+  const SharedMaps shared = control.shared();
   auto former = former_gate(place.directory, config.ifindex);
   if (!former) return in_context(former.error());
   const EtherSizes wanted = EtherSizes::for_slots(config.slots, possible_cpus());
   const bool is_there = static_cast<bool>(former->maps.front());
   const bool fits = is_there && former->sizes.slots >= wanted.slots;
 
-  auto state = fits ? State::load(config, place, word, former->sizes, former->maps)
-                    : State::load(config, place, word, wanted, {});
+  auto state = fits ? State::load(config, place, shared, former->sizes, former->maps)
+                    : State::load(config, place, shared, wanted, {});
   // Maps that make no sense are not worth keeping: start closed.
-  if (!state && fits) state = State::load(config, place, word, wanted, {});
+  if (!state && fits) state = State::load(config, place, shared, wanted, {});
   if (!state) return in_context(state.error());
   if (is_there && !fits) {
     // Whoever was admitted goes on in the larger table.
-    if (const auto old = State::load(config, place, word, former->sizes, former->maps)) {
+    if (const auto old = State::load(config, place, shared, former->sizes, former->maps)) {
       SlotChanges moved;
       moved.add = (*old)->table.present();
       if (auto done = (*state)->table.apply(moved); !done) return in_context(done.error());
@@ -302,7 +277,7 @@ Result<void> EtherGate::go_first() {
   };
   const auto maps = state_->shared_maps();
   if (!maps) return in_context(maps.error());
-  auto copy = State::load(state_->config, state_->place, state_->control_map, state_->sizes, *maps);
+  auto copy = State::load(state_->config, state_->place, state_->shared, state_->sizes, *maps);
   if (!copy) return in_context(copy.error());
   if (auto pinned = (*copy)->pin_all(); !pinned) return in_context(pinned.error());
   for (const auto direction : kBothDirections)

@@ -9,6 +9,7 @@
 
 #include "daemon/enforce/complaints.hpp"
 #include "daemon/enforce/failure.hpp"
+#include "daemon/enforce/pins.hpp"
 #include "daemon/enforce/programs.hpp"
 
 namespace mlcca::enforce {
@@ -34,9 +35,11 @@ int set_sizes(const ether_bpf& object, const EtherSizes& sizes) {
   return 0;
 }
 
-int share_maps(const ether_bpf& object, const EtherSizes& sizes, int control_map,
+int share_maps(const ether_bpf& object, const EtherSizes& sizes, const SharedMaps& shared,
                const EtherMaps& maps) {
-  if (const int error = bpf_map__reuse_fd(object.maps.data_control, control_map); error != 0)
+  if (const int error = bpf_map__reuse_fd(object.maps.data_control, shared.control); error != 0)
+    return error;
+  if (const int error = bpf_map__reuse_fd(object.maps.events, shared.events); error != 0)
     return error;
   if (!maps.front()) return set_sizes(object, sizes);
   const auto all = maps_of(object);
@@ -47,10 +50,38 @@ int share_maps(const ether_bpf& object, const EtherSizes& sizes, int control_map
 
 }  // namespace
 
+std::string ether_map_pin(const std::string& directory, std::size_t n) {
+  return directory + "/" + kEtherMaps.at(n);
+}
+
+std::optional<EtherPinned> pinned_ether_maps(const std::string& directory) {
+  EtherPinned there;
+  for (std::size_t n = 0; n < kEtherMaps.size(); ++n) {
+    there.maps.at(n) = open_pin(ether_map_pin(directory, n));
+    if (!there.maps.at(n)) return std::nullopt;
+  }
+  const int table_fd = there.maps.front().get();
+  if (!is_mappable_array(table_fd, sizeof(ether_table), 1)) return std::nullopt;
+  const Mapped<ether_table> table(table_fd, 1);
+  if (!table || table[0].layout_version != ETHER_LAYOUT_VERSION) return std::nullopt;
+  there.sizes = {table[0].slots, table[0].buckets, table[0].contracts, table[0].banks};
+  const auto fits = [&](std::size_t n, std::uint32_t size, std::uint32_t entries) {
+    return is_mappable_array(there.maps.at(n).get(), size, entries);
+  };
+  if (!fits(1, sizeof(std::uint64_t), there.sizes.buckets) ||
+      !fits(2, sizeof(ether_slot), there.sizes.slots) ||
+      !fits(3, sizeof(ether_contract), there.sizes.contracts) ||
+      !fits(4, sizeof(gate_count), there.sizes.banks * there.sizes.slots) ||
+      !fits(5, sizeof(ether_cpu), possible_cpus()) || !fits(8, sizeof(gate_watch), ETHER_WATCHES))
+    return std::nullopt;
+  return there;
+}
+
 void destroy_ether_programs(ether_bpf* object) { ether_bpf__destroy(object); }
 
 Result<EtherPrograms::Object> EtherPrograms::try_load(std::uint32_t ifindex,
-                                                      const EtherSizes& sizes, int control_map,
+                                                      const EtherSizes& sizes,
+                                                      const SharedMaps& shared,
                                                       const EtherMaps& maps, bool direct_access) {
   const Complaints complaints;
   Object object(ether_bpf__open());
@@ -61,7 +92,7 @@ Result<EtherPrograms::Object> EtherPrograms::try_load(std::uint32_t ifindex,
   object->rodata->banks = sizes.banks;
   object->rodata->direct_access = direct_access;
   object->rodata->atomic_counts = is_preempt_rt();
-  if (const int error = share_maps(*object, sizes, control_map, maps); error != 0)
+  if (const int error = share_maps(*object, sizes, shared, maps); error != 0)
     return complaints.error("prepare the maps of the Ethernet gate", error);
   if (const int error = ether_bpf__load(object.get()); error != 0)
     return complaints.error("load the Ethernet gate", error);
@@ -69,9 +100,9 @@ Result<EtherPrograms::Object> EtherPrograms::try_load(std::uint32_t ifindex,
 }
 
 Result<EtherPrograms> EtherPrograms::load(std::uint32_t ifindex, const EtherSizes& sizes,
-                                          int control_map, const EtherMaps& maps) {
-  auto object = try_load(ifindex, sizes, control_map, maps, true);
-  if (!object) object = try_load(ifindex, sizes, control_map, maps, false);
+                                          const SharedMaps& shared, const EtherMaps& maps) {
+  auto object = try_load(ifindex, sizes, shared, maps, true);
+  if (!object) object = try_load(ifindex, sizes, shared, maps, false);
   if (!object) return std::unexpected(object.error());
   return EtherPrograms(std::move(*object));
 }

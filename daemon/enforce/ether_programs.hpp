@@ -4,11 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "bpf/ether.h"
 #include "core/handle.hpp"
 #include "core/result.hpp"
+#include "daemon/enforce/control.hpp"
 #include "daemon/enforce/ether_table.hpp"
 #include "daemon/enforce/mapped.hpp"
 #include "daemon/enforce/slots.hpp"
@@ -25,11 +27,20 @@ inline constexpr std::array kEtherMaps = {"ether_table",     "ether_buckets", "e
                                           "ether_fragments", "ether_foreign", "ether_watches"};
 using EtherMaps = std::array<Fd, kEtherMaps.size()>;  ///< in that order; all or none
 
+/// The pinned maps of an interface.
+struct EtherPinned {
+  EtherMaps maps;
+  EtherSizes sizes;
+};
+std::string ether_map_pin(const std::string& directory, std::size_t n);
+/// Nothing where one of them is missing, or they are of another layout or do not fit each other.
+std::optional<EtherPinned> pinned_ether_maps(const std::string& directory);
+
 class EtherPrograms {
  public:
   /// Loads over `maps`, or over new ones where they are empty.
-  static Result<EtherPrograms> load(std::uint32_t ifindex, const EtherSizes& sizes, int control_map,
-                                    const EtherMaps& maps);
+  static Result<EtherPrograms> load(std::uint32_t ifindex, const EtherSizes& sizes,
+                                    const SharedMaps& shared, const EtherMaps& maps);
 
   [[nodiscard]] int program_fd(Direction direction) const;
   /// Of the XDP program.
@@ -42,8 +53,9 @@ class EtherPrograms {
  private:
   using Object = std::unique_ptr<ether_bpf, FreeWith<destroy_ether_programs>>;
   explicit EtherPrograms(Object object) : object_(std::move(object)) {}
-  static Result<Object> try_load(std::uint32_t ifindex, const EtherSizes& sizes, int control_map,
-                                 const EtherMaps& maps, bool direct_access);
+  static Result<Object> try_load(std::uint32_t ifindex, const EtherSizes& sizes,
+                                 const SharedMaps& shared, const EtherMaps& maps,
+                                 bool direct_access);
   Object object_;
 };
 

@@ -89,6 +89,7 @@ Result<EtherTable> EtherTable::read(const EtherMemory& memory, const EtherSizes&
             .unknown_frames = 0,
             .contracts = sizes.contracts,
             .watches_end = 1,
+            .sample_due = 0,
             .pad = {}};
   if (head.layout_version != ETHER_LAYOUT_VERSION)
     return fail(fmt::format("subject table: layout {} instead of {}", head.layout_version,

@@ -5,6 +5,7 @@
 #include <bpf/libbpf.h>
 
 #include <cerrno>
+#include <cstddef>
 #include <utility>
 
 #include "daemon/enforce/failure.hpp"
@@ -13,11 +14,18 @@
 namespace mlcca::enforce {
 namespace {
 
-/// Records of other sizes are of no gate that we know.
+static_assert(offsetof(gate_event, kind) == 0 && offsetof(gate_sample, kind) == 0 &&
+              sizeof(gate_event) == sizeof(gate_sample));
+
+/// Records of another size are of no gate that we know.
 int take_record(void* context, void* data, std::size_t size) {
   const auto& take = *static_cast<const EventReader::Take*>(context);
-  if (size == sizeof(gate_event)) take.event(*static_cast<const gate_event*>(data));
-  if (size == sizeof(gate_sample)) take.sample(*static_cast<const gate_sample*>(data));
+  if (size != sizeof(gate_event)) return 0;
+  const auto& event = *static_cast<const gate_event*>(data);
+  if (event.kind == GATE_E_UNKNOWN)
+    take.sample(*static_cast<const gate_sample*>(data));
+  else
+    take.event(event);
   return 0;
 }
 

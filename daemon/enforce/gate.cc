@@ -30,8 +30,6 @@
 namespace mlcca::enforce {
 namespace {
 
-SharedMaps shared_by(const Control& control) { return {control.map_fd(), control.events_fd()}; }
-
 /// The pinned program is the attached one and looks at these maps.
 bool is_attached(const std::string& pin, std::uint32_t attached, const GateMaps& maps) {
   const Fd program = open_pin(pin);
@@ -170,9 +168,9 @@ Result<Gate> Gate::attach(const GateConfig& config, const Control& control) {
   const ProgramConfig knobs{.ifindex = config.ifindex, .profile = gate_profile_of(config.profile)};
   auto maps = maps_in_force(place.directory, knobs);
   if (!maps) return in_context(maps.error());
-  auto state = State::load(config, place, shared_by(control), *maps);
+  auto state = State::load(config, place, control.shared(), *maps);
   // Maps that make no sense are not worth keeping: start closed.
-  if (!state && maps->table) state = State::load(config, place, shared_by(control), GateMaps{});
+  if (!state && maps->table) state = State::load(config, place, control.shared(), GateMaps{});
   if (!state) return in_context(state.error());
 
   if (auto pinned = (*state)->pin_all(); !pinned) return in_context(pinned.error());
@@ -315,11 +313,11 @@ Result<Closing> put_closed(Place place, const Control& control) {
   if (place.hook == Hook::tcx && !make_pin_directory(place.directory)) place.hook = Hook::clsact;
   if (is_ethernet(place.ifindex)) {
     const auto programs = EtherPrograms::load(
-        place.ifindex, EtherSizes::for_slots(0, possible_cpus()), control.map_fd(), {});
+        place.ifindex, EtherSizes::for_slots(0, possible_cpus()), control.shared(), {});
     if (!programs) return std::unexpected(programs.error());
     return put_closed(place, *programs);
   }
-  const auto programs = Programs::load({.ifindex = place.ifindex}, shared_by(control), {});
+  const auto programs = Programs::load({.ifindex = place.ifindex}, control.shared(), {});
   if (!programs) return std::unexpected(programs.error());
   return put_closed(place, *programs);
 }

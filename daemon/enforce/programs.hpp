@@ -9,6 +9,7 @@
 #include "core/handle.hpp"
 #include "core/result.hpp"
 #include "core/system.hpp"
+#include "daemon/enforce/control.hpp"
 #include "daemon/enforce/slots.hpp"
 
 struct gate_bpf;  // NOLINT(readability-identifier-naming): the skeleton's name
@@ -20,12 +21,6 @@ void destroy_programs(gate_bpf* object);
 std::uint32_t gate_profile_of(core::Profile profile);
 /// Its inverse; none for a number that is no profile.
 core::Profile core_profile_of(std::uint32_t profile);
-
-/// Of Control: the maps that all gates share.
-struct SharedMaps {
-  int control;
-  int events;
-};
 
 /// The per-interface maps; both or none.
 struct GateMaps {

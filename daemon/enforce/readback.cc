@@ -13,6 +13,8 @@
 #include <memory>
 #include <system_error>
 
+#include "daemon/enforce/ether_programs.hpp"
+#include "daemon/enforce/ether_table.hpp"
 #include "daemon/enforce/failure.hpp"
 #include "daemon/enforce/gate_pins.hpp"
 #include "daemon/enforce/mapped.hpp"
@@ -80,6 +82,42 @@ void read_table(GateReading& gate, const Fd& map, std::uint32_t generation) {
     gate.problems.push_back(slots.error().text);
 }
 
+template <class T>
+bool copy_map(const Fd& map, std::size_t count, std::vector<T>& to) {
+  const Mapped<T> values(map.get(), count);
+  if (!values) return false;
+  to.assign(values.span().begin(), values.span().end());
+  return true;
+}
+
+void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_t generation) {
+  std::vector<ether_table> table;
+  std::vector<std::uint64_t> buckets;
+  std::vector<ether_slot> slots;
+  std::vector<ether_contract> contracts;
+  std::vector<gate_watch> watches;
+  if (!copy_map(pinned.maps[0], 1, table) ||
+      !copy_map(pinned.maps[1], pinned.sizes.buckets, buckets) ||
+      !copy_map(pinned.maps[2], pinned.sizes.slots, slots) ||
+      !copy_map(pinned.maps[3], pinned.sizes.contracts, contracts) ||
+      !copy_map(pinned.maps[8], ETHER_WATCHES, watches)) {
+    gate.problems.push_back(failure("map the table", errno).error().text);
+    return;
+  }
+  const auto read = EtherTable::read({.table = table.data(),
+                                      .buckets = buckets,
+                                      .slots = slots,
+                                      .contracts = contracts,
+                                      .counts = {},
+                                      .watches = watches,
+                                      .generation = &generation},
+                                     pinned.sizes, false, 0, nullptr);
+  if (read)
+    gate.slots = read->present();
+  else
+    gate.problems.push_back(read.error().text);
+}
+
 GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const Fd& control,
                       std::uint32_t generation) {
   GateReading gate;
@@ -92,6 +130,14 @@ GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const
     return gate;
   }
   gate.interface = interface.data();
+  if (const auto ether = pinned_ether_maps(directory)) {
+    gate.ethernet = true;
+    std::vector<std::uint32_t> ids{map_id(control.get())};
+    for (const std::size_t n : {0, 1, 2, 3}) ids.push_back(map_id(ether->maps.at(n).get()));
+    read_programs(gate, directory, ids);
+    read_ether_table(gate, *ether, generation);
+    return gate;
+  }
   const Fd table = open_pin(table_pin(directory));
   const Fd cpus = open_pin(cpus_pin(directory));
   if (!table || !cpus) {

@@ -16,8 +16,9 @@ struct GateReading {
   std::uint32_t ifindex = 0;
   std::string interface;  ///< empty: there is none of this index in this network namespace
   Hook hook = Hook::clsact;
-  std::uint32_t profile = GATE_PROFILE_NONE;
-  std::vector<std::string> problems;  ///< what is not as the daemon leaves it
+  bool ethernet = false;                      ///< else CAN
+  std::uint32_t profile = GATE_PROFILE_NONE;  ///< CAN only
+  std::vector<std::string> problems;          ///< what is not as the daemon leaves it
   std::vector<SlotSpec> slots;
 };
 

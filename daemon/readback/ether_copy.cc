@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/readback/ether_copy.hpp"
+
+#include <fmt/format.h>
+#include <linux/if_ether.h>
+#include <linux/if_packet.h>
+#include <netinet/in.h>
+#include <sys/fsuid.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+
+#include "daemon/enforce/failure.hpp"
+#include "daemon/enforce/mapped.hpp"
+#include "daemon/net/pair.hpp"
+
+namespace mlcca::readback {
+namespace {
+
+using enforce::failure;
+
+/// Of IPv4 alone, it stands behind the gate: made as a program of `uid` would.
+Result<Fd> packet_socket(int ifindex, std::uint32_t uid = 0) {
+  setfsuid(uid);
+  Fd fd(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  setfsuid(0);
+  sockaddr_ll address{};
+  address.sll_family = AF_PACKET;
+  address.sll_protocol = htons(ETH_P_IP);
+  address.sll_ifindex = ifindex;
+  if (::bind(fd.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
+    return failure("a packet socket", errno);
+  return fd;
+}
+
+bool receives(const Fd& fd, const std::vector<std::uint8_t>& frame) {
+  std::vector<std::uint8_t> got(frame.size() + 1);
+  const auto size = ::read(fd.get(), got.data(), got.size());
+  return size == std::ssize(frame) && std::equal(frame.begin(), frame.end(), got.begin());
+}
+
+template <class T>
+bool copy_map(const enforce::EtherPinned& from, const enforce::EtherPinned& to, std::size_t n,
+              std::size_t count) {
+  const enforce::Mapped<T> a(from.maps.at(n).get(), count);
+  const enforce::Mapped<T> b(to.maps.at(n).get(), count);
+  if (!a || !b) return false;
+  std::ranges::copy(a.span(), b.span().begin());
+  return true;
+}
+
+/// Byte by byte; but nothing is policed, and nobody watches.
+Result<void> copy_table(const enforce::EtherPinned& from, const enforce::EtherPinned& to) {
+  if (from.sizes != to.sizes) return fail("its copy has another size");
+  if (!copy_map<ether_table>(from, to, 0, 1) ||
+      !copy_map<std::uint64_t>(from, to, 1, from.sizes.buckets) ||
+      !copy_map<ether_slot>(from, to, 2, from.sizes.slots) ||
+      !copy_map<ether_contract>(from, to, 3, from.sizes.contracts))
+    return failure("map the table", errno);
+  const enforce::Mapped<ether_contract> contracts(to.maps[3].get(), to.sizes.contracts);
+  if (!contracts) return failure("map the contracts", errno);
+  for (ether_contract& c : contracts.span()) c.per_frame = c.per_byte = 0;
+  return {};
+}
+
+}  // namespace
+
+EtherCopy::EtherCopy(const enforce::GateReading& gate, enforce::EtherGate copy, Fd near, Fd far)
+    : gate_(std::move(copy)),
+      near_index_(static_cast<int>(gate.ifindex)),
+      near_(std::move(near)),
+      far_(std::move(far)),
+      probes_(gate) {}
+
+Result<EtherCopy> EtherCopy::make(const enforce::GateReading& gate, const Original& original,
+                                  const enforce::Control& control) {
+  if (!original.ether) return fail("its maps are not there any more");
+  const int near_index = static_cast<int>(gate.ifindex);
+  const int far_index = kFarIndex + near_index;
+  if (auto made = net::make_pair("veth", {gate.interface, near_index},
+                                 {fmt::format("far{}", gate.ifindex), far_index});
+      !made)
+    return std::unexpected(made.error());
+  enforce::EtherConfig config;
+  config.ifindex = gate.ifindex;
+  config.name = gate.interface;
+  config.slots = original.ether->sizes.slots - ETHER_FIRST_SLOT;
+  auto copy = enforce::EtherGate::attach(config, control);
+  auto near = packet_socket(near_index);
+  auto far = packet_socket(far_index);
+  if (!copy) return std::unexpected(copy.error());
+  if (!near || !far) return std::unexpected((near ? far : near).error());
+  const Original own(enforce::gate_directory(control.directory(), gate.ifindex));
+  if (!own.ether) return fail("its copy has no maps");
+  if (auto copied = copy_table(*original.ether, *own.ether); !copied)
+    return std::unexpected(copied.error());
+  if (own.tags != original.tags) return fail(kOtherVersion);
+  return EtherCopy(gate, std::move(*copy), std::move(*near), std::move(*far));
+}
+
+void EtherCopy::run(bool closed, Trial& trial) const {
+  for (const EtherProbe& probe : probes_.probes()) {
+    const auto became = fate(probe);
+    if (became)
+      trial.note(to_text(probe), *became, probes_.is_admitted(probe), closed);
+    else
+      trial.untried.push_back(to_text(probe) + ": " + became.error().text);
+  }
+  if (!closed)
+    trial.untried.insert(trial.untried.end(), probes_.untried().begin(), probes_.untried().end());
+}
+
+/// What leaves goes by the socket of its user, what comes in by the far end.
+Result<Fate> EtherCopy::fate(const EtherProbe& probe) const {
+  Fd program;
+  if (probe.out) {
+    auto made = packet_socket(near_index_, probe.uid);
+    if (!made) return std::unexpected(made.error());
+    program = std::move(*made);
+  }
+  const Fd& from = probe.out ? program : far_;
+  const Fd& to = probe.out ? far_ : near_;
+  const auto frame = frame_of(probe);
+  const auto send = [&] {
+    // An error is a drop by the gate: its counter tells.
+    static_cast<void>(::write(from.get(), frame.data(), frame.size()));
+  };
+  return fate_of(to, [&] { return drops_of(gate_); }, send, [&] { return receives(to, frame); });
+}
+
+}  // namespace mlcca::readback

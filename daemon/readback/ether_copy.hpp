@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A copy of an Ethernet gate on a pair of virtual interfaces.
+#pragma once
+#include <memory>
+
+#include "core/handle.hpp"
+#include "core/result.hpp"
+#include "daemon/enforce/control.hpp"
+#include "daemon/enforce/ether_gate.hpp"
+#include "daemon/enforce/readback.hpp"
+#include "daemon/readback/ether_probes.hpp"
+#include "daemon/readback/original.hpp"
+#include "daemon/readback/trial.hpp"
+
+namespace mlcca::readback {
+
+class EtherCopy {
+ public:
+  /// In this network namespace.
+  static Result<EtherCopy> make(const enforce::GateReading& gate, const Original& original,
+                                const enforce::Control& control);
+
+  void run(bool closed, Trial& trial) const;
+
+ private:
+  EtherCopy(const enforce::GateReading& gate, enforce::EtherGate copy, Fd near, Fd far);
+  [[nodiscard]] Result<Fate> fate(const EtherProbe& probe) const;
+
+  enforce::EtherGate gate_;
+  int near_index_;
+  Fd near_;  ///< what has passed the gate from the wire
+  Fd far_;   ///< the wire
+  EtherProbes probes_;
+};
+
+}  // namespace mlcca::readback

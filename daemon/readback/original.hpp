@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What a gate has pinned, opened before its pins are out of sight.
+#pragma once
+#include <array>
+#include <optional>
+#include <string>
+
+#include "core/handle.hpp"
+#include "daemon/enforce/ether_programs.hpp"
+#include "daemon/enforce/gate_pins.hpp"
+#include "daemon/enforce/pins.hpp"
+
+namespace mlcca::readback {
+
+struct Original {
+  Fd table;                                   ///< of a CAN gate
+  std::optional<enforce::EtherPinned> ether;  ///< of an Ethernet gate
+  std::array<std::string, 2> tags;            ///< of the instructions of its programs
+
+  explicit Original(const std::string& directory)
+      : table(enforce::open_pin(enforce::table_pin(directory))),
+        ether(enforce::pinned_ether_maps(directory)),
+        tags{tag(directory, enforce::Direction::ingress),
+             tag(directory, enforce::Direction::egress)} {}
+
+ private:
+  static std::string tag(const std::string& directory, enforce::Direction direction) {
+    const Fd program = enforce::open_pin(enforce::program_pin(directory, direction));
+    return program ? enforce::program_info(program.get()).tag : std::string();
+  }
+};
+
+/// Far ends of pairs have indices that no gateway reaches.
+inline constexpr int kFarIndex = 1'000'000'000;
+
+/// The copy judges by other instructions than the original.
+inline constexpr const char* kOtherVersion =
+    "its programs are those of another version than this one: restart mlccad";
+
+}  // namespace mlcca::readback
