@@ -16,6 +16,7 @@
 #include "core/control_traffic.hpp"
 #include "core/text.hpp"
 #include "daemon/clock.hpp"
+#include "daemon/enforce/interrupted.hpp"
 #include "daemon/report.hpp"
 #include "description/read.hpp"
 
@@ -194,6 +195,8 @@ std::optional<StartError> Gateway::start() {
   remember_leases_and_keys();
   const Granted before = granted();
 
+  if (const auto done = enforce::undo_interrupted_step(control_); !done)
+    return give_up({done.error().text}, false);
   meshes_.describe(state_->system());
   meshes_.await_first_reports(kFirstReports);
   if (const auto done = put_in_force(before); !done) tell(Kind::trouble, 3, done.error().text);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/enforce/gate.hpp"
+#include "daemon/enforce/interrupted.hpp"
 #include "enforce/attach_fixture.hpp"
 
 namespace mlcca::enforce {
@@ -29,6 +30,33 @@ TEST_P(Attach, RestartFindsSlotsVerdictsAndCounts) {
   bus.inject(frame(0x123));
   bus.inject(frame(0x200));
   expect_passed(gate, in(0x123), 3);
+  expect_dropped(gate, refused, 1);
+}
+
+/// As a daemon leaves it that dies before it steps to the next generation.
+void write_next(const std::string& directory, std::uint32_t generation, gate_verdict verdict) {
+  const Fd map(bpf_obj_get((directory + "/table").c_str()));
+  const Mapped<gate_table> table(map.get(), 1);
+  table[0].slots[GATE_FIRST_SLOT].verdict[(generation + 1) & 1] = verdict;
+}
+
+TEST_P(Attach, WhatWasWrittenForAStepThatNeverCameIsTakenBack) {
+  const Bus bus("bus0");
+  const Bus undescribed("bus1");
+  auto refused = in(0x123);
+  refused.pass = false;
+  {
+    auto gate = attach(bus);
+    attach(undescribed);
+    admit(gate, {refused});
+    const Mapped<gate_control> word(control_.map_fd(), 1);
+    write_next(pins(bus), word[0].generation, GATE_PASS);
+  }
+  ASSERT_TRUE(undo_interrupted_step(control_));
+  // The next daemon closes what is not described any more before it takes over the other gate.
+  attach(undescribed).deny_all();
+  bus.inject(frame(0x123));
+  auto gate = attach(bus);
   expect_dropped(gate, refused, 1);
 }
 
