@@ -61,10 +61,7 @@ std::uint32_t BusLoad::measure(const BusCounters& counters, std::uint32_t bitrat
   last_ns_ = now_ns;
   const std::uint64_t beyond = load_ > analysed ? load_ - analysed : 0;
   const std::uint32_t excess = in_steps(beyond);
-  if (excess >= excess_) {
-    excess_ = excess;
-    lower_for_ = 0;
-  } else if (++lower_for_ >= kHold) {
+  if (excess >= excess_ || ++lower_for_ >= kHold) {
     excess_ = excess;
     lower_for_ = 0;
   }

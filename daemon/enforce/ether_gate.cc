@@ -173,7 +173,7 @@ Result<void> EtherGate::State::name_all() const {
 
 /// The program in the driver, if it is one of ours: of this layout, or of the one before an
 /// upgrade. Those that were attached and not named yet after a crash are found as well.
-Fd own_program(const std::string& directory, std::uint32_t id) {
+static Fd own_program(const std::string& directory, std::uint32_t id) {
   const std::filesystem::path interface(directory);
   std::error_code error;
   for (const auto& layout :

@@ -50,7 +50,7 @@ class EtherGate final : public PortGate {
   [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const override;
   [[nodiscard]] std::optional<std::uint32_t> watched_as(const SlotSpec& spec) const override;
   [[nodiscard]] Arrivals arrivals(std::uint32_t slot, std::uint64_t now) const override;
-  Result<void> tell_again(std::uint32_t slot) const override;
+  [[nodiscard]] Result<void> tell_again(std::uint32_t slot) const override;
   [[nodiscard]] std::size_t unwatched() const override;
   [[nodiscard]] ReasonCounters reasons(Direction direction) const override;
   [[nodiscard]] std::vector<UnknownFrame> unknown() const override;
@@ -58,7 +58,7 @@ class EtherGate final : public PortGate {
 
  private:
   [[nodiscard]] Table& table() override;
-  Result<void> arm(std::uint16_t watch) const override;
+  [[nodiscard]] Result<void> arm(std::uint16_t watch) const override;
 
   struct State;
   explicit EtherGate(std::unique_ptr<State> state);

@@ -418,7 +418,7 @@ std::uint64_t EtherTable::sieve_of(std::uint32_t first) const {
 void EtherTable::unlink(const SlotSpec& spec) {
   const auto found = find(spec);
   if (!found) return;
-  ether_slot& slot = memory_.slots[*found];
+  const ether_slot& slot = memory_.slots[*found];
   std::uint64_t& bucket = bucket_of(hash_of(spec.subject, spec.direction));
   auto first = static_cast<std::uint32_t>(bucket);
   if (first == *found) {

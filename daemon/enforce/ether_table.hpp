@@ -125,7 +125,7 @@ class EtherTable final : public Table {
   [[nodiscard]] static Contract contract_of(const SlotSpec& spec);
   [[nodiscard]] std::uint64_t hash_of(std::uint64_t subject, Direction direction) const;
   [[nodiscard]] std::uint64_t& bucket_of(std::uint64_t hash) const;
-  [[nodiscard]] SlotSpec spec_of(std::uint32_t slot) const;
+  [[nodiscard]] SlotSpec spec_of(std::uint32_t at) const;
   [[nodiscard]] std::uint64_t sieve_of(std::uint32_t first) const;
 
   EtherMemory memory_;

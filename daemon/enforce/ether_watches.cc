@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Which slots of an Ethernet interface are watched: there are fewer watches than subjects.
+#include <algorithm>
+
 #include "daemon/enforce/ether_table.hpp"
 #include "daemon/enforce/publish.hpp"
 #include "daemon/enforce/watches.hpp"
@@ -22,10 +24,16 @@ void EtherTable::set_unwatched(std::uint32_t slot, bool now) {
 
 /// A watch names its slot before the slot names it.
 void EtherTable::set_watch(std::uint32_t slot, const SlotSpec& spec) {
-  if (gate_gap_scale(spec.period) == 0) return leave_watch(slot);
+  if (gate_gap_scale(spec.period) == 0) {
+    leave_watch(slot);
+    return;
+  }
   std::uint16_t watch = watch_of(slot);
   if (watch == 0) {
-    if (watches_.free.empty()) return set_unwatched(slot, true);
+    if (watches_.free.empty()) {
+      set_unwatched(slot, true);
+      return;
+    }
     watch = watches_.free.back();
     watches_.free.pop_back();
     memory_.watches[watch] = {};
@@ -59,10 +67,11 @@ std::uint16_t EtherTable::minded_watch(std::uint32_t slot) const {
 
 std::vector<std::uint16_t> EtherTable::watched() const {
   std::vector<std::uint16_t> watches;
-  for (std::uint16_t watch = 1; watch < memory_.table->watches_end; ++watch)
+  const std::uint32_t end = std::min<std::uint32_t>(memory_.table->watches_end, ETHER_WATCHES);
+  for (std::uint32_t watch = 1; watch < end; ++watch)
     if (const auto slot = static_cast<std::uint32_t>(memory_.watches[watch].slot);
-        minded_watch(slot) == watch && passes(slot))
-      watches.push_back(watch);
+        slot < sizes_.slots && minded_watch(slot) == watch && passes(slot))
+      watches.push_back(static_cast<std::uint16_t>(watch));
   return watches;
 }
 

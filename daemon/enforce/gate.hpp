@@ -73,7 +73,7 @@ class Gate final : public PortGate {
   [[nodiscard]] std::optional<std::uint16_t> number_of(const SlotSpec& spec) const;
   [[nodiscard]] std::optional<std::uint32_t> watched_as(const SlotSpec& spec) const override;
   [[nodiscard]] Arrivals arrivals(std::uint32_t slot, std::uint64_t now) const override;
-  Result<void> tell_again(std::uint32_t slot) const override;
+  [[nodiscard]] Result<void> tell_again(std::uint32_t slot) const override;
   [[nodiscard]] ReasonCounters reasons(Direction direction) const override;
   /// Frames without a slot, newest first.
   [[nodiscard]] std::vector<UnknownFrame> unknown() const override;
@@ -83,7 +83,7 @@ class Gate final : public PortGate {
 
  private:
   [[nodiscard]] Table& table() override;
-  Result<void> arm(std::uint16_t watch) const override;
+  [[nodiscard]] Result<void> arm(std::uint16_t watch) const override;
 
   struct State;
   explicit Gate(std::unique_ptr<State> state);

@@ -59,7 +59,7 @@ class PortGate {
   /// How the events of a watched slot have come. `now`: CLOCK_MONOTONIC.
   [[nodiscard]] virtual Arrivals arrivals(std::uint32_t slot, std::uint64_t now) const = 0;
   /// If events of a watched slot are missing that is told once more.
-  virtual Result<void> tell_again(std::uint32_t slot) const = 0;
+  [[nodiscard]] virtual Result<void> tell_again(std::uint32_t slot) const = 0;
   /// Slots whose events ought to be watched, beyond those that can be.
   [[nodiscard]] virtual std::size_t unwatched() const { return 0; }
   [[nodiscard]] virtual ReasonCounters reasons(Direction direction) const = 0;
@@ -83,7 +83,7 @@ class PortGate {
  protected:
   [[nodiscard]] virtual Table& table() = 0;
   /// Starts the timer of a watch.
-  virtual Result<void> arm(std::uint16_t watch) const = 0;
+  [[nodiscard]] virtual Result<void> arm(std::uint16_t watch) const = 0;
 
  private:
   Result<void> arm_what_is_new();

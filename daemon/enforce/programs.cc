@@ -40,11 +40,11 @@ int share_maps(gate_bpf& object, const SharedMaps& shared, const GateMaps& maps)
 }  // namespace
 
 std::uint32_t gate_profile_of(core::Profile profile) {
-  const auto known = std::ranges::find(kProfiles, profile, &KnownProfile::core);
+  const auto* const known = std::ranges::find(kProfiles, profile, &KnownProfile::core);
   return known == kProfiles.end() ? std::uint32_t{GATE_PROFILE_NONE} : known->gate;
 }
 core::Profile core_profile_of(std::uint32_t profile) {
-  const auto known = std::ranges::find(kProfiles, profile, &KnownProfile::gate);
+  const auto* const known = std::ranges::find(kProfiles, profile, &KnownProfile::gate);
   return known == kProfiles.end() ? core::Profile::none : known->core;
 }
 

@@ -32,7 +32,7 @@ class Watchmen {
 
   /// The timer of a watch that says what silence is. It ends by itself when the slot does not pass
   /// any more, or nobody minds silence. What is missing already is told once more.
-  Result<void> arm(std::uint32_t watch) const;
+  [[nodiscard]] Result<void> arm(std::uint32_t watch) const;
 
  private:
   template <class Skeleton>
