@@ -75,6 +75,7 @@ std::optional<core::Grants> grants_of(std::string_view text) {
 
 void put_graph(core::State& state, std::size_t network, const core::mesh::LinkTable& table) {
   std::vector<std::string> addresses;
+  addresses.reserve(table.graph().nodes);
   for (std::uint32_t n = 0; n < table.graph().nodes; ++n) addresses.push_back(table.address(n));
   state.set_graph(network, table.graph(), std::move(addresses));
 }

@@ -344,10 +344,8 @@ void Gateway::tell_outcome(const Granted& before) {
           lost.find(core::format_subject(state_->system().channels[v.channel].subject));
       const bool was =
           known != lost.end() && std::erase(known->second.deliveries, state_->delivery_of(v)) != 0;
-      tell_verdict(v.granted ? Kind::granted
-                   : was     ? Kind::withdrawn
-                             : Kind::refused,
-                   v, verdict_line(*state_, v));
+      const Kind not_granted = was ? Kind::withdrawn : Kind::refused;
+      tell_verdict(v.granted ? Kind::granted : not_granted, v, verdict_line(*state_, v));
     }
   }
   for (const auto& [subject, grants] : lost)

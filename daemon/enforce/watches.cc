@@ -2,6 +2,7 @@
 // The kernel writes meanwhile: each number is read once and whole.
 #include "daemon/enforce/watches.hpp"
 
+#include <cmath>
 #include <cstddef>
 
 #include "daemon/enforce/publish.hpp"
@@ -12,8 +13,8 @@ namespace {
 std::uint64_t load(const __u64& word) { return __atomic_load_n(&word, __ATOMIC_RELAXED); }
 
 std::uint64_t per_1000_seconds(std::uint64_t events, std::uint64_t ns) {
-  return static_cast<std::uint64_t>(static_cast<double>(events) * 1e12 / static_cast<double>(ns) +
-                                    0.5);
+  return static_cast<std::uint64_t>(
+      std::llround(static_cast<double>(events) * 1e12 / static_cast<double>(ns)));
 }
 
 }  // namespace

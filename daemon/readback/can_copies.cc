@@ -34,7 +34,7 @@ Result<Fd> can_socket(int ifindex, std::uint32_t uid = 0) {
   address.can_ifindex = ifindex;
   const int on = 1;
   const int off = 0;
-  if (::setsockopt(fd.get(), SOL_CAN_RAW, CAN_RAW_LOOPBACK, &off, sizeof off) != 0 ||
+  if (!fd || ::setsockopt(fd.get(), SOL_CAN_RAW, CAN_RAW_LOOPBACK, &off, sizeof off) != 0 ||
       ::setsockopt(fd.get(), SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) != 0 ||
       ::bind(fd.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
     return failure("a CAN socket", errno);

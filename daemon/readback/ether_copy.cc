@@ -31,7 +31,7 @@ Result<Fd> packet_socket(int ifindex, std::uint32_t uid = 0) {
   address.sll_family = AF_PACKET;
   address.sll_protocol = htons(ETH_P_IP);
   address.sll_ifindex = ifindex;
-  if (::bind(fd.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
+  if (!fd || ::bind(fd.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
     return failure("a packet socket", errno);
   return fd;
 }
