@@ -10,10 +10,10 @@ static __always_inline __u64 cost_of(__u64 per_frame, __u64 per_byte, __u32 len)
 }
 
 /*
- * Whether a frame is in turn; then it has had it. Tries of other CPUs only fail an exchange when
- * they have succeeded, so that after a few there is nothing left to win.
+ * Whether a frame is in turn; then it has had it. An exchange fails when a frame of another CPU has
+ * had its turn meanwhile: to fail by that alone, so many must come between two steps of this one.
  */
-#define TURN_TRIES 8
+#define TURN_TRIES 64
 
 static __always_inline bool take_turn(__u64 *next, __u64 cost, __u64 tolerance, __u64 now)
 {

@@ -440,8 +440,13 @@ void EtherTable::set_traffic(const SlotSpec& spec) {
   if (!found) return;
   ether_slot& slot = memory_.slots[*found];
   const std::uint16_t before = slot.contract;
+  const SlotSpec former = spec_of(*found);
   publish(slot.contract, take_contract(spec));
   leave_contract(before);
+  // Turns that were taken at the former rate say nothing of the new one.
+  if (former.per_frame != spec.per_frame || former.per_byte != spec.per_byte ||
+      former.tolerance != spec.tolerance)
+    publish(slot.due, __u64{0});
   set_watch(*found, spec);
   note_watched(*found);
 }

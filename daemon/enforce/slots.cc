@@ -301,10 +301,14 @@ void SlotTable::set_traffic(const SlotSpec& spec) {
   const auto found = find(spec);
   if (!found) return;
   gate_slot& slot = table_->slots[*found];
+  const bool other_rate = slot.per_frame != spec.per_frame || slot.per_byte != spec.per_byte ||
+                          slot.tolerance != spec.tolerance;
   publish(slot.per_frame, __u64{spec.per_frame});
   publish(slot.per_byte, __u64{spec.per_byte});
   publish(slot.tolerance, __u64{spec.tolerance});
   publish(slot.formats, formats_of(spec));
+  // Turns that were taken at the former rate say nothing of the new one.
+  if (other_rate) publish(slot.due, __u64{0});
   expect_events(table_->watches[*found], spec);
   note_watched(*found);
 }

@@ -108,6 +108,8 @@ TEST_F(Police, AnotherRateHoldsFromTheNextFrameOn) {
   changes.police = {policed(kHour, kHour)};
   ASSERT_TRUE(gate_.slots().apply(changes));
   EXPECT_EQ(gate_.slots().present().front(), changes.police.front());
+  // All that the new one admits at once: turns at the former rate do not count.
+  EXPECT_TRUE(passes());
   EXPECT_TRUE(passes());
   EXPECT_FALSE(passes());
   changes.police = {policed(0, 0)};

@@ -61,8 +61,12 @@ TEST_F(SlotTraffic, PolicingIsNoPartOfTheGrant) {
   ASSERT_TRUE(slots.apply(changes));
   EXPECT_EQ(slots.present(), wanted);
   EXPECT_EQ(slots.find(raw(1)), number) << "the same slot, with what it has counted";
-  EXPECT_EQ(memory_->slots[*number].due, 7U);
+  EXPECT_EQ(memory_->slots[*number].due, 0U) << "turns at the former rate do not count";
   EXPECT_TRUE(difference(slots.present(), wanted).empty());
+
+  memory_->slots[*number].due = 7;
+  ASSERT_TRUE(slots.apply(difference(slots.present(), std::vector{policed(raw(1), 20)})));
+  EXPECT_EQ(memory_->slots[*number].due, 7U) << "the same rate";
   SlotChanges of_nobody;
   of_nobody.police = {raw(2)};
   EXPECT_FALSE(slots.apply(of_nobody));
