@@ -33,6 +33,7 @@ struct {
 
 struct watchman {
 	struct bpf_timer timer;
+	__u64 armed; /* how often a watch of it was */
 };
 
 struct {
@@ -119,8 +120,8 @@ __noinline __u64 look(__u32 at)
 
 static int tick(void *map, __u32 *key, struct watchman *man)
 {
+	__u64 armed = READ_ONCE(man->armed), soonest = 0;
 	__u32 end = watches_end(), at = *key, i;
-	__u64 soonest = 0;
 
 	for (i = 0; i < WATCHES / GATE_WATCHMEN && at < end; i++, at += GATE_WATCHMEN) {
 		__u64 wait = look(at);
@@ -130,6 +131,9 @@ static int tick(void *map, __u32 *key, struct watchman *man)
 	}
 	if (soonest)
 		bpf_timer_start(&man->timer, soonest < SHORTEST_WAIT ? SHORTEST_WAIT : soonest, 0);
+	/* One was armed behind our back: its wait has just been overwritten. */
+	if (READ_ONCE(man->armed) != armed)
+		bpf_timer_start(&man->timer, SHORTEST_WAIT, 0);
 	return 0;
 }
 
@@ -171,6 +175,7 @@ int watch_arm(struct __sk_buff *skb)
 	if (!man || !w)
 		return -ENOENT;
 	w->silent = 0;
+	__sync_fetch_and_add(&man->armed, 1);
 	return bpf_timer_start(&man->timer, SHORTEST_WAIT, 0);
 }
 
