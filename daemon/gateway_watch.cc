@@ -40,6 +40,11 @@ std::string frame_name(const gate_sample& sample) {
 }  // namespace
 
 void Gateway::look_around() {
+  if (const auto again = control_.keep_pinned(); !again)
+    tell(Kind::trouble, 3, again.error().text);
+  else if (*again)
+    tell(Kind::drift, 3,
+         "somebody unpinned what closes the gates when this daemon dies: it is pinned again");
   if (ports_.repair()) follow_world();
   end_leases();
   measure_buses();

@@ -167,6 +167,27 @@ Result<void> Control::set_grace(std::uint64_t grace) {
   return arm();
 }
 
+Result<bool> Control::keep_pinned() {
+  bool again = false;
+  if (!state_->deadman) return again;  // not armed yet
+  const auto keep = [&again](const Fd& map, const std::string& path) -> Result<void> {
+    const Fd there = open_pin(path);
+    if (there && map_id(there.get()) == map_id(map.get())) return {};
+    again = true;
+    remove_pin(path);
+    const auto pinned = pin(map.get(), path);
+    if (!pinned) return std::unexpected(pinned.error());
+    return {};
+  };
+  if (auto made = make_pin_directory(state_->directory); !made)
+    return std::unexpected(made.error());
+  for (const auto& [map, path] : {std::pair{&state_->map, state_->control_pin()},
+                                  std::pair{&state_->deadman, state_->deadman_pin()},
+                                  std::pair{&state_->events, state_->directory + "/events"}})
+    if (auto done = keep(*map, path); !done) return std::unexpected(done.error());
+  return again;
+}
+
 Result<void> Control::arm() {
   const Complaints complaints;
   const std::unique_ptr<deadman_bpf, FreeWith<deadman_bpf__destroy>> object(deadman_bpf__open());

@@ -70,6 +70,10 @@ class Control {
   /// Starts the kernel timer; beat() first. Harmless when it runs: it then calls the new program.
   Result<void> arm();
 
+  /// Pins again what somebody has unpinned: without its pin the timer would end with the daemon,
+  /// and the gates stay open. True if anything was.
+  Result<bool> keep_pinned();
+
   /// Directory of the pins, `root`/v1.
   [[nodiscard]] const std::string& directory() const;
   /// The map that gates share; stays ours.

@@ -9,10 +9,12 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <system_error>
 
+#include "daemon/enforce/control.hpp"
 #include "daemon/enforce/ether_programs.hpp"
 #include "daemon/enforce/ether_table.hpp"
 #include "daemon/enforce/failure.hpp"
@@ -149,6 +151,26 @@ GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const
   return gate;
 }
 
+/// Open gates close by themselves when the daemon is silent, as long as this timer runs.
+std::vector<std::string> shared_problems(const std::string& directory, const gate_control& word) {
+  std::vector<std::string> problems;
+  if (word.armed != 0 && !open_pin(directory + "/deadman"))
+    problems.emplace_back(
+        "the timer that closes the gates when the daemon dies is not pinned: it dies with it");
+  const bool open = word.open != 0 && word.lapsed == 0;
+  // It looks each check_ns; as much again for a busy machine.
+  const std::uint64_t latest = word.grace_ns + 2 * word.check_ns;
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  const auto now =
+      static_cast<std::uint64_t>(t.tv_sec) * 1'000'000'000 + static_cast<std::uint64_t>(t.tv_nsec);
+  if (open && word.grace_ns != kForEver && now > word.heartbeat + latest)
+    problems.push_back(fmt::format(
+        "the gates are open although the daemon has been silent for {} s, longer than its grace",
+        (now - word.heartbeat) / 1'000'000'000));
+  return problems;
+}
+
 }  // namespace
 
 Result<Reading> read_back(const std::string& root) {
@@ -167,6 +189,7 @@ Result<Reading> read_back(const std::string& root) {
                   .lapsed = word.lapsed != 0,
                   .audit = word.mode == GATE_AUDIT,
                   .generation = word.generation,
+                  .problems = shared_problems(directory, word),
                   .gates = {}};
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {

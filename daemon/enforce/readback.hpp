@@ -27,7 +27,8 @@ struct Reading {
   bool lapsed = false;
   bool audit = false;
   std::uint32_t generation = 0;
-  std::vector<GateReading> gates;  ///< by ifindex
+  std::vector<std::string> problems;  ///< of what all gates share
+  std::vector<GateReading> gates;     ///< by ifindex
 };
 
 /// Errors: nothing is pinned there, no permission, another layout.

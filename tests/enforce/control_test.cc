@@ -169,6 +169,23 @@ TEST(DeadMan, LeavesABeatingDaemonAlone) {
   } while (longest >= 200 * kMillisecond);
 }
 
+TEST(DeadMan, OutlivesTheDaemonThoughSomebodyTookItsPin) {
+  const auto root = new_bpf_root();
+  Fd word;
+  {
+    auto control = watched(root);
+    EXPECT_FALSE(control.keep_pinned().value());
+    for (const char* name : {"/deadman", "/control", "/events"})
+      ASSERT_TRUE(std::filesystem::remove(control.directory() + name));
+    EXPECT_TRUE(control.keep_pinned().value());
+    EXPECT_FALSE(control.keep_pinned().value());
+    word = Fd(bpf_obj_get((control.directory() + "/control").c_str()));
+    control.clear_lapse(now());
+  }
+  const Mapped<gate_control> left(word.get(), 1);
+  EXPECT_TRUE(becomes([&] { return left[0].lapsed != 0; }));
+}
+
 TEST(DeadMan, ClosesAgainAfterAClearedLapse) {
   auto control = watched(new_bpf_root());
   ASSERT_TRUE(becomes([&] { return control.lapsed(); }));
