@@ -60,7 +60,7 @@ void Forwarder::stop() {
 bool Forwarder::read_again() {
   auto read = kernel_->read();
   if (!read) {
-    settle_problem(read.error().text);
+    settle_problem("granted frames are not carried from bus to bus: " + read.error().text);
     return false;
   }
   there_ = std::move(*read);
@@ -91,12 +91,12 @@ void Forwarder::apply(const RuleChanges& changes) {
     if (const auto done = kernel_->add(rule); done)
       there_->push_back(rule);
     else if (failed.empty())
-      failed = done.error().text;
+      failed = "granted frames are not carried from bus to bus: " + done.error().text;
   }
   if (failed.empty() && !in_way_.empty())
     failed =
-        "can-gw rules of somebody else carry some of the frames: take them away, or state "
-        "forward=\"none\" of the gateway";
+        "can-gw rules of somebody else carry granted frames a second time, or changed (mlccactl "
+        "routes names the channels): take them away, or state forward=\"none\" of the gateway";
   if (unsure) there_.reset();
   settle_problem(std::move(failed));
 }
@@ -104,9 +104,9 @@ void Forwarder::apply(const RuleChanges& changes) {
 void Forwarder::settle_problem(std::string now) {
   if (now == problem_) return;
   if (now.empty())
-    tell_("can-gw carries what was granted again", false);
+    tell_("can-gw carries what was granted again, and nothing else", false);
   else
-    tell_("granted frames are not carried from bus to bus: " + now, true);
+    tell_(now, true);
   problem_ = std::move(now);
 }
 

@@ -46,19 +46,26 @@ Others rules_of_others(const std::vector<CanRuleThere>& there) {
   return others;
 }
 
-/// How many of a rule's frames others carry, as they were granted.
-Meets carried(const CanRule& rule, const Others& others) {
-  Meets most = Meets::never;
+/// What rules of others do with the frames of a rule.
+struct Carried {
+  bool all = false;        ///< one carries them all as they were granted: none of ours is needed
+  bool disturbed = false;  ///< some are carried twice, or changed
+};
+
+Carried carried(const CanRule& rule, const Others& others) {
+  Carried out;
   const auto known = others.find({rule.from, rule.to});
-  if (known == others.end()) return most;
+  if (known == others.end()) return out;
   for (const CanRuleThere* other : known->second) {
     const Meets met = meets(rule, other->rule);
     const bool same =
         !other->changes_more && other->rule.keep == rule.keep && other->rule.set == rule.set;
-    if (met != Meets::never)
-      most = std::max(most, met == Meets::always && same ? Meets::always : Meets::sometimes);
+    if (met == Meets::always && same)
+      out.all = true;
+    else if (met != Meets::never)
+      out.disturbed = true;
   }
-  return most;
+  return out;
 }
 
 std::uint32_t free_uid(std::set<std::uint32_t>& taken, std::uint32_t& from) {
@@ -105,9 +112,10 @@ RuleChanges difference(const Wanted& wanted, const std::vector<CanRuleThere>& th
   const Others others = rules_of_others(there);
   std::set<CanRule> missing;
   for (const auto& [rule, channel] : wanted) {
-    const Meets met = carried(rule, others);
-    if (met == Meets::never) missing.insert(rule);
-    if (met == Meets::sometimes) changes.in_way.push_back(rule);
+    const Carried by_others = carried(rule, others);
+    // What was granted arrives whatever somebody else's rules do with other copies of it.
+    if (!by_others.all) missing.insert(rule);
+    if (by_others.disturbed) changes.in_way.push_back(rule);
   }
   std::set<std::uint32_t> taken;
   for (const CanRuleThere& t : there) {
@@ -126,8 +134,12 @@ std::string change_of(const CanRuleThere& there) {
   if (there.changes_more) return "the frame";
   if (!there.rule.translates()) return {};
   const std::uint32_t id = there.rule.set;
-  return (id & CAN_EFF_FLAG) != 0 ? fmt::format("id to {:08x}", id & CAN_EFF_MASK)
-                                  : fmt::format("id to {:03x}", id & CAN_SFF_MASK);
+  const bool extended = (id & CAN_EFF_FLAG) != 0;
+  const std::uint32_t bits = extended ? CAN_EFF_MASK : CAN_SFF_MASK;
+  const int digits = extended ? 8 : 3;
+  const std::uint32_t changed = (~there.rule.keep | id) & bits;
+  const auto to = fmt::format("id to {:0{}x}", id & bits, digits);
+  return changed == bits ? to : to + fmt::format("/{:0{}x}", changed, digits);
 }
 
 }  // namespace mlcca

@@ -54,8 +54,9 @@ void Gateway::add_can_rules(control::Routes& to) {
   for (const auto& [channel, why] : not_carried_) to.problems.push_back(why);
   if (!forwarder_.problem().empty()) to.problems.push_back(forwarder_.problem());
   for (const net::CanRule& rule : forwarder_.in_way())
-    to.problems.push_back(fmt::format("{} is carried in part, from {} to {}", name_of(rule),
-                                      links_.name_of(rule.from), links_.name_of(rule.to)));
+    to.problems.push_back(
+        fmt::format("{} is carried by a rule of somebody else, too, from {} to {}", name_of(rule),
+                    links_.name_of(rule.from), links_.name_of(rule.to)));
   const auto there = forwarder_.read();
   if (!there) {
     to.problems.push_back(there.error().text);
