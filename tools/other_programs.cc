@@ -24,11 +24,16 @@ std::string own_folder() {
   return std::string(whole.substr(0, whole.rfind('/') + 1));
 }
 
-/// The first word that is no option.
+/// The first word that is neither an option nor its value.
 std::string_view verb_of(std::span<char*> arguments) {
-  const auto rest = arguments.subspan(std::min<std::size_t>(1, arguments.size()));
-  const auto word = std::ranges::find_if(rest, [](const char* a) { return *a != '-'; });
-  return word == rest.end() ? std::string_view() : *word;
+  for (std::size_t i = 1; i < arguments.size(); ++i) {
+    const std::string_view word = arguments[i];
+    if (word == "--socket" || word == "--timeout")
+      ++i;
+    else if (!word.starts_with('-'))
+      return word;
+  }
+  return {};
 }
 
 bool is_read_back(std::string_view verb, std::span<char*> arguments) {

@@ -15,14 +15,18 @@ namespace {
 std::string limit(const control::GateSlot& slot) {
   constexpr double second = 1e9;
   constexpr double unit = 256;  // of per_byte
+  const char* const beyond = slot.excess_passes ? ", more is told" : "";
   if (slot.per_frame_ns != 0) {
     const double rate = second / static_cast<double>(slot.per_frame_ns);
     const std::uint64_t burst = slot.tolerance_ns / slot.per_frame_ns;
-    return fmt::format("{:.{}f}/s, {} at once", rate, rate < 10 ? 1 : 0, burst + 1);
+    const auto text = rate < 0.1 ? fmt::format("1 in {:.0f} s", 1 / rate)
+                                 : fmt::format("{:.{}f}/s", rate, rate < 10 ? 1 : 0);
+    return fmt::format("{}, {} at once{}", text, burst + 1, beyond);
   }
   if (slot.per_byte != 0)
     return bytes_per_second(
-        static_cast<std::uint64_t>(second * unit / static_cast<double>(slot.per_byte)));
+               static_cast<std::uint64_t>(second * unit / static_cast<double>(slot.per_byte))) +
+           beyond;
   return {};
 }
 

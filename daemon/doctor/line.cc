@@ -40,6 +40,14 @@ std::string to_text(std::span<const Line> lines) {
                            count(lines, Outcome::failed), count(lines, Outcome::not_tested));
 }
 
+bool was_tried(std::span<const Line> lines) {
+  return std::ranges::any_of(lines, [](const Line& line) {
+    return line.outcome != Outcome::not_tested &&
+           (line.check == "echo" || line.check == "bit rate measured" ||
+            line.check == "queue depth");
+  });
+}
+
 std::string to_json(const std::string& interface, std::span<const Line> lines) {
   nlohmann::ordered_json checks = nlohmann::ordered_json::array();
   for (const Line& line : lines)

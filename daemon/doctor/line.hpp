@@ -17,6 +17,8 @@ struct Line {
 };
 
 [[nodiscard]] bool any_failed(std::span<const Line> lines);
+/// One of the checks that send could be made.
+[[nodiscard]] bool was_tried(std::span<const Line> lines);
 /// "echo         FAILED: …", then a line with the sums.
 [[nodiscard]] std::string to_text(std::span<const Line> lines);
 /// One object on one line.

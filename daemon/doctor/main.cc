@@ -22,7 +22,7 @@ constexpr int kWorld = 3;
 constexpr unsigned kLongestWait = 3600;
 constexpr const char* kFooter =
     "Sends frames only with --send. Exit status: 0 everything is ok or was not tested, 1 something "
-    "failed, 2 usage, 3 it cannot be read.";
+    "failed, or with --send nothing could be tried by it, 2 usage, 3 it cannot be read.";
 
 void say(const std::string& text) { fmt::print(stderr, "mlccactl: {}\n", text); }
 
@@ -33,7 +33,10 @@ int run(const doctor::Request& request, bool as_json) {
     return kWorld;
   }
   fmt::print("{}", as_json ? doctor::to_json(request.interface, *lines) : doctor::to_text(*lines));
-  return doctor::any_failed(*lines) ? kFailed : kFine;
+  if (doctor::any_failed(*lines)) return kFailed;
+  if (!request.send || doctor::was_tried(*lines)) return kFine;
+  say("nothing could be tried by sending");
+  return kFailed;
 }
 
 }  // namespace
@@ -50,7 +53,15 @@ int main(int argc, char** argv) {
   app.set_help_flag("-h,--help", "print this help");
   app.require_subcommand(1, 1);
   auto* verb = app.add_subcommand("doctor", "examine a CAN controller before it is trusted");
-  for (auto* at : {&app, verb}) at->add_flag("--json", as_json, "print JSON");
+  std::string unused;
+  bool no_color = false;
+  for (auto* at : {&app, verb}) {
+    at->add_flag("--json", as_json, "print JSON");
+    // Of mlccactl, which take no part here.
+    at->add_flag("--no-color", no_color, "nothing here has colour")->group("");
+    for (const char* option : {"--socket", "--timeout"})
+      at->add_option(option, unused, "no daemon is asked")->group("");
+  }
   verb->add_option("--can", request.interface, "the interface")->type_name("NAME")->required();
   auto* send = verb->add_flag("--send", request.send, "send frames on the bus; without, only read");
   verb->add_option("--id", id,

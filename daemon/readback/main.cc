@@ -60,7 +60,7 @@ Result<store::Contents> read_journal(const std::string& state_directory) {
 /// interface passes anything.
 std::vector<std::string> compare_ports(const enforce::Reading& reading,
                                        const store::Contents& journal) {
-  std::vector<std::string> problems;
+  std::vector<std::string> problems = reading.problems;
   for (const auto& [identity, port] : journal.gated) {
     const auto gate =
         std::ranges::find(reading.gates, port.ifindex, &enforce::GateReading::ifindex);
@@ -235,7 +235,15 @@ int main(int argc, char** argv) {
   app.set_help_flag("-h,--help", "print this help");
   app.require_subcommand(1, 1);
   auto* gate = app.add_subcommand("gate", "compare the gates with what is pinned and granted");
-  for (auto* at : {&app, gate}) at->add_flag("--json", as_json, "print JSON");
+  std::string unused;
+  bool no_color = false;
+  for (auto* at : {&app, gate}) {
+    at->add_flag("--json", as_json, "print JSON");
+    // Of mlccactl, which take no part here.
+    at->add_flag("--no-color", no_color, "nothing here has colour")->group("");
+    for (const char* option : {"--socket", "--timeout"})
+      at->add_option(option, unused, "no daemon is asked")->group("");
+  }
   gate->add_flag("--verify", is_verify, "of what is in force, without the daemon")->required();
   gate->add_flag("--no-probes", no_probes, "compare only: send no frames through copies of gates");
   gate->add_option("--bpf-root", root, "where the gates are pinned")
