@@ -148,15 +148,14 @@ static __always_inline int filter_later(struct __sk_buff *skb, struct ether_cpu 
 					__u32 direction, const struct event *e,
 					const struct sender *from)
 {
-	const struct ether_fragment *f;
-	__u32 reason = judge_later(e, from);
+	struct ether_fragment *f = remembered(&fragments, &e->key);
+	struct decision d = judge_later(f, e, from);
 
-	if (reason != GATE_R_PASSED && reason != GATE_R_FOREIGN)
-		return drop(cpu, direction, direction, reason, e);
-	count_reason(cpu, direction, reason);
-	if (reason == GATE_R_FOREIGN)
+	if (d.reason != GATE_R_PASSED && d.reason != GATE_R_FOREIGN)
+		return drop(cpu, direction, d.slot, d.reason, e);
+	count_reason(cpu, direction, d.reason);
+	if (d.reason == GATE_R_FOREIGN)
 		return TC_ACT_UNSPEC;
-	f = bpf_map_lookup_elem(&fragments, &e->key);
 	skb->mark = f && direction == GATE_INGRESS
 			? gate_ingress_token(control.token, ifindex, f->subject)
 			: 0;

@@ -144,6 +144,7 @@ struct ether_fragment_key {
 struct ether_fragment {
 	__u64 until; /* CLOCK_MONOTONIC ns */
 	__u64 subject;
+	__s64 left; /* bytes that may still follow: of all of it together no more than it says */
 	__u32 slot;
 	__u16 first; /* bytes of the first fragment: nothing may be laid over them */
 	__u16 whole; /* bytes of the datagram with its UDP header; 0: no event */
@@ -167,6 +168,6 @@ GATE_ASSERT(sizeof(struct ether_table) == 64, "ether_table is pinned layout");
 GATE_ASSERT(sizeof(struct ether_seen) == 32, "ether_seen is pinned layout");
 GATE_ASSERT(sizeof(struct ether_cpu) == 256 + 32 * 64, "ether_cpu is pinned layout");
 GATE_ASSERT(sizeof(struct ether_fragment_key) == 12, "a hash key has no holes");
-GATE_ASSERT(sizeof(struct ether_fragment) == 24, "ether_fragment is pinned layout");
+GATE_ASSERT(sizeof(struct ether_fragment) == 32, "ether_fragment is pinned layout");
 
 #endif

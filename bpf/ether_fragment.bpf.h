@@ -29,6 +29,7 @@ static __always_inline void remember(void *map, const struct event *e, __u32 slo
 {
 	struct ether_fragment f = {.until = bpf_ktime_get_ns() + ETHER_FRAGMENT_NS,
 				   .subject = e->subject,
+				   .left = (__s64)e->whole - e->payload,
 				   .slot = slot,
 				   .first = e->payload,
 				   .whole = e->whole};
@@ -40,6 +41,16 @@ static __always_inline void remember(void *map, const struct event *e, __u32 slo
 static __always_inline bool is_overlaid(const struct ether_fragment *f, const struct event *e)
 {
 	return e->offset < f->first;
+}
+
+/* What is too much gives back what it took: for a moment others may find too little, never too
+ * much. */
+static __always_inline bool take_octets(struct ether_fragment *f, const struct event *e)
+{
+	if (__sync_fetch_and_add(&f->left, -(__s64)e->payload) >= (__s64)e->payload)
+		return true;
+	__sync_fetch_and_add(&f->left, (__s64)e->payload);
+	return false;
 }
 
 /* Of a datagram whose first fragment was admitted, and would be now from the same sender. */
@@ -62,17 +73,27 @@ static __always_inline __u32 fragment_reason(const struct ether_fragment *f, con
 	return GATE_R_PASSED;
 }
 
-/* GATE_R_PASSED or a reason to drop it; GATE_R_FOREIGN where it belongs to nobody of ours. */
-static __always_inline __u32 judge_later(const struct event *e, const struct sender *from)
+/*
+ * GATE_R_PASSED or a reason to drop it; GATE_R_FOREIGN where it belongs to nobody of ours. What is
+ * too much is counted with its slot.
+ */
+static __always_inline struct decision judge_later(struct ether_fragment *f, const struct event *e,
+						   const struct sender *from)
 {
-	struct ether_fragment *f = remembered(&fragments, &e->key);
+	struct decision d = {.slot = e->key.direction, .reason = GATE_R_FRAGMENT};
 
-	if (f)
-		return closed() ? GATE_R_CLOSED : fragment_reason(f, e, from);
+	if (f) {
+		d.reason = closed() ? GATE_R_CLOSED : fragment_reason(f, e, from);
+		if (d.reason == GATE_R_PASSED && !take_octets(f, e)) {
+			d.slot = f->slot;
+			d.reason = GATE_R_EXCESS;
+		}
+		return d;
+	}
 	f = remembered(&foreign_fragments, &e->key);
-	if (!f)
-		return GATE_R_FRAGMENT;
-	return is_overlaid(f, e) ? GATE_R_MALFORMED : GATE_R_FOREIGN;
+	if (f)
+		d.reason = is_overlaid(f, e) ? GATE_R_MALFORMED : GATE_R_FOREIGN;
+	return d;
 }
 
 #endif

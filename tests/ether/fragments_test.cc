@@ -27,12 +27,58 @@ TEST_F(EtherFragments, OfAnAdmittedEventPass) {
   EXPECT_TRUE(passes(known_, 0, 576));
   EXPECT_TRUE(passes(known_, 1152, 1400)) << "the last one before the others";
   EXPECT_TRUE(passes(known_, 576, 1152));
-  EXPECT_TRUE(passes(known_, 576, 1152)) << "again";
-  EXPECT_EQ(counted(GATE_R_PASSED), 4U) << "packets";
+  EXPECT_EQ(counted(GATE_R_PASSED), 3U) << "packets";
   EXPECT_EQ(gate_.counted(admitted_).passed, 1U) << "datagrams";
   EXPECT_EQ(gate_.counted(admitted_).bytes, 1383U) << "of the event";
+}
+
+TEST_F(EtherFragments, HaveTheMarkOfTheirDatagram) {
+  EXPECT_TRUE(passes(known_, 0, 576));
   const auto later = gate_.run(kIn, frame(known_.fragment(576, 1152)));
   EXPECT_EQ(later.mark, kAdmitted) << "so that egress knows it";
+}
+
+TEST_F(EtherFragments, BringNoMoreOctetsThanTheFirstOneSaid) {
+  EXPECT_TRUE(passes(known_, 0, 576));
+  int passed = 0;
+  for (int i = 0; i < 1000; ++i) passed += passes(known_, 576, 1152) ? 1 : 0;
+  EXPECT_EQ(passed, 1) << "of 824 octets that follow";
+  EXPECT_EQ(counted(GATE_R_EXCESS), 999U);
+  EXPECT_EQ(gate_.counted(admitted_).excess, 999U) << "of their channel";
+  EXPECT_FALSE(passes(known_, 1144, 1400)) << "8 octets too many";
+  EXPECT_TRUE(passes(known_, 1152, 1400)) << "what was refused has taken nothing";
+  EXPECT_FALSE(passes(known_, 1392, 1400));
+}
+
+TEST_F(EtherFragments, MayOverlapWithinTheirOctets) {
+  EXPECT_TRUE(passes(known_, 0, 576));
+  EXPECT_TRUE(passes(known_, 576, 776));
+  EXPECT_TRUE(passes(known_, 576, 776)) << "again";
+  EXPECT_TRUE(passes(known_, 976, 1400)) << "824 in all";
+  EXPECT_FALSE(passes(known_, 776, 976));
+}
+
+TEST_F(EtherFragments, ThatLeaveBringNoMoreOctetsEither) {
+  const SlotSpec out = sized(of_user(0), 1400);
+  gate_.admit({out});
+  const auto leaves = [&](std::size_t begin, std::size_t end) {
+    return !gate_.run(kOut, frame(known_.fragment(begin, end)), kLocal).dropped;
+  };
+  EXPECT_TRUE(leaves(0, 576));
+  EXPECT_TRUE(leaves(576, 1152));
+  EXPECT_FALSE(leaves(576, 1152));
+  EXPECT_TRUE(leaves(1152, 1400));
+  EXPECT_FALSE(leaves(1392, 1400));
+  EXPECT_EQ(gate_.counted(out).excess, 2U);
+}
+
+TEST_F(EtherFragments, ANextFirstOneBringsOctetsOfItsOwn) {
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(passes(known_, 0, 576));
+    EXPECT_TRUE(passes(known_, 576, 1400));
+    EXPECT_FALSE(passes(known_, 576, 1400));
+  }
+  EXPECT_EQ(gate_.counted(admitted_).passed, 3U) << "each is counted and policed";
 }
 
 TEST_F(EtherFragments, OfAnotherEventDoNot) {

@@ -109,8 +109,8 @@ TEST(EtherGeneration, VerdictsOfAWholeGenerationAreSeenTogetherWithThoseOfCan) {
   Sets ether;
   Sets raw;
   for (std::uint32_t i = 1; i <= pairs; ++i) {
-    ether.first.push_back(of_length(i, 1000, true));
-    ether.second.push_back(of_length(pairs + i, 1000, false));
+    ether.first.push_back(of_length(i, ETHER_MAX_PAYLOAD, true));
+    ether.second.push_back(of_length(pairs + i, ETHER_MAX_PAYLOAD, false));
     raw.first.push_back(CanTwin::slot(i, true));
     raw.second.push_back(CanTwin::slot(pairs + i, false));
   }
@@ -122,14 +122,17 @@ TEST(EtherGeneration, VerdictsOfAWholeGenerationAreSeenTogetherWithThoseOfCan) {
     return __atomic_load_n(&gate.control().generation, __ATOMIC_ACQUIRE);
   };
   const auto of_the_first = generation() & 1;  // the half where the first set passes
-  const Datagram two_parts = event([](Datagram& d) {
-    d.subject = 1;
-    d.payload = 500;
-  });
-  const Bytes begins = frame(two_parts.fragment(0, 400));
-  const Bytes ends = frame(two_parts.fragment(400, two_parts.content().size()));
-  // The first part is remembered while the first set passes.
-  ASSERT_FALSE(gate.run(kIn, begins).dropped);
+  // First parts are remembered while the first set passes; each has octets left for many a later.
+  std::vector<Bytes> later_parts;
+  for (std::uint16_t id = 0; id < 200; ++id) {
+    const Datagram parts = event([id](Datagram& d) {
+      d.subject = 1;
+      d.payload = ETHER_MAX_PAYLOAD;
+      d.id = id;
+    });
+    ASSERT_FALSE(gate.run(kIn, frame(parts.fragment(0, 400))).dropped);
+    later_parts.push_back(frame(parts.fragment(400, 408)));
+  }
   int whole = 0;
   const Swapping swapping({{&gate.table(), &ether}, {&can.table(), &raw}});
   for (std::uint32_t i = 0; whole < 5'000 || swapping.steps() < 100; ++i) {
@@ -137,7 +140,7 @@ TEST(EtherGeneration, VerdictsOfAWholeGenerationAreSeenTogetherWithThoseOfCan) {
     const bool first = !gate.run(kIn, of_subject(1 + i % pairs)).dropped;
     const bool second = !gate.run(kIn, of_subject(pairs + 1 + (i + 1) % pairs)).dropped;
     const bool early = !gate.dropped_early(of_subject(1 + (i + 2) % pairs));
-    const bool later = !gate.run(kIn, ends).dropped;
+    const bool later = !gate.run(kIn, later_parts[i % later_parts.size()]).dropped;
     const bool on_can = can.passes(1 + (i + 3) % pairs);
     if (generation() != before) continue;
     ++whole;

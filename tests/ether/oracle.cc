@@ -153,7 +153,7 @@ Judgement EtherWorld::judge_event(Direction direction, const Seen& seen, const S
     return give_up(GATE_R_FRAGMENT);
   const auto [reason, slot] = decide(direction, seen, sender);
   if (reason != GATE_R_PASSED) return give_up(reason, slot);
-  if (seen.more) fragments_[name] = {true, seen.here, seen.whole, *slot};
+  if (seen.more) fragments_[name] = {true, seen.here, seen.whole, *slot, seen.whole - seen.here};
   return {.mark = direction == Direction::ingress
                       ? gate_ingress_token(kToken, kIfindex, seen.subject)
                       : 0,
@@ -166,7 +166,7 @@ Judgement EtherWorld::judge_event(Direction direction, const Seen& seen, const S
 Judgement EtherWorld::judge_later(Direction direction, const Seen& seen, const Sender& sender) {
   const auto known = fragments_.find({direction, seen.addresses, seen.id, seen.inside});
   if (known == fragments_.end()) return refused(GATE_R_FRAGMENT, {}, {});
-  const Remembered& first = known->second;
+  Remembered& first = known->second;
   if (first.event && (!open || lapsed)) return refused(GATE_R_CLOSED, {}, {});
   const std::size_t end = seen.offset + seen.here;
   if (seen.offset < first.first) return refused(GATE_R_MALFORMED, {}, {});
@@ -175,6 +175,8 @@ Judgement EtherWorld::judge_later(Direction direction, const Seen& seen, const S
   const SlotSpec& slot = slots[first.slot];
   if (slot.formats == 0 || !slot.pass) return refused(GATE_R_DENIED, {}, {});
   if (!comes_from(slot, sender)) return refused(GATE_R_SOURCE, {}, {});
+  if (seen.here > first.left) return refused(GATE_R_EXCESS, first.slot, {});
+  first.left -= seen.here;
   return {.mark = direction == Direction::ingress
                       ? gate_ingress_token(kToken, kIfindex, slot.subject)
                       : 0,
@@ -192,7 +194,7 @@ Judgement EtherWorld::judge(Direction direction, const Bytes& bytes, const Sende
     case Kind::foreign_first: {
       auto& known = fragments_[{direction, seen.addresses, seen.id, seen.inside}];
       if (known.event) return refused(GATE_R_FRAGMENT, {}, {});
-      known = {false, seen.here, 0, 0};
+      known = {false, seen.here, 0, 0, 0};
       return {};
     }
     case Kind::later:

@@ -52,6 +52,7 @@ class EtherWorld {
     std::size_t first = 0;
     std::size_t whole = 0;
     std::size_t slot = 0;
+    std::size_t left = 0;  ///< bytes that may follow
   };
 
   static Seen look(const Bytes& bytes);
