@@ -241,7 +241,7 @@ int ether_early(struct xdp_md *ctx)
 	struct event e = {};
 	enum nature nature;
 
-	if (READ_ONCE(control.mode) == GATE_AUDIT)
+	if (READ_ONCE(control.mode) == GATE_AUDIT || READ_ONCE(table.retired))
 		return XDP_PASS;
 	nature = look_early(ctx, &e);
 	if (nature == NOT_EVENT || nature == NOT_EVENT_FIRST || nature == LATER ||

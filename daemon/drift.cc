@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bpf/gate.h"
+#include "daemon/enforce/early.hpp"
 #include "daemon/net/filters.hpp"
 
 namespace mlcca {
@@ -35,6 +36,18 @@ Result<std::string> before(int ifindex, const enforce::PortGate& gate) {
   return text;
 }
 
+/// XDP programs of others, in words; empty: there is none. They run before tc whatever we do, and
+/// in a driver there is room for one.
+std::string before_tc(int ifindex, const enforce::PortGate& gate) {
+  const auto others =
+      enforce::other_early_programs(static_cast<std::uint32_t>(ifindex), gate.early());
+  if (others.empty()) return {};
+  return fmt::format(
+      "before the gate of {} runs XDP program {}, which is not ours and stays: what that takes, "
+      "redirects or sends back is not judged",
+      gate.name(), fmt::join(others, ", "));
+}
+
 std::uint64_t let_out(const enforce::PortGate& gate, bool audit) {
   const auto reasons = gate.reasons(enforce::Direction::egress);
   std::uint64_t frames = reasons[GATE_R_PASSED];
@@ -53,6 +66,7 @@ std::vector<int> Drift::repair(const Gates& gates, const net::LinkTable& links) 
     Seen& seen = seen_[ifindex];
     gated_.insert(ifindex);
     const auto there = gate->attached();
+    keep_early(ifindex, *gate, seen);
     if (there && *there) {
       keep_first(ifindex, *gate, seen);
       continue;
@@ -71,6 +85,34 @@ std::vector<int> Drift::repair(const Gates& gates, const net::LinkTable& links) 
     }
   }
   return lost;
+}
+
+/// What is gone from the driver lets nothing pass: both filters judge all of it.
+void Drift::keep_early(int ifindex, enforce::PortGate& gate, Seen& seen) {
+  const std::string others = before_tc(ifindex, gate);
+  const std::string told = std::exchange(seen.early, others);
+  const bool lost = gate.lost_early();
+  // A place that another program has left is taken again.
+  const auto put =
+      lost || (others.empty() && !told.empty()) ? gate.put_early_back() : Result<void>();
+  if (lost) {
+    const bool back = gate.drops_early();
+    if (back) ++seen.repaired;
+    tell_(Kind::drift,
+          fmt::format("somebody removed our program from the driver of {}: what is refused was "
+                      "dropped behind packet sockets until now, {}",
+                      gate.name(),
+                      back  ? "and is dropped early again"
+                      : put ? "and still is"
+                            : "and still is: " + put.error().text),
+          true);
+  }
+  if (told == others) return;
+  tell_(Kind::drift,
+        others.empty()
+            ? fmt::format("no other XDP program runs before the gate of {} any more", gate.name())
+            : others,
+        !others.empty());
 }
 
 /// Ours goes first where that takes nothing away from anybody: a program in front of it may let
@@ -142,6 +184,8 @@ void Drift::report(int ifindex, const enforce::PortGate& gate, control::Interfac
   const auto it = seen_.find(ifindex);
   if (it == seen_.end()) return;
   to.drift = it->second.standing;
+  if (!to.drift.empty() && !it->second.early.empty()) to.drift += "; ";
+  to.drift += it->second.early;
   to.repaired = it->second.repaired;
   to.bypassed = it->second.past;
 }

@@ -39,6 +39,7 @@ class Drift {
  private:
   struct Seen {
     std::string standing;   ///< what cannot be repaired; empty: nothing
+    std::string early;      ///< XDP programs of others, which run before the gate; empty: none
     std::string unmovable;  ///< what runs before the gate and could not be put behind it
     std::uint64_t repaired = 0;
     std::uint64_t past = 0;  ///< frames that went past the gate
@@ -46,6 +47,7 @@ class Drift {
     bool audit = false;
   };
   void keep_first(int ifindex, enforce::PortGate& gate, Seen& seen);
+  void keep_early(int ifindex, enforce::PortGate& gate, Seen& seen);
 
   Tell tell_;
   std::map<int, Seen> seen_;

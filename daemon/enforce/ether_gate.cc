@@ -26,12 +26,12 @@
 #include "daemon/enforce/grace_period.hpp"
 #include "daemon/enforce/pins.hpp"
 #include "daemon/enforce/programs.hpp"
+#include "daemon/enforce/publish.hpp"
 #include "daemon/enforce/watchmen.hpp"
 
 namespace mlcca::enforce {
 namespace {
 
-std::string early_pin(const std::string& directory) { return directory + "/early"; }
 std::string next(const std::string& pin) { return pin + "_next"; }
 
 std::optional<std::uint64_t> random_seed() {
@@ -87,7 +87,7 @@ struct EtherGate::State {
   EtherMapping mapping;
   EtherTable table;
   bool reused = false;
-  bool early = false;
+  bool early = false;                ///< it was put in the driver
   std::optional<Watchmen> watchmen;  ///< from when it is pinned on
 
   static Result<std::unique_ptr<State>> load(const EtherConfig& config, const Place& place,
@@ -99,7 +99,7 @@ struct EtherGate::State {
   [[nodiscard]] Result<EtherMaps> shared_maps() const;
   [[nodiscard]] Result<void> pin_all() const;
   [[nodiscard]] Result<void> name_all() const;
-  void put_early_in_place();
+  Result<void> put_early_in_place();
   Result<void> watch(const Control& control);
 };
 
@@ -132,7 +132,6 @@ Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConf
 Result<void> EtherGate::State::pin_all() const {
   const std::string& directory = place.directory;
   if (!reused) {
-    // The program in the driver keeps its name: it is replaced by it.
     for (std::size_t n = 0; n < kEtherMaps.size(); ++n) remove_pin(ether_map_pin(directory, n));
     for (const auto direction : kBothDirections) remove_pin(program_pin(directory, direction));
     remove_pin(watchmen_pin(directory));  // of a table that is not in force any more
@@ -171,27 +170,18 @@ Result<void> EtherGate::State::name_all() const {
   return rename_pin(next(early_pin(directory)), early_pin(directory));
 }
 
-/// The program in the driver, if it is one of ours: of this layout, or of the one before an
-/// upgrade. Those that were attached and not named yet after a crash are found as well.
-static Fd own_program(const std::string& directory, std::uint32_t id) {
-  const std::filesystem::path interface(directory);
-  std::error_code error;
-  for (const auto& layout :
-       std::filesystem::directory_iterator(interface.parent_path().parent_path(), error)) {
-    const std::string pin = early_pin(layout.path() / interface.filename());
-    for (const std::string& name : {pin, next(pin)})
-      if (Fd program = open_pin(name); program && program_info(program.get()).id == id)
-        return program;
-  }
-  return {};
-}
-
-void EtherGate::State::put_early_in_place() {
+/// Of ours it takes the place, be it of a daemon before this one, or come back with its device.
+/// Between looking and putting nobody is kept from putting his own there.
+Result<void> EtherGate::State::put_early_in_place() {
+  const std::string root =
+      std::filesystem::path(place.directory).parent_path().parent_path().string();
+  const std::uint32_t id = program_info(programs.early_fd()).id;
+  if (auto noted = note_early(root, id); !noted) return noted;
   const std::uint32_t there = early_program(config.ifindex);
-  early = there == program_info(programs.early_fd()).id;
-  if (early) return;
-  const Fd ours = there != 0 ? own_program(place.directory, there) : Fd();
-  early = put_early(config.ifindex, programs.early_fd(), ours ? ours.get() : -1);
+  early = there == id;
+  if (early || (there != 0 && !is_noted_early(root, there))) return {};
+  early = put_early(config.ifindex, programs.early_fd(), there != 0);
+  return {};
 }
 
 /// Timers that run already go on, by our program.
@@ -241,7 +231,7 @@ Result<EtherGate> EtherGate::attach(const EtherConfig& config, const Control& co
   if (auto pinned = (*state)->pin_all(); !pinned) return in_context(pinned.error());
   if (auto watched = (*state)->watch(control); !watched) return in_context(watched.error());
   if (auto put = put_gate_in_place(place, (*state)->both()); !put) return in_context(put.error());
-  (*state)->put_early_in_place();
+  if (auto put = (*state)->put_early_in_place(); !put) return in_context(put.error());
   if (auto named = (*state)->name_all(); !named) return in_context(named.error());
   return EtherGate(std::move(*state));
 }
@@ -257,14 +247,13 @@ bool EtherGate::holds(std::size_t slots) const {
 bool EtherGate::reused() const { return state_->reused; }
 const std::string& EtherGate::name() const { return state_->config.name; }
 std::uint32_t EtherGate::ifindex() const { return state_->config.ifindex; }
-bool EtherGate::drops_early() const { return state_->early; }
 
-Result<bool> EtherGate::attached() const {
-  const auto there = are_in_place(state_->place, state_->both());
-  if (!there || !*there) return there;
-  return !state_->early ||
-         early_program(state_->config.ifindex) == program_info(state_->programs.early_fd()).id;
-}
+std::uint32_t EtherGate::early() const { return program_info(state_->programs.early_fd()).id; }
+bool EtherGate::drops_early() const { return early_program(ifindex()) == early(); }
+bool EtherGate::lost_early() const { return state_->early && !drops_early(); }
+Result<void> EtherGate::put_early_back() { return state_->put_early_in_place(); }
+
+Result<bool> EtherGate::attached() const { return are_in_place(state_->place, state_->both()); }
 
 Hook EtherGate::hook() const { return state_->place.hook; }
 
@@ -283,7 +272,7 @@ Result<void> EtherGate::go_first() {
   for (const auto direction : kBothDirections)
     if (auto put = put_first((*copy)->place, direction, (*copy)->both().of(direction)); !put)
       return in_context(put.error());
-  (*copy)->put_early_in_place();
+  if (auto put = (*copy)->put_early_in_place(); !put) return in_context(put.error());
   if (auto named = (*copy)->name_all(); !named) return in_context(named.error());
   (*copy)->watchmen = std::move(state_->watchmen);  // they look at the same memory
   state_ = std::move(*copy);
@@ -296,7 +285,6 @@ Result<void> EtherGate::reattach() {
     if (state_->place.hook == Hook::tcx) return go_first();
     return fail(fmt::format("gate of {}: {}", name(), put.error().text));
   }
-  state_->put_early_in_place();
   return {};
 }
 
@@ -306,7 +294,10 @@ std::vector<SlotSpec> EtherGate::present() const { return state_->table.present(
 std::size_t EtherGate::size() const { return state_->table.size(); }
 std::size_t EtherGate::room() const { return state_->sizes.slots - ETHER_FIRST_SLOT; }
 void EtherGate::deny_all() { state_->table.deny_all(); }
-void EtherGate::unpin() { remove_pin_directory(state_->place.directory); }
+void EtherGate::unpin() {
+  retire_ether_gate(state_->place.directory);
+  remove_pin_directory(state_->place.directory);
+}
 
 std::optional<SlotCounters> EtherGate::counters(const SlotSpec& spec) const {
   const auto slot = state_->table.find(spec);
@@ -337,6 +328,13 @@ ReasonCounters EtherGate::reasons(Direction direction) const {
 
 std::vector<UnknownFrame> EtherGate::unknown() const {
   return unknown_subjects(state_->mapping.cpus());
+}
+
+void retire_ether_gate(const std::string& directory) {
+  const auto pinned = pinned_ether_maps(directory);
+  if (!pinned) return;
+  const Mapped<ether_table> table(pinned->maps.front().get(), 1);
+  if (table) publish(table[0].retired, std::uint32_t{1});
 }
 
 bool is_ethernet(std::uint32_t ifindex) {

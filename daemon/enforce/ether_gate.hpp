@@ -42,7 +42,10 @@ class EtherGate final : public PortGate {
   [[nodiscard]] Result<std::vector<Ahead>> ahead() const override;
   Result<void> go_first() override;
   [[nodiscard]] bool judges_everything() const override { return false; }
+  [[nodiscard]] std::uint32_t early() const override;
   [[nodiscard]] bool drops_early() const override;
+  [[nodiscard]] bool lost_early() const override;
+  Result<void> put_early_back() override;
   [[nodiscard]] std::vector<SlotSpec> present() const override;
   [[nodiscard]] std::size_t size() const override;
   [[nodiscard]] std::size_t room() const override;
@@ -64,6 +67,10 @@ class EtherGate final : public PortGate {
   explicit EtherGate(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
+
+/// Before the pins of a device that is gone are removed: the program in its driver, which goes on
+/// with it, lets everything pass from now on.
+void retire_ether_gate(const std::string& directory);
 
 /// Frames have Ethernet headers there.
 bool is_ethernet(std::uint32_t ifindex);

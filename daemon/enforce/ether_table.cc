@@ -90,6 +90,7 @@ Result<EtherTable> EtherTable::read(const EtherMemory& memory, const EtherSizes&
             .contracts = sizes.contracts,
             .watches_end = 1,
             .sample_due = 0,
+            .retired = 0,
             .pad = {}};
   if (head.layout_version != ETHER_LAYOUT_VERSION)
     return fail(fmt::format("subject table: layout {} instead of {}", head.layout_version,

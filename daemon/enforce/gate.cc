@@ -280,7 +280,10 @@ Result<void> unpin_vanished(const Control& control) {
     if (bad == std::errc{} && if_indextoname(ifindex, found.data()) == nullptr && errno == ENXIO)
       vanished.push_back(entry.path());
   }
-  for (const auto& path : vanished) remove_pin_directory(path);
+  for (const auto& path : vanished) {
+    retire_ether_gate(path);
+    remove_pin_directory(path);
+  }
   return {};
 }
 

@@ -18,6 +18,7 @@ inline std::string program_pin(const std::string& directory, Direction direction
 inline std::string next_pin(const std::string& directory, Direction direction) {
   return program_pin(directory, direction) + "_next";
 }
+inline std::string early_pin(const std::string& directory) { return directory + "/early"; }
 inline std::string table_pin(const std::string& directory) { return directory + "/table"; }
 inline std::string watchmen_pin(const std::string& directory) { return directory + "/watchmen"; }
 inline std::string cpus_pin(const std::string& directory) { return directory + "/cpus"; }

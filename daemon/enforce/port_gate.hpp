@@ -39,8 +39,14 @@ class PortGate {
   virtual Result<void> go_first() = 0;
   /// Whatever leaves is counted; of Ethernet only what carries events is.
   [[nodiscard]] virtual bool judges_everything() const { return true; }
+  /// Id of our program for the driver; 0: there is none of this kind of link.
+  [[nodiscard]] virtual std::uint32_t early() const { return 0; }
   /// The driver drops what is refused before anything else sees it.
   [[nodiscard]] virtual bool drops_early() const { return false; }
+  /// It did, until somebody took our program away from there. Both filters hold all of it.
+  [[nodiscard]] virtual bool lost_early() const { return false; }
+  /// Where nobody else's program is: see drops_early().
+  virtual Result<void> put_early_back() { return {}; }
 
   /// See Table::apply(); then the timers of what is newly watched.
   Result<void> apply(const SlotChanges& changes);

@@ -15,6 +15,7 @@
 #include <system_error>
 
 #include "daemon/enforce/control.hpp"
+#include "daemon/enforce/early.hpp"
 #include "daemon/enforce/ether_programs.hpp"
 #include "daemon/enforce/ether_table.hpp"
 #include "daemon/enforce/failure.hpp"
@@ -28,6 +29,19 @@ namespace {
 
 const char* name(Direction direction) {
   return direction == Direction::ingress ? "ingress" : "egress";
+}
+
+/// A driver may have no place for ours: that it is not there is no problem.
+void read_early(GateReading& gate, const std::string& directory) {
+  const Fd pinned = open_pin(early_pin(directory));
+  const std::uint32_t ours = pinned ? program_info(pinned.get()).id : 0;
+  const std::string root = std::filesystem::path(directory).parent_path().parent_path().string();
+  for (const std::uint32_t other : other_early_programs(gate.ifindex, ours))
+    gate.problems.push_back(
+        is_noted_early(root, other)
+            ? fmt::format("our XDP program in the driver ({}) is not the pinned one ({})", other,
+                          ours)
+            : fmt::format("XDP program {} runs before ours at ingress", other));
 }
 
 void read_programs(GateReading& gate, const std::string& directory,
@@ -58,6 +72,7 @@ void read_programs(GateReading& gate, const std::string& directory,
         gate.problems.push_back(fmt::format(
             "the program pinned for {} does not look at the pinned map {}", name(direction), map));
   }
+  read_early(gate, directory);
   const auto ahead = tcx_ahead({gate.ifindex, directory, gate.hook});
   if (!ahead) gate.problems.push_back(ahead.error().text);
   for (const Ahead& a : ahead.value_or(std::vector<Ahead>{}))

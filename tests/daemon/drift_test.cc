@@ -3,14 +3,21 @@
 #include "daemon/drift.hpp"
 
 #include <gtest/gtest.h>
+#include <net/if.h>
 #include <sched.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdlib>
+#include <memory>
 
+#include "daemon/enforce/early.hpp"
+#include "daemon/enforce/ether_gate.hpp"
+#include "daemon/enforce/gate_pins.hpp"
+#include "daemon/enforce/readback.hpp"
 #include "enforce/attach_fixture.hpp"
 
 namespace mlcca::enforce {
@@ -166,7 +173,102 @@ TEST_P(DriftTest, DeviceThatWentToAnotherNamespaceIsTold) {
   EXPECT_EQ(told_.size(), 1U) << "it had no gate";
 }
 
+/// Generic XDP runs before tc on any device, CAN too.
+TEST_P(DriftTest, AnXdpProgramInFrontIsToldAndStays) {
+  const auto id = test::put_foreign_xdp("bus0");
+  repair();
+  repair();
+  ASSERT_EQ(told_.size(), 1U);
+  EXPECT_NE(told_[0].find("before the gate of bus0 runs XDP program " + std::to_string(id)),
+            std::string::npos)
+      << told_[0];
+  EXPECT_EQ(report().drift, told_[0]);
+  EXPECT_EQ(other_early_programs(bus_.ifindex(), 0), std::vector{id});
+  test::remove_foreign_xdp("bus0");
+  repair();
+  ASSERT_EQ(told_.size(), 2U);
+  EXPECT_EQ(told_[1], "no other XDP program runs before the gate of bus0 any more");
+  EXPECT_EQ(report().drift, "");
+}
+
+/// Of an Ethernet gate.
+class DriftInTheDriver : public DriftTest {
+ protected:
+  DriftInTheDriver() {
+    shell("ip link add lan0 type veth peer name far0");
+    auto made = EtherGate::attach({if_nametoindex("lan0"), "lan0", 0, hook_}, control_);
+    EXPECT_TRUE(made) << made.error().text;
+    ether_ = std::make_unique<EtherGate>(std::move(*made));
+    gates_ = {{static_cast<int>(ether_->ifindex()), ether_.get()}};
+    EXPECT_TRUE(links_->refresh());
+  }
+  ~DriftInTheDriver() override { shell("ip link del lan0"); }
+  static void shell(const std::string& command) {
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;
+  }
+  [[nodiscard]] std::string status() const {
+    control::Interface interface;
+    drift_.report(static_cast<int>(ether_->ifindex()), *ether_, interface);
+    return interface.drift;
+  }
+  std::unique_ptr<EtherGate> ether_;
+};
+
+TEST_P(DriftInTheDriver, WhatIsGoneFromThereAloneIsToldAsThat) {
+  repair();
+  EXPECT_TRUE(told_.empty()) << told_.front();
+  shell("ip link set lan0 xdp off");
+  repair();
+  ASSERT_EQ(told_.size(), 1U);
+  EXPECT_EQ(told_[0],
+            "somebody removed our program from the driver of lan0: what is refused was dropped "
+            "behind packet sockets until now, and is dropped early again");
+  EXPECT_TRUE(ether_->drops_early());
+  repair();
+  EXPECT_EQ(told_.size(), 1U) << told_.back();
+}
+
+TEST_P(DriftInTheDriver, AnotherProgramInsteadOfOursIsToldAndLeft) {
+  repair();
+  shell("ip link set lan0 xdp off");
+  const auto id = test::put_foreign_xdp("lan0");
+  repair();
+  repair();
+  ASSERT_EQ(told_.size(), 2U);
+  EXPECT_NE(told_[0].find("and still is"), std::string::npos) << told_[0];
+  EXPECT_NE(told_[1].find("runs XDP program " + std::to_string(id)), std::string::npos) << told_[1];
+  EXPECT_EQ(status(), told_[1]);
+  EXPECT_EQ(other_early_programs(ether_->ifindex(), ether_->early()), std::vector{id});
+  const auto reading = read_back(root_).value();
+  const auto gate = std::ranges::find(reading.gates, "lan0", &GateReading::interface);
+  ASSERT_NE(gate, reading.gates.end());
+  EXPECT_EQ(gate->problems,
+            std::vector{"XDP program " + std::to_string(id) + " runs before ours at ingress"});
+  test::remove_foreign_xdp("lan0");
+  repair();
+  EXPECT_EQ(told_.size(), 3U) << told_.back();
+  EXPECT_EQ(status(), "");
+  EXPECT_TRUE(ether_->drops_early()) << "its place is free again";
+  EXPECT_TRUE(read_back(root_).value().gates.at(1).problems.empty());
+}
+
+TEST_P(DriftInTheDriver, OneOfOursThatIsNotThePinnedOneIsReadBack) {
+  std::filesystem::remove(early_pin(gate_directory(control_.directory(), ether_->ifindex())));
+  const auto reading = read_back(root_).value();
+  const auto gate = std::ranges::find(reading.gates, "lan0", &GateReading::interface);
+  ASSERT_NE(gate, reading.gates.end());
+  EXPECT_EQ(gate->problems,
+            std::vector{"our XDP program in the driver (" + std::to_string(ether_->early()) +
+                        ") is not the pinned one (0)"});
+}
+
 INSTANTIATE_TEST_SUITE_P(Hooks, DriftTest, testing::ValuesIn([] {
+                           auto hooks = tcx_if_there();
+                           hooks.push_back(Hook::clsact);
+                           return hooks;
+                         }()),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(Hooks, DriftInTheDriver, testing::ValuesIn([] {
                            auto hooks = tcx_if_there();
                            hooks.push_back(Hook::clsact);
                            return hooks;

@@ -6,6 +6,7 @@
 #include <bpf/libbpf.h>
 #include <fcntl.h>
 #include <linux/if_ether.h>
+#include <linux/if_link.h>
 #include <linux/if_packet.h>
 #include <linux/if_tun.h>
 #include <linux/pkt_cls.h>
@@ -74,10 +75,9 @@ bpf_tc_hook one_hook_of(const Bus& bus, bool ingress) {
   return hook_of(bus.ifindex(), ingress ? BPF_TC_INGRESS : BPF_TC_EGRESS);
 }
 
-Fd load(const std::vector<bpf_insn>& program) {
-  Fd fd(bpf_prog_load(BPF_PROG_TYPE_SCHED_CLS, "foreign", "GPL", program.data(), program.size(),
-                      nullptr));
-  require(static_cast<bool>(fd), "load a filter");
+Fd load(const std::vector<bpf_insn>& program, bpf_prog_type type = BPF_PROG_TYPE_SCHED_CLS) {
+  Fd fd(bpf_prog_load(type, "foreign", "GPL", program.data(), program.size(), nullptr));
+  require(static_cast<bool>(fd), "load a program");
   return fd;
 }
 
@@ -214,6 +214,21 @@ void forward(const Bus& from, const Bus& to) {
 }
 
 Fd load_foreign(int action) { return load({move(BPF_REG_0, action), jump(BPF_EXIT)}); }
+
+std::uint32_t put_foreign_xdp(const std::string& interface) {
+  const Fd program = load({move(BPF_REG_0, XDP_PASS), jump(BPF_EXIT)}, BPF_PROG_TYPE_XDP);
+  const auto ifindex = static_cast<int>(if_nametoindex(interface.c_str()));
+  require(bpf_xdp_attach(ifindex, program.get(), XDP_FLAGS_SKB_MODE, nullptr) == 0, "attach XDP");
+  bpf_prog_info info{};
+  std::uint32_t size = sizeof info;
+  require(bpf_obj_get_info_by_fd(program.get(), &info, &size) == 0, "look at a program");
+  return info.id;
+}
+
+void remove_foreign_xdp(const std::string& interface) {
+  const auto ifindex = static_cast<int>(if_nametoindex(interface.c_str()));
+  require(bpf_xdp_detach(ifindex, XDP_FLAGS_SKB_MODE, nullptr) == 0, "detach XDP");
+}
 
 void add_foreign_filter(const Bus& bus, std::uint32_t priority, std::uint32_t handle, int action) {
   attach(bus.ifindex(), {move(BPF_REG_0, action), jump(BPF_EXIT)}, priority, handle);

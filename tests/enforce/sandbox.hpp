@@ -59,6 +59,10 @@ void forward(const Bus& from, const Bus& to);
 
 /// A program of somebody else, that does the same with every frame.
 Fd load_foreign(int action);
+/// An XDP program of somebody else that passes everything, run before tc: gives its id. Withdrawn
+/// by remove_foreign_xdp().
+std::uint32_t put_foreign_xdp(const std::string& interface);
+void remove_foreign_xdp(const std::string& interface);
 /// A filter of somebody else on ingress, that leaves everything to others unless told otherwise.
 void add_foreign_filter(const Bus& bus, std::uint32_t priority, std::uint32_t handle,
                         int action = -1);

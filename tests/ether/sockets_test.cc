@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The gate on real Ethernet devices with real UDP sockets, so that the kernel's own IP fragments
 // cross it.
+#include <bpf/bpf.h>
+#include <linux/bpf.h>
 #include <linux/if_packet.h>
 
 #include "daemon/enforce/early.hpp"
@@ -197,11 +199,45 @@ TEST_P(EtherSockets, WhatWasRemovedIsPutBack) {
   EXPECT_TRUE(gate_.attached().value());
   ASSERT_TRUE(send(far_, "10.0.0.1", kPort, event(kSubject, 8)));
   EXPECT_EQ(received(near_), 17U);
+}
+
+TEST_P(EtherSockets, WhatWasRemovedFromTheDriverIsPutBackThere) {
+  EXPECT_FALSE(gate_.lost_early());
   shell("ip link set dev eth0 xdp off");
-  EXPECT_FALSE(gate_.attached().value());
-  ASSERT_TRUE(gate_.reattach());
-  EXPECT_TRUE(gate_.attached().value());
-  EXPECT_NE(early_program(if_nametoindex("eth0")), 0U);
+  EXPECT_TRUE(gate_.attached().value()) << "tc holds all of it";
+  EXPECT_TRUE(gate_.lost_early());
+  EXPECT_FALSE(gate_.drops_early());
+  ASSERT_TRUE(gate_.put_early_back());
+  EXPECT_FALSE(gate_.lost_early());
+  EXPECT_TRUE(gate_.drops_early());
+  EXPECT_EQ(early_program(if_nametoindex("eth0")), gate_.early());
+}
+
+/// It goes with its device to another namespace, and comes back when its pins are gone.
+TEST_P(EtherSockets, TheProgramThatAGateLeftInTheDriverLetsAllPassAndIsReplaced) {
+  const std::string directory = place(GetParam(), control_).directory;
+  const Fd left = open_pin(early_pin(directory));
+  const auto drops = [&] {
+    const Bytes bytes = test::frame(Datagram{.subject = kSubject}.whole());
+    LIBBPF_OPTS(bpf_test_run_opts, run);
+    run.data_in = bytes.data();
+    run.data_size_in = static_cast<std::uint32_t>(bytes.size());
+    EXPECT_EQ(bpf_prog_test_run_opts(left.get(), &run), 0);
+    return run.retval == XDP_DROP;
+  };
+  EXPECT_TRUE(drops());
+  const auto before = gate_.early();
+  gate_.unpin();
+  EXPECT_FALSE(drops());
+  EXPECT_EQ(early_program(if_nametoindex("eth0")), before);
+  for (const auto hook : {Hook::clsact, Hook::tcx}) withdraw(place(hook, control_));
+  gate_ = attach();
+  EXPECT_FALSE(gate_.reused());
+  EXPECT_TRUE(gate_.drops_early());
+  EXPECT_NE(early_program(if_nametoindex("eth0")), before);
+  admit({slot(Direction::ingress)});
+  ASSERT_TRUE(send(far_, "10.0.0.1", kPort, event(kSubject, 8)));
+  EXPECT_EQ(received(near_), 17U);
 }
 
 TEST_P(EtherSockets, OneHookTakesOverFromTheOther) {
