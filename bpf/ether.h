@@ -62,10 +62,12 @@
 /* Slots whose events can be watched; 0 is not used. What more is granted is not watched. */
 #define ETHER_WATCHES 4096
 
-/* IP fragments: first ones that are remembered, and how long, as a receiver may reassemble. */
-#define ETHER_FRAGMENTS		2048
-#define ETHER_FOREIGN_FRAGMENTS 2048
-#define ETHER_FRAGMENT_NS	30000000000ULL
+/*
+ * IP fragments: datagrams under way at once of which the first one is remembered, for events and
+ * for others, and how long, as a receiver may reassemble.
+ */
+#define ETHER_FRAGMENTS	  2048
+#define ETHER_FRAGMENT_NS 30000000000ULL
 
 /*
  * What was admitted, shared by all slots with the same of it. User space changes none that a slot
@@ -150,6 +152,12 @@ struct ether_fragment {
 	__u16 first; /* bytes of the first fragment: nothing may be laid over them */
 	__u16 whole; /* bytes of the datagram with its UDP header; 0: no event */
 };
+
+/*
+ * Entries of a map that remembers so many. The kernel keeps datagrams that are complete longer than
+ * new ones, and entries in reserve on each CPU: of four times as many entries 2048 just hold.
+ */
+static inline __u32 ether_fragment_entries(__u32 cpus) { return 5 * ETHER_FRAGMENTS + 128 * cpus; }
 
 static inline __u64 ether_hash(__u64 seed, __u64 subject, __u32 direction)
 {

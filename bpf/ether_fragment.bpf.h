@@ -6,16 +6,16 @@
 #ifndef MLCCA_ETHER_FRAGMENT_BPF_H
 #define MLCCA_ETHER_FRAGMENT_BPF_H
 
-#define FRAGMENT_MAP(name, entries)                                                                \
+#define FRAGMENT_MAP(name)                                                                         \
 	struct {                                                                                   \
 		__uint(type, BPF_MAP_TYPE_LRU_HASH);                                               \
-		__uint(max_entries, entries);                                                      \
+		__uint(max_entries, 1); /* set before loading */                                   \
 		__type(key, struct ether_fragment_key);                                            \
 		__type(value, struct ether_fragment);                                              \
 	} name SEC(".maps")
 
-FRAGMENT_MAP(fragments, ETHER_FRAGMENTS);
-FRAGMENT_MAP(foreign_fragments, ETHER_FOREIGN_FRAGMENTS);
+FRAGMENT_MAP(fragments);
+FRAGMENT_MAP(foreign_fragments);
 
 static __always_inline struct ether_fragment *remembered(void *map,
 							 const struct ether_fragment_key *key)

@@ -23,12 +23,14 @@ std::array<bpf_map*, kEtherMaps.size()> maps_of(const ether_bpf& object) {
 }
 
 int set_sizes(const ether_bpf& object, const EtherSizes& sizes) {
-  const std::array<std::pair<bpf_map*, std::uint32_t>, 6> entries{
+  const std::array<std::pair<bpf_map*, std::uint32_t>, 8> entries{
       {{object.maps.buckets, sizes.buckets},
        {object.maps.slots, sizes.slots},
        {object.maps.contracts, sizes.contracts},
        {object.maps.counts, sizes.banks * sizes.slots},
        {object.maps.cpus, possible_cpus()},
+       {object.maps.fragments, ether_fragment_entries(possible_cpus())},
+       {object.maps.foreign_fragments, ether_fragment_entries(possible_cpus())},
        {object.maps.watches, ETHER_WATCHES}}};
   for (const auto& [map, count] : entries)
     if (const int error = bpf_map__set_max_entries(map, count); error != 0) return error;

@@ -60,7 +60,10 @@ LoadedEther::LoadedEther(const EtherOptions& options)
   bpf_map__set_max_entries(maps.slots, sizes_.slots);
   bpf_map__set_max_entries(maps.contracts, sizes_.contracts);
   bpf_map__set_max_entries(maps.counts, sizes_.banks * sizes_.slots);
-  bpf_map__set_max_entries(maps.cpus, static_cast<std::uint32_t>(libbpf_num_possible_cpus()));
+  const auto cpus = static_cast<std::uint32_t>(libbpf_num_possible_cpus());
+  bpf_map__set_max_entries(maps.cpus, cpus);
+  bpf_map__set_max_entries(maps.fragments, ether_fragment_entries(cpus));
+  bpf_map__set_max_entries(maps.foreign_fragments, ether_fragment_entries(cpus));
   bpf_map__set_max_entries(maps.watches, ETHER_WATCHES);
   require(ether_bpf__load(object_.get()) == 0, "load the gate");
   buckets_ = mapped<std::uint64_t>(maps.buckets);
