@@ -25,7 +25,7 @@ struct ControlKind {
   std::string_view name;  ///< "address-claim"
   std::span<const ControlFrames> frames;
   std::uint32_t rate = 0;   ///< frames/s in each direction, unless a description says another
-  std::uint32_t burst = 0;  ///< frames that may come at once
+  std::uint32_t burst = 0;  ///< frames that may come at once, beyond one
   /// can-j1939 sends them itself, whoever gave it the data. Such frames carry what no gate can look
   /// into, so that they pass only where a description names them.
   bool is_carrier = false;

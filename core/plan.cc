@@ -168,7 +168,8 @@ class Planner {
       const Network& network = network_at(port);
       const auto frames =
           frames_per_event(network, network.binding_of(p.channel), offered[Attribute::max_payload]);
-      rule.policing = policing_of(offered, frames);
+      rule.policing = policing_of(offered, frames,
+                                  network.carries_subjects() ? kDatagramMaxEvent : e->max_length);
       rule.policing.counts_only = system_.gateways[here_.index].ports[port].excess == Excess::pass;
       rule.watching = watching(offered, frames);
     }
@@ -238,7 +239,7 @@ void add_channel(Planner& planner, const Members& members, std::size_t channel,
 
 }  // namespace
 
-Policing policing_of(const AttributeSet& offered, std::uint64_t frames) {
+Policing policing_of(const AttributeSet& offered, std::uint64_t frames, Value largest) {
   constexpr Value second = 1'000'000'000;
   constexpr Value unit = 256;  // of per_byte
   const auto hurried = [](Value time) { return time - time / kClocks; };
@@ -252,9 +253,10 @@ Policing policing_of(const AttributeSet& offered, std::uint64_t frames) {
   } else if (offered.has(Attribute::bandwidth) && offered[Attribute::bandwidth] != 0) {
     out.per_byte =
         std::max<Value>(hurried(mul_div_down(second, unit, offered[Attribute::bandwidth])), 1);
-    const Value event = std::max<Value>(offered[Attribute::max_payload], 1);
-    out.tolerance =
-        add_saturating(mul_saturating(out.per_byte, mul_saturating(event, 2)) / unit, jitter);
+    const Value event =
+        offered.has(Attribute::max_payload) ? offered[Attribute::max_payload] : largest;
+    out.tolerance = add_saturating(
+        mul_saturating(out.per_byte, mul_saturating(std::max<Value>(event, 1), 2)) / unit, jitter);
   }
   return out;
 }

@@ -87,7 +87,8 @@ struct GateChanges {
 /// The traffic of a publisher that states these attributes, in frames that are `frames` to the
 /// event: one event each Period, or Bandwidth bytes/s in events of MaxPayload; 500 ppm more, since
 /// clocks differ, and one event and its Jitter early. Without either nothing is policed.
-[[nodiscard]] Policing policing_of(const AttributeSet& offered, std::uint64_t frames);
+[[nodiscard]] Policing policing_of(const AttributeSet& offered, std::uint64_t frames,
+                                   Value largest = 1);
 
 /// So long nothing may come to a gate before more events are missing than a delivery allows, ns:
 /// (Omission + 1) * Period + Jitter, 500 ppm more, since clocks differ: the worst-case reaction

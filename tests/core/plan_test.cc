@@ -230,6 +230,10 @@ TEST(PlanTest, WithoutAPeriodTheBandwidthCounts) {
   EXPECT_EQ(p.per_frame, 0U);
   EXPECT_EQ(p.per_byte, 255'872U) << "1000 ns a byte, in 1/256, 500 ppm less";
   EXPECT_EQ(p.tolerance, 2 * 64 * Value{255'872} / 256);
+  AttributeSet unsized;
+  unsized.set(Attribute::bandwidth, 1'000'000);
+  EXPECT_EQ(policing_of(unsized, 1, 1000).tolerance, p.per_byte * 2000 / 256)
+      << "who states no size may send the largest there is";
   EXPECT_FALSE(policing_of({}, 1).any()) << "who says nothing was promised nothing";
 }
 
