@@ -294,6 +294,9 @@ std::vector<SlotSpec> EtherGate::present() const { return state_->table.present(
 std::size_t EtherGate::size() const { return state_->table.size(); }
 std::size_t EtherGate::room() const { return state_->sizes.slots - ETHER_FIRST_SLOT; }
 void EtherGate::deny_all() { state_->table.deny_all(); }
+Result<bool> EtherGate::keep_timers() const {
+  return state_->watchmen ? state_->watchmen->keep_pinned() : Result<bool>(false);
+}
 void EtherGate::unpin() {
   retire_ether_gate(state_->place.directory);
   remove_pin_directory(state_->place.directory);

@@ -230,6 +230,9 @@ std::vector<SlotSpec> Gate::present() const { return state_->slots.present(); }
 bool Gate::is_masked(const SlotSpec& spec) const { return state_->slots.is_masked(spec); }
 std::size_t Gate::size() const { return state_->slots.size(); }
 void Gate::deny_all() { state_->slots.deny_all(); }
+Result<bool> Gate::keep_timers() const {
+  return state_->watchmen ? state_->watchmen->keep_pinned() : Result<bool>(false);
+}
 
 void Gate::set_bands(std::span<const std::uint32_t> limits) {
   gate_table& table = state_->programs.table();

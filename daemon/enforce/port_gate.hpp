@@ -57,6 +57,9 @@ class PortGate {
   /// The slot is found by a mask, and not by a key or subject.
   [[nodiscard]] virtual bool is_masked(const SlotSpec& /*spec*/) const { return false; }
   virtual void deny_all() = 0;
+  /// The timers of what is watched end with this process unless they are pinned: true where they
+  /// had to be pinned again.
+  [[nodiscard]] virtual Result<bool> keep_timers() const { return false; }
 
   /// Of the slot with this grant (verdict not compared); nothing where there is none.
   [[nodiscard]] virtual std::optional<SlotCounters> counters(const SlotSpec& spec) const = 0;

@@ -147,6 +147,8 @@ GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const
     return gate;
   }
   gate.interface = interface.data();
+  if (!open_pin(watchmen_pin(directory)))
+    gate.problems.emplace_back("the timers that notice missing events are not pinned");
   if (const auto ether = pinned_ether_maps(directory)) {
     gate.ethernet = true;
     std::vector<std::uint32_t> ids{map_id(control.get())};

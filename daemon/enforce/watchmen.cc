@@ -82,8 +82,9 @@ Result<Watchmen> Watchmen::load(std::uint32_t ifindex, const WatchedMaps& maps,
   }
   if (made != 0) return failure("make the timers of a gate", made);
   Fd arm(::fcntl(bpf_program__fd(object->progs.watch_arm), F_DUPFD_CLOEXEC, 0));
-  if (!arm) return failure("keep the timers of a gate", errno);
-  return Watchmen(std::move(arm));
+  Fd kept(::fcntl(bpf_map__fd(object->maps.watchmen), F_DUPFD_CLOEXEC, 0));
+  if (!arm || !kept) return failure("keep the timers of a gate", errno);
+  return Watchmen(std::move(arm), std::move(kept), pin_path);
 }
 
 Result<Watchmen> Watchmen::of_can(std::uint32_t ifindex, const WatchedMaps& maps,
@@ -94,6 +95,13 @@ Result<Watchmen> Watchmen::of_can(std::uint32_t ifindex, const WatchedMaps& maps
 Result<Watchmen> Watchmen::of_ethernet(std::uint32_t ifindex, const WatchedMaps& maps,
                                        const std::string& pin_path) {
   return load<ether_watch_bpf>(ifindex, maps, pin_path);
+}
+
+Result<bool> Watchmen::keep_pinned() const {
+  if (open_pin(pin_path_)) return false;
+  const auto pinned = pin(timers_.get(), pin_path_);
+  if (!pinned) return std::unexpected(pinned.error());
+  return true;
 }
 
 Result<void> Watchmen::arm(std::uint32_t watch) const {

@@ -33,13 +33,18 @@ class Watchmen {
   /// The timer of a watch that says what silence is. It ends by itself when the slot does not pass
   /// any more, or nobody minds silence. What is missing already is told once more.
   [[nodiscard]] Result<void> arm(std::uint32_t watch) const;
+  /// Pins the timers again where somebody has unpinned them: true.
+  [[nodiscard]] Result<bool> keep_pinned() const;
 
  private:
   template <class Skeleton>
   static Result<Watchmen> load(std::uint32_t ifindex, const WatchedMaps& maps,
                                const std::string& pin_path);
-  explicit Watchmen(Fd program) : program_(std::move(program)) {}
-  Fd program_;  ///< it holds the maps
+  Watchmen(Fd program, Fd timers, std::string pin_path)
+      : program_(std::move(program)), timers_(std::move(timers)), pin_path_(std::move(pin_path)) {}
+  Fd program_;  ///< it holds the other maps
+  Fd timers_;   ///< they end with the last descriptor or pin of their map
+  std::string pin_path_;
 };
 
 }  // namespace mlcca::enforce

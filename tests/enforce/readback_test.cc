@@ -73,6 +73,14 @@ TEST_P(Attach, ReadBackNamesPinsOfAVanishedInterface) {
   EXPECT_NE(all_problems(reading->gates[0]).find("the pins are left over"), std::string::npos);
 }
 
+TEST_P(Attach, ReadBackNamesTimersThatAreNotPinned) {
+  const Bus bus("bus0");
+  const auto gate = attach(bus);
+  std::filesystem::remove(pins(bus) + "/watchmen");
+  EXPECT_EQ(all_problems(read_back(root_).value().gates.at(0)),
+            "the timers that notice missing events are not pinned\n");
+}
+
 TEST_P(Attach, ReadBackOfADamagedTableIsAProblemAndNoCrash) {
   const Bus bus("bus0");
   const auto gate = attach(bus);

@@ -254,6 +254,17 @@ TEST_F(WatchAttached, SamplesLeaveHalfOfTheRingToWhatIsMissing) {
   EXPECT_GE(strangers_.size(), GATE_EVENTS_SIZE / 2 / record - 1);
 }
 
+TEST_F(WatchAttached, TimersThatSomebodyUnpinnedGoOnAndArePinnedAgain) {
+  const Bus bus("can0");
+  Gate gate = attach(bus);
+  ASSERT_TRUE(std::filesystem::remove(pins(bus) + "/watchmen"));
+  admit(gate, {heart_beat(1)});
+  EXPECT_EQ(next().kind, std::uint32_t{GATE_E_MISSING});
+  EXPECT_TRUE(gate.keep_timers().value());
+  EXPECT_FALSE(gate.keep_timers().value());
+  EXPECT_TRUE(std::filesystem::exists(pins(bus) + "/watchmen"));
+}
+
 TEST_F(WatchAttached, AnEventReachesWhoeverIsWatchedOnAllOfManySlots) {
   constexpr std::uint32_t slots = 500;
   const Bus bus("can0");
