@@ -98,10 +98,11 @@ int gate_ingress(struct __sk_buff *skb)
 	d = decide(skb, GATE_INGRESS, &frame, GATE_NO_SOURCE);
 	if (d.reason != GATE_R_PASSED)
 		return refuse(cpu, GATE_INGRESS, &d, &frame);
-	if (!admit(cpu, GATE_INGRESS, d.slot, &frame))
-		return drop(cpu, GATE_INGRESS, d.slot, GATE_R_EXCESS);
+	/* In audit mode what is too much goes on as what it is. */
 	skb->mark = gate_ingress_token(control.token, ifindex,
 				       table.slots[d.slot & (GATE_SLOTS - 1)].subject);
+	if (!admit(cpu, GATE_INGRESS, d.slot, &frame))
+		return drop(cpu, GATE_INGRESS, d.slot, GATE_R_EXCESS);
 	return TC_ACT_UNSPEC;
 
 echo:
