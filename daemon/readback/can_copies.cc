@@ -120,8 +120,15 @@ void CanCopies::run(std::uint32_t ifindex, bool closed, Trial& trial) {
             fmt::format("what comes by interface {}: {}", source, forwarded.error().text));
       continue;
     }
-    for (const Probe& probe : frames) try_one(probe, *copy, closed, trial);
+    std::size_t renamed = 0;
+    for (const Probe& probe : frames) {
+      try_one(probe, *copy, closed, trial);
+      if (enters_otherwise(probe, *copy->original, reading_->gates)) ++renamed;
+    }
     static_cast<void>(forward(source, ifindex, false));
+    if (renamed != 0 && !closed)
+      trial.untried.push_back(fmt::format(
+          "{} frames by interface {} that enter there with another identifier", renamed, source));
   }
   if (probes.untried != 0 && !closed)
     trial.untried.push_back(

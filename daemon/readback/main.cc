@@ -79,6 +79,19 @@ std::vector<std::string> compare_ports(const enforce::Reading& reading,
       problems.push_back(
           fmt::format("{} (interface {}) passes subjects, and the journal knows no port there",
                       gate.interface, gate.ifindex));
+  for (const auto& [subject, grants] : journal.granted) {
+    bool known = false;
+    bool passes = false;
+    for (const auto& gate : reading.gates)
+      for (const enforce::SlotSpec& slot : gate.slots)
+        if (core::format_subject(slot.subject) == subject) {
+          known = true;
+          passes = passes || slot.pass;
+        }
+    if (known && !passes)
+      problems.push_back("the journal has granted subject " + subject +
+                         ", and no gate lets it pass");
+  }
   return problems;
 }
 
@@ -207,7 +220,11 @@ int verify(const std::string& root, const std::string& state, bool as_json, bool
   auto reading = enforce::read_back(root);
   const auto journal = read_journal(state);
   if (!reading || !journal) {
-    fmt::print(stderr, "mlccactl: {}\n", !reading ? reading.error().text : journal.error().text);
+    const std::string& why = !reading ? reading.error().text : journal.error().text;
+    if (as_json)
+      fmt::print("{}\n", nlohmann::ordered_json{{"error", {{"message", why}}}}.dump());
+    else
+      fmt::print(stderr, "mlccactl: {}\n", why);
     return kWorld;
   }
   for (auto& gate : reading->gates) compare(gate, *journal);

@@ -121,6 +121,12 @@ bool is_admitted(const Probe& probe, const GateReading& gate, std::span<const Ga
   return std::ranges::any_of(subjects(probe, gate), [&](auto s) { return entered.contains(s); });
 }
 
+bool enters_otherwise(const Probe& probe, const GateReading& gate,
+                      std::span<const GateReading> all) {
+  return probe.way == Probe::Way::through && !subjects(probe, gate).empty() &&
+         !is_admitted(probe, gate, all);
+}
+
 std::string to_text(const Probe& probe) {
   const auto id = (probe.id & CAN_EFF_FLAG) != 0 ? fmt::format("{:08X}", probe.id & CAN_EFF_MASK)
                                                  : fmt::format("{:03X}", probe.id & CAN_SFF_MASK);

@@ -40,6 +40,11 @@ Probes probes_for(const enforce::GateReading& gate);
 bool is_admitted(const Probe& probe, const enforce::GateReading& gate,
                  std::span<const enforce::GateReading> all);
 
+/// A forwarded frame that the gate lets leave, and that enters by another identifier if at all:
+/// only its drop at the way in can be shown.
+bool enters_otherwise(const Probe& probe, const enforce::GateReading& gate,
+                      std::span<const enforce::GateReading> all);
+
 /// "1ABCDEF0#, 8 bytes from the bus"
 std::string to_text(const Probe& probe);
 

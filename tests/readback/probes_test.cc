@@ -120,5 +120,16 @@ TEST(Probes, WhatIsForwardedMustEnterAsTheSameSubject) {
   EXPECT_FALSE(verdict(gate(5, {slot(0x123, 1)}))) << "another interface";
 }
 
+TEST(Probes, WhatEntersByAnotherIdentifierIsKnown) {
+  const Probe probe{.way = Way::through, .id = 0x123, .len = 1, .source = 3};
+  const auto leaving = gate(4, {out(slot(0x123, 1), 3)});
+  const auto verdict = [&](const GateReading& entering) {
+    const std::vector<GateReading> all{entering, leaving};
+    return enters_otherwise(probe, leaving, all);
+  };
+  EXPECT_FALSE(verdict(gate(3, {slot(0x123, 1)})));
+  EXPECT_TRUE(verdict(gate(3, {slot(0x321, 1)})));
+}
+
 }  // namespace
 }  // namespace mlcca::readback
