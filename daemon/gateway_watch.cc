@@ -296,10 +296,18 @@ void Gateway::tell_excess(const core::Verdict& v, std::uint64_t frames) {
   const core::Publisher& publisher = state_->members().publisher(v.publisher);
   const AttributeSet& said = core::attributes_in(publisher, v.set);
   const Attribute what = said.has(Attribute::period) ? Attribute::period : Attribute::bandwidth;
+  const auto& members = state_->members();
+  std::size_t alike = 0;
+  for (const core::Verdict& other : state_->decisions()[v.channel].verdicts)
+    if (members.publisher(other.publisher).place == publisher.place && other.to == v.to) ++alike;
+  const bool shared = alike > 1 && publisher.place.kind == core::Place::Kind::network &&
+                      state_->system().networks[publisher.place.index].carries_subjects();
   tell({Kind::excess, 4,
         fmt::format("{} sent {} frames of {} ({}) more than was admitted: it said {} {}",
-                    publisher.name, frames, channel.name, core::format_subject(channel.subject),
-                    info(what).name, core::format_value(what, said[what])),
+                    shared ? publisher.name + ", or another that its network does not tell apart,"
+                           : publisher.name,
+                    frames, channel.name, core::format_subject(channel.subject), info(what).name,
+                    core::format_value(what, said[what])),
         channel.subject, channel.name, core::name_of(state_->system(), v.to),
         core::name_of(state_->system(), publisher.place), admissions_of(v)});
 }

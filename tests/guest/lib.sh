@@ -65,7 +65,8 @@ vxcan_pair() {
 	into_ns "$3" "$4"
 }
 
-# forward NAMESPACE SOURCE DESTINATION: can-gw rules for classic and FD frames, error frames excepted.
+# forward NAMESPACE SOURCE DESTINATION: can-gw rules for classic and FD frames, which programs here
+# see as well (-e): the gate of DESTINATION hears its own frames then, without a sender.
 forward() {
 	modprobe can-gw
 	in_ns "$1" cangw -A -s "$2" -d "$3" -e && in_ns "$1" cangw -A -s "$2" -d "$3" -e -X ||
