@@ -10,7 +10,7 @@
 
 #include "bpf/gate.h"
 
-#define ETHER_LAYOUT_VERSION 1
+#define ETHER_LAYOUT_VERSION 2
 
 /* Datagrams to these ports are events, whatever address they go to: a receiver takes them all. */
 #define ETHER_MULTICAST_PORT 9999
@@ -30,6 +30,7 @@
 #define ETHER_AWDS_FLOOD	    1
 #define ETHER_AWDS_UNICAST	    2
 #define ETHER_AWDS_FLOW		    3
+#define ETHER_AWDS_SOURCE	    1  /* where the MAC address of the sender stands */
 #define ETHER_AWDS_FLOOD_KIND	    16 /* where the kind of packet stands */
 #define ETHER_AWDS_UNICAST_KIND	    22
 #define ETHER_AWDS_TOPOLOGY	    0
@@ -74,23 +75,27 @@
  * refers to: another one takes its place.
  */
 struct ether_contract {
-	__u32 uid;     /* local sender's user, or GATE_ANY_UID */
-	__u16 max_len; /* payload bytes of a datagram */
+	__u32 uid;    /* local sender's user, or GATE_ANY_UID */
+	__u32 source; /* egress: ifindex it must have entered by; 0: sent by a local program */
+	__u32 station_high; /* of ether_station() */
+	__u16 max_len;	    /* payload bytes of a datagram */
 	__u16 forms;
 	__u64 per_frame; /* as in gate_slot */
 	__u64 per_byte;
 	__u64 tolerance;
+	__u64 pad[3];
 };
 
 /*
  * One (subject, publisher) on one interface and direction. Half a cache line. User space never
- * changes a live slot other than `verdict`, `contract`, `watch` and `next`.
+ * changes a live slot other than `verdict`, `contract`, `watch` and `next`. In the chain of a
+ * bucket slots of a station stand before those of anybody.
  */
 struct ether_slot {
 	__u64 subject; /* host order */
 	__u64 due;     /* as in gate_slot */
 	__u32 next;    /* further slot of the same bucket; 0: none */
-	__u32 source;  /* egress: ifindex it must have entered by; 0: sent by a local program */
+	__u32 station; /* lower half of ether_station() */
 	__u16 contract;
 	__u8 verdict[2]; /* enum gate_verdict, in even and in odd generations */
 	__u8 direction;
@@ -168,10 +173,22 @@ static inline __u64 ether_hash(__u64 seed, __u64 subject, __u32 direction)
 	return h ^ h >> 32;
 }
 
+/*
+ * What a slot's frames come from: an IPv4 address, or ETHER_MAC and a MAC address. 0: anybody who
+ * has no slot of that subject for himself.
+ */
+#define ETHER_MAC (1ULL << 48)
+
+static inline __u64 ether_station(const struct ether_slot *slot,
+				  const struct ether_contract *contract)
+{
+	return (__u64)contract->station_high << 32 | slot->station;
+}
+
 /* The bit of a subject in the upper half of its bucket. */
 static inline __u64 ether_sieve(__u64 hash) { return 1ULL << (ETHER_SIEVE_SHIFT + (hash >> 59)); }
 
-GATE_ASSERT(sizeof(struct ether_contract) == 32, "ether_contract is pinned layout");
+GATE_ASSERT(sizeof(struct ether_contract) == 64, "ether_contract is pinned layout");
 GATE_ASSERT(sizeof(struct ether_slot) == 32, "ether_slot is pinned layout");
 GATE_ASSERT(sizeof(struct ether_table) == 64, "ether_table is pinned layout");
 GATE_ASSERT(sizeof(struct ether_seen) == 32, "ether_seen is pinned layout");

@@ -27,23 +27,43 @@ static __always_inline bool is_granted_to(const struct ether_slot *slot,
 					  const struct ether_contract *contract, __u32 mark,
 					  const struct sender *from)
 {
-	if (from->source != slot->source)
+	if (from->source != contract->source)
 		return false;
 	if (from->source)
 		return mark == gate_ingress_token(control.token, from->source, slot->subject);
 	return contract->uid == GATE_ANY_UID || contract->uid == from->uid;
 }
 
+/*
+ * Whoever has a slot of that subject for himself is not anybody. An event that has met its own slot
+ * in the chain, which stands first, is `known`.
+ */
+static __always_inline __u32 fit_sender(const struct ether_slot *slot,
+					const struct ether_contract *contract, struct event *e)
+{
+	__u64 station = ether_station(slot, contract);
+
+	if (!station)
+		return e->known ? GATE_R_UNKNOWN : GATE_R_PASSED;
+	if (station != e->station)
+		return GATE_R_SOURCE;
+	e->known = true;
+	return GATE_R_PASSED;
+}
+
 static __always_inline __u32 fit(const struct ether_slot *slot, __u32 direction, struct event *e,
 				 const struct sender *from)
 {
 	const struct ether_contract *contract = contract_of(slot);
-	__u32 verdict;
+	__u32 verdict, reason;
 
 	if (!contract)
 		return GATE_R_DENIED;
 	if (direction == GATE_EGRESS && !is_granted_to(slot, contract, e->mark, from))
 		return GATE_R_SOURCE;
+	reason = fit_sender(slot, contract, e);
+	if (reason != GATE_R_PASSED)
+		return reason;
 	if (!(contract->forms & e->form))
 		return GATE_R_FORMAT;
 	if (e->len > contract->max_len)

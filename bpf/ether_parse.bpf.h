@@ -22,6 +22,7 @@ enum nature {
 
 struct event {
 	__u64 subject;
+	__u64 station;	  /* whom it is from: as ether_station() */
 	__u32 len;	  /* payload bytes */
 	__u32 form;	  /* ETHER_WHOLE or ETHER_SPLIT */
 	__u32 mark;	  /* when the gate saw it first */
@@ -32,6 +33,7 @@ struct event {
 	__u32 payload; /* bytes of it here */
 	__u32 whole;   /* bytes of the datagram, as its UDP header has it */
 	bool more;     /* fragments follow */
+	bool known;    /* a slot is for its station alone */
 	struct ether_fragment_key key;
 };
 
@@ -118,6 +120,7 @@ static __always_inline enum nature parse_ip(const struct packet *p, __u32 at, st
 		return MALFORMED;
 	e->payload = total - header;
 	fragment = bpf_ntohs(ip.frag_off);
+	e->station = bpf_ntohl(ip.saddr);
 	e->offset = (fragment & 0x1fff) * 8;
 	e->more = fragment & 0x2000;
 	/* All fragments but the last end at a multiple of 8, and none behind what a length can say.
@@ -173,7 +176,10 @@ static __always_inline bool is_awds_business(__u8 kind)
 static __always_inline enum nature parse_awds(const struct packet *p, __u32 at, struct event *e,
 					      __u32 *inner)
 {
+	__u32 from = at + ETHER_AWDS_SOURCE;
 	__u8 type, kind;
+	__be16 high;
+	__be32 low;
 
 	if (!TAKE(p, at, &type))
 		return MALFORMED;
@@ -189,8 +195,12 @@ static __always_inline enum nature parse_awds(const struct packet *p, __u32 at, 
 		*inner = at + 1;
 		return NOT_EVENT;
 	}
-	if (kind == ETHER_AWDS_PUBLISH || kind == ETHER_AWDS_PUBLISH_FRAGMENT)
+	if (kind == ETHER_AWDS_PUBLISH || kind == ETHER_AWDS_PUBLISH_FRAGMENT) {
+		if (!TAKE(p, from, &high) || !TAKE(p, from + sizeof(high), &low))
+			return MALFORMED;
+		e->station = ETHER_MAC | (__u64)bpf_ntohs(high) << 32 | bpf_ntohl(low);
 		return parse_publish(p, at, kind, e);
+	}
 	return is_awds_business(kind) ? NOT_EVENT : OPAQUE;
 }
 

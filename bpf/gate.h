@@ -126,7 +126,7 @@ enum gate_reason {
 	GATE_R_PASSED = 0,
 	GATE_R_UNKNOWN,	    /* no slot */
 	GATE_R_IDENTIFIER,  /* priority, node, fragment or RTR differ from the grant */
-	GATE_R_SOURCE,	    /* egress: not from the granted interface or user */
+	GATE_R_SOURCE,	    /* not from the granted station; egress: interface or user */
 	GATE_R_FORMAT,	    /* classic/FD/XL not granted */
 	GATE_R_LENGTH,	    /* longer than granted */
 	GATE_R_DENIED,	    /* slot, verdict deny */

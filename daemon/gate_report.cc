@@ -68,7 +68,7 @@ class Report {
     out.slots = static_cast<std::uint32_t>(slots.size());
     const auto listed = slots.begin() + std::min(std::ssize(slots), kListed);
     std::ranges::partial_sort(slots, listed, {}, [](const enforce::SlotSpec& s) {
-      return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.subject);
+      return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.subject, s.station);
     });
     slots.erase(listed, slots.end());
     std::array<std::uint32_t, 2> masked{};
@@ -121,7 +121,14 @@ class Report {
   }
 
   [[nodiscard]] std::string source_of(const enforce::SlotSpec& slot) const {
-    if (slot.direction == enforce::Direction::ingress) return {};
+    const std::string station = core::to_text(core::Station{slot.station});
+    if (slot.direction == enforce::Direction::ingress) return station;
+    const std::string way = way_of(slot);
+    return station.empty() ? way : station + " by " + way;
+  }
+
+  /// How it came to leave.
+  [[nodiscard]] std::string way_of(const enforce::SlotSpec& slot) const {
     if (slot.source == GATE_NO_SOURCE) return "kernel";
     if (slot.source == 0)
       return slot.uid == GATE_ANY_UID ? "any user" : fmt::format("user {}", slot.uid);

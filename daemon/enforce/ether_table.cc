@@ -17,6 +17,7 @@ namespace mlcca::enforce {
 namespace {
 
 constexpr std::uint32_t kLargestIfindex = 0x7fffffff;
+constexpr unsigned kHalf = 32;  // of a station
 
 std::string name(const SlotSpec& s) {
   return fmt::format("slot of subject {:#018x} ({})", s.subject,
@@ -30,6 +31,7 @@ Result<void> check_spec(const SlotSpec& s) {
   if (s.max_len > ETHER_MAX_PAYLOAD)
     return fail(
         fmt::format("{}: a datagram has at most {} bytes of payload", name(s), ETHER_MAX_PAYLOAD));
+  if (s.station >= 2 * ETHER_MAC) return fail(name(s) + ": that is no address of a station");
   if (s.source > kLargestIfindex) return fail(name(s) + ": the source is no interface");
   return {};
 }
@@ -37,7 +39,7 @@ Result<void> check_spec(const SlotSpec& s) {
 using Key = std::pair<Direction, std::uint64_t>;
 Key key(const SlotSpec& s) { return {s.direction, s.subject}; }
 auto grant(const SlotSpec& s) {
-  return std::tie(s.direction, s.subject, s.source, s.uid, s.max_len, s.formats);
+  return std::tie(s.direction, s.subject, s.station, s.source, s.uid, s.max_len, s.formats);
 }
 
 /// In an order that brings together what is of one subject, without a copy of each.
@@ -135,6 +137,7 @@ Result<void> EtherTable::adopt(bool fresh) {
 
 Result<void> EtherTable::adopt_chain(std::size_t bucket, std::vector<bool>& seen) {
   auto at = static_cast<std::uint32_t>(memory_.buckets[bucket]);
+  bool anybody = false;
   for (; at != 0; at = memory_.slots[at].next) {
     if (at < ETHER_FIRST_SLOT || at >= sizes_.slots || seen[at])
       return fail(fmt::format("subject table: broken chain in bucket {}", bucket));
@@ -145,6 +148,10 @@ Result<void> EtherTable::adopt_chain(std::size_t bucket, std::vector<bool>& seen
       return fail(fmt::format("subject table: slot {} is in the wrong bucket", at));
     if (slot.contract == 0 || slot.contract >= sizes_.contracts)
       return fail(fmt::format("subject table: slot {} has no contract", at));
+    const bool of_anybody = station_of(at) == 0;
+    if (!of_anybody && anybody)
+      return fail(fmt::format("subject table: slot {} of a station stands behind others", at));
+    anybody = of_anybody;
     if (slot.watch >= ETHER_WATCHES || (slot.watch != 0 && memory_.watches[slot.watch].slot != at))
       return fail(fmt::format("subject table: the watch of slot {} is of another", at));
     Use& use = contracts_[contract_of(spec_of(at))];
@@ -162,11 +169,18 @@ Result<void> EtherTable::adopt_chain(std::size_t bucket, std::vector<bool>& seen
 
 EtherTable::Contract EtherTable::contract_of(const SlotSpec& s) {
   return {s.uid,
+          s.source,
+          static_cast<std::uint32_t>(s.station >> kHalf),
           s.max_len,
           static_cast<std::uint16_t>(s.formats | (s.excess_passes ? GATE_EXCESS_PASSES : 0)),
           s.per_frame,
           s.per_byte,
           s.tolerance};
+}
+
+std::uint64_t EtherTable::station_of(std::uint32_t at) const {
+  const ether_slot& slot = memory_.slots[at];
+  return ether_station(&slot, &memory_.contracts[slot.contract]);
 }
 
 SlotSpec EtherTable::spec_of(std::uint32_t at) const {
@@ -177,8 +191,9 @@ SlotSpec EtherTable::spec_of(std::uint32_t at) const {
   s.pass = passes(at);
   s.max_len = c.max_len;
   s.formats = static_cast<std::uint8_t>(c.forms & ~GATE_EXCESS_PASSES);
-  s.source = slot.source;
+  s.source = c.source;
   s.uid = c.uid;
+  s.station = station_of(at);
   s.subject = slot.subject;
   s.per_frame = c.per_frame;
   s.per_byte = c.per_byte;
@@ -368,21 +383,33 @@ std::uint16_t EtherTable::take_contract(const SlotSpec& spec) {
   contract_numbers_.free.pop_back();
   const Contract& c = at->first;
   memory_.contracts[use.number] = {.uid = c.uid,
+                                   .source = c.source,
+                                   .station_high = c.station_high,
                                    .max_len = c.max_len,
                                    .forms = c.forms,
                                    .per_frame = c.per_frame,
                                    .per_byte = c.per_byte,
-                                   .tolerance = c.tolerance};
+                                   .tolerance = c.tolerance,
+                                   .pad = {}};
   return use.number;
 }
 
 void EtherTable::leave_contract(std::uint16_t number) {
   const ether_contract& c = memory_.contracts[number];
-  const auto at =
-      contracts_.find(Contract{c.uid, c.max_len, c.forms, c.per_frame, c.per_byte, c.tolerance});
+  const auto at = contracts_.find(Contract{c.uid, c.source, c.station_high, c.max_len, c.forms,
+                                           c.per_frame, c.per_byte, c.tolerance});
   if (--at->second.slots != 0) return;
   contracts_.erase(at);
   contract_numbers_.quarantine.push_back(number);
+}
+
+/// Of the chain that begins in the bucket, behind which a slot of anybody goes; 0: it goes first.
+std::uint32_t EtherTable::last_of_stations(std::uint64_t bucket, const SlotSpec& spec) const {
+  std::uint32_t last = 0;
+  if (spec.station != 0) return last;
+  for (auto at = static_cast<std::uint32_t>(bucket); at != 0; at = memory_.slots[at].next)
+    if (station_of(at) != 0) last = at;
+  return last;
 }
 
 void EtherTable::link(const SlotSpec& spec) {
@@ -392,18 +419,22 @@ void EtherTable::link(const SlotSpec& spec) {
     memory_.counts[bank * sizes_.slots + slot] = {};
   const std::uint64_t hash = hash_of(spec.subject, spec.direction);
   std::uint64_t& bucket = bucket_of(hash);
-  memory_.slots[slot] = {.subject = spec.subject,
-                         .due = 0,
-                         .next = static_cast<std::uint32_t>(bucket),
-                         .source = spec.source,
-                         .contract = take_contract(spec),
-                         .verdict = {GATE_DENY, GATE_DENY},
-                         .direction = std::to_underlying(spec.direction),
-                         .last_reason = GATE_R_PASSED,
-                         .watch = 0};
+  const std::uint32_t before = last_of_stations(bucket, spec);
+  memory_.slots[slot] = {
+      .subject = spec.subject,
+      .due = 0,
+      .next = before == 0 ? static_cast<std::uint32_t>(bucket) : memory_.slots[before].next,
+      .station = static_cast<std::uint32_t>(spec.station),
+      .contract = take_contract(spec),
+      .verdict = {GATE_DENY, GATE_DENY},
+      .direction = std::to_underlying(spec.direction),
+      .last_reason = GATE_R_PASSED,
+      .watch = 0};
   set_watch(slot, spec);
   const std::uint64_t sieve = bucket >> ETHER_SIEVE_SHIFT << ETHER_SIEVE_SHIFT;
-  publish(bucket, std::uint64_t{sieve | ether_sieve(hash) | slot});
+  const std::uint64_t first = before == 0 ? slot : static_cast<std::uint32_t>(bucket);
+  publish(bucket, std::uint64_t{sieve | ether_sieve(hash) | first});
+  if (before != 0) publish(memory_.slots[before].next, slot);
   ++used_;
 }
 

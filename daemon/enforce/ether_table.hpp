@@ -68,6 +68,8 @@ class EtherTable final : public Table {
   /// What ether_contract says, to be found by.
   struct Contract {
     std::uint32_t uid = 0;
+    std::uint32_t source = 0;
+    std::uint32_t station_high = 0;
     std::uint16_t max_len = 0;
     std::uint16_t forms = 0;
     std::uint64_t per_frame = 0;
@@ -113,6 +115,7 @@ class EtherTable final : public Table {
   [[nodiscard]] std::uint32_t slots_end() const override { return sizes_.slots; }
   void forget_events(std::uint32_t slot) override;
   [[nodiscard]] std::uint16_t minded_watch(std::uint32_t slot) const override;
+  [[nodiscard]] std::uint32_t last_of_stations(std::uint64_t bucket, const SlotSpec& spec) const;
   void link(const SlotSpec& spec);
   void unlink(const SlotSpec& spec);
   void set_traffic(const SlotSpec& spec);
@@ -125,6 +128,7 @@ class EtherTable final : public Table {
   [[nodiscard]] static Contract contract_of(const SlotSpec& spec);
   [[nodiscard]] std::uint64_t hash_of(std::uint64_t subject, Direction direction) const;
   [[nodiscard]] std::uint64_t& bucket_of(std::uint64_t hash) const;
+  [[nodiscard]] std::uint64_t station_of(std::uint32_t at) const;
   [[nodiscard]] SlotSpec spec_of(std::uint32_t at) const;
   [[nodiscard]] std::uint64_t sieve_of(std::uint32_t first) const;
 

@@ -26,6 +26,7 @@ struct SlotSpec {
   std::uint32_t source = 0;             ///< egress: ifindex it entered by, 0: a local program,
                                         ///< GATE_NO_SOURCE: the kernel itself
   std::uint32_t uid = GATE_ANY_UID;     ///< local program's user
+  std::uint64_t station = 0;            ///< Ethernet: ether_station(), 0: anybody else
   std::uint64_t subject = 0;
   // How much passes, see gate_slot; all 0: not policed.
   std::uint64_t per_frame = 0;

@@ -127,6 +127,74 @@ std::vector<Row> sender_rows() {
   };
 }
 
+std::vector<Row> station_rows() {
+  constexpr std::uint64_t first = 0x0a000001;  // the sender of packet()
+  constexpr std::uint64_t second = 0x0a000002;
+  constexpr std::uint64_t mac = ETHER_MAC | kAwdsSource;
+  const auto of = [](std::uint64_t station, SlotSpec s) {
+    s.station = station;
+    return s;
+  };
+  const Bytes from_second = packet([](Datagram& d) { d.source = second; });
+  const Bytes flood = ethernet(0x8334, awds_flood(0x7c, awds_event(kSubject, 8)));
+  const Bytes one_hop = ethernet(0x8334, awds_unicast(0x7c, awds_event(kSubject, 8)));
+  const Bytes in_awds = ethernet(0x8334, awds_flood(98, packet()));
+  return {
+      {"AStationsEventPasses", {of(first, in())}, kIn, packet(), kWire, GATE_R_PASSED},
+      {"ThatOfAnotherDoesNot", {of(first, in())}, kIn, from_second, kWire, GATE_R_SOURCE},
+      {"EachHasItsOwn",
+       {of(second, in()), of(first, in())},
+       kIn,
+       from_second,
+       kWire,
+       GATE_R_PASSED},
+      {"WhoHasNoneIsAnybody", {in(), of(first, in())}, kIn, from_second, kWire, GATE_R_PASSED},
+      {"WhoHasOneIsNotAnybody",
+       {of(first, denied(in())), in()},
+       kIn,
+       packet(),
+       kWire,
+       GATE_R_DENIED},
+      {"WhicheverCameFirst",
+       {of(first, sized(in(), 7)), in()},
+       kIn,
+       packet(),
+       kWire,
+       GATE_R_LENGTH},
+      {"OfTwoOfOneStationOnePasses",
+       {of(first, in()), of(first, sized(denied(in()), 9)), in()},
+       kIn,
+       packet(),
+       kWire,
+       GATE_R_PASSED},
+      {"AMacIsNoIpAddress", {of(ETHER_MAC | first, in())}, kIn, packet(), kWire, GATE_R_SOURCE},
+      {"AStationOfAMeshFloods", {of(mac, in())}, kIn, flood, kWire, GATE_R_PASSED},
+      {"AStationOfAMeshSends", {of(mac, in())}, kIn, one_hop, kWire, GATE_R_PASSED},
+      {"AnotherOneDoesNot", {of(mac + 1, in())}, kIn, flood, kWire, GATE_R_SOURCE},
+      {"NorOneOfAnotherVendor", {of(mac ^ 1ULL << 47, in())}, kIn, flood, kWire, GATE_R_SOURCE},
+      {"ADatagramInAMeshIsFromItsIpAddress", {of(first, in())}, kIn, in_awds, kWire, GATE_R_PASSED},
+      {"AndNotFromTheMac", {of(mac, in())}, kIn, in_awds, kWire, GATE_R_SOURCE},
+      {"AStationsEventIsForwarded",
+       {of(first, from(kOther))},
+       kOut,
+       packet(),
+       kForwarded,
+       GATE_R_PASSED},
+      {"ThatOfAnotherIsNot",
+       {of(first, from(kOther))},
+       kOut,
+       from_second,
+       kForwarded,
+       GATE_R_SOURCE},
+      {"FromAnotherInterfaceItIsAnybody",
+       {of_user(0), of(first, from(kOther))},
+       kOut,
+       packet(),
+       kLocal,
+       GATE_R_PASSED},
+  };
+}
+
 /// What is no event, whatever it looks like, is left alone.
 std::vector<Row> foreign_rows() {
   const auto foreign = [](std::string name, Bytes bytes) {
@@ -263,9 +331,35 @@ TEST_P(EtherFrames, FateInTheDriver) {
   }
 }
 
+TEST(EtherStations, OneThatBabblesTakesNothingFromAnother) {
+  constexpr std::uint64_t hour = 3'600'000'000'000;
+  const auto of = [](std::uint64_t station) {
+    return with(in(), [=](SlotSpec& s) {
+      s.station = station;
+      s.per_frame = hour;
+      s.tolerance = hour;
+    });
+  };
+  LoadedEther& gate = LoadedEther::with();
+  gate.admit({of(0x0a000001), of(0x0a000002), of(0)});
+  const auto passed = [&](std::uint32_t station, int events) {
+    int out = 0;
+    for (int i = 0; i < events; ++i)
+      out += gate.run(kIn, packet([=](Datagram& d) { d.source = station; }), kWire).dropped ? 0 : 1;
+    return out;
+  };
+  EXPECT_EQ(passed(0x0a000001, 100), 2) << "one, and one that is early";
+  EXPECT_EQ(passed(0x0a000002, 2), 2);
+  EXPECT_EQ(passed(0x0a000003, 1), 1);
+  EXPECT_EQ(passed(0x0a000004, 2), 1) << "all others are one";
+  EXPECT_EQ(gate.counted(of(0x0a000001)).excess, 98U);
+  EXPECT_EQ(gate.counted(of(0x0a000002)).excess, 0U);
+}
+
 std::string name_of(const testing::TestParamInfo<Row>& info) { return info.param.name; }
 INSTANTIATE_TEST_SUITE_P(Subject, EtherFrames, testing::ValuesIn(subject_rows()), name_of);
 INSTANTIATE_TEST_SUITE_P(Sender, EtherFrames, testing::ValuesIn(sender_rows()), name_of);
+INSTANTIATE_TEST_SUITE_P(Station, EtherFrames, testing::ValuesIn(station_rows()), name_of);
 INSTANTIATE_TEST_SUITE_P(Foreign, EtherFrames, testing::ValuesIn(foreign_rows()), name_of);
 INSTANTIATE_TEST_SUITE_P(Malformed, EtherFrames, testing::ValuesIn(malformed_rows()), name_of);
 INSTANTIATE_TEST_SUITE_P(Carrier, EtherFrames, testing::ValuesIn(carrier_rows()), name_of);

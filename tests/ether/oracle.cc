@@ -55,14 +55,15 @@ EtherWorld::Seen EtherWorld::look(const Bytes& bytes) {
     if ((*kind & 3) == 0) return {};
     if ((*kind & 3) == 3) return {.kind = Kind::opaque};
     const std::size_t what = at + (flood ? 16 : 22);
-    if (number(bytes, what, 1) != 98) return look_at_awds(bytes, what, inside);
+    if (number(bytes, what, 1) != 98) return look_at_awds(bytes, at, what, inside);
     inside = true;
     at = what + 1 + 12;
   }
   return {.kind = Kind::opaque};
 }
 
-EtherWorld::Seen EtherWorld::look_at_awds(const Bytes& bytes, std::size_t at, bool inside) {
+EtherWorld::Seen EtherWorld::look_at_awds(const Bytes& bytes, std::size_t packet, std::size_t at,
+                                          bool inside) {
   const auto kind = number(bytes, at, 1);
   if (!kind) return {.kind = Kind::malformed};
   for (const std::uint64_t own : {0, 42, 43, 44, 96, 97, 100, 0x7d, 0x81, 0x82})
@@ -74,6 +75,7 @@ EtherWorld::Seen EtherWorld::look_at_awds(const Bytes& bytes, std::size_t at, bo
     return {.kind = Kind::malformed};
   return {.kind = Kind::event,
           .subject = *subject,
+          .station = *number(bytes, packet + 1, 6) | ETHER_MAC,
           .length = *size - 8,
           .split = *kind == 0x7b,
           .inside = inside};
@@ -110,6 +112,7 @@ EtherWorld::Seen EtherWorld::look_at_ip(const Bytes& bytes, std::size_t at, bool
   if (seen.more ? seen.whole <= seen.here : seen.whole != seen.here) return seen;
   if (seen.here < 17 || bytes[udp + 16] > 1) return seen;
   seen.subject = *number(bytes, udp + 8, 8);
+  seen.station = seen.addresses >> 32;
   seen.length = seen.whole - 17;
   seen.split = bytes[udp + 16] == 1;
   seen.kind = Kind::event;
@@ -121,21 +124,28 @@ Judgement EtherWorld::refused(gate_reason reason, std::optional<std::size_t> slo
   return {.dropped = !audit, .mark = mark, .reason = reason, .slot = slot, .counts_in_slot = true};
 }
 
-/// The latest slot is asked first; a passing one wins, then the one that came furthest.
+/// Slots of a station are asked first, then those of anybody, of whom none is that has one; the
+/// latest before others. A passing one wins, then the one that came furthest.
 std::pair<gate_reason, std::optional<std::size_t>> EtherWorld::decide(Direction direction,
                                                                       const Seen& seen,
                                                                       const Sender& sender) const {
   gate_reason best = GATE_R_UNKNOWN;
   std::optional<std::size_t> slot;
-  for (std::size_t i = slots.size(); i-- > 0;) {
-    const SlotSpec& s = slots[i];
-    if (s.formats == 0 || s.direction != direction || s.subject != seen.subject) continue;
-    const gate_reason reason = misfit(s, seen.length, seen.split, sender);
-    if (reason == GATE_R_PASSED) return {reason, i};
-    if (reason <= best) continue;
-    best = reason;
-    slot = i;
-  }
+  bool known = false;
+  for (const bool of_anybody : {false, true})
+    for (std::size_t i = slots.size(); i-- > 0;) {
+      const SlotSpec& s = slots[i];
+      if (s.formats == 0 || s.direction != direction || s.subject != seen.subject) continue;
+      if (of_anybody != (s.station == 0) || (of_anybody && known)) continue;
+      auto reason = misfit(s, seen.length, seen.split, sender);
+      const bool of_another = !of_anybody && s.station != seen.station;
+      if (of_another) reason = GATE_R_SOURCE;
+      known = known || (!of_anybody && !of_another && comes_from(s, sender));
+      if (reason == GATE_R_PASSED) return {reason, i};
+      if (reason <= best) continue;
+      best = reason;
+      slot = i;
+    }
   return {best, slot};
 }
 

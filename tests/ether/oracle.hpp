@@ -36,6 +36,7 @@ class EtherWorld {
   struct Seen {
     Kind kind = Kind::foreign;
     std::uint64_t subject = 0;
+    std::uint64_t station = 0;  ///< whom it is from
     std::size_t length = 0;
     bool split = false;
     bool more = false;
@@ -57,7 +58,7 @@ class EtherWorld {
 
   static Seen look(const Bytes& bytes);
   static Seen look_at_ip(const Bytes& bytes, std::size_t at, bool inside);
-  static Seen look_at_awds(const Bytes& bytes, std::size_t at, bool inside);
+  static Seen look_at_awds(const Bytes& bytes, std::size_t packet, std::size_t at, bool inside);
   Judgement judge_event(enforce::Direction direction, const Seen& seen, const Sender& sender);
   Judgement judge_later(enforce::Direction direction, const Seen& seen, const Sender& sender);
   [[nodiscard]] std::pair<gate_reason, std::optional<std::size_t>> decide(

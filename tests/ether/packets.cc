@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "ether/packets.hpp"
 
+#include "bpf/ether.h"
+
 namespace mlcca::test {
 namespace {
 
@@ -13,6 +15,8 @@ void append(Bytes& to, const Bytes& more) { to.insert(to.end(), more.begin(), mo
 Bytes awds(std::uint8_t type, std::size_t kind_at, std::uint8_t kind, const Bytes& payload) {
   Bytes out(kind_at, 0x22);
   out[0] = type;
+  for (std::size_t i = 0; i < 6; ++i)
+    out[ETHER_AWDS_SOURCE + i] = static_cast<std::uint8_t>(kAwdsSource >> (8 * (5 - i)));
   out.push_back(kind);
   append(out, payload);
   return out;

@@ -40,6 +40,8 @@ Bytes ethernet(std::uint16_t type, const Bytes& payload,
                const std::vector<std::uint16_t>& tags = {});
 inline Bytes frame(const Bytes& ip) { return ethernet(0x0800, ip); }
 
+/// The MAC address that the sender of an AWDS packet has in it.
+inline constexpr std::uint64_t kAwdsSource = 0x02a1b2c3d4e5;
 /// AWDS packets as they follow the Ethernet header.
 Bytes awds_flood(std::uint8_t kind, const Bytes& payload);
 Bytes awds_unicast(std::uint8_t kind, const Bytes& payload);

@@ -43,6 +43,7 @@ SlotSpec random_slot(Random& random) {
   s.subject = kSubjects.at(random.below(kSubjects.size()));
   s.max_len = random.of<std::uint16_t>({0, 8, 100, 300, ETHER_MAX_PAYLOAD});
   s.formats = random.of<std::uint8_t>({ETHER_WHOLE, ETHER_WHOLE | ETHER_SPLIT, ETHER_SPLIT});
+  s.station = random.of<std::uint64_t>({0, 0, 0x0a000001, 0x0a000002, ETHER_MAC | kAwdsSource});
   if (s.direction == Direction::egress) {
     s.source = random.of<std::uint32_t>({0, 0, kOther, kIfindex});
     s.uid = random.of<std::uint32_t>({GATE_ANY_UID, 0, 1000});

@@ -59,8 +59,8 @@ class EtherTableTest : public testing::Test {
   [[nodiscard]] std::vector<SlotSpec> present() const { return sorted(table_.present()); }
   static std::vector<SlotSpec> sorted(std::vector<SlotSpec> specs) {
     std::ranges::sort(specs, [](const SlotSpec& a, const SlotSpec& b) {
-      return std::tie(a.subject, a.source, a.uid, a.max_len) <
-             std::tie(b.subject, b.source, b.uid, b.max_len);
+      return std::tie(a.subject, a.station, a.source, a.uid, a.max_len) <
+             std::tie(b.subject, b.station, b.source, b.uid, b.max_len);
     });
     return specs;
   }
@@ -117,6 +117,35 @@ TEST_F(EtherTableTest, AnotherDaemonFindsItAsItWas) {
   EXPECT_EQ(present(), std::vector{slot(5)});
 }
 
+/// In the order in which the program meets them.
+TEST_F(EtherTableTest, SlotsOfStationsStandBeforeThoseOfAnybody) {
+  const auto of = [](std::uint64_t station) {
+    SlotSpec s = slot(1);
+    s.station = station;
+    return s;
+  };
+  ASSERT_TRUE(add({of(1), of(0)}));
+  SlotSpec longer = of(0);
+  longer.max_len = 99;
+  ASSERT_TRUE(add({of(ETHER_MAC | 0x0100000000), longer, of(2)}));
+  const auto chain = table_.present();
+  ASSERT_EQ(chain.size(), 5U);
+  for (std::size_t i = 0; i < chain.size(); ++i) EXPECT_EQ(chain[i].station != 0, i < 3);
+  table_ = open(false).value();
+  EXPECT_EQ(table_.present(), chain);
+  ASSERT_TRUE(remove({of(2), longer}));
+  EXPECT_EQ(present(), (std::vector{of(0), of(1), of(ETHER_MAC | 0x0100000000)}));
+}
+
+TEST_F(EtherTableTest, AStationBehindAnybodyIsRefused) {
+  SlotSpec own = slot(1);
+  own.station = 7;
+  ASSERT_TRUE(add({slot(1), own}));
+  slots_[table_.find(own).value()].station = 0;
+  slots_[table_.find(slot(1)).value()].station = 7;
+  EXPECT_NE(open(false).error().text.find("stands behind others"), std::string::npos);
+}
+
 TEST_F(EtherTableTest, AnotherSizeOrLayoutIsRefused) {
   head_.slots = 17;
   EXPECT_EQ(open(false).error().text, "subject table: of another size");
@@ -147,6 +176,9 @@ TEST_F(EtherTableTest, WhatIsWrongChangesNothing) {
   bad = slot(2);
   bad.max_len = ETHER_MAX_PAYLOAD + 1;
   refused(adding({bad}), "at most 8183 bytes");
+  bad = slot(2);
+  bad.station = 2 * ETHER_MAC;
+  refused(adding({bad}), "no address of a station");
   refused(adding({slot(1)}), "there already");
   refused(adding({slot(2), slot(2)}), "there twice");
   refused(removing({slot(2)}), "is not there");

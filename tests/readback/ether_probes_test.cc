@@ -30,7 +30,9 @@ GateReading gate(std::vector<SlotSpec> slots) {
   g.slots = std::move(slots);
   return g;
 }
-bool has(const EtherProbes& probes, const EtherProbe& probe) {
+/// From 192.0.2.1 where no station is stated.
+bool has(const EtherProbes& probes, EtherProbe probe) {
+  if (probe.station == 0) probe.station = 0xc0000201;
   return std::ranges::find(probes.probes(), probe) != probes.probes().end();
 }
 
@@ -51,6 +53,31 @@ TEST(EtherProbes, StrangersComeInAndGoOut) {
   const EtherProbes probes(g);
   EXPECT_TRUE(has(probes, {.out = false, .subject = 0x6d6c636361000001}));
   EXPECT_TRUE(has(probes, {.out = true, .subject = 0x6d6c636361000001}));
+}
+
+TEST(EtherProbes, OfAStationComeFromItAndFromNobodyElse) {
+  auto s = slot(7);
+  s.station = 0xc0000201;  // that would be taken for anybody
+  auto anybody = slot(8);
+  anybody.pass = false;
+  const auto g = gate({s, anybody});
+  const EtherProbes probes(g);
+  const EtherProbe own{.subject = 7, .payload = 100, .station = 0xc0000201};
+  const EtherProbe another{.subject = 7, .payload = 100, .station = 0xc0000202};
+  EXPECT_TRUE(has(probes, own));
+  EXPECT_TRUE(has(probes, another));
+  EXPECT_TRUE(probes.is_admitted(own));
+  EXPECT_FALSE(probes.is_admitted(another));
+}
+
+TEST(EtherProbes, WhoHasASlotForHimselfIsNotAnybody) {
+  auto own = slot(7);
+  own.station = 0xc0000205;
+  own.pass = false;
+  const auto g = gate({own, slot(7)});
+  const EtherProbes probes(g);
+  EXPECT_FALSE(probes.is_admitted({.subject = 7, .payload = 1, .station = 0xc0000205}));
+  EXPECT_TRUE(probes.is_admitted({.subject = 7, .payload = 1, .station = 0xc0000206}));
 }
 
 TEST(EtherProbes, OfAUserAreSentByThatUser) {

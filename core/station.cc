@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/station.hpp"
+
+#include <array>
+#include <charconv>
+#include <cstdio>
+
+namespace mlcca::core {
+namespace {
+
+constexpr std::uint64_t kMac = std::uint64_t{1} << 48;
+constexpr unsigned kOctet = 8;
+
+/// `octets` numbers of that base, each followed by the separator but the last, and nothing else.
+std::optional<std::uint64_t> read(std::string_view text, unsigned octets, char separator, int base,
+                                  std::size_t most_digits) {
+  std::uint64_t out = 0;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (unsigned i = 0; i < octets; ++i) {
+    if (i > 0 && (at == end || *at++ != separator)) return std::nullopt;
+    std::uint8_t octet = 0;
+    const auto [next, error] = std::from_chars(at, end, octet, base);
+    const auto digits = static_cast<std::size_t>(next - at);
+    const bool padded = base == 16 ? digits != 2 : digits > 1 && *at == '0';
+    if (error != std::errc{} || digits > most_digits || padded) return std::nullopt;
+    out = out << kOctet | octet;
+    at = next;
+  }
+  if (at != end) return std::nullopt;
+  return out;
+}
+
+std::uint8_t octet(std::uint64_t bits, unsigned from_last) {
+  return static_cast<std::uint8_t>(bits >> (kOctet * from_last));
+}
+
+}  // namespace
+
+std::optional<Station> station_of(std::string_view text) {
+  if (const auto ip = read(text, 4, '.', 10, 3)) {
+    constexpr unsigned first_group = 224;  // from there on multicast, reserved, broadcast
+    if (octet(*ip, 3) == 0 || octet(*ip, 3) >= first_group) return std::nullopt;
+    return Station{*ip};
+  }
+  const auto mac = read(text, 6, ':', 16, 2);
+  if (!mac || *mac == 0 || (octet(*mac, 5) & 1) != 0) return std::nullopt;
+  return Station{kMac | *mac};
+}
+
+std::string to_text(Station station) {
+  if (station.anybody()) return {};
+  const auto at = [&](unsigned n) -> unsigned { return octet(station.bits, n); };
+  std::array<char, sizeof("00:00:00:00:00:00")> text{};
+  if ((station.bits & kMac) != 0)
+    std::snprintf(text.data(), text.size(), "%02x:%02x:%02x:%02x:%02x:%02x", at(5), at(4), at(3),
+                  at(2), at(1), at(0));
+  else
+    std::snprintf(text.data(), text.size(), "%u.%u.%u.%u", at(3), at(2), at(1), at(0));
+  return text.data();
+}
+
+}  // namespace mlcca::core
