@@ -318,6 +318,7 @@ Body channel_request(v1::ChannelRequest& from) {
   to.publisher = text(from.mutable_publisher());
   to.from_node = text(from.mutable_from_node());
   to.to_node = text(from.mutable_to_node());
+  to.address = text(from.mutable_address());
   return to;
 }
 

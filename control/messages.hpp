@@ -37,6 +37,7 @@ struct ChannelRequest {
   std::string publisher;
   std::string from_node;  ///< node of the mesh `from` that the new publisher is at; empty: any
   std::string to_node;    ///< the same for the new subscriber, of the mesh `to`
+  std::string address;    ///< of the new publisher, where frames carry the subject; empty: anybody
   bool operator==(const ChannelRequest&) const = default;
 };
 

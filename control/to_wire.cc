@@ -300,6 +300,7 @@ void put(const ChannelRequest& from, v1::ChannelRequest& to) {
   to.set_publisher(to_utf8(from.publisher));
   to.set_from_node(to_utf8(from.from_node));
   to.set_to_node(to_utf8(from.to_node));
+  to.set_address(to_utf8(from.address));
 }
 
 /// One function for each alternative of Request::body.

@@ -54,6 +54,8 @@ constexpr auto kTable = std::to_array<FindingInfo>({
      "a message on a CAN bus can come too late, or be lost in the queue of a gateway"},
     {Id::medium_time, S::error, "medium-time",
      "the links of a mesh have not enough time left for a channel"},
+    {Id::shared_limit, S::warning, "shared-limit",
+     "publishers look alike to a gate and share what was admitted"},
 });
 
 constexpr bool is_dense() {

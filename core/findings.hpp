@@ -47,6 +47,7 @@ enum class FindingId : std::uint8_t {
   unsafe_drop = 30,
   deadline_missed = 31,
   medium_time = 32,
+  shared_limit = 33,
 };
 
 /// A note is information: it does not make a description unfit.

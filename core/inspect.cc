@@ -88,6 +88,7 @@ class Inspector {
     if (!is_complete(c)) result.outcome = Outcome::unfit;
     if (s_.channels[c].safe_side == SafeSide::deliver) check_safe_side(c, verdicts);
     if (verdicts.size() > 1) check_senders(c, verdicts);
+    if (members_.publishers_of(c).size() > 1) check_shared_limits(c);
     if (result.outcome == Outcome::fit && result.set == 0) return;
     for (const Verdict& v : verdicts) explain.add(v);
     if (result.outcome != Outcome::unfit && result.set != 0) explain.add_lower_set(c, result.set);
@@ -151,6 +152,36 @@ class Inspector {
         out_.findings.back().has_place = true;
       }
     }
+  }
+
+  /// Where frames carry the subject their sender's address is all that tells publishers apart.
+  void check_shared_limits(std::size_t c) {
+    std::map<std::pair<std::size_t, Station>, std::size_t> alike;
+    std::set<std::pair<std::size_t, Station>> said;
+    for (const std::size_t number : members_.publishers_of(c)) {
+      const Publisher& p = members_.publisher(number);
+      if (p.place.kind != Place::Kind::network || !s_.networks[p.place.index].carries_subjects() ||
+          !has_port(p.place.index))
+        continue;
+      const auto key = std::pair(p.place.index, p.station);
+      const auto [first, fresh] = alike.try_emplace(key, number);
+      if (fresh || !said.insert(key).second) continue;
+      add(FindingId::shared_limit, p.origin,
+          "publishers " + members_.publisher(first->second).name + " and " + p.name +
+              " of channel " + s_.channels[c].name + " look alike to the gates on network " +
+              s_.networks[p.place.index].name +
+              ": what one sends too much is taken from what the other may send",
+          p.station.anybody()
+              ? "state the address that each of them sends from (address=\"192.0.2.7\")"
+              : "give each of them an address of its own",
+          c, static_cast<std::uint32_t>(number));
+    }
+  }
+
+  [[nodiscard]] bool has_port(std::size_t network) const {
+    return std::ranges::any_of(s_.gateways, [&](const Gateway& gateway) {
+      return std::ranges::find(gateway.ports, network, &Port::network) != gateway.ports.end();
+    });
   }
 
   [[nodiscard]] std::string sender_words(std::size_t device) const {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "core/medium.hpp"
 #include "mlcca/arithmetic.hpp"
@@ -54,6 +55,7 @@ class Planner {
 
   /// The rules of one publisher: where its events enter this gateway, and where they leave.
   void add(std::size_t publisher, const std::vector<const Verdict*>& verdicts) {
+    sent_anew_.clear();
     set_ = verdicts.empty() ? 0 : verdicts.front()->set;  // all of a channel have the same
     silence_ = shortest_silence(verdicts);
     std::map<std::pair<std::size_t, std::size_t>, bool> out;  // (in, out) ports
@@ -62,6 +64,7 @@ class Planner {
       for (const auto& crossing : crossings(*v)) {
         if (crossing.in != kLocal) in[crossing.in] |= v->granted;
         if (crossing.out != kLocal) out[{crossing.in, crossing.out}] |= v->granted;
+        if (!crossing.as_sent) sent_anew_.insert(crossing.in);
       }
     // A publisher on a network of ours whose events nobody needs here: known, and not passed.
     const Publisher& p = members_.publisher(publisher);
@@ -81,7 +84,7 @@ class Planner {
     if (!v.granted) return;
     set_ = v.set;
     const Publisher& p = members_.publisher(v.publisher);
-    for (const auto& [in, out] : crossings(v)) {
+    for (const auto& [in, out, as_sent] : crossings(v)) {
       if (in == kLocal || out == kLocal || network_at(in).kind != NetworkKind::can ||
           network_at(out).kind != NetworkKind::can)
         continue;
@@ -103,6 +106,7 @@ class Planner {
   struct Crossing {
     std::size_t in;
     std::size_t out;
+    bool as_sent;  ///< no bus was on the way: the frames are those of the publisher
   };
 
   [[nodiscard]] std::size_t port_on(std::size_t network) const {
@@ -115,13 +119,21 @@ class Planner {
   /// publisher's own network and at the target.
   [[nodiscard]] std::vector<Crossing> crossings(const Verdict& v) const {
     std::vector<Crossing> found;
+    bool as_sent = true;
     for (std::size_t i = 0; i < v.route.size(); ++i) {
-      if (v.route[i] != here_) continue;
+      if (v.route[i] != here_) {
+        as_sent = as_sent && !is_bus(v.route[i]);
+        continue;
+      }
       const std::size_t in = i == 0 ? kLocal : port_on(v.route[i - 1].index);
       const std::size_t out = i + 1 == v.route.size() ? kLocal : port_on(v.route[i + 1].index);
-      found.push_back({in, out});
+      found.push_back({in, out, as_sent});
     }
     return found;
+  }
+
+  [[nodiscard]] bool is_bus(Place hop) const {
+    return hop.kind == Place::Kind::network && system_.networks[hop.index].kind == NetworkKind::can;
   }
 
   [[nodiscard]] const Network& network_at(std::size_t port) const {
@@ -139,10 +151,13 @@ class Planner {
     e.port = port;
     e.direction = direction;
     e.subject = system_.channels[p.channel].subject;
-    if (network.carries_subjects())
+    if (network.carries_subjects()) {
       size_datagram(p, e);
-    else if (!identify(p, network, *binding, e))
+      const std::size_t in = direction == Direction::ingress ? port : source;
+      if (in != kLocal && !sent_anew_.contains(in)) e.station = p.station;
+    } else if (!identify(p, network, *binding, e)) {
       return std::nullopt;
+    }
     if (direction == Direction::egress) {
       if (const auto& sender = sender_between(source, port))
         e.uid = *sender;
@@ -221,8 +236,9 @@ class Planner {
   const System& system_;
   const Members& members_;
   Place here_;
-  std::size_t set_ = 0;  ///< attribute set that the channel is in
-  Value silence_ = 0;    ///< of the publisher that is being added, kUnbounded: none
+  std::size_t set_ = 0;              ///< attribute set that the channel is in
+  Value silence_ = 0;                ///< of the publisher that is being added, kUnbounded: none
+  std::set<std::size_t> sent_anew_;  ///< ports where its frames come from somebody else
   Rules rules_;
 };
 

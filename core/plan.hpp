@@ -27,6 +27,7 @@ struct GateEntry {
       source_port;               ///< egress: where the frame came in; none: a local program
   std::uint32_t uid = 0;         ///< egress, local program: its user
   bool from_kernel = false;      ///< egress: of no program, but of a protocol in the kernel
+  Station station;               ///< Ethernet: who sent the frame; anybody: who has no other entry
   std::uint16_t max_length = 0;  ///< payload bytes of a frame or datagram
   bool classic = false;
   bool fd = false;

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "core/station.hpp"
 
-#include <array>
 #include <charconv>
-#include <cstdio>
 
 namespace mlcca::core {
 namespace {
@@ -49,15 +47,19 @@ std::optional<Station> station_of(std::string_view text) {
 }
 
 std::string to_text(Station station) {
-  if (station.anybody()) return {};
-  const auto at = [&](unsigned n) -> unsigned { return octet(station.bits, n); };
-  std::array<char, sizeof("00:00:00:00:00:00")> text{};
-  if ((station.bits & kMac) != 0)
-    std::snprintf(text.data(), text.size(), "%02x:%02x:%02x:%02x:%02x:%02x", at(5), at(4), at(3),
-                  at(2), at(1), at(0));
-  else
-    std::snprintf(text.data(), text.size(), "%u.%u.%u.%u", at(3), at(2), at(1), at(0));
-  return text.data();
+  std::string text;
+  if (station.anybody()) return text;
+  const bool mac = (station.bits & kMac) != 0;
+  for (unsigned n = mac ? 6 : 4; n-- > 0;) {
+    constexpr std::string_view digits = "0123456789abcdef";
+    const unsigned number = octet(station.bits, n);
+    if (!text.empty()) text += mac ? ':' : '.';
+    if (mac)
+      (text += digits[number / 16]) += digits[number % 16];
+    else
+      text += std::to_string(number);
+  }
+  return text;
 }
 
 }  // namespace mlcca::core

@@ -14,6 +14,7 @@
 
 #include "core/mesh/mesh.hpp"
 #include "core/origin.hpp"
+#include "core/station.hpp"
 #include "mlcca/attribute.hpp"
 
 namespace mlcca::core {
@@ -232,8 +233,9 @@ struct Publisher {
   std::uint32_t component = kNoComponent;
   std::optional<std::uint8_t> node;        ///< its number where the profile has one
   std::optional<std::uint32_t> mesh_node;  ///< on a mesh: index into its nodes; none: any of them
-  std::uint8_t priority = 0x7d;            ///< famouso, 0 (highest)..127
-  std::optional<std::uint32_t> uid;        ///< on a gateway: the user that may send
+  Station station;                   ///< what its frames come from, where they carry the subject
+  std::uint8_t priority = 0x7d;      ///< famouso, 0 (highest)..127
+  std::optional<std::uint32_t> uid;  ///< on a gateway: the user that may send
   Origin origin;
 };
 

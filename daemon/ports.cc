@@ -332,6 +332,7 @@ std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateEntry& e, bool p
   slot.id = e.id;
   slot.mask = e.mask;
   slot.subject = e.subject;
+  slot.station = e.station.bits;
   if (e.direction == core::Direction::egress) {
     if (e.source_port) {
       slot.source = static_cast<std::uint32_t>(ports_[*e.source_port].ifindex);

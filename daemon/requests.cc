@@ -93,6 +93,22 @@ Result<void> set_attributes(End& end, const core::EventChannel& channel, const S
   return {};
 }
 
+Result<core::Station> station_named(const core::State& state, core::Place place,
+                                    const std::string& address) {
+  if (address.empty()) return core::Station{};
+  if (place.kind != core::Place::Kind::network ||
+      !state.system().networks[place.index].carries_subjects())
+    return fail(
+        "an address is said only for a publisher on a network of kind udp-multicast or mesh with "
+        "profile famouso");
+  const auto station = core::station_of(address);
+  if (!station)
+    return fail(fmt::format(
+        "nobody sends from '{}': say the IPv4 or MAC address of one station, such as 192.0.2.7",
+        address));
+  return *station;
+}
+
 Result<core::Publisher> new_publisher(const core::State& state,
                                       const control::ChannelRequest& request, std::size_t channel,
                                       core::Place from, core::AdmissionId id) {
@@ -110,6 +126,9 @@ Result<core::Publisher> new_publisher(const core::State& state,
   const auto at = mesh_node_named(state, from, request.from_node);
   if (!at) return std::unexpected(at.error());
   p.mesh_node = *at;
+  const auto station = station_named(state, from, request.address);
+  if (!station) return std::unexpected(station.error());
+  p.station = *station;
   if (request.node) {
     if (*request.node > kHighestNode)
       return fail(fmt::format("node {} is out of range: 0 to {}", *request.node, kHighestNode));
@@ -164,7 +183,7 @@ Result<core::Subscriber> new_subscriber(const core::State& state,
 
 bool describes_publisher(const control::ChannelRequest& r) {
   return r.node || r.priority || !r.user.empty() || !r.offered.empty() || !r.publisher.empty() ||
-         !r.from_node.empty();
+         !r.from_node.empty() || !r.address.empty();
 }
 bool describes_subscriber(const control::ChannelRequest& r) {
   return !r.required.empty() || !r.subscriber.empty() || !r.to_node.empty();

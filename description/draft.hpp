@@ -112,6 +112,7 @@ struct SeatDraft {
   std::string gateway;
   std::string mesh_node;
   std::string user;
+  std::string address;
   std::optional<unsigned> node;
   std::optional<unsigned> priority;
 };

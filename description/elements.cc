@@ -167,6 +167,7 @@ class PartReader {
             .gateway = text_of(e, "gateway"),
             .mesh_node = text_of(e, "mesh-node"),
             .user = text_of(e, "user"),
+            .address = text_of(e, "address"),
             .node = optional_number(e.attribute("node")),
             .priority = optional_number(e.attribute("priority"))};
   }

@@ -118,6 +118,7 @@ class Ends {
   /// What tells a sender apart is the outer one's, unless it is stated here.
   static void inherit_sender(SeatDraft& own, const SeatDraft& outer) {
     if (own.user.empty()) own.user = outer.user;
+    if (own.address.empty()) own.address = outer.address;
     if (!own.node) own.node = outer.node;
     if (!own.priority) own.priority = outer.priority;
   }
@@ -252,8 +253,10 @@ class Ends {
     const auto place = place_of(end, "Publisher");
     std::optional<std::uint32_t> uid;
     std::optional<std::uint32_t> mesh_node;
+    core::Station station;
     if (place) {
       mesh_node = mesh_node_of(end, *place, "Publisher");
+      station = station_at(end, *place);
       check_sender(end, *place);
       uid = uid_at(end, *place);
     }
@@ -264,6 +267,7 @@ class Ends {
     out.place = *place;
     out.uid = uid;
     out.mesh_node = mesh_node;
+    out.station = station;
     out.component = end.component;
     out.origin = end.origin;
     if (end.seat.node) out.node = static_cast<std::uint8_t>(*end.seat.node);
@@ -337,6 +341,25 @@ class Ends {
     if (profile == Profile::famouso) return "0 to 126 (127 is the broker's)";
     if (profile == Profile::j1939) return "0 to 253 (254 and 255 are nobody's address)";
     return "0 to 127";
+  }
+
+  core::Station station_at(const EndDraft& end, Place place) {
+    const std::string& address = end.seat.address;
+    if (address.empty()) return {};
+    if (place.kind != Place::Kind::network ||
+        !to_.system.networks[place.index].carries_subjects()) {
+      say(FindingId::wrong_place, end.origin, "Publisher",
+          "attribute address is for publishers on a network of kind udp-multicast or mesh with "
+          "profile famouso: remove it");
+      return {};
+    }
+    const auto station = core::station_of(address);
+    if (!station)
+      say(FindingId::wrong_place, end.origin, "Publisher",
+          fmt::format("attribute address: nobody sends from {}: state the IPv4 or MAC address of "
+                      "one station, such as 192.0.2.7",
+                      address));
+    return station.value_or(core::Station{});
   }
 
   std::optional<std::uint32_t> uid_at(const EndDraft& end, Place place) {

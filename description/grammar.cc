@@ -113,6 +113,7 @@ constexpr auto kPublisherKeys = std::to_array<Key>({{"channel", &type::kChannelN
                                                     {"name", &type::kName},
                                                     {"node", &type::kSmallNumber},
                                                     {"priority", &type::kSmallNumber},
+                                                    {"address", &type::kSenderAddress},
                                                     {"user", &type::kUserName}});
 constexpr ElementType kPublisher{.name = "Publisher", .steps = kEndSteps, .keys = kPublisherKeys};
 
@@ -135,6 +136,7 @@ constexpr auto kComponentKeys = std::to_array<Key>({{"name", &type::kName, true}
                                                     {"mesh-node", &type::kName},
                                                     {"node", &type::kSmallNumber},
                                                     {"priority", &type::kSmallNumber},
+                                                    {"address", &type::kSenderAddress},
                                                     {"user", &type::kUserName}});
 constexpr ElementType kComponent{
     .name = "Component", .steps = kComponentSteps, .keys = kComponentKeys};
@@ -145,6 +147,7 @@ constexpr auto kPlacementKeys = std::to_array<Key>({{"component", &type::kName, 
                                                     {"mesh-node", &type::kName},
                                                     {"node", &type::kSmallNumber},
                                                     {"priority", &type::kSmallNumber},
+                                                    {"address", &type::kSenderAddress},
                                                     {"user", &type::kUserName}});
 constexpr ElementType kPlacement{.name = "Placement", .steps = {}, .keys = kPlacementKeys};
 

@@ -127,6 +127,20 @@ bool is_decimal(std::string_view text) {
 bool is_node_address(std::string_view text) {
   return text.size() >= 2 && is_run(text, kAddress, 45);
 }
+bool is_sender_address(std::string_view text) {
+  const bool mac = text.find(':') != std::string_view::npos;
+  const char between = mac ? ':' : '.';
+  int parts = 0;
+  for (;; ++parts) {
+    const auto end = std::min(text.find(between), text.size());
+    if (!is_run(text.substr(0, end), mac ? kHexadecimal : kDigits, mac ? 2 : 3) ||
+        (mac && end != 2))
+      return false;
+    if (end == text.size()) break;
+    text.remove_prefix(end + 1);
+  }
+  return parts == (mac ? 5 : 3);
+}
 bool is_boolean(std::string_view text) {
   return text == "true" || text == "false" || text == "1" || text == "0";
 }
@@ -263,6 +277,9 @@ constexpr ValueType kHeaderBytes =
 constexpr ValueType kNodeAddress =
     shaped("NodeAddress", "a MAC address such as 02:00:00:00:00:01, or an IPv4 or IPv6 address",
            "[0-9a-fA-F.:]{2,45}", is_node_address);
+constexpr ValueType kSenderAddress =
+    shaped("SenderAddress", "the IPv4 or MAC address of one station, such as 192.0.2.7",
+           "([0-9]{1,3}\\.){3}[0-9]{1,3}|([0-9a-fA-F]{2}:){5}[0-9a-fA-F]{2}", is_sender_address);
 constexpr ValueType kLinkRate =
     whole("LinkRate", 1, 1000000000000, "a whole number of bits per second from 1 to 10^12");
 constexpr ValueType kMediumNumber =
@@ -277,18 +294,18 @@ constexpr ValueType kBoolean = shaped("xs:boolean", "true or false", "", is_bool
 namespace {
 
 constexpr auto kTypes = std::to_array<const ValueType*>(
-    {&type::kName,           &type::kChannelName,  &type::kHostName,    &type::kUserName,
-     &type::kInterfaceName,  &type::kDeviceText,   &type::kText,        &type::kSubject,
-     &type::kShortHex,       &type::kSmallNumber,  &type::kNumber,      &type::kMessagePriority,
-     &type::kControlKinds,   &type::kControlRate,  &type::kDecimal,     &type::kExponent,
-     &type::kMagnitude,      &type::kPortNumber,   &type::kBitrate,     &type::kDataBitrate,
-     &type::kAttributeName,  &type::kBetter,       &type::kComposition, &type::kSafeSide,
-     &type::kSetPriority,    &type::kNetworkKind,  &type::kProfile,     &type::kFrameFormat,
-     &type::kIdentifierForm, &type::kImportance,   &type::kErrorCount,  &type::kQueueing,
-     &type::kExcess,         &type::kFifoDepth,    &type::kQueueLength, &type::kInterference,
-     &type::kHopCount,       &type::kPacketBytes,  &type::kHeaderBytes, &type::kNodeAddress,
-     &type::kLinkRate,       &type::kMediumNumber, &type::kRateKind,    &type::kSourceKind,
-     &type::kLinkMetric,     &type::kForwarder,    &type::kBoolean});
+    {&type::kName,           &type::kChannelName, &type::kHostName,     &type::kUserName,
+     &type::kInterfaceName,  &type::kDeviceText,  &type::kText,         &type::kSubject,
+     &type::kShortHex,       &type::kSmallNumber, &type::kNumber,       &type::kMessagePriority,
+     &type::kControlKinds,   &type::kControlRate, &type::kDecimal,      &type::kExponent,
+     &type::kMagnitude,      &type::kPortNumber,  &type::kBitrate,      &type::kDataBitrate,
+     &type::kAttributeName,  &type::kBetter,      &type::kComposition,  &type::kSafeSide,
+     &type::kSetPriority,    &type::kNetworkKind, &type::kProfile,      &type::kFrameFormat,
+     &type::kIdentifierForm, &type::kImportance,  &type::kErrorCount,   &type::kQueueing,
+     &type::kExcess,         &type::kFifoDepth,   &type::kQueueLength,  &type::kInterference,
+     &type::kHopCount,       &type::kPacketBytes, &type::kHeaderBytes,  &type::kNodeAddress,
+     &type::kSenderAddress,  &type::kLinkRate,    &type::kMediumNumber, &type::kRateKind,
+     &type::kSourceKind,     &type::kLinkMetric,  &type::kForwarder,    &type::kBoolean});
 
 }  // namespace
 

@@ -30,8 +30,9 @@ extern const ValueType kName, kChannelName, kHostName, kUserName, kInterfaceName
     kControlRate, kDecimal, kExponent, kMagnitude, kPortNumber, kBitrate, kDataBitrate,
     kAttributeName, kBetter, kComposition, kSafeSide, kSetPriority, kNetworkKind, kProfile,
     kFrameFormat, kIdentifierForm, kImportance, kErrorCount, kQueueing, kExcess, kFifoDepth,
-    kQueueLength, kInterference, kHopCount, kPacketBytes, kHeaderBytes, kNodeAddress, kLinkRate,
-    kMediumNumber, kRateKind, kSourceKind, kLinkMetric, kForwarder, kBoolean;
+    kQueueLength, kInterference, kHopCount, kPacketBytes, kHeaderBytes, kNodeAddress,
+    kSenderAddress, kLinkRate, kMediumNumber, kRateKind, kSourceKind, kLinkMetric, kForwarder,
+    kBoolean;
 }  // namespace type
 
 /// All of them.

@@ -71,6 +71,10 @@ void add_delivery(CLI::App& app, Arguments& to) {
   app.add_option("--priority", to.priority, "FAMOUSO priority of its events, 0 (highest) to 127")
       ->type_name("N")
       ->check(CLI::Range(0U, kMaxPriority));
+  app.add_option("--address", to.address,
+                 "IPv4 or MAC address that the new publisher sends from, on an Ethernet-like "
+                 "network: gates tell it apart by that")
+      ->type_name("ADDRESS");
   app.add_option("--user", to.user, "user that may send, for a publisher on this gateway");
   app.add_option("--subscriber", to.subscriber, "name of the new subscriber, for reports");
   app.add_option("--publisher", to.publisher, "name of the new publisher, for reports");

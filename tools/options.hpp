@@ -32,6 +32,7 @@ struct Arguments {
   std::string publisher;
   std::string from_node;
   std::string to_node;
+  std::string address;
   std::optional<std::uint64_t> admission;
   std::string mode;
   std::string key;    ///< the user's own name of an admission

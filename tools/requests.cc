@@ -45,7 +45,8 @@ Result<control::ChannelRequest> delivery(const Arguments& from) {
                                  .subscriber = from.subscriber,
                                  .publisher = from.publisher,
                                  .from_node = from.from_node,
-                                 .to_node = from.to_node};
+                                 .to_node = from.to_node,
+                                 .address = from.address};
 }
 
 Result<std::uint64_t> lease(const Arguments& from) {

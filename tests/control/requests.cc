@@ -18,7 +18,8 @@ ChannelRequest full_channel_request() {
           .subscriber = "motors",
           .publisher = "switch",
           .from_node = "laptop",
-          .to_node = "relay"};
+          .to_node = "relay",
+          .address = "192.0.2.7"};
 }
 
 namespace {

@@ -92,6 +92,86 @@ TEST(EthernetTest, ALargeEventMayBeSplit) {
   }
 }
 
+/// Two publishers of one channel on the same network; its name, its period in ns, its address.
+System two_on_ethernet(const char* first, const char* second) {
+  System system = from_ethernet();
+  system.networks[kRobotCan] = ethernet("mesh");
+  system.publishers.push_back(system.publishers[0]);
+  system.publishers[1].name = "second";
+  system.publishers[0].station = station_of(first).value_or(Station{});
+  system.publishers[1].station = station_of(second).value_or(Station{});
+  return system;
+}
+
+TEST(EthernetTest, PublishersWithAddressesHaveEntriesAndLimitsOfTheirOwn) {
+  const System system = two_on_ethernet("192.0.2.1", "192.0.2.2");
+  const GateState gates = State(system).gate_state(kBridge);
+  ASSERT_EQ(gates.size(), 4U) << "each comes in and, carried by the kernel, leaves as it came";
+  for (const GateRule& rule : gates) {
+    const bool first = rule.entry.station == station_of("192.0.2.1");
+    EXPECT_TRUE(first || rule.entry.station == station_of("192.0.2.2"));
+    if (rule.entry.direction == Direction::ingress) {
+      EXPECT_EQ(rule.policing, policing_of(system.publishers[first ? 0 : 1].attributes, 1));
+    }
+  }
+}
+
+TEST(EthernetTest, PublishersWithoutAddressesShareOneLimit) {
+  for (const char* address : {"", "192.0.2.1"}) {
+    const System system = two_on_ethernet(address, address);
+    const GateState gates = State(system).gate_state(kBridge);
+    ASSERT_EQ(gates.size(), 2U);
+    const auto in = std::ranges::find(gates, Direction::ingress,
+                                      [](const GateRule& r) { return r.entry.direction; });
+    const Value alone = policing_of(system.publishers[0].attributes, 1).per_frame;
+    EXPECT_EQ(in->policing.per_frame, alone / 2);
+  }
+}
+
+TEST(EthernetTest, BehindABusNobodySeesTheFirstAddress) {
+  // lan - bridge - bus - second bridge - far: the second bridge's program sends anew.
+  System system = from_ethernet();
+  system.publishers[0].station = *station_of("192.0.2.1");
+  system.gateways[kBridge].ports[kRobotCan].sender = 1000;
+  system.networks.push_back(ethernet("far"));
+  system.subscribers[0].place = network(2);
+  Gateway second = system.gateways[kBridge];
+  second.name = "second";
+  second.ports.resize(2);
+  second.ports[0].network = kRobotCan;
+  second.ports[1].network = 2;
+  second.ports[1].sender = 1000;
+  system.gateways.push_back(second);
+  Gateway third = second;
+  third.name = "third";
+  third.ports[0].network = 2;
+  system.networks.push_back(ethernet("farther"));
+  third.ports[1].network = 3;
+  system.gateways.push_back(third);
+  system.subscribers[0].place = network(3);
+  const State state(system);
+  ASSERT_TRUE(state.decisions()[0].verdicts[0].granted);
+  for (const GateRule& rule : state.gate_state(kBridge))
+    EXPECT_EQ(rule.entry.station.anybody(), rule.entry.direction == Direction::egress);
+  for (const std::size_t gateway : {1U, 2U}) {
+    const GateState gates = state.gate_state(gateway);
+    EXPECT_EQ(gates.size(), 2U);
+    for (const GateRule& rule : gates) EXPECT_TRUE(rule.entry.station.anybody());
+  }
+}
+
+TEST(EthernetTest, AnAddressIsThatOfOneStation) {
+  for (const char* good : {"192.0.2.7", "1.0.0.0", "223.255.255.255", "10.0.0.255"})
+    EXPECT_EQ(to_text(station_of(good).value()), good);
+  EXPECT_EQ(to_text(station_of("02:AB:00:00:00:01").value()), "02:ab:00:00:00:01");
+  EXPECT_EQ(station_of("0.0.0.1"), std::nullopt);
+  for (const char* bad : {"", "192.0.2", "192.0.2.256", "192.0.2.7 ", " 192.0.2.7", "192.0.2.07",
+                          "192.0.2.7.1", "224.0.0.1", "255.255.255.255", "0.0.0.0", "fe80::1",
+                          "02:00:00:00:00", "2:0:0:0:0:1", "03:00:00:00:00:01", "00:00:00:00:00:00",
+                          "02:00:00:00:00:0g", "02-00-00-00-00-01", "+1.2.3.4"})
+    EXPECT_FALSE(station_of(bad)) << bad;
+}
+
 TEST(EthernetTest, TheLargestEventFits) {
   System system = from_ethernet();
   system.networks[kRobotCan] = ethernet("mesh");

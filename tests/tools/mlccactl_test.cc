@@ -71,12 +71,15 @@ TEST(MlccactlTest, AsksWhatEachVerbSays) {
 TEST(MlccactlTest, AsksAboutADeliveryWithAllThatWasSaid) {
   auto expected = test::full_channel_request();
   for (auto& attribute : expected.required) attribute.dynamic = false;
-  const Arguments arguments = {
-      "--from",      "second-can",  "--to",         "robot-can",    "--offer",
-      "Period=50ms", "--offer",     "MaxPayload=8", "--require",    "Omission=2",
-      "--node",      "0",           "--priority",   "125",          "--user",
-      "robot",       "--publisher", "switch",       "--subscriber", "motors",
-      "--from-node", "laptop",      "--to-node",    "relay",        "emergency-switch"};
+  const Arguments arguments = {"--from",       "second-can",   "--to",
+                               "robot-can",    "--offer",      "Period=50ms",
+                               "--offer",      "MaxPayload=8", "--require",
+                               "Omission=2",   "--node",       "0",
+                               "--priority",   "125",          "--user",
+                               "robot",        "--publisher",  "switch",
+                               "--subscriber", "motors",       "--from-node",
+                               "laptop",       "--to-node",    "relay",
+                               "--address",    "192.0.2.7",    "emergency-switch"};
   auto query = arguments;
   query.insert(query.begin(), "query");
   EXPECT_EQ(request_of(query), (control::Request{1, control::Query{expected}}));

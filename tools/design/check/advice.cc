@@ -95,6 +95,9 @@ const char* advice_on(core::FindingId id) {
       return "The links of a mesh share the time of their medium (docs/MESH.md). Send less, state "
              "a "
              "lower attribute set, or give more important channels an importance.";
+    case Id::shared_limit:
+      return "Frames of an Ethernet-like network name the subject and not the publisher. With the "
+             "address of each stated, gates hold each to what it was admitted for.";
     case Id::unsafe_drop:
       return "A gate drops what it does not know, after a crash too. Make silence the safe state "
              "(a heart-beat), or keep all ends on one network.";
