@@ -242,15 +242,18 @@ class Planner {
   Rules rules_;
 };
 
+void add_publisher(Planner& planner, std::size_t publisher, const std::vector<Verdict>& verdicts) {
+  std::vector<const Verdict*> of_publisher;
+  for (const Verdict& v : verdicts)
+    if (v.publisher == publisher) of_publisher.push_back(&v);
+  planner.add(publisher, of_publisher);
+}
+
 void add_channel(Planner& planner, const Members& members, std::size_t channel,
                  const std::vector<Verdict>& verdicts, AdmissionId without = 0) {
-  for (const std::size_t publisher : members.publishers_of(channel)) {
-    if (without != 0 && members.admission_of_publisher(publisher) == without) continue;
-    std::vector<const Verdict*> of_publisher;
-    for (const Verdict& v : verdicts)
-      if (v.publisher == publisher) of_publisher.push_back(&v);
-    planner.add(publisher, of_publisher);
-  }
+  for (const std::size_t publisher : members.publishers_of(channel))
+    if (without == 0 || members.admission_of_publisher(publisher) != without)
+      add_publisher(planner, publisher, verdicts);
 }
 
 }  // namespace
@@ -317,6 +320,24 @@ GateState gate_state(const System& system, const Members& members, const Verdict
   Planner planner(system, members, gateway);
   planner.add(verdict.publisher, {&verdict});
   return planner.take();
+}
+
+std::vector<GateEntry> shared_entries(const System& system, const Members& members,
+                                      std::size_t channel, const std::vector<Verdict>& verdicts,
+                                      std::size_t gateway) {
+  std::vector<GateEntry> all;
+  if (members.publishers_of(channel).size() < 2) return all;
+  for (const std::size_t publisher : members.publishers_of(channel)) {
+    Planner planner(system, members, gateway);
+    add_publisher(planner, publisher, verdicts);
+    for (const GateRule& rule : planner.take()) all.push_back(rule.entry);
+  }
+  std::ranges::sort(all);
+  std::vector<GateEntry> shared;
+  for (std::size_t i = 1; i < all.size(); ++i)
+    if (all[i] == all[i - 1] && (shared.empty() || shared.back() != all[i]))
+      shared.push_back(all[i]);
+  return shared;
 }
 
 namespace {

@@ -121,4 +121,11 @@ struct Transit {
 [[nodiscard]] GateState gate_state(const System& system, const Members& members,
                                    const Verdict& verdict, std::size_t gateway);
 
+/// Entries by which events of several publishers of a channel come or leave: frames do not say
+/// whose they are. Sorted.
+[[nodiscard]] std::vector<GateEntry> shared_entries(const System& system, const Members& members,
+                                                    std::size_t channel,
+                                                    const std::vector<Verdict>& verdicts,
+                                                    std::size_t gateway);
+
 }  // namespace mlcca::core

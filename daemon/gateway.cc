@@ -418,25 +418,29 @@ void Gateway::beat() {
 
 // --- reports -------------------------------------------------------------------------------------
 
-Frames Gateway::frames_of(const core::Verdict& v) const {
-  return ports_.frames(core::gate_state(state_->system(), state_->members(), v, self_));
-}
-
-control::Channel Gateway::report(const core::Verdict& v) const {
-  const auto rules = core::gate_state(state_->system(), state_->members(), v, self_);
-  control::Channel out = channel_report(*state_, v, ports_.frames(rules));
-  if (v.granted) out.watch = ports_.watch(rules);
+std::vector<control::Channel> Gateway::report(
+    const std::vector<const core::Verdict*>& verdicts) const {
+  std::vector<control::Channel> out;
+  if (verdicts.empty()) return out;
+  const std::size_t channel = verdicts.front()->channel;
+  const auto shared = core::shared_entries(state_->system(), state_->members(), channel,
+                                           state_->decisions()[channel].verdicts, self_);
+  for (const core::Verdict* v : verdicts) {
+    const auto rules = core::gate_state(state_->system(), state_->members(), *v, self_);
+    out.push_back(channel_report(*state_, *v, ports_.frames(rules, shared)));
+    if (v->granted) out.back().watch = ports_.watch(rules);
+  }
   return out;
 }
 
 control::Channels Gateway::report_known(const Asked& asked) const {
-  control::Channels out;
+  std::vector<const core::Verdict*> known;
   for (const core::Verdict& v : state_->decisions()[asked.channel].verdicts) {
     if (asked.from && state_->members().publisher(v.publisher).place != *asked.from) continue;
     if (asked.to && v.to != *asked.to) continue;
-    out.channels.push_back(report(v));
+    known.push_back(&v);
   }
-  return out;
+  return {report(known)};
 }
 
 const char* Gateway::mode_name() const {

@@ -173,15 +173,19 @@ class Gateway {
   void tell_outcome(const Granted& before);
   void tell_gone(const std::string& subject, const core::Delivery& delivery);
   void tell_released(const std::vector<core::AdmissionId>& gone, const std::string& why);
-  void tell_excess(const core::Verdict& verdict, std::uint64_t frames);
+  /// Of frames of these verdicts, whose publishers look alike where there are several.
+  void tell_excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames);
+  void tell_dropped(const core::Verdict& verdict, std::uint64_t frames);
+  void look_at_drops_of(const core::Decision& decision, std::int64_t now, bool mention);
   void tell_changes(const std::vector<core::Change>& changes);
   void tell_verdict(Kind kind, const core::Verdict& verdict, const std::string& line);
   [[nodiscard]] std::vector<core::AdmissionId> admissions_of(const core::Verdict& verdict) const;
   [[nodiscard]] bool concerns(const core::Verdict& verdict, core::AdmissionId id) const;
   /// "enforce" or "audit".
   [[nodiscard]] const char* mode_name() const;
-  [[nodiscard]] Frames frames_of(const core::Verdict& verdict) const;
-  [[nodiscard]] control::Channel report(const core::Verdict& verdict) const;
+  /// What is said of some or all verdicts of one channel.
+  [[nodiscard]] std::vector<control::Channel> report(
+      const std::vector<const core::Verdict*>& verdicts) const;
   [[nodiscard]] control::Channels report_known(const Asked& asked) const;
   [[nodiscard]] control::Channels report_admission(core::AdmissionId id) const;
   [[nodiscard]] Result<core::AdmissionId> admission_named(core::AdmissionId id,

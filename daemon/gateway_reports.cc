@@ -58,8 +58,11 @@ Gateway::Body Gateway::handle(const control::NetworksRequest&) {
 
 Gateway::Body Gateway::handle(const control::ChannelsRequest&) {
   control::Channels out;
-  for (const core::Decision& decision : state_->decisions())
-    for (const core::Verdict& v : decision.verdicts) out.channels.push_back(report(v));
+  for (const core::Decision& decision : state_->decisions()) {
+    std::vector<const core::Verdict*> all;
+    for (const core::Verdict& v : decision.verdicts) all.push_back(&v);
+    std::ranges::move(report(all), std::back_inserter(out.channels));
+  }
   return out;
 }
 
@@ -70,12 +73,12 @@ Gateway::Body Gateway::handle(const control::ExplainRequest& request) {
 }
 
 control::Channels Gateway::report_admission(core::AdmissionId id) const {
-  control::Channels out;
   const auto known = state_->admissions().find(id);
-  if (known == state_->admissions().end()) return out;
+  if (known == state_->admissions().end()) return {};
+  std::vector<const core::Verdict*> concerned;
   for (const core::Verdict& v : state_->decisions()[known->second].verdicts)
-    if (concerns(v, id)) out.channels.push_back(report(v));
-  return out;
+    if (concerns(v, id)) concerned.push_back(&v);
+  return {report(concerned)};
 }
 
 Gateway::Body Gateway::handle(const control::RoutesRequest&) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What the gateway looks at by itself, once a second, and what it tells of all that happens.
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <linux/can.h>
 
 #include <algorithm>
@@ -172,33 +173,58 @@ std::vector<core::Heard> Gateway::heard_on(std::size_t port) {
   return refused;
 }
 
+/// Of each entry once, with the first of the verdicts whose events come or leave by it; granted
+/// ones before others.
+void Gateway::look_at_drops_of(const core::Decision& decision, std::int64_t now, bool mention) {
+  std::vector<const core::Verdict*> verdicts;
+  for (const core::Verdict& v : decision.verdicts) verdicts.push_back(&v);
+  std::ranges::stable_partition(verdicts, &core::Verdict::granted);
+  std::map<core::GateEntry, std::vector<const core::Verdict*>> users;
+  std::map<const core::Verdict*, core::GateState> first_to_use;
+  for (const core::Verdict* v : verdicts)
+    for (const core::GateRule& rule :
+         core::gate_state(state_->system(), state_->members(), *v, self_)) {
+      auto& of_entry = users[rule.entry];
+      if (of_entry.empty()) first_to_use[v].push_back(rule);
+      of_entry.push_back(v);
+    }
+  for (const core::Verdict* v : verdicts) {
+    const core::GateState& rules = first_to_use[v];
+    const Frames frames = ports_.frames(rules);
+    const std::string name = state_->system().channels[v->channel].name + " " +
+                             state_->members().publisher(v->publisher).name + " " +
+                             core::name_of(state_->system(), v->to);
+    if (const auto excess = drops_.look(name + " excess", frames.excess, now); excess && mention) {
+      std::vector<const core::Verdict*> who{v};
+      for (const core::GateRule& rule : rules)
+        if (rule.policing.any()) std::ranges::copy(users[rule.entry], std::back_inserter(who));
+      tell_excess(who, *excess);
+    }
+    if (const auto dropped = drops_.look(name, frames.dropped - frames.excess_dropped, now);
+        dropped && mention)
+      tell_dropped(*v, *dropped);
+  }
+}
+
+void Gateway::tell_dropped(const core::Verdict& v, std::uint64_t frames) {
+  const core::EventChannel& c = state_->system().channels[v.channel];
+  const core::Publisher& publisher = state_->members().publisher(v.publisher);
+  tell({Kind::dropping,
+        4,
+        v.granted ? fmt::format("{} frames dropped that named {} ({}) and differ from the grant",
+                                frames, c.name, core::format_subject(c.subject))
+                  : fmt::format("{} frames dropped of {}", frames, verdict_line(*state_, v)),
+        c.subject,
+        c.name,
+        core::name_of(state_->system(), publisher.place),
+        {},
+        {}});
+}
+
 void Gateway::look_at_drops(bool mention) {
   const auto now = static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000);
-  for (const core::Decision& decision : state_->decisions()) {
-    for (const core::Verdict& v : decision.verdicts) {
-      const core::EventChannel& c = state_->system().channels[v.channel];
-      const core::Publisher& publisher = state_->members().publisher(v.publisher);
-      const std::string& to = core::name_of(state_->system(), v.to);
-      const Frames frames = frames_of(v);
-      const std::string name = c.name + " " + publisher.name + " " + to;
-      if (const auto excess = drops_.look(name + " excess", frames.excess, now); excess && mention)
-        tell_excess(v, *excess);
-      const auto dropped = drops_.look(name, frames.dropped - frames.excess_dropped, now);
-      if (!dropped || !mention) continue;
-      const std::string line =
-          v.granted ? fmt::format("{} frames dropped that named {} ({}) and differ from the grant",
-                                  *dropped, c.name, core::format_subject(c.subject))
-                    : fmt::format("{} frames dropped of {}", *dropped, verdict_line(*state_, v));
-      tell({Kind::dropping,
-            4,
-            line,
-            c.subject,
-            c.name,
-            core::name_of(state_->system(), publisher.place),
-            {},
-            {}});
-    }
-  }
+  for (const core::Decision& decision : state_->decisions())
+    look_at_drops_of(decision, now, mention);
   for (std::size_t p = 0; p < ports_.size(); ++p) {
     const auto dropped = drops_.look("unknown " + std::to_string(p), ports_.unknown_frames(p), now);
     if (dropped && mention)
@@ -291,25 +317,27 @@ void Gateway::tell_verdict(Kind kind, const core::Verdict& v, const std::string&
 }
 
 /// The owner of the publisher hears of it, as does everybody who watches.
-void Gateway::tell_excess(const core::Verdict& v, std::uint64_t frames) {
-  const core::EventChannel& channel = state_->system().channels[v.channel];
-  const core::Publisher& publisher = state_->members().publisher(v.publisher);
-  const AttributeSet& said = core::attributes_in(publisher, v.set);
+void Gateway::tell_excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames) {
+  const core::Verdict& first = *verdicts.front();
+  const core::EventChannel& channel = state_->system().channels[first.channel];
+  std::vector<std::string> who;
+  std::vector<core::AdmissionId> ids;
+  for (const core::Verdict* v : verdicts) {
+    const std::string& name = state_->members().publisher(v->publisher).name;
+    if (std::ranges::find(who, name) == who.end()) who.push_back(name);
+    for (const core::AdmissionId id : admissions_of(*v))
+      if (std::ranges::find(ids, id) == ids.end()) ids.push_back(id);
+  }
+  const core::Publisher& publisher = state_->members().publisher(first.publisher);
+  const AttributeSet& said = core::attributes_in(publisher, first.set);
   const Attribute what = said.has(Attribute::period) ? Attribute::period : Attribute::bandwidth;
-  const auto& members = state_->members();
-  std::size_t alike = 0;
-  for (const core::Verdict& other : state_->decisions()[v.channel].verdicts)
-    if (members.publisher(other.publisher).place == publisher.place && other.to == v.to) ++alike;
-  const bool shared = alike > 1 && publisher.place.kind == core::Place::Kind::network &&
-                      state_->system().networks[publisher.place.index].carries_subjects();
   tell({Kind::excess, 4,
-        fmt::format("{} sent {} frames of {} ({}) more than was admitted: it said {} {}",
-                    shared ? publisher.name + ", or another that its network does not tell apart,"
-                           : publisher.name,
-                    frames, channel.name, core::format_subject(channel.subject), info(what).name,
-                    core::format_value(what, said[what])),
-        channel.subject, channel.name, core::name_of(state_->system(), v.to),
-        core::name_of(state_->system(), publisher.place), admissions_of(v)});
+        fmt::format("{} sent {} frames of {} ({}) more than was admitted: {} said {} {}",
+                    fmt::join(who, " or "), frames, channel.name,
+                    core::format_subject(channel.subject), who.size() > 1 ? who.front() : "it",
+                    info(what).name, core::format_value(what, said[what])),
+        channel.subject, channel.name, core::name_of(state_->system(), first.to),
+        core::name_of(state_->system(), publisher.place), ids});
 }
 
 /// Whoever holds the publisher or a subscriber hears of it.

@@ -418,7 +418,20 @@ Result<void> Ports::apply(const core::GateChanges& changes) {
   return {};
 }
 
-Frames Ports::frames(const core::GateState& rules) const {
+Frames Ports::frames(const core::GateState& rules,
+                     const std::vector<core::GateEntry>& shared) const {
+  const auto any = [&rules](core::Direction direction, auto&& is_meant) {
+    return std::ranges::any_of(rules, [&](const core::GateRule& r) {
+      return r.entry.direction == direction && is_meant(r.entry);
+    });
+  };
+  const auto is_own = [&shared](const core::GateEntry& entry) {
+    return !std::ranges::binary_search(shared, entry);
+  };
+  const bool leaves = any(core::Direction::egress, [](const auto&) { return true; });
+  const bool counted_out =
+      leaves && (any(core::Direction::egress, is_own) || !any(core::Direction::ingress, is_own));
+  const auto counts = counted_out ? core::Direction::egress : core::Direction::ingress;
   Frames sum;
   for (const core::GateRule& rule : rules) {
     const enforce::PortGate* gate = gate_of(rule.entry.port);
@@ -429,11 +442,7 @@ Frames Ports::frames(const core::GateState& rules) const {
     sum.dropped += counted->dropped;
     sum.excess += counted->excess;
     if (!rule.policing.counts_only) sum.excess_dropped += counted->excess;
-    // What entered is counted where it leaves, if it leaves: once.
-    const bool leaves = std::ranges::any_of(rules, [](const core::GateRule& r) {
-      return r.entry.direction == core::Direction::egress;
-    });
-    if (!leaves || rule.entry.direction == core::Direction::egress) sum.passed += counted->passed;
+    if (rule.entry.direction == counts) sum.passed += counted->passed;
   }
   return sum;
 }

@@ -85,7 +85,10 @@ class Ports {
   /// Makes the changes. After an error gates hold part of them: sync() then.
   Result<void> apply(const core::GateChanges& changes);
 
-  [[nodiscard]] Frames frames(const core::GateState& rules) const;
+  /// What came and left by these rules. A frame that leaves has passed once: it is counted where it
+  /// leaves, or, where that entry is one of those `shared` with others, where it came in.
+  [[nodiscard]] Frames frames(const core::GateState& rules,
+                              const std::vector<core::GateEntry>& shared = {}) const;
   /// How the events of a delivery come to the slot that they enter by; nothing where nobody looks.
   [[nodiscard]] std::optional<control::Watch> watch(const core::GateState& rules) const;
   /// If events of a delivery are missing that is told once more: somebody has not heard it.

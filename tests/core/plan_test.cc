@@ -270,6 +270,27 @@ TEST(PlanTest, PublishersThatLookAlikeCrossOnce) {
   EXPECT_EQ(State(system).transits(kBridge, 0).size(), 1U);
 }
 
+TEST(PlanTest, EntriesOfSeveralPublishersAreKnown) {
+  System system = robot(0);
+  const auto shared = [&] {
+    const State state(system);
+    return shared_entries(state.system(), state.members(), 0, state.decisions()[0].verdicts,
+                          kBridge);
+  };
+  EXPECT_TRUE(shared().empty()) << "there is one";
+  system.publishers.push_back(system.publishers[0]);
+  system.publishers[1].name = "second switch";
+  system.publishers[1].node = 9;
+  EXPECT_TRUE(shared().empty()) << "each has its node";
+  // Where frames do not say their node they are one where they leave, and still two where they come
+  // in.
+  system.networks[kRobotCan].profile = Profile::raw;
+  ASSERT_EQ(shared().size(), 1U);
+  EXPECT_EQ(shared()[0].direction, Direction::egress);
+  system.networks[kSecondCan].profile = Profile::raw;
+  EXPECT_EQ(shared().size(), 2U);
+}
+
 TEST(PlanTest, OnlyWhereFramesComeInTheyArePoliced) {
   const GateState rules = State(robot(0)).gate_state(kBridge);
   ASSERT_EQ(rules.size(), 2U);

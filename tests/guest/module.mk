@@ -26,6 +26,6 @@ GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-
 GUEST_TESTS += $(addprefix tests/guest/cases/,mesh-nl80211 mesh-batman mesh-case-study)
 GUEST_TESTS += $(addprefix tests/guest/cases/,bus-queue gateways-in-namespaces reservations)
 GUEST_TESTS += $(addprefix tests/guest/cases/,babbling-node missing-events can-profiles forwarding)
-GUEST_TESTS += $(addprefix tests/guest/cases/,attach-drift ethernet-gate doctor)
+GUEST_TESTS += $(addprefix tests/guest/cases/,attach-drift ethernet-gate ethernet-publishers doctor)
 GUEST_SYSTEMD_TESTS += $(addprefix tests/guest/cases/,service-life plugged-in awds-unit)
 check-guest: stage
