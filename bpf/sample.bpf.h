@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
- * Telling of strangers by the ring that all gates share. The clock is read only for one that was
- * not among those that this CPU has seen last: who floods alone is told once by each CPU, and costs
- * no time after that.
+ * Telling of strangers by the ring that all gates share. The clock is read, to the tick, only for
+ * one that was not among those that this CPU has seen last: who floods alone is told once by each
+ * CPU, and costs no time after that.
  */
 #ifndef MLCCA_SAMPLE_BPF_H
 #define MLCCA_SAMPLE_BPF_H
@@ -15,10 +15,12 @@ struct {
 static __always_inline void tell_sample(struct gate_sample *sample, __u64 *due)
 {
 	sample->kind = GATE_E_UNKNOWN;
+	if (!take_turn(due, GATE_SAMPLE_NS, (GATE_SAMPLES - 1) * GATE_SAMPLE_NS,
+		       bpf_ktime_get_coarse_ns()) ||
+	    bpf_ringbuf_query(&events, BPF_RB_AVAIL_DATA) >= GATE_EVENTS_SIZE / 2)
+		return;
 	sample->at = bpf_ktime_get_ns();
-	if (take_turn(due, GATE_SAMPLE_NS, (GATE_SAMPLES - 1) * GATE_SAMPLE_NS, sample->at) &&
-	    bpf_ringbuf_query(&events, BPF_RB_AVAIL_DATA) < GATE_EVENTS_SIZE / 2)
-		bpf_ringbuf_output(&events, sample, sizeof(*sample), 0);
+	bpf_ringbuf_output(&events, sample, sizeof(*sample), 0);
 }
 
 #endif
