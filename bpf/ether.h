@@ -60,6 +60,13 @@
 /* Tables with more slots have one bank of counters for all CPUs: memory, see ether_table. */
 #define ETHER_BANKED_SLOTS 16384
 
+/*
+ * Tables with more slots have a second sieve in front, small enough for a second-level cache: one
+ * octet a bucket, so many of them in a value of its map.
+ */
+#define ETHER_FRONTED_SLOTS 16384
+#define ETHER_FRONT_BUCKETS 64
+
 /* Slots whose events can be watched; 0 is not used. What more is granted is not watched. */
 #define ETHER_WATCHES 4096
 
@@ -108,6 +115,11 @@ struct ether_slot {
  * subject of the chain, by ether_sieve(). Most subjects that nobody has leave here.
  */
 #define ETHER_SIEVE_SHIFT 32
+
+/* Of each bucket the bits of all subjects of its chain, by ether_front_bits(). */
+struct ether_front {
+	__u8 bits[ETHER_FRONT_BUCKETS];
+};
 
 /* What is the same for the whole interface; the only variable of .bss. */
 struct ether_table {
@@ -187,6 +199,12 @@ static inline __u64 ether_station(const struct ether_slot *slot,
 
 /* The bit of a subject in the upper half of its bucket. */
 static inline __u64 ether_sieve(__u64 hash) { return 1ULL << (ETHER_SIEVE_SHIFT + (hash >> 59)); }
+
+/* The bits of a subject in the octet of its bucket: two, seldom one. */
+static inline __u8 ether_front_bits(__u64 hash)
+{
+	return 1U << (hash >> 61) | 1U << (hash >> 56 & 7);
+}
 
 GATE_ASSERT(sizeof(struct ether_contract) == 64, "ether_contract is pinned layout");
 GATE_ASSERT(sizeof(struct ether_slot) == 32, "ether_slot is pinned layout");

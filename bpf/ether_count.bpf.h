@@ -58,7 +58,7 @@ static __always_inline void tell_unknown(__u64 frames, __u32 direction, const st
 	tell_sample(&sample, &table.sample_due);
 }
 
-/* The sequence is 0 while the entry changes hands; the exchanges order the stores around it. */
+/* The sequence is 0 while the entry changes hands. */
 static __always_inline void note_unknown(struct ether_cpu *cpu, __u32 direction,
 					 const struct event *e)
 {
@@ -67,7 +67,7 @@ static __always_inline void note_unknown(struct ether_cpu *cpu, __u32 direction,
 	__u64 sequence = __sync_fetch_and_add(&table.unknown_frames, 1) + 1;
 
 	if (!seen->sequence || seen->subject != e->subject || seen->direction != direction) {
-		__sync_lock_test_and_set(&seen->sequence, 0);
+		store_in_order(&seen->sequence, 0);
 		seen->subject = e->subject;
 		seen->direction = direction;
 		seen->count = 0;
@@ -75,7 +75,7 @@ static __always_inline void note_unknown(struct ether_cpu *cpu, __u32 direction,
 	}
 	seen->len = e->len;
 	seen->count++;
-	__sync_lock_test_and_set(&seen->sequence, sequence);
+	store_in_order(&seen->sequence, sequence);
 }
 
 static __always_inline void count_drop(struct ether_cpu *cpu, __u32 direction, __u32 at,

@@ -164,6 +164,16 @@ static __always_inline __u32 verdict_of(const struct ether_slot *slot)
 	return GATE_DENY;
 }
 
+/* False: the bucket has no such subject. Bits are there before their subject, and go after it. */
+static __always_inline bool may_be_there(__u32 bucket, __u64 hash)
+{
+	__u32 at = bucket / ETHER_FRONT_BUCKETS;
+	const struct ether_front *front = bpf_map_lookup_elem(&fronts, &at);
+	__u8 wanted = ether_front_bits(hash);
+
+	return front && (READ_ONCE(front->bits[bucket % ETHER_FRONT_BUCKETS]) & wanted) == wanted;
+}
+
 /* The first slot is looked at in place: nearly always it is the only one. */
 static __always_inline struct decision decide(__u32 direction, struct event *e,
 					      const struct sender *from)
@@ -176,6 +186,8 @@ static __always_inline struct decision decide(__u32 direction, struct event *e,
 	struct sender from_copy;
 	struct event copy;
 
+	if (fronted && !may_be_there(at, hash))
+		return d;
 	bucket = bpf_map_lookup_elem(&buckets, &at);
 	if (!bucket)
 		return d;

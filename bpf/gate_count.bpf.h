@@ -56,7 +56,7 @@ static __always_inline void tell_unknown(__u64 frames, __u32 direction, const st
 	tell_sample(&sample, &table.sample_due);
 }
 
-/* The sequence is 0 while the entry changes hands; the exchanges order the stores around it. */
+/* The sequence is 0 while the entry changes hands. */
 static __always_inline void note_unknown(struct gate_cpu *cpu, __u32 direction,
 					 const struct frame *frame)
 {
@@ -66,7 +66,7 @@ static __always_inline void note_unknown(struct gate_cpu *cpu, __u32 direction,
 
 	if (!seen->sequence || seen->can_id != frame->can_id || seen->format != frame->format ||
 	    seen->direction != direction) {
-		__sync_lock_test_and_set(&seen->sequence, 0);
+		store_in_order(&seen->sequence, 0);
 		seen->can_id = frame->can_id;
 		seen->format = frame->format;
 		seen->direction = direction;
@@ -75,7 +75,7 @@ static __always_inline void note_unknown(struct gate_cpu *cpu, __u32 direction,
 	}
 	seen->len = frame->len;
 	seen->count++;
-	__sync_lock_test_and_set(&seen->sequence, sequence);
+	store_in_order(&seen->sequence, sequence);
 }
 
 #endif

@@ -6,6 +6,9 @@
 /* PREEMPT_RT: one program can interrupt another on its CPU. Set before loading. */
 const volatile __u8 atomic_counts = false;
 
+/* Other CPUs see the stores of one in its order, as on x86. Set before loading. */
+const volatile __u8 ordered_stores = false;
+
 struct gate_control control SEC(".data.control"); /* shared by all interfaces */
 
 static __always_inline bool closed(void)
@@ -23,6 +26,18 @@ static __always_inline bool moved_on(__u32 generation, __u32 read)
 
 	asm volatile("%0 ^= %0" : "+r"(nothing));
 	return READ_ONCE((&control.generation)[nothing & 1]) != generation;
+}
+
+/* After all stores before it, and before those that follow. */
+static __always_inline void store_in_order(__u64 *at, __u64 value)
+{
+	if (!ordered_stores) {
+		__sync_lock_test_and_set(at, value);
+		return;
+	}
+	asm volatile("" ::: "memory");
+	WRITE_ONCE(*at, value);
+	asm volatile("" ::: "memory");
 }
 
 static __always_inline void add_atomic(__u64 *counter, __u64 n)

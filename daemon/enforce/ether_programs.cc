@@ -16,14 +16,15 @@ namespace mlcca::enforce {
 namespace {
 
 std::array<bpf_map*, kEtherMaps.size()> maps_of(const ether_bpf& object) {
-  return {
-      object.maps.bss,    object.maps.buckets, object.maps.slots,     object.maps.contracts,
-      object.maps.counts, object.maps.cpus,    object.maps.fragments, object.maps.foreign_fragments,
-      object.maps.watches};
+  return {object.maps.bss,       object.maps.buckets,
+          object.maps.slots,     object.maps.contracts,
+          object.maps.counts,    object.maps.cpus,
+          object.maps.fragments, object.maps.foreign_fragments,
+          object.maps.watches,   object.maps.fronts};
 }
 
 int set_sizes(const ether_bpf& object, const EtherSizes& sizes) {
-  const std::array<std::pair<bpf_map*, std::uint32_t>, 8> entries{
+  const std::array<std::pair<bpf_map*, std::uint32_t>, 9> entries{
       {{object.maps.buckets, sizes.buckets},
        {object.maps.slots, sizes.slots},
        {object.maps.contracts, sizes.contracts},
@@ -31,7 +32,8 @@ int set_sizes(const ether_bpf& object, const EtherSizes& sizes) {
        {object.maps.cpus, possible_cpus()},
        {object.maps.fragments, ether_fragment_entries(possible_cpus())},
        {object.maps.foreign_fragments, ether_fragment_entries(possible_cpus())},
-       {object.maps.watches, ETHER_WATCHES}}};
+       {object.maps.watches, ETHER_WATCHES},
+       {object.maps.fronts, sizes.fronts()}}};
   for (const auto& [map, count] : entries)
     if (const int error = bpf_map__set_max_entries(map, count); error != 0) return error;
   return 0;
@@ -74,7 +76,8 @@ std::optional<EtherPinned> pinned_ether_maps(const std::string& directory) {
       !fits(2, sizeof(ether_slot), there.sizes.slots) ||
       !fits(3, sizeof(ether_contract), there.sizes.contracts) ||
       !fits(4, sizeof(gate_count), there.sizes.banks * there.sizes.slots) ||
-      !fits(5, sizeof(ether_cpu), possible_cpus()) || !fits(8, sizeof(gate_watch), ETHER_WATCHES))
+      !fits(5, sizeof(ether_cpu), possible_cpus()) || !fits(8, sizeof(gate_watch), ETHER_WATCHES) ||
+      !fits(9, sizeof(ether_front), there.sizes.fronts()))
     return std::nullopt;
   return there;
 }
@@ -92,8 +95,10 @@ Result<EtherPrograms::Object> EtherPrograms::try_load(std::uint32_t ifindex,
   object->rodata->bucket_mask = sizes.buckets - 1;
   object->rodata->slots_of_bank = sizes.slots;
   object->rodata->banks = sizes.banks;
+  object->rodata->fronted = sizes.is_fronted();
   object->rodata->direct_access = direct_access;
   object->rodata->atomic_counts = is_preempt_rt();
+  object->rodata->ordered_stores = kOrderedStores;
   if (const int error = share_maps(*object, sizes, shared, maps); error != 0)
     return complaints.error("prepare the maps of the Ethernet gate", error);
   if (const int error = ether_bpf__load(object.get()); error != 0)
@@ -130,8 +135,9 @@ Result<EtherMapping> EtherMapping::of(const EtherPrograms& programs, const Ether
   m.counts_ = {programs.map_fd(4), std::size_t{sizes.banks} * sizes.slots};
   m.cpus_ = {programs.map_fd(5), possible_cpus()};
   m.watches_ = {programs.map_fd(8), ETHER_WATCHES};
-  if (!m.table_ || !m.buckets_ || !m.slots_ || !m.contracts_ || !m.counts_ || !m.cpus_ ||
-      !m.watches_)
+  m.fronts_ = {programs.map_fd(9), sizes.fronts()};
+  if (!m.table_ || !m.buckets_ || !m.fronts_ || !m.slots_ || !m.contracts_ || !m.counts_ ||
+      !m.cpus_ || !m.watches_)
     return failure("map the memory of the Ethernet gate", errno);
   return m;
 }
@@ -139,6 +145,7 @@ Result<EtherMapping> EtherMapping::of(const EtherPrograms& programs, const Ether
 EtherMemory EtherMapping::memory() const {
   return {.table = table_.span().data(),
           .buckets = buckets_.span(),
+          .fronts = fronts_.span(),
           .slots = slots_.span(),
           .contracts = contracts_.span(),
           .counts = counts_.span(),

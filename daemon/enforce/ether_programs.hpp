@@ -22,9 +22,9 @@ namespace mlcca::enforce {
 void destroy_ether_programs(ether_bpf* object);
 
 /// The maps of one interface that outlive a daemon, by the names of their pins.
-inline constexpr std::array kEtherMaps = {"ether_table",     "ether_buckets", "ether_slots",
-                                          "ether_contracts", "ether_counts",  "ether_cpus",
-                                          "ether_fragments", "ether_foreign", "ether_watches"};
+inline constexpr std::array kEtherMaps = {
+    "ether_table", "ether_buckets",   "ether_slots",   "ether_contracts", "ether_counts",
+    "ether_cpus",  "ether_fragments", "ether_foreign", "ether_watches",   "ether_fronts"};
 using EtherMaps = std::array<Fd, kEtherMaps.size()>;  ///< in that order; all or none
 
 /// The pinned maps of an interface.
@@ -70,6 +70,7 @@ class EtherMapping {
   std::uint32_t* generation_ = nullptr;  ///< of the programs
   Mapped<ether_table> table_;
   Mapped<std::uint64_t> buckets_;
+  Mapped<ether_front> fronts_;
   Mapped<ether_slot> slots_;
   Mapped<ether_contract> contracts_;
   Mapped<gate_count> counts_;

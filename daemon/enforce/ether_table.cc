@@ -7,8 +7,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
-#include <tuple>
 #include <utility>
 
 #include "daemon/enforce/publish.hpp"
@@ -16,49 +14,7 @@
 namespace mlcca::enforce {
 namespace {
 
-constexpr std::uint32_t kLargestIfindex = 0x7fffffff;
 constexpr unsigned kHalf = 32;  // of a station
-
-std::string name(const SlotSpec& s) {
-  return fmt::format("slot of subject {:#018x} ({})", s.subject,
-                     s.direction == Direction::ingress ? "ingress" : "egress");
-}
-
-Result<void> check_spec(const SlotSpec& s) {
-  if (s.id != 0 || s.mask != 0) return fail(name(s) + ": an Ethernet frame has no identifier");
-  if (s.formats == 0 || (s.formats & ~(ETHER_WHOLE | ETHER_SPLIT)) != 0)
-    return fail(name(s) + ": neither whole events nor fragments of them");
-  if (s.max_len > ETHER_MAX_PAYLOAD)
-    return fail(
-        fmt::format("{}: a datagram has at most {} bytes of payload", name(s), ETHER_MAX_PAYLOAD));
-  if (s.station >= 2 * ETHER_MAC) return fail(name(s) + ": that is no address of a station");
-  if (s.source > kLargestIfindex) return fail(name(s) + ": the source is no interface");
-  return {};
-}
-
-using Key = std::pair<Direction, std::uint64_t>;
-Key key(const SlotSpec& s) { return {s.direction, s.subject}; }
-auto grant(const SlotSpec& s) {
-  return std::tie(s.direction, s.subject, s.station, s.source, s.uid, s.max_len, s.formats);
-}
-
-/// In an order that brings together what is of one subject, without a copy of each.
-std::vector<const SlotSpec*> sorted(const std::vector<SlotSpec>& specs) {
-  std::vector<const SlotSpec*> out;
-  out.reserve(specs.size());
-  for (const SlotSpec& s : specs) out.push_back(&s);
-  std::ranges::sort(out,
-                    [](const SlotSpec* a, const SlotSpec* b) { return grant(*a) < grant(*b); });
-  return out;
-}
-
-Result<void> check_once(const std::vector<SlotSpec>& specs) {
-  const auto all = sorted(specs);
-  const auto twice = std::ranges::adjacent_find(
-      all, [](const SlotSpec* a, const SlotSpec* b) { return grant(*a) == grant(*b); });
-  if (twice == all.end()) return {};
-  return fail(name(**twice) + " is there twice");
-}
 
 }  // namespace
 
@@ -108,6 +64,17 @@ std::uint64_t EtherTable::hash_of(std::uint64_t subject, Direction direction) co
   return ether_hash(memory_.table->seed, subject, std::to_underlying(direction));
 }
 
+std::uint64_t EtherTable::hash_at(std::uint32_t slot) const {
+  return hash_of(memory_.slots[slot].subject,
+                 static_cast<Direction>(memory_.slots[slot].direction));
+}
+
+std::uint8_t* EtherTable::front_at(std::uint64_t hash) const {
+  if (!sizes_.is_fronted()) return nullptr;
+  const std::uint64_t bucket = hash & (sizes_.buckets - 1);
+  return &memory_.fronts[bucket / ETHER_FRONT_BUCKETS].bits[bucket % ETHER_FRONT_BUCKETS];
+}
+
 std::uint64_t& EtherTable::bucket_of(std::uint64_t hash) const {
   return memory_.buckets[hash & (sizes_.buckets - 1)];
 }
@@ -142,9 +109,11 @@ Result<void> EtherTable::adopt_chain(std::size_t bucket, std::vector<bool>& seen
     if (at < ETHER_FIRST_SLOT || at >= sizes_.slots || seen[at])
       return fail(fmt::format("subject table: broken chain in bucket {}", bucket));
     const ether_slot& slot = memory_.slots[at];
-    const std::uint64_t hash = hash_of(slot.subject, static_cast<Direction>(slot.direction));
+    const std::uint64_t hash = hash_at(at);
+    const std::uint8_t* front = front_at(hash);
     if (slot.direction >= GATE_DIRECTIONS || (hash & (sizes_.buckets - 1)) != bucket ||
-        (memory_.buckets[bucket] & ether_sieve(hash)) == 0)
+        (memory_.buckets[bucket] & ether_sieve(hash)) == 0 ||
+        (front != nullptr && (*front & ether_front_bits(hash)) != ether_front_bits(hash)))
       return fail(fmt::format("subject table: slot {} is in the wrong bucket", at));
     if (slot.contract == 0 || slot.contract >= sizes_.contracts)
       return fail(fmt::format("subject table: slot {} has no contract", at));
@@ -226,113 +195,12 @@ std::vector<SlotSpec> EtherTable::present() const {
 
 // --- changes ------------------------------------------------------------------------------------
 
-Result<void> EtherTable::check(const SlotChanges& changes) const {
-  if (auto good = check_adds(changes.add); !good) return good;
-  for (const auto* list : {&changes.close, &changes.remove, &changes.open, &changes.police})
-    for (const auto& s : *list)
-      if (!find(s)) return fail(name(s) + " is not there");
-  if (auto good = check_once(changes.remove); !good) return good;
-  const auto removed = sorted(changes.remove);
-  for (const auto& s : changes.open)
-    if (std::ranges::binary_search(removed, &s, [](const SlotSpec* a, const SlotSpec* b) {
-          return grant(*a) < grant(*b);
-        }))
-      return fail(name(s) + " is to be opened and removed");
-  return check_room(changes);
-}
-
-Result<void> EtherTable::check_adds(const std::vector<SlotSpec>& adds) const {
-  for (const auto& s : adds) {
-    if (auto good = check_spec(s); !good) return good;
-    if (find(s)) return fail(name(s) + " is there already");
-  }
-  return check_once(adds);
-}
-
-/// Of the state after the changes.
-Result<void> EtherTable::check_room(const SlotChanges& changes) const {
-  const std::size_t room = sizes_.slots - ETHER_FIRST_SLOT;
-  if (used_ + changes.add.size() - changes.remove.size() > room)
-    return fail(fmt::format("more than {} slots on one interface", room));
-  if (auto good = check_publishers(changes); !good) return good;
-  if (auto good = check_contracts(changes); !good) return good;
-  return check_chains(changes, true);
-}
-
-/// Of the state after the changes, or of that in which old and new slots are side by side.
-Result<void> EtherTable::check_chains(const SlotChanges& changes, bool removed_first) const {
-  const auto buckets = [&](const std::vector<SlotSpec>& specs) {
-    std::vector<std::uint64_t> out;
-    out.reserve(specs.size());
-    for (const auto& s : specs)
-      out.push_back(hash_of(s.subject, s.direction) & (sizes_.buckets - 1));
-    std::ranges::sort(out);
-    return out;
-  };
-  const auto added = buckets(changes.add);
-  const auto removed = removed_first ? buckets(changes.remove) : std::vector<std::uint64_t>{};
-  for (auto run = added.begin(); run != added.end();) {
-    const auto end = std::upper_bound(run, added.end(), *run);
-    const auto gone = std::ranges::equal_range(removed, *run);
-    std::ptrdiff_t slots = end - run - std::ssize(gone);
-    for (auto at = static_cast<std::uint32_t>(memory_.buckets[*run]); at != 0;
-         at = memory_.slots[at].next)
-      ++slots;
-    if (slots > GATE_WALK)
-      return fail(fmt::format("more than {} slots whose subjects fall together", GATE_WALK));
-    run = end;
-  }
-  return {};
-}
-
 std::set<EtherTable::Contract> EtherTable::new_contracts(const SlotChanges& changes) const {
   std::set<Contract> fresh;
   for (const auto* list : {&changes.add, &changes.police})
     for (const auto& s : *list)
       if (!contracts_.contains(contract_of(s))) fresh.insert(contract_of(s));
   return fresh;
-}
-
-/// What is removed leaves its contract before others are needed; what is policed takes the new one
-/// before it leaves the old one.
-Result<void> EtherTable::check_contracts(const SlotChanges& changes) const {
-  const std::size_t room = sizes_.contracts - 1;
-  std::size_t all = contracts_.size() + new_contracts(changes).size();
-  if (all <= room) return {};
-  std::map<std::uint16_t, std::uint32_t> left;
-  for (const auto& s : changes.remove)
-    if (const auto slot = find(s)) ++left[memory_.slots[*slot].contract];
-  std::set<Contract> kept;
-  for (const auto* list : {&changes.add, &changes.police})
-    for (const auto& s : *list) kept.insert(contract_of(s));
-  for (const auto& [contract, use] : contracts_)
-    if (const auto gone = left.find(use.number);
-        gone != left.end() && gone->second == use.slots && !kept.contains(contract))
-      --all;
-  if (all <= room) return {};
-  return fail(
-      fmt::format("more than {} different contracts (user, length, rate) on one interface", room));
-}
-
-Result<void> EtherTable::check_publishers(const SlotChanges& changes) const {
-  const auto added = sorted(changes.add);
-  const auto removed = sorted(changes.remove);
-  const auto by_key = [](const SlotSpec* s) { return key(*s); };
-  for (auto run = added.begin(); run != added.end();) {
-    const auto end =
-        std::find_if(run, added.end(), [&](const SlotSpec* s) { return key(*s) != key(**run); });
-    const auto gone = std::ranges::equal_range(removed, key(**run), {}, by_key);
-    std::ptrdiff_t publishers = end - run - std::ssize(gone);
-    const std::uint64_t bucket = bucket_of(hash_of((*run)->subject, (*run)->direction));
-    for (auto at = static_cast<std::uint32_t>(bucket); at != 0; at = memory_.slots[at].next)
-      publishers +=
-          memory_.slots[at].subject == (*run)->subject && key(spec_of(at)) == key(**run) ? 1 : 0;
-    if (publishers > GATE_CHAIN)
-      return fail(
-          fmt::format("{}: more than {} publishers of this subject", name(**run), GATE_CHAIN));
-    run = end;
-  }
-  return {};
 }
 
 /// Where nothing goes, check() has looked at the same.
@@ -431,6 +299,8 @@ void EtherTable::link(const SlotSpec& spec) {
       .last_reason = GATE_R_PASSED,
       .watch = 0};
   set_watch(slot, spec);
+  if (std::uint8_t* front = front_at(hash); front != nullptr)
+    publish(*front, static_cast<__u8>(*front | ether_front_bits(hash)));
   const std::uint64_t sieve = bucket >> ETHER_SIEVE_SHIFT << ETHER_SIEVE_SHIFT;
   const std::uint64_t first = before == 0 ? slot : static_cast<std::uint32_t>(bucket);
   publish(bucket, std::uint64_t{sieve | ether_sieve(hash) | first});
@@ -441,9 +311,15 @@ void EtherTable::link(const SlotSpec& spec) {
 std::uint64_t EtherTable::sieve_of(std::uint32_t first) const {
   std::uint64_t sieve = 0;
   for (std::uint32_t at = first; at != 0; at = memory_.slots[at].next)
-    sieve |= ether_sieve(
-        hash_of(memory_.slots[at].subject, static_cast<Direction>(memory_.slots[at].direction)));
+    sieve |= ether_sieve(hash_at(at));
   return sieve;
+}
+
+std::uint8_t EtherTable::front_of(std::uint32_t first) const {
+  std::uint8_t bits = 0;
+  for (std::uint32_t at = first; at != 0; at = memory_.slots[at].next)
+    bits |= ether_front_bits(hash_at(at));
+  return bits;
 }
 
 /// The slot keeps its `next`, so that a program which stands on it finds the rest of the chain.
@@ -451,7 +327,8 @@ void EtherTable::unlink(const SlotSpec& spec) {
   const auto found = find(spec);
   if (!found) return;
   const ether_slot& slot = memory_.slots[*found];
-  std::uint64_t& bucket = bucket_of(hash_of(spec.subject, spec.direction));
+  const std::uint64_t hash = hash_of(spec.subject, spec.direction);
+  std::uint64_t& bucket = bucket_of(hash);
   auto first = static_cast<std::uint32_t>(bucket);
   if (first == *found) {
     first = slot.next;
@@ -461,6 +338,7 @@ void EtherTable::unlink(const SlotSpec& spec) {
     publish(memory_.slots[before].next, slot.next);
   }
   publish(bucket, sieve_of(first) | first);
+  if (std::uint8_t* front = front_at(hash); front != nullptr) publish(*front, front_of(first));
   leave_contract(slot.contract);
   leave_watch(*found);
   slots_.quarantine.push_back(*found);

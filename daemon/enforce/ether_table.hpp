@@ -23,6 +23,12 @@ struct EtherSizes {
   std::uint32_t contracts = ETHER_MIN_SLOTS;
   std::uint32_t banks = 1;  ///< of counters
 
+  /// Entries of the map of fronts; a table that needs none has one that nobody looks at.
+  [[nodiscard]] std::uint32_t fronts() const {
+    return is_fronted() ? buckets / ETHER_FRONT_BUCKETS : 1;
+  }
+  [[nodiscard]] bool is_fronted() const { return slots > ETHER_FRONTED_SLOTS; }
+
   /// For so many subjects; at least ETHER_MIN_SLOTS, at most ETHER_MAX_SLOTS.
   static EtherSizes for_slots(std::size_t slots, std::uint32_t cpus);
   bool operator==(const EtherSizes&) const = default;
@@ -32,6 +38,7 @@ struct EtherSizes {
 struct EtherMemory {
   ether_table* table = nullptr;
   std::span<std::uint64_t> buckets;
+  std::span<ether_front> fronts;
   std::span<ether_slot> slots;
   std::span<ether_contract> contracts;
   std::span<gate_count> counts;
@@ -131,6 +138,10 @@ class EtherTable final : public Table {
   [[nodiscard]] std::uint64_t station_of(std::uint32_t at) const;
   [[nodiscard]] SlotSpec spec_of(std::uint32_t at) const;
   [[nodiscard]] std::uint64_t sieve_of(std::uint32_t first) const;
+  [[nodiscard]] std::uint8_t front_of(std::uint32_t first) const;
+  /// Of a bucket; nothing where there are none.
+  [[nodiscard]] std::uint8_t* front_at(std::uint64_t hash) const;
+  [[nodiscard]] std::uint64_t hash_at(std::uint32_t slot) const;
 
   EtherMemory memory_;
   EtherSizes sizes_;

@@ -70,6 +70,7 @@ Result<Programs::Object> Programs::try_load(const ProgramConfig& config, const S
   object->rodata->echo_by_mark = config.echo_by_mark;
   object->rodata->direct_access = direct_access;
   object->rodata->atomic_counts = is_preempt_rt();
+  object->rodata->ordered_stores = kOrderedStores;
   if (const int error = share_maps(*object, shared, maps); error != 0)
     return complaints.error("prepare the gate's maps", error);
   if (const int error = gate_bpf__load(object.get()); error != 0)

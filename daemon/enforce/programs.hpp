@@ -58,6 +58,13 @@ class Programs {
 /// Whether a program can be preempted by another one on its CPU.
 bool is_preempt_rt();
 
+/// This machine shows the stores of a CPU to others in its order (x86: total store order).
+#if defined(__x86_64__) || defined(__i386__)
+inline constexpr bool kOrderedStores = true;
+#else
+inline constexpr bool kOrderedStores = false;
+#endif
+
 /// Possible CPUs of this machine: entries of the counters map.
 std::uint32_t possible_cpus();
 

@@ -110,11 +110,13 @@ bool copy_map(const Fd& map, std::size_t count, std::vector<T>& to) {
 void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_t generation) {
   std::vector<ether_table> table;
   std::vector<std::uint64_t> buckets;
+  std::vector<ether_front> fronts;
   std::vector<ether_slot> slots;
   std::vector<ether_contract> contracts;
   std::vector<gate_watch> watches;
   if (!copy_map(pinned.maps[0], 1, table) ||
       !copy_map(pinned.maps[1], pinned.sizes.buckets, buckets) ||
+      !copy_map(pinned.maps[9], pinned.sizes.fronts(), fronts) ||
       !copy_map(pinned.maps[2], pinned.sizes.slots, slots) ||
       !copy_map(pinned.maps[3], pinned.sizes.contracts, contracts) ||
       !copy_map(pinned.maps[8], ETHER_WATCHES, watches)) {
@@ -123,6 +125,7 @@ void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_
   }
   const auto read = EtherTable::read({.table = table.data(),
                                       .buckets = buckets,
+                                      .fronts = fronts,
                                       .slots = slots,
                                       .contracts = contracts,
                                       .counts = {},

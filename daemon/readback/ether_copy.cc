@@ -57,6 +57,7 @@ Result<void> copy_table(const enforce::EtherPinned& from, const enforce::EtherPi
   if (from.sizes != to.sizes) return fail("its copy has another size");
   if (!copy_map<ether_table>(from, to, 0, 1) ||
       !copy_map<std::uint64_t>(from, to, 1, from.sizes.buckets) ||
+      !copy_map<ether_front>(from, to, 9, from.sizes.fronts()) ||
       !copy_map<ether_slot>(from, to, 2, from.sizes.slots) ||
       !copy_map<ether_contract>(from, to, 3, from.sizes.contracts))
     return failure("map the table", errno);

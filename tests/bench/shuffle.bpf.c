@@ -15,7 +15,7 @@
 
 #define SUBJECT_AT (ETH_HLEN + 20 + 8)
 
-const volatile __u32 known_mask = 0;
+const volatile __u32 known_count = 0;
 __u64 state = 1;
 
 struct {
@@ -41,8 +41,8 @@ int shuffle(struct __sk_buff* skb) {
 
   if ((void*)(subject + 1) > end) return TC_ACT_SHOT;
   state = state * 6364136223846793005ULL + 1442695040888963407ULL;
-  at = state >> 40 & known_mask;
-  one = known_mask ? bpf_map_lookup_elem(&known, &at) : 0;
+  at = (state >> 32) * known_count >> 32;
+  one = known_count ? bpf_map_lookup_elem(&known, &at) : 0;
   *subject = bpf_cpu_to_be64(one ? *one : state);
   skb->mark = 0;
   bpf_tail_call(skb, &measured, 0);

@@ -12,6 +12,8 @@
 #include <cstring>
 #include <map>
 
+#include "daemon/enforce/programs.hpp"
+
 namespace mlcca::test {
 namespace {
 
@@ -58,6 +60,7 @@ LoadedGate::LoadedGate(const GateOptions& options)
   knobs->direct_access = options.direct_access;
   knobs->echo_by_mark = options.echo_by_mark;
   knobs->atomic_counts = options.atomic_counts;
+  knobs->ordered_stores = enforce::kOrderedStores && !options.atomic_counts;
   knobs->test_run = true;
   const auto cpus = static_cast<std::size_t>(libbpf_num_possible_cpus());
   bpf_map__set_max_entries(object_->maps.cpus, static_cast<std::uint32_t>(cpus));

@@ -14,6 +14,8 @@
 #include <fstream>
 #include <map>
 
+#include "daemon/enforce/programs.hpp"
+
 namespace mlcca::test {
 namespace {
 
@@ -51,12 +53,15 @@ LoadedEther::LoadedEther(const EtherOptions& options)
   knobs->ifindex = kIfindex;
   knobs->direct_access = options.direct_access;
   knobs->atomic_counts = options.atomic_counts;
+  knobs->ordered_stores = enforce::kOrderedStores && !options.atomic_counts;
   knobs->test_run = true;
   knobs->bucket_mask = sizes_.buckets - 1;
   knobs->slots_of_bank = sizes_.slots;
   knobs->banks = sizes_.banks;
+  knobs->fronted = sizes_.is_fronted();
   const auto& maps = object_->maps;
   bpf_map__set_max_entries(maps.buckets, sizes_.buckets);
+  bpf_map__set_max_entries(maps.fronts, sizes_.fronts());
   bpf_map__set_max_entries(maps.slots, sizes_.slots);
   bpf_map__set_max_entries(maps.contracts, sizes_.contracts);
   bpf_map__set_max_entries(maps.counts, sizes_.banks * sizes_.slots);
@@ -67,6 +72,7 @@ LoadedEther::LoadedEther(const EtherOptions& options)
   bpf_map__set_max_entries(maps.watches, ETHER_WATCHES);
   require(ether_bpf__load(object_.get()) == 0, "load the gate");
   buckets_ = mapped<std::uint64_t>(maps.buckets);
+  fronts_ = mapped<ether_front>(maps.fronts);
   slots_ = mapped<ether_slot>(maps.slots);
   contracts_ = mapped<ether_contract>(maps.contracts);
   counts_ = mapped<gate_count>(maps.counts);
@@ -74,6 +80,7 @@ LoadedEther::LoadedEther(const EtherOptions& options)
   watches_ = mapped<gate_watch>(maps.watches);
   memory_ = {.table = &object_->bss->table,
              .buckets = buckets_.span(),
+             .fronts = fronts_.span(),
              .slots = slots_.span(),
              .contracts = contracts_.span(),
              .counts = counts_.span(),
@@ -94,6 +101,7 @@ LoadedEther& LoadedEther::with(const EtherOptions& options) {
 
 void LoadedEther::reset() {
   std::memset(memory_.buckets.data(), 0, memory_.buckets.size_bytes());
+  std::memset(memory_.fronts.data(), 0, memory_.fronts.size_bytes());
   std::memset(memory_.counts.data(), 0, memory_.counts.size_bytes());
   for (auto& cpu : cpus()) cpu = {};
   for (std::size_t own = 0; own < ETHER_FIRST_SLOT; ++own) memory_.slots[own] = {};

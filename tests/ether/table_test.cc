@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <memory>
 #include <random>
 
@@ -37,6 +38,7 @@ class EtherTableTest : public testing::Test {
   explicit EtherTableTest(const EtherSizes& sizes = EtherSizes::for_slots(0, 2))
       : sizes_(sizes),
         buckets_(sizes.buckets),
+        fronts_(sizes.fronts()),
         slots_(sizes.slots),
         contracts_(sizes.contracts),
         counts_(std::size_t{sizes.banks} * sizes.slots),
@@ -44,12 +46,13 @@ class EtherTableTest : public testing::Test {
         table_(open(true).value()) {}
 
   Result<EtherTable> open(bool fresh) {
-    return EtherTable::read({&head_, buckets_, slots_, contracts_, counts_, watches_, &generation_},
-                            sizes_, fresh, 42, [this]() -> Result<void> {
-                              ++waits_;
-                              if (!grace_) return fail("no grace");
-                              return {};
-                            });
+    return EtherTable::read(
+        {&head_, buckets_, fronts_, slots_, contracts_, counts_, watches_, &generation_}, sizes_,
+        fresh, 42, [this]() -> Result<void> {
+          ++waits_;
+          if (!grace_) return fail("no grace");
+          return {};
+        });
   }
   Result<void> add(const std::vector<SlotSpec>& specs) { return table_.apply(adding(specs)); }
   Result<void> remove(const std::vector<SlotSpec>& specs) { return table_.apply(removing(specs)); }
@@ -72,6 +75,7 @@ class EtherTableTest : public testing::Test {
   std::uint32_t generation_ = 0;
   ether_table head_{};
   std::vector<std::uint64_t> buckets_;
+  std::vector<ether_front> fronts_;
   std::vector<ether_slot> slots_;
   std::vector<ether_contract> contracts_;
   std::vector<gate_count> counts_;
@@ -141,9 +145,41 @@ TEST_F(EtherTableTest, AStationBehindAnybodyIsRefused) {
   SlotSpec own = slot(1);
   own.station = 7;
   ASSERT_TRUE(add({slot(1), own}));
-  slots_[table_.find(own).value()].station = 0;
-  slots_[table_.find(slot(1)).value()].station = 7;
+  std::swap(slots_[table_.find(own).value()].station, slots_[table_.find(slot(1)).value()].station);
   EXPECT_NE(open(false).error().text.find("stands behind others"), std::string::npos);
+}
+
+class LargeEtherTable : public EtherTableTest {
+ protected:
+  LargeEtherTable() : EtherTableTest(EtherSizes::for_slots(ETHER_FRONTED_SLOTS, 2)) {}
+  [[nodiscard]] std::size_t bits() const {
+    std::size_t out = 0;
+    for (const ether_front& front : fronts_)
+      for (const std::uint8_t octet : front.bits)
+        out += static_cast<std::size_t>(std::popcount(octet));
+    return out;
+  }
+};
+
+TEST_F(LargeEtherTable, KnowsInFrontOfItsBucketsWhatIsInThem) {
+  EXPECT_FALSE(EtherSizes::for_slots(ETHER_FRONTED_SLOTS - ETHER_FIRST_SLOT, 2).is_fronted());
+  EXPECT_EQ(fronts_.size() * ETHER_FRONT_BUCKETS, buckets_.size());
+  std::vector<SlotSpec> specs;
+  for (std::uint64_t subject = 0; subject < 1000; ++subject) specs.push_back(slot(subject));
+  ASSERT_TRUE(add(specs));
+  EXPECT_GT(bits(), 1000U);
+  EXPECT_LE(bits(), 2000U);
+  EXPECT_EQ(sorted(open(false).value().present()), specs);
+  ASSERT_TRUE(remove({specs.begin() + 1, specs.end()}));
+  EXPECT_LE(bits(), 2U);
+  ASSERT_TRUE(remove({specs.front()}));
+  EXPECT_EQ(bits(), 0U);
+}
+
+TEST_F(LargeEtherTable, WithoutTheBitsOfASubjectItIsRefused) {
+  ASSERT_TRUE(add({slot(1)}));
+  for (ether_front& front : fronts_) front = {};
+  EXPECT_NE(open(false).error().text.find("wrong bucket"), std::string::npos);
 }
 
 TEST_F(EtherTableTest, AnotherSizeOrLayoutIsRefused) {
