@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <iterator>
 #include <string_view>
 #include <utility>
@@ -26,52 +25,6 @@ namespace {
 /// How long a start waits for the sources of links: well below the grace in which the gates stay
 /// as they were.
 constexpr std::uint64_t kFirstReports = 2'500'000'000;
-
-// The journal's words for what is granted: "set=0 camera#0>control player#7>laptop": the attribute
-// set, then publisher, its admission and the place of each delivery.
-constexpr std::string_view kSet = "set=";
-
-std::string text_of(const core::Grants& grants) {
-  if (grants.deliveries.empty()) return {};
-  std::string text = std::string(kSet) + std::to_string(grants.set);
-  for (const core::Delivery& d : grants.deliveries)
-    text += fmt::format(" {}#{}>{}", d.publisher, d.admission, d.to);
-  return text;
-}
-
-template <class Number>
-std::optional<Number> number_in(std::string_view text) {
-  Number number = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (read.ec != std::errc{} || read.ptr != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
-/// Nothing for words that are not ours. Neither names of places nor numbers have a # or a >.
-std::optional<core::Grants> grants_of(std::string_view text) {
-  if (!text.starts_with(kSet)) return std::nullopt;
-  core::Grants grants;
-  bool first = true;
-  while (!text.empty()) {
-    const auto blank = std::min(text.find(' '), text.size());
-    const std::string_view word = text.substr(0, blank);
-    text.remove_prefix(std::min(blank + 1, text.size()));
-    if (std::exchange(first, false)) {
-      const auto set = number_in<std::size_t>(word.substr(kSet.size()));
-      if (!set) return std::nullopt;
-      grants.set = *set;
-      continue;
-    }
-    const auto to = word.rfind('>');
-    const auto id = to == std::string_view::npos ? to : word.rfind('#', to);
-    if (id == std::string_view::npos) return std::nullopt;
-    const auto admission = number_in<core::AdmissionId>(word.substr(id + 1, to - id - 1));
-    if (!admission) return std::nullopt;
-    grants.deliveries.push_back(
-        {std::string(word.substr(0, id)), *admission, std::string(word.substr(to + 1))});
-  }
-  return grants;
-}
 
 void put_graph(core::State& state, std::size_t network, const core::mesh::LinkTable& table) {
   std::vector<std::string> addresses;
@@ -287,47 +240,11 @@ Result<void> Gateway::settle(const core::FormerRules& left) {
   if (!done) done = enforce();
   set_bands();
   for (const core::Change& change : changes) {
-    note_granted(change.channel);
+    note(change.channel);
     forward(change.channel);
   }
   tell_changes(changes);
   return done;
-}
-
-Gateway::Granted Gateway::granted() const {
-  Granted all;
-  for (const auto& [subject, text] : stored().granted)
-    if (auto grants = grants_of(text)) all.emplace(subject, std::move(*grants));
-  return all;
-}
-
-void Gateway::note_granted(std::size_t channel) {
-  note_granted(core::format_subject(state_->system().channels[channel].subject),
-               text_of(state_->grants(channel)));
-}
-
-void Gateway::note_granted(const std::string& subject, const std::string& text) {
-  if (const auto done = store_->append(store::Granted{subject, text}); !done)
-    tell(Kind::trouble, 3, done.error().text);
-}
-
-/// For whoever reads back what is in force without this daemon.
-void Gateway::note_ports() {
-  auto gone = stored().gated;
-  std::vector<store::Gated> news;
-  for (const control::Interface& port : ports_.report()) {
-    if (!port.gated) continue;
-    const store::Gated now{port.identity, port.network, port.name, port.ifindex};
-    const auto known = gone.extract(port.identity);
-    if (known.empty() || known.mapped() != now) news.push_back(now);
-  }
-  for (auto& [identity, port] : gone) {
-    port.ifindex = 0;
-    news.push_back(std::move(port));
-  }
-  for (store::Gated& entry : news)
-    if (const auto done = store_->append(std::move(entry)); !done)
-      tell(Kind::trouble, 3, done.error().text);
 }
 
 /// Interfaces, links and gates for a description that has just become the one in force; what was
@@ -351,39 +268,6 @@ Result<void> Gateway::put_in_force(const Granted& granted_before) {
   return enforce();
 }
 
-// --- the journal ---------------------------------------------------------------------------------
-
-void Gateway::commit() {
-  if (!store_ || !store_->dirty()) return;
-  const Result<void> done = store_->commit();
-  if (!done) {
-    tell(Kind::trouble, 3, done.error().text);
-    take_back_uncommitted();
-  }
-  if (const auto& trouble = store_->trouble(); trouble && *trouble != told_trouble_)
-    tell(Kind::trouble, 4, *trouble);
-  told_trouble_ = store_->trouble().value_or("");
-  uncommitted_.clear();
-  if (committed_) committed_(done);
-  if (!done)
-    for (std::size_t c = 0; c < state_->decisions().size(); ++c) note_granted(c);
-}
-
-/// What could not be written down was never granted.
-void Gateway::take_back_uncommitted() {
-  for (const core::AdmissionId id : uncommitted_) {
-    tell({Kind::withdrawn,
-          4,
-          fmt::format("admission {} was never granted: it could not be written down", id),
-          0,
-          {},
-          {},
-          {},
-          {id}});
-  }
-  static_cast<void>(settle(forget(uncommitted_)));
-}
-
 void Gateway::open_unless_lost() {
   if (ports_.out_of_hand())
     control_.close_all();
@@ -396,6 +280,7 @@ Result<void> Gateway::enforce() {
   auto wanted = state_->gate_state(self_);
   std::ranges::copy(core::control_rules(state_->system(), self_), std::back_inserter(wanted));
   auto done = ports_.sync(wanted);
+  note_slots(std::move(wanted));
   forward_all();
   if (!done)
     tell(Kind::trouble, 3, "denied as a whole, because the kernel refused: " + done.error().text);

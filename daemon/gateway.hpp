@@ -144,8 +144,12 @@ class Gateway {
   Result<void> put_in_force(const Granted& granted_before);
   void commit();
   void take_back_uncommitted();
+  /// What a channel has been granted, and what the gates hold of it.
+  void note(std::size_t channel);
   void note_granted(std::size_t channel);
   void note_ports();
+  void note_slots(core::GateState of_all);
+  void write_down(const store::Entry& entry);
   void note_granted(const std::string& subject, const std::string& text);
   [[nodiscard]] const store::Contents& stored() const { return store_->contents(); }
 

@@ -178,7 +178,7 @@ Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& ask
   hold_answer_ = true;
   keys_.put(request.key, id);
   own(id, request);
-  note_granted(asked.channel);
+  note(asked.channel);
   forward(asked.channel);
   for (const core::Verdict& v : state_->decisions()[asked.channel].verdicts)
     if (concerns(v, id)) {

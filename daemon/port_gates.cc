@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which gate a port needs, and has: of CAN or of Ethernet.
+// Which gate a port needs, and has: of CAN or of Ethernet; and which slots that is to hold.
 #include <memory>
 #include <utility>
 
@@ -69,6 +69,14 @@ enforce::PortGate* Ports::gate_of(std::size_t port) {
 }
 enforce::Gate* Ports::can_gate_of(std::size_t port) const {
   return gate_of(port) == nullptr ? nullptr : gates_.at(ports_[port].ifindex).can;
+}
+
+std::vector<enforce::PlacedSlot> Ports::slots(std::span<const core::GateRule> rules) const {
+  std::vector<enforce::PlacedSlot> placed;
+  for (const core::GateRule& rule : rules)
+    if (const enforce::PortGate* gate = gate_of(rule.entry.port))
+      if (const auto slot = slot_of(rule)) placed.push_back({gate->ifindex(), *slot});
+  return placed;
 }
 
 }  // namespace mlcca

@@ -21,6 +21,7 @@
 #include "daemon/enforce/control.hpp"
 #include "daemon/enforce/ether_gate.hpp"
 #include "daemon/enforce/gate.hpp"
+#include "daemon/enforce/slot_record.hpp"
 #include "daemon/net/identity.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/report.hpp"
@@ -84,6 +85,9 @@ class Ports {
 
   /// Makes the changes. After an error gates hold part of them: sync() then.
   Result<void> apply(const core::GateChanges& changes);
+
+  /// What the gates hold of these rules, in their order.
+  [[nodiscard]] std::vector<enforce::PlacedSlot> slots(std::span<const core::GateRule> rules) const;
 
   /// What came and left by these rules. A frame that leaves has passed once: it is counted where it
   /// leaves, or, where that entry is one of those `shared` with others, where it came in.

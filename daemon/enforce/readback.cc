@@ -12,8 +12,10 @@
 #include <ctime>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <system_error>
 
+#include "core/text.hpp"
 #include "daemon/enforce/control.hpp"
 #include "daemon/enforce/early.hpp"
 #include "daemon/enforce/ether_programs.hpp"
@@ -80,6 +82,26 @@ void read_programs(GateReading& gate, const std::string& directory,
         fmt::format("TCX program {} runs before ours at {}", a.program, name(a.direction)));
 }
 
+/// Both halves say the same unless the daemon is just at it: what differs begins to count with the
+/// next change, whatever that is about.
+template <class Slot>
+void read_halves(GateReading& gate, std::span<const Slot> slots) {
+  for (std::size_t n = GATE_FIRST_SLOT; n < slots.size(); ++n)
+    if (slots[n].verdict[0] != slots[n].verdict[1])
+      gate.problems.push_back(
+          fmt::format("{} {:#018x}: the verdict of slot {} is another with the next generation",
+                      gate.interface, slots[n].subject, n));
+}
+
+template <class Table>
+void take_slots(GateReading& gate, const Result<Table>& table) {
+  gate.readable = table.has_value();
+  if (table)
+    gate.slots = table->present();
+  else
+    gate.problems.push_back(table.error().text);
+}
+
 void read_table(GateReading& gate, const Fd& map, std::uint32_t generation) {
   if (!is_mappable_array(map.get(), sizeof(gate_table), 1)) {
     gate.problems.emplace_back("the pinned table is not there or of another layout");
@@ -92,11 +114,9 @@ void read_table(GateReading& gate, const Fd& map, std::uint32_t generation) {
   }
   const auto copy = std::make_unique<gate_table>(table[0]);
   gate.profile = copy->profile;
-  const auto slots = SlotTable::read({*copy, {}, generation}, copy->profile, false, nullptr);
-  if (slots)
-    gate.slots = slots->present();
-  else
-    gate.problems.push_back(slots.error().text);
+  read_halves<gate_slot>(gate, copy->slots);
+  const auto slots = SlotTable::read_as_found({*copy, {}, generation}, copy->profile);
+  take_slots(gate, slots);
 }
 
 template <class T>
@@ -123,6 +143,7 @@ void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_
     gate.problems.push_back(failure("map the table", errno).error().text);
     return;
   }
+  read_halves<ether_slot>(gate, slots);
   const auto read = EtherTable::read({.table = table.data(),
                                       .buckets = buckets,
                                       .fronts = fronts,
@@ -132,10 +153,7 @@ void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_
                                       .watches = watches,
                                       .generation = &generation},
                                      pinned.sizes, false, 0, nullptr);
-  if (read)
-    gate.slots = read->present();
-  else
-    gate.problems.push_back(read.error().text);
+  take_slots(gate, read);
 }
 
 GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const Fd& control,

@@ -19,6 +19,7 @@ struct GateReading {
   bool ethernet = false;                      ///< else CAN
   std::uint32_t profile = GATE_PROFILE_NONE;  ///< CAN only
   std::vector<std::string> problems;          ///< what is not as the daemon leaves it
+  bool readable = false;                      ///< `slots` are those that it has
   std::vector<SlotSpec> slots;
 };
 

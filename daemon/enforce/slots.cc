@@ -74,6 +74,15 @@ SlotTable::SlotTable(const Memory& memory, std::uint32_t profile, GracePeriod wa
 
 Result<SlotTable> SlotTable::read(const Memory& memory, std::uint32_t profile, bool fresh,
                                   GracePeriod wait) {
+  return read(memory, profile, fresh, false, std::move(wait));
+}
+
+Result<SlotTable> SlotTable::read_as_found(const Memory& memory, std::uint32_t profile) {
+  return read(memory, profile, false, true, nullptr);
+}
+
+Result<SlotTable> SlotTable::read(const Memory& memory, std::uint32_t profile, bool fresh,
+                                  bool as_found, GracePeriod wait) {
   gate_table& table = memory.table;
   if (fresh) {
     table.layout_version = GATE_LAYOUT_VERSION;
@@ -86,12 +95,13 @@ Result<SlotTable> SlotTable::read(const Memory& memory, std::uint32_t profile, b
     return fail(
         fmt::format("slot table: filled for profile {} instead of {}", table.profile, profile));
   SlotTable slots(memory, profile, std::move(wait));
-  if (auto adopted = slots.adopt(fresh); !adopted) return std::unexpected(adopted.error());
+  if (auto adopted = slots.adopt(fresh, as_found); !adopted)
+    return std::unexpected(adopted.error());
   return slots;
 }
 
 /// Finds the used slots by the chains, the only truth there is, and the free ones by exclusion.
-Result<void> SlotTable::adopt(bool fresh) {
+Result<void> SlotTable::adopt(bool fresh, bool as_found) {
   std::vector<bool> seen(GATE_SLOTS, false);
   Result<void> sound;
   for_each_chain([&](Direction direction, std::uint32_t bucket, std::uint16_t first) {
@@ -101,7 +111,8 @@ Result<void> SlotTable::adopt(bool fresh) {
         return;
       }
       const SlotSpec spec = spec_of(at, direction);
-      if ((is_masked(spec) ? GATE_NO_BUCKET : gate_bucket(profile_, spec.id)) != bucket)
+      if (!as_found &&
+          (is_masked(spec) ? GATE_NO_BUCKET : gate_bucket(profile_, spec.id)) != bucket)
         sound = fail(fmt::format("slot table: slot {} is in the wrong bucket", at));
       seen[at] = true;
       ++used_;

@@ -28,6 +28,8 @@ class SlotTable final : public Table {
   /// are reused only after a grace period. Errors: another layout or profile, broken chains.
   static Result<SlotTable> read(const Memory& memory, std::uint32_t profile, bool fresh,
                                 GracePeriod wait);
+  /// To be looked at only: slots may stand where their identifiers do not lead to.
+  static Result<SlotTable> read_as_found(const Memory& memory, std::uint32_t profile);
 
   // Errors of apply(): a slot that the profile has no key for, is there twice or is not there;
   // more than GATE_SLOTS - 2 slots, GATE_CHAIN of one key, GATE_WALK of one bucket, GATE_WALK
@@ -44,7 +46,9 @@ class SlotTable final : public Table {
  private:
   SlotTable(const Memory& memory, std::uint32_t profile, GracePeriod wait);
 
-  Result<void> adopt(bool fresh);
+  static Result<SlotTable> read(const Memory& memory, std::uint32_t profile, bool fresh,
+                                bool as_found, GracePeriod wait);
+  Result<void> adopt(bool fresh, bool as_found);
   [[nodiscard]] Result<void> check(const SlotChanges& changes) const override;
   [[nodiscard]] Result<void> check_room(const SlotChanges& changes) const;
   [[nodiscard]] bool fits_at_once(const SlotChanges& changes) const override;

@@ -6,22 +6,23 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "bpf/gate.h"
 #include "control/version.hpp"
-#include "core/text.hpp"
 #include "daemon/enforce/readback.hpp"
 #include "daemon/net/filters.hpp"
 #include "daemon/net/links.hpp"
+#include "daemon/readback/differences.hpp"
 #include "daemon/readback/replica.hpp"
 #include "daemon/store/journal.hpp"
 
@@ -35,9 +36,10 @@ constexpr const char* kFooter =
     "Exit status: 0 everything is as it should be, 1 something differs, 2 usage, 3 it cannot be "
     "read.";
 
-/// Subject of the slots for what a profile needs beside events: described, and never in the
-/// journal.
-constexpr std::uint64_t kControlTraffic = 0;
+/// A daemon changes its gates first and then the journal: what is wrong between the two is right a
+/// little later.
+constexpr int kLooks = 4;
+constexpr std::chrono::milliseconds kBetween{100};
 
 /// A copy of the journal is opened, because the daemon holds the journal itself.
 Result<store::Contents> read_journal(const std::string& state_directory) {
@@ -79,31 +81,10 @@ std::vector<std::string> compare_ports(const enforce::Reading& reading,
       problems.push_back(
           fmt::format("{} (interface {}) passes subjects, and the journal knows no port there",
                       gate.interface, gate.ifindex));
-  for (const auto& [subject, grants] : journal.granted) {
-    bool known = false;
-    bool passes = false;
-    for (const auto& gate : reading.gates)
-      for (const enforce::SlotSpec& slot : gate.slots)
-        if (core::format_subject(slot.subject) == subject) {
-          known = true;
-          passes = passes || slot.pass;
-        }
-    if (known && !passes)
-      problems.push_back("the journal has granted subject " + subject +
-                         ", and no gate lets it pass");
-  }
   return problems;
 }
 
-/// Problems that need more than the pins to be seen.
-void compare(enforce::GateReading& gate, const store::Contents& journal) {
-  std::set<std::string> stale;
-  for (const enforce::SlotSpec& slot : gate.slots)
-    if (const auto subject = core::format_subject(slot.subject);
-        slot.pass && slot.subject != kControlTraffic && !journal.granted.contains(subject))
-      stale.insert(subject);
-  for (const auto& subject : stale)
-    gate.problems.push_back("passes subject " + subject + ", which the journal has not granted");
+void find_filters_before(enforce::GateReading& gate) {
   if (gate.interface.empty() || gate.hook != enforce::Hook::clsact) return;
   for (const bool ingress : {true, false}) {
     const auto before = net::filters_before(static_cast<int>(gate.ifindex), ingress,
@@ -216,26 +197,68 @@ Trials try_gates(enforce::Reading& reading, const std::string& root) {
   return trials;
 }
 
-int verify(const std::string& root, const std::string& state, bool as_json, bool probes) {
+struct Look {
+  enforce::Reading reading;
+  Rest rest;
+
+  [[nodiscard]] bool good() const {
+    return rest.problems.empty() && std::ranges::all_of(reading.gates, [](const auto& gate) {
+             return gate.problems.empty();
+           });
+  }
+  /// Only what was wrong in a former look, too.
+  void keep_what_was_wrong_in(const Look& former) {
+    const auto keep = [](std::vector<std::string>& now, const std::vector<std::string>& before) {
+      std::erase_if(now,
+                    [&](const auto& p) { return std::ranges::find(before, p) == before.end(); });
+    };
+    keep(rest.problems, former.rest.problems);
+    for (auto& gate : reading.gates) {
+      const auto same =
+          std::ranges::find(former.reading.gates, gate.ifindex, &enforce::GateReading::ifindex);
+      keep(gate.problems,
+           same == former.reading.gates.end() ? std::vector<std::string>{} : same->problems);
+    }
+  }
+};
+
+Result<Look> look(const std::string& root, const std::string& state) {
   auto reading = enforce::read_back(root);
+  if (!reading) return std::unexpected(reading.error());
   const auto journal = read_journal(state);
-  if (!reading || !journal) {
-    const std::string& why = !reading ? reading.error().text : journal.error().text;
+  if (!journal) return std::unexpected(journal.error());
+  for (auto& gate : reading->gates) find_filters_before(gate);
+  readback::compare_slots(*reading, *journal);
+  Rest rest{without_gate(*reading), compare_ports(*reading, *journal)};
+  return Look{std::move(*reading), std::move(rest)};
+}
+
+Result<Look> look_until_good(const std::string& root, const std::string& state) {
+  auto last = look(root, state);
+  for (int i = 1; i < kLooks && last && !last->good(); ++i) {
+    std::this_thread::sleep_for(kBetween);
+    auto next = look(root, state);
+    if (next) next->keep_what_was_wrong_in(*last);
+    last = std::move(next);
+  }
+  return last;
+}
+
+int verify(const std::string& root, const std::string& state, bool as_json, bool probes) {
+  auto found = look_until_good(root, state);
+  if (!found) {
+    const std::string& why = found.error().text;
     if (as_json)
       fmt::print("{}\n", nlohmann::ordered_json{{"error", {{"message", why}}}}.dump());
     else
       fmt::print(stderr, "mlccactl: {}\n", why);
     return kWorld;
   }
-  for (auto& gate : reading->gates) compare(gate, *journal);
-  const Rest rest{without_gate(*reading), compare_ports(*reading, *journal)};
   // The last of all: there is no way back from its namespaces.
-  const Trials trials = probes ? try_gates(*reading, root) : Trials(fail("--no-probes"));
-  fmt::print("{}", as_json ? json(*reading, rest, trials) : text(*reading, rest, trials));
-  const bool good =
-      rest.problems.empty() &&
-      std::ranges::all_of(reading->gates, [](const auto& gate) { return gate.problems.empty(); });
-  return good ? kAsItShouldBe : kDiffers;
+  const Trials trials = probes ? try_gates(found->reading, root) : Trials(fail("--no-probes"));
+  fmt::print("{}", as_json ? json(found->reading, found->rest, trials)
+                           : text(found->reading, found->rest, trials));
+  return found->good() ? kAsItShouldBe : kDiffers;
 }
 
 }  // namespace

@@ -2,9 +2,24 @@
 #include "daemon/store/contents.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace mlcca::store {
 namespace {
+
+/// Of a subject; an empty text is none.
+template <class Subject>
+void put(std::map<Subject, std::string>& to, const Subject& subject, const std::string& text) {
+  if (text.empty())
+    to.erase(subject);
+  else
+    to.insert_or_assign(subject, text);
+}
+template <class Subject>
+std::string get(const std::map<Subject, std::string>& from, const Subject& subject) {
+  const auto known = from.find(subject);
+  return known == from.end() ? std::string() : known->second;
+}
 
 bool holds(const std::vector<std::string>& sorted, const std::string& text) {
   return std::ranges::binary_search(sorted, text);
@@ -27,12 +42,8 @@ struct Apply {
     const auto [first, last] = std::ranges::equal_range(to.released, entry.subject);
     to.released.erase(first, last);
   }
-  void operator()(const Granted& entry) const {
-    if (entry.state.empty())
-      to.granted.erase(entry.subject);
-    else
-      to.granted.insert_or_assign(entry.subject, entry.state);
-  }
+  void operator()(const Granted& entry) const { put(to.granted, entry.subject, entry.state); }
+  void operator()(const Enforced& entry) const { put(to.enforced, entry.subject, entry.slots); }
   void operator()(const Gated& entry) const {
     if (entry.ifindex == 0)
       to.gated.erase(entry.identity);
@@ -65,10 +76,14 @@ struct Inverse {
     return Released{entry.subject};
   }
   Answer operator()(const Granted& entry) const {
-    const auto old = of.granted.find(entry.subject);
-    const std::string before = old == of.granted.end() ? std::string() : old->second;
+    std::string before = get(of.granted, entry.subject);
     if (before == entry.state) return std::nullopt;
-    return Granted{entry.subject, before};
+    return Granted{entry.subject, std::move(before)};
+  }
+  Answer operator()(const Enforced& entry) const {
+    std::string before = get(of.enforced, entry.subject);
+    if (before == entry.slots) return std::nullopt;
+    return Enforced{entry.subject, std::move(before)};
   }
   Answer operator()(const Gated& entry) const {
     const auto old = of.gated.find(entry.identity);

@@ -52,7 +52,14 @@ struct Gated {
   bool operator==(const Gated&) const = default;
 };
 
-using Entry = std::variant<Admitted, Removed, Released, Reinstated, Granted, Gated>;
+/// What the gates were told to hold of a channel; the latest one of a subject counts.
+struct Enforced {
+  std::uint64_t subject = 0;
+  std::string slots;  ///< the writer's own octets; empty: nothing
+  bool operator==(const Enforced&) const = default;
+};
+
+using Entry = std::variant<Admitted, Removed, Released, Reinstated, Granted, Gated, Enforced>;
 
 /// Admit requests that were granted: a range of control::Request, oldest first (by id).
 class Admissions {
@@ -93,6 +100,8 @@ struct Contents {
   std::map<std::string, std::string> granted;
   /// By identity; never of ifindex 0.
   std::map<std::string, Gated> gated;
+  /// By subject; never empty octets.
+  std::map<std::uint64_t, std::string> enforced;
   /// The next admission gets this id; ids are never used twice.
   std::uint64_t next_id = 1;
   bool operator==(const Contents&) const = default;

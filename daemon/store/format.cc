@@ -21,6 +21,7 @@ enum class Kind : std::uint8_t {
   granted = 5,
   next_id = 6,
   gated = 7,
+  enforced = 8,
 };
 
 template <class Integer>
@@ -95,6 +96,9 @@ struct Encode {
     put_text(body, entry.interface);
     return with_head(Kind::gated, body + entry.identity);
   }
+  std::string operator()(const Enforced& entry) const {
+    return with_head(Kind::enforced, octets(entry.subject) + entry.slots);
+  }
 };
 
 std::optional<Entry> decode_admitted(std::string_view body) {
@@ -110,6 +114,12 @@ std::optional<Entry> decode_granted(std::string_view body) {
   auto subject = take_text(body);
   if (!subject) return std::nullopt;
   return Granted{std::move(*subject), std::string(body)};
+}
+
+std::optional<Entry> decode_enforced(std::string_view body) {
+  if (body.size() < sizeof(std::uint64_t)) return std::nullopt;
+  const auto subject = take<std::uint64_t>(body);
+  return Enforced{subject, std::string(body)};
 }
 
 std::optional<Entry> decode_gated(std::string_view body) {
@@ -140,6 +150,8 @@ std::optional<Entry> decode(std::uint8_t kind, std::string_view body) {
       return decode_granted(body);
     case Kind::gated:
       return decode_gated(body);
+    case Kind::enforced:
+      return decode_enforced(body);
     case Kind::next_id:
       break;  // no entry: the reader keeps it
   }
@@ -169,9 +181,12 @@ std::string encode(const Entry& entry) { return std::visit(Encode{}, entry); }
 std::uint64_t live_bytes(const Entry& entry) {
   const auto* granted = std::get_if<Granted>(&entry);
   const auto* gated = std::get_if<Gated>(&entry);
-  const bool adds =
-      std::holds_alternative<Admitted>(entry) || std::holds_alternative<Released>(entry) ||
-      (granted != nullptr && !granted->state.empty()) || (gated != nullptr && gated->ifindex != 0);
+  const auto* enforced = std::get_if<Enforced>(&entry);
+  const bool adds = std::holds_alternative<Admitted>(entry) ||
+                    std::holds_alternative<Released>(entry) ||
+                    (granted != nullptr && !granted->state.empty()) ||
+                    (gated != nullptr && gated->ifindex != 0) ||
+                    (enforced != nullptr && !enforced->slots.empty());
   return adds ? encode(entry).size() : 0;
 }
 
@@ -198,6 +213,7 @@ std::string snapshot(std::uint64_t salt, const Contents& contents) {
   for (const std::string& subject : contents.released) add(Released{subject});
   for (const auto& [subject, state] : contents.granted) add(Granted{subject, state});
   for (const auto& [identity, gated] : contents.gated) add(gated);
+  for (const auto& [subject, slots] : contents.enforced) add(Enforced{subject, slots});
   return batch(salt, 0, count, std::move(entries));
 }
 

@@ -90,6 +90,50 @@ TEST_P(Attach, ReadBackOfADamagedTableIsAProblemAndNoCrash) {
             std::string::npos);
 }
 
+/// The pinned table of a gate, as anybody with the right to it can write there.
+class Pinned {
+ public:
+  explicit Pinned(const std::string& pins) : map_(bpf_obj_get((pins + "/table").c_str())) {}
+  gate_slot& slot_of(std::uint64_t subject) {
+    return *std::ranges::find(memory_[0].slots, subject, &gate_slot::subject);
+  }
+
+ private:
+  Fd map_;
+  Mapped<gate_table> memory_{map_.get(), 1};
+};
+
+TEST_P(Attach, ReadBackNamesAVerdictThatBeginsWithTheNextChange) {
+  const Bus bus("bus0");
+  auto refused = in(0x123);
+  refused.pass = false;
+  auto gate = attach(bus);
+  admit(gate, {refused});
+  Pinned pinned(pins(bus));
+  gate_slot& slot = pinned.slot_of(refused.subject);
+  slot.verdict[(read_back(root_).value().generation + 1) & 1] = GATE_PASS;
+  const auto reading = read_back(root_).value().gates.at(0);
+  EXPECT_EQ(reading.slots, std::vector{refused});
+  EXPECT_NE(all_problems(reading).find("is another with the next generation"), std::string::npos)
+      << all_problems(reading);
+}
+
+TEST_P(Attach, ReadBackGivesSlotsAsTheyAreAndNotAsTheyWereMade) {
+  const Bus bus("bus0");
+  auto gate = attach(bus);
+  admit(gate, {in(0x123)});
+  Pinned pinned(pins(bus));
+  gate_slot& slot = pinned.slot_of(in(0x123).subject);
+  slot.id = 0x124;  // its bucket is another
+  slot.per_frame = 9;
+  auto altered = in(0x124);
+  altered.subject = 0x123;
+  altered.per_frame = 9;
+  const auto reading = read_back(root_).value().gates.at(0);
+  EXPECT_TRUE(reading.readable);
+  EXPECT_EQ(reading.slots, std::vector{altered});
+}
+
 TEST_P(Tcx, ReadBackNamesAProgramBeforeOurs) {
   const Bus bus("bus0");
   const auto gate = attach(bus);

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-2-Clause
-$(eval $(call unit_test,readback_test,$(wildcard tests/readback/*_test.cc) daemon/readback/probes.cc daemon/readback/ether_probes.cc,$O/libcore.a,-lfmt))
+$(eval $(call unit_test,readback_test,$(wildcard tests/readback/*_test.cc) $(addprefix daemon/readback/,differences.cc probes.cc ether_probes.cc),$O/libenforce.a $O/libcore.a,-lbpf -lfmt))

@@ -68,6 +68,19 @@ TEST(Contents, KeepWhichInterfaceAPortHas) {
   EXPECT_FALSE(contents.inverse(Gated{"name can0", "", "", 0}));
 }
 
+TEST(Contents, KeepTheLatestSlotsOfASubject) {
+  Contents contents;
+  const std::string octets("\0\1", 2);
+  EXPECT_FALSE(contents.inverse(Enforced{0, {}}));
+  EXPECT_EQ(contents.inverse(Enforced{0, octets}), Entry(Enforced{0, {}}));
+  contents.apply(Enforced{0, octets});
+  EXPECT_FALSE(contents.inverse(Enforced{0, octets}));
+  EXPECT_EQ(contents.inverse(Enforced{0, "other"}), Entry(Enforced{0, octets}));
+  EXPECT_EQ(contents.enforced, (std::map<std::uint64_t, std::string>{{0, octets}}));
+  contents.apply(Enforced{0, {}});
+  EXPECT_TRUE(contents.enforced.empty());
+}
+
 TEST(Contents, KeepTheLatestGrantOfASubject) {
   Contents contents;
   contents.apply(Granted{"0x1", "set=1"});

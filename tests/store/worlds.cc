@@ -45,12 +45,13 @@ class Model {
 
   Entry step() {
     for (;;) {
-      const std::uint32_t choice = pick(11);
+      const std::uint32_t choice = pick(12);
       if (choice < 4) return admit();
       if (choice < 6 && !living_.empty()) return remove();
       if (choice == 6) return release();
       if (choice == 7 && !released_.empty()) return reinstate();
       if (choice == 10) return gate();
+      if (choice == 11) return enforce();
       if (choice > 7) return grant();
     }
   }
@@ -62,6 +63,7 @@ class Model {
     std::ranges::sort(out.released);
     for (const Granted& g : granted_) out.granted[g.subject] = g.state;
     for (const Gated& g : gated_) out.gated[g.identity] = g;
+    for (const Enforced& e : enforced_) out.enforced[e.subject] = e.slots;
     out.next_id = next_;
     return out;
   }
@@ -116,12 +118,23 @@ class Model {
     return gated_.back();
   }
 
+  Entry enforce() {
+    if (!enforced_.empty() && pick(3) == 0) {
+      const Enforced entry{enforced_.back().subject, {}};
+      enforced_.pop_back();
+      return entry;
+    }
+    enforced_.push_back({~std::uint64_t{++subjects_}, std::string(1, '\0') + text()});
+    return enforced_.back();
+  }
+
   std::mt19937 random_;
   std::size_t largest_;
   std::vector<Admitted> living_;
   std::vector<std::string> released_;
   std::vector<Granted> granted_;
   std::vector<Gated> gated_;
+  std::vector<Enforced> enforced_;
   std::uint64_t next_ = 1;
   std::uint64_t subjects_ = 0;
 };
