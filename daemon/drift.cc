@@ -65,10 +65,11 @@ std::vector<int> Drift::repair(const Gates& gates, const net::LinkTable& links) 
     if (!links.contains(ifindex)) continue;
     Seen& seen = seen_[ifindex];
     gated_.insert(ifindex);
+    keep_pinned(*gate, seen);
     const auto there = gate->attached();
     keep_early(ifindex, *gate, seen);
     if (there && *there) {
-      keep_first(ifindex, *gate, seen);
+      if (seen.unpinned.empty()) keep_first(ifindex, *gate, seen);
       continue;
     }
     if (const auto repaired = gate->reattach(); repaired) {
@@ -85,6 +86,29 @@ std::vector<int> Drift::repair(const Gates& gates, const net::LinkTable& links) 
     }
   }
   return lost;
+}
+
+/// Before anything else is put back: that is pinned, too.
+void Drift::keep_pinned(const enforce::PortGate& gate, Seen& seen) {
+  const auto again = gate.keep_pinned();
+  const std::string why =
+      again ? ""
+            : fmt::format(
+                  "the gate of {} is not pinned, and a daemon that starts would begin with "
+                  "a closed one: {}",
+                  gate.name(), again.error().text);
+  const std::string told = std::exchange(seen.unpinned, why);
+  if (!again) {
+    if (told != why) tell_(Kind::drift, why, true);
+    return;
+  }
+  if (again->empty()) return;
+  ++seen.repaired;
+  tell_(Kind::drift,
+        fmt::format("somebody unpinned {} of the gate of {}: pinned again, and nothing else has "
+                    "changed",
+                    fmt::join(*again, ", "), gate.name()),
+        true);
 }
 
 /// What is gone from the driver lets nothing pass: both filters judge all of it.
@@ -183,9 +207,8 @@ void Drift::report(int ifindex, const enforce::PortGate& gate, control::Interfac
   to.hook = enforce::to_text(gate.hook());
   const auto it = seen_.find(ifindex);
   if (it == seen_.end()) return;
-  to.drift = it->second.standing;
-  if (!to.drift.empty() && !it->second.early.empty()) to.drift += "; ";
-  to.drift += it->second.early;
+  for (const std::string& part : {it->second.standing, it->second.unpinned, it->second.early})
+    if (!part.empty()) to.drift += (to.drift.empty() ? "" : "; ") + part;
   to.repaired = it->second.repaired;
   to.bypassed = it->second.past;
 }

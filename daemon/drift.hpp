@@ -26,7 +26,7 @@ class Drift {
 
   explicit Drift(Tell tell) : tell_(std::move(tell)) {}
 
-  /// Puts gates back, and first. Gives those that cannot be put back.
+  /// Puts gates back, and first, and pins them again. Gives those that cannot be put back.
   std::vector<int> repair(const Gates& gates, const net::LinkTable& links);
   /// An interface was taken to another namespace, where our gate is not; of those that had one.
   void tell_moved(const net::Links::Moved& link);
@@ -39,6 +39,7 @@ class Drift {
  private:
   struct Seen {
     std::string standing;   ///< what cannot be repaired; empty: nothing
+    std::string unpinned;   ///< why it cannot be pinned again; empty: it is pinned
     std::string early;      ///< XDP programs of others, which run before the gate; empty: none
     std::string unmovable;  ///< what runs before the gate and could not be put behind it
     std::uint64_t repaired = 0;
@@ -46,6 +47,7 @@ class Drift {
     Bypass bypass;
     bool audit = false;
   };
+  void keep_pinned(const enforce::PortGate& gate, Seen& seen);
   void keep_first(int ifindex, enforce::PortGate& gate, Seen& seen);
   void keep_early(int ifindex, enforce::PortGate& gate, Seen& seen);
 

@@ -275,21 +275,9 @@ void Ports::tell_can_state(PortState& port, const net::Link& link) {
         warns);
 }
 
-void Ports::keep_timers() {
-  for (const auto& [ifindex, held] : gates_) {
-    const auto again = held.gate->keep_timers();
-    if (!again)
-      tell_({}, held.gate->name() + ": " + again.error().text, true);
-    else if (*again)
-      tell_({}, "somebody unpinned the timers of " + held.gate->name() + ": they are pinned again",
-            true);
-  }
-}
-
 bool Ports::repair() {
   for (const auto& link : links_.take_moved()) drift_.tell_moved(link);
   for (const int lost : drift_.repair(all_gates(), links_.table())) gates_.erase(lost);
-  keep_timers();
   for (PortState& port : ports_)
     if (port.ifindex != 0 && port.problem.empty() && link_of(port) != nullptr) queue(port);
   return std::ranges::any_of(ports_, [this](const PortState& p) {

@@ -121,7 +121,6 @@ class Ports {
   [[nodiscard]] std::string interface_name(std::size_t port) const;
 
  private:
-  void keep_timers();
   struct PortState {
     core::Port port;
     std::string network_name;

@@ -11,20 +11,28 @@
 #include "daemon/enforce/tcx.hpp"
 
 namespace mlcca::enforce {
-namespace {
 
 std::string link_pin(const Place& place, Direction direction) {
   return place.directory + (direction == Direction::ingress ? "/ingress_link" : "/egress_link");
 }
+
+namespace {
+
 std::string next_link_pin(const Place& place, Direction direction) {
   return link_pin(place, direction) + "_next";
 }
 
-bool holds(const Fd& link, const Place& place, Direction direction) {
-  const std::uint32_t program = tcx_program(link.get(), place.ifindex);
+/// The program that a link holds on this very interface, 0: none.
+std::uint32_t held_program(int link, const Place& place, Direction direction) {
+  const std::uint32_t program = tcx_program(link, place.ifindex);
   const auto order = tcx_order(place.ifindex, direction);
-  return program != 0 && order && *order &&
-         std::ranges::find((*order)->programs, program) != (*order)->programs.end();
+  const bool in_order = program != 0 && order && *order &&
+                        std::ranges::find((*order)->programs, program) != (*order)->programs.end();
+  return in_order ? program : 0;
+}
+
+bool holds(const Fd& link, const Place& place, Direction direction) {
+  return held_program(link.get(), place, direction) != 0;
 }
 
 /// The link that holds a program of ours on this very interface: of one that was moved to another
@@ -122,6 +130,19 @@ Result<bool> are_in_place(const Place& place, const GatePrograms& programs) {
   if (!there) return std::unexpected(there.error());
   return std::ranges::all_of(kBothDirections, [&](Direction d) {
     return there->of(d) == program_info(programs.of(d)).id;
+  });
+}
+
+GateLinks links_in_place(const Place& place) {
+  if (place.hook != Hook::tcx) return {};
+  return {.ingress = live_link(place, Direction::ingress),
+          .egress = live_link(place, Direction::egress)};
+}
+
+bool hold(const GateLinks& links, const Place& place, const GatePrograms& programs) {
+  return std::ranges::all_of(kBothDirections, [&](Direction d) {
+    return links.of(d) >= 0 &&
+           held_program(links.of(d), place, d) == program_info(programs.of(d)).id;
   });
 }
 

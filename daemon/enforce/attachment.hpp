@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/handle.hpp"
 #include "core/result.hpp"
 #include "daemon/enforce/slots.hpp"
 
@@ -58,6 +59,20 @@ struct GatePrograms {
 /// Both are in their places, each in its own. They are not where an `ingress` qdisc instead of
 /// clsact takes the egress filter for an ingress one.
 Result<bool> are_in_place(const Place& place, const GatePrograms& programs);
+/// Of TCX; in clsact there are none. Whoever has them open keeps the programs in place, even if
+/// their pins are gone.
+struct GateLinks {
+  Fd ingress;
+  Fd egress;
+  [[nodiscard]] int of(Direction direction) const {
+    return (direction == Direction::ingress ? ingress : egress).get();
+  }
+};
+GateLinks links_in_place(const Place& place);
+/// These very links hold both programs there.
+bool hold(const GateLinks& links, const Place& place, const GatePrograms& programs);
+std::string link_pin(const Place& place, Direction direction);
+
 /// Puts both in place, and then withdraws what we have in the other hook.
 Result<void> put_gate_in_place(const Place& place, const GatePrograms& programs);
 

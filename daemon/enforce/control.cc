@@ -168,24 +168,13 @@ Result<void> Control::set_grace(std::uint64_t grace) {
 }
 
 Result<bool> Control::keep_pinned() {
-  bool again = false;
-  if (!state_->deadman) return again;  // not armed yet
-  const auto keep = [&again](const Fd& map, const std::string& path) -> Result<void> {
-    const Fd there = open_pin(path);
-    if (there && map_id(there.get()) == map_id(map.get())) return {};
-    again = true;
-    remove_pin(path);
-    const auto pinned = pin(map.get(), path);
-    if (!pinned) return std::unexpected(pinned.error());
-    return {};
-  };
-  if (auto made = make_pin_directory(state_->directory); !made)
-    return std::unexpected(made.error());
-  for (const auto& [map, path] : {std::pair{&state_->map, state_->control_pin()},
-                                  std::pair{&state_->deadman, state_->deadman_pin()},
-                                  std::pair{&state_->events, state_->directory + "/events"}})
-    if (auto done = keep(*map, path); !done) return std::unexpected(done.error());
-  return again;
+  if (!state_->deadman) return false;  // not armed yet
+  const auto again =
+      enforce::keep_pinned(std::array{Pin{state_->map.get(), state_->control_pin()},
+                                      Pin{state_->deadman.get(), state_->deadman_pin()},
+                                      Pin{state_->events.get(), state_->directory + "/events"}});
+  if (!again) return std::unexpected(again.error());
+  return !again->empty();
 }
 
 Result<void> Control::arm() {

@@ -294,8 +294,15 @@ std::vector<SlotSpec> EtherGate::present() const { return state_->table.present(
 std::size_t EtherGate::size() const { return state_->table.size(); }
 std::size_t EtherGate::room() const { return state_->sizes.slots - ETHER_FIRST_SLOT; }
 void EtherGate::deny_all() { state_->table.deny_all(); }
-Result<bool> EtherGate::keep_timers() const {
-  return state_->watchmen ? state_->watchmen->keep_pinned() : Result<bool>(false);
+Result<std::vector<std::string>> EtherGate::keep_pinned() const {
+  const std::string& directory = state_->place.directory;
+  std::vector<Pin> pins{{state_->programs.early_fd(), early_pin(directory)},
+                        state_->watchmen->pin()};
+  for (std::size_t n = 0; n < kEtherMaps.size(); ++n)
+    pins.push_back({state_->programs.map_fd(n), ether_map_pin(directory, n)});
+  for (const auto direction : kBothDirections)
+    pins.push_back({state_->programs.program_fd(direction), program_pin(directory, direction)});
+  return enforce::keep_pinned(pins);
 }
 void EtherGate::unpin() {
   retire_ether_gate(state_->place.directory);

@@ -50,7 +50,7 @@ class EtherGate final : public PortGate {
   [[nodiscard]] std::size_t size() const override;
   [[nodiscard]] std::size_t room() const override;
   void deny_all() override;
-  [[nodiscard]] Result<bool> keep_timers() const override;
+  [[nodiscard]] Result<std::vector<std::string>> keep_pinned() const override;
   [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const override;
   [[nodiscard]] std::optional<std::uint32_t> watched_as(const SlotSpec& spec) const override;
   [[nodiscard]] Arrivals arrivals(std::uint32_t slot, std::uint64_t now) const override;

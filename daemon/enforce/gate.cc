@@ -79,6 +79,7 @@ struct Gate::State {
   Mapped<gate_cpu> cpus;
   SlotTable slots;
   bool reused = false;
+  GateLinks links{};                 ///< from when it is in place on
   std::optional<Watchmen> watchmen;  ///< from when it is pinned on
 
   [[nodiscard]] GatePrograms both() const {
@@ -113,6 +114,7 @@ Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
                                        .cpus = std::move(cpus),
                                        .slots = std::move(*slots),
                                        .reused = !fresh,
+                                       .links = {},
                                        .watchmen = std::nullopt});
 }
 
@@ -177,6 +179,7 @@ Result<Gate> Gate::attach(const GateConfig& config, const Control& control) {
   if (auto watched = (*state)->watch(control); !watched) return in_context(watched.error());
   if (auto put = put_gate_in_place(place, (*state)->both()); !put) return in_context(put.error());
   if (auto named = (*state)->name_all(); !named) return in_context(named.error());
+  (*state)->links = links_in_place(place);
   return Gate(std::move(*state));
 }
 
@@ -191,13 +194,19 @@ const std::string& Gate::name() const { return state_->config.name; }
 bool Gate::reused() const { return state_->reused; }
 
 Hook Gate::hook() const { return state_->place.hook; }
-Result<bool> Gate::attached() const { return are_in_place(state_->place, state_->both()); }
+Result<bool> Gate::attached() const {
+  if (hold(state_->links, state_->place, state_->both())) return true;
+  return are_in_place(state_->place, state_->both());
+}
 
 /// A link whose name was removed ends a little later, and its program cannot be put there again
 /// before that: a copy can.
 Result<void> Gate::reattach() {
   const auto put = put_gate_in_place(state_->place, state_->both());
-  if (put) return {};
+  if (put) {
+    state_->links = links_in_place(state_->place);
+    return {};
+  }
   if (state_->place.hook == Hook::tcx) return go_first();
   return fail(fmt::format("gate of {}: {}", name(), put.error().text));
 }
@@ -219,6 +228,7 @@ Result<void> Gate::go_first() {
         !put)
       return in_context(put.error());
   if (auto named = (*copy)->name_all(); !named) return in_context(named.error());
+  (*copy)->links = links_in_place(state_->place);
   (*copy)->watchmen = std::move(state_->watchmen);  // they look at the same table
   state_ = std::move(*copy);
   return {};
@@ -230,8 +240,18 @@ std::vector<SlotSpec> Gate::present() const { return state_->slots.present(); }
 bool Gate::is_masked(const SlotSpec& spec) const { return state_->slots.is_masked(spec); }
 std::size_t Gate::size() const { return state_->slots.size(); }
 void Gate::deny_all() { state_->slots.deny_all(); }
-Result<bool> Gate::keep_timers() const {
-  return state_->watchmen ? state_->watchmen->keep_pinned() : Result<bool>(false);
+
+Result<std::vector<std::string>> Gate::keep_pinned() const {
+  const std::string& directory = state_->place.directory;
+  std::vector<Pin> pins{{state_->programs.table_fd(), table_pin(directory)},
+                        {state_->programs.cpus_fd(), cpus_pin(directory)},
+                        state_->watchmen->pin()};
+  for (const auto direction : kBothDirections) {
+    pins.push_back({state_->programs.program_fd(direction), program_pin(directory, direction)});
+    if (const int link = state_->links.of(direction); link >= 0)
+      pins.push_back({link, link_pin(state_->place, direction)});
+  }
+  return enforce::keep_pinned(pins);
 }
 
 void Gate::set_bands(std::span<const std::uint32_t> limits) {

@@ -61,7 +61,7 @@ class Gate final : public PortGate {
   [[nodiscard]] std::size_t room() const override { return GATE_SLOTS - GATE_FIRST_SLOT; }
   [[nodiscard]] bool is_masked(const SlotSpec& spec) const override;
   void deny_all() override;
-  [[nodiscard]] Result<bool> keep_timers() const override;
+  [[nodiscard]] Result<std::vector<std::string>> keep_pinned() const override;
 
   /// Frames that leave are put into bands by their identifiers: those up to the first limit
   /// (gate_arbitration()) into the first band, … at most GATE_BANDS - 1 limits, rising. No limits:

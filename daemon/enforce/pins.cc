@@ -54,6 +54,19 @@ void remove_pin_directory(const std::string& path) {
 
 namespace {
 
+/// What the kernel says first of a map, program or link.
+struct Object {
+  std::uint32_t type = 0;
+  std::uint32_t id = 0;
+  bool operator==(const Object&) const = default;
+};
+Object object_of(int fd) {
+  Object object;
+  std::uint32_t size = sizeof(object);
+  if (bpf_obj_get_info_by_fd(fd, &object, &size) != 0) return {};
+  return object;
+}
+
 bpf_map_info map_info(int fd) {
   bpf_map_info info{};
   std::uint32_t size = sizeof(info);
@@ -62,6 +75,22 @@ bpf_map_info map_info(int fd) {
 }
 
 }  // namespace
+
+Result<std::vector<std::string>> keep_pinned(std::span<const Pin> pins) {
+  std::vector<std::string> again;
+  for (const Pin& kept : pins) {
+    const std::filesystem::path path(kept.path);
+    const Fd there = open_pin(kept.path);
+    if (there && object_of(there.get()) == object_of(kept.fd)) continue;
+    if (auto made = make_pin_directory(path.parent_path()); !made)
+      return std::unexpected(made.error());
+    remove_pin(kept.path);
+    if (const auto pinned = pin(kept.fd, kept.path); !pinned)
+      return std::unexpected(pinned.error());
+    again.push_back(path.filename());
+  }
+  return again;
+}
 
 bool is_mappable_array(int map_fd, std::uint32_t value_size, std::uint32_t entries) {
   const auto info = map_info(map_fd);

@@ -2,6 +2,7 @@
 // Names in a bpffs that keep maps and programs alive when the daemon is not.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,15 @@ Result<void> rename_pin(const std::string& from, const std::string& to);
 void remove_pin(const std::string& path);
 /// Removes all pins of the directory and the directory.
 void remove_pin_directory(const std::string& path);
+
+/// A map, program or link, and the name that keeps it.
+struct Pin {
+  int fd = -1;
+  std::string path;
+};
+/// Pins again what has not its name any more, or whose name is another's now: the names of those,
+/// without directory, which is made where it is missing.
+Result<std::vector<std::string>> keep_pinned(std::span<const Pin> pins);
 
 /// Value size, entries and kind of a map fit; maps that differ have another layout.
 bool is_mappable_array(int map_fd, std::uint32_t value_size, std::uint32_t entries);

@@ -57,9 +57,9 @@ class PortGate {
   /// The slot is found by a mask, and not by a key or subject.
   [[nodiscard]] virtual bool is_masked(const SlotSpec& /*spec*/) const { return false; }
   virtual void deny_all() = 0;
-  /// The timers of what is watched end with this process unless they are pinned: true where they
-  /// had to be pinned again.
-  [[nodiscard]] virtual Result<bool> keep_timers() const { return false; }
+  /// Unless it is pinned the next daemon begins with another gate, and timers end with this
+  /// process. Gives the names of what had to be pinned again; slots and frames are not touched.
+  [[nodiscard]] virtual Result<std::vector<std::string>> keep_pinned() const = 0;
 
   /// Of the slot with this grant (verdict not compared); nothing where there is none.
   [[nodiscard]] virtual std::optional<SlotCounters> counters(const SlotSpec& spec) const = 0;

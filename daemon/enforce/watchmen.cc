@@ -73,7 +73,7 @@ Result<Watchmen> Watchmen::load(std::uint32_t ifindex, const WatchedMaps& maps,
   if (const int error = Skeleton::load(object.get()); error != 0)
     return complaints.error("load the timers of a gate", error);
   if (!timers)
-    if (auto pinned = pin(bpf_map__fd(object->maps.watchmen), pin_path); !pinned)
+    if (auto pinned = enforce::pin(bpf_map__fd(object->maps.watchmen), pin_path); !pinned)
       return std::unexpected(pinned.error());
   int made = run(bpf_program__fd(object->progs.watch_make), 0);
   for (int i = 0; made == -ENOMEM && i < kTries; ++i) {
@@ -95,13 +95,6 @@ Result<Watchmen> Watchmen::of_can(std::uint32_t ifindex, const WatchedMaps& maps
 Result<Watchmen> Watchmen::of_ethernet(std::uint32_t ifindex, const WatchedMaps& maps,
                                        const std::string& pin_path) {
   return load<ether_watch_bpf>(ifindex, maps, pin_path);
-}
-
-Result<bool> Watchmen::keep_pinned() const {
-  if (open_pin(pin_path_)) return false;
-  const auto pinned = pin(timers_.get(), pin_path_);
-  if (!pinned) return std::unexpected(pinned.error());
-  return true;
 }
 
 Result<void> Watchmen::arm(std::uint32_t watch) const {

@@ -8,6 +8,7 @@
 #include "bpf/ether.h"
 #include "core/handle.hpp"
 #include "core/result.hpp"
+#include "daemon/enforce/pins.hpp"
 
 namespace mlcca::enforce {
 
@@ -33,8 +34,8 @@ class Watchmen {
   /// The timer of a watch that says what silence is. It ends by itself when the slot does not pass
   /// any more, or nobody minds silence. What is missing already is told once more.
   [[nodiscard]] Result<void> arm(std::uint32_t watch) const;
-  /// Pins the timers again where somebody has unpinned them: true.
-  [[nodiscard]] Result<bool> keep_pinned() const;
+  /// They end with the last descriptor or pin of their map.
+  [[nodiscard]] Pin pin() const { return {timers_.get(), pin_path_}; }
 
  private:
   template <class Skeleton>
@@ -43,7 +44,7 @@ class Watchmen {
   Watchmen(Fd program, Fd timers, std::string pin_path)
       : program_(std::move(program)), timers_(std::move(timers)), pin_path_(std::move(pin_path)) {}
   Fd program_;  ///< it holds the other maps
-  Fd timers_;   ///< they end with the last descriptor or pin of their map
+  Fd timers_;
   std::string pin_path_;
 };
 

@@ -14,9 +14,11 @@
 #include <cstdlib>
 #include <memory>
 
+#include "bpf/ether.h"
 #include "daemon/enforce/early.hpp"
 #include "daemon/enforce/ether_gate.hpp"
 #include "daemon/enforce/gate_pins.hpp"
+#include "daemon/enforce/pins.hpp"
 #include "daemon/enforce/readback.hpp"
 #include "enforce/attach_fixture.hpp"
 
@@ -42,7 +44,7 @@ class DriftTest : public AttachTo, public testing::WithParamInterface<Hook> {
     if (hook_ == Hook::clsact)
       test::remove_our_filter(bus_, true);
     else
-      std::filesystem::remove(pins(bus_) + "/ingress_link");
+      tcx_detach(open_pin(pins(bus_) + "/ingress_link").get());
   }
   /// Somebody's program that passes everything, before ours at ingress.
   Fd step_in_front() {
@@ -84,6 +86,66 @@ TEST_P(DriftTest, RemovedGateIsPutBackAndTold) {
   EXPECT_EQ(report().repaired, 1U);
   repair();
   EXPECT_EQ(told_.size(), 1U) << told_.back();
+}
+
+TEST_P(DriftTest, UnpinnedGateIsPinnedAgainAndTold) {
+  admit(gate(), {in(0x123)});
+  bus_.inject(frame(0x123));
+  expect_passed(gate(), in(0x123), 1);
+  std::filesystem::remove_all(pins(bus_));
+  bus_.inject(frame(0x123));
+  expect_passed(gate(), in(0x123), 2);
+  repair();
+  ASSERT_EQ(told_.size(), 1U) << told_.back();
+  EXPECT_EQ(kinds_[0], Kind::drift);
+  for (const char* part : {"somebody unpinned table, cpus, watchmen, ", "egress", "ingress",
+                           " of the gate of bus0: pinned again, and nothing else has changed"})
+    EXPECT_NE(told_[0].find(part), std::string::npos) << told_[0];
+  EXPECT_EQ(report().repaired, 1U);
+  EXPECT_TRUE(gate().attached().value());
+  const auto reading = read_back(root_).value().gates.at(0);
+  EXPECT_TRUE(reading.problems.empty()) << reading.problems.front();
+  EXPECT_EQ(reading.slots, std::vector{in(0x123)});
+  bus_.inject(frame(0x123));
+  expect_passed(gate(), in(0x123), 3);
+  repair();
+  EXPECT_EQ(told_.size(), 1U) << told_.back();
+}
+
+TEST_P(DriftTest, DaemonAfterThatTakesTheSameGateOver) {
+  admit(gate(), {in(0x123)});
+  std::filesystem::remove_all(pins(bus_));
+  repair();
+  const Gate next = attach(bus_);
+  EXPECT_TRUE(next.reused());
+  EXPECT_EQ(next.present(), std::vector{in(0x123)});
+}
+
+TEST_P(DriftTest, PinOfAnotherGateIsReplacedByOurs) {
+  const Bus other("other");
+  const Gate stranger = attach(other);
+  std::filesystem::rename(pins(other) + "/table", pins(bus_) + "/table");
+  repair();
+  ASSERT_EQ(told_.size(), 1U);
+  EXPECT_NE(told_[0].find("unpinned table of the gate of bus0"), std::string::npos) << told_[0];
+  EXPECT_TRUE(read_back(root_).value().gates.at(0).problems.empty());
+}
+
+TEST_P(DriftTest, GateThatCannotBePinnedIsToldOnceAndInTheStatus) {
+  const Fd something = open_pin(pins(bus_) + "/table");
+  std::filesystem::remove_all(pins(bus_));
+  ASSERT_TRUE(pin(something.get(), pins(bus_))) << "in the place of the directory";
+  repair();
+  repair();
+  ASSERT_EQ(told_.size(), 1U) << told_.back();
+  EXPECT_NE(told_[0].find("the gate of bus0 is not pinned, and a daemon that starts would begin"),
+            std::string::npos)
+      << told_[0];
+  EXPECT_EQ(report().drift, told_[0]);
+  std::filesystem::remove(pins(bus_));
+  repair();
+  EXPECT_EQ(told_.size(), 2U) << told_.back();
+  EXPECT_EQ(report().drift, "");
 }
 
 TEST_P(DriftTest, ProgramInFrontIsNamedAndTheGateGoesFirst) {
@@ -250,6 +312,29 @@ TEST_P(DriftInTheDriver, AnotherProgramInsteadOfOursIsToldAndLeft) {
   EXPECT_EQ(status(), "");
   EXPECT_TRUE(ether_->drops_early()) << "its place is free again";
   EXPECT_TRUE(read_back(root_).value().gates.at(1).problems.empty());
+}
+
+TEST_P(DriftInTheDriver, UnpinnedEthernetGateIsPinnedAgainAndTold) {
+  const std::string pins = gate_directory(control_.directory(), ether_->ifindex());
+  SlotSpec admitted;
+  admitted.pass = true;
+  admitted.formats = ETHER_WHOLE;
+  admitted.subject = 7;
+  SlotChanges changes;
+  changes.add = {admitted};
+  ASSERT_TRUE(ether_->apply(changes));
+  std::filesystem::remove_all(pins);
+  repair();
+  ASSERT_GE(told_.size(), 1U);
+  EXPECT_NE(told_[0].find("somebody unpinned early, watchmen, ether_table"), std::string::npos)
+      << told_[0];
+  repair();
+  EXPECT_TRUE(read_back(root_).value().gates.at(1).problems.empty())
+      << read_back(root_).value().gates.at(1).problems.front();
+  EXPECT_EQ(read_back(root_).value().gates.at(1).slots, ether_->present());
+  const auto told = told_.size();
+  repair();
+  EXPECT_EQ(told_.size(), told) << told_.back();
 }
 
 TEST_P(DriftInTheDriver, OneOfOursThatIsNotThePinnedOneIsReadBack) {

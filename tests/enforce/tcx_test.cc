@@ -109,11 +109,27 @@ TEST_P(Tcx, LostLinkIsNoticedAndMadeAnew) {
     const Bus bus("bus0");
     auto gate = attach(bus);
     admit(gate, {in(0x123)});
-    std::filesystem::remove(pins(bus) + which);
+    tcx_detach(open_pin(pins(bus) + which).get());
     EXPECT_FALSE(gate.attached().value());
     ASSERT_TRUE(gate.reattach());
     EXPECT_TRUE(gate.attached().value());
     EXPECT_EQ(gate.present(), std::vector{in(0x123)});
+  }
+}
+
+TEST_P(Tcx, LinkWithoutItsNameGoesOnAndGetsItAgain) {
+  for (const std::string which : {"ingress_link", "egress_link"}) {
+    const Bus bus("bus0");
+    auto gate = attach(bus);
+    admit(gate, {in(0x123)});
+    std::filesystem::remove(pins(bus) + "/" + which);
+    bus.inject(frame(0x124));
+    expect_ingress(gate, GATE_R_UNKNOWN, 1);
+    EXPECT_TRUE(gate.attached().value());
+    EXPECT_EQ(gate.keep_pinned().value(), std::vector{which});
+    ASSERT_TRUE(gate.go_first());
+    EXPECT_TRUE(gate.keep_pinned().value().empty());
+    EXPECT_EQ(tcx_order(bus.ifindex(), Direction::ingress).value().value().programs.size(), 1U);
   }
 }
 

@@ -260,8 +260,8 @@ TEST_F(WatchAttached, TimersThatSomebodyUnpinnedGoOnAndArePinnedAgain) {
   ASSERT_TRUE(std::filesystem::remove(pins(bus) + "/watchmen"));
   admit(gate, {heart_beat(1)});
   EXPECT_EQ(next().kind, std::uint32_t{GATE_E_MISSING});
-  EXPECT_TRUE(gate.keep_timers().value());
-  EXPECT_FALSE(gate.keep_timers().value());
+  EXPECT_EQ(gate.keep_pinned().value(), std::vector<std::string>{"watchmen"});
+  EXPECT_TRUE(gate.keep_pinned().value().empty());
   EXPECT_TRUE(std::filesystem::exists(pins(bus) + "/watchmen"));
 }
 
