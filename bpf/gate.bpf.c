@@ -87,17 +87,17 @@ int gate_ingress(struct __sk_buff *skb)
 
 	skb->mark = 0;
 	if (!read_frame(skb, GATE_INGRESS, &frame))
-		return drop(cpu, GATE_INGRESS, GATE_INGRESS, GATE_R_MALFORMED);
+		return refuse_in(skb, cpu, GATE_INGRESS, GATE_R_MALFORMED, &frame);
 	if (frame.can_id & CAN_ERR_FLAG) {
 		count_reason(cpu, GATE_INGRESS, GATE_R_ERROR_IN);
 		return TC_ACT_UNSPEC;
 	}
 	if (closed())
-		return drop(cpu, GATE_INGRESS, GATE_INGRESS, GATE_R_CLOSED);
+		return refuse_in(skb, cpu, GATE_INGRESS, GATE_R_CLOSED, &frame);
 
 	d = decide(skb, GATE_INGRESS, &frame, GATE_NO_SOURCE);
 	if (d.reason != GATE_R_PASSED)
-		return refuse(cpu, GATE_INGRESS, &d, &frame);
+		return refuse_in(skb, cpu, d.slot, d.reason, &frame);
 	/* In audit mode what is too much goes on as what it is. */
 	skb->mark = gate_ingress_token(control.token, ifindex,
 				       table.slots[d.slot & (GATE_SLOTS - 1)].subject);
@@ -144,15 +144,15 @@ int gate_egress(struct __sk_buff *skb)
 	skb->mark = echo_by_mark ? gate_echo_token(control.token) : 0;
 
 	if (!read_frame(skb, GATE_EGRESS, &frame))
-		return drop(cpu, GATE_EGRESS, GATE_EGRESS, GATE_R_MALFORMED);
+		return refuse_out(cpu, GATE_EGRESS, GATE_R_MALFORMED, &frame);
 	if (frame.can_id & CAN_ERR_FLAG)
-		return drop(cpu, GATE_EGRESS, GATE_EGRESS, GATE_R_ERROR_FRAME);
+		return refuse_out(cpu, GATE_EGRESS, GATE_R_ERROR_FRAME, &frame);
 	if (closed())
-		return drop(cpu, GATE_EGRESS, GATE_EGRESS, GATE_R_CLOSED);
+		return refuse_out(cpu, GATE_EGRESS, GATE_R_CLOSED, &frame);
 
 	d = decide(skb, GATE_EGRESS, &frame, source);
 	if (d.reason != GATE_R_PASSED)
-		return refuse(cpu, GATE_EGRESS, &d, &frame);
+		return refuse_out(cpu, d.slot, d.reason, &frame);
 	if (!admit(cpu, GATE_EGRESS, d.slot, &frame))
 		return drop(cpu, GATE_EGRESS, d.slot, GATE_R_EXCESS);
 	choose_band(skb, frame.can_id);

@@ -133,10 +133,14 @@ enum gate_reason {
 	GATE_R_ERROR_FRAME, /* error frame on its way out */
 	GATE_R_MALFORMED,   /* not a CAN, CAN FD or CAN XL frame */
 	GATE_R_CLOSED,	    /* gate closed: stopped, starting, or the daemon's heart-beat lapsed */
-	GATE_R_ECHO,	    /* not a drop: echo of a frame that left here, let through at ingress */
-	GATE_R_ERROR_IN,    /* not a drop: error frame let through at ingress */
-	GATE_R_EXCESS,	    /* admitted, but more than was admitted: see gate_slot */
-	GATE_R_FOREIGN,	    /* Ethernet, not a drop: no event traffic, left alone */
+	/*
+	 * Not a drop: echo of a frame that left here, let through at ingress; on CAN in audit mode
+	 * also what ingress has refused and counted, let out.
+	 */
+	GATE_R_ECHO,
+	GATE_R_ERROR_IN, /* not a drop: error frame let through at ingress */
+	GATE_R_EXCESS,	 /* admitted, but more than was admitted: see gate_slot */
+	GATE_R_FOREIGN,	 /* Ethernet, not a drop: no event traffic, left alone */
 	GATE_R_FRAGMENT, /* Ethernet: IP fragment whose first one was not admitted, or not seen */
 	GATE_R_OPAQUE,	 /* Ethernet: may carry an event, and its subject cannot be seen */
 	GATE_REASONS = 16,
@@ -369,8 +373,10 @@ static inline __u64 gate_gap_scale(__u64 period)
  * Marks that frames carry inside this kernel. The ingress gate of an interface marks what it has
  * passed: as which subject and from where, so that egress admits neither a frame of a third bus nor
  * one that was admitted as another subject. Two subjects share a mark with a chance of 2^-31. The
- * egress gate marks what it lets out to a device that echoes. The token's top bit is set, not all
- * bits are, and an ifindex is positive: neither mark is 0 and the two never meet.
+ * egress gate marks what it lets out to a device that echoes. What only audit mode lets through is
+ * marked at ingress, so that egress does not count it once more. The token's top bit is set, not
+ * all others are, the lowest left aside, and an ifindex is positive: no mark is 0 and no two ever
+ * meet.
  */
 static inline __u32 gate_ingress_token(__u32 token, __u32 ifindex, __u64 subject)
 {
@@ -378,6 +384,8 @@ static inline __u32 gate_ingress_token(__u32 token, __u32 ifindex, __u64 subject
 }
 
 static inline __u32 gate_echo_token(__u32 token) { return ~token; }
+
+static inline __u32 gate_refused_token(__u32 token) { return ~token ^ 1; }
 
 #ifdef __cplusplus
 #define GATE_ASSERT static_assert

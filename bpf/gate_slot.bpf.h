@@ -163,13 +163,32 @@ static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direc
 	return d;
 }
 
-/* Drops what decide() has not passed. */
-static __always_inline int refuse(struct gate_cpu *cpu, __u32 direction, const struct decision *d,
-				  const struct frame *frame)
+/* Drops what is not to pass; in audit mode it goes on, marked. Without a slot `frame` is told. */
+static __always_inline int refuse_in(struct __sk_buff *skb, struct gate_cpu *cpu, __u32 slot,
+				     __u32 reason, const struct frame *frame)
 {
-	if (d->reason == GATE_R_UNKNOWN)
-		note_unknown(cpu, direction, frame);
-	return drop(cpu, direction, d->slot, d->reason);
+	int action;
+
+	if (reason == GATE_R_UNKNOWN)
+		note_unknown(cpu, GATE_INGRESS, frame);
+	action = drop(cpu, GATE_INGRESS, slot, reason);
+	if (action == TC_ACT_UNSPEC)
+		skb->mark = gate_refused_token(control.token);
+	return action;
+}
+
+/* What an ingress gate has refused is counted there, if it comes here all the same. */
+static __always_inline int refuse_out(struct gate_cpu *cpu, __u32 slot, __u32 reason,
+				      const struct frame *frame)
+{
+	if (frame->mark == gate_refused_token(control.token) &&
+	    READ_ONCE(control.mode) == GATE_AUDIT) {
+		count_reason(cpu, GATE_EGRESS, GATE_R_ECHO);
+		return TC_ACT_UNSPEC;
+	}
+	if (reason == GATE_R_UNKNOWN)
+		note_unknown(cpu, GATE_EGRESS, frame);
+	return drop(cpu, GATE_EGRESS, slot, reason);
 }
 
 #endif

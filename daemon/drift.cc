@@ -51,7 +51,9 @@ std::string before_tc(int ifindex, const enforce::PortGate& gate) {
 std::uint64_t let_out(const enforce::PortGate& gate, bool audit) {
   const auto reasons = gate.reasons(enforce::Direction::egress);
   std::uint64_t frames = reasons[GATE_R_PASSED];
-  for (std::size_t r = 0; audit && r < reasons.size(); ++r)
+  if (!audit) return frames;
+  frames += reasons[GATE_R_ECHO];
+  for (std::size_t r = 0; r < reasons.size(); ++r)
     if (enforce::is_drop(static_cast<gate_reason>(r))) frames += reasons[r];
   return frames;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/drops.hpp"
 
+#include <fmt/format.h>
+
 namespace mlcca {
 
 std::optional<std::uint64_t> DropWatch::look(const std::string& name, std::uint64_t dropped,
@@ -15,6 +17,15 @@ std::optional<std::uint64_t> DropWatch::look(const std::string& name, std::uint6
   const std::uint64_t since = dropped - seen.mentioned;
   seen = {dropped, now, true};
   return since;
+}
+
+void DropWatch::wake() {
+  for (auto& [name, seen] : seen_) seen.ever = false;
+}
+
+std::string dropped_line(bool audit, std::uint64_t frames, const std::string& which) {
+  return audit ? fmt::format("would be dropped: {} frames {}", frames, which)
+               : fmt::format("{} frames dropped {}", frames, which);
 }
 
 }  // namespace mlcca

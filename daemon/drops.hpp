@@ -8,6 +8,9 @@
 
 namespace mlcca {
 
+/// "3 frames dropped …"; in audit mode, where nothing is, "would be dropped: 3 frames …".
+[[nodiscard]] std::string dropped_line(bool audit, std::uint64_t frames, const std::string& which);
+
 /// Remembers counters by name. Times are in seconds of any steady clock.
 class DropWatch {
  public:
@@ -18,6 +21,9 @@ class DropWatch {
   /// counter only remembers it: what a former daemon saw is not news.
   std::optional<std::uint64_t> look(const std::string& name, std::uint64_t dropped,
                                     std::int64_t now);
+
+  /// What was not mentioned yet is at the next look, however short ago the last mention was.
+  void wake();
 
   /// After a reload the names may mean something else.
   void forget() { seen_.clear(); }

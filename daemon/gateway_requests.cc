@@ -324,6 +324,9 @@ Gateway::Body Gateway::handle(const control::ModeRequest& request) {
     return error(control::ErrorKind::invalid,
                  fmt::format("there is no mode '{}': it is enforce or audit", request.mode));
   const bool audit = request.mode == "audit";
+  // What came so far is told as what became of it.
+  drops_.wake();
+  look_at_drops(true);
   control_.set_mode(audit ? enforce::Mode::audit : enforce::Mode::enforce);
   const std::string line = audit ? "AUDIT MODE: nothing is dropped, everything is only counted"
                                  : "enforcing: what is not "

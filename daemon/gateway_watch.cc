@@ -209,11 +209,12 @@ void Gateway::look_at_drops_of(const core::Decision& decision, std::int64_t now,
 void Gateway::tell_dropped(const core::Verdict& v, std::uint64_t frames) {
   const core::EventChannel& c = state_->system().channels[v.channel];
   const core::Publisher& publisher = state_->members().publisher(v.publisher);
+  const std::string which = v.granted ? fmt::format("that named {} ({}) and differ from the grant",
+                                                    c.name, core::format_subject(c.subject))
+                                      : "of " + verdict_line(*state_, v);
   tell({Kind::dropping,
         4,
-        v.granted ? fmt::format("{} frames dropped that named {} ({}) and differ from the grant",
-                                frames, c.name, core::format_subject(c.subject))
-                  : fmt::format("{} frames dropped of {}", frames, verdict_line(*state_, v)),
+        dropped_line(control_.mode() == enforce::Mode::audit, frames, which),
         c.subject,
         c.name,
         core::name_of(state_->system(), publisher.place),
@@ -223,14 +224,16 @@ void Gateway::tell_dropped(const core::Verdict& v, std::uint64_t frames) {
 
 void Gateway::look_at_drops(bool mention) {
   const auto now = static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000);
+  const bool audit = control_.mode() == enforce::Mode::audit;
   for (const core::Decision& decision : state_->decisions())
     look_at_drops_of(decision, now, mention);
   for (std::size_t p = 0; p < ports_.size(); ++p) {
     const auto dropped = drops_.look("unknown " + std::to_string(p), ports_.unknown_frames(p), now);
     if (dropped && mention)
       tell(Kind::dropping, 4,
-           fmt::format("{} frames without a known subject dropped on {} ({})", *dropped,
-                       ports_.interface_name(p), ports_.network_of(p)),
+           dropped_line(audit, *dropped,
+                        fmt::format("without a known subject on {} ({})", ports_.interface_name(p),
+                                    ports_.network_of(p))),
            ports_.network_of(p));
   }
 }
@@ -253,12 +256,12 @@ void Gateway::hear(const gate_sample& sample) {
   const std::string interface = links_.name_of(static_cast<int>(sample.ifindex));
   for (std::size_t p = 0; p < ports_.size(); ++p) {
     if (ports_.interface_name(p) != interface) continue;
-    tell(
-        Kind::dropping, 4,
-        fmt::format("a frame that names no known subject {} {} ({}): {}, {} bytes; {} so far",
-                    control_.mode() == enforce::Mode::audit ? "was seen on" : "was dropped on",
-                    interface, ports_.network_of(p), frame_name(sample), sample.len, sample.frames),
-        ports_.network_of(p));
+    tell(Kind::dropping, 4,
+         fmt::format(
+             "a frame that names no known subject {} {} ({}): {}, {} bytes; {} so far",
+             control_.mode() == enforce::Mode::audit ? "would be dropped on" : "was dropped on",
+             interface, ports_.network_of(p), frame_name(sample), sample.len, sample.frames),
+         ports_.network_of(p));
     return;
   }
 }

@@ -43,13 +43,13 @@ T load(const T& word) {
   return __atomic_load_n(&word, __ATOMIC_ACQUIRE);
 }
 
-/// See gate_ingress_token(): top bit set, not all bits.
+/// See gate_ingress_token(): top bit set, not all others but the lowest.
 Result<std::uint32_t> random_token() {
   std::uint32_t token = 0;
   do {
     if (getrandom(&token, sizeof(token), 0) != sizeof(token)) return failure("getrandom", errno);
     token |= 0x80000000U;
-  } while (token == 0xffffffffU);
+  } while (token >= 0xfffffffeU);
   return token;
 }
 

@@ -103,7 +103,7 @@ const char* reason_text(gate_reason reason) {
     case GATE_R_CLOSED:
       return "gate closed";
     case GATE_R_ECHO:
-      return "echo";
+      return "echo, or told before";
     case GATE_R_ERROR_IN:
       return "error frame from the bus";
     case GATE_R_EXCESS:

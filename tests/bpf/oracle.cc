@@ -153,19 +153,25 @@ Judgement refused(const World& world, gate_reason reason, std::uint32_t mark) {
   return {.outcome = {!world.audit, mark}, .reason = reason, .slot = {}, .bytes = 0};
 }
 
+/// At ingress: what audit mode lets through has a mark of its own.
+Judgement refused_in(const World& world, gate_reason reason) {
+  return refused(world, reason, world.audit ? kToldBefore : 0);
+}
+
 Judgement judge_ingress(const World& world, const Bytes& bytes, const Sender& sender) {
   const Judgement echo{.outcome = {false, 0}, .reason = GATE_R_ECHO, .slot = {}, .bytes = 0};
   if (sender.local || (world.echo_by_mark && sender.mark == ~kToken)) return echo;
   const auto f = sender.xl ? parse_xl(bytes, Direction::ingress) : parse(bytes, Direction::ingress);
-  if (!f) return refused(world, GATE_R_MALFORMED, 0);
+  if (!f) return refused_in(world, GATE_R_MALFORMED);
   if ((f->can_id & CAN_ERR_FLAG) != 0)
     return {.outcome = {false, 0}, .reason = GATE_R_ERROR_IN, .slot = {}, .bytes = 0};
-  if (!world.open || world.lapsed) return refused(world, GATE_R_CLOSED, 0);
+  if (!world.open || world.lapsed) return refused_in(world, GATE_R_CLOSED);
   Judgement j;
   decide(world, Direction::ingress, *f, kNobody, sender.mark, j);
   const bool pass = j.reason == GATE_R_PASSED;
-  j.outcome = {!pass && !world.audit,
-               pass ? gate_ingress_token(kToken, kIfindex, world.slots[*j.slot].subject) : 0};
+  j.outcome =
+      pass ? Outcome{false, gate_ingress_token(kToken, kIfindex, world.slots[*j.slot].subject)}
+           : refused_in(world, j.reason).outcome;
   if (pass && (f->can_id & CAN_RTR_FLAG) == 0) j.bytes = f->len;
   return j;
 }
@@ -186,8 +192,10 @@ Judgement judge_egress(const World& world, const Bytes& bytes, const Sender& sen
 }  // namespace
 
 Judgement judge(const World& world, Direction direction, const Bytes& bytes, const Sender& sender) {
-  return direction == Direction::ingress ? judge_ingress(world, bytes, sender)
-                                         : judge_egress(world, bytes, sender);
+  if (direction == Direction::ingress) return judge_ingress(world, bytes, sender);
+  const Judgement j = judge_egress(world, bytes, sender);
+  const bool told = world.audit && sender.mark == kToldBefore && j.reason != GATE_R_PASSED;
+  return told ? Judgement{.outcome = j.outcome, .reason = GATE_R_ECHO, .slot = {}, .bytes = 0} : j;
 }
 
 }  // namespace mlcca::test

@@ -3,4 +3,5 @@ $(eval $(call unit_test,bus_load_test,tests/daemon/bus_load_test.cc,$O/daemon/bu
 $(eval $(call unit_test,forwarding_test,tests/daemon/forwarding_test.cc tests/daemon/can_routes_test.cc,$(addprefix $O/daemon/,forwarding.o forwarder.o net/can_routes.o),$(NL_LIBS) -lfmt))
 $O/tests/daemon/can_routes_test.o: CPPFLAGS += $(NL_CFLAGS)
 $(eval $(call unit_test,bypass_test,tests/daemon/bypass_test.cc,$O/daemon/bypass.o,))
+$(eval $(call unit_test,drops_test,tests/daemon/drops_test.cc,$O/daemon/drops.o,-lfmt))
 $(eval $(call kernel_test,drift_test,tests/daemon/drift_test.cc tests/enforce/sandbox.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))

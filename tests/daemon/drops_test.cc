@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/drops.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mlcca {
+namespace {
+
+TEST(DropWatch, MentionsWhatIsNewAndNotTooOften) {
+  DropWatch watch;
+  EXPECT_EQ(watch.look("a", 5, 0), std::nullopt) << "of a daemon before this one";
+  EXPECT_EQ(watch.look("a", 7, 1), 2U);
+  EXPECT_EQ(watch.look("a", 9, 60), std::nullopt);
+  EXPECT_EQ(watch.look("a", 9, 61), 2U);
+  EXPECT_EQ(watch.look("a", 9, 200), std::nullopt);
+}
+
+TEST(DropWatch, AwakeItMentionsTheRestAtOnce) {
+  DropWatch watch;
+  watch.look("a", 0, 0);
+  watch.look("b", 0, 0);
+  EXPECT_EQ(watch.look("a", 1, 1), 1U);
+  watch.wake();
+  EXPECT_EQ(watch.look("a", 4, 2), 3U);
+  EXPECT_EQ(watch.look("b", 0, 2), std::nullopt) << "nothing came";
+  EXPECT_EQ(watch.look("a", 5, 3), std::nullopt) << "once";
+}
+
+TEST(DropWatch, LineSaysWhatWouldBeInAuditMode) {
+  EXPECT_EQ(dropped_line(false, 3, "of x"), "3 frames dropped of x");
+  EXPECT_EQ(dropped_line(true, 3, "of x"), "would be dropped: 3 frames of x");
+}
+
+}  // namespace
+}  // namespace mlcca
