@@ -178,15 +178,20 @@ std::optional<std::uint64_t> read_file_head(std::string_view bytes) {
 
 std::string encode(const Entry& entry) { return std::visit(Encode{}, entry); }
 
+/// Those of each admission are asked for without their octets.
 std::uint64_t live_bytes(const Entry& entry) {
-  const auto* granted = std::get_if<Granted>(&entry);
+  if (const auto* granted = std::get_if<Granted>(&entry))
+    return granted->state.empty() ? 0
+                                  : kEntryHead + sizeof(std::uint32_t) + granted->subject.size() +
+                                        granted->state.size();
+  if (const auto* enforced = std::get_if<Enforced>(&entry))
+    return enforced->slots.empty()
+               ? 0
+               : kEntryHead + sizeof(enforced->subject) + enforced->slots.size();
   const auto* gated = std::get_if<Gated>(&entry);
-  const auto* enforced = std::get_if<Enforced>(&entry);
   const bool adds = std::holds_alternative<Admitted>(entry) ||
                     std::holds_alternative<Released>(entry) ||
-                    (granted != nullptr && !granted->state.empty()) ||
-                    (gated != nullptr && gated->ifindex != 0) ||
-                    (enforced != nullptr && !enforced->slots.empty());
+                    (gated != nullptr && gated->ifindex != 0);
   return adds ? encode(entry).size() : 0;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "control/codec.hpp"
+#include "daemon/store/format.hpp"
 #include "tests/store/fake_disk.hpp"
 #include "tests/store/worlds.hpp"
 
@@ -79,6 +80,14 @@ TEST(Journal, RollsBackExactly) {
     }
     must_write(journal, story.batches[i]);
   }
+}
+
+TEST(Journal, CountsWhatLivesAsItIsOnDisk) {
+  for (const Entry& entry : {Entry(Granted{"0x1", "set=1"}), Entry(Enforced{1, "slots"}),
+                             Entry(admitted(1)), Entry(Released{"0x1"})})
+    EXPECT_EQ(format::live_bytes(entry), format::encode(entry).size());
+  for (const Entry& entry : {Entry(Granted{"0x1", ""}), Entry(Enforced{1, ""}), Entry(Removed{1})})
+    EXPECT_EQ(format::live_bytes(entry), 0U);
 }
 
 TEST(Journal, WritesNothingForWhatChangesNothing) {
