@@ -27,6 +27,7 @@
   <r:words type="Decimal">a decimal number such as 50 or 0.5, without a sign, up to 20 digits on each side</r:words>
   <r:words type="AttributeName">a letter, then up to 62 letters or digits</r:words>
   <r:words type="NodeAddress">a MAC address such as 02:00:00:00:00:01, or an IPv4 or IPv6 address</r:words>
+  <r:words type="SenderAddress">the IPv4 or MAC address of one station, such as 192.0.2.7</r:words>
 
   <r:example type="System" file="volksbot/robot" element="System"/>
   <r:example type="EventChannel" file="volksbot/channels/emergency-switch" element="EventChannel"/>
