@@ -17,14 +17,35 @@ constexpr Value kClocks = 2000;
 
 Value slower(Value time) { return add_saturating(time, time / kClocks); }
 
-/// The traffic of two publishers that cannot be told apart. Of different kinds: not policed.
-Policing together(const Policing& a, const Policing& b) {
-  if (!a.any() || !b.any() || (a.per_frame == 0) != (b.per_frame == 0)) return {};
-  const auto rates_added = [](Value x, Value y) {
-    return x == 0 ? 0 : mul_div_down(x, y, add_saturating(x, y));
-  };
-  return {rates_added(a.per_frame, b.per_frame), rates_added(a.per_byte, b.per_byte),
-          std::max(a.tolerance, b.tolerance), a.counts_only || b.counts_only};
+/// Of per_byte.
+constexpr Value kUnit = 256;
+
+/// What may come so often, in bytes: as much as its longest frames hold.
+Policing by_bytes(const Policing& p, Value longest) {
+  if (p.per_frame == 0) return p;
+  longest = std::max<Value>(longest, 1);
+  return {0, std::max<Value>(mul_saturating(p.per_frame, kUnit) / longest, 1), p.tolerance,
+          p.counts_only};
+}
+
+/// The traffic of two publishers that cannot be told apart, whose frames hold `longest` bytes at
+/// most: the sum of their rates, and what both may send at once.
+Policing together(Policing a, Policing b, Value longest) {
+  if (!a.any() || !b.any()) return {};
+  if ((a.per_frame == 0) != (b.per_frame == 0)) {
+    a = by_bytes(a, longest);
+    b = by_bytes(b, longest);
+  }
+  const bool by_frame = a.per_frame != 0;
+  const Value x = by_frame ? a.per_frame : a.per_byte;
+  const Value y = by_frame ? b.per_frame : b.per_byte;
+  const Value sum = std::max<Value>(mul_div_down(x, y, add_saturating(x, y)), 1);
+  // At once a may send 1 + a.tolerance / x frames (or bytes of the one and the others).
+  const Value early =
+      add_saturating(mul_div_up(a.tolerance, sum, x), mul_div_up(b.tolerance, sum, y));
+  const Value one = by_frame ? sum : mul_saturating(sum, longest) / kUnit;
+  return {by_frame ? sum : 0, by_frame ? 0 : sum, add_saturating(early, one),
+          a.counts_only || b.counts_only};
 }
 
 /// Collects rules; the same entry from two publishers passes only if both do.
@@ -34,7 +55,7 @@ class Rules {
     auto [it, fresh] = rules_.try_emplace(rule.entry, rule);
     if (fresh) return;
     it->second.pass = it->second.pass && rule.pass;
-    it->second.policing = together(it->second.policing, rule.policing);
+    it->second.policing = together(it->second.policing, rule.policing, rule.entry.max_length);
     it->second.watching = {};  // whose event is it that is missing?
   }
   [[nodiscard]] GateState take() const {
@@ -152,9 +173,9 @@ class Planner {
     e.direction = direction;
     e.subject = system_.channels[p.channel].subject;
     if (network.carries_subjects()) {
-      size_datagram(p, e);
       const std::size_t in = direction == Direction::ingress ? port : source;
       if (in != kLocal && !sent_anew_.contains(in)) e.station = p.station;
+      size_datagram(p, in == kLocal, e);
     } else if (!identify(p, network, *binding, e)) {
       return std::nullopt;
     }
@@ -208,10 +229,26 @@ class Planner {
     return is_can(in) == is_can(out) ? std::nullopt : ports[out].sender;
   }
 
-  void size_datagram(const Publisher& p, GateEntry& e) const {
-    const AttributeSet& offered = attributes_in(p, set_);
-    const Value bytes =
-        offered.has(Attribute::max_payload) ? offered[Attribute::max_payload] : kDatagramMaxEvent;
+  /// Another publisher whose datagrams nobody can tell from those of `p` by this entry. Of one that
+  /// comes from elsewhere that is taken for certain.
+  [[nodiscard]] bool looks_alike(const Publisher& p, const Publisher& other,
+                                 const GateEntry& e) const {
+    if (!e.station.anybody()) return other.place == p.place && other.station == p.station;
+    return other.place != here_ && (other.place != p.place || other.station.anybody());
+  }
+
+  /// As long as the longest of those that look alike: they share the entry.
+  void size_datagram(const Publisher& p, bool local, GateEntry& e) const {
+    const auto size_of = [this](const Publisher& publisher) {
+      const AttributeSet& offered = attributes_in(publisher, set_);
+      return offered.has(Attribute::max_payload) ? offered[Attribute::max_payload]
+                                                 : kDatagramMaxEvent;
+    };
+    Value bytes = size_of(p);
+    if (!local)
+      for (const std::size_t number : members_.publishers_of(p.channel))
+        if (const Publisher& other = members_.publisher(number); looks_alike(p, other, e))
+          bytes = std::max(bytes, size_of(other));
     e.split = bytes > kDatagramBytes;
     e.max_length = static_cast<std::uint16_t>(std::min<Value>(bytes, kDatagramBytes));
   }
@@ -260,7 +297,6 @@ void add_channel(Planner& planner, const Members& members, std::size_t channel,
 
 Policing policing_of(const AttributeSet& offered, std::uint64_t frames, Value largest) {
   constexpr Value second = 1'000'000'000;
-  constexpr Value unit = 256;  // of per_byte
   const auto hurried = [](Value time) { return time - time / kClocks; };
   const Value jitter = offered[Attribute::jitter];
   Policing out;
@@ -271,11 +307,11 @@ Policing policing_of(const AttributeSet& offered, std::uint64_t frames, Value la
     out.tolerance = add_saturating(mul_saturating(period, 2) - out.per_frame, jitter);
   } else if (offered.has(Attribute::bandwidth) && offered[Attribute::bandwidth] != 0) {
     out.per_byte =
-        std::max<Value>(hurried(mul_div_down(second, unit, offered[Attribute::bandwidth])), 1);
+        std::max<Value>(hurried(mul_div_down(second, kUnit, offered[Attribute::bandwidth])), 1);
     const Value event =
         offered.has(Attribute::max_payload) ? offered[Attribute::max_payload] : largest;
     out.tolerance = add_saturating(
-        mul_saturating(out.per_byte, mul_saturating(std::max<Value>(event, 1), 2)) / unit, jitter);
+        mul_saturating(out.per_byte, mul_saturating(std::max<Value>(event, 1), 2)) / kUnit, jitter);
   }
   return out;
 }

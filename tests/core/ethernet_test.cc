@@ -128,6 +128,56 @@ TEST(EthernetTest, PublishersWithoutAddressesShareOneLimit) {
   }
 }
 
+TEST(EthernetTest, PublishersThatShareALimitShareTheLongestEvent) {
+  System system = two_on_ethernet("", "");
+  system.publishers[0].attributes.set(Attribute::max_payload, 8);
+  system.publishers[1].attributes.set(Attribute::max_payload, 100);
+  const State state(system);
+  const GateState gates = state.gate_state(kBridge);
+  ASSERT_EQ(gates.size(), 2U);
+  for (const GateRule& rule : gates) EXPECT_EQ(rule.entry.max_length, 100U);
+  for (const Verdict& v : state.decisions()[0].verdicts)
+    for (const GateRule& rule : gate_state(state.system(), state.members(), v, kBridge))
+      EXPECT_NE(std::ranges::find(gates, rule.entry, &GateRule::entry), gates.end())
+          << "each is counted where all are";
+  system.publishers[0].station = *station_of("192.0.2.1");
+  const GateState apart = State(system).gate_state(kBridge);
+  ASSERT_EQ(apart.size(), 4U);
+  for (const GateRule& rule : apart)
+    EXPECT_EQ(rule.entry.max_length, rule.entry.station.anybody() ? 100U : 8U);
+}
+
+/// Frames of so many bytes that pass at once, and in a time; ns.
+std::uint64_t passed(const Policing& p, Value bytes, Value time) {
+  const Value cost = p.per_frame + (bytes * p.per_byte >> 8U);
+  return (p.tolerance + time) / cost + 1;
+}
+
+TEST(EthernetTest, PublishersThatShareALimitHaveTheSumOfTheirRates) {
+  constexpr Value second = 1'000'000'000;
+  System system = two_on_ethernet("", "");
+  const auto in = [&system] {
+    const GateState gates = State(system).gate_state(kBridge);
+    return std::ranges::find(gates, Direction::ingress,
+                             [](const GateRule& r) { return r.entry.direction; })
+        ->policing;
+  };
+  system.publishers[0].attributes.set(Attribute::period, 50'000'000);
+  system.publishers[1].attributes.set(Attribute::period, 10'000'000);
+  EXPECT_EQ(passed(in(), 8, 0), 4U) << "one of each, and one of each that is early";
+  EXPECT_EQ(passed(in(), 8, 10 * second), 10 * 120 + 4U);
+
+  // One by its Bandwidth: both by bytes.
+  system.publishers[1].attributes.clear(Attribute::period);
+  system.publishers[1].attributes.set(Attribute::bandwidth, 800).set(Attribute::max_payload, 8);
+  system.publishers[0].attributes.set(Attribute::max_payload, 8);
+  ASSERT_TRUE(in().any());
+  EXPECT_EQ(in().per_frame, 0U);
+  const auto one_second = passed(in(), 8, second) - passed(in(), 8, 0);
+  EXPECT_GE(one_second, 120U);
+  EXPECT_LE(one_second, 121U);
+}
+
 TEST(EthernetTest, BehindABusNobodySeesTheFirstAddress) {
   // lan - bridge - bus - second bridge - far: the second bridge's program sends anew.
   System system = from_ethernet();
