@@ -11,6 +11,7 @@
 #include "core/allocation.hpp"
 #include "core/explain.hpp"
 #include "core/members.hpp"
+#include "core/plan.hpp"
 #include "core/profile.hpp"
 #include "core/text.hpp"
 #include "core/topology.hpp"
@@ -89,6 +90,7 @@ class Inspector {
     if (s_.channels[c].safe_side == SafeSide::deliver) check_safe_side(c, verdicts);
     if (verdicts.size() > 1) check_senders(c, verdicts);
     if (members_.publishers_of(c).size() > 1) check_shared_limits(c);
+    if (members_.publishers_of(c).size() > kMostEntries) check_room(c, verdicts, result);
     if (result.outcome == Outcome::fit && result.set == 0) return;
     for (const Verdict& v : verdicts) explain.add(v);
     if (result.outcome != Outcome::unfit && result.set != 0) explain.add_lower_set(c, result.set);
@@ -175,6 +177,17 @@ class Inspector {
               ? "state the address that each of them sends from (address=\"192.0.2.7\")"
               : "give each of them an address of its own",
           c, static_cast<std::uint32_t>(number));
+    }
+  }
+
+  void check_room(std::size_t c, const std::vector<Verdict>& verdicts, ChannelResult& result) {
+    for (std::size_t g = 0; g < s_.gateways.size(); ++g) {
+      const auto lack = lacks_room(s_, gate_state(s_, members_, c, verdicts, g), g);
+      if (!lack) continue;
+      result.outcome = Outcome::unfit;
+      add(FindingId::too_many, s_.channels[c].origin,
+          "channel " + s_.channels[c].name + ": " + *lack,
+          "give some of them subjects of their own, or let them come by another network", c);
     }
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <string>
 
 #include "core/medium.hpp"
 #include "mlcca/arithmetic.hpp"
@@ -356,6 +357,21 @@ GateState gate_state(const System& system, const Members& members, const Verdict
   Planner planner(system, members, gateway);
   planner.add(verdict.publisher, {&verdict});
   return planner.take();
+}
+
+std::optional<std::string> lacks_room(const System& system, const GateState& of_channel,
+                                      std::size_t gateway) {
+  std::map<std::pair<std::size_t, Direction>, std::size_t> entries;
+  for (const GateRule& rule : of_channel) {
+    if (++entries[{rule.entry.port, rule.entry.direction}] <= kMostEntries) continue;
+    const Gateway& here = system.gateways[gateway];
+    const Network& network = system.networks[here.ports[rule.entry.port].network];
+    return "more than " + std::to_string(kMostEntries) + " publishers of it " +
+           (rule.entry.direction == Direction::ingress ? "enter" : "leave") + " gateway " +
+           here.name + " by network " + network.name +
+           ": a gate tells no more of one subject apart";
+  }
+  return std::nullopt;
 }
 
 std::vector<GateEntry> shared_entries(const System& system, const Members& members,

@@ -4,6 +4,7 @@
 #include <compare>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/admission.hpp"
@@ -120,6 +121,13 @@ struct Transit {
 /// The part of one delivery: of its publisher alone, where its channel has several.
 [[nodiscard]] GateState gate_state(const System& system, const Members& members,
                                    const Verdict& verdict, std::size_t gateway);
+
+/// Entries of one subject that a gate holds in one direction (GATE_CHAIN).
+inline constexpr std::size_t kMostEntries = 8;
+/// Of one channel: why the gates of the gateway cannot hold its entries; nothing where they can.
+[[nodiscard]] std::optional<std::string> lacks_room(const System& system,
+                                                    const GateState& of_channel,
+                                                    std::size_t gateway);
 
 /// Entries by which events of several publishers of a channel come or leave: frames do not say
 /// whose they are. Sorted.

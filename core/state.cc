@@ -102,6 +102,14 @@ GateChanges Proposal::changes(std::size_t gateway) const {
   return difference(now, core::gate_state(state_->system_, members, c, next_.verdicts, gateway));
 }
 
+std::optional<std::string> Proposal::lacks_room(std::size_t gateway) const {
+  const Members& members = state_->members_;
+  if (members.publishers_of(channel_).size() <= kMostEntries) return std::nullopt;
+  return core::lacks_room(
+      state_->system_,
+      core::gate_state(state_->system_, members, channel_, next_.verdicts, gateway), gateway);
+}
+
 void Proposal::accept() && {
   const std::size_t c = channel_;
   state_->ledger_.commit();
@@ -115,6 +123,15 @@ void Proposal::accept() && {
 }
 
 // --- the state ----------------------------------------------------------------------------------
+
+std::optional<std::string> State::lacks_room(std::size_t gateway) const {
+  for (std::size_t c = 0; c < decisions_.size(); ++c) {
+    if (members_.publishers_of(c).size() <= kMostEntries) continue;
+    if (const auto lack = core::lacks_room(system_, gate_state(gateway, c), gateway))
+      return "channel " + system_.channels[c].name + ": " + *lack;
+  }
+  return std::nullopt;
+}
 
 State::State(System system)
     : system_(sorted(std::move(system))),

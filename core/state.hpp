@@ -51,6 +51,8 @@ class Proposal {
   [[nodiscard]] std::vector<const Verdict*> verdicts() const;
   /// What the gates of a gateway would have to change.
   [[nodiscard]] GateChanges changes(std::size_t gateway) const;
+  /// See core::lacks_room(), with the newcomer.
+  [[nodiscard]] std::optional<std::string> lacks_room(std::size_t gateway) const;
 
   void accept() &&;
 
@@ -148,6 +150,8 @@ class State {
   [[nodiscard]] std::vector<Transit> transits(std::size_t gateway, std::size_t channel) const {
     return core::transits(system_, members_, decisions_[channel].verdicts, gateway);
   }
+  /// See core::lacks_room(): a channel for which there is none, and why.
+  [[nodiscard]] std::optional<std::string> lacks_room(std::size_t gateway) const;
   [[nodiscard]] GateState gate_state(std::size_t gateway, std::size_t channel) const {
     return core::gate_state(system_, members_, channel, decisions_[channel].verdicts, gateway);
   }

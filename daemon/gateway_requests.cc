@@ -65,8 +65,7 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
     meshes_.describe(state_->system());
     static_cast<void>(put_in_force(before));
   }
-  drops_.forget();
-  look_at_drops(false);
+  forget_drops();
   open_unless_lost();
   if (!done) return error(control::ErrorKind::world, last_error_);
   loaded_ = std::time(nullptr);
@@ -94,6 +93,8 @@ serve::Answer Gateway::answer(const control::Request& request, const serve::Peer
 
 Gateway::Body Gateway::answer_to(const core::Proposal& proposal, const Asked& asked,
                                  const char* to_do) const {
+  if (const auto lack = proposal.lacks_room(self_))
+    return error(control::ErrorKind::invalid, *lack);
   control::Channels out;
   for (const core::Verdict* v : proposal.verdicts())
     out.channels.push_back(channel_report(*state_, *v, {}));
@@ -158,6 +159,7 @@ Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& ask
   {
     core::Proposal proposal = state_->propose(*asked.admission);
     out = answer_to(proposal, asked, "admit");
+    if (proposal.lacks_room(self_)) return out;
     if (!proposal.fit()) {
       for (const core::Verdict* v : proposal.verdicts())
         if (!v->granted) tell_verdict(Kind::refused, *v, verdict_line(*state_, *v));
@@ -324,9 +326,7 @@ Gateway::Body Gateway::handle(const control::ModeRequest& request) {
     return error(control::ErrorKind::invalid,
                  fmt::format("there is no mode '{}': it is enforce or audit", request.mode));
   const bool audit = request.mode == "audit";
-  // What came so far is told as what became of it.
-  drops_.wake();
-  look_at_drops(true);
+  tell_all_drops();
   control_.set_mode(audit ? enforce::Mode::audit : enforce::Mode::enforce);
   const std::string line = audit ? "AUDIT MODE: nothing is dropped, everything is only counted"
                                  : "enforcing: what is not "

@@ -21,6 +21,7 @@
 
 #include "core/handle.hpp"
 #include "core/result.hpp"
+#include "core/state.hpp"
 #include "daemon/enforce/gate.hpp"
 #include "daemon/gateway.hpp"
 #include "daemon/listen.hpp"
@@ -36,9 +37,21 @@ using namespace mlcca;  // NOLINT(google-build-using-namespace): the program its
 constexpr int kFailed = 1;
 constexpr int kBadInput = 2;
 
+/// What a gate cannot hold, of any gateway.
+bool has_room(const core::System& system, const std::string& description) {
+  const core::State state(system);
+  for (std::size_t g = 0; g < system.gateways.size(); ++g)
+    if (const auto lack = state.lacks_room(g)) {
+      fmt::print(stderr, "{}: {}\n", description, *lack);
+      return false;
+    }
+  return true;
+}
+
 int check_description(const Options& options) {
   const auto system = description::read(options.description);
   if (system) {
+    if (!has_room(*system, options.description)) return kBadInput;
     fmt::print("{}: {} channels, {} networks, {} gateways, {} publishers, {} subscribers\n",
                options.description, system->channels.size(), system->networks.size(),
                system->gateways.size(), system->publishers.size(), system->subscribers.size());

@@ -310,6 +310,8 @@ std::optional<BusCounters> Ports::bus_counters(std::size_t port) {
                      traffic->sent_bytes + traffic->received_bytes};
 }
 
+static_assert(core::kMostEntries == GATE_CHAIN);
+
 std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateEntry& e, bool pass) const {
   enforce::SlotSpec slot;
   slot.direction = e.direction == core::Direction::ingress ? enforce::Direction::ingress

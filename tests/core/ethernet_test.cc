@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/control_traffic.hpp"
+#include "core/inspect.hpp"
 #include "core/medium.hpp"
 #include "core/plan.hpp"
 #include "tests/core/robot.hpp"
@@ -176,6 +177,41 @@ TEST(EthernetTest, PublishersThatShareALimitHaveTheSumOfTheirRates) {
   const auto one_second = passed(in(), 8, second) - passed(in(), 8, 0);
   EXPECT_GE(one_second, 120U);
   EXPECT_LE(one_second, 121U);
+}
+
+TEST(EthernetTest, AGateTellsEightPublishersOfASubjectApart) {
+  System system = two_on_ethernet("192.0.2.1", "192.0.2.2");
+  const auto add = [&system] {
+    Publisher p = system.publishers[0];
+    p.name = "publisher-" + std::to_string(system.publishers.size());
+    p.station = Station{system.publishers.back().station.bits + 1};
+    system.publishers.push_back(p);
+  };
+  while (system.publishers.size() < kMostEntries) add();
+  EXPECT_EQ(State(system).lacks_room(kBridge), std::nullopt);
+  EXPECT_EQ(inspect(system).channels[0].outcome, Outcome::fit);
+
+  // One more at run time, and in the description.
+  State state(system);
+  Publisher newcomer = system.publishers[0];
+  newcomer.station = *station_of("192.0.2.99");
+  {
+    const Proposal proposal = state.propose({7, 0, newcomer, {}});
+    EXPECT_TRUE(proposal.lacks_room(kBridge).value_or("").starts_with("more than 8 publishers"));
+  }
+  add();
+  const std::string lack = State(system).lacks_room(kBridge).value_or("");
+  EXPECT_EQ(
+      lack,
+      "channel emergency-switch: more than 8 publishers of it leave gateway bridge by network "
+      "mesh: a gate tells no more of one subject apart");
+  const Inspection found = inspect(system);
+  EXPECT_EQ(found.channels[0].outcome, Outcome::unfit);
+  EXPECT_NE(std::ranges::find(found.findings, FindingId::too_many, &Finding::id),
+            found.findings.end());
+  // Those that look alike are one to a gate.
+  for (Publisher& p : system.publishers) p.station = {};
+  EXPECT_EQ(State(system).lacks_room(kBridge), std::nullopt);
 }
 
 TEST(EthernetTest, BehindABusNobodySeesTheFirstAddress) {
