@@ -54,7 +54,7 @@ class Drift {
   Tell tell_;
   std::map<int, Seen> seen_;
   std::set<int> gated_;  ///< interfaces that had a gate, those that are gone too
-  DropWatch told_past_;
+  DropWatch<std::string> told_past_;
 };
 
 }  // namespace mlcca

@@ -8,33 +8,59 @@
 
 namespace mlcca {
 
-/// "3 frames dropped …"; in audit mode, where nothing is, "would be dropped: 3 frames …".
-[[nodiscard]] std::string dropped_line(bool audit, std::uint64_t frames, const std::string& which);
-
-/// Remembers counters by name. Times are in seconds of any steady clock.
+/// Remembers counters by key. Times are in seconds of any steady clock.
+template <class Key>
 class DropWatch {
  public:
-  /// A subject that goes on being dropped is mentioned again after this time.
+  /// What goes on being dropped is mentioned again after this time.
   static constexpr std::int64_t kRepeat = 60;
 
-  /// Frames dropped since the last mention, if they are to be mentioned now. The first look at a
-  /// counter only remembers it: what a former daemon saw is not news.
-  std::optional<std::uint64_t> look(const std::string& name, std::uint64_t dropped,
-                                    std::int64_t now);
+  /// Frames dropped since the last mention, if they are to be mentioned now. In the first round a
+  /// counter is only remembered: what a former daemon saw is not news. Later one begins at 0, and
+  /// one that has become less has begun anew.
+  std::optional<std::uint64_t> look(const Key& key, std::uint64_t dropped, std::int64_t now) {
+    auto [it, fresh] = seen_.try_emplace(key);
+    Seen& seen = it->second;
+    seen.round = round_;
+    if (fresh && first_) seen.mentioned = dropped;
+    if (dropped < seen.mentioned) seen.mentioned = 0;
+    if (dropped == seen.mentioned || (seen.ever && now - seen.at < kRepeat)) return std::nullopt;
+    const std::uint64_t since = dropped - seen.mentioned;
+    seen = {dropped, now, true, round_};
+    return since;
+  }
+
+  /// All counters have been looked at: what was not is gone.
+  void end_round() {
+    std::erase_if(seen_, [this](const auto& entry) { return entry.second.round != round_; });
+    ++round_;
+    first_ = false;
+  }
 
   /// What was not mentioned yet is at the next look, however short ago the last mention was.
-  void wake();
+  void wake() {
+    for (auto& [key, seen] : seen_) seen.ever = false;
+  }
 
-  /// After a reload the names may mean something else.
-  void forget() { seen_.clear(); }
+  /// The next round is a first one.
+  void forget() {
+    seen_.clear();
+    first_ = true;
+  }
 
  private:
   struct Seen {
     std::uint64_t mentioned = 0;
     std::int64_t at = 0;
     bool ever = false;
+    std::uint64_t round = 0;
   };
-  std::map<std::string, Seen> seen_;
+  std::map<Key, Seen> seen_;
+  std::uint64_t round_ = 0;
+  bool first_ = true;
 };
+
+/// "3 frames dropped of x"; in audit mode what would be.
+std::string dropped_line(bool audit, std::uint64_t frames, const std::string& which);
 
 }  // namespace mlcca

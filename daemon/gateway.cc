@@ -154,6 +154,8 @@ std::optional<StartError> Gateway::start() {
   meshes_.describe(state_->system());
   meshes_.await_first_reports(kFirstReports);
   if (const auto done = put_in_force(before); !done) tell(Kind::trouble, 3, done.error().text);
+  if (const auto lack = state_->lacks_room(self_))
+    return give_up({options_.description + ": " + *lack}, true);
 
   auto events = enforce::EventReader::open(control_.events_fd(),
                                            {[this](const gate_event& event) { hear(event); },
@@ -163,7 +165,7 @@ std::optional<StartError> Gateway::start() {
   control_.beat(monotonic_ns());
   if (const auto armed = control_.arm(); !armed) return give_up({armed.error().text}, false);
   if (control_.lapsed()) control_.clear_lapse(monotonic_ns());
-  look_at_drops(false);  // what a former daemon has seen is not news
+  forget_drops();  // what a former daemon has seen is not news
   open_unless_lost();
   tell(Kind::started, 5, "started: " + summary());
   if (control_.mode() == enforce::Mode::audit)

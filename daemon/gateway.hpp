@@ -166,6 +166,10 @@ class Gateway {
   void add_can_rules(control::Routes& to);
   void open_unless_lost();
   void look_at_drops(bool mention);
+  void look_at_some_drops();
+  void look_at_unknown(bool mention);
+  void tell_all_drops();
+  void forget_drops();
   void hear(const gate_event& event);
   void hear(const gate_sample& sample);
   void tell_missing_again(const core::Verdict& verdict);
@@ -180,7 +184,7 @@ class Gateway {
   /// Of frames of these verdicts, whose publishers look alike where there are several.
   void tell_excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames);
   void tell_dropped(const core::Verdict& verdict, std::uint64_t frames);
-  void look_at_drops_of(const core::Decision& decision, std::int64_t now, bool mention);
+  void look_at_drops_of(const core::Decision& decision, bool mention);
   void tell_changes(const std::vector<core::Change>& changes);
   void tell_verdict(Kind kind, const core::Verdict& verdict, const std::string& line);
   [[nodiscard]] std::vector<core::AdmissionId> admissions_of(const core::Verdict& verdict) const;
@@ -215,7 +219,11 @@ class Gateway {
   std::optional<store::History> history_;
   std::unique_ptr<core::State> state_;
   std::size_t self_ = 0;
-  DropWatch drops_;
+  /// Why frames of an entry are dropped, as far as that is told apart.
+  enum class Drop : std::uint8_t { misfit, excess };
+  DropWatch<std::pair<core::GateEntry, Drop>> drops_;
+  DropWatch<std::size_t> unknown_;  ///< by port
+  std::size_t looked_at_ = 0;       ///< channel at which the next look at drops begins
   Publish publish_;
   Committed committed_;
   std::time_t started_ = 0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What the gateway looks at by itself, once a second, and what it tells of all that happens.
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 #include <linux/can.h>
 
 #include <algorithm>
@@ -50,7 +49,7 @@ void Gateway::look_around() {
   end_leases();
   measure_buses();
   forwarder_.look();
-  look_at_drops(true);
+  look_at_some_drops();
   ports_.look_for_bypass(static_cast<std::int64_t>(monotonic_ns() / kSecond));
   if (!history_) return;
   history_->flush(unix_ns());
@@ -173,82 +172,18 @@ std::vector<core::Heard> Gateway::heard_on(std::size_t port) {
   return refused;
 }
 
-/// Of each entry once, with the first of the verdicts whose events come or leave by it; granted
-/// ones before others.
-void Gateway::look_at_drops_of(const core::Decision& decision, std::int64_t now, bool mention) {
-  std::vector<const core::Verdict*> verdicts;
-  for (const core::Verdict& v : decision.verdicts) verdicts.push_back(&v);
-  std::ranges::stable_partition(verdicts, &core::Verdict::granted);
-  std::map<core::GateEntry, std::vector<const core::Verdict*>> users;
-  std::map<const core::Verdict*, core::GateState> first_to_use;
-  for (const core::Verdict* v : verdicts)
-    for (const core::GateRule& rule :
-         core::gate_state(state_->system(), state_->members(), *v, self_)) {
-      auto& of_entry = users[rule.entry];
-      if (of_entry.empty()) first_to_use[v].push_back(rule);
-      of_entry.push_back(v);
-    }
-  for (const core::Verdict* v : verdicts) {
-    const core::GateState& rules = first_to_use[v];
-    const Frames frames = ports_.frames(rules);
-    const std::string name = state_->system().channels[v->channel].name + " " +
-                             state_->members().publisher(v->publisher).name + " " +
-                             core::name_of(state_->system(), v->to);
-    if (const auto excess = drops_.look(name + " excess", frames.excess, now); excess && mention) {
-      std::vector<const core::Verdict*> who{v};
-      for (const core::GateRule& rule : rules)
-        if (rule.policing.any()) std::ranges::copy(users[rule.entry], std::back_inserter(who));
-      tell_excess(who, *excess);
-    }
-    if (const auto dropped = drops_.look(name, frames.dropped - frames.excess_dropped, now);
-        dropped && mention)
-      tell_dropped(*v, *dropped);
-  }
-}
-
-void Gateway::tell_dropped(const core::Verdict& v, std::uint64_t frames) {
-  const core::EventChannel& c = state_->system().channels[v.channel];
-  const core::Publisher& publisher = state_->members().publisher(v.publisher);
-  const std::string which = v.granted ? fmt::format("that named {} ({}) and differ from the grant",
-                                                    c.name, core::format_subject(c.subject))
-                                      : "of " + verdict_line(*state_, v);
-  tell({Kind::dropping,
-        4,
-        dropped_line(control_.mode() == enforce::Mode::audit, frames, which),
-        c.subject,
-        c.name,
-        core::name_of(state_->system(), publisher.place),
-        {},
-        {}});
-}
-
-void Gateway::look_at_drops(bool mention) {
-  const auto now = static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000);
-  const bool audit = control_.mode() == enforce::Mode::audit;
-  for (const core::Decision& decision : state_->decisions())
-    look_at_drops_of(decision, now, mention);
-  for (std::size_t p = 0; p < ports_.size(); ++p) {
-    const auto dropped = drops_.look("unknown " + std::to_string(p), ports_.unknown_frames(p), now);
-    if (dropped && mention)
-      tell(Kind::dropping, 4,
-           dropped_line(audit, *dropped,
-                        fmt::format("without a known subject on {} ({})", ports_.interface_name(p),
-                                    ports_.network_of(p))),
-           ports_.network_of(p));
-  }
-}
-
 void Gateway::events_came() {
   if (const auto read = events_->read(); !read) tell(Kind::trouble, 3, read.error().text);
 }
 
 /// Of a slot that was given to another grant meanwhile it concerns nobody any more.
 void Gateway::hear(const gate_event& event) {
-  for (const core::Decision& decision : state_->decisions())
-    for (const core::Verdict& v : decision.verdicts)
-      if (v.granted && state_->system().channels[v.channel].subject == event.subject &&
-          ports_.is_of(event, core::gate_state(state_->system(), state_->members(), v, self_)))
-        tell_heard(v, event);
+  const auto channel = state_->find_channel(core::format_subject(event.subject));
+  if (!channel) return;
+  for (const core::Verdict& v : state_->decisions()[*channel].verdicts)
+    if (v.granted &&
+        ports_.is_of(event, core::gate_state(state_->system(), state_->members(), v, self_)))
+      tell_heard(v, event);
 }
 
 /// A stranger that was not heard before; the kernel sees to it that there are not too many.
@@ -317,30 +252,6 @@ void Gateway::tell_verdict(Kind kind, const core::Verdict& v, const std::string&
         core::name_of(state_->system(), v.to),
         core::name_of(state_->system(), state_->members().publisher(v.publisher).place),
         admissions_of(v)});
-}
-
-/// The owner of the publisher hears of it, as does everybody who watches.
-void Gateway::tell_excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames) {
-  const core::Verdict& first = *verdicts.front();
-  const core::EventChannel& channel = state_->system().channels[first.channel];
-  std::vector<std::string> who;
-  std::vector<core::AdmissionId> ids;
-  for (const core::Verdict* v : verdicts) {
-    const std::string& name = state_->members().publisher(v->publisher).name;
-    if (std::ranges::find(who, name) == who.end()) who.push_back(name);
-    for (const core::AdmissionId id : admissions_of(*v))
-      if (std::ranges::find(ids, id) == ids.end()) ids.push_back(id);
-  }
-  const core::Publisher& publisher = state_->members().publisher(first.publisher);
-  const AttributeSet& said = core::attributes_in(publisher, first.set);
-  const Attribute what = said.has(Attribute::period) ? Attribute::period : Attribute::bandwidth;
-  tell({Kind::excess, 4,
-        fmt::format("{} sent {} frames of {} ({}) more than was admitted: {} said {} {}",
-                    fmt::join(who, " or "), frames, channel.name,
-                    core::format_subject(channel.subject), who.size() > 1 ? who.front() : "it",
-                    info(what).name, core::format_value(what, said[what])),
-        channel.subject, channel.name, core::name_of(state_->system(), first.to),
-        core::name_of(state_->system(), publisher.place), ids});
 }
 
 /// Whoever holds the publisher or a subscriber hears of it.

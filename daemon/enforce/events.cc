@@ -17,18 +17,6 @@ namespace {
 static_assert(offsetof(gate_event, kind) == 0 && offsetof(gate_sample, kind) == 0 &&
               sizeof(gate_event) == sizeof(gate_sample));
 
-/// Records of another size are of no gate that we know.
-int take_record(void* context, void* data, std::size_t size) {
-  const auto& take = *static_cast<const EventReader::Take*>(context);
-  if (size != sizeof(gate_event)) return 0;
-  const auto& event = *static_cast<const gate_event*>(data);
-  if (event.kind == GATE_E_UNKNOWN)
-    take.sample(*static_cast<const gate_sample*>(data));
-  else
-    take.event(event);
-  return 0;
-}
-
 }  // namespace
 
 void free_ring(ring_buffer* ring) { ring_buffer__free(ring); }
@@ -46,8 +34,22 @@ Result<Fd> open_event_ring(const std::string& pin_path) {
   return there;
 }
 
+/// Records of another size are of no gate that we know. What is negative ends the reading, behind
+/// this record.
+int EventReader::take_record(void* context, void* data, std::size_t size) {
+  auto& turn = *static_cast<Turn*>(context);
+  const int more = ++turn.taken < kAtOnce ? 0 : -EAGAIN;
+  if (size != sizeof(gate_event)) return more;
+  const auto& event = *static_cast<const gate_event*>(data);
+  if (event.kind == GATE_E_UNKNOWN)
+    turn.take.sample(*static_cast<const gate_sample*>(data));
+  else
+    turn.take.event(event);
+  return more;
+}
+
 Result<EventReader> EventReader::open(int ring, Take take) {
-  auto owned = std::make_unique<Take>(std::move(take));
+  auto owned = std::make_unique<Turn>(std::move(take));
   Ring reader(ring_buffer__new(ring, take_record, owned.get(), nullptr));
   if (!reader) return failure("read the ring of events", errno);
   return EventReader(std::move(reader), std::move(owned));
@@ -56,7 +58,8 @@ Result<EventReader> EventReader::open(int ring, Take take) {
 int EventReader::fd() const { return ring_buffer__epoll_fd(ring_.get()); }
 
 Result<void> EventReader::read() {
-  if (const int taken = ring_buffer__consume(ring_.get()); taken < 0)
+  turn_->taken = 0;
+  if (const int taken = ring_buffer__consume(ring_.get()); taken < 0 && taken != -EAGAIN)
     return failure("read the ring of events", taken);
   return {};
 }

@@ -31,14 +31,22 @@ class EventReader {
 
   /// Readable when there are events.
   [[nodiscard]] int fd() const;
-  /// Takes all that is there.
+  /// Events that one read() takes: the reader has other things to do between two.
+  static constexpr int kAtOnce = 64;
+  /// Takes what is there, kAtOnce at most.
   Result<void> read();
 
  private:
+  struct Turn {
+    Take take;
+    int taken = 0;
+  };
   using Ring = std::unique_ptr<ring_buffer, FreeWith<free_ring>>;
-  EventReader(Ring ring, std::unique_ptr<Take> take)
-      : take_(std::move(take)), ring_(std::move(ring)) {}
-  std::unique_ptr<Take> take_;  ///< the ring holds its address
+  EventReader(Ring ring, std::unique_ptr<Turn> turn)
+      : turn_(std::move(turn)), ring_(std::move(ring)) {}
+  static int take_record(void* turn, void* data, std::size_t size);
+
+  std::unique_ptr<Turn> turn_;  ///< the ring holds its address
   Ring ring_;
 };
 

@@ -7,7 +7,7 @@ namespace mlcca {
 namespace {
 
 TEST(DropWatch, MentionsWhatIsNewAndNotTooOften) {
-  DropWatch watch;
+  DropWatch<std::string> watch;
   EXPECT_EQ(watch.look("a", 5, 0), std::nullopt) << "of a daemon before this one";
   EXPECT_EQ(watch.look("a", 7, 1), 2U);
   EXPECT_EQ(watch.look("a", 9, 60), std::nullopt);
@@ -15,8 +15,26 @@ TEST(DropWatch, MentionsWhatIsNewAndNotTooOften) {
   EXPECT_EQ(watch.look("a", 9, 200), std::nullopt);
 }
 
+TEST(DropWatch, WhatComesLaterBeginsAtNothing) {
+  DropWatch<std::string> watch;
+  watch.look("a", 5, 0);
+  watch.end_round();
+  EXPECT_EQ(watch.look("b", 3, 1), 3U) << "was not there before";
+  EXPECT_EQ(watch.look("a", 2, 1), 2U) << "has begun anew";
+}
+
+TEST(DropWatch, WhatIsGoneForARoundIsForgotten) {
+  DropWatch<std::string> watch;
+  watch.look("a", 5, 0);
+  watch.end_round();
+  watch.end_round();
+  EXPECT_EQ(watch.look("a", 5, 1), 5U);
+  watch.forget();
+  EXPECT_EQ(watch.look("a", 9, 2), std::nullopt);
+}
+
 TEST(DropWatch, AwakeItMentionsTheRestAtOnce) {
-  DropWatch watch;
+  DropWatch<std::string> watch;
   watch.look("a", 0, 0);
   watch.look("b", 0, 0);
   EXPECT_EQ(watch.look("a", 1, 1), 1U);

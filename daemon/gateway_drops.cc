@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the gates drop, and who hears of it.
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/text.hpp"
+#include "daemon/clock.hpp"
+#include "daemon/gateway.hpp"
+#include "daemon/report.hpp"
+
+namespace mlcca {
+namespace {
+
+/// Channels that are looked at each second: the daemon has other things to do.
+constexpr std::size_t kLookedAt = 8192;
+
+std::int64_t seconds() { return static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000); }
+
+}  // namespace
+
+void Gateway::look_at_drops(bool mention) {
+  for (const core::Decision& decision : state_->decisions()) look_at_drops_of(decision, mention);
+  look_at_unknown(mention);
+  drops_.end_round();
+  looked_at_ = 0;
+}
+
+/// The next ones each time; of all that are refused somebody hears within a round.
+void Gateway::look_at_some_drops() {
+  const auto& all = state_->decisions();
+  const std::size_t from = std::min(looked_at_, all.size());
+  const std::size_t end = std::min(from + kLookedAt, all.size());
+  for (std::size_t c = from; c < end; ++c) look_at_drops_of(all[c], true);
+  looked_at_ = end < all.size() ? end : 0;
+  if (looked_at_ == 0) drops_.end_round();
+  look_at_unknown(true);
+}
+
+/// Of each entry once, with the first of the verdicts whose events come or leave by it; granted
+/// ones before others.
+void Gateway::look_at_drops_of(const core::Decision& decision, bool mention) {
+  std::vector<const core::Verdict*> verdicts;
+  verdicts.reserve(decision.verdicts.size());
+  for (const core::Verdict& v : decision.verdicts) verdicts.push_back(&v);
+  std::ranges::stable_partition(verdicts, &core::Verdict::granted);
+  std::map<core::GateEntry, std::vector<const core::Verdict*>> users;
+  std::map<const core::Verdict*, core::GateState> first_to_use;
+  for (const core::Verdict* v : verdicts)
+    for (const core::GateRule& rule :
+         core::gate_state(state_->system(), state_->members(), *v, self_)) {
+      auto& of_entry = users[rule.entry];
+      if (of_entry.empty()) first_to_use[v].push_back(rule);
+      of_entry.push_back(v);
+    }
+  const std::int64_t now = seconds();
+  for (const auto& [v, rules] : first_to_use) {
+    std::uint64_t dropped = 0;
+    for (const core::GateRule& rule : rules) {
+      const Frames frames = ports_.frames({rule});
+      const auto excess = drops_.look({rule.entry, Drop::excess}, frames.excess, now);
+      if (excess && mention) tell_excess(users[rule.entry], *excess);
+      dropped +=
+          drops_.look({rule.entry, Drop::misfit}, frames.dropped - frames.excess_dropped, now)
+              .value_or(0);
+    }
+    if (dropped != 0 && mention) tell_dropped(*v, dropped);
+  }
+}
+
+void Gateway::look_at_unknown(bool mention) {
+  for (std::size_t p = 0; p < ports_.size(); ++p) {
+    const auto dropped = unknown_.look(p, ports_.unknown_frames(p), seconds());
+    if (dropped && mention)
+      tell(Kind::dropping, 4,
+           dropped_line(control_.mode() == enforce::Mode::audit, *dropped,
+                        fmt::format("without a known subject on {} ({})", ports_.interface_name(p),
+                                    ports_.network_of(p))),
+           ports_.network_of(p));
+  }
+  unknown_.end_round();
+}
+
+/// What came so far is told as what became of it.
+void Gateway::tell_all_drops() {
+  drops_.wake();
+  unknown_.wake();
+  look_at_drops(true);
+}
+
+/// What is counted now was told, or is by a name that may mean something else.
+void Gateway::forget_drops() {
+  drops_.forget();
+  unknown_.forget();
+  look_at_drops(false);
+}
+
+void Gateway::tell_dropped(const core::Verdict& v, std::uint64_t frames) {
+  const core::EventChannel& c = state_->system().channels[v.channel];
+  const core::Publisher& publisher = state_->members().publisher(v.publisher);
+  const std::string which = v.granted ? fmt::format("that named {} ({}) and differ from the grant",
+                                                    c.name, core::format_subject(c.subject))
+                                      : "of " + verdict_line(*state_, v);
+  tell({Kind::dropping,
+        4,
+        dropped_line(control_.mode() == enforce::Mode::audit, frames, which),
+        c.subject,
+        c.name,
+        core::name_of(state_->system(), publisher.place),
+        {},
+        {}});
+}
+
+/// The owner of the publisher hears of it, as does everybody who watches.
+void Gateway::tell_excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames) {
+  const core::Verdict& first = *verdicts.front();
+  const core::EventChannel& channel = state_->system().channels[first.channel];
+  std::vector<std::string> who;
+  std::vector<core::AdmissionId> ids;
+  for (const core::Verdict* v : verdicts) {
+    const std::string& name = state_->members().publisher(v->publisher).name;
+    if (std::ranges::find(who, name) == who.end()) who.push_back(name);
+    for (const core::AdmissionId id : admissions_of(*v))
+      if (std::ranges::find(ids, id) == ids.end()) ids.push_back(id);
+  }
+  const core::Publisher& publisher = state_->members().publisher(first.publisher);
+  const AttributeSet& said = core::attributes_in(publisher, first.set);
+  const Attribute what = said.has(Attribute::period) ? Attribute::period : Attribute::bandwidth;
+  tell({Kind::excess, 4,
+        fmt::format("{} sent {} frames of {} ({}) more than was admitted: {} said {} {}",
+                    fmt::join(who, " or "), frames, channel.name,
+                    core::format_subject(channel.subject), who.size() > 1 ? who.front() : "it",
+                    info(what).name, core::format_value(what, said[what])),
+        channel.subject, channel.name, core::name_of(state_->system(), first.to),
+        core::name_of(state_->system(), publisher.place), ids});
+}
+
+}  // namespace mlcca
