@@ -107,6 +107,26 @@ static __always_inline int drop(struct ether_cpu *cpu, __u32 direction, __u32 sl
 	return READ_ONCE(control.mode) == GATE_AUDIT ? TC_ACT_UNSPEC : TC_ACT_SHOT;
 }
 
+/*
+ * The same of what carries an event, or may. What ingress has refused in audit mode is marked, so
+ * that it is counted once; what is left of it at egress is what ingress has told.
+ */
+static __always_inline int refuse(struct __sk_buff *skb, struct ether_cpu *cpu, __u32 direction,
+				  __u32 slot, __u32 reason, const struct event *e)
+{
+	int action;
+
+	if (direction == GATE_EGRESS && e->mark == gate_refused_token(control.token) &&
+	    READ_ONCE(control.mode) == GATE_AUDIT) {
+		count_reason(cpu, GATE_EGRESS, GATE_R_ECHO);
+		return TC_ACT_UNSPEC;
+	}
+	action = drop(cpu, direction, slot, reason, e);
+	if (direction == GATE_INGRESS && action == TC_ACT_UNSPEC)
+		skb->mark = gate_refused_token(control.token);
+	return action;
+}
+
 /* Of a first fragment: an identification that is in use for something else says nothing. */
 static __always_inline __u32 judge_first(const struct event *e, void *others)
 {
@@ -132,18 +152,20 @@ static __always_inline int filter_event(struct __sk_buff *skb, struct ether_cpu 
 {
 	struct decision d = judge(skb, direction, e, from);
 
-	if (d.reason == GATE_R_PASSED && !admit(cpu, direction, d.slot, e))
-		d.reason = GATE_R_EXCESS;
-	if (d.reason != GATE_R_PASSED) {
-		if (e->more && d.reason != GATE_R_FRAGMENT)
-			bpf_map_delete_elem(&fragments, &e->key);
-		return drop(cpu, direction, d.slot, d.reason, e);
-	}
-	if (e->more)
-		remember(&fragments, e, d.slot);
-	if (direction == GATE_INGRESS)
+	bool granted = d.reason == GATE_R_PASSED;
+
+	/* In audit mode what is too much goes on as what it is. */
+	if (granted && direction == GATE_INGRESS)
 		skb->mark = gate_ingress_token(control.token, ifindex, e->subject);
-	return TC_ACT_UNSPEC;
+	if (granted && admit(cpu, direction, d.slot, e)) {
+		if (e->more)
+			remember(&fragments, e, d.slot);
+		return TC_ACT_UNSPEC;
+	}
+	if (e->more && d.reason != GATE_R_FRAGMENT)
+		bpf_map_delete_elem(&fragments, &e->key);
+	return granted ? drop(cpu, direction, d.slot, GATE_R_EXCESS, e)
+		       : refuse(skb, cpu, direction, d.slot, d.reason, e);
 }
 
 /* The mark of the datagram that a fragment belongs to. */
@@ -191,8 +213,8 @@ static __always_inline int filter(struct __sk_buff *skb, __u32 direction)
 	/* No token leaves the machine or the namespace. */
 	skb->mark = 0;
 	if (nature != EVENT)
-		return drop(cpu, direction, direction,
-			    nature == OPAQUE ? GATE_R_OPAQUE : GATE_R_MALFORMED, &e);
+		return refuse(skb, cpu, direction, direction,
+			      nature == OPAQUE ? GATE_R_OPAQUE : GATE_R_MALFORMED, &e);
 	return filter_event(skb, cpu, direction, &e, &from);
 
 foreign:

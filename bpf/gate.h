@@ -134,8 +134,8 @@ enum gate_reason {
 	GATE_R_MALFORMED,   /* not a CAN, CAN FD or CAN XL frame */
 	GATE_R_CLOSED,	    /* gate closed: stopped, starting, or the daemon's heart-beat lapsed */
 	/*
-	 * Not a drop: echo of a frame that left here, let through at ingress; on CAN in audit mode
-	 * also what ingress has refused and counted, let out.
+	 * Not a drop: echo of a frame that left here, let through at ingress; in audit mode also
+	 * what ingress has refused and counted, let out.
 	 */
 	GATE_R_ECHO,
 	GATE_R_ERROR_IN, /* not a drop: error frame let through at ingress */

@@ -331,6 +331,31 @@ TEST_P(EtherFrames, FateInTheDriver) {
   }
 }
 
+TEST(EtherAudit, WhatIngressRefusesIsCountedOnce) {
+  LoadedEther& gate = LoadedEther::with();
+  gate.admit({denied(in()), denied(from(kIfindex))});
+  gate.control().mode = GATE_AUDIT;
+  const Outcome in_ = gate.run(kIn, packet(), kWire);
+  EXPECT_FALSE(in_.dropped);
+  EXPECT_FALSE(gate.run(kOut, packet(), {.mark = in_.mark, .ingress_ifindex = kIfindex}).dropped);
+  EXPECT_EQ(gate.reasons(kIn).at(GATE_R_DENIED), 1U);
+  EXPECT_EQ(gate.reasons(kOut).at(GATE_R_ECHO), 1U);
+  EXPECT_EQ(gate.counted(denied(from(kIfindex))).dropped, 0U);
+  gate.control().mode = GATE_ENFORCE;
+  EXPECT_TRUE(gate.run(kOut, packet(), {.mark = in_.mark, .ingress_ifindex = kIfindex}).dropped)
+      << "a mark opens nothing";
+}
+
+TEST(EtherAudit, WhatIsTooMuchGoesOnAsWhatItIs) {
+  const auto policed = with(in(), [](SlotSpec& s) { s.per_frame = 3'600'000'000'000; });
+  LoadedEther& gate = LoadedEther::with();
+  gate.admit({policed});
+  gate.control().mode = GATE_AUDIT;
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ(gate.run(kIn, packet(), kWire), (Outcome{.dropped = false, .mark = kAdmitted}));
+  EXPECT_EQ(gate.counted(policed).excess, 2U);
+}
+
 TEST(EtherStations, OneThatBabblesTakesNothingFromAnother) {
   constexpr std::uint64_t hour = 3'600'000'000'000;
   const auto of = [](std::uint64_t station) {

@@ -196,6 +196,17 @@ Judgement EtherWorld::judge_later(Direction direction, const Seen& seen, const S
           .counts_in_slot = false};
 }
 
+/// Of what carries an event, or may: in audit mode it is told where it is refused first.
+Judgement EtherWorld::told_once(Direction direction, const Sender& sender, Judgement judged) const {
+  if (!audit || judged.reason == GATE_R_PASSED) return judged;
+  if (direction == Direction::ingress) {
+    judged.mark = gate_refused_token(kToken);
+    return judged;
+  }
+  if (sender.mark != gate_refused_token(kToken)) return judged;
+  return {.mark = 0, .reason = GATE_R_ECHO, .slot = {}};
+}
+
 Judgement EtherWorld::judge(Direction direction, const Bytes& bytes, const Sender& sender) {
   const Seen seen = look(bytes);
   switch (seen.kind) {
@@ -210,13 +221,13 @@ Judgement EtherWorld::judge(Direction direction, const Bytes& bytes, const Sende
     case Kind::later:
       return judge_later(direction, seen, sender);
     case Kind::malformed:
-      return refused(GATE_R_MALFORMED, {}, 0);
+      return told_once(direction, sender, refused(GATE_R_MALFORMED, {}, 0));
     case Kind::opaque:
-      return refused(GATE_R_OPAQUE, {}, 0);
+      return told_once(direction, sender, refused(GATE_R_OPAQUE, {}, 0));
     case Kind::event:
       break;
   }
-  return judge_event(direction, seen, sender);
+  return told_once(direction, sender, judge_event(direction, seen, sender));
 }
 
 std::optional<Judgement> EtherWorld::judge_early(const Bytes& bytes) const {

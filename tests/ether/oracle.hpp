@@ -63,6 +63,8 @@ class EtherWorld {
   Judgement judge_later(enforce::Direction direction, const Seen& seen, const Sender& sender);
   [[nodiscard]] std::pair<gate_reason, std::optional<std::size_t>> decide(
       enforce::Direction direction, const Seen& seen, const Sender& sender) const;
+  [[nodiscard]] Judgement told_once(enforce::Direction direction, const Sender& sender,
+                                    Judgement judged) const;
   [[nodiscard]] Judgement refused(gate_reason reason, std::optional<std::size_t> slot,
                                   std::optional<std::uint32_t> mark) const;
 

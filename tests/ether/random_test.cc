@@ -124,6 +124,8 @@ Sender random_sender(Random& random) {
   if (random.chance(2))
     s.mark = gate_ingress_token(kToken, random.of<std::uint32_t>({kOther, kIfindex}),
                                 kSubjects.at(random.below(kSubjects.size())));
+  else if (random.chance(4))
+    s.mark = gate_refused_token(kToken);
   return s;
 }
 
