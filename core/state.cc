@@ -301,7 +301,7 @@ void State::decide(const std::map<std::size_t, Grants>& before) {
 GateChanges State::gate_changes(const std::vector<Change>& changes, std::size_t gateway,
                                 const FormerRules& left) const {
   GateState before;
-  GateState now;
+  GateState after;
   const auto append = [](GateState& to, const GateState& rules) {
     to.insert(to.end(), rules.begin(), rules.end());
   };
@@ -311,11 +311,11 @@ GateChanges State::gate_changes(const std::vector<Change>& changes, std::size_t 
     append(before, known != left.end()
                        ? known->second
                        : core::gate_state(system_, members_, c, change.before.verdicts, gateway));
-    append(now, gate_state(gateway, c));
+    append(after, gate_state(gateway, c));
   }
   std::ranges::sort(before, {}, &GateRule::entry);
-  std::ranges::sort(now, {}, &GateRule::entry);
-  return difference(before, now);
+  std::ranges::sort(after, {}, &GateRule::entry);
+  return difference(before, after);
 }
 
 // --- names --------------------------------------------------------------------------------------

@@ -60,6 +60,7 @@ Gateway::Body Gateway::handle(const control::ChannelsRequest&) {
   control::Channels out;
   for (const core::Decision& decision : state_->decisions()) {
     std::vector<const core::Verdict*> all;
+    all.reserve(decision.verdicts.size());
     for (const core::Verdict& v : decision.verdicts) all.push_back(&v);
     std::ranges::move(report(all), std::back_inserter(out.channels));
   }

@@ -44,7 +44,7 @@ class EventReader {
   using Ring = std::unique_ptr<ring_buffer, FreeWith<free_ring>>;
   EventReader(Ring ring, std::unique_ptr<Turn> turn)
       : turn_(std::move(turn)), ring_(std::move(ring)) {}
-  static int take_record(void* turn, void* data, std::size_t size);
+  static int take_record(void* context, void* data, std::size_t size);
 
   std::unique_ptr<Turn> turn_;  ///< the ring holds its address
   Ring ring_;
