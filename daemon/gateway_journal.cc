@@ -89,8 +89,11 @@ void Gateway::note_granted(const std::string& subject, const std::string& text) 
 void Gateway::note_ports() {
   auto gone = stored().gated;
   std::vector<store::Gated> news;
-  for (const control::Interface& port : ports_.report()) {
-    if (!port.gated) continue;
+  const auto report = ports_.report();
+  for (std::size_t p = 0; p < report.size(); ++p) {
+    // A gate that somebody has detached is put back: it is the port's as before.
+    if (ports_.gate(p) == nullptr) continue;
+    const control::Interface& port = report[p];
     const store::Gated now{port.identity, port.network, port.name, port.ifindex};
     const auto known = gone.extract(port.identity);
     if (known.empty() || known.mapped() != now) news.push_back(now);
