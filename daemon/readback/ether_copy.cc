@@ -22,14 +22,14 @@ namespace {
 
 using enforce::failure;
 
-/// Of IPv4 alone, it stands behind the gate: made as a program of `uid` would.
-Result<Fd> packet_socket(int ifindex, std::uint32_t uid = 0) {
+/// Of one ethertype alone, it stands behind the gate: made as a program of `uid` would.
+Result<Fd> packet_socket(int ifindex, std::uint16_t ethertype, std::uint32_t uid = 0) {
   setfsuid(uid);
   Fd fd(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   setfsuid(0);
   sockaddr_ll address{};
   address.sll_family = AF_PACKET;
-  address.sll_protocol = htons(ETH_P_IP);
+  address.sll_protocol = htons(ethertype);
   address.sll_ifindex = ifindex;
   if (!fd || ::bind(fd.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
     return failure("a packet socket", errno);
@@ -69,12 +69,19 @@ Result<void> copy_table(const enforce::EtherPinned& from, const enforce::EtherPi
 
 }  // namespace
 
-EtherCopy::EtherCopy(const enforce::GateReading& gate, enforce::EtherGate copy, Fd near, Fd far)
+EtherCopy::EtherCopy(const enforce::GateReading& gate, enforce::EtherGate copy, Ends ip, Ends awds)
     : gate_(std::move(copy)),
       near_index_(static_cast<int>(gate.ifindex)),
-      near_(std::move(near)),
-      far_(std::move(far)),
+      ip_(std::move(ip)),
+      awds_(std::move(awds)),
       probes_(gate) {}
+
+Result<EtherCopy::Ends> EtherCopy::open_ends(int near, int far, std::uint16_t ethertype) {
+  auto at_gate = packet_socket(near, ethertype);
+  auto on_wire = packet_socket(far, ethertype);
+  if (!at_gate || !on_wire) return std::unexpected((at_gate ? on_wire : at_gate).error());
+  return Ends{std::move(*at_gate), std::move(*on_wire)};
+}
 
 Result<EtherCopy> EtherCopy::make(const enforce::GateReading& gate, const Original& original,
                                   const enforce::Control& control) {
@@ -90,16 +97,16 @@ Result<EtherCopy> EtherCopy::make(const enforce::GateReading& gate, const Origin
   config.name = gate.interface;
   config.slots = original.ether->sizes.slots - ETHER_FIRST_SLOT;
   auto copy = enforce::EtherGate::attach(config, control);
-  auto near = packet_socket(near_index);
-  auto far = packet_socket(far_index);
+  auto ip = open_ends(near_index, far_index, ETH_P_IP);
+  auto awds = open_ends(near_index, far_index, ETHER_P_AWDS);
   if (!copy) return std::unexpected(copy.error());
-  if (!near || !far) return std::unexpected((near ? far : near).error());
+  if (!ip || !awds) return std::unexpected((ip ? awds : ip).error());
   const Original own(enforce::gate_directory(control.directory(), gate.ifindex));
   if (!own.ether) return fail("its copy has no maps");
   if (auto copied = copy_table(*original.ether, *own.ether); !copied)
     return std::unexpected(copied.error());
   if (own.tags != original.tags) return fail(kOtherVersion);
-  return EtherCopy(gate, std::move(*copy), std::move(*near), std::move(*far));
+  return EtherCopy(gate, std::move(*copy), std::move(*ip), std::move(*awds));
 }
 
 void EtherCopy::run(bool closed, Trial& trial) const {
@@ -116,14 +123,16 @@ void EtherCopy::run(bool closed, Trial& trial) const {
 
 /// What leaves goes by the socket of its user, what comes in by the far end.
 Result<Fate> EtherCopy::fate(const EtherProbe& probe) const {
+  const std::uint16_t ethertype = ethertype_of(probe);
+  const Ends& ends = ethertype == ETHER_P_AWDS ? awds_ : ip_;
   Fd program;
   if (probe.out) {
-    auto made = packet_socket(near_index_, probe.uid);
+    auto made = packet_socket(near_index_, ethertype, probe.uid);
     if (!made) return std::unexpected(made.error());
     program = std::move(*made);
   }
-  const Fd& from = probe.out ? program : far_;
-  const Fd& to = probe.out ? far_ : near_;
+  const Fd& from = probe.out ? program : ends.far;
+  const Fd& to = probe.out ? ends.far : ends.near;
   const auto frame = frame_of(probe);
   const auto send = [&] {
     // An error is a drop by the gate: its counter tells.

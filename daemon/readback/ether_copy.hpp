@@ -23,13 +23,20 @@ class EtherCopy {
   void run(bool closed, Trial& trial) const;
 
  private:
-  EtherCopy(const enforce::GateReading& gate, enforce::EtherGate copy, Fd near, Fd far);
+  /// What has passed the gate from the wire, and the wire.
+  struct Ends {
+    Fd near;
+    Fd far;
+  };
+
+  EtherCopy(const enforce::GateReading& gate, enforce::EtherGate copy, Ends ip, Ends awds);
+  static Result<Ends> open_ends(int near, int far, std::uint16_t ethertype);
   [[nodiscard]] Result<Fate> fate(const EtherProbe& probe) const;
 
   enforce::EtherGate gate_;
   int near_index_;
-  Fd near_;  ///< what has passed the gate from the wire
-  Fd far_;   ///< the wire
+  Ends ip_;
+  Ends awds_;
   EtherProbes probes_;
 };
 

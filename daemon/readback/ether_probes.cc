@@ -103,18 +103,22 @@ std::string to_text(const EtherProbe& probe) {
                                : "from " + core::to_text(core::Station{probe.station}));
 }
 
+std::uint16_t ethertype_of(const EtherProbe& probe) {
+  return (probe.station & ETHER_MAC) != 0 ? ETHER_P_AWDS : ETH_P_IP;
+}
+
 namespace {
 
 /// To a group address, from a made-up station of the link.
-std::vector<std::uint8_t> link_header(std::uint16_t ethertype) {
+std::vector<std::uint8_t> link_header(const EtherProbe& probe) {
   std::vector<std::uint8_t> frame{0x01, 0x00, 0x5e, 0x4d, 0x4c, 0x43, 0x02, 0, 0, 0, 0, 0x01};
-  put(frame, ethertype, 2);
+  put(frame, ethertype_of(probe), 2);
   return frame;
 }
 
 /// A flood of the mesh with an event of its own in it.
 std::vector<std::uint8_t> awds_packet(const EtherProbe& probe) {
-  auto frame = link_header(ETHER_P_AWDS);
+  auto frame = link_header(probe);
   put(frame, ETHER_AWDS_FLOOD, 1);
   put(frame, probe.station, 6);
   put(frame, 0, 2);              // sequence
@@ -131,7 +135,7 @@ std::vector<std::uint8_t> awds_packet(const EtherProbe& probe) {
 std::vector<std::uint8_t> datagram(const EtherProbe& probe) {
   constexpr unsigned ip_header = 20;
   const unsigned udp = ETHER_UDP_HEADER + ETHER_EVENT_HEADER + probe.payload;
-  auto frame = link_header(ETH_P_IP);
+  auto frame = link_header(probe);
   put(frame, 0x4500, 2);
   put(frame, ip_header + udp, 2);
   put(frame, 0x00004000, 4);  // not to be fragmented
@@ -151,7 +155,7 @@ std::vector<std::uint8_t> datagram(const EtherProbe& probe) {
 }  // namespace
 
 std::vector<std::uint8_t> frame_of(const EtherProbe& probe) {
-  auto frame = (probe.station & ETHER_MAC) != 0 ? awds_packet(probe) : datagram(probe);
+  auto frame = ethertype_of(probe) == ETHER_P_AWDS ? awds_packet(probe) : datagram(probe);
   frame.resize(frame.size() + probe.payload);
   return frame;
 }

@@ -47,6 +47,8 @@ class EtherProbes {
 
 std::string to_text(const EtherProbe& probe);
 
+[[nodiscard]] std::uint16_t ethertype_of(const EtherProbe& probe);
+
 /// The Ethernet frame, with the headers of IPv4 and UDP or of AWDS.
 std::vector<std::uint8_t> frame_of(const EtherProbe& probe);
 
