@@ -29,11 +29,7 @@ EtherSizes EtherSizes::for_slots(std::size_t slots, std::uint32_t cpus) {
 }
 
 EtherTable::EtherTable(const EtherMemory& memory, const EtherSizes& sizes, GracePeriod wait)
-    : Table(*memory.generation),
-      memory_(memory),
-      sizes_(sizes),
-      wait_(std::move(wait)),
-      is_unwatched_(sizes.slots) {}
+    : Table(*memory.generation), memory_(memory), sizes_(sizes), wait_(std::move(wait)) {}
 
 Result<EtherTable> EtherTable::read(const EtherMemory& memory, const EtherSizes& sizes, bool fresh,
                                     std::uint64_t seed, GracePeriod wait) {
@@ -224,7 +220,10 @@ Result<void> EtherTable::reclaim(const SlotChanges& changes) {
                       (contract_numbers_.quarantine.empty() ||
                        contract_numbers_.free.size() >= new_contracts(changes).size()) &&
                       (watches_.quarantine.empty() || watches_.free.size() >= watches());
-  if (enough) return {};
+  return enough ? Result<void>{} : release_what_was_left();
+}
+
+Result<void> EtherTable::release_what_was_left() {
   if (auto waited = wait_(); !waited) return waited;
   slots_.release();
   contract_numbers_.release();

@@ -64,9 +64,9 @@ class EtherTable final : public Table {
 
   /// Number of the watch of a slot; 0: nobody looks.
   [[nodiscard]] std::uint16_t watch_of(std::uint32_t slot) const;
-  /// Slots that ought to be watched, beyond the ETHER_WATCHES - 1 that can be. One that is changed
-  /// takes a watch that has become free.
-  [[nodiscard]] std::size_t unwatched() const { return unwatched_; }
+  /// Slots that wait for a watch, beyond the ETHER_WATCHES - 1 that have one: the apply() by which
+  /// one becomes free gives it to them, after a grace period.
+  [[nodiscard]] std::size_t unwatched() const { return waiting_.size(); }
   [[nodiscard]] std::vector<std::uint16_t> watched() const override;
 
  private:
@@ -87,6 +87,12 @@ class EtherTable final : public Table {
   struct Use {
     std::uint16_t number = 0;
     std::uint32_t slots = 0;
+  };
+  /// How events are to come, as in SlotSpec.
+  struct Expected {
+    std::uint64_t period = 0;
+    std::uint64_t silence = 0;
+    std::uint64_t together = 0;
   };
   /// Entries of a map that nobody uses; a running program may still look at those in quarantine.
   template <class Number>
@@ -113,6 +119,7 @@ class EtherTable final : public Table {
   Result<void> reclaim(const SlotChanges& changes) override;
   void put_what_comes(const SlotChanges& changes) override;
   void remove_what_goes(const SlotChanges& changes) override;
+  Result<void> release_what_was_left();
   [[nodiscard]] std::optional<std::uint32_t> slot_of(const SlotSpec& spec) const override {
     return find(spec);
   }
@@ -128,7 +135,7 @@ class EtherTable final : public Table {
   void set_traffic(const SlotSpec& spec);
   void set_watch(std::uint32_t slot, const SlotSpec& spec);
   void leave_watch(std::uint32_t slot);
-  void set_unwatched(std::uint32_t slot, bool now);
+  void watch_what_waits() override;
   [[nodiscard]] bool lacks_watch(const SlotSpec& spec) const;
   std::uint16_t take_contract(const SlotSpec& spec);
   void leave_contract(std::uint16_t number);
@@ -151,8 +158,7 @@ class EtherTable final : public Table {
   Unused<std::uint32_t> slots_;
   Unused<std::uint16_t> contract_numbers_;
   Unused<std::uint16_t> watches_;
-  std::vector<bool> is_unwatched_;  ///< by slot
-  std::size_t unwatched_ = 0;
+  std::map<std::uint32_t, Expected> waiting_;  ///< for a watch, by slot
 };
 
 }  // namespace mlcca::enforce

@@ -16,12 +16,6 @@ bool EtherTable::lacks_watch(const SlotSpec& spec) const {
   return !slot || watch_of(*slot) == 0;
 }
 
-void EtherTable::set_unwatched(std::uint32_t slot, bool now) {
-  if (is_unwatched_[slot] == now) return;
-  is_unwatched_[slot] = now;
-  unwatched_ += now ? 1 : -1;
-}
-
 /// A watch names its slot before the slot names it.
 void EtherTable::set_watch(std::uint32_t slot, const SlotSpec& spec) {
   if (gate_gap_scale(spec.period) == 0) {
@@ -31,7 +25,7 @@ void EtherTable::set_watch(std::uint32_t slot, const SlotSpec& spec) {
   std::uint16_t watch = watch_of(slot);
   if (watch == 0) {
     if (watches_.free.empty()) {
-      set_unwatched(slot, true);
+      waiting_[slot] = {spec.period, spec.silence, spec.together};
       return;
     }
     watch = watches_.free.back();
@@ -39,20 +33,35 @@ void EtherTable::set_watch(std::uint32_t slot, const SlotSpec& spec) {
     memory_.watches[watch] = {};
     memory_.watches[watch].slot = slot;
     if (watch >= memory_.table->watches_end) publish(memory_.table->watches_end, __u32{watch} + 1);
-    set_unwatched(slot, false);
+    waiting_.erase(slot);
   }
   expect_events(memory_.watches[watch], spec);
   publish(memory_.slots[slot].watch, __u16{watch});
 }
 
 void EtherTable::leave_watch(std::uint32_t slot) {
-  set_unwatched(slot, false);
+  waiting_.erase(slot);
   const std::uint16_t watch = watch_of(slot);
   if (watch == 0) return;
   publish(memory_.slots[slot].watch, __u16{0});
   publish(memory_.watches[watch].silence, __u64{0});
   forget_watched(watch);
   watches_.quarantine.push_back(watch);
+}
+
+/// If the kernel does not grant the grace period, the next apply() asks again.
+void EtherTable::watch_what_waits() {
+  if (watches_.free.size() < waiting_.size() && !watches_.quarantine.empty())
+    if (!release_what_was_left()) return;
+  while (!waiting_.empty() && !watches_.free.empty()) {
+    const auto [slot, expected] = *waiting_.begin();
+    SlotSpec spec = spec_of(slot);
+    spec.period = expected.period;
+    spec.silence = expected.silence;
+    spec.together = expected.together;
+    set_watch(slot, spec);
+    note_watched(slot);
+  }
 }
 
 void EtherTable::forget_events(std::uint32_t slot) {

@@ -49,6 +49,7 @@ std::expected<void, Table::Refusal> Table::apply_together(std::span<const Change
     table->settle();
     table->remove_what_goes(*change);
   }
+  for (const Change& c : changes) c.table->watch_what_waits();
   return {};
 }
 

@@ -87,6 +87,8 @@ class Table {
   [[nodiscard]] virtual std::uint32_t slots_end() const = 0;
   /// A slot that opens has had no events yet.
   virtual void forget_events(std::uint32_t slot) = 0;
+  /// What waits for a watch gets one that was left.
+  virtual void watch_what_waits() {}
   /// Its watch, if somebody minds silence; 0: nobody.
   [[nodiscard]] virtual std::uint16_t minded_watch(std::uint32_t slot) const = 0;
 

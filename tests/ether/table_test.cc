@@ -443,16 +443,30 @@ TEST_F(EtherWatches, WhoComesLaterThanTheLastOneIsAdmittedAndNotWatched) {
   EXPECT_EQ(table_.unwatched(), 2U);
   EXPECT_EQ(watch_of(periodic(5000)), 0U);
   EXPECT_TRUE(passes(periodic(5000)));
-  // One that goes makes room for one that is changed, or looked at again.
-  ASSERT_TRUE(remove({periodic(7)}));
-  SlotChanges police;
-  police.police = {periodic(5001)};
-  ASSERT_TRUE(table_.apply(police));
-  EXPECT_EQ(waits_, 1) << "a program may still write to it";
-  EXPECT_EQ(table_.unwatched(), 1U);
-  EXPECT_NE(watch_of(periodic(5001)), 0U);
   ASSERT_TRUE(remove({periodic(5000)}));
+  EXPECT_EQ(table_.unwatched(), 1U) << "who goes does not wait any more";
+}
+
+TEST_F(EtherWatches, WhoWaitsTakesTheOneThatAnotherLeaves) {
+  ASSERT_TRUE(add(periodic(1, ETHER_WATCHES)));
+  SlotSpec late = periodic(5000);
+  ASSERT_TRUE(add({late}));
+  SlotChanges police;  // it waits on, with another Period
+  late.period *= 3;
+  late.silence = 4 * late.period;
+  late.together = 5;
+  police.police = {late};
+  ASSERT_TRUE(table_.apply(police));
+  EXPECT_EQ(table_.unwatched(), 1U);
+  static_cast<void>(table_.take_newly_watched());
+
+  const auto left = watch_of(periodic(7));
+  ASSERT_TRUE(remove({periodic(7)}));
+  EXPECT_EQ(waits_, 1) << "a program may still write to it";
   EXPECT_EQ(table_.unwatched(), 0U);
+  EXPECT_EQ(watch_of(late), left);
+  EXPECT_EQ(std::ranges::count(present(), late), 1) << "with the last Period that was said";
+  EXPECT_EQ(table_.take_newly_watched(), std::vector{left}) << "its timer is to start";
 }
 
 TEST_F(EtherWatches, AnotherDaemonGoesOnWithWhatWasFound) {
