@@ -98,9 +98,7 @@ std::string numbers_of(const System& system, const Row& row) {
     text = std::string(info(held_against(c.attribute)).name) + " " + text;
   if (c.provided == kUnbounded && !row.is_user() && c.attribute == Attribute::omission)
     return "no bound for events of several frames";
-  const bool accepted =
-      row.against == Against::traffic && !row.is_user() && c.attribute == Attribute::max_payload;
-  if (accepted || c.provided == kUnbounded) return text;
+  if (is_most(row) || c.provided == kUnbounded) return text;
   return text + " (" + format_margin(system, row) + ")";
 }
 

@@ -183,6 +183,9 @@ std::string format_value(const System& system, const Row& row, Value value) {
 
 std::string format_margin(const System& system, const Row& row) {
   const Comparison& c = row.comparison;
+  if (is_most(row) && c.provided != c.required)
+    return format_value(c.attribute, c.margin()) +
+           (c.provided < c.required ? " to spare" : " too long");
   if (!row.is_user()) return format_margin(c);
   if (!c.known) return "not provided";
   if (c.required == c.provided) return "exactly met";

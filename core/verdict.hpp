@@ -35,6 +35,12 @@ struct Row {
   [[nodiscard]] bool is_user() const { return user != kBuiltIn; }
 };
 
+/// What a subscriber accepts of a payload: it may be less, as everywhere else it may be more.
+[[nodiscard]] constexpr bool is_most(const Row& row) {
+  return row.against == Against::traffic && row.user == Row::kBuiltIn &&
+         row.comparison.attribute == Attribute::max_payload;
+}
+
 /// Why there is nothing to compare, or a comparison is beside the point.
 enum class Obstacle : std::uint8_t {
   none,
