@@ -38,7 +38,9 @@ std::uint8_t octet(std::uint64_t bits, unsigned from_last) {
 std::optional<Station> station_of(std::string_view text) {
   if (const auto ip = read(text, 4, '.', 10, 3)) {
     constexpr unsigned first_group = 224;  // from there on multicast, reserved, broadcast
-    if (octet(*ip, 3) == 0 || octet(*ip, 3) >= first_group) return std::nullopt;
+    constexpr unsigned loopback = 127;     // never the source of what comes over a link
+    const unsigned first = octet(*ip, 3);
+    if (first == 0 || first == loopback || first >= first_group) return std::nullopt;
     return Station{*ip};
   }
   const auto mac = read(text, 6, ':', 16, 2);

@@ -247,7 +247,8 @@ TEST(EthernetTest, BehindABusNobodySeesTheFirstAddress) {
 }
 
 TEST(EthernetTest, AnAddressIsThatOfOneStation) {
-  for (const char* good : {"192.0.2.7", "1.0.0.0", "223.255.255.255", "10.0.0.255"})
+  for (const char* good :
+       {"192.0.2.7", "1.0.0.0", "223.255.255.255", "10.0.0.255", "126.255.255.255", "128.0.0.0"})
     EXPECT_EQ(to_text(station_of(good).value()), good);
   EXPECT_EQ(to_text(station_of("02:AB:00:00:00:01").value()), "02:ab:00:00:00:01");
   EXPECT_EQ(station_of("0.0.0.1"), std::nullopt);
@@ -256,6 +257,8 @@ TEST(EthernetTest, AnAddressIsThatOfOneStation) {
                           "02:00:00:00:00", "2:0:0:0:0:1", "03:00:00:00:00:01", "00:00:00:00:00:00",
                           "02:00:00:00:00:0g", "02-00-00-00-00-01", "+1.2.3.4"})
     EXPECT_FALSE(station_of(bad)) << bad;
+  for (const char* loopback : {"127.0.0.0", "127.0.0.1", "127.255.255.255"})
+    EXPECT_FALSE(station_of(loopback)) << loopback;
 }
 
 TEST(EthernetTest, TheLargestEventFits) {
