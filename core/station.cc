@@ -16,7 +16,10 @@ std::optional<std::uint64_t> read(std::string_view text, unsigned octets, char s
   const char* at = text.data();
   const char* const end = at + text.size();
   for (unsigned i = 0; i < octets; ++i) {
-    if (i > 0 && (at == end || *at++ != separator)) return std::nullopt;
+    if (i > 0) {
+      if (at == end || *at != separator) return std::nullopt;
+      ++at;
+    }
     std::uint8_t octet = 0;
     const auto [next, error] = std::from_chars(at, end, octet, base);
     const auto digits = static_cast<std::size_t>(next - at);

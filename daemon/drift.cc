@@ -126,11 +126,9 @@ void Drift::keep_early(int ifindex, enforce::PortGate& gate, Seen& seen) {
     if (back) ++seen.repaired;
     tell_(Kind::drift,
           fmt::format("somebody removed our program from the driver of {}: what is refused was "
-                      "dropped behind packet sockets until now, {}",
-                      gate.name(),
-                      back  ? "and is dropped early again"
-                      : put ? "and still is"
-                            : "and still is: " + put.error().text),
+                      "dropped behind packet sockets until now, and {}{}",
+                      gate.name(), back ? "is dropped early again" : "still is",
+                      back || put ? "" : ": " + put.error().text),
           true);
   }
   if (told == others) return;

@@ -121,7 +121,7 @@ class Report {
   }
 
   [[nodiscard]] std::string source_of(const enforce::SlotSpec& slot) const {
-    const std::string station = core::to_text(core::Station{slot.station});
+    std::string station = core::to_text(core::Station{slot.station});
     if (slot.direction == enforce::Direction::ingress) return station;
     const std::string way = way_of(slot);
     return station.empty() ? way : station + " by " + way;

@@ -96,7 +96,7 @@ class Ports {
   /// How the events of a delivery come to the slot that they enter by; nothing where nobody looks.
   [[nodiscard]] std::optional<control::Watch> watch(const core::GateState& rules) const;
   /// If events of a delivery are missing that is told once more: somebody has not heard it.
-  Result<void> tell_again(const core::GateState& rules) const;
+  [[nodiscard]] Result<void> tell_again(const core::GateState& rules) const;
   /// The event is of the slot that one of these rules is held by.
   [[nodiscard]] bool is_of(const gate_event& event, const core::GateState& rules) const;
   [[nodiscard]] std::vector<control::Interface> report() const;

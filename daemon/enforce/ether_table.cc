@@ -104,31 +104,42 @@ Result<void> EtherTable::adopt_chain(std::size_t bucket, std::vector<bool>& seen
   for (; at != 0; at = memory_.slots[at].next) {
     if (at < ETHER_FIRST_SLOT || at >= sizes_.slots || seen[at])
       return fail(fmt::format("subject table: broken chain in bucket {}", bucket));
-    const ether_slot& slot = memory_.slots[at];
-    const std::uint64_t hash = hash_at(at);
-    const std::uint8_t* front = front_at(hash);
-    if (slot.direction >= GATE_DIRECTIONS || (hash & (sizes_.buckets - 1)) != bucket ||
-        (memory_.buckets[bucket] & ether_sieve(hash)) == 0 ||
-        (front != nullptr && (*front & ether_front_bits(hash)) != ether_front_bits(hash)))
-      return fail(fmt::format("subject table: slot {} is in the wrong bucket", at));
-    if (slot.contract == 0 || slot.contract >= sizes_.contracts)
-      return fail(fmt::format("subject table: slot {} has no contract", at));
+    if (auto good = check_adopted(at, bucket); !good) return good;
     const bool of_anybody = station_of(at) == 0;
     if (!of_anybody && anybody)
       return fail(fmt::format("subject table: slot {} of a station stands behind others", at));
     anybody = of_anybody;
-    if (slot.watch >= ETHER_WATCHES || (slot.watch != 0 && memory_.watches[slot.watch].slot != at))
-      return fail(fmt::format("subject table: the watch of slot {} is of another", at));
-    Use& use = contracts_[contract_of(spec_of(at))];
-    // The same contract under two numbers, which nobody writes, would count as one.
-    if (use.slots != 0 && use.number != slot.contract)
-      return fail(fmt::format("subject table: contract {} is there twice", slot.contract));
-    use.number = slot.contract;
-    ++use.slots;
+    if (auto good = adopt_contract(at); !good) return good;
     seen[at] = true;
     ++used_;
     undo_step(at);
   }
+  return {};
+}
+
+Result<void> EtherTable::check_adopted(std::uint32_t at, std::size_t bucket) const {
+  const ether_slot& slot = memory_.slots[at];
+  const std::uint64_t hash = hash_at(at);
+  const std::uint8_t* front = front_at(hash);
+  if (slot.direction >= GATE_DIRECTIONS || (hash & (sizes_.buckets - 1)) != bucket ||
+      (memory_.buckets[bucket] & ether_sieve(hash)) == 0 ||
+      (front != nullptr && (*front & ether_front_bits(hash)) != ether_front_bits(hash)))
+    return fail(fmt::format("subject table: slot {} is in the wrong bucket", at));
+  if (slot.contract == 0 || slot.contract >= sizes_.contracts)
+    return fail(fmt::format("subject table: slot {} has no contract", at));
+  if (slot.watch >= ETHER_WATCHES || (slot.watch != 0 && memory_.watches[slot.watch].slot != at))
+    return fail(fmt::format("subject table: the watch of slot {} is of another", at));
+  return {};
+}
+
+/// The same contract under two numbers, which nobody writes, would count as one.
+Result<void> EtherTable::adopt_contract(std::uint32_t at) {
+  const std::uint16_t number = memory_.slots[at].contract;
+  Use& use = contracts_[contract_of(spec_of(at))];
+  if (use.slots != 0 && use.number != number)
+    return fail(fmt::format("subject table: contract {} is there twice", number));
+  use.number = number;
+  ++use.slots;
   return {};
 }
 

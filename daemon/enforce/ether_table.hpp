@@ -108,6 +108,8 @@ class EtherTable final : public Table {
 
   Result<void> adopt(bool fresh);
   Result<void> adopt_chain(std::size_t bucket, std::vector<bool>& seen);
+  [[nodiscard]] Result<void> check_adopted(std::uint32_t at, std::size_t bucket) const;
+  Result<void> adopt_contract(std::uint32_t at);
   [[nodiscard]] Result<void> check(const SlotChanges& changes) const override;
   [[nodiscard]] Result<void> check_adds(const std::vector<SlotSpec>& adds) const;
   [[nodiscard]] Result<void> check_room(const SlotChanges& changes) const;
@@ -117,9 +119,9 @@ class EtherTable final : public Table {
   [[nodiscard]] std::set<Contract> new_contracts(const SlotChanges& changes) const;
   [[nodiscard]] bool fits_at_once(const SlotChanges& changes) const override;
   Result<void> reclaim(const SlotChanges& changes) override;
+  Result<void> release_what_was_left();
   void put_what_comes(const SlotChanges& changes) override;
   void remove_what_goes(const SlotChanges& changes) override;
-  Result<void> release_what_was_left();
   [[nodiscard]] std::optional<std::uint32_t> slot_of(const SlotSpec& spec) const override {
     return find(spec);
   }

@@ -30,7 +30,7 @@ namespace {
 
 using namespace mlcca;  // NOLINT(google-build-using-namespace): the program itself
 
-enum Exit : std::uint8_t { kAsItShouldBe = 0, kDiffers = 1, kUsage = 2, kWorld = 3 };
+enum Exit : std::uint8_t { as_it_should_be = 0, differs = 1, usage = 2, world = 3 };
 
 constexpr const char* kFooter =
     "Exit status: 0 everything is as it should be, 1 something differs, 2 usage, 3 it cannot be "
@@ -102,9 +102,8 @@ std::vector<std::string> without_gate(const enforce::Reading& reading) {
   const auto links = net::Links::open();
   if (!links) return names;
   for (const auto& [ifindex, link] : links->table())
-    if (link.is_can && std::ranges::none_of(reading.gates, [&](const auto& gate) {
-          return static_cast<int>(gate.ifindex) == ifindex;
-        }))
+    if (link.is_can && std::ranges::count(reading.gates, static_cast<std::uint32_t>(ifindex),
+                                          &enforce::GateReading::ifindex) == 0)
       names.push_back(link.name);
   return names;
 }
@@ -155,11 +154,13 @@ std::string json(const enforce::Reading& reading, const Rest& rest, const Trials
   return all.dump() + "\n";
 }
 
+const char* state_of(const enforce::Reading& reading) {
+  if (reading.lapsed) return "closed by the kernel: the daemon is silent";
+  return reading.open ? "open" : "closed";
+}
+
 std::string text(const enforce::Reading& reading, const Rest& rest, const Trials& trials) {
-  std::string out = fmt::format("gates are {}{}, generation {}\n",
-                                reading.lapsed ? "closed by the kernel: the daemon is silent"
-                                : reading.open ? "open"
-                                               : "closed",
+  std::string out = fmt::format("gates are {}{}, generation {}\n", state_of(reading),
                                 reading.audit ? " in AUDIT MODE" : "", reading.generation);
   for (const auto& gate : reading.gates) {
     const std::string name =
@@ -252,13 +253,13 @@ int verify(const std::string& root, const std::string& state, bool as_json, bool
       fmt::print("{}\n", nlohmann::ordered_json{{"error", {{"message", why}}}}.dump());
     else
       fmt::print(stderr, "mlccactl: {}\n", why);
-    return kWorld;
+    return world;
   }
   // The last of all: there is no way back from its namespaces.
   const Trials trials = probes ? try_gates(found->reading, root) : Trials(fail("--no-probes"));
   fmt::print("{}", as_json ? json(found->reading, found->rest, trials)
                            : text(found->reading, found->rest, trials));
-  return found->good() ? kAsItShouldBe : kDiffers;
+  return found->good() ? as_it_should_be : differs;
 }
 
 }  // namespace
@@ -299,7 +300,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kAsItShouldBe : kUsage;
+    return app.exit(error) == 0 ? as_it_should_be : usage;
   }
   return verify(root, state, as_json, !no_probes);
 }
