@@ -176,7 +176,7 @@ class Planner {
     if (network.carries_subjects()) {
       const std::size_t in = direction == Direction::ingress ? port : source;
       if (in != kLocal && !sent_anew_.contains(in)) e.station = p.station;
-      size_datagram(p, in == kLocal, e);
+      size_datagram(p, in, e);
     } else if (!identify(p, network, *binding, e)) {
       return std::nullopt;
     }
@@ -230,42 +230,57 @@ class Planner {
     return is_can(in) == is_can(out) ? std::nullopt : ports[out].sender;
   }
 
-  /// Another publisher whose datagrams nobody can tell from those of `p` by this entry. Of one that
-  /// comes from elsewhere that is taken for certain.
-  [[nodiscard]] bool looks_alike(const Publisher& p, const Publisher& other,
-                                 const GateEntry& e) const {
-    if (!e.station.anybody()) return other.place == p.place && other.station == p.station;
-    return other.place != here_ && (other.place != p.place || other.station.anybody());
+  /// Another publisher at the same place whose datagrams nobody can tell from those of `p`: at home
+  /// by their address, behind a bus by nothing.
+  static bool looks_alike(const Publisher& p, const Publisher& other, bool as_sent) {
+    return other.place == p.place && (!as_sent || other.station == p.station);
   }
 
   /// As long as the longest of those that look alike: they share the entry.
-  void size_datagram(const Publisher& p, bool local, GateEntry& e) const {
+  void size_datagram(const Publisher& p, std::size_t in, GateEntry& e) const {
     const auto size_of = [this](const Publisher& publisher) {
       const AttributeSet& offered = attributes_in(publisher, set_);
       return offered.has(Attribute::max_payload) ? offered[Attribute::max_payload]
                                                  : kDatagramMaxEvent;
     };
     Value bytes = size_of(p);
-    if (!local)
+    if (in != kLocal)
       for (const std::size_t number : members_.publishers_of(p.channel))
-        if (const Publisher& other = members_.publisher(number); looks_alike(p, other, e))
+        if (const Publisher& other = members_.publisher(number);
+            looks_alike(p, other, !sent_anew_.contains(in)))
           bytes = std::max(bytes, size_of(other));
     e.split = bytes > kDatagramBytes;
     e.max_length = static_cast<std::uint16_t>(std::min<Value>(bytes, kDatagramBytes));
   }
 
+  [[nodiscard]] std::optional<FrameIdentity> identity_on(const Publisher& p, const Network& network,
+                                                         const Binding& b) const {
+    return identity_of(p, network, b,
+                       is_fragmented(network, &b, attributes_in(p, set_)[Attribute::max_payload]));
+  }
+
+  [[nodiscard]] std::uint16_t frame_length(const Publisher& p, const Network& network,
+                                           const Binding& b) const {
+    const AttributeSet& offered = attributes_in(p, set_);
+    const bool sized = offered.has(Attribute::max_payload);
+    return static_cast<std::uint16_t>(
+        sized ? frame_bytes(network, b, offered[Attribute::max_payload]) : frame_bytes(b));
+  }
+
+  /// Frames of publishers that nobody can tell apart have the length of the longest.
   [[nodiscard]] bool identify(const Publisher& p, const Network& network, const Binding& b,
                               GateEntry& e) const {
     e.classic = b.format == FrameFormat::classic || b.format == FrameFormat::any;
     e.fd = b.format == FrameFormat::fd || b.format == FrameFormat::any;
     e.xl = b.format == FrameFormat::xl;
-    const AttributeSet& offered = attributes_in(p, set_);
-    const bool sized = offered.has(Attribute::max_payload);
-    const Value bytes = offered[Attribute::max_payload];
-    const auto identity = identity_of(p, network, b, is_fragmented(network, &b, bytes));
+    const auto identity = identity_on(p, network, b);
     if (!identity) return false;
-    e.max_length =
-        static_cast<std::uint16_t>(sized ? frame_bytes(network, b, bytes) : frame_bytes(b));
+    e.max_length = frame_length(p, network, b);
+    for (const std::size_t number : members_.publishers_of(p.channel)) {
+      const Publisher& other = members_.publisher(number);
+      if (other.place == p.place && identity_on(other, network, b) == identity)
+        e.max_length = std::max(e.max_length, frame_length(other, network, b));
+    }
     e.id = identity->id;
     e.mask = identity->mask | (b.remote_frames ? 0 : kRemoteFlag);
     return true;

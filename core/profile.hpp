@@ -46,6 +46,7 @@ struct ProfileTraits {
 struct FrameIdentity {
   std::uint32_t id = 0;
   std::uint32_t mask = 0;
+  bool operator==(const FrameIdentity&) const = default;
 };
 
 /// What all frames of a publisher on the network have. Nothing where it lacks a node or has one

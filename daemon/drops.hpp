@@ -14,17 +14,19 @@ class DropWatch {
  public:
   /// What goes on being dropped is mentioned again after this time.
   static constexpr std::int64_t kRepeat = 60;
+  /// A difference of counters that are read while CPUs count may be behind by one for each.
+  static constexpr std::uint64_t kBehind = 1024;
 
   /// Frames dropped since the last mention, if they are to be mentioned now. In the first round a
   /// counter is only remembered: what a former daemon saw is not news. Later one begins at 0, and
-  /// one that has become less has begun anew.
+  /// one that is less by more than kBehind, or 0, has begun anew.
   std::optional<std::uint64_t> look(const Key& key, std::uint64_t dropped, std::int64_t now) {
     auto [it, fresh] = seen_.try_emplace(key);
     Seen& seen = it->second;
     seen.round = round_;
     if (fresh && first_) seen.mentioned = dropped;
-    if (dropped < seen.mentioned) seen.mentioned = 0;
-    if (dropped == seen.mentioned || (seen.ever && now - seen.at < kRepeat)) return std::nullopt;
+    if (dropped == 0 || dropped + kBehind < seen.mentioned) seen.mentioned = 0;
+    if (dropped <= seen.mentioned || (seen.ever && now - seen.at < kRepeat)) return std::nullopt;
     const std::uint64_t since = dropped - seen.mentioned;
     seen = {dropped, now, true, round_};
     return since;

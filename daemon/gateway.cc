@@ -96,6 +96,8 @@ Gateway::LoadResult Gateway::load() const {
   if (!self) return std::unexpected(std::vector{options_.description + ": " + self.error()});
   Loaded loaded{std::make_unique<core::State>(std::move(*system)), *self, {}};
   restore_into(loaded);
+  if (const auto lack = loaded.state->lacks_room(loaded.self))
+    return std::unexpected(std::vector{options_.description + ": " + *lack});
   ::malloc_trim(0);  // reading leaves several times the memory of what was read
   return loaded;
 }  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): the state moves with what is returned
@@ -154,8 +156,6 @@ std::optional<StartError> Gateway::start() {
   meshes_.describe(state_->system());
   meshes_.await_first_reports(kFirstReports);
   if (const auto done = put_in_force(before); !done) tell(Kind::trouble, 3, done.error().text);
-  if (const auto lack = state_->lacks_room(self_))
-    return give_up({options_.description + ": " + *lack}, true);
 
   auto events = enforce::EventReader::open(control_.events_fd(),
                                            {[this](const gate_event& event) { hear(event); },

@@ -19,6 +19,11 @@ namespace {
 /// Channels that are looked at each second: the daemon has other things to do.
 constexpr std::size_t kLookedAt = 8192;
 
+/// Counters are read while the gate counts on.
+std::uint64_t misfits(const Frames& frames) {
+  return frames.dropped - std::min(frames.dropped, frames.excess_dropped);
+}
+
 std::int64_t seconds() { return static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000); }
 
 }  // namespace
@@ -64,9 +69,7 @@ void Gateway::look_at_drops_of(const core::Decision& decision, bool mention) {
       const Frames frames = ports_.frames({rule});
       const auto excess = drops_.look({rule.entry, Drop::excess}, frames.excess, now);
       if (excess && mention) tell_excess(users[rule.entry], *excess);
-      dropped +=
-          drops_.look({rule.entry, Drop::misfit}, frames.dropped - frames.excess_dropped, now)
-              .value_or(0);
+      dropped += drops_.look({rule.entry, Drop::misfit}, misfits(frames), now).value_or(0);
     }
     if (dropped != 0 && mention) tell_dropped(*v, dropped);
   }

@@ -148,6 +148,31 @@ TEST(EthernetTest, PublishersThatShareALimitShareTheLongestEvent) {
     EXPECT_EQ(rule.entry.max_length, rule.entry.station.anybody() ? 100U : 8U);
 }
 
+TEST(EthernetTest, SomebodyElsewhereMakesNoEventLonger) {
+  System system = two_on_ethernet("", "");
+  system.publishers[0].attributes.set(Attribute::max_payload, 8);
+  system.publishers[1].attributes.set(Attribute::max_payload, 100);
+  system.publishers[1].place = network(kRobotCan);
+  for (const GateRule& rule : State(system).gate_state(kBridge)) {
+    const bool enters = rule.entry.direction == Direction::ingress && rule.entry.port == kSecondCan;
+    EXPECT_EQ(rule.entry.max_length, enters ? 8U : rule.entry.max_length);
+  }
+}
+
+TEST(EthernetTest, BehindABusTheyAreOne) {
+  System system = two_on_ethernet("192.0.2.1", "192.0.2.2");
+  system.networks[kRobotCan] = robot(0).networks[kRobotCan];
+  for (Network& n : system.networks)
+    if (n.kind == NetworkKind::can) n.profile = Profile::raw;
+  system.publishers[0].attributes.set(Attribute::max_payload, 4);
+  system.publishers[1].attributes.set(Attribute::max_payload, 8);
+  system.gateways[kBridge].ports[kRobotCan].sender = 1000;
+  std::vector<std::uint16_t> lengths;
+  for (const GateRule& rule : State(system).gate_state(kBridge))
+    if (rule.entry.port == kRobotCan) lengths.push_back(rule.entry.max_length);
+  EXPECT_EQ(lengths, std::vector<std::uint16_t>{8});
+}
+
 /// Frames of so many bytes that pass at once, and in a time; ns.
 std::uint64_t passed(const Policing& p, Value bytes, Value time) {
   const Value cost = p.per_frame + (bytes * p.per_byte >> 8U);

@@ -20,7 +20,11 @@ TEST(DropWatch, WhatComesLaterBeginsAtNothing) {
   watch.look("a", 5, 0);
   watch.end_round();
   EXPECT_EQ(watch.look("b", 3, 1), 3U) << "was not there before";
-  EXPECT_EQ(watch.look("a", 2, 1), 2U) << "has begun anew";
+  EXPECT_EQ(watch.look("a", 4, 1), std::nullopt) << "was read while it was counted";
+  EXPECT_EQ(watch.look("a", 5, 1), std::nullopt);
+  EXPECT_EQ(watch.look("a", 2000, 1), 1995U);
+  EXPECT_EQ(watch.look("a", 0, 100), std::nullopt);
+  EXPECT_EQ(watch.look("a", 2, 161), 2U) << "has begun anew";
 }
 
 TEST(DropWatch, WhatIsGoneForARoundIsForgotten) {
