@@ -47,6 +47,7 @@ PROGRAMS := # linked executables
 OBJECTS := # every C++ object, for the dependency files
 UNIT_TESTS := # test executables that need no privileges
 KERNEL_TESTS := # test executables that need root and this kernel
+SANITIZED_OBJECTS := # of all tests, under AddressSanitizer and UBSan
 INSTALL := # targets that install something
 CLEAN_EXTRA :=
 
@@ -72,10 +73,21 @@ endef
 define unit_test
 $(call program,tests/$1,$2,$3,$4 -lgtest_main -lgtest -lpthread)
 UNIT_TESTS += $O/tests/$1
+$(call sanitized_test,$1,$2,$3,$4)
 endef
 define kernel_test
 $(call program,tests/$1,$2,$3,$4 -lgtest_main -lgtest -lpthread)
 KERNEL_TESTS += $O/tests/$1
+$(call sanitized_test,$1,$2,$3,$4)
+endef
+# The same test of the objects that fuzz targets are made of (tests/fuzz/module.mk).
+define sanitized_test
+SANITIZED_OBJECTS += $$(patsubst %.cc,$O/fuzz/obj/%.o,$2)
+$O/fuzz/tests/$1: $$(patsubst %.cc,$O/fuzz/obj/%.o,$2) \
+		$$(patsubst $O/lib%.a,$O/fuzz/lib%.a,$$(patsubst $O/%.o,$O/fuzz/obj/%.o,$3))
+	$$(call say,LINK,$$@)
+	$$(Q)mkdir -p $$(@D) && $$(FUZZ_CXX) -fsanitize=$$(FUZZ_SANITIZERS) -o $$@ $$^ $4 -lgtest_main -lgtest \
+		-lpthread -lfmt
 endef
 
 include deps.mk
@@ -101,10 +113,10 @@ test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 
 test-all:
 	$(Q)$(MAKE) all check-layers check-format check-mcu
-	$(Q)$(MAKE) check-node check-fuzz check check-kernel
+	$(Q)$(MAKE) check-node check-fuzz check-sanitized check-plain check-fault check-torn check-neighbour
 	$(Q)$(MAKE) check-harness check-guest
 
-lint: check-layers check-format tidy ## layering, clang-format-19 and clang-tidy-19
+lint: check-layers check-format cppcheck tidy ## layering, clang-format-19, cppcheck and clang-tidy-19
 
 check-layers: ## who may include whom
 	$(Q)tests/support/check-layers
@@ -115,6 +127,13 @@ check-format:
 	$(Q)$(CLANG_FORMAT) --dry-run -Werror $(FORMATTED)
 format: ## format every file in place
 	$(Q)$(CLANG_FORMAT) -i $(FORMATTED)
+
+# False alarms are listed with their reasons; what is wrong is mended.
+cppcheck: ## defects that cppcheck finds without the headers of libraries
+	$(call say,CPPCHK,control core daemon description tools)
+	$(Q)cppcheck -q -j2 --std=c++20 --language=c++ --enable=warning,performance,portability --max-configs=1 \
+		--suppress=missingInclude --suppressions-list=tests/support/cppcheck.supp --error-exitcode=1 \
+		-D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. control core daemon description tools
 
 # One stamp a file: only what changed is looked at again.
 TIDY_SOURCES := $(filter-out tests/% include/% bpf/%,$(shell git ls-files '*.cc' 2>/dev/null))
@@ -140,4 +159,4 @@ help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 	@echo "  variables      O=build V=1 SAN=address,undefined DESTDIR= PREFIX=/usr/local CXX= CXXFLAGS="
 
-.PHONY: all demo test test-all lint check-layers check-format format tidy bench install clean help
+.PHONY: all demo test test-all lint check-layers check-format format cppcheck tidy bench install clean help

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause
 /*
- * The dead-man: a kernel timer that closes all gates when the daemon's heart-beat word stands
- * still. A value with a timer can't be memory-mapped, so it has a map of its own.
+ * The dead-man closes all gates when the daemon's heart-beat stands still. Each beat moves a
+ * deadline in jiffies, which the gates compare with the clock themselves (closed.bpf.h); user space
+ * cannot read jiffies, so a beat is a run of gate_beat. A kernel timer is the second line: it
+ * counts the lapse while nobody beats. A value with a timer can't be memory-mapped, so it has a map
+ * of its own.
  */
+#include <stdbool.h>
 #include <linux/bpf.h>
 #include <linux/pkt_cls.h>
 #include <linux/time.h> /* CLOCK_MONOTONIC */
@@ -10,6 +14,7 @@
 
 #include "bpf/gate.h"
 #include "bpf/once.bpf.h"
+#include "bpf/closed.bpf.h"
 
 #define FOR_EVER       (~0ULL)
 #define SHORTEST_CHECK 1000000ULL /* ns: a word of 0 must not keep a CPU busy */
@@ -25,13 +30,18 @@ struct {
 	__type(value, struct deadman);
 } deadman SEC(".maps");
 
-struct gate_control control SEC(".data.control");
-
 static __u64 next_check(void)
 {
 	__u64 check = READ_ONCE(control.check_ns);
 
 	return check < SHORTEST_CHECK ? SHORTEST_CHECK : check;
+}
+
+/* Timer and beat may find the same silence: it is one lapse. */
+static __always_inline void lapse(void)
+{
+	if (!__sync_lock_test_and_set(&control.lapsed, 1))
+		__sync_fetch_and_add(&control.lapses, 1);
 }
 
 static int check_heartbeat(void *map, __u32 *key, struct deadman *d)
@@ -42,10 +52,8 @@ static int check_heartbeat(void *map, __u32 *key, struct deadman *d)
 	__u64 now = bpf_ktime_get_ns();
 
 	if (grace != FOR_EVER && READ_ONCE(control.open) && !READ_ONCE(control.lapsed) &&
-	    now > heartbeat && now - heartbeat > grace) {
-		WRITE_ONCE(control.lapsed, 1);
-		control.lapses++;
-	}
+	    now > heartbeat && now - heartbeat > grace)
+		lapse();
 	bpf_timer_start(&d->timer, next_check(), 0);
 	return 0;
 }
@@ -70,6 +78,31 @@ int gate_arm(struct __sk_buff *skb)
 	if (err)
 		return err;
 	WRITE_ONCE(control.armed, 1);
+	return 0;
+}
+
+/*
+ * Run by BPF_PROG_TEST_RUN; skb->mark is an enum gate_beat. Gates that have been closed for silence
+ * never open by a beat: frames may have been dropped, and what the daemon knows may be old. A
+ * deadline of 0 is that of a word that nobody has beaten yet.
+ */
+SEC("tc")
+int gate_beat(struct __sk_buff *skb)
+{
+	__u64 ticks = READ_ONCE(control.grace_ticks), deadline = READ_ONCE(control.deadline);
+	__u64 now = bpf_jiffies64(), next = ticks == FOR_EVER ? FOR_EVER : now + ticks;
+
+	if (skb->mark == GATE_BEAT_CLEAR) {
+		WRITE_ONCE(control.deadline, next);
+		__sync_lock_test_and_set(&control.lapsed, 0);
+		return 0;
+	}
+	if (deadline && now > deadline && READ_ONCE(control.open))
+		lapse();
+	if (READ_ONCE(control.lapsed) ||
+	    (skb->mark == GATE_BEAT_SHORTEN && (!deadline || next > deadline)))
+		return 0;
+	WRITE_ONCE(control.deadline, next);
 	return 0;
 }
 

@@ -190,11 +190,14 @@ static __always_inline int filter_later(struct __sk_buff *skb, struct ether_cpu 
 static __always_inline int filter(struct __sk_buff *skb, __u32 direction)
 {
 	struct event e = {.mark = skb->mark, .key.direction = direction};
-	enum nature nature = look_at(skb, &e);
-	struct sender from = {};
 	struct ether_cpu *cpu = this_cpu();
+	struct sender from = {};
+	enum nature nature;
 	__u32 reason;
 
+	if (READ_ONCE(table.retired))
+		return TC_ACT_UNSPEC;
+	nature = look_at(skb, &e);
 	if (!cpu)
 		return TC_ACT_SHOT;
 	if (nature == NOT_EVENT)

@@ -132,7 +132,7 @@ struct ether_table {
 	__u32 contracts;
 	__u32 watches_end; /* all watches that were ever used are below this one */
 	__u64 sample_due;  /* as in gate_table */
-	__u32 retired;	   /* the interface has left: the program in its driver goes with it */
+	__u32 retired;	   /* as in gate_table */
 	__u32 pad[3];
 };
 

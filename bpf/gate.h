@@ -9,7 +9,7 @@
 #include <linux/can.h>
 #include <linux/types.h>
 
-#define GATE_LAYOUT_VERSION 3
+#define GATE_LAYOUT_VERSION 4
 
 /* Our tc filters: this priority and handle belong to the gate, and nothing else is ever replaced.
  */
@@ -226,7 +226,8 @@ struct gate_table {
 	__u32 slots_end;	       /* all slots that were ever used are below this one */
 	__u16 masked[GATE_DIRECTIONS]; /* first masked slot, 0 for none */
 	__u64 sample_due; /* as gate_slot.due, of the samples; written by the program */
-	__u8 pad[32];
+	__u32 retired;	  /* the interface has left: its programs go with it */
+	__u8 pad[28];
 	struct gate_slot slots[GATE_SLOTS];
 	struct gate_watch watches[GATE_SLOTS];
 	__u16 head[GATE_DIRECTIONS][GATE_BUCKETS]; /* bucket -> first slot, 0 for none */
@@ -292,24 +293,43 @@ struct gate_sample {
 };
 
 /*
- * One for the whole gateway, pinned, memory-mapped. The gates are open only while `open` is set
- * and `lapsed` is not. A kernel timer sets `lapsed` when `heartbeat` is older than `grace_ns`;
- * only the daemon clears it, after it has looked at the world anew.
+ * One for the whole gateway, pinned, memory-mapped. The gates are open only while `open` is set,
+ * `lapsed` is not, and `deadline` is not over. Each heart-beat moves the deadline; a beat that
+ * comes after it, or a kernel timer that finds `heartbeat` older than `grace_ns`, sets `lapsed`;
+ * only the daemon clears it, after it has looked at the world anew. Layout version and `open` stand
+ * at the head in all layouts: a daemon closes what one of another layout has left.
  */
 struct gate_control {
 	__u32 layout_version;
 	__u32 open;
 	__u32 mode; /* enum gate_mode */
 	__u32 lapsed;
+	__u64 deadline;	 /* jiffies; ~0: for ever, 0: no heart-beat yet */
 	__u64 heartbeat; /* CLOCK_MONOTONIC ns of the daemon's last sign of life */
-	__u64 grace_ns;	 /* ~0: for ever */
-	__u64 check_ns;	 /* interval of the kernel timer */
 	__u32 token;	 /* random: see gate_ingress_token() */
 	__u32 armed;	 /* the timer runs */
-	__u64 lapses;	 /* how often the timer has closed the gates */
 	__u32
 	    generation; /* of all verdicts: its lowest bit chooses the half of gate_slot.verdict */
 	__u32 pad;
+	__u64 grace_ns;	   /* ~0: for ever */
+	__u64 grace_ticks; /* the same in jiffies, rounded up; ~0: for ever */
+	__u64 check_ns;	   /* interval of the kernel timer */
+	__u64 lapses;	   /* how often the gates were closed for silence */
+};
+
+#define GATE_CONTROL_NAME "mlcca_control" /* of its map, for programs that nothing else names */
+
+/* One of the programs that look at such a word: see roster.bpf.c. */
+struct gate_program {
+	__u32 id;
+	char name[16];
+};
+
+/* What gate_beat is run for. */
+enum gate_beat {
+	GATE_BEAT = 0,	   /* the daemon lives */
+	GATE_BEAT_CLEAR,   /* it has looked anew: the lapse is over */
+	GATE_BEAT_SHORTEN, /* the grace has changed: the deadline may come nearer, no more */
 };
 
 /*
@@ -401,6 +421,6 @@ GATE_ASSERT(sizeof(struct gate_seen) == 24, "gate_seen is pinned layout");
 GATE_ASSERT(sizeof(struct gate_cpu) == 32 * 4096 + 8 * 32 + 24 * 64, "gate_cpu is pinned layout");
 GATE_ASSERT(sizeof(struct gate_event) == 40, "gate_event is pinned layout");
 GATE_ASSERT(sizeof(struct gate_sample) == 40, "gate_sample is pinned layout");
-GATE_ASSERT(sizeof(struct gate_control) == 64, "gate_control is pinned layout");
+GATE_ASSERT(sizeof(struct gate_control) == 80, "gate_control is pinned layout");
 
 #endif

@@ -30,7 +30,7 @@ static __always_inline void count_pass(struct gate_cpu *cpu, __u32 direction, __
 	count_reason(cpu, direction, GATE_R_PASSED);
 }
 
-/* Counts a drop and gives the action: audit mode drops nothing. */
+/* Counts a drop and gives the action: audit mode drops nothing, nor does a gate that has left. */
 static __always_inline int drop(struct gate_cpu *cpu, __u32 direction, __u32 slot, __u32 reason)
 {
 	slot &= GATE_SLOTS - 1;
@@ -39,7 +39,8 @@ static __always_inline int drop(struct gate_cpu *cpu, __u32 direction, __u32 slo
 		add(&cpu->slots[slot].excess, 1);
 	count_reason(cpu, direction, reason);
 	table.last_reason[slot] = reason;
-	return READ_ONCE(control.mode) == GATE_AUDIT ? TC_ACT_UNSPEC : TC_ACT_SHOT;
+	return READ_ONCE(control.mode) == GATE_AUDIT || READ_ONCE(table.retired) ? TC_ACT_UNSPEC
+										 : TC_ACT_SHOT;
 }
 
 static __always_inline void tell_unknown(__u64 frames, __u32 direction, const struct frame *frame)

@@ -3,7 +3,8 @@
 BPF_CFLAGS := -target bpf -mcpu=v3 -O2 -g -Wall -Werror -I. -I/usr/include/$(shell gcc -print-multiarch 2>/dev/null)
 # Kept between runs of make.
 .PRECIOUS: $O/bpf/%.bpf.o
-BPF_SKELETONS := $O/gen/gate.skel.h $O/gen/deadman.skel.h $O/gen/watch.skel.h $O/gen/ether.skel.h $O/gen/ether_watch.skel.h
+BPF_SKELETONS := $O/gen/gate.skel.h $O/gen/deadman.skel.h $O/gen/watch.skel.h $O/gen/ether.skel.h $O/gen/ether_watch.skel.h $O/gen/roster.skel.h \
+	$O/gen/ether_closed.skel.h $O/gen/gate_closed.skel.h
 
 $O/bpf/%.bpf.o: bpf/%.bpf.c $(wildcard bpf/*.h)
 	$(call say,BPF,$<)

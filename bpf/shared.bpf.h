@@ -9,12 +9,7 @@ const volatile __u8 atomic_counts = false;
 /* Other CPUs see the stores of one in its order, as on x86. Set before loading. */
 const volatile __u8 ordered_stores = false;
 
-struct gate_control control SEC(".data.control"); /* shared by all interfaces */
-
-static __always_inline bool closed(void)
-{
-	return !READ_ONCE(control.open) || READ_ONCE(control.lapsed);
-}
+#include "bpf/closed.bpf.h"
 
 /*
  * Another generation than verdicts were read by. The address of the load depends on what was read

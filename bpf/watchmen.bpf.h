@@ -24,7 +24,7 @@ static bool passes(__u32 at, const struct gate_watch *w);
 
 const volatile __u32 ifindex = 0; /* set before loading */
 
-struct gate_control control SEC(".data.control");
+#include "bpf/closed.bpf.h"
 
 struct {
 	__uint(type, BPF_MAP_TYPE_RINGBUF);
@@ -42,8 +42,6 @@ struct {
 	__type(key, __u32);
 	__type(value, struct watchman);
 } watchmen SEC(".maps");
-
-static bool closed(void) { return !READ_ONCE(control.open) || READ_ONCE(control.lapsed); }
 
 static bool passes_now(const __u8 *verdict)
 {

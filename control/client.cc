@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "control/codec.hpp"
+#include "control/slices.hpp"
 #include "core/unix_address.hpp"
 
 namespace mlcca::control {
@@ -79,11 +80,13 @@ Client::Client(Fd socket, std::chrono::milliseconds patience)
 
 Result<Reply> Client::call(Request request) {
   request.id = ++last_id_;
+  request.slices = true;
   const auto bytes = encode(request);
   if (bytes.size() > kMaxRequest)
     return fail("the request has " + std::to_string(bytes.size()) + " bytes, at most " +
                 std::to_string(kMaxRequest) + " are possible");
   const auto sent = send(bytes);
+  std::optional<Reply> whole;
   for (;;) {
     auto reply = receive();
     // What could not be sent may have been answered: refused, then closed.
@@ -93,7 +96,13 @@ Result<Reply> Client::call(Request request) {
       continue;
     }
     const bool about_the_stream = reply->id == 0 && std::holds_alternative<Error>(reply->body);
-    if (reply->id == request.id || about_the_stream) return reply;
+    if (about_the_stream) return reply;
+    if (reply->id == request.id) {
+      if (const auto joined = join(whole, std::move(*reply)); !joined)
+        return std::unexpected(joined.error());
+      if (whole->more) continue;
+      return std::move(*whole);
+    }
     return fail("mlccad answered request " + std::to_string(reply->id) + " instead of " +
                 std::to_string(request.id));
   }

@@ -44,6 +44,9 @@ void silence_protobuf() {
   static_cast<void>(silent);
 }
 
+void take_flag(const v1::Request& from, Request& to) { to.slices = from.slices(); }
+void take_flag(const v1::Reply& from, Reply& to) { to.more = from.more(); }
+
 template <class Plain, class Wire>
 Result<std::optional<Plain>> decode(Buffer& buffer, std::size_t limit) {
   const auto prefix = read_prefix(buffer.content());
@@ -61,6 +64,7 @@ Result<std::optional<Plain>> decode(Buffer& buffer, std::size_t limit) {
   buffer.consume(prefix->bytes + prefix->length);
   auto plain = from_wire(wire);
   if (!plain) return std::unexpected(std::move(plain).error());
+  take_flag(wire, *plain);
   return std::move(*plain);
 }
 

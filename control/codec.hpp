@@ -14,6 +14,8 @@ namespace mlcca::control {
 
 inline constexpr std::size_t kMaxRequest = 64UL * 1024;
 inline constexpr std::size_t kMaxReply = 16UL * 1024 * 1024;
+/// Of a reply that may not come in slices.
+inline constexpr std::size_t kMaxWhole = 1UL * 1024 * 1024;
 
 /// Text that is not UTF-8 (an interface alias may be anything) goes out with U+FFFD for each wrong
 /// byte. The size is the caller's to check: the other side refuses more than kMaxRequest bytes

@@ -125,6 +125,7 @@ struct Request {
                ExplainRequest, MonitorRequest, ModeRequest, ReloadRequest, RenewRequest,
                RoutesRequest, ReservationsRequest, WhatIfRequest, HistoryRequest, GateRequest>
       body;
+  bool slices = false;  ///< the reply may come in slices; Client sets it
   bool operator==(const Request&) const = default;
 };
 
@@ -220,6 +221,7 @@ struct Reply {
   std::variant<Error, Status, Networks, Channels, Done, Event, Routes, Reservations, WhatIf,
                History, Gates>
       body;
+  bool more = false;  ///< a slice; the next one has the same id
   bool operator==(const Reply&) const = default;
 };
 

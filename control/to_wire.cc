@@ -436,11 +436,13 @@ struct ReplyBody {
 
 void to_wire(const Request& from, v1::Request& to) {
   to.set_id(from.id);
+  to.set_slices(from.slices);
   std::visit(RequestBody{to}, from.body);
 }
 
 void to_wire(const Reply& from, v1::Reply& to) {
   to.set_id(from.id);
+  to.set_more(from.more);
   std::visit(ReplyBody{to}, from.body);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/progress.hpp"
 #include "core/route_check.hpp"
 #include "mlcca/check.hpp"
 #include "mlcca/compose.hpp"
@@ -63,6 +64,7 @@ const Verdict* same_delivery(const Decision& decision, const Verdict& v) {
 
 Decision decide_in(const Situation& situation, std::size_t channel, std::size_t set, Ledger& ledger,
                    const Decision* before) {
+  Progress::made();
   Decision decision;
   decision.set = set;
   const std::vector<Target> targets = targets_of(situation.members, channel);

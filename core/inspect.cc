@@ -31,7 +31,11 @@ class Inspector {
         members_(system),
         world_(described_world(system)),
         released_(system.channels.size(), false),
-        ledger_(empty_ledger(system, world_)) {}
+        reached_(system.networks.size(), false),
+        ledger_(empty_ledger(system, world_)) {
+    for (const Gateway& gateway : system.gateways)
+      for (const Port& port : gateway.ports) reached_[port.network] = true;
+  }
 
   Inspection run() {
     out_.channels.resize(s_.channels.size());
@@ -64,11 +68,8 @@ class Inspector {
 
   void check_networks() {
     if (s_.networks.size() < 2) return;
-    std::vector<bool> reached(s_.networks.size(), false);
-    for (const Gateway& gateway : s_.gateways)
-      for (const Port& port : gateway.ports) reached[port.network] = true;
     for (std::size_t n = 0; n < s_.networks.size(); ++n) {
-      if (reached[n]) continue;
+      if (reached_[n]) continue;
       const Network& network = s_.networks[n];
       add(FindingId::unreachable_network, network.origin,
           "no gateway has a port on network " + network.name +
@@ -90,7 +91,7 @@ class Inspector {
     if (s_.channels[c].safe_side == SafeSide::deliver) check_safe_side(c, verdicts);
     if (verdicts.size() > 1) check_senders(c, verdicts);
     if (members_.publishers_of(c).size() > 1) check_shared_limits(c);
-    if (members_.publishers_of(c).size() > kMostEntries) check_room(c, verdicts, result);
+    check_room(c, verdicts, result);
     if (result.outcome == Outcome::fit && result.set == 0) return;
     for (const Verdict& v : verdicts) explain.add(v);
     if (result.outcome != Outcome::unfit && result.set != 0) explain.add_lower_set(c, result.set);
@@ -163,7 +164,7 @@ class Inspector {
     for (const std::size_t number : members_.publishers_of(c)) {
       const Publisher& p = members_.publisher(number);
       if (p.place.kind != Place::Kind::network || !s_.networks[p.place.index].carries_subjects() ||
-          !has_port(p.place.index))
+          !reached_[p.place.index])
         continue;
       const auto key = std::pair(p.place.index, p.station);
       const auto [first, fresh] = alike.try_emplace(key, number);
@@ -182,19 +183,13 @@ class Inspector {
 
   void check_room(std::size_t c, const std::vector<Verdict>& verdicts, ChannelResult& result) {
     for (std::size_t g = 0; g < s_.gateways.size(); ++g) {
-      const auto lack = lacks_room(s_, gate_state(s_, members_, c, verdicts, g), g);
+      const auto lack = lacks_room(s_, members_, c, verdicts, g);
       if (!lack) continue;
       result.outcome = Outcome::unfit;
       add(FindingId::too_many, s_.channels[c].origin,
           "channel " + s_.channels[c].name + ": " + *lack,
           "give some of them subjects of their own, or let them come by another network", c);
     }
-  }
-
-  [[nodiscard]] bool has_port(std::size_t network) const {
-    return std::ranges::any_of(s_.gateways, [&](const Gateway& gateway) {
-      return std::ranges::find(gateway.ports, network, &Port::network) != gateway.ports.end();
-    });
   }
 
   [[nodiscard]] std::string sender_words(std::size_t device) const {
@@ -225,6 +220,7 @@ class Inspector {
   Members members_;
   World world_;
   std::vector<bool> released_;
+  std::vector<bool> reached_;  ///< networks that some gateway has a port on
   Ledger ledger_;
   Inspection out_;
 };

@@ -374,10 +374,12 @@ GateState gate_state(const System& system, const Members& members, const Verdict
   return planner.take();
 }
 
-std::optional<std::string> lacks_room(const System& system, const GateState& of_channel,
+std::optional<std::string> lacks_room(const System& system, const Members& members,
+                                      std::size_t channel, const std::vector<Verdict>& verdicts,
                                       std::size_t gateway) {
+  if (members.publishers_of(channel).size() <= kMostEntries) return std::nullopt;
   std::map<std::pair<std::size_t, Direction>, std::size_t> entries;
-  for (const GateRule& rule : of_channel) {
+  for (const GateRule& rule : gate_state(system, members, channel, verdicts, gateway)) {
     if (++entries[{rule.entry.port, rule.entry.direction}] <= kMostEntries) continue;
     const Gateway& here = system.gateways[gateway];
     const Network& network = system.networks[here.ports[rule.entry.port].network];

@@ -124,9 +124,10 @@ struct Transit {
 
 /// Entries of one subject that a gate holds in one direction (GATE_CHAIN).
 inline constexpr std::size_t kMostEntries = 8;
-/// Of one channel: why the gates of the gateway cannot hold its entries; nothing where they can.
-[[nodiscard]] std::optional<std::string> lacks_room(const System& system,
-                                                    const GateState& of_channel,
+/// Why the gates of the gateway cannot hold the entries of a channel; nothing where they can.
+[[nodiscard]] std::optional<std::string> lacks_room(const System& system, const Members& members,
+                                                    std::size_t channel,
+                                                    const std::vector<Verdict>& verdicts,
                                                     std::size_t gateway);
 
 /// Entries by which events of several publishers of a channel come or leave: frames do not say

@@ -77,6 +77,28 @@ bool can_send(const Publisher& publisher, const Network& network) {
   return publisher.node && *publisher.node <= traits_of(network.profile).last_node;
 }
 
+std::optional<Sender> sender_of(const System& system, const Publisher& publisher) {
+  const Sender local{.channel = publisher.channel,
+                     .place = publisher.place,
+                     .node = publisher.node,
+                     .uid = publisher.uid};
+  if (publisher.place.kind == Place::Kind::gateway)
+    return publisher.uid ? std::optional(local) : std::nullopt;
+  const Network& network = system.networks[publisher.place.index];
+  if (network.profile == Profile::none) return std::nullopt;
+  if (has_nodes(network.profile)) return publisher.node ? std::optional(local) : std::nullopt;
+  // No frame there names a node: one that is stated is for networks further on.
+  Sender anonymous = local;
+  anonymous.node = std::nullopt;
+  return anonymous;
+}
+
+std::string_view way_to_differ(const Publisher& publisher) {
+  if (publisher.place.kind == Place::Kind::gateway) return "another user or node is needed";
+  return publisher.node ? "every publisher has a node of its own"
+                        : "an identifier has one sender on a bus";
+}
+
 std::optional<FrameIdentity> identity_of(const Publisher& publisher, const Network& network,
                                          const Binding& binding, bool split) {
   if (network.profile == Profile::none || !can_send(publisher, network)) return std::nullopt;

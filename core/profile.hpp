@@ -35,6 +35,21 @@ struct ProfileTraits {
 /// The publisher has what its frames on the network must carry.
 [[nodiscard]] bool can_send(const Publisher& publisher, const Network& network);
 
+/// Who a publisher is to those who receive its frames. Two publishers with one sender could not be
+/// told apart: what one is granted the other would use.
+struct Sender {
+  std::size_t channel = 0;
+  Place place;
+  std::optional<std::uint8_t> node;
+  std::optional<std::uint32_t> uid;
+  auto operator<=>(const Sender&) const = default;
+};
+/// Nothing where several may be alike (Ethernet without nodes, networks without a profile), or
+/// where what would tell them apart is not stated.
+[[nodiscard]] std::optional<Sender> sender_of(const System& system, const Publisher& publisher);
+/// What the second publisher with a sender needs to be another one, as a clause.
+[[nodiscard]] std::string_view way_to_differ(const Publisher& publisher);
+
 /// A PGN below PDU format 240 (SAE J1939-21: PDU1) is sent to somebody, and its low byte is 0.
 [[nodiscard]] constexpr bool has_destination(std::uint32_t pgn) {
   constexpr std::uint32_t pdu2 = 240;

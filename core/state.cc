@@ -103,11 +103,7 @@ GateChanges Proposal::changes(std::size_t gateway) const {
 }
 
 std::optional<std::string> Proposal::lacks_room(std::size_t gateway) const {
-  const Members& members = state_->members_;
-  if (members.publishers_of(channel_).size() <= kMostEntries) return std::nullopt;
-  return core::lacks_room(
-      state_->system_,
-      core::gate_state(state_->system_, members, channel_, next_.verdicts, gateway), gateway);
+  return core::lacks_room(state_->system_, state_->members_, channel_, next_.verdicts, gateway);
 }
 
 void Proposal::accept() && {
@@ -126,8 +122,7 @@ void Proposal::accept() && {
 
 std::optional<std::string> State::lacks_room(std::size_t gateway) const {
   for (std::size_t c = 0; c < decisions_.size(); ++c) {
-    if (members_.publishers_of(c).size() <= kMostEntries) continue;
-    if (const auto lack = core::lacks_room(system_, gate_state(gateway, c), gateway))
+    if (const auto lack = core::lacks_room(system_, members_, c, decisions_[c].verdicts, gateway))
       return "channel " + system_.channels[c].name + ": " + *lack;
   }
   return std::nullopt;
@@ -321,14 +316,16 @@ GateChanges State::gate_changes(const std::vector<Change>& changes, std::size_t 
 // --- names --------------------------------------------------------------------------------------
 
 std::optional<std::size_t> State::find_channel(const std::string& name_or_subject) const {
-  const auto found = [](const auto& index, const auto& key) -> std::optional<std::size_t> {
-    const auto it = index.find(key);
-    if (it == index.end()) return std::nullopt;
-    return it->second;
-  };
-  if (const auto subject = parse_subject(name_or_subject))
-    return found(channel_of_subject_, *subject);
-  return found(channel_of_name_, name_or_subject);
+  if (const auto subject = parse_subject(name_or_subject)) return channel_of(*subject);
+  const auto it = channel_of_name_.find(name_or_subject);
+  if (it == channel_of_name_.end()) return std::nullopt;
+  return it->second;
+}
+
+std::optional<std::size_t> State::channel_of(Subject subject) const {
+  const auto it = channel_of_subject_.find(subject);
+  if (it == channel_of_subject_.end()) return std::nullopt;
+  return it->second;
 }
 
 std::optional<Place> State::find_place(const std::string& name) const {

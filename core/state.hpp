@@ -161,6 +161,7 @@ class State {
                                          const FormerRules& left = {}) const;
 
   [[nodiscard]] std::optional<std::size_t> find_channel(const std::string& name_or_subject) const;
+  [[nodiscard]] std::optional<std::size_t> channel_of(Subject subject) const;
   [[nodiscard]] std::optional<Place> find_place(const std::string& name) const;
 
  private:

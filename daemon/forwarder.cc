@@ -88,9 +88,12 @@ void Forwarder::apply(const RuleChanges& changes) {
       unsure = true;
   }
   for (const net::CanRuleThere& rule : changes.add) {
-    if (const auto done = kernel_->add(rule); done)
+    const auto done = kernel_->add(rule);
+    if (done)
       there_->push_back(rule);
-    else if (failed.empty())
+    else
+      unsure = true;  // it may be there all the same, where only the answer was lost
+    if (!done && failed.empty())
       failed = "granted frames are not carried from bus to bus: " + done.error().text;
   }
   if (failed.empty() && !in_way_.empty())

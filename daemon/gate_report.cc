@@ -115,9 +115,8 @@ class Report {
   [[nodiscard]] std::string name_of(const enforce::SlotSpec& slot, std::size_t port) const {
     if (ports_.is_can(port) && slot.subject == core::kControlSubject)
       return std::string(core::control_kind_of(ports_.profile(port), slot.id, slot.mask));
-    const std::string subject = fmt::format("{:#x}", slot.subject);
-    const auto channel = state_.find_channel(subject);
-    return channel ? state_.system().channels[*channel].name : subject;
+    const auto channel = state_.channel_of(slot.subject);
+    return channel ? state_.system().channels[*channel].name : fmt::format("{:#x}", slot.subject);
   }
 
   [[nodiscard]] std::string source_of(const enforce::SlotSpec& slot) const {

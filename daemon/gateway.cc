@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 #include <malloc.h>
+#include <systemd/sd-daemon.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include <utility>
 
 #include "core/control_traffic.hpp"
+#include "core/progress.hpp"
 #include "core/text.hpp"
 #include "daemon/clock.hpp"
 #include "daemon/enforce/interrupted.hpp"
@@ -81,26 +83,37 @@ Gateway::Gateway(Options options, Journal journal, enforce::Control control, net
       forwarder_(std::make_unique<net::KernelCanRules>(),
                  [this](const std::string& line, bool problem) {
                    tell(problem ? Kind::trouble : Kind::interface, problem ? 4 : 6, line);
-                 }) {}
+                 }),
+      aside_(loop),
+      reading_(loop) {
+  ports_.on_step([this] { pulse(); });
+}
 
 // --- start, stop, reload -------------------------------------------------------------------------
 
-Gateway::LoadResult Gateway::load() const {
-  auto system = description::read(options_.description);
+/// Shares nothing with a gateway: may run on another thread.
+Gateway::LoadResult Gateway::read(const Options& options) {
+  auto system = description::read(options.description);
   if (!system) {
     std::vector<std::string> lines;
     for (const auto& problem : system.error()) lines.push_back(description::to_string(problem));
     return std::unexpected(std::move(lines));
   }
-  const auto self = find_self(*system, options_.gateway);
-  if (!self) return std::unexpected(std::vector{options_.description + ": " + self.error()});
+  const auto self = find_self(*system, options.gateway);
+  if (!self) return std::unexpected(std::vector{options.description + ": " + self.error()});
   Loaded loaded{std::make_unique<core::State>(std::move(*system)), *self, {}};
-  restore_into(loaded);
-  if (const auto lack = loaded.state->lacks_room(loaded.self))
-    return std::unexpected(std::vector{options_.description + ": " + *lack});
   ::malloc_trim(0);  // reading leaves several times the memory of what was read
   return loaded;
 }  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): the state moves with what is returned
+
+/// With what was admitted at run time.
+Gateway::LoadResult Gateway::complete(LoadResult loaded) const {
+  if (!loaded) return loaded;
+  restore_into(*loaded);
+  if (const auto lack = loaded->state->lacks_room(loaded->self))
+    return std::unexpected(std::vector{options_.description + ": " + *lack});
+  return loaded;
+}
 
 void Gateway::restore_into(Loaded& loaded) const {
   core::State& state = *loaded.state;
@@ -138,11 +151,21 @@ std::optional<StartError> Gateway::start() {
   };
   if (const auto set = control_.set_grace(options_.grace_ns); !set)
     return give_up({set.error().text}, false);
+  if (auto begun = enforce::Starting::begin(control_, options_.start_limit_ns, monotonic_ns()))
+    starting_.emplace(std::move(*begun));
+  else
+    tell(Kind::trouble, 4, "nothing is kept beyond the grace: " + begun.error().text);
+  is_starting_ = true;
+  const core::Progress goes_on([this] { pulse(); });
+  pulse();
   auto opened = store::Journal::open(options_.state_directory);
   if (!opened) return give_up({opened.error().text}, true);
   store_.emplace(std::move(*opened));
   history_.emplace(store::History::open(options_.state_directory));
-  auto loaded = load();
+  auto described = read(options_);
+  pulse();
+  auto loaded = complete(std::move(described));
+  pulse();
   if (!loaded) return give_up(std::move(loaded.error()), true);
   state_ = std::move(loaded->state);
   self_ = loaded->self;
@@ -154,7 +177,7 @@ std::optional<StartError> Gateway::start() {
   if (const auto done = enforce::undo_interrupted_step(control_); !done)
     return give_up({done.error().text}, false);
   meshes_.describe(state_->system());
-  meshes_.await_first_reports(kFirstReports);
+  meshes_.await_first_reports(kFirstReports, [this] { pulse(); });
   if (const auto done = put_in_force(before); !done) tell(Kind::trouble, 3, done.error().text);
 
   auto events = enforce::EventReader::open(control_.events_fd(),
@@ -162,9 +185,14 @@ std::optional<StartError> Gateway::start() {
                                             [this](const gate_sample& s) { hear(s); }});
   if (!events) return give_up({events.error().text}, false);
   events_.emplace(std::move(*events));
-  control_.beat(monotonic_ns());
+  if (const auto alive = control_.beat(monotonic_ns()); !alive)
+    return give_up({alive.error().text}, false);
   if (const auto armed = control_.arm(); !armed) return give_up({armed.error().text}, false);
-  if (control_.lapsed()) control_.clear_lapse(monotonic_ns());
+  if (control_.lapsed())
+    if (const auto cleared = control_.clear_lapse(monotonic_ns()); !cleared)
+      return give_up({cleared.error().text}, false);
+  if (starting_) starting_->finish();
+  is_starting_ = false;
   forget_drops();  // what a former daemon has seen is not news
   open_unless_lost();
   tell(Kind::started, 5, "started: " + summary());
@@ -187,12 +215,15 @@ void Gateway::stop() {
 
 // --- the world changes ---------------------------------------------------------------------------
 
+/// What cannot be read changes nothing, and is read again with the next look.
 void Gateway::links_changed() {
+  const std::string told = links_.problem();
   const auto changed = links_.refresh();
-  if (!changed)
-    tell(Kind::trouble, 3, changed.error().text);
-  else if (*changed)
-    follow_world();
+  if (!changed && told.empty())
+    tell(Kind::trouble, 3,
+         changed.error().text + ": what is in force stays until they can be read");
+  if (changed && !told.empty()) tell(Kind::trouble, 5, "the interfaces can be read again");
+  if (changed && (*changed || ports_.in_doubt())) follow_world();
   if (links_.take_tc_changed() && ports_.repair()) follow_world();
 }
 
@@ -228,6 +259,7 @@ void Gateway::follow_world() {
 }
 
 void Gateway::act() {
+  const core::Progress alive([this] { pulse(); });
   for (const std::size_t n : std::exchange(dirty_meshes_, {}))
     if (const auto* table = meshes_.table(n)) put_graph(*state_, n, *table);
   static_cast<void>(settle());
@@ -265,8 +297,12 @@ Result<void> Gateway::put_in_force(const Granted& granted_before) {
     else
       note_granted(subject, {});
   }
+  pulse();
   state_->decide(before);
-  for (std::size_t c = 0; c < state_->decisions().size(); ++c) note_granted(c);
+  for (std::size_t c = 0; c < state_->decisions().size(); ++c) {
+    note_granted(c);
+    pulse();
+  }
   return enforce();
 }
 
@@ -279,9 +315,12 @@ void Gateway::open_unless_lost() {
 
 Result<void> Gateway::enforce() {
   set_bands();
+  pulse();
   auto wanted = state_->gate_state(self_);
   std::ranges::copy(core::control_rules(state_->system(), self_), std::back_inserter(wanted));
+  pulse();
   auto done = ports_.sync(wanted);
+  pulse();
   note_slots(std::move(wanted));
   forward_all();
   if (!done)
@@ -290,17 +329,32 @@ Result<void> Gateway::enforce() {
 }
 
 void Gateway::beat() {
-  if (control_.lapsed()) {
-    // We were silent for longer than the grace: what we know may be old. Look first, then open.
-    links_changed();
+  auto alive = control_.beat(monotonic_ns());
+  if (control_.lapsed()) links_changed();
+  // We were silent for longer than the grace: what we know may be old. Look first, then open.
+  if (control_.lapsed() && links_.problem().empty()) {
     follow_world();
-    control_.clear_lapse(monotonic_ns());
+    alive = control_.clear_lapse(monotonic_ns());
     tell(Kind::lapsed, 3,
          fmt::format("the kernel had closed all gates because this daemon was silent for more than "
                      "{}; they follow the verdicts again",
                      core::format_value(Attribute::latency, control_.grace())));
   }
-  control_.beat(monotonic_ns());
+  if (!alive) tell(Kind::trouble, 2, "the gates close soon: no heart-beat, " + alive.error().text);
+}
+
+/// A gate that has closed meanwhile stays closed until beat() has looked.
+void Gateway::pulse() {
+  const std::uint64_t now = monotonic_ns();
+  if (now - pulsed_ < control_.beat_interval() / 4) return;
+  pulsed_ = now;
+  if (is_starting_) {
+    if (starting_) starting_->beat(control_, now);
+    sd_notify(0, "EXTEND_TIMEOUT_USEC=30000000");
+    return;
+  }
+  if (!control_.lapsed()) static_cast<void>(control_.beat(now));
+  sd_notify(0, "WATCHDOG=1");
 }
 
 // --- reports -------------------------------------------------------------------------------------

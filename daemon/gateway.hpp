@@ -16,10 +16,12 @@
 #include "control/messages.hpp"
 #include "core/result.hpp"
 #include "core/state.hpp"
+#include "daemon/aside.hpp"
 #include "daemon/bus_load.hpp"
 #include "daemon/drops.hpp"
 #include "daemon/enforce/control.hpp"
 #include "daemon/enforce/events.hpp"
+#include "daemon/enforce/starting.hpp"
 #include "daemon/forwarder.hpp"
 #include "daemon/journal.hpp"
 #include "daemon/keys.hpp"
@@ -28,6 +30,7 @@
 #include "daemon/net/links.hpp"
 #include "daemon/options.hpp"
 #include "daemon/ports.hpp"
+#include "daemon/reading.hpp"
 #include "daemon/requests.hpp"
 #include "daemon/serve/server.hpp"
 #include "daemon/store/history.hpp"
@@ -62,12 +65,19 @@ class Gateway {
   /// Everything is denied; the gates stay in the kernel.
   void stop();
   /// As the control request does; what is wrong goes to the journal.
-  void reload() { handle(control::ReloadRequest{}); }
+  void reload();
+  /// A thread reads a description.
+  [[nodiscard]] bool is_reading() const { return reading_.busy(); }
 
   void on_event(Publish publish) { publish_ = std::move(publish); }
   /// Told when everything that was answered with `held` is on disk, or why it is not: then none of
   /// it is granted any more.
   void on_commit(Committed committed) { committed_ = std::move(committed); }
+  /// Told when a reply to a session that had to wait goes on.
+  void on_slice(const Aside::Ready& ready) {
+    ready_ = ready;
+    aside_.on_ready(ready);
+  }
   serve::Answer answer(const control::Request& request, const serve::Peer& peer);
   /// A connection has ended: the leases that it held begin to run.
   void session_closed(std::uint64_t session);
@@ -118,7 +128,11 @@ class Gateway {
     LeftOut left_out;
   };
   using LoadResult = std::expected<Loaded, std::vector<std::string>>;
-  [[nodiscard]] LoadResult load() const;
+  [[nodiscard]] static LoadResult read(const Options& options);
+  [[nodiscard]] LoadResult complete(LoadResult loaded) const;
+  /// What was read is to be in force.
+  Body reload_with(LoadResult loaded);
+  void end_reload(Body body);
   void restore_into(Loaded& loaded) const;
   void remember_leases_and_keys();
 
@@ -143,6 +157,9 @@ class Gateway {
   Result<void> enforce();
   Result<void> put_in_force(const Granted& granted_before);
   void commit();
+  void keep_journal();
+  /// In what takes long, after each step: the kernel and systemd hear that it goes on.
+  void pulse();
   void take_back_uncommitted();
   /// What a channel has been granted, and what the gates hold of it.
   void note(std::size_t channel);
@@ -198,6 +215,9 @@ class Gateway {
   [[nodiscard]] control::Channels report_admission(core::AdmissionId id) const;
   [[nodiscard]] Result<core::AdmissionId> admission_named(core::AdmissionId id,
                                                           const std::string& key) const;
+  [[nodiscard]] bool is_large() const;
+  Body aside(Aside::Make make);
+  Body in_slices(std::size_t least_bytes, std::function<serve::Slice()> next);
   Body admit_known(const Asked& asked);
   std::optional<Body> admit_again(const control::Admit& request);
   Body admit_new(const control::Admit& request, const Asked& asked);
@@ -212,13 +232,26 @@ class Gateway {
   net::Links links_;
   Ports ports_;
   std::optional<enforce::EventReader> events_;
+  std::optional<enforce::Starting> starting_;
+  bool is_starting_ = false;
   Meshes meshes_;
   Forwarder forwarder_;
+  Aside aside_;
+  Reading reading_;
+  Aside::Ready ready_;
+  /// Of the reload that is under way: what is answered, and to whom.
+  struct Reload {
+    std::optional<Body> body;
+    std::uint64_t session = 0;
+  };
+  std::shared_ptr<Reload> reload_;
+  std::uint64_t pulsed_ = 0;                        ///< CLOCK_MONOTONIC, ns
   std::map<std::size_t, std::string> not_carried_;  // why, by channel
   std::optional<store::Journal> store_;
   std::optional<store::History> history_;
   std::unique_ptr<core::State> state_;
   std::size_t self_ = 0;
+  std::uint64_t description_ = 0;  ///< counts the states: of another one indices mean other things
   /// Why frames of an entry are dropped, as far as that is told apart.
   enum class Drop : std::uint8_t { misfit, excess };
   DropWatch<std::pair<core::GateEntry, Drop>> drops_;
@@ -230,6 +263,8 @@ class Gateway {
   std::time_t loaded_ = 0;
   std::string last_error_;
   std::string told_trouble_;  // of the journal
+  std::string journal_gone_;  // why it cannot be written anew
+  std::string unpinned_;      // why the control word is not pinned; empty: it is
 
   std::set<std::size_t> dirty_meshes_;          // networks
   std::vector<core::AdmissionId> uncommitted_;  // granted, and not on disk yet
@@ -242,9 +277,11 @@ class Gateway {
   std::map<std::size_t, Beyond> beyond_;                               // by network
 
   // Of the request that is being answered.
-  std::uint64_t session_ = 0;
+  serve::Peer peer_;
   bool hold_answer_ = false;
   core::AdmissionId owned_ = 0;
+  serve::NextSlice slices_;
+  std::size_t least_bytes_ = 0;
 };
 
 }  // namespace mlcca

@@ -29,7 +29,10 @@ std::int64_t seconds() { return static_cast<std::int64_t>(monotonic_ns() / 1'000
 }  // namespace
 
 void Gateway::look_at_drops(bool mention) {
-  for (const core::Decision& decision : state_->decisions()) look_at_drops_of(decision, mention);
+  for (const core::Decision& decision : state_->decisions()) {
+    look_at_drops_of(decision, mention);
+    pulse();
+  }
   look_at_unknown(mention);
   drops_.end_round();
   looked_at_ = 0;

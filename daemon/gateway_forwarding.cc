@@ -42,7 +42,10 @@ void Gateway::forward_all() {
   forwarder_.forget();
   std::erase_if(not_carried_,
                 [this](const auto& c) { return c.first >= state_->decisions().size(); });
-  for (std::size_t c = 0; c < state_->decisions().size(); ++c) forward(c);
+  for (std::size_t c = 0; c < state_->decisions().size(); ++c) {
+    forward(c);
+    pulse();
+  }
 }
 
 void Gateway::add_can_rules(control::Routes& to) {

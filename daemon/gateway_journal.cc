@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <charconv>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <utility>
 
+#include "core/control_traffic.hpp"
 #include "core/text.hpp"
 #include "daemon/enforce/slot_record.hpp"
 #include "daemon/gateway.hpp"
@@ -117,6 +119,7 @@ void Gateway::note_slots(core::GateState of_all) {
     now.emplace_hint(now.end(), subject_of(*first),
                      enforce::record_of(ports_.slots({first, last})));
     first = last;
+    pulse();
   }
   for (const auto& [subject, slots] : stored().enforced) now.try_emplace(subject);
   for (auto& [subject, slots] : now) write_down(store::Enforced{subject, std::move(slots)});
@@ -145,8 +148,30 @@ void Gateway::commit() {
   told_trouble_ = store_->trouble().value_or("");
   uncommitted_.clear();
   if (committed_) committed_(done);
-  if (!done)
-    for (std::size_t c = 0; c < state_->decisions().size(); ++c) note(c);
+  if (done) return;
+  // What is in force was to be written down, too: the next commit tries it again.
+  for (std::size_t c = 0; c < state_->decisions().size(); ++c) note_granted(c);
+  note_ports();
+  auto wanted = state_->gate_state(self_);
+  std::ranges::copy(core::control_rules(state_->system(), self_), std::back_inserter(wanted));
+  note_slots(std::move(wanted));
+}
+
+/// What a daemon has granted must outlive it, also when somebody removes the file meanwhile.
+void Gateway::keep_journal() {
+  if (!store_ || store_->dirty()) return;
+  const auto again = store_->keep();
+  std::string gone;
+  if (!again)
+    gone = store_->path() +
+           " was removed or replaced, and cannot be written anew: " + again.error().text;
+  if (!gone.empty() && gone != journal_gone_) tell(Kind::trouble, 3, gone);
+  journal_gone_ = std::move(gone);
+  if (again && *again)
+    tell(Kind::drift, 3,
+         store_->path() +
+             ": somebody removed or replaced it; it is written anew, with all that is "
+             "granted");
 }
 
 /// What could not be written down was never granted.

@@ -13,6 +13,7 @@
 #include "daemon/gate_report.hpp"
 #include "daemon/gateway.hpp"
 #include "daemon/outlook.hpp"
+#include "daemon/pace.hpp"
 #include "daemon/report.hpp"
 #include "daemon/reservations.hpp"
 
@@ -23,7 +24,67 @@ control::Error error(control::ErrorKind kind, std::string message) {
   return {kind, std::move(message), {}};
 }
 
+/// What the history has, the newest first, a page at a time. What comes in meanwhile is newer.
+class HistoryPages {
+ public:
+  HistoryPages(store::History& history, store::HistoryFilter filter)
+      : history_(history), filter_(std::move(filter)), left_(filter_.limit) {}
+
+  Result<control::History> next() {
+    constexpr std::size_t page = 128;
+    const std::size_t wanted = std::min(left_, page);
+    filter_.limit = wanted + again_;
+    auto found = history_.query(filter_);
+    if (!found) return std::unexpected(found.error());
+    control::History out;
+    for (std::size_t i = again_; i < found->size(); ++i) {
+      store::Decision& d = (*found)[i];
+      again_ = d.unix_ns == filter_.until_ns ? again_ + 1 : 1;
+      filter_.until_ns = d.unix_ns;
+      out.entries.push_back({d.unix_ns, std::move(d.kind), d.subject, std::move(d.channel),
+                             std::move(d.from), std::move(d.to), std::move(d.network),
+                             std::move(d.message)});
+    }
+    left_ = out.entries.size() < wanted ? 0 : left_ - wanted;
+    return out;
+  }
+  [[nodiscard]] bool more() const { return left_ != 0; }
+
+ private:
+  store::History& history_;
+  store::HistoryFilter filter_;
+  std::size_t left_;
+  std::size_t again_ =
+      0;  ///< rows of the time at which the next page begins that were given already
+};
+
+constexpr std::size_t kLeastRow = 32;      // bytes on the wire
+constexpr std::size_t kChannelRow = 1024;  // bytes on the wire, mostly
+
 }  // namespace
+
+/// What a handler answers whose reply is made in slices, each of what is known when it is made.
+Gateway::Body Gateway::in_slices(std::size_t least_bytes, std::function<serve::Slice()> next) {
+  least_bytes_ = least_bytes;
+  slices_ = [this, description = description_, next = std::move(next)] {
+    if (description == description_) return std::optional(next());
+    return std::optional(serve::Slice{
+        error(control::ErrorKind::world, "the description was reloaded meanwhile: ask again")});
+  };
+  return {};
+}
+
+/// So large that a report of all of it is not made between two heart-beats.
+bool Gateway::is_large() const {
+  constexpr std::size_t large = 500;
+  return state_->decisions().size() + state_->system().networks.size() > large;
+}
+
+/// What a handler answers whose reply is made by a child process, of what is known now.
+Gateway::Body Gateway::aside(Aside::Make make) {
+  slices_ = aside_.ask(peer_, std::move(make));
+  return {};
+}
 
 Gateway::Body Gateway::handle(const control::StatusRequest&) {
   control::Status s;
@@ -43,28 +104,40 @@ Gateway::Body Gateway::handle(const control::StatusRequest&) {
   s.last_error = last_error_;
   if (ports_.out_of_hand())
     s.problem = "an interface cannot be held: everything is denied";
+  else if (!links_.problem().empty())
+    s.problem = links_.problem() + ": what is in force stays until they can be read";
   else
-    s.problem = forwarder_.problem();
+    s.problem = journal_gone_.empty() ? forwarder_.problem() : journal_gone_;
   s.interfaces = ports_.report();
   return s;
 }
 
 Gateway::Body Gateway::handle(const control::NetworksRequest&) {
-  control::Networks out;
-  for (std::size_t n = 0; n < state_->system().networks.size(); ++n)
-    out.networks.push_back(network_report(*state_, n));
-  return out;
+  const auto make = [this] {
+    control::Networks out;
+    for (std::size_t n = 0; n < state_->system().networks.size(); ++n)
+      out.networks.push_back(network_report(*state_, n));
+    return out;
+  };
+  return is_large() ? aside(make) : make();
 }
 
 Gateway::Body Gateway::handle(const control::ChannelsRequest&) {
-  control::Channels out;
-  for (const core::Decision& decision : state_->decisions()) {
-    std::vector<const core::Verdict*> all;
-    all.reserve(decision.verdicts.size());
-    for (const core::Verdict& v : decision.verdicts) all.push_back(&v);
-    std::ranges::move(report(all), std::back_inserter(out.channels));
-  }
-  return out;
+  std::size_t next = 0;
+  return in_slices(state_->decisions().size() * kLeastRow, [this, next]() mutable -> serve::Slice {
+    control::Channels out;
+    const auto& decisions = state_->decisions();
+    Pace pace(kChannelRow);
+    for (bool goes_on = true; goes_on && next < decisions.size(); ++next) {
+      std::vector<const core::Verdict*> all;
+      all.reserve(decisions[next].verdicts.size());
+      for (const core::Verdict& v : decisions[next].verdicts) all.push_back(&v);
+      std::ranges::move(report(all), std::back_inserter(out.channels));
+      goes_on = pace.made(std::max<std::size_t>(all.size(), 1));
+    }
+    const bool more = next < decisions.size();
+    return {std::move(out), more};
+  });
 }
 
 Gateway::Body Gateway::handle(const control::ExplainRequest& request) {
@@ -83,12 +156,18 @@ control::Channels Gateway::report_admission(core::AdmissionId id) const {
 }
 
 Gateway::Body Gateway::handle(const control::RoutesRequest&) {
-  control::Routes out = routes_report(*state_);
-  for (std::size_t n = 0; n < state_->system().networks.size(); ++n)
-    if (const auto* table = meshes_.table(n))
-      add_links(*meshes_.mesh(n), *table, state_->system().networks[n].name, monotonic_ns(), out);
-  add_can_rules(out);
-  return out;
+  control::Routes rules;
+  add_can_rules(rules);
+  const auto make = [this, rules = std::move(rules)] {
+    control::Routes out = routes_report(*state_);
+    for (std::size_t n = 0; n < state_->system().networks.size(); ++n)
+      if (const auto* table = meshes_.table(n))
+        add_links(*meshes_.mesh(n), *table, state_->system().networks[n].name, monotonic_ns(), out);
+    out.problems.insert(out.problems.end(), rules.problems.begin(), rules.problems.end());
+    out.can_rules = rules.can_rules;
+    return out;
+  };
+  return is_large() ? aside(make) : make();
 }
 
 Gateway::Body Gateway::handle(const control::ReservationsRequest& request) {
@@ -99,26 +178,35 @@ Gateway::Body Gateway::handle(const control::ReservationsRequest& request) {
       return error(control::ErrorKind::invalid,
                    fmt::format("there is no network or gateway '{}'", request.place));
   }
-  return reservations_report(*state_, place, [this](core::AdmissionId id) -> std::uint64_t {
-    return leases_.remaining(id, monotonic_ns()).value_or(0);
-  });
+  const auto make = [this, place] {
+    return reservations_report(*state_, place, [this](core::AdmissionId id) -> std::uint64_t {
+      return leases_.remaining(id, monotonic_ns()).value_or(0);
+    });
+  };
+  return is_large() ? aside(make) : make();
 }
 
 Gateway::Body Gateway::handle(const control::GateRequest& request) {
-  control::Gates out = gates_report(ports_, *state_, request.place);
-  if (out.gates.empty() && !request.place.empty())
-    return error(
-        control::ErrorKind::invalid,
-        fmt::format("there is no gated interface or network '{}' at this gateway (there are: "
-                    "{})",
-                    request.place, gated_places(ports_)));
-  return out;
+  const auto make = [this, place = request.place]() -> Body {
+    control::Gates out = gates_report(ports_, *state_, place);
+    if (out.gates.empty() && !place.empty())
+      return error(
+          control::ErrorKind::invalid,
+          fmt::format("there is no gated interface or network '{}' at this gateway (there are: "
+                      "{})",
+                      place, gated_places(ports_)));
+    return out;
+  };
+  return is_large() ? aside(make) : make();
 }
 
+/// Always aside: all that is known is decided once more.
 Gateway::Body Gateway::handle(const control::WhatIfRequest& request) {
-  auto then = suppose(*state_, request);
-  if (!then) return error(control::ErrorKind::invalid, then.error().text);
-  return outlook(*state_, **then);
+  return aside([this, request]() -> Body {
+    auto then = suppose(*state_, request);
+    if (!then) return error(control::ErrorKind::invalid, then.error().text);
+    return outlook(*state_, **then);
+  });
 }
 
 Gateway::Body Gateway::handle(const control::HistoryRequest& request) {
@@ -133,18 +221,21 @@ Gateway::Body Gateway::handle(const control::HistoryRequest& request) {
   filter.since_ns = request.since_unix_ns;
   if (request.until_unix_ns != 0) filter.until_ns = request.until_unix_ns;
   filter.limit = request.limit == 0 ? usual : std::min(request.limit, most);
-  auto found = history_->query(filter);
-  if (!found) return error(control::ErrorKind::world, found.error().text);
-  if (found->empty() && !request.channel.empty() && !state_->find_channel(request.channel))
+  auto pages = std::make_shared<HistoryPages>(*history_, filter);
+  auto first = pages->next();
+  if (!first) return error(control::ErrorKind::world, first.error().text);
+  if (first->entries.empty() && !request.channel.empty() && !state_->find_channel(request.channel))
     return error(control::ErrorKind::invalid,
                  fmt::format("no event channel is called '{}', and the history knows none",
                              request.channel));
-  control::History out;
-  for (store::Decision& d : *found)
-    out.entries.push_back({d.unix_ns, std::move(d.kind), d.subject, std::move(d.channel),
-                           std::move(d.from), std::move(d.to), std::move(d.network),
-                           std::move(d.message)});
-  return out;
+  if (!pages->more()) return std::move(*first);
+  slices_ = [pages, first = std::move(*first)]() mutable -> std::optional<serve::Slice> {
+    if (!first.entries.empty()) return serve::Slice{std::exchange(first, {}), true};
+    auto page = pages->next();
+    if (!page) return serve::Slice{error(control::ErrorKind::world, page.error().text)};
+    return serve::Slice{std::move(*page), pages->more()};
+  };
+  return {};
 }
 
 }  // namespace mlcca

@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/progress.hpp"
 #include "core/text.hpp"
 #include "daemon/clock.hpp"
 #include "daemon/gateway.hpp"
@@ -29,10 +30,43 @@ control::Error error(control::ErrorKind kind, std::string message) {
 
 }  // namespace
 
+/// Reads on a thread, and goes on in the loop when that is done.
 Gateway::Body Gateway::handle(const control::ReloadRequest&) {
+  const auto read = std::make_shared<std::optional<LoadResult>>();
+  const auto reload = std::make_shared<Reload>(Reload{std::nullopt, peer_.session});
+  const bool begun = reading_.begin([read, options = options_] { *read = Gateway::read(options); },
+                                    [this, read] { end_reload(reload_with(std::move(**read))); });
+  if (!begun)
+    return error(control::ErrorKind::world,
+                 "nothing was changed: the description is being read already; ask again later");
+  reload_ = reload;
+  slices_ = [reload]() -> std::optional<serve::Slice> {
+    if (!reload->body) return std::nullopt;
+    return serve::Slice{*reload->body};
+  };
+  return {};
+}
+
+void Gateway::reload() {
+  peer_ = {};
+  const Body body = handle(control::ReloadRequest{});
+  slices_ = nullptr;
+  if (const auto* busy = std::get_if<control::Error>(&body); busy != nullptr && !reload_)
+    tell(Kind::reload, 3, busy->message);
+}
+
+void Gateway::end_reload(Body body) {
+  const auto reload = std::exchange(reload_, nullptr);
+  if (!reload) return;
+  reload->body = std::move(body);
+  if (ready_) ready_(reload->session);
+}
+
+Gateway::Body Gateway::reload_with(LoadResult read) {
+  const core::Progress alive([this] { pulse(); });
   commit();
   const Granted before = granted();
-  auto loaded = load();
+  auto loaded = complete(std::move(read));
   if (!loaded) {
     last_error_ = loaded.error().front();
     tell(Kind::reload, 3,
@@ -46,6 +80,7 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   }
   last_error_.clear();
   const std::size_t old_self = std::exchange(self_, loaded->self);
+  ++description_;
   auto old = std::exchange(state_, std::move(loaded->state));
   const auto old_beyond = std::exchange(beyond_, {});
   // A stranger does not go away with a description.
@@ -57,6 +92,7 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   meshes_.describe(state_->system());
   auto done = put_in_force(before);
   if (!done) {
+    ++description_;
     state_ = std::move(old);
     self_ = old_self;
     beyond_ = old_beyond;
@@ -80,21 +116,20 @@ serve::Answer Gateway::answer(const control::Request& request, const serve::Peer
     return {
         {request.id, error(control::ErrorKind::forbidden,
                            fmt::format("only root and members of the group {} may change anything",
-                                       options_.group))},
-        false,
-        0};
-  session_ = peer.session;
+                                       options_.group))}};
+  peer_ = peer;
   hold_answer_ = false;
   owned_ = 0;
+  slices_ = nullptr;
+  least_bytes_ = 0;
+  const core::Progress alive([this] { pulse(); });
   Body body = std::visit([this](const auto& asked) { return handle(asked); }, request.body);
   if (!hold_answer_) forwarder_.act();
-  return {{request.id, std::move(body)}, hold_answer_, owned_};
+  return {{request.id, std::move(body)}, hold_answer_, owned_, std::move(slices_), least_bytes_};
 }
 
 Gateway::Body Gateway::answer_to(const core::Proposal& proposal, const Asked& asked,
                                  const char* to_do) const {
-  if (const auto lack = proposal.lacks_room(self_))
-    return error(control::ErrorKind::invalid, *lack);
   control::Channels out;
   for (const core::Verdict* v : proposal.verdicts())
     out.channels.push_back(channel_report(*state_, *v, {}));
@@ -112,7 +147,10 @@ Gateway::Body Gateway::handle(const control::Query& request) {
   const auto asked = understand(*state_, request, stored().next_id);
   if (!asked) return error(control::ErrorKind::invalid, asked.error().text);
   if (!asked->admission) return report_known(*asked);
-  return answer_to(state_->propose(*asked->admission), *asked, "decide");
+  const core::Proposal proposal = state_->propose(*asked->admission);
+  if (const auto lack = proposal.lacks_room(self_))
+    return error(control::ErrorKind::invalid, *lack);
+  return answer_to(proposal, *asked, "decide");
 }
 
 // --- admit ---------------------------------------------------------------------------------------
@@ -158,8 +196,9 @@ Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& ask
   Result<void> done;
   {
     core::Proposal proposal = state_->propose(*asked.admission);
+    if (const auto lack = proposal.lacks_room(self_))
+      return error(control::ErrorKind::invalid, *lack);
     out = answer_to(proposal, asked, "admit");
-    if (proposal.lacks_room(self_)) return out;
     if (!proposal.fit()) {
       for (const core::Verdict* v : proposal.verdicts())
         if (!v->granted) tell_verdict(Kind::refused, *v, verdict_line(*state_, *v));
@@ -193,7 +232,7 @@ Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& ask
 /// The lease of an admission that a connection holds does not run.
 void Gateway::own(core::AdmissionId id, const control::Admit& request) {
   if (request.hold) {
-    held_[id].insert(session_);
+    held_[id].insert(peer_.session);
     owned_ = id;
     leases_.forget(id);
   } else if (request.lease_ns != 0) {

@@ -18,8 +18,9 @@
 namespace mlcca {
 namespace {
 
-constexpr std::uint64_t kSecond = 1'000'000'000;     // ns
-constexpr std::uint64_t kTryAgain = 10'000'000'000;  // ns
+constexpr std::uint64_t kSecond = 1'000'000'000;           // ns
+constexpr std::uint64_t kLongestReading = 60'000'000'000;  // ns
+constexpr std::uint64_t kTryAgain = 10'000'000'000;        // ns
 
 /// What drops and comes and goes each second is for the log, not for the history.
 bool is_history(Kind kind) { return kind != Kind::dropping; }
@@ -40,15 +41,28 @@ std::string frame_name(const gate_sample& sample) {
 }  // namespace
 
 void Gateway::look_around() {
-  if (const auto again = control_.keep_pinned(); !again)
-    tell(Kind::trouble, 3, again.error().text);
-  else if (*again)
+  const auto again = control_.keep_pinned();
+  const std::string unpinned = again ? "" : again.error().text;
+  if (std::exchange(unpinned_, unpinned) != unpinned && !again)
+    tell(Kind::trouble, 3, "the control word is not pinned: " + unpinned);
+  if (again && *again)
     tell(Kind::drift, 3,
          "somebody unpinned what closes the gates when this daemon dies: it is pinned again");
+  if (!links_.problem().empty() || ports_.in_doubt()) links_changed();
   if (ports_.repair()) follow_world();
+  keep_journal();
   end_leases();
   measure_buses();
   forwarder_.look();
+  aside_.look();
+  if (reading_.waits() && monotonic_ns() - reading_.begun() > kLongestReading) {
+    reading_.forget();
+    const char* const why =
+        "the description could not be read within 60 s, nothing was changed: does a look-up of "
+        "users hang, or a file system?";
+    tell(Kind::reload, 3, why);
+    end_reload(control::Error{control::ErrorKind::unreadable, why, {}});
+  }
   look_at_some_drops();
   ports_.look_for_bypass(static_cast<std::int64_t>(monotonic_ns() / kSecond));
   if (!history_) return;
@@ -178,7 +192,7 @@ void Gateway::events_came() {
 
 /// Of a slot that was given to another grant meanwhile it concerns nobody any more.
 void Gateway::hear(const gate_event& event) {
-  const auto channel = state_->find_channel(core::format_subject(event.subject));
+  const auto channel = state_->channel_of(event.subject);
   if (!channel) return;
   for (const core::Verdict& v : state_->decisions()[*channel].verdicts)
     if (v.granted &&
@@ -302,6 +316,7 @@ void Gateway::tell_outcome(const Granted& before) {
       const Kind not_granted = was ? Kind::withdrawn : Kind::refused;
       tell_verdict(v.granted ? Kind::granted : not_granted, v, verdict_line(*state_, v));
     }
+    pulse();
   }
   for (const auto& [subject, grants] : lost)
     for (const core::Delivery& delivery : grants.deliveries) tell_gone(subject, delivery);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // mlccad: reads the command line, puts the parts together and runs one event loop.
 #include <fcntl.h>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <grp.h>
 #include <net/if.h>
-#include <sys/file.h>
 #include <sys/fsuid.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <systemd/sd-daemon.h>
@@ -16,13 +16,19 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <new>
+#include <string_view>
 
 #include "core/handle.hpp"
 #include "core/result.hpp"
 #include "core/state.hpp"
+#include "daemon/enforce/close_unpinned.hpp"
+#include "daemon/enforce/former_layouts.hpp"
 #include "daemon/enforce/gate.hpp"
+#include "daemon/gates_lock.hpp"
 #include "daemon/gateway.hpp"
 #include "daemon/listen.hpp"
 #include "daemon/loop.hpp"
@@ -126,22 +132,44 @@ int give_up(const Journal& journal, const std::string& line) {
   return kFailed;
 }
 
-/// One daemon commands the gates of a bpffs. Whoever else is started must not touch them, not even
-/// to close them.
-Result<Fd> lock_gates(const std::string& root) {
-  Fd folder(::open(root.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!folder) return fail(root + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
-  if (::flock(folder.get(), LOCK_EX | LOCK_NB) < 0)
-    return fail(root + ": another mlccad commands the gates there; they are left as they are");
-  return folder;
+/// Gates that an earlier daemon has left cannot be commanded: then they are closed.
+int close_and_give_up(const Journal& journal, const std::string& why) {
+  const auto closed = enforce::close_unpinned();
+  if (!closed)
+    journal.write(
+        {Kind::trouble, 2, "nothing could be closed: " + closed.error().text, 0, {}, {}, {}, {}});
+  else if (!closed->empty())
+    journal.write(
+        {Kind::stopped, 3, fmt::format("closed: {}", fmt::join(*closed, ", ")), 0, {}, {}, {}, {}});
+  return give_up(journal, why);
+}
+
+/// A port takes some 25 descriptors: the limit that programs which use select(2) are given is
+/// for 30.
+void allow_many_descriptors() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) < 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+/// Nothing is half done then: what was answered is on disk, the gates hold for the grace, and the
+/// next start takes them over (docs/adr/0026).
+[[noreturn]] void out_of_memory() {
+  static constexpr std::string_view line =
+      "mlccad: out of memory: ended at once; the gates stay as they are for the grace\n";
+  static_cast<void>(::write(STDERR_FILENO, line.data(), line.size()));
+  std::abort();
 }
 
 int run(const Options& options) {
+  allow_many_descriptors();
   const Journal journal = Journal::automatic();
   const auto alone = lock_gates(options.bpf_root);
   if (!alone) return give_up(journal, alone.error().text);
   auto control = enforce::Control::create(options.bpf_root);
-  if (!control) return give_up(journal, control.error().text);
+  if (!control) return close_and_give_up(journal, control.error().text);
+  enforce::close_former_layouts(options.bpf_root);
   auto links = net::Links::open();
   if (!links) {
     control->close_all();
@@ -176,22 +204,26 @@ int run(const Options& options) {
   }
   gateway.on_commit([&server](const Result<void>& done) { (*server)->release(done); });
   (*server)->on_close([&gateway](std::uint64_t session) { gateway.session_closed(session); });
+  gateway.on_slice([&server](std::uint64_t session) { (*server)->resume(session); });
   gateway.on_event([&server](const control::Event& event) { (*server)->publish(event); });
   sd_notifyf(0, "READY=1\nSTATUS=%s", gateway.summary().c_str());
   const int status = loop->run();
   sd_notify(0, "STOPPING=1\nSTATUS=everything is denied");
   gateway.stop();
+  if (gateway.is_reading()) std::_Exit(status);  // the thread may hang
   return status;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::set_new_handler(out_of_memory);
   // A file that must not grow is an error of the write, not the end of the gateway.
   // NOLINTBEGIN(cert-err33-c): they cannot fail for a known signal
   ::signal(SIGXFSZ, SIG_IGN);
   ::signal(SIGPIPE, SIG_IGN);  // a log that nobody reads any more
   // NOLINTEND(cert-err33-c)
+  ::umask(S_IRWXG | S_IRWXO);  // what it makes is for nobody else, unless that is said
   const Parsed parsed = parse_options(argc, argv);
   if (parsed.exit) return parsed.status;
   if (parsed.options.check_only) return check_description(parsed.options);

@@ -12,6 +12,10 @@
 namespace mlcca {
 namespace {
 
+constexpr std::uint64_t kLinesAtOnce = 10;            // of one source
+constexpr std::uint64_t kLineAgain = 10'000'000'000;  // ns after which there is one more
+constexpr std::uint64_t kStep = 20'000'000;           // ns
+
 bool same_sources(const core::mesh::Mesh& a, const core::mesh::Mesh& b) {
   return std::ranges::equal(a.sources, b.sources, [](const auto& x, const auto& y) {
     return x.kind == y.kind && x.interface == y.interface && x.endpoint == y.endpoint &&
@@ -53,8 +57,8 @@ void Meshes::describe(const core::System& system) {
       entries_.push_back(std::move(*same));
       continue;
     }
-    entries_.push_back(std::make_unique<Entry>(
-        Entry{network.name, n, *network.mesh, core::mesh::LinkTable(*network.mesh), {}, {}, {}}));
+    entries_.push_back(std::make_unique<Entry>(Entry{
+        network.name, n, *network.mesh, core::mesh::LinkTable(*network.mesh), {}, {}, {}, {}}));
     const auto with_same_sources = std::ranges::find_if(former, [&](const auto& e) {
       return e != nullptr && e->name == network.name && same_sources(e->mesh, *network.mesh);
     });
@@ -68,6 +72,7 @@ void Meshes::open_sources(Entry& entry) {
   for (std::size_t s = 0; s < entry.mesh.sources.size(); ++s) {
     entry.reported.push_back(false);
     entry.problems.emplace_back();
+    entry.lines.emplace_back();
     auto source = net::open_source(
         entry.mesh.sources[s], entry.mesh, loop_,
         [this, &entry, s](const core::mesh::Snapshot& snapshot) { take(entry, s, snapshot); });
@@ -84,11 +89,19 @@ void Meshes::open_sources(Entry& entry) {
   }
 }
 
+bool Meshes::Lines::take(std::uint64_t now) {
+  const std::uint64_t earliest = now - std::min(now, kLinesAtOnce * kLineAgain);
+  paid_until = std::max(paid_until, earliest) + kLineAgain;
+  if (paid_until <= now) return true;
+  paid_until -= kLineAgain;
+  return false;
+}
+
 void Meshes::take(Entry& entry, std::size_t source, const core::mesh::Snapshot& snapshot) {
   entry.reported[source] = true;
   const bool changed = entry.table.take(source, snapshot, monotonic_ns());
   const std::string& problem = entry.table.problem(source);
-  if (problem != entry.problems[source]) {
+  if (problem != entry.problems[source] && entry.lines[source].take(monotonic_ns())) {
     const std::string name = core::name_of(entry.mesh.sources[source]);
     entry.problems[source] = problem;
     if (problem.empty())
@@ -129,15 +142,17 @@ void Meshes::arm() {
     timer_.reset(raw);
 }
 
-void Meshes::await_first_reports(std::uint64_t limit_ns) {
+void Meshes::await_first_reports(std::uint64_t limit_ns, const std::function<void()>& step) {
   const std::uint64_t end = monotonic_ns() + limit_ns;
   const auto all_reported = [this] {
     return std::ranges::all_of(entries_, [](const auto& e) {
       return std::ranges::all_of(e->reported, [](bool reported) { return reported; });
     });
   };
-  for (std::uint64_t now = monotonic_ns(); now < end && !all_reported(); now = monotonic_ns())
-    if (sd_event_run(loop_, (end - now) / 1000) < 0) return;
+  for (std::uint64_t now = monotonic_ns(); now < end && !all_reported(); now = monotonic_ns()) {
+    if (sd_event_run(loop_, std::min(end - now, kStep) / 1000) < 0) return;
+    step();
+  }
 }
 
 }  // namespace mlcca

@@ -37,13 +37,18 @@ class Meshes {
   /// Runs the loop until every source has reported once, at most `limit_ns`: a daemon that starts
   /// again should not withdraw what it will grant in a second. Nothing but sources may be on the
   /// loop yet.
-  void await_first_reports(std::uint64_t limit_ns);
+  void await_first_reports(std::uint64_t limit_ns, const std::function<void()>& step);
 
   /// Null: no mesh.
   [[nodiscard]] const core::mesh::LinkTable* table(std::size_t network) const;
   [[nodiscard]] const core::mesh::Mesh* mesh(std::size_t network) const;
 
  private:
+  /// What strangers make a source say must not fill the log: ten lines at once, then one in 10 s.
+  struct Lines {
+    bool take(std::uint64_t now);
+    std::uint64_t paid_until = 0;  ///< ns
+  };
   struct Entry {
     std::string name;
     std::size_t network = 0;
@@ -51,6 +56,7 @@ class Meshes {
     core::mesh::LinkTable table;
     std::vector<bool> reported;         // per source
     std::vector<std::string> problems;  // per source, as last told
+    std::vector<Lines> lines;           // per source
     std::vector<std::unique_ptr<net::LinkSource>> sources;
   };
   static void hand_over(const core::mesh::LinkTable& former, Entry& entry);

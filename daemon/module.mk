@@ -6,9 +6,13 @@ DAEMON_LIBS := $(NL_LIBS) -lsystemd -lsqlite3 -lbpf $(XML_LIBS) $(PROTO_LIBS) -l
 $(eval $(call library,enforce,$(wildcard daemon/enforce/*.cc)))
 $(enforce_objects): $(BPF_SKELETONS)
 # Adapters of what knows the state of links: an archive of their own, so that tests link them alone.
+# Those that read what strangers write are in another, which mlccad does not have.
 $(eval $(call library,sources,$(wildcard daemon/net/sources/*.cc)))
 $(sources_objects): CPPFLAGS += $(NL_CFLAGS)
 SOURCES_LIBS := $(NL_LIBS) -lsystemd
+$(eval $(call library,strangers,$(filter-out daemon/sources/main.cc,$(wildcard daemon/sources/*.cc))))
+$(eval $(call program,mlcca-sources,daemon/sources/main.cc,$O/libstrangers.a $O/libsources.a,-lsystemd))
+PROGRAMS += $O/mlcca-sources
 $(eval $(call library,daemon,$(filter-out daemon/main.cc,$(wildcard daemon/*.cc daemon/net/*.cc daemon/serve/*.cc daemon/store/*.cc))))
 $(daemon_objects): CPPFLAGS += $(NL_CFLAGS)
 DAEMON_ARCHIVES := $O/libdaemon.a $O/libsources.a $O/libenforce.a $O/libcontrol.a $O/libdescription.a $O/libcore.a

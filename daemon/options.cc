@@ -10,7 +10,7 @@ namespace mlcca {
 namespace {
 
 /// "10s", "500ms", "0", "forever".
-std::optional<std::uint64_t> parse_grace(const std::string& text) {
+std::optional<std::uint64_t> parse_time(const std::string& text) {
   constexpr std::uint64_t longest = 86'400;  // a day in seconds
   if (text == "forever") return ~std::uint64_t{0};
   if (text == "0") return 0;
@@ -30,6 +30,11 @@ Parsed parse_options(int argc, char** argv) {
   Parsed parsed;
   Options& o = parsed.options;
   std::string grace = "10s";
+  std::string start_limit = "30s";
+  const auto is_time = [](const std::string& text) {
+    return parse_time(text) ? std::string()
+                            : "a time such as 10s or 500ms, 0 or forever (not " + text + ")";
+  };
   CLI::App app{"mlccad - lets no data pass over a network that cannot carry it"};
   app.set_version_flag("--version", kVersion);
   app.add_option("-d,--description", o.description, "system description (XML)")
@@ -48,9 +53,15 @@ Parsed parse_options(int argc, char** argv) {
          "--grace", grace,
          "how long verdicts stay when this daemon dies or hangs: 10s, 500ms, 0 (as soon as it "
          "is noticed), forever")
-      ->check([](const std::string& text) {
-        return parse_grace(text) ? std::string()
-                                 : "a time such as 10s or 500ms, 0 or forever (not " + text + ")";
+      ->check(is_time)
+      ->capture_default_str();
+  app.add_option(
+         "--start-limit", start_limit,
+         "how long a daemon that starts keeps the verdicts of the one before it: 30s, 500ms, "
+         "0 (for the grace only)")
+      ->check([&](const std::string& text) {
+        return text == "forever" ? "a start has an end: a time such as 30s or 500ms, or 0"
+                                 : is_time(text);
       })
       ->capture_default_str();
   auto* close =
@@ -65,7 +76,8 @@ Parsed parse_options(int argc, char** argv) {
     parsed.exit = true;
     parsed.status = app.exit(e) == 0 ? 0 : 2;
   }
-  if (const auto ns = parse_grace(grace)) o.grace_ns = *ns;
+  if (const auto ns = parse_time(grace)) o.grace_ns = *ns;
+  if (const auto ns = parse_time(start_limit)) o.start_limit_ns = *ns;
   o.close_mode = close->count() > 0;
   return parsed;
 }

@@ -16,6 +16,8 @@ struct Options {
   std::string group = "mlcca";
   /// How long verdicts stay when the daemon is silent; ~0 for ever, 0 as soon as it is noticed.
   std::uint64_t grace_ns = 10'000'000'000;
+  /// How long a daemon that starts keeps in force what the one before it has left.
+  std::uint64_t start_limit_ns = 30'000'000'000;
   std::vector<std::string> close;  ///< close these interfaces and exit
   bool close_mode = false;
   bool check_only = false;  ///< read the description, say what is wrong, exit

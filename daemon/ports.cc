@@ -4,8 +4,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
-#include <filesystem>
 #include <ranges>
 #include <utility>
 
@@ -15,23 +13,6 @@
 
 namespace mlcca {
 namespace {
-
-constexpr std::string_view kPinPrefix = "if";
-
-/// Interfaces that have pins of ours: gates of this daemon or of the one before it.
-std::vector<int> pinned_interfaces(const std::string& directory) {
-  std::vector<int> found;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
-    const std::string name = entry.path().filename();
-    int ifindex = 0;
-    const char* const end = name.data() + name.size();
-    if (!name.starts_with(kPinPrefix)) continue;
-    if (std::from_chars(name.data() + kPinPrefix.size(), end, ifindex).ptr == end)
-      found.push_back(ifindex);
-  }
-  return found;
-}
 
 std::uint8_t formats_of(const core::GateEntry& e, core::NetworkKind kind) {
   if (kind != core::NetworkKind::can) return ETHER_WHOLE | (e.split ? ETHER_SPLIT : 0);
@@ -94,12 +75,26 @@ bool Ports::is_to_be_gated(int ifindex) const {
 
 void Ports::follow() {
   forget_vanished();
-  for (PortState& port : ports_) match(port);
+  std::map<int, net::UdevFacts> known;  // each interface is looked up once, not for every port
+  const net::FactsOf facts_of = [&](int ifindex) {
+    const auto [it, fresh] = known.try_emplace(ifindex);
+    if (fresh) it->second = facts_of_(ifindex);
+    return it->second;
+  };
+  for (PortState& port : ports_) match(port, facts_of);
   close_undescribed();
+  bool raised = false;
   for (PortState& port : ports_) {
     if (port.ifindex == 0 || !port.problem.empty()) continue;
     if (needs_gate(port)) attach(port);
-    if (port.problem.empty() && port.port.managed && !port.raised) raise(port);
+    if (port.problem.empty() && port.port.managed && !port.raised) raised = raise(port) || raised;
+    step_();
+  }
+  if (raised)
+    if (const auto refreshed = links_.refresh(); !refreshed)
+      tell_({}, refreshed.error().text, true);
+  for (PortState& port : ports_) {
+    if (link_of(port) == nullptr) continue;
     if (port.problem.empty()) queue(port);
     judge(port);
   }
@@ -115,21 +110,8 @@ void Ports::look_for_bypass(std::int64_t now_s) {
   drift_.look_for_bypass(all_gates(), links_, control_.mode() == enforce::Mode::audit, now_s);
 }
 
-void Ports::forget_vanished() {
-  for (auto it = gates_.begin(); it != gates_.end();) {
-    if (links_.table().contains(it->first)) {
-      ++it;
-      continue;
-    }
-    it->second->unpin();
-    it = gates_.erase(it);
-  }
-  if (const auto unpinned = enforce::unpin_vanished(control_); !unpinned)
-    tell_({}, unpinned.error().text, true);
-}
-
-void Ports::match(PortState& port) {
-  const auto found = net::find_interface(port.port.identity, links_.table(), facts_of_);
+void Ports::match(PortState& port, const net::FactsOf& facts_of) {
+  const auto found = net::find_interface(port.port.identity, links_.table(), facts_of);
   port.problem = found ? "" : found.error().text;
   const int now = found && *found ? **found : 0;
   if (now == 0 && port.problem.empty())
@@ -147,27 +129,6 @@ void Ports::match(PortState& port) {
     tell_(port.network_name, fmt::format("{}: {}", port.network_name, port.problem), true);
   port.ifindex = now;
   port.raised = false;
-}
-
-void Ports::close_undescribed() {
-  for (auto& [ifindex, gate] : gates_)
-    if (!is_to_be_gated(ifindex)) gate->deny_all();
-  for (const int ifindex : pinned_interfaces(control_.directory())) {
-    if (is_to_be_gated(ifindex) || gates_.contains(ifindex)) continue;
-    const auto link = links_.table().find(ifindex);
-    if (link == links_.table().end()) continue;
-    // A gate without a profile starts without slots: nothing that was granted before passes.
-    const auto held = hold(link->second, core::NetworkKind::can, core::Profile::none);
-    if (!held) {
-      tell_({}, held.error().text, true);
-      continue;
-    }
-    gates_.at(ifindex)->deny_all();
-    tell_({},
-          fmt::format("{} is not described, or without a profile: its gate stays closed",
-                      link->second.name),
-          true);
-  }
 }
 
 void Ports::attach(PortState& port) {
@@ -207,9 +168,11 @@ void Ports::hold_closed(PortState& port, const std::string& name) {
         true);
 }
 
-bool Ports::out_of_hand() const { return std::ranges::any_of(ports_, &PortState::lost); }
+bool Ports::out_of_hand() const {
+  return !unread_.empty() || std::ranges::any_of(ports_, &PortState::lost);
+}
 
-void Ports::raise(PortState& port) {
+bool Ports::raise(PortState& port) {
   const net::Link link = *link_of(port);
   const bool set_rates =
       link.kind == "can" && port.port.bitrate != 0 &&
@@ -223,12 +186,11 @@ void Ports::raise(PortState& port) {
   if (done && (!link.up || set_rates)) done = links_.set_up(link.ifindex, true);
   if (done) {
     port.raised = true;
-    if (const auto refreshed = links_.refresh(); !refreshed)
-      tell_(port.network_name, refreshed.error().text, true);
-    return;
+    return true;
   }
   port.problem = fmt::format("{}: {}", link.name, done.error().text);
   tell_(port.network_name, port.problem, true);
+  return false;
 }
 
 /// As the analysis assumes it: a queue that somebody replaced is put back.
@@ -352,15 +314,15 @@ std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateRule& rule) cons
 }
 
 Result<void> Ports::sync(const core::GateState& wanted) {
+  std::vector<std::vector<enforce::SlotSpec>> slots(ports_.size());
+  for (const core::GateRule& rule : wanted)
+    if (gate_of(rule.entry.port) != nullptr)
+      if (auto slot = slot_of(rule)) slots[rule.entry.port].push_back(*slot);
   std::vector<enforce::PortGate::Change> changes;
   for (std::size_t p = 0; p < ports_.size(); ++p) {
     enforce::PortGate* const gate = gate_of(p);
     if (gate == nullptr) continue;
-    std::vector<enforce::SlotSpec> slots;
-    for (const core::GateRule& rule : wanted)
-      if (rule.entry.port == p)
-        if (auto slot = slot_of(rule)) slots.push_back(*slot);
-    if (auto change = enforce::difference(gate->present(), slots); !change.empty())
+    if (auto change = enforce::difference(gate->present(), slots[p]); !change.empty())
       changes.push_back({gate, std::move(change)});
   }
   std::string problems;
@@ -469,6 +431,8 @@ std::vector<control::Interface> Ports::report() const {
     if (const enforce::PortGate* gate = gate_of(p)) {
       i.gated = gate->attached().value_or(false);
       drift_.report(port.ifindex, *gate, i);
+      if (!links_.problem().empty())
+        i.drift += (i.drift.empty() ? "" : "; ") + links_.problem() + ": all stays as it was";
       i.drops_early = gate->drops_early();
       i.slots = static_cast<std::uint32_t>(gate->size());
       i.ingress = traffic_of(*gate, enforce::Direction::ingress);

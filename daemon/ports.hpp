@@ -2,10 +2,12 @@
 // The interfaces of this gateway: which of those that are there belong to which network, their
 // gates, and what the gates hold.
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -48,6 +50,9 @@ class Ports {
   /// sync(); an interface that is not described any more is closed by follow().
   void describe(const core::System& system, std::size_t gateway);
 
+  /// Called between the steps of what takes long, a gate at a time.
+  void on_step(std::function<void()> step) { step_ = std::move(step); }
+
   /// Brings gates and interfaces in line with what is there now: bit rate, then gate, then up.
   /// Everything that changed hands is denied before anything else happens.
   void follow();
@@ -59,6 +64,8 @@ class Ports {
   /// An interface that ought to be gated has no gate that we command, and an older one may still
   /// pass what it was told: everything must be closed.
   [[nodiscard]] bool out_of_hand() const;
+  /// Whether a gate's interface is there could not be found out: follow() again soon.
+  [[nodiscard]] bool in_doubt() const { return !doubtful_.empty() || !unread_.empty(); }
 
   /// Once a second: frames that were sent past a gate.
   void look_for_bypass(std::int64_t now_s);
@@ -148,11 +155,13 @@ class Ports {
   static bool is_gated_can(const PortState& port);
   static bool can_have_gate(const PortState& port, const net::Link& link);
   [[nodiscard]] const net::Link* link_of(const PortState& port) const;
-  void match(PortState& port);
+  void match(PortState& port, const net::FactsOf& facts_of);
   void attach(PortState& port);
   void hold_closed(PortState& port, const std::string& name);
-  void raise(PortState& port);
+  /// True if that changed the interface.
+  bool raise(PortState& port);
   void forget_vanished();
+  [[nodiscard]] bool has_gone(int ifindex);
   void close_undescribed();
   void judge(PortState& port);
   void queue(PortState& port);
@@ -185,9 +194,12 @@ class Ports {
   std::string root_;
   net::FactsOf facts_of_;
   Tell tell_;
+  std::function<void()> step_ = [] {};
   std::vector<PortState> ports_;
   std::size_t ether_slots_ = 0;  ///< that Ethernet gates must have room for
   std::map<int, Held> gates_;    ///< by ifindex
+  std::set<int> doubtful_;       ///< those of them whose interface may have gone
+  std::string unread_;           ///< why nobody knows what a former daemon has pinned; empty: known
   Drift drift_;
 };
 

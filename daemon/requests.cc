@@ -3,13 +3,13 @@
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <pwd.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <string>
 #include <vector>
+
+#include "core/profile.hpp"
 
 namespace mlcca {
 namespace {
@@ -17,6 +17,7 @@ namespace {
 constexpr std::size_t kNamesShown = 8;
 constexpr std::uint32_t kHighestNode = 253;  // of any profile
 constexpr std::uint32_t kLowestPriority = 127;
+constexpr std::uint32_t kAnyUser = 0xffffffff;  // what a slot holds that every user may use
 constexpr std::size_t kLongestName = 63;
 
 template <class Range>
@@ -147,15 +148,16 @@ Result<core::Publisher> new_publisher(const core::State& state,
     const char* const end = request.user.data() + request.user.size();
     const auto read = std::from_chars(request.user.data(), end, number);
     if (read.ec == std::errc{} && read.ptr == end) {
+      if (number == kAnyUser)
+        return fail(fmt::format("{} is not a user number: at most {}", number, kAnyUser - 1));
       p.uid = number;
       return p;
     }
-    std::array<char, 16384> buffer{};
-    passwd entry{};
-    passwd* found = nullptr;
-    ::getpwnam_r(request.user.c_str(), &entry, buffer.data(), buffer.size(), &found);
-    if (found == nullptr) return fail(fmt::format("there is no user '{}'", request.user));
-    p.uid = found->pw_uid;
+    // Looking a name up may take as long as a directory service likes.
+    return fail(
+        fmt::format("user '{}': a request says a user by number, such as 1000 (mlccactl "
+                    "turns names into numbers)",
+                    request.user));
   } else if (!request.user.empty()) {
     return fail("a user is said only for a publisher on a gateway");
   }
@@ -199,6 +201,21 @@ Result<std::size_t> channel_named(const core::State& state, const std::string& n
 
 namespace {
 
+/// Two publishers on a network that nobody can tell apart would use each other's grant, as in a
+/// description. Programs of one user on a gateway are admitted one by one, and share their limit.
+Result<void> check_sender(const core::State& state, const core::Publisher& newcomer) {
+  if (newcomer.place.kind == core::Place::Kind::gateway) return {};
+  const auto sender = core::sender_of(state.system(), newcomer);
+  if (!sender) return {};
+  const auto& members = state.members();
+  for (const std::size_t p : members.publishers_of(newcomer.channel))
+    if (core::sender_of(state.system(), members.publisher(p)) == sender)
+      return fail(fmt::format("channel {} is already published by this sender, as {}: {}",
+                              state.system().channels[newcomer.channel].name,
+                              members.publisher(p).name, core::way_to_differ(newcomer)));
+  return {};
+}
+
 /// The publisher that the request means: one that is there, or a new one for the admission.
 Result<void> understand_publisher(const core::State& state, const control::ChannelRequest& request,
                                   Asked& asked, core::Admission& admission) {
@@ -218,6 +235,8 @@ Result<void> understand_publisher(const core::State& state, const control::Chann
   }
   auto publisher = new_publisher(state, request, asked.channel, *from, admission.id);
   if (!publisher) return std::unexpected(publisher.error());
+  if (const auto alone = check_sender(state, *publisher); !alone)
+    return std::unexpected(alone.error());
   admission.publisher = std::move(*publisher);
   return {};
 }

@@ -13,6 +13,7 @@
 #include <memory>
 
 #include "core/handle.hpp"
+#include "description/guard.hpp"
 
 namespace mlcca::description {
 namespace {
@@ -75,7 +76,16 @@ class Parser {
     if (builder_.stopped()) end_here();
   }
 
+  /// False: the library must not see them.
+  bool pass(std::string_view bytes) {
+    const auto wrong = guard_.take(bytes);
+    if (wrong)
+      builder_.stop({.file = file_, .line = wrong->line}, "", wrong->text, FindingId::not_xml);
+    return !wrong;
+  }
+
   Source& source_;
+  Guard guard_;
   std::uint32_t file_;
   Builder& builder_;
   const Account& account_;
@@ -92,7 +102,8 @@ int Parser::read(void* data, char* to, int size) noexcept {
     self.builder_.stop({.file = self.file_, .line = 0}, "",
                        fmt::format("cannot read the file: {}", std::strerror(errno)),
                        FindingId::unreadable);
-  } else if (self.account_(static_cast<std::size_t>(got))) {
+  } else if (self.account_(static_cast<std::size_t>(got)) &&
+             self.pass({to, static_cast<std::size_t>(got)})) {
     return static_cast<int>(got);
   }
   // As if the file ended: what the library says of that is not passed on.

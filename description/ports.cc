@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <span>
 #include <string>
@@ -22,19 +23,6 @@ using core::NetworkKind;
 using core::Port;
 
 bool states_nothing(const InterfaceIdentity& i) { return i == InterfaceIdentity{}; }
-
-/// Every interface that fits `wide` fits `narrow` too: what narrow states, wide states alike.
-bool covers(const InterfaceIdentity& narrow, const InterfaceIdentity& wide) {
-  const auto same = [](const auto& a, const auto& b) { return a.empty() || a == b; };
-  return same(narrow.name, wide.name) && same(narrow.id_path, wide.id_path) &&
-         same(narrow.serial, wide.serial) && same(narrow.alias, wide.alias) &&
-         (!narrow.port || narrow.port == wide.port);
-}
-
-bool same_interface(const InterfaceIdentity& a, const InterfaceIdentity& b) {
-  if (states_nothing(a) || states_nothing(b)) return false;  // reported on its own
-  return covers(a, b) || covers(b, a);
-}
 
 void check_port(const core::System& system, const Port& p, Problems& problems) {
   const auto say = [&](std::string_view text) { problems.add(p.origin, "Port", text); };
@@ -74,17 +62,82 @@ void check_ports_of(const core::System& system, const Gateway& g, Problems& prob
 /// Ports that can see the same interfaces: those of one gateway, and of gateways on one host.
 using Machine = std::vector<const Port*>;
 
-void check_claims(const core::System& system, const Machine& ports, Problems& problems) {
-  for (std::size_t i = 0; i < ports.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) {
-      if (!same_interface(ports[i]->identity, ports[j]->identity)) continue;
-      problems.add(ports[i]->origin, "Port",
-                   fmt::format("its Interface is already claimed by the port in {}: an interface "
-                               "is on one network",
-                               line_words(system, ports[i]->origin, ports[j]->origin)),
-                   core::FindingId::interface_twice);
-      break;
+/// Two identities are of the same interface where one of them states nothing that the other does
+/// not state alike. What is stated becomes numbers, so that 65536 ports need not be held against
+/// each other.
+class Claims {
+ public:
+  explicit Claims(const Machine& ports) {
+    for (const Port* port : ports) {
+      keys_.push_back(key_of(port->identity));
+      groups_.try_emplace(keys_.back(), Group{.first = keys_.size() - 1});
     }
+    for (std::size_t i = 0; i < keys_.size(); ++i) first_.push_back(look_for_narrower(i));
+  }
+
+  /// The first port before this one that claims the same interface; kNone: there is none.
+  [[nodiscard]] std::size_t before(std::size_t i) const {
+    const Group& alike = groups_.at(keys_[i]);
+    const std::size_t first = std::min({first_[i], alike.first, alike.first_closer});
+    return keys_[i] == Key{} || first >= i ? kNone : first;
+  }
+
+  static constexpr std::size_t kNone = ~std::size_t{0};
+
+ private:
+  static constexpr std::size_t kProperties = 5;
+  using Key = std::array<std::size_t, kProperties>;  ///< 0: not stated
+
+  struct Group {
+    std::size_t first = kNone;         ///< port with this identity
+    std::size_t first_closer = kNone;  ///< port that states this and more
+  };
+
+  std::size_t number_of(const std::string& text) {
+    return text.empty() ? 0 : texts_.try_emplace(text, texts_.size() + 1).first->second;
+  }
+  Key key_of(const InterfaceIdentity& i) {
+    return {number_of(i.name), number_of(i.id_path), number_of(i.serial), number_of(i.alias),
+            i.port ? std::size_t{*i.port} + 1 : 0};
+  }
+
+  /// The first port with less, all of it alike; those hear of this one.
+  std::size_t look_for_narrower(std::size_t i) {
+    std::size_t first = kNone;
+    for (unsigned part = 1; part + 1 < 1U << kProperties; ++part) {
+      Key less = keys_[i];
+      bool stated = true;
+      for (std::size_t p = 0; p < kProperties; ++p) {
+        if ((part >> p & 1U) == 0)
+          less.at(p) = 0;
+        else
+          stated = stated && less.at(p) != 0;
+      }
+      const auto found = stated && less != keys_[i] ? groups_.find(less) : groups_.end();
+      if (found == groups_.end()) continue;
+      first = std::min(first, found->second.first);
+      found->second.first_closer = std::min(found->second.first_closer, i);
+    }
+    return first;
+  }
+
+  std::unordered_map<std::string_view, std::size_t> texts_;
+  std::vector<Key> keys_;
+  std::map<Key, Group> groups_;
+  std::vector<std::size_t> first_;
+};
+
+void check_claims(const core::System& system, const Machine& ports, Problems& problems) {
+  const Claims claims(ports);
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    const std::size_t before = claims.before(i);
+    if (before == Claims::kNone) continue;
+    problems.add(ports[i]->origin, "Port",
+                 fmt::format("its Interface is already claimed by the port in {}: an interface "
+                             "is on one network",
+                             line_words(system, ports[i]->origin, ports[before]->origin)),
+                 core::FindingId::interface_twice);
+  }
 }
 
 }  // namespace

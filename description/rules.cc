@@ -244,41 +244,27 @@ void check_names(const core::System& system, const Things& things, std::string_v
   });
 }
 
-/// False where several senders are no harm, and where what tells them apart is missing (which is
-/// reported already).
-bool is_told_apart(const core::System& system, const core::Publisher& p) {
-  if (p.place.kind == Place::Kind::gateway) return p.uid.has_value();
-  const auto& network = system.networks[p.place.index];
-  if (core::has_nodes(network.profile)) return p.node.has_value();
-  return network.profile != Profile::none;
-}
-
-std::string_view way_out(const core::Publisher& p) {
-  if (p.place.kind == Place::Kind::gateway) return "another user or node is needed";
-  return p.node ? "every publisher has a node of its own" : "an identifier has one sender on a bus";
-}
-
 void check_twice(const core::System& system, Problems& problems) {
-  const auto sender = [](const core::Publisher* p) {
-    return std::tie(p->channel, p->place, p->node, p->uid);
-  };
   // One that is alone in its channel needs no comparison.
   std::vector<std::uint32_t> senders(system.channels.size(), 0);
   for (const auto& p : system.publishers) ++senders[p.channel];
-  std::vector<const core::Publisher*> told_apart;
+  std::vector<std::pair<core::Sender, const core::Publisher*>> told_apart;
   for (const auto& p : system.publishers)
-    if (senders[p.channel] > 1 && is_told_apart(system, p)) told_apart.push_back(&p);
-  std::ranges::stable_sort(told_apart, {}, sender);
-  const core::Publisher* first = nullptr;
-  for (const auto* p : told_apart) {
-    if (first == nullptr || sender(first) != sender(p))
-      first = p;
-    else
-      problems.add(p->origin, "Publisher",
-                   fmt::format("channel {} is already published by this sender in {}: {}",
-                               system.channels[p->channel].name,
-                               line_words(system, p->origin, first->origin), way_out(*p)),
-                   FindingId::sender_twice);
+    if (senders[p.channel] > 1)
+      if (const auto sender = core::sender_of(system, p)) told_apart.emplace_back(*sender, &p);
+  std::ranges::stable_sort(told_apart, {}, [](const auto& entry) { return entry.first; });
+  for (std::size_t i = 1, first = 0; i < told_apart.size(); ++i) {
+    if (told_apart[i].first != told_apart[first].first) {
+      first = i;
+      continue;
+    }
+    const core::Publisher& p = *told_apart[i].second;
+    problems.add(p.origin, "Publisher",
+                 fmt::format("channel {} is already published by this sender in {}: {}",
+                             system.channels[p.channel].name,
+                             line_words(system, p.origin, told_apart[first].second->origin),
+                             core::way_to_differ(p)),
+                 FindingId::sender_twice);
   }
 }
 

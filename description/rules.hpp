@@ -17,7 +17,7 @@ inline constexpr std::size_t kMaxPairs = 262144;  ///< publishers times subscrib
 inline constexpr std::size_t kMaxNetworks = 1024;
 inline constexpr std::size_t kMaxGateways = 256;
 inline constexpr std::size_t kMaxMasks = 32;        ///< bindings of a network with a mask
-inline constexpr std::size_t kMaxPorts = 16;        ///< of one gateway
+inline constexpr std::size_t kMaxPorts = 256;       ///< of one gateway
 inline constexpr std::size_t kMaxMeshNodes = 4096;  ///< of one mesh, as the following
 inline constexpr std::size_t kMaxMeshLinks = 8192;  ///< directions, as core::mesh::kMaxLinks; also
                                                     ///< members of domains

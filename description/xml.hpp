@@ -18,6 +18,7 @@ namespace mlcca::description {
 inline constexpr std::size_t kMaxBytes = std::size_t{256} << 20U;  ///< of all files together
 inline constexpr std::size_t kMaxItems = std::size_t{1} << 24U;    ///< elements and attributes
 inline constexpr std::size_t kMaxDepth = 256;                      ///< of elements in each other
+inline constexpr std::size_t kMaxAttributes = 64;                  ///< of an element
 inline constexpr std::size_t kMaxValue = std::size_t{64} << 10U;   ///< bytes of a value or text
 inline constexpr std::size_t kMaxFiles = 1024;                     ///< opened, each time it is
 inline constexpr std::size_t kMaxIncludes = 16;                    ///< of files in each other

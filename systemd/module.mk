@@ -11,10 +11,11 @@ install-systemd:
 	$(Q)install -d $(DESTDIR)$(UNITDIR) $(DESTDIR)$(UDEVDIR) $(DESTDIR)$(SYSUSERSDIR) \
 		$(DESTDIR)$(TMPFILESDIR) $(DESTDIR)/etc/mlcca
 	$(Q)install -m 644 systemd/mlccad.socket systemd/run-mlcca-bpf.mount \
-		systemd/mlcca-awds@.socket $(DESTDIR)$(UNITDIR)
+		systemd/mlcca-awds@.socket systemd/mlcca-sources.socket $(DESTDIR)$(UNITDIR)
 	$(Q)$(MAKE_UNIT) systemd/mlccad.service.in > $(DESTDIR)$(UNITDIR)/mlccad.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-gate.service.in > $(DESTDIR)$(UNITDIR)/mlcca-gate.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-awds@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-awds@.service
+	$(Q)$(MAKE_UNIT) systemd/mlcca-sources@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-sources@.service
 	$(Q)$(MAKE_UNIT) systemd/90-mlcca.rules.in > $(DESTDIR)$(UDEVDIR)/90-mlcca.rules
 	$(Q)install -m 644 systemd/mlcca.sysusers $(DESTDIR)$(SYSUSERSDIR)/mlcca.conf
 	$(Q)install -m 644 systemd/mlcca.tmpfiles $(DESTDIR)$(TMPFILESDIR)/mlcca.conf
@@ -26,5 +27,6 @@ install-programs: $(PROGRAMS)
 	$(Q)install -m 755 $O/mlccad $(DESTDIR)$(PREFIX)/sbin/mlccad
 	$(Q)install -m 755 $O/mlccactl $(DESTDIR)$(PREFIX)/bin/mlccactl
 	$(Q)install -m 755 $O/mlcca-awds $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-awds
+	$(Q)install -m 755 $O/mlcca-sources $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-sources
 INSTALL += install-programs install-systemd
 .PHONY: install-systemd install-programs

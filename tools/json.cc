@@ -2,8 +2,11 @@
 // A function for each message, its fields in the order of control.proto.
 #include "tools/json.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -341,8 +344,25 @@ struct Body {
   }
 };
 
+/// JSON allows DEL and the control characters of C1 as they are; a terminal obeys them. They stand
+/// in strings only.
+std::string without_controls(std::string_view json) {
+  std::string out;
+  out.reserve(json.size());
+  const auto octet = [&](std::size_t i) { return static_cast<unsigned char>(json[i]); };
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const bool c1 = octet(i) == 0xc2 && i + 1 < json.size() && octet(i + 1) < 0xa0;
+    if (c1) ++i;
+    if (c1 || octet(i) == 0x7f)
+      out += fmt::format("\\u{:04x}", octet(i));
+    else
+      out += json[i];
+  }
+  return out;
+}
+
 std::string on_one_line(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+  return without_controls(json.dump(-1, ' ', false, Json::error_handler_t::replace)) + '\n';
 }
 
 }  // namespace

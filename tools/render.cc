@@ -112,7 +112,7 @@ std::string gaps_of(const control::Watch& watch) {
 std::string delivery(const control::Channel& channel, Color color, bool in_full) {
   auto text = verdict_line(channel, color) + rows_of(channel, color);
   const auto also = [&](std::string_view name, const std::string& value) {
-    if (!value.empty()) text += fmt::format("  {:<11}  {}\n", name, printable(value));
+    if (!value.empty()) text += fmt::format("  {:<11}  {}\n", printable(name), printable(value));
   };
   also("set", set_in_use(channel));
   also("route", way(channel.route));

@@ -120,9 +120,10 @@ std::string render(const control::Gates& gates, const std::vector<control::Inter
     const bool ethernet = gate.masked_room == 0;
     const control::Interface* const interface = interface_of(gate, interfaces);
     if (!text.empty()) text += '\n';
-    text += fmt::format("{} on {}: profile {}, {}, {} of {} slots",
-                        styled(gate.interface, Style::bold, color), printable(gate.network),
-                        gate.profile, held(gate, interface, color), gate.slots, gate.room);
+    text +=
+        fmt::format("{} on {}: profile {}, {}, {} of {} slots",
+                    styled(gate.interface, Style::bold, color), printable(gate.network),
+                    printable(gate.profile), held(gate, interface, color), gate.slots, gate.room);
     if (gate.masked != 0) text += fmt::format(", {} of {} masks", gate.masked, gate.masked_room);
     text += '\n';
     if (!gate.problem.empty()) text += "  " + styled(gate.problem, Style::bad, color) + '\n';

@@ -2,6 +2,7 @@
 #include "tools/requests.hpp"
 
 #include <fmt/format.h>
+#include <pwd.h>
 
 #include <algorithm>
 #include <string>
@@ -29,11 +30,24 @@ Result<std::vector<control::Attribute>> attributes(const std::vector<std::string
   return result;
 }
 
+/// The daemon looks up no names for others: a directory that hangs would keep it from its work.
+Result<std::string> user_number(const std::string& user) {
+  if (user.find_first_not_of("0123456789") == std::string::npos) return user;
+  std::vector<char> buffer(std::size_t{1} << 20);
+  passwd entry{};
+  passwd* found = nullptr;
+  ::getpwnam_r(user.c_str(), &entry, buffer.data(), buffer.size(), &found);
+  if (found == nullptr) return fail(fmt::format("there is no user '{}'", user));
+  return std::to_string(found->pw_uid);
+}
+
 Result<control::ChannelRequest> delivery(const Arguments& from) {
   auto required = attributes(from.require, Role::required);
   if (!required) return std::unexpected(std::move(required).error());
   auto offered = attributes(from.offer, Role::offered);
   if (!offered) return std::unexpected(std::move(offered).error());
+  auto user = user_number(from.user);
+  if (!user) return std::unexpected(std::move(user).error());
   return control::ChannelRequest{.channel = from.channel,
                                  .from = from.from,
                                  .to = from.to,
@@ -41,7 +55,7 @@ Result<control::ChannelRequest> delivery(const Arguments& from) {
                                  .required = std::move(*required),
                                  .node = from.node,
                                  .priority = from.priority,
-                                 .user = from.user,
+                                 .user = std::move(*user),
                                  .subscriber = from.subscriber,
                                  .publisher = from.publisher,
                                  .from_node = from.from_node,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 #include <tuple>
+#include <utility>
 
 #include "mlcca/arithmetic.hpp"
 
@@ -26,9 +27,9 @@ int rank(RateKind kind) {
   return 0;
 }
 
-std::string ignored(std::size_t count) {
-  return std::to_string(count) + " links or next hops are ignored: there are more than " +
-         std::to_string(kMaxNodes) + " nodes or " + std::to_string(kMaxLinks) + " links";
+std::string ignored() {
+  return "links or next hops are ignored: there are more than " + std::to_string(kMaxNodes) +
+         " nodes or " + std::to_string(kMaxLinks) + " links";
 }
 
 }  // namespace
@@ -70,6 +71,38 @@ std::optional<std::uint32_t> LinkTable::node_for(const std::string& address) {
   return index;
 }
 
+/// Addresses that were heard of once: described nodes stay.
+void LinkTable::forget_unused_nodes() {
+  std::vector<bool> used(addresses_.size(), false);
+  for (std::uint32_t n = 0; n < used.size() && is_described(n); ++n) used[n] = true;
+  for (const auto& [ends, entry] : entries_) used[ends.first] = used[ends.second] = true;
+  for (const SourceState& source : sources_)
+    for (const NextHopIndex& hop : source.next_hops)
+      used[hop.from] = used[hop.to] = used[hop.via] = true;
+  std::vector<std::uint32_t> moved(addresses_.size());
+  std::vector<std::string> kept;
+  for (std::size_t n = 0; n < addresses_.size(); ++n) {
+    moved[n] = static_cast<std::uint32_t>(kept.size());
+    if (used[n]) kept.push_back(std::move(addresses_[n]));
+  }
+  addresses_ = std::move(kept);
+  nodes_.clear();
+  for (std::uint32_t n = 0; n < addresses_.size(); ++n) nodes_.emplace(addresses_[n], n);
+  std::map<Ends, Entry> entries;
+  for (auto& [ends, entry] : entries_)
+    entries.emplace(Ends(moved[ends.first], moved[ends.second]), std::move(entry));
+  entries_ = std::move(entries);
+  for (SourceState& source : sources_)
+    for (NextHopIndex& hop : source.next_hops)
+      hop = {moved[hop.from], moved[hop.to], moved[hop.via]};
+}
+
+void LinkTable::forget_links_of_strangers() {
+  std::erase_if(entries_, [&](const auto& known) {
+    return !is_described(known.first.first) || !is_described(known.first.second);
+  });
+}
+
 /// False: there is no room for it.
 bool LinkTable::enter(std::size_t source, const Sample& sample) {
   const auto from = node_for(sample.from);
@@ -79,6 +112,8 @@ bool LinkTable::enter(std::size_t source, const Sample& sample) {
   const Ends ends(*from, *to);
   auto it = entries_.find(ends);
   if (it == entries_.end()) {
+    if (entries_.size() >= kMaxLinks && is_described(*from) && is_described(*to))
+      forget_links_of_strangers();
     if (entries_.size() >= kMaxLinks) return false;
     it = entries_.emplace(ends, Entry{}).first;
   }
@@ -104,12 +139,26 @@ bool LinkTable::enter_next_hop(SourceState& state, const NextHop& hop) {
   return true;
 }
 
-/// What a source did not say again is gone.
+/// What a source did not say again is gone. While it has a problem it is not: what it said of loss
+/// and busy time counts on, so that nobody makes a link better by silencing who knows of its
+/// losses.
 void LinkTable::drop_old_rounds(std::size_t source) {
-  for (auto& [ends, entry] : entries_)
-    std::erase_if(entry.reports, [&](const Report& report) {
-      return report.source == source && report.round != sources_[source].rounds;
-    });
+  const SourceState& state = sources_[source];
+  const auto is_old = [&](const Report& report) {
+    return report.source == source && report.round != state.rounds;
+  };
+  for (auto& [ends, entry] : entries_) {
+    if (!state.problem.empty())
+      for (Report& report : entry.reports) {
+        const bool warns = report.sample.loss || report.sample.busy;
+        if (!is_old(report) || !warns) continue;
+        report.round = state.rounds;
+        report.sample.rate = 0;
+        report.sample.weight.reset();
+        report.sample.valid = 0;
+      }
+    std::erase_if(entry.reports, is_old);
+  }
 }
 
 bool LinkTable::take(std::size_t source, const Snapshot& snapshot, std::uint64_t now) {
@@ -120,14 +169,13 @@ bool LinkTable::take(std::size_t source, const Snapshot& snapshot, std::uint64_t
   state.heard = now_;
   state.problem = snapshot.problem;
   state.next_hops.clear();
-  std::size_t without_room = 0;
-  for (const Sample& sample : snapshot.links)
-    if (!enter(source, sample)) ++without_room;
-  for (const NextHop& hop : snapshot.next_hops)
-    if (!enter_next_hop(state, hop)) ++without_room;
+  const std::size_t named = 2 * snapshot.links.size() + 3 * snapshot.next_hops.size();
+  if (addresses_.size() + named > kMaxNodes) forget_unused_nodes();
+  bool room = true;
+  for (const Sample& sample : snapshot.links) room &= enter(source, sample);
+  for (const NextHop& hop : snapshot.next_hops) room &= enter_next_hop(state, hop);
   drop_old_rounds(source);
-  if (without_room != 0)
-    state.problem += (state.problem.empty() ? "" : "; ") + ignored(without_room);
+  if (!room) state.problem += (state.problem.empty() ? "" : "; ") + ignored();
   return settle();
 }
 
@@ -166,14 +214,15 @@ std::optional<Observation> LinkTable::observe(const Entry& entry) const {
   const Report* rated = nullptr;
   Observation seen;
   for (const Report& report : entry.reports) {
-    if (!is_fresh(report)) continue;
     const Sample& sample = report.sample;
-    if (sample.rate != 0 && (rated == nullptr || is_preferred(report, *rated))) rated = &report;
+    const bool fresh = is_fresh(report);
+    if (fresh && sample.rate != 0 && (rated == nullptr || is_preferred(report, *rated)))
+      rated = &report;
     if (sample.loss) seen.quality.loss_known = true;
     seen.quality.loss =
         std::max(seen.quality.loss, std::min(sample.loss.value_or(0), kCertainLoss));
     seen.busy = std::max<Value>(seen.busy, std::min(sample.busy.value_or(0), kWhole));
-    if (seen.channel == kAnyChannel) seen.channel = sample.channel.value_or(kAnyChannel);
+    if (fresh && seen.channel == kAnyChannel) seen.channel = sample.channel.value_or(kAnyChannel);
   }
   if (rated == nullptr) return std::nullopt;
   seen.quality.rate = rated->sample.rate;

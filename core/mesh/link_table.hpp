@@ -44,7 +44,8 @@ struct Known {
 /// improvement within Mesh::tolerance of what is believed is none. A link that was unknown counts
 /// at once, unless it was lost less than hold_up ago: then it must last, too. Samples older than
 /// Mesh::stale_after, or than their own validity, are as good as none, and so are the next hops of
-/// a source that was silent for so long; what the description says never ages.
+/// a source that was silent for so long; but the loss and busy time in them count until the source
+/// says something else without a problem. What the description says never ages.
 class LinkTable {
  public:
   /// Nodes keep their indices of the description; other addresses become nodes behind them. A
@@ -52,7 +53,8 @@ class LinkTable {
   explicit LinkTable(const Mesh& mesh);
 
   /// `source` is an index into Mesh::sources. True if graph() changed. What is beyond kMaxNodes or
-  /// kMaxLinks is ignored and said in problem().
+  /// kMaxLinks is ignored and said in problem(). Links between described nodes take the room of
+  /// others, and nodes that nobody speaks of any more give theirs.
   bool take(std::size_t source, const Snapshot& snapshot, std::uint64_t now);
   /// What became too old, and improvements that have lasted. True if graph() changed.
   bool expire(std::uint64_t now);
@@ -91,7 +93,10 @@ class LinkTable {
   [[nodiscard]] std::uint64_t routes_fresh_until(std::size_t source) const;
   [[nodiscard]] bool is_fresh(const Report& r) const { return now_ <= fresh_until(r); }
 
+  [[nodiscard]] bool is_described(std::uint32_t node) const { return node < mesh_.nodes.size(); }
   std::optional<std::uint32_t> node_for(const std::string& address);
+  void forget_unused_nodes();
+  void forget_links_of_strangers();
   bool enter(std::size_t source, const Sample& sample);
   bool enter_next_hop(SourceState& state, const NextHop& hop);
   void drop_old_rounds(std::size_t source);

@@ -13,7 +13,7 @@
 #include <cstring>
 #include <utility>
 
-#include "daemon/net/sources/awds_packet.hpp"
+#include "daemon/sources/awds_packet.hpp"
 
 namespace mlcca::awds {
 namespace {

@@ -22,8 +22,8 @@
 #include "daemon/awds/capture.hpp"
 #include "daemon/awds/readers.hpp"
 #include "daemon/listen.hpp"
-#include "daemon/net/sources/awds_packet.hpp"
 #include "daemon/net/sources/timer.hpp"
+#include "daemon/sources/awds_packet.hpp"
 
 namespace mlcca::awds {
 namespace {

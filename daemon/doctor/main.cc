@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <string>
 
-#include "control/version.hpp"
 #include "daemon/doctor/examine.hpp"
+#include "daemon/verb_options.hpp"
 
 namespace {
 
@@ -46,22 +46,11 @@ int main(int argc, char** argv) {
   doctor::Request request;
   request.bpf_root = "/run/mlcca/bpf";
   std::string id = "1FFFFFFF";
-  bool as_json = false;
+  VerbOptions options;
   unsigned fifo_depth = 0;
   CLI::App app("Examines a CAN interface before it is trusted.", "mlccactl");
-  app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
-  app.set_help_flag("-h,--help", "print this help");
-  app.require_subcommand(1, 1);
   auto* verb = app.add_subcommand("doctor", "examine a CAN controller before it is trusted");
-  std::string unused;
-  bool no_color = false;
-  for (auto* at : {&app, verb}) {
-    at->add_flag("--json", as_json, "print JSON");
-    // Of mlccactl, which take no part here.
-    at->add_flag("--no-color", no_color, "nothing here has colour")->group("");
-    for (const char* option : {"--socket", "--timeout"})
-      at->add_option(option, unused, "no daemon is asked")->group("");
-  }
+  options.add_to(app, *verb);
   verb->add_option("--can", request.interface, "the interface")->type_name("NAME")->required();
   auto* send = verb->add_flag("--send", request.send, "send frames on the bus; without, only read");
   verb->add_option("--id", id,
@@ -99,5 +88,5 @@ int main(int argc, char** argv) {
     return kUsage;
   }
   request.id = *identifier;
-  return run(request, as_json);
+  return run(request, options.as_json);
 }

@@ -1,99 +1,155 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A link gets its next name before its own: a crash in between leaves it in force under a name that
-// the next start looks at, too.
+// In TCX a program of ours is known by its pin: its own name, or the next one, which it has before
+// it is attached. A crash in between leaves it in force under a name that the next start looks at.
 #include "daemon/enforce/attachment.hpp"
 
+#include <bpf/bpf.h>
+
 #include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <system_error>
 #include <utility>
 
+#include "core/handle.hpp"
 #include "daemon/enforce/filters.hpp"
+#include "daemon/enforce/gate_pins.hpp"
 #include "daemon/enforce/pins.hpp"
+#include "daemon/enforce/roster.hpp"
 #include "daemon/enforce/tcx.hpp"
 
 namespace mlcca::enforce {
-
-std::string link_pin(const Place& place, Direction direction) {
-  return place.directory + (direction == Direction::ingress ? "/ingress_link" : "/egress_link");
-}
-
 namespace {
 
-std::string next_link_pin(const Place& place, Direction direction) {
-  return link_pin(place, direction) + "_next";
-}
+constexpr int kTries = 8;  ///< somebody else changes the order at the same time
 
-/// The program that a link holds on this very interface, 0: none.
-std::uint32_t held_program(int link, const Place& place, Direction direction) {
-  const std::uint32_t program = tcx_program(link, place.ifindex);
+struct Named {
+  Fd fd;
+  std::uint32_t id = 0;
+};
+
+/// The programs of ours in the order of TCX that a pin names, but not `without`.
+Result<std::vector<Named>> named_programs(const Place& place, Direction direction,
+                                          std::uint32_t without = 0) {
+  std::vector<Named> named;
   const auto order = tcx_order(place.ifindex, direction);
-  const bool in_order = program != 0 && order && *order &&
-                        std::ranges::find((*order)->programs, program) != (*order)->programs.end();
-  return in_order ? program : 0;
+  if (!order) return std::unexpected(order.error());
+  if (!*order || (*order)->programs.empty()) return named;
+  for (const auto& path :
+       {program_pin(place.directory, direction), next_pin(place.directory, direction)}) {
+    Fd fd = open_pin(path);
+    const std::uint32_t id = fd ? program_info(fd.get()).id : 0;
+    if (id != without && (*order)->has(id)) named.push_back({std::move(fd), id});
+  }
+  return named;
 }
 
-bool holds(const Fd& link, const Place& place, Direction direction) {
-  return held_program(link.get(), place, direction) != 0;
+Result<std::uint32_t> first_named(const Place& place, Direction direction) {
+  const auto named = named_programs(place, direction);
+  if (!named) return std::unexpected(named.error());
+  return named->empty() ? 0 : named->front().id;
 }
 
-/// The link that holds a program of ours on this very interface: of one that was moved to another
-/// namespace the ifindex can be the same.
-Fd live_link(const Place& place, Direction direction) {
-  for (const auto& path : {link_pin(place, direction), next_link_pin(place, direction)})
-    if (Fd link = open_pin(path); link && holds(link, place, direction)) return link;
+Result<bool> is_in_order(std::uint32_t ifindex, Direction direction, std::uint32_t program) {
+  const auto order = tcx_order(ifindex, direction);
+  if (!order) return std::unexpected(order.error());
+  return *order && (*order)->has(program);
+}
+
+Result<void> put_in_order(const Place& place, Direction direction, int program_fd) {
+  const std::uint32_t id = program_info(program_fd).id;
+  const auto there = is_in_order(place.ifindex, direction, id);
+  if (!there) return std::unexpected(there.error());
+  if (*there) return {};
+  const auto former = named_programs(place, direction, id);
+  if (!former) return std::unexpected(former.error());
+  return former->empty()
+             ? tcx_attach_first(place.ifindex, direction, program_fd)
+             : tcx_replace(place.ifindex, direction, former->front().fd.get(), program_fd);
+}
+
+/// Whoever has the name first holds the place.
+Result<bool> put_in_empty_order(const Place& place, Direction direction, int program_fd) {
+  const auto there = first_named(place, direction);
+  if (!there) return std::unexpected(there.error());
+  if (*there != 0) return false;
+  remove_pin(program_pin(place.directory, direction));  // of a program that is attached nowhere
+  if (auto put = tcx_attach_first(place.ifindex, direction, program_fd); !put)
+    return std::unexpected(put.error());
+  auto pinned = pin(program_fd, program_pin(place.directory, direction));
+  if (!pinned || !*pinned) static_cast<void>(tcx_detach(place.ifindex, direction, program_fd));
+  return pinned;
+}
+
+/// Up to layout 3 programs were held by links: they end here, at once.
+void end_links_of_other_layouts(const Place& place) {
+  const std::filesystem::path directory(place.directory);
+  std::error_code error;
+  for (const auto& layout :
+       std::filesystem::directory_iterator(directory.parent_path().parent_path(), error)) {
+    if (layout.path() == directory.parent_path()) continue;
+    const std::string left = layout.path() / directory.filename();
+    for (const char* name :
+         {"/ingress_link", "/ingress_link_next", "/egress_link", "/egress_link_next"})
+      if (const Fd link = open_pin(left + name); link) bpf_link_detach(link.get());
+    remove_pin_directory(left);
+  }
+}
+
+/// What else of ours is there would go on by its own control word, which nobody beats any more: it
+/// drops everything. Where it cannot be found out, that is the safe side.
+Result<void> remove_others_of_ours(const Place& place, const InPlace& ours) {
+  end_links_of_other_layouts(place);
+  for (const auto direction : kBothDirections) {
+    const auto named = named_programs(place, direction, ours.of(direction));
+    if (!named) return std::unexpected(named.error());
+    for (const Named& former : *named)
+      static_cast<void>(tcx_detach(place.ifindex, direction, former.fd.get()));
+    static_cast<void>(remove_orphans(place.ifindex, direction, ours.of(direction)));
+  }
   return {};
 }
 
-std::uint32_t linked_program(const Place& place, Direction direction) {
-  const Fd link = live_link(place, direction);
-  return link ? tcx_program(link.get(), place.ifindex) : 0;
-}
-
-/// The link gets its own name instead of the one that had it, which ends here: a name that is gone
-/// would keep it for some milliseconds.
-Result<void> take_name(const Place& place, Direction direction) {
-  if (const Fd former = open_pin(link_pin(place, direction)); former) tcx_detach(former.get());
-  return rename_pin(next_link_pin(place, direction), link_pin(place, direction));
-}
-
-Result<void> link_first(const Place& place, Direction direction, int program_fd) {
-  const auto link = tcx_attach_first(place.ifindex, direction, program_fd);
-  if (!link) return std::unexpected(link.error());
-  remove_pin(next_link_pin(place, direction));
-  if (auto pinned = pin(link->get(), next_link_pin(place, direction)); !pinned)
-    return std::unexpected(pinned.error());
-  return take_name(place, direction);
-}
-
-Result<void> update_link(const Place& place, Direction direction, int program_fd) {
-  const Fd next = open_pin(next_link_pin(place, direction));
-  if (next && holds(next, place, direction))
-    if (auto named = take_name(place, direction); !named) return named;
-  const Fd link = live_link(place, direction);
-  return link ? tcx_update(link.get(), program_fd) : link_first(place, direction, program_fd);
-}
-
-/// Whoever pins his link first holds the place.
-Result<bool> link_if_empty(const Place& place, Direction direction, int program_fd) {
-  if (live_link(place, direction)) return false;
-  remove_pin(link_pin(place, direction));
-  const auto link = tcx_attach_first(place.ifindex, direction, program_fd);
-  if (!link) return std::unexpected(link.error());
-  return pin(link->get(), link_pin(place, direction));
-}
-
 }  // namespace
+
+Result<void> remove_orphans(std::uint32_t ifindex, Direction direction, std::uint32_t ours) {
+  std::optional<std::set<std::uint32_t>> gates;
+  for (int i = 0; i < kTries; ++i) {
+    const auto order = tcx_order(ifindex, direction);
+    if (!order) return std::unexpected(order.error());
+    if (!*order || (*order)->programs.size() < 2) return {};
+    if (!gates) {
+      auto found = programs_of_gates();
+      if (!found) return std::unexpected(found.error());
+      gates = std::move(*found);
+    }
+    const auto orphan = std::ranges::find_if((*order)->programs, [&](std::uint32_t program) {
+      return program != ours && gates->contains(program);
+    });
+    if (orphan == (*order)->programs.end()) return {};
+    // If the order has changed meanwhile: once more.
+    static_cast<void>(tcx_detach_beside(ifindex, direction, **order, *orphan));
+  }
+  return {};
+}
 
 const char* to_text(Hook hook) { return hook == Hook::tcx ? "tcx" : "clsact"; }
 
 Hook best_hook() { return kernel_has_tcx() ? Hook::tcx : Hook::clsact; }
 
+InPlace ids_of(const GatePrograms& programs) {
+  return {.ingress = program_info(programs.ingress).id, .egress = program_info(programs.egress).id};
+}
+
 Result<InPlace> in_place(const Place& place) {
-  if (place.hook == Hook::tcx)
-    return InPlace{.ingress = linked_program(place, Direction::ingress),
-                   .egress = linked_program(place, Direction::egress)};
-  const auto in = program_in_place(place.ifindex, Direction::ingress);
+  const auto find = [&](Direction direction) {
+    return place.hook == Hook::tcx ? first_named(place, direction)
+                                   : program_in_place(place.ifindex, direction);
+  };
+  const auto in = find(Direction::ingress);
   if (!in) return std::unexpected(in.error());
-  const auto out = program_in_place(place.ifindex, Direction::egress);
+  const auto out = find(Direction::egress);
   if (!out) return std::unexpected(out.error());
   return InPlace{.ingress = *in, .egress = *out};
 }
@@ -103,11 +159,11 @@ Result<void> put_in_place(const Place& place, Direction direction, int program_f
     if (auto made = make_hooks(place.ifindex); !made) return made;
     return put_filter(place.ifindex, direction, program_fd);
   }
-  return update_link(place, direction, program_fd);
+  return put_in_order(place, direction, program_fd);
 }
 
 Result<bool> put_in_empty_place(const Place& place, Direction direction, int program_fd) {
-  if (place.hook == Hook::tcx) return link_if_empty(place, direction, program_fd);
+  if (place.hook == Hook::tcx) return put_in_empty_order(place, direction, program_fd);
   if (auto made = make_hooks(place.ifindex); !made) return std::unexpected(made.error());
   return put_filter_if_empty(place.ifindex, direction, program_fd);
 }
@@ -118,32 +174,27 @@ void withdraw(const Place& place) {
       remove_filter(place.ifindex, direction);
       continue;
     }
-    for (const auto& path : {link_pin(place, direction), next_link_pin(place, direction)}) {
-      if (const Fd link = open_pin(path); link) tcx_detach(link.get());
-      remove_pin(path);
-    }
+    const auto named = named_programs(place, direction);
+    if (!named) continue;
+    for (const Named& program : *named)
+      static_cast<void>(tcx_detach(place.ifindex, direction, program.fd.get()));
   }
 }
 
 Result<bool> are_in_place(const Place& place, const GatePrograms& programs) {
-  const auto there = in_place(place);
-  if (!there) return std::unexpected(there.error());
-  return std::ranges::all_of(kBothDirections, [&](Direction d) {
-    return there->of(d) == program_info(programs.of(d)).id;
-  });
-}
-
-GateLinks links_in_place(const Place& place) {
-  if (place.hook != Hook::tcx) return {};
-  return {.ingress = live_link(place, Direction::ingress),
-          .egress = live_link(place, Direction::egress)};
-}
-
-bool hold(const GateLinks& links, const Place& place, const GatePrograms& programs) {
-  return std::ranges::all_of(kBothDirections, [&](Direction d) {
-    return links.of(d) >= 0 &&
-           held_program(links.of(d), place, d) == program_info(programs.of(d)).id;
-  });
+  const InPlace ours = ids_of(programs);
+  for (const auto direction : kBothDirections) {
+    const std::uint32_t id = ours.of(direction);
+    if (place.hook == Hook::tcx) {
+      const auto there = is_in_order(place.ifindex, direction, id);
+      if (!there || !*there) return there;
+      continue;
+    }
+    const auto there = program_in_place(place.ifindex, direction);
+    if (!there) return std::unexpected(there.error());
+    if (*there != id) return false;
+  }
+  return true;
 }
 
 Result<void> put_gate_in_place(const Place& place, const GatePrograms& programs) {
@@ -158,27 +209,34 @@ Result<void> put_gate_in_place(const Place& place, const GatePrograms& programs)
   Place other = place;
   other.hook = place.hook == Hook::tcx ? Hook::clsact : Hook::tcx;
   withdraw(other);
-  return {};
+  return remove_others_of_ours(place, ids_of(programs));
 }
 
-Result<std::vector<Ahead>> tcx_ahead(const Place& place) {
+Result<std::vector<Ahead>> tcx_ahead(const Place& place, const InPlace& ours) {
   std::vector<Ahead> ahead;
   for (const auto direction : kBothDirections) {
     const auto order = tcx_order(place.ifindex, direction);
     if (!order) return std::unexpected(order.error());
     if (!*order) continue;
-    const std::uint32_t ours = place.hook == Hook::tcx ? linked_program(place, direction) : 0;
     for (const std::uint32_t program : (*order)->programs) {
-      if (program == ours) break;
+      if (place.hook == Hook::tcx && program == ours.of(direction)) break;
       ahead.push_back({.direction = direction, .hook = Hook::tcx, .program = program});
     }
   }
   return ahead;
 }
 
-Result<void> put_first(const Place& place, Direction direction, int program_fd) {
-  return place.hook == Hook::tcx ? link_first(place, direction, program_fd)
-                                 : put_filter_first(place.ifindex, direction, program_fd);
+Result<void> put_gate_first(const Place& place, const GatePrograms& programs,
+                            const GatePrograms& former) {
+  for (const auto direction : kBothDirections) {
+    const auto put = place.hook == Hook::tcx
+                         ? tcx_attach_first(place.ifindex, direction, programs.of(direction))
+                         : put_filter_first(place.ifindex, direction, programs.of(direction));
+    if (!put) return put;
+    if (place.hook == Hook::tcx)  // it may be gone, which is why we are here
+      static_cast<void>(tcx_detach(place.ifindex, direction, former.of(direction)));
+  }
+  return place.hook == Hook::tcx ? remove_others_of_ours(place, ids_of(programs)) : Result<void>{};
 }
 
 }  // namespace mlcca::enforce

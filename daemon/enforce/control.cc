@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The control word is memory shared with the kernel: single stores and loads, no system calls.
+// The control word is memory shared with the kernel: single stores and loads. Only a heart-beat is
+// a system call: it runs the program that can read the clock of the gates.
 #include "daemon/enforce/control.hpp"
 
 #include <bpf/bpf.h>
 #include <bpf/libbpf.h>
 #include <deadman.skel.h>
 #include <fmt/format.h>
+#include <linux/bpf.h>
 #include <sys/random.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <ctime>
 #include <memory>
 #include <utility>
 
@@ -32,6 +35,27 @@ constexpr std::uint64_t kLongestBeat = 1'000'000'000;   // ns
 std::uint64_t check_interval(std::uint64_t grace) {
   return std::clamp(grace / 8, kShortestCheck, kLongestCheck);
 }
+
+/// ns between two jiffies: what the coarse clocks step by (CLOCK_MONOTONIC_COARSE).
+Result<std::uint64_t> kernel_tick() {
+  constexpr long kShortest = 500'000;  // ns; HZ is 100 to 1000 everywhere, 24 to 1200 at the most
+  constexpr long kLongest = 50'000'000;
+  timespec tick{};
+  if (clock_getres(CLOCK_MONOTONIC_COARSE, &tick) != 0) return failure("clock_getres", errno);
+  if (tick.tv_sec != 0 || tick.tv_nsec < kShortest || tick.tv_nsec > kLongest)
+    return fail(fmt::format("the kernel's clock ticks every {}.{:09} s, which cannot be",
+                            tick.tv_sec, tick.tv_nsec));
+  return static_cast<std::uint64_t>(tick.tv_nsec);
+}
+
+Result<std::uint64_t> in_ticks(std::uint64_t grace) {
+  if (grace == kForEver) return kForEver;
+  const auto tick = kernel_tick();
+  if (!tick) return tick;
+  return grace / *tick + (grace % *tick != 0 ? 1 : 0);
+}
+
+using Object = std::unique_ptr<deadman_bpf, FreeWith<deadman_bpf__destroy>>;
 
 template <class T>
 void store(T& word, T value) {
@@ -55,14 +79,17 @@ Result<std::uint32_t> random_token() {
 
 Result<Fd> make_word() {
   LIBBPF_OPTS(bpf_map_create_opts, options, .map_flags = BPF_F_MMAPABLE);
-  Fd map(bpf_map_create(BPF_MAP_TYPE_ARRAY, "mlcca_control", sizeof(std::uint32_t),
+  Fd map(bpf_map_create(BPF_MAP_TYPE_ARRAY, GATE_CONTROL_NAME, sizeof(std::uint32_t),
                         sizeof(gate_control), 1, &options));
   if (!map) return failure("control map", errno);
   const auto token = random_token();
   if (!token) return std::unexpected(token.error());
+  const auto ticks = in_ticks(kDefaultGrace);
+  if (!ticks) return std::unexpected(ticks.error());
   gate_control word{};
   word.layout_version = GATE_LAYOUT_VERSION;
   word.grace_ns = kDefaultGrace;
+  word.grace_ticks = *ticks;
   word.check_ns = check_interval(kDefaultGrace);
   word.token = *token;
   const std::uint32_t key = 0;
@@ -78,14 +105,18 @@ struct Control::State {
   Fd map;
   Mapped<gate_control> memory;
   Fd events;
-  Fd deadman;  ///< the timer ends with the last reference to its map
+  Fd deadman;     ///< the timer ends with the last reference to its map
+  Object object;  ///< the programs of the dead-man, from the first beat on
   bool reused = false;
 
   [[nodiscard]] std::string control_pin() const { return directory + "/control"; }
   [[nodiscard]] std::string deadman_pin() const { return directory + "/deadman"; }
 
   Result<void> open_or_make();
-  Result<void> start_timer(deadman_bpf& object);
+  Result<void> map_word();
+  Result<void> load_programs();
+  [[nodiscard]] Result<void> run(bpf_program* program, std::uint32_t mark) const;
+  [[nodiscard]] Result<void> run_beat(gate_beat what);
 };
 
 /// Two processes may be at it: the one whose pin comes first has made it.
@@ -106,6 +137,10 @@ Result<void> Control::State::open_or_make() {
       reused = true;
     }
   }
+  return map_word();
+}
+
+Result<void> Control::State::map_word() {
   if (!is_mappable_array(map.get(), sizeof(gate_control), 1))
     return fail(control_pin() + ": not the control map of this version");
   memory = Mapped<gate_control>(map.get(), 1);
@@ -123,6 +158,18 @@ Result<Control> Control::create(const std::string& root) {
   if (auto made = make_pin_directory(state->directory); !made) return std::unexpected(made.error());
   if (auto opened = state->open_or_make(); !opened) return std::unexpected(opened.error());
   auto events = open_event_ring(state->directory + "/events");
+  if (!events) return std::unexpected(events.error());
+  state->events = std::move(*events);
+  return Control(std::move(state));
+}
+
+Result<Control> Control::create_unpinned() {
+  auto state = std::make_unique<State>();
+  auto word = make_word();
+  if (!word) return std::unexpected(word.error());
+  state->map = std::move(*word);
+  if (auto mapped = state->map_word(); !mapped) return std::unexpected(mapped.error());
+  auto events = make_event_ring();
   if (!events) return std::unexpected(events.error());
   state->events = std::move(*events);
   return Control(std::move(state));
@@ -148,21 +195,29 @@ void Control::set_mode(Mode mode) {
 }
 Mode Control::mode() const { return load(word().mode) == GATE_AUDIT ? Mode::audit : Mode::enforce; }
 
-void Control::beat(std::uint64_t now) { store(word().heartbeat, static_cast<__u64>(now)); }
+Result<void> Control::beat(std::uint64_t now) {
+  store(word().heartbeat, static_cast<__u64>(now));
+  return state_->run_beat(GATE_BEAT);
+}
 std::uint64_t Control::beat_interval() const { return std::min(grace() / 4, kLongestBeat); }
 
 bool Control::lapsed() const { return load(word().lapsed) != 0; }
 std::uint64_t Control::lapses() const { return load(word().lapses); }
-void Control::clear_lapse(std::uint64_t now) {
-  beat(now);
-  store(word().lapsed, std::uint32_t{0});
+Result<void> Control::clear_lapse(std::uint64_t now) {
+  store(word().heartbeat, static_cast<__u64>(now));
+  return state_->run_beat(GATE_BEAT_CLEAR);
 }
 
 std::uint64_t Control::grace() const { return load(word().grace_ns); }
 Result<void> Control::set_grace(std::uint64_t grace) {
   const __u64 kept = std::max(grace, kShortestGrace);
+  const auto ticks = in_ticks(kept);
+  if (!ticks) return std::unexpected(ticks.error());
+  store(word().grace_ticks, static_cast<__u64>(*ticks));
   store(word().check_ns, static_cast<__u64>(check_interval(kept)));
   store(word().grace_ns, kept);
+  if (load(word().deadline) != 0)
+    if (auto nearer = state_->run_beat(GATE_BEAT_SHORTEN); !nearer) return nearer;
   if (load(word().armed) == 0) return {};
   return arm();
 }
@@ -178,33 +233,46 @@ Result<bool> Control::keep_pinned() {
 }
 
 Result<void> Control::arm() {
-  const Complaints complaints;
-  const std::unique_ptr<deadman_bpf, FreeWith<deadman_bpf__destroy>> object(deadman_bpf__open());
-  if (!object) return complaints.error("open the dead-man program", errno);
-  if (const int error = bpf_map__reuse_fd(object->maps.data_control, map_fd()); error != 0)
-    return complaints.error("dead-man: share the control map", error);
-  const Fd pinned = open_pin(state_->deadman_pin());
-  if (pinned) {
-    if (const int error = bpf_map__reuse_fd(object->maps.deadman, pinned.get()); error != 0)
-      return complaints.error("dead-man: take over the timer", error);
-  }
-  if (const int error = deadman_bpf__load(object.get()); error != 0)
-    return complaints.error("load the dead-man program", error);
-  return state_->start_timer(*object);
+  if (auto loaded = state_->load_programs(); !loaded) return loaded;
+  if (auto done = pin(bpf_map__fd(state_->object->maps.deadman), state_->deadman_pin()); !done)
+    return std::unexpected(done.error());
+  state_->deadman = open_pin(state_->deadman_pin());
+  if (!state_->deadman) return failure("open " + state_->deadman_pin(), errno);
+  return state_->run(state_->object->progs.gate_arm, 0);
 }
 
-Result<void> Control::State::start_timer(deadman_bpf& object) {
-  if (auto done = pin(bpf_map__fd(object.maps.deadman), deadman_pin()); !done)
-    return std::unexpected(done.error());
-  deadman = open_pin(deadman_pin());
-  if (!deadman) return failure("open " + deadman_pin(), errno);
+/// Over the timer of a daemon before this one, if it left one.
+Result<void> Control::State::load_programs() {
+  if (object) return {};
+  const Complaints complaints;
+  Object made(deadman_bpf__open());
+  if (!made) return complaints.error("open the dead-man program", errno);
+  if (const int error = bpf_map__reuse_fd(made->maps.data_control, map.get()); error != 0)
+    return complaints.error("dead-man: share the control map", error);
+  if (const Fd pinned = open_pin(deadman_pin()); pinned)
+    if (const int error = bpf_map__reuse_fd(made->maps.deadman, pinned.get()); error != 0)
+      return complaints.error("dead-man: take over the timer", error);
+  if (const int error = deadman_bpf__load(made.get()); error != 0)
+    return complaints.error("load the dead-man program", error);
+  object = std::move(made);
+  return {};
+}
 
+Result<void> Control::State::run_beat(gate_beat what) {
+  if (auto loaded = load_programs(); !loaded) return loaded;
+  return run(object->progs.gate_beat, what);
+}
+
+Result<void> Control::State::run(bpf_program* program, std::uint32_t mark) const {
   std::array<std::uint8_t, 14> frame{};  // the least that a test run takes; not looked at
+  __sk_buff context{};
+  context.mark = mark;
   LIBBPF_OPTS(bpf_test_run_opts, run);
   run.data_in = frame.data();
   run.data_size_in = frame.size();
-  if (const int error = bpf_prog_test_run_opts(bpf_program__fd(object.progs.gate_arm), &run);
-      error != 0)
+  run.ctx_in = &context;
+  run.ctx_size_in = sizeof(context);
+  if (const int error = bpf_prog_test_run_opts(bpf_program__fd(program), &run); error != 0)
     return failure("run the dead-man program", error);
   if (run.retval != 0) return failure("start the dead-man timer", static_cast<int>(run.retval));
   return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The word that opens and closes all gates of this gateway, and the kernel timer that closes them
-// when the daemon falls silent. Lives in pinned maps: it outlasts the daemon.
+// The word that opens and closes all gates of this gateway, with the deadline after which they
+// close when the daemon falls silent, and the kernel timer that counts that. Lives in pinned maps:
+// it outlasts the daemon; what the gates look at also outlasts its pin.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -31,9 +32,12 @@ struct SharedMaps {
 class Control {
  public:
   /// Opens the pinned maps below `root`/v1 (a directory of a bpffs; made if absent) as they are, or
-  /// makes them: closed, enforcing, grace of 10 s, timer not armed. Errors: no bpffs, no privilege,
-  /// maps of another layout.
+  /// makes them: closed, enforcing, grace of 10 s, no heart-beat yet, timer not armed. Errors: no
+  /// bpffs, no privilege, maps of another layout.
   static Result<Control> create(const std::string& root);
+  /// In memory that nothing names: closed, and nobody can open it any more when this object is
+  /// gone.
+  static Result<Control> create_unpinned();
   Control(Control&&) noexcept;
   Control& operator=(Control&&) noexcept;
   Control(const Control&) = delete;
@@ -51,19 +55,21 @@ class Control {
   void set_mode(Mode mode);
   [[nodiscard]] Mode mode() const;
 
-  /// Sign of life, to be given at least every beat_interval(). `now`: CLOCK_MONOTONIC, ns.
-  void beat(std::uint64_t now);
+  /// Sign of life, to be given at least every beat_interval(). `now`: CLOCK_MONOTONIC, ns. One that
+  /// comes too late finds the gates closed, and they stay so: see lapsed().
+  Result<void> beat(std::uint64_t now);
   /// Quarter of the grace, at most 1 s, in ns.
   [[nodiscard]] std::uint64_t beat_interval() const;
 
   /// The kernel has closed the gates because of our silence. Look at the world anew, then clear.
   [[nodiscard]] bool lapsed() const;
   [[nodiscard]] std::uint64_t lapses() const;
-  /// Counts as a beat, so that the timer does not close again at once.
-  void clear_lapse(std::uint64_t now);
+  /// Counts as a beat, so that nothing closes again at once.
+  Result<void> clear_lapse(std::uint64_t now);
 
-  /// How long verdicts outlive the daemon, in ns. They end at the latest after the grace and one
-  /// check of the timer (an eighth of the grace, from 20 ms to 1 s). Restarts an armed timer.
+  /// How long verdicts outlive the daemon, in ns: the gates close by themselves within two ticks of
+  /// the kernel's clock after that. A shorter one holds at once. Restarts an armed timer, which
+  /// looks every eighth of the grace, from 20 ms to 1 s.
   Result<void> set_grace(std::uint64_t grace);
   [[nodiscard]] std::uint64_t grace() const;
 

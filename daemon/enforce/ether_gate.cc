@@ -27,6 +27,8 @@
 #include "daemon/enforce/pins.hpp"
 #include "daemon/enforce/programs.hpp"
 #include "daemon/enforce/publish.hpp"
+#include "daemon/enforce/retire.hpp"
+#include "daemon/enforce/roster.hpp"
 #include "daemon/enforce/watchmen.hpp"
 
 namespace mlcca::enforce {
@@ -117,6 +119,7 @@ Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConf
   if (!seed) return failure("getrandom", errno);
   auto table = EtherTable::read(mapping->memory(), sizes, fresh, *seed, wait_for_grace_period);
   if (!table) return std::unexpected(table.error());
+  publish(mapping->memory().table->retired, std::uint32_t{0});
   return std::make_unique<State>(State{.config = config,
                                        .place = place,
                                        .shared = shared,
@@ -133,7 +136,6 @@ Result<void> EtherGate::State::pin_all() const {
   const std::string& directory = place.directory;
   if (!reused) {
     for (std::size_t n = 0; n < kEtherMaps.size(); ++n) remove_pin(ether_map_pin(directory, n));
-    for (const auto direction : kBothDirections) remove_pin(program_pin(directory, direction));
     remove_pin(watchmen_pin(directory));  // of a table that is not in force any more
   }
   if (auto made = make_pin_directory(directory); !made) return made;
@@ -179,7 +181,7 @@ Result<void> EtherGate::State::put_early_in_place() {
   if (auto noted = note_early(root, id); !noted) return noted;
   const std::uint32_t there = early_program(config.ifindex);
   early = there == id;
-  if (early || (there != 0 && !is_noted_early(root, there))) return {};
+  if (early || (there != 0 && !is_noted_early(root, there) && !is_of_a_gate(there))) return {};
   early = put_early(config.ifindex, programs.early_fd(), there != 0);
   return {};
 }
@@ -257,7 +259,9 @@ Result<bool> EtherGate::attached() const { return are_in_place(state_->place, st
 
 Hook EtherGate::hook() const { return state_->place.hook; }
 
-Result<std::vector<Ahead>> EtherGate::ahead() const { return tcx_ahead(state_->place); }
+Result<std::vector<Ahead>> EtherGate::ahead() const {
+  return tcx_ahead(state_->place, ids_of(state_->both()));
+}
 
 /// As Gate::go_first(): a copy takes the place of the programs.
 Result<void> EtherGate::go_first() {
@@ -269,9 +273,8 @@ Result<void> EtherGate::go_first() {
   auto copy = State::load(state_->config, state_->place, state_->shared, state_->sizes, *maps);
   if (!copy) return in_context(copy.error());
   if (auto pinned = (*copy)->pin_all(); !pinned) return in_context(pinned.error());
-  for (const auto direction : kBothDirections)
-    if (auto put = put_first((*copy)->place, direction, (*copy)->both().of(direction)); !put)
-      return in_context(put.error());
+  if (auto put = put_gate_first(state_->place, (*copy)->both(), state_->both()); !put)
+    return in_context(put.error());
   if (auto put = (*copy)->put_early_in_place(); !put) return in_context(put.error());
   if (auto named = (*copy)->name_all(); !named) return in_context(named.error());
   (*copy)->watchmen = std::move(state_->watchmen);  // they look at the same memory
@@ -279,12 +282,9 @@ Result<void> EtherGate::go_first() {
   return {};
 }
 
-/// As Gate::reattach().
 Result<void> EtherGate::reattach() {
-  if (auto put = put_gate_in_place(state_->place, state_->both()); !put) {
-    if (state_->place.hook == Hook::tcx) return go_first();
+  if (auto put = put_gate_in_place(state_->place, state_->both()); !put)
     return fail(fmt::format("gate of {}: {}", name(), put.error().text));
-  }
   return {};
 }
 
@@ -305,7 +305,7 @@ Result<std::vector<std::string>> EtherGate::keep_pinned() const {
   return enforce::keep_pinned(pins);
 }
 void EtherGate::unpin() {
-  retire_ether_gate(state_->place.directory);
+  if (is_gone(ifindex())) publish(state_->mapping.memory().table->retired, std::uint32_t{1});
   remove_pin_directory(state_->place.directory);
 }
 
@@ -338,13 +338,6 @@ ReasonCounters EtherGate::reasons(Direction direction) const {
 
 std::vector<UnknownFrame> EtherGate::unknown() const {
   return unknown_subjects(state_->mapping.cpus());
-}
-
-void retire_ether_gate(const std::string& directory) {
-  const auto pinned = pinned_ether_maps(directory);
-  if (!pinned) return;
-  const Mapped<ether_table> table(pinned->maps.front().get(), 1);
-  if (table) publish(table[0].retired, std::uint32_t{1});
 }
 
 bool is_ethernet(std::uint32_t ifindex) {

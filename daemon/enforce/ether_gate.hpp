@@ -69,10 +69,6 @@ class EtherGate final : public PortGate {
   std::unique_ptr<State> state_;
 };
 
-/// Before the pins of a device that is gone are removed: the program in its driver, which goes on
-/// with it, lets everything pass from now on.
-void retire_ether_gate(const std::string& directory);
-
 /// Frames have Ethernet headers there.
 bool is_ethernet(std::uint32_t ifindex);
 

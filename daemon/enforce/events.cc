@@ -21,11 +21,17 @@ static_assert(offsetof(gate_event, kind) == 0 && offsetof(gate_sample, kind) == 
 
 void free_ring(ring_buffer* ring) { ring_buffer__free(ring); }
 
-Result<Fd> open_event_ring(const std::string& pin_path) {
-  if (Fd there = open_pin(pin_path)) return there;
+Result<Fd> make_event_ring() {
   Fd made(bpf_map_create(BPF_MAP_TYPE_RINGBUF, "mlcca_events", 0, 0, GATE_EVENTS_SIZE, nullptr));
   if (!made) return failure("ring of events", errno);
-  const auto pinned = pin(made.get(), pin_path);
+  return made;
+}
+
+Result<Fd> open_event_ring(const std::string& pin_path) {
+  if (Fd there = open_pin(pin_path)) return there;
+  auto made = make_event_ring();
+  if (!made) return made;
+  const auto pinned = pin(made->get(), pin_path);
   if (!pinned) return std::unexpected(pinned.error());
   if (*pinned) return made;
   // Somebody else was first: his is the one.

@@ -6,25 +6,29 @@
 
 #include <fmt/format.h>
 #include <net/if.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "daemon/enforce/closed_programs.hpp"
 #include "daemon/enforce/ether_gate.hpp"
-#include "daemon/enforce/ether_programs.hpp"
 #include "daemon/enforce/failure.hpp"
 #include "daemon/enforce/gate_pins.hpp"
 #include "daemon/enforce/grace_period.hpp"
 #include "daemon/enforce/mapped.hpp"
 #include "daemon/enforce/pins.hpp"
 #include "daemon/enforce/programs.hpp"
+#include "daemon/enforce/publish.hpp"
+#include "daemon/enforce/retire.hpp"
 #include "daemon/enforce/watchmen.hpp"
 
 namespace mlcca::enforce {
@@ -79,7 +83,6 @@ struct Gate::State {
   Mapped<gate_cpu> cpus;
   SlotTable slots;
   bool reused = false;
-  GateLinks links{};                 ///< from when it is in place on
   std::optional<Watchmen> watchmen;  ///< from when it is pinned on
 
   [[nodiscard]] GatePrograms both() const {
@@ -107,6 +110,7 @@ Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
   auto slots = SlotTable::read({programs->table(), cpus.span(), programs->generation()},
                                knobs.profile, fresh, wait_for_grace_period);
   if (!slots) return std::unexpected(slots.error());
+  publish(programs->table().retired, std::uint32_t{0});
   return std::make_unique<State>(State{.config = config,
                                        .place = place,
                                        .shared = shared,
@@ -114,11 +118,9 @@ Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
                                        .cpus = std::move(cpus),
                                        .slots = std::move(*slots),
                                        .reused = !fresh,
-                                       .links = {},
                                        .watchmen = std::nullopt});
 }
 
-/// Links stay: what they hold is in force until they get another program.
 Result<void> Gate::State::pin_all() const {
   const std::string& directory = place.directory;
   if (auto made = make_pin_directory(directory); !made) return made;
@@ -179,7 +181,6 @@ Result<Gate> Gate::attach(const GateConfig& config, const Control& control) {
   if (auto watched = (*state)->watch(control); !watched) return in_context(watched.error());
   if (auto put = put_gate_in_place(place, (*state)->both()); !put) return in_context(put.error());
   if (auto named = (*state)->name_all(); !named) return in_context(named.error());
-  (*state)->links = links_in_place(place);
   return Gate(std::move(*state));
 }
 
@@ -194,24 +195,17 @@ const std::string& Gate::name() const { return state_->config.name; }
 bool Gate::reused() const { return state_->reused; }
 
 Hook Gate::hook() const { return state_->place.hook; }
-Result<bool> Gate::attached() const {
-  if (hold(state_->links, state_->place, state_->both())) return true;
-  return are_in_place(state_->place, state_->both());
-}
+Result<bool> Gate::attached() const { return are_in_place(state_->place, state_->both()); }
 
-/// A link whose name was removed ends a little later, and its program cannot be put there again
-/// before that: a copy can.
 Result<void> Gate::reattach() {
-  const auto put = put_gate_in_place(state_->place, state_->both());
-  if (put) {
-    state_->links = links_in_place(state_->place);
-    return {};
-  }
-  if (state_->place.hook == Hook::tcx) return go_first();
-  return fail(fmt::format("gate of {}: {}", name(), put.error().text));
+  if (auto put = put_gate_in_place(state_->place, state_->both()); !put)
+    return fail(fmt::format("gate of {}: {}", name(), put.error().text));
+  return {};
 }
 
-Result<std::vector<Ahead>> Gate::ahead() const { return tcx_ahead(state_->place); }
+Result<std::vector<Ahead>> Gate::ahead() const {
+  return tcx_ahead(state_->place, ids_of(state_->both()));
+}
 
 /// A program can't be in the order of TCX twice: a copy of it takes its place.
 Result<void> Gate::go_first() {
@@ -223,12 +217,9 @@ Result<void> Gate::go_first() {
   auto copy = State::load(state_->config, state_->place, state_->shared, maps);
   if (!copy) return in_context(copy.error());
   if (auto pinned = (*copy)->pin_all(); !pinned) return in_context(pinned.error());
-  for (const auto direction : kBothDirections)
-    if (auto put = put_first(state_->place, direction, (*copy)->programs.program_fd(direction));
-        !put)
-      return in_context(put.error());
+  if (auto put = put_gate_first(state_->place, (*copy)->both(), state_->both()); !put)
+    return in_context(put.error());
   if (auto named = (*copy)->name_all(); !named) return in_context(named.error());
-  (*copy)->links = links_in_place(state_->place);
   (*copy)->watchmen = std::move(state_->watchmen);  // they look at the same table
   state_ = std::move(*copy);
   return {};
@@ -246,11 +237,8 @@ Result<std::vector<std::string>> Gate::keep_pinned() const {
   std::vector<Pin> pins{{state_->programs.table_fd(), table_pin(directory)},
                         {state_->programs.cpus_fd(), cpus_pin(directory)},
                         state_->watchmen->pin()};
-  for (const auto direction : kBothDirections) {
+  for (const auto direction : kBothDirections)
     pins.push_back({state_->programs.program_fd(direction), program_pin(directory, direction)});
-    if (const int link = state_->links.of(direction); link >= 0)
-      pins.push_back({link, link_pin(state_->place, direction)});
-  }
   return enforce::keep_pinned(pins);
 }
 
@@ -287,25 +275,42 @@ ReasonCounters Gate::reasons(Direction direction) const {
 }
 std::vector<UnknownFrame> Gate::unknown() const { return unknown_frames(state_->cpus.span()); }
 
-void Gate::unpin() { remove_pin_directory(state_->place.directory); }
+void Gate::unpin() {
+  if (is_gone(ifindex())) publish(state_->programs.table().retired, std::uint32_t{1});
+  remove_pin_directory(state_->place.directory);
+}
+
+Result<std::vector<std::uint32_t>> pinned_interfaces(const Control& control) {
+  constexpr std::string_view prefix = "if";
+  std::vector<std::uint32_t> found;
+  std::error_code error;
+  std::filesystem::directory_iterator entry(control.directory(), error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename();
+    std::uint32_t ifindex = 0;
+    const char* const end = name.data() + name.size();
+    if (!name.starts_with(prefix)) continue;
+    const auto number = std::from_chars(name.data() + prefix.size(), end, ifindex);
+    if (number.ec == std::errc{} && number.ptr == end) found.push_back(ifindex);
+  }
+  if (error && error != std::errc::no_such_file_or_directory)
+    return failure("read " + control.directory(), error.value());
+  return found;
+}
 
 Result<void> unpin_vanished(const Control& control) {
-  std::error_code error;
-  const std::filesystem::directory_iterator entries(control.directory(), error);
-  if (error) return failure("read " + control.directory(), error.value());
-  std::vector<std::string> vanished;
-  for (const auto& entry : entries) {
-    const std::string name = entry.path().filename();
-    std::uint32_t ifindex = 0;
-    if (!name.starts_with("if")) continue;
-    const auto [end, bad] = std::from_chars(name.data() + 2, name.data() + name.size(), ifindex);
-    std::array<char, IF_NAMESIZE> found{};
-    if (bad == std::errc{} && if_indextoname(ifindex, found.data()) == nullptr && errno == ENXIO)
-      vanished.push_back(entry.path());
-  }
-  for (const auto& path : vanished) {
-    retire_ether_gate(path);
-    remove_pin_directory(path);
+  const auto pinned = pinned_interfaces(control);
+  if (!pinned) return std::unexpected(pinned.error());
+  const Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (!socket) return failure("a socket to ask for interfaces", errno);
+  for (const std::uint32_t ifindex : *pinned) {
+    ifreq asked{};
+    asked.ifr_ifindex = static_cast<int>(ifindex);
+    // NOLINTNEXTLINE(*-vararg)
+    if (::ioctl(socket.get(), SIOCGIFNAME, &asked) == 0 || errno != ENODEV) continue;
+    const std::string directory = gate_directory(control.directory(), ifindex);
+    retire_gate(directory);
+    remove_pin_directory(directory);
   }
   return {};
 }
@@ -322,9 +327,9 @@ Result<bool> has_gate(Place place) {
   return false;
 }
 
-/// Puts programs where none are. For an interface that has nothing that is worth keeping: of its
-/// programs and maps nothing is pinned.
-Result<Closing> put_closed(const Place& place, const auto& programs) {
+/// Puts programs where none are. For an interface that has nothing that is worth keeping: its maps
+/// are not pinned.
+Result<Closing> put_closed(const Place& place, const ClosedPrograms& programs) {
   auto closing = Closing::was_gated;
   for (const auto direction : kBothDirections) {
     const auto put = put_in_empty_place(place, direction, programs.program_fd(direction));
@@ -337,13 +342,8 @@ Result<Closing> put_closed(const Place& place, const auto& programs) {
 /// Of an Ethernet interface, what carries events alone. By clsact where no link can be pinned.
 Result<Closing> put_closed(Place place, const Control& control) {
   if (place.hook == Hook::tcx && !make_pin_directory(place.directory)) place.hook = Hook::clsact;
-  if (is_ethernet(place.ifindex)) {
-    const auto programs = EtherPrograms::load(
-        place.ifindex, EtherSizes::for_slots(0, possible_cpus()), control.shared(), {});
-    if (!programs) return std::unexpected(programs.error());
-    return put_closed(place, *programs);
-  }
-  const auto programs = Programs::load({.ifindex = place.ifindex}, control.shared(), {});
+  const auto programs = is_ethernet(place.ifindex) ? ClosedPrograms::of_ethernet(control.shared())
+                                                   : ClosedPrograms::of_can(control.shared());
   if (!programs) return std::unexpected(programs.error());
   return put_closed(place, *programs);
 }

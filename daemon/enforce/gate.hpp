@@ -79,7 +79,9 @@ class Gate final : public PortGate {
   /// Frames without a slot, newest first.
   [[nodiscard]] std::vector<UnknownFrame> unknown() const override;
 
-  /// Removes the pins, not the filters: for an interface that is gone.
+  /// Removes the pins, not the programs. Of an interface that is gone, to another network
+  /// namespace, they go on with it, and let everything pass; of one that is here they stay in
+  /// force.
   void unpin() override;
 
  private:
@@ -91,7 +93,11 @@ class Gate final : public PortGate {
   std::unique_ptr<State> state_;
 };
 
-/// Frees what is pinned for interfaces that do not exist any more in this network namespace.
+/// Those that gates of this daemon, or of one before it, are pinned for, there or not.
+[[nodiscard]] Result<std::vector<std::uint32_t>> pinned_interfaces(const Control& control);
+
+/// Frees what is pinned for interfaces that do not exist any more in this network namespace, as the
+/// kernel says of each of them.
 Result<void> unpin_vanished(const Control& control);
 
 enum class Closing : std::uint8_t {

@@ -21,11 +21,15 @@ namespace mlcca::enforce {
 
 Result<void> make_pin_directory(const std::string& path) {
   std::error_code error;
+  std::filesystem::path there(path);
+  while (!std::filesystem::exists(there, error) && there.has_relative_path())
+    there = there.parent_path();
+  struct statfs info{};
+  if (statfs(there.c_str(), &info) != 0) return failure("statfs " + there.string(), errno);
+  if (info.f_type != BPF_FS_MAGIC)
+    return fail(there.string() + " is no bpffs: systemctl start run-mlcca-bpf.mount");
   std::filesystem::create_directories(path, error);
   if (error) return failure("mkdir " + path, error.value());
-  struct statfs info{};
-  if (statfs(path.c_str(), &info) != 0) return failure("statfs " + path, errno);
-  if (info.f_type != BPF_FS_MAGIC) return fail(path + " is not in a bpffs: mount one there");
   return {};
 }
 

@@ -12,6 +12,7 @@
 #include <ctime>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <system_error>
 
@@ -75,7 +76,7 @@ void read_programs(GateReading& gate, const std::string& directory,
             "the program pinned for {} does not look at the pinned map {}", name(direction), map));
   }
   read_early(gate, directory);
-  const auto ahead = tcx_ahead({gate.ifindex, directory, gate.hook});
+  const auto ahead = tcx_ahead({gate.ifindex, directory, gate.hook}, attached);
   if (!ahead) gate.problems.push_back(ahead.error().text);
   for (const Ahead& a : ahead.value_or(std::vector<Ahead>{}))
     gate.problems.push_back(
@@ -189,23 +190,30 @@ GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const
   return gate;
 }
 
-/// Open gates close by themselves when the daemon is silent, as long as this timer runs.
-std::vector<std::string> shared_problems(const std::string& directory, const gate_control& word) {
-  std::vector<std::string> problems;
-  if (word.armed != 0 && !open_pin(directory + "/deadman"))
-    problems.emplace_back(
-        "the timer that closes the gates when the daemon dies is not pinned: it dies with it");
-  const bool open = word.open != 0 && word.lapsed == 0;
-  // It looks each check_ns; as much again for a busy machine.
-  const std::uint64_t latest = word.grace_ns + 2 * word.check_ns;
+/// ns that the daemon has been silent for, if it has beaten, and that is longer than its grace by
+/// what the timer may take, and as much again for a busy machine.
+std::optional<std::uint64_t> silent_too_long(const gate_control& word) {
   timespec t{};
   clock_gettime(CLOCK_MONOTONIC, &t);
   const auto now =
       static_cast<std::uint64_t>(t.tv_sec) * 1'000'000'000 + static_cast<std::uint64_t>(t.tv_nsec);
-  if (open && word.grace_ns != kForEver && now > word.heartbeat + latest)
-    problems.push_back(fmt::format(
-        "the gates are open although the daemon has been silent for {} s, longer than its grace",
-        (now - word.heartbeat) / 1'000'000'000));
+  if (word.grace_ns == kForEver || word.deadline == 0 ||
+      now <= word.heartbeat + word.grace_ns + 2 * word.check_ns)
+    return std::nullopt;
+  return now - word.heartbeat;
+}
+
+/// The gates close by themselves when the daemon is silent; this timer counts it.
+std::vector<std::string> shared_problems(const std::string& directory, const gate_control& word) {
+  std::vector<std::string> problems;
+  if (word.armed != 0 && !open_pin(directory + "/deadman"))
+    problems.emplace_back(
+        "the timer that counts the silence of a dead daemon is not pinned: it dies with it");
+  if (const auto silent = silent_too_long(word); silent && word.open != 0 && word.lapsed == 0)
+    problems.push_back(
+        fmt::format("the daemon has been silent for {} s, longer than its grace, and the timer has "
+                    "not counted it: the gates have closed by themselves",
+                    *silent / 1'000'000'000));
   return problems;
 }
 
@@ -224,7 +232,7 @@ Result<Reading> read_back(const std::string& root) {
     return fail(fmt::format("{}/control: layout {} instead of {}", directory, word.layout_version,
                             GATE_LAYOUT_VERSION));
   Reading reading{.open = word.open != 0,
-                  .lapsed = word.lapsed != 0,
+                  .lapsed = word.lapsed != 0 || (word.open != 0 && silent_too_long(word)),
                   .audit = word.mode == GATE_AUDIT,
                   .generation = word.generation,
                   .problems = shared_problems(directory, word),

@@ -18,18 +18,20 @@ namespace {
 
 constexpr std::uint32_t kTcxIngress = 46;
 constexpr std::uint32_t kTcxEgress = 47;
-constexpr std::uint32_t kBefore = 1U << 3;  // BPF_F_BEFORE; of nothing: of all
-constexpr std::uint32_t kLinkOfTcx = 11;    // BPF_LINK_TYPE_TCX
-constexpr std::size_t kMostPrograms = 64;   // the kernel's own limit
-constexpr std::uint32_t kLoopback = 1;      // the first interface of every network namespace
+constexpr std::uint32_t kReplace = 1U << 2;  // BPF_F_REPLACE
+constexpr std::uint32_t kBefore = 1U << 3;   // BPF_F_BEFORE; of nothing: of all
+constexpr std::uint32_t kAfter = 1U << 4;    // BPF_F_AFTER
+constexpr std::uint32_t kById = 1U << 5;     // BPF_F_ID
+constexpr std::size_t kMostPrograms = 64;    // the kernel's own limit
+constexpr std::uint32_t kLoopback = 1;       // the first interface of every network namespace
 
-struct LinkCreate {
-  std::uint32_t program = 0;
+struct Attach {
   std::uint32_t ifindex = 0;
+  std::uint32_t program = 0;
   std::uint32_t attach_type = 0;
   std::uint32_t flags = 0;
+  std::uint32_t former = 0;
   std::uint32_t relative = 0;
-  std::uint32_t pad = 0;
   std::uint64_t expected_revision = 0;
 };
 
@@ -47,16 +49,6 @@ struct Query {
   std::uint64_t revision = 0;
 };
 
-struct LinkInfo {
-  std::uint32_t type = 0;
-  std::uint32_t id = 0;
-  std::uint32_t program = 0;
-  std::uint32_t pad = 0;
-  std::uint32_t ifindex = 0;
-  std::uint32_t attach_type = 0;
-  std::array<std::uint64_t, 8> rest{};  // other kinds of links say more
-};
-
 template <class Attributes>
 int bpf_call(int command, Attributes& attributes) {
   // NOLINTNEXTLINE(*-vararg)
@@ -67,7 +59,18 @@ std::uint32_t type_of(Direction direction) {
   return direction == Direction::ingress ? kTcxIngress : kTcxEgress;
 }
 
+Attach attributes(std::uint32_t ifindex, Direction direction) {
+  Attach attach;
+  attach.ifindex = ifindex;
+  attach.attach_type = type_of(direction);
+  return attach;
+}
+
 }  // namespace
+
+bool TcxOrder::has(std::uint32_t program) const {
+  return program != 0 && std::ranges::find(programs, program) != programs.end();
+}
 
 Result<std::optional<TcxOrder>> tcx_order(std::uint32_t ifindex, Direction direction) {
   std::array<std::uint32_t, kMostPrograms> ids{};
@@ -90,30 +93,42 @@ bool kernel_has_tcx() {
   return order && *order;
 }
 
-Result<Fd> tcx_attach_first(std::uint32_t ifindex, Direction direction, int program_fd) {
-  LinkCreate create;
-  create.program = static_cast<std::uint32_t>(program_fd);
-  create.ifindex = ifindex;
-  create.attach_type = type_of(direction);
-  create.flags = kBefore;
-  Fd link(bpf_call(BPF_LINK_CREATE, create));
-  if (!link) return failure("tcx link", errno);
-  return link;
-}
-
-Result<void> tcx_update(int link_fd, int program_fd) {
-  if (bpf_link_update(link_fd, program_fd, nullptr) != 0) return failure("tcx link", errno);
+Result<void> tcx_attach_first(std::uint32_t ifindex, Direction direction, int program_fd) {
+  Attach attach = attributes(ifindex, direction);
+  attach.program = static_cast<std::uint32_t>(program_fd);
+  attach.flags = kBefore;
+  if (bpf_call(BPF_PROG_ATTACH, attach) != 0) return failure("tcx attach", errno);
   return {};
 }
 
-void tcx_detach(int link_fd) { bpf_link_detach(link_fd); }
+Result<void> tcx_replace(std::uint32_t ifindex, Direction direction, int former_fd,
+                         int program_fd) {
+  Attach attach = attributes(ifindex, direction);
+  attach.program = static_cast<std::uint32_t>(program_fd);
+  attach.former = static_cast<std::uint32_t>(former_fd);
+  attach.flags = kReplace;
+  if (bpf_call(BPF_PROG_ATTACH, attach) != 0) return failure("tcx replace", errno);
+  return {};
+}
 
-std::uint32_t tcx_program(int link_fd, std::uint32_t ifindex) {
-  LinkInfo info;
-  std::uint32_t size = sizeof(info);
-  // NOLINTNEXTLINE(bugprone-multi-level-implicit-pointer-conversion)
-  if (bpf_obj_get_info_by_fd(link_fd, &info, &size) != 0 || info.type != kLinkOfTcx) return 0;
-  return info.ifindex == ifindex ? info.program : 0;
+Result<void> tcx_detach(std::uint32_t ifindex, Direction direction, int program_fd) {
+  Attach detach = attributes(ifindex, direction);
+  detach.program = static_cast<std::uint32_t>(program_fd);
+  if (bpf_call(BPF_PROG_DETACH, detach) != 0) return failure("tcx detach", errno);
+  return {};
+}
+
+Result<void> tcx_detach_beside(std::uint32_t ifindex, Direction direction, const TcxOrder& order,
+                               std::uint32_t program) {
+  const auto it = std::ranges::find(order.programs, program);
+  if (it == order.programs.end() || order.programs.size() < 2) return failure("tcx detach", ENOENT);
+  const bool is_first = it == order.programs.begin();
+  Attach detach = attributes(ifindex, direction);
+  detach.relative = is_first ? *(it + 1) : *(it - 1);
+  detach.flags = kById | (is_first ? kBefore : kAfter);
+  detach.expected_revision = order.revision;
+  if (bpf_call(BPF_PROG_DETACH, detach) != 0) return failure("tcx detach", errno);
+  return {};
 }
 
 }  // namespace mlcca::enforce

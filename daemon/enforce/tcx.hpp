@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// TCX (Linux 6.6): programs of an interface in an order of their own, before clsact. A program is
-// held there by a link, and goes with the last reference to it.
+// TCX (Linux 6.6): programs of an interface in an order of their own, before clsact. Ours are
+// attached without a link: nothing but the interface holds them, so that they stay when this
+// process and all pins are gone. A link would go with its last reference, and with it the program.
 #pragma once
 #include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "core/handle.hpp"
 #include "core/result.hpp"
 #include "daemon/enforce/slots.hpp"
 
@@ -16,22 +16,22 @@ namespace mlcca::enforce {
 struct TcxOrder {
   std::uint64_t revision = 0;  ///< another one when the order has changed
   std::vector<std::uint32_t> programs;
+  [[nodiscard]] bool has(std::uint32_t program) const;
 };
 
 /// Nothing where the kernel has no TCX.
 Result<std::optional<TcxOrder>> tcx_order(std::uint32_t ifindex, Direction direction);
 bool kernel_has_tcx();
 
-/// Puts a program before all others.
-Result<Fd> tcx_attach_first(std::uint32_t ifindex, Direction direction, int program_fd);
-/// In the place of the program that the link holds.
-Result<void> tcx_update(int link_fd, int program_fd);
+/// Puts a program before all others. It can be there once.
+Result<void> tcx_attach_first(std::uint32_t ifindex, Direction direction, int program_fd);
+/// In the place of another one: at every moment one of them runs.
+Result<void> tcx_replace(std::uint32_t ifindex, Direction direction, int former_fd, int program_fd);
 
-/// At once, whoever else holds the link; it is dead then.
-void tcx_detach(int link_fd);
-
-/// Of the program that a TCX link holds on this interface; 0: the link is of another kind or
-/// interface, or its interface is gone.
-std::uint32_t tcx_program(int link_fd, std::uint32_t ifindex);
+Result<void> tcx_detach(std::uint32_t ifindex, Direction direction, int program_fd);
+/// The same of a program that only its id is known of, and that is not alone there: the kernel
+/// finds it beside its neighbour. Error ESTALE: the order is another one by now.
+Result<void> tcx_detach_beside(std::uint32_t ifindex, Direction direction, const TcxOrder& order,
+                               std::uint32_t program);
 
 }  // namespace mlcca::enforce

@@ -4,14 +4,11 @@
 #include <linux/can/gw.h>
 #include <linux/rtnetlink.h>
 #include <netlink/attr.h>
-#include <netlink/errno.h>
-#include <netlink/handlers.h>
 #include <netlink/msg.h>
-#include <netlink/netlink.h>
-#include <netlink/socket.h>
 #include <sys/socket.h>
 
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <string>
 
@@ -25,10 +22,10 @@ constexpr std::uint16_t kFlags = CGW_FLAGS_CAN_IIF_TX_OK;
 
 using Attributes = std::array<nlattr*, CGW_MAX + 1>;
 
-std::unexpected<Error> netlink_error(const std::string& call, int error) {
-  if (error == -NLE_OPNOTSUPP) return fail(call + ": the kernel has no can-gw: modprobe can-gw");
-  if (error == -NLE_PERM) return fail(call + ": not permitted: CAP_NET_ADMIN is needed");
-  return fail(call + ": " + nl_geterror(error));
+std::unexpected<Error> refused(const std::string& call, const Refusal& why) {
+  if (why.said == EOPNOTSUPP) return fail(call + ": the kernel has no can-gw: modprobe can-gw");
+  if (why.said == EPERM) return fail(call + ": not permitted: CAP_NET_ADMIN is needed");
+  return why.when(call);
 }
 
 /// Frame and FD frame alike begin with the identifier, and end with what is changed of them.
@@ -53,13 +50,11 @@ Result<Message> message_of(int type, const CanRuleThere& there) {
   const CanRule& rule = there.rule;
   if (rule.from <= 0 || rule.to <= 0) return fail("a can-gw rule needs two interfaces");
   if (!there.is_ours()) return fail("a can-gw rule of somebody else is left alone");
-  Message message(nlmsg_alloc_simple(type, NLM_F_REQUEST | NLM_F_ACK));
-  if (!message) return fail("nlmsg_alloc_simple: out of memory");
-  rtcanmsg head{AF_CAN, CGW_TYPE_CAN_CAN, there.flags};
+  const rtcanmsg head{AF_CAN, CGW_TYPE_CAN_CAN, there.flags};
+  Message message = new_message(type, NLM_F_REQUEST | NLM_F_ACK, &head, sizeof head);
   const can_filter filter{rule.id, rule.mask};
   nl_msg* const m = message.get();
-  const bool fits = nlmsg_append(m, &head, sizeof head, NLMSG_ALIGNTO) == 0 &&
-                    nla_put_u32(m, CGW_SRC_IF, static_cast<std::uint32_t>(rule.from)) == 0 &&
+  const bool fits = nla_put_u32(m, CGW_SRC_IF, static_cast<std::uint32_t>(rule.from)) == 0 &&
                     nla_put_u32(m, CGW_DST_IF, static_cast<std::uint32_t>(rule.to)) == 0 &&
                     nla_put(m, CGW_FILTER, sizeof filter, &filter) == 0 && put_changes(m, rule) &&
                     nla_put_u32(m, CGW_MOD_UID, there.uid) == 0;
@@ -101,17 +96,7 @@ void read_changes(const Attributes& a, CanRuleThere& to) {
     if (a[other] != nullptr) to.changes_more = true;
 }
 
-int on_message(nl_msg* message, void* to) {
-  read_rule(*nlmsg_hdr(message), *static_cast<std::vector<CanRuleThere>*>(to));
-  return NL_OK;
-}
-
 }  // namespace
-
-void FreeMessage::operator()(nl_msg* message) const noexcept { nlmsg_free(message); }
-void KernelCanRules::FreeSocket::operator()(nl_sock* socket) const noexcept {
-  nl_socket_free(socket);
-}
 
 CanRuleThere ours(const CanRule& rule, std::uint32_t uid) {
   CanRuleThere there;
@@ -156,41 +141,19 @@ void read_rule(const nlmsghdr& message, std::vector<CanRuleThere>& to) {
   to.push_back(there);
 }
 
-Result<nl_sock*> KernelCanRules::socket() {
-  if (socket_) return socket_.get();
-  decltype(socket_) fresh(nl_socket_alloc());
-  if (!fresh) return fail("nl_socket_alloc: out of memory");
-  if (const int e = nl_connect(fresh.get(), NETLINK_ROUTE); e < 0)
-    return netlink_error("rtnetlink", e);
-  socket_ = std::move(fresh);
-  return socket_.get();
-}
-
 Result<std::vector<CanRuleThere>> KernelCanRules::read() {
-  const auto s = socket();
-  if (!s) return std::unexpected(s.error());
   std::vector<CanRuleThere> rules;
   const rtcanmsg head{AF_CAN, 0, 0};
-  nl_socket_modify_cb(*s, NL_CB_VALID, NL_CB_CUSTOM, on_message, &rules);
-  int e = nl_send_simple(*s, RTM_GETROUTE, NLM_F_DUMP, const_cast<rtcanmsg*>(&head),  // NOLINT
-                         sizeof head);
-  if (e >= 0) e = nl_recvmsgs_default(*s);
-  nl_socket_modify_cb(*s, NL_CB_VALID, NL_CB_DEFAULT, nullptr, nullptr);
-  if (e == -NLE_OPNOTSUPP) return rules;
-  if (e < 0) {
-    socket_.reset();  // answers that are still under way belong to nobody
-    return netlink_error("reading the rules of can-gw", e);
-  }
+  const auto answers = rtnl_.dump(new_message(RTM_GETROUTE, 0, &head, sizeof head));
+  if (!answers && answers.error().said == EOPNOTSUPP) return rules;
+  if (!answers) return refused("reading the rules of can-gw", answers.error());
+  answers->each([&rules](const nlmsghdr& message) { read_rule(message, rules); });
   return rules;
 }
 
 Result<void> KernelCanRules::send(const Result<Message>& message) {
   if (!message) return std::unexpected(message.error());
-  const auto s = socket();
-  if (!s) return std::unexpected(s.error());
-  int e = nl_send_auto(*s, message->get());
-  if (e >= 0) e = nl_wait_for_ack(*s);
-  if (e < 0) return netlink_error("can-gw", e);
+  if (const auto done = rtnl_.change(*message); !done) return refused("can-gw", done.error());
   return {};
 }
 

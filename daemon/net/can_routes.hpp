@@ -6,13 +6,10 @@
 
 #include <compare>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "core/result.hpp"
-
-struct nl_msg;
-struct nl_sock;
+#include "daemon/net/rtnl.hpp"
 
 namespace mlcca::net {
 
@@ -55,10 +52,6 @@ struct CanRuleThere {
 
 // --- messages: no I/O ----------------------------------------------------------------------------
 
-struct FreeMessage {
-  void operator()(nl_msg* message) const noexcept;
-};
-using Message = std::unique_ptr<nl_msg, FreeMessage>;
 /// Both of a rule of ours: the kernel finds it by all that it was made with. To remove interface 0
 /// would mean all rules there are: refused.
 [[nodiscard]] Result<Message> message_to_add(const CanRuleThere& rule);
@@ -89,12 +82,8 @@ class KernelCanRules : public CanRules {
   Result<void> remove(const CanRuleThere& rule) override;
 
  private:
-  Result<nl_sock*> socket();
   Result<void> send(const Result<Message>& message);
-  struct FreeSocket {
-    void operator()(nl_sock* socket) const noexcept;
-  };
-  std::unique_ptr<nl_sock, FreeSocket> socket_;  ///< made when it is needed
+  Rtnl rtnl_;
 };
 
 }  // namespace mlcca::net

@@ -6,33 +6,20 @@
 #include <linux/ethtool.h>
 #include <linux/if.h>
 #include <linux/sockios.h>
-#include <netlink/netlink.h>
 #include <netlink/route/link.h>
 #include <netlink/route/link/can.h>
-#include <netlink/route/qdisc.h>
 #include <netlink/route/qdisc/fifo.h>
-#include <netlink/route/tc.h>
-#include <netlink/socket.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <memory>
 #include <string_view>
 
 #include "core/handle.hpp"
+#include "daemon/net/root_queue.hpp"
 
 namespace mlcca::net {
 namespace {
-
-using Socket = std::unique_ptr<nl_sock, FreeWith<nl_socket_free>>;
-using Cache = std::unique_ptr<nl_cache, FreeWith<nl_cache_free>>;
-using LinkObject = std::unique_ptr<rtnl_link, FreeWith<rtnl_link_put>>;
-using Qdisc = std::unique_ptr<rtnl_qdisc, FreeWith<rtnl_qdisc_put>>;
-
-std::unexpected<Error> netlink_error(const std::string& call, int error) {
-  return fail(call + ": " + nl_geterror(error));
-}
 
 /// Empty where the kernel has no name for it.
 std::string driver_of(std::string_view interface) {
@@ -61,44 +48,42 @@ void take_can(rtnl_link* link, Controller& out) {
     out.errors = ErrorCounters{.sending = errors.txerr, .receiving = errors.rxerr};
 }
 
-Result<void> take_queue(nl_sock* socket, Controller& out) {
-  nl_cache* raw = nullptr;
-  if (const int e = rtnl_qdisc_alloc_cache(socket, &raw); e < 0)
-    return netlink_error("reading the queueing disciplines", e);
-  const Cache cache(raw);
-  const Qdisc root(rtnl_qdisc_get_by_parent(cache.get(), out.ifindex, TC_H_ROOT));
-  if (!root) return {};
-  // NOLINTNEXTLINE(*-reinterpret-cast): every qdisc is a tc object
-  const char* kind = rtnl_tc_get_kind(reinterpret_cast<rtnl_tc*>(root.get()));
-  out.queue = kind == nullptr ? "" : kind;
-  // The bands of prio are made with such a limit each.
-  if (out.queue == "pfifo_fast" || out.queue == "prio") out.queue_limit = out.queue_length;
-  if (out.queue == "pfifo") {
-    const int limit = rtnl_qdisc_fifo_get_limit(root.get());
+Result<void> take_queue(Rtnl& kernel, Controller& out) {
+  return with_root_queue(kernel, out.ifindex, [&out](rtnl_qdisc* root, rtnl_tc* tc) {
+    const char* kind = rtnl_tc_get_kind(tc);
+    out.queue = kind == nullptr ? "" : kind;
+    // The bands of prio are made with such a limit each.
+    if (out.queue == "pfifo_fast" || out.queue == "prio") out.queue_limit = out.queue_length;
+    if (out.queue != "pfifo") return;
+    const int limit = rtnl_qdisc_fifo_get_limit(root);
     out.queue_limit = static_cast<std::uint32_t>(std::max(limit, 0));
-  }
-  return {};
+  });
+}
+
+Controller read_link(rtnl_link* link) {
+  Controller out;
+  out.echoes = (rtnl_link_get_flags(link) & IFF_ECHO) != 0;
+  out.fd = rtnl_link_get_mtu(link) >= CANFD_MTU;
+  out.queue_length = rtnl_link_get_txqlen(link);
+  if (const char* name = rtnl_link_get_name(link); name != nullptr) out.driver = driver_of(name);
+  if (rtnl_link_is_can(link) != 0) take_can(link, out);
+  return out;
 }
 
 }  // namespace
 
 Result<Controller> read_controller(int ifindex) {
-  const Socket socket(nl_socket_alloc());
-  if (!socket) return fail("nl_socket_alloc: out of memory");
-  if (const int e = nl_connect(socket.get(), NETLINK_ROUTE); e < 0)
-    return netlink_error("rtnetlink", e);
-  rtnl_link* raw = nullptr;
-  if (const int e = rtnl_link_get_kernel(socket.get(), ifindex, nullptr, &raw); e < 0)
-    return netlink_error("reading an interface", e);
-  const LinkObject link(raw);
+  Rtnl kernel;
+  ifinfomsg head{};
+  head.ifi_index = ifindex;
+  const auto answer = kernel.get(new_message(RTM_GETLINK, 0, &head, sizeof head));
+  if (!answer) return answer.error().when("reading an interface");
   Controller out;
+  answer->each_object([&out](nl_object* object) {
+    out = read_link(reinterpret_cast<rtnl_link*>(object));  // NOLINT(*-reinterpret-cast)
+  });
   out.ifindex = ifindex;
-  out.echoes = (rtnl_link_get_flags(raw) & IFF_ECHO) != 0;
-  out.fd = rtnl_link_get_mtu(raw) >= CANFD_MTU;
-  out.queue_length = rtnl_link_get_txqlen(raw);
-  if (const char* name = rtnl_link_get_name(raw); name != nullptr) out.driver = driver_of(name);
-  if (rtnl_link_is_can(raw) != 0) take_can(raw, out);
-  if (auto queue = take_queue(socket.get(), out); !queue) return std::unexpected(queue.error());
+  if (auto queue = take_queue(kernel, out); !queue) return std::unexpected(queue.error());
   return out;
 }
 

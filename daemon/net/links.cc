@@ -7,14 +7,15 @@
 #include <linux/rtnetlink.h>
 #include <netlink/attr.h>
 #include <netlink/msg.h>
-#include <netlink/netlink.h>
 #include <netlink/route/link.h>
 #include <netlink/route/link/can.h>
-#include <netlink/socket.h>
 #include <sys/socket.h>
 
 #include <array>
 #include <cerrno>
+#include <cstring>
+#include <new>
+#include <optional>
 #include <utility>
 
 #include "core/handle.hpp"
@@ -23,10 +24,9 @@ namespace mlcca::net {
 namespace {
 
 using LinkObject = std::unique_ptr<rtnl_link, FreeWith<rtnl_link_put>>;
-using Cache = std::unique_ptr<nl_cache, FreeWith<nl_cache_free>>;
 
-std::unexpected<Error> netlink_error(const std::string& call, int error) {
-  return fail(call + ": " + nl_geterror(error));
+std::unexpected<Error> system_error(const std::string& call, int error) {
+  return fail(call + ": " + std::strerror(error));  // NOLINT(concurrency-mt-unsafe)
 }
 
 std::string text_or_empty(const char* text) { return text == nullptr ? "" : text; }
@@ -56,69 +56,71 @@ Link describe(rtnl_link* link) {
 
 }  // namespace
 
-void Links::FreeSocket::operator()(nl_sock* socket) const noexcept { nl_socket_free(socket); }
-
-Links::Links(Socket notices, Socket requests)
-    : notices_(std::move(notices)), requests_(std::move(requests)) {}
-Links::Links(Links&&) noexcept = default;
-Links& Links::operator=(Links&&) noexcept = default;
-Links::~Links() = default;
-
 Result<Links> Links::open() {
-  Socket notices(nl_socket_alloc());
-  Socket requests(nl_socket_alloc());
-  if (!notices || !requests) return fail("nl_socket_alloc: out of memory");
-  nl_socket_disable_seq_check(notices.get());
-  for (nl_sock* socket : {notices.get(), requests.get()})
-    if (const int e = nl_connect(socket, NETLINK_ROUTE); e < 0)
-      return netlink_error("rtnetlink", e);
+  Fd notices(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, NETLINK_ROUTE));
+  if (!notices) return system_error("rtnetlink notifications", errno);
+  sockaddr_nl own{};
+  own.nl_family = AF_NETLINK;
+  // NOLINTNEXTLINE(*-reinterpret-cast): as bind() has it
+  if (::bind(notices.get(), reinterpret_cast<const sockaddr*>(&own), sizeof own) < 0)
+    return system_error("rtnetlink notifications", errno);
   for (const int group : {RTNLGRP_LINK, RTNLGRP_TC})
-    if (const int e = nl_socket_add_membership(notices.get(), group); e < 0)
-      return netlink_error("rtnetlink notifications", e);
-  if (const int e = nl_socket_set_nonblocking(notices.get()); e < 0)
-    return netlink_error("rtnetlink", e);
-  Links links(std::move(notices), std::move(requests));
-  if (auto table = links.read(); table)
-    links.table_ = std::move(*table);
-  else
-    return std::unexpected(table.error());
+    if (::setsockopt(notices.get(), SOL_NETLINK, NETLINK_ADD_MEMBERSHIP, &group, sizeof group) < 0)
+      return system_error("rtnetlink notifications", errno);
+  Links links(std::move(notices));
+  auto table = links.read();
+  if (!table) return std::unexpected(table.error());
+  links.table_ = std::move(*table);
   return links;
 }
 
-int Links::fd() const { return nl_socket_get_fd(notices_.get()); }
-
 Result<LinkTable> Links::read() {
-  nl_cache* raw = nullptr;
-  if (const int e = rtnl_link_alloc_cache(requests_.get(), AF_UNSPEC, &raw); e < 0)
-    return netlink_error("reading the interfaces", e);
-  const Cache cache(raw);
+  ifinfomsg head{};
+  const Message request = new_message(RTM_GETLINK, 0, &head, sizeof head);
+  const auto answers = kernel_.dump(request);
+  if (!answers) return answers.error().when("reading the interfaces");
   LinkTable table;
-  for (nl_object* o = nl_cache_get_first(cache.get()); o != nullptr; o = nl_cache_get_next(o)) {
-    // Every object of a link cache is a link.
-    Link link = describe(reinterpret_cast<rtnl_link*>(o));  // NOLINT(*-reinterpret-cast)
+  answers->each_object([&table](nl_object* object) {
+    // Every object of such an answer is a link.
+    Link link = describe(reinterpret_cast<rtnl_link*>(object));  // NOLINT(*-reinterpret-cast)
     table.emplace(link.ifindex, std::move(link));
-  }
+  });
   return table;
 }
 
 Result<bool> Links::refresh() {
-  // What the notifications say of links is read from the table; an overflow (ENOBUFS) is just one
-  // of them.
-  alignas(nlmsghdr) std::array<char, 32768> notices{};
-  for (;;) {
-    const ssize_t size = ::recv(fd(), notices.data(), notices.size(), 0);
-    if (size >= 0) {
-      take_notices(notices.data(), static_cast<std::size_t>(size));
-      continue;
-    }
-    if (errno == ENOBUFS) tc_changed_ = true;
-    if (errno != ENOBUFS && errno != EINTR) break;
-  }
+  hear();
   auto table = read();
+  problem_ = table ? "" : table.error().text;
   if (!table) return std::unexpected(table.error());
-  const bool changed = *table != table_;
+  const bool changed = *table != table_ || !gone_.empty();
   table_ = std::move(*table);
   return changed;
+}
+
+/// Who came and what changed is read from the table; who went is taken from here alone, and asked
+/// for where something was lost.
+void Links::hear() {
+  constexpr std::size_t kMostOfOne = std::size_t{256} << 10;
+  constexpr int kMostInARow = 4096;  // what is left keeps the socket readable
+  heard_.resize(kMostOfOne);
+  for (int i = 0; i < kMostInARow; ++i) {
+    sockaddr_nl sender{};
+    socklen_t length = sizeof sender;
+    // NOLINTNEXTLINE(*-reinterpret-cast): as recvfrom() has it
+    const ssize_t size = ::recvfrom(fd(), heard_.data(), heard_.size(), MSG_TRUNC,
+                                    reinterpret_cast<sockaddr*>(&sender), &length);
+    if (size < 0 && errno == EAGAIN) return;
+    if (size < 0 && errno == EINTR) continue;
+    if (size >= 0 && sender.nl_pid != 0) continue;  // not the kernel
+    if (size < 0 || static_cast<std::size_t>(size) > heard_.size()) {
+      // An overflow (ENOBUFS), or whatever else: what was lost may have been of traffic control.
+      tc_changed_ = true;
+      if (size < 0 && errno != ENOBUFS) return;
+      continue;
+    }
+    take_notices(heard_.data(), static_cast<std::size_t>(size));
+  }
 }
 
 void Links::take_notices(const char* notices, std::size_t size) {
@@ -129,7 +131,10 @@ void Links::take_notices(const char* notices, std::size_t size) {
     const int type = head->nlmsg_type;
     if (type >= RTM_NEWQDISC && type <= RTM_GETTFILTER) tc_changed_ = true;
     if (type != RTM_DELLINK) continue;
+    if (head->nlmsg_len < NLMSG_LENGTH(sizeof(ifinfomsg))) continue;
     const auto* info = static_cast<const ifinfomsg*>(NLMSG_DATA(head));
+    if (info->ifi_family != AF_UNSPEC) continue;  // it has left a bridge, and is still there
+    gone_.insert(info->ifi_index);
     const auto attribute = [head](int type_of_it) {
       return nlmsg_find_attr(const_cast<nlmsghdr*>(head), sizeof(ifinfomsg), type_of_it);
     };
@@ -141,20 +146,35 @@ void Links::take_notices(const char* notices, std::size_t size) {
   // NOLINTEND(*-cstyle-cast,*-reinterpret-cast)
 }
 
+Presence Links::presence(int ifindex) {
+  ifinfomsg head{};
+  head.ifi_index = ifindex;
+  const auto answer = kernel_.get(new_message(RTM_GETLINK, 0, &head, sizeof head));
+  if (answer) return Presence::there;
+  return answer.error().said == ENODEV ? Presence::gone : Presence::unknown;
+}
+
 Result<Traffic> Links::traffic(int ifindex) {
-  rtnl_link* raw = nullptr;
-  if (const int e = rtnl_link_get_kernel(requests_.get(), ifindex, nullptr, &raw); e < 0)
-    return netlink_error("reading the counters of an interface", e);
-  const LinkObject link(raw);
-  return Traffic{
-      rtnl_link_get_stat(raw, RTNL_LINK_TX_PACKETS), rtnl_link_get_stat(raw, RTNL_LINK_TX_BYTES),
-      rtnl_link_get_stat(raw, RTNL_LINK_RX_PACKETS), rtnl_link_get_stat(raw, RTNL_LINK_RX_BYTES),
-      rtnl_link_get_stat(raw, RTNL_LINK_TX_DROPPED)};
+  ifinfomsg head{};
+  head.ifi_index = ifindex;
+  const auto answer = kernel_.get(new_message(RTM_GETLINK, 0, &head, sizeof head));
+  if (!answer) return answer.error().when("reading the counters of an interface");
+  std::optional<Traffic> found;
+  answer->each_object([&found](nl_object* object) {
+    auto* link = reinterpret_cast<rtnl_link*>(object);  // NOLINT(*-reinterpret-cast)
+    found = Traffic{rtnl_link_get_stat(link, RTNL_LINK_TX_PACKETS),
+                    rtnl_link_get_stat(link, RTNL_LINK_TX_BYTES),
+                    rtnl_link_get_stat(link, RTNL_LINK_RX_PACKETS),
+                    rtnl_link_get_stat(link, RTNL_LINK_RX_BYTES),
+                    rtnl_link_get_stat(link, RTNL_LINK_TX_DROPPED)};
+  });
+  if (!found) return fail("the kernel did not say what an interface has counted");
+  return *found;
 }
 
 Result<void> Links::set_bitrates(int ifindex, std::uint32_t bitrate, std::uint32_t data_bitrate) {
   const LinkObject change(rtnl_link_alloc());
-  if (!change) return fail("rtnl_link_alloc: out of memory");
+  if (!change) throw std::bad_alloc();
   rtnl_link_set_ifindex(change.get(), ifindex);
   rtnl_link_set_type(change.get(), "can");
   if (bitrate != 0) rtnl_link_can_set_bitrate(change.get(), bitrate);
@@ -164,21 +184,22 @@ Result<void> Links::set_bitrates(int ifindex, std::uint32_t bitrate, std::uint32
     rtnl_link_can_set_data_bittiming(change.get(), &timing);
     rtnl_link_can_set_ctrlmode(change.get(), CAN_CTRLMODE_FD);
   }
-  if (const int e = rtnl_link_change(requests_.get(), change.get(), change.get(), 0); e < 0)
-    return netlink_error("setting a bit rate of " + std::to_string(bitrate), e);
+  nl_msg* raw = nullptr;
+  if (const int e = rtnl_link_build_change_request(change.get(), change.get(), 0, &raw); e < 0)
+    return fail(std::string("a bit rate: ") + nl_geterror(e));
+  const Message request(raw);
+  if (const auto done = kernel_.change(request); !done)
+    return done.error().when("setting a bit rate of " + std::to_string(bitrate));
   return {};
 }
 
 Result<void> Links::set_up(int ifindex, bool up) {
-  const LinkObject change(rtnl_link_alloc());
-  if (!change) return fail("rtnl_link_alloc: out of memory");
-  rtnl_link_set_ifindex(change.get(), ifindex);
-  if (up)
-    rtnl_link_set_flags(change.get(), IFF_UP);
-  else
-    rtnl_link_unset_flags(change.get(), IFF_UP);
-  if (const int e = rtnl_link_change(requests_.get(), change.get(), change.get(), 0); e < 0)
-    return netlink_error(up ? "bringing the interface up" : "taking the interface down", e);
+  ifinfomsg head{};
+  head.ifi_index = ifindex;
+  head.ifi_flags = up ? IFF_UP : 0;
+  head.ifi_change = IFF_UP;
+  if (const auto done = kernel_.change(new_message(RTM_NEWLINK, 0, &head, sizeof head)); !done)
+    return done.error().when(up ? "bringing the interface up" : "taking the interface down");
   return {};
 }
 

@@ -3,14 +3,14 @@
 #pragma once
 #include <cstdint>
 #include <map>
-#include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/handle.hpp"
 #include "core/result.hpp"
-
-struct nl_sock;
+#include "daemon/net/rtnl.hpp"
 
 namespace mlcca::net {
 
@@ -41,19 +41,26 @@ struct Traffic {
 /// By ifindex.
 using LinkTable = std::map<int, Link>;
 
+/// What the kernel says when it is asked for one interface by its number.
+enum class Presence : std::uint8_t {
+  there,
+  gone,     ///< no interface of this network namespace has the number
+  unknown,  ///< it has not answered
+};
+
 class Links {
  public:
   /// Joins the groups of links and of traffic control first and reads the table then, so that no
   /// change is missed.
   static Result<Links> open();
-  Links(Links&&) noexcept;
-  Links& operator=(Links&&) noexcept;
-  ~Links();
 
   /// Readable when something changed.
-  [[nodiscard]] int fd() const;
-  /// Takes all notifications off the socket and reads the table anew. True if it differs.
+  [[nodiscard]] int fd() const { return notices_.get(); }
+  /// Takes the notifications off the socket and reads the table anew. True if it differs, or
+  /// somebody has gone. After an error the table is what it was.
   Result<bool> refresh();
+  /// Why the table may not be what is there: refresh() soon. Empty: it could be read.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
   [[nodiscard]] const LinkTable& table() const { return table_; }
   /// Of an interface, or its index where it is unknown.
   [[nodiscard]] std::string name_of(int ifindex) const {
@@ -68,8 +75,12 @@ class Links {
   };
   /// Links that went to another network namespace since the last call.
   [[nodiscard]] std::vector<Moved> take_moved() { return std::exchange(moved_, {}); }
+  /// Interfaces that have gone since the last call, as the kernel told of each; another one may
+  /// have such a number now.
+  [[nodiscard]] std::set<int> take_gone() { return std::exchange(gone_, {}); }
 
   /// Asks the kernel now.
+  [[nodiscard]] Presence presence(int ifindex);
   [[nodiscard]] Result<Traffic> traffic(int ifindex);
 
   /// Bit rates in bit/s, 0 leaves one alone. The interface must be down.
@@ -77,19 +88,19 @@ class Links {
   Result<void> set_up(int ifindex, bool up);
 
  private:
-  struct FreeSocket {
-    void operator()(nl_sock* socket) const noexcept;
-  };
-  using Socket = std::unique_ptr<nl_sock, FreeSocket>;
-  Links(Socket notices, Socket requests);
+  explicit Links(Fd notices) : notices_(std::move(notices)) {}
   Result<LinkTable> read();
+  void hear();
   void take_notices(const char* notices, std::size_t size);
 
-  Socket notices_;
-  Socket requests_;
+  Fd notices_;
+  Rtnl kernel_;
   LinkTable table_;
+  std::vector<char> heard_;
+  std::string problem_;
   bool tc_changed_ = false;
   std::vector<Moved> moved_;
+  std::set<int> gone_;
 };
 
 }  // namespace mlcca::net

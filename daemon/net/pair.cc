@@ -9,21 +9,15 @@
 #include <net/if.h>
 #include <netlink/attr.h>
 #include <netlink/msg.h>
-#include <netlink/netlink.h>
-#include <netlink/socket.h>
 
-#include <memory>
-
-#include "core/handle.hpp"
+#include "daemon/net/rtnl.hpp"
 
 namespace mlcca::net {
 namespace {
 
-using Socket = std::unique_ptr<nl_sock, FreeWith<nl_socket_free>>;
-using Message = std::unique_ptr<nl_msg, FreeWith<nlmsg_free>>;
-
 static_assert(int{VXCAN_INFO_PEER} == int{VETH_INFO_PEER});
 
+/// Of the other end.
 bool put_end(nl_msg* message, const End& end) {
   ifinfomsg head{};
   head.ifi_index = end.ifindex;
@@ -32,7 +26,7 @@ bool put_end(nl_msg* message, const End& end) {
 }
 
 bool put_pair(nl_msg* message, const char* kind, const End& near, const End& far) {
-  if (!put_end(message, near)) return false;
+  if (nla_put_string(message, IFLA_IFNAME, near.name.c_str()) != 0) return false;
   nlattr* const info = nla_nest_start(message, IFLA_LINKINFO);
   if (info == nullptr || nla_put_string(message, IFLA_INFO_KIND, kind) != 0) return false;
   nlattr* const data = nla_nest_start(message, IFLA_INFO_DATA);
@@ -44,36 +38,27 @@ bool put_pair(nl_msg* message, const char* kind, const End& near, const End& far
   return true;
 }
 
-int ask(nl_sock* socket, nl_msg* message) {
-  const int sent = nl_send_auto(socket, message);
-  return sent < 0 ? sent : nl_wait_for_ack(socket);
-}
-
 /// Not while it is made: an end cannot be up before its other end is there.
-int bring_up(nl_sock* socket, const End& end) {
-  const Message message(nlmsg_alloc_simple(RTM_NEWLINK, 0));
+std::expected<void, Refusal> bring_up(Rtnl& kernel, const End& end) {
   ifinfomsg head{};
   head.ifi_index = end.ifindex;
   head.ifi_flags = IFF_UP;
   head.ifi_change = IFF_UP;
-  if (!message || nlmsg_append(message.get(), &head, sizeof head, NLMSG_ALIGNTO) != 0)
-    return -NLE_NOMEM;
-  return ask(socket, message.get());
+  return kernel.change(new_message(RTM_NEWLINK, 0, &head, sizeof head));
 }
 
 }  // namespace
 
 Result<void> make_pair(const char* kind, const End& near, const End& far) {
-  const Socket socket(nl_socket_alloc());
-  const Message message(nlmsg_alloc_simple(RTM_NEWLINK, NLM_F_CREATE | NLM_F_EXCL));
-  if (!socket || !message || !put_pair(message.get(), kind, near, far))
-    return fail("no memory for a netlink message");
-  int error = nl_connect(socket.get(), NETLINK_ROUTE);
-  if (error == 0) error = ask(socket.get(), message.get());
-  if (error == 0) error = bring_up(socket.get(), near);
-  if (error == 0) error = bring_up(socket.get(), far);
-  if (error != 0)
-    return fail(fmt::format("a {} pair as {}: {}", kind, near.name, nl_geterror(error)));
+  ifinfomsg head{};
+  head.ifi_index = near.ifindex;
+  const Message message = new_message(RTM_NEWLINK, NLM_F_CREATE | NLM_F_EXCL, &head, sizeof head);
+  if (!put_pair(message.get(), kind, near, far)) return fail("a pair of interfaces does not fit");
+  Rtnl kernel;
+  auto done = kernel.change(message);
+  if (done) done = bring_up(kernel, near);
+  if (done) done = bring_up(kernel, far);
+  if (!done) return done.error().when(fmt::format("a {} pair as {}", kind, near.name));
   return {};
 }
 

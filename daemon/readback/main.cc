@@ -18,13 +18,13 @@
 #include <vector>
 
 #include "bpf/gate.h"
-#include "control/version.hpp"
 #include "daemon/enforce/readback.hpp"
 #include "daemon/net/filters.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/readback/differences.hpp"
 #include "daemon/readback/replica.hpp"
 #include "daemon/store/journal.hpp"
+#include "daemon/verb_options.hpp"
 
 namespace {
 
@@ -268,23 +268,12 @@ int verify(const std::string& root, const std::string& state, bool as_json, bool
 int main(int argc, char** argv) {
   std::string root = "/run/mlcca/bpf";
   std::string state = "/var/lib/mlcca";
-  bool as_json = false;
+  VerbOptions options;
   bool is_verify = false;
   bool no_probes = false;
   CLI::App app("Reads back what is in force, without the daemon.", "mlccactl");
-  app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
-  app.set_help_flag("-h,--help", "print this help");
-  app.require_subcommand(1, 1);
   auto* gate = app.add_subcommand("gate", "compare the gates with what is pinned and granted");
-  std::string unused;
-  bool no_color = false;
-  for (auto* at : {&app, gate}) {
-    at->add_flag("--json", as_json, "print JSON");
-    // Of mlccactl, which take no part here.
-    at->add_flag("--no-color", no_color, "nothing here has colour")->group("");
-    for (const char* option : {"--socket", "--timeout"})
-      at->add_option(option, unused, "no daemon is asked")->group("");
-  }
+  options.add_to(app, *gate);
   gate->add_flag("--verify", is_verify, "of what is in force, without the daemon")->required();
   gate->add_flag("--no-probes", no_probes, "compare only: send no frames through copies of gates");
   gate->add_option("--bpf-root", root, "where the gates are pinned")
@@ -302,5 +291,5 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? as_it_should_be : usage;
   }
-  return verify(root, state, as_json, !no_probes);
+  return verify(root, state, options.as_json, !no_probes);
 }

@@ -31,7 +31,7 @@ Result<void> enter_namespaces(const std::string& root) {
   return {};
 }
 
-/// The copies judge even in audit mode.
+/// The copies judge even in audit mode, and as long as it takes: nobody beats for them.
 Result<void> copy_control(const Fd& original, const enforce::Control& control) {
   const enforce::Mapped<gate_control> from(original.get(), 1);
   const enforce::Mapped<gate_control> to(control.map_fd(), 1);
@@ -39,6 +39,7 @@ Result<void> copy_control(const Fd& original, const enforce::Control& control) {
   to[0] = from[0];
   to[0].mode = GATE_ENFORCE;
   to[0].armed = 0;
+  to[0].deadline = enforce::kForEver;
   return {};
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/serve/server.hpp"
 
+#include <poll.h>
 #include <sys/epoll.h>
+#include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -13,6 +15,7 @@
 #include <vector>
 
 #include "control/codec.hpp"
+#include "daemon/clock.hpp"
 #include "daemon/serve/session.hpp"
 
 namespace mlcca::serve {
@@ -20,6 +23,11 @@ namespace {
 
 std::unexpected<Error> system_error(const std::string& call) {
   return fail(call + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
+}
+
+bool is_readable(int fd) {
+  pollfd waiting{.fd = fd, .events = POLLIN, .revents = 0};
+  return ::poll(&waiting, 1, 0) > 0;
 }
 
 bool in_group(int fd, gid_t primary, gid_t group) {
@@ -44,18 +52,41 @@ Server::~Server() = default;
 Result<std::unique_ptr<Server>> Server::open(sd_event* loop, Fd listening, gid_t group,
                                              AnswerTo answer) {
   std::unique_ptr<Server> server(new Server(loop, std::move(listening), group, std::move(answer)));
-  sd_event_source* raw = nullptr;
-  const auto on_connection = [](sd_event_source*, int, std::uint32_t, void* self) noexcept {
-    static_cast<Server*>(self)->accept_one();
+  if (const auto added = server->add_sources(); !added) return std::unexpected(added.error());
+  return server;
+}
+
+Result<void> Server::add_sources() {
+  // Who comes and goes without end must not fill the queue that others wait in to be accepted.
+  const auto on_connection = [](sd_event_source*, int fd, std::uint32_t, void* self) noexcept {
+    const std::uint64_t end = monotonic_ns() + kShare;
+    do {
+      static_cast<Server*>(self)->accept_one();
+    } while (is_readable(fd) && monotonic_ns() < end);
     return 0;
   };
-  if (const int e = sd_event_add_io(loop, &raw, server->listening_.get(), EPOLLIN, on_connection,
-                                    server.get());
-      e < 0)
-    return fail(std::string("control socket: ") +
-                std::strerror(-e));  // NOLINT(concurrency-mt-unsafe)
-  server->source_.reset(raw);
-  return server;
+  const auto on_work = [](sd_event_source*, int, std::uint32_t, void* self) noexcept {
+    static_cast<Server*>(self)->take_turns();
+    return 0;
+  };
+  const auto on_time = [](sd_event_source*, std::uint64_t, void* self) noexcept {
+    static_cast<Server*>(self)->take_turns();
+    return 0;
+  };
+  always_ = Fd(::eventfd(1, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (!always_) return system_error("eventfd");
+  sd_event_source* raw = nullptr;
+  int e = sd_event_add_io(loop_, &raw, listening_.get(), EPOLLIN, on_connection, this);
+  source_.reset(std::exchange(raw, nullptr));
+  if (e >= 0) e = sd_event_add_io(loop_, &raw, always_.get(), EPOLLIN, on_work, this);
+  work_.reset(std::exchange(raw, nullptr));
+  if (e >= 0) e = sd_event_source_set_enabled(work_.get(), SD_EVENT_OFF);
+  if (e >= 0) e = sd_event_add_time(loop_, &raw, CLOCK_MONOTONIC, 0, 1, on_time, this);
+  timer_.reset(std::exchange(raw, nullptr));
+  if (e >= 0) e = sd_event_source_set_enabled(timer_.get(), SD_EVENT_OFF);
+  if (e >= 0) return {};
+  return fail(std::string("control socket: ") +
+              std::strerror(-e));  // NOLINT(concurrency-mt-unsafe)
 }
 
 Result<Peer> Server::identify(int fd) const {
@@ -74,16 +105,22 @@ std::size_t Server::sessions_of(uid_t uid) const {
       sessions_, [uid](const auto& s) { return s.second->peer().uid == uid; }));
 }
 
+bool Server::is_full_for(const Peer& peer) const {
+  if (sessions_.size() >= kMaxSessions) return true;
+  if (peer.uid == 0) return false;
+  if (peer.may_change) return sessions_of(peer.uid) >= kMaxSessionsPerMember;
+  return sessions_.size() >= kMaxSessions - kReservedSessions ||
+         sessions_of(peer.uid) >= kMaxSessionsPerUser;
+}
+
 void Server::accept_one() {
   Fd socket(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket) return;  // gone again, or out of descriptors: the client sees it
   auto peer = identify(socket.get());
   if (!peer) return;
   peer->session = ++last_session_;
-  const bool full = peer->may_change ? sessions_.size() >= kMaxSessions
-                                     : sessions_.size() >= kMaxSessions - kReservedSessions ||
-                                           sessions_of(peer->uid) >= kMaxSessionsPerUser;
-  if (full) {
+  turns_.tidy(monotonic_ns());
+  if (is_full_for(*peer)) {
     const std::string text = control::encode(control::Reply{
         0, control::Error{control::ErrorKind::world, "too many clients are connected", {}}});
     // NOLINTNEXTLINE(bugprone-unused-return-value): it is told on the way out, if it can be
@@ -98,9 +135,81 @@ void Server::accept_one() {
 void Server::drop(int fd) {
   const auto it = sessions_.find(fd);
   if (it == sessions_.end()) return;
-  const std::uint64_t session = it->second->peer().session;
+  const Peer peer = it->second->peer();
+  turns_.remove(user_of(peer), fd);
   sessions_.erase(it);
-  if (closed_) closed_(session);
+  if (closed_) closed_(peer.session);
+}
+
+// --- turns ---------------------------------------------------------------------------------------
+
+void Server::ready(Session& session) {
+  const bool alone = turns_.empty() && !taking_turns_;
+  line_up(session);
+  if (alone) {
+    take_turns();
+    return;
+  }
+  session.watch();
+  sd_event_source_set_enabled(work_.get(), SD_EVENT_ON);
+}
+
+void Server::ready_later(Session& session) {
+  line_up(session);
+  if (!taking_turns_) sd_event_source_set_enabled(work_.get(), SD_EVENT_ON);
+}
+
+void Server::line_up(Session& session) {
+  if (session.in_line()) return;
+  session.set_in_line(true);
+  turns_.add(user_of(session.peer()), session.fd());
+}
+
+void Server::resume(std::uint64_t session) {
+  for (auto& [fd, s] : sessions_)
+    if (s->peer().session == session) {
+      s->resume();
+      if (s->can_step()) ready_later(*s);
+    }
+}
+
+void Server::take_turns() {
+  taking_turns_ = true;
+  const std::uint64_t begin = monotonic_ns();
+  for (std::uint64_t now = begin; now < begin + kTurn; now = monotonic_ns()) {
+    const auto next = turns_.next(now);
+    if (!next) break;
+    serve(*sessions_.at(*next), now);
+  }
+  taking_turns_ = false;
+  wake_when_due();
+}
+
+/// One user's share of a turn.
+void Server::serve(Session& session, std::uint64_t now) {
+  session.set_in_line(false);
+  const Turns::User user = user_of(session.peer());
+  const std::uint64_t end = now + kShare;
+  for (bool goes_on = session.can_step(); goes_on;) {
+    session.step();
+    now = monotonic_ns();
+    goes_on = session.can_step() && now < end && turns_.step(user, now);
+  }
+  if (!session.flush()) {
+    drop(session.fd());
+    return;
+  }
+  if (session.can_step()) line_up(session);
+  session.watch();
+}
+
+void Server::wake_when_due() {
+  const std::uint64_t now = monotonic_ns();
+  const auto due = turns_.next_ready(now);
+  const bool at_once = due && *due <= now;
+  sd_event_source_set_enabled(work_.get(), at_once ? SD_EVENT_ON : SD_EVENT_OFF);
+  if (due && !at_once) sd_event_source_set_time(timer_.get(), *due / 1000 + 1);
+  sd_event_source_set_enabled(timer_.get(), due && !at_once ? SD_EVENT_ONESHOT : SD_EVENT_OFF);
 }
 
 void Server::publish(const control::Event& event) {

@@ -7,12 +7,14 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 
 #include "control/messages.hpp"
 #include "core/handle.hpp"
 #include "core/result.hpp"
+#include "daemon/serve/turns.hpp"
 
 namespace mlcca::serve {
 
@@ -24,6 +26,16 @@ struct Peer {
   std::uint64_t session = 0;  ///< number of the connection, never used twice
 };
 
+/// A part of a reply, see Reply.more in control.proto.
+struct Slice {
+  decltype(control::Reply::body) body;
+  bool more = false;
+};
+
+/// Makes the next slice, in no more time than kSlice or one row takes. Nothing: it cannot be made
+/// yet, and Server::resume() follows when it can.
+using NextSlice = std::function<std::optional<Slice>()>;
+
 /// What is answered, and what follows from it for the connection.
 struct Answer {
   control::Reply reply;
@@ -31,6 +43,9 @@ struct Answer {
   /// its place.
   bool held = false;
   std::uint64_t owned = 0;  ///< an admission whose events go to this connection from now on
+  /// Where the reply comes in slices: makes them, and `reply` gives no more than the id.
+  NextSlice slices{};
+  std::size_t least_bytes = 0;  ///< that all slices have together, as far as that is known
 };
 
 class Session;
@@ -46,6 +61,20 @@ class Server {
   static constexpr std::size_t kReservedSessions = 32;
   /// For one user without the right to change anything.
   static constexpr std::size_t kMaxSessionsPerUser = 32;
+  /// For one member of the control group; root may have all.
+  static constexpr std::size_t kMaxSessionsPerMember = 128;
+
+  /// Clients get so much time before the loop does something else, ns.
+  static constexpr std::uint64_t kTurn = 5'000'000;
+  /// One user gets so much of it before the next one has his turn, ns.
+  static constexpr std::uint64_t kShare = 1'000'000;
+  /// What a slice of a reply may take, ns, and may have in bytes.
+  static constexpr std::uint64_t kSlice = 500'000;
+  static constexpr std::size_t kSliceBytes = std::size_t{64} << 10;
+
+  /// Requests and slices of one user.
+  static constexpr Rate kMembersRate{20'000, 20'000};
+  static constexpr Rate kOthersRate{2'000, 1'000};
 
   /// `group`: whose members may change; -1: root only.
   static Result<std::unique_ptr<Server>> open(sd_event* loop, Fd listening, gid_t group,
@@ -62,6 +91,8 @@ class Server {
 
   /// Sends what was held, or the error in its place.
   void release(const Result<void>& done);
+  /// A reply to this session that had to wait goes on.
+  void resume(std::uint64_t session);
   /// Told of every connection that ends.
   void on_close(Closed closed) { closed_ = std::move(closed); }
 
@@ -72,6 +103,16 @@ class Server {
   Server(sd_event* loop, Fd listening, gid_t group, AnswerTo answer);
   void accept_one();
   void drop(int fd);
+  [[nodiscard]] bool is_full_for(const Peer& peer) const;
+  /// There is something to do for a session: at once where nobody else waits, or in its turn.
+  void ready(Session& session);
+  void ready_later(Session& session);
+  void line_up(Session& session);
+  static Turns::User user_of(const Peer& peer) { return {peer.uid, peer.may_change}; }
+  void take_turns();
+  void serve(Session& session, std::uint64_t now);
+  Result<void> add_sources();
+  void wake_when_due();
   [[nodiscard]] Result<Peer> identify(int fd) const;
   [[nodiscard]] std::size_t sessions_of(uid_t uid) const;
 
@@ -83,6 +124,11 @@ class Server {
   Closed closed_;
   std::uint64_t last_session_ = 0;
   Source source_;
+  Turns turns_{kMembersRate, kOthersRate};
+  bool taking_turns_ = false;
+  Fd always_;    ///< can always be read: in line with the sockets when there is work left over
+  Source work_;  ///< of always_
+  Source timer_;
   std::unordered_map<int, std::unique_ptr<Session>> sessions_;
 };
 

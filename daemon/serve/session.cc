@@ -9,8 +9,19 @@
 #include <utility>
 
 #include "control/codec.hpp"
+#include "control/slices.hpp"
 
 namespace mlcca::serve {
+namespace {
+
+std::optional<Slice> too_large() {
+  return Slice{control::Error{control::ErrorKind::world,
+                              "the reply has more than " + std::to_string(control::kMaxWhole) +
+                                  " bytes: ask for less, or for slices (Request.slices)",
+                              {}}};
+}
+
+}  // namespace
 
 Session::Session(Server& server, Fd socket, Peer peer)
     : server_(server), socket_(std::move(socket)), peer_(peer) {}
@@ -27,13 +38,19 @@ std::unique_ptr<Session> Session::open(Server& server, Fd socket, Peer peer) {
 
 int Session::on_io(sd_event_source*, int fd, std::uint32_t events, void* userdata) noexcept {
   auto& session = *static_cast<Session*>(userdata);
+  Server& server = session.server_;
   bool alive = true;
-  if ((events & EPOLLOUT) != 0) alive = session.flush() && session.answer_pending();
-  if (alive && (events & (EPOLLIN | EPOLLHUP | EPOLLERR)) != 0) alive = session.receive();
-  if (alive)
-    session.watch();
+  if ((events & EPOLLOUT) != 0) alive = session.flush();
+  // Who hangs up while something is made for it, or waits for it, does not want it any more.
+  if (alive && (events & (EPOLLHUP | EPOLLERR)) != 0) alive = session.reads();
+  if (alive && session.reads() && (events & (EPOLLIN | EPOLLHUP | EPOLLERR)) != 0)
+    alive = session.receive();
+  if (!alive)
+    server.drop(fd);
+  else if (session.can_step())
+    server.ready(session);  // which may end it
   else
-    session.server_.drop(fd);
+    session.watch();
   return 0;
 }
 
@@ -43,36 +60,56 @@ bool Session::receive() {
   if (n == 0) return false;
   if (n < 0) return errno == EAGAIN || errno == EINTR;
   in_.commit(static_cast<std::size_t>(n));
-  return answer_pending();
+  has_work_ = true;
+  return true;
 }
 
-bool Session::answer_pending() {
-  more_ = false;
-  for (int answered = 0; !closing_ && out_.size() - sent_ < kBusy && held_.size() < kMostHeld;
-       ++answered) {
-    if (answered == kTurn) {
-      more_ = true;
-      break;
-    }
-    auto request = control::decode_request(in_);
-    if (!request) {
-      refuse(request.error().text);
-      break;
-    }
-    if (!*request) break;
-    if (std::holds_alternative<control::MonitorRequest>((*request)->body)) monitoring_ = true;
-    take(server_.answer_(**request, peer_));
+void Session::step() {
+  if (rest_) {
+    step_slice();
+    return;
   }
-  return flush();
+  auto request = control::decode_request(in_);
+  if (!request) refuse(request.error().text);
+  has_work_ = request && *request;
+  if (!has_work_) return;
+  const control::Request& asked = **request;
+  if (std::holds_alternative<control::MonitorRequest>(asked.body)) monitoring_ = true;
+  take(server_.answer_(asked, peer_), asked.slices);
 }
 
-void Session::take(Answer answer) {
+void Session::take(Answer answer, bool may_slice) {
+  if (answer.slices) {
+    rest_ = Rest{std::move(answer.slices), answer.reply.id, may_slice};
+    if (!may_slice && answer.least_bytes > control::kMaxWhole) rest_->next = too_large;
+    return;
+  }
   if (answer.held || !held_.empty()) {
     held_.push_back(std::move(answer));
     return;
   }
   if (answer.owned != 0) owned_.push_back(answer.owned);
   out_ += control::encode(answer.reply);
+}
+
+void Session::step_slice() {
+  std::optional<Slice> slice = rest_->next();
+  parked_ = !slice;
+  if (parked_) return;
+  control::Reply reply{rest_->id, std::move(slice->body), slice->more};
+  if (!rest_->may_slice) {
+    if (!rest_->take(std::move(reply))) rest_->whole = control::Reply{rest_->id, too_large()->body};
+    if (rest_->whole->more) return;
+    reply = std::move(*rest_->whole);
+  }
+  out_ += control::encode(reply);
+  if (!reply.more) rest_.reset();
+}
+
+/// False when it becomes too large.
+bool Session::Rest::take(control::Reply slice) {
+  bytes += control::encode(slice).size();
+  return bytes <= control::kMaxWhole && control::join(whole, std::move(slice));
 }
 
 void Session::release(const Result<void>& done) {
@@ -86,8 +123,8 @@ void Session::release(const Result<void>& done) {
     out_ += control::encode(answer.reply);
   }
   // A failed write shows at the next event of the socket. What was not read meanwhile is read then.
-  more_ = true;
   flush();
+  if (can_step()) server_.ready_later(*this);
   watch();
 }
 
@@ -105,7 +142,7 @@ void Session::refuse(std::string text) {
 
 void Session::send_event(const std::string& encoded) {
   if (closing_) return;
-  if (out_.size() - sent_ >= kBusy) {
+  if (waiting() >= kBusy) {
     ++lost_events_;
     return;
   }
@@ -127,7 +164,11 @@ bool Session::flush() {
     const ssize_t n = ::send(socket_.get(), out_.data() + sent_, out_.size() - sent_,
                              MSG_DONTWAIT | MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return errno == EAGAIN;
+    if (n < 0) {
+      const bool later = errno == EAGAIN;
+      out_.erase(0, std::exchange(sent_, 0));
+      return later;
+    }
     sent_ += static_cast<std::size_t>(n);
   }
   out_.clear();
@@ -136,11 +177,8 @@ bool Session::flush() {
 }
 
 void Session::watch() {
-  const bool waiting = sent_ < out_.size();
-  const bool reading =
-      !closing_ && !more_ && out_.size() - sent_ < kBusy && held_.size() < kMostHeld;
   sd_event_source_set_io_events(source_.get(),
-                                (reading ? EPOLLIN : 0U) | (waiting || more_ ? EPOLLOUT : 0U));
+                                (reads() ? EPOLLIN : 0U) | (waiting() != 0 ? EPOLLOUT : 0U));
 }
 
 }  // namespace mlcca::serve

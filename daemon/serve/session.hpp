@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,18 +18,17 @@ namespace mlcca::serve {
 
 class Session {
  public:
-  /// Bytes that may wait for a client that does not read; no request of its is read meanwhile.
-  static constexpr std::size_t kBusy = std::size_t{1} << 20;
+  /// Bytes that may wait for a client that does not read; nothing is read of it or made for it
+  /// meanwhile.
+  static constexpr std::size_t kBusy = std::size_t{256} << 10;
 
   /// Answers that wait for the disk; no request is read meanwhile.
   static constexpr std::size_t kMostHeld = 256;
 
-  /// Requests that are answered before others get their turn.
-  static constexpr int kTurn = 16;
-
   static std::unique_ptr<Session> open(Server& server, Fd socket, Peer peer);
 
   [[nodiscard]] const Peer& peer() const { return peer_; }
+  [[nodiscard]] int fd() const { return socket_.get(); }
   [[nodiscard]] bool wants(const control::Event& event) const;
   void send_event(const std::string& encoded);
   /// Sends what was held, or an error for each answer that must not be given.
@@ -36,16 +36,47 @@ class Session {
   /// Sends an error under id 0 and closes once it is out.
   void refuse(std::string text);
 
+  // For the server, which says whose turn it is.
+
+  /// There may be something to do that waits neither for the client nor for the disk.
+  [[nodiscard]] bool can_step() const {
+    return has_work_ && !closing_ && !parked_ && waiting() < kBusy &&
+           (rest_ ? held_.empty() : held_.size() < kMostHeld);
+  }
+  /// One request, or one slice of a reply.
+  void step();
+  /// The next slice can be made now.
+  void resume() { parked_ = false; }
+  /// Sends what the socket takes. False when the session is over.
+  bool flush();
+  /// Waits for what can go on without a turn.
+  void watch();
+  [[nodiscard]] bool in_line() const { return in_line_; }
+  void set_in_line(bool in_line) { in_line_ = in_line; }
+
  private:
   Session(Server& server, Fd socket, Peer peer);
   static int on_io(sd_event_source*, int fd, std::uint32_t events, void* userdata) noexcept;
+  [[nodiscard]] std::size_t waiting() const { return out_.size() - sent_; }
+  /// What is received is answered before more is received.
+  [[nodiscard]] bool reads() const {
+    return !has_work_ && !closing_ && waiting() < kBusy && held_.size() < kMostHeld;
+  }
 
   /// False when the session is over.
   bool receive();
-  bool answer_pending();
-  bool flush();
-  void watch();
-  void take(Answer answer);
+  void step_slice();
+  void take(Answer answer, bool may_slice);
+
+  /// A reply that is being made.
+  struct Rest {
+    NextSlice next;
+    std::uint64_t id = 0;
+    bool may_slice = false;
+    std::size_t bytes = 0;  ///< where it may not
+    std::optional<control::Reply> whole{};
+    bool take(control::Reply slice);
+  };
 
   using Source = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_unref>>;
   Server& server_;
@@ -57,10 +88,13 @@ class Session {
   std::size_t sent_ = 0;
   /// Answers from the first held one on: they are sent in the order of the requests.
   std::vector<Answer> held_;
+  std::optional<Rest> rest_;          ///< behind what is held; no request is answered meanwhile
   std::vector<std::uint64_t> owned_;  // admissions
   bool monitoring_ = false;
   bool closing_ = false;
-  bool more_ = false;  ///< the turn ended before the requests did
+  bool in_line_ = false;
+  bool has_work_ = false;  ///< received or begun, and not done as far as one knows
+  bool parked_ = false;    ///< until resume()
   std::uint64_t lost_events_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 
 namespace mlcca::store {
@@ -37,6 +38,13 @@ class RealDisk final : public Disk {
     return ::rename(from.c_str(), to.c_str());
   }
   int unlink(const std::string& path) override { return ::unlink(path.c_str()); }
+  bool names(const std::string& path, int fd) override {
+    struct stat named{};
+    struct stat opened{};
+    if (::fstat(fd, &opened) < 0) return true;
+    if (::stat(path.c_str(), &named) < 0) return errno != ENOENT;
+    return named.st_dev == opened.st_dev && named.st_ino == opened.st_ino;
+  }
 };
 
 }  // namespace

@@ -36,6 +36,8 @@ class Disk {
   virtual int fsync(int fd) = 0;
   virtual int rename(const std::string& from, const std::string& to) = 0;
   virtual int unlink(const std::string& path) = 0;
+  /// False if `path` is for certain the name of something else, or of nothing.
+  virtual bool names(const std::string& path, int fd) = 0;
 };
 
 /// The kernel's.

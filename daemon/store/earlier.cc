@@ -42,7 +42,7 @@ Result<Contents> read_earlier(std::string_view text, const std::string& path) {
   if (!take_number(text, sum)) return damaged("no checksum");
   if (sum != checksum(text)) return damaged("checksum");
   Contents contents;
-  if (!take_number(text, contents.next_id)) return damaged("no id");
+  if (!take_number(text, contents.next_id) || contents.next_id == 0) return damaged("no id");
   control::Buffer buffer;
   buffer.append(text);
   while (!buffer.content().empty()) {

@@ -79,7 +79,10 @@ Result<Journal> Journal::open(const std::string& directory, Disk& disk) {
   journal.path_ = directory + "/journal";
   journal.directory_ = OpenFile(disk, disk.open(directory, O_RDONLY | O_DIRECTORY));
   if (!journal.directory_) return system_error(directory);
-  if (disk.lock(journal.directory_.get()) < 0) {
+  // Not the directory: whoever may read that could hold its lock.
+  journal.lock_ = OpenFile(disk, disk.open(directory + "/lock", O_RDWR | O_CREAT | O_NOFOLLOW));
+  if (!journal.lock_) return system_error(directory + "/lock");
+  if (disk.lock(journal.lock_.get()) < 0) {
     if (errno == EWOULDBLOCK) return fail(directory + ": in use by another process");
     return system_error(directory);
   }
@@ -229,6 +232,13 @@ Result<void> Journal::commit() {
     roll_back();
     return ready;
   }
+  if (is_gone()) {
+    roll_back();
+    const auto again = keep();
+    return fail(path_ + ": somebody removed or replaced it" +
+                (again ? "; it is written anew, ask again"
+                       : ", and it cannot be written anew: " + again.error().text));
+  }
   const std::string bytes = format::batch(salt_, sequence_ + 1, count_, batch_);
   if (const auto written = write_all(*disk_, file_.get(), bytes, end_, path_); !written) {
     tail_unknown_ = true;
@@ -287,6 +297,20 @@ Result<void> Journal::compact() {
   done = system_error(fresh);
   static_cast<void>(mend());
   return done;
+}
+
+bool Journal::is_gone() const { return !disk_->names(path_, file_.get()); }
+
+Result<bool> Journal::keep() {
+  if (!is_gone()) return false;
+  if (!disk_->names(directory_path_, directory_.get())) {
+    OpenFile directory(*disk_, disk_->open(directory_path_, O_RDONLY | O_DIRECTORY));
+    if (!directory) return system_error(directory_path_);
+    if (disk_->lock(directory.get()) < 0) return system_error(directory_path_);
+    directory_ = std::move(directory);
+  }
+  if (const auto done = compact(); !done) return std::unexpected(done.error());
+  return true;
 }
 
 void Journal::adopt_fresh() {

@@ -54,6 +54,11 @@ class Journal {
   /// trouble().
   Result<void> commit();
 
+  /// Writes the file anew if somebody has removed or replaced it, or its directory: what goes into
+  /// a file without a name is lost with the process. True if so. commit() does the same, and
+  /// refuses what was to be committed. There must be nothing uncommitted.
+  Result<bool> keep();
+
   /// Something is appended and not committed.
   [[nodiscard]] bool dirty() const { return count_ > 0; }
   /// Drops what is not committed.
@@ -82,6 +87,7 @@ class Journal {
   Result<void> cut_tail(std::string_view bytes);
   /// Undoes on disk what could not be undone when it failed: nothing may be written before that.
   Result<void> mend();
+  [[nodiscard]] bool is_gone() const;
   void forget_batch();
   void change(const Entry& entry);
   void compact_if_large();
@@ -91,7 +97,8 @@ class Journal {
   Disk* disk_;
   std::string directory_path_;
   std::string path_;
-  OpenFile directory_;  ///< locked while the journal is open
+  OpenFile directory_;
+  OpenFile lock_;  ///< held while the journal is open
   OpenFile file_;
   Contents contents_;
   std::uint64_t salt_ = 0;

@@ -53,3 +53,6 @@ run-bench-frames: all $O/bench/frames $(GUEST_READY)
 run-bench: all $(BENCHES)
 	$(Q)tests/bench/run $O
 .PHONY: run-bench
+
+$(eval $(call program,bench/start_bench,tests/bench/start_bench.cc tests/start/daemon.cc tests/enforce/sandbox.cc,$O/libenforce.a,-lbpf -lfmt))
+BENCHES += $O/bench/start_bench

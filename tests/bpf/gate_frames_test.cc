@@ -80,7 +80,7 @@ struct Expect {
 Expect admitted(int index = 0) { return {GATE_R_PASSED, index, kAdmitted}; }
 constexpr Expect sent(int index = 0) { return {GATE_R_PASSED, index}; }
 
-enum class State : std::uint8_t { open, closed, lapsed, audit };
+enum class State : std::uint8_t { open, closed, lapsed, overdue, audit };
 
 struct Row {
   std::string name;
@@ -289,6 +289,10 @@ std::vector<Row> state_rows() {
           State::lapsed),
       raw("LapsedGateDropsAdmittedAtEgress", {out(0x123)}, kOut, f, kForwarded, {GATE_R_CLOSED},
           State::lapsed),
+      raw("OverdueHeartBeatDropsAdmittedAtIngress", {in(0x123)}, kIn, f, kBus, {GATE_R_CLOSED},
+          State::overdue),
+      raw("OverdueHeartBeatDropsAdmittedAtEgress", {out(0x123)}, kOut, f, kForwarded,
+          {GATE_R_CLOSED}, State::overdue),
       raw("AuditLetsUnknownThroughMarked", {}, kIn, f, kBus, {GATE_R_UNKNOWN, kOwn, kToldBefore},
           State::audit),
       raw("AuditLetsDeniedThroughMarked", {denied(in(0x123))}, kIn, f, marked(kFromOther),
@@ -357,6 +361,7 @@ class GateFrames : public testing::TestWithParam<Row> {
     gate.admit(row.slots);
     gate.control().open = row.state != State::closed;
     gate.control().lapsed = row.state == State::lapsed;
+    gate.control().deadline = row.state == State::overdue ? 1 : ~0ULL;
     gate.control().mode = row.state == State::audit ? GATE_AUDIT : GATE_ENFORCE;
 
     const Outcome outcome = gate.run(row.direction, row.bytes, row.sender);

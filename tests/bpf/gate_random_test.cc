@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Random slots, states and frames: the program and the plain rules must agree on every frame and
 // on every counter.
+#include <bpf/bpf.h>
 #include <gtest/gtest.h>
+#include <linux/pkt_cls.h>
 
 #include <array>
 #include <random>
 
 #include "bpf/oracle.hpp"
+#include "daemon/enforce/closed_programs.hpp"
 #include "daemon/enforce/counters.hpp"
 
 namespace mlcca::test {
@@ -162,7 +165,9 @@ class Round {
   void change_state() {
     auto& control = gate_.control();
     control.open = world_.open = !random_.chance(4);
-    control.lapsed = world_.lapsed = random_.chance(4);
+    control.lapsed = random_.chance(8);
+    control.deadline = random_.chance(8) ? 1 : ~0ULL;
+    world_.lapsed = control.lapsed != 0 || control.deadline == 1;
     world_.audit = random_.chance(3);
     control.mode = world_.audit ? GATE_AUDIT : GATE_ENFORCE;
   }
@@ -230,6 +235,40 @@ TEST(GateAgainstPlainRules, AgreesOnRandomFrames) {
                               .direct_access = seed % 4 != 0,
                               .echo_by_mark = seed % 2 == 0};
     Round(seed, options).play();
+  }
+}
+
+/// What an interface gets before there is a daemon, beside a gate that is closed.
+bool drops(const enforce::ClosedPrograms& closed, Direction direction, const Bytes& bytes,
+           const Sender& sender) {
+  __sk_buff context{};
+  context.priority = (sender.local ? 1U : 0U) | (sender.xl ? 2U : 0U);
+  LIBBPF_OPTS(bpf_test_run_opts, run);
+  run.data_in = bytes.data();
+  run.data_size_in = static_cast<std::uint32_t>(bytes.size());
+  run.ctx_in = &context;
+  run.ctx_size_in = sizeof(context);
+  EXPECT_EQ(bpf_prog_test_run_opts(closed.program_fd(direction), &run), 0);
+  return static_cast<int>(run.retval) == TC_ACT_SHOT;
+}
+
+TEST(GateBeforeThereIsADaemon, DropsWhatAClosedGateDrops) {
+  for (unsigned seed = 1; seed <= 20 && !HasFailure(); ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    LoadedGate& gate = LoadedGate::with();
+    gate.control().open = 0;
+    gate.control().mode = seed % 5 == 0 ? GATE_AUDIT : GATE_ENFORCE;
+    const auto closed =
+        enforce::ClosedPrograms::of_can({.control = gate.control_fd(), .events = -1}, true);
+    ASSERT_TRUE(closed) << closed.error().text;
+    for (int i = 0; i < kFrames && !HasFailure(); ++i) {
+      const auto direction = random.chance(2) ? Direction::ingress : Direction::egress;
+      const Sender sender = random_sender(random);
+      const Bytes bytes = random_frame(random, GATE_PROFILE_RAW, sender.xl);
+      ASSERT_EQ(drops(*closed, direction, bytes, sender),
+                gate.run(direction, bytes, sender).dropped);
+    }
   }
 }
 

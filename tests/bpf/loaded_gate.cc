@@ -86,6 +86,7 @@ void LoadedGate::reset() {
   control() = {};
   control().layout_version = GATE_LAYOUT_VERSION;
   control().open = 1;
+  control().deadline = ~0ULL;
   control().token = kToken;
   auto slots = enforce::SlotTable::read({table(), cpus(), control().generation}, profile_, true,
                                         [] { return Result<void>{}; });
@@ -113,6 +114,8 @@ bpf_test_run_opts LoadedGate::execute(enforce::Direction direction, const Bytes&
   require(bpf_prog_test_run_opts(bpf_program__fd(program), &run) == 0, "run a frame");
   return run;
 }
+
+int LoadedGate::control_fd() const { return bpf_map__fd(object_->maps.data_control); }
 
 Outcome LoadedGate::run(enforce::Direction direction, const Bytes& bytes,
                         const Sender& sender) const {

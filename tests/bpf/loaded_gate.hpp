@@ -70,6 +70,7 @@ class LoadedGate {
 
   [[nodiscard]] gate_table& table() const;
   [[nodiscard]] gate_control& control() const;
+  [[nodiscard]] int control_fd() const;
   [[nodiscard]] std::span<gate_cpu> cpus() const { return cpus_.span(); }
   [[nodiscard]] enforce::SlotTable& slots() { return *slots_; }
 

@@ -81,6 +81,28 @@ TEST(ClientTest, KeepsEventsThatComeBeforeTheReply) {
   EXPECT_EQ(end.error().text, "mlccad closed the connection");
 }
 
+TEST(ClientTest, PutsTheSlicesOfAReplyTogether) {
+  const auto all = test::full_networks();
+  ASSERT_GE(all.networks.size(), 2U);
+  std::vector<Reply> slices;
+  for (const Network& network : all.networks) {
+    slices.push_back({0, Networks{{network}}, true});
+    slices.push_back({0, test::full_event()});
+  }
+  slices.push_back({0, Networks{}});
+  Server server([&](const Request& request) {
+    EXPECT_TRUE(request.slices);
+    return Server::Answer{slices};
+  });
+  auto client = Client::connect(server.path());
+  ASSERT_TRUE(client);
+  const auto reply = client->call({0, NetworksRequest{}});
+  ASSERT_TRUE(reply) << reply.error().text;
+  EXPECT_EQ(std::get<Networks>(reply->body), all);
+  EXPECT_FALSE(reply->more);
+  EXPECT_EQ(client->next_event(), test::full_event());
+}
+
 TEST(ClientTest, SendsARequestInOnePiece) {
   auto [near, far] = pair_of(SOCK_SEQPACKET);
   send_all(far, encode(Reply{1, Done{}}));
@@ -89,7 +111,7 @@ TEST(ClientTest, SendsARequestInOnePiece) {
   std::array<char, 4096> packet{};
   const auto n = ::recv(far.get(), packet.data(), packet.size(), 0);
   EXPECT_EQ(std::string(packet.data(), static_cast<std::size_t>(n)),
-            encode(Request{1, Query{test::full_channel_request()}}));
+            encode(Request{1, Query{test::full_channel_request()}, true}));
 }
 
 TEST(ClientTest, SaysThatThereIsNoDaemon) {

@@ -14,7 +14,7 @@ ChannelRequest full_channel_request() {
           .required = {{.name = "Omission", .value = 2, .unit = "events", .dynamic = true}},
           .node = 0,  // present, and the default of the wire
           .priority = 125,
-          .user = "robot",
+          .user = "1000",
           .subscriber = "motors",
           .publisher = "switch",
           .from_node = "laptop",

@@ -68,7 +68,7 @@ void Server::serve(int connection) {
       if (!request || !*request) break;
       {
         const std::scoped_lock lock(mutex_);
-        requests_.push_back(**request);
+        requests_.push_back({(*request)->id, (*request)->body});
       }
       auto answer = handler_(**request);
       for (auto& reply : answer.replies) {

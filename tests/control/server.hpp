@@ -46,7 +46,7 @@ class Server {
 
   [[nodiscard]] std::string path() const { return directory_.path("control.sock"); }
 
-  /// Every request so far.
+  /// Every request so far, without the flag for slices.
   [[nodiscard]] std::vector<control::Request> requests();
 
  private:

@@ -44,15 +44,16 @@ class DriftTest : public AttachTo, public testing::WithParamInterface<Hook> {
     if (hook_ == Hook::clsact)
       test::remove_our_filter(bus_, true);
     else
-      tcx_detach(open_pin(pins(bus_) + "/ingress_link").get());
+      EXPECT_TRUE(
+          tcx_detach(bus_.ifindex(), Direction::ingress, open_pin(pins(bus_) + "/ingress").get()));
   }
   /// Somebody's program that passes everything, before ours at ingress.
-  Fd step_in_front() {
+  void step_in_front() {
     const Fd program = test::load_foreign(0);
     if (hook_ == Hook::tcx)
-      return std::move(tcx_attach_first(bus_.ifindex(), Direction::ingress, program.get()).value());
-    test::add_foreign_filter(bus_, GATE_TC_PRIORITY, 2, 0);
-    return {};
+      EXPECT_TRUE(tcx_attach_first(bus_.ifindex(), Direction::ingress, program.get()));
+    else
+      test::add_foreign_filter(bus_, GATE_TC_PRIORITY, 2, 0);
   }
 
   Bus bus_{"bus0"};
@@ -149,7 +150,7 @@ TEST_P(DriftTest, GateThatCannotBePinnedIsToldOnceAndInTheStatus) {
 }
 
 TEST_P(DriftTest, ProgramInFrontIsNamedAndTheGateGoesFirst) {
-  const Fd in_front = step_in_front();
+  step_in_front();
   repair();
   ASSERT_EQ(told_.size(), 1U);
   EXPECT_NE(told_[0].find(hook_ == Hook::tcx ? "ran TCX program" : "handle 0x2"), std::string::npos)

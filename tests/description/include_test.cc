@@ -257,10 +257,9 @@ TEST_F(Include, AllowsSoManyFilesAndNoMore) {
 }
 
 TEST_F(Include, CountsTheBytesOfAllFilesTogether) {
-  file("b.xml", channel("b", 1));
-  std::filesystem::resize_file(path("b.xml"), 200U << 20U);
+  file("b.xml", channel("b", 1) + std::string(1U << 20U, ' '));
   file("c.xml", channel("c", 2));
-  std::filesystem::resize_file(path("c.xml"), 200U << 20U);
+  std::filesystem::resize_file(path("c.xml"), (256U << 20U) - (1U << 19U));
   EXPECT_EQ(problems_of(include("b.xml") + include("c.xml")),
             "s.xml:3: <include>: the files of the description have more than 268435456 bytes; that "
             "is the limit");

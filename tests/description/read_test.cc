@@ -8,11 +8,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <string>
 
+#include "description/grammar.hpp"
 #include "description/problems.hpp"
+#include "description/xml.hpp"
 
 namespace mlcca::description {
 namespace {
@@ -194,6 +197,47 @@ TEST(Limits, AllowALongTextAndNoLonger) {
   EXPECT_TRUE(with(65536, "").starts_with(shown));
   EXPECT_TRUE(with(65536, std::string(200000, ' ')).starts_with(shown)) << "blanks do not count";
   EXPECT_EQ(with(65537, ""), "t.xml:2: <Kind>: is longer than 65536 bytes; that is the limit");
+}
+
+std::string with_attributes(std::size_t count) {
+  std::string xml = "<System name=\"test\">\n<x";
+  for (std::size_t i = 0; i < count; ++i) xml += " a" + std::to_string(i) + "='>'";
+  return xml + "/></System>";
+}
+
+TEST(Limits, AllowSoManyAttributesAndNoMore) {
+  EXPECT_EQ(problem_of(with_attributes(64)).find("limit"), std::string::npos);
+  const std::string refused = "t.xml:2: an element has more than 64 attributes; that is the limit";
+  EXPECT_EQ(problem_of(with_attributes(65)), refused);
+  // Compared each with each they would take minutes.
+  EXPECT_EQ(problem_of(with_attributes(1'000'000)), refused);
+}
+
+TEST(Limits, CountAttributesOfOneElementOnly) {
+  std::string parts;
+  for (int i = 0; i < 100; ++i)
+    parts += "<!-- a=1 --><?b c=1 ?><Network name=\"n" + std::to_string(i) +
+             "\"><Kind><![CDATA[can]]></Kind><Description>a=1 > b=2</Description></Network>";
+  EXPECT_EQ(problem_of(system_of(parts)).find("limit"), std::string::npos);
+}
+
+TEST(Limits, AreFarFromWhatTheGrammarAllows) {
+  for (const auto* type : element_types())
+    EXPECT_LE(type->keys.size(), kMaxAttributes / 2) << type->name;
+}
+
+TEST(Limits, AllowNoNulAnywhere) {
+  const std::string text = "\n<?a?>";
+  const std::string xml = "<System name=\"test\">\n</System>" + text;
+  for (std::size_t at = 4; at <= xml.size(); ++at) {
+    std::string with = xml;
+    with.insert(at, 1, '\0');
+    const auto line = 1 + std::ranges::count(with.substr(0, at), '\n');
+    EXPECT_EQ(problem_of(with), "t.xml:" + std::to_string(line) +
+                                    ": not well-formed XML: a NUL byte is no character; save the "
+                                    "file as text")
+        << at;
+  }
 }
 
 TEST(Limits, AllowElementsSoDeepAndNoDeeper) {

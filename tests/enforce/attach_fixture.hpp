@@ -84,6 +84,9 @@ class Traffic {
 class AttachTo : public testing::Test {
  protected:
   explicit AttachTo(Hook hook) : hook_(hook), root_(test::new_bpf_root()), control_(create(root_)) {
+    // As long as a test takes on a busy machine.
+    EXPECT_TRUE(control_.set_grace(kForEver));
+    EXPECT_TRUE(control_.beat(0));
     control_.open();
   }
 
@@ -150,6 +153,9 @@ class Tcx : public AttachTo, public testing::WithParamInterface<Hook> {
  protected:
   Tcx() : AttachTo(Hook::tcx) {}
 };
+inline std::vector<Hook> all_hooks() {
+  return kernel_has_tcx() ? std::vector{Hook::clsact, Hook::tcx} : std::vector{Hook::clsact};
+}
 inline std::vector<Hook> tcx_if_there() {
   return kernel_has_tcx() ? std::vector{Hook::tcx} : std::vector<Hook>{};
 }

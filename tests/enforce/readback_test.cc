@@ -146,7 +146,9 @@ TEST_P(Tcx, ReadBackNamesAProgramBeforeOurs) {
 TEST(ReadBack, OfNothingIsAnErrorInWords) {
   const auto reading = read_back(test::new_bpf_root());
   ASSERT_FALSE(reading);
-  EXPECT_NE(reading.error().text.find("/v3/control: No such file"), std::string::npos)
+  EXPECT_NE(reading.error().text.find("/v" + std::to_string(GATE_LAYOUT_VERSION) +
+                                      "/control: No such file"),
+            std::string::npos)
       << reading.error().text;
 }
 

@@ -143,14 +143,6 @@ TEST_P(Attach, PinsOfVanishedDevicesAreRemovedAndOthersStay) {
   EXPECT_TRUE(std::filesystem::exists(control_.directory() + "/control"));
 }
 
-TEST_F(Clsact, UnpinnedGateStaysInPlace) {
-  const Bus bus("bus0");
-  auto gate = attach(bus);
-  gate.unpin();
-  EXPECT_FALSE(std::filesystem::exists(pins(bus)));
-  EXPECT_TRUE(gate.attached().value());
-}
-
 TEST_P(Attach, CrashBetweenAttachingAndNamingKeepsTheSlots) {
   const Bus bus("bus0");
   {

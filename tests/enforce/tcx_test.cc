@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gate held by TCX links: order among others, who takes over from whom, and what outlives what.
+// The gate in the order of TCX: its place among others, who takes over from whom, and what outlives
+// what.
 #include <gtest/gtest.h>
 #include <linux/pkt_cls.h>
 
 #include "daemon/enforce/gate.hpp"
+#include "daemon/enforce/gate_pins.hpp"
 #include "daemon/enforce/pins.hpp"
 #include "enforce/attach_fixture.hpp"
 
@@ -104,12 +106,12 @@ TEST_P(Tcx, TakesOverFromClsactAndBackUnderTraffic) {
   EXPECT_EQ(counted.dropped, 0U);
 }
 
-TEST_P(Tcx, LostLinkIsNoticedAndMadeAnew) {
-  for (const char* which : {"/ingress_link", "/egress_link"}) {
+TEST_P(Tcx, LostProgramIsNoticedAndPutBack) {
+  for (const auto which : kBothDirections) {
     const Bus bus("bus0");
     auto gate = attach(bus);
     admit(gate, {in(0x123)});
-    tcx_detach(open_pin(pins(bus) + which).get());
+    ASSERT_TRUE(tcx_detach(bus.ifindex(), which, open_pin(program_pin(pins(bus), which)).get()));
     EXPECT_FALSE(gate.attached().value());
     ASSERT_TRUE(gate.reattach());
     EXPECT_TRUE(gate.attached().value());
@@ -117,8 +119,8 @@ TEST_P(Tcx, LostLinkIsNoticedAndMadeAnew) {
   }
 }
 
-TEST_P(Tcx, LinkWithoutItsNameGoesOnAndGetsItAgain) {
-  for (const std::string which : {"ingress_link", "egress_link"}) {
+TEST_P(Tcx, ProgramWithoutItsNameGoesOnAndGetsItAgain) {
+  for (const std::string which : {"ingress", "egress"}) {
     const Bus bus("bus0");
     auto gate = attach(bus);
     admit(gate, {in(0x123)});

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include "ether/events.hpp"
 
@@ -314,15 +315,17 @@ TEST(EtherStates, AClosedGateStopsEventsAndNothingElse) {
   LoadedEther& gate = LoadedEther::with();
   gate.admit({in()});
   const Bytes dns = packet([](Datagram& d) { d.port = 53; });
-  for (const bool lapsed : {false, true}) {
-    gate.control().open = lapsed ? 1 : 0;
-    gate.control().lapsed = lapsed ? 1 : 0;
+  for (const char* why : {"open", "lapsed", "deadline"}) {
+    const std::string_view closed_by = why;
+    gate.control().open = closed_by == "open" ? 0 : 1;
+    gate.control().lapsed = closed_by == "lapsed" ? 1 : 0;
+    gate.control().deadline = closed_by == "deadline" ? 1 : ~0ULL;
     EXPECT_TRUE(gate.run(kIn, packet()).dropped);
     EXPECT_TRUE(gate.dropped_early(packet()));
     EXPECT_FALSE(gate.run(kIn, dns).dropped);
     EXPECT_FALSE(gate.dropped_early(dns));
   }
-  EXPECT_EQ(gate.reasons(kIn).at(GATE_R_CLOSED), 4U);
+  EXPECT_EQ(gate.reasons(kIn).at(GATE_R_CLOSED), 6U);
 }
 
 TEST(EtherStates, AuditCountsAndDropsNothing) {

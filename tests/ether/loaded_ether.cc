@@ -110,6 +110,7 @@ void LoadedEther::reset() {
   control() = {};
   control().layout_version = GATE_LAYOUT_VERSION;
   control().open = 1;
+  control().deadline = ~0ULL;
   control().token = kToken;
   auto table = enforce::EtherTable::read(memory_, sizes_, true, 0x1234567890abcdef,
                                          [] { return Result<void>{}; });

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Random slots, states and packets of every length and with every octet changed: the programs and
 // the plain rules must agree on every packet and on every counter.
+#include <bpf/bpf.h>
 #include <gtest/gtest.h>
+#include <linux/pkt_cls.h>
 
 #include <algorithm>
 #include <array>
 #include <random>
 
+#include "daemon/enforce/closed_programs.hpp"
 #include "ether/oracle.hpp"
 
 namespace mlcca::test {
@@ -183,7 +186,9 @@ class Round {
   void change_state() {
     auto& control = gate_.control();
     control.open = world_.open = !random_.chance(6);
-    control.lapsed = world_.lapsed = random_.chance(6);
+    control.lapsed = random_.chance(12);
+    control.deadline = random_.chance(12) ? 1 : ~0ULL;
+    world_.lapsed = control.lapsed != 0 || control.deadline == 1;
     world_.audit = random_.chance(4);
     control.mode = world_.audit ? GATE_AUDIT : GATE_ENFORCE;
   }
@@ -249,6 +254,38 @@ TEST(EtherAgainstPlainRules, AgreesOnRandomPackets) {
                  .atomic_counts = seed % 3 == 0,
                  .slots = seed % 5 == 0 ? std::size_t{ETHER_BANKED_SLOTS} : 0})
         .play();
+  }
+}
+
+/// What an interface gets before there is a daemon, beside a gate that is closed.
+bool drops(const enforce::ClosedPrograms& closed, Direction direction, const Bytes& bytes) {
+  LIBBPF_OPTS(bpf_test_run_opts, run);
+  run.data_in = bytes.data();
+  run.data_size_in = static_cast<std::uint32_t>(bytes.size());
+  EXPECT_EQ(bpf_prog_test_run_opts(closed.program_fd(direction), &run), 0);
+  return static_cast<int>(run.retval) == TC_ACT_SHOT;
+}
+
+TEST(EtherBeforeThereIsADaemon, DropsWhatAClosedGateDrops) {
+  for (unsigned seed = 1; seed <= 20 && !HasFailure(); ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    LoadedEther& gate = LoadedEther::with();
+    gate.control().open = 0;
+    gate.control().mode = seed % 5 == 0 ? GATE_AUDIT : GATE_ENFORCE;
+    const auto closed =
+        enforce::ClosedPrograms::of_ethernet({.control = gate.control_fd(), .events = -1});
+    ASSERT_TRUE(closed) << closed.error().text;
+    std::size_t dropped = 0;
+    for (int i = 0; i < kPackets && !HasFailure(); ++i) {
+      const auto direction = random.chance(2) ? Direction::ingress : Direction::egress;
+      const Bytes bytes = random_packet(random);
+      const bool want = gate.run(direction, bytes).dropped;
+      dropped += want ? 1 : 0;
+      ASSERT_EQ(drops(*closed, direction, bytes), want);
+    }
+    EXPECT_EQ(dropped > kPackets / 4, seed % 5 != 0);
+    EXPECT_LT(dropped, std::size_t{kPackets});
   }
 }
 

@@ -139,7 +139,11 @@ inline SlotSpec slot(Direction direction, std::uint64_t subject = kSubject) {
 /// By clsact, and by TCX where the kernel has it.
 class EtherSockets : public testing::TestWithParam<Hook> {
  protected:
-  EtherSockets() : control_(create()), gate_(attach()) { control_.open(); }
+  EtherSockets() : control_(create()), gate_(attach()) {
+    // As long as a test takes on a busy machine.
+    require(control_.set_grace(kForEver) && control_.beat(0), "beat");
+    control_.open();
+  }
   ~EtherSockets() override {
     for (const auto hook : {Hook::clsact, Hook::tcx}) withdraw(place(hook, control_));
   }
@@ -171,8 +175,12 @@ class EtherSockets : public testing::TestWithParam<Hook> {
   /// As somebody else would.
   void remove_gate() const {
     if (gate_.hook() == Hook::clsact) return shell("tc qdisc del dev eth0 clsact");
-    for (const char* name : {"/ingress_link", "/egress_link"})
-      tcx_detach(open_pin(place(Hook::tcx, control_).directory + name).get());
+    const Place there = place(Hook::tcx, control_);
+    for (const auto direction : kBothDirections)
+      require(tcx_detach(there.ifindex, direction,
+                         open_pin(program_pin(there.directory, direction)).get())
+                  .has_value(),
+              "detach");
   }
   /// The number once it is what it should be; else, after a generous time, what it is.
   static std::uint64_t eventually(std::uint64_t wanted, auto number) {

@@ -5,7 +5,13 @@
 #include <linux/bpf.h>
 #include <linux/if_packet.h>
 
+#include <array>
+
 #include "daemon/enforce/early.hpp"
+#include "daemon/enforce/ether_counters.hpp"
+#include "daemon/enforce/ether_programs.hpp"
+#include "daemon/enforce/programs.hpp"
+#include "daemon/enforce/retire.hpp"
 #include "ether/sockets_fixture.hpp"
 
 namespace mlcca::enforce {
@@ -175,19 +181,68 @@ TEST_P(EtherSockets, TheProgramOfAnotherLayoutIsReplacedInTheDriver) {
 }
 
 TEST_P(EtherSockets, AForeignProgramInTheDriverStays) {
-  shell("ip link set dev eth0 xdp off");
-  std::filesystem::remove(control_.directory() + "/if" + std::to_string(if_nametoindex("eth0")) +
-                          "/early");
-  const Control of_another = create();
-  auto other = EtherGate::attach({if_nametoindex("eth0"), "eth0", 0, GetParam()}, of_another);
-  ASSERT_TRUE(other);
-  const auto foreign = early_program(if_nametoindex("eth0"));
-  ASSERT_NE(foreign, 0U);
+  std::array<bpf_insn, 2> pass{};
+  pass[0].code = BPF_ALU64 | BPF_MOV | BPF_K;
+  pass[0].imm = XDP_PASS;
+  pass[1].code = BPF_JMP | BPF_EXIT;
+  const Fd foreign(
+      bpf_prog_load(BPF_PROG_TYPE_XDP, "ether_early", "GPL", pass.data(), pass.size(), nullptr));
+  ASSERT_TRUE(foreign);
+  ASSERT_TRUE(put_early(if_nametoindex("eth0"), foreign.get(), true));
   gate_ = attach();
   EXPECT_FALSE(gate_.drops_early());
-  EXPECT_EQ(early_program(if_nametoindex("eth0")), foreign);
+  EXPECT_EQ(early_program(if_nametoindex("eth0")), program_info(foreign.get()).id)
+      << "the name of ours, and no map of ours";
   EXPECT_TRUE(gate_.attached().value()) << "tc holds all of it";
-  if (GetParam() == Hook::tcx) withdraw(place(Hook::tcx, of_another));
+}
+
+/// It would go on by a word that nobody beats, and drop what the gate of tc holds to be admitted.
+TEST_P(EtherSockets, AProgramInTheDriverWhosePinsAreGoneIsReplaced) {
+  const auto before = early_program(if_nametoindex("eth0"));
+  ASSERT_NE(before, 0U);
+  ASSERT_TRUE(control_.set_grace(0));
+  std::filesystem::remove_all(std::filesystem::path(control_.directory()).parent_path());
+  control_ = create();
+  ASSERT_TRUE(control_.set_grace(kForEver));
+  ASSERT_TRUE(control_.beat(0));
+  control_.open();
+  gate_ = attach();
+  EXPECT_FALSE(gate_.reused());
+  EXPECT_TRUE(gate_.drops_early());
+  admit({slot(Direction::ingress)});
+  ASSERT_TRUE(send(far_, "10.0.0.1", kPort, event(kSubject + 1, 8)));
+  ASSERT_TRUE(send(far_, "10.0.0.1", kPort, event(kSubject, 9)));
+  EXPECT_EQ(received(near_), 18U);
+}
+
+/// Nobody beats, and nothing is left that could close: neither daemon nor pins nor timer.
+TEST_P(EtherSockets, ClosesByItselfWhenDaemonAndPinsAreGone) {
+  admit({slot(Direction::egress)});
+  const Fd counters = open_pin(ether_map_pin(place(GetParam(), control_).directory, 5));
+  const Mapped<ether_cpu> cpus(counters.get(), possible_cpus());
+  ASSERT_TRUE(cpus);
+  const auto counts = [&](gate_reason reason) {
+    return ether_reasons(cpus.span(), Direction::egress).at(reason);
+  };
+  ASSERT_TRUE(send(near_, "10.0.0.2", kPort, event(kSubject, 8)));
+  EXPECT_EQ(received(far_), 17U);
+  EXPECT_EQ(counts(GATE_R_PASSED), 1U);
+  ASSERT_TRUE(control_.set_grace(0));
+  std::filesystem::remove_all(std::filesystem::path(control_.directory()).parent_path());
+  control_ = create();
+  // This process holds nothing of eth0 any more: its gate is of another interface now.
+  shell("ip link add other0 type veth peer name other1");
+  auto elsewhere = EtherGate::attach({if_nametoindex("other0"), "other0", 0, GetParam()}, control_);
+  ASSERT_TRUE(elsewhere);
+  gate_ = std::move(*elsewhere);
+  const auto closed = [&]() -> std::uint64_t {
+    static_cast<void>(send(near_, "10.0.0.2", kPort, event(kSubject, 8)));
+    return counts(GATE_R_CLOSED) > 0 ? 1 : 0;
+  };
+  EXPECT_EQ(eventually(1, closed), 1U);
+  shell("ip link del other0");
+  gate_ = attach();  // takes its place, so that the next test begins with one
+  EXPECT_TRUE(gate_.attached().value());
 }
 
 TEST_P(EtherSockets, WhatWasRemovedIsPutBack) {
@@ -199,6 +254,21 @@ TEST_P(EtherSockets, WhatWasRemovedIsPutBack) {
   EXPECT_TRUE(gate_.attached().value());
   ASSERT_TRUE(send(far_, "10.0.0.1", kPort, event(kSubject, 8)));
   EXPECT_EQ(received(near_), 17U);
+}
+
+TEST_P(EtherSockets, WithoutItsPinsItStaysInForceAndGetsThemAgain) {
+  admit({slot(Direction::ingress)});
+  const std::string directory = place(GetParam(), control_).directory;
+  std::filesystem::remove_all(directory);
+  EXPECT_TRUE(gate_.attached().value());
+  ASSERT_TRUE(send(far_, "10.0.0.1", kPort, event(kSubject + 1, 8)));
+  ASSERT_TRUE(send(far_, "10.0.0.1", kPort, event(kSubject, 9)));
+  EXPECT_EQ(received(near_), 18U) << "what is not admitted is dropped";
+  EXPECT_FALSE(gate_.keep_pinned().value().empty());
+  EXPECT_TRUE(gate_.keep_pinned().value().empty());
+  gate_ = attach();
+  EXPECT_TRUE(gate_.reused());
+  EXPECT_EQ(gate_.present(), std::vector{slot(Direction::ingress)});
 }
 
 TEST_P(EtherSockets, WhatWasRemovedFromTheDriverIsPutBackThere) {
@@ -227,6 +297,7 @@ TEST_P(EtherSockets, TheProgramThatAGateLeftInTheDriverLetsAllPassAndIsReplaced)
   };
   EXPECT_TRUE(drops());
   const auto before = gate_.early();
+  retire_gate(directory);
   gate_.unpin();
   EXPECT_FALSE(drops());
   EXPECT_EQ(early_program(if_nametoindex("eth0")), before);

@@ -1,25 +1,69 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# Fuzzing with libFuzzer. check-fuzz is short and repeatable: the stored corpus and FUZZ_RUNS
-# mutations from a fixed seed. `make fuzz` goes on from there with a corpus that grows below $O.
-FUZZ_CXX ?= clang++-19
-FUZZ_RUNS ?= 300000
-FUZZ_SECONDS ?= 600
-FUZZ_FLAGS := -std=c++23 -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude -I.
-FUZZ_CORPUS := tests/corpus/der
-FUZZERS := $O/fuzz/der_fuzz
+# Fuzzing with libFuzzer, AddressSanitizer and UBSan. A target is tests/fuzz/NAME.cc and one line here:
+#
+#   $(eval $(call fuzz_target,NAME,ARCHIVES,CORPUS,MAX_LEN,LIBS))
+#
+# ARCHIVES: of ours (core control description enforce sources strangers daemon tools design), built once with
+# instruments for all targets; a name with a slash is one more source (tests/sources/proto_emulated).
+# CORPUS: folders below tests/corpus; what they hold is replayed whole, whatever MAX_LEN says.
+#
+# `make check-fuzz` replays every corpus and goes on for FUZZ_SECONDS=20 a target; `make fuzz` goes on
+# for FUZZ_SECONDS=3600 with a corpus that grows below $O/fuzz/corpus. FUZZ="a b" names the targets.
+FUZZ_CXX ?= $(filter %ccache,$(firstword $(CXX))) clang++-19
+FUZZ_FLAGS := -std=c++23 -O1 -gline-tables-only -fno-omit-frame-pointer
+FUZZ_SANITIZERS := address,undefined -fno-sanitize-recover=all
+FUZZERS :=
+FUZZ_OBJECTS :=
 
-$O/fuzz/%: tests/fuzz/%.cc $(wildcard include/mlcca/*.hpp)
-	$(call say,FUZZ,$<)
-	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) $(WARN) $< -o $@
+# What an object is compiled with by g++ differs by folder; here all of it is given to all.
+$O/fuzz/obj/%.o: CPPFLAGS += -Itests $(XML_CFLAGS) $(NL_CFLAGS)
+$O/fuzz/obj/tools/%.o: CPPFLAGS += $(TOOLS_CPPFLAGS)
+$O/fuzz/obj/tests/fuzz/%.o: FUZZ_FLAGS += $(WARN)
+$O/fuzz/obj/%.o: %.cc | $(BPF_SKELETONS) $O/gen/mlcca/v1/control.pb.h $O/gen/system_xsd.inc
+	$(call say,FUZZCXX,$<)
+	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link,$(FUZZ_SANITIZERS) \
+		$(CPPFLAGS) -MMD -MP -c $< -o $@
+$O/fuzz/obj/gen/%.pb.o: $O/gen/%.pb.cc
+	$(call say,FUZZCXX,$<)
+	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link,$(FUZZ_SANITIZERS) -w \
+		$(CPPFLAGS) -MMD -MP -c $< -o $@
 
-check-fuzz: $(FUZZERS) ## the readers of foreign octets: corpus and a bounded number of mutations
-	$(Q)rm -rf $O/fuzz/short && mkdir -p $O/fuzz/short
-	$(Q)$O/fuzz/der_fuzz -seed=1 -runs=$(FUZZ_RUNS) -max_len=1500 -artifact_prefix=$O/fuzz/ \
-		$O/fuzz/short $(FUZZ_CORPUS) >$O/fuzz/der_fuzz.log 2>&1 || { tail -n 40 $O/fuzz/der_fuzz.log; exit 1; }
-	@echo "  PASS    der_fuzz: $(words $(wildcard $(FUZZ_CORPUS)/*)) files and $(FUZZ_RUNS) mutations"
+# $(call fuzz_library,NAME,MORE OBJECTS)
+define fuzz_library
+$O/fuzz/lib$1.a: $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
+	$$(call say,AR,$$@)
+	$$(Q)rm -f $$@ && ar rcs $$@ $$^
+FUZZ_OBJECTS += $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
+endef
+$(foreach library,core description enforce sources strangers daemon tools design doctor,$(eval $(call fuzz_library,$(library))))
+$(eval $(call fuzz_library,control,$(PROTO_OBJECTS)))
 
-fuzz: $(FUZZERS) ## the same without an end (FUZZ_SECONDS=600), corpus below $O/fuzz
-	$(Q)mkdir -p $O/fuzz/corpus
-	$O/fuzz/der_fuzz -max_len=1500 -max_total_time=$(FUZZ_SECONDS) -print_final_stats=1 \
-		-artifact_prefix=$O/fuzz/ $O/fuzz/corpus $(FUZZ_CORPUS)
+define fuzz_target
+FUZZERS += $1
+FUZZ_OBJECTS += $O/fuzz/obj/tests/fuzz/$1.o
+$O/fuzz/$1: $O/fuzz/obj/tests/fuzz/$1.o \
+		$(foreach part,$2,$(if $(findstring /,$(part)),$O/fuzz/obj/$(part).o,$O/fuzz/lib$(part).a))
+	$$(call say,LINK,$$@)
+	$$(Q)$$(FUZZ_CXX) -fsanitize=fuzzer,$$(FUZZ_SANITIZERS) -o $$@ $$^ $5
+check-fuzz-$1: $O/fuzz/$1
+	$$(Q)tests/fuzz/run --seconds $$(or $$(FUZZ_SECONDS),20) --max-len $4 $O $1 $(addprefix tests/corpus/,$3)
+fuzz-$1: $O/fuzz/$1
+	$$(Q)tests/fuzz/run --keep --seconds $$(or $$(FUZZ_SECONDS),3600) --max-len $4 $O $1 \
+		$(addprefix tests/corpus/,$3)
+.PHONY: check-fuzz-$1 fuzz-$1
+endef
+
+$(eval $(call fuzz_target,der_fuzz,,der,1500))
+$(eval $(call fuzz_target,description_fuzz,description core,description/good description/bad,16384,$(XML_LIBS) -lfmt))
+$(eval $(call fuzz_target,journal_fuzz,$(addprefix daemon/store/,journal format contents earlier disk) tests/store/fake_disk control core,journal,2048,$(PROTO_LIBS)))
+$(eval $(call fuzz_target,replies_fuzz,$(addprefix tools/,$(basename $(notdir $(wildcard tools/render*.cc))) json table words values times) control core,replies,4096,$(PROTO_LIBS)))
+$(eval $(call fuzz_target,tables_fuzz,tools/design/analyse_bus/table tools/values core,tables,2048,))
+$(eval $(call fuzz_target,sources_texts_fuzz,strangers sources,sources_texts,16384,$(NL_LIBS) -lsystemd))
+$(eval $(call fuzz_target,sources_packets_fuzz,strangers sources,sources_packets,16384,$(NL_LIBS) -lsystemd))
+
+FUZZ ?= $(FUZZERS)
+check-fuzz: $(addprefix check-fuzz-,$(FUZZ)) ## what comes from outside: stored corpus, then FUZZ_SECONDS=20 of mutations each
+fuzz: $(addprefix fuzz-,$(FUZZ)) ## the same for FUZZ_SECONDS=3600 each, corpus kept below $O/fuzz (FUZZ="NAMES")
 .PHONY: check-fuzz fuzz
+
+-include $(FUZZ_OBJECTS:.o=.d)

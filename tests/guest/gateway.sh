@@ -28,7 +28,7 @@ start_daemon() {
 	"$mlccad" --description "$1" --socket $MLCCA_SOCKET --bpf-root $run/bpf \
 		--state-directory $state "${@:2}" >>/run/mlccad.log 2>&1 &
 	daemon_id=$!
-	wait_for 20 ctl status
+	wait_for 60 ctl status
 }
 
 # The daemon's exit status.

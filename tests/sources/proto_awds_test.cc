@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "daemon/net/sources/awds_packet.hpp"
+#include "daemon/sources/awds_packet.hpp"
 #include "sources/proto_emulated.hpp"
 #include "sources/proto_loop.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "daemon/net/sources/babel.hpp"
+#include "daemon/sources/babel.hpp"
 #include "sources/proto_loop.hpp"
 
 namespace mlcca::net::babel {

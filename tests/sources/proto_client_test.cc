@@ -5,7 +5,7 @@
 #include <netinet/in.h>
 #include <sys/un.h>
 
-#include "daemon/net/sources/line_client.hpp"
+#include "daemon/sources/line_client.hpp"
 #include "sources/proto_loop.hpp"
 #include "sources/proto_server.hpp"
 
@@ -114,7 +114,7 @@ TEST_F(Conversation, AServerThatSaysNothingIsLeftAndTriedAgain) {
                      .ended = [&](const std::string& reason) { why = reason; }});
   ASSERT_TRUE(client.start(loop()));
   while (connected < 2) ASSERT_GT(sd_event_run(loop(), 30'000'000), 0);
-  EXPECT_NE(why.find("no answer"), std::string::npos) << why;
+  EXPECT_NE(why.find("no complete answer"), std::string::npos) << why;
 }
 
 TEST_F(Conversation, AServerThatSendsNoLinesIsLeft) {
@@ -123,7 +123,7 @@ TEST_F(Conversation, AServerThatSendsNoLinesIsLeft) {
   test::Watched watched(source(SourceKind::babel, server.endpoint()), {}, loop());
   const auto told = watched.await([](const auto& s) { return !s.problem.empty(); });
   ASSERT_TRUE(told);
-  EXPECT_NE(told->problem.find("too long"), std::string::npos) << told->problem;
+  EXPECT_NE(told->problem.find("longer than 65536 bytes"), std::string::npos) << told->problem;
 }
 
 }  // namespace

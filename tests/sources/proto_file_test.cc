@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "daemon/net/sources/described.hpp"
-#include "daemon/net/sources/file.hpp"
+#include "daemon/sources/file.hpp"
 #include "sources/proto_loop.hpp"
 
 namespace mlcca::net {
@@ -207,7 +207,9 @@ TEST(DescribedLinks, AreToldAsDescribedAndStayYoung) {
   link.channel = 5;
   link.kind = RateKind::effective;
   mesh.links.push_back(link);
-  test::Watched watched(core::mesh::Source{}, mesh);
+  test::Watched watched([&](sd_event* loop, LinkSource::Report report) {
+    return open_source(core::mesh::Source{}, mesh, loop, std::move(report));
+  });
   const auto first = watched.await([](const auto& s) { return s.links.size() == 1; });
   ASSERT_TRUE(first) << watched.last();
   Sample expected;

@@ -5,6 +5,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
+#include <utility>
+
+#include "daemon/sources/open.hpp"
 
 namespace mlcca::test {
 
@@ -12,11 +15,17 @@ using core::mesh::Sample;
 using core::mesh::Snapshot;
 
 Watched::Watched(const core::mesh::Source& source, const core::mesh::Mesh& mesh, sd_event* loop)
-    : loop_(sd_event_ref(loop)) {
+    : Watched(
+          [&](sd_event* on, net::LinkSource::Report report) {
+            return net::open_here(source, mesh, on, std::move(report));
+          },
+          loop) {}
+
+Watched::Watched(const Open& open, sd_event* loop) : loop_(sd_event_ref(loop)) {
   sd_event* raw = nullptr;
   if (loop == nullptr && sd_event_new(&raw) < 0) std::abort();
   if (loop == nullptr) loop_.reset(raw);
-  auto opened = net::open_source(source, mesh, loop_.get(), [this](Snapshot snapshot) {
+  auto opened = open(loop_.get(), [this](Snapshot snapshot) {
     if (fits_ != nullptr && !found_ && (*fits_)(snapshot)) found_ = snapshot;
     told_ = std::move(snapshot);
   });

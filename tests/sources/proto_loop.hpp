@@ -16,8 +16,12 @@ class Watched {
  public:
   using Predicate = std::function<bool(const core::mesh::Snapshot&)>;
 
-  /// Opens it as mlccad does; on a loop of its own if none is given.
+  using Open =
+      std::function<Result<std::unique_ptr<net::LinkSource>>(sd_event*, net::LinkSource::Report)>;
+
+  /// Opens it as mlcca-sources does; on a loop of its own if none is given.
   Watched(const core::mesh::Source& source, const core::mesh::Mesh& mesh, sd_event* loop = nullptr);
+  explicit Watched(const Open& open, sd_event* loop = nullptr);
 
   /// Why the source could not be opened; empty: it could.
   [[nodiscard]] const std::string& error() const { return error_; }

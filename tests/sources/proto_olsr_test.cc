@@ -3,7 +3,7 @@
 // a chain 10.7.0.1 - 10.7.0.2 - 10.7.1.3; only the raw metrics were set afterwards.
 #include <gtest/gtest.h>
 
-#include "daemon/net/sources/olsr.hpp"
+#include "daemon/sources/olsr.hpp"
 #include "sources/proto_loop.hpp"
 #include "sources/proto_server.hpp"
 

@@ -102,6 +102,11 @@ int MemoryDisk::unlink(const std::string& path) {
   return 0;
 }
 
+bool MemoryDisk::names(const std::string& path, int fd) {
+  const auto named = seen_.find(name_in(path));
+  return !open_.at(fd) || (named != seen_.end() && named->second == open_.at(fd));
+}
+
 void MemoryDisk::forget_unsynced(int fd) {
   if (const FilePtr& file = open_.at(fd)) file->unsynced.clear();
 }

@@ -32,6 +32,7 @@ class MemoryDisk final : public Disk {
   int fsync(int fd) override;
   int rename(const std::string& from, const std::string& to) override;
   int unlink(const std::string& path) override;
+  bool names(const std::string& path, int fd) override;
 
   /// What a failed fdatasync leaves on Linux: the pages count as written, and are not.
   void forget_unsynced(int fd);
@@ -103,6 +104,7 @@ class TroubledDisk final : public Disk {
   int fsync(int fd) override;
   int rename(const std::string& from, const std::string& to) override;
   int unlink(const std::string& path) override;
+  bool names(const std::string& path, int fd) override { return below_->names(path, fd); }
 
  private:
   template <class Result>

@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/store/journal.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "control/codec.hpp"
+#include "core/handle.hpp"
 #include "daemon/store/format.hpp"
 #include "tests/store/fake_disk.hpp"
 #include "tests/store/worlds.hpp"
@@ -163,12 +167,73 @@ TEST(Journal, TakesBatchesUpToItsLimit) {
   ASSERT_TRUE(journal.append(Released{"more"}));
 }
 
+TEST(Journal, IsWrittenAnewWhenSomebodyRemovesIt) {
+  const Folder folder;
+  Contents all;
+  {
+    Journal journal = opened(folder);
+    ASSERT_TRUE(journal.append(Released{"before"}));
+    ASSERT_TRUE(journal.commit());
+    EXPECT_FALSE(*journal.keep());
+    std::filesystem::remove(journal.path());
+    const auto again = journal.keep();
+    ASSERT_TRUE(again) << again.error().text;
+    EXPECT_TRUE(*again);
+    EXPECT_FALSE(*journal.keep());
+    ASSERT_TRUE(journal.append(Released{"after"}));
+    ASSERT_TRUE(journal.commit());
+    all = journal.contents();
+  }
+  EXPECT_EQ(opened(folder).contents(), all);
+}
+
+TEST(Journal, RefusesWhatIsCommittedToAFileThatSomebodyReplaced) {
+  const Folder folder;
+  Journal journal = opened(folder);
+  const auto before = journal.contents();
+  std::filesystem::rename(journal.path(), journal.path() + ".old");
+  std::ofstream(journal.path()) << "something else";
+  ASSERT_TRUE(journal.append(Released{"lost"}));
+  const auto done = journal.commit();
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().text.find("removed or replaced it; it is written anew, ask again"),
+            std::string::npos)
+      << done.error().text;
+  EXPECT_EQ(journal.contents(), before);
+  ASSERT_TRUE(journal.append(Released{"kept"}));
+  EXPECT_TRUE(journal.commit());
+}
+
+TEST(Journal, IsWrittenAnewInADirectoryThatSomebodyReplaced) {
+  const Folder folder;
+  Journal journal = opened(folder);
+  std::filesystem::rename(folder.path(), folder.path() + ".old");
+  EXPECT_FALSE(journal.keep());
+  std::filesystem::create_directory(folder.path());
+  ASSERT_TRUE(journal.append(Released{"lost"}));
+  EXPECT_FALSE(journal.commit());
+  ASSERT_TRUE(journal.append(Released{"kept"}));
+  EXPECT_TRUE(journal.commit());
+  std::filesystem::remove_all(folder.path() + ".old");
+}
+
 TEST(Journal, BelongsToOneProcessAtATime) {
   const Folder folder;
   const Journal journal = opened(folder);
   const auto second = Journal::open(folder.path());
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().text.find("in use by another process"), std::string::npos);
+}
+
+TEST(Journal, IsOpenedWhileSomebodyHoldsTheLockOfItsDirectory) {
+  const Folder folder;
+  const Fd directory(::open(folder.path().c_str(), O_RDONLY | O_DIRECTORY));
+  ASSERT_EQ(::flock(directory.get(), LOCK_EX | LOCK_NB), 0);
+  const auto journal = Journal::open(folder.path());
+  ASSERT_TRUE(journal) << journal.error().text;
+  struct stat lock{};
+  ASSERT_EQ(::stat((folder.path() + "/lock").c_str(), &lock), 0);
+  EXPECT_EQ(lock.st_mode & 07777U, 0600U);
 }
 
 TEST(Journal, NamesADirectoryThatIsNotThere) {

@@ -76,7 +76,7 @@ TEST(MlccactlTest, AsksAboutADeliveryWithAllThatWasSaid) {
                                "--offer",      "MaxPayload=8", "--require",
                                "Omission=2",   "--node",       "0",
                                "--priority",   "125",          "--user",
-                               "robot",        "--publisher",  "switch",
+                               "1000",         "--publisher",  "switch",
                                "--subscriber", "motors",       "--from-node",
                                "laptop",       "--to-node",    "relay",
                                "--address",    "192.0.2.7",    "emergency-switch"};

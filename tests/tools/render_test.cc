@@ -30,6 +30,16 @@ Json json_of(const Reply& reply) {
   return Json::parse(text, nullptr, false);
 }
 
+/// An alias of an interface may hold any character; ESC, DEL and CSI (U+009B) steer a terminal.
+TEST_F(RenderTest, GivesProgramsNoCharacterThatSteersATerminal) {
+  const std::string alias =
+      "\x1b[2J \x7f \xc2\x9b"
+      "2J \xc3\xa4";
+  EXPECT_EQ(to_json({1, control::Done{alias}}),
+            "{\"message\":\"\\u001b[2J \\u007f \\u009b2J \xc3\xa4\"}\n");
+  EXPECT_EQ(json_of({1, control::Done{alias}})["message"], alias);
+}
+
 TEST_F(RenderTest, ExplainsARefusalAttributeByAttribute) {
   EXPECT_EQ(
       explain({{test::refused_channel()}}, Color::no, true),

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <map>
 #include <utility>
 
 #include "daemon/net/sources/kernel_source.hpp"
@@ -36,14 +37,17 @@ std::uint64_t time_before(std::uint64_t now, std::uint32_t millis) {
   return now - std::min(now, millis * kNanosPerMilli);
 }
 
+using Way = std::pair<std::string, std::uint32_t>;  ///< to a neighbour, by an interface
+
 /// TQ is the share of packets that get through and are answered, both directions together: the loss
 /// of one direction is not greater, 1e-9.
-std::optional<Value> loss_of(const Seen& seen, const Neighbour& neighbour) {
+std::map<Way, Value> losses_of(const Seen& seen) {
+  std::map<Way, Value> out;
   for (const Originator& direct : seen.originators)
-    if (direct.mac == neighbour.mac && direct.next_hop == neighbour.mac &&
-        direct.interface == neighbour.interface && direct.quality)
-      return (kBestQuality - *direct.quality) * 1'000'000'000 / kBestQuality;
-  return {};
+    if (direct.mac == direct.next_hop && direct.quality)
+      out.try_emplace({direct.mac, direct.interface},
+                      (kBestQuality - *direct.quality) * 1'000'000'000 / kBestQuality);
+  return out;
 }
 
 }  // namespace
@@ -89,6 +93,7 @@ std::optional<Originator> read_originator(genl::Octets message) {
 
 core::mesh::Snapshot view(const Seen& seen, std::uint64_t now) {
   core::mesh::Snapshot out;
+  const auto losses = losses_of(seen);
   for (const Neighbour& neighbour : seen.neighbours) {
     const HardInterface* const own = interface_of(seen, neighbour.interface);
     if (own == nullptr) continue;
@@ -97,7 +102,8 @@ core::mesh::Snapshot view(const Seen& seen, std::uint64_t now) {
     sample.to = neighbour.mac;
     sample.rate = neighbour.throughput.value_or(0);
     sample.kind = RateKind::effective;
-    sample.loss = loss_of(seen, neighbour);
+    const auto loss = losses.find({neighbour.mac, neighbour.interface});
+    if (loss != losses.end()) sample.loss = loss->second;
     sample.taken = time_before(now, neighbour.last_seen);
     out.links.push_back(std::move(sample));
   }

@@ -14,6 +14,8 @@
 namespace mlcca::net {
 namespace {
 
+constexpr int kReadsInATurn = 16;  // of at most 32 KiB each, as the kernel fills them
+
 genl::Octets octets_of(nl_msg* message) {
   const nlmsghdr* const header = nlmsg_hdr(message);
   return std::as_bytes(
@@ -53,8 +55,9 @@ Result<std::unique_ptr<Conversation>> Conversation::open(sd_event* loop, int pro
   nl_socket_modify_cb(
       socket, NL_CB_VALID, NL_CB_CUSTOM,
       [](nl_msg* message, void* p) noexcept -> int {
-        const auto& asked = static_cast<Conversation*>(p)->asked_;
-        if (!asked.empty()) asked.front().each(octets_of(message));
+        auto& conversation = *static_cast<Conversation*>(p);
+        if (++conversation.messages_ <= kMaxMessages && !conversation.asked_.empty())
+          conversation.asked_.front().each(octets_of(message));
         return NL_OK;
       },
       self);
@@ -120,6 +123,7 @@ void Conversation::ask(Request request, OnMessage each, OnEnd end) {
 
 void Conversation::send_first() {
   ended_ = interrupted_ = false;
+  messages_ = 0;
   error_ = 0;
   nl_msg* const request = asked_.front().request.get();
   errno = 0;
@@ -136,12 +140,14 @@ int Conversation::note_end(int error) {
 }
 
 void Conversation::receive() {
-  // Also when nothing is asked: what is not taken off the socket keeps it readable.
-  do {
+  // Also when nothing is asked: what is not taken off the socket keeps it readable, and so does the
+  // rest of an answer that is too long for one turn.
+  for (int reads = 0; reads < kReadsInATurn && !ended_; ++reads) {
     const int e = nl_recvmsgs_default(socket_.get());
     if (ended_ || e == -NLE_AGAIN) break;
     if (e < 0) note_end(EIO);
-  } while (!ended_);
+    if (!ended_ && messages_ > kMaxMessages) note_end(EMSGSIZE);
+  }
   if (asked_.empty() || !ended_) return;
   finish(error_ == 0 && interrupted_ ? EINTR : error_);
 }

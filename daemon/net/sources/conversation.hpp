@@ -32,6 +32,9 @@ class Conversation {
   using OnEnd = std::function<void(int error)>;
   using OnFamily = std::function<void(Result<std::uint16_t>)>;
 
+  /// Of one answer. A longer one ends with EMSGSIZE.
+  static constexpr std::size_t kMaxMessages = 16384;
+
   /// `protocol`: NETLINK_GENERIC or NETLINK_ROUTE.
   static Result<std::unique_ptr<Conversation>> open(sd_event* loop, int protocol);
   Conversation(const Conversation&) = delete;
@@ -74,6 +77,7 @@ class Conversation {
   EventSource send_failed_;
   std::deque<Asked> asked_;
   int error_ = 0;             ///< of the first in asked_
+  std::size_t messages_ = 0;  ///< of its answer
   bool interrupted_ = false;  ///< its list changed while it was made
   bool ended_ = false;        ///< its last message has come
 };

@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::uint64_t kInterval = kLookAgain * 1000;  // ns between looks
 constexpr std::uint64_t kSoon = 100'000'000;            // ns
+constexpr int kNotices = 256;                           // in a turn
 constexpr std::uint64_t kAfterNotice = 50'000'000;      // ns between looks that notices ask for
 
 }  // namespace
@@ -55,9 +56,9 @@ void KernelSource::take_notices() {
   // What they say is asked for anew; an overflow (ENOBUFS) is just one of them.
   std::array<char, 1024> sink{};
   const int fd = nl_socket_get_fd(notices_.get());
-  while (::recv(fd, sink.data(), sink.size(), MSG_TRUNC) >= 0 || errno == ENOBUFS ||
-         errno == EINTR) {
-  }
+  for (int i = 0; i < kNotices; ++i)
+    if (::recv(fd, sink.data(), sink.size(), MSG_TRUNC) < 0 && errno != ENOBUFS && errno != EINTR)
+      break;
   look_at(begun_ + kAfterNotice);
 }
 

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <set>
+#include <string_view>
 
 namespace mlcca::net::nl80211 {
 namespace {
@@ -28,12 +31,13 @@ bool is_peer(const Station& station, bool mesh) {
 }
 
 /// The metric of a path is that of a link only if the path is the link.
-const MeshPath* direct_path(const Seen& seen, const std::string& to) {
-  const auto it = std::ranges::find_if(seen.paths, [&](const MeshPath& path) {
-    return path.destination == to && path.next_hop == to && path.hops == 1 &&
-           (path.flags & NL80211_MPATH_FLAG_ACTIVE) != 0;
-  });
-  return it == seen.paths.end() ? nullptr : &*it;
+std::map<std::string_view, std::uint32_t> metrics_of_links(const Seen& seen) {
+  std::map<std::string_view, std::uint32_t> out;
+  for (const MeshPath& path : seen.paths)
+    if (path.destination == path.next_hop && path.hops == 1 &&
+        (path.flags & NL80211_MPATH_FLAG_ACTIVE) != 0)
+      out.try_emplace(path.destination, path.metric);
+  return out;
 }
 
 }  // namespace
@@ -105,13 +109,14 @@ core::mesh::Snapshot View::look(const Seen& seen, std::uint64_t now) {
   const std::string& own = seen.interface.mac;
   doubtful_ = false;
   const auto busy = busy_of(seen);
+  const auto metrics = metrics_of_links(seen);
   for (const Station& station : seen.stations) {
     if (!is_peer(station, seen.interface.mesh)) continue;
     Memory& memory = memory_of(station.mac);
     Rate rate = judge(station, memory);
     if (rate.rate == 0) {
-      if (const MeshPath* path = direct_path(seen, station.mac))
-        rate = {.rate = rate_of_metric(path->metric).value_or(0), .kind = RateKind::derived};
+      if (const auto path = metrics.find(station.mac); path != metrics.end())
+        rate = {.rate = rate_of_metric(path->second).value_or(0), .kind = RateKind::derived};
     }
     // A peer that falls silent stays a station for long: its age is the time since it was heard.
     const std::uint64_t silent = station.inactive.value_or(0) * kNanosPerMilli;
@@ -136,10 +141,9 @@ core::mesh::Snapshot View::look(const Seen& seen, std::uint64_t now) {
     out.links.push_back(std::move(there));
     out.links.push_back(std::move(back));
   }
-  std::erase_if(stations_, [&](const auto& known) {
-    return std::ranges::none_of(seen.stations,
-                                [&](const Station& s) { return s.mac == known.first; });
-  });
+  std::set<std::string_view> there;
+  for (const Station& station : seen.stations) there.insert(station.mac);
+  std::erase_if(stations_, [&](const auto& known) { return !there.contains(known.first); });
   for (const MeshPath& path : seen.paths)
     if ((path.flags & NL80211_MPATH_FLAG_ACTIVE) != 0)
       out.next_hops.push_back({.from = own, .to = path.destination, .via = path.next_hop});

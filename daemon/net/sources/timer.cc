@@ -47,4 +47,28 @@ int Timer::on_time(sd_event_source*, std::uint64_t, void* self) noexcept {
   return 0;
 }
 
+Result<void> Pace::start(sd_event* loop, std::function<void()> call) {
+  loop_ = loop;
+  call_ = std::move(call);
+  return timer_.start(loop, [this] {
+    if (asked_) go();
+  });
+}
+
+void Pace::ask() {
+  const std::uint64_t now = time_of(loop_);
+  if (now >= next_) {
+    go();
+  } else if (!asked_) {
+    asked_ = true;
+    timer_.set((next_ - now) / 1000 + 1);
+  }
+}
+
+void Pace::go() {
+  asked_ = false;
+  next_ = time_of(loop_) + kLeastPause * 1000;
+  call_();
+}
+
 }  // namespace mlcca::net

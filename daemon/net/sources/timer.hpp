@@ -17,6 +17,7 @@ namespace mlcca::net {
 using EventSource = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_disable_unref>>;
 
 inline constexpr std::uint64_t kLookAgain = 1'000'000;  ///< µs after which sources look again
+inline constexpr std::uint64_t kLeastPause = 100'000;   ///< µs between two snapshots of a source
 
 /// ns, CLOCK_MONOTONIC, when this turn of the loop began.
 [[nodiscard]] std::uint64_t time_of(sd_event* loop);
@@ -47,6 +48,23 @@ class Timer {
 
   EventSource source_;
   std::function<void()> call_;
+};
+
+/// Calls a function when asked to, but not more often than every kLeastPause: who asks earlier is
+/// served then, once.
+class Pace {
+ public:
+  [[nodiscard]] Result<void> start(sd_event* loop, std::function<void()> call);
+  void ask();
+
+ private:
+  void go();
+
+  sd_event* loop_ = nullptr;
+  std::function<void()> call_;
+  std::uint64_t next_ = 0;  ///< ns
+  bool asked_ = false;
+  Timer timer_;
 };
 
 }  // namespace mlcca::net

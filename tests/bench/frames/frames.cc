@@ -121,6 +121,7 @@ int gate(const std::string& interface, std::uint32_t slots, const std::string& b
   auto control = Control::create(bpffs);
   if (!control) die(control.error().text);
   static_cast<void>(control->set_grace(kForEver));
+  if (const auto alive = control->beat(0); !alive) die(alive.error().text);
   control->open();
   GateConfig config;
   config.ifindex = if_nametoindex(interface.c_str());

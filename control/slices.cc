@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "control/slices.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace mlcca::control {
+namespace {
+
+template <class Row>
+void move_behind(std::vector<Row>& rows, std::vector<Row>& more) {
+  rows.insert(rows.end(), std::make_move_iterator(more.begin()),
+              std::make_move_iterator(more.end()));
+}
+
+void put(Networks& to, Networks& from) { move_behind(to.networks, from.networks); }
+void put(Channels& to, Channels& from) { move_behind(to.channels, from.channels); }
+void put(History& to, History& from) { move_behind(to.entries, from.entries); }
+void put(Gates& to, Gates& from) {
+  for (Gate& gate : from.gates) {
+    const bool same = !to.gates.empty() && to.gates.back().interface == gate.interface &&
+                      to.gates.back().network == gate.network;
+    if (!same) {
+      to.gates.push_back(std::move(gate));
+      continue;
+    }
+    move_behind(to.gates.back().control, gate.control);
+    move_behind(to.gates.back().channels, gate.channels);
+  }
+}
+void put(Routes& to, Routes& from) {
+  move_behind(to.routes, from.routes);
+  move_behind(to.links, from.links);
+  move_behind(to.problems, from.problems);
+  move_behind(to.can_rules, from.can_rules);
+}
+void put(Reservations& to, Reservations& from) {
+  for (Resource& resource : from.resources) {
+    const auto same = std::ranges::find_if(to.resources, [&](const Resource& r) {
+      return r.name == resource.name && r.kind == resource.kind;
+    });
+    if (same == to.resources.end())
+      to.resources.push_back(std::move(resource));
+    else
+      move_behind(same->reservations, resource.reservations);
+  }
+}
+void put(WhatIf& to, WhatIf& from) {
+  move_behind(to.outlooks, from.outlooks);
+  to.unchanged = from.unchanged;
+}
+void put(Status& to, Status& from) {
+  auto interfaces = std::move(to.interfaces);
+  move_behind(interfaces, from.interfaces);
+  to = std::move(from);
+  to.interfaces = std::move(interfaces);
+}
+template <class Single>
+void put(Single& to, Single& from) {
+  to = std::move(from);
+}
+
+/// Rows go to the slice that is being filled; a full one is followed by a fresh one.
+class Slicer {
+ public:
+  Slicer(std::uint64_t id, std::size_t rows) : id_(id), rows_(rows) {}
+
+  std::vector<Reply> operator()(Routes& all) {
+    fill(all.routes, &Routes::routes);
+    fill(all.links, &Routes::links);
+    fill(all.problems, &Routes::problems);
+    fill(all.can_rules, &Routes::can_rules);
+    return std::move(out_);
+  }
+  std::vector<Reply> operator()(Networks& all) {
+    fill(all.networks, &Networks::networks);
+    return std::move(out_);
+  }
+  std::vector<Reply> operator()(WhatIf& all) {
+    slice<WhatIf>().unchanged = all.unchanged;
+    fill(all.outlooks, &WhatIf::outlooks);
+    for (Reply& reply : out_) std::get<WhatIf>(reply.body).unchanged = all.unchanged;
+    return std::move(out_);
+  }
+  std::vector<Reply> operator()(Reservations& all) {
+    slice<Reservations>();
+    for (Resource& resource : all.resources) {
+      auto rows = std::move(resource.reservations);
+      resource.reservations.clear();
+      slice<Reservations>().resources.push_back(resource);
+      ++filled_;
+      for (Reservation& row : rows) {
+        auto& resources = slice<Reservations>().resources;
+        if (resources.empty()) resources.push_back(resource);
+        resources.back().reservations.push_back(std::move(row));
+        ++filled_;
+      }
+    }
+    return std::move(out_);
+  }
+  std::vector<Reply> operator()(Gates& all) {
+    slice<Gates>();
+    for (Gate& gate : all.gates) {
+      auto control = std::move(gate.control);
+      auto channels = std::move(gate.channels);
+      gate.control.clear();
+      gate.channels.clear();
+      slice<Gates>().gates.push_back(gate);
+      ++filled_;
+      fill_gate(gate, control, &Gate::control);
+      fill_gate(gate, channels, &Gate::channels);
+    }
+    return std::move(out_);
+  }
+  template <class Whole>
+  std::vector<Reply> operator()(Whole& all) {
+    out_.push_back({id_, std::move(all)});
+    return std::move(out_);
+  }
+
+ private:
+  template <class Body>
+  Body& slice() {
+    if (out_.empty() || filled_ >= rows_) {
+      if (!out_.empty()) out_.back().more = true;
+      out_.push_back({id_, Body{}});
+      filled_ = 0;
+    }
+    return std::get<Body>(out_.back().body);
+  }
+  template <class Body, class Row>
+  void fill(std::vector<Row>& rows, std::vector<Row> Body::* list) {
+    slice<Body>();
+    for (Row& row : rows) {
+      (slice<Body>().*list).push_back(std::move(row));
+      ++filled_;
+    }
+  }
+  void fill_gate(const Gate& gate, std::vector<GateSlot>& rows,
+                 std::vector<GateSlot> Gate::* list) {
+    for (GateSlot& row : rows) {
+      auto& gates = slice<Gates>().gates;
+      if (gates.empty()) gates.push_back(gate);
+      (gates.back().*list).push_back(std::move(row));
+      ++filled_;
+    }
+  }
+
+  std::uint64_t id_;
+  std::size_t rows_;
+  std::size_t filled_ = 0;
+  std::vector<Reply> out_;
+};
+
+}  // namespace
+
+Result<void> join(std::optional<Reply>& whole, Reply slice) {
+  if (!whole || std::holds_alternative<Error>(slice.body)) {
+    whole = std::move(slice);
+    return {};
+  }
+  if (whole->body.index() != slice.body.index())
+    return fail("mlccad sent slices of two kinds of reply to one request");
+  whole->more = slice.more;
+  std::visit(
+      [&](auto& to) { put(to, std::get<std::remove_reference_t<decltype(to)>>(slice.body)); },
+      whole->body);
+  return {};
+}
+
+std::vector<Reply> split(Reply whole, std::size_t rows) {
+  return std::visit(Slicer(whole.id, rows), whole.body);
+}
+
+}  // namespace mlcca::control

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/enforce/roster.hpp"
+
+#include <bpf/bpf.h>
+#include <bpf/libbpf.h>
+#include <roster.skel.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <memory>
+#include <string_view>
+
+#include "bpf/gate.h"
+#include "core/handle.hpp"
+#include "daemon/enforce/complaints.hpp"
+#include "daemon/enforce/failure.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+using Object = std::unique_ptr<roster_bpf, FreeWith<roster_bpf__destroy>>;
+using Link = std::unique_ptr<bpf_link, FreeWith<bpf_link__destroy>>;
+
+/// Of those that look at a control word: the dead-man and timers are attached nowhere.
+bool is_gate(const gate_program& program) {
+  constexpr std::array<std::string_view, 7> kNames = {
+      "gate_ingress", "gate_egress",    "ether_ingress", "ether_egress",
+      "ether_early",  "closed_ingress", "closed_egress"};
+  for (const std::string_view name : kNames)
+    if (name == static_cast<const char*>(program.name)) return true;
+  return false;
+}
+
+}  // namespace
+
+Result<std::set<std::uint32_t>> programs_of_gates() {
+  const Complaints complaints;
+  const Object object(roster_bpf__open_and_load());
+  if (!object) return complaints.error("list the programs of gates", errno);
+  const Link link(bpf_program__attach_iter(object->progs.gate_roster, nullptr));
+  if (!link) return complaints.error("list the programs of gates", errno);
+  const Fd list(bpf_iter_create(bpf_link__fd(link.get())));
+  if (!list) return failure("list the programs of gates", errno);
+  std::set<std::uint32_t> programs;
+  ssize_t size = 0;
+  // The kernel gives whole entries: less than a page of them at once.
+  std::array<gate_program, 128> some{};
+  while ((size = ::read(list.get(), some.data(), sizeof(some))) > 0) {
+    if (size % static_cast<ssize_t>(sizeof(gate_program)) != 0)
+      return fail("list the programs of gates: half an entry");
+    for (std::size_t n = 0; n < static_cast<std::size_t>(size) / sizeof(gate_program); ++n)
+      if (is_gate(some.at(n))) programs.insert(some.at(n).id);
+  }
+  if (size < 0) return failure("list the programs of gates", errno);
+  return programs;
+}
+
+bool is_of_a_gate(std::uint32_t program) {
+  const auto gates = programs_of_gates();
+  return gates && gates->contains(program);
+}
+
+}  // namespace mlcca::enforce

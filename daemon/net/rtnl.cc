@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/net/rtnl.hpp"
+
+#include <netlink/msg.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <new>
+#include <optional>
+#include <utility>
+
+namespace mlcca::net {
+namespace {
+
+constexpr std::size_t kFirstBuffer = std::size_t{64} << 10;
+constexpr std::size_t kMostBuffer = std::size_t{4} << 20;  // one datagram
+
+std::string text_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe)
+
+/// Of a message that ends a question: 0 or an errno; nothing where it has no room for one.
+std::optional<int> verdict_of(const nlmsghdr& message) {
+  int error = 0;
+  if (message.nlmsg_len < NLMSG_LENGTH(sizeof error)) return std::nullopt;
+  std::memcpy(&error, nlmsg_data(&message), sizeof error);
+  return error < 0 ? -error : 0;
+}
+
+}  // namespace
+
+void FreeMessage::operator()(nl_msg* message) const noexcept { nlmsg_free(message); }
+
+Message new_message(int type, int flags, const void* head, std::size_t size) {
+  Message message(nlmsg_alloc_simple(type, flags));
+  if (!message || nlmsg_append(message.get(), const_cast<void*>(head), size, NLMSG_ALIGNTO) != 0)
+    throw std::bad_alloc();
+  return message;
+}
+
+std::unexpected<Error> Refusal::when(const std::string& doing) const {
+  return fail(doing + ": " + text);
+}
+
+void Answers::add(const nlmsghdr& message) {
+  // NOLINTNEXTLINE(*-reinterpret-cast): octets are what it is made of
+  const auto* octets = reinterpret_cast<const char*>(&message);
+  octets_.insert(octets_.end(), octets, octets + message.nlmsg_len);
+  octets_.resize(NLMSG_ALIGN(octets_.size()));
+}
+
+void Answers::parse(const nlmsghdr& message, void (*take)(nl_object*, void*), void* to) {
+  const Message copy(nlmsg_convert(const_cast<nlmsghdr*>(&message)));  // NOLINT(*-const-cast)
+  if (!copy) throw std::bad_alloc();
+  nlmsg_set_proto(copy.get(), NETLINK_ROUTE);
+  nl_msg_parse(copy.get(), take, to);
+}
+
+std::unexpected<Refusal> Rtnl::give_up(std::string why) {
+  if (socket_) ++replaced_;
+  socket_.reset();
+  return std::unexpected(Refusal{0, std::move(why)});
+}
+
+std::unexpected<Refusal> Rtnl::give_up(const char* call, int error) {
+  return give_up(std::string(call) + ": " + text_of(error));
+}
+
+std::expected<Answers, Refusal> Rtnl::dump(const Message& request) {
+  return ask_again(request, NLM_F_DUMP);
+}
+
+std::expected<Answers, Refusal> Rtnl::get(const Message& request) {
+  return ask_again(request, NLM_F_ACK);
+}
+
+std::expected<void, Refusal> Rtnl::change(const Message& request) {
+  Answers none;
+  const auto done = ask_once(request, NLM_F_ACK, std::chrono::steady_clock::now() + kLimit, none);
+  if (!done) return std::unexpected(done.error());
+  return {};
+}
+
+std::expected<Answers, Refusal> Rtnl::ask_again(const Message& request, unsigned flags) {
+  const Time end = std::chrono::steady_clock::now() + kLimit;
+  Refusal last{0, "it changed again and again while it was read"};
+  for (int i = 0; i < kTries && std::chrono::steady_clock::now() < end; ++i) {
+    Answers answers;
+    auto done = ask_once(request, flags, end, answers);
+    if (done && *done == Ending::done) return answers;
+    if (done) continue;
+    if (done.error().said != 0) return std::unexpected(std::move(done.error()));
+    last = std::move(done.error());
+  }
+  return std::unexpected(std::move(last));
+}
+
+std::expected<Rtnl::Ending, Refusal> Rtnl::ask_once(const Message& request, unsigned flags,
+                                                    Time end, Answers& to) {
+  if (!socket_) socket_.reset(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE));
+  if (!socket_) return give_up("rtnetlink socket", errno);
+  nlmsghdr* const head = nlmsg_hdr(request.get());
+  head->nlmsg_flags = static_cast<std::uint16_t>(head->nlmsg_flags | NLM_F_REQUEST | flags);
+  head->nlmsg_seq = ++sequence_;
+  head->nlmsg_pid = 0;
+  const ssize_t sent = ::send(socket_.get(), head, head->nlmsg_len, MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (sent < 0) return give_up("asking rtnetlink", errno);
+  if (sent != static_cast<ssize_t>(head->nlmsg_len)) return give_up("half a question was sent");
+
+  const bool is_list = (flags & NLM_F_DUMP) != 0;
+  bool interrupted = false;
+  for (;;) {
+    const auto size = receive(end);
+    if (!size) return std::unexpected(size.error());
+    // NOLINTBEGIN(*-cstyle-cast,*-reinterpret-cast): macros of the kernel's header
+    auto left = static_cast<int>(*size);
+    const auto* message = reinterpret_cast<const nlmsghdr*>(buffer_.data());
+    for (; NLMSG_OK(message, left); message = NLMSG_NEXT(message, left)) {
+      // NOLINTEND(*-cstyle-cast,*-reinterpret-cast)
+      if (message->nlmsg_seq != sequence_) return give_up("an answer to another question");
+      interrupted = interrupted || (message->nlmsg_flags & NLM_F_DUMP_INTR) != 0;
+      const int type = message->nlmsg_type;
+      if (type == NLMSG_NOOP) continue;
+      if (type != NLMSG_DONE && type != NLMSG_ERROR) {
+        if (type == NLMSG_OVERRUN || to.size() > kMostOctets)
+          return give_up("more than there is room for");
+        to.add(*message);
+        continue;
+      }
+      const auto said = verdict_of(*message);
+      if (!said) return give_up("an answer that is too short");
+      if (*said != 0) return std::unexpected(Refusal{*said, text_of(*said)});
+      // A list ends as a list does, and everything else is acknowledged.
+      if (is_list != (type == NLMSG_DONE)) return give_up("the answer ended too early");
+      return interrupted ? Ending::again : Ending::done;
+    }
+    if (left > 0) return give_up("an answer that is torn");
+  }
+}
+
+std::expected<std::size_t, Refusal> Rtnl::receive(Time end) {
+  buffer_.resize(std::max(buffer_.size(), kFirstBuffer));
+  for (;;) {
+    sockaddr_nl sender{};
+    iovec room{buffer_.data(), buffer_.size()};
+    msghdr datagram{};
+    datagram.msg_name = &sender;
+    datagram.msg_namelen = sizeof sender;
+    datagram.msg_iov = &room;
+    datagram.msg_iovlen = 1;
+    const ssize_t size = ::recvmsg(socket_.get(), &datagram, MSG_DONTWAIT);
+    if (size > 0) {
+      if ((datagram.msg_flags & MSG_TRUNC) != 0) {
+        buffer_.resize(std::min(buffer_.size() * 4, kMostBuffer));
+        return give_up("an answer is longer than the room for it");
+      }
+      if (sender.nl_pid != 0) continue;  // not the kernel
+      return static_cast<std::size_t>(size);
+    }
+    if (size == 0) return give_up("rtnetlink has hung up");
+    if (errno != EAGAIN && errno != EINTR) return give_up("hearing rtnetlink", errno);
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+        end - std::chrono::steady_clock::now());
+    pollfd waits{socket_.get(), POLLIN, 0};
+    const int ready = left.count() > 0 ? ::poll(&waits, 1, static_cast<int>(left.count()) + 1) : 0;
+    if (ready == 0) return give_up("the kernel has not answered in time");
+    if (ready < 0 && errno != EINTR) return give_up("waiting for rtnetlink", errno);
+  }
+}
+
+}  // namespace mlcca::net

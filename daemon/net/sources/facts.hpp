@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The conversation of mlccad with mlcca-sources over a SOCK_SEQPACKET socket, one process for each
+// source that strangers write: mlccad sends what to watch, the process sends facts. No I/O here.
+//
+// A message is an octet for its kind and its content; integers are little endian, a text is its
+// length in two octets and its bytes, what may be missing is an octet 0 or 1 before it.
+//   to mlcca-sources  nodes   count 2, {name, address}     as many messages as it takes, then
+//                     watch   source kind 1, metric 1, interface, endpoint
+//   to mlccad         links   count 2, {from, to, rate 8, kind 1, loss?8, channel?4, busy?4,
+//                             weight?8, taken 8, valid?8}
+//                     hops    count 2, {from, to, via}
+//                     end     problem                       what was sent since the last one is all
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/mesh/mesh.hpp"
+#include "core/mesh/sample.hpp"
+#include "core/result.hpp"
+
+namespace mlcca::net::facts {
+
+inline constexpr std::size_t kMaxMessage = std::size_t{32} << 10U;  ///< bytes
+inline constexpr std::size_t kMaxNodes = 4096;
+
+using Message = std::string;
+using Octets = std::span<const char>;
+
+/// What to watch, in order.
+[[nodiscard]] std::vector<Message> question(const core::mesh::Source& source,
+                                            const core::mesh::Mesh& mesh);
+/// All that one snapshot says, in order.
+[[nodiscard]] std::vector<Message> answer(const core::mesh::Snapshot& snapshot);
+
+struct Question {
+  core::mesh::Source source;
+  core::mesh::Mesh mesh;  ///< its nodes only
+};
+
+/// Puts a question together.
+class QuestionReader {
+ public:
+  /// Nothing: more is to come. An error: it is no message of mlccad's.
+  Result<std::optional<Question>> take(Octets message);
+
+ private:
+  Question question_;
+};
+
+/// Puts answers together, no larger than bounds.hpp says.
+class AnswerReader {
+ public:
+  /// Nothing: more is to come. An error: who sends such a message is not to be believed.
+  Result<std::optional<core::mesh::Snapshot>> take(Octets message);
+
+ private:
+  core::mesh::Snapshot snapshot_;
+};
+
+}  // namespace mlcca::net::facts

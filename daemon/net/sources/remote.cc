@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/net/sources/remote.hpp"
+
+#include <sys/epoll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <deque>
+#include <utility>
+
+#include "daemon/net/sources/bounds.hpp"
+#include "daemon/net/sources/child.hpp"
+#include "daemon/net/sources/facts.hpp"
+#include "daemon/net/sources/timer.hpp"
+
+namespace mlcca::net {
+namespace {
+
+constexpr int kTurn = 16;                            // messages that are taken before others
+constexpr std::uint64_t kLongestPause = 32'000'000;  // µs
+constexpr std::uint64_t kStable = 60'000'000'000;    // ns after which a failure is the first
+constexpr std::uint64_t kRest = kLeastPause / 2;     // µs between two snapshots
+
+class Remote final : public LinkSource {
+ public:
+  Remote(const core::mesh::Source& source, const core::mesh::Mesh& mesh, sd_event* loop,
+         Report report, Helper helper)
+      : question_(facts::question(source, mesh)),
+        described_(described_nodes(mesh)),
+        loop_(loop),
+        report_(std::move(report)),
+        helper_(std::move(helper)),
+        pause_(helper_.pause) {}
+
+  Result<void> start() {
+    if (auto rest = rest_.start(loop_, [this] { listen(); }); !rest) return rest;
+    return timer_.start(loop_, [this] { look(); });
+  }
+
+ private:
+  void look() {
+    Child::collect();
+    if (!peer_.socket)
+      begin();
+    else if (time_of(loop_) > heard_ + helper_.silence)
+      end("the process that reads it says nothing");
+    else
+      timer_.set(kLookAgain);
+  }
+
+  void begin() {
+    auto peer = find_peer();
+    if (!peer) {
+      end(peer.error().text);
+      return;
+    }
+    sd_event_source* raw = nullptr;
+    if (const int e =
+            sd_event_add_io(loop_, &raw, peer->socket.get(), EPOLLIN | EPOLLOUT, on_io, this);
+        e < 0) {
+      end(system_error("watching the process that reads it", -e));
+      return;
+    }
+    io_.reset(raw);
+    peer_ = std::move(*peer);
+    reader_ = {};
+    to_send_.assign(question_.begin(), question_.end());
+    begun_ = heard_ = time_of(loop_);
+    timer_.set(kLookAgain);
+  }
+
+  [[nodiscard]] Result<Peer> find_peer() const {
+    if (::access(helper_.socket.c_str(), F_OK) == 0) return connect_to_helper(helper_.socket);
+    return start_helper(helper_.program.empty() ? find_helper() : helper_.program);
+  }
+
+  static int on_io(sd_event_source*, int, std::uint32_t events, void* self) noexcept {
+    auto& remote = *static_cast<Remote*>(self);
+    if ((events & EPOLLOUT) != 0) remote.send();
+    if (remote.io_ && (events & ~EPOLLOUT) != 0) remote.receive();
+    return 0;
+  }
+
+  void send() {
+    while (!to_send_.empty()) {
+      const auto& next = to_send_.front();
+      if (::send(peer_.socket.get(), next.data(), next.size(), MSG_DONTWAIT | MSG_NOSIGNAL) < 0) {
+        if (errno != EAGAIN && errno != EINTR) end(ended(errno));
+        return;
+      }
+      to_send_.pop_front();
+    }
+    listen();
+  }
+
+  /// What is still to be sent has been sent, or a rest is over.
+  void listen() {
+    if (io_)
+      sd_event_source_set_io_events(io_.get(), to_send_.empty() ? EPOLLIN : EPOLLIN | EPOLLOUT);
+  }
+
+  void receive() {
+    for (int i = 0; i < kTurn; ++i) {
+      const auto size = ::recv(peer_.socket.get(), buffer_.data(), buffer_.size(), MSG_TRUNC);
+      if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
+      if (size <= 0) {
+        end(ended(size == 0 ? 0 : errno));
+        return;
+      }
+      if (!take(static_cast<std::size_t>(size))) return;
+    }
+  }
+
+  /// False: nothing more in this turn.
+  bool take(std::size_t size) {
+    auto read = size > buffer_.size() ? fail("it sent a message that is too long")
+                                      : reader_.take({buffer_.data(), size});
+    if (!read) {
+      end("the process that reads it is not to be believed: " + read.error().text);
+      return false;
+    }
+    if (!*read) return true;
+    heard_ = time_of(loop_);
+    // Whatever it does, there are no more snapshots than the core has time for.
+    sd_event_source_set_io_events(io_.get(), 0);
+    rest_.set(kRest);
+    report_(bounded(std::move(**read), described_, heard_));
+    return false;
+  }
+
+  static std::string ended(int error) {
+    const std::string what = "the process that reads it has ended";
+    return error == 0 ? what : system_error(what, error);
+  }
+
+  void end(const std::string& why) {
+    const std::uint64_t now = time_of(loop_);
+    if (peer_.socket && now > begun_ + kStable) pause_ = helper_.pause;
+    io_.reset();
+    peer_ = {};
+    to_send_.clear();
+    timer_.set(pause_);
+    pause_ = std::min(2 * pause_, kLongestPause);
+    report_(bounded({.links = {}, .next_hops = {}, .problem = why}, described_, now));
+  }
+
+  std::vector<facts::Message> question_;
+  Described described_;
+  sd_event* loop_;
+  Report report_;
+  Helper helper_;
+  std::uint64_t pause_;  ///< µs before the next one
+  Peer peer_;
+  std::deque<facts::Message> to_send_;
+  facts::AnswerReader reader_;
+  std::array<char, facts::kMaxMessage> buffer_{};
+  std::uint64_t begun_ = 0;  ///< ns
+  std::uint64_t heard_ = 0;  ///< ns: the latest snapshot
+  EventSource io_;
+  Timer timer_;
+  Timer rest_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<LinkSource>> open_remote(const core::mesh::Source& source,
+                                                const core::mesh::Mesh& mesh, sd_event* loop,
+                                                LinkSource::Report report, Helper helper) {
+  auto made = std::make_unique<Remote>(source, mesh, loop, std::move(report), std::move(helper));
+  if (auto started = made->start(); !started) return std::unexpected(started.error());
+  return made;
+}
+
+}  // namespace mlcca::net

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Whose turn it is: users in a ring, each with the sessions of his that have work; those who may
+// change something and everybody else alternate. A user has so many steps a second. No I/O: time
+// comes in as argument, in nanoseconds of any steady clock.
+#pragma once
+#include <sys/types.h>
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace mlcca::serve {
+
+/// So many steps at once, and so many more each second.
+struct Rate {
+  std::uint64_t burst = 0;
+  std::uint64_t per_second = 0;
+};
+
+/// A bucket that fills up with time.
+class Bucket {
+ public:
+  Bucket(Rate rate, std::uint64_t now) : rate_(rate), filled_(now), left_(rate.burst * kSecond) {}
+  /// False when there is nothing left.
+  bool take(std::uint64_t now);
+  /// When there is one again; not later than `now`: there is.
+  [[nodiscard]] std::uint64_t ready_at(std::uint64_t now);
+  [[nodiscard]] bool full(std::uint64_t now);
+
+ private:
+  static constexpr std::uint64_t kSecond = 1'000'000'000;
+  void fill(std::uint64_t now);
+  Rate rate_;
+  std::uint64_t filled_;
+  std::uint64_t left_;  ///< 1e-9 steps
+};
+
+class Turns {
+ public:
+  /// A session, by a number of the caller's.
+  using Id = int;
+  struct User {
+    uid_t uid = 0;
+    bool member = false;  ///< root, or in the control group
+    auto operator<=>(const User&) const = default;
+  };
+
+  Turns(Rate members, Rate others) : members_(members), others_(others) {}
+
+  /// A session that has work. It must not be in line already.
+  void add(User user, Id session);
+  void remove(User user, Id session);
+  /// Takes the session whose turn it is off the line; nothing when nobody is in line, or all who
+  /// are must wait for their rate.
+  std::optional<Id> next(std::uint64_t now);
+  /// A further step of a user who has his turn; false when he has to wait for his rate.
+  bool step(User user, std::uint64_t now);
+  /// When somebody who waits for his rate may go on; nothing when nobody does.
+  [[nodiscard]] std::optional<std::uint64_t> next_ready(std::uint64_t now);
+  [[nodiscard]] bool empty() const { return members_ring_.empty() && others_ring_.empty(); }
+  /// Forgets users who have nothing in line and have not used their rate lately.
+  void tidy(std::uint64_t now);
+  [[nodiscard]] std::size_t users() const { return users_.size(); }
+
+ private:
+  struct Line {
+    Bucket bucket;
+    std::deque<Id> sessions;
+  };
+  Line& line_of(User user, std::uint64_t now);
+  std::optional<Id> next_of(std::deque<User>& ring, std::uint64_t now);
+
+  Rate members_;
+  Rate others_;
+  std::map<User, Line> users_;
+  std::deque<User> members_ring_;  ///< each once, with at least one session in line
+  std::deque<User> others_ring_;
+  bool members_turn_ = true;
+};
+
+}  // namespace mlcca::serve

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A text file of links, read again when it changes.
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/net/sources/bounds.hpp"
+#include "daemon/net/sources/source.hpp"
+
+namespace mlcca::net {
+
+inline constexpr std::size_t kMaxFileBytes = std::size_t{4} << 20U;
+
+/// One link a line, '#' begins a comment:
+///   FROM TO RATE [loss=0.01] [channel=2412] [kind=phy|effective|derived] [busy=0.1] [weight=N]
+///   [both]
+/// FROM and TO are names or addresses of described nodes, RATE is a number with bit/s, kbit/s,
+/// Mbit/s or Gbit/s. An error begins with "NAME:LINE: ". At most kMaxFacts
+/// directions. `taken` is left to the caller.
+[[nodiscard]] Result<std::vector<core::mesh::Sample>> parse_links(std::string_view text,
+                                                                  const std::string& name,
+                                                                  const core::mesh::Mesh& mesh);
+
+/// `source.endpoint`: path of the file. The folder is watched, so that a rename onto it is seen.
+[[nodiscard]] Result<std::unique_ptr<LinkSource>> open_file(const core::mesh::Source& source,
+                                                            const core::mesh::Mesh& mesh,
+                                                            sd_event* loop,
+                                                            LinkSource::Report report);
+
+}  // namespace mlcca::net

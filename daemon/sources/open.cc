@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/sources/open.hpp"
+
+#include <utility>
+
+#include "daemon/net/sources/bounds.hpp"
+#include "daemon/net/sources/timer.hpp"
+#include "daemon/sources/awds.hpp"
+#include "daemon/sources/babel.hpp"
+#include "daemon/sources/file.hpp"
+#include "daemon/sources/olsr.hpp"
+
+namespace mlcca::net {
+
+Result<std::unique_ptr<LinkSource>> open_here(const core::mesh::Source& source,
+                                              const core::mesh::Mesh& mesh, sd_event* loop,
+                                              LinkSource::Report tell) {
+  auto report = [tell = std::move(tell), described = described_nodes(mesh),
+                 loop](core::mesh::Snapshot snapshot) {
+    tell(bounded(std::move(snapshot), described, time_of(loop)));
+  };
+  using enum core::mesh::SourceKind;
+  switch (source.kind) {
+    case file:
+      return open_file(source, mesh, loop, std::move(report));
+    case awds:
+      return open_awds(source, mesh, loop, std::move(report));
+    case babel:
+      return open_babel(source, mesh, loop, std::move(report));
+    case olsr:
+      return open_olsr(source, loop, std::move(report));
+    default:
+      return fail("this source is read by mlccad itself");
+  }
+}
+
+}  // namespace mlcca::net

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What programs take that are verbs of mlccactl and ask no daemon.
+#pragma once
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "control/version.hpp"
+
+namespace mlcca {
+
+struct VerbOptions {
+  bool as_json = false;
+  std::string unused;
+  bool no_color = false;
+
+  /// Before or behind the name of the verb, as mlccactl takes them; this must outlive the parsing.
+  void add_to(CLI::App& app, CLI::App& verb) {
+    app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
+    app.set_help_flag("-h,--help", "print this help");
+    app.require_subcommand(1, 1);
+    for (auto* at : {&app, &verb}) {
+      at->add_flag("--json", as_json, "print JSON");
+      // Of mlccactl, which take no part here.
+      at->add_flag("--no-color", no_color, "nothing here has colour")->group("");
+      for (const char* option : {"--socket", "--timeout"})
+        at->add_option(option, unused, "no daemon is asked")->group("");
+    }
+  }
+};
+
+}  // namespace mlcca

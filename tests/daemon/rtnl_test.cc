@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A kernel whose answers fail, tear, change and stay away: what is read is whole, or an error.
+#include "daemon/net/rtnl.hpp"
+
+#include <gtest/gtest.h>
+#include <linux/rtnetlink.h>
+#include <net/if.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <functional>
+
+#include "daemon/net/links.hpp"
+
+namespace {
+
+/// Stand between this program and the kernel; nothing: the kernel itself.
+std::function<ssize_t(ssize_t, msghdr*)> spoil_answer;  // given what the kernel has said
+std::function<int()> fail_hearing;                      // errno, and what came stays; 0: heard
+std::function<int()> fail_sending;                      // errno, 0: sent
+bool nothing_comes = false;
+int asked = 0;
+
+}  // namespace
+
+extern "C" ssize_t recvmsg(int fd, msghdr* message, int flags) {
+  if (nothing_comes) {
+    errno = EAGAIN;
+    return -1;
+  }
+  if (const int error = fail_hearing ? fail_hearing() : 0; error != 0) {
+    errno = error;
+    return -1;
+  }
+  const ssize_t size = ::syscall(SYS_recvmsg, fd, message, flags);
+  return spoil_answer && size > 0 ? spoil_answer(size, message) : size;
+}
+extern "C" ssize_t send(int fd, const void* octets, size_t size, int flags) {
+  ++asked;
+  if (const int error = fail_sending ? fail_sending() : 0; error != 0) {
+    errno = error;
+    return -1;
+  }
+  return ::syscall(SYS_sendto, fd, octets, size, flags, nullptr, 0);
+}
+extern "C" int poll(pollfd* fds, nfds_t count, int) {
+  if (nothing_comes) return 0;
+  return static_cast<int>(::syscall(SYS_poll, fds, count, 1000));
+}
+
+namespace mlcca::net {
+namespace {
+
+nlmsghdr& first_of(msghdr* message) { return *static_cast<nlmsghdr*>(message->msg_iov->iov_base); }
+class RtnlTest : public testing::Test {
+ protected:
+  ~RtnlTest() override { heal(); }
+  static void heal() {
+    spoil_answer = nullptr;
+    fail_hearing = nullptr;
+    fail_sending = nullptr;
+    nothing_comes = false;
+    asked = 0;
+  }
+  static Message interfaces() {
+    const ifinfomsg head{};
+    return new_message(RTM_GETLINK, 0, &head, sizeof head);
+  }
+  static std::size_t in(const Answers& answers) {
+    std::size_t count = 0;
+    answers.each([&count](const nlmsghdr&) { ++count; });
+    return count;
+  }
+  /// Until it is healed, from the n-th answer on.
+  static void fail_from(int n, int error) {
+    fail_hearing = [n, error, heard = 0]() mutable { return ++heard >= n ? error : 0; };
+  }
+  static void fail_once(int n, int error) {
+    fail_hearing = [n, error, heard = 0]() mutable { return ++heard == n ? error : 0; };
+  }
+
+  Rtnl kernel_;
+  const int loopback_ = static_cast<int>(if_nametoindex("lo"));
+};
+
+TEST_F(RtnlTest, AnAnswerThatFailsIsNoShorterList) {
+  const auto whole = kernel_.dump(interfaces());
+  ASSERT_TRUE(whole) << whole.error().text;
+  for (const int error : {ENOBUFS, ENOMEM, EIO, EINTR, EAGAIN})
+    for (int n = 1; n <= 3; ++n) {
+      fail_once(n, error);
+      const auto again = kernel_.dump(interfaces());
+      ASSERT_TRUE(again) << again.error().text;
+      EXPECT_EQ(in(*again), in(*whole)) << "errno " << error << " at " << n;
+      heal();
+      const auto after = kernel_.dump(interfaces());
+      ASSERT_TRUE(after);
+      EXPECT_EQ(in(*after), in(*whole)) << "after errno " << error << " at " << n;
+    }
+}
+
+TEST_F(RtnlTest, WhatFailsForEverIsAnError) {
+  for (int n = 1; n <= 2; ++n) {
+    fail_from(n, ENOBUFS);
+    EXPECT_FALSE(kernel_.dump(interfaces()));
+    heal();
+    EXPECT_TRUE(kernel_.dump(interfaces()));
+  }
+}
+
+TEST_F(RtnlTest, ASocketOnWhichAnythingFailedIsReplaced) {
+  ASSERT_TRUE(kernel_.dump(interfaces()));
+  EXPECT_EQ(kernel_.replaced(), 0U);
+  fail_once(1, ENOBUFS);
+  ASSERT_TRUE(kernel_.dump(interfaces()));
+  EXPECT_EQ(kernel_.replaced(), 1U);
+}
+
+TEST_F(RtnlTest, AListThatChangedWhileItWasReadIsReadAgain) {
+  spoil_answer = [](ssize_t size, msghdr* message) {
+    if (asked < Rtnl::kTries) first_of(message).nlmsg_flags |= NLM_F_DUMP_INTR;
+    return size;
+  };
+  EXPECT_TRUE(kernel_.dump(interfaces()));
+  EXPECT_EQ(asked, Rtnl::kTries);
+}
+
+TEST_F(RtnlTest, AListThatAlwaysChangesIsAnError) {
+  spoil_answer = [](ssize_t size, msghdr* message) {
+    first_of(message).nlmsg_flags |= NLM_F_DUMP_INTR;
+    return size;
+  };
+  EXPECT_FALSE(kernel_.dump(interfaces()));
+  EXPECT_EQ(asked, Rtnl::kTries);
+}
+
+TEST_F(RtnlTest, TheEndOfAnotherListEndsNone) {
+  spoil_answer = [first = true](ssize_t size, msghdr* message) mutable {
+    if (!std::exchange(first, false)) return size;
+    nlmsghdr& head = first_of(message);
+    head.nlmsg_type = NLMSG_DONE;
+    head.nlmsg_seq -= 1;
+    head.nlmsg_len = NLMSG_LENGTH(sizeof(int));
+    return static_cast<ssize_t>(head.nlmsg_len);
+  };
+  const auto read = kernel_.dump(interfaces());
+  ASSERT_TRUE(read);
+  EXPECT_GE(in(*read), 1U);
+  EXPECT_EQ(kernel_.replaced(), 1U);
+}
+
+TEST_F(RtnlTest, TornAndTruncatedAnswersAreErrors) {
+  spoil_answer = [](ssize_t size, msghdr*) { return size - 4; };
+  EXPECT_FALSE(kernel_.dump(interfaces()));
+  heal();
+  spoil_answer = [](ssize_t size, msghdr* message) {
+    message->msg_flags |= MSG_TRUNC;
+    return size;
+  };
+  EXPECT_FALSE(kernel_.dump(interfaces()));
+}
+
+TEST_F(RtnlTest, NobodyWaitsForEver) {
+  nothing_comes = true;
+  const auto read = kernel_.dump(interfaces());
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().text, "the kernel has not answered in time");
+}
+
+TEST_F(RtnlTest, AQuestionThatCannotBeSentIsAskedAgainAndThenAnError) {
+  fail_sending = [n = 0]() mutable { return ++n == 1 ? ENOBUFS : 0; };
+  EXPECT_TRUE(kernel_.dump(interfaces()));
+  for (const int error : {ENOBUFS, EINTR, EPERM, ECONNREFUSED}) {
+    fail_sending = [error] { return error; };
+    const auto read = kernel_.dump(interfaces());
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error().said, 0);
+  }
+}
+
+TEST_F(RtnlTest, AChangeIsNotRepeated) {
+  const ifinfomsg nothing{};  // no interface is meant: refused, or not permitted
+  nothing_comes = true;
+  EXPECT_FALSE(kernel_.change(new_message(RTM_SETLINK, 0, &nothing, sizeof nothing)));
+  EXPECT_EQ(asked, 1);
+}
+
+TEST_F(RtnlTest, ARefusalOfTheKernelIsAnAnswer) {
+  ifinfomsg head{};
+  head.ifi_index = 0x7fffffff;
+  const auto read = kernel_.get(new_message(RTM_GETLINK, 0, &head, sizeof head));
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().said, ENODEV);
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(kernel_.replaced(), 0U);
+}
+
+TEST_F(RtnlTest, ATableThatCannotBeReadStaysAsItWas) {
+  auto links = Links::open();
+  ASSERT_TRUE(links) << links.error().text;
+  ASSERT_TRUE(links->table().contains(loopback_));
+  for (int n = 1; n <= 3; ++n) {
+    fail_from(n, ENOBUFS);
+    const LinkTable before = links->table();
+    const auto read = links->refresh();
+    EXPECT_EQ(links->problem().empty(), read.has_value());
+    EXPECT_EQ(links->table(), before) << n;
+    heal();
+    ASSERT_TRUE(links->refresh());
+    EXPECT_EQ(links->problem(), "");
+    EXPECT_TRUE(links->table().contains(loopback_));
+  }
+}
+
+TEST_F(RtnlTest, OnlyTheKernelsOwnAnswerMeansThatAnInterfaceHasGone) {
+  auto links = Links::open();
+  ASSERT_TRUE(links);
+  EXPECT_EQ(links->presence(loopback_), Presence::there);
+  EXPECT_EQ(links->presence(0x7fffffff), Presence::gone);
+  for (const int error : {ENOBUFS, ENODEV, ENXIO}) {
+    fail_from(1, error);
+    EXPECT_EQ(links->presence(loopback_), Presence::unknown);
+    EXPECT_EQ(links->presence(0x7fffffff), Presence::unknown);
+    heal();
+  }
+}
+
+}  // namespace
+}  // namespace mlcca::net

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What holds of every snapshot, whatever it was made of.
+#pragma once
+#include <cstdlib>
+#include <string_view>
+
+#include "daemon/net/sources/bounds.hpp"
+#include "daemon/net/sources/facts.hpp"
+
+namespace mlcca::fuzz {
+
+inline void demand(bool holds) {
+  if (!holds) std::abort();
+}
+
+inline constexpr std::uint64_t kNow = 1'000'000'000'000;  // ns
+
+/// Within the bounds nothing is out of them, and all of it arrives at mlccad.
+inline void check(core::mesh::Snapshot snapshot) {
+  const auto told = net::bounded(std::move(snapshot), {"a", "10.0.0.1"}, kNow);
+  demand(told.links.size() <= net::kMaxFacts && told.next_hops.size() <= net::kMaxFacts);
+  for (const auto& s : told.links) {
+    demand(net::is_address(s.from) && net::is_address(s.to));
+    demand(s.rate <= net::kMaxRate && s.taken <= kNow);
+    demand(s.loss.value_or(0) <= 1'000'000'000 && s.busy.value_or(0) <= core::mesh::kWhole);
+    demand(s.valid.value_or(0) <= net::kMaxValidity);
+  }
+  net::facts::AnswerReader reader;
+  std::optional<core::mesh::Snapshot> arrived;
+  for (const auto& message : net::facts::answer(told)) {
+    demand(!arrived && message.size() <= net::facts::kMaxMessage);
+    auto read = reader.take(message);
+    demand(read.has_value());
+    arrived = std::move(*read);
+  }
+  demand(arrived && arrived->links == told.links && arrived->next_hops == told.next_hops);
+}
+
+/// Cuts the input into pieces: two octets say how long one is.
+class Pieces {
+ public:
+  explicit Pieces(std::string_view rest) : rest_(rest) {}
+  [[nodiscard]] bool done() const { return rest_.size() < 2; }
+  std::string_view next() {
+    const auto octet = [this](std::size_t i) { return static_cast<unsigned char>(rest_[i]); };
+    const std::size_t size = octet(0) * 256U + octet(1);
+    rest_.remove_prefix(2);
+    const auto piece = rest_.substr(0, size);
+    rest_.remove_prefix(piece.size());
+    return piece;
+  }
+
+ private:
+  std::string_view rest_;
+};
+
+}  // namespace mlcca::fuzz

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A daemon that comes after one that was killed: what holds while it starts, and what does not.
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <csignal>
+#include <set>
+
+#include "tests/start/daemon.hpp"
+
+namespace mlcca::test {
+namespace {
+
+/// A babeld that takes connections and says nothing: the daemon waits for its first word.
+class SilentSource {
+ public:
+  explicit SilentSource(const std::string& path)
+      : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)), path_(path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(static_cast<char*>(address.sun_path), sizeof(address.sun_path) - 1);
+    EXPECT_EQ(::bind(socket_.get(), reinterpret_cast<sockaddr*>(&address),  // NOLINT(*-cast)
+                     sizeof(address)),
+              0);
+    EXPECT_EQ(::listen(socket_.get(), 16), 0);
+  }
+  [[nodiscard]] std::string network() const {
+    return "<Network name=\"air\"><Kind>mesh</Kind><Mesh><Source kind=\"babel\" endpoint=\"" +
+           path_ + "\"/></Mesh></Network>\n";
+  }
+
+ private:
+  Fd socket_;
+  std::string path_;
+};
+
+class StartTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { make_links(1); }
+
+  /// Runs one until its gates are in force, and kills it.
+  void let_one_die() {
+    Process before(gateway_.command(), gateway_.path("log"));
+    ASSERT_TRUE(before.ready()) << gateway_.log();
+    before.signal(SIGKILL);
+    EXPECT_EQ(before.end(), 128 + SIGKILL);
+    word_ = gateway_.word();
+    ASSERT_TRUE(word_);
+    ASSERT_EQ(word_[0].open, 1U);
+  }
+
+  /// The times of heart-beats that are seen until its gates are in force.
+  std::set<std::uint64_t> beats_of(Process& daemon) {
+    std::set<std::uint64_t> seen;
+    EXPECT_TRUE(daemon.ready([&] {
+      seen.insert(__atomic_load_n(&word_[0].heartbeat, __ATOMIC_ACQUIRE));
+    })) << gateway_.log();
+    return seen;
+  }
+
+  Gateway gateway_{described(1)};
+  enforce::Mapped<gate_control> word_;
+};
+
+TEST_F(StartTest, BeatsBeforeItHasLookedAtEverything) {
+  const SilentSource source(gateway_.path("babel"));
+  let_one_die();
+  gateway_.describe(described(1, source.network()));
+  Process after(gateway_.command(), gateway_.path("log"));
+  EXPECT_GE(beats_of(after).size(), 5U);  // the former one's, and more than the one at the end
+}
+
+TEST_F(StartTest, BeatsNotBeforeItHasLookedWhereThatIsNotWanted) {
+  const SilentSource source(gateway_.path("babel"));
+  let_one_die();
+  gateway_.describe(described(1, source.network()));
+  Process after(gateway_.command({"--start-limit", "0"}), gateway_.path("log"));
+  EXPECT_LE(beats_of(after).size(), 3U);
+}
+
+TEST_F(StartTest, ThatFailsClosesWhatWasOpen) {
+  let_one_die();
+  gateway_.describe("<System");
+  Process after(gateway_.command(), gateway_.path("log"));
+  EXPECT_FALSE(after.ready());
+  EXPECT_EQ(after.end(), 2);
+  EXPECT_EQ(word_[0].open, 0U);
+}
+
+TEST_F(StartTest, BeatsNotBeforeItHasLookedWhereTheGatesHaveLapsed) {
+  let_one_die();
+  const SilentSource source(gateway_.path("babel"));
+  gateway_.describe(described(1, source.network()));
+  __atomic_store_n(&word_[0].lapsed, 1, __ATOMIC_RELEASE);
+  Process after(gateway_.command(), gateway_.path("log"));
+  EXPECT_LE(beats_of(after).size(), 3U);
+  EXPECT_EQ(word_[0].lapsed, 0U);
+}
+
+}  // namespace
+}  // namespace mlcca::test
