@@ -20,7 +20,8 @@ BPFTOOL ?= $(firstword $(wildcard /usr/sbin/bpftool) bpftool)
 PROTOC ?= protoc
 PKG_CONFIG ?= pkg-config
 
-CXXFLAGS ?= -O2 -g
+# -g1 knows the lines of a back trace at two thirds of the time of -g. For gdb: CXXFLAGS='-O0 -g'.
+CXXFLAGS ?= -O2 -g1
 STD := -std=c++23
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(WERROR)
 CPPFLAGS += -I. -Iinclude -isystem $O/gen
