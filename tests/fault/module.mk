@@ -2,17 +2,15 @@
 # A library for LD_PRELOAD: the n-th call kills the process, or fails (nth_call.h).
 $O/tests/nth_call.so: tests/fault/nth_call.c tests/fault/nth_call.h
 	$(call say,CC,$@)
-	$(Q)mkdir -p $(@D) && $(CC) -std=c17 -O1 -fPIC -shared $(filter-out -Wpedantic,$(WARN)) -o $@ $<
+	$(Q)mkdir -p $(@D) && $(CC) -std=gnu17 -O1 -fPIC -shared $(filter-out -Wpedantic,$(WARN)) -o $@ $<
 
 # mlccad on real devices, each call of a class failing in its turn: a sample, and all of them.
 FAULT_SAMPLE ?= 24
 FAULT_SEED ?= 1
-$O/tests/fault.so: tests/fault/fault.c
-	$(call say,CC,$@)
-	$(Q)mkdir -p $(@D) && $(CC) -std=gnu17 -O1 -fPIC -shared -Wall -Wextra $(WERROR) -o $@ $<
-FAULT_NEEDS := $O/tests/fault.so $O/mlccad $O/mlccactl $O/mlcca-readback
+FAULT_NEEDS := $O/tests/nth_call.so $O/mlccad $O/mlccactl $O/mlcca-readback
 check-fault: $(FAULT_NEEDS) ## mlccad while the n-th call fails, a sample of all (root)
 	$(Q)tests/fault/nth-call $O --sample $(FAULT_SAMPLE) --seed $(FAULT_SEED)
-soak-fault: $(FAULT_NEEDS) ## the same for every call; of those that allocate every tenth: hours (root)
+soak-fault: stage $(GUEST_READY) $(FAULT_NEEDS) ## the same for every call; of those that allocate every tenth: hours (root)
 	$(Q)tests/fault/nth-call $O --most 1000
+	$(Q)$(SOAK_GUEST) SAMPLE=0 tests/guest/cases/nth-call
 .PHONY: check-fault soak-fault

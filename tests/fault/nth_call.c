@@ -4,22 +4,27 @@
 #define _GNU_SOURCE
 #include "nth_call.h"
 
+#include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
 #include <sys/mman.h>
+#include <sys/random.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/timerfd.h>
 #include <sys/types.h>
 #include <sys/uio.h>
 #include <time.h>
 #include <unistd.h>
 
-static struct nth_call* control;
+static struct nth_call* control; /* NULL until the library is ready: the loader allocates, too */
 
 static void* original(const char* name) {
   void* found = dlsym(RTLD_NEXT, name);
@@ -38,16 +43,18 @@ static long raw(long number, long a, long b, long c, long d, long e, long f) {
 
 __attribute__((constructor)) static void begin(void) {
   const char* path = getenv("NTH_CALL");
+  struct nth_call* shared;
   long fd, at;
 
   if (!path) return;
   fd = raw(SYS_openat, AT_FDCWD, (long)path, O_RDWR | O_CLOEXEC, 0, 0, 0);
-  if (fd < 0) abort();
+  if (fd < 0) return; /* a child that may not open it is not watched */
   at = raw(SYS_mmap, 0, sizeof(*control), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
   raw(SYS_close, fd, 0, 0, 0, 0, 0);
   if (at == -1) abort();
-  control = (struct nth_call*)at;
-  if (!control->pid) __atomic_store_n(&control->pid, (uint64_t)getpid(), __ATOMIC_SEQ_CST);
+  shared = (struct nth_call*)at;
+  if (!shared->pid) __atomic_store_n(&shared->pid, (uint64_t)getpid(), __ATOMIC_SEQ_CST);
+  control = shared;
 }
 
 static void end_later(uint64_t microseconds) {
@@ -61,12 +68,12 @@ static void end_later(uint64_t microseconds) {
 }
 
 /* Counts a call; true: it is to fail, errno is set. */
-static int hit(uint64_t kind) {
+static int hit(enum nth_call_class class) {
   uint64_t number;
 
-  if (!control || (control->kinds && !(control->kinds & kind)) ||
-      control->pid != (uint64_t)getpid())
-    return 0;
+  if (!control || (!control->children && control->pid != (uint64_t)getpid())) return 0;
+  __atomic_add_fetch(&control->counts[class], 1, __ATOMIC_RELAXED);
+  if (!(control->classes >> class & 1)) return 0;
   number = __atomic_add_fetch(&control->calls, 1, __ATOMIC_SEQ_CST);
   switch (control->mode) {
     case NTH_CALL_KILL:
@@ -80,76 +87,48 @@ static int hit(uint64_t kind) {
     case NTH_CALL_FAIL_FROM:
       if (number < control->at || (number > control->at && control->mode == NTH_CALL_FAIL))
         return 0;
-      control->done++;
+      __atomic_add_fetch(&control->failed, 1, __ATOMIC_RELAXED);
       errno = (int)control->error;
       return 1;
   }
   return 0;
 }
 
-#define WRAP(kind, result, failed, name, parameters, arguments) \
-  result name parameters {                                      \
-    static result(*call) parameters;                            \
-                                                                \
-    if (!call) call = (result(*) parameters)original(#name);    \
-    if (hit(kind)) return failed;                               \
-    return call arguments;                                      \
+#define WRAP(class, result, failed, name, parameters, arguments) \
+  result name parameters {                                       \
+    static result(*call) parameters;                             \
+                                                                 \
+    if (!call) call = (result(*) parameters)original(#name);     \
+    if (hit(class)) return failed;                               \
+    return call arguments;                                       \
   }
+#define NUMBER(class, name, parameters, arguments) \
+  WRAP(NTH_CALL_##class, int, -1, name, parameters, arguments)
+#define BYTES(class, name, parameters, arguments) \
+  WRAP(NTH_CALL_##class, ssize_t, -1, name, parameters, arguments)
 
-#define FILES(name, parameters, arguments) WRAP(NTH_CALL_FILE, int, -1, name, parameters, arguments)
-#define BYTES(kind, name, parameters, arguments) \
-  WRAP(kind, ssize_t, -1, name, parameters, arguments)
-#define SOCKETS(name, parameters, arguments) \
-  WRAP(NTH_CALL_SOCKET, int, -1, name, parameters, arguments)
+/* --- files --- */
 
-BYTES(NTH_CALL_FILE, read, (int fd, void* at, size_t size), (fd, at, size))
-BYTES(NTH_CALL_FILE, write, (int fd, const void* at, size_t size), (fd, at, size))
-BYTES(NTH_CALL_FILE, pread, (int fd, void* at, size_t size, off_t from), (fd, at, size, from))
-BYTES(NTH_CALL_FILE, pread64, (int fd, void* at, size_t size, off64_t from), (fd, at, size, from))
-BYTES(NTH_CALL_FILE, pwrite, (int fd, const void* at, size_t size, off_t to), (fd, at, size, to))
-BYTES(NTH_CALL_FILE, pwrite64, (int fd, const void* at, size_t size, off64_t to),
-      (fd, at, size, to))
-BYTES(NTH_CALL_FILE, writev, (int fd, const struct iovec* parts, int count), (fd, parts, count))
-FILES(fsync, (int fd), (fd))
-FILES(fdatasync, (int fd), (fd))
-FILES(ftruncate, (int fd, off_t size), (fd, size))
-FILES(ftruncate64, (int fd, off64_t size), (fd, size))
-FILES(rename, (const char* from, const char* to), (from, to))
-FILES(renameat, (int a, const char* from, int b, const char* to), (a, from, b, to))
-FILES(unlink, (const char* path), (path))
-FILES(unlinkat, (int at, const char* path, int flags), (at, path, flags))
-FILES(mkdir, (const char* path, mode_t mode), (path, mode))
-FILES(rmdir, (const char* path), (path))
-
-SOCKETS(socket, (int domain, int type, int protocol), (domain, type, protocol))
-SOCKETS(bind, (int fd, const struct sockaddr* to, socklen_t size), (fd, to, size))
-SOCKETS(connect, (int fd, const struct sockaddr* to, socklen_t size), (fd, to, size))
-SOCKETS(setsockopt, (int fd, int level, int name, const void* at, socklen_t size),
-        (fd, level, name, at, size))
-SOCKETS(getsockopt, (int fd, int level, int name, void* at, socklen_t* size),
-        (fd, level, name, at, size))
-SOCKETS(accept4, (int fd, struct sockaddr* of, socklen_t* size, int flags), (fd, of, size, flags))
-BYTES(NTH_CALL_SOCKET, send, (int fd, const void* at, size_t size, int flags),
-      (fd, at, size, flags))
-BYTES(NTH_CALL_SOCKET, recv, (int fd, void* at, size_t size, int flags), (fd, at, size, flags))
-BYTES(NTH_CALL_SOCKET, sendto,
-      (int fd, const void* at, size_t size, int flags, const struct sockaddr* to, socklen_t length),
-      (fd, at, size, flags, to, length))
-BYTES(NTH_CALL_SOCKET, recvfrom,
-      (int fd, void* at, size_t size, int flags, struct sockaddr* of, socklen_t* length),
-      (fd, at, size, flags, of, length))
-BYTES(NTH_CALL_SOCKET, sendmsg, (int fd, const struct msghdr* message, int flags),
-      (fd, message, flags))
-BYTES(NTH_CALL_SOCKET, recvmsg, (int fd, struct msghdr* message, int flags), (fd, message, flags))
-
-WRAP(NTH_CALL_MEMORY, void*, MAP_FAILED, mmap,
-     (void* at, size_t size, int access, int flags, int fd, off_t from),
-     (at, size, access, flags, fd, from))
-WRAP(NTH_CALL_MEMORY, void*, MAP_FAILED, mmap64,
-     (void* at, size_t size, int access, int flags, int fd, off64_t from),
-     (at, size, access, flags, fd, from))
-WRAP(NTH_CALL_MEMORY, int, -1, munmap, (void* at, size_t size), (at, size))
-WRAP(NTH_CALL_DEVICE, int, -1, setns, (int fd, int kind), (fd, kind))
+BYTES(READ, read, (int fd, void* at, size_t size), (fd, at, size))
+BYTES(READ, pread, (int fd, void* at, size_t size, off_t from), (fd, at, size, from))
+BYTES(READ, pread64, (int fd, void* at, size_t size, off64_t from), (fd, at, size, from))
+BYTES(WRITE, write, (int fd, const void* at, size_t size), (fd, at, size))
+BYTES(WRITE, pwrite, (int fd, const void* at, size_t size, off_t to), (fd, at, size, to))
+BYTES(WRITE, pwrite64, (int fd, const void* at, size_t size, off64_t to), (fd, at, size, to))
+BYTES(WRITE, writev, (int fd, const struct iovec* parts, int count), (fd, parts, count))
+NUMBER(WRITE, ftruncate, (int fd, off_t size), (fd, size))
+NUMBER(WRITE, ftruncate64, (int fd, off64_t size), (fd, size))
+NUMBER(SYNC, fsync, (int fd), (fd))
+NUMBER(SYNC, fdatasync, (int fd), (fd))
+NUMBER(NAME, rename, (const char* from, const char* to), (from, to))
+NUMBER(NAME, renameat, (int a, const char* from, int b, const char* to), (a, from, b, to))
+NUMBER(NAME, unlink, (const char* path), (path))
+NUMBER(NAME, unlinkat, (int at, const char* path, int flags), (at, path, flags))
+NUMBER(NAME, remove, (const char* path), (path))
+NUMBER(NAME, mkdir, (const char* path, mode_t mode), (path, mode))
+NUMBER(NAME, rmdir, (const char* path), (path))
+WRAP(NTH_CALL_OPEN, DIR*, NULL, opendir, (const char* path), (path))
+WRAP(NTH_CALL_OPEN, DIR*, NULL, fdopendir, (int fd), (fd))
 
 #define OPEN(name)                                                     \
   int name(const char* path, int flags, ...) {                         \
@@ -161,7 +140,7 @@ WRAP(NTH_CALL_DEVICE, int, -1, setns, (int fd, int kind), (fd, kind))
     mode = flags & (O_CREAT | __O_TMPFILE) ? va_arg(more, mode_t) : 0; \
     va_end(more);                                                      \
     if (!call) call = (int (*)(const char*, int, ...))original(#name); \
-    return hit(NTH_CALL_FILE) ? -1 : call(path, flags, mode);          \
+    return hit(NTH_CALL_OPEN) ? -1 : call(path, flags, mode);          \
   }
 OPEN(open)
 OPEN(open64)
@@ -176,10 +155,86 @@ OPEN(open64)
     mode = flags & (O_CREAT | __O_TMPFILE) ? va_arg(more, mode_t) : 0;      \
     va_end(more);                                                           \
     if (!call) call = (int (*)(int, const char*, int, ...))original(#name); \
-    return hit(NTH_CALL_FILE) ? -1 : call(at, path, flags, mode);           \
+    return hit(NTH_CALL_OPEN) ? -1 : call(at, path, flags, mode);           \
   }
 OPENAT(openat)
 OPENAT(openat64)
+
+/* --- sockets: those of netlink are a class of their own --- */
+
+static uint8_t is_netlink[1024];
+static enum nth_call_class class_of(int fd) {
+  return fd >= 0 && fd < (int)sizeof(is_netlink) && is_netlink[fd] ? NTH_CALL_NETLINK
+                                                                   : NTH_CALL_SOCKET;
+}
+
+int socket(int domain, int type, int protocol) {
+  const enum nth_call_class class = domain == AF_NETLINK ? NTH_CALL_NETLINK : NTH_CALL_SOCKET;
+  int fd;
+
+  if (hit(class)) return -1;
+  fd = (int)raw(SYS_socket, domain, type, protocol, 0, 0, 0);
+  if (fd >= 0 && fd < (int)sizeof(is_netlink)) is_netlink[fd] = class == NTH_CALL_NETLINK;
+  return fd;
+}
+
+#define SOCKETS(result, name, parameters, arguments) \
+  WRAP(class_of(fd), result, -1, name, parameters, arguments)
+SOCKETS(int, bind, (int fd, const struct sockaddr* to, socklen_t size), (fd, to, size))
+SOCKETS(int, connect, (int fd, const struct sockaddr* to, socklen_t size), (fd, to, size))
+SOCKETS(int, setsockopt, (int fd, int level, int name, const void* at, socklen_t size),
+        (fd, level, name, at, size))
+SOCKETS(int, getsockopt, (int fd, int level, int name, void* at, socklen_t* size),
+        (fd, level, name, at, size))
+SOCKETS(int, accept4, (int fd, struct sockaddr* of, socklen_t* size, int flags),
+        (fd, of, size, flags))
+SOCKETS(ssize_t, send, (int fd, const void* at, size_t size, int flags), (fd, at, size, flags))
+SOCKETS(ssize_t, recv, (int fd, void* at, size_t size, int flags), (fd, at, size, flags))
+SOCKETS(ssize_t, sendto,
+        (int fd, const void* at, size_t size, int flags, const struct sockaddr* to,
+         socklen_t length),
+        (fd, at, size, flags, to, length))
+SOCKETS(ssize_t, recvfrom,
+        (int fd, void* at, size_t size, int flags, struct sockaddr* of, socklen_t* length),
+        (fd, at, size, flags, of, length))
+SOCKETS(ssize_t, sendmsg, (int fd, const struct msghdr* message, int flags), (fd, message, flags))
+SOCKETS(ssize_t, recvmsg, (int fd, struct msghdr* message, int flags), (fd, message, flags))
+
+/* --- memory --- */
+
+extern void* __libc_malloc(size_t);
+extern void* __libc_calloc(size_t, size_t);
+extern void* __libc_realloc(void*, size_t);
+extern void* __libc_memalign(size_t, size_t);
+void* malloc(size_t n) { return hit(NTH_CALL_MEMORY) ? NULL : __libc_malloc(n); }
+void* calloc(size_t n, size_t size) { return hit(NTH_CALL_MEMORY) ? NULL : __libc_calloc(n, size); }
+void* realloc(void* p, size_t n) { return hit(NTH_CALL_MEMORY) ? NULL : __libc_realloc(p, n); }
+void* aligned_alloc(size_t to, size_t n) {
+  return hit(NTH_CALL_MEMORY) ? NULL : __libc_memalign(to, n);
+}
+
+WRAP(NTH_CALL_MMAP, void*, MAP_FAILED, mmap,
+     (void* at, size_t size, int access, int flags, int fd, off_t from),
+     (at, size, access, flags, fd, from))
+WRAP(NTH_CALL_MMAP, void*, MAP_FAILED, mmap64,
+     (void* at, size_t size, int access, int flags, int fd, off64_t from),
+     (at, size, access, flags, fd, from))
+NUMBER(MMAP, munmap, (void* at, size_t size), (at, size))
+
+/* --- waiting, clocks, chance, devices --- */
+
+NUMBER(EPOLL, epoll_create1, (int flags), (flags))
+NUMBER(EPOLL, epoll_ctl, (int set, int what, int fd, struct epoll_event* event),
+       (set, what, fd, event))
+NUMBER(EPOLL, epoll_wait, (int set, struct epoll_event* events, int most, int ms),
+       (set, events, most, ms))
+BYTES(RANDOM, getrandom, (void* at, size_t size, unsigned flags), (at, size, flags))
+NUMBER(TIMER, timerfd_create, (clockid_t clock, int flags), (clock, flags))
+NUMBER(TIMER, timerfd_settime,
+       (int fd, int flags, const struct itimerspec* to, struct itimerspec* from),
+       (fd, flags, to, from))
+NUMBER(TIMER, eventfd, (unsigned from, int flags), (from, flags))
+NUMBER(DEVICE, setns, (int fd, int kind), (fd, kind))
 
 int ioctl(int fd, unsigned long request, ...) {
   static int (*call)(int, unsigned long, ...);
@@ -193,6 +248,7 @@ int ioctl(int fd, unsigned long request, ...) {
   return hit(NTH_CALL_DEVICE) ? -1 : call(fd, request, argument);
 }
 
+/* bpf(2) has no name of its own in the C library. */
 long syscall(long number, ...) {
   long a[6];
   va_list more;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* What nth_call.so (LD_PRELOAD) and a test share: a file of this layout, named by NTH_CALL, which
- * both map. The first process that loads the library with an empty `pid` is the one that it
- * watches; its children are left alone. All fields are little-endian words of 64 bits:
- * struct.pack("=8Q", ...). */
+ * both map. The first process that loads the library while `pid` is 0 is the one that it watches.
+ * All fields are words of 64 bits: struct.pack("=23Q", ...). */
 #ifndef MLCCA_TESTS_FAULT_NTH_CALL_H
 #define MLCCA_TESTS_FAULT_NTH_CALL_H
 #include <stdint.h>
@@ -14,22 +13,35 @@ enum nth_call_mode {
   NTH_CALL_FAIL_FROM /* call `at` and all behind it fail with `error` */
 };
 
+/* In the order of CLASSES in tests/fault/nth-call. */
+enum nth_call_class {
+  NTH_CALL_NETLINK, /* socket, bind, setsockopt, send*, recv* of AF_NETLINK */
+  NTH_CALL_SOCKET,  /* the same of other families; connect, accept4, getsockopt */
+  NTH_CALL_BPF,     /* bpf(2) */
+  NTH_CALL_MMAP,    /* mmap, munmap */
+  NTH_CALL_OPEN,    /* open, openat, opendir, fdopendir */
+  NTH_CALL_READ,    /* read, pread */
+  NTH_CALL_WRITE,   /* write, pwrite, writev, ftruncate */
+  NTH_CALL_SYNC,    /* fsync, fdatasync */
+  NTH_CALL_NAME,    /* rename, unlink, remove, mkdir, rmdir */
+  NTH_CALL_EPOLL,   /* epoll_* */
+  NTH_CALL_MEMORY,  /* malloc and its kin */
+  NTH_CALL_RANDOM,  /* getrandom */
+  NTH_CALL_TIMER,   /* timerfd, eventfd */
+  NTH_CALL_DEVICE,  /* ioctl, setns */
+  NTH_CALL_CLASSES
+};
+
 struct nth_call {
   uint64_t pid; /* of the process that is watched */
   uint64_t mode;
   uint64_t at;       /* 1 is the next call, once `calls` is set to 0 */
   uint64_t error;    /* errno */
   uint64_t after_us; /* KILL: so many microseconds after call `at` has begun */
-  uint64_t calls;    /* so many were made */
-  uint64_t done;     /* so many were failed */
-  uint64_t kinds;    /* bits of enum nth_call_kind: which calls count; 0 is all */
-};
-
-enum nth_call_kind {
-  NTH_CALL_BPF = 1,    /* syscall(2): bpf(2) of libbpf, perf, getrandom */
-  NTH_CALL_SOCKET = 2, /* socket, bind, connect, send*, recv*, *sockopt */
-  NTH_CALL_FILE = 4,   /* open, read, write, fsync, rename, unlink, mkdir, truncate */
-  NTH_CALL_MEMORY = 8, /* mmap, munmap */
-  NTH_CALL_DEVICE = 16 /* ioctl, setns, epoll */
+  uint64_t calls;    /* so many calls of `classes` were made */
+  uint64_t failed;   /* so many were failed */
+  uint64_t classes;  /* bits of 1 << enum nth_call_class: which calls are numbered */
+  uint64_t children; /* 1: what the watched process forks or starts is watched, too */
+  uint64_t counts[NTH_CALL_CLASSES]; /* of each class, whether numbered or not */
 };
 #endif

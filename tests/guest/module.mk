@@ -13,7 +13,7 @@ $(GUEST_READY): tests/guest/build-image tests/guest/extract-vmlinux tests/guest/
 
 guest-image: $(GUEST_READY) ## Debian's kernel and an initramfs for the guest
 
-check-guest: all $(GUEST_READY) ## the product on real SocketCAN and systemd, in QEMU
+check-guest: all $(GUEST_READY) $O/tests/nth_call.so ## the product on real SocketCAN and systemd, in QEMU
 	$(Q)BUILD=$(abspath $O) GUEST_IMAGE=$(abspath $O)/guest tests/guest/run-tests -j $(GUEST_JOBS) \
 		$O/guest/log $(GUEST_TESTS) --systemd $(GUEST_SYSTEMD_TESTS)
 
@@ -26,6 +26,6 @@ GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-
 GUEST_TESTS += $(addprefix tests/guest/cases/,mesh-nl80211 mesh-batman mesh-case-study)
 GUEST_TESTS += $(addprefix tests/guest/cases/,bus-queue gateways-in-namespaces reservations)
 GUEST_TESTS += $(addprefix tests/guest/cases/,babbling-node missing-events can-profiles forwarding)
-GUEST_TESTS += $(addprefix tests/guest/cases/,attach-drift ethernet-gate ethernet-publishers doctor)
+GUEST_TESTS += $(addprefix tests/guest/cases/,attach-drift ethernet-gate ethernet-publishers doctor nth-call)
 GUEST_SYSTEMD_TESTS += $(addprefix tests/guest/cases/,service-life plugged-in awds-unit)
 check-guest: stage

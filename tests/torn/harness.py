@@ -85,7 +85,8 @@ class Spell:
 class Trap:
     """tests/fault/nth_call.h: where the daemon is to be killed."""
 
-    LAYOUT = "=8Q"
+    LAYOUT = "=23Q"
+    CLASSES = 0x3fff & ~(1 << 10)  # every call but those that allocate memory
 
     def __init__(self, path):
         with open(path, "wb") as file:
@@ -93,6 +94,7 @@ class Trap:
         self.path = path
         self.file = open(path, "r+b")
         self.memory = mmap.mmap(self.file.fileno(), struct.calcsize(self.LAYOUT))
+        struct.pack_into("=Q", self.memory, 56, self.CLASSES)
 
     def forget_process(self):
         self.memory[0:8] = bytes(8)
