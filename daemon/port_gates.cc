@@ -15,14 +15,12 @@ bool Ports::is_gated_can(const PortState& port) {
 
 bool Ports::can_have_gate(const PortState& port, const net::Link& link) {
   if (!needs_gate(port)) return false;
-  return port.kind == core::NetworkKind::can
-             ? link.is_can
-             : enforce::is_ethernet(static_cast<std::uint32_t>(link.ifindex));
+  return port.kind == core::NetworkKind::can ? link.is_can : link.is_ethernet;
 }
 
 Result<void> Ports::hold(const net::Link& link, core::NetworkKind kind, core::Profile profile) {
   const auto ifindex = static_cast<std::uint32_t>(link.ifindex);
-  if (kind == core::NetworkKind::can && !enforce::is_ethernet(ifindex))
+  if (kind == core::NetworkKind::can && !link.is_ethernet)
     return hold_can({ifindex, link.name, profile, link.kind == "can", {}});
   return hold_ethernet({ifindex, link.name, ether_slots_, {}});
 }

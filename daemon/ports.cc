@@ -138,7 +138,7 @@ void Ports::attach(PortState& port) {
     port.problem = fmt::format("{} is not a CAN interface", link.name);
     return;
   }
-  if (!can && !enforce::is_ethernet(static_cast<std::uint32_t>(link.ifindex))) {
+  if (!can && !link.is_ethernet) {
     port.problem = fmt::format(
         "{} has no Ethernet frames, and there is a gate for CAN and Ethernet only", link.name);
     return;

@@ -57,7 +57,9 @@ Result<void> put(std::uint32_t ifindex, Hook hook, const auto& programs) {
 }
 
 Result<void> close(std::uint32_t ifindex, Hook hook, const Control& control) {
-  if (!is_ethernet(ifindex)) {
+  const auto ethernet = is_ethernet(ifindex);
+  if (!ethernet) return std::unexpected(ethernet.error());
+  if (!*ethernet) {
     const auto programs = Programs::load({.ifindex = ifindex}, control.shared(), {});
     return programs ? put(ifindex, hook, *programs) : std::unexpected(programs.error());
   }

@@ -206,8 +206,9 @@ Result<EtherGate> EtherGate::attach(const EtherConfig& config, const Control& co
   const auto in_context = [&](const Error& error) {
     return fail(fmt::format("gate of {}: {}", config.name, error.text));
   };
-  if (!is_ethernet(config.ifindex))
-    return fail(fmt::format("gate of {}: it is no Ethernet interface", config.name));
+  const auto ethernet = is_ethernet(config.ifindex);
+  if (!ethernet) return in_context(ethernet.error());
+  if (!*ethernet) return fail(fmt::format("gate of {}: it is no Ethernet interface", config.name));
   const Place place{config.ifindex, gate_directory(control.directory(), config.ifindex),
                     config.hook.value_or(best_hook())};
   const SharedMaps shared = control.shared();
@@ -340,12 +341,12 @@ std::vector<UnknownFrame> EtherGate::unknown() const {
   return unknown_subjects(state_->mapping.cpus());
 }
 
-bool is_ethernet(std::uint32_t ifindex) {
+Result<bool> is_ethernet(std::uint32_t ifindex) {
   const Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   ifreq request{};
   if (!socket || if_indextoname(ifindex, request.ifr_name) == nullptr ||
       ::ioctl(socket.get(), SIOCGIFHWADDR, &request) != 0)
-    return false;
+    return failure(fmt::format("ask for the hardware type of interface {}", ifindex), errno);
   return request.ifr_hwaddr.sa_family == ARPHRD_ETHER;
 }
 

@@ -69,7 +69,7 @@ class EtherGate final : public PortGate {
   std::unique_ptr<State> state_;
 };
 
-/// Frames have Ethernet headers there.
-bool is_ethernet(std::uint32_t ifindex);
+/// Whether frames have Ethernet headers there; an error where the kernel does not say.
+Result<bool> is_ethernet(std::uint32_t ifindex);
 
 }  // namespace mlcca::enforce

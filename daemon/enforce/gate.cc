@@ -342,8 +342,10 @@ Result<Closing> put_closed(const Place& place, const ClosedPrograms& programs) {
 /// Of an Ethernet interface, what carries events alone. By clsact where no link can be pinned.
 Result<Closing> put_closed(Place place, const Control& control) {
   if (place.hook == Hook::tcx && !make_pin_directory(place.directory)) place.hook = Hook::clsact;
-  const auto programs = is_ethernet(place.ifindex) ? ClosedPrograms::of_ethernet(control.shared())
-                                                   : ClosedPrograms::of_can(control.shared());
+  const auto ethernet = is_ethernet(place.ifindex);
+  if (!ethernet) return std::unexpected(ethernet.error());
+  const auto programs = *ethernet ? ClosedPrograms::of_ethernet(control.shared())
+                                  : ClosedPrograms::of_can(control.shared());
   if (!programs) return std::unexpected(programs.error());
   return put_closed(place, *programs);
 }

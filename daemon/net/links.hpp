@@ -20,6 +20,7 @@ struct Link {
   std::string kind;  ///< "can", "vcan", "vxcan", …; empty: a device without rtnl_link_ops
   std::string alias;
   bool is_can = false;             ///< ARPHRD_CAN
+  bool is_ethernet = false;        ///< ARPHRD_ETHER
   bool up = false;                 ///< administratively
   std::string can_state;           ///< "error-active", "error-warning", "error-passive", "bus-off",
                                    ///< "stopped", "sleeping"; empty: the driver has none

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "daemon/net/sources/bounds.hpp"
-#include "daemon/net/sources/timer.hpp"
 #include "daemon/sources/awds.hpp"
 #include "daemon/sources/babel.hpp"
 #include "daemon/sources/file.hpp"
@@ -15,10 +14,7 @@ namespace mlcca::net {
 Result<std::unique_ptr<LinkSource>> open_here(const core::mesh::Source& source,
                                               const core::mesh::Mesh& mesh, sd_event* loop,
                                               LinkSource::Report tell) {
-  auto report = [tell = std::move(tell), described = described_nodes(mesh),
-                 loop](core::mesh::Snapshot snapshot) {
-    tell(bounded(std::move(snapshot), described, time_of(loop)));
-  };
+  auto report = bounded_report(std::move(tell), mesh, loop);
   using enum core::mesh::SourceKind;
   switch (source.kind) {
     case file:

@@ -13,14 +13,15 @@
 #include "bpf/gate.h"
 #include "daemon/enforce/mapped.hpp"
 #include "enforce/sandbox.hpp"
+#include "support/becomes.hpp"
 
 namespace mlcca::enforce {
 namespace {
 
+using test::becomes;
 using test::new_bpf_root;
 
 constexpr std::uint64_t kMillisecond = 1'000'000;
-constexpr std::uint64_t kPatience = 20'000 * kMillisecond;
 
 std::uint64_t now() {
   return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch() /
@@ -31,16 +32,6 @@ Control create(const std::string& root) {
   auto control = Control::create(root);
   EXPECT_TRUE(control) << control.error().text;
   return std::move(*control);
-}
-
-/// Looks at a mapped word until it holds; false after a generous time.
-bool becomes(auto holds) {
-  const auto start = now();
-  while (!holds()) {
-    if (now() - start > kPatience) return false;
-    poll(nullptr, 0, 1);
-  }
-  return true;
 }
 
 /// Armed, open, with the shortest grace.

@@ -1,27 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Gates that close by themselves when nobody beats: no timer runs here, and nothing is pinned.
 #include <gtest/gtest.h>
-#include <poll.h>
 
-#include <chrono>
 #include <filesystem>
 
 #include "enforce/attach_fixture.hpp"
+#include "support/becomes.hpp"
 
 namespace mlcca::enforce {
 namespace {
 
-constexpr std::chrono::seconds kPatience{20};
-
-/// False after a generous time.
-bool becomes(auto holds) {
-  const auto start = std::chrono::steady_clock::now();
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() - start > kPatience) return false;
-    poll(nullptr, 0, 1);
-  }
-  return true;
-}
+using test::becomes;
 
 std::uint64_t refused_as_closed(const Gate& gate) {
   return gate.reasons(Direction::ingress).at(GATE_R_CLOSED);

@@ -6,7 +6,6 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <filesystem>
 
 #include "daemon/enforce/close_unpinned.hpp"
@@ -17,20 +16,12 @@
 #include "daemon/enforce/retire.hpp"
 #include "daemon/enforce/roster.hpp"
 #include "enforce/attach_fixture.hpp"
+#include "support/becomes.hpp"
 
 namespace mlcca::enforce {
 namespace {
 
-constexpr std::chrono::seconds kPatience{20};
-
-bool becomes(auto holds) {
-  const auto start = std::chrono::steady_clock::now();
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() - start > kPatience) return false;
-    poll(nullptr, 0, 1);
-  }
-  return true;
-}
+using test::becomes;
 
 class Orphan : public AttachTo, public testing::WithParamInterface<Hook> {
  protected:

@@ -2,7 +2,10 @@
 #include "daemon/net/sources/bounds.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
+
+#include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::net {
 namespace {
@@ -96,6 +99,14 @@ core::mesh::Snapshot bounded(core::mesh::Snapshot snapshot, const Described& des
   for (Sample& sample : snapshot.links) in_range &= correct(sample, now);
   if (!in_range) add_problem(snapshot.problem, "some of its numbers are out of range");
   return snapshot;
+}
+
+LinkSource::Report bounded_report(LinkSource::Report report, const core::mesh::Mesh& mesh,
+                                  sd_event* loop) {
+  return [report = std::move(report), described = described_nodes(mesh),
+          loop](core::mesh::Snapshot snapshot) {
+    report(bounded(std::move(snapshot), described, time_of(loop)));
+  };
 }
 
 }  // namespace mlcca::net

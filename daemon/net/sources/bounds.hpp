@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/mesh/sample.hpp"
+#include "daemon/net/sources/source.hpp"
 
 namespace mlcca::net {
 
@@ -34,5 +35,9 @@ using Described = std::set<std::string, std::less<>>;
 /// `now`: a sample cannot have been taken later.
 [[nodiscard]] core::mesh::Snapshot bounded(core::mesh::Snapshot snapshot,
                                            const Described& described, std::uint64_t now);
+
+/// `report` of what is bounded(), at the time of the loop.
+[[nodiscard]] LinkSource::Report bounded_report(LinkSource::Report report,
+                                                const core::mesh::Mesh& mesh, sd_event* loop);
 
 }  // namespace mlcca::net

@@ -9,7 +9,6 @@
 #include "daemon/net/sources/nl80211.hpp"
 #include "daemon/net/sources/remote.hpp"
 #include "daemon/net/sources/source.hpp"
-#include "daemon/net/sources/timer.hpp"
 #include "daemon/net/sources/wire.hpp"
 
 namespace mlcca::net {
@@ -17,10 +16,7 @@ namespace mlcca::net {
 Result<std::unique_ptr<LinkSource>> open_source(const core::mesh::Source& source,
                                                 const core::mesh::Mesh& mesh, sd_event* loop,
                                                 LinkSource::Report tell) {
-  auto report = [tell = std::move(tell), described = described_nodes(mesh),
-                 loop](core::mesh::Snapshot snapshot) {
-    tell(bounded(std::move(snapshot), described, time_of(loop)));
-  };
+  auto report = bounded_report(std::move(tell), mesh, loop);
   using enum core::mesh::SourceKind;
   switch (source.kind) {
     case description:
