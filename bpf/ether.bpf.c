@@ -154,10 +154,7 @@ static __always_inline int filter_event(struct __sk_buff *skb, struct ether_cpu 
 
 	bool granted = d.reason == GATE_R_PASSED;
 
-	/* In audit mode what is too much goes on as what it is. */
-	if (granted && direction == GATE_INGRESS)
-		skb->mark = gate_ingress_token(control.token, ifindex, e->subject);
-	if (granted && admit(cpu, direction, d.slot, e)) {
+	if (granted && admit(skb, cpu, direction, d.slot, e)) {
 		if (e->more)
 			remember(&fragments, e, d.slot);
 		return TC_ACT_UNSPEC;
@@ -168,7 +165,16 @@ static __always_inline int filter_event(struct __sk_buff *skb, struct ether_cpu 
 		       : refuse(skb, cpu, direction, d.slot, d.reason, e);
 }
 
-/* The mark of the datagram that a fragment belongs to. */
+/* The mark of the datagram that a fragment of it belongs to, which its slot has admitted. */
+static __always_inline __u32 mark_of_later(const struct ether_fragment *f)
+{
+	__u32 at = f->slot;
+	const struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
+	const struct ether_contract *contract = slot ? contract_of(slot) : NULL;
+
+	return contract ? mark_of(slot, contract, ifindex) : 0;
+}
+
 static __always_inline int filter_later(struct __sk_buff *skb, struct ether_cpu *cpu,
 					__u32 direction, const struct event *e,
 					const struct sender *from)
@@ -181,9 +187,7 @@ static __always_inline int filter_later(struct __sk_buff *skb, struct ether_cpu 
 	count_reason(cpu, direction, d.reason);
 	if (d.reason == GATE_R_FOREIGN)
 		return TC_ACT_UNSPEC;
-	skb->mark = f && direction == GATE_INGRESS
-			? gate_ingress_token(control.token, ifindex, f->subject)
-			: 0;
+	skb->mark = f && direction == GATE_INGRESS ? mark_of_later(f) : 0;
 	return TC_ACT_UNSPEC;
 }
 

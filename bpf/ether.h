@@ -187,7 +187,8 @@ static inline __u64 ether_hash(__u64 seed, __u64 subject, __u32 direction)
 
 /*
  * What a slot's frames come from: an IPv4 address, or ETHER_MAC and a MAC address. 0: anybody who
- * has no slot of that subject for himself.
+ * has no slot of that subject for himself. What is forwarded from one Ethernet-like interface to
+ * another has one station in both slots, so that it is the publisher of its gate_origin().
  */
 #define ETHER_MAC (1ULL << 48)
 

@@ -11,11 +11,11 @@ static __always_inline struct gate_watch *watch_of(const struct ether_slot *slot
 }
 
 /*
- * Polices, counts and watches it. One reading of the clock serves all of it. False: more than was
- * admitted, and to be dropped.
+ * Marks what comes in, polices, counts and watches it. One reading of the clock serves all of it.
+ * False: more than was admitted, and to be dropped.
  */
-static __always_inline bool admit(struct ether_cpu *cpu, __u32 direction, __u32 at,
-				  const struct event *e)
+static __always_inline bool admit(struct __sk_buff *skb, struct ether_cpu *cpu, __u32 direction,
+				  __u32 at, const struct event *e)
 {
 	struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
 	const struct ether_contract *contract;
@@ -28,6 +28,9 @@ static __always_inline bool admit(struct ether_cpu *cpu, __u32 direction, __u32 
 	contract = contract_of(slot);
 	if (!contract)
 		return false;
+	/* In audit mode what is too much goes on as what it is. */
+	if (direction == GATE_INGRESS)
+		skb->mark = mark_of(slot, contract, ifindex);
 	cost = cost_of(contract->per_frame, contract->per_byte, e->len);
 	w = watch_of(slot);
 	period = w ? READ_ONCE(w->period) : 0;

@@ -21,17 +21,29 @@ static __always_inline struct ether_contract *contract_of(const struct ether_slo
 	return bpf_map_lookup_elem(&contracts, &at);
 }
 
-/* Egress: it comes from the interface of the grant, passed by its gate, or from a program of its
- * user. */
-static __always_inline bool is_granted_to(const struct ether_slot *slot,
-					  const struct ether_contract *contract, __u32 mark,
-					  const struct sender *from)
+/* The mark of what the ingress gate of an interface has passed by a slot like this one. */
+static __always_inline __u32 mark_of(const struct ether_slot *slot,
+				     const struct ether_contract *contract, __u32 from)
+{
+	return gate_ingress_token(control.token, from,
+				  gate_origin(slot->subject, ether_station(slot, contract)));
+}
+
+/* Egress: it comes from the interface of the grant, or from a program of its user. */
+static __always_inline bool comes_from(const struct ether_contract *contract,
+				       const struct sender *from)
 {
 	if (from->source != contract->source)
 		return false;
-	if (from->source)
-		return mark == gate_ingress_token(control.token, from->source, slot->subject);
-	return contract->uid == GATE_ANY_UID || contract->uid == from->uid;
+	return from->source || contract->uid == GATE_ANY_UID || contract->uid == from->uid;
+}
+
+/* Egress: the gate of the interface that it comes from has passed it as what the slot is for. */
+static __always_inline bool is_vouched_for(const struct ether_slot *slot,
+					   const struct ether_contract *contract, __u32 mark,
+					   const struct sender *from)
+{
+	return !from->source || mark == mark_of(slot, contract, from->source);
 }
 
 /*
@@ -59,11 +71,13 @@ static __always_inline __u32 fit(const struct ether_slot *slot, __u32 direction,
 
 	if (!contract)
 		return GATE_R_DENIED;
-	if (direction == GATE_EGRESS && !is_granted_to(slot, contract, e->mark, from))
+	if (direction == GATE_EGRESS && !comes_from(contract, from))
 		return GATE_R_SOURCE;
 	reason = fit_sender(slot, contract, e);
 	if (reason != GATE_R_PASSED)
 		return reason;
+	if (direction == GATE_EGRESS && !is_vouched_for(slot, contract, e->mark, from))
+		return GATE_R_SOURCE;
 	if (!(contract->forms & e->form))
 		return GATE_R_FORMAT;
 	if (e->len > contract->max_len)

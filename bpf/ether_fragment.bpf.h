@@ -31,8 +31,8 @@ static __always_inline __u32 fragment_reason(const struct ether_fragment *f, con
 	    verdict_of(slot) != GATE_PASS)
 		return GATE_R_DENIED;
 	contract = contract_of(slot);
-	if (e->key.direction == GATE_EGRESS &&
-	    (!contract || !is_granted_to(slot, contract, e->mark, from)))
+	if (e->key.direction == GATE_EGRESS && (!contract || !comes_from(contract, from) ||
+						!is_vouched_for(slot, contract, e->mark, from)))
 		return GATE_R_SOURCE;
 	return GATE_R_PASSED;
 }

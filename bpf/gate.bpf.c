@@ -100,7 +100,7 @@ int gate_ingress(struct __sk_buff *skb)
 		return refuse_in(skb, cpu, d.slot, d.reason, &frame);
 	/* In audit mode what is too much goes on as what it is. */
 	skb->mark = gate_ingress_token(control.token, ifindex,
-				       table.slots[d.slot & (GATE_SLOTS - 1)].subject);
+				       table.slots[d.slot & (GATE_SLOTS - 1)].origin);
 	if (!admit(cpu, GATE_INGRESS, d.slot, &frame))
 		return drop(cpu, GATE_INGRESS, d.slot, GATE_R_EXCESS);
 	return TC_ACT_UNSPEC;

@@ -9,7 +9,7 @@
 #include <linux/can.h>
 #include <linux/types.h>
 
-#define GATE_LAYOUT_VERSION 4
+#define GATE_LAYOUT_VERSION 5
 
 /* Our tc filters: this priority and handle belong to the gate, and nothing else is ever replaced.
  */
@@ -171,7 +171,10 @@ struct gate_slot {
 	/* Egress: ifindex it must have entered by; 0: a local program; GATE_NO_SOURCE: the kernel
 	 */
 	__u32 source;
-	__u32 uid;    /* local sender's user, or GATE_ANY_UID */
+	union {
+		__u32 origin; /* gate_has_origin(): see gate_origin() */
+		__u32 uid;    /* otherwise: local sender's user, or GATE_ANY_UID */
+	};
 	__u16 next;   /* further slot of the same bucket; 0: none */
 	__u8 formats; /* GATE_CLASSIC | GATE_FD | GATE_XL */
 	__u8 pad;
@@ -389,18 +392,38 @@ static inline __u64 gate_gap_scale(__u64 period)
 	return ((__u64)GATE_GAPS_PERIOD << GATE_GAP_BITS) / period + 1;
 }
 
+/* An ingress slot gives its frames an origin; an egress slot demands one of what came in by an
+ * interface. */
+static inline int gate_has_origin(__u32 direction, __u32 source)
+{
+	return direction == GATE_INGRESS || (source && source != GATE_NO_SOURCE);
+}
+
+/*
+ * As what a frame was admitted at ingress, in 31 bits: the subject and the publisher, who is what
+ * the slot tells its frames by: gate_publisher() on CAN, ether_station() on Ethernet. Two of them
+ * are the same with a chance of 2^-31.
+ */
+static inline __u32 gate_origin(__u64 subject, __u64 publisher)
+{
+	return (__u32)((subject * 0x9e3779b97f4a7c15ULL + publisher * 0xd6e8feb86659fd93ULL) >> 33);
+}
+
+static inline __u64 gate_publisher(__u32 id, __u32 mask) { return (__u64)mask << 32 | id; }
+
 /*
  * Marks that frames carry inside this kernel. The ingress gate of an interface marks what it has
- * passed: as which subject and from where, so that egress admits neither a frame of a third bus nor
- * one that was admitted as another subject. Two subjects share a mark with a chance of 2^-31. The
- * egress gate marks what it lets out to a device that echoes. What only audit mode lets through is
- * marked at ingress, so that egress does not count it once more. The token's top bit is set, not
- * all others are, the lowest left aside, and an ifindex is positive: no mark is 0 and no two ever
- * meet.
+ * passed: from where, and with the origin of its slot, so that egress admits neither a frame of a
+ * third bus nor one that was admitted as another subject or as another publisher's, whatever was
+ * done to its identifier or address on the way. The egress gate marks what it lets out to a device
+ * that echoes. What only audit mode lets through is marked at ingress, so that egress does not
+ * count it once more. The token's top bit is set, not all others are, the lowest left aside, and
+ * neither an ifindex nor an origin has a top bit: no mark is 0, and an ingress mark is never one of
+ * the others.
  */
-static inline __u32 gate_ingress_token(__u32 token, __u32 ifindex, __u64 subject)
+static inline __u32 gate_ingress_token(__u32 token, __u32 ifindex, __u32 origin)
 {
-	return token ^ ifindex ^ (__u32)(subject * 0x9e3779b97f4a7c15ULL >> 33);
+	return token ^ ifindex ^ origin;
 }
 
 static inline __u32 gate_echo_token(__u32 token) { return ~token; }

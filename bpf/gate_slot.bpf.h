@@ -30,7 +30,7 @@ static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
 		if (source != slot->source)
 			return GATE_R_SOURCE;
 		if (source && source != GATE_NO_SOURCE &&
-		    frame->mark != gate_ingress_token(control.token, source, slot->subject))
+		    frame->mark != gate_ingress_token(control.token, source, slot->origin))
 			return GATE_R_SOURCE;
 		if (!source && slot->uid != GATE_ANY_UID && slot->uid != bpf_get_socket_uid(skb))
 			return GATE_R_SOURCE;

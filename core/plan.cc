@@ -184,13 +184,21 @@ class Planner {
       if (const auto& sender = sender_between(source, port))
         e.uid = *sender;
       else if (source != kLocal)
-        e.source_port = source;
+        come_from(p, source, network, e);
       else if (p.uid)
         e.uid = *p.uid;
       else
         return std::nullopt;  // a local publisher without a user: nobody may send
     }
     return e;
+  }
+
+  /// Frames of publishers that leave alike are told apart by what they were admitted as.
+  void come_from(const Publisher& p, std::size_t source, const Network& out, GateEntry& e) const {
+    e.source_port = source;
+    if (out.carries_subjects() || network_at(source).carries_subjects()) return;
+    if (const auto in = entry(p, source, Direction::ingress, kLocal))
+      e.entered_as = {.id = in->id, .mask = in->mask};
   }
 
   void emit(const Publisher& p, std::size_t port, Direction direction, std::size_t source,

@@ -26,6 +26,7 @@ struct GateEntry {
   std::uint32_t mask = 0;
   std::optional<std::size_t>
       source_port;               ///< egress: where the frame came in; none: a local program
+  FrameIdentity entered_as;      ///< egress, from another bus: what it was admitted as there
   std::uint32_t uid = 0;         ///< egress, local program: its user
   bool from_kernel = false;      ///< egress: of no program, but of a protocol in the kernel
   Station station;               ///< Ethernet: who sent the frame; anybody: who has no other entry

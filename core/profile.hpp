@@ -2,6 +2,7 @@
 // How the frames of a network name their channel and their sender: the one place that knows the
 // identifiers of each profile.
 #pragma once
+#include <compare>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -61,7 +62,7 @@ struct Sender {
 struct FrameIdentity {
   std::uint32_t id = 0;
   std::uint32_t mask = 0;
-  bool operator==(const FrameIdentity&) const = default;
+  auto operator<=>(const FrameIdentity&) const = default;
 };
 
 /// What all frames of a publisher on the network have. Nothing where it lacks a node or has one

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <string>
 #include <tuple>
 #include <vector>
 
@@ -68,7 +70,7 @@ class Report {
     out.slots = static_cast<std::uint32_t>(slots.size());
     const auto listed = slots.begin() + std::min(std::ssize(slots), kListed);
     std::ranges::partial_sort(slots, listed, {}, [](const enforce::SlotSpec& s) {
-      return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.subject, s.station);
+      return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.origin, s.subject, s.station);
     });
     slots.erase(listed, slots.end());
     std::array<std::uint32_t, 2> masked{};
@@ -133,12 +135,30 @@ class Report {
       return slot.uid == GATE_ANY_UID ? "any user" : fmt::format("user {}", slot.uid);
     for (std::size_t p = 0; p < ports_.size(); ++p)
       if (const auto* gate = ports_.gate(p); gate != nullptr && gate->ifindex() == slot.source)
-        return gate->name();
+        return gate->name() + identifier_at(*gate, slot);
     return fmt::format("interface {}", slot.source);
   }
 
+  /// What a frame came in with, where that is not what it leaves with.
+  [[nodiscard]] std::string identifier_at(const enforce::PortGate& gate,
+                                          const enforce::SlotSpec& slot) const {
+    if (slot.origin == 0) return {};
+    const auto [at, fresh] = entered_.try_emplace(gate.ifindex());
+    if (fresh)
+      for (const enforce::SlotSpec& s : gate.present())
+        if (s.direction == enforce::Direction::ingress) at->second.emplace(s.origin, s.id);
+    const auto id = at->second.find(slot.origin);
+    if (id == at->second.end() || id->second == slot.id) return {};
+    const bool extended = (id->second & CAN_EFF_FLAG) != 0;
+    return fmt::format(" as {:0{}x}", id->second & (extended ? CAN_EFF_MASK : CAN_SFF_MASK),
+                       extended ? 8 : 3);
+  }
+
+  using Identifiers = std::map<std::uint32_t, std::uint32_t>;  // by origin
+
   const Ports& ports_;
   const core::State& state_;
+  mutable std::map<std::uint32_t, Identifiers> entered_;  ///< by interface
 };
 
 }  // namespace

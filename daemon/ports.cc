@@ -7,18 +7,12 @@
 #include <ranges>
 #include <utility>
 
-#include "bpf/ether.h"
 #include "core/text.hpp"
+#include "daemon/enforce/entry_slot.hpp"
 #include "daemon/net/queue.hpp"
 
 namespace mlcca {
 namespace {
-
-std::uint8_t formats_of(const core::GateEntry& e, core::NetworkKind kind) {
-  if (kind != core::NetworkKind::can) return ETHER_WHOLE | (e.split ? ETHER_SPLIT : 0);
-  return static_cast<std::uint8_t>((e.classic ? GATE_CLASSIC : 0) | (e.fd ? GATE_FD : 0) |
-                                   (e.xl ? GATE_XL : 0));
-}
 
 control::Traffic traffic_of(const enforce::PortGate& gate, enforce::Direction direction) {
   control::Traffic out;
@@ -274,43 +268,23 @@ std::optional<BusCounters> Ports::bus_counters(std::size_t port) {
 
 static_assert(core::kMostEntries == GATE_CHAIN);
 
-std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateEntry& e, bool pass) const {
-  enforce::SlotSpec slot;
-  slot.direction = e.direction == core::Direction::ingress ? enforce::Direction::ingress
-                                                           : enforce::Direction::egress;
-  slot.pass = pass;
-  slot.max_len = e.max_length;
-  slot.formats = formats_of(e, ports_[e.port].kind);
-  slot.id = e.id;
-  slot.mask = e.mask;
-  slot.subject = e.subject;
-  slot.station = e.station.bits;
-  if (e.direction == core::Direction::egress) {
-    if (e.source_port) {
-      slot.source = static_cast<std::uint32_t>(ports_[*e.source_port].ifindex);
-      if (slot.source == 0) return std::nullopt;  // nothing can come from there
-    } else if (e.from_kernel) {
-      slot.source = GATE_NO_SOURCE;
-    } else {
-      slot.uid = e.uid;
-    }
-  }
-  return slot;
+std::optional<std::uint32_t> Ports::source_of(const core::GateEntry& e) const {
+  if (!e.source_port) return 0;
+  const int ifindex = ports_[*e.source_port].ifindex;
+  if (ifindex == 0) return std::nullopt;  // nothing can come from there
+  return static_cast<std::uint32_t>(ifindex);
+}
+
+std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateEntry& e) const {
+  const auto source = source_of(e);
+  if (!source) return std::nullopt;
+  return enforce::slot_of(e, ports_[e.port].kind, *source);
 }
 
 std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateRule& rule) const {
-  auto slot = slot_of(rule.entry, rule.pass);
-  if (!slot) return slot;
-  slot->per_frame = rule.policing.per_frame;
-  slot->per_byte = rule.policing.per_byte;
-  slot->tolerance = rule.policing.tolerance;
-  slot->excess_passes = rule.policing.counts_only;
-  if (gate_gap_scale(rule.watching.period) != 0) {
-    slot->period = rule.watching.period;
-    slot->silence = rule.watching.silence;
-    slot->together = rule.watching.together;
-  }
-  return slot;
+  const auto source = source_of(rule.entry);
+  if (!source) return std::nullopt;
+  return enforce::slot_of(rule, ports_[rule.entry.port].kind, *source);
 }
 
 Result<void> Ports::sync(const core::GateState& wanted) {
@@ -345,7 +319,7 @@ std::map<std::size_t, enforce::SlotChanges> Ports::by_port(const core::GateChang
                           std::vector<enforce::SlotSpec> enforce::SlotChanges::* list) {
     for (const core::GateEntry& e : entries)
       if (gate_of(e.port) != nullptr)
-        if (auto slot = slot_of(e, false)) (out[e.port].*list).push_back(*slot);
+        if (auto slot = slot_of(e)) (out[e.port].*list).push_back(*slot);
   };
   spread(changes.close, &enforce::SlotChanges::close);
   spread(changes.remove, &enforce::SlotChanges::remove);
@@ -388,7 +362,7 @@ Frames Ports::frames(const core::GateState& rules,
   for (const core::GateRule& rule : rules) {
     const enforce::PortGate* gate = gate_of(rule.entry.port);
     if (gate == nullptr) continue;
-    const auto slot = slot_of(rule.entry, rule.pass);
+    const auto slot = slot_of(rule.entry);
     const auto counted = slot ? gate->counters(*slot) : std::nullopt;
     if (!counted) continue;
     sum.dropped += counted->dropped;

@@ -166,8 +166,9 @@ class Ports {
   void judge(PortState& port);
   void queue(PortState& port);
   void tell_can_state(PortState& port, const net::Link& link);
-  [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateEntry& entry,
-                                                         bool pass) const;
+  /// Interface of its source port, 0: it has none; nothing: that is not there.
+  [[nodiscard]] std::optional<std::uint32_t> source_of(const core::GateEntry& entry) const;
+  [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateEntry& entry) const;
   [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateRule& rule) const;
   [[nodiscard]] std::map<std::size_t, enforce::SlotChanges> by_port(
       const core::GateChanges& changes) const;

@@ -3,6 +3,7 @@
 #include "daemon/enforce/slot_record.hpp"
 
 #include <limits>
+#include <utility>
 
 namespace mlcca::enforce {
 namespace {
@@ -12,7 +13,7 @@ constexpr std::uint64_t kPasses = 2;
 constexpr std::uint64_t kExcessPasses = 4;
 
 // Whoever adds what a slot says adds it to its record.
-static_assert(sizeof(SlotSpec) == 96);
+static_assert(sizeof(SlotSpec) == 104);
 
 void put(std::string& to, std::uint64_t number) {
   for (; number > 0x7f; number >>= 7) to.push_back(static_cast<char>(number | 0x80));
@@ -42,8 +43,12 @@ struct Numbers {
   }
 };
 
-/// Nearly all slots have GATE_ANY_UID: it becomes 0.
-std::uint32_t next_to(std::uint32_t number) { return number + 1; }
+bool has_origin(const SlotSpec& s) {
+  return gate_has_origin(std::to_underlying(s.direction), s.source) != 0;
+}
+
+/// The origin, or the user, of whom GATE_ANY_UID becomes 0.
+std::uint32_t origin_or_user(const SlotSpec& s) { return has_origin(s) ? s.origin : s.uid + 1; }
 
 void put(std::string& to, const PlacedSlot& placed) {
   const SlotSpec& s = placed.slot;
@@ -52,7 +57,7 @@ void put(std::string& to, const PlacedSlot& placed) {
               (s.excess_passes ? kExcessPasses : 0));
   for (const std::uint64_t number :
        {std::uint64_t{s.max_len}, std::uint64_t{s.formats}, std::uint64_t{s.id},
-        std::uint64_t{s.mask}, std::uint64_t{s.source}, std::uint64_t{next_to(s.uid)}, s.station,
+        std::uint64_t{s.mask}, std::uint64_t{s.source}, std::uint64_t{origin_or_user(s)}, s.station,
         s.per_frame, s.per_byte, s.tolerance, s.period, s.silence, s.together})
     put(to, number);
 }
@@ -71,7 +76,10 @@ PlacedSlot take(Numbers& from, std::uint64_t subject) {
   s.id = from.take<std::uint32_t>();
   s.mask = from.take<std::uint32_t>();
   s.source = from.take<std::uint32_t>();
-  s.uid = from.take<std::uint32_t>() - 1;
+  if (has_origin(s))
+    s.origin = from.take<std::uint32_t>();
+  else
+    s.uid = from.take<std::uint32_t>() - 1;
   s.station = from.take();
   s.subject = subject;
   s.per_frame = from.take();

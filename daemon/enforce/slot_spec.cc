@@ -9,8 +9,8 @@ namespace mlcca::enforce {
 namespace {
 
 auto grant(const SlotSpec& s) {
-  return std::tie(s.direction, s.max_len, s.formats, s.id, s.mask, s.source, s.uid, s.station,
-                  s.subject);
+  return std::tie(s.direction, s.max_len, s.formats, s.id, s.mask, s.source, s.uid, s.origin,
+                  s.station, s.subject);
 }
 
 }  // namespace
@@ -30,10 +30,10 @@ bool SlotSpec::same_grant(const SlotSpec& other) const { return grant(*this) == 
 SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSpec> wanted) {
   // Two publishers with one grant share a slot; it passes when one of them may.
   std::map<SlotSpec, bool, ByGrant> want;
-  using Succession =
-      std::tuple<Direction, std::uint64_t, std::uint32_t, std::uint32_t, std::uint64_t>;
+  using Succession = std::tuple<Direction, std::uint64_t, std::uint32_t, std::uint32_t,
+                                std::uint32_t, std::uint64_t>;
   const auto succession = [](const SlotSpec& s) {
-    return Succession{s.direction, s.subject, s.id, s.source, s.station};
+    return Succession{s.direction, s.subject, s.id, s.source, s.origin, s.station};
   };
   std::set<Succession> passing;
   for (const auto& s : wanted) {

@@ -26,6 +26,7 @@ struct SlotSpec {
   std::uint32_t source = 0;             ///< egress: ifindex it entered by, 0: a local program,
                                         ///< GATE_NO_SOURCE: the kernel itself
   std::uint32_t uid = GATE_ANY_UID;     ///< local program's user
+  std::uint32_t origin = 0;             ///< CAN, gate_has_origin(): see gate_origin()
   std::uint64_t station = 0;            ///< Ethernet: ether_station(), 0: anybody else
   std::uint64_t subject = 0;
   // How much passes, see gate_slot; all 0: not policed.
@@ -65,8 +66,9 @@ struct ByGrant {
 };
 
 /// What turns `present` into `wanted`. Slots that are in both with one verdict are not mentioned.
-/// A passing slot that goes without a passing successor (same direction, subject, identifier and
-/// source) is closed before anything opens; one with a successor stays until that has opened.
+/// A passing slot that goes without a passing successor (same direction, subject, identifier,
+/// source and origin) is closed before anything opens; one with a successor stays until that has
+/// opened.
 SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSpec> wanted);
 
 /// Waits until no CPU runs a program that began before the call (one RCU grace period).

@@ -18,6 +18,11 @@ namespace mlcca::enforce {
 namespace {
 
 constexpr std::uint32_t kLargestIfindex = 0x7fffffff;
+constexpr std::uint32_t kLargestOrigin = 0x7fffffff;
+
+bool has_origin(Direction direction, std::uint32_t source) {
+  return gate_has_origin(std::to_underlying(direction), source) != 0;
+}
 
 std::uint8_t formats_of(const SlotSpec& s) {
   return static_cast<std::uint8_t>(s.formats | (s.excess_passes ? GATE_EXCESS_PASSES : 0));
@@ -60,6 +65,9 @@ Result<void> check_spec(const SlotSpec& s, std::uint32_t profile) {
     return fail(name(s) + ": CAN XL has 11 bits of priority");
   if (s.source > kLargestIfindex && s.source != GATE_NO_SOURCE)
     return fail(name(s) + ": the source is no interface");
+  if (s.origin > kLargestOrigin) return fail(name(s) + ": that is no origin");
+  if (has_origin(s.direction, s.source) ? s.uid != GATE_ANY_UID : s.origin != 0)
+    return fail(name(s) + ": programs have users, and what came in by an interface an origin");
   return {};
 }
 
@@ -155,6 +163,7 @@ std::vector<std::uint16_t> SlotTable::chain(const SlotSpec& spec) const {
 
 SlotSpec SlotTable::spec_of(std::uint16_t slot, Direction direction) const {
   const gate_slot& s = table_->slots[slot];
+  const bool origin = has_origin(direction, s.source);
   return {.direction = direction,
           .pass = passes(slot),
           .max_len = s.max_len,
@@ -162,7 +171,8 @@ SlotSpec SlotTable::spec_of(std::uint16_t slot, Direction direction) const {
           .id = s.id,
           .mask = s.mask,
           .source = s.source,
-          .uid = s.uid,
+          .uid = origin ? GATE_ANY_UID : s.uid,
+          .origin = origin ? s.origin : 0,
           .subject = s.subject,
           .per_frame = s.per_frame,
           .per_byte = s.per_byte,
@@ -281,7 +291,7 @@ void SlotTable::link(const SlotSpec& spec) {
                          .id = spec.id,
                          .mask = spec.mask,
                          .source = spec.source,
-                         .uid = spec.uid,
+                         .origin = has_origin(spec.direction, spec.source) ? spec.origin : spec.uid,
                          .next = *head(spec),
                          .formats = formats_of(spec),
                          .pad = 0,

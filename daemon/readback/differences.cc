@@ -41,6 +41,7 @@ Words words_of(const SlotSpec& s, bool ethernet, const NameOf& name_of) {
           fmt::format("mask {:#x}", s.mask),
           fmt::format("source {}", source_of(s, name_of)),
           s.uid == GATE_ANY_UID ? "any user" : fmt::format("user {}", s.uid),
+          s.origin == 0 ? "no origin" : fmt::format("origin {:#x}", s.origin),
           s.station == 0 ? "any station" : "station " + core::to_text(core::Station{s.station}),
           fmt::format("length {}", s.max_len),
           fmt::format("formats{}", formats_of(s, ethernet)),

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <utility>
 
 namespace mlcca::readback {
 namespace {
@@ -63,11 +64,13 @@ std::vector<SlotSpec> candidates(const Probe& probe, const GateReading& gate) {
   return named.empty() ? masked : named;
 }
 
-/// Subjects as which it passes.
-std::set<std::uint64_t> subjects(const Probe& probe, const GateReading& gate) {
-  std::set<std::uint64_t> passed;
+/// Of the slots that let it pass: what they admit it as, or demand that it was admitted as.
+using Origins = std::set<std::pair<std::uint64_t, std::uint32_t>>;
+Origins origins(const Probe& probe, const GateReading& gate) {
+  Origins passed;
   for (const SlotSpec& slot : candidates(probe, gate))
-    if (slot.pass && is_whence(slot, probe) && fits(slot, probe)) passed.insert(slot.subject);
+    if (slot.pass && is_whence(slot, probe) && fits(slot, probe))
+      passed.emplace(slot.subject, slot.origin);
   return passed;
 }
 
@@ -112,18 +115,18 @@ Probes probes_for(const GateReading& gate) {
 }
 
 bool is_admitted(const Probe& probe, const GateReading& gate, std::span<const GateReading> all) {
-  if (probe.way != Probe::Way::through) return !subjects(probe, gate).empty();
+  if (probe.way != Probe::Way::through) return !origins(probe, gate).empty();
   const auto source = std::ranges::find(all, probe.source, &GateReading::ifindex);
   if (source == all.end()) return false;
   Probe at_source = probe;
   at_source.way = Probe::Way::in;
-  const auto entered = subjects(at_source, *source);
-  return std::ranges::any_of(subjects(probe, gate), [&](auto s) { return entered.contains(s); });
+  const auto entered = origins(at_source, *source);
+  return std::ranges::any_of(origins(probe, gate), [&](auto o) { return entered.contains(o); });
 }
 
 bool enters_otherwise(const Probe& probe, const GateReading& gate,
                       std::span<const GateReading> all) {
-  return probe.way == Probe::Way::through && !subjects(probe, gate).empty() &&
+  return probe.way == Probe::Way::through && !origins(probe, gate).empty() &&
          !is_admitted(probe, gate, all);
 }
 

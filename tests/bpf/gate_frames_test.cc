@@ -18,9 +18,11 @@ constexpr std::uint32_t kRtr = CAN_RTR_FLAG;
 constexpr std::uint32_t kStandard = kEff | kRtr | CAN_SFF_MASK;  // whole 11-bit identifier, no RTR
 constexpr std::uint32_t kExtended = kEff | kRtr | CAN_EFF_MASK;
 constexpr std::uint64_t kSubject = 0xa4efeccc3210b497;
+constexpr std::uint64_t kPublisher = 5;
 /// Mark of a frame of kSubject that the ingress gate of an interface has passed.
-std::uint32_t mark_from(std::uint32_t ifindex, std::uint64_t subject = kSubject) {
-  return gate_ingress_token(kToken, ifindex, subject);
+std::uint32_t mark_from(std::uint32_t ifindex, std::uint64_t subject = kSubject,
+                        std::uint64_t publisher = kPublisher) {
+  return gate_ingress_token(kToken, ifindex, gate_origin(subject, publisher));
 }
 const std::uint32_t kAdmitted = mark_from(kIfindex);
 const std::uint32_t kFromOther = mark_from(kOther);
@@ -41,12 +43,14 @@ SlotSpec slot(Direction direction, std::uint32_t id, std::uint32_t mask) {
   s.id = id;
   s.mask = mask;
   s.subject = kSubject;
+  if (direction == kIn) s.origin = gate_origin(kSubject, kPublisher);
   return s;
 }
 SlotSpec in(std::uint32_t id) { return slot(kIn, id, (id & kEff) != 0 ? kExtended : kStandard); }
 SlotSpec out(std::uint32_t id, std::uint32_t source = kOther) {
   auto s = slot(kOut, id, (id & kEff) != 0 ? kExtended : kStandard);
   s.source = source;
+  if (source != 0) s.origin = gate_origin(kSubject, kPublisher);
   return s;
 }
 SlotSpec with(SlotSpec s, auto change) {
@@ -231,6 +235,9 @@ std::vector<Row> source_rows() {
           {.mark = mark_from(11), .ingress_ifindex = kOther}, {GATE_R_SOURCE, 0}),
       raw("AdmittedAsAnotherSubjectIsRefused", {out(0x123)}, kOut, f,
           {.mark = mark_from(kOther, kSubject + 1), .ingress_ifindex = kOther}, {GATE_R_SOURCE, 0}),
+      raw("AdmittedAsAnotherPublishersIsRefused", {out(0x123)}, kOut, f,
+          {.mark = mark_from(kOther, kSubject, kPublisher + 1), .ingress_ifindex = kOther},
+          {GATE_R_SOURCE, 0}),
       raw("TokenWithoutInterfaceIsRefused", {out(0x123)}, kOut, f, marked(kFromOther),
           {GATE_R_SOURCE, 0}),
       raw("SenderWithoutSocketIsNotLocal", {out(0x123, 0)}, kOut, f, kBus, {GATE_R_SOURCE, 0}),
@@ -244,7 +251,6 @@ std::vector<Row> source_rows() {
       raw("LocalOfGrantedUserLeaves", {user(out(0x123, 0), 0)}, kOut, f, kLocal, sent()),
       raw("LocalOfAnotherUserIsRefused", {user(out(0x123, 0), 1000)}, kOut, f, kLocal,
           {GATE_R_SOURCE, 0}),
-      raw("UserOfForwardedIsNotAsked", {user(out(0x123), 1000)}, kOut, f, kForwarded, sent()),
       raw("LocalMarkIsCleared", {out(0x123, 0)}, kOut, f, {.local = true, .mark = 77}, sent()),
       echoing(raw("EchoingDeviceMarksForwarded", {out(0x123)}, kOut, f, kForwarded,
                   {GATE_R_PASSED, 0, kEcho})),

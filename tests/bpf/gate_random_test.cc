@@ -84,8 +84,11 @@ SlotSpec random_slot(Random& random, std::uint32_t profile) {
   s.formats = byte(random.of(
       {GATE_CLASSIC, GATE_FD, GATE_CLASSIC | GATE_FD, GATE_XL, GATE_CLASSIC | GATE_FD | GATE_XL}));
   s.source = random.of({0, kOther, 11, GATE_NO_SOURCE});
-  s.uid = random.of({GATE_ANY_UID, 0, 1000});
   s.subject = random.of({1, 1, 2});
+  if (gate_has_origin(static_cast<std::uint32_t>(s.direction), s.source) != 0)
+    s.origin = gate_origin(s.subject, random.of({1, 1, 2}));
+  else
+    s.uid = random.of({GATE_ANY_UID, 0, 1000});
   return s;
 }
 
@@ -118,11 +121,12 @@ Sender random_sender(Random& random) {
   Sender s;
   s.local = random.chance(3);
   s.xl = random.chance(4);
-  const auto from = [](std::uint32_t ifindex, std::uint64_t subject) {
-    return gate_ingress_token(kToken, ifindex, subject);
+  const auto from = [](std::uint32_t ifindex, std::uint64_t subject, std::uint64_t publisher = 1) {
+    return gate_ingress_token(kToken, ifindex, gate_origin(subject, publisher));
   };
-  s.mark = random.of({0, from(kOther, 1), from(kOther, 2), from(11, 1), from(11, 2),
-                      from(kIfindex, 1), kToken, ~kToken, kToldBefore, 7});
+  s.mark =
+      random.of({0, from(kOther, 1), from(kOther, 1, 2), from(kOther, 2), from(11, 1), from(11, 2),
+                 from(11, 2, 2), from(kIfindex, 1), kToken, ~kToken, kToldBefore, 7});
   s.ingress_ifindex = random.of({0, kOther, kOther, 11, kIfindex});
   return s;
 }

@@ -91,9 +91,9 @@ std::int64_t source(const Sender& sender) {
   return sender.ingress_ifindex != 0 ? sender.ingress_ifindex : kNobody;
 }
 
-/// The mark says that the interface of the slot has passed the frame as the slot's subject.
+/// The mark says that the interface of the slot has passed the frame as what the slot demands.
 bool vouched(const SlotSpec& s, std::uint32_t mark) {
-  return s.source == GATE_NO_SOURCE || mark == gate_ingress_token(kToken, s.source, s.subject);
+  return s.source == GATE_NO_SOURCE || mark == gate_ingress_token(kToken, s.source, s.origin);
 }
 
 gate_reason misfit(const SlotSpec& s, const Parsed& f, std::int64_t from, std::uint32_t mark) {
@@ -170,7 +170,7 @@ Judgement judge_ingress(const World& world, const Bytes& bytes, const Sender& se
   decide(world, Direction::ingress, *f, kNobody, sender.mark, j);
   const bool pass = j.reason == GATE_R_PASSED;
   j.outcome =
-      pass ? Outcome{false, gate_ingress_token(kToken, kIfindex, world.slots[*j.slot].subject)}
+      pass ? Outcome{false, gate_ingress_token(kToken, kIfindex, world.slots[*j.slot].origin)}
            : refused_in(world, j.reason).outcome;
   if (pass && (f->can_id & CAN_RTR_FLAG) == 0) j.bytes = f->len;
   return j;

@@ -149,6 +149,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "neither classic"},
         BadSpec{"NoIfindexAsSource", GATE_PROFILE_RAW, [](auto& s) { s.source = 0x80000000; },
                 "no interface"},
+        BadSpec{"NoOriginAsOrigin", GATE_PROFILE_RAW,
+                [](auto& s) { s.source = 9, s.origin = 0x80000000; }, "no origin"},
+        BadSpec{"ProgramWithOrigin", GATE_PROFILE_RAW, [](auto& s) { s.origin = 1; },
+                "programs have users"},
+        BadSpec{"InterfaceWithUser", GATE_PROFILE_RAW, [](auto& s) { s.source = 9, s.uid = 0; },
+                "programs have users"},
         BadSpec{"TheSameTwice", GATE_PROFILE_RAW, [](auto& s) { s.subject = 2; }, "there already"}),
     [](const auto& row) { return row.param.name; });
 

@@ -30,7 +30,8 @@ PlacedSlot random_slot(std::mt19937_64& random) {
   s.id = static_cast<std::uint32_t>(any(random));
   s.mask = static_cast<std::uint32_t>(any(random));
   s.source = static_cast<std::uint32_t>(any(random));
-  s.uid = static_cast<std::uint32_t>(any(random));
+  const bool origin = gate_has_origin(static_cast<std::uint32_t>(s.direction), s.source) != 0;
+  (origin ? s.origin : s.uid) = static_cast<std::uint32_t>(any(random));
   s.station = any(random);
   s.subject = 7;
   s.per_frame = any(random);
@@ -53,7 +54,7 @@ TEST(SlotRecord, GivesBackEverythingThatASlotSays) {
 
 TEST(SlotRecord, TakesTheLargestNumbers) {
   PlacedSlot slot{most<std::uint32_t>(), {}};
-  slot.slot.id = slot.slot.mask = slot.slot.source = slot.slot.uid = most<std::uint32_t>();
+  slot.slot.id = slot.slot.mask = slot.slot.source = slot.slot.origin = most<std::uint32_t>();
   slot.slot.tolerance = most<std::uint64_t>();
   EXPECT_EQ(slots_in(record_of({&slot, 1}), 0), std::vector{slot});
 }

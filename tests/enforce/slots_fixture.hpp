@@ -46,8 +46,8 @@ inline SlotChanges removing(std::vector<SlotSpec> specs) {
 
 inline std::vector<SlotSpec> sorted(std::vector<SlotSpec> specs) {
   std::ranges::sort(specs, {}, [](const SlotSpec& s) {
-    return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.max_len, s.formats, s.subject,
-                      s.pass);
+    return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.origin, s.max_len, s.formats,
+                      s.subject, s.pass);
   });
   return specs;
 }

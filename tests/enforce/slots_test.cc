@@ -21,7 +21,7 @@ TEST_F(Slots, PresentGivesBackWhatWasAdded) {
   full.direction = Direction::ingress;
   full.max_len = 64;
   full.formats = GATE_FD;
-  full.uid = 1000;
+  full.origin = 0x7fffffff;
   full.subject = 0xa4efeccc3210b497;
   const std::vector specs = {raw(0), raw(0x7ff, 7), refused(raw(0x123)), full};
   ASSERT_TRUE(slots.apply(adding(specs)));
@@ -263,6 +263,10 @@ TEST(Difference, ForerunnerOfAPassingSlotIsNotClosedFirst) {
   EXPECT_TRUE(difference(present, std::vector{longer}).close.empty());
   EXPECT_EQ(difference(present, std::vector{refused(longer)}).close, present);
   EXPECT_EQ(difference(present, std::vector{raw(1, 9)}).close, present) << "another source";
+  auto other = raw(1, 9);
+  other.origin = 1;
+  const std::vector forwarded = {raw(1, 9)};
+  EXPECT_EQ(difference(forwarded, std::vector{other}).close, forwarded) << "another origin";
 }
 
 TEST(Difference, PublishersWithOneGrantShareASlotThatPassesForEither) {

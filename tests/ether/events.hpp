@@ -13,8 +13,12 @@ using enforce::SlotSpec;
 inline constexpr auto kIn = Direction::ingress;
 inline constexpr auto kOut = Direction::egress;
 inline constexpr std::uint64_t kSubject = 0x44697374616e6365;  // "Distance"
-inline const std::uint32_t kAdmitted = gate_ingress_token(kToken, kIfindex, kSubject);
-inline const std::uint32_t kFromOther = gate_ingress_token(kToken, kOther, kSubject);
+/// Of an event of a station, or of somebody who has no slot of his own.
+inline std::uint32_t mark_from(std::uint32_t ifindex, std::uint64_t station = 0) {
+  return gate_ingress_token(kToken, ifindex, gate_origin(kSubject, station));
+}
+inline const std::uint32_t kAdmitted = mark_from(kIfindex);
+inline const std::uint32_t kFromOther = mark_from(kOther);
 
 inline SlotSpec slot(Direction direction) {
   SlotSpec s;

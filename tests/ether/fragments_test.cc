@@ -242,6 +242,15 @@ TEST_F(EtherFragments, AreForwardedWithTheMarkOfTheirGate) {
   EXPECT_TRUE(leaves(later, kForwarded));
 }
 
+TEST_F(EtherFragments, HaveTheMarkOfTheirStation) {
+  gate_.admit({with(admitted_, [](SlotSpec& s) { s.station = 0x0a000001; })});
+  const auto mark = [&](std::size_t begin, std::size_t end) {
+    return gate_.run(kIn, frame(known_.fragment(begin, end)), kWire).mark;
+  };
+  EXPECT_EQ(mark(0, 576), mark_from(kIfindex, 0x0a000001));
+  EXPECT_EQ(mark(576, 1152), mark_from(kIfindex, 0x0a000001));
+}
+
 TEST_F(EtherFragments, ADatagramIsPolicedOnce) {
   SlotSpec policed = admitted_;
   policed.per_frame = 3'600'000'000'000;

@@ -135,6 +135,9 @@ std::vector<Row> station_rows() {
     s.station = station;
     return s;
   };
+  const auto forwarded = [](std::uint64_t station) {
+    return Sender{.mark = mark_from(kOther, station), .ingress_ifindex = kOther};
+  };
   const Bytes from_second = packet([](Datagram& d) { d.source = second; });
   const Bytes flood = ethernet(0x8334, awds_flood(0x7c, awds_event(kSubject, 8)));
   const Bytes one_hop = ethernet(0x8334, awds_unicast(0x7c, awds_event(kSubject, 8)));
@@ -178,13 +181,31 @@ std::vector<Row> station_rows() {
        {of(first, from(kOther))},
        kOut,
        packet(),
-       kForwarded,
+       forwarded(first),
        GATE_R_PASSED},
       {"ThatOfAnotherIsNot",
        {of(first, from(kOther))},
        kOut,
        from_second,
+       forwarded(first),
+       GATE_R_SOURCE},
+      {"NorThatOfAnotherWithItsAddress",
+       {of(first, from(kOther))},
+       kOut,
+       packet(),
+       forwarded(second),
+       GATE_R_SOURCE},
+      {"NorThatOfAnybodyWithItsAddress",
+       {of(first, from(kOther))},
+       kOut,
+       packet(),
        kForwarded,
+       GATE_R_SOURCE},
+      {"NorItsOwnAsThatOfAnybody",
+       {from(kOther)},
+       kOut,
+       from_second,
+       forwarded(first),
        GATE_R_SOURCE},
       {"FromAnotherInterfaceItIsAnybody",
        {of_user(0), of(first, from(kOther))},
@@ -305,7 +326,9 @@ class EtherFrames : public testing::TestWithParam<Row> {
     EXPECT_EQ(got.dropped, drops);
     EXPECT_EQ(gate.reasons(row.direction).at(row.reason), 1U)
         << "not " << enforce::reason_text(row.reason);
-    const std::uint32_t mark = row.reason == GATE_R_PASSED && row.direction == kIn ? kAdmitted : 0;
+    const std::uint32_t mark = row.reason == GATE_R_PASSED && row.direction == kIn
+                                   ? mark_from(kIfindex, row.slots.front().station)
+                                   : 0;
     EXPECT_EQ(got.mark, mark);
     if (row.reason == GATE_R_FOREIGN) return;
     const auto counted = row.own ? gate.counted(row.direction) : gate.counted(row.slots.front());
@@ -354,6 +377,28 @@ TEST(EtherAudit, WhatIsTooMuchGoesOnAsWhatItIs) {
   for (int i = 0; i < 3; ++i)
     EXPECT_EQ(gate.run(kIn, packet(), kWire), (Outcome{.dropped = false, .mark = kAdmitted}));
   EXPECT_EQ(gate.counted(policed).excess, 2U);
+}
+
+/// An event of one station comes in, and leaves with the address of another.
+TEST(EtherStations, NoneLeavesAsAnotherOfItsSubject) {
+  constexpr std::uint32_t first = 0x0a000001;
+  constexpr std::uint32_t second = 0x0a000002;
+  LoadedEther& gate = LoadedEther::with();
+  for (const std::uint64_t station : {first, second, 0U})
+    for (const SlotSpec& s : {in(), from(kIfindex)})
+      gate.admit({with(s, [=](SlotSpec& t) { t.station = station; })});
+  const auto of = [](std::uint32_t station) {
+    return event([=](Datagram& d) { d.source = station; });
+  };
+  const auto leaves = [&](const Datagram& entering, const Datagram& leaving) {
+    const std::uint32_t mark = gate.run(kIn, frame(entering.whole()), kWire).mark;
+    return !gate.run(kOut, frame(leaving.whole()), {.mark = mark, .ingress_ifindex = kIfindex})
+                .dropped;
+  };
+  constexpr std::uint32_t other = 0x0a000003;
+  for (const std::uint32_t from : {first, second, other})
+    for (const std::uint32_t to : {first, second, other})
+      EXPECT_EQ(leaves(of(from), of(to)), from == to) << from << " as " << to;
 }
 
 TEST(EtherStations, OneThatBabblesTakesNothingFromAnother) {

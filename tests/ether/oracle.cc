@@ -21,12 +21,24 @@ bool is_tag(std::uint64_t type) { return type == 0x8100 || type == 0x88a8; }
 bool comes_from(const SlotSpec& s, const Sender& sender) {
   if (s.direction == Direction::ingress) return true;
   if (sender.local) return s.source == 0 && (s.uid == GATE_ANY_UID || s.uid == 0);
-  return s.source != 0 && s.source == sender.ingress_ifindex &&
-         sender.mark == gate_ingress_token(kToken, s.source, s.subject);
+  return s.source != 0 && s.source == sender.ingress_ifindex;
+}
+
+/// The gate of that interface has passed it as what the slot is for.
+bool is_vouched_for(const SlotSpec& s, const Sender& sender) {
+  if (s.direction == Direction::ingress || sender.local) return true;
+  return sender.mark == gate_ingress_token(kToken, s.source, gate_origin(s.subject, s.station));
+}
+
+/// Of what a slot has passed.
+std::uint32_t mark_of(Direction direction, const SlotSpec& s) {
+  return direction == Direction::ingress
+             ? gate_ingress_token(kToken, kIfindex, gate_origin(s.subject, s.station))
+             : 0;
 }
 
 gate_reason misfit(const SlotSpec& s, std::uint64_t length, bool split, const Sender& sender) {
-  if (!comes_from(s, sender)) return GATE_R_SOURCE;
+  if (!comes_from(s, sender) || !is_vouched_for(s, sender)) return GATE_R_SOURCE;
   if ((s.formats & (split ? ETHER_SPLIT : ETHER_WHOLE)) == 0) return GATE_R_FORMAT;
   if (length > s.max_len) return GATE_R_LENGTH;
   return s.pass ? GATE_R_PASSED : GATE_R_DENIED;
@@ -164,9 +176,7 @@ Judgement EtherWorld::judge_event(Direction direction, const Seen& seen, const S
   const auto [reason, slot] = decide(direction, seen, sender);
   if (reason != GATE_R_PASSED) return give_up(reason, slot);
   if (seen.more) fragments_[name] = {true, seen.here, seen.whole, *slot, seen.whole - seen.here};
-  return {.mark = direction == Direction::ingress
-                      ? gate_ingress_token(kToken, kIfindex, seen.subject)
-                      : 0,
+  return {.mark = mark_of(direction, slots[*slot]),
           .reason = GATE_R_PASSED,
           .slot = slot,
           .bytes = seen.length,
@@ -184,12 +194,11 @@ Judgement EtherWorld::judge_later(Direction direction, const Seen& seen, const S
   if (seen.more ? end >= first.whole : end != first.whole) return refused(GATE_R_MALFORMED, {}, {});
   const SlotSpec& slot = slots[first.slot];
   if (slot.formats == 0 || !slot.pass) return refused(GATE_R_DENIED, {}, {});
-  if (!comes_from(slot, sender)) return refused(GATE_R_SOURCE, {}, {});
+  if (!comes_from(slot, sender) || !is_vouched_for(slot, sender))
+    return refused(GATE_R_SOURCE, {}, {});
   if (seen.here > first.left) return refused(GATE_R_EXCESS, first.slot, {});
   first.left -= seen.here;
-  return {.mark = direction == Direction::ingress
-                      ? gate_ingress_token(kToken, kIfindex, slot.subject)
-                      : 0,
+  return {.mark = mark_of(direction, slot),
           .reason = GATE_R_PASSED,
           .slot = {},
           .bytes = 0,

@@ -39,6 +39,10 @@ class Random {
 constexpr std::array<std::uint64_t, 6> kSubjects = {0x44697374616e6365, 0x44697374616e6366, 1, 0,
                                                     ~std::uint64_t{0},  0x8000000000000000};
 
+std::uint64_t random_station(Random& random) {
+  return random.of<std::uint64_t>({0, 0, 0x0a000001, 0x0a000002, ETHER_MAC | kAwdsSource});
+}
+
 SlotSpec random_slot(Random& random) {
   SlotSpec s;
   s.direction = random.chance(2) ? Direction::ingress : Direction::egress;
@@ -46,7 +50,7 @@ SlotSpec random_slot(Random& random) {
   s.subject = kSubjects.at(random.below(kSubjects.size()));
   s.max_len = random.of<std::uint16_t>({0, 8, 100, 300, ETHER_MAX_PAYLOAD});
   s.formats = random.of<std::uint8_t>({ETHER_WHOLE, ETHER_WHOLE | ETHER_SPLIT, ETHER_SPLIT});
-  s.station = random.of<std::uint64_t>({0, 0, 0x0a000001, 0x0a000002, ETHER_MAC | kAwdsSource});
+  s.station = random_station(random);
   if (s.direction == Direction::egress) {
     s.source = random.of<std::uint32_t>({0, 0, kOther, kIfindex});
     s.uid = random.of<std::uint32_t>({GATE_ANY_UID, 0, 1000});
@@ -125,8 +129,9 @@ Sender random_sender(Random& random) {
   s.local = random.chance(2);
   s.ingress_ifindex = s.local ? 0 : random.of<std::uint32_t>({0, kOther, kIfindex});
   if (random.chance(2))
-    s.mark = gate_ingress_token(kToken, random.of<std::uint32_t>({kOther, kIfindex}),
-                                kSubjects.at(random.below(kSubjects.size())));
+    s.mark = gate_ingress_token(
+        kToken, random.of<std::uint32_t>({kOther, kIfindex}),
+        gate_origin(kSubjects.at(random.below(kSubjects.size())), random_station(random)));
   else if (random.chance(4))
     s.mark = gate_refused_token(kToken);
   return s;

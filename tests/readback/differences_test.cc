@@ -78,6 +78,8 @@ TEST(Differences, EachPartOfASlotIsCompared) {
             at + "is source a local program; ought to be source can4");
   EXPECT_EQ(line([](SlotSpec& s) { s.source = GATE_NO_SOURCE; }),
             at + "is source the kernel; ought to be source can4");
+  EXPECT_EQ(line([](SlotSpec& s) { s.origin = 0x12; }),
+            at + "is origin 0x12; ought to be no origin");
   EXPECT_EQ(line([](SlotSpec& s) { s.uid = 0; }), at + "is user 0; ought to be any user");
   EXPECT_EQ(line([](SlotSpec& s) { s.station = 0xc0000207; }),
             at + "is station 192.0.2.7; ought to be any station");
@@ -108,8 +110,8 @@ TEST(Differences, SeveralInOneSlotAreOneLine) {
 
 TEST(Differences, SlotsThatAreTooManyOrMissingAreTold) {
   const std::string all =
-      "verdict pass, identifier 0x123, mask 0x800007ff, source a local program, any user, any "
-      "station, "
+      "verdict pass, identifier 0x123, mask 0x800007ff, source a local program, any user, no "
+      "origin, any station, "
       "length 8, formats classic, 1000 ns a frame, 0/256 ns a byte, tolerance 5 ns, excess "
       "dropped, "
       "period 0 ns, silence 0 ns, together 0 ns";
