@@ -132,7 +132,8 @@ TEST_P(Attach, AGateThatComesBackWithItsDeviceIsReplaced) {
 }
 
 TEST_P(Attach, WordOfAnotherLayoutIsClosedAndItsPinsGo) {
-  const std::string former = root_ + "/v3";
+  constexpr std::uint32_t layout = GATE_LAYOUT_VERSION - 1;
+  const std::string former = root_ + "/v" + std::to_string(layout);
   std::filesystem::create_directories(former + "/if7");
   LIBBPF_OPTS(bpf_map_create_opts, options, .map_flags = BPF_F_MMAPABLE);
   const Fd map(bpf_map_create(BPF_MAP_TYPE_ARRAY, "control", 4, 64, 1, &options));
@@ -144,7 +145,7 @@ TEST_P(Attach, WordOfAnotherLayoutIsClosedAndItsPinsGo) {
     std::array<std::uint32_t, 14> rest;
   };
   const Mapped<Former> word(map.get(), 1);
-  word[0] = {3, 1, {}};
+  word[0] = {layout, 1, {}};
   word[0].rest.fill(0xabababab);
   close_former_layouts(root_);
   EXPECT_EQ(word[0].open, 0U);
@@ -153,6 +154,34 @@ TEST_P(Attach, WordOfAnotherLayoutIsClosedAndItsPinsGo) {
   EXPECT_TRUE(std::filesystem::exists(former + "/if7/egress_link")) << "it may hold a gate";
   EXPECT_TRUE(control_.is_open());
   EXPECT_TRUE(std::filesystem::exists(control_.directory() + "/control"));
+}
+
+/// Its slots say something else: nothing of them is taken over.
+TEST_P(Attach, GateOfTheLayoutBeforeIsReplaced) {
+  const Bus bus("bus0");
+  const Program listener(bus);
+  {
+    auto gate = attach(bus);
+    admit(gate, {in(0x123), in(0x124)});
+  }
+  bus.inject(frame(0x123));
+  EXPECT_EQ(listener.received(), frame(0x123));
+  const std::string former = root_ + "/v" + std::to_string(GATE_LAYOUT_VERSION - 1);
+  std::filesystem::rename(control_.directory(), former);
+  close_former_layouts(root_);
+  EXPECT_FALSE(control_.is_open());
+  EXPECT_FALSE(Program(bus).send(frame(0x123)));
+  control_ = create(root_);
+  ASSERT_TRUE(control_.set_grace(kForEver));
+  ASSERT_TRUE(control_.beat(0));
+  control_.open();
+  auto gate = attach(bus);
+  EXPECT_FALSE(gate.reused());
+  admit(gate, {in(0x124)});
+  bus.inject(frame(0x123));
+  bus.inject(frame(0x124));
+  EXPECT_EQ(listener.received(), frame(0x124));
+  EXPECT_FALSE(std::filesystem::exists(former + "/if" + std::to_string(bus.ifindex())));
 }
 
 /// As layout 3 held its programs.
