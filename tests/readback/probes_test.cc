@@ -116,6 +116,9 @@ TEST(Probes, WhatIsForwardedMustEnterAsTheSameSubject) {
   };
   EXPECT_TRUE(verdict(gate(3, {slot(0x123, 1)})));
   EXPECT_FALSE(verdict(gate(3, {slot(0x123, 2)}))) << "another subject";
+  SlotSpec other = slot(0x123, 1);
+  other.origin = 9;
+  EXPECT_FALSE(verdict(gate(3, {other}))) << "another publisher";
   EXPECT_FALSE(verdict(gate(3, {slot(0x123, 1, false)}))) << "refused there";
   EXPECT_FALSE(verdict(gate(5, {slot(0x123, 1)}))) << "another interface";
 }
