@@ -79,7 +79,7 @@ Result<Controller> read_controller(int ifindex) {
   const auto answer = kernel.get(new_message(RTM_GETLINK, 0, &head, sizeof head));
   if (!answer) return answer.error().when("reading an interface");
   Controller out;
-  answer->each_object([&out](nl_object* object) {
+  answer->each_object(RTM_NEWLINK, [&out](nl_object* object) {
     out = read_link(reinterpret_cast<rtnl_link*>(object));  // NOLINT(*-reinterpret-cast)
   });
   out.ifindex = ifindex;

@@ -24,19 +24,19 @@ void collect(const nlmsghdr& message, std::vector<Filter>& list) {
   if (nlmsg_parse(const_cast<nlmsghdr*>(&message), sizeof(tcmsg),  // NOLINT(*-const-cast)
                   attributes.data(), TCA_MAX, nullptr) < 0)
     return;
-  if (attributes[TCA_CHAIN] != nullptr && nla_get_u32(attributes[TCA_CHAIN]) != 0) return;
+  if (attributes[TCA_CHAIN] != nullptr && number_in(*attributes[TCA_CHAIN]) != 0) return;
   const auto* tc = static_cast<const tcmsg*>(nlmsg_data(&message));
   // A classifier of some kinds is listed before its filters, with no handle.
   if (tc->tcm_handle == 0) return;
   Filter filter;
   filter.priority = tc->tcm_info >> kPriorityShift;
   filter.handle = tc->tcm_handle;
-  if (attributes[TCA_KIND] != nullptr) filter.kind = nla_get_string(attributes[TCA_KIND]);
+  if (attributes[TCA_KIND] != nullptr) filter.kind = text_in(*attributes[TCA_KIND]);
   if (filter.kind == "bpf" && attributes[TCA_OPTIONS] != nullptr) {
     std::array<nlattr*, TCA_BPF_MAX + 1> bpf{};
     if (nla_parse_nested(bpf.data(), TCA_BPF_MAX, attributes[TCA_OPTIONS], nullptr) == 0) {
-      if (bpf[TCA_BPF_NAME] != nullptr) filter.name = nla_get_string(bpf[TCA_BPF_NAME]);
-      if (bpf[TCA_BPF_ID] != nullptr) filter.program = nla_get_u32(bpf[TCA_BPF_ID]);
+      if (bpf[TCA_BPF_NAME] != nullptr) filter.name = text_in(*bpf[TCA_BPF_NAME]);
+      if (bpf[TCA_BPF_ID] != nullptr) filter.program = number_in(*bpf[TCA_BPF_ID]);
     }
   }
   list.push_back(std::move(filter));

@@ -81,8 +81,7 @@ Result<LinkTable> Links::read() {
   const auto answers = kernel_.dump(request);
   if (!answers) return answers.error().when("reading the interfaces");
   LinkTable table;
-  answers->each_object([&table](nl_object* object) {
-    // Every object of such an answer is a link.
+  answers->each_object(RTM_NEWLINK, [&table](nl_object* object) {
     Link link = describe(reinterpret_cast<rtnl_link*>(object));  // NOLINT(*-reinterpret-cast)
     table.emplace(link.ifindex, std::move(link));
   });
@@ -142,7 +141,7 @@ void Links::take_notices(const char* notices, std::size_t size) {
     auto* name = attribute(IFLA_IFNAME);
     // By the message alone: the table may have been read when the link was already gone.
     if (name != nullptr && attribute(IFLA_NEW_NETNSID) != nullptr)
-      moved_.push_back({info->ifi_index, nla_get_string(name)});
+      moved_.push_back({info->ifi_index, text_in(*name)});
   }
   // NOLINTEND(*-cstyle-cast,*-reinterpret-cast)
 }
@@ -161,7 +160,7 @@ Result<Traffic> Links::traffic(int ifindex) {
   const auto answer = kernel_.get(new_message(RTM_GETLINK, 0, &head, sizeof head));
   if (!answer) return answer.error().when("reading the counters of an interface");
   std::optional<Traffic> found;
-  answer->each_object([&found](nl_object* object) {
+  answer->each_object(RTM_NEWLINK, [&found](nl_object* object) {
     auto* link = reinterpret_cast<rtnl_link*>(object);  // NOLINT(*-reinterpret-cast)
     found = Traffic{rtnl_link_get_stat(link, RTNL_LINK_TX_PACKETS),
                     rtnl_link_get_stat(link, RTNL_LINK_TX_BYTES),

@@ -17,8 +17,8 @@ Result<void> with_root_queue(Rtnl& kernel, int ifindex, Take&& take) {
   head.tcm_ifindex = ifindex;
   const auto answers = kernel.dump(new_message(RTM_GETQDISC, 0, &head, sizeof head));
   if (!answers) return answers.error().when("reading the queueing disciplines");
-  answers->each_object([&](nl_object* object) {
-    // NOLINTBEGIN(*-reinterpret-cast): every object of such an answer is a qdisc, and a tc object
+  answers->each_object(RTM_NEWQDISC, [&](nl_object* object) {
+    // NOLINTBEGIN(*-reinterpret-cast): a qdisc is a tc object
     auto* tc = reinterpret_cast<rtnl_tc*>(object);
     if (rtnl_tc_get_ifindex(tc) == ifindex && rtnl_tc_get_parent(tc) == TC_H_ROOT)
       take(reinterpret_cast<rtnl_qdisc*>(object), tc);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/net/rtnl.hpp"
 
+#include <netlink/attr.h>
 #include <netlink/msg.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -16,6 +17,7 @@ namespace mlcca::net {
 namespace {
 
 constexpr std::size_t kFirstBuffer = std::size_t{64} << 10;
+constexpr const char* kTooLate = "the kernel has not answered in time";
 constexpr std::size_t kMostBuffer = std::size_t{4} << 20;  // one datagram
 
 std::string text_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe)
@@ -37,6 +39,18 @@ Message new_message(int type, int flags, const void* head, std::size_t size) {
   if (!message || nlmsg_append(message.get(), const_cast<void*>(head), size, NLMSG_ALIGNTO) != 0)
     throw std::bad_alloc();
   return message;
+}
+
+std::string text_in(const nlattr& attribute) {
+  const auto* text = static_cast<const char*>(nla_data(&attribute));
+  return {text, ::strnlen(text, static_cast<std::size_t>(nla_len(&attribute)))};
+}
+
+std::uint32_t number_in(const nlattr& attribute) {
+  std::uint32_t number = 0;
+  if (nla_len(&attribute) >= static_cast<int>(sizeof number))
+    std::memcpy(&number, nla_data(&attribute), sizeof number);
+  return number;
 }
 
 std::unexpected<Error> Refusal::when(const std::string& doing) const {
@@ -149,6 +163,8 @@ std::expected<std::size_t, Refusal> Rtnl::receive(Time end) {
     datagram.msg_namelen = sizeof sender;
     datagram.msg_iov = &room;
     datagram.msg_iovlen = 1;
+    // What comes without end must not put it off: strangers may send as well.
+    if (std::chrono::steady_clock::now() >= end) return give_up(kTooLate);
     const ssize_t size = ::recvmsg(socket_.get(), &datagram, MSG_DONTWAIT);
     if (size > 0) {
       if ((datagram.msg_flags & MSG_TRUNC) != 0) {
@@ -164,7 +180,7 @@ std::expected<std::size_t, Refusal> Rtnl::receive(Time end) {
         end - std::chrono::steady_clock::now());
     pollfd waits{socket_.get(), POLLIN, 0};
     const int ready = left.count() > 0 ? ::poll(&waits, 1, static_cast<int>(left.count()) + 1) : 0;
-    if (ready == 0) return give_up("the kernel has not answered in time");
+    if (ready == 0) return give_up(kTooLate);
     if (ready < 0 && errno != EINTR) return give_up("waiting for rtnetlink", errno);
   }
 }

@@ -18,6 +18,7 @@
 #include "core/result.hpp"
 
 struct nl_msg;
+struct nlattr;
 struct nl_object;
 
 namespace mlcca::net {
@@ -29,6 +30,10 @@ using Message = std::unique_ptr<nl_msg, FreeMessage>;
 
 /// The fixed part of a request, to which attributes are added. Throws where there is no memory.
 [[nodiscard]] Message new_message(int type, int flags, const void* head, std::size_t size);
+
+/// What an attribute has, however long it is: the text up to its end, the number or 0.
+[[nodiscard]] std::string text_in(const nlattr& attribute);
+[[nodiscard]] std::uint32_t number_in(const nlattr& attribute);
 
 struct Refusal {
   int said = 0;  ///< errno that the kernel has answered with, 0: it has not answered
@@ -44,17 +49,18 @@ class Answers {
   [[nodiscard]] std::size_t size() const { return octets_.size(); }
   template <class Take>
   void each(Take&& take) const {
-    // NOLINTBEGIN(*-cstyle-cast,*-reinterpret-cast): macros of the kernel's header
-    auto left = static_cast<int>(octets_.size());
-    for (const auto* head = reinterpret_cast<const nlmsghdr*>(octets_.data()); NLMSG_OK(head, left);
-         head = NLMSG_NEXT(head, left))
-      take(*head);
-    // NOLINTEND(*-cstyle-cast,*-reinterpret-cast)
+    for (std::size_t at = 0; at < octets_.size();) {
+      // NOLINTNEXTLINE(*-reinterpret-cast): octets are what it is made of
+      const auto& message = *reinterpret_cast<const nlmsghdr*>(octets_.data() + at);
+      take(message);
+      at += NLMSG_ALIGN(message.nlmsg_len);
+    }
   }
-  /// Each as the object of libnl that it is parsed into.
+  /// Those of one type (RTM_NEWLINK, …), which libnl makes one kind of object of.
   template <class Take>
-  void each_object(Take&& take) const {
-    each([&take](const nlmsghdr& message) {
+  void each_object(int type, Take&& take) const {
+    each([type, &take](const nlmsghdr& message) {
+      if (message.nlmsg_type != type) return;
       parse(
           message,
           [](nl_object* object, void* to) {

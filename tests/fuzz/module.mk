@@ -60,6 +60,7 @@ $(eval $(call fuzz_target,replies_fuzz,$(addprefix tools/,$(basename $(notdir $(
 $(eval $(call fuzz_target,tables_fuzz,tools/design/analyse_bus/table tools/values core,tables,2048,))
 $(eval $(call fuzz_target,sources_texts_fuzz,strangers sources,sources_texts,16384,$(NL_LIBS) -lsystemd))
 $(eval $(call fuzz_target,sources_packets_fuzz,strangers sources,sources_packets,16384,$(NL_LIBS) -lsystemd))
+$(eval $(call fuzz_target,netlink_fuzz,daemon sources core,netlink,2048,$(NL_LIBS) -lsystemd -lfmt))
 
 FUZZ ?= $(FUZZERS)
 check-fuzz: $(addprefix check-fuzz-,$(FUZZ)) ## what comes from outside: stored corpus, then FUZZ_SECONDS=20 of mutations each

@@ -23,6 +23,15 @@ genl::Octets octets_of(nl_msg* message) {
                 header->nlmsg_len));
 }
 
+/// How often libnl may still read in this turn: by itself it reads a dump to its end in one call.
+thread_local int reads_left = 0;
+
+int read_within_turn(nl_sock* socket, sockaddr_nl* from, unsigned char** octets, ucred** who) {
+  if (reads_left <= 0) return -NLE_AGAIN;
+  --reads_left;
+  return nl_recv(socket, from, octets, who);
+}
+
 /// The errno that the end of a dump carries; 0: none.
 int error_of_end(nl_msg* message) {
   const nlmsghdr* const header = nlmsg_hdr(message);
@@ -52,12 +61,21 @@ Result<std::unique_ptr<Conversation>> Conversation::open(sd_event* loop, int pro
 
   // The callbacks only take notes: the conversation may not be destroyed below nl_recvmsgs().
   Conversation* const self = made.get();
+  nl_cb* const callbacks = nl_socket_get_cb(socket);
+  nl_cb_overwrite_recv(callbacks, read_within_turn);
+  nl_cb_put(callbacks);
+  nl_socket_modify_cb(
+      socket, NL_CB_MSG_IN, NL_CB_CUSTOM,
+      [](nl_msg*, void* p) noexcept -> int {
+        auto& conversation = *static_cast<Conversation*>(p);
+        return ++conversation.messages_ <= kMaxMessages ? NL_OK : NL_STOP;
+      },
+      self);
   nl_socket_modify_cb(
       socket, NL_CB_VALID, NL_CB_CUSTOM,
       [](nl_msg* message, void* p) noexcept -> int {
         auto& conversation = *static_cast<Conversation*>(p);
-        if (++conversation.messages_ <= kMaxMessages && !conversation.asked_.empty())
-          conversation.asked_.front().each(octets_of(message));
+        if (!conversation.asked_.empty()) conversation.asked_.front().each(octets_of(message));
         return NL_OK;
       },
       self);
@@ -142,7 +160,12 @@ int Conversation::note_end(int error) {
 void Conversation::receive() {
   // Also when nothing is asked: what is not taken off the socket keeps it readable, and so does the
   // rest of an answer that is too long for one turn.
-  for (int reads = 0; reads < kReadsInATurn && !ended_; ++reads) {
+  if (asked_.empty()) {
+    ended_ = false;
+    messages_ = 0;
+  }
+  reads_left = kReadsInATurn;
+  while (reads_left > 0 && !ended_) {
     const int e = nl_recvmsgs_default(socket_.get());
     if (ended_ || e == -NLE_AGAIN) break;
     if (e < 0) note_end(EIO);
