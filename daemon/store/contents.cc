@@ -30,7 +30,7 @@ struct Apply {
 
   void operator()(const Admitted& entry) const {
     to.next_id = std::max(to.next_id, entry.request.id + 1);
-    to.admissions.put(entry.request);
+    to.admissions.put(entry.request, entry.by);
   }
   void operator()(const Removed& entry) const { to.admissions.erase(entry.id); }
   void operator()(const Released& entry) const {
@@ -59,13 +59,14 @@ struct Inverse {
   Answer operator()(const Admitted& entry) const {
     const control::Request* old = of.admissions.find(entry.request.id);
     if (old == nullptr) return Removed{entry.request.id};
-    if (*old == entry.request) return std::nullopt;
-    return Admitted{*old};
+    const Admitted before{*old, of.admissions.user_of(old->id)};
+    if (before == entry) return std::nullopt;
+    return before;
   }
   Answer operator()(const Removed& entry) const {
     const control::Request* old = of.admissions.find(entry.id);
     if (old == nullptr) return std::nullopt;
-    return Admitted{*old};
+    return Admitted{*old, of.admissions.user_of(old->id)};
   }
   Answer operator()(const Released& entry) const {
     if (holds(of.released, entry.subject)) return std::nullopt;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <ranges>
 #include <string>
+#include <unordered_map>
 #include <variant>
 #include <vector>
 
@@ -19,6 +20,7 @@ namespace mlcca::store {
 /// An Admit request was granted.
 struct Admitted {
   control::Request request;  ///< id: the admission's, from 1; body: control::Admit
+  std::uint32_t by = 0;      ///< user who asked for it; root where nobody wrote that down
   bool operator==(const Admitted&) const = default;
 };
 /// An admission is gone.
@@ -79,17 +81,33 @@ class Admissions {
     const auto found = by_id_.find(id);
     return found == by_id_.end() ? nullptr : &found->second;
   }
-  /// Replaces the one of the same id.
-  void put(control::Request request) {
-    const std::uint64_t id = request.id;
-    by_id_.insert_or_assign(id, std::move(request));
+  /// Who asked for one that is there.
+  [[nodiscard]] std::uint32_t user_of(std::uint64_t id) const { return users_.at(id); }
+  /// How many there are of a user.
+  [[nodiscard]] std::size_t held_by(std::uint32_t user) const {
+    const auto found = held_.find(user);
+    return found == held_.end() ? 0 : found->second;
   }
-  void erase(std::uint64_t id) { by_id_.erase(id); }
+  /// Replaces the one of the same id.
+  void put(control::Request request, std::uint32_t user = 0) {
+    const std::uint64_t id = request.id;
+    erase(id);
+    by_id_.emplace(id, std::move(request));
+    users_.emplace(id, user);
+    ++held_[user];
+  }
+  void erase(std::uint64_t id) {
+    if (by_id_.erase(id) == 0) return;
+    const auto held = held_.find(users_.extract(id).mapped());
+    if (--held->second == 0) held_.erase(held);
+  }
 
   bool operator==(const Admissions&) const = default;
 
  private:
   std::map<std::uint64_t, control::Request> by_id_;
+  std::unordered_map<std::uint64_t, std::uint32_t> users_;  ///< of each
+  std::map<std::uint32_t, std::size_t> held_;               ///< by user
 };
 
 struct Contents {

@@ -22,6 +22,7 @@ enum class Kind : std::uint8_t {
   next_id = 6,
   gated = 7,
   enforced = 8,
+  admitted_by = 9,
 };
 
 template <class Integer>
@@ -73,7 +74,11 @@ std::uint64_t head_checksum(std::string_view head, std::uint64_t salt) {
 
 struct Encode {
   std::string operator()(const Admitted& entry) const {
-    return with_head(Kind::admitted, control::encode(entry.request));
+    const std::string request = control::encode(entry.request);
+    if (entry.by == 0) return with_head(Kind::admitted, request);
+    std::string body;
+    put(body, entry.by);
+    return with_head(Kind::admitted_by, body + request);
   }
   std::string operator()(const Removed& entry) const {
     return with_head(Kind::removed, octets(entry.id));
@@ -101,13 +106,19 @@ struct Encode {
   }
 };
 
-std::optional<Entry> decode_admitted(std::string_view body) {
+std::optional<Entry> decode_admitted(std::string_view body, std::uint32_t by = 0) {
   control::Buffer buffer;
   buffer.append(body);
   auto request = control::decode_request(buffer);
   if (!request || !*request || !buffer.content().empty()) return std::nullopt;
   if (!std::holds_alternative<control::Admit>((*request)->body)) return std::nullopt;
-  return Admitted{std::move(**request)};
+  return Admitted{std::move(**request), by};
+}
+
+std::optional<Entry> decode_admitted_by(std::string_view body) {
+  if (body.size() < sizeof(std::uint32_t)) return std::nullopt;
+  const auto by = take<std::uint32_t>(body);
+  return decode_admitted(body, by);
 }
 
 std::optional<Entry> decode_granted(std::string_view body) {
@@ -152,6 +163,8 @@ std::optional<Entry> decode(std::uint8_t kind, std::string_view body) {
       return decode_gated(body);
     case Kind::enforced:
       return decode_enforced(body);
+    case Kind::admitted_by:
+      return decode_admitted_by(body);
     case Kind::next_id:
       break;  // no entry: the reader keeps it
   }
@@ -214,7 +227,8 @@ std::string snapshot(std::uint64_t salt, const Contents& contents) {
     entries += encode(entry);
     ++count;
   };
-  for (const control::Request& r : contents.admissions) add(Admitted{r});
+  for (const control::Request& r : contents.admissions)
+    add(Admitted{r, contents.admissions.user_of(r.id)});
   for (const std::string& subject : contents.released) add(Released{subject});
   for (const auto& [subject, state] : contents.granted) add(Granted{subject, state});
   for (const auto& [identity, gated] : contents.gated) add(gated);

@@ -104,7 +104,8 @@ Entry some_entry(FuzzedDataProvider& in) {
       admit.hold = in.ConsumeBool();
       if (in.ConsumeBool())
         admit.offered.push_back({some_word(in), in.ConsumeIntegral<std::uint64_t>(), "ns", false});
-      return Admitted{{in.ConsumeIntegralInRange<std::uint64_t>(0, 12), admit}};
+      const auto by = in.ConsumeIntegralInRange<std::uint32_t>(0, 2);
+      return Admitted{{in.ConsumeIntegralInRange<std::uint64_t>(0, 12), admit}, by};
     }
     case 1:
       return Removed{in.ConsumeIntegralInRange<std::uint64_t>(0, 12)};

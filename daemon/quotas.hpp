@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// How much of the daemon's memory, disk and history one user may take, and all of the control group
+// together (docs/LIMITS.md). Bookkeeping only: time comes in as argument, in nanoseconds of any
+// steady clock.
+#pragma once
+#include <sys/types.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "daemon/store/contents.hpp"
+
+namespace mlcca {
+
+class Quotas {
+ public:
+  /// Admissions that one user holds; root may hold all that others do not.
+  static constexpr std::size_t kOfUser = 4'096;
+  /// Those of everybody but root together.
+  static constexpr std::size_t kOfOthers = 12'288;
+  static constexpr std::size_t kOfAll = 16'384;
+
+  /// Rows of the history that changes of one user may make: so many at once, and so many more a
+  /// second.
+  struct Rows {
+    std::uint64_t at_once = 0;
+    std::uint64_t per_second = 0;
+  };
+  static constexpr Rows kRowsOfUser{10'000, 5};
+  static constexpr Rows kRowsOfRoot{100'000, 1'000};
+  /// A reload tells of every channel: it counts as so many.
+  static constexpr std::uint64_t kRowsOfReload = 1'000;
+
+  /// Why a user must not have one more admission, and what to do; nothing when he may.
+  [[nodiscard]] static std::optional<std::string> refuse_admission(uid_t user,
+                                                                   const store::Admissions& held);
+  /// Why a user must not change anything now; nothing when he may.
+  [[nodiscard]] std::optional<std::string> refuse_change(uid_t user, std::uint64_t now) const;
+  /// What a change of his has made. It may be more than is left: then he waits the longer.
+  void charge(uid_t user, std::uint64_t rows, std::uint64_t now);
+  /// Users who have not all of their rows left.
+  [[nodiscard]] std::size_t users() const { return paid_until_.size(); }
+
+ private:
+  std::map<uid_t, std::uint64_t> paid_until_;  ///< when all that he has made is made up for
+};
+
+}  // namespace mlcca
