@@ -13,4 +13,7 @@ check-fault: $(FAULT_NEEDS) ## mlccad while the n-th call fails, a sample of all
 soak-fault: stage $(GUEST_READY) $(FAULT_NEEDS) ## the same for every call; of those that allocate every tenth: hours (root)
 	$(Q)tests/fault/nth-call $O --most 1000
 	$(Q)$(SOAK_GUEST) SAMPLE=0 tests/guest/cases/nth-call
-.PHONY: check-fault soak-fault
+check-memory: $(FAULT_NEEDS) ## mlccad at the limit of its memory, in a cgroup (root)
+	$(call say,TEST,a limit of memory)
+	$(Q)tests/fault/memory-limit $O
+.PHONY: check-fault soak-fault check-memory
