@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <grp.h>
+#include <malloc.h>
 #include <net/if.h>
 #include <sys/fsuid.h>
 #include <sys/resource.h>
@@ -20,6 +21,7 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string_view>
 
 #include "core/handle.hpp"
@@ -30,6 +32,7 @@
 #include "daemon/enforce/gate.hpp"
 #include "daemon/gates_lock.hpp"
 #include "daemon/gateway.hpp"
+#include "daemon/in_time.hpp"
 #include "daemon/listen.hpp"
 #include "daemon/loop.hpp"
 #include "daemon/options.hpp"
@@ -110,21 +113,39 @@ Result<Fd> control_socket(const Options& options) {
   return socket;
 }
 
-gid_t control_group(const Options& options, const Journal& journal) {
+constexpr std::uint64_t kGroupLimit = 5'000'000'000;  // ns
+
+struct ControlGroup {
+  gid_t id = static_cast<gid_t>(-1);
+  bool hangs = false;  ///< a thread looks it up for ever
+};
+
+std::optional<gid_t> group_named(const std::string& name) {
   std::array<char, 16384> buffer{};
   group entry{};
   group* found = nullptr;
-  ::getgrnam_r(options.group.c_str(), &entry, buffer.data(), buffer.size(), &found);
-  if (found != nullptr) return found->gr_gid;
+  ::getgrnam_r(name.c_str(), &entry, buffer.data(), buffer.size(), &found);
+  if (found == nullptr) return std::nullopt;
+  return found->gr_gid;
+}
+
+/// Heart-beats go on while it is looked up.
+ControlGroup control_group(const Options& options, const Journal& journal, Gateway& gateway) {
+  const auto found = in_time([name = options.group] { return group_named(name); }, kGroupLimit,
+                             [&gateway] { gateway.beat(); });
+  if (found && *found) return {**found, false};
   journal.write({Kind::trouble,
                  4,
-                 fmt::format("there is no group {}: only root may change anything", options.group),
+                 fmt::format("{} {}: only root may change anything",
+                             found ? "there is no group"
+                                   : "within 5 s the look-up of groups has not answered for",
+                             options.group),
                  0,
                  {},
                  {},
                  {},
                  {}});
-  return static_cast<gid_t>(-1);
+  return {.hangs = !found};
 }
 
 int give_up(const Journal& journal, const std::string& line) {
@@ -187,7 +208,9 @@ int run(const Options& options) {
       journal.write({Kind::trouble, 3, line, 0, {}, {}, {}, {}});
     journal.write(
         {Kind::stopped, 3, "not started: everything is denied on every gate", 0, {}, {}, {}, {}});
-    return problem->bad_input ? kBadInput : kFailed;
+    const int status = problem->bad_input ? kBadInput : kFailed;
+    if (gateway.is_reading()) std::_Exit(status);  // the thread may hang
+    return status;
   }
   auto loop = Loop::open(events.get(), gateway);
   auto socket = control_socket(options);
@@ -195,8 +218,9 @@ int run(const Options& options) {
     gateway.stop();
     return give_up(journal, !loop ? loop.error().text : socket.error().text);
   }
+  const ControlGroup group = control_group(options, journal, gateway);
   auto server = serve::Server::open(
-      events.get(), std::move(*socket), control_group(options, journal),
+      events.get(), std::move(*socket), group.id,
       [&gateway](const auto& request, const auto& peer) { return gateway.answer(request, peer); });
   if (!server) {
     gateway.stop();
@@ -210,13 +234,16 @@ int run(const Options& options) {
   const int status = loop->run();
   sd_notify(0, "STOPPING=1\nSTATUS=everything is denied");
   gateway.stop();
-  if (gateway.is_reading()) std::_Exit(status);  // the thread may hang
+  if (gateway.is_reading() || group.hangs) std::_Exit(status);  // the thread may hang
   return status;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  // What a thread has read is the loop's then: from an arena of its own nobody else could use what
+  // it gives back, which is a quarter of all memory (docs/LIMITS.md).
+  ::mallopt(M_ARENA_MAX, 1);
   std::set_new_handler(out_of_memory);
   // A file that must not grow is an error of the write, not the end of the gateway.
   // NOLINTBEGIN(cert-err33-c): they cannot fail for a known signal

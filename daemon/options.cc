@@ -31,6 +31,7 @@ Parsed parse_options(int argc, char** argv) {
   Options& o = parsed.options;
   std::string grace = "10s";
   std::string start_limit = "30s";
+  std::string read_limit = "60s";
   const auto is_time = [](const std::string& text) {
     return parse_time(text) ? std::string()
                             : "a time such as 10s or 500ms, 0 or forever (not " + text + ")";
@@ -64,6 +65,14 @@ Parsed parse_options(int argc, char** argv) {
                                  : is_time(text);
       })
       ->capture_default_str();
+  app.add_option("--read-limit", read_limit,
+                 "how long a description may take to be read, with look-ups of its users: 60s, "
+                 "500ms")
+      ->check([&](const std::string& text) {
+        return text == "forever" ? "what hangs is given up: a time such as 60s or 500ms"
+                                 : is_time(text);
+      })
+      ->capture_default_str();
   auto* close =
       app.add_option("--close", o.close,
                      "close these interfaces in the kernel and exit; one that does not exist "
@@ -78,6 +87,7 @@ Parsed parse_options(int argc, char** argv) {
   }
   if (const auto ns = parse_time(grace)) o.grace_ns = *ns;
   if (const auto ns = parse_time(start_limit)) o.start_limit_ns = *ns;
+  if (const auto ns = parse_time(read_limit)) o.read_limit_ns = *ns;
   o.close_mode = close->count() > 0;
   return parsed;
 }

@@ -18,6 +18,9 @@ struct Options {
   std::uint64_t grace_ns = 10'000'000'000;
   /// How long a daemon that starts keeps in force what the one before it has left.
   std::uint64_t start_limit_ns = 30'000'000'000;
+  /// How long a description may take to be read; what hangs (a look-up of a user, a file system)
+  /// is given up then.
+  std::uint64_t read_limit_ns = 60'000'000'000;
   std::vector<std::string> close;  ///< close these interfaces and exit
   bool close_mode = false;
   bool check_only = false;  ///< read the description, say what is wrong, exit

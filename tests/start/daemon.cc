@@ -136,6 +136,15 @@ std::string Gateway::log() const {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+bool Gateway::comes_to_log(const std::string& words) const {
+  const std::uint64_t end = clock_ns() + kPatience;
+  while (log().find(words) == std::string::npos) {
+    if (clock_ns() > end) return false;
+    ::poll(nullptr, 0, 10);
+  }
+  return true;
+}
+
 enforce::Mapped<gate_control> Gateway::word() const {
   const Fd map = enforce::open_pin(fmt::format("{}/v{}/control", root_, GATE_LAYOUT_VERSION));
   return map ? enforce::Mapped<gate_control>(map.get(), 1) : enforce::Mapped<gate_control>();

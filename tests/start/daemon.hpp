@@ -58,6 +58,8 @@ class Gateway {
   [[nodiscard]] std::string path(const std::string& name) const { return folder_ + "/" + name; }
   [[nodiscard]] std::vector<std::string> command(std::vector<std::string> more = {}) const;
   [[nodiscard]] std::string log() const;
+  /// Waits, at most some minutes, until the log has these words.
+  [[nodiscard]] bool comes_to_log(const std::string& words) const;
   /// The control word, once there is one.
   [[nodiscard]] enforce::Mapped<gate_control> word() const;
 

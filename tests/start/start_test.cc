@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A daemon that comes after one that was killed: what holds while it starts, and what does not.
 #include <gtest/gtest.h>
+#include <sys/mount.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
 #include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "tests/start/daemon.hpp"
@@ -96,6 +100,75 @@ TEST_F(StartTest, BeatsNotBeforeItHasLookedWhereTheGatesHaveLapsed) {
   Process after(gateway_.command(), gateway_.path("log"));
   EXPECT_LE(beats_of(after).size(), 3U);
   EXPECT_EQ(word_[0].lapsed, 0U);
+}
+
+// --- a user database that never answers ----------------------------------------------------------
+
+/// For this process and those that it runs.
+class HangingUsers {
+ public:
+  /// `database`: passwd or group.
+  HangingUsers(const Gateway& gateway, const std::string& database) {
+    const std::string file = gateway.path("nsswitch.conf");
+    std::ofstream(file) << database << ": hang\n";
+    const auto library = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "nss";
+    ::setenv("LD_LIBRARY_PATH", library.c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
+    EXPECT_EQ(::mount(file.c_str(), kFile, nullptr, MS_BIND, nullptr), 0);
+  }
+  HangingUsers(const HangingUsers&) = delete;
+  HangingUsers(HangingUsers&&) = delete;
+  HangingUsers& operator=(const HangingUsers&) = delete;
+  HangingUsers& operator=(HangingUsers&&) = delete;
+  ~HangingUsers() {
+    EXPECT_EQ(::umount(kFile), 0);
+    ::unsetenv("LD_LIBRARY_PATH");  // NOLINT(concurrency-mt-unsafe)
+  }
+
+  static constexpr const char* kSender =
+      "<Publisher channel=\"c0\" gateway=\"gate\" user=\"somebody\"/>\n";
+
+ private:
+  static constexpr const char* kFile = "/etc/nsswitch.conf";
+};
+
+TEST_F(StartTest, GoesOnBeatingWhileALookUpOfUsersHangsAndThenGivesUp) {
+  let_one_die();
+  const HangingUsers users(gateway_, "passwd");
+  gateway_.describe(described(1, HangingUsers::kSender));
+  Process after(gateway_.command({"--read-limit", "3s"}), gateway_.path("log"));
+  std::set<std::uint64_t> seen;
+  EXPECT_FALSE(
+      after.ready([&] { seen.insert(__atomic_load_n(&word_[0].heartbeat, __ATOMIC_ACQUIRE)); }));
+  EXPECT_GE(seen.size(), 4U) << "the former one's, and some while it hung";
+  EXPECT_EQ(after.end(), 1) << "systemd tries again";
+  EXPECT_EQ(word_[0].open, 0U);
+  EXPECT_NE(gateway_.log().find("does a look-up of users hang"), std::string::npos)
+      << gateway_.log();
+}
+
+TEST_F(StartTest, AReloadWhoseLookUpOfUsersHangsIsGivenUp) {
+  const HangingUsers users(gateway_, "passwd");
+  Process daemon(gateway_.command({"--read-limit", "1s"}), gateway_.path("log"));
+  ASSERT_TRUE(daemon.ready()) << "nobody is looked up yet: " << gateway_.log();
+  const auto word = gateway_.word();
+  gateway_.describe(described(1, HangingUsers::kSender));
+  daemon.signal(SIGHUP);
+  EXPECT_TRUE(gateway_.comes_to_log("does a look-up of users hang")) << gateway_.log();
+  EXPECT_EQ(word[0].lapsed, 0U);
+  EXPECT_EQ(word[0].open, 1U);
+  daemon.signal(SIGTERM);
+  EXPECT_EQ(daemon.end(), 0) << "also while the thread hangs";
+}
+
+TEST_F(StartTest, WhereTheLookUpOfTheGroupHangsOnlyRootMayChangeAnything) {
+  let_one_die();
+  const HangingUsers users(gateway_, "group");
+  Process after(gateway_.command(), gateway_.path("log"));
+  EXPECT_GE(beats_of(after).size(), 4U);
+  EXPECT_NE(gateway_.log().find("only root may change anything"), std::string::npos);
+  EXPECT_EQ(word_[0].open, 1U);
+  after.signal(SIGTERM);
+  EXPECT_EQ(after.end(), 0);
 }
 
 }  // namespace
