@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Reports that a child process makes, over a real loop and real pipes.
+#include "daemon/aside.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "control/slices.hpp"
+
+namespace mlcca {
+namespace {
+
+using Body = Aside::Body;
+
+constexpr uid_t kAnna = 1000;
+constexpr uid_t kBert = 1001;
+constexpr uid_t kCleo = 1002;
+
+/// A pipe whose reader a child waits for.
+class Barrier {
+ public:
+  Barrier() { EXPECT_EQ(::pipe2(ends_.data(), O_CLOEXEC), 0); }
+  Barrier(const Barrier&) = delete;
+  Barrier(Barrier&&) = delete;
+  Barrier& operator=(const Barrier&) = delete;
+  Barrier& operator=(Barrier&&) = delete;
+  ~Barrier() {
+    ::close(ends_[0]);
+    ::close(ends_[1]);
+  }
+  void wait() const {
+    char word = 0;
+    while (::read(ends_[0], &word, 1) < 0) {
+    }
+  }
+  void open() const { EXPECT_EQ(::write(ends_[1], "x", 1), 1); }
+
+ private:
+  std::array<int, 2> ends_{-1, -1};
+};
+
+class AsideTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    sd_event* raw = nullptr;
+    ASSERT_GE(sd_event_new(&raw), 0);
+    loop_.reset(raw);
+    aside_.emplace(raw);
+    aside_->on_ready([this](std::uint64_t session) { ready_.insert(session); });
+  }
+
+  serve::NextSlice ask(uid_t uid, std::uint64_t session, Aside::Make make) {
+    return aside_->ask({.pid = 1, .uid = uid, .may_change = false, .session = session},
+                       std::move(make));
+  }
+
+  /// Everything that comes, joined, as the server takes it.
+  Body whole(const serve::NextSlice& next, std::uint64_t session) {
+    std::optional<control::Reply> whole;
+    for (;;) {
+      auto slice = next();
+      if (!slice) {
+        turn_until_ready(session);
+        continue;
+      }
+      const bool more = slice->more;
+      EXPECT_TRUE(control::join(whole, {0, std::move(slice->body), more}));
+      if (!more) return std::move(whole->body);
+    }
+  }
+  void turn_until_ready(std::uint64_t session) {
+    while (ready_.erase(session) == 0) ASSERT_GE(sd_event_run(loop_.get(), ~0ULL), 0);
+  }
+  static std::string text(const Body& body) {
+    if (const auto* done = std::get_if<control::Done>(&body)) return done->message;
+    if (const auto* error = std::get_if<control::Error>(&body)) return "error: " + error->message;
+    return "neither";
+  }
+
+  std::unique_ptr<sd_event, FreeWith<sd_event_unref>> loop_;
+  std::optional<Aside> aside_;
+  std::set<std::uint64_t> ready_;
+};
+
+TEST_F(AsideTest, AnotherProcessMakesItOfWhatIsKnownWhenItBegins) {
+  int known = 1;
+  const auto next = ask(kAnna, 7, [&] {
+    const int seen = known;
+    known = 100;  // in the child
+    return control::Done{std::to_string(seen)};
+  });
+  known = 2;
+  EXPECT_EQ(text(whole(next, 7)), "1");
+  EXPECT_EQ(known, 2);
+}
+
+TEST_F(AsideTest, ALongReportComesWholeAndInSlices) {
+  control::Networks rows;
+  for (std::uint64_t n = 0; n < 1000; ++n) {
+    rows.networks.emplace_back();
+    rows.networks.back().name = std::to_string(n);
+    rows.networks.back().problem = std::string(500, 'p');
+  }
+  const auto next = ask(kAnna, 7, [rows] { return rows; });
+  std::size_t slices = 0;
+  const auto counted = [&] {
+    auto slice = next();
+    if (slice) ++slices;
+    return slice;
+  };
+  EXPECT_EQ(std::get<control::Networks>(whole(counted, 7)), rows);
+  EXPECT_GT(slices, 1U);
+}
+
+TEST_F(AsideTest, AUserHasOneAndAllOfThemTwoAtOnce) {
+  const Barrier barrier;
+  const auto make = [&barrier] {
+    barrier.wait();
+    return control::Done{"made"};
+  };
+  const auto first = ask(kAnna, 1, make);
+  const auto second = ask(kAnna, 2, [] { return control::Done{"second"}; });
+  const auto third = ask(kBert, 3, make);
+  const auto fourth = ask(kCleo, 4, [] { return control::Done{"fourth"}; });
+  for (const auto* waits : {&first, &second, &third, &fourth}) EXPECT_FALSE((*waits)());
+  barrier.open();
+  barrier.open();
+  EXPECT_EQ(text(whole(first, 1)), "made");
+  EXPECT_EQ(text(whole(third, 3)), "made");
+  EXPECT_EQ(text(whole(fourth, 4)), "fourth");
+  EXPECT_EQ(text(whole(second, 2)), "second");
+}
+
+TEST_F(AsideTest, WhoHasWaitedLongestForAnythingIsNext) {
+  const Barrier barrier;
+  const auto make = [&barrier] {
+    barrier.wait();
+    return control::Done{"made"};
+  };
+  const auto anna = ask(kAnna, 1, make);
+  const auto bert = ask(kBert, 2, make);
+  auto annas_next = ask(kAnna, 3, make);
+  const auto cleo = ask(kCleo, 4, make);
+  barrier.open();
+  // Whichever it was that ended, Cleo has had nothing yet.
+  while (!ready_.contains(1) && !ready_.contains(2)) ASSERT_GE(sd_event_run(loop_.get(), ~0ULL), 0);
+  const bool was_anna = ready_.contains(1);
+  EXPECT_EQ(text(whole(was_anna ? anna : bert, was_anna ? 1 : 2)), "made");
+  annas_next = nullptr;  // she hangs up
+  barrier.open();
+  barrier.open();
+  EXPECT_EQ(text(whole(was_anna ? bert : anna, was_anna ? 2 : 1)), "made");
+  EXPECT_EQ(text(whole(cleo, 4)), "made");
+}
+
+TEST_F(AsideTest, WhoHangsUpMakesRoom) {
+  const Barrier never;
+  auto first = ask(kAnna, 1, [&never] {
+    never.wait();
+    return control::Done{};
+  });
+  const auto second = ask(kAnna, 2, [] { return control::Done{"second"}; });
+  EXPECT_FALSE(second());
+  first = nullptr;
+  EXPECT_EQ(text(whole(second, 2)), "second");
+}
+
+TEST_F(AsideTest, AChildThatDiesIsAnError) {
+  const auto next = ask(kAnna, 1, []() -> Body { std::_Exit(3); });
+  EXPECT_EQ(text(whole(next, 1)),
+            "error: the report cannot be made: the process that makes it has ended");
+  const auto killed = ask(kAnna, 2, []() -> Body {
+    ::kill(::getpid(), SIGKILL);
+    return control::Done{};
+  });
+  EXPECT_EQ(text(whole(killed, 2)),
+            "error: the report cannot be made: the process that makes it has ended");
+}
+
+TEST_F(AsideTest, TheChildIsTheFirstToGoAndHasNoSocketOfTheDaemon) {
+  std::array<int, 2> sockets{-1, -1};
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, sockets.data()), 0);
+  const auto next = ask(kAnna, 1, [sockets] {
+    std::string adjusted;
+    std::ifstream("/proc/self/oom_score_adj") >> adjusted;
+    struct stat is{};
+    const bool closed = ::fstat(sockets[0], &is) < 0 && ::fstat(sockets[1], &is) < 0;
+    return control::Done{adjusted + (closed ? " closed" : " open")};
+  });
+  EXPECT_EQ(text(whole(next, 1)), "1000 closed");
+  EXPECT_EQ(::write(sockets[0], "x", 1), 1) << "the daemon has it as before";
+  ::close(sockets[0]);
+  ::close(sockets[1]);
+}
+
+}  // namespace
+}  // namespace mlcca
