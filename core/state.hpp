@@ -108,6 +108,9 @@ class State {
   [[nodiscard]] const Topology& topology() const { return topology_; }
   /// Of each channel.
   [[nodiscard]] const std::vector<Decision>& decisions() const { return decisions_; }
+  /// Of all channels: what is granted, and what is not.
+  [[nodiscard]] std::size_t granted() const { return usage_.granted(); }
+  [[nodiscard]] std::size_t refused() const { return usage_.refused(); }
   [[nodiscard]] const Ledger& ledger() const { return ledger_; }
   [[nodiscard]] const World& world() const { return world_; }
   /// The channels of the admissions, in the order of their ids.

@@ -25,6 +25,8 @@ void Usage::forget(std::size_t channel) {
     it->second.erase(channel);
     if (it->second.empty()) pairs_[n].erase(it);
   }
+  granted_ -= std::exchange(old.granted, 0);
+  refused_ -= std::exchange(old.refused, 0);
   old.carried.clear();
   old.waiting.clear();
   old.pairs.clear();
@@ -34,6 +36,7 @@ void Usage::set(const Situation& s, std::size_t channel, const Decision& decisio
   OfChannel now;
   const bool best = decision.all_granted() && decision.set == 0;
   for (const Verdict& v : decision.verdicts) {
+    ++(v.granted ? now.granted : now.refused);
     if (v.granted) {
       note(s.system, now.carried, v.route);
       for (const MediumUse& use : v.media)
@@ -51,6 +54,8 @@ void Usage::set(const Situation& s, std::size_t channel, const Decision& decisio
   for (const std::size_t r : now.carried) carried_[r].insert(channel);
   for (const std::size_t r : now.waiting) waiting_[r].insert(channel);
   for (const auto& [n, pair] : now.pairs) pairs_[n][pair].insert(channel);
+  granted_ += now.granted;
+  refused_ += now.refused;
   of_channel_[channel] = std::move(now);
 }
 

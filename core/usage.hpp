@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Which channels a change of a resource (a network or gateway, System::resource_of) touches: those
-// that it carries, and those that wait for it.
+// that it carries, and those that wait for it; and how much is granted of all.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -48,6 +48,9 @@ class Usage {
   [[nodiscard]] const Channels& waiting_for(std::size_t resource) const {
     return waiting_[resource];
   }
+  /// Deliveries of all channels that are granted, and those that are not.
+  [[nodiscard]] std::size_t granted() const { return granted_; }
+  [[nodiscard]] std::size_t refused() const { return refused_; }
   /// Resources that carry something of the channel.
   [[nodiscard]] const std::vector<std::size_t>& resources_of(std::size_t channel) const {
     return of_channel_[channel].carried;
@@ -58,6 +61,8 @@ class Usage {
     std::vector<std::size_t> carried;
     std::vector<std::pair<std::size_t, std::uint64_t>> pairs;
     std::vector<std::size_t> waiting;
+    std::size_t granted = 0;
+    std::size_t refused = 0;
     bool operator==(const OfChannel&) const = default;
   };
   void forget(std::size_t channel);
@@ -66,6 +71,8 @@ class Usage {
   std::vector<Channels> carried_;
   std::vector<std::unordered_map<std::uint64_t, Channels>> pairs_;
   std::vector<Channels> waiting_;
+  std::size_t granted_ = 0;
+  std::size_t refused_ = 0;
 };
 
 }  // namespace mlcca::core

@@ -60,34 +60,42 @@ std::uint64_t let_out(const enforce::PortGate& gate, bool audit) {
 
 }  // namespace
 
-std::vector<int> Drift::repair(const Gates& gates, const net::LinkTable& links) {
+void Drift::forget_all_but(const Gates& gates) {
   std::erase_if(seen_, [&](const auto& entry) { return !gates.contains(entry.first); });
+}
+
+std::vector<int> Drift::repair(const Gates& gates, const net::LinkTable& links) {
+  forget_all_but(gates);
   std::vector<int> lost;
-  for (const auto& [ifindex, gate] : gates) {
-    if (!links.contains(ifindex)) continue;
-    Seen& seen = seen_[ifindex];
-    gated_.insert(ifindex);
-    keep_pinned(*gate, seen);
-    const auto there = gate->attached();
-    keep_early(ifindex, *gate, seen);
-    if (there && *there) {
-      if (seen.unpinned.empty()) keep_first(ifindex, *gate, seen);
-      continue;
-    }
-    if (const auto repaired = gate->reattach(); repaired) {
-      ++seen.repaired;
-      tell_(Kind::drift,
-            "somebody removed the gate of " + gate->name() + ": it was open until now, and is back",
-            true);
-    } else {
-      tell_(Kind::drift,
-            "the gate of " + gate->name() +
-                " is gone and cannot be put back: " + repaired.error().text,
-            true);
-      lost.push_back(ifindex);
-    }
-  }
+  for (const auto& [ifindex, gate] : gates)
+    if (!repair(ifindex, *gate, links)) lost.push_back(ifindex);
   return lost;
+}
+
+bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& links) {
+  if (!links.contains(ifindex)) return true;
+  Seen& seen = seen_[ifindex];
+  gated_.insert(ifindex);
+  keep_pinned(gate, seen);
+  const auto there = gate.attached();
+  keep_early(ifindex, gate, seen);
+  if (there && *there) {
+    if (seen.unpinned.empty()) keep_first(ifindex, gate, seen);
+    return true;
+  }
+  const auto repaired = gate.reattach();
+  if (!repaired) {
+    tell_(
+        Kind::drift,
+        "the gate of " + gate.name() + " is gone and cannot be put back: " + repaired.error().text,
+        true);
+    return false;
+  }
+  ++seen.repaired;
+  tell_(Kind::drift,
+        "somebody removed the gate of " + gate.name() + ": it was open until now, and is back",
+        true);
+  return true;
 }
 
 /// Before anything else is put back: that is pinned, too.
@@ -180,27 +188,30 @@ void Drift::tell_moved(const net::Links::Moved& link) {
 }
 
 void Drift::look_for_bypass(const Gates& gates, net::Links& links, bool audit, std::int64_t now_s) {
-  for (const auto& [ifindex, gate] : gates) {
-    if (!gate->judges_everything()) continue;
-    Seen& seen = seen_[ifindex];
-    if (std::exchange(seen.audit, audit) != audit) seen.bypass.forget();
-    Bypass::Counts counts;
-    counts.let_out_before = let_out(*gate, audit);
-    const auto waiting = net::waiting_in_queue(ifindex);
-    const auto traffic = links.traffic(ifindex);
-    if (!waiting || !traffic) continue;
-    counts.waiting = waiting->frames;
-    counts.sent = traffic->sent_frames + traffic->send_drops + waiting->dropped;
-    counts.let_out_after = let_out(*gate, audit);
-    told_past_.look(gate->name(), seen.past, now_s);
-    seen.past += seen.bypass.look(counts);
-    if (const auto news = told_past_.look(gate->name(), seen.past, now_s))
-      tell_(Kind::bypass,
-            fmt::format("{} has sent {} frames that its gate has not seen: somebody sends past the "
-                        "queueing layer (AF_PACKET with PACKET_QDISC_BYPASS)",
-                        gate->name(), *news),
-            true);
-  }
+  for (const auto& [ifindex, gate] : gates) look_for_bypass(ifindex, *gate, links, audit, now_s);
+}
+
+void Drift::look_for_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links,
+                            bool audit, std::int64_t now_s) {
+  if (!gate.judges_everything()) return;
+  Seen& seen = seen_[ifindex];
+  if (std::exchange(seen.audit, audit) != audit) seen.bypass.forget();
+  Bypass::Counts counts;
+  counts.let_out_before = let_out(gate, audit);
+  const auto waiting = net::waiting_in_queue(ifindex);
+  const auto traffic = links.traffic(ifindex);
+  if (!waiting || !traffic) return;
+  counts.waiting = waiting->frames;
+  counts.sent = traffic->sent_frames + traffic->send_drops + waiting->dropped;
+  counts.let_out_after = let_out(gate, audit);
+  told_past_.look(gate.name(), seen.past, now_s);
+  seen.past += seen.bypass.look(counts);
+  if (const auto news = told_past_.look(gate.name(), seen.past, now_s))
+    tell_(Kind::bypass,
+          fmt::format("{} has sent {} frames that its gate has not seen: somebody sends past the "
+                      "queueing layer (AF_PACKET with PACKET_QDISC_BYPASS)",
+                      gate.name(), *news),
+          true);
 }
 
 void Drift::report(int ifindex, const enforce::PortGate& gate, control::Interface& to) const {

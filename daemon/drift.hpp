@@ -28,11 +28,16 @@ class Drift {
 
   /// Puts gates back, and first, and pins them again. Gives those that cannot be put back.
   std::vector<int> repair(const Gates& gates, const net::LinkTable& links);
+  /// One of them; false if it cannot be put back.
+  bool repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& links);
+  void forget_all_but(const Gates& gates);
   /// An interface was taken to another namespace, where our gate is not; of those that had one.
   void tell_moved(const net::Links::Moved& link);
   /// About once a second. `audit`: gates let out what they count as dropped. `now_s`: any steady
   /// clock.
   void look_for_bypass(const Gates& gates, net::Links& links, bool audit, std::int64_t now_s);
+  void look_for_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links, bool audit,
+                       std::int64_t now_s);
 
   void report(int ifindex, const enforce::PortGate& gate, control::Interface& to) const;
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Notices that frames are being dropped, and says so without flooding the journal.
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -23,6 +25,7 @@ class DropWatch {
   std::optional<std::uint64_t> look(const Key& key, std::uint64_t dropped, std::int64_t now) {
     auto [it, fresh] = seen_.try_emplace(key);
     Seen& seen = it->second;
+    if (!fresh && is_gone(seen)) seen = {};
     seen.round = round_;
     if (fresh && first_) seen.mentioned = dropped;
     if (dropped == 0 || dropped + kBehind < seen.mentioned) seen.mentioned = 0;
@@ -34,10 +37,22 @@ class DropWatch {
 
   /// All counters have been looked at: what was not is gone.
   void end_round() {
-    std::erase_if(seen_, [this](const auto& entry) { return entry.second.round != round_; });
     ++round_;
     first_ = false;
   }
+
+  /// Gives back the memory of some of what is gone, the next ones with each call; false once it has
+  /// been through all of it.
+  bool tidy() {
+    auto it = tidied_ ? seen_.upper_bound(*tidied_) : seen_.begin();
+    for (std::size_t n = 0; n < kTidied && it != seen_.end(); ++n) {
+      tidied_ = it->first;
+      it = is_gone(it->second) ? seen_.erase(it) : std::next(it);
+    }
+    if (it == seen_.end()) tidied_.reset();
+    return tidied_.has_value();
+  }
+  [[nodiscard]] std::size_t size() const { return seen_.size(); }
 
   /// What was not mentioned yet is at the next look, however short ago the last mention was.
   void wake() {
@@ -57,9 +72,12 @@ class DropWatch {
     bool ever = false;
     std::uint64_t round = 0;
   };
+  static constexpr std::size_t kTidied = 64;
+  [[nodiscard]] bool is_gone(const Seen& seen) const { return seen.round + 1 < round_; }
   std::map<Key, Seen> seen_;
   std::uint64_t round_ = 0;
   bool first_ = true;
+  std::optional<Key> tidied_;  ///< up to here, since tidy() began at the front
 };
 
 /// "3 frames dropped of x"; in audit mode what would be.

@@ -18,6 +18,7 @@
 #include "core/text.hpp"
 #include "daemon/clock.hpp"
 #include "daemon/enforce/interrupted.hpp"
+#include "daemon/in_time.hpp"
 #include "daemon/report.hpp"
 #include "description/read.hpp"
 
@@ -87,6 +88,7 @@ Gateway::Gateway(Options options, Journal journal, enforce::Control control, net
       aside_(loop),
       reading_(loop) {
   ports_.on_step([this] { pulse(); });
+  plan_rounds();
 }
 
 // --- start, stop, reload -------------------------------------------------------------------------
@@ -105,6 +107,12 @@ Gateway::LoadResult Gateway::read(const Options& options) {
   ::malloc_trim(0);  // reading leaves several times the memory of what was read
   return loaded;
 }  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): the state moves with what is returned
+
+std::string Gateway::not_read_in_time() const {
+  return fmt::format(
+      "{} could not be read within {}: does a look-up of users hang, or a file system?",
+      options_.description, core::format_value(Attribute::latency, options_.read_limit_ns));
+}
 
 /// With what was admitted at run time.
 Gateway::LoadResult Gateway::complete(LoadResult loaded) const {
@@ -162,9 +170,12 @@ std::optional<StartError> Gateway::start() {
   if (!opened) return give_up({opened.error().text}, true);
   store_.emplace(std::move(*opened));
   history_.emplace(store::History::open(options_.state_directory));
-  auto described = read(options_);
+  auto described = in_time([options = options_] { return read(options); }, options_.read_limit_ns,
+                           [this] { pulse(); });
+  reads_for_ever_ = !described;
+  if (!described) return give_up({not_read_in_time()}, false);
   pulse();
-  auto loaded = complete(std::move(described));
+  auto loaded = complete(std::move(*described));
   pulse();
   if (!loaded) return give_up(std::move(loaded.error()), true);
   state_ = std::move(loaded->state);
@@ -389,13 +400,10 @@ const char* Gateway::mode_name() const {
 }
 
 std::string Gateway::summary() const {
-  std::size_t granted = 0;
-  std::size_t refused = 0;
-  for (const core::Decision& decision : state_->decisions())
-    for (const core::Verdict& v : decision.verdicts) ++(v.granted ? granted : refused);
   return fmt::format("{} of {}: {} granted, {} refused, {}{}",
-                     state_->system().gateways[self_].name, state_->system().name, granted, refused,
-                     mode_name(), control_.is_open() ? "" : ", closed");
+                     state_->system().gateways[self_].name, state_->system().name,
+                     state_->granted(), state_->refused(), mode_name(),
+                     control_.is_open() ? "" : ", closed");
 }
 
 }  // namespace mlcca

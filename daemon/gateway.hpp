@@ -30,8 +30,10 @@
 #include "daemon/net/links.hpp"
 #include "daemon/options.hpp"
 #include "daemon/ports.hpp"
+#include "daemon/quotas.hpp"
 #include "daemon/reading.hpp"
 #include "daemon/requests.hpp"
+#include "daemon/rounds.hpp"
 #include "daemon/serve/server.hpp"
 #include "daemon/store/history.hpp"
 #include "daemon/store/journal.hpp"
@@ -67,7 +69,7 @@ class Gateway {
   /// As the control request does; what is wrong goes to the journal.
   void reload();
   /// A thread reads a description.
-  [[nodiscard]] bool is_reading() const { return reading_.busy(); }
+  [[nodiscard]] bool is_reading() const { return reading_.busy() || reads_for_ever_; }
 
   void on_event(Publish publish) { publish_ = std::move(publish); }
   /// Told when everything that was answered with `held` is on disk, or why it is not: then none of
@@ -95,8 +97,11 @@ class Gateway {
   /// Sign of life for the kernel, at least every beat_interval().
   void beat();
   [[nodiscard]] std::uint64_t beat_interval() const { return control_.beat_interval(); }
-  /// Once a second: lost filters, leases, the load of buses, drops to report.
-  void look_around();
+  /// Once a second: what it looks at by itself (lost filters, leases, the load of buses, drops to
+  /// report) is to be looked at again, a part with each work().
+  void begin_round() { rounds_.begin(); }
+  [[nodiscard]] bool has_work() const { return rounds_.under_way(); }
+  void work() { rounds_.turn(); }
 
   /// One line for systemd's status.
   [[nodiscard]] std::string summary() const;
@@ -129,6 +134,8 @@ class Gateway {
   };
   using LoadResult = std::expected<Loaded, std::vector<std::string>>;
   [[nodiscard]] static LoadResult read(const Options& options);
+  /// Why a description was not read, and what to look for.
+  [[nodiscard]] std::string not_read_in_time() const;
   [[nodiscard]] LoadResult complete(LoadResult loaded) const;
   /// What was read is to be in force.
   Body reload_with(LoadResult loaded);
@@ -173,9 +180,16 @@ class Gateway {
   Result<void> release(const std::vector<core::AdmissionId>& gone,
                        std::optional<std::size_t> channel, const std::string& why);
   core::FormerRules forget(const std::vector<core::AdmissionId>& gone);
-  void end_leases();
-  void measure_buses();
-  [[nodiscard]] std::vector<core::Heard> heard_on(std::size_t port);
+  void plan_rounds();
+  bool look_around();
+  bool repair_next();
+  bool end_some_leases();
+  bool measure_some_buses();
+  bool look_for_next_bypass();
+  bool write_some_history();
+  [[nodiscard]] bool is_measured(std::size_t port);
+  void hear_refused(const core::Decision& decision, std::size_t port);
+  bool measure_bus(std::size_t port, std::vector<core::Heard> senders);
   void set_bands();
   /// What can-gw must carry of a channel, and of all of them.
   void forward(std::size_t channel);
@@ -183,8 +197,10 @@ class Gateway {
   void add_can_rules(control::Routes& to);
   void open_unless_lost();
   void look_at_drops(bool mention);
-  void look_at_some_drops();
-  void look_at_unknown(bool mention);
+  bool look_at_some_drops();
+  void look_at_unknown(std::size_t port, bool mention);
+  void look_at_all_unknown(bool mention);
+  bool look_at_next_unknown();
   void tell_all_drops();
   void forget_drops();
   void hear(const gate_event& event);
@@ -238,6 +254,7 @@ class Gateway {
   Forwarder forwarder_;
   Aside aside_;
   Reading reading_;
+  bool reads_for_ever_ = false;
   Aside::Ready ready_;
   /// Of the reload that is under way: what is answered, and to whom.
   struct Reload {
@@ -256,7 +273,27 @@ class Gateway {
   enum class Drop : std::uint8_t { misfit, excess };
   DropWatch<std::pair<core::GateEntry, Drop>> drops_;
   DropWatch<std::size_t> unknown_;  ///< by port
-  std::size_t looked_at_ = 0;       ///< channel at which the next look at drops begins
+
+  // Rounds, and how far each of their jobs is.
+  Rounds rounds_;
+  int at_gate_ = 0;             ///< the last one, by ifindex
+  std::size_t looked_at_ = 0;   ///< channel at which the next look at drops begins
+  std::size_t at_unknown_ = 0;  ///< port
+  struct Hearing {
+    std::uint64_t description = 0;
+    std::size_t port = 0;
+    std::size_t channel = 0;
+    std::set<std::size_t> looked_at;   ///< publishers
+    std::vector<core::Heard> refused;  ///< on this port
+    bool changed = false;              ///< on any
+    void next_port() {
+      ++port;
+      channel = 0;
+      looked_at.clear();
+      refused.clear();
+    }
+  };
+  Hearing hearing_;
   Publish publish_;
   Committed committed_;
   std::time_t started_ = 0;
@@ -270,6 +307,7 @@ class Gateway {
   std::vector<core::AdmissionId> uncommitted_;  // granted, and not on disk yet
   Leases leases_;
   Keys keys_;
+  Quotas quotas_;
   LeftOut left_out_;
   std::map<core::AdmissionId, std::set<std::uint64_t>> held_;          // by which sessions
   std::map<std::string, BusLoad> loads_;                               // by network
@@ -279,6 +317,7 @@ class Gateway {
   // Of the request that is being answered.
   serve::Peer peer_;
   bool hold_answer_ = false;
+  std::uint64_t rows_told_ = 0;  ///< of the history
   core::AdmissionId owned_ = 0;
   serve::NextSlice slices_;
   std::size_t least_bytes_ = 0;

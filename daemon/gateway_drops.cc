@@ -16,7 +16,7 @@
 namespace mlcca {
 namespace {
 
-/// Channels that are looked at each second: the daemon has other things to do.
+/// Channels that are looked at in a round: the daemon has other things to do.
 constexpr std::size_t kLookedAt = 8192;
 
 /// Counters are read while the gate counts on.
@@ -33,20 +33,22 @@ void Gateway::look_at_drops(bool mention) {
     look_at_drops_of(decision, mention);
     pulse();
   }
-  look_at_unknown(mention);
+  look_at_all_unknown(mention);
   drops_.end_round();
   looked_at_ = 0;
 }
 
-/// The next ones each time; of all that are refused somebody hears within a round.
-void Gateway::look_at_some_drops() {
+/// The next one each time, and so many in a round; of all that are refused somebody hears when it
+/// has gone through all of them.
+bool Gateway::look_at_some_drops() {
   const auto& all = state_->decisions();
-  const std::size_t from = std::min(looked_at_, all.size());
-  const std::size_t end = std::min(from + kLookedAt, all.size());
-  for (std::size_t c = from; c < end; ++c) look_at_drops_of(all[c], true);
-  looked_at_ = end < all.size() ? end : 0;
-  if (looked_at_ == 0) drops_.end_round();
-  look_at_unknown(true);
+  if (looked_at_ < all.size()) look_at_drops_of(all[looked_at_++], true);
+  if (looked_at_ >= all.size()) {
+    looked_at_ = 0;
+    drops_.end_round();
+    return false;
+  }
+  return looked_at_ % kLookedAt != 0;
 }
 
 /// Of each entry once, with the first of the verdicts whose events come or leave by it; granted
@@ -78,17 +80,30 @@ void Gateway::look_at_drops_of(const core::Decision& decision, bool mention) {
   }
 }
 
-void Gateway::look_at_unknown(bool mention) {
-  for (std::size_t p = 0; p < ports_.size(); ++p) {
-    const auto dropped = unknown_.look(p, ports_.unknown_frames(p), seconds());
-    if (dropped && mention)
-      tell(Kind::dropping, 4,
-           dropped_line(control_.mode() == enforce::Mode::audit, *dropped,
-                        fmt::format("without a known subject on {} ({})", ports_.interface_name(p),
-                                    ports_.network_of(p))),
-           ports_.network_of(p));
+void Gateway::look_at_unknown(std::size_t port, bool mention) {
+  const auto dropped = unknown_.look(port, ports_.unknown_frames(port), seconds());
+  if (dropped && mention)
+    tell(Kind::dropping, 4,
+         dropped_line(control_.mode() == enforce::Mode::audit, *dropped,
+                      fmt::format("without a known subject on {} ({})", ports_.interface_name(port),
+                                  ports_.network_of(port))),
+         ports_.network_of(port));
+}
+
+void Gateway::look_at_all_unknown(bool mention) {
+  for (std::size_t p = 0; p < ports_.size(); ++p) look_at_unknown(p, mention);
+  unknown_.end_round();
+  at_unknown_ = 0;
+}
+
+bool Gateway::look_at_next_unknown() {
+  if (at_unknown_ < ports_.size()) {
+    look_at_unknown(at_unknown_++, true);
+    return true;
   }
   unknown_.end_round();
+  at_unknown_ = 0;
+  return unknown_.tidy();
 }
 
 /// What came so far is told as what became of it.

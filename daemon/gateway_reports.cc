@@ -12,6 +12,7 @@
 #include "daemon/clock.hpp"
 #include "daemon/gate_report.hpp"
 #include "daemon/gateway.hpp"
+#include "daemon/history_pages.hpp"
 #include "daemon/outlook.hpp"
 #include "daemon/pace.hpp"
 #include "daemon/report.hpp"
@@ -23,40 +24,6 @@ namespace {
 control::Error error(control::ErrorKind kind, std::string message) {
   return {kind, std::move(message), {}};
 }
-
-/// What the history has, the newest first, a page at a time. What comes in meanwhile is newer.
-class HistoryPages {
- public:
-  HistoryPages(store::History& history, store::HistoryFilter filter)
-      : history_(history), filter_(std::move(filter)), left_(filter_.limit) {}
-
-  Result<control::History> next() {
-    constexpr std::size_t page = 128;
-    const std::size_t wanted = std::min(left_, page);
-    filter_.limit = wanted + again_;
-    auto found = history_.query(filter_);
-    if (!found) return std::unexpected(found.error());
-    control::History out;
-    for (std::size_t i = again_; i < found->size(); ++i) {
-      store::Decision& d = (*found)[i];
-      again_ = d.unix_ns == filter_.until_ns ? again_ + 1 : 1;
-      filter_.until_ns = d.unix_ns;
-      out.entries.push_back({d.unix_ns, std::move(d.kind), d.subject, std::move(d.channel),
-                             std::move(d.from), std::move(d.to), std::move(d.network),
-                             std::move(d.message)});
-    }
-    left_ = out.entries.size() < wanted ? 0 : left_ - wanted;
-    return out;
-  }
-  [[nodiscard]] bool more() const { return left_ != 0; }
-
- private:
-  store::History& history_;
-  store::HistoryFilter filter_;
-  std::size_t left_;
-  std::size_t again_ =
-      0;  ///< rows of the time at which the next page begins that were given already
-};
 
 constexpr std::size_t kLeastRow = 32;      // bytes on the wire
 constexpr std::size_t kChannelRow = 1024;  // bytes on the wire, mostly
@@ -96,9 +63,8 @@ Gateway::Body Gateway::handle(const control::StatusRequest&) {
   s.open = control_.is_open() && !control_.lapsed();
   s.grace_ns = control_.grace();
   s.lapses = control_.lapses();
-  for (const core::Decision& decision : state_->decisions())
-    for (const core::Verdict& v : decision.verdicts)
-      ++(v.granted ? s.channels_granted : s.channels_refused);
+  s.channels_granted = static_cast<std::uint32_t>(state_->granted());
+  s.channels_refused = static_cast<std::uint32_t>(state_->refused());
   s.started_unix_s = static_cast<std::uint64_t>(started_);
   s.loaded_unix_s = static_cast<std::uint64_t>(loaded_);
   s.last_error = last_error_;

@@ -24,6 +24,11 @@ bool wants_change(const control::Request& request) {
          std::holds_alternative<control::RenewRequest>(request.body);
 }
 
+/// A renewal is in memory only.
+bool makes_history(const control::Request& request) {
+  return wants_change(request) && !std::holds_alternative<control::RenewRequest>(request.body);
+}
+
 control::Error error(control::ErrorKind kind, std::string message) {
   return {kind, std::move(message), {}};
 }
@@ -39,6 +44,7 @@ Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   if (!begun)
     return error(control::ErrorKind::world,
                  "nothing was changed: the description is being read already; ask again later");
+  rows_told_ += Quotas::kRowsOfReload;
   reload_ = reload;
   slices_ = [reload]() -> std::optional<serve::Slice> {
     if (!reload->body) return std::nullopt;
@@ -117,13 +123,19 @@ serve::Answer Gateway::answer(const control::Request& request, const serve::Peer
         {request.id, error(control::ErrorKind::forbidden,
                            fmt::format("only root and members of the group {} may change anything",
                                        options_.group))}};
+  const bool counts = makes_history(request);
+  if (counts)
+    if (const auto why = quotas_.refuse_change(peer.uid, monotonic_ns()))
+      return {{request.id, error(control::ErrorKind::world, "nothing was changed: " + *why)}};
   peer_ = peer;
   hold_answer_ = false;
   owned_ = 0;
   slices_ = nullptr;
   least_bytes_ = 0;
   const core::Progress alive([this] { pulse(); });
+  rows_told_ = 0;
   Body body = std::visit([this](const auto& asked) { return handle(asked); }, request.body);
+  if (counts) quotas_.charge(peer.uid, rows_told_, monotonic_ns());
   if (!hold_answer_) forwarder_.act();
   return {{request.id, std::move(body)}, hold_answer_, owned_, std::move(slices_), least_bytes_};
 }
@@ -191,6 +203,8 @@ std::optional<Gateway::Body> Gateway::admit_again(const control::Admit& request)
 }
 
 Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& asked) {
+  if (const auto why = Quotas::refuse_admission(peer_.uid, stored().admissions))
+    return error(control::ErrorKind::world, "nothing was changed: " + *why);
   const core::AdmissionId id = asked.admission->id;
   Body out;
   Result<void> done;
@@ -204,7 +218,7 @@ Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& ask
         if (!v->granted) tell_verdict(Kind::refused, *v, verdict_line(*state_, *v));
       return out;
     }
-    done = store_->append(store::Admitted{{id, request}});
+    done = store_->append(store::Admitted{{id, request}, peer_.uid});
     if (done) done = ports_.apply(proposal.changes(self_));
     if (done) std::move(proposal).accept();
   }
@@ -219,6 +233,7 @@ Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& ask
   hold_answer_ = true;
   keys_.put(request.key, id);
   own(id, request);
+  if (lease_of(request) != 0) ++rows_told_;  // when it ends
   note(asked.channel);
   forward(asked.channel);
   for (const core::Verdict& v : state_->decisions()[asked.channel].verdicts)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gateway looks at by itself, once a second, and what it tells of all that happens.
+// What the gateway looks at by itself, in rounds, and what it tells of all that happens.
 #include <fmt/core.h>
 #include <linux/can.h>
 
@@ -18,9 +18,12 @@
 namespace mlcca {
 namespace {
 
-constexpr std::uint64_t kSecond = 1'000'000'000;           // ns
-constexpr std::uint64_t kLongestReading = 60'000'000'000;  // ns
-constexpr std::uint64_t kTryAgain = 10'000'000'000;        // ns
+constexpr std::uint64_t kSecond = 1'000'000'000;     // ns
+constexpr std::uint64_t kTryAgain = 10'000'000'000;  // ns
+
+// Of a piece of a round:
+constexpr std::size_t kLeasesEndedTogether = 64;  // and synced together
+constexpr std::size_t kHeardAtOnce = 64;          // channels
 
 /// What drops and comes and goes each second is for the log, not for the history.
 bool is_history(Kind kind) { return kind != Kind::dropping; }
@@ -40,7 +43,21 @@ std::string frame_name(const gate_sample& sample) {
 
 }  // namespace
 
-void Gateway::look_around() {
+/// Each of these does one thing of many, or a few that are short.
+void Gateway::plan_rounds() {
+  rounds_.add([this] { return look_around(); });
+  rounds_.add([this] { return repair_next(); });
+  rounds_.add([this] { return end_some_leases(); });
+  rounds_.add([this] { return measure_some_buses(); });
+  rounds_.add([this] { return look_at_some_drops(); });
+  rounds_.add([this] { return drops_.tidy(); });
+  rounds_.add([this] { return look_at_next_unknown(); });
+  rounds_.add([this] { return look_for_next_bypass(); });
+  rounds_.add([this] { return write_some_history(); });
+}
+
+/// What does not grow with channels or ports; the rules of can-gw are read in one answer.
+bool Gateway::look_around() {
   const auto again = control_.keep_pinned();
   const std::string unpinned = again ? "" : again.error().text;
   if (std::exchange(unpinned_, unpinned) != unpinned && !again)
@@ -49,35 +66,55 @@ void Gateway::look_around() {
     tell(Kind::drift, 3,
          "somebody unpinned what closes the gates when this daemon dies: it is pinned again");
   if (!links_.problem().empty() || ports_.in_doubt()) links_changed();
-  if (ports_.repair()) follow_world();
+  ports_.begin_repair();
+  at_gate_ = 0;
   keep_journal();
-  end_leases();
-  measure_buses();
   forwarder_.look();
   aside_.look();
-  if (reading_.waits() && monotonic_ns() - reading_.begun() > kLongestReading) {
+  if (reading_.waits() && monotonic_ns() - reading_.begun() > options_.read_limit_ns) {
     reading_.forget();
-    const char* const why =
-        "the description could not be read within 60 s, nothing was changed: does a look-up of "
-        "users hang, or a file system?";
+    const std::string why = "nothing was changed: " + not_read_in_time();
     tell(Kind::reload, 3, why);
     end_reload(control::Error{control::ErrorKind::unreadable, why, {}});
   }
-  look_at_some_drops();
-  ports_.look_for_bypass(static_cast<std::int64_t>(monotonic_ns() / kSecond));
-  if (!history_) return;
-  history_->flush(unix_ns());
-  for (std::string& line : history_->take_troubles()) tell(Kind::trouble, 4, std::move(line));
+  return false;
 }
 
-void Gateway::end_leases() {
-  const std::vector<core::AdmissionId> expired = leases_.expired(monotonic_ns());
-  if (expired.empty()) return;
+bool Gateway::repair_next() {
+  if (const auto gate = ports_.next_gate(at_gate_)) {
+    at_gate_ = *gate;
+    ports_.repair(*gate);
+    return true;
+  }
+  at_gate_ = 0;
+  if (ports_.wants_gate()) follow_world();
+  return false;
+}
+
+bool Gateway::look_for_next_bypass() {
+  const auto gate = ports_.next_gate(at_gate_);
+  at_gate_ = gate.value_or(0);
+  if (gate) ports_.look_for_bypass(*gate, static_cast<std::int64_t>(monotonic_ns() / kSecond));
+  return gate.has_value();
+}
+
+bool Gateway::write_some_history() {
+  if (!history_) return false;
+  const bool more = history_->flush_some(unix_ns());
+  for (std::string& line : history_->take_troubles()) tell(Kind::trouble, 4, std::move(line));
+  return more;
+}
+
+bool Gateway::end_some_leases() {
+  const std::vector<core::AdmissionId> expired =
+      leases_.expired(monotonic_ns(), kLeasesEndedTogether);
+  if (expired.empty()) return false;
   const auto done = release(expired, std::nullopt, "its lease ended and was not renewed");
-  if (done) return;
+  if (done) return true;
   tell(Kind::trouble, 3, done.error().text);
   // What could not be written down stays reserved, and is tried again.
   for (const core::AdmissionId id : expired) leases_.postpone(id, kTryAgain, monotonic_ns());
+  return true;
 }
 
 void Gateway::session_closed(std::uint64_t session) {
@@ -115,75 +152,95 @@ void Gateway::set_bands() {
   }
 }
 
-/// More on a bus than was analysed: somebody sends who was not admitted, or more than he said. What
-/// the gate drops has been on the bus all the same.
-void Gateway::measure_buses() {
-  bool changed = false;
-  for (std::size_t p = 0; p < ports_.size(); ++p) {
-    const std::size_t network = ports_.network_number(p);
-    const core::can::Schedule* bus = state_->ledger().schedule(network);
-    const auto counters = ports_.bus_counters(p);
-    if (bus == nullptr || !counters || !state_->system().networks[network].bus.measured) continue;
-    auto& [strangers, told, heard] = beyond_[network];
-    auto senders = heard_on(p);
-    // Expected are what was declared, the messages of the analysis, and who is known and refused.
-    std::uint64_t expected =
-        bus->utilisation_ppm() -
-        std::min<std::uint64_t>(bus->assumptions().background, bus->utilisation_ppm()) +
-        state_->system().networks[network].bus.background;
-    // Its frames and those of the bus are not counted at the same moment.
-    for (const core::Heard& sender : senders) expected += sender.load + BusLoad::kStep;
-    const std::uint32_t now = loads_[ports_.network_of(p)].measure(
-        *counters, bus->assumptions().timing.bitrate, expected, monotonic_ns());
-    if (now == strangers && senders == heard) continue;
-    strangers = now;
-    heard = std::move(senders);
-    changed = true;
-    // A load that swings is told when it comes, when it goes, and when it is quite another.
-    constexpr std::uint32_t large = 200'000;
-    const std::uint32_t difference = told > now ? told - now : now - told;
-    if ((told == 0) == (now == 0) && difference < large) continue;
-    told = now;
-    tell(Kind::interface, now != 0 ? 4 : 5,
-         now != 0 ? fmt::format("{} carries at least {:.1f} % more than was admitted: somebody "
-                                "sends who was not, or more than he said",
-                                ports_.network_of(p), now / 1e4)
-                  : fmt::format("{} carries no more than was admitted again", ports_.network_of(p)),
-         ports_.network_of(p));
+bool Gateway::is_measured(std::size_t port) {
+  const std::size_t network = ports_.network_number(port);
+  return state_->ledger().schedule(network) != nullptr &&
+         state_->system().networks[network].bus.measured && ports_.bus_counters(port).has_value();
+}
+
+/// Of one port after the other: who is heard on its bus, some channels at a time, then its load.
+bool Gateway::measure_some_buses() {
+  if (hearing_.description != description_) hearing_ = {};
+  hearing_.description = description_;
+  const std::size_t port = hearing_.port;
+  if (port >= ports_.size()) {
+    if (hearing_.changed) {
+      put_conditions(*state_);
+      static_cast<void>(settle());
+    }
+    hearing_ = {};
+    return false;
   }
-  if (!changed) return;
-  put_conditions(*state_);
-  static_cast<void>(settle());
+  if (!is_measured(port)) {
+    hearing_.next_port();
+    return true;
+  }
+  const std::size_t channels = state_->decisions().size();
+  const std::size_t end = std::min(hearing_.channel + kHeardAtOnce, channels);
+  for (; hearing_.channel < end; ++hearing_.channel)
+    hear_refused(state_->decisions()[hearing_.channel], port);
+  if (end < channels) return true;
+  hearing_.changed |= measure_bus(port, std::move(hearing_.refused));
+  hearing_.next_port();
+  return true;
+}
+
+/// More on a bus than was analysed: somebody sends who was not admitted, or more than he said. What
+/// the gate drops has been on the bus all the same. True if that is not as it was.
+bool Gateway::measure_bus(std::size_t p, std::vector<core::Heard> senders) {
+  const std::size_t network = ports_.network_number(p);
+  const core::can::Schedule* bus = state_->ledger().schedule(network);
+  const auto counters = ports_.bus_counters(p);
+  if (bus == nullptr || !counters) return false;
+  auto& [strangers, told, heard] = beyond_[network];
+  // Expected are what was declared, the messages of the analysis, and who is known and refused.
+  std::uint64_t expected =
+      bus->utilisation_ppm() -
+      std::min<std::uint64_t>(bus->assumptions().background, bus->utilisation_ppm()) +
+      state_->system().networks[network].bus.background;
+  // Its frames and those of the bus are not counted at the same moment.
+  for (const core::Heard& sender : senders) expected += sender.load + BusLoad::kStep;
+  const std::uint32_t now = loads_[ports_.network_of(p)].measure(
+      *counters, bus->assumptions().timing.bitrate, expected, monotonic_ns());
+  if (now == strangers && senders == heard) return false;
+  strangers = now;
+  heard = std::move(senders);
+  // A load that swings is told when it comes, when it goes, and when it is quite another.
+  constexpr std::uint32_t large = 200'000;
+  const std::uint32_t difference = told > now ? told - now : now - told;
+  if ((told == 0) == (now == 0) && difference < large) return true;
+  told = now;
+  tell(Kind::interface, now != 0 ? 4 : 5,
+       now != 0 ? fmt::format("{} carries at least {:.1f} % more than was admitted: somebody "
+                              "sends who was not, or more than he said",
+                              ports_.network_of(p), now / 1e4)
+                : fmt::format("{} carries no more than was admitted again", ports_.network_of(p)),
+       ports_.network_of(p));
+  return true;
 }
 
 /// Who sends on the bus of a port without being granted anything, as far as its gate tells them
 /// apart.
-std::vector<core::Heard> Gateway::heard_on(std::size_t port) {
+void Gateway::hear_refused(const core::Decision& decision, std::size_t port) {
   const std::size_t network = ports_.network_number(port);
   const core::can::Schedule& bus = *state_->ledger().schedule(network);
   const core::Place here{core::Place::Kind::network, network};
-  std::vector<core::Heard> refused;
-  std::set<std::size_t> looked_at;
-  for (const core::Decision& decision : state_->decisions()) {
-    for (const core::Verdict& v : decision.verdicts) {
-      if (state_->members().publisher(v.publisher).place != here ||
-          !looked_at.insert(v.publisher).second)
-        continue;
-      auto rules = core::gate_state(state_->system(), state_->members(), v, self_);
-      std::erase_if(rules, [port](const core::GateRule& rule) {
-        return rule.entry.port != port || rule.entry.direction != core::Direction::ingress;
-      });
-      if (rules.empty()) continue;
-      const Frames frames = ports_.frames(rules);
-      const std::uint32_t load = senders_[{port, v.publisher}].measure(
-          frames.passed + frames.dropped, rules.front().entry.max_length,
-          bus.assumptions().timing.bitrate, monotonic_ns());
-      if (load != 0 &&
-          !bus.contains(core::Ledger::key_of({v.publisher, network, core::Flow::kOwn})))
-        refused.push_back({v.publisher, load});
-    }
+  for (const core::Verdict& v : decision.verdicts) {
+    if (state_->members().publisher(v.publisher).place != here ||
+        !hearing_.looked_at.insert(v.publisher).second)
+      continue;
+    auto rules = core::gate_state(state_->system(), state_->members(), v, self_);
+    std::erase_if(rules, [port](const core::GateRule& rule) {
+      return rule.entry.port != port || rule.entry.direction != core::Direction::ingress;
+    });
+    if (rules.empty()) continue;
+    const Frames frames = ports_.frames(rules);
+    const std::uint32_t load = senders_[{port, v.publisher}].measure(
+        frames.passed + frames.dropped, rules.front().entry.max_length,
+        bus.assumptions().timing.bitrate, monotonic_ns());
+    if (load != 0 && !bus.contains(core::Ledger::key_of({v.publisher, network, core::Flow::kOwn})))
+      hearing_.refused.push_back({v.publisher, load});
   }
-  return refused;
 }
 
 void Gateway::events_came() {
@@ -227,6 +284,7 @@ void Gateway::tell_missing_again(const core::Verdict& v) {
 void Gateway::tell(Note note) {
   journal_.write(note);
   const std::uint64_t now = unix_ns();
+  if (is_history(note.kind)) ++rows_told_;
   if (history_ && is_history(note.kind))
     history_->append({now, name_of(note.kind), note.subject, note.channel, note.from,
                       note.from.empty() ? "" : note.network, note.from.empty() ? note.network : "",

@@ -32,10 +32,10 @@ void Leases::forget(std::uint64_t id) {
   by_id_.erase(found);
 }
 
-std::vector<std::uint64_t> Leases::expired(std::uint64_t now) const {
+std::vector<std::uint64_t> Leases::expired(std::uint64_t now, std::size_t most) const {
   std::vector<std::uint64_t> ids;
   for (const auto& [end, id] : by_end_) {
-    if (end > now) break;
+    if (end > now || ids.size() >= most) break;
     ids.push_back(id);
   }
   return ids;

@@ -2,6 +2,7 @@
 // Leases of admissions: an application that stops renewing loses what it reserved. Bookkeeping
 // only: time comes in as argument, in nanoseconds of any steady clock.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -25,9 +26,10 @@ class Leases {
   void postpone(std::uint64_t id, std::uint64_t by_ns, std::uint64_t now);
   void forget(std::uint64_t id);
 
-  /// Those whose end has come (end <= now), the one that ended first in front. They stay until they
-  /// are forgotten or renewed.
-  [[nodiscard]] std::vector<std::uint64_t> expired(std::uint64_t now) const;
+  /// Those whose end has come (end <= now), the one that ended first in front, and not more of them
+  /// than `most`. They stay until they are forgotten or renewed.
+  [[nodiscard]] std::vector<std::uint64_t> expired(std::uint64_t now,
+                                                   std::size_t most = ~std::size_t{0}) const;
   /// When the first one ends.
   [[nodiscard]] std::uint64_t next_deadline() const;
   /// Nanoseconds until it ends: 0 when it has ended, kUnbounded when it never does; nothing for an

@@ -100,8 +100,11 @@ Drift::Gates Ports::all_gates() const {
   return all;
 }
 
-void Ports::look_for_bypass(std::int64_t now_s) {
-  drift_.look_for_bypass(all_gates(), links_, control_.mode() == enforce::Mode::audit, now_s);
+void Ports::look_for_bypass(int ifindex, std::int64_t now_s) {
+  const auto held = gates_.find(ifindex);
+  if (held == gates_.end()) return;
+  drift_.look_for_bypass(ifindex, *held->second.gate, links_,
+                         control_.mode() == enforce::Mode::audit, now_s);
 }
 
 void Ports::match(PortState& port, const net::FactsOf& facts_of) {
@@ -232,10 +235,31 @@ void Ports::tell_can_state(PortState& port, const net::Link& link) {
 }
 
 bool Ports::repair() {
+  begin_repair();
+  for (auto gate = next_gate(0); gate; gate = next_gate(*gate)) repair(*gate);
+  return wants_gate();
+}
+
+void Ports::begin_repair() {
   for (const auto& link : links_.take_moved()) drift_.tell_moved(link);
-  for (const int lost : drift_.repair(all_gates(), links_.table())) gates_.erase(lost);
+  drift_.forget_all_but(all_gates());
+}
+
+void Ports::repair(int ifindex) {
+  const auto held = gates_.find(ifindex);
+  if (held == gates_.end()) return;
+  if (!drift_.repair(ifindex, *held->second.gate, links_.table())) gates_.erase(held);
   for (PortState& port : ports_)
-    if (port.ifindex != 0 && port.problem.empty() && link_of(port) != nullptr) queue(port);
+    if (port.ifindex == ifindex && port.problem.empty() && link_of(port) != nullptr) queue(port);
+}
+
+std::optional<int> Ports::next_gate(int ifindex) const {
+  const auto next = gates_.upper_bound(ifindex);
+  if (next == gates_.end()) return std::nullopt;
+  return next->first;
+}
+
+bool Ports::wants_gate() const {
   return std::ranges::any_of(ports_, [this](const PortState& p) {
     if (p.port.queueing == core::Queueing::priority && !p.problem.empty() && p.ifindex != 0)
       return true;

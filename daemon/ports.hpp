@@ -60,6 +60,13 @@ class Ports {
   /// Gates that lost their filters get them back; one that could not be attached is tried again.
   /// True if that changed anything: follow() then.
   bool repair();
+  /// The same in steps, a gate at a time: what comes before them, then next_gate() behind 0 and so
+  /// on, then wants_gate() tells what repair() would.
+  void begin_repair();
+  void repair(int ifindex);
+  [[nodiscard]] bool wants_gate() const;
+  /// The gate behind this one, by ifindex; nothing behind the last one.
+  [[nodiscard]] std::optional<int> next_gate(int ifindex) const;
 
   /// An interface that ought to be gated has no gate that we command, and an older one may still
   /// pass what it was told: everything must be closed.
@@ -67,8 +74,8 @@ class Ports {
   /// Whether a gate's interface is there could not be found out: follow() again soon.
   [[nodiscard]] bool in_doubt() const { return !doubtful_.empty() || !unread_.empty(); }
 
-  /// Once a second: frames that were sent past a gate.
-  void look_for_bypass(std::int64_t now_s);
+  /// Once a second: frames that were sent past the gate of an interface.
+  void look_for_bypass(int ifindex, std::int64_t now_s);
 
   /// Usable or why not, per network of the system.
   [[nodiscard]] std::vector<core::Condition> conditions(std::size_t networks) const;

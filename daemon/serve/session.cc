@@ -88,7 +88,7 @@ void Session::take(Answer answer, bool may_slice) {
     held_.push_back(std::move(answer));
     return;
   }
-  if (answer.owned != 0) owned_.push_back(answer.owned);
+  if (answer.owned != 0) owned_.insert(answer.owned);
   out_ += control::encode(answer.reply);
 }
 
@@ -119,7 +119,7 @@ void Session::release(const Result<void>& done) {
       answer.reply.body = control::Error{
           control::ErrorKind::world, "nothing was changed: " + done.error().text, {}};
     else if (answer.owned != 0)
-      owned_.push_back(answer.owned);
+      owned_.insert(answer.owned);
     out_ += control::encode(answer.reply);
   }
   // A failed write shows at the next event of the socket. What was not read meanwhile is read then.
@@ -130,7 +130,7 @@ void Session::release(const Result<void>& done) {
 
 bool Session::wants(const control::Event& event) const {
   return monitoring_ || std::ranges::any_of(event.admissions, [this](std::uint64_t id) {
-           return std::ranges::find(owned_, id) != owned_.end();
+           return owned_.contains(id);
          });
 }
 

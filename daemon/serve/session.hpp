@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -88,8 +89,8 @@ class Session {
   std::size_t sent_ = 0;
   /// Answers from the first held one on: they are sent in the order of the requests.
   std::vector<Answer> held_;
-  std::optional<Rest> rest_;          ///< behind what is held; no request is answered meanwhile
-  std::vector<std::uint64_t> owned_;  // admissions
+  std::optional<Rest> rest_;       ///< behind what is held; no request is answered meanwhile
+  std::set<std::uint64_t> owned_;  // admissions
   bool monitoring_ = false;
   bool closing_ = false;
   bool in_line_ = false;

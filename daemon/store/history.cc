@@ -213,27 +213,29 @@ void History::append(Decision decision) {
   pending_.push_back(std::move(decision));
 }
 
-void History::flush(std::uint64_t now_unix_ns) {
-  if (pending_.empty()) return;
+bool History::flush_some(std::uint64_t now_unix_ns) {
+  if (pending_.empty()) return false;
   const bool soon = now_unix_ns >= failed_at_ && now_unix_ns - failed_at_ < kRetryNs;
-  if (failing_ && soon) return;
-  const auto done = with_database([&] { return write(now_unix_ns); });
+  if (failing_ && soon) return false;
+  const std::size_t count = std::min(pending_.size(), kFlushStep);
+  const auto done = with_database([&] { return write(count, now_unix_ns); });
   if (!done) {
     if (!std::exchange(failing_, true))
       troubles_.push_back("the history is not written: " + done.error().text);
     failed_at_ = now_unix_ns;
-    return;
+    return false;
   }
-  pending_.clear();
+  pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(count));
   if (std::exchange(failing_, false))
     troubles_.push_back("the history is written again, " + std::to_string(lost_) +
                         " decisions were lost so far");
+  return !pending_.empty();
 }
 
-Result<void> History::write(std::uint64_t now_unix_ns) {
+Result<void> History::write(std::size_t count, std::uint64_t now_unix_ns) {
   auto done = run("BEGIN IMMEDIATE");
   if (!done) return done;
-  for (const Decision& d : pending_) {
+  for (const Decision& d : pending_ | std::views::take(count)) {
     sqlite3_stmt* to = insert_.get();
     bind(to, 1, bounded(d.unix_ns));
     bind(to, 2, d.kind);
@@ -246,7 +248,7 @@ Result<void> History::write(std::uint64_t now_unix_ns) {
     done = finish(to);
     if (!done) break;
   }
-  if (done) done = prune(now_unix_ns);
+  if (done) done = prune(count, now_unix_ns);
   if (done) done = run("COMMIT");
   // Some failures have rolled back already; then there is nothing left to roll back.
   if (!done && sqlite3_get_autocommit(database_.get()) == 0)
@@ -254,8 +256,8 @@ Result<void> History::write(std::uint64_t now_unix_ns) {
   return done;
 }
 
-Result<void> History::prune(std::uint64_t now_unix_ns) {
-  const auto step = static_cast<std::int64_t>(kPruneStep + pending_.size());
+Result<void> History::prune(std::size_t added, std::uint64_t now_unix_ns) {
+  const auto step = static_cast<std::int64_t>(kPruneStep + added);
   const std::uint64_t oldest = now_unix_ns > limits_.age_ns ? now_unix_ns - limits_.age_ns : 0;
   bind(prune_old_.get(), 1, bounded(oldest));
   bind(prune_old_.get(), 2, step);

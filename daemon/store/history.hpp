@@ -47,8 +47,10 @@ class History {
  public:
   /// Decisions that wait for flush(); of more, the oldest are lost and counted.
   static constexpr std::size_t kMaxPending = 10'000;
-  /// A flush() removes at most as many rows as it adds and this many more, so that it stays short.
-  static constexpr std::size_t kPruneStep = 1'000;
+  /// Decisions that flush_some() writes.
+  static constexpr std::size_t kFlushStep = 64;
+  /// It removes at most as many rows as it adds and this many more, so that it stays short.
+  static constexpr std::size_t kPruneStep = 64;
   /// After a failure flush() tries again when this time has passed, nanoseconds.
   static constexpr std::uint64_t kRetryNs = 5'000'000'000;
 
@@ -58,9 +60,14 @@ class History {
   /// Into memory only.
   void append(Decision decision);
 
-  /// Writes what was appended in one transaction, and removes some of what is too old at
-  /// `now_unix_ns` or too much. Call it when there is nothing else to do.
-  void flush(std::uint64_t now_unix_ns);
+  /// Writes the oldest of what was appended in one transaction, and removes some of what is too old
+  /// at `now_unix_ns` or too much. True when there is more to write, and that can be.
+  bool flush_some(std::uint64_t now_unix_ns);
+  /// Everything that can be written.
+  void flush(std::uint64_t now_unix_ns) {
+    while (flush_some(now_unix_ns)) {
+    }
+  }
 
   /// The newest that match, the newest first; those that wait for flush() count as newer than all
   /// others. An error says what the database said.
@@ -94,8 +101,8 @@ class History {
   Result<void> finish(sqlite3_stmt* statement);
   std::unexpected<Error> failed();
 
-  Result<void> write(std::uint64_t now_unix_ns);
-  Result<void> prune(std::uint64_t now_unix_ns);
+  Result<void> write(std::size_t count, std::uint64_t now_unix_ns);
+  Result<void> prune(std::size_t added, std::uint64_t now_unix_ns);
   Result<std::vector<Decision>> select(const HistoryFilter& filter, std::size_t limit);
 
   std::string path_;

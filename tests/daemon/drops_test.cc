@@ -37,6 +37,21 @@ TEST(DropWatch, WhatIsGoneForARoundIsForgotten) {
   EXPECT_EQ(watch.look("a", 9, 2), std::nullopt);
 }
 
+TEST(DropWatch, WhatIsGoneGivesItsMemoryBackInPieces) {
+  DropWatch<int> watch;
+  for (int key = 0; key < 1000; ++key) watch.look(key, 1, 0);
+  watch.end_round();
+  for (int key = 0; key < 1000; key += 2) watch.look(key, 1, 1);
+  watch.end_round();
+  ASSERT_TRUE(watch.tidy());
+  EXPECT_GT(watch.size(), 900U) << "a piece of it";
+  while (watch.tidy()) {
+  }
+  EXPECT_EQ(watch.size(), 500U);
+  EXPECT_EQ(watch.look(2, 3, 2), 2U) << "stays";
+  EXPECT_EQ(watch.look(3, 3, 2), 3U) << "begins at nothing";
+}
+
 TEST(DropWatch, AwakeItMentionsTheRestAtOnce) {
   DropWatch<std::string> watch;
   watch.look("a", 0, 0);

@@ -1,7 +1,13 @@
 $(eval $(call unit_test,turns_test,tests/serve/turns_test.cc,$O/daemon/serve/turns.o,))
 $(eval $(call unit_test,server_test,tests/serve/server_test.cc,$(patsubst %.cc,$O/%.o,$(wildcard daemon/serve/*.cc)) $O/libcontrol.a,-lsystemd $(PROTO_LIBS)))
 
-check-neighbour: $O/mlccad ## 50 hostile clients on a gateway with 100,000 channels: root
+$O/tests/turn_times.so: tests/serve/turn_times.c
+	$(call say,CC,$@)
+	$(Q)mkdir -p $(@D) && $(CC) -std=gnu17 -O1 -fPIC -shared -Wall -Wextra $(WERROR) -o $@ $<
+check-neighbour: $O/mlccad $O/tests/turn_times.so ## 50 hostile clients on a gateway with 100,000 channels: root
 	$(call say,TEST,a hostile neighbour)
 	$(Q)tests/serve/neighbour $O
-.PHONY: check-neighbour
+check-quotas: $O/mlccad ## what a member of the control group may hold and change: root
+	$(call say,TEST,quotas of users)
+	$(Q)tests/serve/quotas $O
+.PHONY: check-neighbour check-quotas

@@ -142,6 +142,20 @@ TEST(History, KeepsExtremeNumbers) {
 
 // --- bounds --------------------------------------------------------------------------------------
 
+TEST(HistoryBounds, SomeOfItIsAStep) {
+  const Folder folder;
+  History history = History::open(folder.path());
+  EXPECT_FALSE(history.flush_some(kStart)) << "there is nothing";
+  for (std::uint64_t n = 0; n < History::kFlushStep + 1; ++n) history.append(decision(n));
+  EXPECT_TRUE(history.flush_some(kStart));
+  EXPECT_EQ(history.pending(), 1U);
+  EXPECT_EQ(found(history, newest(2)),
+            (std::vector{decision(History::kFlushStep), decision(History::kFlushStep - 1)}))
+      << "those that wait are newer than those that were written";
+  EXPECT_FALSE(history.flush_some(kStart));
+  EXPECT_EQ(history.pending(), 0U);
+}
+
 TEST(HistoryBounds, HoldInRowsOnceTheFlushesHaveCaughtUp) {
   const Folder folder;
   for (std::uint64_t n = 0; n < 5'000; n += 1'000) {
@@ -150,7 +164,7 @@ TEST(HistoryBounds, HoldInRowsOnceTheFlushesHaveCaughtUp) {
     large.flush(kStart);
   }
   History history = History::open(folder.path(), {.rows = 100});
-  for (std::uint64_t n = 5'000; n < 5'010; ++n) {
+  for (std::uint64_t n = 5'000; n < 5'100; ++n) {
     const std::size_t before = found(history, newest(10'000)).size();
     history.append(decision(n));
     history.flush(kStart);
@@ -160,8 +174,8 @@ TEST(HistoryBounds, HoldInRowsOnceTheFlushesHaveCaughtUp) {
   }
   const auto left = found(history, newest(10'000));
   ASSERT_EQ(left.size(), 100U);
-  EXPECT_EQ(left.front(), decision(5'009));
-  EXPECT_EQ(left.back(), decision(4'910));
+  EXPECT_EQ(left.front(), decision(5'099));
+  EXPECT_EQ(left.back(), decision(5'000));
 }
 
 TEST(HistoryBounds, HoldInAge) {
