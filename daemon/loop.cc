@@ -2,8 +2,10 @@
 #include "daemon/loop.hpp"
 
 #include <sys/epoll.h>
+#include <sys/eventfd.h>
 #include <systemd/sd-daemon.h>
 
+#include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <string>
@@ -47,8 +49,10 @@ Result<Loop> Loop::open(sd_event* raw, Gateway& gateway) {
   if (e >= 0)
     e = sd_event_add_time_relative(raw, nullptr, CLOCK_MONOTONIC, kLookInterval, kAccuracy, on_look,
                                    s);
+  s->always = Fd(::eventfd(1, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (!s->always) e = -errno;
   sd_event_source* work = nullptr;
-  if (e >= 0) e = sd_event_add_defer(raw, &work, on_work, s);
+  if (e >= 0) e = sd_event_add_io(raw, &work, s->always.get(), EPOLLIN, on_work, s);
   s->work.reset(work);
   if (e >= 0) e = sd_event_source_set_enabled(work, SD_EVENT_OFF);
   if (e >= 0) e = sd_event_add_post(raw, nullptr, after_turn, s);
@@ -97,17 +101,17 @@ int Loop::on_beat(sd_event_source* source, std::uint64_t, void* self) noexcept {
 int Loop::on_look(sd_event_source* source, std::uint64_t, void* self) noexcept {
   auto& s = *static_cast<Sources*>(self);
   s.gateway.begin_round();
-  sd_event_source_set_enabled(s.work.get(), SD_EVENT_ONESHOT);
+  sd_event_source_set_enabled(s.work.get(), SD_EVENT_ON);
   sd_notifyf(0, "STATUS=%s", s.gateway.summary().c_str());
   sd_event_source_set_time_relative(source, kLookInterval);
   sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
   return 0;
 }
 
-int Loop::on_work(sd_event_source* source, void* self) noexcept {
+int Loop::on_work(sd_event_source* source, int, std::uint32_t, void* self) noexcept {
   auto& s = *static_cast<Sources*>(self);
   s.gateway.work();
-  if (s.gateway.has_work()) sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
+  if (!s.gateway.has_work()) sd_event_source_set_enabled(source, SD_EVENT_OFF);
   return 0;
 }
 

@@ -33,7 +33,8 @@ class Loop {
     Gateway& gateway;
     bool links_dirty = false;
     bool identities_dirty = false;
-    Source work;  ///< a part of a round in each turn that it is on
+    Fd always;    ///< can always be read: in line with the sockets of clients
+    Source work;  ///< of always: a part of a round in each turn that it is on
     std::unique_ptr<sd_device_monitor, FreeWith<sd_device_monitor_unref>> udev;
   };
   explicit Loop(std::unique_ptr<Sources> sources) : sources_(std::move(sources)) {}
@@ -42,7 +43,7 @@ class Loop {
   static int on_udev(sd_device_monitor*, sd_device*, void* self) noexcept;
   static int on_beat(sd_event_source* source, std::uint64_t now, void* self) noexcept;
   static int on_look(sd_event_source* source, std::uint64_t now, void* self) noexcept;
-  static int on_work(sd_event_source*, void* self) noexcept;
+  static int on_work(sd_event_source*, int, std::uint32_t, void* self) noexcept;
   static int on_hangup(sd_event_source*, const signalfd_siginfo*, void* self) noexcept;
   static int after_turn(sd_event_source*, void* self) noexcept;
 

@@ -242,7 +242,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   // What a thread has read is the loop's then: from an arena of its own nobody else could use what
-  // it gives back, which is a quarter of all memory (docs/LIMITS.md).
+  // it gives back, which is up to a fifth of all memory (docs/LIMITS.md).
   ::mallopt(M_ARENA_MAX, 1);
   std::set_new_handler(out_of_memory);
   // A file that must not grow is an error of the write, not the end of the gateway.
