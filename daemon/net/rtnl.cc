@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/net/rtnl.hpp"
 
+#include <linux/rtnetlink.h>
 #include <netlink/attr.h>
 #include <netlink/msg.h>
 #include <poll.h>
@@ -68,6 +69,12 @@ void Answers::parse(const nlmsghdr& message, void (*take)(nl_object*, void*), vo
   const Message copy(nlmsg_convert(const_cast<nlmsghdr*>(&message)));  // NOLINT(*-const-cast)
   if (!copy) throw std::bad_alloc();
   nlmsg_set_proto(copy.get(), NETLINK_ROUTE);
+  // Of some disciplines libnl reads the options without looking whether there are any.
+  if (message.nlmsg_type == RTM_NEWQDISC &&
+      nlmsg_find_attr(nlmsg_hdr(copy.get()), sizeof(tcmsg), TCA_OPTIONS) == nullptr &&
+      (nlmsg_expand(copy.get(), NLMSG_ALIGN(message.nlmsg_len) + NLA_HDRLEN) != 0 ||
+       nla_put(copy.get(), TCA_OPTIONS, 0, nullptr) != 0))
+    return;
   nl_msg_parse(copy.get(), take, to);
 }
 

@@ -41,7 +41,7 @@ using fuzz::demand;
 constexpr int kAsked = 7;                   // interface
 constexpr std::uint64_t kStep = 1'000'000;  // ns that one call takes
 /// More calls than any limit of time or octets lets through.
-constexpr std::size_t kMostCalls = 200'000;
+constexpr std::size_t kMostCalls = 2'000'000;
 
 enum Fate : unsigned char {
   notice = 1,     // unasked, not an answer
