@@ -158,7 +158,18 @@ class Daemon:
             if self.process.poll() is not None:
                 return False
             time.sleep(0.002)
+        self.show_where()
         raise Failure(f"a start takes longer than {seconds} s")
+
+    def show_where(self):
+        """Where each thread of the daemon waits."""
+        folder = f"/proc/{self.process.pid}/task"
+        for thread in os.listdir(folder):
+            for name in ("comm", "syscall", "stack"):
+                with open(f"{folder}/{thread}/{name}", encoding="utf-8") as file:
+                    note(thread, name, file.read().rstrip())
+        subprocess.run(["timeout", "60", "gdb", "-p", str(self.process.pid), "-batch", "-ex", "thread apply all bt"],
+                       check=False)  # where there is one
 
     def start(self):
         self.spawn()
