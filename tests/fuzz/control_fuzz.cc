@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What clients send to a whole gateway, in steps: three octets say what is done, by which client,
+// and how many octets follow that belong to it. What must hold after each step is in
+// gateway_under_test.hpp.
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "control/codec.hpp"
+#include "fuzz/demand.hpp"
+#include "fuzz/gateway_under_test.hpp"
+
+namespace {
+
+using namespace mlcca;
+using fuzz::GatewayUnderTest;
+using fuzz::User;
+
+constexpr std::size_t kMostSteps = 48;
+
+/// Octets as what is wanted of them; where none are left, zeros.
+class Octets {
+ public:
+  explicit Octets(std::string_view octets) : rest_(octets) {}
+  unsigned next() {
+    if (rest_.empty()) return 0;
+    const auto octet = static_cast<unsigned char>(rest_.front());
+    rest_.remove_prefix(1);
+    return octet;
+  }
+  template <std::size_t N>
+  std::string one_of(const char* const (&of)[N]) {  // NOLINT(*-c-arrays)
+    return of[next() % N];
+  }
+  std::string_view take(std::size_t size) {
+    const auto taken = rest_.substr(0, size);
+    rest_.remove_prefix(taken.size());
+    return taken;
+  }
+  [[nodiscard]] bool done() const { return rest_.empty(); }
+
+ private:
+  std::string_view rest_;
+};
+
+constexpr const char* kChannels[] = {"c1", "c2", "c3", "c4", "c5", "0x3", "c9", ""};
+constexpr const char* kPlaces[] = {"", "lan", "bus", "gate", "nowhere"};
+constexpr const char* kUsers[] = {"", "1000", "1003", "4294967295", "root"};
+constexpr const char* kNames[] = {"", "a", "b", "a name"};
+constexpr const char* kKeys[] = {"", "", "k1", "k2"};
+constexpr const char* kAddresses[] = {"", "192.0.2.7", "02:00:00:00:00:07", "everybody"};
+constexpr const char* kAttributes[] = {"Period", "MaxPayload", "Latency", "Bandwidth", "Beauty"};
+
+void fill(control::ChannelRequest& to, Octets& from) {
+  to.channel = from.one_of(kChannels);
+  to.from = from.one_of(kPlaces);
+  to.to = from.one_of(kPlaces);
+  to.publisher = from.one_of(kNames);
+  to.subscriber = from.one_of(kNames);
+  to.user = from.one_of(kUsers);
+  to.address = from.one_of(kAddresses);
+  if (const unsigned node = from.next(); node % 4 != 0) to.node = node;
+  if (const unsigned priority = from.next(); priority % 4 != 0) to.priority = priority;
+  for (unsigned n = from.next() % 4; n > 0; --n) {
+    auto& attributes = from.next() % 2 == 0 ? to.offered : to.required;
+    const std::string name = from.one_of(kAttributes);
+    attributes.push_back({name, std::uint64_t{from.next()} << (from.next() % 64), {}});
+  }
+}
+
+int restarts_left = 0;
+std::uint64_t first_id = 1;
+
+std::uint64_t some_admission(Octets& from) {
+  const unsigned n = from.next() % 8;
+  return n == 0 ? 0 : first_id + n - 1;
+}
+
+/// A request of any kind; nearly all of them are ones that may be asked.
+control::Request some_request(Octets& from) {
+  control::Request out;
+  const unsigned kind = from.next() % 16;
+  out.id = from.next();
+  out.slices = from.next() % 2 == 0;
+  switch (kind) {
+    case 0:
+      out.body = control::StatusRequest{};
+      break;
+    case 1:
+      out.body = control::NetworksRequest{};
+      break;
+    case 2:
+      out.body = control::ChannelsRequest{};
+      break;
+    case 3: {
+      control::Query query;
+      fill(query, from);
+      out.body = query;
+      break;
+    }
+    case 4: {
+      control::Admit admit;
+      admit.key = from.one_of(kKeys);
+      const unsigned how = from.next();
+      admit.hold = how % 8 == 1;
+      if (how % 8 == 2) admit.lease_ns = std::uint64_t{1} << (how / 8);
+      fill(admit, from);
+      out.body = admit;
+      break;
+    }
+    case 5: {
+      control::ReleaseRequest release;
+      release.key = from.one_of(kKeys);
+      release.admission = some_admission(from);
+      release.channel = from.one_of(kChannels);
+      out.body = release;
+      break;
+    }
+    case 6:
+      out.body = control::ExplainRequest{from.one_of(kChannels)};
+      break;
+    case 7:
+      out.body = control::MonitorRequest{};
+      break;
+    case 8:
+      out.body = control::ModeRequest{from.next() % 2 == 0 ? "enforce" : "audit"};
+      break;
+    case 9:
+      out.body = control::ReloadRequest{};
+      break;
+    case 10: {
+      control::RenewRequest renew;
+      renew.key = from.one_of(kKeys);
+      renew.admission = some_admission(from);
+      out.body = renew;
+      break;
+    }
+    case 11:
+      out.body = control::RoutesRequest{};
+      break;
+    case 12:
+      out.body = control::ReservationsRequest{from.one_of(kPlaces)};
+      break;
+    case 13: {
+      control::WhatIfRequest what_if;
+      for (unsigned n = from.next() % 3; n > 0; --n)
+        what_if.without.push_back(from.one_of(kPlaces));
+      for (unsigned n = from.next() % 3; n > 0; --n)
+        what_if.links.push_back(
+            {from.one_of(kPlaces), "a", "b", from.next(), from.next() % 2 == 0});
+      out.body = what_if;
+      break;
+    }
+    case 14: {
+      control::HistoryRequest history;
+      history.channel = from.one_of(kChannels);
+      history.kind = from.next() % 2 == 0 ? "" : "granted";
+      history.limit = from.next();
+      history.since_unix_ns = from.next() % 2 == 0 ? 0 : ~std::uint64_t{0};
+      out.body = history;
+      break;
+    }
+    default:
+      out.body = control::GateRequest{from.one_of(kPlaces)};
+  }
+  return out;
+}
+
+void act(GatewayUnderTest& gateway, unsigned what, std::size_t client, std::string_view octets) {
+  Octets from(octets);
+  switch (what % 16) {
+    case 0:
+      gateway.connect(static_cast<User>(from.next() % 3));
+      break;
+    case 1:
+    case 2:
+    case 3:
+      gateway.send(client, control::encode(some_request(from)));
+      break;
+    case 4:  // several at once
+      while (!from.done()) gateway.send(client, control::encode(some_request(from)));
+      break;
+    case 5: {  // one octet is another
+      const unsigned at = from.next();
+      const auto other = static_cast<char>(from.next());
+      std::string request = control::encode(some_request(from));
+      request[at % request.size()] ^= other;
+      gateway.send(client, request);
+      break;
+    }
+    case 6: {  // in two parts
+      const unsigned at = from.next();
+      const std::string request = control::encode(some_request(from));
+      const std::string_view whole(request);
+      gateway.send(client, whole.substr(0, at % whole.size()));
+      gateway.settle();
+      gateway.send(client, whole.substr(at % whole.size()));
+      break;
+    }
+    case 7:
+      gateway.send(client, octets);
+      break;
+    case 8:
+      gateway.close(client);
+      break;
+    case 9:
+      gateway.shut(client);
+      break;
+    case 10:
+      gateway.set_reading(client, from.next() % 2 == 0);
+      break;
+    case 11:
+      gateway.describe(from.next());
+      break;
+    case 12:
+      gateway.look_around();
+      break;
+    case 13:
+      if (restarts_left-- > 0) gateway.restart(from.next() % 2 == 0);
+      break;
+    default: {  // asked again and again
+      const std::string request = control::encode(some_request(from));
+      for (unsigned n = 0; n < 64; ++n) gateway.send(client, request);
+    }
+  }
+  gateway.settle();
+}
+
+}  // namespace
+
+/// What mlccad logs goes nowhere; what must be heard goes to where it went before.
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
+  fuzz::demand_fd = ::dup(STDERR_FILENO);
+  static std::string quiet = "-close_fd_mask=2";
+  static std::vector<char*> arguments(*argv, *argv + *argc);
+  arguments.push_back(quiet.data());
+  arguments.push_back(nullptr);
+  ++*argc;
+  *argv = arguments.data();
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Octets input({reinterpret_cast<const char*>(data), size});
+  // Never destroyed: sanitizers look for leaks at the end of a process that still has it.
+  static GatewayUnderTest& gateway = *new GatewayUnderTest;  // NOLINT(*-owning-memory)
+  gateway.begin();
+  restarts_left = 1;
+  first_id = gateway.first_id();
+  gateway.connect(User::root);
+  for (std::size_t step = 0; step < kMostSteps && !input.done(); ++step) {
+    const unsigned what = input.next();
+    const unsigned client = input.next();
+    act(gateway, what, client % GatewayUnderTest::kMostClients, input.take(input.next()));
+    gateway.finish();
+  }
+  return 0;
+}
