@@ -34,15 +34,17 @@ serve::Slice failure(std::string text) {
 
 // --- in the child --------------------------------------------------------------------------------
 
-/// Clients and the kernel must not take the child for the daemon: it has none of their sockets.
-void close_sockets(int keep) {
+/// Clients, the kernel and the next daemon must not take the child for this one: it has none of the
+/// sockets, nor the files and folders that are locked by whoever has them open.
+void close_what_is_shared(int keep) {
   const auto limit = std::min<rlim_t>(kMostFiles, [] {
     rlimit files{};
     return ::getrlimit(RLIMIT_NOFILE, &files) == 0 ? files.rlim_cur : rlim_t{kMostFiles};
   }());
   for (int fd = 3; fd < static_cast<int>(limit); ++fd) {
     struct stat is{};
-    if (fd != keep && ::fstat(fd, &is) == 0 && S_ISSOCK(is.st_mode)) ::close(fd);
+    if (fd == keep || ::fstat(fd, &is) != 0) continue;
+    if (S_ISSOCK(is.st_mode) || S_ISREG(is.st_mode) || S_ISDIR(is.st_mode)) ::close(fd);
   }
 }
 
@@ -66,7 +68,7 @@ void write_all(int fd, std::string_view text) {
   if (victim && ::write(victim.get(), "1000", 4) < 0) {
     // It is only a wish.
   }
-  close_sockets(out);
+  close_what_is_shared(out);
   for (const control::Reply& slice : control::split({0, make()}, kRowsOfSlice))
     write_all(out, control::encode(slice));
   ::_exit(0);

@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -103,6 +104,26 @@ TEST_F(AsideTest, AnotherProcessMakesItOfWhatIsKnownWhenItBegins) {
   known = 2;
   EXPECT_EQ(text(whole(next, 7)), "1");
   EXPECT_EQ(known, 2);
+}
+
+TEST_F(AsideTest, WhoeverStartsNextFindsNoLockHeldByAReport) {
+  std::array<char, 32> path{"/tmp/mlcca-aside-XXXXXX"};
+  Fd lock(::mkstemp(path.data()));
+  ASSERT_EQ(::flock(lock.get(), LOCK_EX | LOCK_NB), 0);
+  const Barrier begun;
+  const Barrier end;
+  const auto next = ask(kAnna, 7, [&] {
+    begun.open();
+    end.wait();
+    return control::Done{"late"};
+  });
+  begun.wait();
+  lock.reset();  // as when the daemon dies
+  const Fd later(::open(path.data(), O_RDWR | O_CLOEXEC));
+  EXPECT_EQ(::flock(later.get(), LOCK_EX | LOCK_NB), 0);
+  end.open();
+  EXPECT_EQ(text(whole(next, 7)), "late");
+  ::unlink(path.data());
 }
 
 TEST_F(AsideTest, ALongReportComesWholeAndInSlices) {
