@@ -58,6 +58,8 @@ Result<struct stat> check_root(int root_fd, const std::string& root) {
 
 Result<Fd> lock_gates(const std::string& root) {
   Fd folder(::open(root.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));  // NOLINT(*-vararg)
+  // NOLINTNEXTLINE(*-vararg)
+  if (!folder && errno == ENOENT) folder.reset(::open("/", O_PATH | O_DIRECTORY | O_CLOEXEC));
   if (!folder) return system_error(root);
   struct statfs system{};
   if (::fstatfs(folder.get(), &system) < 0) return system_error(root);

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 #include <malloc.h>
-#include <systemd/sd-daemon.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,6 +18,7 @@
 #include "daemon/clock.hpp"
 #include "daemon/enforce/interrupted.hpp"
 #include "daemon/in_time.hpp"
+#include "daemon/manager.hpp"
 #include "daemon/report.hpp"
 #include "description/read.hpp"
 
@@ -361,11 +361,11 @@ void Gateway::pulse() {
   pulsed_ = now;
   if (is_starting_) {
     if (starting_) starting_->beat(control_, now);
-    sd_notify(0, "EXTEND_TIMEOUT_USEC=30000000");
+    notify("EXTEND_TIMEOUT_USEC=30000000");
     return;
   }
   if (!control_.lapsed()) static_cast<void>(control_.beat(now));
-  sd_notify(0, "WATCHDOG=1");
+  notify("WATCHDOG=1");
 }
 
 // --- reports -------------------------------------------------------------------------------------

@@ -2,21 +2,19 @@
 #include "daemon/journal.hpp"
 
 #include <fmt/core.h>
+#include <poll.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
-#include <charconv>
-#include <cstdio>
+#include <climits>
 #include <cstdlib>
 #include <string_view>
-#include <vector>
-
-#define SD_JOURNAL_SUPPRESS_LOCATION
-#include <sys/uio.h>
-#include <systemd/sd-journal.h>
 
 #include "core/text.hpp"
+#include "daemon/manager.hpp"
 
 namespace mlcca {
 namespace {
@@ -70,6 +68,29 @@ const char* verdict_of(Kind kind) {
   }
 }
 
+/// One field of the native protocol of journald (systemd.io/JOURNAL_NATIVE_PROTOCOL), whose value
+/// may have any octets.
+void add_field(std::string& fields, std::string_view name, std::string_view value) {
+  constexpr std::size_t most = 32UL * 1024;  // of a value: a datagram takes all of them
+  value = value.substr(0, most);
+  fields.append(name).push_back('\n');
+  for (std::uint64_t size = value.size(), i = 0; i < 8; ++i, size >>= 8)
+    fields.push_back(static_cast<char>(size & 0xff));
+  fields.append(value).push_back('\n');
+}
+
+/// False where it would have to wait. What is ready for writing takes PIPE_BUF bytes at once.
+bool write_at_once(int fd, std::string_view text) {
+  while (!text.empty()) {
+    pollfd ready{fd, POLLOUT, 0};
+    if (::poll(&ready, 1, 0) != 1) return false;
+    const ssize_t n = ::write(fd, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF));
+    if (n <= 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
 }  // namespace
 
 const char* name_of(Kind kind) { return kKinds[static_cast<std::size_t>(kind)].name; }
@@ -85,29 +106,35 @@ std::string kind_names() {
 }
 const char* message_id_of(Kind kind) { return kKinds[static_cast<std::size_t>(kind)].message_id; }
 
-Journal Journal::automatic() { return Journal(stderr_is_journal()); }
+Journal Journal::automatic() {
+  return stderr_is_journal() ? to_journald("/run/systemd/journal/socket") : to_stderr();
+}
+
+bool Journal::send(const Note& note, const std::string& message) const {
+  if (path_.empty()) return write_at_once(STDERR_FILENO, message + '\n');
+  std::string fields;
+  add_field(fields, "MESSAGE", message);
+  add_field(fields, "PRIORITY", std::to_string(note.priority));
+  add_field(fields, "MESSAGE_ID", message_id_of(note.kind));
+  add_field(fields, "MLCCA_KIND", name_of(note.kind));
+  add_field(fields, "SYSLOG_IDENTIFIER", "mlccad");
+  if (note.subject != 0) add_field(fields, "SUBJECT", core::format_subject(note.subject));
+  if (!note.channel.empty()) add_field(fields, "CHANNEL", note.channel);
+  if (!note.network.empty()) add_field(fields, "NETWORK", note.network);
+  if (!note.from.empty()) add_field(fields, "FROM", note.from);
+  if (const char* verdict = verdict_of(note.kind)) add_field(fields, "VERDICT", verdict);
+  const iovec whole{fields.data(), fields.size()};
+  return send_at_once(path_, {&whole, 1});
+}
 
 void Journal::write(const Note& note) const {
-  if (!journald_) {
-    // Whatever becomes of it: the gates matter more than the log.
-    const std::string line = note.message + '\n';
-    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, line.data(), line.size());
-    return;
-  }
-  std::vector<std::string> fields{
-      "MESSAGE=" + note.message, "PRIORITY=" + std::to_string(note.priority),
-      std::string("MESSAGE_ID=") + message_id_of(note.kind),
-      std::string("MLCCA_KIND=") + name_of(note.kind), "SYSLOG_IDENTIFIER=mlccad"};
-  if (note.subject != 0) fields.push_back("SUBJECT=" + core::format_subject(note.subject));
-  if (!note.channel.empty()) fields.push_back("CHANNEL=" + note.channel);
-  if (!note.network.empty()) fields.push_back("NETWORK=" + note.network);
-  if (!note.from.empty()) fields.push_back("FROM=" + note.from);
-  if (const char* verdict = verdict_of(note.kind))
-    fields.push_back(std::string("VERDICT=") + verdict);
-  std::vector<iovec> parts;
-  parts.reserve(fields.size());
-  for (std::string& f : fields) parts.push_back({f.data(), f.size()});
-  sd_journal_sendv(parts.data(), static_cast<int>(parts.size()));
+  const std::string before =
+      *lost_ == 0 ? ""
+                  : fmt::format("({} lines before this one were lost: nobody read them) ", *lost_);
+  if (send(note, before + note.message))
+    *lost_ = 0;
+  else
+    ++*lost_;
 }
 
 }  // namespace mlcca

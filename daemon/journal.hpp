@@ -2,9 +2,11 @@
 // What the operator reads: one line an event with structured fields, in the journal or on stderr.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace mlcca {
@@ -52,17 +54,26 @@ struct Note {
   std::uint64_t missing = 0;              ///< and how many events that are
 };
 
+/// Nothing here waits for whoever reads: the gates matter more than the log. A line that cannot be
+/// taken at once is lost, and the next one that is taken says how many were. Copies write to the
+/// same place.
 class Journal {
  public:
   /// To journald when this process's stderr is a journal stream, else to stderr.
   static Journal automatic();
-  static Journal to_stderr() { return Journal(false); }
+  static Journal to_stderr() { return Journal({}); }
+  /// In the native protocol of journald, to a datagram socket of that path.
+  static Journal to_journald(std::string path) { return Journal(std::move(path)); }
 
   void write(const Note& note) const;
 
  private:
-  explicit Journal(bool journald) : journald_(journald) {}
-  bool journald_;
+  explicit Journal(std::string path)
+      : path_(std::move(path)), lost_(std::make_shared<std::uint64_t>(0)) {}
+  [[nodiscard]] bool send(const Note& note, const std::string& message) const;
+
+  std::string path_;  ///< of journald's socket; empty: stderr
+  std::shared_ptr<std::uint64_t> lost_;
 };
 
 }  // namespace mlcca

@@ -10,6 +10,8 @@
 #include <cstring>
 #include <string>
 
+#include "daemon/manager.hpp"
+
 namespace mlcca {
 namespace {
 
@@ -56,7 +58,11 @@ Result<Loop> Loop::open(sd_event* raw, Gateway& gateway) {
   s->work.reset(work);
   if (e >= 0) e = sd_event_source_set_enabled(work, SD_EVENT_OFF);
   if (e >= 0) e = sd_event_add_post(raw, nullptr, after_turn, s);
-  if (e >= 0) e = sd_event_set_watchdog(raw, 1);
+  // sd_event_set_watchdog() waits while nobody reads the socket of the service manager.
+  if (e >= 0 && sd_watchdog_enabled(0, &s->watchdog) > 0) {
+    s->watchdog /= 2;
+    e = sd_event_add_time_relative(raw, nullptr, CLOCK_MONOTONIC, 0, kAccuracy, on_watchdog, s);
+  }
   if (e < 0)
     return fail(std::string("event loop: ") + std::strerror(-e));  // NOLINT(concurrency-mt-unsafe)
 
@@ -71,7 +77,22 @@ Result<Loop> Loop::open(sd_event* raw, Gateway& gateway) {
   return Loop(std::move(sources));
 }
 
-int Loop::run() const { return sd_event_loop(sources_->event) < 0 ? 1 : 0; }
+void Loop::Sources::tell_manager() {
+  const std::string status = "STATUS=" + gateway.summary();
+  if (notify(ready_told ? status : "READY=1\n" + status)) ready_told = true;
+}
+
+int Loop::run() const {
+  sources_->tell_manager();
+  return sd_event_loop(sources_->event) < 0 ? 1 : 0;
+}
+
+int Loop::on_watchdog(sd_event_source* source, std::uint64_t, void* self) noexcept {
+  notify("WATCHDOG=1");
+  sd_event_source_set_time_relative(source, static_cast<Sources*>(self)->watchdog);
+  sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
+  return 0;
+}
 
 int Loop::on_links(sd_event_source*, int, std::uint32_t, void* self) noexcept {
   static_cast<Sources*>(self)->links_dirty = true;
@@ -102,7 +123,7 @@ int Loop::on_look(sd_event_source* source, std::uint64_t, void* self) noexcept {
   auto& s = *static_cast<Sources*>(self);
   s.gateway.begin_round();
   sd_event_source_set_enabled(s.work.get(), SD_EVENT_ON);
-  sd_notifyf(0, "STATUS=%s", s.gateway.summary().c_str());
+  s.tell_manager();
   sd_event_source_set_time_relative(source, kLookInterval);
   sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
   return 0;

@@ -5,6 +5,7 @@
 #include <systemd/sd-device.h>
 #include <systemd/sd-event.h>
 
+#include <cstdint>
 #include <memory>
 
 #include "core/handle.hpp"
@@ -29,12 +30,16 @@ class Loop {
   using Source = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_unref>>;
   struct Sources {
     Sources(sd_event* e, Gateway& g) : event(e), gateway(g) {}
+    /// What the gateway does; that it is ready, too, until the service manager has taken it.
+    void tell_manager();
     sd_event* event;
     Gateway& gateway;
     bool links_dirty = false;
     bool identities_dirty = false;
-    Fd always;    ///< can always be read: in line with the sockets of clients
-    Source work;  ///< of always: a part of a round in each turn that it is on
+    bool ready_told = false;
+    std::uint64_t watchdog = 0;  ///< µs between signs of life for the service manager; 0: none
+    Fd always;                   ///< can always be read: in line with the sockets of clients
+    Source work;                 ///< of always: a part of a round in each turn that it is on
     std::unique_ptr<sd_device_monitor, FreeWith<sd_device_monitor_unref>> udev;
   };
   explicit Loop(std::unique_ptr<Sources> sources) : sources_(std::move(sources)) {}
@@ -44,6 +49,7 @@ class Loop {
   static int on_beat(sd_event_source* source, std::uint64_t now, void* self) noexcept;
   static int on_look(sd_event_source* source, std::uint64_t now, void* self) noexcept;
   static int on_work(sd_event_source*, int, std::uint32_t, void* self) noexcept;
+  static int on_watchdog(sd_event_source* source, std::uint64_t now, void* self) noexcept;
   static int on_hangup(sd_event_source*, const signalfd_siginfo*, void* self) noexcept;
   static int after_turn(sd_event_source*, void* self) noexcept;
 

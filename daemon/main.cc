@@ -5,6 +5,7 @@
 #include <grp.h>
 #include <malloc.h>
 #include <net/if.h>
+#include <poll.h>
 #include <sys/fsuid.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -35,6 +36,7 @@
 #include "daemon/in_time.hpp"
 #include "daemon/listen.hpp"
 #include "daemon/loop.hpp"
+#include "daemon/manager.hpp"
 #include "daemon/options.hpp"
 #include "description/read.hpp"
 
@@ -179,7 +181,9 @@ void allow_many_descriptors() {
 [[noreturn]] void out_of_memory() {
   static constexpr std::string_view line =
       "mlccad: out of memory: ended at once; the gates stay as they are for the grace\n";
-  static_cast<void>(::write(STDERR_FILENO, line.data(), line.size()));
+  pollfd ready{STDERR_FILENO, POLLOUT, 0};
+  if (::poll(&ready, 1, 0) == 1)  // nobody is waited for
+    static_cast<void>(::write(STDERR_FILENO, line.data(), line.size()));
   std::abort();
 }
 
@@ -230,9 +234,8 @@ int run(const Options& options) {
   (*server)->on_close([&gateway](std::uint64_t session) { gateway.session_closed(session); });
   gateway.on_slice([&server](std::uint64_t session) { (*server)->resume(session); });
   gateway.on_event([&server](const control::Event& event) { (*server)->publish(event); });
-  sd_notifyf(0, "READY=1\nSTATUS=%s", gateway.summary().c_str());
   const int status = loop->run();
-  sd_notify(0, "STOPPING=1\nSTATUS=everything is denied");
+  notify("STOPPING=1\nSTATUS=everything is denied");
   gateway.stop();
   if (gateway.is_reading() || group.hangs) std::_Exit(status);  // the thread may hang
   return status;

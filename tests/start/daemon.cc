@@ -20,6 +20,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/unix_address.hpp"
 #include "daemon/enforce/pins.hpp"
 #include "enforce/sandbox.hpp"
 
@@ -41,9 +42,29 @@ std::uint64_t clock_ns() {
                                     std::chrono::nanoseconds(1));
 }
 
+constexpr int kOutput = 900;  // of a process without readers, before it begins
+
 // --- a process -----------------------------------------------------------------------------------
 
-Process::Process(std::vector<std::string> arguments, const std::string& log)
+/// Until neither takes more.
+void Process::fill(const std::string& notices) {
+  const Fd sender(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const auto address = unix_address(notices);
+  while (::sendto(sender.get(), "X=1", 3, 0, generic(*address), sizeof(*address)) > 0) {
+  }
+  std::array<int, 2> ends{-1, -1};
+  require(::pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) == 0, "a pipe");
+  output_ = Fd(ends[0]);
+  const std::string much(65536, 'x');
+  while (::write(ends[1], much.data(), much.size()) > 0) {
+  }
+  // From now on who writes waits.
+  ::fcntl(ends[1], F_SETFL, 0);  // NOLINT(*-vararg)
+  ::dup2(ends[1], kOutput);
+  ::close(ends[1]);
+}
+
+Process::Process(std::vector<std::string> arguments, const std::string& log, Readers readers)
     : notices_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -60,11 +81,17 @@ Process::Process(std::vector<std::string> arguments, const std::string& log)
   std::vector<char*> pointers;
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
+  if (readers == Readers::none) fill(path);
   began_ = clock_ns();
   pid_ = ::fork();
   require(pid_ >= 0, "fork");
-  if (pid_ != 0) return;
-  const int out = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);  // NOLINT(*-vararg)
+  if (pid_ != 0) {
+    if (readers == Readers::none) ::close(kOutput);
+    return;
+  }
+  const int out = readers == Readers::none ? kOutput
+                                           : ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND,
+                                                    0600);  // NOLINT(*-vararg)
   ::dup2(out, 1);
   ::dup2(out, 2);
   ::setenv("NOTIFY_SOCKET", path.c_str(), 1);  // NOLINT(concurrency-mt-unsafe)

@@ -18,10 +18,15 @@ namespace mlcca::test {
 /// CLOCK_MONOTONIC, ns.
 std::uint64_t clock_ns();
 
+/// Whether somebody reads what a process writes. Nobody: the pipe of its output is full, and so is
+/// the queue of what it tells systemd.
+enum class Readers : std::uint8_t { there, none };
+
 /// Runs a program beside this one (…/build/mlccad), its output in `log`. Ends it when destroyed.
 class Process {
  public:
-  Process(std::vector<std::string> arguments, const std::string& log);
+  Process(std::vector<std::string> arguments, const std::string& log,
+          Readers readers = Readers::there);
   ~Process();
   Process(const Process&) = delete;
   Process(Process&&) = delete;
@@ -37,7 +42,10 @@ class Process {
   [[nodiscard]] std::uint64_t began() const { return began_; }
 
  private:
+  void fill(const std::string& notices);
+
   Fd notices_;
+  Fd output_;  ///< the end that nobody reads
   pid_t pid_ = -1;
   int status_ = -1;
   std::uint64_t began_ = 0;

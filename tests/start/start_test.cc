@@ -5,12 +5,15 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <set>
 
+#include "support/becomes.hpp"
 #include "tests/start/daemon.hpp"
 
 namespace mlcca::test {
@@ -169,6 +172,34 @@ TEST_F(StartTest, WhereTheLookUpOfTheGroupHangsOnlyRootMayChangeAnything) {
   EXPECT_EQ(word_[0].open, 1U);
   after.signal(SIGTERM);
   EXPECT_EQ(after.end(), 0);
+}
+
+TEST_F(StartTest, WithoutTheFolderOfTheBpffsClosesAndSaysWhatToDo) {
+  let_one_die();
+  auto command = gateway_.command();
+  *std::next(std::ranges::find(command, "--bpf-root")) = gateway_.path("no/bpf");
+  Process after(command, gateway_.path("log"));
+  EXPECT_FALSE(after.ready());
+  EXPECT_EQ(after.end(), 1);
+  EXPECT_NE(gateway_.log().find("is no bpffs: systemctl start run-mlcca-bpf.mount"),
+            std::string::npos)
+      << gateway_.log();
+  EXPECT_NE(gateway_.log().find("closed: lan0"), std::string::npos) << gateway_.log();
+}
+
+TEST_F(StartTest, WaitsNeitherForSystemdNorForWhoeverReadsItsLines) {
+  let_one_die();
+  Process after(gateway_.command(), gateway_.path("log"), Readers::none);
+  std::set<std::uint64_t> beats;
+  EXPECT_TRUE(becomes([&] {
+    beats.insert(__atomic_load_n(&word_[0].heartbeat, __ATOMIC_ACQUIRE));
+    return beats.size() > 8;
+  }));
+  // Once somebody reads, it is said that it is ready.
+  EXPECT_TRUE(after.ready());
+  after.signal(SIGTERM);
+  EXPECT_EQ(after.end(), 0);
+  EXPECT_EQ(word_[0].open, 0U);
 }
 
 }  // namespace

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the service manager is told. Nothing here ever waits for it: the heart-beat comes first.
+#pragma once
+#include <sys/uio.h>
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace mlcca {
+
+/// One datagram to a socket of that path ("@…" is in the abstract namespace), in the protocol of
+/// its reader. False where it would have to wait because nobody reads, or where nobody listens.
+[[nodiscard]] bool send_at_once(const std::string& path, std::span<const iovec> parts);
+
+/// As sd_notify(3), which waits without end while nobody reads the socket: lines such as "READY=1".
+/// True where it was said, or where there is no service manager.
+bool notify(std::string_view lines);
+
+}  // namespace mlcca
