@@ -44,14 +44,14 @@ enum class Kind : std::uint8_t {
 struct Note {
   Kind kind = Kind::trouble;
   int priority = 6;  ///< as in syslog: 3 error, 4 warning, 5 notice, 6 information
-  std::string message;
+  std::string message = {};
   std::uint64_t subject = 0;  ///< 0: not about a subject
-  std::string channel;
-  std::string network;                    ///< or gateway; of a delivery the place that it leads to
-  std::string from;                       ///< of a delivery: the place of its publisher
-  std::vector<std::uint64_t> admissions;  ///< run-time admissions that it concerns
-  std::uint64_t silent_ns = 0;            ///< of missing and restored: how long nothing came
-  std::uint64_t missing = 0;              ///< and how many events that are
+  std::string channel = {};
+  std::string network = {};  ///< or gateway; of a delivery the place that it leads to
+  std::string from = {};     ///< of a delivery: the place of its publisher
+  std::vector<std::uint64_t> admissions = {};  ///< run-time admissions that it concerns
+  std::uint64_t silent_ns = 0;                 ///< of missing and restored: how long nothing came
+  std::uint64_t missing = 0;                   ///< and how many events that are
 };
 
 /// Nothing here waits for whoever reads: the gates matter more than the log. A line that cannot be
