@@ -88,6 +88,13 @@ Decision decide_in(const Situation& situation, std::size_t channel, std::size_t 
   return decision;
 }
 
+void renew_responses(const Situation& situation, Ledger& ledger, Decision& decision) {
+  if (decision.verdicts.empty()) return;
+  const std::vector<Target> targets =
+      targets_of(situation.members, decision.verdicts.front().channel);
+  for (Verdict& v : decision.verdicts) renew_responses(situation, ledger, targets, v);
+}
+
 std::size_t sets_of(const System& system, std::size_t channel) {
   return 1 + system.channels[channel].lower.size();
 }

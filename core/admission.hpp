@@ -41,6 +41,10 @@ struct Decision {
 [[nodiscard]] Decision decide_in(const Situation& situation, std::size_t channel, std::size_t set,
                                  Ledger& ledger, const Decision* before = nullptr);
 
+/// Once everything is decided at design time: what is granted with the response times of the final
+/// schedules, which messages that were decided later have made longer.
+void renew_responses(const Situation& situation, Ledger& ledger, Decision& decision);
+
 /// The number of attribute sets of a channel.
 [[nodiscard]] std::size_t sets_of(const System& system, std::size_t channel);
 

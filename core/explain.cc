@@ -233,6 +233,7 @@ void Explainer::add_pair(const Verdict& v, std::size_t subscriber) {
   ledger_.roll_back(before);
   for (const Row& row : pair.rows) {
     if (!is_unfit(row) || row.against == Against::capacity || is_about_medium(row)) continue;
+    if (pair.obstacle != Obstacle::none && is_left_open(row)) continue;
     // What one hop cannot give, the whole way cannot: once is enough.
     const bool said =
         row.against == Against::end_to_end && std::ranges::any_of(pair.rows, [&](const Row& other) {
@@ -240,6 +241,15 @@ void Explainer::add_pair(const Verdict& v, std::size_t subscriber) {
         });
     if (!said) add_row(pair, row, subscriber);
   }
+}
+
+/// What an obstacle kept from being computed: nobody may say that it is not provided.
+bool Explainer::is_left_open(const Row& row) const {
+  if (row.comparison.known) return false;
+  if (row.against == Against::end_to_end) return true;
+  return row.against == Against::hop && row.place.kind == Place::Kind::network &&
+         (ledger_.schedule(row.place.index) != nullptr ||
+          s_.world.meshes[row.place.index] != nullptr);
 }
 
 void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber) {

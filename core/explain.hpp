@@ -30,6 +30,7 @@ class Explainer {
   void add_run_time(const Verdict& v);
   void add_pair(const Verdict& v, std::size_t subscriber);
   void add_row(const Verdict& v, const Row& row, std::size_t subscriber);
+  [[nodiscard]] bool is_left_open(const Row& row) const;
   void add_capacity(const Verdict& v, const Row& row);
   void add_medium(const Verdict& v, const Row& row);
   Finding& new_finding(FindingId id, const Verdict& v);

@@ -56,6 +56,8 @@ constexpr auto kTable = std::to_array<FindingInfo>({
      "the links of a mesh have not enough time left for a channel"},
     {Id::shared_limit, S::warning, "shared-limit",
      "publishers look alike to a gate and share what was admitted"},
+    {Id::not_decided, S::note, "not-decided",
+     "what a network gives must be computed, which the stylesheet cannot"},
 });
 
 constexpr bool is_dense() {

@@ -48,6 +48,7 @@ enum class FindingId : std::uint8_t {
   deadline_missed = 31,
   medium_time = 32,
   shared_limit = 33,
+  not_decided = 34,
 };
 
 /// A note is information: it does not make a description unfit.

@@ -2,8 +2,11 @@
 #include "core/inspect.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <iterator>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -24,9 +27,10 @@ constexpr std::size_t kProgressStep = 1024;
 
 class Inspector {
  public:
-  Inspector(const System& system, const InspectProgress& progress)
+  Inspector(const System& system, const InspectProgress& progress, const EachDecided& each)
       : s_(system),
         progress_(progress),
+        each_(each),
         topology_(system),
         members_(system),
         world_(described_world(system)),
@@ -42,9 +46,12 @@ class Inspector {
     check_networks();
     const Situation situation{s_, topology_, members_, world_, released_, true};
     decide_each(situation, ledger_, [&](std::size_t channel, const Decision& decision) {
+      const std::size_t before = out_.findings.size();
       check_channel(channel, decision, Explainer(situation, ledger_, out_.findings));
+      if (each_) keep(channel, decision, std::span(out_.findings).subspan(before));
       if (progress_ && (channel + 1) % kProgressStep == 0) progress_(channel + 1);
     });
+    tell(situation);
     for (std::size_t n = 0; n < s_.networks.size(); ++n)
       out_.networks.push_back({ledger_.reserved(n)});
     std::ranges::stable_sort(out_.findings, {}, [](const Finding& f) {
@@ -64,6 +71,51 @@ class Inspector {
     f.channel = static_cast<std::uint32_t>(channel);
     f.publisher = publisher;
     f.subscriber = subscriber;
+  }
+
+  struct Kept {
+    std::size_t channel;
+    Decision decision;
+    std::vector<Finding> errors;
+  };
+
+  static std::vector<Finding> errors_of(std::span<const Finding> findings) {
+    std::vector<Finding> out;
+    std::ranges::copy_if(findings, std::back_inserter(out),
+                         [](const Finding& f) { return info(f.id).severity == Severity::error; });
+    return out;
+  }
+
+  /// Until everything is decided where that changes the numbers.
+  void keep(std::size_t channel, const Decision& decision, std::span<const Finding> findings) {
+    const bool waits =
+        std::ranges::any_of(decision.verdicts, [](const Verdict& v) { return !v.media.empty(); });
+    std::vector<Finding> errors = errors_of(findings);
+    if (waits || sets_of(s_, channel) > 1)
+      kept_.push_back({channel, decision, std::move(errors)});
+    else
+      each_(channel, decision, errors);
+  }
+
+  void tell(const Situation& situation) {
+    for (Kept& kept : kept_) {
+      renew_responses(situation, ledger_, kept.decision);
+      each_(kept.channel, kept.decision, kept.errors);
+      for (std::size_t set = 0; set < sets_of(s_, kept.channel); ++set)
+        if (set != kept.decision.set) tell_other(situation, kept.channel, set);
+    }
+  }
+
+  void tell_other(const Situation& situation, std::size_t channel, std::size_t set) {
+    const Ledger::Mark before = ledger_.mark();
+    for (const std::size_t p : members_.publishers_of(channel)) ledger_.remove(p);
+    Decision decision = decide_in(situation, channel, set, ledger_);
+    renew_responses(situation, ledger_, decision);
+    std::vector<Finding> findings;
+    Explainer explain(situation, ledger_, findings);
+    for (const Verdict& v : decision.verdicts) explain.add(v);
+    each_(channel, decision, errors_of(findings));
+    ledger_.roll_back(before);
   }
 
   void check_networks() {
@@ -216,6 +268,8 @@ class Inspector {
 
   const System& s_;
   const InspectProgress& progress_;
+  const EachDecided& each_;
+  std::vector<Kept> kept_;
   Topology topology_;
   Members members_;
   World world_;
@@ -227,8 +281,8 @@ class Inspector {
 
 }  // namespace
 
-Inspection inspect(const System& system, const InspectProgress& progress) {
-  return Inspector(system, progress).run();
+Inspection inspect(const System& system, const InspectProgress& progress, const EachDecided& each) {
+  return Inspector(system, progress, each).run();
 }
 
 }  // namespace mlcca::core

@@ -3,8 +3,10 @@
 #pragma once
 #include <cstddef>
 #include <functional>
+#include <span>
 #include <vector>
 
+#include "core/admission.hpp"
 #include "core/findings.hpp"
 #include "core/system.hpp"
 #include "mlcca/satisfies.hpp"
@@ -32,9 +34,16 @@ struct Inspection {
 /// Called about every thousand channels.
 using InspectProgress = std::function<void(std::size_t channels_done)>;
 
+/// Called for each channel when all are decided, first with the attribute set that is used, then
+/// with each of the others as it would be if everybody else stayed as they are. Verdicts have their
+/// hops, with the response times of the final schedules. `errors`: why not everything is granted.
+using EachDecided = std::function<void(std::size_t channel, const Decision& decision,
+                                       std::span<const Finding> errors)>;
+
 /// Decides every channel of `system` as a gateway would, but lets best cases pass, which are then
 /// notes: the run time decides. `system` has sorted bindings, and what the description's own rules
 /// find (two channels with one subject, an identifier given twice, …) is not repeated here.
-[[nodiscard]] Inspection inspect(const System& system, const InspectProgress& progress = {});
+[[nodiscard]] Inspection inspect(const System& system, const InspectProgress& progress = {},
+                                 const EachDecided& each = {});
 
 }  // namespace mlcca::core

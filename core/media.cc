@@ -27,6 +27,12 @@ void provide(AttributeSet& provision, Attribute a, Value value, bool dynamic = f
   if (is_missing(provision, a)) provision.set(a, value, dynamic);
 }
 
+void provide_response(AttributeSet& provision, Value response) {
+  if (response == 0) return;
+  provide(provision, Attribute::latency, response);
+  provide(provision, Attribute::jitter, response);
+}
+
 /// Over a mesh events are sent in packets, however long they are, and as often as the time of the
 /// medium lasts.
 void provide_events(AttributeSet& provision, const AttributeSet& offered, bool dynamic = false) {
@@ -230,13 +236,28 @@ void Media::take_bus(std::size_t hop) {
     guaranteed_[hop] = delay;
   }
   AttributeSet& provision = hops_[hop].provision;
-  if (use.response != 0) {
-    provide(provision, Attribute::latency, use.response);
-    provide(provision, Attribute::jitter, use.response);
-  }
+  provide_response(provision, use.response);
   provide(provision, Attribute::period, message->period);
   const Network& medium = s_.system.networks[network];
   provide(provision, Attribute::max_payload, event_bytes(medium, *medium.binding_of(v_.channel)));
+}
+
+void Media::renew_responses(const Situation& situation, const Ledger& ledger, Verdict& verdict) {
+  const auto places = hops_of(verdict.route);
+  for (MediumUse& use : verdict.media) {
+    const can::Schedule* bus = ledger.schedule(use.network);
+    const can::Message* message = bus != nullptr ? bus->find(use.key) : nullptr;
+    if (message == nullptr) continue;
+    use.response = less(bus->response(use.key), message->jitter);
+    for (std::size_t i = 0; i < verdict.hops.size(); ++i) {
+      if (places[i] != Place{Place::Kind::network, use.network}) continue;
+      const AttributeSet& stated = situation.system.networks[use.network].provision;
+      AttributeSet& provision = verdict.hops[i].provision;
+      for (const Attribute a : {Attribute::latency, Attribute::jitter})
+        if (is_missing(stated, a)) provision.clear(a);
+      provide_response(provision, use.response);
+    }
+  }
 }
 
 // --- meshes -------------------------------------------------------------------------------------
@@ -282,6 +303,15 @@ void Media::no_path(std::size_t hop) {
   AttributeSet& provision = hops_[hop].provision;
   provide(provision, Attribute::bandwidth, kUnbounded, true);
   provide_events(provision, attributes_in(s_.members.publisher(v_.publisher), v_.set), true);
+  // However much is stated: without a way there is nothing.
+  Row row{.place = places_[hop], .against = Against::medium_time};
+  row.comparison.attribute = Attribute::bandwidth;
+  row.comparison.known = true;
+  row.comparison.dynamic = true;
+  row.comparison.outcome = Outcome::run_time;
+  row.comparison.required = v_.demand;
+  row.comparison.provided = kUnbounded;
+  medium_rows_.push_back(row);
 }
 
 /// What is asked of a mesh, and what its paths have given so far.

@@ -40,6 +40,10 @@ class Media {
   /// back then. The flow has been added on every hop.
   void take();
 
+  /// Puts the response times of the schedules as they are now in the place of those that they were
+  /// when the granted verdict was decided.
+  static void renew_responses(const Situation& situation, const Ledger& ledger, Verdict& verdict);
+
   /// What is left of the time of meshes: rows that stand behind the others.
   [[nodiscard]] std::vector<Row> take_medium_rows() { return std::move(medium_rows_); }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <iterator>
 #include <span>
 #include <utility>
 
@@ -34,16 +36,28 @@ class RouteCheck {
     const Ledger::Mark before = ledger_.mark();
     reserve();
     const std::vector<Row> medium_rows = take_media();
-    check_hops();
-    check_end_to_end();
-    check_offers();
-    check_bystanders();
+    check_provisions();
     check_capacities();
     v_.rows.insert(v_.rows.end(), medium_rows.begin(), medium_rows.end());
-    v_.outcome = v_.obstacle == Obstacle::none ? Outcome::fit : Outcome::unfit;
-    for (const Row& row : v_.rows) v_.outcome = worse(v_.outcome, row.comparison.outcome);
-    v_.granted = s_.best_cases_pass ? v_.outcome != Outcome::unfit : v_.outcome == Outcome::fit;
+    sum_up();
+    if (s_.best_cases_pass && v_.obstacle == Obstacle::none)
+      v_.hops.assign(hops_.begin(), hops_.begin() + static_cast<std::ptrdiff_t>(count_));
     if (!v_.granted) ledger_.roll_back(before);
+  }
+
+  /// What the hops give has changed; what was taken of the media has not.
+  void run_again() {
+    count_ = v_.hops.size();
+    std::ranges::copy(v_.hops, hops_.begin());
+    std::vector<Row> others;
+    std::ranges::copy_if(v_.rows, std::back_inserter(others), [](const Row& row) {
+      return row.against == Against::capacity || row.against == Against::schedule ||
+             row.against == Against::medium_time;
+    });
+    v_.rows.clear();
+    check_provisions();
+    v_.rows.insert(v_.rows.end(), others.begin(), others.end());
+    sum_up();
   }
 
  private:
@@ -54,6 +68,19 @@ class RouteCheck {
     return attributes_in(s_.members.subscriber(subscriber), v_.set);
   }
   [[nodiscard]] std::span<const Place> hops() const { return hops_of(v_.route); }
+
+  void check_provisions() {
+    check_hops();
+    check_end_to_end();
+    check_offers();
+    check_bystanders();
+  }
+
+  void sum_up() {
+    v_.outcome = v_.obstacle == Obstacle::none ? Outcome::fit : Outcome::unfit;
+    for (const Row& row : v_.rows) v_.outcome = worse(v_.outcome, row.comparison.outcome);
+    v_.granted = s_.best_cases_pass ? v_.outcome != Outcome::unfit : v_.outcome == Outcome::fit;
+  }
 
   void obstruct(Obstacle obstacle, Place at) {
     if (v_.obstacle != Obstacle::none) return;
@@ -350,6 +377,13 @@ Verdict undecided(const Situation& situation, std::size_t channel, std::size_t p
 void check_route(const Situation& situation, Ledger& ledger, const std::vector<Target>& targets,
                  Verdict& verdict) {
   RouteCheck(situation, ledger, targets, verdict).run();
+}
+
+void renew_responses(const Situation& situation, Ledger& ledger, const std::vector<Target>& targets,
+                     Verdict& verdict) {
+  if (!verdict.granted || verdict.media.empty() || verdict.hops.empty()) return;
+  Media::renew_responses(situation, ledger, verdict);
+  RouteCheck(situation, ledger, targets, verdict).run_again();
 }
 
 }  // namespace mlcca::core

@@ -43,4 +43,9 @@ struct Asked {
 void check_route(const Situation& situation, Ledger& ledger, const std::vector<Target>& targets,
                  Verdict& verdict);
 
+/// Once everything is decided: the rows and hops of a granted verdict with the response times of
+/// the final schedules, which messages that were decided later have made longer.
+void renew_responses(const Situation& situation, Ledger& ledger, const std::vector<Target>& targets,
+                     Verdict& verdict);
+
 }  // namespace mlcca::core

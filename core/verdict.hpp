@@ -8,6 +8,7 @@
 
 #include "core/topology.hpp"
 #include "mlcca/check.hpp"
+#include "mlcca/compose.hpp"
 
 namespace mlcca::core {
 
@@ -82,6 +83,9 @@ struct Verdict {
   AttributeSet provision;  ///< composed, end to end
   std::vector<Row> rows;
   std::vector<MediumUse> media;
+  /// What each hop of the route gives these events, as the checks saw it: stated, and completed by
+  /// what is computed for buses and meshes. Kept at design time only; empty with an obstacle.
+  std::vector<Hop> hops;
   Value demand = 0;  ///< payload bytes/s reserved on each network of the route
 };
 

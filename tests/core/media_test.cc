@@ -2,10 +2,13 @@
 // Buses and meshes as part of a decision: what is computed takes the place of what is only stated.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 
+#include "core/inspect.hpp"
 #include "core/text.hpp"
 #include "tests/core/robot.hpp"
 
@@ -128,6 +131,26 @@ TEST(BusTest, WhoIsHeardIsBackgroundToAllOthers) {
   state.settle();
   EXPECT_EQ(state.ledger().schedule(0)->assumptions().background, 360'000U)
       << "it goes on sending as far as anybody knows";
+}
+
+TEST(BusTest, AtDesignTimeResponseTimesAreThoseOfAllMessagesThatAreGranted) {
+  const System system = one_bus(3, 50 * kMs);
+  const State daemon(system);
+  std::size_t told = 0;
+  static_cast<void>(inspect(
+      system, {}, [&](std::size_t channel, const Decision& decision, std::span<const Finding> why) {
+        ++told;
+        EXPECT_TRUE(why.empty());
+        const Verdict& v = decision.verdicts.at(0);
+        const Value response = daemon.ledger().schedule(0)->response(v.media.at(0).key);
+        EXPECT_EQ(v.media.at(0).response, response) << channel;
+        EXPECT_EQ(v.hops.at(0).provision[Attribute::latency], response);
+        const auto end = std::ranges::find(v.rows, Against::end_to_end, &Row::against);
+        ASSERT_NE(end, v.rows.end());
+        EXPECT_EQ(end->comparison.provided, response);
+      }));
+  EXPECT_EQ(told, 3U);
+  EXPECT_TRUE(daemon.decisions()[0].verdicts.at(0).hops.empty()) << "kept at design time only";
 }
 
 TEST(BusTest, AStatedLatencyIsHeldAgainstTheAnalysis) {

@@ -98,6 +98,9 @@ const char* advice_on(core::FindingId id) {
     case Id::shared_limit:
       return "Frames of an Ethernet-like network name the subject and not the publisher. With the "
              "address of each stated, gates hold each to what it was admitted for.";
+    case Id::not_decided:
+      return "Only description/check.xsl says so. What a bus or a mesh gives follows from its bit "
+             "rate, its links and everybody on it: mlccactl check computes it.";
     case Id::unsafe_drop:
       return "A gate drops what it does not know, after a crash too. Make silence the safe state "
              "(a heart-beat), or keep all ends on one network.";
