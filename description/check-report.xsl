@@ -58,6 +58,24 @@
     </Left>
   </xsl:template>
 
+  <!-- A requirement that only mlccactl check can hold against what it computes. -->
+  <xsl:template name="undecided">
+    <xsl:param name="publisher"/>
+    <xsl:param name="subscriber"/>
+    <xsl:param name="hop"/>
+    <xsl:param name="row"/>
+    <xsl:param name="required"/>
+    <xsl:variable name="publisher-name"><xsl:apply-templates select="$publisher" mode="name"/></xsl:variable>
+    <xsl:variable name="subscriber-name"><xsl:apply-templates select="$subscriber" mode="name"/></xsl:variable>
+    <xsl:variable name="hop-name" select="normalize-space($hop/@name)"/>
+    <xsl:variable name="name" select="normalize-space($row/@name)"/>
+    <xsl:variable name="value"><xsl:call-template name="plain"><xsl:with-param name="value" select="$required"/></xsl:call-template></xsl:variable>
+    <xsl:variable name="unit"><xsl:apply-templates select="$row" mode="unit"/></xsl:variable>
+    <Undecided id="MLCCA034" publisher="{$publisher-name}" subscriber="{$subscriber-name}" hop="{$hop-name}" attribute="{$name}" required="{$value}" unit="{$unit}">
+      <xsl:value-of select="concat('note MLCCA034: publisher ', $publisher-name, ', subscriber ', $subscriber-name, ', hop ', $hop-name, ', attribute ', $name, ': required ', $value, ' ', $unit, ', provided what is computed: not decided here, left to mlccactl check&#10;')"/>
+    </Undecided>
+  </xsl:template>
+
   <xsl:template match="t:attribute" mode="unit"><xsl:value-of select="@unit"/></xsl:template>
   <xsl:template match="UserAttribute" mode="unit">
     <xsl:variable name="magnitude"><xsl:call-template name="magnitude"><xsl:with-param name="of" select="."/></xsl:call-template></xsl:variable>

@@ -4,7 +4,8 @@
   For check.xsl: what ends, networks and gateways state, as whole numbers of 20 digits in strings.
   XSLT has only floating point, which is exact up to 15 digits.
 -->
-<xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform">
+<xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform"
+                xmlns:t="urn:mlcca:table" exclude-result-prefixes="t">
   <!-- As many as the largest Magnitudes append to a value. -->
   <xsl:variable name="zeros" select="'00000000000000000000000000000000000000000000000000000000000000000000000000000000'"/>
   <xsl:variable name="none" select="substring($zeros, 1, 20)"/>
@@ -72,6 +73,24 @@
         <xsl:with-param name="up" select="concat($row/@better, normalize-space($row/Better)) = 'smaller'"/>
       </xsl:call-template>
     </xsl:if>
+  </xsl:template>
+
+  <!--
+    Not empty if the value that a hop provides is computed: on a CAN bus with a bit rate its times,
+    periods and sizes, on a mesh everything that the table has, each where it is not stated for good.
+  -->
+  <xsl:template name="is-computed">
+    <xsl:param name="hop"/>
+    <xsl:param name="row"/>
+    <xsl:variable name="name" select="normalize-space($row/@name)"/>
+    <xsl:variable name="held-against" select="concat(substring('Latency', 1, 7 * ($name = 'Deadline')),
+                                                     substring($name, 1, string-length($name) * ($name != 'Deadline')))"/>
+    <xsl:variable name="stated" select="key('provided', concat(generate-id($hop), ' ', $held-against))"/>
+    <xsl:variable name="for-good" select="$stated[not(normalize-space(@dynamic) = 'true' or normalize-space(@dynamic) = '1')]
+        [normalize-space(@dynamic) != '' or not(normalize-space(../@dynamic) = 'true' or normalize-space(../@dynamic) = '1')]"/>
+    <xsl:variable name="on-a-bus" select="contains(' Latency Jitter Period MaxPayload ', concat(' ', $held-against, ' '))"/>
+    <xsl:if test="$row/self::t:attribute and not($for-good) and
+                  ($hop/self::Network[Mesh] or ($on-a-bus and $hop/self::Network[Bus/@bitrate and Profile]))">yes</xsl:if>
   </xsl:template>
 
   <!-- The name of the network or gateway where an end sits. -->

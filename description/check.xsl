@@ -10,6 +10,7 @@
     MLCCA010  a subscription has no publisher
     MLCCA020  a publisher does not offer the traffic that a subscriber asks of it
     MLCCA021  a network or gateway of the connection does not fulfil what the two ask together
+    MLCCA034  a note: what a CAN bus or a mesh gives is computed, and is not decided here
   The connection is the network that both sit on, or the Route that is declared between their
   places. Left to "mlccactl check": routes as a whole, others who hear the events, capacity, bindings,
   frame lengths, and connections that are not declared (said in a note).
@@ -17,7 +18,7 @@
   Output: a line for each finding, in the order of channels, their publishers and subscribers, then
   the notes, and last the line "N findings", since an exit status cannot tell. With
   -stringparam format xml: Findings/Finding, with names and numbers in attributes and the line as
-  text, and Findings/Left for a note.
+  text, and Findings/Left or Findings/Undecided for a note.
 
   - A description is taken for valid: "xmllint -xinclude -nofixup-base-uris -schema system.xsd" holds
     it against the schema, and "mlccactl check" knows the other rules. Names that lead nowhere
@@ -204,10 +205,19 @@
         </xsl:if>
       </xsl:for-each>
     </xsl:for-each>
+    <xsl:call-template name="check-in-best-set">
+      <xsl:with-param name="open" select="true()"/>
+      <xsl:with-param name="publishers" select="key('use-of', concat('Publisher ', $name)) | key('use-of', concat('Publisher ', $subject))"/>
+      <xsl:with-param name="subscribers" select="$subscribers"/>
+      <xsl:with-param name="bindings" select="key('use-of', concat('Binding ', $name)) |
+                                              key('use-of', concat('Binding ', $subject))"/>
+    </xsl:call-template>
   </xsl:template>
 
-  <!-- The findings of the preferred set, unless there are none in another one. -->
+  <!-- The findings of the preferred set, unless there are none in another one. With "open": of the
+       first set without a finding, what is not decided here. -->
   <xsl:template name="check-in-best-set">
+    <xsl:param name="open"/>
     <xsl:param name="publishers"/>
     <xsl:param name="subscribers"/>
     <xsl:param name="bindings"/>
@@ -233,7 +243,31 @@
         </xsl:for-each>
       </xsl:for-each>
     </xsl:variable>
-    <xsl:if test="string($found)">
+    <xsl:if test="$open and not(string($found))">
+      <xsl:for-each select="$publishers">
+        <xsl:variable name="publisher" select="."/>
+        <xsl:for-each select="$subscribers">
+          <xsl:call-template name="check-pair">
+            <xsl:with-param name="open" select="true()"/>
+            <xsl:with-param name="channel" select="$channel"/>
+            <xsl:with-param name="set" select="$channel/Attributes[generate-id() = $id]"/>
+            <xsl:with-param name="publisher" select="$publisher"/>
+            <xsl:with-param name="subscriber" select="."/>
+            <xsl:with-param name="bindings" select="$bindings"/>
+          </xsl:call-template>
+        </xsl:for-each>
+      </xsl:for-each>
+    </xsl:if>
+    <xsl:if test="$open and string($found) and $rank &lt; count(Attributes)">
+      <xsl:call-template name="check-in-best-set">
+        <xsl:with-param name="open" select="true()"/>
+        <xsl:with-param name="publishers" select="$publishers"/>
+        <xsl:with-param name="subscribers" select="$subscribers"/>
+        <xsl:with-param name="bindings" select="$bindings"/>
+        <xsl:with-param name="rank" select="$rank + 1"/>
+      </xsl:call-template>
+    </xsl:if>
+    <xsl:if test="not($open) and string($found)">
       <xsl:variable name="lower">
         <xsl:if test="$rank &lt; count(Attributes)">
           <xsl:call-template name="check-in-best-set">
@@ -251,6 +285,7 @@
   <!-- ============================ a publisher and a subscriber ============================ -->
 
   <xsl:template name="check-pair">
+    <xsl:param name="open"/>
     <xsl:param name="channel"/>
     <xsl:param name="set"/>
     <xsl:param name="publisher"/>
@@ -272,6 +307,7 @@
     <!-- The rows of the table are in another document: there no key finds anything of this one. -->
     <xsl:for-each select="($table | $user-attributes)[contains($names, concat(' ', normalize-space(@name), ' '))]">
       <xsl:call-template name="check-attribute">
+        <xsl:with-param name="open" select="$open"/>
         <xsl:with-param name="channel" select="$channel"/>
         <xsl:with-param name="set" select="$set"/>
         <xsl:with-param name="publisher" select="$publisher"/>
@@ -284,6 +320,7 @@
 
   <!-- The current node is the attribute's row. -->
   <xsl:template name="check-attribute">
+    <xsl:param name="open"/>
     <xsl:param name="channel"/>
     <xsl:param name="set"/>
     <xsl:param name="publisher"/>
@@ -303,7 +340,7 @@
         <xsl:with-param name="set" select="$set"/>
       </xsl:call-template>
     </xsl:variable>
-    <xsl:if test="@traffic and string($asked)">
+    <xsl:if test="@traffic and string($asked) and not($open)">
       <xsl:call-template name="check-traffic">
         <xsl:with-param name="channel" select="$channel"/>
         <xsl:with-param name="set" select="$set"/>
@@ -338,6 +375,7 @@
         <xsl:variable name="hop" select="key('place', normalize-space(.))"/>
         <xsl:if test="$hop/self::Network or parent::Hop">
           <xsl:call-template name="check-hop">
+            <xsl:with-param name="open" select="$open"/>
             <xsl:with-param name="row" select="$row"/>
             <xsl:with-param name="channel" select="$channel"/>
             <xsl:with-param name="set" select="$set"/>
@@ -396,6 +434,7 @@
   </xsl:template>
 
   <xsl:template name="check-hop">
+    <xsl:param name="open"/>
     <xsl:param name="row"/>
     <xsl:param name="channel"/>
     <xsl:param name="set"/>
@@ -410,9 +449,25 @@
         <xsl:with-param name="row" select="$row"/>
       </xsl:call-template>
     </xsl:variable>
+    <xsl:variable name="computed">
+      <xsl:call-template name="is-computed">
+        <xsl:with-param name="hop" select="$hop"/>
+        <xsl:with-param name="row" select="$row"/>
+      </xsl:call-template>
+    </xsl:variable>
+    <xsl:if test="$open and string($computed)">
+      <xsl:call-template name="undecided">
+        <xsl:with-param name="publisher" select="$publisher"/>
+        <xsl:with-param name="subscriber" select="$subscriber"/>
+        <xsl:with-param name="hop" select="$hop"/>
+        <xsl:with-param name="row" select="$row"/>
+        <xsl:with-param name="required" select="$required"/>
+      </xsl:call-template>
+    </xsl:if>
     <xsl:variable name="composition" select="normalize-space($row/Composition)"/>
     <xsl:variable name="limits-by-statement-only" select="$row/@of-networks or $composition = 'maximum' or $composition = 'minimum'"/>
-    <xsl:if test="string($stated) or $hop/self::Network or not($limits-by-statement-only)">
+    <xsl:if test="not($open) and not(string($computed)) and
+                  (string($stated) or $hop/self::Network or not($limits-by-statement-only))">
       <xsl:variable name="unbounded-by-fragments">
         <xsl:if test="$row/@name = 'Omission' and string($stated) and $stated != $none">
           <xsl:call-template name="is-fragmented">

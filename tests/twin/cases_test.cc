@@ -87,6 +87,18 @@ TEST(Twin, SaysWhichConnectionsItDoesNotCheck) {
             "mlccactl check\n0 findings\n");
 }
 
+TEST(Twin, SaysWhatItDoesNotDecideWhereNothingElseIsFound) {
+  const auto note = [](const std::string& what) {
+    return "note MLCCA034: publisher q, subscriber t, hop bus, attribute " + what +
+           ", provided what is computed: not decided here, left to mlccactl check\n";
+  };
+  EXPECT_EQ(output_of(kCheck + std::string("tests/twin/cases/computed.xml")),
+            "error MLCCA021: publisher p, subscriber s, hop bus, attribute Omission: required 2 "
+            "events, provided 5 events\n" +
+                note("Deadline: required 50000000 ns") + note("Period: required 50000000 ns") +
+                "1 findings\n");
+}
+
 TEST(Twin, WritesXmlOnDemand) {
   const std::string command =
       "xsltproc --nonet --stringparam format xml description/check.xsl "

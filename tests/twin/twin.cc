@@ -115,7 +115,7 @@ std::vector<Keys> parse_output(const std::string& output, std::size_t files) {
   std::vector<Keys> all(1);
   std::size_t lines = 0;
   for (std::string line; std::getline(out, line);) {
-    if (line.starts_with("note: ")) continue;
+    if (line.starts_with("note: ") || line.starts_with("note MLCCA034: ")) continue;
     if (line.starts_with("error ")) {
       all.back().insert(parse(line));
       ++lines;
