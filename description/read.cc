@@ -85,12 +85,15 @@ bool is_part(const std::string& path) {
   return std::ranges::find(system_parts(), root, &Child::name) != system_parts().end();
 }
 
-Description read(const std::string& path) { return only_without_problems(examine({path})); }
+Description read(const std::string& path, Users users) {
+  return only_without_problems(examine({path}, {}, users));
+}
 
-Description read_memory(std::string_view xml, const std::string& name, const std::string& base) {
+Description read_memory(std::string_view xml, const std::string& name, const std::string& base,
+                        Users users) {
   Stages stages(name);
   return only_without_problems(
-      stages.finish(parse_text(xml, base, stages.problems(), stages.receiver())));
+      stages.finish(parse_text(xml, base, stages.problems(), stages.receiver()), users));
 }
 
 std::vector<Problem> check_part(const std::string& path) {

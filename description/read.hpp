@@ -59,12 +59,12 @@ Examined examine(const std::vector<std::string>& paths, const Progress& progress
 bool is_part(const std::string& path);
 
 /// The System of the file `path` and what it includes; any problem is an error. See examine().
-Description read(const std::string& path);
+Description read(const std::string& path, Users users = Users::of_this_machine);
 
 /// The same for a text; `name` stands for the file in problems and origins. Includes are looked up
 /// in the folder `base`, or refused if that is empty.
-Description read_memory(std::string_view xml, const std::string& name,
-                        const std::string& base = {});
+Description read_memory(std::string_view xml, const std::string& name, const std::string& base = {},
+                        Users users = Users::of_this_machine);
 
 /// Whether one file, whose root is a System or a part of one, can be read and fits the schema, with
 /// the files that it includes. Values, names and rules are not examined.

@@ -159,6 +159,51 @@ TEST(GenerateTest, APreferredSetIsOnlyCheckedWhenAskedFor) {
   EXPECT_TRUE(said.contains("ATTRIBUTES_MISMATCH")) << said;
 }
 
+TEST(GenerateTest, WhatABusGivesIsComputedAndSaysFromWhat) {
+  const Folder folder;
+  const auto out = generated(folder, on_a_bus());
+  const auto header = content_of(out + "/bus_channels.hpp");
+  for (const char* text :
+       {"struct Bus {\n  using provision = mlcca::AttributeList<>;\n};",
+        "/// What network \"bus\" gives events of channel \"stop\".\n"
+        "/// Computed: Latency, Jitter, Period, MaxPayload,\n"
+        "/// from 500 kbit/s and the response times of all messages that are granted.\n"
+        "struct BusForStop {\n  using provision = mlcca::AttributeList<\n"
+        "      mlcca::Latency<320_us>,\n      mlcca::Jitter<320_us>,\n"
+        "      mlcca::Period<50_ms>,\n      mlcca::MaxPayload<24608_bytes>>;",
+        "BusForStop::provision>"})
+    EXPECT_TRUE(header.contains(text)) << text << header;
+  for (const auto& compiler : compilers()) EXPECT_EQ(complaints(compiler, out), "") << compiler[0];
+}
+
+TEST(GenerateTest, WhatOnlyTheCoreRefusesDoesNotCompile) {
+  // Values of the two ends fit; the slow bus has not the time.
+  const Folder folder;
+  const auto said = complaints({"g++"}, generated(folder, on_a_bus("20000", one_more(true, true))));
+  EXPECT_TRUE(said.contains("MLCCA031: with p, the frames of p (more) on bus")) << said;
+}
+
+TEST(GenerateTest, WhoHasNobodyOnTheOtherSideIsDecidedAsCheckDoes) {
+  const Folder sends;
+  const Folder hears;
+  const auto alone = [](bool publishes) {
+    return on_a_bus("500000", one_more(publishes, !publishes));
+  };
+  EXPECT_EQ(complaints({"g++"}, generated(sends, alone(true))), "");
+  const auto said = complaints({"g++"}, generated(hears, alone(false)));
+  EXPECT_TRUE(said.contains("MLCCA010: ")) << said;
+}
+
+TEST(GenerateTest, UsersOfAnotherMachineNeedNotBeKnownHere) {
+  const Folder folder;
+  generated(folder, on_a_bus("500000",
+                             "<Gateway name=\"g\"><Port network=\"bus\" "
+                             "sender=\"nobody-of-this-machine\" "
+                             "control-user=\"nobody-of-this-machine\"><Interface name=\"can0\"/>"
+                             "</Port></Gateway><Publisher channel=\"stop\" gateway=\"g\" "
+                             "node=\"0x30\" user=\"nobody-of-this-machine\"/>"));
+}
+
 TEST(GenerateTest, TheBytesInTheHeaderAreThoseOfTheFile) {
   for (const auto& system : {robot(), nasty()}) {
     const Folder folder;

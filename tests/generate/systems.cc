@@ -66,6 +66,27 @@ std::string jittery(const std::string& sent, const std::string& added, const std
          "</Subscriber></System>\n";
 }
 
+std::string on_a_bus(const std::string& bitrate, const std::string& more) {
+  return "<System name=\"s\"><EventChannel name=\"stop\"><SubjectUID>0x1</SubjectUID><Attributes>" +
+         time("Period", "50", "-3") + bytes("8") +
+         "</Attributes></EventChannel><Network name=\"bus\"><Kind>can</Kind><Profile>famouso"
+         "</Profile><Bus bitrate=\"" +
+         bitrate + "\"/><Binding channel=\"stop\"><ETag>0x64</ETag></Binding>" +
+         (more.contains("\"more\"") ? "<Binding channel=\"more\"><ETag>0x65</ETag></Binding>"
+                                    : "") +
+         "</Network>"
+         "<Publisher name=\"switch\" channel=\"stop\" network=\"bus\" node=\"0x20\"/>"
+         "<Subscriber name=\"lamp\" channel=\"stop\" network=\"bus\"/>" +
+         more + "</System>\n";
+}
+
+std::string one_more(bool publisher, bool subscriber) {
+  return "<EventChannel name=\"more\"><SubjectUID>0x2</SubjectUID><Attributes>" +
+         time("Period", "1", "-3") + "</Attributes></EventChannel>" +
+         (publisher ? R"(<Publisher name="p" channel="more" network="bus" node="0x21"/>)" : "") +
+         (subscriber ? R"(<Subscriber name="q" channel="more" network="bus"/>)" : "");
+}
+
 std::string called(const std::string& name) {
   const auto is = " name=\"" + name + "\"";
   std::string own;  // letters and digits only
@@ -107,6 +128,7 @@ std::string nasty() {
       time("Jitter", "0", "0") + rate("18446744073709551614", "0") + bytes("18446744073709551614") +
       plain("PacketLoss", "0") + plain("Wear", "18446744073709551614") + plain("Int", "3");
   const std::string largest = "18446744073709551614";
+  const auto small = "<Attributes>" + rate("1", "0") + "</Attributes>";
   return "<System name=\"class\">\n"
          "<UserAttribute name=\"Wear\"><Better>larger</Better><Composition>minimum</Composition>"
          "</UserAttribute>\n"
@@ -120,17 +142,29 @@ std::string nasty() {
          plain("PacketLoss", "1") + bytes("8") + plain("Int", "7") + plain("Wear", "0") +
          "</Attributes></EventChannel>\n"
          "<EventChannel name=\"NULL\"><SubjectUID>0x2</SubjectUID><Attributes priority=\"5\">" +
-         plain("Omission", "0") + time("Latency", "1500", "-9") +
-         "</Attributes><Attributes priority=\"-5\">" + plain("Omission", "40000") +
+         plain("Omission", "0") + rate("1", "0") + time("Latency", "1500", "-9") +
+         "</Attributes><Attributes priority=\"-5\">" + plain("Omission", "40000") + rate("1", "0") +
          "</Attributes></EventChannel>\n"
-         "<EventChannel name=\"a.b\"><SubjectUID>0x3</SubjectUID></EventChannel>\n"
-         "<EventChannel name=\"a-b\"><SubjectUID>0x4</SubjectUID></EventChannel>\n"
-         "<EventChannel name=\"A-B\"><SubjectUID>0x5</SubjectUID></EventChannel>\n"
-         "<EventChannel><SubjectUID>0xDEADbeef00000001</SubjectUID></EventChannel>\n"
+         "<EventChannel name=\"a.b\"><SubjectUID>0x3</SubjectUID>" +
+         small +
+         "</EventChannel>\n"
+         "<EventChannel name=\"a-b\"><SubjectUID>0x4</SubjectUID>" +
+         small +
+         "</EventChannel>\n"
+         "<EventChannel name=\"A-B\"><SubjectUID>0x5</SubjectUID>" +
+         small +
+         "</EventChannel>\n"
+         "<EventChannel><SubjectUID>0xDEADbeef00000001</SubjectUID>" +
+         small +
+         "</EventChannel>\n"
          "<Network name=\"std\"><Kind>other</Kind><Provision>" +
          provision +
          "</Provision></Network>\n"
-         "<Network name=\"Std\"><Kind>other</Kind></Network>\n"
+         "<Network name=\"Std\"><Kind>other</Kind><Provision>" +
+         rate("1", "0") +
+         "</Provision></Network>\n"
+         "<Gateway name=\"auto\"><Port network=\"std\"><Interface name=\"a0\"/></Port>"
+         "<Port network=\"Std\"><Interface name=\"a1\"/></Port></Gateway>\n"
          "<Component name=\"mlcca\" network=\"std\">"
          "<Publisher channel=\"int\"/><Publisher channel=\"NULL\"/><Publisher channel=\"a.b\"/>"
          "<Publisher channel=\"a-b\"/><Publisher channel=\"A-B\"/>"

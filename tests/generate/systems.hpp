@@ -9,6 +9,14 @@ namespace mlcca::test {
 /// is how many events in a row the bus may lose; the motors stand 2.
 std::string robot(const std::string& lost = "0");
 
+/// A CAN bus of that bit rate that states nothing more, on which a switch on the bus sends 8 bytes
+/// every 50 ms to a lamp there. `more` is of the System.
+std::string on_a_bus(const std::string& bitrate = "500000", const std::string& more = "");
+
+/// For such a system: a channel "more", which a publisher p and a subscriber q on the bus may have,
+/// every ms.
+std::string one_more(bool publisher, bool subscriber);
+
 /// Names that are keywords, macros, alike, or bare subjects; descriptions that try to end a
 /// comment; the largest and smallest values; user-defined attributes; several attribute sets.
 std::string nasty();

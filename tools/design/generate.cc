@@ -54,13 +54,14 @@ class Generate {
   }
 
   Outcome carry_out() {
-    auto system = description::read(a_.system);
+    auto system = description::read(a_.system, description::Users::any);
     if (!system) {
       Refusal refusal{Exit::usage, fmt::format("{}: cannot be generated from", a_.system), {}};
       for (const auto& problem : system.error())
         refusal.details.push_back(description::to_string(problem));
       return std::unexpected(std::move(refusal));
     }
+    system->sort_bindings();
     const auto units = units_of(*system, a_.components);
     if (!units) return refuse(Exit::usage, units.error().text);
     if (units->empty())
@@ -74,9 +75,9 @@ class Generate {
   /// Everything is made before anything is written.
   Outcome make(const core::System& system, const std::vector<Unit>& units,
                const TargetFolder& output) {
-    const core::Topology topology(system);
+    const Decisions decisions(system);
     for (const auto& unit : units) {
-      auto header = header_of(system, topology, unit);
+      auto header = header_of(system, decisions, unit);
       if (!header) return refuse(Exit::usage, header.error().text);
       const auto name = unit.stem + "_callbacks.cpp";
       if (const auto good = output.check_link(name); !good) return refuse_to_write(good.error());

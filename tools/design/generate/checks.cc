@@ -1,90 +1,73 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "tools/design/generate/checks.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
 
-#include "core/medium.hpp"
+#include <algorithm>
+#include <span>
+
+#include "core/inspect.hpp"
+#include "core/user_values.hpp"
 #include "mlcca/check.hpp"
 
 namespace mlcca::tools::design {
 namespace {
 
-class Finder {
- public:
-  Finder(const core::System& system, const core::Topology& topology)
-      : system_(system), topology_(topology) {}
+using core::FindingId;
 
-  [[nodiscard]] Pair pair(End publisher, End subscriber) const {
-    Pair out{.publisher = publisher, .subscriber = subscriber, .hops = {}, .connected = true};
-    const auto& routes =
-        topology_.routes(place_of(system_, publisher), place_of(system_, subscriber));
-    out.connected = !routes.empty();
-    if (!out.connected) return out;
-    const auto found = std::ranges::find_if(routes, [&](const core::Route& r) {
-      return fits(hops(r, publisher), publisher, subscriber);
-    });
-    out.hops = hops(found == routes.end() ? routes.front() : *found, publisher);
-    return out;
-  }
+std::vector<RouteHop> hops_of(const core::Verdict& verdict) {
+  std::vector<RouteHop> out;
+  if (verdict.hops.empty()) return out;
+  const auto places = core::hops_of(verdict.route);
+  for (std::size_t i = 0; i < verdict.hops.size(); ++i) out.push_back({places[i], verdict.hops[i]});
+  return out;
+}
 
-  [[nodiscard]] Pair alone(End end) const {
-    Pair out;
-    const bool publishes = end.role == der::Role::publisher;
-    (publishes ? out.publisher : out.subscriber) = end;
-    const core::Route here = {place_of(system_, end)};
-    out.hops = hops(here, end);
-    return out;
-  }
+bool is_of_one_pair(FindingId id) {
+  return id == FindingId::traffic_mismatch || id == FindingId::hop_unfit ||
+         id == FindingId::route_unfit;
+}
 
- private:
-  [[nodiscard]] std::vector<RouteHop> hops(const core::Route& route, End sender) const {
-    const auto channel = channel_of(system_, sender);
-    // What a subscriber takes says nothing about what is sent.
-    const Value bytes = sender.role == der::Role::publisher
-                            ? system_.publishers[sender.index].attributes[Attribute::max_payload]
-                            : 0;
-    std::vector<RouteHop> out;
-    for (const auto place : core::hops_of(route)) {
-      RouteHop hop{.place = place, .frames = 1};
-      if (place.kind == core::Place::Kind::network) {
-        const auto& network = system_.networks[place.index];
-        const auto bound = std::ranges::find(network.bindings, channel, &core::Binding::channel);
-        hop.frames = static_cast<std::uint16_t>(core::frames_per_event(
-            network, bound == network.bindings.end() ? nullptr : &*bound, bytes));
-      }
-      out.push_back(hop);
+/// As check_user() of mlcca/user_check.hpp.
+bool is_user_refused(const core::System& system, const core::UserValues& asked,
+                     const std::vector<core::UserHop>& hops) {
+  const std::span<const core::UserHop> all(hops);
+  const auto fails = [&](const core::UserValue& value, std::span<const core::UserHop> over) {
+    return core::compare(system, value, core::composed(system, over)).outcome == Outcome::unfit;
+  };
+  return std::ranges::any_of(asked, [&](const core::UserValue& value) {
+    for (std::size_t i = 0; i < hops.size(); ++i) {
+      const bool stated =
+          std::ranges::find(*hops[i].provision, value.attribute, &core::UserValue::attribute) !=
+          hops[i].provision->end();
+      const auto composition = system.user_attributes[value.attribute].composition;
+      Value none = 0;
+      if (hops[i].gateway && !stated && unlimited_by_gateway(composition, &none)) continue;
+      if (fails(value, all.subspan(i, 1))) return true;
     }
-    return out;
-  }
-
-  /// Of the built-in attributes of the first sets.
-  [[nodiscard]] bool fits(const std::vector<RouteHop>& route, End publisher, End subscriber) const {
-    const auto& offered = system_.publishers[publisher.index].attributes;
-    const auto requirement =
-        requirement_between(offered, system_.subscribers[subscriber.index].attributes);
-    std::vector<Hop> hops;
-    for (const auto& hop : route) {
-      Hop& out = hops.emplace_back();
-      out.gateway = hop.place.kind == core::Place::Kind::gateway;
-      out.provision = system_.provision_of(hop.place);
-      out.medium = static_cast<std::uint16_t>(hops.size());
-      out.frames = hop.frames;
-      if (check_hop(requirement, out).outcome == Outcome::unfit) return false;
-    }
-    return hops.empty() ||
-           check_route(requirement, hops.data(), hops.size(), offered[Attribute::jitter]).outcome !=
-               Outcome::unfit;
-  }
-
-  const core::System& system_;
-  const core::Topology& topology_;
-};
+    return fails(value, all);
+  });
+}
 
 }  // namespace
 
-std::vector<Pair> pairs_of(const core::System& system, const core::Topology& topology,
-                           const Unit& unit) {
-  const Finder finder(system, topology);
+Decisions::Decisions(const core::System& system)
+    : sets_(system.channels.size(), 0), errors_(system.channels.size()) {
+  const auto keep = [this](std::size_t channel, const core::Decision& decision,
+                           std::span<const core::Finding> errors) {
+    const auto kept =
+        std::make_shared<const std::vector<core::Finding>>(errors.begin(), errors.end());
+    if (errors_[channel] == nullptr) {
+      errors_[channel] = kept;
+      sets_[channel] = decision.set;
+    }
+    for (const core::Verdict& v : decision.verdicts)
+      deliveries_[{v.publisher, v.to, decision.set}] = {hops_of(v), v.granted, kept};
+  };
+  static_cast<void>(core::inspect(system, {}, keep));
+}
+
+std::vector<Pair> pairs_of(const core::System& system, const Unit& unit) {
   std::vector<Pair> out;
   const auto is_own = [&](End end) {
     return std::ranges::any_of(unit.ends,
@@ -101,11 +84,54 @@ std::vector<Pair> pairs_of(const core::System& system, const core::Topology& top
       alone = false;
       // Two of the same unit meet when it is the publisher's turn.
       if (!publishes && is_own(other)) continue;
-      out.push_back(publishes ? finder.pair(own, other) : finder.pair(other, own));
+      out.push_back(publishes ? Pair{own, other} : Pair{other, own});
     }
-    if (alone) out.push_back(finder.alone(own));
+    if (alone) out.push_back(publishes ? Pair{own, {}} : Pair{{}, own});
   }
   return out;
+}
+
+bool is_refused_by_types(const core::System& system, std::size_t publisher, std::size_t subscriber,
+                         std::size_t set, const std::vector<RouteHop>& hops) {
+  const auto& p = system.publishers[publisher];
+  const auto& s = system.subscribers[subscriber];
+  const AttributeSet& offered = core::attributes_in(p, set);
+  const AttributeSet& asked = core::attributes_in(s, set);
+  if (check_traffic(offered, asked).outcome == Outcome::unfit) return true;
+  if (hops.empty()) return false;
+  const AttributeSet both = requirement_between(offered, asked);
+  std::vector<Hop> way;
+  std::vector<core::UserHop> users;
+  for (const auto& hop : hops) {
+    way.push_back(hop.gives);
+    if (check_hop(both, hop.gives).outcome == Outcome::unfit) return true;
+    users.push_back({hop.gives.gateway ? &system.gateways[hop.place.index].user
+                                       : &system.networks[hop.place.index].user,
+                     hop.gives.gateway, hop.gives.frames});
+  }
+  if (check_route(both, way.data(), way.size(), offered[Attribute::jitter]).outcome ==
+      Outcome::unfit)
+    return true;
+  return is_user_refused(system, core::user_values_in(p, set), users) ||
+         is_user_refused(system, core::user_values_in(s, set), users);
+}
+
+std::string refusal_of(const core::System& system, const std::vector<core::Finding>& errors,
+                       std::size_t publisher, std::size_t subscriber) {
+  const auto concerns = [&](const core::Finding& f) {
+    if (f.publisher != core::kNone && f.publisher != publisher) return false;
+    return f.subscriber == core::kNone ||
+           system.subscribers[f.subscriber].place == system.subscribers[subscriber].place;
+  };
+  const core::Finding* found = nullptr;
+  for (const auto& f : errors) {
+    if (!concerns(f)) continue;
+    // What its own checks would say is a worse reason than what they cannot see.
+    if (found == nullptr || (is_of_one_pair(found->id) && !is_of_one_pair(f.id))) found = &f;
+  }
+  if (found == nullptr)
+    return fmt::format("mlccactl check refuses {}", system.publishers[publisher].name);
+  return fmt::format("{}: {}", core::code_of(found->id), found->text);
 }
 
 }  // namespace mlcca::tools::design

@@ -1,19 +1,55 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which checks the compiler shall make for a unit: between whom, and over which hops.
+// Which checks the compiler shall make for a unit: between whom, over which hops, and what only the
+// core can refuse.
 #pragma once
-#include <cstdint>
+#include <cstddef>
+#include <map>
+#include <memory>
 #include <optional>
+#include <string>
+#include <tuple>
 #include <vector>
 
+#include "core/findings.hpp"
 #include "core/topology.hpp"
+#include "mlcca/compose.hpp"
 #include "tools/design/generate/unit.hpp"
 
 namespace mlcca::tools::design {
 
-/// A network or gateway that events cross.
+/// A network or gateway that events cross, and what it gives them: stated, or computed.
 struct RouteHop {
   core::Place place;
-  std::uint16_t frames = 1;  ///< of one event
+  Hop gives;
+};
+
+/// What `mlccactl check` decides about a whole system, in every attribute set.
+class Decisions {
+ public:
+  /// `system` has sorted bindings.
+  explicit Decisions(const core::System& system);
+
+  struct Delivery {
+    std::vector<RouteHop> hops;  ///< empty: both on one gateway, or an obstacle
+    bool granted = false;
+    /// Of the channel in that set; errors alone.
+    std::shared_ptr<const std::vector<core::Finding>> errors;
+  };
+  /// From a publisher to everybody at a place.
+  [[nodiscard]] const Delivery& of(std::size_t publisher, core::Place to, std::size_t set) const {
+    return deliveries_.at({publisher, to, set});
+  }
+  /// The attribute set that a channel uses.
+  [[nodiscard]] std::size_t set_of(std::size_t channel) const { return sets_.at(channel); }
+  /// Errors of a channel in the set that it uses.
+  [[nodiscard]] const std::vector<core::Finding>& errors_of(std::size_t channel) const {
+    return *errors_.at(channel);
+  }
+
+ private:
+  std::map<std::tuple<std::size_t, core::Place, std::size_t>, Delivery> deliveries_;
+  std::vector<std::size_t> sets_;
+  std::vector<std::shared_ptr<const std::vector<core::Finding>>> errors_;
 };
 
 /// A publisher and a subscriber of the same channel, one of them of the unit; or one end alone,
@@ -21,13 +57,19 @@ struct RouteHop {
 struct Pair {
   std::optional<End> publisher;
   std::optional<End> subscriber;
-  std::vector<RouteHop> hops;  ///< empty: both on one gateway, or there is no way
-  bool connected = true;       ///< false: there is no way
 };
 
-/// All of a unit, in the order of its ends. Of several ways of the same pair the first that fits is
-/// taken, as the gateway does, and the first of all if none does.
-std::vector<Pair> pairs_of(const core::System& system, const core::Topology& topology,
-                           const Unit& unit);
+/// All of a unit, in the order of its ends.
+std::vector<Pair> pairs_of(const core::System& system, const Unit& unit);
+
+/// Whether the checks of static_check.hpp refuse a pair in an attribute set, over these hops.
+[[nodiscard]] bool is_refused_by_types(const core::System& system, std::size_t publisher,
+                                       std::size_t subscriber, std::size_t set,
+                                       const std::vector<RouteHop>& hops);
+
+/// Why a pair is refused that its own checks do not refuse: "MLCCA024: …".
+[[nodiscard]] std::string refusal_of(const core::System& system,
+                                     const std::vector<core::Finding>& errors,
+                                     std::size_t publisher, std::size_t subscriber);
 
 }  // namespace mlcca::tools::design

@@ -6,21 +6,30 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <tuple>
 #include <utility>
 
+#include "core/can/of_system.hpp"
 #include "core/text.hpp"
 #include "mlcca/user_check.hpp"
 #include "tools/design/generate/attributes.hpp"
 #include "tools/design/generate/checks.hpp"
 #include "tools/design/generate/names.hpp"
+#include "tools/values.hpp"
 
 namespace mlcca::tools::design {
 namespace {
 
 using core::Place;
 
+constexpr Value kMostOmissions = 0xffffffff;  // of mlcca::Omission
+
 const char* word_of(der::Role role) {
   return role == der::Role::publisher ? "Publisher" : "Subscriber";
+}
+
+const char* word_of(Place place) {
+  return place.kind == Place::Kind::network ? "network" : "gateway";
 }
 
 const char* word_of(Better better) { return better == Better::smaller ? "smaller" : "larger"; }
@@ -53,8 +62,8 @@ std::string set_suffix(const std::vector<EndSet>& sets, std::size_t i) {
 
 class Writer {
  public:
-  Writer(const core::System& system, const core::Topology& topology, const Unit& unit)
-      : system_(system), unit_(unit), pairs_(pairs_of(system, topology, unit)) {
+  Writer(const core::System& system, const Decisions& decisions, const Unit& unit)
+      : system_(system), decisions_(decisions), unit_(unit), pairs_(pairs_of(system, unit)) {
     names_.take("ChannelException");
   }
 
@@ -81,10 +90,9 @@ class Writer {
           "{}: has {} user-defined attributes: generated code and DER hold at most {} in one list; "
           "state fewer there",
           whose, values.size(), der::kMaxUserAttributes);
-    constexpr Value most_omissions = 0xffffffff;  // of mlcca::Omission
-    if (set[Attribute::omission] > most_omissions)
+    if (set[Attribute::omission] > kMostOmissions)
       problem_ = fmt::format("{}: Omission {}: generated code holds at most {}", whose,
-                             set[Attribute::omission], most_omissions);
+                             set[Attribute::omission], kMostOmissions);
   }
 
   std::string listed(const std::string& whose, const AttributeSet& set,
@@ -202,19 +210,95 @@ class Writer {
 
   void places() {
     std::set<Place> needed = {unit_.place};
-    for (const auto& pair : pairs_)
-      for (const auto& hop : pair.hops) needed.insert(hop.place);
+    each_hop([&](const Pair&, const RouteHop& hop) { needed.insert(hop.place); });
     for (const auto place : needed) {
-      const bool network = place.kind == Place::Kind::network;
       const auto& name = core::name_of(system_, place);
       const auto type = names_.take(type_name(name));
+      const auto text = listed(name, system_.provision_of(place), user_of(place));
       places_.emplace(place, type);
-      const auto& set = system_.provision_of(place);
-      const auto& user =
-          network ? system_.networks[place.index].user : system_.gateways[place.index].user;
       add("/// What {} {} provides.\nstruct {} {{\n  using provision = {};\n}};\n\n",
-          network ? "network" : "gateway", comment_text(name), type, listed(name, set, user));
+          word_of(place), comment_text(name), type, text);
     }
+    each_hop([&](const Pair& pair, const RouteHop& hop) { computed(pair, hop); });
+  }
+
+  [[nodiscard]] const core::UserValues& user_of(Place place) const {
+    return place.kind == Place::Kind::network ? system_.networks[place.index].user
+                                              : system_.gateways[place.index].user;
+  }
+
+  template <class Then>
+  void each_hop(const Then& then) const {
+    for (const auto& pair : pairs_)
+      for (std::size_t set = 0; set < set_count(pair); ++set)
+        for (const auto& hop : hops_of(pair, set)) then(pair, hop);
+  }
+
+  [[nodiscard]] std::string listed(const RouteHop& hop) {
+    AttributeSet gives = hop.gives.provision;
+    // Worse than anything that can be asked: the same as not to be provided.
+    if (gives[Attribute::omission] > kMostOmissions && gives != system_.provision_of(hop.place))
+      gives.clear(Attribute::omission);
+    // Nobody can ask for more than a literal holds.
+    for (std::size_t i = 0; i < kAttributes; ++i)
+      if (const auto a = attribute_at(i); gives.has(a) && gives[a] == kUnbounded)
+        gives.set(a, kUnbounded - 1, gives.is_dynamic(a));
+    return listed(core::name_of(system_, hop.place), gives, user_of(hop.place));
+  }
+
+  /// Where a hop gives a channel more than it states: a struct of its own.
+  void computed(const Pair& pair, const RouteHop& hop) {
+    const auto& stated = system_.provision_of(hop.place);
+    if (hop.gives.provision == stated) return;
+    const auto channel = channel_of(system_, *pair.publisher);
+    auto text = listed(hop);
+    auto& type = computed_[{hop.place, channel, text}];
+    if (!type.empty()) return;
+    const auto& name = core::name_of(system_, hop.place);
+    const auto& channel_name = system_.channels[channel].name;
+    type = names_.take(places_.at(hop.place) + "For" + type_name(channel_name));
+    std::string which;
+    for (std::size_t i = 0; i < kAttributes; ++i) {
+      const auto a = attribute_at(i);
+      const auto& gives = hop.gives.provision;
+      if (!gives.has(a) ||
+          (stated.has(a) && stated[a] == gives[a] && stated.is_dynamic(a) == gives.is_dynamic(a)))
+        continue;
+      which += fmt::format("{}{}", which.empty() ? "" : ", ", info(a).name);
+    }
+    add("/// What {} {} gives events of channel {}.\n/// Computed: {},\n/// {}.\n"
+        "struct {} {{\n  using provision = {};\n}};\n\n",
+        word_of(hop.place), comment_text(name), comment_text(channel_name), which,
+        computed_from(hop.place), type, text);
+  }
+
+  [[nodiscard]] std::string computed_from(Place place) const {
+    const auto& network = system_.networks[place.index];
+    if (network.mesh) return "from the links of the mesh as they are described";
+    return fmt::format("from {} and the response times of all messages that are granted",
+                       print_bitrate(core::can::timing_of(network).bitrate));
+  }
+
+  /// The type that stands for a hop.
+  [[nodiscard]] std::string type_of(const Pair& pair, const RouteHop& hop) {
+    if (hop.gives.provision == system_.provision_of(hop.place)) return places_.at(hop.place);
+    return computed_.at({hop.place, channel_of(system_, *pair.publisher), listed(hop)});
+  }
+
+  [[nodiscard]] std::size_t set_count(const Pair& pair) const {
+    const auto end = pair.publisher ? *pair.publisher : *pair.subscriber;
+    return sets_of(system_, end).size();
+  }
+
+  /// Nothing where an end is alone.
+  [[nodiscard]] const Decisions::Delivery* delivery(const Pair& pair, std::size_t set) const {
+    if (!pair.publisher || !pair.subscriber) return nullptr;
+    return &decisions_.of(pair.publisher->index, place_of(system_, *pair.subscriber), set);
+  }
+
+  [[nodiscard]] std::vector<RouteHop> hops_of(const Pair& pair, std::size_t set) const {
+    const auto* found = delivery(pair, set);
+    return found == nullptr ? std::vector<RouteHop>() : found->hops;
   }
 
   /// The ends of others that are on the other side of a channel.
@@ -246,14 +330,13 @@ class Writer {
     return types[std::min(set, types.size() - 1)] + "::attributes";
   }
 
-  [[nodiscard]] std::string route(const std::vector<RouteHop>& hops) const {
+  [[nodiscard]] std::string route(const Pair& pair, const std::vector<RouteHop>& hops) {
     std::string out;
-    for (const auto& hop : hops) {
-      const bool network = hop.place.kind == Place::Kind::network;
-      out += fmt::format("{}mlcca::{}<{}::provision{}>", out.empty() ? "" : ", ",
-                         network ? "Network" : "Gateway", places_.at(hop.place),
-                         hop.frames == 1 ? std::string() : fmt::format(", {}", hop.frames));
-    }
+    for (const auto& hop : hops)
+      out += fmt::format(
+          "{}mlcca::{}<{}::provision{}>", out.empty() ? "" : ", ",
+          hop.gives.gateway ? "Gateway" : "Network", type_of(pair, hop),
+          hop.gives.frames == 1 ? std::string() : fmt::format(", {}", hop.gives.frames));
     return fmt::format("mlcca::RouteOf<{}>", out);
   }
 
@@ -263,84 +346,121 @@ class Writer {
     return sets[std::min(set, sets.size() - 1)].attributes->has(Attribute::jitter);
   }
 
+  /// An alias of an expression, or a refusal.
   struct CheckText {
     std::string comment;
     std::string name;
     std::string expression;
+    std::string refusal;
   };
 
-  [[nodiscard]] std::vector<CheckText> checks_of(const Pair& pair, std::size_t set) const {
+  [[nodiscard]] std::vector<CheckText> checks_of(const Pair& pair, std::size_t set) {
     std::vector<CheckText> out;
     const auto end = pair.publisher ? *pair.publisher : *pair.subscriber;
-    const auto& channel = system_.channels[channel_of(system_, end)].name;
+    const auto channel_index = channel_of(system_, end);
+    const auto& channel = system_.channels[channel_index].name;
     const auto stem = type_name(channel);
     const auto from = pair.publisher ? comment_text(name_of(system_, *pair.publisher)) : "nobody";
     const auto to = pair.subscriber ? comment_text(name_of(system_, *pair.subscriber)) : "nobody";
     const auto between = fmt::format("Channel {}, from {} to {}", comment_text(channel), from, to);
-    if (pair.publisher && pair.subscriber)
-      out.push_back({between + ": what is sent against what is asked.", stem + "Traffic",
-                     fmt::format("mlcca::CheckTraffic<{}, {}>", list(pair.publisher, set),
-                                 list(pair.subscriber, set))});
+    const bool in_use = set == decisions_.set_of(channel_index);
+    if (in_use) add_errors_of_channel(out, channel_index, between, !pair.publisher);
+    const auto* found = delivery(pair, set);
+    if (found == nullptr) return out;
+    out.push_back({between + ": what is sent against what is asked.",
+                   stem + "Traffic",
+                   fmt::format("mlcca::CheckTraffic<{}, {}>", list(pair.publisher, set),
+                               list(pair.subscriber, set)),
+                   {}});
     const auto both =
         fmt::format("mlcca::Union<{}, {}>", list(pair.publisher, set), list(pair.subscriber, set));
+    const auto& hops = found->hops;
     // Check knows no source: only a route adds its Jitter to that of the network.
-    if (pair.hops.size() == 1 && pair.hops.front().frames == 1 && !states_jitter(pair, set))
+    if (hops.size() == 1 && hops.front().gives.frames == 1 && !states_jitter(pair, set)) {
+      const auto type = type_of(pair, hops.front());
       out.push_back({between + ": on the network between them.",
-                     stem + "On" + places_.at(pair.hops.front().place),
-                     fmt::format("mlcca::Check<{}, {}::provision>", both,
-                                 places_.at(pair.hops.front().place))});
-    else if (!pair.hops.empty())
-      out.push_back({between + ": each hop, and end to end.", stem + "Route",
-                     fmt::format("mlcca::CheckRoute<{}, {}>", both, route(pair.hops))});
-    else if (!pair.connected)
-      out.push_back({between + ": there is no way; `mlccactl check` says so too.", {}, {}});
+                     stem + "On" + type,
+                     fmt::format("mlcca::Check<{}, {}::provision>", both, type),
+                     {}});
+    } else if (!hops.empty()) {
+      out.push_back({between + ": each hop, and end to end.",
+                     stem + "Route",
+                     fmt::format("mlcca::CheckRoute<{}, {}>", both, route(pair, hops)),
+                     {}});
+    }
+    if (!found->granted &&
+        !is_refused_by_types(system_, pair.publisher->index, pair.subscriber->index, set, hops))
+      out.push_back(
+          {between + ": refused for more than these two.",
+           {},
+           {},
+           refusal_of(system_, *found->errors, pair.publisher->index, pair.subscriber->index)});
     return out;
   }
 
-  /// The checks as text: those that are always made, and those of preferred attribute sets.
+  /// What is wrong with a channel as a whole, or with a subscriber that nobody publishes for.
+  void add_errors_of_channel(std::vector<CheckText>& out, std::size_t channel,
+                             const std::string& between, bool alone) const {
+    for (const auto& f : decisions_.errors_of(channel)) {
+      const bool whole = f.id == core::FindingId::sender_twice || f.id == core::FindingId::too_many;
+      if (whole || (alone && f.id == core::FindingId::no_publisher))
+        out.push_back({between + ": refused as a whole.",
+                       {},
+                       {},
+                       fmt::format("{}: {}", core::code_of(f.id), f.text)});
+    }
+  }
+
+  /// The checks as text: those that are always made, and those of the other attribute sets.
   struct CheckTexts {
     std::string always;
-    std::string preferred;
+    std::string others;
     Names names;
     std::set<std::string> seen;
   };
 
   static void add_check(CheckTexts& texts, const CheckText& check, bool always) {
-    const bool checks = !check.expression.empty();
-    if (checks && !texts.seen.insert(check.expression).second) return;
-    auto& to = always ? texts.always : texts.preferred;
+    if (!texts.seen.insert(check.expression + check.refusal).second) return;
+    auto& to = always ? texts.always : texts.others;
     to += fmt::format("// {}\n", check.comment);
-    if (checks)
+    if (check.refusal.empty())
       to += fmt::format("using {} = {};\n", texts.names.take(check.name), check.expression);
+    else
+      to += fmt::format("static_assert(false, {});\n", string_literal(check.refusal));
   }
 
   void checks() {
     CheckTexts texts;
     // A check must not hide a type that the checks behind it name.
     texts.names = names_;
-    for (const auto& pair : pairs_) {
-      const auto sets =
-          sets_of(system_, pair.publisher ? *pair.publisher : *pair.subscriber).size();
-      // The set of the lowest priority must fit: it is what is left when the network gets worse.
-      for (std::size_t set = sets; set-- > 0;)
-        for (const auto& check : checks_of(pair, set)) add_check(texts, check, set + 1 == sets);
-    }
-    add("// Refused by the compiler when a network cannot carry what is asked of it.\n"
+    for (const bool always : {true, false})
+      for (const auto& pair : pairs_) {
+        const auto end = pair.publisher ? *pair.publisher : *pair.subscriber;
+        for (std::size_t set = set_count(pair); set-- > 0;) {
+          if ((set == decisions_.set_of(channel_of(system_, end))) != always) continue;
+          for (const auto& check : checks_of(pair, set)) add_check(texts, check, always);
+        }
+      }
+    add("// Refused by the compiler when a network cannot carry what is asked of it: what\n"
+        "// `mlccactl check` refuses.\n"
         "namespace checks {{\n\n{}\n",
         texts.always);
-    if (!texts.preferred.empty())
-      add("// The attribute sets that are preferred: a network may lack them.\n"
+    if (!texts.others.empty())
+      add("// The attribute sets that are not in use: a network may lack them.\n"
           "#ifdef MLCCA_CHECK_EVERY_SET\n{}#endif\n\n",
-          texts.preferred);
+          texts.others);
     add("}}  // namespace checks\n\n");
   }
 
   const core::System& system_;
+  const Decisions& decisions_;
   const Unit& unit_;
   std::vector<Pair> pairs_;
   Names names_;
   UserTypes user_;
   std::map<Place, std::string> places_;
+  /// The types for what is computed, by provision as text.
+  std::map<std::tuple<Place, std::size_t, std::string>, std::string> computed_;
   /// Of each end, the type of each of its sets.
   std::map<std::pair<der::Role, std::size_t>, std::vector<std::string>> types_;
   Header out_;
@@ -351,9 +471,8 @@ class Writer {
 
 std::string system_namespace(const core::System& system) { return small_name(system.name); }
 
-Result<Header> header_of(const core::System& system, const core::Topology& topology,
-                         const Unit& unit) {
-  return Writer(system, topology, unit).run();
+Result<Header> header_of(const core::System& system, const Decisions& decisions, const Unit& unit) {
+  return Writer(system, decisions, unit).run();
 }
 
 }  // namespace mlcca::tools::design

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/result.hpp"
-#include "core/topology.hpp"
+#include "tools/design/generate/checks.hpp"
 #include "tools/design/generate/unit.hpp"
 
 namespace mlcca::tools::design {
@@ -36,7 +36,6 @@ struct Header {
 std::string system_namespace(const core::System& system);
 
 /// The error names the end that cannot be represented.
-Result<Header> header_of(const core::System& system, const core::Topology& topology,
-                         const Unit& unit);
+Result<Header> header_of(const core::System& system, const Decisions& decisions, const Unit& unit);
 
 }  // namespace mlcca::tools::design

@@ -128,6 +128,13 @@ std::string comment_text(std::string_view text) {
   return out + "\"";
 }
 
+std::string string_literal(std::string_view text) {
+  auto out = comment_text(text);
+  // Quotes within would end it.
+  std::replace(out.begin() + 1, out.end() - 1, '"', '\'');
+  return out;
+}
+
 std::string Names::take(const std::string& wanted) {
   const auto folded = [](std::string name) {
     std::ranges::transform(name, name.begin(), small);

@@ -22,6 +22,9 @@ std::string small_name(std::string_view name);
 /// or an editor takes for more than text. Ends with a quote, never with a backslash.
 std::string comment_text(std::string_view text);
 
+/// The same as a literal for a compiler's message.
+std::string string_literal(std::string_view text);
+
 /// Hands out each name once: a second "Motor" is "Motor_2". Case does not tell names apart, because
 /// it does not in every file system.
 class Names {
