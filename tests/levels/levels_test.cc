@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One answer at every level: what check grants is granted by the daemon and compiles, what it
+// refuses is refused by both, and the stylesheet twin contradicts none of them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/allocation.hpp"
+#include "core/can/analysis.hpp"
+#include "core/can/of_system.hpp"
+#include "core/inspect.hpp"
+#include "core/state.hpp"
+#include "core/world.hpp"
+#include "description/read.hpp"
+#include "levels/random_system.hpp"
+#include "tools/design/analyse_bus/bus.hpp"
+#include "tools/design/generate/checks.hpp"
+#include "tools/design/generate/header.hpp"
+#include "tools/design/generate/unit.hpp"
+#include "twin/twin.hpp"
+
+namespace mlcca::testing {
+namespace {
+
+namespace design = mlcca::tools::design;
+namespace mesh = mlcca::core::mesh;
+
+constexpr std::uint64_t kSystems = 6000;
+constexpr std::uint64_t kCompiled = 150;  // of them
+constexpr std::size_t kRefused = 40;      // headers, each compiled alone
+constexpr std::uint64_t kTwins = 1200;    // of them
+
+using Delivery = std::tuple<std::size_t, std::size_t, core::Place>;  // channel, publisher, place
+
+/// What check says of a system.
+struct Checked {
+  core::System system;
+  core::Inspection inspection;
+  std::map<Delivery, bool> granted;
+  std::map<std::size_t, Value> response;  ///< by publisher: on the bus, where it takes only one
+  bool best_cases = false;                ///< some of it is left to the run time
+};
+
+Checked checked(const std::string& text) {
+  Checked out;
+  auto system = description::read_memory(text, "random.xml", {}, description::Users::any);
+  if (!system) {
+    for (const auto& problem : system.error()) ADD_FAILURE() << description::to_string(problem);
+    ADD_FAILURE() << text;
+    return out;
+  }
+  out.system = std::move(*system);
+  out.system.sort_bindings();
+  std::set<std::size_t> used;
+  out.inspection = core::inspect(
+      out.system, {},
+      [&](std::size_t channel, const core::Decision& decision, std::span<const core::Finding>) {
+        if (!used.insert(channel).second) return;
+        for (const core::Verdict& v : decision.verdicts) {
+          out.granted[{channel, v.publisher, v.to}] = v.granted;
+          if (v.granted && v.hops.size() == 1 && v.media.size() == 1 && decision.set == 0)
+            out.response[v.publisher] = v.media.front().response;
+          out.best_cases |= v.outcome == Outcome::run_time;
+        }
+      });
+  // What a preferred set leaves to the run time may be chosen there or not.
+  for (const auto& network : out.system.networks)
+    for (std::size_t i = 0; i < kAttributes; ++i)
+      out.best_cases |= network.provision.is_dynamic(attribute_at(i));
+  return out;
+}
+
+bool has_error(const Checked& checked, std::size_t channel) {
+  for (const auto& f : checked.inspection.findings)
+    if (f.channel == channel && core::info(f.id).severity == core::Severity::error) return true;
+  return false;
+}
+
+/// Whether check has an error for a delivery of the channel in which the end takes part.
+bool has_error_of(const Checked& checked, design::End end) {
+  const auto channel = design::channel_of(checked.system, end);
+  const bool publishes = end.role == der::Role::publisher;
+  for (const auto& [delivery, granted] : checked.granted) {
+    const auto& [c, publisher, place] = delivery;
+    if (c != channel || granted) continue;
+    if (publishes ? publisher == end.index : place == design::place_of(checked.system, end))
+      return true;
+  }
+  for (const auto& f : checked.inspection.findings) {
+    if (f.channel != channel) continue;
+    if (f.id == core::FindingId::sender_twice || f.id == core::FindingId::too_many) return true;
+    if (f.id == core::FindingId::no_publisher && !publishes) return true;
+  }
+  return false;
+}
+
+/// What a gateway decides when it knows the links that are described.
+std::unique_ptr<core::State> daemon_of(const core::System& system) {
+  auto state = std::make_unique<core::State>(system);
+  const core::World world = core::described_world(system);
+  for (std::size_t n = 0; n < system.networks.size(); ++n) {
+    if (!world.meshes[n]) continue;
+    mesh::Graph graph = world.meshes[n]->graph;
+    if (system.networks[n].mesh->sources.empty()) graph.links.clear();
+    state->set_graph(n, std::move(graph));
+  }
+  state->decide();
+  return state;
+}
+
+class Levels : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    for (std::uint64_t seed = 1; seed <= kSystems; ++seed) {
+      texts_.push_back(random_system(seed));
+      all_.push_back(checked(texts_.back()));
+    }
+  }
+  static void TearDownTestSuite() {
+    texts_.clear();
+    all_.clear();
+  }
+  static inline std::vector<std::string> texts_;
+  static inline std::vector<Checked> all_;
+};
+
+TEST_F(Levels, BothAnswersOfCheckAreFrequent) {
+  std::map<Outcome, std::size_t> channels;
+  std::size_t computed = 0;
+  for (const auto& one : all_) {
+    for (const auto& channel : one.inspection.channels)
+      if (channel.deliveries != 0) ++channels[channel.outcome];
+    for (const auto& network : one.system.networks)
+      computed += network.mesh || core::can::timing_of(network).bitrate != 0 ? 1 : 0;
+  }
+  EXPECT_GT(channels[Outcome::fit], kSystems / 5);
+  EXPECT_GT(channels[Outcome::unfit], kSystems / 5);
+  EXPECT_GT(channels[Outcome::run_time], kSystems / 30);
+  EXPECT_GT(computed, kSystems);
+}
+
+TEST_F(Levels, TheDaemonDecidesAsCheckSays) {
+  std::size_t compared = 0;
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    if (all_[i].best_cases) continue;
+    ++compared;
+    const auto daemon = daemon_of(all_[i].system);
+    for (std::size_t c = 0; c < daemon->decisions().size(); ++c)
+      for (const core::Verdict& v : daemon->decisions()[c].verdicts)
+        ASSERT_EQ(v.granted, all_[i].granted.at({c, v.publisher, v.to})) << "channel " << c << "\n"
+                                                                         << texts_[i];
+  }
+  EXPECT_GT(compared, kSystems / 5);
+}
+
+TEST_F(Levels, TheDaemonRefusesWhatCheckRefuses) {
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    if (!core::is_plain(all_[i].system)) continue;
+    bool only_errors = true;
+    for (const auto& [delivery, granted] : all_[i].granted) only_errors &= !granted;
+    if (!only_errors) continue;
+    const auto daemon = daemon_of(all_[i].system);
+    for (const auto& decision : daemon->decisions()) ASSERT_EQ(decision.granted, 0U) << texts_[i];
+  }
+}
+
+TEST_F(Levels, TheChecksOfGeneratedCodeGrantWhatCheckGrants) {
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    const auto& system = all_[i].system;
+    const design::Decisions decisions(system);
+    for (std::size_t p = 0; p < system.publishers.size(); ++p)
+      for (std::size_t s = 0; s < system.subscribers.size(); ++s) {
+        if (system.publishers[p].channel != system.subscribers[s].channel) continue;
+        const auto channel = system.publishers[p].channel;
+        const auto set = decisions.set_of(channel);
+        const auto place = system.subscribers[s].place;
+        const auto& delivery = decisions.of(p, place, set);
+        ASSERT_EQ(delivery.granted, all_[i].granted.at({channel, p, place})) << texts_[i];
+        const bool refused = design::is_refused_by_types(system, p, s, set, delivery.hops);
+        ASSERT_FALSE(delivery.granted && refused) << texts_[i];
+      }
+  }
+}
+
+std::string complaints(const std::string& compiler, const std::string& files) {
+  return output_of(
+      fmt::format("{} -std=c++14 -fsyntax-only -Iinclude {} 2>&1; true", compiler, files));
+}
+
+TEST_F(Levels, GeneratedCodeCompilesWhereCheckFindsNoError) {
+  const Folder folder;
+  std::string fine;  // all of them in one translation unit
+  std::size_t fine_ones = 0;
+  std::map<std::string, std::string> refused;  // by path: description and header
+  for (std::size_t i = 0; i < kCompiled; ++i) {
+    const auto& system = all_[i].system;
+    const design::Decisions decisions(system);
+    const auto units = design::units_of(system, {});
+    if (!units) continue;
+    for (const auto& unit : *units) {
+      const auto header = design::header_of(system, decisions, unit);
+      ASSERT_TRUE(header) << header.error().text << texts_[i];
+      const auto path = folder.add(fmt::format("s{}_{}.hpp", i + 1, unit.stem), header->text);
+      bool wrong = false;
+      for (const auto end : unit.ends) wrong |= has_error_of(all_[i], end);
+      if (wrong && refused.size() < kRefused) refused[path] = texts_[i] + header->text;
+      if (wrong) continue;
+      fine += "#include \"" + path + "\"\n";
+      ++fine_ones;
+    }
+  }
+  EXPECT_GT(fine_ones, kCompiled / 4);
+  EXPECT_EQ(refused.size(), kRefused);
+  const auto together = folder.add("fine.cpp", fine);
+  for (const char* compiler : {"g++", "clang++-19"})
+    EXPECT_EQ(complaints(compiler, "'" + together + "'"), "") << compiler;
+  for (const auto& [path, text] : refused)
+    EXPECT_TRUE(complaints("g++", "-x c++ '" + path + "'").contains("error: ")) << text;
+}
+
+TEST_F(Levels, AnalyseBusHasTheResponseTimesOfCheck) {
+  const Folder folder;
+  std::size_t compared = 0;
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    const auto& [system, inspection, granted, response, best_cases] = all_[i];
+    const bool one_bus = system.networks.size() == 1 && !system.networks[0].mesh &&
+                         core::can::timing_of(system.networks[0]).bitrate != 0;
+    const bool all = std::ranges::all_of(granted, [](const auto& g) { return g.second; });
+    if (!one_bus || !all || response.empty()) continue;
+    const auto read = design::read_description(folder.add("s.xml", texts_[i]), {});
+    if (!read.problems.empty()) continue;
+    std::vector<core::can::Message> messages;
+    for (const auto& m : read.buses.at(0).messages) messages.push_back(m.message);
+    // Another attribute set than the preferred one is on the bus, or there are ways that cross it.
+    if (messages.size() != response.size()) continue;
+    std::ranges::stable_sort(messages, {}, &core::can::Message::priority);
+    const auto responses = core::can::analyse(read.buses.at(0).assumptions, messages);
+    for (std::size_t m = 0; m < messages.size(); ++m, ++compared)
+      EXPECT_EQ(responses[m].response - messages[m].jitter, response.at(messages[m].key))
+          << texts_[i];
+  }
+  EXPECT_GT(compared, 50U);
+}
+
+TEST_F(Levels, TheTwinNeverContradictsCheck) {
+  const Folder folder;
+  std::vector<std::string> files;
+  for (std::size_t i = 0; i < kTwins; ++i)
+    files.push_back(folder.add(std::to_string(i) + ".xml", texts_[i]));
+  const auto twins = twin_findings(files);
+  std::size_t errors = 0;
+  for (std::size_t i = 0; i < kTwins; ++i) {
+    const auto& system = all_[i].system;
+    for (const auto& key : twins[i]) {
+      ++errors;
+      const auto subscriber =
+          std::ranges::find(system.subscribers, key.subscriber, &core::Subscriber::name);
+      ASSERT_NE(subscriber, system.subscribers.end());
+      EXPECT_TRUE(has_error(all_[i], subscriber->channel)) << to_string(key) << "\n" << texts_[i];
+    }
+  }
+  EXPECT_GT(errors, kTwins / 10);
+}
+
+}  // namespace
+}  // namespace mlcca::testing
