@@ -3,9 +3,11 @@
 
 #include <fcntl.h>
 #include <sys/epoll.h>
+#include <sys/eventfd.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -91,8 +93,13 @@ class Aside::Report {
   Report& operator=(Report&&) = delete;
   ~Report() { end(); }
 
+  [[nodiscard]] const serve::Peer& peer() const { return peer_; }
   [[nodiscard]] uid_t uid() const { return peer_.uid; }
+  [[nodiscard]] serve::Turns::User user() const { return {peer_.uid, peer_.may_change}; }
   [[nodiscard]] bool runs() const { return child_ > 0; }
+  /// Its client has hung up: the loop has yet to hear of it.
+  [[nodiscard]] bool forsaken() const { return forsaken_; }
+  void forsake() { forsaken_ = true; }
   /// Why it is to end, if it is.
   [[nodiscard]] const char* overdue(std::uint64_t now) const {
     if (!runs()) return nullptr;
@@ -114,6 +121,7 @@ class Aside::Report {
     begun_ = monotonic_ns();
     child_ = ::fork();
     if (child_ == 0) be_child(out.get(), parent, make_);
+    aside_.budget_.forked(user(), begun_, monotonic_ns());
     make_ = nullptr;
     if (child_ < 0) {
       fail(std::string("fork: ") + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
@@ -178,74 +186,151 @@ class Aside::Report {
     source_.reset();
     in_ = Fd();
     const pid_t child = std::exchange(child_, 0);
-    if (child > 0) aside_.ended(child);
+    if (child > 0) aside_.ended(child, peer_.uid);
   }
 
   Aside& aside_;
   serve::Peer peer_;
   Make make_;
   pid_t child_ = 0;
+  bool forsaken_ = false;
   std::uint64_t begun_ = 0;
   std::uint64_t unread_since_ = ~0ULL;  ///< it waits for the client; otherwise the client for it
   Fd in_;
-  std::unique_ptr<sd_event_source, FreeWith<sd_event_source_unref>> source_;
+  Source source_;
   control::Buffer buffer_;
   std::string failed_;
 };
 
 // --- all of them ---------------------------------------------------------------------------------
 
+Aside::Aside(sd_event* loop, ForkBudget::Rates rates)
+    : loop_(loop), budget_(rates), always_(::eventfd(1, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  sd_event_source* raw = nullptr;
+  if (!always_ || sd_event_add_time(loop_, &raw, CLOCK_MONOTONIC, 0, 1, on_time, this) < 0) return;
+  timer_.reset(std::exchange(raw, nullptr));
+  sd_event_source_set_enabled(timer_.get(), SD_EVENT_OFF);
+  if (sd_event_add_io(loop_, &raw, always_.get(), EPOLLIN, on_work, this) < 0) return;
+  work_.reset(raw);
+  sd_event_source_set_enabled(raw, SD_EVENT_OFF);
+}
+
 Aside::~Aside() { reap(); }
 
 serve::NextSlice Aside::ask(const serve::Peer& peer, Make make) {
   auto report = std::make_shared<Report>(*this, peer, std::move(make));
-  start_waiting();
+  if (!work_) report->fail("the loop does not take it");
+  plan();
   return [report = std::move(report)] { return report->next(); };
 }
 
-/// Of those who wait the one whose user has waited longest for anything.
-void Aside::start_waiting() {
-  const auto running = [this](auto&& matches) {
-    return std::ranges::count_if(reports_,
-                                 [&](const Report* r) { return r->runs() && matches(r); });
-  };
-  for (;;) {
-    if (running([](const Report*) { return true; }) >= static_cast<std::ptrdiff_t>(kAtOnce)) return;
-    Report* next = nullptr;
-    std::uint64_t oldest = ~0ULL;
-    for (Report* r : reports_) {
-      if (r->runs() || running([&](const Report* o) { return o->uid() == r->uid(); }) != 0)
-        continue;
-      const auto known = last_started_.find(r->uid());
-      const std::uint64_t started = known == last_started_.end() ? 0 : known->second;
-      if (started >= oldest) continue;
-      oldest = started;
-      next = r;
-    }
-    if (next == nullptr) return;
-    last_started_[next->uid()] = monotonic_ns();
-    next->start();
-  }
+int Aside::on_work(sd_event_source*, int, std::uint32_t, void* self) noexcept {
+  auto& aside = *static_cast<Aside*>(self);
+  if (aside.passes_++ < kPasses) return 0;
+  aside.start_next();
+  aside.plan();
+  return 0;
 }
 
-void Aside::ended(pid_t child) {
+int Aside::on_time(sd_event_source*, std::uint64_t, void* self) noexcept {
+  static_cast<Aside*>(self)->plan();
+  return 0;
+}
+
+int Aside::on_end(sd_event_source*, int, std::uint32_t, void* self) noexcept {
+  static_cast<Aside*>(self)->reap();
+  static_cast<Aside*>(self)->plan();
+  return 0;
+}
+
+/// Whose children there are; one user has one at most.
+std::vector<uid_t> Aside::busy() const {
+  std::vector<uid_t> users;
+  for (const Ended& one : ended_) users.push_back(one.uid);
+  for (const Report* r : reports_)
+    if (r->runs()) users.push_back(r->uid());
+  return users;
+}
+
+/// Reports that wait for nothing but the budget.
+std::vector<Aside::Report*> Aside::waiting() const {
+  const std::vector<uid_t> users = busy();
+  std::vector<Report*> reports;
+  if (users.size() >= kAtOnce) return reports;
+  for (Report* r : reports_)
+    if (!r->runs() && !r->forsaken() && std::ranges::find(users, r->uid()) == users.end())
+      reports.push_back(r);
+  return reports;
+}
+
+/// Of those who may begin the one whose user has waited longest for anything.
+Aside::Report* Aside::next(std::uint64_t now) {
+  Report* next = nullptr;
+  std::uint64_t oldest = ~0ULL;
+  for (Report* r : waiting()) {
+    if (budget_.ready_at(r->user(), now) > now) continue;
+    const auto known = last_started_.find(r->uid());
+    const std::uint64_t started = known == last_started_.end() ? 0 : known->second;
+    if (started >= oldest) continue;
+    oldest = started;
+    next = r;
+  }
+  return next;
+}
+
+void Aside::start_next() {
+  passes_ = 0;
+  const std::uint64_t now = monotonic_ns();
+  Report* report = next(now);
+  for (; report != nullptr && gone_ && gone_(report->peer().session); report = next(now))
+    report->forsake();
+  if (report == nullptr) return;
+  last_started_[report->uid()] = now;
+  report->start();
+}
+
+/// Says when the loop comes back to those who wait.
+void Aside::plan() {
+  if (!work_) return;
+  const std::uint64_t now = monotonic_ns();
+  std::uint64_t first = ~0ULL;
+  for (const Report* r : waiting()) first = std::min(first, budget_.ready_at(r->user(), now));
+  const bool at_once = first <= now;
+  const bool later = !at_once && first != ~0ULL;
+  if (!at_once) passes_ = 0;
+  sd_event_source_set_enabled(work_.get(), at_once ? SD_EVENT_ON : SD_EVENT_OFF);
+  if (later) sd_event_source_set_time(timer_.get(), first / 1000 + 1);
+  sd_event_source_set_enabled(timer_.get(), later ? SD_EVENT_ONESHOT : SD_EVENT_OFF);
+}
+
+/// It counts as running until it has ended.
+void Aside::ended(pid_t child, uid_t uid) {
   ::kill(child, SIGKILL);
-  ended_.push_back(child);
+  Ended& one = ended_.emplace_back(child, uid);
+  // glibc names it since 2.36 only. Without it look() comes to wait for the child.
+  // NOLINTNEXTLINE(*-vararg)
+  one.process = Fd(static_cast<int>(::syscall(SYS_pidfd_open, child, 0)));
+  sd_event_source* raw = nullptr;
+  if (one.process && sd_event_add_io(loop_, &raw, one.process.get(), EPOLLIN, on_end, this) >= 0)
+    one.source.reset(raw);
   reap();
-  start_waiting();
+  plan();
 }
 
 /// One that has not ended yet gives its memory back first.
 void Aside::reap() {
-  std::erase_if(ended_, [](pid_t child) { return ::waitpid(child, nullptr, WNOHANG) != 0; });
+  std::erase_if(ended_,
+                [](const Ended& one) { return ::waitpid(one.child, nullptr, WNOHANG) != 0; });
 }
 
 void Aside::look() {
   reap();
   const std::uint64_t now = monotonic_ns();
   std::erase_if(last_started_, [now](const auto& u) { return now - u.second > kLongest; });
+  budget_.tidy(now);
   for (Report* report : std::vector(reports_))
     if (const char* why = report->overdue(now)) report->fail(why);
+  plan();
 }
 
 }  // namespace mlcca

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <string>
@@ -15,6 +16,7 @@
 #include "control/buffer.hpp"
 #include "control/messages.hpp"
 #include "core/handle.hpp"
+#include "daemon/fork_budget.hpp"
 #include "daemon/serve/server.hpp"
 
 namespace mlcca {
@@ -24,14 +26,19 @@ class Aside {
   using Body = decltype(control::Reply::body);
   using Make = std::function<Body()>;
   using Ready = std::function<void(std::uint64_t session)>;
+  using Gone = std::function<bool(std::uint64_t session)>;
 
-  /// Children at once, of all users; a user has one. Further reports wait until one of them ends.
+  /// Children at once, of all users; a user has one. Further reports wait until one of them has
+  /// ended and given back what it had.
   static constexpr std::size_t kAtOnce = 2;
   /// After that a child is killed, ns; one that waits for a client that does not read, sooner.
   static constexpr std::uint64_t kLongest = 60'000'000'000;
   static constexpr std::uint64_t kUnread = 5'000'000'000;
+  /// Before each fork the loop does so many times what waits: who has connected is accepted, and
+  /// what he asked for is answered.
+  static constexpr unsigned kPasses = 2;
 
-  explicit Aside(sd_event* loop) : loop_(loop) {}
+  explicit Aside(sd_event* loop, ForkBudget::Rates rates = ForkBudget::kUsual);
   Aside(const Aside&) = delete;
   Aside& operator=(const Aside&) = delete;
   Aside(Aside&&) = delete;
@@ -40,7 +47,11 @@ class Aside {
 
   /// Told when the next slice for a session can be had.
   void on_ready(Ready ready) { ready_ = std::move(ready); }
-  /// `make` runs in the child. Dropping what is returned ends it.
+  /// Asked before a report begins: whether the client of this session has hung up.
+  void on_begin(Gone gone) { gone_ = std::move(gone); }
+  void set_rates(ForkBudget::Rates rates) { budget_ = ForkBudget(rates); }
+  /// `make` runs in the child, which begins in a later turn of the loop. Dropping what is returned
+  /// ends it.
   serve::NextSlice ask(const serve::Peer& peer, Make make);
   /// Ends what takes too long. Once a second.
   void look();
@@ -48,15 +59,37 @@ class Aside {
  private:
   class Report;
   friend class Report;
-  void start_waiting();
-  void ended(pid_t child);
+  using Source = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_unref>>;
+  /// A child that was told to end, until it has. Not moved: the source goes before its descriptor,
+  /// of which other children have copies, so that epoll would not forget it by itself.
+  struct Ended {
+    pid_t child = 0;
+    uid_t uid = 0;
+    Fd process{};
+    Source source{};
+  };
+  static int on_work(sd_event_source*, int, std::uint32_t, void* self) noexcept;
+  static int on_time(sd_event_source*, std::uint64_t, void* self) noexcept;
+  static int on_end(sd_event_source*, int, std::uint32_t, void* self) noexcept;
+  [[nodiscard]] std::vector<uid_t> busy() const;
+  [[nodiscard]] std::vector<Report*> waiting() const;
+  Report* next(std::uint64_t now);
+  void start_next();
+  void plan();
+  void ended(pid_t child, uid_t uid);
   void reap();
 
   sd_event* loop_;
+  ForkBudget budget_;
   Ready ready_;
+  Gone gone_;
   std::vector<Report*> reports_;                 ///< waiting or running, in the order of asking
   std::map<uid_t, std::uint64_t> last_started_;  ///< of who asked lately: when
-  std::vector<pid_t> ended_;                     ///< to be waited for
+  std::list<Ended> ended_;                       ///< to be waited for
+  Fd always_;     ///< can always be read: in line with the sockets when a report may begin
+  Source work_;   ///< of always_
+  Source timer_;  ///< on while reports wait for the budget
+  unsigned passes_ = 0;
 };
 
 }  // namespace mlcca

@@ -80,6 +80,10 @@ class Gateway {
     ready_ = ready;
     aside_.on_ready(ready);
   }
+  /// Says whether a client has hung up: nothing is begun for it any more.
+  void on_begin(Aside::Gone gone) { aside_.on_begin(std::move(gone)); }
+  /// Otherwise ForkBudget::kUsual.
+  void set_report_rates(ForkBudget::Rates rates) { aside_.set_rates(rates); }
   serve::Answer answer(const control::Request& request, const serve::Peer& peer);
   /// A connection has ended: the leases that it held begin to run.
   void session_closed(std::uint64_t session);

@@ -233,6 +233,7 @@ int run(const Options& options) {
   gateway.on_commit([&server](const Result<void>& done) { (*server)->release(done); });
   (*server)->on_close([&gateway](std::uint64_t session) { gateway.session_closed(session); });
   gateway.on_slice([&server](std::uint64_t session) { (*server)->resume(session); });
+  gateway.on_begin([&server](std::uint64_t session) { return (*server)->is_gone(session); });
   gateway.on_event([&server](const control::Event& event) { (*server)->publish(event); });
   const int status = loop->run();
   notify("STOPPING=1\nSTATUS=everything is denied");

@@ -173,6 +173,14 @@ void Server::resume(std::uint64_t session) {
     }
 }
 
+bool Server::is_gone(std::uint64_t session) const {
+  const auto it = std::ranges::find_if(
+      sessions_, [session](const auto& s) { return s.second->peer().session == session; });
+  if (it == sessions_.end()) return true;
+  pollfd socket{.fd = it->first, .events = 0, .revents = 0};
+  return ::poll(&socket, 1, 0) > 0 && (socket.revents & (POLLHUP | POLLERR)) != 0;
+}
+
 void Server::take_turns() {
   taking_turns_ = true;
   const std::uint64_t begin = monotonic_ns();

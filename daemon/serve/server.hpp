@@ -93,6 +93,8 @@ class Server {
   void release(const Result<void>& done);
   /// A reply to this session that had to wait goes on.
   void resume(std::uint64_t session);
+  /// The client has hung up, whether the loop has heard of it or not.
+  [[nodiscard]] bool is_gone(std::uint64_t session) const;
   /// Told of every connection that ends.
   void on_close(Closed closed) { closed_ = std::move(closed); }
 

@@ -4,9 +4,13 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
 #include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -51,9 +55,31 @@ class Barrier {
   std::array<int, 2> ends_{-1, -1};
 };
 
+/// Forks of this process, and whether one was made while there was a child already.
+struct Forks {
+  int made = 0;
+  int beside_another = 0;
+};
+Forks forks;
+
+bool has_child() {
+  siginfo_t who{};
+  return ::waitid(P_ALL, 0, &who, WEXITED | WNOHANG | WNOWAIT) == 0;
+}
+
 class AsideTest : public testing::Test {
  protected:
+  static void SetUpTestSuite() {
+    const auto before = [] {
+      ++forks.made;
+      if (has_child()) ++forks.beside_another;
+    };
+    ASSERT_EQ(::pthread_atfork(before, nullptr, nullptr), 0);
+  }
   void SetUp() override {
+    while (::waitpid(-1, nullptr, 0) > 0) {
+    }
+    forks = {};
     sd_event* raw = nullptr;
     ASSERT_GE(sd_event_new(&raw), 0);
     loop_.reset(raw);
@@ -83,6 +109,9 @@ class AsideTest : public testing::Test {
   void turn_until_ready(std::uint64_t session) {
     while (ready_.erase(session) == 0) ASSERT_GE(sd_event_run(loop_.get(), ~0ULL), 0);
   }
+  void turn_until_forks(int made) {
+    while (forks.made < made) ASSERT_GE(sd_event_run(loop_.get(), ~0ULL), 0);
+  }
   static std::string text(const Body& body) {
     if (const auto* done = std::get_if<control::Done>(&body)) return done->message;
     if (const auto* error = std::get_if<control::Error>(&body)) return "error: " + error->message;
@@ -102,7 +131,7 @@ TEST_F(AsideTest, AnotherProcessMakesItOfWhatIsKnownWhenItBegins) {
     return control::Done{std::to_string(seen)};
   });
   known = 2;
-  EXPECT_EQ(text(whole(next, 7)), "1");
+  EXPECT_EQ(text(whole(next, 7)), "2");
   EXPECT_EQ(known, 2);
 }
 
@@ -117,6 +146,7 @@ TEST_F(AsideTest, WhoeverStartsNextFindsNoLockHeldByAReport) {
     end.wait();
     return control::Done{"late"};
   });
+  turn_until_forks(1);
   begun.wait();
   lock.reset();  // as when the daemon dies
   const Fd later(::open(path.data(), O_RDWR | O_CLOEXEC));
@@ -195,6 +225,67 @@ TEST_F(AsideTest, WhoHangsUpMakesRoom) {
   EXPECT_FALSE(second());
   first = nullptr;
   EXPECT_EQ(text(whole(second, 2)), "second");
+}
+
+TEST_F(AsideTest, WhoHangsUpBeforeItBeginsCostsNoFork) {
+  for (std::uint64_t session = 1; session <= 20; ++session) {
+    const auto next = ask(kAnna, session, [] { return control::Done{}; });
+  }
+  EXPECT_EQ(forks.made, 0);
+  const auto last = ask(kBert, 21, [] { return control::Done{"last"}; });
+  EXPECT_EQ(text(whole(last, 21)), "last");
+  EXPECT_EQ(forks.made, 1);
+}
+
+TEST_F(AsideTest, WhoHasHungUpUnheardCostsNoForkEither) {
+  std::set<std::uint64_t> gone{1, 2};
+  aside_->on_begin([&](std::uint64_t session) { return gone.contains(session); });
+  const auto make = [] { return control::Done{"made"}; };
+  const auto first = ask(kAnna, 1, make);
+  const auto second = ask(kAnna, 2, make);
+  const auto third = ask(kBert, 3, make);
+  EXPECT_EQ(text(whole(third, 3)), "made");
+  EXPECT_EQ(forks.made, 1);
+}
+
+TEST_F(AsideTest, WhatWaitsInTheLoopIsDoneBeforeAFork) {
+  const Fd always(::eventfd(1, EFD_CLOEXEC | EFD_NONBLOCK));
+  unsigned turns = 0;
+  sd_event_source* raw = nullptr;
+  const auto count = [](sd_event_source*, int, std::uint32_t, void* turns_of) {
+    ++*static_cast<unsigned*>(turns_of);
+    return 0;
+  };
+  ASSERT_GE(sd_event_add_io(loop_.get(), &raw, always.get(), EPOLLIN, count, &turns), 0);
+  const std::unique_ptr<sd_event_source, FreeWith<sd_event_source_unref>> other(raw);
+  const auto next = ask(kAnna, 1, [] { return control::Done{"made"}; });
+  turn_until_forks(1);
+  EXPECT_GE(turns, Aside::kPasses);
+  EXPECT_EQ(text(whole(next, 1)), "made");
+}
+
+TEST_F(AsideTest, AReportThatNobodyWantsCountsUntilItsProcessHasEnded) {
+  const Barrier never;
+  for (int i = 1; i <= 3; ++i) {
+    const auto next = ask(kAnna, static_cast<std::uint64_t>(i), [&never] {
+      never.wait();
+      return control::Done{};
+    });
+    turn_until_forks(i);
+  }
+  EXPECT_EQ(forks.beside_another, 0);
+}
+
+TEST_F(AsideTest, WhoseBudgetIsUsedUpWaitsAndNobodyElse) {
+  aside_->set_rates({{3, 0}, {3, 0}, 0});
+  const auto make = [] { return control::Done{"made"}; };
+  for (std::uint64_t session = 1; session <= 3; ++session)
+    EXPECT_EQ(text(whole(ask(kAnna, session, make), session)), "made");
+  const auto fourth = ask(kAnna, 4, make);
+  const auto other = ask(kBert, 5, make);
+  EXPECT_EQ(text(whole(other, 5)), "made");
+  EXPECT_FALSE(fourth());
+  EXPECT_EQ(forks.made, 4);
 }
 
 TEST_F(AsideTest, AChildThatDiesIsAnError) {

@@ -143,6 +143,9 @@ void GatewayUnderTest::start() {
   gateway.on_commit([&server_there](const Result<void>& done) { server_there.release(done); });
   p.server->on_close([&gateway](std::uint64_t session) { gateway.session_closed(session); });
   gateway.on_slice([&server_there](std::uint64_t session) { server_there.resume(session); });
+  gateway.on_begin(
+      [&server_there](std::uint64_t session) { return server_there.is_gone(session); });
+  gateway.set_report_rates({{1'000'000, 1'000'000}, {1'000'000, 1'000'000}, 0});
   gateway.on_event([&server_there](const control::Event& event) { server_there.publish(event); });
   in_force_ = written_;
   auto system = description::read(p.options.description);

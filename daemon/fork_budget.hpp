@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// How often the daemon may fork: a fork copies the page tables of all that it has, and nothing else
+// is done meanwhile. No I/O: time comes in as argument, in nanoseconds of any steady clock.
+#pragma once
+#include <sys/types.h>
+
+#include <cstdint>
+#include <map>
+
+#include "daemon/serve/turns.hpp"
+
+namespace mlcca {
+
+class ForkBudget {
+ public:
+  struct Rates {
+    serve::Rate members;  ///< of one user
+    serve::Rate others;
+    /// After a fork nobody forks for so many times as long as it took: with 20, forks take less
+    /// than a twentieth of the time of the loop.
+    std::uint64_t rest = 0;
+  };
+  static constexpr Rates kUsual{{20, 10}, {3, 1}, 20};
+  /// The rest takes no longer than that, ns: the daemon may have been stopped in the middle of a
+  /// fork.
+  static constexpr std::uint64_t kLongestRest = 10'000'000'000;
+
+  explicit ForkBudget(Rates rates) : rates_(rates) {}
+  /// When this user may fork; not later than `now`: he may.
+  [[nodiscard]] std::uint64_t ready_at(serve::Turns::User user, std::uint64_t now);
+  /// He did, from `begin` to `end`.
+  void forked(serve::Turns::User user, std::uint64_t begin, std::uint64_t end);
+  /// Forgets users who have not forked lately.
+  void tidy(std::uint64_t now);
+  [[nodiscard]] std::size_t users() const { return users_.size(); }
+
+ private:
+  serve::Bucket& bucket_of(serve::Turns::User user, std::uint64_t now);
+  Rates rates_;
+  std::uint64_t rests_until_ = 0;
+  std::map<serve::Turns::User, serve::Bucket> users_;
+};
+
+}  // namespace mlcca
