@@ -20,7 +20,7 @@ class ForkBudget {
     /// than a twentieth of the time of the loop.
     std::uint64_t rest = 0;
   };
-  static constexpr Rates kUsual{{20, 10}, {3, 1}, 20};
+  static constexpr Rates kUsual{{20, 10}, {4, 2}, 20};
   /// The rest takes no longer than that, ns: the daemon may have been stopped in the middle of a
   /// fork.
   static constexpr std::uint64_t kLongestRest = 10'000'000'000;

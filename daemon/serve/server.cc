@@ -16,10 +16,14 @@
 
 #include "control/codec.hpp"
 #include "daemon/clock.hpp"
+#include "daemon/serve/places.hpp"
 #include "daemon/serve/session.hpp"
 
 namespace mlcca::serve {
 namespace {
+
+constexpr std::uint64_t kSweepInterval = 5'000'000;  // µs
+constexpr std::uint64_t kSweepAccuracy = 1'000'000;  // µs
 
 std::unexpected<Error> system_error(const std::string& call) {
   return fail(call + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
@@ -73,6 +77,12 @@ Result<void> Server::add_sources() {
     static_cast<Server*>(self)->take_turns();
     return 0;
   };
+  const auto on_sweep = [](sd_event_source* source, std::uint64_t, void* self) noexcept {
+    static_cast<Server*>(self)->close_idle(monotonic_ns());
+    sd_event_source_set_time_relative(source, kSweepInterval);
+    sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
+    return 0;
+  };
   always_ = Fd(::eventfd(1, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!always_) return system_error("eventfd");
   sd_event_source* raw = nullptr;
@@ -84,6 +94,10 @@ Result<void> Server::add_sources() {
   if (e >= 0) e = sd_event_add_time(loop_, &raw, CLOCK_MONOTONIC, 0, 1, on_time, this);
   timer_.reset(std::exchange(raw, nullptr));
   if (e >= 0) e = sd_event_source_set_enabled(timer_.get(), SD_EVENT_OFF);
+  if (e >= 0)
+    e = sd_event_add_time_relative(loop_, &raw, CLOCK_MONOTONIC, kSweepInterval, kSweepAccuracy,
+                                   on_sweep, this);
+  sweep_.reset(std::exchange(raw, nullptr));
   if (e >= 0) return {};
   return fail(std::string("control socket: ") +
               std::strerror(-e));  // NOLINT(concurrency-mt-unsafe)
@@ -100,17 +114,21 @@ Result<Peer> Server::identify(int fd) const {
   return peer;
 }
 
-std::size_t Server::sessions_of(uid_t uid) const {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      sessions_, [uid](const auto& s) { return s.second->peer().uid == uid; }));
-}
-
-bool Server::is_full_for(const Peer& peer) const {
-  if (sessions_.size() >= kMaxSessions) return true;
-  if (peer.uid == 0) return false;
-  if (peer.may_change) return sessions_of(peer.uid) >= kMaxSessionsPerMember;
-  return sessions_.size() >= kMaxSessions - kReservedSessions ||
-         sessions_of(peer.uid) >= kMaxSessionsPerUser;
+/// A connection of somebody who has more may be closed for it.
+Result<void> Server::make_place_for(const Peer& peer) {
+  const auto standing = [](const Peer& p) {
+    return p.uid == 0 ? Standing::root : p.may_change ? Standing::member : Standing::other;
+  };
+  std::vector<Held> held;
+  held.reserve(sessions_.size());
+  for (const auto& [fd, s] : sessions_)
+    held.push_back({fd, s->peer().uid, standing(s->peer()), s->use(), s->active()});
+  const Place place = place_for(peer.uid, standing(peer), held);
+  if (!place.refused.empty()) return fail(place.refused);
+  if (place.closes)
+    dismiss(place.closes->id, "closed in favour of another user: you hold " +
+                                  std::to_string(place.of_its_user) + " connections");
+  return {};
 }
 
 void Server::accept_one() {
@@ -120,9 +138,9 @@ void Server::accept_one() {
   if (!peer) return;
   peer->session = ++last_session_;
   turns_.tidy(monotonic_ns());
-  if (is_full_for(*peer)) {
-    const std::string text = control::encode(control::Reply{
-        0, control::Error{control::ErrorKind::world, "too many clients are connected", {}}});
+  if (const auto made = make_place_for(*peer); !made) {
+    const std::string text = control::encode(
+        control::Reply{0, control::Error{control::ErrorKind::world, made.error().text, {}}});
     // NOLINTNEXTLINE(bugprone-unused-return-value): it is told on the way out, if it can be
     (void)::send(socket.get(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
     return;
@@ -139,6 +157,19 @@ void Server::drop(int fd) {
   turns_.remove(user_of(peer), fd);
   sessions_.erase(it);
   if (closed_) closed_(peer.session);
+}
+
+void Server::dismiss(int fd, const std::string& why) {
+  sessions_.at(fd)->say_goodbye(why);
+  drop(fd);
+}
+
+void Server::close_idle(std::uint64_t now) {
+  std::vector<int> idle;
+  for (const auto& [fd, session] : sessions_)
+    if (now > session->active() + kMostIdle && !session->is_needed()) idle.push_back(fd);
+  for (const int fd : idle)
+    dismiss(fd, "closed: no request came for " + std::to_string(kMostIdle / 1'000'000'000) + " s");
 }
 
 // --- turns ---------------------------------------------------------------------------------------

@@ -55,14 +55,8 @@ class Server {
   using AnswerTo = std::function<Answer(const control::Request&, const Peer&)>;
   using Closed = std::function<void(std::uint64_t session)>;
 
-  /// Clients at once; a further one is told so and closed.
-  static constexpr std::size_t kMaxSessions = 256;
-  /// Of these, kept free for those who may change something.
-  static constexpr std::size_t kReservedSessions = 32;
-  /// For one user without the right to change anything.
-  static constexpr std::size_t kMaxSessionsPerUser = 32;
-  /// For one member of the control group; root may have all.
-  static constexpr std::size_t kMaxSessionsPerMember = 128;
+  /// A connection without a complete request for so long is closed, ns.
+  static constexpr std::uint64_t kMostIdle = 60'000'000'000;
 
   /// Clients get so much time before the loop does something else, ns.
   static constexpr std::uint64_t kTurn = 5'000'000;
@@ -95,6 +89,9 @@ class Server {
   void resume(std::uint64_t session);
   /// The client has hung up, whether the loop has heard of it or not.
   [[nodiscard]] bool is_gone(std::uint64_t session) const;
+  /// Closes connections that have been of no use for long. The server does it by itself every few
+  /// seconds.
+  void close_idle(std::uint64_t now);
   /// Told of every connection that ends.
   void on_close(Closed closed) { closed_ = std::move(closed); }
 
@@ -105,7 +102,8 @@ class Server {
   Server(sd_event* loop, Fd listening, gid_t group, AnswerTo answer);
   void accept_one();
   void drop(int fd);
-  [[nodiscard]] bool is_full_for(const Peer& peer) const;
+  [[nodiscard]] Result<void> make_place_for(const Peer& peer);
+  void dismiss(int fd, const std::string& why);
   /// There is something to do for a session: at once where nobody else waits, or in its turn.
   void ready(Session& session);
   void ready_later(Session& session);
@@ -116,7 +114,6 @@ class Server {
   Result<void> add_sources();
   void wake_when_due();
   [[nodiscard]] Result<Peer> identify(int fd) const;
-  [[nodiscard]] std::size_t sessions_of(uid_t uid) const;
 
   using Source = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_unref>>;
   sd_event* loop_;
@@ -131,6 +128,7 @@ class Server {
   Fd always_;    ///< can always be read: in line with the sockets when there is work left over
   Source work_;  ///< of always_
   Source timer_;
+  Source sweep_;
   std::unordered_map<int, std::unique_ptr<Session>> sessions_;
 };
 

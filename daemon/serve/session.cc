@@ -10,6 +10,7 @@
 
 #include "control/codec.hpp"
 #include "control/slices.hpp"
+#include "daemon/clock.hpp"
 
 namespace mlcca::serve {
 namespace {
@@ -24,7 +25,7 @@ std::optional<Slice> too_large() {
 }  // namespace
 
 Session::Session(Server& server, Fd socket, Peer peer)
-    : server_(server), socket_(std::move(socket)), peer_(peer) {}
+    : server_(server), socket_(std::move(socket)), peer_(peer), active_(monotonic_ns()) {}
 
 std::unique_ptr<Session> Session::open(Server& server, Fd socket, Peer peer) {
   std::unique_ptr<Session> session(new Session(server, std::move(socket), peer));
@@ -73,6 +74,7 @@ void Session::step() {
   if (!request) refuse(request.error().text);
   has_work_ = request && *request;
   if (!has_work_) return;
+  active_ = monotonic_ns();
   const control::Request& asked = **request;
   if (std::holds_alternative<control::MonitorRequest>(asked.body)) monitoring_ = true;
   take(server_.answer_(asked, peer_), asked.slices);
@@ -103,7 +105,10 @@ void Session::step_slice() {
     reply = std::move(*rest_->whole);
   }
   out_ += control::encode(reply);
-  if (!reply.more) rest_.reset();
+  if (!reply.more) {
+    rest_.reset();
+    active_ = monotonic_ns();
+  }
 }
 
 /// False when it becomes too large.
@@ -140,6 +145,19 @@ void Session::refuse(std::string text) {
   closing_ = true;
 }
 
+void Session::say_goodbye(const std::string& text) {
+  out_ += control::encode(control::Reply{0, control::Error{control::ErrorKind::world, text, {}}});
+  flush();
+}
+
+Use Session::use() const {
+  const bool will_own =
+      std::ranges::any_of(held_, [](const Answer& answer) { return answer.owned != 0; });
+  if (will_own || !owned_.empty()) return Use::owns;
+  if (rest_ || has_work_ || !held_.empty() || waiting() != 0) return Use::asks;
+  return monitoring_ ? Use::listens : Use::idle;
+}
+
 void Session::send_event(const std::string& encoded) {
   if (closing_) return;
   if (waiting() >= kBusy) {
@@ -170,6 +188,7 @@ bool Session::flush() {
       return later;
     }
     sent_ += static_cast<std::size_t>(n);
+    active_ = monotonic_ns();
   }
   out_.clear();
   sent_ = 0;

@@ -13,6 +13,7 @@
 #include "control/buffer.hpp"
 #include "control/messages.hpp"
 #include "core/handle.hpp"
+#include "daemon/serve/places.hpp"
 #include "daemon/serve/server.hpp"
 
 namespace mlcca::serve {
@@ -36,6 +37,15 @@ class Session {
   void release(const Result<void>& done);
   /// Sends an error under id 0 and closes once it is out.
   void refuse(std::string text);
+  /// Sends an error under id 0 as far as the socket takes it. The session must end then.
+  void say_goodbye(const std::string& text);
+  [[nodiscard]] Use use() const;
+  /// When a complete request came, or the client last took something, ns.
+  [[nodiscard]] std::uint64_t active() const { return active_; }
+  /// Its client waits for the daemon, for events, or owns an admission.
+  [[nodiscard]] bool is_needed() const {
+    return monitoring_ || use() == Use::owns || can_step() || parked_ || !held_.empty();
+  }
 
   // For the server, which says whose turn it is.
 
@@ -91,6 +101,7 @@ class Session {
   std::vector<Answer> held_;
   std::optional<Rest> rest_;       ///< behind what is held; no request is answered meanwhile
   std::set<std::uint64_t> owned_;  // admissions
+  std::uint64_t active_;
   bool monitoring_ = false;
   bool closing_ = false;
   bool in_line_ = false;

@@ -13,19 +13,19 @@ constexpr serve::Turns::User kAnna{.uid = 1000, .member = false};
 constexpr serve::Turns::User kBert{.uid = 1001, .member = false};
 constexpr serve::Turns::User kRoot{.uid = 0, .member = true};
 
-TEST(ForkBudgetTest, AUserHasThreeAtOnceAndThenOneASecond) {
+TEST(ForkBudgetTest, AUserHasFourAtOnceAndThenTwoASecond) {
   ForkBudget budget(ForkBudget::kUsual);
   std::uint64_t now = kSecond;
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 4; ++i) {
     EXPECT_LE(budget.ready_at(kAnna, now), now);
     budget.forked(kAnna, now, now);
   }
-  EXPECT_EQ(budget.ready_at(kAnna, now), now + kSecond);
+  EXPECT_EQ(budget.ready_at(kAnna, now), now + kSecond / 2);
   EXPECT_LE(budget.ready_at(kBert, now), now) << "it is hers alone";
-  now += kSecond;
+  now += kSecond / 2;
   EXPECT_LE(budget.ready_at(kAnna, now), now);
   budget.forked(kAnna, now, now);
-  EXPECT_EQ(budget.ready_at(kAnna, now), now + kSecond);
+  EXPECT_EQ(budget.ready_at(kAnna, now), now + kSecond / 2);
 }
 
 TEST(ForkBudgetTest, AMemberHasMore) {

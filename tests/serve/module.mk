@@ -1,4 +1,5 @@
 $(eval $(call unit_test,turns_test,tests/serve/turns_test.cc,$O/daemon/serve/turns.o,))
+$(eval $(call unit_test,places_test,tests/serve/places_test.cc,$O/daemon/serve/places.o,))
 $(eval $(call unit_test,server_test,tests/serve/server_test.cc,$(patsubst %.cc,$O/%.o,$(wildcard daemon/serve/*.cc)) $O/libcontrol.a,-lsystemd $(PROTO_LIBS)))
 
 $O/tests/turn_times.so: tests/serve/turn_times.c

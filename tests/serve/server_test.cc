@@ -8,14 +8,17 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "control/buffer.hpp"
 #include "control/codec.hpp"
 #include "control/slices.hpp"
+#include "daemon/clock.hpp"
 
 namespace mlcca::serve {
 namespace {
@@ -24,6 +27,8 @@ using control::Reply;
 using control::Request;
 
 constexpr int kManyTurns = 20'000;
+constexpr gid_t kGroup = 4242;
+constexpr gid_t kNoGroup = 65'000;
 
 class ServerTest : public testing::Test {
  protected:
@@ -41,8 +46,10 @@ class ServerTest : public testing::Test {
     Fd listening(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
     ASSERT_EQ(::bind(listening.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
     ASSERT_EQ(::listen(listening.get(), 64), 0);
+    std::filesystem::permissions(folder_, std::filesystem::perms::all);
+    std::filesystem::permissions(folder_ + "/s", std::filesystem::perms::all);
     auto server = Server::open(
-        loop_.get(), std::move(listening), static_cast<gid_t>(-1),
+        loop_.get(), std::move(listening), kGroup,
         [this](const Request& request, const Peer& peer) { return answer_(request, peer); });
     ASSERT_TRUE(server);
     server_ = std::move(*server);
@@ -53,6 +60,31 @@ class ServerTest : public testing::Test {
     Fd socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
     EXPECT_EQ(::connect(socket.get(), reinterpret_cast<sockaddr*>(&address_), sizeof address_), 0);
     return socket;
+  }
+
+  /// Of this user, whom the server has accepted or refused. Needs root.
+  Fd client_of(uid_t uid, gid_t gid = kNoGroup) {
+    EXPECT_EQ(::setegid(gid), 0);
+    EXPECT_EQ(::seteuid(uid), 0);
+    Fd socket = client();
+    EXPECT_EQ(::seteuid(0), 0);
+    EXPECT_EQ(::setegid(0), 0);
+    run();
+    return socket;
+  }
+  /// What an error says that has come; "hung up" without one; nothing where neither is so.
+  std::string fate(const Fd& socket) {
+    control::Buffer buffer;
+    for (const Reply& reply : replies(socket, buffer))
+      if (const auto* error = std::get_if<control::Error>(&reply.body)) return error->message;
+    char more = 0;
+    return ::recv(socket.get(), &more, 1, MSG_DONTWAIT) == 0 ? "hung up" : "";
+  }
+  bool is_served(const Fd& socket) {
+    control::Buffer buffer;
+    ask(socket, 1);
+    const auto all = replies(socket, buffer);
+    return all.size() == 1 && std::holds_alternative<control::Done>(all[0].body);
   }
 
   /// Turns of the loop until there is nothing to do.
@@ -240,6 +272,87 @@ TEST_F(ServerTest, WhatCannotBeReadIsAnsweredAndEndsTheConnection) {
   ASSERT_EQ(all.size(), 1U);
   EXPECT_TRUE(std::holds_alternative<control::Error>(all[0].body));
   EXPECT_EQ(server_->sessions(), 0U);
+}
+
+TEST_F(ServerTest, SevenUsersWithAllTheirConnectionsLockNobodyOut) {
+  if (::geteuid() != 0) GTEST_SKIP() << "this needs root: clients of several users";
+  answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
+  std::vector<Fd> held;
+  for (uid_t uid = 100'000; uid < 100'007; ++uid)
+    for (int i = 0; i < 32; ++i) held.push_back(client_of(uid));
+  EXPECT_TRUE(is_served(client_of(100'007)));
+  EXPECT_TRUE(is_served(client_of(0)));
+  EXPECT_TRUE(is_served(client_of(100'008, kGroup)));
+  const auto in_favour = std::ranges::count_if(held, [this](const Fd& socket) {
+    return fate(socket) == "closed in favour of another user: you hold 32 connections";
+  });
+  EXPECT_GE(in_favour, 1);
+}
+
+TEST_F(ServerTest, TwoMembersWithAllTheirConnectionsLockNobodyOut) {
+  if (::geteuid() != 0) GTEST_SKIP() << "this needs root: clients of several users";
+  answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
+  std::vector<Fd> held;
+  for (uid_t uid = 65'001; uid < 65'003; ++uid)
+    for (int i = 0; i < 128; ++i) held.push_back(client_of(uid, kGroup));
+  for (const uid_t uid : {0U, 65'003U}) EXPECT_TRUE(is_served(client_of(uid)));
+  EXPECT_TRUE(is_served(client_of(65'004, kGroup)));
+}
+
+TEST_F(ServerTest, WhoAsksForNothingForAMinuteIsToldAndClosed) {
+  answer_ = [this](const Request& r, const Peer& peer) {
+    if (r.id == 1) return Answer{Reply{r.id, control::Done{"admitted"}}, false, 17};
+    if (r.id == 2) {
+      Answer waits{Reply{r.id, {}}};
+      waits.slices = [] { return std::optional<Slice>{}; };
+      return waits;
+    }
+    return Answer{Reply{r.id, control::Done{std::to_string(peer.session)}}};
+  };
+  const Fd silent = client();
+  const Fd served = client();
+  const Fd slow = client();
+  const Fd owner = client();
+  const Fd waiting = client();
+  const Fd listening = client();
+  ask(owner, 1);
+  ask(waiting, 2);
+  ask(served, 3);
+  ASSERT_EQ(::send(slow.get(), "\x7f", 1, MSG_NOSIGNAL), 1);
+  const std::string monitor = control::encode(Request{4, control::MonitorRequest{}, false});
+  ASSERT_GT(::send(listening.get(), monitor.data(), monitor.size(), MSG_NOSIGNAL), 0);
+  run();
+  server_->close_idle(monotonic_ns());
+  EXPECT_EQ(server_->sessions(), 6U);
+  server_->close_idle(monotonic_ns() + Server::kMostIdle + 1);
+  EXPECT_EQ(server_->sessions(), 3U);
+  for (const Fd* socket : {&silent, &served, &slow})
+    EXPECT_EQ(fate(*socket), "closed: no request came for 60 s");
+  for (const Fd* socket : {&owner, &waiting, &listening}) EXPECT_EQ(fate(*socket), "");
+}
+
+TEST_F(ServerTest, WhoTakesNothingOfAReplyForAMinuteIsClosed) {
+  answer_ = [&](const Request& r, const Peer&) { return channels(r.id, 100'000, 8192); };
+  const Fd socket = client();
+  ask(socket, 1);
+  run();
+  server_->close_idle(monotonic_ns() + Server::kMostIdle + 1);
+  EXPECT_EQ(server_->sessions(), 0U);
+}
+
+TEST_F(ServerTest, ItIsKnownWhoHasHungUpBeforeTheLoopHearsOfIt) {
+  std::uint64_t session = 0;
+  answer_ = [&](const Request& r, const Peer& peer) {
+    session = peer.session;
+    return Answer{Reply{r.id, control::Done{}}};
+  };
+  Fd socket = client();
+  ask(socket, 1);
+  run();
+  EXPECT_FALSE(server_->is_gone(session));
+  socket.reset();
+  EXPECT_TRUE(server_->is_gone(session));
+  EXPECT_TRUE(server_->is_gone(session + 1));
 }
 
 }  // namespace

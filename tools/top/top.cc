@@ -33,6 +33,8 @@ using Clock = std::chrono::steady_clock;
 
 /// A daemon that is silent must not hold the keys for longer.
 constexpr std::chrono::milliseconds kPatience{3000};
+/// After that mlccad may have closed a connection that asks for nothing.
+constexpr std::chrono::seconds kUsable{30};
 
 /// Asks again and again over one connection, and makes another one when it is lost.
 class Watcher {
@@ -41,6 +43,8 @@ class Watcher {
       : socket_(options.socket), patience_(std::min(options.patience, kPatience)) {}
 
   Result<void> look() {
+    if (Clock::now() - looked_ > kUsable) client_.reset();
+    looked_ = Clock::now();
     Result<Sample> fresh = ask();
     if (!fresh) {
       client_.reset();
@@ -94,6 +98,7 @@ class Watcher {
   std::string socket_;
   std::chrono::milliseconds patience_;
   std::optional<control::Client> client_;
+  Clock::time_point looked_;
   std::optional<Sample> before_;
   std::optional<Sample> now_;
   bool lost_ = true;

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/serve/places.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <tuple>
+#include <utility>
+
+namespace mlcca::serve {
+namespace {
+
+constexpr std::size_t kMostBesideRoot = kMostPlaces - kPlacesOfRoot;
+
+using Concerns = std::function<bool(const Held&)>;
+
+/// Whose connections leave no place; nothing: there is one. A place among them is one among all.
+Concerns who_fills_it(Standing standing, std::span<const Held> held) {
+  const auto fills = [held](const Concerns& concerns, std::size_t most) {
+    return std::cmp_greater_equal(std::ranges::count_if(held, concerns), most);
+  };
+  if (standing != Standing::root) {
+    const std::size_t for_the_rest =
+        standing == Standing::member ? kPlacesOfOthers : kPlacesOfMembers;
+    const Concerns alike = [standing](const Held& h) { return h.standing == standing; };
+    if (fills(alike, kMostBesideRoot - for_the_rest)) return alike;
+    const Concerns beside_root = [](const Held& h) { return h.standing != Standing::root; };
+    if (fills(beside_root, kMostBesideRoot)) return beside_root;
+  }
+  const Concerns all = [](const Held&) { return true; };
+  if (fills(all, kMostPlaces)) return all;
+  return nullptr;
+}
+
+}  // namespace
+
+Place place_for(uid_t uid, Standing standing, std::span<const Held> held) {
+  const auto of = [held](uid_t user) {
+    return static_cast<std::size_t>(std::ranges::count(held, user, &Held::uid));
+  };
+  const std::size_t mine = of(uid);
+  const std::size_t most = standing == Standing::root     ? kMostPlaces
+                           : standing == Standing::member ? kMostOfMember
+                                                          : kMostOfOther;
+  if (mine >= most)
+    return {.refused = "you hold " + std::to_string(mine) + " connections, and one user may hold " +
+                       std::to_string(most)};
+  const Concerns concerned = who_fills_it(standing, held);
+  if (!concerned) return {};
+  std::map<uid_t, std::size_t> numbers;
+  for (const Held& h : held) ++numbers[h.uid];
+  const Held* closes = nullptr;
+  const auto rank = [&numbers](const Held& h) {
+    return std::tuple(~numbers.at(h.uid), h.uid, h.use, h.active);
+  };
+  for (const Held& h : held) {
+    // Afterwards he must not have fewer than the newcomer.
+    if (!concerned(h) || h.use == Use::owns || numbers.at(h.uid) <= mine + 1) continue;
+    if (closes == nullptr || rank(h) < rank(*closes)) closes = &h;
+  }
+  if (closes == nullptr) return {.refused = "too many clients are connected"};
+  return {.refused = {}, .closes = *closes, .of_its_user = numbers.at(closes->uid)};
+}
+
+}  // namespace mlcca::serve
