@@ -113,7 +113,7 @@ test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 	$(Q)$(MAKE) test-all
 
 test-all:
-	$(Q)$(MAKE) all check-layers check-format check-mcu
+	$(Q)$(MAKE) all check-layers check-format cppcheck check-mcu
 	$(Q)$(MAKE) FUZZ_OPT=-O0 check-node check-fuzz check-sanitized check-plain check-fault check-memory check-torn check-neighbour check-quotas
 	$(Q)$(MAKE) check-harness check-guest
 
@@ -134,7 +134,7 @@ cppcheck: ## defects that cppcheck finds without the headers of libraries
 	$(call say,CPPCHK,control core daemon description tools)
 	$(Q)cppcheck -q -j2 --std=c++20 --language=c++ --enable=warning,performance,portability --max-configs=1 \
 		--suppress=missingInclude --suppressions-list=tests/support/cppcheck.supp --error-exitcode=1 \
-		-D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. control core daemon description tools
+		-D__x86_64__ -D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. control core daemon description tools
 
 # One stamp a file: only what changed is looked at again.
 TIDY_SOURCES := $(filter-out tests/% include/% bpf/%,$(shell git ls-files '*.cc' 2>/dev/null))

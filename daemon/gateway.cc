@@ -65,7 +65,7 @@ std::expected<std::size_t, std::string> find_self(const core::System& system,
 Gateway::Gateway(Options options, Journal journal, enforce::Control control, net::Links links,
                  net::FactsOf facts_of, sd_event* loop)
     : options_(std::move(options)),
-      journal_(journal),
+      journal_(std::move(journal)),
       control_(std::move(control)),
       links_(std::move(links)),
       ports_(

@@ -122,10 +122,10 @@ Result<void> tcx_detach_beside(std::uint32_t ifindex, Direction direction, const
                                std::uint32_t program) {
   const auto it = std::ranges::find(order.programs, program);
   if (it == order.programs.end() || order.programs.size() < 2) return failure("tcx detach", ENOENT);
-  const bool is_first = it == order.programs.begin();
+  const auto at = static_cast<std::size_t>(it - order.programs.begin());
   Attach detach = attributes(ifindex, direction);
-  detach.relative = is_first ? *(it + 1) : *(it - 1);
-  detach.flags = kById | (is_first ? kBefore : kAfter);
+  detach.relative = order.programs[at == 0 ? 1 : at - 1];
+  detach.flags = kById | (at == 0 ? kBefore : kAfter);
   detach.expected_revision = order.revision;
   if (bpf_call(BPF_PROG_DETACH, detach) != 0) return failure("tcx detach", errno);
   return {};
