@@ -22,15 +22,22 @@ Concerns who_fills_it(Standing standing, std::span<const Held> held) {
   if (standing != Standing::root) {
     const std::size_t for_the_rest =
         standing == Standing::member ? kPlacesOfOthers : kPlacesOfMembers;
-    const Concerns alike = [standing](const Held& h) { return h.standing == standing; };
+    Concerns alike = [standing](const Held& h) { return h.standing == standing; };
     if (fills(alike, kMostBesideRoot - for_the_rest)) return alike;
-    const Concerns beside_root = [](const Held& h) { return h.standing != Standing::root; };
+    Concerns beside_root = [](const Held& h) { return h.standing != Standing::root; };
     if (fills(beside_root, kMostBesideRoot)) return beside_root;
   }
-  const Concerns all = [](const Held&) { return true; };
+  Concerns all = [](const Held&) { return true; };
   if (fills(all, kMostPlaces)) return all;
   return nullptr;
 }
+
+std::size_t most_of_one(Standing standing) {
+  if (standing == Standing::root) return kMostPlaces;
+  return standing == Standing::member ? kMostOfMember : kMostOfOther;
+}
+
+Place refusal(std::string why) { return {std::move(why), std::nullopt, 0}; }
 
 }  // namespace
 
@@ -39,12 +46,10 @@ Place place_for(uid_t uid, Standing standing, std::span<const Held> held) {
     return static_cast<std::size_t>(std::ranges::count(held, user, &Held::uid));
   };
   const std::size_t mine = of(uid);
-  const std::size_t most = standing == Standing::root     ? kMostPlaces
-                           : standing == Standing::member ? kMostOfMember
-                                                          : kMostOfOther;
+  const std::size_t most = most_of_one(standing);
   if (mine >= most)
-    return {.refused = "you hold " + std::to_string(mine) + " connections, and one user may hold " +
-                       std::to_string(most)};
+    return refusal("you hold " + std::to_string(mine) + " connections, and one user may hold " +
+                   std::to_string(most));
   const Concerns concerned = who_fills_it(standing, held);
   if (!concerned) return {};
   std::map<uid_t, std::size_t> numbers;
@@ -58,8 +63,8 @@ Place place_for(uid_t uid, Standing standing, std::span<const Held> held) {
     if (!concerned(h) || h.use == Use::owns || numbers.at(h.uid) <= mine + 1) continue;
     if (closes == nullptr || rank(h) < rank(*closes)) closes = &h;
   }
-  if (closes == nullptr) return {.refused = "too many clients are connected"};
-  return {.refused = {}, .closes = *closes, .of_its_user = numbers.at(closes->uid)};
+  if (closes == nullptr) return refusal("too many clients are connected");
+  return {{}, *closes, numbers.at(closes->uid)};
 }
 
 }  // namespace mlcca::serve

@@ -26,9 +26,9 @@ struct Held {
 };
 
 struct Place {
-  std::string refused{};         ///< why; otherwise there is a place,
-  std::optional<Held> closes{};  ///< once this one is closed,
-  std::size_t of_its_user = 0;   ///< who had so many
+  std::string refused;          ///< why; otherwise there is a place,
+  std::optional<Held> closes;   ///< once this one is closed,
+  std::size_t of_its_user = 0;  ///< who had so many
 };
 
 /// Connections at once.

@@ -117,7 +117,8 @@ Result<Peer> Server::identify(int fd) const {
 /// A connection of somebody who has more may be closed for it.
 Result<void> Server::make_place_for(const Peer& peer) {
   const auto standing = [](const Peer& p) {
-    return p.uid == 0 ? Standing::root : p.may_change ? Standing::member : Standing::other;
+    if (p.uid == 0) return Standing::root;
+    return p.may_change ? Standing::member : Standing::other;
   };
   std::vector<Held> held;
   held.reserve(sessions_.size());
