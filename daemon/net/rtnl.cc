@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/net/rtnl.hpp"
 
+#include <linux/if_link.h>
 #include <linux/rtnetlink.h>
 #include <netlink/attr.h>
 #include <netlink/msg.h>
@@ -65,10 +66,25 @@ void Answers::add(const nlmsghdr& message) {
   octets_.resize(NLMSG_ALIGN(octets_.size()));
 }
 
+namespace {
+
+/// What such a link is, libnl reads without looking whether the kernel has told it.
+bool is_can_without_data(nlmsghdr* link) {
+  const nlattr* const info = nlmsg_find_attr(link, sizeof(ifinfomsg), IFLA_LINKINFO);
+  if (info == nullptr) return false;
+  const auto* const first = static_cast<const nlattr*>(nla_data(info));
+  const nlattr* const kind = nla_find(first, nla_len(info), IFLA_INFO_KIND);
+  return kind != nullptr && nla_strcmp(kind, "can") == 0 &&
+         nla_find(first, nla_len(info), IFLA_INFO_DATA) == nullptr;
+}
+
+}  // namespace
+
 void Answers::parse(const nlmsghdr& message, void (*take)(nl_object*, void*), void* to) {
   const Message copy(nlmsg_convert(const_cast<nlmsghdr*>(&message)));  // NOLINT(*-const-cast)
   if (!copy) throw std::bad_alloc();
   nlmsg_set_proto(copy.get(), NETLINK_ROUTE);
+  if (message.nlmsg_type == RTM_NEWLINK && is_can_without_data(nlmsg_hdr(copy.get()))) return;
   // Of some disciplines libnl reads the options without looking whether there are any.
   if (message.nlmsg_type == RTM_NEWQDISC &&
       nlmsg_find_attr(nlmsg_hdr(copy.get()), sizeof(tcmsg), TCA_OPTIONS) == nullptr &&
