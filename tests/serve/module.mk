@@ -1,6 +1,7 @@
 $(eval $(call unit_test,turns_test,tests/serve/turns_test.cc,$O/daemon/serve/turns.o,))
 $(eval $(call unit_test,places_test,tests/serve/places_test.cc,$O/daemon/serve/places.o,))
-$(eval $(call unit_test,server_test,tests/serve/server_test.cc,$(patsubst %.cc,$O/%.o,$(wildcard daemon/serve/*.cc)) $O/libcontrol.a,-lsystemd $(PROTO_LIBS)))
+# Root: its clients are of several users.
+$(eval $(call kernel_test,server_test,tests/serve/server_test.cc,$(patsubst %.cc,$O/%.o,$(wildcard daemon/serve/*.cc)) $O/libcontrol.a,-lsystemd $(PROTO_LIBS)))
 
 $O/tests/turn_times.so: tests/serve/turn_times.c
 	$(call say,CC,$@)
