@@ -220,7 +220,7 @@ constexpr std::uint64_t kPatience = 5'000'000;  // µs
 /// babeld is still there and means what it has said.
 class Babel final : public LinkSource {
  public:
-  Babel(Endpoint endpoint, std::set<std::string> described, sd_event* loop, Report report)
+  Babel(Endpoint endpoint, Described described, sd_event* loop, Report report)
       : text_(endpoint.text),
         described_(std::move(described)),
         loop_(loop),
@@ -302,7 +302,7 @@ class Babel final : public LinkSource {
   }
 
   std::string text_;
-  std::set<std::string> described_;
+  Described described_;
   sd_event* loop_;
   Report report_;
   babel::State state_;
@@ -321,10 +321,8 @@ Result<std::unique_ptr<LinkSource>> open_babel(const core::mesh::Source& source,
                                                LinkSource::Report report) {
   auto endpoint = parse_endpoint(source.endpoint);
   if (!endpoint) return std::unexpected(endpoint.error());
-  std::set<std::string> described;
-  for (const auto& node : mesh.nodes) described.insert(node.address);
   auto babel =
-      std::make_unique<Babel>(std::move(*endpoint), std::move(described), loop, std::move(report));
+      std::make_unique<Babel>(std::move(*endpoint), described_nodes(mesh), loop, std::move(report));
   if (auto started = babel->start(); !started) return std::unexpected(started.error());
   return babel;
 }

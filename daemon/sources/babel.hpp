@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 
+#include "daemon/net/sources/bounds.hpp"
 #include "daemon/net/sources/source.hpp"
 
 namespace mlcca::net {
@@ -29,7 +29,7 @@ class State {
  public:
   /// `described`: addresses that the description gives its nodes. babeld names a neighbour by its
   /// link-local address; one whose own host route is described is named by that.
-  explicit State(std::set<std::string> described) : described_(std::move(described)) {}
+  explicit State(Described described) : described_(std::move(described)) {}
 
   Line take(std::string_view line);
   /// Of the links, `taken` is left to the caller.
@@ -68,7 +68,7 @@ class State {
   [[nodiscard]] std::string own_name(const std::string& interface, const std::string& host) const;
   [[nodiscard]] std::string neighbour_name(const std::string& address, const Names& hosts) const;
 
-  std::set<std::string> described_;
+  Described described_;
   std::map<std::string, Interface> interfaces_;
   std::map<std::string, Neighbour> neighbours_;
   std::map<std::string, Route> routes_;
