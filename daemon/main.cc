@@ -210,8 +210,17 @@ int run(const Options& options) {
   if (const auto problem = gateway.start()) {
     for (const std::string& line : problem->lines)
       journal.write({Kind::trouble, 3, line, 0, {}, {}, {}, {}});
-    journal.write(
-        {Kind::stopped, 3, "not started: everything is denied on every gate", 0, {}, {}, {}, {}});
+    // Another daemon may run on another bpffs, and its gates are open then.
+    journal.write({Kind::stopped,
+                   3,
+                   fmt::format("not started: the gates of {} deny everything, and no others were "
+                               "changed",
+                               options.bpf_root),
+                   0,
+                   {},
+                   {},
+                   {},
+                   {}});
     const int status = problem->bad_input ? kBadInput : kFailed;
     if (gateway.is_reading()) std::_Exit(status);  // the thread may hang
     return status;

@@ -105,6 +105,24 @@ TEST_F(StartTest, BeatsNotBeforeItHasLookedWhereTheGatesHaveLapsed) {
   EXPECT_EQ(word_[0].lapsed, 0U);
 }
 
+TEST_F(StartTest, ThatIsRefusedBecauseAnotherDaemonRunsDoesNotSayThatEverythingIsDenied) {
+  Process first(gateway_.command(), gateway_.path("log"));
+  ASSERT_TRUE(first.ready()) << gateway_.log();
+  word_ = gateway_.word();
+  const Gateway other(described(1));
+  auto command = other.command();
+  *std::next(std::ranges::find(command, "--state-directory")) = gateway_.path("state");
+  Process second(command, other.path("log"));
+  EXPECT_FALSE(second.ready());
+  EXPECT_NE(second.end(), 0);
+  EXPECT_EQ(word_[0].open, 1U) << "the gates of the first one";
+  const std::string said = other.log();
+  EXPECT_EQ(said.find("on every gate"), std::string::npos) << said;
+  EXPECT_NE(said.find("deny everything, and no others were changed"), std::string::npos) << said;
+  first.signal(SIGTERM);
+  EXPECT_EQ(first.end(), 0);
+}
+
 // --- a user database that never answers ----------------------------------------------------------
 
 /// For this process and those that it runs.
