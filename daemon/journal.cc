@@ -2,14 +2,12 @@
 #include "daemon/journal.hpp"
 
 #include <fmt/core.h>
-#include <poll.h>
 #include <sys/stat.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <climits>
 #include <cstdlib>
 #include <string_view>
 
@@ -77,18 +75,6 @@ void add_field(std::string& fields, std::string_view name, std::string_view valu
   for (std::uint64_t size = value.size(), i = 0; i < 8; ++i, size >>= 8)
     fields.push_back(static_cast<char>(size & 0xff));
   fields.append(value).push_back('\n');
-}
-
-/// False where it would have to wait. What is ready for writing takes PIPE_BUF bytes at once.
-bool write_at_once(int fd, std::string_view text) {
-  while (!text.empty()) {
-    pollfd ready{fd, POLLOUT, 0};
-    if (::poll(&ready, 1, 0) != 1) return false;
-    const ssize_t n = ::write(fd, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF));
-    if (n <= 0) return false;
-    text.remove_prefix(static_cast<std::size_t>(n));
-  }
-  return true;
 }
 
 }  // namespace

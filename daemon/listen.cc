@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/listen.hpp"
 
+#include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <systemd/sd-daemon.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -25,6 +27,17 @@ Result<Fd> listen_at(const std::string& path, int type, mode_t mode) {
   if (::bind(socket.get(), generic(*address), sizeof *address) < 0) return failed(path);
   if (mode != 0 && ::chmod(path.c_str(), mode) < 0) return failed(path);
   if (::listen(socket.get(), SOMAXCONN) < 0) return failed(path);
+  return socket;
+}
+
+Result<Fd> handed_over(int type) {
+  const int given = ::sd_listen_fds(1);
+  if (given > 1) return fail("systemd handed over more than one socket");
+  if (given < 1) return Fd();
+  Fd socket(SD_LISTEN_FDS_START);
+  if (::sd_is_socket_unix(socket.get(), type, 1, nullptr, 0) <= 0)
+    return fail("the socket from systemd is not of AF_UNIX, of another type, or does not listen");
+  ::fcntl(socket.get(), F_SETFL, O_NONBLOCK);  // NOLINT(*-vararg)
   return socket;
 }
 

@@ -13,4 +13,8 @@ namespace mlcca {
 /// that nobody removed. Does not block. `mode`: who may connect, where it is not as the umask says.
 [[nodiscard]] Result<Fd> listen_at(const std::string& path, int type, mode_t mode = 0);
 
+/// The one socket of `type` that systemd has made, listening and not blocking; -1: it has made
+/// none.
+[[nodiscard]] Result<Fd> handed_over(int type);
+
 }  // namespace mlcca

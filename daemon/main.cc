@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // mlccad: reads the command line, puts the parts together and runs one event loop.
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <grp.h>
 #include <malloc.h>
 #include <net/if.h>
-#include <poll.h>
 #include <sys/fsuid.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <systemd/sd-daemon.h>
 #include <systemd/sd-device.h>
 #include <systemd/sd-event.h>
 #include <unistd.h>
@@ -83,21 +80,23 @@ void pin_as_owner_of(const std::string& root) {
 
 int close_interfaces(const Options& options) {
   int status = 0;
+  // The next one is closed also where nobody reads what is said of this one.
+  const auto say = [](const std::string& name, const std::string& text) {
+    write_at_once(STDERR_FILENO, name + ": " + text + '\n');
+  };
   pin_as_owner_of(options.bpf_root);
   for (const std::string& name : options.close) {
     if (name.empty()) continue;
     if (::if_nametoindex(name.c_str()) == 0) {
-      fmt::print(stderr, "{}: not there yet; the udev rule closes it when it appears\n", name);
+      say(name, "not there yet; the udev rule closes it when it appears");
       continue;
     }
     const auto done = enforce::close_interface(name, options.bpf_root);
     if (!done) {
-      fmt::print(stderr, "{}: {}\n", name, done.error().text);
+      say(name, done.error().text);
       status = kFailed;
     } else {
-      fmt::print(
-          stderr, "{}: {}\n", name,
-          *done == enforce::Closing::closed ? "closed" : "has a gate already, left as it is");
+      say(name, *done == enforce::Closing::closed ? "closed" : "has a gate already, left as it is");
     }
   }
   return status;
@@ -105,14 +104,9 @@ int close_interfaces(const Options& options) {
 
 /// The socket that systemd hands over, or one of our own.
 Result<Fd> control_socket(const Options& options) {
-  const int given = sd_listen_fds(1);
-  if (given > 1) return fail("systemd handed over more than one socket");
-  if (given < 1) return listen_at(options.socket, SOCK_STREAM, 0666);
-  Fd socket(SD_LISTEN_FDS_START);
-  if (sd_is_socket_unix(socket.get(), SOCK_STREAM, 1, nullptr, 0) <= 0)
-    return fail("the socket from systemd is no AF_UNIX stream socket that listens");
-  ::fcntl(socket.get(), F_SETFL, O_NONBLOCK);  // NOLINT(*-vararg)
-  return socket;
+  auto given = handed_over(SOCK_STREAM);
+  if (!given || *given) return given;
+  return listen_at(options.socket, SOCK_STREAM, 0666);
 }
 
 constexpr std::uint64_t kGroupLimit = 5'000'000'000;  // ns
@@ -181,9 +175,7 @@ void allow_many_descriptors() {
 [[noreturn]] void out_of_memory() {
   static constexpr std::string_view line =
       "mlccad: out of memory: ended at once; the gates stay as they are for the grace\n";
-  pollfd ready{STDERR_FILENO, POLLOUT, 0};
-  if (::poll(&ready, 1, 0) == 1)  // nobody is waited for
-    static_cast<void>(::write(STDERR_FILENO, line.data(), line.size()));
+  write_at_once(STDERR_FILENO, line);
   std::abort();
 }
 

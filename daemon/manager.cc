@@ -1,15 +1,51 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/manager.hpp"
 
+#include <fcntl.h>
+#include <poll.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <climits>
 #include <cstddef>
+#include <cstdio>
 #include <cstdlib>
 
 #include "core/handle.hpp"
 #include "core/unix_address.hpp"
 
 namespace mlcca {
+namespace {
+
+/// The same pipe or terminal, opened once more: O_NONBLOCK of `fd` would hold for all who share it.
+Fd opened_again(int fd) {
+  std::array<char, 32> path{};  // there may be no memory left to allocate
+  if (std::snprintf(path.data(), path.size(), "/proc/self/fd/%d", fd) < 0) return {};
+  return Fd(::open(path.data(), O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+}
+
+/// What is ready takes PIPE_BUF bytes at once, unless another writer comes first: that matters
+/// where a pipe cannot be opened again (the sandbox of mlcca-sources).
+ssize_t write_where_ready(int fd, std::string_view text) {
+  pollfd ready{.fd = fd, .events = POLLOUT, .revents = 0};
+  if (::poll(&ready, 1, 0) != 1 || ready.revents != POLLOUT) return -1;
+  return ::write(fd, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF));
+}
+
+/// `write` some of it until all is written. False: it would write no more.
+bool write_all(std::string_view text, auto write) {
+  while (!text.empty()) {
+    const ssize_t n = write(text);
+    if (n <= 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
+}  // namespace
 
 bool send_at_once(const std::string& path, std::span<const iovec> parts) {
   auto address = unix_address(path);
@@ -30,6 +66,19 @@ bool notify(std::string_view lines) {
   const std::string text(lines);
   const iovec part{const_cast<char*>(text.data()), text.size()};  // NOLINT(*-const-cast)
   return send_at_once(path, {&part, 1});
+}
+
+bool write_at_once(int fd, std::string_view text) {
+  struct stat is{};
+  if (::fstat(fd, &is) < 0) return false;
+  if (S_ISSOCK(is.st_mode))
+    return write_all(text, [fd](std::string_view rest) {
+      return ::send(fd, rest.data(), rest.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    });
+  const bool may_wait = S_ISFIFO(is.st_mode) || S_ISCHR(is.st_mode);
+  const Fd own = may_wait ? opened_again(fd) : Fd();
+  const int to = own ? own.get() : fd;
+  return write_all(text, [to](std::string_view rest) { return write_where_ready(to, rest); });
 }
 
 }  // namespace mlcca

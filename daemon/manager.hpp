@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the service manager is told. Nothing here ever waits for it: the heart-beat comes first.
+// What the service manager and whoever reads a log are told. Nothing here ever waits for them: the
+// heart-beat comes first.
 #pragma once
 #include <sys/uio.h>
 
@@ -16,5 +17,9 @@ namespace mlcca {
 /// As sd_notify(3), which waits without end while nobody reads the socket: lines such as "READY=1".
 /// True where it was said, or where there is no service manager.
 bool notify(std::string_view lines);
+
+/// To an open file, pipe, socket or terminal, also one that others share and that blocks. False
+/// where some of it would have to wait because nobody reads: that is lost.
+bool write_at_once(int fd, std::string_view text);
 
 }  // namespace mlcca

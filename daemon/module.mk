@@ -11,7 +11,7 @@ $(eval $(call library,sources,$(wildcard daemon/net/sources/*.cc)))
 $(sources_objects): CPPFLAGS += $(NL_CFLAGS)
 SOURCES_LIBS := $(NL_LIBS) -lsystemd
 $(eval $(call library,strangers,$(filter-out daemon/sources/main.cc,$(wildcard daemon/sources/*.cc))))
-$(eval $(call program,mlcca-sources,daemon/sources/main.cc,$O/libstrangers.a $O/libsources.a,-lsystemd))
+$(eval $(call program,mlcca-sources,daemon/sources/main.cc daemon/manager.cc,$O/libstrangers.a $O/libsources.a,-lsystemd))
 PROGRAMS += $O/mlcca-sources
 $(eval $(call library,daemon,$(filter-out daemon/main.cc,$(wildcard daemon/*.cc daemon/net/*.cc daemon/serve/*.cc daemon/store/*.cc))))
 $(daemon_objects): CPPFLAGS += $(NL_CFLAGS)
@@ -41,5 +41,5 @@ INSTALL += install-doctor
 .PHONY: install-doctor
 
 # The only program that may listen to a network interface; mlccad reads it through a socket.
-$(eval $(call program,mlcca-awds,$(wildcard daemon/awds/*.cc) daemon/listen.cc,$O/libsources.a,$(SOURCES_LIBS)))
+$(eval $(call program,mlcca-awds,$(wildcard daemon/awds/*.cc) daemon/listen.cc daemon/manager.cc,$O/libsources.a,$(SOURCES_LIBS)))
 PROGRAMS += $O/mlcca-awds

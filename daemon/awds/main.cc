@@ -6,13 +6,11 @@
 #include <sys/epoll.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
-#include <systemd/sd-daemon.h>
 #include <systemd/sd-event.h>
 
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <memory>
@@ -22,6 +20,7 @@
 #include "daemon/awds/capture.hpp"
 #include "daemon/awds/readers.hpp"
 #include "daemon/listen.hpp"
+#include "daemon/manager.hpp"
 #include "daemon/net/sources/timer.hpp"
 #include "daemon/sources/awds_packet.hpp"
 
@@ -31,7 +30,7 @@ namespace {
 /// Packets that are passed on before others get their turn.
 constexpr int kTurn = 64;
 
-void say(const std::string& text) { std::fputs(("mlcca-awds: " + text + "\n").c_str(), stderr); }
+void say(const std::string& text) { write_at_once(STDERR_FILENO, "mlcca-awds: " + text + '\n'); }
 
 /// All of them, for good.
 Result<void> drop_capabilities() {
@@ -45,9 +44,9 @@ Result<void> drop_capabilities() {
 /// The socket that systemd has made, or one of our own.
 Result<Fd> listening_socket(const char* path) {
   if (path != nullptr) return listen_at(path, SOCK_SEQPACKET);
-  const int count = ::sd_listen_fds(1);
-  if (count == 1) return Fd(SD_LISTEN_FDS_START);
-  return fail("no socket: start mlcca-awds@INTERFACE.socket, or name one");
+  auto given = handed_over(SOCK_SEQPACKET);
+  if (given && !*given) return fail("no socket: start mlcca-awds@INTERFACE.socket, or name one");
+  return given;
 }
 
 class Relay {
@@ -61,7 +60,7 @@ class Relay {
       return fail(net::system_error("watching the interface", -e));
     io_.reset(raw);
     if (auto started = readers_.start(); !started) return started;
-    return timer_.start(loop_, [this] { look(); });
+    return timer_.start(loop_, [this] { look(); });  // at once, and then again and again
   }
 
  private:
@@ -69,11 +68,12 @@ class Relay {
     std::string problem;
     if (const auto following = capture_.follow(); !following) problem = following.error().text;
     if (problem != problem_) {
-      const std::string state = problem.empty() ? "listening" : problem;
-      say(state);
-      sd_notifyf(0, "STATUS=%s", state.c_str());
+      say(problem.empty() ? "listening" : problem);
       problem_ = std::move(problem);
+      told_ = false;
     }
+    if (!told_)  // until it is taken: systemd waits for the first one
+      told_ = notify("READY=1\nSTATUS=" + (problem_.empty() ? "listening" : problem_));
     timer_.set(net::kLookAgain);
   }
 
@@ -94,6 +94,7 @@ class Relay {
   net::EventSource io_;
   net::Timer timer_;
   std::string problem_;
+  bool told_ = false;  ///< systemd knows of problem_
 };
 
 Result<void> serve(const std::string& interface, const char* path) {
@@ -115,7 +116,6 @@ Result<void> serve(const std::string& interface, const char* path) {
   if (e < 0) return fail(net::system_error("event loop", -e));
   Relay relay(std::move(*capture), std::move(*listening), raw);
   if (auto started = relay.start(); !started) return started;
-  sd_notify(0, "READY=1");
   if (e = sd_event_loop(raw); e < 0) return fail(net::system_error("event loop", -e));
   return {};
 }
@@ -125,9 +125,10 @@ Result<void> serve(const std::string& interface, const char* path) {
 
 int main(int argc, char** argv) {
   if (argc < 2 || argc > 3 || argv[1][0] == '-') {
-    std::fputs("usage: mlcca-awds INTERFACE [SOCKET]\n", stderr);
+    mlcca::awds::say("usage: mlcca-awds INTERFACE [SOCKET]");
     return 2;
   }
+  ::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): a log that nobody reads any more
   try {
     const auto served = mlcca::awds::serve(argv[1], argc == 3 ? argv[2] : nullptr);
     if (served) return 0;

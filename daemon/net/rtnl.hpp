@@ -95,7 +95,7 @@ class Rtnl {
 
  private:
   using Time = std::chrono::steady_clock::time_point;
-  enum class Ending { done, again };
+  enum class Ending : std::uint8_t { done, again };
   struct Read;
   std::expected<Answers, Refusal> ask_again(const Message& request, unsigned flags);
   std::expected<Ending, Refusal> ask_once(const Message& request, unsigned flags, Time end,

@@ -8,13 +8,13 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <deque>
 #include <exception>
 #include <memory>
 #include <string>
 #include <utility>
 
+#include "daemon/manager.hpp"
 #include "daemon/net/sources/facts.hpp"
 #include "daemon/net/sources/timer.hpp"
 #include "daemon/sources/open.hpp"
@@ -28,6 +28,8 @@ using net::facts::Message;
 
 constexpr int kConversation = STDIN_FILENO;
 constexpr int kPatience = 10'000;  // ms for the question
+
+void say(const std::string& text) { write_at_once(STDERR_FILENO, "mlcca-sources: " + text + '\n'); }
 
 Result<net::facts::Question> read_question() {
   net::facts::QuestionReader reader;
@@ -129,15 +131,15 @@ Result<void> serve() {
 
 int main(int argc, char**) {
   if (argc != 1) {
-    std::fputs("usage: mlcca-sources, with a connection to mlccad as standard input\n", stderr);
+    mlcca::sources::say("usage: mlcca-sources, with a connection to mlccad as standard input");
     return 2;
   }
   try {
     const auto served = mlcca::sources::serve();
     if (served) return 0;
-    std::fputs(("mlcca-sources: " + served.error().text + "\n").c_str(), stderr);
+    mlcca::sources::say(served.error().text);
   } catch (const std::exception& e) {
-    std::fputs((std::string("mlcca-sources: ") + e.what() + "\n").c_str(), stderr);
+    mlcca::sources::say(e.what());
   }
   return 1;
 }

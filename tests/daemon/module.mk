@@ -7,6 +7,7 @@ $(eval $(call unit_test,quotas_test,tests/daemon/quotas_test.cc,$O/daemon/quotas
 $(eval $(call unit_test,in_time_test,tests/daemon/in_time_test.cc,,-pthread))
 $(eval $(call unit_test,reading_test,tests/daemon/reading_test.cc,$O/daemon/reading.o,-lsystemd -pthread))
 $(eval $(call unit_test,log_test,tests/daemon/log_test.cc,$O/daemon/journal.o $O/daemon/manager.o $O/libcore.a,-lfmt))
+$(eval $(call unit_test,manager_test,tests/daemon/manager_test.cc,$O/daemon/manager.o,))
 $(eval $(call unit_test,aside_test,tests/daemon/aside_test.cc,$(addprefix $O/daemon/,aside.o fork_budget.o serve/turns.o) $O/libcontrol.a,-lsystemd $(PROTO_LIBS)))
 $(eval $(call unit_test,fork_budget_test,tests/daemon/fork_budget_test.cc,$(addprefix $O/daemon/,fork_budget.o serve/turns.o),))
 $(eval $(call unit_test,history_pages_test,tests/daemon/history_pages_test.cc tests/store/worlds.cc,$O/daemon/history_pages.o $(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a,-lsqlite3 $(PROTO_LIBS)))

@@ -23,6 +23,7 @@
 #include "core/unix_address.hpp"
 #include "daemon/enforce/pins.hpp"
 #include "enforce/sandbox.hpp"
+#include "support/becomes.hpp"
 
 namespace mlcca::test {
 namespace {
@@ -123,6 +124,13 @@ bool Process::ready(const std::function<void()>& meanwhile) {
 
 void Process::signal(int number) const {
   if (status_ < 0) ::kill(pid_, number);
+}
+
+bool Process::ends() {
+  if (becomes([&] { return status_ >= 0 || ::waitpid(pid_, &status_, WNOHANG) == pid_; }))
+    return true;
+  signal(SIGKILL);
+  return false;
 }
 
 int Process::end() {

@@ -37,6 +37,8 @@ class Process {
   /// False: it has ended, or never came so far.
   bool ready(const std::function<void()>& meanwhile = [] {});
   void signal(int number) const;
+  /// Waits some seconds for its end; false: it goes on, and is killed.
+  bool ends();
   /// Waits for its end. The exit status, or 128 and more: it was killed.
   int end();
   [[nodiscard]] std::uint64_t began() const { return began_; }

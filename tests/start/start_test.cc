@@ -13,6 +13,7 @@
 #include <iterator>
 #include <set>
 
+#include "core/unix_address.hpp"
 #include "support/becomes.hpp"
 #include "tests/start/daemon.hpp"
 
@@ -218,6 +219,45 @@ TEST_F(StartTest, WaitsNeitherForSystemdNorForWhoeverReadsItsLines) {
   after.signal(SIGTERM);
   EXPECT_EQ(after.end(), 0);
   EXPECT_EQ(word_[0].open, 0U);
+}
+
+TEST_F(StartTest, ClosesEveryInterfaceAlthoughNobodyReadsWhatItSays) {
+  Process closing(gateway_.command({"--close", "lan0", "--close", "missing"}), gateway_.path("log"),
+                  Readers::none);
+  EXPECT_TRUE(closing.ends());
+  EXPECT_EQ(closing.end(), 0);
+}
+
+TEST_F(StartTest, TheReaderOfStrangersEndsAlthoughNobodyReadsWhy) {
+  Process reader({"mlcca-sources"}, gateway_.path("log"), Readers::none);
+  EXPECT_TRUE(reader.ends());
+  EXPECT_EQ(reader.end(), 1);
+}
+
+// --- mlcca-awds ----------------------------------------------------------------------------------
+
+/// Connects, says that it reads no more, and is hung up on by who looks after its connections.
+bool is_served(const std::string& path) {
+  const Fd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  const auto address = unix_address(path);
+  if (!becomes([&] { return ::connect(socket.get(), generic(*address), sizeof(*address)) == 0; }) ||
+      ::shutdown(socket.get(), SHUT_WR) < 0)
+    return false;
+  return becomes([&] {
+    char none = 0;
+    return ::recv(socket.get(), &none, 1, MSG_DONTWAIT) == 0;
+  });
+}
+
+TEST_F(StartTest, TheRelayOfAwdsWaitsNeitherForSystemdNorForWhoeverReadsItsLines) {
+  const std::string socket = gateway_.path("awds");
+  Process relay({"mlcca-awds", "lan0", socket}, gateway_.path("log"), Readers::none);
+  EXPECT_TRUE(is_served(socket));
+  // Once somebody reads, it is said that it is ready.
+  EXPECT_TRUE(relay.ready());
+  relay.signal(SIGTERM);
+  EXPECT_TRUE(relay.ends());
+  EXPECT_EQ(relay.end(), 0);
 }
 
 }  // namespace
