@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: BSD-2-Clause
 /* LD_PRELOAD: the n-th call of a function that touches kernel, disk, bus or memory ends the process
- * with SIGKILL, or fails. See nth_call.h. */
+ * with SIGKILL, or fails. Calls that may wait without end are told. See nth_call.h. */
 #define _GNU_SOURCE
 #include "nth_call.h"
 
 #include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>
+#include <execinfo.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/mman.h>
@@ -18,6 +21,7 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/sysmacros.h>
 #include <sys/timerfd.h>
 #include <sys/types.h>
 #include <sys/uio.h>
@@ -44,6 +48,7 @@ static long raw(long number, long a, long b, long c, long d, long e, long f) {
 __attribute__((constructor)) static void begin(void) {
   const char* path = getenv("NTH_CALL");
   struct nth_call* shared;
+  void* caller;
   long fd, at;
 
   if (!path) return;
@@ -53,6 +58,7 @@ __attribute__((constructor)) static void begin(void) {
   raw(SYS_close, fd, 0, 0, 0, 0, 0);
   if (at == -1) abort();
   shared = (struct nth_call*)at;
+  backtrace(&caller, 1); /* the first one allocates */
   if (!shared->pid) __atomic_store_n(&shared->pid, (uint64_t)getpid(), __ATOMIC_SEQ_CST);
   control = shared;
 }
@@ -94,14 +100,57 @@ static int hit(enum nth_call_class class) {
   return 0;
 }
 
-#define WRAP(class, result, failed, name, parameters, arguments) \
-  result name parameters {                                       \
-    static result(*call) parameters;                             \
-                                                                 \
-    if (!call) call = (result(*) parameters)original(#name);     \
-    if (hit(class)) return failed;                               \
-    return call arguments;                                       \
+/* --- what may wait without end --- */
+
+static __attribute__((noinline)) void tell_wait(const char* name, int fd) {
+  void* callers[16];
+  int count, i;
+  size_t used;
+
+  if (__atomic_fetch_add(&control->waits, 1, __ATOMIC_SEQ_CST)) return;
+  used = (size_t)snprintf(control->first_wait, sizeof(control->first_wait), "%s of descriptor %d\n",
+                          name, fd);
+  count = backtrace(callers, 16);
+  for (i = 2; i < count; i++) { /* 0 and 1 are this function and the one below */
+    Dl_info where;
+
+    if (!dladdr(callers[i], &where) || !where.dli_fname) continue;
+    if (used >= sizeof(control->first_wait)) return;
+    used += (size_t)snprintf(control->first_wait + used, sizeof(control->first_wait) - used,
+                             "%s+%#lx\n", where.dli_fname,
+                             (unsigned long)((char*)callers[i] - (char*)where.dli_fbase));
   }
+}
+
+/* A call that sends to, receives from or connects `fd`. */
+static __attribute__((noinline)) void may_wait(const char* name, int fd, int flags) {
+  const int before = errno;
+  struct stat is;
+  int domain = 0;
+  socklen_t size = sizeof(domain);
+
+  if (!control || control->pid != (uint64_t)getpid() || flags & MSG_DONTWAIT) return;
+  if (!(raw(SYS_fcntl, fd, F_GETFL, 0, 0, 0, 0) & O_NONBLOCK) && !fstat(fd, &is)) {
+    if (S_ISSOCK(is.st_mode))
+      raw(SYS_getsockopt, fd, SOL_SOCKET, SO_DOMAIN, (long)&domain, (long)&size, 0);
+    if ((S_ISSOCK(is.st_mode) && domain != AF_NETLINK) || S_ISFIFO(is.st_mode) ||
+        (S_ISCHR(is.st_mode) && major(is.st_rdev) != 1 /* /dev/null */))
+      tell_wait(name, fd);
+  }
+  errno = before;
+}
+
+#define WRAP_CHECKED(class, result, failed, name, parameters, arguments, check) \
+  result name parameters {                                                      \
+    static result(*call) parameters;                                            \
+                                                                                \
+    if (!call) call = (result(*) parameters)original(#name);                    \
+    check;                                                                      \
+    if (hit(class)) return failed;                                              \
+    return call arguments;                                                      \
+  }
+#define WRAP(class, result, failed, name, parameters, arguments) \
+  WRAP_CHECKED(class, result, failed, name, parameters, arguments, (void)0)
 #define NUMBER(class, name, parameters, arguments) \
   WRAP(NTH_CALL_##class, int, -1, name, parameters, arguments)
 #define BYTES(class, name, parameters, arguments) \
@@ -109,13 +158,16 @@ static int hit(enum nth_call_class class) {
 
 /* --- files --- */
 
-BYTES(READ, read, (int fd, void* at, size_t size), (fd, at, size))
+WRAP_CHECKED(NTH_CALL_READ, ssize_t, -1, read, (int fd, void* at, size_t size), (fd, at, size),
+             may_wait("read", fd, 0))
 BYTES(READ, pread, (int fd, void* at, size_t size, off_t from), (fd, at, size, from))
 BYTES(READ, pread64, (int fd, void* at, size_t size, off64_t from), (fd, at, size, from))
-BYTES(WRITE, write, (int fd, const void* at, size_t size), (fd, at, size))
+WRAP_CHECKED(NTH_CALL_WRITE, ssize_t, -1, write, (int fd, const void* at, size_t size),
+             (fd, at, size), may_wait("write", fd, 0))
 BYTES(WRITE, pwrite, (int fd, const void* at, size_t size, off_t to), (fd, at, size, to))
 BYTES(WRITE, pwrite64, (int fd, const void* at, size_t size, off64_t to), (fd, at, size, to))
-BYTES(WRITE, writev, (int fd, const struct iovec* parts, int count), (fd, parts, count))
+WRAP_CHECKED(NTH_CALL_WRITE, ssize_t, -1, writev, (int fd, const struct iovec* parts, int count),
+             (fd, parts, count), may_wait("writev", fd, 0))
 NUMBER(WRITE, ftruncate, (int fd, off_t size), (fd, size))
 NUMBER(WRITE, ftruncate64, (int fd, off64_t size), (fd, size))
 NUMBER(SYNC, fsync, (int fd), (fd))
@@ -180,25 +232,45 @@ int socket(int domain, int type, int protocol) {
 
 #define SOCKETS(result, name, parameters, arguments) \
   WRAP(class_of(fd), result, -1, name, parameters, arguments)
+#define TALKS(result, name, flags, parameters, arguments) \
+  WRAP_CHECKED(class_of(fd), result, -1, name, parameters, arguments, may_wait(#name, fd, flags))
 SOCKETS(int, bind, (int fd, const struct sockaddr* to, socklen_t size), (fd, to, size))
-SOCKETS(int, connect, (int fd, const struct sockaddr* to, socklen_t size), (fd, to, size))
+TALKS(int, connect, 0, (int fd, const struct sockaddr* to, socklen_t size), (fd, to, size))
 SOCKETS(int, setsockopt, (int fd, int level, int name, const void* at, socklen_t size),
         (fd, level, name, at, size))
 SOCKETS(int, getsockopt, (int fd, int level, int name, void* at, socklen_t* size),
         (fd, level, name, at, size))
-SOCKETS(int, accept4, (int fd, struct sockaddr* of, socklen_t* size, int flags),
-        (fd, of, size, flags))
-SOCKETS(ssize_t, send, (int fd, const void* at, size_t size, int flags), (fd, at, size, flags))
-SOCKETS(ssize_t, recv, (int fd, void* at, size_t size, int flags), (fd, at, size, flags))
-SOCKETS(ssize_t, sendto,
-        (int fd, const void* at, size_t size, int flags, const struct sockaddr* to,
-         socklen_t length),
-        (fd, at, size, flags, to, length))
-SOCKETS(ssize_t, recvfrom,
-        (int fd, void* at, size_t size, int flags, struct sockaddr* of, socklen_t* length),
-        (fd, at, size, flags, of, length))
-SOCKETS(ssize_t, sendmsg, (int fd, const struct msghdr* message, int flags), (fd, message, flags))
-SOCKETS(ssize_t, recvmsg, (int fd, struct msghdr* message, int flags), (fd, message, flags))
+TALKS(int, accept4, 0, (int fd, struct sockaddr* of, socklen_t* size, int flags),
+      (fd, of, size, flags))
+TALKS(ssize_t, send, flags, (int fd, const void* at, size_t size, int flags), (fd, at, size, flags))
+TALKS(ssize_t, recv, flags, (int fd, void* at, size_t size, int flags), (fd, at, size, flags))
+TALKS(ssize_t, sendto, flags,
+      (int fd, const void* at, size_t size, int flags, const struct sockaddr* to, socklen_t length),
+      (fd, at, size, flags, to, length))
+TALKS(ssize_t, recvfrom, flags,
+      (int fd, void* at, size_t size, int flags, struct sockaddr* of, socklen_t* length),
+      (fd, at, size, flags, of, length))
+TALKS(ssize_t, sendmsg, flags, (int fd, const struct msghdr* message, int flags),
+      (fd, message, flags))
+TALKS(ssize_t, recvmsg, flags, (int fd, struct msghdr* message, int flags), (fd, message, flags))
+
+/* --- standard error by <stdio.h>: its writes have no name of their own in the C library --- */
+
+size_t fwrite(const void* at, size_t size, size_t n, FILE* file) {
+  static size_t (*call)(const void*, size_t, size_t, FILE*);
+
+  if (!call) call = (size_t (*)(const void*, size_t, size_t, FILE*))original("fwrite");
+  if (file == stderr) may_wait("fwrite", STDERR_FILENO, 0);
+  return call(at, size, n, file);
+}
+
+int fputs(const char* text, FILE* file) {
+  static int (*call)(const char*, FILE*);
+
+  if (!call) call = (int (*)(const char*, FILE*))original("fputs");
+  if (file == stderr) may_wait("fputs", STDERR_FILENO, 0);
+  return call(text, file);
+}
 
 /* --- memory --- */
 

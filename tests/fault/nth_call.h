@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* What nth_call.so (LD_PRELOAD) and a test share: a file of this layout, named by NTH_CALL, which
  * both map. The first process that loads the library while `pid` is 0 is the one that it watches.
- * All fields are words of 64 bits: struct.pack("=23Q", ...). */
+ * All fields but the last are words of 64 bits: struct.pack("=23Q", ...). What is behind those 23
+ * is told, never read: a file may end before it. */
 #ifndef MLCCA_TESTS_FAULT_NTH_CALL_H
 #define MLCCA_TESTS_FAULT_NTH_CALL_H
 #include <stdint.h>
@@ -43,5 +44,11 @@ struct nth_call {
   uint64_t classes;  /* bits of 1 << enum nth_call_class: which calls are numbered */
   uint64_t children; /* 1: what the watched process forks or starts is watched, too */
   uint64_t counts[NTH_CALL_CLASSES]; /* of each class, whether numbered or not */
+  /* Calls of the watched process itself that may wait without end for another one: on a socket,
+   * pipe or terminal, neither with O_NONBLOCK nor with MSG_DONTWAIT. Not counted: netlink, where
+   * the kernel answers; files, where the disk does; children that were forked to wait in the place
+   * of the process. */
+  uint64_t waits;
+  char first_wait[1024]; /* "NAME of descriptor N", then a line "FILE+0xOFFSET" for each caller */
 };
 #endif
