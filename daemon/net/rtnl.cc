@@ -9,6 +9,7 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <new>
@@ -68,14 +69,30 @@ void Answers::add(const nlmsghdr& message) {
 
 namespace {
 
-/// What such a link is, libnl reads without looking whether the kernel has told it.
+/// What such a link is, libnl reads without looking whether the kernel has told it. Of two
+/// attributes of one type it takes the last one, as here.
 bool is_can_without_data(nlmsghdr* link) {
-  const nlattr* const info = nlmsg_find_attr(link, sizeof(ifinfomsg), IFLA_LINKINFO);
-  if (info == nullptr) return false;
-  const auto* const first = static_cast<const nlattr*>(nla_data(info));
-  const nlattr* const kind = nla_find(first, nla_len(info), IFLA_INFO_KIND);
-  return kind != nullptr && nla_strcmp(kind, "can") == 0 &&
-         nla_find(first, nla_len(info), IFLA_INFO_DATA) == nullptr;
+  std::array<nlattr*, IFLA_MAX + 1> all{};
+  std::array<nlattr*, IFLA_INFO_MAX + 1> info{};
+  if (nlmsg_parse(link, sizeof(ifinfomsg), all.data(), IFLA_MAX, nullptr) < 0 ||
+      all[IFLA_LINKINFO] == nullptr ||
+      nla_parse_nested(info.data(), IFLA_INFO_MAX, all[IFLA_LINKINFO], nullptr) < 0)
+    return false;
+  return info[IFLA_INFO_KIND] != nullptr && nla_strcmp(info[IFLA_INFO_KIND], "can") == 0 &&
+         info[IFLA_INFO_DATA] == nullptr;
+}
+
+bool has_options(const Message& discipline) {
+  return nlmsg_find_attr(nlmsg_hdr(discipline.get()), sizeof(tcmsg), TCA_OPTIONS) != nullptr;
+}
+
+/// Of some disciplines libnl reads the options without looking whether there are any. False: it
+/// would not find those that are added, behind what cannot be read.
+bool give_options(const Message& discipline) {
+  if (has_options(discipline)) return true;
+  const std::size_t size = nlmsg_hdr(discipline.get())->nlmsg_len;
+  return nlmsg_expand(discipline.get(), NLMSG_ALIGN(size) + NLA_HDRLEN) == 0 &&
+         nla_put(discipline.get(), TCA_OPTIONS, 0, nullptr) == 0 && has_options(discipline);
 }
 
 }  // namespace
@@ -85,12 +102,7 @@ void Answers::parse(const nlmsghdr& message, void (*take)(nl_object*, void*), vo
   if (!copy) throw std::bad_alloc();
   nlmsg_set_proto(copy.get(), NETLINK_ROUTE);
   if (message.nlmsg_type == RTM_NEWLINK && is_can_without_data(nlmsg_hdr(copy.get()))) return;
-  // Of some disciplines libnl reads the options without looking whether there are any.
-  if (message.nlmsg_type == RTM_NEWQDISC &&
-      nlmsg_find_attr(nlmsg_hdr(copy.get()), sizeof(tcmsg), TCA_OPTIONS) == nullptr &&
-      (nlmsg_expand(copy.get(), NLMSG_ALIGN(message.nlmsg_len) + NLA_HDRLEN) != 0 ||
-       nla_put(copy.get(), TCA_OPTIONS, 0, nullptr) != 0))
-    return;
+  if (message.nlmsg_type == RTM_NEWQDISC && !give_options(copy)) return;
   nl_msg_parse(copy.get(), take, to);
 }
 

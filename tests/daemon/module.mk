@@ -1,7 +1,7 @@
 $(eval $(call unit_test,leases_test,tests/daemon/leases_test.cc,$O/daemon/leases.o,))
 $(eval $(call unit_test,bus_load_test,tests/daemon/bus_load_test.cc,$O/daemon/bus_load.o,))
 $(eval $(call unit_test,forwarding_test,tests/daemon/forwarding_test.cc tests/daemon/can_routes_test.cc,$(addprefix $O/daemon/,forwarding.o forwarder.o net/can_routes.o net/rtnl.o),$(NL_LIBS) -lfmt))
-$O/tests/daemon/can_routes_test.o: CPPFLAGS += $(NL_CFLAGS)
+$O/tests/daemon/can_routes_test.o $O/tests/daemon/rtnl_test.o: CPPFLAGS += $(NL_CFLAGS)
 $(eval $(call unit_test,bypass_test,tests/daemon/bypass_test.cc,$O/daemon/bypass.o,))
 $(eval $(call unit_test,quotas_test,tests/daemon/quotas_test.cc,$O/daemon/quotas.o,-lfmt))
 $(eval $(call unit_test,in_time_test,tests/daemon/in_time_test.cc,,-pthread))

@@ -3,8 +3,13 @@
 #include "daemon/net/rtnl.hpp"
 
 #include <gtest/gtest.h>
+#include <linux/can/netlink.h>
+#include <linux/if_link.h>
 #include <linux/rtnetlink.h>
 #include <net/if.h>
+#include <net/if_arp.h>
+#include <netlink/attr.h>
+#include <netlink/msg.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
@@ -226,6 +231,49 @@ TEST_F(RtnlTest, OnlyTheKernelsOwnAnswerMeansThatAnInterfaceHasGone) {
     EXPECT_EQ(links->presence(0x7fffffff), Presence::unknown);
     heal();
   }
+}
+
+// --- what libnl reads without looking whether it is there ----------------------------------------
+
+int objects_of(const Message& message, int type) {
+  Answers answers;
+  answers.add(*nlmsg_hdr(message.get()));
+  int count = 0;
+  answers.each_object(type, [&count](nl_object*) { ++count; });
+  return count;
+}
+
+TEST(Answers, ADisciplineBehindWhoseKindNothingCanBeReadIsNoObject) {
+  const tcmsg head{};
+  const Message message = new_message(RTM_NEWQDISC, 0, &head, sizeof head);
+  ASSERT_EQ(nla_put_string(message.get(), TCA_KIND, "prio"), 0);
+  const nlattr beyond_the_end{.nla_len = 0x218, .nla_type = TCA_OPTIONS};
+  ASSERT_EQ(nlmsg_append(message.get(), const_cast<nlattr*>(&beyond_the_end), sizeof beyond_the_end,
+                         NLMSG_ALIGNTO),
+            0);
+  EXPECT_EQ(objects_of(message, RTM_NEWQDISC), 0);
+}
+
+TEST(Answers, ACanLinkIsWhatIsSaidOfItLast) {
+  const ifinfomsg head{.ifi_family = AF_UNSPEC,
+                       .__ifi_pad = 0,
+                       .ifi_type = ARPHRD_CAN,
+                       .ifi_index = 1,
+                       .ifi_flags = 0,
+                       .ifi_change = 0};
+  const Message message = new_message(RTM_NEWLINK, 0, &head, sizeof head);
+  ASSERT_EQ(nla_put_string(message.get(), IFLA_IFNAME, "can0"), 0);
+  for (const bool has_data : {true, false}) {
+    nlattr* const information = nla_nest_start(message.get(), IFLA_LINKINFO);
+    ASSERT_EQ(nla_put_string(message.get(), IFLA_INFO_KIND, "can"), 0);
+    if (has_data) {
+      nlattr* const data = nla_nest_start(message.get(), IFLA_INFO_DATA);
+      ASSERT_EQ(nla_put_u32(message.get(), IFLA_CAN_RESTART_MS, 0), 0);
+      nla_nest_end(message.get(), data);
+    }
+    nla_nest_end(message.get(), information);
+  }
+  EXPECT_EQ(objects_of(message, RTM_NEWLINK), 0);
 }
 
 }  // namespace
