@@ -14,7 +14,7 @@
 
 namespace mlcca {
 
-Result<Fd> listen_at(const std::string& path, int type, mode_t mode) {
+Result<Fd> listen_at(const std::string& path, int type, mode_t mode, int backlog) {
   const auto address = unix_address(path);
   if (!address) return std::unexpected(address.error());
   const auto failed = [](const std::string& what) {
@@ -26,7 +26,7 @@ Result<Fd> listen_at(const std::string& path, int type, mode_t mode) {
   if (::lstat(path.c_str(), &old) == 0 && S_ISSOCK(old.st_mode)) ::unlink(path.c_str());
   if (::bind(socket.get(), generic(*address), sizeof *address) < 0) return failed(path);
   if (mode != 0 && ::chmod(path.c_str(), mode) < 0) return failed(path);
-  if (::listen(socket.get(), SOMAXCONN) < 0) return failed(path);
+  if (::listen(socket.get(), backlog) < 0) return failed(path);
   return socket;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #pragma once
+#include <sys/socket.h>
 #include <sys/types.h>
 
 #include <string>
@@ -10,8 +11,10 @@
 namespace mlcca {
 
 /// A local socket of `type` (SOCK_STREAM, SOCK_SEQPACKET) that listens at `path`, in place of one
-/// that nobody removed. Does not block. `mode`: who may connect, where it is not as the umask says.
-[[nodiscard]] Result<Fd> listen_at(const std::string& path, int type, mode_t mode = 0);
+/// that nobody removed. Does not block. `mode`: who may connect, where it is not as the umask says;
+/// `backlog`: how many may wait to be accepted.
+[[nodiscard]] Result<Fd> listen_at(const std::string& path, int type, mode_t mode = 0,
+                                   int backlog = SOMAXCONN);
 
 /// The one socket of `type` that systemd has made, listening and not blocking; -1: it has made
 /// none.

@@ -106,7 +106,7 @@ int close_interfaces(const Options& options) {
 Result<Fd> control_socket(const Options& options) {
   auto given = handed_over(SOCK_STREAM);
   if (!given || *given) return given;
-  return listen_at(options.socket, SOCK_STREAM, 0666);
+  return listen_at(options.socket, SOCK_STREAM, 0666, serve::Server::kBacklog);
 }
 
 constexpr std::uint64_t kGroupLimit = 5'000'000'000;  // ns

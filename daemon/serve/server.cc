@@ -29,9 +29,14 @@ std::unexpected<Error> system_error(const std::string& call) {
   return fail(call + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
 }
 
-bool is_readable(int fd) {
-  pollfd waiting{.fd = fd, .events = POLLIN, .revents = 0};
-  return ::poll(&waiting, 1, 0) > 0;
+bool has_hung_up(int fd) {
+  pollfd socket{.fd = fd, .events = 0, .revents = 0};
+  return ::poll(&socket, 1, 0) > 0 && (socket.revents & (POLLHUP | POLLERR)) != 0;
+}
+
+Standing standing_of(const Peer& peer) {
+  if (peer.uid == 0) return Standing::root;
+  return peer.may_change ? Standing::member : Standing::other;
 }
 
 bool in_group(int fd, gid_t primary, gid_t group) {
@@ -61,12 +66,11 @@ Result<std::unique_ptr<Server>> Server::open(sd_event* loop, Fd listening, gid_t
 }
 
 Result<void> Server::add_sources() {
-  // Who comes and goes without end must not fill the queue that others wait in to be accepted.
-  const auto on_connection = [](sd_event_source*, int fd, std::uint32_t, void* self) noexcept {
-    const std::uint64_t end = monotonic_ns() + kShare;
-    do {
-      static_cast<Server*>(self)->accept_one();
-    } while (is_readable(fd) && monotonic_ns() < end);
+  const auto on_connection = [](sd_event_source*, int, std::uint32_t, void* self) noexcept {
+    auto& server = *static_cast<Server*>(self);
+    const bool alone = server.turns_.empty();
+    server.accept_some();
+    if (alone && !server.turns_.empty()) server.take_turns();
     return 0;
   };
   const auto on_work = [](sd_event_source*, int, std::uint32_t, void* self) noexcept {
@@ -116,15 +120,11 @@ Result<Peer> Server::identify(int fd) const {
 
 /// A connection of somebody who has more may be closed for it.
 Result<void> Server::make_place_for(const Peer& peer) {
-  const auto standing = [](const Peer& p) {
-    if (p.uid == 0) return Standing::root;
-    return p.may_change ? Standing::member : Standing::other;
-  };
   std::vector<Held> held;
   held.reserve(sessions_.size());
   for (const auto& [fd, s] : sessions_)
-    held.push_back({fd, s->peer().uid, standing(s->peer()), s->use(), s->active()});
-  const Place place = place_for(peer.uid, standing(peer), held);
+    held.push_back({fd, s->peer().uid, standing_of(s->peer()), s->use(), s->active()});
+  const Place place = place_for(peer.uid, standing_of(peer), held);
   if (!place.refused.empty()) return fail(place.refused);
   if (place.closes)
     dismiss(place.closes->id, "closed in favour of another user: you hold " +
@@ -132,23 +132,47 @@ Result<void> Server::make_place_for(const Peer& peer) {
   return {};
 }
 
-void Server::accept_one() {
+/// Who comes and goes without end must neither fill the queue that others wait in to be accepted
+/// nor keep those from their turns who have connected.
+void Server::accept_some() {
+  const std::uint64_t end = monotonic_ns() + kArrivals;
+  while (accept_one() && monotonic_ns() < end) {
+  }
+  accepted_ = monotonic_ns();
+}
+
+/// False when nobody waits to be accepted.
+bool Server::accept_one() {
   Fd socket(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  if (!socket) return;  // gone again, or out of descriptors: the client sees it
+  // One that is gone again, or is of no use for lack of descriptors: the client sees it.
+  if (!socket) return errno == ECONNABORTED || errno == EINTR;
   auto peer = identify(socket.get());
-  if (!peer) return;
+  if (!peer) return true;
   peer->session = ++last_session_;
-  turns_.tidy(monotonic_ns());
-  if (const auto made = make_place_for(*peer); !made) {
-    const std::string text = control::encode(
-        control::Reply{0, control::Error{control::ErrorKind::world, made.error().text, {}}});
-    // NOLINTNEXTLINE(bugprone-unused-return-value): it is told on the way out, if it can be
-    (void)::send(socket.get(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-    return;
+  auto let_in = arrivals_.let_in(user_of(*peer), monotonic_ns());
+  if (let_in) let_in = make_place_for(*peer);
+  if (!let_in) {
+    refuse(socket.get(), let_in.error().text);
+    return true;
   }
   const int fd = socket.get();
-  if (auto session = Session::open(*this, std::move(socket), *peer))
-    sessions_.emplace(fd, std::move(session));
+  auto session = Session::open(*this, std::move(socket), *peer);
+  if (!session) return true;
+  Session& opened = *session;
+  sessions_.emplace(fd, std::move(session));
+  // What it asks for is there, as a rule: it need not wait until the loop hears of that.
+  if (!opened.receive())
+    drop(fd);
+  else if (opened.can_step())
+    ready_later(opened);
+  return true;
+}
+
+void Server::refuse(int fd, const std::string& why) {
+  const std::string text =
+      control::encode(control::Reply{0, control::Error{control::ErrorKind::world, why, {}}});
+  // NOLINTNEXTLINE(bugprone-unused-return-value): it is told on the way out, if it can be
+  (void)::send(fd, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
 void Server::drop(int fd) {
@@ -208,12 +232,11 @@ void Server::resume(std::uint64_t session) {
 bool Server::is_gone(std::uint64_t session) const {
   const auto it = std::ranges::find_if(
       sessions_, [session](const auto& s) { return s.second->peer().session == session; });
-  if (it == sessions_.end()) return true;
-  pollfd socket{.fd = it->first, .events = 0, .revents = 0};
-  return ::poll(&socket, 1, 0) > 0 && (socket.revents & (POLLHUP | POLLERR)) != 0;
+  return it == sessions_.end() || has_hung_up(it->first);
 }
 
 void Server::take_turns() {
+  if (monotonic_ns() - accepted_ > kArrivals) accept_some();
   taking_turns_ = true;
   const std::uint64_t begin = monotonic_ns();
   for (std::uint64_t now = begin; now < begin + kTurn; now = monotonic_ns()) {
@@ -228,6 +251,11 @@ void Server::take_turns() {
 /// One user's share of a turn.
 void Server::serve(Session& session, std::uint64_t now) {
   session.set_in_line(false);
+  // Nothing is made for who does not hear it; what a member has asked for may be a change.
+  if (!session.peer().may_change && has_hung_up(session.fd())) {
+    drop(session.fd());
+    return;
+  }
   const Turns::User user = user_of(session.peer());
   const std::uint64_t end = now + kShare;
   for (bool goes_on = session.can_step(); goes_on;) {

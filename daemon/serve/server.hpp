@@ -14,6 +14,7 @@
 #include "control/messages.hpp"
 #include "core/handle.hpp"
 #include "core/result.hpp"
+#include "daemon/serve/arrivals.hpp"
 #include "daemon/serve/turns.hpp"
 
 namespace mlcca::serve {
@@ -58,10 +59,16 @@ class Server {
   /// A connection without a complete request for so long is closed, ns.
   static constexpr std::uint64_t kMostIdle = 60'000'000'000;
 
+  /// Connections that wait to be accepted: as many as are looked at in one or two turns. Who comes
+  /// when there are more waits for one of them, and not behind thousands. As in mlccad.socket.
+  static constexpr int kBacklog = 256;
+
   /// Clients get so much time before the loop does something else, ns.
   static constexpr std::uint64_t kTurn = 5'000'000;
   /// One user gets so much of it before the next one has his turn, ns.
   static constexpr std::uint64_t kShare = 1'000'000;
+  /// So much before that is for those who connect, ns.
+  static constexpr std::uint64_t kArrivals = 2'000'000;
   /// What a slice of a reply may take, ns, and may have in bytes.
   static constexpr std::uint64_t kSlice = 500'000;
   static constexpr std::size_t kSliceBytes = std::size_t{64} << 10;
@@ -69,6 +76,9 @@ class Server {
   /// Requests and slices of one user.
   static constexpr Rate kMembersRate{20'000, 20'000};
   static constexpr Rate kOthersRate{2'000, 1'000};
+  /// Connections that one user begins.
+  static constexpr Rate kMembersArrivals{5'000, 2'500};
+  static constexpr Rate kOthersArrivals{500, 250};
 
   /// `group`: whose members may change; -1: root only.
   static Result<std::unique_ptr<Server>> open(sd_event* loop, Fd listening, gid_t group,
@@ -100,7 +110,9 @@ class Server {
  private:
   friend class Session;
   Server(sd_event* loop, Fd listening, gid_t group, AnswerTo answer);
-  void accept_one();
+  void accept_some();
+  bool accept_one();
+  static void refuse(int fd, const std::string& why);
   void drop(int fd);
   [[nodiscard]] Result<void> make_place_for(const Peer& peer);
   void dismiss(int fd, const std::string& why);
@@ -123,7 +135,9 @@ class Server {
   Closed closed_;
   std::uint64_t last_session_ = 0;
   Source source_;
+  Arrivals arrivals_{kMembersArrivals, kOthersArrivals};
   Turns turns_{kMembersRate, kOthersRate};
+  std::uint64_t accepted_ = 0;  ///< when somebody was looked for last
   bool taking_turns_ = false;
   Fd always_;    ///< can always be read: in line with the sockets when there is work left over
   Source work_;  ///< of always_

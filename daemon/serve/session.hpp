@@ -58,6 +58,8 @@ class Session {
   void step();
   /// The next slice can be made now.
   void resume() { parked_ = false; }
+  /// Takes what has come, where it reads. False when the session is over.
+  bool receive();
   /// Sends what the socket takes. False when the session is over.
   bool flush();
   /// Waits for what can go on without a turn.
@@ -74,8 +76,6 @@ class Session {
     return !has_work_ && !closing_ && waiting() < kBusy && held_.size() < kMostHeld;
   }
 
-  /// False when the session is over.
-  bool receive();
   void step_slice();
   void take(Answer answer, bool may_slice);
 

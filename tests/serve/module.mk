@@ -1,5 +1,6 @@
 $(eval $(call unit_test,turns_test,tests/serve/turns_test.cc,$O/daemon/serve/turns.o,))
 $(eval $(call unit_test,places_test,tests/serve/places_test.cc,$O/daemon/serve/places.o,))
+$(eval $(call unit_test,arrivals_test,tests/serve/arrivals_test.cc,$O/daemon/serve/arrivals.o $O/daemon/serve/turns.o,))
 # Root: its clients are of several users.
 $(eval $(call kernel_test,server_test,tests/serve/server_test.cc,$(patsubst %.cc,$O/%.o,$(wildcard daemon/serve/*.cc)) $O/libcontrol.a,-lsystemd $(PROTO_LIBS)))
 

@@ -338,6 +338,52 @@ TEST_F(ServerTest, WhoTakesNothingOfAReplyForAMinuteIsClosed) {
   EXPECT_EQ(server_->sessions(), 0U);
 }
 
+TEST_F(ServerTest, WhatComesWithAConnectionIsAnsweredInTheTurnThatAcceptsIt) {
+  answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
+  const Fd socket = client();
+  ask(socket, 1);
+  ASSERT_GT(sd_event_run(loop_.get(), 0), 0);
+  char byte = 0;
+  EXPECT_EQ(::recv(socket.get(), &byte, 1, MSG_DONTWAIT), 1);
+}
+
+TEST_F(ServerTest, WhoAsksAndHangsUpIsMadeNothing) {
+  answer_ = [&](const Request& r, const Peer&) { return channels(r.id, 5, 10); };
+  ::setegid(kNoGroup);
+  ::seteuid(100'000);
+  Fd socket = client();
+  ::seteuid(0);
+  ::setegid(0);
+  ask(socket, 1);
+  socket.reset();
+  run();
+  EXPECT_EQ(made_, 0);
+  EXPECT_EQ(server_->sessions(), 0U);
+}
+
+TEST_F(ServerTest, WhatAMemberHasAskedForIsDoneAlsoWhenHeHangsUp) {
+  int asked = 0;
+  answer_ = [&](const Request& r, const Peer&) {
+    ++asked;
+    return Answer{Reply{r.id, control::Done{}}};
+  };
+  Fd socket = client();
+  ask(socket, 1);
+  socket.reset();
+  run();
+  EXPECT_EQ(asked, 1);
+}
+
+TEST_F(ServerTest, WhoConnectsTooOftenIsRefusedAndNobodyElse) {
+  answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
+  std::string refused;
+  for (std::uint64_t i = 0; refused.empty() && i < 100 * Server::kOthersRate.burst; ++i)
+    refused = fate(client_of(100'000));
+  EXPECT_TRUE(refused.starts_with("you connect too often")) << refused;
+  EXPECT_TRUE(is_served(client_of(100'001)));
+  EXPECT_TRUE(is_served(client_of(0)));
+}
+
 TEST_F(ServerTest, ItIsKnownWhoHasHungUpBeforeTheLoopHearsOfIt) {
   std::uint64_t session = 0;
   answer_ = [&](const Request& r, const Peer& peer) {
