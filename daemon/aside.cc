@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -29,6 +30,8 @@ namespace {
 constexpr std::size_t kRowsOfSlice = 64;
 constexpr std::size_t kReadSize = 64UL * 1024;
 constexpr int kMostFiles = 65'536;
+constexpr const char* kTooLarge = "the report cannot be made: it has more than 64 MiB";
+static_assert(Aside::kMostBytes == std::size_t{64} << 20);
 
 serve::Slice failure(std::string text) {
   return {control::Error{control::ErrorKind::world, std::move(text), {}}};
@@ -59,8 +62,22 @@ void write_all(int fd, std::string_view text) {
   }
 }
 
+void write_report(int memory, const control::Reply& whole) {
+  std::size_t written = 0;
+  for (const control::Reply& slice : control::split(whole, kRowsOfSlice)) {
+    const std::string text = control::encode(slice);
+    written += text.size();
+    if (written > Aside::kMostBytes) {
+      if (::ftruncate(memory, 0) < 0 || ::lseek(memory, 0, SEEK_SET) < 0) ::_exit(1);
+      write_all(memory, control::encode(control::Reply{0, failure(kTooLarge).body}));
+      return;
+    }
+    write_all(memory, text);
+  }
+}
+
 /// Less urgent than the daemon, ends with it, and is the first to go where memory is short.
-[[noreturn]] void be_child(int out, pid_t parent, const Aside::Make& make) {
+[[noreturn]] void be_child(int memory, pid_t parent, const Aside::Make& make) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(1);
   ::setpriority(PRIO_PROCESS, 0, 10);
@@ -70,9 +87,8 @@ void write_all(int fd, std::string_view text) {
   if (victim && ::write(victim.get(), "1000", 4) < 0) {
     // It is only a wish.
   }
-  close_what_is_shared(out);
-  for (const control::Reply& slice : control::split({0, make()}, kRowsOfSlice))
-    write_all(out, control::encode(slice));
+  close_what_is_shared(memory);
+  write_report(memory, {0, make()});
   ::_exit(0);
 }
 
@@ -80,7 +96,8 @@ void write_all(int fd, std::string_view text) {
 
 // --- one report ----------------------------------------------------------------------------------
 
-/// Waits for a free place, runs, and is read; its end ends the child.
+/// Waits for a free place, runs, and is kept until it has been read. While it is read no child is
+/// there: however slow its client is, the place is free.
 class Aside::Report {
  public:
   Report(Aside& aside, const serve::Peer& peer, Make make)
@@ -96,31 +113,36 @@ class Aside::Report {
   [[nodiscard]] const serve::Peer& peer() const { return peer_; }
   [[nodiscard]] uid_t uid() const { return peer_.uid; }
   [[nodiscard]] serve::Turns::User user() const { return {peer_.uid, peer_.may_change}; }
+  [[nodiscard]] bool waits() const { return child_ == 0 && !made_ && !forsaken_; }
   [[nodiscard]] bool runs() const { return child_ > 0; }
+  /// Bytes that are made and not read; when it was made.
+  [[nodiscard]] std::size_t kept() const { return made_ ? size_ - read_ : 0; }
+  [[nodiscard]] std::uint64_t made_at() const { return made_at_; }
   /// Its client has hung up: the loop has yet to hear of it.
   [[nodiscard]] bool forsaken() const { return forsaken_; }
   void forsake() { forsaken_ = true; }
   /// Why it is to end, if it is.
   [[nodiscard]] const char* overdue(std::uint64_t now) const {
-    if (!runs()) return nullptr;
-    if (now - begun_ > kLongest) return "it takes more than 60 s";
-    if (now > unread_since_ && now - unread_since_ > kUnread) return "it is not read";
+    if (runs() && now - begun_ > kLongest) return "it takes more than 60 s";
+    if (made_ && now > taken_at_ && now - taken_at_ > kUnread) return "it is not read";
+    if (made_ && now > made_at_ && now - made_at_ > kLongest) return "it is not read within 60 s";
     return nullptr;
   }
 
   void start() {
     std::array<int, 2> ends{-1, -1};
-    if (::pipe2(ends.data(), O_CLOEXEC) < 0) {
-      fail(std::string("pipe: ") + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
+    memory_ = Fd(::memfd_create("mlcca-report", MFD_CLOEXEC));
+    if (!memory_ || ::pipe2(ends.data(), O_CLOEXEC) < 0) {
+      fail(std::string("memory: ") + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
       return;
     }
-    in_ = Fd(ends[0]);
-    const Fd out(ends[1]);
-    ::fcntl(in_.get(), F_SETFL, O_NONBLOCK);  // NOLINT(*-vararg)
+    // Nothing is written to the pipe: it ends with the child.
+    end_ = Fd(ends[0]);
+    const Fd held_by_child(ends[1]);
     const pid_t parent = ::getpid();
     begun_ = monotonic_ns();
     child_ = ::fork();
-    if (child_ == 0) be_child(out.get(), parent, make_);
+    if (child_ == 0) be_child(memory_.get(), parent, make_);
     aside_.budget_.forked(user(), begun_, monotonic_ns());
     make_ = nullptr;
     if (child_ < 0) {
@@ -128,12 +150,11 @@ class Aside::Report {
       return;
     }
     sd_event_source* raw = nullptr;
-    if (sd_event_add_io(aside_.loop_, &raw, in_.get(), EPOLLIN, on_data, this) < 0) {
+    if (sd_event_add_io(aside_.loop_, &raw, end_.get(), EPOLLIN, on_end_of_child, this) < 0) {
       fail("the loop does not take it");
       return;
     }
     source_.reset(raw);
-    sd_event_source_set_enabled(raw, SD_EVENT_ONESHOT);
   }
 
   /// What there is instead of a reply.
@@ -146,33 +167,44 @@ class Aside::Report {
   std::optional<serve::Slice> next() {
     for (;;) {
       if (!failed_.empty()) return failure(failed_);
-      if (!runs()) return std::nullopt;
+      if (!made_) return std::nullopt;
       auto reply = control::decode_reply(buffer_);
       if (!reply) return give_up(reply.error().text);
       if (*reply) {
         serve::Slice slice{std::move((*reply)->body), (*reply)->more};
-        unread_since_ = monotonic_ns();
+        taken_at_ = monotonic_ns();
         if (!slice.more) end();
         return slice;
       }
       const auto room = buffer_.space(kReadSize);
-      const ssize_t n = ::read(in_.get(), room.data(), room.size());
-      if (n > 0) buffer_.commit(static_cast<std::size_t>(n));
-      if (n == 0) return give_up("the process that makes it has ended");
-      if (n < 0 && errno != EINTR) {
-        sd_event_source_set_enabled(source_.get(), SD_EVENT_ONESHOT);
-        unread_since_ = ~0ULL;
-        return std::nullopt;
-      }
+      const ssize_t n = ::pread(memory_.get(), room.data(), room.size(), static_cast<off_t>(read_));
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return give_up("the process that makes it has ended");
+      buffer_.commit(static_cast<std::size_t>(n));
+      read_ += static_cast<std::size_t>(n);
+      // What has been read takes no memory any more.
+      static_cast<void>(::fallocate(memory_.get(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0,
+                                    static_cast<off_t>(read_)));
     }
   }
 
  private:
-  static int on_data(sd_event_source*, int, std::uint32_t, void* self) noexcept {
-    auto& report = *static_cast<Report*>(self);
-    report.unread_since_ = monotonic_ns();
-    report.aside_.ready_(report.peer_.session);
+  static int on_end_of_child(sd_event_source*, int, std::uint32_t, void* self) noexcept {
+    static_cast<Report*>(self)->finish();
     return 0;
+  }
+
+  /// The child has made it, or has died: its place is free for another one.
+  void finish() {
+    struct stat is{};
+    source_.reset();
+    end_ = Fd();
+    made_ = true;
+    made_at_ = taken_at_ = monotonic_ns();
+    if (::fstat(memory_.get(), &is) == 0) size_ = static_cast<std::size_t>(is.st_size);
+    aside_.ended(std::exchange(child_, 0), user());
+    aside_.make_room_beside(*this);
+    aside_.ready_(peer_.session);
   }
 
   serve::Slice give_up(const std::string& why) {
@@ -184,9 +216,11 @@ class Aside::Report {
   void end() {
     std::erase(aside_.reports_, this);
     source_.reset();
-    in_ = Fd();
+    end_ = Fd();
+    memory_ = Fd();
+    made_ = false;
     const pid_t child = std::exchange(child_, 0);
-    if (child > 0) aside_.ended(child, peer_.uid);
+    if (child > 0) aside_.ended(child, user());
   }
 
   Aside& aside_;
@@ -195,8 +229,13 @@ class Aside::Report {
   pid_t child_ = 0;
   bool forsaken_ = false;
   std::uint64_t begun_ = 0;
-  std::uint64_t unread_since_ = ~0ULL;  ///< it waits for the client; otherwise the client for it
-  Fd in_;
+  bool made_ = false;
+  std::uint64_t made_at_ = 0;
+  std::uint64_t taken_at_ = 0;  ///< when a slice was last taken, or it was made
+  std::size_t size_ = 0;
+  std::size_t read_ = 0;
+  Fd memory_;  ///< what the child writes to
+  Fd end_;     ///< can be read once the child has ended
   Source source_;
   control::Buffer buffer_;
   std::string failed_;
@@ -244,26 +283,31 @@ int Aside::on_end(sd_event_source*, int, std::uint32_t, void* self) noexcept {
 }
 
 /// Whose children there are; one user has one at most.
-std::vector<uid_t> Aside::busy() const {
-  std::vector<uid_t> users;
-  for (const Ended& one : ended_) users.push_back(one.uid);
+std::vector<serve::Turns::User> Aside::busy() const {
+  std::vector<serve::Turns::User> users;
+  for (const Ended& one : ended_) users.push_back(one.user);
   for (const Report* r : reports_)
-    if (r->runs()) users.push_back(r->uid());
+    if (r->runs()) users.push_back(r->user());
   return users;
 }
 
 /// Reports that wait for nothing but the budget.
 std::vector<Aside::Report*> Aside::waiting() const {
-  const std::vector<uid_t> users = busy();
+  const std::vector<serve::Turns::User> users = busy();
   std::vector<Report*> reports;
   if (users.size() >= kAtOnce) return reports;
+  const auto has_room = [&users](const Report& r) {
+    return std::ranges::find(users, r.uid(), &serve::Turns::User::uid) == users.end() &&
+           std::cmp_less(std::ranges::count(users, r.user().member, &serve::Turns::User::member),
+                         kOfStanding);
+  };
   for (Report* r : reports_)
-    if (!r->runs() && !r->forsaken() && std::ranges::find(users, r->uid()) == users.end())
-      reports.push_back(r);
+    if (r->waits() && has_room(*r)) reports.push_back(r);
   return reports;
 }
 
-/// Of those who may begin the one whose user has waited longest for anything.
+/// Of those who may begin the one whose user has waited longest for anything; a member comes before
+/// everybody else.
 Aside::Report* Aside::next(std::uint64_t now) {
   Report* next = nullptr;
   std::uint64_t oldest = ~0ULL;
@@ -271,7 +315,10 @@ Aside::Report* Aside::next(std::uint64_t now) {
     if (budget_.ready_at(r->user(), now) > now) continue;
     const auto known = last_started_.find(r->uid());
     const std::uint64_t started = known == last_started_.end() ? 0 : known->second;
-    if (started >= oldest) continue;
+    const bool goes_before = next != nullptr && r->user().member != next->user().member
+                                 ? r->user().member
+                                 : started < oldest;
+    if (!goes_before) continue;
     oldest = started;
     next = r;
   }
@@ -304,9 +351,9 @@ void Aside::plan() {
 }
 
 /// It counts as running until it has ended.
-void Aside::ended(pid_t child, uid_t uid) {
+void Aside::ended(pid_t child, serve::Turns::User user) {
   ::kill(child, SIGKILL);
-  Ended& one = ended_.emplace_back(child, uid);
+  Ended& one = ended_.emplace_back(child, user);
   // glibc names it since 2.36 only. Without it look() comes to wait for the child.
   // NOLINTNEXTLINE(*-vararg)
   one.process = Fd(static_cast<int>(::syscall(SYS_pidfd_open, child, 0)));
@@ -321,6 +368,27 @@ void Aside::ended(pid_t child, uid_t uid) {
 void Aside::reap() {
   std::erase_if(ended_,
                 [](const Ended& one) { return ::waitpid(one.child, nullptr, WNOHANG) != 0; });
+}
+
+/// For what has just been made the oldest of its user's reports go, and then of all who are alike,
+/// as far as they are too much together.
+void Aside::make_room_beside(const Report& fresh) {
+  const auto shrink = [this](std::size_t most, auto concerns) {
+    for (;;) {
+      std::size_t sum = 0;
+      Report* oldest = nullptr;
+      for (Report* r : reports_) {
+        if (r->kept() == 0 || !concerns(*r)) continue;
+        sum += r->kept();
+        if (oldest == nullptr || r->made_at() < oldest->made_at()) oldest = r;
+      }
+      if (sum <= most) return;
+      oldest->fail("it is read so slowly that the next ones have no room");
+    }
+  };
+  const serve::Turns::User user = fresh.user();
+  shrink(kKeptOfUser, [user](const Report& r) { return r.uid() == user.uid; });
+  shrink(kKept, [user](const Report& r) { return r.user().member == user.member; });
 }
 
 void Aside::look() {

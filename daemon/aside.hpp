@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Reports that take long are made aside, by a child process: it has all that this process knew when
-// it was forked, and sends the reply in slices through a pipe (ADR 28).
+// it was forked, and leaves the reply, in slices, in memory that this process reads once it has
+// ended (ADR 28).
 #pragma once
 #include <sys/types.h>
 #include <systemd/sd-event.h>
@@ -28,12 +29,20 @@ class Aside {
   using Ready = std::function<void(std::uint64_t session)>;
   using Gone = std::function<bool(std::uint64_t session)>;
 
-  /// Children at once, of all users; a user has one. Further reports wait until one of them has
-  /// ended and given back what it had.
-  static constexpr std::size_t kAtOnce = 2;
-  /// After that a child is killed, ns; one that waits for a client that does not read, sooner.
+  /// Children at once, of all users; a user has one, members of the control group and root together
+  /// so many, and so many everybody else, so that neither keep the others waiting. Further reports
+  /// wait until one has ended and given back what it had.
+  static constexpr std::size_t kAtOnce = 3;
+  static constexpr std::size_t kOfStanding = 2;
+  /// After that a child is killed, and a report that was made is given up, ns; one of which nothing
+  /// is read, sooner.
   static constexpr std::uint64_t kLongest = 60'000'000'000;
   static constexpr std::uint64_t kUnread = 5'000'000'000;
+  /// Bytes of a report; of those of one user that are made and not read yet; of those of all who
+  /// are members, or are not. When that is too much the oldest go.
+  static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+  static constexpr std::size_t kKeptOfUser = std::size_t{64} << 20;
+  static constexpr std::size_t kKept = std::size_t{128} << 20;
   /// Before each fork the loop does so many times what waits: who has connected is accepted, and
   /// what he asked for is answered.
   static constexpr unsigned kPasses = 2;
@@ -64,19 +73,20 @@ class Aside {
   /// of which other children have copies, so that epoll would not forget it by itself.
   struct Ended {
     pid_t child = 0;
-    uid_t uid = 0;
+    serve::Turns::User user{};
     Fd process{};
     Source source{};
   };
   static int on_work(sd_event_source*, int, std::uint32_t, void* self) noexcept;
   static int on_time(sd_event_source*, std::uint64_t, void* self) noexcept;
   static int on_end(sd_event_source*, int, std::uint32_t, void* self) noexcept;
-  [[nodiscard]] std::vector<uid_t> busy() const;
+  [[nodiscard]] std::vector<serve::Turns::User> busy() const;
   [[nodiscard]] std::vector<Report*> waiting() const;
   Report* next(std::uint64_t now);
   void start_next();
   void plan();
-  void ended(pid_t child, uid_t uid);
+  void ended(pid_t child, serve::Turns::User user);
+  void make_room_beside(const Report& fresh);
   void reap();
 
   sd_event* loop_;

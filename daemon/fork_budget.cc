@@ -11,13 +11,13 @@ serve::Bucket& ForkBudget::bucket_of(serve::Turns::User user, std::uint64_t now)
 }
 
 std::uint64_t ForkBudget::ready_at(serve::Turns::User user, std::uint64_t now) {
-  return std::max(bucket_of(user, now).ready_at(now), rests_until_);
+  return std::max(bucket_of(user, now).ready_at(now), rests_until(user));
 }
 
 void ForkBudget::forked(serve::Turns::User user, std::uint64_t begin, std::uint64_t end) {
   bucket_of(user, begin).take(end);
   const std::uint64_t took = std::min(end - begin, kLongestRest);
-  rests_until_ = end + std::min(took * rates_.rest, kLongestRest);
+  rests_until(user) = end + std::min(took * rates_.rest, kLongestRest);
 }
 
 void ForkBudget::tidy(std::uint64_t now) {

@@ -4,6 +4,7 @@
 #pragma once
 #include <sys/types.h>
 
+#include <array>
 #include <cstdint>
 #include <map>
 
@@ -16,8 +17,9 @@ class ForkBudget {
   struct Rates {
     serve::Rate members;  ///< of one user
     serve::Rate others;
-    /// After a fork nobody forks for so many times as long as it took: with 20, forks take less
-    /// than a twentieth of the time of the loop.
+    /// After a fork for a member no other member has one for so many times as long as it took, and
+    /// the same for everybody else: neither make the others wait, and with 20 all forks take less
+    /// than a tenth of the time of the loop.
     std::uint64_t rest = 0;
   };
   static constexpr Rates kUsual{{20, 10}, {4, 2}, 20};
@@ -37,7 +39,8 @@ class ForkBudget {
  private:
   serve::Bucket& bucket_of(serve::Turns::User user, std::uint64_t now);
   Rates rates_;
-  std::uint64_t rests_until_ = 0;
+  std::uint64_t& rests_until(serve::Turns::User user) { return rests_until_.at(user.member); }
+  std::array<std::uint64_t, 2> rests_until_{};  ///< everybody else, members
   std::map<serve::Turns::User, serve::Bucket> users_;
 };
 

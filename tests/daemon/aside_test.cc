@@ -31,6 +31,16 @@ using Body = Aside::Body;
 constexpr uid_t kAnna = 1000;
 constexpr uid_t kBert = 1001;
 constexpr uid_t kCleo = 1002;
+constexpr uid_t kRoot = 0;
+constexpr std::uint64_t kPatience = 60'000'000;  // µs
+
+/// So many rows of a KiB.
+control::Networks rows_of_a_kibibyte(std::size_t count) {
+  control::Networks rows;
+  rows.networks.resize(count);
+  for (auto& row : rows.networks) row.problem = std::string(1024, 'p');
+  return rows;
+}
 
 /// A pipe whose reader a child waits for.
 class Barrier {
@@ -87,15 +97,16 @@ class AsideTest : public testing::Test {
     aside_->on_ready([this](std::uint64_t session) { ready_.insert(session); });
   }
 
-  serve::NextSlice ask(uid_t uid, std::uint64_t session, Aside::Make make) {
-    return aside_->ask({.pid = 1, .uid = uid, .may_change = false, .session = session},
+  serve::NextSlice ask(uid_t uid, std::uint64_t session, Aside::Make make, bool member = false) {
+    return aside_->ask({.pid = 1, .uid = uid, .may_change = member, .session = session},
                        std::move(make));
   }
+  void turn() { ASSERT_GT(sd_event_run(loop_.get(), kPatience), 0) << "nothing happens any more"; }
 
   /// Everything that comes, joined, as the server takes it.
   Body whole(const serve::NextSlice& next, std::uint64_t session) {
     std::optional<control::Reply> whole;
-    for (;;) {
+    while (!HasFatalFailure()) {
       auto slice = next();
       if (!slice) {
         turn_until_ready(session);
@@ -105,12 +116,20 @@ class AsideTest : public testing::Test {
       EXPECT_TRUE(control::join(whole, {0, std::move(slice->body), more}));
       if (!more) return std::move(whole->body);
     }
+    return {};
+  }
+  /// The first slice is taken and nothing more.
+  void begin_to_read(const serve::NextSlice& next, std::uint64_t session) {
+    turn_until_ready(session);
+    const auto slice = next();
+    ASSERT_TRUE(slice);
+    EXPECT_TRUE(slice->more);
   }
   void turn_until_ready(std::uint64_t session) {
-    while (ready_.erase(session) == 0) ASSERT_GE(sd_event_run(loop_.get(), ~0ULL), 0);
+    while (ready_.erase(session) == 0 && !HasFatalFailure()) turn();
   }
   void turn_until_forks(int made) {
-    while (forks.made < made) ASSERT_GE(sd_event_run(loop_.get(), ~0ULL), 0);
+    while (forks.made < made && !HasFatalFailure()) turn();
   }
   static std::string text(const Body& body) {
     if (const auto* done = std::get_if<control::Done>(&body)) return done->message;
@@ -193,6 +212,67 @@ TEST_F(AsideTest, AUserHasOneAndAllOfThemTwoAtOnce) {
   EXPECT_EQ(text(whole(second, 2)), "second");
 }
 
+TEST_F(AsideTest, AReportThatIsReadSlowlyHoldsNoPlace) {
+  const auto large = [] { return rows_of_a_kibibyte(1000); };
+  const auto anna = ask(kAnna, 1, large);
+  const auto bert = ask(kBert, 2, large);
+  begin_to_read(anna, 1);
+  begin_to_read(bert, 2);
+  EXPECT_EQ(text(whole(ask(kCleo, 3, [] { return control::Done{"made"}; }), 3)), "made");
+  EXPECT_EQ(text(whole(ask(kAnna, 4, [] { return control::Done{"hers"}; }), 4)), "hers")
+      << "nor does it keep its own user waiting";
+  std::size_t rows = 64;
+  for (auto slice = anna(); slice; slice = slice->more ? anna() : std::nullopt)
+    rows += std::get<control::Networks>(slice->body).networks.size();
+  EXPECT_EQ(rows, 1000U);
+}
+
+TEST_F(AsideTest, WhoeverHasNoRightsKeepsNoMemberWaiting) {
+  const Barrier never;
+  const auto make = [&never] {
+    never.wait();
+    return control::Done{};
+  };
+  const auto anna = ask(kAnna, 1, make);
+  const auto bert = ask(kBert, 2, make);
+  turn_until_forks(2);
+  EXPECT_EQ(text(whole(ask(kRoot, 3, [] { return control::Done{"root's"}; }, true), 3)), "root's");
+}
+
+TEST_F(AsideTest, MembersTogetherKeepNobodyElseWaiting) {
+  const Barrier never;
+  const auto make = [&never] {
+    never.wait();
+    return control::Done{};
+  };
+  const auto anna = ask(kAnna, 1, make, true);
+  const auto bert = ask(kBert, 2, make, true);
+  turn_until_forks(2);
+  EXPECT_EQ(text(whole(ask(kCleo, 3, [] { return control::Done{"hers"}; }), 3)), "hers");
+}
+
+TEST_F(AsideTest, WhatIsNotReadIsGivenUpForTheNextReportsOfItsUser) {
+  const auto large = [] { return rows_of_a_kibibyte(40UL << 10); };
+  const auto first = ask(kAnna, 1, large);
+  begin_to_read(first, 1);
+  const auto other = ask(kBert, 2, large);
+  begin_to_read(other, 2);
+  const auto second = ask(kAnna, 3, large);
+  begin_to_read(second, 3);
+  const auto why = first();
+  ASSERT_TRUE(why);
+  EXPECT_EQ(
+      text(why->body),
+      "error: the report cannot be made: it is read so slowly that the next ones have no room");
+  EXPECT_TRUE(other()->more);
+  EXPECT_TRUE(second()->more);
+}
+
+TEST_F(AsideTest, AReportHasAtMostSoManyBytes) {
+  const auto next = ask(kAnna, 1, [] { return rows_of_a_kibibyte(66UL << 10); });
+  EXPECT_EQ(text(whole(next, 1)), "error: the report cannot be made: it has more than 64 MiB");
+}
+
 TEST_F(AsideTest, WhoHasWaitedLongestForAnythingIsNext) {
   const Barrier barrier;
   const auto make = [&barrier] {
@@ -205,7 +285,7 @@ TEST_F(AsideTest, WhoHasWaitedLongestForAnythingIsNext) {
   const auto cleo = ask(kCleo, 4, make);
   barrier.open();
   // Whichever it was that ended, Cleo has had nothing yet.
-  while (!ready_.contains(1) && !ready_.contains(2)) ASSERT_GE(sd_event_run(loop_.get(), ~0ULL), 0);
+  while (!ready_.contains(1) && !ready_.contains(2)) turn();
   const bool was_anna = ready_.contains(1);
   EXPECT_EQ(text(whole(was_anna ? anna : bert, was_anna ? 1 : 2)), "made");
   annas_next = nullptr;  // she hangs up

@@ -34,13 +34,21 @@ TEST(ForkBudgetTest, AMemberHasMore) {
   EXPECT_EQ(budget.ready_at(kRoot, 0), kSecond / 10);
 }
 
-TEST(ForkBudgetTest, NobodyForksForTwentyTimesAsLongAsTheLastForkTook) {
+TEST(ForkBudgetTest, NobodyAlikeForksForTwentyTimesAsLongAsTheLastForkTook) {
   ForkBudget budget(ForkBudget::kUsual);
   budget.forked(kAnna, 0, 40 * kMilli);
   EXPECT_EQ(budget.ready_at(kBert, 40 * kMilli), 840 * kMilli);
-  EXPECT_EQ(budget.ready_at(kRoot, 40 * kMilli), 840 * kMilli);
-  budget.forked(kRoot, 840 * kMilli, 841 * kMilli);
-  EXPECT_EQ(budget.ready_at(kBert, 841 * kMilli), 861 * kMilli);
+  budget.forked(kBert, 840 * kMilli, 841 * kMilli);
+  EXPECT_EQ(budget.ready_at(kAnna, 841 * kMilli), 861 * kMilli);
+}
+
+TEST(ForkBudgetTest, AForkForOneWithoutRightsMakesNoMemberWaitNorTheOtherWayRound) {
+  ForkBudget budget(ForkBudget::kUsual);
+  budget.forked(kAnna, 0, 40 * kMilli);
+  EXPECT_EQ(budget.ready_at(kRoot, 40 * kMilli), 40 * kMilli);
+  budget.forked(kRoot, 40 * kMilli, 80 * kMilli);
+  EXPECT_EQ(budget.ready_at(kRoot, 80 * kMilli), 880 * kMilli);
+  EXPECT_EQ(budget.ready_at(kBert, 80 * kMilli), 840 * kMilli);
 }
 
 TEST(ForkBudgetTest, ADaemonThatWasStoppedInAForkForksAgainWithinTenSeconds) {
