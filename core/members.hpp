@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Who publishes and who subscribes: the described ends and those admitted at run time.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -12,6 +14,23 @@ namespace mlcca::core {
 
 /// Id of a run-time admission; 0 means described.
 using AdmissionId = std::uint64_t;
+
+/// The admissions of a publisher and of subscribers, each once, where no two of the subscribers are
+/// of the same one. The work is linear: a channel may have thousands.
+template <class Id, class IdOf>
+std::vector<Id> each_once(Id of_publisher, std::span<const std::size_t> subscribers,
+                          const IdOf& id_of) {
+  std::vector<Id> ids;
+  const bool described = of_publisher == Id{};
+  ids.reserve(subscribers.size() + 1);
+  if (!described) ids.push_back(of_publisher);
+  for (const std::size_t s : subscribers) {
+    const Id id = id_of(s);
+    if (id == Id{} || (!described && id == of_publisher)) continue;
+    ids.push_back(id);
+  }
+  return ids;
+}
 
 /// Described ends have the numbers that they have in the System, which must outlive this; those
 /// admitted at run time follow. Numbers stay valid while a member is there; a removed member's may

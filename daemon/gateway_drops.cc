@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <string>
 #include <vector>
@@ -145,9 +146,10 @@ void Gateway::tell_excess(const std::vector<const core::Verdict*>& verdicts, std
   for (const core::Verdict* v : verdicts) {
     const std::string& name = state_->members().publisher(v->publisher).name;
     if (std::ranges::find(who, name) == who.end()) who.push_back(name);
-    for (const core::AdmissionId id : admissions_of(*v))
-      if (std::ranges::find(ids, id) == ids.end()) ids.push_back(id);
+    std::ranges::copy(admissions_of(*v), std::back_inserter(ids));
   }
+  std::ranges::sort(ids);
+  ids.erase(std::ranges::unique(ids).begin(), ids.end());
   const core::Publisher& publisher = state_->members().publisher(first.publisher);
   const AttributeSet& said = core::attributes_in(publisher, first.set);
   const Attribute what = said.has(Attribute::period) ? Attribute::period : Attribute::bandwidth;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -304,18 +305,17 @@ void Gateway::tell(Note note) {
 }
 
 std::vector<core::AdmissionId> Gateway::admissions_of(const core::Verdict& v) const {
-  std::vector<core::AdmissionId> ids;
-  const auto add = [&ids](core::AdmissionId id) {
-    if (id != 0 && std::ranges::find(ids, id) == ids.end()) ids.push_back(id);
-  };
-  add(state_->members().admission_of_publisher(v.publisher));
-  for (const std::size_t s : v.subscribers) add(state_->members().admission_of_subscriber(s));
-  return ids;
+  const core::Members& members = state_->members();
+  return core::each_once(members.admission_of_publisher(v.publisher),
+                         std::span<const std::size_t>(v.subscribers),
+                         [&](std::size_t s) { return members.admission_of_subscriber(s); });
 }
 
 bool Gateway::concerns(const core::Verdict& v, core::AdmissionId id) const {
-  const auto ids = admissions_of(v);
-  return std::ranges::find(ids, id) != ids.end();
+  const core::Members::Admitted ends = state_->members().admitted(id);
+  return ends.publisher == v.publisher ||
+         (ends.subscriber &&
+          std::ranges::find(v.subscribers, *ends.subscriber) != v.subscribers.end());
 }
 
 void Gateway::tell_verdict(Kind kind, const core::Verdict& v, const std::string& line) {
