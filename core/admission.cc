@@ -13,17 +13,6 @@
 namespace mlcca::core {
 namespace {
 
-std::vector<Target> targets_of(const Members& members, std::size_t channel) {
-  std::vector<Target> targets;
-  for (const std::size_t s : members.subscribers_of(channel)) {
-    const Place place = members.subscriber(s).place;
-    auto it = std::ranges::find(targets, place, &Target::place);
-    if (it == targets.end()) it = targets.insert(targets.end(), {place, {}});
-    it->subscribers.push_back(s);
-  }
-  return targets;
-}
-
 Verdict decide_one(const Situation& s, Ledger& ledger, const std::vector<Target>& targets,
                    Verdict first, const Route* preferred) {
   if (s.released[first.channel]) {

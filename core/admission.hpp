@@ -3,6 +3,7 @@
 // what is promised already and what the networks can do now. Pure: same input, same answer.
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "core/ledger.hpp"
@@ -14,6 +15,13 @@
 
 namespace mlcca::core {
 
+/// The message of a flow on a bus, the hop of that number of its route; nothing where the
+/// description does not say enough.
+struct TriedMessage {
+  std::size_t hop = 0;
+  std::optional<can::Message> message;
+};
+
 /// Everything that a decision looks at, by reference.
 struct Situation {
   const System& system;
@@ -23,6 +31,8 @@ struct Situation {
   const std::vector<bool>& released;  ///< per channel: taken back by the operator
   /// At design time a best case passes: it is decided at run time, where it does not.
   bool best_cases_pass = false;
+  /// Gets what is tried on buses, also where an obstacle stands in the way.
+  std::vector<TriedMessage>* tried = nullptr;
 };
 
 /// The verdicts of a channel in one of its attribute sets, publishers and places in the order of

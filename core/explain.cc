@@ -21,6 +21,8 @@ FindingId id_of(Obstacle obstacle) {
       return FindingId::no_node;
     case Obstacle::too_long:
       return FindingId::too_long;
+    case Obstacle::no_data_rate:
+      return FindingId::no_data_rate;
     case Obstacle::no_traffic:
     case Obstacle::no_period:
       return FindingId::no_traffic;
@@ -178,6 +180,11 @@ void Explainer::add_obstacle(const Verdict& v) {
     case Obstacle::too_long:
       f.hint = "publish a smaller MaxPayload, or use a network with longer frames";
       break;
+    case Obstacle::no_data_rate:
+      f.origin = s_.system.networks[v.obstacle_at.index].origin;
+      f.hint = "add data-bitrate to the Bus of Network " + name_of(s_.system, v.obstacle_at) +
+               ", or let the Binding have format=\"classic\"";
+      break;
     case Obstacle::no_path:
       f.hint = "state the links of the mesh, or a source that knows them";
       break;
@@ -319,10 +326,17 @@ void Explainer::add_medium(const Verdict& v, const Row& row) {
   f.provided = format_value(c.attribute, c.provided);
   if (row.against == Against::schedule) {
     f.text = "with " + publisher + ", " + schedule_text(s_.system, s_.members, row);
-    f.hint = c.attribute == Attribute::omission
-                 ? "send less often, or give the port a longer queue (queue-length)"
-                 : "give it a better identifier (mlccactl analyse-bus --assign), send less often, "
-                   "or allow more time";
+    if (c.attribute == Attribute::omission)
+      f.hint = "send less often, or give the port of the gateway queue-length=\"" +
+               std::to_string(row.reserved) + "\"";
+    else if (c.provided == kUnbounded)
+      f.hint = "send less often: what goes before these frames can take all of the bus";
+    else if (c.required == 0)
+      f.hint = "allow more time, or let the rest of the way take less: state shorter times of it";
+    else
+      f.hint =
+          "give it a better identifier (mlccactl analyse-bus --assign), send less often, or "
+          "allow more time";
     return;
   }
   f.text = publisher + " needs " + f.required + " on " + name_of(s_.system, row.place) +

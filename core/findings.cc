@@ -58,6 +58,8 @@ constexpr auto kTable = std::to_array<FindingInfo>({
      "publishers look alike to a gate and share what was admitted"},
     {Id::not_decided, S::note, "not-decided",
      "what a network gives must be computed, which the stylesheet cannot"},
+    {Id::no_data_rate, S::error, "no-data-rate",
+     "FD frames on a bus that has no bit rate for their data phase"},
 });
 
 constexpr bool is_dense() {

@@ -49,6 +49,7 @@ enum class FindingId : std::uint8_t {
   medium_time = 32,
   shared_limit = 33,
   not_decided = 34,
+  no_data_rate = 35,
 };
 
 /// A note is information: it does not make a description unfit.

@@ -27,10 +27,12 @@ constexpr std::size_t kProgressStep = 1024;
 
 class Inspector {
  public:
-  Inspector(const System& system, const InspectProgress& progress, const EachDecided& each)
+  Inspector(const System& system, const InspectProgress& progress, const EachDecided& each,
+            InspectedBuses* buses)
       : s_(system),
         progress_(progress),
         each_(each),
+        buses_(buses),
         topology_(system),
         members_(system),
         world_(described_world(system)),
@@ -48,10 +50,12 @@ class Inspector {
     decide_each(situation, ledger_, [&](std::size_t channel, const Decision& decision) {
       const std::size_t before = out_.findings.size();
       check_channel(channel, decision, Explainer(situation, ledger_, out_.findings));
+      if (buses_ != nullptr) messages_.add(situation, ledger_, decision);
       if (each_) keep(channel, decision, std::span(out_.findings).subspan(before));
       if (progress_ && (channel + 1) % kProgressStep == 0) progress_(channel + 1);
     });
     tell(situation);
+    if (buses_ != nullptr) tell_buses(situation);
     for (std::size_t n = 0; n < s_.networks.size(); ++n)
       out_.networks.push_back({ledger_.reserved(n)});
     std::ranges::stable_sort(out_.findings, {}, [](const Finding& f) {
@@ -116,6 +120,16 @@ class Inspector {
     for (const Verdict& v : decision.verdicts) explain.add(v);
     each_(channel, decision, errors_of(findings));
     ledger_.roll_back(before);
+  }
+
+  void tell_buses(const Situation& situation) {
+    buses_->messages = messages_.take(situation, ledger_);
+    for (std::size_t n = 0; n < s_.networks.size(); ++n) {
+      const can::Schedule* bus = ledger_.schedule(n);
+      buses_->assumptions.push_back(bus != nullptr ? std::optional(bus->assumptions())
+                                                   : std::nullopt);
+    }
+    inherit_jitter(buses_->messages, buses_->assumptions);
   }
 
   void check_networks() {
@@ -269,6 +283,8 @@ class Inspector {
   const System& s_;
   const InspectProgress& progress_;
   const EachDecided& each_;
+  InspectedBuses* buses_;
+  BusMessages messages_;
   std::vector<Kept> kept_;
   Topology topology_;
   Members members_;
@@ -281,8 +297,9 @@ class Inspector {
 
 }  // namespace
 
-Inspection inspect(const System& system, const InspectProgress& progress, const EachDecided& each) {
-  return Inspector(system, progress, each).run();
+Inspection inspect(const System& system, const InspectProgress& progress, const EachDecided& each,
+                   InspectedBuses* buses) {
+  return Inspector(system, progress, each, buses).run();
 }
 
 }  // namespace mlcca::core

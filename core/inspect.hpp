@@ -3,10 +3,13 @@
 #pragma once
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/admission.hpp"
+#include "core/bus_messages.hpp"
+#include "core/can/message.hpp"
 #include "core/findings.hpp"
 #include "core/system.hpp"
 #include "mlcca/satisfies.hpp"
@@ -23,6 +26,12 @@ struct ChannelResult {
 /// What all fit channels together need of a network.
 struct NetworkLoad {
   Value reserved = 0;  ///< payload bytes/s
+};
+
+/// What is on the analysed buses.
+struct InspectedBuses {
+  std::vector<std::optional<can::Assumptions>> assumptions;  ///< of each network, where analysed
+  std::vector<BusMessage> messages;                          ///< by network, then publisher
 };
 
 struct Inspection {
@@ -43,7 +52,8 @@ using EachDecided = std::function<void(std::size_t channel, const Decision& deci
 /// Decides every channel of `system` as a gateway would, but lets best cases pass, which are then
 /// notes: the run time decides. `system` has sorted bindings, and what the description's own rules
 /// find (two channels with one subject, an identifier given twice, …) is not repeated here.
+/// `buses`, if there are any: gets what is on them.
 [[nodiscard]] Inspection inspect(const System& system, const InspectProgress& progress = {},
-                                 const EachDecided& each = {});
+                                 const EachDecided& each = {}, InspectedBuses* buses = nullptr);
 
 }  // namespace mlcca::core

@@ -185,6 +185,14 @@ void Media::late_row(Place hop, const can::Schedule::Late& late) {
   c.known = true;
   c.required = late.overflow ? 0 : late.deadline;
   c.provided = late.overflow || !late.bounded ? kUnbounded : late.response;
+  if (late.overflow) {
+    row.reserved = late.queued;
+    row.room = late.length;
+  } else if (late.bounded && late.deadline <= late.jitter) {
+    // The other hops may take all of the time: what counts is how long this one takes.
+    c.required = 0;
+    c.provided = less(late.response, late.jitter);
+  }
   v_.rows.push_back(row);
 }
 
@@ -208,6 +216,7 @@ void Media::take_bus(std::size_t hop) {
   auto message = can::message_of(s_.system, publisher, v_.set, network, timing);
   if (!message) {
     obstruct(Obstacle::no_period, hop);
+    if (s_.tried != nullptr) s_.tried->push_back({hop, std::nullopt});
     return;
   }
   const Flow flow = flow_on(s_.system, v_.publisher, v_.route, hop);
@@ -222,6 +231,7 @@ void Media::take_bus(std::size_t hop) {
     delay = std::min(delay, less(held->deadline, held->jitter));
   }
   message->deadline = add_saturating(message->jitter, delay);
+  if (s_.tried != nullptr) s_.tried->push_back({hop, *message});
   const auto late = ledger_.schedule(flow, *message);
   MediumUse& use = v_.media.emplace_back();
   use.network = network;

@@ -26,7 +26,7 @@ class RouteCheck {
 
   void run() {
     find_obstacle();
-    if (v_.obstacle != Obstacle::none) return;
+    if (!goes_on()) return;
     collect_hops();
     // Each hop, the whole way and what is offered; the capacity of each hop.
     std::size_t asked = 0;
@@ -40,7 +40,7 @@ class RouteCheck {
     check_capacities();
     v_.rows.insert(v_.rows.end(), medium_rows.begin(), medium_rows.end());
     sum_up();
-    if (s_.best_cases_pass && v_.obstacle == Obstacle::none)
+    if (s_.best_cases_pass && goes_on())
       v_.hops.assign(hops_.begin(), hops_.begin() + static_cast<std::ptrdiff_t>(count_));
     if (!v_.granted) ledger_.roll_back(before);
   }
@@ -61,6 +61,9 @@ class RouteCheck {
   }
 
  private:
+  [[nodiscard]] bool goes_on() const {
+    return v_.obstacle == Obstacle::none || s_.tried != nullptr;
+  }
   [[nodiscard]] const Publisher& publisher() const { return s_.members.publisher(v_.publisher); }
   /// What the publisher states in the attribute set that is tried.
   [[nodiscard]] const AttributeSet& offered() const { return attributes_in(publisher(), v_.set); }
@@ -125,9 +128,17 @@ class RouteCheck {
       return;
     }
     if (!can_send(publisher(), network)) obstruct(Obstacle::no_node, hop);
+    if (lacks_data_rate(hop.index, *binding)) obstruct(Obstacle::no_data_rate, hop);
     if (offered().has(Attribute::max_payload) &&
         offered()[Attribute::max_payload] > event_bytes(network, *binding))
       obstruct(Obstacle::too_long, hop);
+  }
+
+  /// A bus that is analysed and has no rate for the data phase carries classic frames only.
+  [[nodiscard]] bool lacks_data_rate(std::size_t network, const Binding& binding) const {
+    const can::Schedule* bus = ledger_.schedule(network);
+    return binding.format != FrameFormat::classic && bus != nullptr &&
+           bus->assumptions().timing.data_bitrate == 0;
   }
 
   void collect_hops() {
@@ -276,8 +287,10 @@ class RouteCheck {
   std::vector<Row> take_media() {
     if (!Media::any(s_, ledger_, v_)) return {};
     for (std::size_t i = 0; i < count_ && !known_; ++i)
-      if (is_evaluated(hops()[i])) obstruct(Obstacle::no_traffic, hops()[i]);
-    if (v_.obstacle != Obstacle::none) return {};
+      if (is_evaluated(hops()[i])) {
+        obstruct(Obstacle::no_traffic, hops()[i]);
+        return {};
+      }
     Media media(s_, ledger_, std::span(hops_).first(count_), limits(), v_);
     media.take();
     return media.take_medium_rows();
@@ -344,6 +357,17 @@ Flow flow_on(const System& system, std::size_t publisher, const Route& route, st
   else if (route.front() != hops.front())
     flow.from = system.resource_of(route.front());
   return flow;
+}
+
+std::vector<Target> targets_of(const Members& members, std::size_t channel) {
+  std::vector<Target> targets;
+  for (const std::size_t s : members.subscribers_of(channel)) {
+    const Place place = members.subscriber(s).place;
+    auto it = std::ranges::find(targets, place, &Target::place);
+    if (it == targets.end()) it = targets.insert(targets.end(), {place, {}});
+    it->subscribers.push_back(s);
+  }
+  return targets;
 }
 
 Asked asked_together(const Situation& situation, std::size_t publisher,

@@ -17,6 +17,9 @@ struct Target {
   std::vector<std::size_t> subscribers;
 };
 
+/// Those of a channel, in the order of its subscribers.
+[[nodiscard]] std::vector<Target> targets_of(const Members& members, std::size_t channel);
+
 /// The flow of a publisher on the hop of that number of its route: what it is promised there.
 [[nodiscard]] Flow flow_on(const System& system, std::size_t publisher, const Route& route,
                            std::size_t hop);

@@ -114,6 +114,9 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
       return "publisher " + publisher.name +
              " states neither Period with MaxPayload nor Bandwidth, and the capacity of " + at() +
              " is shared";
+    case Obstacle::no_data_rate:
+      return "frames of channel " + system.channels[v.channel].name + " may be FD frames, and " +
+             at() + " has no bit rate for their data phase";
     case Obstacle::no_period:
       return "publisher " + publisher.name + " states no Period, and response times on " + at() +
              " depend on it";
@@ -247,7 +250,13 @@ std::string schedule_text(const System& system, const Members& members, const Ro
                              name_of(system, row.place);
   const Comparison& c = row.comparison;
   if (c.attribute == Attribute::omission)
-    return frames + " could find the queue of their gateway full and be lost";
+    return frames + " could find the queue of their gateway full and be lost: it holds " +
+           std::to_string(row.room) + " frames, and up to " + std::to_string(row.reserved) +
+           " wait in it";
+  if (c.required == 0 && c.provided != kUnbounded)
+    return "no time is left for " + frames + ": they take up to " +
+           format_value(Attribute::latency, c.provided) +
+           " there, and the rest of their way may take all that their deadline allows";
   if (c.provided == kUnbounded) return frames + " could wait without a bound";
   return frames + " could take " + format_value(Attribute::latency, c.provided) + " of the " +
          format_value(Attribute::latency, c.required) + " they may take at most";

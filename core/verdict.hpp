@@ -28,9 +28,12 @@ struct Row {
 
   Place place;  ///< hop, bystander, capacity
   Comparison comparison{};
-  Value reserved = 0;             ///< capacity: promised to others
+  /// capacity: promised to others; schedule: frames that the queue would have to hold, if it is too
+  /// short.
+  Value reserved = 0;
   std::uint32_t end = 0;          ///< traffic: the subscriber; schedule: the publisher who is late
   std::uint32_t user = kBuiltIn;  ///< index of a user-defined attribute
+  std::uint32_t room = 0;         ///< schedule: frames that the queue holds
   Against against = Against::hop;
 
   [[nodiscard]] bool is_user() const { return user != kBuiltIn; }
@@ -46,15 +49,16 @@ struct Row {
 enum class Obstacle : std::uint8_t {
   none,
   no_route,
-  unavailable,  ///< the interface of a network is not usable
-  unbound,      ///< the channel has no identifier on a network
-  no_node,      ///< the profile needs a node, the publisher states none
-  too_long,     ///< the event does not fit the frames of a network
-  no_traffic,   ///< a capacity to be held, and the publisher does not say what it sends
-  no_period,    ///< an analysed bus, and the publisher does not say how often it sends
-  no_path,      ///< no links are known that lead through a mesh
-  no_sender,    ///< nobody carries events across a gateway, from CAN to Ethernet or back
-  released,     ///< taken back by the operator
+  unavailable,   ///< the interface of a network is not usable
+  unbound,       ///< the channel has no identifier on a network
+  no_node,       ///< the profile needs a node, the publisher states none
+  too_long,      ///< the event does not fit the frames of a network
+  no_traffic,    ///< a capacity to be held, and the publisher does not say what it sends
+  no_data_rate,  ///< FD frames, and no bit rate is known for their data phase
+  no_period,     ///< an analysed bus, and the publisher does not say how often it sends
+  no_path,       ///< no links are known that lead through a mesh
+  no_sender,     ///< nobody carries events across a gateway, from CAN to Ethernet or back
+  released,      ///< taken back by the operator
 };
 
 /// What an analysed medium gives a flow: times on a CAN bus; over a mesh the way, whose rates

@@ -68,9 +68,16 @@ Analysis::Analysis(const Assumptions& assumptions, std::vector<Message> sorted,
       stale_(messages_.size(), true),
       unbounded_(messages_.size()) {
   for (std::size_t i = 0; i < messages_.size(); ++i) {
-    const Message& m = messages_[i];
+    Message& m = messages_[i];
+    if (m.jitter > kLongestTime) {
+      // Any number of its frames may come at once: what they can win against is not bounded.
+      m.jitter = kLongestTime;
+      responses_[i] = kNever;
+      unbounded_ = std::min(unbounded_, i);
+    }
     responses_[i] = std::max(responses_[i], m.jitter + m.transmission);
-    const Time offered = is_coupled(m) ? responses_[i] - m.last_frame : m.jitter;
+    const Time offered =
+        is_coupled(m) && responses_[i] != kNever ? responses_[i] - m.last_frame : m.jitter;
     streams_.interference.insert(i, m, offered);
     longest_to_[i + 1] = std::max(longest_to_[i], m.longest_frame);
     ends_.push_back(end_of(lowest_of(m)));
@@ -238,7 +245,11 @@ std::vector<Response> analyse_from(const Assumptions& assumptions,
                                    std::span<const Message> messages,
                                    std::span<const Time> at_least) {
   std::vector<Response> found(messages.size());
-  if (!std::ranges::all_of(messages, [&](const Message& m) { return usable(assumptions, m); })) {
+  const auto can_be_analysed = [&](const Message& m) {
+    const Unusable why = unusable(assumptions, m);
+    return why == Unusable::no || why == Unusable::jitter;
+  };
+  if (!std::ranges::all_of(messages, can_be_analysed)) {
     for (std::size_t i = 0; i < messages.size(); ++i)
       if (messages[i].queue != kOwnQueue)
         found[i].queued_frames = std::numeric_limits<std::uint32_t>::max();

@@ -8,25 +8,40 @@ constexpr unsigned kErrorFrameBits = 31;  // 6 + 6 of flags, 8 of delimiter, 3 o
                                           // a further flag that an error in a delimiter raises
 constexpr Time kMillionth = 1'000'000;
 
-/// What the frames of `events` events take until the last of them starts, blocking included.
+/// Whether the sender offers a frame only after the one before it was sent, of the same event or of
+/// the one before: then each frame is blocked anew.
+bool one_at_a_time(const Message& m) { return m.frames > 1 && !m.back_to_back; }
+
+/// What the frames of `events` events take until the last of them ends, blocking included.
 Time own_time(const Message& m, Time blocking, Time events) {
-  const Time gaps = m.back_to_back ? 0 : events * (m.frames - 1);
-  return blocking * (1 + gaps) + events * m.transmission;
+  const Time blocked = one_at_a_time(m) ? events * m.frames : 1;
+  return blocking * blocked + events * m.transmission;
+}
+
+/// Bus share of what blocks each event anew.
+Share blocked_share(const Message& m, Time blocking) {
+  if (!one_at_a_time(m)) return 0;
+  return share_of(blocking * m.frames, std::min(m.period, kLongestTime));
 }
 
 }  // namespace
 
-bool usable(const Assumptions& assumptions, const Message& m) {
+Unusable unusable(const Assumptions& assumptions, const Message& m) {
   const Time bit = bit_time(assumptions.timing);
   constexpr std::uint32_t most_frames = 1U << 16U;
-  return bit != kNever && m.period > 1 && m.frames >= 1 && m.frames <= most_frames &&
-         m.last_frame >= bit && m.last_frame <= m.longest_frame &&
-         m.longest_frame <= m.transmission && m.transmission <= kLongestTime &&
-         m.jitter <= kLongestTime && (m.queue == kOwnQueue || m.queue < assumptions.queues.size());
+  if (bit == kNever) return Unusable::bit_rate;
+  if (m.period <= 1) return Unusable::period;
+  if (m.frames < 1 || m.frames > most_frames) return Unusable::frames;
+  if (m.last_frame < bit || m.last_frame > m.longest_frame || m.longest_frame > m.transmission ||
+      m.transmission > kLongestTime)
+    return Unusable::transmission;
+  if (m.queue != kOwnQueue && m.queue >= assumptions.queues.size()) return Unusable::queue;
+  if (m.jitter > kLongestTime) return Unusable::jitter;
+  return Unusable::no;
 }
 
 bool is_coupled(const Message& m) {
-  return m.queue != kOwnQueue || (m.frames > 1 && !m.back_to_back) || lowest_of(m) > m.priority;
+  return m.queue != kOwnQueue || one_at_a_time(m) || lowest_of(m) > m.priority;
 }
 
 Overhead::Overhead(const Assumptions& a)
@@ -68,6 +83,11 @@ Share Overhead::share(Time longest) const {
 LevelResponse level_response(const Interference& all, const Overhead& overhead, const Message& m,
                              const Level& level, Time begin) {
   if (all.share(0, level.end) + overhead.share(level.longest) >= kAllShare) return {};
+  // What blocks each event anew must leave room for the next one, if there can be one in the busy
+  // period at all.
+  const bool lasts =
+      all.share(0, level.end) + overhead.share(level.longest) + blocked_share(m, level.blocking) <
+      kAllShare;
   const auto others = [&](Time until) {
     return all.demand(0, level.self, until) + all.demand(level.self + 1, level.end, until);
   };
@@ -92,6 +112,7 @@ LevelResponse level_response(const Interference& all, const Overhead& overhead, 
   Time events = 1;
   // Most messages are alone in their busy period; then one look at their second release shows it.
   if (second < end_of_first || busy_until(second) > second) {
+    if (!lasts) return {};
     const auto busy = fixpoint(end_of_first, busy_until);
     if (!busy) return {};
     events = (*busy + m.jitter + period - 1) / period;

@@ -12,9 +12,15 @@
 
 namespace mlcca::core::can {
 
+/// What is wrong with the numbers of a message, or with those of its bus.
+enum class Unusable : std::uint8_t { no, bit_rate, period, frames, transmission, jitter, queue };
+
 /// Whether a message's numbers can be analysed at all on this bus. One that can't leaves no message
-/// of its bus bounded.
-[[nodiscard]] bool usable(const Assumptions& assumptions, const Message& message);
+/// of its bus bounded; one with too much jitter none that it may win against.
+[[nodiscard]] Unusable unusable(const Assumptions& assumptions, const Message& message);
+[[nodiscard]] inline bool usable(const Assumptions& assumptions, const Message& message) {
+  return unusable(assumptions, message) == Unusable::no;
+}
 
 /// The priority that no frame of the message is below.
 [[nodiscard]] inline std::uint32_t lowest_of(const Message& m) {

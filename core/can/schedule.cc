@@ -76,7 +76,8 @@ Schedule::Schedule(Assumptions assumptions) : assumptions_(std::move(assumptions
 
 std::optional<Schedule::Late> Schedule::add(const Message& message) {
   if (!settled_) return late().front();
-  if (!usable(assumptions_, message)) return Late{.key = message.key, .deadline = message.deadline};
+  if (!usable(assumptions_, message))
+    return Late{.key = message.key, .deadline = message.deadline, .jitter = message.jitter};
   const auto at = static_cast<std::size_t>(
       std::ranges::lower_bound(messages_, rank(message), {}, rank) - messages_.begin());
   insert(at, message);
@@ -178,12 +179,16 @@ std::size_t Schedule::position_of(std::uint64_t key) const {
 
 Schedule::Late Schedule::late_of(std::size_t at, const Response& response) const {
   const Message& m = messages_[at];
-  return {.key = m.key,
-          .response = response.response,
-          .bounded = response.bounded,
-          .deadline = m.deadline,
-          .overflow = m.queue < assumptions_.queues.size() &&
-                      response.queued_frames > assumptions_.queues[m.queue].length};
+  Late late{.key = m.key,
+            .response = response.response,
+            .bounded = response.bounded,
+            .deadline = m.deadline,
+            .jitter = m.jitter};
+  if (m.queue >= assumptions_.queues.size()) return late;
+  late.queued = response.queued_frames;
+  late.length = assumptions_.queues[m.queue].length;
+  late.overflow = response.bounded && late.queued > late.length;
+  return late;
 }
 
 std::vector<Response> Schedule::all_responses() const {

@@ -23,7 +23,10 @@ class Schedule {
     Time response = 0;  ///< ns; says nothing unless `bounded`
     bool bounded = false;
     Time deadline = 0;
-    bool overflow = false;  ///< its queue may hold more frames than fit
+    Time jitter = 0;           ///< of the message: what was taken before this bus
+    bool overflow = false;     ///< its queue may hold more frames than fit
+    std::uint32_t queued = 0;  ///< frames that the queue would have to hold
+    std::uint32_t length = 0;  ///< frames that it holds
     bool operator==(const Late&) const = default;
   };
 

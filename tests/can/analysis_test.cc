@@ -239,20 +239,52 @@ TEST(Analysis, LimitsEndTheSearch) {
 
 TEST(Analysis, WhatCannotBeAnalysedLeavesNothingBounded) {
   const auto good = message(0, 1, kMillisecond, 10 * kMillisecond);
-  std::vector<Message> bad(7, message(1, 2, kMillisecond, 10 * kMillisecond));
+  std::vector<Message> bad(6, message(1, 2, kMillisecond, 10 * kMillisecond));
   bad[0].period = 0;
   bad[1].transmission = bad[1].longest_frame = bad[1].last_frame = kNever;
-  bad[2].jitter = kNever;
-  bad[3].frames = 0;
-  bad[4].queue = 0;  // there is none
-  bad[5].last_frame = 0;
-  bad[6].longest_frame = 2 * kMillisecond;
+  bad[2].frames = 0;
+  bad[3].queue = 0;  // there is none
+  bad[4].last_frame = 0;
+  bad[5].longest_frame = 2 * kMillisecond;
   for (const Message& m : bad) {
     const auto found = analyse(bus(), std::vector{good, m});
     EXPECT_FALSE(found[0].bounded);
     EXPECT_FALSE(found[1].bounded);
   }
   EXPECT_FALSE(analyse(bus(0), std::vector{good})[0].bounded);
+}
+
+TEST(Analysis, TooMuchJitterLeavesUnboundedWhatItMayWinAgainst) {
+  auto set = std::vector{message(0, 1, kMillisecond, 10 * kMillisecond),
+                         message(1, 2, kMillisecond, 10 * kMillisecond),
+                         message(2, 3, kMillisecond, 10 * kMillisecond)};
+  for (const Time jitter : {kLongestTime + 1, kNever}) {
+    set[1].jitter = jitter;
+    for (const bool split : {false, true}) {
+      set[1].frames = split ? 2 : 1;
+      const auto found = analyse(bus(), set);
+      ASSERT_TRUE(found[0].bounded);
+      EXPECT_EQ(found[0].response, 2 * kMillisecond);
+      EXPECT_FALSE(found[1].bounded);
+      EXPECT_FALSE(found[2].bounded);
+    }
+  }
+}
+
+/// 6 frames of 8 bytes in 3.4 ms at 500 kbit/s, under each of which a frame of 29 bits may begin.
+TEST(Analysis, ASenderOfOneFrameAtATimeIsBlockedBeforeEachFrameOfEachEvent) {
+  auto set = std::vector{message(0, 1, 270 * kMicrosecond, 3400 * kMicrosecond)};
+  set[0].frames = 6;
+  set[0].transmission = 6 * set[0].longest_frame;
+  for (std::uint32_t i = 1; i <= 12; ++i)
+    set.push_back(message(i, 1 + i, 320 * kMicrosecond, 100 * kMillisecond));
+  // The first event takes six times 320 and 270 us, and the next one waits already.
+  EXPECT_FALSE(analyse(bus(), set)[0].bounded);
+  set[0].back_to_back = true;
+  EXPECT_EQ(analyse(bus(), set)[0].response, (320 + 6 * 270) * kMicrosecond);
+  set[0].back_to_back = false;
+  set[0].period = 3540 * kMicrosecond;
+  EXPECT_EQ(analyse(bus(), set)[0].response, 3540 * kMicrosecond);
 }
 
 TEST(Analysis, LongestNumbersDoNotOverflow) {

@@ -210,9 +210,54 @@ TEST(BusTest, AQueueThatCanOverflowLosesEvents) {
   const State state(std::move(system));
   EXPECT_EQ(granted(state), 3U);
   const Verdict& refused = state.decisions()[3].verdicts.at(0);
-  EXPECT_NE(reason(state.system(), state.members(), refused).find("queue of their gateway full"),
-            std::string::npos)
-      << reason(state.system(), state.members(), refused);
+  const std::string why = reason(state.system(), state.members(), refused);
+  EXPECT_TRUE(why.contains("queue of their gateway full")) << why;
+  EXPECT_TRUE(why.contains("it holds 3 frames, and up to 4 wait in it")) << why;
+}
+
+TEST(BusTest, FramesWithADataPhaseNeedItsBitRate) {
+  System system = one_bus(1, 50 * kMs);
+  for (const FrameFormat format : {FrameFormat::fd, FrameFormat::any, FrameFormat::xl}) {
+    system.networks[0].bindings[0].format = format;
+    State state(system);
+    EXPECT_EQ(state.decisions()[0].verdicts.at(0).obstacle, Obstacle::no_data_rate);
+    // The interface has one, and another time it has none.
+    for (const std::uint32_t rate : {500'000U, 0U}) {
+      Condition condition;
+      condition.timing = {.bitrate = 125'000, .data_bitrate = rate};
+      state.set_condition(0, condition);
+      state.settle();
+      EXPECT_EQ(granted(state), rate == 0 ? 0U : 1U);
+    }
+    const Verdict& refused = state.decisions()[0].verdicts.at(0);
+    EXPECT_EQ(
+        reason(state.system(), state.members(), refused),
+        "frames of channel c0 may be FD frames, and bus has no bit rate for their data phase");
+  }
+}
+
+TEST(BusTest, WhereTheOtherHopsTakeAllOfTheTimeNoneIsLeft) {
+  System system = one_bus(1, 50 * kMs);
+  Network second = system.networks[0];
+  second.name = "second";
+  system.networks.push_back(second);
+  Gateway gateway;
+  gateway.name = "g";
+  gateway.provision.set(Attribute::latency, 50 * kMs).set(Attribute::jitter, 0);
+  for (const std::size_t n : {0, 1}) {
+    Port port;
+    port.network = n;
+    gateway.ports.push_back(port);
+  }
+  system.gateways.push_back(gateway);
+  system.subscribers[0].place = network(1);
+  const State state(std::move(system));
+  const Verdict& refused = state.decisions()[0].verdicts.at(0);
+  const auto row = std::ranges::find(refused.rows, Against::schedule, &Row::against);
+  ASSERT_NE(row, refused.rows.end());
+  EXPECT_EQ(schedule_text(state.system(), state.members(), *row),
+            "no time is left for the frames of p0 (c0) on bus: they take up to 1.08 ms there, and "
+            "the rest of their way may take all that their deadline allows");
 }
 
 /// One mesh of two nodes, one link of 8 kbit/s: 1000 bytes/s.

@@ -101,6 +101,10 @@ const char* advice_on(core::FindingId id) {
     case Id::not_decided:
       return "Only description/check.xsl says so. What a bus or a mesh gives follows from its bit "
              "rate, its links and everybody on it: mlccactl check computes it.";
+    case Id::no_data_rate:
+      return "How long an FD frame takes depends on the rate of its data phase. State data-bitrate "
+             "of the Bus (equal to bitrate where the rate does not change), or send classic "
+             "frames.";
     case Id::unsafe_drop:
       return "A gate drops what it does not know, after a crash too. Make silence the safe state "
              "(a heart-beat), or keep all ends on one network.";
