@@ -8,7 +8,7 @@ check: $(UNIT_TESTS) ## unit tests: no root, seconds
 	$(Q)tests/support/run-tests $(UNIT_TESTS)
 check-kernel: $(KERNEL_TESTS) ## the real BPF objects on this kernel: root
 	$(Q)tests/support/run-tests $(KERNEL_TESTS)
-soak: check-sanitized-all soak-fault soak-kills soak-torn ## for hours: KILLS= kills, ROUNDS= rounds of torn surroundings, from SEED= where given
+soak: check-sanitized-all soak-fault soak-kills soak-torn soak-bus ## for hours: KILLS= kills, ROUNDS= rounds of torn surroundings, from SEED= where given
 
 # CI runs each test once: these under AddressSanitizer and UBSan, all others as they are installed.
 # They parse what comes from outside or manage the memory of gates, sessions and journals.
