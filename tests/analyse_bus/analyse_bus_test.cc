@@ -1,36 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl analyse-bus as a user and a script see it.
-#include <gtest/gtest.h>
-
+// mlccactl analyse-bus as a user and a script see it: tables.
 #include <algorithm>
-#include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
-#include "tests/check/program.hpp"
+#include "tests/analyse_bus/bus_test.hpp"
 
 namespace mlcca {
 namespace {
-
-using Json = nlohmann::json;
-
-constexpr const char* kHeader = "name,id,extended,bytes,period_us,deadline_us,jitter_us\n";
-
-class AnalyseBusTest : public test::CheckTest {
- protected:
-  [[nodiscard]] std::string table(const std::string& lines) const {
-    return file("bus.csv", kHeader + lines);
-  }
-  static test::RunOutcome analyse(const std::string& path, std::vector<std::string> options = {}) {
-    options.insert(options.begin(), {"analyse-bus", path});
-    return test::run(options);
-  }
-  /// At 125 kbit/s, where a frame of 7 bytes takes 1 ms.
-  static test::RunOutcome slow(const std::string& path, std::vector<std::string> options = {}) {
-    options.insert(options.end(), {"--bitrate", "125000"});
-    return analyse(path, std::move(options));
-  }
-};
 
 /// The example of Davis et al. 2007.
 constexpr const char* kDavis =
@@ -193,71 +168,91 @@ TEST_F(AnalyseBusTest, CommandLinesThatCannotBeUsed) {
   EXPECT_NE(slow(path + ".none").error.find("No such file"), std::string::npos);
 }
 
-std::string attribute(const std::string& name, const std::string& value) {
-  return "<Attribute><Name>" + name + "</Name>" + value + "</Attribute>";
-}
-std::string time_value(unsigned ms) {
-  return "<Dimension><SIUnit><Seconds>1</Seconds></SIUnit><Magnitude>-3</Magnitude></Dimension>"
-         "<Value>" +
-         std::to_string(ms) + "</Value>";
-}
-std::string payload_of_7() {
-  return attribute("MaxPayload",
-                   "<Dimension><SIUnit><Bytes>1</Bytes></SIUnit></Dimension><Value>7</Value>");
-}
-
-/// Two buses with a gateway; a channel from the first to the second.
-std::string two_buses(const std::string& publisher_attributes, const std::string& second_bus) {
-  return test::system_of(
-      "<EventChannel name=\"speed\"><SubjectUID>0x1</SubjectUID></EventChannel>\n"
-      "<Network name=\"near\"><Kind>can</Kind><Profile>raw</Profile><Bus bitrate=\"125000\"/>"
-      "<Binding channel=\"speed\"><Identifier "
-      "form=\"standard\">0x100</Identifier></Binding></Network>\n"
-      "<Network name=\"far\"><Kind>can</Kind><Profile>raw</Profile>" +
-      second_bus +
-      "<Binding channel=\"speed\"><Identifier "
-      "form=\"standard\">0x200</Identifier></Binding></Network>\n"
-      "<Gateway name=\"bridge\"><Port network=\"near\"><Interface name=\"can0\"/></Port>"
-      "<Port network=\"far\"><Interface name=\"can1\"/></Port></Gateway>\n"
-      "<Publisher name=\"wheel\" channel=\"speed\" network=\"near\"><Attributes>" +
-      publisher_attributes +
-      "</Attributes></Publisher>\n"
-      "<Subscriber name=\"brake\" channel=\"speed\" network=\"far\"><Attributes>" +
-      attribute("Deadline", time_value(30)) + "</Attributes></Subscriber>\n");
+TEST_F(AnalyseBusTest, WhoLeavesOthersUnboundedIsNamed) {
+  const auto path = table(
+      "first,1,0,8,10000,10000,0\nfull,2,0,8,1200,1200,0\n"
+      "last,3,0,8,10000,10000,0\n");
+  const auto done = slow(path, {"--json"});
+  EXPECT_EQ(done.status, 1);
+  const Json out = Json::parse(done.out);
+  EXPECT_NE(out["not_bounded"].get<std::string>().find("With full the messages up to there take"),
+            std::string::npos)
+      << out;
+  EXPECT_EQ(out["messages"][0]["verdict"], "met");
+  EXPECT_EQ(out["messages"][2]["verdict"], "not-bounded");
+  const auto jitter = table("a,1,0,8,10000,10000,2000000000\nb,2,0,8,10000,10000,0\n");
+  const auto refused = slow(jitter);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.error.find(jitter + ":2: jitter_us '2000000000': must be at most 1099511627"),
+            std::string::npos)
+      << refused.error;
 }
 
-TEST_F(AnalyseBusTest, PublishersOfADescriptionAreAnalysedOnEachNetworkTheyCross) {
-  const auto traffic = attribute("Period", time_value(50)) + payload_of_7();
-  const auto path = file("two.xml", two_buses(traffic, "<Bus bitrate=\"250000\"/>"));
-  const auto both = analyse(path, {"--json"});
-  ASSERT_EQ(both.status, 0) << both.error << both.out;
-  const Json out = Json::parse(both.out);
-  ASSERT_EQ(out["networks"].size(), 2U);
-  EXPECT_EQ(out["networks"][0]["network"], "near");
-  EXPECT_EQ(out["networks"][0]["messages"][0]["name"], "wheel");
-  EXPECT_EQ(out["networks"][0]["messages"][0]["id"], 0x100);
-  EXPECT_EQ(out["networks"][0]["messages"][0]["response_us"], 1000);
-  EXPECT_EQ(out["networks"][0]["messages"][0]["period_us"], 50000);
-  EXPECT_EQ(out["networks"][0]["messages"][0]["deadline_us"], 30000);
-  EXPECT_EQ(out["networks"][1]["messages"][0]["id"], 0x200);
-  EXPECT_EQ(out["networks"][1]["messages"][0]["response_us"], 500);
-  const auto one = analyse(path, {"--json", "--network", "far", "--bitrate", "125000"});
-  EXPECT_EQ(Json::parse(one.out)["messages"][0]["response_us"], 1000);
-  EXPECT_EQ(analyse(path, {"--network", "nowhere"}).status, 2);
+TEST_F(AnalyseBusTest, ColumnsMayBeLeftOutAndSeparatedAsElsewhere) {
+  const auto expected = slow(table("A,1,0,7,2500,2500,0\n"), {"--json"}).out;
+  for (const char* text : {"Name;ID;Extended;Bytes;Period_us\nA;1;0;7;2500\n",
+                           "name\tid\textended\tbytes\tperiod_us\tjitter_us\nA\t1\t0\t7\t2500\t\n",
+                           "NAME|ID|EXTENDED|BYTES|PERIOD_US\nA|1|0|7|2500\n",
+                           "name;id;extended;bytes;period_us;jitter_us\nA;1;0;7;2500,0;0,0\n",
+                           "name,id,extended,bytes,period_us # head\nA,1,0,7,2500 # the only one\n",
+                           "name,id,extended,bytes,period_us,deadline_us\n\"A\",1,0,7,2500,\n"}) {
+    const auto done = slow(file("as.csv", text), {"--json"});
+    EXPECT_EQ(done.out, expected) << text << done.error;
+  }
 }
 
-TEST_F(AnalyseBusTest, WhatADescriptionLacksIsNamedWithItsLine) {
-  const auto no_period = file("period.xml", two_buses(payload_of_7(), "<Bus bitrate=\"250000\"/>"));
-  auto done = analyse(no_period);
+TEST_F(AnalyseBusTest, QuotesInQuotesAreTwo) {
+  const auto done = slow(table("\"5\"\" wheel # 1, left\",1,0,7,2500,2500,0 # a\n"), {"--json"});
+  ASSERT_EQ(done.status, 0) << done.error;
+  EXPECT_EQ(Json::parse(done.out)["messages"][0]["name"], "5\" wheel # 1, left");
+  const auto path = table("\"open,1,0,7,2500,2500,0\n");
+  EXPECT_NE(slow(path).error.find(path + ":2: quotes are not right"), std::string::npos);
+}
+
+TEST_F(AnalyseBusTest, AHeaderThatIsWrongIsOneMessage) {
+  const auto done = slow(file("head.csv", "name,colour,id,shape\nx,1,2,3\n"));
   EXPECT_EQ(done.status, 2);
-  EXPECT_EQ(done.out, "");
-  EXPECT_NE(done.error.find(no_period + ":6: publisher wheel states no Period"), std::string::npos)
-      << done.error;
-  const auto no_rate = file("rate.xml", two_buses(attribute("Period", time_value(50)), ""));
-  done = analyse(no_rate);
+  EXPECT_EQ(std::ranges::count(done.error, '\n'), 1) << done.error;
+  for (const char* word : {"extended", "bytes", "period_us", "'colour'", "'shape'"})
+    EXPECT_NE(done.error.find(word), std::string::npos) << done.error;
+}
+
+TEST_F(AnalyseBusTest, OfAKindOfProblemTheFirstTwentyAreSaid) {
+  std::string lines;
+  for (int i = 0; i < 500; ++i) lines += "m" + std::to_string(i) + ",1,0,9,1000,1000,0\n";
+  lines += "n,1,0,8,soon,1000,0\n";
+  const auto done = slow(table(lines));
   EXPECT_EQ(done.status, 2);
-  EXPECT_NE(done.error.find("the bit rate of network far is not described"), std::string::npos);
-  EXPECT_EQ(analyse(file("broken.xml", "<System")).status, 2);
+  EXPECT_EQ(std::ranges::count(done.error, '\n'), 22) << done.error;
+  EXPECT_NE(done.error.find("and 480 more of this kind: bytes"), std::string::npos) << done.error;
+  EXPECT_NE(done.error.find("period_us 'soon'"), std::string::npos);
+}
+
+TEST_F(AnalyseBusTest, BitRatesHaveUnitsAndALimit) {
+  const auto path = table(kDavis);
+  EXPECT_EQ(analyse(path, {"--bitrate", "125k"}).out, slow(path).out);
+  EXPECT_EQ(analyse(path, {"--bitrate", "0.125 Mbit/s"}).out, slow(path).out);
+  for (const char* rate : {"1000001", "2M", "500x", "k", "-1"}) {
+    const auto done = analyse(path, {"--bitrate", rate});
+    EXPECT_EQ(done.status, 2) << rate;
+    EXPECT_NE(done.error.find("--bitrate"), std::string::npos) << done.error;
+  }
+  EXPECT_EQ(analyse(path, {"--bitrate", "1M", "--data-bitrate", "8M"}).status, 0);
+}
+
+TEST_F(AnalyseBusTest, FramesOfANodeMayWaitInOneFifo) {
+  const auto path =
+      file("node.csv",
+           "name,id,extended,bytes,period_us,node\nA,1,0,7,100000,\nB,2,0,7,100000,door\n"
+           "C,3,0,7,100000,\nD,4,0,7,100000,door\n");
+  const auto done = slow(path, {"--json"});
+  ASSERT_EQ(done.status, 0) << done.error << done.out;
+  const Json out = Json::parse(done.out);
+  // Blocked by nothing below D; D came first, and what wins against D goes before that: A, C.
+  EXPECT_EQ(message_of(out, "B")["response_us"], 4000);
+  EXPECT_EQ(message_of(out, "B")["node"], "door");
+  EXPECT_EQ(message_of(out, "B")["queue"]["frames"], 2);
+  EXPECT_EQ(message_of(out, "A")["response_us"], 2000);
 }
 
 }  // namespace

@@ -12,8 +12,10 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <span>
 #include <string>
 
+#include "core/can/level.hpp"
 #include "tools/design/analyse_bus/bus.hpp"
 #include "tools/design/analyse_bus/write.hpp"
 #include "tools/design/say.hpp"
@@ -23,11 +25,13 @@
 namespace mlcca::tools::design {
 namespace {
 
-constexpr std::uint32_t kMostBitrate = 100'000'000;  // more than any CAN there is
+constexpr std::uint32_t kMostDataRate = 20'000'000;  // CAN XL; FD ends at 8 Mbit/s
 
 struct Options {
   std::string file;
   BusOptions bus;
+  std::string bitrate;
+  std::string data_bitrate;
   std::string background;
   std::uint32_t faults = 0;
   double fault_interval_ms = 0;
@@ -55,6 +59,47 @@ std::vector<core::can::Message> messages_of(const Bus& bus) {
   return messages;
 }
 
+std::string words_of(core::can::Unusable why) {
+  switch (why) {
+    case core::can::Unusable::jitter:
+      return "its jitter is longer than what is analysed";
+    case core::can::Unusable::transmission:
+      return "its frames are longer than what is analysed, or of no length";
+    case core::can::Unusable::period:
+      return "it has no period";
+    default:
+      return "its frames or its queue are not right";
+  }
+}
+
+/// Why something is not bounded, with the name of the message that is the reason; empty: nothing is
+/// unbounded. `sorted`: highest priority first.
+std::string unbounded_words(const AnalysedBus& analysed,
+                            const std::vector<core::can::Message>& sorted) {
+  const auto& bus = analysed.bus;
+  const auto name = [&](std::size_t i) { return printable(bus.messages[i].name); };
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    if (const auto why = unusable(bus.assumptions, sorted[i]); why != core::can::Unusable::no)
+      return fmt::format("Because of {} nothing is bounded{}: {}.", name(i),
+                         why == core::can::Unusable::jitter ? " that it may win against" : "",
+                         words_of(why));
+  const auto first = std::ranges::find(analysed.responses, false, &core::can::Response::bounded);
+  if (first == analysed.responses.end()) return {};
+  constexpr std::uint64_t whole = 1'000'000;
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const auto load = utilisation_ppm(bus.assumptions, std::span(sorted).first(i + 1));
+    if (load >= whole)
+      return fmt::format(
+          "With {} the messages up to there take {:.2f} % of the bus: what has no better "
+          "identifier is not bounded.",
+          name(i), static_cast<double>(load) / 10'000);
+  }
+  return fmt::format(
+      "{} is the first that is not bounded: what may go before its frames or block them leaves no "
+      "time for all of them.",
+      name(static_cast<std::size_t>(first - analysed.responses.begin())));
+}
+
 AnalysedBus analysed(Bus bus, bool assign) {
   AnalysedBus result;
   std::ranges::stable_sort(bus.messages, {},
@@ -62,18 +107,39 @@ AnalysedBus analysed(Bus bus, bool assign) {
   const auto messages = messages_of(bus);
   result.responses = analyse(bus.assumptions, messages);
   for (std::size_t i = 0; i < messages.size(); ++i) {
-    result.in_time.push_back(fits(bus.assumptions, messages[i], result.responses[i]));
-    result.schedulable = result.schedulable && result.in_time.back();
+    const bool fit = fits(bus.assumptions, messages[i], result.responses[i]);
+    result.fit.push_back(fit);
+    result.late = result.late || !result.responses[i].meets(messages[i].deadline);
+    result.schedulable = result.schedulable && fit && !bus.messages[i].in_vain;
   }
+  result.schedulable = result.schedulable && bus.unknown.empty();
   result.load = utilisation_ppm(bus.assumptions, messages);
   result.assigned = assign;
   if (assign) result.order = assign_priorities(bus.assumptions, messages);
   result.bus = std::move(bus);
+  result.why_unbounded = unbounded_words(result, messages);
   return result;
+}
+
+/// A number of bit/s, or one with a unit as elsewhere.
+std::uint32_t rate_of(const std::string& option, const std::string& text, std::uint32_t most) {
+  if (text.empty()) return 0;
+  const bool plain = std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+  const auto rate = parse_bit_rate(plain ? text + " bit/s" : text, Rounding::down);
+  if (!rate) throw CLI::ValidationError(option, rate.error().text);
+  if (*rate > most)
+    throw CLI::ValidationError(
+        option, fmt::format("'{}': at most {}{}", text, print_bitrate(most),
+                            most == kMostArbitrationRate
+                                ? ": faster is only the data phase of FD frames (--data-bitrate)"
+                                : ""));
+  return static_cast<std::uint32_t>(*rate);
 }
 
 /// What the command line says in words, as numbers. Throws what CLI11 reports.
 void understand(Options& options) {
+  options.bus.bitrate = rate_of("--bitrate", options.bitrate, kMostArbitrationRate);
+  options.bus.data_bitrate = rate_of("--data-bitrate", options.data_bitrate, kMostDataRate);
   if (!options.background.empty()) {
     const auto share = parse_share(options.background, 1'000'000, Rounding::up);
     if (!share) throw CLI::ValidationError("--background-load", share.error().text);
@@ -118,19 +184,18 @@ void add_analyse_bus(CLI::App& app, Context& context) {
       "analyse-bus", "response time of every message of a CAN bus, and whether it is in time");
   const auto options = std::make_shared<Options>();
   verb->add_option("file", options->file,
-                   "table of the messages (columns name,id,extended,bytes,period_us,deadline_us,"
-                   "jitter_us), or the description of a system")
+                   "table of the messages (columns name,id,extended,bytes,period_us, and if wanted "
+                   "deadline_us,jitter_us,fd,frames,node), or the description of a system")
       ->required()
       ->type_name("FILE.csv|SYSTEM.xml");
   verb->add_option("--network", options->bus.network,
                    "only this CAN network of SYSTEM.xml; otherwise each of them")
       ->type_name("NAME");
-  const auto rates = CLI::Range(std::uint32_t{1}, kMostBitrate);
-  verb->add_option("--bitrate", options->bus.bitrate, "of the bus; SYSTEM.xml may state it")
-      ->check(rates)
+  verb->add_option("--bitrate", options->bitrate,
+                   "of the bus, such as 500k, at most 1M; SYSTEM.xml may state it")
       ->type_name("BIT/S");
-  verb->add_option("--data-bitrate", options->bus.data_bitrate, "of the data phase of FD frames")
-      ->check(rates)
+  verb->add_option("--data-bitrate", options->data_bitrate,
+                   "of the data phase of FD frames, such as 2M")
       ->type_name("BIT/S");
   verb->add_flag("--unknown-senders", options->bus.unknown_senders,
                  "somebody else may send: the longest frame of the bus may block");

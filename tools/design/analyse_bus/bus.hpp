@@ -15,7 +15,15 @@ struct BusMessage {
   std::string name;
   std::uint32_t id = 0;  ///< 11 or 29 bits
   bool extended = false;
-  std::uint64_t bytes = 0;  ///< payload of one frame; of a described publisher, of one event
+  std::uint64_t bytes = 0;      ///< payload of one frame; of a described publisher, of one event
+  std::string where;            ///< "file:line" of a table or a description
+  std::string node;             ///< of a table: whose FIFO its frames wait in, or empty
+  std::optional<bool> granted;  ///< of a description: whether check grants it
+  /// Of what is granted: the response with what else is, and what of it is this bus's; ns.
+  std::optional<std::uint64_t> granted_response;
+  std::uint64_t granted_on_bus = 0;
+  /// check refuses it because of the bus, though it may be another message that would be late.
+  bool in_vain = false;
   core::can::Message message;
 };
 
@@ -23,6 +31,10 @@ struct Bus {
   std::string network;  ///< empty: from a table
   core::can::Assumptions assumptions;
   std::vector<BusMessage> messages;
+  /// What nobody states and the bounds depend on, and who is left out: sentences.
+  std::vector<std::string> unknown;
+  std::vector<std::string> left_out;
+  std::vector<std::string> findings;  ///< what check says of this bus
 };
 
 /// What the command line states of a bus. It goes before what a description states.
@@ -41,12 +53,21 @@ struct Buses {
   std::vector<std::string> problems;
 };
 
-/// The messages of a table with the columns name, id, extended, bytes, period_us, deadline_us,
-/// jitter_us and, if wanted, fd and frames, in any order. `file` stands for it in problems. The bit
-/// rate must be stated.
+/// ISO 11898-1: of classic frames, and of the arbitration of all others.
+inline constexpr std::uint32_t kMostArbitrationRate = 1'000'000;
+
+/// The messages of a table with the columns name, id, extended, bytes, period_us and, if wanted,
+/// deadline_us, jitter_us, fd, frames and node, in any order. `file` stands for it in problems. The
+/// bit rate must be stated.
 Buses read_table(std::string_view text, const std::string& file, const BusOptions& options);
 
-/// The CAN networks of a description, with the described publishers whose events cross them.
+/// The CAN networks of a description, with the described publishers whose events cross them, as a
+/// check of the description decides them.
 Buses read_description(const std::string& file, const BusOptions& options);
+
+/// Messages of one name, and those that several senders give one identifier: no bound holds for
+/// these.
+std::vector<std::string> problems_of(const std::vector<BusMessage>& messages,
+                                     const std::string& network);
 
 }  // namespace mlcca::tools::design

@@ -1,143 +1,165 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The CAN networks of a description.
+// The CAN networks of a description, as a check of it decides them.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include "core/can/of_system.hpp"
+#include "core/inspect.hpp"
 #include "core/medium.hpp"
-#include "core/topology.hpp"
+#include "core/profile.hpp"
+#include "core/text.hpp"
 #include "core/world.hpp"
 #include "description/read.hpp"
-#include "mlcca/arithmetic.hpp"
 #include "tools/design/analyse_bus/bus.hpp"
 
 namespace mlcca::tools::design {
 namespace {
 
+using core::NetworkKind;
 using core::Place;
 using core::Publisher;
 using core::System;
 
-/// How a publisher's events come onto a network.
-struct Crossing {
-  Value deadline = kUnbounded;  ///< the strictest of all subscribers behind it
-  Value jitter = 0;             ///< of the hops before it
-  std::uint32_t queue = core::can::kOwnQueue;
-};
-
-void tighten(Value& deadline, const AttributeSet& attributes) {
-  for (const Attribute a : {Attribute::deadline, Attribute::latency})
-    if (attributes.has(a)) deadline = std::min(deadline, attributes[a]);
+/// What the command line states takes the place of what the description does.
+void state(core::CanBus& bus, const BusOptions& options) {
+  if (options.bitrate != 0) bus.bitrate = options.bitrate;
+  if (options.data_bitrate != 0) bus.data_bitrate = options.data_bitrate;
+  if (options.unknown_senders) bus.unknown_senders = true;
+  if (options.background) bus.background = *options.background;
+  if (options.faults) bus.faults = *options.faults;
 }
 
 class DescribedBuses {
  public:
-  DescribedBuses(const System& system, const BusOptions& options)
-      : system_(system), options_(options) {
-    const core::Topology topology(system);
-    for (std::size_t p = 0; p < system.publishers.size(); ++p)
-      for (const core::Subscriber& s : system.subscribers)
-        if (s.channel == system.publishers[p].channel) cross(topology, p, s);
+  DescribedBuses(System system, const BusOptions& options)
+      : system_(std::move(system)), options_(options) {
+    for (core::Network& network : system_.networks)
+      if (is_wanted(network)) state(network.bus, options);
   }
 
   Buses read() && {
-    bool any = false;
-    for (std::size_t n = 0; n < system_.networks.size(); ++n) {
-      const core::Network& network = system_.networks[n];
-      if (network.kind != core::NetworkKind::can) continue;
-      if (!options_.network.empty() && network.name != options_.network) continue;
-      any = true;
-      add_network(n);
-    }
-    if (!any)
+    if (std::ranges::none_of(system_.networks, [&](const auto& n) { return is_wanted(n); }))
       problem({}, options_.network.empty()
                       ? "no CAN network: there is nothing to analyse"
                       : fmt::format("no CAN network '{}': --network must name one of the system",
                                     options_.network));
+    for (const core::Network& network : system_.networks)
+      if (is_wanted(network) && network.bus.bitrate == 0)
+        problem(network.origin,
+                fmt::format("the bit rate of network {} is not described: state it with --bitrate",
+                            network.name));
+    if (problems_.empty()) inspection_ = core::inspect(system_, {}, {}, &inspected_);
+    for (std::size_t n = 0; problems_.empty() && n < system_.networks.size(); ++n)
+      if (is_wanted(system_.networks[n])) add_network(n);
     if (!problems_.empty()) buses_.clear();
     return {std::move(buses_), std::move(problems_)};
   }
 
  private:
-  void problem(core::Origin origin, const std::string& text) {
+  [[nodiscard]] bool is_wanted(const core::Network& network) const {
+    return network.kind == NetworkKind::can &&
+           (options_.network.empty() || network.name == options_.network);
+  }
+
+  [[nodiscard]] std::string where(core::Origin origin) const {
     const auto& files = system_.files;
     const std::string file = origin.file < files.size() ? files[origin.file]
                              : files.empty()            ? std::string()
                                                         : files.front();
-    problems_.push_back(origin.line > 0 ? fmt::format("{}:{}: {}", file, origin.line, text)
-                                        : fmt::format("{}: {}", file, text));
+    return origin.line > 0 ? fmt::format("{}:{}", file, origin.line) : file;
   }
-
-  void cross(const core::Topology& topology, std::size_t publisher, const core::Subscriber& s) {
-    const Publisher& p = system_.publishers[publisher];
-    const auto& routes = topology.routes(p.place, s.place);
-    if (routes.empty()) return;
-    const auto hops = core::hops_of(routes.front());
-    Value jitter = 0;
-    Place before = p.place;
-    for (const Place hop : hops) {
-      if (hop.kind == Place::Kind::network) {
-        Crossing& c = crossings_[{hop.index, publisher}];
-        tighten(c.deadline, p.attributes);
-        tighten(c.deadline, s.attributes);
-        c.jitter = std::max(c.jitter, jitter);
-        if (before.kind == Place::Kind::gateway)
-          c.queue = core::queue_of(system_, before.index, hop.index);
-      }
-      const AttributeSet& provision = system_.provision_of(hop);
-      if (provision.has(Attribute::jitter))
-        jitter = add_saturating(jitter, provision[Attribute::jitter]);
-      before = hop;
-    }
+  void problem(core::Origin origin, const std::string& text) {
+    problems_.push_back(fmt::format("{}: {}", where(origin), text));
   }
 
   void add_network(std::size_t n) {
     const core::Network& network = system_.networks[n];
-    auto timing = core::can::timing_of(network);
-    if (options_.bitrate != 0) timing.bitrate = options_.bitrate;
-    if (options_.data_bitrate != 0) timing.data_bitrate = options_.data_bitrate;
-    if (timing.bitrate == 0) {
-      problem(network.origin,
-              fmt::format("the bit rate of network {} is not described: state it with --bitrate",
-                          network.name));
-      return;
-    }
     Bus bus;
     bus.network = network.name;
-    bus.assumptions = core::can::assumptions_of(system_, n, timing);
-    if (options_.unknown_senders) bus.assumptions.unknown_senders = true;
-    if (options_.background) bus.assumptions.background = *options_.background;
-    if (options_.faults) bus.assumptions.faults = *options_.faults;
-    for (const auto& [where, crossing] : crossings_)
-      if (where.first == n) add_message(bus, n, where.second, crossing);
+    bus.assumptions = *inspected_.assumptions[n];
+    check_formats(n);
+    for (const core::BusMessage& m : inspected_.messages)
+      if (m.network == n) add_message(bus, m);
+    name_ways(bus);
+    for (std::string& text : problems_of(bus.messages, network.name))
+      problems_.push_back(std::move(text));
+    for (const core::Finding& f : inspection_.findings) {
+      if (f.id == core::FindingId::unused_publisher && is_on(f.publisher, n))
+        bus.left_out.push_back(f.text);
+      if (f.id == core::FindingId::deadline_missed && f.has_place &&
+          f.place == Place{Place::Kind::network, n})
+        bus.findings.push_back(
+            fmt::format("{}: {}: {}", where(f.origin), core::code_of(f.id), f.text));
+    }
     buses_.push_back(std::move(bus));
   }
 
-  void add_message(Bus& bus, std::size_t n, std::size_t publisher, const Crossing& crossing) {
-    const Publisher& p = system_.publishers[publisher];
-    const core::Network& network = system_.networks[n];
+  [[nodiscard]] bool is_on(std::size_t publisher, std::size_t network) const {
+    return system_.publishers[publisher].place == Place{Place::Kind::network, network};
+  }
+
+  void check_formats(std::size_t n) {
+    for (const core::Finding& f : inspection_.findings)
+      if (f.id == core::FindingId::no_data_rate && f.has_place &&
+          f.place == Place{Place::Kind::network, n})
+        problem(f.origin, f.text + ": " + f.hint);
+  }
+
+  void add_message(Bus& bus, const core::BusMessage& from) {
+    const Publisher& p = system_.publishers[from.publisher];
+    const core::Network& network = system_.networks[from.network];
     const core::Binding* binding = network.binding_of(p.channel);
-    auto message = core::can::message_of(system_, p, 0, n, bus.assumptions.timing);
-    if (!message || binding == nullptr) {
+    if (!from.message || binding == nullptr) {
       problem(p.origin, why_not(p, network, binding));
       return;
     }
-    message->key = publisher;
-    message->deadline = crossing.deadline == kUnbounded ? message->period : crossing.deadline;
-    message->jitter = add_saturating(message->jitter, crossing.jitter);
-    message->queue = crossing.queue;
+    const AttributeSet& offered = core::attributes_in(p, from.set);
     BusMessage m;
     m.name = p.name;
-    const auto identifier = core::can::identifier_of(p, network, *binding, message->frames > 1);
+    m.where = where(p.origin);
+    const auto identifier =
+        core::can::identifier_of(p, network, *binding, from.message->frames > 1);
     m.id = identifier->id;
     m.extended = identifier->extended;
-    m.bytes = p.attributes.has(Attribute::max_payload) ? p.attributes[Attribute::max_payload]
-                                                       : core::frame_bytes(*binding);
-    m.message = *message;
+    m.bytes = offered.has(Attribute::max_payload) ? offered[Attribute::max_payload]
+                                                  : core::frame_bytes(*binding);
+    m.granted = from.granted;
+    if (from.granted_response && *from.granted_response != core::can::kNever) {
+      m.granted_response = from.granted_response;
+      m.granted_on_bus = *from.granted_response - from.granted_jitter;
+    }
+    m.in_vain = from.in_vain;
+    m.message = *from.message;
+    m.message.key = core::Ledger::key_of({from.publisher, from.network, from.from});
+    froms_.push_back(from.from);
+    for (const Place place : from.unknown)
+      bus.unknown.push_back(fmt::format(
+          "how long {} delays events of {} is not known and counts as nothing: state its Latency",
+          core::name_of(system_, place), p.name));
     bus.messages.push_back(std::move(m));
+  }
+
+  /// Events of one publisher that come by several ways are told apart.
+  void name_ways(Bus& bus) {
+    const std::size_t first = froms_.size() - bus.messages.size();
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < bus.messages.size(); ++i) {
+      const BusMessage& m = bus.messages[i];
+      const bool twice = std::ranges::count(bus.messages, m.name, &BusMessage::name) > 1;
+      const std::size_t from = froms_[first + i];
+      names.push_back(twice && from != core::Flow::kOwn
+                          ? fmt::format("{} over {}", m.name, resource_name(from))
+                          : m.name);
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) bus.messages[i].name = names[i];
+  }
+  [[nodiscard]] std::string resource_name(std::size_t resource) const {
+    for (std::size_t g = 0; g < system_.gateways.size(); ++g)
+      if (system_.resource_of({Place::Kind::gateway, g}) == resource)
+        return system_.gateways[g].name;
+    return "a network";
   }
 
   [[nodiscard]] std::string why_not(const Publisher& p, const core::Network& network,
@@ -154,13 +176,17 @@ class DescribedBuses {
     if (network.profile == core::Profile::none)
       return fmt::format("network {} has no Profile: the identifier of publisher {} is not known",
                          network.name, p.name);
+    if (core::can_send(p, network))
+      return fmt::format("what publisher {} sends is not known: state its MaxPayload", p.name);
     return fmt::format("publisher {} has no node of network {}: its identifier there is not known",
                        p.name, network.name);
   }
 
-  const System& system_;
+  System system_;
   const BusOptions& options_;
-  std::map<std::pair<std::size_t, std::size_t>, Crossing> crossings_;  ///< by network, publisher
+  core::Inspection inspection_;
+  core::InspectedBuses inspected_;
+  std::vector<std::size_t> froms_;  ///< of all messages, in their order
   std::vector<Bus> buses_;
   std::vector<std::string> problems_;
 };
@@ -175,7 +201,7 @@ Buses read_description(const std::string& file, const BusOptions& options) {
     return none;
   }
   examined.system.sort_bindings();
-  return DescribedBuses(examined.system, options).read();
+  return DescribedBuses(std::move(examined.system), options).read();
 }
 
 }  // namespace mlcca::tools::design

@@ -6,7 +6,12 @@
 #include <array>
 #include <charconv>
 #include <cstddef>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
 
+#include "core/can/analysis.hpp"
 #include "core/result.hpp"
 #include "tools/design/analyse_bus/bus.hpp"
 #include "tools/values.hpp"
@@ -24,12 +29,17 @@ enum class Field : std::uint8_t {
   jitter,
   fd,
   frames,
+  node,
 };
-constexpr std::array<std::string_view, 9> kColumns = {
-    "name", "id", "extended", "bytes", "period_us", "deadline_us", "jitter_us", "fd", "frames"};
-constexpr std::size_t kRequired = 7;  // the first ones
+constexpr std::array<std::string_view, 10> kColumns = {
+    "name",        "id",        "extended", "bytes",  "period_us",
+    "deadline_us", "jitter_us", "fd",       "frames", "node"};
+constexpr std::size_t kRequired = 5;  // the first ones
 constexpr std::size_t kMissing = ~std::size_t{0};
-constexpr std::string_view kHeader = "name,id,extended,bytes,period_us,deadline_us,jitter_us";
+constexpr std::string_view kHeader =
+    "name,id,extended,bytes,period_us, and deadline_us, jitter_us, fd, frames and node if wanted";
+constexpr std::string_view kSeparators = ",;\t|";
+constexpr std::size_t kMostOfAKind = 20;  // problems that are said one by one
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view blank = " \t\r";
@@ -38,24 +48,59 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
-std::string_view unquoted(std::string_view text) {
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"')
-    return text.substr(1, text.size() - 2);
+std::string in_small_letters(std::string_view text) {
+  std::string small(text);
+  for (char& c : small)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return small;
+}
+
+/// "a, b and c"
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
   return text;
 }
 
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    // A comma in quotes is one of the cell.
-    const auto begin = line.find_first_not_of(" \t");
-    const bool quoted = begin != std::string_view::npos && line[begin] == '"';
-    const auto close = quoted ? line.find('"', begin + 1) : std::string_view::npos;
-    const auto comma = line.find(',', close == std::string_view::npos ? 0 : close);
-    cells.push_back(unquoted(trimmed(line.substr(0, comma))));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
+/// The line without the comment at its end: what follows a # that is not in quotes.
+std::string_view without_comment(std::string_view line) {
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '"') quoted = !quoted;
+    if (line[i] == '#' && !quoted) return line.substr(0, i);
   }
+  return line;
+}
+
+/// The one of the separators that a header has most of; a comma if it has none.
+char separator_of(std::string_view header) {
+  return *std::ranges::max_element(kSeparators, {},
+                                   [&](char c) { return std::ranges::count(header, c); });
+}
+
+/// One cell off the front of the line; nothing if its quotes are not right. In quotes a separator
+/// is one of the cell, and two quotes are one.
+std::optional<std::string> take_cell(std::string_view& line, char separator, bool& more) {
+  std::string cell;
+  const auto begin = line.find_first_not_of(separator == '\t' ? " " : " \t");
+  const bool quoted = begin != std::string_view::npos && line[begin] == '"';
+  std::size_t at = quoted ? begin + 1 : 0;
+  if (quoted) {
+    while (at < line.size() && (line[at] != '"' || line.substr(at).starts_with("\"\""))) {
+      cell += line[at];
+      at += line[at] == '"' ? 2 : 1;
+    }
+    if (at >= line.size()) return std::nullopt;
+    ++at;
+  }
+  const auto end = std::min(line.find(separator, at), line.size());
+  const std::string_view rest = trimmed(line.substr(at, end - at));
+  if (quoted && !rest.empty()) return std::nullopt;
+  if (!quoted) cell = rest;
+  more = end < line.size();
+  line.remove_prefix(more ? end + 1 : end);
+  return cell;
 }
 
 Result<std::uint64_t> whole_number(std::string_view text, std::uint64_t least, std::uint64_t most,
@@ -98,13 +143,21 @@ class TableReader {
     while (!text.empty() && readable_) {
       const auto end = std::min(text.find('\n'), text.size());
       ++line_;
-      take(trimmed(text.substr(0, end)));
+      take(without_comment(text.substr(0, end)));
       text.remove_prefix(std::min(end + 1, text.size()));
     }
     if (!header_)
-      problem(fmt::format("no header: the first line must be {}", kHeader));
+      problem("header", fmt::format("no header: the first line must be {}", kHeader));
     else if (problems_.empty() && bus_.messages.empty())
-      problem("no messages: one line for each must follow the header");
+      problem("messages", "no messages: one line for each must follow the header");
+    if (problems_.empty()) {
+      std::size_t said = 0;
+      for (std::string& text_of : problems_of(bus_.messages, {}))
+        if (++said <= kMostOfAKind) problems_.push_back(std::move(text_of));
+      if (said > kMostOfAKind) left_out_["identifier or name"] = said - kMostOfAKind;
+    }
+    for (const auto& [kind, count] : left_out_)
+      problems_.push_back(fmt::format("{}: and {} more of this kind: {}", file_, count, kind));
     if (!problems_.empty()) return {{}, std::move(problems_)};
     Buses buses;
     buses.buses.push_back(std::move(bus_));
@@ -112,73 +165,121 @@ class TableReader {
   }
 
  private:
-  void problem(const std::string& text) {
-    problems_.push_back(fmt::format("{}:{}: {}", file_, std::max<std::size_t>(line_, 1), text));
+  [[nodiscard]] std::string where() const {
+    return fmt::format("{}:{}", file_, std::max<std::size_t>(line_, 1));
+  }
+
+  /// `kind`: of which only the first ones are said.
+  void problem(std::string_view kind, const std::string& text) {
+    ++found_;
+    if (++of_kind_[std::string(kind)] > kMostOfAKind)
+      ++left_out_[std::string(kind)];
+    else
+      problems_.push_back(fmt::format("{}: {}", where(), text));
   }
 
   void take(std::string_view line) {
-    if (line.empty() || line.front() == '#') return;
-    const auto cells = cells_of(line);
+    if (trimmed(line).empty()) return;
+    if (!header_) separator_ = separator_of(line);
+    std::vector<std::string> cells;
+    for (bool more = true; more;) {
+      auto cell = take_cell(line, separator_, more);
+      if (!cell) {
+        problem(
+            "quotes",
+            "quotes are not right: a cell in quotes ends with one, and \"\" is one of the cell");
+        readable_ = header_;
+        header_ = true;
+        return;
+      }
+      cells.push_back(std::move(*cell));
+    }
     if (header_)
       take_message(cells);
     else
       take_header(cells);
   }
 
-  void take_header(const std::vector<std::string_view>& cells) {
+  void take_header(const std::vector<std::string>& cells) {
     header_ = true;
     columns_ = cells.size();
+    std::vector<std::string> unknown;
+    std::vector<std::string> twice;
+    std::vector<std::string> missing;
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      const auto* const column = std::ranges::find(kColumns, cells[i]);
+      const auto* const column = std::ranges::find(kColumns, in_small_letters(cells[i]));
       if (column == kColumns.end()) {
-        problem(
-            fmt::format("unknown column '{}': the header must be {}, with fd and frames if "
-                        "wanted",
-                        cells[i], kHeader));
+        unknown.push_back("'" + cells[i] + "'");
         continue;
       }
       std::size_t& at = at_[static_cast<std::size_t>(column - kColumns.begin())];
-      if (at != kMissing) problem(fmt::format("column {} is there twice: remove one", cells[i]));
+      if (at != kMissing) twice.push_back(cells[i]);
       at = i;
     }
     for (std::size_t c = 0; c < kRequired; ++c)
-      if (at_[c] == kMissing)
-        problem(fmt::format("column {} is missing: the header must be {}", kColumns[c], kHeader));
+      if (at_[c] == kMissing) missing.emplace_back(kColumns[c]);
+    if (unknown.empty() && twice.empty() && missing.empty()) return;
+    std::string text;
+    const auto add = [&text](const std::vector<std::string>& names, std::string_view what) {
+      if (!names.empty())
+        text += fmt::format("{}{} {}", text.empty() ? "" : "; ", what, listed(names));
+    };
+    add(missing, "there is no column");
+    add(unknown, "unknown column");
+    add(twice, "there twice:");
+    problem("header", fmt::format("{}. The header must be {}, between commas, semicolons, tabs or "
+                                  "bars",
+                                  text, kHeader));
     // Without the columns no line can be understood.
-    readable_ = problems_.empty();
+    readable_ = false;
   }
 
-  void take_message(const std::vector<std::string_view>& cells) {
+  void take_message(const std::vector<std::string>& cells) {
     if (cells.size() != columns_) {
-      problem(fmt::format("{} values: must be {}, one for each column of the header", cells.size(),
-                          columns_));
+      problem("values", fmt::format("{} values: must be {}, one for each column of the header",
+                                    cells.size(), columns_));
       return;
     }
-    const std::size_t problems = problems_.size();
+    const std::size_t problems = found_;
     const auto cell = [&](Field f) {
       const std::size_t at = at_[static_cast<std::size_t>(f)];
-      return at == kMissing ? std::string_view{} : cells[at];
+      return at == kMissing ? std::string_view{} : std::string_view(cells[at]);
     };
     BusMessage m;
     m.name = cell(Field::name);
-    if (m.name.empty()) problem("name is empty: each message needs one");
-    m.extended = get(yes_or_no(cell(Field::extended), "extended"));
-    const bool fd = !cell(Field::fd).empty() && get(yes_or_no(cell(Field::fd), "fd"));
+    m.where = where();
+    if (m.name.empty()) problem("name", "name is empty: each message needs one");
+    m.extended = get("extended", yes_or_no(cell(Field::extended), "extended"));
+    const bool fd = !cell(Field::fd).empty() && get("fd", yes_or_no(cell(Field::fd), "fd"));
     // A wrong value of extended or fd is one problem, not two.
-    const bool forms_known = problems_.size() == problems;
+    const bool forms_known = found_ == problems;
+    if (fd && bus_.assumptions.timing.data_bitrate == 0)
+      problem("FD frames",
+              "fd: how long an FD frame takes needs --data-bitrate, the bit rate of its data phase "
+              "(that of --bitrate where it does not change)");
     const std::uint32_t most_id = m.extended || !forms_known ? 0x1fffffff : 0x7ff;
-    m.id = static_cast<std::uint32_t>(get(whole_number(cell(Field::id), 0, most_id, "id")));
-    m.bytes = get(whole_number(cell(Field::bytes), 0, fd || !forms_known ? 64 : 8, "bytes"));
+    m.id = static_cast<std::uint32_t>(get("id", whole_number(cell(Field::id), 0, most_id, "id")));
+    m.bytes =
+        get("bytes", whole_number(cell(Field::bytes), 0, fd || !forms_known ? 64 : 8, "bytes"));
     core::can::Message& message = m.message;
     constexpr std::uint64_t most_frames = 65536;
     if (!cell(Field::frames).empty())
       message.frames = static_cast<std::uint32_t>(
-          get(whole_number(cell(Field::frames), 1, most_frames, "frames")));
+          get("frames", whole_number(cell(Field::frames), 1, most_frames, "frames")));
     message.period = time_of(cell(Field::period), Rounding::down, true, "period_us");
-    message.deadline = time_of(cell(Field::deadline), Rounding::down, true, "deadline_us");
-    message.jitter = time_of(cell(Field::jitter), Rounding::up, false, "jitter_us");
-    if (problems_.size() != problems) return;
+    message.deadline = cell(Field::deadline).empty()
+                           ? message.period
+                           : time_of(cell(Field::deadline), Rounding::down, true, "deadline_us");
+    if (!cell(Field::jitter).empty())
+      message.jitter = time_of(cell(Field::jitter), Rounding::up, false, "jitter_us");
+    if (message.jitter > core::can::kLongestTime)
+      problem("jitter_us", fmt::format("jitter_us '{}': must be at most {}, nothing on the bus is "
+                                       "bounded otherwise",
+                                       cell(Field::jitter), core::can::kLongestTime / 1000));
+    if (found_ != problems) return;
     if (fd) bus_.assumptions.fd_frames = true;
+    m.node = cell(Field::node);
+    if (!m.node.empty()) message.queue = queue_of(m.node);
     message.key = bus_.messages.size();
     message.priority = core::can::arbitration(m.id, m.extended);
     message.longest_frame = message.last_frame =
@@ -188,20 +289,34 @@ class TableReader {
     bus_.messages.push_back(std::move(m));
   }
 
+  /// The FIFO of a node. How many frames it holds is not stated, so it is long enough.
+  std::uint32_t queue_of(const std::string& node) {
+    const auto [it, fresh] =
+        queues_.try_emplace(node, static_cast<std::uint32_t>(bus_.assumptions.queues.size()));
+    if (fresh)
+      bus_.assumptions.queues.push_back(
+          {.queueing = core::Queueing::fifo, .length = std::numeric_limits<std::uint32_t>::max()});
+    return it->second;
+  }
+
   template <class T>
-  T get(const Result<T>& value) {
+  T get(std::string_view kind, const Result<T>& value) {
     if (value) return *value;
-    problem(value.error().text);
+    problem(kind, value.error().text);
     return T{};
   }
 
   std::uint64_t time_of(std::string_view text, Rounding rounding, bool positive,
                         std::string_view what) {
-    const auto time = parse_microseconds(text, rounding);
+    // Where columns are not between commas, one is the point of a number in many countries.
+    std::string number(text);
+    if (separator_ != ',' && std::ranges::count(number, ',') == 1)
+      std::ranges::replace(number, ',', '.');
+    const auto time = parse_microseconds(number, rounding);
     if (!time)
-      problem(fmt::format("{} {}", what, time.error().text));
+      problem(what, fmt::format("{} {}", what, time.error().text));
     else if (positive && *time == 0)
-      problem(fmt::format("{} '{}': must be more than 0", what, text));
+      problem(what, fmt::format("{} '{}': must be more than 0", what, text));
     else
       return *time;
     return 0;
@@ -211,8 +326,13 @@ class TableReader {
   Bus bus_;
   std::vector<std::string> problems_;
   std::array<std::size_t, kColumns.size()> at_{};  ///< of each Field
+  std::map<std::string, std::uint32_t> queues_;    ///< by node
+  std::map<std::string, std::size_t> of_kind_;     ///< problems
+  std::map<std::string, std::size_t> left_out_;    ///< of these, not said one by one
+  std::size_t found_ = 0;                          ///< problems
   std::size_t columns_ = 0;
   std::size_t line_ = 0;
+  char separator_ = ',';
   bool header_ = false;
   bool readable_ = true;
 };

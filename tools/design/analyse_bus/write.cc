@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "tools/values.hpp"
@@ -31,11 +32,84 @@ double as_us(std::uint64_t ns) {
   return static_cast<double>(ns) / static_cast<double>(kMicrosecond);
 }
 
-std::string verdict_of(const AnalysedBus& analysed, std::size_t i) {
-  if (analysed.in_time[i]) return {};
+/// How the message does, as a word for programs.
+enum class Fate : std::uint8_t { met, late, not_bounded, queue_too_short, refused };
+
+Fate fate_of(const AnalysedBus& analysed, std::size_t i) {
+  const BusMessage& m = analysed.bus.messages[i];
   const core::can::Response& r = analysed.responses[i];
-  if (!r.bounded) return "not bounded";
-  return r.meets(analysed.bus.messages[i].message.deadline) ? "queue too short" : "late";
+  if (!r.bounded) return Fate::not_bounded;
+  if (!r.meets(m.message.deadline)) return Fate::late;
+  if (!analysed.fit[i]) return Fate::queue_too_short;
+  return m.in_vain ? Fate::refused : Fate::met;
+}
+
+/// The queue of a gateway; null for a node's own, and for a FIFO whose length is not stated.
+const core::can::Queue* queue_of(const AnalysedBus& analysed, std::size_t i) {
+  const auto& queues = analysed.bus.assumptions.queues;
+  const auto queue = analysed.bus.messages[i].message.queue;
+  return queue < queues.size() ? &queues[queue] : nullptr;
+}
+bool has_length(const core::can::Queue& queue) {
+  return queue.length != std::numeric_limits<std::uint32_t>::max();
+}
+
+std::string verdict_of(const AnalysedBus& analysed, std::size_t i) {
+  switch (fate_of(analysed, i)) {
+    case Fate::met:
+      return {};
+    case Fate::late:
+      return "late";
+    case Fate::not_bounded:
+      return "not bounded";
+    case Fate::queue_too_short:
+      return fmt::format("queue too short: {} of {}", queue_of(analysed, i)->length,
+                         analysed.responses[i].queued_frames);
+    case Fate::refused:
+      return "refused for others";
+  }
+  return {};
+}
+
+/// The response with nothing on the buses but what check grants, where that is another one.
+std::string granted_of(const BusMessage& m, const core::can::Response& r) {
+  if (!m.granted_response || (r.bounded && r.response == *m.granted_response)) return {};
+  return in_us(*m.granted_response);
+}
+
+std::string_view word_of(Fate fate) {
+  switch (fate) {
+    case Fate::met:
+      return "met";
+    case Fate::late:
+      return "late";
+    case Fate::not_bounded:
+      return "not-bounded";
+    case Fate::queue_too_short:
+      return "queue-too-short";
+    case Fate::refused:
+      break;
+  }
+  return "refused";
+}
+
+bool has_short_queue(const AnalysedBus& analysed) {
+  for (std::size_t i = 0; i < analysed.responses.size(); ++i)
+    if (const auto* queue = queue_of(analysed, i);
+        queue != nullptr && analysed.responses[i].bounded &&
+        analysed.responses[i].queued_frames > queue->length)
+      return true;
+  return false;
+}
+
+/// What the bus as a whole does, behind its load.
+std::string summary_of(const AnalysedBus& analysed) {
+  const bool queue = has_short_queue(analysed);
+  std::string text = analysed.late ? "a deadline can be missed" : "every deadline is met";
+  if (!analysed.late && !analysed.bus.unknown.empty())
+    text = "whether every deadline is met is not known";
+  if (queue) text += ", and frames can be lost in a queue that is too short";
+  return text;
 }
 
 std::string order_text(const AnalysedBus& analysed) {
@@ -55,6 +129,8 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
   Table table({{"Message"},
                {"Identifier", Align::right},
                {"Frame us", Align::right},
+               {"Jitter us", Align::right},
+               {"Granted us", Align::right},
                {"Response us", Align::right},
                {"Deadline us", Align::right},
                {"Slack us", Align::right},
@@ -62,10 +138,12 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
   for (std::size_t i = 0; i < bus.messages.size(); ++i) {
     const BusMessage& m = bus.messages[i];
     const core::can::Response& r = analysed.responses[i];
-    const Style style = analysed.in_time[i] ? Style::plain : Style::bad;
+    const Style style = fate_of(analysed, i) == Fate::met ? Style::plain : Style::bad;
     table.add({{m.name},
                {identifier_of(m)},
                {in_us(m.message.longest_frame)},
+               {m.message.jitter == 0 ? "" : in_us(m.message.jitter)},
+               {granted_of(m, r)},
                {r.bounded ? in_us(r.response) : "-", style},
                {in_us(m.message.deadline)},
                {r.bounded ? slack_of(m.message.deadline, r.response) : "-", style},
@@ -80,7 +158,15 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
   if (bus.assumptions.timing.data_bitrate != 0)
     text +=
         fmt::format(", {} in the data phase", print_bitrate(bus.assumptions.timing.data_bitrate));
-  text += analysed.schedulable ? ": every deadline is met\n" : ": a deadline can be missed\n";
+  text += fmt::format(": {}\n", summary_of(analysed));
+  const auto sentences = [&text](std::string_view title, const std::vector<std::string>& all) {
+    if (!all.empty()) text += fmt::format("{}\n", title);
+    for (const auto& one : all) text += fmt::format("  {}\n", printable(one));
+  };
+  if (!analysed.why_unbounded.empty()) text += analysed.why_unbounded + "\n";
+  sentences("Not known:", bus.unknown);
+  sentences("Not counted:", bus.left_out);
+  sentences("mlccactl check refuses:", bus.findings);
   if (analysed.assigned) text += order_text(analysed);
   return text;
 }
@@ -100,8 +186,22 @@ Json message_json(const AnalysedBus& analysed, std::size_t i) {
            {"slack_us", nullptr},
            {"period_us", as_us(m.message.period)},
            {"jitter_us", as_us(m.message.jitter)},
-           {"schedulable", static_cast<bool>(analysed.in_time[i])}};
+           {"schedulable", static_cast<bool>(analysed.fit[i])},
+           {"verdict", word_of(fate_of(analysed, i))}};
+  if (m.granted) out["granted"] = *m.granted;
+  if (m.granted_response) {
+    out["granted_response_us"] = as_us(*m.granted_response);
+    out["granted_on_bus_us"] = as_us(m.granted_on_bus);
+  }
+  if (!m.node.empty()) out["node"] = m.node;
+  if (const auto* queue = queue_of(analysed, i)) {
+    out["queue"] = Json::object();
+    out["queue"]["frames"] = nullptr;
+    if (r.bounded) out["queue"]["frames"] = r.queued_frames;
+    if (has_length(*queue)) out["queue"]["length"] = queue->length;
+  }
   if (r.bounded) {
+    out["on_bus_us"] = as_us(r.response - m.message.jitter);
     out["response_us"] = as_us(r.response);
     out["slack_us"] = m.message.deadline >= r.response ? as_us(m.message.deadline - r.response)
                                                        : -as_us(r.response - m.message.deadline);
@@ -118,6 +218,10 @@ Json bus_json(const AnalysedBus& analysed) {
     out["data_bitrate"] = bus.assumptions.timing.data_bitrate;
   out["bus_load"] = static_cast<double>(analysed.load) / kWhole;
   out["schedulable"] = analysed.schedulable;
+  if (!analysed.why_unbounded.empty()) out["not_bounded"] = analysed.why_unbounded;
+  if (!bus.unknown.empty()) out["unknown"] = bus.unknown;
+  if (!bus.left_out.empty()) out["not_counted"] = bus.left_out;
+  if (!bus.findings.empty()) out["findings"] = bus.findings;
   out["messages"] = Json::array();
   for (std::size_t i = 0; i < bus.messages.size(); ++i)
     out["messages"].push_back(message_json(analysed, i));

@@ -13,12 +13,14 @@
 namespace mlcca::tools::design {
 
 struct AnalysedBus {
-  Bus bus;                                        ///< messages in the order of arbitration
-  std::vector<core::can::Response> responses;     ///< of these
-  std::vector<bool> in_time;                      ///< with room in the queue
-  bool schedulable = true;                        ///< all of them
-  std::uint64_t load = 0;                         ///< 1e-6 of the bus time
-  bool assigned = false;                          ///< an order was looked for
+  Bus bus;                                     ///< messages in the order of arbitration
+  std::vector<core::can::Response> responses;  ///< of these
+  std::vector<bool> fit;                       ///< in time, with room in the queue
+  bool late = false;                           ///< one of them is, or is not bounded
+  bool schedulable = true;    ///< all fit, as far as is known, and check refuses none for the bus
+  std::string why_unbounded;  ///< a sentence, if one is not
+  std::uint64_t load = 0;     ///< 1e-6 of the bus time
+  bool assigned = false;      ///< an order was looked for
   std::optional<std::vector<std::size_t>> order;  ///< highest priority first, if there is one
 };
 
