@@ -23,13 +23,16 @@ constexpr std::size_t kFirstBuffer = std::size_t{64} << 10;
 constexpr const char* kTooLate = "the kernel has not answered in time";
 constexpr std::size_t kMostBuffer = std::size_t{4} << 20;  // one datagram
 
+constexpr int kMostErrno = 4095;
+
 std::string text_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe)
 
-/// Of a message that ends a question: 0 or an errno; nothing where it has no room for one.
+/// Of a message that ends a question: 0 or an errno; nothing where it has none.
 std::optional<int> verdict_of(const nlmsghdr& message) {
   int error = 0;
   if (message.nlmsg_len < NLMSG_LENGTH(sizeof error)) return std::nullopt;
   std::memcpy(&error, nlmsg_data(&message), sizeof error);
+  if (error < -kMostErrno) return std::nullopt;
   return error < 0 ? -error : 0;
 }
 
@@ -145,8 +148,33 @@ std::expected<Answers, Refusal> Rtnl::ask_again(const Message& request, unsigned
   return std::unexpected(std::move(last));
 }
 
+struct Rtnl::Read {
+  bool is_list;
+  Answers& to;
+  bool interrupted = false;
+};
+
 std::expected<Rtnl::Ending, Refusal> Rtnl::ask_once(const Message& request, unsigned flags,
                                                     Time end, Answers& to) {
+  if (auto sent = send(request, flags); !sent) return std::unexpected(std::move(sent.error()));
+  Read read{.is_list = (flags & NLM_F_DUMP) != 0, .to = to};
+  for (;;) {
+    const auto size = receive(end);
+    if (!size) return std::unexpected(size.error());
+    // NOLINTBEGIN(*-cstyle-cast,*-reinterpret-cast): macros of the kernel's header
+    auto left = static_cast<int>(*size);
+    const auto* message = reinterpret_cast<const nlmsghdr*>(buffer_.data());
+    for (; NLMSG_OK(message, left); message = NLMSG_NEXT(message, left)) {
+      // NOLINTEND(*-cstyle-cast,*-reinterpret-cast)
+      const auto ended = take(*message, read);
+      if (!ended) return std::unexpected(ended.error());
+      if (*ended) return read.interrupted ? Ending::again : Ending::done;
+    }
+    if (left > 0) return give_up("an answer that is torn");
+  }
+}
+
+std::expected<void, Refusal> Rtnl::send(const Message& request, unsigned flags) {
   if (!socket_) socket_.reset(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE));
   if (!socket_) return give_up("rtnetlink socket", errno);
   nlmsghdr* const head = nlmsg_hdr(request.get());
@@ -156,36 +184,27 @@ std::expected<Rtnl::Ending, Refusal> Rtnl::ask_once(const Message& request, unsi
   const ssize_t sent = ::send(socket_.get(), head, head->nlmsg_len, MSG_DONTWAIT | MSG_NOSIGNAL);
   if (sent < 0) return give_up("asking rtnetlink", errno);
   if (sent != static_cast<ssize_t>(head->nlmsg_len)) return give_up("half a question was sent");
+  return {};
+}
 
-  const bool is_list = (flags & NLM_F_DUMP) != 0;
-  bool interrupted = false;
-  for (;;) {
-    const auto size = receive(end);
-    if (!size) return std::unexpected(size.error());
-    // NOLINTBEGIN(*-cstyle-cast,*-reinterpret-cast): macros of the kernel's header
-    auto left = static_cast<int>(*size);
-    const auto* message = reinterpret_cast<const nlmsghdr*>(buffer_.data());
-    for (; NLMSG_OK(message, left); message = NLMSG_NEXT(message, left)) {
-      // NOLINTEND(*-cstyle-cast,*-reinterpret-cast)
-      if (message->nlmsg_seq != sequence_) return give_up("an answer to another question");
-      interrupted = interrupted || (message->nlmsg_flags & NLM_F_DUMP_INTR) != 0;
-      const int type = message->nlmsg_type;
-      if (type == NLMSG_NOOP) continue;
-      if (type != NLMSG_DONE && type != NLMSG_ERROR) {
-        if (type == NLMSG_OVERRUN || to.size() > kMostOctets)
-          return give_up("more than there is room for");
-        to.add(*message);
-        continue;
-      }
-      const auto said = verdict_of(*message);
-      if (!said) return give_up("an answer that is too short");
-      if (*said != 0) return std::unexpected(Refusal{*said, text_of(*said)});
-      // A list ends as a list does, and everything else is acknowledged.
-      if (is_list != (type == NLMSG_DONE)) return give_up("the answer ended too early");
-      return interrupted ? Ending::again : Ending::done;
-    }
-    if (left > 0) return give_up("an answer that is torn");
+/// True: it was the last one.
+std::expected<bool, Refusal> Rtnl::take(const nlmsghdr& message, Read& read) {
+  if (message.nlmsg_seq != sequence_) return give_up("an answer to another question");
+  read.interrupted = read.interrupted || (message.nlmsg_flags & NLM_F_DUMP_INTR) != 0;
+  const int type = message.nlmsg_type;
+  if (type == NLMSG_NOOP) return false;
+  if (type != NLMSG_DONE && type != NLMSG_ERROR) {
+    if (type == NLMSG_OVERRUN || read.to.size() > kMostOctets)
+      return give_up("more than there is room for");
+    read.to.add(message);
+    return false;
   }
+  const auto said = verdict_of(message);
+  if (!said) return give_up("an answer that tells no end");
+  if (*said != 0) return std::unexpected(Refusal{*said, text_of(*said)});
+  // A list ends as a list does, and everything else is acknowledged.
+  if (read.is_list != (type == NLMSG_DONE)) return give_up("the answer ended too early");
+  return true;
 }
 
 std::expected<std::size_t, Refusal> Rtnl::receive(Time end) {
@@ -201,23 +220,29 @@ std::expected<std::size_t, Refusal> Rtnl::receive(Time end) {
     // What comes without end must not put it off: strangers may send as well.
     if (std::chrono::steady_clock::now() >= end) return give_up(kTooLate);
     const ssize_t size = ::recvmsg(socket_.get(), &datagram, MSG_DONTWAIT);
-    if (size > 0) {
-      if ((datagram.msg_flags & MSG_TRUNC) != 0) {
-        buffer_.resize(std::min(buffer_.size() * 4, kMostBuffer));
-        return give_up("an answer is longer than the room for it");
-      }
-      if (sender.nl_pid != 0) continue;  // not the kernel
-      return static_cast<std::size_t>(size);
-    }
     if (size == 0) return give_up("rtnetlink has hung up");
-    if (errno != EAGAIN && errno != EINTR) return give_up("hearing rtnetlink", errno);
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
-        end - std::chrono::steady_clock::now());
-    pollfd waits{socket_.get(), POLLIN, 0};
-    const int ready = left.count() > 0 ? ::poll(&waits, 1, static_cast<int>(left.count()) + 1) : 0;
-    if (ready == 0) return give_up(kTooLate);
-    if (ready < 0 && errno != EINTR) return give_up("waiting for rtnetlink", errno);
+    if (size < 0) {
+      if (auto waited = wait(errno, end); !waited) return std::unexpected(waited.error());
+      continue;
+    }
+    if ((datagram.msg_flags & MSG_TRUNC) != 0) {
+      buffer_.resize(std::min(buffer_.size() * 4, kMostBuffer));
+      return give_up("an answer is longer than the room for it");
+    }
+    if (sender.nl_pid == 0) return static_cast<std::size_t>(size);  // the kernel
   }
+}
+
+/// Until something comes, where nothing was there to be heard.
+std::expected<void, Refusal> Rtnl::wait(int error, Time end) {
+  if (error != EAGAIN && error != EINTR) return give_up("hearing rtnetlink", error);
+  const auto left =
+      std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+  pollfd waits{socket_.get(), POLLIN, 0};
+  const int ready = left.count() > 0 ? ::poll(&waits, 1, static_cast<int>(left.count()) + 1) : 0;
+  if (ready == 0) return give_up(kTooLate);
+  if (ready < 0 && errno != EINTR) return give_up("waiting for rtnetlink", errno);
+  return {};
 }
 
 }  // namespace mlcca::net

@@ -100,7 +100,10 @@ class Rtnl {
   std::expected<Answers, Refusal> ask_again(const Message& request, unsigned flags);
   std::expected<Ending, Refusal> ask_once(const Message& request, unsigned flags, Time end,
                                           Answers& to);
+  std::expected<void, Refusal> send(const Message& request, unsigned flags);
+  std::expected<bool, Refusal> take(const nlmsghdr& message, Read& read);
   std::expected<std::size_t, Refusal> receive(Time end);
+  std::expected<void, Refusal> wait(int error, Time end);
   std::unexpected<Refusal> give_up(const char* call, int error);
   std::unexpected<Refusal> give_up(std::string why);
 

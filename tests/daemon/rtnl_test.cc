@@ -16,7 +16,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstring>
 #include <functional>
+#include <limits>
 
 #include "daemon/net/links.hpp"
 
@@ -166,6 +168,19 @@ TEST_F(RtnlTest, TornAndTruncatedAnswersAreErrors) {
     return size;
   };
   EXPECT_FALSE(kernel_.dump(interfaces()));
+}
+
+TEST_F(RtnlTest, AnEndWithWhatIsNoErrnoIsAnError) {
+  spoil_answer = [](ssize_t size, msghdr* message) {
+    nlmsghdr& first = first_of(message);
+    first.nlmsg_type = NLMSG_ERROR;
+    const int least = std::numeric_limits<int>::min();
+    std::memcpy(NLMSG_DATA(&first), &least, sizeof least);
+    return size;
+  };
+  const auto answers = kernel_.dump(interfaces());
+  ASSERT_FALSE(answers);
+  EXPECT_EQ(answers.error().said, 0);
 }
 
 TEST_F(RtnlTest, NobodyWaitsForEver) {
