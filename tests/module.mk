@@ -18,10 +18,11 @@ SANITIZED := requests_test leases_test bus_load_test bypass_test drops_test turn
 # Too long for CI, but sound: attach_test and store_test take minutes (journal_fuzz and control_fuzz go through the
 # same code), those of the core, of descriptions and of tools compile for minutes (description_fuzz, replies_fuzz).
 SANITIZED_ALL := $(SANITIZED) attach_test store_test wire_live_test ether_table_test can_test core_test \
-	description_test mesh_test bandwidth_test doctor_test include_test
-# Never: they run programs that are not instrumented (analyse_bus, check, describe, generate, proto, sources_live,
-# start, tools, twin), code that a generator made (der), or frames through the kernel, where nothing is to be looked into
-# (gate_frames, ether_frames, ether_sockets). What mlcca-sources reads goes through sources_texts_fuzz and sources_packets_fuzz.
+	description_test mesh_test doctor_test
+# Never: they run programs that are not instrumented (analyse_bus, bandwidth, check, describe, generate, proto,
+# sources_live, start, tools, twin), code that a generator made (der), literals that must be constants to be linked
+# (include), or frames through the kernel, where nothing is to be looked into (gate_frames, ether_frames, ether_sockets).
+# What mlcca-sources reads goes through sources_texts_fuzz and sources_packets_fuzz.
 check-sanitized: $(addprefix $O/fuzz/tests/,$(SANITIZED)) | $(PROGRAMS) ## tests with ASan and UBSan (root): SANITIZED="store_test …"
 	$(Q)tests/support/run-tests $^
 check-sanitized-all: $(addprefix $O/fuzz/tests/,$(SANITIZED_ALL)) | $(PROGRAMS) ## and those that take too long for CI (root)
