@@ -14,6 +14,15 @@ void note(const System& system, std::vector<std::size_t>& resources, const Route
   }
 }
 
+void note_pairs(std::vector<std::pair<std::size_t, std::uint64_t>>& pairs,
+                const std::vector<MediumUse>& media) {
+  for (const MediumUse& use : media)
+    for (const auto& [from, to] : use.pairs) {
+      const std::pair entry(use.network, std::uint64_t{from} << 32U | to);
+      if (std::ranges::find(pairs, entry) == pairs.end()) pairs.push_back(entry);
+    }
+}
+
 }  // namespace
 
 void Usage::forget(std::size_t channel) {
@@ -32,23 +41,24 @@ void Usage::forget(std::size_t channel) {
   old.pairs.clear();
 }
 
-void Usage::set(const Situation& s, std::size_t channel, const Decision& decision) {
-  OfChannel now;
+Usage::OfChannel Usage::use_of(const Situation& s, const Decision& decision) {
+  OfChannel out;
   const bool best = decision.all_granted() && decision.set == 0;
   for (const Verdict& v : decision.verdicts) {
-    ++(v.granted ? now.granted : now.refused);
+    ++(v.granted ? out.granted : out.refused);
     if (v.granted) {
-      note(s.system, now.carried, v.route);
-      for (const MediumUse& use : v.media)
-        for (const auto& [from, to] : use.pairs) {
-          const std::pair entry(use.network, std::uint64_t{from} << 32U | to);
-          if (std::ranges::find(now.pairs, entry) == now.pairs.end()) now.pairs.push_back(entry);
-        }
+      note(s.system, out.carried, v.route);
+      note_pairs(out.pairs, v.media);
     }
     if (best) continue;
     for (const Route& route : s.topology.routes(s.members.publisher(v.publisher).place, v.to))
-      note(s.system, now.waiting, route);
+      note(s.system, out.waiting, route);
   }
+  return out;
+}
+
+void Usage::set(const Situation& s, std::size_t channel, const Decision& decision) {
+  OfChannel now = use_of(s, decision);
   if (now == of_channel_[channel]) return;
   forget(channel);
   for (const std::size_t r : now.carried) carried_[r].insert(channel);

@@ -65,6 +65,7 @@ class Usage {
     std::size_t refused = 0;
     bool operator==(const OfChannel&) const = default;
   };
+  static OfChannel use_of(const Situation& situation, const Decision& decision);
   void forget(std::size_t channel);
 
   std::vector<OfChannel> of_channel_;

@@ -142,7 +142,7 @@ class Gateway {
   [[nodiscard]] std::string not_read_in_time() const;
   [[nodiscard]] LoadResult complete(LoadResult loaded) const;
   /// What was read is to be in force.
-  Body reload_with(LoadResult loaded);
+  Body reload_with(LoadResult read);
   void end_reload(Body body);
   void restore_into(Loaded& loaded) const;
   void remember_leases_and_keys();

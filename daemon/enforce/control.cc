@@ -38,11 +38,11 @@ std::uint64_t check_interval(std::uint64_t grace) {
 
 /// ns between two jiffies: what the coarse clocks step by (CLOCK_MONOTONIC_COARSE).
 Result<std::uint64_t> kernel_tick() {
-  constexpr long kShortest = 500'000;  // ns; HZ is 100 to 1000 everywhere, 24 to 1200 at the most
-  constexpr long kLongest = 50'000'000;
+  constexpr long shortest = 500'000;  // ns; HZ is 100 to 1000 everywhere, 24 to 1200 at the most
+  constexpr long longest = 50'000'000;
   timespec tick{};
   if (clock_getres(CLOCK_MONOTONIC_COARSE, &tick) != 0) return failure("clock_getres", errno);
-  if (tick.tv_sec != 0 || tick.tv_nsec < kShortest || tick.tv_nsec > kLongest)
+  if (tick.tv_sec != 0 || tick.tv_nsec < shortest || tick.tv_nsec > longest)
     return fail(fmt::format("the kernel's clock ticks every {}.{:09} s, which cannot be",
                             tick.tv_sec, tick.tv_nsec));
   return static_cast<std::uint64_t>(tick.tv_nsec);
@@ -115,7 +115,7 @@ struct Control::State {
   Result<void> open_or_make();
   Result<void> map_word();
   Result<void> load_programs();
-  [[nodiscard]] Result<void> run(bpf_program* program, std::uint32_t mark) const;
+  [[nodiscard]] static Result<void> run(bpf_program* program, std::uint32_t mark);
   [[nodiscard]] Result<void> run_beat(gate_beat what);
 };
 
@@ -238,7 +238,7 @@ Result<void> Control::arm() {
     return std::unexpected(done.error());
   state_->deadman = open_pin(state_->deadman_pin());
   if (!state_->deadman) return failure("open " + state_->deadman_pin(), errno);
-  return state_->run(state_->object->progs.gate_arm, 0);
+  return State::run(state_->object->progs.gate_arm, 0);
 }
 
 /// Over the timer of a daemon before this one, if it left one.
@@ -263,7 +263,7 @@ Result<void> Control::State::run_beat(gate_beat what) {
   return run(object->progs.gate_beat, what);
 }
 
-Result<void> Control::State::run(bpf_program* program, std::uint32_t mark) const {
+Result<void> Control::State::run(bpf_program* program, std::uint32_t mark) {
   std::array<std::uint8_t, 14> frame{};  // the least that a test run takes; not looked at
   __sk_buff context{};
   context.mark = mark;

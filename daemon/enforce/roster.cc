@@ -24,10 +24,10 @@ using Link = std::unique_ptr<bpf_link, FreeWith<bpf_link__destroy>>;
 
 /// Of those that look at a control word: the dead-man and timers are attached nowhere.
 bool is_gate(const gate_program& program) {
-  constexpr std::array<std::string_view, 7> kNames = {
+  constexpr std::array<std::string_view, 7> names = {
       "gate_ingress", "gate_egress",    "ether_ingress", "ether_egress",
       "ether_early",  "closed_ingress", "closed_egress"};
-  for (const std::string_view name : kNames)
+  for (const std::string_view name : names)
     if (name == static_cast<const char*>(program.name)) return true;
   return false;
 }
