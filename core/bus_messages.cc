@@ -2,6 +2,7 @@
 #include "core/bus_messages.hpp"
 
 #include <algorithm>
+#include <map>
 #include <tuple>
 #include <utility>
 
@@ -88,21 +89,22 @@ void BusMessages::add(const Situation& situation, const Ledger& ledger, const Ve
 
 /// Where a message is there already, for another place: the stricter of both, as for the bus.
 void BusMessages::put(BusMessage next) {
-  const auto there = std::ranges::find(messages_, order_of(next), order_of);
-  if (there == messages_.end()) {
+  const auto [at, fresh] = known_.try_emplace(order_of(next), messages_.size());
+  if (fresh) {
     messages_.push_back(std::move(next));
     return;
   }
-  there->granted = there->granted && next.granted;
-  there->in_vain = there->in_vain || next.in_vain;
+  BusMessage& there = messages_[at->second];
+  there.granted = there.granted && next.granted;
+  there.in_vain = there.in_vain || next.in_vain;
   for (const Place place : next.unknown)
-    if (std::ranges::find(there->unknown, place) == there->unknown.end())
-      there->unknown.push_back(place);
-  if (!there->message || !next.message) {
-    if (!there->message) there->message = next.message;
+    if (std::ranges::find(there.unknown, place) == there.unknown.end())
+      there.unknown.push_back(place);
+  if (!there.message || !next.message) {
+    if (!there.message) there.message = next.message;
     return;
   }
-  can::Message& m = *there->message;
+  can::Message& m = *there.message;
   const can::Time delay =
       std::min(m.deadline - m.jitter, next.message->deadline - next.message->jitter);
   m.jitter = std::max(m.jitter, next.message->jitter);
@@ -142,22 +144,34 @@ void BusMessages::add_refused(const Situation& situation, Ledger& ledger, Verdic
          .before = bus_before(situation.system, ledger, again, t.hop)});
 }
 
-std::vector<BusMessage> BusMessages::take(const Situation& situation, Ledger& ledger) {
-  std::vector<BusMessage> granted = std::exchange(messages_, {});
-  std::ranges::stable_sort(granted, {}, order_of);
-  for (BusMessage& m : granted) {
-    const can::Message* held =
-        ledger.schedule(m.network)->find(Ledger::key_of({m.publisher, m.network, m.from}));
-    if (held != nullptr) {
-      m.message = *held;
-      m.granted_jitter = held->jitter;
-      m.granted_response = ledger.schedule(m.network)->response(held->key);
+/// The messages and response times of what is granted.
+void BusMessages::take_granted(const Ledger& ledger) {
+  std::map<std::size_t, std::map<std::uint64_t, std::pair<const can::Message*, can::Response>>>
+      on_bus;
+  for (BusMessage& m : std::exchange(messages_, {})) {
+    const can::Schedule& bus = *ledger.schedule(m.network);
+    const auto [there, fresh] = on_bus.try_emplace(m.network);
+    if (fresh) {
+      const auto responses = can::analyse(bus.assumptions(), bus.messages());
+      for (std::size_t i = 0; i < responses.size(); ++i)
+        there->second[bus.messages()[i].key] = {&bus.messages()[i], responses[i]};
     }
-    const bool again = !messages_.empty() && order_of(messages_.back()) == order_of(m);
-    if (!again) messages_.push_back(std::move(m));
+    const auto held = there->second.find(Ledger::key_of({m.publisher, m.network, m.from}));
+    if (held != there->second.end()) {
+      const auto& [message, response] = held->second;
+      m.message = *message;
+      m.granted_jitter = message->jitter;
+      m.granted_response = response.bounded ? response.response : can::kNever;
+    }
+    put(std::move(m));
   }
+}
+
+std::vector<BusMessage> BusMessages::take(const Situation& situation, Ledger& ledger) {
+  take_granted(ledger);
   for (Verdict& v : refused_) add_refused(situation, ledger, std::move(v));
   refused_.clear();
+  known_.clear();
   std::ranges::stable_sort(messages_, {}, order_of);
   return std::exchange(messages_, {});
 }
@@ -186,9 +200,11 @@ void inherit_jitter(std::vector<BusMessage>& messages,
     bool any = false;
     for (BusMessage& m : messages) {
       if (!m.message || !m.before) continue;
-      const auto last = std::ranges::find(
-          messages, std::tuple(m.before->network, m.publisher, m.before->from), order_of);
-      if (last == messages.end() || !last->message) continue;
+      const auto last = std::ranges::lower_bound(
+          messages, std::tuple(m.before->network, m.publisher, m.before->from), {}, order_of);
+      if (last == messages.end() || !last->message || last->network != m.before->network ||
+          last->publisher != m.publisher || last->from != m.before->from)
+        continue;
       const can::Response& r = responses[static_cast<std::size_t>(last - messages.begin())];
       const Value jitter = r.bounded && round < most_rounds
                                ? add_saturating(r.response, m.before->added)

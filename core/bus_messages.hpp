@@ -4,7 +4,9 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "core/admission.hpp"
@@ -41,7 +43,7 @@ struct BusMessage {
 };
 
 /// Makes the jitter of what is refused that which it would have: as late as the bus before lets it
-/// be, with all messages on all buses. Whatever is granted is in time everywhere, so if everything
+/// be, with all messages on all buses. `messages` are in the order of BusMessages::take(). Whatever is granted is in time everywhere, so if everything
 /// is nothing changes. Not bounded there: can::kNever. `buses`: of each network, where analysed.
 void inherit_jitter(std::vector<BusMessage>& messages,
                     const std::vector<std::optional<can::Assumptions>>& buses);
@@ -59,8 +61,11 @@ class BusMessages {
   void add(const Situation& situation, const Ledger& ledger, const Verdict& verdict);
   void add_refused(const Situation& situation, Ledger& ledger, Verdict verdict);
   void put(BusMessage message);
+  void take_granted(const Ledger& ledger);
 
   std::vector<BusMessage> messages_;
+  /// Their places, by network, publisher and from.
+  std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::size_t> known_;
   std::vector<Verdict> refused_;
 };
 

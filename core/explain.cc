@@ -316,17 +316,19 @@ void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber
 }
 
 void Explainer::add_medium(const Verdict& v, const Row& row) {
-  Finding& f = new_finding(id_of(row.against), v);
-  const std::string& publisher = s_.members.publisher(v.publisher).name;
   const Comparison& c = row.comparison;
+  const bool queue = row.against == Against::schedule && c.attribute == Attribute::omission;
+  Finding& f = new_finding(queue ? FindingId::queue_too_short : id_of(row.against), v);
+  const std::string& publisher = s_.members.publisher(v.publisher).name;
   f.place = row.place;
   f.has_place = true;
   f.attribute = info(c.attribute).name;
-  f.required = format_value(c.attribute, c.required);
-  f.provided = format_value(c.attribute, c.provided);
+  f.required =
+      queue ? std::to_string(row.reserved) + " frames" : format_value(c.attribute, c.required);
+  f.provided = queue ? std::to_string(row.room) + " frames" : format_value(c.attribute, c.provided);
   if (row.against == Against::schedule) {
     f.text = "with " + publisher + ", " + schedule_text(s_.system, s_.members, row);
-    if (c.attribute == Attribute::omission)
+    if (queue)
       f.hint = "send less often, or give the port of the gateway queue-length=\"" +
                std::to_string(row.reserved) + "\"";
     else if (c.provided == kUnbounded)

@@ -51,7 +51,7 @@ constexpr auto kTable = std::to_array<FindingInfo>({
     {Id::unsafe_drop, S::warning, "unsafe-drop",
      "events that must arrive cross a gate, which drops when in doubt"},
     {Id::deadline_missed, S::error, "deadline-missed",
-     "a message on a CAN bus can come too late, or be lost in the queue of a gateway"},
+     "a message on a CAN bus can come too late"},
     {Id::medium_time, S::error, "medium-time",
      "the links of a mesh have not enough time left for a channel"},
     {Id::shared_limit, S::warning, "shared-limit",
@@ -60,6 +60,8 @@ constexpr auto kTable = std::to_array<FindingInfo>({
      "what a network gives must be computed, which the stylesheet cannot"},
     {Id::no_data_rate, S::error, "no-data-rate",
      "FD frames on a bus that has no bit rate for their data phase"},
+    {Id::queue_too_short, S::error, "queue-too-short",
+     "the queue of a gateway is too short for the frames that may wait in it"},
 });
 
 constexpr bool is_dense() {

@@ -50,6 +50,7 @@ enum class FindingId : std::uint8_t {
   shared_limit = 33,
   not_decided = 34,
   no_data_rate = 35,
+  queue_too_short = 36,
 };
 
 /// A note is information: it does not make a description unfit.

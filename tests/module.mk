@@ -16,8 +16,8 @@ SANITIZED := requests_test leases_test bus_load_test bypass_test drops_test turn
 	rtnl_test forwarding_test slots_test readback_test drift_test vanish_test gates_lock_test full_disk_test \
 	radio_test
 # Too long for CI, but sound: attach_test and store_test take minutes (journal_fuzz and control_fuzz go through the
-# same code), those of the core, of descriptions and of tools compile for minutes (description_fuzz, replies_fuzz).
-SANITIZED_ALL := $(SANITIZED) attach_test store_test wire_live_test ether_table_test can_test core_test \
+# same code), bus_sim_test has fewer sets there, those of the core, of descriptions and of tools compile for minutes (description_fuzz, replies_fuzz).
+SANITIZED_ALL := $(SANITIZED) attach_test store_test wire_live_test ether_table_test bus_sim_test can_test core_test \
 	description_test mesh_test doctor_test
 # Never: they run programs that are not instrumented (analyse_bus, bandwidth, check, describe, generate, proto,
 # sources_live, start, tools, twin), code that a generator made (der), literals that must be constants to be linked

@@ -82,12 +82,8 @@ Share Overhead::share(Time longest) const {
 
 LevelResponse level_response(const Interference& all, const Overhead& overhead, const Message& m,
                              const Level& level, Time begin) {
-  if (all.share(0, level.end) + overhead.share(level.longest) >= kAllShare) return {};
-  // What blocks each event anew must leave room for the next one, if there can be one in the busy
-  // period at all.
-  const bool lasts =
-      all.share(0, level.end) + overhead.share(level.longest) + blocked_share(m, level.blocking) <
-      kAllShare;
+  const Share share = all.share(0, level.end) + overhead.share(level.longest);
+  if (share >= kAllShare) return {};
   const auto others = [&](Time until) {
     return all.demand(0, level.self, until) + all.demand(level.self + 1, level.end, until);
   };
@@ -112,7 +108,8 @@ LevelResponse level_response(const Interference& all, const Overhead& overhead, 
   Time events = 1;
   // Most messages are alone in their busy period; then one look at their second release shows it.
   if (second < end_of_first || busy_until(second) > second) {
-    if (!lasts) return {};
+    // What blocks each event anew must leave room for the next one.
+    if (share + blocked_share(m, level.blocking) >= kAllShare) return {};
     const auto busy = fixpoint(end_of_first, busy_until);
     if (!busy) return {};
     events = (*busy + m.jitter + period - 1) / period;

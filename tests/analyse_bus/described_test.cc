@@ -196,8 +196,22 @@ TEST_F(AnalyseBusTest, AQueueThatIsTooShortIsNoMissedDeadline) {
       << text;
   EXPECT_EQ(text.find("can be missed"), std::string::npos) << text;
   const auto check = test::run({"check", path}).out;
+  EXPECT_NE(check.find("MLCCA036"), std::string::npos) << check;
   EXPECT_NE(check.find("it holds 3 frames, and up to 4 wait in it"), std::string::npos) << check;
   EXPECT_NE(check.find("queue-length=\"4\""), std::string::npos) << check;
+}
+
+TEST_F(AnalyseBusTest, WhoHasNoSubscriberIsNotCountedAndNamed) {
+  auto text = system_with({{"heard", "a", "a", 1, 0, 20000, 20000},
+                           {"unheard", "a", "a", 2, 0, 20000, 20000}});
+  const auto at = text.find("<Subscriber name=\"to-unheard\"");
+  text.erase(at, text.find('\n', at) - at);
+  const auto done = analyse(file("unheard.xml", text), {"--json", "--network", "a"});
+  ASSERT_EQ(done.status, 0) << done.error << done.out;
+  const Json out = Json::parse(done.out);
+  EXPECT_EQ(out["messages"].size(), 1U);
+  ASSERT_EQ(out["not_counted"].size(), 1U);
+  EXPECT_NE(out["not_counted"][0].get<std::string>().find("unheard"), std::string::npos);
 }
 
 TEST_F(AnalyseBusTest, TwoSendersOfOneIdentifierAreRefusedWithBothLines) {

@@ -60,11 +60,13 @@ channel() {
 }
 
 # network NAME PROFILE BINDING...: each binding is an element of the description. A virtual bus carries
-# more than its bit rate says: a test that makes use of it sets measured to false.
+# more than its bit rate says: a test that makes use of it sets measured to false. One with FD frames states the
+# bit rate of their data phase.
 measured=true
+data_bitrate=
 network() {
 	echo "<Network name='$1'><Kind>can</Kind><Profile>$2</Profile>"
-	echo "<Bus bitrate='500000' measured='$measured'/><Provision>"
+	echo "<Bus bitrate='500000' ${data_bitrate:+data-bitrate='$data_bitrate'} measured='$measured'/><Provision>"
 	value Latency 5 ms
 	value Period 1 ms
 	value Omission 0

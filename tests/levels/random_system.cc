@@ -113,12 +113,13 @@ class Writer {
     const bool computed = !random_.one_in(5);
     auto out = fmt::format("<Network name=\"n{}\"><Kind>can</Kind><Profile>famouso</Profile>", n);
     if (computed)
-      out += fmt::format("<Bus bitrate=\"{}\"{}/>", random_.one_of(rates),
-                         random_.one_in(4) ? " unknown-senders=\"true\"" : "");
+      out += fmt::format("<Bus bitrate=\"{}\"{}{}/>", random_.one_of(rates),
+                         random_.one_in(4) ? " unknown-senders=\"true\"" : "",
+                         random_.one_in(4) ? " data-bitrate=\"2000000\"" : "");
     if (!computed || !random_.one_in(3)) out += provision(computed ? 5 : 1, false);
     for (std::size_t c = 0; c < sets_.size(); ++c)
-      out += fmt::format("<Binding channel=\"c{}\"><ETag>0x10{}</ETag></Binding>", c,
-                         sets_.size() - c);
+      out += fmt::format("<Binding channel=\"c{}\"{}><ETag>0x10{}</ETag></Binding>", c,
+                         random_.one_in(20) ? " format=\"fd\"" : "", sets_.size() - c);
     return out + "</Network>\n";
   }
 

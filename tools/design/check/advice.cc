@@ -91,6 +91,9 @@ const char* advice_on(core::FindingId id) {
              "identifier (mlccactl analyse-bus --assign finds an order), allow more time, or let "
              "the "
              "gateway queue by priority (queue=\"priority\" of its Port).";
+    case Id::queue_too_short:
+      return "More frames may wait in the queue of a gateway than it holds, and one that finds it "
+             "full is lost. Give its Port the queue-length that is named, or send less often.";
     case Id::medium_time:
       return "The links of a mesh share the time of their medium (docs/MESH.md). Send less, state "
              "a "
