@@ -11,6 +11,12 @@
 namespace mlcca::core::can {
 namespace {
 
+/// What a message takes of the bus is known, though its jitter may be too long.
+bool has_load(const Assumptions& assumptions, const Message& m) {
+  const Unusable why = unusable(assumptions, m);
+  return why == Unusable::no || why == Unusable::jitter;
+}
+
 std::vector<std::size_t> by_priority(std::span<const Message> messages) {
   std::vector<std::size_t> order(messages.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -245,11 +251,7 @@ std::vector<Response> analyse_from(const Assumptions& assumptions,
                                    std::span<const Message> messages,
                                    std::span<const Time> at_least) {
   std::vector<Response> found(messages.size());
-  const auto can_be_analysed = [&](const Message& m) {
-    const Unusable why = unusable(assumptions, m);
-    return why == Unusable::no || why == Unusable::jitter;
-  };
-  if (!std::ranges::all_of(messages, can_be_analysed)) {
+  if (!std::ranges::all_of(messages, [&](const Message& m) { return has_load(assumptions, m); })) {
     for (std::size_t i = 0; i < messages.size(); ++i)
       if (messages[i].queue != kOwnQueue)
         found[i].queued_frames = std::numeric_limits<std::uint32_t>::max();
@@ -284,7 +286,7 @@ std::uint64_t utilisation_ppm(const Assumptions& assumptions, std::span<const Me
   constexpr std::uint64_t finer = 1'000'000;  // each is rounded up that much finer than the sum
   Wide sum = 0;
   for (const Message& m : messages)
-    if (usable(assumptions, m))
+    if (has_load(assumptions, m))
       sum += (Wide{m.transmission} * whole * finer + m.period - 1) / m.period;
   return static_cast<std::uint64_t>((sum + finer - 1) / finer) + assumptions.background;
 }

@@ -267,6 +267,7 @@ TEST(Analysis, TooMuchJitterLeavesUnboundedWhatItMayWinAgainst) {
       EXPECT_EQ(found[0].response, 2 * kMillisecond);
       EXPECT_FALSE(found[1].bounded);
       EXPECT_FALSE(found[2].bounded);
+      EXPECT_EQ(utilisation_ppm(bus(), set), 300'000U);
     }
   }
 }

@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <ranges>
 
 #include "tools/values.hpp"
 
@@ -161,7 +162,10 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
   text += fmt::format(": {}\n", summary_of(analysed));
   const auto sentences = [&text](std::string_view title, const std::vector<std::string>& all) {
     if (!all.empty()) text += fmt::format("{}\n", title);
-    for (const auto& one : all) text += fmt::format("  {}\n", printable(one));
+    constexpr std::size_t most = 20;
+    for (const auto& one : all | std::views::take(most))
+      text += fmt::format("  {}\n", printable(one));
+    if (all.size() > most) text += fmt::format("  and {} more\n", all.size() - most);
   };
   if (!analysed.why_unbounded.empty()) text += analysed.why_unbounded + "\n";
   sentences("Not known:", bus.unknown);
