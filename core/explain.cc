@@ -110,6 +110,12 @@ std::string provided_name(const System& system, const Row& row) {
   return info(held_against(row.comparison.attribute)).name;
 }
 
+/// Where a hop states what it provides.
+std::string stated_by(const System& system, Place place) {
+  const bool evaluated = place.kind == Place::Kind::network && system.networks[place.index].mesh;
+  return (evaluated ? "PerHop of " : "") + name_of(system, place);
+}
+
 /// False where a required Deadline follows from a Period.
 bool states_deadline(const Situation& s, const Verdict& v, std::size_t subscriber) {
   if (attributes_in(s.members.publisher(v.publisher), v.set).has(Attribute::deadline)) return true;
@@ -186,7 +192,9 @@ void Explainer::add_obstacle(const Verdict& v) {
                ", or let the Binding have format=\"classic\"";
       break;
     case Obstacle::no_path:
-      f.hint = "state the links of the mesh, or a source that knows them";
+      f.hint = s_.system.networks[v.obstacle_at.index].mesh->nodes.empty()
+                   ? "describe the nodes of the mesh"
+                   : "state the links of the mesh, or a source that knows them";
       break;
     case Obstacle::no_sender:
       f.hint = "add sender=\"USER\" to the Port that the events leave by";
@@ -299,7 +307,7 @@ void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber
                              provided_name(system, row) + " " + f.required +
                              " or better, ask less, or take another way"
                        : "state " + provided_name(system, row) + " of " +
-                             name_of(system, row.place) + ": what is not stated is not given";
+                             stated_by(system, row.place) + ": what is not stated is not given";
       break;
     case Against::bystander:
       f.text = publisher + " to " + name_of(system, v.to) + ": " + f.attribute + " " + f.required +

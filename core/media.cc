@@ -52,6 +52,14 @@ bool is_empty(const AttributeSet& offered) {
   return offered.has(Attribute::max_payload) && offered[Attribute::max_payload] == 0;
 }
 
+/// What the links of a way give, beside their rate, which is reckoned as medium time.
+void provide_links(AttributeSet& provision, const AttributeSet& given, bool dynamic) {
+  for (std::size_t i = 0; i < kAttributes; ++i) {
+    const Attribute a = attribute_at(i);
+    if (a != Attribute::bandwidth && given.has(a)) provide(provision, a, given[a], dynamic);
+  }
+}
+
 /// From a node to itself: there is nothing in between.
 void provide_everything(AttributeSet& provision, const AttributeSet& offered) {
   for (const Attribute a :
@@ -303,16 +311,19 @@ std::vector<std::uint32_t> Media::exits(std::size_t hop) const {
   return nodes;
 }
 
-/// At design time nobody need know the links: the run time decides.
+/// At design time nobody need know the links: the run time decides, unless a way of one link is
+/// too bad already.
 void Media::no_path(std::size_t hop) {
   const mesh::Mesh& mesh = *s_.system.networks[places_[hop].index].mesh;
-  if (!s_.best_cases_pass || is_fixed(mesh)) {
+  if (!s_.best_cases_pass || is_fixed(mesh) || mesh.nodes.empty()) {
     obstruct(Obstacle::no_path, hop);
     return;
   }
+  const AttributeSet& offered = attributes_in(s_.members.publisher(v_.publisher), v_.set);
   AttributeSet& provision = hops_[hop].provision;
   provide(provision, Attribute::bandwidth, kUnbounded, true);
-  provide_events(provision, attributes_in(s_.members.publisher(v_.publisher), v_.set), true);
+  provide_links(provision, mesh::best_per_hop(mesh, mesh_event(offered)), true);
+  provide_events(provision, offered, true);
   // However much is stated: without a way there is nothing.
   Row row{.place = places_[hop], .against = Against::medium_time};
   row.comparison.attribute = Attribute::bandwidth;
@@ -432,11 +443,7 @@ void Media::take_mesh(std::size_t hop) {
     return;
   }
   provide(provision, Attribute::bandwidth, c.alone, c.best_case);
-  for (std::size_t i = 0; i < kAttributes; ++i) {
-    const Attribute a = attribute_at(i);
-    if (a != Attribute::bandwidth && c.links_give.has(a))
-      provide(provision, a, c.links_give[a], c.best_case);
-  }
+  provide_links(provision, c.links_give, c.best_case);
   provide_events(provision, offered, c.best_case);
   if (c.available != kUnbounded) compare_medium_time(c, hop);
   v_.media.push_back(std::move(c.use));

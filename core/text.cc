@@ -121,6 +121,8 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
       return "publisher " + publisher.name + " states no Period, and response times on " + at() +
              " depend on it";
     case Obstacle::no_path:
+      if (const auto& mesh = system.networks[v.obstacle_at.index].mesh; mesh && mesh->nodes.empty())
+        return "no nodes of " + at() + " are described: nobody knows where events enter and leave";
       return "no links are known that lead through " + at();
     case Obstacle::no_sender:
       return "events cross " + at() +

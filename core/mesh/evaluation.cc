@@ -153,4 +153,12 @@ AttributeSet composed_per_hop(const Graph& graph, const Mesh& mesh,
   return hops[0].provision;
 }
 
+AttributeSet best_per_hop(const Mesh& mesh, Value event_bytes) {
+  const LinkQuality lossless{.loss = 0, .loss_known = true};
+  const Hop link{.provision = given_by(lossless, mesh.per_hop),
+                 .medium = 0,
+                 .frames = packets_of(mesh, event_bytes)};
+  return compose(&link, 1);
+}
+
 }  // namespace mlcca::core::mesh

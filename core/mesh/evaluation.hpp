@@ -82,4 +82,7 @@ class PathCost {
 [[nodiscard]] AttributeSet composed_per_hop(const Graph& graph, const Mesh& mesh,
                                             std::span<const std::uint32_t> path, Value event_bytes);
 
+/// The best that any way gives of Mesh::per_hop: one link without a loss beyond what is stated.
+[[nodiscard]] AttributeSet best_per_hop(const Mesh& mesh, Value event_bytes);
+
 }  // namespace mlcca::core::mesh
