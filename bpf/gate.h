@@ -68,10 +68,15 @@
  * Gaps between the events of a slot, by eighths of its period: [n] counts those of n to n + 1
  * eighths, the last one what is longer. From 12 on (one and a half) an event is missing in between.
  */
-#define GATE_GAPS	    16
-#define GATE_GAPS_PERIOD    8
-#define GATE_GAPS_MISSING   12
-#define GATE_GAP_BITS	    56		 /* of gap * scale behind the point */
+#define GATE_GAPS	  16
+#define GATE_GAPS_PERIOD  8
+#define GATE_GAPS_MISSING 12
+#define GATE_GAP_BITS	  56 /* of gap * scale behind the point */
+/*
+ * A gap as long as `silence` of its watch, or as so many periods where that is 0, and no shorter
+ * than GATE_CALM, is a silence: what was found begins anew with the event that ends it.
+ */
+#define GATE_SILENT_PERIODS 16
 #define GATE_LONGEST_PERIOD (1ULL << 50) /* ns, 13 days: longer ones are not watched */
 
 #define GATE_WATCHMEN	 16	       /* timers of one interface; each looks at every 16th slot */

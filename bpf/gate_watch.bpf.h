@@ -35,6 +35,30 @@ static __always_inline void lower(__u64 *least, __u64 value)
 	}
 }
 
+static __always_inline bool is_silence(const struct gate_watch *w, __u64 period, __u64 gap)
+{
+	__u64 silence = READ_ONCE(w->silence);
+
+	if (!silence)
+		silence = GATE_SILENT_PERIODS * period;
+	return gap >= silence && gap >= GATE_CALM;
+}
+
+/* The event of `now` is the first one. Another CPU may leave a gap of its own behind. */
+static void begin_anew(struct gate_watch *w, __u64 now)
+{
+	__u32 i;
+
+	for (i = 0; i < GATE_GAPS; i++)
+		WRITE_ONCE(w->gaps[i], 0);
+	WRITE_ONCE(w->first, now);
+	WRITE_ONCE(w->missing, 0);
+	WRITE_ONCE(w->last_gap, 0);
+	WRITE_ONCE(w->shortest, 0);
+	WRITE_ONCE(w->longest, 0);
+	WRITE_ONCE(w->deviation, 0);
+}
+
 static __always_inline void watch(struct gate_watch *w, __u64 period, __u64 now)
 {
 	__u64 together = READ_ONCE(w->together);
@@ -50,6 +74,10 @@ static __always_inline void watch(struct gate_watch *w, __u64 period, __u64 now)
 	}
 	/* Clocks are read before the exchange: of two frames the later one may have been first. */
 	gap = now > last ? now - last : 1;
+	if (is_silence(w, period, gap)) {
+		begin_anew(w, now);
+		return;
+	}
 	if (gap < 2 * period)
 		bin = gap * READ_ONCE(w->scale) >> GATE_GAP_BITS;
 	__sync_fetch_and_add(&w->gaps[bin & (GATE_GAPS - 1)], 1);

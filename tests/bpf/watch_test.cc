@@ -77,6 +77,35 @@ TEST_F(Watch, CountsWhatIsMissingInBetween) {
   EXPECT_EQ(watch().missing, 11U);
 }
 
+TEST_F(Watch, BeginsAnewAfterASilence) {
+  constexpr std::uint64_t period = 50'000'000;
+  SlotSpec s = watched(period);
+  s.silence = 3 * period;
+  admit(s);
+  ASSERT_TRUE(passes());
+  passes_after(GATE_CALM - kSoon);
+  EXPECT_GE(watch().missing, 9U) << "loss, although it is an exception: events come again at once";
+  EXPECT_EQ(gaps(), 1U);
+  const std::uint64_t before = monotonic_ns();
+  passes_after(GATE_CALM);
+  EXPECT_EQ(watch().missing, 0U);
+  EXPECT_EQ(gaps(), 0U);
+  EXPECT_EQ(watch().last_gap, 0U);
+  EXPECT_EQ(watch().shortest, 0U);
+  EXPECT_EQ(watch().longest, 0U);
+  EXPECT_EQ(watch().deviation, 0U);
+  EXPECT_GE(watch().first, before);
+}
+
+TEST_F(Watch, WhoseSilenceNobodyMindsIsSilentForSixteenPeriods) {
+  admit(watched(kPeriod));
+  ASSERT_TRUE(passes());
+  passes_after(GATE_SILENT_PERIODS * kPeriod - kSoon);
+  EXPECT_EQ(watch().missing, GATE_SILENT_PERIODS - 1U);
+  passes_after(GATE_SILENT_PERIODS * kPeriod);
+  EXPECT_EQ(watch().missing, 0U);
+}
+
 TEST_F(Watch, KnowsTheExtremesAndHowFarOffTheyAre) {
   admit(watched(kPeriod));
   passes_after(kPeriod);

@@ -66,6 +66,16 @@ TEST_P(EtherWatch, CountsWhatIsMissingAndHowFarOffItCame) {
   EXPECT_LT(watch().deviation, 3 * kEighth + kSoon) << "on time, after nine";
 }
 
+TEST_P(EtherWatch, BeginsAnewAfterASilence) {
+  admit(watched(in()));
+  ASSERT_TRUE(passes());
+  passes_after(3 * kPeriod);
+  EXPECT_EQ(watch().missing, 2U);
+  passes_after(GATE_SILENT_PERIODS * kPeriod);
+  EXPECT_EQ(watch().missing, 0U);
+  EXPECT_EQ(gaps(), 0U);
+}
+
 TEST_P(EtherWatch, PartsOfOneEventAreOneEvent) {
   auto s = split(watched(in()));
   s.together = kPeriod / 2;
