@@ -26,6 +26,19 @@ std::vector<std::string> texts(Texts* from) {
   return all(from, [](std::string& one) { return std::move(one); });
 }
 
+HealthState health_state(v1::HealthState from) {
+  switch (from) {
+    case v1::HEALTH_HEALTHY:
+      return HealthState::healthy;
+    case v1::HEALTH_DEGRADED:
+      return HealthState::degraded;
+    case v1::HEALTH_CLOSED:
+      return HealthState::closed;
+    default:
+      return HealthState::unknown;
+  }
+}
+
 ErrorKind error_kind(v1::ErrorKind from) {
   switch (from) {
     case v1::ERROR_INVALID:
@@ -208,7 +221,9 @@ Channel channel(v1::Channel& from) {
           .dropped = from.dropped(),
           .excess = from.excess(),
           .reaction = text(from.mutable_reaction()),
-          .watch = from.has_watch() ? std::optional(watch(from.watch())) : std::nullopt};
+          .watch = from.has_watch() ? std::optional(watch(from.watch())) : std::nullopt,
+          .troubles = texts(from.mutable_troubles()),
+          .withdrawn = from.withdrawn()};
 }
 
 RouteReport route_report(v1::RouteReport& from) {
@@ -284,6 +299,14 @@ Outlook outlook(v1::Outlook& from) {
           .reason = text(from.mutable_reason())};
 }
 
+template <class Message>
+std::optional<Actor> actor(Message& from) {
+  if (!from.has_by()) return std::nullopt;
+  return Actor{.uid = from.by().uid(),
+               .user = text(from.mutable_by()->mutable_user()),
+               .pid = from.by().pid()};
+}
+
 HistoryEntry history_entry(v1::HistoryEntry& from) {
   return {.unix_ns = from.unix_ns(),
           .kind = text(from.mutable_kind()),
@@ -292,7 +315,8 @@ HistoryEntry history_entry(v1::HistoryEntry& from) {
           .from = text(from.mutable_from()),
           .to = text(from.mutable_to()),
           .network = text(from.mutable_network()),
-          .message = text(from.mutable_message())};
+          .message = text(from.mutable_message()),
+          .by = actor(from)};
 }
 
 LinkChange link_change(v1::LinkChange& from) {
@@ -349,6 +373,12 @@ Error error(v1::Error& from) {
           .details = texts(from.mutable_details())};
 }
 
+Health health(v1::Health& from) {
+  return {.state = health_state(from.state()),
+          .reasons = texts(from.mutable_reasons()),
+          .left_out = from.left_out()};
+}
+
 Status status(v1::Status& from) {
   return {.version = text(from.mutable_version()),
           .gateway = text(from.mutable_gateway()),
@@ -364,7 +394,8 @@ Status status(v1::Status& from) {
           .loaded_unix_s = from.loaded_unix_s(),
           .last_error = text(from.mutable_last_error()),
           .interfaces = all(from.mutable_interfaces(), interface),
-          .problem = text(from.mutable_problem())};
+          .problem = text(from.mutable_problem()),
+          .health = health(*from.mutable_health())};
 }
 
 Event event(v1::Event& from) {
@@ -376,7 +407,8 @@ Event event(v1::Event& from) {
           .message = text(from.mutable_message()),
           .admissions = {from.admissions().begin(), from.admissions().end()},
           .silent_ns = from.silent_ns(),
-          .missing = from.missing()};
+          .missing = from.missing(),
+          .by = actor(from)};
 }
 
 Routes routes(v1::Routes& from) {
@@ -409,6 +441,10 @@ Result<Request> from_wire(v1::Request& from) {
       return Request{id, ReleaseRequest{.channel = text(from.mutable_release()->mutable_channel()),
                                         .admission = from.release().admission(),
                                         .key = text(from.mutable_release()->mutable_key())}};
+    case v1::Request::kWithdraw:
+      return Request{id, WithdrawRequest{text(from.mutable_withdraw()->mutable_channel())}};
+    case v1::Request::kReinstate:
+      return Request{id, ReinstateRequest{text(from.mutable_reinstate()->mutable_channel())}};
     case v1::Request::kExplain:
       return Request{id, ExplainRequest{text(from.mutable_explain()->mutable_channel())}};
     case v1::Request::kMonitor:

@@ -55,12 +55,22 @@ struct Admit : ChannelRequest {
   bool operator==(const Admit&) const = default;
 };
 
-/// By channel (all of its run-time admissions) or by the id of one admission.
+/// By channel (all of its run-time admissions) or by the id of one admission. What is described
+/// stays.
 struct ReleaseRequest {
   std::string channel;
   std::uint64_t admission = 0;
   std::string key;  ///< in place of the id
   bool operator==(const ReleaseRequest&) const = default;
+};
+/// Everything of a channel, what is described too, is refused until it is reinstated.
+struct WithdrawRequest {
+  std::string channel;
+  bool operator==(const WithdrawRequest&) const = default;
+};
+struct ReinstateRequest {
+  std::string channel;
+  bool operator==(const ReinstateRequest&) const = default;
 };
 /// The lease of an admission starts anew. By id or by key.
 struct RenewRequest {
@@ -123,7 +133,8 @@ struct Request {
   std::uint64_t id = 0;  ///< copied into the reply
   std::variant<StatusRequest, NetworksRequest, ChannelsRequest, Query, Admit, ReleaseRequest,
                ExplainRequest, MonitorRequest, ModeRequest, ReloadRequest, RenewRequest,
-               RoutesRequest, ReservationsRequest, WhatIfRequest, HistoryRequest, GateRequest>
+               RoutesRequest, ReservationsRequest, WhatIfRequest, HistoryRequest, GateRequest,
+               WithdrawRequest, ReinstateRequest>
       body;
   bool slices = false;  ///< the reply may come in slices; Client sets it
   bool operator==(const Request&) const = default;
@@ -159,6 +170,7 @@ struct Status {
   std::string last_error;
   std::vector<Interface> interfaces;
   std::string problem;
+  Health health = {};
   bool operator==(const Status&) const = default;
 };
 
@@ -182,8 +194,9 @@ struct Event {
   /// Run-time admissions that it concerns: sent to whoever holds one of them, too.
   std::vector<std::uint64_t> admissions;
   // Of missing and restored:
-  std::uint64_t silent_ns = 0;  ///< how long nothing has come, or had not
-  std::uint64_t missing = 0;    ///< events in that time
+  std::uint64_t silent_ns = 0;   ///< how long nothing has come, or had not
+  std::uint64_t missing = 0;     ///< events in that time
+  std::optional<Actor> by = {};  ///< who asked for it; nothing: the daemon did it by itself
   bool operator==(const Event&) const = default;
 };
 

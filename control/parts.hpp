@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What messages of the control protocol are made of; see messages.hpp.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -12,6 +13,24 @@ enum class ErrorKind : std::uint8_t { unspecified, invalid, forbidden, unreadabl
 
 /// How a value was held against another; what nobody stated is not fit.
 enum class Outcome : std::uint8_t { unfit, fit, run_time };
+
+/// The client at whose request something was changed.
+struct Actor {
+  std::uint32_t uid = 0;
+  std::string user;       ///< empty: /etc/passwd does not name it
+  std::uint32_t pid = 0;  ///< of the process that connected
+  bool operator==(const Actor&) const = default;
+};
+
+/// What a monitoring system asks for; `unknown`: a daemon that does not say.
+enum class HealthState : std::uint8_t { unknown, healthy, degraded, closed };
+inline constexpr std::size_t kMostReasons = 32;
+struct Health {
+  HealthState state = HealthState::unknown;
+  std::vector<std::string> reasons = {};  ///< one line each, at most kMostReasons
+  std::uint32_t left_out = 0;             ///< reasons beyond those
+  bool operator==(const Health&) const = default;
+};
 
 /// Value of one attribute in the unit of mlcca::kAttributeTable.
 struct Attribute {
@@ -152,6 +171,8 @@ struct Channel {
   std::uint64_t excess = 0;  ///< beyond the admitted traffic, dropped or not
   std::string reaction;      ///< worst-case reaction to a stopped heart-beat; empty: none
   std::optional<Watch> watch;
+  std::vector<std::string> troubles = {};  ///< what is wrong with what was granted, one line each
+  bool withdrawn = false;                  ///< an operator has withdrawn the channel
   bool operator==(const Channel&) const = default;
 };
 
@@ -250,6 +271,7 @@ struct HistoryEntry {
   std::string to;
   std::string network;
   std::string message;
+  std::optional<Actor> by = {};
   bool operator==(const HistoryEntry&) const = default;
 };
 

@@ -8,6 +8,20 @@
 namespace mlcca::control {
 namespace {
 
+v1::HealthState to_wire(HealthState state) {
+  switch (state) {
+    case HealthState::healthy:
+      return v1::HEALTH_HEALTHY;
+    case HealthState::degraded:
+      return v1::HEALTH_DEGRADED;
+    case HealthState::closed:
+      return v1::HEALTH_CLOSED;
+    case HealthState::unknown:
+      break;
+  }
+  return v1::HEALTH_UNKNOWN;
+}
+
 v1::ErrorKind to_wire(ErrorKind kind) {
   switch (kind) {
     case ErrorKind::invalid:
@@ -193,6 +207,14 @@ void put(const Channel& from, v1::Channel& to) {
   to.set_importance(from.importance);
   for (const auto& use : from.media) put(use, *to.add_media());
   if (from.watch) put(*from.watch, *to.mutable_watch());
+  for (const auto& trouble : from.troubles) to.add_troubles(to_utf8(trouble));
+  to.set_withdrawn(from.withdrawn);
+}
+
+void put(const Health& from, v1::Health& to) {
+  to.set_state(to_wire(from.state));
+  for (const auto& reason : from.reasons) to.add_reasons(to_utf8(reason));
+  to.set_left_out(from.left_out);
 }
 
 void put(const RouteReport& from, v1::RouteReport& to) {
@@ -268,6 +290,12 @@ void put(const Outlook& from, v1::Outlook& to) {
   to.set_reason(to_utf8(from.reason));
 }
 
+void put(const Actor& from, v1::Actor& to) {
+  to.set_uid(from.uid);
+  to.set_user(to_utf8(from.user));
+  to.set_pid(from.pid);
+}
+
 void put(const HistoryEntry& from, v1::HistoryEntry& to) {
   to.set_unix_ns(from.unix_ns);
   to.set_kind(to_utf8(from.kind));
@@ -277,6 +305,7 @@ void put(const HistoryEntry& from, v1::HistoryEntry& to) {
   to.set_to(to_utf8(from.to));
   to.set_network(to_utf8(from.network));
   to.set_message(to_utf8(from.message));
+  if (from.by) put(*from.by, *to.mutable_by());
 }
 
 void put(const LinkChange& from, v1::LinkChange& to) {
@@ -322,6 +351,12 @@ struct RequestBody {
     to.mutable_release()->set_channel(to_utf8(from.channel));
     to.mutable_release()->set_admission(from.admission);
     to.mutable_release()->set_key(to_utf8(from.key));
+  }
+  void operator()(const WithdrawRequest& from) const {
+    to.mutable_withdraw()->set_channel(to_utf8(from.channel));
+  }
+  void operator()(const ReinstateRequest& from) const {
+    to.mutable_reinstate()->set_channel(to_utf8(from.channel));
   }
   void operator()(const ExplainRequest& from) const {
     to.mutable_explain()->set_channel(to_utf8(from.channel));
@@ -384,6 +419,7 @@ struct ReplyBody {
     status.set_last_error(to_utf8(from.last_error));
     for (const auto& interface : from.interfaces) put(interface, *status.add_interfaces());
     status.set_problem(to_utf8(from.problem));
+    put(from.health, *status.mutable_health());
   }
   void operator()(const Networks& from) const {
     auto& networks = *to.mutable_networks();
@@ -405,6 +441,7 @@ struct ReplyBody {
     for (const auto admission : from.admissions) event.add_admissions(admission);
     event.set_silent_ns(from.silent_ns);
     event.set_missing(from.missing);
+    if (from.by) put(*from.by, *event.mutable_by());
   }
   void operator()(const Routes& from) const {
     auto& routes = *to.mutable_routes();

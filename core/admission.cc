@@ -15,8 +15,8 @@ namespace {
 
 Verdict decide_one(const Situation& s, Ledger& ledger, const std::vector<Target>& targets,
                    Verdict first, const Route* preferred) {
-  if (s.released[first.channel]) {
-    first.obstacle = Obstacle::released;
+  if (s.withdrawn[first.channel]) {
+    first.obstacle = Obstacle::withdrawn;
     return first;
   }
   const auto& routes = s.topology.routes(s.members.publisher(first.publisher).place, first.to);

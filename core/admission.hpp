@@ -28,7 +28,7 @@ struct Situation {
   const Topology& topology;
   const Members& members;
   const World& world;
-  const std::vector<bool>& released;  ///< per channel: taken back by the operator
+  const std::vector<bool>& withdrawn;  ///< per channel: by an operator
   /// At design time a best case passes: it is decided at run time, where it does not.
   bool best_cases_pass = false;
   /// Gets what is tried on buses, also where an obstacle stands in the way.

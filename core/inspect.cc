@@ -36,7 +36,7 @@ class Inspector {
         topology_(system),
         members_(system),
         world_(described_world(system)),
-        released_(system.channels.size(), false),
+        withdrawn_(system.channels.size(), false),
         reached_(system.networks.size(), false),
         ledger_(empty_ledger(system, world_)) {
     for (const Gateway& gateway : system.gateways)
@@ -46,7 +46,7 @@ class Inspector {
   Inspection run() {
     out_.channels.resize(s_.channels.size());
     check_networks();
-    const Situation situation{s_, topology_, members_, world_, released_, true};
+    const Situation situation{s_, topology_, members_, world_, withdrawn_, true};
     decide_each(situation, ledger_, [&](std::size_t channel, const Decision& decision) {
       const std::size_t before = out_.findings.size();
       check_channel(channel, decision, Explainer(situation, ledger_, out_.findings));
@@ -289,7 +289,7 @@ class Inspector {
   Topology topology_;
   Members members_;
   World world_;
-  std::vector<bool> released_;
+  std::vector<bool> withdrawn_;
   std::vector<bool> reached_;  ///< networks that some gateway has a port on
   Ledger ledger_;
   Inspection out_;

@@ -133,7 +133,7 @@ State::State(System system)
       topology_(system_),
       members_(system_),
       world_(system_),
-      released_(system_.channels.size(), false),
+      withdrawn_(system_.channels.size(), false),
       ledger_(empty_ledger(system_, world_)),
       decisions_(system_.channels.size()),
       ages_(system_.channels.size(), 0),
@@ -161,9 +161,9 @@ void State::set_graph(std::size_t network, std::optional<mesh::Graph> graph,
   new_graphs_.insert_or_assign(network, NewGraph{std::move(graph), std::move(addresses)});
 }
 
-void State::set_released(std::size_t channel, bool released) {
-  if (released_[channel] == released) return;
-  released_[channel] = released;
+void State::set_withdrawn(std::size_t channel, bool withdrawn) {
+  if (withdrawn_[channel] == withdrawn) return;
+  withdrawn_[channel] = withdrawn;
   touched_.insert(channel);
 }
 

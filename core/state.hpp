@@ -117,7 +117,7 @@ class State {
   [[nodiscard]] const std::map<AdmissionId, std::size_t>& admissions() const { return admissions_; }
   /// Of one that is there.
   [[nodiscard]] Admission admission(AdmissionId id) const;
-  [[nodiscard]] bool released(std::size_t channel) const { return released_[channel]; }
+  [[nodiscard]] bool withdrawn(std::size_t channel) const { return withdrawn_[channel]; }
 
   // What changes from here on counts after the next settle().
 
@@ -126,7 +126,7 @@ class State {
   /// `addresses`: of its nodes, for people.
   void set_graph(std::size_t network, std::optional<mesh::Graph> graph,
                  std::vector<std::string> addresses = {});
-  void set_released(std::size_t channel, bool released);
+  void set_withdrawn(std::size_t channel, bool withdrawn);
   /// False if there is none of that id.
   bool remove(AdmissionId id);
   /// As if everything had changed.
@@ -171,7 +171,7 @@ class State {
   friend class Proposal;
   class Settlement;
   [[nodiscard]] Situation situation() const {
-    return {system_, topology_, members_, world_, released_};
+    return {system_, topology_, members_, world_, withdrawn_};
   }
   [[nodiscard]] Decision known(std::size_t channel, const Grants& grants) const;
   void note_age(std::size_t channel);
@@ -181,7 +181,7 @@ class State {
   Topology topology_;
   Members members_;
   World world_;
-  std::vector<bool> released_;
+  std::vector<bool> withdrawn_;
   Ledger ledger_;
   std::vector<Decision> decisions_;
   std::vector<std::uint64_t> ages_;  // of each channel: id of its oldest admission, 0: described

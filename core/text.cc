@@ -128,8 +128,8 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
       return "events cross " + at() +
              " between CAN and Ethernet, and no program is stated that carries "
              "them: sender of its Port";
-    case Obstacle::released:
-      return "released by the operator";
+    case Obstacle::withdrawn:
+      return "withdrawn by an operator until it is reinstated";
   }
   return {};
 }

@@ -58,7 +58,7 @@ enum class Obstacle : std::uint8_t {
   no_period,     ///< an analysed bus, and the publisher does not say how often it sends
   no_path,       ///< no links are known that lead through a mesh
   no_sender,     ///< nobody carries events across a gateway, from CAN to Ethernet or back
-  released,      ///< taken back by the operator
+  withdrawn,     ///< by an operator, until it is reinstated
 };
 
 /// What an analysed medium gives a flow: times on a CAN bus; over a mesh the way, whose rates

@@ -137,7 +137,7 @@ void Gateway::restore_into(Loaded& loaded) const {
                                   asked ? "the description has it now" : asked.error().text));
   }
   for (const std::string& subject : stored().released)
-    if (const auto channel = state.find_channel(subject)) state.set_released(*channel, true);
+    if (const auto channel = state.find_channel(subject)) state.set_withdrawn(*channel, true);
 }
 
 /// After a start nobody is connected: leases begin anew.
@@ -380,7 +380,9 @@ std::vector<control::Channel> Gateway::report(
   for (const core::Verdict* v : verdicts) {
     const auto rules = core::gate_state(state_->system(), state_->members(), *v, self_);
     out.push_back(channel_report(*state_, *v, ports_.frames(rules, shared)));
-    if (v->granted) out.back().watch = ports_.watch(rules);
+    if (!v->granted) continue;
+    out.back().watch = ports_.watch(rules);
+    out.back().troubles = troubles_of(*v, rules);
   }
   return out;
 }

@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "control/messages.hpp"
@@ -23,6 +24,7 @@
 #include "daemon/enforce/events.hpp"
 #include "daemon/enforce/starting.hpp"
 #include "daemon/forwarder.hpp"
+#include "daemon/health.hpp"
 #include "daemon/journal.hpp"
 #include "daemon/keys.hpp"
 #include "daemon/leases.hpp"
@@ -37,6 +39,7 @@
 #include "daemon/serve/server.hpp"
 #include "daemon/store/history.hpp"
 #include "daemon/store/journal.hpp"
+#include "daemon/user_names.hpp"
 
 namespace mlcca {
 
@@ -118,6 +121,8 @@ class Gateway {
   Body handle(const control::Query& request);
   Body handle(const control::Admit& request);
   Body handle(const control::ReleaseRequest& request);
+  Body handle(const control::WithdrawRequest& request);
+  Body handle(const control::ReinstateRequest& request);
   Body handle(const control::ExplainRequest& request);
   Body handle(const control::MonitorRequest& request);
   Body handle(const control::ModeRequest& request);
@@ -181,8 +186,8 @@ class Gateway {
   void note_granted(const std::string& subject, const std::string& text);
   [[nodiscard]] const store::Contents& stored() const { return store_->contents(); }
 
-  Result<void> release(const std::vector<core::AdmissionId>& gone,
-                       std::optional<std::size_t> channel, const std::string& why);
+  Result<void> release(const std::vector<core::AdmissionId>& gone, const std::string& why);
+  Result<void> set_withdrawn(std::size_t channel, bool withdrawn);
   core::FormerRules forget(const std::vector<core::AdmissionId>& gone);
   void plan_rounds();
   bool look_around();
@@ -215,13 +220,21 @@ class Gateway {
   void tell(Kind kind, int priority, std::string message, std::string network = {}) {
     tell({kind, priority, std::move(message), 0, {}, std::move(network), {}, {}});
   }
-  void tell_outcome(const Granted& before);
+  /// What was told of the deliveries of a description, by subject and delivery.
+  using Told = std::map<std::pair<std::string, core::Delivery>, std::string>;
+  [[nodiscard]] Told told_of(const core::State& state);
+  void tell_outcome(const Granted& before, const Told& told = {});
   void tell_gone(const std::string& subject, const core::Delivery& delivery);
   void tell_released(const std::vector<core::AdmissionId>& gone, const std::string& why);
   /// Of frames of these verdicts, whose publishers look alike where there are several.
   void tell_excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames);
   void tell_dropped(const core::Verdict& verdict, std::uint64_t frames);
   void look_at_drops_of(const core::Decision& decision, bool mention);
+  [[nodiscard]] std::vector<std::string> troubles_of(const core::Verdict& verdict,
+                                                     const core::GateState& rules) const;
+  [[nodiscard]] control::Health health(const std::vector<control::Interface>& interfaces) const;
+  void add_own_troubles(std::vector<std::string>& to) const;
+  void add_troubles_of_deliveries(std::vector<std::string>& to) const;
   void tell_changes(const std::vector<core::Change>& changes);
   void tell_verdict(Kind kind, const core::Verdict& verdict, const std::string& line);
   [[nodiscard]] std::vector<core::AdmissionId> admissions_of(const core::Verdict& verdict) const;
@@ -235,10 +248,25 @@ class Gateway {
   [[nodiscard]] control::Channels report_admission(core::AdmissionId id) const;
   [[nodiscard]] Result<core::AdmissionId> admission_named(core::AdmissionId id,
                                                           const std::string& key) const;
+  control::Actor actor_of(const serve::Peer& peer);
+  /// While it lives, what is told was done at the request of `actor`.
+  class Acting {
+   public:
+    Acting(std::optional<control::Actor>& at, std::optional<control::Actor> actor)
+        : at_(at), before_(std::exchange(at, std::move(actor))) {}
+    Acting(const Acting&) = delete;
+    Acting& operator=(const Acting&) = delete;
+    Acting(Acting&&) = delete;
+    Acting& operator=(Acting&&) = delete;
+    ~Acting() { at_ = std::move(before_); }
+
+   private:
+    std::optional<control::Actor>& at_;
+    std::optional<control::Actor> before_;
+  };
   [[nodiscard]] bool is_large() const;
   Body aside(Aside::Make make);
   Body in_slices(std::size_t least_bytes, std::function<serve::Slice()> next);
-  Body admit_known(const Asked& asked);
   std::optional<Body> admit_again(const control::Admit& request);
   Body admit_new(const control::Admit& request, const Asked& asked);
   void own(core::AdmissionId id, const control::Admit& request);
@@ -264,6 +292,7 @@ class Gateway {
   struct Reload {
     std::optional<Body> body;
     std::uint64_t session = 0;
+    std::optional<control::Actor> actor;
   };
   std::shared_ptr<Reload> reload_;
   std::uint64_t pulsed_ = 0;                        ///< CLOCK_MONOTONIC, ns
@@ -277,6 +306,7 @@ class Gateway {
   enum class Drop : std::uint8_t { misfit, excess };
   DropWatch<std::pair<core::GateEntry, Drop>> drops_;
   DropWatch<std::size_t> unknown_;  ///< by port
+  std::set<std::size_t> troubled_;  ///< channels; each is looked at again when it is told
 
   // Rounds, and how far each of their jobs is.
   Rounds rounds_;
@@ -321,7 +351,9 @@ class Gateway {
   // Of the request that is being answered.
   serve::Peer peer_;
   bool hold_answer_ = false;
-  std::uint64_t rows_told_ = 0;  ///< of the history
+  std::uint64_t rows_told_ = 0;          ///< of the history
+  std::optional<control::Actor> actor_;  ///< at whose request something is being changed
+  UserNames users_;
   core::AdmissionId owned_ = 0;
   serve::NextSlice slices_;
   std::size_t least_bytes_ = 0;

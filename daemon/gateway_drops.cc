@@ -61,13 +61,16 @@ void Gateway::look_at_drops_of(const core::Decision& decision, bool mention) {
   std::ranges::stable_partition(verdicts, &core::Verdict::granted);
   std::map<core::GateEntry, std::vector<const core::Verdict*>> users;
   std::map<const core::Verdict*, core::GateState> first_to_use;
-  for (const core::Verdict* v : verdicts)
-    for (const core::GateRule& rule :
-         core::gate_state(state_->system(), state_->members(), *v, self_)) {
+  std::vector<core::GateState> rules_of;
+  rules_of.reserve(verdicts.size());
+  for (const core::Verdict* v : verdicts) {
+    rules_of.push_back(core::gate_state(state_->system(), state_->members(), *v, self_));
+    for (const core::GateRule& rule : rules_of.back()) {
       auto& of_entry = users[rule.entry];
       if (of_entry.empty()) first_to_use[v].push_back(rule);
       of_entry.push_back(v);
     }
+  }
   const std::int64_t now = seconds();
   for (const auto& [v, rules] : first_to_use) {
     std::uint64_t dropped = 0;
@@ -79,6 +82,13 @@ void Gateway::look_at_drops_of(const core::Decision& decision, bool mention) {
     }
     if (dropped != 0 && mention) tell_dropped(*v, dropped);
   }
+  bool troubled = false;
+  for (std::size_t i = 0; i < verdicts.size() && !troubled; ++i)
+    troubled = !troubles_of(*verdicts[i], rules_of[i]).empty();
+  if (troubled)
+    troubled_.insert(verdicts.front()->channel);
+  else if (!verdicts.empty())
+    troubled_.erase(verdicts.front()->channel);
 }
 
 void Gateway::look_at_unknown(std::size_t port, bool mention) {
@@ -117,6 +127,7 @@ void Gateway::tell_all_drops() {
 /// What is counted now was told, or is by a name that may mean something else.
 void Gateway::forget_drops() {
   drops_.forget();
+  troubled_.clear();
   unknown_.forget();
   look_at_drops(false);
 }

@@ -138,6 +138,8 @@ void Gateway::write_down(const store::Entry& entry) {
 
 void Gateway::commit() {
   if (!store_ || !store_->dirty()) return;
+  // What is not on disk now was asked for by others before.
+  const Acting nobody(actor_, std::nullopt);
   const Result<void> done = store_->commit();
   if (!done) {
     tell(Kind::trouble, 3, done.error().text);

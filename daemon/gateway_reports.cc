@@ -75,6 +75,7 @@ Gateway::Body Gateway::handle(const control::StatusRequest&) {
   else
     s.problem = journal_gone_.empty() ? forwarder_.problem() : journal_gone_;
   s.interfaces = ports_.report();
+  s.health = health(s.interfaces);
   return s;
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What clients want to have changed, one handle() for each kind of request; and what they would
 // get.
-#include <fmt/core.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -16,12 +18,19 @@
 namespace mlcca {
 namespace {
 
+template <class T, class... Others>
+constexpr bool kIsOneOf = (std::is_same_v<T, Others> || ...);
+
+/// What is not listed here changes something.
+template <class Asked>
+constexpr bool kOnlyReads =
+    kIsOneOf<Asked, control::StatusRequest, control::NetworksRequest, control::ChannelsRequest,
+             control::Query, control::ExplainRequest, control::MonitorRequest,
+             control::RoutesRequest, control::ReservationsRequest, control::WhatIfRequest,
+             control::HistoryRequest, control::GateRequest>;
+
 bool wants_change(const control::Request& request) {
-  return std::holds_alternative<control::Admit>(request.body) ||
-         std::holds_alternative<control::ReleaseRequest>(request.body) ||
-         std::holds_alternative<control::ModeRequest>(request.body) ||
-         std::holds_alternative<control::ReloadRequest>(request.body) ||
-         std::holds_alternative<control::RenewRequest>(request.body);
+  return std::visit([]<class Asked>(const Asked&) { return !kOnlyReads<Asked>; }, request.body);
 }
 
 /// A renewal is in memory only.
@@ -38,7 +47,7 @@ control::Error error(control::ErrorKind kind, std::string message) {
 /// Reads on a thread, and goes on in the loop when that is done.
 Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   const auto read = std::make_shared<std::optional<LoadResult>>();
-  const auto reload = std::make_shared<Reload>(Reload{std::nullopt, peer_.session});
+  const auto reload = std::make_shared<Reload>(Reload{std::nullopt, peer_.session, actor_});
   const bool begun = reading_.begin([read, options = options_] { *read = Gateway::read(options); },
                                     [this, read] { end_reload(reload_with(std::move(**read))); });
   if (!begun)
@@ -69,6 +78,7 @@ void Gateway::end_reload(Body body) {
 }
 
 Gateway::Body Gateway::reload_with(LoadResult read) {
+  const Acting acting(actor_, reload_ ? reload_->actor : std::nullopt);
   const core::Progress alive([this] { pulse(); });
   commit();
   const Granted before = granted();
@@ -113,7 +123,7 @@ Gateway::Body Gateway::reload_with(LoadResult read) {
   loaded_ = std::time(nullptr);
   left_out_ = std::move(loaded->left_out);
   tell(Kind::reload, 5, "reloaded: " + summary());
-  tell_outcome(before);
+  tell_outcome(before, told_of(*old));
   return control::Done{"reloaded: " + summary()};
 }
 
@@ -133,6 +143,7 @@ serve::Answer Gateway::answer(const control::Request& request, const serve::Peer
   slices_ = nullptr;
   least_bytes_ = 0;
   const core::Progress alive([this] { pulse(); });
+  const Acting acting(actor_, wants_change(request) ? std::optional(actor_of(peer)) : std::nullopt);
   rows_told_ = 0;
   Body body = std::visit([this](const auto& asked) { return handle(asked); }, request.body);
   if (counts) quotas_.charge(peer.uid, rows_told_, monotonic_ns());
@@ -178,7 +189,7 @@ Gateway::Body Gateway::handle(const control::Admit& request) {
     return error(control::ErrorKind::invalid,
                  "these ends are described: a key, a lease or hold needs a new publisher or "
                  "subscriber (say its attributes, or give it a name)");
-  return admit_known(*asked);
+  return report_known(*asked);
 }
 
 /// A key that was granted before is answered as now, and its lease begins anew.
@@ -255,20 +266,6 @@ void Gateway::own(core::AdmissionId id, const control::Admit& request) {
   }
 }
 
-Gateway::Body Gateway::admit_known(const Asked& asked) {
-  if (!state_->released(asked.channel)) return report_known(asked);
-  commit();
-  const std::string subject =
-      core::format_subject(state_->system().channels[asked.channel].subject);
-  Result<void> done = store_->append(store::Reinstated{subject});
-  if (done) done = store_->commit();
-  if (!done) return error(control::ErrorKind::world, "nothing was changed: " + done.error().text);
-  state_->set_released(asked.channel, false);
-  if (const auto settled = settle(); !settled)
-    return error(control::ErrorKind::world, settled.error().text);
-  return report_known(asked);
-}
-
 /// By its key, or else by its number; one that was granted, and perhaps left out since.
 Result<core::AdmissionId> Gateway::admission_named(core::AdmissionId id,
                                                    const std::string& key) const {
@@ -302,7 +299,6 @@ Gateway::Body Gateway::handle(const control::RenewRequest& request) {
 
 Gateway::Body Gateway::handle(const control::ReleaseRequest& request) {
   std::vector<core::AdmissionId> gone;
-  std::optional<std::size_t> channel;
   if (request.admission != 0 || !request.key.empty()) {
     const auto named = admission_named(request.admission, request.key);
     if (!named) return error(control::ErrorKind::invalid, named.error().text);
@@ -310,46 +306,77 @@ Gateway::Body Gateway::handle(const control::ReleaseRequest& request) {
   } else {
     const auto named = channel_named(*state_, request.channel);
     if (!named) return error(control::ErrorKind::invalid, named.error().text);
-    channel = *named;
     for (const auto& [admission, of] : state_->admissions())
-      if (of == *channel) gone.push_back(admission);
+      if (of == *named) gone.push_back(admission);
+    if (gone.empty())
+      return error(control::ErrorKind::invalid,
+                   fmt::format("{0} has no run-time admission: what is described of it is stopped "
+                               "by 'mlccactl withdraw {0}'",
+                               state_->system().channels[*named].name));
   }
-  if (const auto done = release(gone, channel, "released by the operator"); !done)
+  if (const auto done = release(gone, "released"); !done)
     return error(control::ErrorKind::world, done.error().text);
-  if (!channel) return control::Done{fmt::format("released admission {}", gone.front())};
-  const core::EventChannel& released = state_->system().channels[*channel];
-  tell({Kind::released,
-        5,
-        "released by the operator: " + released.name,
-        released.subject,
-        released.name,
-        {},
-        {},
-        {}});
-  return control::Done{"released " + released.name +
-                       ": refused to everybody until 'mlccactl admit " + released.name + "'"};
+  return control::Done{
+      fmt::format("released admission{} {}", gone.size() == 1 ? "" : "s", fmt::join(gone, ", "))};
 }
 
-/// Takes admissions back, and with `channel` all that is described of it: on disk first, then in
-/// the kernel.
-Result<void> Gateway::release(const std::vector<core::AdmissionId>& gone,
-                              std::optional<std::size_t> channel, const std::string& why) {
+/// Takes admissions back: on disk first, then in the kernel.
+Result<void> Gateway::release(const std::vector<core::AdmissionId>& gone, const std::string& why) {
   commit();
   Result<void> done;
   for (const core::AdmissionId id : gone)
     if (done) done = store_->append(store::Removed{id});
-  if (done && channel)
-    done = store_->append(
-        store::Released{core::format_subject(state_->system().channels[*channel].subject)});
   if (done && store_->dirty()) done = store_->commit();
   if (!done) {
     store_->roll_back();
     return fail("nothing was changed: " + done.error().text);
   }
   tell_released(gone, why);
-  const core::FormerRules left = forget(gone);
-  if (channel) state_->set_released(*channel, true);
-  return settle(left);
+  return settle(forget(gone));
+}
+
+Gateway::Body Gateway::handle(const control::WithdrawRequest& request) {
+  const auto channel = channel_named(*state_, request.channel);
+  if (!channel) return error(control::ErrorKind::invalid, channel.error().text);
+  const core::EventChannel& withdrawn = state_->system().channels[*channel];
+  if (state_->withdrawn(*channel)) return control::Done{withdrawn.name + " is withdrawn already"};
+  if (const auto done = set_withdrawn(*channel, true); !done)
+    return error(control::ErrorKind::world, done.error().text);
+  const std::string line = fmt::format(
+      "withdrawn: everything of {0} is refused until 'mlccactl reinstate {0}'", withdrawn.name);
+  tell({Kind::withdrawn, 4, line, withdrawn.subject, withdrawn.name});
+  return control::Done{line};
+}
+
+Gateway::Body Gateway::handle(const control::ReinstateRequest& request) {
+  const auto channel = channel_named(*state_, request.channel);
+  if (!channel) return error(control::ErrorKind::invalid, channel.error().text);
+  const core::EventChannel& reinstated = state_->system().channels[*channel];
+  if (!state_->withdrawn(*channel))
+    return control::Done{reinstated.name + " is not withdrawn: nothing was changed"};
+  if (const auto done = set_withdrawn(*channel, false); !done)
+    return error(control::ErrorKind::world, done.error().text);
+  const auto& verdicts = state_->decisions()[*channel].verdicts;
+  const std::string line = fmt::format("reinstated: {} of {} deliveries of {} are granted",
+                                       std::ranges::count_if(verdicts, &core::Verdict::granted),
+                                       verdicts.size(), reinstated.name);
+  tell({Kind::reinstated, 5, line, reinstated.subject, reinstated.name});
+  return control::Done{line};
+}
+
+/// On disk first, then in the kernel.
+Result<void> Gateway::set_withdrawn(std::size_t channel, bool withdrawn) {
+  commit();
+  const std::string subject = core::format_subject(state_->system().channels[channel].subject);
+  Result<void> done = withdrawn ? store_->append(store::Released{subject})
+                                : store_->append(store::Reinstated{subject});
+  if (done) done = store_->commit();
+  if (!done) {
+    store_->roll_back();
+    return fail("nothing was changed: " + done.error().text);
+  }
+  state_->set_withdrawn(channel, withdrawn);
+  return settle();
 }
 
 /// Takes admissions out of everything but the disk. What the gates had of their channels.
@@ -380,7 +407,10 @@ Gateway::Body Gateway::handle(const control::ModeRequest& request) {
     return error(control::ErrorKind::invalid,
                  fmt::format("there is no mode '{}': it is enforce or audit", request.mode));
   const bool audit = request.mode == "audit";
-  tell_all_drops();
+  {
+    const Acting nobody(actor_, std::nullopt);
+    tell_all_drops();
+  }
   control_.set_mode(audit ? enforce::Mode::audit : enforce::Mode::enforce);
   const std::string line = audit ? "AUDIT MODE: nothing is dropped, everything is only counted"
                                  : "enforcing: what is not "

@@ -42,6 +42,11 @@ std::string frame_name(const gate_sample& sample) {
              : fmt::format("{}{}{:03X}{}", format, remote, sample.can_id & CAN_SFF_MASK, way);
 }
 
+/// What is told of a verdict, and the attribute set in use.
+std::string outcome_line(const core::State& state, const core::Verdict& v) {
+  return fmt::format("{} {}", v.set, verdict_line(state, v));
+}
+
 }  // namespace
 
 /// Each of these does one thing of many, or a few that are short.
@@ -110,7 +115,7 @@ bool Gateway::end_some_leases() {
   const std::vector<core::AdmissionId> expired =
       leases_.expired(monotonic_ns(), kLeasesEndedTogether);
   if (expired.empty()) return false;
-  const auto done = release(expired, std::nullopt, "its lease ended and was not renewed");
+  const auto done = release(expired, "its lease ended and was not renewed");
   if (done) return true;
   tell(Kind::trouble, 3, done.error().text);
   // What could not be written down stays reserved, and is tried again.
@@ -254,8 +259,10 @@ void Gateway::hear(const gate_event& event) {
   if (!channel) return;
   for (const core::Verdict& v : state_->decisions()[*channel].verdicts)
     if (v.granted &&
-        ports_.is_of(event, core::gate_state(state_->system(), state_->members(), v, self_)))
+        ports_.is_of(event, core::gate_state(state_->system(), state_->members(), v, self_))) {
+      if (event.kind == GATE_E_MISSING) troubled_.insert(*channel);
       tell_heard(v, event);
+    }
 }
 
 /// A stranger that was not heard before; the kernel sees to it that there are not too many.
@@ -282,14 +289,21 @@ void Gateway::tell_missing_again(const core::Verdict& v) {
 
 // --- telling -------------------------------------------------------------------------------------
 
+control::Actor Gateway::actor_of(const serve::Peer& peer) {
+  return {
+      .uid = peer.uid, .user = users_.of(peer.uid), .pid = static_cast<std::uint32_t>(peer.pid)};
+}
+
 void Gateway::tell(Note note) {
+  note.by = actor_;
+  if (note.by) note.message += " (" + by_line(*note.by) + ")";
   journal_.write(note);
   const std::uint64_t now = unix_ns();
   if (is_history(note.kind)) ++rows_told_;
   if (history_ && is_history(note.kind))
     history_->append({now, name_of(note.kind), note.subject, note.channel, note.from,
                       note.from.empty() ? "" : note.network, note.from.empty() ? note.network : "",
-                      note.message});
+                      note.message, note.by});
   if (!publish_) return;
   control::Event event;
   event.unix_ns = now;
@@ -301,6 +315,7 @@ void Gateway::tell(Note note) {
   event.admissions = std::move(note.admissions);
   event.silent_ns = note.silent_ns;
   event.missing = note.missing;
+  event.by = std::move(note.by);
   publish_(event);
 }
 
@@ -357,8 +372,21 @@ void Gateway::tell_heard(const core::Verdict& v, const gate_event& event) {
   tell(std::move(note));
 }
 
-/// After a start or a reload: everything, and of what was granted before what is not any more.
-void Gateway::tell_outcome(const Granted& before) {
+Gateway::Told Gateway::told_of(const core::State& state) {
+  Told told;
+  for (const core::Decision& decision : state.decisions()) {
+    for (const core::Verdict& v : decision.verdicts)
+      told.emplace(std::pair(core::format_subject(state.system().channels[v.channel].subject),
+                             state.delivery_of(v)),
+                   outcome_line(state, v));
+    pulse();
+  }
+  return told;
+}
+
+/// After a start or a reload: everything that was not told before as it is, and of what was granted
+/// before what is not any more.
+void Gateway::tell_outcome(const Granted& before, const Told& told) {
   for (const auto& [id, why] : left_out_) {
     const auto* request = stored().admissions.find(id);
     const auto* admit = request != nullptr ? std::get_if<control::Admit>(&request->body) : nullptr;
@@ -367,10 +395,13 @@ void Gateway::tell_outcome(const Granted& before) {
   Granted lost = before;
   for (const core::Decision& decision : state_->decisions()) {
     for (const core::Verdict& v : decision.verdicts) {
-      const auto known =
-          lost.find(core::format_subject(state_->system().channels[v.channel].subject));
-      const bool was =
-          known != lost.end() && std::erase(known->second.deliveries, state_->delivery_of(v)) != 0;
+      const std::string subject =
+          core::format_subject(state_->system().channels[v.channel].subject);
+      const core::Delivery delivery = state_->delivery_of(v);
+      const auto known = lost.find(subject);
+      const bool was = known != lost.end() && std::erase(known->second.deliveries, delivery) != 0;
+      const auto as_told = told.find({subject, delivery});
+      if (as_told != told.end() && as_told->second == outcome_line(*state_, v)) continue;
       const Kind not_granted = was ? Kind::withdrawn : Kind::refused;
       tell_verdict(v.granted ? Kind::granted : not_granted, v, verdict_line(*state_, v));
     }

@@ -17,7 +17,7 @@ Result<control::History> HistoryPages::next() {
     filter_.until_ns = d.unix_ns;
     out.entries.push_back({d.unix_ns, std::move(d.kind), d.subject, std::move(d.channel),
                            std::move(d.from), std::move(d.to), std::move(d.network),
-                           std::move(d.message)});
+                           std::move(d.message), std::move(d.by)});
   }
   left_ = out.entries.size() < wanted ? 0 : left_ - wanted;
   return out;

@@ -30,6 +30,7 @@ constexpr std::array kKinds{
     KindInfo{"withdrawn", "08b8e094cb174563a6171d269dba6874"},
     KindInfo{"switched", "349a04610aa34f5dbd79b55781cb57a0"},
     KindInfo{"released", "07140c11d56b4440bad6cc08ff7d96aa"},
+    KindInfo{"reinstated", "5b0e3a1c97d24f6c8a40e2f17d9b6c33"},
     KindInfo{"dropping", "009adc297a61474d8ea0e3a17efa72f3"},
     KindInfo{"excess", "faf4d5399e254409bf55d3b1bb42104d"},
     KindInfo{"missing", "6f0a1c52b7e94d30a1d4c86e2f935b17"},
@@ -85,6 +86,10 @@ std::optional<Kind> kind_named(std::string_view name) {
   if (at == kKinds.end()) return std::nullopt;
   return static_cast<Kind>(at - kKinds.begin());
 }
+std::string by_line(const control::Actor& actor) {
+  return fmt::format("by {}uid {}, process {}", actor.user.empty() ? "" : actor.user + ", ",
+                     actor.uid, actor.pid);
+}
 std::string kind_names() {
   std::string names;
   for (const KindInfo& kind : kKinds) names += (names.empty() ? "" : ", ") + std::string(kind.name);
@@ -108,6 +113,11 @@ bool Journal::send(const Note& note, const std::string& message) const {
   if (!note.channel.empty()) add_field(fields, "CHANNEL", note.channel);
   if (!note.network.empty()) add_field(fields, "NETWORK", note.network);
   if (!note.from.empty()) add_field(fields, "FROM", note.from);
+  if (note.by) {
+    add_field(fields, "CLIENT_UID", std::to_string(note.by->uid));
+    add_field(fields, "CLIENT_PID", std::to_string(note.by->pid));
+    if (!note.by->user.empty()) add_field(fields, "CLIENT_USER", note.by->user);
+  }
   if (const char* verdict = verdict_of(note.kind)) add_field(fields, "VERDICT", verdict);
   const iovec whole{fields.data(), fields.size()};
   return send_at_once(path_, {&whole, 1});

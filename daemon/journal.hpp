@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "control/parts.hpp"
+
 namespace mlcca {
 
 /// Kinds of events; each has a MESSAGE_ID of its own (docs/man/mlccad.8 lists them).
@@ -20,6 +22,7 @@ enum class Kind : std::uint8_t {
   withdrawn,
   switched,
   released,
+  reinstated,  ///< an operator takes it back that a channel was withdrawn
   dropping,
   excess,
   missing,
@@ -41,6 +44,9 @@ enum class Kind : std::uint8_t {
 /// 32 hex digits.
 [[nodiscard]] const char* message_id_of(Kind kind);
 
+/// "by alice, uid 1000, process 4242"
+[[nodiscard]] std::string by_line(const control::Actor& actor);
+
 struct Note {
   Kind kind = Kind::trouble;
   int priority = 6;  ///< as in syslog: 3 error, 4 warning, 5 notice, 6 information
@@ -52,6 +58,7 @@ struct Note {
   std::vector<std::uint64_t> admissions = {};  ///< run-time admissions that it concerns
   std::uint64_t silent_ns = 0;                 ///< of missing and restored: how long nothing came
   std::uint64_t missing = 0;                   ///< and how many events that are
+  std::optional<control::Actor> by = {};       ///< the client that asked for it
 };
 
 /// Nothing here waits for whoever reads: the gates matter more than the log. A line that cannot be

@@ -118,7 +118,7 @@ Result<std::unique_ptr<core::State>> suppose(const core::State& now,
   for (const auto& [id, channel] : now.admissions()) then->restore(now.admission(id));
   std::map<std::size_t, core::Grants> granted;
   for (std::size_t c = 0; c < now.decisions().size(); ++c) {
-    then->set_released(c, now.released(c));
+    then->set_withdrawn(c, now.withdrawn(c));
     if (now.decisions()[c].granted != 0) granted.emplace(c, now.grants(c));
   }
   for (std::size_t n = 0; n < now.system().networks.size(); ++n) {

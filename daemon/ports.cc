@@ -393,6 +393,8 @@ Frames Ports::frames(const core::GateState& rules,
     sum.excess += counted->excess;
     if (!rule.policing.counts_only) sum.excess_dropped += counted->excess;
     if (rule.entry.direction == counts) sum.passed += counted->passed;
+    if (counted->last_reason != GATE_R_PASSED)
+      sum.last_reason = enforce::reason_text(counted->last_reason);
   }
   return sum;
 }

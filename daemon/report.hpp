@@ -16,6 +16,7 @@ struct Frames {
   std::uint64_t dropped = 0;
   std::uint64_t excess = 0;          ///< more than was admitted, dropped or not
   std::uint64_t excess_dropped = 0;  ///< part of both
+  std::string last_reason;           ///< of the latest drop; empty: none
 };
 
 /// Why it was decided so, with what is wrong with a network that cannot be used.

@@ -88,6 +88,29 @@ Json unknown(const control::Unknown& u) {
   return out;
 }
 
+const char* name_of(control::HealthState state) {
+  switch (state) {
+    case control::HealthState::healthy:
+      return "healthy";
+    case control::HealthState::degraded:
+      return "degraded";
+    case control::HealthState::closed:
+      return "closed";
+    case control::HealthState::unknown:
+      break;
+  }
+  return "unknown";
+}
+
+Json actor(const std::optional<control::Actor>& a) {
+  if (!a) return {};
+  return {{"uid", a->uid}, {"user", a->user}, {"pid", a->pid}};
+}
+
+Json health(const control::Health& h) {
+  return {{"state", name_of(h.state)}, {"reasons", h.reasons}, {"left_out", h.left_out}};
+}
+
 Json interface(const control::Interface& i) {
   return {{"name", i.name},
           {"ifindex", i.ifindex},
@@ -224,7 +247,9 @@ Json channel(const control::Channel& c) {
           {"sets", c.sets},
           {"importance", c.importance},
           {"media", array(c.media, medium_use)},
-          {"watch", c.watch ? watch(*c.watch) : Json()}};
+          {"watch", c.watch ? watch(*c.watch) : Json()},
+          {"troubles", c.troubles},
+          {"withdrawn", c.withdrawn}};
 }
 
 Json route(const control::RouteReport& r) {
@@ -285,9 +310,9 @@ Json outlook(const control::Outlook& o) {
 }
 
 Json history_entry(const control::HistoryEntry& h) {
-  return {{"unix_ns", h.unix_ns}, {"kind", h.kind},      {"subject", subject(h.subject)},
-          {"channel", h.channel}, {"from", h.from},      {"to", h.to},
-          {"network", h.network}, {"message", h.message}};
+  return {{"unix_ns", h.unix_ns}, {"kind", h.kind},       {"subject", subject(h.subject)},
+          {"channel", h.channel}, {"from", h.from},       {"to", h.to},
+          {"network", h.network}, {"message", h.message}, {"by", actor(h.by)}};
 }
 
 /// One function for each alternative of Reply::body.
@@ -310,7 +335,8 @@ struct Body {
             {"loaded_unix_s", s.loaded_unix_s},
             {"last_error", s.last_error},
             {"interfaces", array(s.interfaces, interface)},
-            {"problem", s.problem}};
+            {"problem", s.problem},
+            {"health", health(s.health)}};
   }
   Json operator()(const control::Networks& n) const {
     return {{"networks", array(n.networks, network)}};
@@ -324,7 +350,7 @@ struct Body {
             {"subject", subject(e.subject)}, {"channel", e.channel},
             {"network", e.network},          {"message", e.message},
             {"admissions", e.admissions},    {"silent_ns", unless_zero(e.silent_ns)},
-            {"missing", e.missing}};
+            {"missing", e.missing},          {"by", actor(e.by)}};
   }
   Json operator()(const control::Routes& r) const {
     return {{"routes", array(r.routes, route)},
@@ -369,6 +395,10 @@ std::string on_one_line(const Json& json) {
 
 std::string to_json(const control::Reply& reply) {
   return on_one_line(std::visit(Body{}, reply.body));
+}
+
+std::string to_json(const control::Health& of_status) {
+  return on_one_line({{"health", health(of_status)}});
 }
 
 std::string to_json(const control::Gates& gates,

@@ -12,8 +12,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -225,6 +227,43 @@ Exit ask_release(const Options& options, const Arguments& arguments) {
                                               .key = arguments.key});
 }
 
+/// What would stop, and that it should. Nobody: it cannot be asked, or does not want it.
+std::optional<Exit> ask_back(const Options& options, const control::Channels& channels,
+                             const std::string& name) {
+  if (::isatty(STDIN_FILENO) == 0 || options.json)
+    return print_error(options, control::ErrorKind::invalid,
+                       "nobody can be asked whether this shall be done: say --yes");
+  fmt::print(stderr, "{}", what_stops(channels, name, options.error_color));
+  fmt::print(stderr, "Withdraw it? [y/N] ");
+  std::array<char, 16> answer{};
+  const bool read = std::fgets(answer.data(), answer.size(), stdin) != nullptr;
+  const std::string_view said(answer.data());
+  if (read && (said == "y\n" || said == "yes\n")) return std::nullopt;
+  fmt::print(stderr, "{}nothing was changed\n", read ? "" : "\n");
+  return Exit::refused;
+}
+
+Exit ask_withdraw(const Options& options, const Arguments& arguments) {
+  auto client = control::Client::connect(options.socket, options.patience);
+  if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
+  if (!arguments.yes) {
+    const auto now = client->call({0, control::ExplainRequest{arguments.channel}});
+    if (!now) return print_error(options, control::ErrorKind::world, now.error().text);
+    const auto* channels = std::get_if<control::Channels>(&now->body);
+    if (channels == nullptr) return print_reply<control::WithdrawRequest>(options, *now);
+    if (const auto ended = ask_back(options, *channels, arguments.channel)) return *ended;
+    // It may have taken longer than the daemon keeps an idle connection.
+    return ask(options, control::WithdrawRequest{arguments.channel});
+  }
+  const auto reply = client->call({0, control::WithdrawRequest{arguments.channel}});
+  if (!reply) return print_error(options, control::ErrorKind::world, reply.error().text);
+  return print_reply<control::WithdrawRequest>(options, *reply);
+}
+
+Exit ask_reinstate(const Options& options, const Arguments& arguments) {
+  return ask(options, control::ReinstateRequest{arguments.channel});
+}
+
 Exit ask_explain(const Options& options, const Arguments& arguments) {
   return ask(options, control::ExplainRequest{arguments.channel});
 }
@@ -258,9 +297,35 @@ Exit watch(const Options& options, const Arguments& arguments) {
   return follow(options, arguments.top);
 }
 
+/// As monitoring systems take it: OK, WARNING, CRITICAL, UNKNOWN.
+Exit exit_of(control::HealthState health) {
+  switch (health) {
+    case control::HealthState::healthy:
+      return Exit{0};
+    case control::HealthState::degraded:
+      return Exit{1};
+    case control::HealthState::closed:
+      return Exit{2};
+    case control::HealthState::unknown:
+      break;
+  }
+  return Exit{3};
+}
+
+Exit ask_status(const Options& options, const Arguments& arguments) {
+  if (!arguments.check) return ask(options, control::StatusRequest{});
+  auto client = control::Client::connect(options.socket, options.patience);
+  if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
+  const auto reply = client->call({0, control::StatusRequest{}});
+  if (!reply) return print_error(options, control::ErrorKind::world, reply.error().text);
+  const auto* status = std::get_if<control::Status>(&reply->body);
+  if (status == nullptr) return print_reply<control::StatusRequest>(options, *reply);
+  return print(options.json ? to_json(status->health) : check_line(status->health),
+               exit_of(status->health.state));
+}
+
 constexpr std::array kVerbs = {
-    Verb{"status", "what the gateway does and sees", Takes::nothing,
-         ask_plain<control::StatusRequest>},
+    Verb{"status", "what the gateway does and sees, and what is wrong", Takes::check, ask_status},
     Verb{"networks", "the networks: what they provide, what of it is reserved", Takes::nothing,
          ask_plain<control::NetworksRequest>},
     Verb{"channels", "every delivery with its verdict and its frames", Takes::nothing,
@@ -276,7 +341,10 @@ constexpr std::array kVerbs = {
     Verb{"admit", "admit a new publisher or subscriber of a channel", Takes::reservation,
          ask_admit},
     Verb{"renew", "the lease of an admission starts anew", Takes::lease, ask_renew},
-    Verb{"release", "take admissions back", Takes::admission, ask_release},
+    Verb{"release", "take run-time admissions back", Takes::admission, ask_release},
+    Verb{"withdraw", "refuse everything of a channel, also what is described", Takes::withdrawal,
+         ask_withdraw},
+    Verb{"reinstate", "take it back that a channel was withdrawn", Takes::channel, ask_reinstate},
     Verb{"explain", "why a channel is granted or refused, attribute by attribute", Takes::channel,
          ask_explain},
     Verb{"history", "what was decided, and why", Takes::past, ask_history},

@@ -105,7 +105,8 @@ void add_id_or_key(CLI::App& app, Arguments& to) {
 
 void add_admission(CLI::App& app, Arguments& to) {
   auto* group = app.add_option_group("what");
-  group->add_option("channel", to.channel, "all admissions of this channel")->type_name("CHANNEL");
+  group->add_option("channel", to.channel, "all run-time admissions of this channel")
+      ->type_name("CHANNEL");
   add_id_or_key(*group, to);
   group->require_option(1);
 }
@@ -194,8 +195,17 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
   switch (takes) {
     case Takes::nothing:
       break;
+    case Takes::check:
+      app.add_flag("--check", to.check,
+                   "one line for a monitoring system; exit status 0 healthy, 1 degraded, 2 closed, "
+                   "3 unknown, since no daemon answers");
+      break;
     case Takes::channel:
       add_channel(app, to);
+      break;
+    case Takes::withdrawal:
+      add_channel(app, to);
+      app.add_flag("-y,--yes", to.yes, "do not ask back: for scripts");
       break;
     case Takes::delivery:
       add_delivery(app, to);
@@ -239,8 +249,11 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
   }
 }
 
-std::string wrong(std::string_view what) {
-  return fmt::format("mlccactl: {}\nmlccactl --help and mlccactl VERB --help say more.\n", what);
+/// With the help that says more: of the verb that was understood, or else of all.
+std::string wrong(const CLI::App& app, std::string_view what) {
+  const auto verbs = app.get_subcommands();
+  return fmt::format("mlccactl: {}\n'mlccactl {}--help' says more.\n", what,
+                     verbs.empty() ? "" : verbs.front()->get_name() + " ");
 }
 
 std::string no_verb(std::span<const Verb> verbs, std::string_view instead) {
@@ -286,7 +299,8 @@ std::variant<Command, Exit> parse(std::span<const Verb> verbs, int argc, const c
   app.footer(kFooter);
   app.require_subcommand(0, 1);
   app.allow_extras();
-  app.failure_message([](const CLI::App*, const CLI::Error& error) { return wrong(error.what()); });
+  app.failure_message(
+      [&app](const CLI::App*, const CLI::Error& error) { return wrong(app, error.what()); });
   for (const auto& verb : verbs) {
     auto* sub = app.add_subcommand(verb.name, verb.help);
     sub->fallthrough();
@@ -302,7 +316,7 @@ std::variant<Command, Exit> parse(std::span<const Verb> verbs, int argc, const c
     return app.exit(error) == 0 ? Exit::fine : Exit::usage;
   }
   if (const auto complaint = leftover(app, command, verbs); !complaint.empty()) {
-    fmt::print(stderr, "{}", wrong(complaint));
+    fmt::print(stderr, "{}", wrong(app, complaint));
     return Exit::usage;
   }
   options.patience =

@@ -39,6 +39,8 @@ struct Arguments {
   std::string lease;  ///< a span of time
   bool hold = false;
   std::string place;
+  bool yes = false;                ///< do it without asking back
+  bool check = false;              ///< only the health, for a monitoring system
   bool verify = false;             ///< never seen: see is_read_back()
   std::vector<std::string> links;  ///< "[NETWORK/]FROM,TO=RATE"
   bool one_way = false;
@@ -53,6 +55,8 @@ struct Arguments {
 
 enum class Takes : std::uint8_t {
   nothing,
+  withdrawal,  ///< a channel, and whether to ask back
+  check,       ///< perhaps as a monitoring system asks
   channel,
   delivery,     ///< a channel, and the ends that shall be added to it
   reservation,  ///< a delivery, and for how long it is admitted

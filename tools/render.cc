@@ -31,6 +31,15 @@ Cell frames(std::uint64_t count, Style style = Style::plain) {
   return {fmt::format("{}", count), count == 0 ? Style::plain : style};
 }
 
+/// What is wrong now, of several things the first.
+Cell now_cell(const control::Channel& channel) {
+  if (channel.withdrawn) return {"WITHDRAWN", Style::bad};
+  if (channel.troubles.empty()) return {};
+  const auto more = channel.troubles.size() - 1;
+  return {channel.troubles.front() + (more == 0 ? "" : fmt::format(" (and {} more)", more)),
+          Style::bad};
+}
+
 std::string provided(const control::Row& row) {
   if (!row.provided_known) return "nothing";
   const auto value = print_value(row.attribute, row.provided, row.unit);
@@ -114,6 +123,7 @@ std::string delivery(const control::Channel& channel, Color color, bool in_full)
   const auto also = [&](std::string_view name, const std::string& value) {
     if (!value.empty()) text += fmt::format("  {:<11}  {}\n", printable(name), printable(value));
   };
+  for (const auto& trouble : channel.troubles) also("trouble", trouble);
   also("set", set_in_use(channel));
   also("route", way(channel.route));
   for (const auto& use : channel.media) also(use.network, describe(use));
@@ -145,6 +155,7 @@ std::string render(const control::Channels& channels, Color color) {
                {"FROM"},
                {"TO"},
                {"VERDICT"},
+               {"NOW"},
                {"SET"},
                {"PASSED", Align::right},
                {"DROPPED", Align::right},
@@ -157,6 +168,7 @@ std::string render(const control::Channels& channels, Color color) {
                {channel.from},
                {channel.to},
                verdict_cell(channel.granted),
+               now_cell(channel),
                {set_in_use(channel)},
                frames(channel.passed),
                frames(channel.dropped, Style::warning),
@@ -176,6 +188,29 @@ std::string explain(const control::Channels& channels, Color color, bool in_full
     text += delivery(channel, color, in_full);
   }
   return text;
+}
+
+std::string what_stops(const control::Channels& channels, std::string_view name, Color color) {
+  std::string text;
+  std::size_t granted = 0;
+  for (const auto& channel : channels.channels) {
+    if (!channel.granted) continue;
+    ++granted;
+    text += "  " + styled("stops", Style::bad, color) +
+            fmt::format("  from {} ({}) to {} ({})\n", printable(channel.from),
+                        printable(channel.publisher), printable(channel.to),
+                        printable(fmt::format("{}", fmt::join(channel.subscribers, ", "))));
+    if (!channel.reaction.empty())
+      text += fmt::format("         reaction to its loss: {}\n", printable(channel.reaction));
+  }
+  const auto head = granted == 0   ? "nothing of it is granted now"
+                    : granted == 1 ? std::string("1 delivery stops")
+                                   : fmt::format("{} deliveries stop", granted);
+  return fmt::format(
+             "{}: {}; everything of it is refused, also what is described, until it is "
+             "reinstated\n",
+             printable(name), head) +
+         text;
 }
 
 std::string render(const control::Done& done, Color color) {

@@ -2,6 +2,7 @@
 // Replies of mlccad for a person: text that ends with a newline, or nothing.
 #pragma once
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "control/messages.hpp"
@@ -10,6 +11,8 @@
 namespace mlcca::tools {
 
 std::string render(const control::Status& status, Color color);
+/// One line with the health and its reasons, as monitoring systems show it.
+std::string check_line(const control::Health& health);
 std::string render(const control::Networks& networks, Color color);
 std::string render(const control::Routes& routes, Color color);
 
@@ -41,6 +44,9 @@ std::string render(const control::Channels& channels, Color color);
 /// Each delivery with its verdict, a line for each attribute, the route, and, `in_full`, its
 /// importance and the frames that passed and were dropped.
 std::string explain(const control::Channels& channels, Color color, bool in_full);
+
+/// What of a channel would stop if it were withdrawn, as `channels` explain it now.
+std::string what_stops(const control::Channels& channels, std::string_view name, Color color);
 
 std::string render(const control::Done& done, Color color);
 

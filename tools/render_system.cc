@@ -130,6 +130,34 @@ std::string problems(const std::vector<control::Interface>& all, Color color) {
   return text;
 }
 
+Cell health_cell(const control::Health& health) {
+  switch (health.state) {
+    case control::HealthState::healthy:
+      return {"healthy", Style::good};
+    case control::HealthState::degraded:
+      return {"DEGRADED", Style::bad};
+    case control::HealthState::closed:
+      return {"CLOSED", Style::bad};
+    case control::HealthState::unknown:
+      break;
+  }
+  return {"unknown: this mlccad does not say", Style::warning};
+}
+
+std::string left_out(const control::Health& health) {
+  return health.left_out == 0 ? "" : fmt::format("and {} more", health.left_out);
+}
+
+std::string health_lines(const control::Health& health, Color color) {
+  const auto [text, style] = health_cell(health);
+  std::string lines = fmt::format("{:<11}  {}\n", "health", styled(text, style, color));
+  for (const auto& reason : health.reasons)
+    lines += fmt::format("{:<11}  {}\n", "", styled(reason, Style::bad, color));
+  if (const auto more = left_out(health); !more.empty())
+    lines += fmt::format("{:<11}  {}\n", "", more);
+  return lines;
+}
+
 std::string provision(const control::Network& network) {
   std::vector<std::string> parts;
   parts.reserve(network.provision.size());
@@ -160,6 +188,7 @@ std::string render(const control::Status& status, Color color) {
     line("gate", "open: verdicts are in force", Style::good);
   else
     line("gate", "CLOSED: everything is denied", Style::bad);
+  text += health_lines(status.health, color);
   line("mode", status.mode, status.mode == "enforce" ? Style::good : Style::bad);
   line("channels",
        fmt::format("{} granted, {} refused", status.channels_granted, status.channels_refused));
@@ -167,11 +196,21 @@ std::string render(const control::Status& status, Color color) {
        fmt::format("{}, lapsed {}", print_duration(status.grace_ns),
                    status.lapses == 1 ? "once" : fmt::format("{} times", status.lapses)),
        status.lapses == 0 ? Style::plain : Style::warning);
-  if (!status.problem.empty()) line("problem", status.problem, Style::bad);
-  if (!status.last_error.empty()) line("last reload", status.last_error, Style::bad);
+  // The health of a newer daemon has all of this among its reasons.
+  const bool older = status.health.state == control::HealthState::unknown;
+  if (older && !status.problem.empty()) line("problem", status.problem, Style::bad);
+  if (older && !status.last_error.empty()) line("last reload", status.last_error, Style::bad);
   if (!status.interfaces.empty()) text += '\n' + interfaces(status.interfaces, color);
-  return text + problems(status.interfaces, color) + reasons(status.interfaces, color) +
-         unknown_frames(status.interfaces, color);
+  return text + (older ? problems(status.interfaces, color) : "") +
+         reasons(status.interfaces, color) + unknown_frames(status.interfaces, color);
+}
+
+std::string check_line(const control::Health& health) {
+  auto reasons = health.reasons;
+  if (const auto more = left_out(health); !more.empty()) reasons.push_back(more);
+  std::string line = health_cell(health).text;
+  if (!reasons.empty()) line += fmt::format(": {}", fmt::join(reasons, "; "));
+  return printable(line) + '\n';
 }
 
 std::string render(const control::Networks& networks, Color color) {

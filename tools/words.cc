@@ -42,7 +42,7 @@ Cell verdict_cell(bool granted) {
 }
 
 Style style_of_event(std::string_view kind) {
-  if (kind == "granted" || kind == "restored") return Style::good;
+  if (kind == "granted" || kind == "restored" || kind == "reinstated") return Style::good;
   if (kind == "refused" || kind == "withdrawn" || kind == "lapsed" || kind == "missing")
     return Style::bad;
   if (kind == "dropping" || kind == "excess" || kind == "lagged" || kind == "mode" ||

@@ -32,7 +32,10 @@ constexpr const char* kSchema = R"(
     "from" TEXT NOT NULL,
     "to" TEXT NOT NULL,
     network TEXT NOT NULL,
-    message TEXT NOT NULL
+    message TEXT NOT NULL,
+    uid INTEGER,
+    user TEXT,
+    pid INTEGER
   );
   CREATE INDEX IF NOT EXISTS decision_time ON decision (unix_ns);
   CREATE INDEX IF NOT EXISTS decision_channel ON decision (channel, unix_ns);
@@ -40,8 +43,17 @@ constexpr const char* kSchema = R"(
   COMMIT;
 )";
 constexpr const char* kInsert =
-    R"(INSERT INTO decision (unix_ns, kind, subject, channel, "from", "to", network, message)
-       VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8))";
+    R"(INSERT INTO decision (unix_ns, kind, subject, channel, "from", "to", network, message,
+                             uid, user, pid)
+       VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11))";
+/// Of a database from before decisions had an actor.
+constexpr const char* kAddActors = R"(
+  BEGIN IMMEDIATE;
+  ALTER TABLE decision ADD COLUMN uid INTEGER;
+  ALTER TABLE decision ADD COLUMN user TEXT;
+  ALTER TABLE decision ADD COLUMN pid INTEGER;
+  COMMIT;
+)";
 constexpr const char* kPruneOld =
     R"(DELETE FROM decision WHERE id IN (
          SELECT id FROM decision WHERE unix_ns < ?1 ORDER BY unix_ns LIMIT ?2))";
@@ -74,8 +86,12 @@ Decision decision_of(sqlite3_stmt* row) {
   const auto number = [row](int column) {
     return static_cast<std::uint64_t>(sqlite3_column_int64(row, column));
   };
-  return {number(0),       text_of(row, 1), number(2),       text_of(row, 3),
-          text_of(row, 4), text_of(row, 5), text_of(row, 6), text_of(row, 7)};
+  std::optional<control::Actor> by;
+  if (sqlite3_column_type(row, 8) != SQLITE_NULL)
+    by = control::Actor{static_cast<std::uint32_t>(number(8)), text_of(row, 9),
+                        static_cast<std::uint32_t>(number(10))};
+  return {number(0),       text_of(row, 1), number(2),       text_of(row, 3), text_of(row, 4),
+          text_of(row, 5), text_of(row, 6), text_of(row, 7), std::move(by)};
 }
 
 bool matches(const Decision& d, const HistoryFilter& filter) {
@@ -87,7 +103,8 @@ bool matches(const Decision& d, const HistoryFilter& filter) {
 /// Only the conditions that are asked for: each has its index, and a channel's is the better one.
 std::string query_text(const HistoryFilter& filter) {
   std::string text =
-      R"(SELECT unix_ns, kind, subject, channel, "from", "to", network, message FROM decision
+      R"(SELECT unix_ns, kind, subject, channel, "from", "to", network, message, uid, user, pid
+         FROM decision
          WHERE unix_ns BETWEEN ?1 AND ?2)";
   if (!filter.channel.empty()) text += " AND channel = ?3";
   if (!filter.kind.empty()) text += filter.channel.empty() ? " AND kind = ?4" : " AND +kind = ?4";
@@ -156,6 +173,7 @@ Result<void> History::connect() {
   if (opened != SQLITE_OK) done = failed();
   if (done) done = run(kPragmas);
   if (done) done = run(kSchema);
+  if (done) done = add_actors();
   for (const auto& [statement, text] :
        {std::pair(&insert_, kInsert), std::pair(&prune_old_, kPruneOld),
         std::pair(&prune_many_, kPruneMany)}) {
@@ -168,6 +186,12 @@ Result<void> History::connect() {
   }
   if (!done) disconnect();
   return done;
+}
+
+Result<void> History::add_actors() {
+  const int known = sqlite3_table_column_metadata(database_.get(), nullptr, "decision", "uid",
+                                                  nullptr, nullptr, nullptr, nullptr, nullptr);
+  return known == SQLITE_OK ? Result<void>() : run(kAddActors);
 }
 
 void History::set_aside(const std::string& why) {
@@ -245,6 +269,11 @@ Result<void> History::write(std::size_t count, std::uint64_t now_unix_ns) {
     bind(to, 6, d.to);
     bind(to, 7, d.network);
     bind(to, 8, d.message);
+    if (d.by) {
+      bind(to, 9, std::int64_t{d.by->uid});
+      bind(to, 10, d.by->user);
+      bind(to, 11, std::int64_t{d.by->pid});
+    }
     done = finish(to);
     if (!done) break;
   }

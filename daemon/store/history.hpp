@@ -9,9 +9,11 @@
 #include <deque>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "control/parts.hpp"
 #include "core/handle.hpp"
 #include "core/result.hpp"
 
@@ -25,7 +27,8 @@ struct Decision {
   std::string from;
   std::string to;
   std::string network;
-  std::string message;  ///< one line
+  std::string message;                    ///< one line
+  std::optional<control::Actor> by = {};  ///< who asked for it
   bool operator==(const Decision&) const = default;
 };
 
@@ -90,6 +93,7 @@ class History {
   History(std::string path, HistoryLimits limits) : path_(std::move(path)), limits_(limits) {}
 
   Result<void> connect();
+  Result<void> add_actors();
   void disconnect();
   /// Runs `work` on the database, connecting where needed; on a damaged one a second time, with a
   /// new database.

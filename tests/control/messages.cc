@@ -90,6 +90,7 @@ Channel granted_channel() {
   channel.admission = 7;
   channel.dropped = 0;
   channel.watch = full_watch();
+  channel.troubles = {"nothing has come for 200 ms: 4 events are missing"};
   channel.reaction = "174 ms = (Omission 2 + 1) x Period 50 ms + Latency 12 ms + Jitter 12 ms";
   return channel;
 }
@@ -128,6 +129,7 @@ Channel switched_channel() {
   channel.admission = 0;
   channel.reaction.clear();
   channel.watch.reset();
+  channel.troubles.clear();
   channel.set = 1;
   channel.sets = 2;
   channel.importance = 9;
@@ -181,7 +183,10 @@ Status full_status() {
           .loaded_unix_s = 1'700'000'100,
           .last_error = "system.xml:7: <Period>: not a number",
           .interfaces = {can0, can1},
-          .problem = "can1 is missing"};
+          .problem = "can1 is missing",
+          .health = {.state = HealthState::degraded,
+                     .reasons = {"can1 is missing", "1 delivery is refused"},
+                     .left_out = 5}};
 }
 
 Networks full_networks() {
@@ -217,7 +222,8 @@ Event full_event() {
           .message = "Omission 2 required, bridge provides 5",
           .admissions = {7, ~std::uint64_t{0}},
           .silent_ns = 174'000'000,
-          .missing = 3};
+          .missing = 3,
+          .by = Actor{.uid = 1000, .user = "alice", .pid = 4242}};
 }
 
 Routes full_routes() {

@@ -59,6 +59,8 @@ std::vector<NamedRequest> all_requests() {
           {"Admit", {5, Admit{full_channel_request(), {}, 0, false}}},
           {"Release",
            {6, ReleaseRequest{.channel = "emergency-switch", .admission = 9, .key = "blue"}}},
+          {"Withdraw", {7, WithdrawRequest{"emergency-switch"}}},
+          {"Reinstate", {8, ReinstateRequest{"emergency-switch"}}},
           {"Explain", {7, ExplainRequest{"0xa4efeccc3210b497"}}},
           {"Monitor", {8, MonitorRequest{}}},
           {"Mode", {9, ModeRequest{"audit"}}},

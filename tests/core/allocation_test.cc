@@ -174,10 +174,10 @@ TEST(AllocationTest, NobodyIsLoweredForWhoWaits) {
   // Both at once: each is served, and the rest is too little for more.
   EXPECT_EQ(s.service(), "ll");
   Scarce t({0, 9});
-  t.state().set_released(1, true);
+  t.state().set_withdrawn(1, true);
   t.carries(400);
   EXPECT_EQ(t.service(), "h-");
-  t.state().set_released(1, false);
+  t.state().set_withdrawn(1, false);
   t.state().settle();
   EXPECT_EQ(t.service(), "h-") << "who was there keeps what he has";
 }
@@ -186,7 +186,7 @@ TEST(AllocationTest, AReleaseServesWhoWaits) {
   Scarce s({0, 0});
   s.carries(150);
   EXPECT_EQ(s.service(), "l-");
-  s.state().set_released(0, true);
+  s.state().set_withdrawn(0, true);
   s.state().settle();
   EXPECT_EQ(s.service(), "-l");
 }
@@ -228,7 +228,7 @@ class Islands {
   }
   [[nodiscard]] std::string service() const { return service_of(*state_); }
   void release(std::size_t channel, bool released) {
-    state_->set_released(channel, released);
+    state_->set_withdrawn(channel, released);
     state_->settle();
   }
   [[nodiscard]] const State& state() const { return *state_; }

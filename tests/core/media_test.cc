@@ -114,7 +114,7 @@ TEST(BusTest, WhoIsRefusedAndSendsAllTheSameIsNoStrangerToHimself) {
 
 TEST(BusTest, WhoIsHeardIsBackgroundToAllOthers) {
   State state(loud_and_quiet());
-  state.set_released(0, true);
+  state.set_withdrawn(0, true);
   state.set_condition(0, carrying(990'000, {{0, 990'000}}));
   state.settle();
   EXPECT_FALSE(is_granted(state, 1)) << "0.99 of the bus is taken by somebody who may not";
@@ -122,12 +122,12 @@ TEST(BusTest, WhoIsHeardIsBackgroundToAllOthers) {
   state.settle();
   EXPECT_TRUE(is_granted(state, 1));
   EXPECT_EQ(state.ledger().schedule(0)->assumptions().background, 360'000U);
-  state.set_released(0, false);
+  state.set_withdrawn(0, false);
   state.settle();
   EXPECT_TRUE(is_granted(state, 0));
   EXPECT_TRUE(is_granted(state, 1));
   EXPECT_EQ(state.ledger().schedule(0)->assumptions().background, 0U);
-  state.set_released(0, true);
+  state.set_withdrawn(0, true);
   state.settle();
   EXPECT_EQ(state.ledger().schedule(0)->assumptions().background, 360'000U)
       << "it goes on sending as far as anybody knows";

@@ -272,8 +272,8 @@ TEST_P(RandomTest, BoundsHoldAndWhatIsTouchedIsDecidedAsIfEverythingWere) {
           both([&](State& s) { EXPECT_TRUE(s.remove(id)); });
         } else {
           const std::size_t c = below(random, kChannels);
-          const bool released = !state.released(c);
-          both([&](State& s) { s.set_released(c, released); });
+          const bool released = !state.withdrawn(c);
+          both([&](State& s) { s.set_withdrawn(c, released); });
         }
     }
     state.settle();

@@ -157,9 +157,9 @@ TEST(StateTest, ReleaseRestoresTheLedgerExactly) {
 
 TEST(StateTest, AReleasedChannelIsRefused) {
   State state(robot(0));
-  state.set_released(0, true);
+  state.set_withdrawn(0, true);
   state.settle();
-  EXPECT_EQ(only_verdict(state).obstacle, Obstacle::released);
+  EXPECT_EQ(only_verdict(state).obstacle, Obstacle::withdrawn);
   for (const GateRule& rule : state.gate_state(kBridge)) EXPECT_FALSE(rule.pass);
 }
 

@@ -52,6 +52,25 @@ TEST(DropWatch, WhatIsGoneGivesItsMemoryBackInPieces) {
   EXPECT_EQ(watch.look(3, 3, 2), 3U) << "begins at nothing";
 }
 
+TEST(DropWatch, WhatWasDroppedInTheLastFiveMinutesIsRecent) {
+  DropWatch<std::string> watch;
+  watch.look("a", 5, 0);
+  EXPECT_EQ(watch.recent("a", 0), 0U) << "of a daemon before this one";
+  EXPECT_EQ(watch.recent("b", 0), 0U) << "nobody has looked at it";
+  watch.look("a", 7, 10);
+  watch.look("a", 12, 200);
+  EXPECT_EQ(watch.recent("a", 200), 7U) << "since the drops began, mentioned or not";
+  EXPECT_EQ(watch.recent("a", 499), 7U);
+  EXPECT_EQ(watch.recent("a", 500), 0U) << "300 s after the latest one";
+  watch.look("a", 13, 600);
+  EXPECT_EQ(watch.recent("a", 600), 1U) << "the drops of then are over";
+  watch.look("a", 0, 601);
+  watch.look("a", 2, 602);
+  EXPECT_EQ(watch.recent("a", 602), 2U) << "the counter has begun anew";
+  watch.forget();
+  EXPECT_EQ(watch.recent("a", 602), 0U);
+}
+
 TEST(DropWatch, AwakeItMentionsTheRestAtOnce) {
   DropWatch<std::string> watch;
   watch.look("a", 0, 0);

@@ -13,6 +13,8 @@ $(eval $(call unit_test,fork_budget_test,tests/daemon/fork_budget_test.cc,$(addp
 $(eval $(call unit_test,history_pages_test,tests/daemon/history_pages_test.cc tests/store/worlds.cc,$O/daemon/history_pages.o $(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a,-lsqlite3 $(PROTO_LIBS)))
 $(eval $(call unit_test,rounds_test,tests/daemon/rounds_test.cc,,))
 $(eval $(call unit_test,drops_test,tests/daemon/drops_test.cc,$O/daemon/drops.o,-lfmt))
+$(eval $(call unit_test,health_test,tests/daemon/health_test.cc,$O/daemon/health.o $O/libcore.a,-lfmt))
+$(eval $(call unit_test,user_names_test,tests/daemon/user_names_test.cc,$O/daemon/user_names.o,))
 $(eval $(call kernel_test,drift_test,tests/daemon/drift_test.cc tests/enforce/sandbox.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
 $(eval $(call unit_test,requests_test,tests/daemon/requests_test.cc tests/daemon/sender_test.cc,$O/daemon/requests.o $O/libdescription.a $O/libcore.a,$(XML_LIBS) -lfmt))
 $(eval $(call unit_test,rtnl_test,tests/daemon/rtnl_test.cc,$(addprefix $O/daemon/net/,rtnl.o links.o),$(NL_LIBS)))

@@ -164,8 +164,15 @@ control::Request some_request(Octets& from) {
       out.body = history;
       break;
     }
-    default:
-      out.body = control::GateRequest{from.one_of(kPlaces)};
+    default: {
+      const unsigned which = from.next() % 4;
+      if (which == 0)
+        out.body = control::WithdrawRequest{from.one_of(kChannels)};
+      else if (which == 1)
+        out.body = control::ReinstateRequest{from.one_of(kChannels)};
+      else
+        out.body = control::GateRequest{from.one_of(kPlaces)};
+    }
   }
   return out;
 }

@@ -34,6 +34,8 @@ bool changes(const control::Request& request) {
   const auto& body = request.body;
   return std::holds_alternative<control::Admit>(body) ||
          std::holds_alternative<control::ReleaseRequest>(body) ||
+         std::holds_alternative<control::WithdrawRequest>(body) ||
+         std::holds_alternative<control::ReinstateRequest>(body) ||
          std::holds_alternative<control::ModeRequest>(body) ||
          std::holds_alternative<control::ReloadRequest>(body) ||
          std::holds_alternative<control::RenewRequest>(body);
@@ -85,11 +87,7 @@ void GatewayUnderTest::begin() {
   const store::Contents before = stored();
   for (const auto& admitted : before.admissions)
     if (alive_.contains(admitted.id)) ask(control::ReleaseRequest{"", admitted.id, ""});
-  for (const std::string& subject : before.released) {
-    control::Admit again;
-    again.channel = subject;
-    ask(again);
-  }
+  for (const std::string& subject : before.released) ask(control::ReinstateRequest{subject});
   if (audit_) ask(control::ModeRequest{"enforce"});
   close(0);
   settle();

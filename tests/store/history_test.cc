@@ -79,6 +79,44 @@ TEST(History, GivesBackWhatHappenedTheNewestFirst) {
   EXPECT_EQ(found(again, newest(1)), std::vector{decision(4)});
 }
 
+TEST(History, KnowsWhoAskedForIt) {
+  const Folder folder;
+  Decision asked = decision(1);
+  asked.by = control::Actor{.uid = 1000, .user = "alice", .pid = 4242};
+  Decision nameless = decision(2);
+  nameless.by = control::Actor{.uid = 4'294'967'294, .user = "", .pid = 1};
+  const std::vector<Decision> newest_first{decision(3), nameless, asked};
+  auto history = History::open(folder.path());
+  for (const Decision& d : {asked, nameless, decision(3)}) history.append(d);
+  EXPECT_EQ(found(history), newest_first) << "in memory";
+  history.flush(kStart);
+  EXPECT_EQ(found(history), newest_first) << "on disk";
+}
+
+TEST(AHistoryFromBeforeThereWereActors, IsKeptAndGoesOn) {
+  const Folder folder;
+  {
+    auto history = History::open(folder.path());
+    history.append(decision(1));
+    history.flush(kStart);
+  }
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open((folder.path() + "/history.db").c_str(), &database), SQLITE_OK);
+  for (const char* column : {"uid", "user", "pid"})
+    ASSERT_EQ(
+        sqlite3_exec(database, (std::string("ALTER TABLE decision DROP COLUMN ") + column).c_str(),
+                     nullptr, nullptr, nullptr),
+        SQLITE_OK);
+  sqlite3_close(database);
+  auto history = History::open(folder.path());
+  EXPECT_TRUE(history.take_troubles().empty());
+  Decision asked = decision(2);
+  asked.by = control::Actor{.uid = 0, .user = "root", .pid = 7};
+  history.append(asked);
+  history.flush(kStart);
+  EXPECT_EQ(found(history), (std::vector<Decision>{asked, decision(1)}));
+}
+
 TEST(History, FindsWhatAFilterSaysAndNothingElse) {
   const Folder folder;
   History history = History::open(folder.path());

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <set>
 #include <sstream>
@@ -124,6 +125,40 @@ TEST(DocumentationTest, ManualDescribesEveryVerbAndOption) {
     EXPECT_TRUE(std::ranges::any_of(entries, [&](const std::string& entry) {
       return options_in(entry).contains(option);
     })) << option;
+}
+
+/// Options that a manual page describes under ".SS Options of VERB and VERB", by verb.
+std::map<std::string, Words> options_by_verb(const std::string& page) {
+  std::ifstream file(top() / "docs/man" / page);
+  std::map<std::string, Words> result;
+  Words verbs;
+  bool follows = false;
+  for (std::string line; std::getline(file, line);) {
+    std::erase(line, '\\');
+    std::erase(line, '"');
+    const std::string head = ".SS Options of ";
+    if (line.starts_with(".S")) verbs.clear();
+    if (line.starts_with(head)) {
+      verbs = words_of(line.substr(head.size()));
+      verbs.erase("and");
+    }
+    for (const auto& verb : verbs)
+      if (follows) result[verb].merge(options_in(line));
+    follows = line == ".TP" || line == ".TQ";
+  }
+  return result;
+}
+
+TEST(DocumentationTest, ManualDescribesTheOptionsOfEachVerbAndNoOthers) {
+  const auto described = options_by_verb("mlccactl.1");
+  for (const auto& verb : help().verbs) {
+    if (kOwnPage.contains(verb)) continue;
+    auto expected = options_in(test::run_mlccactl({verb, "--help"}).out);
+    for (const auto* common : {"--help", "--json", "--no-color", "--socket", "--timeout"})
+      expected.erase(common);
+    const auto found = described.find(verb);
+    EXPECT_EQ(found == described.end() ? Words() : found->second, expected) << verb;
+  }
 }
 
 TEST(DocumentationTest, APageOfItsOwnDescribesEveryOptionOfAVerb) {

@@ -305,6 +305,47 @@ TEST(MlccactlTest, ExitsWith0WhenGrantedAnd1WhenRefused) {
   EXPECT_EQ(outcome_of({"channels"}, mixed).status, 0);
 }
 
+TEST(MlccactlTest, WithdrawsAndReinstatesWhatIsNamed) {
+  EXPECT_EQ(request_of({"withdraw", "a", "--yes"}),
+            (control::Request{1, control::WithdrawRequest{"a"}}));
+  EXPECT_EQ(request_of({"reinstate", "a"}), (control::Request{1, control::ReinstateRequest{"a"}}));
+}
+
+TEST(MlccactlTest, WithdrawsNothingWhereNobodyCanBeAsked) {
+  std::size_t asked = 0;
+  Server server([&](const control::Request& request) {
+    ++asked;
+    EXPECT_TRUE(std::holds_alternative<control::ExplainRequest>(request.body));
+    return Server::Answer{{granted_as_7()}};
+  });
+  const auto outcome = run_mlccactl({"withdraw", "a", "--socket", server.path()});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.error.find("say --yes"), std::string::npos) << outcome.error;
+  EXPECT_EQ(asked, 1U);
+}
+
+TEST(MlccactlTest, CheckExitsAsMonitoringSystemsTakeIt) {
+  auto status = test::full_status();
+  const auto check = [&](control::HealthState state) {
+    status.health.state = state;
+    Server server(always({0, status}));
+    return run_mlccactl({"status", "--check", "--socket", server.path()});
+  };
+  using control::HealthState;
+  EXPECT_EQ(check(HealthState::healthy).status, 0);
+  EXPECT_EQ(check(HealthState::degraded).status, 1);
+  EXPECT_EQ(check(HealthState::degraded).out,
+            "DEGRADED: can1 is missing; 1 delivery is refused; and 5 more\n");
+  EXPECT_EQ(check(HealthState::closed).status, 2);
+  EXPECT_EQ(check(HealthState::unknown).status, 3);
+  EXPECT_EQ(run_mlccactl({"status", "--check", "--socket", "/nonexistent"}).status, 3);
+  Server server(always({0, test::full_status()}));
+  EXPECT_EQ(
+      run_mlccactl({"--json", "status", "--check", "--socket", server.path()}).out,
+      R"({"health":{"state":"degraded","reasons":["can1 is missing","1 delivery is refused"],)"
+      "\"left_out\":5}}\n");
+}
+
 TEST(MlccactlTest, ExitsWith2WhenTheDaemonCannotUseTheInput) {
   for (const auto kind : {control::ErrorKind::invalid, control::ErrorKind::unreadable}) {
     const auto outcome = outcome_of({"reload"}, error_of(kind));
@@ -485,6 +526,15 @@ INSTANTIATE_TEST_SUITE_P(
         UsageRow{"TimeoutNan", {"status", "--timeout", "nan"}, "must be 0.001 to 86400 seconds"},
         UsageRow{"SocketMissing", {"status", "--socket"}, "--socket"}),
     [](const auto& row) { return row.param.name; });
+
+TEST(MlccactlTest, NamesTheHelpOfTheVerb) {
+  EXPECT_NE(run_mlccactl({"query"}).error.find("'mlccactl query --help' says more."),
+            std::string::npos);
+  EXPECT_NE(run_mlccactl({"check", "--format", "x", "a.xml"})
+                .error.find("'mlccactl check --help' says more."),
+            std::string::npos);
+  EXPECT_NE(run_mlccactl({"foo"}).error.find("'mlccactl --help' says more."), std::string::npos);
+}
 
 TEST(MlccactlTest, HelpAndVersionAreFine) {
   const auto help = run_mlccactl({"--help"});

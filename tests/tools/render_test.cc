@@ -123,9 +123,9 @@ TEST_F(RenderTest, AnswersAQuestionAboutNothing) {
 TEST_F(RenderTest, ListsDeliveries) {
   EXPECT_EQ(
       render(control::Channels{{test::refused_channel(), test::granted_channel()}}, Color::no),
-      R"(CHANNEL           SUBJECT             FROM        TO         VERDICT  PASSED  DROPPED  ADMISSION  REASON
-emergency-switch  0xa4efeccc3210b497  second-can  robot-can  refused      12      345             Omission 2 required, bridge provides 5 (3 too many)
-emergency-switch  0xa4efeccc3210b497  robot-can   robot-can  granted      12        0          7  Period 50 ms required, the route provides 12.5 ms (37.5 ms to spare)
+      R"(CHANNEL           SUBJECT             FROM        TO         VERDICT  NOW                                                PASSED  DROPPED  ADMISSION  REASON
+emergency-switch  0xa4efeccc3210b497  second-can  robot-can  refused                                                         12      345             Omission 2 required, bridge provides 5 (3 too many)
+emergency-switch  0xa4efeccc3210b497  robot-can   robot-can  granted  nothing has come for 200 ms: 4 events are missing      12        0          7  Period 50 ms required, the route provides 12.5 ms (37.5 ms to spare)
 )");
 }
 
@@ -242,19 +242,17 @@ TEST_F(RenderTest, ShowsTheGatewayAsItIs) {
 mlccad       0.1.0, since 2023-11-14 22:13:20
 description  /etc/mlcca/system.xml, read 2023-11-14 22:15:00
 gate         open: verdicts are in force
+health       DEGRADED
+             can1 is missing
+             1 delivery is refused
+             and 5 more
 mode         enforce
 channels     3 granted, 1 refused
 grace        10 s, lapsed 2 times
-problem      can1 is missing
-last reload  system.xml:7: <Period>: not a number
 
 INTERFACE  NETWORK     PROFILE  LINK    CAN STATE        BITRATE  GATE        SLOTS  IN PASSED  IN DROPPED  OUT PASSED  OUT DROPPED  MANAGED  IDENTITY
 can0       robot-can   famouso  up      ERROR-ACTIVE  500 kbit/s  held early      4       1001          22        2002           33  yes      name can0
 can1       second-can           absent                                            0          0           0           0            0
-can0: queue is full
-before the gate of can0 runs another
-can0: 70000 frames were sent past its gate
-can1: no such interface
 
 frames by reason
   INTERFACE  DIRECTION  REASON   FRAMES
@@ -269,6 +267,55 @@ unknown frames, last seen first
   can0       in         017                 XL          2048       1
   can0       in         0xa4efeccc3210b497  datagram    8183       3
 )");
+}
+
+TEST_F(RenderTest, OfAnOlderDaemonShowsTheProblemsThemselves) {
+  auto status = test::full_status();
+  status.health = {};
+  const std::string text = render(status, Color::no);
+  for (const char* line :
+       {"health       unknown: this mlccad does not say\n", "problem      can1 is missing\n",
+        "last reload  system.xml:7: <Period>: not a number\n", "\ncan0: queue is full\n",
+        "\nbefore the gate of can0 runs another\n",
+        "\ncan0: 70000 frames were sent past its gate\n", "\ncan1: no such interface\n"})
+    EXPECT_NE(text.find(line), std::string::npos) << line << text;
+}
+
+TEST_F(RenderTest, HealthIsOneLineForAMonitoringSystem) {
+  EXPECT_EQ(check_line(test::full_status().health),
+            "DEGRADED: can1 is missing; 1 delivery is refused; and 5 more\n");
+  EXPECT_EQ(check_line({.state = control::HealthState::healthy}), "healthy\n");
+  EXPECT_EQ(check_line({.state = control::HealthState::closed, .reasons = {"a\nb"}}),
+            "CLOSED: a?b\n");
+}
+
+TEST_F(RenderTest, SaysWhatAWithdrawalStops) {
+  EXPECT_EQ(what_stops({{test::refused_channel(), test::granted_channel()}}, "emergency-switch",
+                       Color::no),
+            "emergency-switch: 1 delivery stops; everything of it is refused, also what is "
+            "described, until it is reinstated\n"
+            "  stops  from robot-can (switch) to robot-can (motor-left, motor-right)\n"
+            "         reaction to its loss: 174 ms = (Omission 2 + 1) x Period 50 ms + Latency 12 "
+            "ms + Jitter 12 ms\n");
+  EXPECT_EQ(what_stops({{test::refused_channel()}}, "a", Color::no),
+            "a: nothing of it is granted now; everything of it is refused, also what is described, "
+            "until it is reinstated\n");
+}
+
+TEST_F(RenderTest, ShowsThatAChannelIsWithdrawn) {
+  auto channel = test::refused_channel();
+  channel.withdrawn = true;
+  EXPECT_NE(render(control::Channels{{channel}}, Color::no).find("refused  WITHDRAWN"),
+            std::string::npos);
+}
+
+TEST_F(RenderTest, ShowsWhatIsWrongWithAGrant) {
+  const control::Channels channels{{test::granted_channel()}};
+  const std::string line = "nothing has come for 200 ms: 4 events are missing";
+  EXPECT_NE(render(channels, Color::no).find("granted  " + line), std::string::npos)
+      << render(channels, Color::no);
+  EXPECT_NE(explain(channels, Color::no, false).find("  trouble      " + line + "\n"),
+            std::string::npos);
 }
 
 TEST_F(RenderTest, SaysAuditModeFirstAndLoudly) {
@@ -353,6 +400,8 @@ TEST(JsonFieldsTest, TellHowWatchedEventsComeAndNullOfOthers) {
       "longest_gap_ns": 101000000, "jitter_ns": 6000000, "rate_mhz": 19975,
       "gaps": [0, 0, 0, 0, 0, 0, 0, 499, 500, 0, 0, 0, 0, 0, 0, 1]})"));
   EXPECT_TRUE(json.at("channels").at(1).at("watch").is_null());
+  EXPECT_EQ(json.at("channels").at(0).at("troubles"),
+            Json::parse(R"(["nothing has come for 200 ms: 4 events are missing"])"));
 }
 
 TEST(JsonFieldsTest, SayUnboundedWhereNumbersWouldLie) {
@@ -420,7 +469,8 @@ TEST(JsonFieldsTest, TellWhatWouldBeAndWhatWas) {
   const auto history = json_of({1, test::full_history()});
   EXPECT_EQ(history.at("entries").at(0), Json::parse(R"({"unix_ns": 1700000100000000000,
       "kind": "switched", "subject": "0x0000000000000010", "channel": "video", "from": "awds",
-      "to": "robot-can", "network": "awds", "message": "set 2 of 2: laptop > relay is slower"})"));
+      "to": "robot-can", "network": "awds", "message": "set 2 of 2: laptop > relay is slower",
+      "by": null})"));
   EXPECT_TRUE(history.at("entries").at(1).at("subject").is_null());
   EXPECT_EQ(json_of({0, test::full_event()}).at("admissions"), (Json{7, ~std::uint64_t{0}}));
 }

@@ -244,10 +244,10 @@ TEST(TopScreenTest, ADaemonThatGoesAwayIsShownAndComesBack) {
   OnTerminal top(server.path(), {"-d", "0.1"});
   ASSERT_TRUE(top.shows("by subject"));
   gone = true;
-  EXPECT_TRUE(top.shows("mlccad"));  // what is wrong, in the place of "by subject"
+  EXPECT_TRUE(top.shows("mlccad"));
   EXPECT_TRUE(top.shows("emergency-switch"));
   gone = false;
-  EXPECT_TRUE(top.shows("by subject"));
+  EXPECT_TRUE(top.shows("can1 is missing"));
   top.type("q");
   EXPECT_TRUE(WIFEXITED(top.end()));
 }

@@ -101,6 +101,45 @@ TEST(TopRatesTest, WatchedEventsTellJitterLossAndWhatIsUsed) {
   EXPECT_EQ(rows.at(0).verdict, "SILENT");
 }
 
+TEST(TopRatesTest, WhatIsWrongWithAGrantStandsInPlaceOfIt) {
+  auto channel = delivery("beat", 0, 0);
+  channel.troubles = {"12 frames on second-can were more than was admitted"};
+  EXPECT_EQ(rows_by_subject(nullptr, sample(1, {channel})).at(0).verdict, "TROUBLE");
+}
+
+TEST(TopRatesTest, UnknownSubjectsHaveRowsOfTheirOwn) {
+  control::Interface can0;
+  can0.name = "can0";
+  can0.network = "second-can";
+  can0.unknown = {{.can_id = 0x123, .egress = false, .frames = 40},
+                  {.egress = true, .frames = 7, .subject = 0x10}};
+  auto before = sample(10, {delivery("beat", 0, 0)});
+  before.status.interfaces = {can0};
+  auto now = sample(12, {delivery("beat", 0, 0)});
+  can0.unknown[0].frames = 60;
+  can0.unknown.push_back({.can_id = 0x456, .frames = 4});
+  now.status.interfaces = {can0};
+  const auto rows = rows_by_subject(&before, now);
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_EQ(rows[1].name, "123");
+  EXPECT_EQ(rows[1].place, "second-can >");
+  EXPECT_EQ(rows[1].verdict, "unknown");
+  EXPECT_DOUBLE_EQ(rows[1].drops.value(), 10);
+  EXPECT_EQ(rows[2].name, "0x0000000000000010");
+  EXPECT_EQ(rows[2].place, "> second-can");
+  EXPECT_DOUBLE_EQ(rows[2].drops.value(), 0);
+  EXPECT_DOUBLE_EQ(rows[3].drops.value(), 2) << "was not among the last seen ones before";
+  EXPECT_EQ(rows_by_network(&before, now).size(), 0U) << "no network is described";
+  EXPECT_FALSE(rows_by_subject(nullptr, now).at(1).drops);
+}
+
+TEST(TopHeadingTest, NamesTheFirstReasonAndCountsTheOthers) {
+  control::Status status;
+  EXPECT_EQ(heading_of(status).problem, "");
+  status.health = {.state = control::HealthState::degraded, .reasons = {"a", "b"}, .left_out = 3};
+  EXPECT_EQ(heading_of(status).problem, "a (and 4 more)");
+}
+
 TEST(TopRatesTest, BeforeTwoEventsThereIsNoJitter) {
   auto channel = delivery("beat", 0, 0);
   channel.watch.emplace();
@@ -327,6 +366,7 @@ TEST_P(ScreenSizeTest, HasExactlyTheLinesAndNoLongerOnes) {
   heading.state = "enforce, open, 1 granted, 100000 refused";
   for (const bool help : {false, true})
     for (const Color color : {Color::no, Color::yes}) {
+      heading.problem = help ? "" : "can1 is missing (and 6 more)";
       View view;
       view.help = help;
       view.first = 1000;
@@ -359,6 +399,18 @@ TEST(TopLayoutTest, EightyColumnsShowAllOfThem) {
                 "CHANNEL          WAY             VERDICT RATE/s JITTER  LOSS DROP/s  RESV  USED",
                 "emergency-switch second-can > r~ granted     20  1.2ms    0%      3    2% 99.5%",
             }));
+}
+
+TEST(TopLayoutTest, AProblemHasALineOfItsOwn) {
+  Heading heading;
+  heading.problem = "can1 is missing";
+  const auto lines = screen(heading, {row("a", 1), row("b", 1)}, {}, {80, 6}, Color::no);
+  ASSERT_EQ(lines.size(), 6U);
+  EXPECT_TRUE(lines[1].starts_with("by subject"));
+  EXPECT_EQ(lines[2], "can1 is missing");
+  EXPECT_TRUE(lines[4].starts_with("a "));
+  EXPECT_EQ(room_for_rows(heading, {80, 6}), 1U);
+  EXPECT_EQ(room_for_rows({}, {80, 6}), 2U);
 }
 
 TEST(TopLayoutTest, NothingThatTheDaemonSaysSteersTheTerminal) {

@@ -29,8 +29,8 @@ _mlccactl_can() {
 
 _mlccactl() {
 	local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
-	local verbs="status networks channels routes reservations gate query what-if admit renew release explain"
-	verbs+=" history monitor top mode reload bandwidth"
+	local verbs="status networks channels routes reservations gate query what-if admit renew release withdraw"
+	verbs+=" reinstate explain history monitor top mode reload bandwidth"
 	local others="analyse-bus check describe generate doctor"
 	local common="--socket --timeout --json --no-color --help"
 	local offline="--json --no-color --help"
@@ -134,6 +134,8 @@ _mlccactl() {
 	query | admit)
 		words+=" --from --to --require --offer --node --priority --user --subscriber --publisher --from-node --to-node --address"
 		;;
+	status) words+=" --check" ;;
+	withdraw) words+=" --yes" ;;
 	release) words+=" --id --admission --key" ;;
 	renew) words+=" --id --admission --key" ;;
 	what-if) words+=" --link --without --one-way" ;;
@@ -154,7 +156,7 @@ _mlccactl() {
 		;;
 	esac
 	case $verb in
-	query | admit | release | explain)
+	query | admit | release | withdraw | reinstate | explain)
 		[[ $cur == -* ]] || words=$(_mlccactl_channels)
 		;;
 	analyse-bus | check | describe | generate)

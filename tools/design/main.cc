@@ -30,8 +30,10 @@ int main(int argc, char** argv) {
   app.add_flag("--no-color", context.no_color, "no colour on a terminal, as with NO_COLOR");
   app.footer(kFooter);
   app.require_subcommand(1, 1);
-  app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return fmt::format("mlccactl: {}\nmlccactl VERB --help says more.\n", error.what());
+  app.failure_message([&app](const CLI::App*, const CLI::Error& error) {
+    const auto verbs = app.get_subcommands();
+    return fmt::format("mlccactl: {}\n'mlccactl {}--help' says more.\n", error.what(),
+                       verbs.empty() ? "" : verbs.front()->get_name() + " ");
   });
   add_analyse_bus(app, context);
   add_check(app, context);

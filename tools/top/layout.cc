@@ -170,7 +170,10 @@ Heading heading_of(const control::Status& status) {
       "{}, {}, {} granted, {} refused", status.mode == "enforce" ? status.mode : "AUDIT MODE",
       status.open ? "open" : "CLOSED", status.channels_granted, status.channels_refused);
   heading.alarming = status.mode != "enforce" || !status.open;
-  heading.problem = status.problem;
+  const auto& reasons = status.health.reasons;
+  heading.problem = reasons.empty() ? status.problem : reasons.front();
+  if (const auto more = reasons.size() + status.health.left_out; more > 1)
+    heading.problem += fmt::format(" (and {} more)", more - 1);
   return heading;
 }
 
@@ -213,6 +216,11 @@ std::string short_share(std::optional<double> share) {
   return (text.ends_with(".0") ? text.substr(0, text.size() - 2) : text) + "%";
 }
 
+std::size_t room_for_rows(const Heading& heading, Size size) {
+  const std::size_t frame = heading.problem.empty() ? 4 : 5;
+  return size.lines - std::min(size.lines, frame);
+}
+
 std::vector<std::string> screen(const Heading& heading, const std::vector<Row>& rows,
                                 const View& view, Size size, Color color) {
   const std::size_t columns = std::max<std::size_t>(size.columns, 1);
@@ -220,19 +228,18 @@ std::vector<std::string> screen(const Heading& heading, const std::vector<Row>& 
   const auto whole = [&](std::string_view text, Style style = Style::plain) {
     return styled(clipped(printable(text), columns), style, color);
   };
-  const bool fine = heading.problem.empty();
   std::vector<std::string> lines = {
       whole(fmt::format("{}{}{}: {}", heading.time, heading.time.empty() ? "" : "  ",
                         heading.gateway, heading.state),
             heading.alarming ? Style::bad : Style::bold),
-      whole(fine ? about(view, rows.size(), heading) : heading.problem,
-            fine ? Style::plain : Style::bad)};
+      whole(about(view, rows.size(), heading))};
+  if (!heading.problem.empty()) lines.push_back(whole(heading.problem, Style::bad));
 
-  const std::size_t room = batch ? rows.size() : size.lines - std::min(size.lines, kFrame);
+  const std::size_t room = batch ? rows.size() : room_for_rows(heading, size);
   if (view.help && !batch) {
     lines.emplace_back();
     for (const auto text : kHelp) lines.push_back(whole(text));
-    lines.resize(std::min(lines.size(), room + kFrame - 1));
+    lines.resize(std::min(lines.size(), size.lines - std::min<std::size_t>(size.lines, 1)));
   } else {
     for (auto& line : table(rows, view, columns, room, color)) lines.push_back(std::move(line));
   }

@@ -37,8 +37,9 @@ struct Heading {
 /// "0%", "<0.1%", "12.5%"
 [[nodiscard]] std::string short_share(std::optional<double> share);
 
-/// Lines above and below the rows of a screen.
-inline constexpr std::size_t kFrame = 4;
+/// Lines of a screen that are left for rows: above them stand two lines, one more where there is a
+/// problem, and the titles; below them the keys.
+[[nodiscard]] std::size_t room_for_rows(const Heading& heading, Size size);
 
 /// Exactly `size.lines` lines, or as many as are needed where that is 0 (a batch), none longer than
 /// `size.columns` characters. `rows` are arranged.

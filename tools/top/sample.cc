@@ -8,7 +8,9 @@
 #include <tuple>
 #include <utility>
 
+#include "core/text.hpp"
 #include "mlcca/arithmetic.hpp"
+#include "tools/values.hpp"
 #include "tools/words.hpp"
 
 namespace mlcca::tools::top {
@@ -104,6 +106,45 @@ std::map<Holder, double> shares_held(const control::Reservations& all) {
   return held;
 }
 
+/// Frames without a slot, dropped because nobody was granted anything by that name.
+Row unknown_row(const control::Interface& interface, const control::Unknown& frame) {
+  Row row;
+  row.name = frame.subject != 0 ? core::format_subject(frame.subject) : print_can_id(frame.can_id);
+  row.place = (frame.egress ? "> " : "") + interface.network + (frame.egress ? "" : " >");
+  row.subject = frame.subject != 0 ? row.name : "";
+  row.verdict = "unknown";
+  row.style = Style::warning;
+  return row;
+}
+
+using UnknownKey = std::tuple<std::string, std::uint64_t, std::uint32_t, bool, bool, bool>;
+
+UnknownKey key_of(const control::Interface& i, const control::Unknown& u) {
+  return {i.name, u.subject, u.can_id, u.egress, u.fd, u.xl};
+}
+
+std::map<UnknownKey, std::uint64_t> unknown_counts(const Sample* sample) {
+  std::map<UnknownKey, std::uint64_t> counts;
+  if (sample != nullptr)
+    for (const auto& i : sample->status.interfaces)
+      for (const auto& u : i.unknown) counts[key_of(i, u)] = u.frames;
+  return counts;
+}
+
+void add_unknown(const Interval& interval, const Sample* before, const Sample& now,
+                 std::vector<Row>& rows) {
+  const auto counted = unknown_counts(before);
+  for (const auto& i : now.status.interfaces)
+    for (const auto& u : i.unknown) {
+      Row row = unknown_row(i, u);
+      const auto old = counted.find(key_of(i, u));
+      // What was not among the last seen ones then has come since.
+      const std::uint64_t none = 0;
+      row.drops = interval.rate(old == counted.end() ? &none : &old->second, u.frames);
+      rows.push_back(std::move(row));
+    }
+}
+
 void add_watch(const control::Watch& watch, Row& row) {
   if (watch.last_gap_ns != 0) row.jitter = static_cast<double>(watch.jitter_ns) / kSecond;
   row.loss = share(watch.missing, add_saturating(watch.missing, watch.events));
@@ -121,6 +162,10 @@ Row delivery(const control::Channel& c) {
   row.verdict =
       c.granted && c.sets > 1 ? fmt::format("set {}/{}", c.set + 1, c.sets) : verdict.text;
   row.style = c.granted && c.set != 0 ? Style::warning : verdict.style;
+  if (!c.troubles.empty()) {
+    row.verdict = "TROUBLE";
+    row.style = Style::bad;
+  }
   if (c.watch) add_watch(*c.watch, row);
   return row;
 }
@@ -158,10 +203,11 @@ std::optional<double> used_of(const control::Resource& resource,
   return taken / reserved;
 }
 
-/// How much of what it holds a publisher uses, as far as it is known.
+/// How much of what it holds a publisher uses, as far as it is known. The first rows are those of
+/// the deliveries.
 std::map<Holder, double> used_by_holder(const Sample& now, const std::vector<Row>& deliveries) {
   std::map<Holder, double> used;
-  for (std::size_t i = 0; i < deliveries.size(); ++i) {
+  for (std::size_t i = 0; i < now.channels.channels.size(); ++i) {
     if (!deliveries[i].used) continue;
     const auto& c = now.channels.channels[i];
     auto& most = used[{c.name, c.publisher}];
@@ -174,7 +220,7 @@ std::map<Holder, double> used_by_holder(const Sample& now, const std::vector<Row
 void add_deliveries(const Sample& now, const std::vector<Row>& deliveries, Row& row) {
   std::size_t granted = 0;
   std::size_t all = 0;
-  for (std::size_t i = 0; i < deliveries.size(); ++i) {
+  for (std::size_t i = 0; i < now.channels.channels.size(); ++i) {
     const auto& c = now.channels.channels[i];
     if (std::ranges::find(c.route, row.name) == c.route.end() && c.from != row.name &&
         c.to != row.name)
@@ -211,6 +257,7 @@ std::vector<Row> rows_by_subject(const Sample* before, const Sample& now) {
     }
     rows.push_back(std::move(row));
   }
+  add_unknown(interval, before, now, rows);
   return rows;
 }
 

@@ -160,11 +160,10 @@ Exit on_screen(const Options& options, const TopArguments& arguments, Watcher& w
   for (;;) {
     const Size size = Terminal::size();
     const auto rows = watcher.rows(view);
-    const std::size_t room = size.lines - std::min(size.lines, kFrame);
+    const Heading above = heading(watcher, looked, arguments.delay);
+    const std::size_t room = room_for_rows(above, size);
     view.first = std::min(view.first, rows.size() - std::min(rows.size(), room));
-    if (!Terminal::draw(
-            screen(heading(watcher, looked, arguments.delay), rows, view, size, options.color)))
-      return Exit::world;
+    if (!Terminal::draw(screen(above, rows, view, size, options.color))) return Exit::world;
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(next - Clock::now());
     const auto happened = terminal->wait(std::max(left, std::chrono::milliseconds{0}));
     if (happened.gone) return Exit::world;

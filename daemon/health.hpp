@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is wrong with a gateway and with what it has granted, in lines that an operator reads.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/messages.hpp"
+#include "daemon/report.hpp"
+
+namespace mlcca {
+
+/// What one gate has seen of a granted delivery, at the network where its events come in or leave.
+struct Passage {
+  std::string network;
+  bool leaves = false;
+  bool is_shared = false;     ///< with other publishers of the channel, who look the same
+  Frames frames;              ///< since the slot was made
+  std::uint64_t excess = 0;   ///< recent ones beyond the admitted traffic
+  std::uint64_t misfits = 0;  ///< recent ones that name the subject and differ from the grant
+};
+
+/// Everything that this gateway knows of a granted delivery.
+struct Observed {
+  std::optional<control::Watch> watch = {};
+  std::vector<Passage> passages = {};
+  std::string not_forwarded =
+      {};              ///< why no rule of can-gw carries it, empty: one does, or none has to
+  bool audit = false;  ///< what is refused is counted, and passes
+};
+
+/// What is wrong with it, one line each; nothing where all is as granted:
+///   nothing has come for 4.2 s: 84 events are missing
+///   12 frames on second-can were more than was admitted
+///   40 frames came in from second-can and none left to robot-can
+[[nodiscard]] std::vector<std::string> troubles(const Observed& seen);
+
+/// `lines` are the reasons of a gateway whose gates are `open`; of them the first
+/// control::kMostReasons are told, and how many were left out.
+[[nodiscard]] control::Health health_of(bool open, std::vector<std::string> lines);
+
+}  // namespace mlcca
