@@ -130,11 +130,11 @@ void BusMessages::add_refused(const Situation& situation, Ledger& ledger, Verdic
   for (std::size_t i = 0; i < places.size(); ++i)
     if (is_bus(ledger, places[i]) && std::ranges::find(tried, i, &TriedMessage::hop) == tried.end())
       tried.push_back({i, std::nullopt});
-  for (TriedMessage& t : tried)
+  for (const TriedMessage& t : tried)
     put({.network = places[t.hop].index,
          .publisher = v.publisher,
          .from = flow_on(situation.system, v.publisher, again.route, t.hop).from,
-         .message = std::move(t.message),
+         .message = t.message,
          .set = v.set,
          .granted = false,
          .granted_response = std::nullopt,
@@ -176,45 +176,54 @@ std::vector<BusMessage> BusMessages::take(const Situation& situation, Ledger& le
   return std::exchange(messages_, {});
 }
 
-void inherit_jitter(std::vector<BusMessage>& messages,
-                    const std::vector<std::optional<can::Assumptions>>& buses) {
+namespace {
+
+using Buses = std::vector<std::optional<can::Assumptions>>;
+
+/// Response times of the messages of one bus.
+void analyse_bus(const std::vector<BusMessage>& messages, const Buses& buses, std::size_t network,
+                 std::vector<can::Response>& responses) {
+  std::vector<std::size_t> here;
+  std::vector<can::Message> on_bus;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    if (messages[i].network != network || !messages[i].message) continue;
+    here.push_back(i);
+    on_bus.push_back(*messages[i].message);
+    on_bus.back().key = i;
+  }
+  const auto found = can::analyse(*buses[network], on_bus);
+  for (std::size_t i = 0; i < here.size(); ++i) responses[here[i]] = found[i];
+}
+
+/// The jitter that a message has from the bus before; 0 if there is none.
+Value inherited(const std::vector<BusMessage>& messages,
+                const std::vector<can::Response>& responses, const BusMessage& m) {
+  if (!m.message || !m.before) return 0;
+  const std::tuple wanted(m.before->network, m.publisher, m.before->from);
+  const auto last = std::ranges::lower_bound(messages, wanted, {}, order_of);
+  if (last == messages.end() || order_of(*last) != wanted || !last->message) return 0;
+  const can::Response& r = responses[static_cast<std::size_t>(last - messages.begin())];
+  return r.bounded ? add_saturating(r.response, m.before->added) : can::kNever;
+}
+
+}  // namespace
+
+void inherit_jitter(std::vector<BusMessage>& messages, const Buses& buses) {
   if (std::ranges::all_of(messages, &BusMessage::granted)) return;
   constexpr unsigned most_rounds = 256;  // each makes something later
   std::vector<can::Response> responses(messages.size());
   std::vector<bool> stale(buses.size(), true);
-  for (unsigned round = 0;; ++round) {
+  for (unsigned round = 0; std::ranges::find(stale, true) != stale.end(); ++round) {
     for (std::size_t n = 0; n < buses.size(); ++n) {
-      if (!buses[n] || !stale[n]) continue;
+      if (stale[n] && buses[n]) analyse_bus(messages, buses, n, responses);
       stale[n] = false;
-      std::vector<std::size_t> here;
-      std::vector<can::Message> on_bus;
-      for (std::size_t i = 0; i < messages.size(); ++i)
-        if (messages[i].network == n && messages[i].message) {
-          here.push_back(i);
-          on_bus.push_back(*messages[i].message);
-          on_bus.back().key = i;
-        }
-      const auto found = can::analyse(*buses[n], on_bus);
-      for (std::size_t i = 0; i < here.size(); ++i) responses[here[i]] = found[i];
     }
-    bool any = false;
     for (BusMessage& m : messages) {
-      if (!m.message || !m.before) continue;
-      const auto last = std::ranges::lower_bound(
-          messages, std::tuple(m.before->network, m.publisher, m.before->from), {}, order_of);
-      if (last == messages.end() || !last->message || last->network != m.before->network ||
-          last->publisher != m.publisher || last->from != m.before->from)
-        continue;
-      const can::Response& r = responses[static_cast<std::size_t>(last - messages.begin())];
-      const Value jitter = r.bounded && round < most_rounds
-                               ? add_saturating(r.response, m.before->added)
-                               : can::kNever;
-      if (jitter <= m.message->jitter) continue;
-      m.message->jitter = jitter;
+      const Value jitter = inherited(messages, responses, m);
+      if (!m.message || jitter <= m.message->jitter) continue;
+      m.message->jitter = round < most_rounds ? jitter : can::kNever;
       stale[m.network] = true;
-      any = true;
     }
-    if (!any) return;
   }
 }
 

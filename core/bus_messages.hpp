@@ -60,7 +60,7 @@ class BusMessages {
  private:
   void add(const Situation& situation, const Ledger& ledger, const Verdict& verdict);
   void add_refused(const Situation& situation, Ledger& ledger, Verdict verdict);
-  void put(BusMessage message);
+  void put(BusMessage next);
   void take_granted(const Ledger& ledger);
 
   std::vector<BusMessage> messages_;

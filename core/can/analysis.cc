@@ -38,6 +38,7 @@ class Analysis {
   [[nodiscard]] std::size_t end_of(std::uint32_t priority) const;
   [[nodiscard]] Time blocking(std::uint32_t priority) const;
   [[nodiscard]] bool depends_on_unbounded(std::size_t end) const { return unbounded_ < end; }
+  [[nodiscard]] std::optional<Blockers> blockers_of(std::size_t i) const;
   bool round();
   void update_alone(std::size_t i);
   void update_queue(std::size_t q);
@@ -56,6 +57,8 @@ class Analysis {
   std::vector<SharedQueue> queues_;
   std::vector<bool> stale_;  ///< messages with queues of their own
   std::vector<bool> queue_stale_;
+  /// Messages that are blocked before each frame, where nothing but the messages is on the bus.
+  std::vector<std::size_t> blocked_anew_;
   std::size_t unbounded_;  ///< first message that makes all that depend on it unbounded
 };
 
@@ -88,6 +91,8 @@ Analysis::Analysis(const Assumptions& assumptions, std::vector<Message> sorted,
     longest_to_[i + 1] = std::max(longest_to_[i], m.longest_frame);
     ends_.push_back(end_of(lowest_of(m)));
     blocking_.push_back(blocking(lowest_of(m)));
+    if (one_at_a_time(m) && overhead_.none() && !assumptions.unknown_senders)
+      blocked_anew_.push_back(i);
   }
   make_queues(assumptions);
 }
@@ -129,7 +134,10 @@ void Analysis::raise(std::size_t i, Time response) {
   if (coupled && response == kNever) unbounded_ = std::min(unbounded_, i);
   if (coupled && response != kNever)
     streams_.interference.set_jitter(i, response - messages_[i].last_frame);
-  // Queues look at the bounds of all; a message alone only at when others' frames are offered.
+  // Queues look at the bounds of all, so does who is blocked before each frame; another message
+  // alone only at when others' frames are offered.
+  for (const std::size_t k : blocked_anew_)
+    if (k != i) stale_[k] = true;
   if (coupled)
     for (std::size_t k = 0; k < messages_.size(); ++k)
       if (k != i && i < ends_[k]) stale_[k] = true;
@@ -137,10 +145,26 @@ void Analysis::raise(std::size_t i, Time response) {
     if (i < queues_[q].end()) queue_stale_[q] = true;
 }
 
+/// What may block a message that is blocked before each frame; nothing if that is not bounded.
+std::optional<Blockers> Analysis::blockers_of(std::size_t i) const {
+  if (std::ranges::find(blocked_anew_, i) == blocked_anew_.end()) return std::nullopt;
+  Blockers all;
+  for (std::size_t k = 0; k < messages_.size(); ++k) {
+    if (k == i || lowest_of(messages_[k]) <= lowest_of(messages_[i])) continue;
+    if (responses_[k] == kNever) return std::nullopt;
+    all.add(messages_[k], responses_[k]);
+  }
+  return all;
+}
+
 void Analysis::update_alone(std::size_t i) {
   stale_[i] = false;
-  const Level level{
-      .self = i, .end = ends_[i], .blocking = blocking_[i], .longest = longest_to_[ends_[i]]};
+  const auto blockers = blockers_of(i);
+  const Level level{.self = i,
+                    .end = ends_[i],
+                    .blocking = blocking_[i],
+                    .longest = longest_to_[ends_[i]],
+                    .blockers = blockers ? &*blockers : nullptr};
   LevelResponse found;
   if (!depends_on_unbounded(ends_[i]))
     found = level_response(streams_.interference, overhead_, messages_[i], level, first_start_[i]);

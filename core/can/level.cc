@@ -8,20 +8,17 @@ constexpr unsigned kErrorFrameBits = 31;  // 6 + 6 of flags, 8 of delimiter, 3 o
                                           // a further flag that an error in a delimiter raises
 constexpr Time kMillionth = 1'000'000;
 
-/// Whether the sender offers a frame only after the one before it was sent, of the same event or of
-/// the one before: then each frame is blocked anew.
-bool one_at_a_time(const Message& m) { return m.frames > 1 && !m.back_to_back; }
-
-/// What the frames of `events` events take until the last of them ends, blocking included.
-Time own_time(const Message& m, Time blocking, Time events) {
-  const Time blocked = one_at_a_time(m) ? events * m.frames : 1;
-  return blocking * blocked + events * m.transmission;
+/// What blocks `frames` frames anew until `until`, counted from the start of the busy period.
+Time blocked(const Level& level, Time frames, Time until) {
+  const Time each = level.blocking * frames;
+  return level.blockers == nullptr ? each : std::min(each, level.blockers->until(until));
 }
 
 /// Bus share of what blocks each event anew.
-Share blocked_share(const Message& m, Time blocking) {
+Share blocked_share(const Message& m, const Level& level) {
   if (!one_at_a_time(m)) return 0;
-  return share_of(blocking * m.frames, std::min(m.period, kLongestTime));
+  const Share each = share_of(level.blocking * m.frames, std::min(m.period, kLongestTime));
+  return level.blockers == nullptr ? each : std::min(each, level.blockers->share());
 }
 
 }  // namespace
@@ -87,10 +84,14 @@ LevelResponse level_response(const Interference& all, const Overhead& overhead, 
   const auto others = [&](Time until) {
     return all.demand(0, level.self, until) + all.demand(level.self + 1, level.end, until);
   };
+  const bool anew = one_at_a_time(m);
+  const Time frames = m.frames;
+  const Time once = anew ? 0 : level.blocking;
   const auto start_of = [&](Time events, Time from) {
-    const Time own = own_time(m, level.blocking, events) - m.last_frame;
+    const Time own = once + events * m.transmission - m.last_frame;
     return fixpoint(std::max(from, own), [&](Time w) {
-      return own + overhead.until(w, w + m.last_frame, level.longest) + others(w);
+      return own + (anew ? blocked(level, frames * events, w) : 0) +
+             overhead.until(w, w + m.last_frame, level.longest) + others(w);
     });
   };
   const auto first = start_of(1, begin);
@@ -100,8 +101,8 @@ LevelResponse level_response(const Interference& all, const Overhead& overhead, 
   // The busy period ends when everything that was offered before its end is sent.
   const auto busy_until = [&](Time t) {
     const Time events = (t + m.jitter + period - 1) / period;
-    return own_time(m, level.blocking, events) + overhead.until(t, t, level.longest) +
-           others(t - all.bit());
+    return events * m.transmission + once + (anew ? blocked(level, frames * events, t) : 0) +
+           overhead.until(t, t, level.longest) + others(t - all.bit());
   };
   const Time second = period > m.jitter ? period - m.jitter : 0;
   const Time end_of_first = *first + m.last_frame;
@@ -109,7 +110,7 @@ LevelResponse level_response(const Interference& all, const Overhead& overhead, 
   // Most messages are alone in their busy period; then one look at their second release shows it.
   if (second < end_of_first || busy_until(second) > second) {
     // What blocks each event anew must leave room for the next one.
-    if (share + blocked_share(m, level.blocking) >= kAllShare) return {};
+    if (share + blocked_share(m, level) >= kAllShare) return {};
     const auto busy = fixpoint(end_of_first, busy_until);
     if (!busy) return {};
     events = (*busy + m.jitter + period - 1) / period;
@@ -137,7 +138,7 @@ bool surely_in_time(const Interference& all, const Message& m, const Level& leve
   const auto others = [&](Time until) {
     return all.demand(0, level.self, until) + all.demand(level.self + 1, level.end, until);
   };
-  const Time own = own_time(m, level.blocking, 1);
+  const Time own = m.transmission + (one_at_a_time(m) ? m.frames : 1) * level.blocking;
   const Time start = last_start - taken;
   if (own - m.last_frame + others(start) > start) return false;
   const Time end = second - m.jitter;  // of the busy period, before the second event is queued

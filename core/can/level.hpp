@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "core/can/analysis.hpp"
 #include "core/can/interference.hpp"
@@ -62,13 +63,48 @@ class Overhead {
   FaultHypothesis faults_;
 };
 
+/// Whether the sender offers a frame only after the one before it was sent, of the same event or of
+/// the one before: then each frame is blocked anew.
+[[nodiscard]] inline bool one_at_a_time(const Message& m) {
+  return m.queue == kOwnQueue && m.frames > 1 && !m.back_to_back;
+}
+
+/// All frames that may block a message: what is blocked anew before each frame is blocked by each
+/// of these once.
+class Blockers {
+ public:
+  /// `response`: a bound from nominal release to the end of the last frame, not kNever.
+  void add(const Message& message, Time response) {
+    all_.push_back({std::min(message.period, kLongestTime), message.transmission, response});
+    share_ += share_of(message.transmission, std::min(message.period, kLongestTime));
+  }
+  /// What these take from the start of a busy period until then: whatever was queued before and is
+  /// not sent at that start, and what comes later.
+  [[nodiscard]] Time until(Time t) const {
+    Time sum = 0;
+    for (const Blocker& b : all_) sum += (t + b.response + b.period - 1) / b.period * b.cost;
+    return sum;
+  }
+  [[nodiscard]] Share share() const { return share_; }
+
+ private:
+  struct Blocker {
+    Time period;
+    Time cost;
+    Time response;
+  };
+  std::vector<Blocker> all_;
+  Share share_ = 0;
+};
+
 /// Where a message stands among the streams of an Interference: those before `end`, itself
 /// included, have higher or equal priority.
 struct Level {
   std::size_t self = 0;
   std::size_t end = 0;
-  Time blocking = 0;  ///< from Overhead::blocking()
-  Time longest = 0;   ///< frame of those before `end`, needed if there is overhead
+  Time blocking = 0;                   ///< from Overhead::blocking()
+  Time longest = 0;                    ///< frame of those before `end`, needed if there is overhead
+  const Blockers* blockers = nullptr;  ///< all that is behind `blocking`, if that is known
 };
 
 struct LevelResponse {

@@ -134,7 +134,17 @@ TEST(Analysis, EachFragmentIsBlockedAnewUnlessTheyWaitTogether) {
                          message(1, 2, 2 * kMillisecond, 100 * kMillisecond)};
   set[0].frames = 3;
   set[0].transmission = 3 * kMillisecond;
+  EXPECT_EQ(analyse(bus(), set)[0].response, (3 + 2) * kMillisecond) << "there is one to block it";
+  set.push_back(message(2, 3, 2 * kMillisecond, 100 * kMillisecond));
+  set.push_back(message(3, 4, kMillisecond, 100 * kMillisecond));
+  EXPECT_EQ(analyse(bus(), set)[0].response, (3 + 2 + 2 + 1) * kMillisecond);
+  set.push_back(message(4, 5, 2 * kMillisecond, 100 * kMillisecond));
   EXPECT_EQ(analyse(bus(), set)[0].response, (3 + 3 * 2) * kMillisecond);
+  auto strangers = bus();
+  strangers.unknown_senders = true;
+  set.resize(1);
+  EXPECT_EQ(analyse(strangers, set)[0].response, 3 * kMillisecond + 3 * 320 * kMicrosecond);
+  set.push_back(message(1, 2, 2 * kMillisecond, 100 * kMillisecond));
   set[0].back_to_back = true;
   EXPECT_EQ(analyse(bus(), set)[0].response, (3 + 2) * kMillisecond);
 }
@@ -279,8 +289,12 @@ TEST(Analysis, ASenderOfOneFrameAtATimeIsBlockedBeforeEachFrameOfEachEvent) {
   set[0].transmission = 6 * set[0].longest_frame;
   for (std::uint32_t i = 1; i <= 12; ++i)
     set.push_back(message(i, 1 + i, 320 * kMicrosecond, 100 * kMillisecond));
-  // The first event takes six times 320 and 270 us, and the next one waits already.
-  EXPECT_FALSE(analyse(bus(), set)[0].bounded);
+  // The first event takes six times 320 and 270 us, and the next one waits already. Then all of
+  // the others have been sent.
+  EXPECT_EQ(analyse(bus(), set)[0].response, (12 * (320 + 270) - 3400) * kMicrosecond);
+  auto strangers = bus();
+  strangers.unknown_senders = true;  // they always have another one
+  EXPECT_FALSE(analyse(strangers, set)[0].bounded);
   set[0].back_to_back = true;
   EXPECT_EQ(analyse(bus(), set)[0].response, (320 + 6 * 270) * kMicrosecond);
   set[0].back_to_back = false;
