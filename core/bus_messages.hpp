@@ -43,8 +43,9 @@ struct BusMessage {
 };
 
 /// Makes the jitter of what is refused that which it would have: as late as the bus before lets it
-/// be, with all messages on all buses. `messages` are in the order of BusMessages::take(). Whatever is granted is in time everywhere, so if everything
-/// is nothing changes. Not bounded there: can::kNever. `buses`: of each network, where analysed.
+/// be, with all messages on all buses. `messages` are in the order of BusMessages::take(). Whatever
+/// is granted is in time everywhere, so if everything is nothing changes. Not bounded there:
+/// can::kNever. `buses`: of each network, where analysed.
 void inherit_jitter(std::vector<BusMessage>& messages,
                     const std::vector<std::optional<can::Assumptions>>& buses);
 

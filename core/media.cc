@@ -239,7 +239,7 @@ void Media::take_bus(std::size_t hop) {
     delay = std::min(delay, less(held->deadline, held->jitter));
   }
   message->deadline = add_saturating(message->jitter, delay);
-  if (s_.tried != nullptr) s_.tried->push_back({hop, *message});
+  if (s_.tried != nullptr) s_.tried->push_back({hop, message});
   const auto late = ledger_.schedule(flow, *message);
   MediumUse& use = v_.media.emplace_back();
   use.network = network;

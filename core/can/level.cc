@@ -84,13 +84,12 @@ LevelResponse level_response(const Interference& all, const Overhead& overhead, 
   const auto others = [&](Time until) {
     return all.demand(0, level.self, until) + all.demand(level.self + 1, level.end, until);
   };
-  const bool anew = one_at_a_time(m);
-  const Time frames = m.frames;
-  const Time once = anew ? 0 : level.blocking;
+  const Time frames = one_at_a_time(m) ? m.frames : 0;  // of an event that are blocked anew
+  const Time once = frames > 0 ? 0 : level.blocking;
   const auto start_of = [&](Time events, Time from) {
     const Time own = once + events * m.transmission - m.last_frame;
     return fixpoint(std::max(from, own), [&](Time w) {
-      return own + (anew ? blocked(level, frames * events, w) : 0) +
+      return own + blocked(level, frames * events, w) +
              overhead.until(w, w + m.last_frame, level.longest) + others(w);
     });
   };
@@ -101,7 +100,7 @@ LevelResponse level_response(const Interference& all, const Overhead& overhead, 
   // The busy period ends when everything that was offered before its end is sent.
   const auto busy_until = [&](Time t) {
     const Time events = (t + m.jitter + period - 1) / period;
-    return events * m.transmission + once + (anew ? blocked(level, frames * events, t) : 0) +
+    return events * m.transmission + once + blocked(level, frames * events, t) +
            overhead.until(t, t, level.longest) + others(t - all.bit());
   };
   const Time second = period > m.jitter ? period - m.jitter : 0;

@@ -202,8 +202,8 @@ TEST_F(AnalyseBusTest, AQueueThatIsTooShortIsNoMissedDeadline) {
 }
 
 TEST_F(AnalyseBusTest, WhoHasNoSubscriberIsNotCountedAndNamed) {
-  auto text = system_with({{"heard", "a", "a", 1, 0, 20000, 20000},
-                           {"unheard", "a", "a", 2, 0, 20000, 20000}});
+  auto text = system_with(
+      {{"heard", "a", "a", 1, 0, 20000, 20000}, {"unheard", "a", "a", 2, 0, 20000, 20000}});
   const auto at = text.find("<Subscriber name=\"to-unheard\"");
   text.erase(at, text.find('\n', at) - at);
   const auto done = analyse(file("unheard.xml", text), {"--json", "--network", "a"});

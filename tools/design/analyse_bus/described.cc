@@ -88,10 +88,9 @@ class DescribedBuses {
     for (const core::Finding& f : inspection_.findings) {
       if (f.id == core::FindingId::unused_publisher && is_on(f.publisher, n))
         bus.left_out.push_back(f.text);
-      const bool about_bus = f.id == core::FindingId::deadline_missed ||
-                             f.id == core::FindingId::queue_too_short;
-      if (about_bus && f.has_place &&
-          f.place == Place{Place::Kind::network, n})
+      const bool about_bus =
+          f.id == core::FindingId::deadline_missed || f.id == core::FindingId::queue_too_short;
+      if (about_bus && f.has_place && f.place == Place{Place::Kind::network, n})
         bus.findings.push_back(
             fmt::format("{}: {}: {}", where(f.origin), core::code_of(f.id), f.text));
     }
