@@ -149,7 +149,7 @@ void understand(Options& options) {
     throw CLI::ValidationError("--fault-interval-ms", "needs --faults, how many errors that often");
   if (options.faults > 0) {
     constexpr double most = 1e9;
-    if (!(options.fault_interval_ms > 0 && options.fault_interval_ms <= most))
+    if (options.fault_interval_ms <= 0 || options.fault_interval_ms > most)
       throw CLI::ValidationError("--faults",
                                  "needs --fault-interval-ms, more than 0 and at most 1e9");
     options.bus.faults = {.count = options.faults,
@@ -171,6 +171,7 @@ Exit run(const Options& options, bool json, Color color) {
     return say(Refusal{Exit::usage, first, std::move(read.problems)}, json);
   }
   std::vector<AnalysedBus> buses;
+  buses.reserve(read.buses.size());
   for (Bus& bus : read.buses) buses.push_back(analysed(std::move(bus), options.assign));
   const auto said = say(json ? write_json(buses) : write_text(buses, color));
   if (said != Exit::fine) return said;

@@ -65,9 +65,8 @@ class DescribedBuses {
 
   [[nodiscard]] std::string where(core::Origin origin) const {
     const auto& files = system_.files;
-    const std::string file = origin.file < files.size() ? files[origin.file]
-                             : files.empty()            ? std::string()
-                                                        : files.front();
+    std::string file;
+    if (!files.empty()) file = origin.file < files.size() ? files[origin.file] : files.front();
     return origin.line > 0 ? fmt::format("{}:{}", file, origin.line) : file;
   }
   void problem(core::Origin origin, const std::string& text) {

@@ -123,6 +123,16 @@ std::string order_text(const AnalysedBus& analysed) {
   return text;
 }
 
+std::string sentences(std::string_view title, const std::vector<std::string>& all) {
+  if (all.empty()) return {};
+  constexpr std::size_t most = 20;
+  std::string text = fmt::format("{}\n", title);
+  for (const auto& one : all | std::views::take(most))
+    text += fmt::format("  {}\n", printable(one));
+  if (all.size() > most) text += fmt::format("  and {} more\n", all.size() - most);
+  return text;
+}
+
 std::string bus_text(const AnalysedBus& analysed, Color color) {
   const Bus& bus = analysed.bus;
   std::string text;
@@ -160,17 +170,9 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
     text +=
         fmt::format(", {} in the data phase", print_bitrate(bus.assumptions.timing.data_bitrate));
   text += fmt::format(": {}\n", summary_of(analysed));
-  const auto sentences = [&text](std::string_view title, const std::vector<std::string>& all) {
-    if (!all.empty()) text += fmt::format("{}\n", title);
-    constexpr std::size_t most = 20;
-    for (const auto& one : all | std::views::take(most))
-      text += fmt::format("  {}\n", printable(one));
-    if (all.size() > most) text += fmt::format("  and {} more\n", all.size() - most);
-  };
   if (!analysed.why_unbounded.empty()) text += analysed.why_unbounded + "\n";
-  sentences("Not known:", bus.unknown);
-  sentences("Not counted:", bus.left_out);
-  sentences("mlccactl check refuses:", bus.findings);
+  text += sentences("Not known:", bus.unknown) + sentences("Not counted:", bus.left_out) +
+          sentences("mlccactl check refuses:", bus.findings);
   if (analysed.assigned) text += order_text(analysed);
   return text;
 }
