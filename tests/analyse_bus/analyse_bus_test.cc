@@ -161,6 +161,7 @@ TEST_F(AnalyseBusTest, CommandLinesThatCannotBeUsed) {
   EXPECT_EQ(analyse(path, {"--bitrate", "0"}).status, 2);
   EXPECT_EQ(slow(path, {"--faults", "1"}).status, 2);
   EXPECT_EQ(slow(path, {"--fault-interval-ms", "1"}).status, 2);
+  EXPECT_EQ(slow(path, {"--faults", "1", "--fault-interval-ms", "nan"}).status, 2);
   EXPECT_EQ(slow(path, {"--background-load", "2"}).status, 2);
   EXPECT_EQ(slow(path, {"--network", "a"}).status, 2);
   EXPECT_EQ(slow(path, {"--data-bitrate", "1000"}).status, 2);

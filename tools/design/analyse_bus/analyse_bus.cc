@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -149,7 +150,8 @@ void understand(Options& options) {
     throw CLI::ValidationError("--fault-interval-ms", "needs --faults, how many errors that often");
   if (options.faults > 0) {
     constexpr double most = 1e9;
-    if (options.fault_interval_ms <= 0 || options.fault_interval_ms > most)
+    if (std::isnan(options.fault_interval_ms) || options.fault_interval_ms <= 0 ||
+        options.fault_interval_ms > most)
       throw CLI::ValidationError("--faults",
                                  "needs --fault-interval-ms, more than 0 and at most 1e9");
     options.bus.faults = {.count = options.faults,
