@@ -249,7 +249,8 @@ MeshLink mesh_link(v1::MeshLink& from) {
           .busy = from.busy(),
           .age_ns = from.age_ns(),
           .stale = from.stale(),
-          .source = text(from.mutable_source())};
+          .source = text(from.mutable_source()),
+          .lack = text(from.mutable_lack())};
 }
 
 CanRule can_rule(v1::CanRule& from) {

@@ -191,6 +191,7 @@ struct MeshLink {
   std::uint64_t age_ns = 0;
   bool stale = false;
   std::string source;
+  std::string lack;  ///< gone, absent, rate unknown, must last: why it carries nothing
   bool operator==(const MeshLink&) const = default;
 };
 

@@ -241,6 +241,7 @@ void put(const MeshLink& from, v1::MeshLink& to) {
   to.set_age_ns(from.age_ns);
   to.set_stale(from.stale);
   to.set_source(to_utf8(from.source));
+  to.set_lack(to_utf8(from.lack));
 }
 
 void put(const CanRule& from, v1::CanRule& to) {

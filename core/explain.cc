@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/relay_gate.hpp"
 #include "core/text.hpp"
 #include "core/user_values.hpp"
 #include "mlcca/check.hpp"
@@ -56,6 +57,16 @@ bool is_unfit(const Row& row) { return row.comparison.outcome == Outcome::unfit;
 /// What a medium has left depends on everybody, not on one pair of ends.
 bool is_about_medium(const Row& row) {
   return row.against == Against::schedule || row.against == Against::medium_time;
+}
+
+/// What a mesh has left is less than what it would give to one alone: one number is told.
+bool is_told_as_medium_time(const Verdict& v, const Row& row) {
+  if (row.against != Against::hop || row.is_user() ||
+      row.comparison.attribute != Attribute::bandwidth)
+    return false;
+  return std::ranges::any_of(v.rows, [&](const Row& other) {
+    return other.against == Against::medium_time && other.place == row.place && is_unfit(other);
+  });
 }
 
 bool same_attribute(const Row& a, const Row& b) {
@@ -196,6 +207,17 @@ void Explainer::add_obstacle(const Verdict& v) {
                    ? "describe the nodes of the mesh"
                    : "state the links of the mesh, or a source that knows them";
       break;
+    case Obstacle::no_rate:
+      f.hint =
+          "add a Source that knows rates: nl80211, batman, olsr, wire, a file, or awds with "
+          "metric=\"packet-pair\"";
+      break;
+    case Obstacle::relay_gated:
+      for (const Place hop : hops_of(v.route))
+        if (hop.kind == Place::Kind::network &&
+            relay_gate(s_.system, hop.index, v.obstacle_at.index) != RelayGate::none)
+          f.hint = relay_hint(s_.system, hop.index, v.obstacle_at.index);
+      break;
     case Obstacle::no_sender:
       f.hint = "add sender=\"USER\" to the Port that the events leave by";
       break;
@@ -249,6 +271,7 @@ void Explainer::add_pair(const Verdict& v, std::size_t subscriber) {
   for (const Row& row : pair.rows) {
     if (!is_unfit(row) || row.against == Against::capacity || is_about_medium(row)) continue;
     if (pair.obstacle != Obstacle::none && is_left_open(row)) continue;
+    if (is_told_as_medium_time(v, row)) continue;
     // What one hop cannot give, the whole way cannot: once is enough.
     const bool said =
         row.against == Against::end_to_end && std::ranges::any_of(pair.rows, [&](const Row& other) {

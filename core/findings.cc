@@ -61,6 +61,8 @@ constexpr auto kTable = std::to_array<FindingInfo>({
      "FD frames on a bus that has no bit rate for their data phase"},
     {Id::queue_too_short, S::error, "queue-too-short",
      "the queue of a gateway is too short for the frames that may wait in it"},
+    {Id::relay_gated, S::warning, "relay-gated",
+     "the gate of a port drops what its node relays for others"},
 });
 
 constexpr bool is_dense() {

@@ -51,6 +51,7 @@ enum class FindingId : std::uint8_t {
   not_decided = 34,
   no_data_rate = 35,
   queue_too_short = 36,
+  relay_gated = 37,
 };
 
 /// A note is information: it does not make a description unfit.

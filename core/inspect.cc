@@ -16,6 +16,7 @@
 #include "core/members.hpp"
 #include "core/plan.hpp"
 #include "core/profile.hpp"
+#include "core/relay_gate.hpp"
 #include "core/text.hpp"
 #include "core/topology.hpp"
 #include "core/world.hpp"
@@ -46,6 +47,7 @@ class Inspector {
   Inspection run() {
     out_.channels.resize(s_.channels.size());
     check_networks();
+    check_relays();
     const Situation situation{s_, topology_, members_, world_, withdrawn_, true};
     decide_each(situation, ledger_, [&](std::size_t channel, const Decision& decision) {
       const std::size_t before = out_.findings.size();
@@ -144,6 +146,22 @@ class Inspector {
           kNone);
       out_.findings.back().place = {Place::Kind::network, n};
       out_.findings.back().has_place = true;
+    }
+  }
+
+  /// Between two nodes nobody relays.
+  void check_relays() {
+    for (std::size_t n = 0; n < s_.networks.size(); ++n) {
+      if (!s_.networks[n].mesh || s_.networks[n].mesh->nodes.size() < 3) continue;
+      for (std::size_t g = 0; g < s_.gateways.size(); ++g) {
+        if (relay_gate(s_, n, g) == RelayGate::none) continue;
+        add(FindingId::relay_gated, s_.gateways[g].port_on(n)->origin,
+            "the gate of gateway " + s_.gateways[g].name + " on mesh " + s_.networks[n].name +
+                " is below the mesh: events that its node only relays are dropped there",
+            relay_hint(s_, n, g), kNone);
+        out_.findings.back().place = {Place::Kind::gateway, g};
+        out_.findings.back().has_place = true;
+      }
     }
   }
 

@@ -7,6 +7,8 @@
 
 #include "core/can/of_system.hpp"
 #include "core/medium.hpp"
+#include "core/mesh/roles.hpp"
+#include "core/relay_gate.hpp"
 #include "core/route_check.hpp"
 #include "mlcca/arithmetic.hpp"
 #include "mlcca/check.hpp"
@@ -39,6 +41,11 @@ void provide_events(AttributeSet& provision, const AttributeSet& offered, bool d
   provide(provision, Attribute::max_payload, kUnbounded, dynamic);
   if (offered.has(Attribute::period))
     provide(provision, Attribute::period, offered[Attribute::period], dynamic);
+}
+
+/// Something could know what its links carry, if anything is asked.
+bool may_know_rates(const mesh::Mesh& mesh) {
+  return mesh.sources.empty() || std::ranges::any_of(mesh.sources, mesh::knows_rates);
 }
 
 /// The links of a mesh are known for good only if nothing but the description knows them.
@@ -311,12 +318,35 @@ std::vector<std::uint32_t> Media::exits(std::size_t hop) const {
   return nodes;
 }
 
+/// What is asked of a mesh, and what its paths have given so far.
+struct Media::Crossing {
+  std::size_t network;
+  const mesh::Mesh& mesh;
+  const MeshView& view;
+  Flow flow;
+  Value event;   ///< bytes of one
+  Value demand;  ///< bytes/s
+  bool best_case;
+  MediumUse use = {};
+  Value available = kUnbounded;  ///< bytes/s
+  Value alone = kUnbounded;      ///< bytes/s, were nobody else there
+  std::size_t longest = 0;       ///< links
+  AttributeSet links_give = {};  ///< on the longest way
+  bool reached = false;
+  bool unrated = false;  ///< there is no way, and there would be if rates were known
+  bool fits = true;
+};
+
 /// At design time nobody need know the links: the run time decides, unless a way of one link is
 /// too bad already.
-void Media::no_path(std::size_t hop) {
-  const mesh::Mesh& mesh = *s_.system.networks[places_[hop].index].mesh;
+void Media::no_path(const Crossing& c, std::size_t hop) {
+  const mesh::Mesh& mesh = c.mesh;
   if (!s_.best_cases_pass || is_fixed(mesh) || mesh.nodes.empty()) {
-    obstruct(Obstacle::no_path, hop);
+    obstruct(c.unrated ? Obstacle::no_rate : Obstacle::no_path, hop);
+    return;
+  }
+  if (!may_know_rates(mesh)) {
+    obstruct(Obstacle::no_rate, hop);
     return;
   }
   const AttributeSet& offered = attributes_in(s_.members.publisher(v_.publisher), v_.set);
@@ -335,24 +365,6 @@ void Media::no_path(std::size_t hop) {
   medium_rows_.push_back(row);
 }
 
-/// What is asked of a mesh, and what its paths have given so far.
-struct Media::Crossing {
-  std::size_t network;
-  const mesh::Mesh& mesh;
-  const MeshView& view;
-  Flow flow;
-  Value event;   ///< bytes of one
-  Value demand;  ///< bytes/s
-  bool best_case;
-  MediumUse use = {};
-  Value available = kUnbounded;  ///< bytes/s
-  Value alone = kUnbounded;      ///< bytes/s, were nobody else there
-  std::size_t longest = 0;       ///< links
-  AttributeSet links_give = {};  ///< on the longest way
-  bool reached = false;
-  bool fits = true;
-};
-
 /// Links that the flow goes over already, to another place, carry it once.
 std::vector<std::uint32_t> Media::new_links(const Crossing& c,
                                             std::span<const std::uint32_t> path) const {
@@ -364,10 +376,30 @@ std::vector<std::uint32_t> Media::new_links(const Crossing& c,
   return more;
 }
 
+/// False: the gate of a gateway whose node is on the way drops what it relays.
+bool Media::is_relayed(const Crossing& c, std::span<const std::uint32_t> path) {
+  for (const std::uint32_t link : path.first(path.size() - 1)) {
+    const std::uint32_t node = c.view.graph.links[link].to;
+    if (node >= c.mesh.nodes.size()) continue;
+    const auto& gateway = c.mesh.nodes[node].gateway;
+    if (!gateway || relay_gate(s_.system, c.network, *gateway) == RelayGate::none) continue;
+    if (v_.obstacle == Obstacle::none) {
+      v_.obstacle = Obstacle::relay_gated;
+      v_.obstacle_at = {Place::Kind::gateway, *gateway};
+    }
+    return false;
+  }
+  return true;
+}
+
 /// False: there is no way.
 bool Media::take_path(Crossing& c, std::uint32_t from, std::uint32_t to) {
   const auto& path = c.view.path(from, to);
-  if (path.empty()) return false;
+  if (path.empty()) {
+    c.unrated = c.view.lacks_rates(from, to);
+    return false;
+  }
+  if (!c.best_case && !is_relayed(c, path)) return false;
   c.reached = true;
   c.use.pairs.emplace_back(from, to);
   const mesh::PathCost& cost = c.view.cost(from, to);
@@ -434,7 +466,7 @@ void Media::take_mesh(std::size_t hop) {
              .best_case = s_.best_cases_pass && !is_fixed(mesh)};
   c.use.network = network;
   if (!take_paths(c, hop)) {
-    no_path(hop);
+    if (v_.obstacle == Obstacle::none) no_path(c, hop);
     return;
   }
   AttributeSet& provision = hops_[hop].provision;

@@ -52,10 +52,11 @@ class Media {
 
   [[nodiscard]] Kind kind_of(std::size_t hop) const;
   void obstruct(Obstacle obstacle, std::size_t hop);
-  void no_path(std::size_t hop);
   void take_bus(std::size_t hop);
   void leave_out_own_load(std::size_t network);
   struct Crossing;
+  void no_path(const Crossing& c, std::size_t hop);
+  [[nodiscard]] bool is_relayed(const Crossing& c, std::span<const std::uint32_t> path);
   void take_mesh(std::size_t hop);
   bool take_paths(Crossing& c, std::size_t hop);
   bool take_path(Crossing& c, std::uint32_t from, std::uint32_t to);

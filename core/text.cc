@@ -124,6 +124,12 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
       if (const auto& mesh = system.networks[v.obstacle_at.index].mesh; mesh && mesh->nodes.empty())
         return "no nodes of " + at() + " are described: nobody knows where events enter and leave";
       return "no links are known that lead through " + at();
+    case Obstacle::no_rate:
+      return "rate unknown: no source knows what the links that lead through " + at() + " carry";
+    case Obstacle::relay_gated:
+      return "gateway " + at() +
+             " has its gate on a radio of the mesh, where it drops what its "
+             "node would relay on the way";
     case Obstacle::no_sender:
       return "events cross " + at() +
              " between CAN and Ethernet, and no program is stated that carries "
@@ -212,6 +218,7 @@ std::string_view to_text(NetworkKind kind) { return words::kNetworkKinds.of(kind
 std::string_view to_text(Profile profile) { return words::kProfiles.of(profile); }
 std::string_view to_text(mesh::SourceKind kind) { return words::kSourceKinds.of(kind); }
 std::string_view to_text(mesh::RateKind kind) { return words::kRateKinds.of(kind); }
+std::string_view to_text(mesh::Lack lack) { return words::kLacks.of(lack); }
 
 std::string name_of(const mesh::Source& source) {
   const std::string& where = source.interface.empty() ? source.endpoint : source.interface;

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "core/members.hpp"
+#include "core/mesh/graph.hpp"
 #include "core/system.hpp"
 #include "core/verdict.hpp"
 
@@ -32,6 +33,7 @@ namespace mlcca::core {
 [[nodiscard]] std::string_view to_text(Profile profile);
 [[nodiscard]] std::string_view to_text(mesh::SourceKind kind);
 [[nodiscard]] std::string_view to_text(mesh::RateKind kind);
+[[nodiscard]] std::string_view to_text(mesh::Lack lack);
 /// "nl80211 mesh0".
 [[nodiscard]] std::string name_of(const mesh::Source& source);
 

@@ -57,6 +57,8 @@ enum class Obstacle : std::uint8_t {
   no_data_rate,  ///< FD frames, and no bit rate is known for their data phase
   no_period,     ///< an analysed bus, and the publisher does not say how often it sends
   no_path,       ///< no links are known that lead through a mesh
+  no_rate,       ///< the links that lead through a mesh are there, and nobody knows their rates
+  relay_gated,   ///< a gateway on the way through a mesh drops at its gate what its node relays
   no_sender,     ///< nobody carries events across a gateway, from CAN to Ethernet or back
   withdrawn,     ///< by an operator, until it is reinstated
 };

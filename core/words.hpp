@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 
+#include "core/mesh/graph.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/system.hpp"
 
@@ -43,6 +44,7 @@ inline constexpr Words<Better, 2> kBetters{{"smaller", "larger"}};
 inline constexpr Words<mesh::Interference, 4> kInterferences{
     {"single-domain", "k-hop", "channel", "explicit"}};
 inline constexpr Words<mesh::RateKind, 3> kRateKinds{{"phy", "effective", "derived"}};
+inline constexpr Words<mesh::Lack, 4> kLacks{{"gone", "absent", "rate unknown", "must last"}};
 inline constexpr Words<mesh::SourceKind, 8> kSourceKinds{
     {"description", "file", "nl80211", "batman", "awds", "babel", "olsr", "wire"}};
 inline constexpr Words<mesh::AwdsMetric, 4> kAwdsMetrics{

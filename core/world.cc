@@ -36,6 +36,12 @@ const mesh::PathCost& MeshView::cost(std::uint32_t from, std::uint32_t to) const
       .first->second;
 }
 
+bool MeshView::lacks_rates(std::uint32_t from, std::uint32_t to) const {
+  const auto [it, fresh] = unrated_.try_emplace(from);
+  if (fresh) it->second = mesh::reached_without_rates(graph, from);
+  return to < it->second.size() && it->second[to];
+}
+
 std::string MeshView::node_name(std::uint32_t node) const {
   if (node < mesh_->nodes.size()) return mesh_->nodes[node].name;
   return node < addresses.size() ? addresses[node] : "node " + std::to_string(node);

@@ -60,6 +60,9 @@ class MeshView {
   /// The cost of the path between two nodes that have one.
   [[nodiscard]] const mesh::PathCost& cost(std::uint32_t from, std::uint32_t to) const;
 
+  /// Whether a path would lead there if links that are there had rates.
+  [[nodiscard]] bool lacks_rates(std::uint32_t from, std::uint32_t to) const;
+
   /// As described, or else its address.
   [[nodiscard]] std::string node_name(std::uint32_t node) const;
   [[nodiscard]] std::string domain_name(std::size_t domain) const;
@@ -76,6 +79,7 @@ class MeshView {
   // What was looked for is remembered.
   mutable mesh::Paths paths_;
   mutable std::unordered_map<std::uint64_t, mesh::PathCost> costs_;
+  mutable std::unordered_map<std::uint32_t, std::vector<bool>> unrated_;  ///< reached from a node
 };
 
 /// One entry for each network.

@@ -187,7 +187,7 @@ std::optional<StartError> Gateway::start() {
 
   if (const auto done = enforce::undo_interrupted_step(control_); !done)
     return give_up({done.error().text}, false);
-  meshes_.describe(state_->system());
+  meshes_.describe(state_->system(), self_);
   meshes_.await_first_reports(kFirstReports, [this] { pulse(); });
   if (const auto done = put_in_force(before); !done) tell(Kind::trouble, 3, done.error().text);
 

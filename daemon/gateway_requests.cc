@@ -105,7 +105,7 @@ Gateway::Body Gateway::reload_with(LoadResult read) {
         place && place->kind == core::Place::Kind::network)
       beyond_[place->index] = {beyond.strangers, beyond.told, {}};
   senders_.clear();
-  meshes_.describe(state_->system());
+  meshes_.describe(state_->system(), self_);
   auto done = put_in_force(before);
   if (!done) {
     ++description_;
@@ -114,7 +114,7 @@ Gateway::Body Gateway::reload_with(LoadResult read) {
     beyond_ = old_beyond;
     last_error_ = done.error().text;
     tell(Kind::reload, 3, "reload refused, back to what was: " + last_error_);
-    meshes_.describe(state_->system());
+    meshes_.describe(state_->system(), self_);
     static_cast<void>(put_in_force(before));
   }
   forget_drops();

@@ -23,6 +23,13 @@ bool same_sources(const core::mesh::Mesh& a, const core::mesh::Mesh& b) {
   });
 }
 
+std::optional<std::uint32_t> node_of(const core::mesh::Mesh& mesh, std::size_t gateway) {
+  const auto it = std::ranges::find(mesh.nodes, std::optional<std::uint32_t>(gateway),
+                                    &core::mesh::Node::gateway);
+  if (it == mesh.nodes.end()) return std::nullopt;
+  return static_cast<std::uint32_t>(it - mesh.nodes.begin());
+}
+
 }  // namespace
 
 /// What was known before a reload is known until the sources say something else.
@@ -44,21 +51,30 @@ const core::mesh::Mesh* Meshes::mesh(std::size_t network) const {
   return it == entries_.end() ? nullptr : &(*it)->mesh;
 }
 
-void Meshes::describe(const core::System& system) {
+void Meshes::describe(const core::System& system, std::size_t self) {
   auto former = std::exchange(entries_, {});
   for (std::size_t n = 0; n < system.networks.size(); ++n) {
     const core::Network& network = system.networks[n];
     if (!network.mesh) continue;
+    const auto here = node_of(*network.mesh, self);
     const auto same = std::ranges::find_if(former, [&](const auto& e) {
-      return e != nullptr && e->name == network.name && same_description(e->mesh, *network.mesh);
+      return e != nullptr && e->name == network.name && e->here == here &&
+             same_description(e->mesh, *network.mesh);
     });
     if (same != former.end()) {
       (*same)->network = n;
       entries_.push_back(std::move(*same));
       continue;
     }
-    entries_.push_back(std::make_unique<Entry>(Entry{
-        network.name, n, *network.mesh, core::mesh::LinkTable(*network.mesh), {}, {}, {}, {}}));
+    entries_.push_back(std::make_unique<Entry>(Entry{network.name,
+                                                     n,
+                                                     *network.mesh,
+                                                     here,
+                                                     core::mesh::LinkTable(*network.mesh, here),
+                                                     {},
+                                                     {},
+                                                     {},
+                                                     {}}));
     const auto with_same_sources = std::ranges::find_if(former, [&](const auto& e) {
       return e != nullptr && e->name == network.name && same_sources(e->mesh, *network.mesh);
     });

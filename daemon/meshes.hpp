@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,8 @@ class Meshes {
 
   /// The meshes of a new description. What is known of a mesh that is described as before stays
   /// known. A source that cannot be opened is told and knows nothing.
-  void describe(const core::System& system);
+  /// `self`: the gateway of this machine.
+  void describe(const core::System& system, std::size_t self);
 
   /// Runs the loop until every source has reported once, at most `limit_ns`: a daemon that starts
   /// again should not withdraw what it will grant in a second. Nothing but sources may be on the
@@ -53,6 +55,7 @@ class Meshes {
     std::string name;
     std::size_t network = 0;
     core::mesh::Mesh mesh;
+    std::optional<std::uint32_t> here;
     core::mesh::LinkTable table;
     std::vector<bool> reported;         // per source
     std::vector<std::string> problems;  // per source, as last told

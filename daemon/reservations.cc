@@ -129,6 +129,12 @@ class Listing {
   std::map<std::size_t, std::size_t> first_;  // of each resource, where its entries begin
 };
 
+bool is_about_a_network(core::Obstacle obstacle) {
+  using enum core::Obstacle;
+  return obstacle == no_path || obstacle == no_rate || obstacle == relay_gated ||
+         obstacle == unavailable;
+}
+
 }  // namespace
 
 control::Routes routes_report(const core::State& state) {
@@ -149,8 +155,7 @@ control::Routes routes_report(const core::State& state) {
       }
       control::RouteReport& r = out.routes[it->second];
       ++(v.granted ? r.granted : r.refused);
-      if (v.obstacle == core::Obstacle::no_path || v.obstacle == core::Obstacle::unavailable)
-        r.problem = why(state, v);
+      if (is_about_a_network(v.obstacle)) r.problem = why(state, v);
       for (const core::MediumUse& use : v.media) {
         const control::MediumUse now = medium_report(state, v, use, Own::is_taken);
         const auto same = std::ranges::find(r.media, now.network, &control::MediumUse::network);
@@ -184,6 +189,7 @@ void add_links(const core::mesh::Mesh& mesh, const core::mesh::LinkTable& table,
     link.busy = known.sample.busy.value_or(0);
     link.age_ns = now > known.sample.taken ? now - known.sample.taken : 0;
     link.stale = known.stale;
+    if (known.believed_rate == 0) link.lack = core::to_text(known.lack);
     link.source = core::name_of(mesh.sources[known.source]);
     out.links.push_back(std::move(link));
   }

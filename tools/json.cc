@@ -269,6 +269,7 @@ Json mesh_link(const control::MeshLink& l) {
           {"busy", l.busy_known ? Json(l.busy) : Json()},
           {"age_ns", quantity(l.age_ns)},
           {"stale", l.stale},
+          {"lack", l.lack},
           {"source", l.source}};
 }
 

@@ -104,6 +104,8 @@ class Belief {
 
   /// Known, and for long enough if it was lost.
   [[nodiscard]] bool usable(std::uint64_t now) const { return seen_ && now >= usable_from_; }
+  /// Known, whether for long enough or not.
+  [[nodiscard]] bool known() const { return seen_.has_value(); }
   /// Of a usable link, without its ends and its weight.
   [[nodiscard]] Link link() const;
   /// Unknown for so long that it will count at once.

@@ -38,13 +38,21 @@ struct NextHopIndex {
   auto operator<=>(const NextHopIndex&) const = default;
 };
 
-/// A link that is known and carries nothing now: its rate is unknown or too old, it is gone since
-/// less than Mesh::hold_up, or is back since less than that. Its ends still hear each other, and
-/// the routing protocol may still use it.
+/// Why a link that is known carries nothing.
+enum class Lack : std::uint8_t {
+  gone,    ///< nobody speaks of it any more, or what is said is too old
+  absent,  ///< who would know does not say that it is there
+  rate,    ///< it is there, and nobody knows its rate
+  time,    ///< it was lost, and is back since less than Mesh::hold_up
+};
+
+/// A link that is known and carries nothing now. Its ends may still hear each other, and the
+/// routing protocol may still use it.
 struct UnusableLink {
   std::uint32_t from = 0;
   std::uint32_t to = 0;
   std::optional<std::uint64_t> weight;
+  Lack lack = Lack::gone;
 
   bool operator==(const UnusableLink&) const = default;
 };

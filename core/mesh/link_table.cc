@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/mesh/roles.hpp"
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca::core::mesh {
@@ -34,7 +35,8 @@ std::string ignored() {
 
 }  // namespace
 
-LinkTable::LinkTable(const Mesh& mesh) : mesh_(mesh), sources_(mesh.sources.size()) {
+LinkTable::LinkTable(const Mesh& mesh, std::optional<std::uint32_t> here)
+    : mesh_(mesh), here_(here), sources_(mesh.sources.size()) {
   for (const Node& node : mesh.nodes) {
     nodes_.emplace(address_of(node), static_cast<std::uint32_t>(addresses_.size()));
     addresses_.push_back(address_of(node));
@@ -125,6 +127,7 @@ bool LinkTable::enter(std::size_t source, const Sample& sample) {
   // Of two reports for one direction the slower counts.
   if (report->round == round && report->sample.rate <= sample.rate) return true;
   report->round = round;
+  report->withdrawn = false;
   report->sample = sample;
   report->sample.taken = std::min(sample.taken, now_);
   return true;
@@ -153,6 +156,7 @@ void LinkTable::drop_old_rounds(std::size_t source) {
         const bool warns = report.sample.loss || report.sample.busy;
         if (!is_old(report) || !warns) continue;
         report.round = state.rounds;
+        report.withdrawn = true;
         report.sample.rate = 0;
         report.sample.weight.reset();
         report.sample.valid = 0;
@@ -196,6 +200,7 @@ std::vector<Known> LinkTable::links() const {
     for (const Report& report : entry.reports)
       result.push_back({.sample = report.sample,
                         .believed_rate = usable ? entry.belief.link().quality.rate : 0,
+                        .lack = lack_of(ends, entry),
                         .stale = !is_fresh(report),
                         .source = report.source});
   }
@@ -210,7 +215,31 @@ bool LinkTable::is_preferred(const Report& a, const Report& b) const {
   return key(a) > key(b);
 }
 
-std::optional<Observation> LinkTable::observe(const Entry& entry) const {
+/// Who would know does not say that the link is there.
+bool LinkTable::is_absent(const Ends& ends, const Entry& entry) const {
+  Presence asked = Presence::stated;
+  bool there = true;
+  for (std::size_t source = 0; source < mesh_.sources.size(); ++source) {
+    const SourceKind kind = mesh_.sources[source].kind;
+    const Presence presence = role_of(kind).presence;
+    if (presence < asked || !would_know(kind, ends.first, ends.second, here_)) continue;
+    const auto said = std::ranges::find(entry.reports, source, &Report::source);
+    const bool says = said != entry.reports.end() && is_there(*said);
+    there = presence == asked ? there || says : says;
+    asked = presence;
+  }
+  return !there;
+}
+
+Lack LinkTable::lack_of(const Ends& ends, const Entry& entry) const {
+  if (entry.belief.known()) return Lack::time;
+  if (is_absent(ends, entry)) return Lack::absent;
+  const auto there = [&](const Report& report) { return is_there(report); };
+  return std::ranges::any_of(entry.reports, there) ? Lack::rate : Lack::gone;
+}
+
+std::optional<Observation> LinkTable::observe(const Ends& ends, const Entry& entry) const {
+  if (is_absent(ends, entry)) return std::nullopt;
   const Report* rated = nullptr;
   Observation seen;
   for (const Report& report : entry.reports) {
@@ -261,7 +290,7 @@ Graph LinkTable::believed() const {
     for (const Report& report : entry.reports)
       if (report.source == weighing && is_fresh(report)) weight = report.sample.weight;
     if (!entry.belief.usable(now_)) {
-      graph.unusable.push_back({ends.first, ends.second, weight});
+      graph.unusable.push_back({ends.first, ends.second, weight, lack_of(ends, entry)});
       continue;
     }
     Link& link = graph.links.emplace_back(entry.belief.link());
@@ -288,7 +317,7 @@ std::uint64_t LinkTable::earliest_deadline() const {
 }
 
 bool LinkTable::settle() {
-  for (auto& [ends, entry] : entries_) entry.belief.observe(observe(entry), now_, mesh_);
+  for (auto& [ends, entry] : entries_) entry.belief.observe(observe(ends, entry), now_, mesh_);
   std::erase_if(entries_, [&](const auto& known) {
     return known.second.reports.empty() && known.second.belief.forgotten(now_, mesh_);
   });

@@ -25,6 +25,7 @@ inline constexpr std::size_t kMaxLinks = 8192;  ///< directions, over all source
 struct Known {
   Sample sample;
   Value believed_rate = 0;  ///< bit/s; 0: the link carries nothing
+  Lack lack = Lack::gone;   ///< why it carries nothing
   bool stale = false;
   std::size_t source = 0;  ///< index into Mesh::sources
 };
@@ -39,6 +40,10 @@ struct Known {
 /// knows. Weights are compared with each other, so they are all of one source, the first that gives
 /// any; next hops are those of the first source that knows one.
 ///
+/// Whether a link is there is asked of those who would know (core/mesh/roles.hpp): the mesh's own
+/// protocol, or else the interfaces of this machine. Where one of them would know and none of them
+/// says so, the link carries nothing, whoever gives a rate to it.
+///
 /// A lower rate, a higher loss, a higher busy time count at once. Better ones count once they have
 /// lasted Mesh::hold_up without interruption, and then as the worst that was seen in that time; an
 /// improvement within Mesh::tolerance of what is believed is none. A link that was unknown counts
@@ -49,8 +54,8 @@ struct Known {
 class LinkTable {
  public:
   /// Nodes keep their indices of the description; other addresses become nodes behind them. A
-  /// described node without an address is known by its name.
-  explicit LinkTable(const Mesh& mesh);
+  /// described node without an address is known by its name. `here`: the node of this machine.
+  explicit LinkTable(const Mesh& mesh, std::optional<std::uint32_t> here = std::nullopt);
 
   /// `source` is an index into Mesh::sources. True if graph() changed. What is beyond kMaxNodes or
   /// kMaxLinks is ignored and said in problem(). Links between described nodes take the room of
@@ -76,6 +81,7 @@ class LinkTable {
     std::size_t source = 0;
     std::uint64_t round = 0;  ///< which take() of the source it is from
     Sample sample;
+    bool withdrawn = false;  ///< not said any more: only what it warns of counts
   };
   struct Entry {
     std::vector<Report> reports;
@@ -102,7 +108,10 @@ class LinkTable {
   void drop_old_rounds(std::size_t source);
 
   [[nodiscard]] bool is_preferred(const Report& a, const Report& b) const;
-  [[nodiscard]] std::optional<Observation> observe(const Entry& entry) const;
+  [[nodiscard]] bool is_there(const Report& r) const { return is_fresh(r) && !r.withdrawn; }
+  [[nodiscard]] bool is_absent(const Ends& ends, const Entry& entry) const;
+  [[nodiscard]] Lack lack_of(const Ends& ends, const Entry& entry) const;
+  [[nodiscard]] std::optional<Observation> observe(const Ends& ends, const Entry& entry) const;
   [[nodiscard]] std::optional<std::size_t> weighing_source() const;
   [[nodiscard]] std::vector<NextHopIndex> next_hops() const;
   [[nodiscard]] Graph believed() const;
@@ -110,6 +119,7 @@ class LinkTable {
   bool settle();
 
   Mesh mesh_;
+  std::optional<std::uint32_t> here_;
   std::vector<std::string> addresses_;  ///< of each node
   std::unordered_map<std::string, std::uint32_t> nodes_;
   std::map<Ends, Entry> entries_;

@@ -164,5 +164,123 @@ TEST(MeasuredMeshTest, WithoutDescribedNodesNothingEntersIt) {
   EXPECT_EQ(only(checked.inspection).hint, "describe the nodes of the mesh");
 }
 
+/// Links between a, b and c in a row, in that direction; `lack`: those of b carry nothing.
+mesh::Graph row_of_links(std::optional<mesh::Lack> lack = std::nullopt) {
+  mesh::Graph graph;
+  graph.nodes = 3;
+  for (const std::uint32_t from : {0U, 1U}) {
+    if (lack && from == 1) {
+      graph.unusable.push_back({from, from + 1, std::nullopt, *lack});
+      continue;
+    }
+    mesh::Link link;
+    link.from = from;
+    link.to = from + 1;
+    link.quality.rate = 24'000'000;
+    graph.links.push_back(link);
+  }
+  return graph;
+}
+
+const Verdict& decided(State& state, mesh::Graph graph) {
+  state.set_graph(kAir, std::move(graph));
+  state.settle();
+  return state.decisions().at(0).verdicts.at(0);
+}
+
+TEST(MeasuredMeshTest, LinksWithoutARateAreNotUnknown) {
+  State state(measured());
+  EXPECT_EQ(decided(state, row_of_links(mesh::Lack::gone)).obstacle, Obstacle::no_path);
+  const Verdict& v = decided(state, row_of_links(mesh::Lack::rate));
+  EXPECT_EQ(v.obstacle, Obstacle::no_rate);
+  EXPECT_EQ(reason(state.system(), state.members(), v),
+            "rate unknown: no source knows what the links that lead through air carry");
+  EXPECT_EQ(decided(state, row_of_links(mesh::Lack::absent)).obstacle, Obstacle::no_path);
+  EXPECT_TRUE(decided(state, row_of_links()).granted);
+  EXPECT_EQ(decided(state, row_of_links(mesh::Lack::rate)).obstacle, Obstacle::no_rate);
+}
+
+TEST(MeasuredMeshTest, WhereNoSourceKnowsRatesNothingWillEverBeGranted) {
+  System system = measured();
+  mesh::Source& source = system.networks[kAir].mesh->sources[0];
+  source.kind = mesh::SourceKind::awds;
+  for (const auto& [metric, id] : {std::pair(mesh::AwdsMetric::etx, Id::no_route),
+                                   std::pair(mesh::AwdsMetric::hops, Id::no_route),
+                                   std::pair(mesh::AwdsMetric::packet_pair, Id::run_time)}) {
+    source.metric = metric;
+    EXPECT_EQ(only(check(system).inspection).id, id);
+  }
+  source.metric = mesh::AwdsMetric::etx;
+  EXPECT_TRUE(only(check(system).inspection).text.contains("rate unknown"));
+}
+
+/// All of it in the mesh, from a to c; the gateway is b, with its gate on `interface`.
+System relaying(mesh::SourceKind kind, const std::string& device, const std::string& interface) {
+  System system = measured();
+  Network& air = system.networks[kAir];
+  air.profile = Profile::famouso;
+  air.mesh->nodes[0].gateway.reset();
+  air.mesh->nodes[1].gateway = 0;
+  air.mesh->sources[0].kind = kind;
+  air.mesh->sources[0].interface = device;
+  air.mesh->sources[0].metric = mesh::AwdsMetric::packet_pair;
+  system.gateways[0].ports[kAir].identity.name = interface;
+  system.publishers[0].place = network(kAir);
+  system.publishers[0].mesh_node = 0;
+  return system;
+}
+
+TEST(MeasuredMeshTest, WhatOurOwnGateDropsOnTheWayIsNotGranted) {
+  for (const auto& [kind, device, interface] :
+       {std::tuple(mesh::SourceKind::awds, "wlan0", "wlan0"),
+        std::tuple(mesh::SourceKind::batman, "bat0", "wlan0")}) {
+    const System system = relaying(kind, device, interface);
+    State state(system);
+    const Verdict& v = decided(state, row_of_links());
+    EXPECT_EQ(v.obstacle, Obstacle::relay_gated);
+    EXPECT_EQ(v.obstacle_at, gateway(0));
+    EXPECT_TRUE(reason(state.system(), state.members(), v).starts_with("gateway g has its gate"));
+    const Inspection inspection = inspect(system);
+    const auto found = std::ranges::find(inspection.findings, Id::relay_gated, &Finding::id);
+    ASSERT_NE(found, inspection.findings.end());
+    EXPECT_TRUE(found->hint.contains(kind == mesh::SourceKind::awds ? "\"awds0\"" : "\"bat0\""));
+  }
+}
+
+TEST(MeasuredMeshTest, TheMeshsOwnDeviceDoesNotSeeWhatIsRelayed) {
+  for (const auto& [kind, device, interface] :
+       {std::tuple(mesh::SourceKind::awds, "wlan0", "awds0"),
+        std::tuple(mesh::SourceKind::batman, "bat0", "bat0"),
+        std::tuple(mesh::SourceKind::nl80211, "mesh0", "mesh0")}) {
+    const System system = relaying(kind, device, interface);
+    State state(system);
+    EXPECT_TRUE(decided(state, row_of_links()).granted);
+    EXPECT_EQ(only(inspect(system)).id, Id::run_time);
+  }
+}
+
+TEST(MeasuredMeshTest, AGateOnTheRadioOfAnEndDropsNothingOnTheWay) {
+  System system = relaying(mesh::SourceKind::awds, "wlan0", "wlan0");
+  system.networks[kAir].mesh->nodes[1].gateway.reset();
+  system.networks[kAir].mesh->nodes[0].gateway = 0;
+  State state(system);
+  EXPECT_TRUE(decided(state, row_of_links()).granted);
+}
+
+TEST(MeasuredMeshTest, AStreamThatIsTooFastIsToldOneCapacity) {
+  System system = measured();
+  Network& air = system.networks[kAir];
+  air.mesh->sources[0].kind = mesh::SourceKind::description;
+  for (const std::uint32_t from : {0U, 1U}) {
+    mesh::DescribedLink link;
+    link.from = from;
+    link.to = from + 1;
+    link.rate = 8'000;
+    air.mesh->links.push_back(link);
+  }
+  const Inspection inspection = inspect(system);
+  EXPECT_EQ(only(inspection).id, Id::medium_time) << inspection.findings.at(0).text;
+}
+
 }  // namespace
 }  // namespace mlcca::core::testing

@@ -8,43 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "tests/mesh/meshes.hpp"
+#include "tests/mesh/link_tables.hpp"
 
 namespace mlcca::core::mesh {
 namespace {
 
 using namespace testing;  // NOLINT(google-build-using-namespace)
-
-constexpr std::uint64_t kSecond = 1'000'000'000;
-constexpr Value kHold = 5 * kSecond;
-constexpr Value kStale = 3 * kSecond;
-
-/// Three described nodes, three sources: one that is live, another, and the description.
-Mesh mesh_of_three() {
-  Mesh mesh = bare_mesh();
-  mesh.hold_up = kHold;
-  mesh.stale_after = kStale;
-  mesh.tolerance = 100'000;
-  mesh.nodes = {
-      {"a", "02:00:00:00:00:01", {}, {}}, {"b", "02:00:00:00:00:02", {}, {}}, {"c", "", {}, {}}};
-  mesh.sources.resize(3);
-  mesh.sources[0].kind = SourceKind::nl80211;
-  mesh.sources[1].kind = SourceKind::babel;
-  mesh.sources[2].kind = SourceKind::description;
-  return mesh;
-}
-
-constexpr const char* kA = "02:00:00:00:00:01";
-constexpr const char* kB = "02:00:00:00:00:02";
-
-Sample sample(Value rate, std::uint64_t taken, const char* from = kA, const char* to = kB) {
-  Sample result;
-  result.from = from;
-  result.to = to;
-  result.rate = rate;
-  result.taken = taken;
-  return result;
-}
 
 class LinkTableTest : public ::testing::Test {
  protected:
@@ -168,11 +137,13 @@ TEST_F(LinkTableTest, ALinkThatIsGoneIsUnusableForAWhile) {
 TEST_F(LinkTableTest, ALinkThatFlapsMustLast) {
   see(24 * kMega, 0);
   see_nothing(kSecond);
-  EXPECT_FALSE(see(24 * kMega, 2 * kSecond));
+  EXPECT_EQ(table.graph().unusable.at(0).lack, Lack::gone);
+  see(24 * kMega, 2 * kSecond);
+  EXPECT_EQ(table.graph().unusable.at(0).lack, Lack::time);
   EXPECT_EQ(rate(), 0U);
   see_nothing(3 * kSecond);
   for (std::uint64_t i = 4; i <= 8; ++i) {
-    EXPECT_FALSE(see(24 * kMega, i * kSecond));
+    EXPECT_EQ(see(24 * kMega, i * kSecond), i == 4) << i;
     EXPECT_EQ(rate(), 0U) << i;
   }
   EXPECT_TRUE(see(24 * kMega, 9 * kSecond));
@@ -279,7 +250,7 @@ TEST_F(LinkTableTest, ASourceWithoutRatesAloneMakesNoLink) {
   etx.weight = 256;
   EXPECT_TRUE(see(etx, 0, 1));
   EXPECT_TRUE(table.graph().links.empty());
-  EXPECT_EQ(table.graph().unusable, (std::vector<UnusableLink>{{0, 1, 256}}));
+  EXPECT_EQ(table.graph().unusable, (std::vector<UnusableLink>{{0, 1, 256, Lack::rate}}));
 }
 
 TEST_F(LinkTableTest, TheWorstLossOfAllSourcesCounts) {

@@ -439,10 +439,10 @@ TEST(JsonFieldsTest, TellRoutesAndLinks) {
   EXPECT_EQ(json.at("links"), Json::parse(R"([
       {"network": "awds", "from": "laptop", "to": "relay", "rate": 24000000,
        "believed_rate": 22500000, "kind": "phy", "loss": 12500000, "busy": 43000,
-       "age_ns": 1250000000, "stale": false, "source": "nl80211 mesh0"},
+       "age_ns": 1250000000, "stale": false, "lack": "", "source": "nl80211 mesh0"},
       {"network": "awds", "from": "relay", "to": "02:00:00:00:00:03", "rate": null,
        "believed_rate": 0, "kind": "derived", "loss": null, "busy": null,
-       "age_ns": 60000000000, "stale": true, "source": "awds eth1"}])"));
+       "age_ns": 60000000000, "stale": true, "lack": "gone", "source": "awds eth1"}])"));
   EXPECT_EQ(json.at("problems").size(), 2U);
   EXPECT_EQ(json.at("can_rules").at(0), Json::parse(R"({"from": "can1", "to": "can0",
       "id": 2672296036, "mask": 3758096383, "fd": true, "ours": true,

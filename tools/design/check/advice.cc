@@ -94,6 +94,10 @@ const char* advice_on(core::FindingId id) {
     case Id::queue_too_short:
       return "More frames may wait in the queue of a gateway than it holds, and one that finds it "
              "full is lost. Give its Port the queue-length that is named, or send less often.";
+    case Id::relay_gated:
+      return "A gate on a radio sees what its node relays for others, which nobody admitted there, "
+             "and drops it: the mesh is cut. Give the Port the mesh's own device (awds0, bat0). "
+             "Where nodes relay by routing, let a node that has no gate relay.";
     case Id::medium_time:
       return "The links of a mesh share the time of their medium (docs/MESH.md). Send less, state "
              "a "

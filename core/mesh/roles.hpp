@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What each kind of source is believed in: that links are there, and what they carry.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/mesh/mesh.hpp"
+
+namespace mlcca::core::mesh {
+
+/// Whose word it is that a link is there. Where several sources would know of a link, the highest
+/// of them decide, and one of those must say that it is there.
+enum class Presence : std::uint8_t {
+  stated,    ///< somebody wrote it down: there as long as nobody would know better
+  device,    ///< an interface of this machine
+  protocol,  ///< the mesh's own protocol: a link that it has lost carries nothing
+};
+
+/// The links that a source tells of whenever they are there.
+enum class Scope : std::uint8_t {
+  none,
+  from_here,     ///< in the direction away from this machine
+  of_here,       ///< one end is this machine
+  of_everybody,  ///< all of the mesh
+};
+
+struct Role {
+  SourceKind kind;
+  Presence presence;
+  Scope scope;
+  bool rates;  ///< may know them
+};
+
+inline constexpr auto kRoles = std::to_array<Role>({
+    {SourceKind::description, Presence::stated, Scope::none, true},
+    {SourceKind::file, Presence::stated, Scope::none, true},
+    {SourceKind::nl80211, Presence::device, Scope::of_here, true},
+    {SourceKind::batman, Presence::protocol, Scope::from_here, true},
+    {SourceKind::awds, Presence::protocol, Scope::of_everybody, true},
+    {SourceKind::babel, Presence::protocol, Scope::of_here, false},
+    {SourceKind::olsr, Presence::protocol, Scope::of_here, true},
+    {SourceKind::wire, Presence::device, Scope::of_here, true},
+});
+
+namespace detail {
+constexpr bool roles_are_dense() {
+  for (std::size_t i = 0; i < kRoles.size(); ++i)
+    if (static_cast<std::size_t>(kRoles[i].kind) != i) return false;
+  return true;
+}
+static_assert(roles_are_dense());
+}  // namespace detail
+
+[[nodiscard]] constexpr const Role& role_of(SourceKind kind) {
+  return kRoles[static_cast<std::size_t>(kind)];
+}
+
+/// Whether a source may know what links carry.
+[[nodiscard]] constexpr bool knows_rates(const Source& source) {
+  if (source.kind == SourceKind::awds)
+    return source.metric == AwdsMetric::packet_pair ||
+           source.metric == AwdsMetric::transmission_time;
+  return role_of(source.kind).rates;
+}
+
+/// Whether a source of that kind tells of the link if it is there. `here`: the node of this
+/// machine.
+[[nodiscard]] constexpr bool would_know(SourceKind kind, std::uint32_t from, std::uint32_t to,
+                                        std::optional<std::uint32_t> here) {
+  switch (role_of(kind).scope) {
+    case Scope::of_everybody:
+      return true;
+    case Scope::of_here:
+      return here == from || here == to;
+    case Scope::from_here:
+      return here == from;
+    case Scope::none:
+      break;
+  }
+  return false;
+}
+
+}  // namespace mlcca::core::mesh
