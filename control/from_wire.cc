@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "control/wire.hpp"
+#include "control/wire_enums.hpp"
 
 namespace mlcca::control {
 namespace {
@@ -24,45 +25,6 @@ auto all(Wires* from, Read read) {
 template <class Texts>
 std::vector<std::string> texts(Texts* from) {
   return all(from, [](std::string& one) { return std::move(one); });
-}
-
-HealthState health_state(v1::HealthState from) {
-  switch (from) {
-    case v1::HEALTH_HEALTHY:
-      return HealthState::healthy;
-    case v1::HEALTH_DEGRADED:
-      return HealthState::degraded;
-    case v1::HEALTH_CLOSED:
-      return HealthState::closed;
-    default:
-      return HealthState::unknown;
-  }
-}
-
-ErrorKind error_kind(v1::ErrorKind from) {
-  switch (from) {
-    case v1::ERROR_INVALID:
-      return ErrorKind::invalid;
-    case v1::ERROR_FORBIDDEN:
-      return ErrorKind::forbidden;
-    case v1::ERROR_UNREADABLE:
-      return ErrorKind::unreadable;
-    case v1::ERROR_WORLD:
-      return ErrorKind::world;
-    default:
-      return ErrorKind::unspecified;
-  }
-}
-
-Outcome outcome(v1::Outcome from) {
-  switch (from) {
-    case v1::OUTCOME_FIT:
-      return Outcome::fit;
-    case v1::OUTCOME_RUN_TIME:
-      return Outcome::run_time;
-    default:
-      return Outcome::unfit;
-  }
 }
 
 Attribute attribute(v1::Attribute& from) {
@@ -223,6 +185,7 @@ Channel channel(v1::Channel& from) {
           .reaction = text(from.mutable_reaction()),
           .watch = from.has_watch() ? std::optional(watch(from.watch())) : std::nullopt,
           .troubles = texts(from.mutable_troubles()),
+          .subscribers_left_out = from.subscribers_left_out(),
           .withdrawn = from.withdrawn()};
 }
 

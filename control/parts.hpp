@@ -148,6 +148,7 @@ struct Watch {
   bool operator==(const Watch&) const = default;
 };
 
+inline constexpr std::size_t kListedSubscribers = 256;
 /// One publisher of a subject towards one place, decided.
 struct Channel {
   std::uint64_t subject = 0;
@@ -156,7 +157,7 @@ struct Channel {
   std::string publisher;
   std::string from;
   std::string to;
-  std::vector<std::string> subscribers;
+  std::vector<std::string> subscribers;  ///< the first kListedSubscribers
   bool granted = false;
   std::string reason;  ///< one line
   std::vector<std::string> route;
@@ -172,6 +173,7 @@ struct Channel {
   std::string reaction;      ///< worst-case reaction to a stopped heart-beat; empty: none
   std::optional<Watch> watch;
   std::vector<std::string> troubles = {};  ///< what is wrong with what was granted, one line each
+  std::uint32_t subscribers_left_out = 0;  ///< beyond those that are listed
   bool withdrawn = false;                  ///< an operator has withdrawn the channel
   bool operator==(const Channel&) const = default;
 };

@@ -75,6 +75,29 @@ class Slicer {
     fill(all.can_rules, &Routes::can_rules);
     return std::move(out_);
   }
+  std::vector<Reply> operator()(Channels& all) {
+    slice<Channels>();
+    for (Channel& row : all.channels) {
+      const std::size_t lines = 1 + row.subscribers.size() + row.rows.size();
+      slice<Channels>().channels.push_back(std::move(row));
+      filled_ += lines;
+    }
+    return std::move(out_);
+  }
+  /// All of it but the interfaces stands in each slice.
+  std::vector<Reply> operator()(Status& all) {
+    auto interfaces = std::move(all.interfaces);
+    all.interfaces.clear();
+    slice<Status>() = all;
+    for (Interface& row : interfaces) {
+      const std::size_t lines = 16 + row.unknown.size();
+      Status& to = slice<Status>();
+      if (to.interfaces.empty()) to = all;
+      to.interfaces.push_back(std::move(row));
+      filled_ += lines;
+    }
+    return std::move(out_);
+  }
   std::vector<Reply> operator()(Networks& all) {
     fill(all.networks, &Networks::networks);
     return std::move(out_);

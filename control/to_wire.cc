@@ -4,51 +4,10 @@
 
 #include "control/utf8.hpp"
 #include "control/wire.hpp"
+#include "control/wire_enums.hpp"
 
 namespace mlcca::control {
 namespace {
-
-v1::HealthState to_wire(HealthState state) {
-  switch (state) {
-    case HealthState::healthy:
-      return v1::HEALTH_HEALTHY;
-    case HealthState::degraded:
-      return v1::HEALTH_DEGRADED;
-    case HealthState::closed:
-      return v1::HEALTH_CLOSED;
-    case HealthState::unknown:
-      break;
-  }
-  return v1::HEALTH_UNKNOWN;
-}
-
-v1::ErrorKind to_wire(ErrorKind kind) {
-  switch (kind) {
-    case ErrorKind::invalid:
-      return v1::ERROR_INVALID;
-    case ErrorKind::forbidden:
-      return v1::ERROR_FORBIDDEN;
-    case ErrorKind::unreadable:
-      return v1::ERROR_UNREADABLE;
-    case ErrorKind::world:
-      return v1::ERROR_WORLD;
-    case ErrorKind::unspecified:
-      break;
-  }
-  return v1::ERROR_UNSPECIFIED;
-}
-
-v1::Outcome to_wire(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::fit:
-      return v1::OUTCOME_FIT;
-    case Outcome::run_time:
-      return v1::OUTCOME_RUN_TIME;
-    case Outcome::unfit:
-      break;
-  }
-  return v1::OUTCOME_UNFIT;
-}
 
 void put(const Attribute& from, v1::Attribute& to) {
   to.set_name(to_utf8(from.name));
@@ -209,6 +168,7 @@ void put(const Channel& from, v1::Channel& to) {
   if (from.watch) put(*from.watch, *to.mutable_watch());
   for (const auto& trouble : from.troubles) to.add_troubles(to_utf8(trouble));
   to.set_withdrawn(from.withdrawn);
+  to.set_subscribers_left_out(from.subscribers_left_out);
 }
 
 void put(const Health& from, v1::Health& to) {

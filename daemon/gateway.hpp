@@ -116,6 +116,7 @@ class Gateway {
  private:
   using Body = decltype(control::Reply::body);
   Body handle(const control::StatusRequest& request);
+  [[nodiscard]] control::Status status() const;
   Body handle(const control::NetworksRequest& request);
   Body handle(const control::ChannelsRequest& request);
   Body handle(const control::Query& request);
@@ -265,9 +266,14 @@ class Gateway {
     std::optional<control::Actor> before_;
   };
   [[nodiscard]] bool is_large() const;
+  [[nodiscard]] bool has_many_ends(std::size_t channel) const;
+  [[nodiscard]] bool has_channel_of_many_ends() const;
+  Body known_or_aside(const Asked& asked);
   Body aside(Aside::Make make);
   Body in_slices(std::size_t least_bytes, std::function<serve::Slice()> next);
   std::optional<Body> admit_again(const control::Admit& request);
+  Body would_be(const Asked& asked);
+  [[nodiscard]] std::optional<std::string> lacks_pairs(const Asked& asked) const;
   Body admit_new(const control::Admit& request, const Asked& asked);
   void own(core::AdmissionId id, const control::Admit& request);
   /// The newcomer's verdicts, or an error where there is nobody on the other side.

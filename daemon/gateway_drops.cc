@@ -160,7 +160,8 @@ void Gateway::tell_excess(const std::vector<const core::Verdict*>& verdicts, std
     std::ranges::copy(admissions_of(*v), std::back_inserter(ids));
   }
   std::ranges::sort(ids);
-  ids.erase(std::ranges::unique(ids).begin(), ids.end());
+  const auto twice = std::ranges::unique(ids);
+  ids.erase(twice.begin(), twice.end());
   const core::Publisher& publisher = state_->members().publisher(first.publisher);
   const AttributeSet& said = core::attributes_in(publisher, first.set);
   const Attribute what = said.has(Attribute::period) ? Attribute::period : Attribute::bandwidth;

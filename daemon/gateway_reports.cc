@@ -47,6 +47,25 @@ bool Gateway::is_large() const {
   return state_->decisions().size() + state_->system().networks.size() > large;
 }
 
+/// So many that what is said of one channel is not said between two heart-beats.
+bool Gateway::has_many_ends(std::size_t channel) const {
+  constexpr std::size_t many = 256;
+  const core::Members& members = state_->members();
+  return state_->decisions()[channel].verdicts.size() > many ||
+         members.publishers_of(channel).size() + members.subscribers_of(channel).size() > many;
+}
+
+bool Gateway::has_channel_of_many_ends() const {
+  for (std::size_t c = 0; c < state_->decisions().size(); ++c)
+    if (has_many_ends(c)) return true;
+  return false;
+}
+
+Gateway::Body Gateway::known_or_aside(const Asked& asked) {
+  if (!has_many_ends(asked.channel)) return report_known(asked);
+  return aside([this, asked] { return report_known(asked); });
+}
+
 /// What a handler answers whose reply is made by a child process, of what is known now.
 Gateway::Body Gateway::aside(Aside::Make make) {
   slices_ = aside_.ask(peer_, std::move(make));
@@ -54,6 +73,12 @@ Gateway::Body Gateway::aside(Aside::Make make) {
 }
 
 Gateway::Body Gateway::handle(const control::StatusRequest&) {
+  constexpr std::size_t many = 16;  // ports
+  if (ports_.size() > many) return aside([this] { return status(); });
+  return status();
+}
+
+control::Status Gateway::status() const {
   control::Status s;
   s.version = kVersion;
   s.gateway = state_->system().gateways[self_].name;
@@ -90,6 +115,13 @@ Gateway::Body Gateway::handle(const control::NetworksRequest&) {
 }
 
 Gateway::Body Gateway::handle(const control::ChannelsRequest&) {
+  if (has_channel_of_many_ends())
+    return aside([this] {
+      control::Channels out;
+      for (std::size_t c = 0; c < state_->decisions().size(); ++c)
+        std::ranges::move(report_known({c, {}, {}, {}}).channels, std::back_inserter(out.channels));
+      return out;
+    });
   std::size_t next = 0;
   return in_slices(state_->decisions().size() * kLeastRow, [this, next]() mutable -> serve::Slice {
     control::Channels out;
@@ -110,7 +142,7 @@ Gateway::Body Gateway::handle(const control::ChannelsRequest&) {
 Gateway::Body Gateway::handle(const control::ExplainRequest& request) {
   const auto channel = channel_named(*state_, request.channel);
   if (!channel) return error(control::ErrorKind::invalid, channel.error().text);
-  return report_known({*channel, {}, {}, {}});
+  return known_or_aside({*channel, {}, {}, {}});
 }
 
 control::Channels Gateway::report_admission(core::AdmissionId id) const {

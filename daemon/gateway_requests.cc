@@ -14,6 +14,7 @@
 #include "daemon/clock.hpp"
 #include "daemon/gateway.hpp"
 #include "daemon/report.hpp"
+#include "description/rules.hpp"
 
 namespace mlcca {
 namespace {
@@ -30,7 +31,9 @@ constexpr bool kOnlyReads =
              control::HistoryRequest, control::GateRequest>;
 
 bool wants_change(const control::Request& request) {
-  return std::visit([]<class Asked>(const Asked&) { return !kOnlyReads<Asked>; }, request.body);
+  return std::visit(
+      [](const auto& asked) { return !kOnlyReads<std::remove_cvref_t<decltype(asked)>>; },
+      request.body);
 }
 
 /// A renewal is in memory only.
@@ -169,11 +172,30 @@ Gateway::Body Gateway::answer_to(const core::Proposal& proposal, const Asked& as
 Gateway::Body Gateway::handle(const control::Query& request) {
   const auto asked = understand(*state_, request, stored().next_id);
   if (!asked) return error(control::ErrorKind::invalid, asked.error().text);
-  if (!asked->admission) return report_known(*asked);
-  const core::Proposal proposal = state_->propose(*asked->admission);
+  if (!asked->admission) return known_or_aside(*asked);
+  if (!has_many_ends(asked->channel)) return would_be(*asked);
+  return aside([this, asked = *asked] { return would_be(asked); });
+}
+
+Gateway::Body Gateway::would_be(const Asked& asked) {
+  if (const auto lack = lacks_pairs(asked)) return error(control::ErrorKind::invalid, *lack);
+  const core::Proposal proposal = state_->propose(*asked.admission);
   if (const auto lack = proposal.lacks_room(self_))
     return error(control::ErrorKind::invalid, *lack);
-  return answer_to(proposal, *asked, "decide");
+  return answer_to(proposal, asked, "decide");
+}
+
+/// As of a description: each pair of ends of a channel is decided and reported.
+std::optional<std::string> Gateway::lacks_pairs(const Asked& asked) const {
+  const core::Members& members = state_->members();
+  const std::size_t publishers =
+      members.publishers_of(asked.channel).size() + (asked.admission->publisher ? 1 : 0);
+  const std::size_t subscribers =
+      members.subscribers_of(asked.channel).size() + (asked.admission->subscriber ? 1 : 0);
+  if (publishers * subscribers <= description::kMaxPairs) return std::nullopt;
+  return fmt::format("{} publishers and {} subscribers of {}: at most {} pairs", publishers,
+                     subscribers, state_->system().channels[asked.channel].name,
+                     description::kMaxPairs);
 }
 
 // --- admit ---------------------------------------------------------------------------------------
@@ -189,7 +211,7 @@ Gateway::Body Gateway::handle(const control::Admit& request) {
     return error(control::ErrorKind::invalid,
                  "these ends are described: a key, a lease or hold needs a new publisher or "
                  "subscriber (say its attributes, or give it a name)");
-  return report_known(*asked);
+  return known_or_aside(*asked);
 }
 
 /// A key that was granted before is answered as now, and its lease begins anew.
@@ -216,6 +238,7 @@ std::optional<Gateway::Body> Gateway::admit_again(const control::Admit& request)
 Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& asked) {
   if (const auto why = Quotas::refuse_admission(peer_.uid, stored().admissions))
     return error(control::ErrorKind::world, "nothing was changed: " + *why);
+  if (const auto lack = lacks_pairs(asked)) return error(control::ErrorKind::invalid, *lack);
   const core::AdmissionId id = asked.admission->id;
   Body out;
   Result<void> done;

@@ -404,11 +404,15 @@ void Gateway::tell_outcome(const Granted& before, const Told& told) {
       if (as_told != told.end() && as_told->second == outcome_line(*state_, v)) continue;
       const Kind not_granted = was ? Kind::withdrawn : Kind::refused;
       tell_verdict(v.granted ? Kind::granted : not_granted, v, verdict_line(*state_, v));
+      pulse();
     }
     pulse();
   }
   for (const auto& [subject, grants] : lost)
-    for (const core::Delivery& delivery : grants.deliveries) tell_gone(subject, delivery);
+    for (const core::Delivery& delivery : grants.deliveries) {
+      tell_gone(subject, delivery);
+      pulse();
+    }
 }
 
 /// Was granted, and one of those whom it concerned is not there any more.
@@ -453,6 +457,7 @@ void Gateway::tell_changes(const std::vector<core::Change>& changes) {
       if (!v.granted && was) tell_verdict(Kind::withdrawn, v, verdict_line(*state_, v));
       if (v.granted && was && v.set != old->set)
         tell_verdict(Kind::switched, v, switch_line(*state_, v, old->set));
+      pulse();
     }
   }
 }

@@ -101,8 +101,16 @@ Journal Journal::automatic() {
   return stderr_is_journal() ? to_journald("/run/systemd/journal/socket") : to_stderr();
 }
 
+/// Opened now: later there may be no descriptor left for it.
+Journal Journal::to_stderr() {
+  Journal journal({});
+  journal.own_ = std::make_shared<Fd>(opened_at_once(STDERR_FILENO));
+  return journal;
+}
+
 bool Journal::send(const Note& note, const std::string& message) const {
-  if (path_.empty()) return write_at_once(STDERR_FILENO, message + '\n');
+  if (path_.empty())
+    return write_at_once(own_ && *own_ ? own_->get() : STDERR_FILENO, message + '\n');
   std::string fields;
   add_field(fields, "MESSAGE", message);
   add_field(fields, "PRIORITY", std::to_string(note.priority));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "control/parts.hpp"
+#include "core/handle.hpp"
 
 namespace mlcca {
 
@@ -68,7 +69,7 @@ class Journal {
  public:
   /// To journald when this process's stderr is a journal stream, else to stderr.
   static Journal automatic();
-  static Journal to_stderr() { return Journal({}); }
+  static Journal to_stderr();
   /// In the native protocol of journald, to a datagram socket of that path.
   static Journal to_journald(std::string path) { return Journal(std::move(path)); }
 
@@ -81,6 +82,7 @@ class Journal {
 
   std::string path_;  ///< of journald's socket; empty: stderr
   std::shared_ptr<std::uint64_t> lost_;
+  std::shared_ptr<Fd> own_;  ///< stderr once more, which never waits; none: it cannot be had
 };
 
 }  // namespace mlcca

@@ -20,7 +20,6 @@
 namespace mlcca {
 namespace {
 
-/// The same pipe or terminal, opened once more: O_NONBLOCK of `fd` would hold for all who share it.
 Fd opened_again(int fd) {
   std::array<char, 32> path{};  // there may be no memory left to allocate
   if (std::snprintf(path.data(), path.size(), "/proc/self/fd/%d", fd) < 0) return {};
@@ -46,6 +45,12 @@ bool write_all(std::string_view text, auto write) {
 }
 
 }  // namespace
+
+Fd opened_at_once(int fd) {
+  struct stat is{};
+  const bool may_wait = ::fstat(fd, &is) == 0 && (S_ISFIFO(is.st_mode) || S_ISCHR(is.st_mode));
+  return may_wait ? opened_again(fd) : Fd();
+}
 
 bool send_at_once(const std::string& path, std::span<const iovec> parts) {
   auto address = unix_address(path);
@@ -75,8 +80,8 @@ bool write_at_once(int fd, std::string_view text) {
     return write_all(text, [fd](std::string_view rest) {
       return ::send(fd, rest.data(), rest.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
     });
-  const bool may_wait = S_ISFIFO(is.st_mode) || S_ISCHR(is.st_mode);
-  const Fd own = may_wait ? opened_again(fd) : Fd();
+  const bool waits = (::fcntl(fd, F_GETFL) & O_NONBLOCK) == 0;
+  const Fd own = waits ? opened_at_once(fd) : Fd();
   const int to = own ? own.get() : fd;
   return write_all(text, [to](std::string_view rest) { return write_where_ready(to, rest); });
 }

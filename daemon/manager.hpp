@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/handle.hpp"
+
 namespace mlcca {
 
 /// One datagram to a socket of that path ("@…" is in the abstract namespace), in the protocol of
@@ -17,6 +19,10 @@ namespace mlcca {
 /// As sd_notify(3), which waits without end while nobody reads the socket: lines such as "READY=1".
 /// True where it was said, or where there is no service manager.
 bool notify(std::string_view lines);
+
+/// A pipe or terminal once more, without waiting: O_NONBLOCK of `fd` itself would hold for all who
+/// share it. None: it is something else, or cannot be opened again.
+[[nodiscard]] Fd opened_at_once(int fd);
 
 /// To an open file, pipe, socket or terminal, also one that others share and that blocks. False
 /// where some of it would have to wait because nobody reads: that is lost.

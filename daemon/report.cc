@@ -102,7 +102,10 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
   out.to = core::name_of(system, v.to);
   out.admission = members.admission_of_publisher(v.publisher);
   for (const std::size_t s : v.subscribers) {
-    out.subscribers.push_back(members.subscriber(s).name);
+    if (out.subscribers.size() < control::kListedSubscribers)
+      out.subscribers.push_back(members.subscriber(s).name);
+    else
+      ++out.subscribers_left_out;
     if (out.admission == 0) out.admission = members.admission_of_subscriber(s);
   }
   out.granted = v.granted;

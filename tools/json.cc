@@ -249,6 +249,7 @@ Json channel(const control::Channel& c) {
           {"media", array(c.media, medium_use)},
           {"watch", c.watch ? watch(*c.watch) : Json()},
           {"troubles", c.troubles},
+          {"subscribers_left_out", c.subscribers_left_out},
           {"withdrawn", c.withdrawn}};
 }
 

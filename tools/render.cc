@@ -118,6 +118,13 @@ std::string gaps_of(const control::Watch& watch) {
                      about(watch.longest_gap_ns), about(watch.last_gap_ns), fmt::join(bins, ", "));
 }
 
+std::string subscribers_of(const control::Channel& channel) {
+  auto names = fmt::format("{}", fmt::join(channel.subscribers, ", "));
+  if (channel.subscribers_left_out != 0)
+    names += fmt::format(" and {} more", channel.subscribers_left_out);
+  return names;
+}
+
 std::string delivery(const control::Channel& channel, Color color, bool in_full) {
   auto text = verdict_line(channel, color) + rows_of(channel, color);
   const auto also = [&](std::string_view name, const std::string& value) {
@@ -128,7 +135,7 @@ std::string delivery(const control::Channel& channel, Color color, bool in_full)
   also("route", way(channel.route));
   for (const auto& use : channel.media) also(use.network, describe(use));
   also("publisher", channel.publisher);
-  also("subscribers", fmt::format("{}", fmt::join(channel.subscribers, ", ")));
+  also("subscribers", subscribers_of(channel));
   if (channel.admission != 0)
     also("admission",
          fmt::format("{0} (mlccactl release --id {0} takes it back)", channel.admission));
@@ -199,7 +206,7 @@ std::string what_stops(const control::Channels& channels, std::string_view name,
     text += "  " + styled("stops", Style::bad, color) +
             fmt::format("  from {} ({}) to {} ({})\n", printable(channel.from),
                         printable(channel.publisher), printable(channel.to),
-                        printable(fmt::format("{}", fmt::join(channel.subscribers, ", "))));
+                        printable(subscribers_of(channel)));
     if (!channel.reaction.empty())
       text += fmt::format("         reaction to its loss: {}\n", printable(channel.reaction));
   }

@@ -29,6 +29,15 @@ TEST(SlicesTest, PutTogetherAreWhatWasSplit) {
     }
 }
 
+TEST(SlicesTest, ARowCountsWithItsNames) {
+  control::Channels channels;
+  channels.channels.resize(4);
+  for (control::Channel& channel : channels.channels) channel.subscribers.resize(60, "name");
+  EXPECT_EQ(control::split({7, channels}, 100).size(), 2U);
+  for (control::Channel& channel : channels.channels) channel.subscribers.clear();
+  EXPECT_EQ(control::split({7, channels}, 100).size(), 1U);
+}
+
 TEST(SlicesTest, AnErrorTakesThePlaceOfEverything) {
   std::optional<Reply> whole;
   ASSERT_TRUE(control::join(whole, Reply{7, full_networks(), true}));
