@@ -82,7 +82,7 @@ Result<void> Server::add_sources() {
     return 0;
   };
   const auto on_sweep = [](sd_event_source* source, std::uint64_t, void* self) noexcept {
-    static_cast<Server*>(self)->close_idle(monotonic_ns());
+    static_cast<Server*>(self)->sweep(monotonic_ns());
     sd_event_source_set_time_relative(source, kSweepInterval);
     sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
     return 0;
@@ -189,12 +189,13 @@ void Server::dismiss(int fd, const std::string& why) {
   drop(fd);
 }
 
-void Server::close_idle(std::uint64_t now) {
+void Server::sweep(std::uint64_t now) {
   std::vector<int> idle;
   for (const auto& [fd, session] : sessions_)
     if (now > session->active() + kMostIdle && !session->is_needed()) idle.push_back(fd);
   for (const int fd : idle)
     dismiss(fd, "closed: no request came for " + std::to_string(kMostIdle / 1'000'000'000) + " s");
+  turns_.tidy(now);
 }
 
 // --- turns ---------------------------------------------------------------------------------------

@@ -99,13 +99,15 @@ class Server {
   void resume(std::uint64_t session);
   /// The client has hung up, whether the loop has heard of it or not.
   [[nodiscard]] bool is_gone(std::uint64_t session) const;
-  /// Closes connections that have been of no use for long. The server does it by itself every few
-  /// seconds.
-  void close_idle(std::uint64_t now);
+  /// Closes connections that have been of no use for long, and forgets users who have none and have
+  /// asked for nothing lately. The server does it by itself every few seconds.
+  void sweep(std::uint64_t now);
   /// Told of every connection that ends.
   void on_close(Closed closed) { closed_ = std::move(closed); }
 
   [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
+  /// Users of whom it is remembered how much they have asked for lately.
+  [[nodiscard]] std::size_t users() const { return turns_.users(); }
 
  private:
   friend class Session;

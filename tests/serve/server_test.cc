@@ -320,9 +320,9 @@ TEST_F(ServerTest, WhoAsksForNothingForAMinuteIsToldAndClosed) {
   const std::string monitor = control::encode(Request{4, control::MonitorRequest{}, false});
   ASSERT_GT(::send(listening.get(), monitor.data(), monitor.size(), MSG_NOSIGNAL), 0);
   run();
-  server_->close_idle(monotonic_ns());
+  server_->sweep(monotonic_ns());
   EXPECT_EQ(server_->sessions(), 6U);
-  server_->close_idle(monotonic_ns() + Server::kMostIdle + 1);
+  server_->sweep(monotonic_ns() + Server::kMostIdle + 1);
   EXPECT_EQ(server_->sessions(), 3U);
   for (const Fd* socket : {&silent, &served, &slow})
     EXPECT_EQ(fate(*socket), "closed: no request came for 60 s");
@@ -334,7 +334,7 @@ TEST_F(ServerTest, WhoTakesNothingOfAReplyForAMinuteIsClosed) {
   const Fd socket = client();
   ask(socket, 1);
   run();
-  server_->close_idle(monotonic_ns() + Server::kMostIdle + 1);
+  server_->sweep(monotonic_ns() + Server::kMostIdle + 1);
   EXPECT_EQ(server_->sessions(), 0U);
 }
 
@@ -382,6 +382,20 @@ TEST_F(ServerTest, WhoConnectsTooOftenIsRefusedAndNobodyElse) {
   EXPECT_TRUE(refused.starts_with("you connect too often")) << refused;
   EXPECT_TRUE(is_served(client_of(100'001)));
   EXPECT_TRUE(is_served(client_of(0)));
+}
+
+TEST_F(ServerTest, UsersWhoHaveGoneAreForgotten) {
+  answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
+  constexpr std::size_t users = 20;
+  for (uid_t uid = 0; uid < users; ++uid) {
+    const Fd socket = client_of(100'000 + uid);
+    ask(socket, 1);
+    run();
+  }
+  run();
+  EXPECT_EQ(server_->users(), users);
+  server_->sweep(monotonic_ns() + Server::kMostIdle);
+  EXPECT_EQ(server_->users(), 0U);
 }
 
 TEST_F(ServerTest, ItIsKnownWhoHasHungUpBeforeTheLoopHearsOfIt) {
