@@ -12,6 +12,9 @@ inline std::uint64_t clock_ns(clockid_t clock) {
          static_cast<std::uint64_t>(now.tv_nsec);
 }
 inline std::uint64_t monotonic_ns() { return clock_ns(CLOCK_MONOTONIC); }
+inline std::int64_t monotonic_s() {
+  return static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000);
+}
 /// Since 1970, UTC.
 inline std::uint64_t unix_ns() { return clock_ns(CLOCK_REALTIME); }
 

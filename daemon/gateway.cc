@@ -375,14 +375,13 @@ std::vector<control::Channel> Gateway::report(
   std::vector<control::Channel> out;
   if (verdicts.empty()) return out;
   const std::size_t channel = verdicts.front()->channel;
-  const auto shared = core::shared_entries(state_->system(), state_->members(), channel,
-                                           state_->decisions()[channel].verdicts, self_);
+  const auto shared = shared_entries_of(channel);
   for (const core::Verdict* v : verdicts) {
     const auto rules = core::gate_state(state_->system(), state_->members(), *v, self_);
     out.push_back(channel_report(*state_, *v, ports_.frames(rules, shared)));
     if (!v->granted) continue;
     out.back().watch = ports_.watch(rules);
-    out.back().troubles = troubles_of(*v, rules);
+    out.back().troubles = troubles_of(*v, rules, shared, out.back().watch);
   }
   return out;
 }

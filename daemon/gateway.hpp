@@ -231,8 +231,13 @@ class Gateway {
   void tell_excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames);
   void tell_dropped(const core::Verdict& verdict, std::uint64_t frames);
   void look_at_drops_of(const core::Decision& decision, bool mention);
+  /// Entries by which events of several publishers of a channel come or leave, sorted.
+  [[nodiscard]] std::vector<core::GateEntry> shared_entries_of(std::size_t channel) const;
+  /// What is wrong with a granted delivery; `shared` of its channel.
   [[nodiscard]] std::vector<std::string> troubles_of(const core::Verdict& verdict,
-                                                     const core::GateState& rules) const;
+                                                     const core::GateState& rules,
+                                                     const std::vector<core::GateEntry>& shared,
+                                                     std::optional<control::Watch> watch) const;
   [[nodiscard]] control::Health health(const std::vector<control::Interface>& interfaces) const;
   void add_own_troubles(std::vector<std::string>& to) const;
   void add_troubles_of_deliveries(std::vector<std::string>& to) const;

@@ -25,8 +25,6 @@ std::uint64_t misfits(const Frames& frames) {
   return frames.dropped - std::min(frames.dropped, frames.excess_dropped);
 }
 
-std::int64_t seconds() { return static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000); }
-
 }  // namespace
 
 void Gateway::look_at_drops(bool mention) {
@@ -71,7 +69,7 @@ void Gateway::look_at_drops_of(const core::Decision& decision, bool mention) {
       of_entry.push_back(v);
     }
   }
-  const std::int64_t now = seconds();
+  const std::int64_t now = monotonic_s();
   for (const auto& [v, rules] : first_to_use) {
     std::uint64_t dropped = 0;
     for (const core::GateRule& rule : rules) {
@@ -82,17 +80,21 @@ void Gateway::look_at_drops_of(const core::Decision& decision, bool mention) {
     }
     if (dropped != 0 && mention) tell_dropped(*v, dropped);
   }
+  if (verdicts.empty()) return;
+  const std::size_t channel = verdicts.front()->channel;
+  const auto shared = shared_entries_of(channel);
+  // Granted ones come first.
   bool troubled = false;
-  for (std::size_t i = 0; i < verdicts.size() && !troubled; ++i)
-    troubled = !troubles_of(*verdicts[i], rules_of[i]).empty();
+  for (std::size_t i = 0; i < verdicts.size() && verdicts[i]->granted && !troubled; ++i)
+    troubled = !troubles_of(*verdicts[i], rules_of[i], shared, ports_.watch(rules_of[i])).empty();
   if (troubled)
-    troubled_.insert(verdicts.front()->channel);
-  else if (!verdicts.empty())
-    troubled_.erase(verdicts.front()->channel);
+    troubled_.insert(channel);
+  else
+    troubled_.erase(channel);
 }
 
 void Gateway::look_at_unknown(std::size_t port, bool mention) {
-  const auto dropped = unknown_.look(port, ports_.unknown_frames(port), seconds());
+  const auto dropped = unknown_.look(port, ports_.unknown_frames(port), monotonic_s());
   if (dropped && mention)
     tell(Kind::dropping, 4,
          dropped_line(control_.mode() == enforce::Mode::audit, *dropped,

@@ -31,19 +31,20 @@ void add_interface(const control::Interface& i, std::vector<std::string>& to) {
 
 }  // namespace
 
-std::vector<std::string> Gateway::troubles_of(const core::Verdict& v,
-                                              const core::GateState& rules) const {
-  if (!v.granted) return {};
+std::vector<core::GateEntry> Gateway::shared_entries_of(std::size_t channel) const {
+  return core::shared_entries(state_->system(), state_->members(), channel,
+                              state_->decisions()[channel].verdicts, self_);
+}
+
+std::vector<std::string> Gateway::troubles_of(const core::Verdict& v, const core::GateState& rules,
+                                              const std::vector<core::GateEntry>& shared,
+                                              std::optional<control::Watch> watch) const {
   Observed seen;
-  seen.watch = ports_.watch(rules);
+  seen.watch = std::move(watch);
   seen.audit = control_.mode() == enforce::Mode::audit;
   if (const auto why = not_carried_.find(v.channel); why != not_carried_.end())
     seen.not_forwarded = why->second;
-  const auto& all = state_->decisions()[v.channel].verdicts;
-  const auto shared = all.size() == 1 ? std::vector<core::GateEntry>()
-                                      : core::shared_entries(state_->system(), state_->members(),
-                                                             v.channel, all, self_);
-  const auto now = static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000);
+  const std::int64_t now = monotonic_s();
   for (const core::GateRule& rule : rules) {
     if (ports_.gate(rule.entry.port) == nullptr) continue;
     seen.passages.push_back({.network = ports_.network_of(rule.entry.port),
@@ -78,9 +79,11 @@ void Gateway::add_own_troubles(std::vector<std::string>& to) const {
 void Gateway::add_troubles_of_deliveries(std::vector<std::string>& to) const {
   for (const std::size_t channel : troubled_) {
     if (channel >= state_->decisions().size()) break;
+    const auto shared = shared_entries_of(channel);
     for (const core::Verdict& v : state_->decisions()[channel].verdicts) {
+      if (!v.granted) continue;
       const auto rules = core::gate_state(state_->system(), state_->members(), v, self_);
-      for (const std::string& line : troubles_of(v, rules))
+      for (const std::string& line : troubles_of(v, rules, shared, ports_.watch(rules)))
         to.push_back(fmt::format(
             "{} from {} to {}: {}", state_->system().channels[channel].name,
             core::name_of(state_->system(), state_->members().publisher(v.publisher).place),

@@ -19,7 +19,6 @@
 namespace mlcca {
 namespace {
 
-constexpr std::uint64_t kSecond = 1'000'000'000;     // ns
 constexpr std::uint64_t kTryAgain = 10'000'000'000;  // ns
 
 // Of a piece of a round:
@@ -100,7 +99,7 @@ bool Gateway::repair_next() {
 bool Gateway::look_for_next_bypass() {
   const auto gate = ports_.next_gate(at_gate_);
   at_gate_ = gate.value_or(0);
-  if (gate) ports_.look_for_bypass(*gate, static_cast<std::int64_t>(monotonic_ns() / kSecond));
+  if (gate) ports_.look_for_bypass(*gate, monotonic_s());
   return gate.has_value();
 }
 
