@@ -221,8 +221,10 @@ class Gateway {
   void tell(Kind kind, int priority, std::string message, std::string network = {}) {
     tell({kind, priority, std::move(message), 0, {}, std::move(network), {}, {}});
   }
-  /// What was told of the deliveries of a description, by subject and delivery.
-  using Told = std::map<std::pair<std::string, core::Delivery>, std::string>;
+  /// What was told of the deliveries of a description, and with which attribute set, by subject and
+  /// delivery.
+  using Told =
+      std::map<std::pair<std::string, core::Delivery>, std::pair<std::size_t, std::string>>;
   [[nodiscard]] Told told_of(const core::State& state);
   void tell_outcome(const Granted& before, const Told& told = {});
   void tell_gone(const std::string& subject, const core::Delivery& delivery);
@@ -239,6 +241,8 @@ class Gateway {
                                                      const std::vector<core::GateEntry>& shared,
                                                      std::optional<control::Watch> watch) const;
   [[nodiscard]] control::Health health(const std::vector<control::Interface>& interfaces) const;
+  /// Of the daemon itself, the most serious first.
+  [[nodiscard]] std::vector<std::string> own_problems() const;
   void add_own_troubles(std::vector<std::string>& to) const;
   void add_troubles_of_deliveries(std::vector<std::string>& to) const;
   void tell_changes(const std::vector<core::Change>& changes);

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -57,17 +58,24 @@ std::vector<std::string> Gateway::troubles_of(const core::Verdict& v, const core
   return troubles(seen);
 }
 
+std::vector<std::string> Gateway::own_problems() const {
+  std::vector<std::string> problems;
+  if (ports_.out_of_hand())
+    problems.emplace_back("an interface cannot be held: everything is denied");
+  if (!links_.problem().empty())
+    problems.push_back(links_.problem() + ": what is in force stays until they can be read");
+  if (!journal_gone_.empty()) problems.push_back(journal_gone_);
+  if (!forwarder_.problem().empty()) problems.push_back(forwarder_.problem());
+  return problems;
+}
+
 /// Of the daemon itself and of the description.
 void Gateway::add_own_troubles(std::vector<std::string>& to) const {
   if (control_.mode() == enforce::Mode::audit)
     to.emplace_back("audit mode: nothing is dropped, data that was not admitted passes");
   if (control_.lapsed()) to.emplace_back("the heart-beat came too late: everything is denied");
-  if (ports_.out_of_hand()) to.emplace_back("an interface cannot be held: everything is denied");
-  if (!links_.problem().empty())
-    to.push_back(links_.problem() + ": what is in force stays until they can be read");
+  std::ranges::move(own_problems(), std::back_inserter(to));
   if (!unpinned_.empty()) to.push_back("the control word is not pinned: " + unpinned_);
-  if (!journal_gone_.empty()) to.push_back(journal_gone_);
-  if (!forwarder_.problem().empty()) to.push_back(forwarder_.problem());
   if (!last_error_.empty())
     to.push_back("the latest reload was refused, the former description is in force: " +
                  last_error_);

@@ -93,12 +93,7 @@ control::Status Gateway::status() const {
   s.started_unix_s = static_cast<std::uint64_t>(started_);
   s.loaded_unix_s = static_cast<std::uint64_t>(loaded_);
   s.last_error = last_error_;
-  if (ports_.out_of_hand())
-    s.problem = "an interface cannot be held: everything is denied";
-  else if (!links_.problem().empty())
-    s.problem = links_.problem() + ": what is in force stays until they can be read";
-  else
-    s.problem = journal_gone_.empty() ? forwarder_.problem() : journal_gone_;
+  if (const auto problems = own_problems(); !problems.empty()) s.problem = problems.front();
   s.interfaces = ports_.report();
   s.health = health(s.interfaces);
   return s;

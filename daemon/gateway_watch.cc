@@ -41,11 +41,6 @@ std::string frame_name(const gate_sample& sample) {
              : fmt::format("{}{}{:03X}{}", format, remote, sample.can_id & CAN_SFF_MASK, way);
 }
 
-/// What is told of a verdict, and the attribute set in use.
-std::string outcome_line(const core::State& state, const core::Verdict& v) {
-  return fmt::format("{} {}", v.set, verdict_line(state, v));
-}
-
 }  // namespace
 
 /// Each of these does one thing of many, or a few that are short.
@@ -377,7 +372,7 @@ Gateway::Told Gateway::told_of(const core::State& state) {
     for (const core::Verdict& v : decision.verdicts)
       told.emplace(std::pair(core::format_subject(state.system().channels[v.channel].subject),
                              state.delivery_of(v)),
-                   outcome_line(state, v));
+                   std::pair(v.set, verdict_line(state, v)));
     pulse();
   }
   return told;
@@ -399,10 +394,11 @@ void Gateway::tell_outcome(const Granted& before, const Told& told) {
       const core::Delivery delivery = state_->delivery_of(v);
       const auto known = lost.find(subject);
       const bool was = known != lost.end() && std::erase(known->second.deliveries, delivery) != 0;
+      const std::pair outcome(v.set, verdict_line(*state_, v));
       const auto as_told = told.find({subject, delivery});
-      if (as_told != told.end() && as_told->second == outcome_line(*state_, v)) continue;
+      if (as_told != told.end() && as_told->second == outcome) continue;
       const Kind not_granted = was ? Kind::withdrawn : Kind::refused;
-      tell_verdict(v.granted ? Kind::granted : not_granted, v, verdict_line(*state_, v));
+      tell_verdict(v.granted ? Kind::granted : not_granted, v, outcome.second);
       pulse();
     }
     pulse();

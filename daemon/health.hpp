@@ -25,9 +25,8 @@ struct Passage {
 struct Observed {
   std::optional<control::Watch> watch = {};
   std::vector<Passage> passages = {};
-  std::string not_forwarded =
-      {};              ///< why no rule of can-gw carries it, empty: one does, or none has to
-  bool audit = false;  ///< what is refused is counted, and passes
+  std::string not_forwarded = {};  ///< why no rule of can-gw carries it; empty: none has to
+  bool audit = false;              ///< what is refused is counted, and passes
 };
 
 /// What is wrong with it, one line each; nothing where all is as granted:

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <expected>
 #include <optional>
 #include <set>
 #include <string>
@@ -86,13 +87,23 @@ Exit print_reply(const Options& options, const Reply& reply) {
       status);
 }
 
+/// Asked over a connection of its own; without an answer that was said.
+template <class Question>
+std::expected<Reply, Exit> reply_to(const Options& options, Question question) {
+  const auto give_up = [&options](const Error& error) {
+    return std::unexpected(print_error(options, control::ErrorKind::world, error.text));
+  };
+  auto client = control::Client::connect(options.socket, options.patience);
+  if (!client) return give_up(client.error());
+  auto reply = client->call({0, std::move(question)});
+  if (!reply) return give_up(reply.error());
+  return std::move(*reply);
+}
+
 template <class Question>
 Exit ask(const Options& options, Question question) {
-  auto client = control::Client::connect(options.socket, options.patience);
-  if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
-  const auto reply = client->call({0, std::move(question)});
-  if (!reply) return print_error(options, control::ErrorKind::world, reply.error().text);
-  return print_reply<Question>(options, *reply);
+  const auto reply = reply_to(options, std::move(question));
+  return reply ? print_reply<Question>(options, *reply) : reply.error();
 }
 
 template <class Question>
@@ -243,21 +254,16 @@ std::optional<Exit> ask_back(const Options& options, const control::Channels& ch
   return Exit::refused;
 }
 
+/// On a connection of its own: an answer may take longer than the daemon keeps an idle one.
 Exit ask_withdraw(const Options& options, const Arguments& arguments) {
-  auto client = control::Client::connect(options.socket, options.patience);
-  if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
   if (!arguments.yes) {
-    const auto now = client->call({0, control::ExplainRequest{arguments.channel}});
-    if (!now) return print_error(options, control::ErrorKind::world, now.error().text);
+    const auto now = reply_to(options, control::ExplainRequest{arguments.channel});
+    if (!now) return now.error();
     const auto* channels = std::get_if<control::Channels>(&now->body);
     if (channels == nullptr) return print_reply<control::WithdrawRequest>(options, *now);
     if (const auto ended = ask_back(options, *channels, arguments.channel)) return *ended;
-    // It may have taken longer than the daemon keeps an idle connection.
-    return ask(options, control::WithdrawRequest{arguments.channel});
   }
-  const auto reply = client->call({0, control::WithdrawRequest{arguments.channel}});
-  if (!reply) return print_error(options, control::ErrorKind::world, reply.error().text);
-  return print_reply<control::WithdrawRequest>(options, *reply);
+  return ask(options, control::WithdrawRequest{arguments.channel});
 }
 
 Exit ask_reinstate(const Options& options, const Arguments& arguments) {
@@ -314,10 +320,8 @@ Exit exit_of(control::HealthState health) {
 
 Exit ask_status(const Options& options, const Arguments& arguments) {
   if (!arguments.check) return ask(options, control::StatusRequest{});
-  auto client = control::Client::connect(options.socket, options.patience);
-  if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
-  const auto reply = client->call({0, control::StatusRequest{}});
-  if (!reply) return print_error(options, control::ErrorKind::world, reply.error().text);
+  const auto reply = reply_to(options, control::StatusRequest{});
+  if (!reply) return reply.error();
   const auto* status = std::get_if<control::Status>(&reply->body);
   if (status == nullptr) return print_reply<control::StatusRequest>(options, *reply);
   return print(options.json ? to_json(status->health) : check_line(status->health),
