@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 
 #include "daemon/serve/turns.hpp"
 
@@ -27,21 +26,20 @@ class ForkBudget {
   /// fork.
   static constexpr std::uint64_t kLongestRest = 10'000'000'000;
 
-  explicit ForkBudget(Rates rates) : rates_(rates) {}
+  explicit ForkBudget(Rates rates) : rest_(rates.rest), users_(rates.members, rates.others) {}
   /// When this user may fork; not later than `now`: he may.
   [[nodiscard]] std::uint64_t ready_at(serve::Turns::User user, std::uint64_t now);
   /// He did, from `begin` to `end`.
   void forked(serve::Turns::User user, std::uint64_t begin, std::uint64_t end);
   /// Forgets users who have not forked lately.
-  void tidy(std::uint64_t now);
+  void tidy(std::uint64_t now) { users_.tidy(now); }
   [[nodiscard]] std::size_t users() const { return users_.size(); }
 
  private:
-  serve::Bucket& bucket_of(serve::Turns::User user, std::uint64_t now);
-  Rates rates_;
   std::uint64_t& rests_until(serve::Turns::User user) { return rests_until_.at(user.member); }
+  std::uint64_t rest_;
   std::array<std::uint64_t, 2> rests_until_{};  ///< everybody else, members
-  std::map<serve::Turns::User, serve::Bucket> users_;
+  serve::Buckets users_;
 };
 
 }  // namespace mlcca

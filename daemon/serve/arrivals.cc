@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/serve/arrivals.hpp"
 
-#include <iterator>
 #include <string>
 
 namespace mlcca::serve {
@@ -13,8 +12,8 @@ constexpr std::uint64_t kTidyInterval = 1'000'000'000;  // ns
 
 Result<void> Arrivals::let_in(Turns::User user, std::uint64_t now) {
   tidy(now);
-  const Rate& rate = user.member ? members_ : others_;
-  if (users_.try_emplace(user, rate, now).first->second.take(now)) return {};
+  if (users_.of(user, now).take(now)) return {};
+  const Rate& rate = users_.rate_of(user);
   return fail("you connect too often: one user may do so " + std::to_string(rate.burst) +
               " times at once and " + std::to_string(rate.per_second) + " times a second");
 }
@@ -23,8 +22,7 @@ Result<void> Arrivals::let_in(Turns::User user, std::uint64_t now) {
 void Arrivals::tidy(std::uint64_t now) {
   if (now - tidied_ < kTidyInterval) return;
   tidied_ = now;
-  for (auto user = users_.begin(); user != users_.end();)
-    user = user->second.full(now) ? users_.erase(user) : std::next(user);
+  users_.tidy(now);
 }
 
 }  // namespace mlcca::serve

@@ -4,7 +4,6 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <map>
 
 #include "core/result.hpp"
 #include "daemon/serve/turns.hpp"
@@ -13,16 +12,14 @@ namespace mlcca::serve {
 
 class Arrivals {
  public:
-  Arrivals(Rate members, Rate others) : members_(members), others_(others) {}
+  Arrivals(Rate members, Rate others) : users_(members, others) {}
   /// Why one more connection of this user is closed at once; otherwise it is counted.
   Result<void> let_in(Turns::User user, std::uint64_t now);
   [[nodiscard]] std::size_t users() const { return users_.size(); }
 
  private:
   void tidy(std::uint64_t now);
-  Rate members_;
-  Rate others_;
-  std::map<Turns::User, Bucket> users_;
+  Buckets users_;
   std::uint64_t tidied_ = 0;
 };
 

@@ -5,8 +5,10 @@
 #pragma once
 #include <sys/types.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <utility>
@@ -78,6 +80,29 @@ class Turns {
   std::deque<User> members_ring_;  ///< each once, with at least one session in line
   std::deque<User> others_ring_;
   bool members_turn_ = true;
+};
+
+/// A bucket of each user who has taken from it lately.
+class Buckets {
+ public:
+  Buckets(Rate members, Rate others) : members_(members), others_(others) {}
+  [[nodiscard]] const Rate& rate_of(Turns::User user) const {
+    return user.member ? members_ : others_;
+  }
+  Bucket& of(Turns::User user, std::uint64_t now) {
+    return users_.try_emplace(user, rate_of(user), now).first->second;
+  }
+  /// Forgets those whose bucket is full.
+  void tidy(std::uint64_t now) {
+    for (auto user = users_.begin(); user != users_.end();)
+      user = user->second.full(now) ? users_.erase(user) : std::next(user);
+  }
+  [[nodiscard]] std::size_t size() const { return users_.size(); }
+
+ private:
+  Rate members_;
+  Rate others_;
+  std::map<Turns::User, Bucket> users_;
 };
 
 }  // namespace mlcca::serve

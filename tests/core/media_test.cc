@@ -191,21 +191,25 @@ TEST(BusTest, WhoDoesNotSayHowOftenHeSendsIsRefused) {
   EXPECT_EQ(state.decisions()[0].verdicts.at(0).obstacle, Obstacle::no_period);
 }
 
-TEST(BusTest, AQueueThatCanOverflowLosesEvents) {
-  System system = one_bus(4, 100 * kMs);
+/// A bus as the first one, and the gateway between them, which takes `latency`.
+Gateway& join_a_second_bus(System& system, Value latency) {
   Network second = system.networks[0];
   second.name = "second";
   system.networks.push_back(second);
   Gateway gateway;
   gateway.name = "g";
-  gateway.provision.set(Attribute::latency, 0).set(Attribute::jitter, 0);
+  gateway.provision.set(Attribute::latency, latency).set(Attribute::jitter, 0);
   for (const std::size_t n : {0, 1}) {
     Port port;
     port.network = n;
-    port.queue_length = 3;
     gateway.ports.push_back(port);
   }
-  system.gateways.push_back(gateway);
+  return system.gateways.emplace_back(std::move(gateway));
+}
+
+TEST(BusTest, AQueueThatCanOverflowLosesEvents) {
+  System system = one_bus(4, 100 * kMs);
+  for (Port& port : join_a_second_bus(system, 0).ports) port.queue_length = 3;
   for (Subscriber& s : system.subscribers) s.place = network(1);
   const State state(std::move(system));
   EXPECT_EQ(granted(state), 3U);
@@ -238,18 +242,7 @@ TEST(BusTest, FramesWithADataPhaseNeedItsBitRate) {
 
 TEST(BusTest, WhereTheOtherHopsTakeAllOfTheTimeNoneIsLeft) {
   System system = one_bus(1, 50 * kMs);
-  Network second = system.networks[0];
-  second.name = "second";
-  system.networks.push_back(second);
-  Gateway gateway;
-  gateway.name = "g";
-  gateway.provision.set(Attribute::latency, 50 * kMs).set(Attribute::jitter, 0);
-  for (const std::size_t n : {0, 1}) {
-    Port port;
-    port.network = n;
-    gateway.ports.push_back(port);
-  }
-  system.gateways.push_back(gateway);
+  join_a_second_bus(system, 50 * kMs);
   system.subscribers[0].place = network(1);
   const State state(std::move(system));
   const Verdict& refused = state.decisions()[0].verdicts.at(0);
