@@ -153,13 +153,13 @@ class TableReader {
     else if (problems_.empty() && bus_.messages.empty())
       problem("messages", "no messages: one line for each must follow the header");
     if (problems_.empty()) {
-      std::size_t said = 0;
       for (std::string& text_of : problems_of(bus_.messages, {}))
-        if (++said <= kMostOfAKind) problems_.push_back(std::move(text_of));
-      if (said > kMostOfAKind) left_out_["identifier or name"] = said - kMostOfAKind;
+        add_of("identifier or name", std::move(text_of));
     }
-    for (const auto& [kind, count] : left_out_)
-      problems_.push_back(fmt::format("{}: and {} more of this kind: {}", file_, count, kind));
+    for (const auto& [kind, count] : of_kind_)
+      if (count > kMostOfAKind)
+        problems_.push_back(
+            fmt::format("{}: and {} more of this kind: {}", file_, count - kMostOfAKind, kind));
     if (!problems_.empty()) return {{}, std::move(problems_)};
     Buses buses;
     buses.buses.push_back(std::move(bus_));
@@ -172,12 +172,12 @@ class TableReader {
   }
 
   /// `kind`: of which only the first ones are said.
+  void add_of(std::string_view kind, std::string text) {
+    if (++of_kind_[std::string(kind)] <= kMostOfAKind) problems_.push_back(std::move(text));
+  }
   void problem(std::string_view kind, const std::string& text) {
     ++found_;
-    if (++of_kind_[std::string(kind)] > kMostOfAKind)
-      ++left_out_[std::string(kind)];
-    else
-      problems_.push_back(fmt::format("{}: {}", where(), text));
+    add_of(kind, fmt::format("{}: {}", where(), text));
   }
 
   void take(std::string_view line) {
@@ -330,7 +330,6 @@ class TableReader {
   std::array<std::size_t, kColumns.size()> at_{};  ///< of each Field
   std::map<std::string, std::uint32_t> queues_;    ///< by node
   std::map<std::string, std::size_t> of_kind_;     ///< problems
-  std::map<std::string, std::size_t> left_out_;    ///< of these, not said one by one
   std::size_t found_ = 0;                          ///< problems
   std::size_t columns_ = 0;
   std::size_t line_ = 0;
