@@ -186,7 +186,10 @@ int run(const Options& options) {
   if (!alone) return give_up(journal, alone.error().text);
   auto control = enforce::Control::create(options.bpf_root);
   if (!control) return close_and_give_up(journal, control.error().text);
-  enforce::close_former_layouts(options.bpf_root);
+  if (const auto closed = enforce::close_former_layouts(options.bpf_root); !closed) {
+    control->close_all();
+    return give_up(journal, closed.error().text);
+  }
   auto links = net::Links::open();
   if (!links) {
     control->close_all();

@@ -9,10 +9,10 @@
 #include <filesystem>
 #include <optional>
 #include <set>
-#include <system_error>
 #include <utility>
 
 #include "core/handle.hpp"
+#include "daemon/enforce/failure.hpp"
 #include "daemon/enforce/filters.hpp"
 #include "daemon/enforce/gate_pins.hpp"
 #include "daemon/enforce/pins.hpp"
@@ -83,24 +83,26 @@ Result<bool> put_in_empty_order(const Place& place, Direction direction, int pro
 }
 
 /// Up to layout 3 programs were held by links: they end here, at once.
-void end_links_of_other_layouts(const Place& place) {
+Result<void> end_links_of_other_layouts(const Place& place) {
   const std::filesystem::path directory(place.directory);
-  std::error_code error;
-  for (const auto& layout :
-       std::filesystem::directory_iterator(directory.parent_path().parent_path(), error)) {
-    if (layout.path() == directory.parent_path()) continue;
-    const std::string left = layout.path() / directory.filename();
+  const std::filesystem::path root = directory.parent_path().parent_path();
+  const auto layouts = names_in(root.string());
+  if (!layouts) return failure("read " + root.string(), layouts.error().value());
+  for (const std::string& layout : *layouts) {
+    if (layout == directory.parent_path().filename()) continue;
+    const std::string left = root / layout / directory.filename();
     for (const char* name :
          {"/ingress_link", "/ingress_link_next", "/egress_link", "/egress_link_next"})
       if (const Fd link = open_pin(left + name); link) bpf_link_detach(link.get());
     remove_pin_directory(left);
   }
+  return {};
 }
 
 /// What else of ours is there would go on by its own control word, which nobody beats any more: it
 /// drops everything. Where it cannot be found out, that is the safe side.
 Result<void> remove_others_of_ours(const Place& place, const InPlace& ours) {
-  end_links_of_other_layouts(place);
+  if (auto ended = end_links_of_other_layouts(place); !ended) return ended;
   for (const auto direction : kBothDirections) {
     const auto named = named_programs(place, direction, ours.of(direction));
     if (!named) return std::unexpected(named.error());

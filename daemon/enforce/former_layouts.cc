@@ -9,9 +9,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <system_error>
 
 #include "bpf/gate.h"
+#include "daemon/enforce/failure.hpp"
 #include "daemon/enforce/pins.hpp"
 #include "daemon/enforce/publish.hpp"
 
@@ -35,16 +35,17 @@ void close_word(int map) {
 
 }  // namespace
 
-void close_former_layouts(const std::string& root) {
+Result<void> close_former_layouts(const std::string& root) {
   const std::string ours = "v" + std::to_string(GATE_LAYOUT_VERSION);
-  std::error_code error;
-  for (const auto& layout : std::filesystem::directory_iterator(root, error)) {
-    const std::string name = layout.path().filename();
+  const auto names = names_in(root);
+  if (!names) return failure("read " + root, names.error().value());
+  for (const std::string& name : *names) {
     if (!name.starts_with("v") || name == ours) continue;
-    const std::string pins = layout.path();
+    const std::string pins = (std::filesystem::path(root) / name).string();
     if (const Fd word = open_pin(pins + "/control"); word) close_word(word.get());
     for (const char* pin : {"/control", "/deadman", "/events"}) remove_pin(pins + pin);
   }
+  return {};
 }
 
 }  // namespace mlcca::enforce

@@ -2,11 +2,13 @@
 #pragma once
 #include <string>
 
+#include "core/result.hpp"
+
 namespace mlcca::enforce {
 
 /// After an upgrade: the gates of a daemon with another layout obey a control word that nobody
 /// beats any more. It is closed and unpinned here; a gate of ours takes their place where it is
-/// attached, and elsewhere they stay, closed.
-void close_former_layouts(const std::string& root);
+/// attached, and elsewhere they stay, closed. Error: it cannot be read what is there.
+Result<void> close_former_layouts(const std::string& root);
 
 }  // namespace mlcca::enforce

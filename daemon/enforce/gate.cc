@@ -283,18 +283,16 @@ void Gate::unpin() {
 Result<std::vector<std::uint32_t>> pinned_interfaces(const Control& control) {
   constexpr std::string_view prefix = "if";
   std::vector<std::uint32_t> found;
-  std::error_code error;
-  std::filesystem::directory_iterator entry(control.directory(), error);
-  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
-    const std::string name = entry->path().filename();
+  const auto names = names_in(control.directory());
+  if (!names && names.error() != std::errc::no_such_file_or_directory)
+    return failure("read " + control.directory(), names.error().value());
+  for (const std::string& name : names.value_or(std::vector<std::string>{})) {
     std::uint32_t ifindex = 0;
     const char* const end = name.data() + name.size();
     if (!name.starts_with(prefix)) continue;
     const auto number = std::from_chars(name.data() + prefix.size(), end, ifindex);
     if (number.ec == std::errc{} && number.ptr == end) found.push_back(ifindex);
   }
-  if (error && error != std::errc::no_such_file_or_directory)
-    return failure("read " + control.directory(), error.value());
   return found;
 }
 

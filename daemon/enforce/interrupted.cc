@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <span>
 #include <string>
-#include <system_error>
 
 #include "daemon/enforce/ether_programs.hpp"
 #include "daemon/enforce/failure.hpp"
@@ -41,12 +40,11 @@ void settle_gate(const std::string& directory, std::uint32_t generation) {
 Result<void> undo_interrupted_step(const Control& control) {
   const Mapped<gate_control> word(control.map_fd(), 1);
   if (!word) return failure("map the control word", errno);
-  std::error_code error;
-  const std::filesystem::directory_iterator entries(control.directory(), error);
-  if (error) return failure("read " + control.directory(), error.value());
-  for (const auto& entry : entries)
-    if (entry.path().filename().string().starts_with("if"))
-      settle_gate(entry.path(), word[0].generation);
+  const auto names = names_in(control.directory());
+  if (!names) return failure("read " + control.directory(), names.error().value());
+  for (const std::string& name : *names)
+    if (name.starts_with("if"))
+      settle_gate((std::filesystem::path(control.directory()) / name).string(), word[0].generation);
   return {};
 }
 

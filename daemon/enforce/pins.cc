@@ -33,6 +33,17 @@ Result<void> make_pin_directory(const std::string& path) {
   return {};
 }
 
+std::expected<std::vector<std::string>, std::error_code> names_in(const std::string& directory) {
+  std::vector<std::string> names;
+  std::error_code error;
+  // A loop over the range would throw where a later entry cannot be read.
+  for (std::filesystem::directory_iterator at(directory, error);
+       !error && at != std::filesystem::directory_iterator(); at.increment(error))
+    names.push_back(at->path().filename());
+  if (error) return std::unexpected(error);
+  return names;
+}
+
 Fd open_pin(const std::string& path) { return Fd(bpf_obj_get(path.c_str())); }
 
 Result<bool> pin(int fd, const std::string& path) {

@@ -2,8 +2,10 @@
 // Names in a bpffs that keep maps and programs alive when the daemon is not.
 #pragma once
 #include <cstdint>
+#include <expected>
 #include <span>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "core/handle.hpp"
@@ -13,6 +15,10 @@ namespace mlcca::enforce {
 
 /// Makes `path` and what is missing above it. Error: it is not in a bpffs.
 Result<void> make_pin_directory(const std::string& path);
+
+/// All names in a directory, without it, in no order. A list that is not complete is an error; a
+/// directory that is not there is the error ENOENT.
+std::expected<std::vector<std::string>, std::error_code> names_in(const std::string& directory);
 
 /// The object pinned there, or an empty Fd.
 Fd open_pin(const std::string& path);

@@ -43,9 +43,11 @@ constexpr std::chrono::milliseconds kBetween{100};
 
 /// A copy of the journal is opened, because the daemon holds the journal itself.
 Result<store::Contents> read_journal(const std::string& state_directory) {
-  std::string copy = (std::filesystem::temp_directory_path() / "mlcca-readback-XXXXXX").string();
-  if (::mkdtemp(copy.data()) == nullptr) return fail("no directory for a copy of the journal");
   std::error_code error;
+  const auto temporary = std::filesystem::temp_directory_path(error);
+  if (error) return fail("no directory for a copy of the journal: " + error.message());
+  std::string copy = (temporary / "mlcca-readback-XXXXXX").string();
+  if (::mkdtemp(copy.data()) == nullptr) return fail("no directory for a copy of the journal");
   std::filesystem::copy_file(state_directory + "/journal", copy + "/journal", error);
   Result<store::Contents> contents = fail(state_directory + "/journal: " + error.message());
   if (!error) {

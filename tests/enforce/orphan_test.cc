@@ -147,7 +147,7 @@ TEST_P(Attach, WordOfAnotherLayoutIsClosedAndItsPinsGo) {
   const Mapped<Former> word(map.get(), 1);
   word[0] = {layout, 1, {}};
   word[0].rest.fill(0xabababab);
-  close_former_layouts(root_);
+  ASSERT_TRUE(close_former_layouts(root_));
   EXPECT_EQ(word[0].open, 0U);
   EXPECT_EQ(word[0].rest.front(), 0xababababU);
   EXPECT_FALSE(std::filesystem::exists(former + "/control"));
@@ -168,7 +168,7 @@ TEST_P(Attach, GateOfTheLayoutBeforeIsReplaced) {
   EXPECT_EQ(listener.received(), frame(0x123));
   const std::string former = root_ + "/v" + std::to_string(GATE_LAYOUT_VERSION - 1);
   std::filesystem::rename(control_.directory(), former);
-  close_former_layouts(root_);
+  ASSERT_TRUE(close_former_layouts(root_));
   EXPECT_FALSE(control_.is_open());
   EXPECT_FALSE(Program(bus).send(frame(0x123)));
   control_ = create(root_);

@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <execinfo.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -17,14 +18,18 @@
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/random.h>
+#include <sys/signalfd.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/statfs.h>
 #include <sys/syscall.h>
 #include <sys/sysmacros.h>
 #include <sys/timerfd.h>
 #include <sys/types.h>
 #include <sys/uio.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -87,7 +92,7 @@ static int hit(enum nth_call_class class) {
       if (control->after_us)
         end_later(control->after_us);
       else
-        kill(getpid(), SIGKILL);
+        raw(SYS_kill, getpid(), SIGKILL, 0, 0, 0, 0);
       return 0;
     case NTH_CALL_FAIL:
     case NTH_CALL_FAIL_FROM:
@@ -134,7 +139,8 @@ static __attribute__((noinline)) void may_wait(const char* name, int fd, int fla
 
   if (!control || control->pid != (uint64_t)getpid() || flags & MSG_DONTWAIT) return;
   if (control->failed && control->classes >> NTH_CALL_OPEN & 1 && !strcmp(name, "write")) return;
-  if (!(raw(SYS_fcntl, fd, F_GETFL, 0, 0, 0, 0) & O_NONBLOCK) && !fstat(fd, &is)) {
+  if (!(raw(SYS_fcntl, fd, F_GETFL, 0, 0, 0, 0) & O_NONBLOCK) &&
+      !raw(SYS_fstat, fd, (long)&is, 0, 0, 0, 0)) {
     if (S_ISSOCK(is.st_mode))
       raw(SYS_getsockopt, fd, SOL_SOCKET, SO_DOMAIN, (long)&domain, (long)&size, 0);
     if ((S_ISSOCK(is.st_mode) && domain != AF_NETLINK) || S_ISFIFO(is.st_mode) ||
@@ -310,6 +316,10 @@ NUMBER(TIMER, timerfd_settime,
        (int fd, int flags, const struct itimerspec* to, struct itimerspec* from),
        (fd, flags, to, from))
 NUMBER(TIMER, eventfd, (unsigned from, int flags), (from, flags))
+NUMBER(EPOLL, poll, (struct pollfd * of, nfds_t count, int ms), (of, count, ms))
+NUMBER(EPOLL, ppoll,
+       (struct pollfd * of, nfds_t count, const struct timespec* most, const sigset_t* mask),
+       (of, count, most, mask))
 NUMBER(DEVICE, setns, (int fd, int kind), (fd, kind))
 
 int ioctl(int fd, unsigned long request, ...) {
@@ -322,6 +332,73 @@ int ioctl(int fd, unsigned long request, ...) {
   va_end(more);
   if (!call) call = (int (*)(int, unsigned long, ...))original("ioctl");
   return hit(NTH_CALL_DEVICE) ? -1 : call(fd, request, argument);
+}
+
+/* --- what files and sockets are like --- */
+
+NUMBER(STATE, stat, (const char* path, struct stat* is), (path, is))
+NUMBER(STATE, stat64, (const char* path, struct stat64* is), (path, is))
+NUMBER(STATE, lstat, (const char* path, struct stat* is), (path, is))
+NUMBER(STATE, lstat64, (const char* path, struct stat64* is), (path, is))
+NUMBER(STATE, fstat, (int fd, struct stat* is), (fd, is))
+NUMBER(STATE, fstat64, (int fd, struct stat64* is), (fd, is))
+NUMBER(STATE, fstatat, (int at, const char* path, struct stat* is, int flags),
+       (at, path, is, flags))
+NUMBER(STATE, statfs, (const char* path, struct statfs* is), (path, is))
+NUMBER(STATE, fstatfs, (int fd, struct statfs* is), (fd, is))
+NUMBER(STATE, access, (const char* path, int how), (path, how))
+NUMBER(STATE, getsockname, (int fd, struct sockaddr* of, socklen_t* size), (fd, of, size))
+BYTES(STATE, readlink, (const char* path, char* at, size_t size), (path, at, size))
+WRAP(NTH_CALL_STATE, struct dirent*, NULL, readdir, (DIR * in), (in))
+WRAP(NTH_CALL_STATE, struct dirent64*, NULL, readdir64, (DIR * in), (in))
+
+/* --- handles --- */
+
+NUMBER(HANDLE, flock, (int fd, int how), (fd, how))
+NUMBER(HANDLE, dup, (int fd), (fd))
+NUMBER(HANDLE, dup2, (int fd, int to), (fd, to))
+NUMBER(HANDLE, dup3, (int fd, int to, int flags), (fd, to, flags))
+NUMBER(HANDLE, signalfd, (int fd, const sigset_t* of, int flags), (fd, of, flags))
+NUMBER(HANDLE, pipe2, (int ends[2], int flags), (ends, flags))
+NUMBER(HANDLE, socketpair, (int domain, int type, int protocol, int ends[2]),
+       (domain, type, protocol, ends))
+NUMBER(HANDLE, memfd_create, (const char* name, unsigned flags), (name, flags))
+NUMBER(HANDLE, fallocate, (int fd, int mode, off_t from, off_t size), (fd, mode, from, size))
+NUMBER(HANDLE, chmod, (const char* path, mode_t mode), (path, mode))
+NUMBER(HANDLE, fchmod, (int fd, mode_t mode), (fd, mode))
+NUMBER(HANDLE, chown, (const char* path, uid_t user, gid_t group), (path, user, group))
+NUMBER(HANDLE, fchown, (int fd, uid_t user, gid_t group), (fd, user, group))
+
+#define FCNTL(name)                                        \
+  int name(int fd, int command, ...) {                     \
+    va_list more;                                          \
+    long argument, done;                                   \
+                                                           \
+    va_start(more, command);                               \
+    argument = va_arg(more, long);                         \
+    va_end(more);                                          \
+    if (hit(NTH_CALL_HANDLE)) return -1;                   \
+    done = raw(SYS_fcntl, fd, command, argument, 0, 0, 0); \
+    return (int)done;                                      \
+  }
+FCNTL(fcntl)
+FCNTL(fcntl64)
+
+/* --- processes --- */
+
+NUMBER(PROCESS, fork, (void), ())
+NUMBER(PROCESS, waitpid, (pid_t of, int* status, int flags), (of, status, flags))
+NUMBER(PROCESS, kill, (pid_t whom, int with), (whom, with))
+
+int prctl(int what, ...) {
+  long a[4];
+  va_list more;
+  int i;
+
+  va_start(more, what);
+  for (i = 0; i < 4; i++) a[i] = va_arg(more, long);
+  va_end(more);
+  return hit(NTH_CALL_PROCESS) ? -1 : (int)raw(SYS_prctl, what, a[0], a[1], a[2], a[3], 0);
 }
 
 /* bpf(2) has no name of its own in the C library. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* What nth_call.so (LD_PRELOAD) and a test share: a file of this layout, named by NTH_CALL, which
  * both map. The first process that loads the library while `pid` is 0 is the one that it watches.
- * All fields but the last are words of 64 bits: struct.pack("=23Q", ...). What is behind those 23
+ * All fields but the last are words of 64 bits: struct.pack("=26Q", ...). What is behind those 26
  * is told, never read: a file may end before it. */
 #ifndef MLCCA_TESTS_FAULT_NTH_CALL_H
 #define MLCCA_TESTS_FAULT_NTH_CALL_H
@@ -25,11 +25,14 @@ enum nth_call_class {
   NTH_CALL_WRITE,   /* write, pwrite, writev, ftruncate */
   NTH_CALL_SYNC,    /* fsync, fdatasync */
   NTH_CALL_NAME,    /* rename, unlink, remove, mkdir, rmdir */
-  NTH_CALL_EPOLL,   /* epoll_* */
+  NTH_CALL_EPOLL,   /* epoll_*, poll, ppoll */
   NTH_CALL_MEMORY,  /* malloc and its kin */
   NTH_CALL_RANDOM,  /* getrandom */
   NTH_CALL_TIMER,   /* timerfd, eventfd */
   NTH_CALL_DEVICE,  /* ioctl, setns */
+  NTH_CALL_STATE,   /* stat, fstat, lstat, access, readlink, readdir, statfs, fstatfs, getsockname */
+  NTH_CALL_HANDLE,  /* fcntl, flock, dup, signalfd, pipe2, memfd_create, fallocate, chmod, chown */
+  NTH_CALL_PROCESS, /* fork, waitpid, kill, prctl */
   NTH_CALL_CLASSES
 };
 

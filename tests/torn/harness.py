@@ -85,8 +85,8 @@ class Spell:
 class Trap:
     """tests/fault/nth_call.h: where the daemon is to be killed."""
 
-    LAYOUT = "=23Q"
-    CLASSES = 0x3fff & ~(1 << 10)  # every call but those that allocate memory
+    LAYOUT = "=26Q"
+    CLASSES = 0x1ffff & ~(1 << 10)  # every call but those that allocate memory
 
     def __init__(self, path):
         with open(path, "wb") as file:

@@ -64,8 +64,9 @@ Result<Written> TargetFolder::write(const OutputFile& file) const {
 std::vector<std::string> TargetFolder::leftovers(const std::vector<std::string>& names) const {
   std::vector<std::string> out;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
-    const auto name = entry.path().filename().string();
+  for (std::filesystem::directory_iterator at(folder_, error);
+       !error && at != std::filesystem::directory_iterator(); at.increment(error)) {
+    const auto name = at->path().filename().string();
     if (!name.ends_with("_channels.hpp") && !name.ends_with("_callbacks.cpp")) continue;
     if (std::ranges::find(names, name) != names.end()) continue;
     const auto content = read(name, kMaxFile);
