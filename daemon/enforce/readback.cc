@@ -14,7 +14,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <system_error>
 
 #include "core/text.hpp"
 #include "daemon/enforce/control.hpp"
@@ -113,11 +112,12 @@ void read_table(GateReading& gate, const Fd& map, std::uint32_t generation) {
     gate.problems.push_back(failure("map the table", errno).error().text);
     return;
   }
-  const auto copy = std::make_unique<gate_table>(table[0]);
+  const auto copy = std::make_shared<gate_table>(table[0]);
   gate.profile = copy->profile;
   read_halves<gate_slot>(gate, copy->slots);
   const auto slots = SlotTable::read_as_found({*copy, {}, generation}, copy->profile);
   take_slots(gate, slots);
+  gate.can_image = copy;
 }
 
 template <class T>
@@ -129,32 +129,30 @@ bool copy_map(const Fd& map, std::size_t count, std::vector<T>& to) {
 }
 
 void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_t generation) {
-  std::vector<ether_table> table;
-  std::vector<std::uint64_t> buckets;
-  std::vector<ether_front> fronts;
-  std::vector<ether_slot> slots;
-  std::vector<ether_contract> contracts;
+  const auto copy = std::make_shared<EtherImage>();
+  copy->sizes = pinned.sizes;
   std::vector<gate_watch> watches;
-  if (!copy_map(pinned.maps[0], 1, table) ||
-      !copy_map(pinned.maps[1], pinned.sizes.buckets, buckets) ||
-      !copy_map(pinned.maps[9], pinned.sizes.fronts(), fronts) ||
-      !copy_map(pinned.maps[2], pinned.sizes.slots, slots) ||
-      !copy_map(pinned.maps[3], pinned.sizes.contracts, contracts) ||
+  if (!copy_map(pinned.maps[0], 1, copy->table) ||
+      !copy_map(pinned.maps[1], pinned.sizes.buckets, copy->buckets) ||
+      !copy_map(pinned.maps[9], pinned.sizes.fronts(), copy->fronts) ||
+      !copy_map(pinned.maps[2], pinned.sizes.slots, copy->slots) ||
+      !copy_map(pinned.maps[3], pinned.sizes.contracts, copy->contracts) ||
       !copy_map(pinned.maps[8], ETHER_WATCHES, watches)) {
     gate.problems.push_back(failure("map the table", errno).error().text);
     return;
   }
-  read_halves<ether_slot>(gate, slots);
-  const auto read = EtherTable::read({.table = table.data(),
-                                      .buckets = buckets,
-                                      .fronts = fronts,
-                                      .slots = slots,
-                                      .contracts = contracts,
+  read_halves<ether_slot>(gate, copy->slots);
+  const auto read = EtherTable::read({.table = copy->table.data(),
+                                      .buckets = copy->buckets,
+                                      .fronts = copy->fronts,
+                                      .slots = copy->slots,
+                                      .contracts = copy->contracts,
                                       .counts = {},
                                       .watches = watches,
                                       .generation = &generation},
                                      pinned.sizes, false, 0, nullptr);
   take_slots(gate, read);
+  gate.ether_image = copy;
 }
 
 GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const Fd& control,
@@ -237,15 +235,15 @@ Result<Reading> read_back(const std::string& root) {
                   .generation = word.generation,
                   .problems = shared_problems(directory, word),
                   .gates = {}};
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
-    const std::string file = entry.path().filename();
+  const auto names = names_in(directory);
+  if (!names) return failure("read " + directory, names.error().value());
+  for (const std::string& file : *names) {
     std::uint32_t ifindex = 0;
     const char* const end = file.data() + file.size();
     if (file.starts_with("if") && std::from_chars(file.data() + 2, end, ifindex).ptr == end)
-      reading.gates.push_back(read_gate(entry.path(), ifindex, control, word.generation));
+      reading.gates.push_back(
+          read_gate(gate_directory(directory, ifindex), ifindex, control, word.generation));
   }
-  if (error) return failure("read " + directory, error.value());
   std::ranges::sort(reading.gates, {}, &GateReading::ifindex);
   return reading;
 }

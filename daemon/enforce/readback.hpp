@@ -2,15 +2,28 @@
 // What is in force, read back from the pins and the kernel without the daemon. Changes nothing.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "bpf/ether.h"
 #include "bpf/gate.h"
 #include "core/result.hpp"
 #include "daemon/enforce/attachment.hpp"
+#include "daemon/enforce/ether_programs.hpp"
 #include "daemon/enforce/slots.hpp"
 
 namespace mlcca::enforce {
+
+/// The memory of an Ethernet gate that decides, as it was when the gate was read.
+struct EtherImage {
+  EtherSizes sizes;
+  std::vector<ether_table> table;  ///< one
+  std::vector<std::uint64_t> buckets;
+  std::vector<ether_front> fronts;
+  std::vector<ether_slot> slots;
+  std::vector<ether_contract> contracts;
+};
 
 struct GateReading {
   std::uint32_t ifindex = 0;
@@ -21,6 +34,9 @@ struct GateReading {
   std::vector<std::string> problems;          ///< what is not as the daemon leaves it
   bool readable = false;                      ///< `slots` are those that it has
   std::vector<SlotSpec> slots;
+  /// What `slots` were read from: a daemon goes on to change the gate itself.
+  std::shared_ptr<const gate_table> can_image;
+  std::shared_ptr<const EtherImage> ether_image;
 };
 
 struct Reading {

@@ -64,7 +64,7 @@ void send(const Fd& fd, const Probe& probe) {
 
 }  // namespace
 
-/// Byte by byte; but nothing is policed, and nobody watches.
+/// As it was read, byte by byte; but nothing is policed, and nobody watches.
 Result<void> CanCopies::add(const enforce::GateReading& gate, const Original& original) {
   const int far = kFarIndex + static_cast<int>(gate.ifindex);
   if (auto made = net::make_pair("vxcan", {gate.interface, static_cast<int>(gate.ifindex)},
@@ -80,16 +80,16 @@ Result<void> CanCopies::add(const enforce::GateReading& gate, const Original& or
   auto far_end = can_socket(far);
   if (!attached) return std::unexpected(attached.error());
   if (!near || !far_end) return std::unexpected((near ? far_end : near).error());
-  const Original own(enforce::gate_directory(control_->directory(), gate.ifindex));
-  const enforce::Mapped<gate_table> from(original.table.get(), 1);
-  const enforce::Mapped<gate_table> to(own.table.get(), 1);
-  if (!from || !to) return failure("map the table of " + gate.interface, errno);
-  std::memcpy(&to[0], &from[0], sizeof(gate_table));
+  const std::string pins = enforce::gate_directory(control_->directory(), gate.ifindex);
+  const Fd table = enforce::open_pin(enforce::table_pin(pins));
+  const enforce::Mapped<gate_table> to(table.get(), 1);
+  if (!to) return failure("map the table of " + gate.interface, errno);
+  std::memcpy(&to[0], gate.can_image.get(), sizeof(gate_table));
   for (gate_slot& slot : to[0].slots) slot.per_frame = slot.per_byte = 0;
   for (gate_watch& watch : to[0].watches) watch = {};
   copies_.push_back(std::make_unique<Copy>(
       Copy{&gate, std::move(*attached), std::move(*near), std::move(*far_end)}));
-  if (own.tags != original.tags) return fail(kOtherVersion);
+  if (Original(pins).tags != original.tags) return fail(kOtherVersion);
   return {};
 }
 

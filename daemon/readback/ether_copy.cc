@@ -43,23 +43,18 @@ bool receives(const Fd& fd, const std::vector<std::uint8_t>& frame) {
 }
 
 template <class T>
-bool copy_map(const enforce::EtherPinned& from, const enforce::EtherPinned& to, std::size_t n,
-              std::size_t count) {
-  const enforce::Mapped<T> a(from.maps.at(n).get(), count);
-  const enforce::Mapped<T> b(to.maps.at(n).get(), count);
-  if (!a || !b) return false;
-  std::ranges::copy(a.span(), b.span().begin());
+bool fill(const enforce::EtherPinned& to, std::size_t n, const std::vector<T>& from) {
+  const enforce::Mapped<T> memory(to.maps.at(n).get(), from.size());
+  if (!memory) return false;
+  std::ranges::copy(from, memory.span().begin());
   return true;
 }
 
-/// Byte by byte; but nothing is policed, and nobody watches.
-Result<void> copy_table(const enforce::EtherPinned& from, const enforce::EtherPinned& to) {
+/// As it was read, byte by byte; but nothing is policed, and nobody watches.
+Result<void> copy_table(const enforce::EtherImage& from, const enforce::EtherPinned& to) {
   if (from.sizes != to.sizes) return fail("its copy has another size");
-  if (!copy_map<ether_table>(from, to, 0, 1) ||
-      !copy_map<std::uint64_t>(from, to, 1, from.sizes.buckets) ||
-      !copy_map<ether_front>(from, to, 9, from.sizes.fronts()) ||
-      !copy_map<ether_slot>(from, to, 2, from.sizes.slots) ||
-      !copy_map<ether_contract>(from, to, 3, from.sizes.contracts))
+  if (!fill(to, 0, from.table) || !fill(to, 1, from.buckets) || !fill(to, 9, from.fronts) ||
+      !fill(to, 2, from.slots) || !fill(to, 3, from.contracts))
     return failure("map the table", errno);
   const enforce::Mapped<ether_contract> contracts(to.maps[3].get(), to.sizes.contracts);
   if (!contracts) return failure("map the contracts", errno);
@@ -85,7 +80,6 @@ Result<EtherCopy::Ends> EtherCopy::open_ends(int near, int far, std::uint16_t et
 
 Result<EtherCopy> EtherCopy::make(const enforce::GateReading& gate, const Original& original,
                                   const enforce::Control& control) {
-  if (!original.ether) return fail("its maps are not there any more");
   const int near_index = static_cast<int>(gate.ifindex);
   const int far_index = kFarIndex + near_index;
   if (auto made = net::make_pair("veth", {gate.interface, near_index},
@@ -95,17 +89,18 @@ Result<EtherCopy> EtherCopy::make(const enforce::GateReading& gate, const Origin
   enforce::EtherConfig config;
   config.ifindex = gate.ifindex;
   config.name = gate.interface;
-  config.slots = original.ether->sizes.slots - ETHER_FIRST_SLOT;
+  config.slots = gate.ether_image->sizes.slots - ETHER_FIRST_SLOT;
   auto copy = enforce::EtherGate::attach(config, control);
   auto ip = open_ends(near_index, far_index, ETH_P_IP);
   auto awds = open_ends(near_index, far_index, ETHER_P_AWDS);
   if (!copy) return std::unexpected(copy.error());
   if (!ip || !awds) return std::unexpected((ip ? awds : ip).error());
-  const Original own(enforce::gate_directory(control.directory(), gate.ifindex));
-  if (!own.ether) return fail("its copy has no maps");
-  if (auto copied = copy_table(*original.ether, *own.ether); !copied)
+  const std::string pins = enforce::gate_directory(control.directory(), gate.ifindex);
+  const auto own = enforce::pinned_ether_maps(pins);
+  if (!own) return fail("its copy has no maps");
+  if (auto copied = copy_table(*gate.ether_image, *own); !copied)
     return std::unexpected(copied.error());
-  if (own.tags != original.tags) return fail(kOtherVersion);
+  if (Original(pins).tags != original.tags) return fail(kOtherVersion);
   return EtherCopy(gate, std::move(*copy), std::move(*ip), std::move(*awds));
 }
 

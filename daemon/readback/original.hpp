@@ -1,26 +1,20 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a gate has pinned, opened before its pins are out of sight.
+// Which programs a gate has pinned, looked at before its pins are out of sight.
 #pragma once
 #include <array>
-#include <optional>
 #include <string>
 
 #include "core/handle.hpp"
-#include "daemon/enforce/ether_programs.hpp"
 #include "daemon/enforce/gate_pins.hpp"
 #include "daemon/enforce/pins.hpp"
 
 namespace mlcca::readback {
 
 struct Original {
-  Fd table;                                   ///< of a CAN gate
-  std::optional<enforce::EtherPinned> ether;  ///< of an Ethernet gate
-  std::array<std::string, 2> tags;            ///< of the instructions of its programs
+  std::array<std::string, 2> tags;  ///< of the instructions of its programs
 
   explicit Original(const std::string& directory)
-      : table(enforce::open_pin(enforce::table_pin(directory))),
-        ether(enforce::pinned_ether_maps(directory)),
-        tags{tag(directory, enforce::Direction::ingress),
+      : tags{tag(directory, enforce::Direction::ingress),
              tag(directory, enforce::Direction::egress)} {}
 
  private:

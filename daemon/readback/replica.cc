@@ -31,12 +31,15 @@ Result<void> enter_namespaces(const std::string& root) {
   return {};
 }
 
-/// The copies judge even in audit mode, and as long as it takes: nobody beats for them.
-Result<void> copy_control(const Fd& original, const enforce::Control& control) {
+/// The copies judge even in audit mode, and as long as it takes: nobody beats for them. Verdicts
+/// that the daemon has put in force since the reading are none of theirs.
+Result<void> copy_control(const Fd& original, std::uint32_t generation,
+                          const enforce::Control& control) {
   const enforce::Mapped<gate_control> from(original.get(), 1);
   const enforce::Mapped<gate_control> to(control.map_fd(), 1);
   if (!from || !to) return failure("map the control word", errno);
   to[0] = from[0];
+  to[0].generation = generation;
   to[0].mode = GATE_ENFORCE;
   to[0].armed = 0;
   to[0].deadline = enforce::kForEver;
@@ -104,7 +107,8 @@ Result<std::vector<Trial>> try_gates(const enforce::Reading& reading, const std:
   if (auto done = enter_namespaces(root); !done) return std::unexpected(done.error());
   auto control = enforce::Control::create(root);
   if (!control) return std::unexpected(control.error());
-  if (auto done = copy_control(word, *control); !done) return std::unexpected(done.error());
+  if (auto done = copy_control(word, reading.generation, *control); !done)
+    return std::unexpected(done.error());
   Replica replica(reading, std::move(*control));
   for (const auto& gate : reading.gates)
     if (!gate.slots.empty()) replica.add(gate, originals.at(gate.ifindex));
