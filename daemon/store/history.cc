@@ -40,6 +40,7 @@ constexpr const char* kSchema = R"(
   CREATE INDEX IF NOT EXISTS decision_time ON decision (unix_ns);
   CREATE INDEX IF NOT EXISTS decision_channel ON decision (channel, unix_ns);
   CREATE INDEX IF NOT EXISTS decision_kind ON decision (kind, unix_ns);
+  CREATE INDEX IF NOT EXISTS decision_channel_kind ON decision (channel, kind, unix_ns);
   COMMIT;
 )";
 constexpr const char* kInsert =
@@ -100,14 +101,14 @@ bool matches(const Decision& d, const HistoryFilter& filter) {
          d.unix_ns <= filter.until_ns;
 }
 
-/// Only the conditions that are asked for: each has its index, and a channel's is the better one.
+/// Only the conditions that are asked for: each has its index, and so have both together.
 std::string query_text(const HistoryFilter& filter) {
   std::string text =
       R"(SELECT unix_ns, kind, subject, channel, "from", "to", network, message, uid, user, pid
          FROM decision
          WHERE unix_ns BETWEEN ?1 AND ?2)";
   if (!filter.channel.empty()) text += " AND channel = ?3";
-  if (!filter.kind.empty()) text += filter.channel.empty() ? " AND kind = ?4" : " AND +kind = ?4";
+  if (!filter.kind.empty()) text += " AND kind = ?4";
   return text + " ORDER BY unix_ns DESC, id DESC LIMIT ?5";
 }
 
@@ -115,6 +116,21 @@ std::string query_text(const HistoryFilter& filter) {
 bool is_damage(int code) {
   return code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR ||
          code == SQLITE_FORMAT || code == SQLITE_MISMATCH;
+}
+
+/// The file system layer of SQLite, but for its sleep. Where a lock cannot be had, SQLite sleeps up
+/// to 10 s between its tries, and the daemon's heart-beat would wait for it. Null: there is none.
+const char* layer_without_sleep() {
+  static const bool registered = [] {
+    const sqlite3_vfs* const usual = sqlite3_vfs_find(nullptr);
+    if (usual == nullptr) return false;
+    static sqlite3_vfs ours = *usual;
+    ours.pNext = nullptr;
+    ours.zName = "without-sleep";
+    ours.xSleep = +[](sqlite3_vfs*, int /*microseconds*/) { return 0; };
+    return sqlite3_vfs_register(&ours, 0) == SQLITE_OK;
+  }();
+  return registered ? "without-sleep" : nullptr;
 }
 
 /// A name beside `path` that is not taken.
@@ -165,9 +181,9 @@ void History::disconnect() {
 
 Result<void> History::connect() {
   sqlite3* database = nullptr;
-  const int opened =
-      sqlite3_open_v2(path_.c_str(), &database,
-                      SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
+  const int opened = sqlite3_open_v2(
+      path_.c_str(), &database, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX,
+      layer_without_sleep());
   database_.reset(database);
   Result<void> done;
   if (opened != SQLITE_OK) done = failed();

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/store/history.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -15,6 +18,16 @@
 #include <vector>
 
 #include "tests/store/worlds.hpp"
+
+namespace {
+/// How often anything in this program has slept: SQLite's library calls the function below.
+int sleeps = 0;
+}  // namespace
+
+extern "C" int usleep(useconds_t /*time*/) {
+  ++sleeps;
+  return 0;
+}
 
 namespace mlcca::store::test {
 namespace {
@@ -380,6 +393,51 @@ TEST(AHistoryInUseByAnotherProgram, IsWrittenLater) {
   EXPECT_EQ(found(history), std::vector{decision(1)});
 }
 
+/// As on a file system that grants no locks, while it lives.
+class WithoutLocks {
+ public:
+  WithoutLocks() : vfs_(sqlite3_vfs_find(nullptr)) {
+    const auto refuse = +[](int fd, int command, long argument) {
+      if (command == F_SETLK) {
+        errno = ENOLCK;
+        return -1;
+      }
+      return ::fcntl(fd, command, argument);
+    };
+    EXPECT_EQ(vfs_->xSetSystemCall(vfs_, "fcntl", reinterpret_cast<sqlite3_syscall_ptr>(refuse)),
+              SQLITE_OK);
+  }
+  WithoutLocks(const WithoutLocks&) = delete;
+  WithoutLocks& operator=(const WithoutLocks&) = delete;
+  WithoutLocks(WithoutLocks&&) = delete;
+  WithoutLocks& operator=(WithoutLocks&&) = delete;
+  ~WithoutLocks() { vfs_->xSetSystemCall(vfs_, "fcntl", nullptr); }
+
+ private:
+  sqlite3_vfs* vfs_;
+};
+
+TEST(AFileSystemThatGrantsNoLocks, IsToldAndNeverWaitedFor) {
+  const Folder folder;
+  History history = History::open(folder.path());
+  history.append(decision(1));
+  history.flush(kStart);
+  EXPECT_EQ(history.pending(), 0U);
+  const int before = sleeps;
+  {
+    const WithoutLocks no_locks;
+    history.append(decision(2));
+    history.flush(kStart);
+    EXPECT_EQ(history.pending(), 1U);
+    EXPECT_EQ(history.take_troubles().size(), 1U);
+    EXPECT_FALSE(history.query(of_kind("refused")));
+    EXPECT_EQ(History::open(folder.path()).take_troubles().size(), 1U);
+  }
+  EXPECT_EQ(sleeps, before) << "the heart-beat waits";
+  history.flush(kStart + History::kRetryNs);
+  EXPECT_EQ(history.pending(), 0U);
+}
+
 // --- cost ----------------------------------------------------------------------------------------
 
 /// Steps of the database's machine in the statements that have ended: a measure that no other load
@@ -421,6 +479,11 @@ TEST(AQueryOf100000Rows, LooksAtThoseItGivesOnly) {
   EXPECT_LT(cost(of_kind("withdrawn", 10)), few);
   EXPECT_LT(cost(until(kStart + 50'000 * kSecond, newest(10))), few);
   EXPECT_LT(cost(until(kStart + 100 * kSecond, of_channel("often", 10))), few);
+  HistoryFilter never = of_channel("often", 10);
+  never.kind = "removed";
+  const std::uint64_t before = steps();
+  EXPECT_TRUE(found(history, never).empty());
+  EXPECT_LT(steps() - before, few) << "of a kind that the channel has never seen";
 }
 
 }  // namespace
