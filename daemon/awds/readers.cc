@@ -26,6 +26,8 @@ Result<void> Readers::start() {
 }
 
 void Readers::send(std::span<const std::uint8_t> packet) const {
+  // On again where there were no descriptors when somebody connected.
+  sd_event_source_set_enabled(source_.get(), SD_EVENT_ON);
   // NOLINTBEGIN(bugprone-unused-return-value): who has hung up is noticed by on_hangup
   for (const auto& [fd, reader] : readers_)
     (void)::send(fd, packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
@@ -35,6 +37,9 @@ void Readers::send(std::span<const std::uint8_t> packet) const {
 int Readers::on_connection(sd_event_source*, int listening, std::uint32_t, void* self) noexcept {
   auto& readers = *static_cast<Readers*>(self);
   Fd socket(::accept4(listening, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  // The socket would stay readable, and the loop would turn without end.
+  if (!socket && errno != EAGAIN && errno != EINTR && errno != ECONNABORTED)
+    sd_event_source_set_enabled(readers.source_.get(), SD_EVENT_OFF);
   if (!socket || readers.readers_.size() >= kMost) return 0;
   const int fd = socket.get();
   sd_event_source* raw = nullptr;
@@ -46,6 +51,7 @@ int Readers::on_connection(sd_event_source*, int listening, std::uint32_t, void*
 
 int Readers::on_hangup(sd_event_source*, int fd, std::uint32_t, void* self) noexcept {
   static_cast<Readers*>(self)->readers_.erase(fd);
+  sd_event_source_set_enabled(static_cast<Readers*>(self)->source_.get(), SD_EVENT_ON);
   return 0;
 }
 

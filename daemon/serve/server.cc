@@ -141,11 +141,17 @@ void Server::accept_some() {
   accepted_ = monotonic_ns();
 }
 
-/// False when nobody waits to be accepted.
+/// False when nobody waits to be accepted, or cannot be. For lack of descriptors or memory the
+/// socket would stay readable, and the loop would turn without end: it looks again when a
+/// connection ends, and at the next sweep.
 bool Server::accept_one() {
   Fd socket(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
-  // One that is gone again, or is of no use for lack of descriptors: the client sees it.
-  if (!socket) return errno == ECONNABORTED || errno == EINTR;
+  // One that is gone again.
+  if (!socket && (errno == ECONNABORTED || errno == EINTR)) return true;
+  if (!socket) {
+    if (errno != EAGAIN) sd_event_source_set_enabled(source_.get(), SD_EVENT_OFF);
+    return false;
+  }
   auto peer = identify(socket.get());
   if (!peer) return true;
   peer->session = ++last_session_;
@@ -181,6 +187,7 @@ void Server::drop(int fd) {
   const Peer peer = it->second->peer();
   turns_.remove(user_of(peer), fd);
   sessions_.erase(it);
+  sd_event_source_set_enabled(source_.get(), SD_EVENT_ON);
   if (closed_) closed_(peer.session);
 }
 
@@ -196,6 +203,7 @@ void Server::sweep(std::uint64_t now) {
   for (const int fd : idle)
     dismiss(fd, "closed: no request came for " + std::to_string(kMostIdle / 1'000'000'000) + " s");
   turns_.tidy(now);
+  sd_event_source_set_enabled(source_.get(), SD_EVENT_ON);
 }
 
 // --- turns ---------------------------------------------------------------------------------------

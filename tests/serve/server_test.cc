@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -396,6 +397,23 @@ TEST_F(ServerTest, UsersWhoHaveGoneAreForgotten) {
   EXPECT_EQ(server_->users(), users);
   server_->sweep(monotonic_ns() + Server::kMostIdle);
   EXPECT_EQ(server_->users(), 0U);
+}
+
+TEST_F(ServerTest, WithoutDescriptorsTheLoopRestsAndAcceptsOnceThereAreSome) {
+  answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
+  Fd first = client();
+  run();
+  const Fd second = client();
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  int turns = 0;
+  while (turns < kManyTurns && sd_event_run(loop_.get(), 0) > 0) ++turns;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_LT(turns, kManyTurns) << "the loop turns without end";
+  first.reset();
+  EXPECT_TRUE(is_served(second));
 }
 
 TEST_F(ServerTest, ItIsKnownWhoHasHungUpBeforeTheLoopHearsOfIt) {
