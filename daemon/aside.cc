@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/aside.hpp"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
@@ -16,9 +17,14 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
+#include <memory>
+#include <new>
+#include <numeric>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "control/codec.hpp"
 #include "control/slices.hpp"
@@ -39,17 +45,36 @@ serve::Slice failure(std::string text) {
 
 // --- in the child --------------------------------------------------------------------------------
 
+/// Those that the kernel lists; or all that there may be, where it cannot be asked.
+std::vector<int> open_descriptors() {
+  std::vector<int> found;
+  const std::unique_ptr<DIR, FreeWith<::closedir>> listed(::opendir("/proc/self/fd"));
+  bool complete = false;
+  while (listed && !complete) {
+    errno = 0;
+    const dirent* const entry = ::readdir(listed.get());  // NOLINT(concurrency-mt-unsafe)
+    if (entry == nullptr && errno != 0) break;
+    complete = entry == nullptr;
+    if (entry != nullptr && entry->d_name[0] != '.')
+      found.push_back(static_cast<int>(std::strtol(entry->d_name, nullptr, 10)));
+  }
+  if (complete) return found;
+  rlimit files{};
+  const bool known = ::getrlimit(RLIMIT_NOFILE, &files) == 0;
+  found.resize(std::min<rlim_t>(kMostFiles, known ? files.rlim_cur : rlim_t{kMostFiles}));
+  std::iota(found.begin(), found.end(), 0);
+  return found;
+}
+
 /// Clients, the kernel and the next daemon must not take the child for this one: it has none of the
 /// sockets, nor the files and folders that are locked by whoever has them open.
+/// What cannot be looked at counts as one of them.
 void close_what_is_shared(int keep) {
-  const auto limit = std::min<rlim_t>(kMostFiles, [] {
-    rlimit files{};
-    return ::getrlimit(RLIMIT_NOFILE, &files) == 0 ? files.rlim_cur : rlim_t{kMostFiles};
-  }());
-  for (int fd = 3; fd < static_cast<int>(limit); ++fd) {
+  for (const int fd : open_descriptors()) {
     struct stat is{};
-    if (fd == keep || ::fstat(fd, &is) != 0) continue;
-    if (S_ISSOCK(is.st_mode) || S_ISREG(is.st_mode) || S_ISDIR(is.st_mode)) ::close(fd);
+    if (fd < 3 || fd == keep) continue;
+    if (::fstat(fd, &is) != 0 || S_ISSOCK(is.st_mode) || S_ISREG(is.st_mode) || S_ISDIR(is.st_mode))
+      ::close(fd);
   }
 }
 
@@ -80,6 +105,7 @@ void write_report(int memory, const control::Reply& whole) {
 [[noreturn]] void be_child(int memory, pid_t parent, const Aside::Make& make) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(1);
+  std::set_new_handler(+[] { ::_exit(1); });  // the daemon's own says that the daemon ends
   ::setpriority(PRIO_PROCESS, 0, 10);
   const rlimit seconds{Aside::kLongest / 1'000'000'000, Aside::kLongest / 1'000'000'000};
   ::setrlimit(RLIMIT_CPU, &seconds);
