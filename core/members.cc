@@ -37,6 +37,7 @@ std::size_t Members::add(Publisher publisher, AdmissionId admission) {
   const std::size_t channel = publisher.channel;
   const std::size_t i = publishers_.add(std::move(publisher), admission);
   by_channel_[channel].publishers.push_back(i);
+  admitted_pairs_ += by_channel_[channel].subscribers.size();
   admitted_[admission].publisher = i;
   return i;
 }
@@ -45,6 +46,7 @@ std::size_t Members::add(Subscriber subscriber, AdmissionId admission) {
   const std::size_t channel = subscriber.channel;
   const std::size_t i = subscribers_.add(std::move(subscriber), admission);
   by_channel_[channel].subscribers.push_back(i);
+  admitted_pairs_ += by_channel_[channel].publishers.size();
   admitted_[admission].subscriber = i;
   return i;
 }
@@ -53,11 +55,15 @@ void Members::remove(AdmissionId admission) {
   const auto found = admitted_.find(admission);
   if (found == admitted_.end()) return;
   if (const auto p = found->second.publisher) {
-    std::erase(by_channel_[publisher(*p).channel].publishers, *p);
+    Channel& channel = by_channel_[publisher(*p).channel];
+    std::erase(channel.publishers, *p);
+    admitted_pairs_ -= channel.subscribers.size();
     publishers_.remove(*p);
   }
   if (const auto s = found->second.subscriber) {
-    std::erase(by_channel_[subscriber(*s).channel].subscribers, *s);
+    Channel& channel = by_channel_[subscriber(*s).channel];
+    std::erase(channel.subscribers, *s);
+    admitted_pairs_ -= channel.publishers.size();
     subscribers_.remove(*s);
   }
   admitted_.erase(found);

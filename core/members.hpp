@@ -69,6 +69,8 @@ class Members {
     const auto found = admitted_.find(admission);
     return found == admitted_.end() ? Admitted{} : found->second;
   }
+  /// Pairs of a publisher and a subscriber of a channel that there would not be without admissions.
+  [[nodiscard]] std::size_t admitted_pairs() const { return admitted_pairs_; }
   [[nodiscard]] std::size_t channels() const { return by_channel_.size(); }
 
  private:
@@ -107,6 +109,7 @@ class Members {
   Ends<Subscriber> subscribers_;
   std::vector<Channel> by_channel_;
   std::unordered_map<AdmissionId, Admitted> admitted_;
+  std::size_t admitted_pairs_ = 0;
 };
 
 }  // namespace mlcca::core

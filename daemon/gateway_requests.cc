@@ -185,14 +185,19 @@ Gateway::Body Gateway::would_be(const Asked& asked) {
   return answer_to(proposal, asked, "decide");
 }
 
-/// As of a description: each pair of ends of a channel is decided and reported.
+/// Each pair of ends of a channel is decided and reported: of one channel there are as many as in a
+/// description, and of all channels as many as there is memory for, also at the next start.
 std::optional<std::string> Gateway::lacks_pairs(const Asked& asked) const {
   const core::Members& members = state_->members();
   const std::size_t publishers =
       members.publishers_of(asked.channel).size() + (asked.admission->publisher ? 1 : 0);
   const std::size_t subscribers =
       members.subscribers_of(asked.channel).size() + (asked.admission->subscriber ? 1 : 0);
-  if (publishers * subscribers <= description::kMaxPairs) return std::nullopt;
+  if (publishers * subscribers <= description::kMaxPairs) {
+    const std::size_t before =
+        members.publishers_of(asked.channel).size() * members.subscribers_of(asked.channel).size();
+    return Quotas::refuse_pairs(members.admitted_pairs(), publishers * subscribers - before);
+  }
   return fmt::format("{} publishers and {} subscribers of {}: at most {} pairs", publishers,
                      subscribers, state_->system().channels[asked.channel].name,
                      description::kMaxPairs);

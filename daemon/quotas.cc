@@ -38,6 +38,14 @@ std::optional<std::string> Quotas::refuse_admission(uid_t user, const store::Adm
   return std::nullopt;
 }
 
+std::optional<std::string> Quotas::refuse_pairs(std::size_t now, std::size_t more) {
+  if (now + more <= kPairs) return std::nullopt;
+  return fmt::format(
+      "admissions have added {} pairs of a publisher and a subscriber, this one would add {}, and "
+      "there may be {}: release some ('mlccactl release --id NUMBER'), or describe them",
+      now, more, kPairs);
+}
+
 std::optional<std::string> Quotas::refuse_change(uid_t user, std::uint64_t now) const {
   const auto known = paid_until_.find(user);
   if (known == paid_until_.end() || known->second <= now) return std::nullopt;

@@ -23,6 +23,10 @@ class Quotas {
   static constexpr std::size_t kOfOthers = 12'288;
   static constexpr std::size_t kOfAll = 16'384;
 
+  /// Pairs of a publisher and a subscriber that admissions of all users add to what is described.
+  /// Each takes some 270 bytes: 283 MB.
+  static constexpr std::size_t kPairs = 1'048'576;
+
   /// Rows of the history that changes of one user may make: so many at once, and so many more a
   /// second.
   struct Rows {
@@ -37,6 +41,8 @@ class Quotas {
   /// Why a user must not have one more admission, and what to do; nothing when he may.
   [[nodiscard]] static std::optional<std::string> refuse_admission(uid_t user,
                                                                    const store::Admissions& held);
+  /// Why there must not be so many more pairs, and what to do; nothing when there may.
+  [[nodiscard]] static std::optional<std::string> refuse_pairs(std::size_t now, std::size_t more);
   /// Why a user must not change anything now; nothing when he may.
   [[nodiscard]] std::optional<std::string> refuse_change(uid_t user, std::uint64_t now) const;
   /// What a change of his has made. It may be more than is left: then he waits the longer.

@@ -44,5 +44,36 @@ TEST(MembersTest, ToCollectAdmissionsIsLinearInTheirNumber) {
   }
 }
 
+TEST(MembersTest, PairsThatAdmissionsAddAreCountedWhicheverGoesFirst) {
+  const auto publisher = [](std::size_t channel) {
+    Publisher p;
+    p.channel = channel;
+    return p;
+  };
+  const auto subscriber = [](std::size_t channel) {
+    Subscriber s;
+    s.channel = channel;
+    return s;
+  };
+  System system;
+  system.channels.resize(2);
+  system.publishers = {publisher(0)};
+  system.subscribers = {subscriber(0), subscriber(0), subscriber(1)};
+  Members members(system);
+  EXPECT_EQ(members.admitted_pairs(), 0U);
+  members.add(publisher(0), 1);
+  EXPECT_EQ(members.admitted_pairs(), 2U);
+  members.add(subscriber(0), 2);
+  EXPECT_EQ(members.admitted_pairs(), 4U) << "2 publishers and 3 subscribers instead of 1 and 2";
+  members.add(publisher(1), 3);
+  members.add(subscriber(1), 3);
+  EXPECT_EQ(members.admitted_pairs(), 6U);
+  members.remove(1);
+  EXPECT_EQ(members.admitted_pairs(), 3U);
+  members.remove(3);
+  members.remove(2);
+  EXPECT_EQ(members.admitted_pairs(), 0U);
+}
+
 }  // namespace
 }  // namespace mlcca::core

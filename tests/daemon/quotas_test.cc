@@ -21,6 +21,13 @@ void expect_refused(const std::optional<std::string>& refusal,
   for (const char* word : words) EXPECT_NE(refusal->find(word), std::string::npos) << *refusal;
 }
 
+TEST(PairsQuota, EndsAtItsLimitAndNotBefore) {
+  EXPECT_EQ(Quotas::refuse_pairs(0, Quotas::kPairs), std::nullopt);
+  EXPECT_EQ(Quotas::refuse_pairs(Quotas::kPairs - 512, 512), std::nullopt);
+  expect_refused(Quotas::refuse_pairs(Quotas::kPairs - 511, 512),
+                 {"have added 1048065 pairs", "would add 512", "may be 1048576", "release"});
+}
+
 class AdmissionQuota : public testing::Test {
  protected:
   void admit(uid_t by, std::size_t count = 1) {
