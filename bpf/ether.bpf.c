@@ -18,6 +18,7 @@
 #include "bpf/ether.h"
 #include "bpf/once.bpf.h"
 #include "bpf/shared.bpf.h"
+#include "bpf/refuse.bpf.h"
 #include "bpf/police.bpf.h"
 #include "bpf/sample.bpf.h"
 
@@ -104,7 +105,7 @@ static __always_inline int drop(struct ether_cpu *cpu, __u32 direction, __u32 sl
 				const struct event *e)
 {
 	count_drop(cpu, direction, slot, reason, e);
-	return READ_ONCE(control.mode) == GATE_AUDIT ? TC_ACT_UNSPEC : TC_ACT_SHOT;
+	return READ_ONCE(control.mode) == GATE_AUDIT ? TC_ACT_UNSPEC : refusal(direction);
 }
 
 /*

@@ -14,6 +14,7 @@
 #include "bpf/gate.h"
 #include "bpf/once.bpf.h"
 #include "bpf/shared.bpf.h"
+#include "bpf/refuse.bpf.h"
 
 /* Set before loading. */
 const volatile __u32 profile = GATE_PROFILE_NONE;

@@ -39,8 +39,9 @@ static __always_inline int drop(struct gate_cpu *cpu, __u32 direction, __u32 slo
 		add(&cpu->slots[slot].excess, 1);
 	count_reason(cpu, direction, reason);
 	table.last_reason[slot] = reason;
-	return READ_ONCE(control.mode) == GATE_AUDIT || READ_ONCE(table.retired) ? TC_ACT_UNSPEC
-										 : TC_ACT_SHOT;
+	return READ_ONCE(control.mode) == GATE_AUDIT || READ_ONCE(table.retired)
+		   ? TC_ACT_UNSPEC
+		   : refusal(direction);
 }
 
 static __always_inline void tell_unknown(__u64 frames, __u32 direction, const struct frame *frame)

@@ -24,9 +24,16 @@ constexpr std::uint32_t kStage = 0x3fc000;
 constexpr std::array kConfiguration = {extended(0x1f400000, kStage),
                                        extended(0x1f400001, kStage, 0)};
 constexpr std::array kBinding = {extended(0x1f400002, kNode), extended(0x1f5fc004, 0)};
+constexpr std::uint32_t kTag = 0x3fff;
+constexpr std::array kSubscribe = {extended(0x1f400000, kNode | kTag)};
+// A node subscribes all its channels at once when it starts.
+constexpr ControlKind kSubscribing{
+    .name = "subscribe", .frames = kSubscribe, .rate = 100, .burst = 100, .is_tagged = true};
 constexpr std::array kFamouso = {
     ControlKind{.name = "configuration", .frames = kConfiguration, .rate = 200, .burst = 32},
-    ControlKind{.name = "binding", .frames = kBinding, .rate = 200, .burst = 32}};
+    ControlKind{.name = "binding", .frames = kBinding, .rate = 200, .burst = 32}, kSubscribing};
+// Where frames carry the subject itself, nothing is configured or bound.
+constexpr std::array kFamousoDatagrams = {kSubscribing};
 
 // SAE J1939-81 (address claim), J1939-21 (request, acknowledgement, transport), ISO 11783-3
 // (extended transport). Priorities and, where there are some, destinations are open. An address is
@@ -93,6 +100,25 @@ bool is_bound(const Network& network, const ControlFrames& frames) {
   });
 }
 
+/// The tag of kSubscribeSubject in its place.
+constexpr ControlFrames tagged(ControlFrames frames, std::uint32_t tag) {
+  frames.identity.id |= tag;
+  frames.identity.mask |= kTag;
+  return frames;
+}
+
+constexpr bool is_tagged_identity(std::uint32_t id, std::uint32_t mask) {
+  const FrameIdentity& open = kSubscribe.front().identity;
+  return (id & ~kTag) == open.id && mask == (open.mask | kTag) &&
+         (id & kTag) >= traits_of(Profile::famouso).first;
+}
+
+/// The tag of kSubscribeSubject is known, and no channel's.
+bool has_own_tag(const Network& network) {
+  return network.subscribe_tag != 0 && std::ranges::find(network.bindings, network.subscribe_tag,
+                                                         &Binding::id) == network.bindings.end();
+}
+
 class ControlRules {
  public:
   void add(std::size_t port, const ControlFrames& frames, const ControlKind& kind,
@@ -121,6 +147,18 @@ class ControlRules {
     rule.entry.from_kernel = true;
     rules_.push_back(rule);
   }
+  /// Where datagrams carry the subject.
+  void add_datagrams(std::size_t port, const ControlKind& kind, const ControlState& state,
+                     const Port& at) {
+    const std::size_t first = rules_.size();
+    add(port, kind.frames.front(), kind, state, at);
+    for (std::size_t i = first; i < rules_.size(); ++i) {
+      GateEntry& entry = rules_[i].entry;
+      entry.id = entry.mask = 0;
+      entry.classic = false;
+      entry.subject = kSubscribeSubject;
+    }
+  }
   [[nodiscard]] GateState take() {
     std::ranges::sort(rules_, {}, &GateRule::entry);
     return std::move(rules_);
@@ -147,18 +185,26 @@ std::span<const ControlKind> control_kinds(Profile profile) {
   }
 }
 
+std::span<const ControlKind> control_kinds(const Network& network) {
+  if (network.kind == NetworkKind::can) return control_kinds(network.profile);
+  return network.carries_subjects() ? std::span<const ControlKind>(kFamousoDatagrams)
+                                    : std::span<const ControlKind>();
+}
+
 std::string_view control_kind_of(Profile profile, std::uint32_t id, std::uint32_t mask) {
   for (const ControlKind& kind : control_kinds(profile))
     for (const ControlFrames& frames : kind.frames)
       if (frames.identity.id == id && frames.identity.mask == (mask & ~kRemoteFlag))
         return kind.name;
+  if (profile == Profile::famouso && is_tagged_identity(id, mask & ~kRemoteFlag))
+    return kSubscribing.name;
   return {};
 }
 
 ControlState control_at(const Network& network, const Port& port, std::size_t kind) {
   const auto allowed = port.control.kinds ? port.control.kinds : network.control.kinds;
   const std::uint32_t rate = port.control.rate != 0 ? port.control.rate : network.control.rate;
-  const ControlKind& known = control_kinds(network.profile)[kind];
+  const ControlKind& known = control_kinds(network)[kind];
   return {.allowed = allowed ? (*allowed >> kind & 1U) != 0 : !known.is_carrier,
           .rate = rate != 0 ? rate : known.rate};
 }
@@ -166,14 +212,25 @@ ControlState control_at(const Network& network, const Port& port, std::size_t ki
 GateState control_rules(const System& system, std::size_t gateway) {
   ControlRules rules;
   const auto& ports = system.gateways[gateway].ports;
+  const bool is_channel = std::ranges::find(system.channels, kSubscribeSubject,
+                                            &EventChannel::subject) != system.channels.end();
   for (std::size_t p = 0; p < ports.size(); ++p) {
     const Network& network = system.networks[ports[p].network];
-    if (network.kind != NetworkKind::can) continue;  // UDP and AWDS need no frames beside events
-    const auto kinds = control_kinds(network.profile);
-    for (std::size_t k = 0; k < kinds.size(); ++k)
-      for (const ControlFrames& frames : kinds[k].frames)
-        if (!is_bound(network, frames))
-          rules.add(p, frames, kinds[k], control_at(network, ports[p], k), ports[p]);
+    const auto kinds = control_kinds(network);
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+      const ControlState state = control_at(network, ports[p], k);
+      if (kinds[k].is_tagged && is_channel) continue;
+      if (network.kind != NetworkKind::can) {
+        rules.add_datagrams(p, kinds[k], state, ports[p]);
+        continue;
+      }
+      if (kinds[k].is_tagged && !has_own_tag(network)) continue;
+      for (const ControlFrames& open : kinds[k].frames) {
+        const ControlFrames frames =
+            kinds[k].is_tagged ? tagged(open, network.subscribe_tag) : open;
+        if (!is_bound(network, frames)) rules.add(p, frames, kinds[k], state, ports[p]);
+      }
+    }
   }
   return rules.take();
 }

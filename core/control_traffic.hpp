@@ -21,6 +21,10 @@ struct ControlFrames {
   std::uint16_t max_length = 8;
 };
 
+/// "SUBSCRIB": by an event of it, whose 8 bytes are a subject, a FAMOUSO node tells gateways of its
+/// own kind what it subscribes. A channel that a description gives this subject takes its place.
+inline constexpr Subject kSubscribeSubject = 0x5355425343524942;
+
 struct ControlKind {
   std::string_view name;  ///< "address-claim"
   std::span<const ControlFrames> frames;
@@ -29,12 +33,16 @@ struct ControlKind {
   /// can-j1939 sends them itself, whoever gave it the data. Such frames carry what no gate can look
   /// into, so that they pass only where a description names them.
   bool is_carrier = false;
+  /// Its frames have the etag of kSubscribeSubject, which is dealt at run time: here it is open.
+  bool is_tagged = false;
 };
 
-/// Of a profile, in the order of ControlPolicy::kinds.
+/// Of a CAN network of that profile, in the order of ControlPolicy::kinds.
 [[nodiscard]] std::span<const ControlKind> control_kinds(Profile profile);
+/// Of any network.
+[[nodiscard]] std::span<const ControlKind> control_kinds(const Network& network);
 
-/// The kind that frames of this identity are of, by name; empty: none.
+/// The kind that frames of this identity are of on a CAN network, by name; empty: none.
 [[nodiscard]] std::string_view control_kind_of(Profile profile, std::uint32_t id,
                                                std::uint32_t mask);
 
@@ -46,7 +54,8 @@ struct ControlState {
 [[nodiscard]] ControlState control_at(const Network& network, const Port& port, std::size_t kind);
 
 /// The rules of all control traffic of one gateway, sorted by entry. A kind that is switched off
-/// has rules that refuse. A number that a Binding gives to a channel is that channel's alone.
+/// has rules that refuse. A number that a Binding gives to a channel is that channel's alone. Where
+/// the tag of kSubscribeSubject is not known, it has no rules.
 [[nodiscard]] GateState control_rules(const System& system, std::size_t gateway);
 
 }  // namespace mlcca::core

@@ -115,8 +115,12 @@ struct Network {
   std::string name;
   NetworkKind kind = NetworkKind::can;
   Profile profile = Profile::none;
-  CanBus bus;                      ///< of a CAN network
-  ControlPolicy control;           ///< of a CAN network
+  CanBus bus;  ///< of a CAN network
+  ControlPolicy control;
+  /// Of a FAMOUSO bus: the etag of the subject SUBSCRIB, which all its nodes subscribe by; 0: not
+  /// known. `states_subscribe_tag`: the description says it.
+  std::uint32_t subscribe_tag = 0;
+  bool states_subscribe_tag = false;
   std::optional<mesh::Mesh> mesh;  ///< of a mesh whose routes are evaluated
   AttributeSet provision;          ///< static provision; a dynamic mark makes it a best case
   UserValues user;
@@ -157,6 +161,12 @@ enum class Excess : std::uint8_t {
   pass,  ///< they are counted only
 };
 
+/// What the program that sent a frame is told when the gate drops it on its way out.
+enum class Refused : std::uint8_t {
+  error,   ///< ENOBUFS, as of a full queue
+  silent,  ///< success: for programs that end at the first error
+};
+
 /// Who carries admitted frames from one CAN bus of a gateway to another.
 enum class Forwarder : std::uint8_t {
   can_gw,  ///< the kernel's can-gw, by rules that mlccad makes
@@ -174,6 +184,7 @@ struct Port {
   std::uint32_t fifo_depth = 1;     ///< frames that the controller holds behind the queue, 1 to 64
   std::uint32_t queue_length = 10;  ///< frames that fit the queue before one is lost, 1 to 10000
   Excess excess = Excess::drop;
+  Refused refused = Refused::error;
   ControlPolicy control;          ///< what it states goes before what the network states
   std::uint32_t control_uid = 0;  ///< user whose programs may send control traffic
   /// The user whose program sends here what comes from networks that the kernel joins to no other.

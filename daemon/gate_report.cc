@@ -76,7 +76,7 @@ class Report {
     std::array<std::uint32_t, 2> masked{};
     for (const enforce::SlotSpec& slot : slots) {
       if (gate->is_masked(slot)) ++masked.at(static_cast<std::size_t>(slot.direction));
-      auto& list = can && slot.subject == core::kControlSubject ? out.control : out.channels;
+      auto& list = is_control(slot, p) ? out.control : out.channels;
       list.push_back(slot_of(*gate, slot, p));
     }
     out.masked = std::ranges::max(masked);
@@ -114,9 +114,16 @@ class Report {
     return out;
   }
 
+  [[nodiscard]] bool is_control(const enforce::SlotSpec& slot, std::size_t port) const {
+    if (ports_.is_can(port)) return slot.subject == core::kControlSubject;
+    return slot.subject == core::kSubscribeSubject && !state_.channel_of(slot.subject);
+  }
+
   [[nodiscard]] std::string name_of(const enforce::SlotSpec& slot, std::size_t port) const {
-    if (ports_.is_can(port) && slot.subject == core::kControlSubject)
-      return std::string(core::control_kind_of(ports_.profile(port), slot.id, slot.mask));
+    if (is_control(slot, port))
+      return ports_.is_can(port)
+                 ? std::string(core::control_kind_of(ports_.profile(port), slot.id, slot.mask))
+                 : "subscribe";
     const auto channel = state_.channel_of(slot.subject);
     return channel ? state_.system().channels[*channel].name : fmt::format("{:#x}", slot.subject);
   }

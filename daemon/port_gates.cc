@@ -18,11 +18,18 @@ bool Ports::can_have_gate(const PortState& port, const net::Link& link) {
   return port.kind == core::NetworkKind::can ? link.is_can : link.is_ethernet;
 }
 
-Result<void> Ports::hold(const net::Link& link, core::NetworkKind kind, core::Profile profile) {
+Result<void> Ports::hold(const net::Link& link, const PortState& port) {
+  const bool silent = port.port.refused == core::Refused::silent;
   const auto ifindex = static_cast<std::uint32_t>(link.ifindex);
-  if (kind == core::NetworkKind::can && !link.is_ethernet)
-    return hold_can({ifindex, link.name, profile, link.kind == "can", {}});
-  return hold_ethernet({ifindex, link.name, ether_slots_, {}});
+  if (port.kind == core::NetworkKind::can && !link.is_ethernet)
+    return hold_can({.ifindex = ifindex,
+                     .name = link.name,
+                     .profile = port.profile,
+                     .echo_by_mark = link.kind == "can",
+                     .hook = {},
+                     .silent = silent});
+  return hold_ethernet(
+      {.ifindex = ifindex, .name = link.name, .slots = ether_slots_, .hook = {}, .silent = silent});
 }
 
 /// A gate is of one profile: another one is put in its place, and starts without slots.
@@ -30,7 +37,8 @@ Result<void> Ports::hold_can(const enforce::GateConfig& config) {
   const auto ifindex = static_cast<int>(config.ifindex);
   if (const auto old = gates_.find(ifindex); old != gates_.end()) {
     if (old->second.can != nullptr && old->second.can->config().profile == config.profile &&
-        old->second.can->config().echo_by_mark == config.echo_by_mark)
+        old->second.can->config().echo_by_mark == config.echo_by_mark &&
+        old->second.can->config().silent == config.silent)
       return {};
     gates_.erase(old);
   }
@@ -42,11 +50,12 @@ Result<void> Ports::hold_can(const enforce::GateConfig& config) {
   return {};
 }
 
-/// A gate that has become too small is replaced by one that has its slots.
+/// A gate that has become too small, or is to tell senders otherwise, is replaced by one that has
+/// its slots.
 Result<void> Ports::hold_ethernet(const enforce::EtherConfig& config) {
   const auto ifindex = static_cast<int>(config.ifindex);
   if (const auto old = gates_.find(ifindex); old != gates_.end()) {
-    if (old->second.ethernet != nullptr && old->second.ethernet->holds(config.slots)) return {};
+    if (old->second.ethernet != nullptr && old->second.ethernet->holds(config)) return {};
     gates_.erase(old);
   }
   auto attached = enforce::EtherGate::attach(config, control_);

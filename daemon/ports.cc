@@ -140,7 +140,7 @@ void Ports::attach(PortState& port) {
         "{} has no Ethernet frames, and there is a gate for CAN and Ethernet only", link.name);
     return;
   }
-  if (const auto done = hold(link, port.kind, port.profile); !done) {
+  if (const auto done = hold(link, port); !done) {
     port.problem = done.error().text;
     hold_closed(port, link.name);
     return;

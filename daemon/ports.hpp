@@ -187,7 +187,7 @@ class Ports {
   void tell_unwatched();
   [[nodiscard]] std::optional<WatchedSlot> watched_slot(const core::GateState& rules) const;
   /// Puts the gate in place that a port needs, unless it is there.
-  Result<void> hold(const net::Link& link, core::NetworkKind kind, core::Profile profile);
+  Result<void> hold(const net::Link& link, const PortState& port);
   Result<void> hold_can(const enforce::GateConfig& config);
   Result<void> hold_ethernet(const enforce::EtherConfig& config);
   [[nodiscard]] Drift::Gates all_gates() const;

@@ -61,7 +61,7 @@ void Ports::close_undescribed() {
       continue;
     }
     // A gate without a profile starts without slots: nothing that was granted before passes.
-    const auto held = hold(link->second, core::NetworkKind::can, core::Profile::none);
+    const auto held = hold(link->second, PortState{});
     if (!held) {
       tell_({}, held.error().text, true);
       continue;

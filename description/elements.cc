@@ -90,6 +90,8 @@ class PartReader {
     out.network.kind = core::words::kNetworkKinds.or_first(text_of(e.child("Kind")));
     out.network.profile = core::words::kProfiles.or_first(text_of(e.child("Profile")));
     out.network.origin = e.origin();
+    out.network.subscribe_tag = number<std::uint32_t>(text_of(e, "subscribe-etag"));
+    out.network.states_subscribe_tag = e.has("subscribe-etag");
     out.control = control(e);
     if (const auto* bus = e.child("Bus")) {
       out.network.bus = read_bus(*bus, problems_);
@@ -155,6 +157,7 @@ class PartReader {
     out.port.fifo_depth = number_or(e, "fifo-depth", out.port.fifo_depth);
     out.port.queue_length = number_or(e, "queue-length", out.port.queue_length);
     out.port.excess = core::words::kExcesses.or_first(e.attribute("excess"));
+    out.port.refused = core::words::kRefusals.or_first(e.attribute("refused"));
     out.port.origin = e.origin();
     out.control = control(e);
     out.sender = text_of(e, "sender");

@@ -256,7 +256,8 @@ constexpr auto kNetworkSteps =
                          {.children = kBindingChild, .least = 0, .most = kUnlimited}});
 constexpr auto kNetworkKeys = std::to_array<Key>({{"name", &type::kName, true},
                                                   {"control", &type::kControlKinds},
-                                                  {"control-rate", &type::kControlRate}});
+                                                  {"control-rate", &type::kControlRate},
+                                                  {"subscribe-etag", &type::kShortHex}});
 constexpr ElementType kNetwork{.name = "Network", .steps = kNetworkSteps, .keys = kNetworkKeys};
 
 constexpr auto kInterfaceKeys = std::to_array<Key>({{"name", &type::kInterfaceName},
@@ -279,10 +280,10 @@ constexpr auto kPortKeys = std::to_array<Key>({{"network", &type::kName, true},
                                                {"fifo-depth", &type::kFifoDepth},
                                                {"queue-length", &type::kQueueLength},
                                                {"excess", &type::kExcess},
+                                               {"refused", &type::kRefused},
                                                {"control", &type::kControlKinds},
                                                {"control-rate", &type::kControlRate},
                                                {"control-user", &type::kUserName},
-
                                                {"sender", &type::kUserName}});
 constexpr ElementType kPort{.name = "Port", .steps = kPortSteps, .keys = kPortKeys};
 

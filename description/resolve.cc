@@ -125,9 +125,9 @@ void check_form(const BindingDraft& b, const core::Network& network, Problems& p
 }
 
 /// The kinds that are named, as bits; nothing is named: none.
-std::optional<std::uint32_t> kinds_named(const std::string& words, Profile profile,
+std::optional<std::uint32_t> kinds_named(const std::string& words, const core::Network& network,
                                          const auto& say) {
-  const auto kinds = core::control_kinds(profile);
+  const auto kinds = core::control_kinds(network);
   const auto all = (std::uint32_t{1} << kinds.size()) - 1;
   if (words.empty()) return std::nullopt;
   if (words == "all") return all;
@@ -145,7 +145,7 @@ std::optional<std::uint32_t> kinds_named(const std::string& words, Profile profi
     say(fmt::format(
         "attribute control: '{}' is no control traffic of profile {}: all, none, or some "
         "of {}",
-        word, core::words::kProfiles.of(profile), known));
+        word, core::words::kProfiles.of(network.profile), known));
   }
   return bits;
 }
@@ -157,14 +157,14 @@ core::ControlPolicy control_policy(const ControlDraft& from, const core::Network
     problems.add(origin, element, text, FindingId::wrong_place);
   };
   if (!from.states_something()) return {};
-  if (network.carries_subjects() || core::control_kinds(network.profile).empty()) {
+  if (core::control_kinds(network).empty()) {
     say(fmt::format(
         "{} has no control traffic: remove control, control-rate and control-user, which "
         "are for profiles famouso, j1939, cyphal and canopen",
         network.name));
     return {};
   }
-  return {.kinds = kinds_named(from.kinds, network.profile, say), .rate = from.rate};
+  return {.kinds = kinds_named(from.kinds, network, say), .rate = from.rate};
 }
 
 void add_network(const NetworkDraft& from, Resolved& to, Problems& problems) {

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/control_traffic.hpp"
 #include "core/medium.hpp"
 #include "core/profile.hpp"
 #include "core/words.hpp"
@@ -128,6 +129,35 @@ void check_masks(const core::System& system, const core::Network& network, Probl
           FindingId::identifier_clash);
       break;
     }
+}
+
+/// The tag of FAMOUSO's own subject is one as any other, and no channel's.
+void check_subscribe_tag(const core::System& system, const core::Network& network,
+                         Problems& problems) {
+  if (!network.states_subscribe_tag) return;
+  const auto say = [&](std::string_view text, FindingId id) {
+    problems.add(network.origin, "Network", fmt::format("attribute subscribe-etag: {}", text), id);
+  };
+  if (network.kind != NetworkKind::can || network.profile != Profile::famouso) {
+    say(fmt::format("{} is no CAN network of profile famouso: remove it", network.name),
+        FindingId::wrong_place);
+    return;
+  }
+  const auto& traits = core::traits_of(Profile::famouso);
+  if (network.subscribe_tag < traits.first || network.subscribe_tag > traits.last)
+    say(fmt::format("0x{:x} is not right: 0x64 to 0x3fff", network.subscribe_tag),
+        FindingId::wrong_place);
+  for (const auto& b : network.bindings)
+    if (b.id == network.subscribe_tag)
+      say(fmt::format("0x{:x} is channel {}'s, from {}: each tag is one subject's", b.id,
+                      system.channels[b.channel].name,
+                      line_words(system, network.origin, b.origin)),
+          FindingId::identifier_clash);
+  for (const auto& c : system.channels)
+    if (c.subject == core::kSubscribeSubject)
+      say(fmt::format("channel {} has the subject SUBSCRIB: remove it, and bind the channel",
+                      c.name),
+          FindingId::wrong_place);
 }
 
 void check_bindings(const core::System& system, const core::Network& network, Problems& problems) {
@@ -335,6 +365,7 @@ void check_networks(const core::System& system, Problems& problems) {
       problems.add(n.origin, "Network",
                    "Profile famouso is for the kinds can, udp-multicast and mesh: remove it");
     check_bindings(system, n, problems);
+    check_subscribe_tag(system, n, problems);
   }
   check_count(system.networks, kMaxNetworks, "Network", "networks", problems);
 }

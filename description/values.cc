@@ -265,6 +265,7 @@ constexpr ValueType kImportance = whole("Importance", 0, 255, "a whole number fr
 constexpr ValueType kErrorCount = whole("ErrorCount", 0, 1000, "a whole number from 0 to 1000");
 constexpr ValueType kQueueing = one_of("Queueing", words::kQueueings);
 constexpr ValueType kExcess = one_of("Excess", words::kExcesses);
+constexpr ValueType kRefused = one_of("Refused", words::kRefusals);
 constexpr ValueType kForwarder = one_of("Forwarder", words::kForwarders);
 constexpr ValueType kFifoDepth = whole("FifoDepth", 1, 64, "a whole number from 1 to 64");
 constexpr ValueType kQueueLength = whole("QueueLength", 1, 10000, "a whole number from 1 to 10000");
@@ -305,7 +306,8 @@ constexpr auto kTypes = std::to_array<const ValueType*>(
      &type::kExcess,         &type::kFifoDepth,   &type::kQueueLength,  &type::kInterference,
      &type::kHopCount,       &type::kPacketBytes, &type::kHeaderBytes,  &type::kNodeAddress,
      &type::kSenderAddress,  &type::kLinkRate,    &type::kMediumNumber, &type::kRateKind,
-     &type::kSourceKind,     &type::kLinkMetric,  &type::kForwarder,    &type::kBoolean});
+     &type::kSourceKind,     &type::kLinkMetric,  &type::kForwarder,    &type::kBoolean,
+     &type::kRefused});
 
 }  // namespace
 

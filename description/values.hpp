@@ -32,7 +32,7 @@ extern const ValueType kName, kChannelName, kHostName, kUserName, kInterfaceName
     kFrameFormat, kIdentifierForm, kImportance, kErrorCount, kQueueing, kExcess, kFifoDepth,
     kQueueLength, kInterference, kHopCount, kPacketBytes, kHeaderBytes, kNodeAddress,
     kSenderAddress, kLinkRate, kMediumNumber, kRateKind, kSourceKind, kLinkMetric, kForwarder,
-    kBoolean;
+    kBoolean, kRefused;
 }  // namespace type
 
 /// All of them.

@@ -63,8 +63,8 @@ Result<void> close(std::uint32_t ifindex, Hook hook, const Control& control) {
     const auto programs = Programs::load({.ifindex = ifindex}, control.shared(), {});
     return programs ? put(ifindex, hook, *programs) : std::unexpected(programs.error());
   }
-  const auto programs =
-      EtherPrograms::load(ifindex, EtherSizes::for_slots(0, possible_cpus()), control.shared(), {});
+  const auto programs = EtherPrograms::load(
+      {ifindex, false}, EtherSizes::for_slots(0, possible_cpus()), control.shared(), {});
   return programs ? put(ifindex, hook, *programs) : std::unexpected(programs.error());
 }
 

@@ -111,7 +111,7 @@ Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConf
                                                                  const EtherSizes& sizes,
                                                                  const EtherMaps& maps) {
   const bool fresh = !maps.front();
-  auto programs = EtherPrograms::load(config.ifindex, sizes, shared, maps);
+  auto programs = EtherPrograms::load({config.ifindex, config.silent}, sizes, shared, maps);
   if (!programs) return std::unexpected(programs.error());
   auto mapping = EtherMapping::of(*programs, sizes);
   if (!mapping) return std::unexpected(mapping.error());
@@ -244,8 +244,9 @@ EtherGate::EtherGate(EtherGate&&) noexcept = default;
 EtherGate& EtherGate::operator=(EtherGate&&) noexcept = default;
 EtherGate::~EtherGate() = default;
 
-bool EtherGate::holds(std::size_t slots) const {
-  return state_->sizes.slots >= EtherSizes::for_slots(slots, possible_cpus()).slots;
+bool EtherGate::holds(const EtherConfig& config) const {
+  return state_->config.silent == config.silent &&
+         state_->sizes.slots >= EtherSizes::for_slots(config.slots, possible_cpus()).slots;
 }
 bool EtherGate::reused() const { return state_->reused; }
 const std::string& EtherGate::name() const { return state_->config.name; }

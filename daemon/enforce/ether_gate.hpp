@@ -16,6 +16,7 @@ struct EtherConfig {
   std::string name;          ///< for error texts
   std::size_t slots = 0;     ///< so many there must be room for
   std::optional<Hook> hook;  ///< the best one that the kernel has
+  bool silent = false;       ///< as GateConfig::silent
 };
 
 class EtherGate final : public PortGate {
@@ -29,8 +30,8 @@ class EtherGate final : public PortGate {
   EtherGate& operator=(EtherGate&&) noexcept;
   ~EtherGate() override;
 
-  /// There is room for so many slots.
-  [[nodiscard]] bool holds(std::size_t slots) const;
+  /// It is as `config` wants it, and there is room for so many slots.
+  [[nodiscard]] bool holds(const EtherConfig& config) const;
   /// The slots of the gate that was attached before were taken over: see present().
   [[nodiscard]] bool reused() const;
 

@@ -84,14 +84,15 @@ std::optional<EtherPinned> pinned_ether_maps(const std::string& directory) {
 
 void destroy_ether_programs(ether_bpf* object) { ether_bpf__destroy(object); }
 
-Result<EtherPrograms::Object> EtherPrograms::try_load(std::uint32_t ifindex,
+Result<EtherPrograms::Object> EtherPrograms::try_load(const EtherKnobs& knobs,
                                                       const EtherSizes& sizes,
                                                       const SharedMaps& shared,
                                                       const EtherMaps& maps, bool direct_access) {
   const Complaints complaints;
   Object object(ether_bpf__open());
   if (!object) return complaints.error("open the Ethernet gate", errno);
-  object->rodata->ifindex = ifindex;
+  object->rodata->ifindex = knobs.ifindex;
+  object->rodata->silent = knobs.silent;
   object->rodata->bucket_mask = sizes.buckets - 1;
   object->rodata->slots_of_bank = sizes.slots;
   object->rodata->banks = sizes.banks;
@@ -106,10 +107,10 @@ Result<EtherPrograms::Object> EtherPrograms::try_load(std::uint32_t ifindex,
   return object;
 }
 
-Result<EtherPrograms> EtherPrograms::load(std::uint32_t ifindex, const EtherSizes& sizes,
+Result<EtherPrograms> EtherPrograms::load(const EtherKnobs& knobs, const EtherSizes& sizes,
                                           const SharedMaps& shared, const EtherMaps& maps) {
-  auto object = try_load(ifindex, sizes, shared, maps, true);
-  if (!object) object = try_load(ifindex, sizes, shared, maps, false);
+  auto object = try_load(knobs, sizes, shared, maps, true);
+  if (!object) object = try_load(knobs, sizes, shared, maps, false);
   if (!object) return std::unexpected(object.error());
   return EtherPrograms(std::move(*object));
 }

@@ -36,10 +36,16 @@ std::string ether_map_pin(const std::string& directory, std::size_t n);
 /// Nothing where one of them is missing, or they are of another layout or do not fit each other.
 std::optional<EtherPinned> pinned_ether_maps(const std::string& directory);
 
+/// What is set before loading, beside sizes.
+struct EtherKnobs {
+  std::uint32_t ifindex = 0;
+  bool silent = false;
+};
+
 class EtherPrograms {
  public:
   /// Loads over `maps`, or over new ones where they are empty.
-  static Result<EtherPrograms> load(std::uint32_t ifindex, const EtherSizes& sizes,
+  static Result<EtherPrograms> load(const EtherKnobs& knobs, const EtherSizes& sizes,
                                     const SharedMaps& shared, const EtherMaps& maps);
 
   [[nodiscard]] int program_fd(Direction direction) const;
@@ -53,7 +59,7 @@ class EtherPrograms {
  private:
   using Object = std::unique_ptr<ether_bpf, FreeWith<destroy_ether_programs>>;
   explicit EtherPrograms(Object object) : object_(std::move(object)) {}
-  static Result<Object> try_load(std::uint32_t ifindex, const EtherSizes& sizes,
+  static Result<Object> try_load(const EtherKnobs& knobs, const EtherSizes& sizes,
                                  const SharedMaps& shared, const EtherMaps& maps,
                                  bool direct_access);
   Object object_;

@@ -101,7 +101,8 @@ Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
                                                        const GateMaps& maps) {
   const ProgramConfig knobs{.ifindex = config.ifindex,
                             .profile = gate_profile_of(config.profile),
-                            .echo_by_mark = config.echo_by_mark};
+                            .echo_by_mark = config.echo_by_mark,
+                            .silent = config.silent};
   auto programs = Programs::load(knobs, shared, maps);
   if (!programs) return std::unexpected(programs.error());
   Mapped<gate_cpu> cpus(programs->cpus_fd(), possible_cpus());

@@ -27,6 +27,8 @@ struct GateConfig {
   /// not set it for a device whose frames come from another namespace (vxcan): marks cross there.
   bool echo_by_mark = false;
   std::optional<Hook> hook;  ///< the best one that the kernel has
+  /// What is dropped on its way out looks sent to the program that sent it.
+  bool silent = false;
 };
 
 class Gate final : public PortGate {

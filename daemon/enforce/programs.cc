@@ -68,6 +68,7 @@ Result<Programs::Object> Programs::try_load(const ProgramConfig& config, const S
   object->rodata->ifindex = config.ifindex;
   object->rodata->profile = config.profile;
   object->rodata->echo_by_mark = config.echo_by_mark;
+  object->rodata->silent = config.silent;
   object->rodata->direct_access = direct_access;
   object->rodata->atomic_counts = is_preempt_rt();
   object->rodata->ordered_stores = kOrderedStores;

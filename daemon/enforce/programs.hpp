@@ -32,6 +32,7 @@ struct ProgramConfig {
   std::uint32_t ifindex = 0;
   std::uint32_t profile = GATE_PROFILE_NONE;
   bool echo_by_mark = false;
+  bool silent = false;
 };
 
 class Programs {

@@ -42,6 +42,7 @@ std::uint32_t gate_profile(Profile profile) {
 std::vector<enforce::SlotSpec> slots_of(Profile profile) {
   core::System system;
   system.networks.emplace_back().profile = profile;
+  if (profile == Profile::famouso) system.networks[0].subscribe_tag = 0x3fff;
   system.gateways.emplace_back().ports.emplace_back();
   std::vector<enforce::SlotSpec> slots;
   for (const auto& rule : core::control_rules(system, 0)) {
@@ -80,6 +81,11 @@ std::vector<Row> rows() {
       {"TagIsGivenByANode", fam, kEff | 0x1f5f4004, 8, false},
       {"OldSupply", fam, kEff | 0x1f5fc003, 8, false},
       {"Event", fam, kEff | 0x1f5f7ffe, 8, false},
+      // A node tells what it subscribes by an event of the subject SUBSCRIB, whose tag is 0x3fff.
+      {"Subscription", fam, kEff | 0x1f5fbfff, 8, true},
+      {"SubscriptionOfAnotherNode", fam, kEff | 0x1f403fff, 8, true},
+      {"SubscriptionInFragments", fam, kEff | 0x1f7fbfff, 8, false},
+      {"SubscriptionOfRealTime", fam, kEff | 0x001fbfff, 8, false},
       // SAE J1939-81: address claimed and cannot claim; J1939-21: request, acknowledgement, and a
       // broadcast announcement with its packet, which no description here has named.
       {"AddressClaimed", j, kEff | 0x18eeff80, 8, true},

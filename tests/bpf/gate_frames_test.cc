@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Frame tables through the real gate programs: one row, one behaviour.
 #include <gtest/gtest.h>
+#include <linux/pkt_cls.h>
 
 #include <string>
 
@@ -443,6 +444,27 @@ TEST(GateCounters, AtomicAdditionsCountTheSame) {
   const auto reasons = enforce::reason_counters(gate.cpus(), kIn);
   EXPECT_EQ(reasons.at(GATE_R_PASSED), 1000U);
   EXPECT_EQ(reasons.at(GATE_R_DENIED), 1000U);
+}
+
+/// A redirection to no interface: final in clsact and TCX, and success to the sender.
+TEST(SilentGate, TellsSendersNothingAndCountsAllTheSame) {
+  const Bytes unknown = frame(0x124, 8);
+  const auto drops = [](const LoadedGate& gate, Direction direction) {
+    return enforce::reason_counters(gate.cpus(), direction).at(GATE_R_UNKNOWN);
+  };
+  auto& telling = LoadedGate::with();
+  EXPECT_EQ(telling.action(Direction::egress, unknown, {.local = true}), TC_ACT_SHOT);
+  auto& gate = LoadedGate::with({.silent = true});
+  EXPECT_EQ(gate.action(Direction::egress, unknown, {.local = true}), TC_ACT_REDIRECT);
+  EXPECT_EQ(gate.action(Direction::ingress, unknown), TC_ACT_SHOT) << "nobody here has sent it";
+  EXPECT_EQ(drops(gate, Direction::egress), 1U);
+  EXPECT_EQ(drops(gate, Direction::ingress), 1U);
+  gate.control().open = 0;
+  EXPECT_EQ(gate.action(Direction::egress, unknown, {.local = true}), TC_ACT_REDIRECT);
+  gate.control().open = 1;
+  gate.control().mode = GATE_AUDIT;
+  EXPECT_EQ(gate.action(Direction::egress, unknown, {.local = true}), TC_ACT_UNSPEC);
+  gate.reset();
 }
 
 TEST(GateWithoutProfile, KnowsNoSubject) {

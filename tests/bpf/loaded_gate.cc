@@ -61,6 +61,7 @@ LoadedGate::LoadedGate(const GateOptions& options)
   knobs->echo_by_mark = options.echo_by_mark;
   knobs->atomic_counts = options.atomic_counts;
   knobs->ordered_stores = enforce::kOrderedStores && !options.atomic_counts;
+  knobs->silent = options.silent;
   knobs->test_run = true;
   const auto cpus = static_cast<std::size_t>(libbpf_num_possible_cpus());
   bpf_map__set_max_entries(object_->maps.cpus, static_cast<std::uint32_t>(cpus));
@@ -123,6 +124,12 @@ Outcome LoadedGate::run(enforce::Direction direction, const Bytes& bytes,
   const auto run = execute(direction, bytes, context, sender, 0);
   require(run.retval == TC_ACT_SHOT || static_cast<int>(run.retval) == TC_ACT_UNSPEC, "an action");
   return {run.retval == TC_ACT_SHOT, context.mark};
+}
+
+int LoadedGate::action(enforce::Direction direction, const Bytes& bytes,
+                       const Sender& sender) const {
+  __sk_buff context{};
+  return static_cast<int>(execute(direction, bytes, context, sender, 0).retval);
 }
 
 std::uint32_t LoadedGate::time(enforce::Direction direction, const Bytes& bytes,

@@ -28,6 +28,7 @@ struct GateOptions {
   bool direct_access = true;
   bool echo_by_mark = false;
   bool atomic_counts = false;
+  bool silent = false;
 
   auto operator<=>(const GateOptions&) const = default;
 };
@@ -64,6 +65,8 @@ class LoadedGate {
   LoadedGate& operator=(const LoadedGate&) = delete;
 
   Outcome run(enforce::Direction direction, const Bytes& bytes, const Sender& sender = {}) const;
+  /// What the program gives: TC_ACT_*.
+  int action(enforce::Direction direction, const Bytes& bytes, const Sender& sender = {}) const;
   /// Average ns of a run.
   std::uint32_t time(enforce::Direction direction, const Bytes& bytes, const Sender& sender,
                      int repeat) const;

@@ -297,10 +297,25 @@ TEST(EthernetTest, TheLargestEventFits) {
   EXPECT_EQ(State(system).decisions()[0].verdicts[0].obstacle, Obstacle::too_long);
 }
 
-TEST(EthernetTest, HasNoControlTrafficOfCan) {
-  const System system = from_ethernet();
-  for (const GateRule& rule : control_rules(system, kBridge)) EXPECT_EQ(rule.entry.port, kRobotCan);
-  EXPECT_FALSE(control_rules(system, kBridge).empty()) << "CAN has some";
+TEST(EthernetTest, HasSubscriptionsOnlyAsControlTraffic) {
+  System system = from_ethernet();
+  system.gateways[kBridge].ports[kSecondCan].control_uid = 4711;
+  std::vector<GateRule> rules = control_rules(system, kBridge);
+  EXPECT_NE(std::erase_if(rules, [](const auto& r) { return r.entry.port == kRobotCan; }), 0U);
+  ASSERT_EQ(rules.size(), 2U);
+  for (const GateRule& rule : rules) {
+    EXPECT_EQ(rule.entry.subject, 0x5355425343524942U);
+    EXPECT_EQ(rule.entry.max_length, 8U);
+    EXPECT_FALSE(rule.entry.source_port) << "it never crosses a gateway";
+    EXPECT_TRUE(rule.entry.station.anybody());
+    EXPECT_TRUE(rule.pass);
+    EXPECT_TRUE(rule.policing.any());
+  }
+  EXPECT_EQ(rules[1].entry.direction, Direction::egress);
+  EXPECT_EQ(rules[1].entry.uid, 4711U);
+  system.channels.emplace_back().subject = 0x5355425343524942;
+  for (const GateRule& rule : control_rules(system, kBridge))
+    EXPECT_EQ(rule.entry.port, kRobotCan) << "the subject is a channel's";
 }
 
 TEST(EthernetTest, WithoutAProfileNothingIsGated) {

@@ -185,6 +185,34 @@ TEST(ControlTraffic, ThatIsBoundIsTheChannels) {
   EXPECT_EQ(without(Profile::famouso, 0x64, true), 0U);
 }
 
+TEST(ControlTraffic, OfSubscriptionsHasATagOnceThatIsKnown) {
+  auto s = bus_of(Profile::famouso);
+  const auto subscriptions = [&s] {
+    std::vector<GateRule> found;
+    for (const auto& rule : control_rules(s, 0))
+      if (control_kind_of(Profile::famouso, rule.entry.id, rule.entry.mask) == "subscribe")
+        found.push_back(rule);
+    return found;
+  };
+  EXPECT_TRUE(subscriptions().empty());
+  s.networks[0].subscribe_tag = 0x3fff;
+  const auto rules = subscriptions();
+  ASSERT_EQ(rules.size(), 2U);
+  for (const auto& rule : rules) {
+    EXPECT_EQ(rule.entry.id, kExtendedFlag | 0x1f403fffU);
+    EXPECT_EQ(rule.entry.mask, kExtendedFlag | kRemoteFlag | 0x1fe03fffU) << "any node";
+    EXPECT_EQ(rule.entry.max_length, 8U);
+    EXPECT_TRUE(rule.pass);
+  }
+  s.networks[0].control.kinds = 3;  // configuration and binding
+  EXPECT_FALSE(subscriptions().at(0).pass);
+  s.networks[0].bindings.push_back(named(0x3fff));
+  EXPECT_TRUE(subscriptions().empty()) << "the tag is a channel's";
+  s.networks[0].bindings.clear();
+  s.channels.emplace_back().subject = kSubscribeSubject;
+  EXPECT_TRUE(subscriptions().empty()) << "the subject is a channel's";
+}
+
 TEST(ControlTraffic, OnlyTheKernelSendsWithoutAUser) {
   for (const auto profile : {Profile::famouso, Profile::j1939, Profile::cyphal, Profile::canopen})
     for (const auto& rule : control_rules(bus_of(profile), 0)) {

@@ -158,8 +158,11 @@ class EtherSockets : public testing::TestWithParam<Hook> {
     require(control.has_value(), "control");
     return std::move(*control);
   }
-  EtherGate attach(std::size_t slots = 0, Hook hook = GetParam()) {
-    auto gate = EtherGate::attach({if_nametoindex("eth0"), "eth0", slots, hook}, control_);
+  static EtherConfig config(std::size_t slots = 0, bool silent = false) {
+    return {if_nametoindex("eth0"), "eth0", slots, GetParam(), silent};
+  }
+  EtherGate attach(std::size_t slots = 0, Hook hook = GetParam(), bool silent = false) {
+    auto gate = EtherGate::attach({if_nametoindex("eth0"), "eth0", slots, hook, silent}, control_);
     if (!gate) std::fprintf(stderr, "%s\n", gate.error().text.c_str());
     require(gate.has_value(), "attach");
     return std::move(*gate);

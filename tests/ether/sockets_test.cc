@@ -143,6 +143,40 @@ TEST_P(EtherSockets, OtherTrafficIsLeftAloneWhenTheGateIsClosed) {
   EXPECT_EQ(eventually(1, [&] { return counted(Direction::ingress, GATE_R_CLOSED); }), 1U);
 }
 
+/// What UDP does with an error of the device is its own matter: a packet socket gets to see it.
+TEST_P(EtherSockets, ASilentGateDropsAndTheSenderSeesSuccess) {
+  Datagram unknown{.subject = kSubject + 1, .payload = 8};
+  unknown.source = inet_addr("10.0.0.1");
+  unknown.destination = inet_addr("10.0.0.2");
+  const Bytes bytes = test::frame(unknown.whole());
+  sockaddr_ll to{};
+  to.sll_family = AF_PACKET;
+  to.sll_protocol = htons(0x0800);
+  to.sll_ifindex = static_cast<int>(if_nametoindex("eth0"));
+  const Fd raw(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0));
+  const auto sent = [&] {
+    return ::sendto(raw.get(), bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&to),
+                    sizeof to);
+  };
+  admit({slot(Direction::ingress), slot(Direction::egress)});
+  EXPECT_EQ(sent(), -1);
+  EXPECT_EQ(errno, ENOBUFS);
+  EXPECT_EQ(counted(Direction::egress, GATE_R_UNKNOWN), 1U);
+
+  EXPECT_FALSE(gate_.holds(config(0, true)));
+  gate_ = attach(0, GetParam(), true);
+  EXPECT_TRUE(gate_.holds(config(0, true)));
+  EXPECT_EQ(gate_.present().size(), 2U) << "what was granted stays";
+  EXPECT_EQ(sent(), std::ssize(bytes));
+  EXPECT_EQ(counted(Direction::egress, GATE_R_UNKNOWN), 2U) << "it is counted all the same";
+  ASSERT_TRUE(send(near_, "10.0.0.2", kPort, event(kSubject, 3)));
+  EXPECT_EQ(received(far_), 12U) << "nothing of the others has come";
+  control_.close_all();
+  EXPECT_EQ(sent(), std::ssize(bytes));
+  EXPECT_EQ(counted(Direction::egress, GATE_R_CLOSED), 1U);
+  control_.open();
+}
+
 TEST_P(EtherSockets, ANewObjectTakesOverWhatIsThere) {
   admit({slot(Direction::ingress)});
   ASSERT_TRUE(send(far_, "10.0.0.1", kPort, event(kSubject, 8)));
@@ -157,9 +191,9 @@ TEST_P(EtherSockets, ANewObjectTakesOverWhatIsThere) {
 
 TEST_P(EtherSockets, ALargerOneTakesTheSlotsAlong) {
   admit({slot(Direction::ingress)});
-  EXPECT_FALSE(gate_.holds(20'000));
+  EXPECT_FALSE(gate_.holds(config(20'000)));
   gate_ = attach(20'000);
-  EXPECT_TRUE(gate_.holds(20'000));
+  EXPECT_TRUE(gate_.holds(config(20'000)));
   EXPECT_EQ(gate_.present(), std::vector{slot(Direction::ingress)});
   ASSERT_TRUE(send(far_, "10.0.0.1", kPort, event(kSubject, 8)));
   EXPECT_EQ(received(near_), 17U);
