@@ -30,8 +30,8 @@ enum nth_call_class {
   NTH_CALL_RANDOM,  /* getrandom */
   NTH_CALL_TIMER,   /* timerfd, eventfd */
   NTH_CALL_DEVICE,  /* ioctl, setns */
-  NTH_CALL_STATE,   /* stat, fstat, lstat, access, readlink, readdir, statfs, fstatfs, getsockname */
-  NTH_CALL_HANDLE,  /* fcntl, flock, dup, signalfd, pipe2, memfd_create, fallocate, chmod, chown */
+  NTH_CALL_STATE,  /* stat, fstat, lstat, access, readlink, readdir, statfs, fstatfs, getsockname */
+  NTH_CALL_HANDLE, /* fcntl, flock, dup, signalfd, pipe2, memfd_create, fallocate, chmod, chown */
   NTH_CALL_PROCESS, /* fork, waitpid, kill, prctl */
   NTH_CALL_CLASSES
 };
