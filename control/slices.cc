@@ -91,7 +91,7 @@ class Slicer {
     slice<Status>() = all;
     for (Interface& row : interfaces) {
       const std::size_t lines = 16 + row.unknown.size();
-      Status& to = slice<Status>();
+      auto& to = slice<Status>();
       if (to.interfaces.empty()) to = all;
       to.interfaces.push_back(std::move(row));
       filled_ += lines;

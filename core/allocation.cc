@@ -107,7 +107,8 @@ bool Allocation::step_up(std::size_t channel) {
   if (is_best(channel)) return false;
   const Decision& now = decisions_[channel];
   const std::size_t sets = sets_of(s_.system, channel);
-  const std::size_t first = now.granted == 0 ? sets : now.all_granted() ? now.set : now.set + 1;
+  std::size_t first = sets;
+  if (now.granted != 0) first = now.all_granted() ? now.set : now.set + 1;
   for (std::size_t set = first; set-- > 0;) {
     const Ledger::Mark mark = ledger_.mark();
     take_out(channel);
