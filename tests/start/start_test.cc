@@ -43,9 +43,12 @@ class SilentSource {
   std::string path_;
 };
 
+/// One more than those whose status is made by the daemon itself: a child process makes it.
+constexpr int kManyPorts = 17;
+
 class StartTest : public testing::Test {
  protected:
-  static void SetUpTestSuite() { make_links(1); }
+  static void SetUpTestSuite() { make_links(kManyPorts); }
 
   /// Runs one until its gates are in force, and kills it.
   void let_one_die() {
@@ -191,6 +194,19 @@ TEST_F(StartTest, WhereTheLookUpOfTheGroupHangsOnlyRootMayChangeAnything) {
   EXPECT_EQ(word_[0].open, 1U);
   after.signal(SIGTERM);
   EXPECT_EQ(after.end(), 0);
+}
+
+TEST_F(StartTest, OfManyPortsTheStatusIsWhole) {
+  gateway_.describe(described(kManyPorts));
+  Process daemon(gateway_.command(), gateway_.path("log"));
+  ASSERT_TRUE(daemon.ready()) << gateway_.log();
+  const std::string said = gateway_.path("status");
+  Process asks({"mlccactl", "--socket", gateway_.path("control.sock"), "--json", "status"}, said);
+  EXPECT_EQ(asks.end(), 0);
+  std::ifstream file(said);
+  const std::string status(std::istreambuf_iterator<char>(file), {});
+  for (int i = 0; i < kManyPorts; ++i)
+    EXPECT_NE(status.find("\"lan" + std::to_string(i) + "\""), std::string::npos) << status;
 }
 
 TEST_F(StartTest, WithoutTheFolderOfTheBpffsClosesAndSaysWhatToDo) {
