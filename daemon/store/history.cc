@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <iterator>
 #include <ranges>
 #include <string_view>
 #include <utility>
@@ -315,14 +316,20 @@ Result<void> History::prune(std::size_t added, std::uint64_t now_unix_ns) {
 // --- reading -------------------------------------------------------------------------------------
 
 Result<std::vector<Decision>> History::query(const HistoryFilter& filter) {
-  std::vector<Decision> found;
-  for (const Decision& d : std::views::reverse(pending_)) {
-    if (found.size() == filter.limit) return found;
-    if (matches(d, filter)) found.push_back(d);
-  }
-  auto written = with_database([&] { return select(filter, filter.limit - found.size()); });
+  const auto newer = [](const Decision& a, const Decision& b) { return a.unix_ns > b.unix_ns; };
+  std::vector<Decision> waiting;
+  for (const Decision& d : std::views::reverse(pending_))
+    if (matches(d, filter)) waiting.push_back(d);
+  std::ranges::stable_sort(waiting, newer);  // the clock may have been set back
+  auto written = with_database([&] { return select(filter, filter.limit); });
   if (!written) return written;
-  std::ranges::move(*written, std::back_inserter(found));
+  std::vector<Decision> found;
+  found.reserve(waiting.size() + written->size());
+  std::ranges::merge(std::make_move_iterator(waiting.begin()),
+                     std::make_move_iterator(waiting.end()),
+                     std::make_move_iterator(written->begin()),
+                     std::make_move_iterator(written->end()), std::back_inserter(found), newer);
+  if (found.size() > filter.limit) found.resize(filter.limit);
   return found;
 }
 

@@ -72,8 +72,8 @@ class History {
     }
   }
 
-  /// The newest that match, the newest first; those that wait for flush() count as newer than all
-  /// others. An error says what the database said.
+  /// The newest that match by their time, the newest first, whether or not they wait for flush();
+  /// of one time the later decision is first. An error says what the database said.
   [[nodiscard]] Result<std::vector<Decision>> query(const HistoryFilter& filter);
 
   /// What the operator should know (a database set aside, a disk that is full, and when it is not

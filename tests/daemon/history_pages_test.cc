@@ -74,6 +74,17 @@ TEST_F(HistoryPagesTest, HaveEveryRowOnceTheNewestFirst) {
   EXPECT_EQ(rest(all), down_from(appended_ - 1 - kPage, 2 * kPage + 7));
 }
 
+TEST_F(HistoryPagesTest, HaveEveryRowOnceAlsoWhereTheClockWasSetBack) {
+  append(2 * kPage);
+  history_.flush(now_);
+  now_ = kStart - 2 * kPage;  // earlier than all that is written
+  append(kPage);
+  auto all = pages(10'000);
+  std::vector<std::string> expected = down_from(2 * kPage - 1, 2 * kPage);
+  for (std::string& message : down_from(3 * kPage - 1, kPage)) expected.push_back(message);
+  EXPECT_EQ(rest(all), expected);
+}
+
 TEST_F(HistoryPagesTest, EndWhereTheLimitDoes) {
   append(3 * kPage);
   history_.flush(now_);
