@@ -77,7 +77,11 @@ void row(const std::string& what, const std::string& description, int runs = kRu
 
 std::uint64_t time_of(std::vector<std::string> command, const Gateway& gateway) {
   Process process(std::move(command), gateway.path("log"));
-  if (process.end() != 0) std::exit(1);
+  const int status = process.end();
+  if (status != 0) {
+    fmt::print(stderr, "exit status {}: {}", status, gateway.log());
+    std::exit(1);
+  }
   return clock_ns() - process.began();
 }
 
