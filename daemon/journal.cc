@@ -110,7 +110,9 @@ Journal Journal::to_stderr() {
 
 bool Journal::send(const Note& note, const std::string& message) const {
   if (path_.empty())
-    return write_at_once(own_ && *own_ ? own_->get() : STDERR_FILENO, message + '\n');
+    // A line that was lost may have been taken in part: it ends here.
+    return write_at_once(own_ && *own_ ? own_->get() : STDERR_FILENO,
+                         (*lost_ == 0 ? "" : "\n") + message + '\n');
   std::string fields;
   add_field(fields, "MESSAGE", message);
   add_field(fields, "PRIORITY", std::to_string(note.priority));

@@ -2,6 +2,7 @@
 // Lines of the log towards a journald that does not read for a while.
 #include <gtest/gtest.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstdlib>
@@ -73,6 +74,32 @@ TEST(Log, WhatNobodyReadsIsLostAndCounted) {
             std::string::npos);
   journal.write({.message = "last"});
   EXPECT_NE(journald.read().find(field("MESSAGE", "last")), std::string::npos);
+}
+
+TEST(Log, ALineThatWasTakenInPartEndsBeforeTheNextOne) {
+  std::array<int, 2> ends{-1, -1};
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()), 0);
+  const Fd reader(ends[0]);
+  Fd writer(ends[1]);
+  const Fd before(::dup(STDERR_FILENO));
+  ASSERT_EQ(::dup2(writer.get(), STDERR_FILENO), STDERR_FILENO);
+  writer.reset();
+  const Journal journal = Journal::to_stderr();
+  journal.write({.message = std::string(std::size_t{16} << 20, 'x')});
+  std::string read;
+  std::array<char, 65536> text{};
+  const auto drain = [&] {
+    for (ssize_t n = 0; (n = ::recv(reader.get(), text.data(), text.size(), MSG_DONTWAIT)) > 0;)
+      read.append(text.data(), static_cast<std::size_t>(n));
+  };
+  drain();
+  ASSERT_FALSE(read.empty());
+  EXPECT_NE(read.back(), '\n') << "all of it was taken";
+  journal.write({.message = "after"});
+  drain();
+  ASSERT_EQ(::dup2(before.get(), STDERR_FILENO), STDERR_FILENO);
+  EXPECT_TRUE(read.ends_with("x\n(1 lines before this one were lost: nobody read them) after\n"))
+      << read.substr(read.size() - 100);
 }
 
 }  // namespace
