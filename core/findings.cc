@@ -63,6 +63,14 @@ constexpr auto kTable = std::to_array<FindingInfo>({
      "the queue of a gateway is too short for the frames that may wait in it"},
     {Id::relay_gated, S::warning, "relay-gated",
      "the gate of a port drops what its node relays for others"},
+    {Id::no_omission, S::note, "no-omission",
+     "nobody says how many heart-beats in a row may be lost"},
+    {Id::long_period, S::note, "long-period",
+     "an hour or more lies between the events of a channel on which safety depends"},
+    {Id::managed_in_vain, S::note, "managed-in-vain",
+     "a port is managed on a network that is no CAN network"},
+    {Id::unstarted_sender, S::note, "unstarted-sender",
+     "a program carries events, and mlccad does not start it"},
 });
 
 constexpr bool is_dense() {

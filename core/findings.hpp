@@ -52,6 +52,11 @@ enum class FindingId : std::uint8_t {
   no_data_rate = 35,
   queue_too_short = 36,
   relay_gated = 37,
+  // Allowed, and hardly meant.
+  no_omission = 38,
+  long_period = 39,
+  managed_in_vain = 40,
+  unstarted_sender = 41,
 };
 
 /// A note is information: it does not make a description unfit.

@@ -17,6 +17,7 @@
 #include "core/plan.hpp"
 #include "core/profile.hpp"
 #include "core/relay_gate.hpp"
+#include "core/sense.hpp"
 #include "core/text.hpp"
 #include "core/topology.hpp"
 #include "core/world.hpp"
@@ -48,6 +49,7 @@ class Inspector {
     out_.channels.resize(s_.channels.size());
     check_networks();
     check_relays();
+    add_sense_notes(s_, members_, out_.findings);
     const Situation situation{s_, topology_, members_, world_, withdrawn_, true};
     decide_each(situation, ledger_, [&](std::size_t channel, const Decision& decision) {
       const std::size_t before = out_.findings.size();
@@ -237,6 +239,7 @@ class Inspector {
             c, static_cast<std::uint32_t>(v.publisher));
         out_.findings.back().place = hop;
         out_.findings.back().has_place = true;
+        out_.channels[c].outcome = Outcome::unfit;
       }
     }
   }

@@ -187,6 +187,7 @@ TEST_F(JsonTest, IsOneObjectOnOneLineWithTheFieldsThatApply) {
             Json::array({{{"file", name},
                           {"name", "test"},
                           {"readable", true},
+                          {"usable", true},
                           {"inspected", true},
                           {"channels", {{"all", 1}, {"fit", 0}, {"run_time", 0}, {"unfit", 1}}}}}));
   ASSERT_EQ(json["findings"].size(), 1U);

@@ -98,6 +98,22 @@ const char* advice_on(core::FindingId id) {
       return "A gate on a radio sees what its node relays for others, which nobody admitted there, "
              "and drops it: the mesh is cut. Give the Port the mesh's own device (awds0, bat0). "
              "Where nodes relay by routing, let a node that has no gate relay.";
+    case Id::no_omission:
+      return "A subscriber is told that heart-beats stay out after Omission + 1 Periods. Without "
+             "an "
+             "Omission it is never told. State how many in a row may be lost.";
+    case Id::long_period:
+      return "A failure is noticed after (Omission + 1) Periods at the earliest. Mostly the unit "
+             "of "
+             "the Period is wrong.";
+    case Id::managed_in_vain:
+      return "mlccad sets the bit rates of CAN interfaces. Of others it only brings the interface "
+             "up; "
+             "leave them to the network configuration of the machine.";
+    case Id::unstarted_sender:
+      return "Between CAN and other networks the kernel forwards nothing: a program of the user "
+             "that "
+             "sender names does. mlccad does not start it; a systemd unit with User= can.";
     case Id::medium_time:
       return "The links of a mesh share the time of their medium (docs/MESH.md). Send less, state "
              "a "

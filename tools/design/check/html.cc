@@ -67,11 +67,16 @@ std::string summary(std::string_view title, const SystemReport& system) {
   if (!system.inspected)
     return "<p class=\"bad\">The deliveries are checked when the names and rules are right.</p>\n";
   const auto counts = counts_of(system);
+  const char* const refused =
+      system.usable
+          ? ""
+          : "<p class=\"bad\">The description is not usable for the errors below. Without "
+            "them:</p>\n";
   return fmt::format(
-      "<p class=\"counts\"><span><b>{}</b>:</span><span class=\"good\"><b>{}</b> fit</span>"
+      "{}<p class=\"counts\"><span><b>{}</b>:</span><span class=\"good\"><b>{}</b> fit</span>"
       "<span class=\"maybe\"><b>{}</b> decided at run time</span>"
       "<span class=\"bad\"><b>{}</b> do not fit</span></p>\n",
-      counted(system.inspection.channels.size(), "channel"), counts.fit, counts.run_time,
+      refused, counted(system.inspection.channels.size(), "channel"), counts.fit, counts.run_time,
       counts.unfit);
 }
 

@@ -14,6 +14,7 @@ Json to_json(const SystemReport& system) {
   Json out{{"file", system.file},
            {"name", system.system.name},
            {"readable", system.readable},
+           {"usable", system.usable},
            {"inspected", system.inspected}};
   if (!system.inspected) return out;
   const auto counts = counts_of(system);

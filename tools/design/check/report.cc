@@ -86,6 +86,7 @@ SystemReport check_system(const std::vector<std::string>& paths, const ReportPro
   out.readable = examined.readable;
   out.system = std::move(examined.system);
   for (const auto& problem : examined.problems) out.findings.push_back(reported(problem));
+  out.usable = out.readable && out.findings.empty();
   out.inspected =
       out.readable && std::ranges::none_of(out.findings, hides_others, &ReportedFinding::id);
   if (!out.inspected) return out;

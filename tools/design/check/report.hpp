@@ -36,6 +36,7 @@ struct ReportedFinding {
 struct SystemReport {
   std::string file;  ///< as it was named on the command line
   bool readable = false;
+  bool usable = false;          ///< no rule of descriptions is broken: mlccad would take it
   bool inspected = false;       ///< names and places are known, so that deliveries could be decided
   core::System system;          ///< only its files unless readable
   core::Inspection inspection;  ///< without findings: they are below; empty unless inspected

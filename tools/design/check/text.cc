@@ -33,16 +33,18 @@ void write(std::string& out, const ReportedFinding& f, Color color) {
                    styled("hint: " + f.hint, Style::dim, color));
 }
 
-/// "volksbot: 3 channels: 2 fit, 1 decided at run time, 0 do not fit"
+/// "volksbot: 3 channels: 2 fit, 1 decided at run time, 0 do not fit"; where mlccad would refuse
+/// the description as a whole nothing fits, whatever the deliveries alone look like.
 std::string channels_line(const SystemReport& system) {
   const auto& name = system.system.name.empty() ? system.file : system.system.name;
   if (!system.readable) return fmt::format("{}: cannot be read", name);
   if (!system.inspected)
     return fmt::format("{}: deliveries are checked when the names and rules are right", name);
   const auto counts = counts_of(system);
-  return fmt::format("{}: {}: {} fit, {} decided at run time, {} do not fit", name,
+  return fmt::format("{}: {}{}: {} {}, {} decided at run time, {} do not fit", name,
+                     system.usable ? "" : "not usable for these errors; without them, ",
                      counted(system.inspection.channels.size(), "channel"), counts.fit,
-                     counts.run_time, counts.unfit);
+                     system.usable ? "fit" : "would fit", counts.run_time, counts.unfit);
 }
 
 }  // namespace
