@@ -139,7 +139,9 @@ const Child* Builder::next_child_of_open(int line, const QualifiedName& name) {
     wrong(line, name.local,
           "a System cannot be included: the root of an included file is a part of one");
   else
-    wrong(line, name.local, explain_child(*parent.type, parent.content, parent.name, name.local));
+    wrong(line, name.local,
+          explain_child(*parent.type, parent.content, parent.name, name.local,
+                        std::span<const Element>(closed_).subspan(parent.first_child)));
   return nullptr;
 }
 

@@ -71,6 +71,21 @@ std::string listed(const Names& names) {
   return fmt::format("{}( {} )", names.size() > 1 ? "one of " : "", fmt::join(names, ", "));
 }
 
+/// Of the children `before`, which stand in their order: the first that the child of that name has
+/// to precede. Null where there is none, or any order is right.
+const Element* first_behind(const ElementType& type, std::string_view name,
+                            std::span<const Element> before) {
+  if (type.any_order) return nullptr;
+  const auto step_of = [&](std::string_view child) {
+    return std::ranges::find_if(
+        type.steps, [&](const Step& step) { return child_named(step, child) != nullptr; });
+  };
+  const auto own = step_of(name);
+  const auto found =
+      std::ranges::find_if(before, [&](const Element& child) { return step_of(child.name) > own; });
+  return found == before.end() ? nullptr : &*found;
+}
+
 std::string did_you_mean(std::string_view name, const Names& known) {
   const auto close = closest(name, known);
   return close.empty() ? "" : fmt::format("; did you mean {}?", close);
@@ -118,7 +133,7 @@ bool is_container(const ElementType& type) {
 }
 
 std::string explain_child(const ElementType& type, const Content& content, std::string_view parent,
-                          std::string_view name) {
+                          std::string_view name, std::span<const Element> before) {
   if (type.value != nullptr) return fmt::format("is not expected: {} is a plain value", parent);
   if (type.steps.empty()) return fmt::format("is not expected: {} is empty", parent);
   const auto names = names_of(type);
@@ -128,6 +143,10 @@ std::string explain_child(const ElementType& type, const Content& content, std::
   const auto order = order_of(type, parent);
   if (!known) return fmt::format("is not known here: {}{}", order, did_you_mean(name, names));
   const auto next = next_names(type, content);
+  if (const Element* const later = first_behind(type, name, before))
+    return fmt::format("comes too late: it belongs before {} in line {}{}: {}", later->name,
+                       later->line, next.empty() ? "" : ", and here may stand " + listed(next),
+                       order);
   return next.empty() ? fmt::format("is one too many or out of place: {}", order)
                       : fmt::format("is not expected here, but {}: {}", listed(next), order);
 }

@@ -3,10 +3,12 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "description/grammar.hpp"
+#include "description/xml.hpp"
 
 namespace mlcca::description {
 
@@ -26,9 +28,10 @@ bool is_complete(const ElementType& type, const Content& content);
 /// Its parts come in any number, and one that is wrong says nothing about the others.
 bool is_container(const ElementType& type);
 
-/// What is said of a child that next_child refuses; `parent` is the name of the element.
+/// What is said of a child that next_child refuses; `parent` is the name of the element, `before`
+/// are the children that it has so far.
 std::string explain_child(const ElementType& type, const Content& content, std::string_view parent,
-                          std::string_view name);
+                          std::string_view name, std::span<const Element> before);
 
 /// "is not complete: it needs ..."
 std::string explain_incomplete(const ElementType& type, const Content& content);

@@ -32,7 +32,7 @@ bool Guard::take(char c) {
       open_markup(c);
       break;
     case State::comment:
-      until("-->", c);
+      in_comment(c);
       break;
     case State::section:
       until("]]>", c);
@@ -55,12 +55,14 @@ void Guard::begin(char c) {
   start_.clear();
   attributes_ = 0;
   quote_ = 0;
-  if (c == '!')
+  if (c == '!') {
     state_ = State::bang;
-  else if (c == '?')
+    began_ = line_;
+  } else if (c == '?') {
     state_ = State::instruction;
-  else
+  } else {
     state_ = c == '/' ? State::other : State::tag;
+  }
 }
 
 /// The parser refuses what begins with <! and is neither a comment nor a section.
@@ -85,6 +87,12 @@ void Guard::in_tag(char c) {
   } else if (c == '>') {
     state_ = State::text;
   }
+}
+
+/// "--" ends a comment, with ">" behind it, and stands nowhere else in one.
+void Guard::in_comment(char c) {
+  if ((latest_ & 0xffffU) == 0x2d2dU && c != '>' && wrong_comment_ == 0) wrong_comment_ = began_;
+  until("-->", c);
 }
 
 void Guard::until(std::string_view end, char c) {

@@ -21,6 +21,13 @@ class Guard {
   /// The next bytes. What is wrong in them, the first of it; or nothing.
   std::optional<Wrong> take(std::string_view bytes);
 
+  /// Line in which the comment or section begins that is open now; 0: none is.
+  [[nodiscard]] int open_since() const {
+    return state_ == State::comment || state_ == State::section ? began_ : 0;
+  }
+  /// Line in which the first comment begins that holds "--"; 0: none has.
+  [[nodiscard]] int wrong_comment() const { return wrong_comment_; }
+
  private:
   enum class State : std::uint8_t { text, opened, bang, comment, section, instruction, tag, other };
 
@@ -28,10 +35,13 @@ class Guard {
   void begin(char c);
   void open_markup(char c);
   void in_tag(char c);
+  void in_comment(char c);
   void until(std::string_view end, char c);
 
   State state_ = State::text;
   int line_ = 1;
+  int began_ = 0;  ///< line of the latest <!
+  int wrong_comment_ = 0;
   char quote_ = 0;              ///< of the value in a tag; 0: outside
   std::size_t attributes_ = 0;  ///< of the tag
   std::string start_;           ///< of markup that begins with <!

@@ -52,6 +52,35 @@ std::string words_for(const xmlError& error) {
   return fmt::format("not well-formed XML: {}", text);
 }
 
+std::string_view view_of(const xmlError& error) { return error.message; }
+
+/// What is wrong in a comment or a CDATA section is told with the line that it begins in; the
+/// library finds the end of the file where one does not end.
+std::optional<Guard::Wrong> comment_message(const Guard& guard, const xmlError& error) {
+  switch (error.code) {
+    case XML_ERR_COMMENT_NOT_FINISHED:
+    case XML_ERR_CDATA_NOT_FINISHED:
+      // Of one that is too long the library says that, by the same number.
+      if (guard.open_since() == 0 || view_of(error).contains("too big")) return std::nullopt;
+      return Guard::Wrong{
+          guard.open_since(),
+          error.code == XML_ERR_COMMENT_NOT_FINISHED
+              ? "not well-formed XML: the comment that begins here does not end: \"-->\" is missing"
+              : "not well-formed XML: the CDATA section that begins here does not end: \"]]>\" is "
+                "missing"};
+    case XML_ERR_HYPHEN_IN_COMMENT:
+      return Guard::Wrong{
+          error.line,
+          fmt::format("not well-formed XML: \"--\" within a comment{}: only \"-->\", its end, may "
+                      "have two hyphens; write one, or end the comment before",
+                      guard.wrong_comment() == 0 || guard.wrong_comment() == error.line
+                          ? ""
+                          : fmt::format(", which begins in line {}", guard.wrong_comment()))};
+    default:
+      return std::nullopt;
+  }
+}
+
 class Parser {
  public:
   Parser(Source& source, std::uint32_t file, Builder& builder, const Account& account)
@@ -114,6 +143,11 @@ int Parser::read(void* data, char* to, int size) noexcept {
 void Parser::message(void* data, xmlError* error) noexcept {
   auto& self = of(data);
   if (self.ended_ || error->level == XML_ERR_WARNING || error->message == nullptr) return;
+  if (const auto in_comment = comment_message(self.guard_, *error)) {
+    self.builder_.fail({.file = self.file_, .line = in_comment->line}, self.builder_.inside(),
+                       in_comment->text, FindingId::not_xml);
+    return self.end_here();
+  }
   const bool has_line = error->domain == XML_FROM_PARSER || error->domain == XML_FROM_NAMESPACE;
   self.builder_.fail({.file = self.file_, .line = has_line ? error->line : self.line()},
                      self.builder_.inside(), words_for(*error), FindingId::not_xml);

@@ -11,6 +11,7 @@
 #include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <initializer_list>
 
 namespace mlcca::description {
 namespace {
@@ -52,11 +53,40 @@ ssize_t Source::read(char* to, std::size_t size) {
   return static_cast<ssize_t>(got);
 }
 
+namespace {
+
+/// Of text that begins with a byte order mark or with '<' in wider characters (XML 1.0, F.1).
+std::optional<std::string_view> other_encoding(std::string_view xml) {
+  using namespace std::string_view_literals;
+  struct Start {
+    std::string_view bytes;
+    std::string_view encoding;
+  };
+  // UTF-32 before UTF-16, whose mark it begins with.
+  for (const auto& [bytes, encoding] : std::initializer_list<Start>{{"\xff\xfe\0\0"sv, "UTF-32"},
+                                                                    {"\0\0\xfe\xff"sv, "UTF-32"},
+                                                                    {"<\0\0\0"sv, "UTF-32LE"},
+                                                                    {"\0\0\0<"sv, "UTF-32BE"},
+                                                                    {"\xff\xfe"sv, "UTF-16"},
+                                                                    {"\xfe\xff"sv, "UTF-16"},
+                                                                    {"<\0"sv, "UTF-16LE"},
+                                                                    {"\0<"sv, "UTF-16BE"}})
+    if (xml.starts_with(bytes)) return encoding;
+  return std::nullopt;
+}
+
+}  // namespace
+
 std::optional<std::string> wrong_start(std::string_view xml, bool whole) {
   if (xml.starts_with("\xef\xbb\xbf")) xml.remove_prefix(3);
   const auto first = xml.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos && !whole) return std::nullopt;
   if (first == std::string_view::npos) return "the file is empty: a root element is needed";
+  if (const auto other = other_encoding(xml))
+    return fmt::format(
+        "this is text in {0}, and a description is read in UTF-8: save it in UTF-8, or convert it "
+        "(iconv -f {0} -t UTF-8), and let its XML declaration name no other encoding",
+        *other);
   if (xml[first] != '<' || xml.substr(0, 4).contains('\0'))
     return "this is not XML in UTF-8: the first character must be '<'";
   if (!xml.starts_with("<?xml")) return std::nullopt;

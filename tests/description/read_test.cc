@@ -345,11 +345,39 @@ TEST(ReadMemory, RefusesWhatIsNoUtf8Xml) {
   EXPECT_EQ(problem_of(" \n"), "t.xml:1: the file is empty: a root element is needed");
   EXPECT_EQ(problem_of("name: volksbot"),
             "t.xml:1: this is not XML in UTF-8: the first character must be '<'");
-  EXPECT_EQ(problem_of(std::string("<\0S\0y\0", 6)),
-            "t.xml:1: this is not XML in UTF-8: the first character must be '<'");
-  EXPECT_EQ(problem_of(std::string("\xff\xfe<\0S\0", 6)),
-            "t.xml:1: this is not XML in UTF-8: the first character must be '<'");
+  const auto in = [](const std::string& encoding) {
+    return "t.xml:1: this is text in " + encoding +
+           ", and a description is read in UTF-8: save it in UTF-8, or convert it (iconv -f " +
+           encoding + " -t UTF-8), and let its XML declaration name no other encoding";
+  };
+  EXPECT_EQ(problem_of(std::string("<\0S\0y\0", 6)), in("UTF-16LE"));
+  EXPECT_EQ(problem_of(std::string("\0<\0S\0y", 6)), in("UTF-16BE"));
+  EXPECT_EQ(problem_of(std::string("\xff\xfe<\0S\0", 6)), in("UTF-16"));
+  EXPECT_EQ(problem_of(std::string("\xfe\xff\0<\0S", 6)), in("UTF-16"));
+  EXPECT_EQ(problem_of(std::string("\xff\xfe\0\0<\0\0\0", 8)), in("UTF-32"));
+  EXPECT_EQ(problem_of(std::string("<\0\0\0S\0\0\0", 8)), in("UTF-32LE"));
   EXPECT_EQ(problem_of("\xef\xbb\xbf<System name=\"test\"/>"), "");
+}
+
+TEST(ReadMemory, MistakesInCommentsAreToldAtTheirLine) {
+  EXPECT_EQ(problem_of("<System name='a'>\n<!-- open\n\n<Network/>\n</System>\n"),
+            "t.xml:2: <System>: not well-formed XML: the comment that begins here does not end: "
+            "\"-->\" is missing");
+  EXPECT_EQ(problem_of("<System name='a'>\n<!-- good -->\n<!-- one\n-- two -->\n</System>\n"),
+            "t.xml:4: <System>: not well-formed XML: \"--\" within a comment, which begins in line "
+            "3: only \"-->\", its end, may have two hyphens; write one, or end the comment before");
+  EXPECT_EQ(
+      problem_of("<System name='a'>\n<!-- a --->\n</System>\n"),
+      "t.xml:2: <System>: not well-formed XML: \"--\" within a comment: only \"-->\", its end, "
+      "may have two hyphens; write one, or end the comment before");
+}
+
+TEST(ReadMemory, AnElementThatComesTooLateIsToldWhereItBelongs) {
+  EXPECT_EQ(problem_of("<System name='a'>\n<EventChannel name='c'>\n<SubjectUID>0x1</SubjectUID>\n"
+                       "<Attributes/>\n<Description>d</Description>\n</EventChannel>\n</System>\n"),
+            "t.xml:5: <Description>: comes too late: it belongs before Attributes in line 4, "
+            "and here may stand ( Attributes ): EventChannel has SubjectUID, Description, "
+            "Attributes, in this order");
 }
 
 TEST(ReadMemory, ReadsTheSameTwice) {
