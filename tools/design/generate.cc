@@ -114,11 +114,11 @@ class Generate {
     }
     std::vector<std::pair<std::string, Written>> done;
     std::vector<std::string> names;
-    for (const auto& file : files_) {
-      const auto written = output.write(file);
-      if (!written) return refuse(Exit::world, written.error().text);
-      done.emplace_back(output.path(file.name), *written);
-      names.push_back(file.name);
+    const auto written = output.write(files_);
+    if (!written) return refuse(Exit::world, written.error().text);
+    for (std::size_t i = 0; i < files_.size(); ++i) {
+      done.emplace_back(output.path(files_[i].name), (*written)[i]);
+      names.push_back(files_[i].name);
     }
     if (a_.components.empty())
       for (const auto& name : output.leftovers(names))

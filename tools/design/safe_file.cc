@@ -11,6 +11,7 @@
 #include <cstring>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "core/handle.hpp"
 
@@ -46,7 +47,7 @@ class Draft {
  public:
   explicit Draft(const std::string& target) : name_(target + ".XXXXXX") {}
   ~Draft() {
-    if (fd_) ::unlink(name_.c_str());
+    if (there_) ::unlink(name_.c_str());
   }
   Draft(const Draft&) = delete;
   Draft(Draft&&) = delete;
@@ -56,6 +57,7 @@ class Draft {
   Result<void> open() {
     fd_.reset(::mkostemp(name_.data(), O_CLOEXEC));
     if (!fd_) return failed(name_, "create");
+    there_ = true;
     return {};
   }
 
@@ -79,28 +81,60 @@ class Draft {
       if (n < 0 && errno != EINTR) return failed(name_, "write");
       if (n > 0) text.remove_prefix(static_cast<std::size_t>(n));
     }
+    return {};
+  }
+
+  Result<void> sync() {
     if (::fsync(fd_.get()) != 0) return failed(name_, "sync");
     return {};
   }
+
+  /// There may be more of them than a process can have open.
+  void close() { fd_.reset(); }
 
   Result<void> become(const std::string& target, bool replace) {
     if (::renameat2(AT_FDCWD, name_.c_str(), AT_FDCWD, target.c_str(),
                     replace ? 0U : static_cast<unsigned>(RENAME_NOREPLACE)) != 0)
       return failed(target, "rename");
-    fd_.reset();
-    const Fd folder(::open(folder_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    if (folder) ::fsync(folder.get());
+    there_ = false;
     return {};
   }
 
  private:
   std::string name_;
   Fd fd_;
+  bool there_ = false;
 };
+
+void sync_folder(const std::string& path) {
+  const Fd folder(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder) ::fsync(folder.get());
+}
 
 bool is_same(const struct stat& a, const struct stat& b) {
   return a.st_dev == b.st_dev && a.st_ino == b.st_ino && a.st_size == b.st_size &&
          a.st_mtim.tv_sec == b.st_mtim.tv_sec && a.st_mtim.tv_nsec == b.st_mtim.tv_nsec;
+}
+
+Result<void> draft_like(Draft& draft, const FileContent& old, std::string_view text) {
+  if (auto done = draft.open(); !done) return done;
+  if (auto done = draft.keep_owner_and_mode(old.status); !done) return done;
+  return draft.write(text);
+}
+
+Result<void> draft_new(Draft& draft, std::string_view text) {
+  if (auto done = draft.open(); !done) return done;
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  if (auto done = draft.set_mode(0666U & ~mask); !done) return done;
+  return draft.write(text);
+}
+
+Result<void> put(Draft& draft, const FileContent& old) {
+  struct stat now{};
+  if (::stat(old.path.c_str(), &now) != 0 || !is_same(now, old.status))
+    return fail(old.path + ": has been changed by someone else meanwhile; nothing was written");
+  return draft.become(old.path, true);
 }
 
 }  // namespace
@@ -135,23 +169,57 @@ Result<std::optional<FileContent>> read_file(const std::string& path, std::size_
 
 Result<void> replace_file(const FileContent& old, std::string_view text) {
   Draft draft(old.path);
-  if (auto done = draft.open(); !done) return done;
-  if (auto done = draft.keep_owner_and_mode(old.status); !done) return done;
-  if (auto done = draft.write(text); !done) return done;
-  struct stat now{};
-  if (::stat(old.path.c_str(), &now) != 0 || !is_same(now, old.status))
-    return fail(old.path + ": has been changed by someone else meanwhile; nothing was written");
-  return draft.become(old.path, true);
+  if (auto done = draft_like(draft, old, text); !done) return done;
+  if (auto done = draft.sync(); !done) return done;
+  if (auto done = put(draft, old); !done) return done;
+  sync_folder(folder_of(old.path));
+  return {};
 }
 
 Result<void> create_file(const std::string& path, std::string_view text) {
   Draft draft(path);
-  if (auto done = draft.open(); !done) return done;
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  if (auto done = draft.set_mode(0666U & ~mask); !done) return done;
-  if (auto done = draft.write(text); !done) return done;
-  return draft.become(path, false);
+  if (auto done = draft_new(draft, text); !done) return done;
+  if (auto done = draft.sync(); !done) return done;
+  if (auto done = draft.become(path, false); !done) return done;
+  sync_folder(folder_of(path));
+  return {};
+}
+
+struct FileBatch::Pending {
+  Draft draft;
+  std::string path;
+  std::optional<FileContent> old;  ///< that is replaced
+};
+
+FileBatch::FileBatch(std::string folder) : folder_(std::move(folder)) {}
+FileBatch::~FileBatch() = default;
+
+Result<void> FileBatch::replace(FileContent old, std::string_view text) {
+  const std::string path = old.path;
+  auto& next = *pending_.emplace_back(new Pending{Draft(path), path, std::move(old)});
+  auto done = draft_like(next.draft, *next.old, text);
+  next.draft.close();
+  return done;
+}
+
+Result<void> FileBatch::create(const std::string& path, std::string_view text) {
+  auto& next = *pending_.emplace_back(new Pending{Draft(path), path, std::nullopt});
+  auto done = draft_new(next.draft, text);
+  next.draft.close();
+  return done;
+}
+
+Result<void> FileBatch::commit() {
+  if (pending_.empty()) return {};
+  const Fd folder(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!folder || ::syncfs(folder.get()) != 0) return failed(folder_, "sync");
+  for (const auto& next : pending_) {
+    auto done = next->old ? put(next->draft, *next->old) : next->draft.become(next->path, false);
+    if (!done) return done;
+  }
+  ::fsync(folder.get());
+  pending_.clear();
+  return {};
 }
 
 }  // namespace mlcca::tools::design

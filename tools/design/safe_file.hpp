@@ -5,9 +5,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/result.hpp"
 
@@ -33,5 +35,30 @@ Result<void> replace_file(const FileContent& old, std::string_view text);
 
 /// Creates `path` in the same way. Refused if it exists by then.
 Result<void> create_file(const std::string& path, std::string_view text);
+
+/// Many files of one folder, each as replace_file() and create_file() do it, and all synced
+/// together: one sync a file is most of the time that thousands of small ones take.
+class FileBatch {
+ public:
+  explicit FileBatch(std::string folder);
+  FileBatch(const FileBatch&) = delete;
+  FileBatch(FileBatch&&) = delete;
+  FileBatch& operator=(const FileBatch&) = delete;
+  FileBatch& operator=(FileBatch&&) = delete;
+  /// What was not committed is removed.
+  ~FileBatch();
+
+  /// Written beside the file that it shall become.
+  Result<void> replace(FileContent old, std::string_view text);
+  Result<void> create(const std::string& path, std::string_view text);
+  /// Syncs all of them, then renames one after the other, in their order. With an error those
+  /// before it are there, and the others are as they were.
+  Result<void> commit();
+
+ private:
+  struct Pending;
+  std::string folder_;
+  std::vector<std::unique_ptr<Pending>> pending_;
+};
 
 }  // namespace mlcca::tools::design

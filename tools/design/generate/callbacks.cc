@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
+#include <map>
+#include <set>
 #include <utility>
 
 #include "tools/design/generate/names.hpp"
@@ -121,7 +124,7 @@ class Parser {
 
   Result<void> keep(Region region, int line) {
     auto& regions = kept_ ? out_.kept : out_.regions;
-    if (std::ranges::find(regions, region.name, &Region::name) != regions.end())
+    if (!names_.emplace(kept_, region.name).second)
       return fail(fmt::format("line {}: user code {} is there twice", line, region.name));
     if (kept_) region.code = uncovered(region.code);
     regions.push_back(std::move(region));
@@ -129,8 +132,9 @@ class Parser {
   }
 
   std::string_view text_;
-  int number_ = 0;     ///< of the line that was taken last
-  bool kept_ = false;  ///< in the code that is kept at the end
+  int number_ = 0;                                ///< of the line that was taken last
+  bool kept_ = false;                             ///< in the code that is kept at the end
+  std::set<std::pair<bool, std::string>> names_;  ///< of regions, kept or not
   Parsed out_;
 };
 
@@ -198,20 +202,48 @@ bool is_untouched(const Region& region) {
   return true;
 }
 
+/// What stands at its place comes before what was kept under the same name.
+std::vector<Region> merged(std::vector<Region> regions, std::vector<Region> kept) {
+  std::map<std::string, std::size_t> at;
+  std::vector<bool> gone(regions.size(), false);
+  for (std::size_t i = 0; i < regions.size(); ++i) at.emplace(regions[i].name, i);
+  for (auto& region : kept) {
+    if (const auto same = at.find(region.name);
+        same != at.end() && is_untouched(regions[same->second])) {
+      gone[same->second] = true;
+      at.erase(same);
+    }
+    while (!at.try_emplace(region.name, regions.size()).second) region.name += " (earlier)";
+    regions.push_back(std::move(region));
+    gone.push_back(false);
+  }
+  std::vector<Region> out;
+  out.reserve(regions.size());
+  for (std::size_t i = 0; i < regions.size(); ++i)
+    if (!gone[i]) out.push_back(std::move(regions[i]));
+  return out;
+}
+
 /// The skeleton with the code of `regions` in it; those that are used are taken out.
 std::string filled(std::string_view skeleton, std::vector<Region>& regions) {
+  std::map<std::string, std::size_t, std::less<>> at;
+  std::vector<bool> used(regions.size(), false);
+  for (std::size_t i = 0; i < regions.size(); ++i) at.emplace(regions[i].name, i);
   std::string out;
   while (!skeleton.empty()) {
     const auto line = take_line(skeleton);
     out += line;
     if (!trimmed(line).starts_with(kBegin)) continue;
     const auto name = trimmed(line).substr(kBegin.size());
-    const auto found = std::ranges::find(regions, name, &Region::name);
-    if (found == regions.end()) continue;
+    const auto found = at.find(name);
+    if (found == at.end()) continue;
     while (!trimmed(skeleton.substr(0, skeleton.find('\n'))).starts_with(kEnd)) take_line(skeleton);
-    out += found->code;
-    regions.erase(found);
+    out += regions[found->second].code;
+    used[found->second] = true;
+    at.erase(found);
   }
+  std::size_t i = 0;
+  std::erase_if(regions, [&](const Region&) { return used[i++]; });
   return out;
 }
 
@@ -236,15 +268,7 @@ Result<std::string> callbacks_of(const core::System& system, const Unit& unit,
     return fail(
         "something was changed outside of the user code; move it between the markers, or give it "
         "up with --force");
-  // What stands at its place comes before what was kept under the same name.
-  auto regions = std::move(parsed->regions);
-  for (auto& region : parsed->kept) {
-    std::erase_if(regions,
-                  [&](const Region& r) { return r.name == region.name && is_untouched(r); });
-    while (std::ranges::find(regions, region.name, &Region::name) != regions.end())
-      region.name += " (earlier)";
-    regions.push_back(std::move(region));
-  }
+  auto regions = merged(std::move(parsed->regions), std::move(parsed->kept));
   auto text = filled(fresh.text(), regions);
   std::erase_if(regions, is_untouched);
   const auto checksum = fmt::format("{}{}\n", kChecksum, checksum_of(fresh.outside()));

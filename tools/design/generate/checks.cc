@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <span>
+#include <utility>
 
 #include "core/inspect.hpp"
 #include "core/user_values.hpp"
@@ -52,7 +54,7 @@ bool is_user_refused(const core::System& system, const core::UserValues& asked,
 }  // namespace
 
 Decisions::Decisions(const core::System& system)
-    : sets_(system.channels.size(), 0), errors_(system.channels.size()) {
+    : members_(system), sets_(system.channels.size(), 0), errors_(system.channels.size()) {
   const auto keep = [this](std::size_t channel, const core::Decision& decision,
                            std::span<const core::Finding> errors) {
     const auto kept =
@@ -67,26 +69,24 @@ Decisions::Decisions(const core::System& system)
   static_cast<void>(core::inspect(system, {}, keep));
 }
 
-std::vector<Pair> pairs_of(const core::System& system, const Unit& unit) {
+std::vector<Pair> pairs_of(const core::System& system, const core::Members& members,
+                           const Unit& unit) {
   std::vector<Pair> out;
-  const auto is_own = [&](End end) {
-    return std::ranges::any_of(unit.ends,
-                               [&](End e) { return e.role == end.role && e.index == end.index; });
-  };
+  std::set<std::pair<der::Role, std::size_t>> own_ends;
+  for (const End end : unit.ends) own_ends.emplace(end.role, end.index);
   for (const auto own : unit.ends) {
     const bool publishes = own.role == der::Role::publisher;
-    const auto others = publishes ? der::Role::subscriber : der::Role::publisher;
-    const auto count = publishes ? system.subscribers.size() : system.publishers.size();
-    bool alone = true;
-    for (std::size_t i = 0; i < count; ++i) {
-      const End other{others, i};
-      if (channel_of(system, other) != channel_of(system, own)) continue;
-      alone = false;
+    const auto role = publishes ? der::Role::subscriber : der::Role::publisher;
+    const std::size_t channel = channel_of(system, own);
+    const auto& others =
+        publishes ? members.subscribers_of(channel) : members.publishers_of(channel);
+    for (const std::size_t i : others) {
+      const End other{role, i};
       // Two of the same unit meet when it is the publisher's turn.
-      if (!publishes && is_own(other)) continue;
+      if (!publishes && own_ends.contains({role, i})) continue;
       out.push_back(publishes ? Pair{own, other} : Pair{other, own});
     }
-    if (alone) out.push_back(publishes ? Pair{own, {}} : Pair{{}, own});
+    if (others.empty()) out.push_back(publishes ? Pair{own, {}} : Pair{{}, own});
   }
   return out;
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/findings.hpp"
+#include "core/members.hpp"
 #include "core/topology.hpp"
 #include "mlcca/compose.hpp"
 #include "tools/design/generate/unit.hpp"
@@ -41,12 +42,15 @@ class Decisions {
   }
   /// The attribute set that a channel uses.
   [[nodiscard]] std::size_t set_of(std::size_t channel) const { return sets_.at(channel); }
+  /// Who publishes and who subscribes each channel.
+  [[nodiscard]] const core::Members& members() const { return members_; }
   /// Errors of a channel in the set that it uses.
   [[nodiscard]] const std::vector<core::Finding>& errors_of(std::size_t channel) const {
     return *errors_.at(channel);
   }
 
  private:
+  core::Members members_;
   std::map<std::tuple<std::size_t, core::Place, std::size_t>, Delivery> deliveries_;
   std::vector<std::size_t> sets_;
   std::vector<std::shared_ptr<const std::vector<core::Finding>>> errors_;
@@ -59,8 +63,9 @@ struct Pair {
   std::optional<End> subscriber;
 };
 
-/// All of a unit, in the order of its ends.
-std::vector<Pair> pairs_of(const core::System& system, const Unit& unit);
+/// All of a unit, in the order of its ends. `members` are those of the system.
+std::vector<Pair> pairs_of(const core::System& system, const core::Members& members,
+                           const Unit& unit);
 
 /// Whether the checks of static_check.hpp refuse a pair in an attribute set, over these hops.
 [[nodiscard]] bool is_refused_by_types(const core::System& system, std::size_t publisher,

@@ -63,7 +63,11 @@ std::string set_suffix(const std::vector<EndSet>& sets, std::size_t i) {
 class Writer {
  public:
   Writer(const core::System& system, const Decisions& decisions, const Unit& unit)
-      : system_(system), decisions_(decisions), unit_(unit), pairs_(pairs_of(system, unit)) {
+      : system_(system),
+        decisions_(decisions),
+        unit_(unit),
+        pairs_(pairs_of(system, decisions.members(), unit)) {
+    for (const End end : unit.ends) ++ends_of_channel_[channel_of(system, end)];
     names_.take("ChannelException");
   }
 
@@ -140,9 +144,8 @@ class Writer {
   /// "EmergencySwitch"; with the name of the end where the unit has several of the channel.
   [[nodiscard]] std::string spec_stem(End end) const {
     const auto channel = channel_of(system_, end);
-    const auto same = std::ranges::count_if(
-        unit_.ends, [&](End other) { return channel_of(system_, other) == channel; });
-    return type_name(same == 1 ? system_.channels[channel].name : name_of(system_, end));
+    return type_name(ends_of_channel_.at(channel) == 1 ? system_.channels[channel].name
+                                                       : name_of(system_, end));
   }
 
   Result<void> spec(End end) {
@@ -456,6 +459,7 @@ class Writer {
   const Decisions& decisions_;
   const Unit& unit_;
   std::vector<Pair> pairs_;
+  std::map<std::size_t, std::size_t> ends_of_channel_;  ///< of the unit
   Names names_;
   UserTypes user_;
   std::map<Place, std::string> places_;

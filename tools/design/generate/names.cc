@@ -140,9 +140,12 @@ std::string Names::take(const std::string& wanted) {
     std::ranges::transform(name, name.begin(), small);
     return name;
   };
-  auto name = wanted;
-  for (int number = 2; !taken_.insert(folded(name)).second; ++number)
-    name = fmt::format("{}{}{}", wanted, wanted.ends_with('_') ? "" : "_", number);
+  if (taken_.insert(folded(wanted)).second) return wanted;
+  int& number = next_.try_emplace(folded(wanted), 2).first->second;
+  std::string name;
+  do {
+    name = fmt::format("{}{}{}", wanted, wanted.ends_with('_') ? "" : "_", number++);
+  } while (!taken_.insert(folded(name)).second);
   return name;
 }
 

@@ -43,8 +43,9 @@ class TargetFolder {
                                                         std::size_t limit) const {
     return read_file(path(name), limit, Links::refuse);
   }
-  /// Atomically; a file that has the content already is not touched.
-  [[nodiscard]] Result<Written> write(const OutputFile& file) const;
+  /// Each atomically, and all are synced together (FileBatch); a file that has the content already
+  /// is not touched. What became of each.
+  [[nodiscard]] Result<std::vector<Written>> write(const std::vector<OutputFile>& files) const;
   /// The generated headers in the folder that are not among `names`.
   [[nodiscard]] std::vector<std::string> leftovers(const std::vector<std::string>& names) const;
 
