@@ -41,6 +41,7 @@ MAPPED_ARRAY(buckets, __u64);
 MAPPED_ARRAY(fronts, struct ether_front);
 MAPPED_ARRAY(contracts, struct ether_contract);
 MAPPED_ARRAY(counts, struct gate_count); /* [bank][slot] */
+MAPPED_ARRAY(audits, struct gate_audit); /* by slot */
 MAPPED_ARRAY(cpus, struct ether_cpu);
 
 #include "bpf/ether_parse.bpf.h"
@@ -100,12 +101,17 @@ static __always_inline struct sender sender_of(struct __sk_buff *skb)
 	return (struct sender){.source = from ? from : GATE_NO_SOURCE, .uid = GATE_ANY_UID};
 }
 
-/* Counts a drop and gives the action: audit mode drops nothing. */
+/* Counts a drop, or what would be one, and gives the action: audit mode drops nothing. */
 static __always_inline int drop(struct ether_cpu *cpu, __u32 direction, __u32 slot, __u32 reason,
 				const struct event *e)
 {
+	if (READ_ONCE(control.mode) == GATE_AUDIT) {
+		note_refusal(cpu, direction, slot, reason, e);
+		count_would_drop(direction, slot, reason);
+		return TC_ACT_UNSPEC;
+	}
 	count_drop(cpu, direction, slot, reason, e);
-	return READ_ONCE(control.mode) == GATE_AUDIT ? TC_ACT_UNSPEC : refusal(direction);
+	return refusal(direction);
 }
 
 /*
@@ -113,14 +119,19 @@ static __always_inline int drop(struct ether_cpu *cpu, __u32 direction, __u32 sl
  * that it is counted once; what is left of it at egress is what ingress has told.
  */
 static __always_inline int refuse(struct __sk_buff *skb, struct ether_cpu *cpu, __u32 direction,
-				  __u32 slot, __u32 reason, const struct event *e)
+				  __u32 slot, __u32 reason, struct event *e)
 {
+	struct packet p;
 	int action;
 
 	if (direction == GATE_EGRESS && e->mark == gate_refused_token(control.token) &&
 	    READ_ONCE(control.mode) == GATE_AUDIT) {
 		count_reason(cpu, GATE_EGRESS, GATE_R_ECHO);
 		return TC_ACT_UNSPEC;
+	}
+	if (reason == GATE_R_UNKNOWN) {
+		p = packet_of(skb);
+		take_mac(&p, e);
 	}
 	action = drop(cpu, direction, slot, reason, e);
 	if (direction == GATE_INGRESS && action == TC_ACT_UNSPEC)
@@ -249,13 +260,18 @@ int ether_ingress(struct __sk_buff *skb)
 SEC("tc")
 int ether_egress(struct __sk_buff *skb) { return filter(skb, GATE_EGRESS); }
 
+static __always_inline struct packet early_packet_of(struct xdp_md *ctx)
+{
+	return (struct packet){.ctx = ctx,
+			       .data = (void *)(long)ctx->data,
+			       .end = (void *)(long)ctx->data_end,
+			       .len = ctx->data_end - ctx->data,
+			       .xdp = true};
+}
+
 __noinline __u32 look_early(struct xdp_md *ctx, struct event *e)
 {
-	struct packet p = {.ctx = ctx,
-			   .data = (void *)(long)ctx->data,
-			   .end = (void *)(long)ctx->data_end,
-			   .len = ctx->data_end - ctx->data,
-			   .xdp = true};
+	struct packet p = early_packet_of(ctx);
 
 	return e ? parse(&p, e) : MALFORMED;
 }
@@ -273,6 +289,7 @@ int ether_early(struct xdp_md *ctx)
 	struct ether_cpu *cpu;
 	struct event e = {};
 	enum nature nature;
+	struct packet p;
 
 	if (READ_ONCE(control.mode) == GATE_AUDIT || READ_ONCE(table.retired))
 		return XDP_PASS;
@@ -287,6 +304,10 @@ int ether_early(struct xdp_md *ctx)
 	if (d.reason == GATE_R_PASSED)
 		return XDP_PASS;
 	cpu = this_cpu();
+	if (d.reason == GATE_R_UNKNOWN) {
+		p = early_packet_of(ctx);
+		take_mac(&p, &e);
+	}
 	if (cpu)
 		count_drop(cpu, GATE_INGRESS, d.slot, d.reason, &e);
 	return XDP_DROP;

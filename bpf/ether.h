@@ -10,7 +10,7 @@
 
 #include "bpf/gate.h"
 
-#define ETHER_LAYOUT_VERSION 2
+#define ETHER_LAYOUT_VERSION 3
 
 /* Datagrams to these ports are events, whatever address they go to: a receiver takes them all. */
 #define ETHER_MULTICAST_PORT 9999
@@ -106,7 +106,7 @@ struct ether_slot {
 	__u16 contract;
 	__u8 verdict[2]; /* enum gate_verdict, in even and in odd generations */
 	__u8 direction;
-	__u8 last_reason; /* enum gate_reason of the latest drop, 0: none; written by the program */
+	__u8 last_reason; /* as gate_table.last_reason; written by the program */
 	__u16 watch;	  /* number of its gate_watch; 0: nobody looks */
 };
 
@@ -134,9 +134,10 @@ struct ether_table {
 	__u64 sample_due;  /* as in gate_table */
 	__u32 retired;	   /* as in gate_table */
 	__u32 pad[3];
+	__u64 would_drop[GATE_DIRECTIONS][GATE_REASONS]; /* as in gate_table */
 };
 
-/* A datagram without a slot; as gate_seen. */
+/* A datagram without a slot; as gate_seen, with the latest sender. */
 struct ether_seen {
 	__u64 sequence;
 	__u64 count;
@@ -144,6 +145,9 @@ struct ether_seen {
 	__u32 len;
 	__u8 direction;
 	__u8 pad[3];
+	__u64 station; /* whom it is from: as ether_station() */
+	__u8 mac[6];   /* of the Ethernet frame that it was in, 0: not read */
+	__u8 pad2[2];
 };
 
 /* One for each possible CPU. */
@@ -209,9 +213,9 @@ static inline __u8 ether_front_bits(__u64 hash)
 
 GATE_ASSERT(sizeof(struct ether_contract) == 64, "ether_contract is pinned layout");
 GATE_ASSERT(sizeof(struct ether_slot) == 32, "ether_slot is pinned layout");
-GATE_ASSERT(sizeof(struct ether_table) == 64, "ether_table is pinned layout");
-GATE_ASSERT(sizeof(struct ether_seen) == 32, "ether_seen is pinned layout");
-GATE_ASSERT(sizeof(struct ether_cpu) == 256 + 32 * 64, "ether_cpu is pinned layout");
+GATE_ASSERT(sizeof(struct ether_table) == 64 + 256, "ether_table is pinned layout");
+GATE_ASSERT(sizeof(struct ether_seen) == 48, "ether_seen is pinned layout");
+GATE_ASSERT(sizeof(struct ether_cpu) == 256 + 48 * 64, "ether_cpu is pinned layout");
 GATE_ASSERT(sizeof(struct ether_fragment_key) == 12, "a hash key has no holes");
 GATE_ASSERT(sizeof(struct ether_fragment) == 32, "ether_fragment is pinned layout");
 

@@ -53,7 +53,11 @@ static __always_inline void tell_unknown(__u64 frames, __u32 direction, const st
 	    .subject = e->subject,
 	    .len = e->len,
 	    .direction = direction,
+	    .station = e->station,
+	    .audit = READ_ONCE(control.mode) == GATE_AUDIT,
 	};
+
+	__builtin_memcpy(sample.mac, e->mac, sizeof(sample.mac));
 
 	tell_sample(&sample, &table.sample_due);
 }
@@ -74,21 +78,43 @@ static __always_inline void note_unknown(struct ether_cpu *cpu, __u32 direction,
 		tell_unknown(sequence, direction, e);
 	}
 	seen->len = e->len;
+	seen->station = e->station;
+	__builtin_memcpy(seen->mac, e->mac, sizeof(seen->mac));
 	seen->count++;
 	store_in_order(&seen->sequence, sequence);
+}
+
+/* Of what is dropped, and of what audit mode lets through. */
+static __always_inline void note_refusal(struct ether_cpu *cpu, __u32 direction, __u32 at,
+					 __u32 reason, const struct event *e)
+{
+	struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
+
+	if (reason == GATE_R_UNKNOWN)
+		note_unknown(cpu, direction, e);
+	if (slot)
+		slot->last_reason = reason;
+}
+
+static __always_inline void count_would_drop(__u32 direction, __u32 at, __u32 reason)
+{
+	struct gate_audit *audit = bpf_map_lookup_elem(&audits, &at);
+
+	add_atomic(&table.would_drop[direction][reason & (GATE_REASONS - 1)], 1);
+	if (!audit)
+		return;
+	add_atomic(&audit->would_drop, 1);
+	if (reason == GATE_R_EXCESS)
+		add_atomic(&audit->would_exceed, 1);
 }
 
 static __always_inline void count_drop(struct ether_cpu *cpu, __u32 direction, __u32 at,
 				       __u32 reason, const struct event *e)
 {
-	struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
 	struct gate_count *count = count_of(at);
 
+	note_refusal(cpu, direction, at, reason, e);
 	count_reason(cpu, direction, reason);
-	if (reason == GATE_R_UNKNOWN)
-		note_unknown(cpu, direction, e);
-	if (slot)
-		slot->last_reason = reason;
 	if (!count)
 		return;
 	count_up(&count->dropped, 1);

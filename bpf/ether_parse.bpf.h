@@ -34,6 +34,8 @@ struct event {
 	__u32 whole;   /* bytes of the datagram, as its UDP header has it */
 	bool more;     /* fragments follow */
 	bool known;    /* a slot is for its station alone */
+	/* Of the innermost Ethernet frame: take_mac(). */
+	__u8 mac[ETH_ALEN];
 	struct ether_fragment_key key;
 };
 
@@ -204,6 +206,24 @@ static __always_inline enum nature parse_awds(const struct packet *p, __u32 at, 
 	return is_awds_business(kind) ? NOT_EVENT : OPAQUE;
 }
 
+/* Of the frame whose addresses stand at `at`. */
+static __always_inline void take_mac_at(const struct packet *p, __u32 at, struct event *e)
+{
+	struct {
+		__u8 octets[ETH_ALEN];
+	} from;
+
+	if (TAKE(p, at + ETH_ALEN, &from))
+		__builtin_memcpy(e->mac, &from, sizeof(from));
+}
+
+/* The sender of the frame, for a person to look for; an AWDS packet brings the one it is from. */
+static __always_inline void take_mac(const struct packet *p, struct event *e)
+{
+	if (!e->key.inside && !(e->station & ETHER_MAC))
+		take_mac_at(p, 0, e);
+}
+
 static __always_inline enum nature parse(const struct packet *p, struct event *e)
 {
 	__u32 at = 0, inner = 0;
@@ -218,6 +238,7 @@ static __always_inline enum nature parse(const struct packet *p, struct event *e
 		if (!inner)
 			return nature;
 		at = inner;
+		take_mac_at(p, at, e);
 		nature = parse_link(p, &at, &protocol);
 		if (nature != NOT_EVENT)
 			return nature;

@@ -9,7 +9,7 @@
 #include <linux/can.h>
 #include <linux/types.h>
 
-#define GATE_LAYOUT_VERSION 5
+#define GATE_LAYOUT_VERSION 6
 
 /* Our tc filters: this priority and handle belong to the gate, and nothing else is ever replaced.
  */
@@ -113,7 +113,7 @@ enum gate_verdict {
 
 enum gate_mode {
 	GATE_ENFORCE = 0,
-	GATE_AUDIT = 1, /* count as if enforcing, drop nothing */
+	GATE_AUDIT = 1, /* drop nothing, and count apart what would be dropped */
 };
 
 /* Frame formats of a slot, a bit set. */
@@ -217,9 +217,18 @@ struct gate_watch {
 };
 
 /*
+ * What audit mode lets through, of one slot. All CPUs add to it: enforcing pays nothing for it, and
+ * what was dropped stays what gate_count says.
+ */
+struct gate_audit {
+	__u64 would_drop;   /* frames */
+	__u64 would_exceed; /* of them: admitted, but more than was admitted */
+};
+
+/*
  * One for each interface, one memory-mapped value. Written by user space, except for
- * `unknown_frames`, `last_reason`, the `due` of slots and what watches find. A slot is a cache
- * line.
+ * `unknown_frames`, `last_reason`, the `due` of slots, what watches find and what audit mode
+ * counts. A slot is a cache line.
  */
 struct gate_table {
 	__u32 layout_version;
@@ -239,14 +248,21 @@ struct gate_table {
 	struct gate_slot slots[GATE_SLOTS];
 	struct gate_watch watches[GATE_SLOTS];
 	__u16 head[GATE_DIRECTIONS][GATE_BUCKETS]; /* bucket -> first slot, 0 for none */
-	__u8 last_reason[GATE_SLOTS]; /* enum gate_reason of the latest drop, 0: none */
+	/* enum gate_reason of the latest drop, or of what would have been one; 0: none */
+	__u8 last_reason[GATE_SLOTS];
+	__u64 would_drop[GATE_DIRECTIONS][GATE_REASONS]; /* frames, in audit mode */
+	struct gate_audit audit[GATE_SLOTS];
 };
 
 struct gate_count {
 	__u64 passed;
-	__u64 dropped; /* in audit mode: would have been dropped */
+	__u64 dropped; /* really: see gate_audit */
 	__u64 bytes;   /* payload bytes passed; a remote frame has none */
-	__u64 excess;  /* more than admitted; of them dropped those that do not pass all the same */
+	/*
+	 * More than admitted; of them dropped those that do not pass all the same. In audit mode
+	 * only the latter are counted here.
+	 */
+	__u64 excess;
 };
 
 /* A frame without a slot; entry [hash(id)] is overwritten by the latest. */
@@ -263,7 +279,7 @@ struct gate_seen {
 /* One for each possible CPU, memory-mapped; written by that CPU, summed by user space. */
 struct gate_cpu {
 	struct gate_count slots[GATE_SLOTS];
-	__u64 reasons[GATE_DIRECTIONS][GATE_REASONS]; /* frames */
+	__u64 reasons[GATE_DIRECTIONS][GATE_REASONS]; /* frames; drops are real ones */
 	struct gate_seen seen[GATE_SEEN];
 };
 
@@ -298,6 +314,10 @@ struct gate_sample {
 	__u16 len;
 	__u8 format; /* GATE_CLASSIC, GATE_FD or GATE_XL; 0: Ethernet */
 	__u8 direction;
+	__u64 station; /* Ethernet: as ether_seen, like `mac` */
+	__u8 mac[6];
+	__u8 audit; /* it was let through, and would have been dropped */
+	__u8 pad;
 };
 
 /*
@@ -442,13 +462,15 @@ static inline __u32 gate_refused_token(__u32 token) { return ~token ^ 1; }
 #endif
 GATE_ASSERT(sizeof(struct gate_slot) == 64, "gate_slot is pinned layout");
 GATE_ASSERT(sizeof(struct gate_watch) == 256, "gate_watch is pinned layout");
-GATE_ASSERT(sizeof(struct gate_table) == 128 + (64 + 256) * 4096 + 4 * 18432 + 4096,
+GATE_ASSERT(sizeof(struct gate_audit) == 16, "gate_audit is pinned layout");
+GATE_ASSERT(sizeof(struct gate_table) ==
+		128 + (64 + 256) * 4096 + 4 * 18432 + 4096 + 256 + 16 * 4096,
 	    "gate_table is pinned layout");
 GATE_ASSERT(sizeof(struct gate_count) == 32, "gate_count is pinned layout");
 GATE_ASSERT(sizeof(struct gate_seen) == 24, "gate_seen is pinned layout");
 GATE_ASSERT(sizeof(struct gate_cpu) == 32 * 4096 + 8 * 32 + 24 * 64, "gate_cpu is pinned layout");
 GATE_ASSERT(sizeof(struct gate_event) == 40, "gate_event is pinned layout");
-GATE_ASSERT(sizeof(struct gate_sample) == 40, "gate_sample is pinned layout");
+GATE_ASSERT(sizeof(struct gate_sample) == 56, "gate_sample is pinned layout");
 GATE_ASSERT(sizeof(struct gate_control) == 80, "gate_control is pinned layout");
 
 #endif

@@ -30,18 +30,35 @@ static __always_inline void count_pass(struct gate_cpu *cpu, __u32 direction, __
 	count_reason(cpu, direction, GATE_R_PASSED);
 }
 
-/* Counts a drop and gives the action: audit mode drops nothing, nor does a gate that has left. */
+/* Audit mode drops nothing, nor does a gate that has left. */
+static __always_inline bool lets_all_through(void)
+{
+	return READ_ONCE(control.mode) == GATE_AUDIT || READ_ONCE(table.retired);
+}
+
+static __always_inline int count_would_drop(__u32 direction, __u32 slot, __u32 reason)
+{
+	struct gate_audit *audit = &table.audit[slot & (GATE_SLOTS - 1)];
+
+	add_atomic(&audit->would_drop, 1);
+	if (reason == GATE_R_EXCESS)
+		add_atomic(&audit->would_exceed, 1);
+	add_atomic(&table.would_drop[direction][reason & (GATE_REASONS - 1)], 1);
+	return TC_ACT_UNSPEC;
+}
+
+/* Counts a drop, or what would be one, and gives the action. */
 static __always_inline int drop(struct gate_cpu *cpu, __u32 direction, __u32 slot, __u32 reason)
 {
 	slot &= GATE_SLOTS - 1;
+	table.last_reason[slot] = reason;
+	if (lets_all_through())
+		return count_would_drop(direction, slot, reason);
 	add(&cpu->slots[slot].dropped, 1);
 	if (reason == GATE_R_EXCESS)
 		add(&cpu->slots[slot].excess, 1);
 	count_reason(cpu, direction, reason);
-	table.last_reason[slot] = reason;
-	return READ_ONCE(control.mode) == GATE_AUDIT || READ_ONCE(table.retired)
-		   ? TC_ACT_UNSPEC
-		   : refusal(direction);
+	return refusal(direction);
 }
 
 static __always_inline void tell_unknown(__u64 frames, __u32 direction, const struct frame *frame)
@@ -53,6 +70,7 @@ static __always_inline void tell_unknown(__u64 frames, __u32 direction, const st
 	    .len = frame->len,
 	    .format = frame->format,
 	    .direction = direction,
+	    .audit = lets_all_through(),
 	};
 
 	tell_sample(&sample, &table.sample_due);

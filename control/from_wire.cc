@@ -42,7 +42,9 @@ Traffic traffic(v1::Traffic& from) {
   return {.passed = from.passed(),
           .dropped = from.dropped(),
           .unknown = from.unknown(),
-          .reasons = all(from.mutable_reasons(), reason_count)};
+          .reasons = all(from.mutable_reasons(), reason_count),
+          .would_drop = from.would_drop(),
+          .would_drop_reasons = all(from.mutable_would_drop_reasons(), reason_count)};
 }
 
 Unknown unknown(v1::Unknown& from) {
@@ -52,7 +54,9 @@ Unknown unknown(v1::Unknown& from) {
           .egress = from.egress(),
           .frames = from.frames(),
           .subject = from.subject(),
-          .xl = from.xl()};
+          .xl = from.xl(),
+          .address = text(from.mutable_address()),
+          .mac = text(from.mutable_mac())};
 }
 
 Interface interface(v1::Interface& from) {
@@ -95,7 +99,8 @@ GateSlot gate_slot(v1::GateSlot& from) {
           .dropped = from.dropped(),
           .excess = from.excess(),
           .bytes = from.bytes(),
-          .last_reason = text(from.mutable_last_reason())};
+          .last_reason = text(from.mutable_last_reason()),
+          .would_drop = from.would_drop()};
 }
 
 Gate gate(v1::Gate& from) {
@@ -186,7 +191,8 @@ Channel channel(v1::Channel& from) {
           .watch = from.has_watch() ? std::optional(watch(from.watch())) : std::nullopt,
           .troubles = texts(from.mutable_troubles()),
           .subscribers_left_out = from.subscribers_left_out(),
-          .withdrawn = from.withdrawn()};
+          .withdrawn = from.withdrawn(),
+          .would_drop = from.would_drop()};
 }
 
 RouteReport route_report(v1::RouteReport& from) {

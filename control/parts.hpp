@@ -52,6 +52,8 @@ struct Traffic {
   std::uint64_t dropped = 0;
   std::uint64_t unknown = 0;  ///< part of dropped: frames without a slot
   std::vector<ReasonCount> reasons;
+  std::uint64_t would_drop = 0;  ///< let through by audit mode; not part of dropped
+  std::vector<ReasonCount> would_drop_reasons = {};
   bool operator==(const Traffic&) const = default;
 };
 
@@ -64,6 +66,8 @@ struct Unknown {
   std::uint64_t frames = 0;
   std::uint64_t subject = 0;  ///< on Ethernet, where can_id is 0
   bool xl = false;
+  std::string address = {};  ///< on Ethernet: of the latest sender, as far as it is known
+  std::string mac = {};
   bool operator==(const Unknown&) const = default;
 };
 
@@ -175,6 +179,7 @@ struct Channel {
   std::vector<std::string> troubles = {};  ///< what is wrong with what was granted, one line each
   std::uint32_t subscribers_left_out = 0;  ///< beyond those that are listed
   bool withdrawn = false;                  ///< an operator has withdrawn the channel
+  std::uint64_t would_drop = 0;            ///< let through by audit mode; not part of dropped
   bool operator==(const Channel&) const = default;
 };
 
@@ -296,7 +301,8 @@ struct GateSlot {
   std::uint64_t dropped = 0;
   std::uint64_t excess = 0;
   std::uint64_t bytes = 0;
-  std::string last_reason;  ///< of the latest drop; empty: none
+  std::string last_reason;       ///< of the latest drop, or of what would be one; empty: none
+  std::uint64_t would_drop = 0;  ///< let through by audit mode; not part of dropped
   bool operator==(const GateSlot&) const = default;
 };
 

@@ -25,6 +25,12 @@ void put(const Traffic& from, v1::Traffic& to) {
     wire.set_reason(to_utf8(count.reason));
     wire.set_frames(count.frames);
   }
+  to.set_would_drop(from.would_drop);
+  for (const auto& count : from.would_drop_reasons) {
+    auto& wire = *to.add_would_drop_reasons();
+    wire.set_reason(to_utf8(count.reason));
+    wire.set_frames(count.frames);
+  }
 }
 
 void put(const Unknown& from, v1::Unknown& to) {
@@ -35,6 +41,8 @@ void put(const Unknown& from, v1::Unknown& to) {
   to.set_frames(from.frames);
   to.set_subject(from.subject);
   to.set_xl(from.xl);
+  to.set_address(to_utf8(from.address));
+  to.set_mac(to_utf8(from.mac));
 }
 
 void put(const Interface& from, v1::Interface& to) {
@@ -78,6 +86,7 @@ void put(const GateSlot& from, v1::GateSlot& to) {
   to.set_excess(from.excess);
   to.set_bytes(from.bytes);
   to.set_last_reason(to_utf8(from.last_reason));
+  to.set_would_drop(from.would_drop);
 }
 
 void put(const Gate& from, v1::Gate& to) {
@@ -160,6 +169,7 @@ void put(const Channel& from, v1::Channel& to) {
   to.set_passed(from.passed);
   to.set_dropped(from.dropped);
   to.set_excess(from.excess);
+  to.set_would_drop(from.would_drop);
   to.set_reaction(to_utf8(from.reaction));
   to.set_set(from.set);
   to.set_sets(from.sets);

@@ -48,14 +48,11 @@ std::string before_tc(int ifindex, const enforce::PortGate& gate) {
       gate.name(), fmt::join(others, ", "));
 }
 
-std::uint64_t let_out(const enforce::PortGate& gate, bool audit) {
+/// What was admitted, and what audit mode has let through: counted here, or told at ingress.
+std::uint64_t let_out(const enforce::PortGate& gate) {
   const auto reasons = gate.reasons(enforce::Direction::egress);
-  std::uint64_t frames = reasons[GATE_R_PASSED];
-  if (!audit) return frames;
-  frames += reasons[GATE_R_ECHO];
-  for (std::size_t r = 0; r < reasons.size(); ++r)
-    if (enforce::is_drop(static_cast<gate_reason>(r))) frames += reasons[r];
-  return frames;
+  const auto audit = gate.would_drop(enforce::Direction::egress);
+  return std::accumulate(audit.begin(), audit.end(), reasons[GATE_R_PASSED] + reasons[GATE_R_ECHO]);
 }
 
 }  // namespace
@@ -187,23 +184,22 @@ void Drift::tell_moved(const net::Links::Moved& link) {
         link.name + " was moved to another network namespace: there it has no gate of ours", true);
 }
 
-void Drift::look_for_bypass(const Gates& gates, net::Links& links, bool audit, std::int64_t now_s) {
-  for (const auto& [ifindex, gate] : gates) look_for_bypass(ifindex, *gate, links, audit, now_s);
+void Drift::look_for_bypass(const Gates& gates, net::Links& links, std::int64_t now_s) {
+  for (const auto& [ifindex, gate] : gates) look_for_bypass(ifindex, *gate, links, now_s);
 }
 
 void Drift::look_for_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links,
-                            bool audit, std::int64_t now_s) {
+                            std::int64_t now_s) {
   if (!gate.judges_everything()) return;
   Seen& seen = seen_[ifindex];
-  if (std::exchange(seen.audit, audit) != audit) seen.bypass.forget();
   Bypass::Counts counts;
-  counts.let_out_before = let_out(gate, audit);
+  counts.let_out_before = let_out(gate);
   const auto waiting = net::waiting_in_queue(ifindex);
   const auto traffic = links.traffic(ifindex);
   if (!waiting || !traffic) return;
   counts.waiting = waiting->frames;
   counts.sent = traffic->sent_frames + traffic->send_drops + waiting->dropped;
-  counts.let_out_after = let_out(gate, audit);
+  counts.let_out_after = let_out(gate);
   told_past_.look(gate.name(), seen.past, now_s);
   seen.past += seen.bypass.look(counts);
   if (const auto news = told_past_.look(gate.name(), seen.past, now_s))

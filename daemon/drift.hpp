@@ -33,10 +33,9 @@ class Drift {
   void forget_all_but(const Gates& gates);
   /// An interface was taken to another namespace, where our gate is not; of those that had one.
   void tell_moved(const net::Links::Moved& link);
-  /// About once a second. `audit`: gates let out what they count as dropped. `now_s`: any steady
-  /// clock.
-  void look_for_bypass(const Gates& gates, net::Links& links, bool audit, std::int64_t now_s);
-  void look_for_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links, bool audit,
+  /// About once a second. `now_s`: any steady clock.
+  void look_for_bypass(const Gates& gates, net::Links& links, std::int64_t now_s);
+  void look_for_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links,
                        std::int64_t now_s);
 
   void report(int ifindex, const enforce::PortGate& gate, control::Interface& to) const;
@@ -50,7 +49,6 @@ class Drift {
     std::uint64_t repaired = 0;
     std::uint64_t past = 0;  ///< frames that went past the gate
     Bypass bypass;
-    bool audit = false;
   };
   void keep_pinned(const enforce::PortGate& gate, Seen& seen);
   void keep_first(int ifindex, enforce::PortGate& gate, Seen& seen);

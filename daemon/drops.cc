@@ -5,9 +5,9 @@
 
 namespace mlcca {
 
-std::string dropped_line(bool audit, std::uint64_t frames, const std::string& which) {
-  return audit ? fmt::format("would be dropped: {} frames {}", frames, which)
-               : fmt::format("{} frames dropped {}", frames, which);
+std::string dropped_line(Fate fate, std::uint64_t frames, const std::string& which) {
+  return fate == Fate::let_through ? fmt::format("would be dropped: {} frames {}", frames, which)
+                                   : fmt::format("{} frames dropped {}", frames, which);
 }
 
 }  // namespace mlcca

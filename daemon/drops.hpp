@@ -112,7 +112,10 @@ class DropWatch {
   std::optional<Key> tidied_;  ///< up to here, since tidy() began at the front
 };
 
-/// "3 frames dropped of x"; in audit mode what would be.
-std::string dropped_line(bool audit, std::uint64_t frames, const std::string& which);
+/// What has become of frames that a gate refuses: audit mode lets them through.
+enum class Fate : std::uint8_t { dropped, let_through };
+
+/// "3 frames dropped of x", or "would be dropped: 3 frames of x".
+std::string dropped_line(Fate fate, std::uint64_t frames, const std::string& which);
 
 }  // namespace mlcca

@@ -106,7 +106,8 @@ class Report {
     if (const auto counted = gate.counters(slot)) {
       out.passed = counted->passed;
       out.dropped = counted->dropped;
-      out.excess = counted->excess;
+      out.excess = counted->excess + counted->would_exceed;
+      out.would_drop = counted->would_drop;
       out.bytes = counted->bytes;
       if (counted->last_reason != GATE_R_PASSED)
         out.last_reason = enforce::reason_text(counted->last_reason);

@@ -231,7 +231,7 @@ class Gateway {
   void tell_released(const std::vector<core::AdmissionId>& gone, const std::string& why);
   /// Of frames of these verdicts, whose publishers look alike where there are several.
   void tell_excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames);
-  void tell_dropped(const core::Verdict& verdict, std::uint64_t frames);
+  void tell_dropped(const core::Verdict& verdict, Fate fate, std::uint64_t frames);
   void look_at_drops_of(const core::Decision& decision, bool mention);
   /// Entries by which events of several publishers of a channel come or leave, sorted.
   [[nodiscard]] std::vector<core::GateEntry> shared_entries_of(std::size_t channel) const;
@@ -317,10 +317,11 @@ class Gateway {
   std::unique_ptr<core::State> state_;
   std::size_t self_ = 0;
   std::uint64_t description_ = 0;  ///< counts the states: of another one indices mean other things
-  /// Why frames of an entry are dropped, as far as that is told apart.
-  enum class Drop : std::uint8_t { misfit, excess };
+  /// Why frames of an entry are dropped, as far as that is told apart; of what is too much nobody
+  /// asks whether audit mode has let it through.
+  enum class Drop : std::uint8_t { misfit, would_be_misfit, excess };
   DropWatch<std::pair<core::GateEntry, Drop>> drops_;
-  DropWatch<std::size_t> unknown_;  ///< by port
+  DropWatch<std::pair<std::size_t, Fate>> unknown_;  ///< by port
   std::set<std::size_t> troubled_;  ///< channels; each is looked at again when it is told
 
   // Rounds, and how far each of their jobs is.

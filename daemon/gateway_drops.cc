@@ -25,6 +25,10 @@ std::uint64_t misfits(const Frames& frames) {
   return frames.dropped - std::min(frames.dropped, frames.excess_dropped);
 }
 
+std::uint64_t would_be_misfits(const Frames& frames) {
+  return frames.would_drop - std::min(frames.would_drop, frames.would_exceed);
+}
+
 }  // namespace
 
 void Gateway::look_at_drops(bool mention) {
@@ -72,13 +76,18 @@ void Gateway::look_at_drops_of(const core::Decision& decision, bool mention) {
   const std::int64_t now = monotonic_s();
   for (const auto& [v, rules] : first_to_use) {
     std::uint64_t dropped = 0;
+    std::uint64_t would_drop = 0;
     for (const core::GateRule& rule : rules) {
       const Frames frames = ports_.frames({rule});
       const auto excess = drops_.look({rule.entry, Drop::excess}, frames.excess, now);
       if (excess && mention) tell_excess(users[rule.entry], *excess);
       dropped += drops_.look({rule.entry, Drop::misfit}, misfits(frames), now).value_or(0);
+      would_drop += drops_.look({rule.entry, Drop::would_be_misfit}, would_be_misfits(frames), now)
+                        .value_or(0);
     }
-    if (dropped != 0 && mention) tell_dropped(*v, dropped);
+    if (!mention) continue;
+    if (dropped != 0) tell_dropped(*v, Fate::dropped, dropped);
+    if (would_drop != 0) tell_dropped(*v, Fate::let_through, would_drop);
   }
   if (verdicts.empty()) return;
   const std::size_t channel = verdicts.front()->channel;
@@ -94,13 +103,19 @@ void Gateway::look_at_drops_of(const core::Decision& decision, bool mention) {
 }
 
 void Gateway::look_at_unknown(std::size_t port, bool mention) {
-  const auto dropped = unknown_.look(port, ports_.unknown_frames(port), monotonic_s());
-  if (dropped && mention)
+  const UnknownFrames frames = ports_.unknown_frames(port);
+  const auto look = [&](Fate fate, std::uint64_t counted) {
+    const auto fresh = unknown_.look({port, fate}, counted, monotonic_s());
+    if (!fresh || !mention) return;
+    const std::string& network = ports_.network_of(port);
     tell(Kind::dropping, 4,
-         dropped_line(control_.mode() == enforce::Mode::audit, *dropped,
+         dropped_line(fate, *fresh,
                       fmt::format("without a known subject on {} ({})", ports_.interface_name(port),
-                                  ports_.network_of(port))),
-         ports_.network_of(port));
+                                  network)),
+         network);
+  };
+  look(Fate::dropped, frames.dropped);
+  look(Fate::let_through, frames.would_drop);
 }
 
 void Gateway::look_at_all_unknown(bool mention) {
@@ -134,7 +149,7 @@ void Gateway::forget_drops() {
   look_at_drops(false);
 }
 
-void Gateway::tell_dropped(const core::Verdict& v, std::uint64_t frames) {
+void Gateway::tell_dropped(const core::Verdict& v, Fate fate, std::uint64_t frames) {
   const core::EventChannel& c = state_->system().channels[v.channel];
   const core::Publisher& publisher = state_->members().publisher(v.publisher);
   const std::string which = v.granted ? fmt::format("that named {} ({}) and differ from the grant",
@@ -142,7 +157,7 @@ void Gateway::tell_dropped(const core::Verdict& v, std::uint64_t frames) {
                                       : "of " + verdict_line(*state_, v);
   tell({Kind::dropping,
         4,
-        dropped_line(control_.mode() == enforce::Mode::audit, frames, which),
+        dropped_line(fate, frames, which),
         c.subject,
         c.name,
         core::name_of(state_->system(), publisher.place),

@@ -42,18 +42,19 @@ std::vector<std::string> Gateway::troubles_of(const core::Verdict& v, const core
                                               std::optional<control::Watch> watch) const {
   Observed seen;
   seen.watch = std::move(watch);
-  seen.audit = control_.mode() == enforce::Mode::audit;
   if (const auto why = not_carried_.find(v.channel); why != not_carried_.end())
     seen.not_forwarded = why->second;
   const std::int64_t now = monotonic_s();
   for (const core::GateRule& rule : rules) {
     if (ports_.gate(rule.entry.port) == nullptr) continue;
-    seen.passages.push_back({.network = ports_.network_of(rule.entry.port),
-                             .leaves = rule.entry.direction == core::Direction::egress,
-                             .is_shared = std::ranges::binary_search(shared, rule.entry),
-                             .frames = ports_.frames({rule}),
-                             .excess = drops_.recent({rule.entry, Drop::excess}, now),
-                             .misfits = drops_.recent({rule.entry, Drop::misfit}, now)});
+    seen.passages.push_back(
+        {.network = ports_.network_of(rule.entry.port),
+         .leaves = rule.entry.direction == core::Direction::egress,
+         .is_shared = std::ranges::binary_search(shared, rule.entry),
+         .frames = ports_.frames({rule}),
+         .excess = drops_.recent({rule.entry, Drop::excess}, now),
+         .misfits = drops_.recent({rule.entry, Drop::misfit}, now),
+         .would_be_misfits = drops_.recent({rule.entry, Drop::would_be_misfit}, now)});
   }
   return troubles(seen);
 }

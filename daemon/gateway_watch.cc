@@ -31,7 +31,12 @@ bool is_history(Kind kind) { return kind != Kind::dropping; }
 /// "123", "FD 1ABCDEF0", "0x44697374616e6365 on its way out"
 std::string frame_name(const gate_sample& sample) {
   const char* const way = sample.direction == GATE_EGRESS ? " on its way out" : "";
-  if (sample.format == 0) return core::format_subject(sample.subject) + way;
+  if (sample.format == 0) {
+    enforce::Mac mac;
+    std::ranges::copy(sample.mac, mac.begin());
+    return fmt::format("{}{} from {}", core::format_subject(sample.subject), way,
+                       enforce::sender_text(sample.station, mac));
+  }
   const char* const remote = (sample.can_id & CAN_RTR_FLAG) != 0 ? "remote " : "";
   std::string format;
   if (sample.format == GATE_FD) format = "FD ";
@@ -236,7 +241,7 @@ void Gateway::hear_refused(const core::Decision& decision, std::size_t port) {
     if (rules.empty()) continue;
     const Frames frames = ports_.frames(rules);
     const std::uint32_t load = senders_[{port, v.publisher}].measure(
-        frames.passed + frames.dropped, rules.front().entry.max_length,
+        frames.passed + frames.dropped + frames.would_drop, rules.front().entry.max_length,
         bus.assumptions().timing.bitrate, monotonic_ns());
     if (load != 0 && !bus.contains(core::Ledger::key_of({v.publisher, network, core::Flow::kOwn})))
       hearing_.refused.push_back({v.publisher, load});
@@ -265,10 +270,9 @@ void Gateway::hear(const gate_sample& sample) {
   for (std::size_t p = 0; p < ports_.size(); ++p) {
     if (ports_.interface_name(p) != interface) continue;
     tell(Kind::dropping, 4,
-         fmt::format(
-             "a frame that names no known subject {} {} ({}): {}, {} bytes; {} so far",
-             control_.mode() == enforce::Mode::audit ? "would be dropped on" : "was dropped on",
-             interface, ports_.network_of(p), frame_name(sample), sample.len, sample.frames),
+         fmt::format("a frame that names no known subject {} {} ({}): {}, {} bytes; {} so far",
+                     sample.audit != 0 ? "would be dropped on" : "was dropped on", interface,
+                     ports_.network_of(p), frame_name(sample), sample.len, sample.frames),
          ports_.network_of(p));
     return;
   }

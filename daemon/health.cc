@@ -37,16 +37,19 @@ void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
   }
 }
 
-void add_drops(const Passage& at, bool audit, std::vector<std::string>& lines) {
+std::string misfit_line(const Passage& at, std::uint64_t n) {
+  return fmt::format("{} on {} {} the subject and differ{} from the grant{}{}", frames(n),
+                     at.network, n == 1 ? "names" : "name", n == 1 ? "s" : "",
+                     at.frames.last_reason.empty() ? "" : ": ", at.frames.last_reason);
+}
+
+void add_drops(const Passage& at, std::vector<std::string>& lines) {
   if (at.excess != 0)
     lines.push_back(fmt::format("{} on {} {} more than was admitted", frames(at.excess), at.network,
                                 at.excess == 1 ? "was" : "were"));
-  if (at.misfits != 0)
-    lines.push_back(fmt::format("{} on {} {} the subject and differ{} from the grant{}{}",
-                                frames(at.misfits), at.network, at.misfits == 1 ? "names" : "name",
-                                at.misfits == 1 ? "s" : "",
-                                at.frames.last_reason.empty() ? "" : ": ", at.frames.last_reason));
-  if (audit && at.misfits != 0) lines.back() += " (audit mode: they pass)";
+  if (at.misfits != 0) lines.push_back(misfit_line(at, at.misfits));
+  if (at.would_be_misfits != 0)
+    lines.push_back(misfit_line(at, at.would_be_misfits) + " (audit mode: they pass)");
 }
 
 /// A grant that carries nothing, although its events come.
@@ -56,9 +59,9 @@ void add_lost(const Observed& seen, std::vector<std::string>& lines) {
   if (in == seen.passages.end() || in->frames.passed <= kOnTheirWay) return;
   for (const Passage& out : seen.passages)
     if (out.leaves && out.frames.passed == 0)
-      lines.push_back(fmt::format("{} came in from {} and none left to {}{}",
-                                  frames(in->frames.passed), in->network, out.network,
-                                  out.misfits == 0 ? ": nothing forwards them" : ""));
+      lines.push_back(fmt::format(
+          "{} came in from {} and none left to {}{}", frames(in->frames.passed), in->network,
+          out.network, out.misfits + out.would_be_misfits == 0 ? ": nothing forwards them" : ""));
 }
 
 }  // namespace
@@ -66,7 +69,7 @@ void add_lost(const Observed& seen, std::vector<std::string>& lines) {
 std::vector<std::string> troubles(const Observed& seen) {
   std::vector<std::string> lines;
   if (seen.watch) add_silence(*seen.watch, lines);
-  for (const Passage& at : seen.passages) add_drops(at, seen.audit, lines);
+  for (const Passage& at : seen.passages) add_drops(at, lines);
   if (!seen.not_forwarded.empty())
     lines.push_back(seen.not_forwarded);
   else

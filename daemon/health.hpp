@@ -19,6 +19,7 @@ struct Passage {
   Frames frames;              ///< since the slot was made
   std::uint64_t excess = 0;   ///< recent ones beyond the admitted traffic
   std::uint64_t misfits = 0;  ///< recent ones that name the subject and differ from the grant
+  std::uint64_t would_be_misfits = 0;  ///< the same, let through by audit mode
 };
 
 /// Everything that this gateway knows of a granted delivery.
@@ -26,7 +27,6 @@ struct Observed {
   std::optional<control::Watch> watch = {};
   std::vector<Passage> passages = {};
   std::string not_forwarded = {};  ///< why no rule of can-gw carries it; empty: none has to
-  bool audit = false;              ///< what is refused is counted, and passes
 };
 
 /// What is wrong with it, one line each; nothing where all is as granted:

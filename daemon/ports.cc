@@ -25,6 +25,13 @@ control::Traffic traffic_of(const enforce::PortGate& gate, enforce::Direction di
     if (enforce::is_drop(reason)) out.dropped += reasons[i];
     out.reasons.push_back({enforce::reason_text(reason), reasons[i]});
   }
+  const auto spared = gate.would_drop(direction);
+  for (std::size_t i = 0; i < spared.size(); ++i) {
+    if (spared[i] == 0) continue;
+    out.would_drop += spared[i];
+    out.would_drop_reasons.push_back(
+        {enforce::reason_text(static_cast<gate_reason>(i)), spared[i]});
+  }
   return out;
 }
 
@@ -103,8 +110,7 @@ Drift::Gates Ports::all_gates() const {
 void Ports::look_for_bypass(int ifindex, std::int64_t now_s) {
   const auto held = gates_.find(ifindex);
   if (held == gates_.end()) return;
-  drift_.look_for_bypass(ifindex, *held->second.gate, links_,
-                         control_.mode() == enforce::Mode::audit, now_s);
+  drift_.look_for_bypass(ifindex, *held->second.gate, links_, now_s);
 }
 
 void Ports::match(PortState& port, const net::FactsOf& facts_of) {
@@ -390,7 +396,9 @@ Frames Ports::frames(const core::GateState& rules,
     const auto counted = slot ? gate->counters(*slot) : std::nullopt;
     if (!counted) continue;
     sum.dropped += counted->dropped;
-    sum.excess += counted->excess;
+    sum.would_drop += counted->would_drop;
+    sum.would_exceed += counted->would_exceed;
+    sum.excess += counted->excess + counted->would_exceed;
     if (!rule.policing.counts_only) sum.excess_dropped += counted->excess;
     if (rule.entry.direction == counts) sum.passed += counted->passed;
     if (counted->last_reason != GATE_R_PASSED)
@@ -399,11 +407,15 @@ Frames Ports::frames(const core::GateState& rules,
   return sum;
 }
 
-std::uint64_t Ports::unknown_frames(std::size_t port) const {
+UnknownFrames Ports::unknown_frames(std::size_t port) const {
+  UnknownFrames sum;
   const enforce::PortGate* gate = gate_of(port);
-  if (gate == nullptr) return 0;
-  return gate->reasons(enforce::Direction::ingress)[GATE_R_UNKNOWN] +
-         gate->reasons(enforce::Direction::egress)[GATE_R_UNKNOWN];
+  if (gate == nullptr) return sum;
+  for (const auto direction : enforce::kBothDirections) {
+    sum.dropped += gate->reasons(direction)[GATE_R_UNKNOWN];
+    sum.would_drop += gate->would_drop(direction)[GATE_R_UNKNOWN];
+  }
+  return sum;
 }
 
 std::string Ports::interface_name(std::size_t port) const {
@@ -440,7 +452,8 @@ std::vector<control::Interface> Ports::report() const {
       for (const enforce::UnknownFrame& f : gate->unknown())
         i.unknown.push_back({f.can_id, f.len, f.format == GATE_FD,
                              f.direction == enforce::Direction::egress, f.count, f.subject,
-                             f.format == GATE_XL});
+                             f.format == GATE_XL, enforce::address_text(f.station),
+                             enforce::mac_text(f.station, f.mac)});
     }
     out.push_back(std::move(i));
   }

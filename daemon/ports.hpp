@@ -130,7 +130,7 @@ class Ports {
     return gate_of(port) == nullptr ? 0 : ports_[port].ifindex;
   }
   /// Frames without a slot so far, on one port.
-  [[nodiscard]] std::uint64_t unknown_frames(std::size_t port) const;
+  [[nodiscard]] UnknownFrames unknown_frames(std::size_t port) const;
   /// Name of the interface now, or what it is recognised by.
   [[nodiscard]] std::string interface_name(std::size_t port) const;
 

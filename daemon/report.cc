@@ -131,6 +131,7 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
   if (v.granted) out.reaction = core::reaction(v);
   out.passed = frames.passed;
   out.dropped = frames.dropped;
+  out.would_drop = frames.would_drop;
   out.excess = frames.excess;
   return out;
 }

@@ -71,14 +71,18 @@ Json attribute(const control::Attribute& a) {
 Json traffic(const control::Traffic& t) {
   auto reasons = Json::object();
   for (const auto& count : t.reasons) reasons[count.reason] = count.frames;
-  return {
-      {"passed", t.passed}, {"dropped", t.dropped}, {"unknown", t.unknown}, {"reasons", reasons}};
+  auto would_drop = Json::object();
+  for (const auto& count : t.would_drop_reasons) would_drop[count.reason] = count.frames;
+  return {{"passed", t.passed}, {"dropped", t.dropped},       {"unknown", t.unknown},
+          {"reasons", reasons}, {"would_drop", t.would_drop}, {"would_drop_reasons", would_drop}};
 }
 
 Json unknown(const control::Unknown& u) {
   Json out = {{"length", u.length}, {"egress", u.egress}, {"frames", u.frames}};
   if (u.subject != 0) {
     out["subject"] = core::format_subject(u.subject);
+    out["address"] = u.address;
+    out["mac"] = u.mac;
     return out;
   }
   out["can_id"] = u.can_id;
@@ -150,6 +154,7 @@ Json gate_slot(const control::GateSlot& s) {
           {"excess_passes", s.excess_passes},
           {"passed", s.passed},
           {"dropped", s.dropped},
+          {"would_drop", s.would_drop},
           {"excess", s.excess},
           {"bytes", s.bytes},
           {"last_reason", s.last_reason}};
@@ -241,6 +246,7 @@ Json channel(const control::Channel& c) {
           {"admission", c.admission},
           {"passed", c.passed},
           {"dropped", c.dropped},
+          {"would_drop", c.would_drop},
           {"excess", c.excess},
           {"reaction", c.reaction},
           {"set", c.set},

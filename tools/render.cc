@@ -125,6 +125,16 @@ std::string subscribers_of(const control::Channel& channel) {
   return names;
 }
 
+/// "7 passed, 0 dropped; 2 would have been dropped, audit mode let them through"
+std::string frames_of(const control::Channel& channel) {
+  auto text = fmt::format("{} passed, {} dropped", channel.passed, channel.dropped);
+  if (channel.would_drop != 0)
+    text += fmt::format("; {} would have been dropped, audit mode let them through",
+                        channel.would_drop);
+  if (channel.excess != 0) text += fmt::format("; {} were more than admitted", channel.excess);
+  return text;
+}
+
 std::string delivery(const control::Channel& channel, Color color, bool in_full) {
   auto text = verdict_line(channel, color) + rows_of(channel, color);
   const auto also = [&](std::string_view name, const std::string& value) {
@@ -142,10 +152,7 @@ std::string delivery(const control::Channel& channel, Color color, bool in_full)
   also("reaction", channel.reaction);
   if (in_full) {
     also("importance", fmt::format("{}", channel.importance));
-    also("frames", fmt::format("{} passed, {} dropped{}", channel.passed, channel.dropped,
-                               channel.excess == 0
-                                   ? ""
-                                   : fmt::format("; {} were more than admitted", channel.excess)));
+    also("frames", frames_of(channel));
     if (channel.watch) {
       also("watched", arrivals_of(*channel.watch));
       also("gaps", gaps_of(*channel.watch));
@@ -166,6 +173,7 @@ std::string render(const control::Channels& channels, Color color) {
                {"SET"},
                {"PASSED", Align::right},
                {"DROPPED", Align::right},
+               {"WOULD DROP", Align::right},
                {"ADMISSION", Align::right},
                {"MEDIA"},
                {"REASON"}});
@@ -179,6 +187,7 @@ std::string render(const control::Channels& channels, Color color) {
                {set_in_use(channel)},
                frames(channel.passed),
                frames(channel.dropped, Style::warning),
+               channel.would_drop == 0 ? Cell{} : frames(channel.would_drop, Style::warning),
                {channel.admission == 0 ? "" : fmt::format("{}", channel.admission)},
                {media_of(channel)},
                {channel.reason}});

@@ -65,6 +65,7 @@ std::string slots(const std::vector<control::GateSlot>& all, bool control, bool 
                {"LIMIT"},
                {"PASSED", Align::right},
                {"DROPPED", Align::right},
+               {"WOULD DROP", Align::right},
                {"EXCESS", Align::right},
                {"LAST DROP"}});
   for (const auto& slot : all)
@@ -79,6 +80,7 @@ std::string slots(const std::vector<control::GateSlot>& all, bool control, bool 
                {limit(slot)},
                number(slot.passed),
                number(slot.dropped, Style::warning),
+               slot.would_drop == 0 ? Cell{} : number(slot.would_drop, Style::warning),
                number(slot.excess, Style::warning),
                {slot.last_reason, Style::warning}});
   return table.empty() ? "" : table.text(color, "  ");

@@ -10,6 +10,7 @@
 #include "core/text.hpp"
 #include "tools/render.hpp"
 #include "tools/values.hpp"
+#include "tools/words.hpp"
 
 namespace mlcca::tools {
 namespace {
@@ -42,6 +43,11 @@ Cell number(std::uint64_t n, Style style = Style::plain) {
   return {fmt::format("{}", n), n == 0 ? Style::plain : style};
 }
 
+/// Of what only audit mode counts.
+Cell number_if_any(std::uint64_t n) {
+  return n == 0 ? Cell{} : Cell{fmt::format("{}", n), Style::warning};
+}
+
 std::string interfaces(const std::vector<control::Interface>& all, Color color) {
   Table table({{"INTERFACE"},
                {"NETWORK"},
@@ -53,8 +59,10 @@ std::string interfaces(const std::vector<control::Interface>& all, Color color) 
                {"SLOTS", Align::right},
                {"IN PASSED", Align::right},
                {"IN DROPPED", Align::right},
+               {"IN WOULD DROP", Align::right},
                {"OUT PASSED", Align::right},
                {"OUT DROPPED", Align::right},
+               {"OUT WOULD DROP", Align::right},
                {"MANAGED"},
                {"IDENTITY"}});
   for (const auto& one : all)
@@ -68,8 +76,10 @@ std::string interfaces(const std::vector<control::Interface>& all, Color color) 
                number(one.slots),
                number(one.ingress.passed),
                number(one.ingress.dropped, Style::warning),
+               number_if_any(one.ingress.would_drop),
                number(one.egress.passed),
                number(one.egress.dropped, Style::warning),
+               number_if_any(one.egress.would_drop),
                {one.managed ? "yes" : ""},
                {one.identity}});
   return table.text(color);
@@ -79,11 +89,18 @@ void add_reasons(Table& table, const std::string& interface, const char* directi
                  const control::Traffic& traffic) {
   for (const auto& count : traffic.reasons)
     if (count.frames != 0)
-      table.add({{interface}, {direction}, {count.reason}, number(count.frames)});
+      table.add({{interface}, {direction}, {count.reason}, number(count.frames), {}});
+  for (const auto& count : traffic.would_drop_reasons)
+    if (count.frames != 0)
+      table.add({{interface}, {direction}, {count.reason}, {}, number_if_any(count.frames)});
 }
 
 std::string reasons(const std::vector<control::Interface>& all, Color color) {
-  Table table({{"INTERFACE"}, {"DIRECTION"}, {"REASON"}, {"FRAMES", Align::right}});
+  Table table({{"INTERFACE"},
+               {"DIRECTION"},
+               {"REASON"},
+               {"FRAMES", Align::right},
+               {"WOULD DROP", Align::right}});
   for (const auto& one : all) {
     add_reasons(table, one.name, "in", one.ingress);
     add_reasons(table, one.name, "out", one.egress);
@@ -101,7 +118,8 @@ std::string unknown_frames(const std::vector<control::Interface>& all, Color col
                {"IDENTIFIER"},
                {"FORMAT"},
                {"LENGTH", Align::right},
-               {"FRAMES", Align::right}});
+               {"FRAMES", Align::right},
+               {"SENDER"}});
   for (const auto& one : all)
     for (const auto& frame : one.unknown)
       table.add({{one.name},
@@ -112,7 +130,8 @@ std::string unknown_frames(const std::vector<control::Interface>& all, Color col
                   : frame.fd         ? "FD"
                                      : "classic"},
                  number(frame.length),
-                 number(frame.frames)});
+                 number(frame.frames),
+                 {print_sender(frame)}});
   return table.empty() ? "" : "\nunknown frames, last seen first\n" + table.text(color, "  ");
 }
 

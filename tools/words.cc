@@ -51,6 +51,11 @@ Style style_of_event(std::string_view kind) {
   return Style::plain;
 }
 
+std::string print_sender(const control::Unknown& frame) {
+  if (frame.address.empty() || frame.mac.empty()) return frame.address + frame.mac;
+  return fmt::format("{} ({})", frame.address, frame.mac);
+}
+
 std::string bytes_per_second(std::uint64_t rate) {
   return print_value("Bandwidth", rate, "bytes/s");
 }

@@ -16,6 +16,9 @@ Cell verdict_cell(bool granted);
 
 Style style_of_event(std::string_view kind);
 
+/// "10.0.0.7 (02:00:5e:10:00:01)" of who has sent an unknown frame, as much of it as is known.
+std::string print_sender(const control::Unknown& frame);
+
 /// Rates and times as the messages of the protocol have them, with at most three decimals.
 std::string bytes_per_second(std::uint64_t rate);
 std::string bits_per_second(std::uint64_t rate);

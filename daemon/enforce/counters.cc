@@ -2,12 +2,17 @@
 // Sums over CPUs. The kernel writes meanwhile: each number is read once and whole.
 #include "daemon/enforce/counters.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <atomic>
 #include <map>
 #include <optional>
 #include <tuple>
 #include <utility>
+
+#include "bpf/ether.h"
 
 namespace mlcca::enforce {
 namespace {
@@ -26,7 +31,9 @@ std::optional<UnknownFrame> read(const gate_seen& seen) {
                            .format = load(seen.format),
                            .direction = static_cast<Direction>(load(seen.direction)),
                            .count = load(seen.count),
-                           .sequence = before};
+                           .sequence = before,
+                           .station = 0,
+                           .mac = {}};
   std::atomic_thread_fence(std::memory_order_acquire);
   if (before == 0 || load(seen.sequence) != before) return std::nullopt;
   return frame;
@@ -43,6 +50,8 @@ SlotCounters slot_counters(const gate_table& table, std::span<const gate_cpu> cp
     sum.bytes += load(cpu.slots[slot].bytes);
     sum.excess += load(cpu.slots[slot].excess);
   }
+  sum.would_drop = load(table.audit[slot].would_drop);
+  sum.would_exceed = load(table.audit[slot].would_exceed);
   sum.last_reason = static_cast<gate_reason>(load(table.last_reason[slot]));
   return sum;
 }
@@ -78,6 +87,27 @@ std::vector<UnknownFrame> unknown_frames(std::span<const gate_cpu> cpus) {
   for (const auto& [key, frame] : merged) newest.push_back(frame);
   std::ranges::sort(newest, std::ranges::greater{}, &UnknownFrame::sequence);
   return newest;
+}
+
+std::string address_text(std::uint64_t station) {
+  if (station == 0 || (station & ETHER_MAC) != 0) return {};
+  return fmt::format("{}.{}.{}.{}", station >> 24 & 0xff, station >> 16 & 0xff, station >> 8 & 0xff,
+                     station & 0xff);
+}
+
+std::string mac_text(std::uint64_t station, const Mac& mac) {
+  Mac of = mac;
+  if ((station & ETHER_MAC) != 0)
+    for (std::size_t i = 0; i < of.size(); ++i)
+      of.at(i) = static_cast<std::uint8_t>(station >> (8 * (of.size() - 1 - i)));
+  return of == Mac{} ? "" : fmt::format("{:02x}", fmt::join(of, ":"));
+}
+
+std::string sender_text(std::uint64_t station, const Mac& mac) {
+  const std::string address = address_text(station);
+  const std::string hardware = mac_text(station, mac);
+  if (address.empty() || hardware.empty()) return address + hardware;
+  return fmt::format("{} ({})", address, hardware);
 }
 
 const char* reason_text(gate_reason reason) {

@@ -24,6 +24,8 @@ std::optional<UnknownFrame> read(const ether_seen& seen) {
   frame.len = static_cast<std::uint16_t>(load(seen.len));
   frame.direction = static_cast<Direction>(load(seen.direction));
   frame.count = load(seen.count);
+  frame.station = load(seen.station);
+  for (std::size_t i = 0; i < frame.mac.size(); ++i) frame.mac.at(i) = load(seen.mac[i]);
   std::atomic_thread_fence(std::memory_order_acquire);
   if (frame.sequence == 0 || load(seen.sequence) != frame.sequence) return std::nullopt;
   return frame;
@@ -39,6 +41,8 @@ SlotCounters ether_counters(const EtherMemory& memory, std::uint32_t slot) {
     sum.bytes += load(memory.counts[at].bytes);
     sum.excess += load(memory.counts[at].excess);
   }
+  sum.would_drop = load(memory.audits[slot].would_drop);
+  sum.would_exceed = load(memory.audits[slot].would_exceed);
   sum.last_reason = static_cast<gate_reason>(load(memory.slots[slot].last_reason));
   return sum;
 }

@@ -338,6 +338,10 @@ ReasonCounters EtherGate::reasons(Direction direction) const {
   return ether_reasons(state_->mapping.cpus(), direction);
 }
 
+ReasonCounters EtherGate::would_drop(Direction direction) const {
+  return would_drop_counters(*state_->mapping.memory().table, direction);
+}
+
 std::vector<UnknownFrame> EtherGate::unknown() const {
   return unknown_subjects(state_->mapping.cpus());
 }

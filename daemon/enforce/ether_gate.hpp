@@ -58,6 +58,7 @@ class EtherGate final : public PortGate {
   [[nodiscard]] Result<void> tell_again(std::uint32_t slot) const override;
   [[nodiscard]] std::size_t unwatched() const override;
   [[nodiscard]] ReasonCounters reasons(Direction direction) const override;
+  [[nodiscard]] ReasonCounters would_drop(Direction direction) const override;
   [[nodiscard]] std::vector<UnknownFrame> unknown() const override;
   void unpin() override;
 

@@ -20,11 +20,12 @@ std::array<bpf_map*, kEtherMaps.size()> maps_of(const ether_bpf& object) {
           object.maps.slots,     object.maps.contracts,
           object.maps.counts,    object.maps.cpus,
           object.maps.fragments, object.maps.foreign_fragments,
-          object.maps.watches,   object.maps.fronts};
+          object.maps.watches,   object.maps.fronts,
+          object.maps.audits};
 }
 
 int set_sizes(const ether_bpf& object, const EtherSizes& sizes) {
-  const std::array<std::pair<bpf_map*, std::uint32_t>, 9> entries{
+  const std::array<std::pair<bpf_map*, std::uint32_t>, 10> entries{
       {{object.maps.buckets, sizes.buckets},
        {object.maps.slots, sizes.slots},
        {object.maps.contracts, sizes.contracts},
@@ -33,7 +34,8 @@ int set_sizes(const ether_bpf& object, const EtherSizes& sizes) {
        {object.maps.fragments, ether_fragment_entries(possible_cpus())},
        {object.maps.foreign_fragments, ether_fragment_entries(possible_cpus())},
        {object.maps.watches, ETHER_WATCHES},
-       {object.maps.fronts, sizes.fronts()}}};
+       {object.maps.fronts, sizes.fronts()},
+       {object.maps.audits, sizes.slots}}};
   for (const auto& [map, count] : entries)
     if (const int error = bpf_map__set_max_entries(map, count); error != 0) return error;
   return 0;
@@ -77,7 +79,8 @@ std::optional<EtherPinned> pinned_ether_maps(const std::string& directory) {
       !fits(3, sizeof(ether_contract), there.sizes.contracts) ||
       !fits(4, sizeof(gate_count), there.sizes.banks * there.sizes.slots) ||
       !fits(5, sizeof(ether_cpu), possible_cpus()) || !fits(8, sizeof(gate_watch), ETHER_WATCHES) ||
-      !fits(9, sizeof(ether_front), there.sizes.fronts()))
+      !fits(9, sizeof(ether_front), there.sizes.fronts()) ||
+      !fits(10, sizeof(gate_audit), there.sizes.slots))
     return std::nullopt;
   return there;
 }
@@ -137,8 +140,9 @@ Result<EtherMapping> EtherMapping::of(const EtherPrograms& programs, const Ether
   m.cpus_ = {programs.map_fd(5), possible_cpus()};
   m.watches_ = {programs.map_fd(8), ETHER_WATCHES};
   m.fronts_ = {programs.map_fd(9), sizes.fronts()};
+  m.audits_ = {programs.map_fd(10), sizes.slots};
   if (!m.table_ || !m.buckets_ || !m.fronts_ || !m.slots_ || !m.contracts_ || !m.counts_ ||
-      !m.cpus_ || !m.watches_)
+      !m.cpus_ || !m.watches_ || !m.audits_)
     return failure("map the memory of the Ethernet gate", errno);
   return m;
 }
@@ -150,6 +154,7 @@ EtherMemory EtherMapping::memory() const {
           .slots = slots_.span(),
           .contracts = contracts_.span(),
           .counts = counts_.span(),
+          .audits = audits_.span(),
           .watches = watches_.span(),
           .generation = generation_};
 }

@@ -22,9 +22,10 @@ namespace mlcca::enforce {
 void destroy_ether_programs(ether_bpf* object);
 
 /// The maps of one interface that outlive a daemon, by the names of their pins.
-inline constexpr std::array kEtherMaps = {
-    "ether_table", "ether_buckets",   "ether_slots",   "ether_contracts", "ether_counts",
-    "ether_cpus",  "ether_fragments", "ether_foreign", "ether_watches",   "ether_fronts"};
+inline constexpr std::array kEtherMaps = {"ether_table",     "ether_buckets", "ether_slots",
+                                          "ether_contracts", "ether_counts",  "ether_cpus",
+                                          "ether_fragments", "ether_foreign", "ether_watches",
+                                          "ether_fronts",    "ether_audits"};
 using EtherMaps = std::array<Fd, kEtherMaps.size()>;  ///< in that order; all or none
 
 /// The pinned maps of an interface.
@@ -80,6 +81,7 @@ class EtherMapping {
   Mapped<ether_slot> slots_;
   Mapped<ether_contract> contracts_;
   Mapped<gate_count> counts_;
+  Mapped<gate_audit> audits_;
   Mapped<ether_cpu> cpus_;
   Mapped<gate_watch> watches_;
 };

@@ -45,7 +45,8 @@ Result<EtherTable> EtherTable::read(const EtherMemory& memory, const EtherSizes&
             .watches_end = 1,
             .sample_due = 0,
             .retired = 0,
-            .pad = {}};
+            .pad = {},
+            .would_drop = {}};
   if (head.layout_version != ETHER_LAYOUT_VERSION)
     return fail(fmt::format("subject table: layout {} instead of {}", head.layout_version,
                             ETHER_LAYOUT_VERSION));
@@ -295,6 +296,7 @@ void EtherTable::link(const SlotSpec& spec) {
   slots_.free.pop_back();
   for (std::size_t bank = 0; bank < sizes_.banks; ++bank)
     memory_.counts[bank * sizes_.slots + slot] = {};
+  memory_.audits[slot] = {};
   const std::uint64_t hash = hash_of(spec.subject, spec.direction);
   std::uint64_t& bucket = bucket_of(hash);
   const std::uint32_t before = last_of_stations(bucket, spec);

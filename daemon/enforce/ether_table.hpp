@@ -42,6 +42,7 @@ struct EtherMemory {
   std::span<ether_slot> slots;
   std::span<ether_contract> contracts;
   std::span<gate_count> counts;
+  std::span<gate_audit> audits;
   std::span<gate_watch> watches;
   std::uint32_t* generation = nullptr;  ///< of the verdicts (gate_control)
 };

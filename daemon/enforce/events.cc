@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include "daemon/enforce/failure.hpp"
@@ -14,8 +15,7 @@
 namespace mlcca::enforce {
 namespace {
 
-static_assert(offsetof(gate_event, kind) == 0 && offsetof(gate_sample, kind) == 0 &&
-              sizeof(gate_event) == sizeof(gate_sample));
+static_assert(offsetof(gate_event, kind) == 0 && offsetof(gate_sample, kind) == 0);
 
 }  // namespace
 
@@ -45,12 +45,12 @@ Result<Fd> open_event_ring(const std::string& pin_path) {
 int EventReader::take_record(void* context, void* data, std::size_t size) {
   auto& turn = *static_cast<Turn*>(context);
   const int more = ++turn.taken < kAtOnce ? 0 : -EAGAIN;
-  if (size != sizeof(gate_event)) return more;
-  const auto& event = *static_cast<const gate_event*>(data);
-  if (event.kind == GATE_E_UNKNOWN)
-    turn.take.sample(*static_cast<const gate_sample*>(data));
-  else
-    turn.take.event(event);
+  if (size < sizeof(std::uint32_t)) return more;
+  if (*static_cast<const std::uint32_t*>(data) == GATE_E_UNKNOWN) {
+    if (size == sizeof(gate_sample)) turn.take.sample(*static_cast<const gate_sample*>(data));
+  } else if (size == sizeof(gate_event)) {
+    turn.take.event(*static_cast<const gate_event*>(data));
+  }
   return more;
 }
 

@@ -274,6 +274,9 @@ Result<void> Gate::tell_again(std::uint32_t slot) const {
 ReasonCounters Gate::reasons(Direction direction) const {
   return reason_counters(state_->cpus.span(), direction);
 }
+ReasonCounters Gate::would_drop(Direction direction) const {
+  return would_drop_counters(state_->programs.table(), direction);
+}
 std::vector<UnknownFrame> Gate::unknown() const { return unknown_frames(state_->cpus.span()); }
 
 void Gate::unpin() {

@@ -78,6 +78,7 @@ class Gate final : public PortGate {
   [[nodiscard]] Arrivals arrivals(std::uint32_t slot, std::uint64_t now) const override;
   [[nodiscard]] Result<void> tell_again(std::uint32_t slot) const override;
   [[nodiscard]] ReasonCounters reasons(Direction direction) const override;
+  [[nodiscard]] ReasonCounters would_drop(Direction direction) const override;
   /// Frames without a slot, newest first.
   [[nodiscard]] std::vector<UnknownFrame> unknown() const override;
 

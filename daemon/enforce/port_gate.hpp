@@ -72,6 +72,8 @@ class PortGate {
   /// Slots whose events ought to be watched, beyond those that can be.
   [[nodiscard]] virtual std::size_t unwatched() const { return 0; }
   [[nodiscard]] virtual ReasonCounters reasons(Direction direction) const = 0;
+  /// What audit mode has let through, by why it would have been dropped.
+  [[nodiscard]] virtual ReasonCounters would_drop(Direction direction) const = 0;
   /// Frames without a slot, newest first.
   [[nodiscard]] virtual std::vector<UnknownFrame> unknown() const = 0;
 

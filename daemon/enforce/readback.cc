@@ -148,6 +148,7 @@ void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_
                                       .slots = copy->slots,
                                       .contracts = copy->contracts,
                                       .counts = {},
+                                      .audits = {},
                                       .watches = watches,
                                       .generation = &generation},
                                      pinned.sizes, false, 0, nullptr);

@@ -286,6 +286,7 @@ void SlotTable::link(const SlotSpec& spec) {
   free_.pop_back();
   for (auto& cpu : cpus_) cpu.slots[slot] = {};
   table_->last_reason[slot] = GATE_R_PASSED;
+  table_->audit[slot] = {};
   table_->slots[slot] = {.verdict = {GATE_DENY, GATE_DENY},
                          .max_len = spec.max_len,
                          .id = spec.id,

@@ -135,6 +135,7 @@ struct Counted {
   std::uint64_t passed = 0;
   std::uint64_t dropped = 0;
   std::uint64_t bytes = 0;
+  std::uint64_t would_drop = 0;
   gate_reason last_reason = GATE_R_PASSED;
 };
 
@@ -195,13 +196,14 @@ class Round {
     ASSERT_EQ(got.mark, want.outcome.mark) << enforce::reason_text(want.reason);
 
     const auto d = static_cast<std::size_t>(direction);
-    ++reasons_.at(d).at(want.reason);
+    const bool drop = enforce::is_drop(want.reason);
+    ++(drop && world_.audit ? would_drop_ : reasons_).at(d).at(want.reason);
     auto& counted = want.slot ? counted_[*want.slot] : own_[d];
     if (want.reason == GATE_R_PASSED) {
       ++counted.passed;
       counted.bytes += want.bytes;
-    } else if (enforce::is_drop(want.reason)) {
-      ++counted.dropped;
+    } else if (drop) {
+      ++(world_.audit ? counted.would_drop : counted.dropped);
       counted.last_reason = want.reason;
     }
   }
@@ -210,6 +212,7 @@ class Round {
     const auto got = enforce::slot_counters(gate_.table(), gate_.cpus(), slot);
     EXPECT_EQ(got.passed, want.passed);
     EXPECT_EQ(got.dropped, want.dropped);
+    EXPECT_EQ(got.would_drop, want.would_drop);
     EXPECT_EQ(got.bytes, want.bytes);
     EXPECT_EQ(got.last_reason, want.last_reason);
   }
@@ -218,6 +221,7 @@ class Round {
     for (const auto direction : {Direction::ingress, Direction::egress}) {
       const auto d = static_cast<std::uint16_t>(direction);
       EXPECT_EQ(enforce::reason_counters(gate_.cpus(), direction), reasons_.at(d));
+      EXPECT_EQ(enforce::would_drop_counters(gate_.table(), direction), would_drop_.at(d));
       compare(d, own_[d]);
     }
     for (std::size_t i = 0; i < world_.slots.size(); ++i)
@@ -228,6 +232,7 @@ class Round {
   World world_;
   LoadedGate& gate_;
   std::array<enforce::ReasonCounters, 2> reasons_{};
+  std::array<enforce::ReasonCounters, 2> would_drop_{};
   std::vector<Counted> own_;
   std::vector<Counted> counted_;
 };

@@ -71,8 +71,11 @@ TEST_F(Police, AuditDropsNothing) {
   gate_.control().mode = GATE_AUDIT;
   EXPECT_TRUE(passes());
   EXPECT_TRUE(passes());
-  EXPECT_EQ(counted().excess, 1U);
-  EXPECT_EQ(counted().dropped, 1U) << "what would be dropped";
+  EXPECT_EQ(counted().would_drop, 1U);
+  EXPECT_EQ(counted().would_exceed, 1U);
+  EXPECT_EQ(counted().excess, 0U);
+  EXPECT_EQ(counted().dropped, 0U);
+  EXPECT_EQ(enforce::would_drop_counters(gate_.table(), Direction::ingress)[GATE_R_EXCESS], 1U);
 }
 
 TEST_F(Police, BytesHaveTheirPrice) {

@@ -89,6 +89,7 @@ Channel granted_channel() {
   channel.rows[0].where = "robot-can";
   channel.admission = 7;
   channel.dropped = 0;
+  channel.would_drop = 12;
   channel.watch = full_watch();
   channel.troubles = {"nothing has come for 200 ms: 4 events are missing"};
   channel.reaction = "174 ms = (Omission 2 + 1) x Period 50 ms + Latency 12 ms + Jitter 12 ms";
@@ -154,11 +155,20 @@ Status full_status() {
                   .dropped = 22,
                   .unknown = 21,
                   .reasons = {{"unknown", 21}, {"length", 1}}},
-      .egress = {.passed = 2002, .dropped = 33, .unknown = 30, .reasons = {{"source", 3}}},
+      .egress = {.passed = 2002,
+                 .dropped = 33,
+                 .unknown = 30,
+                 .reasons = {{"source", 3}},
+                 .would_drop = 34,
+                 .would_drop_reasons = {{"more than admitted", 34}}},
       .unknown = {{.can_id = 0x98ffa533, .length = 8, .fd = false, .egress = false, .frames = 19},
                   {.can_id = 0x123, .length = 64, .fd = true, .egress = true, .frames = 2},
                   {.can_id = 0x17, .length = 2048, .egress = false, .frames = 1, .xl = true},
-                  {.length = 8183, .frames = 3, .subject = 0xa4efeccc3210b497}},
+                  {.length = 8183,
+                   .frames = 3,
+                   .subject = 0xa4efeccc3210b497,
+                   .address = "10.0.0.7",
+                   .mac = "02:00:5e:10:00:01"}},
       .problem = "queue is full",
       .drops_early = true,
       .hook = "tcx",
@@ -313,7 +323,8 @@ Gates full_gates() {
                        .dropped = 2,
                        .excess = 1,
                        .bytes = 56,
-                       .last_reason = "more than admitted"};
+                       .last_reason = "more than admitted",
+                       .would_drop = 4};
   auto channel = claim;
   channel.name = "engine-speed";
   channel.egress = false;

@@ -34,7 +34,7 @@ class DriftTest : public AttachTo, public testing::WithParamInterface<Hook> {
   [[nodiscard]] int ifindex() const { return static_cast<int>(bus_.ifindex()); }
   Gate& gate() { return gate_; }
   void repair() { drift_.repair(gates_, links_->table()); }
-  void look() { drift_.look_for_bypass(gates_, *links_, control_.mode() == Mode::audit, ++now_); }
+  void look() { drift_.look_for_bypass(gates_, *links_, ++now_); }
   control::Interface report() {
     control::Interface interface;
     drift_.report(ifindex(), gate_, interface);

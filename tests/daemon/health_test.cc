@@ -72,10 +72,10 @@ TEST(Health, DropsAreToldWithTheirPlace) {
             (Lines{"12 frames on second-can were more than was admitted",
                    "1 frame on robot-can names the subject and differs from the grant: longer than "
                    "granted"}));
-  seen.audit = true;
+  seen.passages[1].would_be_misfits = 2;
   EXPECT_EQ(troubles(seen).back(),
-            "1 frame on robot-can names the subject and differs from the grant: longer than "
-            "granted (audit mode: they pass)");
+            "2 frames on robot-can name the subject and differ from the grant: longer than granted "
+            "(audit mode: they pass)");
 }
 
 TEST(Health, AGrantThatCarriesNothingSaysWhere) {

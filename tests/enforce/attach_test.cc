@@ -183,7 +183,27 @@ TEST_P(Attach, AuditLetsThroughWhatItCounts) {
   control_.set_mode(Mode::audit);
   bus.inject(frame(0x124));
   EXPECT_EQ(listener.received(), frame(0x124));
-  expect_ingress(gate, GATE_R_UNKNOWN, 1);
+  EXPECT_EQ(gate.would_drop(Direction::ingress).at(GATE_R_UNKNOWN), 1U);
+  EXPECT_EQ(gate.reasons(Direction::ingress).at(GATE_R_UNKNOWN), 0U);
+}
+
+TEST_P(Attach, WhatAuditLetThroughIsNoDropAfterwards) {
+  constexpr std::uint32_t frames = 20;
+  const Bus bus("bus0");
+  auto gate = attach(bus);
+  admit(gate, {in(0x123)});
+  gate.deny_all();
+  const auto counted = [&] { return gate.counters(in(0x123)).value(); };
+  control_.set_mode(Mode::audit);
+  for (std::uint32_t i = 0; i < frames; ++i) bus.inject(frame(0x123));
+  EXPECT_EQ(eventually(frames, [&] { return counted().would_drop; }), frames);
+  EXPECT_EQ(counted().dropped, 0U);
+  control_.set_mode(Mode::enforce);
+  for (std::uint32_t i = 0; i < frames; ++i) bus.inject(frame(0x123));
+  expect_ingress(gate, GATE_R_DENIED, frames);
+  EXPECT_EQ(counted().dropped, frames);
+  EXPECT_EQ(counted().would_drop, frames);
+  EXPECT_EQ(gate.would_drop(Direction::ingress).at(GATE_R_DENIED), frames);
 }
 
 TEST_P(Attach, DenyAllStopsEverythingAndKeepsTheGate) {

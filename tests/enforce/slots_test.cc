@@ -177,12 +177,14 @@ TEST_F(Slots, ReusedSlotCountsFromZero) {
   ASSERT_TRUE(slots.apply(adding({raw(1)})));
   const auto first = slots.find(raw(1)).value();
   cpus_[1].slots[first] = {.passed = 5, .dropped = 6, .bytes = 7, .excess = 8};
+  memory_->audit[first] = {.would_drop = 3, .would_exceed = 1};
   memory_->last_reason[first] = GATE_R_LENGTH;
   ASSERT_TRUE(slots.apply(removing({raw(1)})));
   for (std::uint32_t i = 0; i < 2047; ++i) ASSERT_TRUE(slots.apply(adding({raw(i, 1), raw(i, 2)})));
   ASSERT_EQ(slots.size(), std::size_t{GATE_SLOTS - GATE_FIRST_SLOT});
   const auto count = slot_counters(*memory_, {cpus_.get(), 2}, first);
   EXPECT_EQ(count.passed + count.dropped + count.bytes, 0U);
+  EXPECT_EQ(count.would_drop + count.would_exceed, 0U);
   EXPECT_EQ(count.last_reason, GATE_R_PASSED);
 }
 

@@ -342,8 +342,15 @@ TEST(EtherStates, AuditCountsAndDropsNothing) {
   gate.control().mode = GATE_AUDIT;
   EXPECT_FALSE(gate.run(kIn, packet()).dropped);
   EXPECT_FALSE(gate.dropped_early(packet()));
-  EXPECT_EQ(gate.reasons(kIn).at(GATE_R_UNKNOWN), 1U) << "once, at ingress";
-  EXPECT_EQ(gate.counted(kIn).dropped, 1U);
+  EXPECT_EQ(gate.would_drop(kIn).at(GATE_R_UNKNOWN), 1U) << "once, at ingress";
+  EXPECT_EQ(gate.reasons(kIn).at(GATE_R_UNKNOWN), 0U);
+  EXPECT_EQ(gate.counted(kIn).would_drop, 1U);
+  EXPECT_EQ(gate.counted(kIn).dropped, 0U);
+  gate.control().mode = GATE_ENFORCE;
+  EXPECT_TRUE(gate.run(kIn, packet()).dropped);
+  EXPECT_TRUE(gate.dropped_early(packet()));
+  EXPECT_EQ(gate.counted(kIn).would_drop, 1U) << "it stays";
+  EXPECT_EQ(gate.counted(kIn).dropped, 2U);
 }
 
 TEST(EtherStates, WhoIsUnknownIsTold) {
@@ -357,6 +364,46 @@ TEST(EtherStates, WhoIsUnknownIsTold) {
   EXPECT_EQ(unknown[0].direction, kOut);
   EXPECT_EQ(unknown[1].subject, kSubject);
   EXPECT_EQ(unknown[1].count, 3U);
+}
+
+/// Puts a source address into an Ethernet header at `at`.
+Bytes sent_by(const enforce::Mac& mac, Bytes bytes, std::size_t at = 0) {
+  std::ranges::copy(mac, bytes.begin() + static_cast<std::ptrdiff_t>(at + 6));
+  return bytes;
+}
+
+/// The gate in front of drivers and that of tc note the same.
+TEST(EtherStates, WhoIsUnknownIsToldWithTheAddressOfItsSender) {
+  constexpr enforce::Mac near{0x02, 0, 0x5e, 0x10, 0, 1};
+  constexpr enforce::Mac inner{0x02, 0, 0x5e, 0x10, 0, 2};
+  for (const bool direct : {true, false})
+    for (const bool early : {false, true}) {
+      LoadedEther& gate = LoadedEther::with({.direct_access = direct});
+      const auto latest = [&](const Bytes& bytes) {
+        EXPECT_TRUE(early ? gate.dropped_early(bytes) : gate.run(kIn, bytes).dropped);
+        return enforce::unknown_subjects(gate.cpus()).at(0);
+      };
+      const auto udp =
+          latest(sent_by(near, packet([](Datagram& d) { d.subject = 1, d.source = 0x0a000007; })));
+      EXPECT_EQ(udp.subject, 1U);
+      EXPECT_EQ(enforce::sender_text(udp.station, udp.mac), "10.0.0.7 (02:00:5e:10:00:01)");
+      const auto again =
+          latest(sent_by(inner, packet([](Datagram& d) { d.subject = 1, d.source = 0x0a000008; })));
+      EXPECT_EQ(again.count, 2U);
+      EXPECT_EQ(enforce::sender_text(again.station, again.mac), "10.0.0.8 (02:00:5e:10:00:02)")
+          << "the latest";
+      const auto tagged =
+          latest(sent_by(near, ethernet(0x0800, Datagram{.subject = 2}.whole(), {0x8100})));
+      EXPECT_EQ(enforce::sender_text(tagged.station, tagged.mac), "10.0.0.1 (02:00:5e:10:00:01)");
+      const auto awds = latest(sent_by(near, ethernet(0x8334, awds_flood(0x7c, awds_event(3, 8)))));
+      EXPECT_EQ(enforce::sender_text(awds.station, awds.mac), "02:a1:b2:c3:d4:e5")
+          << "not the neighbour that passed it on";
+      const auto in_awds = latest(sent_by(
+          near,
+          ethernet(0x8334,
+                   awds_flood(98, sent_by(inner, packet([](Datagram& d) { d.subject = 4; }))))));
+      EXPECT_EQ(enforce::sender_text(in_awds.station, in_awds.mac), "10.0.0.1 (02:00:5e:10:00:02)");
+    }
 }
 
 TEST(EtherStates, ExcessMayPassAndIsCountedAllTheSame) {

@@ -361,9 +361,11 @@ TEST(EtherAudit, WhatIngressRefusesIsCountedOnce) {
   const Outcome in_ = gate.run(kIn, packet(), kWire);
   EXPECT_FALSE(in_.dropped);
   EXPECT_FALSE(gate.run(kOut, packet(), {.mark = in_.mark, .ingress_ifindex = kIfindex}).dropped);
-  EXPECT_EQ(gate.reasons(kIn).at(GATE_R_DENIED), 1U);
+  EXPECT_EQ(gate.would_drop(kIn).at(GATE_R_DENIED), 1U);
+  EXPECT_EQ(gate.counted(denied(in())).would_drop, 1U);
+  EXPECT_EQ(gate.counted(denied(in())).dropped, 0U);
   EXPECT_EQ(gate.reasons(kOut).at(GATE_R_ECHO), 1U);
-  EXPECT_EQ(gate.counted(denied(from(kIfindex))).dropped, 0U);
+  EXPECT_EQ(gate.counted(denied(from(kIfindex))).would_drop, 0U);
   gate.control().mode = GATE_ENFORCE;
   EXPECT_TRUE(gate.run(kOut, packet(), {.mark = in_.mark, .ingress_ifindex = kIfindex}).dropped)
       << "a mark opens nothing";
@@ -376,7 +378,9 @@ TEST(EtherAudit, WhatIsTooMuchGoesOnAsWhatItIs) {
   gate.control().mode = GATE_AUDIT;
   for (int i = 0; i < 3; ++i)
     EXPECT_EQ(gate.run(kIn, packet(), kWire), (Outcome{.dropped = false, .mark = kAdmitted}));
-  EXPECT_EQ(gate.counted(policed).excess, 2U);
+  EXPECT_EQ(gate.counted(policed).would_exceed, 2U);
+  EXPECT_EQ(gate.counted(policed).would_drop, 2U);
+  EXPECT_EQ(gate.counted(policed).excess, 0U);
 }
 
 /// An event of one station comes in, and leaves with the address of another.

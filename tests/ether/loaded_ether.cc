@@ -70,12 +70,14 @@ LoadedEther::LoadedEther(const EtherOptions& options)
   bpf_map__set_max_entries(maps.fragments, ether_fragment_entries(cpus));
   bpf_map__set_max_entries(maps.foreign_fragments, ether_fragment_entries(cpus));
   bpf_map__set_max_entries(maps.watches, ETHER_WATCHES);
+  bpf_map__set_max_entries(maps.audits, sizes_.slots);
   require(ether_bpf__load(object_.get()) == 0, "load the gate");
   buckets_ = mapped<std::uint64_t>(maps.buckets);
   fronts_ = mapped<ether_front>(maps.fronts);
   slots_ = mapped<ether_slot>(maps.slots);
   contracts_ = mapped<ether_contract>(maps.contracts);
   counts_ = mapped<gate_count>(maps.counts);
+  audits_ = mapped<gate_audit>(maps.audits);
   cpus_ = mapped<ether_cpu>(maps.cpus);
   watches_ = mapped<gate_watch>(maps.watches);
   memory_ = {.table = &object_->bss->table,
@@ -84,6 +86,7 @@ LoadedEther::LoadedEther(const EtherOptions& options)
              .slots = slots_.span(),
              .contracts = contracts_.span(),
              .counts = counts_.span(),
+             .audits = audits_.span(),
              .watches = watches_.span(),
              .generation = &object_->data_control->control.generation};
   reset();
@@ -103,6 +106,7 @@ void LoadedEther::reset() {
   std::memset(memory_.buckets.data(), 0, memory_.buckets.size_bytes());
   std::memset(memory_.fronts.data(), 0, memory_.fronts.size_bytes());
   std::memset(memory_.counts.data(), 0, memory_.counts.size_bytes());
+  std::memset(memory_.audits.data(), 0, memory_.audits.size_bytes());
   for (auto& cpu : cpus()) cpu = {};
   for (std::size_t own = 0; own < ETHER_FIRST_SLOT; ++own) memory_.slots[own] = {};
   clear(object_->maps.fragments);
@@ -172,6 +176,9 @@ enforce::SlotCounters LoadedEther::counted(enforce::Direction direction) const {
 }
 enforce::ReasonCounters LoadedEther::reasons(enforce::Direction direction) const {
   return enforce::ether_reasons(cpus(), direction);
+}
+enforce::ReasonCounters LoadedEther::would_drop(enforce::Direction direction) const {
+  return enforce::would_drop_counters(*memory_.table, direction);
 }
 
 std::size_t LoadedEther::map_bytes() const {

@@ -71,6 +71,7 @@ class LoadedEther {
   /// Of the direction's own slot.
   [[nodiscard]] enforce::SlotCounters counted(enforce::Direction direction) const;
   [[nodiscard]] enforce::ReasonCounters reasons(enforce::Direction direction) const;
+  [[nodiscard]] enforce::ReasonCounters would_drop(enforce::Direction direction) const;
   /// Kernel memory of all maps, as /proc has it.
   [[nodiscard]] std::size_t map_bytes() const;
 
@@ -86,6 +87,7 @@ class LoadedEther {
   enforce::Mapped<ether_slot> slots_;
   enforce::Mapped<ether_contract> contracts_;
   enforce::Mapped<gate_count> counts_;
+  enforce::Mapped<gate_audit> audits_;
   enforce::Mapped<ether_cpu> cpus_;
   enforce::Mapped<gate_watch> watches_;
   enforce::EtherMemory memory_;

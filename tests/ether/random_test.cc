@@ -216,14 +216,15 @@ class Round {
 
   void account(Direction direction, const Judgement& want) {
     const auto d = static_cast<std::size_t>(direction);
-    ++reasons_.at(d).at(want.reason);
+    const bool drop = enforce::is_drop(want.reason);
+    ++(drop && world_.audit ? would_drop_ : reasons_).at(d).at(want.reason);
     if (!want.counts_in_slot) return;
     auto& counted = want.slot ? counted_[*want.slot] : own_[d];
     if (want.reason == GATE_R_PASSED) {
       ++counted.passed;
       counted.bytes += want.bytes;
     } else {
-      ++counted.dropped;
+      ++(world_.audit ? counted.would_drop : counted.dropped);
       counted.last_reason = want.reason;
     }
   }
@@ -231,6 +232,7 @@ class Round {
   static void compare(const enforce::SlotCounters& got, const enforce::SlotCounters& want) {
     EXPECT_EQ(got.passed, want.passed);
     EXPECT_EQ(got.dropped, want.dropped);
+    EXPECT_EQ(got.would_drop, want.would_drop);
     EXPECT_EQ(got.bytes, want.bytes);
     EXPECT_EQ(got.last_reason, want.last_reason);
   }
@@ -238,6 +240,7 @@ class Round {
   void compare_counters() {
     for (const auto direction : {Direction::ingress, Direction::egress}) {
       EXPECT_EQ(gate_.reasons(direction), reasons_.at(static_cast<std::size_t>(direction)));
+      EXPECT_EQ(gate_.would_drop(direction), would_drop_.at(static_cast<std::size_t>(direction)));
       compare(gate_.counted(direction), own_.at(static_cast<std::size_t>(direction)));
     }
     for (std::size_t i = 0; i < world_.slots.size(); ++i)
@@ -248,6 +251,7 @@ class Round {
   EtherWorld world_;
   LoadedEther& gate_;
   std::array<enforce::ReasonCounters, 2> reasons_{};
+  std::array<enforce::ReasonCounters, 2> would_drop_{};
   std::array<enforce::SlotCounters, 2> own_{};
   std::vector<enforce::SlotCounters> counted_;
 };

@@ -42,13 +42,12 @@ class EtherTableTest : public testing::Test {
         slots_(sizes.slots),
         contracts_(sizes.contracts),
         counts_(std::size_t{sizes.banks} * sizes.slots),
-        watches_(ETHER_WATCHES),
         table_(open(true).value()) {}
 
   Result<EtherTable> open(bool fresh) {
     return EtherTable::read(
-        {&head_, buckets_, fronts_, slots_, contracts_, counts_, watches_, &generation_}, sizes_,
-        fresh, 42, [this]() -> Result<void> {
+        {&head_, buckets_, fronts_, slots_, contracts_, counts_, audits_, watches_, &generation_},
+        sizes_, fresh, 42, [this]() -> Result<void> {
           ++waits_;
           if (!grace_) return fail("no grace");
           return {};
@@ -79,7 +78,8 @@ class EtherTableTest : public testing::Test {
   std::vector<ether_slot> slots_;
   std::vector<ether_contract> contracts_;
   std::vector<gate_count> counts_;
-  std::vector<gate_watch> watches_;
+  std::vector<gate_audit> audits_ = std::vector<gate_audit>(sizes_.slots);
+  std::vector<gate_watch> watches_ = std::vector<gate_watch>(ETHER_WATCHES);
   EtherTable table_;
 };
 
@@ -380,13 +380,13 @@ TEST_F(EtherTableTest, CountersOfAReusedSlotBeginAtNothing) {
   ASSERT_TRUE(add({slot(1)}));
   const auto at = table_.find(slot(1)).value();
   for (std::size_t bank = 0; bank < 2; ++bank) counts_[bank * sizes_.slots + at].passed = 5;
+  audits_[at] = {.would_drop = 3, .would_exceed = 1};
   ASSERT_TRUE(remove({slot(1)}));
   table_ = open(false).value();
   std::vector<SlotSpec> all;
   for (std::uint64_t s = 1; s <= sizes_.slots - ETHER_FIRST_SLOT; ++s) all.push_back(slot(s));
   ASSERT_TRUE(add(all));
-  for (std::size_t bank = 0; bank < 2; ++bank)
-    EXPECT_EQ(counts_[bank * sizes_.slots + at].passed, 0U);
+  EXPECT_EQ(counts_[at].passed + counts_[sizes_.slots + at].passed + audits_[at].would_drop, 0U);
 }
 
 SlotSpec periodic(std::uint64_t subject) {

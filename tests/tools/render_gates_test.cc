@@ -21,11 +21,11 @@ TEST(RenderGates, ListsControlTrafficOfAGateBeforeItsChannels) {
   EXPECT_EQ(render(control::Gates{{gate}}, Color::no),
             R"(can0 on powertrain: profile j1939, held, 21 of 4094 slots, 3 of 32 masks
   can0 is down
-  CONTROL TRAFFIC  WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE   LIMIT                            PASSED  DROPPED  EXCESS  LAST DROP
-  address-claim    out  user 0  00eeff00    03ffff00  classic      8  passes  50/s, 257 at once, more is told       7        2       1  more than admitted
-  CHANNEL        WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE    LIMIT                            PASSED  DROPPED  EXCESS  LAST DROP
-  engine-speed   in           00eeff00    03ffff00  classic      8  passes   50/s, 257 at once, more is told       7        2       1  more than admitted
-  address-claim  out  user 0  00eeff00    03ffff00  classic      8  refused  100 MB/s, more is told                7        2       1  more than admitted
+  CONTROL TRAFFIC  WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE   LIMIT                            PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
+  address-claim    out  user 0  00eeff00    03ffff00  classic      8  passes  50/s, 257 at once, more is told       7        2           4       1  more than admitted
+  CHANNEL        WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE    LIMIT                            PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
+  engine-speed   in           00eeff00    03ffff00  classic      8  passes   50/s, 257 at once, more is told       7        2           4       1  more than admitted
+  address-claim  out  user 0  00eeff00    03ffff00  classic      8  refused  100 MB/s, more is told                7        2           4       1  more than admitted
 )");
   EXPECT_EQ(render(control::Gates{}, Color::no), "this gateway has no gates\n");
 }
@@ -68,8 +68,8 @@ TEST(RenderGates, ListsWhatAnEthernetGatePassesBesidesSubjectsAndWhatBecameOfFra
             R"(eth1 on lan: profile famouso, held by clsact, early in the driver, 5000 of 8190 slots
   OTHER TRAFFIC     WAY  STATE   PASSED
   no event traffic  in   passes      12
-  CHANNEL   WAY  FORMATS  BYTES  STATE   LIMIT                            PASSED  DROPPED  EXCESS  LAST DROP
-  distance  in   whole        8  passes  50/s, 257 at once, more is told       7        2       1  more than admitted
+  CHANNEL   WAY  FORMATS  BYTES  STATE   LIMIT                            PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
+  distance  in   whole        8  passes  50/s, 257 at once, more is told       7        2           4       1  more than admitted
   and 4999 slots more
   FATE              WAY  FRAMES
   no event traffic  in       12
@@ -85,7 +85,7 @@ TEST(GatesAsJson, TellGates) {
             Json::parse(R"({"name": "address-claim", "egress": true, "passes": true,
       "id": 2163146496, "mask": 3288334080, "identifier": "00eeff00", "formats": "classic",
       "max_length": 8, "source": "user 0", "per_frame_ns": 20000000, "per_byte": 3,
-      "tolerance_ns": 5120000000, "excess_passes": true, "passed": 7, "dropped": 2, "excess": 1,
+      "tolerance_ns": 5120000000, "excess_passes": true, "passed": 7, "dropped": 2, "would_drop": 4, "excess": 1,
       "bytes": 56, "last_reason": "more than admitted"})"));
 }
 

@@ -70,7 +70,7 @@ TEST_F(RenderTest, ExplainsWhatTheMediaGiveAndWhichSetIsInUse) {
   publisher    switch
   subscribers  motor-left, motor-right
   importance   9
-  frames       12 passed, 0 dropped; 6 were more than admitted
+  frames       12 passed, 0 dropped; 12 would have been dropped, audit mode let them through; 6 were more than admitted
 )");
 }
 
@@ -123,18 +123,18 @@ TEST_F(RenderTest, AnswersAQuestionAboutNothing) {
 TEST_F(RenderTest, ListsDeliveries) {
   EXPECT_EQ(
       render(control::Channels{{test::refused_channel(), test::granted_channel()}}, Color::no),
-      R"(CHANNEL           SUBJECT             FROM        TO         VERDICT  NOW                                                PASSED  DROPPED  ADMISSION  REASON
-emergency-switch  0xa4efeccc3210b497  second-can  robot-can  refused                                                         12      345             Omission 2 required, bridge provides 5 (3 too many)
-emergency-switch  0xa4efeccc3210b497  robot-can   robot-can  granted  nothing has come for 200 ms: 4 events are missing      12        0          7  Period 50 ms required, the route provides 12.5 ms (37.5 ms to spare)
+      R"(CHANNEL           SUBJECT             FROM        TO         VERDICT  NOW                                                PASSED  DROPPED  WOULD DROP  ADMISSION  REASON
+emergency-switch  0xa4efeccc3210b497  second-can  robot-can  refused                                                         12      345                         Omission 2 required, bridge provides 5 (3 too many)
+emergency-switch  0xa4efeccc3210b497  robot-can   robot-can  granted  nothing has come for 200 ms: 4 events are missing      12        0          12          7  Period 50 ms required, the route provides 12.5 ms (37.5 ms to spare)
 )");
 }
 
 TEST_F(RenderTest, ListsSetsAndMediaWhereThereAreAny) {
   EXPECT_EQ(
       render(control::Channels{{test::refused_channel(), test::switched_channel()}}, Color::no),
-      R"(CHANNEL           SUBJECT             FROM        TO         VERDICT  SET     PASSED  DROPPED  MEDIA                                          REASON
-emergency-switch  0xa4efeccc3210b497  second-can  robot-can  refused              12      345                                                 Omission 2 required, bridge provides 5 (3 too many)
-video             0x0000000000000010  awds        robot-can  granted  2 of 2      12        0  awds 600 kB/s left, robot-can response 310 us  Period 50 ms required, the route provides 12.5 ms (37.5 ms to spare)
+      R"(CHANNEL           SUBJECT             FROM        TO         VERDICT  SET     PASSED  DROPPED  WOULD DROP  MEDIA                                          REASON
+emergency-switch  0xa4efeccc3210b497  second-can  robot-can  refused              12      345                                                             Omission 2 required, bridge provides 5 (3 too many)
+video             0x0000000000000010  awds        robot-can  granted  2 of 2      12        0          12  awds 600 kB/s left, robot-can response 310 us  Period 50 ms required, the route provides 12.5 ms (37.5 ms to spare)
 )");
 }
 
@@ -250,22 +250,23 @@ mode         enforce
 channels     3 granted, 1 refused
 grace        10 s, lapsed 2 times
 
-INTERFACE  NETWORK     PROFILE  LINK    CAN STATE        BITRATE  GATE        SLOTS  IN PASSED  IN DROPPED  OUT PASSED  OUT DROPPED  MANAGED  IDENTITY
-can0       robot-can   famouso  up      ERROR-ACTIVE  500 kbit/s  held early      4       1001          22        2002           33  yes      name can0
+INTERFACE  NETWORK     PROFILE  LINK    CAN STATE        BITRATE  GATE        SLOTS  IN PASSED  IN DROPPED  OUT PASSED  OUT DROPPED  OUT WOULD DROP  MANAGED  IDENTITY
+can0       robot-can   famouso  up      ERROR-ACTIVE  500 kbit/s  held early      4       1001          22        2002           33              34  yes      name can0
 can1       second-can           absent                                            0          0           0           0            0
 
 frames by reason
-  INTERFACE  DIRECTION  REASON   FRAMES
-  can0       in         unknown      21
-  can0       in         length        1
-  can0       out        source        3
+  INTERFACE  DIRECTION  REASON              FRAMES  WOULD DROP
+  can0       in         unknown                 21
+  can0       in         length                   1
+  can0       out        source                   3
+  can0       out        more than admitted                  34
 
 unknown frames, last seen first
-  INTERFACE  DIRECTION  IDENTIFIER          FORMAT    LENGTH  FRAMES
+  INTERFACE  DIRECTION  IDENTIFIER          FORMAT    LENGTH  FRAMES  SENDER
   can0       in         18ffa533            classic        8      19
   can0       out        123                 FD            64       2
   can0       in         017                 XL          2048       1
-  can0       in         0xa4efeccc3210b497  datagram    8183       3
+  can0       in         0xa4efeccc3210b497  datagram    8183       3  10.0.0.7 (02:00:5e:10:00:01)
 )");
 }
 
