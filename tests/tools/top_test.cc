@@ -112,7 +112,11 @@ TEST(TopRatesTest, UnknownSubjectsHaveRowsOfTheirOwn) {
   can0.name = "can0";
   can0.network = "second-can";
   can0.unknown = {{.can_id = 0x123, .egress = false, .frames = 40},
-                  {.egress = true, .frames = 7, .subject = 0x10}};
+                  {.egress = true,
+                   .frames = 7,
+                   .subject = 0x10,
+                   .address = "10.0.0.7",
+                   .mac = "02:00:5e:10:00:01"}};
   auto before = sample(10, {delivery("beat", 0, 0)});
   before.status.interfaces = {can0};
   auto now = sample(12, {delivery("beat", 0, 0)});
@@ -126,7 +130,7 @@ TEST(TopRatesTest, UnknownSubjectsHaveRowsOfTheirOwn) {
   EXPECT_EQ(rows[1].verdict, "unknown");
   EXPECT_DOUBLE_EQ(rows[1].drops.value(), 10);
   EXPECT_EQ(rows[2].name, "0x0000000000000010");
-  EXPECT_EQ(rows[2].place, "> second-can");
+  EXPECT_EQ(rows[2].place, "> second-can from 10.0.0.7 (02:00:5e:10:00:01)");
   EXPECT_DOUBLE_EQ(rows[2].drops.value(), 0);
   EXPECT_DOUBLE_EQ(rows[3].drops.value(), 2) << "was not among the last seen ones before";
   EXPECT_EQ(rows_by_network(&before, now).size(), 0U) << "no network is described";
@@ -191,6 +195,17 @@ TEST(TopRatesTest, ARefusedDeliveryHoldsNothing) {
   EXPECT_FALSE(rows.at(0).reserved);
   EXPECT_FALSE(rows.at(0).used);
   EXPECT_EQ(rows.at(0).verdict, "refused");
+}
+
+TEST(TopRatesTest, AuditModeCountsWhatItWouldDrop) {
+  auto channel = delivery("beat", 0, 3);
+  auto before = sample(10, {channel});
+  channel.dropped = 5;
+  channel.would_drop = 8;
+  auto now = sample(12, {channel});
+  EXPECT_DOUBLE_EQ(rows_by_subject(&before, now).at(0).drops.value(), 1);
+  now.status.mode = "audit";
+  EXPECT_DOUBLE_EQ(rows_by_subject(&before, now).at(0).drops.value(), 4);
 }
 
 TEST(TopRatesTest, ANetworkSumsItsInterfacesAndWeighsWhatIsUsed) {
@@ -430,6 +445,8 @@ TEST(TopLayoutTest, AlarmsAreLoudWithoutColourToo) {
   const auto lines = screen(heading_of(status), {}, {}, {80, 24}, Color::no);
   EXPECT_NE(lines[0].find("AUDIT MODE"), std::string::npos);
   EXPECT_NE(lines[0].find("CLOSED"), std::string::npos);
+  EXPECT_NE(lines[2].find("  WOULD "), std::string::npos) << "nothing is dropped: " << lines[2];
+  EXPECT_EQ(lines[2].find("DROP/s"), std::string::npos);
 }
 
 }  // namespace

@@ -26,6 +26,8 @@ constexpr std::array<Title, kFields> kTitles = {{{"CHANNEL", "NETWORK", 16, Alig
                                                  {"DROP/s", "DROP/s", 6, Align::right},
                                                  {"RESV", "RESV", 5, Align::right},
                                                  {"USED", "USED", 5, Align::right}}};
+/// In audit mode, which drops nothing, in place of DROP/s.
+constexpr std::string_view kWouldDrop = "WOULD";
 constexpr std::size_t kNarrow = [] {
   std::size_t sum = kFields - 1;
   for (const Title& title : kTitles) sum += title.width;
@@ -36,7 +38,7 @@ static_assert(kNarrow < 80);
 
 constexpr std::string_view kKeys =
     "q quit  s sort  r reverse  / filter  n networks/subjects  space pause  h help";
-constexpr std::array<std::string_view, 16> kHelp = {
+constexpr std::array<std::string_view, 17> kHelp = {
     "q          quit",
     "s          sort by the next column, the second line says which",
     "r          the other way round",
@@ -49,6 +51,7 @@ constexpr std::array<std::string_view, 16> kHelp = {
     "JITTER     furthest that a gap between two events was from the period",
     "LOSS       events that did not come",
     "DROP/s     frames that the gate dropped",
+    "WOULD      in audit mode: frames a second that it would have dropped, and let through",
     "RESV       reserved, of the resource on the way that it takes the most of",
     "USED       of what is reserved, by the events that passed",
     "-          unknown, or not measured",
@@ -106,10 +109,12 @@ std::array<std::size_t, kFields> widths_of(const std::vector<Row>& rows, std::si
   return widths;
 }
 
-std::string titles(const View& view, const std::array<std::size_t, kFields>& widths, Color color) {
+std::string titles(const View& view, bool audit, const std::array<std::size_t, kFields>& widths,
+                   Color color) {
   std::string line;
   for (std::size_t i = 0; i < kFields; ++i) {
-    const auto title = view.by_network ? kTitles[i].by_network : kTitles[i].by_subject;
+    auto title = view.by_network ? kTitles[i].by_network : kTitles[i].by_subject;
+    if (audit && static_cast<Field>(i) == Field::drops) title = kWouldDrop;
     if (i != 0) line += ' ';
     line += cell(title, widths[i], kTitles[i].align, Style::bold, color);
   }
@@ -146,14 +151,14 @@ std::string about(const View& view, std::size_t shown, const Heading& heading) {
 }
 
 /// Titles, and the rows from the first one that is to be seen, `room` of them at most.
-std::vector<std::string> table(const std::vector<Row>& rows, const View& view, std::size_t columns,
-                               std::size_t room, Color color) {
+std::vector<std::string> table(const std::vector<Row>& rows, const View& view, bool audit,
+                               std::size_t columns, std::size_t room, Color color) {
   // Too narrow for whole columns: what does not fit is cut off at the right.
   const bool fits = columns >= kNarrow;
   const Color shown = fits ? color : Color::no;
   const auto widths = widths_of(rows, columns);
   const auto cut = [&](const std::string& line) { return fits ? line : clipped(line, columns); };
-  std::vector<std::string> lines = {cut(titles(view, widths, shown))};
+  std::vector<std::string> lines = {cut(titles(view, audit, widths, shown))};
   const std::size_t last_page = rows.size() - std::min(rows.size(), std::max<std::size_t>(room, 1));
   const std::size_t first = std::min(view.first, last_page);
   for (std::size_t i = first; i < std::min(rows.size(), first + room); ++i)
@@ -169,6 +174,7 @@ Heading heading_of(const control::Status& status) {
   heading.state = fmt::format(
       "{}, {}, {} granted, {} refused", status.mode == "enforce" ? status.mode : "AUDIT MODE",
       status.open ? "open" : "CLOSED", status.channels_granted, status.channels_refused);
+  heading.audit = status.mode == "audit";
   heading.alarming = status.mode != "enforce" || !status.open;
   const auto& reasons = status.health.reasons;
   heading.problem = reasons.empty() ? status.problem : reasons.front();
@@ -241,7 +247,8 @@ std::vector<std::string> screen(const Heading& heading, const std::vector<Row>& 
     for (const auto text : kHelp) lines.push_back(whole(text));
     lines.resize(std::min(lines.size(), size.lines - std::min<std::size_t>(size.lines, 1)));
   } else {
-    for (auto& line : table(rows, view, columns, room, color)) lines.push_back(std::move(line));
+    for (auto& line : table(rows, view, heading.audit, columns, room, color))
+      lines.push_back(std::move(line));
   }
   if (batch) return lines;
   lines.resize(std::max(lines.size(), size.lines - std::min<std::size_t>(size.lines, 1)));

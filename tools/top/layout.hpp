@@ -22,6 +22,7 @@ struct Size {
 struct Heading {
   std::string gateway;  ///< "bridge of volksbot"
   std::string state;    ///< "enforce, open"
+  bool audit = false;   ///< then what rows call drops was let through
   bool alarming = false;
   std::string problem;   ///< of the daemon, or that there is none; empty: nothing
   std::string time;      ///< of the day

@@ -21,6 +21,7 @@ constexpr double kSecond = 1e9;
 struct Counts {
   std::uint64_t passed = 0;
   std::uint64_t dropped = 0;
+  std::uint64_t would_drop = 0;
   std::uint64_t events = 0;  ///< where they are watched
 };
 
@@ -43,13 +44,16 @@ class Interval {
 
 using Key = std::tuple<std::uint64_t, std::string, std::uint64_t, std::string>;
 
+Counts counts_of(const control::Channel& c) {
+  return {c.passed, c.dropped, c.would_drop, c.watch ? c.watch->events : 0};
+}
+
 Key key_of(const control::Channel& c) { return {c.subject, c.publisher, c.admission, c.to}; }
 
 std::map<Key, Counts> delivery_counts(const Sample* sample) {
   std::map<Key, Counts> counts;
   if (sample != nullptr)
-    for (const auto& c : sample->channels.channels)
-      counts.try_emplace(key_of(c), Counts{c.passed, c.dropped, c.watch ? c.watch->events : 0});
+    for (const auto& c : sample->channels.channels) counts.try_emplace(key_of(c), counts_of(c));
   return counts;
 }
 
@@ -61,8 +65,16 @@ std::map<std::string, Counts> network_counts(const Sample* sample) {
       auto& sum = counts[i.network];
       sum.passed += i.ingress.passed + i.egress.passed;
       sum.dropped += i.ingress.dropped + i.egress.dropped;
+      sum.would_drop += i.ingress.would_drop + i.egress.would_drop;
     }
   return counts;
+}
+
+/// What is refused now: audit mode lets it through, and otherwise it is dropped.
+std::optional<double> drop_rate(const Interval& interval, const Sample& now, const Counts* before,
+                                const Counts& counts) {
+  const auto what = now.status.mode == "audit" ? &Counts::would_drop : &Counts::dropped;
+  return interval.rate(before == nullptr ? nullptr : &(before->*what), counts.*what);
 }
 
 template <class Map, class K>
@@ -90,27 +102,59 @@ void raise(std::optional<double>& most, std::optional<double> value) {
   if (value && (!most || *most < *value)) most = value;
 }
 
-using Holder = std::pair<std::string, std::string>;  // channel, publisher
+/// Channel, publisher and the admission that brought it in, 0 where it is described.
+using Holder = std::tuple<std::string, std::string, std::uint64_t>;
 
-/// What each publisher holds of the resource that it takes the most of.
-std::map<Holder, double> shares_held(const control::Reservations& all) {
-  std::map<Holder, double> held;
+bool is_of(const control::Resource& resource, const std::string& place) {
+  return resource.name == place || resource.name.starts_with(place + ": ");
+}
+
+/// The share of each resource that a publisher holds, with all of its flows there.
+using Shares = std::map<const control::Resource*, double>;
+
+std::map<Holder, Shares> shares_held(const control::Reservations& all) {
+  std::map<Holder, Shares> held;
   for (const auto& resource : all.resources) {
     if (!resource.capacity_known) continue;
     for (const auto& r : resource.reservations)
-      if (const auto part = share(r.amount, resource.capacity)) {
-        auto& most = held[{r.channel, r.publisher}];
-        most = std::max(most, *part);
-      }
+      if (const auto part = share(r.amount, resource.capacity))
+        held[{r.channel, r.publisher, r.admission}][&resource] += *part;
   }
   return held;
+}
+
+/// The publisher of a delivery; its admission may also be that of a subscriber.
+Holder holder_of(const control::Channel& c, const std::map<Holder, Shares>& held) {
+  const Holder admitted{c.name, c.publisher, c.admission};
+  return held.contains(admitted) ? admitted : Holder{c.name, c.publisher, 0};
+}
+
+/// Of the resource on its way that it takes the most of.
+std::optional<double> reserved_for(const control::Channel& c,
+                                   const std::map<Holder, Shares>& held) {
+  std::optional<double> most;
+  const auto shares = held.find(holder_of(c, held));
+  if (shares == held.end()) return most;
+  for (const auto& [resource, part] : shares->second) {
+    const bool on_the_way = std::ranges::any_of(
+        c.route, [&](const std::string& place) { return is_of(*resource, place); });
+    if (on_the_way) raise(most, part);
+  }
+  return most;
+}
+
+/// " from 10.0.0.7 (02:00:5e:10:00:01)", as far as it is known.
+std::string sender_of(const control::Unknown& frame) {
+  const std::string sender = print_sender(frame);
+  return sender.empty() ? "" : " from " + sender;
 }
 
 /// Frames without a slot, dropped because nobody was granted anything by that name.
 Row unknown_row(const control::Interface& interface, const control::Unknown& frame) {
   Row row;
   row.name = frame.subject != 0 ? core::format_subject(frame.subject) : print_can_id(frame.can_id);
-  row.place = (frame.egress ? "> " : "") + interface.network + (frame.egress ? "" : " >");
+  row.place = (frame.egress ? "> " : "") + interface.network + (frame.egress ? "" : " >") +
+              sender_of(frame);
   row.subject = frame.subject != 0 ? row.name : "";
   row.verdict = "unknown";
   row.style = Style::warning;
@@ -170,10 +214,6 @@ Row delivery(const control::Channel& c) {
   return row;
 }
 
-bool is_of(const control::Resource& resource, const std::string& network) {
-  return resource.name == network || resource.name.starts_with(network + ": ");
-}
-
 /// The resource of a network of which the largest share is reserved.
 const control::Resource* tightest(const control::Reservations& all, const std::string& network) {
   const control::Resource* found = nullptr;
@@ -194,7 +234,7 @@ std::optional<double> used_of(const control::Resource& resource,
   double reserved = 0;
   double taken = 0;
   for (const auto& r : resource.reservations) {
-    const auto known = used.find({r.channel, r.publisher});
+    const auto known = used.find({r.channel, r.publisher, r.admission});
     if (known == used.end()) continue;
     reserved += static_cast<double>(r.amount);
     taken += static_cast<double>(r.amount) * known->second;
@@ -207,10 +247,11 @@ std::optional<double> used_of(const control::Resource& resource,
 /// the deliveries.
 std::map<Holder, double> used_by_holder(const Sample& now, const std::vector<Row>& deliveries) {
   std::map<Holder, double> used;
+  const auto held = shares_held(now.reservations);
   for (std::size_t i = 0; i < now.channels.channels.size(); ++i) {
     if (!deliveries[i].used) continue;
     const auto& c = now.channels.channels[i];
-    auto& most = used[{c.name, c.publisher}];
+    auto& most = used[holder_of(c, held)];
     most = std::max(most, *deliveries[i].used);
   }
   return used;
@@ -244,10 +285,9 @@ std::vector<Row> rows_by_subject(const Sample* before, const Sample& now) {
     Row row = delivery(c);
     const Counts* old = find(counted, key_of(c));
     row.rate = interval.rate(old == nullptr ? nullptr : &old->passed, c.passed);
-    row.drops = interval.rate(old == nullptr ? nullptr : &old->dropped, c.dropped);
+    row.drops = drop_rate(interval, now, old, counts_of(c));
     if (c.granted) {
-      if (const auto known = held.find({c.name, c.publisher}); known != held.end())
-        row.reserved = known->second;
+      row.reserved = reserved_for(c, held);
       const auto period = period_of(c);
       // A split event is several frames.
       const auto events =
@@ -277,7 +317,7 @@ std::vector<Row> rows_by_network(const Sample* before, const Sample& now) {
     if (const Counts* of = find(counts, network.name)) {
       const Counts* old = find(counted, network.name);
       row.rate = interval.rate(old == nullptr ? nullptr : &old->passed, of->passed);
-      row.drops = interval.rate(old == nullptr ? nullptr : &old->dropped, of->dropped);
+      row.drops = drop_rate(interval, now, old, *of);
     }
     if (const auto* resource = tightest(now.reservations, network.name)) {
       row.reserved = share(resource->reserved, resource->capacity);

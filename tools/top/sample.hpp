@@ -27,7 +27,7 @@ struct Row {
   std::string verdict;
   Style style = Style::plain;      ///< of the verdict
   std::optional<double> rate;      ///< frames that passed, 1/s
-  std::optional<double> drops;     ///< frames, 1/s
+  std::optional<double> drops;     ///< frames, 1/s; in audit mode those that would be dropped
   std::optional<double> jitter;    ///< s
   std::optional<double> loss;      ///< share of the events
   std::optional<double> reserved;  ///< share of the resource that it takes the most of
