@@ -197,8 +197,8 @@ class Planner {
   void come_from(const Publisher& p, std::size_t source, const Network& out, GateEntry& e) const {
     e.source_port = source;
     if (out.carries_subjects() || network_at(source).carries_subjects()) return;
-    // NOLINTNEXTLINE(readability-suspicious-call-argument): its source is the port that it came in
-    // by
+    // Its source is the port that it came in by.
+    // NOLINTNEXTLINE(readability-suspicious-call-argument)
     if (const auto in = entry(p, source, Direction::ingress, kLocal))
       e.entered_as = {.id = in->id, .mask = in->mask};
   }
