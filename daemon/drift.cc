@@ -75,8 +75,14 @@ bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& l
   gated_.insert(ifindex);
   keep_pinned(gate, seen);
   const auto there = gate.attached();
+  const std::string unseen =
+      there ? ""
+            : fmt::format("the gate of {} cannot be looked at, and is commanded as before: {}",
+                          gate.name(), there.error().text);
+  if (std::exchange(seen.unseen, unseen) != unseen && !there) tell_(Kind::drift, unseen, true);
+  if (!there) return true;
   keep_early(ifindex, gate, seen);
-  if (there && *there) {
+  if (*there) {
     if (seen.unpinned.empty()) keep_first(ifindex, gate, seen);
     return true;
   }

@@ -43,6 +43,7 @@ class Drift {
  private:
   struct Seen {
     std::string standing;   ///< what cannot be repaired; empty: nothing
+    std::string unseen;     ///< why nobody knows whether it is in place; empty: it is known
     std::string unpinned;   ///< why it cannot be pinned again; empty: it is pinned
     std::string early;      ///< XDP programs of others, which run before the gate; empty: none
     std::string unmovable;  ///< what runs before the gate and could not be put behind it

@@ -65,6 +65,9 @@ std::vector<std::string> Gateway::own_problems() const {
     problems.emplace_back("an interface cannot be held: everything is denied");
   if (!links_.problem().empty())
     problems.push_back(links_.problem() + ": what is in force stays until they can be read");
+  if (!ports_.orphans_unknown().empty())
+    problems.push_back(ports_.orphans_unknown() +
+                       ": a gate without pins may be left on an interface that is not described");
   if (!journal_gone_.empty()) problems.push_back(journal_gone_);
   if (!forwarder_.problem().empty()) problems.push_back(forwarder_.problem());
   return problems;

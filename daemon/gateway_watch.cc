@@ -88,7 +88,8 @@ bool Gateway::look_around() {
 bool Gateway::repair_next() {
   if (const auto gate = ports_.next_gate(at_gate_)) {
     at_gate_ = *gate;
-    ports_.repair(*gate);
+    // A client's turn in between would be told of changes that an interface without a gate ignores.
+    if (!ports_.repair(*gate)) follow_world();
     return true;
   }
   at_gate_ = 0;

@@ -84,6 +84,7 @@ void Ports::follow() {
   };
   for (PortState& port : ports_) match(port, facts_of);
   close_undescribed();
+  close_orphans();
   bool raised = false;
   for (PortState& port : ports_) {
     if (port.ifindex == 0 || !port.problem.empty()) continue;
@@ -251,12 +252,14 @@ void Ports::begin_repair() {
   drift_.forget_all_but(all_gates());
 }
 
-void Ports::repair(int ifindex) {
+bool Ports::repair(int ifindex) {
   const auto held = gates_.find(ifindex);
-  if (held == gates_.end()) return;
-  if (!drift_.repair(ifindex, *held->second.gate, links_.table())) gates_.erase(held);
+  if (held == gates_.end()) return true;
+  const bool kept = drift_.repair(ifindex, *held->second.gate, links_.table());
+  if (!kept) gates_.erase(held);
   for (PortState& port : ports_)
     if (port.ifindex == ifindex && port.problem.empty() && link_of(port) != nullptr) queue(port);
+  return kept;
 }
 
 std::optional<int> Ports::next_gate(int ifindex) const {

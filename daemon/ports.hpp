@@ -63,7 +63,8 @@ class Ports {
   /// The same in steps, a gate at a time: what comes before them, then next_gate() behind 0 and so
   /// on, then wants_gate() tells what repair() would.
   void begin_repair();
-  void repair(int ifindex);
+  /// False where the gate is gone and cannot be put back: follow() at once, before anything else.
+  bool repair(int ifindex);
   [[nodiscard]] bool wants_gate() const;
   /// The gate behind this one, by ifindex; nothing behind the last one.
   [[nodiscard]] std::optional<int> next_gate(int ifindex) const;
@@ -72,7 +73,12 @@ class Ports {
   /// pass what it was told: everything must be closed.
   [[nodiscard]] bool out_of_hand() const;
   /// Whether a gate's interface is there could not be found out: follow() again soon.
-  [[nodiscard]] bool in_doubt() const { return !doubtful_.empty() || !unread_.empty(); }
+  [[nodiscard]] bool in_doubt() const {
+    return !doubtful_.empty() || !unread_.empty() || !orphans_closed_;
+  }
+
+  /// Why nobody knows whether gates without pins are left; empty: it is known.
+  [[nodiscard]] const std::string& orphans_unknown() const { return orphans_told_; }
 
   /// Once a second: frames that were sent past the gate of an interface.
   void look_for_bypass(int ifindex, std::int64_t now_s);
@@ -170,6 +176,9 @@ class Ports {
   void forget_vanished();
   [[nodiscard]] bool has_gone(int ifindex);
   void close_undescribed();
+  void close_orphans();
+  /// Gives an interface that is not described a gate that denies everything.
+  void close(const net::Link& link);
   void judge(PortState& port);
   void queue(PortState& port);
   void tell_can_state(PortState& port, const net::Link& link);
@@ -207,6 +216,8 @@ class Ports {
   std::size_t ether_slots_ = 0;  ///< that Ethernet gates must have room for
   std::map<int, Held> gates_;    ///< by ifindex
   std::set<int> doubtful_;       ///< those of them whose interface may have gone
+  bool orphans_closed_ = false;  ///< see close_orphans()
+  std::string orphans_told_;     ///< why they could not be found, as last told
   std::string unread_;           ///< why nobody knows what a former daemon has pinned; empty: known
   Drift drift_;
 };

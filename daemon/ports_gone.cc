@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "daemon/enforce/close_unpinned.hpp"
 #include "daemon/ports.hpp"
 
 namespace mlcca {
@@ -60,17 +61,44 @@ void Ports::close_undescribed() {
       if (links_.presence(ifindex) != net::Presence::gone) doubtful_.insert(ifindex);
       continue;
     }
-    // A gate without a profile starts without slots: nothing that was granted before passes.
-    const auto held = hold(link->second, PortState{});
-    if (!held) {
-      tell_({}, held.error().text, true);
+    close(link->second);
+  }
+}
+
+/// A gate without a profile starts without slots: nothing that was granted before passes.
+void Ports::close(const net::Link& link) {
+  const auto held = hold(link, PortState{});
+  if (!held) {
+    tell_({}, held.error().text, true);
+    return;
+  }
+  gates_.at(link.ifindex)->deny_all();
+  tell_({},
+        fmt::format("{} is not described, or without a profile: its gate stays closed", link.name),
+        true);
+}
+
+/// Once: gates that no pin names, because somebody removed the pins of a former daemon. Where the
+/// interface is described, its own gate takes their place.
+void Ports::close_orphans() {
+  if (orphans_closed_) return;
+  const auto found = enforce::gated_interfaces();
+  orphans_closed_ = found.has_value();
+  const std::string told = std::exchange(orphans_told_, found ? "" : found.error().text);
+  if (!found) {
+    if (told != orphans_told_)
+      tell_({}, orphans_told_ + ": nobody knows which gates without pins a former daemon left",
+            true);
+    return;
+  }
+  for (const enforce::GatedInterface& gated : *found) {
+    const auto ifindex = static_cast<int>(gated.ifindex);
+    const auto link = links_.table().find(ifindex);
+    if (!gated.passes || is_to_be_gated(ifindex) || gates_.contains(ifindex) ||
+        link == links_.table().end())
       continue;
-    }
-    gates_.at(ifindex)->deny_all();
-    tell_({},
-          fmt::format("{} is not described, or without a profile: its gate stays closed",
-                      link->second.name),
-          true);
+    close(link->second);
+    step_();
   }
 }
 

@@ -5,7 +5,9 @@
 #include <net/if.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <iterator>
 #include <memory>
 #include <set>
 
@@ -26,19 +28,29 @@ namespace {
 using Ids = std::set<std::uint32_t>;
 using Interfaces = std::unique_ptr<struct if_nameindex, FreeWith<if_freenameindex>>;
 
-bool has_filter(std::uint32_t ifindex) {
-  return std::ranges::any_of(kBothDirections, [&](Direction direction) {
-    return program_in_place(ifindex, direction).value_or(0) != 0;
-  });
+/// The programs at one interface that are in our place of clsact, or of a gate and in TCX. An
+/// interface that went meanwhile has none.
+Result<Ids> programs_at(std::uint32_t ifindex, const Ids& gates, Hook hook) {
+  Ids found;
+  for (const Direction direction : kBothDirections) {
+    if (hook == Hook::clsact) {
+      const auto program = program_in_place(ifindex, direction);
+      if (!program) return std::unexpected(program.error());
+      if (*program != 0) found.insert(*program);
+      continue;
+    }
+    const auto order = tcx_order(ifindex, direction);
+    if (!order) return std::unexpected(order.error());
+    if (*order)
+      std::ranges::copy_if((*order)->programs, std::inserter(found, found.end()),
+                           [&](std::uint32_t program) { return gates.contains(program); });
+  }
+  return found;
 }
 
-bool has_tcx(std::uint32_t ifindex, const Ids& gates) {
-  return std::ranges::any_of(kBothDirections, [&](Direction direction) {
-    const auto order = tcx_order(ifindex, direction);
-    return order && *order && std::ranges::any_of((*order)->programs, [&](std::uint32_t program) {
-             return gates.contains(program);
-           });
-  });
+bool is_there(std::uint32_t ifindex) {
+  std::array<char, IF_NAMESIZE> name{};
+  return ::if_indextoname(ifindex, name.data()) != nullptr || errno != ENXIO;
 }
 
 Result<void> put(std::uint32_t ifindex, Hook hook, const auto& programs) {
@@ -70,19 +82,41 @@ Result<void> close(std::uint32_t ifindex, Hook hook, const Control& control) {
 
 }  // namespace
 
+Result<std::vector<GatedInterface>> gated_interfaces() {
+  const auto tcx = tcx_order(kLoopback, Direction::ingress);
+  if (!tcx) return std::unexpected(tcx.error());
+  const auto gates = programs_of_gates();
+  const auto passing = programs_that_may_pass();
+  // In clsact ours are known by their place.
+  if (*tcx && !gates) return std::unexpected(gates.error());
+  const Interfaces interfaces(::if_nameindex());
+  if (!interfaces) return failure("list the interfaces", errno);
+  std::vector<GatedInterface> found;
+  for (const auto* i = interfaces.get(); i->if_index != 0; ++i)
+    for (const Hook hook : {Hook::tcx, Hook::clsact}) {
+      const auto programs = programs_at(i->if_index, gates.value_or(Ids{}), hook);
+      if (!programs && !is_there(i->if_index)) break;
+      if (!programs) return std::unexpected(programs.error());
+      if (programs->empty()) continue;
+      const bool may_pass = !passing || std::ranges::any_of(*programs, [&](std::uint32_t program) {
+        return passing->contains(program);
+      });
+      found.push_back({i->if_index, i->if_name, hook, may_pass});
+      break;
+    }
+  return found;
+}
+
 Result<std::vector<std::string>> close_unpinned() {
   const auto control = Control::create_unpinned();
   if (!control) return std::unexpected(control.error());
-  const Ids gates = kernel_has_tcx() ? programs_of_gates().value_or(Ids{}) : Ids{};
-  const Interfaces interfaces(::if_nameindex());
-  if (!interfaces) return failure("list the interfaces", errno);
+  const auto found = gated_interfaces();
+  if (!found) return std::unexpected(found.error());
   std::vector<std::string> closed;
-  for (const auto* i = interfaces.get(); i->if_index != 0; ++i) {
-    const bool in_tcx = has_tcx(i->if_index, gates);
-    if (!in_tcx && !has_filter(i->if_index)) continue;
-    if (auto done = close(i->if_index, in_tcx ? Hook::tcx : Hook::clsact, *control); !done)
+  for (const GatedInterface& gated : *found) {
+    if (auto done = close(gated.ifindex, gated.hook, *control); !done)
       return std::unexpected(done.error());
-    closed.emplace_back(i->if_name);
+    closed.emplace_back(gated.name);
   }
   return closed;
 }

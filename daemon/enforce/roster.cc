@@ -6,9 +6,11 @@
 #include <roster.skel.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <memory>
+#include <span>
 #include <string_view>
 
 #include "bpf/gate.h"
@@ -22,19 +24,14 @@ namespace {
 using Object = std::unique_ptr<roster_bpf, FreeWith<roster_bpf__destroy>>;
 using Link = std::unique_ptr<bpf_link, FreeWith<bpf_link__destroy>>;
 
-/// Of those that look at a control word: the dead-man and timers are attached nowhere.
-bool is_gate(const gate_program& program) {
-  constexpr std::array<std::string_view, 7> names = {
-      "gate_ingress", "gate_egress",    "ether_ingress", "ether_egress",
-      "ether_early",  "closed_ingress", "closed_egress"};
-  for (const std::string_view name : names)
-    if (name == static_cast<const char*>(program.name)) return true;
-  return false;
-}
+// Of those that look at a control word: the dead-man and timers are attached nowhere.
+constexpr std::array<std::string_view, 5> kMayPass = {
+    "gate_ingress", "gate_egress", "ether_ingress", "ether_egress", "ether_early"};
+constexpr std::array<std::string_view, 7> kAll = {"gate_ingress", "gate_egress", "ether_ingress",
+                                                  "ether_egress", "ether_early", "closed_ingress",
+                                                  "closed_egress"};
 
-}  // namespace
-
-Result<std::set<std::uint32_t>> programs_of_gates() {
+Result<std::set<std::uint32_t>> programs(std::span<const std::string_view> names) {
   const Complaints complaints;
   const Object object(roster_bpf__open_and_load());
   if (!object) return complaints.error("list the programs of gates", errno);
@@ -50,11 +47,18 @@ Result<std::set<std::uint32_t>> programs_of_gates() {
     if (size % static_cast<ssize_t>(sizeof(gate_program)) != 0)
       return fail("list the programs of gates: half an entry");
     for (std::size_t n = 0; n < static_cast<std::size_t>(size) / sizeof(gate_program); ++n)
-      if (is_gate(some.at(n))) programs.insert(some.at(n).id);
+      if (std::ranges::find(names, static_cast<const char*>(some.at(n).name)) != names.end())
+        programs.insert(some.at(n).id);
   }
   if (size < 0) return failure("list the programs of gates", errno);
   return programs;
 }
+
+}  // namespace
+
+Result<std::set<std::uint32_t>> programs_of_gates() { return programs(kAll); }
+
+Result<std::set<std::uint32_t>> programs_that_may_pass() { return programs(kMayPass); }
 
 bool is_of_a_gate(std::uint32_t program) {
   const auto gates = programs_of_gates();

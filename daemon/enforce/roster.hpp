@@ -12,6 +12,8 @@ namespace mlcca::enforce {
 /// Ids of all programs of ours, of any gateway on this machine. Takes some ms. Error: the kernel
 /// has no type information (BTF), or no privilege.
 Result<std::set<std::uint32_t>> programs_of_gates();
+/// Of those, the ones that let pass what they are told; `mlccad --close` puts others there.
+Result<std::set<std::uint32_t>> programs_that_may_pass();
 /// False where that cannot be found out.
 bool is_of_a_gate(std::uint32_t program);
 

@@ -23,7 +23,6 @@ constexpr std::uint32_t kBefore = 1U << 3;   // BPF_F_BEFORE; of nothing: of all
 constexpr std::uint32_t kAfter = 1U << 4;    // BPF_F_AFTER
 constexpr std::uint32_t kById = 1U << 5;     // BPF_F_ID
 constexpr std::size_t kMostPrograms = 64;    // the kernel's own limit
-constexpr std::uint32_t kLoopback = 1;       // the first interface of every network namespace
 
 struct Attach {
   std::uint32_t ifindex = 0;

@@ -12,6 +12,8 @@
 
 namespace mlcca::enforce {
 
+inline constexpr std::uint32_t kLoopback = 1;  ///< the first interface of every network namespace
+
 /// What runs in one direction, first to last.
 struct TcxOrder {
   std::uint64_t revision = 0;  ///< another one when the order has changed

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A gate is let go when the kernel says that its interface has gone, and for nothing else.
+#include <dirent.h>
+#include <dlfcn.h>
 #include <gtest/gtest.h>
+#include <linux/bpf.h>
 #include <net/if.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
+#include <cstdarg>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -20,12 +25,30 @@
 namespace {
 
 std::function<int()> fail_hearing;  // errno; 0: heard
+int fail_queries = 0;               // errno of each question for the programs of an interface
+bool fail_listing = false;          // of a directory
 
 int failure() { return fail_hearing ? fail_hearing() : 0; }
 
 }  // namespace
 
 // NOLINTBEGIN(*-vararg)
+extern "C" long syscall(long number, ...) noexcept {
+  static const auto call = reinterpret_cast<long (*)(long, ...)>(::dlsym(RTLD_NEXT, "syscall"));
+  std::array<long, 6> a{};
+  va_list more;
+  va_start(more, number);
+  for (long& argument : a) argument = va_arg(more, long);
+  va_end(more);
+  if (number == SYS_bpf && a[0] == BPF_PROG_QUERY && fail_queries != 0)
+    return errno = fail_queries, -1;
+  return call(number, a[0], a[1], a[2], a[3], a[4], a[5]);
+}
+extern "C" dirent* readdir(DIR* directory) {
+  static const auto call = reinterpret_cast<dirent* (*)(DIR*)>(::dlsym(RTLD_NEXT, "readdir"));
+  if (fail_listing) return errno = EIO, nullptr;
+  return call(directory);
+}
 extern "C" ssize_t recvmsg(int fd, msghdr* message, int flags) {
   if (const int error = failure(); error != 0) return errno = error, -1;
   return ::syscall(SYS_recvmsg, fd, message, flags);
@@ -76,6 +99,8 @@ class VanishTest : public testing::Test {
   }
   ~VanishTest() override {
     fail_hearing = nullptr;
+    fail_queries = 0;
+    fail_listing = false;
     // NOLINTNEXTLINE(*-command-processor): in a namespace of its own
     static_cast<void>(std::system("ip link del eth7 2>/dev/null"));
   }
@@ -123,6 +148,70 @@ TEST_F(VanishTest, ReadsThatAllFailLetNoGateGo) {
     follow();
     EXPECT_TRUE(is_gated()) << n;
   }
+}
+
+TEST_F(VanishTest, AGateThatCannotBeLookedAtIsCommandedAsBeforeAndToldOnce) {
+  told_.clear();
+  fail_queries = ENOMEM;
+  for (int n = 0; n < 3; ++n) {
+    EXPECT_TRUE(ports_->repair(kNear));
+    ASSERT_NE(ports_->gate(0), nullptr) << "a withdrawal would not reach it any more";
+  }
+  ASSERT_EQ(told_.size(), 1U);
+  EXPECT_EQ(told_[0],
+            "the gate of eth7 cannot be looked at, and is commanded as before: tcx query: Cannot "
+            "allocate memory");
+  fail_queries = 0;
+  EXPECT_TRUE(ports_->repair(kNear));
+  EXPECT_TRUE(is_gated());
+}
+
+TEST_F(VanishTest, AGateWhosePinsAreGoneIsClosedAlsoWhereItIsNotDescribedAnyMore) {
+  // A crash, then somebody removes all pins.
+  ports_.reset();
+  control_ = enforce::Control::create(root_ = test::new_bpf_root()).value();
+  core::System nothing = one_ethernet();
+  nothing.gateways[0].ports.clear();
+  ports_.emplace(
+      *links_, control_, root_, net::udev_facts,
+      [this](const std::string&, const std::string& line, bool) { told_.push_back(line); },
+      [this](Kind, const std::string& line, bool) { told_.push_back(line); });
+  ports_->describe(nothing, 0);
+  told_.clear();
+  fail_queries = ENOMEM;
+  ports_->follow();
+  ports_->follow();
+  ASSERT_EQ(told_.size(), 1U) << "the same is told once";
+  EXPECT_NE(told_[0].find("nobody knows which gates without pins"), std::string::npos) << told_[0];
+  EXPECT_TRUE(ports_->in_doubt()) << "it is tried again";
+  fail_queries = 0;
+  ports_->follow();
+  ASSERT_EQ(told_.size(), 2U);
+  EXPECT_EQ(told_[1], "eth7 is not described, or without a profile: its gate stays closed");
+  EXPECT_TRUE(is_gated()) << "by a gate of this daemon, which has pins";
+  EXPECT_FALSE(ports_->in_doubt());
+}
+
+TEST_F(VanishTest, WhileNobodyKnowsWhetherItsInterfaceWentAGateIsHeld) {
+  shell("ip link del eth7");
+  static_cast<void>(links_->refresh());
+  fail_hearing = [] { return ENOBUFS; };
+  ports_->follow();
+  EXPECT_TRUE(ports_->next_gate(0));
+  EXPECT_TRUE(ports_->in_doubt());
+  fail_hearing = nullptr;
+  ports_->follow();
+  EXPECT_FALSE(ports_->next_gate(0));
+  EXPECT_FALSE(ports_->in_doubt());
+}
+
+TEST_F(VanishTest, WhatAFormerDaemonLeftIsOutOfHandUntilItIsKnown) {
+  fail_listing = true;
+  ports_->follow();
+  EXPECT_TRUE(ports_->out_of_hand());
+  fail_listing = false;
+  ports_->follow();
+  EXPECT_FALSE(ports_->out_of_hand());
 }
 
 TEST_F(VanishTest, AnInterfaceThatWentTakesItsGateWithIt) {
