@@ -166,10 +166,12 @@ std::optional<StartError> Gateway::start() {
   is_starting_ = true;
   const core::Progress goes_on([this] { pulse(); });
   pulse();
-  auto opened = store::Journal::open(options_.state_directory);
+  auto opened =
+      patience_.wait_for([this] { return store::Journal::open(options_.state_directory); });
   if (!opened) return give_up({opened.error().text}, true);
   store_.emplace(std::move(*opened));
-  history_.emplace(store::History::open(options_.state_directory));
+  history_.emplace(
+      patience_.wait_for([this] { return store::History::open(options_.state_directory); }));
   auto described = in_time([options = options_] { return read(options); }, options_.read_limit_ns,
                            [this] { pulse(); });
   reads_for_ever_ = !described;

@@ -32,6 +32,7 @@
 #include "daemon/net/links.hpp"
 #include "daemon/options.hpp"
 #include "daemon/ports.hpp"
+#include "daemon/patience.hpp"
 #include "daemon/quotas.hpp"
 #include "daemon/reading.hpp"
 #include "daemon/requests.hpp"
@@ -301,6 +302,7 @@ class Gateway {
   Forwarder forwarder_;
   Aside aside_;
   Reading reading_;
+  Patience patience_{[this] { pulse(); }};
   bool reads_for_ever_ = false;
   Aside::Ready ready_;
   /// Of the reload that is under way: what is answered, and to whom.

@@ -130,7 +130,7 @@ void Gateway::note_slots(core::GateState of_all) {
 void Gateway::write_down(const store::Entry& entry) {
   auto done = store_->append(entry);
   if (!done && uncommitted_.empty() && store_->dirty()) {
-    done = store_->commit();
+    done = patience_.wait_for([this] { return store_->commit(); });
     if (done) done = store_->append(entry);
   }
   if (!done) tell(Kind::trouble, 3, done.error().text);
@@ -140,7 +140,7 @@ void Gateway::commit() {
   if (!store_ || !store_->dirty()) return;
   // What is not on disk now was asked for by others before.
   const Acting nobody(actor_, std::nullopt);
-  const Result<void> done = store_->commit();
+  const Result<void> done = patience_.wait_for([this] { return store_->commit(); });
   if (!done) {
     tell(Kind::trouble, 3, done.error().text);
     take_back_uncommitted();
@@ -162,7 +162,7 @@ void Gateway::commit() {
 /// What a daemon has granted must outlive it, also when somebody removes the file meanwhile.
 void Gateway::keep_journal() {
   if (!store_ || store_->dirty()) return;
-  const auto again = store_->keep();
+  const auto again = patience_.wait_for([this] { return store_->keep(); });
   std::string gone;
   if (!again)
     gone = store_->path() +

@@ -216,16 +216,16 @@ Gateway::Body Gateway::handle(const control::HistoryRequest& request) {
   if (request.until_unix_ns != 0) filter.until_ns = request.until_unix_ns;
   filter.limit = request.limit == 0 ? usual : std::min(request.limit, most);
   auto pages = std::make_shared<HistoryPages>(*history_, filter);
-  auto first = pages->next();
+  auto first = patience_.wait_for([&pages] { return pages->next(); });
   if (!first) return error(control::ErrorKind::world, first.error().text);
   if (first->entries.empty() && !request.channel.empty() && !state_->find_channel(request.channel))
     return error(control::ErrorKind::invalid,
                  fmt::format("no event channel is called '{}', and the history knows none",
                              request.channel));
   if (!pages->more()) return std::move(*first);
-  slices_ = [pages, first = std::move(*first)]() mutable -> std::optional<serve::Slice> {
+  slices_ = [this, pages, first = std::move(*first)]() mutable -> std::optional<serve::Slice> {
     if (!first.entries.empty()) return serve::Slice{std::exchange(first, {}), true};
-    auto page = pages->next();
+    auto page = patience_.wait_for([&pages] { return pages->next(); });
     if (!page) return serve::Slice{error(control::ErrorKind::world, page.error().text)};
     return serve::Slice{std::move(*page), pages->more()};
   };

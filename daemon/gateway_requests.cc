@@ -354,7 +354,7 @@ Result<void> Gateway::release(const std::vector<core::AdmissionId>& gone, const 
   Result<void> done;
   for (const core::AdmissionId id : gone)
     if (done) done = store_->append(store::Removed{id});
-  if (done && store_->dirty()) done = store_->commit();
+  if (done && store_->dirty()) done = patience_.wait_for([this] { return store_->commit(); });
   if (!done) {
     store_->roll_back();
     return fail("nothing was changed: " + done.error().text);
@@ -398,7 +398,7 @@ Result<void> Gateway::set_withdrawn(std::size_t channel, bool withdrawn) {
   const std::string subject = core::format_subject(state_->system().channels[channel].subject);
   Result<void> done = withdrawn ? store_->append(store::Released{subject})
                                 : store_->append(store::Reinstated{subject});
-  if (done) done = store_->commit();
+  if (done) done = patience_.wait_for([this] { return store_->commit(); });
   if (!done) {
     store_->roll_back();
     return fail("nothing was changed: " + done.error().text);

@@ -106,7 +106,7 @@ bool Gateway::look_for_next_bypass() {
 
 bool Gateway::write_some_history() {
   if (!history_) return false;
-  const bool more = history_->flush_some(unix_ns());
+  const bool more = patience_.wait_for([this] { return history_->flush_some(unix_ns()); });
   for (std::string& line : history_->take_troubles()) tell(Kind::trouble, 4, std::move(line));
   return more;
 }

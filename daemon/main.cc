@@ -17,6 +17,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <memory>
 #include <new>
 #include <optional>
@@ -179,6 +180,21 @@ void allow_many_descriptors() {
   std::abort();
 }
 
+/// What libraries report without words (libnl has no memory) and nobody catches in a callback. The
+/// library's own handler would wait for whoever reads its lines.
+[[noreturn]] void ended_by_an_exception() {
+  try {
+    if (std::current_exception()) throw;
+  } catch (const std::bad_alloc&) {
+    out_of_memory();
+  } catch (const std::exception& e) {
+    write_at_once(STDERR_FILENO, fmt::format("mlccad: ended by an error: {}\n", e.what()));
+  } catch (...) {
+    write_at_once(STDERR_FILENO, "mlccad: ended by an error\n");
+  }
+  std::abort();
+}
+
 int run(const Options& options) {
   allow_many_descriptors();
   const Journal journal = Journal::automatic();
@@ -253,6 +269,7 @@ int main(int argc, char** argv) {
   // it gives back, which is up to a fifth of all memory (docs/LIMITS.md).
   ::mallopt(M_ARENA_MAX, 1);
   std::set_new_handler(out_of_memory);
+  std::set_terminate(ended_by_an_exception);
   // A file that must not grow is an error of the write, not the end of the gateway.
   // NOLINTBEGIN(cert-err33-c): they cannot fail for a known signal
   ::signal(SIGXFSZ, SIG_IGN);

@@ -5,6 +5,7 @@ $O/tests/daemon/can_routes_test.o $O/tests/daemon/rtnl_test.o: CPPFLAGS += $(NL_
 $(eval $(call unit_test,bypass_test,tests/daemon/bypass_test.cc,$O/daemon/bypass.o,))
 $(eval $(call unit_test,quotas_test,tests/daemon/quotas_test.cc,$O/daemon/quotas.o,-lfmt))
 $(eval $(call unit_test,in_time_test,tests/daemon/in_time_test.cc,,-pthread))
+$(eval $(call unit_test,patience_test,tests/daemon/patience_test.cc,$O/daemon/patience.o,-pthread))
 $(eval $(call unit_test,reading_test,tests/daemon/reading_test.cc,$O/daemon/reading.o,-lsystemd -pthread))
 $(eval $(call unit_test,log_test,tests/daemon/log_test.cc,$O/daemon/journal.o $O/daemon/manager.o $O/libcore.a,-lfmt))
 $(eval $(call unit_test,manager_test,tests/daemon/manager_test.cc,$O/daemon/manager.o,))

@@ -2,4 +2,7 @@ $(eval $(call kernel_test,start_test,tests/start/start_test.cc tests/start/daemo
 $O/tests/nss/libnss_hang.so.2: tests/start/nss_hang.c
 	$(call say,CC,$@)
 	$(Q)mkdir -p $(@D) && $(CC) -std=gnu17 -O1 -fPIC -shared -Wall -Wextra $(WERROR) -o $@ $<
-$O/tests/start_test: $O/mlccad $O/mlccactl $O/mlcca-awds $O/mlcca-sources $O/tests/nss/libnss_hang.so.2
+$O/tests/slow_disk.so: tests/start/slow_disk.c
+	$(call say,CC,$@)
+	$(Q)mkdir -p $(@D) && $(CC) -std=gnu17 -O1 -fPIC -shared -Wall -Wextra $(WERROR) -o $@ $<
+$O/tests/start_test: $O/tests/slow_disk.so $O/mlccad $O/mlccactl $O/mlcca-awds $O/mlcca-sources $O/tests/nss/libnss_hang.so.2

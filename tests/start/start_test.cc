@@ -127,6 +127,30 @@ TEST_F(StartTest, ThatIsRefusedBecauseAnotherDaemonRunsDoesNotSayThatEverythingI
   EXPECT_EQ(first.end(), 0);
 }
 
+TEST_F(StartTest, GoesOnBeatingWhileTheDiskTakesNothing) {
+  const std::string slow = gateway_.path("slow");
+  const auto library =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "slow_disk.so";
+  ::setenv("SLOW_DISK", slow.c_str(), 1);      // NOLINT(concurrency-mt-unsafe)
+  ::setenv("LD_PRELOAD", library.c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
+  Process daemon(gateway_.command({"--grace", "2s"}), gateway_.path("log"));
+  ::unsetenv("LD_PRELOAD");  // NOLINT(concurrency-mt-unsafe)
+  ASSERT_TRUE(daemon.ready()) << gateway_.log();
+  word_ = gateway_.word();
+  ASSERT_TRUE(word_);
+  std::ofstream(slow) << "now";
+  const auto heartbeat = [&] { return __atomic_load_n(&word_[0].heartbeat, __ATOMIC_ACQUIRE); };
+  const std::uint64_t before = heartbeat();
+  Process asks({"mlccactl", "--timeout", "60", "--socket", gateway_.path("control.sock"),
+                "withdraw", "--yes", "c0"},
+               gateway_.path("said"));
+  EXPECT_TRUE(becomes([&] { return heartbeat() > before + 2 * word_[0].grace_ns; }))
+      << "nobody beats while a change waits for the disk";
+  EXPECT_EQ(word_[0].lapsed, 0U);
+  std::filesystem::remove(slow);
+  EXPECT_EQ(asks.end(), 0);
+}
+
 // --- a user database that never answers ----------------------------------------------------------
 
 /// For this process and those that it runs.
