@@ -16,6 +16,7 @@
 #include <cstring>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/handle.hpp"
@@ -48,18 +49,26 @@ Address mapped(std::span<const std::uint8_t> v4) {
   return out;
 }
 
-/// Any address of one of the families.
-bool is_any(const Address& address) {
-  return address == Address{} || address == mapped(std::array<std::uint8_t, 4>{});
-}
-
-struct Place {
+struct At {
   Address address{};
   std::uint16_t port = 0;
 };
 
-std::optional<Place> place_of(const Endpoint& endpoint) {
-  Place out;
+bool is_v4(const Address& address) {
+  const Address none = mapped(std::array<std::uint8_t, 4>{});
+  return std::equal(address.begin(), address.begin() + 12, none.begin());
+}
+
+/// How the kernel prefers a socket that listens there for a connection to `to`; 0: never.
+int rank_of(const At& listens, const At& to) {
+  if (listens.port != to.port) return 0;
+  if (listens.address == to.address) return 3;
+  if (is_v4(to.address) && listens.address == mapped(std::array<std::uint8_t, 4>{})) return 2;
+  return listens.address == Address{} ? 1 : 0;
+}
+
+std::optional<At> place_of(const Endpoint& endpoint) {
+  At out;
   if (endpoint.address.ss_family == AF_INET) {
     sockaddr_in v4{};
     std::memcpy(&v4, &endpoint.address, sizeof v4);
@@ -85,7 +94,7 @@ std::optional<Integer> number(std::string_view text, int base) {
 }
 
 /// "0100007F:07D9": words of the address as this machine has them, and the port.
-std::optional<Place> read_place(std::string_view text) {
+std::optional<At> read_place(std::string_view text) {
   const auto colon = text.find(':');
   if (colon != 8 && colon != 32) return std::nullopt;
   std::vector<std::uint8_t> octets(colon / 2);
@@ -96,7 +105,7 @@ std::optional<Place> read_place(std::string_view text) {
   }
   const auto port = number<std::uint16_t>(text.substr(colon + 1), 16);
   if (!port) return std::nullopt;
-  Place out{.address = {}, .port = *port};
+  At out{.address = {}, .port = *port};
   if (colon == 8)
     out.address = mapped(octets);
   else
@@ -118,26 +127,52 @@ Columns columns_of(std::string_view line) {
 }
 
 /// Those who listen come first: what follows is not read.
-Result<std::string> read_listeners(const char* path) {
+Result<void> read_listeners(const char* path, Reachable& to) {
   const Fd file(::open(path, O_RDONLY | O_CLOEXEC));
-  if (!file && errno == ENOENT) return std::string{};  // no IPv6
+  if (!file && errno == ENOENT) return {};  // no IPv6
   if (!file) return fail(system_error(path, errno));
-  std::string text;
-  std::array<char, 4096> block{};
-  for (;;) {
+  std::string rest;  // of a line
+  std::array<char, 16384> block{};
+  bool is_head = true;
+  for (std::size_t all = 0; all <= kMaxListeners;) {
     const auto size = ::read(file.get(), block.data(), block.size());
     if (size < 0) return fail(system_error(path, errno));
-    if (size == 0) return text;
-    const auto latest = text.size();
-    text.append(block.data(), static_cast<std::size_t>(size));
-    if (text.size() > kMaxListeners) return fail(std::string(path) + ": too many sockets listen");
-    const auto line = text.rfind('\n', text.size() - 2);
-    if (latest == 0 || line == std::string::npos || !text.ends_with('\n')) continue;
-    if (columns_of(std::string_view(text).substr(line + 1))[3] != kListens) return text;
+    if (size == 0) return {};
+    all += static_cast<std::size_t>(size);
+    rest.append(block.data(), static_cast<std::size_t>(size));
+    std::size_t begin = 0;
+    for (std::size_t end = 0; (end = rest.find('\n', begin)) != std::string::npos; begin = end + 1)
+      if (!to.take(std::string_view(rest).substr(begin, end - begin)) &&
+          !std::exchange(is_head, false))
+        return {};
+    rest.erase(0, begin);
   }
+  return fail(std::string(path) + ": too many sockets listen");
 }
 
 }  // namespace
+
+struct Reachable::Place : At {};
+
+Reachable::Reachable(const Endpoint& to) {
+  if (const auto place = place_of(to)) to_ = std::make_unique<Place>(*place);
+}
+Reachable::~Reachable() = default;
+
+bool Reachable::take(std::string_view line) {
+  const auto columns = columns_of(line);
+  if (columns[3] != kListens) return false;
+  const auto place = read_place(columns[1]);
+  const int rank = to_ && place ? rank_of(*place, *to_) : 0;
+  if (rank == 0 || rank < rank_) return true;
+  const auto owner = number<uid_t>(columns[7], 10);
+  const auto inode = number<std::uint64_t>(columns[9], 10);
+  if (!owner || !inode) return true;
+  if (rank > rank_) best_.clear();
+  rank_ = rank;
+  best_.insert({.inode = *inode, .owner = *owner});
+  return true;
+}
 
 Result<void> trust_owner_of(int socket) {
   const auto owner = owner_of(socket);
@@ -159,35 +194,24 @@ Result<void> check_peer(int socket) {
 }
 
 Listeners listeners_in(std::string_view text, const Endpoint& to) {
-  Listeners out;
-  const auto wanted = place_of(to);
-  while (wanted && !text.empty()) {
+  Reachable reachable(to);
+  while (!text.empty()) {
     const auto end = std::min(text.find('\n'), text.size());
-    const auto columns = columns_of(text.substr(0, end));
+    reachable.take(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
-    if (columns[3] != kListens) continue;
-    const auto place = read_place(columns[1]);
-    if (!place || place->port != wanted->port) continue;
-    if (place->address != wanted->address && !is_any(place->address)) continue;
-    const auto owner = number<uid_t>(columns[7], 10);
-    const auto inode = number<std::uint64_t>(columns[9], 10);
-    if (owner && inode) out.insert({.inode = *inode, .owner = *owner});
   }
-  return out;
+  return reachable.listeners();
 }
 
 Result<Listeners> trusted_listeners(const Endpoint& at) {
-  Listeners out;
-  if (!place_of(at)) return out;
-  for (const char* path : {"/proc/self/net/tcp", "/proc/self/net/tcp6"}) {
-    const auto text = read_listeners(path);
-    if (!text) return std::unexpected(text.error());
-    out.merge(listeners_in(*text, at));
-  }
-  for (const Listener& listener : out)
+  if (!place_of(at)) return Listeners{};
+  Reachable reachable(at);
+  for (const char* path : {"/proc/self/net/tcp", "/proc/self/net/tcp6"})
+    if (auto read = read_listeners(path, reachable); !read) return std::unexpected(read.error());
+  for (const Listener& listener : reachable.listeners())
     if (auto checked = check_owner("the socket that listens there", listener.owner); !checked)
       return std::unexpected(checked.error());
-  return out;
+  return reachable.listeners();
 }
 
 }  // namespace mlcca::net

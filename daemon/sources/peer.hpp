@@ -6,6 +6,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <memory>
 #include <set>
 #include <string>
 #include <string_view>
@@ -30,10 +31,33 @@ struct Listener {
 };
 using Listeners = std::set<Listener>;
 
-inline constexpr std::size_t kMaxListeners = std::size_t{1} << 20U;  ///< bytes of the kernel's list
+/// Bytes of the kernel's list: some 400,000 sockets. None of them is kept.
+inline constexpr std::size_t kMaxListeners = std::size_t{64} << 20U;
 
-/// Those in the text of /proc/net/tcp or tcp6 that a connection to `to` may reach, also by way of
-/// any address.
+/// Those in texts of /proc/net/tcp and tcp6 that a connection to `to` may reach. The kernel prefers
+/// a socket that listens at that very address to those that listen at all, and to an IPv4 address
+/// one of IPv4: any user can listen at [::] beside another one's 127.0.0.1 or 0.0.0.0 (IPV6_V6ONLY)
+/// without ever being reached there.
+class Reachable {
+ public:
+  explicit Reachable(const Endpoint& to);
+  ~Reachable();
+  Reachable(const Reachable&) = delete;
+  Reachable& operator=(const Reachable&) = delete;
+  Reachable(Reachable&&) = delete;
+  Reachable& operator=(Reachable&&) = delete;
+
+  /// One line; false: it is of a socket that does not listen.
+  bool take(std::string_view line);
+  [[nodiscard]] const Listeners& listeners() const { return best_; }
+
+ private:
+  struct Place;
+  std::unique_ptr<Place> to_;  ///< none: a path
+  int rank_ = 0;
+  Listeners best_;
+};
+/// Those of one text.
 [[nodiscard]] Listeners listeners_in(std::string_view text, const Endpoint& to);
 /// Those of this network namespace. An error: one of them belongs to nobody we trust. None for a
 /// path.

@@ -42,10 +42,26 @@ TEST(Peer, TheSocketThatListensAtTheEndpointIsFound) {
 }
 
 TEST(Peer, OneThatListensAtEveryAddressMayAnswerToo) {
+  const std::string any(32, '0');
+  EXPECT_EQ(of(line("00000000", "07D9", "0A", 5, 7), "127.0.0.1:2009"),
+            (Listeners{{.inode = 7, .owner = 5}}));
+  EXPECT_EQ(of(line(any, "07D9", "0A", 6, 8) + line(any, "07D9", "0A", 7, 9), "127.0.0.1:2009"),
+            (Listeners{{.inode = 8, .owner = 6}, {.inode = 9, .owner = 7}}))
+      << "IPv4 comes there, too";
+  EXPECT_TRUE(of(line("00000000", "8163", "0A", 5, 7), "[::1]:33123").empty());
+}
+
+TEST(Peer, WhoListensAtTheVeryAddressAnswersWhoeverListensAtAll) {
+  const std::string any_v6 = line(std::string(32, '0'), "07D9", "0A", 1000, 8);
+  const std::string any_v4 = line("00000000", "07D9", "0A", 5, 7);
+  const std::string exact = line(loopback(), "07D9", "0A", 0, 6);
+  EXPECT_EQ(of(any_v6 + exact + any_v4, "127.0.0.1:2009"), (Listeners{{.inode = 6, .owner = 0}}));
+  EXPECT_EQ(of(any_v6 + any_v4, "127.0.0.1:2009"), (Listeners{{.inode = 7, .owner = 5}}));
+  EXPECT_EQ(of(any_v4 + any_v6, "127.0.0.1:2009"), (Listeners{{.inode = 7, .owner = 5}}));
   EXPECT_EQ(
-      of(line("00000000", "07D9", "0A", 5, 7) + line(std::string(32, '0'), "07D9", "0A", 6, 8),
-         "127.0.0.1:2009"),
-      (Listeners{{.inode = 7, .owner = 5}, {.inode = 8, .owner = 6}}));
+      of(line(std::string(32, '0'), "8163", "0A", 1000, 8) + line(one_v6(), "8163", "0A", 0, 6),
+         "[::1]:33123"),
+      (Listeners{{.inode = 6, .owner = 0}}));
 }
 
 TEST(Peer, OtherSocketsDoNot) {
