@@ -11,6 +11,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "bpf/gate.h"
 
@@ -90,6 +91,22 @@ Result<Fd> lock_gates(const std::string& root) {
   if (::flock(lock.get(), LOCK_EX | LOCK_NB) < 0)
     return fail(root + ": another mlccad commands the gates there; they are left as they are");
   return lock;
+}
+
+Result<bool> keep_lock(Fd& lock, const std::string& root) {
+  struct statfs system{};
+  // Nothing can be commanded there for now.
+  if (::statfs(root.c_str(), &system) < 0 || system.f_type != BPF_FS_MAGIC) return false;
+  struct stat held{};
+  struct stat named{};
+  if (::fstat(lock.get(), &held) < 0) return system_error(root + "/" + kLock);
+  if (::lstat((root + "/" + kLock).c_str(), &named) == 0 && held.st_dev == named.st_dev &&
+      held.st_ino == named.st_ino)
+    return false;
+  auto again = lock_gates(root);
+  if (!again) return std::unexpected(again.error());
+  lock = std::move(*again);
+  return true;
 }
 
 }  // namespace mlcca

@@ -14,5 +14,8 @@ namespace mlcca {
 /// can become, somebody else's. Where `root` is no bpffs nothing is locked, for there is nothing to
 /// command.
 Result<Fd> lock_gates(const std::string& root);
+/// Where somebody removed the directory that is locked, or mounted the bpffs anew: locks the one
+/// that has the name now. True: it did. Error: another process commands the gates there.
+Result<bool> keep_lock(Fd& lock, const std::string& root);
 
 }  // namespace mlcca

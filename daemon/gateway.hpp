@@ -31,8 +31,8 @@
 #include "daemon/meshes.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/options.hpp"
-#include "daemon/ports.hpp"
 #include "daemon/patience.hpp"
+#include "daemon/ports.hpp"
 #include "daemon/quotas.hpp"
 #include "daemon/reading.hpp"
 #include "daemon/requests.hpp"
@@ -85,6 +85,8 @@ class Gateway {
     aside_.on_ready(ready);
   }
   /// Says whether a client has hung up: nothing is begun for it any more.
+  /// That of lock_gates(): it is looked after from now on.
+  void hold(Fd lock) { lock_ = std::move(lock); }
   void on_begin(Aside::Gone gone) { aside_.on_begin(std::move(gone)); }
   /// Otherwise ForkBudget::kUsual.
   void set_report_rates(ForkBudget::Rates rates) { aside_.set_rates(rates); }
@@ -192,6 +194,7 @@ class Gateway {
   Result<void> set_withdrawn(std::size_t channel, bool withdrawn);
   core::FormerRules forget(const std::vector<core::AdmissionId>& gone);
   void plan_rounds();
+  void keep_lock();
   bool look_around();
   bool repair_next();
   bool end_some_leases();
@@ -353,6 +356,8 @@ class Gateway {
   std::string last_error_;
   std::string told_trouble_;  // of the journal
   std::string journal_gone_;  // why it cannot be written anew
+  Fd lock_;                   // see lock_gates()
+  std::string unlocked_;      // why it is another one's; empty: it is ours
   std::string unpinned_;      // why the control word is not pinned; empty: it is
 
   std::set<std::size_t> dirty_meshes_;          // networks

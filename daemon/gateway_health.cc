@@ -79,6 +79,7 @@ void Gateway::add_own_troubles(std::vector<std::string>& to) const {
     to.emplace_back("audit mode: nothing is dropped, data that was not admitted passes");
   if (control_.lapsed()) to.emplace_back("the heart-beat came too late: everything is denied");
   std::ranges::move(own_problems(), std::back_inserter(to));
+  if (!unlocked_.empty()) to.push_back("two daemons may change the same gates: " + unlocked_);
   if (!unpinned_.empty()) to.push_back("the control word is not pinned: " + unpinned_);
   if (!last_error_.empty())
     to.push_back("the latest reload was refused, the former description is in force: " +

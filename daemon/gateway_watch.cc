@@ -13,6 +13,7 @@
 #include "bpf/gate.h"
 #include "core/text.hpp"
 #include "daemon/clock.hpp"
+#include "daemon/gates_lock.hpp"
 #include "daemon/gateway.hpp"
 #include "daemon/report.hpp"
 
@@ -70,6 +71,7 @@ bool Gateway::look_around() {
   if (again && *again)
     tell(Kind::drift, 3,
          "somebody unpinned what closes the gates when this daemon dies: it is pinned again");
+  if (lock_) keep_lock();
   if (!links_.problem().empty() || ports_.in_doubt()) links_changed();
   ports_.begin_repair();
   at_gate_ = 0;
@@ -83,6 +85,16 @@ bool Gateway::look_around() {
     end_reload(control::Error{control::ErrorKind::unreadable, why, {}});
   }
   return false;
+}
+
+void Gateway::keep_lock() {
+  const auto locked = mlcca::keep_lock(lock_, options_.bpf_root);
+  const std::string unlocked = locked ? "" : locked.error().text;
+  if (std::exchange(unlocked_, unlocked) != unlocked && !locked)
+    tell(Kind::trouble, 3, "two daemons may change the same gates: " + unlocked);
+  if (locked && *locked)
+    tell(Kind::drift, 3,
+         "somebody removed the lock of " + options_.bpf_root + ": it is held again");
 }
 
 bool Gateway::repair_next() {

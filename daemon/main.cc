@@ -198,7 +198,7 @@ void allow_many_descriptors() {
 int run(const Options& options) {
   allow_many_descriptors();
   const Journal journal = Journal::automatic();
-  const auto alone = lock_gates(options.bpf_root);
+  auto alone = lock_gates(options.bpf_root);
   if (!alone) return give_up(journal, alone.error().text);
   auto control = enforce::Control::create(options.bpf_root);
   if (!control) return close_and_give_up(journal, control.error().text);
@@ -218,6 +218,7 @@ int run(const Options& options) {
   }
   Gateway gateway(options, journal, std::move(*control), std::move(*links), net::udev_facts,
                   events.get());
+  gateway.hold(std::move(*alone));
   if (const auto problem = gateway.start()) {
     for (const std::string& line : problem->lines)
       journal.write({Kind::trouble, 3, line, 0, {}, {}, {}, {}});

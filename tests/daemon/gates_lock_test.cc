@@ -77,6 +77,22 @@ TEST_F(GatesLockTest, IsHeldByOneProcessAtATime) {
   EXPECT_EQ(problem(), "");
 }
 
+TEST_F(GatesLockTest, IsHeldAgainAfterItsDirectoryWasRemoved) {
+  auto first = lock_gates(root_);
+  ASSERT_TRUE(first) << first.error().text;
+  EXPECT_FALSE(keep_lock(*first, root_).value()) << "it is there";
+  std::filesystem::remove(root_ + "/lock");
+  EXPECT_TRUE(keep_lock(*first, root_).value());
+  EXPECT_EQ(problem(),
+            root_ + ": another mlccad commands the gates there; they are left as they are");
+  std::filesystem::remove(root_ + "/lock");
+  const auto other = lock_gates(root_);
+  ASSERT_TRUE(other);
+  const auto lost = keep_lock(*first, root_);
+  ASSERT_FALSE(lost);
+  EXPECT_NE(lost.error().text.find("another mlccad commands the gates there"), std::string::npos);
+}
+
 TEST_F(GatesLockTest, CannotBeHeldByWhoMayReadTheBpffs) {
   ASSERT_EQ(as_user(kService, kGroup, [&] { return lock_as_the_service(root_); }), 0);
   std::array<int, 2> held{};
