@@ -12,6 +12,7 @@
 #include <systemd/sd-event.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -57,9 +58,24 @@ bool has_room(const core::System& system, const std::string& description) {
   return true;
 }
 
+/// The machine that checks need not be one of the gateways.
+bool has_gateway(const core::System& system, const Options& options) {
+  const auto& gateways = system.gateways;
+  if (options.gateway.empty()
+          ? !gateways.empty()
+          : std::ranges::find(gateways, options.gateway, &core::Gateway::name) != gateways.end())
+    return true;
+  fmt::print(stderr, "{}: {}\n", options.description,
+             options.gateway.empty()
+                 ? "no Gateway is described, and mlccad is one: describe it with its Ports"
+                 : fmt::format("no Gateway is called '{}'", options.gateway));
+  return false;
+}
+
 int check_description(const Options& options) {
   const auto system = description::read(options.description);
   if (system) {
+    if (!has_gateway(*system, options)) return kBadInput;
     if (!has_room(*system, options.description)) return kBadInput;
     fmt::print("{}: {} channels, {} networks, {} gateways, {} publishers, {} subscribers\n",
                options.description, system->channels.size(), system->networks.size(),

@@ -220,6 +220,20 @@ TEST_F(StartTest, WhereTheLookUpOfTheGroupHangsOnlyRootMayChangeAnything) {
   EXPECT_EQ(after.end(), 0);
 }
 
+TEST_F(StartTest, ACheckRefusesWhatAStartWould) {
+  const auto check = [this](const std::string& description, std::vector<std::string> more = {}) {
+    gateway_.describe(description);
+    more.insert(more.begin(), "--check");
+    return Process(gateway_.command(std::move(more)), gateway_.path("log")).end();
+  };
+  EXPECT_EQ(check(described(1)), 0);
+  EXPECT_EQ(check(described(1), {"--gateway", "gate"}), 0);
+  EXPECT_EQ(check(described(1), {"--gateway", "another"}), 2);
+  EXPECT_NE(gateway_.log().find("no Gateway is called 'another'"), std::string::npos);
+  EXPECT_EQ(check("<System name=\"empty\"></System>"), 2);
+  EXPECT_NE(gateway_.log().find("no Gateway is described"), std::string::npos);
+}
+
 TEST_F(StartTest, OfManyPortsTheStatusIsWhole) {
   gateway_.describe(described(kManyPorts));
   Process daemon(gateway_.command(), gateway_.path("log"));
