@@ -47,6 +47,7 @@ struct {
 #include "bpf/gate_count.bpf.h"
 #include "bpf/gate_slot.bpf.h"
 #include "bpf/gate_watch.bpf.h"
+#include "bpf/gate_tags.bpf.h"
 
 /*
  * Polices, counts and watches a frame that its slot admits. One reading of the clock serves all of
@@ -93,10 +94,15 @@ int gate_ingress(struct __sk_buff *skb)
 		count_reason(cpu, GATE_INGRESS, GATE_R_ERROR_IN);
 		return TC_ACT_UNSPEC;
 	}
-	if (closed())
+	if (closed()) {
+		if (is_reply(&frame))
+			heed_reply(skb, &frame, GATE_INGRESS, false);
 		return refuse_in(skb, cpu, GATE_INGRESS, GATE_R_CLOSED, &frame);
+	}
 
 	d = decide(skb, GATE_INGRESS, &frame, GATE_NO_SOURCE);
+	if (is_reply(&frame))
+		heed_reply(skb, &frame, GATE_INGRESS, d.reason == GATE_R_PASSED);
 	if (d.reason != GATE_R_PASSED)
 		return refuse_in(skb, cpu, d.slot, d.reason, &frame);
 	/* In audit mode what is too much goes on as what it is. */
@@ -156,6 +162,8 @@ int gate_egress(struct __sk_buff *skb)
 		return refuse_out(cpu, d.slot, d.reason, &frame);
 	if (!admit(cpu, GATE_EGRESS, d.slot, &frame))
 		return drop(cpu, GATE_EGRESS, d.slot, GATE_R_EXCESS);
+	if (is_reply(&frame))
+		heed_reply(skb, &frame, GATE_EGRESS, true);
 	choose_band(skb, frame.can_id);
 	return TC_ACT_UNSPEC;
 }

@@ -9,7 +9,9 @@
 #include <linux/can.h>
 #include <linux/types.h>
 
-#define GATE_LAYOUT_VERSION 6
+#include "bpf/gate_binding.h"
+
+#define GATE_LAYOUT_VERSION 7
 
 /* Our tc filters: this priority and handle belong to the gate, and nothing else is ever replaced.
  */
@@ -182,7 +184,8 @@ struct gate_slot {
 	};
 	__u16 next;   /* further slot of the same bucket; 0: none */
 	__u8 formats; /* GATE_CLASSIC | GATE_FD | GATE_XL */
-	__u8 pad;
+	/* FAMOUSO: see gate_binding; nothing passes. Set by the program, cleared by user space. */
+	__u8 contradicted;
 	__u64 subject;
 	__u64 per_frame; /* ns; with per_byte 0: this slot is not policed */
 	__u64 per_byte;	 /* 2^-8 ns */
@@ -242,9 +245,13 @@ struct gate_table {
 	__u32 band_limit[GATE_BANDS - 1];
 	__u32 slots_end;	       /* all slots that were ever used are below this one */
 	__u16 masked[GATE_DIRECTIONS]; /* first masked slot, 0 for none */
-	__u64 sample_due; /* as gate_slot.due, of the samples; written by the program */
-	__u32 retired;	  /* the interface has left: its programs go with it */
-	__u8 pad[28];
+	__u64 sample_due;   /* as gate_slot.due, of the samples; written by the program */
+	__u32 retired;	    /* the interface has left: its programs go with it */
+	__u32 bindings_end; /* all bindings that were ever used are below this one */
+	__u32 binding_news; /* how often something was found about one */
+	__u32 pad;
+	__u64 reply_due; /* as gate_slot.due, of what is told of replies; written by the program */
+	__u64 pad2;
 	struct gate_slot slots[GATE_SLOTS];
 	struct gate_watch watches[GATE_SLOTS];
 	__u16 head[GATE_DIRECTIONS][GATE_BUCKETS]; /* bucket -> first slot, 0 for none */
@@ -252,6 +259,8 @@ struct gate_table {
 	__u8 last_reason[GATE_SLOTS];
 	__u64 would_drop[GATE_DIRECTIONS][GATE_REASONS]; /* frames, in audit mode */
 	struct gate_audit audit[GATE_SLOTS];
+	struct gate_binding bindings[GATE_BINDINGS];
+	struct gate_half halves[GATE_DIRECTIONS][GATE_ASKERS];
 };
 
 struct gate_count {
@@ -287,6 +296,7 @@ enum gate_event_kind {
 	GATE_E_MISSING = 1, /* nothing has come for longer than `silence` */
 	GATE_E_RESTORED,    /* events come again */
 	GATE_E_UNKNOWN,	    /* a frame without a slot: a gate_sample */
+	GATE_E_BOUND,	    /* gate_table.binding_news has changed; it may change untold */
 };
 
 /* What the kernel tells by the ring, one for the whole gateway, in the order it was told. */
@@ -463,8 +473,10 @@ static inline __u32 gate_refused_token(__u32 token) { return ~token ^ 1; }
 GATE_ASSERT(sizeof(struct gate_slot) == 64, "gate_slot is pinned layout");
 GATE_ASSERT(sizeof(struct gate_watch) == 256, "gate_watch is pinned layout");
 GATE_ASSERT(sizeof(struct gate_audit) == 16, "gate_audit is pinned layout");
+GATE_ASSERT(sizeof(struct gate_binding) == 40 && sizeof(struct gate_half) == 8,
+	    "gate_binding.h is pinned layout");
 GATE_ASSERT(sizeof(struct gate_table) ==
-		128 + (64 + 256) * 4096 + 4 * 18432 + 4096 + 256 + 16 * 4096,
+		128 + (64 + 256) * 4096 + 4 * 18432 + 4096 + 256 + 16 * 4096 + 40 * 4096 + 8 * 512,
 	    "gate_table is pinned layout");
 GATE_ASSERT(sizeof(struct gate_count) == 32, "gate_count is pinned layout");
 GATE_ASSERT(sizeof(struct gate_seen) == 24, "gate_seen is pinned layout");

@@ -41,6 +41,8 @@ static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
 		return GATE_R_LENGTH;
 	verdict = READ_ONCE(slot->verdict[frame->generation & 1]);
 	frame->read += verdict;
+	if (profile == GATE_PROFILE_FAMOUSO && READ_ONCE(slot->contradicted))
+		return GATE_R_DENIED;
 	return verdict == GATE_PASS ? GATE_R_PASSED : GATE_R_DENIED;
 }
 

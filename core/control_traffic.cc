@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "core/medium.hpp"
@@ -119,6 +120,10 @@ bool has_own_tag(const Network& network) {
                                                          &Binding::id) == network.bindings.end();
 }
 
+bool asks_for_tag(const ControlFrames& frames) {
+  return frames.identity == kBinding.front().identity;
+}
+
 class ControlRules {
  public:
   void add(std::size_t port, const ControlFrames& frames, const ControlKind& kind,
@@ -146,6 +151,11 @@ class ControlRules {
     rule.entry.uid = 0;
     rule.entry.from_kernel = true;
     rules_.push_back(rule);
+  }
+  /// Who may send the frames that were added last, too.
+  void add_sender(std::uint32_t uid) {
+    rules_.push_back(rules_.back());
+    rules_.back().entry.uid = uid;
   }
   /// Where datagrams carry the subject.
   void add_datagrams(std::size_t port, const ControlKind& kind, const ControlState& state,
@@ -209,7 +219,8 @@ ControlState control_at(const Network& network, const Port& port, std::size_t ki
           .rate = rate != 0 ? rate : known.rate};
 }
 
-GateState control_rules(const System& system, std::size_t gateway) {
+GateState control_rules(const System& system, std::size_t gateway,
+                        std::optional<std::uint32_t> asker) {
   ControlRules rules;
   const auto& ports = system.gateways[gateway].ports;
   const bool is_channel = std::ranges::find(system.channels, kSubscribeSubject,
@@ -228,7 +239,10 @@ GateState control_rules(const System& system, std::size_t gateway) {
       for (const ControlFrames& open : kinds[k].frames) {
         const ControlFrames frames =
             kinds[k].is_tagged ? tagged(open, network.subscribe_tag) : open;
-        if (!is_bound(network, frames)) rules.add(p, frames, kinds[k], state, ports[p]);
+        if (is_bound(network, frames)) continue;
+        rules.add(p, frames, kinds[k], state, ports[p]);
+        if (asker && ports[p].node && *asker != ports[p].control_uid && asks_for_tag(frames))
+          rules.add_sender(*asker);
       }
     }
   }

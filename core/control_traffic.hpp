@@ -4,6 +4,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -55,7 +56,9 @@ struct ControlState {
 
 /// The rules of all control traffic of one gateway, sorted by entry. A kind that is switched off
 /// has rules that refuse. A number that a Binding gives to a channel is that channel's alone. Where
-/// the tag of kSubscribeSubject is not known, it has no rules.
-[[nodiscard]] GateState control_rules(const System& system, std::size_t gateway);
+/// the tag of kSubscribeSubject is not known, it has no rules. `asker`: the user who asks for tags
+/// as the node of a Port, beside its control_uid.
+[[nodiscard]] GateState control_rules(const System& system, std::size_t gateway,
+                                      std::optional<std::uint32_t> asker = {});
 
 }  // namespace mlcca::core

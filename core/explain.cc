@@ -221,6 +221,10 @@ void Explainer::add_obstacle(const Verdict& v) {
     case Obstacle::no_sender:
       f.hint = "add sender=\"USER\" to the Port that the events leave by";
       break;
+    case Obstacle::untagged:
+    case Obstacle::contradicted:
+      f.hint = "state the tags as the broker deals them, in the order of requests, or dynamic";
+      break;
     case Obstacle::no_traffic:
       f.hint = "state Period and MaxPayload, or Bandwidth, of the publisher";
       break;
@@ -246,6 +250,15 @@ void Explainer::add_run_time(const Verdict& v) {
     if (what.find(name) != std::string::npos) continue;
     what += (what.empty() ? "" : ", ") + name + " " +
             format_value(s_.system, row, row.comparison.required);
+  }
+  for (const Place hop : hops_of(v.route)) {
+    if (hop.kind != Place::Kind::network) continue;
+    const Binding* binding = s_.system.networks[hop.index].binding_of(v.channel);
+    if (binding == nullptr || !binding->waits_for_tag()) continue;
+    what += (what.empty() ? "" : ", ") + ("the tag on " + name_of(s_.system, hop));
+    if (f.has_place) continue;
+    f.place = hop;
+    f.has_place = true;
   }
   f.text = s_.members.publisher(v.publisher).name + " to " + name_of(s_.system, v.to) + " over " +
            way_of(s_.system, v.route) + ": decided at run time (" + what + ")";

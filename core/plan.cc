@@ -169,6 +169,7 @@ class Planner {
     const Binding* binding = network.binding_of(p.channel);
     const bool bound = network.carries_subjects() || binding != nullptr;
     if (network.profile == Profile::none || !bound) return std::nullopt;
+    if (binding != nullptr && binding->waits_for_tag()) return std::nullopt;
     GateEntry e;
     e.port = port;
     e.direction = direction;

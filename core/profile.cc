@@ -8,6 +8,7 @@ namespace {
 
 // FAMOUSO's 29-bit identifier: priority, fragment bit, node, etag.
 constexpr unsigned kFamousoNodeShift = 14;
+constexpr std::uint32_t kTagBits = 0x3fff;
 constexpr std::uint32_t kFragmentBit = 1U << 21U;
 constexpr unsigned kFamousoPriorityShift = 22;
 
@@ -29,11 +30,13 @@ constexpr std::array<ProfileTraits, 6> kTraits{{
     {.element = "a COBID", .last = kStandardBits, .remote_frames = true},
 }};
 
+/// As long as the etag is not known, it may be any.
 FrameIdentity famouso(const Publisher& p, const Binding& b, bool split) {
+  const std::uint32_t known = b.waits_for_tag() ? kExtendedBits & ~kTagBits : kExtendedBits;
   return {.id = static_cast<std::uint32_t>(p.priority) << kFamousoPriorityShift |
                 static_cast<std::uint32_t>(*p.node) << kFamousoNodeShift | b.id,
           // Events up to the published size may be split or not: both forms of the frame occur.
-          .mask = split ? kExtendedBits & ~kFragmentBit : kExtendedBits};
+          .mask = split ? known & ~kFragmentBit : known};
 }
 
 FrameIdentity with_priority(const Publisher& p, const Binding& b) {

@@ -82,6 +82,7 @@ class RouteCheck {
   void sum_up() {
     v_.outcome = v_.obstacle == Obstacle::none ? Outcome::fit : Outcome::unfit;
     for (const Row& row : v_.rows) v_.outcome = worse(v_.outcome, row.comparison.outcome);
+    if (at_run_time_) v_.outcome = worse(v_.outcome, Outcome::run_time);
     v_.granted = s_.best_cases_pass ? v_.outcome != Outcome::unfit : v_.outcome == Outcome::fit;
   }
 
@@ -127,6 +128,12 @@ class RouteCheck {
       obstruct(Obstacle::unbound, hop);
       return;
     }
+    if (binding->waits_for_tag()) {
+      at_run_time_ = true;
+      if (!s_.best_cases_pass) obstruct(Obstacle::untagged, hop);
+    }
+    if (s_.world.conditions[hop.index].contradiction_of(v_.channel) != nullptr)
+      obstruct(Obstacle::contradicted, hop);
     if (!can_send(publisher(), network)) obstruct(Obstacle::no_node, hop);
     if (lacks_data_rate(hop.index, *binding)) obstruct(Obstacle::no_data_rate, hop);
     if (offered().has(Attribute::max_payload) &&
@@ -344,6 +351,7 @@ class RouteCheck {
   std::array<bool, kMaxHops> fresh_{};      ///< not carried for another place already
   bool known_ = false;                      ///< the publisher says what it sends
   std::size_t count_ = 0;
+  bool at_run_time_ = false;  ///< a tag on the way is not known yet
 };
 
 }  // namespace

@@ -167,6 +167,14 @@ void State::set_withdrawn(std::size_t channel, bool withdrawn) {
   touched_.insert(channel);
 }
 
+void State::set_tag(std::size_t network, std::size_t channel, std::uint32_t tag) {
+  auto& bindings = system_.networks[network].bindings;
+  const auto it = std::ranges::lower_bound(bindings, channel, {}, &Binding::channel);
+  if (it == bindings.end() || it->channel != channel || it->id == tag) return;
+  it->id = tag;
+  touched_.insert(channel);
+}
+
 void State::restore(Admission admission) {
   const std::size_t channel = admission.channel;
   admissions_.insert_or_assign(admission.id, channel);

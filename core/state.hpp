@@ -127,6 +127,13 @@ class State {
   void set_graph(std::size_t network, std::optional<mesh::Graph> graph,
                  std::vector<std::string> addresses = {});
   void set_withdrawn(std::size_t channel, bool withdrawn);
+  /// The tag that the broker has dealt to a channel of which nothing is granted on the network now;
+  /// 0: none that is known. Its binding there is dynamic.
+  void set_tag(std::size_t network, std::size_t channel, std::uint32_t tag);
+  /// The same of kSubscribeSubject. Counts at once: only control_rules() look at it.
+  void set_subscribe_tag(std::size_t network, std::uint32_t tag) {
+    system_.networks[network].subscribe_tag = tag;
+  }
   /// False if there is none of that id.
   bool remove(AdmissionId id);
   /// As if everything had changed.

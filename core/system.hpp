@@ -71,7 +71,9 @@ enum class FrameFormat : std::uint8_t { classic, fd, any, xl };
 struct Binding {
   std::size_t channel = 0;  ///< index into System::channels
   std::uint32_t id = 0;     ///< identifier (raw), etag, PGN, subject-id or COB-ID
-  bool extended = false;    ///< 29-bit identifiers; raw: as stated, else as the profile has them
+  /// famouso: the etag is what the broker deals at run time; until it is known `id` is 0.
+  bool dynamic = false;
+  bool extended = false;  ///< 29-bit identifiers; raw: as stated, else as the profile has them
   FrameFormat format = FrameFormat::classic;
   bool remote_frames = false;               ///< RTR frames are part of the channel (default: never)
   std::optional<std::uint8_t> priority;     ///< j1939, cyphal: 0 (highest) to 7; none: any
@@ -79,6 +81,8 @@ struct Binding {
   std::uint32_t mask = 0x1fffffff;          ///< raw: bits of the identifier that count
   Origin origin;
 
+  /// No frame can have it yet.
+  [[nodiscard]] bool waits_for_tag() const { return dynamic && id == 0; }
   /// It names a range of identifiers.
   [[nodiscard]] bool is_masked() const {
     const std::uint32_t whole = extended ? 0x1fffffff : 0x7ff;
@@ -187,6 +191,8 @@ struct Port {
   Refused refused = Refused::error;
   ControlPolicy control;          ///< what it states goes before what the network states
   std::uint32_t control_uid = 0;  ///< user whose programs may send control traffic
+  /// FAMOUSO's number of this gateway on its bus, as which it asks the broker for tags.
+  std::optional<std::uint8_t> node;
   /// The user whose program sends here what comes from networks that the kernel joins to no other.
   std::optional<std::uint32_t> sender;
   Origin origin;

@@ -134,6 +134,10 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
       return "events cross " + at() +
              " between CAN and Ethernet, and no program is stated that carries "
              "them: sender of its Port";
+    case Obstacle::untagged:
+      return "waiting for its tag on " + at() + ": the broker has not dealt it yet";
+    case Obstacle::contradicted:
+      return problem.empty() ? "its tag on " + at() + " is contradicted by the broker" : problem;
     case Obstacle::withdrawn:
       return "withdrawn by an operator until it is reinstated";
   }

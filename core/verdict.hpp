@@ -60,6 +60,8 @@ enum class Obstacle : std::uint8_t {
   no_rate,       ///< the links that lead through a mesh are there, and nobody knows their rates
   relay_gated,   ///< a gateway on the way through a mesh drops at its gate what its node relays
   no_sender,     ///< nobody carries events across a gateway, from CAN to Ethernet or back
+  untagged,      ///< the broker has not dealt the channel its tag on a network yet
+  contradicted,  ///< the broker has dealt the channel's tag to another, or it another tag
   withdrawn,     ///< by an operator, until it is reinstated
 };
 

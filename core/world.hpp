@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The networks as they are now: what can be used, at which bit rate, over which links.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -26,6 +27,13 @@ struct Heard {
   bool operator==(const Heard&) const = default;
 };
 
+/// A channel whose binding on a network is not to be relied on: the broker has said otherwise.
+struct Contradicted {
+  std::size_t channel = 0;
+  std::string how;  ///< as a clause
+  bool operator==(const Contradicted&) const = default;
+};
+
 /// What is known of a network now. A network that this gateway does not touch is taken as
 /// described.
 struct Condition {
@@ -36,6 +44,11 @@ struct Condition {
                                  ///< is reserved, that of `heard` included
   /// To itself none of them is a stranger: what it sends is analysed where it is decided.
   std::vector<Heard> heard;
+  std::vector<Contradicted> contradicted;  ///< sorted by channel
+  [[nodiscard]] const Contradicted* contradiction_of(std::size_t channel) const {
+    const auto it = std::ranges::lower_bound(contradicted, channel, {}, &Contradicted::channel);
+    return it != contradicted.end() && it->channel == channel ? &*it : nullptr;
+  }
   bool operator==(const Condition&) const = default;
 };
 

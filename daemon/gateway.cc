@@ -252,8 +252,10 @@ void Gateway::put_conditions(core::State& state) const {
       condition.background += heard.load;
     }
   }
-  for (std::size_t n = 0; n < conditions.size(); ++n)
+  for (std::size_t n = 0; n < conditions.size(); ++n) {
+    conditions[n].contradicted = tags_.contradicted(n);
     state.set_condition(n, std::move(conditions[n]));
+  }
 }
 
 void Gateway::put_graphs(core::State& state) const {
@@ -264,6 +266,7 @@ void Gateway::put_graphs(core::State& state) const {
 void Gateway::follow_world() {
   ports_.follow();
   note_ports();
+  state_tags();
   put_conditions(*state_);
   static_cast<void>(settle());
   // An interface that became another one needs all of its slots anew.
@@ -300,6 +303,7 @@ Result<void> Gateway::put_in_force(const Granted& granted_before) {
   ports_.describe(state_->system(), self_);
   ports_.follow();
   note_ports();
+  take_up_tags();
   put_conditions(*state_);
   put_graphs(*state_);
   dirty_meshes_.clear();
@@ -330,7 +334,8 @@ Result<void> Gateway::enforce() {
   set_bands();
   pulse();
   auto wanted = state_->gate_state(self_);
-  std::ranges::copy(core::control_rules(state_->system(), self_), std::back_inserter(wanted));
+  std::ranges::copy(core::control_rules(state_->system(), self_, ::geteuid()),
+                    std::back_inserter(wanted));
   pulse();
   auto done = ports_.sync(wanted);
   pulse();

@@ -40,6 +40,7 @@
 #include "daemon/serve/server.hpp"
 #include "daemon/store/history.hpp"
 #include "daemon/store/journal.hpp"
+#include "daemon/tags.hpp"
 #include "daemon/user_names.hpp"
 
 namespace mlcca {
@@ -210,6 +211,16 @@ class Gateway {
   void forward_all();
   void add_can_rules(control::Routes& to);
   void open_unless_lost();
+  // FAMOUSO's tags, see daemon/tags.hpp.
+  void take_up_tags();
+  void state_tags();
+  bool look_at_tags();
+  bool ask_for_tags();
+  struct TagNews;
+  void take_tag_news(std::size_t port, const enforce::FoundBinding& found, TagNews& news);
+  void move_tag(Tag& tag, std::uint16_t etag, core::FormerRules& left);
+  bool agree_on(const Tag& tag);
+  void tell_tag(const Tag& tag, int priority, std::string message);
   void look_at_drops(bool mention);
   bool look_at_some_drops();
   void look_at_unknown(std::size_t port, bool mention);
@@ -302,6 +313,8 @@ class Gateway {
   std::optional<enforce::Starting> starting_;
   bool is_starting_ = false;
   Meshes meshes_;
+  Tags tags_;
+  std::map<std::uint32_t, std::uint32_t> tag_news_;  ///< that were looked at, by interface
   Forwarder forwarder_;
   Aside aside_;
   Reading reading_;

@@ -84,6 +84,8 @@ void Gateway::add_own_troubles(std::vector<std::string>& to) const {
   if (!last_error_.empty())
     to.push_back("the latest reload was refused, the former description is in force: " +
                  last_error_);
+  for (const Tag& tag : tags_.all())
+    if (!tag.contradiction.empty()) to.push_back(tag.name + ": " + tag.contradiction);
   for (const auto& [id, why] : left_out_) to.push_back(fmt::format("admission {}: {}", id, why));
 }
 

@@ -155,7 +155,8 @@ void Gateway::commit() {
   for (std::size_t c = 0; c < state_->decisions().size(); ++c) note_granted(c);
   note_ports();
   auto wanted = state_->gate_state(self_);
-  std::ranges::copy(core::control_rules(state_->system(), self_), std::back_inserter(wanted));
+  std::ranges::copy(core::control_rules(state_->system(), self_, ::geteuid()),
+                    std::back_inserter(wanted));
   note_slots(std::move(wanted));
 }
 

@@ -59,6 +59,8 @@ void Gateway::plan_rounds() {
   rounds_.add([this] { return drops_.tidy(); });
   rounds_.add([this] { return look_at_next_unknown(); });
   rounds_.add([this] { return look_for_next_bypass(); });
+  rounds_.add([this] { return look_at_tags(); });
+  rounds_.add([this] { return ask_for_tags(); });
   rounds_.add([this] { return write_some_history(); });
 }
 
@@ -267,6 +269,10 @@ void Gateway::events_came() {
 
 /// Of a slot that was given to another grant meanwhile it concerns nobody any more.
 void Gateway::hear(const gate_event& event) {
+  if (event.kind == GATE_E_BOUND) {
+    look_at_tags();
+    return;
+  }
   const auto channel = state_->channel_of(event.subject);
   if (!channel) return;
   for (const core::Verdict& v : state_->decisions()[*channel].verdicts)

@@ -41,6 +41,7 @@ constexpr std::array kKinds{
     KindInfo{"lapsed", "9e1ef985cd944886ba5ceea7d0859707"},
     KindInfo{"drift", "d2984a3083094b93aa490521986a712f"},
     KindInfo{"bypass", "49eae898e745474a8708fcd4a5987dda"},
+    KindInfo{"binding", "7d3e1a5c20964f8b9c51e6f40b2a8d17"},
     KindInfo{"trouble", "11436d69f9dc477a90d4c483ce53572b"},
 };
 

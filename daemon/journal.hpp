@@ -32,8 +32,9 @@ enum class Kind : std::uint8_t {
   mode,
   reload,
   lapsed,
-  drift,   ///< the kernel is not as it was set up
-  bypass,  ///< frames were sent past a gate
+  drift,    ///< the kernel is not as it was set up
+  bypass,   ///< frames were sent past a gate
+  binding,  ///< the broker of a FAMOUSO bus has dealt a tag that is not as it was
   trouble,
 };
 

@@ -281,7 +281,8 @@ std::vector<core::Condition> Ports::conditions(std::size_t networks) const {
   std::vector<core::Condition> out(networks);
   for (const PortState& port : ports_) {
     core::Condition& c = out[port.port.network];
-    c = {port.problem.empty(), port.problem, {}, 0, {}};
+    c.available = port.problem.empty();
+    c.problem = port.problem;
     if (const net::Link* link = link_of(port); link != nullptr && link->kind == "can")
       c.timing = {link->bitrate, link->data_bitrate};
   }

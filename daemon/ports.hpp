@@ -123,6 +123,9 @@ class Ports {
   [[nodiscard]] std::size_t size() const { return ports_.size(); }
   /// The gate of a port; none where it needs none or could not be attached.
   [[nodiscard]] const enforce::PortGate* gate(std::size_t port) const { return gate_of(port); }
+  /// The same where it is a CAN gate.
+  [[nodiscard]] enforce::Gate* can_gate(std::size_t port) const { return can_gate_of(port); }
+  [[nodiscard]] const core::Port& described(std::size_t port) const { return ports_[port].port; }
   [[nodiscard]] bool is_can(std::size_t port) const {
     return ports_[port].kind == core::NetworkKind::can;
   }

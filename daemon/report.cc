@@ -67,10 +67,14 @@ void add_rates(const core::State& state, const core::Verdict& v, const core::Med
 }  // namespace
 
 std::string why(const core::State& state, const core::Verdict& v) {
-  const bool unavailable = v.obstacle == core::Obstacle::unavailable;
-  return core::reason(
-      state.system(), state.members(), v,
-      unavailable ? state.world().conditions[v.obstacle_at.index].problem : std::string());
+  std::string problem;
+  if (v.obstacle == core::Obstacle::unavailable)
+    problem = state.world().conditions[v.obstacle_at.index].problem;
+  if (v.obstacle == core::Obstacle::contradicted)
+    if (const auto* found =
+            state.world().conditions[v.obstacle_at.index].contradiction_of(v.channel))
+      problem = found->how;
+  return core::reason(state.system(), state.members(), v, problem);
 }
 
 control::MediumUse medium_report(const core::State& state, const core::Verdict& v,

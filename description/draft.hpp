@@ -35,7 +35,7 @@ struct ChannelDraft {
 
 struct BindingDraft {
   std::string channel;
-  std::string element;    ///< that names it: ETag, Identifier, …
+  std::string element;    ///< that names it: ETag, Identifier, …; empty: none
   core::Binding binding;  ///< without channel and destination
   std::optional<unsigned> destination;
 };
@@ -94,8 +94,9 @@ struct NetworkDraft {
 
 struct PortDraft {
   std::string network;
-  core::Port port;            ///< without network and sender
-  std::string sender;         ///< a user's name or number
+  core::Port port;     ///< without network and sender
+  std::string sender;  ///< a user's name or number
+  std::optional<unsigned> node;
   bool states_queue = false;  ///< something that is for CAN only
   ControlDraft control;
 };

@@ -107,6 +107,14 @@ class PartReader {
   [[nodiscard]] static BindingDraft binding(const Element& e) {
     BindingDraft out;
     out.channel = text_of(e, "channel");
+    out.binding.dynamic = is_true(e.attribute("dynamic"));
+    out.binding.format = core::words::kFrameFormats.or_first(e.attribute("format"));
+    out.binding.remote_frames = is_true(e.attribute("remote-frames"));
+    out.binding.origin = e.origin();
+    if (e.children.empty()) {
+      out.binding.extended = true;
+      return out;
+    }
     const auto& named = e.children.front();
     out.element = named.name;
     out.binding.id = number<std::uint32_t>(named.text);
@@ -117,9 +125,6 @@ class PartReader {
     out.binding.mask = number_or(named, "mask", out.binding.mask);
     out.binding.extended =
         named.name == "Identifier" ? named.attribute("form") == "extended" : named.name != "COBID";
-    out.binding.format = core::words::kFrameFormats.or_first(e.attribute("format"));
-    out.binding.remote_frames = is_true(e.attribute("remote-frames"));
-    out.binding.origin = e.origin();
     return out;
   }
 
@@ -160,6 +165,7 @@ class PartReader {
     out.port.refused = core::words::kRefusals.or_first(e.attribute("refused"));
     out.port.origin = e.origin();
     out.control = control(e);
+    out.node = optional_number(e.attribute("node"));
     out.sender = text_of(e, "sender");
     out.states_queue = e.has("queue") || e.has("fifo-depth") || e.has("queue-length");
     return out;

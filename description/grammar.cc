@@ -172,10 +172,11 @@ constexpr Children<5> kBindingForms{{{"ETag", &kShortHex},
                                      {"PGN", &kPgn},
                                      {"SubjectID", &kSubjectId},
                                      {"COBID", &kShortHex}}};
-constexpr auto kBindingSteps = std::to_array<Step>({{.children = kBindingForms}});
+constexpr auto kBindingSteps = std::to_array<Step>({{.children = kBindingForms, .least = 0}});
 constexpr auto kBindingKeys = std::to_array<Key>({{"channel", &type::kChannelName, true},
                                                   {"format", &type::kFrameFormat},
-                                                  {"remote-frames", &type::kBoolean}});
+                                                  {"remote-frames", &type::kBoolean},
+                                                  {"dynamic", &type::kBoolean}});
 constexpr ElementType kBinding{.name = "Binding", .steps = kBindingSteps, .keys = kBindingKeys};
 
 constexpr auto kBusKeys = std::to_array<Key>({{"bitrate", &type::kBitrate, true},
@@ -284,6 +285,7 @@ constexpr auto kPortKeys = std::to_array<Key>({{"network", &type::kName, true},
                                                {"control", &type::kControlKinds},
                                                {"control-rate", &type::kControlRate},
                                                {"control-user", &type::kUserName},
+                                               {"node", &type::kSmallNumber},
                                                {"sender", &type::kUserName}});
 constexpr ElementType kPort{.name = "Port", .steps = kPortSteps, .keys = kPortKeys};
 

@@ -108,7 +108,15 @@ void check_form(const BindingDraft& b, const core::Network& network, Problems& p
   if (network.profile == Profile::none) return;
   const auto& traits = core::traits_of(network.profile);
   const auto profile = core::words::kProfiles.of(network.profile);
-  if (!traits.element.ends_with(" " + b.element)) {
+  if (b.binding.dynamic && network.profile != Profile::famouso)
+    say(fmt::format("dynamic is for profile famouso, whose broker deals tags: profile {} needs {}",
+                    profile, traits.element));
+  else if (b.binding.dynamic && !b.element.empty())
+    say("a dynamic binding has the tag that the broker deals: remove the ETag, or dynamic");
+  else if (!b.binding.dynamic && b.element.empty())
+    say(fmt::format("profile {} needs {}{}", profile, traits.element,
+                    network.profile == Profile::famouso ? ", or dynamic=\"true\"" : ""));
+  else if (!b.element.empty() && !traits.element.ends_with(" " + b.element)) {
     const auto owner = std::ranges::find_if(core::words::kProfiles, [&](std::string_view word) {
       return core::traits_of(core::words::kProfiles.or_first(word))
           .element.ends_with(" " + b.element);
@@ -176,7 +184,7 @@ void add_network(const NetworkDraft& from, Resolved& to, Problems& problems) {
   for (const auto& b : from.bindings) {
     const auto channel = to.channel_named(b.channel, b.binding.origin, "Binding", problems);
     check_form(b, network, problems);
-    if (!channel) continue;
+    if (!channel || (b.element.empty() && !b.binding.dynamic)) continue;
     auto& binding = network.bindings.emplace_back(b.binding);
     binding.channel = *channel;
     if (b.destination) binding.destination = static_cast<std::uint8_t>(*b.destination);
@@ -191,6 +199,23 @@ std::uint32_t control_user(const PortDraft& p, Users users, Problems& problems) 
   problems.add(p.port.origin, "Port", fmt::format("attribute control-user: {}", uid.error()),
                FindingId::wrong_place);
   return 0;
+}
+
+void set_node(const PortDraft& p, const core::Network& network, core::Port& port,
+              Problems& problems) {
+  if (!p.node) return;
+  const bool famouso = network.kind == NetworkKind::can && network.profile == Profile::famouso;
+  const int last = core::traits_of(Profile::famouso).last_node;
+  if (famouso && static_cast<int>(*p.node) <= last) {
+    port.node = static_cast<std::uint8_t>(*p.node);
+    return;
+  }
+  problems.add(port.origin, "Port",
+               famouso ? fmt::format("attribute node: {} is too large: at most {}", *p.node, last)
+                       : fmt::format("attribute node: {} is no CAN network of profile famouso: "
+                                     "remove it",
+                                     p.network),
+               FindingId::wrong_place);
 }
 
 void add_gateway(const GatewayDraft& from, Resolved& to, Users users, Problems& problems) {
@@ -213,6 +238,7 @@ void add_gateway(const GatewayDraft& from, Resolved& to, Users users, Problems& 
     port.control =
         control_policy(p.control, to.system.networks[*network], port.origin, "Port", problems);
     port.control_uid = control_user(p, users, problems);
+    set_node(p, to.system.networks[*network], port, problems);
   }
 }
 

@@ -64,7 +64,9 @@ void check_binding(const core::Network& network, const Binding& b, Problems& pro
     problems.add(b.origin, "Binding", text, FindingId::wrong_place);
   };
   const auto& traits = core::traits_of(network.profile);
-  if (network.profile == Profile::famouso) {
+  if (b.dynamic) {
+    // Its tag is not known yet.
+  } else if (network.profile == Profile::famouso) {
     if (b.id < traits.first || b.id > traits.last)
       say(
           fmt::format("ETag 0x{:x} is not right: 0x64 to 0x3fff (the smaller ones are the "
@@ -184,6 +186,7 @@ void check_bindings(const core::System& system, const core::Network& network, Pr
   first = nullptr;
   const Binding* previous = nullptr;
   for (const auto* b : by_id) {
+    if (b->waits_for_tag()) continue;
     const bool same = first != nullptr && first->id == b->id && first->extended == b->extended;
     if (same && core::clash(network.profile, *first, *b))
       taken(*b, *first);

@@ -226,6 +226,8 @@ Result<void> Gate::go_first() {
   return {};
 }
 
+Bindings Gate::bindings() const { return Bindings(state_->programs.table()); }
+
 Table& Gate::table() { return state_->slots; }
 Result<void> Gate::arm(std::uint16_t watch) const { return state_->watchmen->arm(watch); }
 std::vector<SlotSpec> Gate::present() const { return state_->slots.present(); }

@@ -12,6 +12,7 @@
 #include "core/result.hpp"
 #include "core/system.hpp"
 #include "daemon/enforce/attachment.hpp"
+#include "daemon/enforce/bindings.hpp"
 #include "daemon/enforce/control.hpp"
 #include "daemon/enforce/counters.hpp"
 #include "daemon/enforce/port_gate.hpp"
@@ -69,6 +70,9 @@ class Gate final : public PortGate {
   /// (gate_arbitration()) into the first band, … at most GATE_BANDS - 1 limits, rising. No limits:
   /// they are left as they are.
   void set_bands(std::span<const std::uint32_t> limits);
+
+  /// FAMOUSO: tags, and what their broker says of them.
+  [[nodiscard]] Bindings bindings() const;
 
   /// Of the slot with this grant (verdict not compared); nothing where there is none.
   [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const override;

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "daemon/enforce/bindings.hpp"
 #include "daemon/enforce/publish.hpp"
 #include "daemon/enforce/watches.hpp"
 
@@ -295,7 +296,7 @@ void SlotTable::link(const SlotSpec& spec) {
                          .origin = has_origin(spec.direction, spec.source) ? spec.origin : spec.uid,
                          .next = *head(spec),
                          .formats = formats_of(spec),
-                         .pad = 0,
+                         .contradicted = 0,
                          .subject = spec.subject,
                          .per_frame = spec.per_frame,
                          .per_byte = spec.per_byte,
@@ -305,6 +306,8 @@ void SlotTable::link(const SlotSpec& spec) {
   expect_events(table_->watches[slot], spec);
   if (slot >= table_->slots_end) publish(table_->slots_end, slot + 1U);
   publish(*head(spec), slot);
+  if (profile_ == GATE_PROFILE_FAMOUSO && Bindings(*table_).is_contradicted(table_->slots[slot]))
+    publish(table_->slots[slot].contradicted, __u8{1});
   ++used_;
 }
 

@@ -192,7 +192,7 @@ TEST(AdmissionTest, RefusesUnknownTrafficWhereTheCapacityIsShared) {
 TEST(AdmissionTest, RefusesAnInterfaceThatIsNotUsableAndGivesBackWhenItIs) {
   State state(robot(0));
   ASSERT_TRUE(only_verdict(state).granted);
-  state.set_condition(0, {false, "can0 is down", {}, 0, {}});
+  state.set_condition(0, {false, "can0 is down", {}, 0, {}, {}});
   const auto lost = state.settle();
   ASSERT_EQ(lost.size(), 1U);
   EXPECT_TRUE(lost[0].before.all_granted());

@@ -118,6 +118,8 @@ void add_mesh(std::set<std::string>& out, std::size_t i, const core::mesh::Mesh&
 
 void add_network(std::set<std::string>& out, std::size_t i, const core::Network& n) {
   out.insert(fmt::format("bindings: {} {}", i, n.bindings.size()));
+  for (const auto& b : n.bindings)
+    if (b.dynamic) out.insert(fmt::format("dynamic: {} c{}", i, b.channel));
   if (n.states_subscribe_tag) out.insert(fmt::format("subscribe-etag: {} {}", i, n.subscribe_tag));
   add_attributes(out, fmt::format("provision: {}", i), n.provision);
   out.insert(fmt::format("bus: {} bitrate {} data {} unknown {} background {} errors {} in {}", i,
@@ -136,6 +138,7 @@ void add_gateway(std::set<std::string>& out, std::size_t i, const core::Gateway&
                            port.fifo_depth, port.queue_length));
     if (port.sender) out.insert(fmt::format("sender: {} {} {}", i, n, *port.sender));
     if (port.excess == core::Excess::pass) out.insert(fmt::format("excess: {} {} pass", i, n));
+    if (port.node) out.insert(fmt::format("port-node: {} {} {}", i, n, *port.node));
     if (port.refused == core::Refused::silent)
       out.insert(fmt::format("refused: {} {} silent", i, n));
   }

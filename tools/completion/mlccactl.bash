@@ -75,7 +75,7 @@ _mlccactl() {
 		;;
 	--kind)
 		mapfile -t COMPREPLY < <(compgen -W "started stopped granted refused withdrawn switched
-			released dropping excess missing restored interface mode reload lapsed trouble" -- "$cur")
+			released dropping excess missing restored interface mode reload lapsed binding trouble" -- "$cur")
 		return
 		;;
 	--by)

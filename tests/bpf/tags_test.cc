@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// FAMOUSO's tags: what the gate makes of the broker's replies, frame by frame, in the real program.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "bpf/loaded_gate.hpp"
+#include "daemon/enforce/bindings.hpp"
+
+namespace mlcca::test {
+namespace {
+
+using enforce::Bindings;
+using enforce::Direction;
+using enforce::FoundBinding;
+
+constexpr std::uint32_t kEff = CAN_EFF_FLAG;
+constexpr std::uint64_t kSwitch = 0x5377697463682020;    // "Switch  "
+constexpr std::uint64_t kSwitches = 0x5377697458585858;  // shares the first half
+constexpr std::uint64_t kDistance = 0x44697374616e6365;
+constexpr std::uint16_t kTag = 0x3ffe;
+
+/// An event of node 5 with that tag.
+constexpr std::uint32_t event_of(std::uint16_t tag) { return kEff | 0x1f400000U | 5U << 14 | tag; }
+
+struct Reply {
+  std::uint64_t subject = kDistance;
+  std::uint16_t tag = kTag;
+  std::uint8_t node = 0x7d;
+  std::uint32_t id = kEff | 0x1f5fc004;
+};
+
+Bytes half_of(const Reply& r, int half) {
+  Bytes bytes = frame(r.id, 8);
+  bytes[8] = r.node;
+  bytes[9] = static_cast<std::uint8_t>(half);
+  bytes[10] = static_cast<std::uint8_t>(r.tag >> 8);
+  bytes[11] = static_cast<std::uint8_t>(r.tag);
+  for (int i = 0; i < 4; ++i)
+    bytes[static_cast<std::size_t>(12 + i)] =
+        static_cast<std::uint8_t>(r.subject >> (56 - 8 * (4 * half + i)));
+  return bytes;
+}
+
+class GateTags : public testing::Test {
+ protected:
+  GateTags() {
+    stated_.state(std::vector<enforce::StatedBinding>{{kSwitch, kTag, false}});
+    gate_.admit({slot(Direction::ingress), slot(Direction::egress), reply(Direction::ingress),
+                 reply(Direction::egress)});
+  }
+  ~GateTags() override { gate_.reset(); }
+  static enforce::SlotSpec slot(Direction direction, std::uint16_t tag = kTag,
+                                std::uint64_t subject = kSwitch) {
+    enforce::SlotSpec s;
+    s.direction = direction;
+    s.pass = true;
+    s.id = event_of(tag);
+    s.mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_EFF_MASK;
+    s.subject = subject;
+    return s;
+  }
+  static enforce::SlotSpec reply(Direction direction) {
+    enforce::SlotSpec s = slot(direction, 0, 0);
+    s.id = kEff | 0x1f5fc004;
+    return s;
+  }
+  void hear(const Reply& r, Direction direction = Direction::ingress) {
+    for (const int half : {0, 1}) hear_half(r, half, direction);
+  }
+  void hear_half(const Reply& r, int half, Direction direction = Direction::ingress) {
+    gate_.run(direction, half_of(r, half), {.local = direction == Direction::egress});
+  }
+  [[nodiscard]] bool enters(std::uint16_t tag = kTag) {
+    return !gate_.run(Direction::ingress, frame(event_of(tag), 8)).dropped;
+  }
+  [[nodiscard]] bool leaves(std::uint16_t tag = kTag) {
+    return !gate_.run(Direction::egress, frame(event_of(tag), 8), {.local = true}).dropped;
+  }
+  [[nodiscard]] FoundBinding found(std::uint64_t subject = kSwitch) const {
+    for (const FoundBinding& f : stated_.found())
+      if (f.subject == subject) return f;
+    return {};
+  }
+
+  LoadedGate& gate_ = LoadedGate::with({.profile = GATE_PROFILE_FAMOUSO});
+  Bindings stated_{gate_.table()};
+};
+
+TEST_F(GateTags, AReplyAsStatedChangesNothing) {
+  const auto before = stated_.news();
+  hear({.subject = kSwitch});
+  EXPECT_TRUE(enters());
+  EXPECT_TRUE(leaves());
+  EXPECT_FALSE(found().contradicted);
+  EXPECT_EQ(found().dealt, kTag);
+  hear({.subject = kDistance, .tag = 0x3ffd});
+  EXPECT_TRUE(enters()) << "another subject and another tag";
+  EXPECT_EQ(stated_.news(), before + 1) << "that it is dealt at all is news, once";
+}
+
+TEST_F(GateTags, TheTagOfAnotherSubjectIsClosedBeforeItsFirstEvent) {
+  hear({});
+  EXPECT_FALSE(enters());
+  EXPECT_FALSE(leaves());
+  EXPECT_TRUE(found().contradicted);
+  EXPECT_EQ(found().other, kDistance);
+  EXPECT_EQ(found().halves, 3);
+}
+
+TEST_F(GateTags, OneHalfThatDiffersSuffices) {
+  hear_half({}, 0);
+  EXPECT_FALSE(enters());
+  EXPECT_EQ(found().halves, 1);
+  EXPECT_EQ(found().other, kDistance & 0xffffffff00000000U);
+}
+
+TEST_F(GateTags, AnEqualFirstHalfProvesNothing) {
+  hear_half({.subject = kSwitches}, 0);
+  EXPECT_TRUE(enters());
+  hear_half({.subject = kSwitches}, 1);
+  EXPECT_FALSE(enters());
+  EXPECT_EQ(found().other, kSwitches);
+}
+
+TEST_F(GateTags, ASecondHalfAloneContradictsToo) {
+  hear_half({}, 1);
+  EXPECT_FALSE(enters());
+  EXPECT_EQ(found().halves, 2);
+  EXPECT_EQ(found().other, kDistance & 0xffffffffU);
+}
+
+TEST_F(GateTags, ASubjectThatIsDealtAnotherTagLosesItsOwn) {
+  hear({.subject = kSwitch, .tag = 0x3ffd});
+  EXPECT_FALSE(enters());
+  EXPECT_FALSE(leaves());
+  EXPECT_EQ(found().halves, 0);
+  EXPECT_EQ(found().dealt, 0x3ffd);
+}
+
+TEST_F(GateTags, HalvesOfTwoRepliesAreNotJoined) {
+  hear_half({.subject = kSwitch, .tag = 0x3ffd}, 0);
+  hear_half({.subject = kSwitch, .tag = 0x3ffc}, 1);
+  EXPECT_TRUE(enters()) << "another tag in each";
+  hear_half({.subject = kSwitch, .tag = 0x3ffd, .node = 0x7c}, 1);
+  EXPECT_TRUE(enters()) << "for another node";
+}
+
+TEST_F(GateTags, WhatIsSentHereCountsAsWhatIsHeard) {
+  hear({}, Direction::egress);
+  EXPECT_FALSE(enters());
+  EXPECT_FALSE(leaves());
+}
+
+TEST_F(GateTags, WhatTheGateDoesNotLetOutWasOnNoBus) {
+  enforce::SlotChanges changes;
+  changes.close = {reply(Direction::egress)};
+  ASSERT_TRUE(gate_.slots().apply(changes));
+  hear({}, Direction::egress);
+  EXPECT_TRUE(enters());
+}
+
+TEST_F(GateTags, WhatCameInWasOnTheBusWhateverBecomesOfIt) {
+  enforce::SlotChanges changes;
+  changes.close = {reply(Direction::ingress)};
+  ASSERT_TRUE(gate_.slots().apply(changes));
+  hear({});
+  EXPECT_FALSE(enters());
+}
+
+TEST_F(GateTags, TheGateListensWhileItIsClosed) {
+  gate_.control().open = 0;
+  hear({});
+  gate_.control().open = 1;
+  EXPECT_FALSE(enters());
+}
+
+TEST_F(GateTags, AReplyThatIsNoBrokersClosesAndOpensNothing) {
+  const Reply forged{.id = kEff | 0x1f5f4004};  // of node 0x7d
+  hear(forged);
+  EXPECT_FALSE(enters());
+  hear({.subject = kSwitch, .id = forged.id});
+  EXPECT_FALSE(found().confirmed);
+  hear_half({.subject = kSwitch}, 0);
+  hear_half({.subject = kSwitch, .id = forged.id}, 1);
+  EXPECT_FALSE(found().confirmed) << "half of it is";
+  EXPECT_FALSE(stated_.found().empty());
+}
+
+TEST_F(GateTags, OtherFramesOfThatTagAreNoReplies) {
+  Bytes short_one = half_of({}, 0);
+  short_one[4] = 7;
+  gate_.run(Direction::ingress, short_one);
+  Bytes third = half_of({}, 0);
+  third[9] = 2;
+  gate_.run(Direction::ingress, third);
+  hear({.id = kEff | CAN_RTR_FLAG | 0x1f5fc004});
+  hear({.id = 4});
+  hear({.id = kEff | 0x1f5fc003});
+  EXPECT_TRUE(enters());
+}
+
+TEST_F(GateTags, OpensAgainWhenTheTagIsDealtAsStatedAndUserSpaceSaysSo) {
+  hear({});
+  EXPECT_FALSE(found().confirmed);
+  hear({.subject = kSwitch});
+  EXPECT_TRUE(found().confirmed);
+  EXPECT_FALSE(enters()) << "not by itself";
+  hear({});
+  EXPECT_FALSE(found().confirmed) << "a contradiction since";
+  hear({.subject = kSwitch});
+  ASSERT_TRUE(stated_.settle(kSwitch));
+  EXPECT_TRUE(enters());
+  EXPECT_TRUE(leaves());
+  EXPECT_FALSE(found().contradicted);
+}
+
+TEST_F(GateTags, ASlotThatComesLaterIsShutAsWell) {
+  hear({});
+  enforce::SlotChanges changes;
+  changes.remove = {slot(Direction::ingress)};
+  ASSERT_TRUE(gate_.slots().apply(changes));
+  gate_.admit({slot(Direction::ingress)});
+  EXPECT_FALSE(enters());
+  ASSERT_TRUE(stated_.settle(kSwitch));
+  EXPECT_TRUE(enters());
+}
+
+TEST_F(GateTags, OutlastTheDaemonAndEndWithTheStatement) {
+  hear({});
+  const std::vector<enforce::StatedBinding> same{{kSwitch, kTag, false}};
+  Bindings(gate_.table()).state(same);
+  EXPECT_TRUE(found().contradicted) << "another daemon states the same";
+  stated_.state(std::vector<enforce::StatedBinding>{{kSwitch, 0x3ff0, false}});
+  EXPECT_FALSE(found().contradicted);
+  hear({.subject = kDistance, .tag = 0x3ff0});
+  EXPECT_TRUE(found().contradicted);
+  stated_.state({});
+  EXPECT_TRUE(stated_.found().empty());
+}
+
+TEST_F(GateTags, ATagThatIsNotKnownIsLearnedFromAWholeReply) {
+  stated_.state(
+      std::vector<enforce::StatedBinding>{{kSwitch, 0, false}, {GATE_SUBSCRIBE, 0, false}});
+  hear_half({.subject = kSwitch}, 1);
+  EXPECT_EQ(found().dealt, 0);
+  hear({.subject = kSwitch, .id = kEff | 0x1f5f4004});
+  EXPECT_EQ(found().dealt, 0) << "no broker's";
+  hear({.subject = kSwitch});
+  EXPECT_EQ(found().dealt, kTag);
+  EXPECT_EQ(found(GATE_SUBSCRIBE).dealt, 0);
+  EXPECT_FALSE(found().contradicted);
+  hear({.subject = kSwitch, .tag = 0x3ffb});
+  EXPECT_EQ(found().dealt, 0x3ffb);
+}
+
+TEST_F(GateTags, SubscriptionsAreShutLikeAChannel) {
+  stated_.state(std::vector<enforce::StatedBinding>{{GATE_SUBSCRIBE, 0x3fff, false}});
+  gate_.admit({slot(Direction::ingress, 0x3fff, 0)});
+  EXPECT_TRUE(enters(0x3fff));
+  hear({.tag = 0x3fff});
+  EXPECT_FALSE(enters(0x3fff));
+  EXPECT_TRUE(enters());
+}
+
+TEST_F(GateTags, OfAThousandBindingsTheRightOneIsFound) {
+  std::vector<enforce::StatedBinding> many;
+  for (std::uint16_t i = 0; i < GATE_BINDINGS - 1; ++i)
+    many.push_back({0x1000000000000000U + i, static_cast<std::uint16_t>(0x64 + i), false});
+  many.push_back({kSwitch, kTag, false});
+  stated_.state(many);
+  hear({});
+  int contradicted = 0;
+  for (const FoundBinding& f : stated_.found()) contradicted += f.contradicted ? 1 : 0;
+  EXPECT_EQ(contradicted, 1);
+  EXPECT_FALSE(enters());
+}
+
+TEST(GateTagsOfOthers, AreNotLookedAt) {
+  auto& gate = LoadedGate::with({.profile = GATE_PROFILE_RAW});
+  Bindings(gate.table()).state(std::vector<enforce::StatedBinding>{{kSwitch, kTag, false}});
+  for (const int half : {0, 1}) gate.run(Direction::ingress, half_of({}, half));
+  EXPECT_FALSE(Bindings(gate.table()).found().at(0).contradicted);
+  gate.reset();
+}
+
+}  // namespace
+}  // namespace mlcca::test
