@@ -239,6 +239,29 @@ TEST_F(AsideTest, WhoeverHasNoRightsKeepsNoMemberWaiting) {
   EXPECT_EQ(text(whole(ask(kRoot, 3, [] { return control::Done{"root's"}; }, true), 3)), "root's");
 }
 
+TEST_F(AsideTest, OfTwoWhoWaitTheMemberIsFirst) {
+  std::array<int, 2> letters{-1, -1};
+  ASSERT_EQ(::pipe2(letters.data(), O_CLOEXEC), 0);
+  const auto says = [&](const char* letter) {
+    return [&letters, letter] {
+      EXPECT_EQ(::write(letters[1], letter, 1), 1);
+      return control::Done{letter};
+    };
+  };
+  const auto berts = ask(kBert, 1, says("B"));
+  const auto annas = ask(kAnna, 2, says("A"), true);
+  const auto cleos = ask(kCleo, 3, says("C"));
+  turn_until_forks(1);
+  char first = 0;
+  ASSERT_EQ(::read(letters[0], &first, 1), 1);
+  EXPECT_EQ(first, 'A');
+  EXPECT_EQ(text(whole(annas, 2)), "A");
+  EXPECT_EQ(text(whole(berts, 1)), "B");
+  EXPECT_EQ(text(whole(cleos, 3)), "C");
+  ::close(letters[0]);
+  ::close(letters[1]);
+}
+
 TEST_F(AsideTest, MembersTogetherKeepNobodyElseWaiting) {
   const Barrier never;
   const auto make = [&never] {
