@@ -58,6 +58,45 @@ TEST(Endpoint, NumericHostsWithPortAndPathsAreEndpoints) {
   EXPECT_FALSE(parse_endpoint("/" + std::string(200, 'x')));
 }
 
+/// Listens at this port of the loopback, 0: at a free one.
+Fd listening_at(std::uint16_t port) {
+  Fd socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  const int on = 1;
+  sockaddr_in at{};
+  at.sin_family = AF_INET;
+  at.sin_port = htons(port);
+  at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on), 0);
+  EXPECT_EQ(::bind(socket.get(), reinterpret_cast<sockaddr*>(&at), sizeof at), 0);
+  EXPECT_EQ(::listen(socket.get(), 8), 0);
+  return socket;
+}
+
+TEST_F(Conversation, IsOverWhereAnotherSocketListensThanBeforeTheConnection) {
+  Fd server = listening_at(0);
+  sockaddr_in at{};
+  socklen_t size = sizeof at;
+  ASSERT_EQ(::getsockname(server.get(), reinterpret_cast<sockaddr*>(&at), &size), 0);
+  const std::uint16_t port = ntohs(at.sin_port);
+  std::string why;
+  int connected = 0;
+  constexpr std::uint64_t patience = 60'000'000;  // µs
+  LineClient client(*parse_endpoint("127.0.0.1:" + std::to_string(port)), patience, patience,
+                    {.connected = [&] { ++connected; },
+                     .line = [](std::string_view) {},
+                     .ended = [&](const std::string& text) { why = text; }});
+  ASSERT_TRUE(client.start(loop()));
+  // The first turn connects; whoever listened then has gone when the client hears that it has.
+  ASSERT_GT(sd_event_run(loop(), patience), 0);
+  const Fd accepted(::accept4(server.get(), nullptr, nullptr, SOCK_CLOEXEC));
+  ASSERT_TRUE(accepted);
+  server.reset();
+  server = listening_at(port);
+  while (why.empty() && connected == 0) ASSERT_GT(sd_event_run(loop(), patience), 0);
+  EXPECT_EQ(why, "another socket listens there than a moment ago");
+  EXPECT_EQ(connected, 0);
+}
+
 TEST_F(Conversation, MonitorsThenAsksForEverythingAgainAndAgain) {
   std::vector<std::string> asked;
   test::Server server(loop(), kGreeting, false, [&](const std::string& line) {
