@@ -5,9 +5,13 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/can/of_system.hpp"
+#include "core/can/schedule.hpp"
+#include "core/mesh/mesh.hpp"
 #include "core/relay_gate.hpp"
 #include "core/text.hpp"
 #include "core/user_values.hpp"
+#include "mlcca/arithmetic.hpp"
 #include "mlcca/check.hpp"
 #include "mlcca/compose.hpp"
 
@@ -125,6 +129,39 @@ std::string provided_name(const System& system, const Row& row) {
 std::string stated_by(const System& system, Place place) {
   const bool evaluated = place.kind == Place::Kind::network && system.networks[place.index].mesh;
   return (evaluated ? "PerHop of " : "") + name_of(system, place);
+}
+
+/// What would help a message that comes too late: a better identifier only where others are in its
+/// way, and the bus has time for all of them.
+std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdict& v,
+                      const Row& row) {
+  const can::Timing& timing = bus.assumptions().timing;
+  const auto message_of = [&](std::size_t publisher, std::size_t set) {
+    return can::message_of(s.system, s.members.publisher(publisher), set, row.place.index, timing);
+  };
+  const std::string& late = s.members.publisher(row.end).name;
+  const auto newcomer = message_of(v.publisher, v.set);
+  const std::uint64_t all =
+      bus.utilisation_ppm() +
+      (newcomer ? mul_div_up(newcomer->transmission, mesh::kWhole, newcomer->period) : 0);
+  if (all > mesh::kWhole) {
+    const std::uint64_t tenths = all / (mesh::kWhole / 1000);
+    return "send less often, or use a faster bus: its frames would take " +
+           std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " % of the time";
+  }
+  if (row.comparison.provided == kUnbounded)
+    return "send less often: what goes before these frames can take all of the bus";
+  if (row.comparison.required == 0)
+    return "allow more time, or let the rest of the way take less: state shorter times of it";
+  const auto own = row.end == v.publisher ? newcomer : message_of(row.end, v.set);
+  if (own && own->transmission > row.comparison.required)
+    return "allow " + late +
+           " more time, let it send smaller events, or use a faster bus: its frames "
+           "alone take " +
+           format_value(Attribute::latency, own->transmission);
+  return "give " + late +
+         " a better identifier (mlccactl analyse-bus --assign), send less often, or "
+         "allow more time";
 }
 
 /// False where a required Deadline follows from a Period.
@@ -375,14 +412,8 @@ void Explainer::add_medium(const Verdict& v, const Row& row) {
     if (queue)
       f.hint = "send less often, or give the port of the gateway queue-length=\"" +
                std::to_string(row.reserved) + "\"";
-    else if (c.provided == kUnbounded)
-      f.hint = "send less often: what goes before these frames can take all of the bus";
-    else if (c.required == 0)
-      f.hint = "allow more time, or let the rest of the way take less: state shorter times of it";
     else
-      f.hint =
-          "give it a better identifier (mlccactl analyse-bus --assign), send less often, or "
-          "allow more time";
+      f.hint = late_hint(s_, *ledger_.schedule(row.place.index), v, row);
     return;
   }
   f.text = publisher + " needs " + f.required + " on " + name_of(s_.system, row.place) +

@@ -434,5 +434,46 @@ TEST(InspectTest, ADeadlineThatFollowsFromThePeriodIsSaidToBeImplied) {
   EXPECT_TRUE(f->hint.contains("state Latency of bridge")) << f->hint;
 }
 
+/// The bus of the robot with a bit rate, and times that follow from it.
+System on_bus(std::uint32_t bitrate, Value deadline) {
+  System system = described(0);
+  Network& bus = system.networks[kRobotCan];
+  bus.bus.bitrate = bitrate;
+  bus.provision = AttributeSet{}.set(Attribute::omission, 0);
+  system.publishers[0].attributes.set(Attribute::deadline, deadline);
+  return system;
+}
+
+const Finding& late_in(const Inspection& inspection) {
+  const auto f = std::ranges::find(inspection.findings, Id::deadline_missed, &Finding::id);
+  EXPECT_NE(f, inspection.findings.end());
+  static const Finding none;
+  return f == inspection.findings.end() ? none : *f;
+}
+
+TEST(InspectTest, ABusThatIsOverloadedIsNotHelpedByAnIdentifier) {
+  const Inspection result = inspect(on_bus(2'000, 50 * kMs));
+  EXPECT_EQ(late_in(result).hint,
+            "send less often, or use a faster bus: its frames would take 160.0 % of the time");
+}
+
+TEST(InspectTest, FramesThatAloneTakeTooLongAreNotHelpedByAnIdentifier) {
+  const Inspection result = inspect(on_bus(5'000, 20 * kMs));
+  EXPECT_EQ(late_in(result).hint,
+            "allow switch more time, let it send smaller events, or use a faster bus: its frames "
+            "alone take 32 ms");
+}
+
+TEST(InspectTest, FramesThatOthersDelayAreHelpedByAnIdentifier) {
+  System system = heart_beats(2, 100'000);
+  Network& bus = system.networks[kRobotCan];
+  bus.bus.bitrate = 8'000;
+  bus.provision = AttributeSet{}.set(Attribute::omission, 0);
+  system.publishers[1].attributes.set(Attribute::deadline, 30 * kMs);
+  const Inspection result = inspect(system);
+  EXPECT_TRUE(late_in(result).hint.starts_with("give sender-1 a better identifier"))
+      << late_in(result).hint;
+}
+
 }  // namespace
 }  // namespace mlcca::core::testing
