@@ -56,6 +56,16 @@ std::vector<std::string> Gateway::troubles_of(const core::Verdict& v, const core
          .misfits = drops_.recent({rule.entry, Drop::misfit}, now),
          .would_be_misfits = drops_.recent({rule.entry, Drop::would_be_misfit}, now)});
   }
+  // Only where nothing comes somebody asks what comes instead.
+  const auto in =
+      std::ranges::find(rules, core::Direction::ingress,
+                        [](const core::GateRule& rule) { return rule.entry.direction; });
+  if (in != rules.end() && seen.watch && (seen.watch->missing_now || seen.watch->events == 0)) {
+    const std::size_t port = in->entry.port;
+    seen.strangers = unknown_.recent({port, Fate::dropped}, now) +
+                     unknown_.recent({port, Fate::let_through}, now);
+    if (seen.strangers != 0) seen.stranger = ports_.latest_stranger(port);
+  }
   return troubles(seen);
 }
 

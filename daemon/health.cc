@@ -24,6 +24,15 @@ std::string time(std::uint64_t ns) {
 
 std::string frames(std::uint64_t n) { return n == 1 ? "1 frame" : fmt::format("{} frames", n); }
 
+/// Somebody may send what nothing was granted for.
+void add_strangers(const Observed& seen, std::vector<std::string>& lines) {
+  const auto in = std::ranges::find(seen.passages, false, &Passage::leaves);
+  if (in == seen.passages.end() || seen.strangers == 0) return;
+  lines.push_back(fmt::format(
+      "{} on {} {} no known subject, the latest {}: does the publisher send by another name?",
+      frames(seen.strangers), in->network, seen.strangers == 1 ? "names" : "name", seen.stranger));
+}
+
 void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
   const std::uint64_t period = std::max<std::uint64_t>(watch.period_ns, 1);
   const bool never = watch.events == 0;
@@ -69,6 +78,7 @@ void add_lost(const Observed& seen, std::vector<std::string>& lines) {
 std::vector<std::string> troubles(const Observed& seen) {
   std::vector<std::string> lines;
   if (seen.watch) add_silence(*seen.watch, lines);
+  if (!lines.empty()) add_strangers(seen, lines);
   for (const Passage& at : seen.passages) add_drops(at, lines);
   if (!seen.not_forwarded.empty())
     lines.push_back(seen.not_forwarded);

@@ -27,12 +27,15 @@ struct Observed {
   std::optional<control::Watch> watch = {};
   std::vector<Passage> passages = {};
   std::string not_forwarded = {};  ///< why no rule of can-gw carries it; empty: none has to
+  std::uint64_t strangers = 0;     ///< recent frames without a slot where its events come in
+  std::string stranger = {};       ///< the latest of them: "123", "0x… from 10.0.0.7"
 };
 
 /// What is wrong with it, one line each; nothing where all is as granted:
 ///   nothing has come for 4.2 s: 84 events are missing
 ///   12 frames on second-can were more than was admitted
 ///   40 frames came in from second-can and none left to robot-can
+///   12 frames on second-can name no known subject, the latest 124: does the publisher send ...
 [[nodiscard]] std::vector<std::string> troubles(const Observed& seen);
 
 /// `lines` are the reasons of a gateway whose gates are `open`; of them the first

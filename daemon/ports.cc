@@ -422,6 +422,20 @@ UnknownFrames Ports::unknown_frames(std::size_t port) const {
   return sum;
 }
 
+std::string Ports::latest_stranger(std::size_t port) const {
+  const enforce::PortGate* gate = gate_of(port);
+  if (gate == nullptr) return {};
+  for (const enforce::UnknownFrame& f : gate->unknown()) {
+    if (f.direction != enforce::Direction::ingress) continue;
+    if (f.format != 0)
+      return (f.can_id & CAN_EFF_FLAG) != 0 ? fmt::format("{:08X}", f.can_id & CAN_EFF_MASK)
+                                            : fmt::format("{:03X}", f.can_id & CAN_SFF_MASK);
+    return fmt::format("{} from {}", core::format_subject(f.subject),
+                       enforce::sender_text(f.station, f.mac));
+  }
+  return {};
+}
+
 std::string Ports::interface_name(std::size_t port) const {
   const net::Link* link = link_of(ports_[port]);
   return link != nullptr ? link->name : net::to_text(ports_[port].port.identity);

@@ -140,6 +140,8 @@ class Ports {
   }
   /// Frames without a slot so far, on one port.
   [[nodiscard]] UnknownFrames unknown_frames(std::size_t port) const;
+  /// The latest frame without a slot that came in: "123", "0x4e6f626f64790000 from 10.0.0.7".
+  [[nodiscard]] std::string latest_stranger(std::size_t port) const;
   /// Name of the interface now, or what it is recognised by.
   [[nodiscard]] std::string interface_name(std::size_t port) const;
 

@@ -63,6 +63,21 @@ TEST(Health, WhoHasNeverSentIsToldAfterThreePeriodsAndASecond) {
   EXPECT_EQ(troubles(seen), Lines{"nobody sends: nothing has come since it was granted, 31 s ago"});
 }
 
+TEST(Health, WhoSendsSomethingElseIsToldWhereNothingComes) {
+  Observed seen{.watch = control::Watch{}, .passages = {in(0), out(0)}};
+  seen.watch->period_ns = 50'000'000;
+  seen.watch->since_last_ns = 4 * kSecond;
+  seen.strangers = 80;
+  seen.stranger = "1F480065";
+  EXPECT_EQ(troubles(seen),
+            (Lines{"nobody sends: nothing has come since it was granted, 4 s ago",
+                   "80 frames on second-can name no known subject, the latest 1F480065: does the "
+                   "publisher send by another name?"}));
+  seen.watch->events = 7;
+  seen.watch->since_last_ns = 1;
+  EXPECT_EQ(troubles(seen), Lines{}) << "its events come";
+}
+
 TEST(Health, DropsAreToldWithTheirPlace) {
   Observed seen{.passages = {in(100), out(100)}};
   seen.passages[0].excess = 12;
