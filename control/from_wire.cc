@@ -297,6 +297,10 @@ LinkChange link_change(v1::LinkChange& from) {
           .both_ways = !from.one_way()};
 }
 
+Identifier identifier(v1::Identifier& from) {
+  return {.network = text(from.mutable_network()), .id = from.id(), .extended = from.extended()};
+}
+
 template <class Body>
 Body channel_request(v1::ChannelRequest& from) {
   Body to;
@@ -313,6 +317,8 @@ Body channel_request(v1::ChannelRequest& from) {
   to.from_node = text(from.mutable_from_node());
   to.to_node = text(from.mutable_to_node());
   to.address = text(from.mutable_address());
+  to.unlisted = from.unlisted();
+  to.identifiers = all(from.mutable_identifiers(), identifier);
   return to;
 }
 

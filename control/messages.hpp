@@ -24,6 +24,14 @@ struct ChannelsRequest {
   bool operator==(const ChannelsRequest&) const = default;
 };
 
+/// By which a CAN network carries a channel: identifier, etag, PGN, subject-id or COB-ID.
+struct Identifier {
+  std::string network;
+  std::uint32_t id = 0;
+  bool extended = false;  ///< of 29 bits; counts for profile raw
+  bool operator==(const Identifier&) const = default;
+};
+
 struct ChannelRequest {
   std::string channel;              ///< name or 0x… subject
   std::string from;                 ///< place of a new publisher; empty: the known ones
@@ -38,6 +46,9 @@ struct ChannelRequest {
   std::string from_node;  ///< node of the mesh `from` that the new publisher is at; empty: any
   std::string to_node;    ///< the same for the new subscriber, of the mesh `to`
   std::string address;    ///< of the new publisher, where frames carry the subject; empty: anybody
+  /// The channel is a subject that the description does not have, where networks allow that.
+  bool unlisted = false;
+  std::vector<Identifier> identifiers;  ///< of such a channel, on each CAN network on its way
   bool operator==(const ChannelRequest&) const = default;
 };
 

@@ -301,6 +301,13 @@ void put(const ChannelRequest& from, v1::ChannelRequest& to) {
   to.set_from_node(to_utf8(from.from_node));
   to.set_to_node(to_utf8(from.to_node));
   to.set_address(to_utf8(from.address));
+  to.set_unlisted(from.unlisted);
+  for (const auto& identifier : from.identifiers) {
+    auto& wire = *to.add_identifiers();
+    wire.set_network(to_utf8(identifier.network));
+    wire.set_id(identifier.id);
+    wire.set_extended(identifier.extended);
+  }
 }
 
 /// One function for each alternative of Request::body.

@@ -118,6 +118,11 @@ class RouteCheck {
       obstruct(Obstacle::unavailable, hop);
       return;
     }
+    if (const EventChannel& channel = s_.system.channels[v_.channel];
+        channel.unlisted && !network.unlisted.admits(channel.subject)) {
+      obstruct(Obstacle::unlisted, hop);
+      return;
+    }
     if (network.profile == Profile::none) return;
     if (network.carries_subjects()) {
       if (offered()[Attribute::max_payload] > kDatagramMaxEvent) obstruct(Obstacle::too_long, hop);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/allocation.hpp"
+#include "core/text.hpp"
 
 namespace mlcca::core {
 namespace {
@@ -128,8 +129,20 @@ std::optional<std::string> State::lacks_room(std::size_t gateway) const {
   return std::nullopt;
 }
 
+namespace {
+
+/// What is sized by the channels holds for those that come at run time too.
+System with_room_for_unlisted(System system) {
+  EventChannel blank;
+  blank.unlisted = true;
+  system.channels.resize(system.channels.size() + unlisted_room(system), blank);
+  return system;
+}
+
+}  // namespace
+
 State::State(System system)
-    : system_(sorted(std::move(system))),
+    : system_(with_room_for_unlisted(sorted(std::move(system)))),
       topology_(system_),
       members_(system_),
       world_(system_),
@@ -139,6 +152,7 @@ State::State(System system)
       ages_(system_.channels.size(), 0),
       usage_(system_) {
   for (std::size_t c = 0; c < system_.channels.size(); ++c) {
+    if (system_.channels[c].name.empty()) continue;
     channel_of_name_.emplace(system_.channels[c].name, c);
     channel_of_subject_.emplace(system_.channels[c].subject, c);
   }
@@ -173,6 +187,96 @@ void State::set_tag(std::size_t network, std::size_t channel, std::uint32_t tag)
   if (it == bindings.end() || it->channel != channel || it->id == tag) return;
   it->id = tag;
   touched_.insert(channel);
+}
+
+bool State::is_used(std::size_t channel) const {
+  return !members_.publishers_of(channel).empty() || !members_.subscribers_of(channel).empty() ||
+         touched_.contains(channel);
+}
+
+std::optional<std::size_t> State::free_unlisted() const {
+  for (std::size_t c = system_.channels.size(); c-- > 0 && system_.channels[c].unlisted;)
+    if (!is_used(c)) return c;
+  return std::nullopt;
+}
+
+Result<void> State::check_room_for_unlisted(std::size_t channel,
+                                            const UnlistedChannel& wanted) const {
+  std::set<std::size_t> networks(wanted.networks.begin(), wanted.networks.end());
+  for (const UnlistedBinding& b : wanted.bindings) networks.insert(b.network);
+  for (const std::size_t n : networks) {
+    const auto there = std::ranges::count_if(unlisted_, [&](const auto& other) {
+      return other.first != channel && is_used(other.first) && other.second.contains(n);
+    });
+    if (static_cast<std::size_t>(there) >= system_.networks[n].unlisted.most)
+      return fail(
+          system_.networks[n].name + " has " +
+          (there == 1 ? "1 channel that is" : std::to_string(there) + " channels that are") +
+          " not described, and its Unlisted allows no more");
+  }
+  return {};
+}
+
+Result<void> State::check_same_identifiers(std::size_t channel,
+                                           const UnlistedChannel& wanted) const {
+  for (const UnlistedBinding& b : wanted.bindings) {
+    const Binding* const there = system_.networks[b.network].binding_of(channel);
+    if (there != nullptr && there->id != b.id)
+      return fail("channel " + system_.channels[channel].name + " is admitted on " +
+                  system_.networks[b.network].name + " with another identifier");
+  }
+  return {};
+}
+
+void State::empty_unlisted(std::size_t channel) {
+  channel_of_name_.erase(system_.channels[channel].name);
+  channel_of_subject_.erase(system_.channels[channel].subject);
+  for (const std::size_t n : unlisted_[channel])
+    std::erase_if(system_.networks[n].bindings,
+                  [channel](const Binding& b) { return b.channel == channel; });
+  unlisted_.erase(channel);
+  system_.channels[channel] = {};
+  system_.channels[channel].unlisted = true;
+}
+
+Result<std::size_t> State::list(const UnlistedChannel& wanted) {
+  const std::string name = format_subject(wanted.subject);
+  if (wanted.subject == 0) return fail("subject 0 is nobody's: a channel has another one");
+  const auto known = channel_of(wanted.subject);
+  if (known && !system_.channels[*known].unlisted)
+    return fail(name + " is described as channel " + system_.channels[*known].name + ": name that");
+  if (!known && channel_of_name_.contains(name))
+    return fail("a channel of another subject is called " + name);
+  const auto at = known ? known : free_unlisted();
+  if (!at) {
+    // Who is told that there is no room asks again; nobody has room where nothing is allowed.
+    if (auto allowed = check_unlisted(system_, system_.channels.size(), wanted); !allowed)
+      return std::unexpected(allowed.error());
+    return fail("there is no room for another channel that is not described: " +
+                std::to_string(unlisted_.size()) + " are admitted");
+  }
+  if (auto allowed = check_unlisted(system_, *at, wanted); !allowed)
+    return std::unexpected(allowed.error());
+  if (auto room = check_room_for_unlisted(*at, wanted); !room) return std::unexpected(room.error());
+  if (is_used(*at)) {
+    if (auto same = check_same_identifiers(*at, wanted); !same)
+      return std::unexpected(same.error());
+  } else {
+    empty_unlisted(*at);
+  }
+  EventChannel& channel = system_.channels[*at];
+  channel.name = name;
+  channel.subject = wanted.subject;
+  channel_of_name_.insert_or_assign(name, *at);
+  channel_of_subject_.insert_or_assign(wanted.subject, *at);
+  auto& networks = unlisted_[*at];
+  networks.insert(wanted.networks.begin(), wanted.networks.end());
+  for (const UnlistedBinding& b : wanted.bindings) {
+    networks.insert(b.network);
+    Network& network = system_.networks[b.network];
+    if (network.binding_of(*at) == nullptr) bind(network, *at, b);
+  }
+  return *at;
 }
 
 void State::restore(Admission admission) {

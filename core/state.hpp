@@ -18,6 +18,7 @@
 #include "core/plan.hpp"
 #include "core/system.hpp"
 #include "core/topology.hpp"
+#include "core/unlisted.hpp"
 #include "core/usage.hpp"
 #include "core/world.hpp"
 
@@ -151,6 +152,11 @@ class State {
   [[nodiscard]] Delivery delivery_of(const Verdict& verdict) const;
 
   [[nodiscard]] Proposal propose(Admission admission) { return {*this, std::move(admission)}; }
+  /// The channel of a subject that the description does not have, so that an admission can name it:
+  /// the one that is there, or one that nobody uses any more. Without an admission it is nothing.
+  /// Errors: the subject is described; a network does not allow it, or has as many as it allows; an
+  /// identifier is taken, or another one is in use.
+  [[nodiscard]] Result<std::size_t> list(const UnlistedChannel& wanted);
   /// Takes an admission in without asking, before decide(): one that was granted before a restart.
   void restore(Admission admission);
 
@@ -182,6 +188,13 @@ class State {
   }
   [[nodiscard]] Decision known(std::size_t channel, const Grants& grants) const;
   void note_age(std::size_t channel);
+  [[nodiscard]] bool is_used(std::size_t channel) const;
+  [[nodiscard]] std::optional<std::size_t> free_unlisted() const;
+  [[nodiscard]] Result<void> check_room_for_unlisted(std::size_t channel,
+                                                     const UnlistedChannel& wanted) const;
+  [[nodiscard]] Result<void> check_same_identifiers(std::size_t channel,
+                                                    const UnlistedChannel& wanted) const;
+  void empty_unlisted(std::size_t channel);
   void forget_deliveries(std::size_t channel, AdmissionId leaving);
 
   System system_;
@@ -194,6 +207,8 @@ class State {
   std::vector<std::uint64_t> ages_;  // of each channel: id of its oldest admission, 0: described
   Usage usage_;
   std::map<AdmissionId, std::size_t> admissions_;
+  /// Of channels that are not described: the networks where they begin, end or have an identifier.
+  std::map<std::size_t, std::set<std::size_t>> unlisted_;
 
   std::map<std::size_t, Condition> new_conditions_;
   struct NewGraph {

@@ -115,6 +115,18 @@ struct ControlPolicy {
   bool operator==(const ControlPolicy&) const = default;
 };
 
+/// Which channels that the description does not have may be admitted onto a network at run time.
+struct UnlistedPolicy {
+  bool allowed = false;
+  Subject subject = 0;      ///< subjects with the same leading `bits` bits
+  std::uint8_t bits = 0;    ///< 0: every subject
+  std::uint32_t most = 16;  ///< such channels at once, 1 to 256
+
+  [[nodiscard]] bool admits(Subject s) const {
+    return allowed && (bits == 0 || (s ^ subject) >> (64U - bits) == 0);
+  }
+};
+
 struct Network {
   std::string name;
   NetworkKind kind = NetworkKind::can;
@@ -125,6 +137,7 @@ struct Network {
   /// known. `states_subscribe_tag`: the description says it.
   std::uint32_t subscribe_tag = 0;
   bool states_subscribe_tag = false;
+  UnlistedPolicy unlisted;
   std::optional<mesh::Mesh> mesh;  ///< of a mesh whose routes are evaluated
   AttributeSet provision;          ///< static provision; a dynamic mark makes it a best case
   UserValues user;
@@ -225,6 +238,8 @@ struct EventChannel {
   UserValues user;
   std::int32_t priority = 0;       ///< of these attributes, where there are further sets
   std::vector<Alternative> lower;  ///< the further sets, priorities falling
+  /// It is not described: admitted at run time, or without a name and free for that.
+  bool unlisted = false;
   Origin origin;
 };
 

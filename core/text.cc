@@ -140,6 +140,9 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
       return problem.empty() ? "its tag on " + at() + " is contradicted by the broker" : problem;
     case Obstacle::withdrawn:
       return "withdrawn by an operator until it is reinstated";
+    case Obstacle::unlisted:
+      return at() + " admits no channel " + format_subject(system.channels[v.channel].subject) +
+             " that is not described: its Unlisted would have to allow it";
   }
   return {};
 }

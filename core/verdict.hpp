@@ -63,6 +63,7 @@ enum class Obstacle : std::uint8_t {
   untagged,      ///< the broker has not dealt the channel its tag on a network yet
   contradicted,  ///< the broker has dealt the channel's tag to another, or it another tag
   withdrawn,     ///< by an operator, until it is reinstated
+  unlisted,      ///< the channel is not described, and a network admits no such channel
 };
 
 /// What an analysed medium gives a flow: times on a CAN bus; over a mesh the way, whose rates

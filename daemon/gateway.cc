@@ -128,7 +128,9 @@ void Gateway::restore_into(Loaded& loaded) const {
   for (const control::Request& request : stored().admissions) {
     const auto* admit = std::get_if<control::Admit>(&request.body);
     if (admit == nullptr) continue;
-    const auto asked = understand(state, *admit, request.id);
+    const auto listed = list(state, *admit);
+    const auto asked =
+        listed ? understand(state, *admit, request.id) : std::unexpected(listed.error());
     if (asked && asked->admission)
       state.restore(*asked->admission);
     else

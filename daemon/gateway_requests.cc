@@ -170,6 +170,8 @@ Gateway::Body Gateway::answer_to(const core::Proposal& proposal, const Asked& as
 }
 
 Gateway::Body Gateway::handle(const control::Query& request) {
+  if (const auto listed = list(*state_, request); !listed)
+    return error(control::ErrorKind::invalid, listed.error().text);
   const auto asked = understand(*state_, request, stored().next_id);
   if (!asked) return error(control::ErrorKind::invalid, asked.error().text);
   if (!asked->admission) return known_or_aside(*asked);
@@ -209,6 +211,8 @@ Gateway::Body Gateway::handle(const control::Admit& request) {
   if (const auto key = check_key(request.key); !key)
     return error(control::ErrorKind::invalid, key.error().text);
   if (auto again = admit_again(request)) return std::move(*again);
+  if (const auto listed = list(*state_, request); !listed)
+    return error(control::ErrorKind::invalid, listed.error().text);
   const auto asked = understand(*state_, request, stored().next_id);
   if (!asked) return error(control::ErrorKind::invalid, asked.error().text);
   if (asked->admission) return admit_new(request, *asked);
@@ -367,6 +371,11 @@ Gateway::Body Gateway::handle(const control::WithdrawRequest& request) {
   const auto channel = channel_named(*state_, request.channel);
   if (!channel) return error(control::ErrorKind::invalid, channel.error().text);
   const core::EventChannel& withdrawn = state_->system().channels[*channel];
+  if (withdrawn.unlisted)
+    return error(
+        control::ErrorKind::invalid,
+        fmt::format("{0} is not described, only admitted: 'mlccactl release {0}' ends that",
+                    withdrawn.name));
   if (state_->withdrawn(*channel)) return control::Done{withdrawn.name + " is withdrawn already"};
   if (const auto done = set_withdrawn(*channel, true); !done)
     return error(control::ErrorKind::world, done.error().text);

@@ -28,7 +28,7 @@ std::string known(const Range& things) {
       names.emplace_back("…");
       break;
     }
-    names.push_back(thing.name);
+    if (const std::string name(thing.name); !name.empty()) names.push_back(name);
   }
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
@@ -193,6 +193,46 @@ bool describes_subscriber(const control::ChannelRequest& r) {
 
 }  // namespace
 
+Result<void> list(core::State& state, const control::ChannelRequest& request) {
+  if (!request.unlisted) {
+    if (request.identifiers.empty()) return {};
+    return fail("identifiers of a channel are described, except for one that is not described");
+  }
+  constexpr std::size_t most_identifiers = 16;
+  if (request.identifiers.size() > most_identifiers)
+    return fail(fmt::format("at most {} identifiers", most_identifiers));
+  const auto subject = core::parse_subject(request.channel);
+  if (!subject)
+    return fail(
+        fmt::format("'{}' is no subject: 0x and up to 16 hexadecimal digits", request.channel));
+  core::UnlistedChannel wanted{.subject = *subject, .networks = {}, .bindings = {}};
+  const auto network_named = [&](const std::string& name) -> Result<std::optional<std::size_t>> {
+    const auto place = place_named(state, name);
+    if (!place) return std::unexpected(place.error());
+    if (place->kind == core::Place::Kind::gateway) return std::nullopt;
+    return place->index;
+  };
+  for (const std::string& end : {request.from, request.to}) {
+    if (end.empty()) continue;
+    const auto network = network_named(end);
+    if (!network) return std::unexpected(network.error());
+    if (*network) wanted.networks.push_back(**network);
+  }
+  for (const control::Identifier& i : request.identifiers) {
+    const auto network = network_named(i.network);
+    if (!network) return std::unexpected(network.error());
+    if (!*network)
+      return fail(fmt::format("{} is a gateway: identifiers are of CAN networks", i.network));
+    if (std::ranges::find(wanted.bindings, **network, &core::UnlistedBinding::network) !=
+        wanted.bindings.end())
+      return fail(fmt::format("{} is given two identifiers", i.network));
+    wanted.bindings.push_back({**network, i.id, i.extended});
+  }
+  const auto listed = state.list(wanted);
+  if (!listed) return std::unexpected(listed.error());
+  return {};
+}
+
 Result<std::size_t> channel_named(const core::State& state, const std::string& name) {
   if (const auto channel = state.find_channel(name)) return *channel;
   return fail(fmt::format("no event channel is called '{}' (channels: {})", name,
@@ -216,6 +256,12 @@ Result<void> check_sender(const core::State& state, const core::Publisher& newco
   return {};
 }
 
+/// Then it is policed; without that anybody could fill a network.
+bool states_traffic(const core::Publisher& p) {
+  return p.attributes.has(Attribute::bandwidth) ||
+         (p.attributes.has(Attribute::period) && p.attributes.has(Attribute::max_payload));
+}
+
 /// The publisher that the request means: one that is there, or a new one for the admission.
 Result<void> understand_publisher(const core::State& state, const control::ChannelRequest& request,
                                   Asked& asked, core::Admission& admission) {
@@ -237,6 +283,10 @@ Result<void> understand_publisher(const core::State& state, const control::Chann
   if (!publisher) return std::unexpected(publisher.error());
   if (const auto alone = check_sender(state, *publisher); !alone)
     return std::unexpected(alone.error());
+  if (state.system().channels[asked.channel].unlisted && !states_traffic(*publisher))
+    return fail(
+        "a channel that is not described needs the traffic of its publisher: offer Period and "
+        "MaxPayload, or Bandwidth");
   admission.publisher = std::move(*publisher);
   return {};
 }

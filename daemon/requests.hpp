@@ -25,6 +25,11 @@ struct Asked {
                                        const control::ChannelRequest& request,
                                        core::AdmissionId id);
 
+/// Gives a channel that is not described a place in the state, where the request is about one and
+/// networks allow it: then it can be understood. Nothing of other requests. The error says what is
+/// missing, or taken.
+[[nodiscard]] Result<void> list(core::State& state, const control::ChannelRequest& request);
+
 /// Channel by name or 0x subject; the error names what is known.
 [[nodiscard]] Result<std::size_t> channel_named(const core::State& state, const std::string& name);
 

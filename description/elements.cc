@@ -99,8 +99,23 @@ class PartReader {
     }
     if (const auto* mesh = e.child("Mesh")) out.mesh = read_mesh(*mesh, problems_);
     out.provision = provision(e);
+    if (const auto* unlisted = e.child("Unlisted")) out.network.unlisted = policy(*unlisted);
     for (const auto& child : e.children)
       if (child.name == "Binding") out.bindings.push_back(binding(child));
+    return out;
+  }
+
+  /// Absent or "no": nothing is allowed.
+  [[nodiscard]] static core::UnlistedPolicy policy(const Element& e) {
+    core::UnlistedPolicy out;
+    const auto allow = e.attribute("allow");
+    out.most = number_or(e, "most", out.most);
+    if (allow.empty() || allow == "no") return out;
+    out.allowed = true;
+    if (allow == "any") return out;
+    const auto slash = allow.find('/');
+    out.subject = number<core::Subject>(allow.substr(0, slash));
+    out.bits = number<std::uint8_t>(allow.substr(slash + 1));
     return out;
   }
 

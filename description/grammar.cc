@@ -248,13 +248,19 @@ constexpr Children<1> kBusChild{{{"Bus", &kBus}}};
 constexpr Children<1> kMeshChild{{{"Mesh", &kMesh}}};
 constexpr Children<1> kProvisionChild{{{"Provision", &kProvision}}};
 constexpr Children<1> kBindingChild{{{"Binding", &kBinding}}};
+constexpr auto kUnlistedKeys =
+    std::to_array<Key>({{"allow", &type::kSubjectRange}, {"most", &type::kUnlistedCount}});
+constexpr ElementType kUnlisted{.name = "Unlisted", .steps = {}, .keys = kUnlistedKeys};
+
+constexpr Children<1> kUnlistedChild{{{"Unlisted", &kUnlisted}}};
 constexpr auto kNetworkSteps =
     std::to_array<Step>({{.children = kKindChild},
                          {.children = kProfileChild, .least = 0},
                          {.children = kBusChild, .least = 0},
                          {.children = kMeshChild, .least = 0},
                          {.children = kProvisionChild, .least = 0},
-                         {.children = kBindingChild, .least = 0, .most = kUnlimited}});
+                         {.children = kBindingChild, .least = 0, .most = kUnlimited},
+                         {.children = kUnlistedChild, .least = 0}});
 constexpr auto kNetworkKeys = std::to_array<Key>({{"name", &type::kName, true},
                                                   {"control", &type::kControlKinds},
                                                   {"control-rate", &type::kControlRate},
@@ -335,7 +341,7 @@ constexpr auto kTypes = std::to_array<const ElementType*>({&kSystem,       &kUse
                                                            &kMesh,         &kPerHop,
                                                            &kMeshNode,     &kMeshLink,
                                                            &kMeshDomain,   &kMeshMember,
-                                                           &kMeshSource});
+                                                           &kMeshSource,   &kUnlisted});
 
 }  // namespace
 

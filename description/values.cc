@@ -141,6 +141,16 @@ bool is_sender_address(std::string_view text) {
   }
   return parts == (mac ? 5 : 3);
 }
+bool is_subject_range(std::string_view text) {
+  if (text == "no" || text == "any") return true;
+  const auto slash = text.find('/');
+  if (!text.starts_with("0x") || slash == std::string_view::npos) return false;
+  const auto bits = text.substr(slash + 1);
+  if (!is_run(text.substr(2, slash - 2), kHexadecimal, 16) || !is_run(bits, kDigits, 2) ||
+      bits.front() == '0')
+    return false;
+  return bits.size() == 1 || bits <= "64";
+}
 bool is_boolean(std::string_view text) {
   return text == "true" || text == "false" || text == "1" || text == "0";
 }
@@ -281,6 +291,11 @@ constexpr ValueType kNodeAddress =
 constexpr ValueType kSenderAddress =
     shaped("SenderAddress", "the IPv4 or MAC address of one station, such as 192.0.2.7",
            "([0-9]{1,3}\\.){3}[0-9]{1,3}|([0-9a-fA-F]{2}:){5}[0-9a-fA-F]{2}", is_sender_address);
+constexpr ValueType kSubjectRange = shaped(
+    "SubjectRange",
+    "no, any, or a subject and how many of its leading bits count, such as 0x5600000000000000/8",
+    "no|any|0x[0-9a-fA-F]{1,16}/([1-9]|[1-5][0-9]|6[0-4])", is_subject_range);
+constexpr ValueType kUnlistedCount = whole("UnlistedCount", 1, 256, "a whole number from 1 to 256");
 constexpr ValueType kLinkRate =
     whole("LinkRate", 1, 1000000000000, "a whole number of bits per second from 1 to 10^12");
 constexpr ValueType kMediumNumber =
@@ -295,19 +310,19 @@ constexpr ValueType kBoolean = shaped("xs:boolean", "true or false", "", is_bool
 namespace {
 
 constexpr auto kTypes = std::to_array<const ValueType*>(
-    {&type::kName,           &type::kChannelName, &type::kHostName,     &type::kUserName,
-     &type::kInterfaceName,  &type::kDeviceText,  &type::kText,         &type::kSubject,
-     &type::kShortHex,       &type::kSmallNumber, &type::kNumber,       &type::kMessagePriority,
-     &type::kControlKinds,   &type::kControlRate, &type::kDecimal,      &type::kExponent,
-     &type::kMagnitude,      &type::kPortNumber,  &type::kBitrate,      &type::kDataBitrate,
-     &type::kAttributeName,  &type::kBetter,      &type::kComposition,  &type::kSafeSide,
-     &type::kSetPriority,    &type::kNetworkKind, &type::kProfile,      &type::kFrameFormat,
-     &type::kIdentifierForm, &type::kImportance,  &type::kErrorCount,   &type::kQueueing,
-     &type::kExcess,         &type::kFifoDepth,   &type::kQueueLength,  &type::kInterference,
-     &type::kHopCount,       &type::kPacketBytes, &type::kHeaderBytes,  &type::kNodeAddress,
-     &type::kSenderAddress,  &type::kLinkRate,    &type::kMediumNumber, &type::kRateKind,
-     &type::kSourceKind,     &type::kLinkMetric,  &type::kForwarder,    &type::kBoolean,
-     &type::kRefused});
+    {&type::kName,           &type::kChannelName,  &type::kHostName,      &type::kUserName,
+     &type::kInterfaceName,  &type::kDeviceText,   &type::kText,          &type::kSubject,
+     &type::kShortHex,       &type::kSmallNumber,  &type::kNumber,        &type::kMessagePriority,
+     &type::kControlKinds,   &type::kControlRate,  &type::kDecimal,       &type::kExponent,
+     &type::kMagnitude,      &type::kPortNumber,   &type::kBitrate,       &type::kDataBitrate,
+     &type::kAttributeName,  &type::kBetter,       &type::kComposition,   &type::kSafeSide,
+     &type::kSetPriority,    &type::kNetworkKind,  &type::kProfile,       &type::kFrameFormat,
+     &type::kIdentifierForm, &type::kImportance,   &type::kErrorCount,    &type::kQueueing,
+     &type::kExcess,         &type::kFifoDepth,    &type::kQueueLength,   &type::kInterference,
+     &type::kHopCount,       &type::kPacketBytes,  &type::kHeaderBytes,   &type::kNodeAddress,
+     &type::kSenderAddress,  &type::kSubjectRange, &type::kUnlistedCount, &type::kLinkRate,
+     &type::kMediumNumber,   &type::kRateKind,     &type::kSourceKind,    &type::kLinkMetric,
+     &type::kForwarder,      &type::kBoolean,      &type::kRefused});
 
 }  // namespace
 

@@ -31,8 +31,8 @@ extern const ValueType kName, kChannelName, kHostName, kUserName, kInterfaceName
     kAttributeName, kBetter, kComposition, kSafeSide, kSetPriority, kNetworkKind, kProfile,
     kFrameFormat, kIdentifierForm, kImportance, kErrorCount, kQueueing, kExcess, kFifoDepth,
     kQueueLength, kInterference, kHopCount, kPacketBytes, kHeaderBytes, kNodeAddress,
-    kSenderAddress, kLinkRate, kMediumNumber, kRateKind, kSourceKind, kLinkMetric, kForwarder,
-    kBoolean, kRefused;
+    kSenderAddress, kSubjectRange, kUnlistedCount, kLinkRate, kMediumNumber, kRateKind, kSourceKind,
+    kLinkMetric, kForwarder, kBoolean, kRefused;
 }  // namespace type
 
 /// All of them.

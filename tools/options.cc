@@ -50,7 +50,22 @@ void add_channel(CLI::App& app, Arguments& to) {
 }
 
 void add_delivery(CLI::App& app, Arguments& to) {
-  add_channel(app, to);
+  auto* channel =
+      app.add_option("channel", to.channel, "name of an event channel, or its 0x subject")
+          ->type_name("CHANNEL");
+  app.add_option(
+         "--subject", to.subject,
+         "in place of CHANNEL: one that is not described, where networks allow it (Unlisted)")
+      ->type_name("0xSUBJECT")
+      ->excludes(channel);
+  app.parse_complete_callback([&to] {
+    if (to.channel.empty() && to.subject.empty()) throw CLI::RequiredError("channel");
+  });
+  app.add_option("--identifier", to.identifiers,
+                 "identifier of such a channel on a CAN network, as in robot-can=0x123: with three "
+                 "hexadecimal digits 11 bits, else 29; or etag, PGN, subject-id, COB-ID")
+      ->type_name("NETWORK=ID")
+      ->allow_extra_args(false);
   app.add_option("--from", to.from, "network or gateway of a new publisher")->type_name("PLACE");
   app.add_option("--to", to.to, "network or gateway of a new subscriber")->type_name("PLACE");
   app.add_option("--from-node", to.from_node, "node of that mesh where the new publisher is")

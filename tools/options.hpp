@@ -21,6 +21,8 @@ namespace mlcca::tools {
 /// Arguments of all verbs; each takes the ones that its Takes names.
 struct Arguments {
   std::string channel;
+  std::string subject;                   ///< of a channel that is not described
+  std::vector<std::string> identifiers;  ///< NETWORK=ID
   std::string from;
   std::string to;
   std::vector<std::string> require;

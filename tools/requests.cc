@@ -5,6 +5,7 @@
 #include <pwd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -41,14 +42,49 @@ Result<std::string> user_number(const std::string& user) {
   return std::to_string(found->pw_uid);
 }
 
+/// "robot-can=0x123", "robot-can=101"
+Result<control::Identifier> identifier(const std::string& text) {
+  const auto equals = text.rfind('=');
+  const auto wrong = [&] {
+    return fail(
+        fmt::format("--identifier '{}': must be NETWORK=ID, such as robot-can=0x123", text));
+  };
+  if (equals == std::string::npos || equals == 0) return wrong();
+  std::string_view number = std::string_view(text).substr(equals + 1);
+  const bool hexadecimal = number.starts_with("0x");
+  if (hexadecimal) number.remove_prefix(2);
+  control::Identifier out{.network = text.substr(0, equals), .id = 0, .extended = false};
+  const auto read =
+      std::from_chars(number.data(), number.data() + number.size(), out.id, hexadecimal ? 16 : 10);
+  if (read.ec != std::errc{} || read.ptr != number.data() + number.size()) return wrong();
+  constexpr std::size_t standard_digits = 3;
+  constexpr std::uint32_t last_standard = 0x7ff;
+  out.extended = out.id > last_standard || (hexadecimal && number.size() > standard_digits);
+  return out;
+}
+
+Result<std::vector<control::Identifier>> identifiers(const std::vector<std::string>& texts) {
+  std::vector<control::Identifier> out;
+  for (const auto& text : texts) {
+    auto one = identifier(text);
+    if (!one) return std::unexpected(std::move(one).error());
+    out.push_back(std::move(*one));
+  }
+  return out;
+}
+
 Result<control::ChannelRequest> delivery(const Arguments& from) {
   auto required = attributes(from.require, Role::required);
   if (!required) return std::unexpected(std::move(required).error());
   auto offered = attributes(from.offer, Role::offered);
   if (!offered) return std::unexpected(std::move(offered).error());
+  if (from.subject.empty() && !from.identifiers.empty())
+    return fail("--identifier goes with --subject: other channels are described");
+  auto named = identifiers(from.identifiers);
+  if (!named) return std::unexpected(std::move(named).error());
   auto user = user_number(from.user);
   if (!user) return std::unexpected(std::move(user).error());
-  return control::ChannelRequest{.channel = from.channel,
+  return control::ChannelRequest{.channel = from.subject.empty() ? from.channel : from.subject,
                                  .from = from.from,
                                  .to = from.to,
                                  .offered = std::move(*offered),
@@ -60,7 +96,9 @@ Result<control::ChannelRequest> delivery(const Arguments& from) {
                                  .publisher = from.publisher,
                                  .from_node = from.from_node,
                                  .to_node = from.to_node,
-                                 .address = from.address};
+                                 .address = from.address,
+                                 .unlisted = !from.subject.empty(),
+                                 .identifiers = std::move(*named)};
 }
 
 Result<std::uint64_t> lease(const Arguments& from) {

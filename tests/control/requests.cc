@@ -19,7 +19,9 @@ ChannelRequest full_channel_request() {
           .publisher = "switch",
           .from_node = "laptop",
           .to_node = "relay",
-          .address = "192.0.2.7"};
+          .address = "192.0.2.7",
+          .unlisted = false,
+          .identifiers = {}};
 }
 
 namespace {
@@ -51,11 +53,17 @@ WhatIfRequest full_what_if_request() {
 std::vector<NamedRequest> all_requests() {
   ChannelRequest channel_only;
   channel_only.channel = "a";
+  ChannelRequest unlisted;
+  unlisted.channel = "0x5600000000000001";
+  unlisted.unlisted = true;
+  unlisted.identifiers = {{.network = "robot-can", .id = 0x123, .extended = false},
+                          {.network = "second-can", .id = 0x1abcdef, .extended = true}};
   return {{"Status", {1, StatusRequest{}}},
           {"Networks", {2, NetworksRequest{}}},
           {"Channels", {3, ChannelsRequest{}}},
           {"Query", {4, Query{full_channel_request()}}},
           {"QueryOfChannelOnly", {4, Query{channel_only}}},
+          {"QueryOfWhatIsNotDescribed", {4, Query{unlisted}}},
           {"Admit", {5, Admit{full_channel_request(), {}, 0, false}}},
           {"Release",
            {6, ReleaseRequest{.channel = "emergency-switch", .admission = 9, .key = "blue"}}},

@@ -1,4 +1,6 @@
 $(eval $(call kernel_test,start_test,tests/start/start_test.cc tests/start/daemon.cc tests/enforce/sandbox.cc,$O/libenforce.a,-lbpf -lfmt))
+$(eval $(call kernel_test,unlisted_test,tests/start/unlisted_test.cc tests/start/daemon.cc tests/enforce/sandbox.cc tests/ether/packets.cc,$O/libenforce.a,-lbpf -lfmt))
+$O/tests/unlisted_test: $O/mlccad $O/mlccactl
 $O/tests/nss/libnss_hang.so.2: tests/start/nss_hang.c
 	$(call say,CC,$@)
 	$(Q)mkdir -p $(@D) && $(CC) -std=gnu17 -O1 -fPIC -shared -Wall -Wextra $(WERROR) -o $@ $<

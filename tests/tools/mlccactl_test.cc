@@ -88,6 +88,19 @@ TEST(MlccactlTest, AsksAboutADeliveryWithAllThatWasSaid) {
   EXPECT_EQ(request_of(admit), (control::Request{1, control::Admit{expected, {}, 0, false}}));
 }
 
+TEST(MlccactlTest, AsksForAChannelThatIsNotDescribed) {
+  control::ChannelRequest expected;
+  expected.channel = "0x5600000000000001";
+  expected.unlisted = true;
+  expected.identifiers = {{.network = "robot-can", .id = 0x123, .extended = false},
+                          {.network = "second-can", .id = 0x123, .extended = true},
+                          {.network = "third=can", .id = 2048, .extended = true}};
+  EXPECT_EQ(
+      request_of({"query", "--subject", "0x5600000000000001", "--identifier", "robot-can=0x123",
+                  "--identifier", "second-can=0x00000123", "--identifier", "third=can=2048"}),
+      (control::Request{1, control::Query{expected}}));
+}
+
 TEST(MlccactlTest, AsksForRoutesReservationsAndRenewals) {
   EXPECT_EQ(request_of({"routes"}), (control::Request{1, control::RoutesRequest{}}));
   EXPECT_EQ(request_of({"reservations"}), (control::Request{1, control::ReservationsRequest{""}}));

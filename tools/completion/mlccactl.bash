@@ -102,7 +102,7 @@ _mlccactl() {
 		mapfile -t COMPREPLY < <(compgen -d -- "$cur")
 		return
 		;;
-	--timeout | --node | --priority | --id | --admission | --subscriber | --publisher | --from-node | --to-node | --address) return ;;
+	--timeout | --node | --priority | --id | --admission | --subscriber | --publisher | --identifier | --from-node | --to-node | --address) return ;;
 	--packet | --header | --overhead-us | --loss | --limit | --background | --demand) return ;;
 	--network | --bitrate | --data-bitrate | --background-load | --faults | --fault-interval-ms) return ;;
 	--fifo-depth | --bus-off) return ;;
@@ -132,7 +132,7 @@ _mlccactl() {
 	doctor) words="--can --send --id --fifo-depth --bus-off --bpf-root --json --help" ;;
 	generate) words="--component --out --force $offline" ;;
 	query | admit)
-		words+=" --from --to --require --offer --node --priority --user --subscriber --publisher --from-node --to-node --address"
+		words+=" --from --to --require --offer --node --priority --user --subscriber --publisher --subject --identifier --from-node --to-node --address"
 		;;
 	status) words+=" --check" ;;
 	withdraw) words+=" --yes" ;;
