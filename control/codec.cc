@@ -68,18 +68,29 @@ Result<std::optional<Plain>> decode(Buffer& buffer, std::size_t limit) {
   return std::move(*plain);
 }
 
+void add_varint(std::string& bytes, std::uint64_t number) {
+  for (; number >= 0x80; number >>= 7U)
+    bytes.push_back(static_cast<char>((number & 0x7fU) | 0x80U));
+  bytes.push_back(static_cast<char>(number));
+}
+
 /// `length` is what ByteSizeLong() has just given, and cached.
 template <class Wire>
 std::string framed(const Wire& wire, std::size_t length) {
   std::string bytes;
   bytes.reserve(length + kMaxPrefix + 1);
-  auto rest = length;
-  for (; rest >= 0x80; rest >>= 7U) bytes.push_back(static_cast<char>((rest & 0x7fU) | 0x80U));
-  bytes.push_back(static_cast<char>(rest));
+  add_varint(bytes, length);
   const auto prefix = bytes.size();
   bytes.resize(prefix + length);
   wire.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(bytes.data() + prefix));
   return bytes;
+}
+
+Error too_large(std::size_t bytes, std::size_t most) {
+  return {.kind = ErrorKind::world,
+          .message = "the reply would have " + std::to_string(bytes) + " bytes, at most " +
+                     std::to_string(most) + " are possible; ask for less",
+          .details = {}};
 }
 
 }  // namespace
@@ -95,11 +106,33 @@ std::string encode(const Reply& reply) {
   to_wire(reply, wire);
   const auto length = wire.ByteSizeLong();
   if (length <= kMaxReply) return framed(wire, length);
-  return encode(Reply{reply.id, Error{.kind = ErrorKind::world,
-                                      .message = "the reply would have " + std::to_string(length) +
-                                                 " bytes, at most " + std::to_string(kMaxReply) +
-                                                 " are possible; ask for less",
-                                      .details = {}}});
+  return encode(Reply{reply.id, too_large(length, kMaxReply)});
+}
+
+std::string encode_body(const Reply& reply, std::size_t most) {
+  v1::Reply wire;
+  to_wire(reply, wire);
+  wire.clear_id();
+  const auto length = wire.ByteSizeLong();
+  if (length > most) return encode_body(Reply{0, too_large(length, most)});
+  std::string bytes(length, '\0');
+  wire.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(bytes.data()));
+  return bytes;
+}
+
+std::string with_id(std::uint64_t id, std::string_view body) {
+  constexpr char id_key = v1::Reply::kIdFieldNumber << 3;
+  std::string field;
+  if (id != 0) {
+    field.push_back(id_key);
+    add_varint(field, id);
+  }
+  std::string bytes;
+  bytes.reserve(kMaxPrefix + 1 + field.size() + body.size());
+  add_varint(bytes, field.size() + body.size());
+  bytes += field;
+  bytes += body;
+  return bytes;
 }
 
 Result<std::optional<Request>> decode_request(Buffer& buffer) {

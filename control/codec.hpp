@@ -3,8 +3,10 @@
 // form of every protobuf runtime has it.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "control/buffer.hpp"
 #include "control/messages.hpp"
@@ -24,6 +26,12 @@ std::string encode(const Request& request);
 
 /// As above. A reply that would be larger than kMaxReply becomes an Error that says so.
 std::string encode(const Reply& reply);
+
+/// A reply without its id and its length, to be sent by whoever knows the id: see with_id(). A
+/// reply that would be larger than `most` becomes an Error that says so.
+std::string encode_body(const Reply& reply, std::size_t most = kMaxReply);
+/// What encode() gives of the reply that `body` is of, with this id.
+std::string with_id(std::uint64_t id, std::string_view body);
 
 /// Takes one whole request off the buffer; nullopt while it is incomplete. After an error (too
 /// large, malformed, unknown request) nothing more can be read from the stream: answer with the

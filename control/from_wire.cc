@@ -192,7 +192,8 @@ Channel channel(v1::Channel& from) {
           .troubles = texts(from.mutable_troubles()),
           .subscribers_left_out = from.subscribers_left_out(),
           .withdrawn = from.withdrawn(),
-          .would_drop = from.would_drop()};
+          .would_drop = from.would_drop(),
+          .rows_left_out = from.rows_left_out()};
 }
 
 RouteReport route_report(v1::RouteReport& from) {
@@ -458,7 +459,8 @@ Result<Reply> from_wire(v1::Reply& from) {
     case v1::Reply::kNetworks:
       return Reply{id, Networks{all(from.mutable_networks()->mutable_networks(), network)}};
     case v1::Reply::kChannels:
-      return Reply{id, Channels{all(from.mutable_channels()->mutable_channels(), channel)}};
+      return Reply{id, Channels{all(from.mutable_channels()->mutable_channels(), channel),
+                                from.channels().left_out()}};
     case v1::Reply::kDone:
       return Reply{id, Done{text(from.mutable_done()->mutable_message())}};
     case v1::Reply::kEvent:

@@ -192,6 +192,8 @@ struct Networks {
 
 struct Channels {
   std::vector<Channel> channels;
+  /// Of a new end: deliveries beyond those that are listed. What is refused is listed first.
+  std::uint32_t left_out = 0;
   bool operator==(const Channels&) const = default;
 };
 

@@ -153,6 +153,7 @@ struct Watch {
 };
 
 inline constexpr std::size_t kListedSubscribers = 256;
+inline constexpr std::size_t kListedRows = 256;
 /// One publisher of a subject towards one place, decided.
 struct Channel {
   std::uint64_t subject = 0;
@@ -165,7 +166,7 @@ struct Channel {
   bool granted = false;
   std::string reason;  ///< one line
   std::vector<std::string> route;
-  std::vector<Row> rows;
+  std::vector<Row> rows;        ///< kListedRows at most, before all others those that do not fit
   std::uint64_t admission = 0;  ///< id of the run-time admission, 0: described
   std::uint32_t set = 0;        ///< attribute set in use, 0 is the preferred one
   std::uint32_t sets = 1;       ///< how many there are
@@ -180,6 +181,7 @@ struct Channel {
   std::uint32_t subscribers_left_out = 0;  ///< beyond those that are listed
   bool withdrawn = false;                  ///< an operator has withdrawn the channel
   std::uint64_t would_drop = 0;            ///< let through by audit mode; not part of dropped
+  std::uint32_t rows_left_out = 0;         ///< beyond those that are listed
   bool operator==(const Channel&) const = default;
 };
 

@@ -17,7 +17,10 @@ void move_behind(std::vector<Row>& rows, std::vector<Row>& more) {
 }
 
 void put(Networks& to, Networks& from) { move_behind(to.networks, from.networks); }
-void put(Channels& to, Channels& from) { move_behind(to.channels, from.channels); }
+void put(Channels& to, Channels& from) {
+  move_behind(to.channels, from.channels);
+  to.left_out = from.left_out;
+}
 void put(History& to, History& from) { move_behind(to.entries, from.entries); }
 void put(Gates& to, Gates& from) {
   for (Gate& gate : from.gates) {
@@ -69,7 +72,12 @@ class Slicer {
   Slicer(std::uint64_t id, std::size_t rows) : id_(id), rows_(rows) {}
 
   std::vector<Reply> operator()(Routes& all) {
-    fill(all.routes, &Routes::routes);
+    slice<Routes>();
+    for (RouteReport& row : all.routes) {
+      const std::size_t lines = 1 + row.places.size() + lines_of(row.media);
+      slice<Routes>().routes.push_back(std::move(row));
+      filled_ += lines;
+    }
     fill(all.links, &Routes::links);
     fill(all.problems, &Routes::problems);
     fill(all.can_rules, &Routes::can_rules);
@@ -78,10 +86,12 @@ class Slicer {
   std::vector<Reply> operator()(Channels& all) {
     slice<Channels>();
     for (Channel& row : all.channels) {
-      const std::size_t lines = 1 + row.subscribers.size() + row.rows.size();
+      const std::size_t lines =
+          1 + row.subscribers.size() + row.rows.size() + row.route.size() + lines_of(row.media);
       slice<Channels>().channels.push_back(std::move(row));
       filled_ += lines;
     }
+    for (Reply& reply : out_) std::get<Channels>(reply.body).left_out = all.left_out;
     return std::move(out_);
   }
   /// All of it but the interfaces stands in each slice.
@@ -99,7 +109,12 @@ class Slicer {
     return std::move(out_);
   }
   std::vector<Reply> operator()(Networks& all) {
-    fill(all.networks, &Networks::networks);
+    slice<Networks>();
+    for (Network& row : all.networks) {
+      const std::size_t lines = 1 + row.gateways.size();
+      slice<Networks>().networks.push_back(std::move(row));
+      filled_ += lines;
+    }
     return std::move(out_);
   }
   std::vector<Reply> operator()(WhatIf& all) {
@@ -145,6 +160,11 @@ class Slicer {
   }
 
  private:
+  static std::size_t lines_of(const std::vector<MediumUse>& media) {
+    std::size_t lines = 0;
+    for (const MediumUse& use : media) lines += 1 + use.nodes.size();
+    return lines;
+  }
   template <class Body>
   Body& slice() {
     if (out_.empty() || filled_ >= rows_) {
@@ -156,7 +176,7 @@ class Slicer {
   }
   template <class Body, class Row>
   void fill(std::vector<Row>& rows, std::vector<Row> Body::* list) {
-    slice<Body>();
+    if (out_.empty()) slice<Body>();
     for (Row& row : rows) {
       (slice<Body>().*list).push_back(std::move(row));
       ++filled_;

@@ -179,6 +179,7 @@ void put(const Channel& from, v1::Channel& to) {
   for (const auto& trouble : from.troubles) to.add_troubles(to_utf8(trouble));
   to.set_withdrawn(from.withdrawn);
   to.set_subscribers_left_out(from.subscribers_left_out);
+  to.set_rows_left_out(from.rows_left_out);
 }
 
 void put(const Health& from, v1::Health& to) {
@@ -406,6 +407,7 @@ struct ReplyBody {
   void operator()(const Channels& from) const {
     auto& channels = *to.mutable_channels();
     for (const auto& channel : from.channels) put(channel, *channels.add_channels());
+    channels.set_left_out(from.left_out);
   }
   void operator()(const Done& from) const { to.mutable_done()->set_message(to_utf8(from.message)); }
   void operator()(const Event& from) const {

@@ -34,8 +34,12 @@ namespace mlcca {
 namespace {
 
 constexpr std::size_t kRowsOfSlice = 64;
-constexpr std::size_t kReadSize = 64UL * 1024;
 constexpr int kMostFiles = 65'536;
+/// Before each slice in the memory that the child leaves.
+struct Head {
+  std::uint32_t bytes = 0;
+  std::uint32_t more = 0;
+};
 constexpr const char* kTooLarge = "the report cannot be made: it has more than 64 MiB";
 static_assert(Aside::kMostBytes == std::size_t{64} << 20);
 
@@ -87,22 +91,34 @@ void write_all(int fd, std::string_view text) {
   }
 }
 
-void write_report(int memory, const control::Reply& whole) {
+void write_slice(int memory, std::string_view encoded, bool more) {
+  const Head head{static_cast<std::uint32_t>(encoded.size()), more ? 1U : 0U};
+  std::array<char, sizeof head> bytes{};
+  std::memcpy(bytes.data(), &head, sizeof head);
+  write_all(memory, {bytes.data(), bytes.size()});
+  write_all(memory, encoded);
+}
+
+void write_report(int memory, control::Reply whole, bool may_slice) {
+  if (!may_slice) {
+    write_slice(memory, control::encode_body(whole, control::kMaxWhole), false);
+    return;
+  }
   std::size_t written = 0;
-  for (const control::Reply& slice : control::split(whole, kRowsOfSlice)) {
-    const std::string text = control::encode(slice);
-    written += text.size();
+  for (const control::Reply& slice : control::split(std::move(whole), kRowsOfSlice)) {
+    const std::string encoded = control::encode_body(slice, Aside::kMostOfSlice);
+    written += encoded.size();
     if (written > Aside::kMostBytes) {
       if (::ftruncate(memory, 0) < 0 || ::lseek(memory, 0, SEEK_SET) < 0) ::_exit(1);
-      write_all(memory, control::encode(control::Reply{0, failure(kTooLarge).body}));
+      write_slice(memory, control::encode_body({0, failure(kTooLarge).body}), false);
       return;
     }
-    write_all(memory, text);
+    write_slice(memory, encoded, slice.more);
   }
 }
 
 /// Less urgent than the daemon, ends with it, and is the first to go where memory is short.
-[[noreturn]] void be_child(int memory, pid_t parent, const Aside::Make& make) {
+[[noreturn]] void be_child(int memory, pid_t parent, const Aside::Make& make, bool may_slice) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(1);
   std::set_new_handler(+[] { ::_exit(1); });  // the daemon's own says that the daemon ends
@@ -114,7 +130,7 @@ void write_report(int memory, const control::Reply& whole) {
     // It is only a wish.
   }
   close_what_is_shared(memory);
-  write_report(memory, {0, make()});
+  write_report(memory, {0, make()}, may_slice);
   ::_exit(0);
 }
 
@@ -126,8 +142,8 @@ void write_report(int memory, const control::Reply& whole) {
 /// there: however slow its client is, the place is free.
 class Aside::Report {
  public:
-  Report(Aside& aside, const serve::Peer& peer, Make make)
-      : aside_(aside), peer_(peer), make_(std::move(make)) {
+  Report(Aside& aside, const serve::Peer& peer, Make make, bool may_slice)
+      : aside_(aside), peer_(peer), make_(std::move(make)), may_slice_(may_slice) {
     aside_.reports_.push_back(this);
   }
   Report(const Report&) = delete;
@@ -168,7 +184,7 @@ class Aside::Report {
     const pid_t parent = ::getpid();
     begun_ = monotonic_ns();
     child_ = ::fork();
-    if (child_ == 0) be_child(memory_.get(), parent, make_);
+    if (child_ == 0) be_child(memory_.get(), parent, make_, may_slice_);
     aside_.budget_.forked(user(), begun_, monotonic_ns());
     make_ = nullptr;
     if (child_ < 0) {
@@ -191,27 +207,20 @@ class Aside::Report {
   }
 
   std::optional<serve::Slice> next() {
-    for (;;) {
-      if (!failed_.empty()) return failure(failed_);
-      if (!made_) return std::nullopt;
-      auto reply = control::decode_reply(buffer_);
-      if (!reply) return give_up(reply.error().text);
-      if (*reply) {
-        serve::Slice slice{std::move((*reply)->body), (*reply)->more};
-        taken_at_ = monotonic_ns();
-        if (!slice.more) end();
-        return slice;
-      }
-      const auto room = buffer_.space(kReadSize);
-      const ssize_t n = ::pread(memory_.get(), room.data(), room.size(), static_cast<off_t>(read_));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return give_up("the process that makes it has ended");
-      buffer_.commit(static_cast<std::size_t>(n));
-      read_ += static_cast<std::size_t>(n);
-      // What has been read takes no memory any more.
-      static_cast<void>(::fallocate(memory_.get(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0,
-                                    static_cast<off_t>(read_)));
-    }
+    if (!failed_.empty()) return failure(failed_);
+    if (!made_) return std::nullopt;
+    Head head;
+    if (!take(&head, sizeof head) || head.bytes > std::max(kMostOfSlice, control::kMaxWhole))
+      return give_up("the process that makes it has ended");
+    serve::Slice slice{{}, head.more != 0, std::string(head.bytes, '\0')};
+    if (!take(slice.encoded.data(), slice.encoded.size()))
+      return give_up("the process that makes it has ended");
+    // What has been read takes no memory any more.
+    static_cast<void>(::fallocate(memory_.get(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0,
+                                  static_cast<off_t>(read_)));
+    taken_at_ = monotonic_ns();
+    if (!slice.more) end();
+    return slice;
   }
 
  private:
@@ -233,6 +242,20 @@ class Aside::Report {
     aside_.ready_(peer_.session);
   }
 
+  /// The next bytes; false when they are not there.
+  bool take(void* to, std::size_t bytes) {
+    auto* next = static_cast<char*>(to);
+    while (bytes != 0) {
+      const ssize_t n = ::pread(memory_.get(), next, bytes, static_cast<off_t>(read_));
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return false;
+      next += n;
+      bytes -= static_cast<std::size_t>(n);
+      read_ += static_cast<std::size_t>(n);
+    }
+    return true;
+  }
+
   serve::Slice give_up(const std::string& why) {
     end();
     return failure("the report cannot be made: " + why);
@@ -252,6 +275,7 @@ class Aside::Report {
   Aside& aside_;
   serve::Peer peer_;
   Make make_;
+  bool may_slice_;
   pid_t child_ = 0;
   bool forsaken_ = false;
   std::uint64_t begun_ = 0;
@@ -263,7 +287,6 @@ class Aside::Report {
   Fd memory_;  ///< what the child writes to
   Fd end_;     ///< can be read once the child has ended
   Source source_;
-  control::Buffer buffer_;
   std::string failed_;
 };
 
@@ -282,8 +305,8 @@ Aside::Aside(sd_event* loop, ForkBudget::Rates rates)
 
 Aside::~Aside() { reap(); }
 
-serve::NextSlice Aside::ask(const serve::Peer& peer, Make make) {
-  auto report = std::make_shared<Report>(*this, peer, std::move(make));
+serve::NextSlice Aside::ask(const serve::Peer& peer, Make make, bool may_slice) {
+  auto report = std::make_shared<Report>(*this, peer, std::move(make), may_slice);
   if (!work_) report->fail("the loop does not take it");
   plan();
   return [report = std::move(report)] { return report->next(); };

@@ -14,7 +14,6 @@
 #include <string>
 #include <vector>
 
-#include "control/buffer.hpp"
 #include "control/messages.hpp"
 #include "core/handle.hpp"
 #include "daemon/fork_budget.hpp"
@@ -41,6 +40,8 @@ class Aside {
   /// Bytes of a report; of those of one user that are made and not read yet; of those of all who
   /// are members, or are not. When that is too much the oldest go.
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+  /// Of one slice: the loop passes it on without looking into it. Most have some KiB.
+  static constexpr std::size_t kMostOfSlice = std::size_t{1} << 20;
   static constexpr std::size_t kKeptOfUser = std::size_t{64} << 20;
   static constexpr std::size_t kKept = std::size_t{128} << 20;
   /// Before each fork the loop does so many times what waits: who has connected is accepted, and
@@ -61,7 +62,8 @@ class Aside {
   void set_rates(ForkBudget::Rates rates) { budget_ = ForkBudget(rates); }
   /// `make` runs in the child, which begins in a later turn of the loop. Dropping what is returned
   /// ends it.
-  serve::NextSlice ask(const serve::Peer& peer, Make make);
+  /// The slices are encoded; without `may_slice` it is one, of at most control::kMaxWhole bytes.
+  serve::NextSlice ask(const serve::Peer& peer, Make make, bool may_slice = true);
   /// Ends what takes too long. Once a second.
   void look();
 

@@ -40,6 +40,8 @@ class Forwarder {
   /// Wanted rules that somebody else's are in the way of.
   [[nodiscard]] const std::vector<net::CanRule>& in_way() const { return in_way_; }
   [[nodiscard]] std::optional<std::size_t> channel_of(const net::CanRule& rule) const;
+  /// Rules that are wanted, and those that the kernel was last seen to have.
+  [[nodiscard]] std::size_t rules() const { return wanted_.size() + (there_ ? there_->size() : 0); }
   /// What the kernel has now, ours and those of others.
   [[nodiscard]] Result<std::vector<net::CanRuleThere>> read() { return kernel_->read(); }
 

@@ -209,7 +209,8 @@ class Gateway {
   /// What can-gw must carry of a channel, and of all of them.
   void forward(std::size_t channel);
   void forward_all();
-  void add_can_rules(control::Routes& to);
+  void add_can_rules(control::Routes& to,
+                     const Result<std::vector<net::CanRuleThere>>& there) const;
   void open_unless_lost();
   // FAMOUSO's tags, see daemon/tags.hpp.
   void take_up_tags();
@@ -289,9 +290,18 @@ class Gateway {
     std::optional<control::Actor>& at_;
     std::optional<control::Actor> before_;
   };
+  // So much that it is not said between two heart-beats.
   [[nodiscard]] bool is_large() const;
+  [[nodiscard]] bool has_much_trouble() const;
   [[nodiscard]] bool has_many_ends(std::size_t channel) const;
+  [[nodiscard]] bool has_many_lines(std::size_t channel) const;
   [[nodiscard]] bool has_channel_of_many_ends() const;
+  /// Where a list of all deliveries goes on.
+  struct Position {
+    std::size_t channel = 0;
+    std::size_t verdict = 0;
+  };
+  [[nodiscard]] serve::Slice some_channels(Position& at) const;
   Body known_or_aside(const Asked& asked);
   Body aside(Aside::Make make);
   Body in_slices(std::size_t least_bytes, std::function<serve::Slice()> next);
@@ -386,6 +396,7 @@ class Gateway {
 
   // Of the request that is being answered.
   serve::Peer peer_;
+  bool may_slice_ = false;
   bool hold_answer_ = false;
   std::uint64_t rows_told_ = 0;          ///< of the history
   std::optional<control::Actor> actor_;  ///< at whose request something is being changed

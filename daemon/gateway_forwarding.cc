@@ -48,7 +48,8 @@ void Gateway::forward_all() {
   }
 }
 
-void Gateway::add_can_rules(control::Routes& to) {
+void Gateway::add_can_rules(control::Routes& to,
+                            const Result<std::vector<net::CanRuleThere>>& there) const {
   const auto& channels = state_->system().channels;
   const auto name_of = [&](const net::CanRule& rule) {
     const auto channel = forwarder_.channel_of(rule);
@@ -60,7 +61,6 @@ void Gateway::add_can_rules(control::Routes& to) {
     to.problems.push_back(
         fmt::format("{} is carried by a rule of somebody else, too, from {} to {}", name_of(rule),
                     links_.name_of(rule.from), links_.name_of(rule.to)));
-  const auto there = forwarder_.read();
   if (!there) {
     to.problems.push_back(there.error().text);
     return;

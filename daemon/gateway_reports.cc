@@ -16,6 +16,7 @@
 #include "daemon/outlook.hpp"
 #include "daemon/pace.hpp"
 #include "daemon/report.hpp"
+#include "daemon/report_size.hpp"
 #include "daemon/reservations.hpp"
 
 namespace mlcca {
@@ -41,40 +42,20 @@ Gateway::Body Gateway::in_slices(std::size_t least_bytes, std::function<serve::S
   return {};
 }
 
-/// So large that a report of all of it is not made between two heart-beats.
-bool Gateway::is_large() const {
-  constexpr std::size_t large = 500;
-  return state_->decisions().size() + state_->system().networks.size() > large;
-}
-
-/// So many that what is said of one channel is not said between two heart-beats.
-bool Gateway::has_many_ends(std::size_t channel) const {
-  constexpr std::size_t many = 256;
-  const core::Members& members = state_->members();
-  return state_->decisions()[channel].verdicts.size() > many ||
-         members.publishers_of(channel).size() + members.subscribers_of(channel).size() > many;
-}
-
-bool Gateway::has_channel_of_many_ends() const {
-  for (std::size_t c = 0; c < state_->decisions().size(); ++c)
-    if (has_many_ends(c)) return true;
-  return false;
-}
-
 Gateway::Body Gateway::known_or_aside(const Asked& asked) {
-  if (!has_many_ends(asked.channel)) return report_known(asked);
+  if (!has_many_lines(asked.channel)) return report_known(asked);
   return aside([this, asked] { return report_known(asked); });
 }
 
 /// What a handler answers whose reply is made by a child process, of what is known now.
 Gateway::Body Gateway::aside(Aside::Make make) {
-  slices_ = aside_.ask(peer_, std::move(make));
+  slices_ = aside_.ask(peer_, std::move(make), may_slice_);
   return {};
 }
 
 Gateway::Body Gateway::handle(const control::StatusRequest&) {
   constexpr std::size_t many = 16;  // ports
-  if (ports_.size() > many) return aside([this] { return status(); });
+  if (ports_.size() > many || has_much_trouble()) return aside([this] { return status(); });
   return status();
 }
 
@@ -117,21 +98,30 @@ Gateway::Body Gateway::handle(const control::ChannelsRequest&) {
         std::ranges::move(report_known({c, {}, {}, {}}).channels, std::back_inserter(out.channels));
       return out;
     });
-  std::size_t next = 0;
-  return in_slices(state_->decisions().size() * kLeastRow, [this, next]() mutable -> serve::Slice {
-    control::Channels out;
-    const auto& decisions = state_->decisions();
-    Pace pace(kChannelRow);
-    for (bool goes_on = true; goes_on && next < decisions.size(); ++next) {
-      std::vector<const core::Verdict*> all;
-      all.reserve(decisions[next].verdicts.size());
-      for (const core::Verdict& v : decisions[next].verdicts) all.push_back(&v);
-      std::ranges::move(report(all), std::back_inserter(out.channels));
-      goes_on = pace.made(std::max<std::size_t>(all.size(), 1));
+  return in_slices(state_->decisions().size() * kLeastRow,
+                   [this, at = Position{}]() mutable { return some_channels(at); });
+}
+
+/// From there on, of one channel after the other. Of a channel as many deliveries as there is time
+/// for: each has as many lines as all that is compared for it.
+serve::Slice Gateway::some_channels(Position& at) const {
+  constexpr std::size_t lines_of_a_row = 16;
+  control::Channels out;
+  const auto& decisions = state_->decisions();
+  Pace pace(kChannelRow);
+  for (bool goes_on = true; goes_on && at.channel < decisions.size();) {
+    const auto& verdicts = decisions[at.channel].verdicts;
+    std::vector<const core::Verdict*> some;
+    std::size_t lines = 0;
+    for (; at.verdict < verdicts.size() && lines < control::kListedRows; ++at.verdict) {
+      some.push_back(&verdicts[at.verdict]);
+      lines += lines_of(*state_, verdicts[at.verdict]);
     }
-    const bool more = next < decisions.size();
-    return {std::move(out), more};
-  });
+    std::ranges::move(report(some), std::back_inserter(out.channels));
+    if (at.verdict >= verdicts.size()) at = {at.channel + 1, 0};
+    goes_on = pace.made(std::max({std::size_t{1}, some.size(), lines / lines_of_a_row}));
+  }
+  return {{std::move(out)}, at.channel < decisions.size()};
 }
 
 Gateway::Body Gateway::handle(const control::ExplainRequest& request) {
@@ -146,22 +136,27 @@ control::Channels Gateway::report_admission(core::AdmissionId id) const {
   std::vector<const core::Verdict*> concerned;
   for (const core::Verdict& v : state_->decisions()[known->second].verdicts)
     if (concerns(v, id)) concerned.push_back(&v);
-  return {report(concerned)};
+  control::Channels out;
+  out.left_out = leave_out(*state_, concerned);
+  out.channels = report(concerned);
+  return out;
 }
 
 Gateway::Body Gateway::handle(const control::RoutesRequest&) {
-  control::Routes rules;
-  add_can_rules(rules);
-  const auto make = [this, rules = std::move(rules)] {
+  const auto make = [this](net::CanRules* rules) {
     control::Routes out = routes_report(*state_);
     for (std::size_t n = 0; n < state_->system().networks.size(); ++n)
       if (const auto* table = meshes_.table(n))
         add_links(*meshes_.mesh(n), *table, state_->system().networks[n].name, monotonic_ns(), out);
-    out.problems.insert(out.problems.end(), rules.problems.begin(), rules.problems.end());
-    out.can_rules = rules.can_rules;
+    add_can_rules(out, rules == nullptr ? forwarder_.read() : rules->read());
     return out;
   };
-  return is_large() ? aside(make) : make();
+  if (!is_large()) return make(nullptr);
+  // The child has none of the sockets of the daemon.
+  return aside([make] {
+    net::KernelCanRules rules;
+    return make(&rules);
+  });
 }
 
 Gateway::Body Gateway::handle(const control::ReservationsRequest& request) {

@@ -14,6 +14,7 @@
 #include "daemon/clock.hpp"
 #include "daemon/gateway.hpp"
 #include "daemon/report.hpp"
+#include "daemon/report_size.hpp"
 #include "description/rules.hpp"
 
 namespace mlcca {
@@ -141,6 +142,7 @@ serve::Answer Gateway::answer(const control::Request& request, const serve::Peer
     if (const auto why = quotas_.refuse_change(peer.uid, monotonic_ns()))
       return {{request.id, error(control::ErrorKind::world, "nothing was changed: " + *why)}};
   peer_ = peer;
+  may_slice_ = request.slices;
   hold_answer_ = false;
   owned_ = 0;
   slices_ = nullptr;
@@ -157,8 +159,9 @@ serve::Answer Gateway::answer(const control::Request& request, const serve::Peer
 Gateway::Body Gateway::answer_to(const core::Proposal& proposal, const Asked& asked,
                                  const char* to_do) const {
   control::Channels out;
-  for (const core::Verdict* v : proposal.verdicts())
-    out.channels.push_back(channel_report(*state_, *v, {}));
+  auto verdicts = proposal.verdicts();
+  out.left_out = leave_out(*state_, verdicts);
+  for (const core::Verdict* v : verdicts) out.channels.push_back(channel_report(*state_, *v, {}));
   if (!proposal.fit())
     for (control::Channel& channel : out.channels)
       if (channel.admission == asked.admission->id) channel.admission = 0;

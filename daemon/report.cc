@@ -4,6 +4,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <unordered_map>
+#include <vector>
 
 #include "core/admission.hpp"
 #include "core/media.hpp"
@@ -25,19 +28,32 @@ control::Outcome outcome_of(Outcome outcome) {
   return control::Outcome::unfit;
 }
 
+/// Which of the comparisons are told, in their order: before all others those that do not fit.
+std::vector<std::size_t> listed_rows(const std::vector<core::Row>& rows) {
+  std::vector<std::size_t> listed;
+  const auto add = [&](bool fit) {
+    for (std::size_t i = 0; i < rows.size() && listed.size() < control::kListedRows; ++i)
+      if ((rows[i].comparison.outcome == Outcome::fit) == fit) listed.push_back(i);
+  };
+  add(false);
+  add(true);
+  std::ranges::sort(listed);
+  return listed;
+}
+
 /// Rates of the paths through a mesh, as its links and reservations are now.
 void add_rates(const core::State& state, const core::Verdict& v, const core::MediumUse& use,
                Own own, control::MediumUse& out) {
   const core::MeshView& view = *state.world().meshes[use.network];
-  const auto held = [&](std::size_t domain) {
-    Value sum = 0;
-    if (own == Own::is_taken) return sum;
+  std::unordered_map<std::size_t, Value> of_its_own;  // by domain
+  if (own == Own::is_available)
     for (const core::Holding& h : state.ledger().holdings_of(v.publisher)) {
       if (h.resource != use.network || !h.mesh) continue;
-      for (const core::mesh::Share& share : h.mesh->shares)
-        if (share.domain == domain) sum += share.time;
+      for (const core::mesh::Share& share : h.mesh->shares) of_its_own[share.domain] += share.time;
     }
-    return sum;
+  const auto held = [&](std::size_t domain) {
+    const auto known = of_its_own.find(domain);
+    return known == of_its_own.end() ? Value{0} : known->second;
   };
   const auto taken = [&](std::size_t domain) {
     return add_saturating(state.ledger().medium_time(use.network, domain) - held(domain),
@@ -121,7 +137,10 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
     out.media.push_back(medium_report(state, v, use, Own::is_available));
   out.reason = why(state, v);
   for (const core::Place place : v.route) out.route.push_back(core::name_of(system, place));
-  for (const core::Row& row : v.rows) {
+  const auto rows = listed_rows(v.rows);
+  out.rows_left_out = static_cast<std::uint32_t>(v.rows.size() - rows.size());
+  for (const std::size_t at : rows) {
+    const core::Row& row = v.rows[at];
     out.rows.push_back({.where = core::where(system, members, v, row),
                         .attribute = core::attribute_name(system, row),
                         .unit = core::unit_name(system, row),

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <map>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 
 #include "core/text.hpp"
@@ -171,9 +173,11 @@ control::Routes routes_report(const core::State& state) {
 
 void add_links(const core::mesh::Mesh& mesh, const core::mesh::LinkTable& table,
                const std::string& network, std::uint64_t now, control::Routes& out) {
+  std::unordered_map<std::string_view, const std::string*> names;  // by address
+  for (const core::mesh::Node& node : mesh.nodes) names.try_emplace(node.address, &node.name);
   const auto name = [&](const std::string& address) {
-    const auto it = std::ranges::find(mesh.nodes, address, &core::mesh::Node::address);
-    return it == mesh.nodes.end() ? address : it->name;
+    const auto known = names.find(address);
+    return known == names.end() ? address : *known->second;
   };
   for (const core::mesh::Known& known : table.links()) {
     control::MeshLink link;

@@ -256,6 +256,7 @@ Json channel(const control::Channel& c) {
           {"watch", c.watch ? watch(*c.watch) : Json()},
           {"troubles", c.troubles},
           {"subscribers_left_out", c.subscribers_left_out},
+          {"rows_left_out", c.rows_left_out},
           {"withdrawn", c.withdrawn}};
 }
 
@@ -350,7 +351,7 @@ struct Body {
     return {{"networks", array(n.networks, network)}};
   }
   Json operator()(const control::Channels& c) const {
-    return {{"channels", array(c.channels, channel)}};
+    return {{"channels", array(c.channels, channel)}, {"left_out", c.left_out}};
   }
   Json operator()(const control::Done& d) const { return {{"message", d.message}}; }
   Json operator()(const control::Event& e) const {

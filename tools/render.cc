@@ -60,7 +60,11 @@ std::string rows_of(const control::Channel& channel, Color color) {
                {provided(row)},
                outcome(row.outcome),
                {row.margin}});
-  return table.text(color, "  ");
+  auto text = table.text(color, "  ");
+  if (channel.rows_left_out != 0)
+    text += fmt::format("  and {} more comparisons{}\n", channel.rows_left_out,
+                        channel.granted ? "" : "; those that do not fit go first");
+  return text;
 }
 
 /// "refused  emergency-switch (0xa4efeccc3210b497) from second-can to robot-can: why"
@@ -203,6 +207,12 @@ std::string explain(const control::Channels& channels, Color color, bool in_full
     if (!text.empty()) text += '\n';
     text += delivery(channel, color, in_full);
   }
+  if (channels.left_out != 0)
+    text += fmt::format("\nand {} more {}{}\n", channels.left_out,
+                        channels.left_out == 1 ? "delivery" : "deliveries",
+                        std::ranges::all_of(channels.channels, &control::Channel::granted)
+                            ? ", all granted"
+                            : "; what is refused is listed first");
   return text;
 }
 

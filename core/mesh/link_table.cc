@@ -207,6 +207,12 @@ std::vector<Known> LinkTable::links() const {
   return result;
 }
 
+std::size_t LinkTable::size() const {
+  std::size_t reports = 0;
+  for (const auto& [ends, entry] : entries_) reports += entry.reports.size();
+  return reports;
+}
+
 /// Whether the rate of a counts rather than that of b.
 bool LinkTable::is_preferred(const Report& a, const Report& b) const {
   const auto key = [&](const Report& r) {

@@ -74,6 +74,8 @@ class LinkTable {
   [[nodiscard]] const std::string& problem(std::size_t source) const;
   /// Everything that was reported and is not gone, as of the last take() or expire().
   [[nodiscard]] std::vector<Known> links() const;
+  /// As many as links() gives.
+  [[nodiscard]] std::size_t size() const;
 
  private:
   using Ends = std::pair<std::uint32_t, std::uint32_t>;

@@ -31,6 +31,9 @@ struct Peer {
 struct Slice {
   decltype(control::Reply::body) body;
   bool more = false;
+  /// In place of `body`: what control::encode_body() gives, which is sent as it is. It must be all
+  /// of the reply where the reply may not come in slices.
+  std::string encoded{};
 };
 
 /// Makes the next slice, in no more time than kSlice or one row takes. Nothing: it cannot be made

@@ -77,6 +77,7 @@ class Session {
   }
 
   void step_slice();
+  void pass_on(const Slice& slice);
   void take(Answer answer, bool may_slice);
 
   /// A reply that is being made.

@@ -258,6 +258,29 @@ TEST(CodecTest, AChannelOfAnOlderDaemonHasOneSet) {
   EXPECT_EQ(std::get<Channels>((*decoded)->body), Channels{{Channel{}}});
 }
 
+TEST(CodecTest, AReplyThatWasEncodedElsewhereGetsItsId) {
+  for (const test::NamedReply& named : test::all_replies())
+    for (const std::uint64_t id : {0UL, 1UL, 127UL, 128UL, ~0UL}) {
+      Reply reply = named.reply;
+      const std::string body = encode_body(reply);
+      reply.id = id;
+      auto buffer = exactly(with_id(id, body));
+      const auto decoded = decode_reply(buffer);
+      ASSERT_TRUE(decoded && *decoded) << named.name;
+      EXPECT_EQ(**decoded, reply) << named.name;
+      EXPECT_TRUE(buffer.content().empty()) << named.name;
+    }
+}
+
+TEST(CodecTest, ABodyThatIsTooLargeIsAnErrorThatSaysSo) {
+  auto buffer = exactly(with_id(7, encode_body(Reply{0, Done{std::string(2000, 'x')}}, 1000)));
+  const auto decoded = decode_reply(buffer);
+  ASSERT_TRUE(decoded && *decoded);
+  EXPECT_EQ((*decoded)->id, 7U);
+  EXPECT_EQ(std::get<Error>((*decoded)->body).message,
+            "the reply would have 2006 bytes, at most 1000 are possible; ask for less");
+}
+
 TEST(CodecTest, ReplacesWhatIsNotUtf8) {
   auto status = test::full_status();
   status.interfaces[0].identity = "alias \xff\xfe";

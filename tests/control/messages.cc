@@ -434,6 +434,17 @@ History full_history() {
             .message = "read again"}}};
 }
 
+namespace {
+
+Channel long_channel() {
+  auto channel = granted_channel();
+  channel.subscribers_left_out = 744;
+  channel.rows_left_out = 1745;
+  return channel;
+}
+
+}  // namespace
+
 std::vector<NamedReply> all_replies() {
   const auto error = [](ErrorKind kind) {
     return Reply{1, Error{.kind = kind, .message = "no", .details = {"a.xml:1: x", "a.xml:2: y"}}};
@@ -447,6 +458,7 @@ std::vector<NamedReply> all_replies() {
           {"Networks", {3, full_networks()}},
           {"Channels", {4, Channels{{refused_channel(), granted_channel(), switched_channel()}}}},
           {"NoChannels", {4, Channels{}}},
+          {"SomeChannels", {4, Channels{{long_channel()}, 99}}},
           {"Done", {5, Done{"released 1 admission"}}},
           {"Event", {0, full_event()}},
           {"Routes", {6, full_routes()}},

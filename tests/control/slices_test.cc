@@ -38,6 +38,19 @@ TEST(SlicesTest, ARowCountsWithItsNames) {
   EXPECT_EQ(control::split({7, channels}, 100).size(), 1U);
 }
 
+TEST(SlicesTest, AWayCountsWithItsNodes) {
+  control::MediumUse use;
+  use.nodes.resize(60, "node");
+  control::Routes routes;
+  routes.routes.resize(4);
+  for (control::RouteReport& route : routes.routes) route.media = {use};
+  EXPECT_EQ(control::split({7, routes}, 100).size(), 2U);
+  control::Channels channels;
+  channels.channels.resize(4);
+  for (control::Channel& channel : channels.channels) channel.media = {use};
+  EXPECT_EQ(control::split({7, channels}, 100).size(), 2U);
+}
+
 TEST(SlicesTest, AnErrorTakesThePlaceOfEverything) {
   std::optional<Reply> whole;
   ASSERT_TRUE(control::join(whole, Reply{7, full_networks(), true}));

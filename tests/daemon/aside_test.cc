@@ -21,6 +21,7 @@
 #include <set>
 #include <utility>
 
+#include "control/codec.hpp"
 #include "control/slices.hpp"
 
 namespace mlcca {
@@ -113,7 +114,7 @@ class AsideTest : public testing::Test {
         continue;
       }
       const bool more = slice->more;
-      EXPECT_TRUE(control::join(whole, {0, std::move(slice->body), more}));
+      EXPECT_TRUE(control::join(whole, {0, body_of(std::move(*slice)), more}));
       if (!more) return std::move(whole->body);
     }
     return {};
@@ -130,6 +131,17 @@ class AsideTest : public testing::Test {
   }
   void turn_until_forks(int made) {
     while (forks.made < made && !HasFatalFailure()) turn();
+  }
+  /// As its client reads it.
+  static Body body_of(serve::Slice slice) {
+    if (slice.encoded.empty()) return std::move(slice.body);
+    control::Buffer wire;
+    wire.append(control::with_id(1, slice.encoded));
+    auto reply = control::decode_reply(wire);
+    EXPECT_TRUE(reply && *reply && wire.content().empty());
+    if (!reply || !*reply) return {};
+    EXPECT_EQ((*reply)->more, slice.more);
+    return std::move((*reply)->body);
   }
   static std::string text(const Body& body) {
     if (const auto* done = std::get_if<control::Done>(&body)) return done->message;
@@ -193,6 +205,29 @@ TEST_F(AsideTest, ALongReportComesWholeAndInSlices) {
   EXPECT_GT(slices, 1U);
 }
 
+TEST_F(AsideTest, WhatMayNotBeSlicedComesInOnePiece) {
+  const auto ask_whole = [this](std::uint64_t session, Aside::Make make) {
+    return aside_->ask({.pid = 1, .uid = kAnna, .session = session}, std::move(make), false);
+  };
+  const auto next = ask_whole(1, [] { return rows_of_a_kibibyte(1000); });
+  std::size_t slices = 0;
+  const auto counted = [&] {
+    auto slice = next();
+    if (slice) ++slices;
+    return slice;
+  };
+  EXPECT_EQ(std::get<control::Networks>(whole(counted, 1)), rows_of_a_kibibyte(1000));
+  EXPECT_EQ(slices, 1U);
+  const auto large = ask_whole(2, [] { return rows_of_a_kibibyte(1100); });
+  EXPECT_NE(text(whole(large, 2)).find("at most 1048576 are possible; ask for less"),
+            std::string::npos);
+}
+
+TEST_F(AsideTest, NoSliceHasMoreThanTheLoopPassesOnAtOnce) {
+  const auto next = ask(kAnna, 1, [] { return control::Done{std::string(2UL << 20, 'x')}; });
+  EXPECT_NE(text(whole(next, 1)).find("at most 1048576 are possible"), std::string::npos);
+}
+
 TEST_F(AsideTest, AUserHasOneAndAllOfThemTwoAtOnce) {
   const Barrier barrier;
   const auto make = [&barrier] {
@@ -223,7 +258,7 @@ TEST_F(AsideTest, AReportThatIsReadSlowlyHoldsNoPlace) {
       << "nor does it keep its own user waiting";
   std::size_t rows = 64;
   for (auto slice = anna(); slice; slice = slice->more ? anna() : std::nullopt)
-    rows += std::get<control::Networks>(slice->body).networks.size();
+    rows += std::get<control::Networks>(body_of(std::move(*slice))).networks.size();
   EXPECT_EQ(rows, 1000U);
 }
 

@@ -17,6 +17,7 @@ $(eval $(call unit_test,drops_test,tests/daemon/drops_test.cc,$O/daemon/drops.o,
 $(eval $(call unit_test,health_test,tests/daemon/health_test.cc,$O/daemon/health.o $O/libcore.a,-lfmt))
 $(eval $(call unit_test,user_names_test,tests/daemon/user_names_test.cc,$O/daemon/user_names.o,))
 $(eval $(call kernel_test,drift_test,tests/daemon/drift_test.cc tests/enforce/sandbox.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
+$(eval $(call unit_test,report_size_test,tests/daemon/report_size_test.cc,$(addprefix $O/daemon/,report_size.o report.o) $O/libdescription.a $O/libcore.a,$(XML_LIBS) -lfmt))
 $(eval $(call unit_test,requests_test,tests/daemon/requests_test.cc tests/daemon/sender_test.cc tests/daemon/unlisted_test.cc,$O/daemon/requests.o $O/libdescription.a $O/libcore.a,$(XML_LIBS) -lfmt))
 $(eval $(call unit_test,rtnl_test,tests/daemon/rtnl_test.cc,$(addprefix $O/daemon/net/,rtnl.o links.o),$(NL_LIBS)))
 $(eval $(call kernel_test,vanish_test,tests/daemon/vanish_test.cc tests/enforce/sandbox.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS) -ldl))

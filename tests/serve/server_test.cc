@@ -137,6 +137,26 @@ class ServerTest : public testing::Test {
   int made_ = 0;
 };
 
+TEST_F(ServerTest, WhatIsEncodedIsPassedOnUnderTheIdOfItsRequest) {
+  answer_ = [](const Request& request, const Peer&) {
+    Answer answer{Reply{request.id, {}}};
+    answer.slices = [next = 0]() mutable -> std::optional<Slice> {
+      const bool more = ++next < 3;
+      const Reply slice{0, control::Done{std::to_string(next)}, more};
+      return Slice{{}, more, control::encode_body(slice)};
+    };
+    return answer;
+  };
+  const Fd socket = client();
+  control::Buffer buffer;
+  ask(socket, 300);
+  ask(socket, 301);
+  const auto all = replies(socket, buffer);
+  ASSERT_EQ(all.size(), 6U);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    EXPECT_EQ(all[i], (Reply{300 + i / 3, control::Done{std::to_string(i % 3 + 1)}, i % 3 != 2}));
+}
+
 TEST_F(ServerTest, SlicesComeInOrderAndTheNextReplyBehindThem) {
   answer_ = [&](const Request& r, const Peer&) { return channels(r.id, 5, 10); };
   const Fd socket = client();

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What a delivery, or a reply about many of them, does not list.
+#include <gtest/gtest.h>
+
+#include "tests/control/messages.hpp"
+#include "tools/json.hpp"
+#include "tools/render.hpp"
+
+namespace mlcca::tools {
+namespace {
+
+TEST(RenderLeftOutTest, SaysHowManyComparisonsAndDeliveriesAreLeftOut) {
+  auto channel = test::granted_channel();
+  channel.rows_left_out = 12;
+  EXPECT_NE(explain({{channel}}, Color::no, false).find("\n  and 12 more comparisons\n"),
+            std::string::npos);
+  EXPECT_TRUE(explain({{channel}, 99}, Color::no, false)
+                  .ends_with("\n\nand 99 more deliveries, all granted\n"));
+  channel.granted = false;
+  EXPECT_NE(explain({{channel}}, Color::no, false)
+                .find("\n  and 12 more comparisons; those that do not fit go first\n"),
+            std::string::npos);
+  EXPECT_TRUE(explain({{channel}, 1}, Color::no, false)
+                  .ends_with("\n\nand 1 more delivery; what is refused is listed first\n"));
+}
+
+TEST(RenderLeftOutTest, JsonHasTheNumbers) {
+  auto channel = test::granted_channel();
+  channel.rows_left_out = 12;
+  const std::string text = to_json(control::Reply{1, control::Channels{{channel}, 99}});
+  EXPECT_NE(text.find("\"rows_left_out\":12"), std::string::npos) << text;
+  EXPECT_NE(text.find("\"left_out\":99"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace mlcca::tools
