@@ -110,9 +110,10 @@ void Gateway::add_troubles_of_deliveries(std::vector<std::string>& to) const {
       const auto rules = core::gate_state(state_->system(), state_->members(), v, self_);
       for (const std::string& line : troubles_of(v, rules, shared, ports_.watch(rules)))
         to.push_back(fmt::format(
-            "{} from {} to {}: {}", state_->system().channels[channel].name,
+            "{} from {} ({}) to {}: {}", state_->system().channels[channel].name,
             core::name_of(state_->system(), state_->members().publisher(v.publisher).place),
-            core::name_of(state_->system(), v.to), line));
+            state_->members().publisher(v.publisher).name, core::name_of(state_->system(), v.to),
+            line));
     }
     // What is beyond is counted, and told by `channels`.
     if (to.size() > 2 * control::kMostReasons) return;
