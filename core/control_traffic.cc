@@ -219,6 +219,25 @@ ControlState control_at(const Network& network, const Port& port, std::size_t ki
           .rate = rate != 0 ? rate : known.rate};
 }
 
+namespace {
+
+/// What one kind needs on a CAN port. `asker`: who asks the broker for tags, if anybody does.
+void add_can_frames(ControlRules& rules, std::size_t p, const Port& port, const Network& network,
+                    std::size_t kind, std::optional<std::uint32_t> asker) {
+  const ControlKind& known = control_kinds(network)[kind];
+  const ControlState state = control_at(network, port, kind);
+  if (known.is_tagged && !has_own_tag(network)) return;
+  for (const ControlFrames& open : known.frames) {
+    const ControlFrames frames = known.is_tagged ? tagged(open, network.subscribe_tag) : open;
+    if (is_bound(network, frames)) continue;
+    rules.add(p, frames, known, state, port);
+    if (asker && port.node && *asker != port.control_uid && asks_for_tag(frames))
+      rules.add_sender(*asker);
+  }
+}
+
+}  // namespace
+
 GateState control_rules(const System& system, std::size_t gateway,
                         std::optional<std::uint32_t> asker) {
   ControlRules rules;
@@ -229,21 +248,11 @@ GateState control_rules(const System& system, std::size_t gateway,
     const Network& network = system.networks[ports[p].network];
     const auto kinds = control_kinds(network);
     for (std::size_t k = 0; k < kinds.size(); ++k) {
-      const ControlState state = control_at(network, ports[p], k);
       if (kinds[k].is_tagged && is_channel) continue;
-      if (network.kind != NetworkKind::can) {
-        rules.add_datagrams(p, kinds[k], state, ports[p]);
-        continue;
-      }
-      if (kinds[k].is_tagged && !has_own_tag(network)) continue;
-      for (const ControlFrames& open : kinds[k].frames) {
-        const ControlFrames frames =
-            kinds[k].is_tagged ? tagged(open, network.subscribe_tag) : open;
-        if (is_bound(network, frames)) continue;
-        rules.add(p, frames, kinds[k], state, ports[p]);
-        if (asker && ports[p].node && *asker != ports[p].control_uid && asks_for_tag(frames))
-          rules.add_sender(*asker);
-      }
+      if (network.kind == NetworkKind::can)
+        add_can_frames(rules, p, ports[p], network, k, asker);
+      else
+        rules.add_datagrams(p, kinds[k], control_at(network, ports[p], k), ports[p]);
     }
   }
   return rules.take();
