@@ -200,7 +200,7 @@ void allow_many_descriptors() {
 /// library's own handler would wait for whoever reads its lines.
 [[noreturn]] void ended_by_an_exception() {
   try {
-    if (std::current_exception()) throw;
+    if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
   } catch (const std::bad_alloc&) {
     out_of_memory();
   } catch (const std::exception& e) {
