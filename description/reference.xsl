@@ -28,6 +28,7 @@
   <r:words type="AttributeName">a letter, then up to 62 letters or digits</r:words>
   <r:words type="NodeAddress">a MAC address such as 02:00:00:00:00:01, or an IPv4 or IPv6 address</r:words>
   <r:words type="SenderAddress">the IPv4 or MAC address of one station, such as 192.0.2.7</r:words>
+  <r:words type="SubjectRange">no, any, or a subject and how many of its leading bits count, such as 0x5600000000000000/8</r:words>
 
   <r:example type="System" file="volksbot/robot" element="System"/>
   <r:example type="EventChannel" file="volksbot/channels/emergency-switch" element="EventChannel"/>
