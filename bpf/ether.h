@@ -208,7 +208,7 @@ static inline __u64 ether_sieve(__u64 hash) { return 1ULL << (ETHER_SIEVE_SHIFT 
 /* The bits of a subject in the octet of its bucket: two, seldom one. */
 static inline __u8 ether_front_bits(__u64 hash)
 {
-	return 1U << (hash >> 61) | 1U << (hash >> 56 & 7);
+	return (__u8)(1U << (hash >> 61) | 1U << (hash >> 56 & 7));
 }
 
 GATE_ASSERT(sizeof(struct ether_contract) == 64, "ether_contract is pinned layout");
