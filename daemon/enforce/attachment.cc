@@ -7,8 +7,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "core/handle.hpp"
@@ -116,7 +116,7 @@ Result<void> remove_others_of_ours(const Place& place, const InPlace& ours) {
 }  // namespace
 
 Result<void> remove_orphans(std::uint32_t ifindex, Direction direction, std::uint32_t ours) {
-  std::optional<std::set<std::uint32_t>> gates;
+  std::optional<std::map<std::uint32_t, bool>> gates;
   for (int i = 0; i < kTries; ++i) {
     const auto order = tcx_order(ifindex, direction);
     if (!order) return std::unexpected(order.error());

@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <set>
 
@@ -26,11 +27,12 @@ namespace mlcca::enforce {
 namespace {
 
 using Ids = std::set<std::uint32_t>;
+using Roster = std::map<std::uint32_t, bool>;
 using Interfaces = std::unique_ptr<struct if_nameindex, FreeWith<if_freenameindex>>;
 
 /// The programs at one interface that are in our place of clsact, or of a gate and in TCX. An
 /// interface that went meanwhile has none.
-Result<Ids> programs_at(std::uint32_t ifindex, const Ids& gates, Hook hook) {
+Result<Ids> programs_at(std::uint32_t ifindex, const Roster& gates, Hook hook) {
   Ids found;
   for (const Direction direction : kBothDirections) {
     if (hook == Hook::clsact) {
@@ -85,23 +87,24 @@ Result<void> close(std::uint32_t ifindex, Hook hook, const Control& control) {
 Result<std::vector<GatedInterface>> gated_interfaces() {
   const auto tcx = tcx_order(kLoopback, Direction::ingress);
   if (!tcx) return std::unexpected(tcx.error());
-  const auto gates = programs_of_gates();
-  const auto passing = programs_that_may_pass();
+  const auto listed = programs_of_gates();
   // In clsact ours are known by their place.
-  if (*tcx && !gates) return std::unexpected(gates.error());
+  if (*tcx && !listed) return std::unexpected(listed.error());
+  const Roster gates = listed.value_or(Roster{});
+  const auto may_pass = [&](std::uint32_t program) {
+    const auto known = gates.find(program);
+    return !listed || (known != gates.end() && known->second);
+  };
   const Interfaces interfaces(::if_nameindex());
   if (!interfaces) return failure("list the interfaces", errno);
   std::vector<GatedInterface> found;
   for (const auto* i = interfaces.get(); i->if_index != 0; ++i)
     for (const Hook hook : {Hook::tcx, Hook::clsact}) {
-      const auto programs = programs_at(i->if_index, gates.value_or(Ids{}), hook);
+      const auto programs = programs_at(i->if_index, gates, hook);
       if (!programs && !is_there(i->if_index)) break;
       if (!programs) return std::unexpected(programs.error());
       if (programs->empty()) continue;
-      const bool may_pass = !passing || std::ranges::any_of(*programs, [&](std::uint32_t program) {
-        return passing->contains(program);
-      });
-      found.push_back({i->if_index, i->if_name, hook, may_pass});
+      found.push_back({i->if_index, i->if_name, hook, std::ranges::any_of(*programs, may_pass)});
       break;
     }
   return found;

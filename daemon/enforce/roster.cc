@@ -10,7 +10,6 @@
 #include <array>
 #include <cerrno>
 #include <memory>
-#include <span>
 #include <string_view>
 
 #include "bpf/gate.h"
@@ -24,14 +23,20 @@ namespace {
 using Object = std::unique_ptr<roster_bpf, FreeWith<roster_bpf__destroy>>;
 using Link = std::unique_ptr<bpf_link, FreeWith<bpf_link__destroy>>;
 
-// Of those that look at a control word: the dead-man and timers are attached nowhere.
-constexpr std::array<std::string_view, 5> kMayPass = {
-    "gate_ingress", "gate_egress", "ether_ingress", "ether_egress", "ether_early"};
-constexpr std::array<std::string_view, 7> kAll = {"gate_ingress", "gate_egress", "ether_ingress",
-                                                  "ether_egress", "ether_early", "closed_ingress",
-                                                  "closed_egress"};
+struct Kind {
+  std::string_view name;
+  bool may_pass = true;
+};
+// The dead-man and timers are attached nowhere.
+constexpr std::array kKinds{
+    Kind{"gate_ingress"},         Kind{"gate_egress"}, Kind{"ether_ingress"},
+    Kind{"ether_egress"},         Kind{"ether_early"}, Kind{"closed_ingress", false},
+    Kind{"closed_egress", false},
+};
 
-Result<std::set<std::uint32_t>> programs(std::span<const std::string_view> names) {
+}  // namespace
+
+Result<std::map<std::uint32_t, bool>> programs_of_gates() {
   const Complaints complaints;
   const Object object(roster_bpf__open_and_load());
   if (!object) return complaints.error("list the programs of gates", errno);
@@ -39,26 +44,22 @@ Result<std::set<std::uint32_t>> programs(std::span<const std::string_view> names
   if (!link) return complaints.error("list the programs of gates", errno);
   const Fd list(bpf_iter_create(bpf_link__fd(link.get())));
   if (!list) return failure("list the programs of gates", errno);
-  std::set<std::uint32_t> programs;
+  std::map<std::uint32_t, bool> programs;
   ssize_t size = 0;
   // The kernel gives whole entries: less than a page of them at once.
   std::array<gate_program, 128> some{};
   while ((size = ::read(list.get(), some.data(), sizeof(some))) > 0) {
     if (size % static_cast<ssize_t>(sizeof(gate_program)) != 0)
       return fail("list the programs of gates: half an entry");
-    for (std::size_t n = 0; n < static_cast<std::size_t>(size) / sizeof(gate_program); ++n)
-      if (std::ranges::find(names, static_cast<const char*>(some.at(n).name)) != names.end())
-        programs.insert(some.at(n).id);
+    for (std::size_t n = 0; n < static_cast<std::size_t>(size) / sizeof(gate_program); ++n) {
+      const std::string_view name = static_cast<const char*>(some.at(n).name);
+      const auto* const kind = std::ranges::find(kKinds, name, &Kind::name);
+      if (kind != kKinds.end()) programs.emplace(some.at(n).id, kind->may_pass);
+    }
   }
   if (size < 0) return failure("list the programs of gates", errno);
   return programs;
 }
-
-}  // namespace
-
-Result<std::set<std::uint32_t>> programs_of_gates() { return programs(kAll); }
-
-Result<std::set<std::uint32_t>> programs_that_may_pass() { return programs(kMayPass); }
 
 bool is_of_a_gate(std::uint32_t program) {
   const auto gates = programs_of_gates();

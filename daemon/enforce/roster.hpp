@@ -3,17 +3,16 @@
 // somebody removed, of a gate that came back with its device.
 #pragma once
 #include <cstdint>
-#include <set>
+#include <map>
 
 #include "core/result.hpp"
 
 namespace mlcca::enforce {
 
-/// Ids of all programs of ours, of any gateway on this machine. Takes some ms. Error: the kernel
-/// has no type information (BTF), or no privilege.
-Result<std::set<std::uint32_t>> programs_of_gates();
-/// Of those, the ones that let pass what they are told; `mlccad --close` puts others there.
-Result<std::set<std::uint32_t>> programs_that_may_pass();
+/// All programs of ours by their ids, of any gateway on this machine; true: it lets pass what it is
+/// told, false: it drops everything (`mlccad --close` puts those there). Takes some ms. Error: the
+/// kernel has no type information (BTF), or no privilege.
+Result<std::map<std::uint32_t, bool>> programs_of_gates();
 /// False where that cannot be found out.
 bool is_of_a_gate(std::uint32_t program);
 
