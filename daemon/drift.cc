@@ -75,15 +75,15 @@ bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& l
   gated_.insert(ifindex);
   keep_pinned(gate, seen);
   const auto there = gate.attached();
-  const std::string unseen =
-      there ? ""
-            : fmt::format("the gate of {} cannot be looked at, and is commanded as before: {}",
-                          gate.name(), there.error().text);
-  if (std::exchange(seen.unseen, unseen) != unseen && !there) tell_(Kind::drift, unseen, true);
+  if (seen.unseen.is_new(
+          there ? ""
+                : fmt::format("the gate of {} cannot be looked at, and is commanded as before: {}",
+                              gate.name(), there.error().text)))
+    tell_(Kind::drift, seen.unseen.text(), true);
   if (!there) return true;
   keep_early(ifindex, gate, seen);
   if (*there) {
-    if (seen.unpinned.empty()) keep_first(ifindex, gate, seen);
+    if (!seen.unpinned.lasts()) keep_first(ifindex, gate, seen);
     return true;
   }
   const auto repaired = gate.reattach();
@@ -104,18 +104,14 @@ bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& l
 /// Before anything else is put back: that is pinned, too.
 void Drift::keep_pinned(const enforce::PortGate& gate, Seen& seen) {
   const auto again = gate.keep_pinned();
-  const std::string why =
-      again ? ""
-            : fmt::format(
-                  "the gate of {} is not pinned, and a daemon that starts would begin with "
-                  "a closed one: {}",
-                  gate.name(), again.error().text);
-  const std::string told = std::exchange(seen.unpinned, why);
-  if (!again) {
-    if (told != why) tell_(Kind::drift, why, true);
-    return;
-  }
-  if (again->empty()) return;
+  if (seen.unpinned.is_new(
+          again ? ""
+                : fmt::format(
+                      "the gate of {} is not pinned, and a daemon that starts would begin with "
+                      "a closed one: {}",
+                      gate.name(), again.error().text)))
+    tell_(Kind::drift, seen.unpinned.text(), true);
+  if (!again || again->empty()) return;
   ++seen.repaired;
   tell_(Kind::drift,
         fmt::format("somebody unpinned {} of the gate of {}: pinned again, and nothing else has "
@@ -220,10 +216,12 @@ void Drift::report(int ifindex, const enforce::PortGate& gate, control::Interfac
   to.hook = enforce::to_text(gate.hook());
   const auto it = seen_.find(ifindex);
   if (it == seen_.end()) return;
-  for (const std::string& part : {it->second.standing, it->second.unpinned, it->second.early})
+  const Seen& seen = it->second;
+  for (const std::string& part :
+       {seen.unseen.text(), seen.standing, seen.unpinned.text(), seen.early})
     if (!part.empty()) to.drift += (to.drift.empty() ? "" : "; ") + part;
-  to.repaired = it->second.repaired;
-  to.bypassed = it->second.past;
+  to.repaired = seen.repaired;
+  to.bypassed = seen.past;
 }
 
 }  // namespace mlcca

@@ -15,6 +15,7 @@
 #include "daemon/enforce/port_gate.hpp"
 #include "daemon/journal.hpp"
 #include "daemon/net/links.hpp"
+#include "daemon/problem.hpp"
 
 namespace mlcca {
 
@@ -43,8 +44,8 @@ class Drift {
  private:
   struct Seen {
     std::string standing;   ///< what cannot be repaired; empty: nothing
-    std::string unseen;     ///< why nobody knows whether it is in place; empty: it is known
-    std::string unpinned;   ///< why it cannot be pinned again; empty: it is pinned
+    Problem unseen;         ///< why nobody knows whether it is in place
+    Problem unpinned;       ///< why it cannot be pinned again
     std::string early;      ///< XDP programs of others, which run before the gate; empty: none
     std::string unmovable;  ///< what runs before the gate and could not be put behind it
     std::uint64_t repaired = 0;

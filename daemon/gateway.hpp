@@ -33,6 +33,7 @@
 #include "daemon/options.hpp"
 #include "daemon/patience.hpp"
 #include "daemon/ports.hpp"
+#include "daemon/problem.hpp"
 #include "daemon/quotas.hpp"
 #include "daemon/reading.hpp"
 #include "daemon/requests.hpp"
@@ -85,9 +86,9 @@ class Gateway {
     ready_ = ready;
     aside_.on_ready(ready);
   }
-  /// Says whether a client has hung up: nothing is begun for it any more.
   /// That of lock_gates(): it is looked after from now on.
   void hold(Fd lock) { lock_ = std::move(lock); }
+  /// Says whether a client has hung up: nothing is begun for it any more.
   void on_begin(Aside::Gone gone) { aside_.on_begin(std::move(gone)); }
   /// Otherwise ForkBudget::kUsual.
   void set_report_rates(ForkBudget::Rates rates) { aside_.set_rates(rates); }
@@ -377,11 +378,11 @@ class Gateway {
   std::time_t started_ = 0;
   std::time_t loaded_ = 0;
   std::string last_error_;
-  std::string told_trouble_;  // of the journal
-  std::string journal_gone_;  // why it cannot be written anew
-  Fd lock_;                   // see lock_gates()
-  std::string unlocked_;      // why it is another one's; empty: it is ours
-  std::string unpinned_;      // why the control word is not pinned; empty: it is
+  Problem journal_trouble_;
+  Problem journal_gone_;  // why it cannot be written anew
+  Fd lock_;               // see lock_gates()
+  Problem unlocked_;      // why it is another one's
+  Problem unpinned_;      // why the control word is not pinned
 
   std::set<std::size_t> dirty_meshes_;          // networks
   std::vector<core::AdmissionId> uncommitted_;  // granted, and not on disk yet

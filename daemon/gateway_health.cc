@@ -78,7 +78,7 @@ std::vector<std::string> Gateway::own_problems() const {
   if (!ports_.orphans_unknown().empty())
     problems.push_back(ports_.orphans_unknown() +
                        ": a gate without pins may be left on an interface that is not described");
-  if (!journal_gone_.empty()) problems.push_back(journal_gone_);
+  if (journal_gone_.lasts()) problems.push_back(journal_gone_.text());
   if (!forwarder_.problem().empty()) problems.push_back(forwarder_.problem());
   return problems;
 }
@@ -89,8 +89,8 @@ void Gateway::add_own_troubles(std::vector<std::string>& to) const {
     to.emplace_back("audit mode: nothing is dropped, data that was not admitted passes");
   if (control_.lapsed()) to.emplace_back("the heart-beat came too late: everything is denied");
   std::ranges::move(own_problems(), std::back_inserter(to));
-  if (!unlocked_.empty()) to.push_back("two daemons may change the same gates: " + unlocked_);
-  if (!unpinned_.empty()) to.push_back("the control word is not pinned: " + unpinned_);
+  if (unlocked_.lasts()) to.push_back(unlocked_.text());
+  if (unpinned_.lasts()) to.push_back(unpinned_.text());
   if (!last_error_.empty())
     to.push_back("the latest reload was refused, the former description is in force: " +
                  last_error_);

@@ -145,9 +145,8 @@ void Gateway::commit() {
     tell(Kind::trouble, 3, done.error().text);
     take_back_uncommitted();
   }
-  if (const auto& trouble = store_->trouble(); trouble && *trouble != told_trouble_)
-    tell(Kind::trouble, 4, *trouble);
-  told_trouble_ = store_->trouble().value_or("");
+  if (journal_trouble_.is_new(store_->trouble().value_or("")))
+    tell(Kind::trouble, 4, journal_trouble_.text());
   uncommitted_.clear();
   if (committed_) committed_(done);
   if (done) return;
@@ -164,12 +163,11 @@ void Gateway::commit() {
 void Gateway::keep_journal() {
   if (!store_ || store_->dirty()) return;
   const auto again = patience_.wait_for([this] { return store_->keep(); });
-  std::string gone;
-  if (!again)
-    gone = store_->path() +
-           " was removed or replaced, and cannot be written anew: " + again.error().text;
-  if (!gone.empty() && gone != journal_gone_) tell(Kind::trouble, 3, gone);
-  journal_gone_ = std::move(gone);
+  if (journal_gone_.is_new(again ? ""
+                                 : store_->path() +
+                                       " was removed or replaced, and cannot be written anew: " +
+                                       again.error().text))
+    tell(Kind::trouble, 3, journal_gone_.text());
   if (again && *again)
     tell(Kind::drift, 3,
          store_->path() +

@@ -67,9 +67,8 @@ void Gateway::plan_rounds() {
 /// What does not grow with channels or ports; the rules of can-gw are read in one answer.
 bool Gateway::look_around() {
   const auto again = control_.keep_pinned();
-  const std::string unpinned = again ? "" : again.error().text;
-  if (std::exchange(unpinned_, unpinned) != unpinned && !again)
-    tell(Kind::trouble, 3, "the control word is not pinned: " + unpinned);
+  if (unpinned_.is_new(again ? "" : "the control word is not pinned: " + again.error().text))
+    tell(Kind::trouble, 3, unpinned_.text());
   if (again && *again)
     tell(Kind::drift, 3,
          "somebody unpinned what closes the gates when this daemon dies: it is pinned again");
@@ -91,9 +90,9 @@ bool Gateway::look_around() {
 
 void Gateway::keep_lock() {
   const auto locked = mlcca::keep_lock(lock_, options_.bpf_root);
-  const std::string unlocked = locked ? "" : locked.error().text;
-  if (std::exchange(unlocked_, unlocked) != unlocked && !locked)
-    tell(Kind::trouble, 3, "two daemons may change the same gates: " + unlocked);
+  if (unlocked_.is_new(locked ? ""
+                              : "two daemons may change the same gates: " + locked.error().text))
+    tell(Kind::trouble, 3, unlocked_.text());
   if (locked && *locked)
     tell(Kind::drift, 3,
          "somebody removed the lock of " + options_.bpf_root + ": it is held again");

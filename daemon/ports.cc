@@ -173,7 +173,7 @@ void Ports::hold_closed(PortState& port, const std::string& name) {
 }
 
 bool Ports::out_of_hand() const {
-  return !unread_.empty() || std::ranges::any_of(ports_, &PortState::lost);
+  return unread_.lasts() || std::ranges::any_of(ports_, &PortState::lost);
 }
 
 bool Ports::raise(PortState& port) {

@@ -26,6 +26,7 @@
 #include "daemon/enforce/slot_record.hpp"
 #include "daemon/net/identity.hpp"
 #include "daemon/net/links.hpp"
+#include "daemon/problem.hpp"
 #include "daemon/report.hpp"
 
 namespace mlcca {
@@ -74,11 +75,11 @@ class Ports {
   [[nodiscard]] bool out_of_hand() const;
   /// Whether a gate's interface is there could not be found out: follow() again soon.
   [[nodiscard]] bool in_doubt() const {
-    return !doubtful_.empty() || !unread_.empty() || !orphans_closed_;
+    return !doubtful_.empty() || unread_.lasts() || !orphans_closed_;
   }
 
   /// Why nobody knows whether gates without pins are left; empty: it is known.
-  [[nodiscard]] const std::string& orphans_unknown() const { return orphans_told_; }
+  [[nodiscard]] const std::string& orphans_unknown() const { return orphans_unknown_.text(); }
 
   /// Once a second: frames that were sent past the gate of an interface.
   void look_for_bypass(int ifindex, std::int64_t now_s);
@@ -222,8 +223,8 @@ class Ports {
   std::map<int, Held> gates_;    ///< by ifindex
   std::set<int> doubtful_;       ///< those of them whose interface may have gone
   bool orphans_closed_ = false;  ///< see close_orphans()
-  std::string orphans_told_;     ///< why they could not be found, as last told
-  std::string unread_;           ///< why nobody knows what a former daemon has pinned; empty: known
+  Problem orphans_unknown_;      ///< why they could not be found
+  Problem unread_;               ///< why nobody knows what a former daemon has pinned
   Drift drift_;
 };
 

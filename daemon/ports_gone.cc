@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <iterator>
-#include <utility>
 
 #include "daemon/enforce/close_unpinned.hpp"
 #include "daemon/ports.hpp"
@@ -46,13 +45,11 @@ void Ports::close_undescribed() {
     if (!is_to_be_gated(ifindex)) gate->deny_all();
   std::erase_if(doubtful_, [this](int ifindex) { return !gates_.contains(ifindex); });
   const auto pinned = enforce::pinned_interfaces(control_);
-  const std::string told = std::exchange(unread_, pinned ? "" : pinned.error().text);
-  if (!pinned) {
-    if (told != unread_)
-      tell_({}, unread_ + ": nobody knows which gates a former daemon left, and all are closed",
-            true);
-    return;
-  }
+  if (unread_.is_new(pinned ? "" : pinned.error().text))
+    tell_({},
+          unread_.text() + ": nobody knows which gates a former daemon left, and all are closed",
+          true);
+  if (!pinned) return;
   for (const std::uint32_t number : *pinned) {
     const auto ifindex = static_cast<int>(number);
     if (is_to_be_gated(ifindex) || gates_.contains(ifindex)) continue;
@@ -84,13 +81,11 @@ void Ports::close_orphans() {
   if (orphans_closed_) return;
   const auto found = enforce::gated_interfaces();
   orphans_closed_ = found.has_value();
-  const std::string told = std::exchange(orphans_told_, found ? "" : found.error().text);
-  if (!found) {
-    if (told != orphans_told_)
-      tell_({}, orphans_told_ + ": nobody knows which gates without pins a former daemon left",
-            true);
-    return;
-  }
+  if (orphans_unknown_.is_new(found ? "" : found.error().text))
+    tell_({},
+          orphans_unknown_.text() + ": nobody knows which gates without pins a former daemon left",
+          true);
+  if (!found) return;
   for (const enforce::GatedInterface& gated : *found) {
     const auto ifindex = static_cast<int>(gated.ifindex);
     const auto link = links_.table().find(ifindex);

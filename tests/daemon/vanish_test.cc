@@ -116,6 +116,8 @@ class VanishTest : public testing::Test {
     return there && there->is_gate();
   }
 
+  [[nodiscard]] std::string shown() const { return ports_->report().at(0).drift; }
+
   static constexpr int kNear = 4711;
   static constexpr int kFar = 4712;
   std::string root_ = test::new_bpf_root();
@@ -161,9 +163,11 @@ TEST_F(VanishTest, AGateThatCannotBeLookedAtIsCommandedAsBeforeAndToldOnce) {
   EXPECT_EQ(told_[0],
             "the gate of eth7 cannot be looked at, and is commanded as before: tcx query: Cannot "
             "allocate memory");
+  EXPECT_EQ(shown(), told_[0]);
   fail_queries = 0;
   EXPECT_TRUE(ports_->repair(kNear));
   EXPECT_TRUE(is_gated());
+  EXPECT_EQ(shown(), "");
 }
 
 TEST_F(VanishTest, AGateWhosePinsAreGoneIsClosedAlsoWhereItIsNotDescribedAnyMore) {
