@@ -16,21 +16,18 @@ void put(const Attribute& from, v1::Attribute& to) {
   to.set_dynamic(from.dynamic);
 }
 
+void put(const ReasonCount& from, v1::ReasonCount& to) {
+  to.set_reason(to_utf8(from.reason));
+  to.set_frames(from.frames);
+}
+
 void put(const Traffic& from, v1::Traffic& to) {
   to.set_passed(from.passed);
   to.set_dropped(from.dropped);
   to.set_unknown(from.unknown);
-  for (const auto& count : from.reasons) {
-    auto& wire = *to.add_reasons();
-    wire.set_reason(to_utf8(count.reason));
-    wire.set_frames(count.frames);
-  }
+  for (const auto& count : from.reasons) put(count, *to.add_reasons());
   to.set_would_drop(from.would_drop);
-  for (const auto& count : from.would_drop_reasons) {
-    auto& wire = *to.add_would_drop_reasons();
-    wire.set_reason(to_utf8(count.reason));
-    wire.set_frames(count.frames);
-  }
+  for (const auto& count : from.would_drop_reasons) put(count, *to.add_would_drop_reasons());
 }
 
 void put(const Unknown& from, v1::Unknown& to) {
