@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bpf/gate.h"
+#include "daemon/enforce/close_unpinned.hpp"
 #include "daemon/enforce/early.hpp"
 #include "daemon/net/filters.hpp"
 
@@ -86,6 +87,7 @@ bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& l
     if (!seen.unpinned.lasts()) keep_first(ifindex, gate, seen);
     return true;
   }
+  const bool replaced = enforce::is_gated(static_cast<std::uint32_t>(ifindex), gate.hook());
   const auto repaired = gate.reattach();
   if (!repaired) {
     tell_(
@@ -96,7 +98,13 @@ bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& l
   }
   ++seen.repaired;
   tell_(Kind::drift,
-        "somebody removed the gate of " + gate.name() + ": it was open until now, and is back",
+        replaced
+            ? fmt::format("another daemon had put its gate in the place of that of {}, which is "
+                          "back: two daemons with --bpf-root of their own close each other's "
+                          "gates",
+                          gate.name())
+            : fmt::format("somebody removed the gate of {}: it was open until now, and is back",
+                          gate.name()),
         true);
   return true;
 }

@@ -32,20 +32,29 @@ using Interfaces = std::unique_ptr<struct if_nameindex, FreeWith<if_freenameinde
 
 /// The programs at one interface that are in our place of clsact, or of a gate and in TCX. An
 /// interface that went meanwhile has none.
+Result<Ids> programs_at(std::uint32_t ifindex, Direction direction, const Roster& gates,
+                        Hook hook) {
+  if (hook == Hook::clsact) {
+    const auto program = program_in_place(ifindex, direction);
+    if (!program) return std::unexpected(program.error());
+    return *program != 0 ? Ids{*program} : Ids{};
+  }
+  const auto order = tcx_order(ifindex, direction);
+  if (!order) return std::unexpected(order.error());
+  Ids found;
+  if (*order)
+    std::ranges::copy_if((*order)->programs, std::inserter(found, found.end()),
+                         [&](std::uint32_t program) { return gates.contains(program); });
+  return found;
+}
+
+/// In both directions.
 Result<Ids> programs_at(std::uint32_t ifindex, const Roster& gates, Hook hook) {
   Ids found;
   for (const Direction direction : kBothDirections) {
-    if (hook == Hook::clsact) {
-      const auto program = program_in_place(ifindex, direction);
-      if (!program) return std::unexpected(program.error());
-      if (*program != 0) found.insert(*program);
-      continue;
-    }
-    const auto order = tcx_order(ifindex, direction);
-    if (!order) return std::unexpected(order.error());
-    if (*order)
-      std::ranges::copy_if((*order)->programs, std::inserter(found, found.end()),
-                           [&](std::uint32_t program) { return gates.contains(program); });
+    const auto here = programs_at(ifindex, direction, gates, hook);
+    if (!here) return std::unexpected(here.error());
+    found.insert(here->begin(), here->end());
   }
   return found;
 }
@@ -108,6 +117,13 @@ Result<std::vector<GatedInterface>> gated_interfaces() {
       break;
     }
   return found;
+}
+
+bool is_gated(std::uint32_t ifindex, Hook hook) {
+  const Roster gates = programs_of_gates().value_or(Roster{});
+  return std::ranges::all_of(kBothDirections, [&](Direction direction) {
+    return !programs_at(ifindex, direction, gates, hook).value_or(Ids{}).empty();
+  });
 }
 
 Result<std::vector<std::string>> close_unpinned() {

@@ -19,6 +19,10 @@ struct GatedInterface {
 /// All of this network namespace, pinned or not. Error: it cannot be known.
 Result<std::vector<GatedInterface>> gated_interfaces();
 
+/// Both directions have the program of a gate, of whatever daemon. False where that cannot be
+/// known.
+bool is_gated(std::uint32_t ifindex, Hook hook);
+
 /// For a daemon that cannot command the gates, because there is no bpffs: puts closed ones in the
 /// place of all that are in this network namespace, where they stay until a daemon replaces them.
 /// Gives the names of those interfaces.

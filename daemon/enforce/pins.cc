@@ -12,12 +12,20 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "daemon/enforce/failure.hpp"
 
 namespace mlcca::enforce {
+
+namespace {
+
+/// Where the mount unit of the service has it: --bpf-root without a word.
+constexpr std::string_view kUsualRoot = "/run/mlcca/bpf";
+
+}  // namespace
 
 Result<void> make_pin_directory(const std::string& path) {
   std::error_code error;
@@ -27,7 +35,12 @@ Result<void> make_pin_directory(const std::string& path) {
   struct statfs info{};
   if (statfs(there.c_str(), &info) != 0) return failure("statfs " + there.string(), errno);
   if (info.f_type != BPF_FS_MAGIC)
-    return fail(there.string() + " is no bpffs: systemctl start run-mlcca-bpf.mount");
+    return fail(
+        path.starts_with(kUsualRoot)
+            ? fmt::format("{} is no bpffs: systemctl start run-mlcca-bpf.mount", kUsualRoot)
+            : fmt::format("{} is on no bpffs: mount one (mount -t bpf bpf DIRECTORY) and name "
+                          "it by --bpf-root, or leave that out for {}",
+                          path, kUsualRoot));
   std::filesystem::create_directories(path, error);
   if (error) return failure("mkdir " + path, error.value());
   return {};

@@ -89,6 +89,25 @@ TEST_P(DriftTest, RemovedGateIsPutBackAndTold) {
   EXPECT_EQ(told_.size(), 1U) << told_.back();
 }
 
+TEST_P(DriftTest, AGateOfAnotherDaemonInItsPlaceIsReplacedAndNotToldAsOpen) {
+  const auto elsewhere = Control::create(test::new_bpf_root()).value();
+  GateConfig config;
+  config.ifindex = bus_.ifindex();
+  config.name = bus_.name();
+  config.profile = core::Profile::raw;
+  config.hook = hook_;
+  const auto usurper = Gate::attach(config, elsewhere);
+  ASSERT_TRUE(usurper) << usurper.error().text;
+  repair();
+  EXPECT_TRUE(gate().attached().value());
+  EXPECT_FALSE(usurper->attached().value());
+  ASSERT_EQ(told_.size(), 1U) << told_.front();
+  EXPECT_EQ(told_[0],
+            "another daemon had put its gate in the place of that of bus0, which is back: two "
+            "daemons with --bpf-root of their own close each other's gates");
+  EXPECT_EQ(report().repaired, 1U);
+}
+
 TEST_P(DriftTest, UnpinnedGateIsPinnedAgainAndTold) {
   admit(gate(), {in(0x123)});
   bus_.inject(frame(0x123));

@@ -254,7 +254,7 @@ TEST_F(StartTest, WithoutTheFolderOfTheBpffsClosesAndSaysWhatToDo) {
   Process after(command, gateway_.path("log"));
   EXPECT_FALSE(after.ready());
   EXPECT_EQ(after.end(), 1);
-  EXPECT_NE(gateway_.log().find("is no bpffs: systemctl start run-mlcca-bpf.mount"),
+  EXPECT_NE(gateway_.log().find("is on no bpffs: mount one (mount -t bpf bpf DIRECTORY)"),
             std::string::npos)
       << gateway_.log();
   EXPECT_NE(gateway_.log().find("closed: lan0"), std::string::npos) << gateway_.log();
