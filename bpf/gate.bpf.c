@@ -132,6 +132,15 @@ static __always_inline void choose_band(struct __sk_buff *skb, __u32 can_id)
 	skb->priority = band;
 }
 
+/* What audit mode lets out is on the bus as well, and no word of a broker. */
+static __always_inline int heed_unless_dropped(struct __sk_buff *skb, struct frame *frame,
+					       int action)
+{
+	if (action == TC_ACT_UNSPEC && is_reply(frame))
+		heed_reply(skb, frame, GATE_EGRESS, false);
+	return action;
+}
+
 SEC("tc")
 int gate_egress(struct __sk_buff *skb)
 {
@@ -155,13 +164,15 @@ int gate_egress(struct __sk_buff *skb)
 	if (frame.can_id & CAN_ERR_FLAG)
 		return refuse_out(cpu, GATE_EGRESS, GATE_R_ERROR_FRAME, &frame);
 	if (closed())
-		return refuse_out(cpu, GATE_EGRESS, GATE_R_CLOSED, &frame);
+		return heed_unless_dropped(skb, &frame,
+					   refuse_out(cpu, GATE_EGRESS, GATE_R_CLOSED, &frame));
 
 	d = decide(skb, GATE_EGRESS, &frame, source);
 	if (d.reason != GATE_R_PASSED)
-		return refuse_out(cpu, d.slot, d.reason, &frame);
+		return heed_unless_dropped(skb, &frame, refuse_out(cpu, d.slot, d.reason, &frame));
 	if (!admit(cpu, GATE_EGRESS, d.slot, &frame))
-		return drop(cpu, GATE_EGRESS, d.slot, GATE_R_EXCESS);
+		return heed_unless_dropped(skb, &frame,
+					   drop(cpu, GATE_EGRESS, d.slot, GATE_R_EXCESS));
 	if (is_reply(&frame))
 		heed_reply(skb, &frame, GATE_EGRESS, true);
 	choose_band(skb, frame.can_id);

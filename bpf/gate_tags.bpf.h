@@ -96,6 +96,17 @@ static __always_inline void deal(struct gate_binding *b, struct reply *r)
 	}
 }
 
+/*
+ * A tag that the subject was dealt, and which user space has not stated yet, is another one's now.
+ * Counted, so that user space, which may just be stating it, finds a contradiction.
+ */
+static __always_inline void take_back(struct gate_binding *b, struct reply *r)
+{
+	WRITE_ONCE(b->dealt, 0);
+	__sync_fetch_and_add(&b->contradictions, 1);
+	r->news = 1;
+}
+
 static long look_at_binding(__u32 at, void *context)
 {
 	struct gate_binding *b = &table.bindings[at & (GATE_BINDINGS - 1)];
@@ -105,6 +116,8 @@ static long look_at_binding(__u32 at, void *context)
 		return 0;
 	if (b->etag && b->etag == r->etag && half_of(b->subject, r->half) != r->part)
 		deal_to_another(b, r);
+	else if (b->dealt && b->dealt == r->etag && half_of(b->subject, r->half) != r->part)
+		take_back(b, r);
 	else if (r->whole && b->subject == r->subject)
 		deal(b, r);
 	return 0;
@@ -149,8 +162,9 @@ static __always_inline void join(struct reply *r, __u32 direction, __u32 node)
 
 /*
  * What comes in has been on the bus, whatever becomes of it here; what goes out comes here when it
- * passes. `admitted`: as control traffic. A reply that no broker may send closes as well: nodes
- * take the answer from anybody. Not static: the verifier looks at it once by itself.
+ * passes, also by audit mode. `admitted`: as control traffic. A reply that no broker may send
+ * closes as well: nodes take the answer from anybody. Not static: the verifier looks at it once by
+ * itself.
  */
 __noinline __u32 heed_reply(struct __sk_buff *skb, struct frame *frame, __u32 direction,
 			    __u32 admitted)

@@ -133,12 +133,13 @@ class RouteCheck {
       obstruct(Obstacle::unbound, hop);
       return;
     }
+    // Says more than that a tag is waited for.
+    if (s_.world.conditions[hop.index].contradiction_of(v_.channel) != nullptr)
+      obstruct(Obstacle::contradicted, hop);
     if (binding->waits_for_tag()) {
       at_run_time_ = true;
       if (!s_.best_cases_pass) obstruct(Obstacle::untagged, hop);
     }
-    if (s_.world.conditions[hop.index].contradiction_of(v_.channel) != nullptr)
-      obstruct(Obstacle::contradicted, hop);
     if (!can_send(publisher(), network)) obstruct(Obstacle::no_node, hop);
     if (lacks_data_rate(hop.index, *binding)) obstruct(Obstacle::no_data_rate, hop);
     if (offered().has(Attribute::max_payload) &&

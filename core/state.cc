@@ -239,9 +239,18 @@ void State::empty_unlisted(std::size_t channel) {
   system_.channels[channel].unlisted = true;
 }
 
+bool State::unlist_unused() {
+  std::vector<std::size_t> unused;
+  for (const auto& [channel, networks] : unlisted_)
+    if (!is_used(channel)) unused.push_back(channel);
+  for (const std::size_t channel : unused) empty_unlisted(channel);
+  return !unused.empty();
+}
+
 Result<std::size_t> State::list(const UnlistedChannel& wanted) {
   const std::string name = format_subject(wanted.subject);
   if (wanted.subject == 0) return fail("subject 0 is nobody's: a channel has another one");
+  unlist_unused();
   const auto known = channel_of(wanted.subject);
   if (known && !system_.channels[*known].unlisted)
     return fail(name + " is described as channel " + system_.channels[*known].name + ": name that");
@@ -258,12 +267,7 @@ Result<std::size_t> State::list(const UnlistedChannel& wanted) {
   if (auto allowed = check_unlisted(system_, *at, wanted); !allowed)
     return std::unexpected(allowed.error());
   if (auto room = check_room_for_unlisted(*at, wanted); !room) return std::unexpected(room.error());
-  if (is_used(*at)) {
-    if (auto same = check_same_identifiers(*at, wanted); !same)
-      return std::unexpected(same.error());
-  } else {
-    empty_unlisted(*at);
-  }
+  if (auto same = check_same_identifiers(*at, wanted); !same) return std::unexpected(same.error());
   EventChannel& channel = system_.channels[*at];
   channel.name = name;
   channel.subject = wanted.subject;

@@ -157,6 +157,9 @@ class State {
   /// Errors: the subject is described; a network does not allow it, or has as many as it allows; an
   /// identifier is taken, or another one is in use.
   [[nodiscard]] Result<std::size_t> list(const UnlistedChannel& wanted);
+  /// Forgets the channels of list() that nobody uses, with their identifiers; list() does, too.
+  /// True: there were some.
+  bool unlist_unused();
   /// Takes an admission in without asking, before decide(): one that was granted before a restart.
   void restore(Admission admission);
 

@@ -126,6 +126,7 @@ class Gateway {
   Body handle(const control::ChannelsRequest& request);
   Body handle(const control::Query& request);
   Body handle(const control::Admit& request);
+  Body admit(const control::Admit& request);
   Body handle(const control::ReleaseRequest& request);
   Body handle(const control::WithdrawRequest& request);
   Body handle(const control::ReinstateRequest& request);
@@ -216,11 +217,16 @@ class Gateway {
   // FAMOUSO's tags, see daemon/tags.hpp.
   void take_up_tags();
   void state_tags();
-  bool look_at_tags();
+  void put_tag(const Tag& tag);
+  void tell_rivals(const std::vector<Tag*>& changed);
+  bool look_at_tags(bool anyway = false);
+  void claim_tags();
+  void leave_unused_tags();
   bool ask_for_tags();
   struct TagNews;
   void take_tag_news(std::size_t port, const enforce::FoundBinding& found, TagNews& news);
-  void move_tag(Tag& tag, std::uint16_t etag, core::FormerRules& left);
+  bool move_tags(const TagNews& news, core::FormerRules& left);
+  void move_tag(Tag& tag, core::FormerRules& left);
   bool agree_on(const Tag& tag);
   void tell_tag(const Tag& tag, int priority, std::string message);
   void look_at_drops(bool mention);

@@ -95,7 +95,7 @@ void Gateway::add_own_troubles(std::vector<std::string>& to) const {
     to.push_back("the latest reload was refused, the former description is in force: " +
                  last_error_);
   for (const Tag& tag : tags_.all())
-    if (!tag.contradiction.empty()) to.push_back(tag.name + ": " + tag.contradiction);
+    if (!tag.problem().empty()) to.push_back(tag.name + ": " + tag.problem());
   for (const auto& [id, why] : left_out_) to.push_back(fmt::format("admission {}: {}", id, why));
 }
 

@@ -188,6 +188,7 @@ void Gateway::take_back_uncommitted() {
           {id}});
   }
   static_cast<void>(settle(forget(uncommitted_)));
+  leave_unused_tags();
 }
 
 }  // namespace mlcca

@@ -216,6 +216,14 @@ Gateway::Body Gateway::handle(const control::Admit& request) {
   if (auto again = admit_again(request)) return std::move(*again);
   if (const auto listed = list(*state_, request); !listed)
     return error(control::ErrorKind::invalid, listed.error().text);
+  if (!request.unlisted) return admit(request);
+  claim_tags();
+  Body body = admit(request);
+  leave_unused_tags();
+  return body;
+}
+
+Gateway::Body Gateway::admit(const control::Admit& request) {
   const auto asked = understand(*state_, request, stored().next_id);
   if (!asked) return error(control::ErrorKind::invalid, asked.error().text);
   if (asked->admission) return admit_new(request, *asked);
@@ -367,7 +375,9 @@ Result<void> Gateway::release(const std::vector<core::AdmissionId>& gone, const 
     return fail("nothing was changed: " + done.error().text);
   }
   tell_released(gone, why);
-  return settle(forget(gone));
+  done = settle(forget(gone));
+  leave_unused_tags();
+  return done;
 }
 
 Gateway::Body Gateway::handle(const control::WithdrawRequest& request) {

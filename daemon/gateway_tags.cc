@@ -15,16 +15,17 @@
 
 namespace mlcca {
 
-/// Of one look, over all gates.
+/// Of one look.
 struct Gateway::TagNews {
-  bool changed = false;
-  std::map<Tag*, std::uint16_t> moved;  ///< tags that are another now; 0: nobody knows which
-  std::vector<Tag*> confirmed;          ///< contradicted, and dealt as stated since
+  bool changed = false;                        ///< of what is contradicted, or whose a tag is
+  std::map<Tag*, enforce::FoundBinding> seen;  ///< in the gate of its network
+  std::vector<Tag*> confirmed;                 ///< contradicted, and dealt as stated since
 };
 
 /// For a description that has just become the one in force, before it is decided. What the gates
 /// have learned under a daemon before this one is still so, unless they say otherwise.
 void Gateway::take_up_tags() {
+  state_->unlist_unused();
   tags_.describe(state_->system(), self_);
   for (std::size_t p = 0; p < ports_.size(); ++p) {
     const enforce::Gate* gate = ports_.can_gate(p);
@@ -32,22 +33,51 @@ void Gateway::take_up_tags() {
     for (const enforce::FoundBinding& found : gate->bindings().found()) {
       Tag* const tag = tags_.find(ports_.network_number(p), found.subject);
       if (tag == nullptr) continue;
-      if (tag->dynamic && tag->etag == 0 && !found.contradicted) tag->etag = found.etag;
-      if (tag->etag == found.etag && found.contradicted && tag->contradiction.empty()) {
+      // What was stated before is no word of the broker.
+      if (tag->dynamic && tag->etag == 0 && (found.contradicted || found.dealt == found.etag))
+        tag->etag = found.etag;
+      if (tag->dynamic && found.dealt != tag->etag) tag->dealt = found.dealt;
+      if (tag->etag != 0 && tag->etag == found.etag && found.contradicted &&
+          tag->contradiction.empty()) {
         tag->contradiction = contradiction_words(*tag, found);
         tell_tag(*tag, 3, tag->contradiction);
       }
     }
   }
-  for (const Tag& tag : tags_.all()) {
+  tell_rivals(tags_.hold_apart());
+  for (Tag& tag : tags_.all()) {
     if (!tag.dynamic) continue;
-    if (tag.channel)
-      state_->set_tag(tag.network, *tag.channel, tag.etag);
-    else
-      state_->set_subscribe_tag(tag.network, tag.etag);
+    // What is due otherwise is given by the next look.
+    if (tag.due() == 0) {
+      tag.etag = 0;
+      tag.contradiction.clear();
+    }
+    put_tag(tag);
   }
   tag_news_.clear();
   state_tags();
+}
+
+void Gateway::put_tag(const Tag& tag) {
+  if (tag.channel)
+    state_->set_tag(tag.network, *tag.channel, tag.etag);
+  else
+    state_->set_subscribe_tag(tag.network, tag.etag);
+}
+
+/// Those of channels that are not described come and go. They are held against the broker before
+/// anything of them is granted.
+void Gateway::claim_tags() {
+  tags_.describe(state_->system(), self_);
+  state_tags();
+  look_at_tags(true);
+  put_conditions(*state_);  // a contradiction may be gone with its channel
+  static_cast<void>(settle());
+}
+
+/// Nobody uses them any more, so that their tags may be others'.
+void Gateway::leave_unused_tags() {
+  if (state_->unlist_unused()) claim_tags();
 }
 
 void Gateway::state_tags() {
@@ -57,27 +87,35 @@ void Gateway::state_tags() {
       gate->bindings().state(tags_.stated(ports_.network_number(p)));
 }
 
+void Gateway::tell_rivals(const std::vector<Tag*>& changed) {
+  for (const Tag* tag : changed)
+    if (!tag->rival.empty() && tag->contradiction.empty())
+      tell_tag(*tag, 4, tag->rival + ": nothing passes by it");
+}
+
 void Gateway::take_tag_news(std::size_t port, const enforce::FoundBinding& found, TagNews& news) {
   Tag* const tag = tags_.find(ports_.network_number(port), found.subject);
   if (tag == nullptr || tag->etag != found.etag) return;
-  if (found.contradicted && tag->contradiction.empty()) {
+  news.seen.emplace(tag, found);
+  if (tag->dynamic) tag->dealt = found.dealt != tag->etag ? found.dealt : std::uint16_t{0};
+  if (!found.contradicted || tag->etag == 0) return;
+  if (tag->contradiction.empty()) {
     tag->contradiction = contradiction_words(*tag, found);
-    if (!tag->dynamic) tell_tag(*tag, 3, tag->contradiction + ": its frames are dropped");
+    tell_tag(*tag, 3, tag->contradiction + ": its frames are dropped");
     news.changed = true;
   }
   // At first only half of the other subject may have been known.
-  if (found.contradicted && found.halves == 3)
+  if (found.halves == 3)
     if (auto whole = contradiction_words(*tag, found); whole != tag->contradiction) {
       tag->contradiction = std::move(whole);
       news.changed = true;
     }
   if (found.confirmed) news.confirmed.push_back(tag);
-  if (!tag->dynamic || found.dealt == tag->etag) return;
-  if (found.dealt != 0 || found.contradicted) news.moved[tag] = found.dealt;
 }
 
-/// The old identifier is closed before the new one opens. False: nothing is left of this round.
-bool Gateway::look_at_tags() {
+/// The old identifier is closed before the new one opens. `anyway`: also where no gate has found
+/// anything. False: nothing is left of this round.
+bool Gateway::look_at_tags(bool anyway) {
   TagNews news;
   for (std::size_t p = 0; p < ports_.size(); ++p) {
     const enforce::Gate* gate = ports_.can_gate(p);
@@ -85,20 +123,22 @@ bool Gateway::look_at_tags() {
     const enforce::Bindings bindings = gate->bindings();
     const std::uint32_t now = bindings.news();
     const auto seen = tag_news_.find(gate->ifindex());
-    if (seen != tag_news_.end() && seen->second == now) continue;
+    if (!anyway && seen != tag_news_.end() && seen->second == now) continue;
     tag_news_[gate->ifindex()] = now;
     for (const enforce::FoundBinding& found : bindings.found()) take_tag_news(p, found, news);
   }
-  if (news.changed) {
+  if (news.seen.empty() && !anyway) return false;
+  const auto rivals = tags_.hold_apart();
+  tell_rivals(rivals);
+  if (news.changed || !rivals.empty()) {
     put_conditions(*state_);
     static_cast<void>(settle());
   }
-  if (news.moved.empty() && news.confirmed.empty()) return false;
   core::FormerRules left;
-  for (const auto& [tag, etag] : news.moved) move_tag(*tag, etag, left);
+  if (!move_tags(news, left) && news.confirmed.empty()) return false;
   state_tags();
   for (Tag* const tag : news.confirmed) {
-    if (news.moved.contains(tag) || tag->contradiction.empty() || !agree_on(*tag)) continue;
+    if (tag->contradiction.empty() || !agree_on(*tag)) continue;
     tag->contradiction.clear();
     tell_tag(
         *tag, 5,
@@ -110,19 +150,33 @@ bool Gateway::look_at_tags() {
   return false;
 }
 
-/// Nothing of it is granted any more: see look_at_tags().
-void Gateway::move_tag(Tag& tag, std::uint16_t etag, core::FormerRules& left) {
-  if (tag.channel) {
-    left.insert_or_assign(*tag.channel, state_->gate_state(self_, *tag.channel));
-    state_->set_tag(tag.network, *tag.channel, etag);
-  } else {
-    state_->set_subscribe_tag(tag.network, etag);
+/// True if any has moved. Without a gate that has said so a tag is only given up.
+bool Gateway::move_tags(const TagNews& news, core::FormerRules& left) {
+  bool moved = false;
+  for (Tag& tag : tags_.all()) {
+    const std::uint16_t etag = tag.due();
+    const auto seen = news.seen.find(&tag);
+    if (!tag.dynamic || etag == tag.etag || (etag != 0 && seen == news.seen.end())) continue;
+    tag.etag = etag;
+    move_tag(tag, left);
+    moved = true;
+    if (seen == news.seen.end()) continue;
+    for (std::size_t p = 0; p < ports_.size(); ++p)
+      if (enforce::Gate* gate = ports_.can_gate(p);
+          gate != nullptr && ports_.network_number(p) == tag.network)
+        gate->bindings().move(seen->second, etag);
   }
-  if (etag == 0)
-    tell_tag(tag, 4, tag.contradiction + ": it waits for another one");
-  else
-    tell_tag(tag, 5, fmt::format("it has tag {:#x} on {} now", etag, tag.network_name));
-  tag.etag = etag;
+  return moved;
+}
+
+/// Nothing of it is granted any more: see look_at_tags().
+void Gateway::move_tag(Tag& tag, core::FormerRules& left) {
+  if (tag.channel) left.try_emplace(*tag.channel, state_->gate_state(self_, *tag.channel));
+  put_tag(tag);
+  if (tag.etag != 0) {
+    tell_tag(tag, 5, fmt::format("it has tag {:#x} on {} now", tag.etag, tag.network_name));
+    tag.dealt = 0;
+  }
   tag.contradiction.clear();
   tag.asked = tag.wait = 0;
 }

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <map>
 #include <tuple>
 #include <utility>
 
@@ -51,9 +52,7 @@ void add_tags_of(const core::System& system, std::size_t n, std::vector<Tag>& to
     tag.channel = b.channel;
     tag.dynamic = b.dynamic;
     tag.etag = static_cast<std::uint16_t>(b.dynamic ? 0 : b.id);
-    if (to.size() - first > GATE_BINDINGS)
-      tag.contradiction = fmt::format("no gate holds more than {} tags of {} against the broker",
-                                      GATE_BINDINGS, network.name);
+    tag.is_in_gates = to.size() - first <= GATE_BINDINGS;
   }
   std::ranges::sort(std::span(to).subspan(first), {}, place_of);
 }
@@ -72,9 +71,59 @@ void Tags::describe(const core::System& system, std::size_t gateway) {
     });
     if (known == tags_.end()) continue;
     tag.etag = known->etag;
+    tag.dealt = known->dealt;
     tag.contradiction = known->contradiction;
+    tag.rival = known->rival;
+    tag.asked = known->asked;
+    tag.wait = known->wait;
   }
   tags_ = std::move(next);
+}
+
+namespace {
+
+std::uint16_t claim_of(const Tag& tag) { return tag.dealt != 0 ? tag.dealt : tag.etag; }
+
+std::string rival_words(const Tag& tag, const Tag& other) {
+  if (tag.dealt == 0)
+    return fmt::format("the broker has dealt its tag {:#x} on {} to {}", tag.etag, tag.network_name,
+                       subject_words(other.subject));
+  return fmt::format("the broker has dealt it tag {:#x} on {}, which is that of {}", tag.dealt,
+                     tag.network_name, other.name);
+}
+
+/// Of several who claim one tag at most one keeps it, closed.
+void give_up(std::span<Tag*> claimants) {
+  const bool stated = !std::ranges::all_of(claimants, &Tag::dynamic);
+  const auto holders = std::ranges::count_if(claimants, [](Tag* t) { return t->dealt == 0; });
+  for (Tag* const tag : claimants)
+    if (tag->dynamic && tag->dealt == 0 && (stated || holders > 1)) tag->dealt = tag->etag;
+}
+
+}  // namespace
+
+std::vector<Tag*> Tags::hold_apart() {
+  std::map<std::pair<std::size_t, std::uint16_t>, std::vector<Tag*>> claims;
+  for (Tag& tag : tags_)
+    if (claim_of(tag) != 0) claims[{tag.network, claim_of(tag)}].push_back(&tag);
+  std::map<const Tag*, std::string> rivals;
+  for (auto& [tag, claimants] : claims) {
+    if (claimants.size() == 1) continue;
+    give_up(claimants);
+    for (const Tag* const one : claimants)
+      rivals.emplace(one, rival_words(*one, *(one == claimants[0] ? claimants[1] : claimants[0])));
+  }
+  std::vector<Tag*> changed;
+  for (Tag& tag : tags_) {
+    std::string rival = std::move(rivals[&tag]);
+    if (!tag.is_in_gates)
+      rival = fmt::format("no gate holds more than {} tags of {} against the broker", GATE_BINDINGS,
+                          tag.network_name);
+    if (rival == tag.rival) continue;
+    tag.rival = std::move(rival);
+    changed.push_back(&tag);
+  }
+  return changed;
 }
 
 Tag* Tags::find(std::size_t network, core::Subject subject) {
@@ -85,17 +134,19 @@ Tag* Tags::find(std::size_t network, core::Subject subject) {
 std::vector<enforce::StatedBinding> Tags::stated(std::size_t network) const {
   std::vector<enforce::StatedBinding> out;
   for (const Tag& tag : tags_)
-    if (tag.network == network && out.size() < GATE_BINDINGS)
-      out.push_back(
-          {.subject = tag.subject, .etag = tag.etag, .contradicted = !tag.contradiction.empty()});
+    if (tag.network == network && tag.is_in_gates)
+      out.push_back({.subject = tag.subject,
+                     .etag = tag.etag,
+                     .contradicted = !tag.contradiction.empty(),
+                     .dealt = tag.dealt != 0 || !tag.dynamic ? tag.dealt : tag.etag});
   return out;
 }
 
 std::vector<core::Contradicted> Tags::contradicted(std::size_t network) const {
   std::vector<core::Contradicted> out;
   for (const Tag& tag : tags_)
-    if (tag.network == network && tag.channel && !tag.contradiction.empty())
-      out.push_back({*tag.channel, tag.contradiction});
+    if (tag.network == network && tag.channel && !tag.problem().empty())
+      out.push_back({*tag.channel, tag.problem()});
   std::ranges::sort(out, {}, &core::Contradicted::channel);
   return out;
 }

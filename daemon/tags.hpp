@@ -23,13 +23,25 @@ struct Tag {
   std::string name;                    ///< of the channel, or "SUBSCRIB"
   std::optional<std::size_t> channel;  ///< none: kSubscribeSubject, control traffic
   bool dynamic = false;                ///< whatever the broker deals
-  std::uint16_t etag = 0;              ///< stated or dealt; 0: not known yet
-  std::string contradiction;           ///< as a clause; empty: there is none
-  std::uint64_t asked = 0;             ///< ns, when; 0: never
-  std::uint64_t wait = 0;              ///< ns until it is asked for again
+  std::uint16_t etag = 0;              ///< stated or dealt, what its frames have here; 0: none
+  std::uint16_t dealt = 0;  ///< dynamic: what the broker has dealt it instead of `etag`; 0: nothing
+  bool is_in_gates = true;  ///< false: they have no room for it
+  std::string contradiction;  ///< what the broker said, as a clause; empty: nothing
+  std::string rival;          ///< why else nobody may have the tag, as a clause; empty: no reason
+  std::uint64_t asked = 0;    ///< ns, when; 0: never
+  std::uint64_t wait = 0;     ///< ns until it is asked for again
 
   /// Worth a request: nobody knows it, or the broker may deal it again.
   [[nodiscard]] bool is_wanted() const { return dynamic && (etag == 0 || !contradiction.empty()); }
+  /// What its frames are to have here: what was dealt, unless that is claimed by another one, too.
+  [[nodiscard]] std::uint16_t due() const {
+    if (dealt == 0) return etag;
+    return rival.empty() ? dealt : std::uint16_t{0};
+  }
+  /// Why none of its frames passes; empty: it is not for the tag.
+  [[nodiscard]] const std::string& problem() const {
+    return contradiction.empty() ? rival : contradiction;
+  }
 };
 
 /// Until a request is repeated, ns: this, then twice as long each time, up to the longest.
@@ -43,6 +55,10 @@ class Tags {
 
   [[nodiscard]] std::span<const Tag> all() const { return tags_; }
   [[nodiscard]] std::span<Tag> all() { return tags_; }
+  /// A tag is one subject's. Of those who claim one (stated, admitted or dealt) nobody may have it,
+  /// until all but one are stated or dealt another, or released. Who was dealt it gives it up to
+  /// whom it is stated for. Gives those whose `rival` is another now.
+  std::vector<Tag*> hold_apart();
   [[nodiscard]] Tag* find(std::size_t network, core::Subject subject);
   /// For the gates of a network.
   [[nodiscard]] std::vector<enforce::StatedBinding> stated(std::size_t network) const;

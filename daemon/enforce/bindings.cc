@@ -22,19 +22,22 @@ bool is_of(const gate_slot& slot, const gate_binding& b) {
   return slot.subject == b.subject || (slot.subject == 0 && b.subject == GATE_SUBSCRIBE);
 }
 
-/// In memory that the program may be looking at: what it finds before the subject is there counts
-/// for nothing.
+/// In memory that no program looks at before the subject is there.
 void fill(gate_binding& b, const StatedBinding& stated) {
-  publish(b.subject, __u64{0});
-  std::atomic_thread_fence(std::memory_order_seq_cst);
   b.other = 0;
   b.contradictions = stated.contradicted ? 1 : 0;
   b.settled = 0;
   b.confirmed = 0;
-  b.dealt = 0;
+  b.dealt = stated.dealt;
   b.halves = 0;
   publish(b.etag, __u16{stated.etag});
   publish(b.subject, __u64{stated.subject});
+}
+
+/// The program may be looking at it, and adds to `contradictions` what it finds.
+void give(gate_binding& b, std::uint16_t etag, std::uint32_t settled) {
+  publish(b.settled, __u32{settled});
+  publish(b.etag, __u16{etag});
 }
 
 }  // namespace
@@ -59,7 +62,10 @@ void Bindings::state(std::span<const StatedBinding> bindings) {
       publish(b.subject, __u64{0});
       continue;
     }
-    if (b.etag != it->second->etag) fill(b, *it->second);
+    if (b.etag != it->second->etag) {
+      if (load(b.dealt) == 0 && it->second->etag == 0) publish(b.dealt, __u16{it->second->dealt});
+      give(b, it->second->etag, load(b.contradictions));
+    }
     wanted.erase(it);
   }
   std::size_t at = 0;
@@ -73,6 +79,10 @@ void Bindings::state(std::span<const StatedBinding> bindings) {
   }
 }
 
+void Bindings::move(const FoundBinding& seen, std::uint16_t etag) {
+  if (gate_binding* const b = find(seen.subject)) give(*b, etag, seen.contradictions);
+}
+
 std::uint32_t Bindings::news() const { return load(table_->binding_news); }
 
 std::vector<FoundBinding> Bindings::found() const {
@@ -80,6 +90,8 @@ std::vector<FoundBinding> Bindings::found() const {
   for (const gate_binding& b : used()) {
     if (b.subject == 0) continue;
     const std::uint32_t contradictions = load(b.contradictions);
+    // The program counts after it has taken a tag back.
+    std::atomic_thread_fence(std::memory_order_acquire);
     const bool contradicted = contradictions != load(b.settled);
     out.push_back({.subject = b.subject,
                    .etag = b.etag,
@@ -87,7 +99,8 @@ std::vector<FoundBinding> Bindings::found() const {
                    .confirmed = contradicted && load(b.confirmed) == contradictions,
                    .dealt = load(b.dealt),
                    .other = load(b.other),
-                   .halves = load(b.halves)});
+                   .halves = load(b.halves),
+                   .contradictions = contradictions});
   }
   return out;
 }

@@ -14,8 +14,10 @@ namespace mlcca::enforce {
 /// What the frames of a subject have on a bus.
 struct StatedBinding {
   std::uint64_t subject = 0;
-  std::uint16_t etag = 0;     ///< 0: not known yet
-  bool contradicted = false;  ///< for a gate that has not seen it itself
+  std::uint16_t etag = 0;  ///< 0: not known yet
+  // For a gate that has not heard it itself:
+  bool contradicted = false;
+  std::uint16_t dealt = 0;  ///< the tag that the broker has dealt it last; 0: none
   bool operator==(const StatedBinding&) const = default;
 };
 
@@ -30,6 +32,7 @@ struct FoundBinding {
   std::uint16_t dealt = 0;  ///< the tag that a whole reply has dealt to the subject last; 0: none
   std::uint64_t other = 0;  ///< subject that the tag was dealt to, where `halves` is not 0
   std::uint8_t halves = 0;  ///< 1: only the first 4 bytes of it are known, 2: only the last, 3: all
+  std::uint32_t contradictions = 0;  ///< so far, for move()
   bool operator==(const FoundBinding&) const = default;
 };
 
@@ -38,8 +41,12 @@ class Bindings {
   explicit Bindings(gate_table& table) : table_(&table) {}
 
   /// Replaces what is stated; each subject once, at most GATE_BINDINGS. What was found of a binding
-  /// that stays as it is stays, too. Give a tag up only where no slot of it passes.
+  /// that stays as it is stays, too; where another tag is stated, contradictions are over. Give a
+  /// tag up only where no slot of it passes.
   void state(std::span<const StatedBinding> bindings);
+  /// The subject of `seen` has another tag, or none (0), because of what was found then. What was
+  /// found since counts against the new tag.
+  void move(const FoundBinding& seen, std::uint16_t etag);
   /// Changes whenever something is found; may change without.
   [[nodiscard]] std::uint32_t news() const;
   [[nodiscard]] std::vector<FoundBinding> found() const;

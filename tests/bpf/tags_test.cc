@@ -163,6 +163,43 @@ TEST_F(GateTags, WhatTheGateDoesNotLetOutWasOnNoBus) {
   EXPECT_TRUE(enters());
 }
 
+/// In audit mode it was on the bus, whatever was the matter with it; and is no word of a broker.
+TEST_F(GateTags, WhatAuditModeLetsOutIsHeldAgainstWhatIsStated) {
+  enforce::SlotChanges changes;
+  changes.close = {reply(Direction::egress)};
+  ASSERT_TRUE(gate_.slots().apply(changes));
+  gate_.control().mode = GATE_AUDIT;
+  hear({.subject = kSwitch}, Direction::egress);
+  EXPECT_EQ(found().dealt, 0);
+  EXPECT_FALSE(found().contradicted);
+  hear({}, Direction::egress);
+  EXPECT_TRUE(found().contradicted) << "nobody may send it";
+}
+
+TEST_F(GateTags, WhatAClosedGateLetsOutInAuditModeCountsToo) {
+  gate_.control().mode = GATE_AUDIT;
+  gate_.control().open = 0;
+  hear({}, Direction::egress);
+  gate_.control().open = 1;
+  EXPECT_TRUE(found().contradicted);
+}
+
+TEST_F(GateTags, WhatIsMoreThanAdmittedAndLeavesInAuditModeCountsToo) {
+  enforce::SlotSpec seldom = reply(Direction::egress);
+  seldom.per_frame = 3'600'000'000'000;
+  enforce::SlotChanges changes;
+  changes.remove = {reply(Direction::egress)};
+  ASSERT_TRUE(gate_.slots().apply(changes));
+  gate_.admit({seldom});
+  hear({.subject = kSwitch}, Direction::egress);
+  EXPECT_FALSE(found().contradicted);
+  hear({}, Direction::egress);
+  EXPECT_FALSE(found().contradicted) << "it was dropped";
+  gate_.control().mode = GATE_AUDIT;
+  hear({}, Direction::egress);
+  EXPECT_TRUE(found().contradicted);
+}
+
 TEST_F(GateTags, WhatCameInWasOnTheBusWhateverBecomesOfIt) {
   enforce::SlotChanges changes;
   changes.close = {reply(Direction::ingress)};
@@ -255,6 +292,58 @@ TEST_F(GateTags, ATagThatIsNotKnownIsLearnedFromAWholeReply) {
   EXPECT_FALSE(found().contradicted);
   hear({.subject = kSwitch, .tag = 0x3ffb});
   EXPECT_EQ(found().dealt, 0x3ffb);
+}
+
+TEST_F(GateTags, ATagThatIsDealtToAnotherBeforeItIsStatedIsTakenBack) {
+  stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch}, {.subject = kDistance}});
+  hear({.subject = kSwitch});
+  const FoundBinding seen = found();
+  EXPECT_EQ(seen.dealt, kTag);
+  hear({});
+  EXPECT_EQ(found().dealt, 0) << "the last word counts";
+  EXPECT_EQ(found(kDistance).dealt, kTag);
+  // Whoever gives it by what was seen before finds it contradicted.
+  stated_.move(seen, kTag);
+  EXPECT_TRUE(found().contradicted);
+  gate_.admit({});
+  enforce::SlotChanges changes;
+  changes.remove = {slot(Direction::ingress)};
+  ASSERT_TRUE(gate_.slots().apply(changes));
+  gate_.admit({slot(Direction::ingress)});
+  EXPECT_FALSE(enters());
+}
+
+TEST_F(GateTags, OneHalfOfAnotherSubjectTakesItBackAsWell) {
+  stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch}});
+  hear({.subject = kSwitch});
+  hear_half({}, 0);
+  EXPECT_EQ(found().dealt, 0);
+}
+
+TEST_F(GateTags, ATagThatMovesIsOpenAndSupervisedAtOnce) {
+  stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch, .dealt = kTag}});
+  EXPECT_EQ(found().dealt, kTag) << "of a gate that has not heard it";
+  stated_.move(found(), kTag);
+  EXPECT_EQ(found().etag, kTag);
+  EXPECT_FALSE(found().contradicted);
+  hear({.subject = kSwitch, .tag = 0x3ffb});
+  EXPECT_TRUE(found().contradicted);
+  stated_.move(found(), 0x3ffb);
+  EXPECT_FALSE(found().contradicted);
+  gate_.admit({slot(Direction::ingress, 0x3ffb)});
+  EXPECT_TRUE(enters(0x3ffb));
+  EXPECT_FALSE(enters()) << "the tag that it had stays shut";
+  hear({.tag = 0x3ffb});
+  EXPECT_FALSE(enters(0x3ffb));
+}
+
+TEST_F(GateTags, WhatTheBrokerHasDealtOutlastsThatTheTagIsGivenUp) {
+  stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch}});
+  hear({.subject = kSwitch});
+  stated_.move(found(), kTag);
+  stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch, .dealt = kTag}});
+  EXPECT_EQ(found().etag, 0);
+  EXPECT_EQ(found().dealt, kTag);
 }
 
 TEST_F(GateTags, SubscriptionsAreShutLikeAChannel) {

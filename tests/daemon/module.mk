@@ -22,3 +22,4 @@ $(eval $(call unit_test,requests_test,tests/daemon/requests_test.cc tests/daemon
 $(eval $(call unit_test,rtnl_test,tests/daemon/rtnl_test.cc,$(addprefix $O/daemon/net/,rtnl.o links.o),$(NL_LIBS)))
 $(eval $(call kernel_test,vanish_test,tests/daemon/vanish_test.cc tests/enforce/sandbox.cc,$(DAEMON_ARCHIVES),$(DAEMON_LIBS) -ldl))
 $(eval $(call kernel_test,gates_lock_test,tests/daemon/gates_lock_test.cc tests/enforce/sandbox.cc daemon/gates_lock.cc,,-lbpf -lfmt))
+$(eval $(call unit_test,tags_test,tests/daemon/tags_test.cc,$O/daemon/tags.o $O/libcore.a,-lfmt))

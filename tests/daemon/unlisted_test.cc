@@ -196,6 +196,17 @@ TEST(Unlisted, WhatIsLeftIsFreeForOthers) {
     EXPECT_LE(network.bindings.size(), 17U) << "and what nobody uses goes";
 }
 
+TEST(Unlisted, AnIdentifierIsFreeOnceNobodyUsesIt) {
+  core::State state(allowing());
+  EXPECT_EQ(admit(state, wanted("0x5600000000000001", 0x80), 1), "granted");
+  EXPECT_EQ(admit(state, wanted("0x5600000000000002", 0x70), 2), "granted");
+  for (const core::AdmissionId id : {1, 2}) {
+    ASSERT_TRUE(state.remove(id));
+    state.settle();
+  }
+  EXPECT_EQ(admit(state, wanted("0x5600000000000003", 0x70), 3), "granted");
+}
+
 TEST(Unlisted, ASecondSubscriberJoins) {
   core::State state(allowing());
   EXPECT_EQ(admit(state, wanted()), "granted");

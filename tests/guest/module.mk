@@ -14,6 +14,8 @@ $(GUEST_READY): tests/guest/build-image tests/guest/extract-vmlinux tests/guest/
 guest-image: $(GUEST_READY) ## Debian's kernel and an initramfs for the guest
 
 check-guest: all $(GUEST_READY) $O/tests/nth_call.so ## the product on real SocketCAN and systemd, in QEMU
+	$(Q)for case in $(filter-out $(GUEST_TESTS) $(GUEST_SYSTEMD_TESTS),$(wildcard tests/guest/cases/*)); do \
+		echo "$$case is in no list of guest tests"; exit 1; done
 	$(Q)BUILD=$(abspath $O) GUEST_IMAGE=$(abspath $O)/guest tests/guest/run-tests -j $(GUEST_JOBS) \
 		$O/guest/log $(GUEST_TESTS) --systemd $(GUEST_SYSTEMD_TESTS)
 
@@ -26,6 +28,7 @@ GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-
 GUEST_TESTS += $(addprefix tests/guest/cases/,mesh-nl80211 mesh-batman mesh-case-study)
 GUEST_TESTS += $(addprefix tests/guest/cases/,bus-queue gateways-in-namespaces reservations unlisted-channels)
 GUEST_TESTS += $(addprefix tests/guest/cases/,babbling-node missing-events can-profiles forwarding)
+GUEST_TESTS += $(addprefix tests/guest/cases/,altered-slots famouso-tags famouso-claims)
 GUEST_TESTS += $(addprefix tests/guest/cases/,attach-drift ethernet-gate ethernet-publishers doctor nth-call)
 GUEST_SYSTEMD_TESTS += $(addprefix tests/guest/cases/,service-life plugged-in awds-unit)
 check-guest: stage
