@@ -11,6 +11,7 @@
     MLCCA020  a publisher does not offer the traffic that a subscriber asks of it
     MLCCA021  a network or gateway of the connection does not fulfil what the two ask together
     MLCCA034  a note: what a CAN bus or a mesh gives is computed, and is not decided here
+    MLCCA038 to MLCCA041  notes on what is hardly meant
   The connection is the network that both sit on, or the Route that is declared between their
   places. Left to "mlccactl check": routes as a whole, others who hear the events, capacity, bindings,
   frame lengths, and connections that are not declared (said in a note).
@@ -18,7 +19,7 @@
   Output: a line for each finding, in the order of channels, their publishers and subscribers, then
   the notes, and last the line "N findings", since an exit status cannot tell. With
   -stringparam format xml: Findings/Finding, with names and numbers in attributes and the line as
-  text, and Findings/Left or Findings/Undecided for a note.
+  text, and Findings/Left, Findings/Undecided or Findings/Note for a note.
 
   - A description is taken for valid: "xmllint -xinclude -nofixup-base-uris -schema system.xsd" holds
     it against the schema, and "mlccactl check" knows the other rules. Names that lead nowhere
@@ -76,6 +77,7 @@
 
   <xsl:include href="check-values.xsl"/>
   <xsl:include href="check-report.xsl"/>
+  <xsl:include href="check-sense.xsl"/>
 
   <!-- ============================ the description as a whole ============================ -->
 
@@ -102,6 +104,8 @@
     </xsl:variable>
     <xsl:variable name="left">
       <xsl:apply-templates select="//EventChannel" mode="left"/>
+      <xsl:apply-templates select="//EventChannel" mode="sense"/>
+      <xsl:apply-templates select="System/Gateway/Port" mode="sense"/>
     </xsl:variable>
     <xsl:choose>
       <xsl:when test="$format = 'xml'">

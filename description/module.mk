@@ -17,7 +17,7 @@ $O/reference.html: description/reference.xsl description/system.xsd \
 	$(Q)mkdir -p $(@D) && xsltproc --nonet -o $@ description/reference.xsl description/system.xsd
 reference: $O/reference.html ## the reference of the description format, as HTML
 
-FORMAT_FILES := $(addprefix description/,system.xsd check.xsl check-values.xsl check-report.xsl)
+FORMAT_FILES := $(addprefix description/,system.xsd check.xsl check-values.xsl check-report.xsl check-sense.xsl)
 install-format: $O/reference.html
 	$(call say,INSTALL,schema and XSLT check and reference of the description format)
 	$(Q)install -d $(DESTDIR)$(PREFIX)/share/mlcca $(DESTDIR)$(PREFIX)/share/doc/mlcca

@@ -25,8 +25,10 @@ std::vector<std::string> expectations_in(const std::string& text) {
   return out;
 }
 
+bool is_note(const std::string& id) { return id >= "MLCCA038" && id <= "MLCCA041"; }
+
 bool is_common(const std::string& id) {
-  return id == "MLCCA010" || id == "MLCCA020" || id == "MLCCA021";
+  return is_note(id) || id == "MLCCA010" || id == "MLCCA020" || id == "MLCCA021";
 }
 
 }  // namespace
@@ -43,12 +45,17 @@ Keys expected_in(const std::string& text) {
     Key key;
     words >> key.id;
     if (!is_common(key.id)) continue;
-    if (key.id == "MLCCA010")
+    if (key.id == "MLCCA040" || key.id == "MLCCA041")
+      words >> key.hop >> key.network;
+    else if (is_note(key.id))
+      words >> key.publisher >> key.subscriber >> key.attribute;
+    else if (key.id == "MLCCA010")
       words >> key.subscriber;
     else
       words >> key.publisher >> key.subscriber >> key.hop >> key.attribute >> key.required >>
           key.provided;
-    if (key.hop == "-") key.hop.clear();
+    for (std::string* const part : {&key.publisher, &key.subscriber, &key.hop})
+      if (*part == "-") part->clear();
     if (key.provided == "not-provided") key.provided = "not provided";
     out.insert(std::move(key));
   }

@@ -161,7 +161,9 @@ class Writer {
 
   void write_channels() {
     for (const auto& channel : channels_) {
-      const auto text = "<EventChannel" + attribute("name", channel.name) + "><SubjectUID>" +
+      static const std::vector<std::string> sides = {"", "", "drop", "deliver"};
+      const auto text = "<EventChannel" + attribute("name", channel.name) +
+                        attribute("safe-side", random_.one_of(sides)) + "><SubjectUID>" +
                         hex(channel.subject) + "</SubjectUID>" + attributes(demanding_) +
                         "</EventChannel>";
       if (random_.one_in(4))
@@ -203,7 +205,9 @@ class Writer {
     for (const auto& gateway : gateways_) {
       std::string out = "<Gateway" + attribute("name", gateway.name) + ">" + provision(6);
       for (const auto network : gateway.networks)
-        out += "<Port network=\"" + networks_[network].name + "\"><Interface name=\"" +
+        out += "<Port network=\"" + networks_[network].name + "\"" +
+               attribute("managed", random_.one_in(8) ? "true" : "") +
+               attribute("sender", random_.one_in(8) ? "1000" : "") + "><Interface name=\"" +
                gateway.name + "p" + std::to_string(network) + "\"/></Port>";
       parts_.push_back(out + "</Gateway>");
     }

@@ -19,6 +19,7 @@ struct Key {
   std::string attribute;
   std::string required;  ///< a value
   std::string provided;  ///< a value, "unbounded" or "not provided"
+  std::string network;   ///< of a note about a port, whose gateway is `hop`
 
   auto operator<=>(const Key&) const = default;
 };
@@ -51,7 +52,8 @@ class Folder {
 /// Fails the test where the output is not what check.xsl documents.
 std::vector<Keys> twin_findings(const std::vector<std::string>& files);
 
-/// Those of the C++ checker that the twin knows: MLCCA010, 020 and 021, with values for people.
+/// Those of the C++ checker that the twin knows: MLCCA010, 020 and 021, with values for people, and
+/// the notes MLCCA038 to 041.
 Keys findings_of(core::System system);
 
 /// The twin's findings with values for people.
