@@ -46,12 +46,14 @@ System random_system(Random& random) {
     bus.bus.bitrate = 125'000;
     bus.bus.unknown_senders = chance(random, 30);
     bus.provision.set(Attribute::max_payload, 8);
+    bus.unlisted = {.allowed = true, .subject = 0, .bits = 0, .most = 3};
     system.networks.push_back(bus);
   }
   Network air;
   air.name = "air";
   air.kind = NetworkKind::mesh;
   air.provision.set(Attribute::max_payload, 1400);
+  air.unlisted = {.allowed = true, .subject = 0, .bits = 0, .most = 2};
   mesh::Mesh m;
   m.interference = std::array{mesh::Interference::single_domain, mesh::Interference::k_hop,
                               mesh::Interference::channel}[below(random, 3)];
@@ -207,7 +209,66 @@ Admission random_admission(Random& random, const State& state, AdmissionId id) {
   return a;
 }
 
-class RandomTest : public ::testing::TestWithParam<int> {};
+/// A channel that nobody described, now and then by an identifier that another one has.
+UnlistedChannel random_unlisted(Random& random) {
+  UnlistedChannel wanted;
+  wanted.subject = 0x1000 + below(random, 6);
+  for (std::size_t b = 0; b < kBuses; ++b)
+    wanted.bindings.push_back(
+        {.network = b, .id = static_cast<std::uint32_t>(0x10 + kChannels - 2 + below(random, 16))});
+  return wanted;
+}
+
+/// From one bus to another, with a publisher of its own.
+Admission admission_of(Random& random, std::size_t channel, AdmissionId id) {
+  Admission a;
+  a.id = id;
+  a.channel = channel;
+  const auto traffic = AttributeSet{}
+                           .set(Attribute::period, (20 + below(random, 60)) * kMs)
+                           .set(Attribute::max_payload, 8);
+  Publisher p;
+  p.name = "new" + std::to_string(id);
+  p.channel = channel;
+  p.place = on(below(random, kBuses));
+  p.attributes = traffic;
+  Subscriber s;
+  s.name = "late" + std::to_string(id);
+  s.channel = channel;
+  s.place = on(below(random, kBuses));
+  s.attributes = traffic;
+  a.publisher = p;
+  a.subscriber = s;
+  return a;
+}
+
+/// What one channel is granted on a bus no other one could use.
+void check_identifiers(const State& state) {
+  for (std::size_t g = 0; g < kBuses; ++g) {
+    std::map<std::pair<std::size_t, std::uint32_t>, Subject> of;
+    for (const GateRule& rule : state.gate_state(g)) {
+      if (!rule.pass || rule.entry.port != 0) continue;
+      const auto [it, fresh] = of.try_emplace({g, rule.entry.id}, rule.entry.subject);
+      EXPECT_EQ(it->second, rule.entry.subject) << "identifier " << rule.entry.id;
+    }
+  }
+  for (const Network& network : state.system().networks)
+    for (const Binding& b : network.bindings)
+      EXPECT_FALSE(state.system().channels[b.channel].name.empty()) << "of a channel that is gone";
+}
+
+class RandomTest : public ::testing::TestWithParam<int> {
+ protected:
+  /// Histories in which nobody is admitted, or nobody refused, would prove little.
+  static void TearDownTestSuite() {
+    if (histories == 0) return;
+    EXPECT_GE(unlisted, histories);
+    EXPECT_GE(refused, histories);
+  }
+  static inline std::size_t histories = 0;
+  static inline std::size_t unlisted = 0;  ///< admissions of channels that nobody described
+  static inline std::size_t refused = 0;   ///< of such, for their identifier or their number
+};
 
 TEST_P(RandomTest, BoundsHoldAndWhatIsTouchedIsDecidedAsIfEverythingWere) {
   Random random(static_cast<std::uint64_t>(GetParam()));
@@ -218,12 +279,36 @@ TEST_P(RandomTest, BoundsHoldAndWhatIsTouchedIsDecidedAsIfEverythingWere) {
   std::vector<AdmissionId> admitted;
   AdmissionId next = 1;
   std::size_t grants = 0;
+  ++histories;
   for (int step = 0; step < 40; ++step) {
     const auto both = [&](const auto& change) {
       change(state);
       change(thorough);
     };
-    switch (below(random, 6)) {
+    switch (below(random, 8)) {
+      case 6:
+      case 7: {
+        const UnlistedChannel wanted = random_unlisted(random);
+        const auto listed = state.list(wanted);
+        const auto in_twin = thorough.list(wanted);
+        ASSERT_EQ(listed.has_value(), in_twin.has_value());
+        if (!listed) {
+          EXPECT_EQ(listed.error().text, in_twin.error().text);
+          ++refused;
+          break;
+        }
+        ASSERT_EQ(*listed, *in_twin);
+        const Admission a = admission_of(random, *listed, next++);
+        Proposal p = state.propose(a);
+        Proposal twin = thorough.propose(a);
+        ASSERT_EQ(p.fit(), twin.fit());
+        if (!p.fit()) break;
+        std::move(p).accept();
+        std::move(twin).accept();
+        admitted.push_back(a.id);
+        ++unlisted;
+        break;
+      }
       case 0:
         graph = random_graph(random);
         both([&](State& s) { s.set_graph(kAir, graph); });
@@ -282,6 +367,7 @@ TEST_P(RandomTest, BoundsHoldAndWhatIsTouchedIsDecidedAsIfEverythingWere) {
     ASSERT_EQ(service(state), service(thorough)) << "step " << step;
     EXPECT_TRUE(state.ledger().same_promises(thorough.ledger())) << "step " << step;
     check_bounds(state);
+    check_identifiers(state);
     for (const Decision& d : state.decisions()) grants += d.granted;
     if (HasFailure()) break;
   }
