@@ -17,6 +17,7 @@
 #include "bench/timing.hpp"
 #include "bpf/loaded_gate.hpp"
 #include "core/handle.hpp"
+#include "daemon/enforce/bindings.hpp"
 
 namespace mlcca::test {
 namespace {
@@ -62,6 +63,7 @@ struct Case {
   std::uint32_t id;
   bool local;
   bool direct_access = true;
+  std::uint16_t bindings = 0;  ///< tags that a broker's reply is held against
 };
 
 // A test run gives the same buffer again with the mark of the last run. So a frame that passes is
@@ -75,6 +77,10 @@ constexpr std::array kCases = {
     Case{"famouso drop", GATE_PROFILE_FAMOUSO, Direction::ingress, kEff | 0x65, false},
     Case{"famouso last of 8 publishers", GATE_PROFILE_FAMOUSO, Direction::egress, kEff | 0x66,
          true},
+    Case{"famouso reply, 16 tags", GATE_PROFILE_FAMOUSO, Direction::ingress, kEff | GATE_REPLY_ID,
+         false, true, 16},
+    Case{"famouso reply, 4096 tags", GATE_PROFILE_FAMOUSO, Direction::ingress, kEff | GATE_REPLY_ID,
+         false, true, GATE_BINDINGS},
     Case{"j1939 pass", GATE_PROFILE_J1939, Direction::egress, kEff | 0x18feca21, true},
     Case{"j1939 drop", GATE_PROFILE_J1939, Direction::ingress, kEff | 0x18fecb21, false},
     Case{"cyphal pass", GATE_PROFILE_CYPHAL, Direction::egress, kEff | 0x107d552a, true},
@@ -134,9 +140,13 @@ void fill(LoadedGate& gate, std::uint32_t profile) {
 double time_of(const Case& c) {
   auto& gate = LoadedGate::with({.profile = c.profile, .direct_access = c.direct_access});
   fill(gate, c.profile);
+  std::vector<enforce::StatedBinding> stated;
+  for (std::uint16_t i = 0; i < c.bindings; ++i)
+    stated.push_back({.subject = i + 1U, .etag = static_cast<std::uint16_t>(0x64 + i)});
+  enforce::Bindings(gate.table()).state(stated);
   const Sender sender{.local = c.local};
   return nanoseconds_of([&](int repeat) { gate.time(c.direction, frame(c.id, 8), sender, repeat); },
-                        kRepeat);
+                        c.bindings != 0 ? kRepeat / 100 : kRepeat);
 }
 
 /// A step of one verdict.
