@@ -48,12 +48,27 @@ class Octets {
 };
 
 constexpr const char* kChannels[] = {"c1", "c2", "c3", "c4", "c5", "0x3", "c9", ""};
+/// Channels that nobody described: the last one is of no network's Unlisted.
+constexpr const char* kUnlisted[] = {"0x5600000000000001", "0x5600000000000002",
+                                     "0x56ffffffffffffff", "0x5700000000000001"};
 constexpr const char* kPlaces[] = {"", "lan", "bus", "gate", "nowhere"};
 constexpr const char* kUsers[] = {"", "1000", "1003", "4294967295", "root"};
 constexpr const char* kNames[] = {"", "a", "b", "a name"};
 constexpr const char* kKeys[] = {"", "", "k1", "k2"};
 constexpr const char* kAddresses[] = {"", "192.0.2.7", "02:00:00:00:00:07", "everybody"};
 constexpr const char* kAttributes[] = {"Period", "MaxPayload", "Latency", "Bandwidth", "Beauty"};
+
+/// With tags that are free, another channel's, or none at all.
+void make_unlisted(control::ChannelRequest& to, Octets& from) {
+  to.unlisted = true;
+  to.channel = from.one_of(kUnlisted);
+  for (unsigned n = from.next() % 3; n > 0; --n)
+    to.identifiers.push_back({from.one_of(kPlaces), 0xf8U + from.next(), from.next() % 8 == 1});
+  if (from.next() % 2 == 0) return;
+  constexpr std::uint64_t period = 100'000'000;
+  to.offered = {{"Period", period, {}}, {"MaxPayload", 8, {}}};
+  to.required.clear();
+}
 
 void fill(control::ChannelRequest& to, Octets& from) {
   to.channel = from.one_of(kChannels);
@@ -70,6 +85,7 @@ void fill(control::ChannelRequest& to, Octets& from) {
     const std::string name = from.one_of(kAttributes);
     attributes.push_back({name, std::uint64_t{from.next()} << (from.next() % 64), {}});
   }
+  if (from.next() % 4 == 1) make_unlisted(to, from);
 }
 
 int restarts_left = 0;
@@ -117,6 +133,7 @@ control::Request some_request(Octets& from) {
       release.key = from.one_of(kKeys);
       release.admission = some_admission(from);
       release.channel = from.one_of(kChannels);
+      if (from.next() % 4 == 1) release.channel = from.one_of(kUnlisted);
       out.body = release;
       break;
     }

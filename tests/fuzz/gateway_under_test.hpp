@@ -101,6 +101,8 @@ class GatewayUnderTest {
   void check_gates(const store::Contents& journal) const;
   void check_slot(const enforce::SlotSpec& slot, const store::Contents& journal,
                   const std::string& where) const;
+  void check_unlisted_slot(const enforce::SlotSpec& slot, const store::Contents& journal,
+                           const std::string& what) const;
 
   std::unique_ptr<Parts> parts_;
   std::vector<std::unique_ptr<Client>> clients_;

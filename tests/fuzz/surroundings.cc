@@ -14,6 +14,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <string_view>
 
 #include "daemon/net/pair.hpp"
 #include "enforce/sandbox.hpp"
@@ -87,6 +88,8 @@ std::string channel(int number) {
 std::string description(std::size_t number) {
   if (number == kUnreadable) return "<System name=\"fuzz\"><Network";
   std::string out = "<System name=\"fuzz\">\n";
+  constexpr std::string_view allowed = R"(<Unlisted allow="0x5600000000000000/8" most="2"/>)";
+  const std::string_view unlisted = number == 1 ? std::string_view{} : allowed;
   for (int c = 1; c <= 5; ++c) out += channel(c);
   out +=
       "<Network name=\"lan\"><Kind>udp-multicast</Kind><Profile>famouso</Profile><Provision>" +
@@ -95,14 +98,16 @@ std::string description(std::size_t number) {
       "<Attribute><Name>Bandwidth</Name><Dimension><SIUnit><Bytes>1</Bytes><Seconds>-1</Seconds></"
       "SIUnit>"
       "</Dimension><Value>100000</Value></Attribute>"
-      "</Provision></Network>\n"
+      "</Provision>" +
+      std::string(unlisted) +
+      "</Network>\n"
       "<Network name=\"bus\"><Kind>can</Kind><Profile>famouso</Profile><Bus bitrate=\"500000\"/>";
   for (int c = 1; c <= 5; ++c)
     out += fmt::format("<Binding channel=\"c{0}\"><ETag>{1:#x}</ETag></Binding>", c, 0x100 + c);
-  out +=
-      "</Network>\n"
-      "<Gateway name=\"gate\"><Port network=\"lan\"><Interface name=\"lan0\"/></Port>"
-      "<Port network=\"bus\"><Interface name=\"bus0\"/></Port></Gateway>\n";
+  out += std::string(unlisted) +
+         "</Network>\n"
+         "<Gateway name=\"gate\"><Port network=\"lan\"><Interface name=\"lan0\"/></Port>"
+         "<Port network=\"bus\"><Interface name=\"bus0\"/></Port></Gateway>\n";
   if (number != 1) out += "<Publisher channel=\"c1\" network=\"lan\"/>\n";
   if (number == 2)
     out += "<Subscriber channel=\"c1\" network=\"bus\"/>\n";
