@@ -131,10 +131,10 @@ format: ## format every file in place
 
 # False alarms are listed with their reasons; what is wrong is mended.
 cppcheck: ## defects that cppcheck finds without the headers of libraries
-	$(call say,CPPCHK,control core daemon description tools)
+	$(call say,CPPCHK,base control core daemon description tools)
 	$(Q)cppcheck -q -j2 --std=c++20 --language=c++ --enable=warning,performance,portability --max-configs=1 \
 		--suppress=missingInclude --suppressions-list=tests/support/cppcheck.supp --error-exitcode=1 \
-		-D__x86_64__ -D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. control core daemon description tools
+		-D__x86_64__ -D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. base control core daemon description tools
 
 # One stamp a file: only what changed is looked at again.
 TIDY_SOURCES := $(filter-out tests/% include/% bpf/%,$(shell git ls-files '*.cc' 2>/dev/null))

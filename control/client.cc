@@ -13,9 +13,9 @@
 #include <string_view>
 #include <utility>
 
+#include "base/unix_address.hpp"
 #include "control/codec.hpp"
 #include "control/slices.hpp"
-#include "core/unix_address.hpp"
 
 namespace mlcca::control {
 namespace {

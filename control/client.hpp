@@ -7,10 +7,10 @@
 #include <optional>
 #include <string>
 
+#include "base/handle.hpp"
+#include "base/result.hpp"
 #include "control/buffer.hpp"
 #include "control/messages.hpp"
-#include "core/handle.hpp"
-#include "core/result.hpp"
 
 namespace mlcca::control {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <string_view>
 
+#include "base/result.hpp"
 #include "control/buffer.hpp"
 #include "control/messages.hpp"
-#include "core/result.hpp"
 
 namespace mlcca::control {
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "base/result.hpp"
 #include "control/messages.hpp"
-#include "core/result.hpp"
 
 namespace mlcca::control {
 

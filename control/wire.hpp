@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Between the plain structs and the generated protobuf classes; private to control/.
 #pragma once
+#include "base/result.hpp"
 #include "control/messages.hpp"
-#include "core/result.hpp"
 #include "mlcca/v1/control.pb.h"
 
 namespace mlcca::control {

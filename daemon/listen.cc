@@ -10,7 +10,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "core/unix_address.hpp"
+#include "base/unix_address.hpp"
 
 namespace mlcca {
 

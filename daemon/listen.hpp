@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "core/handle.hpp"
-#include "core/result.hpp"
+#include "base/handle.hpp"
+#include "base/result.hpp"
 
 namespace mlcca {
 

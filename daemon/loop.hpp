@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <memory>
 
-#include "core/handle.hpp"
-#include "core/result.hpp"
-#include "daemon/gateway.hpp"
+#include "base/handle.hpp"
+#include "base/result.hpp"
+#include "daemon/gateway/gateway.hpp"
 
 namespace mlcca {
 

@@ -24,19 +24,19 @@
 #include <optional>
 #include <string_view>
 
-#include "core/handle.hpp"
-#include "core/result.hpp"
-#include "core/state.hpp"
-#include "daemon/enforce/close_unpinned.hpp"
-#include "daemon/enforce/former_layouts.hpp"
-#include "daemon/enforce/gate.hpp"
-#include "daemon/gates_lock.hpp"
-#include "daemon/gateway.hpp"
-#include "daemon/in_time.hpp"
+#include "base/handle.hpp"
+#include "base/result.hpp"
+#include "core/admission/state.hpp"
+#include "daemon/gates/close_unpinned.hpp"
+#include "daemon/gates/former_layouts.hpp"
+#include "daemon/gates/gate.hpp"
+#include "daemon/gateway/gateway.hpp"
+#include "daemon/gateway/in_time.hpp"
 #include "daemon/listen.hpp"
 #include "daemon/loop.hpp"
 #include "daemon/manager.hpp"
 #include "daemon/options.hpp"
+#include "daemon/ports/gates_lock.hpp"
 #include "description/read.hpp"
 
 namespace {

@@ -14,8 +14,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "core/handle.hpp"
-#include "core/unix_address.hpp"
+#include "base/handle.hpp"
+#include "base/unix_address.hpp"
 
 namespace mlcca {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 
 namespace mlcca {
 

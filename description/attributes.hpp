@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/system.hpp"
+#include "core/model/system.hpp"
 #include "description/problems.hpp"
 #include "description/xml.hpp"
 #include "mlcca/attribute.hpp"

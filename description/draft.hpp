@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/system.hpp"
+#include "core/model/system.hpp"
 #include "description/attributes.hpp"
 #include "description/problems.hpp"
 #include "description/read.hpp"

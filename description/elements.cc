@@ -2,8 +2,8 @@
 // Elements that the schema has accepted, into the structs of the draft.
 #include <cstdint>
 
-#include "core/text.hpp"
-#include "core/words.hpp"
+#include "core/model/text.hpp"
+#include "core/model/words.hpp"
 #include "description/attributes.hpp"
 #include "description/convert.hpp"
 #include "description/draft.hpp"

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/profile.hpp"
-#include "core/words.hpp"
+#include "core/model/words.hpp"
+#include "core/profiles/profile.hpp"
 #include "description/resolve.hpp"
 #include "description/users.hpp"
 

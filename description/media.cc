@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/words.hpp"
+#include "core/model/words.hpp"
 #include "description/convert.hpp"
 #include "description/decimal.hpp"
 #include "description/suggest.hpp"

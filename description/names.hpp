@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/system.hpp"
+#include "core/model/system.hpp"
 #include "description/problems.hpp"
 
 namespace mlcca::description {

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <memory>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 #include "description/guard.hpp"
 
 namespace mlcca::description {

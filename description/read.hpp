@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/findings.hpp"
-#include "core/system.hpp"
+#include "core/design/findings.hpp"
+#include "core/model/system.hpp"
 
 namespace mlcca::description {
 

@@ -14,9 +14,9 @@
 #include <string_view>
 #include <utility>
 
-#include "core/control_traffic.hpp"
-#include "core/profile.hpp"
-#include "core/words.hpp"
+#include "core/gates/control_traffic.hpp"
+#include "core/model/words.hpp"
+#include "core/profiles/profile.hpp"
 #include "description/users.hpp"
 
 namespace mlcca::description {

@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/system.hpp"
+#include "core/model/system.hpp"
 #include "description/attributes.hpp"
 #include "description/draft.hpp"
 #include "description/names.hpp"

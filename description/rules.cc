@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/control_traffic.hpp"
-#include "core/medium.hpp"
-#include "core/profile.hpp"
-#include "core/words.hpp"
+#include "core/gates/control_traffic.hpp"
+#include "core/model/medium.hpp"
+#include "core/model/words.hpp"
+#include "core/profiles/profile.hpp"
 #include "description/names.hpp"
 
 namespace mlcca::description {

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/system.hpp"
+#include "core/model/system.hpp"
 #include "description/problems.hpp"
 
 namespace mlcca::description {

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <utility>
 
-#include "core/handle.hpp"
-#include "core/result.hpp"
+#include "base/handle.hpp"
+#include "base/result.hpp"
 
 namespace mlcca::description {
 

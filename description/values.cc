@@ -12,7 +12,7 @@
 #include <optional>
 #include <span>
 
-#include "core/words.hpp"
+#include "core/model/words.hpp"
 #include "description/problems.hpp"
 #include "description/suggest.hpp"
 

@@ -22,7 +22,7 @@ endef
 
 check-mcu: ## the attribute core and the compile-time check on every compiler that a node uses
 	$(foreach compiler,$(MCU_COMPILERS),$(call check_freestanding,$(compiler)))
-	$(Q)tests/compile/run $(MCU_COMPILERS)
+	$(Q)tests/include/compile/run $(MCU_COMPILERS)
 
 install-headers: ## the attribute core below $(DESTDIR)$(PREFIX)/include/mlcca
 	$(Q)install -d $(DESTDIR)$(PREFIX)/include/mlcca/famouso

@@ -1,6 +1,6 @@
-include $(wildcard tests/*/module.mk)
-TEST_OBJECTS := $(patsubst %.cc,$O/%.o,$(wildcard tests/*/*.cc))
-$(TEST_OBJECTS): CPPFLAGS += -Itests
+TEST_FOLDERS := $(sort $(dir $(wildcard tests/*/module.mk tests/*/*/module.mk tests/*/*/*/module.mk)))
+include $(addsuffix module.mk,$(TEST_FOLDERS))
+TEST_OBJECTS := $(patsubst %.cc,$O/%.o,$(wildcard tests/*/*.cc tests/*/*/*.cc tests/*/*/*/*.cc))
 # What is tested is optimised; the tests themselves would cost most of the time of a build.
 $(filter-out $O/tests/bench/%,$(TEST_OBJECTS)): CXXFLAGS := $(patsubst -O2,-O1,$(CXXFLAGS))
 

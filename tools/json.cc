@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/text.hpp"
+#include "core/model/text.hpp"
 #include "mlcca/attribute.hpp"
 #include "tools/render.hpp"
 #include "tools/values.hpp"

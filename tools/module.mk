@@ -37,3 +37,34 @@ install-tools-extras:
 		$(DESTDIR)$(PREFIX)/share/bash-completion/completions/mlccactl
 INSTALL += install-tools-extras
 .PHONY: install-tools-extras
+
+# What strangers write is read by a program of its own, and by an archive that mlccad does not have.
+$(eval $(call library,strangers,$(filter-out tools/sources/main.cc,$(wildcard tools/sources/*.cc))))
+$(eval $(call program,mlcca-sources,tools/sources/main.cc daemon/manager.cc,$O/libstrangers.a $O/libsources.a,-lsystemd))
+SOURCES_ARCHIVES := $O/libstrangers.a $O/libsources.a
+PROGRAMS += $O/mlcca-sources
+
+# What `mlccactl gate --verify` becomes.
+$(eval $(call program,mlcca-readback,$(wildcard tools/readback/*.cc),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
+PROGRAMS += $O/mlcca-readback
+install-readback: $O/mlcca-readback
+	$(call say,INSTALL,the reader of what is in force)
+	$(Q)install -d $(DESTDIR)$(PREFIX)/libexec/mlcca
+	$(Q)install -m 755 $O/mlcca-readback $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-readback
+INSTALL += install-readback
+.PHONY: install-readback
+
+# What `mlccactl doctor` becomes.
+$(eval $(call library,doctor,$(filter-out tools/doctor/main.cc,$(wildcard tools/doctor/*.cc))))
+$(eval $(call program,mlcca-doctor,tools/doctor/main.cc,$O/libdoctor.a $(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
+PROGRAMS += $O/mlcca-doctor
+install-doctor: $O/mlcca-doctor
+	$(call say,INSTALL,the doctor)
+	$(Q)install -d $(DESTDIR)$(PREFIX)/libexec/mlcca
+	$(Q)install -m 755 $O/mlcca-doctor $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-doctor
+INSTALL += install-doctor
+.PHONY: install-doctor
+
+# The only program that may listen to a network interface; mlccad reads it through a socket.
+$(eval $(call program,mlcca-awds,$(wildcard tools/awds/*.cc) daemon/listen.cc daemon/manager.cc,$O/libsources.a,$(SOURCES_LIBS)))
+PROGRAMS += $O/mlcca-awds

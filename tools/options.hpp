@@ -9,8 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include "base/result.hpp"
 #include "control/messages.hpp"
-#include "core/result.hpp"
 #include "tools/bandwidth.hpp"
 #include "tools/exit.hpp"
 #include "tools/table.hpp"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/text.hpp"
+#include "core/model/text.hpp"
 #include "tools/times.hpp"
 #include "tools/values.hpp"
 #include "tools/words.hpp"

@@ -8,7 +8,7 @@
 #include <ranges>
 #include <vector>
 
-#include "core/text.hpp"
+#include "core/model/text.hpp"
 #include "tools/render.hpp"
 #include "tools/times.hpp"
 #include "tools/words.hpp"

@@ -4,8 +4,8 @@
 #include <chrono>
 #include <cstdint>
 
+#include "base/result.hpp"
 #include "control/messages.hpp"
-#include "core/result.hpp"
 #include "tools/options.hpp"
 
 namespace mlcca::tools {

@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/text.hpp"
+#include "core/model/text.hpp"
 #include "mlcca/attribute.hpp"
 
 namespace mlcca::tools {

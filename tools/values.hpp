@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/result.hpp"
 #include "control/messages.hpp"
-#include "core/result.hpp"
 #include "mlcca/arithmetic.hpp"
 #include "mlcca/attribute.hpp"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/can/frame.hpp"
-#include "core/system.hpp"
+#include "core/model/system.hpp"
 
 namespace mlcca::core::can {
 

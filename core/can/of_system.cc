@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "core/medium.hpp"
-#include "core/profile.hpp"
+#include "core/model/medium.hpp"
+#include "core/profiles/profile.hpp"
 
 namespace mlcca::core::can {
 namespace {

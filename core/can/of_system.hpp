@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/can/message.hpp"
-#include "core/system.hpp"
+#include "core/model/system.hpp"
 
 namespace mlcca::core::can {
 
@@ -15,10 +15,10 @@ namespace mlcca::core::can {
 /// or identity on that network, when the payload is not bounded by anything, or when the bit rate
 /// is unknown. The network's bindings must be sorted.
 ///
-/// The identifier is what core/profile.hpp says; where the description leaves a part of it open,
-/// the message disturbs others with the first and suffers with the last of them. Where the size is
-/// not stated, an event counts as one longest frame of its binding; a longer event is split as
-/// core/medium.hpp says.
+/// The identifier is what core/profiles/profile.hpp says; where the description leaves a part of it
+/// open, the message disturbs others with the first and suffers with the last of them. Where the
+/// size is not stated, an event counts as one longest frame of its binding; a longer event is split
+/// as core/model/medium.hpp says.
 [[nodiscard]] std::optional<Message> message_of(const System& system, const Publisher& publisher,
                                                 std::size_t set, std::size_t network,
                                                 const Timing& timing);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/origin.hpp"
+#include "core/model/origin.hpp"
 #include "mlcca/attribute.hpp"
 
 namespace mlcca::core::mesh {

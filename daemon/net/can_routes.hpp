@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/result.hpp"
+#include "base/result.hpp"
 #include "daemon/net/rtnl.hpp"
 
 namespace mlcca::net {

@@ -15,7 +15,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 #include "daemon/net/root_queue.hpp"
 
 namespace mlcca::net {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string_view>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 
 namespace mlcca::net {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "core/result.hpp"
-#include "core/system.hpp"
+#include "base/result.hpp"
+#include "core/model/system.hpp"
 #include "daemon/net/links.hpp"
 
 namespace mlcca::net {

@@ -18,7 +18,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 
 namespace mlcca::net {
 namespace {

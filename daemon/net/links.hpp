@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/handle.hpp"
-#include "core/result.hpp"
+#include "base/handle.hpp"
+#include "base/result.hpp"
 #include "daemon/net/rtnl.hpp"
 
 namespace mlcca::net {

@@ -3,7 +3,7 @@
 #pragma once
 #include <string>
 
-#include "core/result.hpp"
+#include "base/result.hpp"
 
 namespace mlcca::net {
 

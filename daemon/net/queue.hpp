@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The queueing discipline of a CAN interface, so that the frame that wins arbitration leaves first.
 #pragma once
-#include "core/result.hpp"
+#include "base/result.hpp"
 
 namespace mlcca::net {
 

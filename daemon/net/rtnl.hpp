@@ -14,8 +14,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/handle.hpp"
-#include "core/result.hpp"
+#include "base/handle.hpp"
+#include "base/result.hpp"
 
 struct nl_msg;
 struct nlattr;

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/result.hpp"
+#include "base/result.hpp"
 #include "daemon/serve/turns.hpp"
 
 namespace mlcca::serve {

@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "control/codec.hpp"
-#include "daemon/clock.hpp"
 #include "daemon/serve/places.hpp"
 #include "daemon/serve/session.hpp"
 

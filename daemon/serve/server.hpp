@@ -11,9 +11,9 @@
 #include <string>
 #include <unordered_map>
 
+#include "base/handle.hpp"
+#include "base/result.hpp"
 #include "control/messages.hpp"
-#include "core/handle.hpp"
-#include "core/result.hpp"
 #include "daemon/serve/arrivals.hpp"
 #include "daemon/serve/turns.hpp"
 

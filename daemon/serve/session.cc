@@ -8,9 +8,9 @@
 #include <cerrno>
 #include <utility>
 
+#include "base/clock.hpp"
 #include "control/codec.hpp"
 #include "control/slices.hpp"
-#include "daemon/clock.hpp"
 
 namespace mlcca::serve {
 namespace {

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "base/handle.hpp"
 #include "control/buffer.hpp"
 #include "control/messages.hpp"
-#include "core/handle.hpp"
 #include "daemon/serve/places.hpp"
 #include "daemon/serve/server.hpp"
 

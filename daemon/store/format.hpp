@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/result.hpp"
+#include "base/result.hpp"
 #include "daemon/store/contents.hpp"
 
 namespace mlcca::store::format {

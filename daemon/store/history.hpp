@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "base/handle.hpp"
+#include "base/result.hpp"
 #include "control/parts.hpp"
-#include "core/handle.hpp"
-#include "core/result.hpp"
 
 namespace mlcca::store {
 

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "base/handle.hpp"
+#include "base/result.hpp"
 #include "control/codec.hpp"
-#include "core/handle.hpp"
-#include "core/result.hpp"
 #include "daemon/store/contents.hpp"
 #include "daemon/store/disk.hpp"
 

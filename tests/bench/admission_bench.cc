@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "core/state.hpp"
+#include "core/admission/state.hpp"
 #include "tests/core/robot.hpp"
 
 namespace {

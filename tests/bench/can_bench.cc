@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/can/schedule.hpp"
-#include "tests/can/naive.hpp"
-#include "tests/can/sets.hpp"
+#include "tests/core/can/naive.hpp"
+#include "tests/core/can/sets.hpp"
 
 namespace {
 

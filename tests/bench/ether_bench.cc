@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
-#include "bench/timing.hpp"
-#include "core/handle.hpp"
-#include "ether/loaded_ether.hpp"
+#include "base/handle.hpp"
+#include "tests/bench/timing.hpp"
+#include "tests/bpf/ether/loaded_ether.hpp"
 
 namespace mlcca::test {
 namespace {

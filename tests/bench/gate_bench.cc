@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "bench/timing.hpp"
-#include "bpf/loaded_gate.hpp"
-#include "core/handle.hpp"
-#include "daemon/enforce/bindings.hpp"
+#include "base/handle.hpp"
+#include "tests/bench/timing.hpp"
+#include "tests/bpf/loaded_gate.hpp"
+#include "daemon/gates/bindings.hpp"
 
 namespace mlcca::test {
 namespace {

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 #include "daemon/store/history.hpp"
 #include "daemon/store/journal.hpp"
 

@@ -5,7 +5,7 @@ $(eval $(call program,bench/gate_bench,tests/bench/gate_bench.cc tests/bpf/loade
 $O/tests/bench/gate_bench.o: $(BPF_SKELETONS)
 BENCHES += $O/bench/gate_bench
 
-$(eval $(call program,bench/ether_bench,tests/bench/ether_bench.cc tests/ether/loaded_ether.cc tests/ether/packets.cc,$O/libenforce.a,-lbpf -lfmt))
+$(eval $(call program,bench/ether_bench,tests/bench/ether_bench.cc tests/bpf/ether/loaded_ether.cc tests/bpf/ether/packets.cc,$O/libenforce.a,-lbpf -lfmt))
 $O/bpf/shuffle.bpf.o: tests/bench/shuffle.bpf.c
 	$(call say,BPF,$<)
 	$(Q)mkdir -p $(@D) && $(CLANG) $(BPF_CFLAGS) -c $< -o $@ && $(LLVM_STRIP) -g $@
@@ -54,5 +54,5 @@ run-bench: all $(BENCHES)
 	$(Q)tests/bench/run $O
 .PHONY: run-bench
 
-$(eval $(call program,bench/start_bench,tests/bench/start_bench.cc tests/start/daemon.cc tests/enforce/sandbox.cc,$O/libenforce.a,-lbpf -lfmt))
+$(eval $(call program,bench/start_bench,tests/bench/start_bench.cc tests/daemon/start/daemon.cc tests/daemon/gates/sandbox.cc,$O/libenforce.a,-lbpf -lfmt))
 BENCHES += $O/bench/start_bench

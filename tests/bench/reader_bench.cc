@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 #include "description/problems.hpp"
 #include "description/read.hpp"
 #include "description/xml.hpp"

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/state.hpp"
+#include "core/admission/state.hpp"
 
 namespace {
 

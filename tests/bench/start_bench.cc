@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/start/daemon.hpp"
+#include "tests/daemon/start/daemon.hpp"
 
 namespace mlcca::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <array>
 #include <chrono>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 
 namespace mlcca::test {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "bpf/loaded_gate.hpp"
-#include "core/control_traffic.hpp"
-#include "daemon/enforce/counters.hpp"
+#include "core/gates/control_traffic.hpp"
+#include "daemon/gates/counters.hpp"
+#include "tests/bpf/loaded_gate.hpp"
 
 namespace mlcca::test {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "bpf/loaded_gate.hpp"
-#include "daemon/enforce/counters.hpp"
+#include "daemon/gates/counters.hpp"
+#include "tests/bpf/loaded_gate.hpp"
 
 namespace mlcca::test {
 namespace {

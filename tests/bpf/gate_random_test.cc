@@ -8,9 +8,9 @@
 #include <array>
 #include <random>
 
-#include "bpf/oracle.hpp"
-#include "daemon/enforce/closed_programs.hpp"
-#include "daemon/enforce/counters.hpp"
+#include "daemon/gates/closed_programs.hpp"
+#include "daemon/gates/counters.hpp"
+#include "tests/bpf/oracle.hpp"
 
 namespace mlcca::test {
 namespace {

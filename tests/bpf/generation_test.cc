@@ -5,7 +5,7 @@
 #include <atomic>
 #include <thread>
 
-#include "bpf/loaded_gate.hpp"
+#include "tests/bpf/loaded_gate.hpp"
 
 namespace mlcca::test {
 namespace {

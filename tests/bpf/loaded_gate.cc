@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Loads the gate's skeleton with the switches of a test run.
-#include "bpf/loaded_gate.hpp"
+#include "tests/bpf/loaded_gate.hpp"
 
 #include <bpf/bpf.h>
 #include <bpf/libbpf.h>
@@ -12,7 +12,7 @@
 #include <cstring>
 #include <map>
 
-#include "daemon/enforce/programs.hpp"
+#include "daemon/gates/programs.hpp"
 
 namespace mlcca::test {
 namespace {

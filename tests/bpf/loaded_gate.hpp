@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bpf/gate.h"
-#include "daemon/enforce/mapped.hpp"
-#include "daemon/enforce/slots.hpp"
+#include "daemon/gates/mapped.hpp"
+#include "daemon/gates/slots.hpp"
 
 struct bpf_test_run_opts;
 struct gate_bpf;

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "bpf/loaded_gate.hpp"
+#include "tests/bpf/loaded_gate.hpp"
 
 namespace mlcca::test {
 

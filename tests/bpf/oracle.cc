@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Looks at every slot for every frame: no buckets, no chains, no early way out.
-#include "bpf/oracle.hpp"
+#include "tests/bpf/oracle.hpp"
 
 #include <cstring>
 

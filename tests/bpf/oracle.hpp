@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "bpf/loaded_gate.hpp"
+#include "tests/bpf/loaded_gate.hpp"
 
 namespace mlcca::test {
 

@@ -8,9 +8,9 @@
 #include <thread>
 #include <vector>
 
-#include "bpf/one_slot.hpp"
-#include "daemon/clock.hpp"
-#include "daemon/enforce/counters.hpp"
+#include "base/clock.hpp"
+#include "daemon/gates/counters.hpp"
+#include "tests/bpf/one_slot.hpp"
 
 namespace mlcca::test {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "bpf/loaded_gate.hpp"
-#include "daemon/enforce/counters.hpp"
+#include "daemon/gates/counters.hpp"
+#include "tests/bpf/loaded_gate.hpp"
 
 namespace mlcca::test {
 namespace {

@@ -3,8 +3,8 @@
 // one of them leaves as a frame of that one, whatever was done to its identifier on the way.
 #include <gtest/gtest.h>
 
-#include "bpf/loaded_gate.hpp"
-#include "daemon/enforce/entry_slot.hpp"
+#include "daemon/gates/entry_slot.hpp"
+#include "tests/bpf/loaded_gate.hpp"
 #include "tests/core/robot.hpp"
 
 namespace mlcca::test {

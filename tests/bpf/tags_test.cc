@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "bpf/loaded_gate.hpp"
-#include "daemon/enforce/bindings.hpp"
+#include "daemon/gates/bindings.hpp"
+#include "tests/bpf/loaded_gate.hpp"
 
 namespace mlcca::test {
 namespace {

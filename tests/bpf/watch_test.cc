@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "bpf/one_slot.hpp"
-#include "daemon/clock.hpp"
+#include "base/clock.hpp"
+#include "tests/bpf/one_slot.hpp"
 
 namespace mlcca::test {
 namespace {

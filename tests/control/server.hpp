@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "base/handle.hpp"
 #include "control/messages.hpp"
-#include "core/handle.hpp"
 
 namespace mlcca::test {
 

@@ -3,7 +3,7 @@
 #pragma once
 #include <string>
 
-#include "core/state.hpp"
+#include "core/admission/state.hpp"
 
 namespace mlcca::core::testing {
 

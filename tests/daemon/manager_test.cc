@@ -12,7 +12,7 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 
 namespace mlcca {
 namespace {

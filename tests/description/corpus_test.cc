@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "description/pattern.hpp"
 #include "description/read.hpp"
+#include "tests/description/pattern.hpp"
 
 namespace mlcca::description {
 namespace {

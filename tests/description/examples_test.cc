@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "core/state.hpp"
-#include "core/text.hpp"
+#include "core/admission/state.hpp"
+#include "core/model/text.hpp"
 #include "description/read.hpp"
 
 namespace mlcca::description {

@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 #include "description/read.hpp"
 
 namespace mlcca::description {

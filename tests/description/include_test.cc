@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "core/findings.hpp"
-#include "core/handle.hpp"
-#include "description/folder.hpp"
+#include "base/handle.hpp"
+#include "core/design/findings.hpp"
 #include "description/read.hpp"
+#include "tests/description/folder.hpp"
 
 namespace mlcca::description {
 namespace {

@@ -16,11 +16,11 @@
 #include <string>
 #include <vector>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 #include "description/grammar.hpp"
-#include "description/pattern.hpp"
 #include "description/read.hpp"
 #include "description/values.hpp"
+#include "tests/description/pattern.hpp"
 
 namespace mlcca::description {
 namespace {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "control/codec.hpp"
-#include "fuzz/demand.hpp"
-#include "fuzz/gateway_under_test.hpp"
+#include "tests/fuzz/demand.hpp"
+#include "tests/fuzz/gateway_under_test.hpp"
 
 namespace {
 

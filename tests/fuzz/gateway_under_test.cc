@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "fuzz/gateway_under_test.hpp"
+#include "tests/fuzz/gateway_under_test.hpp"
 
 #include <fmt/format.h>
 #include <sanitizer/allocator_interface.h>
@@ -17,16 +17,16 @@
 #include <utility>
 
 #include "control/codec.hpp"
-#include "core/control_traffic.hpp"
-#include "daemon/gateway.hpp"
+#include "core/gates/control_traffic.hpp"
+#include "daemon/gateway/gateway.hpp"
 #include "daemon/listen.hpp"
 #include "daemon/loop.hpp"
-#include "daemon/readback/differences.hpp"
 #include "daemon/serve/session.hpp"
 #include "daemon/store/journal.hpp"
 #include "description/read.hpp"
-#include "fuzz/demand.hpp"
-#include "fuzz/surroundings.hpp"
+#include "tests/fuzz/demand.hpp"
+#include "tests/fuzz/surroundings.hpp"
+#include "tools/readback/differences.hpp"
 
 namespace mlcca::fuzz {
 namespace {

@@ -16,13 +16,13 @@
 #include <string_view>
 #include <vector>
 
+#include "base/handle.hpp"
 #include "control/buffer.hpp"
 #include "control/messages.hpp"
-#include "core/handle.hpp"
-#include "core/state.hpp"
-#include "daemon/enforce/readback.hpp"
+#include "core/admission/state.hpp"
+#include "daemon/gates/readback.hpp"
 #include "daemon/store/contents.hpp"
-#include "fuzz/surroundings.hpp"
+#include "tests/fuzz/surroundings.hpp"
 
 namespace mlcca::fuzz {
 

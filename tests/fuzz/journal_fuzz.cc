@@ -16,8 +16,8 @@
 #include "control/codec.hpp"
 #include "daemon/store/format.hpp"
 #include "daemon/store/journal.hpp"
-#include "fuzz/demand.hpp"
-#include "store/fake_disk.hpp"
+#include "tests/daemon/store/fake_disk.hpp"
+#include "tests/fuzz/demand.hpp"
 
 namespace {
 

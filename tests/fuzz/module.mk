@@ -4,7 +4,7 @@
 #   $(eval $(call fuzz_target,NAME,ARCHIVES,CORPUS,MAX_LEN,LIBS))
 #
 # ARCHIVES: of ours (core control description enforce sources strangers daemon tools design), built once with
-# instruments for all targets; a name with a slash is one more source (tests/sources/proto_emulated).
+# instruments for all targets; a name with a slash is one more source (tests/tools/sources/proto_emulated).
 # CORPUS: folders below tests/corpus; what they hold is replayed whole, whatever MAX_LEN says.
 #
 # `make check-fuzz` replays every corpus and goes on for FUZZ_SECONDS=20 a target; `make fuzz` goes on
@@ -20,7 +20,7 @@ FUZZERS :=
 FUZZ_OBJECTS :=
 
 # What an object is compiled with by g++ differs by folder; here all of it is given to all.
-$O/fuzz/obj/%.o: CPPFLAGS += -Itests $(XML_CFLAGS) $(NL_CFLAGS)
+$O/fuzz/obj/%.o: CPPFLAGS += $(XML_CFLAGS) $(NL_CFLAGS)
 $O/fuzz/obj/tools/%.o: CPPFLAGS += $(TOOLS_CPPFLAGS)
 $O/fuzz/obj/tests/%.o: FUZZ_INTO := -O0
 $O/fuzz/obj/tests/fuzz/%.o: FUZZ_FLAGS += $(WARN)
@@ -61,14 +61,14 @@ endef
 
 $(eval $(call fuzz_target,der_fuzz,,der,1500))
 $(eval $(call fuzz_target,description_fuzz,description core,description/good description/bad,16384,$(XML_LIBS) -lfmt))
-$(eval $(call fuzz_target,journal_fuzz,$(addprefix daemon/store/,journal format contents earlier disk) tests/store/fake_disk control core,journal,2048,$(PROTO_LIBS)))
+$(eval $(call fuzz_target,journal_fuzz,$(addprefix daemon/store/,journal format contents earlier disk) tests/daemon/store/fake_disk control core,journal,2048,$(PROTO_LIBS)))
 $(eval $(call fuzz_target,replies_fuzz,$(addprefix tools/,$(basename $(notdir $(wildcard tools/render*.cc))) json table words values times) control core,replies,4096,$(PROTO_LIBS)))
 $(eval $(call fuzz_target,tables_fuzz,tools/design/analyse_bus/table tools/design/analyse_bus/distinct tools/values core,tables,2048,))
 $(eval $(call fuzz_target,sources_texts_fuzz,strangers sources,sources_texts,16384,$(NL_LIBS) -lsystemd))
 $(eval $(call fuzz_target,sources_packets_fuzz,strangers sources,sources_packets,16384,$(NL_LIBS) -lsystemd))
 $(eval $(call fuzz_target,netlink_fuzz,daemon sources core,netlink,2048,$(NL_LIBS) -lsystemd -lfmt))
 # The whole gateway, on gates of the kernel: root.
-$(eval $(call fuzz_target,control_fuzz,$(addprefix tests/,fuzz/gateway_under_test fuzz/surroundings enforce/sandbox) daemon/readback/differences daemon sources enforce control description core,control,2048,$(DAEMON_LIBS)))
+$(eval $(call fuzz_target,control_fuzz,$(addprefix tests/,fuzz/gateway_under_test fuzz/surroundings daemon/gates/sandbox) tools/readback/differences daemon sources enforce control description core,control,2048,$(DAEMON_LIBS)))
 
 FUZZ ?= $(FUZZERS)
 check-fuzz: $(addprefix check-fuzz-,$(FUZZ)) ## what comes from outside: stored corpus, then FUZZ_SECONDS=20 of mutations each

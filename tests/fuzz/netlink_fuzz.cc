@@ -31,7 +31,7 @@
 #include "daemon/net/queue.hpp"
 #include "daemon/net/sources/conversation.hpp"
 #include "daemon/net/sources/wire.hpp"
-#include "fuzz/sources_check.hpp"
+#include "tests/fuzz/sources_check.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "control/codec.hpp"
-#include "fuzz/demand.hpp"
+#include "tests/fuzz/demand.hpp"
 #include "tools/json.hpp"
 #include "tools/render.hpp"
 

@@ -9,8 +9,8 @@
 #include "daemon/net/sources/batman.hpp"
 #include "daemon/net/sources/nl80211_view.hpp"
 #include "daemon/net/sources/wire.hpp"
-#include "daemon/sources/awds_packet.hpp"
-#include "fuzz/sources_check.hpp"
+#include "tests/fuzz/sources_check.hpp"
+#include "tools/sources/awds_packet.hpp"
 
 namespace {
 

@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "daemon/sources/babel.hpp"
-#include "daemon/sources/file.hpp"
-#include "daemon/sources/olsr.hpp"
-#include "daemon/sources/peer.hpp"
-#include "fuzz/sources_check.hpp"
+#include "tests/fuzz/sources_check.hpp"
+#include "tools/sources/babel.hpp"
+#include "tools/sources/file.hpp"
+#include "tools/sources/olsr.hpp"
+#include "tools/sources/peer.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "fuzz/surroundings.hpp"
+#include "tests/fuzz/surroundings.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -17,8 +17,8 @@
 #include <string_view>
 
 #include "daemon/net/pair.hpp"
-#include "enforce/sandbox.hpp"
-#include "fuzz/demand.hpp"
+#include "tests/daemon/gates/sandbox.hpp"
+#include "tests/fuzz/demand.hpp"
 
 namespace mlcca::fuzz {
 namespace {

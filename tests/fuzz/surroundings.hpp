@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <string>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 
 namespace mlcca::fuzz {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/can/analysis.hpp"
-#include "fuzz/demand.hpp"
+#include "tests/fuzz/demand.hpp"
 #include "tools/design/analyse_bus/bus.hpp"
 
 namespace {

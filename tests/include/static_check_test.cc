@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Compile-time checks that pass, and what the errors of the others say. That a compiler prints it
-// as one short error is in tests/compile/.
+// as one short error is in tests/include/compile/.
 #include "mlcca/static_check.hpp"
 
 #include <gtest/gtest.h>

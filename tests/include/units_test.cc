@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Quantities keep their units apart. What must not compile is in tests/compile/refused/.
+// Quantities keep their units apart. What must not compile is in tests/include/compile/refused/.
 #include "mlcca/units.hpp"
 
 #include <gtest/gtest.h>

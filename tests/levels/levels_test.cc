@@ -15,19 +15,19 @@
 #include <utility>
 #include <vector>
 
-#include "core/allocation.hpp"
+#include "core/admission/allocation.hpp"
+#include "core/admission/state.hpp"
+#include "core/admission/world.hpp"
 #include "core/can/analysis.hpp"
 #include "core/can/of_system.hpp"
-#include "core/inspect.hpp"
-#include "core/state.hpp"
-#include "core/world.hpp"
+#include "core/design/inspect.hpp"
 #include "description/read.hpp"
-#include "levels/random_system.hpp"
+#include "tests/description/twin/twin.hpp"
+#include "tests/levels/random_system.hpp"
 #include "tools/design/analyse_bus/bus.hpp"
 #include "tools/design/generate/checks.hpp"
 #include "tools/design/generate/header.hpp"
 #include "tools/design/generate/unit.hpp"
-#include "twin/twin.hpp"
 
 namespace mlcca::testing {
 namespace {

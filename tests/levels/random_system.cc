@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "levels/random_system.hpp"
+#include "tests/levels/random_system.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "twin/random_values.hpp"
+#include "tests/description/twin/random_values.hpp"
 
 namespace mlcca::testing {
 namespace {

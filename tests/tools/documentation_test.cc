@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 #include "tests/control/messages.hpp"
 #include "tests/control/server.hpp"
 #include "tests/tools/run.hpp"

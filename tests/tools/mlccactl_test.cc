@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/handle.hpp"
 #include "control/version.hpp"
-#include "core/handle.hpp"
 #include "tests/control/messages.hpp"
 #include "tests/control/server.hpp"
 #include "tests/tools/run.hpp"

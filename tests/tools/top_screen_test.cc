@@ -18,7 +18,7 @@
 #include <memory>
 #include <string_view>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 #include "tests/control/messages.hpp"
 #include "tests/control/server.hpp"
 #include "tests/tools/run.hpp"

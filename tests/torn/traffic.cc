@@ -30,7 +30,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 
 namespace {
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <utility>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 
 namespace mlcca::tools::design {
 namespace {

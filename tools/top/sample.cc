@@ -8,7 +8,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/text.hpp"
+#include "core/model/text.hpp"
 #include "mlcca/arithmetic.hpp"
 #include "tools/values.hpp"
 #include "tools/words.hpp"

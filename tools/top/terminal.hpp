@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/handle.hpp"
-#include "core/result.hpp"
+#include "base/handle.hpp"
+#include "base/result.hpp"
 #include "tools/top/layout.hpp"
 
 namespace mlcca::tools::top {

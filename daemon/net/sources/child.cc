@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/unix_address.hpp"
+#include "base/unix_address.hpp"
 #include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::net {

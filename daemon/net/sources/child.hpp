@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "core/handle.hpp"
-#include "core/result.hpp"
+#include "base/handle.hpp"
+#include "base/result.hpp"
 
 namespace mlcca::net {
 

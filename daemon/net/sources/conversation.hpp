@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "core/result.hpp"
+#include "base/result.hpp"
 #include "daemon/net/sources/genl.hpp"
 #include "daemon/net/sources/timer.hpp"
 

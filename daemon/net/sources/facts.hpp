@@ -18,9 +18,9 @@
 #include <string>
 #include <vector>
 
+#include "base/result.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/mesh/sample.hpp"
-#include "core/result.hpp"
 
 namespace mlcca::net::facts {
 

@@ -6,9 +6,9 @@
 #include <functional>
 #include <memory>
 
+#include "base/result.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/mesh/sample.hpp"
-#include "core/result.hpp"
 
 namespace mlcca::net {
 

@@ -7,9 +7,9 @@
 #include <functional>
 #include <memory>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
+#include "base/result.hpp"
 #include "core/mesh/sample.hpp"
-#include "core/result.hpp"
 
 namespace mlcca::net {
 

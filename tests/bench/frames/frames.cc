@@ -22,9 +22,9 @@
 #include <unordered_set>
 #include <vector>
 
-#include "core/handle.hpp"
-#include "daemon/enforce/control.hpp"
-#include "daemon/enforce/gate.hpp"
+#include "base/handle.hpp"
+#include "daemon/gates/control.hpp"
+#include "daemon/gates/gate.hpp"
 
 namespace {
 

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/admission/world.hpp"
 #include "core/can/of_system.hpp"
-#include "core/inspect.hpp"
-#include "core/medium.hpp"
-#include "core/profile.hpp"
-#include "core/text.hpp"
-#include "core/world.hpp"
+#include "core/design/inspect.hpp"
+#include "core/model/medium.hpp"
+#include "core/model/text.hpp"
+#include "core/profiles/profile.hpp"
 #include "description/read.hpp"
 #include "tools/design/analyse_bus/bus.hpp"
 

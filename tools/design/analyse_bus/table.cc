@@ -11,8 +11,8 @@
 #include <optional>
 #include <utility>
 
+#include "base/result.hpp"
 #include "core/can/analysis.hpp"
-#include "core/result.hpp"
 #include "tools/design/analyse_bus/bus.hpp"
 #include "tools/values.hpp"
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What each kind of finding means and what helps: a sentence or two beside the table of
-// core/findings.hpp, for rule lists of editors and code hosts, the HTML report and docs/CHECK.md.
+// core/design/findings.hpp, for rule lists of editors and code hosts, the HTML report and
+// docs/CHECK.md.
 #pragma once
-#include "core/findings.hpp"
+#include "core/design/findings.hpp"
 
 namespace mlcca::tools::design {
 

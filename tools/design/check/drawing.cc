@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/text.hpp"
+#include "core/model/text.hpp"
 
 namespace mlcca::tools::design {
 namespace {

@@ -19,7 +19,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 
 namespace mlcca::tools::design {
 namespace {

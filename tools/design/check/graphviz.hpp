@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-#include "core/result.hpp"
+#include "base/result.hpp"
 
 namespace mlcca::tools::design {
 

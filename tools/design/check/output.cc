@@ -12,7 +12,7 @@
 #include <cstring>
 #include <memory>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 #include "tools/design/safe_file.hpp"
 
 namespace mlcca::tools::design {

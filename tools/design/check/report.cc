@@ -7,7 +7,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "core/text.hpp"
+#include "core/model/text.hpp"
 #include "description/read.hpp"
 
 namespace mlcca::tools::design {

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/findings.hpp"
-#include "core/inspect.hpp"
-#include "core/system.hpp"
+#include "core/design/findings.hpp"
+#include "core/design/inspect.hpp"
+#include "core/model/system.hpp"
 #include "tools/exit.hpp"
 
 namespace mlcca::tools::design {

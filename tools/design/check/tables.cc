@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "core/text.hpp"
+#include "core/model/text.hpp"
 #include "tools/design/check/advice.hpp"
 #include "tools/design/escape.hpp"
 

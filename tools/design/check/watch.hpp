@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/handle.hpp"
-#include "core/result.hpp"
+#include "base/handle.hpp"
+#include "base/result.hpp"
 
 namespace mlcca::tools::design {
 

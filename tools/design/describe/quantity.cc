@@ -11,7 +11,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/text.hpp"
+#include "core/model/text.hpp"
 #include "description/values.hpp"
 #include "tools/values.hpp"
 

@@ -12,7 +12,7 @@
 #include <cctype>
 #include <memory>
 
-#include "core/handle.hpp"
+#include "base/handle.hpp"
 #include "description/read.hpp"
 #include "tools/design/describe/markup.hpp"
 

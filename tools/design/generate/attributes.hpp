@@ -4,8 +4,8 @@
 #include <map>
 #include <string>
 
-#include "core/result.hpp"
-#include "core/system.hpp"
+#include "base/result.hpp"
+#include "core/model/system.hpp"
 #include "mlcca/der_format.hpp"
 
 namespace mlcca::tools::design {

@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
-#include "core/inspect.hpp"
-#include "core/user_values.hpp"
+#include "core/design/inspect.hpp"
+#include "core/model/user_values.hpp"
 #include "mlcca/check.hpp"
 
 namespace mlcca::tools::design {

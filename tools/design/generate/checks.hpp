@@ -10,9 +10,9 @@
 #include <tuple>
 #include <vector>
 
-#include "core/findings.hpp"
-#include "core/members.hpp"
-#include "core/topology.hpp"
+#include "core/design/findings.hpp"
+#include "core/model/members.hpp"
+#include "core/model/topology.hpp"
 #include "mlcca/compose.hpp"
 #include "tools/design/generate/unit.hpp"
 

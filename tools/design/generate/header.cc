@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/can/of_system.hpp"
-#include "core/text.hpp"
+#include "core/model/text.hpp"
 #include "mlcca/user_check.hpp"
 #include "tools/design/generate/attributes.hpp"
 #include "tools/design/generate/checks.hpp"

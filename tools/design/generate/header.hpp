@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/result.hpp"
+#include "base/result.hpp"
 #include "tools/design/generate/checks.hpp"
 #include "tools/design/generate/unit.hpp"
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/result.hpp"
+#include "base/result.hpp"
 #include "tools/design/safe_file.hpp"
 
 namespace mlcca::tools::design {

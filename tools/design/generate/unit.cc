@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "core/text.hpp"
+#include "core/model/text.hpp"
 #include "tools/design/generate/names.hpp"
 
 namespace mlcca::tools::design {

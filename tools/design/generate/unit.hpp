@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/result.hpp"
-#include "core/system.hpp"
+#include "base/result.hpp"
+#include "core/model/system.hpp"
 #include "mlcca/der_format.hpp"
 
 namespace mlcca::tools::design {

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/admission/allocation.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace mlcca::core {
+
+void Allocation::sort(std::vector<std::size_t>& channels) const {
+  std::ranges::sort(channels, {},
+                    [this](std::size_t c) { return std::tuple(-int{importance(c)}, ages_[c], c); });
+}
+
+void Allocation::take_out(std::size_t channel) {
+  for (const std::size_t p : s_.members.publishers_of(channel)) ledger_.remove(p);
+}
+
+void Allocation::put(std::size_t channel, Decision decision) {
+  if (former_ != nullptr) former_->try_emplace(channel, std::move(decisions_[channel]));
+  decisions_[channel] = std::move(decision);
+}
+
+bool Allocation::is_best(std::size_t channel) const {
+  const Decision& now = decisions_[channel];
+  return now.set == 0 && now.granted != 0 && now.all_granted();
+}
+
+bool Allocation::keep(const std::vector<std::size_t>& channels) {
+  const Ledger::Mark before = ledger_.mark();
+  std::vector<std::pair<std::size_t, Decision>> kept;
+  for (const std::size_t c : channels) {
+    const Decision& old = decisions_[c];
+    if (old.granted == 0) continue;
+    const Ledger::Mark mark = ledger_.mark();
+    Decision now = decide_in(s_, c, old.set, ledger_, &old);
+    if (!keeps_grants(old, now)) {
+      // Its links or networks may have become too bad for it, whoever else is there.
+      ledger_.roll_back(mark);
+      const Decision best = alone(c);
+      now = decide_in(s_, c, best.set, ledger_, &best);
+      if (!keeps_grants(best, now)) {
+        ledger_.roll_back(before);
+        return false;
+      }
+    }
+    kept.emplace_back(c, std::move(now));
+  }
+  for (auto& [c, decision] : kept) put(c, std::move(decision));
+  ledger_.commit();
+  return true;
+}
+
+/// What a channel could have of what it had, from its set downwards, if nobody else were there.
+Decision Allocation::alone(std::size_t channel) {
+  if (!nobody_) nobody_ = empty_ledger(s_.system, s_.world);
+  const Decision& old = decisions_[channel];
+  Decision most;
+  for (std::size_t set = old.set; set < sets_of(s_.system, channel); ++set) {
+    const Ledger::Mark mark = nobody_->mark();
+    Decision now = decide_in(s_, channel, set, *nobody_, &old);
+    nobody_->roll_back(mark);
+    if (keeps_grants(old, now)) return now;
+    if (set == old.set || now.granted > most.granted) most = std::move(now);
+  }
+  return most;
+}
+
+/// In the lowest set that serves the channel as `before`; nothing if none does.
+std::optional<Decision> Allocation::lowered(std::size_t channel, const Decision& before) {
+  for (std::size_t set = sets_of(s_.system, channel); set-- > 0;) {
+    const Ledger::Mark mark = ledger_.mark();
+    Decision now = decide_in(s_, channel, set, ledger_, &before);
+    if (keeps_grants(before, now)) return now;
+    ledger_.roll_back(mark);
+  }
+  return std::nullopt;
+}
+
+void Allocation::squeeze(const std::vector<std::size_t>& channels) {
+  for (const std::size_t c : channels) {
+    if (decisions_[c].granted == 0) continue;
+    const Decision before = decisions_[c];
+    if (auto now = lowered(c, before)) {
+      put(c, std::move(*now));
+      continue;
+    }
+    put(c, {});
+    // Part of it is better than nothing.
+    std::optional<std::size_t> chosen;
+    std::size_t most = 0;
+    for (std::size_t set = sets_of(s_.system, c); set-- > 0;) {
+      const Ledger::Mark mark = ledger_.mark();
+      const Decision now = decide_in(s_, c, set, ledger_, &before);
+      ledger_.roll_back(mark);
+      if (now.granted <= most) continue;
+      most = now.granted;
+      chosen = set;
+    }
+    if (chosen) put(c, decide_in(s_, c, *chosen, ledger_, &before));
+  }
+  ledger_.commit();
+}
+
+bool Allocation::step_up(std::size_t channel) {
+  if (is_best(channel)) return false;
+  const Decision& now = decisions_[channel];
+  const std::size_t sets = sets_of(s_.system, channel);
+  std::size_t first = sets;
+  if (now.granted != 0) first = now.all_granted() ? now.set : now.set + 1;
+  for (std::size_t set = first; set-- > 0;) {
+    const Ledger::Mark mark = ledger_.mark();
+    take_out(channel);
+    Decision next = decide_in(s_, channel, set, ledger_);
+    const bool keeps = keeps_grants(now, next);
+    const bool more = next.granted > now.granted;
+    const bool better = next.granted == now.granted && set < now.set && now.granted != 0;
+    const bool same = next.granted == now.granted && set == now.set && now.granted != 0;
+    if (keeps && (more || better || same)) {
+      put(channel, std::move(next));
+      ledger_.commit();
+      // The same again: only the reasons of what is refused are those of now.
+      if (!same) return true;
+      continue;
+    }
+    ledger_.roll_back(mark);
+    // A refusal is explained with the set that is wanted.
+    if (now.granted == 0 && set == 0) put(channel, std::move(next));
+  }
+  return false;
+}
+
+bool Allocation::serve(const std::vector<std::size_t>& channels) {
+  bool any = false;
+  for (const std::size_t c : channels)
+    if (decisions_[c].granted == 0) any |= step_up(c);
+  ledger_.commit();
+  return any;
+}
+
+bool Allocation::raise(const std::vector<std::size_t>& channels) {
+  bool any = false;
+  for (auto begin = channels.begin(); begin != channels.end();) {
+    const auto end = std::find_if(
+        begin, channels.end(), [&](std::size_t c) { return importance(c) != importance(*begin); });
+    // Until a whole round has raised nobody: who takes another way leaves something behind.
+    for (bool progress = true; progress; any |= progress) {
+      progress = false;
+      for (auto it = begin; it != end; ++it)
+        if (decisions_[*it].granted != 0) progress |= step_up(*it);
+    }
+    begin = end;
+  }
+  ledger_.commit();
+  return any;
+}
+
+bool is_plain(const System& system) {
+  return std::ranges::all_of(
+      system.channels, [](const EventChannel& c) { return c.lower.empty() && c.importance == 0; });
+}
+
+void decide_each(const Situation& situation, Ledger& ledger, const EachChannel& each) {
+  const std::size_t channels = situation.system.channels.size();
+  if (is_plain(situation.system)) {
+    for (std::size_t c = 0; c < channels; ++c) {
+      const Decision decision = decide_in(situation, c, 0, ledger);
+      ledger.commit();
+      each(c, decision);
+    }
+    return;
+  }
+  std::vector<Decision> decisions(channels);
+  const std::vector<std::uint64_t> ages(channels, 0);
+  std::vector<std::size_t> all(channels);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  Allocation allocation(situation, ages, decisions, ledger);
+  allocation.sort(all);
+  while (allocation.serve(all) || allocation.raise(all)) {
+  }
+  for (std::size_t c = 0; c < channels; ++c) each(c, decisions[c]);
+}
+
+}  // namespace mlcca::core

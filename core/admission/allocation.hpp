@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Who is given what when it does not suffice for everybody. Service comes before quality: nobody
+// gets a better attribute set while somebody who could be served has nothing. The more important
+// channel comes first; of equally important ones each takes one step in turn, the older first, as
+// in max-min fairness by progressive filling (Bertsekas, Gallager: Data Networks, 6.5.2), with
+// attribute sets as the steps.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/admission/admission.hpp"
+#include "core/reserve/ledger.hpp"
+
+namespace mlcca::core {
+
+class Allocation {
+ public:
+  /// Of channels: what was decided before.
+  using Former = std::map<std::size_t, Decision>;
+
+  /// `ages`: of each channel, the larger the younger. `decisions`: of each channel, changed in
+  /// place. What they grant is in the ledger, except where it says otherwise. `former`: gets what
+  /// is replaced, the first time that it is.
+  Allocation(const Situation& situation, std::span<const std::uint64_t> ages,
+             std::vector<Decision>& decisions, Ledger& ledger, Former* former = nullptr)
+      : s_(situation), ages_(ages), decisions_(decisions), ledger_(ledger), former_(former) {}
+
+  /// In the order in which they are served.
+  void sort(std::vector<std::size_t>& channels) const;
+
+  /// Gives sorted channels, of which the ledger holds nothing, what they had. One that could not
+  /// have it even alone gets the best set in which it could, or nothing. False if the others hold
+  /// too much for that: then the ledger and the decisions are as before.
+  [[nodiscard]] bool keep(const std::vector<std::size_t>& channels);
+  /// Gives sorted channels, of which the ledger holds nothing, their lowest set that serves them no
+  /// less than before, the most important first; who does not fit then gets nothing.
+  void squeeze(const std::vector<std::size_t>& channels);
+  /// Decides those of the sorted channels anew that are granted nothing. True if somebody is now.
+  bool serve(const std::vector<std::size_t>& channels);
+  /// Gives the sorted channels more, as far as there is more, at nobody's cost. True if somebody
+  /// got more.
+  bool raise(const std::vector<std::size_t>& channels);
+
+  /// Takes what a channel holds out of the ledger.
+  void take_out(std::size_t channel);
+
+ private:
+  void put(std::size_t channel, Decision decision);
+  [[nodiscard]] Decision alone(std::size_t channel);
+  [[nodiscard]] std::optional<Decision> lowered(std::size_t channel, const Decision& before);
+  bool step_up(std::size_t channel);
+  [[nodiscard]] bool is_best(std::size_t channel) const;
+  [[nodiscard]] std::uint8_t importance(std::size_t channel) const {
+    return s_.system.channels[channel].importance;
+  }
+
+  Situation s_;
+  std::span<const std::uint64_t> ages_;
+  std::vector<Decision>& decisions_;
+  Ledger& ledger_;
+  Former* former_;
+  std::optional<Ledger> nobody_;  // as if nobody held anything
+};
+
+/// There is nothing to be divided: one set each, all equally important. Then serving one channel
+/// after the other gives the same.
+[[nodiscard]] bool is_plain(const System& system);
+
+/// Everything anew, nothing granted before. `each` is called for every channel; with a plain system
+/// right after its decision, so that nobody need keep all of them.
+using EachChannel = std::function<void(std::size_t channel, const Decision& decision)>;
+void decide_each(const Situation& situation, Ledger& ledger, const EachChannel& each);
+
+}  // namespace mlcca::core

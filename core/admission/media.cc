@@ -1,0 +1,484 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/admission/media.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "core/admission/route_check.hpp"
+#include "core/can/of_system.hpp"
+#include "core/gates/relay_gate.hpp"
+#include "core/mesh/roles.hpp"
+#include "core/model/medium.hpp"
+#include "mlcca/arithmetic.hpp"
+#include "mlcca/check.hpp"
+
+namespace mlcca::core {
+namespace {
+
+Value less(Value a, Value b) {
+  if (a == kUnbounded) return a;
+  return a > b ? a - b : 0;
+}
+
+bool is_missing(const AttributeSet& provision, Attribute a) {
+  return !provision.has(a) || provision.is_dynamic(a);
+}
+
+void provide(AttributeSet& provision, Attribute a, Value value, bool dynamic = false) {
+  if (is_missing(provision, a)) provision.set(a, value, dynamic);
+}
+
+void provide_response(AttributeSet& provision, Value response) {
+  if (response == 0) return;
+  provide(provision, Attribute::latency, response);
+  provide(provision, Attribute::jitter, response);
+}
+
+/// Over a mesh events are sent in packets, however long they are, and as often as the time of the
+/// medium lasts.
+void provide_events(AttributeSet& provision, const AttributeSet& offered, bool dynamic = false) {
+  provide(provision, Attribute::max_payload, kUnbounded, dynamic);
+  if (offered.has(Attribute::period))
+    provide(provision, Attribute::period, offered[Attribute::period], dynamic);
+}
+
+/// Something could know what its links carry, if anything is asked.
+bool may_know_rates(const mesh::Mesh& mesh) {
+  return mesh.sources.empty() || std::ranges::any_of(mesh.sources, mesh::knows_rates);
+}
+
+/// The links of a mesh are known for good only if nothing but the description knows them.
+bool is_fixed(const mesh::Mesh& mesh) {
+  return !mesh.sources.empty() && std::ranges::all_of(mesh.sources, [](const mesh::Source& s) {
+    return s.kind == mesh::SourceKind::description;
+  });
+}
+
+bool is_empty(const AttributeSet& offered) {
+  return offered.has(Attribute::max_payload) && offered[Attribute::max_payload] == 0;
+}
+
+/// What the links of a way give, beside their rate, which is reckoned as medium time.
+void provide_links(AttributeSet& provision, const AttributeSet& given, bool dynamic) {
+  for (std::size_t i = 0; i < kAttributes; ++i) {
+    const Attribute a = attribute_at(i);
+    if (a != Attribute::bandwidth && given.has(a)) provide(provision, a, given[a], dynamic);
+  }
+}
+
+/// From a node to itself: there is nothing in between.
+void provide_everything(AttributeSet& provision, const AttributeSet& offered) {
+  for (const Attribute a :
+       {Attribute::latency, Attribute::jitter, Attribute::omission, Attribute::packet_loss})
+    provide(provision, a, 0);
+  provide(provision, Attribute::bandwidth, kUnbounded);
+  provide_events(provision, offered);
+}
+
+}  // namespace
+
+Value mesh_event(const AttributeSet& offered) {
+  return is_empty(offered) ? 1 : offered[Attribute::max_payload];
+}
+
+Media::Media(const Situation& situation, Ledger& ledger, std::span<Hop> hops,
+             std::vector<Limit> limits, Verdict& verdict)
+    : s_(situation),
+      ledger_(ledger),
+      places_(hops_of(verdict.route)),
+      hops_(hops),
+      limits_(std::move(limits)),
+      v_(verdict),
+      guaranteed_(hops.size(), kUnbounded) {}
+
+bool Media::any(const Situation& situation, const Ledger& ledger, const Verdict& verdict) {
+  return std::ranges::any_of(hops_of(verdict.route), [&](Place hop) {
+    return hop.kind == Place::Kind::network &&
+           (ledger.schedule(hop.index) != nullptr || situation.world.meshes[hop.index] != nullptr);
+  });
+}
+
+Media::Kind Media::kind_of(std::size_t hop) const {
+  if (places_[hop].kind != Place::Kind::network) return Kind::stated;
+  const std::size_t network = places_[hop].index;
+  if (ledger_.schedule(network) != nullptr) return Kind::bus;
+  return s_.world.meshes[network] != nullptr ? Kind::mesh : Kind::stated;
+}
+
+void Media::take() {
+  // Meshes first: what a bus may take of the time depends on what they give.
+  for (std::size_t i = 0; i < hops_.size(); ++i)
+    if (kind_of(i) == Kind::mesh) take_mesh(i);
+  for (std::size_t i = 0; i < hops_.size(); ++i)
+    if (kind_of(i) == Kind::bus) take_bus(i);
+}
+
+void Media::obstruct(Obstacle obstacle, std::size_t hop) {
+  if (v_.obstacle != Obstacle::none) return;
+  v_.obstacle = obstacle;
+  v_.obstacle_at = places_[hop];
+}
+
+// --- CAN buses ----------------------------------------------------------------------------------
+
+Value Media::latency_of(std::size_t hop) const {
+  if (guaranteed_[hop] != kUnbounded) return guaranteed_[hop];
+  const AttributeSet& provision = hops_[hop].provision;
+  // What nobody states is refused for that; it takes nothing of what the buses may.
+  return normalised_provision(provision)[Attribute::latency];
+}
+
+Value Media::variation_of(std::size_t hop) const {
+  if (guaranteed_[hop] != kUnbounded) return guaranteed_[hop];
+  const AttributeSet& provision = hops_[hop].provision;
+  return provision.has(Attribute::jitter) ? provision[Attribute::jitter] : latency_of(hop);
+}
+
+Value Media::variation_before(std::size_t hop) const {
+  const Publisher& publisher = s_.members.publisher(v_.publisher);
+  Value sum = attributes_in(publisher, v_.set)[Attribute::jitter];
+  for (std::size_t i = 0; i < hop; ++i) sum = add_saturating(sum, variation_of(i));
+  return sum;
+}
+
+/// How long the hop may take at most, so that everybody who hears the events there or later has
+/// them in time: of what the other hops leave, buses get shares like their bit times. That depends
+/// on nobody else on the buses, so a message is promised the same whenever it is decided.
+Value Media::delay_allowed(std::size_t hop) const {
+  const Publisher& publisher = s_.members.publisher(v_.publisher);
+  const Value source = attributes_in(publisher, v_.set)[Attribute::jitter];
+  Value most = kUnbounded;
+  for (const Limit& limit : limits_) {
+    if (limit.hop < hop) continue;
+    Value latency = limit.latency;
+    Value jitter = less(limit.jitter, source);
+    Value all = 0;
+    for (std::size_t i = 0; i <= limit.hop; ++i) {
+      if (const Value weight = bit_time(i); weight != 0) {
+        all += weight;
+        continue;
+      }
+      const Value promised = promised_delay(i);
+      latency = less(latency, std::min(latency_of(i), promised));
+      jitter = less(jitter, std::min(variation_of(i), promised));
+    }
+    const Value allowed = std::min(latency, jitter);
+    if (allowed != kUnbounded) most = std::min(most, mul_div_down(allowed, bit_time(hop), all));
+  }
+  return most;
+}
+
+/// Weight of a bus that shares what is left, in ns; 0: the hop has a delay of its own.
+Value Media::bit_time(std::size_t hop) const {
+  if (kind_of(hop) != Kind::bus || promised_delay(hop) != kUnbounded) return 0;
+  return can::bit_time(ledger_.schedule(places_[hop].index)->assumptions().timing);
+}
+
+/// What the description promises of a bus, and the analysis has to keep; kUnbounded: nothing.
+Value Media::promised_delay(std::size_t hop) const {
+  if (places_[hop].kind != Place::Kind::network) return kUnbounded;
+  const AttributeSet& stated = s_.system.networks[places_[hop].index].provision;
+  if (kind_of(hop) != Kind::bus || is_missing(stated, Attribute::latency)) return kUnbounded;
+  const Value latency = stated[Attribute::latency];
+  if (is_missing(stated, Attribute::jitter)) return latency;
+  return std::min(latency, stated[Attribute::jitter]);
+}
+
+std::uint32_t Media::sender_queue(std::size_t hop) const {
+  const Place sender = hop > 0 ? places_[hop - 1] : v_.route.front();
+  if (sender.kind != Place::Kind::gateway) return can::kOwnQueue;
+  return queue_of(s_.system, sender.index, places_[hop].index);
+}
+
+void Media::late_row(Place hop, const can::Schedule::Late& late) {
+  Row row{.place = hop, .against = Against::schedule};
+  row.end = static_cast<std::uint32_t>(Ledger::publisher_of(late.key));
+  Comparison& c = row.comparison;
+  c.attribute = late.overflow ? Attribute::omission : Attribute::deadline;
+  c.outcome = Outcome::unfit;
+  c.known = true;
+  c.required = late.overflow ? 0 : late.deadline;
+  c.provided = late.overflow || !late.bounded ? kUnbounded : late.response;
+  if (late.overflow) {
+    row.reserved = late.queued;
+    row.room = late.length;
+  } else if (late.bounded && late.deadline <= late.jitter) {
+    // The other hops may take all of the time: what counts is how long this one takes.
+    c.required = 0;
+    c.provided = less(late.response, late.jitter);
+  }
+  v_.rows.push_back(row);
+}
+
+/// What this publisher, and those that are analysed, are heard sending is no background.
+void Media::leave_out_own_load(std::size_t network) {
+  Condition condition = s_.world.conditions[network];
+  if (condition.heard.empty()) return;
+  const can::Schedule& bus = *ledger_.schedule(network);
+  for (const Heard& heard : condition.heard)
+    if (heard.publisher == v_.publisher ||
+        bus.contains(Ledger::key_of({heard.publisher, network, Flow::kOwn})))
+      condition.background -= std::min(condition.background, heard.load);
+  ledger_.assume(network, *bus_of(s_.system, condition, network));
+}
+
+void Media::take_bus(std::size_t hop) {
+  const std::size_t network = places_[hop].index;
+  leave_out_own_load(network);
+  const Publisher& publisher = s_.members.publisher(v_.publisher);
+  const can::Timing timing = ledger_.schedule(network)->assumptions().timing;
+  auto message = can::message_of(s_.system, publisher, v_.set, network, timing);
+  if (!message) {
+    obstruct(Obstacle::no_period, hop);
+    if (s_.tried != nullptr) s_.tried->push_back({hop, std::nullopt});
+    return;
+  }
+  const Flow flow = flow_on(s_.system, v_.publisher, v_.route, hop);
+  const std::uint64_t key = Ledger::key_of(flow);
+  message->jitter = variation_before(hop);
+  message->queue = sender_queue(hop);
+  const Value promised = promised_delay(hop);
+  Value delay = promised != kUnbounded ? promised : delay_allowed(hop);
+  if (const can::Message* held = ledger_.schedule(network)->find(key)) {
+    // For another place behind this bus: whoever is stricter counts.
+    message->jitter = std::max(message->jitter, held->jitter);
+    delay = std::min(delay, less(held->deadline, held->jitter));
+  }
+  message->deadline = add_saturating(message->jitter, delay);
+  if (s_.tried != nullptr) s_.tried->push_back({hop, message});
+  const auto late = ledger_.schedule(flow, *message);
+  MediumUse& use = v_.media.emplace_back();
+  use.network = network;
+  use.key = key;
+  if (late) {
+    late_row(places_[hop], *late);
+    // What is refused for the schedule is not refused for its consequences as well.
+    use.response = delay;
+  } else {
+    use.response = less(ledger_.schedule(network)->response(key), message->jitter);
+    use.guaranteed = delay;
+    guaranteed_[hop] = delay;
+  }
+  AttributeSet& provision = hops_[hop].provision;
+  provide_response(provision, use.response);
+  provide(provision, Attribute::period, message->period);
+  const Network& medium = s_.system.networks[network];
+  provide(provision, Attribute::max_payload, event_bytes(medium, *medium.binding_of(v_.channel)));
+}
+
+void Media::renew_responses(const Situation& situation, const Ledger& ledger, Verdict& verdict) {
+  const auto places = hops_of(verdict.route);
+  for (MediumUse& use : verdict.media) {
+    const can::Schedule* bus = ledger.schedule(use.network);
+    const can::Message* message = bus != nullptr ? bus->find(use.key) : nullptr;
+    if (message == nullptr) continue;
+    use.response = less(bus->response(use.key), message->jitter);
+    for (std::size_t i = 0; i < verdict.hops.size(); ++i) {
+      if (places[i] != Place{Place::Kind::network, use.network}) continue;
+      const AttributeSet& stated = situation.system.networks[use.network].provision;
+      AttributeSet& provision = verdict.hops[i].provision;
+      for (const Attribute a : {Attribute::latency, Attribute::jitter})
+        if (is_missing(stated, a)) provision.clear(a);
+      provide_response(provision, use.response);
+    }
+  }
+}
+
+// --- meshes -------------------------------------------------------------------------------------
+
+/// The node of a gateway, or all nodes of a mesh.
+std::vector<std::uint32_t> Media::nodes_of(const mesh::Mesh& mesh, Place place) {
+  std::vector<std::uint32_t> nodes;
+  for (std::uint32_t n = 0; n < mesh.nodes.size(); ++n)
+    if (place.kind == Place::Kind::network || mesh.nodes[n].gateway == place.index)
+      nodes.push_back(n);
+  return nodes;
+}
+
+std::vector<std::uint32_t> Media::entries(std::size_t hop) const {
+  const mesh::Mesh& mesh = *s_.system.networks[places_[hop].index].mesh;
+  const Place before = hop > 0 ? places_[hop - 1] : v_.route.front();
+  const auto& at_home = s_.members.publisher(v_.publisher).mesh_node;
+  if (before.kind == Place::Kind::network && at_home) return {*at_home};
+  return nodes_of(mesh, before);
+}
+
+std::vector<std::uint32_t> Media::exits(std::size_t hop) const {
+  const mesh::Mesh& mesh = *s_.system.networks[places_[hop].index].mesh;
+  const bool last = hop + 1 == places_.size();
+  const Place after = last ? v_.route.back() : places_[hop + 1];
+  if (after.kind == Place::Kind::gateway) return nodes_of(mesh, after);
+  std::vector<std::uint32_t> nodes;
+  for (const std::size_t s : v_.subscribers) {
+    const auto& node = s_.members.subscriber(s).mesh_node;
+    if (!node) return nodes_of(mesh, after);
+    if (std::ranges::find(nodes, *node) == nodes.end()) nodes.push_back(*node);
+  }
+  return nodes;
+}
+
+/// What is asked of a mesh, and what its paths have given so far.
+struct Media::Crossing {
+  std::size_t network;
+  const mesh::Mesh& mesh;
+  const MeshView& view;
+  Flow flow;
+  Value event;   ///< bytes of one
+  Value demand;  ///< bytes/s
+  bool best_case;
+  MediumUse use = {};
+  Value available = kUnbounded;  ///< bytes/s
+  Value alone = kUnbounded;      ///< bytes/s, were nobody else there
+  std::size_t longest = 0;       ///< links
+  AttributeSet links_give = {};  ///< on the longest way
+  bool reached = false;
+  bool unrated = false;  ///< there is no way, and there would be if rates were known
+  bool fits = true;
+};
+
+/// At design time nobody need know the links: the run time decides, unless a way of one link is
+/// too bad already.
+void Media::no_path(const Crossing& c, std::size_t hop) {
+  const mesh::Mesh& mesh = c.mesh;
+  if (!s_.best_cases_pass || is_fixed(mesh) || mesh.nodes.empty()) {
+    obstruct(c.unrated ? Obstacle::no_rate : Obstacle::no_path, hop);
+    return;
+  }
+  if (!may_know_rates(mesh)) {
+    obstruct(Obstacle::no_rate, hop);
+    return;
+  }
+  const AttributeSet& offered = attributes_in(s_.members.publisher(v_.publisher), v_.set);
+  AttributeSet& provision = hops_[hop].provision;
+  provide(provision, Attribute::bandwidth, kUnbounded, true);
+  provide_links(provision, mesh::best_per_hop(mesh, mesh_event(offered)), true);
+  provide_events(provision, offered, true);
+  // However much is stated: without a way there is nothing.
+  Row row{.place = places_[hop], .against = Against::medium_time};
+  row.comparison.attribute = Attribute::bandwidth;
+  row.comparison.known = true;
+  row.comparison.dynamic = true;
+  row.comparison.outcome = Outcome::run_time;
+  row.comparison.required = v_.demand;
+  row.comparison.provided = kUnbounded;
+  medium_rows_.push_back(row);
+}
+
+/// Links that the flow goes over already, to another place, carry it once.
+std::vector<std::uint32_t> Media::new_links(const Crossing& c,
+                                            std::span<const std::uint32_t> path) const {
+  const Holding* held = ledger_.find(c.flow);
+  std::vector<std::uint32_t> more;
+  for (const std::uint32_t link : path)
+    if (!held->mesh || std::ranges::find(held->mesh->links, link) == held->mesh->links.end())
+      more.push_back(link);
+  return more;
+}
+
+/// False: the gate of a gateway whose node is on the way drops what it relays.
+bool Media::is_relayed(const Crossing& c, std::span<const std::uint32_t> path) {
+  for (const std::uint32_t link : path.first(path.size() - 1)) {
+    const std::uint32_t node = c.view.graph.links[link].to;
+    if (node >= c.mesh.nodes.size()) continue;
+    const auto& gateway = c.mesh.nodes[node].gateway;
+    if (!gateway || relay_gate(s_.system, c.network, *gateway) == RelayGate::none) continue;
+    if (v_.obstacle == Obstacle::none) {
+      v_.obstacle = Obstacle::relay_gated;
+      v_.obstacle_at = {Place::Kind::gateway, *gateway};
+    }
+    return false;
+  }
+  return true;
+}
+
+/// False: there is no way.
+bool Media::take_path(Crossing& c, std::uint32_t from, std::uint32_t to) {
+  const auto& path = c.view.path(from, to);
+  if (path.empty()) {
+    c.unrated = c.view.lacks_rates(from, to);
+    return false;
+  }
+  if (!c.best_case && !is_relayed(c, path)) return false;
+  c.reached = true;
+  c.use.pairs.emplace_back(from, to);
+  const mesh::PathCost& cost = c.view.cost(from, to);
+  const auto background = [&](std::size_t domain) { return c.view.background[domain]; };
+  c.alone = std::min(c.alone, cost.evaluate(c.event, background).available);
+  if (path.size() > c.longest) {
+    c.longest = path.size();
+    c.links_give = mesh::composed_per_hop(c.view.graph, c.mesh, path, c.event);
+  }
+  const std::vector<std::uint32_t> more = new_links(c, path);
+  if (more.empty()) return true;
+  std::optional<mesh::PathCost> part;
+  if (more.size() != path.size()) part.emplace(c.view.graph, c.mesh, c.view.domains(), more);
+  const mesh::PathCost& extra = part ? *part : cost;
+  const auto taken = [&](std::size_t domain) {
+    return add_saturating(ledger_.medium_time(c.network, domain), c.view.background[domain]);
+  };
+  const auto left = extra.evaluate(c.event, taken);
+  c.available = std::min(c.available, left.available);
+  if (left.available < c.demand)
+    c.fits = false;
+  else
+    ledger_.occupy(c.flow, more, extra.shares(c.demand, c.event));
+  return true;
+}
+
+/// From each node to each. False: there is no way between two of them.
+bool Media::take_paths(Crossing& c, std::size_t hop) {
+  const std::vector<std::uint32_t> from_nodes = entries(hop);
+  const std::vector<std::uint32_t> to_nodes = exits(hop);
+  if (from_nodes.empty() || to_nodes.empty()) return false;
+  for (const std::uint32_t from : from_nodes)
+    for (const std::uint32_t to : to_nodes)
+      if (from != to && !take_path(c, from, to)) return false;
+  return true;
+}
+
+void Media::compare_medium_time(const Crossing& crossing, std::size_t hop) {
+  Row row{.place = places_[hop], .against = Against::medium_time};
+  Comparison& c = row.comparison;
+  c.attribute = Attribute::bandwidth;
+  c.known = true;
+  c.dynamic = crossing.best_case && crossing.fits;
+  c.outcome = Outcome::unfit;
+  if (crossing.fits) c.outcome = crossing.best_case ? Outcome::run_time : Outcome::fit;
+  c.required = crossing.demand;
+  c.provided = crossing.available;
+  medium_rows_.push_back(row);
+}
+
+void Media::take_mesh(std::size_t hop) {
+  const std::size_t network = places_[hop].index;
+  const mesh::Mesh& mesh = *s_.system.networks[network].mesh;
+  const AttributeSet& offered = attributes_in(s_.members.publisher(v_.publisher), v_.set);
+  Value demand = v_.demand;
+  if (is_empty(offered) && offered[Attribute::period] != 0)
+    demand = std::max(demand, mul_div_up(1, kNanosecondsPerSecond, offered[Attribute::period]));
+  Crossing c{.network = network,
+             .mesh = mesh,
+             .view = *s_.world.meshes[network],
+             .flow = flow_on(s_.system, v_.publisher, v_.route, hop),
+             .event = mesh_event(offered),
+             .demand = demand,
+             .best_case = s_.best_cases_pass && !is_fixed(mesh)};
+  c.use.network = network;
+  if (!take_paths(c, hop)) {
+    if (v_.obstacle == Obstacle::none) no_path(c, hop);
+    return;
+  }
+  AttributeSet& provision = hops_[hop].provision;
+  if (!c.reached) {
+    provide_everything(provision, offered);
+    return;
+  }
+  provide(provision, Attribute::bandwidth, c.alone, c.best_case);
+  provide_links(provision, c.links_give, c.best_case);
+  provide_events(provision, offered, c.best_case);
+  if (c.available != kUnbounded) compare_medium_time(c, hop);
+  v_.media.push_back(std::move(c.use));
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,427 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/admission/route_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <iterator>
+#include <span>
+#include <utility>
+
+#include "core/admission/media.hpp"
+#include "core/model/medium.hpp"
+#include "core/model/user_values.hpp"
+#include "core/profiles/profile.hpp"
+#include "mlcca/check.hpp"
+#include "mlcca/compose.hpp"
+
+namespace mlcca::core {
+namespace {
+
+class RouteCheck {
+ public:
+  RouteCheck(const Situation& situation, Ledger& ledger, const std::vector<Target>& targets,
+             Verdict& verdict)
+      : s_(situation), ledger_(ledger), targets_(targets), v_(verdict) {}
+
+  void run() {
+    find_obstacle();
+    if (!goes_on()) return;
+    collect_hops();
+    // Each hop, the whole way and what is offered; the capacity of each hop.
+    std::size_t asked = 0;
+    for (std::size_t i = 0; i < kAttributes; ++i)
+      asked += v_.requirement.has(attribute_at(i)) ? 1 : 0;
+    v_.rows.reserve((count_ + 2) * asked + count_);
+    const Ledger::Mark before = ledger_.mark();
+    reserve();
+    const std::vector<Row> medium_rows = take_media();
+    check_provisions();
+    check_capacities();
+    v_.rows.insert(v_.rows.end(), medium_rows.begin(), medium_rows.end());
+    sum_up();
+    if (s_.best_cases_pass && goes_on())
+      v_.hops.assign(hops_.begin(), hops_.begin() + static_cast<std::ptrdiff_t>(count_));
+    if (!v_.granted) ledger_.roll_back(before);
+  }
+
+  /// What the hops give has changed; what was taken of the media has not.
+  void run_again() {
+    count_ = v_.hops.size();
+    std::ranges::copy(v_.hops, hops_.begin());
+    std::vector<Row> others;
+    std::ranges::copy_if(v_.rows, std::back_inserter(others), [](const Row& row) {
+      return row.against == Against::capacity || row.against == Against::schedule ||
+             row.against == Against::medium_time;
+    });
+    v_.rows.clear();
+    check_provisions();
+    v_.rows.insert(v_.rows.end(), others.begin(), others.end());
+    sum_up();
+  }
+
+ private:
+  [[nodiscard]] bool goes_on() const {
+    return v_.obstacle == Obstacle::none || s_.tried != nullptr;
+  }
+  [[nodiscard]] const Publisher& publisher() const { return s_.members.publisher(v_.publisher); }
+  /// What the publisher states in the attribute set that is tried.
+  [[nodiscard]] const AttributeSet& offered() const { return attributes_in(publisher(), v_.set); }
+  [[nodiscard]] const AttributeSet& asked_by(std::size_t subscriber) const {
+    return attributes_in(s_.members.subscriber(subscriber), v_.set);
+  }
+  [[nodiscard]] std::span<const Place> hops() const { return hops_of(v_.route); }
+
+  void check_provisions() {
+    check_hops();
+    check_end_to_end();
+    check_offers();
+    check_bystanders();
+  }
+
+  void sum_up() {
+    v_.outcome = v_.obstacle == Obstacle::none ? Outcome::fit : Outcome::unfit;
+    for (const Row& row : v_.rows) v_.outcome = worse(v_.outcome, row.comparison.outcome);
+    if (at_run_time_) v_.outcome = worse(v_.outcome, Outcome::run_time);
+    v_.granted = s_.best_cases_pass ? v_.outcome != Outcome::unfit : v_.outcome == Outcome::fit;
+  }
+
+  void obstruct(Obstacle obstacle, Place at) {
+    if (v_.obstacle != Obstacle::none) return;
+    v_.obstacle = obstacle;
+    v_.obstacle_at = at;
+  }
+
+  void find_obstacle() {
+    for (const Place hop : hops())
+      if (hop.kind == Place::Kind::network) find_obstacle_on(hop);
+    for (std::size_t i = 1; i + 1 < v_.route.size(); ++i)
+      if (v_.route[i].kind == Place::Kind::gateway && !is_carried(i))
+        obstruct(Obstacle::no_sender, v_.route[i]);
+  }
+
+  /// The kernel forwards between CAN networks, and between Ethernet networks. Between the two a
+  /// program does, and its gates let nobody send whom they do not know.
+  [[nodiscard]] bool is_carried(std::size_t at) const {
+    const Network& in = s_.system.networks[v_.route[at - 1].index];
+    const Network& out = s_.system.networks[v_.route[at + 1].index];
+    if (in.profile == Profile::none || out.profile == Profile::none ||
+        in.carries_subjects() == out.carries_subjects())
+      return true;
+    const Port* port = s_.system.gateways[v_.route[at].index].port_on(v_.route[at + 1].index);
+    return port != nullptr && port->sender.has_value();
+  }
+
+  void find_obstacle_on(Place hop) {
+    const Network& network = s_.system.networks[hop.index];
+    if (!s_.world.conditions[hop.index].available) {
+      obstruct(Obstacle::unavailable, hop);
+      return;
+    }
+    if (const EventChannel& channel = s_.system.channels[v_.channel];
+        channel.unlisted && !network.unlisted.admits(channel.subject)) {
+      obstruct(Obstacle::unlisted, hop);
+      return;
+    }
+    if (network.profile == Profile::none) return;
+    if (network.carries_subjects()) {
+      if (offered()[Attribute::max_payload] > kDatagramMaxEvent) obstruct(Obstacle::too_long, hop);
+      return;
+    }
+    const Binding* binding = network.binding_of(v_.channel);
+    if (binding == nullptr) {
+      obstruct(Obstacle::unbound, hop);
+      return;
+    }
+    // Says more than that a tag is waited for.
+    if (s_.world.conditions[hop.index].contradiction_of(v_.channel) != nullptr)
+      obstruct(Obstacle::contradicted, hop);
+    if (binding->waits_for_tag()) {
+      at_run_time_ = true;
+      if (!s_.best_cases_pass) obstruct(Obstacle::untagged, hop);
+    }
+    if (!can_send(publisher(), network)) obstruct(Obstacle::no_node, hop);
+    if (lacks_data_rate(hop.index, *binding)) obstruct(Obstacle::no_data_rate, hop);
+    if (offered().has(Attribute::max_payload) &&
+        offered()[Attribute::max_payload] > event_bytes(network, *binding))
+      obstruct(Obstacle::too_long, hop);
+  }
+
+  /// A bus that is analysed and has no rate for the data phase carries classic frames only.
+  [[nodiscard]] bool lacks_data_rate(std::size_t network, const Binding& binding) const {
+    const can::Schedule* bus = ledger_.schedule(network);
+    return binding.format != FrameFormat::classic && bus != nullptr &&
+           bus->assumptions().timing.data_bitrate == 0;
+  }
+
+  void collect_hops() {
+    const Value bytes = offered()[Attribute::max_payload];
+    count_ = 0;
+    for (const Place hop : hops()) {
+      Hop& out = hops_[count_++];
+      out.provision = s_.system.provision_of(hop);
+      out.medium = static_cast<std::uint16_t>(s_.system.resource_of(hop));
+      out.gateway = hop.kind == Place::Kind::gateway;
+      out.frames = 1;
+      if (out.gateway) continue;
+      const Network& network = s_.system.networks[hop.index];
+      out.frames = static_cast<std::uint16_t>(
+          frames_per_event(network, network.binding_of(v_.channel), bytes));
+    }
+  }
+
+  void add_rows(Against against, Place place, const CheckResult& check,
+                std::size_t subscriber = 0) {
+    for (std::size_t i = 0; i < check.count; ++i)
+      v_.rows.push_back({.place = place,
+                         .comparison = check.rows[i],
+                         .end = static_cast<std::uint32_t>(subscriber),
+                         .against = against});
+  }
+
+  /// The same for user-defined attributes.
+  void add_rows(Against against, Place place, const UserValues& required,
+                const UserValues& provided) {
+    for (const UserValue& r : required)
+      v_.rows.push_back({.place = place,
+                         .comparison = compare(s_.system, r, provided),
+                         .user = r.attribute,
+                         .against = against});
+  }
+
+  void check_hops() {
+    for (std::size_t i = 0; i < count_; ++i) {
+      add_rows(Against::hop, hops()[i], check_hop(v_.requirement, hops_[i]));
+      if (!v_.user_requirement.empty())
+        add_rows(Against::hop, hops()[i], asked_of(i), user_provision(i, 1));
+    }
+  }
+
+  /// A gateway is asked for what it limits, and for what adds up.
+  [[nodiscard]] UserValues asked_of(std::size_t hop) const {
+    UserValues asked = v_.user_requirement;
+    if (hops_[hop].gateway) {
+      const UserValues gives = user_provision(hop, 1);
+      const auto& own = s_.system.gateways[hops()[hop].index].user;
+      std::erase_if(asked, [&](const UserValue& v) {
+        const auto same = [&](const UserValue& o) { return o.attribute == v.attribute; };
+        return std::ranges::none_of(own, same) && std::ranges::any_of(gives, same);
+      });
+    }
+    return asked;
+  }
+
+  /// What `count` hops from the first on provide together.
+  [[nodiscard]] UserValues user_provision(std::size_t first, std::size_t count) const {
+    std::array<UserHop, kMaxHops> out;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Place hop = hops()[first + i];
+      const bool gateway = hop.kind == Place::Kind::gateway;
+      out[i] = {gateway ? &s_.system.gateways[hop.index].user : &s_.system.networks[hop.index].user,
+                gateway, hops_[first + i].frames};
+    }
+    return core::composed(s_.system, std::span(out).first(count));
+  }
+
+  /// The composed provision of the first `count` hops.
+  [[nodiscard]] AttributeSet composed(std::size_t count) const {
+    return compose(hops_.data(), count, offered()[Attribute::jitter]);
+  }
+
+  void check_end_to_end() {
+    v_.provision = composed(count_);
+    if (count_ == 0) return;  // publisher and subscriber on one host: no network in between
+    add_rows(Against::end_to_end, v_.to, check_layer(v_.requirement, v_.provision));
+    if (!v_.user_requirement.empty())
+      add_rows(Against::end_to_end, v_.to, v_.user_requirement, user_provision(0, count_));
+  }
+
+  void check_offers() {
+    for (const std::size_t s : v_.subscribers)
+      add_rows(Against::traffic, v_.to, check_traffic(offered(), asked_by(s)), s);
+  }
+
+  /// An event that crosses a broadcast medium is heard by every subscriber there: the way is open
+  /// only if each of them is fulfilled too. On the publisher's own network the event is, whatever
+  /// we decide.
+  void check_bystanders() {
+    each_bystander([this](const Target& target, std::size_t hop) { check_bystander(target, hop); });
+  }
+
+  template <class Then>
+  void each_bystander(const Then& then) const {
+    const bool at_home = publisher().place.kind == Place::Kind::network;
+    for (std::size_t i = at_home ? 1 : 0; i < count_; ++i)
+      if (hops()[i].kind == Place::Kind::network)
+        for (const Target& target : targets_)
+          if (target.place != v_.to && hears(target.place, i)) then(target, i);
+  }
+
+  /// Whether somebody at a place hears what crosses the network of that hop for the first time:
+  /// there, or as a program on a gateway that has a port there and is not behind us on the way.
+  [[nodiscard]] bool hears(Place listener, std::size_t hop) const {
+    const Place network = hops()[hop];
+    if (listener.kind == Place::Kind::network) return listener == network;
+    if (s_.system.gateways[listener.index].port_on(network.index) == nullptr) return false;
+    const auto before = std::ranges::find(v_.route, network);
+    return std::find(v_.route.begin(), before, listener) == before;
+  }
+
+  void check_bystander(const Target& target, std::size_t hop) {
+    const Place place = hops()[hop];
+    const Asked asked = asked_together(s_, v_.publisher, target.subscribers, v_.set);
+    add_rows(Against::bystander, place, check_layer(asked.set, composed(hop + 1)));
+    if (!asked.user.empty())
+      add_rows(Against::bystander, place, asked.user, user_provision(0, hop + 1));
+    for (const std::size_t s : target.subscribers)
+      add_rows(Against::traffic, place, check_traffic(offered(), asked_by(s)), s);
+  }
+
+  /// The flow on each hop, unless it is carried already: what is promised to the others is
+  /// remembered for the rows.
+  void reserve() {
+    known_ = demand_of(offered(), &v_.demand);
+    if (!known_) v_.demand = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      // A gateway without a stated rate has nothing to be shared.
+      if (hops_[i].gateway && !hops_[i].provision.has(Attribute::bandwidth)) continue;
+      const Flow flow = flow_on(s_.system, v_.publisher, v_.route, i);
+      reserved_[i] = ledger_.reserved(flow.resource);
+      // What does not fit is refused below; it must not overflow the sum before that.
+      fresh_[i] = ledger_.add(flow, std::min(v_.demand, kUnbounded - reserved_[i]));
+    }
+  }
+
+  /// The time of its domains is what a mesh has to give, in place of a best case.
+  [[nodiscard]] bool is_evaluated(Place hop) const {
+    return hop.kind == Place::Kind::network && s_.world.meshes[hop.index] != nullptr;
+  }
+
+  std::vector<Row> take_media() {
+    if (!Media::any(s_, ledger_, v_)) return {};
+    for (std::size_t i = 0; i < count_ && !known_; ++i)
+      if (is_evaluated(hops()[i])) {
+        obstruct(Obstacle::no_traffic, hops()[i]);
+        return {};
+      }
+    Media media(s_, ledger_, std::span(hops_).first(count_), limits(), v_);
+    media.take();
+    return media.take_medium_rows();
+  }
+
+  /// By when everybody who hears the events must have them.
+  [[nodiscard]] std::vector<Limit> limits() const {
+    std::vector<Limit> all{limit_at(count_ - 1, v_.requirement)};
+    each_bystander([&](const Target& target, std::size_t hop) {
+      all.push_back(
+          limit_at(hop, normalised_requirement(
+                            asked_together(s_, v_.publisher, target.subscribers, v_.set).set)));
+    });
+    return all;
+  }
+  [[nodiscard]] static Limit limit_at(std::size_t hop, const AttributeSet& asked) {
+    Limit limit{hop, kUnbounded, kUnbounded};
+    for (const Attribute a : {Attribute::deadline, Attribute::latency})
+      if (asked.has(a)) limit.latency = std::min(limit.latency, asked[a]);
+    if (asked.has(Attribute::jitter)) limit.jitter = asked[Attribute::jitter];
+    return limit;
+  }
+
+  void check_capacities() {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (!fresh_[i]) continue;
+      const Place hop = hops()[i];
+      const CapacityCheck c = check_capacity(s_.system.provision_of(hop), reserved_[i], v_.demand);
+      if (!c.known || (c.outcome == Outcome::run_time && is_evaluated(hop))) continue;
+      if (!known_) {
+        obstruct(Obstacle::no_traffic, hop);
+        return;
+      }
+      Row row{.place = hop, .reserved = reserved_[i], .against = Against::capacity};
+      row.comparison.attribute = Attribute::bandwidth;
+      row.comparison.outcome = c.outcome;
+      row.comparison.known = true;
+      row.comparison.dynamic = c.outcome == Outcome::run_time;
+      row.comparison.required = c.demand;
+      row.comparison.provided = c.capacity > reserved_[i] ? c.capacity - reserved_[i] : 0;
+      v_.rows.push_back(row);
+    }
+  }
+
+  const Situation& s_;
+  Ledger& ledger_;
+  const std::vector<Target>& targets_;
+  Verdict& v_;
+  std::array<Hop, kMaxHops> hops_{};
+  std::array<Value, kMaxHops> reserved_{};  ///< to others
+  std::array<bool, kMaxHops> fresh_{};      ///< not carried for another place already
+  bool known_ = false;                      ///< the publisher says what it sends
+  std::size_t count_ = 0;
+  bool at_run_time_ = false;  ///< a tag on the way is not known yet
+};
+
+}  // namespace
+
+Flow flow_on(const System& system, std::size_t publisher, const Route& route, std::size_t hop) {
+  const auto hops = hops_of(route);
+  Flow flow{publisher, system.resource_of(hops[hop])};
+  // A program's own gateway is no hop, but it is where the traffic comes from.
+  if (hop > 0)
+    flow.from = system.resource_of(hops[hop - 1]);
+  else if (route.front() != hops.front())
+    flow.from = system.resource_of(route.front());
+  return flow;
+}
+
+std::vector<Target> targets_of(const Members& members, std::size_t channel) {
+  std::vector<Target> targets;
+  for (const std::size_t s : members.subscribers_of(channel)) {
+    const Place place = members.subscriber(s).place;
+    auto it = std::ranges::find(targets, place, &Target::place);
+    if (it == targets.end()) it = targets.insert(targets.end(), {place, {}});
+    it->subscribers.push_back(s);
+  }
+  return targets;
+}
+
+Asked asked_together(const Situation& situation, std::size_t publisher,
+                     const std::vector<std::size_t>& subscribers, std::size_t set) {
+  const Publisher& p = situation.members.publisher(publisher);
+  const AttributeSet& offered = attributes_in(p, set);
+  Asked asked{requirement_between(offered, {}), user_values_in(p, set)};
+  for (const std::size_t s : subscribers) {
+    const Subscriber& subscriber = situation.members.subscriber(s);
+    asked.set = strictest(asked.set, requirement_between(offered, attributes_in(subscriber, set)));
+    const UserValues& user = user_values_in(subscriber, set);
+    if (!user.empty()) asked.user = strictest(situation.system, asked.user, user);
+  }
+  return asked;
+}
+
+Verdict undecided(const Situation& situation, std::size_t channel, std::size_t publisher,
+                  const Target& target, std::size_t set) {
+  Verdict v;
+  v.channel = channel;
+  v.publisher = publisher;
+  v.to = target.place;
+  v.subscribers = target.subscribers;
+  v.set = set;
+  Asked asked = asked_together(situation, publisher, target.subscribers, set);
+  v.requirement = normalised_requirement(asked.set);
+  v.user_requirement = std::move(asked.user);
+  return v;
+}
+
+void check_route(const Situation& situation, Ledger& ledger, const std::vector<Target>& targets,
+                 Verdict& verdict) {
+  RouteCheck(situation, ledger, targets, verdict).run();
+}
+
+void renew_responses(const Situation& situation, Ledger& ledger, const std::vector<Target>& targets,
+                     Verdict& verdict) {
+  if (!verdict.granted || verdict.media.empty() || verdict.hops.empty()) return;
+  Media::renew_responses(situation, ledger, verdict);
+  RouteCheck(situation, ledger, targets, verdict).run_again();
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What a round of changes touches, and what becomes of it.
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/admission/allocation.hpp"
+#include "core/admission/state.hpp"
+
+namespace mlcca::core {
+namespace {
+
+/// Domains depend on which links there are, also those that carry nothing now, and not on how good
+/// they are.
+bool same_topology(const mesh::Graph& a, const mesh::Graph& b) {
+  const auto same_ends = [](const auto& x, const auto& y) {
+    return x.from == y.from && x.to == y.to;
+  };
+  return a.nodes == b.nodes &&
+         std::ranges::equal(a.links, b.links,
+                            [&](const auto& x, const auto& y) {
+                              return same_ends(x, y) && x.channel == y.channel;
+                            }) &&
+         std::ranges::equal(a.unusable, b.unusable, same_ends);
+}
+
+}  // namespace
+
+/// One round of changes: finds what they touch, brings ledger and world in line, and decides.
+class State::Settlement {
+ public:
+  explicit Settlement(State& state) : s_(state) {}
+
+  std::vector<Change> run() {
+    collect();
+    Allocation allocation(s_.situation(), s_.ages_, s_.decisions_, s_.ledger_, &before_);
+    for (const std::size_t c : s_.touched_) allocation.take_out(c);
+    s_.ledger_.commit();
+    renew_world();
+    std::vector<std::vector<std::size_t>> short_of;
+    std::vector<std::size_t> touched(s_.touched_.begin(), s_.touched_.end());
+    allocation.sort(touched);
+    // Mostly everybody can be kept, and nobody needs to know who shares what with whom.
+    if (!allocation.keep(touched)) {
+      for (Component& component : components()) {
+        allocation.sort(component.touched);
+        if (!allocation.keep(component.touched))
+          short_of.emplace_back(component.everybody.begin(), component.everybody.end());
+      }
+    }
+    for (std::vector<std::size_t>& channels : short_of) {
+      for (const std::size_t c : channels) allocation.take_out(c);
+      allocation.sort(channels);
+      allocation.squeeze(channels);
+    }
+    s_.ledger_.commit();
+    hand_out(allocation);
+    s_.touched_.clear();
+    s_.relieved_.clear();
+    return changes();
+  }
+
+ private:
+  /// Channels that share something, directly or over others. What one of them gives up or takes
+  /// matters to no channel outside.
+  struct Component {
+    std::vector<std::size_t> touched;
+    std::set<std::size_t> everybody;
+  };
+  /// What several channels want: a resource, or a domain of one that is a mesh.
+  using Shared = std::pair<std::size_t, std::size_t>;
+  static constexpr std::size_t kAllOfIt = ~std::size_t{0};
+
+  struct NewView {
+    std::size_t network = 0;
+    std::shared_ptr<MeshView> view;  ///< nothing is known
+    bool same_domains = false;
+  };
+
+  std::vector<Component> components() {
+    std::vector<Component> all;
+    std::set<std::size_t> placed;
+    for (const std::size_t c : s_.touched_) {
+      if (s_.decisions_[c].granted == 0 || placed.contains(c)) continue;
+      Component component;
+      component.everybody = sharing_with(c);
+      for (const std::size_t other : component.everybody) {
+        if (!s_.touched_.contains(other) || s_.decisions_[other].granted == 0) continue;
+        component.touched.push_back(other);
+        placed.insert(other);
+      }
+      all.push_back(std::move(component));
+    }
+    return all;
+  }
+
+  /// The channel itself, and everything that shares with it.
+  std::set<std::size_t> sharing_with(std::size_t channel) {
+    std::set<std::size_t> channels{channel};
+    std::set<Shared> seen;
+    std::vector<std::size_t> open{channel};
+    while (!open.empty()) {
+      const std::size_t next = open.back();
+      open.pop_back();
+      for (const Shared& shared : shared_by(next)) {
+        if (!seen.insert(shared).second) continue;
+        for (const std::size_t user : users_of(shared))
+          if (channels.insert(user).second) open.push_back(user);
+      }
+    }
+    return channels;
+  }
+
+  [[nodiscard]] std::set<Shared> shared_by(std::size_t channel) const {
+    std::set<Shared> all;
+    for (const std::size_t r : s_.usage_.resources_of(channel))
+      if (is_shared(r)) all.emplace(r, kAllOfIt);
+    for (const auto& [network, key] : s_.usage_.pairs_of_channel(channel))
+      for (const std::uint32_t d : domains_of(network, key)) all.emplace(network, d);
+    return all;
+  }
+
+  /// There is only so much of it for all that it carries.
+  [[nodiscard]] bool is_shared(std::size_t resource) const {
+    const std::size_t networks = s_.system_.networks.size();
+    const bool network = resource < networks;
+    if (network && s_.ledger_.schedule(resource) != nullptr) return true;
+    const AttributeSet& provision = network ? s_.system_.networks[resource].provision
+                                            : s_.system_.gateways[resource - networks].provision;
+    return provision.has(Attribute::bandwidth);
+  }
+
+  /// On the way between two nodes, as the links are now.
+  [[nodiscard]] std::set<std::uint32_t> domains_of(std::size_t network, std::uint64_t key) const {
+    std::set<std::uint32_t> all;
+    const auto& view = s_.world_.meshes[network];
+    if (!view) return all;
+    const auto [from, to] = Usage::pair_of(key);
+    for (const std::uint32_t link : view->path(from, to)) {
+      const auto& here = view->domains().of_link(link);
+      all.insert(here.begin(), here.end());
+    }
+    return all;
+  }
+
+  std::vector<std::size_t> users_of(const Shared& shared) {
+    const auto [resource, domain] = shared;
+    if (domain == kAllOfIt) {
+      const auto& carried = s_.usage_.carried_by(resource);
+      return {carried.begin(), carried.end()};
+    }
+    auto [it, fresh] = domain_users_.try_emplace(resource);
+    if (fresh)
+      for (const auto& [key, channels] : s_.usage_.pairs_of(resource))
+        for (const std::uint32_t d : domains_of(resource, key))
+          it->second[d].insert(it->second[d].end(), channels.begin(), channels.end());
+    return it->second[domain];
+  }
+
+  /// Serves and raises until what became free is given away, and what that sets free.
+  void hand_out(Allocation& allocation) {
+    for (;;) {
+      find_relief();
+      std::vector<std::size_t> waiting = waiting_channels();
+      allocation.sort(waiting);
+      bool any = false;
+      while (allocation.serve(waiting) || allocation.raise(waiting)) any = true;
+      if (!any) return;
+    }
+  }
+
+  void touch(const Usage::Channels& channels) {
+    s_.touched_.insert(channels.begin(), channels.end());
+  }
+
+  void collect() {
+    doubt_heard();
+    for (const auto& [network, condition] : s_.new_conditions_) {
+      touch(s_.usage_.carried_by(network));
+      s_.relieved_.insert(network);
+    }
+    for (auto& [network, links] : s_.new_graphs_) collect_mesh(network, std::move(links));
+    s_.new_graphs_.clear();
+  }
+
+  /// Where somebody is heard that is not granted, the background is that of who is analysed: what
+  /// concerns one there concerns all.
+  void doubt_heard() {
+    for (std::size_t n = 0; n < s_.world_.conditions.size(); ++n) {
+      if (s_.world_.conditions[n].heard.empty() || s_.new_conditions_.contains(n)) continue;
+      const auto& here = s_.usage_.carried_by(n);
+      if (std::ranges::any_of(s_.touched_, [&](std::size_t c) { return here.contains(c); }))
+        s_.new_conditions_.emplace(n, s_.world_.conditions[n]);
+    }
+  }
+
+  void collect_mesh(std::size_t network, NewGraph links) {
+    const auto& old = s_.world_.meshes[network];
+    auto& graph = links.graph;
+    if (graph && old && *graph == old->graph) return;
+    std::shared_ptr<MeshView> now;
+    const bool same = old && graph && same_topology(old->graph, *graph);
+    if (graph) {
+      now = std::make_shared<MeshView>(*s_.system_.networks[network].mesh, std::move(*graph),
+                                       std::move(links.addresses), same ? old.get() : nullptr);
+      if (same) {
+        collect_pairs(network, *old, *now);
+      } else {
+        touch(s_.usage_.carried_by(network));
+        s_.relieved_.insert(network);
+      }
+      take_background(*now);
+    } else {
+      touch(s_.usage_.carried_by(network));
+    }
+    views_.push_back({network, std::move(now), same});
+  }
+
+  /// Only flows over a pair of nodes whose path or whose links are others than before.
+  void collect_pairs(std::size_t network, const MeshView& old, const MeshView& now) {
+    const auto changed = [&](std::uint32_t link) {
+      const mesh::Link& a = old.graph.links[link];
+      const mesh::Link& b = now.graph.links[link];
+      return a.quality != b.quality || a.busy != b.busy;
+    };
+    std::vector<bool> domain_changed(now.domains().count(), false);
+    for (std::uint32_t l = 0; l < now.graph.links.size(); ++l)
+      if (old.graph.links[l].busy != now.graph.links[l].busy)
+        for (const std::uint32_t d : now.domains().of_link(l)) domain_changed[d] = true;
+    const auto in_changed_domain = [&](std::uint32_t link) {
+      return std::ranges::any_of(now.domains().of_link(link),
+                                 [&](std::uint32_t d) { return domain_changed[d]; });
+    };
+    for (const auto& [key, channels] : s_.usage_.pairs_of(network)) {
+      const auto [from, to] = Usage::pair_of(key);
+      const auto& path = now.path(from, to);
+      if (path != old.path(from, to) || std::ranges::any_of(path, changed) ||
+          std::ranges::any_of(path, in_changed_domain))
+        touch(channels);
+    }
+    // Also where links got worse only: packets may take another way through the mesh.
+    s_.relieved_.insert(network);
+  }
+
+  /// Others take what is measured: a source that can tell its own traffic has taken it off. Nothing
+  /// is taken off for what is reserved here, since nobody knows whether it was sent.
+  static void take_background(MeshView& view) {
+    for (std::size_t d = 0; d < view.domains().count(); ++d)
+      view.background[d] = view.domains().busy_of(d);
+  }
+
+  /// Nobody who is touched holds anything any more.
+  void renew_world() {
+    for (auto& [network, condition] : s_.new_conditions_) {
+      s_.world_.conditions[network] = std::move(condition);
+      s_.ledger_.set_bus(network, bus_of(s_.system_, s_.world_.conditions[network], network));
+    }
+    s_.new_conditions_.clear();
+    for (auto& [network, view, same_domains] : views_) {
+      if (!same_domains) s_.ledger_.set_domains(network, view ? view->domains().count() : 0);
+      s_.world_.meshes[network] = std::move(view);
+    }
+  }
+
+  /// Networks that carry less of somebody than before, or something else.
+  void find_relief() {
+    for (const auto& [channel, old] : before_) {
+      const Decision& now = s_.decisions_[channel];
+      // Who was touched may hold something else now, also where it was granted the same.
+      if (old.granted == 0 || (!s_.touched_.contains(channel) && is_same(old, now))) continue;
+      for (const std::size_t r : s_.usage_.resources_of(channel)) s_.relieved_.insert(r);
+    }
+  }
+
+  [[nodiscard]] static bool is_same(const Decision& a, const Decision& b) {
+    return a.set == b.set && a.granted == b.granted &&
+           std::ranges::equal(a.verdicts, b.verdicts, [](const Verdict& x, const Verdict& y) {
+             return x.granted == y.granted && x.publisher == y.publisher && x.to == y.to &&
+                    x.route == y.route;
+           });
+  }
+
+  [[nodiscard]] std::vector<std::size_t> waiting_channels() const {
+    std::set<std::size_t> waiting;
+    for (const std::size_t c : s_.touched_) waiting.insert(c);
+    for (const auto& [channel, before] : before_) waiting.insert(channel);
+    for (const std::size_t r : s_.relieved_) {
+      const auto& channels = s_.usage_.waiting_for(r);
+      waiting.insert(channels.begin(), channels.end());
+    }
+    return {waiting.begin(), waiting.end()};
+  }
+
+  std::vector<Change> changes() {
+    std::vector<Change> all;
+    for (auto& [channel, before] : before_) {
+      s_.usage_.set(s_.situation(), channel, s_.decisions_[channel]);
+      all.push_back({channel, std::move(before)});
+    }
+    return all;
+  }
+
+  State& s_;
+  Allocation::Former before_;
+  std::vector<NewView> views_;
+  /// Of each mesh that was asked for: the channels over each of its domains.
+  std::map<std::size_t, std::map<std::size_t, std::vector<std::size_t>>> domain_users_;
+};
+
+std::vector<Change> State::settle() {
+  if (new_conditions_.empty() && new_graphs_.empty() && touched_.empty() && relieved_.empty())
+    return {};
+  return Settlement(*this).run();
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,462 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/admission/state.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <numeric>
+#include <utility>
+
+#include "core/admission/allocation.hpp"
+#include "core/model/text.hpp"
+
+namespace mlcca::core {
+namespace {
+
+void add_to(Members& members, Admission admission) {
+  if (admission.publisher) members.add(std::move(*admission.publisher), admission.id);
+  if (admission.subscriber) members.add(std::move(*admission.subscriber), admission.id);
+}
+
+System sorted(System system) {
+  system.sort_bindings();
+  return system;
+}
+
+}  // namespace
+
+// --- proposals ----------------------------------------------------------------------------------
+
+Proposal::Proposal(State& state, Admission admission)
+    : state_(&state),
+      id_(admission.id),
+      channel_(admission.channel),
+      before_(state.ledger_.mark()) {
+  const Members& members = state.members_;
+  for (const std::size_t p : members.publishers_of(channel_)) state.ledger_.remove(p);
+  add_to(state.members_, std::move(admission));
+  decide();
+
+  const auto is_own = [&](const Verdict& v) {
+    return members.admission_of_publisher(v.publisher) == id_ ||
+           std::ranges::any_of(v.subscribers, [&](std::size_t s) {
+             return members.admission_of_subscriber(s) == id_;
+           });
+  };
+  for (std::size_t i = 0; i < next_.verdicts.size(); ++i)
+    if (is_own(next_.verdicts[i])) own_.push_back(i);
+  fit_ = !own_.empty() && keeps_grants(state.decisions_[channel_], next_) &&
+         std::ranges::all_of(own_, [&](std::size_t i) { return next_.verdicts[i].granted; });
+}
+
+/// The best attribute set in which everything is granted, if it is not lower than what there was.
+/// Otherwise the one in which most is.
+void Proposal::decide() {
+  const std::size_t channel = channel_;
+  const Decision& before = state_->decisions_[channel];
+  const std::size_t sets = before.granted != 0 ? before.set + 1 : sets_of(state_->system_, channel);
+  const Situation situation = state_->situation();
+  std::size_t best = 0;
+  for (std::size_t set = 0; set < sets; ++set) {
+    const Ledger::Mark mark = state_->ledger_.mark();
+    Decision decision = decide_in(situation, channel, set, state_->ledger_);
+    const bool done = decision.all_granted();
+    if (set == 0 || done || decision.granted > next_.granted) {
+      next_ = std::move(decision);
+      best = set;
+    }
+    if (done) return;
+    state_->ledger_.roll_back(mark);
+  }
+  next_ = decide_in(situation, channel, best, state_->ledger_);
+}
+
+Proposal::Proposal(Proposal&& other) noexcept
+    : state_(std::exchange(other.state_, nullptr)),
+      id_(other.id_),
+      channel_(other.channel_),
+      before_(other.before_),
+      next_(std::move(other.next_)),
+      own_(std::move(other.own_)),
+      fit_(other.fit_) {}
+
+Proposal::~Proposal() {
+  if (state_ == nullptr) return;
+  state_->ledger_.roll_back(before_);
+  state_->ledger_.commit();
+  state_->members_.remove(id_);
+}
+
+std::vector<const Verdict*> Proposal::verdicts() const {
+  std::vector<const Verdict*> own;
+  own.reserve(own_.size());
+  for (const std::size_t i : own_) own.push_back(&next_.verdicts[i]);
+  return own;
+}
+
+GateChanges Proposal::changes(std::size_t gateway) const {
+  const std::size_t c = channel_;
+  // The rules as they are come from the verdicts as they are; a newcomer has none among them, but
+  // its publisher would be listed as known: leave it out.
+  const Members& members = state_->members_;
+  const GateState now =
+      core::gate_state(state_->system_, members, c, state_->decisions_[c].verdicts, gateway, id_);
+  return difference(now, core::gate_state(state_->system_, members, c, next_.verdicts, gateway));
+}
+
+std::optional<std::string> Proposal::lacks_room(std::size_t gateway) const {
+  return core::lacks_room(state_->system_, state_->members_, channel_, next_.verdicts, gateway);
+}
+
+void Proposal::accept() && {
+  const std::size_t c = channel_;
+  state_->ledger_.commit();
+  // What the channel held may be less now: a better set, another way.
+  for (const std::size_t r : state_->usage_.resources_of(c)) state_->relieved_.insert(r);
+  state_->decisions_[c] = std::move(next_);
+  state_->admissions_.emplace(id_, c);
+  state_->note_age(c);
+  state_->usage_.set(state_->situation(), c, state_->decisions_[c]);
+  state_ = nullptr;
+}
+
+// --- the state ----------------------------------------------------------------------------------
+
+std::optional<std::string> State::lacks_room(std::size_t gateway) const {
+  for (std::size_t c = 0; c < decisions_.size(); ++c) {
+    if (const auto lack = core::lacks_room(system_, members_, c, decisions_[c].verdicts, gateway))
+      return "channel " + system_.channels[c].name + ": " + *lack;
+  }
+  return std::nullopt;
+}
+
+namespace {
+
+/// What is sized by the channels holds for those that come at run time too.
+System with_room_for_unlisted(System system) {
+  EventChannel blank;
+  blank.unlisted = true;
+  system.channels.resize(system.channels.size() + unlisted_room(system), blank);
+  return system;
+}
+
+}  // namespace
+
+State::State(System system)
+    : system_(with_room_for_unlisted(sorted(std::move(system)))),
+      topology_(system_),
+      members_(system_),
+      world_(system_),
+      withdrawn_(system_.channels.size(), false),
+      ledger_(empty_ledger(system_, world_)),
+      decisions_(system_.channels.size()),
+      ages_(system_.channels.size(), 0),
+      usage_(system_) {
+  for (std::size_t c = 0; c < system_.channels.size(); ++c) {
+    if (system_.channels[c].name.empty()) continue;
+    channel_of_name_.emplace(system_.channels[c].name, c);
+    channel_of_subject_.emplace(system_.channels[c].subject, c);
+  }
+  for (std::size_t n = 0; n < system_.networks.size(); ++n)
+    place_of_name_.emplace(system_.networks[n].name, Place{Place::Kind::network, n});
+  for (std::size_t g = 0; g < system_.gateways.size(); ++g)
+    place_of_name_.emplace(system_.gateways[g].name, Place{Place::Kind::gateway, g});
+  decide();
+}
+
+void State::set_condition(std::size_t network, Condition condition) {
+  if (condition == world_.conditions[network])
+    new_conditions_.erase(network);
+  else
+    new_conditions_.insert_or_assign(network, std::move(condition));
+}
+
+void State::set_graph(std::size_t network, std::optional<mesh::Graph> graph,
+                      std::vector<std::string> addresses) {
+  new_graphs_.insert_or_assign(network, NewGraph{std::move(graph), std::move(addresses)});
+}
+
+void State::set_withdrawn(std::size_t channel, bool withdrawn) {
+  if (withdrawn_[channel] == withdrawn) return;
+  withdrawn_[channel] = withdrawn;
+  touched_.insert(channel);
+}
+
+void State::set_tag(std::size_t network, std::size_t channel, std::uint32_t tag) {
+  auto& bindings = system_.networks[network].bindings;
+  const auto it = std::ranges::lower_bound(bindings, channel, {}, &Binding::channel);
+  if (it == bindings.end() || it->channel != channel || it->id == tag) return;
+  it->id = tag;
+  touched_.insert(channel);
+}
+
+bool State::is_used(std::size_t channel) const {
+  return !members_.publishers_of(channel).empty() || !members_.subscribers_of(channel).empty() ||
+         touched_.contains(channel);
+}
+
+std::optional<std::size_t> State::free_unlisted() const {
+  for (std::size_t c = system_.channels.size(); c-- > 0 && system_.channels[c].unlisted;)
+    if (!is_used(c)) return c;
+  return std::nullopt;
+}
+
+Result<void> State::check_room_for_unlisted(std::size_t channel,
+                                            const UnlistedChannel& wanted) const {
+  std::set<std::size_t> networks(wanted.networks.begin(), wanted.networks.end());
+  for (const UnlistedBinding& b : wanted.bindings) networks.insert(b.network);
+  for (const std::size_t n : networks) {
+    const auto there = std::ranges::count_if(unlisted_, [&](const auto& other) {
+      return other.first != channel && is_used(other.first) && other.second.contains(n);
+    });
+    if (static_cast<std::size_t>(there) >= system_.networks[n].unlisted.most)
+      return fail(
+          system_.networks[n].name + " has " +
+          (there == 1 ? "1 channel that is" : std::to_string(there) + " channels that are") +
+          " not described, and its Unlisted allows no more");
+  }
+  return {};
+}
+
+Result<void> State::check_same_identifiers(std::size_t channel,
+                                           const UnlistedChannel& wanted) const {
+  for (const UnlistedBinding& b : wanted.bindings) {
+    const Binding* const there = system_.networks[b.network].binding_of(channel);
+    if (there != nullptr && there->id != b.id)
+      return fail("channel " + system_.channels[channel].name + " is admitted on " +
+                  system_.networks[b.network].name + " with another identifier");
+  }
+  return {};
+}
+
+void State::empty_unlisted(std::size_t channel) {
+  channel_of_name_.erase(system_.channels[channel].name);
+  channel_of_subject_.erase(system_.channels[channel].subject);
+  for (const std::size_t n : unlisted_[channel])
+    std::erase_if(system_.networks[n].bindings,
+                  [channel](const Binding& b) { return b.channel == channel; });
+  unlisted_.erase(channel);
+  system_.channels[channel] = {};
+  system_.channels[channel].unlisted = true;
+}
+
+bool State::unlist_unused() {
+  std::vector<std::size_t> unused;
+  for (const auto& [channel, networks] : unlisted_)
+    if (!is_used(channel)) unused.push_back(channel);
+  for (const std::size_t channel : unused) empty_unlisted(channel);
+  return !unused.empty();
+}
+
+Result<std::size_t> State::list(const UnlistedChannel& wanted) {
+  const std::string name = format_subject(wanted.subject);
+  if (wanted.subject == 0) return fail("subject 0 is nobody's: a channel has another one");
+  unlist_unused();
+  const auto known = channel_of(wanted.subject);
+  if (known && !system_.channels[*known].unlisted)
+    return fail(name + " is described as channel " + system_.channels[*known].name + ": name that");
+  if (!known && channel_of_name_.contains(name))
+    return fail("a channel of another subject is called " + name);
+  const auto at = known ? known : free_unlisted();
+  if (!at) {
+    // Who is told that there is no room asks again; nobody has room where nothing is allowed.
+    if (auto allowed = check_unlisted(system_, system_.channels.size(), wanted); !allowed)
+      return std::unexpected(allowed.error());
+    return fail("there is no room for another channel that is not described: " +
+                std::to_string(unlisted_.size()) + " are admitted");
+  }
+  if (auto allowed = check_unlisted(system_, *at, wanted); !allowed)
+    return std::unexpected(allowed.error());
+  if (auto room = check_room_for_unlisted(*at, wanted); !room) return std::unexpected(room.error());
+  if (auto same = check_same_identifiers(*at, wanted); !same) return std::unexpected(same.error());
+  EventChannel& channel = system_.channels[*at];
+  channel.name = name;
+  channel.subject = wanted.subject;
+  channel_of_name_.insert_or_assign(name, *at);
+  channel_of_subject_.insert_or_assign(wanted.subject, *at);
+  auto& networks = unlisted_[*at];
+  networks.insert(wanted.networks.begin(), wanted.networks.end());
+  for (const UnlistedBinding& b : wanted.bindings) {
+    networks.insert(b.network);
+    Network& network = system_.networks[b.network];
+    if (network.binding_of(*at) == nullptr) bind(network, *at, b);
+  }
+  return *at;
+}
+
+void State::restore(Admission admission) {
+  const std::size_t channel = admission.channel;
+  admissions_.insert_or_assign(admission.id, channel);
+  add_to(members_, std::move(admission));
+  note_age(channel);
+}
+
+Admission State::admission(AdmissionId id) const {
+  Admission out{id, admissions_.at(id), {}, {}};
+  const Members::Admitted ends = members_.admitted(id);
+  if (ends.publisher) out.publisher = members_.publisher(*ends.publisher);
+  if (ends.subscriber) out.subscriber = members_.subscriber(*ends.subscriber);
+  return out;
+}
+
+bool State::remove(AdmissionId id) {
+  const auto it = admissions_.find(id);
+  if (it == admissions_.end()) return false;
+  const std::size_t channel = it->second;
+  // What the others of the channel hold may depend on who left, so all of it is decided anew.
+  for (const std::size_t p : members_.publishers_of(channel)) ledger_.remove(p);
+  forget_deliveries(channel, id);
+  for (const std::size_t r : usage_.resources_of(channel)) relieved_.insert(r);
+  members_.remove(id);
+  admissions_.erase(it);
+  note_age(channel);
+  touched_.insert(channel);
+  return true;
+}
+
+void State::doubt_everything() {
+  for (std::size_t c = 0; c < system_.channels.size(); ++c) touched_.insert(c);
+  for (std::size_t r = 0; r < system_.resources(); ++r) relieved_.insert(r);
+}
+
+/// Those who stay are decided as if the one who leaves had never been granted anything.
+void State::forget_deliveries(std::size_t channel, AdmissionId leaving) {
+  Decision& decision = decisions_[channel];
+  std::erase_if(decision.verdicts, [&](Verdict& v) {
+    std::erase_if(v.subscribers,
+                  [&](std::size_t s) { return members_.admission_of_subscriber(s) == leaving; });
+    return v.subscribers.empty() || members_.admission_of_publisher(v.publisher) == leaving;
+  });
+  decision.granted = static_cast<std::size_t>(
+      std::ranges::count_if(decision.verdicts, [](const Verdict& v) { return v.granted; }));
+}
+
+/// A channel that is complete without anybody from the run time is as old as the description.
+void State::note_age(std::size_t channel) {
+  ages_[channel] = 0;
+  std::uint64_t oldest = kUnbounded;
+  bool published = false;
+  bool subscribed = false;
+  for (const std::size_t p : members_.publishers_of(channel)) {
+    const AdmissionId id = members_.admission_of_publisher(p);
+    published = published || id == 0;
+    if (id != 0) oldest = std::min(oldest, id);
+  }
+  for (const std::size_t s : members_.subscribers_of(channel)) {
+    const AdmissionId id = members_.admission_of_subscriber(s);
+    subscribed = subscribed || id == 0;
+    if (id != 0) oldest = std::min(oldest, id);
+  }
+  if (!(published && subscribed) && oldest != kUnbounded) ages_[channel] = oldest;
+}
+
+Delivery State::delivery_of(const Verdict& v) const {
+  return {members_.publisher(v.publisher).name, members_.admission_of_publisher(v.publisher),
+          v.to.kind == Place::Kind::network ? system_.networks[v.to.index].name
+                                            : system_.gateways[v.to.index].name};
+}
+
+Grants State::grants(std::size_t channel) const {
+  Grants out;
+  out.set = decisions_[channel].set;
+  for (const Verdict& v : decisions_[channel].verdicts)
+    if (v.granted) out.deliveries.push_back(delivery_of(v));
+  return out;
+}
+
+/// What was granted, as far as those whom it concerns are there now.
+Decision State::known(std::size_t channel, const Grants& grants) const {
+  Decision out;
+  out.set = grants.set;
+  for (const Delivery& delivery : grants.deliveries) {
+    const auto to = find_place(delivery.to);
+    if (!to) continue;
+    for (const std::size_t p : members_.publishers_of(channel)) {
+      if (members_.publisher(p).name != delivery.publisher ||
+          members_.admission_of_publisher(p) != delivery.admission)
+        continue;
+      Verdict& v = out.verdicts.emplace_back();
+      v.channel = channel;
+      v.publisher = p;
+      v.to = *to;
+      v.granted = true;
+    }
+  }
+  out.granted = out.verdicts.size();
+  return out;
+}
+
+void State::decide(const std::map<std::size_t, Grants>& before) {
+  static_cast<void>(settle());
+  Allocation allocation(situation(), ages_, decisions_, ledger_);
+  std::vector<std::size_t> all(system_.channels.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  allocation.sort(all);
+  for (const std::size_t c : all) allocation.take_out(c);
+  ledger_.commit();
+  for (const std::size_t c : all) decisions_[c] = {};
+  for (const std::size_t c : all) {
+    const auto it = before.find(c);
+    if (it == before.end() || it->second.set >= sets_of(system_, c)) continue;
+    const Decision old = known(c, it->second);
+    if (old.granted == 0) continue;
+    decisions_[c] = decide_in(situation(), c, old.set, ledger_, &old);
+    ledger_.commit();
+  }
+  while (allocation.serve(all) || allocation.raise(all)) {
+  }
+  for (const std::size_t c : all) usage_.set(situation(), c, decisions_[c]);
+}
+
+// --- gates --------------------------------------------------------------------------------------
+
+GateChanges State::gate_changes(const std::vector<Change>& changes, std::size_t gateway,
+                                const FormerRules& left) const {
+  GateState before;
+  GateState after;
+  const auto append = [](GateState& to, const GateState& rules) {
+    to.insert(to.end(), rules.begin(), rules.end());
+  };
+  for (const Change& change : changes) {
+    const std::size_t c = change.channel;
+    const auto known = left.find(c);
+    append(before, known != left.end()
+                       ? known->second
+                       : core::gate_state(system_, members_, c, change.before.verdicts, gateway));
+    append(after, gate_state(gateway, c));
+  }
+  std::ranges::sort(before, {}, &GateRule::entry);
+  std::ranges::sort(after, {}, &GateRule::entry);
+  return difference(before, after);
+}
+
+// --- names --------------------------------------------------------------------------------------
+
+std::optional<std::size_t> State::find_channel(const std::string& name_or_subject) const {
+  if (const auto subject = parse_subject(name_or_subject)) return channel_of(*subject);
+  const auto it = channel_of_name_.find(name_or_subject);
+  if (it == channel_of_name_.end()) return std::nullopt;
+  return it->second;
+}
+
+std::optional<std::size_t> State::channel_of(Subject subject) const {
+  const auto it = channel_of_subject_.find(subject);
+  if (it == channel_of_subject_.end()) return std::nullopt;
+  return it->second;
+}
+
+std::optional<Place> State::find_place(const std::string& name) const {
+  const auto it = place_of_name_.find(name);
+  if (it == place_of_name_.end()) return std::nullopt;
+  return it->second;
+}
+
+std::optional<Subject> parse_subject(const std::string& text) {
+  if (!text.starts_with("0x") && !text.starts_with("0X")) return std::nullopt;
+  Subject subject = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data() + 2, end, subject, 16);
+  if (error != std::errc{} || rest != end) return std::nullopt;
+  return subject;
+}
+
+}  // namespace mlcca::core

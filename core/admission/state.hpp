@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// All that one gateway has decided: the description, who takes part, the verdicts and the ledger.
+// Changes are proposed first; a proposal that is not accepted leaves no trace.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "core/admission/admission.hpp"
+#include "core/admission/unlisted.hpp"
+#include "core/admission/usage.hpp"
+#include "core/admission/world.hpp"
+#include "core/gates/plan.hpp"
+#include "core/model/members.hpp"
+#include "core/model/system.hpp"
+#include "core/model/topology.hpp"
+#include "core/reserve/ledger.hpp"
+
+namespace mlcca::core {
+
+/// What a run-time request brings in: a publisher, a subscriber, or both, of one channel.
+struct Admission {
+  AdmissionId id = 0;
+  std::size_t channel = 0;
+  std::optional<Publisher> publisher;
+  std::optional<Subscriber> subscriber;
+};
+
+class State;
+
+/// An admission tried out. While it lives the newcomer is among the members of the state, what it
+/// would reserve is in the ledger, and nothing else may be asked of the state.
+class Proposal {
+ public:
+  Proposal(Proposal&& other) noexcept;
+  Proposal(const Proposal&) = delete;
+  Proposal& operator=(const Proposal&) = delete;
+  Proposal& operator=(Proposal&&) = delete;
+  ~Proposal();
+
+  /// Every delivery that the newcomer takes part in is granted, none that was granted is lost, and
+  /// the channel is in no lower attribute set than before. Without anybody on the other side there
+  /// is nothing to grant: not fit.
+  [[nodiscard]] bool fit() const { return fit_; }
+  /// The newcomer's verdicts.
+  [[nodiscard]] std::vector<const Verdict*> verdicts() const;
+  /// What the gates of a gateway would have to change.
+  [[nodiscard]] GateChanges changes(std::size_t gateway) const;
+  /// See core::lacks_room(), with the newcomer.
+  [[nodiscard]] std::optional<std::string> lacks_room(std::size_t gateway) const;
+
+  void accept() &&;
+
+ private:
+  friend class State;
+  Proposal(State& state, Admission admission);
+  void decide();
+
+  State* state_;
+  AdmissionId id_;
+  std::size_t channel_;
+  Ledger::Mark before_;
+  Decision next_;
+  std::vector<std::size_t> own_;  // indices into the verdicts
+  bool fit_ = false;
+};
+
+/// A delivery in words that outlive the state: numbers of ends change with a description.
+struct Delivery {
+  std::string publisher;
+  AdmissionId admission = 0;  ///< that brought the publisher in; 0: it is described
+  std::string to;
+  auto operator<=>(const Delivery&) const = default;
+};
+
+/// What is granted of a channel.
+struct Grants {
+  std::size_t set = 0;
+  std::vector<Delivery> deliveries;  ///< none: nothing is granted
+  bool operator==(const Grants&) const = default;
+};
+
+/// Of channels: the rules that the gates of one gateway had.
+using FormerRules = std::map<std::size_t, GateState>;
+
+/// A channel whose decision is another one now.
+struct Change {
+  std::size_t channel = 0;
+  Decision before;
+};
+
+class State {
+ public:
+  explicit State(System system);
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  State(State&&) = delete;
+  State& operator=(State&&) = delete;
+  ~State() = default;
+
+  [[nodiscard]] const System& system() const { return system_; }
+  [[nodiscard]] const Members& members() const { return members_; }
+  [[nodiscard]] const Topology& topology() const { return topology_; }
+  /// Of each channel.
+  [[nodiscard]] const std::vector<Decision>& decisions() const { return decisions_; }
+  /// Of all channels: what is granted, and what is not.
+  [[nodiscard]] std::size_t granted() const { return usage_.granted(); }
+  [[nodiscard]] std::size_t refused() const { return usage_.refused(); }
+  [[nodiscard]] const Ledger& ledger() const { return ledger_; }
+  [[nodiscard]] const World& world() const { return world_; }
+  /// The channels of the admissions, in the order of their ids.
+  [[nodiscard]] const std::map<AdmissionId, std::size_t>& admissions() const { return admissions_; }
+  /// Of one that is there.
+  [[nodiscard]] Admission admission(AdmissionId id) const;
+  [[nodiscard]] bool withdrawn(std::size_t channel) const { return withdrawn_[channel]; }
+
+  // What changes from here on counts after the next settle().
+
+  void set_condition(std::size_t network, Condition condition);
+  /// The links of a mesh as they are believed to be; nothing: nothing is known of it.
+  /// `addresses`: of its nodes, for people.
+  void set_graph(std::size_t network, std::optional<mesh::Graph> graph,
+                 std::vector<std::string> addresses = {});
+  void set_withdrawn(std::size_t channel, bool withdrawn);
+  /// The tag that the broker has dealt to a channel of which nothing is granted on the network now;
+  /// 0: none that is known. Its binding there is dynamic.
+  void set_tag(std::size_t network, std::size_t channel, std::uint32_t tag);
+  /// The same of kSubscribeSubject. Counts at once: only control_rules() look at it.
+  void set_subscribe_tag(std::size_t network, std::uint32_t tag) {
+    system_.networks[network].subscribe_tag = tag;
+  }
+  /// False if there is none of that id.
+  bool remove(AdmissionId id);
+  /// As if everything had changed.
+  void doubt_everything();
+
+  /// Decides what these changes touch, and nothing else: what was granted is kept as far as it can
+  /// be, then who has nothing is served, then quality is raised (core/admission/allocation.hpp).
+  std::vector<Change> settle();
+
+  /// Decides everything anew, with described ends and admissions, whether they fit or not, as after
+  /// a start. `before`: what was granted, by channel; that is served first, and nobody else with
+  /// it.
+  void decide(const std::map<std::size_t, Grants>& before = {});
+  [[nodiscard]] Grants grants(std::size_t channel) const;
+  [[nodiscard]] Delivery delivery_of(const Verdict& verdict) const;
+
+  [[nodiscard]] Proposal propose(Admission admission) { return {*this, std::move(admission)}; }
+  /// The channel of a subject that the description does not have, so that an admission can name it:
+  /// the one that is there, or one that nobody uses any more. Without an admission it is nothing.
+  /// Errors: the subject is described; a network does not allow it, or has as many as it allows; an
+  /// identifier is taken, or another one is in use.
+  [[nodiscard]] Result<std::size_t> list(const UnlistedChannel& wanted);
+  /// Forgets the channels of list() that nobody uses, with their identifiers; list() does, too.
+  /// True: there were some.
+  bool unlist_unused();
+  /// Takes an admission in without asking, before decide(): one that was granted before a restart.
+  void restore(Admission admission);
+
+  [[nodiscard]] GateState gate_state(std::size_t gateway) const {
+    return core::gate_state(system_, members_, decisions_, gateway);
+  }
+  [[nodiscard]] std::vector<Transit> transits(std::size_t gateway, std::size_t channel) const {
+    return core::transits(system_, members_, decisions_[channel].verdicts, gateway);
+  }
+  /// See core::lacks_room(): a channel for which there is none, and why.
+  [[nodiscard]] std::optional<std::string> lacks_room(std::size_t gateway) const;
+  [[nodiscard]] GateState gate_state(std::size_t gateway, std::size_t channel) const {
+    return core::gate_state(system_, members_, channel, decisions_[channel].verdicts, gateway);
+  }
+  /// What the gates of a gateway have to change after settle(). `left`: what they had of the
+  /// channels that somebody has left since; of the others that follows from the changes.
+  [[nodiscard]] GateChanges gate_changes(const std::vector<Change>& changes, std::size_t gateway,
+                                         const FormerRules& left = {}) const;
+
+  [[nodiscard]] std::optional<std::size_t> find_channel(const std::string& name_or_subject) const;
+  [[nodiscard]] std::optional<std::size_t> channel_of(Subject subject) const;
+  [[nodiscard]] std::optional<Place> find_place(const std::string& name) const;
+
+ private:
+  friend class Proposal;
+  class Settlement;
+  [[nodiscard]] Situation situation() const {
+    return {system_, topology_, members_, world_, withdrawn_};
+  }
+  [[nodiscard]] Decision known(std::size_t channel, const Grants& grants) const;
+  void note_age(std::size_t channel);
+  [[nodiscard]] bool is_used(std::size_t channel) const;
+  [[nodiscard]] std::optional<std::size_t> free_unlisted() const;
+  [[nodiscard]] Result<void> check_room_for_unlisted(std::size_t channel,
+                                                     const UnlistedChannel& wanted) const;
+  [[nodiscard]] Result<void> check_same_identifiers(std::size_t channel,
+                                                    const UnlistedChannel& wanted) const;
+  void empty_unlisted(std::size_t channel);
+  void forget_deliveries(std::size_t channel, AdmissionId leaving);
+
+  System system_;
+  Topology topology_;
+  Members members_;
+  World world_;
+  std::vector<bool> withdrawn_;
+  Ledger ledger_;
+  std::vector<Decision> decisions_;
+  std::vector<std::uint64_t> ages_;  // of each channel: id of its oldest admission, 0: described
+  Usage usage_;
+  std::map<AdmissionId, std::size_t> admissions_;
+  /// Of channels that are not described: the networks where they begin, end or have an identifier.
+  std::map<std::size_t, std::set<std::size_t>> unlisted_;
+
+  std::map<std::size_t, Condition> new_conditions_;
+  struct NewGraph {
+    std::optional<mesh::Graph> graph;
+    std::vector<std::string> addresses;
+  };
+  std::map<std::size_t, NewGraph> new_graphs_;
+  std::unordered_map<std::string, std::size_t> channel_of_name_;
+  std::unordered_map<Subject, std::size_t> channel_of_subject_;
+  std::unordered_map<std::string, Place> place_of_name_;
+
+  std::set<std::size_t> touched_;   // channels that must be decided anew
+  std::set<std::size_t> relieved_;  // resources that carry less now
+};
+
+/// 64-bit subject of "0x…" with up to 16 hex digits; nothing otherwise.
+[[nodiscard]] std::optional<Subject> parse_subject(const std::string& text);
+
+}  // namespace mlcca::core

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/admission/unlisted.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "core/model/text.hpp"
+#include "core/profiles/profile.hpp"
+
+namespace mlcca::core {
+namespace {
+
+std::string hexadecimal(std::uint32_t number) {
+  static constexpr std::string_view digits = "0123456789abcdef";
+  std::string text;
+  do {
+    text.insert(text.begin(), digits[number & 15U]);
+    number >>= 4U;
+  } while (number != 0);
+  return "0x" + text;
+}
+
+Binding as_binding(const Network& network, std::size_t channel, const UnlistedBinding& wanted) {
+  Binding b;
+  b.channel = channel;
+  b.id = wanted.id;
+  b.extended =
+      network.profile == Profile::raw ? wanted.extended : network.profile != Profile::canopen;
+  return b;
+}
+
+Result<void> check_identifier(const Network& network, const Binding& b) {
+  const ProfileTraits& traits = traits_of(network.profile);
+  const std::uint32_t last =
+      network.profile == Profile::raw ? (b.extended ? kExtendedBits : kStandardBits) : traits.last;
+  const std::uint32_t first = network.profile == Profile::raw ? 0 : traits.first;
+  if (b.id < first || b.id > last)
+    return fail("identifier " + hexadecimal(b.id) + " is not right on " + network.name + ": " +
+                hexadecimal(first) + " to " + hexadecimal(last));
+  if (network.profile == Profile::famouso && b.id == network.subscribe_tag)
+    return fail("identifier " + hexadecimal(b.id) + " on " + network.name +
+                " is that of SUBSCRIB: choose another");
+  if (network.profile == Profile::j1939 && has_destination(b.id) && (b.id & 0xffU) != 0)
+    return fail("PGN " + hexadecimal(b.id) +
+                " is sent to an address, which is no part of it: " + hexadecimal(b.id & ~0xffU));
+  return {};
+}
+
+Result<void> check_binding(const System& system, std::size_t channel,
+                           const UnlistedBinding& wanted) {
+  const Network& network = system.networks[wanted.network];
+  if (network.kind != NetworkKind::can)
+    return fail(network.name +
+                " is no CAN network: frames there name the subject itself, and an "
+                "identifier has no meaning");
+  const Binding b = as_binding(network, channel, wanted);
+  if (auto right = check_identifier(network, b); !right) return right;
+  for (const Binding& other : network.bindings)
+    if (other.channel != channel && clash(network.profile, b, other))
+      return fail("identifier " + hexadecimal(b.id) + " on " + network.name + " is channel " +
+                  system.channels[other.channel].name + "'s: choose another");
+  return {};
+}
+
+Result<void> check_policy(const Network& network, Subject subject) {
+  if (network.unlisted.admits(subject)) return {};
+  return fail(network.name + " admits no channel " + format_subject(subject) +
+              " that is not described: its Unlisted would have to allow it");
+}
+
+}  // namespace
+
+std::size_t unlisted_room(const System& system) {
+  std::size_t room = 0;
+  for (const Network& network : system.networks)
+    if (network.unlisted.allowed) room += network.unlisted.most;
+  return std::min(room, kMaxUnlisted);
+}
+
+Result<void> check_unlisted(const System& system, std::size_t channel,
+                            const UnlistedChannel& wanted) {
+  for (const std::size_t network : wanted.networks)
+    if (auto allowed = check_policy(system.networks[network], wanted.subject); !allowed)
+      return allowed;
+  for (const UnlistedBinding& b : wanted.bindings) {
+    if (auto allowed = check_policy(system.networks[b.network], wanted.subject); !allowed)
+      return allowed;
+    if (auto right = check_binding(system, channel, b); !right) return right;
+  }
+  return {};
+}
+
+void bind(Network& network, std::size_t channel, const UnlistedBinding& wanted) {
+  const auto at = std::ranges::upper_bound(network.bindings, channel, {}, &Binding::channel);
+  network.bindings.insert(at, as_binding(network, channel, wanted));
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The messages of every analysed CAN bus as a check of the description decides them: those that are
+// granted, and those that were tried in vain.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <vector>
+
+#include "core/admission/admission.hpp"
+#include "core/can/message.hpp"
+#include "core/model/verdict.hpp"
+#include "core/reserve/ledger.hpp"
+
+namespace mlcca::core {
+
+/// The frames of one publisher on one bus, coming from one place.
+struct BusMessage {
+  std::size_t network = 0;
+  std::size_t publisher = 0;
+  std::size_t from = Flow::kOwn;  ///< as of Flow
+  /// With the jitter of the way so far and the deadline that is left for this bus; nothing where
+  /// the description does not say enough.
+  std::optional<can::Message> message;
+  std::size_t set = 0;   ///< attribute set
+  bool granted = false;  ///< to everybody behind the bus
+  /// With nothing on the buses but what is granted, if this is: as of Schedule, kNever if not
+  /// bounded, and the jitter with it.
+  std::optional<Value> granted_response;
+  Value granted_jitter = 0;
+  bool in_vain = false;  ///< refused because something would be late or lost on this bus
+  /// Hops before the bus of which nobody knows how long they delay events: they count as none.
+  std::vector<Place> unknown;
+  /// The bus before this one, and what the hops in between may add to the jitter.
+  struct Before {
+    std::size_t network = 0;
+    std::size_t from = Flow::kOwn;
+    Value added = 0;  ///< ns
+  };
+  std::optional<Before> before;
+};
+
+/// Makes the jitter of what is refused that which it would have: as late as the bus before lets it
+/// be, with all messages on all buses. `messages` are in the order of BusMessages::take(). Whatever
+/// is granted is in time everywhere, so if everything is nothing changes. Not bounded there:
+/// can::kNever. `buses`: of each network, where analysed.
+void inherit_jitter(std::vector<BusMessage>& messages,
+                    const std::vector<std::optional<can::Assumptions>>& buses);
+
+class BusMessages {
+ public:
+  /// All verdicts of a channel as they were decided in the end.
+  void add(const Situation& situation, const Ledger& ledger, const Decision& decision);
+
+  /// When everything is decided. `ledger` is left as it was. In the order of networks and
+  /// publishers.
+  [[nodiscard]] std::vector<BusMessage> take(const Situation& situation, Ledger& ledger);
+
+ private:
+  void add(const Situation& situation, const Ledger& ledger, const Verdict& verdict);
+  void add_refused(const Situation& situation, Ledger& ledger, Verdict verdict);
+  void put(BusMessage next);
+  void take_granted(const Ledger& ledger);
+
+  std::vector<BusMessage> messages_;
+  /// Their places, by network, publisher and from.
+  std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::size_t> known_;
+  std::vector<Verdict> refused_;
+};
+
+}  // namespace mlcca::core

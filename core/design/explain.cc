@@ -1,0 +1,443 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/design/explain.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "core/can/of_system.hpp"
+#include "core/can/schedule.hpp"
+#include "core/gates/relay_gate.hpp"
+#include "core/mesh/mesh.hpp"
+#include "core/model/text.hpp"
+#include "core/model/user_values.hpp"
+#include "mlcca/arithmetic.hpp"
+#include "mlcca/check.hpp"
+#include "mlcca/compose.hpp"
+
+namespace mlcca::core {
+namespace {
+
+FindingId id_of(Obstacle obstacle) {
+  switch (obstacle) {
+    case Obstacle::unbound:
+      return FindingId::unbound;
+    case Obstacle::no_node:
+      return FindingId::no_node;
+    case Obstacle::too_long:
+      return FindingId::too_long;
+    case Obstacle::no_data_rate:
+      return FindingId::no_data_rate;
+    case Obstacle::no_traffic:
+    case Obstacle::no_period:
+      return FindingId::no_traffic;
+    default:
+      return FindingId::no_route;
+  }
+}
+
+FindingId id_of(Against against) {
+  switch (against) {
+    case Against::hop:
+      return FindingId::hop_unfit;
+    case Against::end_to_end:
+      return FindingId::route_unfit;
+    case Against::traffic:
+      return FindingId::traffic_mismatch;
+    case Against::bystander:
+      return FindingId::bystander_unfit;
+    case Against::capacity:
+      return FindingId::capacity;
+    case Against::schedule:
+      return FindingId::deadline_missed;
+    case Against::medium_time:
+      return FindingId::medium_time;
+  }
+  return FindingId::rule;
+}
+
+bool is_unfit(const Row& row) { return row.comparison.outcome == Outcome::unfit; }
+
+/// What a medium has left depends on everybody, not on one pair of ends.
+bool is_about_medium(const Row& row) {
+  return row.against == Against::schedule || row.against == Against::medium_time;
+}
+
+/// What a mesh has left is less than what it would give to one alone: one number is told.
+bool is_told_as_medium_time(const Verdict& v, const Row& row) {
+  if (row.against != Against::hop || row.is_user() ||
+      row.comparison.attribute != Attribute::bandwidth)
+    return false;
+  return std::ranges::any_of(v.rows, [&](const Row& other) {
+    return other.against == Against::medium_time && other.place == row.place && is_unfit(other);
+  });
+}
+
+bool same_attribute(const Row& a, const Row& b) {
+  return a.user == b.user && a.comparison.attribute == b.comparison.attribute;
+}
+
+/// "robot-can, bridge, second-can"
+std::string way_of(const System& system, const Route& route) {
+  std::string text;
+  for (const Place place : route) text += (text.empty() ? "" : ", ") + name_of(system, place);
+  return text;
+}
+
+/// Which of the two states the value that is required: the subscriber where both do.
+const std::string& asker(const Situation& s, const Verdict& v, const Row& row,
+                         std::size_t subscriber) {
+  const Publisher& publisher = s.members.publisher(v.publisher);
+  const Subscriber& listener = s.members.subscriber(subscriber);
+  const Value required = row.comparison.required;
+  if (row.is_user()) {
+    const UserValues& stated = user_values_in(listener, v.set);
+    const bool own = std::ranges::any_of(
+        stated, [&](const UserValue& u) { return u.attribute == row.user && u.value == required; });
+    return own ? listener.name : publisher.name;
+  }
+  const Attribute a = row.comparison.attribute;
+  const AttributeSet alone =
+      normalised_requirement(requirement_between(attributes_in(publisher, v.set), {}));
+  const bool publishers = alone.has(a) && alone[a] == required;
+  const AttributeSet stated = normalised_requirement(attributes_in(listener, v.set));
+  const bool subscribers = stated.has(a) && stated[a] == required;
+  return subscribers || !publishers ? listener.name : publisher.name;
+}
+
+/// What is provided and how far that is from what is required. A payload that is accepted is a
+/// most, and there is no margin to speak of; what has no bound is said so once.
+std::string numbers_of(const System& system, const Row& row) {
+  const Comparison& c = row.comparison;
+  if (!c.known) return "none";
+  std::string text = format_value(system, row, c.provided);
+  if (!row.is_user() && held_against(c.attribute) != c.attribute)
+    text = std::string(info(held_against(c.attribute)).name) + " " + text;
+  if (c.provided == kUnbounded && !row.is_user() && c.attribute == Attribute::omission)
+    return "no bound for events of several frames";
+  if (is_most(row) || c.provided == kUnbounded) return text;
+  return text + " (" + format_margin(system, row) + ")";
+}
+
+/// What must be stated or improved for an attribute: nobody provides a Deadline.
+std::string provided_name(const System& system, const Row& row) {
+  if (row.is_user()) return attribute_name(system, row);
+  return info(held_against(row.comparison.attribute)).name;
+}
+
+/// Where a hop states what it provides.
+std::string stated_by(const System& system, Place place) {
+  const bool evaluated = place.kind == Place::Kind::network && system.networks[place.index].mesh;
+  return (evaluated ? "PerHop of " : "") + name_of(system, place);
+}
+
+/// What would help a message that comes too late: a better identifier only where others are in its
+/// way, and the bus has time for all of them.
+std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdict& v,
+                      const Row& row) {
+  const can::Timing& timing = bus.assumptions().timing;
+  const auto message_of = [&](std::size_t publisher, std::size_t set) {
+    return can::message_of(s.system, s.members.publisher(publisher), set, row.place.index, timing);
+  };
+  const std::string& late = s.members.publisher(row.end).name;
+  const auto newcomer = message_of(v.publisher, v.set);
+  const std::uint64_t all =
+      bus.utilisation_ppm() +
+      (newcomer ? mul_div_up(newcomer->transmission, mesh::kWhole, newcomer->period) : 0);
+  if (all > mesh::kWhole) {
+    const std::uint64_t tenths = all / (mesh::kWhole / 1000);
+    return "send less often, or use a faster bus: its frames would take " +
+           std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " % of the time";
+  }
+  if (row.comparison.provided == kUnbounded)
+    return "send less often: what goes before these frames can take all of the bus";
+  if (row.comparison.required == 0)
+    return "allow more time, or let the rest of the way take less: state shorter times of it";
+  const auto own = row.end == v.publisher ? newcomer : message_of(row.end, v.set);
+  if (own && own->transmission > row.comparison.required)
+    return "allow " + late +
+           " more time, let it send smaller events, or use a faster bus: its frames "
+           "alone take " +
+           format_value(Attribute::latency, own->transmission);
+  return "give " + late +
+         " a better identifier (mlccactl analyse-bus --assign), send less often, or "
+         "allow more time";
+}
+
+/// False where a required Deadline follows from a Period.
+bool states_deadline(const Situation& s, const Verdict& v, std::size_t subscriber) {
+  if (attributes_in(s.members.publisher(v.publisher), v.set).has(Attribute::deadline)) return true;
+  return subscriber != kNone &&
+         attributes_in(s.members.subscriber(subscriber), v.set).has(Attribute::deadline);
+}
+
+}  // namespace
+
+Finding& Explainer::new_finding(FindingId id, const Verdict& v) {
+  Finding& f = findings_.emplace_back();
+  f.id = id;
+  f.origin = s_.members.publisher(v.publisher).origin;
+  f.channel = static_cast<std::uint32_t>(v.channel);
+  f.publisher = static_cast<std::uint32_t>(v.publisher);
+  return f;
+}
+
+void Explainer::add(const Verdict& v) {
+  if (v.outcome == Outcome::fit) return;
+  if (v.outcome == Outcome::run_time) {
+    add_run_time(v);
+    return;
+  }
+  if (v.obstacle != Obstacle::none) add_obstacle(v);
+  if (v.obstacle != Obstacle::none && id_of(v.obstacle) != FindingId::no_traffic) return;
+  for (const std::size_t subscriber : v.subscribers) add_pair(v, subscriber);
+  for (const Row& row : v.rows) {
+    if (!is_unfit(row)) continue;
+    if (row.against == Against::capacity) add_capacity(v, row);
+    if (row.against == Against::bystander) add_row(v, row, kNone);
+    if (is_about_medium(row)) add_medium(v, row);
+  }
+}
+
+void Explainer::add_obstacle(const Verdict& v) {
+  const Publisher& publisher = s_.members.publisher(v.publisher);
+  // On the ends' own networks these are rules of the description, which have been checked.
+  const bool by_rule = v.obstacle == Obstacle::unbound || v.obstacle == Obstacle::no_node ||
+                       v.obstacle == Obstacle::too_long;
+  const bool own = v.obstacle_at == publisher.place ||
+                   (v.obstacle_at == v.to && v.obstacle == Obstacle::unbound);
+  // But a rule looks at no further attribute sets.
+  if (by_rule && own && (publisher.lower.empty() || v.obstacle != Obstacle::too_long)) return;
+  Finding& f = new_finding(id_of(v.obstacle), v);
+  const std::string ends =
+      publisher.name + " to " + s_.members.subscriber(v.subscribers.front()).name + ": ";
+  f.subscriber = static_cast<std::uint32_t>(v.subscribers.front());
+  f.text = ends + reason(s_.system, s_.members, v);
+  const std::string& channel = s_.system.channels[v.channel].name;
+  if (v.obstacle != Obstacle::no_route) {
+    f.place = v.obstacle_at;
+    f.has_place = true;
+  }
+  switch (v.obstacle) {
+    case Obstacle::no_route:
+      f.hint = "join the networks by a Gateway with a Port on each";
+      break;
+    case Obstacle::unbound:
+      f.origin = s_.system.networks[v.obstacle_at.index].origin;
+      f.hint = "add <Binding channel=\"" + channel + "\"> to Network " +
+               name_of(s_.system, v.obstacle_at);
+      break;
+    case Obstacle::no_node:
+      f.hint = publisher.node ? "give the publisher another node"
+                              : "add attribute node to the publisher";
+      break;
+    case Obstacle::too_long:
+      f.hint = "publish a smaller MaxPayload, or use a network with longer frames";
+      break;
+    case Obstacle::no_data_rate:
+      f.origin = s_.system.networks[v.obstacle_at.index].origin;
+      f.hint = "add data-bitrate to the Bus of Network " + name_of(s_.system, v.obstacle_at) +
+               ", or let the Binding have format=\"classic\"";
+      break;
+    case Obstacle::no_path:
+      f.hint = s_.system.networks[v.obstacle_at.index].mesh->nodes.empty()
+                   ? "describe the nodes of the mesh"
+                   : "state the links of the mesh, or a source that knows them";
+      break;
+    case Obstacle::no_rate:
+      f.hint =
+          "add a Source that knows rates: nl80211, batman, olsr, wire, a file, or awds with "
+          "metric=\"packet-pair\"";
+      break;
+    case Obstacle::relay_gated:
+      for (const Place hop : hops_of(v.route))
+        if (hop.kind == Place::Kind::network &&
+            relay_gate(s_.system, hop.index, v.obstacle_at.index) != RelayGate::none)
+          f.hint = relay_hint(s_.system, hop.index, v.obstacle_at.index);
+      break;
+    case Obstacle::no_sender:
+      f.hint = "add sender=\"USER\" to the Port that the events leave by";
+      break;
+    case Obstacle::untagged:
+    case Obstacle::contradicted:
+      f.hint = "state the tags as the broker deals them, in the order of requests, or dynamic";
+      break;
+    case Obstacle::no_traffic:
+      f.hint = "state Period and MaxPayload, or Bandwidth, of the publisher";
+      break;
+    case Obstacle::no_period:
+      f.hint = "state the shortest Period of the publisher";
+      break;
+    default:
+      break;
+  }
+}
+
+void Explainer::add_run_time(const Verdict& v) {
+  Finding& f = new_finding(FindingId::run_time, v);
+  std::string what;
+  const auto at_best = [](const Row& row) { return row.comparison.outcome == Outcome::run_time; };
+  for (const Row& row : v.rows) {
+    if (!at_best(row)) continue;
+    if (!f.has_place && row.against == Against::hop) {
+      f.place = row.place;
+      f.has_place = true;
+    }
+    const std::string name = attribute_name(s_.system, row);
+    if (what.find(name) != std::string::npos) continue;
+    what += (what.empty() ? "" : ", ") + name + " " +
+            format_value(s_.system, row, row.comparison.required);
+  }
+  for (const Place hop : hops_of(v.route)) {
+    if (hop.kind != Place::Kind::network) continue;
+    const Binding* binding = s_.system.networks[hop.index].binding_of(v.channel);
+    if (binding == nullptr || !binding->waits_for_tag()) continue;
+    what += (what.empty() ? "" : ", ") + ("the tag on " + name_of(s_.system, hop));
+    if (f.has_place) continue;
+    f.place = hop;
+    f.has_place = true;
+  }
+  f.text = s_.members.publisher(v.publisher).name + " to " + name_of(s_.system, v.to) + " over " +
+           way_of(s_.system, v.route) + ": decided at run time (" + what + ")";
+}
+
+void Explainer::add_lower_set(std::size_t channel, std::size_t set) {
+  const EventChannel& c = s_.system.channels[channel];
+  Finding& f = findings_.emplace_back();
+  f.id = FindingId::lower_set;
+  f.origin = c.origin;
+  f.channel = static_cast<std::uint32_t>(channel);
+  f.text = "channel " + c.name + ": the attribute set of priority " + std::to_string(c.priority) +
+           " does not fit, that of priority " + std::to_string(c.lower[set - 1].priority) +
+           " is used";
+}
+
+void Explainer::add_pair(const Verdict& v, std::size_t subscriber) {
+  Verdict pair = undecided(s_, v.channel, v.publisher, {v.to, {subscriber}}, v.set);
+  pair.route = v.route;
+  const Ledger::Mark before = ledger_.mark();
+  check_route(s_, ledger_, {}, pair);
+  ledger_.roll_back(before);
+  for (const Row& row : pair.rows) {
+    if (!is_unfit(row) || row.against == Against::capacity || is_about_medium(row)) continue;
+    if (pair.obstacle != Obstacle::none && is_left_open(row)) continue;
+    if (is_told_as_medium_time(v, row)) continue;
+    // What one hop cannot give, the whole way cannot: once is enough.
+    const bool said =
+        row.against == Against::end_to_end && std::ranges::any_of(pair.rows, [&](const Row& other) {
+          return other.against == Against::hop && is_unfit(other) && same_attribute(other, row);
+        });
+    if (!said) add_row(pair, row, subscriber);
+  }
+}
+
+/// What an obstacle kept from being computed: nobody may say that it is not provided.
+bool Explainer::is_left_open(const Row& row) const {
+  if (row.comparison.known) return false;
+  if (row.against == Against::end_to_end) return true;
+  return row.against == Against::hop && row.place.kind == Place::Kind::network &&
+         (ledger_.schedule(row.place.index) != nullptr ||
+          s_.world.meshes[row.place.index] != nullptr);
+}
+
+void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber) {
+  const System& system = s_.system;
+  const Comparison& c = row.comparison;
+  Finding& f = new_finding(id_of(row.against), v);
+  const std::string& publisher = s_.members.publisher(v.publisher).name;
+  f.attribute = attribute_name(system, row);
+  f.required = format_value(system, row, c.required);
+  f.provided = c.known ? format_value(system, row, c.provided) : "not provided";
+  if (row.against == Against::hop || row.against == Against::bystander) {
+    f.place = row.place;
+    f.has_place = true;
+  }
+  std::string listener = "its subscribers";
+  if (subscriber != kNone) {
+    const Subscriber& s = s_.members.subscriber(subscriber);
+    f.subscriber = static_cast<std::uint32_t>(subscriber);
+    f.origin = s.origin;
+    listener = s.name;
+  }
+  const std::string numbers = numbers_of(system, row);
+  const bool implied = !row.is_user() && c.attribute == Attribute::deadline &&
+                       row.against != Against::traffic && !states_deadline(s_, v, subscriber);
+  const std::string asked =
+      f.attribute + " " + f.required + (implied ? " (implied by the Period)" : "");
+  switch (row.against) {
+    case Against::traffic:
+      f.text = listener + " asks " + f.attribute + " " + f.required + " of " + publisher +
+               ", which offers " + numbers;
+      f.hint = c.known ? "let " + publisher + " offer " + f.attribute + " " + f.required +
+                             ", or ask less"
+                       : "state " + f.attribute + " of " + publisher;
+      break;
+    case Against::hop:
+      f.text = publisher + " to " + listener + ": " + asked + " required by " +
+               asker(s_, v, row, subscriber) + ", " + name_of(system, row.place) + " provides " +
+               numbers;
+      f.hint = c.known ? "let " + name_of(system, row.place) + " provide " +
+                             provided_name(system, row) + " " + f.required +
+                             " or better, ask less, or take another way"
+                       : "state " + provided_name(system, row) + " of " +
+                             stated_by(system, row.place) + ": what is not stated is not given";
+      break;
+    case Against::bystander:
+      f.text = publisher + " to " + name_of(system, v.to) + ": " + f.attribute + " " + f.required +
+               " required by subscribers on " + name_of(system, row.place) +
+               ", which lies on the way and is given " + numbers;
+      f.hint = "they would hear the events too: fulfil them, or let them subscribe elsewhere";
+      break;
+    default:
+      f.text = publisher + " to " + listener + ": " + asked + " required end to end by " +
+               asker(s_, v, row, subscriber) + ", the way over " + way_of(system, v.route) +
+               " provides " + numbers;
+      f.hint = "let a hop provide better, take a shorter way, or ask less";
+  }
+}
+
+void Explainer::add_medium(const Verdict& v, const Row& row) {
+  const Comparison& c = row.comparison;
+  const bool queue = row.against == Against::schedule && c.attribute == Attribute::omission;
+  Finding& f = new_finding(queue ? FindingId::queue_too_short : id_of(row.against), v);
+  const std::string& publisher = s_.members.publisher(v.publisher).name;
+  f.place = row.place;
+  f.has_place = true;
+  f.attribute = info(c.attribute).name;
+  f.required =
+      queue ? std::to_string(row.reserved) + " frames" : format_value(c.attribute, c.required);
+  f.provided = queue ? std::to_string(row.room) + " frames" : format_value(c.attribute, c.provided);
+  if (row.against == Against::schedule) {
+    f.text = "with " + publisher + ", " + schedule_text(s_.system, s_.members, row);
+    if (queue)
+      f.hint = "send less often, or give the port of the gateway queue-length=\"" +
+               std::to_string(row.reserved) + "\"";
+    else
+      f.hint = late_hint(s_, *ledger_.schedule(row.place.index), v, row);
+    return;
+  }
+  f.text = publisher + " needs " + f.required + " on " + name_of(s_.system, row.place) +
+           ", whose links have time for " + f.provided;
+  f.hint = "send less, or state a lower attribute set";
+}
+
+void Explainer::add_capacity(const Verdict& v, const Row& row) {
+  Finding& f = new_finding(FindingId::capacity, v);
+  const std::string& network = name_of(s_.system, row.place);
+  const auto rate = [](Value value) { return format_value(Attribute::bandwidth, value); };
+  f.place = row.place;
+  f.has_place = true;
+  f.attribute = info(Attribute::bandwidth).name;
+  f.required = rate(row.comparison.required);
+  f.provided = rate(row.comparison.provided);
+  const Value all = s_.system.provision_of(row.place)[Attribute::bandwidth];
+  f.text = s_.members.publisher(v.publisher).name + " needs " + f.required + " on " + network;
+  if (row.reserved == 0)
+    f.text += ", which carries " + rate(all) + " in all";
+  else
+    f.text += ", where " + f.provided + " of " + rate(all) + " are left (" + rate(row.reserved) +
+              " for the channels described before it)";
+  f.hint = "send less, or less often, or move channels to another way";
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A verdict as findings: for each publisher and subscriber what does not fit, where, by how much,
+// who asked for it and what would be right.
+#pragma once
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/admission/admission.hpp"
+#include "core/admission/route_check.hpp"
+#include "core/design/findings.hpp"
+#include "core/model/verdict.hpp"
+#include "core/reserve/ledger.hpp"
+
+namespace mlcca::core {
+
+class Explainer {
+ public:
+  /// The ledger is used to try things out, and left as it is.
+  Explainer(const Situation& situation, Ledger& ledger, std::vector<Finding>& findings)
+      : s_(situation), ledger_(ledger), findings_(findings) {}
+
+  /// Nothing for a fit one, a note for one that is decided at run time.
+  void add(const Verdict& verdict);
+  /// That a lower attribute set is used.
+  void add_lower_set(std::size_t channel, std::size_t set);
+
+ private:
+  void add_obstacle(const Verdict& v);
+  void add_run_time(const Verdict& v);
+  void add_pair(const Verdict& v, std::size_t subscriber);
+  void add_row(const Verdict& v, const Row& row, std::size_t subscriber);
+  [[nodiscard]] bool is_left_open(const Row& row) const;
+  void add_capacity(const Verdict& v, const Row& row);
+  void add_medium(const Verdict& v, const Row& row);
+  Finding& new_finding(FindingId id, const Verdict& v);
+
+  const Situation& s_;
+  Ledger& ledger_;
+  std::vector<Finding>& findings_;
+};
+
+}  // namespace mlcca::core

@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/design/inspect.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "core/admission/allocation.hpp"
+#include "core/admission/world.hpp"
+#include "core/design/explain.hpp"
+#include "core/design/sense.hpp"
+#include "core/gates/plan.hpp"
+#include "core/gates/relay_gate.hpp"
+#include "core/model/members.hpp"
+#include "core/model/text.hpp"
+#include "core/model/topology.hpp"
+#include "core/profiles/profile.hpp"
+
+namespace mlcca::core {
+namespace {
+
+constexpr std::size_t kProgressStep = 1024;
+
+class Inspector {
+ public:
+  Inspector(const System& system, const InspectProgress& progress, const EachDecided& each,
+            InspectedBuses* buses)
+      : s_(system),
+        progress_(progress),
+        each_(each),
+        buses_(buses),
+        topology_(system),
+        members_(system),
+        world_(described_world(system)),
+        withdrawn_(system.channels.size(), false),
+        reached_(system.networks.size(), false),
+        ledger_(empty_ledger(system, world_)) {
+    for (const Gateway& gateway : system.gateways)
+      for (const Port& port : gateway.ports) reached_[port.network] = true;
+  }
+
+  Inspection run() {
+    out_.channels.resize(s_.channels.size());
+    check_networks();
+    check_relays();
+    add_sense_notes(s_, members_, out_.findings);
+    const Situation situation{s_, topology_, members_, world_, withdrawn_, true};
+    decide_each(situation, ledger_, [&](std::size_t channel, const Decision& decision) {
+      const std::size_t before = out_.findings.size();
+      check_channel(channel, decision, Explainer(situation, ledger_, out_.findings));
+      if (buses_ != nullptr) messages_.add(situation, ledger_, decision);
+      if (each_) keep(channel, decision, std::span(out_.findings).subspan(before));
+      if (progress_ && (channel + 1) % kProgressStep == 0) progress_(channel + 1);
+    });
+    tell(situation);
+    if (buses_ != nullptr) tell_buses(situation);
+    for (std::size_t n = 0; n < s_.networks.size(); ++n)
+      out_.networks.push_back({ledger_.reserved(n)});
+    std::ranges::stable_sort(out_.findings, {}, [](const Finding& f) {
+      return std::tuple(f.origin.file, f.origin.line, f.id);
+    });
+    return std::move(out_);
+  }
+
+ private:
+  void add(FindingId id, Origin origin, std::string text, std::string hint, std::size_t channel,
+           std::uint32_t publisher = kNone, std::uint32_t subscriber = kNone) {
+    Finding& f = out_.findings.emplace_back();
+    f.id = id;
+    f.origin = origin;
+    f.text = std::move(text);
+    f.hint = std::move(hint);
+    f.channel = static_cast<std::uint32_t>(channel);
+    f.publisher = publisher;
+    f.subscriber = subscriber;
+  }
+
+  struct Kept {
+    std::size_t channel;
+    Decision decision;
+    std::vector<Finding> errors;
+  };
+
+  static std::vector<Finding> errors_of(std::span<const Finding> findings) {
+    std::vector<Finding> out;
+    std::ranges::copy_if(findings, std::back_inserter(out),
+                         [](const Finding& f) { return info(f.id).severity == Severity::error; });
+    return out;
+  }
+
+  /// Until everything is decided where that changes the numbers.
+  void keep(std::size_t channel, const Decision& decision, std::span<const Finding> findings) {
+    const bool waits =
+        std::ranges::any_of(decision.verdicts, [](const Verdict& v) { return !v.media.empty(); });
+    std::vector<Finding> errors = errors_of(findings);
+    if (waits || sets_of(s_, channel) > 1)
+      kept_.push_back({channel, decision, std::move(errors)});
+    else
+      each_(channel, decision, errors);
+  }
+
+  void tell(const Situation& situation) {
+    for (Kept& kept : kept_) {
+      renew_responses(situation, ledger_, kept.decision);
+      each_(kept.channel, kept.decision, kept.errors);
+      for (std::size_t set = 0; set < sets_of(s_, kept.channel); ++set)
+        if (set != kept.decision.set) tell_other(situation, kept.channel, set);
+    }
+  }
+
+  void tell_other(const Situation& situation, std::size_t channel, std::size_t set) {
+    const Ledger::Mark before = ledger_.mark();
+    for (const std::size_t p : members_.publishers_of(channel)) ledger_.remove(p);
+    Decision decision = decide_in(situation, channel, set, ledger_);
+    renew_responses(situation, ledger_, decision);
+    std::vector<Finding> findings;
+    Explainer explain(situation, ledger_, findings);
+    for (const Verdict& v : decision.verdicts) explain.add(v);
+    each_(channel, decision, errors_of(findings));
+    ledger_.roll_back(before);
+  }
+
+  void tell_buses(const Situation& situation) {
+    buses_->messages = messages_.take(situation, ledger_);
+    for (std::size_t n = 0; n < s_.networks.size(); ++n) {
+      const can::Schedule* bus = ledger_.schedule(n);
+      buses_->assumptions.push_back(bus != nullptr ? std::optional(bus->assumptions())
+                                                   : std::nullopt);
+    }
+    inherit_jitter(buses_->messages, buses_->assumptions);
+  }
+
+  void check_networks() {
+    if (s_.networks.size() < 2) return;
+    for (std::size_t n = 0; n < s_.networks.size(); ++n) {
+      if (reached_[n]) continue;
+      const Network& network = s_.networks[n];
+      add(FindingId::unreachable_network, network.origin,
+          "no gateway has a port on network " + network.name +
+              ": nothing leads there from any other network",
+          "add a <Port network=\"" + network.name + "\"> to a Gateway, or remove the network",
+          kNone);
+      out_.findings.back().place = {Place::Kind::network, n};
+      out_.findings.back().has_place = true;
+    }
+  }
+
+  /// Between two nodes nobody relays.
+  void check_relays() {
+    for (std::size_t n = 0; n < s_.networks.size(); ++n) {
+      if (!s_.networks[n].mesh || s_.networks[n].mesh->nodes.size() < 3) continue;
+      for (std::size_t g = 0; g < s_.gateways.size(); ++g) {
+        if (relay_gate(s_, n, g) == RelayGate::none) continue;
+        add(FindingId::relay_gated, s_.gateways[g].port_on(n)->origin,
+            "the gate of gateway " + s_.gateways[g].name + " on mesh " + s_.networks[n].name +
+                " is below the mesh: events that its node only relays are dropped there",
+            relay_hint(s_, n, g), kNone);
+        out_.findings.back().place = {Place::Kind::gateway, g};
+        out_.findings.back().has_place = true;
+      }
+    }
+  }
+
+  void check_channel(std::size_t c, const Decision& decision, Explainer explain) {
+    const auto& verdicts = decision.verdicts;
+    ChannelResult& result = out_.channels[c];
+    result.deliveries = verdicts.size();
+    result.set = decision.set;
+    for (const Verdict& v : verdicts) result.outcome = worse(result.outcome, v.outcome);
+    if (!is_complete(c)) result.outcome = Outcome::unfit;
+    if (s_.channels[c].safe_side == SafeSide::deliver) check_safe_side(c, verdicts);
+    if (verdicts.size() > 1) check_senders(c, verdicts);
+    if (members_.publishers_of(c).size() > 1) check_shared_limits(c);
+    check_room(c, verdicts, result);
+    if (result.outcome == Outcome::fit && result.set == 0) return;
+    for (const Verdict& v : verdicts) explain.add(v);
+    if (result.outcome != Outcome::unfit && result.set != 0) explain.add_lower_set(c, result.set);
+  }
+
+  bool is_complete(std::size_t c) {
+    const EventChannel& channel = s_.channels[c];
+    const auto& publishers = members_.publishers_of(c);
+    const auto& subscribers = members_.subscribers_of(c);
+    if (publishers.empty() && subscribers.empty())
+      add(FindingId::unused_channel, channel.origin,
+          "channel " + channel.name + " is neither published nor subscribed", "", c);
+    if (publishers.empty())
+      for (const std::size_t s : subscribers) {
+        const Subscriber& subscriber = members_.subscriber(s);
+        add(FindingId::no_publisher, subscriber.origin,
+            subscriber.name + " subscribes channel " + channel.name + ", which nobody publishes",
+            "add a <Publisher channel=\"" + channel.name + "\" …/>, or remove the subscription", c,
+            kNone, static_cast<std::uint32_t>(s));
+      }
+    if (subscribers.empty())
+      for (const std::size_t p : publishers) {
+        const Publisher& publisher = members_.publisher(p);
+        add(FindingId::unused_publisher, publisher.origin,
+            publisher.name + " publishes channel " + channel.name + ", which nobody subscribes",
+            "add a <Subscriber channel=\"" + channel.name + "\" …/>, or remove the publisher", c,
+            static_cast<std::uint32_t>(p));
+      }
+    return !publishers.empty() || subscribers.empty();
+  }
+
+  /// Devices that put frames on a bus: gateways by number, publishers there from kOwn on.
+  static constexpr std::size_t kOwn = std::size_t{1} << 32U;
+
+  /// Frames with one identifier have one sender on a CAN bus: two that start at once destroy each
+  /// other. Publishers on the bus itself are told apart by the rules of the description.
+  void check_senders(std::size_t c, const std::vector<Verdict>& verdicts) {
+    std::map<std::pair<std::size_t, unsigned>, std::size_t> device_of;
+    std::set<std::size_t> said;
+    for (const Verdict& v : verdicts) {
+      if (v.outcome == Outcome::unfit) continue;
+      for (std::size_t i = 0; i < v.route.size(); ++i) {
+        const Place hop = v.route[i];
+        if (hop.kind != Place::Kind::network || s_.networks[hop.index].kind != NetworkKind::can)
+          continue;
+        const Publisher& p = members_.publisher(v.publisher);
+        const bool named = has_nodes(s_.networks[hop.index].profile);
+        const std::size_t device = i == 0 ? kOwn + v.publisher : v.route[i - 1].index;
+        const auto [it, fresh] =
+            device_of.try_emplace({hop.index, named ? p.node.value_or(0) : 0U}, device);
+        const bool both_own = it->second >= kOwn && device >= kOwn;
+        if (fresh || it->second == device || both_own || !said.insert(hop.index).second) continue;
+        add(FindingId::sender_twice, p.origin,
+            "events of channel " + s_.channels[c].name + " reach " + s_.networks[hop.index].name +
+                " over " + sender_words(it->second) + " and over " + sender_words(device) +
+                ": two senders of one identifier",
+            "declare routes over one gateway, or give each publisher a node of its own (where the "
+            "profile has nodes)",
+            c, static_cast<std::uint32_t>(v.publisher));
+        out_.findings.back().place = hop;
+        out_.findings.back().has_place = true;
+        out_.channels[c].outcome = Outcome::unfit;
+      }
+    }
+  }
+
+  /// Where frames carry the subject their sender's address is all that tells publishers apart.
+  void check_shared_limits(std::size_t c) {
+    std::map<std::pair<std::size_t, Station>, std::size_t> alike;
+    std::set<std::pair<std::size_t, Station>> said;
+    for (const std::size_t number : members_.publishers_of(c)) {
+      const Publisher& p = members_.publisher(number);
+      if (p.place.kind != Place::Kind::network || !s_.networks[p.place.index].carries_subjects() ||
+          !reached_[p.place.index])
+        continue;
+      const auto key = std::pair(p.place.index, p.station);
+      const auto [first, fresh] = alike.try_emplace(key, number);
+      if (fresh || !said.insert(key).second) continue;
+      add(FindingId::shared_limit, p.origin,
+          "publishers " + members_.publisher(first->second).name + " and " + p.name +
+              " of channel " + s_.channels[c].name + " look alike to the gates on network " +
+              s_.networks[p.place.index].name +
+              ": what one sends too much is taken from what the other may send",
+          p.station.anybody()
+              ? "state the address that each of them sends from (address=\"192.0.2.7\")"
+              : "give each of them an address of its own",
+          c, static_cast<std::uint32_t>(number));
+    }
+  }
+
+  void check_room(std::size_t c, const std::vector<Verdict>& verdicts, ChannelResult& result) {
+    for (std::size_t g = 0; g < s_.gateways.size(); ++g) {
+      const auto lack = lacks_room(s_, members_, c, verdicts, g);
+      if (!lack) continue;
+      result.outcome = Outcome::unfit;
+      add(FindingId::too_many, s_.channels[c].origin,
+          "channel " + s_.channels[c].name + ": " + *lack,
+          "give some of them subjects of their own, or let them come by another network", c);
+    }
+  }
+
+  [[nodiscard]] std::string sender_words(std::size_t device) const {
+    if (device >= kOwn) return "publisher " + members_.publisher(device - kOwn).name;
+    return "gateway " + s_.gateways[device].name;
+  }
+
+  /// A gate drops what it does not know, after a crash too: a danger for what must arrive.
+  void check_safe_side(std::size_t c, const std::vector<Verdict>& verdicts) {
+    for (const Verdict& v : verdicts) {
+      const auto gateway = std::ranges::find(v.route, Place::Kind::gateway, &Place::kind);
+      if (gateway == v.route.end()) continue;
+      const EventChannel& channel = s_.channels[c];
+      add(FindingId::unsafe_drop, channel.origin,
+          "events of channel " + channel.name +
+              " must arrive to be safe, and cross the gate of gateway " + name_of(s_, *gateway) +
+              ", which drops while in doubt",
+          "turn it into a heart-beat whose silence is safe (safe-side=\"drop\"), or keep publisher "
+          "and subscribers on one network",
+          c);
+      return;
+    }
+  }
+
+  const System& s_;
+  const InspectProgress& progress_;
+  const EachDecided& each_;
+  InspectedBuses* buses_;
+  BusMessages messages_;
+  std::vector<Kept> kept_;
+  Topology topology_;
+  Members members_;
+  World world_;
+  std::vector<bool> withdrawn_;
+  std::vector<bool> reached_;  ///< networks that some gateway has a port on
+  Ledger ledger_;
+  Inspection out_;
+};
+
+}  // namespace
+
+Inspection inspect(const System& system, const InspectProgress& progress, const EachDecided& each,
+                   InspectedBuses* buses) {
+  return Inspector(system, progress, each, buses).run();
+}
+
+}  // namespace mlcca::core

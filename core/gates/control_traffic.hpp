@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What a profile needs beside its channels: addresses, bindings, node states. It is no channel's,
+// stays on its bus, and is limited to a rate.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "core/gates/plan.hpp"
+#include "core/model/system.hpp"
+
+namespace mlcca::core {
+
+/// Subject of the slots of control traffic: no channel has it.
+inline constexpr Subject kControlSubject = 0;
+
+/// Frames of a kind of control traffic, as identifier and mask with kExtendedFlag in both.
+struct ControlFrames {
+  FrameIdentity identity;
+  std::uint16_t max_length = 8;
+};
+
+/// "SUBSCRIB": by an event of it, whose 8 bytes are a subject, a FAMOUSO node tells gateways of its
+/// own kind what it subscribes. A channel that a description gives this subject takes its place.
+inline constexpr Subject kSubscribeSubject = 0x5355425343524942;
+
+struct ControlKind {
+  std::string_view name;  ///< "address-claim"
+  std::span<const ControlFrames> frames;
+  std::uint32_t rate = 0;   ///< frames/s in each direction, unless a description says another
+  std::uint32_t burst = 0;  ///< frames that may come at once, beyond one
+  /// can-j1939 sends them itself, whoever gave it the data. Such frames carry what no gate can look
+  /// into, so that they pass only where a description names them.
+  bool is_carrier = false;
+  /// Its frames have the etag of kSubscribeSubject, which is dealt at run time: here it is open.
+  bool is_tagged = false;
+};
+
+/// Of a CAN network of that profile, in the order of ControlPolicy::kinds.
+[[nodiscard]] std::span<const ControlKind> control_kinds(Profile profile);
+/// Of any network.
+[[nodiscard]] std::span<const ControlKind> control_kinds(const Network& network);
+
+/// The kind that frames of this identity are of on a CAN network, by name; empty: none.
+[[nodiscard]] std::string_view control_kind_of(Profile profile, std::uint32_t id,
+                                               std::uint32_t mask);
+
+/// Whether the kind passes at the port, and its frames/s there.
+struct ControlState {
+  bool allowed = true;
+  std::uint32_t rate = 0;
+};
+[[nodiscard]] ControlState control_at(const Network& network, const Port& port, std::size_t kind);
+
+/// The rules of all control traffic of one gateway, sorted by entry. A kind that is switched off
+/// has rules that refuse. A number that a Binding gives to a channel is that channel's alone. Where
+/// the tag of kSubscribeSubject is not known, it has no rules. `asker`: the user who asks for tags
+/// as the node of a Port, beside its control_uid.
+[[nodiscard]] GateState control_rules(const System& system, std::size_t gateway,
+                                      std::optional<std::uint32_t> asker = {});
+
+}  // namespace mlcca::core

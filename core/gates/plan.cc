@@ -1,0 +1,450 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/gates/plan.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+
+#include "core/model/medium.hpp"
+#include "mlcca/arithmetic.hpp"
+#include "mlcca/check.hpp"
+
+namespace mlcca::core {
+namespace {
+
+/// 500 ppm: a publisher's clock and ours.
+constexpr Value kClocks = 2000;
+
+Value slower(Value time) { return add_saturating(time, time / kClocks); }
+
+/// Of per_byte.
+constexpr Value kUnit = 256;
+
+/// What may come so often, in bytes: as much as its longest frames hold.
+Policing by_bytes(const Policing& p, Value longest) {
+  if (p.per_frame == 0) return p;
+  longest = std::max<Value>(longest, 1);
+  return {0, std::max<Value>(mul_saturating(p.per_frame, kUnit) / longest, 1), p.tolerance,
+          p.counts_only};
+}
+
+/// The traffic of two publishers that cannot be told apart, whose frames hold `longest` bytes at
+/// most: the sum of their rates, and what both may send at once.
+Policing together(Policing a, Policing b, Value longest) {
+  if (!a.any() || !b.any()) return {};
+  if ((a.per_frame == 0) != (b.per_frame == 0)) {
+    a = by_bytes(a, longest);
+    b = by_bytes(b, longest);
+  }
+  const bool by_frame = a.per_frame != 0;
+  const Value x = by_frame ? a.per_frame : a.per_byte;
+  const Value y = by_frame ? b.per_frame : b.per_byte;
+  const Value sum = std::max<Value>(mul_div_down(x, y, add_saturating(x, y)), 1);
+  // At once a may send 1 + a.tolerance / x frames (or bytes of the one and the others).
+  const Value early =
+      add_saturating(mul_div_up(a.tolerance, sum, x), mul_div_up(b.tolerance, sum, y));
+  const Value one = by_frame ? sum : mul_saturating(sum, longest) / kUnit;
+  return {by_frame ? sum : 0, by_frame ? 0 : sum, add_saturating(early, one),
+          a.counts_only || b.counts_only};
+}
+
+/// Collects rules; the same entry from two publishers passes only if both do.
+class Rules {
+ public:
+  void add(const GateRule& rule) {
+    auto [it, fresh] = rules_.try_emplace(rule.entry, rule);
+    if (fresh) return;
+    it->second.pass = it->second.pass && rule.pass;
+    it->second.policing = together(it->second.policing, rule.policing, rule.entry.max_length);
+    it->second.watching = {};  // whose event is it that is missing?
+  }
+  [[nodiscard]] GateState take() const {
+    GateState state;
+    state.reserve(rules_.size());
+    for (const auto& [entry, rule] : rules_) state.push_back(rule);
+    return state;
+  }
+
+ private:
+  std::map<GateEntry, GateRule> rules_;
+};
+
+class Planner {
+ public:
+  Planner(const System& system, const Members& members, std::size_t gateway)
+      : system_(system), members_(members), here_{Place::Kind::gateway, gateway} {}
+
+  /// The rules of one publisher: where its events enter this gateway, and where they leave.
+  void add(std::size_t publisher, const std::vector<const Verdict*>& verdicts) {
+    sent_anew_.clear();
+    set_ = verdicts.empty() ? 0 : verdicts.front()->set;  // all of a channel have the same
+    silence_ = shortest_silence(verdicts);
+    std::map<std::pair<std::size_t, std::size_t>, bool> out;  // (in, out) ports
+    std::map<std::size_t, bool> in;
+    for (const Verdict* v : verdicts)
+      for (const auto& crossing : crossings(*v)) {
+        if (crossing.in != kLocal) in[crossing.in] |= v->granted;
+        if (crossing.out != kLocal) out[{crossing.in, crossing.out}] |= v->granted;
+        if (!crossing.as_sent) sent_anew_.insert(crossing.in);
+      }
+    // A publisher on a network of ours whose events nobody needs here: known, and not passed.
+    const Publisher& p = members_.publisher(publisher);
+    if (p.place.kind == Place::Kind::network)
+      if (const std::size_t port = port_on(p.place.index); port != kLocal)
+        in.try_emplace(port, false);
+
+    for (const auto& [port, pass] : in) emit(p, port, Direction::ingress, kLocal, pass);
+    for (const auto& [ports, pass] : out)
+      emit(p, ports.second, Direction::egress, ports.first, pass);
+  }
+
+  [[nodiscard]] GateState take() const { return rules_.take(); }
+
+  /// From one bus to another, granted, and both ends gated.
+  void add_transits(const Verdict& v, std::vector<Transit>& to) {
+    if (!v.granted) return;
+    set_ = v.set;
+    const Publisher& p = members_.publisher(v.publisher);
+    for (const auto& [in, out, as_sent] : crossings(v)) {
+      if (in == kLocal || out == kLocal || network_at(in).kind != NetworkKind::can ||
+          network_at(out).kind != NetworkKind::can)
+        continue;
+      const auto enters = entry(p, in, Direction::ingress, kLocal);
+      const auto leaves = entry(p, out, Direction::egress, in);
+      if (enters && leaves) to.push_back({*enters, *leaves});
+    }
+  }
+
+ private:
+  static Value shortest_silence(const std::vector<const Verdict*>& verdicts) {
+    Value shortest = kUnbounded;
+    for (const Verdict* v : verdicts)
+      if (const Value silence = silence_of(*v); silence != 0)
+        shortest = std::min(shortest, silence);
+    return shortest;
+  }
+  static constexpr std::size_t kLocal = ~std::size_t{0};
+  struct Crossing {
+    std::size_t in;
+    std::size_t out;
+    bool as_sent;  ///< no bus was on the way: the frames are those of the publisher
+  };
+
+  [[nodiscard]] std::size_t port_on(std::size_t network) const {
+    const auto& ports = system_.gateways[here_.index].ports;
+    const auto it = std::ranges::find(ports, network, &Port::network);
+    return it == ports.end() ? kLocal : static_cast<std::size_t>(it - ports.begin());
+  }
+
+  /// Where the verdict's route passes this gateway. A refusal without a route is held at the
+  /// publisher's own network and at the target.
+  [[nodiscard]] std::vector<Crossing> crossings(const Verdict& v) const {
+    std::vector<Crossing> found;
+    bool as_sent = true;
+    for (std::size_t i = 0; i < v.route.size(); ++i) {
+      if (v.route[i] != here_) {
+        as_sent = as_sent && !is_bus(v.route[i]);
+        continue;
+      }
+      const std::size_t in = i == 0 ? kLocal : port_on(v.route[i - 1].index);
+      const std::size_t out = i + 1 == v.route.size() ? kLocal : port_on(v.route[i + 1].index);
+      found.push_back({in, out, as_sent});
+    }
+    return found;
+  }
+
+  [[nodiscard]] bool is_bus(Place hop) const {
+    return hop.kind == Place::Kind::network && system_.networks[hop.index].kind == NetworkKind::can;
+  }
+
+  [[nodiscard]] const Network& network_at(std::size_t port) const {
+    return system_.networks[system_.gateways[here_.index].ports[port].network];
+  }
+
+  /// Nothing where no gate can tell the frames apart, or nobody may send.
+  [[nodiscard]] std::optional<GateEntry> entry(const Publisher& p, std::size_t port,
+                                               Direction direction, std::size_t source) const {
+    const Network& network = network_at(port);
+    const Binding* binding = network.binding_of(p.channel);
+    const bool bound = network.carries_subjects() || binding != nullptr;
+    if (network.profile == Profile::none || !bound) return std::nullopt;
+    if (binding != nullptr && binding->waits_for_tag()) return std::nullopt;
+    GateEntry e;
+    e.port = port;
+    e.direction = direction;
+    e.subject = system_.channels[p.channel].subject;
+    if (network.carries_subjects()) {
+      const std::size_t in = direction == Direction::ingress ? port : source;
+      if (in != kLocal && !sent_anew_.contains(in)) e.station = p.station;
+      size_datagram(p, in, e);
+    } else if (!identify(p, network, *binding, e)) {
+      return std::nullopt;
+    }
+    if (direction == Direction::egress) {
+      if (const auto& sender = sender_between(source, port))
+        e.uid = *sender;
+      else if (source != kLocal)
+        come_from(p, source, network, e);
+      else if (p.uid)
+        e.uid = *p.uid;
+      else
+        return std::nullopt;  // a local publisher without a user: nobody may send
+    }
+    return e;
+  }
+
+  /// Frames of publishers that leave alike are told apart by what they were admitted as.
+  void come_from(const Publisher& p, std::size_t source, const Network& out, GateEntry& e) const {
+    e.source_port = source;
+    if (out.carries_subjects() || network_at(source).carries_subjects()) return;
+    // Its source is the port that it came in by.
+    // NOLINTNEXTLINE(readability-suspicious-call-argument)
+    if (const auto in = entry(p, source, Direction::ingress, kLocal))
+      e.entered_as = {.id = in->id, .mask = in->mask};
+  }
+
+  void emit(const Publisher& p, std::size_t port, Direction direction, std::size_t source,
+            bool pass) {
+    const auto e = entry(p, port, direction, source);
+    if (!e) return;
+    // Where a frame came in it has been policed already.
+    const bool first = direction == Direction::ingress || source == kLocal;
+    GateRule rule{*e, pass, {}, {}};
+    if (first) {
+      const AttributeSet& offered = attributes_in(p, set_);
+      const Network& network = network_at(port);
+      const auto frames =
+          frames_per_event(network, network.binding_of(p.channel), offered[Attribute::max_payload]);
+      rule.policing = policing_of(offered, frames,
+                                  network.carries_subjects() ? kDatagramMaxEvent : e->max_length);
+      rule.policing.counts_only = system_.gateways[here_.index].ports[port].excess == Excess::pass;
+      rule.watching = watching(offered, frames);
+    }
+    rules_.add(rule);
+  }
+
+  /// The frames of an event come together; from half a period on it is the next event.
+  [[nodiscard]] Watching watching(const AttributeSet& offered, std::uint64_t frames) const {
+    const Value period = offered[Attribute::period];
+    if (period == 0) return {};
+    return {period, silence_ == kUnbounded ? 0 : silence_, frames > 1 ? period / 2 : 0};
+  }
+
+  /// Who carries events from one port to the other where the kernel does not.
+  [[nodiscard]] std::optional<std::uint32_t> sender_between(std::size_t in, std::size_t out) const {
+    if (in == kLocal) return std::nullopt;
+    const auto& ports = system_.gateways[here_.index].ports;
+    const auto is_can = [&](std::size_t port) {
+      return system_.networks[ports[port].network].kind == NetworkKind::can;
+    };
+    return is_can(in) == is_can(out) ? std::nullopt : ports[out].sender;
+  }
+
+  /// Another publisher at the same place whose datagrams nobody can tell from those of `p`: at home
+  /// by their address, behind a bus by nothing.
+  static bool looks_alike(const Publisher& p, const Publisher& other, bool as_sent) {
+    return other.place == p.place && (!as_sent || other.station == p.station);
+  }
+
+  /// As long as the longest of those that look alike: they share the entry.
+  void size_datagram(const Publisher& p, std::size_t in, GateEntry& e) const {
+    const auto size_of = [this](const Publisher& publisher) {
+      const AttributeSet& offered = attributes_in(publisher, set_);
+      return offered.has(Attribute::max_payload) ? offered[Attribute::max_payload]
+                                                 : kDatagramMaxEvent;
+    };
+    Value bytes = size_of(p);
+    if (in != kLocal)
+      for (const std::size_t number : members_.publishers_of(p.channel))
+        if (const Publisher& other = members_.publisher(number);
+            looks_alike(p, other, !sent_anew_.contains(in)))
+          bytes = std::max(bytes, size_of(other));
+    e.split = bytes > kDatagramBytes;
+    e.max_length = static_cast<std::uint16_t>(std::min<Value>(bytes, kDatagramBytes));
+  }
+
+  [[nodiscard]] std::optional<FrameIdentity> identity_on(const Publisher& p, const Network& network,
+                                                         const Binding& b) const {
+    return identity_of(p, network, b,
+                       is_fragmented(network, &b, attributes_in(p, set_)[Attribute::max_payload]));
+  }
+
+  [[nodiscard]] std::uint16_t frame_length(const Publisher& p, const Network& network,
+                                           const Binding& b) const {
+    const AttributeSet& offered = attributes_in(p, set_);
+    const bool sized = offered.has(Attribute::max_payload);
+    return static_cast<std::uint16_t>(
+        sized ? frame_bytes(network, b, offered[Attribute::max_payload]) : frame_bytes(b));
+  }
+
+  /// Frames of publishers that nobody can tell apart have the length of the longest.
+  [[nodiscard]] bool identify(const Publisher& p, const Network& network, const Binding& b,
+                              GateEntry& e) const {
+    e.classic = b.format == FrameFormat::classic || b.format == FrameFormat::any;
+    e.fd = b.format == FrameFormat::fd || b.format == FrameFormat::any;
+    e.xl = b.format == FrameFormat::xl;
+    const auto identity = identity_on(p, network, b);
+    if (!identity) return false;
+    e.max_length = frame_length(p, network, b);
+    for (const std::size_t number : members_.publishers_of(p.channel)) {
+      const Publisher& other = members_.publisher(number);
+      if (other.place == p.place && identity_on(other, network, b) == identity)
+        e.max_length = std::max(e.max_length, frame_length(other, network, b));
+    }
+    e.id = identity->id;
+    e.mask = identity->mask | (b.remote_frames ? 0 : kRemoteFlag);
+    return true;
+  }
+
+  const System& system_;
+  const Members& members_;
+  Place here_;
+  std::size_t set_ = 0;              ///< attribute set that the channel is in
+  Value silence_ = 0;                ///< of the publisher that is being added, kUnbounded: none
+  std::set<std::size_t> sent_anew_;  ///< ports where its frames come from somebody else
+  Rules rules_;
+};
+
+void add_publisher(Planner& planner, std::size_t publisher, const std::vector<Verdict>& verdicts) {
+  std::vector<const Verdict*> of_publisher;
+  for (const Verdict& v : verdicts)
+    if (v.publisher == publisher) of_publisher.push_back(&v);
+  planner.add(publisher, of_publisher);
+}
+
+void add_channel(Planner& planner, const Members& members, std::size_t channel,
+                 const std::vector<Verdict>& verdicts, AdmissionId without = 0) {
+  for (const std::size_t publisher : members.publishers_of(channel))
+    if (without == 0 || members.admission_of_publisher(publisher) != without)
+      add_publisher(planner, publisher, verdicts);
+}
+
+}  // namespace
+
+Policing policing_of(const AttributeSet& offered, std::uint64_t frames, Value largest) {
+  constexpr Value second = 1'000'000'000;
+  const auto hurried = [](Value time) { return time - time / kClocks; };
+  const Value jitter = offered[Attribute::jitter];
+  Policing out;
+  if (offered.has(Attribute::period)) {
+    const Value period = hurried(offered[Attribute::period]);
+    out.per_frame = std::max<Value>(period / std::max<Value>(frames, 1), 1);
+    // The frames of an event come together, and the next event may be early.
+    out.tolerance = add_saturating(mul_saturating(period, 2) - out.per_frame, jitter);
+  } else if (offered.has(Attribute::bandwidth) && offered[Attribute::bandwidth] != 0) {
+    out.per_byte =
+        std::max<Value>(hurried(mul_div_down(second, kUnit, offered[Attribute::bandwidth])), 1);
+    const Value event =
+        offered.has(Attribute::max_payload) ? offered[Attribute::max_payload] : largest;
+    out.tolerance = add_saturating(
+        mul_saturating(out.per_byte, mul_saturating(std::max<Value>(event, 1), 2)) / kUnit, jitter);
+  }
+  return out;
+}
+
+Value silence_of(const Verdict& v) {
+  if (!v.granted || !worst_case_reaction(v)) return 0;
+  AttributeSet terms = reaction_terms(v);
+  terms.set(Attribute::period, slower(terms[Attribute::period]));
+  terms.set(Attribute::latency, 0);
+  const Value silence = mlcca::worst_case_reaction(terms);
+  return silence == kUnbounded ? 0 : silence;
+}
+
+GateState gate_state(const System& system, const Members& members, std::size_t channel,
+                     const std::vector<Verdict>& verdicts, std::size_t gateway,
+                     AdmissionId without) {
+  Planner planner(system, members, gateway);
+  add_channel(planner, members, channel, verdicts, without);
+  return planner.take();
+}
+
+std::vector<Transit> transits(const System& system, const Members& members,
+                              const std::vector<Verdict>& verdicts, std::size_t gateway) {
+  std::vector<Transit> found;
+  Planner planner(system, members, gateway);
+  for (const Verdict& v : verdicts) planner.add_transits(v, found);
+  std::ranges::sort(found);
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+GateState gate_state(const System& system, const Members& members,
+                     const std::vector<Decision>& decisions, std::size_t gateway) {
+  Planner planner(system, members, gateway);
+  for (std::size_t c = 0; c < decisions.size(); ++c)
+    add_channel(planner, members, c, decisions[c].verdicts);
+  return planner.take();
+}
+
+GateState gate_state(const System& system, const Members& members, const Verdict& verdict,
+                     std::size_t gateway) {
+  Planner planner(system, members, gateway);
+  planner.add(verdict.publisher, {&verdict});
+  return planner.take();
+}
+
+std::optional<std::string> lacks_room(const System& system, const Members& members,
+                                      std::size_t channel, const std::vector<Verdict>& verdicts,
+                                      std::size_t gateway) {
+  if (members.publishers_of(channel).size() <= kMostEntries) return std::nullopt;
+  std::map<std::pair<std::size_t, Direction>, std::size_t> entries;
+  for (const GateRule& rule : gate_state(system, members, channel, verdicts, gateway)) {
+    if (++entries[{rule.entry.port, rule.entry.direction}] <= kMostEntries) continue;
+    const Gateway& here = system.gateways[gateway];
+    const Network& network = system.networks[here.ports[rule.entry.port].network];
+    return "more than " + std::to_string(kMostEntries) + " publishers of it " +
+           (rule.entry.direction == Direction::ingress ? "enter" : "leave") + " gateway " +
+           here.name + " by network " + network.name +
+           ": a gate tells no more of one subject apart";
+  }
+  return std::nullopt;
+}
+
+std::vector<GateEntry> shared_entries(const System& system, const Members& members,
+                                      std::size_t channel, const std::vector<Verdict>& verdicts,
+                                      std::size_t gateway) {
+  std::vector<GateEntry> all;
+  if (members.publishers_of(channel).size() < 2) return all;
+  for (const std::size_t publisher : members.publishers_of(channel)) {
+    Planner planner(system, members, gateway);
+    add_publisher(planner, publisher, verdicts);
+    for (const GateRule& rule : planner.take()) all.push_back(rule.entry);
+  }
+  std::ranges::sort(all);
+  std::vector<GateEntry> shared;
+  for (std::size_t i = 1; i < all.size(); ++i)
+    if (all[i] == all[i - 1] && (shared.empty() || shared.back() != all[i]))
+      shared.push_back(all[i]);
+  return shared;
+}
+
+namespace {
+
+void compare_same(const GateRule& now, const GateRule& next, GateChanges& changes) {
+  if (now.pass && !next.pass) changes.close.push_back(now.entry);
+  if (!now.pass && next.pass) changes.open.push_back(next.entry);
+  if (now.policing != next.policing || now.watching != next.watching)
+    changes.police.push_back(next);
+}
+
+}  // namespace
+
+GateChanges difference(const GateState& now, const GateState& next) {
+  GateChanges changes;
+  auto a = now.begin();
+  auto b = next.begin();
+  while (a != now.end() || b != next.end()) {
+    if (b == next.end() || (a != now.end() && a->entry < b->entry)) {
+      changes.remove.push_back((a++)->entry);
+    } else if (a == now.end() || b->entry < a->entry) {
+      changes.add.push_back(*b++);
+    } else {
+      compare_same(*a++, *b++, changes);
+    }
+  }
+  return changes;
+}
+
+}  // namespace mlcca::core

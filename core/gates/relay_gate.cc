@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/gates/relay_gate.hpp"
+
+#include <algorithm>
+
+namespace mlcca::core {
+namespace {
+
+using mesh::Source;
+using mesh::SourceKind;
+
+bool has(const mesh::Mesh& mesh, SourceKind kind) {
+  return std::ranges::find(mesh.sources, kind, &Source::kind) != mesh.sources.end();
+}
+
+bool has(const mesh::Mesh& mesh, SourceKind kind, const std::string& interface) {
+  return std::ranges::any_of(
+      mesh.sources, [&](const Source& s) { return s.kind == kind && s.interface == interface; });
+}
+
+/// Recognised by what only hardware has.
+bool is_hardware(const InterfaceIdentity& identity) {
+  return !identity.id_path.empty() || !identity.serial.empty() || identity.port.has_value();
+}
+
+}  // namespace
+
+RelayGate relay_gate(const System& system, std::size_t network, std::size_t gateway) {
+  const Network& n = system.networks[network];
+  const Port* port = system.gateways[gateway].port_on(network);
+  if (!n.mesh || n.profile == Profile::none || port == nullptr) return RelayGate::none;
+  const InterfaceIdentity& identity = port->identity;
+  // AWDS listens to the radio, and its device is another one.
+  if (has(*n.mesh, SourceKind::awds) &&
+      (is_hardware(identity) || has(*n.mesh, SourceKind::awds, identity.name)))
+    return RelayGate::radio;
+  // batman-adv is asked for its own device.
+  const bool named = !identity.name.empty();
+  if (has(*n.mesh, SourceKind::batman) &&
+      (is_hardware(identity) || (named && !has(*n.mesh, SourceKind::batman, identity.name))))
+    return RelayGate::radio;
+  if (has(*n.mesh, SourceKind::babel) || has(*n.mesh, SourceKind::olsr)) return RelayGate::routed;
+  return RelayGate::none;
+}
+
+std::string relay_hint(const System& system, std::size_t network, std::size_t gateway) {
+  if (relay_gate(system, network, gateway) == RelayGate::routed)
+    return "let other nodes relay: gateway " + system.gateways[gateway].name +
+           " cannot let through what it only routes on";
+  const auto& sources = system.networks[network].mesh->sources;
+  const auto batman = std::ranges::find(sources, SourceKind::batman, &Source::kind);
+  return "give the Port the mesh's own device: <Interface name=\"" +
+         (batman != sources.end() ? batman->interface : std::string("awds0")) + "\"/>";
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// How an event travels on a medium: in how many frames, and how long each may be.
+#pragma once
+#include <cstdint>
+
+#include "core/model/system.hpp"
+
+namespace mlcca::core {
+
+/// Payload bytes of the longest CAN frame of a format.
+inline constexpr unsigned kClassicBytes = 8;
+inline constexpr unsigned kFdBytes = 64;
+inline constexpr unsigned kXlBytes = 2048;
+
+/// Frames of an event, at most, and the largest event that FAMOUSO puts into them on classic CAN:
+/// 4064 fragments of 6 bytes, the last 32 of 7.
+inline constexpr unsigned kMaxFrames = 4096;
+inline constexpr Value kFamousoMaxEvent = 24608;
+
+/// Payload bytes of the longest datagram that FAMOUSO sends, and its largest event there.
+inline constexpr unsigned kDatagramBytes = 8183;
+inline constexpr Value kDatagramMaxEvent = 65535;
+
+/// Cyphal/CAN: the last byte of each frame is the transfer's, and one of several frames ends with a
+/// CRC of two.
+inline constexpr unsigned kCyphalTail = 1;
+inline constexpr unsigned kCyphalCrc = 2;
+
+/// Frames that an event of `bytes` takes on the network, at least 1. FAMOUSO splits what is longer
+/// than one frame with a header of 1 byte (up to 32 fragments) or 2, and 5 more in a datagram,
+/// Cyphal as it says above; other profiles do not split.
+[[nodiscard]] unsigned frames_per_event(const Network& network, const Binding* binding,
+                                        Value bytes);
+
+/// Whether an event of `bytes` is split.
+[[nodiscard]] bool is_fragmented(const Network& network, const Binding* binding, Value bytes);
+
+/// Payload bytes of the longest frame that the binding allows.
+[[nodiscard]] unsigned frame_bytes(const Binding& binding);
+
+/// Payload bytes of the longest frame of an event of `bytes`, as it is on the bus: FD frames have
+/// sizes of their own beyond 8 bytes.
+[[nodiscard]] unsigned frame_bytes(const Network& network, const Binding& binding, Value bytes);
+
+/// The largest event that the network carries.
+[[nodiscard]] Value event_bytes(const Network& network, const Binding& binding);
+
+}  // namespace mlcca::core

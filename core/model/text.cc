@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/model/text.hpp"
+
+#include <array>
+#include <span>
+
+#include "core/model/words.hpp"
+#include "core/profiles/profile.hpp"
+
+namespace mlcca::core {
+namespace {
+
+struct Unit {
+  Value size;
+  std::string_view name;
+};
+constexpr std::array<Unit, 4> kTime{
+    {{1000000000, " s"}, {1000000, " ms"}, {1000, " us"}, {1, " ns"}}};
+constexpr std::array<Unit, 4> kRate{
+    {{1000000000, " GB/s"}, {1000000, " MB/s"}, {1000, " kB/s"}, {1, " B/s"}}};
+constexpr std::array<Unit, 1> kPercent{{{10000000, " %"}}};
+constexpr std::array<Unit, 1> kBytes{{{1, " bytes"}}};
+constexpr std::array<Unit, 1> kCount{{{1, ""}}};
+
+std::span<const Unit> units_of(Attribute a) {
+  switch (a) {
+    case Attribute::bandwidth:
+      return kRate;
+    case Attribute::packet_loss:
+      return kPercent;
+    case Attribute::omission:
+      return kCount;
+    case Attribute::max_payload:
+      return kBytes;
+    default:
+      return kTime;
+  }
+}
+
+std::string with_unit(Value value, const Unit& unit) {
+  // Thousandths, or the last digit that a percentage of 1e-9 parts can have.
+  const Value step = unit.size >= 10000000 && unit.name == " %" ? 1 : unit.size / 1000;
+  Value whole = value / unit.size;
+  Value rest = value % unit.size;
+  if (step > 1) {
+    rest = (rest + step / 2) / step * step;
+    if (rest == unit.size) {
+      ++whole;
+      rest = 0;
+    }
+  }
+  std::string text = std::to_string(whole);
+  if (rest != 0) {
+    std::string digits = std::to_string(rest);
+    digits.insert(0, std::to_string(unit.size).size() - 1 - digits.size(), '0');
+    digits.erase(digits.find_last_not_of('0') + 1);
+    text += "." + digits;
+  }
+  return text.append(unit.name);
+}
+
+const char* excess_word(Attribute a) {
+  switch (a) {
+    case Attribute::bandwidth:
+    case Attribute::max_payload:
+      return " short";
+    case Attribute::omission:
+      return " too many";
+    case Attribute::packet_loss:
+      return " too much";
+    default:
+      return " too long";
+  }
+}
+
+std::string title(Attribute a) { return info(a).name; }
+
+std::string compared(const System& system, const Row& row, const std::string& place) {
+  const Comparison& c = row.comparison;
+  std::string text =
+      attribute_name(system, row) + " " + format_value(system, row, c.required) + " required, ";
+  if (!c.known) return text + place + " provides none";
+  text += place + " provides " + format_value(system, row, c.provided);
+  if (c.dynamic) return text + " at best, decided at run time and not known now";
+  return text + " (" + format_margin(system, row) + ")";
+}
+
+std::string obstacle_text(const System& system, const Members& members, const Verdict& v,
+                          const std::string& problem) {
+  const auto at = [&] { return name_of(system, v.obstacle_at); };
+  const auto& publisher = members.publisher(v.publisher);
+  switch (v.obstacle) {
+    case Obstacle::none:
+      return {};
+    case Obstacle::no_route:
+      return "no route from " + name_of(system, publisher.place) + " to " + name_of(system, v.to) +
+             " within " + std::to_string(kMaxHops) + " hops";
+    case Obstacle::unavailable:
+      return at() + " is not usable" + (problem.empty() ? "" : ": " + problem);
+    case Obstacle::unbound:
+      return "the channel has no identifier on " + at();
+    case Obstacle::no_node:
+      if (!publisher.node)
+        return "publisher " + publisher.name + " states no node, which " + at() + " needs";
+      return "publisher " + publisher.name + " has node " + std::to_string(*publisher.node) +
+             ", and nodes of " + at() + " are 0 to " +
+             std::to_string(traits_of(system.networks[v.obstacle_at.index].profile).last_node);
+    case Obstacle::too_long:
+      return "an event of " +
+             format_value(Attribute::max_payload,
+                          attributes_in(publisher, v.set)[Attribute::max_payload]) +
+             " does not fit a frame of " + at();
+    case Obstacle::no_traffic:
+      return "publisher " + publisher.name +
+             " states neither Period with MaxPayload nor Bandwidth, and the capacity of " + at() +
+             " is shared";
+    case Obstacle::no_data_rate:
+      return "frames of channel " + system.channels[v.channel].name + " may be FD frames, and " +
+             at() + " has no bit rate for their data phase";
+    case Obstacle::no_period:
+      return "publisher " + publisher.name + " states no Period, and response times on " + at() +
+             " depend on it";
+    case Obstacle::no_path:
+      if (const auto& mesh = system.networks[v.obstacle_at.index].mesh; mesh && mesh->nodes.empty())
+        return "no nodes of " + at() + " are described: nobody knows where events enter and leave";
+      return "no links are known that lead through " + at();
+    case Obstacle::no_rate:
+      return "rate unknown: no source knows what the links that lead through " + at() + " carry";
+    case Obstacle::relay_gated:
+      return "gateway " + at() +
+             " has its gate on a radio of the mesh, where it drops what its "
+             "node would relay on the way";
+    case Obstacle::no_sender:
+      return "events cross " + at() +
+             " between CAN and Ethernet, and no program is stated that carries "
+             "them: sender of its Port";
+    case Obstacle::untagged:
+      return "waiting for its tag on " + at() + ": the broker has not dealt it yet";
+    case Obstacle::contradicted:
+      return problem.empty() ? "its tag on " + at() + " is contradicted by the broker" : problem;
+    case Obstacle::withdrawn:
+      return "withdrawn by an operator until it is reinstated";
+    case Obstacle::unlisted:
+      return at() + " admits no channel " + format_subject(system.channels[v.channel].subject) +
+             " that is not described: its Unlisted would have to allow it";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string format_value(Attribute attribute, Value value) {
+  if (value == kUnbounded) return "unbounded";
+  const auto units = units_of(attribute);
+  for (const Unit& unit : units)
+    if (value >= unit.size) return with_unit(value, unit);
+  return with_unit(value, units.back());
+}
+
+std::string format_margin(const Comparison& c) {
+  if (!c.known) return "not provided";
+  if (c.required == c.provided) return "exactly met";
+  const bool better = info(c.attribute).better == Better::smaller ? c.provided < c.required
+                                                                  : c.provided > c.required;
+  const Value by = c.required > c.provided ? c.required - c.provided : c.provided - c.required;
+  if (c.provided == kUnbounded) return better ? "no limit" : "unbounded";
+  return format_value(c.attribute, by) + (better ? " to spare" : excess_word(c.attribute));
+}
+
+std::string attribute_name(const System& system, const Row& row) {
+  return row.is_user() ? system.user_attributes[row.user].name : title(row.comparison.attribute);
+}
+
+std::string unit_name(const System& system, const Row& row) {
+  if (!row.is_user()) return info(row.comparison.attribute).unit;
+  const UserAttribute& attribute = system.user_attributes[row.user];
+  if (attribute.magnitude == 0) return attribute.unit;
+  return "1e" + std::to_string(attribute.magnitude) +
+         (attribute.unit.empty() ? "" : " " + attribute.unit);
+}
+
+std::string format_user_value(const UserAttribute& attribute, Value value) {
+  if (value == kUnbounded) return "unbounded";
+  std::string digits = std::to_string(value);
+  if (attribute.magnitude > 0 && value != 0) {
+    digits.append(static_cast<std::size_t>(attribute.magnitude), '0');
+  } else if (attribute.magnitude < 0) {
+    const auto places = static_cast<std::size_t>(-attribute.magnitude);
+    if (digits.size() <= places) digits.insert(0, places + 1 - digits.size(), '0');
+    digits.insert(digits.size() - places, 1, '.');
+    digits.erase(digits.find_last_not_of('0') + 1);
+    if (digits.ends_with('.')) digits.pop_back();
+  }
+  return attribute.unit.empty() ? digits : digits + " " + attribute.unit;
+}
+
+std::string format_value(const System& system, const Row& row, Value value) {
+  return row.is_user() ? format_user_value(system.user_attributes[row.user], value)
+                       : format_value(row.comparison.attribute, value);
+}
+
+std::string format_margin(const System& system, const Row& row) {
+  const Comparison& c = row.comparison;
+  if (is_most(row) && c.provided != c.required)
+    return format_value(c.attribute, c.margin()) +
+           (c.provided < c.required ? " to spare" : " too long");
+  if (!row.is_user()) return format_margin(c);
+  if (!c.known) return "not provided";
+  if (c.required == c.provided) return "exactly met";
+  const UserAttribute& attribute = system.user_attributes[row.user];
+  if (c.provided == kUnbounded || c.required == kUnbounded) return "unbounded";
+  const std::string by = format_user_value(attribute, c.margin());
+  if (satisfies(attribute.better, c.provided, c.required)) return by + " to spare";
+  return by + (attribute.better == Better::smaller ? " too much" : " short");
+}
+
+std::string format_subject(Subject subject) {
+  static constexpr std::string_view digits = "0123456789abcdef";
+  std::string text = "0x0000000000000000";
+  for (std::size_t i = 17; i > 1; --i, subject >>= 4) text[i] = digits[subject & 15];
+  return text;
+}
+
+std::string_view to_text(NetworkKind kind) { return words::kNetworkKinds.of(kind); }
+std::string_view to_text(Profile profile) { return words::kProfiles.of(profile); }
+std::string_view to_text(mesh::SourceKind kind) { return words::kSourceKinds.of(kind); }
+std::string_view to_text(mesh::RateKind kind) { return words::kRateKinds.of(kind); }
+std::string_view to_text(mesh::Lack lack) { return words::kLacks.of(lack); }
+
+std::string name_of(const mesh::Source& source) {
+  const std::string& where = source.interface.empty() ? source.endpoint : source.interface;
+  return std::string(to_text(source.kind)) + (where.empty() ? "" : " " + where);
+}
+
+const std::string& name_of(const System& system, Place place) {
+  return place.kind == Place::Kind::network ? system.networks[place.index].name
+                                            : system.gateways[place.index].name;
+}
+
+std::string where(const System& system, const Members& members, const Verdict& verdict,
+                  const Row& row) {
+  switch (row.against) {
+    case Against::hop:
+      return name_of(system, row.place);
+    case Against::end_to_end:
+      return "end to end";
+    case Against::traffic:
+      return "publisher " + members.publisher(verdict.publisher).name + " for " +
+             members.subscriber(row.end).name;
+    case Against::bystander:
+      return "listeners on " + name_of(system, row.place);
+    case Against::capacity:
+      return "capacity of " + name_of(system, row.place);
+    case Against::schedule:
+      return "response times on " + name_of(system, row.place);
+    case Against::medium_time:
+      return "medium time of " + name_of(system, row.place);
+  }
+  return {};
+}
+
+std::string schedule_text(const System& system, const Members& members, const Row& row) {
+  const Publisher& late = members.publisher(row.end);
+  const std::string frames = "the frames of " + late.name + " (" +
+                             system.channels[late.channel].name + ") on " +
+                             name_of(system, row.place);
+  const Comparison& c = row.comparison;
+  if (c.attribute == Attribute::omission)
+    return frames + " could find the queue of their gateway full and be lost: it holds " +
+           std::to_string(row.room) + " frames, and up to " + std::to_string(row.reserved) +
+           " wait in it";
+  if (c.required == 0 && c.provided != kUnbounded)
+    return "no time is left for " + frames + ": they take up to " +
+           format_value(Attribute::latency, c.provided) +
+           " there, and the rest of their way may take all that their deadline allows";
+  if (c.provided == kUnbounded) return frames + " could wait without a bound";
+  return frames + " could take " + format_value(Attribute::latency, c.provided) + " of the " +
+         format_value(Attribute::latency, c.required) + " they may take at most";
+}
+
+std::string reaction(const Verdict& verdict) {
+  const auto sum = worst_case_reaction(verdict);
+  if (!sum) return {};
+  const AttributeSet terms = reaction_terms(verdict);
+  const auto term = [&terms](Attribute a) { return title(a) + " " + format_value(a, terms[a]); };
+  return format_value(Attribute::latency, *sum) + " = (" + term(Attribute::omission) + " + 1) x " +
+         term(Attribute::period) + " + " + term(Attribute::latency) + " + " +
+         term(Attribute::jitter);
+}
+
+std::string reason(const System& system, const Members& members, const Verdict& v,
+                   const std::string& problem) {
+  if (v.obstacle != Obstacle::none) return obstacle_text(system, members, v, problem);
+  const Row* row = deciding_row(v);
+  if (row == nullptr) return "nothing is required of the route";
+  if (row->against == Against::capacity && !v.granted)
+    return format_value(Attribute::bandwidth, row->comparison.required) + " needed on " +
+           name_of(system, row->place) + ", " +
+           format_value(Attribute::bandwidth, row->comparison.provided) + " left (" +
+           format_value(Attribute::bandwidth, row->reserved) + " promised to others)";
+  if (row->against == Against::schedule) return schedule_text(system, members, *row);
+  if (row->against == Against::medium_time && !v.granted)
+    return format_value(Attribute::bandwidth, row->comparison.required) + " needed on " +
+           name_of(system, row->place) + ", whose links have time for " +
+           format_value(Attribute::bandwidth, row->comparison.provided);
+  std::string place = where(system, members, v, *row);
+  if (row->against == Against::end_to_end) place = "the route";
+  if (row->against == Against::bystander)
+    return compared(system, *row, "the way to " + name_of(system, row->place)) +
+           ", and subscribers there would hear it";
+  return compared(system, *row, place);
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/model/verdict.hpp"
+
+#include "mlcca/check.hpp"
+#include "mlcca/units.hpp"
+
+namespace mlcca::core {
+namespace {
+
+/// Share of the better side that is left, in 1/1024: 0 is exactly met.
+Value slack(const Comparison& c) {
+  const Value larger = c.required > c.provided ? c.required : c.provided;
+  if (larger == 0) return 0;
+  if (larger == kUnbounded) return 1024;
+  return mul_div_down(c.margin(), 1024, larger);
+}
+
+}  // namespace
+
+const Row* deciding_row(const Verdict& verdict) {
+  const Row* tightest = nullptr;
+  for (const Row& row : verdict.rows) {
+    const bool fits = at_run_time(row.comparison.outcome) == Outcome::fit;
+    if (!verdict.granted) {
+      if (!fits) return &row;
+      continue;
+    }
+    if (row.against != Against::end_to_end) continue;
+    // Sizes are met exactly as a rule; what a person wants to know is how near time and loss are.
+    if (row.comparison.attribute == Attribute::max_payload) continue;
+    if (tightest == nullptr || slack(row.comparison) < slack(tightest->comparison)) tightest = &row;
+  }
+  if (verdict.granted && tightest == nullptr && !verdict.rows.empty()) return &verdict.rows.front();
+  return tightest;
+}
+
+AttributeSet reaction_terms(const Verdict& verdict) {
+  AttributeSet terms;
+  for (const Attribute a : {Attribute::omission, Attribute::period})
+    if (verdict.requirement.has(a)) terms.set(a, verdict.requirement[a]);
+  for (const Attribute a : {Attribute::latency, Attribute::jitter})
+    if (verdict.provision.has(a)) terms.set(a, verdict.provision[a]);
+  // A Jitter that is not stated is at most the Latency.
+  if (!terms.has(Attribute::jitter) && terms.has(Attribute::latency))
+    terms.set(Attribute::jitter, terms[Attribute::latency]);
+  return terms;
+}
+
+std::optional<Value> worst_case_reaction(const Verdict& verdict) {
+  const Value reaction = mlcca::worst_case_reaction(reaction_terms(verdict));
+  if (reaction == kUnbounded) return std::nullopt;
+  return reaction;
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The word that opens and closes all gates of this gateway, with the deadline after which they
+// close when the daemon falls silent, and the kernel timer that counts that. Lives in pinned maps:
+// it outlasts the daemon; what the gates look at also outlasts its pin.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "base/result.hpp"
+#include "bpf/gate.h"
+
+namespace mlcca::enforce {
+
+enum class Mode : std::uint8_t {
+  enforce,
+  audit,  ///< count what would be dropped, drop nothing
+};
+
+/// Grace that never ends: verdicts stay however long the daemon is silent.
+inline constexpr std::uint64_t kForEver = ~std::uint64_t{0};
+inline constexpr std::uint64_t kDefaultGrace = 10'000'000'000;  ///< ns
+/// A shorter grace is taken as this: it could not be told from a busy daemon.
+inline constexpr std::uint64_t kShortestGrace = 100'000'000;  ///< ns
+
+/// The maps that all gates share, by their descriptors.
+struct SharedMaps {
+  int control;
+  int events;
+};
+
+class Control {
+ public:
+  /// Opens the pinned maps below `root`/v1 (a directory of a bpffs; made if absent) as they are, or
+  /// makes them: closed, enforcing, grace of 10 s, no heart-beat yet, timer not armed. Errors: no
+  /// bpffs, no privilege, maps of another layout.
+  static Result<Control> create(const std::string& root);
+  /// In memory that nothing names: closed, and nobody can open it any more when this object is
+  /// gone.
+  static Result<Control> create_unpinned();
+  Control(Control&&) noexcept;
+  Control& operator=(Control&&) noexcept;
+  Control(const Control&) = delete;
+  Control& operator=(const Control&) = delete;
+  ~Control();
+
+  /// The maps were there before: a daemon has run since boot.
+  [[nodiscard]] bool reused() const;
+
+  void open();
+  /// Everything is denied on every interface; slots stay as they are.
+  void close_all();
+  [[nodiscard]] bool is_open() const;
+
+  void set_mode(Mode mode);
+  [[nodiscard]] Mode mode() const;
+
+  /// Sign of life, to be given at least every beat_interval(). `now`: CLOCK_MONOTONIC, ns. One that
+  /// comes too late finds the gates closed, and they stay so: see lapsed().
+  Result<void> beat(std::uint64_t now);
+  /// Quarter of the grace, at most 1 s, in ns.
+  [[nodiscard]] std::uint64_t beat_interval() const;
+
+  /// The kernel has closed the gates because of our silence. Look at the world anew, then clear.
+  [[nodiscard]] bool lapsed() const;
+  [[nodiscard]] std::uint64_t lapses() const;
+  /// Counts as a beat, so that nothing closes again at once.
+  Result<void> clear_lapse(std::uint64_t now);
+
+  /// How long verdicts outlive the daemon, in ns: the gates close by themselves within two ticks of
+  /// the kernel's clock after that. A shorter one holds at once. Restarts an armed timer, which
+  /// looks every eighth of the grace, from 20 ms to 1 s.
+  Result<void> set_grace(std::uint64_t grace);
+  [[nodiscard]] std::uint64_t grace() const;
+
+  /// Starts the kernel timer; beat() first. Harmless when it runs: it then calls the new program.
+  Result<void> arm();
+
+  /// Pins again what somebody has unpinned: without its pin the timer would end with the daemon,
+  /// and the gates stay open. True if anything was.
+  Result<bool> keep_pinned();
+
+  /// Directory of the pins, `root`/v1.
+  [[nodiscard]] const std::string& directory() const;
+  /// The map that gates share; stays ours.
+  [[nodiscard]] int map_fd() const;
+  /// The ring of gate_event that all gates share; stays ours.
+  [[nodiscard]] int events_fd() const;
+  [[nodiscard]] SharedMaps shared() const { return {map_fd(), events_fd()}; }
+
+ private:
+  struct State;
+  explicit Control(std::unique_ptr<State> state);
+  [[nodiscard]] gate_control& word() const;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Sums over CPUs. The kernel writes meanwhile: each number is read once and whole.
+#include "daemon/gates/counters.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "bpf/ether.h"
+
+namespace mlcca::enforce {
+namespace {
+
+template <class T>
+T load(const T& word, int order = __ATOMIC_RELAXED) {
+  return __atomic_load_n(&word, order);
+}
+
+/// Nothing when the entry is empty or changed hands while it was read.
+std::optional<UnknownFrame> read(const gate_seen& seen) {
+  const std::uint64_t before = load(seen.sequence, __ATOMIC_ACQUIRE);
+  const UnknownFrame frame{.can_id = load(seen.can_id),
+                           .subject = 0,
+                           .len = load(seen.len),
+                           .format = load(seen.format),
+                           .direction = static_cast<Direction>(load(seen.direction)),
+                           .count = load(seen.count),
+                           .sequence = before,
+                           .station = 0,
+                           .mac = {}};
+  std::atomic_thread_fence(std::memory_order_acquire);
+  if (before == 0 || load(seen.sequence) != before) return std::nullopt;
+  return frame;
+}
+
+}  // namespace
+
+SlotCounters slot_counters(const gate_table& table, std::span<const gate_cpu> cpus,
+                           std::uint16_t slot) {
+  SlotCounters sum;
+  for (const auto& cpu : cpus) {
+    sum.passed += load(cpu.slots[slot].passed);
+    sum.dropped += load(cpu.slots[slot].dropped);
+    sum.bytes += load(cpu.slots[slot].bytes);
+    sum.excess += load(cpu.slots[slot].excess);
+  }
+  sum.would_drop = load(table.audit[slot].would_drop);
+  sum.would_exceed = load(table.audit[slot].would_exceed);
+  sum.last_reason = static_cast<gate_reason>(load(table.last_reason[slot]));
+  return sum;
+}
+
+ReasonCounters reason_counters(std::span<const gate_cpu> cpus, Direction direction) {
+  ReasonCounters sum{};
+  for (const auto& cpu : cpus)
+    for (std::size_t reason = 0; reason < GATE_REASONS; ++reason)
+      sum.at(reason) += load(cpu.reasons[std::to_underlying(direction)][reason]);
+  return sum;
+}
+
+std::vector<UnknownFrame> unknown_frames(std::span<const gate_cpu> cpus) {
+  std::map<std::tuple<std::uint32_t, std::uint8_t, Direction>, UnknownFrame> merged;
+  for (const auto& cpu : cpus) {
+    for (const auto& seen : cpu.seen) {
+      // A second try: the writer is done within nanoseconds.
+      auto frame = read(seen);
+      if (!frame) frame = read(seen);
+      if (!frame) continue;
+      auto [entry, first] =
+          merged.try_emplace({frame->can_id, frame->format, frame->direction}, *frame);
+      if (first) continue;
+      frame->count += entry->second.count;
+      if (frame->sequence > entry->second.sequence)
+        entry->second = *frame;
+      else
+        entry->second.count = frame->count;
+    }
+  }
+  std::vector<UnknownFrame> newest;
+  newest.reserve(merged.size());
+  for (const auto& [key, frame] : merged) newest.push_back(frame);
+  std::ranges::sort(newest, std::ranges::greater{}, &UnknownFrame::sequence);
+  return newest;
+}
+
+std::string address_text(std::uint64_t station) {
+  if (station == 0 || (station & ETHER_MAC) != 0) return {};
+  return fmt::format("{}.{}.{}.{}", station >> 24 & 0xff, station >> 16 & 0xff, station >> 8 & 0xff,
+                     station & 0xff);
+}
+
+std::string mac_text(std::uint64_t station, const Mac& mac) {
+  Mac of = mac;
+  if ((station & ETHER_MAC) != 0)
+    for (std::size_t i = 0; i < of.size(); ++i)
+      of.at(i) = static_cast<std::uint8_t>(station >> (8 * (of.size() - 1 - i)));
+  return of == Mac{} ? "" : fmt::format("{:02x}", fmt::join(of, ":"));
+}
+
+std::string sender_text(std::uint64_t station, const Mac& mac) {
+  const std::string address = address_text(station);
+  const std::string hardware = mac_text(station, mac);
+  if (address.empty() || hardware.empty()) return address + hardware;
+  return fmt::format("{} ({})", address, hardware);
+}
+
+const char* reason_text(gate_reason reason) {
+  switch (reason) {
+    case GATE_R_PASSED:
+      return "passed";
+    case GATE_R_UNKNOWN:
+      return "unknown subject";
+    case GATE_R_IDENTIFIER:
+      return "priority, node, fragment or remote flag not granted";
+    case GATE_R_SOURCE:
+      return "not from the granted source";
+    case GATE_R_FORMAT:
+      return "frame format not granted";
+    case GATE_R_LENGTH:
+      return "longer than granted";
+    case GATE_R_DENIED:
+      return "refused";
+    case GATE_R_ERROR_FRAME:
+      return "error frame on its way out";
+    case GATE_R_MALFORMED:
+      return "malformed";
+    case GATE_R_CLOSED:
+      return "gate closed";
+    case GATE_R_ECHO:
+      return "echo, or told before";
+    case GATE_R_ERROR_IN:
+      return "error frame from the bus";
+    case GATE_R_EXCESS:
+      return "more than admitted";
+    case GATE_R_FOREIGN:
+      return "no event traffic";
+    case GATE_R_FRAGMENT:
+      return "fragment of no admitted datagram";
+    case GATE_R_OPAQUE:
+      return "subject cannot be seen";
+    case GATE_REASONS:
+      break;
+  }
+  return "reserved";
+}
+
+bool is_drop(gate_reason reason) {
+  return reason != GATE_R_PASSED && reason != GATE_R_ECHO && reason != GATE_R_ERROR_IN &&
+         reason != GATE_R_FOREIGN;
+}
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The object of the Ethernet gate in the kernel: its programs and the maps they look at.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "base/handle.hpp"
+#include "base/result.hpp"
+#include "bpf/ether.h"
+#include "daemon/gates/control.hpp"
+#include "daemon/gates/ether_table.hpp"
+#include "daemon/gates/mapped.hpp"
+#include "daemon/gates/slots.hpp"
+
+struct ether_bpf;  // NOLINT(readability-identifier-naming): the skeleton's name
+
+namespace mlcca::enforce {
+
+void destroy_ether_programs(ether_bpf* object);
+
+/// The maps of one interface that outlive a daemon, by the names of their pins.
+inline constexpr std::array kEtherMaps = {"ether_table",     "ether_buckets", "ether_slots",
+                                          "ether_contracts", "ether_counts",  "ether_cpus",
+                                          "ether_fragments", "ether_foreign", "ether_watches",
+                                          "ether_fronts",    "ether_audits"};
+using EtherMaps = std::array<Fd, kEtherMaps.size()>;  ///< in that order; all or none
+
+/// The pinned maps of an interface.
+struct EtherPinned {
+  EtherMaps maps;
+  EtherSizes sizes;
+};
+std::string ether_map_pin(const std::string& directory, std::size_t n);
+/// Nothing where one of them is missing, or they are of another layout or do not fit each other.
+std::optional<EtherPinned> pinned_ether_maps(const std::string& directory);
+
+/// What is set before loading, beside sizes.
+struct EtherKnobs {
+  std::uint32_t ifindex = 0;
+  bool silent = false;
+};
+
+class EtherPrograms {
+ public:
+  /// Loads over `maps`, or over new ones where they are empty.
+  static Result<EtherPrograms> load(const EtherKnobs& knobs, const EtherSizes& sizes,
+                                    const SharedMaps& shared, const EtherMaps& maps);
+
+  [[nodiscard]] int program_fd(Direction direction) const;
+  /// Of the XDP program.
+  [[nodiscard]] int early_fd() const;
+  /// Of the n-th of kEtherMaps.
+  [[nodiscard]] int map_fd(std::size_t n) const;
+  /// Of the control map.
+  [[nodiscard]] std::uint32_t& generation() const;
+
+ private:
+  using Object = std::unique_ptr<ether_bpf, FreeWith<destroy_ether_programs>>;
+  explicit EtherPrograms(Object object) : object_(std::move(object)) {}
+  static Result<Object> try_load(const EtherKnobs& knobs, const EtherSizes& sizes,
+                                 const SharedMaps& shared, const EtherMaps& maps,
+                                 bool direct_access);
+  Object object_;
+};
+
+/// The memory of the maps, while this and the programs live.
+class EtherMapping {
+ public:
+  static Result<EtherMapping> of(const EtherPrograms& programs, const EtherSizes& sizes);
+  [[nodiscard]] EtherMemory memory() const;
+  [[nodiscard]] std::span<ether_cpu> cpus() const { return cpus_.span(); }
+
+ private:
+  std::uint32_t* generation_ = nullptr;  ///< of the programs
+  Mapped<ether_table> table_;
+  Mapped<std::uint64_t> buckets_;
+  Mapped<ether_front> fronts_;
+  Mapped<ether_slot> slots_;
+  Mapped<ether_contract> contracts_;
+  Mapped<gate_count> counts_;
+  Mapped<gate_audit> audits_;
+  Mapped<ether_cpu> cpus_;
+  Mapped<gate_watch> watches_;
+};
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,376 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Chains under a reader that never waits, as in slots.cc. A bucket is one word, so that its first
+// slot and the sieve of its subjects change together.
+#include "daemon/gates/ether_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "daemon/gates/publish.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+constexpr unsigned kHalf = 32;  // of a station
+
+}  // namespace
+
+EtherSizes EtherSizes::for_slots(std::size_t slots, std::uint32_t cpus) {
+  EtherSizes out;
+  out.slots = static_cast<std::uint32_t>(
+      std::clamp<std::size_t>(slots + ETHER_FIRST_SLOT, ETHER_MIN_SLOTS, ETHER_MAX_SLOTS));
+  out.buckets = std::bit_ceil(out.slots);
+  out.contracts = std::min<std::uint32_t>(out.slots, ETHER_CONTRACTS);
+  out.banks = out.slots <= ETHER_BANKED_SLOTS ? cpus : 1;
+  return out;
+}
+
+EtherTable::EtherTable(const EtherMemory& memory, const EtherSizes& sizes, GracePeriod wait)
+    : Table(*memory.generation), memory_(memory), sizes_(sizes), wait_(std::move(wait)) {}
+
+Result<EtherTable> EtherTable::read(const EtherMemory& memory, const EtherSizes& sizes, bool fresh,
+                                    std::uint64_t seed, GracePeriod wait) {
+  ether_table& head = *memory.table;
+  if (fresh)
+    head = {.layout_version = ETHER_LAYOUT_VERSION,
+            .slots = sizes.slots,
+            .buckets = sizes.buckets,
+            .banks = sizes.banks,
+            .seed = seed,
+            .unknown_frames = 0,
+            .contracts = sizes.contracts,
+            .watches_end = 1,
+            .sample_due = 0,
+            .retired = 0,
+            .pad = {},
+            .would_drop = {}};
+  if (head.layout_version != ETHER_LAYOUT_VERSION)
+    return fail(fmt::format("subject table: layout {} instead of {}", head.layout_version,
+                            ETHER_LAYOUT_VERSION));
+  if (EtherSizes{head.slots, head.buckets, head.contracts, head.banks} != sizes)
+    return fail("subject table: of another size");
+  EtherTable table(memory, sizes, std::move(wait));
+  if (auto adopted = table.adopt(fresh); !adopted) return std::unexpected(adopted.error());
+  return table;
+}
+
+std::uint64_t EtherTable::hash_of(std::uint64_t subject, Direction direction) const {
+  return ether_hash(memory_.table->seed, subject, std::to_underlying(direction));
+}
+
+std::uint64_t EtherTable::hash_at(std::uint32_t slot) const {
+  return hash_of(memory_.slots[slot].subject,
+                 static_cast<Direction>(memory_.slots[slot].direction));
+}
+
+std::uint8_t* EtherTable::front_at(std::uint64_t hash) const {
+  if (!sizes_.is_fronted()) return nullptr;
+  const std::uint64_t bucket = hash & (sizes_.buckets - 1);
+  return &memory_.fronts[bucket / ETHER_FRONT_BUCKETS].bits[bucket % ETHER_FRONT_BUCKETS];
+}
+
+std::uint64_t& EtherTable::bucket_of(std::uint64_t hash) const {
+  return memory_.buckets[hash & (sizes_.buckets - 1)];
+}
+
+/// Finds the used slots by the chains, the only truth there is, and the free ones by exclusion.
+Result<void> EtherTable::adopt(bool fresh) {
+  std::vector<bool> seen(sizes_.slots, false);
+  for (std::size_t b = 0; b < memory_.buckets.size(); ++b)
+    if (auto good = adopt_chain(b, seen); !good) return good;
+  auto& unused = fresh ? slots_.free : slots_.quarantine;
+  unused.reserve(sizes_.slots - ETHER_FIRST_SLOT - used_);
+  for (std::uint32_t slot = sizes_.slots; slot-- > ETHER_FIRST_SLOT;)
+    if (!seen[slot]) unused.push_back(slot);
+  std::vector<bool> used(sizes_.contracts, false);
+  for (const auto& [contract, use] : contracts_) used[use.number] = true;
+  auto& numbers = fresh ? contract_numbers_.free : contract_numbers_.quarantine;
+  for (std::uint32_t n = sizes_.contracts; n-- > 1;)
+    if (!used[n]) numbers.push_back(static_cast<std::uint16_t>(n));
+  std::vector<bool> watching(ETHER_WATCHES, false);
+  for (std::uint32_t slot = ETHER_FIRST_SLOT; slot < sizes_.slots; ++slot)
+    if (seen[slot]) watching[memory_.slots[slot].watch] = true;
+  auto& watches = fresh ? watches_.free : watches_.quarantine;
+  for (std::uint16_t n = ETHER_WATCHES; n-- > 1;)
+    if (!watching[n]) watches.push_back(n);
+  return {};
+}
+
+Result<void> EtherTable::adopt_chain(std::size_t bucket, std::vector<bool>& seen) {
+  auto at = static_cast<std::uint32_t>(memory_.buckets[bucket]);
+  bool anybody = false;
+  for (; at != 0; at = memory_.slots[at].next) {
+    if (at < ETHER_FIRST_SLOT || at >= sizes_.slots || seen[at])
+      return fail(fmt::format("subject table: broken chain in bucket {}", bucket));
+    if (auto good = check_adopted(at, bucket); !good) return good;
+    const bool of_anybody = station_of(at) == 0;
+    if (!of_anybody && anybody)
+      return fail(fmt::format("subject table: slot {} of a station stands behind others", at));
+    anybody = of_anybody;
+    if (auto good = adopt_contract(at); !good) return good;
+    seen[at] = true;
+    ++used_;
+    undo_step(at);
+  }
+  return {};
+}
+
+Result<void> EtherTable::check_adopted(std::uint32_t at, std::size_t bucket) const {
+  const ether_slot& slot = memory_.slots[at];
+  const std::uint64_t hash = hash_at(at);
+  const std::uint8_t* front = front_at(hash);
+  if (slot.direction >= GATE_DIRECTIONS || (hash & (sizes_.buckets - 1)) != bucket ||
+      (memory_.buckets[bucket] & ether_sieve(hash)) == 0 ||
+      (front != nullptr && (*front & ether_front_bits(hash)) != ether_front_bits(hash)))
+    return fail(fmt::format("subject table: slot {} is in the wrong bucket", at));
+  if (slot.contract == 0 || slot.contract >= sizes_.contracts)
+    return fail(fmt::format("subject table: slot {} has no contract", at));
+  if (slot.watch >= ETHER_WATCHES || (slot.watch != 0 && memory_.watches[slot.watch].slot != at))
+    return fail(fmt::format("subject table: the watch of slot {} is of another", at));
+  return {};
+}
+
+/// The same contract under two numbers, which nobody writes, would count as one.
+Result<void> EtherTable::adopt_contract(std::uint32_t at) {
+  const std::uint16_t number = memory_.slots[at].contract;
+  Use& use = contracts_[contract_of(spec_of(at))];
+  if (use.slots != 0 && use.number != number)
+    return fail(fmt::format("subject table: contract {} is there twice", number));
+  use.number = number;
+  ++use.slots;
+  return {};
+}
+
+EtherTable::Contract EtherTable::contract_of(const SlotSpec& s) {
+  return {s.uid,
+          s.source,
+          static_cast<std::uint32_t>(s.station >> kHalf),
+          s.max_len,
+          static_cast<std::uint16_t>(s.formats | (s.excess_passes ? GATE_EXCESS_PASSES : 0)),
+          s.per_frame,
+          s.per_byte,
+          s.tolerance};
+}
+
+std::uint64_t EtherTable::station_of(std::uint32_t at) const {
+  const ether_slot& slot = memory_.slots[at];
+  return ether_station(&slot, &memory_.contracts[slot.contract]);
+}
+
+SlotSpec EtherTable::spec_of(std::uint32_t at) const {
+  const ether_slot& slot = memory_.slots[at];
+  const ether_contract& c = memory_.contracts[slot.contract];
+  SlotSpec s;
+  s.direction = static_cast<Direction>(slot.direction);
+  s.pass = passes(at);
+  s.max_len = c.max_len;
+  s.formats = static_cast<std::uint8_t>(c.forms & ~GATE_EXCESS_PASSES);
+  s.source = c.source;
+  s.uid = c.uid;
+  s.station = station_of(at);
+  s.subject = slot.subject;
+  s.per_frame = c.per_frame;
+  s.per_byte = c.per_byte;
+  s.tolerance = c.tolerance;
+  s.excess_passes = (c.forms & GATE_EXCESS_PASSES) != 0;
+  if (slot.watch != 0) {
+    const gate_watch& watch = memory_.watches[slot.watch];
+    s.period = watch.period;
+    s.silence = watch.silence;
+    s.together = watch.together;
+  }
+  return s;
+}
+
+std::optional<std::uint32_t> EtherTable::find(const SlotSpec& spec) const {
+  auto at = static_cast<std::uint32_t>(bucket_of(hash_of(spec.subject, spec.direction)));
+  for (; at != 0; at = memory_.slots[at].next)
+    if (memory_.slots[at].subject == spec.subject && spec_of(at).same_grant(spec)) return at;
+  return std::nullopt;
+}
+
+std::vector<SlotSpec> EtherTable::present() const {
+  std::vector<SlotSpec> specs;
+  specs.reserve(used_);
+  for (const std::uint64_t bucket : memory_.buckets)
+    for (auto at = static_cast<std::uint32_t>(bucket); at != 0; at = memory_.slots[at].next)
+      specs.push_back(spec_of(at));
+  return specs;
+}
+
+// --- changes ------------------------------------------------------------------------------------
+
+std::set<EtherTable::Contract> EtherTable::new_contracts(const SlotChanges& changes) const {
+  std::set<Contract> fresh;
+  for (const auto* list : {&changes.add, &changes.police})
+    for (const auto& s : *list)
+      if (!contracts_.contains(contract_of(s))) fresh.insert(contract_of(s));
+  return fresh;
+}
+
+/// Where nothing goes, check() has looked at the same.
+bool EtherTable::fits_at_once(const SlotChanges& changes) const {
+  return changes.remove.empty() || (changes.add.size() <= slots_.size() &&
+                                    new_contracts(changes).size() <= contract_numbers_.size() &&
+                                    check_chains(changes, false).has_value());
+}
+
+/// Waits for what was left lately, if it is needed: check() has found that it suffices. Of watches
+/// there may be too few all the same.
+Result<void> EtherTable::reclaim(const SlotChanges& changes) {
+  const auto watches = [&] {
+    std::size_t count = 0;
+    for (const auto* list : {&changes.add, &changes.police})
+      count += static_cast<std::size_t>(
+          std::ranges::count_if(*list, [&](const SlotSpec& s) { return lacks_watch(s); }));
+    return count;
+  };
+  const bool enough = slots_.free.size() >= changes.add.size() &&
+                      (contract_numbers_.quarantine.empty() ||
+                       contract_numbers_.free.size() >= new_contracts(changes).size()) &&
+                      (watches_.quarantine.empty() || watches_.free.size() >= watches());
+  return enough ? Result<void>{} : release_what_was_left();
+}
+
+Result<void> EtherTable::release_what_was_left() {
+  if (auto waited = wait_(); !waited) return waited;
+  slots_.release();
+  contract_numbers_.release();
+  watches_.release();
+  return {};
+}
+
+void EtherTable::put_what_comes(const SlotChanges& changes) {
+  for (const auto& s : changes.add) link(s);
+  for (const auto& s : changes.police) set_traffic(s);
+}
+
+void EtherTable::remove_what_goes(const SlotChanges& changes) {
+  for (const auto& s : changes.remove)
+    if (find(s)) unlink(s);
+}
+
+std::uint16_t EtherTable::take_contract(const SlotSpec& spec) {
+  auto [at, fresh] = contracts_.try_emplace(contract_of(spec));
+  Use& use = at->second;
+  ++use.slots;
+  if (!fresh) return use.number;
+  use.number = contract_numbers_.free.back();
+  contract_numbers_.free.pop_back();
+  const Contract& c = at->first;
+  memory_.contracts[use.number] = {.uid = c.uid,
+                                   .source = c.source,
+                                   .station_high = c.station_high,
+                                   .max_len = c.max_len,
+                                   .forms = c.forms,
+                                   .per_frame = c.per_frame,
+                                   .per_byte = c.per_byte,
+                                   .tolerance = c.tolerance,
+                                   .pad = {}};
+  return use.number;
+}
+
+void EtherTable::leave_contract(std::uint16_t number) {
+  const ether_contract& c = memory_.contracts[number];
+  const auto at = contracts_.find(Contract{c.uid, c.source, c.station_high, c.max_len, c.forms,
+                                           c.per_frame, c.per_byte, c.tolerance});
+  if (--at->second.slots != 0) return;
+  contracts_.erase(at);
+  contract_numbers_.quarantine.push_back(number);
+}
+
+/// Of the chain that begins in the bucket, behind which a slot of anybody goes; 0: it goes first.
+std::uint32_t EtherTable::last_of_stations(std::uint64_t bucket, const SlotSpec& spec) const {
+  std::uint32_t last = 0;
+  if (spec.station != 0) return last;
+  for (auto at = static_cast<std::uint32_t>(bucket); at != 0; at = memory_.slots[at].next)
+    if (station_of(at) != 0) last = at;
+  return last;
+}
+
+void EtherTable::link(const SlotSpec& spec) {
+  const std::uint32_t slot = slots_.free.back();
+  slots_.free.pop_back();
+  for (std::size_t bank = 0; bank < sizes_.banks; ++bank)
+    memory_.counts[bank * sizes_.slots + slot] = {};
+  memory_.audits[slot] = {};
+  const std::uint64_t hash = hash_of(spec.subject, spec.direction);
+  std::uint64_t& bucket = bucket_of(hash);
+  const std::uint32_t before = last_of_stations(bucket, spec);
+  memory_.slots[slot] = {
+      .subject = spec.subject,
+      .due = 0,
+      .next = before == 0 ? static_cast<std::uint32_t>(bucket) : memory_.slots[before].next,
+      .station = static_cast<std::uint32_t>(spec.station),
+      .contract = take_contract(spec),
+      .verdict = {GATE_DENY, GATE_DENY},
+      .direction = std::to_underlying(spec.direction),
+      .last_reason = GATE_R_PASSED,
+      .watch = 0};
+  set_watch(slot, spec);
+  if (std::uint8_t* front = front_at(hash); front != nullptr)
+    publish(*front, static_cast<__u8>(*front | ether_front_bits(hash)));
+  const std::uint64_t sieve = bucket >> ETHER_SIEVE_SHIFT << ETHER_SIEVE_SHIFT;
+  const std::uint64_t first = before == 0 ? slot : static_cast<std::uint32_t>(bucket);
+  publish(bucket, std::uint64_t{sieve | ether_sieve(hash) | first});
+  if (before != 0) publish(memory_.slots[before].next, slot);
+  ++used_;
+}
+
+std::uint64_t EtherTable::sieve_of(std::uint32_t first) const {
+  std::uint64_t sieve = 0;
+  for (std::uint32_t at = first; at != 0; at = memory_.slots[at].next)
+    sieve |= ether_sieve(hash_at(at));
+  return sieve;
+}
+
+std::uint8_t EtherTable::front_of(std::uint32_t first) const {
+  std::uint8_t bits = 0;
+  for (std::uint32_t at = first; at != 0; at = memory_.slots[at].next)
+    bits |= ether_front_bits(hash_at(at));
+  return bits;
+}
+
+/// The slot keeps its `next`, so that a program which stands on it finds the rest of the chain.
+void EtherTable::unlink(const SlotSpec& spec) {
+  const auto found = find(spec);
+  if (!found) return;
+  const ether_slot& slot = memory_.slots[*found];
+  const std::uint64_t hash = hash_of(spec.subject, spec.direction);
+  std::uint64_t& bucket = bucket_of(hash);
+  auto first = static_cast<std::uint32_t>(bucket);
+  if (first == *found) {
+    first = slot.next;
+  } else {
+    std::uint32_t before = first;
+    while (memory_.slots[before].next != *found) before = memory_.slots[before].next;
+    publish(memory_.slots[before].next, slot.next);
+  }
+  publish(bucket, sieve_of(first) | first);
+  if (std::uint8_t* front = front_at(hash); front != nullptr) publish(*front, front_of(first));
+  leave_contract(slot.contract);
+  leave_watch(*found);
+  slots_.quarantine.push_back(*found);
+  --used_;
+}
+
+void EtherTable::set_traffic(const SlotSpec& spec) {
+  const auto found = find(spec);
+  if (!found) return;
+  ether_slot& slot = memory_.slots[*found];
+  const std::uint16_t before = slot.contract;
+  const SlotSpec former = spec_of(*found);
+  publish(slot.contract, take_contract(spec));
+  leave_contract(before);
+  // Turns that were taken at the former rate say nothing of the new one.
+  if (former.per_frame != spec.per_frame || former.per_byte != spec.per_byte ||
+      former.tolerance != spec.tolerance)
+    publish(slot.due, __u64{0});
+  set_watch(*found, spec);
+  note_watched(*found);
+}
+
+}  // namespace mlcca::enforce

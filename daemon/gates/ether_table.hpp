@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The subjects of one Ethernet-like interface, edited in the memory that the gate program reads at
+// the same time. Pure pointer logic, as SlotTable: tested without a kernel.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "base/result.hpp"
+#include "bpf/ether.h"
+#include "daemon/gates/slot_spec.hpp"
+#include "daemon/gates/table.hpp"
+
+namespace mlcca::enforce {
+
+/// How large the maps of an interface are.
+struct EtherSizes {
+  std::uint32_t slots = ETHER_MIN_SLOTS;
+  std::uint32_t buckets = ETHER_MIN_SLOTS;  ///< a power of two
+  std::uint32_t contracts = ETHER_MIN_SLOTS;
+  std::uint32_t banks = 1;  ///< of counters
+
+  /// Entries of the map of fronts; a table that needs none has one that nobody looks at.
+  [[nodiscard]] std::uint32_t fronts() const {
+    return is_fronted() ? buckets / ETHER_FRONT_BUCKETS : 1;
+  }
+  [[nodiscard]] bool is_fronted() const { return slots > ETHER_FRONTED_SLOTS; }
+
+  /// For so many subjects; at least ETHER_MIN_SLOTS, at most ETHER_MAX_SLOTS.
+  static EtherSizes for_slots(std::size_t slots, std::uint32_t cpus);
+  bool operator==(const EtherSizes&) const = default;
+};
+
+/// The values of the maps of one interface.
+struct EtherMemory {
+  ether_table* table = nullptr;
+  std::span<std::uint64_t> buckets;
+  std::span<ether_front> fronts;
+  std::span<ether_slot> slots;
+  std::span<ether_contract> contracts;
+  std::span<gate_count> counts;
+  std::span<gate_audit> audits;
+  std::span<gate_watch> watches;
+  std::uint32_t* generation = nullptr;  ///< of the verdicts (gate_control)
+};
+
+class EtherTable final : public Table {
+ public:
+  /// Takes the memory as it is; `fresh`: writes its header, with `seed` for the hash. Errors:
+  /// another layout or size, broken chains.
+  static Result<EtherTable> read(const EtherMemory& memory, const EtherSizes& sizes, bool fresh,
+                                 std::uint64_t seed, GracePeriod wait);
+
+  // Of a SlotSpec the identifier and its mask are 0, and its formats are ETHER_WHOLE and
+  // ETHER_SPLIT. Errors of apply(): a slot that is there twice or is not there; more slots than
+  // there is room for, GATE_CHAIN of one subject, GATE_WALK of one bucket, more different
+  // contracts than there is room for.
+
+  [[nodiscard]] std::vector<SlotSpec> present() const override;
+  [[nodiscard]] std::size_t size() const override { return used_; }
+  [[nodiscard]] std::optional<std::uint32_t> find(const SlotSpec& spec) const;
+
+  /// Number of the watch of a slot; 0: nobody looks.
+  [[nodiscard]] std::uint16_t watch_of(std::uint32_t slot) const;
+  /// Slots that wait for a watch, beyond the ETHER_WATCHES - 1 that have one: the apply() by which
+  /// one becomes free gives it to them, after a grace period.
+  [[nodiscard]] std::size_t unwatched() const { return waiting_.size(); }
+  [[nodiscard]] std::vector<std::uint16_t> watched() const override;
+
+ private:
+  EtherTable(const EtherMemory& memory, const EtherSizes& sizes, GracePeriod wait);
+
+  /// What ether_contract says, to be found by.
+  struct Contract {
+    std::uint32_t uid = 0;
+    std::uint32_t source = 0;
+    std::uint32_t station_high = 0;
+    std::uint16_t max_len = 0;
+    std::uint16_t forms = 0;
+    std::uint64_t per_frame = 0;
+    std::uint64_t per_byte = 0;
+    std::uint64_t tolerance = 0;
+    auto operator<=>(const Contract&) const = default;
+  };
+  struct Use {
+    std::uint16_t number = 0;
+    std::uint32_t slots = 0;
+  };
+  /// How events are to come, as in SlotSpec.
+  struct Expected {
+    std::uint64_t period = 0;
+    std::uint64_t silence = 0;
+    std::uint64_t together = 0;
+  };
+  /// Entries of a map that nobody uses; a running program may still look at those in quarantine.
+  template <class Number>
+  struct Unused {
+    std::vector<Number> free;
+    std::vector<Number> quarantine;
+    [[nodiscard]] std::size_t size() const { return free.size() + quarantine.size(); }
+    void release() {
+      free.insert(free.end(), quarantine.begin(), quarantine.end());
+      quarantine.clear();
+    }
+  };
+
+  Result<void> adopt(bool fresh);
+  Result<void> adopt_chain(std::size_t bucket, std::vector<bool>& seen);
+  [[nodiscard]] Result<void> check_adopted(std::uint32_t at, std::size_t bucket) const;
+  Result<void> adopt_contract(std::uint32_t at);
+  [[nodiscard]] Result<void> check(const SlotChanges& changes) const override;
+  [[nodiscard]] Result<void> check_adds(const std::vector<SlotSpec>& adds) const;
+  [[nodiscard]] Result<void> check_room(const SlotChanges& changes) const;
+  [[nodiscard]] Result<void> check_publishers(const SlotChanges& changes) const;
+  [[nodiscard]] Result<void> check_contracts(const SlotChanges& changes) const;
+  [[nodiscard]] Result<void> check_chains(const SlotChanges& changes, bool removed_first) const;
+  [[nodiscard]] std::set<Contract> new_contracts(const SlotChanges& changes) const;
+  [[nodiscard]] bool fits_at_once(const SlotChanges& changes) const override;
+  Result<void> reclaim(const SlotChanges& changes) override;
+  Result<void> release_what_was_left();
+  void put_what_comes(const SlotChanges& changes) override;
+  void remove_what_goes(const SlotChanges& changes) override;
+  [[nodiscard]] std::optional<std::uint32_t> slot_of(const SlotSpec& spec) const override {
+    return find(spec);
+  }
+  [[nodiscard]] std::uint8_t* verdicts(std::uint32_t slot) const override {
+    return memory_.slots[slot].verdict;
+  }
+  [[nodiscard]] std::uint32_t slots_end() const override { return sizes_.slots; }
+  void forget_events(std::uint32_t slot) override;
+  [[nodiscard]] std::uint16_t minded_watch(std::uint32_t slot) const override;
+  [[nodiscard]] std::uint32_t last_of_stations(std::uint64_t bucket, const SlotSpec& spec) const;
+  void link(const SlotSpec& spec);
+  void unlink(const SlotSpec& spec);
+  void set_traffic(const SlotSpec& spec);
+  void set_watch(std::uint32_t slot, const SlotSpec& spec);
+  void leave_watch(std::uint32_t slot);
+  void watch_what_waits() override;
+  [[nodiscard]] bool lacks_watch(const SlotSpec& spec) const;
+  std::uint16_t take_contract(const SlotSpec& spec);
+  void leave_contract(std::uint16_t number);
+  [[nodiscard]] static Contract contract_of(const SlotSpec& spec);
+  [[nodiscard]] std::uint64_t hash_of(std::uint64_t subject, Direction direction) const;
+  [[nodiscard]] std::uint64_t& bucket_of(std::uint64_t hash) const;
+  [[nodiscard]] std::uint64_t station_of(std::uint32_t at) const;
+  [[nodiscard]] SlotSpec spec_of(std::uint32_t at) const;
+  [[nodiscard]] std::uint64_t sieve_of(std::uint32_t first) const;
+  [[nodiscard]] std::uint8_t front_of(std::uint32_t first) const;
+  /// Of a bucket; nothing where there are none.
+  [[nodiscard]] std::uint8_t* front_at(std::uint64_t hash) const;
+  [[nodiscard]] std::uint64_t hash_at(std::uint32_t slot) const;
+
+  EtherMemory memory_;
+  EtherSizes sizes_;
+  GracePeriod wait_;
+  std::size_t used_ = 0;
+  std::map<Contract, Use> contracts_;
+  Unused<std::uint32_t> slots_;
+  Unused<std::uint16_t> contract_numbers_;
+  Unused<std::uint16_t> watches_;
+  std::map<std::uint32_t, Expected> waiting_;  ///< for a watch, by slot
+};
+
+}  // namespace mlcca::enforce

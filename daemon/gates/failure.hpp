@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// An errno as an error for a person.
+#pragma once
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "base/result.hpp"
+
+namespace mlcca::enforce {
+
+/// "CALL: No such device"; `error` is a negative or positive errno.
+inline std::unexpected<Error> failure(const std::string& call, int error) {
+  return fail(call + ": " + std::strerror(std::abs(error)));
+}
+
+}  // namespace mlcca::enforce

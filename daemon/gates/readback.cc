@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Tables are copied before they are looked at: a daemon may be at work on them.
+#include "daemon/gates/readback.hpp"
+
+#include <fmt/format.h>
+#include <net/if.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "core/model/text.hpp"
+#include "daemon/gates/control.hpp"
+#include "daemon/gates/early.hpp"
+#include "daemon/gates/ether_programs.hpp"
+#include "daemon/gates/ether_table.hpp"
+#include "daemon/gates/failure.hpp"
+#include "daemon/gates/gate_pins.hpp"
+#include "daemon/gates/mapped.hpp"
+#include "daemon/gates/pins.hpp"
+#include "daemon/gates/programs.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+const char* name(Direction direction) {
+  return direction == Direction::ingress ? "ingress" : "egress";
+}
+
+/// A driver may have no place for ours: that it is not there is no problem.
+void read_early(GateReading& gate, const std::string& directory) {
+  const Fd pinned = open_pin(early_pin(directory));
+  const std::uint32_t ours = pinned ? program_info(pinned.get()).id : 0;
+  const std::string root = std::filesystem::path(directory).parent_path().parent_path().string();
+  for (const std::uint32_t other : other_early_programs(gate.ifindex, ours))
+    gate.problems.push_back(
+        is_noted_early(root, other)
+            ? fmt::format("our XDP program in the driver ({}) is not the pinned one ({})", other,
+                          ours)
+            : fmt::format("XDP program {} runs before ours at ingress", other));
+}
+
+void read_programs(GateReading& gate, const std::string& directory,
+                   const std::vector<std::uint32_t>& maps) {
+  InPlace attached;
+  for (const auto hook : {Hook::tcx, Hook::clsact}) {
+    gate.hook = hook;
+    const auto found = in_place({gate.ifindex, directory, hook});
+    if (!found) {
+      gate.problems.push_back(found.error().text);
+      return;
+    }
+    attached = *found;
+    if (attached.ingress != 0 || attached.egress != 0) break;
+  }
+  for (const auto direction : kBothDirections) {
+    const Fd pinned = open_pin(program_pin(directory, direction));
+    const ProgramInfo info = pinned ? program_info(pinned.get()) : ProgramInfo{};
+    const std::uint32_t there = attached.of(direction);
+    if (there == 0)
+      gate.problems.push_back(fmt::format("no program of ours is attached at {}", name(direction)));
+    else if (there != info.id)
+      gate.problems.push_back(
+          fmt::format("the program attached at {} ({}) is not the pinned one ({})", name(direction),
+                      there, info.id));
+    for (const std::uint32_t map : maps)
+      if (info.id != 0 && std::ranges::find(info.map_ids, map) == info.map_ids.end())
+        gate.problems.push_back(fmt::format(
+            "the program pinned for {} does not look at the pinned map {}", name(direction), map));
+  }
+  read_early(gate, directory);
+  const auto ahead = tcx_ahead({gate.ifindex, directory, gate.hook}, attached);
+  if (!ahead) gate.problems.push_back(ahead.error().text);
+  for (const Ahead& a : ahead.value_or(std::vector<Ahead>{}))
+    gate.problems.push_back(
+        fmt::format("TCX program {} runs before ours at {}", a.program, name(a.direction)));
+}
+
+/// Both halves say the same unless the daemon is just at it: what differs begins to count with the
+/// next change, whatever that is about.
+template <class Slot>
+void read_halves(GateReading& gate, std::span<const Slot> slots) {
+  for (std::size_t n = GATE_FIRST_SLOT; n < slots.size(); ++n)
+    if (slots[n].verdict[0] != slots[n].verdict[1])
+      gate.problems.push_back(
+          fmt::format("{} {:#018x}: the verdict of slot {} is another with the next generation",
+                      gate.interface, slots[n].subject, n));
+}
+
+template <class Table>
+void take_slots(GateReading& gate, const Result<Table>& table) {
+  gate.readable = table.has_value();
+  if (table)
+    gate.slots = table->present();
+  else
+    gate.problems.push_back(table.error().text);
+}
+
+void read_table(GateReading& gate, const Fd& map, std::uint32_t generation) {
+  if (!is_mappable_array(map.get(), sizeof(gate_table), 1)) {
+    gate.problems.emplace_back("the pinned table is not there or of another layout");
+    return;
+  }
+  const Mapped<gate_table> table(map.get(), 1);
+  if (!table) {
+    gate.problems.push_back(failure("map the table", errno).error().text);
+    return;
+  }
+  const auto copy = std::make_shared<gate_table>(table[0]);
+  gate.profile = copy->profile;
+  read_halves<gate_slot>(gate, copy->slots);
+  const auto slots = SlotTable::read_as_found({*copy, {}, generation}, copy->profile);
+  take_slots(gate, slots);
+  gate.can_image = copy;
+}
+
+template <class T>
+bool copy_map(const Fd& map, std::size_t count, std::vector<T>& to) {
+  const Mapped<T> values(map.get(), count);
+  if (!values) return false;
+  to.assign(values.span().begin(), values.span().end());
+  return true;
+}
+
+void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_t generation) {
+  const auto copy = std::make_shared<EtherImage>();
+  copy->sizes = pinned.sizes;
+  std::vector<gate_watch> watches;
+  if (!copy_map(pinned.maps[0], 1, copy->table) ||
+      !copy_map(pinned.maps[1], pinned.sizes.buckets, copy->buckets) ||
+      !copy_map(pinned.maps[9], pinned.sizes.fronts(), copy->fronts) ||
+      !copy_map(pinned.maps[2], pinned.sizes.slots, copy->slots) ||
+      !copy_map(pinned.maps[3], pinned.sizes.contracts, copy->contracts) ||
+      !copy_map(pinned.maps[8], ETHER_WATCHES, watches)) {
+    gate.problems.push_back(failure("map the table", errno).error().text);
+    return;
+  }
+  read_halves<ether_slot>(gate, copy->slots);
+  const auto read = EtherTable::read({.table = copy->table.data(),
+                                      .buckets = copy->buckets,
+                                      .fronts = copy->fronts,
+                                      .slots = copy->slots,
+                                      .contracts = copy->contracts,
+                                      .counts = {},
+                                      .audits = {},
+                                      .watches = watches,
+                                      .generation = &generation},
+                                     pinned.sizes, false, 0, nullptr);
+  take_slots(gate, read);
+  gate.ether_image = copy;
+}
+
+GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const Fd& control,
+                      std::uint32_t generation) {
+  GateReading gate;
+  gate.ifindex = ifindex;
+  std::array<char, IF_NAMESIZE> interface{};
+  if (if_indextoname(ifindex, interface.data()) == nullptr) {
+    gate.problems.push_back(fmt::format(
+        "no interface of this network namespace has the index {}: the pins are left over",
+        ifindex));
+    return gate;
+  }
+  gate.interface = interface.data();
+  if (!open_pin(watchmen_pin(directory)))
+    gate.problems.emplace_back("the timers that notice missing events are not pinned");
+  if (const auto ether = pinned_ether_maps(directory)) {
+    gate.ethernet = true;
+    std::vector<std::uint32_t> ids{map_id(control.get())};
+    for (const std::size_t n : {0, 1, 2, 3}) ids.push_back(map_id(ether->maps.at(n).get()));
+    read_programs(gate, directory, ids);
+    read_ether_table(gate, *ether, generation);
+    return gate;
+  }
+  const Fd table = open_pin(table_pin(directory));
+  const Fd cpus = open_pin(cpus_pin(directory));
+  if (!table || !cpus) {
+    gate.problems.emplace_back("held closed: it has no maps of its own");
+    return gate;
+  }
+  read_programs(gate, directory, {map_id(table.get()), map_id(cpus.get()), map_id(control.get())});
+  read_table(gate, table, generation);
+  return gate;
+}
+
+/// ns that the daemon has been silent for, if it has beaten, and that is longer than its grace by
+/// what the timer may take, and as much again for a busy machine.
+std::optional<std::uint64_t> silent_too_long(const gate_control& word) {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  const auto now =
+      static_cast<std::uint64_t>(t.tv_sec) * 1'000'000'000 + static_cast<std::uint64_t>(t.tv_nsec);
+  if (word.grace_ns == kForEver || word.deadline == 0 ||
+      now <= word.heartbeat + word.grace_ns + 2 * word.check_ns)
+    return std::nullopt;
+  return now - word.heartbeat;
+}
+
+/// The gates close by themselves when the daemon is silent; this timer counts it.
+std::vector<std::string> shared_problems(const std::string& directory, const gate_control& word) {
+  std::vector<std::string> problems;
+  if (word.armed != 0 && !open_pin(directory + "/deadman"))
+    problems.emplace_back(
+        "the timer that counts the silence of a dead daemon is not pinned: it dies with it");
+  if (const auto silent = silent_too_long(word); silent && word.open != 0 && word.lapsed == 0)
+    problems.push_back(
+        fmt::format("the daemon has been silent for {} s, longer than its grace, and the timer has "
+                    "not counted it: the gates have closed by themselves",
+                    *silent / 1'000'000'000));
+  return problems;
+}
+
+}  // namespace
+
+Result<Reading> read_back(const std::string& root) {
+  const std::string directory = fmt::format("{}/v{}", root, GATE_LAYOUT_VERSION);
+  const Fd control = open_pin(directory + "/control");
+  if (!control) return failure("open " + directory + "/control", errno);
+  if (!is_mappable_array(control.get(), sizeof(gate_control), 1))
+    return fail(directory + "/control: not the control map of this version");
+  const Mapped<gate_control> memory(control.get(), 1);
+  if (!memory) return failure("map " + directory + "/control", errno);
+  const gate_control word = memory[0];
+  if (word.layout_version != GATE_LAYOUT_VERSION)
+    return fail(fmt::format("{}/control: layout {} instead of {}", directory, word.layout_version,
+                            GATE_LAYOUT_VERSION));
+  Reading reading{.open = word.open != 0,
+                  .lapsed = word.lapsed != 0 || (word.open != 0 && silent_too_long(word)),
+                  .audit = word.mode == GATE_AUDIT,
+                  .generation = word.generation,
+                  .problems = shared_problems(directory, word),
+                  .gates = {}};
+  const auto names = names_in(directory);
+  if (!names) return failure("read " + directory, names.error().value());
+  for (const std::string& file : *names) {
+    std::uint32_t ifindex = 0;
+    const char* const end = file.data() + file.size();
+    if (file.starts_with("if") && std::from_chars(file.data() + 2, end, ifindex).ptr == end)
+      reading.gates.push_back(
+          read_gate(gate_directory(directory, ifindex), ifindex, control, word.generation));
+  }
+  std::ranges::sort(reading.gates, {}, &GateReading::ifindex);
+  return reading;
+}
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What one slot of a gate admits, and how the slots of an interface are to change.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "base/result.hpp"
+#include "bpf/gate.h"
+
+namespace mlcca::enforce {
+
+enum class Direction : std::uint8_t { ingress = GATE_INGRESS, egress = GATE_EGRESS };
+
+/// What one slot admits. A frame fits when (can_id & mask) == id, with the flags of <linux/can.h>.
+/// Its key is what the profile makes the subject: gate_key_mask().
+struct SlotSpec {
+  Direction direction = Direction::ingress;
+  bool pass = false;
+  std::uint16_t max_len = 8;            ///< payload bytes
+  std::uint8_t formats = GATE_CLASSIC;  ///< GATE_CLASSIC | GATE_FD | GATE_XL; Ethernet: ETHER_*
+  std::uint32_t id = 0;                 ///< with CAN_EFF_FLAG for 29 bits
+  std::uint32_t mask = 0;               ///< has CAN_EFF_FLAG and the key (a masked slot: a part of
+                                        ///< it); RTR unless declared
+  std::uint32_t source = 0;             ///< egress: ifindex it entered by, 0: a local program,
+                                        ///< GATE_NO_SOURCE: the kernel itself
+  std::uint32_t uid = GATE_ANY_UID;     ///< local program's user
+  std::uint32_t origin = 0;             ///< CAN, gate_has_origin(): see gate_origin()
+  std::uint64_t station = 0;            ///< Ethernet: ether_station(), 0: anybody else
+  std::uint64_t subject = 0;
+  // How much passes, see gate_slot; all 0: not policed.
+  std::uint64_t per_frame = 0;
+  std::uint64_t per_byte = 0;
+  std::uint64_t tolerance = 0;
+  bool excess_passes = false;
+  // How its events are expected, see gate_watch; all 0: nobody looks.
+  std::uint64_t period = 0;  ///< at most GATE_LONGEST_PERIOD
+  std::uint64_t silence = 0;
+  std::uint64_t together = 0;
+
+  bool operator==(const SlotSpec&) const = default;
+  /// The same traffic is admitted and expected.
+  [[nodiscard]] bool same_traffic(const SlotSpec& other) const;
+  /// Equal but for the verdict and the traffic.
+  [[nodiscard]] bool same_grant(const SlotSpec& other) const;
+};
+
+/// Changes of one interface. `close`, `remove` and `open` name slots by everything but the verdict
+/// and the traffic.
+struct SlotChanges {
+  std::vector<SlotSpec> close;
+  std::vector<SlotSpec> add;  ///< opened at the end where `pass` is set
+  std::vector<SlotSpec> remove;
+  std::vector<SlotSpec> open;
+  std::vector<SlotSpec> police;  ///< slots that stay, with the traffic that they get
+
+  [[nodiscard]] bool empty() const {
+    return close.empty() && add.empty() && remove.empty() && open.empty() && police.empty();
+  }
+};
+
+/// Orders slots by everything but the verdict and the traffic.
+struct ByGrant {
+  bool operator()(const SlotSpec& a, const SlotSpec& b) const;
+};
+
+/// What turns `present` into `wanted`. Slots that are in both with one verdict are not mentioned.
+/// A passing slot that goes without a passing successor (same direction, subject, identifier,
+/// source and origin) is closed before anything opens; one with a successor stays until that has
+/// opened.
+SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSpec> wanted);
+
+/// Waits until no CPU runs a program that began before the call (one RCU grace period).
+using GracePeriod = std::function<Result<void>()>;
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The kernel writes meanwhile: each number is read once and whole.
+#include "daemon/gates/watches.hpp"
+
+#include <cmath>
+#include <cstddef>
+
+#include "daemon/gates/publish.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+std::uint64_t load(const __u64& word) { return __atomic_load_n(&word, __ATOMIC_RELAXED); }
+
+std::uint64_t per_1000_seconds(std::uint64_t events, std::uint64_t ns) {
+  return static_cast<std::uint64_t>(
+      std::llround(static_cast<double>(events) * 1e12 / static_cast<double>(ns)));
+}
+
+}  // namespace
+
+void forget_findings(gate_watch& watch) {
+  for (__u64* word : {&watch.last, &watch.last_gap, &watch.shortest, &watch.longest,
+                      &watch.deviation, &watch.missing, &watch.since, &watch.silent, &watch.first})
+    publish(*word, __u64{0});
+  for (__u64& gaps : watch.gaps) publish(gaps, __u64{0});
+}
+
+/// Without a period no frame writes.
+void expect_events(gate_watch& watch, const SlotSpec& spec) {
+  if (watch.period != spec.period) {
+    publish(watch.period, __u64{0});
+    forget_findings(watch);
+  }
+  publish(watch.scale, gate_gap_scale(spec.period));
+  publish(watch.together, __u64{spec.together});
+  publish(watch.silence, __u64{spec.silence});
+  publish(watch.period, __u64{spec.period});
+}
+
+Arrivals arrivals(const gate_watch& watch, std::uint64_t now) {
+  Arrivals out;
+  const std::uint64_t period = load(watch.period);
+  const std::uint64_t last = load(watch.last);
+  const std::uint64_t begin = last != 0 ? last : load(watch.since);
+  for (std::size_t i = 0; i < GATE_GAPS; ++i) {
+    out.gaps[i] = load(watch.gaps[i]);
+    out.events += out.gaps[i];
+  }
+  if (last != 0) ++out.events;
+  out.since_last = begin != 0 && now > begin ? now - begin : 0;
+  const std::uint64_t first = load(watch.first);
+  if (out.events > 1 && last > first) out.rate = per_1000_seconds(out.events - 1, last - first);
+  out.silent = load(watch.silent) != 0 && load(watch.silence) != 0;
+  out.missing = load(watch.missing);
+  // As between two events half a period late is missing; once silence is too long no more is late.
+  if (last != 0 && period != 0 && out.since_last > period)
+    out.missing +=
+        out.silent ? out.since_last / period : (out.since_last + period / 2) / period - 1;
+  out.last_gap = load(watch.last_gap);
+  out.shortest = load(watch.shortest);
+  out.longest = load(watch.longest);
+  out.jitter = load(watch.deviation);
+  return out;
+}
+
+}  // namespace mlcca::enforce

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// How the events of a slot are expected, and what the gate has found about them: gate_watch.
+#pragma once
+#include <cstdint>
+
+#include "bpf/gate.h"
+#include "daemon/gates/slots.hpp"
+
+namespace mlcca::enforce {
+
+/// What was found under another period means nothing any more.
+void expect_events(gate_watch& watch, const SlotSpec& spec);
+/// As if nothing had come yet.
+void forget_findings(gate_watch& watch);
+
+/// What a watch has found so far. Times in ns.
+struct Arrivals {
+  std::uint64_t events = 0;
+  std::uint64_t missing = 0;     ///< with those that are missing now
+  std::uint64_t since_last = 0;  ///< nothing came yet: since silence began
+  std::uint64_t rate = 0;        ///< events in 1000 s, over all of the time; 0: unknown
+  std::uint64_t last_gap = 0;    ///< 0: not two events yet
+  std::uint64_t shortest = 0;
+  std::uint64_t longest = 0;
+  std::uint64_t jitter = 0;
+  bool silent = false;
+  std::uint64_t gaps[GATE_GAPS] = {};  // NOLINT(*-avoid-c-arrays): as in gate_watch
+};
+/// `now`: CLOCK_MONOTONIC.
+[[nodiscard]] Arrivals arrivals(const gate_watch& watch, std::uint64_t now);
+
+}  // namespace mlcca::enforce

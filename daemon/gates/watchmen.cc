@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gates/watchmen.hpp"
+
+#include <bpf/bpf.h>
+#include <bpf/libbpf.h>
+#include <ether_watch.skel.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <watch.skel.h>
+
+#include <array>
+#include <cerrno>
+#include <memory>
+#include <utility>
+
+#include "daemon/gates/complaints.hpp"
+#include "daemon/gates/failure.hpp"
+#include "daemon/gates/pins.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+/// Milliseconds apart: the kernel takes no lock for the memory of a timer, and may have none now.
+constexpr int kTries = 100;
+
+/// Programs that have to do with timers give 0 or a negative errno, as does this.
+int run(int program, std::uint32_t mark) {
+  std::array<std::uint8_t, 14> frame{};  // the least that a test run takes; not looked at
+  __sk_buff context{};
+  context.mark = mark;
+  LIBBPF_OPTS(bpf_test_run_opts, run);
+  run.data_in = frame.data();
+  run.data_size_in = frame.size();
+  run.ctx_in = &context;
+  run.ctx_size_in = sizeof(context);
+  const int error = bpf_prog_test_run_opts(program, &run);
+  return error != 0 ? error : static_cast<int>(run.retval);
+}
+
+int share_maps(const watch_bpf& object, const WatchedMaps& maps) {
+  return bpf_map__reuse_fd(object.maps.bss, maps.table);
+}
+
+int share_maps(const ether_watch_bpf& object, const WatchedMaps& maps) {
+  int error = bpf_map__reuse_fd(object.maps.bss, maps.table);
+  if (error == 0) error = bpf_map__reuse_fd(object.maps.slots, maps.slots);
+  if (error == 0) error = bpf_map__reuse_fd(object.maps.watches, maps.watches);
+  return error;
+}
+
+template <class Skeleton>
+int share_all(const Skeleton& object, const WatchedMaps& maps, const Fd& timers) {
+  int error = share_maps(object, maps);
+  if (error == 0) error = bpf_map__reuse_fd(object.maps.data_control, maps.control);
+  if (error == 0) error = bpf_map__reuse_fd(object.maps.events, maps.events);
+  if (error == 0 && timers) error = bpf_map__reuse_fd(object.maps.watchmen, timers.get());
+  return error;
+}
+
+}  // namespace
+
+template <class Skeleton>
+Result<Watchmen> Watchmen::load(std::uint32_t ifindex, const WatchedMaps& maps,
+                                const std::string& pin_path) {
+  const Complaints complaints;
+  const std::unique_ptr<Skeleton, decltype(&Skeleton::destroy)> object(Skeleton::open(),
+                                                                       &Skeleton::destroy);
+  if (!object) return complaints.error("open the timers of a gate", errno);
+  object->rodata->ifindex = ifindex;
+  const Fd timers = open_pin(pin_path);
+  if (const int error = share_all(*object, maps, timers); error != 0)
+    return complaints.error("prepare the timers of a gate", error);
+  if (const int error = Skeleton::load(object.get()); error != 0)
+    return complaints.error("load the timers of a gate", error);
+  if (!timers)
+    if (auto pinned = enforce::pin(bpf_map__fd(object->maps.watchmen), pin_path); !pinned)
+      return std::unexpected(pinned.error());
+  int made = run(bpf_program__fd(object->progs.watch_make), 0);
+  for (int i = 0; made == -ENOMEM && i < kTries; ++i) {
+    ::poll(nullptr, 0, 1);
+    made = run(bpf_program__fd(object->progs.watch_make), 0);
+  }
+  if (made != 0) return failure("make the timers of a gate", made);
+  Fd arm(::fcntl(bpf_program__fd(object->progs.watch_arm), F_DUPFD_CLOEXEC, 0));
+  Fd kept(::fcntl(bpf_map__fd(object->maps.watchmen), F_DUPFD_CLOEXEC, 0));
+  if (!arm || !kept) return failure("keep the timers of a gate", errno);
+  return Watchmen(std::move(arm), std::move(kept), pin_path);
+}
+
+Result<Watchmen> Watchmen::of_can(std::uint32_t ifindex, const WatchedMaps& maps,
+                                  const std::string& pin_path) {
+  return load<watch_bpf>(ifindex, maps, pin_path);
+}
+
+Result<Watchmen> Watchmen::of_ethernet(std::uint32_t ifindex, const WatchedMaps& maps,
+                                       const std::string& pin_path) {
+  return load<ether_watch_bpf>(ifindex, maps, pin_path);
+}
+
+Result<void> Watchmen::arm(std::uint32_t watch) const {
+  if (const int error = run(program_.get(), watch); error != 0)
+    return failure("start a timer", error);
+  return {};
+}
+
+}  // namespace mlcca::enforce

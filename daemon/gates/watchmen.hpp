@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The timers that notice when a watched slot of one interface falls silent.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "base/handle.hpp"
+#include "base/result.hpp"
+#include "bpf/ether.h"
+#include "daemon/gates/pins.hpp"
+
+namespace mlcca::enforce {
+
+/// Maps of the gate and the gateway that timers look at and write to; they stay the caller's.
+struct WatchedMaps {
+  int table = -1;
+  int control = -1;
+  int events = -1;
+  // Of an Ethernet gate, which has these apart:
+  int slots = -1;
+  int watches = -1;
+};
+
+class Watchmen {
+ public:
+  /// Takes over the timers that are pinned there, which go on by the program that they have until
+  /// they are armed; otherwise makes and pins new ones.
+  static Result<Watchmen> of_can(std::uint32_t ifindex, const WatchedMaps& maps,
+                                 const std::string& pin_path);
+  static Result<Watchmen> of_ethernet(std::uint32_t ifindex, const WatchedMaps& maps,
+                                      const std::string& pin_path);
+
+  /// The timer of a watch that says what silence is. It ends by itself when the slot does not pass
+  /// any more, or nobody minds silence. What is missing already is told once more.
+  [[nodiscard]] Result<void> arm(std::uint32_t watch) const;
+  /// They end with the last descriptor or pin of their map.
+  [[nodiscard]] Pin pin() const { return {timers_.get(), pin_path_}; }
+
+ private:
+  template <class Skeleton>
+  static Result<Watchmen> load(std::uint32_t ifindex, const WatchedMaps& maps,
+                               const std::string& pin_path);
+  Watchmen(Fd program, Fd timers, std::string pin_path)
+      : program_(std::move(program)), timers_(std::move(timers)), pin_path_(std::move(pin_path)) {}
+  Fd program_;  ///< it holds the other maps
+  Fd timers_;
+  std::string pin_path_;
+};
+
+}  // namespace mlcca::enforce

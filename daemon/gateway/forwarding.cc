@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/forwarding.hpp"
+
+#include <fmt/core.h>
+#include <linux/can.h>
+
+#include <algorithm>
+#include <set>
+
+namespace mlcca {
+namespace {
+
+using net::CanRule;
+using net::CanRuleThere;
+
+const char* format_of(const core::GateEntry& e) {
+  if (e.classic && e.fd) return "classic or FD";
+  return e.fd ? "FD" : "classic";
+}
+
+/// How frames of a rule meet the filter of another one between the same interfaces.
+enum class Meets : std::uint8_t { never, sometimes, always };
+
+Meets meets(const CanRule& ours, const CanRule& other) {
+  if (ours.from != other.from || ours.to != other.to || ours.fd != other.fd) return Meets::never;
+  const std::uint32_t mask = other.mask & ~CAN_ERR_FLAG;
+  // An 11-bit identifier in the filter, its form included, means 11 bits.
+  const bool standard = (mask & CAN_EFF_FLAG) != 0 && (other.id & CAN_EFF_FLAG) == 0;
+  const std::uint32_t looked_at =
+      standard ? mask & (CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG) : mask;
+  const bool agree = ((ours.id ^ other.id) & ours.mask & looked_at) == 0;
+  const bool within = agree && (looked_at & ~ours.mask) == 0;
+  const bool inverted = (other.id & CAN_INV_FILTER) != 0;
+  if (!agree) return inverted ? Meets::always : Meets::never;
+  if (!within) return Meets::sometimes;
+  return inverted ? Meets::never : Meets::always;
+}
+
+/// By interfaces.
+using Others = std::map<std::pair<int, int>, std::vector<const CanRuleThere*>>;
+
+Others rules_of_others(const std::vector<CanRuleThere>& there) {
+  Others others;
+  for (const CanRuleThere& t : there)
+    if (!t.is_ours()) others[{t.rule.from, t.rule.to}].push_back(&t);
+  return others;
+}
+
+/// What rules of others do with the frames of a rule.
+struct Carried {
+  bool all = false;        ///< one carries them all as they were granted: none of ours is needed
+  bool disturbed = false;  ///< some are carried twice, or changed
+};
+
+Carried carried(const CanRule& rule, const Others& others) {
+  Carried out;
+  const auto known = others.find({rule.from, rule.to});
+  if (known == others.end()) return out;
+  for (const CanRuleThere* other : known->second) {
+    const Meets met = meets(rule, other->rule);
+    const bool same =
+        !other->changes_more && other->rule.keep == rule.keep && other->rule.set == rule.set;
+    if (met == Meets::always && same)
+      out.all = true;
+    else if (met != Meets::never)
+      out.disturbed = true;
+  }
+  return out;
+}
+
+std::uint32_t free_uid(std::set<std::uint32_t>& taken, std::uint32_t& from) {
+  while (from < net::kLastUid && taken.contains(from)) ++from;
+  taken.insert(from);
+  return from;
+}
+
+}  // namespace
+
+std::expected<std::vector<CanRule>, std::string> rules_of(const core::Transit& transit, int from,
+                                                          int to) {
+  const core::GateEntry& in = transit.in;
+  const core::GateEntry& out = transit.out;
+  if (in.xl || out.xl) return std::unexpected(std::string("can-gw carries no CAN XL frames"));
+  if (!(in.classic && out.classic) && !(in.fd && out.fd))
+    return std::unexpected(
+        fmt::format("can-gw makes no {} frames of {} ones", format_of(out), format_of(in)));
+  // What one side leaves open and the other does not: remote frames, which simply stay behind, or
+  // whether events are split, or what else a profile leaves to the sender.
+  if (((in.mask ^ out.mask) & ~core::kRemoteFlag) != 0)
+    return std::unexpected(
+        std::string("can-gw carries frames as they are, and only one of the buses has events "
+                    "split into frames, or leaves that part of the identifier to the sender"));
+  CanRule rule;
+  rule.from = from;
+  rule.to = to;
+  rule.mask = in.mask | out.mask;
+  rule.id = in.id & rule.mask;
+  if (in.id != out.id) {
+    rule.keep = ~rule.mask;
+    rule.set = out.id;
+  }
+  std::vector<CanRule> rules;
+  for (const bool fd : {false, true}) {
+    rule.fd = fd;
+    if (fd ? in.fd && out.fd : in.classic && out.classic) rules.push_back(rule);
+  }
+  return rules;
+}
+
+RuleChanges difference(const Wanted& wanted, const std::vector<CanRuleThere>& there) {
+  RuleChanges changes;
+  const Others others = rules_of_others(there);
+  std::set<CanRule> missing;
+  for (const auto& [rule, channel] : wanted) {
+    const Carried by_others = carried(rule, others);
+    // What was granted arrives whatever somebody else's rules do with other copies of it.
+    if (!by_others.all) missing.insert(rule);
+    if (by_others.disturbed) changes.in_way.push_back(rule);
+  }
+  std::set<std::uint32_t> taken;
+  for (const CanRuleThere& t : there) {
+    if (!t.is_ours()) continue;
+    taken.insert(t.uid);  // of one that goes, too: its removal may fail
+    if (t.changes_more || missing.erase(t.rule) == 0) changes.remove.push_back(t);
+  }
+  std::uint32_t next = net::kFirstUid;
+  for (const CanRule& rule : missing)
+    if (taken.size() <= net::kLastUid - net::kFirstUid)
+      changes.add.push_back(net::ours(rule, free_uid(taken, next)));
+  return changes;
+}
+
+std::string change_of(const CanRuleThere& there) {
+  if (there.changes_more) return "the frame";
+  if (!there.rule.translates()) return {};
+  const std::uint32_t id = there.rule.set;
+  const bool extended = (id & CAN_EFF_FLAG) != 0;
+  const std::uint32_t bits = extended ? CAN_EFF_MASK : CAN_SFF_MASK;
+  const int digits = extended ? 8 : 3;
+  const std::uint32_t changed = (~there.rule.keep | id) & bits;
+  const auto to = fmt::format("id to {:0{}x}", id & bits, digits);
+  return changed == bits ? to : to + fmt::format("/{:0{}x}", changed, digits);
+}
+
+}  // namespace mlcca

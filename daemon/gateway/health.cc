@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/health.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/model/text.hpp"
+
+namespace mlcca {
+namespace {
+
+/// A publisher that has just started may need so long until its first event.
+constexpr std::uint64_t kFirstEvent = 1'000'000'000;  // ns
+constexpr std::uint64_t kFirstPeriods = 3;
+/// One frame may be on its way from one gate to the other.
+constexpr std::uint64_t kOnTheirWay = 1;
+
+/// To a millisecond.
+std::string time(std::uint64_t ns) {
+  return core::format_value(Attribute::latency, ns - ns % 1'000'000);
+}
+
+std::string frames(std::uint64_t n) { return n == 1 ? "1 frame" : fmt::format("{} frames", n); }
+
+/// Somebody may send what nothing was granted for.
+void add_strangers(const Observed& seen, std::vector<std::string>& lines) {
+  const auto in = std::ranges::find(seen.passages, false, &Passage::leaves);
+  if (in == seen.passages.end() || seen.strangers == 0) return;
+  lines.push_back(fmt::format(
+      "{} on {} {} no known subject, the latest {}: does the publisher send by another name?",
+      frames(seen.strangers), in->network, seen.strangers == 1 ? "names" : "name", seen.stranger));
+}
+
+void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
+  const std::uint64_t period = std::max<std::uint64_t>(watch.period_ns, 1);
+  const bool never = watch.events == 0;
+  if (watch.missing_now && !never) {
+    lines.push_back(fmt::format("nothing has come for {}: {} events are missing",
+                                time(watch.since_last_ns), watch.since_last_ns / period));
+  } else if (never && (watch.missing_now ||
+                       watch.since_last_ns > std::max(kFirstEvent, period * kFirstPeriods))) {
+    lines.push_back(fmt::format("nobody sends: nothing has come since it was granted, {} ago",
+                                time(watch.since_last_ns)));
+  }
+}
+
+std::string misfit_line(const Passage& at, std::uint64_t n) {
+  return fmt::format("{} on {} {} the subject and differ{} from the grant{}{}", frames(n),
+                     at.network, n == 1 ? "names" : "name", n == 1 ? "s" : "",
+                     at.frames.last_reason.empty() ? "" : ": ", at.frames.last_reason);
+}
+
+void add_drops(const Passage& at, std::vector<std::string>& lines) {
+  if (at.excess != 0)
+    lines.push_back(fmt::format("{} on {} {} more than was admitted", frames(at.excess), at.network,
+                                at.excess == 1 ? "was" : "were"));
+  if (at.misfits != 0) lines.push_back(misfit_line(at, at.misfits));
+  if (at.would_be_misfits != 0)
+    lines.push_back(misfit_line(at, at.would_be_misfits) + " (audit mode: they pass)");
+}
+
+/// A grant that carries nothing, although its events come.
+void add_lost(const Observed& seen, std::vector<std::string>& lines) {
+  const auto in = std::ranges::find_if(seen.passages,
+                                       [](const Passage& p) { return !p.leaves && !p.is_shared; });
+  if (in == seen.passages.end() || in->frames.passed <= kOnTheirWay) return;
+  for (const Passage& out : seen.passages)
+    if (out.leaves && out.frames.passed == 0)
+      lines.push_back(fmt::format(
+          "{} came in from {} and none left to {}{}", frames(in->frames.passed), in->network,
+          out.network, out.misfits + out.would_be_misfits == 0 ? ": nothing forwards them" : ""));
+}
+
+}  // namespace
+
+std::vector<std::string> troubles(const Observed& seen) {
+  std::vector<std::string> lines;
+  if (seen.watch) add_silence(*seen.watch, lines);
+  if (!lines.empty()) add_strangers(seen, lines);
+  for (const Passage& at : seen.passages) add_drops(at, lines);
+  if (!seen.not_forwarded.empty())
+    lines.push_back(seen.not_forwarded);
+  else
+    add_lost(seen, lines);
+  return lines;
+}
+
+control::Health health_of(bool open, std::vector<std::string> lines) {
+  control::Health out;
+  out.state = lines.empty() ? control::HealthState::healthy : control::HealthState::degraded;
+  if (!open) out.state = control::HealthState::closed;
+  if (lines.size() > control::kMostReasons) {
+    out.left_out = static_cast<std::uint32_t>(lines.size() - control::kMostReasons);
+    lines.resize(control::kMostReasons);
+  }
+  out.reasons = std::move(lines);
+  return out;
+}
+
+}  // namespace mlcca

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is wrong with a gateway and with what it has granted, in lines that an operator reads.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/messages.hpp"
+#include "daemon/gateway/report.hpp"
+
+namespace mlcca {
+
+/// What one gate has seen of a granted delivery, at the network where its events come in or leave.
+struct Passage {
+  std::string network;
+  bool leaves = false;
+  bool is_shared = false;     ///< with other publishers of the channel, who look the same
+  Frames frames;              ///< since the slot was made
+  std::uint64_t excess = 0;   ///< recent ones beyond the admitted traffic
+  std::uint64_t misfits = 0;  ///< recent ones that name the subject and differ from the grant
+  std::uint64_t would_be_misfits = 0;  ///< the same, let through by audit mode
+};
+
+/// Everything that this gateway knows of a granted delivery.
+struct Observed {
+  std::optional<control::Watch> watch = {};
+  std::vector<Passage> passages = {};
+  std::string not_forwarded = {};  ///< why no rule of can-gw carries it; empty: none has to
+  std::uint64_t strangers = 0;     ///< recent frames without a slot where its events come in
+  std::string stranger = {};       ///< the latest of them: "123", "0x… from 10.0.0.7"
+};
+
+/// What is wrong with it, one line each; nothing where all is as granted:
+///   nothing has come for 4.2 s: 84 events are missing
+///   12 frames on second-can were more than was admitted
+///   40 frames came in from second-can and none left to robot-can
+///   12 frames on second-can name no known subject, the latest 124: does the publisher send ...
+[[nodiscard]] std::vector<std::string> troubles(const Observed& seen);
+
+/// `lines` are the reasons of a gateway whose gates are `open`; of them the first
+/// control::kMostReasons are told, and how many were left out.
+[[nodiscard]] control::Health health_of(bool open, std::vector<std::string> lines);
+
+}  // namespace mlcca

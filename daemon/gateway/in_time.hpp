@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What may hang (a look-up of a user, a file system) is done on a thread and waited for, but not
+// for ever.
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <memory>
+#include <optional>
+#include <system_error>
+#include <thread>
+#include <type_traits>
+#include <utility>
+
+#include "base/clock.hpp"
+
+namespace mlcca {
+
+/// What `work` gives, which must share nothing with anybody; nothing after `limit_ns`: then the
+/// thread goes on, and the program must end by std::_Exit. `meanwhile` is called every 20 ms.
+template <class Work>
+auto in_time(Work work, std::uint64_t limit_ns, const std::function<void()>& meanwhile)
+    -> std::optional<std::invoke_result_t<Work>> {
+  constexpr std::chrono::milliseconds slice(20);
+  const auto shared = std::make_shared<Work>(std::move(work));
+  std::promise<std::invoke_result_t<Work>> promise;
+  auto future = promise.get_future();
+  try {
+    std::thread([shared, promise = std::move(promise)]() mutable {
+      promise.set_value((*shared)());
+    }).detach();
+  } catch (const std::system_error&) {  // of the library: no thread
+    return (*shared)();
+  }
+  const std::uint64_t end = monotonic_ns() + limit_ns;
+  while (future.wait_for(slice) != std::future_status::ready) {
+    if (monotonic_ns() >= end) return std::nullopt;
+    meanwhile();
+  }
+  return future.get();
+}
+
+}  // namespace mlcca

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What if: the state as it would be with other links, or without a network or a gateway.
+#pragma once
+#include <memory>
+
+#include "base/result.hpp"
+#include "control/messages.hpp"
+#include "core/admission/state.hpp"
+
+namespace mlcca {
+
+/// A state of its own, decided as the gateway would decide if that happened now. The error names
+/// what is not known.
+[[nodiscard]] Result<std::unique_ptr<core::State>> suppose(const core::State& now,
+                                                           const control::WhatIfRequest& request);
+
+/// What differs between the two.
+[[nodiscard]] control::WhatIf outlook(const core::State& now, const core::State& then);
+
+}  // namespace mlcca

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// When a slice of a reply is long enough.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+#include "base/clock.hpp"
+#include "daemon/serve/server.hpp"
+
+namespace mlcca {
+
+class Pace {
+ public:
+  /// `row_bytes`: of a usual row on the wire.
+  explicit Pace(std::size_t row_bytes) : left_(serve::Server::kSliceBytes / row_bytes) {}
+
+  /// One more row was made; false when the next one belongs to another slice.
+  bool made(std::size_t rows = 1) {
+    left_ -= rows < left_ ? rows : left_;
+    return left_ != 0 && monotonic_ns() < end_;
+  }
+
+ private:
+  std::size_t left_;
+  std::uint64_t end_ = monotonic_ns() + serve::Server::kSlice;
+};
+
+}  // namespace mlcca

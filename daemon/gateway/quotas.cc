@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/quotas.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace mlcca {
+namespace {
+
+constexpr std::uint64_t kSecond = 1'000'000'000;
+constexpr uid_t kRoot = 0;
+
+const Quotas::Rows& rows_of(uid_t user) {
+  return user == kRoot ? Quotas::kRowsOfRoot : Quotas::kRowsOfUser;
+}
+
+}  // namespace
+
+std::optional<std::string> Quotas::refuse_admission(uid_t user, const store::Admissions& held) {
+  constexpr const char* to_do =
+      "release some ('mlccactl release --id NUMBER'), or give them leases that end";
+  const std::size_t own = held.held_by(user);
+  const std::size_t others = held.size() - held.held_by(kRoot);
+  if (user != kRoot && own >= kOfUser)
+    return fmt::format("user {} holds {} admissions, and one user may hold {}: {}", user, own,
+                       kOfUser, to_do);
+  if (user != kRoot && others >= kOfOthers)
+    return fmt::format(
+        "all users but root hold {} admissions together ({} of them are of user {}), and may hold "
+        "{}: {}",
+        others, own, user, kOfOthers, to_do);
+  if (held.size() >= kOfAll)
+    return fmt::format(
+        "there are {} admissions ({} of them are of user {}), and there may be {}: "
+        "{}",
+        held.size(), own, user, kOfAll, to_do);
+  return std::nullopt;
+}
+
+std::optional<std::string> Quotas::refuse_pairs(std::size_t now, std::size_t more) {
+  if (now + more <= kPairs) return std::nullopt;
+  return fmt::format(
+      "admissions have added {} pairs of a publisher and a subscriber, this one would add {}, and "
+      "there may be {}: release some ('mlccactl release --id NUMBER'), or describe them",
+      now, more, kPairs);
+}
+
+std::optional<std::string> Quotas::refuse_change(uid_t user, std::uint64_t now) const {
+  const auto known = paid_until_.find(user);
+  if (known == paid_until_.end() || known->second <= now) return std::nullopt;
+  const Rows& rows = rows_of(user);
+  const std::uint64_t each = kSecond / rows.per_second;
+  const std::uint64_t owed = known->second - now;
+  if (owed + each <= rows.at_once * each) return std::nullopt;
+  const std::uint64_t wait = owed + each - rows.at_once * each;
+  return fmt::format(
+      "changes of user {} have made {} rows of the history lately, and one user may make {} at "
+      "once "
+      "and {} a second: ask again in {} s",
+      user, (owed + each - 1) / each, rows.at_once, rows.per_second,
+      (wait + kSecond - 1) / kSecond);
+}
+
+void Quotas::charge(uid_t user, std::uint64_t rows, std::uint64_t now) {
+  std::erase_if(paid_until_, [now](const auto& u) { return u.second <= now; });
+  if (rows == 0) return;
+  const auto [known, fresh] = paid_until_.try_emplace(user, now);
+  known->second += rows * (kSecond / rows_of(user).per_second);
+}
+
+}  // namespace mlcca

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/report.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <unordered_map>
+#include <vector>
+
+#include "core/admission/admission.hpp"
+#include "core/admission/media.hpp"
+#include "core/model/text.hpp"
+#include "mlcca/arithmetic.hpp"
+
+namespace mlcca {
+namespace {
+
+control::Outcome outcome_of(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::fit:
+      return control::Outcome::fit;
+    case Outcome::unfit:
+      return control::Outcome::unfit;
+    case Outcome::run_time:
+      return control::Outcome::run_time;
+  }
+  return control::Outcome::unfit;
+}
+
+/// Which of the comparisons are told, in their order: before all others those that do not fit.
+std::vector<std::size_t> listed_rows(const std::vector<core::Row>& rows) {
+  std::vector<std::size_t> listed;
+  const auto add = [&](bool fit) {
+    for (std::size_t i = 0; i < rows.size() && listed.size() < control::kListedRows; ++i)
+      if ((rows[i].comparison.outcome == Outcome::fit) == fit) listed.push_back(i);
+  };
+  add(false);
+  add(true);
+  std::ranges::sort(listed);
+  return listed;
+}
+
+/// Rates of the paths through a mesh, as its links and reservations are now.
+void add_rates(const core::State& state, const core::Verdict& v, const core::MediumUse& use,
+               Own own, control::MediumUse& out) {
+  const core::MeshView& view = *state.world().meshes[use.network];
+  std::unordered_map<std::size_t, Value> of_its_own;  // by domain
+  if (own == Own::is_available)
+    for (const core::Holding& h : state.ledger().holdings_of(v.publisher)) {
+      if (h.resource != use.network || !h.mesh) continue;
+      for (const core::mesh::Share& share : h.mesh->shares) of_its_own[share.domain] += share.time;
+    }
+  const auto held = [&](std::size_t domain) {
+    const auto known = of_its_own.find(domain);
+    return known == of_its_own.end() ? Value{0} : known->second;
+  };
+  const auto taken = [&](std::size_t domain) {
+    return add_saturating(state.ledger().medium_time(use.network, domain) - held(domain),
+                          view.background[domain]);
+  };
+  const core::Publisher& publisher = state.members().publisher(v.publisher);
+  const Value event = core::mesh_event(core::attributes_in(publisher, v.set));
+  out.paper_rate = out.available = kUnbounded;
+  std::size_t longest = 0;
+  for (const auto& [from, to] : use.pairs) {
+    const auto& path = view.path(from, to);
+    const auto rate =
+        path.empty() ? core::mesh::RouteRate{} : view.cost(from, to).evaluate(event, taken);
+    out.paper_rate = std::min(out.paper_rate, rate.paper);
+    if (rate.available < out.available) {
+      out.available = rate.available;
+      out.limiting_domain = path.empty() ? "" : view.domain_name(rate.limiting_domain);
+    }
+    if (path.size() <= longest) continue;
+    longest = path.size();
+    out.nodes = {view.node_name(view.graph.links[path.front()].from)};
+    for (const std::uint32_t link : path)
+      out.nodes.push_back(view.node_name(view.graph.links[link].to));
+  }
+}
+
+}  // namespace
+
+std::string why(const core::State& state, const core::Verdict& v) {
+  std::string problem;
+  if (v.obstacle == core::Obstacle::unavailable)
+    problem = state.world().conditions[v.obstacle_at.index].problem;
+  if (v.obstacle == core::Obstacle::contradicted)
+    if (const auto* found =
+            state.world().conditions[v.obstacle_at.index].contradiction_of(v.channel))
+      problem = found->how;
+  return core::reason(state.system(), state.members(), v, problem);
+}
+
+control::MediumUse medium_report(const core::State& state, const core::Verdict& v,
+                                 const core::MediumUse& use, Own own) {
+  control::MediumUse out;
+  out.network = state.system().networks[use.network].name;
+  out.response_ns = use.response;
+  out.guaranteed_ns = use.guaranteed;
+  // Others may have come or gone since it was decided.
+  const auto* bus = state.ledger().schedule(use.network);
+  if (const auto* message = bus != nullptr ? bus->find(use.key) : nullptr;
+      message != nullptr && use.guaranteed != 0 && bus->response(use.key) >= message->jitter)
+    out.response_ns = bus->response(use.key) - message->jitter;
+  if (state.world().meshes[use.network] && !use.pairs.empty()) add_rates(state, v, use, own, out);
+  return out;
+}
+
+control::Channel channel_report(const core::State& state, const core::Verdict& v, Frames frames) {
+  const core::System& system = state.system();
+  const core::Members& members = state.members();
+  const core::EventChannel& channel = system.channels[v.channel];
+  const core::Publisher& publisher = members.publisher(v.publisher);
+  control::Channel out;
+  out.subject = channel.subject;
+  out.name = channel.name;
+  out.description = channel.description;
+  out.publisher = publisher.name;
+  out.from = core::name_of(system, publisher.place);
+  out.to = core::name_of(system, v.to);
+  out.admission = members.admission_of_publisher(v.publisher);
+  for (const std::size_t s : v.subscribers) {
+    if (out.subscribers.size() < control::kListedSubscribers)
+      out.subscribers.push_back(members.subscriber(s).name);
+    else
+      ++out.subscribers_left_out;
+    if (out.admission == 0) out.admission = members.admission_of_subscriber(s);
+  }
+  out.granted = v.granted;
+  out.withdrawn = v.obstacle == core::Obstacle::withdrawn;
+  out.set = static_cast<std::uint32_t>(v.set);
+  out.sets = static_cast<std::uint32_t>(core::sets_of(system, v.channel));
+  out.importance = channel.importance;
+  for (const core::MediumUse& use : v.media)
+    out.media.push_back(medium_report(state, v, use, Own::is_available));
+  out.reason = why(state, v);
+  for (const core::Place place : v.route) out.route.push_back(core::name_of(system, place));
+  const auto rows = listed_rows(v.rows);
+  out.rows_left_out = static_cast<std::uint32_t>(v.rows.size() - rows.size());
+  for (const std::size_t at : rows) {
+    const core::Row& row = v.rows[at];
+    out.rows.push_back({.where = core::where(system, members, v, row),
+                        .attribute = core::attribute_name(system, row),
+                        .unit = core::unit_name(system, row),
+                        .required = row.comparison.required,
+                        .provided_known = row.comparison.known,
+                        .provided = row.comparison.provided,
+                        .dynamic = row.comparison.dynamic,
+                        .outcome = outcome_of(row.comparison.outcome),
+                        .margin = core::format_margin(system, row)});
+  }
+  if (v.granted) out.reaction = core::reaction(v);
+  out.passed = frames.passed;
+  out.dropped = frames.dropped;
+  out.would_drop = frames.would_drop;
+  out.excess = frames.excess;
+  return out;
+}
+
+control::Network network_report(const core::State& state, std::size_t index) {
+  const core::System& system = state.system();
+  const core::Network& network = system.networks[index];
+  control::Network out;
+  out.name = network.name;
+  out.kind = core::to_text(network.kind);
+  out.profile = core::to_text(network.profile);
+  for (std::size_t i = 0; i < kAttributes; ++i) {
+    const Attribute a = attribute_at(i);
+    if (network.provision.has(a))
+      out.provision.push_back(
+          {info(a).name, network.provision[a], info(a).unit, network.provision.is_dynamic(a)});
+  }
+  out.capacity_known = network.provision.has(Attribute::bandwidth);
+  out.capacity = network.provision[Attribute::bandwidth];
+  out.reserved = state.ledger().reserved(index);
+  out.available = state.world().conditions[index].available;
+  out.problem = state.world().conditions[index].problem;
+  for (const core::Gateway& gateway : system.gateways)
+    if (gateway.port_on(index) != nullptr) out.gateways.push_back(gateway.name);
+  return out;
+}
+
+std::string verdict_line(const core::State& state, const core::Verdict& v) {
+  const core::System& system = state.system();
+  const core::EventChannel& channel = system.channels[v.channel];
+  const core::Publisher& publisher = state.members().publisher(v.publisher);
+  return fmt::format("{} ({}) {} from {} to {}: {}", channel.name,
+                     core::format_subject(channel.subject), v.granted ? "granted" : "refused",
+                     core::name_of(system, publisher.place), core::name_of(system, v.to),
+                     why(state, v));
+}
+
+std::string switch_line(const core::State& state, const core::Verdict& v, std::size_t former_set) {
+  const core::System& system = state.system();
+  const core::EventChannel& channel = system.channels[v.channel];
+  return fmt::format("{} ({}) switched from attribute set {} to {} of {}, from {} to {}: {}",
+                     channel.name, core::format_subject(channel.subject), former_set + 1, v.set + 1,
+                     core::sets_of(system, v.channel),
+                     core::name_of(system, state.members().publisher(v.publisher).place),
+                     core::name_of(system, v.to), why(state, v));
+}
+
+}  // namespace mlcca

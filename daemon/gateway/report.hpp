@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Decisions and the state of the gates in the words of the control protocol.
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "control/messages.hpp"
+#include "core/admission/state.hpp"
+#include "core/model/verdict.hpp"
+
+namespace mlcca {
+
+/// Frames of a port without a slot.
+struct UnknownFrames {
+  std::uint64_t dropped = 0;
+  std::uint64_t would_drop = 0;  ///< let through by audit mode
+};
+
+/// Frames that a delivery's slots have passed and dropped at this gateway.
+struct Frames {
+  std::uint64_t passed = 0;
+  std::uint64_t dropped = 0;
+  std::uint64_t excess = 0;          ///< more than was admitted, dropped or not
+  std::uint64_t excess_dropped = 0;  ///< part of both
+  std::uint64_t would_drop = 0;      ///< let through by audit mode; not part of dropped
+  std::uint64_t would_exceed = 0;    ///< part of would_drop and of excess
+  std::string last_reason;           ///< of the latest drop; empty: none
+};
+
+/// Why it was decided so, with what is wrong with a network that cannot be used.
+[[nodiscard]] std::string why(const core::State& state, const core::Verdict& verdict);
+/// Whether what the publisher of a delivery holds of a mesh is available to whoever asks.
+enum class Own : std::uint8_t { is_available, is_taken };
+/// What a medium gives a delivery, as its links and what is reserved are now.
+[[nodiscard]] control::MediumUse medium_report(const core::State& state,
+                                               const core::Verdict& verdict,
+                                               const core::MediumUse& use, Own own);
+[[nodiscard]] control::Channel channel_report(const core::State& state,
+                                              const core::Verdict& verdict, Frames frames);
+[[nodiscard]] control::Network network_report(const core::State& state, std::size_t index);
+
+/// "emergency-switch (0xa4efeccc3210b497) refused from second-can to robot-can: Omission …".
+/// "video (0x…) switched from set 1 to set 2 of 2, from laptop to awds: …"
+[[nodiscard]] std::string switch_line(const core::State& state, const core::Verdict& verdict,
+                                      std::size_t former_set);
+[[nodiscard]] std::string verdict_line(const core::State& state, const core::Verdict& verdict);
+
+}  // namespace mlcca

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/ports/drift.hpp"
+
+#include <fmt/format.h>
+
+#include <numeric>
+#include <utility>
+
+#include "bpf/gate.h"
+#include "daemon/gates/close_unpinned.hpp"
+#include "daemon/gates/early.hpp"
+#include "daemon/net/filters.hpp"
+
+namespace mlcca {
+namespace {
+
+/// What runs before our programs, in words; empty: nothing does.
+Result<std::string> before(int ifindex, const enforce::PortGate& gate) {
+  std::string text;
+  const auto add = [&](bool ingress, const std::string& what) {
+    text +=
+        fmt::format("{}{} at {}", text.empty() ? "" : ", ", what, ingress ? "ingress" : "egress");
+  };
+  const auto ahead = gate.ahead();
+  if (!ahead) return std::unexpected(ahead.error());
+  for (const enforce::Ahead& a : *ahead)
+    add(a.direction == enforce::Direction::ingress, fmt::format("TCX program {}", a.program));
+  if (gate.hook() != enforce::Hook::clsact) return text;
+  for (const bool ingress : {true, false}) {
+    const auto filters = net::filters_before(ifindex, ingress, GATE_TC_PRIORITY, GATE_TC_HANDLE);
+    if (!filters) return std::unexpected(filters.error());
+    for (const net::Filter& f : *filters)
+      add(ingress, fmt::format("{} filter{}{} (preference {}, handle {:#x}{})", f.kind,
+                               f.name.empty() ? "" : " ", f.name, f.priority, f.handle,
+                               f.program != 0 ? fmt::format(", program {}", f.program) : ""));
+  }
+  return text;
+}
+
+/// XDP programs of others, in words; empty: there is none. They run before tc whatever we do, and
+/// in a driver there is room for one.
+std::string before_tc(int ifindex, const enforce::PortGate& gate) {
+  const auto others =
+      enforce::other_early_programs(static_cast<std::uint32_t>(ifindex), gate.early());
+  if (others.empty()) return {};
+  return fmt::format(
+      "before the gate of {} runs XDP program {}, which is not ours and stays: what that takes, "
+      "redirects or sends back is not judged",
+      gate.name(), fmt::join(others, ", "));
+}
+
+/// What was admitted, and what audit mode has let through: counted here, or told at ingress.
+std::uint64_t let_out(const enforce::PortGate& gate) {
+  const auto reasons = gate.reasons(enforce::Direction::egress);
+  const auto audit = gate.would_drop(enforce::Direction::egress);
+  return std::accumulate(audit.begin(), audit.end(), reasons[GATE_R_PASSED] + reasons[GATE_R_ECHO]);
+}
+
+}  // namespace
+
+void Drift::forget_all_but(const Gates& gates) {
+  std::erase_if(seen_, [&](const auto& entry) { return !gates.contains(entry.first); });
+}
+
+std::vector<int> Drift::repair(const Gates& gates, const net::LinkTable& links) {
+  forget_all_but(gates);
+  std::vector<int> lost;
+  for (const auto& [ifindex, gate] : gates)
+    if (!repair(ifindex, *gate, links)) lost.push_back(ifindex);
+  return lost;
+}
+
+bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& links) {
+  if (!links.contains(ifindex)) return true;
+  Seen& seen = seen_[ifindex];
+  gated_.insert(ifindex);
+  keep_pinned(gate, seen);
+  const auto there = gate.attached();
+  if (seen.unseen.is_new(
+          there ? ""
+                : fmt::format("the gate of {} cannot be looked at, and is commanded as before: {}",
+                              gate.name(), there.error().text)))
+    tell_(Kind::drift, seen.unseen.text(), true);
+  if (!there) return true;
+  keep_early(ifindex, gate, seen);
+  if (*there) {
+    if (!seen.unpinned.lasts()) keep_first(ifindex, gate, seen);
+    return true;
+  }
+  const bool replaced = enforce::is_gated(static_cast<std::uint32_t>(ifindex), gate.hook());
+  const auto repaired = gate.reattach();
+  if (!repaired) {
+    tell_(
+        Kind::drift,
+        "the gate of " + gate.name() + " is gone and cannot be put back: " + repaired.error().text,
+        true);
+    return false;
+  }
+  ++seen.repaired;
+  tell_(Kind::drift,
+        replaced
+            ? fmt::format("another daemon had put its gate in the place of that of {}, which is "
+                          "back: two daemons with --bpf-root of their own close each other's "
+                          "gates",
+                          gate.name())
+            : fmt::format("somebody removed the gate of {}: it was open until now, and is back",
+                          gate.name()),
+        true);
+  return true;
+}
+
+/// Before anything else is put back: that is pinned, too.
+void Drift::keep_pinned(const enforce::PortGate& gate, Seen& seen) {
+  const auto again = gate.keep_pinned();
+  if (seen.unpinned.is_new(
+          again ? ""
+                : fmt::format(
+                      "the gate of {} is not pinned, and a daemon that starts would begin with "
+                      "a closed one: {}",
+                      gate.name(), again.error().text)))
+    tell_(Kind::drift, seen.unpinned.text(), true);
+  if (!again || again->empty()) return;
+  ++seen.repaired;
+  tell_(Kind::drift,
+        fmt::format("somebody unpinned {} of the gate of {}: pinned again, and nothing else has "
+                    "changed",
+                    fmt::join(*again, ", "), gate.name()),
+        true);
+}
+
+/// What is gone from the driver lets nothing pass: both filters judge all of it.
+void Drift::keep_early(int ifindex, enforce::PortGate& gate, Seen& seen) {
+  const std::string others = before_tc(ifindex, gate);
+  const std::string told = std::exchange(seen.early, others);
+  const bool lost = gate.lost_early();
+  // A place that another program has left is taken again.
+  const auto put =
+      lost || (others.empty() && !told.empty()) ? gate.put_early_back() : Result<void>();
+  if (lost) {
+    const bool back = gate.drops_early();
+    if (back) ++seen.repaired;
+    tell_(Kind::drift,
+          fmt::format("somebody removed our program from the driver of {}: what is refused was "
+                      "dropped behind packet sockets until now, and {}{}",
+                      gate.name(), back ? "is dropped early again" : "still is",
+                      back || put ? "" : ": " + put.error().text),
+          true);
+  }
+  if (told == others) return;
+  tell_(Kind::drift,
+        others.empty()
+            ? fmt::format("no other XDP program runs before the gate of {} any more", gate.name())
+            : others,
+        !others.empty());
+}
+
+/// Ours goes first where that takes nothing away from anybody: a program in front of it may let
+/// frames pass that ours never sees.
+void Drift::keep_first(int ifindex, enforce::PortGate& gate, Seen& seen) {
+  auto found = before(ifindex, gate);
+  std::string standing;
+  if (!found) {
+    standing = found.error().text;
+  } else if (!found->empty()) {
+    if (*found == seen.unmovable) return;
+    const auto moved = gate.go_first();
+    const auto left = before(ifindex, gate);
+    if (moved && left && left->empty()) {
+      ++seen.repaired;
+      tell_(Kind::drift,
+            fmt::format("before the gate of {} ran {}: what that let pass until now was not "
+                        "judged; the gate is first again",
+                        gate.name(), *found),
+            true);
+    } else {
+      standing = fmt::format(
+          "before the gate of {} runs {}, and it cannot be put first{}: what "
+          "that lets pass is not judged",
+          gate.name(), *found, moved ? "" : " (" + moved.error().text + ")");
+    }
+  }
+  seen.unmovable = standing.empty() || !found ? "" : *found;
+  const std::string told = std::exchange(seen.standing, standing);
+  if (told == standing) return;
+  tell_(Kind::drift,
+        standing.empty() ? fmt::format("nothing runs before the gate of {} any more", gate.name())
+                         : standing,
+        !standing.empty());
+}
+
+void Drift::tell_moved(const net::Links::Moved& link) {
+  if (gated_.erase(link.ifindex) == 0) return;
+  tell_(Kind::drift,
+        link.name + " was moved to another network namespace: there it has no gate of ours", true);
+}
+
+void Drift::look_for_bypass(const Gates& gates, net::Links& links, std::int64_t now_s) {
+  for (const auto& [ifindex, gate] : gates) look_for_bypass(ifindex, *gate, links, now_s);
+}
+
+void Drift::look_for_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links,
+                            std::int64_t now_s) {
+  if (!gate.judges_everything()) return;
+  Seen& seen = seen_[ifindex];
+  Bypass::Counts counts;
+  counts.let_out_before = let_out(gate);
+  const auto waiting = net::waiting_in_queue(ifindex);
+  const auto traffic = links.traffic(ifindex);
+  if (!waiting || !traffic) return;
+  counts.waiting = waiting->frames;
+  counts.sent = traffic->sent_frames + traffic->send_drops + waiting->dropped;
+  counts.let_out_after = let_out(gate);
+  told_past_.look(gate.name(), seen.past, now_s);
+  seen.past += seen.bypass.look(counts);
+  if (const auto news = told_past_.look(gate.name(), seen.past, now_s))
+    tell_(Kind::bypass,
+          fmt::format("{} has sent {} frames that its gate has not seen: somebody sends past the "
+                      "queueing layer (AF_PACKET with PACKET_QDISC_BYPASS)",
+                      gate.name(), *news),
+          true);
+}
+
+void Drift::report(int ifindex, const enforce::PortGate& gate, control::Interface& to) const {
+  to.hook = enforce::to_text(gate.hook());
+  const auto it = seen_.find(ifindex);
+  if (it == seen_.end()) return;
+  const Seen& seen = it->second;
+  for (const std::string& part :
+       {seen.unseen.text(), seen.standing, seen.unpinned.text(), seen.early})
+    if (!part.empty()) to.drift += (to.drift.empty() ? "" : "; ") + part;
+  to.repaired = seen.repaired;
+  to.bypassed = seen.past;
+}
+
+}  // namespace mlcca

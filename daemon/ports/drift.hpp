@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The kernel drifts from what was put there: gates that somebody removed or stepped in front of are
+// put back, and frames that went past them are told.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "control/messages.hpp"
+#include "daemon/gates/port_gate.hpp"
+#include "daemon/gateway/drops.hpp"
+#include "daemon/gateway/journal.hpp"
+#include "daemon/gateway/problem.hpp"
+#include "daemon/net/links.hpp"
+#include "daemon/ports/bypass.hpp"
+
+namespace mlcca {
+
+class Drift {
+ public:
+  using Tell = std::function<void(Kind kind, const std::string& line, bool problem)>;
+  /// By ifindex.
+  using Gates = std::map<int, enforce::PortGate*>;
+
+  explicit Drift(Tell tell) : tell_(std::move(tell)) {}
+
+  /// Puts gates back, and first, and pins them again. Gives those that cannot be put back.
+  std::vector<int> repair(const Gates& gates, const net::LinkTable& links);
+  /// One of them; false if it cannot be put back.
+  bool repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& links);
+  void forget_all_but(const Gates& gates);
+  /// An interface was taken to another namespace, where our gate is not; of those that had one.
+  void tell_moved(const net::Links::Moved& link);
+  /// About once a second. `now_s`: any steady clock.
+  void look_for_bypass(const Gates& gates, net::Links& links, std::int64_t now_s);
+  void look_for_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links,
+                       std::int64_t now_s);
+
+  void report(int ifindex, const enforce::PortGate& gate, control::Interface& to) const;
+
+ private:
+  struct Seen {
+    std::string standing;   ///< what cannot be repaired; empty: nothing
+    Problem unseen;         ///< why nobody knows whether it is in place
+    Problem unpinned;       ///< why it cannot be pinned again
+    std::string early;      ///< XDP programs of others, which run before the gate; empty: none
+    std::string unmovable;  ///< what runs before the gate and could not be put behind it
+    std::uint64_t repaired = 0;
+    std::uint64_t past = 0;  ///< frames that went past the gate
+    Bypass bypass;
+  };
+  void keep_pinned(const enforce::PortGate& gate, Seen& seen);
+  void keep_first(int ifindex, enforce::PortGate& gate, Seen& seen);
+  void keep_early(int ifindex, enforce::PortGate& gate, Seen& seen);
+
+  Tell tell_;
+  std::map<int, Seen> seen_;
+  std::set<int> gated_;  ///< interfaces that had a gate, those that are gone too
+  DropWatch<std::string> told_past_;
+};
+
+}  // namespace mlcca

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The interfaces of this gateway: which of those that are there belong to which network, their
+// gates, and what the gates hold.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/result.hpp"
+#include "control/messages.hpp"
+#include "core/admission/admission.hpp"
+#include "core/gates/plan.hpp"
+#include "core/model/system.hpp"
+#include "daemon/gates/control.hpp"
+#include "daemon/gates/ether_gate.hpp"
+#include "daemon/gates/gate.hpp"
+#include "daemon/gates/slot_record.hpp"
+#include "daemon/gateway/bus_load.hpp"
+#include "daemon/gateway/problem.hpp"
+#include "daemon/gateway/report.hpp"
+#include "daemon/net/identity.hpp"
+#include "daemon/net/links.hpp"
+#include "daemon/ports/drift.hpp"
+
+namespace mlcca {
+
+class Ports {
+ public:
+  /// Told of everything an operator should know: interface, one line, whether it is a problem.
+  using Tell =
+      std::function<void(const std::string& network, const std::string& line, bool problem)>;
+
+  /// `root`: the bpffs of `control`.
+  Ports(net::Links& links, enforce::Control& control, std::string root, net::FactsOf facts_of,
+        Tell tell, Drift::Tell tell_drift)
+      : links_(links),
+        control_(control),
+        root_(std::move(root)),
+        facts_of_(std::move(facts_of)),
+        tell_(std::move(tell)),
+        drift_(std::move(tell_drift)) {}
+
+  /// The ports of a new description. Gates that are there stay as they are until follow() and
+  /// sync(); an interface that is not described any more is closed by follow().
+  void describe(const core::System& system, std::size_t gateway);
+
+  /// Called between the steps of what takes long, a gate at a time.
+  void on_step(std::function<void()> step) { step_ = std::move(step); }
+
+  /// Brings gates and interfaces in line with what is there now: bit rate, then gate, then up.
+  /// Everything that changed hands is denied before anything else happens.
+  void follow();
+
+  /// Gates that lost their filters get them back; one that could not be attached is tried again.
+  /// True if that changed anything: follow() then.
+  bool repair();
+  /// The same in steps, a gate at a time: what comes before them, then next_gate() behind 0 and so
+  /// on, then wants_gate() tells what repair() would.
+  void begin_repair();
+  /// False where the gate is gone and cannot be put back: follow() at once, before anything else.
+  bool repair(int ifindex);
+  [[nodiscard]] bool wants_gate() const;
+  /// The gate behind this one, by ifindex; nothing behind the last one.
+  [[nodiscard]] std::optional<int> next_gate(int ifindex) const;
+
+  /// An interface that ought to be gated has no gate that we command, and an older one may still
+  /// pass what it was told: everything must be closed.
+  [[nodiscard]] bool out_of_hand() const;
+  /// Whether a gate's interface is there could not be found out: follow() again soon.
+  [[nodiscard]] bool in_doubt() const {
+    return !doubtful_.empty() || unread_.lasts() || !orphans_closed_;
+  }
+
+  /// Why nobody knows whether gates without pins are left; empty: it is known.
+  [[nodiscard]] const std::string& orphans_unknown() const { return orphans_unknown_.text(); }
+
+  /// Once a second: frames that were sent past the gate of an interface.
+  void look_for_bypass(int ifindex, std::int64_t now_s);
+
+  /// Usable or why not, per network of the system.
+  [[nodiscard]] std::vector<core::Condition> conditions(std::size_t networks) const;
+
+  /// What the bus behind a port has carried; nothing where the kernel does not say.
+  [[nodiscard]] std::optional<BusCounters> bus_counters(std::size_t port);
+  /// Network of the system that a port is on.
+  [[nodiscard]] std::size_t network_number(std::size_t port) const {
+    return ports_[port].port.network;
+  }
+
+  /// Makes every gate hold exactly `wanted`. A gate that refuses is denied as a whole, and the
+  /// error names it.
+  Result<void> sync(const core::GateState& wanted);
+  /// What leaves through a port is queued by these limits, see enforce::Gate::set_bands().
+  void set_bands(std::size_t port, std::span<const std::uint32_t> limits);
+  /// The port queues by priority, and is there to do so.
+  [[nodiscard]] bool queues_by_priority(std::size_t port) const {
+    return ports_[port].port.queueing == core::Queueing::priority && ports_[port].problem.empty();
+  }
+
+  /// Makes the changes. After an error gates hold part of them: sync() then.
+  Result<void> apply(const core::GateChanges& changes);
+
+  /// What the gates hold of these rules, in their order.
+  [[nodiscard]] std::vector<enforce::PlacedSlot> slots(std::span<const core::GateRule> rules) const;
+
+  /// What came and left by these rules. A frame that leaves has passed once: it is counted where it
+  /// leaves, or, where that entry is one of those `shared` with others, where it came in.
+  [[nodiscard]] Frames frames(const core::GateState& rules,
+                              const std::vector<core::GateEntry>& shared = {}) const;
+  /// How the events of a delivery come to the slot that they enter by; nothing where nobody looks.
+  [[nodiscard]] std::optional<control::Watch> watch(const core::GateState& rules) const;
+  /// If events of a delivery are missing that is told once more: somebody has not heard it.
+  [[nodiscard]] Result<void> tell_again(const core::GateState& rules) const;
+  /// The event is of the slot that one of these rules is held by.
+  [[nodiscard]] bool is_of(const gate_event& event, const core::GateState& rules) const;
+  [[nodiscard]] std::vector<control::Interface> report() const;
+  [[nodiscard]] std::size_t size() const { return ports_.size(); }
+  /// The gate of a port; none where it needs none or could not be attached.
+  [[nodiscard]] const enforce::PortGate* gate(std::size_t port) const { return gate_of(port); }
+  /// The same where it is a CAN gate.
+  [[nodiscard]] enforce::Gate* can_gate(std::size_t port) const { return can_gate_of(port); }
+  [[nodiscard]] const core::Port& described(std::size_t port) const { return ports_[port].port; }
+  [[nodiscard]] bool is_can(std::size_t port) const {
+    return ports_[port].kind == core::NetworkKind::can;
+  }
+  [[nodiscard]] core::Profile profile(std::size_t port) const { return ports_[port].profile; }
+  [[nodiscard]] const std::string& problem(std::size_t port) const { return ports_[port].problem; }
+  [[nodiscard]] const std::string& network_of(std::size_t port) const {
+    return ports_[port].network_name;
+  }
+  /// Of the interface that is held by a gate, 0: there is none.
+  [[nodiscard]] int gated_interface(std::size_t port) const {
+    return gate_of(port) == nullptr ? 0 : ports_[port].ifindex;
+  }
+  /// Frames without a slot so far, on one port.
+  [[nodiscard]] UnknownFrames unknown_frames(std::size_t port) const;
+  /// The latest frame without a slot that came in: "123", "0x4e6f626f64790000 from 10.0.0.7".
+  [[nodiscard]] std::string latest_stranger(std::size_t port) const;
+  /// Name of the interface now, or what it is recognised by.
+  [[nodiscard]] std::string interface_name(std::size_t port) const;
+
+ private:
+  struct PortState {
+    core::Port port;
+    std::string network_name;
+    core::NetworkKind kind = core::NetworkKind::can;
+    core::Profile profile = core::Profile::none;
+    std::uint32_t described_bitrate = 0;  ///< of the network
+    std::string can_state;                ///< as last told
+    int ifindex = 0;                      ///< 0: not there
+    std::string problem;
+    bool raised = false;  ///< a managed interface was brought up once since it appeared
+    bool lost = false;    ///< no gate of ours could be attached, not even a closed one
+    int held = 0;  ///< ifindex that was given a gate without slots, because nothing else could be
+    bool unwatched = false;  ///< its gate has more to watch than it can, and that was told
+    std::string told;        ///< the last problem of attaching that was told
+  };
+
+  /// A gate, and what it is where only gates of that kind can do something.
+  struct Held {
+    std::unique_ptr<enforce::PortGate> gate;
+    enforce::Gate* can = nullptr;
+    enforce::EtherGate* ethernet = nullptr;
+    enforce::PortGate* operator->() const { return gate.get(); }
+  };
+  static bool needs_gate(const PortState& port);
+  static bool is_gated_can(const PortState& port);
+  static bool can_have_gate(const PortState& port, const net::Link& link);
+  [[nodiscard]] const net::Link* link_of(const PortState& port) const;
+  void match(PortState& port, const net::FactsOf& facts_of);
+  void attach(PortState& port);
+  void hold_closed(PortState& port, const std::string& name);
+  /// True if that changed the interface.
+  bool raise(PortState& port);
+  void forget_vanished();
+  [[nodiscard]] bool has_gone(int ifindex);
+  void close_undescribed();
+  void close_orphans();
+  /// Gives an interface that is not described a gate that denies everything.
+  void close(const net::Link& link);
+  void judge(PortState& port);
+  void queue(PortState& port);
+  void tell_can_state(PortState& port, const net::Link& link);
+  /// Interface of its source port, 0: it has none; nothing: that is not there.
+  [[nodiscard]] std::optional<std::uint32_t> source_of(const core::GateEntry& entry) const;
+  [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateEntry& entry) const;
+  [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateRule& rule) const;
+  [[nodiscard]] std::map<std::size_t, enforce::SlotChanges> by_port(
+      const core::GateChanges& changes) const;
+  struct WatchedSlot {
+    const enforce::PortGate* gate;
+    std::uint32_t number;
+    core::Watching expected;
+  };
+  void tell_unwatched();
+  [[nodiscard]] std::optional<WatchedSlot> watched_slot(const core::GateState& rules) const;
+  /// Puts the gate in place that a port needs, unless it is there.
+  Result<void> hold(const net::Link& link, const PortState& port);
+  Result<void> hold_can(const enforce::GateConfig& config);
+  Result<void> hold_ethernet(const enforce::EtherConfig& config);
+  [[nodiscard]] Drift::Gates all_gates() const;
+  [[nodiscard]] const enforce::PortGate* gate_of(std::size_t port) const;
+  enforce::PortGate* gate_of(std::size_t port);
+  /// The gate of a port on a CAN network.
+  [[nodiscard]] enforce::Gate* can_gate_of(std::size_t port) const;
+  [[nodiscard]] bool is_to_be_gated(int ifindex) const;
+
+  net::Links& links_;
+  enforce::Control& control_;
+  std::string root_;
+  net::FactsOf facts_of_;
+  Tell tell_;
+  std::function<void()> step_ = [] {};
+  std::vector<PortState> ports_;
+  std::size_t ether_slots_ = 0;  ///< that Ethernet gates must have room for
+  std::map<int, Held> gates_;    ///< by ifindex
+  std::set<int> doubtful_;       ///< those of them whose interface may have gone
+  bool orphans_closed_ = false;  ///< see close_orphans()
+  Problem orphans_unknown_;      ///< why they could not be found
+  Problem unread_;               ///< why nobody knows what a former daemon has pinned
+  Drift drift_;
+};
+
+}  // namespace mlcca

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Gates whose interface has gone, or is not described any more.
+#include <fmt/core.h>
+
+#include <iterator>
+
+#include "daemon/gates/close_unpinned.hpp"
+#include "daemon/ports/ports.hpp"
+
+namespace mlcca {
+
+/// The kernel has told that the interface of a gate went, or says so when it is asked for this one.
+/// That a list lacks it proves nothing.
+bool Ports::has_gone(int ifindex) {
+  const bool listed = links_.table().contains(ifindex);
+  if (listed && !doubtful_.contains(ifindex)) return false;
+  switch (links_.presence(ifindex)) {
+    case net::Presence::gone:
+      doubtful_.erase(ifindex);
+      gates_.at(ifindex)->unpin();
+      return true;
+    case net::Presence::there:
+      // It went, and another one has its number, or it is back: a gate of its own finds out what
+      // is attached there. Until it is listed the one that is there stays.
+      if (listed) return doubtful_.erase(ifindex) != 0;
+      break;
+    case net::Presence::unknown:
+      break;
+  }
+  doubtful_.insert(ifindex);
+  return false;
+}
+
+void Ports::forget_vanished() {
+  for (const int gone : links_.take_gone())
+    if (gates_.contains(gone)) doubtful_.insert(gone);
+  for (auto it = gates_.begin(); it != gates_.end();)
+    it = has_gone(it->first) ? gates_.erase(it) : std::next(it);
+  if (const auto unpinned = enforce::unpin_vanished(control_); !unpinned)
+    tell_({}, unpinned.error().text, true);
+}
+
+void Ports::close_undescribed() {
+  for (auto& [ifindex, gate] : gates_)
+    if (!is_to_be_gated(ifindex)) gate->deny_all();
+  std::erase_if(doubtful_, [this](int ifindex) { return !gates_.contains(ifindex); });
+  const auto pinned = enforce::pinned_interfaces(control_);
+  if (unread_.is_new(pinned ? "" : pinned.error().text))
+    tell_({},
+          unread_.text() + ": nobody knows which gates a former daemon left, and all are closed",
+          true);
+  if (!pinned) return;
+  for (const std::uint32_t number : *pinned) {
+    const auto ifindex = static_cast<int>(number);
+    if (is_to_be_gated(ifindex) || gates_.contains(ifindex)) continue;
+    const auto link = links_.table().find(ifindex);
+    if (link == links_.table().end()) {
+      if (links_.presence(ifindex) != net::Presence::gone) doubtful_.insert(ifindex);
+      continue;
+    }
+    close(link->second);
+  }
+}
+
+/// A gate without a profile starts without slots: nothing that was granted before passes.
+void Ports::close(const net::Link& link) {
+  const auto held = hold(link, PortState{});
+  if (!held) {
+    tell_({}, held.error().text, true);
+    return;
+  }
+  gates_.at(link.ifindex)->deny_all();
+  tell_({},
+        fmt::format("{} is not described, or without a profile: its gate stays closed", link.name),
+        true);
+}
+
+/// Once: gates that no pin names, because somebody removed the pins of a former daemon. Where the
+/// interface is described, its own gate takes their place.
+void Ports::close_orphans() {
+  if (orphans_closed_) return;
+  const auto found = enforce::gated_interfaces();
+  orphans_closed_ = found.has_value();
+  if (orphans_unknown_.is_new(found ? "" : found.error().text))
+    tell_({},
+          orphans_unknown_.text() + ": nobody knows which gates without pins a former daemon left",
+          true);
+  if (!found) return;
+  for (const enforce::GatedInterface& gated : *found) {
+    const auto ifindex = static_cast<int>(gated.ifindex);
+    const auto link = links_.table().find(ifindex);
+    if (!gated.passes || is_to_be_gated(ifindex) || gates_.contains(ifindex) ||
+        link == links_.table().end())
+      continue;
+    close(link->second);
+    step_();
+  }
+}
+
+}  // namespace mlcca

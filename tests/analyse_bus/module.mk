@@ -1,4 +1,0 @@
-# The program is run as a user runs it.
-$(eval $(call unit_test,analyse_bus_test,$(wildcard tests/analyse_bus/*.cc) tests/check/program.cc,,-lutil))
-$(patsubst %.cc,$O/%.o,$(wildcard tests/analyse_bus/*.cc)): CPPFLAGS += $(TOOLS_CPPFLAGS)
-$O/tests/analyse_bus_test: | $O/mlccactl $O/mlcca-design

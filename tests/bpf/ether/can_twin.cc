@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tests/bpf/ether/can_twin.hpp"
+
+#include <bpf/bpf.h>
+#include <bpf/libbpf.h>
+#include <gate.skel.h>
+#include <linux/pkt_cls.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+namespace mlcca::test {
+namespace {
+
+void require(bool done, const char* what) {
+  if (done) return;
+  std::perror(what);
+  std::abort();
+}
+
+}  // namespace
+
+CanTwin::CanTwin(int control_map) : object_(gate_bpf__open(), gate_bpf__destroy) {
+  require(object_ != nullptr, "open the CAN gate");
+  object_->rodata->profile = GATE_PROFILE_RAW;
+  object_->rodata->test_run = true;
+  bpf_map__set_max_entries(object_->maps.cpus,
+                           static_cast<std::uint32_t>(libbpf_num_possible_cpus()));
+  require(bpf_map__reuse_fd(object_->maps.data_control, control_map) == 0, "share the control");
+  require(gate_bpf__load(object_.get()) == 0, "load the CAN gate");
+  auto table =
+      enforce::SlotTable::read({object_->bss->table, {}, object_->data_control->control.generation},
+                               GATE_PROFILE_RAW, true, [] { return Result<void>{}; });
+  require(table.has_value(), "read the slots");
+  table_ = std::make_unique<enforce::SlotTable>(std::move(*table));
+}
+
+enforce::SlotSpec CanTwin::slot(std::uint32_t id, bool pass) {
+  enforce::SlotSpec s;
+  s.pass = pass;
+  s.id = id;
+  s.mask = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK;
+  s.subject = id;
+  return s;
+}
+
+void CanTwin::admit(const std::vector<enforce::SlotSpec>& specs) {
+  enforce::SlotChanges changes;
+  changes.add = specs;
+  require(table_->apply(changes).has_value(), "add slots");
+}
+
+bool CanTwin::passes(std::uint32_t id) const {
+  can_frame frame{};
+  frame.can_id = id;
+  frame.len = 8;
+  LIBBPF_OPTS(bpf_test_run_opts, run);
+  run.data_in = &frame;
+  run.data_size_in = sizeof(frame);
+  require(bpf_prog_test_run_opts(bpf_program__fd(object_->progs.gate_ingress), &run) == 0,
+          "run a frame");
+  return static_cast<int>(run.retval) == TC_ACT_UNSPEC;
+}
+
+}  // namespace mlcca::test

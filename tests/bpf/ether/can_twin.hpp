@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A real CAN gate that obeys the same control word as a loaded Ethernet gate.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "daemon/gates/slots.hpp"
+
+struct gate_bpf;
+
+namespace mlcca::test {
+
+class CanTwin {
+ public:
+  explicit CanTwin(int control_map);
+  /// What comes in by this 11-bit identifier.
+  static enforce::SlotSpec slot(std::uint32_t id, bool pass);
+  void admit(const std::vector<enforce::SlotSpec>& specs);
+  [[nodiscard]] bool passes(std::uint32_t id) const;
+  [[nodiscard]] enforce::SlotTable& table() { return *table_; }
+
+ private:
+  std::unique_ptr<gate_bpf, void (*)(gate_bpf*)> object_;
+  std::unique_ptr<enforce::SlotTable> table_;
+};
+
+}  // namespace mlcca::test

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The real Ethernet gate, loaded but not attached, and packets run through it by BPF_PROG_TEST_RUN.
+#pragma once
+#include <linux/bpf.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/gates/ether_counters.hpp"
+#include "daemon/gates/ether_table.hpp"
+#include "daemon/gates/mapped.hpp"
+#include "tests/bpf/ether/packets.hpp"
+
+struct bpf_program;
+struct ether_bpf;
+
+namespace mlcca::test {
+
+inline constexpr std::uint32_t kIfindex = 7;  ///< of the gate under test
+inline constexpr std::uint32_t kOther = 9;    ///< another interface with a gate
+inline constexpr std::uint32_t kToken = 0xa5c30f1e;
+
+struct EtherOptions {
+  bool direct_access = true;
+  bool atomic_counts = false;
+  std::size_t slots = 0;
+
+  auto operator<=>(const EtherOptions&) const = default;
+};
+
+struct Sender {
+  bool local = false;  ///< a program of user 0
+  std::uint32_t mark = 0;
+  std::uint32_t ingress_ifindex = 0;
+  std::uint32_t segment = 0;  ///< bytes of each datagram in a buffer with several
+};
+
+struct Outcome {
+  bool dropped = false;
+  std::uint32_t mark = 0;
+  bool operator==(const Outcome&) const = default;
+};
+
+class LoadedEther {
+ public:
+  /// Aborts the test program where the kernel refuses the object.
+  explicit LoadedEther(const EtherOptions& options = {});
+  /// One loaded gate for each set of options, as new.
+  static LoadedEther& with(const EtherOptions& options = {});
+  LoadedEther(const LoadedEther&) = delete;
+  LoadedEther& operator=(const LoadedEther&) = delete;
+
+  Outcome run(enforce::Direction direction, const Bytes& bytes, const Sender& sender = {}) const;
+  /// Whether the program in the driver drops it.
+  [[nodiscard]] bool dropped_early(const Bytes& bytes) const;
+  [[nodiscard]] int program_fd(enforce::Direction direction) const;
+  [[nodiscard]] int early_fd() const;
+
+  /// Runs it so often.
+  void repeat(enforce::Direction direction, const Bytes& bytes, int times) const;
+  [[nodiscard]] gate_control& control() const;
+  [[nodiscard]] int control_fd() const;
+  [[nodiscard]] enforce::EtherTable& table() { return *table_; }
+  [[nodiscard]] const enforce::EtherMemory& memory() const { return memory_; }
+  [[nodiscard]] const enforce::EtherSizes& sizes() const { return sizes_; }
+  [[nodiscard]] std::span<ether_cpu> cpus() const { return cpus_.span(); }
+  [[nodiscard]] enforce::SlotCounters counted(const enforce::SlotSpec& spec) const;
+  /// Of the direction's own slot.
+  [[nodiscard]] enforce::SlotCounters counted(enforce::Direction direction) const;
+  [[nodiscard]] enforce::ReasonCounters reasons(enforce::Direction direction) const;
+  [[nodiscard]] enforce::ReasonCounters would_drop(enforce::Direction direction) const;
+  /// Kernel memory of all maps, as /proc has it.
+  [[nodiscard]] std::size_t map_bytes() const;
+
+  /// No slots, no counts, no fragments, open and enforcing.
+  void reset();
+  void admit(const std::vector<enforce::SlotSpec>& specs);
+
+ private:
+  enforce::EtherSizes sizes_;
+  std::unique_ptr<ether_bpf, void (*)(ether_bpf*)> object_;
+  enforce::Mapped<std::uint64_t> buckets_;
+  enforce::Mapped<ether_front> fronts_;
+  enforce::Mapped<ether_slot> slots_;
+  enforce::Mapped<ether_contract> contracts_;
+  enforce::Mapped<gate_count> counts_;
+  enforce::Mapped<gate_audit> audits_;
+  enforce::Mapped<ether_cpu> cpus_;
+  enforce::Mapped<gate_watch> watches_;
+  enforce::EtherMemory memory_;
+  std::unique_ptr<enforce::EtherTable> table_;
+};
+
+}  // namespace mlcca::test

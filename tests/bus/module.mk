@@ -1,7 +1,0 @@
-# SPDX-License-Identifier: BSD-2-Clause
-# A simulated bus against the analysis: 100,000 sets of messages, or as many as SETS says.
-$(eval $(call unit_test,bus_sim_test,$(wildcard tests/bus/*.cc),$O/libcore.a,))
-BUS_SETS ?= 10000000
-soak-bus: $O/tests/bus_sim_test
-	$(Q)SETS=$(BUS_SETS) SEED=$(or $(SEED),1) $<
-.PHONY: soak-bus

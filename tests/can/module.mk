@@ -1,1 +1,0 @@
-$(eval $(call unit_test,can_test,$(wildcard tests/can/*.cc),$O/libcore.a,))

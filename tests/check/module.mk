@@ -1,4 +1,0 @@
-# The program is run as a user runs it; the corpus is found below the source root, where tests are run.
-$(eval $(call unit_test,check_test,$(wildcard tests/check/*.cc),$(DESIGN_ARCHIVES),$(XML_LIBS) -lutil))
-$(patsubst %.cc,$O/%.o,$(wildcard tests/check/*.cc)): CPPFLAGS += $(TOOLS_CPPFLAGS)
-$O/tests/check_test: | $O/mlccactl $O/mlcca-design

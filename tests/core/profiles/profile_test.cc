@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Identifiers that a description means, on each profile: of the gate, of the analysis, in frames.
+#include "core/profiles/profile.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/can/of_system.hpp"
+#include "core/gates/control_traffic.hpp"
+#include "core/model/medium.hpp"
+
+namespace mlcca::core {
+namespace {
+
+Network on(Profile profile) {
+  Network n;
+  n.profile = profile;
+  return n;
+}
+Binding named(std::uint32_t id, bool extended = true) {
+  Binding b;
+  b.id = id;
+  b.extended = extended;
+  return b;
+}
+Publisher sender(std::optional<std::uint8_t> node = {}) {
+  Publisher p;
+  p.node = node;
+  return p;
+}
+
+TEST(FrameIdentity, OfJ1939HasPriorityGroupAndSource) {
+  // EEC1, PGN 61444, priority 3, from the engine (0).
+  auto eec1 = named(61444);
+  eec1.priority = 3;
+  const auto identity = identity_of(sender(0), on(Profile::j1939), eec1, false);
+  EXPECT_EQ(identity->id, kExtendedFlag | 0x0cf00400U);
+  EXPECT_EQ(identity->mask, kExtendedFlag | kExtendedBits);
+}
+
+TEST(FrameIdentity, OfJ1939LeavesOpenWhatIsNotStated) {
+  auto to_one = named(0xef00);
+  to_one.destination = 0x21;
+  const auto one = identity_of(sender(0x80), on(Profile::j1939), to_one, false);
+  EXPECT_EQ(one->id, kExtendedFlag | 0x00ef2180U);
+  EXPECT_EQ(one->mask, kExtendedFlag | 0x03ffffffU) << "any priority";
+  const auto any = identity_of(sender(0x80), on(Profile::j1939), named(0xef00), false);
+  EXPECT_EQ(any->mask, kExtendedFlag | 0x03ff00ffU) << "any destination, too";
+  const auto all = identity_of(sender(0x80), on(Profile::j1939), named(0xf000), false);
+  EXPECT_EQ(all->mask, kExtendedFlag | 0x03ffffffU) << "PDU2 has none";
+}
+
+TEST(FrameIdentity, OfCyphalHasNoServiceAndNobodyAnonymous) {
+  auto heartbeat = named(7509);
+  heartbeat.priority = 4;
+  const auto identity = identity_of(sender(42), on(Profile::cyphal), heartbeat, false);
+  EXPECT_EQ(0x107d552aU & identity->mask, identity->id & kExtendedBits);
+  EXPECT_NE(0x117d552aU & identity->mask, identity->id & kExtendedBits) << "anonymous";
+  EXPECT_NE(0x127d552aU & identity->mask, identity->id & kExtendedBits) << "service";
+}
+
+TEST(FrameIdentity, OfAMaskedIdentifierIsItsRange) {
+  auto range = named(0x120, false);
+  range.mask = 0x7f0;
+  const auto identity = identity_of(sender(), on(Profile::raw), range, false);
+  EXPECT_EQ(identity->id, 0x120U);
+  EXPECT_EQ(identity->mask, kExtendedFlag | 0x1ffffff0U);
+}
+
+TEST(FrameIdentity, NeedsANodeOfTheProfile) {
+  EXPECT_FALSE(identity_of(sender(), on(Profile::j1939), named(1), false));
+  EXPECT_TRUE(identity_of(sender(253), on(Profile::j1939), named(1), false));
+  EXPECT_FALSE(identity_of(sender(254), on(Profile::j1939), named(1), false));
+  EXPECT_TRUE(identity_of(sender(127), on(Profile::cyphal), named(1), false));
+  EXPECT_FALSE(identity_of(sender(128), on(Profile::cyphal), named(1), false));
+  EXPECT_FALSE(identity_of(sender(127), on(Profile::famouso), named(0x64), false));
+  EXPECT_TRUE(identity_of(sender(), on(Profile::canopen), named(0x181, false), false));
+  EXPECT_FALSE(identity_of(sender(1), on(Profile::none), named(1), false));
+}
+
+TEST(FrameIdentity, ThatLeavesBitsOpenDisturbsWithTheFirstAndSuffersWithTheLast) {
+  const auto network = on(Profile::j1939);
+  const auto open = can::identifier_of(sender(0), network, named(61444), false);
+  EXPECT_EQ(open->id, 0x00f00400U);
+  EXPECT_EQ(open->last, 0x1cf00400U);
+  auto stated = named(61444);
+  stated.priority = 3;
+  const auto fixed = can::identifier_of(sender(0), network, stated, false);
+  EXPECT_EQ(fixed->id, fixed->last);
+}
+
+TEST(Clash, IsAFrameThatCouldBeBoth) {
+  auto a = named(0x120, false);
+  a.mask = 0x7f0;
+  EXPECT_TRUE(clash(Profile::raw, a, named(0x12f, false)));
+  EXPECT_FALSE(clash(Profile::raw, a, named(0x130, false)));
+  EXPECT_FALSE(clash(Profile::raw, a, named(0x12f, true)));
+  auto one = named(0xef00);
+  one.destination = 1;
+  auto two = one;
+  two.destination = 2;
+  EXPECT_FALSE(clash(Profile::j1939, one, two));
+  EXPECT_TRUE(clash(Profile::j1939, one, named(0xef00)));
+}
+
+TEST(CyphalTransfer, OfOneFrameHasATailAndOfSeveralACrc) {
+  const auto network = on(Profile::cyphal);
+  const auto b = named(1);
+  EXPECT_EQ(frames_per_event(network, &b, 7), 1U);
+  EXPECT_EQ(frames_per_event(network, &b, 8), 2U);
+  EXPECT_EQ(frames_per_event(network, &b, 12), 2U);
+  EXPECT_EQ(frames_per_event(network, &b, 13), 3U);
+  EXPECT_EQ(frame_bytes(network, b, 0), 1U);
+  EXPECT_EQ(frame_bytes(network, b, 7), 8U);
+  EXPECT_EQ(event_bytes(network, b), 28670U);
+  EXPECT_EQ(frames_per_event(network, &b, 28670), kMaxFrames);
+}
+
+TEST(FrameBytes, OfFdAreSizesThatExist) {
+  auto b = named(0x123, false);
+  b.format = FrameFormat::fd;
+  const auto network = on(Profile::raw);
+  for (const auto& [bytes, size] : {std::pair{0U, 0U}, {8U, 8U}, {9U, 12U}, {33U, 48U}, {64U, 64U}})
+    EXPECT_EQ(frame_bytes(network, b, bytes), size);
+  b.format = FrameFormat::xl;
+  EXPECT_EQ(frame_bytes(network, b, 9), 9U);
+  EXPECT_EQ(event_bytes(network, b), 2048U);
+}
+
+// --- control traffic -----------------------------------------------------------------------------
+
+System bus_of(Profile profile) {
+  System s;
+  s.networks.push_back(on(profile));
+  s.gateways.emplace_back().ports.emplace_back();
+  return s;
+}
+
+std::size_t passing(const GateState& rules) {
+  return static_cast<std::size_t>(std::ranges::count_if(rules, &GateRule::pass));
+}
+
+TEST(ControlTraffic, PassesBothWaysAtItsOwnRate) {
+  const auto rules = control_rules(bus_of(Profile::canopen), 0);
+  ASSERT_EQ(rules.size(), 10U);
+  EXPECT_EQ(passing(rules), 10U);
+  for (const auto& rule : rules) {
+    EXPECT_TRUE(rule.policing.any());
+    EXPECT_EQ(rule.entry.subject, kControlSubject);
+    EXPECT_FALSE(rule.entry.source_port);
+  }
+  EXPECT_TRUE(control_rules(bus_of(Profile::raw), 0).empty());
+}
+
+TEST(ControlTraffic, ThatCarriesAnythingPassesOnlyWhereItIsNamed) {
+  auto s = bus_of(Profile::j1939);
+  const auto kinds = control_kinds(Profile::j1939);
+  EXPECT_EQ(passing(control_rules(s, 0)), 6U) << "claim, request, acknowledgement, in and out";
+  s.networks[0].control.kinds = (1U << kinds.size()) - 1;
+  EXPECT_EQ(passing(control_rules(s, 0)), control_rules(s, 0).size());
+}
+
+TEST(ControlTraffic, OfAPortGoesBeforeThatOfItsNetwork) {
+  auto s = bus_of(Profile::canopen);
+  s.networks[0].control = {.kinds = 0, .rate = 10};
+  EXPECT_EQ(passing(control_rules(s, 0)), 0U);
+  s.gateways[0].ports[0].control.kinds = 2;  // sync
+  const auto rules = control_rules(s, 0);
+  EXPECT_EQ(passing(rules), 2U);
+  for (const auto& rule : rules) EXPECT_EQ(rule.policing.per_frame, 100'000'000U);
+  s.gateways[0].ports[0].control.rate = 1;
+  EXPECT_EQ(control_rules(s, 0)[0].policing.per_frame, 1'000'000'000U);
+}
+
+TEST(ControlTraffic, ThatIsBoundIsTheChannels) {
+  const auto without = [](Profile profile, std::uint32_t id, bool extended) {
+    auto s = bus_of(profile);
+    const auto before = control_rules(s, 0).size();
+    s.networks[0].bindings.push_back(named(id, extended));
+    return before - control_rules(s, 0).size();
+  };
+  EXPECT_EQ(without(Profile::canopen, 0x080, false), 2U) << "SYNC, in and out";
+  EXPECT_EQ(without(Profile::canopen, 0x181, false), 0U);
+  EXPECT_EQ(without(Profile::cyphal, 7509, true), 2U);
+  EXPECT_EQ(without(Profile::j1939, 0xea00, true), 2U);
+  EXPECT_EQ(without(Profile::famouso, 0x64, true), 0U);
+}
+
+TEST(ControlTraffic, OfSubscriptionsHasATagOnceThatIsKnown) {
+  auto s = bus_of(Profile::famouso);
+  const auto subscriptions = [&s] {
+    std::vector<GateRule> found;
+    for (const auto& rule : control_rules(s, 0))
+      if (control_kind_of(Profile::famouso, rule.entry.id, rule.entry.mask) == "subscribe")
+        found.push_back(rule);
+    return found;
+  };
+  EXPECT_TRUE(subscriptions().empty());
+  s.networks[0].subscribe_tag = 0x3fff;
+  const auto rules = subscriptions();
+  ASSERT_EQ(rules.size(), 2U);
+  for (const auto& rule : rules) {
+    EXPECT_EQ(rule.entry.id, kExtendedFlag | 0x1f403fffU);
+    EXPECT_EQ(rule.entry.mask, kExtendedFlag | kRemoteFlag | 0x1fe03fffU) << "any node";
+    EXPECT_EQ(rule.entry.max_length, 8U);
+    EXPECT_TRUE(rule.pass);
+  }
+  s.networks[0].control.kinds = 3;  // configuration and binding
+  EXPECT_FALSE(subscriptions().at(0).pass);
+  s.networks[0].bindings.push_back(named(0x3fff));
+  EXPECT_TRUE(subscriptions().empty()) << "the tag is a channel's";
+  s.networks[0].bindings.clear();
+  s.channels.emplace_back().subject = kSubscribeSubject;
+  EXPECT_TRUE(subscriptions().empty()) << "the subject is a channel's";
+}
+
+TEST(ControlTraffic, OnlyTheKernelSendsWithoutAUser) {
+  for (const auto profile : {Profile::famouso, Profile::j1939, Profile::cyphal, Profile::canopen})
+    for (const auto& rule : control_rules(bus_of(profile), 0)) {
+      const auto kind = control_kind_of(profile, rule.entry.id, rule.entry.mask);
+      EXPECT_FALSE(kind.empty());
+      EXPECT_TRUE(!rule.entry.from_kernel || kind.ends_with("transport")) << kind;
+    }
+}
+
+}  // namespace
+}  // namespace mlcca::core

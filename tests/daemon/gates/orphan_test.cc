@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Gates whose daemon and pins are gone: they stay, close by themselves, and a later daemon replaces
+// or closes them.
+#include <gtest/gtest.h>
+#include <linux/bpf.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "daemon/gates/close_unpinned.hpp"
+#include "daemon/gates/former_layouts.hpp"
+#include "daemon/gates/gate_pins.hpp"
+#include "daemon/gates/pins.hpp"
+#include "daemon/gates/programs.hpp"
+#include "daemon/gates/retire.hpp"
+#include "daemon/gates/roster.hpp"
+#include "tests/daemon/gates/attach_fixture.hpp"
+#include "tests/support/becomes.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+using test::becomes;
+
+class Orphan : public AttachTo, public testing::WithParamInterface<Hook> {
+ protected:
+  Orphan() : AttachTo(GetParam()) {}
+
+  /// A gate that lets frames of 0x123 in, and out from local programs; then nothing is left of
+  /// whoever has put it there: no descriptor, no pin, no timer.
+  void leave_behind(const Bus& bus, std::uint64_t grace) {
+    {
+      auto gate = attach(bus);
+      admit(gate, {in(0x123), out(0x123, 0)});
+      counters_ = open_pin(cpus_pin(pins(bus)));
+    }
+    ASSERT_TRUE(counters_);
+    ASSERT_TRUE(control_.set_grace(grace));
+    std::filesystem::remove_all(root_);
+    auto nothing = Control::create_unpinned();
+    ASSERT_TRUE(nothing) << nothing.error().text;
+    control_ = std::move(*nothing);
+  }
+  /// Of the gate that was left behind: whoever reads its counters does not keep it in place.
+  [[nodiscard]] std::uint64_t counted(gate_reason reason) const {
+    const Mapped<gate_cpu> cpus(counters_.get(), possible_cpus());
+    return reason_counters(cpus.span(), Direction::ingress).at(reason);
+  }
+  [[nodiscard]] static std::size_t attached(const Bus& bus) {
+    const auto order = tcx_order(bus.ifindex(), Direction::ingress).value();
+    const bool filter = test::filter_at(bus, true, GATE_TC_PRIORITY, GATE_TC_HANDLE) != 0;
+    return (order ? order->programs.size() : 0) + (filter ? 1 : 0);
+  }
+
+  Fd counters_;
+};
+
+TEST_P(Orphan, StaysAndClosesByItself) {
+  const Bus bus("bus0");
+  leave_behind(bus, 0);
+  EXPECT_EQ(attached(bus), 1U);
+  EXPECT_TRUE(becomes([&] {
+    bus.inject(frame(0x123));
+    return counted(GATE_R_CLOSED) > 0;
+  }));
+  EXPECT_FALSE(Program(bus).send(frame(0x123)));
+}
+
+TEST_P(Orphan, IsReplacedByTheNextDaemon) {
+  const Bus bus("bus0");
+  leave_behind(bus, 0);
+  control_ = create(root_ = test::new_bpf_root());
+  ASSERT_TRUE(control_.set_grace(kForEver));
+  ASSERT_TRUE(control_.beat(0));
+  control_.open();
+  auto gate = attach(bus);
+  EXPECT_FALSE(gate.reused()) << "nobody knows its slots";
+  EXPECT_EQ(attached(bus), 1U);
+  admit(gate, {in(0x123)});
+  const Program listener(bus);
+  bus.inject(frame(0x124));
+  bus.inject(frame(0x123));
+  EXPECT_EQ(listener.received(), frame(0x123));
+}
+
+TEST_P(Orphan, WithAnEndlessGraceIsClosedByADaemonThatCannotCommandIt) {
+  const Bus bus("bus0");
+  const Bus other("other");
+  leave_behind(bus, kForEver);
+  EXPECT_TRUE(Program(bus).send(frame(0x123))) << "as it was told";
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(close_unpinned().value(), std::vector<std::string>{"bus0"});
+    EXPECT_FALSE(Program(bus).send(frame(0x123)));
+    EXPECT_EQ(attached(bus), 1U) << "however often it is tried";
+  }
+  EXPECT_TRUE(Program(other).send(frame(0x123))) << "it has no gate";
+}
+
+INSTANTIATE_TEST_SUITE_P(By, Orphan, testing::ValuesIn(all_hooks()), name_of);
+
+TEST_P(Attach, UnpinnedGateOfAnInterfaceThatIsHereStaysInForce) {
+  const Bus bus("bus0");
+  auto gate = attach(bus);
+  gate.unpin();
+  EXPECT_FALSE(std::filesystem::exists(pins(bus)));
+  EXPECT_TRUE(gate.attached().value());
+  EXPECT_FALSE(Program(bus).send(frame(0x123)));
+}
+
+TEST_P(Attach, RetiredGateLetsEverythingPassWhereItsDeviceIsNow) {
+  const Bus bus("bus0");
+  auto gate = attach(bus);
+  EXPECT_FALSE(Program(bus).send(frame(0x123)));
+  retire_gate(pins(bus));
+  EXPECT_TRUE(Program(bus).send(frame(0x123)));
+  EXPECT_TRUE(attach(bus).reused());
+  EXPECT_FALSE(Program(bus).send(frame(0x123))) << "whoever takes it over judges";
+}
+
+TEST_P(Attach, AGateThatComesBackWithItsDeviceIsReplaced) {
+  const Bus bus("bus0");
+  {
+    auto gate = attach(bus);
+    gate.unpin();
+  }
+  auto gate = attach(bus);
+  EXPECT_FALSE(Program(bus).send(frame(0x123)));
+  if (hook_ == Hook::tcx) {
+    EXPECT_EQ(tcx_order(bus.ifindex(), Direction::egress).value().value().programs.size(), 1U);
+  }
+}
+
+TEST_P(Attach, WordOfAnotherLayoutIsClosedAndItsPinsGo) {
+  constexpr std::uint32_t layout = GATE_LAYOUT_VERSION - 1;
+  const std::string former = root_ + "/v" + std::to_string(layout);
+  std::filesystem::create_directories(former + "/if7");
+  LIBBPF_OPTS(bpf_map_create_opts, options, .map_flags = BPF_F_MMAPABLE);
+  const Fd map(bpf_map_create(BPF_MAP_TYPE_ARRAY, "control", 4, 64, 1, &options));
+  ASSERT_EQ(bpf_obj_pin(map.get(), (former + "/control").c_str()), 0);
+  ASSERT_EQ(bpf_obj_pin(map.get(), (former + "/if7/egress_link").c_str()), 0);
+  struct Former {
+    std::uint32_t layout_version;
+    std::uint32_t open;
+    std::array<std::uint32_t, 14> rest;
+  };
+  const Mapped<Former> word(map.get(), 1);
+  word[0] = {layout, 1, {}};
+  word[0].rest.fill(0xabababab);
+  ASSERT_TRUE(close_former_layouts(root_));
+  EXPECT_EQ(word[0].open, 0U);
+  EXPECT_EQ(word[0].rest.front(), 0xababababU);
+  EXPECT_FALSE(std::filesystem::exists(former + "/control"));
+  EXPECT_TRUE(std::filesystem::exists(former + "/if7/egress_link")) << "it may hold a gate";
+  EXPECT_TRUE(control_.is_open());
+  EXPECT_TRUE(std::filesystem::exists(control_.directory() + "/control"));
+}
+
+/// Its slots say something else: nothing of them is taken over.
+TEST_P(Attach, GateOfTheLayoutBeforeIsReplaced) {
+  const Bus bus("bus0");
+  const Program listener(bus);
+  {
+    auto gate = attach(bus);
+    admit(gate, {in(0x123), in(0x124)});
+  }
+  bus.inject(frame(0x123));
+  EXPECT_EQ(listener.received(), frame(0x123));
+  const std::string former = root_ + "/v" + std::to_string(GATE_LAYOUT_VERSION - 1);
+  std::filesystem::rename(control_.directory(), former);
+  ASSERT_TRUE(close_former_layouts(root_));
+  EXPECT_FALSE(control_.is_open());
+  EXPECT_FALSE(Program(bus).send(frame(0x123)));
+  control_ = create(root_);
+  ASSERT_TRUE(control_.set_grace(kForEver));
+  ASSERT_TRUE(control_.beat(0));
+  control_.open();
+  auto gate = attach(bus);
+  EXPECT_FALSE(gate.reused());
+  admit(gate, {in(0x124)});
+  bus.inject(frame(0x123));
+  bus.inject(frame(0x124));
+  EXPECT_EQ(listener.received(), frame(0x124));
+  EXPECT_FALSE(std::filesystem::exists(former + "/if" + std::to_string(bus.ifindex())));
+}
+
+/// As layout 3 held its programs.
+Fd link_of_layout_3(const Bus& bus, std::uint32_t attach_type, int program) {
+  struct {
+    std::uint32_t program, ifindex, attach_type, flags, relative, pad;
+    std::uint64_t expected_revision;
+  } create{static_cast<std::uint32_t>(program), bus.ifindex(), attach_type, 1U << 3, 0, 0, 0};
+  return Fd(static_cast<int>(::syscall(SYS_bpf, BPF_LINK_CREATE, &create, sizeof(create))));
+}
+
+TEST_P(Tcx, LinkOfLayout3EndsWhereAGateOfOursTakesItsPlace) {
+  const Bus bus("bus0");
+  const std::string former = root_ + "/v3/if" + std::to_string(bus.ifindex());
+  std::filesystem::create_directories(former);
+  const Fd drops = test::load_foreign(2);  // TC_ACT_SHOT
+  {
+    const Fd link = link_of_layout_3(bus, 47, drops.get());
+    ASSERT_TRUE(link);
+    ASSERT_EQ(bpf_obj_pin(link.get(), (former + "/egress_link").c_str()), 0);
+  }
+  auto gate = attach(bus);
+  admit(gate, {out(0x123, 0)});
+  EXPECT_TRUE(Program(bus).send(frame(0x123)));
+  EXPECT_FALSE(std::filesystem::exists(former));
+}
+
+TEST_P(Attach, ProgramsOfGatesAreKnownByWhatTheyLookAt) {
+  const Bus bus("bus0");
+  const Fd foreign = test::load_foreign(0);
+  const auto gate = attach(bus);
+  const auto found = programs_of_gates();  // of the whole machine: others may come and go
+  ASSERT_TRUE(found) << found.error().text;
+  for (const std::string name : {"/ingress", "/egress"})
+    EXPECT_TRUE(found->contains(program_info(open_pin(pins(bus) + name).get()).id)) << name;
+  EXPECT_FALSE(found->contains(program_info(foreign.get()).id));
+  EXPECT_TRUE(is_of_a_gate(program_info(open_pin(pins(bus) + "/ingress").get()).id));
+}
+
+}  // namespace
+}  // namespace mlcca::enforce

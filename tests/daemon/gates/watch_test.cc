@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Silence noticed by the kernel's own timers, on a real clock: when it is told is held against what
+// the time stamps of the frames say.
+#include <deque>
+#include <set>
+
+#include "base/clock.hpp"
+#include "daemon/gates/events.hpp"
+#include "daemon/gates/programs.hpp"
+#include "tests/daemon/gates/attach_fixture.hpp"
+
+namespace mlcca::enforce {
+namespace {
+
+constexpr std::uint64_t kMillisecond = 1'000'000;
+constexpr std::uint64_t kPeriod = 100 * kMillisecond;
+constexpr std::uint64_t kSilence = 250 * kMillisecond;
+constexpr int kPatience = 20'000;  // ms
+
+SlotSpec heart_beat(std::uint32_t id, std::uint64_t silence = kSilence) {
+  SlotSpec s = in(id);
+  s.period = kPeriod;
+  s.silence = silence;
+  return s;
+}
+
+class WatchAttached : public Clsact {
+ protected:
+  WatchAttached() : reader_(open_reader()) {}
+
+  EventReader open_reader() {
+    auto reader = EventReader::open(control_.events_fd(),
+                                    {[this](const gate_event& e) { got_.push_back(e); },
+                                     [this](const gate_sample& s) { strangers_.push_back(s); }});
+    EXPECT_TRUE(reader) << reader.error().text;
+    return std::move(*reader);
+  }
+  /// The next one, waited for.
+  gate_event next() {
+    for (;;) {
+      if (!got_.empty()) {
+        const gate_event event = got_.front();
+        got_.pop_front();
+        return event;
+      }
+      pollfd ready{reader_.fd(), POLLIN, 0};
+      if (HasFailure() || poll(&ready, 1, kPatience) <= 0) {
+        ADD_FAILURE() << "nothing was told";
+        return {};
+      }
+      EXPECT_TRUE(reader_.read());
+    }
+  }
+  /// A heart-beat every fifth of a period, until it is time.
+  static void beat_until(const Bus& bus, std::uint32_t id, std::uint64_t end) {
+    while (monotonic_ns() < end) {
+      bus.inject(frame(id));
+      poll(nullptr, 0, 20);
+    }
+  }
+  /// Told no earlier than it was due, and within a period from then.
+  static void expect_missing(const gate_event& event, std::uint64_t since) {
+    EXPECT_EQ(event.kind, std::uint32_t{GATE_E_MISSING});
+    EXPECT_EQ(event.at - event.silent, since);
+    EXPECT_GE(event.silent, kSilence);
+    EXPECT_LT(event.silent, kSilence + kPeriod);
+  }
+
+  std::deque<gate_event> got_;
+  std::deque<gate_sample> strangers_;
+  EventReader reader_;
+};
+
+TEST_F(WatchAttached, AHeartBeatThatNeverComesIsTold) {
+  const Bus bus("can0");
+  Gate gate = attach(bus);
+  const std::uint64_t before = monotonic_ns();
+  admit(gate, {heart_beat(1)});
+  const std::uint64_t after = monotonic_ns();
+  const gate_event event = next();
+  EXPECT_EQ(event.kind, std::uint32_t{GATE_E_MISSING});
+  EXPECT_EQ(event.ifindex, bus.ifindex());
+  EXPECT_EQ(event.subject, 1U);
+  EXPECT_EQ(event.slot, gate.number_of(heart_beat(1)));
+  EXPECT_EQ(event.never, 1U);
+  EXPECT_GE(event.at, before + kSilence);
+  EXPECT_LT(event.at, after + kSilence + kPeriod) << "within a period";
+  EXPECT_TRUE(gate.arrivals(static_cast<std::uint16_t>(event.slot), monotonic_ns()).silent);
+}
+
+TEST_F(WatchAttached, SilenceAfterTheLastEventIsToldOnceAndSoIsItsEnd) {
+  const Bus bus("can0");
+  Gate gate = attach(bus);
+  admit(gate, {heart_beat(1)});
+  const auto slot = gate.number_of(heart_beat(1)).value();
+  beat_until(bus, 1, monotonic_ns() + 6 * kPeriod);
+  EXPECT_TRUE(got_.empty());
+  const gate_event missing = next();
+  const std::uint64_t last = missing.at - gate.arrivals(slot, missing.at).since_last;
+  expect_missing(missing, last);
+  EXPECT_EQ(missing.never, 0U);
+  EXPECT_EQ(gate.arrivals(slot, last + 2 * kPeriod).missing, 2U);
+
+  // It goes on for long: the next thing that is told is its end.
+  poll(nullptr, 0, 400);
+  const std::uint64_t again = monotonic_ns();
+  beat_until(bus, 1, again + GATE_CALM + 5 * kPeriod);
+  const gate_event restored = next();
+  EXPECT_EQ(restored.kind, std::uint32_t{GATE_E_RESTORED});
+  EXPECT_GE(restored.at, again + GATE_CALM);
+  EXPECT_GE(restored.silent, again - last) << "from the last one to the next one, ";
+  EXPECT_LT(restored.silent, again - last + 3 * kPeriod) << "as the timer saw it";
+  EXPECT_FALSE(gate.arrivals(slot, monotonic_ns()).silent);
+  // Then it may be missing again.
+  EXPECT_EQ(next().kind, std::uint32_t{GATE_E_MISSING});
+}
+
+TEST_F(WatchAttached, WhoComesAndGoesIsToldOnce) {
+  const Bus bus("can0");
+  Gate gate = attach(bus);
+  admit(gate, {heart_beat(1)});
+  EXPECT_EQ(next().kind, std::uint32_t{GATE_E_MISSING});
+  for (int i = 0; i < 3; ++i) {
+    bus.inject(frame(1));
+    poll(nullptr, 0, 500);
+  }
+  admit(gate, {heart_beat(2)});
+  const gate_event event = next();
+  EXPECT_EQ(event.subject, 2U) << "nothing more was told of the first";
+}
+
+TEST_F(WatchAttached, NobodyIsToldOfWhatDoesNotPassAnyMore) {
+  const Bus bus("can0");
+  Gate gate = attach(bus);
+  admit(gate, {heart_beat(1), heart_beat(2), heart_beat(3), heart_beat(4, 0)});
+  SlotChanges changes;
+  changes.close = {heart_beat(1)};
+  changes.remove = {heart_beat(2)};
+  changes.police = {heart_beat(3, 0)};
+  ASSERT_TRUE(gate.apply(changes));
+  admit(gate, {heart_beat(5)});
+  EXPECT_EQ(next().subject, 5U);
+  // Opened again, silence begins anew.
+  changes = {};
+  changes.open = {heart_beat(1)};
+  const std::uint64_t before = monotonic_ns();
+  ASSERT_TRUE(gate.apply(changes));
+  const gate_event event = next();
+  EXPECT_EQ(event.subject, 1U);
+  EXPECT_GE(event.at, before + kSilence);
+}
+
+TEST_F(WatchAttached, SilenceOfClosedGatesIsNobodysFault) {
+  const Bus bus("can0");
+  Gate gate = attach(bus);
+  control_.close_all();
+  admit(gate, {heart_beat(1)});
+  poll(nullptr, 0, 600);
+  const std::uint64_t opened = monotonic_ns();
+  control_.open();
+  const gate_event event = next();
+  EXPECT_GE(event.at, opened + kSilence);
+}
+
+TEST_F(WatchAttached, TheNextDaemonHearsWhatWasToldAndWhatIsStillMissing) {
+  const Bus bus("can0");
+  std::optional<Gate> gate = attach(bus);
+  admit(*gate, {heart_beat(1)});
+  pollfd ready{reader_.fd(), POLLIN, 0};
+  ASSERT_EQ(poll(&ready, 1, kPatience), 1) << "told, and not read";
+  gate.reset();
+  control_ = create(root_);
+  reader_ = open_reader();
+  gate = attach(bus);
+  ASSERT_TRUE(gate->reused());
+  const gate_event before = next();
+  EXPECT_EQ(before.kind, std::uint32_t{GATE_E_MISSING});
+  const gate_event once_more = next();
+  EXPECT_EQ(once_more.kind, std::uint32_t{GATE_E_MISSING});
+  EXPECT_GT(once_more.silent, before.silent) << "the same silence";
+  EXPECT_EQ(once_more.at - once_more.silent, before.at - before.silent);
+}
+
+TEST_F(WatchAttached, AFloodOfStrangersHidesNothing) {
+  const Bus bus("can0");
+  Gate gate = attach(bus);
+  admit(gate, {heart_beat(1)});
+  const auto slot = gate.number_of(heart_beat(1)).value();
+  beat_until(bus, 1, monotonic_ns() + 2 * kPeriod);
+  const std::uint64_t began = monotonic_ns();
+  Traffic flood(bus, gate, {2, 3, 4, 5, 6, 7, 8, 9});
+  const gate_event event = next();
+  expect_missing(event, event.at - gate.arrivals(slot, event.at).since_last);
+  EXPECT_GT(flood.stop(), 0U);
+  EXPECT_TRUE(got_.empty());
+  const std::uint64_t seconds = (monotonic_ns() - began) / GATE_SAMPLE_NS;
+  EXPECT_LE(strangers_.size(), GATE_SAMPLES + seconds + 1) << "counted, not told one by one";
+}
+
+TEST_F(WatchAttached, AStrangerIsToldAtOnceAndOnceByEachCpu) {
+  const Bus bus("can0");
+  Gate gate = attach(bus);
+  for (int i = 0; i < 300; ++i) bus.inject(frame(0x123));
+  bus.inject(frame(CAN_EFF_FLAG | 0x1abcdef));
+  while (strangers_.empty() || strangers_.back().can_id == 0x123) {
+    pollfd ready{reader_.fd(), POLLIN, 0};
+    ASSERT_EQ(poll(&ready, 1, kPatience), 1);
+    ASSERT_TRUE(reader_.read());
+  }
+  EXPECT_LE(strangers_.size(), 1 + possible_cpus());
+  const gate_sample first = strangers_.front();
+  EXPECT_EQ(first.can_id, 0x123U);
+  EXPECT_EQ(first.frames, 1U);
+  EXPECT_EQ(first.ifindex, bus.ifindex());
+  EXPECT_EQ(first.len, 8U);
+  EXPECT_EQ(first.direction, GATE_INGRESS);
+  EXPECT_EQ(strangers_.back().can_id, CAN_EFF_FLAG | 0x1abcdef);
+  EXPECT_EQ(strangers_.back().frames, 301U) << "with those that nobody was told of";
+}
+
+/// Frames that the gate has seen in this direction.
+std::uint64_t unknown_frames(const Gate& gate) {
+  return gate.reasons(Direction::ingress)[GATE_R_UNKNOWN];
+}
+
+TEST_F(WatchAttached, SamplesOfAFloodAreFewAndItsCountIsExact) {
+  constexpr std::uint32_t frames = 100'000;
+  const Bus bus("can0");
+  Gate gate = attach(bus);
+  const std::uint64_t before = monotonic_ns();
+  for (std::uint32_t id = 0; id < frames; ++id) bus.inject(frame(CAN_EFF_FLAG | id));
+  EXPECT_EQ(unknown_frames(gate), frames);
+  const std::uint64_t seconds = (monotonic_ns() - before) / GATE_SAMPLE_NS;
+  ASSERT_TRUE(reader_.read());
+  EXPECT_GE(strangers_.size(), GATE_SAMPLES);
+  EXPECT_LE(strangers_.size(), GATE_SAMPLES + seconds + 1);
+}
+
+TEST_F(WatchAttached, SamplesLeaveHalfOfTheRingToWhatIsMissing) {
+  constexpr std::size_t record = sizeof(gate_sample) + 8;  // and the header of a record
+  const Bus bus("can0");
+  Gate gate = attach(bus);
+  const Fd pinned(bpf_obj_get((pins(bus) + "/table").c_str()));
+  const Mapped<gate_table> table(pinned.get(), 1);
+  std::uint32_t id = 0;
+  // Nobody reads for very long: the allowance is given back, as time would.
+  for (std::size_t told = 0; told < 2 * GATE_EVENTS_SIZE / record; told += GATE_SAMPLES) {
+    table[0].sample_due = 0;
+    for (int i = 0; i < 64; ++i) bus.inject(frame(CAN_EFF_FLAG | ++id));
+  }
+  admit(gate, {heart_beat(1)});
+  EXPECT_EQ(next().kind, std::uint32_t{GATE_E_MISSING});
+  EXPECT_LE(strangers_.size(), GATE_EVENTS_SIZE / 2 / record + 1);
+  EXPECT_GE(strangers_.size(), GATE_EVENTS_SIZE / 2 / record - 1);
+}
+
+TEST_F(WatchAttached, TimersThatSomebodyUnpinnedGoOnAndArePinnedAgain) {
+  const Bus bus("can0");
+  Gate gate = attach(bus);
+  ASSERT_TRUE(std::filesystem::remove(pins(bus) + "/watchmen"));
+  admit(gate, {heart_beat(1)});
+  EXPECT_EQ(next().kind, std::uint32_t{GATE_E_MISSING});
+  EXPECT_EQ(gate.keep_pinned().value(), std::vector<std::string>{"watchmen"});
+  EXPECT_TRUE(gate.keep_pinned().value().empty());
+  EXPECT_TRUE(std::filesystem::exists(pins(bus) + "/watchmen"));
+}
+
+TEST_F(WatchAttached, AnEventReachesWhoeverIsWatchedOnAllOfManySlots) {
+  constexpr std::uint32_t slots = 500;
+  const Bus bus("can0");
+  Gate gate = attach(bus);
+  std::vector<SlotSpec> specs;
+  for (std::uint32_t id = 1; id <= slots; ++id) specs.push_back(heart_beat(id));
+  admit(gate, specs);
+  std::set<std::uint64_t> told;
+  for (std::uint32_t i = 0; i < slots; ++i) told.insert(next().subject);
+  EXPECT_EQ(told.size(), slots);
+}
+
+}  // namespace
+}  // namespace mlcca::enforce

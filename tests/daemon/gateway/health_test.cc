@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/health.hpp"
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+namespace mlcca {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+constexpr std::uint64_t kMillisecond = 1'000'000;
+constexpr std::uint64_t kSecond = 1'000'000'000;
+
+control::Watch heart_beat() {
+  control::Watch watch;
+  watch.period_ns = 50 * kMillisecond;
+  watch.silence_ns = 162 * kMillisecond;
+  watch.events = 100;
+  watch.since_last_ns = 20 * kMillisecond;
+  return watch;
+}
+
+Passage in(std::uint64_t passed) {
+  Passage p;
+  p.network = "second-can";
+  p.frames.passed = passed;
+  return p;
+}
+
+Passage out(std::uint64_t passed) {
+  Passage p = in(passed);
+  p.network = "robot-can";
+  p.leaves = true;
+  return p;
+}
+
+TEST(Health, NothingIsWrongWithEventsThatComeAndLeave) {
+  EXPECT_EQ(troubles({.watch = heart_beat(), .passages = {in(100), out(100)}}), Lines{});
+  EXPECT_EQ(troubles({}), Lines{}) << "of a delivery that does not cross this gateway";
+}
+
+TEST(Health, SilenceIsToldWithWhatIsMissing) {
+  Observed seen{.watch = heart_beat()};
+  seen.watch->missing_now = true;
+  seen.watch->since_last_ns = 4'200 * kMillisecond + 1;
+  EXPECT_EQ(troubles(seen), Lines{"nothing has come for 4.2 s: 84 events are missing"});
+}
+
+TEST(Health, WhoHasNeverSentIsToldAfterThreePeriodsAndASecond) {
+  Observed seen{.watch = heart_beat()};
+  seen.watch->events = 0;
+  seen.watch->silence_ns = 0;
+  seen.watch->since_last_ns = kSecond;
+  EXPECT_EQ(troubles(seen), Lines{}) << "it may be starting";
+  seen.watch->since_last_ns = kSecond + kMillisecond;
+  EXPECT_EQ(troubles(seen),
+            Lines{"nobody sends: nothing has come since it was granted, 1.001 s ago"});
+  seen.watch->period_ns = 10 * kSecond;
+  seen.watch->since_last_ns = 30 * kSecond;
+  EXPECT_EQ(troubles(seen), Lines{});
+  seen.watch->since_last_ns = 31 * kSecond;
+  EXPECT_EQ(troubles(seen), Lines{"nobody sends: nothing has come since it was granted, 31 s ago"});
+}
+
+TEST(Health, WhoSendsSomethingElseIsToldWhereNothingComes) {
+  Observed seen{.watch = control::Watch{}, .passages = {in(0), out(0)}};
+  seen.watch->period_ns = 50'000'000;
+  seen.watch->since_last_ns = 4 * kSecond;
+  seen.strangers = 80;
+  seen.stranger = "1F480065";
+  EXPECT_EQ(troubles(seen),
+            (Lines{"nobody sends: nothing has come since it was granted, 4 s ago",
+                   "80 frames on second-can name no known subject, the latest 1F480065: does the "
+                   "publisher send by another name?"}));
+  seen.watch->events = 7;
+  seen.watch->since_last_ns = 1;
+  EXPECT_EQ(troubles(seen), Lines{}) << "its events come";
+}
+
+TEST(Health, DropsAreToldWithTheirPlace) {
+  Observed seen{.passages = {in(100), out(100)}};
+  seen.passages[0].excess = 12;
+  seen.passages[1].misfits = 1;
+  seen.passages[1].frames.last_reason = "longer than granted";
+  EXPECT_EQ(troubles(seen),
+            (Lines{"12 frames on second-can were more than was admitted",
+                   "1 frame on robot-can names the subject and differs from the grant: longer than "
+                   "granted"}));
+  seen.passages[1].would_be_misfits = 2;
+  EXPECT_EQ(troubles(seen).back(),
+            "2 frames on robot-can name the subject and differ from the grant: longer than granted "
+            "(audit mode: they pass)");
+}
+
+TEST(Health, AGrantThatCarriesNothingSaysWhere) {
+  EXPECT_EQ(troubles({.passages = {in(40), out(0)}}),
+            Lines{"40 frames came in from second-can and none left to robot-can: nothing forwards "
+                  "them"});
+  EXPECT_EQ(troubles({.passages = {in(1), out(0)}}), Lines{}) << "it may be on its way";
+  EXPECT_EQ(troubles({.passages = {in(0), out(0)}}), Lines{}) << "nobody has sent";
+  EXPECT_EQ(troubles({.passages = {out(0)}}), Lines{}) << "sent by a program here, or not at all";
+  auto shared = in(40);
+  shared.is_shared = true;
+  EXPECT_EQ(troubles({.passages = {shared, out(0)}}), Lines{}) << "perhaps the other one's";
+  auto refused = out(0);
+  refused.misfits = 40;
+  EXPECT_EQ(troubles({.passages = {in(40), refused}}).back(),
+            "40 frames came in from second-can and none left to robot-can");
+  EXPECT_EQ(troubles({.passages = {in(40), out(0)}, .not_forwarded = "why"}), Lines{"why"});
+}
+
+TEST(Health, IsWhatTheGatesAndTheReasonsMakeIt) {
+  EXPECT_EQ(health_of(true, {}).state, control::HealthState::healthy);
+  EXPECT_EQ(health_of(true, {"a"}).state, control::HealthState::degraded);
+  EXPECT_EQ(health_of(false, {}).state, control::HealthState::closed);
+  EXPECT_EQ(health_of(false, {"a"}).state, control::HealthState::closed);
+}
+
+TEST(Health, TellsAsManyReasonsAsFitAndHowManyMoreThereAre) {
+  Lines lines;
+  for (std::size_t i = 0; i < control::kMostReasons; ++i) lines.push_back(fmt::format("{}", i));
+  EXPECT_EQ(health_of(true, lines).reasons, lines);
+  EXPECT_EQ(health_of(true, lines).left_out, 0U);
+  lines.emplace_back("one more");
+  EXPECT_EQ(health_of(true, lines).reasons.size(), control::kMostReasons);
+  EXPECT_EQ(health_of(true, lines).left_out, 1U);
+}
+
+}  // namespace
+}  // namespace mlcca

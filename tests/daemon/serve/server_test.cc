@@ -1,0 +1,455 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The server over a real socket and loop, with answers that a test makes up.
+#include "daemon/serve/server.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "control/buffer.hpp"
+#include "control/codec.hpp"
+#include "control/slices.hpp"
+
+namespace mlcca::serve {
+namespace {
+
+using control::Reply;
+using control::Request;
+
+constexpr int kManyTurns = 20'000;
+constexpr gid_t kGroup = 4242;
+constexpr gid_t kNoGroup = 65'000;
+
+class ServerTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "serve-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    sd_event* raw = nullptr;
+    ASSERT_GE(sd_event_new(&raw), 0);
+    loop_.reset(raw);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, (folder_ + "/s").c_str(), sizeof address.sun_path - 1);
+    address_ = address;
+    Fd listening(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    ASSERT_EQ(::bind(listening.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    ASSERT_EQ(::listen(listening.get(), 64), 0);
+    std::filesystem::permissions(folder_, std::filesystem::perms::all);
+    std::filesystem::permissions(folder_ + "/s", std::filesystem::perms::all);
+    auto server = Server::open(
+        loop_.get(), std::move(listening), kGroup,
+        [this](const Request& request, const Peer& peer) { return answer_(request, peer); });
+    ASSERT_TRUE(server);
+    server_ = std::move(*server);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  Fd client() {
+    Fd socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    EXPECT_EQ(::connect(socket.get(), reinterpret_cast<sockaddr*>(&address_), sizeof address_), 0);
+    return socket;
+  }
+
+  /// Of this user, whom the server has accepted or refused. Needs root.
+  Fd client_of(uid_t uid, gid_t gid = kNoGroup) {
+    EXPECT_EQ(::setegid(gid), 0);
+    EXPECT_EQ(::seteuid(uid), 0);
+    Fd socket = client();
+    EXPECT_EQ(::seteuid(0), 0);
+    EXPECT_EQ(::setegid(0), 0);
+    run();
+    return socket;
+  }
+  /// What an error says that has come; "hung up" without one; nothing where neither is so.
+  std::string fate(const Fd& socket) {
+    control::Buffer buffer;
+    for (const Reply& reply : replies(socket, buffer))
+      if (const auto* error = std::get_if<control::Error>(&reply.body)) return error->message;
+    char more = 0;
+    return ::recv(socket.get(), &more, 1, MSG_DONTWAIT) == 0 ? "hung up" : "";
+  }
+  bool is_served(const Fd& socket) {
+    control::Buffer buffer;
+    ask(socket, 1);
+    const auto all = replies(socket, buffer);
+    return all.size() == 1 && std::holds_alternative<control::Done>(all[0].body);
+  }
+
+  /// Turns of the loop until there is nothing to do.
+  void run() {
+    for (int i = 0; i < kManyTurns && sd_event_run(loop_.get(), 0) > 0;) ++i;
+  }
+
+  void ask(const Fd& socket, std::uint64_t id, bool slices = true) {
+    const std::string bytes = control::encode(Request{id, control::ChannelsRequest{}, slices});
+    ASSERT_EQ(::send(socket.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(bytes.size()));
+  }
+
+  /// All that has come, and what comes while it is read.
+  std::vector<Reply> replies(const Fd& socket, control::Buffer& buffer) {
+    std::vector<Reply> all;
+    for (;;) {
+      run();
+      auto room = buffer.space(65536);
+      const ssize_t n = ::recv(socket.get(), room.data(), room.size(), MSG_DONTWAIT);
+      if (n <= 0) return all;
+      buffer.commit(static_cast<std::size_t>(n));
+      for (;;) {
+        auto reply = control::decode_reply(buffer);
+        if (!reply || !*reply) break;
+        all.push_back(std::move(**reply));
+      }
+    }
+  }
+
+  /// `rows` channels with a description of `bytes`, one a slice.
+  Answer channels(std::uint64_t id, int rows, std::size_t bytes) {
+    Answer answer{Reply{id, {}}};
+    answer.slices = [this, rows, bytes, next = 0]() mutable -> std::optional<Slice> {
+      ++made_;
+      control::Channels out;
+      out.channels.emplace_back().subject = static_cast<std::uint64_t>(next);
+      out.channels.back().description = std::string(bytes, 'x');
+      return Slice{std::move(out), ++next < rows};
+    };
+    return answer;
+  }
+
+  std::string folder_;
+  sockaddr_un address_{};
+  std::unique_ptr<sd_event, FreeWith<sd_event_unref>> loop_;
+  std::unique_ptr<Server> server_;
+  std::function<Answer(const Request&, const Peer&)> answer_;
+  int made_ = 0;
+};
+
+TEST_F(ServerTest, WhatIsEncodedIsPassedOnUnderTheIdOfItsRequest) {
+  answer_ = [](const Request& request, const Peer&) {
+    Answer answer{Reply{request.id, {}}};
+    answer.slices = [next = 0]() mutable -> std::optional<Slice> {
+      const bool more = ++next < 3;
+      const Reply slice{0, control::Done{std::to_string(next)}, more};
+      return Slice{{}, more, control::encode_body(slice)};
+    };
+    return answer;
+  };
+  const Fd socket = client();
+  control::Buffer buffer;
+  ask(socket, 300);
+  ask(socket, 301);
+  const auto all = replies(socket, buffer);
+  ASSERT_EQ(all.size(), 6U);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    EXPECT_EQ(all[i], (Reply{300 + i / 3, control::Done{std::to_string(i % 3 + 1)}, i % 3 != 2}));
+}
+
+TEST_F(ServerTest, SlicesComeInOrderAndTheNextReplyBehindThem) {
+  answer_ = [&](const Request& r, const Peer&) { return channels(r.id, 5, 10); };
+  const Fd socket = client();
+  ask(socket, 1);
+  ask(socket, 2);
+  control::Buffer buffer;
+  const auto all = replies(socket, buffer);
+  ASSERT_EQ(all.size(), 10U);
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_EQ(all[i].id, i / 5 + 1);
+    EXPECT_EQ(all[i].more, i % 5 != 4);
+    EXPECT_EQ(std::get<control::Channels>(all[i].body).channels.at(0).subject, i % 5);
+  }
+}
+
+TEST_F(ServerTest, NothingIsMadeForAClientThatDoesNotRead) {
+  answer_ = [&](const Request& r, const Peer&) { return channels(r.id, 100'000, 8192); };
+  const Fd socket = client();
+  const int small = 65536;
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
+  for (std::uint64_t id = 1; id <= 16; ++id) ask(socket, id);
+  run();
+  const int made = made_;
+  EXPECT_GT(made, 16);
+  EXPECT_LT(made, 200);  // 256 KiB, and what the kernel takes
+  run();
+  EXPECT_EQ(made_, made);
+}
+
+TEST_F(ServerTest, AClientThatReadsLateGetsEverything) {
+  answer_ = [&](const Request& r, const Peer&) { return channels(r.id, 500, 8192); };
+  const Fd socket = client();
+  ask(socket, 1);
+  run();
+  control::Buffer buffer;
+  EXPECT_EQ(replies(socket, buffer).size(), 500U);
+}
+
+TEST_F(ServerTest, AClientOfBeforeGetsOneReplyOfAtMostAMebibyte) {
+  int rows = 100;
+  answer_ = [&](const Request& r, const Peer&) { return channels(r.id, rows, 10'000); };
+  const Fd socket = client();
+  control::Buffer buffer;
+  ask(socket, 1, false);
+  auto all = replies(socket, buffer);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_FALSE(all[0].more);
+  ASSERT_EQ(std::get<control::Channels>(all[0].body).channels.size(), 100U);
+  rows = 110;
+  ask(socket, 2, false);
+  all = replies(socket, buffer);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].id, 2U);
+  EXPECT_NE(std::get<control::Error>(all[0].body).message.find("slices"), std::string::npos);
+}
+
+TEST_F(ServerTest, WhatIsKnownToBeTooLargeIsNotMade) {
+  answer_ = [&](const Request& r, const Peer&) {
+    Answer answer = channels(r.id, 100'000, 100);
+    answer.least_bytes = 100'000UL * 32;
+    return answer;
+  };
+  const Fd socket = client();
+  control::Buffer buffer;
+  ask(socket, 1, false);
+  const auto all = replies(socket, buffer);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_TRUE(std::holds_alternative<control::Error>(all[0].body));
+  EXPECT_EQ(made_, 0);
+}
+
+TEST_F(ServerTest, AReplyThatHasToWaitGoesOnWhenItIsResumed) {
+  bool there = false;
+  std::uint64_t session = 0;
+  answer_ = [&](const Request& r, const Peer& peer) {
+    session = peer.session;
+    Answer answer{Reply{r.id, {}}};
+    answer.slices = [&]() -> std::optional<Slice> {
+      if (!there) return std::nullopt;
+      return Slice{control::Done{"late"}};
+    };
+    return answer;
+  };
+  const Fd socket = client();
+  control::Buffer buffer;
+  ask(socket, 1);
+  EXPECT_TRUE(replies(socket, buffer).empty());
+  there = true;
+  server_->resume(session);
+  const auto all = replies(socket, buffer);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(std::get<control::Done>(all[0].body).message, "late");
+}
+
+TEST_F(ServerTest, SlicesWaitForTheAnswersBeforeThem) {
+  answer_ = [&](const Request& r, const Peer&) {
+    if (r.id == 2) return channels(r.id, 2, 10);
+    return Answer{Reply{r.id, control::Done{"granted"}}, true};
+  };
+  const Fd socket = client();
+  control::Buffer buffer;
+  for (std::uint64_t id = 1; id <= 3; ++id) ask(socket, id);
+  EXPECT_TRUE(replies(socket, buffer).empty());
+  server_->release({});
+  auto all = replies(socket, buffer);
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_EQ(all[0].id, 1U);
+  EXPECT_EQ(all[1].id, 2U);
+  EXPECT_EQ(all[2].id, 2U);
+  server_->release({});
+  all = replies(socket, buffer);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].id, 3U);
+}
+
+TEST_F(ServerTest, WhoHangsUpInTheMiddleIsForgotten) {
+  answer_ = [&](const Request& r, const Peer&) { return channels(r.id, 100'000, 8192); };
+  {
+    const Fd socket = client();
+    ask(socket, 1);
+    run();
+    EXPECT_EQ(server_->sessions(), 1U);
+  }
+  run();
+  EXPECT_EQ(server_->sessions(), 0U);
+}
+
+TEST_F(ServerTest, WhatCannotBeReadIsAnsweredAndEndsTheConnection) {
+  const Fd socket = client();
+  const std::string wrong(64, '\xff');
+  ASSERT_GT(::send(socket.get(), wrong.data(), wrong.size(), MSG_NOSIGNAL), 0);
+  control::Buffer buffer;
+  const auto all = replies(socket, buffer);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_TRUE(std::holds_alternative<control::Error>(all[0].body));
+  EXPECT_EQ(server_->sessions(), 0U);
+}
+
+TEST_F(ServerTest, SevenUsersWithAllTheirConnectionsLockNobodyOut) {
+  answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
+  std::vector<Fd> held;
+  for (uid_t uid = 100'000; uid < 100'007; ++uid)
+    for (int i = 0; i < 32; ++i) held.push_back(client_of(uid));
+  EXPECT_TRUE(is_served(client_of(100'007)));
+  EXPECT_TRUE(is_served(client_of(0)));
+  EXPECT_TRUE(is_served(client_of(100'008, kGroup)));
+  const auto in_favour = std::ranges::count_if(held, [this](const Fd& socket) {
+    return fate(socket) == "closed in favour of another user: you hold 32 connections";
+  });
+  EXPECT_GE(in_favour, 1);
+}
+
+TEST_F(ServerTest, TwoMembersWithAllTheirConnectionsLockNobodyOut) {
+  answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
+  std::vector<Fd> held;
+  for (uid_t uid = 65'001; uid < 65'003; ++uid)
+    for (int i = 0; i < 128; ++i) held.push_back(client_of(uid, kGroup));
+  for (const uid_t uid : {0U, 65'003U}) EXPECT_TRUE(is_served(client_of(uid)));
+  EXPECT_TRUE(is_served(client_of(65'004, kGroup)));
+}
+
+TEST_F(ServerTest, WhoAsksForNothingForAMinuteIsToldAndClosed) {
+  answer_ = [this](const Request& r, const Peer& peer) {
+    if (r.id == 1) return Answer{Reply{r.id, control::Done{"admitted"}}, false, 17};
+    if (r.id == 2) {
+      Answer waits{Reply{r.id, {}}};
+      waits.slices = [] { return std::optional<Slice>{}; };
+      return waits;
+    }
+    return Answer{Reply{r.id, control::Done{std::to_string(peer.session)}}};
+  };
+  const Fd silent = client();
+  const Fd served = client();
+  const Fd slow = client();
+  const Fd owner = client();
+  const Fd waiting = client();
+  const Fd listening = client();
+  ask(owner, 1);
+  ask(waiting, 2);
+  ask(served, 3);
+  ASSERT_EQ(::send(slow.get(), "\x7f", 1, MSG_NOSIGNAL), 1);
+  const std::string monitor = control::encode(Request{4, control::MonitorRequest{}, false});
+  ASSERT_GT(::send(listening.get(), monitor.data(), monitor.size(), MSG_NOSIGNAL), 0);
+  run();
+  server_->sweep(monotonic_ns());
+  EXPECT_EQ(server_->sessions(), 6U);
+  server_->sweep(monotonic_ns() + Server::kMostIdle + 1);
+  EXPECT_EQ(server_->sessions(), 3U);
+  for (const Fd* socket : {&silent, &served, &slow})
+    EXPECT_EQ(fate(*socket), "closed: no request came for 60 s");
+  for (const Fd* socket : {&owner, &waiting, &listening}) EXPECT_EQ(fate(*socket), "");
+}
+
+TEST_F(ServerTest, WhoTakesNothingOfAReplyForAMinuteIsClosed) {
+  answer_ = [&](const Request& r, const Peer&) { return channels(r.id, 100'000, 8192); };
+  const Fd socket = client();
+  ask(socket, 1);
+  run();
+  server_->sweep(monotonic_ns() + Server::kMostIdle + 1);
+  EXPECT_EQ(server_->sessions(), 0U);
+}
+
+TEST_F(ServerTest, WhatComesWithAConnectionIsAnsweredInTheTurnThatAcceptsIt) {
+  answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
+  const Fd socket = client();
+  ask(socket, 1);
+  ASSERT_GT(sd_event_run(loop_.get(), 0), 0);
+  char byte = 0;
+  EXPECT_EQ(::recv(socket.get(), &byte, 1, MSG_DONTWAIT), 1);
+}
+
+TEST_F(ServerTest, WhoAsksAndHangsUpIsMadeNothing) {
+  answer_ = [&](const Request& r, const Peer&) { return channels(r.id, 5, 10); };
+  ::setegid(kNoGroup);
+  ::seteuid(100'000);
+  Fd socket = client();
+  ::seteuid(0);
+  ::setegid(0);
+  ask(socket, 1);
+  socket.reset();
+  run();
+  EXPECT_EQ(made_, 0);
+  EXPECT_EQ(server_->sessions(), 0U);
+}
+
+TEST_F(ServerTest, WhatAMemberHasAskedForIsDoneAlsoWhenHeHangsUp) {
+  int asked = 0;
+  answer_ = [&](const Request& r, const Peer&) {
+    ++asked;
+    return Answer{Reply{r.id, control::Done{}}};
+  };
+  Fd socket = client();
+  ask(socket, 1);
+  socket.reset();
+  run();
+  EXPECT_EQ(asked, 1);
+}
+
+TEST_F(ServerTest, WhoConnectsTooOftenIsRefusedAndNobodyElse) {
+  answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
+  std::string refused;
+  for (std::uint64_t i = 0; refused.empty() && i < 100 * Server::kOthersRate.burst; ++i)
+    refused = fate(client_of(100'000));
+  EXPECT_TRUE(refused.starts_with("you connect too often")) << refused;
+  EXPECT_TRUE(is_served(client_of(100'001)));
+  EXPECT_TRUE(is_served(client_of(0)));
+}
+
+TEST_F(ServerTest, UsersWhoHaveGoneAreForgotten) {
+  answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
+  constexpr std::size_t users = 20;
+  for (uid_t uid = 0; uid < users; ++uid) {
+    const Fd socket = client_of(100'000 + uid);
+    ask(socket, 1);
+    run();
+  }
+  run();
+  EXPECT_EQ(server_->users(), users);
+  server_->sweep(monotonic_ns() + Server::kMostIdle);
+  EXPECT_EQ(server_->users(), 0U);
+}
+
+TEST_F(ServerTest, WithoutDescriptorsTheLoopRestsAndAcceptsOnceThereAreSome) {
+  answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
+  Fd first = client();
+  run();
+  const Fd second = client();
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  int turns = 0;
+  while (turns < kManyTurns && sd_event_run(loop_.get(), 0) > 0) ++turns;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_LT(turns, kManyTurns) << "the loop turns without end";
+  first.reset();
+  EXPECT_TRUE(is_served(second));
+}
+
+TEST_F(ServerTest, ItIsKnownWhoHasHungUpBeforeTheLoopHearsOfIt) {
+  std::uint64_t session = 0;
+  answer_ = [&](const Request& r, const Peer& peer) {
+    session = peer.session;
+    return Answer{Reply{r.id, control::Done{}}};
+  };
+  Fd socket = client();
+  ask(socket, 1);
+  run();
+  EXPECT_FALSE(server_->is_gone(session));
+  socket.reset();
+  EXPECT_TRUE(server_->is_gone(session));
+  EXPECT_TRUE(server_->is_gone(session + 1));
+}
+
+}  // namespace
+}  // namespace mlcca::serve

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Systems of one rule each, whose comments say what is found, and what the twin says of input that
+// it cannot check.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "description/read.hpp"
+#include "tests/description/twin/expected.hpp"
+#include "tests/description/twin/twin.hpp"
+
+namespace mlcca::testing {
+namespace {
+
+std::vector<std::string> cases() {
+  std::vector<std::string> out;
+  for (const auto& entry : std::filesystem::directory_iterator("tests/description/twin/cases"))
+    out.push_back(entry.path().string());
+  std::ranges::sort(out);
+  return out;
+}
+
+TEST(TwinCases, FindWhatTheirCommentsSay) {
+  const auto files = cases();
+  ASSERT_GE(files.size(), 25U);
+  const auto found = twin_findings(files);
+  for (std::size_t i = 0; i < files.size(); ++i)
+    EXPECT_EQ(listed(found[i]), listed(expected_in(text_of(files[i])))) << files[i];
+}
+
+TEST(TwinCases, AreDecidedAlikeByTheChecker) {
+  for (const auto& file : cases()) {
+    const auto text = text_of(file);
+    if (text.contains("of the twin alone")) continue;
+    const auto system = description::read(file);
+    ASSERT_TRUE(system) << description::to_string(system.error()[0]);
+    EXPECT_EQ(listed(findings_of(*system)), listed(in_words(*system, expected_in(text)))) << file;
+  }
+}
+
+TEST(TwinCases, FitTheSchema) {
+  for (const auto& file : cases())
+    output_of("xmllint --noout --nonet --schema description/system.xsd '" + file + "' 2>&1");
+}
+
+constexpr const char* kCheck = "xsltproc --nonet description/check.xsl ";
+
+TEST(Twin, FindsNamesThatLeadNowhere) {
+  const Folder folder;
+  const auto file = folder.add(
+      "names.xml",
+      "<System name='s'><EventChannel name='c'><SubjectUID>0x1</SubjectUID><Attributes>"
+      "<Attribute><Name>Omision</Name><Value>1</Value></Attribute></Attributes></EventChannel>"
+      "<Network name='n'><Kind>mesh</Kind></Network><Publisher channel='d' network='n'/>"
+      "<Subscriber channel='0x2' network='m'/><Route from='n' to='o'/></System>");
+  EXPECT_EQ(output_of(kCheck + file),
+            "error MLCCA005: attribute Omision is not known\n"
+            "error MLCCA005: channel d is not known\n"
+            "error MLCCA005: channel 0x2 is not known\n"
+            "error MLCCA005: place m of channel 0x2 is not known\n"
+            "error MLCCA005: place o is not known\n"
+            "5 findings\n");
+}
+
+TEST(Twin, FindsAnIncludeThatWasNotCarriedOut) {
+  const Folder folder;
+  const auto file = folder.add("include.xml",
+                               "<System name='s' xmlns:xi='http://www.w3.org/2001/XInclude'>"
+                               "<xi:include href='part.xml'/></System>");
+  EXPECT_EQ(output_of(kCheck + file),
+            "error MLCCA001: part.xml was not included: xsltproc needs -xinclude\n1 findings\n");
+}
+
+TEST(Twin, FindsARootThatIsNoSystem) {
+  const Folder folder;
+  const auto file = folder.add("part.xml", "<Component name='c'/>");
+  EXPECT_EQ(output_of(kCheck + file),
+            "error MLCCA003: the root element must be System\n1 findings\n");
+}
+
+TEST(Twin, SaysWhichConnectionsItDoesNotCheck) {
+  EXPECT_EQ(output_of(kCheck + std::string("tests/description/twin/cases/route-undeclared.xml")),
+            "note: publisher p, subscriber s: no Route is declared between a and b: left to "
+            "mlccactl check\n0 findings\n");
+}
+
+TEST(Twin, SaysWhatItDoesNotDecideWhereNothingElseIsFound) {
+  const auto note = [](const std::string& what) {
+    return "note MLCCA034: publisher q, subscriber t, hop bus, attribute " + what +
+           ", provided what is computed: not decided here, left to mlccactl check\n";
+  };
+  EXPECT_EQ(output_of(kCheck + std::string("tests/description/twin/cases/computed.xml")),
+            "error MLCCA021: publisher p, subscriber s, hop bus, attribute Omission: required 2 "
+            "events, provided 5 events\n" +
+                note("Deadline: required 50000000 ns") + note("Period: required 50000000 ns") +
+                "1 findings\n");
+}
+
+TEST(Twin, WritesXmlOnDemand) {
+  const std::string command =
+      "xsltproc --nonet --stringparam format xml description/check.xsl "
+      "tests/description/twin/cases/CASE.xml | xmllint --xpath \"count(/Findings/Finding[";
+  const auto count = [&](const std::string& name, const std::string& condition) {
+    auto text = command + condition + "])\" -";
+    return output_of(text.replace(text.find("CASE"), 4, name));
+  };
+  EXPECT_EQ(count("hop-unfit",
+                  "@id='MLCCA021' and @channel='c' and @publisher='p' and @subscriber='s' and "
+                  "@hop='n' and @attribute='Omission' and @required='2' and @provided='5' and "
+                  "@unit='events'"),
+            "1\n");
+  EXPECT_EQ(count("hop-unfit", "true()"), "1\n");
+  EXPECT_EQ(count("not-provided", "@id='MLCCA021' and not(@provided)"), "1\n");
+  EXPECT_EQ(count("no-publisher", "@id='MLCCA010' and @subscriber='s' and not(@publisher)"), "1\n");
+  EXPECT_EQ(count("hop-equal", "true()"), "0\n");
+}
+
+}  // namespace
+}  // namespace mlcca::testing

@@ -1,1 +1,0 @@
-$(eval $(call unit_test,doctor_test,$(wildcard tests/doctor/*.cc),$O/libdoctor.a $(DAEMON_ARCHIVES),$(DAEMON_LIBS)))

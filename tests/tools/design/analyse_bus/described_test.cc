@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// mlccactl analyse-bus of descriptions: the numbers that check decides by.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tests/tools/design/analyse_bus/bus_test.hpp"
+
+namespace mlcca {
+namespace {
+
+std::string attribute(const std::string& name, const std::string& value) {
+  return "<Attribute><Name>" + name + "</Name>" + value + "</Attribute>";
+}
+std::string time_value(unsigned ms) {
+  return "<Dimension><SIUnit><Seconds>1</Seconds></SIUnit><Magnitude>-3</Magnitude></Dimension>"
+         "<Value>" +
+         std::to_string(ms) + "</Value>";
+}
+std::string payload_of_7() {
+  return attribute("MaxPayload",
+                   "<Dimension><SIUnit><Bytes>1</Bytes></SIUnit></Dimension><Value>7</Value>");
+}
+
+std::string delays(unsigned ms) {
+  return "<Provision>" + attribute("Latency", time_value(ms)) + "</Provision>";
+}
+
+/// Two buses with a gateway; a channel from the first to the second.
+std::string two_buses(const std::string& publisher_attributes, const std::string& second_bus,
+                      const std::string& gateway = delays(0)) {
+  return test::system_of(
+      "<EventChannel name=\"speed\"><SubjectUID>0x1</SubjectUID></EventChannel>\n"
+      "<Network name=\"near\"><Kind>can</Kind><Profile>raw</Profile><Bus bitrate=\"125000\"/>"
+      "<Binding channel=\"speed\"><Identifier "
+      "form=\"standard\">0x100</Identifier></Binding></Network>\n"
+      "<Network name=\"far\"><Kind>can</Kind><Profile>raw</Profile>" +
+      second_bus +
+      "<Binding channel=\"speed\"><Identifier "
+      "form=\"standard\">0x200</Identifier></Binding></Network>\n"
+      "<Gateway name=\"bridge\">" +
+      gateway +
+      "<Port network=\"near\"><Interface name=\"can0\"/></Port>"
+      "<Port network=\"far\"><Interface name=\"can1\"/></Port></Gateway>\n"
+      "<Publisher name=\"wheel\" channel=\"speed\" network=\"near\"><Attributes>" +
+      publisher_attributes +
+      "</Attributes></Publisher>\n"
+      "<Subscriber name=\"brake\" channel=\"speed\" network=\"far\"><Attributes>" +
+      attribute("Deadline", time_value(30)) + "</Attributes></Subscriber>\n");
+}
+
+TEST_F(AnalyseBusTest, PublishersOfADescriptionAreAnalysedOnEachNetworkTheyCross) {
+  const auto traffic = attribute("Period", time_value(50)) + payload_of_7();
+  const auto path = file("two.xml", two_buses(traffic, "<Bus bitrate=\"250000\"/>"));
+  const auto both = analyse(path, {"--json"});
+  ASSERT_EQ(both.status, 0) << both.error << both.out;
+  const Json out = Json::parse(both.out);
+  ASSERT_EQ(out["networks"].size(), 2U);
+  const Json& near = out["networks"][0]["messages"][0];
+  EXPECT_EQ(out["networks"][0]["network"], "near");
+  EXPECT_EQ(near["name"], "wheel");
+  EXPECT_EQ(near["id"], 0x100);
+  EXPECT_EQ(near["response_us"], 1000);
+  EXPECT_EQ(near["period_us"], 50000);
+  // Both buses share the 30 ms, as their bit times are 2 to 1.
+  EXPECT_EQ(near["deadline_us"], 20000);
+  const Json& far = out["networks"][1]["messages"][0];
+  EXPECT_EQ(far["id"], 0x200);
+  EXPECT_EQ(far["jitter_us"], 20000) << "whoever comes later may make it as late as that";
+  EXPECT_EQ(far["on_bus_us"], 500);
+  EXPECT_EQ(far["response_us"], 20500);
+  EXPECT_EQ(far["deadline_us"], 30000);
+  const auto one = analyse(path, {"--json", "--network", "far", "--bitrate", "125k"});
+  EXPECT_EQ(Json::parse(one.out)["messages"][0]["on_bus_us"], 1000);
+  EXPECT_EQ(analyse(path, {"--network", "nowhere"}).status, 2);
+}
+
+TEST_F(AnalyseBusTest, WhatNobodyStatesOfTheWayIsSaid) {
+  const auto traffic = attribute("Period", time_value(50)) + payload_of_7();
+  const auto path = file("open.xml", two_buses(traffic, "<Bus bitrate=\"250000\"/>", ""));
+  const auto done = analyse(path);
+  EXPECT_EQ(done.status, 1);
+  EXPECT_NE(done.out.find("whether every deadline is met is not known"), std::string::npos);
+  EXPECT_NE(done.out.find("how long bridge delays events of wheel is not known"), std::string::npos)
+      << done.out;
+}
+
+std::string time_us(const std::string& name, unsigned us) {
+  return "<Attribute><Name>" + name +
+         "</Name><Dimension><SIUnit><Seconds>1</Seconds></SIUnit><Magnitude>-6</Magnitude>"
+         "</Dimension><Value>" +
+         std::to_string(us) + "</Value></Attribute>";
+}
+
+/// A channel from one bus to another with its binding on each; identifier 0: none.
+struct Line {
+  std::string name;
+  std::string from;
+  std::string to;
+  unsigned id_a;
+  unsigned id_b;
+  unsigned period;
+  unsigned deadline;
+};
+std::string system_with(const std::vector<Line>& lines, const std::string& port = "") {
+  std::string channels;
+  std::string ends;
+  std::string a;
+  std::string b;
+  unsigned subject = 0;
+  for (const Line& l : lines) {
+    channels += "<EventChannel name=\"" + l.name + "\"><SubjectUID>" +
+                fmt::format("0x{:x}", ++subject) + "</SubjectUID></EventChannel>\n";
+    const auto binding = [&](unsigned id) {
+      return id == 0 ? std::string()
+                     : "<Binding channel=\"" + l.name + "\"><Identifier form=\"standard\">" +
+                           fmt::format("0x{:x}", id) + "</Identifier></Binding>";
+    };
+    a += binding(l.id_a);
+    b += binding(l.id_b);
+    const auto attributes = "<Attributes>" + time_us("Period", l.period) +
+                            time_us("Deadline", l.deadline) +
+                            attribute("MaxPayload",
+                                      "<Dimension><SIUnit><Bytes>1</Bytes></SIUnit></Dimension>"
+                                      "<Value>8</Value>") +
+                            "</Attributes>";
+    ends += "<Publisher name=\"" + l.name + "\" channel=\"" + l.name + "\" network=\"" + l.from +
+            "\">" + attributes + "</Publisher>\n<Subscriber name=\"to-" + l.name + "\" channel=\"" +
+            l.name + "\" network=\"" + l.to + "\"/>\n";
+  }
+  const std::string bus = "\"><Kind>can</Kind><Profile>raw</Profile><Bus bitrate=\"500000\"/>";
+  return test::system_of(
+      channels + "<Network name=\"a" + bus + a + "</Network>\n<Network name=\"b" + bus + b +
+      "</Network>\n<Gateway name=\"g\">" + delays(0) +
+      "<Port network=\"a\"><Interface name=\"can0\"/></Port><Port network=\"b\"" + port +
+      "><Interface name=\"can1\"/></Port></Gateway>\n" + ends);
+}
+
+/// X is the lowest of seven on a, and wins against V on b.
+std::vector<Line> late_on_the_second() {
+  std::vector<Line> lines;
+  for (unsigned i = 0; i < 6; ++i)
+    lines.push_back({"h" + std::to_string(i), "a", "a", 0x10 + i, 0, 20000, 20000});
+  lines.push_back({"V", "b", "b", 0, 0x20, 5000, 900});
+  lines.push_back({"low", "b", "b", 0, 0x30, 50000, 50000});
+  lines.push_back({"X", "a", "b", 0x50, 0x10, 2000, 4000});
+  return lines;
+}
+
+TEST_F(AnalyseBusTest, AMessageIsAsLateOnTheSecondBusAsTheFirstOneLetsItBe) {
+  const auto path = file("late.xml", system_with(late_on_the_second()));
+  const auto done = analyse(path, {"--json"});
+  ASSERT_EQ(done.status, 1) << done.error;
+  const Json b = Json::parse(done.out)["networks"][1];
+  // Two of X in a row, and one that blocks, before V: 4 times 270 us.
+  EXPECT_EQ(message_of(b, "V")["response_us"], 1080);
+  EXPECT_EQ(message_of(b, "V")["verdict"], "late");
+  EXPECT_EQ(message_of(b, "X")["verdict"], "refused");
+  const auto check = test::run({"check", path});
+  EXPECT_NE(check.out.find("MLCCA031"), std::string::npos);
+  EXPECT_NE(check.out.find("could take 1.08 ms of the 900 us"), std::string::npos) << check.out;
+  ASSERT_EQ(b["findings"].size(), 1U);
+  EXPECT_NE(b["findings"][0].get<std::string>().find("could take 1.08 ms of the 900 us"),
+            std::string::npos);
+}
+
+TEST_F(AnalyseBusTest, WhatIsRefusedOnTheFirstBusIsAsLateOnTheSecondAsItWouldBe) {
+  auto lines = late_on_the_second();
+  lines.back().deadline = 2000;  // 1 ms on each bus, and it takes 1.89 ms on the first
+  const auto done = analyse(file("later.xml", system_with(lines)), {"--json"});
+  ASSERT_EQ(done.status, 1) << done.error;
+  const Json out = Json::parse(done.out);
+  EXPECT_EQ(message_of(out["networks"][0], "X")["response_us"], 1890);
+  EXPECT_EQ(message_of(out["networks"][1], "X")["jitter_us"], 1890);
+  EXPECT_EQ(message_of(out["networks"][1], "V")["response_us"], 1080);
+}
+
+TEST_F(AnalyseBusTest, AQueueThatIsTooShortIsNoMissedDeadline) {
+  std::vector<Line> lines;
+  for (unsigned i = 0; i < 4; ++i)
+    lines.push_back({"c" + std::to_string(i), "a", "b", 0x10 + i, 0x10 + i, 50000, 50000});
+  const auto path = file("queue.xml", system_with(lines, " queue-length=\"3\""));
+  const auto done = analyse(path, {"--json", "--network", "b"});
+  ASSERT_EQ(done.status, 1) << done.error;
+  const Json out = Json::parse(done.out);
+  for (const Json& m : out["messages"]) {
+    EXPECT_EQ(m["verdict"], "queue-too-short");
+    EXPECT_EQ(m["queue"]["frames"], 4);
+    EXPECT_EQ(m["queue"]["length"], 3);
+    EXPECT_GT(m["slack_us"], 0);
+  }
+  const auto text = analyse(path).out;
+  EXPECT_NE(text.find("queue too short: 3 of 4"), std::string::npos) << text;
+  EXPECT_NE(text.find("every deadline is met, and frames can be lost in a queue that is too short"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("can be missed"), std::string::npos) << text;
+  const auto check = test::run({"check", path}).out;
+  EXPECT_NE(check.find("MLCCA036"), std::string::npos) << check;
+  EXPECT_NE(check.find("it holds 3 frames, and up to 4 wait in it"), std::string::npos) << check;
+  EXPECT_NE(check.find("queue-length=\"4\""), std::string::npos) << check;
+}
+
+TEST_F(AnalyseBusTest, WhoHasNoSubscriberIsNotCountedAndNamed) {
+  auto text = system_with(
+      {{"heard", "a", "a", 1, 0, 20000, 20000}, {"unheard", "a", "a", 2, 0, 20000, 20000}});
+  const auto at = text.find("<Subscriber name=\"to-unheard\"");
+  text.erase(at, text.find('\n', at) - at);
+  const auto done = analyse(file("unheard.xml", text), {"--json", "--network", "a"});
+  ASSERT_EQ(done.status, 0) << done.error << done.out;
+  const Json out = Json::parse(done.out);
+  EXPECT_EQ(out["messages"].size(), 1U);
+  ASSERT_EQ(out["not_counted"].size(), 1U);
+  EXPECT_NE(out["not_counted"][0].get<std::string>().find("unheard"), std::string::npos);
+}
+
+TEST_F(AnalyseBusTest, TwoSendersOfOneIdentifierAreRefusedWithBothLines) {
+  const auto path = table(
+      "a,0x10,0,8,10000,10000,0\nb,17,0,8,10000,10000,0\n"
+      "c,16,0,8,10000,10000,0\nd,16,1,8,10000,10000,0\n"
+      "a,18,0,8,10000,10000,0\n");
+  const auto done = slow(path);
+  EXPECT_EQ(done.status, 2);
+  EXPECT_EQ(done.out, "");
+  EXPECT_NE(done.error.find(path + ":4: identifier 0x10 of c is that of a already, from " + path +
+                            ":2: an identifier has one sender"),
+            std::string::npos)
+      << done.error;
+  EXPECT_NE(done.error.find(path + ":6: the name a is already taken in " + path + ":2"),
+            std::string::npos)
+      << done.error;
+  // A program on a gateway, and a node of the bus.
+  const auto both = file(
+      "both.xml",
+      test::system_of(
+          "<EventChannel name=\"c\"><SubjectUID>0x1</SubjectUID></EventChannel>\n"
+          "<Network name=\"bus\"><Kind>can</Kind><Profile>raw</Profile><Bus bitrate=\"500000\"/>"
+          "<Binding channel=\"c\"><Identifier form=\"standard\">0x5</Identifier></Binding>"
+          "</Network>\n<Gateway name=\"g\"><Port network=\"bus\"><Interface name=\"can0\"/></Port>"
+          "</Gateway>\n"
+          "<Publisher name=\"here\" channel=\"c\" gateway=\"g\" user=\"nobody\"><Attributes>" +
+          attribute("Period", time_value(50)) + payload_of_7() +
+          "</Attributes></Publisher>\n"
+          "<Publisher name=\"there\" channel=\"c\" network=\"bus\"><Attributes>" +
+          attribute("Period", time_value(50)) + payload_of_7() +
+          "</Attributes></Publisher>\n<Subscriber name=\"s\" channel=\"c\" network=\"bus\"/>\n"));
+  const auto described = analyse(both);
+  EXPECT_EQ(described.status, 2) << described.out;
+  EXPECT_NE(described.error.find(both +
+                                 ":6: identifier 0x5 of there on bus is that of here "
+                                 "already, from " +
+                                 both + ":5"),
+            std::string::npos)
+      << described.error;
+}
+
+TEST_F(AnalyseBusTest, FramesWithADataPhaseNeedItsBitRate) {
+  const auto path = file("fd.csv", "name,id,extended,bytes,period_us,fd\nlong,1,0,64,10000,1\n");
+  const auto done = analyse(path, {"--bitrate", "500k"});
+  EXPECT_EQ(done.status, 2);
+  EXPECT_NE(done.error.find(path + ":2: fd: "), std::string::npos) << done.error;
+  EXPECT_EQ(analyse(path, {"--bitrate", "500k", "--data-bitrate", "500k"}).status, 0);
+  auto text =
+      two_buses(attribute("Period", time_value(50)) + payload_of_7(), "<Bus bitrate=\"250000\"/>");
+  text.replace(text.rfind("<Binding channel=\"speed\""), 24,
+               "<Binding channel=\"speed\" format=\"fd\"");
+  const auto described = file("fd.xml", text);
+  const auto refused = analyse(described);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.error.find("far has no bit rate for their data phase"), std::string::npos)
+      << refused.error;
+  EXPECT_NE(test::run({"check", described}).out.find("MLCCA035"), std::string::npos);
+  EXPECT_EQ(analyse(described, {"--network", "far", "--data-bitrate", "2M"}).status, 0);
+}
+
+TEST_F(AnalyseBusTest, AJitterThatIsTooLongIsNamedAndUnboundsOnlyWhatIsBelow) {
+  auto text = system_with({{"up", "a", "a", 1, 0, 20000, 20000},
+                           {"mad", "a", "a", 2, 0, 20000, 20000},
+                           {"down", "a", "a", 3, 0, 20000, 20000}});
+  const auto at = text.find("<Publisher name=\"mad\"");
+  text.insert(text.find("<Attributes>", at) + 12, time_us("Jitter", 2'000'000'000));
+  const auto done = analyse(file("mad.xml", text), {"--json", "--network", "a"});
+  ASSERT_EQ(done.status, 1) << done.error;
+  const Json out = Json::parse(done.out);
+  EXPECT_EQ(out["not_bounded"],
+            "Because of mad nothing is bounded that it may win against: its jitter is longer than "
+            "what is analysed.");
+  EXPECT_EQ(message_of(out, "up")["verdict"], "met");
+  EXPECT_EQ(message_of(out, "down")["verdict"], "not-bounded");
+}
+
+TEST_F(AnalyseBusTest, WhatADescriptionLacksIsNamedWithItsLine) {
+  const auto no_period = file("period.xml", two_buses(payload_of_7(), "<Bus bitrate=\"250000\"/>"));
+  auto done = analyse(no_period);
+  EXPECT_EQ(done.status, 2);
+  EXPECT_EQ(done.out, "");
+  EXPECT_NE(done.error.find(no_period + ":6: publisher wheel states no Period"), std::string::npos)
+      << done.error;
+  const auto no_rate = file("rate.xml", two_buses(attribute("Period", time_value(50)), ""));
+  done = analyse(no_rate);
+  EXPECT_EQ(done.status, 2);
+  EXPECT_NE(done.error.find("the bit rate of network far is not described"), std::string::npos);
+  EXPECT_EQ(analyse(file("broken.xml", "<System")).status, 2);
+}
+
+}  // namespace
+}  // namespace mlcca

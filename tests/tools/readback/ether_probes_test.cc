@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Which datagrams are sent through copies of Ethernet gates, and what must become of them.
+#include "tools/readback/ether_probes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "bpf/ether.h"
+
+namespace mlcca::readback {
+namespace {
+
+using enforce::Direction;
+using enforce::GateReading;
+using enforce::SlotSpec;
+
+SlotSpec slot(std::uint64_t subject, Direction direction = Direction::ingress) {
+  SlotSpec s;
+  s.subject = subject;
+  s.direction = direction;
+  s.pass = true;
+  s.max_len = 100;
+  s.formats = ETHER_WHOLE | ETHER_SPLIT;
+  return s;
+}
+GateReading gate(std::vector<SlotSpec> slots) {
+  GateReading g;
+  g.ethernet = true;
+  g.slots = std::move(slots);
+  return g;
+}
+/// From 192.0.2.1 where no station is stated.
+bool has(const EtherProbes& probes, EtherProbe probe) {
+  if (probe.station == 0) probe.station = 0xc0000201;
+  return std::ranges::find(probes.probes(), probe) != probes.probes().end();
+}
+
+TEST(EtherProbes, OfASlotAreADatagramThatFitsAndALongerOne) {
+  const auto g = gate({slot(7)});
+  const EtherProbes probes(g);
+  EXPECT_TRUE(has(probes, {.subject = 7, .payload = 100}));
+  EXPECT_TRUE(has(probes, {.subject = 7, .payload = 101}));
+  EXPECT_TRUE(probes.is_admitted({.subject = 7, .payload = 100}));
+  EXPECT_FALSE(probes.is_admitted({.subject = 7, .payload = 101}));
+  EXPECT_FALSE(probes.is_admitted({.out = true, .subject = 7, .payload = 100}));
+  EXPECT_TRUE(probes.untried().empty());
+}
+
+TEST(EtherProbes, StrangersComeInAndGoOut) {
+  // The subject that would be taken first has a slot.
+  const auto g = gate({slot(0x6d6c636361000000)});
+  const EtherProbes probes(g);
+  EXPECT_TRUE(has(probes, {.out = false, .subject = 0x6d6c636361000001}));
+  EXPECT_TRUE(has(probes, {.out = true, .subject = 0x6d6c636361000001}));
+}
+
+TEST(EtherProbes, OfAStationComeFromItAndFromNobodyElse) {
+  auto s = slot(7);
+  s.station = 0xc0000201;  // that would be taken for anybody
+  auto anybody = slot(8);
+  anybody.pass = false;
+  const auto g = gate({s, anybody});
+  const EtherProbes probes(g);
+  const EtherProbe own{.subject = 7, .payload = 100, .station = 0xc0000201};
+  const EtherProbe another{.subject = 7, .payload = 100, .station = 0xc0000202};
+  EXPECT_TRUE(has(probes, own));
+  EXPECT_TRUE(has(probes, another));
+  EXPECT_TRUE(probes.is_admitted(own));
+  EXPECT_FALSE(probes.is_admitted(another));
+}
+
+TEST(EtherProbes, WhoHasASlotForHimselfIsNotAnybody) {
+  auto own = slot(7);
+  own.station = 0xc0000205;
+  own.pass = false;
+  const auto g = gate({own, slot(7)});
+  const EtherProbes probes(g);
+  EXPECT_FALSE(probes.is_admitted({.subject = 7, .payload = 1, .station = 0xc0000205}));
+  EXPECT_TRUE(probes.is_admitted({.subject = 7, .payload = 1, .station = 0xc0000206}));
+}
+
+TEST(EtherProbes, OfAUserAreSentByThatUser) {
+  auto s = slot(7, Direction::egress);
+  s.uid = 1000;
+  const auto g = gate({s});
+  const EtherProbes probes(g);
+  EXPECT_TRUE(has(probes, {.out = true, .subject = 7, .payload = 100, .uid = 1000}));
+  EXPECT_TRUE(probes.is_admitted({.out = true, .subject = 7, .payload = 1, .uid = 1000}));
+  EXPECT_FALSE(probes.is_admitted({.out = true, .subject = 7, .payload = 1, .uid = 0}));
+}
+
+TEST(EtherProbes, WhatIsForwardedIsOutOfReachAndSaidToBe) {
+  auto s = slot(7, Direction::egress);
+  s.source = 3;
+  const auto g = gate({s});
+  EXPECT_EQ(EtherProbes(g).untried().size(), 1U);
+}
+
+TEST(EtherProbes, OfManySlotsEveryNthIsTried) {
+  for (const std::size_t count : {EtherProbes::kMost, EtherProbes::kMost + 1}) {
+    std::vector<SlotSpec> slots;
+    for (std::uint64_t s = 1; s <= count; ++s) slots.push_back(slot(s));
+    const auto g = gate(std::move(slots));
+    const EtherProbes probes(g);
+    const bool all = count == EtherProbes::kMost;
+    EXPECT_EQ(probes.probes().size(), 2 * (all ? count : (count + 1) / 2) + 2);
+    EXPECT_EQ(probes.untried().empty(), all);
+  }
+}
+
+TEST(EtherProbes, AFrameIsWhatTheGateReads) {
+  const auto frame = frame_of({.subject = 0x44697374616e6365, .payload = 3});
+  ASSERT_EQ(frame.size(), 14U + 20 + 8 + 9 + 3);
+  EXPECT_EQ(frame[14 + 3], 20 + 8 + 9 + 3) << "total length";
+  EXPECT_EQ(frame[14 + 20 + 5], 8 + 9 + 3) << "UDP length";
+  EXPECT_EQ(std::string(frame.begin() + 42, frame.begin() + 50), "Distance");
+}
+
+}  // namespace
+}  // namespace mlcca::readback

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Copies of CAN gates on pairs of virtual interfaces, with can-gw between them.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/handle.hpp"
+#include "base/result.hpp"
+#include "daemon/gates/control.hpp"
+#include "daemon/gates/gate.hpp"
+#include "daemon/gates/readback.hpp"
+#include "daemon/net/can_routes.hpp"
+#include "tools/readback/original.hpp"
+#include "tools/readback/probes.hpp"
+#include "tools/readback/trial.hpp"
+
+namespace mlcca::readback {
+
+class CanCopies {
+ public:
+  CanCopies(const enforce::Reading& reading, const enforce::Control& control)
+      : reading_(&reading), control_(&control) {}
+
+  /// In this network namespace. `gate` is of the reading.
+  Result<void> add(const enforce::GateReading& gate, const Original& original);
+  /// Sends frames through the copy of one gate.
+  void run(std::uint32_t ifindex, bool closed, Trial& trial);
+
+ private:
+  struct Copy {
+    const enforce::GateReading* original;
+    enforce::Gate gate;
+    Fd near;  ///< a program on this machine
+    Fd far;   ///< the bus
+  };
+  [[nodiscard]] const Copy* find(std::uint32_t ifindex) const;
+  [[nodiscard]] Result<void> forward(std::uint32_t from, std::uint32_t to, bool wanted);
+  [[nodiscard]] Result<Fate> fate(const Probe& probe, const Copy& copy) const;
+  void try_one(const Probe& probe, const Copy& copy, bool closed, Trial& trial) const;
+
+  const enforce::Reading* reading_;
+  const enforce::Control* control_;
+  net::KernelCanRules rules_;
+  std::vector<std::unique_ptr<Copy>> copies_;
+};
+
+}  // namespace mlcca::readback

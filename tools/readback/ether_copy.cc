@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/readback/ether_copy.hpp"
+
+#include <fmt/format.h>
+#include <linux/if_ether.h>
+#include <linux/if_packet.h>
+#include <netinet/in.h>
+#include <sys/fsuid.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+
+#include "daemon/gates/failure.hpp"
+#include "daemon/gates/mapped.hpp"
+#include "daemon/net/pair.hpp"
+
+namespace mlcca::readback {
+namespace {
+
+using enforce::failure;
+
+/// Of one ethertype alone, it stands behind the gate: made as a program of `uid` would.
+Result<Fd> packet_socket(int ifindex, std::uint16_t ethertype, std::uint32_t uid = 0) {
+  setfsuid(uid);
+  Fd fd(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  setfsuid(0);
+  sockaddr_ll address{};
+  address.sll_family = AF_PACKET;
+  address.sll_protocol = htons(ethertype);
+  address.sll_ifindex = ifindex;
+  if (!fd || ::bind(fd.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
+    return failure("a packet socket", errno);
+  return fd;
+}
+
+bool receives(const Fd& fd, const std::vector<std::uint8_t>& frame) {
+  std::vector<std::uint8_t> got(frame.size() + 1);
+  const auto size = ::read(fd.get(), got.data(), got.size());
+  return size == std::ssize(frame) && std::equal(frame.begin(), frame.end(), got.begin());
+}
+
+template <class T>
+bool fill(const enforce::EtherPinned& to, std::size_t n, const std::vector<T>& from) {
+  const enforce::Mapped<T> memory(to.maps.at(n).get(), from.size());
+  if (!memory) return false;
+  std::ranges::copy(from, memory.span().begin());
+  return true;
+}
+
+/// As it was read, byte by byte; but nothing is policed, and nobody watches.
+Result<void> copy_table(const enforce::EtherImage& from, const enforce::EtherPinned& to) {
+  if (from.sizes != to.sizes) return fail("its copy has another size");
+  if (!fill(to, 0, from.table) || !fill(to, 1, from.buckets) || !fill(to, 9, from.fronts) ||
+      !fill(to, 2, from.slots) || !fill(to, 3, from.contracts))
+    return failure("map the table", errno);
+  const enforce::Mapped<ether_contract> contracts(to.maps[3].get(), to.sizes.contracts);
+  if (!contracts) return failure("map the contracts", errno);
+  for (ether_contract& c : contracts.span()) c.per_frame = c.per_byte = 0;
+  return {};
+}
+
+}  // namespace
+
+EtherCopy::EtherCopy(const enforce::GateReading& gate, enforce::EtherGate copy, Ends ip, Ends awds)
+    : gate_(std::move(copy)),
+      near_index_(static_cast<int>(gate.ifindex)),
+      ip_(std::move(ip)),
+      awds_(std::move(awds)),
+      probes_(gate) {}
+
+Result<EtherCopy::Ends> EtherCopy::open_ends(int near, int far, std::uint16_t ethertype) {
+  auto at_gate = packet_socket(near, ethertype);
+  auto on_wire = packet_socket(far, ethertype);
+  if (!at_gate || !on_wire) return std::unexpected((at_gate ? on_wire : at_gate).error());
+  return Ends{std::move(*at_gate), std::move(*on_wire)};
+}
+
+Result<EtherCopy> EtherCopy::make(const enforce::GateReading& gate, const Original& original,
+                                  const enforce::Control& control) {
+  const int near_index = static_cast<int>(gate.ifindex);
+  const int far_index = kFarIndex + near_index;
+  if (auto made = net::make_pair("veth", {gate.interface, near_index},
+                                 {fmt::format("far{}", gate.ifindex), far_index});
+      !made)
+    return std::unexpected(made.error());
+  enforce::EtherConfig config;
+  config.ifindex = gate.ifindex;
+  config.name = gate.interface;
+  config.slots = gate.ether_image->sizes.slots - ETHER_FIRST_SLOT;
+  auto copy = enforce::EtherGate::attach(config, control);
+  auto ip = open_ends(near_index, far_index, ETH_P_IP);
+  auto awds = open_ends(near_index, far_index, ETHER_P_AWDS);
+  if (!copy) return std::unexpected(copy.error());
+  if (!ip || !awds) return std::unexpected((ip ? awds : ip).error());
+  const std::string pins = enforce::gate_directory(control.directory(), gate.ifindex);
+  const auto own = enforce::pinned_ether_maps(pins);
+  if (!own) return fail("its copy has no maps");
+  if (auto copied = copy_table(*gate.ether_image, *own); !copied)
+    return std::unexpected(copied.error());
+  if (Original(pins).tags != original.tags) return fail(kOtherVersion);
+  return EtherCopy(gate, std::move(*copy), std::move(*ip), std::move(*awds));
+}
+
+void EtherCopy::run(bool closed, Trial& trial) const {
+  for (const EtherProbe& probe : probes_.probes()) {
+    const auto became = fate(probe);
+    if (became)
+      trial.note(to_text(probe), *became, probes_.is_admitted(probe), closed);
+    else
+      trial.untried.push_back(to_text(probe) + ": " + became.error().text);
+  }
+  if (!closed)
+    trial.untried.insert(trial.untried.end(), probes_.untried().begin(), probes_.untried().end());
+}
+
+/// What leaves goes by the socket of its user, what comes in by the far end.
+Result<Fate> EtherCopy::fate(const EtherProbe& probe) const {
+  const std::uint16_t ethertype = ethertype_of(probe);
+  const Ends& ends = ethertype == ETHER_P_AWDS ? awds_ : ip_;
+  Fd program;
+  if (probe.out) {
+    auto made = packet_socket(near_index_, ethertype, probe.uid);
+    if (!made) return std::unexpected(made.error());
+    program = std::move(*made);
+  }
+  const Fd& from = probe.out ? program : ends.far;
+  const Fd& to = probe.out ? ends.far : ends.near;
+  const auto frame = frame_of(probe);
+  const auto send = [&] {
+    // An error is a drop by the gate: its counter tells.
+    static_cast<void>(::write(from.get(), frame.data(), frame.size()));
+  };
+  return fate_of(to, [&] { return drops_of(gate_); }, send, [&] { return receives(to, frame); });
+}
+
+}  // namespace mlcca::readback

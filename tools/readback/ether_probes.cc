@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/readback/ether_probes.hpp"
+
+#include <fmt/format.h>
+#include <linux/if_ether.h>
+
+#include <algorithm>
+
+#include "bpf/ether.h"
+#include "core/model/station.hpp"
+#include "core/model/text.hpp"
+
+namespace mlcca::readback {
+namespace {
+
+/// Larger ones come in IP fragments.
+constexpr std::uint16_t kMostPayload = 1400;
+/// 192.0.2.1, and where that is somebody the next ones (RFC 5737: nobody's).
+constexpr std::uint64_t kStation = 0xc0000201;
+
+void put(std::vector<std::uint8_t>& to, std::uint64_t number, unsigned octets) {
+  while (octets-- > 0) to.push_back(static_cast<std::uint8_t>(number >> (8 * octets)));
+}
+
+}  // namespace
+
+EtherProbes::EtherProbes(const enforce::GateReading& gate) {
+  std::size_t forwarded = 0;
+  std::vector<const enforce::SlotSpec*> within_reach;
+  for (const enforce::SlotSpec& slot : gate.slots) {
+    slots_.emplace(slot.subject, &slot);
+    const bool out = slot.direction == enforce::Direction::egress;
+    if ((out && slot.source != 0) || (slot.formats & ETHER_WHOLE) == 0)
+      ++forwarded;
+    else
+      within_reach.push_back(&slot);
+  }
+  const std::size_t step = (within_reach.size() + kMost - 1) / kMost;
+  for (std::size_t i = 0; i < within_reach.size(); i += step) add(*within_reach[i]);
+  std::uint64_t stranger = 0x6d6c636361000000;
+  while (slots_.contains(stranger)) ++stranger;
+  probes_.push_back({.out = false, .subject = stranger, .station = kStation});
+  probes_.push_back({.out = true, .subject = stranger, .station = kStation});
+  std::ranges::sort(probes_);
+  const auto same = std::ranges::unique(probes_);
+  probes_.erase(same.begin(), same.end());
+  if (forwarded != 0)
+    untried_.push_back(fmt::format(
+        "{} slots for what comes by another interface or only in fragments", forwarded));
+  if (step > 1)
+    untried_.push_back(fmt::format("{} slots of {}: every {}th was",
+                                   within_reach.size() - (within_reach.size() + step - 1) / step,
+                                   within_reach.size(), step));
+}
+
+void EtherProbes::add(const enforce::SlotSpec& slot) {
+  EtherProbe probe{.out = slot.direction == enforce::Direction::egress,
+                   .subject = slot.subject,
+                   .payload = std::min(slot.max_len, kMostPayload),
+                   .station = slot.station != 0 ? slot.station : stranger_to(slot.subject)};
+  if (probe.out && slot.uid != GATE_ANY_UID) probe.uid = slot.uid;
+  probes_.push_back(probe);
+  if (slot.station != 0) {
+    EtherProbe from_another = probe;
+    from_another.station = stranger_to(slot.subject);
+    probes_.push_back(from_another);
+  }
+  if (slot.max_len >= kMostPayload) return;
+  ++probe.payload;
+  probes_.push_back(probe);
+}
+
+std::uint64_t EtherProbes::stranger_to(std::uint64_t subject) const {
+  const auto [first, last] = slots_.equal_range(subject);
+  std::uint64_t station = kStation;
+  while (
+      std::any_of(first, last, [&](const auto& known) { return known.second->station == station; }))
+    ++station;
+  return station;
+}
+
+bool EtherProbes::is_admitted(const EtherProbe& probe) const {
+  const auto [first, last] = slots_.equal_range(probe.subject);
+  const auto may_send = [&](const enforce::SlotSpec& slot) {
+    return (slot.direction == enforce::Direction::egress) == probe.out &&
+           (!probe.out ||
+            (slot.source == 0 && (slot.uid == GATE_ANY_UID || slot.uid == probe.uid)));
+  };
+  // Whoever has a slot for himself is not anybody.
+  const bool known = std::any_of(first, last, [&](const auto& at) {
+    return may_send(*at.second) && at.second->station == probe.station;
+  });
+  return std::any_of(first, last, [&](const auto& at) {
+    const enforce::SlotSpec& slot = *at.second;
+    return may_send(slot) && slot.station == (known ? probe.station : 0) && slot.pass &&
+           (slot.formats & ETHER_WHOLE) != 0 && probe.payload <= slot.max_len;
+  });
+}
+
+std::string to_text(const EtherProbe& probe) {
+  return fmt::format("{} of {} bytes {}", core::format_subject(probe.subject), probe.payload,
+                     probe.out ? fmt::format("sent by user {}", probe.uid)
+                               : "from " + core::to_text(core::Station{probe.station}));
+}
+
+std::uint16_t ethertype_of(const EtherProbe& probe) {
+  return (probe.station & ETHER_MAC) != 0 ? ETHER_P_AWDS : ETH_P_IP;
+}
+
+namespace {
+
+/// To a group address, from a made-up station of the link.
+std::vector<std::uint8_t> link_header(const EtherProbe& probe) {
+  std::vector<std::uint8_t> frame{0x01, 0x00, 0x5e, 0x4d, 0x4c, 0x43, 0x02, 0, 0, 0, 0, 0x01};
+  put(frame, ethertype_of(probe), 2);
+  return frame;
+}
+
+/// A flood of the mesh with an event of its own in it.
+std::vector<std::uint8_t> awds_packet(const EtherProbe& probe) {
+  auto frame = link_header(probe);
+  put(frame, ETHER_AWDS_FLOOD, 1);
+  put(frame, probe.station, 6);
+  put(frame, 0, 2);              // sequence
+  put(frame, probe.station, 6);  // the last hop
+  put(frame, 1, 1);              // one more
+  put(frame, ETHER_AWDS_PUBLISH, 1);
+  put(frame, 0, 1);
+  put(frame, sizeof(probe.subject) + probe.payload, 2);
+  put(frame, probe.subject, sizeof(probe.subject));
+  return frame;
+}
+
+/// To 239.77.76.67.
+std::vector<std::uint8_t> datagram(const EtherProbe& probe) {
+  constexpr unsigned ip_header = 20;
+  const unsigned udp = ETHER_UDP_HEADER + ETHER_EVENT_HEADER + probe.payload;
+  auto frame = link_header(probe);
+  put(frame, 0x4500, 2);
+  put(frame, ip_header + udp, 2);
+  put(frame, 0x00004000, 4);  // not to be fragmented
+  put(frame, 0x0111, 2);      // one hop, UDP
+  put(frame, 0, 2);           // without a checksum: nobody here looks at it
+  put(frame, probe.station, 4);
+  put(frame, 0xef4d4c43, 4);
+  put(frame, ETHER_MULTICAST_PORT, 2);
+  put(frame, ETHER_MULTICAST_PORT, 2);
+  put(frame, udp, 2);
+  put(frame, 0, 2);
+  put(frame, probe.subject, 8);
+  put(frame, 0, 1);
+  return frame;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> frame_of(const EtherProbe& probe) {
+  auto frame = ethertype_of(probe) == ETHER_P_AWDS ? awds_packet(probe) : datagram(probe);
+  frame.resize(frame.size() + probe.payload);
+  return frame;
+}
+
+}  // namespace mlcca::readback

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/sources/awds.hpp"
+
+#include <sys/epoll.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <cerrno>
+#include <string>
+#include <utility>
+
+#include "base/unix_address.hpp"
+#include "daemon/net/sources/timer.hpp"
+#include "tools/sources/awds_packet.hpp"
+#include "tools/sources/peer.hpp"
+
+namespace mlcca::net {
+namespace {
+
+/// Packets that are taken before others get their turn.
+constexpr int kTurn = 64;
+
+class Awds final : public LinkSource {
+ public:
+  Awds(std::string path, const sockaddr_un& address, core::mesh::AwdsMetric metric, sd_event* loop,
+       Described described, Report report)
+      : path_(std::move(path)),
+        address_(address),
+        loop_(loop),
+        report_(std::move(report)),
+        graph_(metric, std::move(described)) {}
+
+  Result<void> start() {
+    if (auto pace = pace_.start(loop_, [this] { tell(); }); !pace) return pace;
+    return timer_.start(loop_, [this] { look(); });
+  }
+
+ private:
+  void look() {
+    if (!socket_) connect();
+    pace_.ask();
+    timer_.set(kLookAgain);
+  }
+
+  void connect() {
+    Fd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    // A local socket connects at once or not at all.
+    if (!socket || ::connect(socket.get(), generic(address_), sizeof address_) < 0) {
+      problem_ = system_error(path_, errno);
+      return;
+    }
+    if (const auto checked = check_peer(socket.get()); !checked) {
+      problem_ = path_ + ": " + checked.error().text;
+      return;
+    }
+    sd_event_source* raw = nullptr;
+    if (const int e = sd_event_add_io(loop_, &raw, socket.get(), EPOLLIN, on_packets, this);
+        e < 0) {
+      problem_ = system_error(path_, -e);
+      return;
+    }
+    io_.reset(raw);
+    socket_ = std::move(socket);
+    problem_.clear();
+  }
+
+  static int on_packets(sd_event_source*, int, std::uint32_t, void* self) noexcept {
+    static_cast<Awds*>(self)->receive();
+    return 0;
+  }
+
+  void receive() {
+    bool changed = false;
+    for (int i = 0; i < kTurn; ++i) {
+      std::array<std::uint8_t, awds::kLongest> packet{};
+      const auto size = ::recv(socket_.get(), packet.data(), packet.size(), 0);
+      if (size < 0 && (errno == EAGAIN || errno == EINTR)) break;
+      if (size <= 0) {
+        disconnect(size == 0 ? "has closed" : system_error("receiving", errno));
+        changed = true;
+        break;
+      }
+      auto topology = awds::parse({packet.data(), static_cast<std::size_t>(size)});
+      if (topology && graph_.take(std::move(*topology), time_of(loop_))) changed = true;
+    }
+    if (changed) pace_.ask();
+  }
+
+  /// What was heard stays true for as long as it is valid; looking again connects.
+  void disconnect(const std::string& why) {
+    io_.reset();
+    socket_.reset();
+    problem_ = path_ + ": " + why;
+  }
+
+  void tell() {
+    auto snapshot = graph_.snapshot(time_of(loop_));
+    if (snapshot.links.empty() && !problem_.empty()) snapshot.problem = problem_;
+    report_(std::move(snapshot));
+  }
+
+  std::string path_;
+  sockaddr_un address_;
+  sd_event* loop_;
+  Report report_;
+  awds::Graph graph_;
+  Fd socket_;
+  EventSource io_;
+  Timer timer_;
+  Pace pace_;
+  std::string problem_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<LinkSource>> open_awds(const core::mesh::Source& source,
+                                              const core::mesh::Mesh& mesh, sd_event* loop,
+                                              LinkSource::Report report) {
+  const bool elsewhere = source.endpoint.starts_with('/');
+  std::string path = elsewhere ? source.endpoint : kAwdsFolder + source.interface;
+  const auto address = unix_address(path);
+  if (!address) return std::unexpected(address.error());
+  auto awds = std::make_unique<Awds>(std::move(path), *address, source.metric, loop,
+                                     described_nodes(mesh), std::move(report));
+  if (auto started = awds->start(); !started) return std::unexpected(started.error());
+  return awds;
+}
+
+}  // namespace mlcca::net

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#pragma once
+#include <sys/socket.h>
+
+#include <string>
+
+#include "base/result.hpp"
+
+namespace mlcca::net {
+
+/// Where a server listens.
+struct Endpoint {
+  sockaddr_storage address{};
+  socklen_t size = 0;
+  std::string text;  ///< as it was stated
+};
+
+/// HOST:PORT or [HOST]:PORT with a numeric host, or the absolute path of a socket.
+[[nodiscard]] Result<Endpoint> parse_endpoint(const std::string& text);
+
+}  // namespace mlcca::net
