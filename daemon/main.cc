@@ -143,7 +143,7 @@ std::optional<gid_t> group_named(const std::string& name) {
 }
 
 /// Heart-beats go on while it is looked up.
-ControlGroup control_group(const Options& options, const Journal& journal, Gateway& gateway) {
+ControlGroup control_group(const Options& options, const SystemLog& journal, Gateway& gateway) {
   const auto found = in_time([name = options.group] { return group_named(name); }, kGroupLimit,
                              [&gateway] { gateway.beat(); });
   if (found && *found) return {**found, false};
@@ -161,13 +161,13 @@ ControlGroup control_group(const Options& options, const Journal& journal, Gatew
   return {.hangs = !found};
 }
 
-int give_up(const Journal& journal, const std::string& line) {
+int give_up(const SystemLog& journal, const std::string& line) {
   journal.write({Kind::trouble, 3, line, 0, {}, {}, {}, {}});
   return kFailed;
 }
 
 /// Gates that an earlier daemon has left cannot be commanded: then they are closed.
-int close_and_give_up(const Journal& journal, const std::string& why) {
+int close_and_give_up(const SystemLog& journal, const std::string& why) {
   const auto closed = enforce::close_unpinned();
   if (!closed)
     journal.write(
@@ -213,7 +213,7 @@ void allow_many_descriptors() {
 
 int run(const Options& options) {
   allow_many_descriptors();
-  const Journal journal = Journal::automatic();
+  const SystemLog journal = SystemLog::automatic();
   auto alone = lock_gates(options.bpf_root);
   if (!alone) return give_up(journal, alone.error().text);
   auto control = enforce::Control::create(options.bpf_root);

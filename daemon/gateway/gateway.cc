@@ -62,28 +62,36 @@ std::expected<std::size_t, std::string> find_self(const core::System& system,
 
 }  // namespace
 
-Gateway::Gateway(Options options, Journal journal, enforce::Control control, net::Links links,
+Gateway::Gateway(Options options, SystemLog log, enforce::Control control, net::Links links,
                  net::FactsOf facts_of, sd_event* loop)
     : options_(std::move(options)),
-      journal_(std::move(journal)),
+      log_(std::move(log)),
       control_(std::move(control)),
       links_(std::move(links)),
       ports_(
           links_, control_, options_.bpf_root, std::move(facts_of),
           [this](const std::string& network, const std::string& line, bool problem) {
-            tell(Kind::interface, problem ? 4 : 6, line, network);
+            log_.write({.kind = Kind::interface,
+                        .priority = problem ? 4 : 6,
+                        .message = line,
+                        .network = network});
           },
           [this](Kind kind, const std::string& line, bool problem) {
-            tell(kind, problem ? 3 : 5, line);
+            log_.write({.kind = kind, .priority = problem ? 3 : 5, .message = line});
           }),
       meshes_(
           loop, [this](std::size_t network) { dirty_meshes_.insert(network); },
           [this](const std::string& network, const std::string& line, bool problem) {
-            tell(Kind::interface, problem ? 4 : 6, line, network);
+            log_.write({.kind = Kind::interface,
+                        .priority = problem ? 4 : 6,
+                        .message = line,
+                        .network = network});
           }),
       forwarder_(std::make_unique<net::KernelCanRules>(),
                  [this](const std::string& line, bool problem) {
-                   tell(problem ? Kind::trouble : Kind::interface, problem ? 4 : 6, line);
+                   log_.write({.kind = problem ? Kind::trouble : Kind::interface,
+                               .priority = problem ? 4 : 6,
+                               .message = line});
                  }),
       aside_(loop),
       reading_(loop) {
@@ -164,7 +172,7 @@ std::optional<StartError> Gateway::start() {
   if (auto begun = enforce::Starting::begin(control_, options_.start_limit_ns, monotonic_ns()))
     starting_.emplace(std::move(*begun));
   else
-    tell(Kind::trouble, 4, "nothing is kept beyond the grace: " + begun.error().text);
+    log_.warning(Kind::trouble, "nothing is kept beyond the grace: " + begun.error().text);
   is_starting_ = true;
   const core::Progress goes_on([this] { pulse(); });
   pulse();
@@ -182,18 +190,18 @@ std::optional<StartError> Gateway::start() {
   auto loaded = complete(std::move(*described));
   pulse();
   if (!loaded) return give_up(std::move(loaded.error()), true);
-  state_ = std::move(loaded->state);
-  self_ = loaded->self;
+  scene_.state = std::move(loaded->state);
+  scene_.self = loaded->self;
   loaded_ = std::time(nullptr);
-  if (const auto& cut = store_->recovered()) tell(Kind::trouble, 5, *cut);
+  if (const auto& cut = store_->recovered()) log_.notice(Kind::trouble, *cut);
   remember_leases_and_keys();
   const Granted before = granted();
 
   if (const auto done = enforce::undo_interrupted_step(control_); !done)
     return give_up({done.error().text}, false);
-  meshes_.describe(state_->system(), self_);
+  meshes_.describe(scene_.state->system(), scene_.self);
   meshes_.await_first_reports(kFirstReports, [this] { pulse(); });
-  if (const auto done = put_in_force(before); !done) tell(Kind::trouble, 3, done.error().text);
+  if (const auto done = put_in_force(before); !done) log_.error(Kind::trouble, done.error().text);
 
   auto events = enforce::EventReader::open(control_.events_fd(),
                                            {[this](const gate_event& event) { hear(event); },
@@ -210,11 +218,11 @@ std::optional<StartError> Gateway::start() {
   is_starting_ = false;
   forget_drops();  // what a former daemon has seen is not news
   open_unless_lost();
-  tell(Kind::started, 5, "started: " + summary());
+  log_.notice(Kind::started, "started: " + summary());
   if (control_.mode() == enforce::Mode::audit)
-    tell(Kind::mode, 4, "AUDIT MODE: nothing is dropped, everything is only counted");
+    log_.warning(Kind::mode, "AUDIT MODE: nothing is dropped, everything is only counted");
   left_out_ = std::move(loaded->left_out);
-  tell_outcome(before);
+  report_outcome(before);
   forwarder_.act();
   commit();
   return std::nullopt;
@@ -223,7 +231,7 @@ std::optional<StartError> Gateway::start() {
 void Gateway::stop() {
   control_.close_all();
   forwarder_.stop();
-  tell(Kind::stopped, 5, "stopped: the gates stay in the kernel and deny everything");
+  log_.notice(Kind::stopped, "stopped: the gates stay in the kernel and deny everything");
   commit();
   if (history_) history_->flush(unix_ns());
 }
@@ -235,9 +243,9 @@ void Gateway::links_changed() {
   const std::string told = links_.problem();
   const auto changed = links_.refresh();
   if (!changed && told.empty())
-    tell(Kind::trouble, 3,
-         changed.error().text + ": what is in force stays until they can be read");
-  if (changed && !told.empty()) tell(Kind::trouble, 5, "the interfaces can be read again");
+    log_.error(Kind::trouble,
+               changed.error().text + ": what is in force stays until they can be read");
+  if (changed && !told.empty()) log_.notice(Kind::trouble, "the interfaces can be read again");
   if (changed && (*changed || ports_.in_doubt())) follow_world();
   if (links_.take_tc_changed() && ports_.repair()) follow_world();
 }
@@ -269,7 +277,7 @@ void Gateway::follow_world() {
   ports_.follow();
   note_ports();
   state_tags();
-  put_conditions(*state_);
+  put_conditions(*scene_.state);
   static_cast<void>(settle());
   // An interface that became another one needs all of its slots anew.
   static_cast<void>(enforce());
@@ -279,46 +287,46 @@ void Gateway::follow_world() {
 void Gateway::act() {
   const core::Progress alive([this] { pulse(); });
   for (const std::size_t n : std::exchange(dirty_meshes_, {}))
-    if (const auto* table = meshes_.table(n)) put_graph(*state_, n, *table);
+    if (const auto* table = meshes_.table(n)) put_graph(*scene_.state, n, *table);
   static_cast<void>(settle());
   forwarder_.act();  // before the answers go out
   commit();
 }
 
 Result<void> Gateway::settle(const core::FormerRules& left) {
-  const std::vector<core::Change> changes = state_->settle();
+  const std::vector<core::Change> changes = scene_.state->settle();
   if (changes.empty()) return {};
-  Result<void> done = ports_.apply(state_->gate_changes(changes, self_, left));
+  Result<void> done = ports_.apply(scene_.state->gate_changes(changes, scene_.self, left));
   if (!done) done = enforce();
   set_bands();
   for (const core::Change& change : changes) {
     note(change.channel);
     forward(change.channel);
   }
-  tell_changes(changes);
+  deliveries_.changes(changes);
   return done;
 }
 
 /// Interfaces, links and gates for a description that has just become the one in force; what was
 /// granted before is served first.
 Result<void> Gateway::put_in_force(const Granted& granted_before) {
-  ports_.describe(state_->system(), self_);
+  ports_.describe(scene_.state->system(), scene_.self);
   ports_.follow();
   note_ports();
   take_up_tags();
-  put_conditions(*state_);
-  put_graphs(*state_);
+  put_conditions(*scene_.state);
+  put_graphs(*scene_.state);
   dirty_meshes_.clear();
   std::map<std::size_t, core::Grants> before;
   for (const auto& [subject, grants] : granted_before) {
-    if (const auto channel = state_->find_channel(subject))
+    if (const auto channel = scene_.state->find_channel(subject))
       before.emplace(*channel, grants);
     else
       note_granted(subject, {});
   }
   pulse();
-  state_->decide(before);
-  for (std::size_t c = 0; c < state_->decisions().size(); ++c) {
+  scene_.state->decide(before);
+  for (std::size_t c = 0; c < scene_.state->decisions().size(); ++c) {
     note_granted(c);
     pulse();
   }
@@ -335,8 +343,8 @@ void Gateway::open_unless_lost() {
 Result<void> Gateway::enforce() {
   set_bands();
   pulse();
-  auto wanted = state_->gate_state(self_);
-  std::ranges::copy(core::control_rules(state_->system(), self_, ::geteuid()),
+  auto wanted = scene_.state->gate_state(scene_.self);
+  std::ranges::copy(core::control_rules(scene_.state->system(), scene_.self, ::geteuid()),
                     std::back_inserter(wanted));
   pulse();
   auto done = ports_.sync(wanted);
@@ -344,7 +352,8 @@ Result<void> Gateway::enforce() {
   note_slots(std::move(wanted));
   forward_all();
   if (!done)
-    tell(Kind::trouble, 3, "denied as a whole, because the kernel refused: " + done.error().text);
+    log_.error(Kind::trouble,
+               "denied as a whole, because the kernel refused: " + done.error().text);
   return done;
 }
 
@@ -355,12 +364,14 @@ void Gateway::beat() {
   if (control_.lapsed() && links_.problem().empty()) {
     follow_world();
     alive = control_.clear_lapse(monotonic_ns());
-    tell(Kind::lapsed, 3,
-         fmt::format("the kernel had closed all gates because this daemon was silent for more than "
-                     "{}; they follow the verdicts again",
-                     core::format_value(Attribute::latency, control_.grace())));
+    log_.error(
+        Kind::lapsed,
+        fmt::format("the kernel had closed all gates because this daemon was silent for more than "
+                    "{}; they follow the verdicts again",
+                    core::format_value(Attribute::latency, control_.grace())));
   }
-  if (!alive) tell(Kind::trouble, 2, "the gates close soon: no heart-beat, " + alive.error().text);
+  if (!alive)
+    log_.critical(Kind::trouble, "the gates close soon: no heart-beat, " + alive.error().text);
 }
 
 /// A gate that has closed meanwhile stays closed until beat() has looked.
@@ -386,8 +397,9 @@ std::vector<control::Channel> Gateway::report(
   const std::size_t channel = verdicts.front()->channel;
   const auto shared = shared_entries_of(channel);
   for (const core::Verdict* v : verdicts) {
-    const auto rules = core::gate_state(state_->system(), state_->members(), *v, self_);
-    out.push_back(channel_report(*state_, *v, ports_.frames(rules, shared)));
+    const auto rules =
+        core::gate_state(scene_.state->system(), scene_.state->members(), *v, scene_.self);
+    out.push_back(channel_report(*scene_.state, *v, ports_.frames(rules, shared)));
     if (!v->granted) continue;
     out.back().watch = ports_.watch(rules);
     out.back().troubles = troubles_of(*v, rules, shared, out.back().watch);
@@ -397,8 +409,8 @@ std::vector<control::Channel> Gateway::report(
 
 control::Channels Gateway::report_known(const Asked& asked) const {
   std::vector<const core::Verdict*> known;
-  for (const core::Verdict& v : state_->decisions()[asked.channel].verdicts) {
-    if (asked.from && state_->members().publisher(v.publisher).place != *asked.from) continue;
+  for (const core::Verdict& v : scene_.state->decisions()[asked.channel].verdicts) {
+    if (asked.from && scene_.state->members().publisher(v.publisher).place != *asked.from) continue;
     if (asked.to && v.to != *asked.to) continue;
     known.push_back(&v);
   }
@@ -411,8 +423,8 @@ const char* Gateway::mode_name() const {
 
 std::string Gateway::summary() const {
   return fmt::format("{} of {}: {} granted, {} refused, {}{}",
-                     state_->system().gateways[self_].name, state_->system().name,
-                     state_->granted(), state_->refused(), mode_name(),
+                     scene_.state->system().gateways[scene_.self].name, scene_.state->system().name,
+                     scene_.state->granted(), scene_.state->refused(), mode_name(),
                      control_.is_open() ? "" : ", closed");
 }
 

@@ -22,10 +22,11 @@
 #include "daemon/gates/starting.hpp"
 #include "daemon/gateway/aside.hpp"
 #include "daemon/gateway/bus_load.hpp"
+#include "daemon/gateway/delivery_events.hpp"
 #include "daemon/gateway/drops.hpp"
+#include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/forwarder.hpp"
 #include "daemon/gateway/health.hpp"
-#include "daemon/gateway/journal.hpp"
 #include "daemon/gateway/keys.hpp"
 #include "daemon/gateway/leases.hpp"
 #include "daemon/gateway/meshes.hpp"
@@ -35,6 +36,7 @@
 #include "daemon/gateway/reading.hpp"
 #include "daemon/gateway/requests.hpp"
 #include "daemon/gateway/rounds.hpp"
+#include "daemon/gateway/scene.hpp"
 #include "daemon/gateway/tags.hpp"
 #include "daemon/gateway/user_names.hpp"
 #include "daemon/net/links.hpp"
@@ -55,11 +57,10 @@ struct StartError {
 
 class Gateway {
  public:
-  using Publish = std::function<void(const control::Event&)>;
   using Committed = std::function<void(const Result<void>&)>;
 
   /// `loop` must outlive this; sources of link states run on it.
-  Gateway(Options options, Journal journal, enforce::Control control, net::Links links,
+  Gateway(Options options, SystemLog log, enforce::Control control, net::Links links,
           net::FactsOf facts_of, sd_event* loop);
   Gateway(const Gateway&) = delete;
   Gateway& operator=(const Gateway&) = delete;
@@ -77,7 +78,7 @@ class Gateway {
   /// A thread reads a description.
   [[nodiscard]] bool is_reading() const { return reading_.busy() || reads_for_ever_; }
 
-  void on_event(Publish publish) { publish_ = std::move(publish); }
+  void on_event(EventLog::Publish publish) { log_.on_event(std::move(publish)); }
   /// Told when everything that was answered with `held` is on disk, or why it is not: then none of
   /// it is granted any more.
   void on_commit(Committed committed) { committed_ = std::move(committed); }
@@ -163,8 +164,7 @@ class Gateway {
   void follow_world();
   void put_conditions(core::State& state) const;
   void put_graphs(core::State& state) const;
-  /// What was granted when the journal was last written, by subject ("0x…").
-  using Granted = std::map<std::string, core::Grants>;
+  using Granted = DeliveryEvents::Granted;
   [[nodiscard]] Granted granted() const;
 
   /// What a bus carries beside what is analysed, in 1e-6 of its time.
@@ -239,22 +239,7 @@ class Gateway {
   void hear(const gate_event& event);
   void hear(const gate_sample& sample);
   void tell_missing_again(const core::Verdict& verdict);
-  void tell_heard(const core::Verdict& verdict, const gate_event& event);
-  void tell(Note note);
-  void tell(Kind kind, int priority, std::string message, std::string network = {}) {
-    tell({kind, priority, std::move(message), 0, {}, std::move(network), {}, {}});
-  }
-  /// What was told of the deliveries of a description, and with which attribute set, by subject and
-  /// delivery.
-  using Told =
-      std::map<std::pair<std::string, core::Delivery>, std::pair<std::size_t, std::string>>;
-  [[nodiscard]] Told told_of(const core::State& state);
-  void tell_outcome(const Granted& before, const Told& told = {});
-  void tell_gone(const std::string& subject, const core::Delivery& delivery);
-  void tell_released(const std::vector<core::AdmissionId>& gone, const std::string& why);
-  /// Of frames of these verdicts, whose publishers look alike where there are several.
-  void tell_excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames);
-  void tell_dropped(const core::Verdict& verdict, Fate fate, std::uint64_t frames);
+  void report_outcome(const Granted& before, const DeliveryEvents::Reported& reported = {});
   void look_at_drops_of(const core::Decision& decision, bool mention);
   /// Entries by which events of several publishers of a channel come or leave, sorted.
   [[nodiscard]] std::vector<core::GateEntry> shared_entries_of(std::size_t channel) const;
@@ -268,10 +253,6 @@ class Gateway {
   [[nodiscard]] std::vector<std::string> own_problems() const;
   void add_own_troubles(std::vector<std::string>& to) const;
   void add_troubles_of_deliveries(std::vector<std::string>& to) const;
-  void tell_changes(const std::vector<core::Change>& changes);
-  void tell_verdict(Kind kind, const core::Verdict& verdict, const std::string& line);
-  [[nodiscard]] std::vector<core::AdmissionId> admissions_of(const core::Verdict& verdict) const;
-  [[nodiscard]] bool concerns(const core::Verdict& verdict, core::AdmissionId id) const;
   /// "enforce" or "audit".
   [[nodiscard]] const char* mode_name() const;
   /// What is said of some or all verdicts of one channel.
@@ -282,21 +263,6 @@ class Gateway {
   [[nodiscard]] Result<core::AdmissionId> admission_named(core::AdmissionId id,
                                                           const std::string& key) const;
   control::Actor actor_of(const serve::Peer& peer);
-  /// While it lives, what is told was done at the request of `actor`.
-  class Acting {
-   public:
-    Acting(std::optional<control::Actor>& at, std::optional<control::Actor> actor)
-        : at_(at), before_(std::exchange(at, std::move(actor))) {}
-    Acting(const Acting&) = delete;
-    Acting& operator=(const Acting&) = delete;
-    Acting(Acting&&) = delete;
-    Acting& operator=(Acting&&) = delete;
-    ~Acting() { at_ = std::move(before_); }
-
-   private:
-    std::optional<control::Actor>& at_;
-    std::optional<control::Actor> before_;
-  };
   // So much that it is not said between two heart-beats.
   [[nodiscard]] bool is_large() const;
   [[nodiscard]] bool has_much_trouble() const;
@@ -322,7 +288,9 @@ class Gateway {
                                const char* to_do) const;
 
   Options options_;
-  Journal journal_;
+  Scene scene_;
+  EventLog log_;
+  DeliveryEvents deliveries_{scene_, log_, [this] { pulse(); }};
   enforce::Control control_;
   net::Links links_;
   Ports ports_;
@@ -349,9 +317,6 @@ class Gateway {
   std::map<std::size_t, std::string> not_carried_;  // why, by channel
   std::optional<store::Journal> store_;
   std::optional<store::History> history_;
-  std::unique_ptr<core::State> state_;
-  std::size_t self_ = 0;
-  std::uint64_t description_ = 0;  ///< counts the states: of another one indices mean other things
   /// Why frames of an entry are dropped, as far as that is told apart; of what is too much nobody
   /// asks whether audit mode has let it through.
   enum class Drop : std::uint8_t { misfit, would_be_misfit, excess };
@@ -379,7 +344,6 @@ class Gateway {
     }
   };
   Hearing hearing_;
-  Publish publish_;
   Committed committed_;
   std::time_t started_ = 0;
   std::time_t loaded_ = 0;
@@ -405,8 +369,6 @@ class Gateway {
   serve::Peer peer_;
   bool may_slice_ = false;
   bool hold_answer_ = false;
-  std::uint64_t rows_told_ = 0;          ///< of the history
-  std::optional<control::Actor> actor_;  ///< at whose request something is being changed
   UserNames users_;
   core::AdmissionId owned_ = 0;
   serve::NextSlice slices_;

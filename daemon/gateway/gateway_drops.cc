@@ -32,7 +32,7 @@ std::uint64_t would_be_misfits(const Frames& frames) {
 }  // namespace
 
 void Gateway::look_at_drops(bool mention) {
-  for (const core::Decision& decision : state_->decisions()) {
+  for (const core::Decision& decision : scene_.state->decisions()) {
     look_at_drops_of(decision, mention);
     pulse();
   }
@@ -44,7 +44,7 @@ void Gateway::look_at_drops(bool mention) {
 /// The next one each time, and so many in a round; of all that are refused somebody hears when it
 /// has gone through all of them.
 bool Gateway::look_at_some_drops() {
-  const auto& all = state_->decisions();
+  const auto& all = scene_.state->decisions();
   if (looked_at_ < all.size()) look_at_drops_of(all[looked_at_++], true);
   if (looked_at_ >= all.size()) {
     looked_at_ = 0;
@@ -66,7 +66,8 @@ void Gateway::look_at_drops_of(const core::Decision& decision, bool mention) {
   std::vector<core::GateState> rules_of;
   rules_of.reserve(verdicts.size());
   for (const core::Verdict* v : verdicts) {
-    rules_of.push_back(core::gate_state(state_->system(), state_->members(), *v, self_));
+    rules_of.push_back(
+        core::gate_state(scene_.state->system(), scene_.state->members(), *v, scene_.self));
     for (const core::GateRule& rule : rules_of.back()) {
       auto& of_entry = users[rule.entry];
       if (of_entry.empty()) first_to_use[v].push_back(rule);
@@ -80,14 +81,14 @@ void Gateway::look_at_drops_of(const core::Decision& decision, bool mention) {
     for (const core::GateRule& rule : rules) {
       const Frames frames = ports_.frames({rule});
       const auto excess = drops_.look({rule.entry, Drop::excess}, frames.excess, now);
-      if (excess && mention) tell_excess(users[rule.entry], *excess);
+      if (excess && mention) deliveries_.excess(users[rule.entry], *excess);
       dropped += drops_.look({rule.entry, Drop::misfit}, misfits(frames), now).value_or(0);
       would_drop += drops_.look({rule.entry, Drop::would_be_misfit}, would_be_misfits(frames), now)
                         .value_or(0);
     }
     if (!mention) continue;
-    if (dropped != 0) tell_dropped(*v, Fate::dropped, dropped);
-    if (would_drop != 0) tell_dropped(*v, Fate::let_through, would_drop);
+    if (dropped != 0) deliveries_.dropped(*v, Fate::dropped, dropped);
+    if (would_drop != 0) deliveries_.dropped(*v, Fate::let_through, would_drop);
   }
   if (verdicts.empty()) return;
   const std::size_t channel = verdicts.front()->channel;
@@ -108,11 +109,11 @@ void Gateway::look_at_unknown(std::size_t port, bool mention) {
     const auto fresh = unknown_.look({port, fate}, counted, monotonic_s());
     if (!fresh || !mention) return;
     const std::string& network = ports_.network_of(port);
-    tell(Kind::dropping, 4,
-         dropped_line(fate, *fresh,
-                      fmt::format("without a known subject on {} ({})", ports_.interface_name(port),
-                                  network)),
-         network);
+    log_.warning(Kind::dropping,
+                 dropped_line(fate, *fresh,
+                              fmt::format("without a known subject on {} ({})",
+                                          ports_.interface_name(port), network)),
+                 {.network = network});
   };
   look(Fate::dropped, frames.dropped);
   look(Fate::let_through, frames.would_drop);
@@ -147,48 +148,6 @@ void Gateway::forget_drops() {
   troubled_.clear();
   unknown_.forget();
   look_at_drops(false);
-}
-
-void Gateway::tell_dropped(const core::Verdict& v, Fate fate, std::uint64_t frames) {
-  const core::EventChannel& c = state_->system().channels[v.channel];
-  const core::Publisher& publisher = state_->members().publisher(v.publisher);
-  const std::string which = v.granted ? fmt::format("that named {} ({}) and differ from the grant",
-                                                    c.name, core::format_subject(c.subject))
-                                      : "of " + verdict_line(*state_, v);
-  tell({Kind::dropping,
-        4,
-        dropped_line(fate, frames, which),
-        c.subject,
-        c.name,
-        core::name_of(state_->system(), publisher.place),
-        {},
-        {}});
-}
-
-/// The owner of the publisher hears of it, as does everybody who watches.
-void Gateway::tell_excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames) {
-  const core::Verdict& first = *verdicts.front();
-  const core::EventChannel& channel = state_->system().channels[first.channel];
-  std::vector<std::string> who;
-  std::vector<core::AdmissionId> ids;
-  for (const core::Verdict* v : verdicts) {
-    const std::string& name = state_->members().publisher(v->publisher).name;
-    if (std::ranges::find(who, name) == who.end()) who.push_back(name);
-    std::ranges::copy(admissions_of(*v), std::back_inserter(ids));
-  }
-  std::ranges::sort(ids);
-  const auto twice = std::ranges::unique(ids);
-  ids.erase(twice.begin(), twice.end());
-  const core::Publisher& publisher = state_->members().publisher(first.publisher);
-  const AttributeSet& said = core::attributes_in(publisher, first.set);
-  const Attribute what = said.has(Attribute::period) ? Attribute::period : Attribute::bandwidth;
-  tell({Kind::excess, 4,
-        fmt::format("{} sent {} frames of {} ({}) more than was admitted: {} said {} {}",
-                    fmt::join(who, " or "), frames, channel.name,
-                    core::format_subject(channel.subject), who.size() > 1 ? who.front() : "it",
-                    info(what).name, core::format_value(what, said[what])),
-        channel.subject, channel.name, core::name_of(state_->system(), first.to),
-        core::name_of(state_->system(), publisher.place), ids});
 }
 
 }  // namespace mlcca

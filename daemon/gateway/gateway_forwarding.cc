@@ -14,8 +14,8 @@ namespace mlcca {
 void Gateway::forward(std::size_t channel) {
   std::vector<net::CanRule> rules;
   std::string why;
-  if (state_->system().gateways[self_].forwarder == core::Forwarder::can_gw) {
-    for (const core::Transit& transit : state_->transits(self_, channel)) {
+  if (scene_.state->system().gateways[scene_.self].forwarder == core::Forwarder::can_gw) {
+    for (const core::Transit& transit : scene_.state->transits(scene_.self, channel)) {
       const int from = ports_.gated_interface(transit.in.port);
       const int to = ports_.gated_interface(transit.out.port);
       if (from == 0 || to == 0) continue;
@@ -24,7 +24,7 @@ void Gateway::forward(std::size_t channel) {
         rules.insert(rules.end(), made->begin(), made->end());
       else
         why = fmt::format(
-            "{} is not carried from {} to {}: {}", state_->system().channels[channel].name,
+            "{} is not carried from {} to {}: {}", scene_.state->system().channels[channel].name,
             ports_.network_of(transit.in.port), ports_.network_of(transit.out.port), made.error());
     }
   }
@@ -33,7 +33,7 @@ void Gateway::forward(std::size_t channel) {
   if (why.empty()) {
     if (told != not_carried_.end()) not_carried_.erase(told);
   } else if (told == not_carried_.end() || told->second != why) {
-    tell(Kind::trouble, 4, why);
+    log_.warning(Kind::trouble, why);
     not_carried_[channel] = std::move(why);
   }
 }
@@ -41,8 +41,8 @@ void Gateway::forward(std::size_t channel) {
 void Gateway::forward_all() {
   forwarder_.forget();
   std::erase_if(not_carried_,
-                [this](const auto& c) { return c.first >= state_->decisions().size(); });
-  for (std::size_t c = 0; c < state_->decisions().size(); ++c) {
+                [this](const auto& c) { return c.first >= scene_.state->decisions().size(); });
+  for (std::size_t c = 0; c < scene_.state->decisions().size(); ++c) {
     forward(c);
     pulse();
   }
@@ -50,7 +50,7 @@ void Gateway::forward_all() {
 
 void Gateway::add_can_rules(control::Routes& to,
                             const Result<std::vector<net::CanRuleThere>>& there) const {
-  const auto& channels = state_->system().channels;
+  const auto& channels = scene_.state->system().channels;
   const auto name_of = [&](const net::CanRule& rule) {
     const auto channel = forwarder_.channel_of(rule);
     return channel ? channels[*channel].name : std::string();

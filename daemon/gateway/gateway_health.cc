@@ -33,8 +33,8 @@ void add_interface(const control::Interface& i, std::vector<std::string>& to) {
 }  // namespace
 
 std::vector<core::GateEntry> Gateway::shared_entries_of(std::size_t channel) const {
-  return core::shared_entries(state_->system(), state_->members(), channel,
-                              state_->decisions()[channel].verdicts, self_);
+  return core::shared_entries(scene_.state->system(), scene_.state->members(), channel,
+                              scene_.state->decisions()[channel].verdicts, scene_.self);
 }
 
 std::vector<std::string> Gateway::troubles_of(const core::Verdict& v, const core::GateState& rules,
@@ -103,17 +103,19 @@ void Gateway::add_own_troubles(std::vector<std::string>& to) const {
 /// kernel has told so since.
 void Gateway::add_troubles_of_deliveries(std::vector<std::string>& to) const {
   for (const std::size_t channel : troubled_) {
-    if (channel >= state_->decisions().size()) break;
+    if (channel >= scene_.state->decisions().size()) break;
     const auto shared = shared_entries_of(channel);
-    for (const core::Verdict& v : state_->decisions()[channel].verdicts) {
+    for (const core::Verdict& v : scene_.state->decisions()[channel].verdicts) {
       if (!v.granted) continue;
-      const auto rules = core::gate_state(state_->system(), state_->members(), v, self_);
+      const auto rules =
+          core::gate_state(scene_.state->system(), scene_.state->members(), v, scene_.self);
       for (const std::string& line : troubles_of(v, rules, shared, ports_.watch(rules)))
-        to.push_back(fmt::format(
-            "{} from {} ({}) to {}: {}", state_->system().channels[channel].name,
-            core::name_of(state_->system(), state_->members().publisher(v.publisher).place),
-            state_->members().publisher(v.publisher).name, core::name_of(state_->system(), v.to),
-            line));
+        to.push_back(
+            fmt::format("{} from {} ({}) to {}: {}", scene_.state->system().channels[channel].name,
+                        core::name_of(scene_.state->system(),
+                                      scene_.state->members().publisher(v.publisher).place),
+                        scene_.state->members().publisher(v.publisher).name,
+                        core::name_of(scene_.state->system(), v.to), line));
     }
     // What is beyond is counted, and told by `channels`.
     if (to.size() > 2 * control::kMostReasons) return;
@@ -124,16 +126,16 @@ control::Health Gateway::health(const std::vector<control::Interface>& interface
   std::vector<std::string> lines;
   add_own_troubles(lines);
   for (const control::Interface& i : interfaces) add_interface(i, lines);
-  for (std::size_t n = 0; n < state_->world().conditions.size(); ++n) {
-    const core::Condition& condition = state_->world().conditions[n];
-    const core::Network& network = state_->system().networks[n];
-    if (!condition.available && state_->system().gateways[self_].port_on(n) == nullptr)
+  for (std::size_t n = 0; n < scene_.state->world().conditions.size(); ++n) {
+    const core::Condition& condition = scene_.state->world().conditions[n];
+    const core::Network& network = scene_.state->system().networks[n];
+    if (!condition.available && scene_.state->system().gateways[scene_.self].port_on(n) == nullptr)
       lines.push_back(fmt::format("{}: {}", network.name, condition.problem));
   }
   add_troubles_of_deliveries(lines);
-  if (state_->refused() != 0)
-    lines.push_back(
-        fmt::format("{} refused: 'mlccactl channels' says why", deliveries(state_->refused())));
+  if (scene_.state->refused() != 0)
+    lines.push_back(fmt::format("{} refused: 'mlccactl channels' says why",
+                                deliveries(scene_.state->refused())));
   return health_of(control_.is_open() && !control_.lapsed(), std::move(lines));
 }
 

@@ -74,13 +74,14 @@ Gateway::Granted Gateway::granted() const {
 
 void Gateway::note(std::size_t channel) {
   note_granted(channel);
-  write_down(store::Enforced{state_->system().channels[channel].subject,
-                             enforce::record_of(ports_.slots(state_->gate_state(self_, channel)))});
+  write_down(store::Enforced{
+      scene_.state->system().channels[channel].subject,
+      enforce::record_of(ports_.slots(scene_.state->gate_state(scene_.self, channel)))});
 }
 
 void Gateway::note_granted(std::size_t channel) {
-  note_granted(core::format_subject(state_->system().channels[channel].subject),
-               text_of(state_->grants(channel)));
+  note_granted(core::format_subject(scene_.state->system().channels[channel].subject),
+               text_of(scene_.state->grants(channel)));
 }
 
 void Gateway::note_granted(const std::string& subject, const std::string& text) {
@@ -133,28 +134,28 @@ void Gateway::write_down(const store::Entry& entry) {
     done = patience_.wait_for([this] { return store_->commit(); });
     if (done) done = store_->append(entry);
   }
-  if (!done) tell(Kind::trouble, 3, done.error().text);
+  if (!done) log_.error(Kind::trouble, done.error().text);
 }
 
 void Gateway::commit() {
   if (!store_ || !store_->dirty()) return;
   // What is not on disk now was asked for by others before.
-  const Acting nobody(actor_, std::nullopt);
+  const EventLog::Acting nobody(log_, std::nullopt);
   const Result<void> done = patience_.wait_for([this] { return store_->commit(); });
   if (!done) {
-    tell(Kind::trouble, 3, done.error().text);
+    log_.error(Kind::trouble, done.error().text);
     take_back_uncommitted();
   }
   if (journal_trouble_.is_new(store_->trouble().value_or("")))
-    tell(Kind::trouble, 4, journal_trouble_.text());
+    log_.warning(Kind::trouble, journal_trouble_.text());
   uncommitted_.clear();
   if (committed_) committed_(done);
   if (done) return;
   // What is in force was to be written down, too: the next commit tries it again.
-  for (std::size_t c = 0; c < state_->decisions().size(); ++c) note_granted(c);
+  for (std::size_t c = 0; c < scene_.state->decisions().size(); ++c) note_granted(c);
   note_ports();
-  auto wanted = state_->gate_state(self_);
-  std::ranges::copy(core::control_rules(state_->system(), self_, ::geteuid()),
+  auto wanted = scene_.state->gate_state(scene_.self);
+  std::ranges::copy(core::control_rules(scene_.state->system(), scene_.self, ::geteuid()),
                     std::back_inserter(wanted));
   note_slots(std::move(wanted));
 }
@@ -167,25 +168,31 @@ void Gateway::keep_journal() {
                                  : store_->path() +
                                        " was removed or replaced, and cannot be written anew: " +
                                        again.error().text))
-    tell(Kind::trouble, 3, journal_gone_.text());
+    log_.error(Kind::trouble, journal_gone_.text());
   if (again && *again)
-    tell(Kind::drift, 3,
-         store_->path() +
-             ": somebody removed or replaced it; it is written anew, with all that is "
-             "granted");
+    log_.error(Kind::drift,
+               store_->path() +
+                   ": somebody removed or replaced it; it is written anew, with all that is "
+                   "granted");
+}
+
+/// After a start or a reload; what has no place in the description, too.
+void Gateway::report_outcome(const Granted& before, const DeliveryEvents::Reported& reported) {
+  for (const auto& [id, why] : left_out_) {
+    const auto* request = stored().admissions.find(id);
+    const auto* admit = request != nullptr ? std::get_if<control::Admit>(&request->body) : nullptr;
+    log_.warning(Kind::trouble, why,
+                 {.channel = admit != nullptr ? admit->channel : "", .admissions = {id}});
+  }
+  deliveries_.outcome(before, reported);
 }
 
 /// What could not be written down was never granted.
 void Gateway::take_back_uncommitted() {
   for (const core::AdmissionId id : uncommitted_) {
-    tell({Kind::withdrawn,
-          4,
-          fmt::format("admission {} was never granted: it could not be written down", id),
-          0,
-          {},
-          {},
-          {},
-          {id}});
+    log_.warning(Kind::withdrawn,
+                 fmt::format("admission {} was never granted: it could not be written down", id),
+                 {.admissions = {id}});
   }
   static_cast<void>(settle(forget(uncommitted_)));
   leave_unused_tags();

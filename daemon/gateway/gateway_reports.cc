@@ -34,8 +34,8 @@ constexpr std::size_t kChannelRow = 1024;  // bytes on the wire, mostly
 /// What a handler answers whose reply is made in slices, each of what is known when it is made.
 Gateway::Body Gateway::in_slices(std::size_t least_bytes, std::function<serve::Slice()> next) {
   least_bytes_ = least_bytes;
-  slices_ = [this, description = description_, next = std::move(next)] {
-    if (description == description_) return std::optional(next());
+  slices_ = [this, description = scene_.description, next = std::move(next)] {
+    if (description == scene_.description) return std::optional(next());
     return std::optional(serve::Slice{
         error(control::ErrorKind::world, "the description was reloaded meanwhile: ask again")});
   };
@@ -62,15 +62,15 @@ Gateway::Body Gateway::handle(const control::StatusRequest&) {
 control::Status Gateway::status() const {
   control::Status s;
   s.version = kVersion;
-  s.gateway = state_->system().gateways[self_].name;
-  s.system = state_->system().name;
+  s.gateway = scene_.state->system().gateways[scene_.self].name;
+  s.system = scene_.state->system().name;
   s.description_file = options_.description;
   s.mode = mode_name();
   s.open = control_.is_open() && !control_.lapsed();
   s.grace_ns = control_.grace();
   s.lapses = control_.lapses();
-  s.channels_granted = static_cast<std::uint32_t>(state_->granted());
-  s.channels_refused = static_cast<std::uint32_t>(state_->refused());
+  s.channels_granted = static_cast<std::uint32_t>(scene_.state->granted());
+  s.channels_refused = static_cast<std::uint32_t>(scene_.state->refused());
   s.started_unix_s = static_cast<std::uint64_t>(started_);
   s.loaded_unix_s = static_cast<std::uint64_t>(loaded_);
   s.last_error = last_error_;
@@ -83,8 +83,8 @@ control::Status Gateway::status() const {
 Gateway::Body Gateway::handle(const control::NetworksRequest&) {
   const auto make = [this] {
     control::Networks out;
-    for (std::size_t n = 0; n < state_->system().networks.size(); ++n)
-      out.networks.push_back(network_report(*state_, n));
+    for (std::size_t n = 0; n < scene_.state->system().networks.size(); ++n)
+      out.networks.push_back(network_report(*scene_.state, n));
     return out;
   };
   return is_large() ? aside(make) : make();
@@ -94,11 +94,11 @@ Gateway::Body Gateway::handle(const control::ChannelsRequest&) {
   if (has_channel_of_many_ends())
     return aside([this] {
       control::Channels out;
-      for (std::size_t c = 0; c < state_->decisions().size(); ++c)
+      for (std::size_t c = 0; c < scene_.state->decisions().size(); ++c)
         std::ranges::move(report_known({c, {}, {}, {}}).channels, std::back_inserter(out.channels));
       return out;
     });
-  return in_slices(state_->decisions().size() * kLeastRow,
+  return in_slices(scene_.state->decisions().size() * kLeastRow,
                    [this, at = Position{}]() mutable { return some_channels(at); });
 }
 
@@ -107,7 +107,7 @@ Gateway::Body Gateway::handle(const control::ChannelsRequest&) {
 serve::Slice Gateway::some_channels(Position& at) const {
   constexpr std::size_t lines_of_a_row = 16;
   control::Channels out;
-  const auto& decisions = state_->decisions();
+  const auto& decisions = scene_.state->decisions();
   Pace pace(kChannelRow);
   for (bool goes_on = true; goes_on && at.channel < decisions.size();) {
     const auto& verdicts = decisions[at.channel].verdicts;
@@ -115,7 +115,7 @@ serve::Slice Gateway::some_channels(Position& at) const {
     std::size_t lines = 0;
     for (; at.verdict < verdicts.size() && lines < control::kListedRows; ++at.verdict) {
       some.push_back(&verdicts[at.verdict]);
-      lines += lines_of(*state_, verdicts[at.verdict]);
+      lines += lines_of(*scene_.state, verdicts[at.verdict]);
     }
     std::ranges::move(report(some), std::back_inserter(out.channels));
     if (at.verdict >= verdicts.size()) at = {at.channel + 1, 0};
@@ -125,29 +125,30 @@ serve::Slice Gateway::some_channels(Position& at) const {
 }
 
 Gateway::Body Gateway::handle(const control::ExplainRequest& request) {
-  const auto channel = channel_named(*state_, request.channel);
+  const auto channel = channel_named(*scene_.state, request.channel);
   if (!channel) return error(control::ErrorKind::invalid, channel.error().text);
   return known_or_aside({*channel, {}, {}, {}});
 }
 
 control::Channels Gateway::report_admission(core::AdmissionId id) const {
-  const auto known = state_->admissions().find(id);
-  if (known == state_->admissions().end()) return {};
+  const auto known = scene_.state->admissions().find(id);
+  if (known == scene_.state->admissions().end()) return {};
   std::vector<const core::Verdict*> concerned;
-  for (const core::Verdict& v : state_->decisions()[known->second].verdicts)
-    if (concerns(v, id)) concerned.push_back(&v);
+  for (const core::Verdict& v : scene_.state->decisions()[known->second].verdicts)
+    if (deliveries_.concerns(v, id)) concerned.push_back(&v);
   control::Channels out;
-  out.left_out = leave_out(*state_, concerned);
+  out.left_out = leave_out(*scene_.state, concerned);
   out.channels = report(concerned);
   return out;
 }
 
 Gateway::Body Gateway::handle(const control::RoutesRequest&) {
   const auto make = [this](net::CanRules* rules) {
-    control::Routes out = routes_report(*state_);
-    for (std::size_t n = 0; n < state_->system().networks.size(); ++n)
+    control::Routes out = routes_report(*scene_.state);
+    for (std::size_t n = 0; n < scene_.state->system().networks.size(); ++n)
       if (const auto* table = meshes_.table(n))
-        add_links(*meshes_.mesh(n), *table, state_->system().networks[n].name, monotonic_ns(), out);
+        add_links(*meshes_.mesh(n), *table, scene_.state->system().networks[n].name, monotonic_ns(),
+                  out);
     add_can_rules(out, rules == nullptr ? forwarder_.read() : rules->read());
     return out;
   };
@@ -162,13 +163,13 @@ Gateway::Body Gateway::handle(const control::RoutesRequest&) {
 Gateway::Body Gateway::handle(const control::ReservationsRequest& request) {
   std::optional<core::Place> place;
   if (!request.place.empty()) {
-    place = state_->find_place(request.place);
+    place = scene_.state->find_place(request.place);
     if (!place)
       return error(control::ErrorKind::invalid,
                    fmt::format("there is no network or gateway '{}'", request.place));
   }
   const auto make = [this, place] {
-    return reservations_report(*state_, place, [this](core::AdmissionId id) -> std::uint64_t {
+    return reservations_report(*scene_.state, place, [this](core::AdmissionId id) -> std::uint64_t {
       return leases_.remaining(id, monotonic_ns()).value_or(0);
     });
   };
@@ -177,7 +178,7 @@ Gateway::Body Gateway::handle(const control::ReservationsRequest& request) {
 
 Gateway::Body Gateway::handle(const control::GateRequest& request) {
   const auto make = [this, place = request.place]() -> Body {
-    control::Gates out = gates_report(ports_, *state_, place);
+    control::Gates out = gates_report(ports_, *scene_.state, place);
     if (out.gates.empty() && !place.empty())
       return error(
           control::ErrorKind::invalid,
@@ -192,9 +193,9 @@ Gateway::Body Gateway::handle(const control::GateRequest& request) {
 /// Always aside: all that is known is decided once more.
 Gateway::Body Gateway::handle(const control::WhatIfRequest& request) {
   return aside([this, request]() -> Body {
-    auto then = suppose(*state_, request);
+    auto then = suppose(*scene_.state, request);
     if (!then) return error(control::ErrorKind::invalid, then.error().text);
-    return outlook(*state_, **then);
+    return outlook(*scene_.state, **then);
   });
 }
 
@@ -213,7 +214,8 @@ Gateway::Body Gateway::handle(const control::HistoryRequest& request) {
   auto pages = std::make_shared<HistoryPages>(*history_, filter);
   auto first = patience_.wait_for([&pages] { return pages->next(); });
   if (!first) return error(control::ErrorKind::world, first.error().text);
-  if (first->entries.empty() && !request.channel.empty() && !state_->find_channel(request.channel))
+  if (first->entries.empty() && !request.channel.empty() &&
+      !scene_.state->find_channel(request.channel))
     return error(control::ErrorKind::invalid,
                  fmt::format("no event channel is called '{}', and the history knows none",
                              request.channel));

@@ -51,13 +51,13 @@ control::Error error(control::ErrorKind kind, std::string message) {
 /// Reads on a thread, and goes on in the loop when that is done.
 Gateway::Body Gateway::handle(const control::ReloadRequest&) {
   const auto read = std::make_shared<std::optional<LoadResult>>();
-  const auto reload = std::make_shared<Reload>(Reload{std::nullopt, peer_.session, actor_});
+  const auto reload = std::make_shared<Reload>(Reload{std::nullopt, peer_.session, log_.actor()});
   const bool begun = reading_.begin([read, options = options_] { *read = Gateway::read(options); },
                                     [this, read] { end_reload(reload_with(std::move(**read))); });
   if (!begun)
     return error(control::ErrorKind::world,
                  "nothing was changed: the description is being read already; ask again later");
-  rows_told_ += Quotas::kRowsOfReload;
+  log_.add_rows(Quotas::kRowsOfReload);
   reload_ = reload;
   slices_ = [reload]() -> std::optional<serve::Slice> {
     if (!reload->body) return std::nullopt;
@@ -71,7 +71,7 @@ void Gateway::reload() {
   const Body body = handle(control::ReloadRequest{});
   slices_ = nullptr;
   if (const auto* busy = std::get_if<control::Error>(&body); busy != nullptr && !reload_)
-    tell(Kind::reload, 3, busy->message);
+    log_.error(Kind::reload, busy->message);
 }
 
 void Gateway::end_reload(Body body) {
@@ -82,43 +82,43 @@ void Gateway::end_reload(Body body) {
 }
 
 Gateway::Body Gateway::reload_with(LoadResult read) {
-  const Acting acting(actor_, reload_ ? reload_->actor : std::nullopt);
+  const EventLog::Acting acting(log_, reload_ ? reload_->actor : std::nullopt);
   const core::Progress alive([this] { pulse(); });
   commit();
   const Granted before = granted();
   auto loaded = complete(std::move(read));
   if (!loaded) {
     last_error_ = loaded.error().front();
-    tell(Kind::reload, 3,
-         fmt::format("reload refused, nothing changed: {}{}", last_error_,
-                     loaded.error().size() > 1
-                         ? fmt::format(" (and {} more)", loaded.error().size() - 1)
-                         : ""));
+    log_.error(Kind::reload,
+               fmt::format("reload refused, nothing changed: {}{}", last_error_,
+                           loaded.error().size() > 1
+                               ? fmt::format(" (and {} more)", loaded.error().size() - 1)
+                               : ""));
     return control::Error{control::ErrorKind::unreadable,
                           "the description cannot be used, nothing was changed",
                           std::move(loaded.error())};
   }
   last_error_.clear();
-  const std::size_t old_self = std::exchange(self_, loaded->self);
-  ++description_;
-  auto old = std::exchange(state_, std::move(loaded->state));
+  const std::size_t old_self = std::exchange(scene_.self, loaded->self);
+  ++scene_.description;
+  auto old = std::exchange(scene_.state, std::move(loaded->state));
   const auto old_beyond = std::exchange(beyond_, {});
   // A stranger does not go away with a description.
   for (const auto& [network, beyond] : old_beyond)
-    if (const auto place = state_->find_place(old->system().networks[network].name);
+    if (const auto place = scene_.state->find_place(old->system().networks[network].name);
         place && place->kind == core::Place::Kind::network)
       beyond_[place->index] = {beyond.strangers, beyond.told, {}};
   senders_.clear();
-  meshes_.describe(state_->system(), self_);
+  meshes_.describe(scene_.state->system(), scene_.self);
   auto done = put_in_force(before);
   if (!done) {
-    ++description_;
-    state_ = std::move(old);
-    self_ = old_self;
+    ++scene_.description;
+    scene_.state = std::move(old);
+    scene_.self = old_self;
     beyond_ = old_beyond;
     last_error_ = done.error().text;
-    tell(Kind::reload, 3, "reload refused, back to what was: " + last_error_);
-    meshes_.describe(state_->system(), self_);
+    log_.error(Kind::reload, "reload refused, back to what was: " + last_error_);
+    meshes_.describe(scene_.state->system(), scene_.self);
     static_cast<void>(put_in_force(before));
   }
   forget_drops();
@@ -126,8 +126,8 @@ Gateway::Body Gateway::reload_with(LoadResult read) {
   if (!done) return error(control::ErrorKind::world, last_error_);
   loaded_ = std::time(nullptr);
   left_out_ = std::move(loaded->left_out);
-  tell(Kind::reload, 5, "reloaded: " + summary());
-  tell_outcome(before, told_of(*old));
+  log_.notice(Kind::reload, "reloaded: " + summary());
+  report_outcome(before, deliveries_.reported_of(*old));
   return control::Done{"reloaded: " + summary()};
 }
 
@@ -148,10 +148,11 @@ serve::Answer Gateway::answer(const control::Request& request, const serve::Peer
   slices_ = nullptr;
   least_bytes_ = 0;
   const core::Progress alive([this] { pulse(); });
-  const Acting acting(actor_, wants_change(request) ? std::optional(actor_of(peer)) : std::nullopt);
-  rows_told_ = 0;
+  const EventLog::Acting acting(
+      log_, wants_change(request) ? std::optional(actor_of(peer)) : std::nullopt);
+  const std::uint64_t rows = log_.rows();
   Body body = std::visit([this](const auto& asked) { return handle(asked); }, request.body);
-  if (counts) quotas_.charge(peer.uid, rows_told_, monotonic_ns());
+  if (counts) quotas_.charge(peer.uid, log_.rows() - rows, monotonic_ns());
   if (!hold_answer_) forwarder_.act();
   return {{request.id, std::move(body)}, hold_answer_, owned_, std::move(slices_), least_bytes_};
 }
@@ -160,8 +161,9 @@ Gateway::Body Gateway::answer_to(const core::Proposal& proposal, const Asked& as
                                  const char* to_do) const {
   control::Channels out;
   auto verdicts = proposal.verdicts();
-  out.left_out = leave_out(*state_, verdicts);
-  for (const core::Verdict* v : verdicts) out.channels.push_back(channel_report(*state_, *v, {}));
+  out.left_out = leave_out(*scene_.state, verdicts);
+  for (const core::Verdict* v : verdicts)
+    out.channels.push_back(channel_report(*scene_.state, *v, {}));
   if (!proposal.fit())
     for (control::Channel& channel : out.channels)
       if (channel.admission == asked.admission->id) channel.admission = 0;
@@ -169,13 +171,13 @@ Gateway::Body Gateway::answer_to(const core::Proposal& proposal, const Asked& as
   return error(control::ErrorKind::invalid,
                fmt::format("nobody {} {}: there is nothing to {}",
                            asked.admission->publisher ? "subscribes" : "publishes",
-                           state_->system().channels[asked.channel].name, to_do));
+                           scene_.state->system().channels[asked.channel].name, to_do));
 }
 
 Gateway::Body Gateway::handle(const control::Query& request) {
-  if (const auto listed = list(*state_, request); !listed)
+  if (const auto listed = list(*scene_.state, request); !listed)
     return error(control::ErrorKind::invalid, listed.error().text);
-  const auto asked = understand(*state_, request, stored().next_id);
+  const auto asked = understand(*scene_.state, request, stored().next_id);
   if (!asked) return error(control::ErrorKind::invalid, asked.error().text);
   if (!asked->admission) return known_or_aside(*asked);
   if (!has_many_ends(asked->channel)) return would_be(*asked);
@@ -184,8 +186,8 @@ Gateway::Body Gateway::handle(const control::Query& request) {
 
 Gateway::Body Gateway::would_be(const Asked& asked) {
   if (const auto lack = lacks_pairs(asked)) return error(control::ErrorKind::invalid, *lack);
-  const core::Proposal proposal = state_->propose(*asked.admission);
-  if (const auto lack = proposal.lacks_room(self_))
+  const core::Proposal proposal = scene_.state->propose(*asked.admission);
+  if (const auto lack = proposal.lacks_room(scene_.self))
     return error(control::ErrorKind::invalid, *lack);
   return answer_to(proposal, asked, "decide");
 }
@@ -193,7 +195,7 @@ Gateway::Body Gateway::would_be(const Asked& asked) {
 /// Each pair of ends of a channel is decided and reported: of one channel there are as many as in a
 /// description, and of all channels as many as there is memory for, also at the next start.
 std::optional<std::string> Gateway::lacks_pairs(const Asked& asked) const {
-  const core::Members& members = state_->members();
+  const core::Members& members = scene_.state->members();
   const std::size_t publishers =
       members.publishers_of(asked.channel).size() + (asked.admission->publisher ? 1 : 0);
   const std::size_t subscribers =
@@ -204,7 +206,7 @@ std::optional<std::string> Gateway::lacks_pairs(const Asked& asked) const {
     return Quotas::refuse_pairs(members.admitted_pairs(), publishers * subscribers - before);
   }
   return fmt::format("{} publishers and {} subscribers of {}: at most {} pairs", publishers,
-                     subscribers, state_->system().channels[asked.channel].name,
+                     subscribers, scene_.state->system().channels[asked.channel].name,
                      description::kMaxPairs);
 }
 
@@ -214,7 +216,7 @@ Gateway::Body Gateway::handle(const control::Admit& request) {
   if (const auto key = check_key(request.key); !key)
     return error(control::ErrorKind::invalid, key.error().text);
   if (auto again = admit_again(request)) return std::move(*again);
-  if (const auto listed = list(*state_, request); !listed)
+  if (const auto listed = list(*scene_.state, request); !listed)
     return error(control::ErrorKind::invalid, listed.error().text);
   if (!request.unlisted) return admit(request);
   claim_tags();
@@ -224,7 +226,7 @@ Gateway::Body Gateway::handle(const control::Admit& request) {
 }
 
 Gateway::Body Gateway::admit(const control::Admit& request) {
-  const auto asked = understand(*state_, request, stored().next_id);
+  const auto asked = understand(*scene_.state, request, stored().next_id);
   if (!asked) return error(control::ErrorKind::invalid, asked.error().text);
   if (asked->admission) return admit_new(request, *asked);
   if (!request.key.empty() || request.lease_ns != 0 || request.hold)
@@ -263,17 +265,17 @@ Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& ask
   Body out;
   Result<void> done;
   {
-    core::Proposal proposal = state_->propose(*asked.admission);
-    if (const auto lack = proposal.lacks_room(self_))
+    core::Proposal proposal = scene_.state->propose(*asked.admission);
+    if (const auto lack = proposal.lacks_room(scene_.self))
       return error(control::ErrorKind::invalid, *lack);
     out = answer_to(proposal, asked, "admit");
     if (!proposal.fit()) {
       for (const core::Verdict* v : proposal.verdicts())
-        if (!v->granted) tell_verdict(Kind::refused, *v, verdict_line(*state_, *v));
+        if (!v->granted) deliveries_.verdict(Kind::refused, *v, verdict_line(*scene_.state, *v));
       return out;
     }
     done = store_->append(store::Admitted{{id, request}, peer_.uid});
-    if (done) done = ports_.apply(proposal.changes(self_));
+    if (done) done = ports_.apply(proposal.changes(scene_.self));
     if (done) std::move(proposal).accept();
   }
   if (!done) {
@@ -287,12 +289,12 @@ Gateway::Body Gateway::admit_new(const control::Admit& request, const Asked& ask
   hold_answer_ = true;
   keys_.put(request.key, id);
   own(id, request);
-  if (lease_of(request) != 0) ++rows_told_;  // when it ends
+  if (lease_of(request) != 0) log_.add_rows(1);  // when it ends
   note(asked.channel);
   forward(asked.channel);
-  for (const core::Verdict& v : state_->decisions()[asked.channel].verdicts)
-    if (concerns(v, id)) {
-      tell_verdict(Kind::granted, v, verdict_line(*state_, v));
+  for (const core::Verdict& v : scene_.state->decisions()[asked.channel].verdicts)
+    if (deliveries_.concerns(v, id)) {
+      deliveries_.verdict(Kind::granted, v, verdict_line(*scene_.state, v));
       tell_missing_again(v);
     }
   return out;
@@ -347,15 +349,15 @@ Gateway::Body Gateway::handle(const control::ReleaseRequest& request) {
     if (!named) return error(control::ErrorKind::invalid, named.error().text);
     gone.push_back(*named);
   } else {
-    const auto named = channel_named(*state_, request.channel);
+    const auto named = channel_named(*scene_.state, request.channel);
     if (!named) return error(control::ErrorKind::invalid, named.error().text);
-    for (const auto& [admission, of] : state_->admissions())
+    for (const auto& [admission, of] : scene_.state->admissions())
       if (of == *named) gone.push_back(admission);
     if (gone.empty())
       return error(control::ErrorKind::invalid,
                    fmt::format("{0} has no run-time admission: what is described of it is stopped "
                                "by 'mlccactl withdraw {0}'",
-                               state_->system().channels[*named].name));
+                               scene_.state->system().channels[*named].name));
   }
   if (const auto done = release(gone, "released"); !done)
     return error(control::ErrorKind::world, done.error().text);
@@ -374,50 +376,52 @@ Result<void> Gateway::release(const std::vector<core::AdmissionId>& gone, const 
     store_->roll_back();
     return fail("nothing was changed: " + done.error().text);
   }
-  tell_released(gone, why);
+  deliveries_.released(gone, why);
   done = settle(forget(gone));
   leave_unused_tags();
   return done;
 }
 
 Gateway::Body Gateway::handle(const control::WithdrawRequest& request) {
-  const auto channel = channel_named(*state_, request.channel);
+  const auto channel = channel_named(*scene_.state, request.channel);
   if (!channel) return error(control::ErrorKind::invalid, channel.error().text);
-  const core::EventChannel& withdrawn = state_->system().channels[*channel];
+  const core::EventChannel& withdrawn = scene_.state->system().channels[*channel];
   if (withdrawn.unlisted)
     return error(
         control::ErrorKind::invalid,
         fmt::format("{0} is not described, only admitted: 'mlccactl release {0}' ends that",
                     withdrawn.name));
-  if (state_->withdrawn(*channel)) return control::Done{withdrawn.name + " is withdrawn already"};
+  if (scene_.state->withdrawn(*channel))
+    return control::Done{withdrawn.name + " is withdrawn already"};
   if (const auto done = set_withdrawn(*channel, true); !done)
     return error(control::ErrorKind::world, done.error().text);
   const std::string line = fmt::format(
       "withdrawn: everything of {0} is refused until 'mlccactl reinstate {0}'", withdrawn.name);
-  tell({Kind::withdrawn, 4, line, withdrawn.subject, withdrawn.name});
+  log_.warning(Kind::withdrawn, line, {.subject = withdrawn.subject, .channel = withdrawn.name});
   return control::Done{line};
 }
 
 Gateway::Body Gateway::handle(const control::ReinstateRequest& request) {
-  const auto channel = channel_named(*state_, request.channel);
+  const auto channel = channel_named(*scene_.state, request.channel);
   if (!channel) return error(control::ErrorKind::invalid, channel.error().text);
-  const core::EventChannel& reinstated = state_->system().channels[*channel];
-  if (!state_->withdrawn(*channel))
+  const core::EventChannel& reinstated = scene_.state->system().channels[*channel];
+  if (!scene_.state->withdrawn(*channel))
     return control::Done{reinstated.name + " is not withdrawn: nothing was changed"};
   if (const auto done = set_withdrawn(*channel, false); !done)
     return error(control::ErrorKind::world, done.error().text);
-  const auto& verdicts = state_->decisions()[*channel].verdicts;
+  const auto& verdicts = scene_.state->decisions()[*channel].verdicts;
   const std::string line = fmt::format("reinstated: {} of {} deliveries of {} are granted",
                                        std::ranges::count_if(verdicts, &core::Verdict::granted),
                                        verdicts.size(), reinstated.name);
-  tell({Kind::reinstated, 5, line, reinstated.subject, reinstated.name});
+  log_.notice(Kind::reinstated, line, {.subject = reinstated.subject, .channel = reinstated.name});
   return control::Done{line};
 }
 
 /// On disk first, then in the kernel.
 Result<void> Gateway::set_withdrawn(std::size_t channel, bool withdrawn) {
   commit();
-  const std::string subject = core::format_subject(state_->system().channels[channel].subject);
+  const std::string subject =
+      core::format_subject(scene_.state->system().channels[channel].subject);
   Result<void> done = withdrawn ? store_->append(store::Released{subject})
                                 : store_->append(store::Reinstated{subject});
   if (done) done = patience_.wait_for([this] { return store_->commit(); });
@@ -425,7 +429,7 @@ Result<void> Gateway::set_withdrawn(std::size_t channel, bool withdrawn) {
     store_->roll_back();
     return fail("nothing was changed: " + done.error().text);
   }
-  state_->set_withdrawn(channel, withdrawn);
+  scene_.state->set_withdrawn(channel, withdrawn);
   return settle();
 }
 
@@ -433,11 +437,12 @@ Result<void> Gateway::set_withdrawn(std::size_t channel, bool withdrawn) {
 core::FormerRules Gateway::forget(const std::vector<core::AdmissionId>& gone) {
   core::FormerRules left;
   for (const core::AdmissionId id : gone) {
-    const auto known = state_->admissions().find(id);
-    if (known != state_->admissions().end()) {
+    const auto known = scene_.state->admissions().find(id);
+    if (known != scene_.state->admissions().end()) {
       const std::size_t channel = known->second;
-      if (!left.contains(channel)) left.emplace(channel, state_->gate_state(self_, channel));
-      state_->remove(id);
+      if (!left.contains(channel))
+        left.emplace(channel, scene_.state->gate_state(scene_.self, channel));
+      scene_.state->remove(id);
     }
     leases_.forget(id);
     held_.erase(id);
@@ -458,14 +463,14 @@ Gateway::Body Gateway::handle(const control::ModeRequest& request) {
                  fmt::format("there is no mode '{}': it is enforce or audit", request.mode));
   const bool audit = request.mode == "audit";
   {
-    const Acting nobody(actor_, std::nullopt);
+    const EventLog::Acting nobody(log_, std::nullopt);
     tell_all_drops();
   }
   control_.set_mode(audit ? enforce::Mode::audit : enforce::Mode::enforce);
   const std::string line = audit ? "AUDIT MODE: nothing is dropped, everything is only counted"
                                  : "enforcing: what is not "
                                    "admitted is dropped";
-  tell(Kind::mode, audit ? 4 : 5, line);
+  log_.write({.kind = Kind::mode, .priority = audit ? 4 : 5, .message = line});
   return control::Done{line};
 }
 

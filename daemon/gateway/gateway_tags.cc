@@ -25,8 +25,8 @@ struct Gateway::TagNews {
 /// For a description that has just become the one in force, before it is decided. What the gates
 /// have learned under a daemon before this one is still so, unless they say otherwise.
 void Gateway::take_up_tags() {
-  state_->unlist_unused();
-  tags_.describe(state_->system(), self_);
+  scene_.state->unlist_unused();
+  tags_.describe(scene_.state->system(), scene_.self);
   for (std::size_t p = 0; p < ports_.size(); ++p) {
     const enforce::Gate* gate = ports_.can_gate(p);
     if (gate == nullptr || ports_.profile(p) != core::Profile::famouso) continue;
@@ -60,24 +60,24 @@ void Gateway::take_up_tags() {
 
 void Gateway::put_tag(const Tag& tag) {
   if (tag.channel)
-    state_->set_tag(tag.network, *tag.channel, tag.etag);
+    scene_.state->set_tag(tag.network, *tag.channel, tag.etag);
   else
-    state_->set_subscribe_tag(tag.network, tag.etag);
+    scene_.state->set_subscribe_tag(tag.network, tag.etag);
 }
 
 /// Those of channels that are not described come and go. They are held against the broker before
 /// anything of them is granted.
 void Gateway::claim_tags() {
-  tags_.describe(state_->system(), self_);
+  tags_.describe(scene_.state->system(), scene_.self);
   state_tags();
   look_at_tags(true);
-  put_conditions(*state_);  // a contradiction may be gone with its channel
+  put_conditions(*scene_.state);  // a contradiction may be gone with its channel
   static_cast<void>(settle());
 }
 
 /// Nobody uses them any more, so that their tags may be others'.
 void Gateway::leave_unused_tags() {
-  if (state_->unlist_unused()) claim_tags();
+  if (scene_.state->unlist_unused()) claim_tags();
 }
 
 void Gateway::state_tags() {
@@ -131,7 +131,7 @@ bool Gateway::look_at_tags(bool anyway) {
   const auto rivals = tags_.hold_apart();
   tell_rivals(rivals);
   if (news.changed || !rivals.empty()) {
-    put_conditions(*state_);
+    put_conditions(*scene_.state);
     static_cast<void>(settle());
   }
   core::FormerRules left;
@@ -144,7 +144,7 @@ bool Gateway::look_at_tags(bool anyway) {
         *tag, 5,
         fmt::format("the broker deals it tag {:#x} on {} again", tag->etag, tag->network_name));
   }
-  put_conditions(*state_);
+  put_conditions(*scene_.state);
   static_cast<void>(settle(left));
   static_cast<void>(enforce());  // control traffic has moved, too
   return false;
@@ -171,7 +171,7 @@ bool Gateway::move_tags(const TagNews& news, core::FormerRules& left) {
 
 /// Nothing of it is granted any more: see look_at_tags().
 void Gateway::move_tag(Tag& tag, core::FormerRules& left) {
-  if (tag.channel) left.try_emplace(*tag.channel, state_->gate_state(self_, *tag.channel));
+  if (tag.channel) left.try_emplace(*tag.channel, scene_.state->gate_state(scene_.self, *tag.channel));
   put_tag(tag);
   if (tag.etag != 0) {
     tell_tag(tag, 5, fmt::format("it has tag {:#x} on {} now", tag.etag, tag.network_name));
@@ -212,15 +212,12 @@ bool Gateway::ask_for_tags() {
 }
 
 void Gateway::tell_tag(const Tag& tag, int priority, std::string message) {
-  Note note{Kind::binding,
-            priority,
-            tag.name + ": " + std::move(message),
-            tag.subject,
-            tag.name,
-            tag.network_name,
-            {},
-            {}};
-  tell(std::move(note));
+  log_.write({.kind = Kind::binding,
+              .priority = priority,
+              .message = tag.name + ": " + std::move(message),
+              .subject = tag.subject,
+              .channel = tag.name,
+              .network = tag.network_name});
 }
 
 }  // namespace mlcca

@@ -12,10 +12,10 @@
 #include "control/messages.hpp"
 #include "daemon/gates/port_gate.hpp"
 #include "daemon/gateway/drops.hpp"
-#include "daemon/gateway/journal.hpp"
 #include "daemon/gateway/problem.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/ports/bypass.hpp"
+#include "daemon/system_log.hpp"
 
 namespace mlcca {
 

@@ -120,7 +120,7 @@ void GatewayUnderTest::start() {
   auto links = net::Links::open();
   demand(links.has_value(), links ? "" : links.error().text);
   p.gateway.emplace(
-      p.options, Journal::to_stderr(), std::move(*control), std::move(*links),
+      p.options, SystemLog::to_stderr(), std::move(*control), std::move(*links),
       [](int) { return net::UdevFacts{}; }, p.loop.get());
   const auto problem = p.gateway->start();
   demand(!problem, problem ? problem->lines.front() : "");

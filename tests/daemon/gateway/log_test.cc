@@ -11,7 +11,7 @@
 
 #include "base/handle.hpp"
 #include "base/unix_address.hpp"
-#include "daemon/gateway/journal.hpp"
+#include "daemon/system_log.hpp"
 
 namespace mlcca {
 namespace {
@@ -51,7 +51,7 @@ std::string field(const std::string& name, const std::string& value) {
 
 TEST(Log, AnEntryHasItsFieldsWhateverTheirValuesAre) {
   const Journald journald;
-  const Journal journal = Journal::to_journald(journald.path());
+  const SystemLog journal = SystemLog::to_journald(journald.path());
   journal.write({.kind = Kind::granted, .message = "two\nlines=", .channel = "stop"});
   const std::string entry = journald.read();
   for (const std::string& part :
@@ -62,7 +62,7 @@ TEST(Log, AnEntryHasItsFieldsWhateverTheirValuesAre) {
 
 TEST(Log, WhatNobodyReadsIsLostAndCounted) {
   const Journald journald;
-  const Journal journal = Journal::to_journald(journald.path());
+  const SystemLog journal = SystemLog::to_journald(journald.path());
   constexpr int kWritten = 5000;  // more than a queue of datagrams holds
   for (int i = 0; i < kWritten; ++i) journal.write({.message = "line"});
   int read = 0;
@@ -84,7 +84,7 @@ TEST(Log, ALineThatWasTakenInPartEndsBeforeTheNextOne) {
   const Fd before(::dup(STDERR_FILENO));
   ASSERT_EQ(::dup2(writer.get(), STDERR_FILENO), STDERR_FILENO);
   writer.reset();
-  const Journal journal = Journal::to_stderr();
+  const SystemLog journal = SystemLog::to_stderr();
   journal.write({.message = std::string(std::size_t{16} << 20, 'x')});
   std::string read;
   std::array<char, 65536> text{};

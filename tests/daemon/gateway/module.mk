@@ -5,7 +5,7 @@ $(eval $(call unit_test,quotas_test,tests/daemon/gateway/quotas_test.cc,$O/daemo
 $(eval $(call unit_test,in_time_test,tests/daemon/gateway/in_time_test.cc,,-pthread))
 $(eval $(call unit_test,patience_test,tests/daemon/gateway/patience_test.cc,$O/daemon/gateway/patience.o,-pthread))
 $(eval $(call unit_test,reading_test,tests/daemon/gateway/reading_test.cc,$O/daemon/gateway/reading.o,-lsystemd -pthread))
-$(eval $(call unit_test,log_test,tests/daemon/gateway/log_test.cc,$O/daemon/gateway/journal.o $O/daemon/manager.o $O/libcore.a,-lfmt))
+$(eval $(call unit_test,log_test,tests/daemon/gateway/log_test.cc,$O/daemon/system_log.o $O/daemon/manager.o $O/libcore.a,-lfmt))
 $(eval $(call unit_test,aside_test,tests/daemon/gateway/aside_test.cc,$(addprefix $O/daemon/,gateway/aside.o gateway/fork_budget.o serve/turns.o) $O/libcontrol.a,-lsystemd $(PROTO_LIBS)))
 $(eval $(call unit_test,fork_budget_test,tests/daemon/gateway/fork_budget_test.cc,$(addprefix $O/daemon/,gateway/fork_budget.o serve/turns.o),))
 $(eval $(call unit_test,history_pages_test,tests/daemon/gateway/history_pages_test.cc tests/daemon/store/worlds.cc,$O/daemon/gateway/history_pages.o $(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a,-lsqlite3 $(PROTO_LIBS)))

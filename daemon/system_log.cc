@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "daemon/gateway/journal.hpp"
+#include "daemon/system_log.hpp"
 
 #include <fmt/core.h>
 #include <sys/stat.h>
@@ -98,18 +98,18 @@ std::string kind_names() {
 }
 const char* message_id_of(Kind kind) { return kKinds[static_cast<std::size_t>(kind)].message_id; }
 
-Journal Journal::automatic() {
+SystemLog SystemLog::automatic() {
   return stderr_is_journal() ? to_journald("/run/systemd/journal/socket") : to_stderr();
 }
 
 /// Opened now: later there may be no descriptor left for it.
-Journal Journal::to_stderr() {
-  Journal journal({});
-  journal.own_ = std::make_shared<Fd>(opened_at_once(STDERR_FILENO));
-  return journal;
+SystemLog SystemLog::to_stderr() {
+  SystemLog log({});
+  log.own_ = std::make_shared<Fd>(opened_at_once(STDERR_FILENO));
+  return log;
 }
 
-bool Journal::send(const Note& note, const std::string& message) const {
+bool SystemLog::send(const Note& note, const std::string& message) const {
   if (path_.empty())
     // A line that was lost may have been taken in part: it ends here.
     return write_at_once(own_ && *own_ ? own_->get() : STDERR_FILENO,
@@ -134,7 +134,7 @@ bool Journal::send(const Note& note, const std::string& message) const {
   return send_at_once(path_, {&whole, 1});
 }
 
-void Journal::write(const Note& note) const {
+void SystemLog::write(const Note& note) const {
   const std::string before =
       *lost_ == 0 ? ""
                   : fmt::format("({} lines before this one were lost: nobody read them) ", *lost_);

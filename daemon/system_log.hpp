@@ -66,18 +66,18 @@ struct Note {
 /// Nothing here waits for whoever reads: the gates matter more than the log. A line that cannot be
 /// taken at once is lost, and the next one that is taken says how many were. Copies write to the
 /// same place.
-class Journal {
+class SystemLog {
  public:
   /// To journald when this process's stderr is a journal stream, else to stderr.
-  static Journal automatic();
-  static Journal to_stderr();
+  static SystemLog automatic();
+  static SystemLog to_stderr();
   /// In the native protocol of journald, to a datagram socket of that path.
-  static Journal to_journald(std::string path) { return Journal(std::move(path)); }
+  static SystemLog to_journald(std::string path) { return SystemLog(std::move(path)); }
 
   void write(const Note& note) const;
 
  private:
-  explicit Journal(std::string path)
+  explicit SystemLog(std::string path)
       : path_(std::move(path)), lost_(std::make_shared<std::uint64_t>(0)) {}
   [[nodiscard]] bool send(const Note& note, const std::string& message) const;
 

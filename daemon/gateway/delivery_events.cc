@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/delivery_events.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <iterator>
+#include <span>
+#include <utility>
+
+#include "core/model/text.hpp"
+#include "daemon/gateway/drops.hpp"
+#include "daemon/gateway/report.hpp"
+
+namespace mlcca {
+
+std::vector<core::AdmissionId> DeliveryEvents::admissions_of(const core::Verdict& v) const {
+  const core::Members& members = scene_.state->members();
+  return core::each_once(members.admission_of_publisher(v.publisher),
+                         std::span<const std::size_t>(v.subscribers),
+                         [&](std::size_t s) { return members.admission_of_subscriber(s); });
+}
+
+bool DeliveryEvents::concerns(const core::Verdict& v, core::AdmissionId id) const {
+  const core::Members::Admitted ends = scene_.state->members().admitted(id);
+  return ends.publisher == v.publisher ||
+         (ends.subscriber &&
+          std::ranges::find(v.subscribers, *ends.subscriber) != v.subscribers.end());
+}
+
+void DeliveryEvents::verdict(Kind kind, const core::Verdict& v, const std::string& line) {
+  const core::EventChannel& channel = scene_.state->system().channels[v.channel];
+  log_.write({.kind = kind, .priority = v.granted ? 6 : 4, .message = line, .subject = channel.subject, .channel = channel.name, .network = core::name_of(scene_.state->system(), v.to), .from = core::name_of(scene_.state->system(), scene_.state->members().publisher(v.publisher).place), .admissions = admissions_of(v)});
+}
+
+void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event) {
+  const core::EventChannel& channel = scene_.state->system().channels[v.channel];
+  const core::Publisher& publisher = scene_.state->members().publisher(v.publisher);
+  const Value period = std::max<Value>(core::attributes_in(publisher, v.set)[Attribute::period], 1);
+  const std::string what = fmt::format("{} ({}) of {}", channel.name,
+                                       core::format_subject(channel.subject), publisher.name);
+  const auto time = core::format_value(Attribute::latency, event.silent / 1'000 * 1'000);
+  const bool missing = event.kind == GATE_E_MISSING;
+  Note note{.kind = missing ? Kind::missing : Kind::restored,
+            .priority = missing ? 4 : 5,
+            .subject = channel.subject,
+            .channel = channel.name,
+            .network = core::name_of(scene_.state->system(), v.to),
+            .from = core::name_of(scene_.state->system(), publisher.place),
+            .admissions = admissions_of(v)};
+  note.silent_ns = event.silent;
+  // Half a period is late, unless no more comes.
+  note.missing = missing ? event.silent / period : (event.silent + period / 2) / period - 1;
+  if (missing)
+    note.message = fmt::format(
+        "{} towards {}: {} {}, {} events are missing where {} may be", what, note.network,
+        event.never != 0 ? "nothing has come since it was granted, for" : "nothing has come for",
+        time, note.missing, v.requirement[Attribute::omission]);
+  else
+    note.message =
+        fmt::format("{} towards {} comes again, after {} without", what, note.network, time);
+  log_.write(std::move(note));
+}
+
+DeliveryEvents::Reported DeliveryEvents::reported_of(const core::State& state) const {
+  Reported reported;
+  for (const core::Decision& decision : state.decisions()) {
+    for (const core::Verdict& v : decision.verdicts)
+      reported.emplace(std::pair(core::format_subject(state.system().channels[v.channel].subject),
+                             state.delivery_of(v)),
+                   std::pair(v.set, verdict_line(state, v)));
+    pulse_();
+  }
+  return reported;
+}
+
+void DeliveryEvents::outcome(const Granted& before, const Reported& reported) {
+  Granted lost = before;
+  for (const core::Decision& decision : scene_.state->decisions()) {
+    for (const core::Verdict& v : decision.verdicts) {
+      const std::string subject =
+          core::format_subject(scene_.state->system().channels[v.channel].subject);
+      const core::Delivery delivery = scene_.state->delivery_of(v);
+      const auto known = lost.find(subject);
+      const bool was = known != lost.end() && std::erase(known->second.deliveries, delivery) != 0;
+      const std::pair outcome(v.set, verdict_line(*scene_.state, v));
+      const auto as_reported = reported.find({subject, delivery});
+      if (as_reported != reported.end() && as_reported->second == outcome) continue;
+      const Kind not_granted = was ? Kind::withdrawn : Kind::refused;
+      verdict(v.granted ? Kind::granted : not_granted, v, outcome.second);
+      pulse_();
+    }
+    pulse_();
+  }
+  for (const auto& [subject, grants] : lost)
+    for (const core::Delivery& delivery : grants.deliveries) {
+      gone(subject, delivery);
+      pulse_();
+    }
+}
+
+/// Was granted, and one of those whom it concerned is not there any more.
+void DeliveryEvents::gone(const std::string& subject, const core::Delivery& delivery) {
+  const auto channel = scene_.state->find_channel(subject);
+  const std::string name = channel ? scene_.state->system().channels[*channel].name : subject;
+  log_.warning(Kind::withdrawn, fmt::format("{} ({}) of {} to {} is gone: the description has it no more", name, subject,
+                    delivery.publisher, delivery.to), {.subject = core::parse_subject(subject).value_or(0), .channel = name, .network = delivery.to, .admissions = delivery.admission != 0 ? std::vector{delivery.admission}
+                                : std::vector<core::AdmissionId>{}});
+}
+
+void DeliveryEvents::released(const std::vector<core::AdmissionId>& gone, const std::string& why) {
+  for (const core::AdmissionId id : gone) {
+    const auto known = scene_.state->admissions().find(id);
+    const core::EventChannel* channel =
+        known != scene_.state->admissions().end() ? &scene_.state->system().channels[known->second] : nullptr;
+    log_.notice(Kind::released, fmt::format("admission {}{}: {}", id, channel != nullptr ? " of " + channel->name : "",
+                      why), {.subject = channel != nullptr ? channel->subject : 0, .channel = channel != nullptr ? channel->name : "", .admissions = {id}});
+  }
+}
+
+void DeliveryEvents::changes(const std::vector<core::Change>& changes) {
+  for (const core::Change& change : changes) {
+    for (const core::Verdict& v : scene_.state->decisions()[change.channel].verdicts) {
+      const core::Verdict* old = core::same_delivery(change.before, v);
+      const bool was = old != nullptr && old->granted;
+      if (v.granted && !was) verdict(Kind::granted, v, verdict_line(*scene_.state, v));
+      if (!v.granted && was) verdict(Kind::withdrawn, v, verdict_line(*scene_.state, v));
+      if (v.granted && was && v.set != old->set)
+        verdict(Kind::switched, v, switch_line(*scene_.state, v, old->set));
+      pulse_();
+    }
+  }
+}
+
+void DeliveryEvents::dropped(const core::Verdict& v, Fate fate, std::uint64_t frames) {
+  const core::EventChannel& c = scene_.state->system().channels[v.channel];
+  const core::Publisher& publisher = scene_.state->members().publisher(v.publisher);
+  const std::string which = v.granted ? fmt::format("that named {} ({}) and differ from the grant",
+                                                    c.name, core::format_subject(c.subject))
+                                      : "of " + verdict_line(*scene_.state, v);
+  log_.warning(Kind::dropping, dropped_line(fate, frames, which), {.subject = c.subject, .channel = c.name, .network = core::name_of(scene_.state->system(), publisher.place)});
+}
+
+void DeliveryEvents::excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames) {
+  const core::Verdict& first = *verdicts.front();
+  const core::EventChannel& channel = scene_.state->system().channels[first.channel];
+  std::vector<std::string> who;
+  std::vector<core::AdmissionId> ids;
+  for (const core::Verdict* v : verdicts) {
+    const std::string& name = scene_.state->members().publisher(v->publisher).name;
+    if (std::ranges::find(who, name) == who.end()) who.push_back(name);
+    std::ranges::copy(admissions_of(*v), std::back_inserter(ids));
+  }
+  std::ranges::sort(ids);
+  const auto twice = std::ranges::unique(ids);
+  ids.erase(twice.begin(), twice.end());
+  const core::Publisher& publisher = scene_.state->members().publisher(first.publisher);
+  const AttributeSet& said = core::attributes_in(publisher, first.set);
+  const Attribute what = said.has(Attribute::period) ? Attribute::period : Attribute::bandwidth;
+  log_.warning(Kind::excess, fmt::format("{} sent {} frames of {} ({}) more than was admitted: {} said {} {}",
+                    fmt::join(who, " or "), frames, channel.name,
+                    core::format_subject(channel.subject), who.size() > 1 ? who.front() : "it",
+                    info(what).name, core::format_value(what, said[what])), {.subject = channel.subject, .channel = channel.name, .network = core::name_of(scene_.state->system(), first.to), .from = core::name_of(scene_.state->system(), publisher.place), .admissions = ids});
+}
+
+}  // namespace mlcca

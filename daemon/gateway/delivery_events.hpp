@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What becomes of deliveries, as events: granted, refused, withdrawn, missing, dropped. Whoever
+// holds the publisher or a subscriber is named in each of them.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bpf/gate.h"
+#include "core/admission/state.hpp"
+#include "core/model/verdict.hpp"
+#include "daemon/gateway/drops.hpp"
+#include "daemon/gateway/event_log.hpp"
+#include "daemon/gateway/scene.hpp"
+
+namespace mlcca {
+
+class DeliveryEvents {
+ public:
+  /// What was granted when the journal was last written, by subject ("0x…").
+  using Granted = std::map<std::string, core::Grants>;
+  /// What was reported of the deliveries of a description, and with which attribute set, by subject
+  /// and delivery.
+  using Reported =
+      std::map<std::pair<std::string, core::Delivery>, std::pair<std::size_t, std::string>>;
+
+  /// `pulse` is called after each step of what takes long.
+  DeliveryEvents(const Scene& scene, EventLog& log, std::function<void()> pulse)
+      : scene_(scene), log_(log), pulse_(std::move(pulse)) {}
+
+  void verdict(Kind kind, const core::Verdict& verdict, const std::string& line);
+  /// Events are missing, or come again.
+  void silence(const core::Verdict& verdict, const gate_event& event);
+  [[nodiscard]] Reported reported_of(const core::State& state) const;
+  /// After a start or a reload: everything that was not reported before as it is, and of what was
+  /// granted before what is not any more.
+  void outcome(const Granted& before, const Reported& reported);
+  void changes(const std::vector<core::Change>& changes);
+  void released(const std::vector<core::AdmissionId>& gone, const std::string& why);
+  void dropped(const core::Verdict& verdict, Fate fate, std::uint64_t frames);
+  /// Of frames of these verdicts, whose publishers look alike where there are several.
+  void excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames);
+
+  /// `id` is the publisher or one of the subscribers.
+  [[nodiscard]] bool concerns(const core::Verdict& verdict, core::AdmissionId id) const;
+
+ private:
+  void gone(const std::string& subject, const core::Delivery& delivery);
+  [[nodiscard]] std::vector<core::AdmissionId> admissions_of(const core::Verdict& verdict) const;
+
+  const Scene& scene_;
+  EventLog& log_;
+  std::function<void()> pulse_;
+};
+
+}  // namespace mlcca

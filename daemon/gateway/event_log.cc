@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/event_log.hpp"
+
+#include "base/clock.hpp"
+#include "daemon/store/history.hpp"
+
+namespace mlcca {
+namespace {
+
+/// What drops and comes and goes each second is for the log, not for the history.
+bool is_history(Kind kind) { return kind != Kind::dropping; }
+
+}  // namespace
+
+void EventLog::write(Kind kind, int priority, std::string message, About about) {
+  write({.kind = kind,
+         .priority = priority,
+         .message = std::move(message),
+         .subject = about.subject,
+         .channel = std::move(about.channel),
+         .network = std::move(about.network),
+         .from = std::move(about.from),
+         .admissions = std::move(about.admissions)});
+}
+
+void EventLog::write(Note note) {
+  note.by = actor_;
+  if (note.by) note.message += " (" + by_line(*note.by) + ")";
+  log_.write(note);
+  const std::uint64_t now = unix_ns();
+  if (is_history(note.kind)) ++rows_;
+  if (history_ != nullptr && is_history(note.kind))
+    history_->append({now, name_of(note.kind), note.subject, note.channel, note.from,
+                      note.from.empty() ? "" : note.network, note.from.empty() ? note.network : "",
+                      note.message, note.by});
+  if (!publish_) return;
+  control::Event event;
+  event.unix_ns = now;
+  event.kind = name_of(note.kind);
+  event.subject = note.subject;
+  event.channel = std::move(note.channel);
+  event.network = std::move(note.network);
+  event.message = std::move(note.message);
+  event.admissions = std::move(note.admissions);
+  event.silent_ns = note.silent_ns;
+  event.missing = note.missing;
+  event.by = std::move(note.by);
+  publish_(event);
+}
+
+}  // namespace mlcca

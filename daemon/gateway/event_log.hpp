@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What has happened, for three readers: the log of the operator, the history on disk, and the
+// clients that listen to events.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "control/messages.hpp"
+#include "daemon/system_log.hpp"
+
+namespace mlcca::store {
+class History;
+}
+
+namespace mlcca {
+
+/// What an event concerns; see Note.
+struct About {
+  std::uint64_t subject = 0;
+  std::string channel = {};
+  std::string network = {};
+  std::string from = {};
+  std::vector<std::uint64_t> admissions = {};
+};
+
+class EventLog {
+ public:
+  using Publish = std::function<void(const control::Event&)>;
+
+  explicit EventLog(SystemLog log) : log_(std::move(log)) {}
+
+  void on_event(Publish publish) { publish_ = std::move(publish); }
+  /// Rows go to it from now on. It must outlive this.
+  void keep_in(store::History& history) { history_ = &history; }
+
+  void critical(Kind kind, std::string message, About about = {}) {
+    write(kind, 2, std::move(message), std::move(about));
+  }
+  void error(Kind kind, std::string message, About about = {}) {
+    write(kind, 3, std::move(message), std::move(about));
+  }
+  void warning(Kind kind, std::string message, About about = {}) {
+    write(kind, 4, std::move(message), std::move(about));
+  }
+  void notice(Kind kind, std::string message, About about = {}) {
+    write(kind, 5, std::move(message), std::move(about));
+  }
+  void info(Kind kind, std::string message, About about = {}) {
+    write(kind, 6, std::move(message), std::move(about));
+  }
+  void write(Note note);
+
+  /// While it lives, what is written was done at the request of `actor`, or of nobody.
+  class Acting {
+   public:
+    Acting(EventLog& log, std::optional<control::Actor> actor)
+        : log_(log), before_(std::exchange(log.actor_, std::move(actor))) {}
+    Acting(const Acting&) = delete;
+    Acting& operator=(const Acting&) = delete;
+    Acting(Acting&&) = delete;
+    Acting& operator=(Acting&&) = delete;
+    ~Acting() { log_.actor_ = std::move(before_); }
+
+   private:
+    EventLog& log_;
+    std::optional<control::Actor> before_;
+  };
+  [[nodiscard]] const std::optional<control::Actor>& actor() const { return actor_; }
+
+  /// Rows of the history that were written, or that are due to what was written, since this was
+  /// made: what a user's quota is charged with.
+  [[nodiscard]] std::uint64_t rows() const { return rows_; }
+  /// Rows that a change will make later.
+  void add_rows(std::uint64_t rows) { rows_ += rows; }
+
+ private:
+  void write(Kind kind, int priority, std::string message, About about);
+
+  SystemLog log_;
+  store::History* history_ = nullptr;
+  Publish publish_;
+  std::optional<control::Actor> actor_;  ///< at whose request something is being changed
+  std::uint64_t rows_ = 0;
+};
+
+}  // namespace mlcca

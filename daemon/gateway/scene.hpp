@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "core/admission/state.hpp"
+
+namespace mlcca {
+
+/// What is decided now. The parts of a gateway read it; its controller alone exchanges it.
+struct Scene {
+  std::unique_ptr<core::State> state;
+  std::size_t self = 0;           ///< this gateway
+  std::uint64_t description = 0;  ///< counts the states: of another one indices mean other things
+};
+
+}  // namespace mlcca
