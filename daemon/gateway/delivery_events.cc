@@ -31,7 +31,15 @@ bool DeliveryEvents::concerns(const core::Verdict& v, core::AdmissionId id) cons
 
 void DeliveryEvents::verdict(Kind kind, const core::Verdict& v, const std::string& line) {
   const core::EventChannel& channel = scene_.state->system().channels[v.channel];
-  log_.write({.kind = kind, .priority = v.granted ? 6 : 4, .message = line, .subject = channel.subject, .channel = channel.name, .network = core::name_of(scene_.state->system(), v.to), .from = core::name_of(scene_.state->system(), scene_.state->members().publisher(v.publisher).place), .admissions = admissions_of(v)});
+  log_.write({.kind = kind,
+              .priority = v.granted ? 6 : 4,
+              .message = line,
+              .subject = channel.subject,
+              .channel = channel.name,
+              .network = core::name_of(scene_.state->system(), v.to),
+              .from = core::name_of(scene_.state->system(),
+                                    scene_.state->members().publisher(v.publisher).place),
+              .admissions = admissions_of(v)});
 }
 
 void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event) {
@@ -68,8 +76,8 @@ DeliveryEvents::Reported DeliveryEvents::reported_of(const core::State& state) c
   for (const core::Decision& decision : state.decisions()) {
     for (const core::Verdict& v : decision.verdicts)
       reported.emplace(std::pair(core::format_subject(state.system().channels[v.channel].subject),
-                             state.delivery_of(v)),
-                   std::pair(v.set, verdict_line(state, v)));
+                                 state.delivery_of(v)),
+                       std::pair(v.set, verdict_line(state, v)));
     pulse_();
   }
   return reported;
@@ -104,18 +112,28 @@ void DeliveryEvents::outcome(const Granted& before, const Reported& reported) {
 void DeliveryEvents::gone(const std::string& subject, const core::Delivery& delivery) {
   const auto channel = scene_.state->find_channel(subject);
   const std::string name = channel ? scene_.state->system().channels[*channel].name : subject;
-  log_.warning(Kind::withdrawn, fmt::format("{} ({}) of {} to {} is gone: the description has it no more", name, subject,
-                    delivery.publisher, delivery.to), {.subject = core::parse_subject(subject).value_or(0), .channel = name, .network = delivery.to, .admissions = delivery.admission != 0 ? std::vector{delivery.admission}
-                                : std::vector<core::AdmissionId>{}});
+  log_.warning(Kind::withdrawn,
+               fmt::format("{} ({}) of {} to {} is gone: the description has it no more", name,
+                           subject, delivery.publisher, delivery.to),
+               {.subject = core::parse_subject(subject).value_or(0),
+                .channel = name,
+                .network = delivery.to,
+                .admissions = delivery.admission != 0 ? std::vector{delivery.admission}
+                                                      : std::vector<core::AdmissionId>{}});
 }
 
 void DeliveryEvents::released(const std::vector<core::AdmissionId>& gone, const std::string& why) {
   for (const core::AdmissionId id : gone) {
     const auto known = scene_.state->admissions().find(id);
-    const core::EventChannel* channel =
-        known != scene_.state->admissions().end() ? &scene_.state->system().channels[known->second] : nullptr;
-    log_.notice(Kind::released, fmt::format("admission {}{}: {}", id, channel != nullptr ? " of " + channel->name : "",
-                      why), {.subject = channel != nullptr ? channel->subject : 0, .channel = channel != nullptr ? channel->name : "", .admissions = {id}});
+    const core::EventChannel* channel = known != scene_.state->admissions().end()
+                                            ? &scene_.state->system().channels[known->second]
+                                            : nullptr;
+    log_.notice(Kind::released,
+                fmt::format("admission {}{}: {}", id,
+                            channel != nullptr ? " of " + channel->name : "", why),
+                {.subject = channel != nullptr ? channel->subject : 0,
+                 .channel = channel != nullptr ? channel->name : "",
+                 .admissions = {id}});
   }
 }
 
@@ -139,10 +157,14 @@ void DeliveryEvents::dropped(const core::Verdict& v, Fate fate, std::uint64_t fr
   const std::string which = v.granted ? fmt::format("that named {} ({}) and differ from the grant",
                                                     c.name, core::format_subject(c.subject))
                                       : "of " + verdict_line(*scene_.state, v);
-  log_.warning(Kind::dropping, dropped_line(fate, frames, which), {.subject = c.subject, .channel = c.name, .network = core::name_of(scene_.state->system(), publisher.place)});
+  log_.warning(Kind::dropping, dropped_line(fate, frames, which),
+               {.subject = c.subject,
+                .channel = c.name,
+                .network = core::name_of(scene_.state->system(), publisher.place)});
 }
 
-void DeliveryEvents::excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames) {
+void DeliveryEvents::excess(const std::vector<const core::Verdict*>& verdicts,
+                            std::uint64_t frames) {
   const core::Verdict& first = *verdicts.front();
   const core::EventChannel& channel = scene_.state->system().channels[first.channel];
   std::vector<std::string> who;
@@ -158,10 +180,17 @@ void DeliveryEvents::excess(const std::vector<const core::Verdict*>& verdicts, s
   const core::Publisher& publisher = scene_.state->members().publisher(first.publisher);
   const AttributeSet& said = core::attributes_in(publisher, first.set);
   const Attribute what = said.has(Attribute::period) ? Attribute::period : Attribute::bandwidth;
-  log_.warning(Kind::excess, fmt::format("{} sent {} frames of {} ({}) more than was admitted: {} said {} {}",
-                    fmt::join(who, " or "), frames, channel.name,
-                    core::format_subject(channel.subject), who.size() > 1 ? who.front() : "it",
-                    info(what).name, core::format_value(what, said[what])), {.subject = channel.subject, .channel = channel.name, .network = core::name_of(scene_.state->system(), first.to), .from = core::name_of(scene_.state->system(), publisher.place), .admissions = ids});
+  log_.warning(
+      Kind::excess,
+      fmt::format("{} sent {} frames of {} ({}) more than was admitted: {} said {} {}",
+                  fmt::join(who, " or "), frames, channel.name,
+                  core::format_subject(channel.subject), who.size() > 1 ? who.front() : "it",
+                  info(what).name, core::format_value(what, said[what])),
+      {.subject = channel.subject,
+       .channel = channel.name,
+       .network = core::name_of(scene_.state->system(), first.to),
+       .from = core::name_of(scene_.state->system(), publisher.place),
+       .admissions = ids});
 }
 
 }  // namespace mlcca

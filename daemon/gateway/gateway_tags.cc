@@ -171,7 +171,8 @@ bool Gateway::move_tags(const TagNews& news, core::FormerRules& left) {
 
 /// Nothing of it is granted any more: see look_at_tags().
 void Gateway::move_tag(Tag& tag, core::FormerRules& left) {
-  if (tag.channel) left.try_emplace(*tag.channel, scene_.state->gate_state(scene_.self, *tag.channel));
+  if (tag.channel)
+    left.try_emplace(*tag.channel, scene_.state->gate_state(scene_.self, *tag.channel));
   put_tag(tag);
   if (tag.etag != 0) {
     tell_tag(tag, 5, fmt::format("it has tag {:#x} on {} now", tag.etag, tag.network_name));

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bpf/gate.h"
-#include "core/gates/control_traffic.hpp"
 #include "core/admission/state.hpp"
+#include "core/gates/control_traffic.hpp"
 #include "tests/core/robot.hpp"
 
 namespace mlcca {
