@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "base/handle.hpp"
+#include "daemon/gates/bindings.hpp"
 #include "tests/bench/timing.hpp"
 #include "tests/bpf/loaded_gate.hpp"
-#include "daemon/gates/bindings.hpp"
 
 namespace mlcca::test {
 namespace {
