@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "work/compared.hpp"
+#include "tests/work/compared.hpp"
 
 namespace {
 std::uint64_t count = 0;

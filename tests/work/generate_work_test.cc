@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/work/compared.hpp"
 #include "tools/design/verbs.hpp"
-#include "work/compared.hpp"
 
 namespace mlcca::test {
 namespace {
