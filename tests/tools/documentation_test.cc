@@ -19,14 +19,13 @@
 #include "base/handle.hpp"
 #include "tests/control/messages.hpp"
 #include "tests/control/server.hpp"
+#include "tests/support/source_tree.hpp"
 #include "tests/tools/run.hpp"
 
 namespace mlcca {
 namespace {
 
 using Words = std::set<std::string>;
-
-std::filesystem::path top() { return std::filesystem::path(__FILE__).parent_path() / ".." / ".."; }
 
 Words words_of(const std::string& text) {
   std::istringstream stream(text);
@@ -75,7 +74,7 @@ Help help() {
 
 /// What a manual page describes: the lines behind .TP and .TQ without quotes and escapes.
 std::vector<std::string> manual_entries(const std::string& page) {
-  std::ifstream file(top() / "docs/man" / page);
+  std::ifstream file(mlcca::testing::source_tree() / "docs/man" / page);
   EXPECT_TRUE(file) << page;
   std::vector<std::string> result;
   bool follows = false;
@@ -98,11 +97,12 @@ std::string quoted(const std::string& text) {
 /// What bash offers for the last of `words`, with the daemon at `socket`.
 Words completions(const std::string& words, const std::string& socket) {
   const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path();
-  const std::string script = "export PATH=" + program.string() + ":$PATH MLCCA_SOCKET=" + socket +
-                             "; . " + (top() / "tools/completion/mlccactl.bash").string() +
-                             "; COMP_WORDS=(" + words +
-                             "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _mlccactl;"
-                             " printf '%s\\n' \"${COMPREPLY[@]}\"";
+  const std::string script =
+      "export PATH=" + program.string() + ":$PATH MLCCA_SOCKET=" + socket + "; . " +
+      (mlcca::testing::source_tree() / "tools/completion/mlccactl.bash").string() +
+      "; COMP_WORDS=(" + words +
+      "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _mlccactl;"
+      " printf '%s\\n' \"${COMPREPLY[@]}\"";
   const std::unique_ptr<FILE, FreeWith<::pclose>> bash(
       ::popen(("bash -c " + quoted(script)).c_str(), "r"));
   std::string text;
@@ -129,7 +129,7 @@ TEST(DocumentationTest, ManualDescribesEveryVerbAndOption) {
 
 /// Options that a manual page describes under ".SS Options of VERB and VERB", by verb.
 std::map<std::string, Words> options_by_verb(const std::string& page) {
-  std::ifstream file(top() / "docs/man" / page);
+  std::ifstream file(mlcca::testing::source_tree() / "docs/man" / page);
   std::map<std::string, Words> result;
   Words verbs;
   bool follows = false;
@@ -194,7 +194,8 @@ TEST(DocumentationTest, CompletionOffersEveryOptionOfAVerb) {
 
 TEST(DocumentationTest, CompletionOffersFilesAndFormsToCheck) {
   EXPECT_EQ(completions("mlccactl check --format s", "/nonexistent"), (Words{"sarif"}));
-  const auto folder = (top() / "examples/volksbot/").lexically_normal().string();
+  const auto folder =
+      (mlcca::testing::source_tree() / "examples/volksbot/").lexically_normal().string();
   const auto offered = completions("mlccactl check " + folder, "/nonexistent");
   EXPECT_TRUE(offered.contains(folder + "system.xml"));
   EXPECT_FALSE(offered.contains(folder + "demo")) << "it is no description";

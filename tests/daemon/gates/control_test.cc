@@ -103,7 +103,7 @@ TEST(Control, OrdinaryDirectoryIsRefusedInWords) {
   const auto control = Control::create(plain);
   std::filesystem::remove_all(plain);
   ASSERT_FALSE(control);
-  EXPECT_NE(control.error().text.find("is no bpffs"), std::string::npos);
+  EXPECT_NE(control.error().text.find("is on no bpffs"), std::string::npos);
 }
 
 TEST(Control, GraceIsKeptWithinItsBounds) {

@@ -25,6 +25,11 @@ struct Key {
 };
 using Keys = std::set<Key>;
 
+/// Of what is hardly meant: it refuses nothing.
+[[nodiscard]] inline bool is_note(const Key& key) {
+  return key.id >= "MLCCA038" && key.id <= "MLCCA041";
+}
+
 /// "MLCCA021 publisher subscriber hop attribute (required, provided)", for messages.
 std::string to_string(const Key& key);
 

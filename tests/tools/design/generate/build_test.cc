@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "tests/support/source_tree.hpp"
 #include "tests/tools/design/describe/program.hpp"
 #include "tests/tools/design/generate/systems.hpp"
 
@@ -12,10 +13,6 @@ namespace mlcca::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string top() {
-  return fs::absolute(fs::path(__FILE__).parent_path() / ".." / "..").lexically_normal();
-}
 
 std::string mlccactl() {
   return fs::read_symlink("/proc/self/exe").parent_path().parent_path() / "mlccactl";
@@ -28,14 +25,15 @@ std::string with_wheels(std::string text) {
 TEST(GenerateBuildTest, TheExampleMakefileBuildsAndFollowsTheDescription) {
   const Folder folder;
   const auto system = folder.write("system.xml", robot());
-  const std::vector<std::string> make = {"make",
-                                         "-C",
-                                         folder.path(""),
-                                         "-f",
-                                         top() + "examples/generated/Makefile",
-                                         "MLCCA_SYSTEM=" + system,
-                                         "MLCCACTL=" + mlccactl(),
-                                         "MLCCA_INCLUDE=" + top() + "include"};
+  const std::vector<std::string> make = {
+      "make",
+      "-C",
+      folder.path(""),
+      "-f",
+      mlcca::testing::source_tree().string() + "examples/generated/Makefile",
+      "MLCCA_SYSTEM=" + system,
+      "MLCCACTL=" + mlccactl(),
+      "MLCCA_INCLUDE=" + mlcca::testing::source_tree().string() + "include"};
   auto ran = run_program(make);
   ASSERT_EQ(ran.status, 0) << ran.out;
   EXPECT_TRUE(fs::exists(folder.path("generated/motors_callbacks.o"))) << ran.out;
@@ -63,7 +61,7 @@ TEST(GenerateBuildTest, CMakeBuildsAndFollowsTheDescription) {
                "include(generated/mlcca_generated.cmake)\n"
                "add_library(node STATIC ${MLCCA_GENERATED_SOURCES})\n"
                "target_include_directories(node PRIVATE ${MLCCA_GENERATED_INCLUDE_DIRS} " +
-                   top() + "include)\n");
+                   mlcca::testing::source_tree().string() + "include)\n");
   auto ran = run_program(
       {"cmake", "-S", folder.path(""), "-B", folder.path("build"), "-DMLCCACTL=" + mlccactl()});
   ASSERT_EQ(ran.status, 0) << ran.out;

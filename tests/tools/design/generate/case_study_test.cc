@@ -11,6 +11,7 @@
 
 #include "core/admission/state.hpp"
 #include "description/read.hpp"
+#include "tests/support/source_tree.hpp"
 #include "tests/tools/design/describe/program.hpp"
 
 namespace mlcca::test {
@@ -18,19 +19,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string top() {
-  return fs::absolute(fs::path(__FILE__).parent_path() / ".." / "..").lexically_normal();
-}
-
 std::string variant(const std::string& name) {
-  return top() + "examples/volksbot/" + name + ".xml";
+  return mlcca::testing::source_tree().string() + "examples/volksbot/" + name + ".xml";
 }
 
 /// Says what a compiler says of the header of a component.
 Ran compiled(const Folder& folder, const std::string& generated, const std::string& program) {
   const auto source = folder.write("main.cc", program);
   return run_program({"g++", "-std=c++14", "-Wall", "-Wextra", "-Werror", "-fsyntax-only",
-                      "-I" + top() + "include", "-I" + generated, source});
+                      "-I" + mlcca::testing::source_tree().string() + "include", "-I" + generated,
+                      source});
 }
 
 /// Of the switch, generated from that variant.

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/source_tree.hpp"
 #include "tests/tools/design/describe/program.hpp"
 #include "tests/tools/design/generate/systems.hpp"
 
@@ -21,10 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Files = std::map<std::string, std::string>;
-
-std::string top() {
-  return fs::absolute(fs::path(__FILE__).parent_path() / ".." / "..").lexically_normal();
-}
 
 Files files_in(const std::string& folder) {
   Files out;
@@ -51,8 +48,9 @@ std::vector<std::vector<std::string>> compilers() {
 /// What a compiler says to every callback file of `folder`.
 std::string complaints(std::vector<std::string> compiler, const std::string& folder,
                        const std::vector<std::string>& more = {}) {
-  compiler.insert(compiler.end(), {"-std=c++14", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion",
-                                   "-Werror", "-fsyntax-only", "-I" + top() + "include"});
+  compiler.insert(compiler.end(),
+                  {"-std=c++14", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror",
+                   "-fsyntax-only", "-I" + mlcca::testing::source_tree().string() + "include"});
   compiler.insert(compiler.end(), more.begin(), more.end());
   for (const auto& [name, text] : files_in(folder))
     if (name.ends_with(".cpp")) compiler.push_back(folder + "/" + name);
@@ -140,7 +138,8 @@ TEST(GenerateTest, TheExampleThatIsRefusedDoesNotCompileAndItsRepairDoes) {
        {std::pair("system.xml", false), std::pair("own-bus.xml", true)}) {
     const Folder folder;
     const auto ran =
-        run({"generate", top() + "examples/volksbot/" + example, "--out", folder.path("out")});
+        run({"generate", mlcca::testing::source_tree().string() + "examples/volksbot/" + example,
+             "--out", folder.path("out")});
     ASSERT_EQ(ran.status, 0) << ran.error;
     const auto said = complaints({"g++"}, folder.path("out"));
     EXPECT_EQ(said.empty(), fits) << said;
@@ -229,8 +228,9 @@ TEST(GenerateTest, TheBytesInTheHeaderAreThoseOfTheFile) {
       }
       const auto source = folder.write("main.cpp", main + "}\n");
       const auto program = folder.path("main");
-      const auto built = run_program(
-          {"g++", "-std=c++14", "-I" + top() + "include", "-I" + out, source, "-o", program});
+      const auto built = run_program({"g++", "-std=c++14",
+                                      "-I" + mlcca::testing::source_tree().string() + "include",
+                                      "-I" + out, source, "-o", program});
       ASSERT_EQ(built.status, 0) << built.out;
       std::string expected;
       for (const auto& blob : blobs) expected += blob;
