@@ -54,7 +54,9 @@ class Traffic:
         return int(answer[1]) if answer[0] == "yes" else None
 
     def stopped(self, flow, seconds):
-        return self.ask("stopped", flow, int(seconds * 1000))[0] == "yes"
+        """A time such that of many frames that were sent after it none arrived; None: some did."""
+        answer = self.ask("stopped", flow, int(seconds * 1000))
+        return int(answer[1]) if answer[0] == "yes" else None
 
     def lost(self, flow, begin, end=0):
         return Spell(self.ask("lost", flow, begin, end))
