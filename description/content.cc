@@ -147,8 +147,13 @@ std::string explain_child(const ElementType& type, const Content& content, std::
     return fmt::format("comes too late: it belongs before {} in line {}{}: {}", later->name,
                        later->line, next.empty() ? "" : ", and here may stand " + listed(next),
                        order);
-  return next.empty() ? fmt::format("is one too many or out of place: {}", order)
-                      : fmt::format("is not expected here, but {}: {}", listed(next), order);
+  if (next.empty()) return fmt::format("is one too many or out of place: {}", order);
+  const auto own = std::ranges::find_if(
+      type.steps, [&](const Step& step) { return child_named(step, name) != nullptr; });
+  // Of what may stand more than once there would be room, too: only the present step has an end.
+  const bool too_early = own - type.steps.begin() > static_cast<std::ptrdiff_t>(content.step);
+  return too_early ? fmt::format("comes too early: before it belongs {}: {}", listed(next), order)
+                   : fmt::format("is one too many: here may stand {}: {}", listed(next), order);
 }
 
 std::string explain_incomplete(const ElementType& type, const Content& content) {

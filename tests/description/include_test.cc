@@ -154,7 +154,7 @@ TEST_F(Include, LeavesNothingOpenOfAFileThatBreaksOff) {
   file("c.xml", "<EventChannel name=\"c\"><Zebra><Zebra>");
   const auto said = problems_of(include("b.xml") + channel("a", 1) + include("c.xml") +
                                 "<Network name=\"air\"><Kind>other</Kind><Kind/></Network>");
-  EXPECT_TRUE(said.starts_with("s.xml:5: <Kind>: is not expected here")) << said;
+  EXPECT_TRUE(said.starts_with("s.xml:5: <Kind>: is one too many")) << said;
   EXPECT_EQ(std::ranges::count(said, '|'), 3) << said;
 }
 
