@@ -380,11 +380,12 @@ class Ends {
     }
     const auto& uid = user_named(user);
     if (uid) return *uid;
-    wrong(fmt::format("attribute user: {}", uid.error()));
+    say(uid.error().id, end.origin, "Publisher",
+        fmt::format("attribute user: {}", uid.error().text));
     return std::nullopt;
   }
 
-  const std::expected<std::uint32_t, std::string>& user_named(const std::string& user) {
+  const std::expected<std::uint32_t, NoUser>& user_named(const std::string& user) {
     auto& known = known_users_[user];
     if (!known)
       known = users_of_ == Users::of_this_machine
@@ -400,8 +401,8 @@ class Ends {
       if (uid)
         port.sender = *uid;
       else
-        say(FindingId::wrong_place, port.origin, "Port",
-            fmt::format("attribute sender: {}", uid.error()));
+        say(uid.error().id, port.origin, "Port",
+            fmt::format("attribute sender: {}", uid.error().text));
     }
   }
 
@@ -413,7 +414,7 @@ class Ends {
   std::vector<std::optional<std::uint32_t>> mesh_nodes_;  ///< the same
   Counter unnamed_publishers_;
   Counter unnamed_subscribers_;
-  std::map<std::string, std::optional<std::expected<std::uint32_t, std::string>>> known_users_;
+  std::map<std::string, std::optional<std::expected<std::uint32_t, NoUser>>> known_users_;
 };
 
 }  // namespace

@@ -49,7 +49,13 @@ std::string words_for(const xmlError& error) {
   while (text.ends_with('\n')) text.remove_suffix(1);
   if (text.contains("Huge input lookup") || text.contains("AttValue length too long"))
     return "a name or value is longer than 10 MB; that is the limit";
+  if (error.code == XML_ERR_NO_MEMORY) return "cannot read the file: out of memory";
   return fmt::format("not well-formed XML: {}", text);
+}
+
+/// Without memory nothing is known of the file.
+FindingId id_of(const xmlError& error) {
+  return error.code == XML_ERR_NO_MEMORY ? FindingId::unreadable : FindingId::not_xml;
 }
 
 std::string_view view_of(const xmlError& error) { return error.message; }
@@ -150,7 +156,7 @@ void Parser::message(void* data, xmlError* error) noexcept {
   }
   const bool has_line = error->domain == XML_FROM_PARSER || error->domain == XML_FROM_NAMESPACE;
   self.builder_.fail({.file = self.file_, .line = has_line ? error->line : self.line()},
-                     self.builder_.inside(), words_for(*error), FindingId::not_xml);
+                     self.builder_.inside(), words_for(*error), id_of(*error));
   if (error->level == XML_ERR_FATAL) self.end_here();
 }
 

@@ -196,8 +196,8 @@ std::uint32_t control_user(const PortDraft& p, Users users, Problems& problems) 
   if (p.control.user.empty() || users != Users::of_this_machine) return 0;
   const auto uid = uid_of(p.control.user);
   if (uid) return *uid;
-  problems.add(p.port.origin, "Port", fmt::format("attribute control-user: {}", uid.error()),
-               FindingId::wrong_place);
+  problems.add(p.port.origin, "Port", fmt::format("attribute control-user: {}", uid.error().text),
+               uid.error().id);
   return 0;
 }
 

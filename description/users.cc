@@ -20,12 +20,13 @@ constexpr std::size_t kMostBytes = std::size_t{1} << 20U;  // of one entry
 
 }  // namespace
 
-std::expected<std::uint32_t, std::string> uid_of(const std::string& user) {
+std::expected<std::uint32_t, NoUser> uid_of(const std::string& user) {
   if (user.find_first_not_of("0123456789") == std::string::npos) {
     std::uint32_t uid = 0;
     const auto [end, error] = std::from_chars(user.data(), user.data() + user.size(), uid);
     if (error == std::errc{} && uid != std::numeric_limits<std::uint32_t>::max()) return uid;
-    return std::unexpected(fmt::format("user {} is not a user number: at most 4294967294", user));
+    return std::unexpected(
+        NoUser{fmt::format("user {} is not a user number: at most 4294967294", user)});
   }
   std::vector<char> buffer(1024);
   passwd entry{};
@@ -36,9 +37,12 @@ std::expected<std::uint32_t, std::string> uid_of(const std::string& user) {
     error = getpwnam_r(user.c_str(), &entry, buffer.data(), buffer.size(), &found);
   }
   if (found != nullptr) return entry.pw_uid;
-  return std::unexpected(
-      fmt::format("user {} is not known on this machine{}: add the user or give a number", user,
-                  error == 0 ? "" : std::string(" (") + std::strerror(error) + ")"));
+  if (error != 0)
+    return std::unexpected(NoUser{fmt::format("user {} cannot be looked up: {}", user,
+                                              std::strerror(error)),  // NOLINT(*-mt-unsafe)
+                                  core::FindingId::unreadable});
+  return std::unexpected(NoUser{
+      fmt::format("user {} is not known on this machine: add the user or give a number", user)});
 }
 
 }  // namespace mlcca::description

@@ -5,10 +5,18 @@
 #include <expected>
 #include <string>
 
+#include "core/design/findings.hpp"
+
 namespace mlcca::description {
 
-/// The number of a user who is given by name or number. The error says what is wrong; 2^32 - 1 is
-/// nobody's number.
-std::expected<std::uint32_t, std::string> uid_of(const std::string& user);
+/// Why a user has no number.
+struct NoUser {
+  std::string text;
+  /// wrong_place: there is none; unreadable: the look-up failed, and another one may not.
+  core::FindingId id = core::FindingId::wrong_place;
+};
+
+/// The number of a user who is given by name or number. 2^32 - 1 is nobody's number.
+std::expected<std::uint32_t, NoUser> uid_of(const std::string& user);
 
 }  // namespace mlcca::description

@@ -105,12 +105,15 @@ Gateway::Gateway(Options options, SystemLog log, enforce::Control control, net::
 Gateway::LoadResult Gateway::read(const Options& options) {
   auto system = description::read(options.description);
   if (!system) {
-    std::vector<std::string> lines;
-    for (const auto& problem : system.error()) lines.push_back(description::to_string(problem));
-    return std::unexpected(std::move(lines));
+    StartError refused{.lines = {}, .bad_input = true};
+    for (const auto& problem : system.error()) {
+      refused.lines.push_back(description::to_string(problem));
+      if (problem.id == core::FindingId::unreadable) refused.bad_input = false;
+    }
+    return std::unexpected(std::move(refused));
   }
   const auto self = find_self(*system, options.gateway);
-  if (!self) return std::unexpected(std::vector{options.description + ": " + self.error()});
+  if (!self) return std::unexpected(StartError{{options.description + ": " + self.error()}, true});
   Loaded loaded{std::make_unique<core::State>(std::move(*system)), *self, {}};
   ::malloc_trim(0);  // reading leaves several times the memory of what was read
   return loaded;
@@ -127,7 +130,7 @@ Gateway::LoadResult Gateway::complete(LoadResult loaded) const {
   if (!loaded) return loaded;
   restore_into(*loaded);
   if (const auto lack = loaded->state->lacks_room(loaded->self))
-    return std::unexpected(std::vector{options_.description + ": " + *lack});
+    return std::unexpected(StartError{{options_.description + ": " + *lack}, true});
   return loaded;
 }
 
@@ -163,12 +166,12 @@ void Gateway::remember_leases_and_keys() {
 
 std::optional<StartError> Gateway::start() {
   started_ = std::time(nullptr);
-  const auto give_up = [this](std::vector<std::string> lines, bool bad_input) {
+  const auto give_up = [this](StartError why) {
     control_.close_all();
-    return StartError{std::move(lines), bad_input};
+    return why;
   };
   if (const auto set = control_.set_grace(options_.grace_ns); !set)
-    return give_up({set.error().text}, false);
+    return give_up({{set.error().text}});
   if (auto begun = enforce::Starting::begin(control_, options_.start_limit_ns, monotonic_ns()))
     starting_.emplace(std::move(*begun));
   else
@@ -178,18 +181,18 @@ std::optional<StartError> Gateway::start() {
   pulse();
   auto opened =
       patience_.wait_for([this] { return store::Journal::open(options_.state_directory); });
-  if (!opened) return give_up({opened.error().text}, true);
+  if (!opened) return give_up({{opened.error().text}});
   store_.emplace(std::move(*opened));
   history_.emplace(
       patience_.wait_for([this] { return store::History::open(options_.state_directory); }));
   auto described = in_time([options = options_] { return read(options); }, options_.read_limit_ns,
                            [this] { pulse(); });
   reads_for_ever_ = !described;
-  if (!described) return give_up({not_read_in_time()}, false);
+  if (!described) return give_up({{not_read_in_time()}});
   pulse();
   auto loaded = complete(std::move(*described));
   pulse();
-  if (!loaded) return give_up(std::move(loaded.error()), true);
+  if (!loaded) return give_up(std::move(loaded.error()));
   scene_.state = std::move(loaded->state);
   scene_.self = loaded->self;
   loaded_ = std::time(nullptr);
@@ -198,7 +201,7 @@ std::optional<StartError> Gateway::start() {
   const Granted before = granted();
 
   if (const auto done = enforce::undo_interrupted_step(control_); !done)
-    return give_up({done.error().text}, false);
+    return give_up({{done.error().text}});
   meshes_.describe(scene_.state->system(), scene_.self);
   meshes_.await_first_reports(kFirstReports, [this] { pulse(); });
   if (const auto done = put_in_force(before); !done) log_.error(Kind::trouble, done.error().text);
@@ -206,14 +209,14 @@ std::optional<StartError> Gateway::start() {
   auto events = enforce::EventReader::open(control_.events_fd(),
                                            {[this](const gate_event& event) { hear(event); },
                                             [this](const gate_sample& s) { hear(s); }});
-  if (!events) return give_up({events.error().text}, false);
+  if (!events) return give_up({{events.error().text}});
   events_.emplace(std::move(*events));
   if (const auto alive = control_.beat(monotonic_ns()); !alive)
-    return give_up({alive.error().text}, false);
-  if (const auto armed = control_.arm(); !armed) return give_up({armed.error().text}, false);
+    return give_up({{alive.error().text}});
+  if (const auto armed = control_.arm(); !armed) return give_up({{armed.error().text}});
   if (control_.lapsed())
     if (const auto cleared = control_.clear_lapse(monotonic_ns()); !cleared)
-      return give_up({cleared.error().text}, false);
+      return give_up({{cleared.error().text}});
   if (starting_) starting_->finish();
   is_starting_ = false;
   forget_drops();  // what a former daemon has seen is not news

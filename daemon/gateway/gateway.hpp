@@ -48,10 +48,11 @@
 
 namespace mlcca {
 
-/// Why the daemon cannot start; what starting again cannot mend (a description or a store that
-/// cannot be used) is told apart.
+/// Why a description is not used, or the daemon cannot start.
 struct StartError {
   std::vector<std::string> lines;
+  /// The description was read and is refused: only a person can mend that. False: the machine
+  /// failed (a file that cannot be opened, no memory, a full disk), and the next start may succeed.
   bool bad_input = false;
 };
 
@@ -149,7 +150,7 @@ class Gateway {
     std::size_t self = 0;
     LeftOut left_out;
   };
-  using LoadResult = std::expected<Loaded, std::vector<std::string>>;
+  using LoadResult = std::expected<Loaded, StartError>;
   [[nodiscard]] static LoadResult read(const Options& options);
   /// Why a description was not read, and what to look for.
   [[nodiscard]] std::string not_read_in_time() const;

@@ -88,15 +88,15 @@ Gateway::Body Gateway::reload_with(LoadResult read) {
   const Granted before = granted();
   auto loaded = complete(std::move(read));
   if (!loaded) {
-    last_error_ = loaded.error().front();
+    last_error_ = loaded.error().lines.front();
     log_.error(Kind::reload,
                fmt::format("reload refused, nothing changed: {}{}", last_error_,
-                           loaded.error().size() > 1
-                               ? fmt::format(" (and {} more)", loaded.error().size() - 1)
+                           loaded.error().lines.size() > 1
+                               ? fmt::format(" (and {} more)", loaded.error().lines.size() - 1)
                                : ""));
     return control::Error{control::ErrorKind::unreadable,
                           "the description cannot be used, nothing was changed",
-                          std::move(loaded.error())};
+                          std::move(loaded.error().lines)};
   }
   last_error_.clear();
   const std::size_t old_self = std::exchange(scene_.self, loaded->self);
