@@ -112,9 +112,12 @@ Result<std::vector<std::string>> keep_pinned(std::span<const Pin> pins) {
     if (there && object_of(there.get()) == object_of(kept.fd)) continue;
     if (auto made = make_pin_directory(path.parent_path()); !made)
       return std::unexpected(made.error());
-    remove_pin(kept.path);
-    if (const auto pinned = pin(kept.fd, kept.path); !pinned)
-      return std::unexpected(pinned.error());
+    std::error_code error;
+    std::filesystem::remove(path, error);
+    if (error) return failure("pin " + kept.path + " anew", error.value());
+    const auto pinned = pin(kept.fd, kept.path);
+    if (!pinned) return std::unexpected(pinned.error());
+    if (!*pinned) return fail("pin " + kept.path + ": somebody else pins there at this moment");
     again.push_back(path.filename());
   }
   return again;

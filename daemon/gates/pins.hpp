@@ -36,7 +36,8 @@ struct Pin {
   std::string path;
 };
 /// Pins again what has not its name any more, or whose name is another's now: the names of those,
-/// without directory, which is made where it is missing.
+/// without directory, which is made where it is missing. Error: a bpffs that is read-only, or
+/// something else that stands in the way; nothing of that is listed as pinned again.
 Result<std::vector<std::string>> keep_pinned(std::span<const Pin> pins);
 
 /// Value size, entries and kind of a map fit; maps that differ have another layout.

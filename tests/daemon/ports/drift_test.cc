@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <net/if.h>
 #include <sched.h>
+#include <sys/mount.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -166,6 +167,44 @@ TEST_P(DriftTest, GateThatCannotBePinnedIsToldOnceAndInTheStatus) {
   repair();
   EXPECT_EQ(told_.size(), 2U) << told_.back();
   EXPECT_EQ(report().drift, "");
+}
+
+/// The bpffs of the tests, until it goes.
+class ReadOnly {
+ public:
+  explicit ReadOnly(std::string point) : point_(std::move(point)) { remount(MS_RDONLY); }
+  ReadOnly(const ReadOnly&) = delete;
+  ReadOnly(ReadOnly&&) = delete;
+  ReadOnly& operator=(const ReadOnly&) = delete;
+  ReadOnly& operator=(ReadOnly&&) = delete;
+  ~ReadOnly() { remount(0); }
+
+ private:
+  void remount(unsigned long flags) const {
+    EXPECT_EQ(::mount(nullptr, point_.c_str(), nullptr, MS_REMOUNT | flags, nullptr), 0);
+  }
+  std::string point_;
+};
+
+TEST_P(DriftTest, AReadOnlyBpffsIsToldOnceAndNothingIsSaidToBePutRight) {
+  ASSERT_TRUE(control_.arm());
+  {
+    const ReadOnly bpffs(std::filesystem::path(root_).parent_path());
+    repair();
+    repair();
+    ASSERT_EQ(told_.size(), 1U) << told_.back();
+    EXPECT_NE(told_[0].find("the gate of bus0 is not pinned"), std::string::npos) << told_[0];
+    EXPECT_NE(told_[0].find("Read-only file system"), std::string::npos) << told_[0];
+    EXPECT_EQ(report().drift, told_[0]);
+    EXPECT_EQ(report().repaired, 0U);
+    const auto control = control_.keep_pinned();
+    ASSERT_FALSE(control);
+    EXPECT_NE(control.error().text.find("Read-only file system"), std::string::npos);
+  }
+  repair();
+  EXPECT_EQ(told_.size(), 1U) << told_.back();
+  EXPECT_EQ(report().drift, "");
+  EXPECT_EQ(report().repaired, 0U) << "its pins are as they were";
 }
 
 TEST_P(DriftTest, ProgramInFrontIsNamedAndTheGateGoesFirst) {
