@@ -185,6 +185,7 @@ std::optional<StartError> Gateway::start() {
   store_.emplace(std::move(*opened));
   history_.emplace(
       patience_.wait_for([this] { return store::History::open(options_.state_directory); }));
+  log_.keep_in(*history_);
   auto described = in_time([options = options_] { return read(options); }, options_.read_limit_ns,
                            [this] { pulse(); });
   reads_for_ever_ = !described;
