@@ -9,7 +9,8 @@ mlccad=$BUILD/mlccad
 run=/run/mlcca
 state=/run/mlcca-state
 export MLCCA_SOCKET=$run/control.sock
-ctl() { "$BUILD/mlccactl" "$@"; }
+# On a busy machine an answer takes longer than the 10 s that a person waits.
+ctl() { "$BUILD/mlccactl" --timeout 60 "$@"; }
 
 three_buses() {
 	modprobe -a can-raw can-gw vxcan
