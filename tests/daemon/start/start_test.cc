@@ -247,6 +247,17 @@ TEST_F(StartTest, OfManyPortsTheStatusIsWhole) {
     EXPECT_NE(status.find("\"lan" + std::to_string(i) + "\""), std::string::npos) << status;
 }
 
+TEST_F(StartTest, WhatHasHappenedIsInTheHistory) {
+  Process daemon(gateway_.command(), gateway_.path("log"));
+  ASSERT_TRUE(daemon.ready()) << gateway_.log();
+  const std::string said = gateway_.path("history");
+  Process asks({"mlccactl", "--socket", gateway_.path("control.sock"), "--json", "history"}, said);
+  EXPECT_EQ(asks.end(), 0);
+  std::ifstream file(said);
+  const std::string history(std::istreambuf_iterator<char>(file), {});
+  EXPECT_NE(history.find("\"kind\":\"started\""), std::string::npos) << history;
+}
+
 TEST_F(StartTest, WithoutTheFolderOfTheBpffsClosesAndSaysWhatToDo) {
   let_one_die();
   auto command = gateway_.command();
