@@ -1,8 +1,8 @@
 # What a program does is counted, not timed: the comparisons of objects that are instrumented as for the fuzzers.
-WORK_SOURCES := $(wildcard tests/work/*.cc tools/design/generate/*.cc tools/design/analyse_bus/*.cc) \
+WORK_SOURCES := $(wildcard tests/tools/design/comparisons/*.cc tools/design/generate/*.cc tools/design/analyse_bus/*.cc) \
 	$(addprefix tools/design/,generate.cc safe_file.cc say.cc) tools/table.cc tools/values.cc
 WORK_OBJECTS := $(patsubst %.cc,$O/fuzz/obj/%.o,$(wildcard $(WORK_SOURCES)))
-$O/fuzz/obj/tests/work/%.o: CPPFLAGS += $(TOOLS_CPPFLAGS)
+$O/fuzz/obj/tests/tools/design/comparisons/%.o: CPPFLAGS += $(TOOLS_CPPFLAGS)
 $O/tests/work_test: $(WORK_OBJECTS) $O/fuzz/libdescription.a $O/fuzz/libcore.a
 	$(call say,LINK,$@)
 	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) -fsanitize=$(FUZZ_SANITIZERS) -o $@ $^ $(XML_LIBS) -lfmt -lgtest -lgtest_main

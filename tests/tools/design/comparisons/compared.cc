@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "tests/work/compared.hpp"
+#include "tests/tools/design/comparisons/compared.hpp"
 
 namespace {
 std::uint64_t count = 0;

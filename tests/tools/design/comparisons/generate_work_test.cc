@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/work/compared.hpp"
+#include "tests/tools/design/comparisons/compared.hpp"
 #include "tools/design/verbs.hpp"
 
 namespace mlcca::test {
