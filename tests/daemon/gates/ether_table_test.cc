@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The subjects of an interface in plain memory.
-#include "daemon/gates/ether_table.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,79 +8,10 @@
 #include <random>
 
 #include "daemon/gates/slots.hpp"
+#include "tests/daemon/gates/ether_table_fixture.hpp"
 
 namespace mlcca::enforce {
 namespace {
-
-SlotSpec slot(std::uint64_t subject, bool pass = true) {
-  SlotSpec s;
-  s.direction = Direction::ingress;
-  s.pass = pass;
-  s.subject = subject;
-  s.formats = ETHER_WHOLE;
-  return s;
-}
-
-SlotChanges adding(std::vector<SlotSpec> specs) {
-  SlotChanges c;
-  c.add = std::move(specs);
-  return c;
-}
-SlotChanges removing(std::vector<SlotSpec> specs) {
-  SlotChanges c;
-  c.remove = std::move(specs);
-  return c;
-}
-
-class EtherTableTest : public testing::Test {
- protected:
-  explicit EtherTableTest(const EtherSizes& sizes = EtherSizes::for_slots(0, 2))
-      : sizes_(sizes),
-        buckets_(sizes.buckets),
-        fronts_(sizes.fronts()),
-        slots_(sizes.slots),
-        contracts_(sizes.contracts),
-        counts_(std::size_t{sizes.banks} * sizes.slots),
-        table_(open(true).value()) {}
-
-  Result<EtherTable> open(bool fresh) {
-    return EtherTable::read(
-        {&head_, buckets_, fronts_, slots_, contracts_, counts_, audits_, watches_, &generation_},
-        sizes_, fresh, 42, [this]() -> Result<void> {
-          ++waits_;
-          if (!grace_) return fail("no grace");
-          return {};
-        });
-  }
-  Result<void> add(const std::vector<SlotSpec>& specs) { return table_.apply(adding(specs)); }
-  Result<void> remove(const std::vector<SlotSpec>& specs) { return table_.apply(removing(specs)); }
-  [[nodiscard]] bool passes(const SlotSpec& s) const {
-    return slots_[table_.find(s).value()].verdict[generation_ & 1] == GATE_PASS;
-  }
-  [[nodiscard]] std::vector<SlotSpec> present() const { return sorted(table_.present()); }
-  static std::vector<SlotSpec> sorted(std::vector<SlotSpec> specs) {
-    std::ranges::sort(specs, [](const SlotSpec& a, const SlotSpec& b) {
-      return std::tie(a.subject, a.station, a.source, a.uid, a.max_len) <
-             std::tie(b.subject, b.station, b.source, b.uid, b.max_len);
-    });
-    return specs;
-  }
-  std::string error_of(const Result<void>& done) { return done ? "" : done.error().text; }
-
-  EtherSizes sizes_;
-  int waits_ = 0;
-  bool grace_ = true;
-  std::uint32_t generation_ = 0;
-  ether_table head_{};
-  std::vector<std::uint64_t> buckets_;
-  std::vector<ether_front> fronts_;
-  std::vector<ether_slot> slots_;
-  std::vector<ether_contract> contracts_;
-  std::vector<gate_count> counts_;
-  std::vector<gate_audit> audits_ = std::vector<gate_audit>(sizes_.slots);
-  std::vector<gate_watch> watches_ = std::vector<gate_watch>(ETHER_WATCHES);
-  EtherTable table_;
-};
 
 TEST_F(EtherTableTest, HoldsWhatWasAdded) {
   const std::vector<SlotSpec> both{slot(1), slot(2, false)};
@@ -388,101 +317,6 @@ TEST_F(EtherTableTest, CountersOfAReusedSlotBeginAtNothing) {
   for (std::uint64_t s = 1; s <= sizes_.slots - ETHER_FIRST_SLOT; ++s) all.push_back(slot(s));
   ASSERT_TRUE(add(all));
   EXPECT_EQ(counts_[at].passed + counts_[sizes_.slots + at].passed + audits_[at].would_drop, 0U);
-}
-
-SlotSpec periodic(std::uint64_t subject) {
-  SlotSpec s = slot(subject);
-  s.period = 1000;
-  s.silence = 3000;
-  s.together = 500;
-  return s;
-}
-std::vector<SlotSpec> periodic(std::uint64_t from, std::uint64_t to) {
-  std::vector<SlotSpec> all;
-  for (std::uint64_t subject = from; subject < to; ++subject) all.push_back(periodic(subject));
-  return all;
-}
-
-class EtherWatches : public EtherTableTest {
- protected:
-  EtherWatches() : EtherTableTest(EtherSizes::for_slots(10'000, 2)) {}
-  std::uint16_t watch_of(const SlotSpec& s) { return table_.watch_of(table_.find(s).value()); }
-};
-
-TEST_F(EtherWatches, SayWhoseEventsTheyAre) {
-  ASSERT_TRUE(add({slot(1), periodic(2)}));
-  EXPECT_EQ(watch_of(slot(1)), 0U);
-  const auto watch = watch_of(periodic(2));
-  ASSERT_NE(watch, 0U);
-  EXPECT_EQ(watches_[watch].slot, table_.find(periodic(2)));
-  EXPECT_GT(head_.watches_end, watch);
-  EXPECT_EQ(present(), (std::vector{slot(1), periodic(2)}));
-  EXPECT_EQ(table_.take_newly_watched(), std::vector{watch});
-  EXPECT_TRUE(table_.take_newly_watched().empty());
-}
-
-TEST_F(EtherWatches, OfSlotsThatDoNotPassNobodyWaits) {
-  SlotSpec refused = periodic(1);
-  refused.pass = false;
-  ASSERT_TRUE(add({refused}));
-  EXPECT_TRUE(table_.take_newly_watched().empty());
-  SlotChanges opening;
-  opening.open = {refused};
-  ASSERT_TRUE(table_.apply(opening));
-  EXPECT_EQ(table_.take_newly_watched(), std::vector{watch_of(refused)});
-  EXPECT_EQ(table_.watched(), std::vector{watch_of(refused)});
-  SlotChanges closing;
-  closing.close = {refused};
-  ASSERT_TRUE(table_.apply(closing));
-  EXPECT_TRUE(table_.watched().empty());
-}
-
-TEST_F(EtherWatches, WhoComesLaterThanTheLastOneIsAdmittedAndNotWatched) {
-  ASSERT_TRUE(add(periodic(1, ETHER_WATCHES)));
-  EXPECT_EQ(table_.unwatched(), 0U) << "4095 are";
-  ASSERT_TRUE(add({periodic(5000), periodic(5001)}));
-  EXPECT_EQ(table_.unwatched(), 2U);
-  EXPECT_EQ(watch_of(periodic(5000)), 0U);
-  EXPECT_TRUE(passes(periodic(5000)));
-  ASSERT_TRUE(remove({periodic(5000)}));
-  EXPECT_EQ(table_.unwatched(), 1U) << "who goes does not wait any more";
-}
-
-TEST_F(EtherWatches, WhoWaitsTakesTheOneThatAnotherLeaves) {
-  ASSERT_TRUE(add(periodic(1, ETHER_WATCHES)));
-  SlotSpec late = periodic(5000);
-  ASSERT_TRUE(add({late}));
-  SlotChanges police;  // it waits on, with another Period
-  late.period *= 3;
-  late.silence = 4 * late.period;
-  late.together = 5;
-  police.police = {late};
-  ASSERT_TRUE(table_.apply(police));
-  EXPECT_EQ(table_.unwatched(), 1U);
-  static_cast<void>(table_.take_newly_watched());
-
-  const auto left = watch_of(periodic(7));
-  ASSERT_TRUE(remove({periodic(7)}));
-  EXPECT_EQ(waits_, 1) << "a program may still write to it";
-  EXPECT_EQ(table_.unwatched(), 0U);
-  EXPECT_EQ(watch_of(late), left);
-  EXPECT_EQ(std::ranges::count(present(), late), 1) << "with the last Period that was said";
-  EXPECT_EQ(table_.take_newly_watched(), std::vector{left}) << "its timer is to start";
-}
-
-TEST_F(EtherWatches, AnotherDaemonGoesOnWithWhatWasFound) {
-  ASSERT_TRUE(add({periodic(1), periodic(2)}));
-  const auto first = watch_of(periodic(1));
-  watches_[first].missing = 17;
-  table_ = open(false).value();
-  EXPECT_EQ(present(), (std::vector{periodic(1), periodic(2)}));
-  EXPECT_EQ(watch_of(periodic(1)), first);
-  EXPECT_EQ(table_.watched().size(), 2U);
-  ASSERT_TRUE(add({periodic(3)}));
-  EXPECT_EQ(watches_[first].missing, 17U);
-  EXPECT_NE(watch_of(periodic(3)), first);
-  watches_[first].slot = 99;
-  EXPECT_NE(open(false).error().text.find("is of another"), std::string::npos);
 }
 
 TEST(EtherSizes, FollowWhatIsNeeded) {
