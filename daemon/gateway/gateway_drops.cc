@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What the gates drop, and who hears of it.
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <iterator>
 #include <map>
 #include <string>
 #include <vector>
