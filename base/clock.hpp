@@ -18,4 +18,29 @@ inline std::int64_t monotonic_s() {
 /// Since 1970, UTC.
 inline std::uint64_t unix_ns() { return clock_ns(CLOCK_REALTIME); }
 
+/// The clocks of the machine, as an interface: a test sets its own.
+class Clock {
+ public:
+  Clock() = default;
+  Clock(const Clock&) = delete;
+  Clock& operator=(const Clock&) = delete;
+  Clock(Clock&&) = delete;
+  Clock& operator=(Clock&&) = delete;
+  virtual ~Clock() = default;
+
+  /// CLOCK_MONOTONIC in nanoseconds: it never goes back.
+  [[nodiscard]] virtual std::uint64_t monotonic_ns() const = 0;
+  /// Nanoseconds since 1970, UTC: somebody may set it.
+  [[nodiscard]] virtual std::uint64_t unix_ns() const = 0;
+  [[nodiscard]] std::int64_t monotonic_s() const {
+    return static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000);
+  }
+};
+
+class SystemClock final : public Clock {
+ public:
+  [[nodiscard]] std::uint64_t monotonic_ns() const override { return mlcca::monotonic_ns(); }
+  [[nodiscard]] std::uint64_t unix_ns() const override { return mlcca::unix_ns(); }
+};
+
 }  // namespace mlcca

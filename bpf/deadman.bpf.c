@@ -106,4 +106,15 @@ int gate_beat(struct __sk_buff *skb)
 	return 0;
 }
 
+/* Run by BPF_PROG_TEST_RUN: jiffies until the gates close by themselves, ~0: 2^32 and more. */
+SEC("tc")
+int gate_left(struct __sk_buff *skb)
+{
+	__u64 deadline = READ_ONCE(control.deadline), now = bpf_jiffies64();
+
+	if (deadline <= now)
+		return 0;
+	return deadline - now < ~0U ? deadline - now : ~0U;
+}
+
 char LICENSE[] SEC("license") = "Dual BSD/GPL";

@@ -150,7 +150,7 @@ static __always_inline struct decision judge(struct __sk_buff *skb, __u32 direct
 {
 	struct decision d = {.slot = direction, .reason = GATE_R_CLOSED};
 
-	if (closed())
+	if (closed(READ_ONCE(table.epoch)))
 		return d;
 	/* Several datagrams in one buffer, of which only the first would be looked at. */
 	d.reason = skb->gso_size ? GATE_R_MALFORMED : judge_first(e, &foreign_fragments);
@@ -299,7 +299,7 @@ int ether_early(struct xdp_md *ctx)
 		return XDP_PASS;
 	if (nature != EVENT)
 		d.reason = nature == OPAQUE ? GATE_R_OPAQUE : GATE_R_MALFORMED;
-	else if (!closed())
+	else if (!closed(READ_ONCE(table.epoch)))
 		d = decide(GATE_INGRESS, &e, &nobody);
 	if (d.reason == GATE_R_PASSED)
 		return XDP_PASS;

@@ -133,7 +133,8 @@ struct ether_table {
 	__u32 watches_end; /* all watches that were ever used are below this one */
 	__u64 sample_due;  /* as in gate_table */
 	__u32 retired;	   /* as in gate_table */
-	__u32 pad[3];
+	__u32 epoch;	   /* as in gate_table */
+	__u32 pad[2];
 	__u64 would_drop[GATE_DIRECTIONS][GATE_REASONS]; /* as in gate_table */
 };
 

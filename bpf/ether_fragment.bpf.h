@@ -47,7 +47,8 @@ static __always_inline struct decision judge_later(struct ether_fragment *f, con
 	struct decision d = {.slot = e->key.direction, .reason = GATE_R_FRAGMENT};
 
 	if (f) {
-		d.reason = closed() ? GATE_R_CLOSED : fragment_reason(f, e, from);
+		d.reason =
+		    closed(READ_ONCE(table.epoch)) ? GATE_R_CLOSED : fragment_reason(f, e, from);
 		if (d.reason == GATE_R_PASSED && !take_octets(f, e)) {
 			d.slot = f->slot;
 			d.reason = GATE_R_EXCESS;

@@ -94,7 +94,7 @@ int gate_ingress(struct __sk_buff *skb)
 		count_reason(cpu, GATE_INGRESS, GATE_R_ERROR_IN);
 		return TC_ACT_UNSPEC;
 	}
-	if (closed()) {
+	if (closed(READ_ONCE(table.epoch))) {
 		if (is_reply(&frame))
 			heed_reply(skb, &frame, GATE_INGRESS, false);
 		return refuse_in(skb, cpu, GATE_INGRESS, GATE_R_CLOSED, &frame);
@@ -163,7 +163,7 @@ int gate_egress(struct __sk_buff *skb)
 		return refuse_out(cpu, GATE_EGRESS, GATE_R_MALFORMED, &frame);
 	if (frame.can_id & CAN_ERR_FLAG)
 		return refuse_out(cpu, GATE_EGRESS, GATE_R_ERROR_FRAME, &frame);
-	if (closed())
+	if (closed(READ_ONCE(table.epoch)))
 		return heed_unless_dropped(skb, &frame,
 					   refuse_out(cpu, GATE_EGRESS, GATE_R_CLOSED, &frame));
 

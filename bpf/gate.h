@@ -249,7 +249,7 @@ struct gate_table {
 	__u32 retired;	    /* the interface has left: its programs go with it */
 	__u32 bindings_end; /* all bindings that were ever used are below this one */
 	__u32 binding_news; /* how often something was found about one */
-	__u32 pad;
+	__u32 epoch;	    /* of the daemon that holds the gate: see gate_control */
 	__u64 reply_due; /* as gate_slot.due, of what is told of replies; written by the program */
 	__u64 pad2;
 	struct gate_slot slots[GATE_SLOTS];
@@ -334,7 +334,9 @@ struct gate_sample {
  * One for the whole gateway, pinned, memory-mapped. The gates are open only while `open` is set,
  * `lapsed` is not, and `deadline` is not over. Each heart-beat moves the deadline; a beat that
  * comes after it, or a kernel timer that finds `heartbeat` older than `grace_ns`, sets `lapsed`;
- * only the daemon clears it, after it has looked at the world anew. Layout version and `open` stand
+ * only the daemon clears it, after it has looked at the world anew. A daemon that starts gives each
+ * gate that it holds the next epoch, and then the word itself: from then on a gate that it does not
+ * know is closed, wherever its device went. Layout version and `open` stand
  * at the head in all layouts: a daemon closes what one of another layout has left.
  */
 struct gate_control {
@@ -348,8 +350,8 @@ struct gate_control {
 	__u32 armed;	 /* the timer runs */
 	__u32
 	    generation; /* of all verdicts: its lowest bit chooses the half of gate_slot.verdict */
-	__u32 pad;
-	__u64 grace_ns;	   /* ~0: for ever */
+	__u32 epoch;	/* how often a daemon has taken over: gates of an earlier one are closed */
+	__u64 grace_ns; /* ~0: for ever */
 	__u64 grace_ticks; /* the same in jiffies, rounded up; ~0: for ever */
 	__u64 check_ns;	   /* interval of the kernel timer */
 	__u64 lapses;	   /* how often the gates were closed for silence */

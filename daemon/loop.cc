@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint64_t kLookInterval = 1'000'000;  // µs
 constexpr std::uint64_t kAccuracy = 10'000;         // µs
 
-std::uint64_t beat_micros(const Gateway& gateway) { return gateway.beat_interval() / 1000; }
+std::uint64_t beat_micros(const Controller& gateway) { return gateway.beat_interval() / 1000; }
 
 }  // namespace
 
@@ -28,7 +28,7 @@ EventLoop new_event_loop() {
   return EventLoop(raw);
 }
 
-Result<Loop> Loop::open(sd_event* raw, Gateway& gateway) {
+Result<Loop> Loop::open(sd_event* raw, Controller& gateway, const RealOutside& outside) {
   auto sources = std::make_unique<Sources>(raw, gateway);
   Sources* const s = sources.get();
   int e = 0;
@@ -40,8 +40,8 @@ Result<Loop> Loop::open(sd_event* raw, Gateway& gateway) {
   if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGTERM, nullptr, nullptr);
   if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGINT, nullptr, nullptr);
   if (e >= 0) e = sd_event_add_signal(raw, nullptr, SIGHUP, on_hangup, s);
-  if (e >= 0) e = sd_event_add_io(raw, nullptr, gateway.links_fd(), EPOLLIN, on_links, s);
-  if (e >= 0) e = sd_event_add_io(raw, nullptr, gateway.events_fd(), EPOLLIN, on_events, s);
+  if (e >= 0) e = sd_event_add_io(raw, nullptr, outside.links_fd(), EPOLLIN, on_links, s);
+  if (e >= 0) e = sd_event_add_io(raw, nullptr, outside.reports_fd(), EPOLLIN, on_events, s);
   // The heart-beat comes before whatever clients want.
   sd_event_source* beat = nullptr;
   if (e >= 0) e = sd_event_add_time_relative(raw, &beat, CLOCK_MONOTONIC, 0, kAccuracy, on_beat, s);
@@ -102,7 +102,7 @@ int Loop::on_links(sd_event_source*, int, std::uint32_t, void* self) noexcept {
 }
 
 int Loop::on_events(sd_event_source*, int, std::uint32_t, void* self) noexcept {
-  static_cast<Sources*>(self)->gateway.events_came();
+  static_cast<Sources*>(self)->gateway.gates_reported();
   return 0;
 }
 

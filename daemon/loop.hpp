@@ -10,7 +10,8 @@
 
 #include "base/handle.hpp"
 #include "base/result.hpp"
-#include "daemon/gateway/gateway.hpp"
+#include "daemon/gateway/controller.hpp"
+#include "daemon/real_outside.hpp"
 
 namespace mlcca {
 
@@ -21,7 +22,7 @@ using EventLoop = std::unique_ptr<sd_event, FreeWith<sd_event_unref>>;
 class Loop {
  public:
   /// Adds what the gateway needs to `event`, which must outlive this.
-  static Result<Loop> open(sd_event* event, Gateway& gateway);
+  static Result<Loop> open(sd_event* event, Controller& gateway, const RealOutside& outside);
 
   /// Until SIGTERM or SIGINT. The exit status of the program.
   [[nodiscard]] int run() const;
@@ -29,11 +30,11 @@ class Loop {
  private:
   using Source = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_unref>>;
   struct Sources {
-    Sources(sd_event* e, Gateway& g) : event(e), gateway(g) {}
+    Sources(sd_event* e, Controller& g) : event(e), gateway(g) {}
     /// What the gateway does; that it is ready, too, until the service manager has taken it.
     void tell_manager();
     sd_event* event;
-    Gateway& gateway;
+    Controller& gateway;
     bool links_dirty = false;
     bool identities_dirty = false;
     bool ready_told = false;

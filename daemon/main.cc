@@ -30,13 +30,14 @@
 #include "daemon/gates/close_unpinned.hpp"
 #include "daemon/gates/former_layouts.hpp"
 #include "daemon/gates/gate.hpp"
-#include "daemon/gateway/gateway.hpp"
+#include "daemon/gateway/controller.hpp"
 #include "daemon/gateway/in_time.hpp"
 #include "daemon/listen.hpp"
 #include "daemon/loop.hpp"
 #include "daemon/manager.hpp"
 #include "daemon/options.hpp"
 #include "daemon/ports/gates_lock.hpp"
+#include "daemon/real_outside.hpp"
 #include "description/read.hpp"
 
 namespace {
@@ -143,7 +144,7 @@ std::optional<gid_t> group_named(const std::string& name) {
 }
 
 /// Heart-beats go on while it is looked up.
-ControlGroup control_group(const Options& options, const SystemLog& journal, Gateway& gateway) {
+ControlGroup control_group(const Options& options, const SystemLog& journal, Controller& gateway) {
   const auto found = in_time([name = options.group] { return group_named(name); }, kGroupLimit,
                              [&gateway] { gateway.beat(); });
   if (found && *found) return {**found, false};
@@ -232,8 +233,9 @@ int run(const Options& options) {
     control->close_all();
     return give_up(journal, "there is no event loop to be had");
   }
-  Gateway gateway(options, journal, std::move(*control), std::move(*links), net::udev_facts,
-                  events.get());
+  RealOutside world(options, journal, std::move(*control), std::move(*links), net::udev_facts,
+                    events.get());
+  Controller gateway(options, world.outside());
   gateway.hold(std::move(*alone));
   if (const auto problem = gateway.start()) {
     for (const std::string& line : problem->lines)
@@ -253,7 +255,7 @@ int run(const Options& options) {
     if (gateway.is_reading()) std::_Exit(status);  // the thread may hang
     return status;
   }
-  auto loop = Loop::open(events.get(), gateway);
+  auto loop = Loop::open(events.get(), gateway, world);
   auto socket = control_socket(options);
   if (!loop || !socket) {
     gateway.stop();
@@ -271,7 +273,7 @@ int run(const Options& options) {
   (*server)->on_close([&gateway](std::uint64_t session) { gateway.session_closed(session); });
   gateway.on_slice([&server](std::uint64_t session) { (*server)->resume(session); });
   gateway.on_begin([&server](std::uint64_t session) { return (*server)->is_gone(session); });
-  gateway.on_event([&server](const control::Event& event) { (*server)->publish(event); });
+  world.log().on_event([&server](const control::Event& event) { (*server)->publish(event); });
   const int status = loop->run();
   notify("STOPPING=1\nSTATUS=everything is denied");
   gateway.stop();
@@ -283,7 +285,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   // What a thread has read is the loop's then: from an arena of its own nobody else could use what
-  // it gives back, which is up to a fifth of all memory (docs/LIMITS.md).
+  // it gives back, which is up to a fifth of all memory (docs/reference/limits.md).
   ::mallopt(M_ARENA_MAX, 1);
   std::set_new_handler(out_of_memory);
   std::set_terminate(ended_by_an_exception);

@@ -87,16 +87,20 @@ Exit print_reply(const Options& options, const Reply& reply) {
       status);
 }
 
-/// Asked over a connection of its own; without an answer that was said.
+/// Asked over a connection of its own.
+template <class Question>
+Result<Reply> answer_to(const Options& options, Question question) {
+  auto client = control::Client::connect(options.socket, options.patience);
+  if (!client) return std::unexpected(client.error());
+  return client->call({0, std::move(question)});
+}
+
+/// The same; without an answer that was said.
 template <class Question>
 std::expected<Reply, Exit> reply_to(const Options& options, Question question) {
-  const auto give_up = [&options](const Error& error) {
-    return std::unexpected(print_error(options, control::ErrorKind::world, error.text));
-  };
-  auto client = control::Client::connect(options.socket, options.patience);
-  if (!client) return give_up(client.error());
-  auto reply = client->call({0, std::move(question)});
-  if (!reply) return give_up(reply.error());
+  auto reply = answer_to(options, std::move(question));
+  if (!reply)
+    return std::unexpected(print_error(options, control::ErrorKind::world, reply.error().text));
   return std::move(*reply);
 }
 
@@ -318,10 +322,22 @@ Exit exit_of(control::HealthState health) {
   return Exit{3};
 }
 
+/// One line on standard output, whatever has happened: monitoring systems show nothing else.
+Exit unknown_health(const Options& options, const control::Error& why) {
+  constexpr auto state = control::HealthState::unknown;
+  return print(options.json ? to_json(Reply{0, why})
+                            : check_line({.state = state, .reasons = {why.message}}),
+               exit_of(state));
+}
+
 Exit ask_status(const Options& options, const Arguments& arguments) {
   if (!arguments.check) return ask(options, control::StatusRequest{});
-  const auto reply = reply_to(options, control::StatusRequest{});
-  if (!reply) return reply.error();
+  const auto reply = answer_to(options, control::StatusRequest{});
+  if (!reply)
+    return unknown_health(
+        options, {.kind = control::ErrorKind::world, .message = reply.error().text, .details = {}});
+  if (const auto* error = std::get_if<control::Error>(&reply->body))
+    return unknown_health(options, *error);
   const auto* status = std::get_if<control::Status>(&reply->body);
   if (status == nullptr) return print_reply<control::StatusRequest>(options, *reply);
   return print(options.json ? to_json(status->health) : check_line(status->health),

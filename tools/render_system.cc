@@ -227,7 +227,9 @@ std::string render(const control::Status& status, Color color) {
 std::string check_line(const control::Health& health) {
   auto reasons = health.reasons;
   if (const auto more = left_out(health); !more.empty()) reasons.push_back(more);
-  std::string line = health_cell(health).text;
+  const bool known = health.state != control::HealthState::unknown;
+  if (!known && reasons.empty()) reasons.emplace_back("this mlccad does not say");
+  std::string line = known ? health_cell(health).text : "UNKNOWN";
   if (!reasons.empty()) line += fmt::format(": {}", fmt::join(reasons, "; "));
   return printable(line) + '\n';
 }

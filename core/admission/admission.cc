@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/admission/progress.hpp"
 #include "core/admission/route_check.hpp"
+#include "core/model/progress.hpp"
 #include "mlcca/check.hpp"
 #include "mlcca/compose.hpp"
 

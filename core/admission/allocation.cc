@@ -6,20 +6,26 @@
 #include <tuple>
 #include <utility>
 
+#include "core/model/progress.hpp"
+
 namespace mlcca::core {
 
 void Allocation::sort(std::vector<std::size_t>& channels) const {
-  std::ranges::sort(channels, {},
-                    [this](std::size_t c) { return std::tuple(-int{importance(c)}, ages_[c], c); });
+  std::ranges::sort(channels, {}, [this](std::size_t c) {
+    Progress::step();
+    return std::tuple(-int{importance(c)}, ages_[c], c);
+  });
 }
 
 void Allocation::take_out(std::size_t channel) {
   for (const std::size_t p : s_.members.publishers_of(channel)) ledger_.remove(p);
+  Progress::step();
 }
 
 void Allocation::put(std::size_t channel, Decision decision) {
   if (former_ != nullptr) former_->try_emplace(channel, std::move(decisions_[channel]));
   decisions_[channel] = std::move(decision);
+  Progress::step();
 }
 
 bool Allocation::is_best(std::size_t channel) const {
@@ -104,6 +110,7 @@ void Allocation::squeeze(const std::vector<std::size_t>& channels) {
 }
 
 bool Allocation::step_up(std::size_t channel) {
+  Progress::step();
   if (is_best(channel)) return false;
   const Decision& now = decisions_[channel];
   const std::size_t sets = sets_of(s_.system, channel);

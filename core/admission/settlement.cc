@@ -9,6 +9,7 @@
 
 #include "core/admission/allocation.hpp"
 #include "core/admission/state.hpp"
+#include "core/model/progress.hpp"
 
 namespace mlcca::core {
 namespace {
@@ -60,6 +61,7 @@ class State::Settlement {
     hand_out(allocation);
     s_.touched_.clear();
     s_.relieved_.clear();
+    Progress::made();
     return changes();
   }
 
@@ -84,10 +86,12 @@ class State::Settlement {
     std::vector<Component> all;
     std::set<std::size_t> placed;
     for (const std::size_t c : s_.touched_) {
+      Progress::step();
       if (s_.decisions_[c].granted == 0 || placed.contains(c)) continue;
       Component component;
       component.everybody = sharing_with(c);
       for (const std::size_t other : component.everybody) {
+        Progress::step();
         if (!s_.touched_.contains(other) || s_.decisions_[other].granted == 0) continue;
         component.touched.push_back(other);
         placed.insert(other);
@@ -107,8 +111,10 @@ class State::Settlement {
       open.pop_back();
       for (const Shared& shared : shared_by(next)) {
         if (!seen.insert(shared).second) continue;
-        for (const std::size_t user : users_of(shared))
+        for (const std::size_t user : users_of(shared)) {
           if (channels.insert(user).second) open.push_back(user);
+          Progress::step();
+        }
       }
     }
     return channels;
@@ -154,9 +160,11 @@ class State::Settlement {
     }
     auto [it, fresh] = domain_users_.try_emplace(resource);
     if (fresh)
-      for (const auto& [key, channels] : s_.usage_.pairs_of(resource))
+      for (const auto& [key, channels] : s_.usage_.pairs_of(resource)) {
+        Progress::made();
         for (const std::uint32_t d : domains_of(resource, key))
           it->second[d].insert(it->second[d].end(), channels.begin(), channels.end());
+      }
     return it->second[domain];
   }
 
@@ -173,7 +181,10 @@ class State::Settlement {
   }
 
   void touch(const Usage::Channels& channels) {
-    s_.touched_.insert(channels.begin(), channels.end());
+    for (const std::size_t c : channels) {
+      s_.touched_.insert(s_.touched_.end(), c);
+      Progress::step();
+    }
   }
 
   void collect() {
@@ -192,7 +203,10 @@ class State::Settlement {
     for (std::size_t n = 0; n < s_.world_.conditions.size(); ++n) {
       if (s_.world_.conditions[n].heard.empty() || s_.new_conditions_.contains(n)) continue;
       const auto& here = s_.usage_.carried_by(n);
-      if (std::ranges::any_of(s_.touched_, [&](std::size_t c) { return here.contains(c); }))
+      if (std::ranges::any_of(s_.touched_, [&](std::size_t c) {
+            Progress::step();
+            return here.contains(c);
+          }))
         s_.new_conditions_.emplace(n, s_.world_.conditions[n]);
     }
   }
@@ -235,6 +249,7 @@ class State::Settlement {
                                  [&](std::uint32_t d) { return domain_changed[d]; });
     };
     for (const auto& [key, channels] : s_.usage_.pairs_of(network)) {
+      Progress::made();
       const auto [from, to] = Usage::pair_of(key);
       const auto& path = now.path(from, to);
       if (path != old.path(from, to) || std::ranges::any_of(path, changed) ||
@@ -257,6 +272,7 @@ class State::Settlement {
     for (auto& [network, condition] : s_.new_conditions_) {
       s_.world_.conditions[network] = std::move(condition);
       s_.ledger_.set_bus(network, bus_of(s_.system_, s_.world_.conditions[network], network));
+      Progress::made();
     }
     s_.new_conditions_.clear();
     for (auto& [network, view, same_domains] : views_) {
@@ -268,6 +284,7 @@ class State::Settlement {
   /// Networks that carry less of somebody than before, or something else.
   void find_relief() {
     for (const auto& [channel, old] : before_) {
+      Progress::step();
       const Decision& now = s_.decisions_[channel];
       // Who was touched may hold something else now, also where it was granted the same.
       if (old.granted == 0 || (!s_.touched_.contains(channel) && is_same(old, now))) continue;
@@ -285,12 +302,14 @@ class State::Settlement {
 
   [[nodiscard]] std::vector<std::size_t> waiting_channels() const {
     std::set<std::size_t> waiting;
-    for (const std::size_t c : s_.touched_) waiting.insert(c);
-    for (const auto& [channel, before] : before_) waiting.insert(channel);
-    for (const std::size_t r : s_.relieved_) {
-      const auto& channels = s_.usage_.waiting_for(r);
-      waiting.insert(channels.begin(), channels.end());
-    }
+    const auto add = [&waiting](std::size_t channel) {
+      waiting.insert(channel);
+      Progress::step();
+    };
+    for (const std::size_t c : s_.touched_) add(c);
+    for (const auto& [channel, before] : before_) add(channel);
+    for (const std::size_t r : s_.relieved_)
+      for (const std::size_t c : s_.usage_.waiting_for(r)) add(c);
     return {waiting.begin(), waiting.end()};
   }
 
@@ -299,6 +318,7 @@ class State::Settlement {
     for (auto& [channel, before] : before_) {
       s_.usage_.set(s_.situation(), channel, s_.decisions_[channel]);
       all.push_back({channel, std::move(before)});
+      Progress::step();
     }
     return all;
   }

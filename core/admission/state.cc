@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/admission/allocation.hpp"
+#include "core/model/progress.hpp"
 #include "core/model/text.hpp"
 
 namespace mlcca::core {
@@ -314,7 +315,10 @@ bool State::remove(AdmissionId id) {
 }
 
 void State::doubt_everything() {
-  for (std::size_t c = 0; c < system_.channels.size(); ++c) touched_.insert(c);
+  for (std::size_t c = 0; c < system_.channels.size(); ++c) {
+    touched_.insert(touched_.end(), c);
+    Progress::step();
+  }
   for (std::size_t r = 0; r < system_.resources(); ++r) relieved_.insert(r);
 }
 
@@ -393,7 +397,10 @@ void State::decide(const std::map<std::size_t, Grants>& before) {
   allocation.sort(all);
   for (const std::size_t c : all) allocation.take_out(c);
   ledger_.commit();
-  for (const std::size_t c : all) decisions_[c] = {};
+  for (const std::size_t c : all) {
+    decisions_[c] = {};
+    Progress::step();
+  }
   for (const std::size_t c : all) {
     const auto it = before.find(c);
     if (it == before.end() || it->second.set >= sets_of(system_, c)) continue;
@@ -404,7 +411,10 @@ void State::decide(const std::map<std::size_t, Grants>& before) {
   }
   while (allocation.serve(all) || allocation.raise(all)) {
   }
-  for (const std::size_t c : all) usage_.set(situation(), c, decisions_[c]);
+  for (const std::size_t c : all) {
+    usage_.set(situation(), c, decisions_[c]);
+    Progress::step();
+  }
 }
 
 // --- gates --------------------------------------------------------------------------------------
@@ -423,9 +433,10 @@ GateChanges State::gate_changes(const std::vector<Change>& changes, std::size_t 
                        ? known->second
                        : core::gate_state(system_, members_, c, change.before.verdicts, gateway));
     append(after, gate_state(gateway, c));
+    Progress::step();
   }
-  std::ranges::sort(before, {}, &GateRule::entry);
-  std::ranges::sort(after, {}, &GateRule::entry);
+  std::ranges::sort(before, {}, Progress::At<&GateRule::entry>{});
+  std::ranges::sort(after, {}, Progress::At<&GateRule::entry>{});
   return difference(before, after);
 }
 

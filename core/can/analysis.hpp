@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Response times of all messages of a CAN bus. docs/CAN.md derives what is computed here and names
-// the sources and the preconditions.
+// Response times of all messages of a CAN bus. docs/explanation/can-analysis.md derives what is
+// computed here and names the sources and the preconditions.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -33,7 +33,7 @@ struct FrameForm {
 ///
 /// Classic frames: Davis, Burns, Bril, Lukkien, "Controller Area Network (CAN) schedulability
 /// analysis: Refuted, revisited and revised", Real-Time Systems 35, 2007, equation 1. FD frames:
-/// counted from ISO 11898-1:2015, see frame.cc. docs/CAN.md has both.
+/// counted from ISO 11898-1:2015, see frame.cc. docs/explanation/can-analysis.md has both.
 [[nodiscard]] Time frame_time(const Timing& timing, FrameForm form, unsigned bytes);
 
 /// The same for a CAN XL frame of 1 to 2048 bytes, see frame.cc.

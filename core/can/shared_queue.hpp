@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Messages that wait in one queue of a gateway. docs/CAN.md derives the two bounds.
+// Messages that wait in one queue of a gateway. docs/explanation/can-analysis.md derives the two
+// bounds.
 #pragma once
 #include <cstddef>
 #include <optional>

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/model/medium.hpp"
+#include "core/model/progress.hpp"
 
 namespace mlcca::core {
 namespace {
@@ -88,6 +89,7 @@ constexpr std::array kCanopen = {
 /// A binding has this very number. What it has of a wider range is told apart by its own slots.
 bool is_bound(const Network& network, const ControlFrames& frames) {
   return std::ranges::any_of(network.bindings, [&](const Binding& b) {
+    Progress::step();
     Publisher anybody;
     anybody.node = 0;
     const auto bound = identity_of(anybody, network, b, false);

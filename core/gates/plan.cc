@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/model/medium.hpp"
+#include "core/model/progress.hpp"
 #include "mlcca/arithmetic.hpp"
 #include "mlcca/check.hpp"
 
@@ -62,7 +63,10 @@ class Rules {
   [[nodiscard]] GateState take() const {
     GateState state;
     state.reserve(rules_.size());
-    for (const auto& [entry, rule] : rules_) state.push_back(rule);
+    for (const auto& [entry, rule] : rules_) {
+      state.push_back(rule);
+      Progress::step();
+    }
     return state;
   }
 
@@ -315,9 +319,11 @@ void add_publisher(Planner& planner, std::size_t publisher, const std::vector<Ve
 
 void add_channel(Planner& planner, const Members& members, std::size_t channel,
                  const std::vector<Verdict>& verdicts, AdmissionId without = 0) {
-  for (const std::size_t publisher : members.publishers_of(channel))
+  for (const std::size_t publisher : members.publishers_of(channel)) {
     if (without == 0 || members.admission_of_publisher(publisher) != without)
       add_publisher(planner, publisher, verdicts);
+    Progress::step();
+  }
 }
 
 }  // namespace
@@ -436,6 +442,7 @@ GateChanges difference(const GateState& now, const GateState& next) {
   auto a = now.begin();
   auto b = next.begin();
   while (a != now.end() || b != next.end()) {
+    Progress::step();
     if (b == next.end() || (a != now.end() && a->entry < b->entry)) {
       changes.remove.push_back((a++)->entry);
     } else if (a == now.end() || b->entry < a->entry) {

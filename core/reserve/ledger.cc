@@ -5,6 +5,8 @@
 #include <cassert>
 #include <utility>
 
+#include "core/model/progress.hpp"
+
 namespace mlcca::core {
 namespace {
 
@@ -74,6 +76,7 @@ void Ledger::roll_back(Mark mark) {
     Step step = std::move(steps_.back());
     steps_.pop_back();
     std::visit([this](auto& s) { undo(s); }, step);
+    Progress::step();
   }
   last_mark_ = mark;
   // What was kept before the mark may have been kept for an older one: keep anew when in doubt.

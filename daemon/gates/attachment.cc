@@ -39,7 +39,7 @@ Result<std::vector<Named>> named_programs(const Place& place, Direction directio
   for (const auto& path :
        {program_pin(place.directory, direction), next_pin(place.directory, direction)}) {
     Fd fd = open_pin(path);
-    const std::uint32_t id = fd ? program_info(fd.get()).id : 0;
+    const std::uint32_t id = fd && is_program(fd.get()) ? program_info(fd.get()).id : 0;
     if (id != without && (*order)->has(id)) named.push_back({std::move(fd), id});
   }
   return named;
@@ -74,7 +74,9 @@ Result<bool> put_in_empty_order(const Place& place, Direction direction, int pro
   const auto there = first_named(place, direction);
   if (!there) return std::unexpected(there.error());
   if (*there != 0) return false;
-  remove_pin(program_pin(place.directory, direction));  // of a program that is attached nowhere
+  // Of a program that is attached nowhere.
+  if (auto way = give_way(program_pin(place.directory, direction)); !way)
+    return std::unexpected(way.error());
   if (auto put = tcx_attach_first(place.ifindex, direction, program_fd); !put)
     return std::unexpected(put.error());
   auto pinned = pin(program_fd, program_pin(place.directory, direction));

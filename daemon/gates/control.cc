@@ -6,6 +6,7 @@
 #include <bpf/bpf.h>
 #include <bpf/libbpf.h>
 #include <deadman.skel.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <linux/bpf.h>
 #include <sys/random.h>
@@ -22,6 +23,7 @@
 #include "daemon/gates/complaints.hpp"
 #include "daemon/gates/events.hpp"
 #include "daemon/gates/failure.hpp"
+#include "daemon/gates/former_layouts.hpp"
 #include "daemon/gates/mapped.hpp"
 #include "daemon/gates/pins.hpp"
 
@@ -31,6 +33,7 @@ namespace {
 constexpr std::uint64_t kShortestCheck = 20'000'000;    // ns
 constexpr std::uint64_t kLongestCheck = 1'000'000'000;  // ns
 constexpr std::uint64_t kLongestBeat = 1'000'000'000;   // ns
+constexpr int kTries = 8;
 
 std::uint64_t check_interval(std::uint64_t grace) {
   return std::clamp(grace / 8, kShortestCheck, kLongestCheck);
@@ -54,6 +57,19 @@ Result<std::uint64_t> in_ticks(std::uint64_t grace) {
   if (!tick) return tick;
   return grace / *tick + (grace % *tick != 0 ? 1 : 0);
 }
+
+/// A value that cannot be written any more.
+Result<Fd> make_note(std::uint64_t grace) {
+  Fd map(bpf_map_create(BPF_MAP_TYPE_ARRAY, "mlcca_grace", sizeof(std::uint32_t), sizeof(grace), 1,
+                        nullptr));
+  const std::uint32_t key = 0;
+  if (!map || bpf_map_update_elem(map.get(), &key, &grace, BPF_ANY) != 0 ||
+      bpf_map_freeze(map.get()) != 0)
+    return failure("note the grace", errno);
+  return map;
+}
+
+std::string grace_pin(const std::string& directory) { return directory + "/grace"; }
 
 using Object = std::unique_ptr<deadman_bpf, FreeWith<deadman_bpf__destroy>>;
 
@@ -98,6 +114,32 @@ Result<Fd> make_word() {
   return map;
 }
 
+/// The control word of this version. Of another one nobody knows more than how it is closed.
+bool is_word_or_close(int map) {
+  const std::uint32_t key = 0;
+  gate_control word{};
+  if (is_mappable_array(map, sizeof(word), 1) &&
+      (bpf_map_lookup_elem(map, &key, &word) != 0 || word.layout_version == GATE_LAYOUT_VERSION))
+    return true;
+  if (is_map(map) && map_name(map) == GATE_CONTROL_NAME) close_word(map);
+  return false;
+}
+
+/// What the program says.
+Result<std::uint32_t> run_once(int program, std::uint32_t mark) {
+  std::array<std::uint8_t, 14> frame{};  // the least that a test run takes; not looked at
+  __sk_buff context{};
+  context.mark = mark;
+  LIBBPF_OPTS(bpf_test_run_opts, run);
+  run.data_in = frame.data();
+  run.data_size_in = frame.size();
+  run.ctx_in = &context;
+  run.ctx_size_in = sizeof(context);
+  if (const int error = bpf_prog_test_run_opts(program, &run); error != 0)
+    return failure("run the dead-man program", error);
+  return run.retval;
+}
+
 }  // namespace
 
 struct Control::State {
@@ -108,48 +150,60 @@ struct Control::State {
   Fd deadman;     ///< the timer ends with the last reference to its map
   Object object;  ///< the programs of the dead-man, from the first beat on
   bool reused = false;
+  bool has_taken_over = false;
+  std::vector<std::string> replaced;
+  Fd grace_note;
+  std::optional<GraceWords> grace;  ///< as set by this daemon
 
   [[nodiscard]] std::string control_pin() const { return directory + "/control"; }
   [[nodiscard]] std::string deadman_pin() const { return directory + "/deadman"; }
 
   Result<void> open_or_make();
   Result<void> map_word();
+  void note_replaced(const std::string& path, const std::string& was);
   Result<void> load_programs();
+  Result<void> load_programs(const Fd& timer);
   [[nodiscard]] static Result<void> run(bpf_program* program, std::uint32_t mark);
   [[nodiscard]] Result<void> run_beat(gate_beat what);
+  Result<void> note_grace(std::uint64_t ns);
 };
 
-/// Two processes may be at it: the one whose pin comes first has made it.
+/// Two processes may be at it: the one whose pin comes first has made it. Something else that has
+/// the name is the same as nothing: gates that are attached hold their own word, which nobody
+/// beats.
 Result<void> Control::State::open_or_make() {
-  map = open_pin(control_pin());
-  reused = static_cast<bool>(map);
-  if (!map) {
-    auto made = make_word();
-    if (!made) return std::unexpected(made.error());
-    const auto pinned = pin(made->get(), control_pin());
-    if (!pinned) return std::unexpected(pinned.error());
-    if (*pinned) {
-      map = std::move(*made);
-      remove_pin(deadman_pin());  // its timer would look at another word
-    } else {
-      map = open_pin(control_pin());
-      if (!map) return failure("open " + control_pin(), errno);
-      reused = true;
+  Fd made;
+  for (int i = 0; i < kTries; ++i) {
+    std::string was;
+    auto there = open_own(control_pin(), is_word_or_close, was);
+    if (!there) return std::unexpected(there.error());
+    if (!was.empty()) note_replaced(control_pin(), was);
+    map = std::move(*there);
+    reused = static_cast<bool>(map);
+    if (map) return map_word();
+    if (!made) {
+      auto word = make_word();
+      if (!word) return std::unexpected(word.error());
+      made = std::move(*word);
     }
+    const auto pinned = pin(made.get(), control_pin());
+    if (!pinned) return std::unexpected(pinned.error());
+    if (!*pinned) continue;
+    map = std::move(made);
+    remove_pin(deadman_pin());  // its timer would look at another word
+    return map_word();
   }
-  return map_word();
+  return fail("pin " + control_pin() + ": somebody else pins there again and again");
 }
 
 Result<void> Control::State::map_word() {
-  if (!is_mappable_array(map.get(), sizeof(gate_control), 1))
-    return fail(control_pin() + ": not the control map of this version");
   memory = Mapped<gate_control>(map.get(), 1);
   if (!memory) return failure("map " + control_pin(), errno);
-  const std::uint32_t version = memory[0].layout_version;
-  if (version != GATE_LAYOUT_VERSION)
-    return fail(
-        fmt::format("{}: layout {} instead of {}", control_pin(), version, GATE_LAYOUT_VERSION));
   return {};
+}
+
+void Control::State::note_replaced(const std::string& path, const std::string& was) {
+  replaced.push_back(fmt::format("{} was {}, and is what mlccad pins there again", path, was));
 }
 
 Result<Control> Control::create(const std::string& root) {
@@ -157,8 +211,11 @@ Result<Control> Control::create(const std::string& root) {
   state->directory = fmt::format("{}/v{}", root, GATE_LAYOUT_VERSION);
   if (auto made = make_pin_directory(state->directory); !made) return std::unexpected(made.error());
   if (auto opened = state->open_or_make(); !opened) return std::unexpected(opened.error());
-  auto events = open_event_ring(state->directory + "/events");
+  const std::string ring = state->directory + "/events";
+  std::string was;
+  auto events = open_event_ring(ring, was);
   if (!events) return std::unexpected(events.error());
+  if (!was.empty()) state->note_replaced(ring, was);
   state->events = std::move(*events);
   return Control(std::move(state));
 }
@@ -182,9 +239,20 @@ Control::~Control() = default;
 
 gate_control& Control::word() const { return state_->memory[0]; }
 bool Control::reused() const { return state_->reused; }
+std::vector<std::string> Control::take_replaced() { return std::exchange(state_->replaced, {}); }
 const std::string& Control::directory() const { return state_->directory; }
 int Control::map_fd() const { return state_->map.get(); }
 int Control::events_fd() const { return state_->events.get(); }
+
+/// Gates have the next epoch before the word has it: those that stay are open all the time.
+std::uint32_t Control::epoch() const {
+  return load(word().epoch) + (state_->has_taken_over ? 0U : 1U);
+}
+void Control::take_over() {
+  const std::uint32_t next = epoch();
+  state_->has_taken_over = true;
+  store(word().epoch, next);
+}
 
 void Control::open() { store(word().open, std::uint32_t{1}); }
 void Control::close_all() { store(word().open, std::uint32_t{0}); }
@@ -210,47 +278,100 @@ Result<void> Control::clear_lapse(std::uint64_t now) {
 
 std::uint64_t Control::grace() const { return load(word().grace_ns); }
 Result<void> Control::set_grace(std::uint64_t grace) {
-  const __u64 kept = std::max(grace, kShortestGrace);
-  const auto ticks = in_ticks(kept);
-  if (!ticks) return std::unexpected(ticks.error());
-  store(word().grace_ticks, static_cast<__u64>(*ticks));
-  store(word().check_ns, static_cast<__u64>(check_interval(kept)));
-  store(word().grace_ns, kept);
+  const auto words = words_of_grace(std::max(grace, kShortestGrace));
+  if (!words) return std::unexpected(words.error());
+  auto noted = state_->note_grace(words->grace_ns);
+  state_->grace = *words;
+  store(word().grace_ticks, static_cast<__u64>(words->grace_ticks));
+  store(word().check_ns, static_cast<__u64>(words->check_ns));
+  store(word().grace_ns, static_cast<__u64>(words->grace_ns));
   if (load(word().deadline) != 0)
     if (auto nearer = state_->run_beat(GATE_BEAT_SHORTEN); !nearer) return nearer;
-  if (load(word().armed) == 0) return {};
-  return arm();
+  if (load(word().armed) != 0)
+    if (auto armed = arm(); !armed) return armed;
+  return noted;
+}
+
+Result<bool> Control::keep_grace() {
+  if (!state_->grace || words_of_grace(word()) == *state_->grace) return false;
+  if (auto set = set_grace(state_->grace->grace_ns); !set) return std::unexpected(set.error());
+  return true;
+}
+
+/// Put in the place of the one before at once.
+Result<void> Control::State::note_grace(std::uint64_t ns) {
+  if (directory.empty() || (grace_note && grace->grace_ns == ns)) return {};
+  if (auto there = make_pin_directory(directory); !there) return there;
+  auto made = make_note(ns);
+  if (!made) return std::unexpected(made.error());
+  const std::string next = grace_pin(directory) + "_next";
+  if (auto pinned = pin_instead(made->get(), next); !pinned) return std::unexpected(pinned.error());
+  if (auto named = rename_pin(next, grace_pin(directory)); !named) return named;
+  grace_note = std::move(*made);
+  return {};
+}
+
+Result<GraceWords> words_of_grace(std::uint64_t grace) {
+  const auto ticks = in_ticks(grace);
+  if (!ticks) return std::unexpected(ticks.error());
+  return GraceWords{.grace_ns = grace, .grace_ticks = *ticks, .check_ns = check_interval(grace)};
+}
+
+GraceWords words_of_grace(const gate_control& word) {
+  return {.grace_ns = load(word.grace_ns),
+          .grace_ticks = load(word.grace_ticks),
+          .check_ns = load(word.check_ns)};
+}
+
+std::optional<std::uint64_t> noted_grace(const std::string& directory) {
+  const Fd note = open_pin(grace_pin(directory));
+  const std::uint32_t key = 0;
+  std::uint64_t grace = 0;
+  if (!note || !is_array(note.get(), sizeof(grace), 1) ||
+      bpf_map_lookup_elem(note.get(), &key, &grace) != 0)
+    return std::nullopt;
+  return grace;
 }
 
 Result<bool> Control::keep_pinned() {
   if (!state_->deadman) return false;  // not armed yet
-  const auto again =
-      enforce::keep_pinned(std::array{Pin{state_->map.get(), state_->control_pin()},
-                                      Pin{state_->deadman.get(), state_->deadman_pin()},
-                                      Pin{state_->events.get(), state_->directory + "/events"}});
+  std::vector<Pin> pins{{state_->map.get(), state_->control_pin()},
+                        {state_->deadman.get(), state_->deadman_pin()},
+                        {state_->events.get(), state_->directory + "/events"}};
+  if (state_->grace_note) pins.push_back({state_->grace_note.get(), grace_pin(state_->directory)});
+  const auto again = enforce::keep_pinned(pins);
   if (!again) return std::unexpected(again.error());
   return !again->empty();
 }
 
 Result<void> Control::arm() {
   if (auto loaded = state_->load_programs(); !loaded) return loaded;
-  if (auto done = pin(bpf_map__fd(state_->object->maps.deadman), state_->deadman_pin()); !done)
-    return std::unexpected(done.error());
-  state_->deadman = open_pin(state_->deadman_pin());
-  if (!state_->deadman) return failure("open " + state_->deadman_pin(), errno);
+  const int timer = bpf_map__fd(state_->object->maps.deadman);
+  const auto was = pin_instead(timer, state_->deadman_pin());
+  if (!was) return std::unexpected(was.error());
+  if (!was->empty()) state_->note_replaced(state_->deadman_pin(), *was);
+  state_->deadman = Fd(::fcntl(timer, F_DUPFD_CLOEXEC, 0));  // NOLINT(*-vararg)
+  if (!state_->deadman) return failure("keep the timer of the dead-man", errno);
   return State::run(state_->object->progs.gate_arm, 0);
 }
 
-/// Over the timer of a daemon before this one, if it left one.
+/// Over the timer of a daemon before this one, if it left one, and that is one.
 Result<void> Control::State::load_programs() {
   if (object) return {};
+  const Fd pinned = open_pin(deadman_pin());
+  auto done = load_programs(pinned);
+  if (!done && pinned && load_programs(Fd())) return {};
+  return done;
+}
+
+Result<void> Control::State::load_programs(const Fd& timer) {
   const Complaints complaints;
   Object made(deadman_bpf__open());
   if (!made) return complaints.error("open the dead-man program", errno);
   if (const int error = bpf_map__reuse_fd(made->maps.data_control, map.get()); error != 0)
     return complaints.error("dead-man: share the control map", error);
-  if (const Fd pinned = open_pin(deadman_pin()); pinned)
-    if (const int error = bpf_map__reuse_fd(made->maps.deadman, pinned.get()); error != 0)
+  if (timer)
+    if (const int error = bpf_map__reuse_fd(made->maps.deadman, timer.get()); error != 0)
       return complaints.error("dead-man: take over the timer", error);
   if (const int error = deadman_bpf__load(made.get()); error != 0)
     return complaints.error("load the dead-man program", error);
@@ -264,18 +385,27 @@ Result<void> Control::State::run_beat(gate_beat what) {
 }
 
 Result<void> Control::State::run(bpf_program* program, std::uint32_t mark) {
-  std::array<std::uint8_t, 14> frame{};  // the least that a test run takes; not looked at
-  __sk_buff context{};
-  context.mark = mark;
-  LIBBPF_OPTS(bpf_test_run_opts, run);
-  run.data_in = frame.data();
-  run.data_size_in = frame.size();
-  run.ctx_in = &context;
-  run.ctx_size_in = sizeof(context);
-  if (const int error = bpf_prog_test_run_opts(bpf_program__fd(program), &run); error != 0)
-    return failure("run the dead-man program", error);
-  if (run.retval != 0) return failure("start the dead-man timer", static_cast<int>(run.retval));
+  const auto answer = run_once(bpf_program__fd(program), mark);
+  if (!answer) return std::unexpected(answer.error());
+  if (*answer != 0) return failure("start the dead-man timer", static_cast<int>(*answer));
   return {};
+}
+
+Result<std::uint64_t> time_left(int control_map) {
+  const Complaints complaints;
+  const Object object(deadman_bpf__open());
+  if (!object) return complaints.error("open the dead-man program", errno);
+  for (bpf_program* program : {object->progs.gate_arm, object->progs.gate_beat})
+    bpf_program__set_autoload(program, false);
+  if (const int error = bpf_map__reuse_fd(object->maps.data_control, control_map); error != 0)
+    return complaints.error("dead-man: share the control map", error);
+  if (const int error = deadman_bpf__load(object.get()); error != 0)
+    return complaints.error("load the dead-man program", error);
+  const auto ticks = run_once(bpf_program__fd(object->progs.gate_left), 0);
+  if (!ticks) return std::unexpected(ticks.error());
+  const auto tick = kernel_tick();
+  if (!tick) return tick;
+  return *ticks * *tick;
 }
 
 }  // namespace mlcca::enforce

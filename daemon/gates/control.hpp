@@ -5,7 +5,9 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "base/result.hpp"
 #include "bpf/gate.h"
@@ -23,10 +25,12 @@ inline constexpr std::uint64_t kDefaultGrace = 10'000'000'000;  ///< ns
 /// A shorter grace is taken as this: it could not be told from a busy daemon.
 inline constexpr std::uint64_t kShortestGrace = 100'000'000;  ///< ns
 
-/// The maps that all gates share, by their descriptors.
+/// The maps that all gates share, by their descriptors, and the epoch of a gate that this daemon
+/// holds.
 struct SharedMaps {
-  int control;
-  int events;
+  int control = -1;
+  int events = -1;
+  std::uint32_t epoch = 0;
 };
 
 class Control {
@@ -46,6 +50,13 @@ class Control {
 
   /// The maps were there before: a daemon has run since boot.
   [[nodiscard]] bool reused() const;
+  /// What had names that are ours, and was no object of ours: replaced, a line of each, once. The
+  /// gates that are attached hold what they look at, pinned or not; those close, and are made anew.
+  [[nodiscard]] std::vector<std::string> take_replaced();
+
+  /// Every gate that this daemon holds is in place: whatever is left of one before it, and held by
+  /// nobody, is closed from now on, wherever it is.
+  void take_over();
 
   void open();
   /// Everything is denied on every interface; slots stay as they are.
@@ -69,8 +80,11 @@ class Control {
 
   /// How long verdicts outlive the daemon, in ns: the gates close by themselves within two ticks of
   /// the kernel's clock after that. A shorter one holds at once. Restarts an armed timer, which
-  /// looks every eighth of the grace, from 20 ms to 1 s.
+  /// looks every eighth of the grace, from 20 ms to 1 s. What was set is also pinned where nobody
+  /// can alter it (see noted_grace()).
   Result<void> set_grace(std::uint64_t grace);
+  /// Sets again what somebody else has written over what set_grace() has set. True if it was.
+  Result<bool> keep_grace();
   [[nodiscard]] std::uint64_t grace() const;
 
   /// Starts the kernel timer; beat() first. Harmless when it runs: it then calls the new program.
@@ -86,13 +100,31 @@ class Control {
   [[nodiscard]] int map_fd() const;
   /// The ring of gate_event that all gates share; stays ours.
   [[nodiscard]] int events_fd() const;
-  [[nodiscard]] SharedMaps shared() const { return {map_fd(), events_fd()}; }
+  [[nodiscard]] SharedMaps shared() const { return {map_fd(), events_fd(), epoch()}; }
 
  private:
   struct State;
   explicit Control(std::unique_ptr<State> state);
   [[nodiscard]] gate_control& word() const;
+  [[nodiscard]] std::uint32_t epoch() const;
   std::unique_ptr<State> state_;
 };
+
+/// What a grace makes of the control word.
+struct GraceWords {
+  std::uint64_t grace_ns = 0;
+  std::uint64_t grace_ticks = 0;
+  std::uint64_t check_ns = 0;
+  bool operator==(const GraceWords&) const = default;
+};
+Result<GraceWords> words_of_grace(std::uint64_t grace);
+GraceWords words_of_grace(const gate_control& word);
+
+/// The grace that a daemon has set last, in ns, which nobody can write to since; nothing where none
+/// has.
+std::optional<std::uint64_t> noted_grace(const std::string& directory);
+/// How long the gates of a word stay open from now on without a heart-beat, in ns, rounded down;
+/// at most 2^32 ticks. Error: no right to ask, or no memory.
+Result<std::uint64_t> time_left(int control_map);
 
 }  // namespace mlcca::enforce

@@ -20,15 +20,17 @@ std::string notes_pin(const std::string& root) { return root + "/early_programs"
 
 Result<Fd> open_notes(const std::string& root) {
   const std::string path = notes_pin(root);
-  if (Fd notes = open_pin(path)) return notes;
+  const auto is_ours = [](int notes) { return is_hash(notes, sizeof(std::uint32_t), 1); };
+  std::string was;
+  auto there = open_own(path, is_ours, was);
+  if (!there || *there) return there;
   Fd made(bpf_map_create(BPF_MAP_TYPE_LRU_HASH, "early_programs", sizeof(std::uint32_t), 1, kNoted,
                          nullptr));
   if (!made) return failure("make " + path, errno);
   const auto pinned = pin(made.get(), path);
   if (!pinned) return std::unexpected(pinned.error());
   if (*pinned) return made;
-  if (Fd notes = open_pin(path)) return notes;
-  return failure("open " + path, errno);
+  return open_own(path, is_ours, was);
 }
 
 }  // namespace

@@ -13,11 +13,13 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
+#include "core/model/progress.hpp"
 #include "daemon/gates/early.hpp"
 #include "daemon/gates/ether_counters.hpp"
 #include "daemon/gates/ether_programs.hpp"
@@ -34,48 +36,24 @@
 namespace mlcca::enforce {
 namespace {
 
-std::string next(const std::string& pin) { return pin + "_next"; }
-
 std::optional<std::uint64_t> random_seed() {
   std::uint64_t seed = 0;
   if (getrandom(&seed, sizeof(seed), 0) != sizeof(seed)) return std::nullopt;
   return seed;
 }
 
-bool is_attached(const std::string& pin, std::uint32_t attached, int table) {
-  const Fd program = open_pin(pin);
-  if (!program || attached == 0) return false;
-  const auto info = program_info(program.get());
-  return info.id == attached &&
-         std::ranges::find(info.map_ids, map_id(table)) != info.map_ids.end();
-}
-
-/// In either hook.
-Result<bool> is_in_force(const std::string& directory, std::uint32_t ifindex, int table) {
-  bool in_force = false;
-  for (const auto hook : {Hook::tcx, Hook::clsact}) {
-    const auto attached = in_place({ifindex, directory, hook});
-    if (!attached) return std::unexpected(attached.error());
-    for (const auto direction : kBothDirections) {
-      const std::string pin = program_pin(directory, direction);
-      if (is_attached(next_pin(directory, direction), attached->of(direction), table)) {
-        // A crash came between attaching and renaming.
-        if (auto named = rename_pin(next_pin(directory, direction), pin); !named)
-          return std::unexpected(named.error());
-      }
-      in_force = in_force || is_attached(pin, attached->of(direction), table);
-    }
-  }
-  return in_force;
-}
-
 /// What a gate before this one has left, if its programs are attached to this very device.
 Result<EtherPinned> former_gate(const std::string& directory, std::uint32_t ifindex) {
-  auto there = pinned_ether_maps(directory);
-  if (!there) return EtherPinned{};
-  const auto in_force = is_in_force(directory, ifindex, there->maps.front().get());
-  if (!in_force) return std::unexpected(in_force.error());
-  return *in_force ? std::move(*there) : EtherPinned{};
+  const auto attached = maps_of_attached(directory, ifindex);
+  if (!attached) return std::unexpected(attached.error());
+  for (const MapIds& ids : *attached) {
+    for (std::size_t n = 0; n < kEtherMaps.size(); ++n) take_map(ether_map_pin(directory, n), ids);
+    auto there = pinned_ether_maps(directory);
+    if (there && std::ranges::find(ids, map_id(there->maps.front().get())) != ids.end())
+      return std::move(*there);
+  }
+  disown_gate(directory, *attached);
+  return EtherPinned{};
 }
 
 }  // namespace
@@ -89,8 +67,9 @@ struct EtherGate::State {
   EtherMapping mapping;
   EtherTable table;
   bool reused = false;
+  bool was_put = false;
   bool early = false;                ///< it was put in the driver
-  std::optional<Watchmen> watchmen;  ///< from when it is pinned on
+  std::optional<Watchmen> watchmen;  ///< always, but while it is loaded
 
   static Result<std::unique_ptr<State>> load(const EtherConfig& config, const Place& place,
                                              const SharedMaps& shared, const EtherSizes& sizes,
@@ -99,10 +78,14 @@ struct EtherGate::State {
     return {programs.program_fd(Direction::ingress), programs.program_fd(Direction::egress)};
   }
   [[nodiscard]] Result<EtherMaps> shared_maps() const;
+  [[nodiscard]] std::vector<Pin> pins() const;
   [[nodiscard]] Result<void> pin_all() const;
-  [[nodiscard]] Result<void> name_all() const;
+  Result<void> read_again();
+  /// This daemon holds the gate.
+  void own() const { publish(mapping.memory().table->epoch, shared.epoch); }
   Result<void> put_early_in_place();
-  Result<void> watch(const Control& control);
+  Result<void> load_watchmen(const Control& control);
+  [[nodiscard]] Result<void> watch() const;
 };
 
 Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConfig& config,
@@ -128,29 +111,32 @@ Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConf
                                        .mapping = std::move(*mapping),
                                        .table = std::move(*table),
                                        .reused = !fresh,
+                                       .was_put = false,
                                        .early = false,
                                        .watchmen = std::nullopt});
 }
 
-Result<void> EtherGate::State::pin_all() const {
+/// Programs last: what is attached is found by them.
+std::vector<Pin> EtherGate::State::pins() const {
   const std::string& directory = place.directory;
-  if (!reused) {
-    for (std::size_t n = 0; n < kEtherMaps.size(); ++n) remove_pin(ether_map_pin(directory, n));
-    remove_pin(watchmen_pin(directory));  // of a table that is not in force any more
-  }
-  if (auto made = make_pin_directory(directory); !made) return made;
-  const auto pin_new = [](int fd, const std::string& path) -> Result<void> {
-    remove_pin(path);
-    const auto pinned = pin(fd, path);
-    if (!pinned) return std::unexpected(pinned.error());
-    return {};
-  };
-  for (std::size_t n = 0; !reused && n < kEtherMaps.size(); ++n)
-    if (auto done = pin_new(programs.map_fd(n), ether_map_pin(directory, n)); !done) return done;
+  std::vector<Pin> all{{programs.early_fd(), early_pin(directory)}, watchmen->pin()};
+  for (std::size_t n = 0; n < kEtherMaps.size(); ++n)
+    all.push_back({programs.map_fd(n), ether_map_pin(directory, n)});
   for (const auto direction : kBothDirections)
-    if (auto done = pin_new(programs.program_fd(direction), next_pin(directory, direction)); !done)
-      return done;
-  return pin_new(programs.early_fd(), next(early_pin(directory)));
+    all.push_back({programs.program_fd(direction), program_pin(directory, direction)});
+  return all;
+}
+
+Result<void> EtherGate::State::pin_all() const {
+  if (auto made = make_pin_directory(place.directory); !made) return made;
+  return pin_as_next(pins());
+}
+
+Result<void> EtherGate::State::read_again() {
+  auto read = EtherTable::read(mapping.memory(), sizes, false, 0, wait_for_grace_period);
+  if (!read) return std::unexpected(read.error());
+  table = std::move(*read);
+  return {};
 }
 
 /// For a second object over the same memory.
@@ -161,15 +147,6 @@ Result<EtherMaps> EtherGate::State::shared_maps() const {
     if (!maps.at(n)) return failure("share the maps of the Ethernet gate", errno);
   }
   return maps;
-}
-
-Result<void> EtherGate::State::name_all() const {
-  const std::string& directory = place.directory;
-  for (const auto direction : kBothDirections)
-    if (auto named = rename_pin(next_pin(directory, direction), program_pin(directory, direction));
-        !named)
-      return named;
-  return rename_pin(next(early_pin(directory)), early_pin(directory));
 }
 
 /// Of ours it takes the place, be it of a daemon before this one, or come back with its device.
@@ -187,22 +164,35 @@ Result<void> EtherGate::State::put_early_in_place() {
 }
 
 /// Timers that run already go on, by our program.
-Result<void> EtherGate::State::watch(const Control& control) {
+Result<void> EtherGate::State::load_watchmen(const Control& control) {
   auto loaded = Watchmen::of_ethernet(config.ifindex,
                                       {.table = programs.map_fd(0),
                                        .control = control.map_fd(),
                                        .events = control.events_fd(),
                                        .slots = programs.map_fd(2),
                                        .watches = programs.map_fd(8)},
-                                      watchmen_pin(place.directory));
+                                      watchmen_pin(place.directory), reused);
   if (!loaded) return std::unexpected(loaded.error());
   watchmen = std::move(*loaded);
-  for (const std::uint16_t watch : table.watched())
+  return {};
+}
+
+Result<void> EtherGate::State::watch() const {
+  for (const std::uint16_t watch : table.watched()) {
     if (auto armed = watchmen->arm(watch); !armed) return armed;
+    core::Progress::made();
+  }
   return {};
 }
 
 Result<EtherGate> EtherGate::attach(const EtherConfig& config, const Control& control) {
+  auto gate = load(config, control);
+  if (!gate) return gate;
+  if (auto put = gate->put(); !put) return std::unexpected(put.error());
+  return gate;
+}
+
+Result<EtherGate> EtherGate::load(const EtherConfig& config, const Control& control) {
   const auto in_context = [&](const Error& error) {
     return fail(fmt::format("gate of {}: {}", config.name, error.text));
   };
@@ -231,12 +221,23 @@ Result<EtherGate> EtherGate::attach(const EtherConfig& config, const Control& co
       if (auto done = (*state)->table.apply(moved); !done) return in_context(done.error());
     }
   }
-  if (auto pinned = (*state)->pin_all(); !pinned) return in_context(pinned.error());
-  if (auto watched = (*state)->watch(control); !watched) return in_context(watched.error());
-  if (auto put = put_gate_in_place(place, (*state)->both()); !put) return in_context(put.error());
-  if (auto put = (*state)->put_early_in_place(); !put) return in_context(put.error());
-  if (auto named = (*state)->name_all(); !named) return in_context(named.error());
+  if (auto loaded = (*state)->load_watchmen(control); !loaded) return in_context(loaded.error());
   return EtherGate(std::move(*state));
+}
+
+Result<void> EtherGate::put() {
+  State& state = *state_;
+  Result<void> done;
+  // As Gate::put().
+  if (std::exchange(state.was_put, true)) done = state.read_again();
+  if (done) done = state.pin_all();
+  if (done) done = state.watch();
+  state.own();
+  if (done) done = put_gate_in_place(state.place, state.both());
+  if (done) done = state.put_early_in_place();
+  if (done) done = name_next(state.pins());
+  if (!done) return fail(fmt::format("gate of {}: {}", name(), done.error().text));
+  return {};
 }
 
 EtherGate::EtherGate(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -274,19 +275,28 @@ Result<void> EtherGate::go_first() {
   if (!maps) return in_context(maps.error());
   auto copy = State::load(state_->config, state_->place, state_->shared, state_->sizes, *maps);
   if (!copy) return in_context(copy.error());
-  if (auto pinned = (*copy)->pin_all(); !pinned) return in_context(pinned.error());
-  if (auto put = put_gate_first(state_->place, (*copy)->both(), state_->both()); !put)
-    return in_context(put.error());
-  if (auto put = (*copy)->put_early_in_place(); !put) return in_context(put.error());
-  if (auto named = (*copy)->name_all(); !named) return in_context(named.error());
   (*copy)->watchmen = std::move(state_->watchmen);  // they look at the same memory
+  auto done = (*copy)->pin_all();
+  if (done) done = put_gate_first(state_->place, (*copy)->both(), state_->both());
+  if (done) done = (*copy)->put_early_in_place();
+  if (done) done = name_next((*copy)->pins());
+  if (!done) {
+    state_->watchmen = std::move((*copy)->watchmen);
+    return in_context(done.error());
+  }
   state_ = std::move(*copy);
   return {};
 }
 
+bool EtherGate::judge_again() {
+  return std::atomic_ref(state_->mapping.memory().table->retired).exchange(0) != 0;
+}
+
 Result<void> EtherGate::reattach() {
+  state_->own();
   if (auto put = put_gate_in_place(state_->place, state_->both()); !put)
     return fail(fmt::format("gate of {}: {}", name(), put.error().text));
+  forget_next(state_->place.directory);
   return {};
 }
 
@@ -297,14 +307,7 @@ std::size_t EtherGate::size() const { return state_->table.size(); }
 std::size_t EtherGate::room() const { return state_->sizes.slots - ETHER_FIRST_SLOT; }
 void EtherGate::deny_all() { state_->table.deny_all(); }
 Result<std::vector<std::string>> EtherGate::keep_pinned() const {
-  const std::string& directory = state_->place.directory;
-  std::vector<Pin> pins{{state_->programs.early_fd(), early_pin(directory)},
-                        state_->watchmen->pin()};
-  for (std::size_t n = 0; n < kEtherMaps.size(); ++n)
-    pins.push_back({state_->programs.map_fd(n), ether_map_pin(directory, n)});
-  for (const auto direction : kBothDirections)
-    pins.push_back({state_->programs.program_fd(direction), program_pin(directory, direction)});
-  return enforce::keep_pinned(pins);
+  return enforce::keep_pinned(state_->pins());
 }
 void EtherGate::unpin() {
   if (is_gone(ifindex())) publish(state_->mapping.memory().table->retired, std::uint32_t{1});

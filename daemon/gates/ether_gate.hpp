@@ -26,6 +26,9 @@ class EtherGate final : public PortGate {
   /// and nobody else's program is there, what is refused is dropped there. Error: no Ethernet
   /// interface.
   static Result<EtherGate> attach(const EtherConfig& config, const Control& control);
+  /// As Gate::load().
+  static Result<EtherGate> load(const EtherConfig& config, const Control& control);
+  Result<void> put() override;
   EtherGate(EtherGate&&) noexcept;
   EtherGate& operator=(EtherGate&&) noexcept;
   ~EtherGate() override;
@@ -39,6 +42,7 @@ class EtherGate final : public PortGate {
   [[nodiscard]] std::uint32_t ifindex() const override;
   [[nodiscard]] Result<bool> attached() const override;
   Result<void> reattach() override;
+  bool judge_again() override;
   [[nodiscard]] Hook hook() const override;
   [[nodiscard]] Result<std::vector<Ahead>> ahead() const override;
   Result<void> go_first() override;

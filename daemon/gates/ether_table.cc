@@ -9,6 +9,7 @@
 #include <bit>
 #include <utility>
 
+#include "core/model/progress.hpp"
 #include "daemon/gates/publish.hpp"
 
 namespace mlcca::enforce {
@@ -45,6 +46,7 @@ Result<EtherTable> EtherTable::read(const EtherMemory& memory, const EtherSizes&
             .watches_end = 1,
             .sample_due = 0,
             .retired = 0,
+            .epoch = 0,
             .pad = {},
             .would_drop = {}};
   if (head.layout_version != ETHER_LAYOUT_VERSION)
@@ -79,8 +81,10 @@ std::uint64_t& EtherTable::bucket_of(std::uint64_t hash) const {
 /// Finds the used slots by the chains, the only truth there is, and the free ones by exclusion.
 Result<void> EtherTable::adopt(bool fresh) {
   std::vector<bool> seen(sizes_.slots, false);
-  for (std::size_t b = 0; b < memory_.buckets.size(); ++b)
+  for (std::size_t b = 0; b < memory_.buckets.size(); ++b) {
     if (auto good = adopt_chain(b, seen); !good) return good;
+    core::Progress::step();
+  }
   auto& unused = fresh ? slots_.free : slots_.quarantine;
   unused.reserve(sizes_.slots - ETHER_FIRST_SLOT - used_);
   for (std::uint32_t slot = sizes_.slots; slot-- > ETHER_FIRST_SLOT;)
@@ -114,6 +118,7 @@ Result<void> EtherTable::adopt_chain(std::size_t bucket, std::vector<bool>& seen
     seen[at] = true;
     ++used_;
     undo_step(at);
+    core::Progress::step();
   }
   return {};
 }
@@ -195,9 +200,11 @@ std::optional<std::uint32_t> EtherTable::find(const SlotSpec& spec) const {
 std::vector<SlotSpec> EtherTable::present() const {
   std::vector<SlotSpec> specs;
   specs.reserve(used_);
-  for (const std::uint64_t bucket : memory_.buckets)
+  for (const std::uint64_t bucket : memory_.buckets) {
+    core::Progress::step();
     for (auto at = static_cast<std::uint32_t>(bucket); at != 0; at = memory_.slots[at].next)
       specs.push_back(spec_of(at));
+  }
   return specs;
 }
 
@@ -206,8 +213,10 @@ std::vector<SlotSpec> EtherTable::present() const {
 std::set<EtherTable::Contract> EtherTable::new_contracts(const SlotChanges& changes) const {
   std::set<Contract> fresh;
   for (const auto* list : {&changes.add, &changes.police})
-    for (const auto& s : *list)
+    for (const auto& s : *list) {
       if (!contracts_.contains(contract_of(s))) fresh.insert(contract_of(s));
+      core::Progress::step();
+    }
   return fresh;
 }
 
@@ -224,8 +233,10 @@ Result<void> EtherTable::reclaim(const SlotChanges& changes) {
   const auto watches = [&] {
     std::size_t count = 0;
     for (const auto* list : {&changes.add, &changes.police})
-      count += static_cast<std::size_t>(
-          std::ranges::count_if(*list, [&](const SlotSpec& s) { return lacks_watch(s); }));
+      count += static_cast<std::size_t>(std::ranges::count_if(*list, [&](const SlotSpec& s) {
+        core::Progress::step();
+        return lacks_watch(s);
+      }));
     return count;
   };
   const bool enough = slots_.free.size() >= changes.add.size() &&
@@ -318,6 +329,7 @@ void EtherTable::link(const SlotSpec& spec) {
   publish(bucket, std::uint64_t{sieve | ether_sieve(hash) | first});
   if (before != 0) publish(memory_.slots[before].next, slot);
   ++used_;
+  core::Progress::step();
 }
 
 std::uint64_t EtherTable::sieve_of(std::uint32_t first) const {
@@ -355,6 +367,7 @@ void EtherTable::unlink(const SlotSpec& spec) {
   leave_watch(*found);
   slots_.quarantine.push_back(*found);
   --used_;
+  core::Progress::step();
 }
 
 void EtherTable::set_traffic(const SlotSpec& spec) {
@@ -371,6 +384,7 @@ void EtherTable::set_traffic(const SlotSpec& spec) {
     publish(slot.due, __u64{0});
   set_watch(*found, spec);
   note_watched(*found);
+  core::Progress::step();
 }
 
 }  // namespace mlcca::enforce

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "core/model/progress.hpp"
 #include "daemon/gates/ether_table.hpp"
 
 namespace mlcca::enforce {
@@ -40,8 +41,10 @@ std::vector<const SlotSpec*> sorted(const std::vector<SlotSpec>& specs) {
   std::vector<const SlotSpec*> out;
   out.reserve(specs.size());
   for (const SlotSpec& s : specs) out.push_back(&s);
-  std::ranges::sort(out,
-                    [](const SlotSpec* a, const SlotSpec* b) { return grant(*a) < grant(*b); });
+  std::ranges::sort(out, [](const SlotSpec* a, const SlotSpec* b) {
+    core::Progress::step();
+    return grant(*a) < grant(*b);
+  });
   return out;
 }
 
@@ -57,15 +60,19 @@ Result<void> check_once(const std::vector<SlotSpec>& specs) {
 Result<void> EtherTable::check(const SlotChanges& changes) const {
   if (auto good = check_adds(changes.add); !good) return good;
   for (const auto* list : {&changes.close, &changes.remove, &changes.open, &changes.police})
-    for (const auto& s : *list)
+    for (const auto& s : *list) {
       if (!find(s)) return fail(name(s) + " is not there");
+      core::Progress::step();
+    }
   if (auto good = check_once(changes.remove); !good) return good;
   const auto removed = sorted(changes.remove);
-  for (const auto& s : changes.open)
+  for (const auto& s : changes.open) {
+    core::Progress::step();
     if (std::ranges::binary_search(removed, &s, [](const SlotSpec* a, const SlotSpec* b) {
           return grant(*a) < grant(*b);
         }))
       return fail(name(s) + " is to be opened and removed");
+  }
   return check_room(changes);
 }
 
@@ -73,6 +80,7 @@ Result<void> EtherTable::check_adds(const std::vector<SlotSpec>& adds) const {
   for (const auto& s : adds) {
     if (auto good = check_spec(s); !good) return good;
     if (find(s)) return fail(name(s) + " is there already");
+    core::Progress::step();
   }
   return check_once(adds);
 }
@@ -95,11 +103,13 @@ Result<void> EtherTable::check_chains(const SlotChanges& changes, bool removed_f
     for (const auto& s : specs)
       out.push_back(hash_of(s.subject, s.direction) & (sizes_.buckets - 1));
     std::ranges::sort(out);
+    core::Progress::made();
     return out;
   };
   const auto added = buckets(changes.add);
   const auto removed = removed_first ? buckets(changes.remove) : std::vector<std::uint64_t>{};
   for (auto run = added.begin(); run != added.end();) {
+    core::Progress::step();
     const auto end = std::upper_bound(run, added.end(), *run);
     const auto gone = std::ranges::equal_range(removed, *run);
     std::ptrdiff_t slots = end - run - std::ssize(gone);
@@ -120,11 +130,16 @@ Result<void> EtherTable::check_contracts(const SlotChanges& changes) const {
   std::size_t all = contracts_.size() + new_contracts(changes).size();
   if (all <= room) return {};
   std::map<std::uint16_t, std::uint32_t> left;
-  for (const auto& s : changes.remove)
+  for (const auto& s : changes.remove) {
     if (const auto slot = find(s)) ++left[memory_.slots[*slot].contract];
+    core::Progress::step();
+  }
   std::set<Contract> kept;
   for (const auto* list : {&changes.add, &changes.police})
-    for (const auto& s : *list) kept.insert(contract_of(s));
+    for (const auto& s : *list) {
+      kept.insert(contract_of(s));
+      core::Progress::step();
+    }
   for (const auto& [contract, use] : contracts_)
     if (const auto gone = left.find(use.number);
         gone != left.end() && gone->second == use.slots && !kept.contains(contract))
@@ -139,6 +154,7 @@ Result<void> EtherTable::check_publishers(const SlotChanges& changes) const {
   const auto removed = sorted(changes.remove);
   const auto by_key = [](const SlotSpec* s) { return key(*s); };
   for (auto run = added.begin(); run != added.end();) {
+    core::Progress::step();
     const auto end =
         std::find_if(run, added.end(), [&](const SlotSpec* s) { return key(*s) != key(**run); });
     const auto gone = std::ranges::equal_range(removed, key(**run), {}, by_key);

@@ -2,6 +2,7 @@
 // Which slots of an Ethernet interface are watched: there are fewer watches than subjects.
 #include <algorithm>
 
+#include "core/model/progress.hpp"
 #include "daemon/gates/ether_table.hpp"
 #include "daemon/gates/publish.hpp"
 #include "daemon/gates/watches.hpp"
@@ -61,6 +62,7 @@ void EtherTable::watch_what_waits() {
     spec.together = expected.together;
     set_watch(slot, spec);
     note_watched(slot);
+    core::Progress::step();
   }
 }
 

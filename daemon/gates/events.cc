@@ -27,16 +27,20 @@ Result<Fd> make_event_ring() {
   return made;
 }
 
-Result<Fd> open_event_ring(const std::string& pin_path) {
-  if (Fd there = open_pin(pin_path)) return there;
+/// Another one than before only tells less: gates that write to that pass and drop the same frames.
+Result<Fd> open_event_ring(const std::string& pin_path, std::string& was) {
+  const auto is_ours = [](int map) { return is_ring(map, GATE_EVENTS_SIZE); };
+  auto there = open_own(pin_path, is_ours, was);
+  if (!there || *there) return there;
   auto made = make_event_ring();
   if (!made) return made;
   const auto pinned = pin(made->get(), pin_path);
   if (!pinned) return std::unexpected(pinned.error());
   if (*pinned) return made;
   // Somebody else was first: his is the one.
-  Fd there = open_pin(pin_path);
-  if (!there) return failure("open " + pin_path, errno);
+  there = open_own(pin_path, is_ours, was);
+  if (there && !*there)
+    return fail("pin " + pin_path + ": somebody else pins there at this moment");
   return there;
 }
 

@@ -19,7 +19,7 @@ void free_ring(ring_buffer* ring);
 /// The ring that all gates share; nothing names it.
 Result<Fd> make_event_ring();
 /// The pinned ring, or a new one that is pinned there: what was told while no daemon ran is kept.
-Result<Fd> open_event_ring(const std::string& pin_path);
+Result<Fd> open_event_ring(const std::string& pin_path, std::string& was);
 
 class EventReader {
  public:

@@ -25,6 +25,8 @@ struct Head {
 static_assert(offsetof(gate_control, layout_version) == offsetof(Head, layout_version) &&
               offsetof(gate_control, open) == offsetof(Head, open));
 
+}  // namespace
+
 void close_word(int map) {
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
   void* const memory = ::mmap(nullptr, page, PROT_READ | PROT_WRITE, MAP_SHARED, map, 0);
@@ -32,8 +34,6 @@ void close_word(int map) {
   publish(static_cast<Head*>(memory)->open, std::uint32_t{0});
   ::munmap(memory, page);
 }
-
-}  // namespace
 
 Result<void> close_former_layouts(const std::string& root) {
   const std::string ours = "v" + std::to_string(GATE_LAYOUT_VERSION);

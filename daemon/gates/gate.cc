@@ -19,6 +19,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/model/progress.hpp"
 #include "daemon/gates/closed_programs.hpp"
 #include "daemon/gates/ether_gate.hpp"
 #include "daemon/gates/failure.hpp"
@@ -34,43 +35,22 @@
 namespace mlcca::enforce {
 namespace {
 
-/// The pinned program is the attached one and looks at these maps.
-bool is_attached(const std::string& pin, std::uint32_t attached, const GateMaps& maps) {
-  const Fd program = open_pin(pin);
-  if (!program || attached == 0) return false;
-  const auto info = program_info(program.get());
-  const auto uses = [&](const Fd& map) {
-    return std::ranges::find(info.map_ids, map_id(map.get())) != info.map_ids.end();
-  };
-  return info.id == attached && uses(maps.table) && uses(maps.cpus);
-}
-
 /// The maps of the gate that is attached to this very device, or none: an ifindex alone can have
 /// been given to another device, whose gate must start empty.
 Result<GateMaps> maps_in_force(const std::string& directory, const ProgramConfig& config) {
-  GateMaps maps{.table = open_pin(table_pin(directory)), .cpus = open_pin(cpus_pin(directory))};
-  if (!maps.table || !maps.cpus || !is_mappable_array(maps.table.get(), sizeof(gate_table), 1) ||
-      !is_mappable_array(maps.cpus.get(), sizeof(gate_cpu), possible_cpus()))
-    return GateMaps{};
-  bool in_force = false;
-  for (const auto hook : {Hook::tcx, Hook::clsact}) {
-    const auto attached = in_place({config.ifindex, directory, hook});
-    if (!attached) return std::unexpected(attached.error());
-    for (const auto direction : kBothDirections) {
-      if (is_attached(next_pin(directory, direction), attached->of(direction), maps)) {
-        // A crash came between attaching and renaming.
-        if (auto named =
-                rename_pin(next_pin(directory, direction), program_pin(directory, direction));
-            !named)
-          return std::unexpected(named.error());
-      }
-      in_force =
-          in_force || is_attached(program_pin(directory, direction), attached->of(direction), maps);
-    }
+  const auto attached = maps_of_attached(directory, config.ifindex);
+  if (!attached) return std::unexpected(attached.error());
+  for (const MapIds& ids : *attached) {
+    GateMaps maps{.table = take_map(table_pin(directory), ids),
+                  .cpus = take_map(cpus_pin(directory), ids)};
+    if (!maps.table || !maps.cpus || !is_mappable_array(maps.table.get(), sizeof(gate_table), 1) ||
+        !is_mappable_array(maps.cpus.get(), sizeof(gate_cpu), possible_cpus()))
+      continue;
+    const Mapped<gate_table> table(maps.table.get(), 1);
+    if (table && table[0].profile == config.profile) return maps;
   }
-  const Mapped<gate_table> table(maps.table.get(), 1);
-  if (!in_force || !table || table[0].profile != config.profile) return GateMaps{};
-  return maps;
+  disown_gate(directory, *attached);
+  return GateMaps{};
 }
 
 }  // namespace
@@ -83,14 +63,19 @@ struct Gate::State {
   Mapped<gate_cpu> cpus;
   SlotTable slots;
   bool reused = false;
-  std::optional<Watchmen> watchmen;  ///< from when it is pinned on
+  bool was_put = false;
+  std::optional<Watchmen> watchmen;  ///< always, but while it is loaded
 
   [[nodiscard]] GatePrograms both() const {
     return {programs.program_fd(Direction::ingress), programs.program_fd(Direction::egress)};
   }
+  Result<void> load_watchmen(const Control& control);
+  [[nodiscard]] Result<void> watch() const;
+  [[nodiscard]] std::vector<Pin> pins() const;
   [[nodiscard]] Result<void> pin_all() const;
-  Result<void> watch(const Control& control);
-  [[nodiscard]] Result<void> name_all() const;
+  Result<void> read_again();
+  /// This daemon holds the gate.
+  void own() const { publish(programs.table().epoch, shared.epoch); }
 
   static Result<std::unique_ptr<State>> load(const GateConfig& config, const Place& place,
                                              const SharedMaps& shared, const GateMaps& maps);
@@ -119,52 +104,61 @@ Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
                                        .cpus = std::move(cpus),
                                        .slots = std::move(*slots),
                                        .reused = !fresh,
+                                       .was_put = false,
                                        .watchmen = std::nullopt});
 }
 
-Result<void> Gate::State::pin_all() const {
+/// Programs last: what is attached is found by them.
+std::vector<Pin> Gate::State::pins() const {
   const std::string& directory = place.directory;
-  if (auto made = make_pin_directory(directory); !made) return made;
-  const auto pin_new = [](int fd, const std::string& path) -> Result<void> {
-    remove_pin(path);
-    const auto pinned = pin(fd, path);
-    if (!pinned) return std::unexpected(pinned.error());
-    return {};
-  };
-  if (!reused) {
-    remove_pin(watchmen_pin(directory));  // of a table that is not in force any more
-    if (auto done = pin_new(programs.table_fd(), table_pin(directory)); !done) return done;
-    if (auto done = pin_new(programs.cpus_fd(), cpus_pin(directory)); !done) return done;
-  }
+  std::vector<Pin> all{{programs.table_fd(), table_pin(directory)},
+                       {programs.cpus_fd(), cpus_pin(directory)},
+                       watchmen->pin()};
   for (const auto direction : kBothDirections)
-    if (auto done = pin_new(programs.program_fd(direction), next_pin(directory, direction)); !done)
-      return done;
+    all.push_back({programs.program_fd(direction), program_pin(directory, direction)});
+  return all;
+}
+
+Result<void> Gate::State::pin_all() const {
+  if (auto made = make_pin_directory(place.directory); !made) return made;
+  return pin_as_next(pins());
+}
+
+Result<void> Gate::State::read_again() {
+  auto read = SlotTable::read({programs.table(), cpus.span(), programs.generation()},
+                              programs.table().profile, false, wait_for_grace_period);
+  if (!read) return std::unexpected(read.error());
+  slots = std::move(*read);
   return {};
 }
 
 /// Timers that run already go on, by our program.
-Result<void> Gate::State::watch(const Control& control) {
+Result<void> Gate::State::load_watchmen(const Control& control) {
   auto loaded = Watchmen::of_can(
       config.ifindex,
       {.table = programs.table_fd(), .control = control.map_fd(), .events = control.events_fd()},
-      watchmen_pin(place.directory));
+      watchmen_pin(place.directory), reused);
   if (!loaded) return std::unexpected(loaded.error());
   watchmen = std::move(*loaded);
-  for (const auto slot : slots.watched())
-    if (auto armed = watchmen->arm(slot); !armed) return armed;
   return {};
 }
 
-Result<void> Gate::State::name_all() const {
-  for (const auto direction : kBothDirections)
-    if (auto named = rename_pin(next_pin(place.directory, direction),
-                                program_pin(place.directory, direction));
-        !named)
-      return named;
+Result<void> Gate::State::watch() const {
+  for (const auto slot : slots.watched()) {
+    if (auto armed = watchmen->arm(slot); !armed) return armed;
+    core::Progress::made();
+  }
   return {};
 }
 
 Result<Gate> Gate::attach(const GateConfig& config, const Control& control) {
+  auto gate = load(config, control);
+  if (!gate) return gate;
+  if (auto put = gate->put(); !put) return std::unexpected(put.error());
+  return gate;
+}
+
+Result<Gate> Gate::load(const GateConfig& config, const Control& control) {
   const auto in_context = [&](const Error& error) {
     return fail(fmt::format("gate of {}: {}", config.name, error.text));
   };
@@ -178,11 +172,22 @@ Result<Gate> Gate::attach(const GateConfig& config, const Control& control) {
   if (!state && maps->table) state = State::load(config, place, control.shared(), GateMaps{});
   if (!state) return in_context(state.error());
 
-  if (auto pinned = (*state)->pin_all(); !pinned) return in_context(pinned.error());
-  if (auto watched = (*state)->watch(control); !watched) return in_context(watched.error());
-  if (auto put = put_gate_in_place(place, (*state)->both()); !put) return in_context(put.error());
-  if (auto named = (*state)->name_all(); !named) return in_context(named.error());
+  if (auto loaded = (*state)->load_watchmen(control); !loaded) return in_context(loaded.error());
   return Gate(std::move(*state));
+}
+
+Result<void> Gate::put() {
+  State& state = *state_;
+  Result<void> done;
+  // The one that was in its place meanwhile may have changed the same table.
+  if (std::exchange(state.was_put, true)) done = state.read_again();
+  if (done) done = state.pin_all();
+  if (done) done = state.watch();
+  state.own();
+  if (done) done = put_gate_in_place(state.place, state.both());
+  if (done) done = name_next(state.pins());
+  if (!done) return fail(fmt::format("gate of {}: {}", name(), done.error().text));
+  return {};
 }
 
 Gate::Gate(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -198,9 +203,15 @@ bool Gate::reused() const { return state_->reused; }
 Hook Gate::hook() const { return state_->place.hook; }
 Result<bool> Gate::attached() const { return are_in_place(state_->place, state_->both()); }
 
+bool Gate::judge_again() {
+  return std::atomic_ref(state_->programs.table().retired).exchange(0) != 0;
+}
+
 Result<void> Gate::reattach() {
+  state_->own();
   if (auto put = put_gate_in_place(state_->place, state_->both()); !put)
     return fail(fmt::format("gate of {}: {}", name(), put.error().text));
+  forget_next(state_->place.directory);
   return {};
 }
 
@@ -217,11 +228,14 @@ Result<void> Gate::go_first() {
                       .cpus = Fd(::dup(state_->programs.cpus_fd()))};
   auto copy = State::load(state_->config, state_->place, state_->shared, maps);
   if (!copy) return in_context(copy.error());
-  if (auto pinned = (*copy)->pin_all(); !pinned) return in_context(pinned.error());
-  if (auto put = put_gate_first(state_->place, (*copy)->both(), state_->both()); !put)
-    return in_context(put.error());
-  if (auto named = (*copy)->name_all(); !named) return in_context(named.error());
   (*copy)->watchmen = std::move(state_->watchmen);  // they look at the same table
+  auto done = (*copy)->pin_all();
+  if (done) done = put_gate_first(state_->place, (*copy)->both(), state_->both());
+  if (done) done = name_next((*copy)->pins());
+  if (!done) {
+    state_->watchmen = std::move((*copy)->watchmen);
+    return in_context(done.error());
+  }
   state_ = std::move(*copy);
   return {};
 }
@@ -236,13 +250,7 @@ std::size_t Gate::size() const { return state_->slots.size(); }
 void Gate::deny_all() { state_->slots.deny_all(); }
 
 Result<std::vector<std::string>> Gate::keep_pinned() const {
-  const std::string& directory = state_->place.directory;
-  std::vector<Pin> pins{{state_->programs.table_fd(), table_pin(directory)},
-                        {state_->programs.cpus_fd(), cpus_pin(directory)},
-                        state_->watchmen->pin()};
-  for (const auto direction : kBothDirections)
-    pins.push_back({state_->programs.program_fd(direction), program_pin(directory, direction)});
-  return enforce::keep_pinned(pins);
+  return enforce::keep_pinned(state_->pins());
 }
 
 void Gate::set_bands(std::span<const std::uint32_t> limits) {
@@ -343,14 +351,16 @@ Result<Closing> put_closed(const Place& place, const ClosedPrograms& programs) {
   return closing;
 }
 
-/// Of an Ethernet interface, what carries events alone. By clsact where no link can be pinned.
+/// Of an Ethernet interface, what carries events alone. By clsact where nothing can be pinned.
 Result<Closing> put_closed(Place place, const Control& control) {
-  if (place.hook == Hook::tcx && !make_pin_directory(place.directory)) place.hook = Hook::clsact;
   const auto ethernet = is_ethernet(place.ifindex);
   if (!ethernet) return std::unexpected(ethernet.error());
   const auto programs = *ethernet ? ClosedPrograms::of_ethernet(control.shared())
                                   : ClosedPrograms::of_can(control.shared());
   if (!programs) return std::unexpected(programs.error());
+  if (place.hook == Hook::tcx && make_pin_directory(place.directory))
+    if (auto put = put_closed(place, *programs)) return put;
+  place.hook = Hook::clsact;
   return put_closed(place, *programs);
 }
 

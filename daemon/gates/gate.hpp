@@ -41,6 +41,9 @@ class Gate final : public PortGate {
   /// thread's network namespace. Errors: no such interface, no privilege, a foreign filter in our
   /// place.
   static Result<Gate> attach(const GateConfig& config, const Control& control);
+  /// All of attach() that takes memory: nothing is pinned or attached before put().
+  static Result<Gate> load(const GateConfig& config, const Control& control);
+  Result<void> put() override;
   Gate(Gate&&) noexcept;
   Gate& operator=(Gate&&) noexcept;
   ~Gate() override;
@@ -56,6 +59,7 @@ class Gate final : public PortGate {
   [[nodiscard]] Result<bool> attached() const override;
   /// Puts the same programs back after somebody removed or replaced them; slots and counters stay.
   Result<void> reattach() override;
+  bool judge_again() override;
   [[nodiscard]] Result<std::vector<Ahead>> ahead() const override;
   Result<void> go_first() override;
 

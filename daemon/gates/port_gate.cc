@@ -3,11 +3,15 @@
 
 #include <utility>
 
+#include "core/model/progress.hpp"
+
 namespace mlcca::enforce {
 
 Result<void> PortGate::arm_what_is_new() {
-  for (const std::uint16_t watch : table().take_newly_watched())
+  for (const std::uint16_t watch : table().take_newly_watched()) {
     if (auto armed = arm(watch); !armed) return armed;
+    core::Progress::made();
+  }
   return {};
 }
 

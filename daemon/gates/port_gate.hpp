@@ -28,6 +28,10 @@ class PortGate {
 
   [[nodiscard]] virtual const std::string& name() const = 0;
   [[nodiscard]] virtual std::uint32_t ifindex() const = 0;
+  /// Puts what was loaded in place, or what another gate of this interface has displaced since; by
+  /// replacement, like attach(). After an error the other one may have lost its place in part: its
+  /// reattach() gives it back.
+  virtual Result<void> put() = 0;
   /// Both filters are there now and are the programs of this object.
   [[nodiscard]] virtual Result<bool> attached() const = 0;
   /// Puts the same programs back after somebody removed or replaced them; slots and counters stay.
@@ -35,6 +39,9 @@ class PortGate {
   [[nodiscard]] virtual Hook hook() const = 0;
   /// TCX programs of others that may let frames pass before ours have seen them.
   [[nodiscard]] virtual Result<std::vector<Ahead>> ahead() const = 0;
+  /// Somebody has told the gate that its interface has left, for which unpin() is there, so that
+  /// everything passes: it judges again. False: nobody has.
+  virtual bool judge_again() = 0;
   /// Puts our programs before all others of their hook; see enforce::put_first().
   virtual Result<void> go_first() = 0;
   /// Whatever leaves is counted; of Ethernet only what carries events is.

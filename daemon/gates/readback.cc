@@ -29,6 +29,8 @@
 namespace mlcca::enforce {
 namespace {
 
+constexpr std::uint64_t kGraceSlack = 200'000'000;  // ns: two ticks of the slowest kernel, and more
+
 const char* name(Direction direction) {
   return direction == Direction::ingress ? "ingress" : "egress";
 }
@@ -102,7 +104,15 @@ void take_slots(GateReading& gate, const Result<Table>& table) {
     gate.problems.push_back(table.error().text);
 }
 
-void read_table(GateReading& gate, const Fd& map, std::uint32_t generation) {
+/// `epoch`: of the control word.
+void read_holding(GateReading& gate, const auto& table, std::uint32_t epoch) {
+  if (table.retired != 0)
+    gate.problems.emplace_back(
+        "somebody has altered it: everything passes, as if its interface had left");
+  if (table.epoch < epoch) gate.problems.emplace_back("no daemon has taken it over: it is closed");
+}
+
+void read_table(GateReading& gate, const Fd& map, std::uint32_t generation, std::uint32_t epoch) {
   if (!is_mappable_array(map.get(), sizeof(gate_table), 1)) {
     gate.problems.emplace_back("the pinned table is not there or of another layout");
     return;
@@ -114,6 +124,7 @@ void read_table(GateReading& gate, const Fd& map, std::uint32_t generation) {
   }
   const auto copy = std::make_shared<gate_table>(table[0]);
   gate.profile = copy->profile;
+  read_holding(gate, *copy, epoch);
   read_halves<gate_slot>(gate, copy->slots);
   const auto slots = SlotTable::read_as_found({*copy, {}, generation}, copy->profile);
   take_slots(gate, slots);
@@ -128,7 +139,8 @@ bool copy_map(const Fd& map, std::size_t count, std::vector<T>& to) {
   return true;
 }
 
-void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_t generation) {
+void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_t generation,
+                      std::uint32_t epoch) {
   const auto copy = std::make_shared<EtherImage>();
   copy->sizes = pinned.sizes;
   std::vector<gate_watch> watches;
@@ -141,6 +153,7 @@ void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_
     gate.problems.push_back(failure("map the table", errno).error().text);
     return;
   }
+  read_holding(gate, copy->table.front(), epoch);
   read_halves<ether_slot>(gate, copy->slots);
   const auto read = EtherTable::read({.table = copy->table.data(),
                                       .buckets = copy->buckets,
@@ -157,7 +170,7 @@ void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_
 }
 
 GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const Fd& control,
-                      std::uint32_t generation) {
+                      const gate_control& word) {
   GateReading gate;
   gate.ifindex = ifindex;
   std::array<char, IF_NAMESIZE> interface{};
@@ -175,7 +188,7 @@ GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const
     std::vector<std::uint32_t> ids{map_id(control.get())};
     for (const std::size_t n : {0, 1, 2, 3}) ids.push_back(map_id(ether->maps.at(n).get()));
     read_programs(gate, directory, ids);
-    read_ether_table(gate, *ether, generation);
+    read_ether_table(gate, *ether, word.generation, word.epoch);
     return gate;
   }
   const Fd table = open_pin(table_pin(directory));
@@ -185,7 +198,7 @@ GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const
     return gate;
   }
   read_programs(gate, directory, {map_id(table.get()), map_id(cpus.get()), map_id(control.get())});
-  read_table(gate, table, generation);
+  read_table(gate, table, word.generation, word.epoch);
   return gate;
 }
 
@@ -202,9 +215,46 @@ std::optional<std::uint64_t> silent_too_long(const gate_control& word) {
   return now - word.heartbeat;
 }
 
+std::string seconds(std::uint64_t ns) {
+  return ns == kForEver ? "for ever" : fmt::format("{} s", static_cast<double>(ns) / 1e9);
+}
+
+/// What the daemon has set is noted where nobody can write, and the deadline follows from it.
+void compare_grace(const std::string& directory, const gate_control& word, const Fd& control,
+                   std::vector<std::string>& problems) {
+  const auto noted = noted_grace(directory);
+  if (!noted) {
+    if (word.armed != 0)
+      problems.emplace_back(
+          "after which time the gates close without a daemon is not noted: it can be compared with "
+          "nothing");
+    return;
+  }
+  const auto wanted = words_of_grace(*noted);
+  if (!wanted) {
+    problems.push_back(wanted.error().text);
+  } else if (words_of_grace(word) != *wanted) {
+    problems.push_back(
+        fmt::format("somebody has altered after which time the gates close without a daemon: it is "
+                    "{} in nanoseconds, {} in ticks, looked at each {}; ought to be {}, {}, {}",
+                    seconds(word.grace_ns), word.grace_ticks, seconds(word.check_ns),
+                    seconds(wanted->grace_ns), wanted->grace_ticks, seconds(wanted->check_ns)));
+  }
+  if (*noted == kForEver || word.open == 0 || word.lapsed != 0) return;
+  const auto left = time_left(control.get());
+  if (!left)
+    problems.push_back(left.error().text);
+  else if (*left > *noted + kGraceSlack)
+    problems.push_back(fmt::format(
+        "somebody has altered when the gates close without a daemon: in {}; ought to be at most {}",
+        seconds(*left), seconds(*noted)));
+}
+
 /// The gates close by themselves when the daemon is silent; this timer counts it.
-std::vector<std::string> shared_problems(const std::string& directory, const gate_control& word) {
+std::vector<std::string> shared_problems(const std::string& directory, const gate_control& word,
+                                         const Fd& control) {
   std::vector<std::string> problems;
+  compare_grace(directory, word, control, problems);
   if (word.armed != 0 && !open_pin(directory + "/deadman"))
     problems.emplace_back(
         "the timer that counts the silence of a dead daemon is not pinned: it dies with it");
@@ -223,7 +273,10 @@ Result<Reading> read_back(const std::string& root) {
   const Fd control = open_pin(directory + "/control");
   if (!control) return failure("open " + directory + "/control", errno);
   if (!is_mappable_array(control.get(), sizeof(gate_control), 1))
-    return fail(directory + "/control: not the control map of this version");
+    return fail(
+        fmt::format("{0}/control is {1}, and not the control map of this version: mlccad puts "
+                    "its own in the place when it starts",
+                    directory, what_is_at(directory + "/control")));
   const Mapped<gate_control> memory(control.get(), 1);
   if (!memory) return failure("map " + directory + "/control", errno);
   const gate_control word = memory[0];
@@ -234,7 +287,7 @@ Result<Reading> read_back(const std::string& root) {
                   .lapsed = word.lapsed != 0 || (word.open != 0 && silent_too_long(word)),
                   .audit = word.mode == GATE_AUDIT,
                   .generation = word.generation,
-                  .problems = shared_problems(directory, word),
+                  .problems = shared_problems(directory, word, control),
                   .gates = {}};
   const auto names = names_in(directory);
   if (!names) return failure("read " + directory, names.error().value());
@@ -243,7 +296,7 @@ Result<Reading> read_back(const std::string& root) {
     const char* const end = file.data() + file.size();
     if (file.starts_with("if") && std::from_chars(file.data() + 2, end, ifindex).ptr == end)
       reading.gates.push_back(
-          read_gate(gate_directory(directory, ifindex), ifindex, control, word.generation));
+          read_gate(gate_directory(directory, ifindex), ifindex, control, word));
   }
   std::ranges::sort(reading.gates, {}, &GateReading::ifindex);
   return reading;

@@ -3,6 +3,7 @@
 
 #include <net/if.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 
@@ -17,17 +18,34 @@ namespace mlcca::enforce {
 namespace {
 
 template <class Table>
-void retire(const Fd& map) {
+void change(const std::string& pin, auto&& change_table) {
+  const Fd map = open_pin(pin);
   if (!map || !is_mappable_array(map.get(), sizeof(Table), 1)) return;
   const Mapped<Table> table(map.get(), 1);
-  if (table) publish(table[0].retired, std::uint32_t{1});
+  if (table) change_table(map_id(map.get()), table[0]);
+}
+
+/// The table of a gate, and of the one that is to be next.
+void change_tables(const std::string& directory, auto&& change_table) {
+  const std::string can = table_pin(directory);
+  const std::string ether = ether_map_pin(directory, 0);
+  for (const std::string& pin : {can, next_of(can)}) change<gate_table>(pin, change_table);
+  for (const std::string& pin : {ether, next_of(ether)}) change<ether_table>(pin, change_table);
 }
 
 }  // namespace
 
 void retire_gate(const std::string& directory) {
-  retire<gate_table>(open_pin(table_pin(directory)));
-  retire<ether_table>(open_pin(ether_map_pin(directory, 0)));
+  change_tables(directory,
+                [](std::uint32_t, auto& table) { publish(table.retired, std::uint32_t{1}); });
+}
+
+void disown_gate(const std::string& directory, const std::vector<MapIds>& attached) {
+  change_tables(directory, [&](std::uint32_t id, auto& table) {
+    if (std::ranges::none_of(
+            attached, [&](const MapIds& ids) { return std::ranges::find(ids, id) != ids.end(); }))
+      publish(table.epoch, std::uint32_t{0});
+  });
 }
 
 bool is_gone(std::uint32_t ifindex) {

@@ -5,6 +5,8 @@
 #include <set>
 #include <tuple>
 
+#include "core/model/progress.hpp"
+
 namespace mlcca::enforce {
 namespace {
 
@@ -39,10 +41,12 @@ SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSp
   for (const auto& s : wanted) {
     want[s] = want[s] || s.pass;
     if (s.pass) passing.insert(succession(s));
+    core::Progress::step();
   }
 
   SlotChanges changes;
   for (const auto& s : present) {
+    core::Progress::step();
     const auto found = want.find(s);
     if (found == want.end()) {
       if (s.pass && !passing.contains(succession(s))) changes.close.push_back(s);
@@ -57,6 +61,7 @@ SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSp
   for (const auto& [spec, pass] : want) {
     changes.add.push_back(spec);
     changes.add.back().pass = pass;
+    core::Progress::step();
   }
   return changes;
 }

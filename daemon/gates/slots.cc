@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/model/progress.hpp"
 #include "daemon/gates/bindings.hpp"
 #include "daemon/gates/publish.hpp"
 #include "daemon/gates/watches.hpp"
@@ -126,6 +127,7 @@ Result<void> SlotTable::adopt(bool fresh, bool as_found) {
       seen[at] = true;
       ++used_;
       undo_step(at);
+      core::Progress::step();
     }
   });
   if (!sound) return sound;
@@ -195,8 +197,10 @@ std::vector<SlotSpec> SlotTable::present() const {
   std::vector<SlotSpec> specs;
   specs.reserve(used_);
   for_each_chain([&](Direction direction, std::uint32_t, std::uint16_t first) {
-    for (std::uint16_t at = first; at != 0; at = table_->slots[at].next)
+    for (std::uint16_t at = first; at != 0; at = table_->slots[at].next) {
       specs.push_back(spec_of(at, direction));
+      core::Progress::step();
+    }
   });
   return specs;
 }
@@ -204,15 +208,20 @@ std::vector<SlotSpec> SlotTable::present() const {
 Result<void> SlotTable::check(const SlotChanges& changes) const {
   std::set<SlotSpec, ByGrant> added;
   for (const auto& s : changes.add) {
+    core::Progress::step();
     if (auto good = check_spec(s, profile_); !good) return good;
     if (find(s) || !added.insert(s).second) return fail(name(s) + " is there already");
   }
   std::set<SlotSpec, ByGrant> removed;
-  for (const auto& s : changes.remove)
+  for (const auto& s : changes.remove) {
+    core::Progress::step();
     if (!find(s) || !removed.insert(s).second) return fail(name(s) + " to be removed is not there");
+  }
   for (const auto* list : {&changes.close, &changes.open, &changes.police})
-    for (const auto& s : *list)
+    for (const auto& s : *list) {
       if (!find(s)) return fail(name(s) + " is not there");
+      core::Progress::step();
+    }
   for (const auto& s : changes.open)
     if (removed.contains(s)) return fail(name(s) + " is to be opened and removed");
   return check_room(changes);
@@ -231,6 +240,7 @@ Result<void> SlotTable::check_room(const SlotChanges& changes) const {
   const auto count = [&](const SlotSpec& s, std::ptrdiff_t n) {
     if (!is_masked(s)) keys[key_of(s)] += n;
     chains[head(s)] += n;
+    core::Progress::step();
   };
   for (const auto& s : changes.add) {
     if (!chains.contains(head(s)))
@@ -260,6 +270,7 @@ bool SlotTable::fits_at_once(const SlotChanges& changes) const {
     auto [entry, first] = lengths.try_emplace(head(s), 0);
     if (first) entry->second = chain(s).size();
     if (++entry->second > GATE_WALK) return false;
+    core::Progress::step();
   }
   return true;
 }
@@ -306,6 +317,7 @@ void SlotTable::link(const SlotSpec& spec) {
   expect_events(table_->watches[slot], spec);
   if (slot >= table_->slots_end) publish(table_->slots_end, slot + 1U);
   publish(*head(spec), slot);
+  core::Progress::step();
   if (profile_ == GATE_PROFILE_FAMOUSO && Bindings(*table_).is_contradicted(table_->slots[slot]))
     publish(table_->slots[slot].contradicted, __u8{1});
   ++used_;
@@ -319,6 +331,7 @@ void SlotTable::unlink(const SlotSpec& spec) {
   publish(*before, table_->slots[slot].next);
   quarantine_.push_back(slot);
   --used_;
+  core::Progress::step();
 }
 
 /// One word after the other: a frame in between meets the old rate with the new tolerance at most.
@@ -336,6 +349,7 @@ void SlotTable::set_traffic(const SlotSpec& spec) {
   if (other_rate) publish(slot.due, __u64{0});
   expect_events(table_->watches[*found], spec);
   note_watched(*found);
+  core::Progress::step();
 }
 
 void SlotTable::forget_events(std::uint32_t slot) { forget_findings(table_->watches[slot]); }

@@ -13,14 +13,15 @@ namespace mlcca::enforce {
 namespace {
 
 Result<Fd> open_note(const std::string& path) {
-  if (Fd there = open_pin(path); there && is_mappable_array(there.get(), sizeof(std::uint64_t), 1))
-    return there;
+  const auto is_ours = [](int map) { return is_mappable_array(map, sizeof(std::uint64_t), 1); };
+  std::string was;
+  auto there = open_own(path, is_ours, was);
+  if (!there || *there) return there;
   LIBBPF_OPTS(bpf_map_create_opts, options, .map_flags = BPF_F_MMAPABLE);
   Fd made(bpf_map_create(BPF_MAP_TYPE_ARRAY, "mlcca_starting", sizeof(std::uint32_t),
                          sizeof(std::uint64_t), 1, &options));
   if (!made) return failure("make " + path, errno);
-  remove_pin(path);
-  if (auto pinned = pin(made.get(), path); !pinned) return std::unexpected(pinned.error());
+  if (auto pinned = pin_instead(made.get(), path); !pinned) return std::unexpected(pinned.error());
   return made;
 }
 

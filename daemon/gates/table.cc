@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "core/model/progress.hpp"
 #include "daemon/gates/publish.hpp"
 
 namespace mlcca::enforce {
@@ -79,6 +80,7 @@ void Table::stage(std::uint32_t slot, std::uint8_t verdict) {
   if (verdict == GATE_PASS) forget_events(slot);
   publish(verdicts(slot)[(*generation_ + 1) & 1], verdict);
   staged_.push_back({slot, verdict});
+  core::Progress::step();
 }
 
 void Table::next_generation() { publish(*generation_, *generation_ + 1); }
@@ -87,6 +89,7 @@ void Table::settle() {
   for (const auto& [slot, verdict] : staged_) {
     publish(verdicts(slot)[(*generation_ + 1) & 1], verdict);
     note_watched(slot);
+    core::Progress::step();
   }
   staged_.clear();
 }
@@ -111,8 +114,10 @@ std::vector<std::uint16_t> Table::take_newly_watched() {
 }
 
 void Table::deny_all() {
-  for (std::uint32_t slot = GATE_FIRST_SLOT; slot < slots_end(); ++slot)
+  for (std::uint32_t slot = GATE_FIRST_SLOT; slot < slots_end(); ++slot) {
     if (passes(slot)) stage(slot, GATE_DENY);
+    core::Progress::step();
+  }
   next_generation();
   settle();
 }

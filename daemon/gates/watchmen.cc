@@ -61,20 +61,23 @@ int share_all(const Skeleton& object, const WatchedMaps& maps, const Fd& timers)
 
 template <class Skeleton>
 Result<Watchmen> Watchmen::load(std::uint32_t ifindex, const WatchedMaps& maps,
-                                const std::string& pin_path) {
+                                const std::string& pin_path, bool take_over) {
   const Complaints complaints;
   const std::unique_ptr<Skeleton, decltype(&Skeleton::destroy)> object(Skeleton::open(),
                                                                        &Skeleton::destroy);
   if (!object) return complaints.error("open the timers of a gate", errno);
   object->rodata->ifindex = ifindex;
-  const Fd timers = open_pin(pin_path);
+  const Fd timers = take_over ? open_pin(pin_path) : Fd();
+  const auto failed = [&](const char* what, int error) -> Result<Watchmen> {
+    // What is pinned there may be no timers of ours; new ones do as well.
+    if (timers)
+      if (auto fresh = load<Skeleton>(ifindex, maps, pin_path, false)) return fresh;
+    return complaints.error(what, error);
+  };
   if (const int error = share_all(*object, maps, timers); error != 0)
-    return complaints.error("prepare the timers of a gate", error);
+    return failed("prepare the timers of a gate", error);
   if (const int error = Skeleton::load(object.get()); error != 0)
-    return complaints.error("load the timers of a gate", error);
-  if (!timers)
-    if (auto pinned = enforce::pin(bpf_map__fd(object->maps.watchmen), pin_path); !pinned)
-      return std::unexpected(pinned.error());
+    return failed("load the timers of a gate", error);
   int made = run(bpf_program__fd(object->progs.watch_make), 0);
   for (int i = 0; made == -ENOMEM && i < kTries; ++i) {
     ::poll(nullptr, 0, 1);
@@ -88,13 +91,13 @@ Result<Watchmen> Watchmen::load(std::uint32_t ifindex, const WatchedMaps& maps,
 }
 
 Result<Watchmen> Watchmen::of_can(std::uint32_t ifindex, const WatchedMaps& maps,
-                                  const std::string& pin_path) {
-  return load<watch_bpf>(ifindex, maps, pin_path);
+                                  const std::string& pin_path, bool take_over) {
+  return load<watch_bpf>(ifindex, maps, pin_path, take_over);
 }
 
 Result<Watchmen> Watchmen::of_ethernet(std::uint32_t ifindex, const WatchedMaps& maps,
-                                       const std::string& pin_path) {
-  return load<ether_watch_bpf>(ifindex, maps, pin_path);
+                                       const std::string& pin_path, bool take_over) {
+  return load<ether_watch_bpf>(ifindex, maps, pin_path, take_over);
 }
 
 Result<void> Watchmen::arm(std::uint32_t watch) const {

@@ -5,13 +5,9 @@
 #include <cstdint>
 #include <optional>
 
-namespace mlcca {
+#include "daemon/outside/frames.hpp"
 
-/// Counters of an interface, of everything that was on the bus: each frame once.
-struct BusCounters {
-  std::uint64_t frames = 0;
-  std::uint64_t bytes = 0;  ///< of payload
-};
+namespace mlcca {
 
 class BusLoad {
  public:

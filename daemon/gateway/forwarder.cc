@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/model/progress.hpp"
+
 namespace mlcca {
 
 void Forwarder::want(std::size_t channel, std::vector<net::CanRule> rules) {
@@ -81,6 +83,7 @@ void Forwarder::apply(const RuleChanges& changes) {
   std::string failed;
   bool unsure = false;
   for (const net::CanRuleThere& rule : changes.remove) {
+    core::Progress::made();
     // One that went with its interface is gone all the same: the next look tells.
     if (kernel_->remove(rule))
       std::erase(*there_, rule);
@@ -88,6 +91,7 @@ void Forwarder::apply(const RuleChanges& changes) {
       unsure = true;
   }
   for (const net::CanRuleThere& rule : changes.add) {
+    core::Progress::made();
     const auto done = kernel_->add(rule);
     if (done)
       there_->push_back(rule);

@@ -25,12 +25,13 @@ std::string time(std::uint64_t ns) {
 std::string frames(std::uint64_t n) { return n == 1 ? "1 frame" : fmt::format("{} frames", n); }
 
 /// Somebody may send what nothing was granted for.
-void add_strangers(const Observed& seen, std::vector<std::string>& lines) {
+void add_unknown(const Observed& seen, std::vector<std::string>& lines) {
   const auto in = std::ranges::find(seen.passages, false, &Passage::leaves);
-  if (in == seen.passages.end() || seen.strangers == 0) return;
+  if (in == seen.passages.end() || seen.unknown == 0) return;
   lines.push_back(fmt::format(
       "{} on {} {} no known subject, the latest {}: does the publisher send by another name?",
-      frames(seen.strangers), in->network, seen.strangers == 1 ? "names" : "name", seen.stranger));
+      frames(seen.unknown), in->network, seen.unknown == 1 ? "names" : "name",
+      seen.latest_unknown));
 }
 
 void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
@@ -65,12 +66,15 @@ void add_drops(const Passage& at, std::vector<std::string>& lines) {
 void add_lost(const Observed& seen, std::vector<std::string>& lines) {
   const auto in = std::ranges::find_if(seen.passages,
                                        [](const Passage& p) { return !p.leaves && !p.is_shared; });
-  if (in == seen.passages.end() || in->frames.passed <= kOnTheirWay) return;
+  if (in == seen.passages.end()) return;
+  // What came in before may have left by slots that are gone.
+  const std::uint64_t came = in->frames.passed - std::min(in->passed_before, in->frames.passed);
+  if (came <= kOnTheirWay) return;
   for (const Passage& out : seen.passages)
     if (out.leaves && out.frames.passed == 0)
       lines.push_back(fmt::format(
-          "{} came in from {} and none left to {}{}", frames(in->frames.passed), in->network,
-          out.network, out.misfits + out.would_be_misfits == 0 ? ": nothing forwards them" : ""));
+          "{} came in from {} and none left to {}{}", frames(came), in->network, out.network,
+          out.misfits + out.would_be_misfits == 0 ? ": nothing forwards them" : ""));
 }
 
 }  // namespace
@@ -78,7 +82,7 @@ void add_lost(const Observed& seen, std::vector<std::string>& lines) {
 std::vector<std::string> troubles(const Observed& seen) {
   std::vector<std::string> lines;
   if (seen.watch) add_silence(*seen.watch, lines);
-  if (!lines.empty()) add_strangers(seen, lines);
+  if (!lines.empty()) add_unknown(seen, lines);
   for (const Passage& at : seen.passages) add_drops(at, lines);
   if (!seen.not_forwarded.empty())
     lines.push_back(seen.not_forwarded);

@@ -15,10 +15,11 @@ namespace mlcca {
 struct Passage {
   std::string network;
   bool leaves = false;
-  bool is_shared = false;     ///< with other publishers of the channel, who look the same
-  Frames frames;              ///< since the slot was made
-  std::uint64_t excess = 0;   ///< recent ones beyond the admitted traffic
-  std::uint64_t misfits = 0;  ///< recent ones that name the subject and differ from the grant
+  bool is_shared = false;           ///< with other publishers of the channel, who look the same
+  Frames frames;                    ///< since the slot was made
+  std::uint64_t passed_before = 0;  ///< of them, when the channel was last decided otherwise
+  std::uint64_t excess = 0;         ///< recent ones beyond the admitted traffic
+  std::uint64_t misfits = 0;        ///< recent ones that name the subject and differ from the grant
   std::uint64_t would_be_misfits = 0;  ///< the same, let through by audit mode
 };
 
@@ -26,9 +27,9 @@ struct Passage {
 struct Observed {
   std::optional<control::Watch> watch = {};
   std::vector<Passage> passages = {};
-  std::string not_forwarded = {};  ///< why no rule of can-gw carries it; empty: none has to
-  std::uint64_t strangers = 0;     ///< recent frames without a slot where its events come in
-  std::string stranger = {};       ///< the latest of them: "123", "0x… from 10.0.0.7"
+  std::string not_forwarded = {};   ///< why no rule of can-gw carries it; empty: none has to
+  std::uint64_t unknown = 0;        ///< recent frames without a slot where its events come in
+  std::string latest_unknown = {};  ///< the latest of them: "123", "0x… from 10.0.0.7"
 };
 
 /// What is wrong with it, one line each; nothing where all is as granted:

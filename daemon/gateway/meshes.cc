@@ -98,10 +98,8 @@ void Meshes::open_sources(Entry& entry) {
     }
     entry.reported.back() = true;
     entry.sources.emplace_back();
-    tell_(entry.name,
-          fmt::format("{}: {}: {}", entry.name, core::name_of(entry.mesh.sources[s]),
-                      source.error().text),
-          true);
+    entry.problems.back() = source.error().text;
+    tell_(entry.name, told(entry, s, source.error().text), true);
   }
 }
 
@@ -113,20 +111,37 @@ bool Meshes::Lines::take(std::uint64_t now) {
   return false;
 }
 
+std::string Meshes::told(const Entry& entry, std::size_t source, const std::string& problem) {
+  return fmt::format("{}: {}: {}", entry.name, core::name_of(entry.mesh.sources[source]), problem);
+}
+
 void Meshes::take(Entry& entry, std::size_t source, const core::mesh::Snapshot& snapshot) {
   entry.reported[source] = true;
   const bool changed = entry.table.take(source, snapshot, monotonic_ns());
   const std::string& problem = entry.table.problem(source);
   if (problem != entry.problems[source] && entry.lines[source].take(monotonic_ns())) {
-    const std::string name = core::name_of(entry.mesh.sources[source]);
     entry.problems[source] = problem;
     if (problem.empty())
-      tell_(entry.name, fmt::format("{}: {} knows its links again", entry.name, name), false);
+      tell_(entry.name,
+            fmt::format("{}: {} knows its links again", entry.name,
+                        core::name_of(entry.mesh.sources[source])),
+            false);
     else
-      tell_(entry.name, fmt::format("{}: {}: {}", entry.name, name, problem), true);
+      tell_(entry.name, told(entry, source, problem), true);
   }
   if (changed) changed_(entry.network);
   arm();
+}
+
+std::vector<std::string> Meshes::problems() const {
+  std::vector<std::string> out;
+  for (const auto& entry : entries_)
+    for (std::size_t s = 0; s < entry->mesh.sources.size(); ++s)
+      if (const std::string& problem =
+              entry->sources[s] == nullptr ? entry->problems[s] : entry->table.problem(s);
+          !problem.empty())
+        out.push_back(told(*entry, s, problem));
+  return out;
 }
 
 void Meshes::expire() {

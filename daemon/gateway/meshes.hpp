@@ -44,6 +44,8 @@ class Meshes {
   /// Null: no mesh.
   [[nodiscard]] const core::mesh::LinkTable* table(std::size_t network) const;
   [[nodiscard]] const core::mesh::Mesh* mesh(std::size_t network) const;
+  /// What keeps sources from knowing their links now, a line each.
+  [[nodiscard]] std::vector<std::string> problems() const;
 
  private:
   /// What strangers make a source say must not fill the log: ten lines at once, then one in 10 s.
@@ -63,6 +65,7 @@ class Meshes {
     std::vector<std::unique_ptr<net::LinkSource>> sources;
   };
   static void hand_over(const core::mesh::LinkTable& former, Entry& entry);
+  static std::string told(const Entry& entry, std::size_t source, const std::string& problem);
   void open_sources(Entry& entry);
   void take(Entry& entry, std::size_t source, const core::mesh::Snapshot& snapshot);
   void expire();

@@ -53,8 +53,9 @@ void Patience::serve() {
   }
 }
 
+/// Without any patience (`longest` 0) the caller does the work itself, and there is no thread.
 void Patience::run(const std::function<void()>& work) {
-  if (!start()) {
+  if (longest_ == 0 || !start()) {
     work();
     return;
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // How much of the daemon's memory, disk and history one user may take, and all of the control group
-// together (docs/LIMITS.md). Bookkeeping only: time comes in as argument, in nanoseconds of any
-// steady clock.
+// together (docs/reference/limits.md). Bookkeeping only: time comes in as argument, in nanoseconds
+// of any steady clock.
 #pragma once
 #include <sys/types.h>
 

@@ -9,26 +9,20 @@
 #include <memory>
 
 #include "base/handle.hpp"
+#include "daemon/outside/background.hpp"
 
 namespace mlcca {
 
-/// One piece of work at a time.
-class Reading {
+/// On a thread.
+class Reading final : public Background {
  public:
   explicit Reading(sd_event* loop) : loop_(loop) {}
 
-  /// Runs `work` on a thread, which must share nothing with anybody, then `done` in the loop; false
-  /// when there is no thread to be had or the former one goes on.
-  bool begin(std::function<void()> work, std::function<void()> done);
-  /// What is under way is not waited for any more: its `done` is not called. It goes on, and
-  /// nothing else can begin until it ends.
-  void forget();
-
-  [[nodiscard]] bool waits() const { return static_cast<bool>(done_); }
-  /// When it began, CLOCK_MONOTONIC, ns.
-  [[nodiscard]] std::uint64_t begun() const { return begun_; }
-  /// A thread is under way, forgotten or not.
-  [[nodiscard]] bool busy() const { return static_cast<bool>(source_); }
+  bool begin(std::function<void()> work, std::function<void()> done) override;
+  void forget() override;
+  [[nodiscard]] bool waits() const override { return static_cast<bool>(done_); }
+  [[nodiscard]] std::uint64_t begun() const override { return begun_; }
+  [[nodiscard]] bool busy() const override { return static_cast<bool>(source_); }
 
  private:
   static int on_end(sd_event_source*, int, std::uint32_t, void* self) noexcept;

@@ -7,25 +7,9 @@
 #include "control/messages.hpp"
 #include "core/admission/state.hpp"
 #include "core/model/verdict.hpp"
+#include "daemon/outside/frames.hpp"
 
 namespace mlcca {
-
-/// Frames of a port without a slot.
-struct UnknownFrames {
-  std::uint64_t dropped = 0;
-  std::uint64_t would_drop = 0;  ///< let through by audit mode
-};
-
-/// Frames that a delivery's slots have passed and dropped at this gateway.
-struct Frames {
-  std::uint64_t passed = 0;
-  std::uint64_t dropped = 0;
-  std::uint64_t excess = 0;          ///< more than was admitted, dropped or not
-  std::uint64_t excess_dropped = 0;  ///< part of both
-  std::uint64_t would_drop = 0;      ///< let through by audit mode; not part of dropped
-  std::uint64_t would_exceed = 0;    ///< part of would_drop and of excess
-  std::string last_reason;           ///< of the latest drop; empty: none
-};
 
 /// Why it was decided so, with what is wrong with a network that cannot be used.
 [[nodiscard]] std::string why(const core::State& state, const core::Verdict& verdict);

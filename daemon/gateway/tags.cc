@@ -151,6 +151,27 @@ std::vector<core::Contradicted> Tags::contradicted(std::size_t network) const {
   return out;
 }
 
+std::vector<store::Contradicted> Tags::to_keep() const {
+  std::vector<store::Contradicted> out;
+  for (const Tag& tag : tags_)
+    if (!tag.dynamic && tag.is_in_gates && !tag.problem().empty())
+      out.push_back({tag.network_name, tag.subject, tag.etag, tag.problem()});
+  return out;
+}
+
+std::vector<Tag*> Tags::recall(const store::Contents& kept) {
+  std::vector<Tag*> closed;
+  for (const auto& [key, entry] : kept.contradicted)
+    for (Tag& tag : tags_) {
+      if (tag.subject != entry.subject || tag.network_name != entry.network || tag.dynamic ||
+          tag.etag != entry.etag || tag.is_heard || !tag.problem().empty())
+        continue;
+      tag.contradiction = entry.how;
+      closed.push_back(&tag);
+    }
+  return closed;
+}
+
 Tag* Tags::to_ask_for(std::size_t network, std::uint64_t now) {
   Tag* next = nullptr;
   for (Tag& tag : tags_) {

@@ -12,6 +12,7 @@
 #include "core/admission/world.hpp"
 #include "core/model/system.hpp"
 #include "daemon/gates/bindings.hpp"
+#include "daemon/store/contents.hpp"
 
 namespace mlcca {
 
@@ -26,6 +27,7 @@ struct Tag {
   std::uint16_t etag = 0;              ///< stated or dealt, what its frames have here; 0: none
   std::uint16_t dealt = 0;  ///< dynamic: what the broker has dealt it instead of `etag`; 0: nothing
   bool is_in_gates = true;  ///< false: they have no room for it
+  bool is_heard = false;    ///< a gate has held just this tag against the broker all along
   std::string contradiction;  ///< what the broker said, as a clause; empty: nothing
   std::string rival;          ///< why else nobody may have the tag, as a clause; empty: no reason
   std::uint64_t asked = 0;    ///< ns, when; 0: never
@@ -64,6 +66,11 @@ class Tags {
   [[nodiscard]] std::vector<enforce::StatedBinding> stated(std::size_t network) const;
   /// Of a network, as its Condition has them.
   [[nodiscard]] std::vector<core::Contradicted> contradicted(std::size_t network) const;
+  /// What has to outlive the gates: the tags that are stated and that nothing passes by, since the
+  /// broker has dealt them otherwise.
+  [[nodiscard]] std::vector<store::Contradicted> to_keep() const;
+  /// Takes up what was kept, where no gate knows better. Gives those that are closed by it.
+  std::vector<Tag*> recall(const store::Contents& kept);
   /// The one to ask for now; none: it is not time yet, or all are known.
   [[nodiscard]] Tag* to_ask_for(std::size_t network, std::uint64_t now);
 

@@ -11,6 +11,7 @@
 #include "base/handle.hpp"
 #include "base/result.hpp"
 #include "daemon/net/rtnl.hpp"
+#include "daemon/outside/link_monitor.hpp"
 
 namespace mlcca::net {
 
@@ -49,27 +50,27 @@ enum class Presence : std::uint8_t {
   unknown,  ///< it has not answered
 };
 
-class Links {
+class Links final : public LinkMonitor {
  public:
   /// Joins the groups of links and of traffic control first and reads the table then, so that no
   /// change is missed.
   static Result<Links> open();
 
   /// Readable when something changed.
-  [[nodiscard]] int fd() const { return notices_.get(); }
+  [[nodiscard]] int fd() const override { return notices_.get(); }
   /// Takes the notifications off the socket and reads the table anew. True if it differs, or
   /// somebody has gone. After an error the table is what it was.
-  Result<bool> refresh();
+  Result<bool> refresh() override;
   /// Why the table may not be what is there: refresh() soon. Empty: it could be read.
-  [[nodiscard]] const std::string& problem() const { return problem_; }
+  [[nodiscard]] const std::string& problem() const override { return problem_; }
   [[nodiscard]] const LinkTable& table() const { return table_; }
   /// Of an interface, or its index where it is unknown.
-  [[nodiscard]] std::string name_of(int ifindex) const {
+  [[nodiscard]] std::string name_of(int ifindex) const override {
     const auto known = table_.find(ifindex);
     return known != table_.end() ? known->second.name : std::to_string(ifindex);
   }
   /// A filter or a queueing discipline came, changed or went since the last call.
-  [[nodiscard]] bool take_tc_changed() { return std::exchange(tc_changed_, false); }
+  [[nodiscard]] bool take_tc_changed() override { return std::exchange(tc_changed_, false); }
   struct Moved {
     int ifindex = 0;  ///< that it had here
     std::string name;

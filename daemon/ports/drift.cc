@@ -74,6 +74,15 @@ bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& l
   if (!links.contains(ifindex)) return true;
   Seen& seen = seen_[ifindex];
   gated_.insert(ifindex);
+  if (gate.judge_again()) {
+    ++seen.repaired;
+    tell_(
+        Kind::drift,
+        fmt::format("somebody altered the gate of {}: it let everything pass until now, and judges "
+                    "again",
+                    gate.name()),
+        true);
+  }
   keep_pinned(gate, seen);
   const auto there = gate.attached();
   if (seen.unseen.is_new(

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "base/drop_watch.hpp"
+#include "base/problem.hpp"
 #include "control/messages.hpp"
 #include "daemon/gates/port_gate.hpp"
-#include "daemon/gateway/drops.hpp"
-#include "daemon/gateway/problem.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/ports/bypass.hpp"
 #include "daemon/system_log.hpp"

@@ -7,38 +7,19 @@
 #include <ranges>
 #include <utility>
 
-#include "core/model/text.hpp"
+#include "core/model/progress.hpp"
 #include "daemon/gates/entry_slot.hpp"
 #include "daemon/net/queue.hpp"
 
 namespace mlcca {
-namespace {
 
-control::Traffic traffic_of(const enforce::PortGate& gate, enforce::Direction direction) {
-  control::Traffic out;
-  const auto reasons = gate.reasons(direction);
-  for (std::size_t i = 0; i < reasons.size(); ++i) {
-    if (reasons[i] == 0) continue;
-    const auto reason = static_cast<gate_reason>(i);
-    if (reason == GATE_R_PASSED) out.passed = reasons[i];
-    if (reason == GATE_R_UNKNOWN) out.unknown = reasons[i];
-    if (enforce::is_drop(reason)) out.dropped += reasons[i];
-    out.reasons.push_back({enforce::reason_text(reason), reasons[i]});
-  }
-  const auto spared = gate.would_drop(direction);
-  for (std::size_t i = 0; i < spared.size(); ++i) {
-    if (spared[i] == 0) continue;
-    out.would_drop += spared[i];
-    out.would_drop_reasons.push_back(
-        {enforce::reason_text(static_cast<gate_reason>(i)), spared[i]});
-  }
-  return out;
+/// One slot for each way of a channel through a port; some more are asked for at run time.
+std::size_t Ports::ether_slots_of(const core::System& system) {
+  return system.channels.size() * GATE_DIRECTIONS + system.publishers.size() * 2;
 }
 
-}  // namespace
-
-void Ports::describe(const core::System& system, std::size_t gateway) {
-  std::vector<PortState> next;
+std::vector<Ports::PortState> Ports::ports_of(const core::System& system, std::size_t gateway) {
+  std::vector<PortState> ports;
   for (const core::Port& port : system.gateways[gateway].ports) {
     PortState state;
     state.port = port;
@@ -46,22 +27,27 @@ void Ports::describe(const core::System& system, std::size_t gateway) {
     state.kind = system.networks[port.network].kind;
     state.profile = system.networks[port.network].profile;
     state.described_bitrate = system.networks[port.network].bus.bitrate;
+    ports.push_back(std::move(state));
+  }
+  return ports;
+}
+
+void Ports::describe(const core::System& system, std::size_t gateway) {
+  std::vector<PortState> next = ports_of(system, gateway);
+  for (PortState& state : next) {
     const auto old = std::ranges::find_if(ports_, [&](const PortState& p) {
-      return p.port.identity == port.identity && p.network_name == state.network_name;
+      return p.port.identity == state.port.identity && p.network_name == state.network_name;
     });
-    if (old != ports_.end()) {
-      state.ifindex = old->ifindex;
-      state.can_state = old->can_state;
-      state.held = old->held;
-      state.unwatched = old->unwatched;
-      state.raised = old->raised && old->port.bitrate == port.bitrate &&
-                     old->port.data_bitrate == port.data_bitrate;
-    }
-    next.push_back(std::move(state));
+    if (old == ports_.end()) continue;
+    state.ifindex = old->ifindex;
+    state.can_state = old->can_state;
+    state.held = old->held;
+    state.unwatched = old->unwatched;
+    state.raised = old->raised && old->port.bitrate == state.port.bitrate &&
+                   old->port.data_bitrate == state.port.data_bitrate;
   }
   ports_ = std::move(next);
-  // One slot for each way of a channel through a port; some more are asked for at run time.
-  ether_slots_ = system.channels.size() * GATE_DIRECTIONS + system.publishers.size() * 2;
+  ether_slots_ = ether_slots_of(system);
 }
 
 const net::Link* Ports::link_of(const PortState& port) const {
@@ -76,13 +62,11 @@ bool Ports::is_to_be_gated(int ifindex) const {
 
 void Ports::follow() {
   forget_vanished();
-  std::map<int, net::UdevFacts> known;  // each interface is looked up once, not for every port
-  const net::FactsOf facts_of = [&](int ifindex) {
-    const auto [it, fresh] = known.try_emplace(ifindex);
-    if (fresh) it->second = facts_of_(ifindex);
-    return it->second;
-  };
-  for (PortState& port : ports_) match(port, facts_of);
+  const net::FactsOf facts_of = looked_up_once();
+  for (PortState& port : ports_) {
+    match(port, facts_of);
+    core::Progress::made();
+  }
   close_undescribed();
   close_orphans();
   bool raised = false;
@@ -96,9 +80,13 @@ void Ports::follow() {
     if (const auto refreshed = links_.refresh(); !refreshed)
       tell_({}, refreshed.error().text, true);
   for (PortState& port : ports_) {
-    if (link_of(port) == nullptr) continue;
+    const net::Link* const link = link_of(port);
+    port.followed = link != nullptr ? std::optional(*link) : std::nullopt;
+    if (link == nullptr) continue;
     if (port.problem.empty()) queue(port);
+    port.unsettled = !port.problem.empty();
     judge(port);
+    core::Progress::made();
   }
 }
 
@@ -117,13 +105,13 @@ void Ports::look_for_bypass(int ifindex, std::int64_t now_s) {
 void Ports::match(PortState& port, const net::FactsOf& facts_of) {
   const auto found = net::find_interface(port.port.identity, links_.table(), facts_of);
   port.problem = found ? "" : found.error().text;
+  port.unsettled = !found;
   const int now = found && *found ? **found : 0;
   if (now == 0 && port.problem.empty())
     port.problem = fmt::format("the interface ({}) is not there", net::to_text(port.port.identity));
   if (now == port.ifindex) return;
   // Both the interface that was this port and the one that is it now may hold grants of another.
-  for (const int ifindex : {port.ifindex, now})
-    if (const auto gate = gates_.find(ifindex); gate != gates_.end()) gate->second->deny_all();
+  for (const int ifindex : {port.ifindex, now}) deny(ifindex);
   if (now != 0)
     tell_(port.network_name,
           fmt::format("{} is {} ({})", links_.table().at(now).name, port.network_name,
@@ -147,14 +135,29 @@ void Ports::attach(PortState& port) {
         "{} has no Ethernet frames, and there is a gate for CAN and Ethernet only", link.name);
     return;
   }
+  port.unfit = false;
   if (const auto done = hold(link, port); !done) {
     port.problem = done.error().text;
-    hold_closed(port, link.name);
+    if (!change_) return;  // it goes back to what was
+    if (gates_.contains(port.ifindex))
+      hold_by_former(port, link.name);
+    else
+      hold_closed(port, link.name);
     return;
   }
   port.held = 0;
   port.told.clear();
   port.lost = false;
+}
+
+/// The gate of a former description, with nothing that was granted by it.
+void Ports::hold_by_former(PortState& port, const std::string& name) {
+  port.unfit = true;
+  port.lost = false;
+  deny(port.ifindex);
+  if (std::exchange(port.told, port.problem) == port.problem) return;
+  tell_(port.network_name, port.problem, true);
+  tell_(port.network_name, name + " is held closed", true);
 }
 
 /// The last resort: a gate without pins and slots, which denies everything.
@@ -243,7 +246,10 @@ void Ports::tell_can_state(PortState& port, const net::Link& link) {
 
 bool Ports::repair() {
   begin_repair();
-  for (auto gate = next_gate(0); gate; gate = next_gate(*gate)) repair(*gate);
+  for (auto gate = next_gate(0); gate; gate = next_gate(*gate)) {
+    repair(*gate);
+    core::Progress::made();
+  }
   return wants_gate();
 }
 
@@ -273,7 +279,7 @@ bool Ports::wants_gate() const {
     if (p.port.queueing == core::Queueing::priority && !p.problem.empty() && p.ifindex != 0)
       return true;
     const net::Link* link = link_of(p);
-    return link != nullptr && can_have_gate(p, *link) && !gates_.contains(p.ifindex);
+    return link != nullptr && can_have_gate(p, *link) && (p.unfit || !gates_.contains(p.ifindex));
   });
 }
 
@@ -323,15 +329,18 @@ std::optional<enforce::SlotSpec> Ports::slot_of(const core::GateRule& rule) cons
 
 Result<void> Ports::sync(const core::GateState& wanted) {
   std::vector<std::vector<enforce::SlotSpec>> slots(ports_.size());
-  for (const core::GateRule& rule : wanted)
+  for (const core::GateRule& rule : wanted) {
     if (gate_of(rule.entry.port) != nullptr)
       if (auto slot = slot_of(rule)) slots[rule.entry.port].push_back(*slot);
+    core::Progress::step();
+  }
   std::vector<enforce::PortGate::Change> changes;
   for (std::size_t p = 0; p < ports_.size(); ++p) {
     enforce::PortGate* const gate = gate_of(p);
     if (gate == nullptr) continue;
     if (auto change = enforce::difference(gate->present(), slots[p]); !change.empty())
       changes.push_back({gate, std::move(change)});
+    core::Progress::made();
   }
   std::string problems;
   for (;;) {
@@ -351,18 +360,22 @@ std::map<std::size_t, enforce::SlotChanges> Ports::by_port(const core::GateChang
   std::map<std::size_t, enforce::SlotChanges> out;
   const auto spread = [&](const std::vector<core::GateEntry>& entries,
                           std::vector<enforce::SlotSpec> enforce::SlotChanges::* list) {
-    for (const core::GateEntry& e : entries)
+    for (const core::GateEntry& e : entries) {
       if (gate_of(e.port) != nullptr)
         if (auto slot = slot_of(e)) (out[e.port].*list).push_back(*slot);
+      core::Progress::step();
+    }
   };
   spread(changes.close, &enforce::SlotChanges::close);
   spread(changes.remove, &enforce::SlotChanges::remove);
   spread(changes.open, &enforce::SlotChanges::open);
   const auto spread_rules = [&](const core::GateState& rules,
                                 std::vector<enforce::SlotSpec> enforce::SlotChanges::* list) {
-    for (const core::GateRule& rule : rules)
+    for (const core::GateRule& rule : rules) {
       if (gate_of(rule.entry.port) != nullptr)
         if (auto slot = slot_of(rule)) (out[rule.entry.port].*list).push_back(*slot);
+      core::Progress::step();
+    }
   };
   spread_rules(changes.add, &enforce::SlotChanges::add);
   spread_rules(changes.police, &enforce::SlotChanges::police);
@@ -409,73 +422,6 @@ Frames Ports::frames(const core::GateState& rules,
       sum.last_reason = enforce::reason_text(counted->last_reason);
   }
   return sum;
-}
-
-UnknownFrames Ports::unknown_frames(std::size_t port) const {
-  UnknownFrames sum;
-  const enforce::PortGate* gate = gate_of(port);
-  if (gate == nullptr) return sum;
-  for (const auto direction : enforce::kBothDirections) {
-    sum.dropped += gate->reasons(direction)[GATE_R_UNKNOWN];
-    sum.would_drop += gate->would_drop(direction)[GATE_R_UNKNOWN];
-  }
-  return sum;
-}
-
-std::string Ports::latest_stranger(std::size_t port) const {
-  const enforce::PortGate* gate = gate_of(port);
-  if (gate == nullptr) return {};
-  for (const enforce::UnknownFrame& f : gate->unknown()) {
-    if (f.direction != enforce::Direction::ingress) continue;
-    if (f.format != 0)
-      return (f.can_id & CAN_EFF_FLAG) != 0 ? fmt::format("{:08X}", f.can_id & CAN_EFF_MASK)
-                                            : fmt::format("{:03X}", f.can_id & CAN_SFF_MASK);
-    return fmt::format("{} from {}", core::format_subject(f.subject),
-                       enforce::sender_text(f.station, f.mac));
-  }
-  return {};
-}
-
-std::string Ports::interface_name(std::size_t port) const {
-  const net::Link* link = link_of(ports_[port]);
-  return link != nullptr ? link->name : net::to_text(ports_[port].port.identity);
-}
-
-std::vector<control::Interface> Ports::report() const {
-  std::vector<control::Interface> out;
-  for (std::size_t p = 0; p < ports_.size(); ++p) {
-    const PortState& port = ports_[p];
-    control::Interface i;
-    i.name = interface_name(p);
-    i.network = port.network_name;
-    i.identity = net::to_text(port.port.identity);
-    i.profile = core::to_text(port.profile);
-    i.managed = port.port.managed;
-    i.problem = port.problem;
-    i.ifindex = static_cast<std::uint32_t>(port.ifindex);
-    if (const net::Link* link = link_of(port)) {
-      i.up = link->up;
-      i.can_state = link->can_state;
-      i.bitrate = link->bitrate;
-    }
-    if (const enforce::PortGate* gate = gate_of(p)) {
-      i.gated = gate->attached().value_or(false);
-      drift_.report(port.ifindex, *gate, i);
-      if (!links_.problem().empty())
-        i.drift += (i.drift.empty() ? "" : "; ") + links_.problem() + ": all stays as it was";
-      i.drops_early = gate->drops_early();
-      i.slots = static_cast<std::uint32_t>(gate->size());
-      i.ingress = traffic_of(*gate, enforce::Direction::ingress);
-      i.egress = traffic_of(*gate, enforce::Direction::egress);
-      for (const enforce::UnknownFrame& f : gate->unknown())
-        i.unknown.push_back({f.can_id, f.len, f.format == GATE_FD,
-                             f.direction == enforce::Direction::egress, f.count, f.subject,
-                             f.format == GATE_XL, enforce::address_text(f.station),
-                             enforce::mac_text(f.station, f.mac)});
-    }
-    out.push_back(std::move(i));
-  }
-  return out;
 }
 
 }  // namespace mlcca

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/problem.hpp"
 #include "base/result.hpp"
 #include "control/messages.hpp"
 #include "core/admission/admission.hpp"
@@ -22,16 +23,14 @@
 #include "daemon/gates/ether_gate.hpp"
 #include "daemon/gates/gate.hpp"
 #include "daemon/gates/slot_record.hpp"
-#include "daemon/gateway/bus_load.hpp"
-#include "daemon/gateway/problem.hpp"
-#include "daemon/gateway/report.hpp"
 #include "daemon/net/identity.hpp"
 #include "daemon/net/links.hpp"
+#include "daemon/outside/gate_driver.hpp"
 #include "daemon/ports/drift.hpp"
 
 namespace mlcca {
 
-class Ports {
+class Ports final : public GateDriver {
  public:
   /// Told of everything an operator should know: interface, one line, whether it is a problem.
   using Tell =
@@ -49,102 +48,122 @@ class Ports {
 
   /// The ports of a new description. Gates that are there stay as they are until follow() and
   /// sync(); an interface that is not described any more is closed by follow().
-  void describe(const core::System& system, std::size_t gateway);
+  void describe(const core::System& system, std::size_t gateway) override;
+
+  /// Before describe(): makes all gates that this description needs and that are not there, without
+  /// putting any in place. Until end_change() the gates that they displace are kept as well, for
+  /// the way back. Error: there is no memory for one, or no right; nothing was changed.
+  Result<void> prepare(const core::System& system, std::size_t gateway) override;
+  /// Why a gate could not be put in place since prepare(): describe() what was before, and
+  /// follow(). The one that was in its place is there, with its slots.
+  [[nodiscard]] const Result<void>& change() const override { return change_; }
+  /// From now on follow() and sync() go back to what was before.
+  void go_back() override {
+    goes_back_ = true;
+    change_ = {};
+  }
+  void end_change() override;
 
   /// Called between the steps of what takes long, a gate at a time.
-  void on_step(std::function<void()> step) { step_ = std::move(step); }
+  void on_step(std::function<void()> step) override { step_ = std::move(step); }
 
+  [[nodiscard]] bool is_to_follow() override;
   /// Brings gates and interfaces in line with what is there now: bit rate, then gate, then up.
   /// Everything that changed hands is denied before anything else happens.
-  void follow();
+  void follow() override;
 
   /// Gates that lost their filters get them back; one that could not be attached is tried again.
   /// True if that changed anything: follow() then.
-  bool repair();
+  bool repair() override;
   /// The same in steps, a gate at a time: what comes before them, then next_gate() behind 0 and so
   /// on, then wants_gate() tells what repair() would.
-  void begin_repair();
+  void begin_repair() override;
   /// False where the gate is gone and cannot be put back: follow() at once, before anything else.
-  bool repair(int ifindex);
-  [[nodiscard]] bool wants_gate() const;
+  bool repair(int ifindex) override;
+  [[nodiscard]] bool wants_gate() const override;
   /// The gate behind this one, by ifindex; nothing behind the last one.
-  [[nodiscard]] std::optional<int> next_gate(int ifindex) const;
+  [[nodiscard]] std::optional<int> next_gate(int ifindex) const override;
 
   /// An interface that ought to be gated has no gate that we command, and an older one may still
   /// pass what it was told: everything must be closed.
-  [[nodiscard]] bool out_of_hand() const;
+  [[nodiscard]] bool out_of_hand() const override;
   /// Whether a gate's interface is there could not be found out: follow() again soon.
-  [[nodiscard]] bool in_doubt() const {
+  [[nodiscard]] bool in_doubt() const override {
     return !doubtful_.empty() || unread_.lasts() || !orphans_closed_;
   }
 
   /// Why nobody knows whether gates without pins are left; empty: it is known.
-  [[nodiscard]] const std::string& orphans_unknown() const { return orphans_unknown_.text(); }
+  [[nodiscard]] const std::string& orphans_unknown() const override {
+    return orphans_unknown_.text();
+  }
 
   /// Once a second: frames that were sent past the gate of an interface.
-  void look_for_bypass(int ifindex, std::int64_t now_s);
+  void look_for_bypass(int ifindex, std::int64_t now_s) override;
 
   /// Usable or why not, per network of the system.
-  [[nodiscard]] std::vector<core::Condition> conditions(std::size_t networks) const;
+  [[nodiscard]] std::vector<core::Condition> conditions(std::size_t networks) const override;
 
   /// What the bus behind a port has carried; nothing where the kernel does not say.
-  [[nodiscard]] std::optional<BusCounters> bus_counters(std::size_t port);
-  /// Network of the system that a port is on.
-  [[nodiscard]] std::size_t network_number(std::size_t port) const {
-    return ports_[port].port.network;
-  }
-
+  [[nodiscard]] std::optional<BusCounters> bus_counters(std::size_t port) override;
   /// Makes every gate hold exactly `wanted`. A gate that refuses is denied as a whole, and the
   /// error names it.
-  Result<void> sync(const core::GateState& wanted);
+  Result<void> sync(const core::GateState& wanted) override;
   /// What leaves through a port is queued by these limits, see enforce::Gate::set_bands().
-  void set_bands(std::size_t port, std::span<const std::uint32_t> limits);
-  /// The port queues by priority, and is there to do so.
-  [[nodiscard]] bool queues_by_priority(std::size_t port) const {
-    return ports_[port].port.queueing == core::Queueing::priority && ports_[port].problem.empty();
-  }
-
+  void set_bands(std::size_t port, std::span<const std::uint32_t> limits) override;
   /// Makes the changes. After an error gates hold part of them: sync() then.
-  Result<void> apply(const core::GateChanges& changes);
+  Result<void> apply(const core::GateChanges& changes) override;
 
   /// What the gates hold of these rules, in their order.
-  [[nodiscard]] std::vector<enforce::PlacedSlot> slots(std::span<const core::GateRule> rules) const;
+  [[nodiscard]] std::vector<enforce::PlacedSlot> slots(
+      std::span<const core::GateRule> rules) const override;
 
   /// What came and left by these rules. A frame that leaves has passed once: it is counted where it
   /// leaves, or, where that entry is one of those `shared` with others, where it came in.
   [[nodiscard]] Frames frames(const core::GateState& rules,
-                              const std::vector<core::GateEntry>& shared = {}) const;
+                              const std::vector<core::GateEntry>& shared) const override;
+  using GateDriver::frames;
   /// How the events of a delivery come to the slot that they enter by; nothing where nobody looks.
-  [[nodiscard]] std::optional<control::Watch> watch(const core::GateState& rules) const;
+  [[nodiscard]] std::optional<control::Watch> watch(const core::GateState& rules) const override;
   /// If events of a delivery are missing that is told once more: somebody has not heard it.
-  [[nodiscard]] Result<void> tell_again(const core::GateState& rules) const;
+  [[nodiscard]] Result<void> tell_again(const core::GateState& rules) const override;
   /// The event is of the slot that one of these rules is held by.
-  [[nodiscard]] bool is_of(const gate_event& event, const core::GateState& rules) const;
-  [[nodiscard]] std::vector<control::Interface> report() const;
-  [[nodiscard]] std::size_t size() const { return ports_.size(); }
+  [[nodiscard]] bool is_of(const gate_event& event, const core::GateState& rules) const override;
+  [[nodiscard]] std::vector<control::Interface> report() const override;
+  [[nodiscard]] std::size_t size() const override { return ports_.size(); }
   /// The gate of a port; none where it needs none or could not be attached.
   [[nodiscard]] const enforce::PortGate* gate(std::size_t port) const { return gate_of(port); }
   /// The same where it is a CAN gate.
   [[nodiscard]] enforce::Gate* can_gate(std::size_t port) const { return can_gate_of(port); }
-  [[nodiscard]] const core::Port& described(std::size_t port) const { return ports_[port].port; }
+  [[nodiscard]] const core::Port& described(std::size_t port) const override {
+    return ports_[port].port;
+  }
   [[nodiscard]] bool is_can(std::size_t port) const {
     return ports_[port].kind == core::NetworkKind::can;
   }
-  [[nodiscard]] core::Profile profile(std::size_t port) const { return ports_[port].profile; }
-  [[nodiscard]] const std::string& problem(std::size_t port) const { return ports_[port].problem; }
-  [[nodiscard]] const std::string& network_of(std::size_t port) const {
+  [[nodiscard]] core::Profile profile(std::size_t port) const override {
+    return ports_[port].profile;
+  }
+  [[nodiscard]] const std::string& problem(std::size_t port) const override {
+    return ports_[port].problem;
+  }
+  [[nodiscard]] const std::string& network_of(std::size_t port) const override {
     return ports_[port].network_name;
   }
   /// Of the interface that is held by a gate, 0: there is none.
-  [[nodiscard]] int gated_interface(std::size_t port) const {
+  [[nodiscard]] int gated_interface(std::size_t port) const override {
     return gate_of(port) == nullptr ? 0 : ports_[port].ifindex;
   }
   /// Frames without a slot so far, on one port.
-  [[nodiscard]] UnknownFrames unknown_frames(std::size_t port) const;
+  [[nodiscard]] UnknownFrames unknown_frames(std::size_t port) const override;
   /// The latest frame without a slot that came in: "123", "0x4e6f626f64790000 from 10.0.0.7".
-  [[nodiscard]] std::string latest_stranger(std::size_t port) const;
+  [[nodiscard]] std::string latest_unknown(std::size_t port) const override;
+  [[nodiscard]] control::Gates gates(const core::State& state,
+                                     const std::string& place) const override;
+  [[nodiscard]] std::string gated_places() const override;
+  [[nodiscard]] std::size_t slot_count() const override;
+  [[nodiscard]] std::optional<enforce::Bindings> bindings(std::size_t port) const override;
   /// Name of the interface now, or what it is recognised by.
-  [[nodiscard]] std::string interface_name(std::size_t port) const;
+  [[nodiscard]] std::string interface_name(std::size_t port) const override;
 
  private:
   struct PortState {
@@ -156,9 +175,12 @@ class Ports {
     std::string can_state;                ///< as last told
     int ifindex = 0;                      ///< 0: not there
     std::string problem;
+    std::optional<net::Link> followed;  ///< the interface as follow() has judged it
+    bool unsettled = false;             ///< follow() has found what may be otherwise the next time
     bool raised = false;  ///< a managed interface was brought up once since it appeared
     bool lost = false;    ///< no gate of ours could be attached, not even a closed one
     int held = 0;  ///< ifindex that was given a gate without slots, because nothing else could be
+    bool unfit = false;      ///< the gate that is there is of a former description, and is denied
     bool unwatched = false;  ///< its gate has more to watch than it can, and that was told
     std::string told;        ///< the last problem of attaching that was told
   };
@@ -169,18 +191,26 @@ class Ports {
     enforce::Gate* can = nullptr;
     enforce::EtherGate* ethernet = nullptr;
     enforce::PortGate* operator->() const { return gate.get(); }
+    [[nodiscard]] bool holds(const enforce::GateConfig& config) const;
+    [[nodiscard]] bool holds(const enforce::EtherConfig& config) const;
   };
+  static std::vector<PortState> ports_of(const core::System& system, std::size_t gateway);
+  static std::size_t ether_slots_of(const core::System& system);
+  [[nodiscard]] net::FactsOf looked_up_once() const;
   static bool needs_gate(const PortState& port);
   static bool is_gated_can(const PortState& port);
   static bool can_have_gate(const PortState& port, const net::Link& link);
   [[nodiscard]] const net::Link* link_of(const PortState& port) const;
   void match(PortState& port, const net::FactsOf& facts_of);
   void attach(PortState& port);
+  void hold_by_former(PortState& port, const std::string& name);
   void hold_closed(PortState& port, const std::string& name);
   /// True if that changed the interface.
   bool raise(PortState& port);
   void forget_vanished();
   [[nodiscard]] bool has_gone(int ifindex);
+  void doubt_gone();
+  [[nodiscard]] bool concerns(const PortState& port, const net::FactsOf& facts_of) const;
   void close_undescribed();
   void close_orphans();
   /// Gives an interface that is not described a gate that denies everything.
@@ -203,8 +233,12 @@ class Ports {
   [[nodiscard]] std::optional<WatchedSlot> watched_slot(const core::GateState& rules) const;
   /// Puts the gate in place that a port needs, unless it is there.
   Result<void> hold(const net::Link& link, const PortState& port);
-  Result<void> hold_can(const enforce::GateConfig& config);
-  Result<void> hold_ethernet(const enforce::EtherConfig& config);
+  template <class Config>
+  Result<void> hold(const Config& config);
+  Result<void> make_spare(const net::Link& link, const PortState& port, std::size_t slots);
+  Result<Held> load(const enforce::GateConfig& config) const;
+  Result<Held> load(const enforce::EtherConfig& config) const;
+  void deny(int ifindex);
   [[nodiscard]] Drift::Gates all_gates() const;
   [[nodiscard]] const enforce::PortGate* gate_of(std::size_t port) const;
   enforce::PortGate* gate_of(std::size_t port);
@@ -219,8 +253,12 @@ class Ports {
   Tell tell_;
   std::function<void()> step_ = [] {};
   std::vector<PortState> ports_;
-  std::size_t ether_slots_ = 0;  ///< that Ethernet gates must have room for
-  std::map<int, Held> gates_;    ///< by ifindex
+  std::size_t ether_slots_ = 0;      ///< that Ethernet gates must have room for
+  std::map<int, Held> gates_;        ///< by ifindex
+  std::multimap<int, Held> spares_;  ///< those that are not in place, see prepare()
+  bool goes_back_ = false;           ///< see go_back()
+  bool keeps_spares_ = false;
+  Result<void> change_;
   std::set<int> doubtful_;       ///< those of them whose interface may have gone
   bool orphans_closed_ = false;  ///< see close_orphans()
   Problem orphans_unknown_;      ///< why they could not be found

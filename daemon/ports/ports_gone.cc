@@ -4,6 +4,7 @@
 
 #include <iterator>
 
+#include "core/model/progress.hpp"
 #include "daemon/gates/close_unpinned.hpp"
 #include "daemon/ports/ports.hpp"
 
@@ -31,9 +32,13 @@ bool Ports::has_gone(int ifindex) {
   return false;
 }
 
-void Ports::forget_vanished() {
+void Ports::doubt_gone() {
   for (const int gone : links_.take_gone())
     if (gates_.contains(gone)) doubtful_.insert(gone);
+}
+
+void Ports::forget_vanished() {
+  doubt_gone();
   for (auto it = gates_.begin(); it != gates_.end();)
     it = has_gone(it->first) ? gates_.erase(it) : std::next(it);
   if (const auto unpinned = enforce::unpin_vanished(control_); !unpinned)
@@ -41,8 +46,10 @@ void Ports::forget_vanished() {
 }
 
 void Ports::close_undescribed() {
-  for (auto& [ifindex, gate] : gates_)
+  for (auto& [ifindex, gate] : gates_) {
     if (!is_to_be_gated(ifindex)) gate->deny_all();
+    core::Progress::made();
+  }
   std::erase_if(doubtful_, [this](int ifindex) { return !gates_.contains(ifindex); });
   const auto pinned = enforce::pinned_interfaces(control_);
   if (unread_.is_new(pinned ? "" : pinned.error().text))
@@ -52,6 +59,7 @@ void Ports::close_undescribed() {
   if (!pinned) return;
   for (const std::uint32_t number : *pinned) {
     const auto ifindex = static_cast<int>(number);
+    core::Progress::made();
     if (is_to_be_gated(ifindex) || gates_.contains(ifindex)) continue;
     const auto link = links_.table().find(ifindex);
     if (link == links_.table().end()) {
@@ -93,7 +101,7 @@ void Ports::close_orphans() {
         link == links_.table().end())
       continue;
     close(link->second);
-    step_();
+    core::Progress::made();
   }
 }
 

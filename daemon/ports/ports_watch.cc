@@ -76,4 +76,10 @@ void Ports::tell_unwatched() {
   }
 }
 
+std::optional<enforce::Bindings> Ports::bindings(std::size_t port) const {
+  const enforce::Gate* gate = can_gate_of(port);
+  if (gate == nullptr || ports_[port].profile != core::Profile::famouso) return std::nullopt;
+  return gate->bindings();
+}
+
 }  // namespace mlcca

@@ -21,6 +21,8 @@ std::string get(const std::map<Subject, std::string>& from, const Subject& subje
   return known == from.end() ? std::string() : known->second;
 }
 
+auto key_of(const Contradicted& entry) { return std::pair(entry.network, entry.subject); }
+
 bool holds(const std::vector<std::string>& sorted, const std::string& text) {
   return std::ranges::binary_search(sorted, text);
 }
@@ -49,6 +51,12 @@ struct Apply {
       to.gated.erase(entry.identity);
     else
       to.gated.insert_or_assign(entry.identity, entry);
+  }
+  void operator()(const Contradicted& entry) const {
+    if (entry.how.empty())
+      to.contradicted.erase(key_of(entry));
+    else
+      to.contradicted.insert_or_assign(key_of(entry), entry);
   }
 };
 
@@ -91,6 +99,15 @@ struct Inverse {
     if (old == of.gated.end()) {
       if (entry.ifindex == 0) return std::nullopt;
       return Gated{.identity = entry.identity, .network = {}, .interface = {}, .ifindex = 0};
+    }
+    if (old->second == entry) return std::nullopt;
+    return old->second;
+  }
+  Answer operator()(const Contradicted& entry) const {
+    const auto old = of.contradicted.find(key_of(entry));
+    if (old == of.contradicted.end()) {
+      if (entry.how.empty()) return std::nullopt;
+      return Contradicted{entry.network, entry.subject, 0, {}};
     }
     if (old->second == entry) return std::nullopt;
     return old->second;

@@ -10,6 +10,7 @@
 #include <ranges>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -61,7 +62,18 @@ struct Enforced {
   bool operator==(const Enforced&) const = default;
 };
 
-using Entry = std::variant<Admitted, Removed, Released, Reinstated, Granted, Gated, Enforced>;
+/// The broker of a FAMOUSO bus has dealt the tag that is stated for a subject otherwise, and not as
+/// stated since; the latest one of a subject on a network counts.
+struct Contradicted {
+  std::string network;
+  std::uint64_t subject = 0;
+  std::uint16_t etag = 0;  ///< as it is stated
+  std::string how;         ///< the writer's own words; empty: it is over
+  bool operator==(const Contradicted&) const = default;
+};
+
+using Entry =
+    std::variant<Admitted, Removed, Released, Reinstated, Granted, Gated, Enforced, Contradicted>;
 
 /// Admit requests that were granted: a range of control::Request, oldest first (by id).
 class Admissions {
@@ -120,6 +132,8 @@ struct Contents {
   std::map<std::string, Gated> gated;
   /// By subject; never empty octets.
   std::map<std::uint64_t, std::string> enforced;
+  /// By network and subject; never of empty words.
+  std::map<std::pair<std::string, std::uint64_t>, Contradicted> contradicted;
   /// The next admission gets this id; ids are never used twice.
   std::uint64_t next_id = 1;
   bool operator==(const Contents&) const = default;

@@ -23,6 +23,7 @@ enum class Kind : std::uint8_t {
   gated = 7,
   enforced = 8,
   admitted_by = 9,
+  contradicted = 10,
 };
 
 template <class Integer>
@@ -104,6 +105,12 @@ struct Encode {
   std::string operator()(const Enforced& entry) const {
     return with_head(Kind::enforced, octets(entry.subject) + entry.slots);
   }
+  std::string operator()(const Contradicted& entry) const {
+    std::string body = octets(entry.subject);
+    put(body, entry.etag);
+    put_text(body, entry.network);
+    return with_head(Kind::contradicted, body + entry.how);
+  }
 };
 
 std::optional<Entry> decode_admitted(std::string_view body, std::uint32_t by = 0) {
@@ -146,6 +153,18 @@ std::optional<Entry> decode_gated(std::string_view body) {
   return entry;
 }
 
+std::optional<Entry> decode_contradicted(std::string_view body) {
+  Contradicted entry;
+  if (body.size() < sizeof entry.subject + sizeof entry.etag) return std::nullopt;
+  entry.subject = take<std::uint64_t>(body);
+  entry.etag = take<std::uint16_t>(body);
+  auto network = take_text(body);
+  if (!network) return std::nullopt;
+  entry.network = std::move(*network);
+  entry.how = body;
+  return entry;
+}
+
 std::optional<Entry> decode(std::uint8_t kind, std::string_view body) {
   switch (static_cast<Kind>(kind)) {
     case Kind::admitted:
@@ -165,6 +184,8 @@ std::optional<Entry> decode(std::uint8_t kind, std::string_view body) {
       return decode_enforced(body);
     case Kind::admitted_by:
       return decode_admitted_by(body);
+    case Kind::contradicted:
+      return decode_contradicted(body);
     case Kind::next_id:
       break;  // no entry: the reader keeps it
   }
@@ -202,9 +223,11 @@ std::uint64_t live_bytes(const Entry& entry) {
                ? 0
                : kEntryHead + sizeof(enforced->subject) + enforced->slots.size();
   const auto* gated = std::get_if<Gated>(&entry);
+  const auto* contradicted = std::get_if<Contradicted>(&entry);
   const bool adds = std::holds_alternative<Admitted>(entry) ||
                     std::holds_alternative<Released>(entry) ||
-                    (gated != nullptr && gated->ifindex != 0);
+                    (gated != nullptr && gated->ifindex != 0) ||
+                    (contradicted != nullptr && !contradicted->how.empty());
   return adds ? encode(entry).size() : 0;
 }
 
@@ -233,6 +256,7 @@ std::string snapshot(std::uint64_t salt, const Contents& contents) {
   for (const auto& [subject, state] : contents.granted) add(Granted{subject, state});
   for (const auto& [identity, gated] : contents.gated) add(gated);
   for (const auto& [subject, slots] : contents.enforced) add(Enforced{subject, slots});
+  for (const auto& [key, contradicted] : contents.contradicted) add(contradicted);
   return batch(salt, 0, count, std::move(entries));
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The bytes of the journal's file (docs/RESERVATIONS.md). Integers are little endian. A file is a
-// head and batches; the first batch is the state that the file began with.
+// The bytes of the journal's file (docs/reference/journal.md). Integers are little endian. A file
+// is a head and batches; the first batch is the state that the file began with.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The journal of reservations: every change is on disk, in order and checksummed, before the answer
-// is given. docs/RESERVATIONS.md describes the file byte by byte and what is guaranteed.
+// is given. docs/reference/journal.md describes the file byte by byte and what is guaranteed.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -26,6 +26,21 @@ enum class Attribute : uint8_t {
 };
 constexpr size_t kAttributes = 8;
 
+namespace detail {
+template <bool FitsAnOctet>
+struct AttributeBitsOf {
+  using Type = uint8_t;
+};
+template <>
+struct AttributeBitsOf<false> {
+  using Type = uint16_t;
+};
+}  // namespace detail
+
+/// A bit for each attribute, 1 << index: as narrow as holds all of them, since nodes count octets.
+using AttributeBits = detail::AttributeBitsOf<(kAttributes <= 8)>::Type;
+static_assert(kAttributes <= 8 * sizeof(AttributeBits), "one bit for each attribute");
+
 enum class Better : uint8_t { smaller, larger };
 
 /// How the provision of a route follows from the provisions of its hops.
@@ -83,15 +98,15 @@ class AttributeSet {
   constexpr AttributeSet& set(Attribute a, Value v, bool dynamic = false) {
     const unsigned bit = 1U << static_cast<size_t>(a);
     value_[static_cast<size_t>(a)] = v;
-    present_ = static_cast<uint8_t>(present_ | bit);
-    dynamic_ = static_cast<uint8_t>(dynamic ? dynamic_ | bit : dynamic_ & ~bit);
+    present_ = static_cast<AttributeBits>(present_ | bit);
+    dynamic_ = static_cast<AttributeBits>(dynamic ? dynamic_ | bit : dynamic_ & ~bit);
     return *this;
   }
   constexpr AttributeSet& clear(Attribute a) {
     const unsigned bit = 1U << static_cast<size_t>(a);
     value_[static_cast<size_t>(a)] = 0;
-    present_ = static_cast<uint8_t>(present_ & ~bit);
-    dynamic_ = static_cast<uint8_t>(dynamic_ & ~bit);
+    present_ = static_cast<AttributeBits>(present_ & ~bit);
+    dynamic_ = static_cast<AttributeBits>(dynamic_ & ~bit);
     return *this;
   }
   /// Takes every value as it is: a best case means nothing in a requirement.
@@ -112,8 +127,8 @@ class AttributeSet {
 
  private:
   Value value_[kAttributes] = {};
-  uint8_t present_ = 0;
-  uint8_t dynamic_ = 0;
+  AttributeBits present_ = 0;
+  AttributeBits dynamic_ = 0;
 };
 
 }  // namespace mlcca

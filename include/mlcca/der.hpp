@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The run-time representation of an event channel's attributes, proto/mlcca.asn1: writer and
-// reader. C++14, freestanding. docs/NODES.md has the format as a table.
+// reader. C++14, freestanding. docs/reference/nodes.md has the format as a table.
 #pragma once
 #include "mlcca/der_decode.hpp"
 #include "mlcca/der_encode.hpp"

@@ -34,22 +34,22 @@ enum class Side : uint8_t { requirement, provision };
 
 namespace detail {
 
-/// 1 << index_of(a), in 8 bits: a processor that shifts by one place at a time does so with less.
-constexpr uint8_t narrow_bit(Attribute a) {
-  uint8_t bit = 1;
-  for (auto i = static_cast<uint8_t>(a); i != 0; --i) bit = static_cast<uint8_t>(bit + bit);
+/// 1 << index_of(a), in as few bits as there are attributes: a processor that shifts by one place
+/// at a time does so with less.
+constexpr AttributeBits narrow_bit(Attribute a) {
+  AttributeBits bit = 1;
+  for (auto i = static_cast<uint8_t>(a); i != 0; --i) bit = static_cast<AttributeBits>(bit + bit);
   return bit;
 }
 
 /// A bit for each attribute that is better when larger.
-constexpr uint8_t larger_is_better() {
+constexpr AttributeBits larger_is_better() {
   unsigned bits = 0;
   for (size_t i = 0; i < kAttributes; ++i)
     if (kAttributeTable[i].better == Better::larger) bits |= 1U << i;
-  return static_cast<uint8_t>(bits);
+  return static_cast<AttributeBits>(bits);
 }
-constexpr uint8_t kLargerIsBetter = larger_is_better();
-static_assert(kAttributes <= 8, "one bit each");
+constexpr AttributeBits kLargerIsBetter = larger_is_better();
 
 constexpr bool narrow_larger(Attribute a) { return (kLargerIsBetter & narrow_bit(a)) != 0; }
 
@@ -126,15 +126,15 @@ class NarrowSet {
   /// nothing is set, for a requirement that is too large. A mark means nothing in a requirement, a
   /// Deadline nothing in a provision. After the last one: normalise().
   constexpr bool set(Attribute a, const uint8_t* magnitude, uint8_t size, bool dynamic) {
-    const uint8_t bit = detail::narrow_bit(a);
+    const AttributeBits bit = detail::narrow_bit(a);
     const bool up = ((detail::kLargerIsBetter & bit) != 0) == (S == Side::requirement);
     Count count =
         detail::divide_magnitude<Count>(magnitude, size, detail::narrow_unit<Units>(a), up);
     if (S == Side::requirement && count == kNoBound) return false;
     if (S == Side::provision && a == Attribute::packet_loss && count > kCertain) count = kCertain;
     quality_[index_of(a)] = quality_of(bit, count);
-    present_ = static_cast<uint8_t>(present_ | bit);
-    if (S == Side::provision && dynamic) dynamic_ = static_cast<uint8_t>(dynamic_ | bit);
+    present_ = static_cast<AttributeBits>(present_ | bit);
+    if (S == Side::provision && dynamic) dynamic_ = static_cast<AttributeBits>(dynamic_ | bit);
     return true;
   }
 
@@ -151,8 +151,8 @@ class NarrowSet {
 
   constexpr NarrowSet& clear(Attribute a) {
     quality_[index_of(a)] = 0;
-    present_ = static_cast<uint8_t>(present_ & ~detail::narrow_bit(a));
-    dynamic_ = static_cast<uint8_t>(dynamic_ & ~detail::narrow_bit(a));
+    present_ = static_cast<AttributeBits>(present_ & ~detail::narrow_bit(a));
+    dynamic_ = static_cast<AttributeBits>(dynamic_ & ~detail::narrow_bit(a));
     return *this;
   }
 
@@ -161,15 +161,15 @@ class NarrowSet {
     static_assert(S == Side::requirement, "provisions compose, see compose()");
     for (uint8_t i = 0; i < kAttributes; ++i)
       if (other.quality_[i] > quality_[i]) quality_[i] = other.quality_[i];
-    present_ = static_cast<uint8_t>(present_ | other.present_);
+    present_ = static_cast<AttributeBits>(present_ | other.present_);
     return *this;
   }
 
   /// A number that is better when larger, whatever the attribute; 0 for an absent one.
   constexpr Count quality(uint8_t index) const { return quality_[index]; }
   /// A bit for each attribute, 1 << index_of(attribute).
-  constexpr uint8_t present() const { return present_; }
-  constexpr uint8_t dynamic() const { return dynamic_; }
+  constexpr AttributeBits present() const { return present_; }
+  constexpr AttributeBits dynamic() const { return dynamic_; }
 
  private:
   static constexpr Count kNoBound = static_cast<Count>(~Count{0});
@@ -180,20 +180,20 @@ class NarrowSet {
       kCertainUnits < kNoBound ? static_cast<Count>(kCertainUnits) : kNoBound;
 
   /// Its own inverse.
-  static constexpr Count quality_of(uint8_t bit, Count count) {
+  static constexpr Count quality_of(AttributeBits bit, Count count) {
     return (detail::kLargerIsBetter & bit) != 0 ? count : static_cast<Count>(~count);
   }
   constexpr void copy(Attribute from, Attribute to) {
     if (!has(from)) return;
     quality_[index_of(to)] = quality_[index_of(from)];
-    present_ = static_cast<uint8_t>(present_ | detail::narrow_bit(to));
+    present_ = static_cast<AttributeBits>(present_ | detail::narrow_bit(to));
     if (S == Side::provision && is_dynamic(from))
-      dynamic_ = static_cast<uint8_t>(dynamic_ | detail::narrow_bit(to));
+      dynamic_ = static_cast<AttributeBits>(dynamic_ | detail::narrow_bit(to));
   }
 
   Count quality_[kAttributes] = {};
-  uint8_t present_ = 0;
-  uint8_t dynamic_ = 0;
+  AttributeBits present_ = 0;
+  AttributeBits dynamic_ = 0;
 };
 
 template <class Units>
@@ -203,8 +203,8 @@ using NarrowProvision = NarrowSet<Units, Side::provision>;
 
 /// The answer of check_layer(): a bit for each required attribute, 1 << index_of(attribute).
 struct NarrowCheck {
-  uint8_t unfit = 0;
-  uint8_t run_time = 0;
+  AttributeBits unfit = 0;
+  AttributeBits run_time = 0;
 
   constexpr Outcome outcome() const {
     if (unfit != 0) return Outcome::unfit;
@@ -222,15 +222,16 @@ struct NarrowCheck {
 template <class Units>
 constexpr NarrowCheck check_layer(const NarrowSet<Units, Side::requirement>& requirement,
                                   const NarrowSet<Units, Side::provision>& provision) {
-  auto unfit = static_cast<uint8_t>(requirement.present() & ~provision.present());
-  uint8_t bit = 1;
+  auto unfit = static_cast<AttributeBits>(requirement.present() & ~provision.present());
+  AttributeBits bit = 1;
   for (uint8_t i = 0; i < kAttributes; ++i) {
-    if (provision.quality(i) < requirement.quality(i)) unfit = static_cast<uint8_t>(unfit | bit);
-    bit = static_cast<uint8_t>(bit << 1);
+    if (provision.quality(i) < requirement.quality(i))
+      unfit = static_cast<AttributeBits>(unfit | bit);
+    bit = static_cast<AttributeBits>(bit << 1);
   }
   NarrowCheck check;
   check.unfit = unfit;
-  check.run_time = static_cast<uint8_t>(requirement.present() & provision.dynamic() & ~unfit);
+  check.run_time = static_cast<AttributeBits>(requirement.present() & provision.dynamic() & ~unfit);
   return check;
 }
 

@@ -10,9 +10,11 @@ FAULT_SEED ?= 1
 FAULT_NEEDS := $O/tests/nth_call.so $O/mlccad $O/mlcca-awds $O/mlccactl $O/mlcca-readback
 check-fault: $(FAULT_NEEDS) ## mlccad while the n-th call fails, a sample of all (root)
 	$(Q)tests/fault/nth-call $O --sample $(FAULT_SAMPLE) --seed $(FAULT_SEED)
+	$(Q)tests/fault/reload-memory $O 16
 soak-fault: stage $(GUEST_READY) $(FAULT_NEEDS) ## the same for every call; of those that allocate every tenth: hours (root)
 	$(Q)tests/fault/nth-call $O --most 1000 --patience 5
 	$(Q)$(SOAK_GUEST) SAMPLE=0 tests/guest/cases/nth-call
+	$(Q)tests/fault/reload-memory $O
 check-memory: $(FAULT_NEEDS) ## mlccad at the limit of its memory, in a cgroup (root)
 	$(call say,TEST,a limit of memory)
 	$(Q)tests/fault/memory-limit $O

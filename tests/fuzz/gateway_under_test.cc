@@ -18,9 +18,10 @@
 
 #include "control/codec.hpp"
 #include "core/gates/control_traffic.hpp"
-#include "daemon/gateway/gateway.hpp"
+#include "daemon/gateway/controller.hpp"
 #include "daemon/listen.hpp"
 #include "daemon/loop.hpp"
+#include "daemon/real_outside.hpp"
 #include "daemon/serve/session.hpp"
 #include "daemon/store/journal.hpp"
 #include "description/read.hpp"
@@ -47,16 +48,18 @@ bool changes(const control::Request& request) {
 struct GatewayUnderTest::Parts {
   Options options;
   EventLoop loop = new_event_loop();
-  std::optional<Gateway> gateway;
+  std::optional<RealOutside> world;
+  std::optional<Controller> gateway;
   std::optional<Loop> sources;
   std::unique_ptr<serve::Server> server;
 
   ~Parts() {
     server.reset();
     sources.reset();
-    if (gateway) gateway->on_event([](const control::Event&) {});
+    if (world) world->log().on_event([](const control::Event&) {});
     while (gateway && gateway->is_reading()) sd_event_run(loop.get(), 1'000'000);
     gateway.reset();
+    world.reset();
     // A child that makes a report holds what it has inherited, the lock of the journal too.
     while (::waitpid(-1, nullptr, 0) > 0) {
     }
@@ -119,12 +122,13 @@ void GatewayUnderTest::start() {
   audit_ = control->mode() == enforce::Mode::audit;
   auto links = net::Links::open();
   demand(links.has_value(), links ? "" : links.error().text);
-  p.gateway.emplace(
+  p.world.emplace(
       p.options, SystemLog::to_stderr(), std::move(*control), std::move(*links),
       [](int) { return net::UdevFacts{}; }, p.loop.get());
+  p.gateway.emplace(p.options, p.world->outside());
   const auto problem = p.gateway->start();
   demand(!problem, problem ? problem->lines.front() : "");
-  auto sources = Loop::open(p.loop.get(), *p.gateway);
+  auto sources = Loop::open(p.loop.get(), *p.gateway, *p.world);
   demand(sources.has_value(), "an event loop");
   p.sources.emplace(std::move(*sources));
   sigset_t none;
@@ -132,7 +136,7 @@ void GatewayUnderTest::start() {
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   auto socket = listen_at(p.options.socket, SOCK_STREAM, 0666);
   demand(socket.has_value(), "a control socket");
-  Gateway& gateway = *p.gateway;
+  Controller& gateway = *p.gateway;
   auto server = serve::Server::open(
       p.loop.get(), std::move(*socket), kGroup,
       [&gateway](const auto& request, const auto& peer) { return gateway.answer(request, peer); });
@@ -145,7 +149,8 @@ void GatewayUnderTest::start() {
   gateway.on_begin(
       [&server_there](std::uint64_t session) { return server_there.is_gone(session); });
   gateway.set_report_rates({{1'000'000, 1'000'000}, {1'000'000, 1'000'000}, 0});
-  gateway.on_event([&server_there](const control::Event& event) { server_there.publish(event); });
+  p.world->log().on_event(
+      [&server_there](const control::Event& event) { server_there.publish(event); });
   in_force_ = written_;
   auto system = description::read(p.options.description);
   demand(system.has_value(), "it has started with what cannot be read");

@@ -94,7 +94,7 @@ std::string some_word(FuzzedDataProvider& in) {
 }
 
 Entry some_entry(FuzzedDataProvider& in) {
-  switch (in.ConsumeIntegralInRange(0, 6)) {
+  switch (in.ConsumeIntegralInRange(0, 7)) {
     case 0: {
       control::Admit admit;
       admit.channel = some_word(in);
@@ -118,6 +118,9 @@ Entry some_entry(FuzzedDataProvider& in) {
     case 5:
       return Gated{some_text(in), some_text(in), some_text(in),
                    in.ConsumeIntegral<std::uint32_t>()};
+    case 6:
+      return Contradicted{some_text(in), in.ConsumeIntegralInRange<std::uint64_t>(0, 3),
+                          in.ConsumeIntegral<std::uint16_t>(), some_text(in)};
     default:
       return Enforced{in.ConsumeIntegralInRange<std::uint64_t>(0, 3), some_text(in)};
   }

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <ranges>
 #include <set>
+#include <string_view>
 #include <vector>
 
 #include "tests/description/twin/random_values.hpp"
@@ -13,17 +16,25 @@ namespace mlcca::testing {
 namespace {
 
 constexpr std::uint64_t kNever = 1000000;
+constexpr std::array<std::string_view, 4> kProfiles = {"famouso", "raw", "j1939", "cyphal"};
 
 std::string stated(const std::string& name, const std::string& unit, std::uint64_t value,
                    int magnitude = 0, bool dynamic = false) {
   const auto dimension =
-      unit.empty()
+      unit.empty() && magnitude == 0
           ? std::string()
           : fmt::format("<Dimension><SIUnit>{}</SIUnit><Magnitude>{}</Magnitude></Dimension>", unit,
                         magnitude);
   return fmt::format("<Attribute{}><Name>{}</Name>{}<Value>{}</Value></Attribute>",
                      dynamic ? " dynamic=\"true\"" : "", name, dimension, value);
 }
+
+/// An attribute that the description defines: values from 0, and how bad a large one is.
+struct Own {
+  std::string name;
+  std::string composition;
+  int magnitude = 0;
+};
 
 class Writer {
  public:
@@ -32,23 +43,36 @@ class Writer {
   std::string write() {
     networks_ = 1 + random_.below(3);
     gateways_ = networks_ == 1 ? random_.below(2) : 1 + random_.below(3);
-    own_ = random_.one_in(4);
+    choose_own();
     tight_ = random_.one_in(3);
-    for (std::size_t n = 0; n < networks_; ++n) mesh_.push_back(random_.one_in(2));
+    jittery_ = random_.one_in(4);
+    for (std::size_t n = 0; n < networks_; ++n) {
+      mesh_.push_back(random_.one_in(2));
+      udp_.push_back(!mesh_.back() && random_.one_in(6));
+      profiles_.push_back(random_.one_in(3) ? random_.below(kProfiles.size()) : 0);
+    }
     ports_.resize(gateways_);
     for (auto& ports : ports_)
       for (std::size_t n = 0; n < networks_; ++n)
         if (!random_.one_in(4)) ports.insert(n);
     for (auto& ports : ports_)
       if (ports.empty()) ports.insert(random_.below(networks_));
+    numbered_ = std::ranges::any_of(
+        std::views::iota(std::size_t{0}, networks_),
+        [&](std::size_t n) { return is_bus(n) && kProfiles.at(profiles_[n]) != "raw"; });
+    short_ = std::ranges::any_of(std::views::iota(std::size_t{0}, networks_), [&](std::size_t n) {
+      const auto& profile = kProfiles.at(profiles_[n]);
+      return is_bus(n) && (profile == "raw" || profile == "j1939");
+    });
     const auto channels = 1 + random_.below(5);
     for (std::size_t c = 0; c < channels; ++c) sets_.push_back(random_.one_in(4) ? 2 : 1);
     std::string out = fmt::format("<System name=\"s{}\">\n", seed_);
-    if (own_)
+    for (const Own& own : own_)
       out += fmt::format(
-          "<UserAttribute name=\"Own\"><Better>smaller</Better><Composition>{}</Composition>"
-          "</UserAttribute>\n",
-          random_.one_in(2) ? "sum" : "maximum");
+          "<UserAttribute name=\"{}\"><Dimension><Magnitude>{}</Magnitude></Dimension>"
+          "<Better>{}</Better><Composition>{}</Composition></UserAttribute>\n",
+          own.name, own.magnitude, own.composition == "minimum" ? "larger" : "smaller",
+          own.composition);
     for (std::size_t c = 0; c < channels; ++c) out += channel(c);
     for (std::size_t n = 0; n < networks_; ++n) out += network(n);
     for (std::size_t g = 0; g < gateways_; ++g) out += gateway(g);
@@ -66,16 +90,37 @@ class Writer {
                   dynamic);
   }
 
+  [[nodiscard]] bool is_bus(std::size_t n) const { return !mesh_[n] && !udp_[n]; }
+
+  void choose_own() {
+    static const std::vector<std::string> compositions = {"sum", "maximum", "minimum", "survival"};
+    const auto count = random_.one_in(3) ? 1 + random_.below(2) : 0;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const auto& composition = random_.one_of(compositions);
+      const bool survival = composition == "survival";
+      own_.push_back({fmt::format("Own{}", i), composition,
+                      survival ? -9 : static_cast<int>(random_.below(5)) - 2});
+    }
+  }
+  std::string own_value(const Own& own, std::uint64_t value, bool dynamic = false) {
+    if (own.composition == "survival") return stated(own.name, "", value, -3, dynamic);
+    return stated(own.name, "", value, own.magnitude + static_cast<int>(random_.below(2)), dynamic);
+  }
+
   std::string requirement() {
     static const std::vector<std::uint64_t> periods = {1000, 2000, 5000, 20000, 50000};
     std::string out;
     if (!random_.one_in(16)) out += seconds("Period", random_.one_of(periods));
-    if (!random_.one_in(16)) out += bytes(random_.below(random_.one_in(6) ? 40 : 9));
+    if (!random_.one_in(16)) out += bytes(random_.below(random_.one_in(6) && !short_ ? 40 : 9));
     if (random_.one_in(4)) out += seconds("Latency", 200 + random_.below(tight_ ? 2000 : 40000));
     if (random_.one_in(6)) out += seconds("Deadline", 500 + random_.below(tight_ ? 4000 : 40000));
     if (random_.one_in(6)) out += stated("Omission", "", random_.below(4));
     if (random_.one_in(10)) out += rate(100 + random_.below(20000));
-    if (own_ && random_.one_in(2)) out += stated("Own", "", 1 + random_.below(6));
+    if (random_.one_in(jittery_ ? 2 : 20))
+      out += seconds("Jitter", random_.below(tight_ ? 900 : 9000));
+    if (random_.one_in(12)) out += stated("PacketLoss", "", random_.below(200), -3);
+    for (const Own& own : own_)
+      if (random_.one_in(2)) out += own_value(own, 1 + random_.below(6));
     return out;
   }
 
@@ -102,29 +147,65 @@ class Writer {
     if (!random_.one_in(4)) out += stated("Omission", "", random_.below(3), 0, best_case());
     if (random_.one_in(3)) out += rate(2000 + random_.below(50000), best_case());
     if (!gateway && states()) out += bytes(8 + random_.below(40));
-    if (own_ && !random_.one_in(4)) out += stated("Own", "", random_.below(4), 0, best_case());
+    if (random_.one_in(4)) out += stated("PacketLoss", "", random_.below(50), -3, best_case());
+    for (const Own& own : own_)
+      if (!random_.one_in(4))
+        out += own_value(own, random_.below(own.composition == "minimum" ? 9 : 4), best_case());
     return "<Provision>" + out + "</Provision>";
   }
 
-  std::string network(std::size_t n) { return mesh_[n] ? mesh(n) : bus(n); }
+  std::string network(std::size_t n) { return mesh_[n] ? mesh(n) : udp_[n] ? udp(n) : bus(n); }
+
+  std::string udp(std::size_t n) {
+    return fmt::format("<Network name=\"n{}\"><Kind>udp-multicast</Kind>{}{}</Network>\n", n,
+                       random_.one_in(2) ? "<Profile>famouso</Profile>" : "", provision(1, false));
+  }
+
+  std::string binding(std::size_t n, std::size_t c) {
+    const auto number = 0x100 + sets_.size() - c;
+    const auto& profile = kProfiles.at(profiles_[n]);
+    if (profile == "famouso") return fmt::format("<ETag>{:#x}</ETag>", number);
+    if (profile == "j1939")
+      return fmt::format("<PGN{}>{}</PGN>",
+                         random_.one_in(2) ? fmt::format(" priority=\"{}\"", random_.below(8)) : "",
+                         65000 + number);
+    if (profile == "cyphal")
+      return fmt::format("<SubjectID{}>{}</SubjectID>",
+                         random_.one_in(2) ? fmt::format(" priority=\"{}\"", random_.below(8)) : "",
+                         number);
+    return fmt::format("<Identifier form=\"{}\">{:#x}</Identifier>",
+                       random_.one_in(3) ? "extended" : "standard", number);
+  }
 
   std::string bus(std::size_t n) {
     static const std::vector<std::uint32_t> rates = {50000, 125000, 500000, 1000000};
     const bool computed = !random_.one_in(5);
-    auto out = fmt::format("<Network name=\"n{}\"><Kind>can</Kind><Profile>famouso</Profile>", n);
+    auto out = fmt::format("<Network name=\"n{}\"><Kind>can</Kind><Profile>{}</Profile>", n,
+                           kProfiles.at(profiles_[n]));
     if (computed)
-      out += fmt::format("<Bus bitrate=\"{}\"{}{}/>", random_.one_of(rates),
+      out += fmt::format("<Bus bitrate=\"{}\"{}{}{}{}/>", random_.one_of(rates),
+                         random_.one_in(8) ? " background-load=\"0.05\"" : "",
+                         random_.one_in(8) ? " errors=\"1\" error-interval=\"0.02\"" : "",
                          random_.one_in(4) ? " unknown-senders=\"true\"" : "",
                          random_.one_in(4) ? " data-bitrate=\"2000000\"" : "");
     if (!computed || !random_.one_in(3)) out += provision(computed ? 5 : 1, false);
     for (std::size_t c = 0; c < sets_.size(); ++c)
-      out += fmt::format("<Binding channel=\"c{}\"{}><ETag>0x10{}</ETag></Binding>", c,
-                         random_.one_in(20) ? " format=\"fd\"" : "", sets_.size() - c);
+      out += fmt::format(
+          "<Binding channel=\"c{}\"{}>{}</Binding>", c,
+          random_.one_in(20) && kProfiles.at(profiles_[n]) != "j1939" ? " format=\"fd\"" : "",
+          binding(n, c));
     return out + "</Network>\n";
   }
 
   std::string mesh(std::size_t n) {
-    auto out = fmt::format("<Network name=\"n{}\"><Kind>mesh</Kind><Mesh>", n);
+    static const std::vector<std::string> ways = {"",
+                                                  "",
+                                                  "",
+                                                  " interference=\"k-hop\" hops=\"1\"",
+                                                  " interference=\"channel\"",
+                                                  " limit=\"0.5\" packet-time=\"0.0001\""};
+    auto out =
+        fmt::format("<Network name=\"n{}\"><Kind>mesh</Kind><Mesh{}>", n, random_.one_of(ways));
     if (!random_.one_in(4)) {
       out += "<PerHop>";
       if (!random_.one_in(4)) out += seconds("Latency", 100 + random_.below(4000));
@@ -143,10 +224,21 @@ class Writer {
     for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
       if (random_.one_in(8)) continue;
       linked = true;
-      out += fmt::format("<Link from=\"{}\" to=\"{}\" rate=\"{}\"/>", nodes[i], nodes[i + 1],
-                         1000000 + random_.below(20000000));
+      out +=
+          fmt::format("<Link from=\"{}\" to=\"{}\" rate=\"{}\"{}{}{}/>", nodes[i], nodes[i + 1],
+                      1000000 + random_.below(20000000), random_.one_in(6) ? " loss=\"0.05\"" : "",
+                      random_.one_in(3) ? fmt::format(" channel=\"{}\"", 1 + i % 2) : "",
+                      random_.one_in(6) ? " kind=\"effective\"" : "");
     }
-    if (linked && !random_.one_in(2)) out += "<Source kind=\"description\"/>";
+    if (nodes.size() > 2 && random_.one_in(3)) {
+      linked = true;  // a ring
+      out += fmt::format("<Link from=\"{}\" to=\"{}\" rate=\"{}\"{}/>", nodes.back(), nodes[0],
+                         1000000 + random_.below(20000000),
+                         random_.one_in(3) ? " both-ways=\"false\"" : "");
+    }
+    const bool elsewhere = random_.one_in(8);
+    if (elsewhere) out += "<Source kind=\"file\" endpoint=\"/nowhere\"/>";
+    if (linked && (elsewhere || random_.one_in(2))) out += "<Source kind=\"description\"/>";
     out += "</Mesh>";
     if (random_.one_in(2)) out += provision(4, false);
     return out + "</Network>\n";
@@ -155,9 +247,18 @@ class Writer {
   std::string gateway(std::size_t g) {
     auto out = fmt::format("<Gateway name=\"g{}\">{}", g, provision(1, true));
     for (const std::size_t n : ports_[g])
-      out += fmt::format("<Port network=\"n{0}\"{2}><Interface name=\"g{1}i{0}\"/></Port>", n, g,
-                         random_.one_in(3) ? " sender=\"nobody-here\"" : "");
+      out += fmt::format("<Port network=\"n{0}\"{2}{3}><Interface name=\"g{1}i{0}\"/></Port>", n, g,
+                         random_.one_in(3) ? " sender=\"nobody-here\"" : "",
+                         is_bus(n) ? queue() : std::string());
     return out + "</Gateway>\n";
+  }
+
+  std::string queue() {
+    std::string out;
+    if (random_.one_in(3)) out += " queue=\"priority\"";
+    if (random_.one_in(6)) out += fmt::format(" fifo-depth=\"{}\"", 1 + random_.below(4));
+    if (random_.one_in(6)) out += fmt::format(" queue-length=\"{}\"", 1 + random_.below(20));
+    return out;
   }
 
   /// Seats from which everybody can be reached, more or less.
@@ -165,15 +266,14 @@ class Writer {
     if (gateways_ != 0 && random_.one_in(4)) {
       const auto g = random_.below(gateways_);
       at_ = kNever;
-      const bool named = std::ranges::any_of(ports_[g], [&](std::size_t n) { return !mesh_[n]; });
       return fmt::format(" gateway=\"g{}\"{}{}", g,
-                         publishes && named ? fmt::format(" node=\"{}\"", node) : std::string(),
+                         publishes && numbered_ ? fmt::format(" node=\"{}\"", node) : std::string(),
                          publishes ? fmt::format(" user=\"nobody-here-{}\"", node) : std::string());
     }
     at_ = random_.below(networks_);
     std::string out = fmt::format(" network=\"n{}\"", at_);
     if (mesh_[at_]) return out + " mesh-node=\"own\"";
-    if (publishes) out += fmt::format(" node=\"{}\"", node);
+    if (publishes && numbered_) out += fmt::format(" node=\"{}\"", node);
     return out;
   }
 
@@ -187,8 +287,11 @@ class Writer {
     const auto subscribers = random_.one_in(12) ? 0 : 1 + random_.below(2);
     std::vector<std::uint64_t> from;
     for (int i = 0; i < publishers; ++i) {
-      out += fmt::format("<Publisher name=\"p{}x{}\" channel=\"c{}\"", c, i, c);
-      out += seat(true, 16 + 8 * c + static_cast<std::size_t>(i));
+      const auto at = seat(true, 16 + 8 * c + static_cast<std::size_t>(i));
+      if (at_ != kNever && is_bus(at_) && kProfiles.at(profiles_[at_]) == "raw" &&
+          std::ranges::find(from, at_) != from.end())
+        continue;  // an identifier has one sender on a bus
+      out += fmt::format("<Publisher name=\"p{}x{}\" channel=\"c{}\"{}", c, i, c, at);
       out += ">" + own_attributes() + "</Publisher>\n";
       from.push_back(at_);
     }
@@ -216,9 +319,14 @@ class Writer {
   std::uint64_t seed_;
   std::size_t networks_ = 0;
   std::size_t gateways_ = 0;
-  bool own_ = false;
+  std::vector<Own> own_;
   bool tight_ = false;
+  bool jittery_ = false;
+  bool numbered_ = false;  ///< some network's frames carry their node
+  bool short_ = false;     ///< some network has no fragments
   std::vector<bool> mesh_;
+  std::vector<bool> udp_;
+  std::vector<std::size_t> profiles_;  ///< of buses
   std::vector<std::set<std::size_t>> ports_;
   std::vector<std::size_t> sets_;
   std::uint64_t at_ = kNever;

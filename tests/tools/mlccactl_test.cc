@@ -337,28 +337,6 @@ TEST(MlccactlTest, WithdrawsNothingWhereNobodyCanBeAsked) {
   EXPECT_EQ(asked, 1U);
 }
 
-TEST(MlccactlTest, CheckExitsAsMonitoringSystemsTakeIt) {
-  auto status = test::full_status();
-  const auto check = [&](control::HealthState state) {
-    status.health.state = state;
-    Server server(always({0, status}));
-    return run_mlccactl({"status", "--check", "--socket", server.path()});
-  };
-  using control::HealthState;
-  EXPECT_EQ(check(HealthState::healthy).status, 0);
-  EXPECT_EQ(check(HealthState::degraded).status, 1);
-  EXPECT_EQ(check(HealthState::degraded).out,
-            "DEGRADED: can1 is missing; 1 delivery is refused; and 5 more\n");
-  EXPECT_EQ(check(HealthState::closed).status, 2);
-  EXPECT_EQ(check(HealthState::unknown).status, 3);
-  EXPECT_EQ(run_mlccactl({"status", "--check", "--socket", "/nonexistent"}).status, 3);
-  Server server(always({0, test::full_status()}));
-  EXPECT_EQ(
-      run_mlccactl({"--json", "status", "--check", "--socket", server.path()}).out,
-      R"({"health":{"state":"degraded","reasons":["can1 is missing","1 delivery is refused"],)"
-      "\"left_out\":5}}\n");
-}
-
 TEST(MlccactlTest, ExitsWith2WhenTheDaemonCannotUseTheInput) {
   for (const auto kind : {control::ErrorKind::invalid, control::ErrorKind::unreadable}) {
     const auto outcome = outcome_of({"reload"}, error_of(kind));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a source may say at most. docs/SOURCES.md lists these bounds and those of each parser.
+// What a source may say at most. docs/reference/sources.md lists these bounds and those of each
+// parser.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/admission/state.hpp"
+#include "tests/core/admission/bounds.hpp"
 
 namespace mlcca::core::testing {
 namespace {
@@ -162,36 +163,6 @@ mesh::Graph varied(Random& random, mesh::Graph graph) {
         graph.unusable.push_back({from, to, {}});
   if (chance(random, 30)) graph.links.front().busy = below(random, 100'000);
   return graph;
-}
-
-std::string service(const State& state) {
-  std::string all;
-  for (const Decision& d : state.decisions()) {
-    for (const Verdict& v : d.verdicts) all += v.granted ? 'g' : '-';
-    all += std::to_string(d.set) + ' ';
-  }
-  return all;
-}
-
-void check_bounds(const State& state) {
-  const Ledger& ledger = state.ledger();
-  for (std::size_t b = 0; b < kBuses; ++b) {
-    const can::Schedule* bus = ledger.schedule(b);
-    if (bus == nullptr) continue;
-    EXPECT_TRUE(bus->late().empty()) << "bus " << b;
-    const auto responses = can::analyse(bus->assumptions(), bus->messages());
-    for (std::size_t m = 0; m < responses.size(); ++m)
-      EXPECT_TRUE(can::fits(bus->assumptions(), bus->messages()[m], responses[m]));
-  }
-  const auto& view = state.world().meshes[kAir];
-  for (std::size_t d = 0; view && d < view->domains().count(); ++d)
-    EXPECT_LE(ledger.medium_time(kAir, d), mesh::limit_of(*state.system().networks[kAir].mesh));
-  // The sums are those of what is held.
-  std::vector<Value> sums(state.system().resources(), 0);
-  for (std::size_t c = 0; c < state.system().channels.size(); ++c)
-    for (const std::size_t p : state.members().publishers_of(c))
-      for (const Holding& h : ledger.holdings_of(p)) sums[h.resource] += h.bytes_per_second;
-  for (std::size_t r = 0; r < sums.size(); ++r) EXPECT_EQ(ledger.reserved(r), sums[r]);
 }
 
 Admission random_admission(Random& random, const State& state, AdmissionId id) {
@@ -366,7 +337,7 @@ TEST_P(RandomTest, BoundsHoldAndWhatIsTouchedIsDecidedAsIfEverythingWere) {
     thorough.settle();
     ASSERT_EQ(service(state), service(thorough)) << "step " << step;
     EXPECT_TRUE(state.ledger().same_promises(thorough.ledger())) << "step " << step;
-    check_bounds(state);
+    EXPECT_EQ(beyond_bounds(state), "") << "step " << step;
     check_identifiers(state);
     for (const Decision& d : state.decisions()) grants += d.granted;
     if (HasFailure()) break;

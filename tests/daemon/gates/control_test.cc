@@ -75,29 +75,6 @@ TEST(Control, RestartFindsEverythingAsItWas) {
   EXPECT_NE(token, 0xffffffffU);
 }
 
-TEST(Control, AnotherLayoutIsRefusedInWords) {
-  const auto root = new_bpf_root();
-  {
-    const auto control = create(root);
-    Mapped<gate_control>(control.map_fd(), 1)[0].layout_version = GATE_LAYOUT_VERSION + 1;
-  }
-  const auto control = Control::create(root);
-  ASSERT_FALSE(control);
-  EXPECT_NE(control.error().text.find("layout " + std::to_string(GATE_LAYOUT_VERSION + 1) +
-                                      " instead of " + std::to_string(GATE_LAYOUT_VERSION)),
-            std::string::npos)
-      << control.error().text;
-}
-
-TEST(Control, AnotherMapUnderItsNameIsRefused) {
-  const auto root = new_bpf_root();
-  const std::string folder = root + "/v" + std::to_string(GATE_LAYOUT_VERSION);
-  std::filesystem::create_directories(folder);
-  const Fd other(bpf_map_create(BPF_MAP_TYPE_ARRAY, "other", 4, 8, 1, nullptr));
-  ASSERT_EQ(bpf_obj_pin(other.get(), (folder + "/control").c_str()), 0);
-  EXPECT_FALSE(Control::create(root));
-}
-
 TEST(Control, OrdinaryDirectoryIsRefusedInWords) {
   const auto plain = std::filesystem::temp_directory_path() / "mlcca-no-bpffs";
   const auto control = Control::create(plain);
@@ -166,7 +143,7 @@ TEST(DeadMan, OutlivesTheDaemonThoughSomebodyTookItsPin) {
   {
     auto control = watched(root);
     EXPECT_FALSE(control.keep_pinned().value());
-    for (const char* name : {"/deadman", "/control", "/events"})
+    for (const char* name : {"/deadman", "/control", "/events", "/grace"})
       ASSERT_TRUE(std::filesystem::remove(control.directory() + name));
     EXPECT_TRUE(control.keep_pinned().value());
     EXPECT_FALSE(control.keep_pinned().value());
@@ -218,6 +195,54 @@ TEST(DeadMan, ShorterGraceTakesEffectAtOnce) {
   control.open();
   ASSERT_TRUE(control.set_grace(0));
   EXPECT_TRUE(becomes([&] { return control.lapsed(); }));
+}
+
+/// The control word, as anybody with the right to it can write there.
+class Word {
+ public:
+  explicit Word(const Control& control)
+      : map_(bpf_obj_get((control.directory() + "/control").c_str())) {}
+  gate_control* operator->() const { return memory_.span().data(); }
+
+ private:
+  Fd map_;
+  Mapped<gate_control> memory_{map_.get(), 1};
+};
+
+TEST(DeadMan, AGraceThatSomebodyAltersIsSetAgainWithTheDeadlineThatFollows) {
+  auto control = watched(new_bpf_root());
+  const auto left = [&] { return time_left(control.map_fd()).value(); };
+  ASSERT_TRUE(control.set_grace(3'600'000 * kMillisecond));
+  ASSERT_TRUE(control.clear_lapse(now()));
+  EXPECT_FALSE(control.keep_grace().value());
+  const Word word(control);
+  for (__u64* altered : {&word->grace_ns, &word->grace_ticks, &word->check_ns}) {
+    const __u64 before = *altered;
+    *altered *= 1000;
+    ASSERT_TRUE(control.beat(now()));
+    EXPECT_TRUE(control.keep_grace().value());
+    EXPECT_EQ(*altered, before);
+    EXPECT_FALSE(control.keep_grace().value());
+    EXPECT_LE(left(), 3'601'000 * kMillisecond);
+  }
+  word->deadline = ~__u64{0};
+  EXPECT_GT(left(), 3'601'000 * kMillisecond);
+  ASSERT_TRUE(control.beat(now()));
+  EXPECT_LE(left(), 3'601'000 * kMillisecond);
+}
+
+TEST(Control, NobodyCanWriteToTheGraceThatIsNoted) {
+  auto control = create(new_bpf_root());
+  EXPECT_FALSE(noted_grace(control.directory()));
+  for (const std::uint64_t grace : {7'000 * kMillisecond, kForEver}) {
+    ASSERT_TRUE(control.set_grace(grace));
+    EXPECT_EQ(noted_grace(control.directory()), grace);
+  }
+  const Fd note(bpf_obj_get((control.directory() + "/grace").c_str()));
+  const std::uint32_t key = 0;
+  const std::uint64_t other = 1;
+  EXPECT_NE(bpf_map_update_elem(note.get(), &key, &other, BPF_ANY), 0);
+  EXPECT_EQ(noted_grace(control.directory()), kForEver);
 }
 
 TEST(DeadMan, IsTakenOverByARestartedDaemon) {

@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Gates whose daemon and pins are gone: they stay, close by themselves, and a later daemon replaces
 // or closes them.
+#include <fcntl.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <linux/bpf.h>
+#include <sched.h>
 #include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
+#include <optional>
+#include <thread>
 
 #include "daemon/gates/close_unpinned.hpp"
 #include "daemon/gates/former_layouts.hpp"
@@ -97,6 +106,120 @@ TEST_P(Orphan, WithAnEndlessGraceIsClosedByADaemonThatCannotCommandIt) {
   EXPECT_TRUE(Program(other).send(frame(0x123))) << "it has no gate";
 }
 
+/// A network namespace that goes with this object.
+class Elsewhere {
+ public:
+  Elsewhere() {
+    std::array<int, 2> ready{};
+    EXPECT_EQ(::pipe(ready.data()), 0);
+    const Fd out(ready[1]);
+    const Fd in(ready[0]);
+    process_ = ::fork();
+    if (process_ == 0) {
+      if (::unshare(CLONE_NEWNET) != 0 || ::write(out.get(), "", 1) != 1) ::_exit(1);
+      ::pause();
+      ::_exit(0);
+    }
+    char byte = 0;
+    EXPECT_EQ(::read(in.get(), &byte, 1), 1);
+  }
+  Elsewhere(const Elsewhere&) = delete;
+  Elsewhere& operator=(const Elsewhere&) = delete;
+  ~Elsewhere() {
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+  }
+  void take(const std::string& device) const {
+    const std::string command = fmt::format(
+        "ip link set {1} netns {0} && nsenter -t {0} -n ip link set {1} up", process_, device);
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;  // NOLINT(*-command-processor)
+  }
+  /// A local program of that namespace sends the frame, and the gate lets it out.
+  [[nodiscard]] bool sends(const Bus& bus, std::uint32_t id) const {
+    bool sent = false;
+    std::thread([&] {
+      const Fd there(::open(fmt::format("/proc/{}/ns/net", process_).c_str(),  // NOLINT(*-vararg)
+                            O_RDONLY | O_CLOEXEC));
+      ASSERT_EQ(::setns(there.get(), CLONE_NEWNET), 0);
+      sent = Program(bus).send(frame(id));
+    }).join();
+    return sent;
+  }
+
+ private:
+  pid_t process_ = -1;
+};
+
+/// A device that has gone to another namespace with a gate, while another one has got its index.
+class Moved : public Orphan {
+ protected:
+  /// No daemon lives; the grace does not end.
+  void move() {
+    {
+      auto gate = attach(bus_);
+      admit(gate, {out(0x123, 0)});
+      control_.take_over();
+    }
+    elsewhere_.take(bus_.name());
+    ASSERT_TRUE(elsewhere_.sends(bus_, 0x123)) << "as it was granted";
+    EXPECT_FALSE(elsewhere_.sends(bus_, 0x124));
+    successor_.emplace("bus1", bus_.ifindex());
+  }
+  void start_a_daemon() {
+    control_ = create(root_);
+    ASSERT_TRUE(control_.set_grace(kForEver));
+    ASSERT_TRUE(control_.beat(0));
+  }
+
+  Bus bus_{"bus0"};
+  Elsewhere elsewhere_;
+  std::optional<Bus> successor_;
+};
+
+TEST_P(Moved, IsClosedByTheNextDaemon) {
+  move();
+  start_a_daemon();
+  auto gate = attach(*successor_);
+  EXPECT_FALSE(gate.reused());
+  admit(gate, {out(0x123, 0)});
+  EXPECT_TRUE(Program(*successor_).send(frame(0x123)));
+  control_.take_over();
+  EXPECT_TRUE(Program(*successor_).send(frame(0x123)));
+  EXPECT_FALSE(elsewhere_.sends(bus_, 0x123));
+}
+
+TEST_P(Moved, IsClosedByTheNextDaemonAlsoWithoutPins) {
+  move();
+  std::filesystem::remove_all(pins(bus_));
+  start_a_daemon();
+  control_.take_over();
+  EXPECT_FALSE(elsewhere_.sends(bus_, 0x123));
+}
+
+TEST_P(Moved, IsClosedByTheDaemonThatGivesItsPinsToAnother) {
+  move();
+  const auto gate = attach(*successor_);
+  EXPECT_FALSE(gate.reused());
+  EXPECT_FALSE(elsewhere_.sends(bus_, 0x123));
+}
+
+TEST_P(Orphan, AGateThatIsTakenOverStaysOpenAllTheTime) {
+  const Bus bus("bus0");
+  for (int daemon = 0; daemon < 3; ++daemon) {
+    auto gate = attach(bus);
+    if (daemon == 0) admit(gate, {out(0x123, 0)});
+    EXPECT_TRUE(Program(bus).send(frame(0x123)));
+    control_.take_over();
+    EXPECT_TRUE(Program(bus).send(frame(0x123)));
+    EXPECT_TRUE(gate.reattach());
+    EXPECT_TRUE(Program(bus).send(frame(0x123)));
+    control_ = create(root_);
+    EXPECT_TRUE(Program(bus).send(frame(0x123))) << "a daemon starts";
+  }
+}
+
+// With clsact the move takes the qdisc off, and the gate with it.
+INSTANTIATE_TEST_SUITE_P(By, Moved, testing::ValuesIn(tcx_if_there()), name_of);
 INSTANTIATE_TEST_SUITE_P(By, Orphan, testing::ValuesIn(all_hooks()), name_of);
 
 TEST_P(Attach, UnpinnedGateOfAnInterfaceThatIsHereStaysInForce) {

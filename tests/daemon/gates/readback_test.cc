@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+
 #include "tests/daemon/gates/attach_fixture.hpp"
 
 namespace mlcca::enforce {
@@ -134,6 +136,28 @@ TEST_P(Attach, ReadBackGivesSlotsAsTheyAreAndNotAsTheyWereMade) {
   EXPECT_EQ(reading.slots, std::vector{altered});
 }
 
+TEST_P(Attach, ReadBackNamesAGateThatWasMadeToLetEverythingPass) {
+  const Bus bus("bus0");
+  const auto gate = attach(bus);
+  const Fd map(bpf_obj_get((pins(bus) + "/table").c_str()));
+  Mapped<gate_table>(map.get(), 1)[0].retired = 1;
+  EXPECT_EQ(all_problems(read_back(root_).value().gates.at(0)),
+            "somebody has altered it: everything passes, as if its interface had left\n");
+}
+
+TEST_P(Attach, ReadBackNamesAGateThatNoDaemonHasTakenOver) {
+  const Bus bus("bus0");
+  {
+    const auto gate = attach(bus);
+    control_.take_over();
+  }
+  EXPECT_EQ(all_problems(read_back(root_).value().gates.at(0)), "");
+  control_ = create(root_);
+  control_.take_over();
+  EXPECT_EQ(all_problems(read_back(root_).value().gates.at(0)),
+            "no daemon has taken it over: it is closed\n");
+}
+
 TEST_P(Tcx, ReadBackNamesAProgramBeforeOurs) {
   const Bus bus("bus0");
   const auto gate = attach(bus);
@@ -141,6 +165,54 @@ TEST_P(Tcx, ReadBackNamesAProgramBeforeOurs) {
   const auto link = tcx_attach_first(bus.ifindex(), Direction::ingress, foreign.get());
   EXPECT_NE(all_problems(read_back(root_).value().gates.at(0)).find("runs before ours at ingress"),
             std::string::npos);
+}
+
+/// An open word with a grace of an hour, as anybody with the right to it can write there.
+class ReadBackOfGrace : public testing::Test {
+ protected:
+  ReadBackOfGrace() {
+    EXPECT_TRUE(control_.set_grace(3'600'000'000'000));
+    const auto now = static_cast<std::uint64_t>(
+        std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
+    EXPECT_TRUE(control_.beat(now));
+    EXPECT_TRUE(control_.arm());
+    control_.open();
+  }
+  [[nodiscard]] std::string problems() const {
+    std::string all;
+    const auto reading = read_back(root_).value();
+    for (const auto& problem : reading.problems) all += problem + "\n";
+    return all;
+  }
+  std::string root_ = test::new_bpf_root();
+  Control control_ = Control::create(root_).value();
+  Mapped<gate_control> word_{control_.map_fd(), 1};
+};
+
+TEST_F(ReadBackOfGrace, NamesAGraceThatWasAltered) {
+  EXPECT_EQ(problems(), "");
+  word_[0].grace_ticks *= 2;
+  EXPECT_NE(problems().find("somebody has altered after which time the gates close without a "
+                            "daemon: it is 3600 s in nanoseconds, "),
+            std::string::npos)
+      << problems();
+  word_[0].grace_ticks /= 2;
+  word_[0].grace_ns = kForEver;
+  EXPECT_NE(problems().find("it is for ever in nanoseconds"), std::string::npos) << problems();
+}
+
+TEST_F(ReadBackOfGrace, NamesADeadlineThatWasAltered) {
+  word_[0].deadline *= 2;
+  EXPECT_NE(problems().find("somebody has altered when the gates close without a daemon: in "),
+            std::string::npos)
+      << problems();
+  ASSERT_TRUE(control_.set_grace(kForEver));
+  EXPECT_EQ(problems(), "") << "they never do";
+}
+
+TEST_F(ReadBackOfGrace, NamesAGraceThatIsNotNoted) {
+  std::filesystem::remove(control_.directory() + "/grace");
+  EXPECT_NE(problems().find("is not noted"), std::string::npos) << problems();
 }
 
 TEST(ReadBack, OfNothingIsAnErrorInWords) {

@@ -150,12 +150,10 @@ TEST_P(Tcx, ClosedInterfaceIsHeldAndTakenOver) {
 
 TEST_P(Tcx, ClosedByClsactWhereNoLinkCanBePinned) {
   const Bus bus("bus0");
-  std::filesystem::create_directories(control_.directory());
-  // Not a directory, so that nothing can be pinned in it.
-  ASSERT_EQ(bpf_obj_pin(control_.map_fd(), pins(bus).c_str()), 0);
+  std::filesystem::create_directories(pins(bus) + "/egress/of/somebody");
   EXPECT_EQ(close_interface("bus0", root_).value(), Closing::closed);
   EXPECT_NE(test::filter_at(bus, true, GATE_TC_PRIORITY, GATE_TC_HANDLE), 0U);
-  std::filesystem::remove(pins(bus));
+  std::filesystem::remove_all(pins(bus));
   const auto gate = attach(bus);
   EXPECT_TRUE(gate.attached().value());
   EXPECT_EQ(test::filter_at(bus, true, GATE_TC_PRIORITY, GATE_TC_HANDLE), 0U);

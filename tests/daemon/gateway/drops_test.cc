@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "base/drop_watch.hpp"
+
 namespace mlcca {
 namespace {
 

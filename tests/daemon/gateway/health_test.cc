@@ -67,8 +67,8 @@ TEST(Health, WhoSendsSomethingElseIsToldWhereNothingComes) {
   Observed seen{.watch = control::Watch{}, .passages = {in(0), out(0)}};
   seen.watch->period_ns = 50'000'000;
   seen.watch->since_last_ns = 4 * kSecond;
-  seen.strangers = 80;
-  seen.stranger = "1F480065";
+  seen.unknown = 80;
+  seen.latest_unknown = "1F480065";
   EXPECT_EQ(troubles(seen),
             (Lines{"nobody sends: nothing has come since it was granted, 4 s ago",
                    "80 frames on second-can name no known subject, the latest 1F480065: does the "
@@ -103,6 +103,9 @@ TEST(Health, AGrantThatCarriesNothingSaysWhere) {
   auto shared = in(40);
   shared.is_shared = true;
   EXPECT_EQ(troubles({.passages = {shared, out(0)}}), Lines{}) << "perhaps the other one's";
+  auto earlier = in(40);
+  earlier.passed_before = 40;
+  EXPECT_EQ(troubles({.passages = {earlier, out(0)}}), Lines{}) << "left by a slot that is gone";
   auto refused = out(0);
   refused.misfits = 40;
   EXPECT_EQ(troubles({.passages = {in(40), refused}}).back(),

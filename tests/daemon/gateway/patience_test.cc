@@ -43,6 +43,12 @@ TEST(Patience, DoesNotBeatForWhatHangsTooLong) {
   EXPECT_EQ(beats, 0) << "1 ns is over before the first one";
 }
 
+TEST(Patience, WithoutPatienceTheCallerDoesTheWork) {
+  Patience patience([] {}, 0);
+  EXPECT_EQ(patience.wait_for([] { return std::this_thread::get_id(); }),
+            std::this_thread::get_id());
+}
+
 TEST(Patience, CallsFromTheWaitingThread) {
   std::thread::id beats;
   std::thread::id works;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "daemon/gateway/requests.hpp"
-
 #include <gtest/gtest.h>
 
 #include <string>
 #include <utility>
 
 #include "core/admission/state.hpp"
+#include "daemon/gateway/requests/asked.hpp"
 #include "description/read.hpp"
 
 namespace mlcca {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "daemon/gateway/requests.hpp"
+#include "daemon/gateway/requests/asked.hpp"
 #include "tests/core/robot.hpp"
 
 namespace mlcca {

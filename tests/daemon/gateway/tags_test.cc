@@ -190,6 +190,51 @@ TEST_F(TagClaims, ATagThatWasLearnedIsNobodyElsesToAdmit) {
             "identifier 0x3ffd on second-can is channel distance's: choose another");
 }
 
+/// The gate that has heard the broker is gone, with its interface or by a reboot.
+TEST_F(TagClaims, WhatWasClosedStaysClosedForADaemonThatFindsNoGate) {
+  of(kEmergency).contradiction = "the broker has dealt its tag to another";
+  store::Contents kept;
+  for (const store::Contradicted& entry : tags_.to_keep()) kept.apply(entry);
+  ASSERT_EQ(kept.contradicted.size(), 1U);
+
+  tags_ = Tags();
+  describe(machine());
+  EXPECT_EQ(refused(), 0U);
+  const auto closed = tags_.recall(kept);
+  ASSERT_EQ(closed.size(), 1U);
+  EXPECT_EQ(closed[0]->subject, kEmergency);
+  EXPECT_EQ(of(kEmergency).problem(), "the broker has dealt its tag to another");
+  EXPECT_EQ(refused(), 1U);
+  const auto stated = tags_.stated(kSecondCan);
+  EXPECT_TRUE(
+      std::ranges::find(stated, kEmergency, &enforce::StatedBinding::subject)->contradicted);
+}
+
+/// Whom the tag was dealt to is not known then: that it was dealt to somebody is.
+TEST_F(TagClaims, ATagThatIsStatedForAnotherStaysClosedForADaemonThatFindsNoGate) {
+  deal(kDistance, kTag);
+  store::Contents kept;
+  for (const store::Contradicted& entry : tags_.to_keep()) kept.apply(entry);
+  tags_ = Tags();
+  describe(machine());
+  tags_.recall(kept);
+  EXPECT_EQ(of(kEmergency).problem(),
+            "the broker has dealt its tag 0x3ffe on second-can to 0x44697374616e6365 (Distance)");
+}
+
+TEST_F(TagClaims, WhatWasKeptCountsForTheSameTagAndWhereNoGateKnowsBetter) {
+  store::Contents kept;
+  kept.apply(store::Contradicted{"second-can", kEmergency, kNext, "dealt to another"});
+  kept.apply(store::Contradicted{"another-can", kEmergency, kTag, "dealt to another"});
+  kept.apply(store::Contradicted{"second-can", kDistance, 0, "dealt to another"});
+  EXPECT_TRUE(tags_.recall(kept).empty());
+  kept.apply(store::Contradicted{"second-can", kEmergency, kTag, "dealt to another"});
+  of(kEmergency).is_heard = true;
+  EXPECT_TRUE(tags_.recall(kept).empty());
+  describe(machine());
+  EXPECT_EQ(tags_.recall(kept).size(), 1U);
+}
+
 /// A gate of a new interface has heard nothing itself.
 TEST_F(TagClaims, WhatIsKnownIsToldToAGateThatHasNotHeardIt) {
   deal(kDistance, kNext);

@@ -133,6 +133,23 @@ TEST_P(DriftTest, UnpinnedGateIsPinnedAgainAndTold) {
   EXPECT_EQ(told_.size(), 1U) << told_.back();
 }
 
+TEST_P(DriftTest, AGateThatWasMadeToLetEverythingPassJudgesAgainAndThatIsTold) {
+  const Program sender(bus_);
+  const Fd map = open_pin(pins(bus_) + "/table");
+  Mapped<gate_table>(map.get(), 1)[0].retired = 1;
+  EXPECT_TRUE(sender.send(frame(0x124)));
+  repair();
+  EXPECT_FALSE(sender.send(frame(0x124)));
+  ASSERT_EQ(told_.size(), 1U);
+  EXPECT_EQ(kinds_[0], Kind::drift);
+  EXPECT_EQ(
+      told_[0],
+      "somebody altered the gate of bus0: it let everything pass until now, and judges again");
+  EXPECT_EQ(report().repaired, 1U);
+  repair();
+  EXPECT_EQ(told_.size(), 1U) << told_.back();
+}
+
 TEST_P(DriftTest, DaemonAfterThatTakesTheSameGateOver) {
   admit(gate(), {in(0x123)});
   std::filesystem::remove_all(pins(bus_));
@@ -153,17 +170,18 @@ TEST_P(DriftTest, PinOfAnotherGateIsReplacedByOurs) {
 }
 
 TEST_P(DriftTest, GateThatCannotBePinnedIsToldOnceAndInTheStatus) {
-  const Fd something = open_pin(pins(bus_) + "/table");
-  std::filesystem::remove_all(pins(bus_));
-  ASSERT_TRUE(pin(something.get(), pins(bus_))) << "in the place of the directory";
+  const std::string table = pins(bus_) + "/table";
+  std::filesystem::remove(table);
+  std::filesystem::create_directories(table + "/of/somebody");
   repair();
   repair();
   ASSERT_EQ(told_.size(), 1U) << told_.back();
   EXPECT_NE(told_[0].find("the gate of bus0 is not pinned, and a daemon that starts would begin"),
             std::string::npos)
       << told_[0];
+  EXPECT_NE(told_[0].find("remove it (rm -r " + table + ")"), std::string::npos) << told_[0];
   EXPECT_EQ(report().drift, told_[0]);
-  std::filesystem::remove(pins(bus_));
+  std::filesystem::remove_all(table);
   repair();
   EXPECT_EQ(told_.size(), 2U) << told_.back();
   EXPECT_EQ(report().drift, "");

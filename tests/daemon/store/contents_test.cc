@@ -81,6 +81,22 @@ TEST(Contents, KeepTheLatestSlotsOfASubject) {
   EXPECT_TRUE(contents.enforced.empty());
 }
 
+TEST(Contents, KeepWhatTheBrokerHasDealtOtherwiseUntilItIsOver) {
+  Contents contents;
+  const Contradicted switched{"robot-can", 7, 0x3ffe, "dealt to Distance"};
+  const Contradicted over{"robot-can", 7, 0x3ffe, ""};
+  const Contradicted elsewhere{"second-can", 7, 0x3ffe, "dealt to Velocity"};
+  EXPECT_FALSE(contents.inverse(over));
+  EXPECT_EQ(contents.inverse(switched), Entry(Contradicted{"robot-can", 7, 0, ""}));
+  contents.apply(switched);
+  contents.apply(elsewhere);
+  EXPECT_FALSE(contents.inverse(switched));
+  EXPECT_EQ(contents.inverse(over), Entry(switched));
+  contents.apply(over);
+  EXPECT_EQ(contents.contradicted.size(), 1U);
+  EXPECT_EQ(contents.contradicted.at({"second-can", 7}), elsewhere);
+}
+
 TEST(Contents, KeepTheLatestGrantOfASubject) {
   Contents contents;
   contents.apply(Granted{"0x1", "set=1"});

@@ -87,10 +87,12 @@ TEST(Journal, RollsBackExactly) {
 }
 
 TEST(Journal, CountsWhatLivesAsItIsOnDisk) {
-  for (const Entry& entry : {Entry(Granted{"0x1", "set=1"}), Entry(Enforced{1, "slots"}),
-                             Entry(admitted(1)), Entry(Released{"0x1"})})
+  for (const Entry& entry :
+       {Entry(Granted{"0x1", "set=1"}), Entry(Enforced{1, "slots"}), Entry(admitted(1)),
+        Entry(Released{"0x1"}), Entry(Contradicted{"bus", 1, 0x3ffe, "dealt otherwise"})})
     EXPECT_EQ(format::live_bytes(entry), format::encode(entry).size());
-  for (const Entry& entry : {Entry(Granted{"0x1", ""}), Entry(Enforced{1, ""}), Entry(Removed{1})})
+  for (const Entry& entry : {Entry(Granted{"0x1", ""}), Entry(Enforced{1, ""}), Entry(Removed{1}),
+                             Entry(Contradicted{"bus", 1, 0x3ffe, ""})})
     EXPECT_EQ(format::live_bytes(entry), 0U);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Files that end too early or hold other bits than were written, and files written by hand as
-// docs/RESERVATIONS.md says.
+// docs/reference/journal.md says.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 

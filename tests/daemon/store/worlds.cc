@@ -45,13 +45,14 @@ class Model {
 
   Entry step() {
     for (;;) {
-      const std::uint32_t choice = pick(12);
+      const std::uint32_t choice = pick(13);
       if (choice < 4) return admit();
       if (choice < 6 && !living_.empty()) return remove();
       if (choice == 6) return release();
       if (choice == 7 && !released_.empty()) return reinstate();
       if (choice == 10) return gate();
       if (choice == 11) return enforce();
+      if (choice == 12) return contradict();
       if (choice > 7) return grant();
     }
   }
@@ -64,6 +65,7 @@ class Model {
     for (const Granted& g : granted_) out.granted[g.subject] = g.state;
     for (const Gated& g : gated_) out.gated[g.identity] = g;
     for (const Enforced& e : enforced_) out.enforced[e.subject] = e.slots;
+    for (const Contradicted& c : contradicted_) out.contradicted[{c.network, c.subject}] = c;
     out.next_id = next_;
     return out;
   }
@@ -129,6 +131,21 @@ class Model {
     return enforced_.back();
   }
 
+  Entry contradict() {
+    if (!contradicted_.empty() && pick(3) == 0) {
+      Contradicted entry = contradicted_.back();
+      entry.how.clear();
+      contradicted_.pop_back();
+      return entry;
+    }
+    if (!contradicted_.empty() && pick(3) == 0) {
+      contradicted_.back().how += "again";
+      return contradicted_.back();
+    }
+    contradicted_.push_back({"net" + text(), ++subjects_, 0x3ffe, text()});
+    return contradicted_.back();
+  }
+
   std::mt19937 random_;
   std::size_t largest_;
   std::vector<Admitted> living_;
@@ -136,6 +153,7 @@ class Model {
   std::vector<Granted> granted_;
   std::vector<Gated> gated_;
   std::vector<Enforced> enforced_;
+  std::vector<Contradicted> contradicted_;
   std::uint64_t next_ = 1;
   std::uint64_t subjects_ = 0;
 };

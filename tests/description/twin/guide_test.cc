@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The files of docs/FORMAT.md work as it says.
+// The files of docs/reference/format.md work as it says.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -33,7 +33,7 @@ class Guide : public ::testing::Test {
     return {};
   }
 
-  std::string text_ = text_of("docs/FORMAT.md");
+  std::string text_ = text_of("docs/reference/format.md");
   Folder folder_;
   std::set<std::string> files_;
 };

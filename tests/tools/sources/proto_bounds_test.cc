@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The bounds of what sources may say, from both sides: docs/SOURCES.md lists them.
+// The bounds of what sources may say, from both sides: docs/reference/sources.md lists them.
 #include <gtest/gtest.h>
 
 #include "daemon/net/sources/bounds.hpp"

@@ -84,6 +84,12 @@ std::string unbounded_words(const AnalysedBus& analysed,
       return fmt::format("Because of {} nothing is bounded{}: {}.", name(i),
                          why == core::can::Unusable::jitter ? " that it may win against" : "",
                          words_of(why));
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    if (const auto late = sorted[i].jitter / sorted[i].period; late >= core::can::kMaxInstances)
+      return fmt::format(
+          "{} has so much jitter that {} of its events may wait at once, and at most {} in a row "
+          "are analysed: what it may win against is not bounded either.",
+          name(i), late + 1, core::can::kMaxInstances);
   const auto first = std::ranges::find(analysed.responses, false, &core::can::Response::bounded);
   if (first == analysed.responses.end()) return {};
   constexpr std::uint64_t whole = 1'000'000;

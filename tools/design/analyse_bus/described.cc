@@ -135,10 +135,26 @@ class DescribedBuses {
     m.message.key = core::Ledger::key_of({from.publisher, from.network, from.from});
     froms_.push_back(from.from);
     for (const Place place : from.unknown)
-      bus.unknown.push_back(fmt::format(
-          "how long {} delays events of {} is not known and counts as nothing: state its Latency",
-          core::name_of(system_, place), p.name));
+      bus.unknown.push_back(fmt::format("how long {} delays events of {} is not known{}",
+                                        core::name_of(system_, place), p.name,
+                                        counted_instead(place)));
     bus.messages.push_back(std::move(m));
+  }
+
+  /// What counts in place of a delay that is not known.
+  [[nodiscard]] std::string_view counted_instead(Place place) const {
+    const bool network = place.kind == Place::Kind::network;
+    const core::mesh::Mesh* const mesh = network && system_.networks[place.index].mesh
+                                             ? &*system_.networks[place.index].mesh
+                                             : nullptr;
+    const AttributeSet& stated = mesh != nullptr ? mesh->per_hop
+                                 : network       ? system_.networks[place.index].provision
+                                                 : system_.gateways[place.index].provision;
+    if (stated.has(Attribute::latency))
+      return mesh != nullptr ? " before the run time, and counts as that of one link (PerHop)"
+                             : " before the run time, and counts as its best case";
+    return mesh != nullptr ? " and counts as nothing: state the Latency of a link (PerHop)"
+                           : " and counts as nothing: state its Latency";
   }
 
   /// Events of one publisher that come by several ways are told apart.

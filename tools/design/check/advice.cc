@@ -86,7 +86,8 @@ const char* advice_on(core::FindingId id) {
       return "An alternative of lower priority is used for all ends of the channel. Improve the "
              "network if the preferred one is needed.";
     case Id::deadline_missed:
-      return "Every message on a CAN bus delays others (docs/CAN.md). Send less often, choose "
+      return "Every message on a CAN bus delays others (docs/explanation/can-analysis.md). Send "
+             "less often, choose "
              "another "
              "identifier (mlccactl analyse-bus --assign finds an order), allow more time, or let "
              "the "
@@ -115,7 +116,8 @@ const char* advice_on(core::FindingId id) {
              "that "
              "sender names does. mlccad does not start it; a systemd unit with User= can.";
     case Id::medium_time:
-      return "The links of a mesh share the time of their medium (docs/MESH.md). Send less, state "
+      return "The links of a mesh share the time of their medium (docs/explanation/mesh.md). Send "
+             "less, state "
              "a "
              "lower attribute set, or give more important channels an importance.";
     case Id::shared_limit:

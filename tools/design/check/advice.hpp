@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What each kind of finding means and what helps: a sentence or two beside the table of
 // core/design/findings.hpp, for rule lists of editors and code hosts, the HTML report and
-// docs/CHECK.md.
+// docs/reference/check.md.
 #pragma once
 #include "core/design/findings.hpp"
 

@@ -256,5 +256,18 @@ TEST_F(AnalyseBusTest, FramesOfANodeMayWaitInOneFifo) {
   EXPECT_EQ(message_of(out, "A")["response_us"], 2000);
 }
 
+TEST_F(AnalyseBusTest, NamesTheMessageOfWhichTooManyEventsWaitAtOnce) {
+  const auto path = table(
+      "a,0x1,0,7,50000,,\n"
+      "b,0x2,0,7,50000,,1000000000\n"
+      "c,0x3,0,7,50000,,\n");
+  EXPECT_NE(
+      slow(path).out.find(
+          "\nb has so much jitter that 20001 of its events may wait at once, and at most 4096 "
+          "in a row are analysed: what it may win against is not bounded either.\n"),
+      std::string::npos)
+      << slow(path).out;
+}
+
 }  // namespace
 }  // namespace mlcca

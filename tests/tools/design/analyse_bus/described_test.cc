@@ -303,5 +303,44 @@ TEST_F(AnalyseBusTest, WhatADescriptionLacksIsNamedWithItsLine) {
   EXPECT_EQ(analyse(file("broken.xml", "<System")).status, 2);
 }
 
+/// What is stated of one link counts, and so does a best case: neither is said to be missing.
+TEST_F(AnalyseBusTest, SaysWhatCountsInPlaceOfADelayThatIsNotKnown) {
+  const auto said_of = [&](const std::string& name, const std::string& gateway,
+                           const std::string& per_hop) {
+    auto text = two_buses(attribute("Period", time_value(50)) + payload_of_7(),
+                          "<Bus bitrate=\"250000\"/>", gateway);
+    if (!per_hop.empty()) {
+      text.replace(text.find("<Network name=\"near\""),
+                   text.find("<Network name=\"far\"") - text.find("<Network name=\"near\""),
+                   "<Network name=\"near\"><Kind>mesh</Kind><Mesh>" + per_hop +
+                       "<Node name=\"wheel\" address=\"02:00:00:00:00:01\"/><Node name=\"bridge\" "
+                       "address=\"02:00:00:00:00:02\" gateway=\"bridge\"/><Source kind=\"file\" "
+                       "endpoint=\"/links\"/></Mesh></Network>\n");
+      text.replace(text.find("<Port network=\"near\""), 20,
+                   "<Port network=\"near\" sender=\"root\"");
+      text.replace(text.find("<Port network=\"far\""), 19, "<Port network=\"far\" sender=\"root\"");
+    }
+    const auto out = Json::parse(analyse(file(name, text), {"--json", "--network", "far"}).out);
+    return out.contains("unknown") ? out["unknown"].at(0).get<std::string>() : std::string();
+  };
+  EXPECT_EQ(said_of("known.xml", delays(0), ""), "");
+  EXPECT_EQ(said_of("nothing.xml", "", ""),
+            "how long bridge delays events of wheel is not known and counts as nothing: state its "
+            "Latency");
+  EXPECT_EQ(
+      said_of("best.xml",
+              "<Provision dynamic=\"true\">" + attribute("Latency", time_value(1)) + "</Provision>",
+              ""),
+      "how long bridge delays events of wheel is not known before the run time, and counts "
+      "as its best case");
+  EXPECT_EQ(said_of("mesh.xml", delays(0),
+                    "<PerHop>" + attribute("Latency", time_value(1)) + "</PerHop>"),
+            "how long near delays events of wheel is not known before the run time, and counts as "
+            "that of one link (PerHop)");
+  EXPECT_EQ(said_of("no-latency.xml", delays(0), "<PerHop></PerHop>"),
+            "how long near delays events of wheel is not known and counts as nothing: state the "
+            "Latency of a link (PerHop)");
+}
+
 }  // namespace
 }  // namespace mlcca

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Notices that frames are being dropped, and says so without flooding the journal.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <optional>
+
+namespace mlcca {
+
+/// Remembers counters by key. Times are in seconds of any steady clock.
+template <class Key>
+class DropWatch {
+ public:
+  /// What goes on being dropped is mentioned again after this time.
+  static constexpr std::int64_t kRepeat = 60;
+  /// A difference of counters that are read while CPUs count may be behind by one for each.
+  static constexpr std::uint64_t kBehind = 1024;
+  /// What was dropped less than this time ago is recent: as often as a monitoring system asks.
+  static constexpr std::int64_t kRecent = 300;
+
+  /// Frames dropped since the last mention, if they are to be mentioned now. In the first round a
+  /// counter is only remembered: what a former daemon saw is not news. Later one begins at 0, and
+  /// one that is less by more than kBehind, or 0, has begun anew.
+  std::optional<std::uint64_t> look(const Key& key, std::uint64_t dropped, std::int64_t now) {
+    auto [it, fresh] = seen_.try_emplace(key);
+    Seen& seen = it->second;
+    if (!fresh && is_gone(seen)) seen = {};
+    seen.round = round_;
+    if (fresh && first_) seen.mentioned = seen.counted = dropped;
+    if (dropped == 0 || dropped + kBehind < seen.mentioned) begin_anew(seen);
+    follow(seen, dropped, now);
+    if (dropped <= seen.mentioned || (seen.ever && now - seen.at < kRepeat)) return std::nullopt;
+    const std::uint64_t since = dropped - seen.mentioned;
+    seen.mentioned = dropped;
+    seen.at = now;
+    seen.ever = true;
+    return since;
+  }
+
+  /// Frames dropped since drops of this key began, if there was one in the last kRecent seconds as
+  /// far as look() has been told; otherwise 0.
+  [[nodiscard]] std::uint64_t recent(const Key& key, std::int64_t now) const {
+    const auto known = seen_.find(key);
+    if (known == seen_.end() || is_gone(known->second)) return 0;
+    const Seen& seen = known->second;
+    return is_recent(seen, now) ? seen.counted - seen.began : 0;
+  }
+
+  /// All counters have been looked at: what was not is gone.
+  void end_round() {
+    ++round_;
+    first_ = false;
+  }
+
+  /// Gives back the memory of some of what is gone, the next ones with each call; false once it has
+  /// been through all of it.
+  bool tidy() {
+    auto it = tidied_ ? seen_.upper_bound(*tidied_) : seen_.begin();
+    for (std::size_t n = 0; n < kTidied && it != seen_.end(); ++n) {
+      tidied_ = it->first;
+      it = is_gone(it->second) ? seen_.erase(it) : std::next(it);
+    }
+    if (it == seen_.end()) tidied_.reset();
+    return tidied_.has_value();
+  }
+  [[nodiscard]] std::size_t size() const { return seen_.size(); }
+
+  /// What was not mentioned yet is at the next look, however short ago the last mention was.
+  void wake() {
+    for (auto& [key, seen] : seen_) seen.ever = false;
+  }
+
+  /// The next round is a first one.
+  void forget() {
+    seen_.clear();
+    first_ = true;
+  }
+
+ private:
+  struct Seen {
+    std::uint64_t mentioned = 0;
+    std::int64_t at = 0;
+    bool ever = false;
+    std::uint64_t round = 0;
+    std::uint64_t counted = 0;  ///< at the latest look
+    std::uint64_t began = 0;    ///< counted when the drops that are recent began
+    std::int64_t grew = 0;      ///< when it was last found to be more
+    bool has_grown = false;
+  };
+  static constexpr std::size_t kTidied = 64;
+  [[nodiscard]] bool is_gone(const Seen& seen) const { return seen.round + 1 < round_; }
+  [[nodiscard]] static bool is_recent(const Seen& seen, std::int64_t now) {
+    return seen.has_grown && now - seen.grew < kRecent;
+  }
+  static void begin_anew(Seen& seen) {
+    seen.mentioned = seen.counted = 0;
+    seen.has_grown = false;
+  }
+  static void follow(Seen& seen, std::uint64_t dropped, std::int64_t now) {
+    if (dropped <= seen.counted) return;
+    if (!is_recent(seen, now)) seen.began = seen.counted;
+    seen.counted = dropped;
+    seen.grew = now;
+    seen.has_grown = true;
+  }
+  std::map<Key, Seen> seen_;
+  std::uint64_t round_ = 0;
+  bool first_ = true;
+  std::optional<Key> tidied_;  ///< up to here, since tidy() began at the front
+};
+
+}  // namespace mlcca

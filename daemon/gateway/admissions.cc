@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/admissions.hpp"
+
+#include <fmt/core.h>
+
+#include <variant>
+
+#include "daemon/gateway/requests/asked.hpp"
+
+namespace mlcca {
+namespace {
+
+constexpr std::uint64_t kTryAgain = 10'000'000'000;  // ns
+constexpr std::size_t kEndedTogether = 64;           // leases, written to disk together
+
+}  // namespace
+
+void Admissions::remember() {
+  for (const control::Request& request : recorder_.contents().admissions) {
+    const auto* admit = std::get_if<control::Admit>(&request.body);
+    if (admit == nullptr) continue;
+    keys_.put(admit->key, request.id);
+    const std::uint64_t length = lease_of(*admit);
+    if (length != 0) leases_.set(request.id, length, clock_.monotonic_ns());
+  }
+}
+
+Admissions::LeftOut Admissions::restore_into(core::State& state) const {
+  LeftOut left_out;
+  for (const control::Request& request : recorder_.contents().admissions) {
+    const auto* admit = std::get_if<control::Admit>(&request.body);
+    if (admit == nullptr) continue;
+    const auto listed = list(state, *admit);
+    const auto asked =
+        listed ? understand(state, *admit, request.id) : std::unexpected(listed.error());
+    if (asked && asked->admission)
+      state.restore(*asked->admission);
+    else
+      left_out.emplace(request.id,
+                       fmt::format("admission {} of {} is left out: {}", request.id, admit->channel,
+                                   asked ? "the description has it now" : asked.error().text));
+  }
+  for (const std::string& subject : recorder_.contents().released)
+    if (const auto channel = state.find_channel(subject)) state.set_withdrawn(*channel, true);
+  return left_out;
+}
+
+void Admissions::report_left_out() const {
+  for (const auto& [id, why] : left_out_) {
+    const auto* request = recorder_.contents().admissions.find(id);
+    const auto* admit = request != nullptr ? std::get_if<control::Admit>(&request->body) : nullptr;
+    log_.warning(Kind::trouble, why,
+                 {.channel = admit != nullptr ? admit->channel : "", .admissions = {id}});
+  }
+}
+
+Result<core::AdmissionId> Admissions::named(core::AdmissionId id, const std::string& key) const {
+  if (!key.empty()) {
+    if (const auto known = keys_.find(key)) return *known;
+    return fail(fmt::format("there is no admission with the key '{}'", key));
+  }
+  if (recorder_.contents().admissions.find(id) == nullptr)
+    return fail(fmt::format("there is no admission {}", id));
+  return id;
+}
+
+void Admissions::add(core::AdmissionId id, const control::Admit& request, std::uint64_t session) {
+  keys_.put(request.key, id);
+  own(id, request, session);
+  if (lease_of(request) != 0) log_.add_rows(1);  // when it ends
+}
+
+bool Admissions::own(core::AdmissionId id, const control::Admit& request, std::uint64_t session) {
+  if (request.hold) {
+    held_[id].insert(session);
+    leases_.forget(id);
+  } else if (request.lease_ns != 0) {
+    leases_.set(id, request.lease_ns, clock_.monotonic_ns());
+  }
+  return request.hold;
+}
+
+void Admissions::session_closed(std::uint64_t session) {
+  for (auto it = held_.begin(); it != held_.end();) {
+    if (it->second.erase(session) == 0 || !it->second.empty()) {
+      ++it;
+      continue;
+    }
+    const control::Request* request = recorder_.contents().admissions.find(it->first);
+    if (request != nullptr)
+      leases_.set(it->first, lease_of(std::get<control::Admit>(request->body)),
+                  clock_.monotonic_ns());
+    it = held_.erase(it);
+  }
+}
+
+Result<void> Admissions::release(const std::vector<core::AdmissionId>& gone,
+                                 const std::string& why) {
+  turn_.commit();
+  std::vector<store::Entry> entries;
+  entries.reserve(gone.size());
+  for (const core::AdmissionId id : gone) entries.emplace_back(store::Removed{id});
+  if (auto done = recorder_.write_at_once(entries); !done) return done;
+  deliveries_.released(gone, why);
+  // A gate that refuses denies as a whole, and the log says so: they are released all the same.
+  static_cast<void>(turn_.settle(forget(gone)));
+  tags_.leave_unused();
+  return {};
+}
+
+void Admissions::take_back(const std::vector<core::AdmissionId>& lost) {
+  for (const core::AdmissionId id : lost)
+    log_.warning(Kind::withdrawn,
+                 fmt::format("admission {} was never granted: it could not be written down", id),
+                 {.admissions = {id}});
+  static_cast<void>(turn_.settle(forget(lost)));
+  tags_.leave_unused();
+}
+
+bool Admissions::end_some() {
+  const std::vector<core::AdmissionId> expired =
+      leases_.expired(clock_.monotonic_ns(), kEndedTogether);
+  if (expired.empty()) return false;
+  const auto done = release(expired, "its lease ended and was not renewed");
+  if (done) return true;
+  log_.error(Kind::trouble, done.error().text);
+  // What could not be written down stays reserved, and is tried again.
+  for (const core::AdmissionId id : expired) leases_.postpone(id, kTryAgain, clock_.monotonic_ns());
+  return true;
+}
+
+core::FormerRules Admissions::forget(const std::vector<core::AdmissionId>& gone) {
+  core::FormerRules left;
+  for (const core::AdmissionId id : gone) {
+    const auto known = scene_.state->admissions().find(id);
+    if (known != scene_.state->admissions().end()) {
+      const std::size_t channel = known->second;
+      if (!left.contains(channel))
+        left.emplace(channel, scene_.state->gate_state(scene_.self, channel));
+      scene_.state->remove(id);
+    }
+    leases_.forget(id);
+    held_.erase(id);
+    keys_.forget(id);
+    left_out_.erase(id);
+  }
+  return left;
+}
+
+}  // namespace mlcca

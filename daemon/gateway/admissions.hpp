@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The admissions that applications have made at run time: under which key, on what lease, held by
+// which connection; and how they end.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "control/messages.hpp"
+#include "core/admission/state.hpp"
+#include "daemon/gateway/delivery_events.hpp"
+#include "daemon/gateway/event_log.hpp"
+#include "daemon/gateway/keys.hpp"
+#include "daemon/gateway/leases.hpp"
+#include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/scene.hpp"
+#include "daemon/gateway/tag_bindings.hpp"
+#include "daemon/gateway/turn.hpp"
+
+namespace mlcca {
+
+class Admissions {
+ public:
+  /// Admissions that have no place in the description, and why.
+  using LeftOut = std::map<core::AdmissionId, std::string>;
+
+  /// All of them must outlive this.
+  Admissions(Scene& scene, Recorder& recorder, EventLog& log, DeliveryEvents& deliveries,
+             Turn& turn, TagBindings& tags, const Clock& clock)
+      : scene_(scene),
+        recorder_(recorder),
+        log_(log),
+        deliveries_(deliveries),
+        turn_(turn),
+        tags_(tags),
+        clock_(clock) {}
+
+  /// After a start: keys and leases of what is recorded. Nobody is connected, so that each lease
+  /// begins anew.
+  void remember();
+  /// Takes what is recorded into a description that is not in force yet. Gives what has no place in
+  /// it.
+  [[nodiscard]] LeftOut restore_into(core::State& state) const;
+
+  /// Those that have no place in the description that is in force.
+  [[nodiscard]] const LeftOut& left_out() const { return left_out_; }
+  void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
+  /// Warns of each of them.
+  void report_left_out() const;
+
+  /// By its key, or else by its number; also one that is left out. The error says what is missing.
+  [[nodiscard]] Result<core::AdmissionId> named(core::AdmissionId id, const std::string& key) const;
+  [[nodiscard]] std::optional<core::AdmissionId> with_key(const std::string& key) const {
+    return keys_.find(key);
+  }
+
+  /// One that was just granted to a connection.
+  void add(core::AdmissionId id, const control::Admit& request, std::uint64_t session);
+  /// A connection has asked for one: if it holds it, its lease does not run, and its events go to
+  /// that connection; otherwise the lease begins anew. True: it is held.
+  bool own(core::AdmissionId id, const control::Admit& request, std::uint64_t session);
+  /// A connection has ended: the leases of what it held begin to run.
+  void session_closed(std::uint64_t session);
+
+  [[nodiscard]] bool is_held(core::AdmissionId id) const { return held_.contains(id); }
+  /// ns until its lease ends; nothing: it has none that runs.
+  [[nodiscard]] std::optional<std::uint64_t> remaining(core::AdmissionId id) const {
+    return leases_.remaining(id, clock_.monotonic_ns());
+  }
+  void renew(core::AdmissionId id) { leases_.renew(id, clock_.monotonic_ns()); }
+
+  /// Takes admissions back: on disk first, then in the kernel. After an error nothing has changed.
+  Result<void> release(const std::vector<core::AdmissionId>& gone, const std::string& why);
+  /// The disk has refused what was admitted: nobody has been granted it.
+  void take_back(const std::vector<core::AdmissionId>& lost);
+  /// Once a second: some of those whose lease has ended; true while there are more.
+  bool end_some();
+
+ private:
+  /// Takes them out of everything but the disk. Gives what the gates had of their channels.
+  core::FormerRules forget(const std::vector<core::AdmissionId>& gone);
+
+  Scene& scene_;
+  Recorder& recorder_;
+  EventLog& log_;
+  DeliveryEvents& deliveries_;
+  Turn& turn_;
+  TagBindings& tags_;
+  const Clock& clock_;
+  Keys keys_;
+  Leases leases_;
+  LeftOut left_out_;
+  std::map<core::AdmissionId, std::set<std::uint64_t>> held_;  ///< by which connections
+};
+
+}  // namespace mlcca

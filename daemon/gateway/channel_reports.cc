@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/channel_reports.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "daemon/gateway/pace.hpp"
+#include "daemon/gateway/report.hpp"
+#include "daemon/gateway/report_size.hpp"
+
+namespace mlcca {
+namespace {
+
+constexpr std::size_t kChannelRow = 1024;  // bytes on the wire, mostly
+
+}  // namespace
+
+std::vector<control::Channel> ChannelReports::report(
+    const std::vector<const core::Verdict*>& verdicts) const {
+  std::vector<control::Channel> out;
+  if (verdicts.empty()) return out;
+  const auto shared = health_.shared_entries_of(verdicts.front()->channel);
+  for (const core::Verdict* v : verdicts) {
+    const auto rules =
+        core::gate_state(scene_.state->system(), scene_.state->members(), *v, scene_.self);
+    out.push_back(channel_report(*scene_.state, *v, gates_.frames(rules, shared)));
+    if (!v->granted) continue;
+    out.back().watch = gates_.watch(rules);
+    out.back().troubles = health_.troubles_of(*v, rules, shared, out.back().watch);
+  }
+  return out;
+}
+
+control::Channels ChannelReports::known(const Asked& asked) const {
+  std::vector<const core::Verdict*> known;
+  for (const core::Verdict& v : scene_.state->decisions()[asked.channel].verdicts) {
+    if (asked.from && scene_.state->members().publisher(v.publisher).place != *asked.from) continue;
+    if (asked.to && v.to != *asked.to) continue;
+    known.push_back(&v);
+  }
+  return {report(known)};
+}
+
+control::Channels ChannelReports::of_admission(core::AdmissionId id) const {
+  const auto known = scene_.state->admissions().find(id);
+  if (known == scene_.state->admissions().end()) return {};
+  std::vector<const core::Verdict*> concerned;
+  for (const core::Verdict& v : scene_.state->decisions()[known->second].verdicts)
+    if (deliveries_.concerns(v, id)) concerned.push_back(&v);
+  control::Channels out;
+  out.left_out = leave_out(*scene_.state, concerned);
+  out.channels = report(concerned);
+  return out;
+}
+
+/// Each delivery has as many lines as all that is compared for it.
+serve::Slice ChannelReports::some(Position& at) const {
+  constexpr std::size_t lines_of_a_row = 16;
+  control::Channels out;
+  const auto& decisions = scene_.state->decisions();
+  Pace pace(kChannelRow);
+  for (bool goes_on = true; goes_on && at.channel < decisions.size();) {
+    const auto& verdicts = decisions[at.channel].verdicts;
+    std::vector<const core::Verdict*> some;
+    std::size_t lines = 0;
+    for (; at.verdict < verdicts.size() && lines < control::kListedRows; ++at.verdict) {
+      some.push_back(&verdicts[at.verdict]);
+      lines += lines_of(*scene_.state, verdicts[at.verdict]);
+    }
+    std::ranges::move(report(some), std::back_inserter(out.channels));
+    if (at.verdict >= verdicts.size()) at = {at.channel + 1, 0};
+    goes_on = pace.made(std::max({std::size_t{1}, some.size(), lines / lines_of_a_row}));
+  }
+  return {{std::move(out)}, at.channel < decisions.size()};
+}
+
+bool ChannelReports::is_large() const {
+  std::size_t lines = forwarding_.rules() + gates_.slot_count();
+  for (std::size_t n = 0; n < scene_.state->system().networks.size(); ++n)
+    if (const auto* table = meshes_.table(n)) lines += table->size();
+  return lines > kMostLines || lines + lines_of(*scene_.state, kMostLines - lines) > kMostLines;
+}
+
+bool ChannelReports::has_many_ends(std::size_t channel) const {
+  const core::Members& members = scene_.state->members();
+  return scene_.state->decisions()[channel].verdicts.size() > kManyEnds ||
+         members.publishers_of(channel).size() + members.subscribers_of(channel).size() > kManyEnds;
+}
+
+bool ChannelReports::has_many_lines(std::size_t channel) const {
+  if (has_many_ends(channel)) return true;
+  std::size_t lines = 0;
+  for (const core::Verdict& v : scene_.state->decisions()[channel].verdicts)
+    lines += lines_of(*scene_.state, v);
+  return lines > kMostLines;
+}
+
+bool ChannelReports::has_channel_of_many_ends() const {
+  for (std::size_t c = 0; c < scene_.state->decisions().size(); ++c)
+    if (has_many_ends(c)) return true;
+  return false;
+}
+
+}  // namespace mlcca

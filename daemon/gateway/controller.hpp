@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The gateway as a whole: what happens in it, and in which order. Each step is the work of one of
+// its parts.
+#pragma once
+#include <systemd/sd-event.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "control/messages.hpp"
+#include "daemon/gateway/admissions.hpp"
+#include "daemon/gateway/aside.hpp"
+#include "daemon/gateway/bus_monitor.hpp"
+#include "daemon/gateway/can_forwarding.hpp"
+#include "daemon/gateway/channel_reports.hpp"
+#include "daemon/gateway/delivery_events.hpp"
+#include "daemon/gateway/delivery_health.hpp"
+#include "daemon/gateway/described.hpp"
+#include "daemon/gateway/drop_reports.hpp"
+#include "daemon/gateway/event_log.hpp"
+#include "daemon/gateway/gate_events.hpp"
+#include "daemon/gateway/health_report.hpp"
+#include "daemon/gateway/heartbeat.hpp"
+#include "daemon/gateway/meshes.hpp"
+#include "daemon/gateway/patience.hpp"
+#include "daemon/gateway/quotas.hpp"
+#include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/reloads.hpp"
+#include "daemon/gateway/requests/context.hpp"
+#include "daemon/gateway/rounds.hpp"
+#include "daemon/gateway/safeguards.hpp"
+#include "daemon/gateway/scene.hpp"
+#include "daemon/gateway/tag_bindings.hpp"
+#include "daemon/gateway/turn.hpp"
+#include "daemon/gateway/user_names.hpp"
+#include "daemon/options.hpp"
+#include "daemon/outside/background.hpp"
+#include "daemon/outside/gate_control.hpp"
+#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/link_monitor.hpp"
+#include "daemon/serve/server.hpp"
+#include "daemon/store/disk.hpp"
+#include "daemon/store/history.hpp"
+
+namespace mlcca {
+
+/// Everything that a gateway sees of the world. It outlives the gateway.
+struct Outside {
+  GateDriver& gates;
+  GateControl& control;
+  LinkMonitor& links;
+  const Clock& clock;
+  store::Disk& disk;
+  Background& reading;  ///< where descriptions are read
+  EventLog& log;
+  ReadDescription read;
+  std::unique_ptr<net::CanRules> can_rules;
+  sd_event* loop;  ///< of link sources and of reports that are made aside
+  /// What may hang (disk, description) is done on a thread, with heart-beats meanwhile.
+  bool threads = true;
+};
+
+class Controller {
+ public:
+  Controller(Options options, Outside outside);
+  Controller(const Controller&) = delete;
+  Controller& operator=(const Controller&) = delete;
+  Controller(Controller&&) = delete;
+  Controller& operator=(Controller&&) = delete;
+  ~Controller() = default;
+
+  /// Reads the description and what was admitted before, closes or keeps the gates accordingly and
+  /// opens them. On failure every gate is closed. Nothing else may be on the loop yet.
+  std::optional<StartError> start();
+  /// Everything is denied; the gates stay in the kernel.
+  void stop();
+  /// As the request does; what is wrong goes to the log.
+  void reload() { reloads_.begin(); }
+  /// A thread reads a description: the process must not wait for it to end.
+  [[nodiscard]] bool is_reading() const { return outside_.reading.busy() || reads_for_ever_; }
+
+  // The world has changed.
+
+  void links_changed();
+  /// Udev has learned something about an interface.
+  void identities_changed() {
+    if (outside_.gates.is_to_follow()) reconcile();
+  }
+  /// There is something to read at GateControl::reports_fd().
+  void gates_reported();
+
+  // A client.
+
+  serve::Answer answer(const control::Request& request, const serve::Peer& peer);
+  /// A connection has ended: the leases of what it held begin to run.
+  void session_closed(std::uint64_t session) { admissions_.session_closed(session); }
+
+  // Time passes.
+
+  /// Once a turn of the loop, after the handlers: decides what changed links touch, and writes down
+  /// what was granted.
+  void act();
+  /// Sign of life for the kernel, at least every beat_interval().
+  void beat();
+  [[nodiscard]] std::uint64_t beat_interval() const { return outside_.control.beat_interval(); }
+  /// Once a second: what the gateway polls by itself is to be polled again, a part with each
+  /// work().
+  void begin_round() { rounds_.begin(); }
+  [[nodiscard]] bool has_work() const { return rounds_.under_way(); }
+  void work() { rounds_.turn(); }
+
+  // Who wants to know.
+
+  /// Called when everything that was answered with `held` is on disk, or why it is not: then none
+  /// of it is granted any more.
+  void on_commit(Turn::Committed committed) { turn_.on_commit(std::move(committed)); }
+  /// Called when a reply to a session that had to wait goes on.
+  void on_slice(const Aside::Ready& ready);
+  /// Says whether a client has hung up: nothing is begun for it any more.
+  void on_begin(Aside::Gone gone) { aside_.on_begin(std::move(gone)); }
+  /// Otherwise ForkBudget::kUsual.
+  void set_report_rates(ForkBudget::Rates rates) { aside_.set_rates(rates); }
+  /// The lock of lock_gates(): it is kept from now on.
+  void hold(Fd lock) { safeguards_.keep(std::move(lock)); }
+  /// One line for the service manager.
+  [[nodiscard]] std::string summary() const;
+  /// What is decided now.
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+
+ private:
+  std::optional<StartError> begin_start();
+  std::optional<StartError> read_what_was();
+  std::optional<StartError> open_gates();
+  Result<void> put_in_force(const DeliveryEvents::Granted& granted_before,
+                            TagBindings::Known known);
+  void reconcile();
+  void put_graphs();
+  void plan_rounds();
+  void poll_surroundings();
+  bool repair_next();
+  bool poll_next_bypass();
+  bool write_some_history();
+  [[nodiscard]] control::Actor actor_of(const serve::Peer& peer);
+
+  Options options_;
+  Outside outside_;
+  Scene scene_;
+  Heartbeat heartbeat_{outside_.control, outside_.clock};
+  std::function<void()> pulse_ = [this] { heartbeat_.pulse(); };
+  Patience patience_{pulse_, outside_.threads ? Patience::kLongest : 0};
+  DeliveryEvents deliveries_{scene_, outside_.log, pulse_};
+  Recorder recorder_{scene_, outside_.gates, outside_.log, patience_, pulse_};
+  CanForwarding forwarding_{
+      scene_, outside_.gates, outside_.links, outside_.log, std::move(outside_.can_rules), pulse_};
+  Turn turn_{{scene_, outside_.gates, outside_.control, outside_.log, deliveries_, recorder_,
+              forwarding_, pulse_}};
+  TagBindings tags_{scene_, outside_.gates, outside_.log, turn_, recorder_, outside_.clock};
+  BusMonitor buses_{scene_, outside_.gates, outside_.log, turn_, outside_.clock};
+  DropReports drops_{scene_, outside_.gates, outside_.log, deliveries_, outside_.clock, pulse_};
+  DeliveryHealth delivery_health_{scene_, outside_.gates, drops_, forwarding_};
+  GateEvents gate_events_{
+      {scene_, outside_.gates, outside_.links, outside_.log, deliveries_, delivery_health_, tags_}};
+  Admissions admissions_{scene_, recorder_, outside_.log,  deliveries_,
+                         turn_,  tags_,     outside_.clock};
+  std::set<std::size_t> changed_meshes_;  ///< networks
+  Meshes meshes_;
+  ChannelReports channels_{scene_,      outside_.gates, delivery_health_,
+                           deliveries_, forwarding_,    meshes_};
+  Safeguards safeguards_;
+  Reloads reloads_;
+  HealthReport health_;
+  Aside aside_;
+  Quotas quotas_;
+  UserNames users_;
+  Rounds rounds_{[this] { return outside_.clock.monotonic_ns(); }};
+  int at_gate_ = 0;  ///< the last gate of a job of rounds, by ifindex
+  std::optional<store::History> history_;
+  std::optional<Context> context_;  ///< from start() on
+  bool reads_for_ever_ = false;
+  std::uint64_t started_ = 0;  ///< seconds since 1970
+};
+
+}  // namespace mlcca

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/delivery_health.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/model/text.hpp"
+#include "daemon/gateway/health.hpp"
+#include "daemon/gateway/report_size.hpp"
+
+namespace mlcca {
+
+std::vector<core::GateEntry> DeliveryHealth::shared_entries_of(std::size_t channel) const {
+  return core::shared_entries(scene_.state->system(), scene_.state->members(), channel,
+                              scene_.state->decisions()[channel].verdicts, scene_.self);
+}
+
+std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
+                                                     const core::GateState& rules,
+                                                     const std::vector<core::GateEntry>& shared,
+                                                     std::optional<control::Watch> watch) const {
+  Observed seen;
+  seen.watch = std::move(watch);
+  if (const std::string* why = forwarding_.obstacle(v.channel)) seen.not_forwarded = *why;
+  for (const core::GateRule& rule : rules) {
+    if (!gates_.is_gated(rule.entry.port)) continue;
+    seen.passages.push_back({.network = gates_.network_of(rule.entry.port),
+                             .leaves = rule.entry.direction == core::Direction::egress,
+                             .is_shared = std::ranges::binary_search(shared, rule.entry),
+                             .frames = gates_.frames({rule}),
+                             .passed_before = passed_before(v.channel, rule.entry),
+                             .excess = drops_.recent(rule.entry, Drop::excess),
+                             .misfits = drops_.recent(rule.entry, Drop::misfit),
+                             .would_be_misfits = drops_.recent(rule.entry, Drop::would_be_misfit)});
+  }
+  // Only where nothing comes somebody asks what comes instead.
+  const auto in =
+      std::ranges::find(rules, core::Direction::ingress,
+                        [](const core::GateRule& rule) { return rule.entry.direction; });
+  if (in != rules.end() && seen.watch && (seen.watch->missing_now || seen.watch->events == 0)) {
+    const std::size_t port = in->entry.port;
+    seen.unknown = drops_.recent_unknown(port);
+    if (seen.unknown != 0) seen.latest_unknown = gates_.latest_unknown(port);
+  }
+  return troubles(seen);
+}
+
+void DeliveryHealth::begin_anew(std::size_t channel) {
+  Passed passed;
+  for (const core::GateRule& rule : scene_.state->gate_state(scene_.self, channel))
+    if (rule.entry.direction == core::Direction::ingress)
+      if (const std::uint64_t frames = gates_.frames({rule}).passed; frames != 0)
+        passed.emplace(rule.entry, frames);
+  if (passed.empty())
+    passed_before_.erase(channel);
+  else
+    passed_before_.insert_or_assign(channel, std::move(passed));
+}
+
+std::uint64_t DeliveryHealth::passed_before(std::size_t channel,
+                                            const core::GateEntry& entry) const {
+  const auto of_channel = passed_before_.find(channel);
+  if (of_channel == passed_before_.end()) return 0;
+  const auto known = of_channel->second.find(entry);
+  return known == of_channel->second.end() ? 0 : known->second;
+}
+
+void DeliveryHealth::judge(const DropReports::Polled& polled) {
+  const auto& [verdicts, rules] = polled;
+  const std::size_t channel = verdicts.front()->channel;
+  const auto shared = shared_entries_of(channel);
+  // Granted ones come first.
+  bool troubled = false;
+  for (std::size_t i = 0; i < verdicts.size() && verdicts[i]->granted && !troubled; ++i)
+    troubled = !troubles_of(*verdicts[i], rules[i], shared, gates_.watch(rules[i])).empty();
+  if (troubled)
+    troubled_.insert(channel);
+  else
+    troubled_.erase(channel);
+}
+
+void DeliveryHealth::add_to(std::vector<std::string>& lines) const {
+  const core::State& state = *scene_.state;
+  for (const std::size_t channel : troubled_) {
+    if (channel >= state.decisions().size()) break;
+    const auto shared = shared_entries_of(channel);
+    for (const core::Verdict& v : state.decisions()[channel].verdicts) {
+      if (!v.granted) continue;
+      const auto rules = core::gate_state(state.system(), state.members(), v, scene_.self);
+      const core::Publisher& publisher = state.members().publisher(v.publisher);
+      for (const std::string& line : troubles_of(v, rules, shared, gates_.watch(rules)))
+        lines.push_back(fmt::format("{} from {} ({}) to {}: {}",
+                                    state.system().channels[channel].name,
+                                    core::name_of(state.system(), publisher.place), publisher.name,
+                                    core::name_of(state.system(), v.to), line));
+    }
+    // What is beyond is counted, and listed by `channels`.
+    if (lines.size() > 2 * control::kMostReasons) return;
+  }
+}
+
+bool DeliveryHealth::is_large() const {
+  constexpr std::size_t many = 32;  // channels, each of which is looked into
+  if (troubled_.size() > many) return true;
+  return std::ranges::any_of(troubled_, [this](std::size_t channel) {
+    return channel < scene_.state->decisions().size() &&
+           scene_.state->decisions()[channel].verdicts.size() > kManyEnds;
+  });
+}
+
+}  // namespace mlcca

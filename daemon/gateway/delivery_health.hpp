@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is wrong with granted deliveries, and which channels have such troubles now.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "control/messages.hpp"
+#include "core/admission/state.hpp"
+#include "daemon/gateway/can_forwarding.hpp"
+#include "daemon/gateway/drop_reports.hpp"
+#include "daemon/gateway/scene.hpp"
+#include "daemon/outside/gate_driver.hpp"
+
+namespace mlcca {
+
+class DeliveryHealth {
+ public:
+  /// All of them must outlive this.
+  DeliveryHealth(const Scene& scene, const GateDriver& gates, const DropReports& drops,
+                 const CanForwarding& forwarding)
+      : scene_(scene), gates_(gates), drops_(drops), forwarding_(forwarding) {}
+
+  /// Entries by which events of several publishers of a channel come or leave, sorted.
+  [[nodiscard]] std::vector<core::GateEntry> shared_entries_of(std::size_t channel) const;
+  /// What is wrong with a granted delivery, one line each. `rules` are those of the verdict,
+  /// `shared` the shared entries of its channel.
+  [[nodiscard]] std::vector<std::string> troubles_of(const core::Verdict& verdict,
+                                                     const core::GateState& rules,
+                                                     const std::vector<core::GateEntry>& shared,
+                                                     std::optional<control::Watch> watch) const;
+
+  /// The counters of a channel have just been polled.
+  void judge(const DropReports::Polled& polled);
+  /// The kernel has reported that events of a channel are missing.
+  void note_missing(std::size_t channel) { troubled_.insert(channel); }
+  /// A channel has been decided otherwise: what its gates have passed so far says nothing of what
+  /// is granted from now on.
+  void begin_anew(std::size_t channel);
+  /// Numbers of channels mean something else now.
+  void forget() {
+    troubled_.clear();
+    passed_before_.clear();
+  }
+  /// Adds the troubles of all channels to the lines of a report; about as many lines as a report
+  /// lists.
+  void add_to(std::vector<std::string>& lines) const;
+  /// add_to() takes too long for one turn of the loop.
+  [[nodiscard]] bool is_large() const;
+
+ private:
+  using Passed = std::map<core::GateEntry, std::uint64_t>;
+  [[nodiscard]] std::uint64_t passed_before(std::size_t channel,
+                                            const core::GateEntry& entry) const;
+
+  const Scene& scene_;
+  const GateDriver& gates_;
+  const DropReports& drops_;
+  const CanForwarding& forwarding_;
+  std::map<std::size_t, Passed> passed_before_;  ///< by channel, see begin_anew()
+  std::set<std::size_t> troubled_;  ///< channels; each is looked into again when it is reported
+};
+
+}  // namespace mlcca

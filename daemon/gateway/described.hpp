@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A description as a gateway takes it up.
+#pragma once
+#include <cstddef>
+#include <expected>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/admission/state.hpp"
+#include "daemon/options.hpp"
+
+namespace mlcca {
+
+/// Why a description is not used, or the daemon cannot start.
+struct StartError {
+  std::vector<std::string> lines;
+  /// The description was read and is refused: only a person can mend that. False: the machine
+  /// failed (a file that cannot be opened, no memory, a full disk), and the next start may succeed.
+  bool bad_input = false;
+};
+
+/// What a description says, with nothing decided yet.
+struct Described {
+  std::unique_ptr<core::State> state;
+  std::size_t self = 0;  ///< the gateway of this machine
+};
+
+using DescribedResult = std::expected<Described, StartError>;
+/// Reads the description that is there now. May run on another thread: shares nothing.
+using ReadDescription = std::function<DescribedResult()>;
+
+/// From the file that the options name.
+[[nodiscard]] DescribedResult read_description(const Options& options);
+/// When that takes longer than it may, and what to look for.
+[[nodiscard]] std::string not_read_in_time(const Options& options);
+
+}  // namespace mlcca

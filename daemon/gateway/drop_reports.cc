@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/drop_reports.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+
+namespace mlcca {
+namespace {
+
+/// Channels that are polled in a round: the daemon has other things to do.
+constexpr std::size_t kChannelsOfRound = 8192;
+
+/// Counters are read while the gate counts on.
+std::uint64_t misfits(const Frames& frames) {
+  return frames.dropped - std::min(frames.dropped, frames.excess_dropped);
+}
+
+std::uint64_t would_be_misfits(const Frames& frames) {
+  return frames.would_drop - std::min(frames.would_drop, frames.would_exceed);
+}
+
+}  // namespace
+
+/// The next one each time, and so many in a round; what is refused is reported when all of them
+/// have been polled.
+bool DropReports::poll_some_channels() {
+  const auto& all = scene_.state->decisions();
+  if (next_channel_ < all.size()) poll(all[next_channel_++], Reporting::yes);
+  if (next_channel_ >= all.size()) {
+    next_channel_ = 0;
+    of_entries_.end_round();
+    return false;
+  }
+  return next_channel_ % kChannelsOfRound != 0;
+}
+
+bool DropReports::poll_some_ports() {
+  if (next_port_ < gates_.size()) {
+    poll_unknown(next_port_++, Reporting::yes);
+    return true;
+  }
+  of_ports_.end_round();
+  next_port_ = 0;
+  return of_ports_.tidy();
+}
+
+void DropReports::poll_all(Reporting reporting) {
+  for (const core::Decision& decision : scene_.state->decisions()) {
+    poll(decision, reporting);
+    pulse_();
+  }
+  for (std::size_t p = 0; p < gates_.size(); ++p) poll_unknown(p, reporting);
+  of_ports_.end_round();
+  next_port_ = 0;
+  of_entries_.end_round();
+  next_channel_ = 0;
+}
+
+void DropReports::report_all() {
+  of_entries_.wake();
+  of_ports_.wake();
+  poll_all(Reporting::yes);
+}
+
+void DropReports::forget() {
+  of_entries_.forget();
+  of_ports_.forget();
+  poll_all(Reporting::no);
+}
+
+/// Of each entry once, with the first of the verdicts whose events come or leave by it; granted
+/// ones before others.
+void DropReports::poll(const core::Decision& decision, Reporting reporting) {
+  Polled polled;
+  polled.verdicts.reserve(decision.verdicts.size());
+  for (const core::Verdict& v : decision.verdicts) polled.verdicts.push_back(&v);
+  std::ranges::stable_partition(polled.verdicts, &core::Verdict::granted);
+  std::map<core::GateEntry, std::vector<const core::Verdict*>> users;
+  std::map<const core::Verdict*, core::GateState> first_to_use;
+  polled.rules.reserve(polled.verdicts.size());
+  for (const core::Verdict* v : polled.verdicts) {
+    polled.rules.push_back(
+        core::gate_state(scene_.state->system(), scene_.state->members(), *v, scene_.self));
+    for (const core::GateRule& rule : polled.rules.back()) {
+      auto& of_entry = users[rule.entry];
+      if (of_entry.empty()) first_to_use[v].push_back(rule);
+      of_entry.push_back(v);
+    }
+  }
+  const bool reports = reporting == Reporting::yes;
+  const std::int64_t now = clock_.monotonic_s();
+  for (const auto& [v, rules] : first_to_use) {
+    std::uint64_t dropped = 0;
+    std::uint64_t would_drop = 0;
+    for (const core::GateRule& rule : rules) {
+      const Frames frames = gates_.frames({rule});
+      const auto excess = of_entries_.look({rule.entry, Drop::excess}, frames.excess, now);
+      if (excess && reports) deliveries_.excess(users[rule.entry], *excess);
+      dropped += of_entries_.look({rule.entry, Drop::misfit}, misfits(frames), now).value_or(0);
+      would_drop +=
+          of_entries_.look({rule.entry, Drop::would_be_misfit}, would_be_misfits(frames), now)
+              .value_or(0);
+    }
+    if (!reports) continue;
+    if (dropped != 0) deliveries_.dropped(*v, Fate::dropped, dropped);
+    if (would_drop != 0) deliveries_.dropped(*v, Fate::let_through, would_drop);
+  }
+  if (!polled.verdicts.empty()) on_polled_(polled);
+}
+
+void DropReports::poll_unknown(std::size_t port, Reporting reporting) {
+  const UnknownFrames frames = gates_.unknown_frames(port);
+  const auto poll = [&](Fate fate, std::uint64_t counted) {
+    const auto fresh = of_ports_.look({port, fate}, counted, clock_.monotonic_s());
+    if (!fresh || reporting == Reporting::no) return;
+    const std::string& network = gates_.network_of(port);
+    log_.warning(Kind::dropping,
+                 dropped_line(fate, *fresh,
+                              fmt::format("without a known subject on {} ({})",
+                                          gates_.interface_name(port), network)),
+                 {.network = network});
+  };
+  poll(Fate::dropped, frames.dropped);
+  poll(Fate::let_through, frames.would_drop);
+}
+
+}  // namespace mlcca

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/gate_events.hpp"
+
+#include <fmt/core.h>
+#include <linux/can.h>
+
+#include <algorithm>
+#include <cstddef>
+
+#include "core/model/text.hpp"
+#include "daemon/gates/counters.hpp"
+
+namespace mlcca {
+namespace {
+
+/// "123", "FD 1ABCDEF0", "0x44697374616e6365 on its way out"
+std::string frame_name(const gate_sample& sample) {
+  const char* const way = sample.direction == GATE_EGRESS ? " on its way out" : "";
+  if (sample.format == 0) {
+    enforce::Mac mac;
+    std::ranges::copy(sample.mac, mac.begin());
+    return fmt::format("{}{} from {}", core::format_subject(sample.subject), way,
+                       enforce::sender_text(sample.station, mac));
+  }
+  const char* const remote = (sample.can_id & CAN_RTR_FLAG) != 0 ? "remote " : "";
+  std::string format;
+  if (sample.format == GATE_FD) format = "FD ";
+  if (sample.format == GATE_XL) format = "XL ";
+  return (sample.can_id & CAN_EFF_FLAG) != 0
+             ? fmt::format("{}{}{:08X}{}", format, remote, sample.can_id & CAN_EFF_MASK, way)
+             : fmt::format("{}{}{:03X}{}", format, remote, sample.can_id & CAN_SFF_MASK, way);
+}
+
+}  // namespace
+
+/// Of a slot that was given to another grant meanwhile it concerns nobody any more.
+void GateEvents::on_event(const gate_event& event) {
+  if (event.kind == GATE_E_BOUND) {
+    parts_.tags.poll();
+    return;
+  }
+  const core::State& state = *parts_.scene.state;
+  const auto channel = state.channel_of(event.subject);
+  if (!channel) return;
+  for (const core::Verdict& v : state.decisions()[*channel].verdicts)
+    if (v.granted && parts_.gates.is_of(event, core::gate_state(state.system(), state.members(), v,
+                                                                parts_.scene.self))) {
+      if (event.kind == GATE_E_MISSING) parts_.health.note_missing(*channel);
+      parts_.deliveries.silence(v, event);
+    }
+}
+
+void GateEvents::on_sample(const gate_sample& sample) {
+  const std::string interface = parts_.links.name_of(static_cast<int>(sample.ifindex));
+  for (std::size_t p = 0; p < parts_.gates.size(); ++p) {
+    if (parts_.gates.interface_name(p) != interface) continue;
+    const std::string& network = parts_.gates.network_of(p);
+    parts_.log.warning(
+        Kind::dropping,
+        fmt::format("a frame that names no known subject {} {} ({}): {}, {} bytes; {} so far",
+                    sample.audit != 0 ? "would be dropped on" : "was dropped on", interface,
+                    network, frame_name(sample), sample.len, sample.frames),
+        {.network = network});
+    return;
+  }
+}
+
+void GateEvents::repeat_missing(const core::Verdict& verdict) {
+  const core::State& state = *parts_.scene.state;
+  const auto done = parts_.gates.tell_again(
+      core::gate_state(state.system(), state.members(), verdict, parts_.scene.self));
+  if (!done) parts_.log.error(Kind::trouble, done.error().text);
+}
+
+}  // namespace mlcca

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/health_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "daemon/gateway/health.hpp"
+
+namespace mlcca {
+namespace {
+
+std::string deliveries(std::size_t n) {
+  return n == 1 ? "1 delivery is" : fmt::format("{} deliveries are", n);
+}
+
+void add_interface(const control::Interface& i, std::vector<std::string>& to) {
+  if (!i.problem.empty())
+    to.push_back(fmt::format("{} ({}): {}", i.name, i.network, i.problem));
+  else if (i.ifindex != 0 && !i.gated && i.profile != "none")
+    to.push_back(fmt::format("{} ({}) is not held by a gate", i.name, i.network));
+  if (!i.drift.empty()) to.push_back(i.drift);
+  if (i.bypassed != 0)
+    to.push_back(
+        fmt::format("{} frames were sent past the gate of {} ({})", i.bypassed, i.name, i.network));
+}
+
+/// Of channels, by subject; empty: none of them is described. Names the first, counts the others.
+std::string withdrawn_words(const core::State& state, const std::vector<std::string>& subjects) {
+  constexpr std::size_t named = 8;
+  std::vector<std::string> names;
+  std::size_t more = subjects.size();
+  for (auto at = subjects.begin(); at != subjects.end() && names.size() < named; ++at) {
+    --more;
+    if (const auto channel = state.find_channel(*at))
+      names.push_back(state.system().channels[*channel].name);
+  }
+  if (names.empty()) return {};
+  return fmt::format("withdrawn by an operator, until it is reinstated: {}{}",
+                     fmt::join(names, ", "),
+                     more == 0 ? std::string() : fmt::format(" and {} more", more));
+}
+
+}  // namespace
+
+std::vector<std::string> HealthReport::problems() const {
+  std::vector<std::string> problems;
+  if (parts_.gates.out_of_hand())
+    problems.emplace_back("an interface cannot be held: everything is denied");
+  if (!parts_.links.problem().empty())
+    problems.push_back(parts_.links.problem() + ": what is in force stays until they can be read");
+  if (!parts_.gates.orphans_unknown().empty())
+    problems.push_back(parts_.gates.orphans_unknown() +
+                       ": a gate without pins may be left on an interface that is not described");
+  if (!parts_.recorder.problem().empty()) problems.push_back(parts_.recorder.problem());
+  if (!parts_.forwarding.problem().empty()) problems.push_back(parts_.forwarding.problem());
+  return problems;
+}
+
+/// Of the daemon itself and of the description.
+void HealthReport::add_own(std::vector<std::string>& to) const {
+  if (parts_.control.mode() == enforce::Mode::audit)
+    to.emplace_back("audit mode: nothing is dropped, data that was not admitted passes");
+  if (parts_.control.lapsed())
+    to.emplace_back("the heart-beat came too late: everything is denied");
+  std::ranges::move(problems(), std::back_inserter(to));
+  std::ranges::move(parts_.safeguards.problems(), std::back_inserter(to));
+  if (!parts_.reloads.last_error().empty())
+    to.push_back("the latest reload was refused, the former description is in force: " +
+                 parts_.reloads.last_error());
+  if (std::string words = withdrawn_words(*parts_.scene.state, parts_.recorder.contents().released);
+      !words.empty())
+    to.push_back(std::move(words));
+  std::ranges::move(parts_.meshes.problems(), std::back_inserter(to));
+  for (const Tag& tag : parts_.tags.all())
+    if (!tag.problem().empty()) to.push_back(tag.name + ": " + tag.problem());
+  for (const auto& [id, why] : parts_.admissions.left_out())
+    to.push_back(fmt::format("admission {}: {}", id, why));
+}
+
+control::Health HealthReport::health(const std::vector<control::Interface>& interfaces) const {
+  const core::State& state = *parts_.scene.state;
+  std::vector<std::string> lines;
+  add_own(lines);
+  for (const control::Interface& i : interfaces) add_interface(i, lines);
+  for (std::size_t n = 0; n < state.world().conditions.size(); ++n) {
+    const core::Condition& condition = state.world().conditions[n];
+    const core::Network& network = state.system().networks[n];
+    if (!condition.available && state.system().gateways[parts_.scene.self].port_on(n) == nullptr)
+      lines.push_back(fmt::format("{}: {}", network.name, condition.problem));
+  }
+  parts_.deliveries.add_to(lines);
+  if (state.refused() != 0)
+    lines.push_back(
+        fmt::format("{} refused: 'mlccactl channels' says why", deliveries(state.refused())));
+  return health_of(parts_.control.is_open() && !parts_.control.lapsed(), std::move(lines));
+}
+
+}  // namespace mlcca

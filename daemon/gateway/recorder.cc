@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/recorder.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "core/model/progress.hpp"
+#include "core/model/text.hpp"
+#include "daemon/gates/slot_record.hpp"
+
+namespace mlcca {
+namespace {
+
+// The journal's words for what is granted: "set=0 camera#0>control player#7>laptop": the attribute
+// set, then publisher, its admission and the place of each delivery.
+constexpr std::string_view kSet = "set=";
+
+std::string text_of(const core::Grants& grants) {
+  if (grants.deliveries.empty()) return {};
+  std::string text = std::string(kSet) + std::to_string(grants.set);
+  for (const core::Delivery& d : grants.deliveries)
+    text += fmt::format(" {}#{}>{}", d.publisher, d.admission, d.to);
+  return text;
+}
+
+template <class Number>
+std::optional<Number> number_in(std::string_view text) {
+  Number number = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (read.ec != std::errc{} || read.ptr != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// Nothing for words that are not ours. Neither names of places nor numbers have a # or a >.
+std::optional<core::Grants> grants_of(std::string_view text) {
+  if (!text.starts_with(kSet)) return std::nullopt;
+  core::Grants grants;
+  bool first = true;
+  while (!text.empty()) {
+    const auto blank = std::min(text.find(' '), text.size());
+    const std::string_view word = text.substr(0, blank);
+    text.remove_prefix(std::min(blank + 1, text.size()));
+    if (std::exchange(first, false)) {
+      const auto set = number_in<std::size_t>(word.substr(kSet.size()));
+      if (!set) return std::nullopt;
+      grants.set = *set;
+      continue;
+    }
+    const auto to = word.rfind('>');
+    const auto id = to == std::string_view::npos ? to : word.rfind('#', to);
+    if (id == std::string_view::npos) return std::nullopt;
+    const auto admission = number_in<core::AdmissionId>(word.substr(id + 1, to - id - 1));
+    if (!admission) return std::nullopt;
+    grants.deliveries.push_back(
+        {std::string(word.substr(0, id)), *admission, std::string(word.substr(to + 1))});
+  }
+  return grants;
+}
+
+}  // namespace
+
+Result<void> Recorder::open(const std::string& directory, store::Disk& disk) {
+  auto opened = patience_.wait_for([&] { return store::Journal::open(directory, disk); });
+  if (!opened) return std::unexpected(opened.error());
+  journal_.emplace(std::move(*opened));
+  return {};
+}
+
+Recorder::Granted Recorder::granted() const {
+  Granted all;
+  for (const auto& [subject, text] : contents().granted)
+    if (auto grants = grants_of(text)) all.emplace(subject, std::move(*grants));
+  return all;
+}
+
+// --- what clients ask for ------------------------------------------------------------------------
+
+Result<void> Recorder::admit(const control::Request& request, std::uint32_t user) {
+  auto done = journal_->append(store::Admitted{request, user});
+  if (done) uncommitted_.push_back(request.id);
+  return done;
+}
+
+void Recorder::take_back(core::AdmissionId id) {
+  std::erase(uncommitted_, id);
+  if (contents().admissions.find(id) != nullptr)
+    static_cast<void>(journal_->append(store::Removed{id}));
+}
+
+bool Recorder::is_uncommitted(core::AdmissionId id) const {
+  return std::ranges::find(uncommitted_, id) != uncommitted_.end();
+}
+
+Result<void> Recorder::write_at_once(const std::vector<store::Entry>& entries) {
+  Result<void> done;
+  for (const store::Entry& entry : entries)
+    if (done) done = journal_->append(entry);
+  if (done && journal_->dirty()) done = patience_.wait_for([this] { return journal_->commit(); });
+  if (done) return done;
+  journal_->roll_back();
+  return fail("nothing was changed: " + done.error().text);
+}
+
+// --- what is in force ----------------------------------------------------------------------------
+
+void Recorder::note(std::size_t channel) {
+  note_granted(channel);
+  append(store::Enforced{
+      scene_.state->system().channels[channel].subject,
+      enforce::record_of(gates_.slots(scene_.state->gate_state(scene_.self, channel)))});
+}
+
+void Recorder::note_granted(std::size_t channel) {
+  append(store::Granted{core::format_subject(scene_.state->system().channels[channel].subject),
+                        text_of(scene_.state->grants(channel))});
+}
+
+void Recorder::note_gone(const std::string& subject) { append(store::Granted{subject, {}}); }
+
+void Recorder::note_ports() {
+  auto gone = contents().gated;
+  std::vector<store::Gated> news;
+  const auto report = gates_.report();
+  for (std::size_t p = 0; p < report.size(); ++p) {
+    // A gate that somebody has detached is put back: it is the port's as before.
+    if (!gates_.is_gated(p)) continue;
+    const control::Interface& port = report[p];
+    const store::Gated now{port.identity, port.network, port.name, port.ifindex};
+    const auto known = gone.extract(port.identity);
+    if (known.empty() || known.mapped() != now) news.push_back(now);
+  }
+  for (auto& [identity, port] : gone) {
+    port.ifindex = 0;
+    news.push_back(std::move(port));
+  }
+  for (const store::Gated& entry : news) append(entry);
+}
+
+void Recorder::note_contradicted(std::vector<store::Contradicted> all) {
+  contradicted_ = std::move(all);
+  auto over = contents().contradicted;
+  for (const store::Contradicted& now : contradicted_) {
+    over.erase({now.network, now.subject});
+    append(now);
+  }
+  for (auto& [key, entry] : over) {
+    entry.how.clear();
+    append(entry);
+  }
+}
+
+/// Of every subject, and of what a profile needs beside events.
+void Recorder::note_slots(core::GateState of_all) {
+  const auto subject_of = [](const core::GateRule& rule) { return rule.entry.subject; };
+  std::ranges::stable_sort(of_all, {}, [&](const core::GateRule& rule) {
+    core::Progress::step();
+    return subject_of(rule);
+  });
+  std::map<std::uint64_t, std::string> now;
+  for (auto first = of_all.begin(); first != of_all.end();) {
+    const auto last = std::find_if(first, of_all.end(), [&](const core::GateRule& rule) {
+      return subject_of(rule) != subject_of(*first);
+    });
+    now.emplace_hint(now.end(), subject_of(*first),
+                     enforce::record_of(gates_.slots({first, last})));
+    first = last;
+    pulse_();
+  }
+  for (const auto& [subject, slots] : contents().enforced) {
+    now.try_emplace(subject);
+    core::Progress::step();
+  }
+  for (auto& [subject, slots] : now) append(store::Enforced{subject, std::move(slots)});
+}
+
+/// A batch has a limit, which a million subjects reach: where nobody waits for an answer there may
+/// be several.
+void Recorder::append(const store::Entry& entry) {
+  core::Progress::step();
+  auto done = journal_->append(entry);
+  if (!done && uncommitted_.empty() && journal_->dirty()) {
+    done = patience_.wait_for([this] { return journal_->commit(); });
+    if (done) done = journal_->append(entry);
+  }
+  if (!done) log_.error(Kind::trouble, done.error().text);
+}
+
+// --- the disk ------------------------------------------------------------------------------------
+
+Result<void> Recorder::commit(
+    const std::function<void(const std::vector<core::AdmissionId>&)>& lost) {
+  auto done = patience_.wait_for([this] { return journal_->commit(); });
+  if (!done) {
+    log_.error(Kind::trouble, done.error().text);
+    lost(uncommitted_);
+  }
+  if (trouble_.is_new(journal_->trouble().value_or("")))
+    log_.warning(Kind::trouble, trouble_.text());
+  uncommitted_.clear();
+  return done;
+}
+
+void Recorder::keep() {
+  if (!journal_ || journal_->dirty()) return;
+  const auto again = patience_.wait_for([this] { return journal_->keep(); });
+  if (gone_.is_new(again ? ""
+                         : journal_->path() +
+                               " was removed or replaced, and cannot be written anew: " +
+                               again.error().text))
+    log_.error(Kind::trouble, gone_.text());
+  if (again && *again)
+    log_.error(Kind::drift,
+               journal_->path() +
+                   ": somebody removed or replaced it; it is written anew, with all that is "
+                   "granted");
+}
+
+}  // namespace mlcca

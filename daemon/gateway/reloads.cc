@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/reloads.hpp"
+
+#include <fmt/core.h>
+
+#include "core/model/progress.hpp"
+#include "daemon/gateway/quotas.hpp"
+
+namespace mlcca {
+namespace {
+
+constexpr const char* kBusy =
+    "nothing was changed: the description is being read already; ask again later";
+
+}  // namespace
+
+/// Reads on a thread, and goes on in the loop when that is done.
+bool Reloads::start_reading(std::uint64_t session) {
+  const auto read = std::make_shared<std::optional<DescribedResult>>();
+  const auto current =
+      std::make_shared<Current>(Current{std::nullopt, session, parts_.log.actor()});
+  const bool begun = parts_.reading.begin([read, from = parts_.read] { *read = from(); },
+                                          [this, read] { end(put_in_force(std::move(**read))); });
+  if (!begun) return false;
+  parts_.log.add_rows(Quotas::kRowsOfReload);
+  current_ = current;
+  return true;
+}
+
+Response Reloads::begin(const Asker& asker) {
+  if (!start_reading(asker.peer.session)) return failed(kBusy);
+  return Response([current = current_]() -> std::optional<serve::Slice> {
+    if (!current->body) return std::nullopt;
+    return serve::Slice{*current->body};
+  });
+}
+
+void Reloads::begin() {
+  if (!start_reading(0)) parts_.log.error(Kind::reload, kBusy);
+}
+
+void Reloads::poll() {
+  if (!parts_.reading.waits() ||
+      parts_.clock.monotonic_ns() - parts_.reading.begun() <= parts_.options.read_limit_ns)
+    return;
+  parts_.reading.forget();
+  const std::string why = "nothing was changed: " + not_read_in_time(parts_.options);
+  parts_.log.error(Kind::reload, why);
+  end(control::Error{control::ErrorKind::unreadable, why, {}});
+}
+
+void Reloads::end(Body body) {
+  const auto current = std::exchange(current_, nullptr);
+  if (!current) return;
+  current->body = std::move(body);
+  if (ready_) ready_(current->session);
+}
+
+std::expected<Admissions::LeftOut, StartError> Reloads::complete(Described& described) const {
+  auto left_out = parts_.admissions.restore_into(*described.state);
+  if (const auto lack = described.state->lacks_room(described.self))
+    return std::unexpected(StartError{{parts_.options.description + ": " + *lack}, true});
+  return left_out;
+}
+
+Body Reloads::refuse(StartError why) {
+  last_error_ = why.lines.front();
+  const std::string more =
+      why.lines.size() > 1 ? fmt::format(" (and {} more)", why.lines.size() - 1) : "";
+  parts_.log.error(Kind::reload,
+                   fmt::format("reload refused, nothing changed: {}{}", last_error_, more));
+  return control::Error{control::ErrorKind::unreadable,
+                        "the description cannot be used, nothing was changed",
+                        std::move(why.lines)};
+}
+
+/// There is no memory for a gate that it needs, or no right to make it.
+Body Reloads::refuse(const Error& no_gates) {
+  last_error_ = "nothing has changed: " + no_gates.text;
+  parts_.log.error(Kind::reload, "reload refused, " + last_error_);
+  return failed(last_error_);
+}
+
+Body Reloads::put_in_force(DescribedResult read) {
+  const EventLog::Acting acting(parts_.log, current_ ? current_->actor : std::nullopt);
+  const core::Progress alive(parts_.pulse);
+  parts_.turn.commit();
+  const auto before = parts_.recorder.granted();
+  if (!read) return refuse(std::move(read.error()));
+  auto left_out = complete(*read);
+  if (!left_out) return refuse(std::move(left_out.error()));
+  if (const auto ready = parts_.gates.prepare(read->state->system(), read->self); !ready)
+    return refuse(ready.error());
+  last_error_.clear();
+  Scene& scene = parts_.scene;
+  Described former{std::exchange(scene.state, std::move(read->state)),
+                   std::exchange(scene.self, read->self)};
+  ++scene.description;
+  auto loads = parts_.buses.carry_over(former.state->system());
+  parts_.meshes.describe(scene.state->system(), scene.self);
+  if (const auto done = parts_.put_in_force(before); !done)
+    return roll_back(std::move(former), std::move(loads), before, done.error());
+  parts_.gates.end_change();
+  parts_.health.forget();
+  parts_.drops.forget();
+  parts_.turn.open_unless_lost();
+  note_loaded();
+  parts_.admissions.set_left_out(std::move(*left_out));
+  const std::string line = "reloaded: " + parts_.summary();
+  parts_.log.notice(Kind::reload, line);
+  parts_.admissions.report_left_out();
+  parts_.deliveries.outcome(before, parts_.deliveries.reported_of(*former.state));
+  return control::Done{line};
+}
+
+Body Reloads::roll_back(Described former, BusMonitor::Loads loads,
+                        const DeliveryEvents::Granted& before, const Error& why) {
+  ++parts_.scene.description;
+  parts_.scene.state = std::move(former.state);
+  parts_.scene.self = former.self;
+  parts_.buses.restore(std::move(loads));
+  last_error_ = why.text;
+  parts_.log.error(Kind::reload, "reload refused, back to what was: " + last_error_);
+  parts_.meshes.describe(parts_.scene.state->system(), parts_.scene.self);
+  parts_.gates.go_back();
+  static_cast<void>(parts_.put_in_force(before));
+  parts_.gates.end_change();
+  parts_.health.forget();
+  parts_.drops.forget();
+  parts_.turn.open_unless_lost();
+  return failed(last_error_);
+}
+
+}  // namespace mlcca

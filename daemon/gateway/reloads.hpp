@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Another description takes the place of the one in force: it is read on a thread, and put in force
+// in one step of the loop, or nothing changes.
+#pragma once
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "control/messages.hpp"
+#include "daemon/gateway/admissions.hpp"
+#include "daemon/gateway/bus_monitor.hpp"
+#include "daemon/gateway/delivery_events.hpp"
+#include "daemon/gateway/delivery_health.hpp"
+#include "daemon/gateway/described.hpp"
+#include "daemon/gateway/drop_reports.hpp"
+#include "daemon/gateway/event_log.hpp"
+#include "daemon/gateway/meshes.hpp"
+#include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/requests/response.hpp"
+#include "daemon/gateway/scene.hpp"
+#include "daemon/gateway/turn.hpp"
+#include "daemon/outside/background.hpp"
+#include "daemon/outside/gate_driver.hpp"
+
+namespace mlcca {
+
+class Reloads {
+ public:
+  using Ready = std::function<void(std::uint64_t session)>;
+
+  /// All of them must outlive this.
+  struct Parts {
+    const Options& options;
+    ReadDescription read;
+    Background& reading;
+    const Clock& clock;
+    GateDriver& gates;
+    Scene& scene;
+    EventLog& log;
+    DeliveryEvents& deliveries;
+    DeliveryHealth& health;
+    DropReports& drops;
+    Recorder& recorder;
+    Turn& turn;
+    Admissions& admissions;
+    BusMonitor& buses;
+    Meshes& meshes;
+    /// Interfaces, links and gates for the description that the scene has now; what was granted
+    /// before is served first.
+    std::function<Result<void>(const DeliveryEvents::Granted&)> put_in_force;
+    /// The gateway in one line.
+    std::function<std::string()> summary;
+    std::function<void()> pulse;
+  };
+  explicit Reloads(Parts parts) : parts_(std::move(parts)) {}
+
+  /// Called with the session whose reload has ended.
+  void on_ready(Ready ready) { ready_ = std::move(ready); }
+  /// A client asks for it: the response comes when it is done.
+  Response begin(const Asker& asker);
+  /// The service manager does; what is wrong goes to the log.
+  void begin();
+  /// Once a second: a description that takes too long to read is given up.
+  void poll();
+
+  /// With what was admitted at run time; the error says why it cannot be used.
+  [[nodiscard]] std::expected<Admissions::LeftOut, StartError> complete(Described& described) const;
+  /// When the description in force was read, seconds since 1970.
+  [[nodiscard]] std::uint64_t loaded() const { return loaded_; }
+  void note_loaded() { loaded_ = parts_.clock.unix_ns() / 1'000'000'000; }
+  /// Why the latest reload was refused; empty: it was not.
+  [[nodiscard]] const std::string& last_error() const { return last_error_; }
+
+ private:
+  /// What is under way: what is answered, and to whom.
+  struct Current {
+    std::optional<Body> body;
+    std::uint64_t session = 0;
+    std::optional<control::Actor> actor;
+  };
+  [[nodiscard]] bool start_reading(std::uint64_t session);
+  void end(Body body);
+  Body put_in_force(DescribedResult read);
+  Body refuse(StartError why);
+  Body refuse(const Error& no_gates);
+  Body roll_back(Described former, BusMonitor::Loads loads, const DeliveryEvents::Granted& before,
+                 const Error& why);
+
+  Parts parts_;
+  Ready ready_;
+  std::shared_ptr<Current> current_;
+  std::uint64_t loaded_ = 0;
+  std::string last_error_;
+};
+
+}  // namespace mlcca

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A publisher or a subscriber joins a channel at run time.
+#include <fmt/core.h>
+
+#include <optional>
+#include <utility>
+
+#include "daemon/gateway/admissions.hpp"
+#include "daemon/gateway/can_forwarding.hpp"
+#include "daemon/gateway/channel_reports.hpp"
+#include "daemon/gateway/delivery_events.hpp"
+#include "daemon/gateway/gate_events.hpp"
+#include "daemon/gateway/quotas.hpp"
+#include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/report.hpp"
+#include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/gateway/tag_bindings.hpp"
+#include "daemon/gateway/turn.hpp"
+#include "daemon/outside/gate_driver.hpp"
+
+namespace mlcca::requests {
+namespace {
+
+/// A key that was granted before is answered as now, and its lease begins anew.
+std::optional<Response> admit_again(Context& context, const Asker& asker,
+                                    const control::Admit& request) {
+  const auto known = context.admissions.with_key(request.key);
+  if (!known) return std::nullopt;
+  const core::AdmissionId id = *known;
+  const control::Request* granted = context.recorder.contents().admissions.find(id);
+  if (granted == nullptr) return std::nullopt;
+  if (std::get<control::Admit>(granted->body) != request)
+    return invalid(
+        fmt::format("admission {} has the key '{}' and was asked for otherwise: release it "
+                    "first, or take another key",
+                    id, request.key));
+  const auto& left_out = context.admissions.left_out();
+  if (const auto out = left_out.find(id); out != left_out.end())
+    return invalid(out->second + ": release it, or mend the description");
+  Response response = context.channels.of_admission(id);
+  if (context.admissions.own(id, request, asker.peer.session)) response.owned = id;
+  response.held = context.recorder.is_uncommitted(id);
+  return response;
+}
+
+/// Journal and gates have it, or neither does. The error says that nothing was changed.
+Result<void> put_in_force(Context& context, core::Proposal proposal,
+                          const control::Request& request, const Asker& asker) {
+  auto done = context.recorder.admit(request, asker.peer.uid);
+  if (done) done = context.gates.apply(proposal.changes(context.scene.self));
+  if (done) std::move(proposal).accept();
+  return done;
+}
+
+Response admit_new(Context& context, const Asker& asker, const control::Admit& request,
+                   const Asked& asked) {
+  if (const auto why =
+          Quotas::refuse_admission(asker.peer.uid, context.recorder.contents().admissions))
+    return failed("nothing was changed: " + *why);
+  if (const auto lack = lacks_pairs(context, asked)) return invalid(*lack);
+  core::State& state = *context.scene.state;
+  const core::AdmissionId id = asked.admission->id;
+  std::optional<core::Proposal> proposal(state.propose(*asked.admission));
+  if (const auto lack = proposal->lacks_room(context.scene.self)) return invalid(*lack);
+  Response response = outcome_of(context, *proposal, asked, "admit");
+  if (!proposal->fit()) {
+    for (const core::Verdict* v : proposal->verdicts())
+      if (!v->granted) context.deliveries.verdict(Kind::refused, *v, verdict_line(state, *v));
+    return response;
+  }
+  const auto done = put_in_force(context, std::move(*proposal), {id, request}, asker);
+  proposal.reset();
+  if (!done) {
+    context.recorder.take_back(id);
+    static_cast<void>(context.turn.enforce());
+    return failed("nothing was changed: " + done.error().text);
+  }
+  context.turn.set_bands();
+  response.held = true;
+  context.admissions.add(id, request, asker.peer.session);
+  if (request.hold) response.owned = id;
+  context.recorder.note(asked.channel);
+  context.forwarding.want(asked.channel);
+  for (const core::Verdict& v : state.decisions()[asked.channel].verdicts)
+    if (context.deliveries.concerns(v, id)) {
+      context.deliveries.verdict(Kind::granted, v, verdict_line(state, v));
+      context.gate_events.repeat_missing(v);
+    }
+  return response;
+}
+
+Response admit_listed(Context& context, const Asker& asker, const control::Admit& request) {
+  const auto asked = understand(*context.scene.state, request, context.recorder.contents().next_id);
+  if (!asked) return invalid(asked.error().text);
+  if (asked->admission) return admit_new(context, asker, request, *asked);
+  if (!request.key.empty() || request.lease_ns != 0 || request.hold)
+    return invalid(
+        "these ends are described: a key, a lease or hold needs a new publisher or "
+        "subscriber (say its attributes, or give it a name)");
+  return known(context, asker, *asked);
+}
+
+}  // namespace
+
+Response admit(Context& context, const Asker& asker, const control::Admit& request) {
+  if (const auto key = check_key(request.key); !key) return invalid(key.error().text);
+  if (auto again = admit_again(context, asker, request)) return std::move(*again);
+  if (const auto listed = list(*context.scene.state, request); !listed)
+    return invalid(listed.error().text);
+  if (!request.unlisted) return admit_listed(context, asker, request);
+  context.tags.claim();
+  Response response = admit_listed(context, asker, request);
+  context.tags.leave_unused();
+  return response;
+}
+
+}  // namespace mlcca::requests

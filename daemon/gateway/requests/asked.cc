@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/requests/asked.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <string>
+#include <vector>
+
+#include "core/profiles/profile.hpp"
+
+namespace mlcca {
+namespace {
+
+constexpr std::size_t kNamesShown = 8;
+constexpr std::uint32_t kHighestNode = 253;  // of any profile
+constexpr std::uint32_t kLowestPriority = 127;
+constexpr std::uint32_t kAnyUser = 0xffffffff;  // what a slot holds that every user may use
+constexpr std::size_t kLongestName = 63;
+
+template <class Range>
+std::string known(const Range& things) {
+  std::vector<std::string> names;
+  for (const auto& thing : things) {
+    if (names.size() == kNamesShown) {
+      names.emplace_back("…");
+      break;
+    }
+    if (const std::string name(thing.name); !name.empty()) names.push_back(name);
+  }
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+Result<core::Place> place_named(const core::State& state, const std::string& name) {
+  if (const auto place = state.find_place(name)) return *place;
+  return fail(fmt::format("no network or gateway is called '{}' (networks: {}; gateways: {})", name,
+                          known(state.system().networks), known(state.system().gateways)));
+}
+
+/// The node of a mesh that an end is at; nothing where it is not said.
+Result<std::optional<std::uint32_t>> mesh_node_named(const core::State& state, core::Place place,
+                                                     const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  const core::System& system = state.system();
+  const bool network = place.kind == core::Place::Kind::network;
+  if (!network || !system.networks[place.index].mesh)
+    return fail(fmt::format(
+        "{} is no mesh, and so has no node '{}'",
+        network ? system.networks[place.index].name : system.gateways[place.index].name, name));
+  const auto& nodes = system.networks[place.index].mesh->nodes;
+  const auto it = std::ranges::find(nodes, name, &core::mesh::Node::name);
+  if (it == nodes.end())
+    return fail(fmt::format("{} has no node '{}' (nodes: {})", system.networks[place.index].name,
+                            name, known(nodes)));
+  return static_cast<std::uint32_t>(it - nodes.begin());
+}
+
+Result<AttributeSet> overridden(AttributeSet base, const std::vector<control::Attribute>& changes) {
+  for (const control::Attribute& change : changes) {
+    std::size_t i = 0;
+    while (i < kAttributes && change.name != kAttributeTable[i].name) ++i;
+    if (i == kAttributes)
+      return fail(fmt::format("there is no attribute '{}' (there are: {})", change.name,
+                              known(kAttributeTable)));
+    base.set(attribute_at(i), change.value);
+  }
+  return base;
+}
+
+/// Names go into one-line logs: no control characters.
+Result<std::string> end_name(const std::string& given, const std::string& otherwise) {
+  if (given.empty()) return otherwise;
+  const bool plain = std::ranges::all_of(given, [](char c) { return c > ' ' && c < 127; });
+  if (!plain || given.size() > kLongestName)
+    return fail(
+        fmt::format("a name has 1 to {} printable characters without blanks", kLongestName));
+  return given;
+}
+
+/// What a newcomer states in each of the channel's attribute sets.
+template <class End, class Stated>
+Result<void> set_attributes(End& end, const core::EventChannel& channel, const Stated& stated) {
+  auto first = stated(channel.attributes);
+  if (!first) return std::unexpected(first.error());
+  end.attributes = *first;
+  end.user = channel.user;
+  for (const core::Alternative& lower : channel.lower) {
+    auto set = stated(lower.attributes);
+    if (!set) return std::unexpected(set.error());
+    end.lower.push_back({lower.priority, *set, lower.user});
+  }
+  return {};
+}
+
+Result<core::Station> station_named(const core::State& state, core::Place place,
+                                    const std::string& address) {
+  if (address.empty()) return core::Station{};
+  if (place.kind != core::Place::Kind::network ||
+      !state.system().networks[place.index].carries_subjects())
+    return fail(
+        "an address is said only for a publisher on a network of kind udp-multicast or mesh with "
+        "profile famouso");
+  const auto station = core::station_of(address);
+  if (!station)
+    return fail(fmt::format(
+        "nobody sends from '{}': say the IPv4 or MAC address of one station, such as 192.0.2.7",
+        address));
+  return *station;
+}
+
+Result<core::Publisher> new_publisher(const core::State& state,
+                                      const control::ChannelRequest& request, std::size_t channel,
+                                      core::Place from, core::AdmissionId id) {
+  core::Publisher p;
+  p.channel = channel;
+  p.place = from;
+  // The channel's Jitter is what subscribers ask; a publisher's own is stated by itself.
+  const auto stated = set_attributes(p, state.system().channels[channel], [&](AttributeSet base) {
+    return overridden(base.clear(Attribute::jitter), request.offered);
+  });
+  if (!stated) return std::unexpected(stated.error());
+  auto name = end_name(request.publisher, fmt::format("publisher-{}", id));
+  if (!name) return std::unexpected(name.error());
+  p.name = *name;
+  const auto at = mesh_node_named(state, from, request.from_node);
+  if (!at) return std::unexpected(at.error());
+  p.mesh_node = *at;
+  const auto station = station_named(state, from, request.address);
+  if (!station) return std::unexpected(station.error());
+  p.station = *station;
+  if (request.node) {
+    if (*request.node > kHighestNode)
+      return fail(fmt::format("node {} is out of range: 0 to {}", *request.node, kHighestNode));
+    p.node = static_cast<std::uint8_t>(*request.node);
+  }
+  if (request.priority) {
+    if (*request.priority > kLowestPriority)
+      return fail(fmt::format("priority {} is out of range: 0 (highest) to {}", *request.priority,
+                              kLowestPriority));
+    p.priority = static_cast<std::uint8_t>(*request.priority);
+  }
+  if (from.kind == core::Place::Kind::gateway) {
+    if (request.user.empty())
+      return fail("a publisher on a gateway is a local program: say as which user it runs");
+    std::uint32_t number = 0;
+    const char* const end = request.user.data() + request.user.size();
+    const auto read = std::from_chars(request.user.data(), end, number);
+    if (read.ec == std::errc{} && read.ptr == end) {
+      if (number == kAnyUser)
+        return fail(fmt::format("{} is not a user number: at most {}", number, kAnyUser - 1));
+      p.uid = number;
+      return p;
+    }
+    // Looking a name up may take as long as a directory service likes.
+    return fail(
+        fmt::format("user '{}': a request says a user by number, such as 1000 (mlccactl "
+                    "turns names into numbers)",
+                    request.user));
+  } else if (!request.user.empty()) {
+    return fail("a user is said only for a publisher on a gateway");
+  }
+  return p;
+}
+
+Result<core::Subscriber> new_subscriber(const core::State& state,
+                                        const control::ChannelRequest& request, std::size_t channel,
+                                        core::Place to, core::AdmissionId id) {
+  core::Subscriber s;
+  s.channel = channel;
+  s.place = to;
+  const auto stated =
+      set_attributes(s, state.system().channels[channel],
+                     [&](const AttributeSet& base) { return overridden(base, request.required); });
+  if (!stated) return std::unexpected(stated.error());
+  auto name = end_name(request.subscriber, fmt::format("subscriber-{}", id));
+  if (!name) return std::unexpected(name.error());
+  s.name = *name;
+  const auto at = mesh_node_named(state, to, request.to_node);
+  if (!at) return std::unexpected(at.error());
+  s.mesh_node = *at;
+  return s;
+}
+
+bool describes_publisher(const control::ChannelRequest& r) {
+  return r.node || r.priority || !r.user.empty() || !r.offered.empty() || !r.publisher.empty() ||
+         !r.from_node.empty() || !r.address.empty();
+}
+bool describes_subscriber(const control::ChannelRequest& r) {
+  return !r.required.empty() || !r.subscriber.empty() || !r.to_node.empty();
+}
+
+}  // namespace
+
+Result<void> list(core::State& state, const control::ChannelRequest& request) {
+  if (!request.unlisted) {
+    if (request.identifiers.empty()) return {};
+    return fail("identifiers of a channel are described, except for one that is not described");
+  }
+  constexpr std::size_t most_identifiers = 16;
+  if (request.identifiers.size() > most_identifiers)
+    return fail(fmt::format("at most {} identifiers", most_identifiers));
+  const auto subject = core::parse_subject(request.channel);
+  if (!subject)
+    return fail(
+        fmt::format("'{}' is no subject: 0x and up to 16 hexadecimal digits", request.channel));
+  core::UnlistedChannel wanted{.subject = *subject, .networks = {}, .bindings = {}};
+  const auto network_named = [&](const std::string& name) -> Result<std::optional<std::size_t>> {
+    const auto place = place_named(state, name);
+    if (!place) return std::unexpected(place.error());
+    if (place->kind == core::Place::Kind::gateway) return std::nullopt;
+    return place->index;
+  };
+  for (const std::string& end : {request.from, request.to}) {
+    if (end.empty()) continue;
+    const auto network = network_named(end);
+    if (!network) return std::unexpected(network.error());
+    if (*network) wanted.networks.push_back(**network);
+  }
+  for (const control::Identifier& i : request.identifiers) {
+    const auto network = network_named(i.network);
+    if (!network) return std::unexpected(network.error());
+    if (!*network)
+      return fail(fmt::format("{} is a gateway: identifiers are of CAN networks", i.network));
+    if (std::ranges::find(wanted.bindings, **network, &core::UnlistedBinding::network) !=
+        wanted.bindings.end())
+      return fail(fmt::format("{} is given two identifiers", i.network));
+    wanted.bindings.push_back({**network, i.id, i.extended});
+  }
+  const auto listed = state.list(wanted);
+  if (!listed) return std::unexpected(listed.error());
+  return {};
+}
+
+Result<std::size_t> channel_named(const core::State& state, const std::string& name) {
+  if (const auto channel = state.find_channel(name)) return *channel;
+  return fail(fmt::format("no event channel is called '{}' (channels: {})", name,
+                          known(state.system().channels)));
+}
+
+namespace {
+
+/// Two publishers on a network that nobody can tell apart would use each other's grant, as in a
+/// description. Programs of one user on a gateway are admitted one by one, and share their limit.
+Result<void> check_sender(const core::State& state, const core::Publisher& newcomer) {
+  if (newcomer.place.kind == core::Place::Kind::gateway) return {};
+  const auto sender = core::sender_of(state.system(), newcomer);
+  if (!sender) return {};
+  const auto& members = state.members();
+  for (const std::size_t p : members.publishers_of(newcomer.channel))
+    if (core::sender_of(state.system(), members.publisher(p)) == sender)
+      return fail(fmt::format("channel {} is already published by this sender, as {}: {}",
+                              state.system().channels[newcomer.channel].name,
+                              members.publisher(p).name, core::way_to_differ(newcomer)));
+  return {};
+}
+
+/// Then it is policed; without that anybody could fill a network.
+bool states_traffic(const core::Publisher& p) {
+  return p.attributes.has(Attribute::bandwidth) ||
+         (p.attributes.has(Attribute::period) && p.attributes.has(Attribute::max_payload));
+}
+
+/// The publisher that the request means: one that is there, or a new one for the admission.
+Result<void> understand_publisher(const core::State& state, const control::ChannelRequest& request,
+                                  Asked& asked, core::Admission& admission) {
+  if (request.from.empty()) {
+    if (!describes_publisher(request)) return {};
+    return fail("a new publisher needs its place: say from which network or gateway");
+  }
+  const auto from = place_named(state, request.from);
+  if (!from) return std::unexpected(from.error());
+  const auto& members = state.members();
+  const bool there = std::ranges::any_of(members.publishers_of(asked.channel), [&](std::size_t p) {
+    return members.publisher(p).place == *from;
+  });
+  if (there && !describes_publisher(request)) {
+    asked.from = *from;
+    return {};
+  }
+  auto publisher = new_publisher(state, request, asked.channel, *from, admission.id);
+  if (!publisher) return std::unexpected(publisher.error());
+  if (const auto alone = check_sender(state, *publisher); !alone)
+    return std::unexpected(alone.error());
+  if (state.system().channels[asked.channel].unlisted && !states_traffic(*publisher))
+    return fail(
+        "a channel that is not described needs the traffic of its publisher: offer Period and "
+        "MaxPayload, or Bandwidth");
+  admission.publisher = std::move(*publisher);
+  return {};
+}
+
+Result<void> understand_subscriber(const core::State& state, const control::ChannelRequest& request,
+                                   Asked& asked, core::Admission& admission) {
+  if (request.to.empty()) {
+    if (!describes_subscriber(request)) return {};
+    return fail("a new subscriber needs its place: say to which network or gateway");
+  }
+  const auto to = place_named(state, request.to);
+  if (!to) return std::unexpected(to.error());
+  const auto& members = state.members();
+  const bool there = std::ranges::any_of(members.subscribers_of(asked.channel), [&](std::size_t s) {
+    return members.subscriber(s).place == *to;
+  });
+  if (there && !describes_subscriber(request)) {
+    asked.to = *to;
+    return {};
+  }
+  auto subscriber = new_subscriber(state, request, asked.channel, *to, admission.id);
+  if (!subscriber) return std::unexpected(subscriber.error());
+  admission.subscriber = std::move(*subscriber);
+  return {};
+}
+
+}  // namespace
+
+Result<Asked> understand(const core::State& state, const control::ChannelRequest& request,
+                         core::AdmissionId id) {
+  const auto channel = channel_named(state, request.channel);
+  if (!channel) return std::unexpected(channel.error());
+  Asked asked{.channel = *channel, .from = {}, .to = {}, .admission = {}};
+  core::Admission admission{.id = id, .channel = *channel, .publisher = {}, .subscriber = {}};
+  if (const auto ok = understand_publisher(state, request, asked, admission); !ok)
+    return std::unexpected(ok.error());
+  if (const auto ok = understand_subscriber(state, request, asked, admission); !ok)
+    return std::unexpected(ok.error());
+  if (admission.publisher || admission.subscriber) asked.admission = std::move(admission);
+  return asked;
+}
+
+Result<void> check_key(const std::string& key) {
+  constexpr std::size_t longest = 255;
+  const auto is_control = [](unsigned char c) { return c < ' ' || c == 127; };
+  if (key.size() <= longest && std::ranges::none_of(key, is_control)) return {};
+  return fail(fmt::format("a key has up to {} bytes, none of them a control character", longest));
+}
+
+std::uint64_t lease_of(const control::Admit& request) {
+  constexpr std::uint64_t of_a_connection = 10'000'000'000;
+  return request.hold && request.lease_ns == 0 ? of_a_connection : request.lease_ns;
+}
+
+}  // namespace mlcca

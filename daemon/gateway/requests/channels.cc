@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include <algorithm>
+#include <iterator>
+
+#include "daemon/gateway/channel_reports.hpp"
+#include "daemon/gateway/requests/handlers.hpp"
+
+namespace mlcca::requests {
+namespace {
+
+constexpr std::size_t kLeastRow = 32;  // bytes on the wire
+
+}  // namespace
+
+Response channels(Context& context, const Asker& asker,
+                  const control::ChannelsRequest& /*request*/) {
+  const std::size_t all = context.scene.state->decisions().size();
+  if (context.channels.has_channel_of_many_ends())
+    return made_aside(context, asker, [&context, all] {
+      control::Channels out;
+      for (std::size_t c = 0; c < all; ++c)
+        std::ranges::move(context.channels.known({c, {}, {}, {}}).channels,
+                          std::back_inserter(out.channels));
+      return out;
+    });
+  return made_in_slices(
+      context, all * kLeastRow,
+      [&context, at = ChannelReports::Position{}]() mutable { return context.channels.some(at); });
+}
+
+}  // namespace mlcca::requests

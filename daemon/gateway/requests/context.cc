@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/requests/context.hpp"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "core/model/text.hpp"
+#include "daemon/gateway/channel_reports.hpp"
+#include "daemon/gateway/quotas.hpp"
+#include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/report.hpp"
+#include "daemon/gateway/report_size.hpp"
+#include "daemon/gateway/turn.hpp"
+#include "daemon/outside/gate_control.hpp"
+#include "description/rules.hpp"
+
+namespace mlcca {
+
+Response made_aside(Context& context, const Asker& asker, Aside::Make make) {
+  return Response(context.aside.ask(asker.peer, std::move(make), asker.may_slice));
+}
+
+Response made_in_slices(Context& context, std::size_t least_bytes,
+                        std::function<serve::Slice()> next) {
+  return Response(
+      [&context, description = context.scene.description, next = std::move(next)] {
+        if (description == context.scene.description) return std::optional(next());
+        return std::optional(
+            serve::Slice{failed("the description was reloaded meanwhile: ask again")});
+      },
+      least_bytes);
+}
+
+Response known(Context& context, const Asker& asker, const Asked& asked) {
+  if (!context.channels.has_many_lines(asked.channel)) return context.channels.known(asked);
+  return made_aside(context, asker, [&context, asked] { return context.channels.known(asked); });
+}
+
+const char* mode_name(const GateControl& control) {
+  return control.mode() == enforce::Mode::audit ? "audit" : "enforce";
+}
+
+Result<void> set_withdrawn(Context& context, std::size_t channel, bool withdrawn) {
+  context.turn.commit();
+  const std::string subject =
+      core::format_subject(context.scene.state->system().channels[channel].subject);
+  const store::Entry entry =
+      withdrawn ? store::Entry(store::Released{subject}) : store::Entry(store::Reinstated{subject});
+  if (auto done = context.recorder.write_at_once({entry}); !done) return done;
+  context.scene.state->set_withdrawn(channel, withdrawn);
+  // A gate that refuses denies as a whole, and the log says so: it is decided all the same.
+  static_cast<void>(context.turn.settle());
+  return {};
+}
+
+Body outcome_of(const Context& context, const core::Proposal& proposal, const Asked& asked,
+                const char* to_do) {
+  const core::State& state = *context.scene.state;
+  control::Channels out;
+  auto verdicts = proposal.verdicts();
+  out.left_out = leave_out(state, verdicts);
+  for (const core::Verdict* v : verdicts) out.channels.push_back(channel_report(state, *v, {}));
+  if (!proposal.fit())
+    for (control::Channel& channel : out.channels)
+      if (channel.admission == asked.admission->id) channel.admission = 0;
+  if (!out.channels.empty()) return out;
+  return invalid(fmt::format("nobody {} {}: there is nothing to {}",
+                             asked.admission->publisher ? "subscribes" : "publishes",
+                             state.system().channels[asked.channel].name, to_do));
+}
+
+std::optional<std::string> lacks_pairs(const Context& context, const Asked& asked) {
+  const core::Members& members = context.scene.state->members();
+  const std::size_t publishers =
+      members.publishers_of(asked.channel).size() + (asked.admission->publisher ? 1 : 0);
+  const std::size_t subscribers =
+      members.subscribers_of(asked.channel).size() + (asked.admission->subscriber ? 1 : 0);
+  if (publishers * subscribers <= description::kMaxPairs) {
+    const std::size_t before =
+        members.publishers_of(asked.channel).size() * members.subscribers_of(asked.channel).size();
+    return Quotas::refuse_pairs(members.admitted_pairs(), publishers * subscribers - before);
+  }
+  return fmt::format("{} publishers and {} subscribers of {}: at most {} pairs", publishers,
+                     subscribers, context.scene.state->system().channels[asked.channel].name,
+                     description::kMaxPairs);
+}
+
+}  // namespace mlcca

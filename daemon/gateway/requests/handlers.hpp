@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One handler for each request, each in a file of its own.
+#pragma once
+#include "daemon/gateway/requests/context.hpp"
+
+namespace mlcca::requests {
+
+Response status(Context& context, const Asker& asker, const control::StatusRequest& request);
+Response networks(Context& context, const Asker& asker, const control::NetworksRequest& request);
+Response channels(Context& context, const Asker& asker, const control::ChannelsRequest& request);
+Response query(Context& context, const Asker& asker, const control::Query& request);
+Response admit(Context& context, const Asker& asker, const control::Admit& request);
+Response release(Context& context, const Asker& asker, const control::ReleaseRequest& request);
+Response explain(Context& context, const Asker& asker, const control::ExplainRequest& request);
+Response monitor(Context& context, const Asker& asker, const control::MonitorRequest& request);
+Response mode(Context& context, const Asker& asker, const control::ModeRequest& request);
+Response reload(Context& context, const Asker& asker, const control::ReloadRequest& request);
+Response renew(Context& context, const Asker& asker, const control::RenewRequest& request);
+Response routes(Context& context, const Asker& asker, const control::RoutesRequest& request);
+Response reservations(Context& context, const Asker& asker,
+                      const control::ReservationsRequest& request);
+Response what_if(Context& context, const Asker& asker, const control::WhatIfRequest& request);
+Response history(Context& context, const Asker& asker, const control::HistoryRequest& request);
+Response gate(Context& context, const Asker& asker, const control::GateRequest& request);
+Response withdraw(Context& context, const Asker& asker, const control::WithdrawRequest& request);
+Response reinstate(Context& context, const Asker& asker, const control::ReinstateRequest& request);
+
+}  // namespace mlcca::requests

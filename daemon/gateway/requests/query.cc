@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Would it be admitted? Nothing changes.
+#include "daemon/gateway/channel_reports.hpp"
+#include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/requests/handlers.hpp"
+
+namespace mlcca::requests {
+namespace {
+
+Body would_be(Context& context, const Asked& asked) {
+  if (const auto lack = lacks_pairs(context, asked)) return invalid(*lack);
+  const core::Proposal proposal = context.scene.state->propose(*asked.admission);
+  if (const auto lack = proposal.lacks_room(context.scene.self)) return invalid(*lack);
+  return outcome_of(context, proposal, asked, "decide");
+}
+
+}  // namespace
+
+Response query(Context& context, const Asker& asker, const control::Query& request) {
+  core::State& state = *context.scene.state;
+  if (const auto listed = list(state, request); !listed) return invalid(listed.error().text);
+  const auto asked = understand(state, request, context.recorder.contents().next_id);
+  if (!asked) return invalid(asked.error().text);
+  if (!asked->admission) return known(context, asker, *asked);
+  if (!context.channels.has_many_ends(asked->channel)) return would_be(context, *asked);
+  return made_aside(context, asker,
+                    [&context, asked = *asked] { return would_be(context, asked); });
+}
+
+}  // namespace mlcca::requests

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Admissions that were made at run time end.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <vector>
+
+#include "daemon/gateway/admissions.hpp"
+#include "daemon/gateway/requests/handlers.hpp"
+
+namespace mlcca::requests {
+
+Response release(Context& context, const Asker& /*asker*/, const control::ReleaseRequest& request) {
+  const core::State& state = *context.scene.state;
+  std::vector<core::AdmissionId> gone;
+  if (request.admission != 0 || !request.key.empty()) {
+    const auto named = context.admissions.named(request.admission, request.key);
+    if (!named) return invalid(named.error().text);
+    gone.push_back(*named);
+  } else {
+    const auto named = channel_named(state, request.channel);
+    if (!named) return invalid(named.error().text);
+    for (const auto& [admission, of] : state.admissions())
+      if (of == *named) gone.push_back(admission);
+    if (gone.empty())
+      return invalid(
+          fmt::format("{0} has no run-time admission: what is described of it is stopped "
+                      "by 'mlccactl withdraw {0}'",
+                      state.system().channels[*named].name));
+  }
+  if (const auto done = context.admissions.release(gone, "released"); !done)
+    return failed(done.error().text);
+  return control::Done{
+      fmt::format("released admission{} {}", gone.size() == 1 ? "" : "s", fmt::join(gone, ", "))};
+}
+
+}  // namespace mlcca::requests

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The ways through the networks, the links of meshes, and the rules of can-gw.
+#include "daemon/gateway/can_forwarding.hpp"
+#include "daemon/gateway/channel_reports.hpp"
+#include "daemon/gateway/meshes.hpp"
+#include "daemon/gateway/outlook.hpp"
+#include "daemon/gateway/report.hpp"
+#include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/gateway/reservations.hpp"
+
+namespace mlcca::requests {
+
+Response routes(Context& context, const Asker& asker, const control::RoutesRequest& /*request*/) {
+  const auto make = [&context](net::CanRules* rules) {
+    const core::State& state = *context.scene.state;
+    control::Routes out = routes_report(state);
+    for (std::size_t n = 0; n < state.system().networks.size(); ++n)
+      if (const auto* table = context.meshes.table(n))
+        add_links(*context.meshes.mesh(n), *table, state.system().networks[n].name,
+                  context.clock.monotonic_ns(), out);
+    context.forwarding.add_to(out, rules == nullptr ? context.forwarding.read() : rules->read());
+    return out;
+  };
+  if (!context.channels.is_large()) return make(nullptr);
+  // The child has none of the sockets of the daemon.
+  return made_aside(context, asker, [make] {
+    net::KernelCanRules rules;
+    return make(&rules);
+  });
+}
+
+}  // namespace mlcca::requests

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the gateway is, how its interfaces are, and what is wrong.
+#include "control/version.hpp"
+#include "daemon/gateway/delivery_health.hpp"
+#include "daemon/gateway/health_report.hpp"
+#include "daemon/gateway/reloads.hpp"
+#include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/options.hpp"
+#include "daemon/outside/gate_control.hpp"
+#include "daemon/outside/gate_driver.hpp"
+
+namespace mlcca::requests {
+namespace {
+
+constexpr std::size_t kManyPorts = 16;
+
+control::Status status_of(const Context& c) {
+  control::Status s;
+  s.version = kVersion;
+  s.gateway = c.scene.state->system().gateways[c.scene.self].name;
+  s.system = c.scene.state->system().name;
+  s.description_file = c.options.description;
+  s.mode = mode_name(c.control);
+  s.open = c.control.is_open() && !c.control.lapsed();
+  s.grace_ns = c.control.grace();
+  s.lapses = c.control.lapses();
+  s.channels_granted = static_cast<std::uint32_t>(c.scene.state->granted());
+  s.channels_refused = static_cast<std::uint32_t>(c.scene.state->refused());
+  s.started_unix_s = c.started;
+  s.loaded_unix_s = c.reloads.loaded();
+  s.last_error = c.reloads.last_error();
+  if (const auto problems = c.health.problems(); !problems.empty()) s.problem = problems.front();
+  s.interfaces = c.gates.report();
+  s.health = c.health.health(s.interfaces);
+  return s;
+}
+
+}  // namespace
+
+Response status(Context& context, const Asker& asker, const control::StatusRequest& /*request*/) {
+  if (context.gates.size() > kManyPorts || context.delivery_health.is_large())
+    return made_aside(context, asker, [&context] { return status_of(context); });
+  return status_of(context);
+}
+
+}  // namespace mlcca::requests

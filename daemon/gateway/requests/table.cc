@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/requests/table.hpp"
+
+#include <tuple>
+#include <variant>
+
+#include "daemon/gateway/requests/handlers.hpp"
+
+namespace mlcca::requests {
+namespace {
+
+template <class Request>
+struct Row {
+  Privilege privilege;
+  Trace trace;
+  Response (*handler)(Context&, const Asker&, const Request&);
+};
+template <class Request>
+Row(Privilege, Trace, Response (*)(Context&, const Asker&, const Request&)) -> Row<Request>;
+
+constexpr std::tuple kTable{
+    Row{Privilege::anyone, Trace::none, status},
+    Row{Privilege::anyone, Trace::none, networks},
+    Row{Privilege::anyone, Trace::none, channels},
+    Row{Privilege::anyone, Trace::none, query},
+    Row{Privilege::anyone, Trace::none, explain},
+    Row{Privilege::anyone, Trace::none, monitor},
+    Row{Privilege::anyone, Trace::none, routes},
+    Row{Privilege::anyone, Trace::none, reservations},
+    Row{Privilege::anyone, Trace::none, what_if},
+    Row{Privilege::anyone, Trace::none, history},
+    Row{Privilege::anyone, Trace::none, gate},
+    Row{Privilege::member, Trace::none, renew},
+    Row{Privilege::member, Trace::history, admit},
+    Row{Privilege::member, Trace::history, release},
+    Row{Privilege::member, Trace::history, withdraw},
+    Row{Privilege::member, Trace::history, reinstate},
+    Row{Privilege::member, Trace::history, mode},
+    Row{Privilege::member, Trace::history, reload},
+};
+
+/// std::get finds the one row of a type, and fails to compile where there is none or a second one.
+template <class Request>
+constexpr const Row<Request>& row_of(const Request& /*request*/) {
+  return std::get<Row<Request>>(kTable);
+}
+
+}  // namespace
+
+Privilege privilege_of(const control::Request& request) {
+  return std::visit([](const auto& body) { return row_of(body).privilege; }, request.body);
+}
+
+Trace trace_of(const control::Request& request) {
+  return std::visit([](const auto& body) { return row_of(body).trace; }, request.body);
+}
+
+Response handle(Context& context, const Asker& asker, const control::Request& request) {
+  return std::visit([&](const auto& body) { return row_of(body).handler(context, asker, body); },
+                    request.body);
+}
+
+}  // namespace mlcca::requests

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the gates hold, slot by slot: control traffic and channels, limits and counters.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "bpf/ether.h"
+#include "core/gates/control_traffic.hpp"
+#include "core/model/words.hpp"
+#include "daemon/ports/ports.hpp"
+
+namespace mlcca {
+namespace {
+
+/// Slots of one gate that are listed; it may have a thousand times as many.
+constexpr std::ptrdiff_t kListed = GATE_SLOTS;
+
+bool has_gate(const Ports& ports, std::size_t p) { return ports.profile(p) != core::Profile::none; }
+
+std::string formats_of(std::uint8_t formats, bool can) {
+  std::string words;
+  const auto add = [&](unsigned format, const char* word) {
+    if ((formats & format) != 0) words.append(words.empty() ? "" : " ").append(word);
+  };
+  if (can) {
+    add(GATE_CLASSIC, "classic");
+    add(GATE_FD, "fd");
+    add(GATE_XL, "xl");
+  } else {
+    add(ETHER_WHOLE, "whole");
+    add(ETHER_SPLIT, "split");
+  }
+  return words;
+}
+
+/// What an Ethernet gate passes without a subject.
+control::GateSlot left_alone(const enforce::PortGate& gate, enforce::Direction direction,
+                             gate_reason reason) {
+  control::GateSlot out;
+  out.name = enforce::reason_text(reason);
+  out.egress = direction == enforce::Direction::egress;
+  out.passes = true;
+  out.passed = gate.reasons(direction)[reason];
+  return out;
+}
+
+class Report {
+ public:
+  Report(const Ports& ports, const core::State& state) : ports_(ports), state_(state) {}
+
+  [[nodiscard]] control::Gate gate_of(std::size_t p) const {
+    control::Gate out;
+    out.interface = ports_.interface_name(p);
+    out.network = ports_.network_of(p);
+    out.profile = core::words::kProfiles.of(ports_.profile(p));
+    out.problem = ports_.problem(p);
+    const bool can = ports_.is_can(p);
+    out.masked_room = can ? GATE_WALK : 0;
+    const enforce::PortGate* gate = ports_.gate(p);
+    if (gate == nullptr) return out;
+    out.attached = gate->attached().value_or(false);
+    out.room = static_cast<std::uint32_t>(gate->room());
+    auto slots = gate->present();
+    out.slots = static_cast<std::uint32_t>(slots.size());
+    const auto listed = slots.begin() + std::min(std::ssize(slots), kListed);
+    std::ranges::partial_sort(slots, listed, {}, [](const enforce::SlotSpec& s) {
+      return std::tuple(s.direction, s.id, s.mask, s.source, s.uid, s.origin, s.subject, s.station);
+    });
+    slots.erase(listed, slots.end());
+    std::array<std::uint32_t, 2> masked{};
+    for (const enforce::SlotSpec& slot : slots) {
+      if (gate->is_masked(slot)) ++masked.at(static_cast<std::size_t>(slot.direction));
+      auto& list = is_control(slot, p) ? out.control : out.channels;
+      list.push_back(slot_of(*gate, slot, p));
+    }
+    out.masked = std::ranges::max(masked);
+    if (!can)
+      for (const auto direction : {enforce::Direction::ingress, enforce::Direction::egress})
+        out.control.push_back(left_alone(*gate, direction, GATE_R_FOREIGN));
+    if (!can) out.control.push_back(left_alone(*gate, enforce::Direction::ingress, GATE_R_ECHO));
+    return out;
+  }
+
+ private:
+  [[nodiscard]] control::GateSlot slot_of(const enforce::PortGate& gate,
+                                          const enforce::SlotSpec& slot, std::size_t port) const {
+    control::GateSlot out;
+    out.name = name_of(slot, port);
+    out.egress = slot.direction == enforce::Direction::egress;
+    out.passes = slot.pass;
+    out.id = slot.id;
+    out.mask = slot.mask;
+    out.formats = formats_of(slot.formats, ports_.is_can(port));
+    out.max_length = slot.max_len;
+    out.source = source_of(slot);
+    out.per_frame_ns = slot.per_frame;
+    out.per_byte = slot.per_byte;
+    out.tolerance_ns = slot.tolerance;
+    out.excess_passes = slot.excess_passes;
+    if (const auto counted = gate.counters(slot)) {
+      out.passed = counted->passed;
+      out.dropped = counted->dropped;
+      out.excess = counted->excess + counted->would_exceed;
+      out.would_drop = counted->would_drop;
+      out.bytes = counted->bytes;
+      if (counted->last_reason != GATE_R_PASSED)
+        out.last_reason = enforce::reason_text(counted->last_reason);
+    }
+    return out;
+  }
+
+  [[nodiscard]] bool is_control(const enforce::SlotSpec& slot, std::size_t port) const {
+    if (ports_.is_can(port)) return slot.subject == core::kControlSubject;
+    return slot.subject == core::kSubscribeSubject && !state_.channel_of(slot.subject);
+  }
+
+  [[nodiscard]] std::string name_of(const enforce::SlotSpec& slot, std::size_t port) const {
+    if (is_control(slot, port))
+      return ports_.is_can(port)
+                 ? std::string(core::control_kind_of(ports_.profile(port), slot.id, slot.mask))
+                 : "subscribe";
+    const auto channel = state_.channel_of(slot.subject);
+    return channel ? state_.system().channels[*channel].name : fmt::format("{:#x}", slot.subject);
+  }
+
+  [[nodiscard]] std::string source_of(const enforce::SlotSpec& slot) const {
+    std::string station = core::to_text(core::Station{slot.station});
+    if (slot.direction == enforce::Direction::ingress) return station;
+    const std::string way = way_of(slot);
+    return station.empty() ? way : station + " by " + way;
+  }
+
+  /// How it came to leave.
+  [[nodiscard]] std::string way_of(const enforce::SlotSpec& slot) const {
+    if (slot.source == GATE_NO_SOURCE) return "kernel";
+    if (slot.source == 0)
+      return slot.uid == GATE_ANY_UID ? "any user" : fmt::format("user {}", slot.uid);
+    for (std::size_t p = 0; p < ports_.size(); ++p)
+      if (const auto* gate = ports_.gate(p); gate != nullptr && gate->ifindex() == slot.source)
+        return gate->name() + identifier_at(*gate, slot);
+    return fmt::format("interface {}", slot.source);
+  }
+
+  /// What a frame came in with, where that is not what it leaves with.
+  [[nodiscard]] std::string identifier_at(const enforce::PortGate& gate,
+                                          const enforce::SlotSpec& slot) const {
+    if (slot.origin == 0) return {};
+    const auto [at, fresh] = entered_.try_emplace(gate.ifindex());
+    if (fresh)
+      for (const enforce::SlotSpec& s : gate.present())
+        if (s.direction == enforce::Direction::ingress) at->second.emplace(s.origin, s.id);
+    const auto id = at->second.find(slot.origin);
+    if (id == at->second.end() || id->second == slot.id) return {};
+    const bool extended = (id->second & CAN_EFF_FLAG) != 0;
+    return fmt::format(" as {:0{}x}", id->second & (extended ? CAN_EFF_MASK : CAN_SFF_MASK),
+                       extended ? 8 : 3);
+  }
+
+  using Identifiers = std::map<std::uint32_t, std::uint32_t>;  // by origin
+
+  const Ports& ports_;
+  const core::State& state_;
+  mutable std::map<std::uint32_t, Identifiers> entered_;  ///< by interface
+};
+
+}  // namespace
+
+control::Gates Ports::gates(const core::State& state, const std::string& place) const {
+  control::Gates out;
+  const Report report(*this, state);
+  for (std::size_t p = 0; p < size(); ++p)
+    if (has_gate(*this, p) &&
+        (place.empty() || place == network_of(p) || place == interface_name(p)))
+      out.gates.push_back(report.gate_of(p));
+  return out;
+}
+
+std::string Ports::gated_places() const {
+  std::vector<std::string> names;
+  for (std::size_t p = 0; p < size(); ++p)
+    if (has_gate(*this, p))
+      names.push_back(fmt::format("{} of {}", interface_name(p), network_of(p)));
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::size_t Ports::slot_count() const {
+  std::size_t slots = 0;
+  for (std::size_t p = 0; p < size(); ++p)
+    if (const auto* gate = gate_of(p)) slots += gate->size();
+  return slots;
+}
+
+}  // namespace mlcca

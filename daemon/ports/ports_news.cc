@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Which news of interfaces concern the ports: those of others come and go all the time where
+// containers do.
+#include <algorithm>
+
+#include "daemon/ports/ports.hpp"
+
+namespace mlcca {
+
+/// What the port is recognised by decides, not what the news was: so nothing is missed where some
+/// were lost.
+bool Ports::concerns(const PortState& port, const net::FactsOf& facts_of) const {
+  if (port.unsettled) return true;
+  const net::Link* const link = link_of(port);
+  if (link == nullptr ? port.ifindex != 0 || port.followed.has_value() : port.followed != *link)
+    return true;
+  const auto found = net::find_interface(port.port.identity, links_.table(), facts_of);
+  return !found || found->value_or(0) != port.ifindex;
+}
+
+bool Ports::is_to_follow() {
+  doubt_gone();
+  if (in_doubt() || out_of_hand()) return true;
+  const bool lacks_interface = std::ranges::any_of(
+      gates_, [this](const auto& gate) { return !links_.table().contains(gate.first); });
+  if (lacks_interface) return true;
+  const net::FactsOf facts_of = looked_up_once();
+  return std::ranges::any_of(ports_,
+                             [&](const PortState& port) { return concerns(port, facts_of); });
+}
+
+}  // namespace mlcca

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/real_outside.hpp"
+
+#include <memory>
+#include <utility>
+
+#include "daemon/net/can_routes.hpp"
+#include "daemon/store/disk.hpp"
+
+namespace mlcca {
+
+RealOutside::RealOutside(const Options& options, SystemLog log, enforce::Control control,
+                         net::Links links, net::FactsOf facts_of, sd_event* loop)
+    : options_(options),
+      loop_(loop),
+      log_(std::move(log)),
+      control_(std::move(control)),
+      links_(std::move(links)),
+      ports_(
+          links_, control_.control(), options.bpf_root, std::move(facts_of),
+          [this](const std::string& network, const std::string& line, bool problem) {
+            if (problem)
+              log_.warning(Kind::interface, line, {.network = network});
+            else
+              log_.info(Kind::interface, line, {.network = network});
+          },
+          [this](Kind kind, const std::string& line, bool problem) {
+            if (problem)
+              log_.error(kind, line);
+            else
+              log_.notice(kind, line);
+          }),
+      reading_(loop) {}
+
+Outside RealOutside::outside() {
+  return {.gates = ports_,
+          .control = control_,
+          .links = links_,
+          .clock = clock_,
+          .disk = store::real_disk(),
+          .reading = reading_,
+          .log = log_,
+          .read = [options = options_] { return read_description(options); },
+          .can_rules = std::make_unique<net::KernelCanRules>(),
+          .loop = loop_};
+}
+
+}  // namespace mlcca

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What a gateway sees of the world, as it is: the kernel's interfaces and gates, the machine's
+// clocks and disk.
+#pragma once
+#include <systemd/sd-event.h>
+
+#include "base/clock.hpp"
+#include "daemon/gateway/controller.hpp"
+#include "daemon/gateway/event_log.hpp"
+#include "daemon/gateway/reading.hpp"
+#include "daemon/net/identity.hpp"
+#include "daemon/net/links.hpp"
+#include "daemon/options.hpp"
+#include "daemon/outside/kernel_gate_control.hpp"
+#include "daemon/ports/ports.hpp"
+#include "daemon/system_log.hpp"
+
+namespace mlcca {
+
+class RealOutside {
+ public:
+  /// `loop` must outlive this.
+  RealOutside(const Options& options, SystemLog log, enforce::Control control, net::Links links,
+              net::FactsOf facts_of, sd_event* loop);
+
+  /// For one controller.
+  [[nodiscard]] Outside outside();
+  [[nodiscard]] EventLog& log() { return log_; }
+  /// To be watched by the loop; the second one once the controller has started.
+  [[nodiscard]] int links_fd() const { return links_.fd(); }
+  [[nodiscard]] int reports_fd() const { return control_.reports_fd(); }
+
+ private:
+  Options options_;
+  sd_event* loop_;
+  EventLog log_;
+  SystemClock clock_;
+  KernelGateControl control_;
+  net::Links links_;
+  Ports ports_;
+  Reading reading_;
+};
+
+}  // namespace mlcca

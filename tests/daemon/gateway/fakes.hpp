@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A world for a gateway without a kernel, a clock or threads: interfaces that come and go, gates
+// that hold what they are told or refuse, all as plain values. FakeKernel outlives a daemon; the
+// others are what one daemon sees of it.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "core/admission/state.hpp"
+#include "core/gates/plan.hpp"
+#include "daemon/net/can_routes.hpp"
+#include "daemon/outside/background.hpp"
+#include "daemon/outside/gate_control.hpp"
+#include "daemon/outside/gate_driver.hpp"
+#include "daemon/outside/link_monitor.hpp"
+
+namespace mlcca::test {
+
+/// The process ends: thrown out of the call during which it happens.
+struct Killed {};
+
+/// Counts the calls into the kernel; some of them are refused, or the process ends in one of them.
+class Calls {
+ public:
+  /// The `at`-th call from now, from 1, and those behind it, `many` in all.
+  void refuse(std::size_t at, std::size_t many = 1);
+  void kill(std::size_t at);
+  void relent() { many_ = 0, kills_ = false; }
+  [[nodiscard]] std::size_t count() const { return count_; }
+  /// One more call: whether it is made.
+  Result<void> make(const std::string& what);
+
+ private:
+  std::size_t count_ = 0;
+  std::size_t first_ = 0;
+  std::size_t many_ = 0;
+  bool kills_ = false;
+};
+
+struct FakeInterface {
+  int ifindex = 0;
+  bool up = true;
+  std::uint32_t bitrate = 0;  ///< 0: as described
+  auto operator<=>(const FakeInterface&) const = default;
+};
+
+/// What a gate holds; in place of ports its rules have the indices of interfaces.
+struct FakeGate {
+  std::map<core::GateEntry, core::GateRule> rules;
+  bool closed = false;  ///< a program without slots, which passes nothing
+  void deny_all() {
+    for (auto& [entry, rule] : rules) rule.pass = false;
+  }
+};
+
+/// The machine below the daemons.
+struct FakeKernel {
+  Calls calls;
+  std::map<std::string, FakeInterface> interfaces;  ///< by name
+  std::map<int, FakeGate> gates;                    ///< by ifindex
+  std::vector<net::CanRuleThere> can_rules;
+  bool open = false;
+  bool lapsed = false;
+  bool pinned = true;
+  std::uint64_t lapses = 0;
+  std::uint64_t grace = 0;
+  std::uint64_t beaten = 0;  ///< CLOCK_MONOTONIC of the latest heart-beat
+  enforce::Mode mode = enforce::Mode::enforce;
+  std::vector<std::string> order;  ///< what was done, for tests of the order
+  int next_ifindex = 1;
+
+  void plug(const std::string& name);
+  void unplug(const std::string& name);
+  /// The timer of the kernel: closes the gates when nobody has beaten for the grace.
+  void look_at(std::uint64_t now);
+  [[nodiscard]] bool passes() const { return open && !lapsed; }
+  [[nodiscard]] const FakeInterface* interface(int ifindex) const;
+};
+
+class FakeClock final : public Clock {
+ public:
+  [[nodiscard]] std::uint64_t monotonic_ns() const override { return monotonic; }
+  [[nodiscard]] std::uint64_t unix_ns() const override { return wall; }
+  std::uint64_t monotonic = 1'000'000'000'000;
+  std::uint64_t wall = 1'700'000'000'000'000'000;
+};
+
+class FakeControl final : public GateControl {
+ public:
+  explicit FakeControl(FakeKernel& kernel) : kernel_(kernel) {}
+  void open() override;
+  void close_all() override;
+  [[nodiscard]] bool is_open() const override { return kernel_.open; }
+  void set_mode(enforce::Mode mode) override { kernel_.mode = mode; }
+  [[nodiscard]] enforce::Mode mode() const override { return kernel_.mode; }
+  Result<void> set_grace(std::uint64_t grace) override;
+  [[nodiscard]] std::uint64_t grace() const override { return kernel_.grace; }
+  Result<void> beat(std::uint64_t now) override;
+  [[nodiscard]] std::uint64_t beat_interval() const override { return 1'000'000'000; }
+  [[nodiscard]] bool lapsed() const override { return kernel_.lapsed; }
+  [[nodiscard]] std::uint64_t lapses() const override { return kernel_.lapses; }
+  Result<void> clear_lapse(std::uint64_t now) override;
+  Result<void> begin_start(std::uint64_t limit, std::uint64_t now) override;
+  void beat_while_starting(std::uint64_t /*now*/) override {}
+  Result<void> undo_interrupted_step() override;
+  void end_start() override {}
+  std::vector<std::string> take_replaced() override { return {}; }
+  Result<bool> keep_grace() override;
+  Result<void> arm() override;
+  Result<bool> keep_pinned() override;
+  Result<void> listen(GateReports reports) override;
+  [[nodiscard]] int reports_fd() const override { return -1; }
+  Result<void> read_reports() override;
+  /// What the gates have to say, given to the daemon by read_reports().
+  std::vector<gate_event> events;
+
+ private:
+  FakeKernel& kernel_;
+  GateReports reports_;
+};
+
+class FakeLinks final : public LinkMonitor {
+ public:
+  explicit FakeLinks(FakeKernel& kernel) : kernel_(kernel), known_(kernel.interfaces) {}
+  [[nodiscard]] int fd() const override { return -1; }
+  Result<bool> refresh() override;
+  [[nodiscard]] const std::string& problem() const override { return problem_; }
+  [[nodiscard]] std::string name_of(int ifindex) const override;
+  [[nodiscard]] bool take_tc_changed() override { return false; }
+  /// Interfaces as they were when they were last read.
+  [[nodiscard]] const std::map<std::string, FakeInterface>& known() const { return known_; }
+
+ private:
+  FakeKernel& kernel_;
+  std::map<std::string, FakeInterface> known_;
+  std::string problem_;
+};
+
+class FakeGates final : public GateDriver {
+ public:
+  FakeGates(FakeKernel& kernel, const FakeLinks& links) : kernel_(kernel), links_(links) {}
+
+  Result<void> prepare(const core::System& system, std::size_t gateway) override;
+  [[nodiscard]] const Result<void>& change() const override { return change_; }
+  void go_back() override { goes_back_ = true, change_ = {}; }
+  void end_change() override { changing_ = goes_back_ = false, change_ = {}; }
+  void describe(const core::System& system, std::size_t gateway) override;
+  void on_step(std::function<void()> step) override { step_ = std::move(step); }
+  void follow() override;
+  [[nodiscard]] bool is_to_follow() override { return true; }
+  bool repair() override { return wants_gate(); }
+  void begin_repair() override {}
+  bool repair(int ifindex) override;
+  [[nodiscard]] bool wants_gate() const override;
+  [[nodiscard]] std::optional<int> next_gate(int ifindex) const override;
+  [[nodiscard]] bool out_of_hand() const override;
+  [[nodiscard]] bool in_doubt() const override { return false; }
+  [[nodiscard]] const std::string& orphans_unknown() const override { return none_; }
+  void look_for_bypass(int /*ifindex*/, std::int64_t /*now_s*/) override {}
+
+  Result<void> sync(const core::GateState& wanted) override;
+  Result<void> apply(const core::GateChanges& changes) override;
+  void set_bands(std::size_t /*port*/, std::span<const std::uint32_t> /*limits*/) override {}
+  [[nodiscard]] std::vector<enforce::PlacedSlot> slots(
+      std::span<const core::GateRule> rules) const override;
+  using GateDriver::frames;
+  [[nodiscard]] Frames frames(const core::GateState& rules,
+                              const std::vector<core::GateEntry>& shared) const override;
+  [[nodiscard]] std::optional<control::Watch> watch(
+      const core::GateState& /*rules*/) const override {
+    return watched;
+  }
+  [[nodiscard]] Result<void> tell_again(const core::GateState& /*rules*/) const override {
+    return kernel_.calls.make("tell again");
+  }
+  [[nodiscard]] bool is_of(const gate_event& event, const core::GateState& rules) const override;
+  [[nodiscard]] control::Gates gates(const core::State& /*state*/,
+                                     const std::string& /*place*/) const override {
+    return {};
+  }
+  [[nodiscard]] std::string gated_places() const override { return {}; }
+  [[nodiscard]] std::size_t slot_count() const override;
+
+  [[nodiscard]] std::size_t size() const override { return ports_.size(); }
+  [[nodiscard]] const core::Port& described(std::size_t port) const override {
+    return ports_[port].port;
+  }
+  [[nodiscard]] core::Profile profile(std::size_t port) const override {
+    return ports_[port].profile;
+  }
+  [[nodiscard]] const std::string& network_of(std::size_t port) const override {
+    return ports_[port].network;
+  }
+  [[nodiscard]] std::string interface_name(std::size_t port) const override {
+    return ports_[port].port.identity.name;
+  }
+  [[nodiscard]] int gated_interface(std::size_t port) const override;
+  [[nodiscard]] const std::string& problem(std::size_t port) const override {
+    return ports_[port].problem;
+  }
+  [[nodiscard]] std::vector<core::Condition> conditions(std::size_t networks) const override;
+  [[nodiscard]] std::optional<BusCounters> bus_counters(std::size_t port) override;
+  [[nodiscard]] UnknownFrames unknown_frames(std::size_t port) const override;
+  [[nodiscard]] std::string latest_unknown(std::size_t /*port*/) const override { return "123"; }
+  [[nodiscard]] std::optional<enforce::Bindings> bindings(std::size_t /*port*/) const override {
+    return std::nullopt;
+  }
+  [[nodiscard]] std::vector<control::Interface> report() const override;
+
+  /// What the gate of a port has to hold when all gates hold `wanted`; nothing: it has no gate.
+  [[nodiscard]] std::optional<core::GateState> share_of(std::size_t port,
+                                                        const core::GateState& wanted) const;
+  /// The gate of a port has refused, and denies, or did so for a time.
+  [[nodiscard]] bool has_refused(std::size_t port) const { return ports_[port].refused; }
+
+  // What tests say:
+  std::map<std::string, BusCounters> carried;    ///< by interface
+  std::map<std::string, UnknownFrames> unknown;  ///< by interface
+  std::map<core::Subject, Frames> counted;       ///< what frames() says of a subject
+  std::optional<control::Watch> watched;         ///< what watch() says
+
+ private:
+  struct PortState {
+    core::Port port;
+    std::string network;
+    core::NetworkKind kind = core::NetworkKind::can;
+    core::Profile profile = core::Profile::none;
+    int ifindex = 0;
+    std::string problem;
+    bool lost = false;
+    bool refused = false;
+  };
+  void match(PortState& port);
+  Result<void> hold(const PortState& port);
+  void attach(PortState& port);
+  void close_undescribed();
+  [[nodiscard]] FakeGate* gate_of(std::size_t port) const;
+  [[nodiscard]] std::optional<core::GateEntry> placed(const core::GateEntry& entry) const;
+  Result<void> change(std::size_t port, const std::string& what,
+                      const std::function<void(FakeGate&)>& make);
+
+  FakeKernel& kernel_;
+  const FakeLinks& links_;
+  std::vector<PortState> ports_;
+  std::set<int> commanded_;  ///< gates of this daemon, by ifindex
+  bool goes_back_ = false;
+  bool changing_ = false;  ///< between prepare() and end_change()
+  Result<void> change_;
+  std::function<void()> step_ = [] {};
+  std::string none_;
+};
+
+/// Work begins when it is asked for, and is done when the test says so.
+class FakeBackground final : public Background {
+ public:
+  bool begin(std::function<void()> work, std::function<void()> done) override;
+  void forget() override { done_ = nullptr; }
+  [[nodiscard]] bool waits() const override { return done_ != nullptr; }
+  [[nodiscard]] std::uint64_t begun() const override { return begun_; }
+  [[nodiscard]] bool busy() const override { return work_ != nullptr; }
+  explicit FakeBackground(const Clock& clock) : clock_(clock) {}
+  /// The work ends; whoever waits for it hears of it.
+  void finish();
+
+ private:
+  const Clock& clock_;
+  std::function<void()> work_;
+  std::function<void()> done_;
+  std::uint64_t begun_ = 0;
+};
+
+class FakeCanRules final : public net::CanRules {
+ public:
+  explicit FakeCanRules(FakeKernel& kernel) : kernel_(kernel) {}
+  [[nodiscard]] Result<std::vector<net::CanRuleThere>> read() override;
+  Result<void> add(const net::CanRuleThere& rule) override;
+  Result<void> remove(const net::CanRuleThere& rule) override;
+
+ private:
+  FakeKernel& kernel_;
+};
+
+}  // namespace mlcca::test

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The order of a turn, and what requests may do, in a whole gateway among fakes.
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <variant>
+
+#include "daemon/gateway/requests/table.hpp"
+#include "tests/daemon/gateway/bench.hpp"
+#include "tests/daemon/gateway/held.hpp"
+
+namespace mlcca::test {
+namespace {
+
+class OnTheBench : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_FALSE(bench_.start());
+    bench_.commits.clear();
+  }
+  /// From the first bus to the second one.
+  static control::Admit newcomer() {
+    control::Admit request;
+    request.channel = "c1";
+    request.from = "can0";
+    request.to = "can1";
+    request.publisher = "new";
+    request.subscriber = "late";
+    return request;
+  }
+  static bool is_error(const serve::Answer& answer) {
+    return std::holds_alternative<control::Error>(answer.reply.body);
+  }
+  std::mt19937 random_;
+  Bench bench_{small_system()};
+};
+
+TEST_F(OnTheBench, WhatIsGrantedIsHeldByTheGatesAndAnsweredWhenTheDiskHasIt) {
+  const auto answer = bench_.ask(newcomer());
+  ASSERT_FALSE(is_error(answer));
+  EXPECT_TRUE(answer.held);
+  EXPECT_EQ(wrong_gate(bench_), "") << "the kernel obeys before the answer";
+  EXPECT_TRUE(bench_.commits.empty());
+  bench_.act();
+  ASSERT_EQ(bench_.commits.size(), 1U);
+  EXPECT_TRUE(bench_.commits.front());
+  EXPECT_EQ(bench_.recorded(random_).admissions.size(), 1U);
+}
+
+TEST_F(OnTheBench, WhatTheDiskRefusesIsNobodys) {
+  ASSERT_TRUE(bench_.ask(newcomer()).held);
+  bench_.disk().trouble(store::test::Trouble::fail, 1, ENOSPC, 100);
+  bench_.act();
+  ASSERT_EQ(bench_.commits.size(), 1U);
+  EXPECT_FALSE(bench_.commits.front());
+  EXPECT_TRUE(bench_.state().admissions().empty());
+  EXPECT_EQ(wrong_gate(bench_), "");
+}
+
+TEST_F(OnTheBench, WhatTheKernelRefusesLeavesNothing) {
+  bench_.kernel.calls.refuse(2);
+  EXPECT_TRUE(is_error(bench_.ask(newcomer())));
+  EXPECT_TRUE(bench_.state().admissions().empty());
+  EXPECT_EQ(wrong_gate(bench_), "");
+  bench_.act();
+  EXPECT_TRUE(bench_.recorded(random_).admissions.empty());
+}
+
+/// It is on disk and denied: an error would say that it is not.
+TEST_F(OnTheBench, WhatIsReleasedOrWithdrawnIsAnsweredSoWhateverTheKernelSays) {
+  ASSERT_TRUE(bench_.ask(newcomer()).held);
+  bench_.act();
+  bench_.kernel.calls.refuse(1, 100);
+  EXPECT_FALSE(is_error(bench_.ask(control::ReleaseRequest{"", 1, ""})));
+  EXPECT_FALSE(is_error(bench_.ask(control::WithdrawRequest{"c0"})));
+  bench_.kernel.calls.relent();
+  EXPECT_TRUE(bench_.recorded(random_).admissions.empty());
+  EXPECT_EQ(bench_.recorded(random_).released.size(), 1U);
+  EXPECT_EQ(wrong_gate(bench_), "");
+}
+
+TEST_F(OnTheBench, ObservesAndSettlesBeforeItEnforcesAndOpens) {
+  bench_.kernel.order.clear();
+  bench_.kernel.unplug("can1");
+  bench_.daemon().links_changed();
+  EXPECT_EQ(bench_.state().granted(), 0U);
+  EXPECT_EQ(bench_.kernel.order, (std::vector<std::string>{"apply", "sync", "open"}));
+  EXPECT_EQ(wrong_gate(bench_), "");
+}
+
+TEST_F(OnTheBench, ARequestThatChangesSomethingIsForMembers) {
+  const auto is_forbidden = [](const serve::Answer& answer) {
+    const auto* error = std::get_if<control::Error>(&answer.reply.body);
+    return error != nullptr && error->kind == control::ErrorKind::forbidden;
+  };
+  EXPECT_TRUE(is_forbidden(bench_.ask(newcomer(), stranger())));
+  EXPECT_TRUE(is_forbidden(bench_.ask(control::ReleaseRequest{"", 1, ""}, stranger())));
+  EXPECT_TRUE(is_forbidden(bench_.ask(control::WithdrawRequest{"c0"}, stranger())));
+  EXPECT_TRUE(is_forbidden(bench_.ask(control::ReinstateRequest{"c0"}, stranger())));
+  EXPECT_TRUE(is_forbidden(bench_.ask(control::RenewRequest{1, ""}, stranger())));
+  EXPECT_TRUE(is_forbidden(bench_.ask(control::ModeRequest{"audit"}, stranger())));
+  EXPECT_TRUE(is_forbidden(bench_.ask(control::ReloadRequest{}, stranger())));
+  EXPECT_FALSE(bench_.reading().busy());
+  EXPECT_EQ(bench_.kernel.mode, enforce::Mode::enforce);
+  control::Query query;
+  static_cast<control::ChannelRequest&>(query) = newcomer();
+  EXPECT_FALSE(is_forbidden(bench_.ask(query, stranger())));
+}
+
+TEST_F(OnTheBench, ALeaseThatIsNotRenewedEnds) {
+  auto request = newcomer();
+  request.lease_ns = 5'000'000'000;
+  ASSERT_TRUE(bench_.ask(request).held);
+  bench_.act();
+  bench_.round();
+  EXPECT_EQ(bench_.state().admissions().size(), 1U);
+  bench_.clock.monotonic += 5'000'000'000;
+  bench_.clock.wall -= 3'600'000'000'000;
+  bench_.round();
+  EXPECT_TRUE(bench_.state().admissions().empty());
+  EXPECT_TRUE(bench_.recorded(random_).admissions.empty());
+  EXPECT_EQ(wrong_gate(bench_), "");
+}
+
+TEST_F(OnTheBench, AReloadIsOneStepOrNothing) {
+  bench_.readable = false;
+  auto answer = bench_.ask(control::ReloadRequest{});
+  ASSERT_TRUE(answer.slices);
+  EXPECT_FALSE(answer.slices()) << "it is being read";
+  EXPECT_TRUE(is_error(bench_.ask(control::ReloadRequest{}))) << "one at a time";
+  bench_.reading().finish();
+  EXPECT_TRUE(std::holds_alternative<control::Error>(answer.slices()->body));
+  EXPECT_EQ(bench_.state().granted(), 1U);
+  bench_.readable = true;
+  bench_.system.publishers.clear();
+  answer = bench_.ask(control::ReloadRequest{});
+  bench_.reading().finish();
+  EXPECT_TRUE(std::holds_alternative<control::Done>(answer.slices()->body));
+  EXPECT_EQ(bench_.state().granted(), 0U);
+  EXPECT_EQ(wrong_gate(bench_), "");
+}
+
+TEST_F(OnTheBench, WhatSomebodyUnpinsIsPinnedAgain) {
+  bench_.kernel.pinned = false;
+  bench_.events.clear();
+  bench_.round();
+  EXPECT_TRUE(bench_.kernel.pinned);
+  ASSERT_FALSE(bench_.events.empty());
+  EXPECT_EQ(bench_.events.front(), "drift");
+}
+
+TEST_F(OnTheBench, GatesThatClosedForWantOfAHeartBeatAreLookedAtAndOpened) {
+  bench_.clock.monotonic += 60'000'000'000;
+  bench_.kernel.look_at(bench_.clock.monotonic);
+  ASSERT_FALSE(bench_.kernel.passes());
+  bench_.daemon().beat();
+  EXPECT_TRUE(bench_.kernel.passes());
+  EXPECT_EQ(bench_.events.back(), "lapsed");
+}
+
+}  // namespace
+}  // namespace mlcca::test
