@@ -94,7 +94,7 @@ endef
 include deps.mk
 include core/module.mk description/module.mk proto/module.mk control/module.mk bpf/module.mk
 include daemon/module.mk tools/module.mk include/module.mk systemd/module.mk tests/module.mk
-include examples/module.mk
+include examples/module.mk docs/module.mk
 
 all: $(PROGRAMS) ## build mlccad, mlccactl and the gate
 
@@ -114,7 +114,7 @@ test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 
 test-all:
 	$(Q)$(MAKE) all check-layers check-format cppcheck check-mcu
-	$(Q)$(MAKE) FUZZ_OPT=-O0 check-node check-fuzz check-work check-sanitized check-plain check-fault check-memory check-torn check-neighbour check-quotas
+	$(Q)$(MAKE) FUZZ_OPT=-O0 check-node check-fuzz check-work check-sanitized check-plain check-docs check-fault check-memory check-torn check-neighbour check-quotas
 	$(Q)$(MAKE) check-harness check-guest
 
 lint: check-layers check-format cppcheck tidy ## layering, clang-format-19, cppcheck and clang-tidy-19

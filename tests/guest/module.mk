@@ -30,5 +30,5 @@ GUEST_TESTS += $(addprefix tests/guest/cases/,bus-queue gateways-in-namespaces r
 GUEST_TESTS += $(addprefix tests/guest/cases/,babbling-node missing-events can-profiles forwarding)
 GUEST_TESTS += $(addprefix tests/guest/cases/,altered-slots famouso-tags famouso-claims)
 GUEST_TESTS += $(addprefix tests/guest/cases/,attach-drift ethernet-gate ethernet-publishers doctor nth-call)
-GUEST_SYSTEMD_TESTS += $(addprefix tests/guest/cases/,service-life plugged-in awds-unit)
+GUEST_SYSTEMD_TESTS += $(addprefix tests/guest/cases/,service-life plugged-in awds-unit documents)
 check-guest: stage

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The pages of the documentation as data: their blocks of code, links and headings."""
+import dataclasses
+import pathlib
+import re
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+WIDTH = 100
+
+
+@dataclasses.dataclass
+class Block:
+    """A fenced block: the words behind the fence, and the lines with the number of the first."""
+
+    info: str
+    line: int
+    lines: list
+
+
+@dataclasses.dataclass
+class Page:
+    path: pathlib.Path
+    blocks: list
+    text: list  # (number, line) outside of blocks
+
+    @property
+    def name(self):
+        return str(self.path.relative_to(ROOT))
+
+
+def read(path):
+    page = Page(path, [], [])
+    block = None
+    for number, line in enumerate(path.read_text(encoding="utf-8").split("\n"), 1):
+        if line.startswith("```"):
+            if block is None:
+                block = Block(line[3:].strip(), number + 1, [])
+            else:
+                page.blocks.append(block)
+                block = None
+        elif block is not None:
+            block.lines.append(line)
+        else:
+            page.text.append((number, line))
+    if block is not None:
+        raise SystemExit(f"{page.name}:{block.line}: a block without an end")
+    return page
+
+
+def all_pages():
+    examples = sorted((ROOT / "examples").glob("*/README.md"))
+    docs = sorted((ROOT / "docs").rglob("*.md"))
+    return [read(path) for path in [ROOT / "README.md", *docs, *examples]]
+
+
+def anchors(page):
+    """The names of the headings, as code hosts make them."""
+    result = set()
+    for _, line in page.text:
+        if match := re.match(r"#+ (.*)", line):
+            words = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", match[1])
+            name = re.sub(r"[^\w\- ]", "", words.lower()).replace(" ", "-")
+            while name in result:
+                name += "-1"
+            result.add(name)
+    return result
+
+
+def links(page):
+    """(line, target) of each link to something in this tree."""
+    for number, line in page.text:
+        for target in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"`[^`]*`", "", line)):
+            if not re.match(r"[a-z]+:", target):
+                yield number, target
+
+
+def named_paths(page):
+    """(line, path) of each file or folder of the sources that a text names in back-ticks."""
+    folders = ("base|bpf|control|core|daemon|debian|description|docs|include|proto|systemd|tests|"
+               "tools")
+    for number, line in page.text:
+        for path in re.findall(rf"`((?:{folders})/[\w./*-]+)`", line):
+            if "NAME" not in path:
+                yield number, path.rstrip("/.")
