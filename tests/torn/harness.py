@@ -54,8 +54,12 @@ class Traffic:
         return int(answer[1]) if answer[0] == "yes" else None
 
     def stopped(self, flow, seconds):
-        """A time such that of many frames that were sent after it none arrived; None: some did."""
+        """A time such that of many frames that were sent after it none arrived; None: some did. A sender that does not
+        send is a failure of the machine or of the harness, and shows nothing."""
         answer = self.ask("stopped", flow, int(seconds * 1000))
+        if answer[0] == "unknown":
+            raise Failure(f"{flow} has sent {answer[1]} frames in a minute, which shows nothing; "
+                          f"the traffic program: {threads_of(self.process.pid)}")
         return int(answer[1]) if answer[0] == "yes" else None
 
     def lost(self, flow, begin, end=0):
@@ -69,6 +73,17 @@ class Traffic:
 
     def drain(self, *flows):
         self.ask("drain", PATIENCE * 1000, *flows)
+
+
+def threads_of(pid):
+    """Where each thread of a process waits: its name, its call and where that is in the kernel."""
+    found = []
+    folder = f"/proc/{pid}/task"
+    for thread in os.listdir(folder):
+        for name in ("comm", "syscall", "stack"):
+            with open(f"{folder}/{thread}/{name}", encoding="utf-8") as file:
+                found.append(f"{thread} {name} {file.read().rstrip()}")
+    return "\n".join(found)
 
 
 class Spell:
@@ -165,11 +180,7 @@ class Daemon:
 
     def show_where(self):
         """Where each thread of the daemon waits."""
-        folder = f"/proc/{self.process.pid}/task"
-        for thread in os.listdir(folder):
-            for name in ("comm", "syscall", "stack"):
-                with open(f"{folder}/{thread}/{name}", encoding="utf-8") as file:
-                    note(thread, name, file.read().rstrip())
+        note(threads_of(self.process.pid))
         subprocess.run(["timeout", "60", "gdb", "-p", str(self.process.pid), "-batch", "-ex", "thread apply all bt"],
                        check=False)  # where there is one
 

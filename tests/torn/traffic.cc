@@ -54,7 +54,7 @@ int usage() {
       "`no`\n"
       "  stopped FLOW MS         `yes TIME`: of at least 50 sent after TIME, now, none arrived by "
       "MS "
-      "after the 50th\n"
+      "after the 50th; `no TIME`: one arrived at TIME; `unknown N`: only N were sent in 60 s\n"
       "  lost FLOW BEGIN END     number, first and last of those sent between and never seen\n"
       "  wrong FLOW BEGIN END    number, first and last of those sent and seen between\n"
       "  counts FLOW             sent, not taken by the kernel, arrived, arrived again\n"
@@ -118,6 +118,17 @@ struct [[gnu::packed]] Payload {
   std::uint32_t number = 0;
 };
 
+/// 0: there is none. if_nametoindex(3) would have the kernel run modprobe for a name that it does
+/// not know, each time for a third of a second on an emulated processor, and the sender with it.
+int index_of(const std::string& interface) {
+  const std::unique_ptr<struct if_nameindex, decltype(&if_freenameindex)> all(if_nameindex(),
+                                                                              if_freenameindex);
+  int found = 0;
+  for (const auto* one = all.get(); one != nullptr && one->if_index != 0; ++one)
+    if (interface == one->if_name) found = static_cast<int>(one->if_index);
+  return found;
+}
+
 /// An interface that has gone leaves a socket that cannot send: a new one each time.
 void open_sender(Flow& flow) {
   if (flow.kind == "udp") {
@@ -129,7 +140,7 @@ void open_sender(Flow& flow) {
   flow.socket.reset(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW));
   sockaddr_can address{};
   address.can_family = AF_CAN;
-  address.can_ifindex = static_cast<int>(if_nametoindex(flow.interface.c_str()));
+  address.can_ifindex = index_of(flow.interface);
   setsockopt(flow.socket.get(), SOL_CAN_RAW, CAN_RAW_FILTER, nullptr, 0);
   if (address.can_ifindex == 0 ||
       bind(flow.socket.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
@@ -335,8 +346,11 @@ class Traffic {
     const Time begin = now();
     const Time limit = begin + kLongestWait;
     for (Time enough = 0; enough == 0 || now() < enough + ms * 1'000'000;) {
-      if (latest(flow, begin) != 0 || now() > limit) return "no";
-      if (enough == 0 && sent_since(flow, begin) >= kProof) enough = now();
+      if (const Time arrived = latest(flow, begin); arrived != 0)
+        return fmt::format("no {}", arrived);
+      const std::size_t sent = sent_since(flow, begin);
+      if (enough == 0 && now() > limit) return fmt::format("unknown {}", sent);
+      if (enough == 0 && sent >= kProof) enough = now();
       pause_for(5'000'000);
     }
     return fmt::format("yes {}", begin);
