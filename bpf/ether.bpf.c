@@ -27,8 +27,8 @@ const volatile __u32 ifindex = 0;
 const volatile __u32 bucket_mask = 0;
 const volatile __u32 slots_of_bank = 0;
 const volatile __u32 banks = 1;
-/* Look at the sieve in front of the buckets first. */
-const volatile __u8 fronted = false;
+/* Look at the prefilter in front of the buckets first. */
+const volatile __u8 has_prefilter = false;
 /* Read packets by packet pointers; false where the verifier refuses unaligned loads. */
 const volatile __u8 direct_access = true;
 /* BPF_PROG_TEST_RUN has no socket: there a packet is locally sent when its priority says so. */
@@ -38,7 +38,7 @@ const volatile __u8 test_run = false;
 #include "bpf/ether_maps.bpf.h"
 
 MAPPED_ARRAY(buckets, __u64);
-MAPPED_ARRAY(fronts, struct ether_front);
+MAPPED_ARRAY(ether_prefilter, struct ether_prefilter_part);
 MAPPED_ARRAY(contracts, struct ether_contract);
 MAPPED_ARRAY(counts, struct gate_count); /* [bank][slot] */
 MAPPED_ARRAY(audits, struct gate_audit); /* by slot */

@@ -49,8 +49,8 @@
 #define ETHER_AWDS_PUBLISH_HEADER   4 /* kind, pad, size of what follows */
 
 /* Forms of an event, a bit set; GATE_EXCESS_PASSES is in the same bits. */
-#define ETHER_WHOLE 1
-#define ETHER_SPLIT 2
+#define ETHER_UNFRAGMENTED 1
+#define ETHER_FRAGMENT	   2
 
 /* Slots: 0 and 1 count what has no slot, per direction. */
 #define ETHER_FIRST_SLOT 2
@@ -61,11 +61,11 @@
 #define ETHER_BANKED_SLOTS 16384
 
 /*
- * Tables with more slots have a second sieve in front, small enough for a second-level cache: one
+ * Tables with more slots have a prefilter in front, small enough for a second-level cache: one
  * octet a bucket, so many of them in a value of its map.
  */
-#define ETHER_FRONTED_SLOTS 16384
-#define ETHER_FRONT_BUCKETS 64
+#define ETHER_PREFILTERED_SLOTS 16384
+#define ETHER_PREFILTER_BUCKETS 64
 
 /* Slots whose events can be watched; 0 is not used. What more is granted is not watched. */
 #define ETHER_WATCHES 4096
@@ -96,7 +96,7 @@ struct ether_contract {
 /*
  * One (subject, publisher) on one interface and direction. Half a cache line. User space never
  * changes a live slot other than `verdict`, `contract`, `watch` and `next`. In the chain of a
- * bucket slots of a station stand before those of anybody.
+ * bucket slots of a station stand before the wildcard.
  */
 struct ether_slot {
 	__u64 subject; /* host order */
@@ -112,13 +112,13 @@ struct ether_slot {
 
 /*
  * A bucket is one word: the first slot in the lower half, and in the upper one a bit for each
- * subject of the chain, by ether_sieve(). Most subjects that nobody has leave here.
+ * subject of the chain, by ether_fingerprint(). Most subjects that nobody has leave here.
  */
-#define ETHER_SIEVE_SHIFT 32
+#define ETHER_FINGERPRINT_SHIFT 32
 
-/* Of each bucket the bits of all subjects of its chain, by ether_front_bits(). */
-struct ether_front {
-	__u8 bits[ETHER_FRONT_BUCKETS];
+/* Of each bucket the bits of all subjects of its chain, by ether_prefilter_bits(). */
+struct ether_prefilter_part {
+	__u8 bits[ETHER_PREFILTER_BUCKETS];
 };
 
 /* What is the same for the whole interface; the only variable of .bss. */
@@ -191,9 +191,10 @@ static inline __u64 ether_hash(__u64 seed, __u64 subject, __u32 direction)
 }
 
 /*
- * What a slot's frames come from: an IPv4 address, or ETHER_MAC and a MAC address. 0: anybody who
- * has no slot of that subject for himself. What is forwarded from one Ethernet-like interface to
- * another has one station in both slots, so that it is the publisher of its gate_origin().
+ * What a slot's frames come from: an IPv4 address, or ETHER_MAC and a MAC address. 0: a wildcard
+ * for who has no slot of that subject for himself. What is forwarded from one Ethernet-like
+ * interface to another has one station in both slots, so that it is the publisher of its
+ * gate_origin().
  */
 #define ETHER_MAC (1ULL << 48)
 
@@ -204,10 +205,13 @@ static inline __u64 ether_station(const struct ether_slot *slot,
 }
 
 /* The bit of a subject in the upper half of its bucket. */
-static inline __u64 ether_sieve(__u64 hash) { return 1ULL << (ETHER_SIEVE_SHIFT + (hash >> 59)); }
+static inline __u64 ether_fingerprint(__u64 hash)
+{
+	return 1ULL << (ETHER_FINGERPRINT_SHIFT + (hash >> 59));
+}
 
 /* The bits of a subject in the octet of its bucket: two, seldom one. */
-static inline __u8 ether_front_bits(__u64 hash)
+static inline __u8 ether_prefilter_bits(__u64 hash)
 {
 	return (__u8)(1U << (hash >> 61) | 1U << (hash >> 56 & 7));
 }

@@ -47,8 +47,8 @@ static __always_inline bool is_vouched_for(const struct ether_slot *slot,
 }
 
 /*
- * Whoever has a slot of that subject for himself is not anybody. An event that has met its own slot
- * in the chain, which stands first, is `known`.
+ * Whoever has a slot of that subject for himself never meets the wildcard. An event that has met
+ * its own slot in the chain, which stands first, is `known`.
  */
 static __always_inline __u32 fit_sender(const struct ether_slot *slot,
 					const struct ether_contract *contract, struct event *e)
@@ -181,11 +181,11 @@ static __always_inline __u32 verdict_of(const struct ether_slot *slot)
 /* False: the bucket has no such subject. Bits are there before their subject, and go after it. */
 static __always_inline bool may_be_there(__u32 bucket, __u64 hash)
 {
-	__u32 at = bucket / ETHER_FRONT_BUCKETS;
-	const struct ether_front *front = bpf_map_lookup_elem(&fronts, &at);
-	__u8 wanted = ether_front_bits(hash);
+	__u32 at = bucket / ETHER_PREFILTER_BUCKETS;
+	const struct ether_prefilter_part *part = bpf_map_lookup_elem(&ether_prefilter, &at);
+	__u8 wanted = ether_prefilter_bits(hash);
 
-	return front && (READ_ONCE(front->bits[bucket % ETHER_FRONT_BUCKETS]) & wanted) == wanted;
+	return part && (READ_ONCE(part->bits[bucket % ETHER_PREFILTER_BUCKETS]) & wanted) == wanted;
 }
 
 /* The first slot is looked at in place: nearly always it is the only one. */
@@ -200,14 +200,14 @@ static __always_inline struct decision decide(__u32 direction, struct event *e,
 	struct sender from_copy;
 	struct event copy;
 
-	if (fronted && !may_be_there(at, hash))
+	if (has_prefilter && !may_be_there(at, hash))
 		return d;
 	bucket = bpf_map_lookup_elem(&buckets, &at);
 	if (!bucket)
 		return d;
 	e->generation = READ_ONCE(control.generation);
 	found = READ_ONCE(*bucket);
-	if (!(found & ether_sieve(hash)))
+	if (!(found & ether_fingerprint(hash)))
 		return d;
 	e->read = first = found;
 	slot = bpf_map_lookup_elem(&slots, &first);

@@ -24,7 +24,7 @@ struct event {
 	__u64 subject;
 	__u64 station;	  /* whom it is from: as ether_station() */
 	__u32 len;	  /* payload bytes */
-	__u32 form;	  /* ETHER_WHOLE or ETHER_SPLIT */
+	__u32 form;	  /* ETHER_UNFRAGMENTED or ETHER_FRAGMENT */
 	__u32 mark;	  /* when the gate saw it first */
 	__u32 generation; /* of the verdicts that it is decided by */
 	__u32 read;	  /* sum of what was read for that: see moved_on() */
@@ -103,7 +103,7 @@ static __always_inline enum nature parse_udp(const struct packet *p, __u32 at, s
 		return MALFORMED;
 	e->subject = bpf_be64_to_cpu(subject);
 	e->len = e->whole - ETHER_UDP_HEADER - ETHER_EVENT_HEADER;
-	e->form = flag ? ETHER_SPLIT : ETHER_WHOLE;
+	e->form = flag ? ETHER_FRAGMENT : ETHER_UNFRAGMENTED;
 	return EVENT;
 }
 
@@ -151,7 +151,7 @@ static __always_inline enum nature parse_publish(const struct packet *p, __u32 a
 		return MALFORMED;
 	e->len -= sizeof(subject);
 	e->subject = bpf_be64_to_cpu(subject);
-	e->form = kind == ETHER_AWDS_PUBLISH ? ETHER_WHOLE : ETHER_SPLIT;
+	e->form = kind == ETHER_AWDS_PUBLISH ? ETHER_UNFRAGMENTED : ETHER_FRAGMENT;
 	return EVENT;
 }
 

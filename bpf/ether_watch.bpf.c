@@ -13,7 +13,7 @@
 
 #define WATCHES ETHER_WATCHES
 
-#include "bpf/watchmen.bpf.h"
+#include "bpf/silence_timers.bpf.h"
 
 static __u32 watches_end(void) { return READ_ONCE(table.watches_end); }
 

@@ -11,7 +11,7 @@
 
 #include "bpf/gate_binding.h"
 
-#define GATE_LAYOUT_VERSION 7
+#define GATE_LAYOUT_VERSION 8
 
 /* Our tc filters: this priority and handle belong to the gate, and nothing else is ever replaced.
  */
@@ -76,14 +76,14 @@
 #define GATE_GAP_BITS	  56 /* of gap * scale behind the point */
 /*
  * A gap as long as `silence` of its watch, or as so many periods where that is 0, and no shorter
- * than GATE_CALM, is a silence: what was found begins anew with the event that ends it.
+ * than GATE_RECOVERY_HOLD, is a silence: what was found begins anew with the event that ends it.
  */
 #define GATE_SILENT_PERIODS 16
 #define GATE_LONGEST_PERIOD (1ULL << 50) /* ns, 13 days: longer ones are not watched */
 
-#define GATE_WATCHMEN	 16	       /* timers of one interface; each looks at every 16th slot */
-#define GATE_CALM	 1000000000ULL /* ns for which events come again before that is told */
-#define GATE_EVENTS_SIZE (256 * 1024)  /* bytes of the ring of gate_event and gate_sample */
+#define GATE_SILENCE_TIMERS 16 /* timers of one interface; each looks at every 16th slot */
+#define GATE_RECOVERY_HOLD  1000000000ULL /* ns for which events come again before that is told */
+#define GATE_EVENTS_SIZE    (256 * 1024)  /* bytes of the ring of gate_event and gate_sample */
 
 /* Samples of frames without a slot, for each interface: so many at once, then one in that time. */
 #define GATE_SAMPLES   16
@@ -212,11 +212,11 @@ struct gate_watch {
 	__u64 missing; /* events between those that came */
 	__u64 silence; /* ns without an event that are too long; 0: no timer */
 	__u64 since; /* CLOCK_MONOTONIC ns from which on silence counts, 0: from the next look on */
-	__u64 silent; /* it has lasted too long, and that was told */
-	__u64 from;   /* when that silence began */
-	__u64 calm;   /* since when events come again, 0: they do not */
-	__u64 first;  /* CLOCK_MONOTONIC ns of the first event */
-	__u64 slot;   /* Ethernet: whose events these are; on CAN each slot has its own */
+	__u64 silent;	  /* it has lasted too long, and that was told */
+	__u64 from;	  /* when that silence began */
+	__u64 recovering; /* since when events come again, 0: they do not */
+	__u64 first;	  /* CLOCK_MONOTONIC ns of the first event */
+	__u64 slot;	  /* Ethernet: whose events these are; on CAN each slot has its own */
 };
 
 /*
@@ -312,7 +312,7 @@ struct gate_event {
 
 /*
  * A frame without a slot that was not among the last seen ones before. Told only while half of the
- * ring is free, so that no stranger takes the place of a gate_event.
+ * ring is free, so that no unadmitted sender takes the place of a gate_event.
  */
 struct gate_sample {
 	__u32 kind; /* GATE_E_UNKNOWN */

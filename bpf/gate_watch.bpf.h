@@ -41,7 +41,7 @@ static __always_inline bool is_silence(const struct gate_watch *w, __u64 period,
 
 	if (!silence)
 		silence = GATE_SILENT_PERIODS * period;
-	return gap >= silence && gap >= GATE_CALM;
+	return gap >= silence && gap >= GATE_RECOVERY_HOLD;
 }
 
 /* The event of `now` is the first one. Another CPU may leave a gap of its own behind. */

@@ -14,7 +14,7 @@
 
 struct gate_table table; /* of .bss: the one of the gate */
 
-#include "bpf/watchmen.bpf.h"
+#include "bpf/silence_timers.bpf.h"
 
 static __u32 watches_end(void) { return READ_ONCE(table.slots_end); }
 

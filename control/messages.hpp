@@ -45,7 +45,7 @@ struct ChannelRequest {
   std::string publisher;
   std::string from_node;  ///< node of the mesh `from` that the new publisher is at; empty: any
   std::string to_node;    ///< the same for the new subscriber, of the mesh `to`
-  std::string address;    ///< of the new publisher, where frames carry the subject; empty: anybody
+  std::string address;    ///< of the new publisher, where frames carry the subject; empty: any
   /// The channel is a subject that the description does not have, where networks allow that.
   bool unlisted = false;
   std::vector<Identifier> identifiers;  ///< of such a channel, on each CAN network on its way

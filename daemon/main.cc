@@ -52,7 +52,7 @@ constexpr int kBadInput = 2;
 bool has_room(const core::System& system, const std::string& description) {
   const core::State state(system);
   for (std::size_t g = 0; g < system.gateways.size(); ++g)
-    if (const auto lack = state.lacks_room(g)) {
+    if (const auto lack = state.exceeds_capacity(g)) {
       fmt::print(stderr, "{}: {}\n", description, *lack);
       return false;
     }

@@ -38,10 +38,10 @@ install-tools-extras:
 INSTALL += install-tools-extras
 .PHONY: install-tools-extras
 
-# What strangers write is read by a program of its own, and by an archive that mlccad does not have.
-$(eval $(call library,strangers,$(filter-out tools/sources/main.cc,$(wildcard tools/sources/*.cc))))
-$(eval $(call program,mlcca-sources,tools/sources/main.cc daemon/manager.cc,$O/libstrangers.a $O/libsources.a,-lsystemd))
-SOURCES_ARCHIVES := $O/libstrangers.a $O/libsources.a
+# What untrusted peers write is read by a program of its own, and by an archive that mlccad does not have.
+$(eval $(call library,untrusted,$(filter-out tools/sources/main.cc,$(wildcard tools/sources/*.cc))))
+$(eval $(call program,mlcca-sources,tools/sources/main.cc daemon/manager.cc,$O/libuntrusted.a $O/libsources.a,-lsystemd))
+SOURCES_ARCHIVES := $O/libuntrusted.a $O/libsources.a
 PROGRAMS += $O/mlcca-sources
 
 # What `mlccactl gate --verify` becomes.

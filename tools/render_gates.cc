@@ -15,7 +15,7 @@ namespace {
 std::string limit(const control::GateSlot& slot) {
   constexpr double second = 1e9;
   constexpr double unit = 256;  // of per_byte
-  const char* const beyond = slot.excess_passes ? ", more is told" : "";
+  const char* const beyond = slot.excess_passes ? ", more is reported" : "";
   if (slot.per_frame_ns != 0) {
     const double rate = second / static_cast<double>(slot.per_frame_ns);
     const std::uint64_t burst = slot.tolerance_ns / slot.per_frame_ns;

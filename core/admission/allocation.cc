@@ -84,7 +84,7 @@ std::optional<Decision> Allocation::lowered(std::size_t channel, const Decision&
   return std::nullopt;
 }
 
-void Allocation::squeeze(const std::vector<std::size_t>& channels) {
+void Allocation::degrade(const std::vector<std::size_t>& channels) {
   for (const std::size_t c : channels) {
     if (decisions_[c].granted == 0) continue;
     const Decision before = decisions_[c];
@@ -138,7 +138,7 @@ bool Allocation::step_up(std::size_t channel) {
   return false;
 }
 
-bool Allocation::serve(const std::vector<std::size_t>& channels) {
+bool Allocation::admit_waiting(const std::vector<std::size_t>& channels) {
   bool any = false;
   for (const std::size_t c : channels)
     if (decisions_[c].granted == 0) any |= step_up(c);
@@ -146,12 +146,12 @@ bool Allocation::serve(const std::vector<std::size_t>& channels) {
   return any;
 }
 
-bool Allocation::raise(const std::vector<std::size_t>& channels) {
+bool Allocation::upgrade(const std::vector<std::size_t>& channels) {
   bool any = false;
   for (auto begin = channels.begin(); begin != channels.end();) {
     const auto end = std::find_if(
         begin, channels.end(), [&](std::size_t c) { return importance(c) != importance(*begin); });
-    // Until a whole round has raised nobody: who takes another way leaves something behind.
+    // Until a whole round has upgraded nobody: who takes another way leaves something behind.
     for (bool progress = true; progress; any |= progress) {
       progress = false;
       for (auto it = begin; it != end; ++it)
@@ -184,7 +184,7 @@ void decide_each(const Situation& situation, Ledger& ledger, const EachChannel& 
   std::iota(all.begin(), all.end(), std::size_t{0});
   Allocation allocation(situation, ages, decisions, ledger);
   allocation.sort(all);
-  while (allocation.serve(all) || allocation.raise(all)) {
+  while (allocation.admit_waiting(all) || allocation.upgrade(all)) {
   }
   for (std::size_t c = 0; c < channels; ++c) each(c, decisions[c]);
 }

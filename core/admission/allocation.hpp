@@ -39,12 +39,12 @@ class Allocation {
   [[nodiscard]] bool keep(const std::vector<std::size_t>& channels);
   /// Gives sorted channels, of which the ledger holds nothing, their lowest set that serves them no
   /// less than before, the most important first; who does not fit then gets nothing.
-  void squeeze(const std::vector<std::size_t>& channels);
+  void degrade(const std::vector<std::size_t>& channels);
   /// Decides those of the sorted channels anew that are granted nothing. True if somebody is now.
-  bool serve(const std::vector<std::size_t>& channels);
+  bool admit_waiting(const std::vector<std::size_t>& channels);
   /// Gives the sorted channels more, as far as there is more, at nobody's cost. True if somebody
   /// got more.
-  bool raise(const std::vector<std::size_t>& channels);
+  bool upgrade(const std::vector<std::size_t>& channels);
 
   /// Takes what a channel holds out of the ledger.
   void take_out(std::size_t channel);

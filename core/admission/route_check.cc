@@ -76,7 +76,7 @@ class RouteCheck {
     check_hops();
     check_end_to_end();
     check_offers();
-    check_bystanders();
+    check_overhearing();
   }
 
   void sum_up() {
@@ -244,12 +244,14 @@ class RouteCheck {
   /// An event that crosses a broadcast medium is heard by every subscriber there: the way is open
   /// only if each of them is fulfilled too. On the publisher's own network the event is, whatever
   /// we decide.
-  void check_bystanders() {
-    each_bystander([this](const Target& target, std::size_t hop) { check_bystander(target, hop); });
+  void check_overhearing() {
+    each_overhearing_subscriber([this](const Target& target, std::size_t hop) {
+      check_overhearing_subscriber(target, hop);
+    });
   }
 
   template <class Then>
-  void each_bystander(const Then& then) const {
+  void each_overhearing_subscriber(const Then& then) const {
     const bool at_home = publisher().place.kind == Place::Kind::network;
     for (std::size_t i = at_home ? 1 : 0; i < count_; ++i)
       if (hops()[i].kind == Place::Kind::network)
@@ -267,12 +269,12 @@ class RouteCheck {
     return std::find(v_.route.begin(), before, listener) == before;
   }
 
-  void check_bystander(const Target& target, std::size_t hop) {
+  void check_overhearing_subscriber(const Target& target, std::size_t hop) {
     const Place place = hops()[hop];
     const Asked asked = asked_together(s_, v_.publisher, target.subscribers, v_.set);
-    add_rows(Against::bystander, place, check_layer(asked.set, composed(hop + 1)));
+    add_rows(Against::overhearing, place, check_layer(asked.set, composed(hop + 1)));
     if (!asked.user.empty())
-      add_rows(Against::bystander, place, asked.user, user_provision(0, hop + 1));
+      add_rows(Against::overhearing, place, asked.user, user_provision(0, hop + 1));
     for (const std::size_t s : target.subscribers)
       add_rows(Against::traffic, place, check_traffic(offered(), asked_by(s)), s);
   }
@@ -312,7 +314,7 @@ class RouteCheck {
   /// By when everybody who hears the events must have them.
   [[nodiscard]] std::vector<Limit> limits() const {
     std::vector<Limit> all{limit_at(count_ - 1, v_.requirement)};
-    each_bystander([&](const Target& target, std::size_t hop) {
+    each_overhearing_subscriber([&](const Target& target, std::size_t hop) {
       all.push_back(
           limit_at(hop, normalised_requirement(
                             asked_together(s_, v_.publisher, target.subscribers, v_.set).set)));

@@ -55,7 +55,7 @@ class State::Settlement {
     for (std::vector<std::size_t>& channels : short_of) {
       for (const std::size_t c : channels) allocation.take_out(c);
       allocation.sort(channels);
-      allocation.squeeze(channels);
+      allocation.degrade(channels);
     }
     s_.ledger_.commit();
     hand_out(allocation);
@@ -168,14 +168,15 @@ class State::Settlement {
     return it->second[domain];
   }
 
-  /// Serves and raises until what became free is given away, and what that sets free.
+  /// Admits waiting channels and upgrades until what became free is given away, and what that sets
+  /// free.
   void hand_out(Allocation& allocation) {
     for (;;) {
       find_relief();
       std::vector<std::size_t> waiting = waiting_channels();
       allocation.sort(waiting);
       bool any = false;
-      while (allocation.serve(waiting) || allocation.raise(waiting)) any = true;
+      while (allocation.admit_waiting(waiting) || allocation.upgrade(waiting)) any = true;
       if (!any) return;
     }
   }
@@ -188,7 +189,7 @@ class State::Settlement {
   }
 
   void collect() {
-    doubt_heard();
+    invalidate_shared_background();
     for (const auto& [network, condition] : s_.new_conditions_) {
       touch(s_.usage_.carried_by(network));
       s_.relieved_.insert(network);
@@ -199,7 +200,7 @@ class State::Settlement {
 
   /// Where somebody is heard that is not granted, the background is that of who is analysed: what
   /// concerns one there concerns all.
-  void doubt_heard() {
+  void invalidate_shared_background() {
     for (std::size_t n = 0; n < s_.world_.conditions.size(); ++n) {
       if (s_.world_.conditions[n].heard.empty() || s_.new_conditions_.contains(n)) continue;
       const auto& here = s_.usage_.carried_by(n);

@@ -104,8 +104,9 @@ GateChanges Proposal::changes(std::size_t gateway) const {
   return difference(now, core::gate_state(state_->system_, members, c, next_.verdicts, gateway));
 }
 
-std::optional<std::string> Proposal::lacks_room(std::size_t gateway) const {
-  return core::lacks_room(state_->system_, state_->members_, channel_, next_.verdicts, gateway);
+std::optional<std::string> Proposal::exceeds_capacity(std::size_t gateway) const {
+  return core::exceeds_capacity(state_->system_, state_->members_, channel_, next_.verdicts,
+                                gateway);
 }
 
 void Proposal::accept() && {
@@ -122,9 +123,10 @@ void Proposal::accept() && {
 
 // --- the state ----------------------------------------------------------------------------------
 
-std::optional<std::string> State::lacks_room(std::size_t gateway) const {
+std::optional<std::string> State::exceeds_capacity(std::size_t gateway) const {
   for (std::size_t c = 0; c < decisions_.size(); ++c) {
-    if (const auto lack = core::lacks_room(system_, members_, c, decisions_[c].verdicts, gateway))
+    if (const auto lack =
+            core::exceeds_capacity(system_, members_, c, decisions_[c].verdicts, gateway))
       return "channel " + system_.channels[c].name + ": " + *lack;
   }
   return std::nullopt;
@@ -314,7 +316,7 @@ bool State::remove(AdmissionId id) {
   return true;
 }
 
-void State::doubt_everything() {
+void State::invalidate_all() {
   for (std::size_t c = 0; c < system_.channels.size(); ++c) {
     touched_.insert(touched_.end(), c);
     Progress::step();
@@ -409,7 +411,7 @@ void State::decide(const std::map<std::size_t, Grants>& before) {
     decisions_[c] = decide_in(situation(), c, old.set, ledger_, &old);
     ledger_.commit();
   }
-  while (allocation.serve(all) || allocation.raise(all)) {
+  while (allocation.admit_waiting(all) || allocation.upgrade(all)) {
   }
   for (const std::size_t c : all) {
     usage_.set(situation(), c, decisions_[c]);

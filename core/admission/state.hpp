@@ -52,8 +52,8 @@ class Proposal {
   [[nodiscard]] std::vector<const Verdict*> verdicts() const;
   /// What the gates of a gateway would have to change.
   [[nodiscard]] GateChanges changes(std::size_t gateway) const;
-  /// See core::lacks_room(), with the newcomer.
-  [[nodiscard]] std::optional<std::string> lacks_room(std::size_t gateway) const;
+  /// See core::exceeds_capacity(), with the newcomer.
+  [[nodiscard]] std::optional<std::string> exceeds_capacity(std::size_t gateway) const;
 
   void accept() &&;
 
@@ -138,10 +138,11 @@ class State {
   /// False if there is none of that id.
   bool remove(AdmissionId id);
   /// As if everything had changed.
-  void doubt_everything();
+  void invalidate_all();
 
   /// Decides what these changes touch, and nothing else: what was granted is kept as far as it can
-  /// be, then who has nothing is served, then quality is raised (core/admission/allocation.hpp).
+  /// be, then waiting channels are admitted, then attribute sets are upgraded
+  /// (core/admission/allocation.hpp).
   std::vector<Change> settle();
 
   /// Decides everything anew, with described ends and admissions, whether they fit or not, as after
@@ -169,8 +170,8 @@ class State {
   [[nodiscard]] std::vector<Transit> transits(std::size_t gateway, std::size_t channel) const {
     return core::transits(system_, members_, decisions_[channel].verdicts, gateway);
   }
-  /// See core::lacks_room(): a channel for which there is none, and why.
-  [[nodiscard]] std::optional<std::string> lacks_room(std::size_t gateway) const;
+  /// See core::exceeds_capacity(): a channel for which there is none, and why.
+  [[nodiscard]] std::optional<std::string> exceeds_capacity(std::size_t gateway) const;
   [[nodiscard]] GateState gate_state(std::size_t gateway, std::size_t channel) const {
     return core::gate_state(system_, members_, channel, decisions_[channel].verdicts, gateway);
   }

@@ -42,7 +42,7 @@ struct Condition {
   can::Timing timing;            ///< of a CAN bus, 0: as described
   std::uint32_t background = 0;  ///< of a CAN bus: 1e-6 of its time that was measured beyond what
                                  ///< is reserved, that of `heard` included
-  /// To itself none of them is a stranger: what it sends is analysed where it is decided.
+  /// To itself none of them is unaccounted load: what it sends is analysed where it is decided.
   std::vector<Heard> heard;
   std::vector<Contradicted> contradicted;  ///< sorted by channel
   [[nodiscard]] const Contradicted* contradiction_of(std::size_t channel) const {

@@ -32,8 +32,8 @@ Range times_of(const Timing& timing, const Binding& binding, unsigned bytes) {
 }  // namespace
 
 std::optional<Identifier> identifier_of(const Publisher& publisher, const Network& network,
-                                        const Binding& binding, bool split) {
-  const auto identity = identity_of(publisher, network, binding, split);
+                                        const Binding& binding, bool fragmented) {
+  const auto identity = identity_of(publisher, network, binding, fragmented);
   if (!identity) return std::nullopt;
   const std::uint32_t whole = binding.extended ? kExtendedBits : kStandardBits;
   const std::uint32_t first = identity->id & whole;

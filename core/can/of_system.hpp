@@ -17,14 +17,14 @@ namespace mlcca::core::can {
 ///
 /// The identifier is what core/profiles/profile.hpp says; where the description leaves a part of it
 /// open, the message disturbs others with the first and suffers with the last of them. Where the
-/// size is not stated, an event counts as one longest frame of its binding; a longer event is split
-/// as core/model/medium.hpp says.
+/// size is not stated, an event counts as one longest frame of its binding; a longer event is
+/// fragmented as core/model/medium.hpp says.
 [[nodiscard]] std::optional<Message> message_of(const System& system, const Publisher& publisher,
                                                 std::size_t set, std::size_t network,
                                                 const Timing& timing);
 
 /// The identifiers of a publisher's frames: the first and the last that they may have. Nothing
-/// where the publisher lacks the node that the profile needs. `split`: an event takes several
+/// where the publisher lacks the node that the profile needs. `fragmented`: an event takes several
 /// frames.
 struct Identifier {
   std::uint32_t id = 0;    ///< 11 or 29 bits
@@ -33,7 +33,7 @@ struct Identifier {
 };
 [[nodiscard]] std::optional<Identifier> identifier_of(const Publisher& publisher,
                                                       const Network& network,
-                                                      const Binding& binding, bool split);
+                                                      const Binding& binding, bool fragmented);
 
 /// The bit rates that are described for a network.
 [[nodiscard]] Timing timing_of(const Network& network);

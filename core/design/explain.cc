@@ -44,8 +44,8 @@ FindingId id_of(Against against) {
       return FindingId::route_unfit;
     case Against::traffic:
       return FindingId::traffic_mismatch;
-    case Against::bystander:
-      return FindingId::bystander_unfit;
+    case Against::overhearing:
+      return FindingId::overhearing_unfit;
     case Against::capacity:
       return FindingId::capacity;
     case Against::schedule:
@@ -194,7 +194,7 @@ void Explainer::add(const Verdict& v) {
   for (const Row& row : v.rows) {
     if (!is_unfit(row)) continue;
     if (row.against == Against::capacity) add_capacity(v, row);
-    if (row.against == Against::bystander) add_row(v, row, kNone);
+    if (row.against == Against::overhearing) add_row(v, row, kNone);
     if (is_about_medium(row)) add_medium(v, row);
   }
 }
@@ -348,7 +348,7 @@ void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber
   f.attribute = attribute_name(system, row);
   f.required = format_value(system, row, c.required);
   f.provided = c.known ? format_value(system, row, c.provided) : "not provided";
-  if (row.against == Against::hop || row.against == Against::bystander) {
+  if (row.against == Against::hop || row.against == Against::overhearing) {
     f.place = row.place;
     f.has_place = true;
   }
@@ -382,7 +382,7 @@ void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber
                        : "state " + provided_name(system, row) + " of " +
                              stated_by(system, row.place) + ": what is not stated is not given";
       break;
-    case Against::bystander:
+    case Against::overhearing:
       f.text = publisher + " to " + name_of(system, v.to) + ": " + f.attribute + " " + f.required +
                " required by subscribers on " + name_of(system, row.place) +
                ", which lies on the way and is given " + numbers;

@@ -38,7 +38,7 @@ constexpr auto kTable = std::to_array<FindingInfo>({
      "a publisher does not offer what a subscriber asks"},
     {Id::hop_unfit, S::error, "hop-unfit", "a network or gateway does not fulfil a requirement"},
     {Id::route_unfit, S::error, "route-unfit", "the way as a whole does not fulfil a requirement"},
-    {Id::bystander_unfit, S::error, "bystander-unfit",
+    {Id::overhearing_unfit, S::error, "overhearing-unfit",
      "others who hear the events on a shared medium are not fulfilled"},
     {Id::capacity, S::error, "capacity", "a network cannot carry all of its channels together"},
     {Id::too_long, S::error, "too-long", "events do not fit the frames of a network"},

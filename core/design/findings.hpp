@@ -37,7 +37,7 @@ enum class FindingId : std::uint8_t {
   traffic_mismatch = 20,
   hop_unfit = 21,
   route_unfit = 22,
-  bystander_unfit = 23,
+  overhearing_unfit = 23,
   capacity = 24,
   too_long = 25,
   no_node = 26,

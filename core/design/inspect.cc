@@ -261,7 +261,7 @@ class Inspector {
               " of channel " + s_.channels[c].name + " look alike to the gates on network " +
               s_.networks[p.place.index].name +
               ": what one sends too much is taken from what the other may send",
-          p.station.anybody()
+          p.station.is_wildcard()
               ? "state the address that each of them sends from (address=\"192.0.2.7\")"
               : "give each of them an address of its own",
           c, static_cast<std::uint32_t>(number));
@@ -270,7 +270,7 @@ class Inspector {
 
   void check_room(std::size_t c, const std::vector<Verdict>& verdicts, ChannelResult& result) {
     for (std::size_t g = 0; g < s_.gateways.size(); ++g) {
-      const auto lack = lacks_room(s_, members_, c, verdicts, g);
+      const auto lack = exceeds_capacity(s_, members_, c, verdicts, g);
       if (!lack) continue;
       result.outcome = Outcome::unfit;
       add(FindingId::too_many, s_.channels[c].origin,

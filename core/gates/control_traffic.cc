@@ -90,9 +90,9 @@ constexpr std::array kCanopen = {
 bool is_bound(const Network& network, const ControlFrames& frames) {
   return std::ranges::any_of(network.bindings, [&](const Binding& b) {
     Progress::step();
-    Publisher anybody;
-    anybody.node = 0;
-    const auto bound = identity_of(anybody, network, b, false);
+    Publisher any;
+    any.node = 0;
+    const auto bound = identity_of(any, network, b, false);
     constexpr std::uint32_t j1939_number = 0x03ff0000;
     constexpr std::uint32_t cyphal_number = 0x001fff00;
     std::uint32_t number = kExtendedFlag | kExtendedBits;

@@ -264,7 +264,7 @@ class Planner {
         if (const Publisher& other = members_.publisher(number);
             looks_alike(p, other, !sent_anew_.contains(in)))
           bytes = std::max(bytes, size_of(other));
-    e.split = bytes > kDatagramBytes;
+    e.fragmented = bytes > kDatagramBytes;
     e.max_length = static_cast<std::uint16_t>(std::min<Value>(bytes, kDatagramBytes));
   }
 
@@ -391,9 +391,10 @@ GateState gate_state(const System& system, const Members& members, const Verdict
   return planner.take();
 }
 
-std::optional<std::string> lacks_room(const System& system, const Members& members,
-                                      std::size_t channel, const std::vector<Verdict>& verdicts,
-                                      std::size_t gateway) {
+std::optional<std::string> exceeds_capacity(const System& system, const Members& members,
+                                            std::size_t channel,
+                                            const std::vector<Verdict>& verdicts,
+                                            std::size_t gateway) {
   if (members.publishers_of(channel).size() <= kMostEntries) return std::nullopt;
   std::map<std::pair<std::size_t, Direction>, std::size_t> entries;
   for (const GateRule& rule : gate_state(system, members, channel, verdicts, gateway)) {

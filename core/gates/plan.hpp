@@ -24,16 +24,16 @@ struct GateEntry {
   std::uint32_t id = 0;  ///< a frame fits when (can_id & mask) == id
   std::uint32_t mask = 0;
   std::optional<std::size_t>
-      source_port;               ///< egress: where the frame came in; none: a local program
-  FrameIdentity entered_as;      ///< egress, from another bus: what it was admitted as there
-  std::uint32_t uid = 0;         ///< egress, local program: its user
-  bool from_kernel = false;      ///< egress: of no program, but of a protocol in the kernel
-  Station station;               ///< Ethernet: who sent the frame; anybody: who has no other entry
+      source_port;           ///< egress: where the frame came in; none: a local program
+  FrameIdentity entered_as;  ///< egress, from another bus: what it was admitted as there
+  std::uint32_t uid = 0;     ///< egress, local program: its user
+  bool from_kernel = false;  ///< egress: of no program, but of a protocol in the kernel
+  Station station;           ///< Ethernet: who sent the frame; a wildcard: who has no other entry
   std::uint16_t max_length = 0;  ///< payload bytes of a frame or datagram
   bool classic = false;
   bool fd = false;
   bool xl = false;
-  bool split = false;  ///< Ethernet: a datagram may hold a fragment of an event
+  bool fragmented = false;  ///< Ethernet: a datagram may hold a fragment of an event
   Subject subject = 0;
 
   auto operator<=>(const GateEntry&) const = default;
@@ -125,10 +125,11 @@ struct Transit {
 /// Entries of one subject that a gate holds in one direction (GATE_CHAIN).
 inline constexpr std::size_t kMostEntries = 8;
 /// Why the gates of the gateway cannot hold the entries of a channel; nothing where they can.
-[[nodiscard]] std::optional<std::string> lacks_room(const System& system, const Members& members,
-                                                    std::size_t channel,
-                                                    const std::vector<Verdict>& verdicts,
-                                                    std::size_t gateway);
+[[nodiscard]] std::optional<std::string> exceeds_capacity(const System& system,
+                                                          const Members& members,
+                                                          std::size_t channel,
+                                                          const std::vector<Verdict>& verdicts,
+                                                          std::size_t gateway);
 
 /// Entries by which events of several publishers of a channel come or leave: frames do not say
 /// whose they are. Sorted.

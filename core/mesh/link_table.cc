@@ -99,7 +99,7 @@ void LinkTable::forget_unused_nodes() {
       hop = {moved[hop.from], moved[hop.to], moved[hop.via]};
 }
 
-void LinkTable::forget_links_of_strangers() {
+void LinkTable::forget_links_of_undescribed_nodes() {
   std::erase_if(entries_, [&](const auto& known) {
     return !is_described(known.first.first) || !is_described(known.first.second);
   });
@@ -115,7 +115,7 @@ bool LinkTable::enter(std::size_t source, const Sample& sample) {
   auto it = entries_.find(ends);
   if (it == entries_.end()) {
     if (entries_.size() >= kMaxLinks && is_described(*from) && is_described(*to))
-      forget_links_of_strangers();
+      forget_links_of_undescribed_nodes();
     if (entries_.size() >= kMaxLinks) return false;
     it = entries_.emplace(ends, Entry{}).first;
   }

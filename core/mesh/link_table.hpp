@@ -104,7 +104,7 @@ class LinkTable {
   [[nodiscard]] bool is_described(std::uint32_t node) const { return node < mesh_.nodes.size(); }
   std::optional<std::uint32_t> node_for(const std::string& address);
   void forget_unused_nodes();
-  void forget_links_of_strangers();
+  void forget_links_of_undescribed_nodes();
   bool enter(std::size_t source, const Sample& sample);
   bool enter_next_hop(SourceState& state, const NextHop& hop);
   void drop_old_rounds(std::size_t source);

@@ -57,8 +57,8 @@ Value event_bytes(const Network& network, const Binding& binding) {
 
 bool is_fragmented(const Network& network, const Binding* binding, Value bytes) {
   if (network.carries_subjects()) return bytes > kDatagramBytes;
-  const bool splits = network.profile == Profile::famouso || network.profile == Profile::cyphal;
-  return splits && binding != nullptr && bytes > room(network, *binding);
+  const bool fragments = network.profile == Profile::famouso || network.profile == Profile::cyphal;
+  return fragments && binding != nullptr && bytes > room(network, *binding);
 }
 
 unsigned frames_per_event(const Network& network, const Binding* binding, Value bytes) {

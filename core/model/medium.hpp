@@ -26,13 +26,13 @@ inline constexpr Value kDatagramMaxEvent = 65535;
 inline constexpr unsigned kCyphalTail = 1;
 inline constexpr unsigned kCyphalCrc = 2;
 
-/// Frames that an event of `bytes` takes on the network, at least 1. FAMOUSO splits what is longer
-/// than one frame with a header of 1 byte (up to 32 fragments) or 2, and 5 more in a datagram,
-/// Cyphal as it says above; other profiles do not split.
+/// Frames that an event of `bytes` takes on the network, at least 1. FAMOUSO fragments what is
+/// longer than one frame with a header of 1 byte (up to 32 fragments) or 2, and 5 more in a
+/// datagram, Cyphal as it says above; other profiles do not fragment.
 [[nodiscard]] unsigned frames_per_event(const Network& network, const Binding* binding,
                                         Value bytes);
 
-/// Whether an event of `bytes` is split.
+/// Whether an event of `bytes` is fragmented.
 [[nodiscard]] bool is_fragmented(const Network& network, const Binding* binding, Value bytes);
 
 /// Payload bytes of the longest frame that the binding allows.

@@ -53,7 +53,7 @@ std::optional<Station> station_of(std::string_view text) {
 
 std::string to_text(Station station) {
   std::string text;
-  if (station.anybody()) return text;
+  if (station.is_wildcard()) return text;
   const bool mac = (station.bits & kMac) != 0;
   for (unsigned n = mac ? 6 : 4; n-- > 0;) {
     constexpr std::string_view digits = "0123456789abcdef";

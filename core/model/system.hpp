@@ -103,7 +103,7 @@ struct CanBus {
   std::uint32_t data_bitrate = 0;  ///< bit/s of the FD data phase, 0: classic frames only
   bool unknown_senders = false;    ///< somebody who is not described may send: any frame may block
   std::uint32_t background = 0;    ///< 1e-6 of the bus time that others take, at any priority
-  bool measured = true;            ///< load beyond what was admitted counts as that of strangers
+  bool measured = true;            ///< load beyond what was admitted counts as unaccounted load
   FaultHypothesis faults;
   bool operator==(const CanBus&) const = default;
 };

@@ -247,7 +247,7 @@ std::string where(const System& system, const Members& members, const Verdict& v
     case Against::traffic:
       return "publisher " + members.publisher(verdict.publisher).name + " for " +
              members.subscriber(row.end).name;
-    case Against::bystander:
+    case Against::overhearing:
       return "listeners on " + name_of(system, row.place);
     case Against::capacity:
       return "capacity of " + name_of(system, row.place);
@@ -305,7 +305,7 @@ std::string reason(const System& system, const Members& members, const Verdict& 
            format_value(Attribute::bandwidth, row->comparison.provided);
   std::string place = where(system, members, v, *row);
   if (row->against == Against::end_to_end) place = "the route";
-  if (row->against == Against::bystander)
+  if (row->against == Against::overhearing)
     return compared(system, *row, "the way to " + name_of(system, row->place)) +
            ", and subscribers there would hear it";
   return compared(system, *row, place);

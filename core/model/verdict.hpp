@@ -18,7 +18,7 @@ enum class Against : std::uint8_t {
   hop,          ///< one network or gateway of the route (Fig. 5)
   end_to_end,   ///< the composed provision of the route
   traffic,      ///< what the publisher offers, for one subscriber
-  bystander,    ///< the way to an intermediate network whose subscribers hear the event too
+  overhearing,  ///< the way to an intermediate network whose subscribers hear the event too
   capacity,     ///< what is left of a network
   schedule,     ///< a message of an analysed bus and its deadline, or the queue of a gateway there
   medium_time,  ///< what is left of the time of a mesh's domains, as payload bytes/s
@@ -27,7 +27,7 @@ enum class Against : std::uint8_t {
 struct Row {
   static constexpr std::uint32_t kBuiltIn = 0xffffffff;
 
-  Place place;  ///< hop, bystander, capacity
+  Place place;  ///< hop, overhearing, capacity
   Comparison comparison{};
   /// capacity: promised to others; schedule: frames that the queue would have to hold, if it is too
   /// short.

@@ -31,12 +31,13 @@ constexpr std::array<ProfileTraits, 6> kTraits{{
 }};
 
 /// As long as the etag is not known, it may be any.
-FrameIdentity famouso(const Publisher& p, const Binding& b, bool split) {
+FrameIdentity famouso(const Publisher& p, const Binding& b, bool fragmented) {
   const std::uint32_t known = b.waits_for_tag() ? kExtendedBits & ~kTagBits : kExtendedBits;
-  return {.id = static_cast<std::uint32_t>(p.priority) << kFamousoPriorityShift |
-                static_cast<std::uint32_t>(*p.node) << kFamousoNodeShift | b.id,
-          // Events up to the published size may be split or not: both forms of the frame occur.
-          .mask = split ? known & ~kFragmentBit : known};
+  return {
+      .id = static_cast<std::uint32_t>(p.priority) << kFamousoPriorityShift |
+            static_cast<std::uint32_t>(*p.node) << kFamousoNodeShift | b.id,
+      // Events up to the published size may be fragmented or not: both forms of the frame occur.
+      .mask = fragmented ? known & ~kFragmentBit : known};
 }
 
 FrameIdentity with_priority(const Publisher& p, const Binding& b) {
@@ -103,12 +104,12 @@ std::string_view way_to_differ(const Publisher& publisher) {
 }
 
 std::optional<FrameIdentity> identity_of(const Publisher& publisher, const Network& network,
-                                         const Binding& binding, bool split) {
+                                         const Binding& binding, bool fragmented) {
   if (network.profile == Profile::none || !can_send(publisher, network)) return std::nullopt;
   FrameIdentity f;
   switch (network.profile) {
     case Profile::famouso:
-      f = famouso(publisher, binding, split);
+      f = famouso(publisher, binding, fragmented);
       break;
     case Profile::j1939:
       f = j1939(publisher, binding);

@@ -66,11 +66,11 @@ struct FrameIdentity {
 };
 
 /// What all frames of a publisher on the network have. Nothing where it lacks a node or has one
-/// that the profile does not know, and where the network has no profile. `split`: see
+/// that the profile does not know, and where the network has no profile. `fragmented`: see
 /// core/model/medium.hpp; the frames of an event are marked.
 [[nodiscard]] std::optional<FrameIdentity> identity_of(const Publisher& publisher,
                                                        const Network& network,
-                                                       const Binding& binding, bool split);
+                                                       const Binding& binding, bool fragmented);
 
 /// Whether a frame can belong to both bindings of a network of that profile.
 [[nodiscard]] bool clash(Profile profile, const Binding& a, const Binding& b);

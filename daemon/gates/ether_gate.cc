@@ -31,7 +31,7 @@
 #include "daemon/gates/publish.hpp"
 #include "daemon/gates/retire.hpp"
 #include "daemon/gates/roster.hpp"
-#include "daemon/gates/watchmen.hpp"
+#include "daemon/gates/silence_timers.hpp"
 
 namespace mlcca::enforce {
 namespace {
@@ -68,8 +68,8 @@ struct EtherGate::State {
   EtherTable table;
   bool reused = false;
   bool was_put = false;
-  bool early = false;                ///< it was put in the driver
-  std::optional<Watchmen> watchmen;  ///< always, but while it is loaded
+  bool early = false;                           ///< it was put in the driver
+  std::optional<SilenceTimers> silence_timers;  ///< always, but while it is loaded
 
   static Result<std::unique_ptr<State>> load(const EtherConfig& config, const Place& place,
                                              const SharedMaps& shared, const EtherSizes& sizes,
@@ -84,7 +84,7 @@ struct EtherGate::State {
   /// This daemon holds the gate.
   void own() const { publish(mapping.memory().table->epoch, shared.epoch); }
   Result<void> put_early_in_place();
-  Result<void> load_watchmen(const Control& control);
+  Result<void> load_silence_timers(const Control& control);
   [[nodiscard]] Result<void> watch() const;
 };
 
@@ -113,13 +113,13 @@ Result<std::unique_ptr<EtherGate::State>> EtherGate::State::load(const EtherConf
                                        .reused = !fresh,
                                        .was_put = false,
                                        .early = false,
-                                       .watchmen = std::nullopt});
+                                       .silence_timers = std::nullopt});
 }
 
 /// Programs last: what is attached is found by them.
 std::vector<Pin> EtherGate::State::pins() const {
   const std::string& directory = place.directory;
-  std::vector<Pin> all{{programs.early_fd(), early_pin(directory)}, watchmen->pin()};
+  std::vector<Pin> all{{programs.early_fd(), early_pin(directory)}, silence_timers->pin()};
   for (std::size_t n = 0; n < kEtherMaps.size(); ++n)
     all.push_back({programs.map_fd(n), ether_map_pin(directory, n)});
   for (const auto direction : kBothDirections)
@@ -164,22 +164,22 @@ Result<void> EtherGate::State::put_early_in_place() {
 }
 
 /// Timers that run already go on, by our program.
-Result<void> EtherGate::State::load_watchmen(const Control& control) {
-  auto loaded = Watchmen::of_ethernet(config.ifindex,
-                                      {.table = programs.map_fd(0),
-                                       .control = control.map_fd(),
-                                       .events = control.events_fd(),
-                                       .slots = programs.map_fd(2),
-                                       .watches = programs.map_fd(8)},
-                                      watchmen_pin(place.directory), reused);
+Result<void> EtherGate::State::load_silence_timers(const Control& control) {
+  auto loaded = SilenceTimers::of_ethernet(config.ifindex,
+                                           {.table = programs.map_fd(0),
+                                            .control = control.map_fd(),
+                                            .events = control.events_fd(),
+                                            .slots = programs.map_fd(2),
+                                            .watches = programs.map_fd(8)},
+                                           silence_timers_pin(place.directory), reused);
   if (!loaded) return std::unexpected(loaded.error());
-  watchmen = std::move(*loaded);
+  silence_timers = std::move(*loaded);
   return {};
 }
 
 Result<void> EtherGate::State::watch() const {
   for (const std::uint16_t watch : table.watched()) {
-    if (auto armed = watchmen->arm(watch); !armed) return armed;
+    if (auto armed = silence_timers->arm(watch); !armed) return armed;
     core::Progress::made();
   }
   return {};
@@ -221,7 +221,8 @@ Result<EtherGate> EtherGate::load(const EtherConfig& config, const Control& cont
       if (auto done = (*state)->table.apply(moved); !done) return in_context(done.error());
     }
   }
-  if (auto loaded = (*state)->load_watchmen(control); !loaded) return in_context(loaded.error());
+  if (auto loaded = (*state)->load_silence_timers(control); !loaded)
+    return in_context(loaded.error());
   return EtherGate(std::move(*state));
 }
 
@@ -275,13 +276,13 @@ Result<void> EtherGate::go_first() {
   if (!maps) return in_context(maps.error());
   auto copy = State::load(state_->config, state_->place, state_->shared, state_->sizes, *maps);
   if (!copy) return in_context(copy.error());
-  (*copy)->watchmen = std::move(state_->watchmen);  // they look at the same memory
+  (*copy)->silence_timers = std::move(state_->silence_timers);  // they look at the same memory
   auto done = (*copy)->pin_all();
   if (done) done = put_gate_first(state_->place, (*copy)->both(), state_->both());
   if (done) done = (*copy)->put_early_in_place();
   if (done) done = name_next((*copy)->pins());
   if (!done) {
-    state_->watchmen = std::move((*copy)->watchmen);
+    state_->silence_timers = std::move((*copy)->silence_timers);
     return in_context(done.error());
   }
   state_ = std::move(*copy);
@@ -301,7 +302,9 @@ Result<void> EtherGate::reattach() {
 }
 
 Table& EtherGate::table() { return state_->table; }
-Result<void> EtherGate::arm(std::uint16_t watch) const { return state_->watchmen->arm(watch); }
+Result<void> EtherGate::arm(std::uint16_t watch) const {
+  return state_->silence_timers->arm(watch);
+}
 std::vector<SlotSpec> EtherGate::present() const { return state_->table.present(); }
 std::size_t EtherGate::size() const { return state_->table.size(); }
 std::size_t EtherGate::room() const { return state_->sizes.slots - ETHER_FIRST_SLOT; }
@@ -331,7 +334,7 @@ Arrivals EtherGate::arrivals(std::uint32_t slot, std::uint64_t now) const {
 
 Result<void> EtherGate::tell_again(std::uint32_t slot) const {
   const std::uint16_t watch = state_->table.watch_of(slot);
-  return state_->mapping.memory().watches[watch].silent != 0 ? state_->watchmen->arm(watch)
+  return state_->mapping.memory().watches[watch].silent != 0 ? state_->silence_timers->arm(watch)
                                                              : Result<void>{};
 }
 

@@ -20,7 +20,7 @@ std::array<bpf_map*, kEtherMaps.size()> maps_of(const ether_bpf& object) {
           object.maps.slots,     object.maps.contracts,
           object.maps.counts,    object.maps.cpus,
           object.maps.fragments, object.maps.foreign_fragments,
-          object.maps.watches,   object.maps.fronts,
+          object.maps.watches,   object.maps.ether_prefilter,
           object.maps.audits};
 }
 
@@ -34,7 +34,7 @@ int set_sizes(const ether_bpf& object, const EtherSizes& sizes) {
        {object.maps.fragments, ether_fragment_entries(possible_cpus())},
        {object.maps.foreign_fragments, ether_fragment_entries(possible_cpus())},
        {object.maps.watches, ETHER_WATCHES},
-       {object.maps.fronts, sizes.fronts()},
+       {object.maps.ether_prefilter, sizes.prefilters()},
        {object.maps.audits, sizes.slots}}};
   for (const auto& [map, count] : entries)
     if (const int error = bpf_map__set_max_entries(map, count); error != 0) return error;
@@ -79,7 +79,7 @@ std::optional<EtherPinned> pinned_ether_maps(const std::string& directory) {
       !fits(3, sizeof(ether_contract), there.sizes.contracts) ||
       !fits(4, sizeof(gate_count), there.sizes.banks * there.sizes.slots) ||
       !fits(5, sizeof(ether_cpu), possible_cpus()) || !fits(8, sizeof(gate_watch), ETHER_WATCHES) ||
-      !fits(9, sizeof(ether_front), there.sizes.fronts()) ||
+      !fits(9, sizeof(ether_prefilter_part), there.sizes.prefilters()) ||
       !fits(10, sizeof(gate_audit), there.sizes.slots))
     return std::nullopt;
   return there;
@@ -99,7 +99,7 @@ Result<EtherPrograms::Object> EtherPrograms::try_load(const EtherKnobs& knobs,
   object->rodata->bucket_mask = sizes.buckets - 1;
   object->rodata->slots_of_bank = sizes.slots;
   object->rodata->banks = sizes.banks;
-  object->rodata->fronted = sizes.is_fronted();
+  object->rodata->has_prefilter = sizes.has_prefilter();
   object->rodata->direct_access = direct_access;
   object->rodata->atomic_counts = is_preempt_rt();
   object->rodata->ordered_stores = kOrderedStores;
@@ -139,9 +139,9 @@ Result<EtherMapping> EtherMapping::of(const EtherPrograms& programs, const Ether
   m.counts_ = {programs.map_fd(4), std::size_t{sizes.banks} * sizes.slots};
   m.cpus_ = {programs.map_fd(5), possible_cpus()};
   m.watches_ = {programs.map_fd(8), ETHER_WATCHES};
-  m.fronts_ = {programs.map_fd(9), sizes.fronts()};
+  m.prefilters_ = {programs.map_fd(9), sizes.prefilters()};
   m.audits_ = {programs.map_fd(10), sizes.slots};
-  if (!m.table_ || !m.buckets_ || !m.fronts_ || !m.slots_ || !m.contracts_ || !m.counts_ ||
+  if (!m.table_ || !m.buckets_ || !m.prefilters_ || !m.slots_ || !m.contracts_ || !m.counts_ ||
       !m.cpus_ || !m.watches_ || !m.audits_)
     return failure("map the memory of the Ethernet gate", errno);
   return m;
@@ -150,7 +150,7 @@ Result<EtherMapping> EtherMapping::of(const EtherPrograms& programs, const Ether
 EtherMemory EtherMapping::memory() const {
   return {.table = table_.span().data(),
           .buckets = buckets_.span(),
-          .fronts = fronts_.span(),
+          .prefilters = prefilters_.span(),
           .slots = slots_.span(),
           .contracts = contracts_.span(),
           .counts = counts_.span(),

@@ -25,7 +25,7 @@ void destroy_ether_programs(ether_bpf* object);
 inline constexpr std::array kEtherMaps = {"ether_table",     "ether_buckets", "ether_slots",
                                           "ether_contracts", "ether_counts",  "ether_cpus",
                                           "ether_fragments", "ether_foreign", "ether_watches",
-                                          "ether_fronts",    "ether_audits"};
+                                          "ether_prefilter", "ether_audits"};
 using EtherMaps = std::array<Fd, kEtherMaps.size()>;  ///< in that order; all or none
 
 /// The pinned maps of an interface.
@@ -77,7 +77,7 @@ class EtherMapping {
   std::uint32_t* generation_ = nullptr;  ///< of the programs
   Mapped<ether_table> table_;
   Mapped<std::uint64_t> buckets_;
-  Mapped<ether_front> fronts_;
+  Mapped<ether_prefilter_part> prefilters_;
   Mapped<ether_slot> slots_;
   Mapped<ether_contract> contracts_;
   Mapped<gate_count> counts_;

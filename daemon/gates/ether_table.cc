@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Chains under a reader that never waits, as in slots.cc. A bucket is one word, so that its first
-// slot and the sieve of its subjects change together.
+// slot and the fingerprints of its subjects change together.
 #include "daemon/gates/ether_table.hpp"
 
 #include <fmt/format.h>
@@ -68,10 +68,11 @@ std::uint64_t EtherTable::hash_at(std::uint32_t slot) const {
                  static_cast<Direction>(memory_.slots[slot].direction));
 }
 
-std::uint8_t* EtherTable::front_at(std::uint64_t hash) const {
-  if (!sizes_.is_fronted()) return nullptr;
+std::uint8_t* EtherTable::prefilter_at(std::uint64_t hash) const {
+  if (!sizes_.has_prefilter()) return nullptr;
   const std::uint64_t bucket = hash & (sizes_.buckets - 1);
-  return &memory_.fronts[bucket / ETHER_FRONT_BUCKETS].bits[bucket % ETHER_FRONT_BUCKETS];
+  return &memory_.prefilters[bucket / ETHER_PREFILTER_BUCKETS]
+              .bits[bucket % ETHER_PREFILTER_BUCKETS];
 }
 
 std::uint64_t& EtherTable::bucket_of(std::uint64_t hash) const {
@@ -105,15 +106,15 @@ Result<void> EtherTable::adopt(bool fresh) {
 
 Result<void> EtherTable::adopt_chain(std::size_t bucket, std::vector<bool>& seen) {
   auto at = static_cast<std::uint32_t>(memory_.buckets[bucket]);
-  bool anybody = false;
+  bool wildcard_before = false;
   for (; at != 0; at = memory_.slots[at].next) {
     if (at < ETHER_FIRST_SLOT || at >= sizes_.slots || seen[at])
       return fail(fmt::format("subject table: broken chain in bucket {}", bucket));
     if (auto good = check_adopted(at, bucket); !good) return good;
-    const bool of_anybody = station_of(at) == 0;
-    if (!of_anybody && anybody)
+    const bool is_wildcard = station_of(at) == 0;
+    if (!is_wildcard && wildcard_before)
       return fail(fmt::format("subject table: slot {} of a station stands behind others", at));
-    anybody = of_anybody;
+    wildcard_before = is_wildcard;
     if (auto good = adopt_contract(at); !good) return good;
     seen[at] = true;
     ++used_;
@@ -126,10 +127,11 @@ Result<void> EtherTable::adopt_chain(std::size_t bucket, std::vector<bool>& seen
 Result<void> EtherTable::check_adopted(std::uint32_t at, std::size_t bucket) const {
   const ether_slot& slot = memory_.slots[at];
   const std::uint64_t hash = hash_at(at);
-  const std::uint8_t* front = front_at(hash);
+  const std::uint8_t* prefilter = prefilter_at(hash);
   if (slot.direction >= GATE_DIRECTIONS || (hash & (sizes_.buckets - 1)) != bucket ||
-      (memory_.buckets[bucket] & ether_sieve(hash)) == 0 ||
-      (front != nullptr && (*front & ether_front_bits(hash)) != ether_front_bits(hash)))
+      (memory_.buckets[bucket] & ether_fingerprint(hash)) == 0 ||
+      (prefilter != nullptr &&
+       (*prefilter & ether_prefilter_bits(hash)) != ether_prefilter_bits(hash)))
     return fail(fmt::format("subject table: slot {} is in the wrong bucket", at));
   if (slot.contract == 0 || slot.contract >= sizes_.contracts)
     return fail(fmt::format("subject table: slot {} has no contract", at));
@@ -293,7 +295,7 @@ void EtherTable::leave_contract(std::uint16_t number) {
   contract_numbers_.quarantine.push_back(number);
 }
 
-/// Of the chain that begins in the bucket, behind which a slot of anybody goes; 0: it goes first.
+/// Of the chain that begins in the bucket, behind which a wildcard slot goes; 0: it goes first.
 std::uint32_t EtherTable::last_of_stations(std::uint64_t bucket, const SlotSpec& spec) const {
   std::uint32_t last = 0;
   if (spec.station != 0) return last;
@@ -322,27 +324,27 @@ void EtherTable::link(const SlotSpec& spec) {
       .last_reason = GATE_R_PASSED,
       .watch = 0};
   set_watch(slot, spec);
-  if (std::uint8_t* front = front_at(hash); front != nullptr)
-    publish(*front, static_cast<__u8>(*front | ether_front_bits(hash)));
-  const std::uint64_t sieve = bucket >> ETHER_SIEVE_SHIFT << ETHER_SIEVE_SHIFT;
+  if (std::uint8_t* prefilter = prefilter_at(hash); prefilter != nullptr)
+    publish(*prefilter, static_cast<__u8>(*prefilter | ether_prefilter_bits(hash)));
+  const std::uint64_t fingerprints = bucket >> ETHER_FINGERPRINT_SHIFT << ETHER_FINGERPRINT_SHIFT;
   const std::uint64_t first = before == 0 ? slot : static_cast<std::uint32_t>(bucket);
-  publish(bucket, std::uint64_t{sieve | ether_sieve(hash) | first});
+  publish(bucket, std::uint64_t{fingerprints | ether_fingerprint(hash) | first});
   if (before != 0) publish(memory_.slots[before].next, slot);
   ++used_;
   core::Progress::step();
 }
 
-std::uint64_t EtherTable::sieve_of(std::uint32_t first) const {
-  std::uint64_t sieve = 0;
+std::uint64_t EtherTable::fingerprints_of(std::uint32_t first) const {
+  std::uint64_t fingerprints = 0;
   for (std::uint32_t at = first; at != 0; at = memory_.slots[at].next)
-    sieve |= ether_sieve(hash_at(at));
-  return sieve;
+    fingerprints |= ether_fingerprint(hash_at(at));
+  return fingerprints;
 }
 
-std::uint8_t EtherTable::front_of(std::uint32_t first) const {
+std::uint8_t EtherTable::prefilter_of(std::uint32_t first) const {
   std::uint8_t bits = 0;
   for (std::uint32_t at = first; at != 0; at = memory_.slots[at].next)
-    bits |= ether_front_bits(hash_at(at));
+    bits |= ether_prefilter_bits(hash_at(at));
   return bits;
 }
 
@@ -361,8 +363,9 @@ void EtherTable::unlink(const SlotSpec& spec) {
     while (memory_.slots[before].next != *found) before = memory_.slots[before].next;
     publish(memory_.slots[before].next, slot.next);
   }
-  publish(bucket, sieve_of(first) | first);
-  if (std::uint8_t* front = front_at(hash); front != nullptr) publish(*front, front_of(first));
+  publish(bucket, fingerprints_of(first) | first);
+  if (std::uint8_t* prefilter = prefilter_at(hash); prefilter != nullptr)
+    publish(*prefilter, prefilter_of(first));
   leave_contract(slot.contract);
   leave_watch(*found);
   slots_.quarantine.push_back(*found);

@@ -23,11 +23,11 @@ struct EtherSizes {
   std::uint32_t contracts = ETHER_MIN_SLOTS;
   std::uint32_t banks = 1;  ///< of counters
 
-  /// Entries of the map of fronts; a table that needs none has one that nobody looks at.
-  [[nodiscard]] std::uint32_t fronts() const {
-    return is_fronted() ? buckets / ETHER_FRONT_BUCKETS : 1;
+  /// Entries of the prefilter map; a table that needs none has one that nothing reads.
+  [[nodiscard]] std::uint32_t prefilters() const {
+    return has_prefilter() ? buckets / ETHER_PREFILTER_BUCKETS : 1;
   }
-  [[nodiscard]] bool is_fronted() const { return slots > ETHER_FRONTED_SLOTS; }
+  [[nodiscard]] bool has_prefilter() const { return slots > ETHER_PREFILTERED_SLOTS; }
 
   /// For so many subjects; at least ETHER_MIN_SLOTS, at most ETHER_MAX_SLOTS.
   static EtherSizes for_slots(std::size_t slots, std::uint32_t cpus);
@@ -38,7 +38,7 @@ struct EtherSizes {
 struct EtherMemory {
   ether_table* table = nullptr;
   std::span<std::uint64_t> buckets;
-  std::span<ether_front> fronts;
+  std::span<ether_prefilter_part> prefilters;
   std::span<ether_slot> slots;
   std::span<ether_contract> contracts;
   std::span<gate_count> counts;
@@ -54,8 +54,8 @@ class EtherTable final : public Table {
   static Result<EtherTable> read(const EtherMemory& memory, const EtherSizes& sizes, bool fresh,
                                  std::uint64_t seed, GracePeriod wait);
 
-  // Of a SlotSpec the identifier and its mask are 0, and its formats are ETHER_WHOLE and
-  // ETHER_SPLIT. Errors of apply(): a slot that is there twice or is not there; more slots than
+  // Of a SlotSpec the identifier and its mask are 0, and its formats are ETHER_UNFRAGMENTED and
+  // ETHER_FRAGMENT. Errors of apply(): a slot that is there twice or is not there; more slots than
   // there is room for, GATE_CHAIN of one subject, GATE_WALK of one bucket, more different
   // contracts than there is room for.
 
@@ -147,10 +147,10 @@ class EtherTable final : public Table {
   [[nodiscard]] std::uint64_t& bucket_of(std::uint64_t hash) const;
   [[nodiscard]] std::uint64_t station_of(std::uint32_t at) const;
   [[nodiscard]] SlotSpec spec_of(std::uint32_t at) const;
-  [[nodiscard]] std::uint64_t sieve_of(std::uint32_t first) const;
-  [[nodiscard]] std::uint8_t front_of(std::uint32_t first) const;
+  [[nodiscard]] std::uint64_t fingerprints_of(std::uint32_t first) const;
+  [[nodiscard]] std::uint8_t prefilter_of(std::uint32_t first) const;
   /// Of a bucket; nothing where there are none.
-  [[nodiscard]] std::uint8_t* front_at(std::uint64_t hash) const;
+  [[nodiscard]] std::uint8_t* prefilter_at(std::uint64_t hash) const;
   [[nodiscard]] std::uint64_t hash_at(std::uint32_t slot) const;
 
   EtherMemory memory_;

@@ -20,7 +20,7 @@ std::string name(const SlotSpec& s) {
 
 Result<void> check_spec(const SlotSpec& s) {
   if (s.id != 0 || s.mask != 0) return fail(name(s) + ": an Ethernet frame has no identifier");
-  if (s.formats == 0 || (s.formats & ~(ETHER_WHOLE | ETHER_SPLIT)) != 0)
+  if (s.formats == 0 || (s.formats & ~(ETHER_UNFRAGMENTED | ETHER_FRAGMENT)) != 0)
     return fail(name(s) + ": neither whole events nor fragments of them");
   if (s.max_len > ETHER_MAX_PAYLOAD)
     return fail(

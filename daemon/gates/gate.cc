@@ -30,7 +30,7 @@
 #include "daemon/gates/programs.hpp"
 #include "daemon/gates/publish.hpp"
 #include "daemon/gates/retire.hpp"
-#include "daemon/gates/watchmen.hpp"
+#include "daemon/gates/silence_timers.hpp"
 
 namespace mlcca::enforce {
 namespace {
@@ -64,12 +64,12 @@ struct Gate::State {
   SlotTable slots;
   bool reused = false;
   bool was_put = false;
-  std::optional<Watchmen> watchmen;  ///< always, but while it is loaded
+  std::optional<SilenceTimers> silence_timers;  ///< always, but while it is loaded
 
   [[nodiscard]] GatePrograms both() const {
     return {programs.program_fd(Direction::ingress), programs.program_fd(Direction::egress)};
   }
-  Result<void> load_watchmen(const Control& control);
+  Result<void> load_silence_timers(const Control& control);
   [[nodiscard]] Result<void> watch() const;
   [[nodiscard]] std::vector<Pin> pins() const;
   [[nodiscard]] Result<void> pin_all() const;
@@ -105,7 +105,7 @@ Result<std::unique_ptr<Gate::State>> Gate::State::load(const GateConfig& config,
                                        .slots = std::move(*slots),
                                        .reused = !fresh,
                                        .was_put = false,
-                                       .watchmen = std::nullopt});
+                                       .silence_timers = std::nullopt});
 }
 
 /// Programs last: what is attached is found by them.
@@ -113,7 +113,7 @@ std::vector<Pin> Gate::State::pins() const {
   const std::string& directory = place.directory;
   std::vector<Pin> all{{programs.table_fd(), table_pin(directory)},
                        {programs.cpus_fd(), cpus_pin(directory)},
-                       watchmen->pin()};
+                       silence_timers->pin()};
   for (const auto direction : kBothDirections)
     all.push_back({programs.program_fd(direction), program_pin(directory, direction)});
   return all;
@@ -133,19 +133,19 @@ Result<void> Gate::State::read_again() {
 }
 
 /// Timers that run already go on, by our program.
-Result<void> Gate::State::load_watchmen(const Control& control) {
-  auto loaded = Watchmen::of_can(
+Result<void> Gate::State::load_silence_timers(const Control& control) {
+  auto loaded = SilenceTimers::of_can(
       config.ifindex,
       {.table = programs.table_fd(), .control = control.map_fd(), .events = control.events_fd()},
-      watchmen_pin(place.directory), reused);
+      silence_timers_pin(place.directory), reused);
   if (!loaded) return std::unexpected(loaded.error());
-  watchmen = std::move(*loaded);
+  silence_timers = std::move(*loaded);
   return {};
 }
 
 Result<void> Gate::State::watch() const {
   for (const auto slot : slots.watched()) {
-    if (auto armed = watchmen->arm(slot); !armed) return armed;
+    if (auto armed = silence_timers->arm(slot); !armed) return armed;
     core::Progress::made();
   }
   return {};
@@ -172,7 +172,8 @@ Result<Gate> Gate::load(const GateConfig& config, const Control& control) {
   if (!state && maps->table) state = State::load(config, place, control.shared(), GateMaps{});
   if (!state) return in_context(state.error());
 
-  if (auto loaded = (*state)->load_watchmen(control); !loaded) return in_context(loaded.error());
+  if (auto loaded = (*state)->load_silence_timers(control); !loaded)
+    return in_context(loaded.error());
   return Gate(std::move(*state));
 }
 
@@ -228,12 +229,12 @@ Result<void> Gate::go_first() {
                       .cpus = Fd(::dup(state_->programs.cpus_fd()))};
   auto copy = State::load(state_->config, state_->place, state_->shared, maps);
   if (!copy) return in_context(copy.error());
-  (*copy)->watchmen = std::move(state_->watchmen);  // they look at the same table
+  (*copy)->silence_timers = std::move(state_->silence_timers);  // they look at the same table
   auto done = (*copy)->pin_all();
   if (done) done = put_gate_first(state_->place, (*copy)->both(), state_->both());
   if (done) done = name_next((*copy)->pins());
   if (!done) {
-    state_->watchmen = std::move((*copy)->watchmen);
+    state_->silence_timers = std::move((*copy)->silence_timers);
     return in_context(done.error());
   }
   state_ = std::move(*copy);
@@ -243,7 +244,7 @@ Result<void> Gate::go_first() {
 Bindings Gate::bindings() const { return Bindings(state_->programs.table()); }
 
 Table& Gate::table() { return state_->slots; }
-Result<void> Gate::arm(std::uint16_t watch) const { return state_->watchmen->arm(watch); }
+Result<void> Gate::arm(std::uint16_t watch) const { return state_->silence_timers->arm(watch); }
 std::vector<SlotSpec> Gate::present() const { return state_->slots.present(); }
 bool Gate::is_masked(const SlotSpec& spec) const { return state_->slots.is_masked(spec); }
 std::size_t Gate::size() const { return state_->slots.size(); }
@@ -278,7 +279,7 @@ Arrivals Gate::arrivals(std::uint32_t slot, std::uint64_t now) const {
   return enforce::arrivals(state_->programs.table().watches[slot], now);
 }
 Result<void> Gate::tell_again(std::uint32_t slot) const {
-  return state_->programs.table().watches[slot].silent != 0 ? state_->watchmen->arm(slot)
+  return state_->programs.table().watches[slot].silent != 0 ? state_->silence_timers->arm(slot)
                                                             : Result<void>{};
 }
 ReasonCounters Gate::reasons(Direction direction) const {

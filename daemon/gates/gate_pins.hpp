@@ -28,7 +28,9 @@ inline std::string next_pin(const std::string& directory, Direction direction) {
 }
 inline std::string early_pin(const std::string& directory) { return directory + "/early"; }
 inline std::string table_pin(const std::string& directory) { return directory + "/table"; }
-inline std::string watchmen_pin(const std::string& directory) { return directory + "/watchmen"; }
+inline std::string silence_timers_pin(const std::string& directory) {
+  return directory + "/silence_timers";
+}
 inline std::string cpus_pin(const std::string& directory) { return directory + "/cpus"; }
 
 using MapIds = std::vector<std::uint32_t>;

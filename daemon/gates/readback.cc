@@ -146,7 +146,7 @@ void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_
   std::vector<gate_watch> watches;
   if (!copy_map(pinned.maps[0], 1, copy->table) ||
       !copy_map(pinned.maps[1], pinned.sizes.buckets, copy->buckets) ||
-      !copy_map(pinned.maps[9], pinned.sizes.fronts(), copy->fronts) ||
+      !copy_map(pinned.maps[9], pinned.sizes.prefilters(), copy->prefilters) ||
       !copy_map(pinned.maps[2], pinned.sizes.slots, copy->slots) ||
       !copy_map(pinned.maps[3], pinned.sizes.contracts, copy->contracts) ||
       !copy_map(pinned.maps[8], ETHER_WATCHES, watches)) {
@@ -157,7 +157,7 @@ void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_
   read_halves<ether_slot>(gate, copy->slots);
   const auto read = EtherTable::read({.table = copy->table.data(),
                                       .buckets = copy->buckets,
-                                      .fronts = copy->fronts,
+                                      .prefilters = copy->prefilters,
                                       .slots = copy->slots,
                                       .contracts = copy->contracts,
                                       .counts = {},
@@ -181,7 +181,7 @@ GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const
     return gate;
   }
   gate.interface = interface.data();
-  if (!open_pin(watchmen_pin(directory)))
+  if (!open_pin(silence_timers_pin(directory)))
     gate.problems.emplace_back("the timers that notice missing events are not pinned");
   if (const auto ether = pinned_ether_maps(directory)) {
     gate.ethernet = true;

@@ -20,7 +20,7 @@ struct EtherImage {
   EtherSizes sizes;
   std::vector<ether_table> table;  ///< one
   std::vector<std::uint64_t> buckets;
-  std::vector<ether_front> fronts;
+  std::vector<ether_prefilter_part> prefilters;
   std::vector<ether_slot> slots;
   std::vector<ether_contract> contracts;
 };

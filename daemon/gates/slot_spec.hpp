@@ -27,7 +27,7 @@ struct SlotSpec {
                                         ///< GATE_NO_SOURCE: the kernel itself
   std::uint32_t uid = GATE_ANY_UID;     ///< local program's user
   std::uint32_t origin = 0;             ///< CAN, gate_has_origin(): see gate_origin()
-  std::uint64_t station = 0;            ///< Ethernet: ether_station(), 0: anybody else
+  std::uint64_t station = 0;            ///< Ethernet: ether_station(), 0: the wildcard
   std::uint64_t subject = 0;
   // How much passes, see gate_slot; all 0: not policed.
   std::uint64_t per_frame = 0;

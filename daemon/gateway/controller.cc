@@ -214,7 +214,7 @@ void Controller::links_changed() {
                        changed.error().text + ": what is in force stays until they can be read");
   if (changed && !former_problem.empty())
     outside_.log.notice(Kind::trouble, "the interfaces can be read again");
-  if (changed && (outside_.gates.in_doubt() || (*changed && outside_.gates.is_to_follow())))
+  if (changed && (outside_.gates.needs_recheck() || (*changed && outside_.gates.needs_reconcile())))
     reconcile();
   if (links.take_tc_changed() && outside_.gates.repair()) reconcile();
 }
@@ -323,7 +323,7 @@ void Controller::plan_rounds() {
 /// What does not grow with channels or ports; the rules of can-gw are read in one answer.
 void Controller::poll_surroundings() {
   safeguards_.poll();
-  if (!outside_.links.problem().empty() || outside_.gates.in_doubt()) links_changed();
+  if (!outside_.links.problem().empty() || outside_.gates.needs_recheck()) links_changed();
   outside_.gates.begin_repair();
   at_gate_ = 0;
   recorder_.keep();

@@ -91,7 +91,7 @@ class Controller {
   void links_changed();
   /// Udev has learned something about an interface.
   void identities_changed() {
-    if (outside_.gates.is_to_follow()) reconcile();
+    if (outside_.gates.needs_reconcile()) reconcile();
   }
   /// There is something to read at GateControl::reports_fd().
   void gates_reported();

@@ -48,7 +48,8 @@ class Meshes {
   [[nodiscard]] std::vector<std::string> problems() const;
 
  private:
-  /// What strangers make a source say must not fill the log: ten lines at once, then one in 10 s.
+  /// What untrusted peers make a source say must not fill the log: ten lines at once, then one in
+  /// 10 s.
   struct Lines {
     bool take(std::uint64_t now);
     std::uint64_t paid_until = 0;  ///< ns

@@ -58,7 +58,7 @@ void Reloads::end(Body body) {
 
 std::expected<Admissions::LeftOut, StartError> Reloads::complete(Described& described) const {
   auto left_out = parts_.admissions.restore_into(*described.state);
-  if (const auto lack = described.state->lacks_room(described.self))
+  if (const auto lack = described.state->exceeds_capacity(described.self))
     return std::unexpected(StartError{{parts_.options.description + ": " + *lack}, true});
   return left_out;
 }

@@ -217,7 +217,7 @@ std::expected<std::size_t, Refusal> Rtnl::receive(Time end) {
     datagram.msg_namelen = sizeof sender;
     datagram.msg_iov = &room;
     datagram.msg_iovlen = 1;
-    // What comes without end must not put it off: strangers may send as well.
+    // What comes without end must not put it off: others may send as well.
     if (std::chrono::steady_clock::now() >= end) return give_up(kTooLate);
     const ssize_t size = ::recvmsg(socket_.get(), &datagram, MSG_DONTWAIT);
     if (size == 0) return give_up("rtnetlink has hung up");

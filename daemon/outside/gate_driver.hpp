@@ -48,7 +48,7 @@ class GateDriver {
   virtual void on_step(std::function<void()> step) = 0;
   /// An interface has changed, come or gone, or udev knows more of one: whether that concerns a
   /// port or a gate, or it cannot be said that it does not. False: follow() would change nothing.
-  [[nodiscard]] virtual bool is_to_follow() = 0;
+  [[nodiscard]] virtual bool needs_reconcile() = 0;
   /// Brings gates and interfaces in line with what is there now. Whatever changed hands is denied
   /// before anything else happens.
   virtual void follow() = 0;
@@ -70,7 +70,7 @@ class GateDriver {
   /// closed.
   [[nodiscard]] virtual bool out_of_hand() const = 0;
   /// Whether the interface of a gate is there could not be found out: follow() again soon.
-  [[nodiscard]] virtual bool in_doubt() const = 0;
+  [[nodiscard]] virtual bool needs_recheck() const = 0;
   /// Why nobody knows whether gates without pins are left; empty: it is known.
   [[nodiscard]] virtual const std::string& orphans_unknown() const = 0;
   /// Once a second, of each gate: frames that were sent past it are reported.

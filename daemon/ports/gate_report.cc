@@ -33,8 +33,8 @@ std::string formats_of(std::uint8_t formats, bool can) {
     add(GATE_FD, "fd");
     add(GATE_XL, "xl");
   } else {
-    add(ETHER_WHOLE, "whole");
-    add(ETHER_SPLIT, "split");
+    add(ETHER_UNFRAGMENTED, "unfragmented");
+    add(ETHER_FRAGMENT, "fragments");
   }
   return words;
 }

@@ -67,7 +67,7 @@ class Ports final : public GateDriver {
   /// Called between the steps of what takes long, a gate at a time.
   void on_step(std::function<void()> step) override { step_ = std::move(step); }
 
-  [[nodiscard]] bool is_to_follow() override;
+  [[nodiscard]] bool needs_reconcile() override;
   /// Brings gates and interfaces in line with what is there now: bit rate, then gate, then up.
   /// Everything that changed hands is denied before anything else happens.
   void follow() override;
@@ -88,8 +88,8 @@ class Ports final : public GateDriver {
   /// pass what it was told: everything must be closed.
   [[nodiscard]] bool out_of_hand() const override;
   /// Whether a gate's interface is there could not be found out: follow() again soon.
-  [[nodiscard]] bool in_doubt() const override {
-    return !doubtful_.empty() || unread_.lasts() || !orphans_closed_;
+  [[nodiscard]] bool needs_recheck() const override {
+    return !unconfirmed_.empty() || unread_.lasts() || !orphans_closed_;
   }
 
   /// Why nobody knows whether gates without pins are left; empty: it is known.
@@ -209,7 +209,7 @@ class Ports final : public GateDriver {
   bool raise(PortState& port);
   void forget_vanished();
   [[nodiscard]] bool has_gone(int ifindex);
-  void doubt_gone();
+  void mark_unconfirmed();
   [[nodiscard]] bool concerns(const PortState& port, const net::FactsOf& facts_of) const;
   void close_undescribed();
   void close_orphans();
@@ -259,7 +259,7 @@ class Ports final : public GateDriver {
   bool goes_back_ = false;           ///< see go_back()
   bool keeps_spares_ = false;
   Result<void> change_;
-  std::set<int> doubtful_;       ///< those of them whose interface may have gone
+  std::set<int> unconfirmed_;    ///< those of them whose interface may have gone
   bool orphans_closed_ = false;  ///< see close_orphans()
   Problem orphans_unknown_;      ///< why they could not be found
   Problem unread_;               ///< why nobody knows what a former daemon has pinned

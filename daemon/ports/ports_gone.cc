@@ -14,31 +14,31 @@ namespace mlcca {
 /// That a list lacks it proves nothing.
 bool Ports::has_gone(int ifindex) {
   const bool listed = links_.table().contains(ifindex);
-  if (listed && !doubtful_.contains(ifindex)) return false;
+  if (listed && !unconfirmed_.contains(ifindex)) return false;
   switch (links_.presence(ifindex)) {
     case net::Presence::gone:
-      doubtful_.erase(ifindex);
+      unconfirmed_.erase(ifindex);
       gates_.at(ifindex)->unpin();
       return true;
     case net::Presence::there:
       // It went, and another one has its number, or it is back: a gate of its own finds out what
       // is attached there. Until it is listed the one that is there stays.
-      if (listed) return doubtful_.erase(ifindex) != 0;
+      if (listed) return unconfirmed_.erase(ifindex) != 0;
       break;
     case net::Presence::unknown:
       break;
   }
-  doubtful_.insert(ifindex);
+  unconfirmed_.insert(ifindex);
   return false;
 }
 
-void Ports::doubt_gone() {
+void Ports::mark_unconfirmed() {
   for (const int gone : links_.take_gone())
-    if (gates_.contains(gone)) doubtful_.insert(gone);
+    if (gates_.contains(gone)) unconfirmed_.insert(gone);
 }
 
 void Ports::forget_vanished() {
-  doubt_gone();
+  mark_unconfirmed();
   for (auto it = gates_.begin(); it != gates_.end();)
     it = has_gone(it->first) ? gates_.erase(it) : std::next(it);
   if (const auto unpinned = enforce::unpin_vanished(control_); !unpinned)
@@ -50,7 +50,7 @@ void Ports::close_undescribed() {
     if (!is_to_be_gated(ifindex)) gate->deny_all();
     core::Progress::made();
   }
-  std::erase_if(doubtful_, [this](int ifindex) { return !gates_.contains(ifindex); });
+  std::erase_if(unconfirmed_, [this](int ifindex) { return !gates_.contains(ifindex); });
   const auto pinned = enforce::pinned_interfaces(control_);
   if (unread_.is_new(pinned ? "" : pinned.error().text))
     tell_({},
@@ -63,7 +63,7 @@ void Ports::close_undescribed() {
     if (is_to_be_gated(ifindex) || gates_.contains(ifindex)) continue;
     const auto link = links_.table().find(ifindex);
     if (link == links_.table().end()) {
-      if (links_.presence(ifindex) != net::Presence::gone) doubtful_.insert(ifindex);
+      if (links_.presence(ifindex) != net::Presence::gone) unconfirmed_.insert(ifindex);
       continue;
     }
     close(link->second);

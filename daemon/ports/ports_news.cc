@@ -18,9 +18,9 @@ bool Ports::concerns(const PortState& port, const net::FactsOf& facts_of) const 
   return !found || found->value_or(0) != port.ifindex;
 }
 
-bool Ports::is_to_follow() {
-  doubt_gone();
-  if (in_doubt() || out_of_hand()) return true;
+bool Ports::needs_reconcile() {
+  mark_unconfirmed();
+  if (needs_recheck() || out_of_hand()) return true;
   const bool lacks_interface = std::ranges::any_of(
       gates_, [this](const auto& gate) { return !links_.table().contains(gate.first); });
   if (lacks_interface) return true;

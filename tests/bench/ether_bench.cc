@@ -49,7 +49,7 @@ SlotSpec slot(std::uint64_t subject) {
   s.direction = Direction::egress;
   s.pass = true;
   s.subject = subject;
-  s.formats = ETHER_WHOLE;
+  s.formats = ETHER_UNFRAGMENTED;
   return s;
 }
 

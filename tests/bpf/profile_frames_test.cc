@@ -74,7 +74,7 @@ std::vector<Row> j1939_rows() {
       row("RemoteFrame", {eec1}, kForm | 0x0cf00400, GATE_R_IDENTIFIER),
       row("DestinationIsNoPartOfThePgn", {tsc1}, kEff | 0x0c00ff03, GATE_R_PASSED),
       row("FixedDestination", {slot(kEff | 0x0c000003)}, kEff | 0x0c00ff03, GATE_R_IDENTIFIER),
-      row("ClaimOfAnybody", {claim}, kEff | 0x18eeff80, GATE_R_PASSED),
+      row("ClaimOfAnyNode", {claim}, kEff | 0x18eeff80, GATE_R_PASSED),
       row("ClaimOfNullAddress", {claim}, kEff | 0x18eefffe, GATE_R_PASSED),
       row("ClaimToOne", {claim}, kEff | 0x18ee0180, GATE_R_IDENTIFIER),
       // PDU format 239 is the last with a destination, 240 the first without (J1939-21, 5.3).
@@ -195,7 +195,7 @@ std::vector<Row> famouso_rows() {
       row("TagRequestPasses", {get}, kEff | 0x1f5f4002, GATE_R_PASSED),
       row("TagRequestIsNoFragment", {get}, kEff | 0x1f7f4002, GATE_R_IDENTIFIER),
       row("TagReplyPasses", {slot(kEff | 0x1f5fc004)}, kEff | 0x1f5fc004, GATE_R_PASSED),
-      row("TagReplyOfAnybodyElse", {slot(kEff | 0x1f5fc004)}, kEff | 0x1f5f4004, GATE_R_IDENTIFIER),
+      row("TagReplyOfAnotherNode", {slot(kEff | 0x1f5fc004)}, kEff | 0x1f5f4004, GATE_R_IDENTIFIER),
   };
 }
 

@@ -83,11 +83,11 @@ TEST_F(Watch, BeginsAnewAfterASilence) {
   s.silence = 3 * period;
   admit(s);
   ASSERT_TRUE(passes());
-  passes_after(GATE_CALM - kSoon);
+  passes_after(GATE_RECOVERY_HOLD - kSoon);
   EXPECT_GE(watch().missing, 9U) << "loss, although it is an exception: events come again at once";
   EXPECT_EQ(gaps(), 1U);
   const std::uint64_t before = monotonic_ns();
-  passes_after(GATE_CALM);
+  passes_after(GATE_RECOVERY_HOLD);
   EXPECT_EQ(watch().missing, 0U);
   EXPECT_EQ(gaps(), 0U);
   EXPECT_EQ(watch().last_gap, 0U);

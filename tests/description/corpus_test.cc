@@ -172,7 +172,7 @@ std::set<std::string> facts(const core::System& s) {
     out.insert(fmt::format("priority: {} {}", i, p.priority));
     if (p.node) out.insert(fmt::format("node: {} {}", i, *p.node));
     out.insert(fmt::format("publisher-on: {} {}", i, node_of(s, p)));
-    if (!p.station.anybody())
+    if (!p.station.is_wildcard())
       out.insert(fmt::format("address: {} {}", i, core::to_text(p.station)));
     if (p.uid) out.insert(fmt::format("uid: {} {}", i, *p.uid));
     add_attributes(out, fmt::format("publisher-attribute: {}", i), p.attributes);

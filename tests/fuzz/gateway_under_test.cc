@@ -184,7 +184,7 @@ void GatewayUnderTest::send(std::size_t number, std::string_view octets) {
 /// Whatever it has not been told, nobody knows now.
 void GatewayUnderTest::lose(Client& client) {
   for (const auto& request : client.asked)
-    if (changes(request) && client.user != User::stranger) unsure_ = true;
+    if (changes(request) && client.user != User::outsider) unsure_ = true;
 }
 
 void GatewayUnderTest::close(std::size_t number) {
@@ -314,7 +314,7 @@ void GatewayUnderTest::judge(const Client& client, const control::Request& reque
     demand(!error->message.empty(), "a refusal without a word");
     return;
   }
-  demand(client.user != User::stranger || !changes(request), "a stranger has changed something");
+  demand(client.user != User::outsider || !changes(request), "an outsider has changed something");
   if (const auto* admit = std::get_if<control::Admit>(&request.body)) {
     const auto* channels = std::get_if<control::Channels>(&reply.body);
     demand(channels != nullptr, "an admission that is answered with something else");

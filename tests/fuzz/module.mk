@@ -3,7 +3,7 @@
 #
 #   $(eval $(call fuzz_target,NAME,ARCHIVES,CORPUS,MAX_LEN,LIBS))
 #
-# ARCHIVES: of ours (core control description enforce sources strangers daemon tools design), built once with
+# ARCHIVES: of ours (core control description enforce sources untrusted daemon tools design), built once with
 # instruments for all targets; a name with a slash is one more source (tests/tools/sources/proto_emulated).
 # CORPUS: folders below tests/corpus; what they hold is replayed whole, whatever MAX_LEN says.
 #
@@ -41,7 +41,7 @@ $O/fuzz/lib$1.a: $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 	$$(Q)rm -f $$@ && ar rcs $$@ $$^
 FUZZ_OBJECTS += $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 endef
-$(foreach library,core description enforce sources strangers daemon tools design doctor,$(eval $(call fuzz_library,$(library))))
+$(foreach library,core description enforce sources untrusted daemon tools design doctor,$(eval $(call fuzz_library,$(library))))
 $(eval $(call fuzz_library,control,$(PROTO_OBJECTS)))
 
 define fuzz_target
@@ -64,8 +64,8 @@ $(eval $(call fuzz_target,description_fuzz,description core,description/good des
 $(eval $(call fuzz_target,journal_fuzz,$(addprefix daemon/store/,journal format contents earlier disk) tests/daemon/store/fake_disk control core,journal,2048,$(PROTO_LIBS)))
 $(eval $(call fuzz_target,replies_fuzz,$(addprefix tools/,$(basename $(notdir $(wildcard tools/render*.cc))) json table words values times) control core,replies,4096,$(PROTO_LIBS)))
 $(eval $(call fuzz_target,tables_fuzz,tools/design/analyse_bus/table tools/design/analyse_bus/distinct tools/values core,tables,2048,))
-$(eval $(call fuzz_target,sources_texts_fuzz,strangers sources,sources_texts,16384,$(NL_LIBS) -lsystemd))
-$(eval $(call fuzz_target,sources_packets_fuzz,strangers sources,sources_packets,16384,$(NL_LIBS) -lsystemd))
+$(eval $(call fuzz_target,sources_texts_fuzz,untrusted sources,sources_texts,16384,$(NL_LIBS) -lsystemd))
+$(eval $(call fuzz_target,sources_packets_fuzz,untrusted sources,sources_packets,16384,$(NL_LIBS) -lsystemd))
 $(eval $(call fuzz_target,netlink_fuzz,daemon sources core,netlink,2048,$(NL_LIBS) -lsystemd -lfmt))
 # The whole gateway, on gates of the kernel: root.
 $(eval $(call fuzz_target,control_fuzz,$(addprefix tests/,fuzz/gateway_under_test fuzz/surroundings daemon/gates/sandbox) tools/readback/differences daemon sources enforce control description core,control,2048,$(DAEMON_LIBS)))

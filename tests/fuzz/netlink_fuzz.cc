@@ -45,7 +45,7 @@ constexpr std::size_t kMostCalls = 2'000'000;
 
 enum Fate : unsigned char {
   notice = 1,     // unasked, not an answer
-  stranger = 2,   // not from the kernel
+  foreign = 2,    // not from the kernel
   truncated = 4,  // longer than the room
   other_question = 8,
   fails = 16,  // an errno in its place: the first octet behind this one
@@ -103,7 +103,7 @@ ssize_t hear(const Datagram* said, msghdr* message) {
     std::memcpy(at, &head, sizeof head);
     const std::size_t size = head.nlmsg_len - sizeof head;
     const char* const body = at + sizeof head;
-    if ((said->fate & Fate::stranger) != 0) return;
+    if ((said->fate & Fate::foreign) != 0) return;
     int number = 0;
     if (head.nlmsg_type == NLMSG_ERROR && size >= sizeof number) {
       std::memcpy(&number, body, sizeof number);
@@ -118,7 +118,7 @@ ssize_t hear(const Datagram* said, msghdr* message) {
   if (message->msg_name != nullptr) {
     sockaddr_nl from{};
     from.nl_family = AF_NETLINK;
-    from.nl_pid = (said->fate & Fate::stranger) != 0 ? 4711 : 0;
+    from.nl_pid = (said->fate & Fate::foreign) != 0 ? 4711 : 0;
     std::memcpy(message->msg_name, &from, std::min<std::size_t>(message->msg_namelen, sizeof from));
     message->msg_namelen = sizeof from;
   }

@@ -140,7 +140,7 @@ Fd connected(const std::string& path, User user) {
   address.sun_family = AF_UNIX;
   path.copy(static_cast<char*>(address.sun_path), sizeof(address.sun_path) - 1);
   if (user == User::member) become(1001, kGroup);
-  if (user == User::stranger) become(1002, 1002);
+  if (user == User::outsider) become(1002, 1002);
   // NOLINTNEXTLINE(*-reinterpret-cast): as connect() has it
   const int done = ::connect(fd.get(), reinterpret_cast<sockaddr*>(&address), sizeof address);
   if (user != User::root) become(0, 0);

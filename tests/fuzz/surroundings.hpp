@@ -30,7 +30,7 @@ inline constexpr std::size_t kUnreadable = 3;
 /// elsewhere), c2 has a subscriber, c3 and c4 have nobody, c5 a local publisher.
 std::string description(std::size_t number);
 
-enum class User : std::uint8_t { root, member, stranger };
+enum class User : std::uint8_t { root, member, outsider };
 
 Fd connected(const std::string& path, User user);
 

@@ -21,11 +21,11 @@ TEST(RenderGates, ListsControlTrafficOfAGateBeforeItsChannels) {
   EXPECT_EQ(render(control::Gates{{gate}}, Color::no),
             R"(can0 on powertrain: profile j1939, held, 21 of 4094 slots, 3 of 32 masks
   can0 is down
-  CONTROL TRAFFIC  WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE   LIMIT                            PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
-  address-claim    out  user 0  00eeff00    03ffff00  classic      8  passes  50/s, 257 at once, more is told       7        2           4       1  more than admitted
-  CHANNEL        WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE    LIMIT                            PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
-  engine-speed   in           00eeff00    03ffff00  classic      8  passes   50/s, 257 at once, more is told       7        2           4       1  more than admitted
-  address-claim  out  user 0  00eeff00    03ffff00  classic      8  refused  100 MB/s, more is told                7        2           4       1  more than admitted
+  CONTROL TRAFFIC  WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE   LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
+  address-claim    out  user 0  00eeff00    03ffff00  classic      8  passes  50/s, 257 at once, more is reported       7        2           4       1  more than admitted
+  CHANNEL        WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE    LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
+  engine-speed   in           00eeff00    03ffff00  classic      8  passes   50/s, 257 at once, more is reported       7        2           4       1  more than admitted
+  address-claim  out  user 0  00eeff00    03ffff00  classic      8  refused  100 MB/s, more is reported                7        2           4       1  more than admitted
 )");
   EXPECT_EQ(render(control::Gates{}, Color::no), "this gateway has no gates\n");
 }
@@ -39,7 +39,7 @@ control::Gate ethernet_gate() {
   control::GateSlot channel = test::full_gates().gates.front().channels.front();
   channel.name = "distance";
   channel.id = channel.mask = 0;
-  channel.formats = "whole";
+  channel.formats = "unfragmented";
   return {.interface = "eth1",
           .network = "lan",
           .profile = "famouso",
@@ -68,8 +68,8 @@ TEST(RenderGates, ListsWhatAnEthernetGatePassesBesidesSubjectsAndWhatBecameOfFra
             R"(eth1 on lan: profile famouso, held by clsact, early in the driver, 5000 of 8190 slots
   OTHER TRAFFIC     WAY  STATE   PASSED
   no event traffic  in   passes      12
-  CHANNEL   WAY  FORMATS  BYTES  STATE   LIMIT                            PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
-  distance  in   whole        8  passes  50/s, 257 at once, more is told       7        2           4       1  more than admitted
+  CHANNEL   WAY  FORMATS       BYTES  STATE   LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
+  distance  in   unfragmented      8  passes  50/s, 257 at once, more is reported       7        2           4       1  more than admitted
   and 4999 slots more
   FATE              WAY  FRAMES
   no event traffic  in       12
@@ -97,7 +97,7 @@ TEST(GatesAsJson, TellAnEthernetGateWithItsInterface) {
   EXPECT_EQ(gate.at("room"), 8190);
   EXPECT_EQ(gate.at("ingress").at("reasons").at("malformed"), 3);
   EXPECT_FALSE(gate.at("channels").at(0).contains("identifier"));
-  EXPECT_EQ(gate.at("channels").at(0).at("formats"), "whole");
+  EXPECT_EQ(gate.at("channels").at(0).at("formats"), "unfragmented");
   EXPECT_FALSE(json.at("gates").at(1).contains("hook")) << "of another interface";
 }
 

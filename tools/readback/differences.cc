@@ -24,7 +24,8 @@ using Words = std::vector<std::string>;
 
 std::string formats_of(const SlotSpec& s, bool ethernet) {
   const auto named = [&s](int bit, const char* name) { return (s.formats & bit) != 0 ? name : ""; };
-  return ethernet ? fmt::format("{}{}", named(ETHER_WHOLE, " whole"), named(ETHER_SPLIT, " split"))
+  return ethernet ? fmt::format("{}{}", named(ETHER_UNFRAGMENTED, " unfragmented"),
+                                named(ETHER_FRAGMENT, " fragments"))
                   : fmt::format("{}{}{}", named(GATE_CLASSIC, " classic"), named(GATE_FD, " FD"),
                                 named(GATE_XL, " XL"));
 }

@@ -53,7 +53,7 @@ bool fill(const enforce::EtherPinned& to, std::size_t n, const std::vector<T>& f
 /// As it was read, byte by byte; but nothing is policed, and nobody watches.
 Result<void> copy_table(const enforce::EtherImage& from, const enforce::EtherPinned& to) {
   if (from.sizes != to.sizes) return fail("its copy has another size");
-  if (!fill(to, 0, from.table) || !fill(to, 1, from.buckets) || !fill(to, 9, from.fronts) ||
+  if (!fill(to, 0, from.table) || !fill(to, 1, from.buckets) || !fill(to, 9, from.prefilters) ||
       !fill(to, 2, from.slots) || !fill(to, 3, from.contracts))
     return failure("map the table", errno);
   const enforce::Mapped<ether_contract> contracts(to.maps[3].get(), to.sizes.contracts);

@@ -30,17 +30,17 @@ EtherProbes::EtherProbes(const enforce::GateReading& gate) {
   for (const enforce::SlotSpec& slot : gate.slots) {
     slots_.emplace(slot.subject, &slot);
     const bool out = slot.direction == enforce::Direction::egress;
-    if ((out && slot.source != 0) || (slot.formats & ETHER_WHOLE) == 0)
+    if ((out && slot.source != 0) || (slot.formats & ETHER_UNFRAGMENTED) == 0)
       ++forwarded;
     else
       within_reach.push_back(&slot);
   }
   const std::size_t step = (within_reach.size() + kMost - 1) / kMost;
   for (std::size_t i = 0; i < within_reach.size(); i += step) add(*within_reach[i]);
-  std::uint64_t stranger = 0x6d6c636361000000;
-  while (slots_.contains(stranger)) ++stranger;
-  probes_.push_back({.out = false, .subject = stranger, .station = kStation});
-  probes_.push_back({.out = true, .subject = stranger, .station = kStation});
+  std::uint64_t unknown = 0x6d6c636361000000;
+  while (slots_.contains(unknown)) ++unknown;
+  probes_.push_back({.out = false, .subject = unknown, .station = kStation});
+  probes_.push_back({.out = true, .subject = unknown, .station = kStation});
   std::ranges::sort(probes_);
   const auto same = std::ranges::unique(probes_);
   probes_.erase(same.begin(), same.end());
@@ -54,15 +54,16 @@ EtherProbes::EtherProbes(const enforce::GateReading& gate) {
 }
 
 void EtherProbes::add(const enforce::SlotSpec& slot) {
-  EtherProbe probe{.out = slot.direction == enforce::Direction::egress,
-                   .subject = slot.subject,
-                   .payload = std::min(slot.max_len, kMostPayload),
-                   .station = slot.station != 0 ? slot.station : stranger_to(slot.subject)};
+  EtherProbe probe{
+      .out = slot.direction == enforce::Direction::egress,
+      .subject = slot.subject,
+      .payload = std::min(slot.max_len, kMostPayload),
+      .station = slot.station != 0 ? slot.station : station_without_slot(slot.subject)};
   if (probe.out && slot.uid != GATE_ANY_UID) probe.uid = slot.uid;
   probes_.push_back(probe);
   if (slot.station != 0) {
     EtherProbe from_another = probe;
-    from_another.station = stranger_to(slot.subject);
+    from_another.station = station_without_slot(slot.subject);
     probes_.push_back(from_another);
   }
   if (slot.max_len >= kMostPayload) return;
@@ -70,7 +71,7 @@ void EtherProbes::add(const enforce::SlotSpec& slot) {
   probes_.push_back(probe);
 }
 
-std::uint64_t EtherProbes::stranger_to(std::uint64_t subject) const {
+std::uint64_t EtherProbes::station_without_slot(std::uint64_t subject) const {
   const auto [first, last] = slots_.equal_range(subject);
   std::uint64_t station = kStation;
   while (
@@ -86,14 +87,14 @@ bool EtherProbes::is_admitted(const EtherProbe& probe) const {
            (!probe.out ||
             (slot.source == 0 && (slot.uid == GATE_ANY_UID || slot.uid == probe.uid)));
   };
-  // Whoever has a slot for himself is not anybody.
+  // Whoever has a slot for himself never meets the wildcard.
   const bool known = std::any_of(first, last, [&](const auto& at) {
     return may_send(*at.second) && at.second->station == probe.station;
   });
   return std::any_of(first, last, [&](const auto& at) {
     const enforce::SlotSpec& slot = *at.second;
     return may_send(slot) && slot.station == (known ? probe.station : 0) && slot.pass &&
-           (slot.formats & ETHER_WHOLE) != 0 && probe.payload <= slot.max_len;
+           (slot.formats & ETHER_UNFRAGMENTED) != 0 && probe.payload <= slot.max_len;
   });
 }
 

@@ -38,7 +38,7 @@ class EtherProbes {
 
  private:
   void add(const enforce::SlotSpec& slot);
-  [[nodiscard]] std::uint64_t stranger_to(std::uint64_t subject) const;
+  [[nodiscard]] std::uint64_t station_without_slot(std::uint64_t subject) const;
 
   std::unordered_multimap<std::uint64_t, const enforce::SlotSpec*> slots_;  ///< by subject
   std::vector<EtherProbe> probes_;

@@ -75,7 +75,7 @@ Origins origins(const Probe& probe, const GateReading& gate) {
 }
 
 /// Of a key without a slot, in the form that the profile has subjects for.
-Probe stranger(const GateReading& gate, bool extended) {
+Probe unknown_subject(const GateReading& gate, bool extended) {
   Probe probe{.id = extended ? CAN_EFF_FLAG | 0x0c0300c8U : 0x6a5U, .len = 1};
   const std::uint32_t step = gate.profile == GATE_PROFILE_RAW || !extended ? 1U : 0x100U;
   for (int n = 0; n < GATE_SLOTS && !candidates(probe, gate).empty(); ++n)
@@ -109,7 +109,7 @@ Probes probes_for(const GateReading& gate) {
     ++probe.len;
     frames.insert(probe);
   }
-  for (const bool extended : {false, true}) frames.insert(stranger(gate, extended));
+  for (const bool extended : {false, true}) frames.insert(unknown_subject(gate, extended));
   out.frames.assign(frames.begin(), frames.end());
   return out;
 }

@@ -73,8 +73,8 @@ class Graph {
       : metric_(metric), described_(std::move(described)) {}
 
   /// False: a copy of a flood that is known, an older one, or one node too many. Of more than
-  /// kMaxNodes those stay that are known; a described one takes the room of the stranger that came
-  /// last. `now`: ns.
+  /// kMaxNodes those stay that are known; a described one takes the room of the undescribed one
+  /// that came last. `now`: ns.
   bool take(Topology topology, std::uint64_t now);
   /// What is still valid at `now`.
   [[nodiscard]] core::mesh::Snapshot snapshot(std::uint64_t now);

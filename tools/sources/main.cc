@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlcca-sources: reads one source that strangers write and sends mlccad facts. Its standard input
-// is a connection to mlccad (daemon/net/sources/facts.hpp); it ends with that.
+// mlcca-sources: reads one source that untrusted peers write and sends mlccad facts. Its standard
+// input is a connection to mlccad (daemon/net/sources/facts.hpp); it ends with that.
 #include <poll.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Sources that strangers write, opened in this process: that of mlcca-sources, or of a test.
+// Sources that untrusted peers write, opened in this process: that of mlcca-sources, or of a test.
 #pragma once
 #include "daemon/net/sources/source.hpp"
 

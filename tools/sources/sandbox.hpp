@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a process gives up before it reads what strangers write.
+// What a process gives up before it reads what untrusted peers write.
 #pragma once
 #include "base/result.hpp"
 

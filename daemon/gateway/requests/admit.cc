@@ -61,7 +61,7 @@ Response admit_new(Context& context, const Asker& asker, const control::Admit& r
   core::State& state = *context.scene.state;
   const core::AdmissionId id = asked.admission->id;
   std::optional<core::Proposal> proposal(state.propose(*asked.admission));
-  if (const auto lack = proposal->lacks_room(context.scene.self)) return invalid(*lack);
+  if (const auto lack = proposal->exceeds_capacity(context.scene.self)) return invalid(*lack);
   Response response = outcome_of(context, *proposal, asked, "admit");
   if (!proposal->fit()) {
     for (const core::Verdict* v : proposal->verdicts())

@@ -10,7 +10,7 @@ namespace {
 Body would_be(Context& context, const Asked& asked) {
   if (const auto lack = lacks_pairs(context, asked)) return invalid(*lack);
   const core::Proposal proposal = context.scene.state->propose(*asked.admission);
-  if (const auto lack = proposal.lacks_room(context.scene.self)) return invalid(*lack);
+  if (const auto lack = proposal.exceeds_capacity(context.scene.self)) return invalid(*lack);
   return outcome_of(context, proposal, asked, "decide");
 }
 

@@ -20,11 +20,11 @@ bool is_right(const NextHop& h) {
   return is_address(h.from) && is_address(h.to) && is_address(h.via);
 }
 
-/// 0: between described nodes, 2: between strangers.
-int strangers(const Sample& s, const Described& described) {
+/// 0: between described nodes, 2: between nodes that nobody described.
+int undescribed_ends(const Sample& s, const Described& described) {
   return int{!described.contains(s.from)} + int{!described.contains(s.to)};
 }
-int strangers(const NextHop& h, const Described& described) {
+int undescribed_ends(const NextHop& h, const Described& described) {
   return int{!described.contains(h.from)} + int{!described.contains(h.to)};
 }
 
@@ -32,7 +32,8 @@ int strangers(const NextHop& h, const Described& described) {
 template <class Fact>
 bool keep_within_bounds(std::vector<Fact>& facts, const Described& described) {
   if (facts.size() <= kMaxFacts) return true;
-  std::ranges::stable_sort(facts, {}, [&](const Fact& f) { return strangers(f, described); });
+  std::ranges::stable_sort(facts, {},
+                           [&](const Fact& f) { return undescribed_ends(f, described); });
   facts.resize(kMaxFacts);
   return false;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The conversation of mlccad with mlcca-sources over a SOCK_SEQPACKET socket, one process for each
-// source that strangers write: mlccad sends what to watch, the process sends facts. No I/O here.
+// source that untrusted peers write: mlccad sends what to watch, the process sends facts. No I/O
+// here.
 //
 // A message is an octet for its kind and its content; integers are little endian, a text is its
 // length in two octets and its bytes, what may be missing is an octet 0 or 1 before it.

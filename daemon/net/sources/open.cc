@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which adapter a described source gets. What only the kernel says is read here; what strangers
-// write is read by a process of its own.
+// Which adapter a described source gets. What only the kernel says is read here; what untrusted
+// peers write is read by a process of its own.
 #include <utility>
 
 #include "daemon/net/sources/batman.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A source that strangers write, read by a process of its own without any rights (mlcca-sources).
+// A source that untrusted peers write, read by a process of its own without any rights
+// (mlcca-sources).
 #pragma once
 #include <cstdint>
 #include <string>

@@ -26,7 +26,7 @@ inline SlotSpec slot(Direction direction) {
   s.pass = true;
   s.subject = kSubject;
   s.max_len = 100;
-  s.formats = ETHER_WHOLE;
+  s.formats = ETHER_UNFRAGMENTED;
   return s;
 }
 inline SlotSpec with(SlotSpec s, auto change) {
@@ -44,7 +44,7 @@ inline SlotSpec denied(const SlotSpec& spec) {
   return with(spec, [](SlotSpec& s) { s.pass = false; });
 }
 inline SlotSpec split(const SlotSpec& spec) {
-  return with(spec, [](SlotSpec& s) { s.formats = ETHER_WHOLE | ETHER_SPLIT; });
+  return with(spec, [](SlotSpec& s) { s.formats = ETHER_UNFRAGMENTED | ETHER_FRAGMENT; });
 }
 inline SlotSpec sized(const SlotSpec& spec, std::uint16_t bytes) {
   return with(spec, [=](SlotSpec& s) { s.max_len = bytes; });

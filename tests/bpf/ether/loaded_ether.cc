@@ -58,10 +58,10 @@ LoadedEther::LoadedEther(const EtherOptions& options)
   knobs->bucket_mask = sizes_.buckets - 1;
   knobs->slots_of_bank = sizes_.slots;
   knobs->banks = sizes_.banks;
-  knobs->fronted = sizes_.is_fronted();
+  knobs->has_prefilter = sizes_.has_prefilter();
   const auto& maps = object_->maps;
   bpf_map__set_max_entries(maps.buckets, sizes_.buckets);
-  bpf_map__set_max_entries(maps.fronts, sizes_.fronts());
+  bpf_map__set_max_entries(maps.ether_prefilter, sizes_.prefilters());
   bpf_map__set_max_entries(maps.slots, sizes_.slots);
   bpf_map__set_max_entries(maps.contracts, sizes_.contracts);
   bpf_map__set_max_entries(maps.counts, sizes_.banks * sizes_.slots);
@@ -73,7 +73,7 @@ LoadedEther::LoadedEther(const EtherOptions& options)
   bpf_map__set_max_entries(maps.audits, sizes_.slots);
   require(ether_bpf__load(object_.get()) == 0, "load the gate");
   buckets_ = mapped<std::uint64_t>(maps.buckets);
-  fronts_ = mapped<ether_front>(maps.fronts);
+  prefilters_ = mapped<ether_prefilter_part>(maps.ether_prefilter);
   slots_ = mapped<ether_slot>(maps.slots);
   contracts_ = mapped<ether_contract>(maps.contracts);
   counts_ = mapped<gate_count>(maps.counts);
@@ -82,7 +82,7 @@ LoadedEther::LoadedEther(const EtherOptions& options)
   watches_ = mapped<gate_watch>(maps.watches);
   memory_ = {.table = &object_->bss->table,
              .buckets = buckets_.span(),
-             .fronts = fronts_.span(),
+             .prefilters = prefilters_.span(),
              .slots = slots_.span(),
              .contracts = contracts_.span(),
              .counts = counts_.span(),
@@ -104,7 +104,7 @@ LoadedEther& LoadedEther::with(const EtherOptions& options) {
 
 void LoadedEther::reset() {
   std::memset(memory_.buckets.data(), 0, memory_.buckets.size_bytes());
-  std::memset(memory_.fronts.data(), 0, memory_.fronts.size_bytes());
+  std::memset(memory_.prefilters.data(), 0, memory_.prefilters.size_bytes());
   std::memset(memory_.counts.data(), 0, memory_.counts.size_bytes());
   std::memset(memory_.audits.data(), 0, memory_.audits.size_bytes());
   for (auto& cpu : cpus()) cpu = {};

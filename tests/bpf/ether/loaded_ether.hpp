@@ -83,7 +83,7 @@ class LoadedEther {
   enforce::EtherSizes sizes_;
   std::unique_ptr<ether_bpf, void (*)(ether_bpf*)> object_;
   enforce::Mapped<std::uint64_t> buckets_;
-  enforce::Mapped<ether_front> fronts_;
+  enforce::Mapped<ether_prefilter_part> prefilters_;
   enforce::Mapped<ether_slot> slots_;
   enforce::Mapped<ether_contract> contracts_;
   enforce::Mapped<gate_count> counts_;

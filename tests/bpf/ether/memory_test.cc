@@ -25,7 +25,7 @@ TEST(EtherMemory, AMillionSubjectsTakeLessThan100BytesEach) {
     s.direction = Direction::ingress;
     s.pass = true;
     s.subject = random();
-    s.formats = ETHER_WHOLE;
+    s.formats = ETHER_UNFRAGMENTED;
     s.per_frame = 1 + i % 1000;
     s.period = 1'000'000'000;
     batch.add.push_back(s);

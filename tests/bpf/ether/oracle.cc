@@ -37,9 +37,9 @@ std::uint32_t mark_of(Direction direction, const SlotSpec& s) {
              : 0;
 }
 
-gate_reason misfit(const SlotSpec& s, std::uint64_t length, bool split, const Sender& sender) {
+gate_reason misfit(const SlotSpec& s, std::uint64_t length, bool fragmented, const Sender& sender) {
   if (!comes_from(s, sender) || !is_vouched_for(s, sender)) return GATE_R_SOURCE;
-  if ((s.formats & (split ? ETHER_SPLIT : ETHER_WHOLE)) == 0) return GATE_R_FORMAT;
+  if ((s.formats & (split ? ETHER_FRAGMENT : ETHER_UNFRAGMENTED)) == 0) return GATE_R_FORMAT;
   if (length > s.max_len) return GATE_R_LENGTH;
   return s.pass ? GATE_R_PASSED : GATE_R_DENIED;
 }
@@ -89,7 +89,7 @@ EtherWorld::Seen EtherWorld::look_at_awds(const Bytes& bytes, std::size_t packet
           .subject = *subject,
           .station = *number(bytes, packet + 1, 6) | ETHER_MAC,
           .length = *size - 8,
-          .split = *kind == 0x7b,
+          .fragmented = *kind == 0x7b,
           .inside = inside};
 }
 
@@ -126,7 +126,7 @@ EtherWorld::Seen EtherWorld::look_at_ip(const Bytes& bytes, std::size_t at, bool
   seen.subject = *number(bytes, udp + 8, 8);
   seen.station = seen.addresses >> 32;
   seen.length = seen.whole - 17;
-  seen.split = bytes[udp + 16] == 1;
+  seen.fragmented = bytes[udp + 16] == 1;
   seen.kind = Kind::event;
   return seen;
 }
@@ -136,7 +136,7 @@ Judgement EtherWorld::refused(gate_reason reason, std::optional<std::size_t> slo
   return {.dropped = !audit, .mark = mark, .reason = reason, .slot = slot, .counts_in_slot = true};
 }
 
-/// Slots of a station are asked first, then those of anybody, of whom none is that has one; the
+/// Slots of a station are asked first, then the wildcard, which nobody meets who has one; the
 /// latest before others. A passing one wins, then the one that came furthest.
 std::pair<gate_reason, std::optional<std::size_t>> EtherWorld::decide(Direction direction,
                                                                       const Seen& seen,
@@ -144,15 +144,15 @@ std::pair<gate_reason, std::optional<std::size_t>> EtherWorld::decide(Direction 
   gate_reason best = GATE_R_UNKNOWN;
   std::optional<std::size_t> slot;
   bool known = false;
-  for (const bool of_anybody : {false, true})
+  for (const bool is_wildcard : {false, true})
     for (std::size_t i = slots.size(); i-- > 0;) {
       const SlotSpec& s = slots[i];
       if (s.formats == 0 || s.direction != direction || s.subject != seen.subject) continue;
-      if (of_anybody != (s.station == 0) || (of_anybody && known)) continue;
+      if (is_wildcard != (s.station == 0) || (is_wildcard && known)) continue;
       auto reason = misfit(s, seen.length, seen.split, sender);
-      const bool of_another = !of_anybody && s.station != seen.station;
+      const bool of_another = !is_wildcard && s.station != seen.station;
       if (of_another) reason = GATE_R_SOURCE;
-      known = known || (!of_anybody && !of_another && comes_from(s, sender));
+      known = known || (!is_wildcard && !of_another && comes_from(s, sender));
       if (reason == GATE_R_PASSED) return {reason, i};
       if (reason <= best) continue;
       best = reason;

@@ -38,7 +38,7 @@ class EtherWorld {
     std::uint64_t subject = 0;
     std::uint64_t station = 0;  ///< whom it is from
     std::size_t length = 0;
-    bool split = false;
+    bool fragmented = false;
     bool more = false;
     std::size_t offset = 0;
     std::size_t here = 0;   ///< bytes of the datagram in this packet

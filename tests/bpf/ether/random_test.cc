@@ -49,7 +49,8 @@ SlotSpec random_slot(Random& random) {
   s.pass = !random.chance(4);
   s.subject = kSubjects.at(random.below(kSubjects.size()));
   s.max_len = random.of<std::uint16_t>({0, 8, 100, 300, ETHER_MAX_PAYLOAD});
-  s.formats = random.of<std::uint8_t>({ETHER_WHOLE, ETHER_WHOLE | ETHER_SPLIT, ETHER_SPLIT});
+  s.formats = random.of<std::uint8_t>(
+      {ETHER_UNFRAGMENTED, ETHER_UNFRAGMENTED | ETHER_FRAGMENT, ETHER_FRAGMENT});
   s.station = random_station(random);
   if (s.direction == Direction::egress) {
     s.source = random.of<std::uint32_t>({0, 0, kOther, kIfindex});

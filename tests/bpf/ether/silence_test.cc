@@ -74,7 +74,7 @@ TEST_P(EtherSilence, TheEndOfAHeartBeatAndItsReturnAreTold) {
   EXPECT_GE(missing.silent, kSilence);
   EXPECT_LT(missing.silent, kSilence + kPeriod);
   EXPECT_TRUE(gate_.arrivals(number, monotonic_ns()).silent);
-  beat_until(monotonic_ns() + GATE_CALM + 5 * kPeriod);
+  beat_until(monotonic_ns() + GATE_RECOVERY_HOLD + 5 * kPeriod);
   EXPECT_EQ(next().kind, std::uint32_t{GATE_E_RESTORED});
   EXPECT_FALSE(gate_.arrivals(number, monotonic_ns()).silent);
 }

@@ -132,7 +132,7 @@ inline SlotSpec slot(Direction direction, std::uint64_t subject = kSubject) {
   s.pass = true;
   s.subject = subject;
   s.max_len = 1500;
-  s.formats = ETHER_WHOLE;
+  s.formats = ETHER_UNFRAGMENTED;
   return s;
 }
 

@@ -153,7 +153,7 @@ TEST(AllocationTest, TheMoreImportantIsKeptAndRaisedFirst) {
   s.carries(100);
   EXPECT_EQ(s.service(), "--l");
   s.carries(200);
-  EXPECT_EQ(s.service(), "l-l") << "served before anybody is raised";
+  EXPECT_EQ(s.service(), "l-l") << "admitted before any is upgraded";
   s.carries(550);
   EXPECT_EQ(s.service(), "lll") << "the important one would need 50 more";
   s.carries(600);

@@ -43,7 +43,7 @@ TEST(EthernetTest, NeedsNoBindingAndGatesBySubjectAlone) {
     EXPECT_EQ(rule.entry.id, 0U);
     EXPECT_EQ(rule.entry.mask, 0U);
     EXPECT_EQ(rule.entry.max_length, 8U);
-    EXPECT_FALSE(rule.entry.split);
+    EXPECT_FALSE(rule.entry.fragmented);
     EXPECT_FALSE(rule.entry.classic);
   }
 }
@@ -86,9 +86,9 @@ TEST(EthernetTest, ALargeEventMayBeSplit) {
     for (Network& n : system.networks) n.provision.set(Attribute::bandwidth, 10'000'000);
     return State(system).gate_state(kBridge);
   };
-  for (const GateRule& rule : gates_of(8183)) EXPECT_FALSE(rule.entry.split);
+  for (const GateRule& rule : gates_of(8183)) EXPECT_FALSE(rule.entry.fragmented);
   for (const GateRule& rule : gates_of(8184)) {
-    EXPECT_TRUE(rule.entry.split);
+    EXPECT_TRUE(rule.entry.fragmented);
     EXPECT_EQ(rule.entry.max_length, 8183U);
   }
 }
@@ -145,7 +145,7 @@ TEST(EthernetTest, PublishersThatShareALimitShareTheLongestEvent) {
   const GateState apart = State(system).gate_state(kBridge);
   ASSERT_EQ(apart.size(), 4U);
   for (const GateRule& rule : apart)
-    EXPECT_EQ(rule.entry.max_length, rule.entry.station.anybody() ? 100U : 8U);
+    EXPECT_EQ(rule.entry.max_length, rule.entry.station.is_wildcard() ? 100U : 8U);
 }
 
 TEST(EthernetTest, SomebodyElsewhereMakesNoEventLonger) {
@@ -213,7 +213,7 @@ TEST(EthernetTest, AGateTellsEightPublishersOfASubjectApart) {
     system.publishers.push_back(p);
   };
   while (system.publishers.size() < kMostEntries) add();
-  EXPECT_EQ(State(system).lacks_room(kBridge), std::nullopt);
+  EXPECT_EQ(State(system).exceeds_capacity(kBridge), std::nullopt);
   EXPECT_EQ(inspect(system).channels[0].outcome, Outcome::fit);
 
   // One more at run time, and in the description.
@@ -222,10 +222,11 @@ TEST(EthernetTest, AGateTellsEightPublishersOfASubjectApart) {
   newcomer.station = *station_of("192.0.2.99");
   {
     const Proposal proposal = state.propose({7, 0, newcomer, {}});
-    EXPECT_TRUE(proposal.lacks_room(kBridge).value_or("").starts_with("more than 8 publishers"));
+    EXPECT_TRUE(
+        proposal.exceeds_capacity(kBridge).value_or("").starts_with("more than 8 publishers"));
   }
   add();
-  const std::string lack = State(system).lacks_room(kBridge).value_or("");
+  const std::string lack = State(system).exceeds_capacity(kBridge).value_or("");
   EXPECT_EQ(
       lack,
       "channel emergency-switch: more than 8 publishers of it leave gateway bridge by network "
@@ -236,7 +237,7 @@ TEST(EthernetTest, AGateTellsEightPublishersOfASubjectApart) {
             found.findings.end());
   // Those that look alike are one to a gate.
   for (Publisher& p : system.publishers) p.station = {};
-  EXPECT_EQ(State(system).lacks_room(kBridge), std::nullopt);
+  EXPECT_EQ(State(system).exceeds_capacity(kBridge), std::nullopt);
 }
 
 TEST(EthernetTest, BehindABusNobodySeesTheFirstAddress) {
@@ -263,11 +264,11 @@ TEST(EthernetTest, BehindABusNobodySeesTheFirstAddress) {
   const State state(system);
   ASSERT_TRUE(state.decisions()[0].verdicts[0].granted);
   for (const GateRule& rule : state.gate_state(kBridge))
-    EXPECT_EQ(rule.entry.station.anybody(), rule.entry.direction == Direction::egress);
+    EXPECT_EQ(rule.entry.station.is_wildcard(), rule.entry.direction == Direction::egress);
   for (const std::size_t gateway : {1U, 2U}) {
     const GateState gates = state.gate_state(gateway);
     EXPECT_EQ(gates.size(), 2U);
-    for (const GateRule& rule : gates) EXPECT_TRUE(rule.entry.station.anybody());
+    for (const GateRule& rule : gates) EXPECT_TRUE(rule.entry.station.is_wildcard());
   }
 }
 
@@ -307,7 +308,7 @@ TEST(EthernetTest, HasSubscriptionsOnlyAsControlTraffic) {
     EXPECT_EQ(rule.entry.subject, 0x5355425343524942U);
     EXPECT_EQ(rule.entry.max_length, 8U);
     EXPECT_FALSE(rule.entry.source_port) << "it never crosses a gateway";
-    EXPECT_TRUE(rule.entry.station.anybody());
+    EXPECT_TRUE(rule.entry.station.is_wildcard());
     EXPECT_TRUE(rule.pass);
     EXPECT_TRUE(rule.policing.any());
   }

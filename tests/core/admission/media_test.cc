@@ -91,14 +91,14 @@ Condition carrying(std::uint32_t background, std::vector<Heard> heard = {}) {
   return condition;
 }
 
-TEST(BusTest, WhoIsRefusedAndSendsAllTheSameIsNoStrangerToHimself) {
+TEST(BusTest, WhoIsRefusedAndSendsAllTheSameIsNotUnaccountedToHimself) {
   State state(loud_and_quiet());
   EXPECT_TRUE(is_granted(state, 0));
   state.set_condition(0, carrying(600'000));
   state.settle();
   EXPECT_FALSE(is_granted(state, 0));
-  // The stranger has gone, and the refused publisher goes on sending: as background it would be in
-  // its own way for ever.
+  // The unadmitted sender has gone, and the refused publisher goes on sending: as background it
+  // would be in its own way for ever.
   state.set_condition(0, carrying(360'000));
   state.settle();
   EXPECT_FALSE(is_granted(state, 0));
@@ -174,7 +174,7 @@ TEST(BusTest, AnotherBitRateDecidesAnew) {
   EXPECT_EQ(granted(state), 4U);
 }
 
-TEST(BusTest, AStrangersLoadWithdrawsWhatCanNoLongerBeGuaranteed) {
+TEST(BusTest, UnaccountedLoadWithdrawsWhatCanNoLongerBeGuaranteed) {
   State state(one_bus(4, 5 * kMs));
   Condition loaded;
   loaded.background = 500'000;

@@ -333,7 +333,7 @@ TEST_P(RandomTest, BoundsHoldAndWhatIsTouchedIsDecidedAsIfEverythingWere) {
         }
     }
     state.settle();
-    thorough.doubt_everything();
+    thorough.invalidate_all();
     thorough.settle();
     ASSERT_EQ(service(state), service(thorough)) << "step " << step;
     EXPECT_TRUE(state.ledger().same_promises(thorough.ledger())) << "step " << step;

@@ -60,14 +60,14 @@ TEST(Tags, OneThatMovesIsClosedBeforeTheOtherOpens) {
   State state(untagged());
   state.set_tag(kSecondCan, 0, kDealt);
   state.settle();
-  const Condition calm = state.world().conditions[kSecondCan];
+  const Condition usual = state.world().conditions[kSecondCan];
   state.set_condition(kSecondCan, contradicted(state));
   auto changes = state.settle();
   EXPECT_EQ(only_verdict(state).obstacle, Obstacle::contradicted);
   EXPECT_FALSE(state.gate_changes(changes, kBridge).close.empty());
 
   const FormerRules left{{0, state.gate_state(kBridge, 0)}};
-  state.set_condition(kSecondCan, calm);
+  state.set_condition(kSecondCan, usual);
   state.set_tag(kSecondCan, 0, kDealt - 1);
   changes = state.settle();
   EXPECT_TRUE(only_verdict(state).granted);
@@ -80,12 +80,12 @@ TEST(Tags, AContradictionTakesAStatedTagsGrantAndItsEndGivesItBack) {
   State state(robot(0));
   const State before(robot(0));
   ASSERT_TRUE(only_verdict(state).granted);
-  const Condition calm = state.world().conditions[kSecondCan];
+  const Condition usual = state.world().conditions[kSecondCan];
   state.set_condition(kSecondCan, contradicted(state));
   state.settle();
   EXPECT_EQ(only_verdict(state).obstacle, Obstacle::contradicted);
   EXPECT_EQ(reason(state.system(), state.members(), only_verdict(state), "as it is"), "as it is");
-  state.set_condition(kSecondCan, calm);
+  state.set_condition(kSecondCan, usual);
   state.settle();
   EXPECT_TRUE(only_verdict(state).granted);
   EXPECT_TRUE(state.ledger().same_promises(before.ledger()));

@@ -44,32 +44,36 @@ struct Kind {
   std::uint64_t load = 90;  ///< percent of the bus, at most
   bool jitter = false;
   bool equal = false;  ///< priorities
-  bool split = false;
+  bool fragmented = false;
   unsigned fifos = 0;
   unsigned priority_queues = 0;
   bool errors = false;
-  bool strangers = false;
+  bool unadmitted = false;
 };
 constexpr auto kKinds = std::to_array<Kind>({
     {.name = "plain", .load = 95},
     {.name = "jitter", .load = 90, .jitter = true},
     {.name = "equal priorities", .load = 85, .jitter = true, .equal = true},
-    {.name = "split events", .load = 75, .split = true},
-    {.name = "split, jitter", .load = 70, .jitter = true, .split = true},
-    {.name = "strangers", .load = 75, .jitter = true, .strangers = true},
-    {.name = "fifo", .load = 75, .jitter = true, .split = true, .fifos = 1},
-    {.name = "two fifos", .load = 65, .split = true, .fifos = 2},
-    {.name = "priority queue", .load = 75, .jitter = true, .split = true, .priority_queues = 1},
+    {.name = "fragmented events", .load = 75, .fragmented = true},
+    {.name = "fragmented, jitter", .load = 70, .jitter = true, .fragmented = true},
+    {.name = "unadmitted", .load = 75, .jitter = true, .unadmitted = true},
+    {.name = "fifo", .load = 75, .jitter = true, .fragmented = true, .fifos = 1},
+    {.name = "two fifos", .load = 65, .fragmented = true, .fifos = 2},
+    {.name = "priority queue",
+     .load = 75,
+     .jitter = true,
+     .fragmented = true,
+     .priority_queues = 1},
     {.name = "errors", .load = 50, .jitter = true, .errors = true},
     {.name = "everything",
      .load = 45,
      .jitter = true,
      .equal = true,
-     .split = true,
+     .fragmented = true,
      .fifos = 1,
      .priority_queues = 1,
      .errors = true,
-     .strangers = true},
+     .unadmitted = true},
 });
 
 struct Set {
@@ -80,7 +84,7 @@ struct Set {
 can::Assumptions random_assumptions(const Kind& kind, Random& random) {
   can::Assumptions a;
   a.timing.bitrate = 500'000;
-  a.unknown_senders = kind.strangers;
+  a.unknown_senders = kind.unadmitted;
   if (kind.errors)
     a.faults = {.count = static_cast<std::uint32_t>(random.between(1, 2)),
                 .interval = random.between(3, 20) * kMillisecond};
@@ -107,7 +111,7 @@ Set random_set(const Kind& kind, Random& random) {
     m.last_frame =
         can::frame_time(set.assumptions.timing, form, static_cast<unsigned>(random.below(9)));
     m.longest_frame = m.last_frame;
-    if (kind.split && random.one_in(3)) {
+    if (kind.fragmented && random.one_in(3)) {
       m.frames = static_cast<std::uint32_t>(random.between(2, 6));
       m.longest_frame = can::frame_time(set.assumptions.timing, form, 8);
     }
@@ -194,7 +198,7 @@ void check(const Kind& kind, std::uint64_t seed, Tally& tally) {
     World world;
     world.victim = malicious ? attempt : random.below(set.messages.size());
     world.one_at_a_time = !random.one_in(4);
-    world.strangers = kind.strangers;
+    world.unadmitted = kind.unadmitted;
     if (kind.errors)
       world.errors = !malicious         ? Errors::random
                      : random.one_in(2) ? Errors::longest
@@ -204,7 +208,7 @@ void check(const Kind& kind, std::uint64_t seed, Tally& tally) {
       plans = adversarial(set, world.victim, world.idle_after, random);
     else
       world.idle_after = ~Time{0};
-    world.strangers_from = malicious ? world.idle_after - bit : 0;
+    world.unadmitted_from = malicious ? world.idle_after - bit : 0;
     world.most_frames = malicious ? 120 : 60;
     const Observed seen = run(set.assumptions, set.messages, plans, world, random);
     tally.errors += seen.errors;

@@ -10,7 +10,7 @@ namespace mlcca::testing::bus {
 namespace {
 
 constexpr Time kFar = std::numeric_limits<Time>::max();
-constexpr std::size_t kStranger = ~std::size_t{0};
+constexpr std::size_t kUnadmitted = ~std::size_t{0};
 constexpr unsigned kErrorBits = 31;
 
 struct Frame {
@@ -87,9 +87,9 @@ class Bus {
     Time now = 0;
     while (seen_.frames + seen_.errors < world_.most_frames) {
       take_arrivals(now);
-      if (pending_ == 0 && !has_stranger(now)) {
+      if (pending_ == 0 && !has_unadmitted(now)) {
         if (next_ == kFar || now > world_.idle_after) break;
-        now = world_.strangers ? std::min(next_, world_.strangers_from) : next_;
+        now = world_.unadmitted ? std::min(next_, world_.unadmitted_from) : next_;
       }
       // A frame that comes within a bit of the start still takes part in the arbitration.
       take_arrivals(now + bit_ - 1);
@@ -214,16 +214,16 @@ class Bus {
     }
   }
 
-  [[nodiscard]] bool has_stranger(Time now) const {
-    return world_.strangers && now >= world_.strangers_from;
+  [[nodiscard]] bool has_unadmitted(Time now) const {
+    return world_.unadmitted && now >= world_.unadmitted_from;
   }
 
   // --- the bus
   // ------------------------------------------------------------------------------------
 
-  /// Who wins: a message, a gateway (from kGateways on), kStranger or kNobody.
+  /// Who wins: a message, a gateway (from kGateways on), kUnadmitted or kNobody.
   std::size_t arbitrate(Time now) {
-    std::size_t winner = has_stranger(now) ? kStranger : kNobody;
+    std::size_t winner = has_unadmitted(now) ? kUnadmitted : kNobody;
     std::uint64_t best = std::numeric_limits<std::uint64_t>::max();
     const auto bid = [&](std::size_t who, std::size_t message) {
       // Equal priorities: the victim is the unlucky one, of others anybody.
@@ -249,7 +249,7 @@ class Bus {
 
   /// Returns when the bus is free again.
   Time send(std::size_t who, Time now) {
-    if (who == kStranger) {
+    if (who == kUnadmitted) {
       take_arrivals(now + longest_ - 1);
       ++seen_.frames;
       return now + longest_;

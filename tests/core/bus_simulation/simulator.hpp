@@ -58,9 +58,9 @@ enum class Errors : std::uint8_t {
 
 struct World {
   std::size_t victim = 0;     ///< of events that come at one moment, its own come last
-  bool one_at_a_time = true;  ///< senders of split events offer the next frame too late
-  bool strangers = false;     ///< a frame of the longest form waits at the lowest priority, always
-  Time strangers_from = 0;    ///< from then on
+  bool one_at_a_time = true;  ///< senders of fragmented events offer the next frame too late
+  bool unadmitted = false;    ///< a frame of the longest form waits at the lowest priority, always
+  Time unadmitted_from = 0;   ///< from then on
   Errors errors = Errors::none;
   unsigned most_frames = 200;  ///< then the run ends
   Time idle_after = 0;         ///< a bus that is idle after that is done

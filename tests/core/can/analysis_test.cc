@@ -140,10 +140,10 @@ TEST(Analysis, EachFragmentIsBlockedAnewUnlessTheyWaitTogether) {
   EXPECT_EQ(analyse(bus(), set)[0].response, (3 + 2 + 2 + 1) * kMillisecond);
   set.push_back(message(4, 5, 2 * kMillisecond, 100 * kMillisecond));
   EXPECT_EQ(analyse(bus(), set)[0].response, (3 + 3 * 2) * kMillisecond);
-  auto strangers = bus();
-  strangers.unknown_senders = true;
+  auto unadmitted = bus();
+  unadmitted.unknown_senders = true;
   set.resize(1);
-  EXPECT_EQ(analyse(strangers, set)[0].response, 3 * kMillisecond + 3 * 320 * kMicrosecond);
+  EXPECT_EQ(analyse(unadmitted, set)[0].response, 3 * kMillisecond + 3 * 320 * kMicrosecond);
   set.push_back(message(1, 2, 2 * kMillisecond, 100 * kMillisecond));
   set[0].back_to_back = true;
   EXPECT_EQ(analyse(bus(), set)[0].response, (3 + 2) * kMillisecond);
@@ -270,8 +270,8 @@ TEST(Analysis, TooMuchJitterLeavesUnboundedWhatItMayWinAgainst) {
                          message(2, 3, kMillisecond, 10 * kMillisecond)};
   for (const Time jitter : {kLongestTime + 1, kNever}) {
     set[1].jitter = jitter;
-    for (const bool split : {false, true}) {
-      set[1].frames = split ? 2 : 1;
+    for (const bool fragmented : {false, true}) {
+      set[1].frames = fragmented ? 2 : 1;
       const auto found = analyse(bus(), set);
       ASSERT_TRUE(found[0].bounded);
       EXPECT_EQ(found[0].response, 2 * kMillisecond);
@@ -292,9 +292,9 @@ TEST(Analysis, ASenderOfOneFrameAtATimeIsBlockedBeforeEachFrameOfEachEvent) {
   // The first event takes six times 320 and 270 us, and the next one waits already. Then all of
   // the others have been sent.
   EXPECT_EQ(analyse(bus(), set)[0].response, (12 * (320 + 270) - 3400) * kMicrosecond);
-  auto strangers = bus();
-  strangers.unknown_senders = true;  // they always have another one
-  EXPECT_FALSE(analyse(strangers, set)[0].bounded);
+  auto unadmitted = bus();
+  unadmitted.unknown_senders = true;  // they always have another one
+  EXPECT_FALSE(analyse(unadmitted, set)[0].bounded);
   set[0].back_to_back = true;
   EXPECT_EQ(analyse(bus(), set)[0].response, (320 + 6 * 270) * kMicrosecond);
   set[0].back_to_back = false;

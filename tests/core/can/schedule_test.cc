@@ -135,9 +135,9 @@ TEST(Schedule, ToldOfOtherAssumptionsItNamesWhatIsLate) {
   ASSERT_FALSE(schedule.add(tight));
   ASSERT_FALSE(schedule.add(message(2, 2, 100 * sets::kMicrosecond, 50 * kMillisecond)));
   EXPECT_TRUE(schedule.late().empty());
-  auto stranger = bus();
-  stranger.unknown_senders = true;
-  const auto late = schedule.set_assumptions(stranger);
+  auto unadmitted = bus();
+  unadmitted.unknown_senders = true;
+  const auto late = schedule.set_assumptions(unadmitted);
   ASSERT_EQ(late.size(), 1U);
   EXPECT_EQ(late[0].key, 1U);
   EXPECT_EQ(schedule.late(), late);

@@ -20,7 +20,7 @@ struct Frame {
   Time queued = 0;
 };
 
-/// Who offers a frame. Strangers have no message.
+/// Who offers a frame. Unadmitted senders have no message.
 struct Offer {
   enum class Who : std::uint8_t { message, queue, blocker, background };
   Who who = Who::message;

@@ -319,7 +319,7 @@ TEST(InspectTest, AStrictListenerOnTheWayClosesItForOthersBehind) {
   system.subscribers.push_back(subscriber("motors", network(2), heart_beat()));
   const Inspection result = inspect(system);
   const Finding& f = only(result);
-  EXPECT_EQ(f.id, Id::bystander_unfit);
+  EXPECT_EQ(f.id, Id::overhearing_unfit);
   EXPECT_EQ(f.place, network(2));
   EXPECT_EQ(f.required, "2");
   EXPECT_EQ(f.provided, "5");

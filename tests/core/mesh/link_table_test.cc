@@ -375,7 +375,7 @@ TEST_F(LinkTableTest, MoreLinksThanThereIsRoomForAreIgnoredAndSaid) {
   EXPECT_EQ(table.problem(0), "");
 }
 
-TEST_F(LinkTableTest, LinksOfStrangersMakeRoomForThoseOfDescribedNodes) {
+TEST_F(LinkTableTest, LinksOfUndescribedNodesMakeRoomForThoseOfDescribedNodes) {
   Snapshot crowd;
   const auto name = [](std::size_t i) { return "node-" + std::to_string(i); };
   for (std::size_t i = 0; i < 100; ++i)

@@ -91,7 +91,7 @@ TEST(ProgressTest, IsToldWhileTheOnlyNetworkOfManyChannelsGoesAndComes) {
   }
 }
 
-TEST(ProgressTest, IsToldWhileChannelsThatShareANetworkAreSqueezed) {
+TEST(ProgressTest, IsReportedWhileChannelsThatShareANetworkAreDegraded) {
   State state(many(NetworkKind::udp_multicast, kChannels / 2));
   ASSERT_NE(state.granted(), 0U);
   ASSERT_NE(state.refused(), 0U);
@@ -102,10 +102,10 @@ TEST(ProgressTest, IsToldWhileChannelsThatShareANetworkAreSqueezed) {
   ASSERT_NE(state.granted(), 0U);
 }
 
-TEST(ProgressTest, IsToldWhileEverythingIsDoubted) {
+TEST(ProgressTest, IsReportedWhileEverythingIsInvalidated) {
   State state(many(NetworkKind::udp_multicast));
   EXPECT_LE(longest_of([&] {
-              state.doubt_everything();
+              state.invalidate_all();
               static_cast<void>(state.settle());
             }),
             kLongest);

@@ -19,7 +19,7 @@ inline SlotSpec slot(std::uint64_t subject, bool pass = true) {
   s.direction = Direction::ingress;
   s.pass = pass;
   s.subject = subject;
-  s.formats = ETHER_WHOLE;
+  s.formats = ETHER_UNFRAGMENTED;
   return s;
 }
 
@@ -39,20 +39,20 @@ class EtherTableTest : public testing::Test {
   explicit EtherTableTest(const EtherSizes& sizes = EtherSizes::for_slots(0, 2))
       : sizes_(sizes),
         buckets_(sizes.buckets),
-        fronts_(sizes.fronts()),
+        prefilters_(sizes.prefilters()),
         slots_(sizes.slots),
         contracts_(sizes.contracts),
         counts_(std::size_t{sizes.banks} * sizes.slots),
         table_(open(true).value()) {}
 
   Result<EtherTable> open(bool fresh) {
-    return EtherTable::read(
-        {&head_, buckets_, fronts_, slots_, contracts_, counts_, audits_, watches_, &generation_},
-        sizes_, fresh, 42, [this]() -> Result<void> {
-          ++waits_;
-          if (!grace_) return fail("no grace");
-          return {};
-        });
+    return EtherTable::read({&head_, buckets_, prefilters_, slots_, contracts_, counts_, audits_,
+                             watches_, &generation_},
+                            sizes_, fresh, 42, [this]() -> Result<void> {
+                              ++waits_;
+                              if (!grace_) return fail("no grace");
+                              return {};
+                            });
   }
   Result<void> add(const std::vector<SlotSpec>& specs) { return table_.apply(adding(specs)); }
   Result<void> remove(const std::vector<SlotSpec>& specs) { return table_.apply(removing(specs)); }
@@ -75,7 +75,7 @@ class EtherTableTest : public testing::Test {
   std::uint32_t generation_ = 0;
   ether_table head_{};
   std::vector<std::uint64_t> buckets_;
-  std::vector<ether_front> fronts_;
+  std::vector<ether_prefilter_part> prefilters_;
   std::vector<ether_slot> slots_;
   std::vector<ether_contract> contracts_;
   std::vector<gate_count> counts_;

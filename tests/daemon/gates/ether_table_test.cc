@@ -52,7 +52,7 @@ TEST_F(EtherTableTest, AnotherDaemonFindsItAsItWas) {
 }
 
 /// In the order in which the program meets them.
-TEST_F(EtherTableTest, SlotsOfStationsStandBeforeThoseOfAnybody) {
+TEST_F(EtherTableTest, SlotsOfStationsStandBeforeTheWildcard) {
   const auto of = [](std::uint64_t station) {
     SlotSpec s = slot(1);
     s.station = station;
@@ -71,7 +71,7 @@ TEST_F(EtherTableTest, SlotsOfStationsStandBeforeThoseOfAnybody) {
   EXPECT_EQ(present(), (std::vector{of(0), of(1), of(ETHER_MAC | 0x0100000000)}));
 }
 
-TEST_F(EtherTableTest, AStationBehindAnybodyIsRefused) {
+TEST_F(EtherTableTest, AStationBehindTheWildcardIsRefused) {
   SlotSpec own = slot(1);
   own.station = 7;
   ASSERT_TRUE(add({slot(1), own}));
@@ -81,10 +81,10 @@ TEST_F(EtherTableTest, AStationBehindAnybodyIsRefused) {
 
 class LargeEtherTable : public EtherTableTest {
  protected:
-  LargeEtherTable() : EtherTableTest(EtherSizes::for_slots(ETHER_FRONTED_SLOTS, 2)) {}
+  LargeEtherTable() : EtherTableTest(EtherSizes::for_slots(ETHER_PREFILTERED_SLOTS, 2)) {}
   [[nodiscard]] std::size_t bits() const {
     std::size_t out = 0;
-    for (const ether_front& front : fronts_)
+    for (const ether_prefilter_part& front : prefilters_)
       for (const std::uint8_t octet : front.bits)
         out += static_cast<std::size_t>(std::popcount(octet));
     return out;
@@ -92,8 +92,9 @@ class LargeEtherTable : public EtherTableTest {
 };
 
 TEST_F(LargeEtherTable, KnowsInFrontOfItsBucketsWhatIsInThem) {
-  EXPECT_FALSE(EtherSizes::for_slots(ETHER_FRONTED_SLOTS - ETHER_FIRST_SLOT, 2).is_fronted());
-  EXPECT_EQ(fronts_.size() * ETHER_FRONT_BUCKETS, buckets_.size());
+  EXPECT_FALSE(
+      EtherSizes::for_slots(ETHER_PREFILTERED_SLOTS - ETHER_FIRST_SLOT, 2).has_prefilter());
+  EXPECT_EQ(prefilters_.size() * ETHER_PREFILTER_BUCKETS, buckets_.size());
   std::vector<SlotSpec> specs;
   for (std::uint64_t subject = 0; subject < 1000; ++subject) specs.push_back(slot(subject));
   ASSERT_TRUE(add(specs));
@@ -108,7 +109,7 @@ TEST_F(LargeEtherTable, KnowsInFrontOfItsBucketsWhatIsInThem) {
 
 TEST_F(LargeEtherTable, WithoutTheBitsOfASubjectItIsRefused) {
   ASSERT_TRUE(add({slot(1)}));
-  for (ether_front& front : fronts_) front = {};
+  for (ether_prefilter_part& front : prefilters_) front = {};
   EXPECT_NE(open(false).error().text.find("wrong bucket"), std::string::npos);
 }
 
@@ -297,7 +298,7 @@ TEST_F(EtherTableTest, TheSieveHasTheSubjectsOfTheChainAndNoOthers) {
   std::vector<std::uint64_t> want(buckets_.size());
   for (const auto& s : all) {
     const std::uint64_t hash = ether_hash(42, s.subject, GATE_INGRESS);
-    want[hash & (sizes_.buckets - 1)] |= ether_sieve(hash);
+    want[hash & (sizes_.buckets - 1)] |= ether_fingerprint(hash);
   }
   for (std::size_t b = 0; b < buckets_.size(); ++b)
     ASSERT_EQ(buckets_[b] >> 32 << 32, want[b]) << b;

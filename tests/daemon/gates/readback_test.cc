@@ -78,7 +78,7 @@ TEST_P(Attach, ReadBackNamesPinsOfAVanishedInterface) {
 TEST_P(Attach, ReadBackNamesTimersThatAreNotPinned) {
   const Bus bus("bus0");
   const auto gate = attach(bus);
-  std::filesystem::remove(pins(bus) + "/watchmen");
+  std::filesystem::remove(pins(bus) + "/silence_timers");
   EXPECT_EQ(all_problems(read_back(root_).value().gates.at(0)),
             "the timers that notice missing events are not pinned\n");
 }

@@ -31,7 +31,7 @@ class WatchAttached : public Clsact {
   EventReader open_reader() {
     auto reader = EventReader::open(control_.events_fd(),
                                     {[this](const gate_event& e) { got_.push_back(e); },
-                                     [this](const gate_sample& s) { strangers_.push_back(s); }});
+                                     [this](const gate_sample& s) { samples_.push_back(s); }});
     EXPECT_TRUE(reader) << reader.error().text;
     return std::move(*reader);
   }
@@ -67,7 +67,7 @@ class WatchAttached : public Clsact {
   }
 
   std::deque<gate_event> got_;
-  std::deque<gate_sample> strangers_;
+  std::deque<gate_sample> samples_;
   EventReader reader_;
 };
 
@@ -104,10 +104,10 @@ TEST_F(WatchAttached, SilenceAfterTheLastEventIsToldOnceAndSoIsItsEnd) {
   // It goes on for long: the next thing that is told is its end.
   poll(nullptr, 0, 400);
   const std::uint64_t again = monotonic_ns();
-  beat_until(bus, 1, again + GATE_CALM + 5 * kPeriod);
+  beat_until(bus, 1, again + GATE_RECOVERY_HOLD + 5 * kPeriod);
   const gate_event restored = next();
   EXPECT_EQ(restored.kind, std::uint32_t{GATE_E_RESTORED});
-  EXPECT_GE(restored.at, again + GATE_CALM);
+  EXPECT_GE(restored.at, again + GATE_RECOVERY_HOLD);
   EXPECT_GE(restored.silent, again - last) << "from the last one to the next one, ";
   EXPECT_LT(restored.silent, again - last + 3 * kPeriod) << "as the timer saw it";
   EXPECT_FALSE(gate.arrivals(slot, monotonic_ns()).silent);
@@ -181,7 +181,7 @@ TEST_F(WatchAttached, TheNextDaemonHearsWhatWasToldAndWhatIsStillMissing) {
   EXPECT_EQ(once_more.at - once_more.silent, before.at - before.silent);
 }
 
-TEST_F(WatchAttached, AFloodOfStrangersHidesNothing) {
+TEST_F(WatchAttached, AFloodOfUnknownFramesHidesNothing) {
   const Bus bus("can0");
   Gate gate = attach(bus);
   admit(gate, {heart_beat(1)});
@@ -194,28 +194,28 @@ TEST_F(WatchAttached, AFloodOfStrangersHidesNothing) {
   EXPECT_GT(flood.stop(), 0U);
   EXPECT_TRUE(got_.empty());
   const std::uint64_t seconds = (monotonic_ns() - began) / GATE_SAMPLE_NS;
-  EXPECT_LE(strangers_.size(), GATE_SAMPLES + seconds + 1) << "counted, not told one by one";
+  EXPECT_LE(samples_.size(), GATE_SAMPLES + seconds + 1) << "counted, not told one by one";
 }
 
-TEST_F(WatchAttached, AStrangerIsToldAtOnceAndOnceByEachCpu) {
+TEST_F(WatchAttached, AnUnknownFrameIsReportedAtOnceAndOnceByEachCpu) {
   const Bus bus("can0");
   Gate gate = attach(bus);
   for (int i = 0; i < 300; ++i) bus.inject(frame(0x123));
   bus.inject(frame(CAN_EFF_FLAG | 0x1abcdef));
-  while (strangers_.empty() || strangers_.back().can_id == 0x123) {
+  while (samples_.empty() || samples_.back().can_id == 0x123) {
     pollfd ready{reader_.fd(), POLLIN, 0};
     ASSERT_EQ(poll(&ready, 1, kPatience), 1);
     ASSERT_TRUE(reader_.read());
   }
-  EXPECT_LE(strangers_.size(), 1 + possible_cpus());
-  const gate_sample first = strangers_.front();
+  EXPECT_LE(samples_.size(), 1 + possible_cpus());
+  const gate_sample first = samples_.front();
   EXPECT_EQ(first.can_id, 0x123U);
   EXPECT_EQ(first.frames, 1U);
   EXPECT_EQ(first.ifindex, bus.ifindex());
   EXPECT_EQ(first.len, 8U);
   EXPECT_EQ(first.direction, GATE_INGRESS);
-  EXPECT_EQ(strangers_.back().can_id, CAN_EFF_FLAG | 0x1abcdef);
-  EXPECT_EQ(strangers_.back().frames, 301U) << "with those that nobody was told of";
+  EXPECT_EQ(samples_.back().can_id, CAN_EFF_FLAG | 0x1abcdef);
+  EXPECT_EQ(samples_.back().frames, 301U) << "with those that nobody was told of";
 }
 
 /// Frames that the gate has seen in this direction.
@@ -232,8 +232,8 @@ TEST_F(WatchAttached, SamplesOfAFloodAreFewAndItsCountIsExact) {
   EXPECT_EQ(unknown_frames(gate), frames);
   const std::uint64_t seconds = (monotonic_ns() - before) / GATE_SAMPLE_NS;
   ASSERT_TRUE(reader_.read());
-  EXPECT_GE(strangers_.size(), GATE_SAMPLES);
-  EXPECT_LE(strangers_.size(), GATE_SAMPLES + seconds + 1);
+  EXPECT_GE(samples_.size(), GATE_SAMPLES);
+  EXPECT_LE(samples_.size(), GATE_SAMPLES + seconds + 1);
 }
 
 TEST_F(WatchAttached, SamplesLeaveHalfOfTheRingToWhatIsMissing) {
@@ -250,19 +250,19 @@ TEST_F(WatchAttached, SamplesLeaveHalfOfTheRingToWhatIsMissing) {
   }
   admit(gate, {heart_beat(1)});
   EXPECT_EQ(next().kind, std::uint32_t{GATE_E_MISSING});
-  EXPECT_LE(strangers_.size(), GATE_EVENTS_SIZE / 2 / record + 1);
-  EXPECT_GE(strangers_.size(), GATE_EVENTS_SIZE / 2 / record - 1);
+  EXPECT_LE(samples_.size(), GATE_EVENTS_SIZE / 2 / record + 1);
+  EXPECT_GE(samples_.size(), GATE_EVENTS_SIZE / 2 / record - 1);
 }
 
 TEST_F(WatchAttached, TimersThatSomebodyUnpinnedGoOnAndArePinnedAgain) {
   const Bus bus("can0");
   Gate gate = attach(bus);
-  ASSERT_TRUE(std::filesystem::remove(pins(bus) + "/watchmen"));
+  ASSERT_TRUE(std::filesystem::remove(pins(bus) + "/silence_timers"));
   admit(gate, {heart_beat(1)});
   EXPECT_EQ(next().kind, std::uint32_t{GATE_E_MISSING});
-  EXPECT_EQ(gate.keep_pinned().value(), std::vector<std::string>{"watchmen"});
+  EXPECT_EQ(gate.keep_pinned().value(), std::vector<std::string>{"silence_timers"});
   EXPECT_TRUE(gate.keep_pinned().value().empty());
-  EXPECT_TRUE(std::filesystem::exists(pins(bus) + "/watchmen"));
+  EXPECT_TRUE(std::filesystem::exists(pins(bus) + "/silence_timers"));
 }
 
 TEST_F(WatchAttached, AnEventReachesWhoeverIsWatchedOnAllOfManySlots) {

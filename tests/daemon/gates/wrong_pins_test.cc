@@ -119,7 +119,8 @@ TEST_F(WrongPins, OfAGateAreReplaced) {
   attach(bus);
   std::vector<std::string> names = names_in(pins(bus)).value();
   ASSERT_EQ(names.size(), 5U);
-  for (const char* name : {"table_next", "watchmen_next", "egress_next"}) names.emplace_back(name);
+  for (const char* name : {"table_next", "silence_timers_next", "egress_next"})
+    names.emplace_back(name);
   std::size_t kind = 0;
   for (const std::string& name : names)
     for (int i = 0; i < 2; ++i) {

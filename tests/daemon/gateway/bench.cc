@@ -172,7 +172,7 @@ core::System varied(Random& random, core::System system) {
 serve::Peer member(std::uint64_t session) {
   return {.pid = 1, .uid = 1000, .may_change = true, .session = session};
 }
-serve::Peer stranger(std::uint64_t session) {
+serve::Peer outsider(std::uint64_t session) {
   return {.pid = 1, .uid = 1001, .may_change = false, .session = session};
 }
 

@@ -36,7 +36,7 @@ core::System varied(Random& random, core::System system);
 
 /// A peer that may change something, or may not.
 serve::Peer member(std::uint64_t session = 1);
-serve::Peer stranger(std::uint64_t session = 2);
+serve::Peer outsider(std::uint64_t session = 2);
 
 class Bench {
  public:

@@ -157,14 +157,14 @@ class FakeGates final : public GateDriver {
   void describe(const core::System& system, std::size_t gateway) override;
   void on_step(std::function<void()> step) override { step_ = std::move(step); }
   void follow() override;
-  [[nodiscard]] bool is_to_follow() override { return true; }
+  [[nodiscard]] bool needs_reconcile() override { return true; }
   bool repair() override { return wants_gate(); }
   void begin_repair() override {}
   bool repair(int ifindex) override;
   [[nodiscard]] bool wants_gate() const override;
   [[nodiscard]] std::optional<int> next_gate(int ifindex) const override;
   [[nodiscard]] bool out_of_hand() const override;
-  [[nodiscard]] bool in_doubt() const override { return false; }
+  [[nodiscard]] bool needs_recheck() const override { return false; }
   [[nodiscard]] const std::string& orphans_unknown() const override { return none_; }
   void look_for_bypass(int /*ifindex*/, std::int64_t /*now_s*/) override {}
 

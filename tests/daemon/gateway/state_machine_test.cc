@@ -166,7 +166,7 @@ class Machine : Model {
     static_cast<control::ChannelRequest&>(query) = random_request();
     told_ += " query";
     const Before before = now();
-    bench_.ask(query, stranger());
+    bench_.ask(query, outsider());
     demand(now() == before, "a query has changed something");
   }
 

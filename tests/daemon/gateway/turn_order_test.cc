@@ -93,18 +93,18 @@ TEST_F(OnTheBench, ARequestThatChangesSomethingIsForMembers) {
     const auto* error = std::get_if<control::Error>(&answer.reply.body);
     return error != nullptr && error->kind == control::ErrorKind::forbidden;
   };
-  EXPECT_TRUE(is_forbidden(bench_.ask(newcomer(), stranger())));
-  EXPECT_TRUE(is_forbidden(bench_.ask(control::ReleaseRequest{"", 1, ""}, stranger())));
-  EXPECT_TRUE(is_forbidden(bench_.ask(control::WithdrawRequest{"c0"}, stranger())));
-  EXPECT_TRUE(is_forbidden(bench_.ask(control::ReinstateRequest{"c0"}, stranger())));
-  EXPECT_TRUE(is_forbidden(bench_.ask(control::RenewRequest{1, ""}, stranger())));
-  EXPECT_TRUE(is_forbidden(bench_.ask(control::ModeRequest{"audit"}, stranger())));
-  EXPECT_TRUE(is_forbidden(bench_.ask(control::ReloadRequest{}, stranger())));
+  EXPECT_TRUE(is_forbidden(bench_.ask(newcomer(), outsider())));
+  EXPECT_TRUE(is_forbidden(bench_.ask(control::ReleaseRequest{"", 1, ""}, outsider())));
+  EXPECT_TRUE(is_forbidden(bench_.ask(control::WithdrawRequest{"c0"}, outsider())));
+  EXPECT_TRUE(is_forbidden(bench_.ask(control::ReinstateRequest{"c0"}, outsider())));
+  EXPECT_TRUE(is_forbidden(bench_.ask(control::RenewRequest{1, ""}, outsider())));
+  EXPECT_TRUE(is_forbidden(bench_.ask(control::ModeRequest{"audit"}, outsider())));
+  EXPECT_TRUE(is_forbidden(bench_.ask(control::ReloadRequest{}, outsider())));
   EXPECT_FALSE(bench_.reading().busy());
   EXPECT_EQ(bench_.kernel.mode, enforce::Mode::enforce);
   control::Query query;
   static_cast<control::ChannelRequest&>(query) = newcomer();
-  EXPECT_FALSE(is_forbidden(bench_.ask(query, stranger())));
+  EXPECT_FALSE(is_forbidden(bench_.ask(query, outsider())));
 }
 
 TEST_F(OnTheBench, ALeaseThatIsNotRenewedEnds) {

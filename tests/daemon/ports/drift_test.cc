@@ -119,7 +119,7 @@ TEST_P(DriftTest, UnpinnedGateIsPinnedAgainAndTold) {
   repair();
   ASSERT_EQ(told_.size(), 1U) << told_.back();
   EXPECT_EQ(kinds_[0], Kind::drift);
-  for (const char* part : {"somebody unpinned table, cpus, watchmen, ", "egress", "ingress",
+  for (const char* part : {"somebody unpinned table, cpus, silence_timers, ", "egress", "ingress",
                            " of the gate of bus0: pinned again, and nothing else has changed"})
     EXPECT_NE(told_[0].find(part), std::string::npos) << told_[0];
   EXPECT_EQ(report().repaired, 1U);
@@ -161,7 +161,7 @@ TEST_P(DriftTest, DaemonAfterThatTakesTheSameGateOver) {
 
 TEST_P(DriftTest, PinOfAnotherGateIsReplacedByOurs) {
   const Bus other("other");
-  const Gate stranger = attach(other);
+  const Gate foreign = attach(other);
   std::filesystem::rename(pins(other) + "/table", pins(bus_) + "/table");
   repair();
   ASSERT_EQ(told_.size(), 1U);
@@ -308,7 +308,7 @@ TEST_P(DriftTest, DeviceThatWentToAnotherNamespaceIsTold) {
   ASSERT_EQ(told_.size(), 1U);
   EXPECT_EQ(kinds_[0], Kind::drift);
   EXPECT_NE(told_[0].find("bus0 was moved to another network namespace"), std::string::npos);
-  drift_.tell_moved({4711, "stranger"});
+  drift_.tell_moved({4711, "foreign"});
   EXPECT_EQ(told_.size(), 1U) << "it had no gate";
 }
 
@@ -395,7 +395,7 @@ TEST_P(DriftInTheDriver, UnpinnedEthernetGateIsPinnedAgainAndTold) {
   const std::string pins = gate_directory(control_.directory(), ether_->ifindex());
   SlotSpec admitted;
   admitted.pass = true;
-  admitted.formats = ETHER_WHOLE;
+  admitted.formats = ETHER_UNFRAGMENTED;
   admitted.subject = 7;
   SlotChanges changes;
   changes.add = {admitted};
@@ -403,7 +403,8 @@ TEST_P(DriftInTheDriver, UnpinnedEthernetGateIsPinnedAgainAndTold) {
   std::filesystem::remove_all(pins);
   repair();
   ASSERT_GE(told_.size(), 1U);
-  EXPECT_NE(told_[0].find("somebody unpinned early, watchmen, ether_table"), std::string::npos)
+  EXPECT_NE(told_[0].find("somebody unpinned early, silence_timers, ether_table"),
+            std::string::npos)
       << told_[0];
   repair();
   EXPECT_TRUE(read_back(root_).value().gates.at(1).problems.empty())

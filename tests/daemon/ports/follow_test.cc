@@ -55,11 +55,11 @@ class FollowTest : public testing::Test {
   void follow() {
     ASSERT_TRUE(links_->refresh());
     ports_->follow();
-    EXPECT_FALSE(is_to_follow()) << "it has been followed";
+    EXPECT_FALSE(needs_reconcile()) << "it has been followed";
   }
-  bool is_to_follow() {
+  bool needs_reconcile() {
     EXPECT_TRUE(links_->refresh());
-    return ports_->is_to_follow();
+    return ports_->needs_reconcile();
   }
 
   static constexpr int kNear = 4711;
@@ -78,7 +78,7 @@ TEST_F(FollowTest, AnInterfaceThatNobodyDescribedIsNotFollowed) {
         "ip link set eth8 down", "ip link set eth8 name late", "ip link set late alias eth7",
         "ip link set far7 up", "ip link del other"}) {
     shell(command);
-    EXPECT_FALSE(is_to_follow()) << command;
+    EXPECT_FALSE(needs_reconcile()) << command;
   }
 }
 
@@ -89,8 +89,8 @@ TEST_F(FollowTest, WhateverBecomesOfAPortIsFollowed) {
         "ip link set eth7 name late", "ip link set late name eth7", "ip link del eth7",
         "ip link add eth7 type veth peer name far7"}) {
     shell(command);
-    EXPECT_TRUE(is_to_follow()) << command;
-    EXPECT_TRUE(is_to_follow()) << "until it is followed: " << command;
+    EXPECT_TRUE(needs_reconcile()) << command;
+    EXPECT_TRUE(needs_reconcile()) << "until it is followed: " << command;
     follow();
   }
 }
@@ -101,9 +101,9 @@ TEST_F(FollowTest, AnotherInterfaceThatGetsThePortsNameIsFollowed) {
   follow();
   EXPECT_FALSE(ports_->problem(0).empty());
   shell("ip link add other type veth peer name eth8");
-  EXPECT_FALSE(is_to_follow());
+  EXPECT_FALSE(needs_reconcile());
   shell("ip link set eth8 name eth7");
-  EXPECT_TRUE(is_to_follow());
+  EXPECT_TRUE(needs_reconcile());
   follow();
   EXPECT_NE(ports_->gate(0), nullptr);
 }
@@ -112,15 +112,15 @@ TEST_F(FollowTest, AnotherInterfaceWithTheSameNumberAndNameIsFollowed) {
   describe_by_name();
   shell("ip link del eth7");
   shell("ip link add eth7 index 4711 type veth peer name far7");
-  EXPECT_TRUE(is_to_follow());
+  EXPECT_TRUE(needs_reconcile());
 }
 
 TEST_F(FollowTest, AnInterfaceThatIsMovedAwayAndBackIsFollowed) {
   describe_by_name();
   shell("ip netns add follow && ip link set eth7 netns follow");
-  EXPECT_TRUE(is_to_follow());
+  EXPECT_TRUE(needs_reconcile());
   shell("ip -n follow link set eth7 netns $$ && ip netns del follow");
-  EXPECT_TRUE(is_to_follow());
+  EXPECT_TRUE(needs_reconcile());
 }
 
 TEST_F(FollowTest, WhatWasGatedAndIsNotDescribedAnyMoreIsFollowedWhenItGoes) {
@@ -129,7 +129,7 @@ TEST_F(FollowTest, WhatWasGatedAndIsNotDescribedAnyMoreIsFollowedWhenItGoes) {
   identity.name = "eth8";
   describe(identity);
   shell("ip link del eth7");
-  EXPECT_TRUE(is_to_follow());
+  EXPECT_TRUE(needs_reconcile());
   follow();
 }
 
@@ -140,14 +140,14 @@ TEST_F(FollowTest, WhileTwoMatchEveryNewsIsFollowed) {
   describe(identity);
   ASSERT_NE(ports_->gate(0), nullptr) << ports_->problem(0);
   shell("ip link add other type veth peer name eth8");
-  EXPECT_FALSE(is_to_follow());
+  EXPECT_FALSE(needs_reconcile());
   shell("ip link set eth8 alias mine");
-  EXPECT_TRUE(is_to_follow());
+  EXPECT_TRUE(needs_reconcile());
   ASSERT_TRUE(links_->refresh());
   ports_->follow();
-  EXPECT_TRUE(is_to_follow());
+  EXPECT_TRUE(needs_reconcile());
   shell("ip link del other");
-  EXPECT_TRUE(is_to_follow());
+  EXPECT_TRUE(needs_reconcile());
   follow();
   EXPECT_NE(ports_->gate(0), nullptr) << ports_->problem(0);
 }
@@ -157,16 +157,16 @@ TEST_F(FollowTest, WhatUdevLearnsOfAnInterfaceIsFollowedWhereAPortIsRecognisedBy
   identity.serial = "0042";
   describe(identity);
   facts_[kFar].serial = "0043";
-  EXPECT_FALSE(is_to_follow());
+  EXPECT_FALSE(needs_reconcile());
   facts_[kNear].serial = "0042";
-  EXPECT_TRUE(is_to_follow());
+  EXPECT_TRUE(needs_reconcile());
   follow();
   ASSERT_NE(ports_->gate(0), nullptr) << ports_->problem(0);
   facts_[kFar].serial = "0042";
-  EXPECT_TRUE(is_to_follow()) << "two of them";
+  EXPECT_TRUE(needs_reconcile()) << "two of them";
   facts_[kFar].serial = "";
   facts_[kNear].serial = "";
-  EXPECT_TRUE(is_to_follow()) << "it is nobody's any more";
+  EXPECT_TRUE(needs_reconcile()) << "it is nobody's any more";
 }
 
 }  // namespace

@@ -187,13 +187,13 @@ TEST_F(VanishTest, AGateWhosePinsAreGoneIsClosedAlsoWhereItIsNotDescribedAnyMore
   ports_->follow();
   ASSERT_EQ(told_.size(), 1U) << "the same is told once";
   EXPECT_NE(told_[0].find("nobody knows which gates without pins"), std::string::npos) << told_[0];
-  EXPECT_TRUE(ports_->in_doubt()) << "it is tried again";
+  EXPECT_TRUE(ports_->needs_recheck()) << "it is tried again";
   fail_queries = 0;
   ports_->follow();
   ASSERT_EQ(told_.size(), 2U);
   EXPECT_EQ(told_[1], "eth7 is not described, or without a profile: its gate stays closed");
   EXPECT_TRUE(is_gated()) << "by a gate of this daemon, which has pins";
-  EXPECT_FALSE(ports_->in_doubt());
+  EXPECT_FALSE(ports_->needs_recheck());
 }
 
 TEST_F(VanishTest, WhileNobodyKnowsWhetherItsInterfaceWentAGateIsHeld) {
@@ -202,11 +202,11 @@ TEST_F(VanishTest, WhileNobodyKnowsWhetherItsInterfaceWentAGateIsHeld) {
   fail_hearing = [] { return ENOBUFS; };
   ports_->follow();
   EXPECT_TRUE(ports_->next_gate(0));
-  EXPECT_TRUE(ports_->in_doubt());
+  EXPECT_TRUE(ports_->needs_recheck());
   fail_hearing = nullptr;
   ports_->follow();
   EXPECT_FALSE(ports_->next_gate(0));
-  EXPECT_FALSE(ports_->in_doubt());
+  EXPECT_FALSE(ports_->needs_recheck());
 }
 
 TEST_F(VanishTest, WhatAFormerDaemonLeftIsOutOfHandUntilItIsKnown) {
@@ -223,7 +223,7 @@ TEST_F(VanishTest, AnInterfaceThatWentTakesItsGateWithIt) {
   follow();
   EXPECT_EQ(ports_->gate(0), nullptr);
   EXPECT_FALSE(std::filesystem::exists(pins()));
-  EXPECT_FALSE(ports_->in_doubt());
+  EXPECT_FALSE(ports_->needs_recheck());
 }
 
 TEST_F(VanishTest, WhetherItWentIsFoundOutLaterWhereNobodyAnswers) {

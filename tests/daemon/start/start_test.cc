@@ -293,7 +293,7 @@ TEST_F(StartTest, ClosesEveryInterfaceAlthoughNobodyReadsWhatItSays) {
   EXPECT_EQ(closing.end(), 0);
 }
 
-TEST_F(StartTest, TheReaderOfStrangersEndsAlthoughNobodyReadsWhy) {
+TEST_F(StartTest, TheReaderOfUntrustedInputEndsAlthoughNobodyReadsWhy) {
   Process reader({"mlcca-sources"}, gateway_.path("log"), Readers::none);
   EXPECT_TRUE(reader.ends());
   EXPECT_EQ(reader.end(), 1);

@@ -34,7 +34,7 @@ constexpr How kHows[] = {
 /// What has been promised, and what may be found after a crash besides.
 struct Promise {
   Contents answered;
-  std::optional<Contents> in_doubt;  ///< of a commit that failed and could not be undone
+  std::optional<Contents> needs_recheck;  ///< of a commit that failed and could not be undone
 };
 
 /// Writes the story on a disk that fails: a batch that was refused is tried again, in the end on a
@@ -61,9 +61,9 @@ class Teller {
         }
         ASSERT_EQ(journal_->contents(), story_.states[i]) << text_of(journal_->contents());
         if (done.error().text.find("could not be undone") != std::string::npos)
-          promise.in_doubt = story_.states[i + 1];
+          promise.needs_recheck = story_.states[i + 1];
         else if (done.error().text.find("it was undone") != std::string::npos)
-          promise.in_doubt.reset();
+          promise.needs_recheck.reset();
       }
       if (promise.answered != story_.states[i + 1]) return;
       ASSERT_EQ(journal_->contents(), story_.states[i + 1]);
@@ -98,7 +98,7 @@ TEST(AFailingCall, NeverCostsWhatWasAnswered) {
         const auto journal = Journal::open("/d", *rest);
         ASSERT_TRUE(journal) << at << ": " << journal.error().text;
         ASSERT_TRUE(journal->contents() == promise.answered ||
-                    (promise.in_doubt && journal->contents() == *promise.in_doubt))
+                    (promise.needs_recheck && journal->contents() == *promise.needs_recheck))
             << static_cast<int>(how.what) << " at " << at << " times " << how.calls << ", seed "
             << seed << "\nanswered: " << text_of(promise.answered)
             << "\nfound:    " << text_of(journal->contents());

@@ -96,8 +96,8 @@ class Writer {
       quantities_.push_back(user_quantity(random_, "Own" + std::to_string(i)));
       parts_.push_back(quantities_.back().definition);
     }
-    calm_ = random_.one_in(2);
-    demanding_ = calm_ ? 12 : 2 + random_.below(5);
+    easy_ = random_.one_in(2);
+    demanding_ = easy_ ? 12 : 2 + random_.below(5);
   }
 
   void choose_channels() {
@@ -147,9 +147,9 @@ class Writer {
     for (const auto& quantity : quantities_) {
       if (!quantity.providable || random_.one_in(without)) continue;
       static const std::vector<std::string> marks = {"", "", "", "", "true", "1", "false"};
-      const bool extreme = (quantity.survival && fragments_) || (calm_ && !random_.one_in(3));
+      const bool extreme = (quantity.survival && fragments_) || (easy_ && !random_.one_in(3));
       out += "<Attribute" + attribute("dynamic", random_.one_of(marks)) + ">" +
-             (extreme ? Numbers::attribute(random_, quantity, calm_ || random_.one_in(2))
+             (extreme ? Numbers::attribute(random_, quantity, easy_ || random_.one_in(2))
                       : numbers_.attribute(random_, quantity)) +
              "</Attribute>";
     }
@@ -279,7 +279,7 @@ class Writer {
     std::vector<Place> able = reachable;
     if (has_famouso_) std::erase_if(able, [&](Place place) { return !speaks_famouso(place); });
     std::vector<Place> senders;
-    const auto publishers = random_.one_in(calm_ ? 40 : 8) ? 0 : 1 + random_.below(2);
+    const auto publishers = random_.one_in(easy_ ? 40 : 8) ? 0 : 1 + random_.below(2);
     for (std::size_t i = 0; i < publishers; ++i) {
       if (able.empty()) break;
       const Place place = random_.one_of(able);
@@ -340,7 +340,7 @@ class Writer {
   std::size_t demanding_ = 1;  ///< a channel states each attribute once in so many
   std::size_t named_ = 0;
   std::uint64_t most_payload_ = 0;
-  bool calm_ = false;  ///< asks little and provides the best of much: often fit
+  bool easy_ = false;  ///< asks little and provides the best of much: often fit
   bool long_frames_ = false;
   bool has_famouso_ = false;
   bool fragments_ = false;

@@ -21,7 +21,7 @@ SlotSpec slot(std::uint64_t subject, Direction direction = Direction::ingress) {
   s.direction = direction;
   s.pass = true;
   s.max_len = 100;
-  s.formats = ETHER_WHOLE | ETHER_SPLIT;
+  s.formats = ETHER_UNFRAGMENTED | ETHER_FRAGMENT;
   return s;
 }
 GateReading gate(std::vector<SlotSpec> slots) {
@@ -47,7 +47,7 @@ TEST(EtherProbes, OfASlotAreADatagramThatFitsAndALongerOne) {
   EXPECT_TRUE(probes.untried().empty());
 }
 
-TEST(EtherProbes, StrangersComeInAndGoOut) {
+TEST(EtherProbes, UnknownSubjectsComeInAndGoOut) {
   // The subject that would be taken first has a slot.
   const auto g = gate({slot(0x6d6c636361000000)});
   const EtherProbes probes(g);
@@ -57,10 +57,10 @@ TEST(EtherProbes, StrangersComeInAndGoOut) {
 
 TEST(EtherProbes, OfAStationComeFromItAndFromNobodyElse) {
   auto s = slot(7);
-  s.station = 0xc0000201;  // that would be taken for anybody
-  auto anybody = slot(8);
-  anybody.pass = false;
-  const auto g = gate({s, anybody});
+  s.station = 0xc0000201;  // that would meet the wildcard
+  auto wildcard = slot(8);
+  wildcard.pass = false;
+  const auto g = gate({s, wildcard});
   const EtherProbes probes(g);
   const EtherProbe own{.subject = 7, .payload = 100, .station = 0xc0000201};
   const EtherProbe another{.subject = 7, .payload = 100, .station = 0xc0000202};
@@ -70,7 +70,7 @@ TEST(EtherProbes, OfAStationComeFromItAndFromNobodyElse) {
   EXPECT_FALSE(probes.is_admitted(another));
 }
 
-TEST(EtherProbes, WhoHasASlotForHimselfIsNotAnybody) {
+TEST(EtherProbes, WhoHasASlotOfHisOwnNeverMeetsTheWildcard) {
   auto own = slot(7);
   own.station = 0xc0000205;
   own.pass = false;

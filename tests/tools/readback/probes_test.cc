@@ -59,10 +59,10 @@ TEST(Probes, EveryGateIsAskedForAFrameThatNobodyKnows) {
   for (std::uint32_t id = 0x6a0; id < 0x6b0; ++id) slots.push_back(slot(id, id));
   const auto g = gate(3, slots);
   const auto probes = probes_for(g);
-  const auto strangers = std::ranges::count_if(probes.frames, [&](const Probe& p) {
+  const auto unknown = std::ranges::count_if(probes.frames, [&](const Probe& p) {
     return std::ranges::find(g.slots, p.id, &SlotSpec::id) == g.slots.end();
   });
-  EXPECT_EQ(strangers, 2);
+  EXPECT_EQ(unknown, 2);
   EXPECT_TRUE(has(probes, {.id = 0x6b0, .len = 1}));
 }
 

@@ -34,7 +34,7 @@ class ReplicaTest : public enforce::AttachTo {
   static SlotSpec subject(std::uint64_t subject, bool admitted) {
     SlotSpec slot;
     slot.pass = admitted;
-    slot.formats = ETHER_WHOLE;
+    slot.formats = ETHER_UNFRAGMENTED;
     slot.subject = subject;
     return slot;
   }

@@ -132,7 +132,7 @@ TEST(AwdsBounds, InventedNodesDoNotCrowdOutTheDescribedAndTheKnown) {
   };
   EXPECT_NE(heard(0xf000), nullptr) << "described";
   EXPECT_NE(heard(1), nullptr) << "known longest";
-  EXPECT_EQ(heard(awds::kMaxNodes), nullptr) << "a stranger that came last";
+  EXPECT_EQ(heard(awds::kMaxNodes), nullptr) << "one that nobody described, which came last";
   EXPECT_EQ(heard(0xe000), nullptr);
   EXPECT_NE(told.problem.find("more than 1024 nodes"), std::string::npos);
   EXPECT_EQ(graph.snapshot(kNow + 3001).problem, "") << "said once";

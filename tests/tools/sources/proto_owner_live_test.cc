@@ -24,13 +24,13 @@ namespace {
 
 using core::mesh::SourceKind;
 
-constexpr uid_t kStranger = 65'534;
+constexpr uid_t kOtherUser = 65'534;
 
 /// A process of that user listens: its socket is made, bound and answers as soon as this is there.
-class Stranger {
+class OtherUser {
  public:
   /// An address of TCP, or of a local socket of this type.
-  Stranger(const sockaddr* address, socklen_t size, int type) {
+  OtherUser(const sockaddr* address, socklen_t size, int type) {
     std::array<int, 2> ready{};
     if (::pipe(ready.data()) != 0) std::abort();
     child_ = ::fork();
@@ -39,9 +39,9 @@ class Stranger {
     const Fd from(ready[0]);
     if (::read(from.get(), &port_, sizeof port_) != sizeof port_) std::abort();
   }
-  Stranger(const Stranger&) = delete;
-  Stranger& operator=(const Stranger&) = delete;
-  ~Stranger() {
+  OtherUser(const OtherUser&) = delete;
+  OtherUser& operator=(const OtherUser&) = delete;
+  ~OtherUser() {
     ::kill(child_, SIGKILL);
     ::waitpid(child_, nullptr, 0);
   }
@@ -50,7 +50,7 @@ class Stranger {
  private:
   [[noreturn]] static void listen(const sockaddr* address, socklen_t size, int type, int ready) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::setgid(kStranger) != 0 || ::setuid(kStranger) != 0) ::_exit(1);
+    if (::setgid(kOtherUser) != 0 || ::setuid(kOtherUser) != 0) ::_exit(1);
     const int socket = ::socket(address->sa_family, type, 0);
     if (::bind(socket, address, size) != 0 || ::listen(socket, 8) != 0) ::_exit(1);
     sockaddr_in bound{};
@@ -93,9 +93,8 @@ TEST(OwnerLive, APortAtWhichAnotherUserListensIsNotBelieved) {
   loopback.sin_family = AF_INET;
   loopback.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
-  const Stranger stranger(reinterpret_cast<const sockaddr*>(&loopback), sizeof loopback,
-                          SOCK_STREAM);
-  const std::string endpoint = "127.0.0.1:" + std::to_string(stranger.port());
+  const OtherUser other(reinterpret_cast<const sockaddr*>(&loopback), sizeof loopback, SOCK_STREAM);
+  const std::string endpoint = "127.0.0.1:" + std::to_string(other.port());
   for (const auto kind : {SourceKind::babel, SourceKind::olsr})
     EXPECT_NE(told_of(source(kind, endpoint)).find(kRefused), std::string::npos);
 }
@@ -108,7 +107,7 @@ TEST(OwnerLive, APathAtWhichAnotherUserListensIsNotBelieved) {
     const std::string path = folder / std::to_string(type);
     const auto address = unix_address(path);
     ASSERT_TRUE(address);
-    const Stranger stranger(generic(*address), sizeof *address, type);
+    const OtherUser other(generic(*address), sizeof *address, type);
     EXPECT_NE(told_of(source(kind, path)).find(kRefused), std::string::npos);
   }
 }
@@ -122,7 +121,7 @@ TEST(OwnerLive, AFileOfAnotherUserOrOfEverybodyIsNotBelieved) {
   ::chmod(path.c_str(), 0646);
   EXPECT_NE(told_of(file).find("everybody may write it"), std::string::npos);
   ::chmod(path.c_str(), 0644);
-  ASSERT_EQ(::chown(path.c_str(), kStranger, kStranger), 0);
+  ASSERT_EQ(::chown(path.c_str(), kOtherUser, kOtherUser), 0);
   EXPECT_NE(told_of(file).find(kRefused), std::string::npos);
 }
 

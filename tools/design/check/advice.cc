@@ -65,7 +65,7 @@ const char* advice_on(core::FindingId id) {
     case Id::route_unfit:
       return "Each hop suffices, all of them together do not: latencies and jitters add up, losses "
              "and omissions multiply. Take a shorter way or improve a hop.";
-    case Id::bystander_unfit:
+    case Id::overhearing_unfit:
       return "Events on a shared medium reach every subscriber there. One that is not fulfilled "
              "keeps the way closed for all behind it.";
     case Id::capacity:

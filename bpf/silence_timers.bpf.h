@@ -10,8 +10,8 @@
  * Who includes this says of the watches of its gate how many there can be (WATCHES), and
  * up to where there are any, which one is the n-th, and of its slot subject, number and verdict.
  */
-#ifndef MLCCA_WATCHMEN_BPF_H
-#define MLCCA_WATCHMEN_BPF_H
+#ifndef MLCCA_SILENCE_TIMERS_BPF_H
+#define MLCCA_SILENCE_TIMERS_BPF_H
 
 static __u32 watches_end(void);
 static struct gate_watch *watch_of(__u32 at);
@@ -31,17 +31,17 @@ struct {
 	__uint(max_entries, GATE_EVENTS_SIZE);
 } events SEC(".maps");
 
-struct watchman {
+struct silence_timer {
 	struct bpf_timer timer;
 	__u64 armed; /* how often a watch of it was */
 };
 
 struct {
 	__uint(type, BPF_MAP_TYPE_ARRAY);
-	__uint(max_entries, GATE_WATCHMEN);
+	__uint(max_entries, GATE_SILENCE_TIMERS);
 	__type(key, __u32);
-	__type(value, struct watchman);
-} watchmen SEC(".maps");
+	__type(value, struct silence_timer);
+} silence_timers SEC(".maps");
 
 static bool passes_now(const __u8 *verdict)
 {
@@ -68,10 +68,11 @@ static bool tell(__u32 at, const struct gate_watch *w, __u32 kind, __u64 now, __
 static void look_for_events(__u32 at, struct gate_watch *w, bool quiet, __u64 now)
 {
 	if (quiet)
-		w->calm = 0;
-	else if (!w->calm)
-		w->calm = now;
-	else if (now - w->calm >= GATE_CALM && tell(at, w, GATE_E_RESTORED, now, w->calm - w->from))
+		w->recovering = 0;
+	else if (!w->recovering)
+		w->recovering = now;
+	else if (now - w->recovering >= GATE_RECOVERY_HOLD &&
+		 tell(at, w, GATE_E_RESTORED, now, w->recovering - w->from))
 		w->silent = 0;
 }
 
@@ -111,27 +112,27 @@ __noinline __u64 look(__u32 at)
 	if (tell(at, w, GATE_E_MISSING, now, now - since)) {
 		w->silent = 1;
 		w->from = since;
-		w->calm = 0;
+		w->recovering = 0;
 	}
 	return period;
 }
 
-static int tick(void *map, __u32 *key, struct watchman *man)
+static int tick(void *map, __u32 *key, struct silence_timer *own)
 {
-	__u64 armed = READ_ONCE(man->armed), soonest = 0;
+	__u64 armed = READ_ONCE(own->armed), soonest = 0;
 	__u32 end = watches_end(), at = *key, i;
 
-	for (i = 0; i < WATCHES / GATE_WATCHMEN && at < end; i++, at += GATE_WATCHMEN) {
+	for (i = 0; i < WATCHES / GATE_SILENCE_TIMERS && at < end; i++, at += GATE_SILENCE_TIMERS) {
 		__u64 wait = look(at);
 
 		if (wait && (!soonest || wait < soonest))
 			soonest = wait;
 	}
 	if (soonest)
-		bpf_timer_start(&man->timer, soonest < SHORTEST_WAIT ? SHORTEST_WAIT : soonest, 0);
+		bpf_timer_start(&own->timer, soonest < SHORTEST_WAIT ? SHORTEST_WAIT : soonest, 0);
 	/* One was armed behind our back: its wait has just been overwritten. */
-	if (READ_ONCE(man->armed) != armed)
-		bpf_timer_start(&man->timer, SHORTEST_WAIT, 0);
+	if (READ_ONCE(own->armed) != armed)
+		bpf_timer_start(&own->timer, SHORTEST_WAIT, 0);
 	return 0;
 }
 
@@ -145,17 +146,17 @@ int watch_make(struct __sk_buff *skb)
 {
 	__u32 key;
 
-	for (key = 0; key < GATE_WATCHMEN; key++) {
+	for (key = 0; key < GATE_SILENCE_TIMERS; key++) {
 		__u32 at = key;
-		struct watchman *man = bpf_map_lookup_elem(&watchmen, &at);
+		struct silence_timer *own = bpf_map_lookup_elem(&silence_timers, &at);
 		long err;
 
-		if (!man)
+		if (!own)
 			return -ENOENT;
-		err = bpf_timer_init(&man->timer, &watchmen, CLOCK_MONOTONIC);
+		err = bpf_timer_init(&own->timer, &silence_timers, CLOCK_MONOTONIC);
 		if (err && err != -EBUSY)
 			return err;
-		err = bpf_timer_set_callback(&man->timer, tick);
+		err = bpf_timer_set_callback(&own->timer, tick);
 		if (err)
 			return err;
 	}
@@ -166,15 +167,15 @@ int watch_make(struct __sk_buff *skb)
 SEC("tc")
 int watch_arm(struct __sk_buff *skb)
 {
-	__u32 at = skb->mark, key = at % GATE_WATCHMEN;
-	struct watchman *man = bpf_map_lookup_elem(&watchmen, &key);
+	__u32 at = skb->mark, key = at % GATE_SILENCE_TIMERS;
+	struct silence_timer *own = bpf_map_lookup_elem(&silence_timers, &key);
 	struct gate_watch *w = watch_of(at);
 
-	if (!man || !w)
+	if (!own || !w)
 		return -ENOENT;
 	w->silent = 0;
-	__sync_fetch_and_add(&man->armed, 1);
-	return bpf_timer_start(&man->timer, SHORTEST_WAIT, 0);
+	__sync_fetch_and_add(&own->armed, 1);
+	return bpf_timer_start(&own->timer, SHORTEST_WAIT, 0);
 }
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "daemon/gates/watchmen.hpp"
+#include "daemon/gates/silence_timers.hpp"
 
 #include <bpf/bpf.h>
 #include <bpf/libbpf.h>
@@ -53,22 +53,22 @@ int share_all(const Skeleton& object, const WatchedMaps& maps, const Fd& timers)
   int error = share_maps(object, maps);
   if (error == 0) error = bpf_map__reuse_fd(object.maps.data_control, maps.control);
   if (error == 0) error = bpf_map__reuse_fd(object.maps.events, maps.events);
-  if (error == 0 && timers) error = bpf_map__reuse_fd(object.maps.watchmen, timers.get());
+  if (error == 0 && timers) error = bpf_map__reuse_fd(object.maps.silence_timers, timers.get());
   return error;
 }
 
 }  // namespace
 
 template <class Skeleton>
-Result<Watchmen> Watchmen::load(std::uint32_t ifindex, const WatchedMaps& maps,
-                                const std::string& pin_path, bool take_over) {
+Result<SilenceTimers> SilenceTimers::load(std::uint32_t ifindex, const WatchedMaps& maps,
+                                          const std::string& pin_path, bool take_over) {
   const Complaints complaints;
   const std::unique_ptr<Skeleton, decltype(&Skeleton::destroy)> object(Skeleton::open(),
                                                                        &Skeleton::destroy);
   if (!object) return complaints.error("open the timers of a gate", errno);
   object->rodata->ifindex = ifindex;
   const Fd timers = take_over ? open_pin(pin_path) : Fd();
-  const auto failed = [&](const char* what, int error) -> Result<Watchmen> {
+  const auto failed = [&](const char* what, int error) -> Result<SilenceTimers> {
     // What is pinned there may be no timers of ours; new ones do as well.
     if (timers)
       if (auto fresh = load<Skeleton>(ifindex, maps, pin_path, false)) return fresh;
@@ -85,22 +85,22 @@ Result<Watchmen> Watchmen::load(std::uint32_t ifindex, const WatchedMaps& maps,
   }
   if (made != 0) return failure("make the timers of a gate", made);
   Fd arm(::fcntl(bpf_program__fd(object->progs.watch_arm), F_DUPFD_CLOEXEC, 0));
-  Fd kept(::fcntl(bpf_map__fd(object->maps.watchmen), F_DUPFD_CLOEXEC, 0));
+  Fd kept(::fcntl(bpf_map__fd(object->maps.silence_timers), F_DUPFD_CLOEXEC, 0));
   if (!arm || !kept) return failure("keep the timers of a gate", errno);
-  return Watchmen(std::move(arm), std::move(kept), pin_path);
+  return SilenceTimers(std::move(arm), std::move(kept), pin_path);
 }
 
-Result<Watchmen> Watchmen::of_can(std::uint32_t ifindex, const WatchedMaps& maps,
-                                  const std::string& pin_path, bool take_over) {
+Result<SilenceTimers> SilenceTimers::of_can(std::uint32_t ifindex, const WatchedMaps& maps,
+                                            const std::string& pin_path, bool take_over) {
   return load<watch_bpf>(ifindex, maps, pin_path, take_over);
 }
 
-Result<Watchmen> Watchmen::of_ethernet(std::uint32_t ifindex, const WatchedMaps& maps,
-                                       const std::string& pin_path, bool take_over) {
+Result<SilenceTimers> SilenceTimers::of_ethernet(std::uint32_t ifindex, const WatchedMaps& maps,
+                                                 const std::string& pin_path, bool take_over) {
   return load<ether_watch_bpf>(ifindex, maps, pin_path, take_over);
 }
 
-Result<void> Watchmen::arm(std::uint32_t watch) const {
+Result<void> SilenceTimers::arm(std::uint32_t watch) const {
   if (const int error = run(program_.get(), watch); error != 0)
     return failure("start a timer", error);
   return {};

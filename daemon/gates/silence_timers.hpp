@@ -22,14 +22,14 @@ struct WatchedMaps {
   int watches = -1;
 };
 
-class Watchmen {
+class SilenceTimers {
  public:
   /// `take_over`: the timers that are pinned there, which go on by the program that they have until
   /// they are armed; otherwise, and where there are none, new ones. The caller pins them.
-  static Result<Watchmen> of_can(std::uint32_t ifindex, const WatchedMaps& maps,
-                                 const std::string& pin_path, bool take_over);
-  static Result<Watchmen> of_ethernet(std::uint32_t ifindex, const WatchedMaps& maps,
+  static Result<SilenceTimers> of_can(std::uint32_t ifindex, const WatchedMaps& maps,
                                       const std::string& pin_path, bool take_over);
+  static Result<SilenceTimers> of_ethernet(std::uint32_t ifindex, const WatchedMaps& maps,
+                                           const std::string& pin_path, bool take_over);
 
   /// The timer of a watch that says what silence is. It ends by itself when the slot does not pass
   /// any more, or nobody minds silence. What is missing already is told once more.
@@ -39,9 +39,9 @@ class Watchmen {
 
  private:
   template <class Skeleton>
-  static Result<Watchmen> load(std::uint32_t ifindex, const WatchedMaps& maps,
-                               const std::string& pin_path, bool take_over);
-  Watchmen(Fd program, Fd timers, std::string pin_path)
+  static Result<SilenceTimers> load(std::uint32_t ifindex, const WatchedMaps& maps,
+                                    const std::string& pin_path, bool take_over);
+  SilenceTimers(Fd program, Fd timers, std::string pin_path)
       : program_(std::move(program)), timers_(std::move(timers)), pin_path_(std::move(pin_path)) {}
   Fd program_;  ///< it holds the other maps
   Fd timers_;
