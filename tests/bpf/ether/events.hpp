@@ -43,7 +43,7 @@ inline SlotSpec from(std::uint32_t ifindex) {
 inline SlotSpec denied(const SlotSpec& spec) {
   return with(spec, [](SlotSpec& s) { s.pass = false; });
 }
-inline SlotSpec split(const SlotSpec& spec) {
+inline SlotSpec fragmented(const SlotSpec& spec) {
   return with(spec, [](SlotSpec& s) { s.formats = ETHER_UNFRAGMENTED | ETHER_FRAGMENT; });
 }
 inline SlotSpec sized(const SlotSpec& spec, std::uint16_t bytes) {

@@ -72,13 +72,13 @@ std::vector<Row> subject_rows() {
        kWire,
        GATE_R_FORMAT},
       {"AFragmentOfAnEventWhereOneWas",
-       {split(in())},
+       {fragmented(in())},
        kIn,
        packet([](Datagram& d) { d.flag = 1; }),
        kWire,
        GATE_R_PASSED},
       {"AnotherFlagIsMalformed",
-       {split(in())},
+       {fragmented(in())},
        kIn,
        packet([](Datagram& d) { d.flag = 2; }),
        kWire,
@@ -252,8 +252,8 @@ std::vector<Row> foreign_rows() {
 
 std::vector<Row> malformed_rows() {
   const auto bad = [](std::string name, Bytes bytes) {
-    return Row{std::move(name), {split(in())},    kIn, std::move(bytes),
-               kWire,           GATE_R_MALFORMED, kOwn};
+    return Row{std::move(name), {fragmented(in())}, kIn, std::move(bytes),
+               kWire,           GATE_R_MALFORMED,   kOwn};
   };
   std::vector<Row> rows{
       bad("HeaderLengthTooShort", packet([](Datagram& d) { d.ihl = 4; })),
@@ -286,10 +286,11 @@ std::vector<Row> malformed_rows() {
 
 std::vector<Row> carrier_rows() {
   const auto passes = [](std::string name, Bytes bytes) {
-    return Row{std::move(name), {split(in())}, kIn, std::move(bytes), kWire, GATE_R_PASSED};
+    return Row{std::move(name), {fragmented(in())}, kIn, std::move(bytes), kWire, GATE_R_PASSED};
   };
   const auto opaque = [](std::string name, Bytes bytes) {
-    return Row{std::move(name), {split(in())}, kIn, std::move(bytes), kWire, GATE_R_OPAQUE, kOwn};
+    return Row{std::move(name), {fragmented(in())}, kIn, std::move(bytes),
+               kWire,           GATE_R_OPAQUE,      kOwn};
   };
   const Bytes ip = event().whole();
   std::vector<Row> rows{

@@ -39,7 +39,7 @@ std::uint32_t mark_of(Direction direction, const SlotSpec& s) {
 
 gate_reason misfit(const SlotSpec& s, std::uint64_t length, bool fragmented, const Sender& sender) {
   if (!comes_from(s, sender) || !is_vouched_for(s, sender)) return GATE_R_SOURCE;
-  if ((s.formats & (split ? ETHER_FRAGMENT : ETHER_UNFRAGMENTED)) == 0) return GATE_R_FORMAT;
+  if ((s.formats & (fragmented ? ETHER_FRAGMENT : ETHER_UNFRAGMENTED)) == 0) return GATE_R_FORMAT;
   if (length > s.max_len) return GATE_R_LENGTH;
   return s.pass ? GATE_R_PASSED : GATE_R_DENIED;
 }
@@ -149,7 +149,7 @@ std::pair<gate_reason, std::optional<std::size_t>> EtherWorld::decide(Direction 
       const SlotSpec& s = slots[i];
       if (s.formats == 0 || s.direction != direction || s.subject != seen.subject) continue;
       if (is_wildcard != (s.station == 0) || (is_wildcard && known)) continue;
-      auto reason = misfit(s, seen.length, seen.split, sender);
+      auto reason = misfit(s, seen.length, seen.fragmented, sender);
       const bool of_another = !is_wildcard && s.station != seen.station;
       if (of_another) reason = GATE_R_SOURCE;
       known = known || (!is_wildcard && !of_another && comes_from(s, sender));

@@ -77,7 +77,7 @@ TEST_P(EtherWatch, BeginsAnewAfterASilence) {
 }
 
 TEST_P(EtherWatch, PartsOfOneEventAreOneEvent) {
-  auto s = split(watched(in()));
+  auto s = fragmented(watched(in()));
   s.together = kPeriod / 2;
   admit(s);
   const Bytes part = packet([](Datagram& d) { d.flag = 1; });

@@ -201,14 +201,14 @@ TEST(Analysis, AFullQueueDoesNotFit) {
 }
 
 TEST(Analysis, FragmentsOfAnotherIdentifierCountBothWays) {
-  // 0 sends either identifier 1 or, split, identifier 3; message 1 is between them.
+  // 0 sends either identifier 1 or, fragmented, identifier 3; message 1 is between them.
   auto set = std::vector{message(0, 1, kMillisecond, 100 * kMillisecond),
                          message(1, 2, kMillisecond, 100 * kMillisecond)};
   set[0].lowest_priority = 3;
   const auto found = analyse(bus(), set);
-  EXPECT_EQ(found[0].response, 2 * kMillisecond);  // split, 1 goes first
+  EXPECT_EQ(found[0].response, 2 * kMillisecond);  // fragmented, 1 goes first
   EXPECT_EQ(found[1].response,
-            3 * kMillisecond);  // blocked by one that is split, then by one that is not
+            3 * kMillisecond);  // blocked by one that is fragmented, then by one that is not
 }
 
 TEST(Analysis, BandsAreSharedFromTheLastOn) {
