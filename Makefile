@@ -98,7 +98,7 @@ include examples/module.mk docs/module.mk
 
 all: $(PROGRAMS) ## build mlccad, mlccactl and the gate
 
-$O/%.o: %.cc
+$O/%.o: %.cc | $(CONTROL_HEADERS)
 	$(call say,CXX,$<)
 	$(Q)mkdir -p $(@D) && $(CXX) $(STD) $(WARN) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
 
@@ -139,7 +139,7 @@ cppcheck: ## defects that cppcheck finds without the headers of libraries
 # One stamp a file: only what changed is looked at again.
 TIDY_SOURCES := $(filter-out tests/% include/% bpf/%,$(shell git ls-files '*.cc' 2>/dev/null))
 TIDY_STAMPS := $(patsubst %.cc,$O/tidy/%.ok,$(TIDY_SOURCES))
-$O/tidy/%.ok: %.cc .clang-tidy | $(BPF_SKELETONS) $O/gen/mlcca/v1/control.pb.h
+$O/tidy/%.ok: %.cc .clang-tidy | $(BPF_SKELETONS) $(CONTROL_HEADERS)
 	$(call say,TIDY,$<)
 	$(Q)mkdir -p $(@D) && $(CLANG_TIDY) --quiet $< -- $(STD) $(CPPFLAGS) $(XML_CFLAGS) $(NL_CFLAGS) \
 		2>$@.log || { cat $@.log; exit 1; }

@@ -82,9 +82,9 @@ Result<Reply> Client::call(Request request) {
   request.id = ++last_id_;
   request.slices = true;
   const auto bytes = encode(request);
-  if (bytes.size() > kMaxRequest)
+  if (bytes.size() > Request::kMaxBytes)
     return fail("the request has " + std::to_string(bytes.size()) + " bytes, at most " +
-                std::to_string(kMaxRequest) + " are possible");
+                std::to_string(Request::kMaxBytes) + " are possible");
   const auto sent = send(bytes);
   std::optional<Reply> whole;
   for (;;) {

@@ -2,8 +2,6 @@
 // Framing: one pass over the bytes of a message, each way.
 #include "control/codec.hpp"
 
-#include <google/protobuf/stubs/logging.h>
-
 #include <cstdint>
 #include <string_view>
 #include <utility>
@@ -35,37 +33,19 @@ Result<Prefix> read_prefix(std::string_view from) {
   return fail("malformed or too large message: a length of more than 4 bytes");
 }
 
-/// Protobuf would write about malformed input to standard error, as often as a peer sends it.
-void silence_protobuf() {
-  static const bool silent = [] {
-    google::protobuf::SetLogHandler(nullptr);
-    return true;
-  }();
-  static_cast<void>(silent);
-}
-
-void take_flag(const v1::Request& from, Request& to) { to.slices = from.slices(); }
-void take_flag(const v1::Reply& from, Reply& to) { to.more = from.more(); }
-
-template <class Plain, class Wire>
-Result<std::optional<Plain>> decode(Buffer& buffer, std::size_t limit) {
+template <class Message>
+Result<std::optional<Message>> decode(Buffer& buffer, Result<Message> (*read)(std::string_view)) {
   const auto prefix = read_prefix(buffer.content());
   if (!prefix) return std::unexpected(prefix.error());
-  if (prefix->length > limit)
+  if (prefix->length > Message::kMaxBytes)
     return fail("message too large: " + std::to_string(prefix->length) + " bytes, at most " +
-                std::to_string(limit));
+                std::to_string(Message::kMaxBytes));
   if (prefix->bytes == 0 || buffer.content().size() - prefix->bytes < prefix->length)
     return std::nullopt;
-  silence_protobuf();
-  Wire wire;
-  if (!wire.ParseFromArray(buffer.content().data() + prefix->bytes,
-                           static_cast<int>(prefix->length)))
-    return fail("malformed message: not what mlcca/v1/control.proto describes");
+  auto message = read(buffer.content().substr(prefix->bytes, prefix->length));
+  if (!message) return std::unexpected(std::move(message).error());
   buffer.consume(prefix->bytes + prefix->length);
-  auto plain = from_wire(wire);
-  if (!plain) return std::unexpected(std::move(plain).error());
-  take_flag(wire, *plain);
-  return std::move(*plain);
+  return std::move(*message);
 }
 
 void add_varint(std::string& bytes, std::uint64_t number) {
@@ -74,15 +54,11 @@ void add_varint(std::string& bytes, std::uint64_t number) {
   bytes.push_back(static_cast<char>(number));
 }
 
-/// `length` is what ByteSizeLong() has just given, and cached.
-template <class Wire>
-std::string framed(const Wire& wire, std::size_t length) {
+std::string framed(std::string_view message) {
   std::string bytes;
-  bytes.reserve(length + kMaxPrefix + 1);
-  add_varint(bytes, length);
-  const auto prefix = bytes.size();
-  bytes.resize(prefix + length);
-  wire.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(bytes.data() + prefix));
+  bytes.reserve(kMaxPrefix + message.size());
+  add_varint(bytes, message.size());
+  bytes += message;
   return bytes;
 }
 
@@ -96,39 +72,34 @@ Error too_large(std::size_t bytes, std::size_t most) {
 }  // namespace
 
 std::string encode(const Request& request) {
-  v1::Request wire;
-  to_wire(request, wire);
-  return framed(wire, wire.ByteSizeLong());
+  std::string message;
+  write(request, message);
+  return framed(message);
 }
 
 std::string encode(const Reply& reply) {
-  v1::Reply wire;
-  to_wire(reply, wire);
-  const auto length = wire.ByteSizeLong();
-  if (length <= kMaxReply) return framed(wire, length);
-  return encode(Reply{reply.id, too_large(length, kMaxReply)});
+  std::string message;
+  write(reply, message);
+  if (message.size() <= Reply::kMaxBytes) return framed(message);
+  return encode(Reply{reply.id, too_large(message.size(), Reply::kMaxBytes)});
 }
 
 std::string encode_body(const Reply& reply, std::size_t most) {
-  v1::Reply wire;
-  to_wire(reply, wire);
-  wire.clear_id();
-  const auto length = wire.ByteSizeLong();
-  if (length > most) return encode_body(Reply{0, too_large(length, most)});
-  std::string bytes(length, '\0');
-  wire.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(bytes.data()));
-  return bytes;
+  std::string body;
+  write_without_id(reply, body);
+  if (body.size() > most) return encode_body(Reply{0, too_large(body.size(), most)});
+  return body;
 }
 
 std::string with_id(std::uint64_t id, std::string_view body) {
-  constexpr char id_key = v1::Reply::kIdFieldNumber << 3;
+  constexpr char key = Reply::kIdNumber << 3U;
   std::string field;
   if (id != 0) {
-    field.push_back(id_key);
+    field.push_back(key);
     add_varint(field, id);
   }
   std::string bytes;
-  bytes.reserve(kMaxPrefix + 1 + field.size() + body.size());
+  bytes.reserve(kMaxPrefix + field.size() + body.size());
   add_varint(bytes, field.size() + body.size());
   bytes += field;
   bytes += body;
@@ -136,11 +107,11 @@ std::string with_id(std::uint64_t id, std::string_view body) {
 }
 
 Result<std::optional<Request>> decode_request(Buffer& buffer) {
-  return decode<Request, v1::Request>(buffer, kMaxRequest);
+  return decode<Request>(buffer, read_request);
 }
 
 Result<std::optional<Reply>> decode_reply(Buffer& buffer) {
-  return decode<Reply, v1::Reply>(buffer, kMaxReply);
+  return decode<Reply>(buffer, read_reply);
 }
 
 }  // namespace mlcca::control

@@ -14,22 +14,17 @@
 
 namespace mlcca::control {
 
-inline constexpr std::size_t kMaxRequest = 64UL * 1024;
-inline constexpr std::size_t kMaxReply = 16UL * 1024 * 1024;
-/// Of a reply that may not come in slices.
-inline constexpr std::size_t kMaxWhole = 1UL * 1024 * 1024;
-
 /// Text that is not UTF-8 (an interface alias may be anything) goes out with U+FFFD for each wrong
-/// byte. The size is the caller's to check: the other side refuses more than kMaxRequest bytes
-/// behind the length.
+/// byte. The size is the caller's to check: the other side refuses more than Request::kMaxBytes
+/// bytes behind the length.
 std::string encode(const Request& request);
 
-/// As above. A reply that would be larger than kMaxReply becomes an Error that says so.
+/// As above. A reply that would be larger than Reply::kMaxBytes becomes an Error that says so.
 std::string encode(const Reply& reply);
 
-/// A reply without its id and its length, to be sent by whoever knows the id: see with_id(). A
-/// reply that would be larger than `most` becomes an Error that says so.
-std::string encode_body(const Reply& reply, std::size_t most = kMaxReply);
+/// A reply that has no id yet, without its length, to be sent by whoever knows the id: see
+/// with_id(). A reply that would be larger than `most` becomes an Error that says so.
+std::string encode_body(const Reply& reply, std::size_t most = Reply::kMaxBytes);
 /// What encode() gives of the reply that `body` is of, with this id.
 std::string with_id(std::uint64_t id, std::string_view body);
 

@@ -2,10 +2,15 @@
 #include "control/slices.hpp"
 
 #include <algorithm>
+#include <concepts>
 #include <iterator>
+#include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include "control/fields.hpp"
 
 namespace mlcca::control {
 namespace {
@@ -16,12 +21,6 @@ void move_behind(std::vector<Row>& rows, std::vector<Row>& more) {
               std::make_move_iterator(more.end()));
 }
 
-void put(Networks& to, Networks& from) { move_behind(to.networks, from.networks); }
-void put(Channels& to, Channels& from) {
-  move_behind(to.channels, from.channels);
-  to.left_out = from.left_out;
-}
-void put(History& to, History& from) { move_behind(to.entries, from.entries); }
 void put(Gates& to, Gates& from) {
   for (Gate& gate : from.gates) {
     const bool same = !to.gates.empty() && to.gates.back().interface == gate.interface &&
@@ -34,12 +33,6 @@ void put(Gates& to, Gates& from) {
     move_behind(to.gates.back().channels, gate.channels);
   }
 }
-void put(Routes& to, Routes& from) {
-  move_behind(to.routes, from.routes);
-  move_behind(to.links, from.links);
-  move_behind(to.problems, from.problems);
-  move_behind(to.can_rules, from.can_rules);
-}
 void put(Reservations& to, Reservations& from) {
   for (Resource& resource : from.resources) {
     const auto same = std::ranges::find_if(to.resources, [&](const Resource& r) {
@@ -51,19 +44,21 @@ void put(Reservations& to, Reservations& from) {
       move_behind(same->reservations, resource.reservations);
   }
 }
-void put(WhatIf& to, WhatIf& from) {
-  move_behind(to.outlooks, from.outlooks);
-  to.unchanged = from.unchanged;
-}
-void put(Status& to, Status& from) {
-  auto interfaces = std::move(to.interfaces);
-  move_behind(interfaces, from.interfaces);
-  to = std::move(from);
-  to.interfaces = std::move(interfaces);
-}
-template <class Single>
-void put(Single& to, Single& from) {
-  to = std::move(from);
+/// Lists go on, single values are replaced.
+template <class Body>
+void put(Body& to, Body& from) {
+  for_each_field(from, [&](const Field& field, auto& source) {
+    using T = std::remove_cvref_t<decltype(source)>;
+    with_field(to, field.number, [&](auto& target) {
+      if constexpr (std::same_as<std::remove_cvref_t<decltype(target)>, T>) {
+        if constexpr (requires { target.push_back(target.front()); } &&
+                      !std::same_as<T, std::string>)
+          move_behind(target, source);
+        else
+          target = std::move(source);
+      }
+    });
+  });
 }
 
 /// Rows go to the slice that is being filled; a full one is followed by a fresh one.

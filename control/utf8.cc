@@ -51,8 +51,16 @@ std::size_t sequence_length(std::string_view text) {
 
 }  // namespace
 
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t n = sequence_length(text);
+    if (n == 0) return false;
+    text.remove_prefix(n);
+  }
+  return true;
+}
+
 std::string to_utf8(std::string_view text) {
-  if (std::ranges::all_of(text, is_ascii)) return std::string(text);
   std::string result;
   result.reserve(text.size() + 2);
   while (!text.empty()) {

@@ -7,7 +7,10 @@
 
 namespace mlcca::control {
 
-/// `text` with U+FFFD for each byte that is not part of well-formed UTF-8 (RFC 3629).
+/// Well-formed by RFC 3629.
+bool is_utf8(std::string_view text);
+
+/// `text` with U+FFFD for each byte that is not part of well-formed UTF-8.
 std::string to_utf8(std::string_view text);
 
 }  // namespace mlcca::control

@@ -1,17 +1,25 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Between the plain structs and the generated protobuf classes; private to control/.
+// The encoding of protobuf, for every message of control.proto: templates over what
+// proto/protoc-gen-mlcca makes of it. Private to control/.
 #pragma once
+#include <string>
+#include <string_view>
+
 #include "base/result.hpp"
 #include "control/messages.hpp"
-#include "mlcca/v1/control.pb.h"
 
 namespace mlcca::control {
 
-void to_wire(const Request& from, v1::Request& to);
-void to_wire(const Reply& from, v1::Reply& to);
+/// Appends the message to `bytes`. Text that is not UTF-8 goes out with U+FFFD for each wrong byte.
+void write(const Request& from, std::string& bytes);
+void write(const Reply& from, std::string& bytes);
+/// All but the id.
+void write_without_id(const Reply& from, std::string& bytes);
 
-/// Moves texts out of `from`. An error when the body is one that we do not know.
-Result<Request> from_wire(v1::Request& from);
-Result<Reply> from_wire(v1::Reply& from);
+/// Fields that control.proto does not have are skipped; a value of an enum that it does not have
+/// is the default. Error: the bytes are no such message, a text is not UTF-8, or the body is one
+/// that we do not know.
+Result<Request> read_request(std::string_view bytes);
+Result<Reply> read_reply(std::string_view bytes);
 
 }  // namespace mlcca::control

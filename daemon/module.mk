@@ -1,7 +1,7 @@
 # Everything but main.cc is a library, so that tests link the same objects.
 NL_CFLAGS := $(shell $(PKG_CONFIG) --cflags libnl-3.0 libnl-route-3.0 libnl-genl-3.0 2>/dev/null | sed 's/-I/-isystem /g')
 NL_LIBS := $(shell $(PKG_CONFIG) --libs libnl-genl-3.0 libnl-route-3.0 libnl-3.0 2>/dev/null)
-DAEMON_LIBS := $(NL_LIBS) -lsystemd -lsqlite3 -lbpf $(XML_LIBS) $(PROTO_LIBS) -lfmt
+DAEMON_LIBS := $(NL_LIBS) -lsystemd -lsqlite3 -lbpf $(XML_LIBS) -lfmt
 
 $(eval $(call library,enforce,$(wildcard daemon/gates/*.cc)))
 $(enforce_objects): $(BPF_SKELETONS)

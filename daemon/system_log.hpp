@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/handle.hpp"
-#include "control/parts.hpp"
+#include "control/messages.hpp"
 
 namespace mlcca {
 

@@ -1,8 +1,20 @@
-PROTO_LIBS := -lprotobuf-lite
+# SPDX-License-Identifier: BSD-2-Clause
+# The structs of the control protocol, made of control.proto.
+CONTROL_HEADERS := $O/gen/control/messages.hpp $O/gen/control/fields.hpp
+PROTO_FILES := $(wildcard proto/mlcca/v1/*.proto)
+$O/gen/control/fields.hpp: $O/gen/control/messages.hpp ;
+$O/gen/control/messages.hpp: proto/protoc-gen-mlcca $(PROTO_FILES)
+	$(call say,PROTOC,$@)
+	$(Q)mkdir -p $O/gen && $(PROTOC) -Iproto --plugin=protoc-gen-mlcca=proto/protoc-gen-mlcca \
+		--mlcca_out=$O/gen mlcca/v1/control.proto
+
+# What protobuf itself makes of it: tests hold ours against that.
 $O/gen/%.pb.cc $O/gen/%.pb.h: proto/%.proto
 	$(call say,PROTOC,$<)
 	$(Q)mkdir -p $(@D) && $(PROTOC) -Iproto --cpp_out=$O/gen $<
 $O/gen/%.pb.o: $O/gen/%.pb.cc
 	$(call say,CXX,$<)
 	$(Q)$(CXX) $(STD) -w $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
-PROTO_OBJECTS := $O/gen/mlcca/v1/control.pb.o
+PROTOBUF_OBJECTS := $O/gen/mlcca/v1/control.pb.o $O/gen/mlcca/v1/options.pb.o
+$(PROTOBUF_OBJECTS): $O/gen/mlcca/v1/options.pb.h
+$O/tests/control/protobuf_test.o $O/fuzz/obj/tests/control/protobuf_test.o: | $O/gen/mlcca/v1/control.pb.h $O/gen/mlcca/v1/options.pb.h

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A function for each message, its fields in the order of control.proto.
+// A template over the fields of control.proto, and the few messages that say it in another way.
 #include "tools/json.hpp"
 
 #include <fmt/format.h>
 
+#include <concepts>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <string_view>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
+#include "control/fields.hpp"
 #include "core/model/text.hpp"
 #include "mlcca/attribute.hpp"
 #include "tools/render.hpp"
@@ -19,65 +23,26 @@ namespace mlcca::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using control::Field;
 
-Json quantity(std::uint64_t value) { return value == kUnbounded ? Json("unbounded") : Json(value); }
+struct Ignore {
+  void operator()(const Field& /*field*/, const auto& /*member*/) const {}
+};
+template <class T>
+concept Message = requires(const T& message) { for_each_field(message, Ignore{}); };
 
-template <class T, class ToJson>
-Json array(const std::vector<T>& elements, ToJson to_json) {
-  auto result = Json::array();
-  for (const auto& element : elements) result.push_back(to_json(element));
-  return result;
+template <class T>
+Json json_of(const T& value);
+
+/// Reasons as {"no-slot": 3}.
+Json of(const std::vector<control::ReasonCount>& counts) {
+  auto out = Json::object();
+  for (const auto& count : counts) out[count.reason] = count.frames;
+  return out;
 }
 
-/// Of a number whose 0 says that there is none.
-Json unless_zero(std::uint64_t value) { return value == 0 ? Json() : quantity(value); }
-
-Json subject(std::uint64_t value) {
-  return value == 0 ? Json() : Json(core::format_subject(value));
-}
-
-const char* name_of(control::ErrorKind kind) {
-  switch (kind) {
-    case control::ErrorKind::invalid:
-      return "invalid";
-    case control::ErrorKind::forbidden:
-      return "forbidden";
-    case control::ErrorKind::unreadable:
-      return "unreadable";
-    case control::ErrorKind::world:
-      return "world";
-    case control::ErrorKind::unspecified:
-      break;
-  }
-  return "unspecified";
-}
-
-const char* name_of(control::Outcome outcome) {
-  switch (outcome) {
-    case control::Outcome::fit:
-      return "fit";
-    case control::Outcome::run_time:
-      return "run-time";
-    case control::Outcome::unfit:
-      break;
-  }
-  return "unfit";
-}
-
-Json attribute(const control::Attribute& a) {
-  return {{"name", a.name}, {"value", quantity(a.value)}, {"unit", a.unit}, {"dynamic", a.dynamic}};
-}
-
-Json traffic(const control::Traffic& t) {
-  auto reasons = Json::object();
-  for (const auto& count : t.reasons) reasons[count.reason] = count.frames;
-  auto would_drop = Json::object();
-  for (const auto& count : t.would_drop_reasons) would_drop[count.reason] = count.frames;
-  return {{"passed", t.passed}, {"dropped", t.dropped},       {"unknown", t.unknown},
-          {"reasons", reasons}, {"would_drop", t.would_drop}, {"would_drop_reasons", would_drop}};
-}
-
-Json unknown(const control::Unknown& u) {
+/// What the kind of gate tells: a subject with who sent it, or an identifier.
+Json of(const control::Unknown& u) {
   Json out = {{"length", u.length}, {"egress", u.egress}, {"frames", u.frames}};
   if (u.subject != 0) {
     out["subject"] = core::format_subject(u.subject);
@@ -92,292 +57,91 @@ Json unknown(const control::Unknown& u) {
   return out;
 }
 
-const char* name_of(control::HealthState state) {
-  switch (state) {
-    case control::HealthState::healthy:
-      return "healthy";
-    case control::HealthState::degraded:
-      return "degraded";
-    case control::HealthState::closed:
-      return "closed";
-    case control::HealthState::unknown:
-      break;
-  }
-  return "unknown";
-}
-
-Json actor(const std::optional<control::Actor>& a) {
-  if (!a) return {};
-  return {{"uid", a->uid}, {"user", a->user}, {"pid", a->pid}};
-}
-
-Json health(const control::Health& h) {
-  return {{"state", name_of(h.state)}, {"reasons", h.reasons}, {"left_out", h.left_out}};
-}
-
-Json interface(const control::Interface& i) {
-  return {{"name", i.name},
-          {"ifindex", i.ifindex},
-          {"network", i.network},
-          {"identity", i.identity},
-          {"profile", i.profile},
-          {"managed", i.managed},
-          {"up", i.up},
-          {"can_state", i.can_state},
-          {"bitrate", i.bitrate == 0 ? Json() : Json(i.bitrate)},
-          {"gated", i.gated},
-          {"drops_early", i.drops_early},
-          {"slots", i.slots},
-          {"ingress", traffic(i.ingress)},
-          {"egress", traffic(i.egress)},
-          {"unknown", array(i.unknown, unknown)},
-          {"problem", i.problem},
-          {"hook", i.hook},
-          {"drift", i.drift},
-          {"repaired", i.repaired},
-          {"bypassed", i.bypassed}};
-}
-
-Json gate_slot(const control::GateSlot& s) {
-  return {{"name", s.name},
-          {"egress", s.egress},
-          {"passes", s.passes},
-          {"id", s.id},
-          {"mask", s.mask},
-          {"identifier", print_can_id(s.id)},
-          {"formats", s.formats},
-          {"max_length", s.max_length},
-          {"source", s.source},
-          {"per_frame_ns", s.per_frame_ns},
-          {"per_byte", s.per_byte},
-          {"tolerance_ns", s.tolerance_ns},
-          {"excess_passes", s.excess_passes},
-          {"passed", s.passed},
-          {"dropped", s.dropped},
-          {"would_drop", s.would_drop},
-          {"excess", s.excess},
-          {"bytes", s.bytes},
-          {"last_reason", s.last_reason}};
-}
-
-/// An Ethernet gate goes by subject.
-Json ethernet_slot(const control::GateSlot& s) {
-  auto out = gate_slot(s);
-  for (const char* of_can : {"id", "mask", "identifier"}) out.erase(of_can);
+/// The fields of a message, but of a field that is not known, NAME_known says so, null.
+template <Message M>
+Json fields_of(const M& message) {
+  auto out = Json::object();
+  std::string unknown;
+  for_each_field(message, [&](const Field& field, const auto& value) {
+    using T = std::remove_cvref_t<decltype(value)>;
+    const std::string name = field.name;
+    if constexpr (std::same_as<T, bool>) {
+      constexpr std::string_view suffix = "_known";
+      if (name.ends_with(suffix)) {
+        if (!value) unknown = name.substr(0, name.size() - suffix.size());
+        return;
+      }
+    }
+    Json& to = out[name];
+    if (name == unknown) return;
+    if constexpr (std::integral<T>)
+      if (field.zero_is_none && value == 0) return;
+    if constexpr (std::same_as<T, std::uint64_t>)
+      if (field.as_subject) {
+        to = core::format_subject(value);
+        return;
+      }
+    to = json_of(value);
+  });
   return out;
 }
 
-Json gate(const control::Gate& g) {
-  const auto slot = g.masked_room != 0 ? gate_slot : ethernet_slot;
-  return {{"interface", g.interface},
-          {"network", g.network},
-          {"profile", g.profile},
-          {"attached", g.attached},
-          {"problem", g.problem},
-          {"slots", g.slots},
-          {"room", g.room},
-          {"masked", g.masked},
-          {"masked_room", g.masked_room},
-          {"control", array(g.control, slot)},
-          {"channels", array(g.channels, slot)}};
+/// With the identifier as candump writes it.
+Json of(const control::GateSlot& s) {
+  auto out = fields_of(s);
+  out["identifier"] = print_can_id(s.id);
+  return out;
 }
 
-Json network(const control::Network& n) {
-  return {{"name", n.name},
-          {"kind", n.kind},
-          {"profile", n.profile},
-          {"provision", array(n.provision, attribute)},
-          {"capacity", n.capacity_known ? quantity(n.capacity) : Json()},
-          {"reserved", n.reserved},
-          {"available", n.available},
-          {"problem", n.problem},
-          {"gateways", n.gateways}};
+/// An Ethernet gate goes by subject: its slots have no identifier.
+Json of(const control::Gate& g) {
+  auto out = fields_of(g);
+  if (g.masked_room != 0) return out;
+  for (const char* list : {"control", "channels"})
+    for (auto& slot : out[list])
+      for (const char* of_can : {"id", "mask", "identifier"}) slot.erase(of_can);
+  return out;
 }
 
-Json row(const control::Row& r) {
-  return {{"where", r.where},
-          {"attribute", r.attribute},
-          {"unit", r.unit},
-          {"required", quantity(r.required)},
-          {"provided", r.provided_known ? quantity(r.provided) : Json()},
-          {"dynamic", r.dynamic},
-          {"outcome", name_of(r.outcome)},
-          {"margin", r.margin}};
+/// Rates are those of a mesh.
+Json of(const control::MediumUse& m) {
+  auto out = fields_of(m);
+  if (m.paper_rate == 0) out["available"] = nullptr;
+  return out;
 }
 
-Json medium_use(const control::MediumUse& m) {
-  const bool mesh = m.paper_rate != 0;
-  return {{"network", m.network},
-          {"response_ns", unless_zero(m.response_ns)},
-          {"guaranteed_ns", unless_zero(m.guaranteed_ns)},
-          {"paper_rate", unless_zero(m.paper_rate)},
-          {"available", mesh ? quantity(m.available) : Json()},
-          {"limiting_domain", m.limiting_domain},
-          {"nodes", m.nodes}};
+template <class T>
+concept HasRuleOfItsOwn = requires(const T& value) { of(value); };
+
+/// Numbers in lists are ids and counts: none of them is without a bound.
+template <class T>
+Json list(const std::vector<T>& elements) {
+  auto out = Json::array();
+  for (const T& element : elements)
+    if constexpr (std::integral<T>)
+      out.push_back(element);
+    else
+      out.push_back(json_of(element));
+  return out;
 }
 
-Json watch(const control::Watch& w) {
-  return {{"period_ns", w.period_ns},
-          {"silence_ns", unless_zero(w.silence_ns)},
-          {"missing_now", w.missing_now},
-          {"events", w.events},
-          {"missing", w.missing},
-          {"since_last_ns", w.since_last_ns},
-          {"last_gap_ns", unless_zero(w.last_gap_ns)},
-          {"shortest_gap_ns", unless_zero(w.shortest_gap_ns)},
-          {"longest_gap_ns", unless_zero(w.longest_gap_ns)},
-          {"jitter_ns", w.jitter_ns},
-          {"rate_mhz", unless_zero(w.rate_mhz)},
-          {"gaps", w.gaps}};
+template <class T>
+Json json_of(const T& value) {
+  if constexpr (HasRuleOfItsOwn<T>)
+    return of(value);
+  else if constexpr (Message<T>)
+    return fields_of(value);
+  else if constexpr (std::is_enum_v<T>)
+    return name_of(value);
+  else if constexpr (requires { value.has_value(); })
+    return value ? json_of(*value) : Json();
+  else if constexpr (requires { typename T::value_type; } && !std::same_as<T, std::string>)
+    return list(value);
+  else if constexpr (std::same_as<T, std::uint64_t>)
+    return value == kUnbounded ? Json("unbounded") : Json(value);
+  else
+    return value;
 }
-
-Json channel(const control::Channel& c) {
-  return {{"subject", core::format_subject(c.subject)},
-          {"name", c.name},
-          {"description", c.description},
-          {"publisher", c.publisher},
-          {"from", c.from},
-          {"to", c.to},
-          {"subscribers", c.subscribers},
-          {"granted", c.granted},
-          {"reason", c.reason},
-          {"route", c.route},
-          {"rows", array(c.rows, row)},
-          {"admission", c.admission},
-          {"passed", c.passed},
-          {"dropped", c.dropped},
-          {"would_drop", c.would_drop},
-          {"excess", c.excess},
-          {"reaction", c.reaction},
-          {"set", c.set},
-          {"sets", c.sets},
-          {"importance", c.importance},
-          {"media", array(c.media, medium_use)},
-          {"watch", c.watch ? watch(*c.watch) : Json()},
-          {"troubles", c.troubles},
-          {"subscribers_left_out", c.subscribers_left_out},
-          {"rows_left_out", c.rows_left_out},
-          {"withdrawn", c.withdrawn}};
-}
-
-Json route(const control::RouteReport& r) {
-  return {{"from", r.from},       {"to", r.to},           {"places", r.places},
-          {"granted", r.granted}, {"refused", r.refused}, {"media", array(r.media, medium_use)},
-          {"problem", r.problem}};
-}
-
-Json mesh_link(const control::MeshLink& l) {
-  return {{"network", l.network},
-          {"from", l.from},
-          {"to", l.to},
-          {"rate", unless_zero(l.rate)},
-          {"believed_rate", l.believed_rate},
-          {"kind", l.kind},
-          {"loss", l.loss_known ? Json(l.loss) : Json()},
-          {"busy", l.busy_known ? Json(l.busy) : Json()},
-          {"age_ns", quantity(l.age_ns)},
-          {"stale", l.stale},
-          {"lack", l.lack},
-          {"source", l.source}};
-}
-
-Json can_rule(const control::CanRule& r) {
-  return {{"from", r.from}, {"to", r.to},           {"id", r.id},           {"mask", r.mask},
-          {"fd", r.fd},     {"ours", r.ours},       {"channel", r.channel}, {"change", r.change},
-          {"hops", r.hops}, {"handled", r.handled}, {"dropped", r.dropped}, {"deleted", r.deleted}};
-}
-
-Json reservation(const control::Reservation& r) {
-  return {{"channel", r.channel},
-          {"publisher", r.publisher},
-          {"amount", r.amount},
-          {"admission", r.admission},
-          {"set", r.set},
-          {"importance", r.importance},
-          {"lease_ns", unless_zero(r.lease_ns)}};
-}
-
-Json resource(const control::Resource& r) {
-  return {{"name", r.name},
-          {"kind", r.kind},
-          {"unit", r.unit},
-          {"capacity", r.capacity_known ? quantity(r.capacity) : Json()},
-          {"reserved", r.reserved},
-          {"background", r.background},
-          {"reservations", array(r.reservations, reservation)}};
-}
-
-Json outlook(const control::Outlook& o) {
-  return {{"channel", o.channel},
-          {"publisher", o.publisher},
-          {"to", o.to},
-          {"granted_now", o.granted_now},
-          {"granted_then", o.granted_then},
-          {"set_now", o.set_now},
-          {"set_then", o.set_then},
-          {"reason", o.reason}};
-}
-
-Json history_entry(const control::HistoryEntry& h) {
-  return {{"unix_ns", h.unix_ns}, {"kind", h.kind},       {"subject", subject(h.subject)},
-          {"channel", h.channel}, {"from", h.from},       {"to", h.to},
-          {"network", h.network}, {"message", h.message}, {"by", actor(h.by)}};
-}
-
-/// One function for each alternative of Reply::body.
-struct Body {
-  Json operator()(const control::Error& e) const {
-    return {{"error", {{"kind", name_of(e.kind)}, {"message", e.message}, {"details", e.details}}}};
-  }
-  Json operator()(const control::Status& s) const {
-    return {{"version", s.version},
-            {"gateway", s.gateway},
-            {"system", s.system},
-            {"description_file", s.description_file},
-            {"mode", s.mode},
-            {"open", s.open},
-            {"grace_ns", quantity(s.grace_ns)},
-            {"lapses", s.lapses},
-            {"channels_granted", s.channels_granted},
-            {"channels_refused", s.channels_refused},
-            {"started_unix_s", s.started_unix_s},
-            {"loaded_unix_s", s.loaded_unix_s},
-            {"last_error", s.last_error},
-            {"interfaces", array(s.interfaces, interface)},
-            {"problem", s.problem},
-            {"health", health(s.health)}};
-  }
-  Json operator()(const control::Networks& n) const {
-    return {{"networks", array(n.networks, network)}};
-  }
-  Json operator()(const control::Channels& c) const {
-    return {{"channels", array(c.channels, channel)}, {"left_out", c.left_out}};
-  }
-  Json operator()(const control::Done& d) const { return {{"message", d.message}}; }
-  Json operator()(const control::Event& e) const {
-    return {{"unix_ns", e.unix_ns},          {"kind", e.kind},
-            {"subject", subject(e.subject)}, {"channel", e.channel},
-            {"network", e.network},          {"message", e.message},
-            {"admissions", e.admissions},    {"silent_ns", unless_zero(e.silent_ns)},
-            {"missing", e.missing},          {"by", actor(e.by)}};
-  }
-  Json operator()(const control::Routes& r) const {
-    return {{"routes", array(r.routes, route)},
-            {"links", array(r.links, mesh_link)},
-            {"problems", r.problems},
-            {"can_rules", array(r.can_rules, can_rule)}};
-  }
-  Json operator()(const control::Gates& g) const { return {{"gates", array(g.gates, gate)}}; }
-  Json operator()(const control::Reservations& r) const {
-    return {{"resources", array(r.resources, resource)}};
-  }
-  Json operator()(const control::WhatIf& w) const {
-    return {{"outlooks", array(w.outlooks, outlook)}, {"unchanged", w.unchanged}};
-  }
-  Json operator()(const control::History& h) const {
-    return {{"entries", array(h.entries, history_entry)}};
-  }
-};
 
 /// JSON allows DEL and the control characters of C1 as they are; a terminal obeys them. They stand
 /// in strings only.
@@ -403,24 +167,27 @@ std::string on_one_line(const Json& json) {
 }  // namespace
 
 std::string to_json(const control::Reply& reply) {
-  return on_one_line(std::visit(Body{}, reply.body));
+  if (const auto* error = std::get_if<control::Error>(&reply.body))
+    return on_one_line({{"error", json_of(*error)}});
+  return on_one_line(std::visit([](const auto& body) { return json_of(body); }, reply.body));
 }
 
 std::string to_json(const control::Health& of_status) {
-  return on_one_line({{"health", health(of_status)}});
+  return on_one_line({{"health", json_of(of_status)}});
 }
 
 std::string to_json(const control::Gates& gates,
                     const std::vector<control::Interface>& interfaces) {
-  return on_one_line({{"gates", array(gates.gates, [&](const control::Gate& g) {
-                         Json out = gate(g);
-                         if (const auto* const i = interface_of(g, interfaces))
-                           out.update({{"hook", i->hook},
-                                       {"drops_early", i->drops_early},
-                                       {"ingress", traffic(i->ingress)},
-                                       {"egress", traffic(i->egress)}});
-                         return out;
-                       })}});
+  auto out = Json::array();
+  for (const control::Gate& gate : gates.gates) {
+    Json& one = out.emplace_back(json_of(gate));
+    if (const auto* const i = interface_of(gate, interfaces))
+      one.update({{"hook", i->hook},
+                  {"drops_early", i->drops_early},
+                  {"ingress", json_of(i->ingress)},
+                  {"egress", json_of(i->egress)}});
+  }
+  return on_one_line({{"gates", out}});
 }
 
 }  // namespace mlcca::tools

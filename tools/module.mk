@@ -7,7 +7,7 @@ TOOLS_CPPFLAGS := -DFMT_HEADER_ONLY
 
 $(eval $(call library,tools,$(TOOLS_SOURCES)))
 TOOLS_ARCHIVES := $O/libtools.a $O/libcontrol.a $O/libcore.a
-$(eval $(call program,mlccactl,tools/main.cc,$(TOOLS_ARCHIVES),$(PROTO_LIBS)))
+$(eval $(call program,mlccactl,tools/main.cc,$(TOOLS_ARCHIVES),))
 $(tools_objects) $(mlccactl_objects): CPPFLAGS += $(TOOLS_CPPFLAGS)
 $O/mlccactl: LDFLAGS += $(MLCCACTL_STATIC)
 PROGRAMS += $O/mlccactl

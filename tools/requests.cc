@@ -96,9 +96,9 @@ Result<control::ChannelRequest> delivery(const Arguments& from) {
                                  .publisher = from.publisher,
                                  .from_node = from.from_node,
                                  .to_node = from.to_node,
-                                 .address = from.address,
                                  .unlisted = !from.subject.empty(),
-                                 .identifiers = std::move(*named)};
+                                 .identifiers = std::move(*named),
+                                 .address = from.address};
 }
 
 Result<std::uint64_t> lease(const Arguments& from) {
@@ -133,8 +133,7 @@ Result<control::LinkChange> link_change(std::string_view text) {
       .network = std::string(ends.substr(0, slash == std::string_view::npos ? 0 : slash)),
       .from = std::string(nodes.substr(0, comma)),
       .to = std::string(nodes.substr(comma + 1)),
-      .rate = *rate,
-      .both_ways = true};
+      .rate = *rate};
 }
 
 /// 0 of an option that is not given.
@@ -158,7 +157,10 @@ Result<control::Admit> admit(const Arguments& from) {
   if (!request) return std::unexpected(std::move(request).error());
   const auto lease_ns = lease(from);
   if (!lease_ns) return std::unexpected(lease_ns.error());
-  return control::Admit{{std::move(*request)}, from.key, *lease_ns, from.hold};
+  request->key = from.key;
+  request->lease_ns = *lease_ns;
+  request->hold = from.hold;
+  return control::Admit{std::move(*request)};
 }
 
 Result<control::WhatIfRequest> what_if(const Arguments& from) {
@@ -166,7 +168,7 @@ Result<control::WhatIfRequest> what_if(const Arguments& from) {
   for (const auto& text : from.links) {
     auto change = link_change(text);
     if (!change) return std::unexpected(std::move(change).error());
-    change->both_ways = !from.one_way;
+    change->one_way = from.one_way;
     request.links.push_back(std::move(*change));
   }
   request.without = from.without;

@@ -101,7 +101,7 @@ void write_slice(int memory, std::string_view encoded, bool more) {
 
 void write_report(int memory, control::Reply whole, bool may_slice) {
   if (!may_slice) {
-    write_slice(memory, control::encode_body(whole, control::kMaxWhole), false);
+    write_slice(memory, control::encode_body(whole, control::Reply::kMaxBytesUnsliced), false);
     return;
   }
   std::size_t written = 0;
@@ -210,7 +210,8 @@ class Aside::Report {
     if (!failed_.empty()) return failure(failed_);
     if (!made_) return std::nullopt;
     Head head;
-    if (!take(&head, sizeof head) || head.bytes > std::max(kMostOfSlice, control::kMaxWhole))
+    if (!take(&head, sizeof head) ||
+        head.bytes > std::max(kMostOfSlice, control::Reply::kMaxBytesUnsliced))
       return give_up("the process that makes it has ended");
     serve::Slice slice{{}, head.more != 0, std::string(head.bytes, '\0')};
     if (!take(slice.encoded.data(), slice.encoded.size()))

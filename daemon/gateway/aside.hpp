@@ -62,7 +62,8 @@ class Aside {
   void set_rates(ForkBudget::Rates rates) { budget_ = ForkBudget(rates); }
   /// `make` runs in the child, which begins in a later turn of the loop. Dropping what is returned
   /// ends it.
-  /// The slices are encoded; without `may_slice` it is one, of at most control::kMaxWhole bytes.
+  /// The slices are encoded; without `may_slice` it is one, of at most
+  /// control::Reply::kMaxBytesUnsliced bytes.
   serve::NextSlice ask(const serve::Peer& peer, Make make, bool may_slice = true);
   /// Ends what takes too long. Once a second.
   void look();

@@ -64,7 +64,7 @@ serve::Slice ChannelReports::some(Position& at) const {
     const auto& verdicts = decisions[at.channel].verdicts;
     std::vector<const core::Verdict*> some;
     std::size_t lines = 0;
-    for (; at.verdict < verdicts.size() && lines < control::kListedRows; ++at.verdict) {
+    for (; at.verdict < verdicts.size() && lines < control::Channel::kMostRows; ++at.verdict) {
       some.push_back(&verdicts[at.verdict]);
       lines += lines_of(*scene_.state, verdicts[at.verdict]);
     }

@@ -97,7 +97,7 @@ void DeliveryHealth::add_to(std::vector<std::string>& lines) const {
                                     core::name_of(state.system(), v.to), line));
     }
     // What is beyond is counted, and listed by `channels`.
-    if (lines.size() > 2 * control::kMostReasons) return;
+    if (lines.size() > 2 * control::Health::kMostReasons) return;
   }
 }
 

@@ -95,9 +95,9 @@ control::Health health_of(bool open, std::vector<std::string> lines) {
   control::Health out;
   out.state = lines.empty() ? control::HealthState::healthy : control::HealthState::degraded;
   if (!open) out.state = control::HealthState::closed;
-  if (lines.size() > control::kMostReasons) {
-    out.left_out = static_cast<std::uint32_t>(lines.size() - control::kMostReasons);
-    lines.resize(control::kMostReasons);
+  if (lines.size() > control::Health::kMostReasons) {
+    out.left_out = static_cast<std::uint32_t>(lines.size() - control::Health::kMostReasons);
+    lines.resize(control::Health::kMostReasons);
   }
   out.reasons = std::move(lines);
   return out;

@@ -40,7 +40,7 @@ struct Observed {
 [[nodiscard]] std::vector<std::string> troubles(const Observed& seen);
 
 /// `lines` are the reasons of a gateway whose gates are `open`; of them the first
-/// control::kMostReasons are told, and how many were left out.
+/// control::Health::kMostReasons are told, and how many were left out.
 [[nodiscard]] control::Health health_of(bool open, std::vector<std::string> lines);
 
 }  // namespace mlcca

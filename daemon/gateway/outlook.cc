@@ -78,7 +78,7 @@ Result<void> change_link(const core::State& state, const control::LinkChange& ch
   if (*from == *to) return fail("a link has two ends: " + change.from + " is both");
   core::mesh::Graph& graph = graphs.try_emplace(*network, view.graph).first->second;
   set_link(graph, *from, *to, change.rate);
-  if (change.both_ways) set_link(graph, *to, *from, change.rate);
+  if (!change.one_way) set_link(graph, *to, *from, change.rate);
   return {};
 }
 

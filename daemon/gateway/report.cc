@@ -32,7 +32,7 @@ control::Outcome outcome_of(Outcome outcome) {
 std::vector<std::size_t> listed_rows(const std::vector<core::Row>& rows) {
   std::vector<std::size_t> listed;
   const auto add = [&](bool fit) {
-    for (std::size_t i = 0; i < rows.size() && listed.size() < control::kListedRows; ++i)
+    for (std::size_t i = 0; i < rows.size() && listed.size() < control::Channel::kMostRows; ++i)
       if ((rows[i].comparison.outcome == Outcome::fit) == fit) listed.push_back(i);
   };
   add(false);
@@ -122,7 +122,7 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
   out.to = core::name_of(system, v.to);
   out.admission = members.admission_of_publisher(v.publisher);
   for (const std::size_t s : v.subscribers) {
-    if (out.subscribers.size() < control::kListedSubscribers)
+    if (out.subscribers.size() < control::Channel::kMostSubscribers)
       out.subscribers.push_back(members.subscriber(s).name);
     else
       ++out.subscribers_left_out;

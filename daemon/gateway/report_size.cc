@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "control/parts.hpp"
+#include "control/messages.hpp"
 
 namespace mlcca {
 namespace {
@@ -48,8 +48,9 @@ std::size_t lines_of_channel(const core::State& state, std::size_t channel, std:
 }  // namespace
 
 std::size_t lines_of(const core::State& state, const core::Verdict& v) {
-  std::size_t lines = kOfADelivery + std::min(v.subscribers.size(), control::kListedSubscribers) +
-                      std::min(v.rows.size(), control::kListedRows) + v.route.size();
+  std::size_t lines = kOfADelivery +
+                      std::min(v.subscribers.size(), control::Channel::kMostSubscribers) +
+                      std::min(v.rows.size(), control::Channel::kMostRows) + v.route.size();
   for (const core::MediumUse& use : v.media) lines += lines_of_medium(state, use);
   return lines;
 }

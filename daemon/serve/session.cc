@@ -17,7 +17,8 @@ namespace {
 
 std::optional<Slice> too_large() {
   return Slice{control::Error{control::ErrorKind::world,
-                              "the reply has more than " + std::to_string(control::kMaxWhole) +
+                              "the reply has more than " +
+                                  std::to_string(control::Reply::kMaxBytesUnsliced) +
                                   " bytes: ask for less, or for slices (Request.slices)",
                               {}}};
 }
@@ -83,7 +84,8 @@ void Session::step() {
 void Session::take(Answer answer, bool may_slice) {
   if (answer.slices) {
     rest_ = Rest{std::move(answer.slices), answer.reply.id, may_slice};
-    if (!may_slice && answer.least_bytes > control::kMaxWhole) rest_->next = too_large;
+    if (!may_slice && answer.least_bytes > control::Reply::kMaxBytesUnsliced)
+      rest_->next = too_large;
     return;
   }
   if (answer.held || !held_.empty()) {
@@ -126,7 +128,7 @@ void Session::pass_on(const Slice& slice) {
 /// False when it becomes too large.
 bool Session::Rest::take(control::Reply slice) {
   bytes += control::encode(slice).size();
-  return bytes <= control::kMaxWhole && control::join(whole, std::move(slice));
+  return bytes <= control::Reply::kMaxBytesUnsliced && control::join(whole, std::move(slice));
 }
 
 void Session::release(const Result<void>& done) {

@@ -15,7 +15,7 @@
 
 #include "base/handle.hpp"
 #include "base/result.hpp"
-#include "control/parts.hpp"
+#include "control/messages.hpp"
 
 namespace mlcca::store {
 

@@ -18,7 +18,7 @@
 namespace mlcca::store {
 
 /// Bytes of one entry on disk, without its head; append() refuses more.
-inline constexpr std::size_t kMaxEntry = control::kMaxRequest;
+inline constexpr std::size_t kMaxEntry = control::Request::kMaxBytes;
 /// Bytes of all entries between two commits; append() refuses more.
 inline constexpr std::size_t kMaxBatch = 64UL * 1024 * 1024;
 /// The file is written anew when it is larger than this many times what lives in it …

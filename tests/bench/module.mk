@@ -13,8 +13,7 @@ $O/tests/bench/ether_bench.o: $(BPF_SKELETONS) $O/gen/shuffle.skel.h
 BENCHES += $O/bench/ether_bench
 
 $(eval $(call program,bench/admission_bench,tests/bench/admission_bench.cc,$O/libcore.a,-lbenchmark -lpthread))
-$(eval $(call program,bench/socket_bench,tests/bench/socket_bench.cc,$O/libcontrol.a,$(PROTO_LIBS) -lfmt))
-$O/tests/bench/socket_bench.o: | $O/gen/mlcca/v1/control.pb.h
+$(eval $(call program,bench/socket_bench,tests/bench/socket_bench.cc,$O/libcontrol.a,-lfmt))
 BENCHES += $O/bench/admission_bench $O/bench/socket_bench
 
 $(eval $(call program,bench/reader_bench,tests/bench/reader_bench.cc,$O/libdescription.a $O/libcore.a,$(XML_LIBS) -lfmt))
@@ -24,7 +23,7 @@ BENCHES += $O/bench/reader_bench
 $(eval $(call program,bench/mesh_bench,tests/bench/mesh_bench.cc,$O/libcore.a,-lbenchmark -lpthread))
 BENCHES += $O/bench/mesh_bench
 
-$(eval $(call program,bench/journal_bench,tests/bench/journal_bench.cc,$(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a,-lsqlite3 $(PROTO_LIBS) -lfmt))
+$(eval $(call program,bench/journal_bench,tests/bench/journal_bench.cc,$(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a,-lsqlite3 -lfmt))
 BENCHES += $O/bench/journal_bench
 
 $(eval $(call program,bench/can_bench,tests/bench/can_bench.cc,$O/libcore.a,))

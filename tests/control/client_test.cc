@@ -250,7 +250,7 @@ TEST(ClientTest, DoesNotTakeAReplyToSomethingElse) {
 TEST(ClientTest, DoesNotSendWhatTheDaemonWouldRefuse) {
   auto [near, far] = pair_of(SOCK_STREAM);
   Client client(std::move(near));
-  const auto reply = client.call({0, ExplainRequest{std::string(kMaxRequest, 'a')}});
+  const auto reply = client.call({0, ExplainRequest{std::string(Request::kMaxBytes, 'a')}});
   ASSERT_FALSE(reply);
   EXPECT_NE(reply.error().text.find("at most 65536"), std::string::npos);
 }

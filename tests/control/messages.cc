@@ -53,14 +53,14 @@ Channel refused_channel() {
                     .outcome = Outcome::unfit,
                     .margin = "not provided"}},
           .admission = 0,
+          .passed = 12,
+          .dropped = 345,
+          .reaction = {},
           .set = 0,
           .sets = 1,
           .importance = 3,
           .media = {},
-          .passed = 12,
-          .dropped = 345,
           .excess = 6,
-          .reaction = {},
           .watch = {}};
 }
 

@@ -1,1 +1,1 @@
-$(eval $(call unit_test,control_test,$(wildcard tests/control/*.cc),$O/libcontrol.a,$(PROTO_LIBS)))
+$(eval $(call unit_test,control_test,$(wildcard tests/control/*.cc),$O/libcontrol.a $(PROTOBUF_OBJECTS),-lprotobuf))

@@ -19,15 +19,15 @@ ChannelRequest full_channel_request() {
           .publisher = "switch",
           .from_node = "laptop",
           .to_node = "relay",
-          .address = "192.0.2.7",
           .unlisted = false,
-          .identifiers = {}};
+          .identifiers = {},
+          .address = "192.0.2.7"};
 }
 
 namespace {
 
 Admit full_admit() {
-  Admit admit{full_channel_request(), {}, 0, false};
+  Admit admit{full_channel_request()};
   admit.key = "camera of robot 7";
   admit.lease_ns = 30'000'000'000;
   admit.hold = true;
@@ -39,12 +39,12 @@ WhatIfRequest full_what_if_request() {
                      .from = "laptop",
                      .to = "relay",
                      .rate = 6'000'000,
-                     .both_ways = true},
+                     .one_way = false},
                     {.network = "",
                      .from = "02:00:00:00:00:01",
                      .to = "02:00:00:00:00:02",
                      .rate = 0,
-                     .both_ways = false}},
+                     .one_way = true}},
           .without = {"second-can", "bridge"}};
 }
 
@@ -64,7 +64,7 @@ std::vector<NamedRequest> all_requests() {
           {"Query", {4, Query{full_channel_request()}}},
           {"QueryOfChannelOnly", {4, Query{channel_only}}},
           {"QueryOfWhatIsNotDescribed", {4, Query{unlisted}}},
-          {"Admit", {5, Admit{full_channel_request(), {}, 0, false}}},
+          {"Admit", {5, Admit{full_channel_request()}}},
           {"Release",
            {6, ReleaseRequest{.channel = "emergency-switch", .admission = 9, .key = "blue"}}},
           {"Withdraw", {7, WithdrawRequest{"emergency-switch"}}},

@@ -365,8 +365,9 @@ void GatewayUnderTest::check(bool gates_too) {
   check_admissions(journal);
   if (gates_too || journal != checked_) check_gates(journal);
   checked_ = std::move(journal);
-  const std::size_t bound = (std::size_t{8} << 20) + clients_.size() * (2 * serve::Session::kBusy +
-                                                                        2 * control::kMaxRequest);
+  const std::size_t bound =
+      (std::size_t{8} << 20) +
+      clients_.size() * (2 * serve::Session::kBusy + 2 * control::Request::kMaxBytes);
   const std::size_t now = __sanitizer_get_current_allocated_bytes();
   demand(memory_ == 0 || now < memory_ + bound,
          fmt::format("{} bytes more than at the start", now - memory_));

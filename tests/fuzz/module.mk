@@ -25,15 +25,10 @@ $O/fuzz/obj/tools/%.o: CPPFLAGS += $(TOOLS_CPPFLAGS)
 $O/fuzz/obj/tests/%.o: FUZZ_INTO := -O0
 $O/fuzz/obj/tests/fuzz/%.o: FUZZ_FLAGS += $(WARN)
 $O/fuzz/obj/tests/fuzz/%.o: FUZZ_INTO := $(FUZZ_OPT) -fsanitize=fuzzer-no-link
-$O/fuzz/obj/%.o: %.cc | $(BPF_SKELETONS) $O/gen/mlcca/v1/control.pb.h $O/gen/system_xsd.inc
+$O/fuzz/obj/%.o: %.cc | $(BPF_SKELETONS) $(CONTROL_HEADERS) $O/gen/system_xsd.inc
 	$(call say,FUZZCXX,$<)
 	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) $(FUZZ_INTO) -fsanitize=$(FUZZ_SANITIZERS) \
 		$(CPPFLAGS) -MMD -MP -c $< -o $@
-$O/fuzz/obj/gen/%.pb.o: $O/gen/%.pb.cc
-	$(call say,FUZZCXX,$<)
-	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) $(FUZZ_INTO) -fsanitize=$(FUZZ_SANITIZERS) -w \
-		$(CPPFLAGS) -MMD -MP -c $< -o $@
-
 # $(call fuzz_library,NAME,MORE OBJECTS)
 define fuzz_library
 $O/fuzz/lib$1.a: $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
@@ -41,8 +36,7 @@ $O/fuzz/lib$1.a: $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 	$$(Q)rm -f $$@ && ar rcs $$@ $$^
 FUZZ_OBJECTS += $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 endef
-$(foreach library,core description enforce sources untrusted daemon tools design doctor,$(eval $(call fuzz_library,$(library))))
-$(eval $(call fuzz_library,control,$(PROTO_OBJECTS)))
+$(foreach library,core control description enforce sources untrusted daemon tools design doctor,$(eval $(call fuzz_library,$(library))))
 
 define fuzz_target
 FUZZERS += $1
@@ -61,8 +55,8 @@ endef
 
 $(eval $(call fuzz_target,der_fuzz,,der,1500))
 $(eval $(call fuzz_target,description_fuzz,description core,description/good description/bad,16384,$(XML_LIBS) -lfmt))
-$(eval $(call fuzz_target,journal_fuzz,$(addprefix daemon/store/,journal format contents earlier disk) tests/daemon/store/fake_disk control core,journal,2048,$(PROTO_LIBS)))
-$(eval $(call fuzz_target,replies_fuzz,$(addprefix tools/,$(basename $(notdir $(wildcard tools/render*.cc))) json table words values times) control core,replies,4096,$(PROTO_LIBS)))
+$(eval $(call fuzz_target,journal_fuzz,$(addprefix daemon/store/,journal format contents earlier disk) tests/daemon/store/fake_disk control core,journal,2048,))
+$(eval $(call fuzz_target,replies_fuzz,$(addprefix tools/,$(basename $(notdir $(wildcard tools/render*.cc))) json table words values times) control core,replies,4096,))
 $(eval $(call fuzz_target,tables_fuzz,tools/design/analyse_bus/table tools/design/analyse_bus/distinct tools/values core,tables,2048,))
 $(eval $(call fuzz_target,sources_texts_fuzz,untrusted sources,sources_texts,16384,$(NL_LIBS) -lsystemd))
 $(eval $(call fuzz_target,sources_packets_fuzz,untrusted sources,sources_packets,16384,$(NL_LIBS) -lsystemd))

@@ -85,7 +85,7 @@ TEST(MlccactlTest, AsksAboutADeliveryWithAllThatWasSaid) {
   EXPECT_EQ(request_of(query), (control::Request{1, control::Query{expected}}));
   auto admit = arguments;
   admit.insert(admit.begin(), "admit");
-  EXPECT_EQ(request_of(admit), (control::Request{1, control::Admit{expected, {}, 0, false}}));
+  EXPECT_EQ(request_of(admit), (control::Request{1, control::Admit{expected}}));
 }
 
 TEST(MlccactlTest, AsksForAChannelThatIsNotDescribed) {
@@ -120,14 +120,14 @@ TEST(MlccactlTest, AsksWhatWouldBeWithOtherLinksAndWithoutPlaces) {
                      .from = "relay-1",
                      .to = "02:00:00:00:00:03",
                      .rate = 6'000'000,
-                     .both_ways = true},
-                    {.network = "awds", .from = "a.b", .to = "c", .rate = 0, .both_ways = true}};
+                     .one_way = false},
+                    {.network = "awds", .from = "a.b", .to = "c", .rate = 0, .one_way = false}};
   expected.without = {"second-can", "bridge"};
   Arguments arguments = {"what-if",    "--link",       "relay-1,02:00:00:00:00:03=6Mbit/s",
                          "--link",     "awds/a.b,c=0", "--without",
                          "second-can", "--without",    "bridge"};
   EXPECT_EQ(request_of(arguments), (control::Request{1, expected}));
-  for (auto& link : expected.links) link.both_ways = false;
+  for (auto& link : expected.links) link.one_way = true;
   arguments.emplace_back("--one-way");
   EXPECT_EQ(request_of(arguments), (control::Request{1, expected}));
 }

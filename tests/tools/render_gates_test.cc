@@ -83,10 +83,11 @@ TEST(GatesAsJson, TellGates) {
   EXPECT_EQ(json.at("gates").at(0).at("masked_room"), 32);
   EXPECT_EQ(json.at("gates").at(0).at("control").at(0),
             Json::parse(R"({"name": "address-claim", "egress": true, "passes": true,
-      "id": 2163146496, "mask": 3288334080, "identifier": "00eeff00", "formats": "classic",
+      "id": 2163146496, "mask": 3288334080, "formats": "classic",
       "max_length": 8, "source": "user 0", "per_frame_ns": 20000000, "per_byte": 3,
-      "tolerance_ns": 5120000000, "excess_passes": true, "passed": 7, "dropped": 2, "would_drop": 4, "excess": 1,
-      "bytes": 56, "last_reason": "more than admitted"})"));
+      "tolerance_ns": 5120000000, "excess_passes": true, "passed": 7, "dropped": 2, "excess": 1,
+      "bytes": 56, "last_reason": "more than admitted", "would_drop": 4,
+      "identifier": "00eeff00"})"));
 }
 
 TEST(GatesAsJson, TellAnEthernetGateWithItsInterface) {

@@ -122,11 +122,12 @@ TEST(Health, IsWhatTheGatesAndTheReasonsMakeIt) {
 
 TEST(Health, TellsAsManyReasonsAsFitAndHowManyMoreThereAre) {
   Lines lines;
-  for (std::size_t i = 0; i < control::kMostReasons; ++i) lines.push_back(fmt::format("{}", i));
+  for (std::size_t i = 0; i < control::Health::kMostReasons; ++i)
+    lines.push_back(fmt::format("{}", i));
   EXPECT_EQ(health_of(true, lines).reasons, lines);
   EXPECT_EQ(health_of(true, lines).left_out, 0U);
   lines.emplace_back("one more");
-  EXPECT_EQ(health_of(true, lines).reasons.size(), control::kMostReasons);
+  EXPECT_EQ(health_of(true, lines).reasons.size(), control::Health::kMostReasons);
   EXPECT_EQ(health_of(true, lines).left_out, 1U);
 }
 
