@@ -81,7 +81,7 @@ class Random {
 template <class Wire, class Plain>
 void agree_over_random_messages(Result<Plain> (*read)(std::string_view)) {
   Random random;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     Wire wire;
     random.fill(wire);
     const auto plain = read(wire.SerializeAsString());
@@ -120,7 +120,7 @@ void refuse_what_protobuf_refuses(Result<Plain> (*read)(std::string_view)) {
   google::protobuf::SetLogHandler(nullptr);
   Random random;
   int refused = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < 4000; ++i) {
     Wire wire;
     random.fill(wire);
     std::string bytes = wire.SerializeAsString();
@@ -135,7 +135,7 @@ void refuse_what_protobuf_refuses(Result<Plain> (*read)(std::string_view)) {
     ++refused;
     EXPECT_FALSE(read(bytes)) << testing::PrintToString(bytes);
   }
-  EXPECT_GT(refused, 1000) << "hardly anything was wrong, so hardly anything tested";
+  EXPECT_GT(refused, 400) << "hardly anything was wrong, so hardly anything tested";
 }
 
 TEST(Protobuf, RefusesNothingThatWeRead) {

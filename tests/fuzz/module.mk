@@ -29,6 +29,11 @@ $O/fuzz/obj/%.o: %.cc | $(BPF_SKELETONS) $(CONTROL_HEADERS) $O/gen/system_xsd.in
 	$(call say,FUZZCXX,$<)
 	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) $(FUZZ_INTO) -fsanitize=$(FUZZ_SANITIZERS) \
 		$(CPPFLAGS) -MMD -MP -c $< -o $@
+$O/fuzz/obj/gen/%.pb.o: $O/gen/%.pb.cc
+	$(call say,FUZZCXX,$<)
+	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) $(FUZZ_INTO) -fsanitize=$(FUZZ_SANITIZERS) -w \
+		$(CPPFLAGS) -MMD -MP -c $< -o $@
+
 # $(call fuzz_library,NAME,MORE OBJECTS)
 define fuzz_library
 $O/fuzz/lib$1.a: $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
