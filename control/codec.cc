@@ -3,6 +3,8 @@
 #include "control/codec.hpp"
 
 #include <cstdint>
+#include <protozero/buffer_string.hpp>
+#include <protozero/varint.hpp>
 #include <string_view>
 #include <utility>
 
@@ -48,17 +50,13 @@ Result<std::optional<Message>> decode(Buffer& buffer, Result<Message> (*read)(st
   return std::move(*message);
 }
 
-void add_varint(std::string& bytes, std::uint64_t number) {
-  for (; number >= 0x80; number >>= 7U)
-    bytes.push_back(static_cast<char>((number & 0x7fU) | 0x80U));
-  bytes.push_back(static_cast<char>(number));
-}
-
-std::string framed(std::string_view message) {
+/// A message of two parts behind its length.
+std::string framed(std::string_view front, std::string_view rest) {
   std::string bytes;
-  bytes.reserve(kMaxPrefix + message.size());
-  add_varint(bytes, message.size());
-  bytes += message;
+  bytes.reserve(kMaxPrefix + front.size() + rest.size());
+  protozero::add_varint_to_buffer(&bytes, front.size() + rest.size());
+  bytes += front;
+  bytes += rest;
   return bytes;
 }
 
@@ -74,13 +72,13 @@ Error too_large(std::size_t bytes, std::size_t most) {
 std::string encode(const Request& request) {
   std::string message;
   write(request, message);
-  return framed(message);
+  return framed("", message);
 }
 
 std::string encode(const Reply& reply) {
   std::string message;
   write(reply, message);
-  if (message.size() <= Reply::kMaxBytes) return framed(message);
+  if (message.size() <= Reply::kMaxBytes) return framed("", message);
   return encode(Reply{reply.id, too_large(message.size(), Reply::kMaxBytes)});
 }
 
@@ -96,14 +94,9 @@ std::string with_id(std::uint64_t id, std::string_view body) {
   std::string field;
   if (id != 0) {
     field.push_back(key);
-    add_varint(field, id);
+    protozero::add_varint_to_buffer(&field, id);
   }
-  std::string bytes;
-  bytes.reserve(kMaxPrefix + field.size() + body.size());
-  add_varint(bytes, field.size() + body.size());
-  bytes += field;
-  bytes += body;
-  return bytes;
+  return framed(field, body);
 }
 
 Result<std::optional<Request>> decode_request(Buffer& buffer) {

@@ -17,17 +17,10 @@ namespace {
 
 using Kind = protozero::pbf_wire_type;
 
-struct Ignore {
-  void operator()(const Field& /*field*/, const auto& /*member*/) const {}
-};
-template <class T>
-concept Message = requires(const T& message) { for_each_field(message, Ignore{}); };
 template <class T>
 concept Enum = std::is_enum_v<T>;
 
-// --- to bytes: what has its default is left out
-// ---------------------------------------------------
-
+/// To bytes: what has its default is left out.
 class Writer {
  public:
   explicit Writer(std::string& bytes) : bytes_(bytes), to_(bytes) {}
@@ -92,11 +85,9 @@ class Writer {
   protozero::pbf_writer to_;
 };
 
-// --- from bytes: of a field that comes twice the last one counts, lists and messages go on
-// --------
-
 struct Malformed {};
 
+/// From bytes: of a field that comes twice the last one counts, lists and messages go on.
 class Reader {
  public:
   explicit Reader(protozero::data_view bytes) : from_(bytes) {}

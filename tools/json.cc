@@ -24,12 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using control::Field;
-
-struct Ignore {
-  void operator()(const Field& /*field*/, const auto& /*member*/) const {}
-};
-template <class T>
-concept Message = requires(const T& message) { for_each_field(message, Ignore{}); };
+using control::Message;
 
 template <class T>
 Json json_of(const T& value);

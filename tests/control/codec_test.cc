@@ -240,6 +240,15 @@ TEST(CodecTest, ReadsTheNumbersOfTheFieldsAsTheyArePublished) {
   EXPECT_EQ(next_request(renew), (Request{5, RenewRequest{.admission = 3, .key = ""}}));
 }
 
+TEST(CodecTest, AChannelOfAnOlderDaemonHasOneSet) {
+  // channels { channels { } }
+  auto buffer = exactly(framed(std::string("\x2a\x02\x0a\x00", 4)));
+  const auto decoded = decode_reply(buffer);
+  ASSERT_TRUE(decoded && *decoded);
+  EXPECT_EQ(std::get<Channels>((*decoded)->body), Channels{{Channel{}}});
+  EXPECT_EQ(Channel{}.sets, 1U);
+}
+
 TEST(CodecTest, AReplyThatWasEncodedElsewhereGetsItsId) {
   for (const test::NamedReply& named : test::all_replies())
     for (const std::uint64_t id : {0UL, 1UL, 127UL, 128UL, ~0UL}) {

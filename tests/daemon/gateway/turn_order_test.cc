@@ -107,6 +107,22 @@ TEST_F(OnTheBench, ARequestThatChangesSomethingIsForMembers) {
   EXPECT_FALSE(is_forbidden(bench_.ask(query, outsider())));
 }
 
+/// The schema has the fields of an admission in a query, too: they do nothing there.
+TEST_F(OnTheBench, AQueryWithAKeyAndALeaseHoldsNothing) {
+  control::Query query;
+  static_cast<control::ChannelRequest&>(query) = newcomer();
+  query.key = "camera";
+  query.lease_ns = 5'000'000'000;
+  query.hold = true;
+  const auto answer = bench_.ask(query);
+  ASSERT_FALSE(is_error(answer));
+  EXPECT_FALSE(answer.held);
+  bench_.act();
+  EXPECT_TRUE(bench_.state().admissions().empty());
+  EXPECT_TRUE(bench_.recorded(random_).admissions.empty());
+  EXPECT_TRUE(is_error(bench_.ask(control::RenewRequest{0, "camera"}))) << "no key is known";
+}
+
 TEST_F(OnTheBench, ALeaseThatIsNotRenewedEnds) {
   auto request = newcomer();
   request.lease_ns = 5'000'000'000;
