@@ -73,7 +73,7 @@ static __always_inline enum nature parse_link(const struct packet *p, __u32 *at,
 		if (!TAKE(p, *at - 2, protocol))
 			return MALFORMED;
 	}
-	/* A frame with more tags than anybody looks through. */
+	/* A frame with more tags than anyone looks through. */
 	return *protocol == bpf_htons(ETH_P_8021Q) || *protocol == bpf_htons(ETH_P_8021AD)
 		   ? OPAQUE
 		   : NOT_EVENT;

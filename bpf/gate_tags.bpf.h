@@ -163,7 +163,7 @@ static __always_inline void join(struct reply *r, __u32 direction, __u32 node)
 /*
  * What comes in has been on the bus, whatever becomes of it here; what goes out comes here when it
  * passes, also by audit mode. `admitted`: as control traffic. A reply that no broker may send
- * closes as well: nodes take the answer from anybody. Not static: the verifier looks at it once by
+ * closes as well: nodes take the answer from anyone. Not static: the verifier looks at it once by
  * itself.
  */
 __noinline __u32 heed_reply(struct __sk_buff *skb, struct frame *frame, __u32 direction,

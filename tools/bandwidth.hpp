@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// mlccactl bandwidth: what a chain of radio links carries, without asking anybody.
+// mlccactl bandwidth: what a chain of radio links carries, without asking anyone.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -336,7 +336,7 @@ void State::forget_deliveries(std::size_t channel, AdmissionId leaving) {
       std::ranges::count_if(decision.verdicts, [](const Verdict& v) { return v.granted; }));
 }
 
-/// A channel that is complete without anybody from the run time is as old as the description.
+/// A channel that is complete without anyone from the run time is as old as the description.
 void State::note_age(std::size_t channel) {
   ages_[channel] = 0;
   std::uint64_t oldest = kUnbounded;

@@ -45,7 +45,7 @@ class Proposal {
   ~Proposal();
 
   /// Every delivery that the newcomer takes part in is granted, none that was granted is lost, and
-  /// the channel is in no lower attribute set than before. Without anybody on the other side there
+  /// the channel is in no lower attribute set than before. Without anyone on the other side there
   /// is nothing to grant: not fit.
   [[nodiscard]] bool fit() const { return fit_; }
   /// The newcomer's verdicts.

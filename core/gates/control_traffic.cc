@@ -223,7 +223,7 @@ ControlState control_at(const Network& network, const Port& port, std::size_t ki
 
 namespace {
 
-/// What one kind needs on a CAN port. `asker`: who asks the broker for tags, if anybody does.
+/// What one kind needs on a CAN port. `asker`: who asks the broker for tags, if anyone does.
 void add_can_frames(ControlRules& rules, std::size_t p, const Port& port, const Network& network,
                     std::size_t kind, std::optional<std::uint32_t> asker) {
   const ControlKind& known = control_kinds(network)[kind];

@@ -34,7 +34,7 @@ struct Known {
 ///
 /// Where several sources know a direction: the rate is that of the best kind (effective, then
 /// derived, then PHY), of equal kinds the youngest, and the description's where no other knows one;
-/// loss and busy are the worst that anybody
+/// loss and busy are the worst that anyone
 /// reports; the channel is that of the rate's source, or else of the first one that says it. A
 /// source that knows no rate (an ETX protocol) so refines the loss of a link whose rate another one
 /// knows. Weights are compared with each other, so they are all of one source, the first that gives

@@ -25,7 +25,7 @@ class Forwarder {
 
   /// What the channel needs from now on, in the place of what it needed; act() brings it about.
   void want(std::size_t channel, std::vector<net::CanRule> rules);
-  /// Nothing is needed by anybody, and what the kernel has is read anew.
+  /// Nothing is needed by anyone, and what the kernel has is read anew.
   void forget();
 
   /// Once a turn: the changes, if any.

@@ -17,7 +17,7 @@
 
 namespace mlcca {
 
-/// What `work` gives, which must share nothing with anybody; nothing after `limit_ns`: then the
+/// What `work` gives, which must share nothing with anyone; nothing after `limit_ns`: then the
 /// thread goes on, and the program must end by std::_Exit. `meanwhile` is called every 20 ms.
 template <class Work>
 auto in_time(Work work, std::uint64_t limit_ns, const std::function<void()>& meanwhile)

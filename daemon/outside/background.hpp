@@ -15,7 +15,7 @@ class Background {
   Background& operator=(Background&&) = delete;
   virtual ~Background() = default;
 
-  /// Runs `work` beside the loop, which must share nothing with anybody, then `done` in the loop;
+  /// Runs `work` beside the loop, which must share nothing with anyone, then `done` in the loop;
   /// false when it cannot be had or the former piece goes on.
   virtual bool begin(std::function<void()> work, std::function<void()> done) = 0;
   /// What is under way is not waited for any more: its `done` is not called. It goes on, and

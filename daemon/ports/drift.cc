@@ -163,7 +163,7 @@ void Drift::keep_early(int ifindex, enforce::PortGate& gate, Seen& seen) {
         !others.empty());
 }
 
-/// Ours goes first where that takes nothing away from anybody: a program in front of it may let
+/// Ours goes first where that takes nothing away from anyone: a program in front of it may let
 /// frames pass that ours never sees.
 void Drift::keep_first(int ifindex, enforce::PortGate& gate, Seen& seen) {
   auto found = before(ifindex, gate);

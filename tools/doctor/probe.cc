@@ -37,7 +37,7 @@ bool set(int fd, int level, int option, const T& value) {
   return ::setsockopt(fd, level, option, &value, sizeof value) == 0;
 }
 
-/// More than anybody may have needs a capability.
+/// More than anyone may have needs a capability.
 void enlarge(int fd) {
   for (const auto& [forced, asked] :
        {std::pair(SO_RCVBUFFORCE, SO_RCVBUF), std::pair(SO_SNDBUFFORCE, SO_SNDBUF)})

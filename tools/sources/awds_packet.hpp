@@ -21,7 +21,7 @@ namespace mlcca::net::awds {
 inline constexpr std::uint16_t kEthertype = 0x8334;
 inline constexpr std::size_t kShortest = 23;   ///< a topology packet without links and without name
 inline constexpr std::size_t kLongest = 4096;  ///< AWDS's own packet buffer
-inline constexpr std::size_t kMaxNodes = 1024;     ///< anybody on the air can invent nodes
+inline constexpr std::size_t kMaxNodes = 1024;     ///< anyone on the air can invent nodes
 inline constexpr std::size_t kMaxNeighbours = 40;  ///< in one packet
 inline constexpr std::size_t kMaxName = 32;        ///< bytes
 

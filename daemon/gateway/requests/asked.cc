@@ -256,7 +256,7 @@ Result<void> check_sender(const core::State& state, const core::Publisher& newco
   return {};
 }
 
-/// Then it is policed; without that anybody could fill a network.
+/// Then it is policed; without that anyone could fill a network.
 bool states_traffic(const core::Publisher& p) {
   return p.attributes.has(Attribute::bandwidth) ||
          (p.attributes.has(Attribute::period) && p.attributes.has(Attribute::max_payload));

@@ -51,7 +51,7 @@ struct Survey {
   std::uint32_t frequency = 0;          ///< MHz
   bool in_use = false;                  ///< the channel that the interface is on
   std::optional<std::uint64_t> time{};  ///< ms spent on the channel
-  std::optional<std::uint64_t> busy{};  ///< ms of these in which it was taken, by anybody
+  std::optional<std::uint64_t> busy{};  ///< ms of these in which it was taken, by anyone
   std::optional<std::uint64_t> sent{};  ///< ms of these in which this radio sent
 };
 [[nodiscard]] std::optional<Survey> read_survey(genl::Octets message);

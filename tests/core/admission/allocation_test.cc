@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Who gets what when a network changes: keep, squeeze, serve, raise.
+// Who gets what when a network changes: keep, degrade, admit waiting, upgrade.
 #include <gtest/gtest.h>
 
 #include <cstdint>

@@ -130,7 +130,7 @@ TEST(BusTest, WhoIsHeardIsBackgroundToAllOthers) {
   state.set_withdrawn(0, true);
   state.settle();
   EXPECT_EQ(state.ledger().schedule(0)->assumptions().background, 360'000U)
-      << "it goes on sending as far as anybody knows";
+      << "it goes on sending as far as anyone knows";
 }
 
 TEST(BusTest, AtDesignTimeResponseTimesAreThoseOfAllMessagesThatAreGranted) {

@@ -226,7 +226,7 @@ class Bus {
     std::size_t winner = has_unadmitted(now) ? kUnadmitted : kNobody;
     std::uint64_t best = std::numeric_limits<std::uint64_t>::max();
     const auto bid = [&](std::size_t who, std::size_t message) {
-      // Equal priorities: the victim is the unlucky one, of others anybody.
+      // Equal priorities: the victim is the unlucky one, of others anyone.
       const std::uint64_t value = std::uint64_t{messages_[message].priority} * 4 +
                                   (message == world_.victim ? 3 : random_.below(3));
       if (value >= best) return;

@@ -131,7 +131,7 @@ class Bus {
       offers.push_back(
           {Offer::Who::background, 0, world_.background_wins ? 0 : last - 1, longest_});
     if (offers.empty()) return std::nullopt;
-    // Equal priorities: anybody may be first.
+    // Equal priorities: anyone may be first.
     std::ranges::shuffle(offers, random_);
     return *std::ranges::min_element(offers, {}, &Offer::priority);
   }

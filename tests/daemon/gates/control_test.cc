@@ -197,7 +197,7 @@ TEST(DeadMan, ShorterGraceTakesEffectAtOnce) {
   EXPECT_TRUE(becomes([&] { return control.lapsed(); }));
 }
 
-/// The control word, as anybody with the right to it can write there.
+/// The control word, as anyone with the right to it can write there.
 class Word {
  public:
   explicit Word(const Control& control)

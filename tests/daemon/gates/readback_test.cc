@@ -92,7 +92,7 @@ TEST_P(Attach, ReadBackOfADamagedTableIsAProblemAndNoCrash) {
             std::string::npos);
 }
 
-/// The pinned table of a gate, as anybody with the right to it can write there.
+/// The pinned table of a gate, as anyone with the right to it can write there.
 class Pinned {
  public:
   explicit Pinned(const std::string& pins) : map_(bpf_obj_get((pins + "/table").c_str())) {}
@@ -167,7 +167,7 @@ TEST_P(Tcx, ReadBackNamesAProgramBeforeOurs) {
             std::string::npos);
 }
 
-/// An open word with a grace of an hour, as anybody with the right to it can write there.
+/// An open word with a grace of an hour, as anyone with the right to it can write there.
 class ReadBackOfGrace : public testing::Test {
  protected:
   ReadBackOfGrace() {

@@ -242,7 +242,7 @@ class Model {
   void check_admissions() {
     for (const auto& [id, channel] : bench_.state().admissions())
       demand(granted_.contains(id) || held_.contains(id),
-             "admission " + std::to_string(id) + " is not known to anybody");
+             "admission " + std::to_string(id) + " is not known to anyone");
   }
 
   Random random_;

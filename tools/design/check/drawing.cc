@@ -167,7 +167,7 @@ class Graph {
     return deliveries <= kMaxSingle;
   }
 
-  /// Who listens stands behind its network, anybody else before it.
+  /// Who listens stands behind its network, anyone else before it.
   void add_seat(const std::string& id, const std::string& name, Place place, bool behind) {
     put("{} [id=\"{}{}\" class=\"end\" shape=box style=rounded fontsize=10 label=\"{}\"]\n", id,
         prefix_, id, quoted(name));
