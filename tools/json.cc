@@ -107,6 +107,10 @@ Json of(const control::MediumUse& m) {
 
 template <class T>
 concept HasRuleOfItsOwn = requires(const T& value) { of(value); };
+template <class T>
+concept Optional = requires(const T& value) { value.has_value(); };
+template <class T>
+concept List = requires { typename T::value_type; } && !std::same_as<T, std::string>;
 
 /// Numbers in lists are ids and counts: none of them is without a bound.
 template <class T>
@@ -128,9 +132,9 @@ Json json_of(const T& value) {
     return fields_of(value);
   else if constexpr (std::is_enum_v<T>)
     return name_of(value);
-  else if constexpr (requires { value.has_value(); })
+  else if constexpr (Optional<T>)
     return value ? json_of(*value) : Json();
-  else if constexpr (requires { typename T::value_type; } && !std::same_as<T, std::string>)
+  else if constexpr (List<T>)
     return list(value);
   else if constexpr (std::same_as<T, std::uint64_t>)
     return value == kUnbounded ? Json("unbounded") : Json(value);
