@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # The structs of the control protocol, made of control.proto.
-CONTROL_HEADERS := $O/gen/control/messages.hpp $O/gen/control/fields.hpp
+CONTROL_HEADERS := $O/gen/control/messages.hpp $O/gen/control/oneofs.inc $O/gen/control/fields.hpp
 PROTO_FILES := $(wildcard proto/mlcca/v1/*.proto)
-$O/gen/control/fields.hpp: $O/gen/control/messages.hpp ;
+$O/gen/control/fields.hpp $O/gen/control/oneofs.inc: $O/gen/control/messages.hpp ;
 $O/gen/control/messages.hpp: proto/protoc-gen-mlcca $(PROTO_FILES)
 	$(call say,PROTOC,$@)
 	$(Q)mkdir -p $O/gen && $(PROTOC) -Iproto --plugin=protoc-gen-mlcca=proto/protoc-gen-mlcca \
