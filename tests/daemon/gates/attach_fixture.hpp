@@ -51,7 +51,7 @@ inline std::uint64_t seen(const Gate& gate) {
   return std::accumulate(reasons.begin(), reasons.end(), std::uint64_t{0});
 }
 
-/// Frames from the bus as fast as they go, from another thread.
+/// Frames from the bus as fast as they go, from another thread, which has begun.
 class Traffic {
  public:
   Traffic(const Bus& bus, const Gate& gate, std::vector<std::uint32_t> ids)
@@ -60,10 +60,13 @@ class Traffic {
           while (!done_) {
             for (const auto id : ids) bus.inject(frame(id));
             ++rounds_;
+            rounds_.notify_one();
             // The kernel's queue is finite: a frame lost there was not lost by the gate.
             while (before + rounds_ * ids.size() > seen(gate) + 200) std::this_thread::yield();
           }
-        }) {}
+        }) {
+    rounds_.wait(0);
+  }
   Traffic(const Traffic&) = delete;
   Traffic& operator=(const Traffic&) = delete;
   ~Traffic() { stop(); }
@@ -77,7 +80,7 @@ class Traffic {
 
  private:
   std::atomic<bool> done_ = false;
-  std::uint64_t rounds_ = 0;
+  std::atomic<std::uint64_t> rounds_ = 0;
   std::thread thread_;
 };
 
