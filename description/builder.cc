@@ -4,6 +4,7 @@
 #include "description/builder.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <utility>
@@ -112,7 +113,7 @@ bool Builder::within_limits(int line, std::string_view name, std::size_t attribu
 
 const Child* Builder::root_child(int line, const QualifiedName& name) {
   if (name.space.empty()) {
-    if (name.local == "System") return &system_root();
+    if (name.local == system_root().name) return &system_root();
     const auto part = std::ranges::find(system_parts(), name.local, &Child::name);
     if (root_ == Root::system_or_part && part != system_parts().end()) return &*part;
   }
@@ -135,7 +136,7 @@ const Child* Builder::next_child_of_open(int line, const QualifiedName& name) {
           fmt::format("is not known here: it is in the namespace {}, and no element of a "
                       "description is in one",
                       clipped(name.space, 80)));
-  else if (open_.size() == files_.back().depth && name.local == "System")
+  else if (open_.size() == files_.back().depth && name.local == system_root().name)
     wrong(line, name.local,
           "a System cannot be included: the root of an included file is a part of one");
   else
@@ -229,7 +230,8 @@ void Builder::start_include(int line, std::span<const ParsedAttribute> attribute
     including_.right = false;
   };
   if (!is_container(*open_.back().type))
-    refuse("xi:include is a child of System or Component: it stands for a whole part");
+    refuse(fmt::format("xi:include is a child of {}: it stands for a whole part",
+                       fmt::join(containers(), " or ")));
   if (std::ranges::any_of(open_, &Open::has_base) || std::ranges::any_of(attributes, is_base))
     refuse("is not read inside of xml:base: remove that, and give href relative to this file");
   bool has_href = false;

@@ -6,7 +6,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <vector>
 
 #include "description/suggest.hpp"
 
@@ -130,6 +129,13 @@ bool is_complete(const ElementType& type, const Content& content) {
 
 bool is_container(const ElementType& type) {
   return std::ranges::any_of(type.steps, &Step::includes);
+}
+
+std::vector<std::string_view> containers() {
+  Names out;
+  for (const auto* type : element_types())
+    if (is_container(*type)) out.push_back(type->name);
+  return out;
 }
 
 std::string explain_child(const ElementType& type, const Content& content, std::string_view parent,

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "description/grammar.hpp"
 #include "description/xml.hpp"
@@ -27,6 +28,9 @@ bool is_complete(const ElementType& type, const Content& content);
 
 /// Its parts come in any number, and one that is wrong says nothing about the others.
 bool is_container(const ElementType& type);
+
+/// The names of all of which that is true.
+std::vector<std::string_view> containers();
 
 /// What is said of a child that next_child refuses; `parent` is the name of the element, `before`
 /// are the children that it has so far.

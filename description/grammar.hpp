@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What system.xsd says of elements, as one table that is looked up while a document is read. Tests
-// hold the two together.
+// What system.xsd says of elements, as one table that is looked up while a document is read. It is
+// made of the schema (make-grammar); here is its form.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -6,29 +6,14 @@
 
       xsltproc reference.xsl system.xsd > reference.html
 
-  What the schema does not say stands in the two tables below: its patterns in words (the tests hold
-  them against those of the error texts) and examples, which are parts of real descriptions.
+  What the schema does not say stands in the table below: examples, which are parts of real
+  descriptions.
 -->
 <xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform"
                 xmlns:xs="http://www.w3.org/2001/XMLSchema" xmlns:r="urn:mlcca:reference"
                 exclude-result-prefixes="xs r">
   <xsl:output method="html" encoding="UTF-8" indent="no" doctype-system="about:legacy-compat"/>
 
-  <r:words type="Name">a letter, then up to 62 letters, digits, dots, underscores or hyphens</r:words>
-  <r:words type="ChannelName">a channel's name (a letter, then up to 62 letters, digits, dots, underscores or hyphens) or subject (0x and up to 16 hexadecimal digits)</r:words>
-  <r:words type="HostName">up to 64 letters, digits, dots or hyphens, starting with a letter or digit</r:words>
-  <r:words type="UserName">a user's name or number</r:words>
-  <r:words type="InterfaceName">up to 15 letters, digits or _ . @ + -, as the kernel names interfaces</r:words>
-  <r:words type="Subject">0x and up to 16 hexadecimal digits</r:words>
-  <r:words type="ShortHex">0x and up to 8 hexadecimal digits</r:words>
-  <r:words type="SmallNumber">a number such as 32 or 0x20, without a sign</r:words>
-  <r:words type="Number">a number such as 65226 or 0xfeca, without a sign</r:words>
-  <r:words type="ControlKinds">all, none, or names of kinds with blanks between them</r:words>
-  <r:words type="Decimal">a decimal number such as 50 or 0.5, without a sign, up to 20 digits on each side</r:words>
-  <r:words type="AttributeName">a letter, then up to 62 letters or digits</r:words>
-  <r:words type="NodeAddress">a MAC address such as 02:00:00:00:00:01, or an IPv4 or IPv6 address</r:words>
-  <r:words type="SenderAddress">the IPv4 or MAC address of one station, such as 192.0.2.7</r:words>
-  <r:words type="SubjectRange">no, any, or a subject and how many of its leading bits count, such as 0x5600000000000000/8</r:words>
 
   <r:example type="System" file="volksbot/robot" element="System"/>
   <r:example type="EventChannel" file="volksbot/channels/emergency-switch" element="EventChannel"/>
@@ -42,7 +27,6 @@
   <r:example type="Placement" file="volksbot/second-bus" element="Placement"/>
   <r:example type="Route" file="volksbot/second-bus" element="Route"/>
 
-  <xsl:variable name="words" select="document('')/xsl:stylesheet/r:words"/>
   <xsl:variable name="examples" select="document('')/xsl:stylesheet/r:example"/>
   <xsl:key name="type" match="xs:complexType | xs:simpleType" use="@name"/>
   <xsl:key name="group" match="xs:group[@name] | xs:attributeGroup[@name]" use="@name"/>
@@ -287,10 +271,8 @@
   <!-- ============================ values in words ============================ -->
 
   <xsl:template match="xs:simpleType" mode="words">
-    <xsl:variable name="name" select="@name"/>
     <xsl:variable name="restriction" select="xs:restriction"/>
     <xsl:choose>
-      <xsl:when test="$words[@type = $name]"><xsl:value-of select="$words[@type = $name]"/></xsl:when>
       <xsl:when test="$restriction/xs:enumeration">
         <xsl:for-each select="$restriction/xs:enumeration">
           <code><xsl:value-of select="@value"/></code>
@@ -299,12 +281,19 @@
         </xsl:for-each>
       </xsl:when>
       <xsl:when test="$restriction/xs:minInclusive">
-        <xsl:value-of select="concat('a whole number from ', $restriction/xs:minInclusive/@value, ' to ', $restriction/xs:maxInclusive/@value)"/>
+        <xsl:text>a whole number</xsl:text>
+        <xsl:for-each select="xs:annotation/xs:appinfo[@source = 'unit']"><xsl:value-of select="concat(' of ', .)"/></xsl:for-each>
+        <xsl:value-of select="concat(' from ', $restriction/xs:minInclusive/@value)"/>
+        <xsl:for-each select="xs:annotation/xs:appinfo[@source = 'least']"><xsl:value-of select="concat(' (', ., ')')"/></xsl:for-each>
+        <xsl:value-of select="concat(' to ', $restriction/xs:maxInclusive/@value)"/>
       </xsl:when>
       <xsl:when test="$restriction/xs:minLength">
         <xsl:value-of select="concat($restriction/xs:minLength/@value, ' to ', $restriction/xs:maxLength/@value, ' characters')"/>
       </xsl:when>
-      <xsl:otherwise><xsl:value-of select="concat('up to ', $restriction/xs:maxLength/@value, ' characters')"/></xsl:otherwise>
+      <xsl:when test="$restriction/xs:maxLength">
+        <xsl:value-of select="concat('up to ', $restriction/xs:maxLength/@value, ' characters')"/>
+      </xsl:when>
+      <xsl:otherwise><xsl:value-of select="normalize-space(xs:annotation/xs:documentation)"/></xsl:otherwise>
     </xsl:choose>
     <xsl:if test="$restriction/xs:pattern"> (<code><xsl:value-of select="$restriction/xs:pattern/@value"/></code>)</xsl:if>
   </xsl:template>

@@ -1,38 +1,56 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The simple types of system.xsd: what a value looks like, checked by plain functions. A test holds
-// the table and the schema together.
+// The simple types of system.xsd: what a value looks like. The table is made of the schema
+// (make-grammar); here are its form and what it is read with.
 #pragma once
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 
 namespace mlcca::description {
 
-/// One simple type. Exactly one of `fits`, `values`, `integer` and a length says what is right.
+/// A set of bytes.
+class Characters {
+ public:
+  consteval explicit Characters(std::string_view members) {
+    for (const char c : members) in_[static_cast<unsigned char>(c)] = true;
+  }
+  [[nodiscard]] constexpr bool has(char c) const { return in_[static_cast<unsigned char>(c)]; }
+
+ private:
+  std::array<bool, 256> in_{};
+};
+
+/// Characters of a set, one after the other: as many as there are, up to `most`.
+struct Run {
+  const Characters* of = nullptr;
+  std::uint32_t least = 0;
+  std::uint32_t most = 0;
+};
+
+/// Runs, one after the other.
+using Form = std::span<const Run>;
+
+/// One simple type. Exactly one of `forms`, `values`, `integer` and `longest` says what is right.
 struct ValueType {
-  std::string_view name;     ///< as in the schema
-  std::string_view words;    ///< "it must be ..."; empty for an enumeration
-  std::string_view pattern;  ///< as in the schema, or empty
-  bool (*fits)(std::string_view) = nullptr;
+  std::string_view name;                     ///< as in the schema
+  std::string_view words;                    ///< "it must be ...", of `forms` and integers
+  std::string_view pattern;                  ///< of the schema, from which `forms` are, or empty
+  std::span<const Form> forms;               ///< alternatives
   std::span<const std::string_view> values;  ///< of an enumeration
   bool integer = false;
   long least = 0;  ///< of an integer, inclusive
   long most = 0;
   std::size_t shortest = 0;  ///< in characters
-  std::size_t longest = 0;   ///< in characters; 0: not limited
+  std::size_t longest = 0;   ///< in characters
 };
 
-/// The types by the names that the schema gives them.
+/// Those that are named outside of the table, by the names that the schema gives them.
 namespace type {
-extern const ValueType kName, kChannelName, kHostName, kUserName, kInterfaceName, kDeviceText,
-    kText, kSubject, kShortHex, kSmallNumber, kNumber, kMessagePriority, kControlKinds,
-    kControlRate, kDecimal, kExponent, kMagnitude, kPortNumber, kBitrate, kDataBitrate,
-    kAttributeName, kBetter, kComposition, kSafeSide, kSetPriority, kNetworkKind, kProfile,
-    kFrameFormat, kIdentifierForm, kImportance, kErrorCount, kQueueing, kExcess, kFifoDepth,
-    kQueueLength, kInterference, kHopCount, kPacketBytes, kHeaderBytes, kNodeAddress,
-    kSenderAddress, kSubjectRange, kUnlistedCount, kLinkRate, kMediumNumber, kRateKind, kSourceKind,
-    kLinkMetric, kForwarder, kBoolean, kRefused;
+extern const ValueType kAttributeName, kDecimal, kName, kNodeAddress, kSafeSide, kSetPriority,
+    kSubject, kText;
 }  // namespace type
 
 /// All of them.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The published schema and the table that documents are held against say the same: every type,
+// The published schema, read once more, and the table that is made of it say the same: every type,
 // element, attribute, order, number and limit of one is in the other.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

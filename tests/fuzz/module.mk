@@ -25,7 +25,7 @@ $O/fuzz/obj/tools/%.o: CPPFLAGS += $(TOOLS_CPPFLAGS)
 $O/fuzz/obj/tests/%.o: FUZZ_INTO := -O0
 $O/fuzz/obj/tests/fuzz/%.o: FUZZ_FLAGS += $(WARN)
 $O/fuzz/obj/tests/fuzz/%.o: FUZZ_INTO := $(FUZZ_OPT) -fsanitize=fuzzer-no-link
-$O/fuzz/obj/%.o: %.cc | $(BPF_SKELETONS) $(CONTROL_HEADERS) $O/gen/system_xsd.inc
+$O/fuzz/obj/%.o: %.cc | $(BPF_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES)
 	$(call say,FUZZCXX,$<)
 	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) $(FUZZ_INTO) -fsanitize=$(FUZZ_SANITIZERS) \
 		$(CPPFLAGS) -MMD -MP -c $< -o $@
