@@ -29,33 +29,19 @@ using core::mesh::SourceKind;
 
 // --- decimals ------------------------------------------------------------------------------------
 
-/// What a decimal attribute becomes: a whole number of 10^-digits, rounded to the safe side.
-struct Decimals {
-  int digits;
-  Rounding rounding;
-  Value least;  ///< inclusive, as is the next
-  Value most;
-  std::string_view range;  ///< in words
-};
-
-constexpr Value kMaxTime = kMaxSeconds * 1'000'000'000;  // ns
-constexpr Decimals kLoadOrTolerance{6, Rounding::up, 0, core::mesh::kWhole - 1, "0 to 0.999999"};
-constexpr Decimals kLimit{6, Rounding::down, 1, core::mesh::kWhole, "0.000001 to 1"};
-constexpr Decimals kLoss{9, Rounding::up, 0, kCertainLoss, "0 to 1"};
-constexpr Decimals kSomeTime{9, Rounding::down, 1, kMaxTime, "0.000000001 to 86400 seconds"};
-constexpr Decimals kAnyTime{9, Rounding::up, 0, kMaxTime, "0 to 86400 seconds"};
-
-/// `otherwise` where the attribute is absent or wrong.
+/// As the type of the attribute says; `otherwise` where that is absent or wrong.
 template <class Number>
-Number decimal_or(const Element& e, std::string_view attribute, const Decimals& as,
-                  Number otherwise, Problems& problems) {
-  const auto text = e.attribute(attribute);
-  if (text.empty()) return otherwise;
-  const auto value = scaled(text, as.digits, as.rounding);
-  if (value && *value >= as.least && *value <= as.most) return static_cast<Number>(*value);
-  problems.add(e.origin(), e.name,
-               fmt::format("attribute {}: {} is not right: {}", attribute, text, as.range),
-               FindingId::not_in_schema);
+Number decimal_or(const Element& e, std::string_view attribute, Number otherwise,
+                  Problems& problems) {
+  const auto* const stated = e.stated(attribute);
+  if (stated == nullptr) return otherwise;
+  const auto& scale = stated->type->scale;
+  const auto value = scaled(stated->value, scale.digits, scale.rounding);
+  if (value && *value >= scale.least && *value <= scale.most) return static_cast<Number>(*value);
+  problems.add(
+      e.origin(), e.name,
+      fmt::format("attribute {}: {} is not right: {}", attribute, stated->value, scale.range),
+      FindingId::not_in_schema);
   return otherwise;
 }
 
@@ -221,7 +207,7 @@ MeshLinkDraft link(const Element& e, Problems& problems) {
   MeshLinkDraft out;
   out.ends = ends(e);
   out.link.rate = number<Value>(e.attribute("rate"));
-  out.link.loss = decimal_or<Value>(e, "loss", kLoss, 0, problems);
+  out.link.loss = decimal_or<Value>(e, "loss", 0, problems);
   out.link.channel = number_or<std::uint32_t>(e, "channel", 0);
   out.link.kind = core::words::kRateKinds.or_first(e.attribute("kind"));
   out.link.origin = e.origin();
@@ -256,9 +242,9 @@ core::CanBus read_bus(const Element& e, Problems& problems) {
   out.data_bitrate = number_or<std::uint32_t>(e, "data-bitrate", 0);
   out.unknown_senders = is_true(e.attribute("unknown-senders"));
   out.measured = e.attribute("measured").empty() || is_true(e.attribute("measured"));
-  out.background = decimal_or<std::uint32_t>(e, "background-load", kLoadOrTolerance, 0, problems);
+  out.background = decimal_or<std::uint32_t>(e, "background-load", 0, problems);
   out.faults.count = number_or<std::uint32_t>(e, "errors", 0);
-  out.faults.interval = decimal_or<Value>(e, "error-interval", kSomeTime, 0, problems);
+  out.faults.interval = decimal_or<Value>(e, "error-interval", 0, problems);
   if (out.data_bitrate != 0 && out.data_bitrate < out.bitrate)
     problems.add(
         e.origin(), e.name,
@@ -278,13 +264,13 @@ MeshDraft read_mesh(const Element& e, Problems& problems) {
   mesh.interference = core::words::kInterferences.or_first(e.attribute("interference"));
   mesh.hops = number_or(e, "hops", mesh.hops);
   out.states_hops = e.has("hops");
-  mesh.limit = decimal_or(e, "limit", kLimit, mesh.limit, problems);
+  mesh.limit = decimal_or(e, "limit", mesh.limit, problems);
   mesh.packet_bytes = number_or(e, "packet-bytes", mesh.packet_bytes);
   mesh.header_bytes = number_or(e, "header-bytes", mesh.header_bytes);
-  mesh.packet_time = decimal_or(e, "packet-time", kAnyTime, mesh.packet_time, problems);
-  mesh.stale_after = decimal_or(e, "stale-after", kSomeTime, mesh.stale_after, problems);
-  mesh.hold_up = decimal_or(e, "hold-up", kAnyTime, mesh.hold_up, problems);
-  mesh.tolerance = decimal_or(e, "tolerance", kLoadOrTolerance, mesh.tolerance, problems);
+  mesh.packet_time = decimal_or(e, "packet-time", mesh.packet_time, problems);
+  mesh.stale_after = decimal_or(e, "stale-after", mesh.stale_after, problems);
+  mesh.hold_up = decimal_or(e, "hold-up", mesh.hold_up, problems);
+  mesh.tolerance = decimal_or(e, "tolerance", mesh.tolerance, problems);
   mesh.origin = e.origin();
   for (const auto& child : e.children) {
     if (child.name == "PerHop") out.per_hop = per_hop(child, problems);

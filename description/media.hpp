@@ -9,9 +9,6 @@
 
 namespace mlcca::description {
 
-/// Longest time that an attribute can state, in seconds: a day.
-inline constexpr Value kMaxSeconds = 86400;
-
 /// A <Bus> that the schema accepts. What else is wrong with it is reported and left out.
 core::CanBus read_bus(const Element& e, Problems& problems);
 

@@ -287,6 +287,10 @@
         <xsl:for-each select="xs:annotation/xs:appinfo[@source = 'least']"><xsl:value-of select="concat(' (', ., ')')"/></xsl:for-each>
         <xsl:value-of select="concat(' to ', $restriction/xs:maxInclusive/@value)"/>
       </xsl:when>
+      <xsl:when test="xs:annotation/xs:appinfo[@source = 'range']">
+        <xsl:value-of select="concat('a decimal number from ', xs:annotation/xs:appinfo[@source = 'range'],
+                                     ', rounded ', xs:annotation/xs:appinfo[@source = 'rounded'], ' behind the point')"/>
+      </xsl:when>
       <xsl:when test="$restriction/xs:minLength">
         <xsl:value-of select="concat($restriction/xs:minLength/@value, ' to ', $restriction/xs:maxLength/@value, ' characters')"/>
       </xsl:when>

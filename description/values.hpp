@@ -9,6 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include "description/decimal.hpp"
+
 namespace mlcca::description {
 
 /// A set of bytes.
@@ -33,6 +35,15 @@ struct Run {
 /// Runs, one after the other.
 using Form = std::span<const Run>;
 
+/// What a decimal becomes: a whole number of 10^-digits.
+struct Scale {
+  int digits = 0;
+  Rounding rounding = Rounding::down;  ///< to the safe side
+  Value least = 0;                     ///< inclusive, as is the next
+  Value most = 0;
+  std::string_view range;  ///< in words
+};
+
 /// One simple type. Exactly one of `forms`, `values`, `integer` and `longest` says what is right.
 struct ValueType {
   std::string_view name;                     ///< as in the schema
@@ -45,6 +56,7 @@ struct ValueType {
   long most = 0;
   std::size_t shortest = 0;  ///< in characters
   std::size_t longest = 0;   ///< in characters
+  Scale scale;               ///< of a decimal that has a range
 };
 
 /// Those that are named outside of the table, by the names that the schema gives them.

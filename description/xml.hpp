@@ -23,10 +23,13 @@ inline constexpr std::size_t kMaxValue = std::size_t{64} << 10U;   ///< bytes of
 inline constexpr std::size_t kMaxFiles = 1024;                     ///< opened, each time it is
 inline constexpr std::size_t kMaxIncludes = 16;                    ///< of files in each other
 
+struct ValueType;
+
 /// An attribute without a namespace.
 struct KeyValue {
   std::string_view key;
   std::string_view value;
+  const ValueType* type = nullptr;  ///< of the value
 };
 
 /// A valid element. Texts have their white space collapsed, as every type of the schema wants it.
@@ -39,14 +42,17 @@ struct Element {
   std::span<const KeyValue> attributes;
   std::span<const Element> children;
 
-  [[nodiscard]] bool has(std::string_view key) const {
-    return std::ranges::find(attributes, key, &KeyValue::key) != attributes.end();
+  [[nodiscard]] bool has(std::string_view key) const { return stated(key) != nullptr; }
+  /// The attribute, or null where it is absent.
+  [[nodiscard]] const KeyValue* stated(std::string_view key) const {
+    for (const auto& a : attributes)
+      if (a.key == key) return &a;
+    return nullptr;
   }
   /// The attribute's value, or an empty text where it is absent.
   [[nodiscard]] std::string_view attribute(std::string_view key) const {
-    for (const auto& a : attributes)
-      if (a.key == key) return a.value;
-    return {};
+    const auto* const found = stated(key);
+    return found == nullptr ? std::string_view() : found->value;
   }
   /// The first child of that name, or null.
   [[nodiscard]] const Element* child(std::string_view key) const {

@@ -33,6 +33,11 @@ std::string attribute(const xmlNode* node, const char* key) {
   return value ? reinterpret_cast<const char*>(value.get()) : "";
 }
 
+std::string text_of(const xmlNode* node) {
+  const std::unique_ptr<xmlChar, void (*)(void*)> text(xmlNodeGetContent(node), xmlFree);
+  return text ? reinterpret_cast<const char*>(text.get()) : "";
+}
+
 std::string name_of(const xmlNode* node) { return reinterpret_cast<const char*>(node->name); }
 
 std::vector<const xmlNode*> elements(const xmlNode* parent) {
@@ -201,16 +206,33 @@ TEST(Schema, HasExactlyTheRootsOfTheTable) {
   EXPECT_EQ(known, roots);
 }
 
+/// What "source" of a type's own annotation says.
+std::string appinfo(const xmlNode* type, std::string_view source) {
+  for (const auto* child = type->children; child != nullptr; child = child->next) {
+    if (child->type != XML_ELEMENT_NODE || name_of(child) != "annotation") continue;
+    for (const auto* info : elements(child))
+      if (name_of(info) == "appinfo" && attribute(info, "source") == source) return text_of(info);
+  }
+  return "";
+}
+
 /// The facets of a simple type, as "base token pattern X" and so on.
 Lines facets(const xmlNode* type) {
   const auto* restriction = elements(type).front();
   Lines out{"base " + attribute(restriction, "base")};
+  if (const auto range = appinfo(type, "range"); !range.empty())
+    out.push_back("range " + range + " rounded " + appinfo(type, "rounded"));
   for (const auto* facet : elements(restriction))
     out.push_back(name_of(facet) + " " + attribute(facet, "value"));
   return out;
 }
 
 Lines facets(const ValueType& type) {
+  const auto& scale = type.scale;
+  if (!scale.range.empty())
+    return {"base Decimal",
+            fmt::format("range {} rounded {}, {} digits", scale.range,
+                        scale.rounding == Rounding::up ? "up" : "down", scale.digits)};
   Lines out{type.integer ? "base xs:integer" : "base xs:token"};
   if (!type.pattern.empty()) out.push_back(fmt::format("pattern {}", type.pattern));
   for (const auto& value : type.values) out.push_back(fmt::format("enumeration {}", value));
