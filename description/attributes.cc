@@ -134,13 +134,13 @@ std::expected<Value, std::string> to_value(Attribute attribute, std::string_view
 AttributeSet read_attributes(const Element& list, Side side, Problems& problems,
                              std::vector<UserValueDraft>& user) {
   AttributeSet set;
-  const bool all_dynamic = is_true(list.attribute("dynamic"));
+  const bool all_dynamic = is_true(list, "dynamic");
   for (const auto& element : list.children) {
     const auto* name = element.child("Name");
     const auto* value = element.child("Value");
     if (name == nullptr || value == nullptr) continue;  // the schema has refused it
     const auto dimension = read_dimension(element.child("Dimension"));
-    const bool dynamic = all_dynamic || is_true(element.attribute("dynamic"));
+    const bool dynamic = all_dynamic || is_true(element, "dynamic");
     const auto* row = attribute_named(name->text);
     if (row == nullptr) {
       user.push_back({std::string(name->text), std::string(value->text), dimension, dynamic,

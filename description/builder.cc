@@ -20,18 +20,20 @@ constexpr std::string_view kSchemaSpace = "http://www.w3.org/2001/XMLSchema-inst
 
 using core::FindingId;
 
-constexpr bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+constexpr bool is_space(char c) {
+  return c <= ' ' && (c == ' ' || c == '\t' || c == '\n' || c == '\r');
+}
 
 bool is_blank(std::string_view text) { return std::ranges::all_of(text, is_space); }
 
 /// Without a space at its ends, and no two in the middle.
 bool is_collapsed(std::string_view text) {
-  char before = ' ';
+  bool after_space = true;
   for (const char c : text) {
-    if (is_space(c) && (c != ' ' || before == ' ')) return false;
-    before = c;
+    if (is_space(c) && (c != ' ' || after_space)) return false;
+    after_space = c == ' ';
   }
-  return text.empty() || before != ' ';
+  return text.empty() || !after_space;
 }
 
 /// What a reader or an editor may say about any element without changing what it means.
@@ -181,7 +183,8 @@ void Builder::start(int line, const QualifiedName& name,
                     .file = file_,
                     .text = {},
                     .attributes = open.attributes,
-                    .children = {}});
+                    .children = {},
+                    .type = open.type});
 }
 
 void Builder::add_keys(Open& open, std::span<const ParsedAttribute> attributes) {
@@ -327,7 +330,8 @@ void Builder::close() {
                   .file = open.at.file,
                   .text = {},
                   .attributes = open.attributes,
-                  .children = {}};
+                  .children = {},
+                  .type = open.type};
   if (const auto* const type = open.type->value) {
     if (text_.ends_with(' ')) text_.pop_back();
     element.text = memory_.copy(text_);

@@ -42,7 +42,18 @@ Number number_or(const Element& element, std::string_view attribute, Number othe
   return text.empty() ? otherwise : number<Number>(text);
 }
 
+/// The number that an attribute states, or that the schema has where it is absent.
+template <class Number>
+Number number_of(const Element& element, std::string_view attribute) {
+  return number<Number>(element.valued(attribute).value);
+}
+
 inline bool is_true(std::string_view text) { return text == "true" || text == "1"; }
+
+/// The same for a truth value.
+inline bool is_true(const Element& element, std::string_view attribute) {
+  return is_true(element.valued(attribute).value);
+}
 
 inline std::string text_of(const Element* element) {
   return element == nullptr ? std::string() : std::string(element->text);

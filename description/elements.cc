@@ -66,7 +66,7 @@ class PartReader {
     if (out.channel.name.empty()) out.channel.name = core::format_subject(out.channel.subject);
     out.channel.description = text_of(e.child("Description"));
     out.channel.safe_side = core::words::kSafeSides.or_first(e.attribute("safe-side"));
-    out.channel.importance = number_or<std::uint8_t>(e, "importance", 0);
+    out.channel.importance = number_of<std::uint8_t>(e, "importance");
     out.channel.origin = e.origin();
     out.sets = sets(e);
     return out;
@@ -105,12 +105,11 @@ class PartReader {
     return out;
   }
 
-  /// Absent or "no": nothing is allowed.
   [[nodiscard]] static core::UnlistedPolicy policy(const Element& e) {
     core::UnlistedPolicy out;
-    const auto allow = e.attribute("allow");
-    out.most = number_or(e, "most", out.most);
-    if (allow.empty() || allow == "no") return out;
+    const auto allow = e.valued("allow").value;
+    out.most = number_of<std::uint32_t>(e, "most");
+    if (allow == "no") return out;
     out.allowed = true;
     if (allow == "any") return out;
     const auto slash = allow.find('/');
@@ -122,9 +121,9 @@ class PartReader {
   [[nodiscard]] static BindingDraft binding(const Element& e) {
     BindingDraft out;
     out.channel = text_of(e, "channel");
-    out.binding.dynamic = is_true(e.attribute("dynamic"));
-    out.binding.format = core::words::kFrameFormats.or_first(e.attribute("format"));
-    out.binding.remote_frames = is_true(e.attribute("remote-frames"));
+    out.binding.dynamic = is_true(e, "dynamic");
+    out.binding.format = core::words::kFrameFormats.or_first(e.valued("format").value);
+    out.binding.remote_frames = is_true(e, "remote-frames");
     out.binding.origin = e.origin();
     if (e.children.empty()) {
       out.binding.extended = true;
@@ -147,7 +146,7 @@ class PartReader {
     GatewayDraft out;
     out.gateway.name = text_of(e, "name");
     out.gateway.host = text_of(e, "host");
-    out.gateway.forwarder = core::words::kForwarders.or_first(e.attribute("forward"));
+    out.gateway.forwarder = core::words::kForwarders.or_first(e.valued("forward").value);
     out.gateway.origin = e.origin();
     out.provision = provision(e);
     for (const auto& child : e.children)
@@ -170,14 +169,14 @@ class PartReader {
                          .serial = text_of(*interface, "serial"),
                          .alias = text_of(*interface, "alias"),
                          .port = optional_number(interface->attribute("port"))};
-    out.port.managed = is_true(e.attribute("managed"));
+    out.port.managed = is_true(e, "managed");
     out.port.bitrate = number<std::uint32_t>(text_of(e.child("Bitrate")));
     out.port.data_bitrate = number<std::uint32_t>(text_of(e.child("DataBitrate")));
-    out.port.queueing = core::words::kQueueings.or_first(e.attribute("queue"));
-    out.port.fifo_depth = number_or(e, "fifo-depth", out.port.fifo_depth);
-    out.port.queue_length = number_or(e, "queue-length", out.port.queue_length);
-    out.port.excess = core::words::kExcesses.or_first(e.attribute("excess"));
-    out.port.refused = core::words::kRefusals.or_first(e.attribute("refused"));
+    out.port.queueing = core::words::kQueueings.or_first(e.valued("queue").value);
+    out.port.fifo_depth = number_of<std::uint32_t>(e, "fifo-depth");
+    out.port.queue_length = number_of<std::uint32_t>(e, "queue-length");
+    out.port.excess = core::words::kExcesses.or_first(e.valued("excess").value);
+    out.port.refused = core::words::kRefusals.or_first(e.valued("refused").value);
     out.port.origin = e.origin();
     out.control = control(e);
     out.node = optional_number(e.attribute("node"));

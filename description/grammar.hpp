@@ -34,6 +34,7 @@ struct Key {
   std::string_view name;
   const ValueType* type = nullptr;
   bool required = false;
+  std::string_view otherwise;  ///< its value where it is absent, if the schema states one
 };
 
 /// A type of element: a value, an empty element, or one with children.

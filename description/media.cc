@@ -12,6 +12,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -29,20 +30,25 @@ using core::mesh::SourceKind;
 
 // --- decimals ------------------------------------------------------------------------------------
 
-/// As the type of the attribute says; `otherwise` where that is absent or wrong.
+/// The whole number that its type makes of it; nothing where it is absent or out of range.
+std::optional<Value> whole(const KeyValue& attribute) {
+  if (attribute.value.empty()) return std::nullopt;
+  const auto& scale = attribute.type->scale;
+  const auto value = scaled(attribute.value, scale.digits, scale.rounding);
+  return value && *value >= scale.least && *value <= scale.most ? value : std::nullopt;
+}
+
+/// As it is stated; where that is wrong or absent, the default, or 0 without one.
 template <class Number>
-Number decimal_or(const Element& e, std::string_view attribute, Number otherwise,
-                  Problems& problems) {
-  const auto* const stated = e.stated(attribute);
-  if (stated == nullptr) return otherwise;
-  const auto& scale = stated->type->scale;
-  const auto value = scaled(stated->value, scale.digits, scale.rounding);
-  if (value && *value >= scale.least && *value <= scale.most) return static_cast<Number>(*value);
-  problems.add(
-      e.origin(), e.name,
-      fmt::format("attribute {}: {} is not right: {}", attribute, stated->value, scale.range),
-      FindingId::not_in_schema);
-  return otherwise;
+Number decimal(const Element& e, std::string_view attribute, Problems& problems) {
+  if (const auto* const stated = e.stated(attribute)) {
+    if (const auto value = whole(*stated)) return static_cast<Number>(*value);
+    problems.add(e.origin(), e.name,
+                 fmt::format("attribute {}: {} is not right: {}", attribute, stated->value,
+                             stated->type->scale.range),
+                 FindingId::not_in_schema);
+  }
+  return static_cast<Number>(whole(e.by_default(attribute)).value_or(0));
 }
 
 // --- addresses -----------------------------------------------------------------------------------
@@ -207,11 +213,11 @@ MeshLinkDraft link(const Element& e, Problems& problems) {
   MeshLinkDraft out;
   out.ends = ends(e);
   out.link.rate = number<Value>(e.attribute("rate"));
-  out.link.loss = decimal_or<Value>(e, "loss", 0, problems);
-  out.link.channel = number_or<std::uint32_t>(e, "channel", 0);
-  out.link.kind = core::words::kRateKinds.or_first(e.attribute("kind"));
+  out.link.loss = decimal<Value>(e, "loss", problems);
+  out.link.channel = number_of<std::uint32_t>(e, "channel");
+  out.link.kind = core::words::kRateKinds.or_first(e.valued("kind").value);
   out.link.origin = e.origin();
-  out.both_ways = !e.has("both-ways") || is_true(e.attribute("both-ways"));
+  out.both_ways = is_true(e, "both-ways");
   return out;
 }
 
@@ -240,11 +246,11 @@ core::CanBus read_bus(const Element& e, Problems& problems) {
   core::CanBus out;
   out.bitrate = number<std::uint32_t>(e.attribute("bitrate"));
   out.data_bitrate = number_or<std::uint32_t>(e, "data-bitrate", 0);
-  out.unknown_senders = is_true(e.attribute("unknown-senders"));
-  out.measured = e.attribute("measured").empty() || is_true(e.attribute("measured"));
-  out.background = decimal_or<std::uint32_t>(e, "background-load", 0, problems);
+  out.unknown_senders = is_true(e, "unknown-senders");
+  out.measured = is_true(e, "measured");
+  out.background = decimal<std::uint32_t>(e, "background-load", problems);
   out.faults.count = number_or<std::uint32_t>(e, "errors", 0);
-  out.faults.interval = decimal_or<Value>(e, "error-interval", 0, problems);
+  out.faults.interval = decimal<Value>(e, "error-interval", problems);
   if (out.data_bitrate != 0 && out.data_bitrate < out.bitrate)
     problems.add(
         e.origin(), e.name,
@@ -261,16 +267,16 @@ core::CanBus read_bus(const Element& e, Problems& problems) {
 MeshDraft read_mesh(const Element& e, Problems& problems) {
   MeshDraft out;
   auto& mesh = out.mesh;
-  mesh.interference = core::words::kInterferences.or_first(e.attribute("interference"));
-  mesh.hops = number_or(e, "hops", mesh.hops);
+  mesh.interference = core::words::kInterferences.or_first(e.valued("interference").value);
+  mesh.hops = number_of<std::uint32_t>(e, "hops");
   out.states_hops = e.has("hops");
-  mesh.limit = decimal_or(e, "limit", mesh.limit, problems);
-  mesh.packet_bytes = number_or(e, "packet-bytes", mesh.packet_bytes);
-  mesh.header_bytes = number_or(e, "header-bytes", mesh.header_bytes);
-  mesh.packet_time = decimal_or(e, "packet-time", mesh.packet_time, problems);
-  mesh.stale_after = decimal_or(e, "stale-after", mesh.stale_after, problems);
-  mesh.hold_up = decimal_or(e, "hold-up", mesh.hold_up, problems);
-  mesh.tolerance = decimal_or(e, "tolerance", mesh.tolerance, problems);
+  mesh.limit = decimal<std::uint32_t>(e, "limit", problems);
+  mesh.packet_bytes = number_of<std::uint32_t>(e, "packet-bytes");
+  mesh.header_bytes = number_of<std::uint32_t>(e, "header-bytes");
+  mesh.packet_time = decimal<Value>(e, "packet-time", problems);
+  mesh.stale_after = decimal<Value>(e, "stale-after", problems);
+  mesh.hold_up = decimal<Value>(e, "hold-up", problems);
+  mesh.tolerance = decimal<std::uint32_t>(e, "tolerance", problems);
   mesh.origin = e.origin();
   for (const auto& child : e.children) {
     if (child.name == "PerHop") out.per_hop = per_hop(child, problems);

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "description/grammar.hpp"
 #include "description/problems.hpp"
 
 namespace mlcca::description {
@@ -22,8 +23,6 @@ inline constexpr std::size_t kMaxAttributes = 64;                  ///< of an el
 inline constexpr std::size_t kMaxValue = std::size_t{64} << 10U;   ///< bytes of a value or text
 inline constexpr std::size_t kMaxFiles = 1024;                     ///< opened, each time it is
 inline constexpr std::size_t kMaxIncludes = 16;                    ///< of files in each other
-
-struct ValueType;
 
 /// An attribute without a namespace.
 struct KeyValue {
@@ -41,6 +40,7 @@ struct Element {
   std::string_view text;
   std::span<const KeyValue> attributes;
   std::span<const Element> children;
+  const ElementType* type = nullptr;
 
   [[nodiscard]] bool has(std::string_view key) const { return stated(key) != nullptr; }
   /// The attribute, or null where it is absent.
@@ -53,6 +53,16 @@ struct Element {
   [[nodiscard]] std::string_view attribute(std::string_view key) const {
     const auto* const found = stated(key);
     return found == nullptr ? std::string_view() : found->value;
+  }
+  /// The attribute, stated or by default.
+  [[nodiscard]] KeyValue valued(std::string_view key) const {
+    const auto* const found = stated(key);
+    return found == nullptr ? by_default(key) : *found;
+  }
+  /// The attribute as the schema has it where it is absent; without a value if it says nothing.
+  [[nodiscard]] KeyValue by_default(std::string_view key) const {
+    const auto known = std::ranges::find(type->keys, key, &Key::name);
+    return known == type->keys.end() ? KeyValue{} : KeyValue{key, known->otherwise, known->type};
   }
   /// The first child of that name, or null.
   [[nodiscard]] const Element* child(std::string_view key) const {

@@ -61,7 +61,7 @@ class Schema {
   using Nodes = std::map<std::string, const xmlNode*>;
   const Nodes& all(const std::string& kind) { return by_name_[kind]; }
 
-  /// "text T", then "step 0..1 A:T|B:T", then sorted "key name:T required".
+  /// "text T", then "step 0..1 A:T|B:T", then sorted "key name:T required default 'D'".
   Lines lines_of(const xmlNode* type) {
     Lines out;
     Lines keys;
@@ -94,9 +94,9 @@ class Schema {
     for (const auto* child : elements(node)) {
       const auto kind = name_of(child);
       if (kind == "attribute") {
-        keys.push_back(fmt::format("key {}:{}{}", attribute(child, "name"),
-                                   attribute(child, "type"),
-                                   attribute(child, "use") == "required" ? " required" : ""));
+        keys.push_back(fmt::format(
+            "key {}:{}{} default '{}'", attribute(child, "name"), attribute(child, "type"),
+            attribute(child, "use") == "required" ? " required" : "", attribute(child, "default")));
       } else if (kind == "attributeGroup" || kind == "group") {
         const auto* group = all(kind).at(attribute(child, "ref"));
         add_content(group, out, keys);
@@ -165,8 +165,8 @@ Lines lines_of(const ElementType& type) {
   }
   Lines keys;
   for (const auto& key : type.keys)
-    keys.push_back(
-        fmt::format("key {}:{}{}", key.name, key.type->name, key.required ? " required" : ""));
+    keys.push_back(fmt::format("key {}:{}{} default '{}'", key.name, key.type->name,
+                               key.required ? " required" : "", key.otherwise));
   std::ranges::sort(keys);
   out.insert(out.end(), keys.begin(), keys.end());
   return out;

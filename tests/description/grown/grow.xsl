@@ -1,6 +1,6 @@
 <?xml version="1.0" encoding="UTF-8"?>
 <!-- SPDX-License-Identifier: BSD-2-Clause -->
-<!-- A schema that has one element more than system.xsd, with types of each kind. -->
+<!-- A schema that has one element more than system.xsd, with types of each kind, and another default. -->
 <xsl:stylesheet version="1.0" xmlns:xsl="http://www.w3.org/1999/XSL/Transform"
                 xmlns:xs="http://www.w3.org/2001/XMLSchema">
   <xsl:template match="@* | node()"><xsl:copy><xsl:apply-templates select="@* | node()"/></xsl:copy></xsl:template>
@@ -11,6 +11,8 @@
       <xs:element name="Location" type="Location" minOccurs="0" maxOccurs="2"/>
     </xsl:copy>
   </xsl:template>
+
+  <xsl:template match="xs:attribute[@name = 'hops']/@default"><xsl:attribute name="default">5</xsl:attribute></xsl:template>
 
   <xsl:template match="/xs:schema">
     <xsl:copy>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // An element that is added to the schema alone (grow.xsl) is known to the recogniser, with its
-// place, its attributes and its values: no C++ names it.
+// place, its attributes and its values, and a default that is another one: no C++ names them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -88,6 +88,20 @@ TEST(GrownSchema, IsFollowedInValues) {
                   "floors from -2 to 40"});
   EXPECT_EQ(with("hall", "0", "loked"),
             Texts{"Access: 'loked' is not one of open, locked; did you mean locked?"});
+}
+
+TEST(GrownSchema, IsFollowedInDefaults) {
+  const auto read = [](std::string_view attributes) {
+    return read_memory(
+        fmt::format(R"(<System name="s"><Network name="m"><Kind>mesh</Kind><Mesh {}/></Network>)"
+                    "</System>",
+                    attributes),
+        "grown.xml", "", Users::any);
+  };
+  const auto absent = read(R"(interference="k-hop")");
+  ASSERT_TRUE(absent) << to_string(absent.error().front());
+  EXPECT_EQ(absent->networks[0].mesh->hops, 5U);
+  EXPECT_EQ(read(R"(interference="k-hop" hops="2")")->networks[0].mesh->hops, 2U);
 }
 
 }  // namespace
