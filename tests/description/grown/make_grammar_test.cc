@@ -65,6 +65,8 @@ TEST_F(MakeGrammarTest, RefusesAPatternThatItHasNoRuleFor) {
   EXPECT_EQ(refusal_of(before, "value=\".+\""), "pattern .+: . has no rule\n");
   EXPECT_EQ(refusal_of(before, "value=\"[^a]+\""), "pattern [^a]+: ^ in a set has no rule\n");
   EXPECT_EQ(refusal_of(before, "value=\"(a\""), "pattern (a: unbalanced\n");
+  EXPECT_EQ(refusal_of(before, "value=\"ä\""),
+            "pattern ä: characters that are not printable ASCII have no rule\n");
 }
 
 TEST_F(MakeGrammarTest, RefusesAFacetThatItHasNoRuleFor) {
@@ -72,6 +74,14 @@ TEST_F(MakeGrammarTest, RefusesAFacetThatItHasNoRuleFor) {
                        "<xs:totalDigits value=\"5\"/>\n    </xs:restriction>\n"
                        "  </xs:simpleType>\n\n  <xs:simpleType name=\"Bitrate\">"),
             "simpleType PortNumber: has no rule; a pattern needs an xs:documentation\n");
+}
+
+TEST_F(MakeGrammarTest, RefusesARangeThatItCannotRead) {
+  const std::string_view before = "<xs:appinfo source=\"range\">0.000001 to 1</xs:appinfo>";
+  EXPECT_EQ(refusal_of(before, "<xs:appinfo source=\"range\">up to 1</xs:appinfo>"),
+            "simpleType Limit: a range is \"0 to 1 seconds\", rounded is \"up, 6 digits\"\n");
+  EXPECT_EQ(refusal_of(before, "<xs:appinfo source=\"range\">0.0000001 to 1</xs:appinfo>"),
+            "simpleType Limit: 0.0000001 is no whole number of its digits\n");
 }
 
 TEST_F(MakeGrammarTest, RefusesContentThatItHasNoRuleFor) {
