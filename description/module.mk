@@ -8,13 +8,13 @@ $(description_objects): CPPFLAGS += $(XML_CFLAGS)
 $O/gen/system_xsd.inc: description/system.xsd
 	$(call say,XSD,$@)
 	$(Q)mkdir -p $(@D) && { printf 'R"xsd('; cat $<; printf ')xsd"\n'; } > $@
-$O/description/schema.o: $O/gen/system_xsd.inc
+$O/description/schema.o $O/fuzz/obj/description/schema.o: $O/gen/system_xsd.inc
 
 # The recogniser's table.
 $O/gen/grammar_table.inc: description/make-grammar description/system.xsd
 	$(call say,GRAMMAR,$@)
 	$(Q)mkdir -p $(@D) && description/make-grammar description/system.xsd > $@
-$O/description/grammar.o: $O/gen/grammar_table.inc
+$O/description/grammar.o $O/fuzz/obj/description/grammar.o: $O/gen/grammar_table.inc
 DESCRIPTION_TABLES := $O/gen/system_xsd.inc $O/gen/grammar_table.inc
 
 # The format as one page, and the check in XSLT for tool chains that have nothing but XML.
