@@ -202,7 +202,7 @@ void Builder::add_keys(Open& open, std::span<const ParsedAttribute> attributes) 
     }
     seen |= std::uint64_t{1} << static_cast<std::size_t>(key - keys.begin());
     const auto value = key_value(open, attribute, *key);
-    std::construct_at(out + count, KeyValue{key->name, value, key->type});
+    std::construct_at(out + count, KeyValue{key->name, value});
     ++count;
   }
   open.attributes = {out, count};

@@ -45,14 +45,14 @@ Number number_or(const Element& element, std::string_view attribute, Number othe
 /// The number that an attribute states, or that the schema has where it is absent.
 template <class Number>
 Number number_of(const Element& element, std::string_view attribute) {
-  return number<Number>(element.valued(attribute).value);
+  return number<Number>(element.valued(attribute));
 }
 
 inline bool is_true(std::string_view text) { return text == "true" || text == "1"; }
 
 /// The same for a truth value.
 inline bool is_true(const Element& element, std::string_view attribute) {
-  return is_true(element.valued(attribute).value);
+  return is_true(element.valued(attribute));
 }
 
 inline std::string text_of(const Element* element) {

@@ -107,7 +107,7 @@ class PartReader {
 
   [[nodiscard]] static core::UnlistedPolicy policy(const Element& e) {
     core::UnlistedPolicy out;
-    const auto allow = e.valued("allow").value;
+    const auto allow = e.valued("allow");
     out.most = number_of<std::uint32_t>(e, "most");
     if (allow == "no") return out;
     out.allowed = true;
@@ -122,7 +122,7 @@ class PartReader {
     BindingDraft out;
     out.channel = text_of(e, "channel");
     out.binding.dynamic = is_true(e, "dynamic");
-    out.binding.format = core::words::kFrameFormats.or_first(e.valued("format").value);
+    out.binding.format = core::words::kFrameFormats.or_first(e.valued("format"));
     out.binding.remote_frames = is_true(e, "remote-frames");
     out.binding.origin = e.origin();
     if (e.children.empty()) {
@@ -146,7 +146,7 @@ class PartReader {
     GatewayDraft out;
     out.gateway.name = text_of(e, "name");
     out.gateway.host = text_of(e, "host");
-    out.gateway.forwarder = core::words::kForwarders.or_first(e.valued("forward").value);
+    out.gateway.forwarder = core::words::kForwarders.or_first(e.valued("forward"));
     out.gateway.origin = e.origin();
     out.provision = provision(e);
     for (const auto& child : e.children)
@@ -172,11 +172,11 @@ class PartReader {
     out.port.managed = is_true(e, "managed");
     out.port.bitrate = number<std::uint32_t>(text_of(e.child("Bitrate")));
     out.port.data_bitrate = number<std::uint32_t>(text_of(e.child("DataBitrate")));
-    out.port.queueing = core::words::kQueueings.or_first(e.valued("queue").value);
+    out.port.queueing = core::words::kQueueings.or_first(e.valued("queue"));
     out.port.fifo_depth = number_of<std::uint32_t>(e, "fifo-depth");
     out.port.queue_length = number_of<std::uint32_t>(e, "queue-length");
-    out.port.excess = core::words::kExcesses.or_first(e.valued("excess").value);
-    out.port.refused = core::words::kRefusals.or_first(e.valued("refused").value);
+    out.port.excess = core::words::kExcesses.or_first(e.valued("excess"));
+    out.port.refused = core::words::kRefusals.or_first(e.valued("refused"));
     out.port.origin = e.origin();
     out.control = control(e);
     out.node = optional_number(e.attribute("node"));

@@ -30,25 +30,26 @@ using core::mesh::SourceKind;
 
 // --- decimals ------------------------------------------------------------------------------------
 
-/// The whole number that its type makes of it; nothing where it is absent or out of range.
-std::optional<Value> whole(const KeyValue& attribute) {
-  if (attribute.value.empty()) return std::nullopt;
-  const auto& scale = attribute.type->scale;
-  const auto value = scaled(attribute.value, scale.digits, scale.rounding);
+/// What the scale makes of a decimal; nothing where there is none, or it is out of range.
+std::optional<Value> whole(std::string_view text, const Scale& scale) {
+  if (text.empty()) return std::nullopt;
+  const auto value = scaled(text, scale.digits, scale.rounding);
   return value && *value >= scale.least && *value <= scale.most ? value : std::nullopt;
 }
 
 /// As it is stated; where that is wrong or absent, the default, or 0 without one.
 template <class Number>
 Number decimal(const Element& e, std::string_view attribute, Problems& problems) {
-  if (const auto* const stated = e.stated(attribute)) {
-    if (const auto value = whole(*stated)) return static_cast<Number>(*value);
+  const auto* const key = e.known(attribute);
+  if (key == nullptr) return 0;
+  const auto& scale = key->type->scale;
+  if (const auto text = e.attribute(attribute); !text.empty()) {
+    if (const auto value = whole(text, scale)) return static_cast<Number>(*value);
     problems.add(e.origin(), e.name,
-                 fmt::format("attribute {}: {} is not right: {}", attribute, stated->value,
-                             stated->type->scale.range),
+                 fmt::format("attribute {}: {} is not right: {}", attribute, text, scale.range),
                  FindingId::not_in_schema);
   }
-  return static_cast<Number>(whole(e.by_default(attribute)).value_or(0));
+  return static_cast<Number>(whole(key->otherwise, scale).value_or(0));
 }
 
 // --- addresses -----------------------------------------------------------------------------------
@@ -215,7 +216,7 @@ MeshLinkDraft link(const Element& e, Problems& problems) {
   out.link.rate = number<Value>(e.attribute("rate"));
   out.link.loss = decimal<Value>(e, "loss", problems);
   out.link.channel = number_of<std::uint32_t>(e, "channel");
-  out.link.kind = core::words::kRateKinds.or_first(e.valued("kind").value);
+  out.link.kind = core::words::kRateKinds.or_first(e.valued("kind"));
   out.link.origin = e.origin();
   out.both_ways = is_true(e, "both-ways");
   return out;
@@ -267,7 +268,7 @@ core::CanBus read_bus(const Element& e, Problems& problems) {
 MeshDraft read_mesh(const Element& e, Problems& problems) {
   MeshDraft out;
   auto& mesh = out.mesh;
-  mesh.interference = core::words::kInterferences.or_first(e.valued("interference").value);
+  mesh.interference = core::words::kInterferences.or_first(e.valued("interference"));
   mesh.hops = number_of<std::uint32_t>(e, "hops");
   out.states_hops = e.has("hops");
   mesh.limit = decimal<std::uint32_t>(e, "limit", problems);

@@ -28,7 +28,6 @@ inline constexpr std::size_t kMaxIncludes = 16;                    ///< of files
 struct KeyValue {
   std::string_view key;
   std::string_view value;
-  const ValueType* type = nullptr;  ///< of the value
 };
 
 /// A valid element. Texts have their white space collapsed, as every type of the schema wants it.
@@ -42,27 +41,27 @@ struct Element {
   std::span<const Element> children;
   const ElementType* type = nullptr;
 
-  [[nodiscard]] bool has(std::string_view key) const { return stated(key) != nullptr; }
-  /// The attribute, or null where it is absent.
-  [[nodiscard]] const KeyValue* stated(std::string_view key) const {
-    for (const auto& a : attributes)
-      if (a.key == key) return &a;
-    return nullptr;
+  [[nodiscard]] bool has(std::string_view key) const {
+    return std::ranges::find(attributes, key, &KeyValue::key) != attributes.end();
   }
   /// The attribute's value, or an empty text where it is absent.
   [[nodiscard]] std::string_view attribute(std::string_view key) const {
-    const auto* const found = stated(key);
-    return found == nullptr ? std::string_view() : found->value;
+    for (const auto& a : attributes)
+      if (a.key == key) return a.value;
+    return {};
   }
-  /// The attribute, stated or by default.
-  [[nodiscard]] KeyValue valued(std::string_view key) const {
-    const auto* const found = stated(key);
-    return found == nullptr ? by_default(key) : *found;
+  /// What the schema says of the attribute; null: nothing.
+  [[nodiscard]] const Key* known(std::string_view key) const {
+    for (const auto& k : type->keys)
+      if (k.name == key) return &k;
+    return nullptr;
   }
-  /// The attribute as the schema has it where it is absent; without a value if it says nothing.
-  [[nodiscard]] KeyValue by_default(std::string_view key) const {
-    const auto known = std::ranges::find(type->keys, key, &Key::name);
-    return known == type->keys.end() ? KeyValue{} : KeyValue{key, known->otherwise, known->type};
+  /// The attribute's value, stated or by default; an empty text without either.
+  [[nodiscard]] std::string_view valued(std::string_view key) const {
+    for (const auto& a : attributes)
+      if (a.key == key) return a.value;
+    const auto* const found = known(key);
+    return found == nullptr ? std::string_view() : found->otherwise;
   }
   /// The first child of that name, or null.
   [[nodiscard]] const Element* child(std::string_view key) const {
