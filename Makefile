@@ -24,7 +24,8 @@ PKG_CONFIG ?= pkg-config
 CXXFLAGS ?= -O2 -g1
 STD := -std=c++23
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(WERROR)
-CPPFLAGS += -I. -Iinclude -isystem $O/gen
+# Below made/ is what files of ours are made of, below gen/ what other generators make of them.
+CPPFLAGS += -I. -Iinclude -I$O/made -isystem $O/gen
 ifneq ($(SAN),)
 CXXFLAGS += -fsanitize=$(SAN) -fno-omit-frame-pointer
 LDFLAGS += -fsanitize=$(SAN)
@@ -52,9 +53,29 @@ SANITIZED_OBJECTS := # of all tests, under AddressSanitizer and UBSan
 INSTALL := # targets that install something
 CLEAN_EXTRA :=
 
+# BUNDLE=1 compiles the files of one folder of a library as one: headers and templates are
+# read once and not forty times, and a build from nothing takes a third of the time. Without it each
+# file is compiled alone, so that a change of one file is built in seconds.
+BUNDLE ?=
+hash := \#
+# Files that must be compiled alone: names of theirs, or of headers that they need, stand in another
+# file of the folder too.
+ALONE := core/can/wire.cc core/mesh/medium_time.cc daemon/gateway/quotas.cc daemon/net/pair.cc \
+	daemon/net/sources/described.cc tools/design/check/check.cc tools/design/check/watch.cc \
+	tools/design/describe/edit.cc tools/design/describe/markup.cc tools/design/generate.cc \
+	tools/render_reservations.cc tools/render_routes.cc tools/render_system.cc tools/sources/olsr.cc \
+	tools/values.cc tools/words.cc
+# $(call objects_of,NAME,SOURCES)
+objects_of = $(if $(BUNDLE),$(foreach folder,$(sort $(dir $2)),$(call objects_of_folder,$1,$(folder),$(filter-out \
+	$(ALONE),$(call in_folder,$(folder),$2)))) $(patsubst %.cc,$O/%.o,$(filter $(ALONE),$2)),$(patsubst %.cc,$O/%.o,$2))
+in_folder = $(foreach file,$2,$(if $(filter $1,$(dir $(file))),$(file)))
+objects_of_folder = $(if $(word 3,$3),$(call bundle,$O/bundle/$(subst /,-,$1)/$(subst /,-,$(patsubst %/,%,$2)),$3),$(3:%.cc=$O/%.o))
+bundle = $(shell mkdir -p $(dir $1) && printf '$(hash)include "%s"\n' $2 >$1.new && \
+	if cmp -s $1.new $1.cc; then rm $1.new; else mv $1.new $1.cc; fi)$1.o
+
 # $(call library,NAME,SOURCES) gives build/libNAME.a
 define library
-$1_objects := $$(patsubst %.cc,$O/%.o,$2)
+$1_objects := $$(call objects_of,$1,$2)
 OBJECTS += $$($1_objects)
 $O/lib$1.a: $$($1_objects)
 	$$(call say,AR,$$@)
@@ -83,8 +104,8 @@ $(call sanitized_test,$1,$2,$3,$4)
 endef
 # The same test of the objects that fuzz targets are made of (tests/fuzz/module.mk).
 define sanitized_test
-SANITIZED_OBJECTS += $$(patsubst %.cc,$O/fuzz/obj/%.o,$2)
-$O/fuzz/tests/$1: $$(patsubst %.cc,$O/fuzz/obj/%.o,$2) \
+SANITIZED_OBJECTS += $$($1_objects:$O/%=$O/fuzz/obj/%)
+$O/fuzz/tests/$1: $$($1_objects:$O/%=$O/fuzz/obj/%) \
 		$$(patsubst $O/lib%.a,$O/fuzz/lib%.a,$$(patsubst $O/%.o,$O/fuzz/obj/%.o,$3))
 	$$(call say,LINK,$$@)
 	$$(Q)mkdir -p $$(@D) && $$(FUZZ_CXX) -fsanitize=$$(FUZZ_SANITIZERS) -o $$@ $$^ $4 -lgtest_main -lgtest \
@@ -102,15 +123,19 @@ $O/%.o: %.cc | $(CONTROL_HEADERS)
 	$(call say,CXX,$<)
 	$(Q)mkdir -p $(@D) && $(CXX) $(STD) $(WARN) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
 
+$O/bundle/%.o: $O/bundle/%.cc | $(CONTROL_HEADERS)
+	$(call say,CXX,$(patsubst $O/bundle/%.cc,%,$<))
+	$(Q)$(CXX) $(STD) $(WARN) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
+
 -include $(OBJECTS:.o=.d)
 
 # --- what a person calls ---------------------------------------------------------------------------
 
 demo: ensure-deps ## the emergency stop, told on real SocketCAN and systemd (DEMO=host: on this kernel)
-	$(Q)$(MAKE) run-demo
+	$(Q)$(MAKE) BUNDLE=1 run-demo
 
 test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
-	$(Q)$(MAKE) test-all
+	$(Q)$(MAKE) BUNDLE=1 test-all
 
 test-all:
 	$(Q)$(MAKE) all check-layers check-format cppcheck check-mcu

@@ -5,17 +5,16 @@ $(eval $(call library,description,$(wildcard description/*.cc)))
 $(description_objects): CPPFLAGS += $(XML_CFLAGS)
 
 # As one raw string literal, which compiler and clang-tidy read alike.
-$O/gen/system_xsd.inc: description/system.xsd
+$O/made/system_xsd.inc: description/system.xsd
 	$(call say,XSD,$@)
 	$(Q)mkdir -p $(@D) && { printf 'R"xsd('; cat $<; printf ')xsd"\n'; } > $@
-$O/description/schema.o $O/fuzz/obj/description/schema.o: $O/gen/system_xsd.inc
 
 # The recogniser's table.
-$O/gen/grammar_table.inc: description/make-grammar description/system.xsd
+$O/made/grammar_table.inc: description/make-grammar description/system.xsd
 	$(call say,GRAMMAR,$@)
 	$(Q)mkdir -p $(@D) && description/make-grammar description/system.xsd > $@
-$O/description/grammar.o $O/fuzz/obj/description/grammar.o: $O/gen/grammar_table.inc
-DESCRIPTION_TABLES := $O/gen/system_xsd.inc $O/gen/grammar_table.inc
+DESCRIPTION_TABLES := $O/made/system_xsd.inc $O/made/grammar_table.inc
+$(description_objects) $O/description/schema.o $O/description/grammar.o: | $(DESCRIPTION_TABLES)
 
 # The format as one page, and the check in XSLT for tool chains that have nothing but XML.
 $O/reference.html: description/reference.xsl description/system.xsd \

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # The structs of the control protocol, made of control.proto.
-CONTROL_HEADERS := $O/gen/control/messages.hpp $O/gen/control/oneofs.inc $O/gen/control/fields.hpp
+CONTROL_HEADERS := $O/made/control/messages.hpp $O/made/control/oneofs.inc $O/made/control/fields.hpp
 PROTO_FILES := $(wildcard proto/mlcca/v1/*.proto)
-$O/gen/control/fields.hpp $O/gen/control/oneofs.inc: $O/gen/control/messages.hpp ;
-$O/gen/control/messages.hpp: proto/protoc-gen-mlcca $(PROTO_FILES)
+$O/made/control/fields.hpp $O/made/control/oneofs.inc: $O/made/control/messages.hpp ;
+$O/made/control/messages.hpp: proto/protoc-gen-mlcca $(PROTO_FILES)
 	$(call say,PROTOC,$@)
-	$(Q)mkdir -p $O/gen && $(PROTOC) -Iproto --plugin=protoc-gen-mlcca=proto/protoc-gen-mlcca \
-		--mlcca_out=$O/gen mlcca/v1/control.proto
+	$(Q)mkdir -p $O/made && $(PROTOC) -Iproto --plugin=protoc-gen-mlcca=proto/protoc-gen-mlcca \
+		--mlcca_out=$O/made mlcca/v1/control.proto
 
 # What protobuf itself makes of it: tests hold ours against that.
 $O/gen/%.pb.cc $O/gen/%.pb.h: proto/%.proto

@@ -21,12 +21,16 @@ FUZZ_OBJECTS :=
 
 # What an object is compiled with by g++ differs by folder; here all of it is given to all.
 $O/fuzz/obj/%.o: CPPFLAGS += $(XML_CFLAGS) $(NL_CFLAGS)
-$O/fuzz/obj/tools/%.o: CPPFLAGS += $(TOOLS_CPPFLAGS)
+$(addprefix $O/fuzz/obj/,tools/%.o bundle/tools/%.o bundle/design/%.o bundle/doctor/%.o): CPPFLAGS += $(TOOLS_CPPFLAGS)
 $O/fuzz/obj/tests/%.o: FUZZ_INTO := -O0
 $O/fuzz/obj/tests/fuzz/%.o: FUZZ_FLAGS += $(WARN)
 $O/fuzz/obj/tests/fuzz/%.o: FUZZ_INTO := $(FUZZ_OPT) -fsanitize=fuzzer-no-link
 $O/fuzz/obj/%.o: %.cc | $(BPF_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES)
 	$(call say,FUZZCXX,$<)
+	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) $(FUZZ_INTO) -fsanitize=$(FUZZ_SANITIZERS) \
+		$(CPPFLAGS) -MMD -MP -c $< -o $@
+$O/fuzz/obj/bundle/%.o: $O/bundle/%.cc | $(BPF_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES)
+	$(call say,FUZZCXX,$(patsubst $O/bundle/%.cc,%,$<))
 	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) $(FUZZ_INTO) -fsanitize=$(FUZZ_SANITIZERS) \
 		$(CPPFLAGS) -MMD -MP -c $< -o $@
 $O/fuzz/obj/gen/%.pb.o: $O/gen/%.pb.cc
