@@ -29,7 +29,7 @@
 #include "core/admission/state.hpp"
 #include "daemon/gates/close_unpinned.hpp"
 #include "daemon/gates/former_layouts.hpp"
-#include "daemon/gates/gate.hpp"
+#include "daemon/gates/interfaces.hpp"
 #include "daemon/gateway/controller.hpp"
 #include "daemon/gateway/in_time.hpp"
 #include "daemon/listen.hpp"

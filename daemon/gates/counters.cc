@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Sums over CPUs. The kernel writes meanwhile: each number is read once and whole.
+// Sums over CPUs and banks. The kernel writes meanwhile: each number is read once and whole.
 #include "daemon/gates/counters.hpp"
 
 #include <fmt/format.h>
@@ -12,8 +12,6 @@
 #include <tuple>
 #include <utility>
 
-#include "bpf/ether.h"
-
 namespace mlcca::enforce {
 namespace {
 
@@ -22,41 +20,44 @@ T load(const T& word, int order = __ATOMIC_RELAXED) {
   return __atomic_load_n(&word, order);
 }
 
+void read_words(const gate_seen& seen, UnknownFrame& frame) {
+  frame.can_id = load(seen.can_id);
+  frame.format = load(seen.format);
+}
+void read_words(const ether_seen& seen, UnknownFrame& frame) {
+  frame.subject = load(seen.subject);
+  frame.station = load(seen.station);
+  for (std::size_t i = 0; i < frame.mac.size(); ++i) frame.mac.at(i) = load(seen.mac[i]);
+}
+
 /// Nothing when the entry is empty or changed hands while it was read.
-std::optional<UnknownFrame> read(const gate_seen& seen) {
-  const std::uint64_t before = load(seen.sequence, __ATOMIC_ACQUIRE);
-  const UnknownFrame frame{.can_id = load(seen.can_id),
-                           .subject = 0,
-                           .len = load(seen.len),
-                           .format = load(seen.format),
-                           .direction = static_cast<Direction>(load(seen.direction)),
-                           .count = load(seen.count),
-                           .sequence = before,
-                           .station = 0,
-                           .mac = {}};
+std::optional<UnknownFrame> read(const auto& seen) {
+  UnknownFrame frame;
+  frame.sequence = load(seen.sequence, __ATOMIC_ACQUIRE);
+  frame.len = static_cast<std::uint16_t>(load(seen.len));
+  frame.direction = static_cast<Direction>(load(seen.direction));
+  frame.count = load(seen.count);
+  read_words(seen, frame);
   std::atomic_thread_fence(std::memory_order_acquire);
-  if (before == 0 || load(seen.sequence) != before) return std::nullopt;
+  if (frame.sequence == 0 || load(seen.sequence) != frame.sequence) return std::nullopt;
   return frame;
 }
 
-}  // namespace
-
-SlotCounters slot_counters(const gate_table& table, std::span<const gate_cpu> cpus,
-                           std::uint16_t slot) {
-  SlotCounters sum;
-  for (const auto& cpu : cpus) {
-    sum.passed += load(cpu.slots[slot].passed);
-    sum.dropped += load(cpu.slots[slot].dropped);
-    sum.bytes += load(cpu.slots[slot].bytes);
-    sum.excess += load(cpu.slots[slot].excess);
-  }
-  sum.would_drop = load(table.audit[slot].would_drop);
-  sum.would_exceed = load(table.audit[slot].would_exceed);
-  sum.last_reason = static_cast<gate_reason>(load(table.last_reason[slot]));
-  return sum;
+void add(SlotCounters& sum, const gate_count& count) {
+  sum.passed += load(count.passed);
+  sum.dropped += load(count.dropped);
+  sum.bytes += load(count.bytes);
+  sum.excess += load(count.excess);
 }
 
-ReasonCounters reason_counters(std::span<const gate_cpu> cpus, Direction direction) {
+void take(SlotCounters& sum, const gate_audit& audit, const __u8& last_reason) {
+  sum.would_drop = load(audit.would_drop);
+  sum.would_exceed = load(audit.would_exceed);
+  sum.last_reason = static_cast<gate_reason>(load(last_reason));
+}
+
+template <class Cpu>
+ReasonCounters sum_of_reasons(std::span<const Cpu> cpus, Direction direction) {
   ReasonCounters sum{};
   for (const auto& cpu : cpus)
     for (std::size_t reason = 0; reason < GATE_REASONS; ++reason)
@@ -64,22 +65,20 @@ ReasonCounters reason_counters(std::span<const gate_cpu> cpus, Direction directi
   return sum;
 }
 
-std::vector<UnknownFrame> unknown_frames(std::span<const gate_cpu> cpus) {
-  std::map<std::tuple<std::uint32_t, std::uint8_t, Direction>, UnknownFrame> merged;
+/// What is the same on several CPUs is one, as it was seen last.
+template <class Cpu>
+std::vector<UnknownFrame> newest_of(std::span<const Cpu> cpus) {
+  std::map<std::tuple<std::uint32_t, std::uint64_t, std::uint8_t, Direction>, UnknownFrame> merged;
   for (const auto& cpu : cpus) {
     for (const auto& seen : cpu.seen) {
       // A second try: the writer is done within nanoseconds.
       auto frame = read(seen);
       if (!frame) frame = read(seen);
       if (!frame) continue;
-      auto [entry, first] =
-          merged.try_emplace({frame->can_id, frame->format, frame->direction}, *frame);
-      if (first) continue;
-      frame->count += entry->second.count;
-      if (frame->sequence > entry->second.sequence)
-        entry->second = *frame;
-      else
-        entry->second.count = frame->count;
+      UnknownFrame& sum = merged[{frame->can_id, frame->subject, frame->format, frame->direction}];
+      const std::uint64_t count = frame->count + sum.count;
+      if (frame->sequence > sum.sequence) sum = *frame;
+      sum.count = count;
     }
   }
   std::vector<UnknownFrame> newest;
@@ -87,6 +86,35 @@ std::vector<UnknownFrame> unknown_frames(std::span<const gate_cpu> cpus) {
   for (const auto& [key, frame] : merged) newest.push_back(frame);
   std::ranges::sort(newest, std::ranges::greater{}, &UnknownFrame::sequence);
   return newest;
+}
+
+}  // namespace
+
+SlotCounters slot_counters(const gate_table& table, std::span<const gate_cpu> cpus,
+                           std::uint32_t slot) {
+  SlotCounters sum;
+  for (const auto& cpu : cpus) add(sum, cpu.slots[slot]);
+  take(sum, table.audit[slot], table.last_reason[slot]);
+  return sum;
+}
+SlotCounters ether_counters(const EtherMemory& memory, std::uint32_t slot) {
+  SlotCounters sum;
+  for (std::size_t at = slot; at < memory.counts.size(); at += memory.slots.size())
+    add(sum, memory.counts[at]);
+  take(sum, memory.audits[slot], memory.slots[slot].last_reason);
+  return sum;
+}
+
+ReasonCounters reason_counters(std::span<const gate_cpu> cpus, Direction direction) {
+  return sum_of_reasons(cpus, direction);
+}
+ReasonCounters reason_counters(std::span<const ether_cpu> cpus, Direction direction) {
+  return sum_of_reasons(cpus, direction);
+}
+
+std::vector<UnknownFrame> unknown_frames(std::span<const gate_cpu> cpus) { return newest_of(cpus); }
+std::vector<UnknownFrame> unknown_frames(std::span<const ether_cpu> cpus) {
+  return newest_of(cpus);
 }
 
 std::string address_text(std::uint64_t station) {

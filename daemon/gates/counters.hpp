@@ -9,7 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "bpf/ether.h"
 #include "bpf/gate.h"
+#include "daemon/gates/ether_table.hpp"
 #include "daemon/gates/slots.hpp"
 
 namespace mlcca::enforce {
@@ -49,8 +51,10 @@ std::string mac_text(std::uint64_t station, const Mac& mac);
 std::string sender_text(std::uint64_t station, const Mac& mac);
 
 SlotCounters slot_counters(const gate_table& table, std::span<const gate_cpu> cpus,
-                           std::uint16_t slot);
+                           std::uint32_t slot);
+SlotCounters ether_counters(const EtherMemory& memory, std::uint32_t slot);
 ReasonCounters reason_counters(std::span<const gate_cpu> cpus, Direction direction);
+ReasonCounters reason_counters(std::span<const ether_cpu> cpus, Direction direction);
 /// What audit mode has let through, of either kind of table.
 template <class Table>
 ReasonCounters would_drop_counters(const Table& table, Direction direction) {
@@ -62,6 +66,7 @@ ReasonCounters would_drop_counters(const Table& table, Direction direction) {
 }
 /// Frames without a slot, newest first.
 std::vector<UnknownFrame> unknown_frames(std::span<const gate_cpu> cpus);
+std::vector<UnknownFrame> unknown_frames(std::span<const ether_cpu> cpus);
 
 /// "unknown subject", "not from the granted source": one line for a person.
 const char* reason_text(gate_reason reason);

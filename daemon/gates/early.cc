@@ -6,10 +6,12 @@
 #include <linux/if_link.h>
 
 #include <cerrno>
+#include <filesystem>
 
 #include "daemon/gates/complaints.hpp"
 #include "daemon/gates/failure.hpp"
 #include "daemon/gates/pins.hpp"
+#include "daemon/gates/roster.hpp"
 
 namespace mlcca::enforce {
 namespace {
@@ -71,6 +73,17 @@ bool is_noted_early(const std::string& root, std::uint32_t program) {
   const Fd notes = open_pin(notes_pin(root));
   std::uint8_t noted = 0;
   return notes && bpf_map_lookup_elem(notes.get(), &program, &noted) == 0;
+}
+
+Result<bool> put_early_in_place(const Place& place, int program_fd) {
+  const std::string root =
+      std::filesystem::path(place.directory).parent_path().parent_path().string();
+  const std::uint32_t id = program_info(program_fd).id;
+  if (auto noted = note_early(root, id); !noted) return std::unexpected(noted.error());
+  const std::uint32_t there = early_program(place.ifindex);
+  if (there == id) return true;
+  if (there != 0 && !is_noted_early(root, there) && !is_of_a_gate(there)) return false;
+  return put_early(place.ifindex, program_fd, there != 0);
 }
 
 }  // namespace mlcca::enforce

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/result.hpp"
+#include "daemon/gates/attachment.hpp"
 
 namespace mlcca::enforce {
 
@@ -23,5 +24,10 @@ bool put_early(std::uint32_t ifindex, int program_fd, bool replace);
 /// Before it is put anywhere. `root`: above the layouts, so that an upgrade knows them too.
 Result<void> note_early(const std::string& root, std::uint32_t program);
 bool is_noted_early(const std::string& root, std::uint32_t program);
+
+/// Ours takes the place of ours, be it of a daemon before this one, or come back with its device;
+/// elsewhere it is put where nobody else's program is. Gives whether it is there. Between looking
+/// and putting nobody is kept from putting his own there.
+Result<bool> put_early_in_place(const Place& place, int program_fd);
 
 }  // namespace mlcca::enforce

@@ -5,125 +5,129 @@
 #include <bpf/libbpf.h>
 #include <ether.skel.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 
-#include "daemon/gates/complaints.hpp"
 #include "daemon/gates/failure.hpp"
+#include "daemon/gates/gate_maps.hpp"
+#include "daemon/gates/load_gate.hpp"
 #include "daemon/gates/pins.hpp"
 #include "daemon/gates/programs.hpp"
 
 namespace mlcca::enforce {
 namespace {
 
-std::array<bpf_map*, kEtherMaps.size()> maps_of(const ether_bpf& object) {
-  return {object.maps.bss,       object.maps.buckets,
-          object.maps.slots,     object.maps.contracts,
-          object.maps.counts,    object.maps.cpus,
-          object.maps.fragments, object.maps.foreign_fragments,
-          object.maps.watches,   object.maps.ether_prefilter,
-          object.maps.audits};
-}
+using Maps = decltype(ether_bpf::maps);
+
+/// What is mapped is of a size that can be looked at.
+struct Row : MapRow<EtherMaps, ether_bpf> {
+  std::uint32_t value_size = 0;  ///< 0: it is not mapped
+  std::uint32_t (*entries)(const EtherSizes&) = nullptr;
+};
+constexpr auto kFragments = [](const EtherSizes&) {
+  return ether_fragment_entries(possible_cpus());
+};
+constexpr std::array kMaps = {
+    Row{{&EtherMaps::table, "ether_table", &Maps::bss},
+        sizeof(ether_table),
+        [](const EtherSizes&) { return 1U; }},
+    Row{{&EtherMaps::buckets, "ether_buckets", &Maps::buckets},
+        sizeof(std::uint64_t),
+        [](const EtherSizes& s) { return s.buckets; }},
+    Row{{&EtherMaps::slots, "ether_slots", &Maps::slots},
+        sizeof(ether_slot),
+        [](const EtherSizes& s) { return s.slots; }},
+    Row{{&EtherMaps::contracts, "ether_contracts", &Maps::contracts},
+        sizeof(ether_contract),
+        [](const EtherSizes& s) { return s.contracts; }},
+    Row{{&EtherMaps::counts, "ether_counts", &Maps::counts},
+        sizeof(gate_count),
+        [](const EtherSizes& s) { return s.banks * s.slots; }},
+    Row{{&EtherMaps::cpus, "ether_cpus", &Maps::cpus},
+        sizeof(ether_cpu),
+        [](const EtherSizes&) { return possible_cpus(); }},
+    Row{{&EtherMaps::fragments, "ether_fragments", &Maps::fragments}, 0, kFragments},
+    Row{{&EtherMaps::foreign_fragments, "ether_foreign", &Maps::foreign_fragments}, 0, kFragments},
+    Row{{&EtherMaps::watches, "ether_watches", &Maps::watches},
+        sizeof(gate_watch),
+        [](const EtherSizes&) { return std::uint32_t{ETHER_WATCHES}; }},
+    Row{{&EtherMaps::prefilter, "ether_prefilter", &Maps::ether_prefilter},
+        sizeof(ether_prefilter_part),
+        [](const EtherSizes& s) { return s.prefilters(); }},
+    Row{{&EtherMaps::audits, "ether_audits", &Maps::audits},
+        sizeof(gate_audit),
+        [](const EtherSizes& s) { return s.slots; }}};
 
 int set_sizes(const ether_bpf& object, const EtherSizes& sizes) {
-  const std::array<std::pair<bpf_map*, std::uint32_t>, 10> entries{
-      {{object.maps.buckets, sizes.buckets},
-       {object.maps.slots, sizes.slots},
-       {object.maps.contracts, sizes.contracts},
-       {object.maps.counts, sizes.banks * sizes.slots},
-       {object.maps.cpus, possible_cpus()},
-       {object.maps.fragments, ether_fragment_entries(possible_cpus())},
-       {object.maps.foreign_fragments, ether_fragment_entries(possible_cpus())},
-       {object.maps.watches, ETHER_WATCHES},
-       {object.maps.ether_prefilter, sizes.prefilters()},
-       {object.maps.audits, sizes.slots}}};
-  for (const auto& [map, count] : entries)
-    if (const int error = bpf_map__set_max_entries(map, count); error != 0) return error;
-  return 0;
-}
-
-int share_maps(const ether_bpf& object, const EtherSizes& sizes, const SharedMaps& shared,
-               const EtherMaps& maps) {
-  if (const int error = bpf_map__reuse_fd(object.maps.data_control, shared.control); error != 0)
-    return error;
-  if (const int error = bpf_map__reuse_fd(object.maps.events, shared.events); error != 0)
-    return error;
-  if (!maps.front()) return set_sizes(object, sizes);
-  const auto all = maps_of(object);
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (const int error = bpf_map__reuse_fd(all.at(i), maps.at(i).get()); error != 0) return error;
-  return 0;
-}
-
-}  // namespace
-
-std::string ether_map_pin(const std::string& directory, std::size_t n) {
-  return directory + "/" + kEtherMaps.at(n);
-}
-
-std::optional<EtherPinned> pinned_ether_maps(const std::string& directory) {
-  EtherPinned there;
-  for (std::size_t n = 0; n < kEtherMaps.size(); ++n) {
-    there.maps.at(n) = open_pin(ether_map_pin(directory, n));
-    if (!there.maps.at(n)) return std::nullopt;
+  for (const Row& row : kMaps) {
+    if (row.map == &Maps::bss) continue;  // one value always
+    if (const int error = bpf_map__set_max_entries(object.maps.*row.map, row.entries(sizes));
+        error != 0)
+      return error;
   }
-  const int table_fd = there.maps.front().get();
-  if (!is_mappable_array(table_fd, sizeof(ether_table), 1)) return std::nullopt;
-  const Mapped<ether_table> table(table_fd, 1);
+  return 0;
+}
+
+bool fits(const Row& row, const EtherPinned& there) {
+  return row.value_size == 0 ||
+         is_mappable_array((there.maps.*row.fd).get(), row.value_size, row.entries(there.sizes));
+}
+
+/// The table says how large the others are.
+std::optional<EtherPinned> of_this_layout(std::optional<EtherMaps> maps) {
+  if (!maps || !is_mappable_array(maps->table.get(), sizeof(ether_table), 1)) return std::nullopt;
+  const Mapped<ether_table> table(maps->table.get(), 1);
   if (!table || table[0].layout_version != ETHER_LAYOUT_VERSION) return std::nullopt;
-  there.sizes = {table[0].slots, table[0].buckets, table[0].contracts, table[0].banks};
-  const auto fits = [&](std::size_t n, std::uint32_t size, std::uint32_t entries) {
-    return is_mappable_array(there.maps.at(n).get(), size, entries);
-  };
-  if (!fits(1, sizeof(std::uint64_t), there.sizes.buckets) ||
-      !fits(2, sizeof(ether_slot), there.sizes.slots) ||
-      !fits(3, sizeof(ether_contract), there.sizes.contracts) ||
-      !fits(4, sizeof(gate_count), there.sizes.banks * there.sizes.slots) ||
-      !fits(5, sizeof(ether_cpu), possible_cpus()) || !fits(8, sizeof(gate_watch), ETHER_WATCHES) ||
-      !fits(9, sizeof(ether_prefilter_part), there.sizes.prefilters()) ||
-      !fits(10, sizeof(gate_audit), there.sizes.slots))
+  EtherPinned there{std::move(*maps),
+                    {table[0].slots, table[0].buckets, table[0].contracts, table[0].banks}};
+  if (!std::ranges::all_of(kMaps, [&](const Row& row) { return fits(row, there); }))
     return std::nullopt;
   return there;
 }
 
-void destroy_ether_programs(ether_bpf* object) { ether_bpf__destroy(object); }
+}  // namespace
 
-Result<EtherPrograms::Object> EtherPrograms::try_load(const EtherKnobs& knobs,
-                                                      const EtherSizes& sizes,
-                                                      const SharedMaps& shared,
-                                                      const EtherMaps& maps, bool direct_access) {
-  const Complaints complaints;
-  Object object(ether_bpf__open());
-  if (!object) return complaints.error("open the Ethernet gate", errno);
-  object->rodata->ifindex = knobs.ifindex;
-  object->rodata->silent = knobs.silent;
-  object->rodata->bucket_mask = sizes.buckets - 1;
-  object->rodata->slots_of_bank = sizes.slots;
-  object->rodata->banks = sizes.banks;
-  object->rodata->has_prefilter = sizes.has_prefilter();
-  object->rodata->direct_access = direct_access;
-  object->rodata->atomic_counts = is_preempt_rt();
-  object->rodata->ordered_stores = kOrderedStores;
-  if (const int error = share_maps(*object, sizes, shared, maps); error != 0)
-    return complaints.error("prepare the maps of the Ethernet gate", error);
-  if (const int error = ether_bpf__load(object.get()); error != 0)
-    return complaints.error("load the Ethernet gate", error);
-  return object;
+std::string ether_map_pin(const std::string& directory, Fd EtherMaps::* map) {
+  return directory + "/" + std::ranges::find(kMaps, map, &Row::fd)->pin;
 }
+
+std::optional<EtherPinned> pinned_ether_maps(const std::string& directory) {
+  return of_this_layout(open_maps<EtherMaps>(kMaps, directory, open_pin));
+}
+std::optional<EtherPinned> take_ether_maps(const std::string& directory, const MapIds& ids) {
+  return of_this_layout(take_maps<EtherMaps>(kMaps, directory, ids));
+}
+
+void destroy_ether_programs(ether_bpf* object) { ether_bpf__destroy(object); }
 
 Result<EtherPrograms> EtherPrograms::load(const EtherKnobs& knobs, const EtherSizes& sizes,
                                           const SharedMaps& shared, const EtherMaps& maps) {
-  auto object = try_load(knobs, sizes, shared, maps, true);
-  if (!object) object = try_load(knobs, sizes, shared, maps, false);
+  auto object = load_gate<ether_bpf, Object>(
+      "the Ethernet gate", {knobs.ifindex, knobs.silent}, shared, [&](const ether_bpf& gate) {
+        gate.rodata->bucket_mask = sizes.buckets - 1;
+        gate.rodata->slots_of_bank = sizes.slots;
+        gate.rodata->banks = sizes.banks;
+        gate.rodata->has_prefilter = sizes.has_prefilter();
+        return maps.table ? reuse_maps(kMaps, gate, maps) : set_sizes(gate, sizes);
+      });
   if (!object) return std::unexpected(object.error());
   return EtherPrograms(std::move(*object));
 }
+
+std::vector<Pin> EtherPrograms::pins(const std::string& directory) const {
+  return pins_of(kMaps, *object_, directory);
+}
+Result<EtherMaps> EtherPrograms::share() const { return share_maps<EtherMaps>(kMaps, *object_); }
 
 int EtherPrograms::program_fd(Direction direction) const {
   return bpf_program__fd(direction == Direction::ingress ? object_->progs.ether_ingress
                                                          : object_->progs.ether_egress);
 }
 int EtherPrograms::early_fd() const { return bpf_program__fd(object_->progs.ether_early); }
-int EtherPrograms::map_fd(std::size_t n) const { return bpf_map__fd(maps_of(*object_).at(n)); }
+int EtherPrograms::map_fd(Fd EtherMaps::* map) const {
+  return bpf_map__fd(object_->maps.*std::ranges::find(kMaps, map, &Row::fd)->map);
+}
 
 std::uint32_t& EtherPrograms::generation() const {
   return object_->data_control->control.generation;
@@ -132,15 +136,15 @@ std::uint32_t& EtherPrograms::generation() const {
 Result<EtherMapping> EtherMapping::of(const EtherPrograms& programs, const EtherSizes& sizes) {
   EtherMapping m;
   m.generation_ = &programs.generation();
-  m.table_ = {programs.map_fd(0), 1};
-  m.buckets_ = {programs.map_fd(1), sizes.buckets};
-  m.slots_ = {programs.map_fd(2), sizes.slots};
-  m.contracts_ = {programs.map_fd(3), sizes.contracts};
-  m.counts_ = {programs.map_fd(4), std::size_t{sizes.banks} * sizes.slots};
-  m.cpus_ = {programs.map_fd(5), possible_cpus()};
-  m.watches_ = {programs.map_fd(8), ETHER_WATCHES};
-  m.prefilters_ = {programs.map_fd(9), sizes.prefilters()};
-  m.audits_ = {programs.map_fd(10), sizes.slots};
+  m.table_ = {programs.map_fd(&EtherMaps::table), 1};
+  m.buckets_ = {programs.map_fd(&EtherMaps::buckets), sizes.buckets};
+  m.slots_ = {programs.map_fd(&EtherMaps::slots), sizes.slots};
+  m.contracts_ = {programs.map_fd(&EtherMaps::contracts), sizes.contracts};
+  m.counts_ = {programs.map_fd(&EtherMaps::counts), std::size_t{sizes.banks} * sizes.slots};
+  m.cpus_ = {programs.map_fd(&EtherMaps::cpus), possible_cpus()};
+  m.watches_ = {programs.map_fd(&EtherMaps::watches), ETHER_WATCHES};
+  m.prefilters_ = {programs.map_fd(&EtherMaps::prefilter), sizes.prefilters()};
+  m.audits_ = {programs.map_fd(&EtherMaps::audits), sizes.slots};
   if (!m.table_ || !m.buckets_ || !m.prefilters_ || !m.slots_ || !m.contracts_ || !m.counts_ ||
       !m.cpus_ || !m.watches_ || !m.audits_)
     return failure("map the memory of the Ethernet gate", errno);

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The object of the Ethernet gate in the kernel: its programs and the maps they look at.
 #pragma once
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/handle.hpp"
 #include "base/result.hpp"
 #include "bpf/ether.h"
 #include "daemon/gates/control.hpp"
 #include "daemon/gates/ether_table.hpp"
+#include "daemon/gates/gate_pins.hpp"
 #include "daemon/gates/mapped.hpp"
 #include "daemon/gates/slots.hpp"
 
@@ -21,21 +23,31 @@ namespace mlcca::enforce {
 
 void destroy_ether_programs(ether_bpf* object);
 
-/// The maps of one interface that outlive a daemon, by the names of their pins.
-inline constexpr std::array kEtherMaps = {"ether_table",     "ether_buckets", "ether_slots",
-                                          "ether_contracts", "ether_counts",  "ether_cpus",
-                                          "ether_fragments", "ether_foreign", "ether_watches",
-                                          "ether_prefilter", "ether_audits"};
-using EtherMaps = std::array<Fd, kEtherMaps.size()>;  ///< in that order; all or none
+/// The maps of one interface that outlive a daemon; all or none.
+struct EtherMaps {
+  Fd table;
+  Fd buckets;
+  Fd slots;
+  Fd contracts;
+  Fd counts;
+  Fd cpus;
+  Fd fragments;
+  Fd foreign_fragments;
+  Fd watches;
+  Fd prefilter;
+  Fd audits;
+};
+std::string ether_map_pin(const std::string& directory, Fd EtherMaps::* map);
 
-/// The pinned maps of an interface.
 struct EtherPinned {
   EtherMaps maps;
   EtherSizes sizes;
 };
-std::string ether_map_pin(const std::string& directory, std::size_t n);
-/// Nothing where one of them is missing, or they are of another layout or do not fit each other.
+/// The pinned maps of an interface. Nothing where one of them is missing, or they are of another
+/// layout or do not fit each other.
 std::optional<EtherPinned> pinned_ether_maps(const std::string& directory);
+/// The same of those of the gate that is attached: see take_map().
+std::optional<EtherPinned> take_ether_maps(const std::string& directory, const MapIds& ids);
 
 /// What is set before loading, beside sizes.
 struct EtherKnobs {
@@ -52,17 +64,16 @@ class EtherPrograms {
   [[nodiscard]] int program_fd(Direction direction) const;
   /// Of the XDP program.
   [[nodiscard]] int early_fd() const;
-  /// Of the n-th of kEtherMaps.
-  [[nodiscard]] int map_fd(std::size_t n) const;
+  [[nodiscard]] int map_fd(Fd EtherMaps::* map) const;
+  /// Of the maps that outlive a daemon.
+  [[nodiscard]] std::vector<Pin> pins(const std::string& directory) const;
+  [[nodiscard]] Result<EtherMaps> share() const;
   /// Of the control map.
   [[nodiscard]] std::uint32_t& generation() const;
 
  private:
   using Object = std::unique_ptr<ether_bpf, FreeWith<destroy_ether_programs>>;
   explicit EtherPrograms(Object object) : object_(std::move(object)) {}
-  static Result<Object> try_load(const EtherKnobs& knobs, const EtherSizes& sizes,
-                                 const SharedMaps& shared, const EtherMaps& maps,
-                                 bool direct_access);
   Object object_;
 };
 

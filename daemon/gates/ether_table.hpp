@@ -61,13 +61,13 @@ class EtherTable final : public Table {
 
   [[nodiscard]] std::vector<SlotSpec> present() const override;
   [[nodiscard]] std::size_t size() const override { return used_; }
-  [[nodiscard]] std::optional<std::uint32_t> find(const SlotSpec& spec) const;
+  [[nodiscard]] std::size_t room() const override { return sizes_.slots - ETHER_FIRST_SLOT; }
+  [[nodiscard]] std::optional<std::uint32_t> find(const SlotSpec& spec) const override;
 
-  /// Number of the watch of a slot; 0: nobody looks.
-  [[nodiscard]] std::uint16_t watch_of(std::uint32_t slot) const;
-  /// Slots that wait for a watch, beyond the ETHER_WATCHES - 1 that have one: the apply() by which
-  /// one becomes free gives it to them, after a grace period.
-  [[nodiscard]] std::size_t unwatched() const { return waiting_.size(); }
+  [[nodiscard]] std::uint16_t watch_of(std::uint32_t slot) const override;
+  /// They wait for one of the ETHER_WATCHES - 1: the apply() by which one becomes free gives it to
+  /// them, after a grace period.
+  [[nodiscard]] std::size_t unwatched() const override { return waiting_.size(); }
   [[nodiscard]] std::vector<std::uint16_t> watched() const override;
 
  private:
@@ -123,9 +123,6 @@ class EtherTable final : public Table {
   Result<void> release_what_was_left();
   void put_what_comes(const SlotChanges& changes) override;
   void remove_what_goes(const SlotChanges& changes) override;
-  [[nodiscard]] std::optional<std::uint32_t> slot_of(const SlotSpec& spec) const override {
-    return find(spec);
-  }
   [[nodiscard]] std::uint8_t* verdicts(std::uint32_t slot) const override {
     return memory_.slots[slot].verdict;
   }

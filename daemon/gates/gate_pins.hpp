@@ -27,11 +27,13 @@ inline std::string next_pin(const std::string& directory, Direction direction) {
   return next_of(program_pin(directory, direction));
 }
 inline std::string early_pin(const std::string& directory) { return directory + "/early"; }
-inline std::string table_pin(const std::string& directory) { return directory + "/table"; }
+inline constexpr const char* kTablePin = "table";
+inline constexpr const char* kCpusPin = "cpus";
+inline std::string table_pin(const std::string& directory) { return directory + "/" + kTablePin; }
 inline std::string silence_timers_pin(const std::string& directory) {
   return directory + "/silence_timers";
 }
-inline std::string cpus_pin(const std::string& directory) { return directory + "/cpus"; }
+inline std::string cpus_pin(const std::string& directory) { return directory + "/" + kCpusPin; }
 
 using MapIds = std::vector<std::uint32_t>;
 /// The maps of each program of ours that is pinned there and attached to this very device; those of

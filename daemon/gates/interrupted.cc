@@ -25,7 +25,7 @@ void settle(std::span<Slot> slots, std::uint32_t generation) {
 /// Maps that are not there or of another layout belong to no gate that will be taken over.
 void settle_gate(const std::string& directory, std::uint32_t generation) {
   if (const auto ether = pinned_ether_maps(directory)) {
-    const Mapped<ether_slot> slots(ether->maps[2].get(), ether->sizes.slots);
+    const Mapped<ether_slot> slots(ether->maps.slots.get(), ether->sizes.slots);
     settle<ether_slot>(slots.span(), generation);
     return;
   }

@@ -8,10 +8,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <string_view>
 
-#include "daemon/gates/complaints.hpp"
+#include "daemon/gates/gate_maps.hpp"
+#include "daemon/gates/load_gate.hpp"
 
 namespace mlcca::enforce {
 namespace {
@@ -26,16 +26,10 @@ constexpr std::array kProfiles = {KnownProfile{core::Profile::raw, GATE_PROFILE_
                                   KnownProfile{core::Profile::cyphal, GATE_PROFILE_CYPHAL},
                                   KnownProfile{core::Profile::canopen, GATE_PROFILE_CANOPEN}};
 
-int share_maps(gate_bpf& object, const SharedMaps& shared, const GateMaps& maps) {
-  if (const int error = bpf_map__reuse_fd(object.maps.data_control, shared.control); error != 0)
-    return error;
-  if (const int error = bpf_map__reuse_fd(object.maps.events, shared.events); error != 0)
-    return error;
-  if (!maps.table) return bpf_map__set_max_entries(object.maps.cpus, possible_cpus());
-  if (const int error = bpf_map__reuse_fd(object.maps.bss, maps.table.get()); error != 0)
-    return error;
-  return bpf_map__reuse_fd(object.maps.cpus, maps.cpus.get());
-}
+using Row = MapRow<GateMaps, gate_bpf>;
+using Maps = decltype(gate_bpf::maps);
+constexpr std::array kMaps = {Row{&GateMaps::table, kTablePin, &Maps::bss},
+                              Row{&GateMaps::cpus, kCpusPin, &Maps::cpus}};
 
 }  // namespace
 
@@ -60,34 +54,31 @@ std::uint32_t possible_cpus() {
   return static_cast<std::uint32_t>(std::max(libbpf_num_possible_cpus(), 1));
 }
 
-Result<Programs::Object> Programs::try_load(const ProgramConfig& config, const SharedMaps& shared,
-                                            const GateMaps& maps, bool direct_access) {
-  const Complaints complaints;
-  Object object(gate_bpf__open());
-  if (!object) return complaints.error("open the gate", errno);
-  object->rodata->ifindex = config.ifindex;
-  object->rodata->profile = config.profile;
-  object->rodata->echo_by_mark = config.echo_by_mark;
-  object->rodata->silent = config.silent;
-  object->rodata->direct_access = direct_access;
-  object->rodata->atomic_counts = is_preempt_rt();
-  object->rodata->ordered_stores = kOrderedStores;
-  if (const int error = share_maps(*object, shared, maps); error != 0)
-    return complaints.error("prepare the gate's maps", error);
-  if (const int error = gate_bpf__load(object.get()); error != 0)
-    return complaints.error("load the gate", error);
-  return object;
+std::optional<GateMaps> take_gate_maps(const std::string& directory, const MapIds& ids) {
+  auto maps = take_maps<GateMaps>(kMaps, directory, ids);
+  if (!maps || !is_mappable_array(maps->table.get(), sizeof(gate_table), 1) ||
+      !is_mappable_array(maps->cpus.get(), sizeof(gate_cpu), possible_cpus()))
+    return std::nullopt;
+  return maps;
 }
 
-/// The verifier refuses packet pointers on machines that cannot read unaligned words.
 Result<Programs> Programs::load(const ProgramConfig& config, const SharedMaps& shared,
                                 const GateMaps& maps) {
-  auto object = try_load(config, shared, maps, true);
-  if (!object) object = try_load(config, shared, maps, false);
+  auto object = load_gate<gate_bpf, Object>(
+      "the gate", {config.ifindex, config.silent}, shared, [&](const gate_bpf& gate) {
+        gate.rodata->profile = config.profile;
+        gate.rodata->echo_by_mark = config.echo_by_mark;
+        return maps.table ? reuse_maps(kMaps, gate, maps)
+                          : bpf_map__set_max_entries(gate.maps.cpus, possible_cpus());
+      });
   if (!object) return std::unexpected(object.error());
   return Programs(std::move(*object));
 }
 
+std::vector<Pin> Programs::pins(const std::string& directory) const {
+  return pins_of(kMaps, *object_, directory);
+}
+Result<GateMaps> Programs::share() const { return share_maps<GateMaps>(kMaps, *object_); }
 int Programs::program_fd(Direction direction) const {
   return bpf_program__fd(direction == Direction::ingress ? object_->progs.gate_ingress
                                                          : object_->progs.gate_egress);

@@ -3,13 +3,17 @@
 #pragma once
 #include <cstdint>
 #include <memory>
-#include <span>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/handle.hpp"
 #include "base/result.hpp"
 #include "bpf/gate.h"
 #include "core/model/system.hpp"
 #include "daemon/gates/control.hpp"
+#include "daemon/gates/gate_pins.hpp"
 #include "daemon/gates/slots.hpp"
 
 struct gate_bpf;  // NOLINT(readability-identifier-naming): the skeleton's name
@@ -27,6 +31,9 @@ struct GateMaps {
   Fd table;
   Fd cpus;
 };
+/// Those of the gate that is attached: see take_map(). Nothing where they are not there, or of
+/// another layout.
+std::optional<GateMaps> take_gate_maps(const std::string& directory, const MapIds& ids);
 
 struct ProgramConfig {
   std::uint32_t ifindex = 0;
@@ -42,6 +49,9 @@ class Programs {
                                const GateMaps& maps);
 
   [[nodiscard]] int program_fd(Direction direction) const;
+  /// Of the maps that outlive a daemon.
+  [[nodiscard]] std::vector<Pin> pins(const std::string& directory) const;
+  [[nodiscard]] Result<GateMaps> share() const;
   [[nodiscard]] int table_fd() const;
   [[nodiscard]] int cpus_fd() const;
   [[nodiscard]] gate_table& table() const;
@@ -51,8 +61,6 @@ class Programs {
  private:
   using Object = std::unique_ptr<gate_bpf, FreeWith<destroy_programs>>;
   explicit Programs(Object object) : object_(std::move(object)) {}
-  static Result<Object> try_load(const ProgramConfig& config, const SharedMaps& shared,
-                                 const GateMaps& maps, bool direct_access);
   Object object_;
 };
 

@@ -144,12 +144,12 @@ void read_ether_table(GateReading& gate, const EtherPinned& pinned, std::uint32_
   const auto copy = std::make_shared<EtherImage>();
   copy->sizes = pinned.sizes;
   std::vector<gate_watch> watches;
-  if (!copy_map(pinned.maps[0], 1, copy->table) ||
-      !copy_map(pinned.maps[1], pinned.sizes.buckets, copy->buckets) ||
-      !copy_map(pinned.maps[9], pinned.sizes.prefilters(), copy->prefilters) ||
-      !copy_map(pinned.maps[2], pinned.sizes.slots, copy->slots) ||
-      !copy_map(pinned.maps[3], pinned.sizes.contracts, copy->contracts) ||
-      !copy_map(pinned.maps[8], ETHER_WATCHES, watches)) {
+  if (!copy_map(pinned.maps.table, 1, copy->table) ||
+      !copy_map(pinned.maps.buckets, pinned.sizes.buckets, copy->buckets) ||
+      !copy_map(pinned.maps.prefilter, pinned.sizes.prefilters(), copy->prefilters) ||
+      !copy_map(pinned.maps.slots, pinned.sizes.slots, copy->slots) ||
+      !copy_map(pinned.maps.contracts, pinned.sizes.contracts, copy->contracts) ||
+      !copy_map(pinned.maps.watches, ETHER_WATCHES, watches)) {
     gate.problems.push_back(failure("map the table", errno).error().text);
     return;
   }
@@ -186,7 +186,9 @@ GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const
   if (const auto ether = pinned_ether_maps(directory)) {
     gate.ethernet = true;
     std::vector<std::uint32_t> ids{map_id(control.get())};
-    for (const std::size_t n : {0, 1, 2, 3}) ids.push_back(map_id(ether->maps.at(n).get()));
+    for (const Fd EtherMaps::* map :
+         {&EtherMaps::table, &EtherMaps::buckets, &EtherMaps::slots, &EtherMaps::contracts})
+      ids.push_back(map_id((ether->maps.*map).get()));
     read_programs(gate, directory, ids);
     read_ether_table(gate, *ether, word.generation, word.epoch);
     return gate;

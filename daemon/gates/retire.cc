@@ -28,7 +28,7 @@ void change(const std::string& pin, auto&& change_table) {
 /// The table of a gate, and of the one that is to be next.
 void change_tables(const std::string& directory, auto&& change_table) {
   const std::string can = table_pin(directory);
-  const std::string ether = ether_map_pin(directory, 0);
+  const std::string ether = ether_map_pin(directory, &EtherMaps::table);
   for (const std::string& pin : {can, next_of(can)}) change<gate_table>(pin, change_table);
   for (const std::string& pin : {ether, next_of(ether)}) change<ether_table>(pin, change_table);
 }

@@ -186,7 +186,7 @@ SlotSpec SlotTable::spec_of(std::uint16_t slot, Direction direction) const {
           .together = table_->watches[slot].together};
 }
 
-std::optional<std::uint16_t> SlotTable::find(const SlotSpec& spec) const {
+std::optional<std::uint32_t> SlotTable::find(const SlotSpec& spec) const {
   if (gate_bucket(profile_, spec.id) == GATE_NO_BUCKET) return std::nullopt;
   for (const auto slot : chain(spec))
     if (spec_of(slot, spec.direction).same_grant(spec)) return slot;
@@ -325,7 +325,7 @@ void SlotTable::link(const SlotSpec& spec) {
 
 /// The slot keeps its `next`, so that a program which stands on it finds the rest of the chain.
 void SlotTable::unlink(const SlotSpec& spec) {
-  const auto slot = find(spec).value_or(0);
+  const auto slot = static_cast<std::uint16_t>(find(spec).value_or(0));
   std::uint16_t* before = head(spec);
   while (*before != slot) before = &table_->slots[*before].next;
   publish(*before, table_->slots[slot].next);
@@ -353,6 +353,10 @@ void SlotTable::set_traffic(const SlotSpec& spec) {
 }
 
 void SlotTable::forget_events(std::uint32_t slot) { forget_findings(table_->watches[slot]); }
+
+std::uint16_t SlotTable::watch_of(std::uint32_t slot) const {
+  return table_->watches[slot].period != 0 ? static_cast<std::uint16_t>(slot) : std::uint16_t{0};
+}
 
 std::uint16_t SlotTable::minded_watch(std::uint32_t slot) const {
   return table_->watches[slot].silence != 0 ? static_cast<std::uint16_t>(slot) : std::uint16_t{0};

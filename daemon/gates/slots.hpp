@@ -37,11 +37,12 @@ class SlotTable final : public Table {
 
   [[nodiscard]] std::vector<SlotSpec> present() const override;
   [[nodiscard]] std::size_t size() const override { return used_; }
-  /// Whether the slot is found by its mask, and not by its key.
-  [[nodiscard]] bool is_masked(const SlotSpec& spec) const;
-  /// Number of the slot with this grant.
-  [[nodiscard]] std::optional<std::uint16_t> find(const SlotSpec& spec) const;
+  [[nodiscard]] std::size_t room() const override { return GATE_SLOTS - GATE_FIRST_SLOT; }
+  [[nodiscard]] bool is_masked(const SlotSpec& spec) const override;
+  [[nodiscard]] std::optional<std::uint32_t> find(const SlotSpec& spec) const override;
   [[nodiscard]] std::vector<std::uint16_t> watched() const override;
+  /// Each slot has its own.
+  [[nodiscard]] std::uint16_t watch_of(std::uint32_t slot) const override;
 
  private:
   SlotTable(const Memory& memory, std::uint32_t profile, GracePeriod wait);
@@ -55,9 +56,6 @@ class SlotTable final : public Table {
   Result<void> reclaim(const SlotChanges& changes) override;
   void put_what_comes(const SlotChanges& changes) override;
   void remove_what_goes(const SlotChanges& changes) override;
-  [[nodiscard]] std::optional<std::uint32_t> slot_of(const SlotSpec& spec) const override {
-    return find(spec);
-  }
   [[nodiscard]] std::uint8_t* verdicts(std::uint32_t slot) const override {
     return table_->slots[slot].verdict;
   }

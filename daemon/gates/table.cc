@@ -67,13 +67,13 @@ void Table::stage_what_goes(const SlotChanges& changes) {
 
 void Table::stage_what_comes(const SlotChanges& changes) {
   for (const auto& s : changes.add)
-    if (const auto slot = s.pass ? slot_of(s) : std::nullopt) stage(*slot, GATE_PASS);
+    if (const auto slot = s.pass ? find(s) : std::nullopt) stage(*slot, GATE_PASS);
   stage(changes.open, GATE_PASS);
 }
 
 void Table::stage(const std::vector<SlotSpec>& specs, std::uint8_t verdict) {
   for (const auto& s : specs)
-    if (const auto slot = slot_of(s)) stage(*slot, verdict);
+    if (const auto slot = find(s)) stage(*slot, verdict);
 }
 
 void Table::stage(std::uint32_t slot, std::uint8_t verdict) {

@@ -44,6 +44,12 @@ class Table {
   /// What the kernel obeys now.
   [[nodiscard]] virtual std::vector<SlotSpec> present() const = 0;
   [[nodiscard]] virtual std::size_t size() const = 0;
+  /// So many slots there can be.
+  [[nodiscard]] virtual std::size_t room() const = 0;
+  /// Number of the slot with this grant.
+  [[nodiscard]] virtual std::optional<std::uint32_t> find(const SlotSpec& spec) const = 0;
+  /// The slot is found by a mask, and not by a key or subject.
+  [[nodiscard]] virtual bool is_masked(const SlotSpec& /*spec*/) const { return false; }
   /// Every verdict deny; the slots stay.
   void deny_all();
 
@@ -51,6 +57,10 @@ class Table {
   /// changed since the last call.
   [[nodiscard]] virtual std::vector<std::uint16_t> watched() const = 0;
   [[nodiscard]] std::vector<std::uint16_t> take_newly_watched();
+  /// Number of the watch of a slot; 0: nobody looks.
+  [[nodiscard]] virtual std::uint16_t watch_of(std::uint32_t slot) const = 0;
+  /// Slots whose events ought to be watched, beyond those that can be.
+  [[nodiscard]] virtual std::size_t unwatched() const { return 0; }
 
  protected:
   /// `generation`: of the verdicts (gate_control). Tables that share one are changed by one thread.
@@ -80,8 +90,6 @@ class Table {
   virtual void put_what_comes(const SlotChanges& changes) = 0;
   /// What is there of the slots to be removed, which are denied.
   virtual void remove_what_goes(const SlotChanges& changes) = 0;
-  /// Number of the slot with this grant.
-  [[nodiscard]] virtual std::optional<std::uint32_t> slot_of(const SlotSpec& spec) const = 0;
   /// The two halves of a slot's verdict.
   [[nodiscard]] virtual std::uint8_t* verdicts(std::uint32_t slot) const = 0;
   [[nodiscard]] virtual std::uint32_t slots_end() const = 0;

@@ -9,6 +9,7 @@
 
 #include "core/model/progress.hpp"
 #include "daemon/gates/entry_slot.hpp"
+#include "daemon/gates/interfaces.hpp"
 #include "daemon/net/queue.hpp"
 
 namespace mlcca {

@@ -6,6 +6,7 @@
 
 #include "core/model/progress.hpp"
 #include "daemon/gates/close_unpinned.hpp"
+#include "daemon/gates/interfaces.hpp"
 #include "daemon/ports/ports.hpp"
 
 namespace mlcca {

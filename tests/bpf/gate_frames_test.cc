@@ -386,7 +386,7 @@ class GateFrames : public testing::TestWithParam<Row> {
     EXPECT_EQ(let_through ? would_drop : dropped, once);
     EXPECT_EQ(let_through ? dropped : would_drop, enforce::ReasonCounters{});
 
-    std::uint16_t counting = row.direction == kIn ? GATE_INGRESS : GATE_EGRESS;
+    std::uint32_t counting = row.direction == kIn ? GATE_INGRESS : GATE_EGRESS;
     if (row.expect.slot != kOwn)
       counting = gate.slots().find(row.slots.at(static_cast<std::size_t>(row.expect.slot))).value();
     const auto count = enforce::slot_counters(gate.table(), gate.cpus(), counting);

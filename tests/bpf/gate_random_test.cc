@@ -208,7 +208,7 @@ class Round {
     }
   }
 
-  void compare(std::uint16_t slot, const Counted& want) const {
+  void compare(std::uint32_t slot, const Counted& want) const {
     const auto got = enforce::slot_counters(gate_.table(), gate_.cpus(), slot);
     EXPECT_EQ(got.passed, want.passed);
     EXPECT_EQ(got.dropped, want.dropped);

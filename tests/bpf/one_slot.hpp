@@ -33,7 +33,7 @@ class OneSlot : public testing::Test {
   }
 
   LoadedGate& gate_ = LoadedGate::with();
-  std::uint16_t slot_ = 0;
+  std::uint32_t slot_ = 0;
 };
 
 }  // namespace mlcca::test

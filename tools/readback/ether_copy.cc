@@ -43,8 +43,8 @@ bool receives(const Fd& fd, const std::vector<std::uint8_t>& frame) {
 }
 
 template <class T>
-bool fill(const enforce::EtherPinned& to, std::size_t n, const std::vector<T>& from) {
-  const enforce::Mapped<T> memory(to.maps.at(n).get(), from.size());
+bool fill(const Fd& to, const std::vector<T>& from) {
+  const enforce::Mapped<T> memory(to.get(), from.size());
   if (!memory) return false;
   std::ranges::copy(from, memory.span().begin());
   return true;
@@ -53,10 +53,11 @@ bool fill(const enforce::EtherPinned& to, std::size_t n, const std::vector<T>& f
 /// As it was read, byte by byte; but nothing is policed, and nobody watches.
 Result<void> copy_table(const enforce::EtherImage& from, const enforce::EtherPinned& to) {
   if (from.sizes != to.sizes) return fail("its copy has another size");
-  if (!fill(to, 0, from.table) || !fill(to, 1, from.buckets) || !fill(to, 9, from.prefilters) ||
-      !fill(to, 2, from.slots) || !fill(to, 3, from.contracts))
+  if (!fill(to.maps.table, from.table) || !fill(to.maps.buckets, from.buckets) ||
+      !fill(to.maps.prefilter, from.prefilters) || !fill(to.maps.slots, from.slots) ||
+      !fill(to.maps.contracts, from.contracts))
     return failure("map the table", errno);
-  const enforce::Mapped<ether_contract> contracts(to.maps[3].get(), to.sizes.contracts);
+  const enforce::Mapped<ether_contract> contracts(to.maps.contracts.get(), to.sizes.contracts);
   if (!contracts) return failure("map the contracts", errno);
   for (ether_contract& c : contracts.span()) c.per_frame = c.per_byte = 0;
   return {};

@@ -357,7 +357,7 @@ TEST(EtherStates, WhoIsUnknownIsTold) {
   LoadedEther& gate = LoadedEther::with();
   for (int i = 0; i < 3; ++i) gate.run(kIn, packet());
   gate.run(kOut, packet([](Datagram& d) { d.subject = 5, d.payload = 300; }), kLocal);
-  const auto unknown = enforce::unknown_subjects(gate.cpus());
+  const auto unknown = enforce::unknown_frames(gate.cpus());
   ASSERT_EQ(unknown.size(), 2U);
   EXPECT_EQ(unknown[0].subject, 5U);
   EXPECT_EQ(unknown[0].len, 300U);
@@ -381,7 +381,7 @@ TEST(EtherStates, WhoIsUnknownIsToldWithTheAddressOfItsSender) {
       LoadedEther& gate = LoadedEther::with({.direct_access = direct});
       const auto latest = [&](const Bytes& bytes) {
         EXPECT_TRUE(early ? gate.dropped_early(bytes) : gate.run(kIn, bytes).dropped);
-        return enforce::unknown_subjects(gate.cpus()).at(0);
+        return enforce::unknown_frames(gate.cpus()).at(0);
       };
       const auto udp =
           latest(sent_by(near, packet([](Datagram& d) { d.subject = 1, d.source = 0x0a000007; })));

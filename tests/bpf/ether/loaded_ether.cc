@@ -175,7 +175,7 @@ enforce::SlotCounters LoadedEther::counted(enforce::Direction direction) const {
   return enforce::ether_counters(memory_, static_cast<std::uint32_t>(direction));
 }
 enforce::ReasonCounters LoadedEther::reasons(enforce::Direction direction) const {
-  return enforce::ether_reasons(cpus(), direction);
+  return enforce::reason_counters(cpus(), direction);
 }
 enforce::ReasonCounters LoadedEther::would_drop(enforce::Direction direction) const {
   return enforce::would_drop_counters(*memory_.table, direction);

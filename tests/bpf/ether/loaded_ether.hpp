@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/gates/ether_counters.hpp"
+#include "daemon/gates/counters.hpp"
 #include "daemon/gates/ether_table.hpp"
 #include "daemon/gates/mapped.hpp"
 #include "tests/bpf/ether/packets.hpp"

@@ -7,8 +7,8 @@
 
 #include <array>
 
+#include "daemon/gates/counters.hpp"
 #include "daemon/gates/early.hpp"
-#include "daemon/gates/ether_counters.hpp"
 #include "daemon/gates/ether_programs.hpp"
 #include "daemon/gates/programs.hpp"
 #include "daemon/gates/retire.hpp"
@@ -252,11 +252,12 @@ TEST_P(EtherSockets, AProgramInTheDriverWhosePinsAreGoneIsReplaced) {
 /// Nobody beats, and nothing is left that could close: neither daemon nor pins nor timer.
 TEST_P(EtherSockets, ClosesByItselfWhenDaemonAndPinsAreGone) {
   admit({slot(Direction::egress)});
-  const Fd counters = open_pin(ether_map_pin(place(GetParam(), control_).directory, 5));
+  const Fd counters =
+      open_pin(ether_map_pin(place(GetParam(), control_).directory, &EtherMaps::cpus));
   const Mapped<ether_cpu> cpus(counters.get(), possible_cpus());
   ASSERT_TRUE(cpus);
   const auto counts = [&](gate_reason reason) {
-    return ether_reasons(cpus.span(), Direction::egress).at(reason);
+    return reason_counters(cpus.span(), Direction::egress).at(reason);
   };
   ASSERT_TRUE(send(near_, "10.0.0.2", kPort, event(kSubject, 8)));
   EXPECT_EQ(received(far_), 17U);

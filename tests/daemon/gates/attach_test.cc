@@ -4,6 +4,7 @@
 #include <linux/pkt_cls.h>
 
 #include "daemon/gates/gate.hpp"
+#include "daemon/gates/interfaces.hpp"
 #include "tests/daemon/gates/attach_fixture.hpp"
 
 namespace mlcca::enforce {

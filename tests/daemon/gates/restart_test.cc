@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/gates/gate.hpp"
+#include "daemon/gates/interfaces.hpp"
 #include "daemon/gates/interrupted.hpp"
 #include "tests/daemon/gates/attach_fixture.hpp"
 

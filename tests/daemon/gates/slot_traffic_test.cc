@@ -85,7 +85,7 @@ TEST_F(SlotTraffic, KnowsWhichSlotsToWatchFromNowOn) {
   closed.pass = false;
   ASSERT_TRUE(slots.apply(adding({watched(raw(1), 70), watched(raw(2), 0), closed})));
   EXPECT_EQ(slots.present().front(), watched(raw(1), 70));
-  const auto first = slots.find(raw(1)).value();
+  const std::uint16_t first = slots.watch_of(slots.find(raw(1)).value());
   EXPECT_EQ(slots.watched(), Numbers{first});
   EXPECT_EQ(slots.take_newly_watched(), Numbers{first});
   EXPECT_TRUE(slots.take_newly_watched().empty());

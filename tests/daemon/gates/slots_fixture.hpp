@@ -79,7 +79,7 @@ class Slots : public testing::Test {
   }
 
   /// Of a slot that no step is halfway through.
-  [[nodiscard]] unsigned verdict_of(std::uint16_t slot) const {
+  [[nodiscard]] unsigned verdict_of(std::uint32_t slot) const {
     const auto& verdict = memory_->slots[slot].verdict;
     EXPECT_EQ(verdict[0], verdict[1]);
     return verdict[generation_ & 1];

@@ -6,6 +6,7 @@
 
 #include "daemon/gates/gate.hpp"
 #include "daemon/gates/gate_pins.hpp"
+#include "daemon/gates/interfaces.hpp"
 #include "daemon/gates/pins.hpp"
 #include "tests/daemon/gates/attach_fixture.hpp"
 

@@ -119,7 +119,7 @@ TEST_P(DriftTest, UnpinnedGateIsPinnedAgainAndTold) {
   repair();
   ASSERT_EQ(told_.size(), 1U) << told_.back();
   EXPECT_EQ(kinds_[0], Kind::drift);
-  for (const char* part : {"somebody unpinned table, cpus, silence_timers, ", "egress", "ingress",
+  for (const char* part : {"somebody unpinned silence_timers, table, cpus, ", "egress", "ingress",
                            " of the gate of bus0: pinned again, and nothing else has changed"})
     EXPECT_NE(told_[0].find(part), std::string::npos) << told_[0];
   EXPECT_EQ(report().repaired, 1U);

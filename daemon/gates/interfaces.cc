@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gates/interfaces.hpp"
+
+#include <fmt/format.h>
+#include <net/if.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <charconv>
+#include <string_view>
+#include <system_error>
+
+#include "base/handle.hpp"
+#include "daemon/gates/closed_programs.hpp"
+#include "daemon/gates/ether_gate.hpp"
+#include "daemon/gates/failure.hpp"
+#include "daemon/gates/gate_pins.hpp"
+#include "daemon/gates/pins.hpp"
+#include "daemon/gates/retire.hpp"
+
+namespace mlcca::enforce {
+
+Result<std::vector<std::uint32_t>> pinned_interfaces(const Control& control) {
+  constexpr std::string_view prefix = "if";
+  std::vector<std::uint32_t> found;
+  const auto names = names_in(control.directory());
+  if (!names && names.error() != std::errc::no_such_file_or_directory)
+    return failure("read " + control.directory(), names.error().value());
+  for (const std::string& name : names.value_or(std::vector<std::string>{})) {
+    std::uint32_t ifindex = 0;
+    const char* const end = name.data() + name.size();
+    if (!name.starts_with(prefix)) continue;
+    const auto number = std::from_chars(name.data() + prefix.size(), end, ifindex);
+    if (number.ec == std::errc{} && number.ptr == end) found.push_back(ifindex);
+  }
+  return found;
+}
+
+Result<void> unpin_vanished(const Control& control) {
+  const auto pinned = pinned_interfaces(control);
+  if (!pinned) return std::unexpected(pinned.error());
+  const Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (!socket) return failure("a socket to ask for interfaces", errno);
+  for (const std::uint32_t ifindex : *pinned) {
+    ifreq asked{};
+    asked.ifr_ifindex = static_cast<int>(ifindex);
+    // NOLINTNEXTLINE(*-vararg)
+    if (::ioctl(socket.get(), SIOCGIFNAME, &asked) == 0 || errno != ENODEV) continue;
+    const std::string directory = gate_directory(control.directory(), ifindex);
+    retire_gate(directory);
+    remove_pin_directory(directory);
+  }
+  return {};
+}
+
+namespace {
+
+Result<bool> has_gate(Place place) {
+  for (const auto hook : {Hook::tcx, Hook::clsact}) {
+    place.hook = hook;
+    const auto there = in_place(place);
+    if (!there) return std::unexpected(there.error());
+    if (there->is_gate()) return true;
+  }
+  return false;
+}
+
+/// Puts programs where none are. For an interface that has nothing that is worth keeping: its maps
+/// are not pinned.
+Result<Closing> put_closed(const Place& place, const ClosedPrograms& programs) {
+  auto closing = Closing::was_gated;
+  for (const auto direction : kBothDirections) {
+    const auto put = put_in_empty_place(place, direction, programs.program_fd(direction));
+    if (!put) return std::unexpected(put.error());
+    if (*put) closing = Closing::closed;
+  }
+  return closing;
+}
+
+/// Of an Ethernet interface, what carries events alone. By clsact where nothing can be pinned.
+Result<Closing> put_closed(Place place, const Control& control) {
+  const auto ethernet = is_ethernet(place.ifindex);
+  if (!ethernet) return std::unexpected(ethernet.error());
+  const auto programs = *ethernet ? ClosedPrograms::of_ethernet(control.shared())
+                                  : ClosedPrograms::of_can(control.shared());
+  if (!programs) return std::unexpected(programs.error());
+  if (place.hook == Hook::tcx && make_pin_directory(place.directory))
+    if (auto put = put_closed(place, *programs)) return put;
+  place.hook = Hook::clsact;
+  return put_closed(place, *programs);
+}
+
+}  // namespace
+
+Result<Closing> close_interface(const std::string& name, const std::string& root,
+                                std::optional<Hook> hook) {
+  const auto in_context = [&](const Error& error) {
+    return fail(fmt::format("close {}: {}", name, error.text));
+  };
+  const std::uint32_t ifindex = if_nametoindex(name.c_str());
+  if (ifindex == 0) return failure("close " + name, errno);
+  const auto control = Control::create(root);
+  if (!control) return in_context(control.error());
+  const Place place{ifindex, gate_directory(control->directory(), ifindex),
+                    hook.value_or(best_hook())};
+  const auto before = has_gate(place);
+  if (!before) return in_context(before.error());
+  if (*before) return Closing::was_gated;
+
+  auto closing = put_closed(place, *control);
+  if (!closing) return in_context(closing.error());
+  const auto after = has_gate(place);
+  if (!after) return in_context(after.error());
+  if (!*after)
+    return fail(fmt::format(
+        "close {0}: an ingress qdisc stands in the place of clsact: tc qdisc del dev {0} ingress",
+        name));
+  return closing;
+}
+
+}  // namespace mlcca::enforce
