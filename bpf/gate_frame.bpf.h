@@ -3,6 +3,8 @@
 #ifndef MLCCA_GATE_FRAME_BPF_H
 #define MLCCA_GATE_FRAME_BPF_H
 
+#include "bpf/lead.bpf.h"
+
 struct frame {
 	__u32 can_id;
 	__u32 len;	  /* payload bytes */
@@ -30,36 +32,10 @@ struct xl_head {
 	__u16 len;
 } __attribute__((aligned(8)));
 
-#define XL_PROTOCOL 0x000e /* ETH_P_CANXL */
 #define XL_HEADER   12
 #define XL_MAX_DLEN 2048
 #define XL_FLAG	    0x80
 #define XL_ID_MASK  0x00ff07ffU
-
-/*
- * What a controller's driver receives has struct can_skb_priv in front of the frame, and takes it
- * for a link-layer header: ingress sees it, egress and virtual devices do not. 16 bytes since
- * Linux 5.11.
- */
-#define MAX_LEAD  32
-#define LEAD_STEP 8
-#define XL_LEAD	  16 /* no kernel before 5.11 has CAN XL */
-
-static __always_inline bool is_lead(__u32 lead)
-{
-	return lead <= MAX_LEAD && lead % LEAD_STEP == 0;
-}
-
-static __always_inline __u32 protocol_of(struct __sk_buff *skb)
-{
-	if (!test_run)
-		return skb->protocol;
-	if (skb->priority & TEST_RUN_XL)
-		return bpf_htons(XL_PROTOCOL);
-	if (is_lead(skb->len - CAN_MTU))
-		return bpf_htons(ETH_P_CAN);
-	return is_lead(skb->len - CANFD_MTU) ? bpf_htons(ETH_P_CANFD) : 0;
-}
 
 /* The first eight bytes of a frame; CAN buffers are linear. */
 static __always_inline bool load_head(struct __sk_buff *skb, __u32 lead, void *head)
@@ -121,14 +97,6 @@ static __always_inline bool read_frame(struct __sk_buff *skb, __u32 direction, s
 	frame->can_id = head.can_id;
 	frame->len = head.len;
 	return frame->len <= limit;
-}
-
-/* Sent by a program on this machine. Forwarded frames and frames from the bus have no socket. */
-static __always_inline bool is_local(struct __sk_buff *skb)
-{
-	if (test_run)
-		return skb->priority & TEST_RUN_LOCAL;
-	return skb->sk != 0;
 }
 
 /*

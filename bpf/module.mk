@@ -5,6 +5,8 @@ BPF_CFLAGS := -target bpf -mcpu=v3 -O2 -g -Wall -Werror -I. -I/usr/include/$(she
 .PRECIOUS: $O/bpf/%.bpf.o
 BPF_SKELETONS := $O/gen/gate.skel.h $O/gen/deadman.skel.h $O/gen/watch.skel.h $O/gen/ether.skel.h $O/gen/ether_watch.skel.h $O/gen/roster.skel.h \
 	$O/gen/ether_closed.skel.h $O/gen/gate_closed.skel.h
+# The same bodies for BPF_PROG_TEST_RUN (bpf/test_skb.bpf.h): tests alone load these.
+BPF_TEST_SKELETONS := $O/gen/gate_test.skel.h $O/gen/ether_test.skel.h $O/gen/gate_closed_test.skel.h
 
 $O/bpf/%.bpf.o: bpf/%.bpf.c $(wildcard bpf/*.h)
 	$(call say,BPF,$<)

@@ -32,11 +32,10 @@ Result<ClosedPrograms> ClosedPrograms::keep(int ingress, int egress) {
   return ClosedPrograms(std::move(in), std::move(out));
 }
 
-Result<ClosedPrograms> ClosedPrograms::of_can(const SharedMaps& shared, bool test_run) {
+Result<ClosedPrograms> ClosedPrograms::of_can(const SharedMaps& shared) {
   const Complaints complaints;
   const Object<gate_closed_bpf> object(gate_closed_bpf::open(), &gate_closed_bpf::destroy);
   if (!object) return complaints.error("open the closed gate", errno);
-  object->rodata->test_run = test_run;
   if (const int error = bpf_map__reuse_fd(object->maps.data_control, shared.control); error != 0)
     return complaints.error("prepare the maps of the closed gate", error);
   if (const int error = gate_closed_bpf::load(object.get()); error != 0)

@@ -14,8 +14,7 @@ namespace mlcca::enforce {
 
 class ClosedPrograms {
  public:
-  /// `test_run`: for BPF_PROG_TEST_RUN, as of the gate.
-  static Result<ClosedPrograms> of_can(const SharedMaps& shared, bool test_run = false);
+  static Result<ClosedPrograms> of_can(const SharedMaps& shared);
   static Result<ClosedPrograms> of_ethernet(const SharedMaps& shared);
 
   [[nodiscard]] int program_fd(Direction direction) const {

@@ -2,14 +2,14 @@
 BENCHES ?=
 
 $(eval $(call program,bench/gate_bench,tests/bench/gate_bench.cc tests/bpf/loaded_gate.cc,$O/libenforce.a,-lbpf -lfmt))
-$O/tests/bench/gate_bench.o: $(BPF_SKELETONS)
+$O/tests/bench/gate_bench.o: $(BPF_SKELETONS) $(BPF_TEST_SKELETONS)
 BENCHES += $O/bench/gate_bench
 
 $(eval $(call program,bench/ether_bench,tests/bench/ether_bench.cc tests/bpf/ether/loaded_ether.cc tests/bpf/ether/packets.cc,$O/libenforce.a,-lbpf -lfmt))
 $O/bpf/shuffle.bpf.o: tests/bench/shuffle.bpf.c
 	$(call say,BPF,$<)
 	$(Q)mkdir -p $(@D) && $(CLANG) $(BPF_CFLAGS) -c $< -o $@ && $(LLVM_STRIP) -g $@
-$O/tests/bench/ether_bench.o: $(BPF_SKELETONS) $O/gen/shuffle.skel.h
+$O/tests/bench/ether_bench.o: $(BPF_SKELETONS) $(BPF_TEST_SKELETONS) $O/gen/shuffle.skel.h
 BENCHES += $O/bench/ether_bench
 
 $(eval $(call program,bench/admission_bench,tests/bench/admission_bench.cc,$O/libcore.a,-lbenchmark -lpthread))

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Random slots, states and frames: the program and the plain rules must agree on every frame and
 // on every counter.
-#include <bpf/bpf.h>
 #include <gtest/gtest.h>
-#include <linux/pkt_cls.h>
 
 #include <array>
 #include <random>
 
-#include "daemon/gates/closed_programs.hpp"
 #include "daemon/gates/counters.hpp"
+#include "tests/bpf/closed_gate.hpp"
 #include "tests/bpf/oracle.hpp"
 
 namespace mlcca::test {
@@ -247,20 +245,6 @@ TEST(GateAgainstPlainRules, AgreesOnRandomFrames) {
   }
 }
 
-/// What an interface gets before there is a daemon, beside a gate that is closed.
-bool drops(const enforce::ClosedPrograms& closed, Direction direction, const Bytes& bytes,
-           const Sender& sender) {
-  __sk_buff context{};
-  context.priority = (sender.local ? 1U : 0U) | (sender.xl ? 2U : 0U);
-  LIBBPF_OPTS(bpf_test_run_opts, run);
-  run.data_in = bytes.data();
-  run.data_size_in = static_cast<std::uint32_t>(bytes.size());
-  run.ctx_in = &context;
-  run.ctx_size_in = sizeof(context);
-  EXPECT_EQ(bpf_prog_test_run_opts(closed.program_fd(direction), &run), 0);
-  return static_cast<int>(run.retval) == TC_ACT_SHOT;
-}
-
 TEST(GateBeforeThereIsADaemon, DropsWhatAClosedGateDrops) {
   for (unsigned seed = 1; seed <= 20 && !HasFailure(); ++seed) {
     SCOPED_TRACE(seed);
@@ -268,15 +252,12 @@ TEST(GateBeforeThereIsADaemon, DropsWhatAClosedGateDrops) {
     LoadedGate& gate = LoadedGate::with();
     gate.control().open = 0;
     gate.control().mode = seed % 5 == 0 ? GATE_AUDIT : GATE_ENFORCE;
-    const auto closed =
-        enforce::ClosedPrograms::of_can({.control = gate.control_fd(), .events = -1}, true);
-    ASSERT_TRUE(closed) << closed.error().text;
+    const ClosedGate closed(gate.control_fd());
     for (int i = 0; i < kFrames && !HasFailure(); ++i) {
       const auto direction = random.chance(2) ? Direction::ingress : Direction::egress;
       const Sender sender = random_sender(random);
       const Bytes bytes = random_frame(random, GATE_PROFILE_RAW, sender.xl);
-      ASSERT_EQ(drops(*closed, direction, bytes, sender),
-                gate.run(direction, bytes, sender).dropped);
+      ASSERT_EQ(closed.drops(direction, bytes, sender), gate.run(direction, bytes, sender).dropped);
     }
   }
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Loads the gate's skeleton with the switches of a test run.
+// Loads the gate's skeleton for test runs.
 #include "tests/bpf/loaded_gate.hpp"
 
 #include <bpf/bpf.h>
 #include <bpf/libbpf.h>
-#include <gate.skel.h>
+#include <gate_test.skel.h>
 #include <linux/pkt_cls.h>
 
 #include <cstdio>
@@ -17,7 +17,7 @@
 namespace mlcca::test {
 namespace {
 
-// TEST_RUN_LOCAL and TEST_RUN_XL of the program
+// TEST_RUN_LOCAL and TEST_RUN_XL of test_skb.bpf.h
 constexpr std::uint32_t kTestRunLocal = 1;
 constexpr std::uint32_t kTestRunXl = 2;
 
@@ -51,9 +51,13 @@ Bytes xl_frame(std::uint32_t id, unsigned length, std::size_t lead) {
   return bytes;
 }
 
+std::uint32_t priority_of(const Sender& sender) {
+  return (sender.local ? kTestRunLocal : 0) | (sender.xl ? kTestRunXl : 0);
+}
+
 LoadedGate::LoadedGate(const GateOptions& options)
     : profile_(options.profile),
-      object_(require(gate_bpf__open(), "open the gate"), gate_bpf__destroy) {
+      object_(require(gate_test_bpf__open(), "open the gate"), gate_test_bpf__destroy) {
   auto* knobs = object_->rodata;
   knobs->profile = options.profile;
   knobs->ifindex = kIfindex;
@@ -62,10 +66,9 @@ LoadedGate::LoadedGate(const GateOptions& options)
   knobs->atomic_counts = options.atomic_counts;
   knobs->ordered_stores = enforce::kOrderedStores && !options.atomic_counts;
   knobs->silent = options.silent;
-  knobs->test_run = true;
   const auto cpus = static_cast<std::size_t>(libbpf_num_possible_cpus());
   bpf_map__set_max_entries(object_->maps.cpus, static_cast<std::uint32_t>(cpus));
-  require(gate_bpf__load(object_.get()) == 0, "load the gate");
+  require(gate_test_bpf__load(object_.get()) == 0, "load the gate");
   cpus_ = {bpf_map__fd(object_->maps.cpus), cpus};
   require(static_cast<bool>(cpus_), "map the counters");
   reset();
@@ -100,7 +103,7 @@ gate_control& LoadedGate::control() const { return object_->data_control->contro
 
 bpf_test_run_opts LoadedGate::execute(enforce::Direction direction, const Bytes& bytes,
                                       __sk_buff& context, const Sender& sender, int repeat) const {
-  context.priority = (sender.local ? kTestRunLocal : 0) | (sender.xl ? kTestRunXl : 0);
+  context.priority = priority_of(sender);
   context.mark = sender.mark;
   context.ingress_ifindex = sender.ingress_ifindex;
   LIBBPF_OPTS(bpf_test_run_opts, run);

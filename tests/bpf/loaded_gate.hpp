@@ -13,7 +13,7 @@
 #include "daemon/gates/slots.hpp"
 
 struct bpf_test_run_opts;
-struct gate_bpf;
+struct gate_test_bpf;
 
 namespace mlcca::test {
 
@@ -48,6 +48,9 @@ struct Sender {
   std::uint32_t ingress_ifindex = 0;
   bool xl = false;  ///< the kernel says that it is a CAN XL frame
 };
+
+/// skb->priority, which says it to the program: see test_skb.bpf.h.
+std::uint32_t priority_of(const Sender& sender);
 
 struct Outcome {
   bool dropped = false;
@@ -89,7 +92,7 @@ class LoadedGate {
                             const Sender& sender, int repeat) const;
 
   std::uint32_t profile_;
-  std::unique_ptr<gate_bpf, void (*)(gate_bpf*)> object_;
+  std::unique_ptr<gate_test_bpf, void (*)(gate_test_bpf*)> object_;
   enforce::Mapped<gate_cpu> cpus_;
   std::unique_ptr<enforce::SlotTable> slots_;
 };

@@ -25,7 +25,7 @@ $(addprefix $O/fuzz/obj/,tools/%.o bundle/tools/%.o bundle/design/%.o bundle/doc
 $O/fuzz/obj/tests/%.o: FUZZ_INTO := -O0
 $O/fuzz/obj/tests/fuzz/%.o: FUZZ_FLAGS += $(WARN)
 $O/fuzz/obj/tests/fuzz/%.o: FUZZ_INTO := $(FUZZ_OPT) -fsanitize=fuzzer-no-link
-$O/fuzz/obj/%.o: %.cc | $(BPF_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES)
+$O/fuzz/obj/%.o: %.cc | $(BPF_SKELETONS) $(BPF_TEST_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES)
 	$(call say,FUZZCXX,$<)
 	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) $(FUZZ_INTO) -fsanitize=$(FUZZ_SANITIZERS) \
 		$(CPPFLAGS) -MMD -MP -c $< -o $@

@@ -3,7 +3,7 @@
 
 #include <bpf/bpf.h>
 #include <bpf/libbpf.h>
-#include <gate.skel.h>
+#include <gate_test.skel.h>
 #include <linux/pkt_cls.h>
 
 #include <cstdio>
@@ -21,14 +21,13 @@ void require(bool done, const char* what) {
 
 }  // namespace
 
-CanTwin::CanTwin(int control_map) : object_(gate_bpf__open(), gate_bpf__destroy) {
+CanTwin::CanTwin(int control_map) : object_(gate_test_bpf__open(), gate_test_bpf__destroy) {
   require(object_ != nullptr, "open the CAN gate");
   object_->rodata->profile = GATE_PROFILE_RAW;
-  object_->rodata->test_run = true;
   bpf_map__set_max_entries(object_->maps.cpus,
                            static_cast<std::uint32_t>(libbpf_num_possible_cpus()));
   require(bpf_map__reuse_fd(object_->maps.data_control, control_map) == 0, "share the control");
-  require(gate_bpf__load(object_.get()) == 0, "load the CAN gate");
+  require(gate_test_bpf__load(object_.get()) == 0, "load the CAN gate");
   auto table =
       enforce::SlotTable::read({object_->bss->table, {}, object_->data_control->control.generation},
                                GATE_PROFILE_RAW, true, [] { return Result<void>{}; });

@@ -6,7 +6,7 @@
 
 #include "daemon/gates/slots.hpp"
 
-struct gate_bpf;
+struct gate_test_bpf;
 
 namespace mlcca::test {
 
@@ -20,7 +20,7 @@ class CanTwin {
   [[nodiscard]] enforce::SlotTable& table() { return *table_; }
 
  private:
-  std::unique_ptr<gate_bpf, void (*)(gate_bpf*)> object_;
+  std::unique_ptr<gate_test_bpf, void (*)(gate_test_bpf*)> object_;
   std::unique_ptr<enforce::SlotTable> table_;
 };
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Loads the skeleton with the switches of a test run.
+// Loads the skeleton for test runs.
 #include "tests/bpf/ether/loaded_ether.hpp"
 
 #include <bpf/bpf.h>
 #include <bpf/libbpf.h>
-#include <ether.skel.h>
+#include <ether_test.skel.h>
 #include <linux/pkt_cls.h>
 
 #include <array>
@@ -19,7 +19,7 @@
 namespace mlcca::test {
 namespace {
 
-constexpr std::uint32_t kTestRunLocal = 1;  // TEST_RUN_LOCAL of the program
+constexpr std::uint32_t kTestRunLocal = 1;  // TEST_RUN_LOCAL of test_skb.bpf.h
 
 template <class T>
 T require(T value, const char* what) {
@@ -48,13 +48,12 @@ void clear(const bpf_map* map) {
 LoadedEther::LoadedEther(const EtherOptions& options)
     : sizes_(enforce::EtherSizes::for_slots(
           options.slots, static_cast<std::uint32_t>(libbpf_num_possible_cpus()))),
-      object_(require(ether_bpf__open(), "open the gate"), ether_bpf__destroy) {
+      object_(require(ether_test_bpf__open(), "open the gate"), ether_test_bpf__destroy) {
   auto* knobs = object_->rodata;
   knobs->ifindex = kIfindex;
   knobs->direct_access = options.direct_access;
   knobs->atomic_counts = options.atomic_counts;
   knobs->ordered_stores = enforce::kOrderedStores && !options.atomic_counts;
-  knobs->test_run = true;
   knobs->bucket_mask = sizes_.buckets - 1;
   knobs->slots_of_bank = sizes_.slots;
   knobs->banks = sizes_.banks;
@@ -71,7 +70,7 @@ LoadedEther::LoadedEther(const EtherOptions& options)
   bpf_map__set_max_entries(maps.foreign_fragments, ether_fragment_entries(cpus));
   bpf_map__set_max_entries(maps.watches, ETHER_WATCHES);
   bpf_map__set_max_entries(maps.audits, sizes_.slots);
-  require(ether_bpf__load(object_.get()) == 0, "load the gate");
+  require(ether_test_bpf__load(object_.get()) == 0, "load the gate");
   buckets_ = mapped<std::uint64_t>(maps.buckets);
   prefilters_ = mapped<ether_prefilter_part>(maps.ether_prefilter);
   slots_ = mapped<ether_slot>(maps.slots);

@@ -15,7 +15,7 @@
 #include "tests/bpf/ether/packets.hpp"
 
 struct bpf_program;
-struct ether_bpf;
+struct ether_test_bpf;
 
 namespace mlcca::test {
 
@@ -81,7 +81,7 @@ class LoadedEther {
 
  private:
   enforce::EtherSizes sizes_;
-  std::unique_ptr<ether_bpf, void (*)(ether_bpf*)> object_;
+  std::unique_ptr<ether_test_bpf, void (*)(ether_test_bpf*)> object_;
   enforce::Mapped<std::uint64_t> buckets_;
   enforce::Mapped<ether_prefilter_part> prefilters_;
   enforce::Mapped<ether_slot> slots_;

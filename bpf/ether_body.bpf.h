@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
+/*
+ * The gate of one Ethernet-like interface: of what carries events it lets through what a slot
+ * admits and drops everything else. All other traffic is left alone. What the kernel says of a
+ * buffer, skb.bpf.h or test_skb.bpf.h, is included before it.
+ */
+#ifndef MLCCA_ETHER_BODY_BPF_H
+#define MLCCA_ETHER_BODY_BPF_H
+
+#include "bpf/ether.h"
+#include "bpf/once.bpf.h"
+#include "bpf/shared.bpf.h"
+#include "bpf/refuse.bpf.h"
+#include "bpf/police.bpf.h"
+#include "bpf/sample.bpf.h"
+
+/* Set before loading. */
+const volatile __u32 ifindex = 0;
+const volatile __u32 bucket_mask = 0;
+const volatile __u32 slots_of_bank = 0;
+const volatile __u32 banks = 1;
+/* Look at the prefilter in front of the buckets first. */
+const volatile __u8 has_prefilter = false;
+/* Read packets by packet pointers; false where the verifier refuses unaligned loads. */
+const volatile __u8 direct_access = true;
+#include "bpf/ether_maps.bpf.h"
+
+MAPPED_ARRAY(buckets, __u64);
+MAPPED_ARRAY(ether_prefilter, struct ether_prefilter_part);
+MAPPED_ARRAY(contracts, struct ether_contract);
+MAPPED_ARRAY(counts, struct gate_count); /* [bank][slot] */
+MAPPED_ARRAY(audits, struct gate_audit); /* by slot */
+MAPPED_ARRAY(cpus, struct ether_cpu);
+
+#include "bpf/ether_parse.bpf.h"
+#include "bpf/ether_count.bpf.h"
+#include "bpf/ether_decide.bpf.h"
+#include "bpf/gate_watch.bpf.h"
+#include "bpf/ether_admit.bpf.h"
+#include "bpf/ether_fragment.bpf.h"
+
+/* Longest part of a packet that is read: an event in AWDS with tags and options. */
+#define HEADERS 160
+
+static __always_inline struct packet packet_of(struct __sk_buff *skb)
+{
+	return (struct packet){.ctx = skb,
+			       .data = (void *)(long)skb->data,
+			       .end = (void *)(long)skb->data_end,
+			       .len = skb->len};
+}
+
+/*
+ * What the headers say may lie in pages that cannot be read in place. Then it is brought together,
+ * for UDP and AWDS alone: of other packets nothing behind the IP header is looked at.
+ * Not static: the verifier looks at it once by itself, and takes its result for any number.
+ */
+__noinline __u32 look_at(struct __sk_buff *skb, struct event *e)
+{
+	enum nature nature;
+	struct packet p;
+
+	if (!e)
+		return MALFORMED;
+	p = packet_of(skb);
+	nature = parse(&p, e);
+	if (nature != MALFORMED || p.data + p.len == p.end || !direct_access)
+		return nature;
+	if (bpf_skb_pull_data(skb, p.len < HEADERS ? p.len : HEADERS))
+		return MALFORMED;
+	p = packet_of(skb);
+	__builtin_memset(&e->key, 0, sizeof(e->key));
+	return parse(&p, e);
+}
+
+static __always_inline struct sender sender_of(struct __sk_buff *skb)
+{
+	__u32 from = skb->ingress_ifindex;
+
+	if (is_local(skb))
+		return (struct sender){.source = 0, .uid = bpf_get_socket_uid(skb)};
+	return (struct sender){.source = from ? from : GATE_NO_SOURCE, .uid = GATE_ANY_UID};
+}
+
+/* Counts a drop, or what would be one, and gives the action: audit mode drops nothing. */
+static __always_inline int drop(struct ether_cpu *cpu, __u32 direction, __u32 slot, __u32 reason,
+				const struct event *e)
+{
+	if (READ_ONCE(control.mode) == GATE_AUDIT) {
+		note_refusal(cpu, direction, slot, reason, e);
+		count_would_drop(direction, slot, reason);
+		return TC_ACT_UNSPEC;
+	}
+	count_drop(cpu, direction, slot, reason, e);
+	return refusal(direction);
+}
+
+/*
+ * The same of what carries an event, or may. What ingress has refused in audit mode is marked, so
+ * that it is counted once; what is left of it at egress is what ingress has told.
+ */
+static __always_inline int refuse(struct __sk_buff *skb, struct ether_cpu *cpu, __u32 direction,
+				  __u32 slot, __u32 reason, struct event *e)
+{
+	struct packet p;
+	int action;
+
+	if (direction == GATE_EGRESS && e->mark == gate_refused_token(control.token) &&
+	    READ_ONCE(control.mode) == GATE_AUDIT) {
+		count_reason(cpu, GATE_EGRESS, GATE_R_ECHO);
+		return TC_ACT_UNSPEC;
+	}
+	if (reason == GATE_R_UNKNOWN) {
+		p = packet_of(skb);
+		take_mac(&p, e);
+	}
+	action = drop(cpu, direction, slot, reason, e);
+	if (direction == GATE_INGRESS && action == TC_ACT_UNSPEC)
+		skb->mark = gate_refused_token(control.token);
+	return action;
+}
+
+/* Of a first fragment: an identification that is in use for something else says nothing. */
+static __always_inline __u32 judge_first(const struct event *e, void *others)
+{
+	return e->more && remembered(others, &e->key) ? GATE_R_FRAGMENT : GATE_R_PASSED;
+}
+
+static __always_inline struct decision judge(struct __sk_buff *skb, __u32 direction,
+					     struct event *e, const struct sender *from)
+{
+	struct decision d = {.slot = direction, .reason = GATE_R_CLOSED};
+
+	if (closed(READ_ONCE(table.epoch)))
+		return d;
+	/* Several datagrams in one buffer, of which only the first would be looked at. */
+	d.reason = skb->gso_size ? GATE_R_MALFORMED : judge_first(e, &foreign_fragments);
+	if (d.reason != GATE_R_PASSED)
+		return d;
+	return decide(direction, e, from);
+}
+
+static __always_inline int filter_event(struct __sk_buff *skb, struct ether_cpu *cpu,
+					__u32 direction, struct event *e, const struct sender *from)
+{
+	struct decision d = judge(skb, direction, e, from);
+
+	bool granted = d.reason == GATE_R_PASSED;
+
+	if (granted && admit(skb, cpu, direction, d.slot, e)) {
+		if (e->more)
+			remember(&fragments, e, d.slot);
+		return TC_ACT_UNSPEC;
+	}
+	if (e->more && d.reason != GATE_R_FRAGMENT)
+		bpf_map_delete_elem(&fragments, &e->key);
+	return granted ? drop(cpu, direction, d.slot, GATE_R_EXCESS, e)
+		       : refuse(skb, cpu, direction, d.slot, d.reason, e);
+}
+
+/* The mark of the datagram that a fragment of it belongs to, which its slot has admitted. */
+static __always_inline __u32 mark_of_later(const struct ether_fragment *f)
+{
+	__u32 at = f->slot;
+	const struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
+	const struct ether_contract *contract = slot ? contract_of(slot) : NULL;
+
+	return contract ? mark_of(slot, contract, ifindex) : 0;
+}
+
+static __always_inline int filter_later(struct __sk_buff *skb, struct ether_cpu *cpu,
+					__u32 direction, const struct event *e,
+					const struct sender *from)
+{
+	struct ether_fragment *f = remembered(&fragments, &e->key);
+	struct decision d = judge_later(f, e, from);
+
+	if (d.reason != GATE_R_PASSED && d.reason != GATE_R_FOREIGN)
+		return drop(cpu, direction, d.slot, d.reason, e);
+	count_reason(cpu, direction, d.reason);
+	if (d.reason == GATE_R_FOREIGN)
+		return TC_ACT_UNSPEC;
+	skb->mark = f && direction == GATE_INGRESS ? mark_of_later(f) : 0;
+	return TC_ACT_UNSPEC;
+}
+
+static __always_inline int filter(struct __sk_buff *skb, __u32 direction)
+{
+	struct event e = {.mark = skb->mark, .key.direction = direction};
+	struct ether_cpu *cpu = this_cpu();
+	struct sender from = {};
+	enum nature nature;
+	__u32 reason;
+
+	if (READ_ONCE(table.retired))
+		return TC_ACT_UNSPEC;
+	nature = look_at(skb, &e);
+	if (!cpu)
+		return TC_ACT_SHOT;
+	if (nature == NOT_EVENT)
+		goto foreign;
+	if (nature == NOT_EVENT_FIRST) {
+		reason = judge_first(&e, &fragments);
+		if (reason != GATE_R_PASSED)
+			return drop(cpu, direction, direction, reason, &e);
+		remember(&foreign_fragments, &e, 0);
+		goto foreign;
+	}
+	if (direction == GATE_EGRESS)
+		from = sender_of(skb);
+	if (nature == LATER)
+		return filter_later(skb, cpu, direction, &e, &from);
+	/* No token leaves the machine or the namespace. */
+	skb->mark = 0;
+	if (nature != EVENT)
+		return refuse(skb, cpu, direction, direction,
+			      nature == OPAQUE ? GATE_R_OPAQUE : GATE_R_MALFORMED, &e);
+	return filter_event(skb, cpu, direction, &e, &from);
+
+foreign:
+	count_reason(cpu, direction, GATE_R_FOREIGN);
+	return TC_ACT_UNSPEC;
+}
+
+SEC("tc")
+int ether_ingress(struct __sk_buff *skb)
+{
+	struct ether_cpu *cpu;
+
+	/* A local copy of what local programs send to a group: it was on no wire, and has no
+	 * header. */
+	if (skb->pkt_type == PACKET_LOOPBACK) {
+		cpu = this_cpu();
+		if (cpu)
+			count_reason(cpu, GATE_INGRESS, GATE_R_ECHO);
+		return TC_ACT_UNSPEC;
+	}
+	return filter(skb, GATE_INGRESS);
+}
+
+SEC("tc")
+int ether_egress(struct __sk_buff *skb) { return filter(skb, GATE_EGRESS); }
+
+static __always_inline struct packet early_packet_of(struct xdp_md *ctx)
+{
+	return (struct packet){.ctx = ctx,
+			       .data = (void *)(long)ctx->data,
+			       .end = (void *)(long)ctx->data_end,
+			       .len = ctx->data_end - ctx->data,
+			       .xdp = true};
+}
+
+__noinline __u32 look_early(struct xdp_md *ctx, struct event *e)
+{
+	struct packet p = early_packet_of(ctx);
+
+	return e ? parse(&p, e) : MALFORMED;
+}
+
+/*
+ * In the driver, where it can be had: what ingress would drop anyway is dropped before it costs a
+ * buffer, and before programs with packet sockets see it. All that is not certain is left to
+ * ingress, which also polices, counts what passes and knows fragments.
+ */
+SEC("xdp")
+int ether_early(struct xdp_md *ctx)
+{
+	struct decision d = {.slot = GATE_INGRESS, .reason = GATE_R_CLOSED};
+	const struct sender nobody = {};
+	struct ether_cpu *cpu;
+	struct event e = {};
+	enum nature nature;
+	struct packet p;
+
+	if (READ_ONCE(control.mode) == GATE_AUDIT || READ_ONCE(table.retired))
+		return XDP_PASS;
+	nature = look_early(ctx, &e);
+	if (nature == NOT_EVENT || nature == NOT_EVENT_FIRST || nature == LATER ||
+	    (nature == EVENT && e.more))
+		return XDP_PASS;
+	if (nature != EVENT)
+		d.reason = nature == OPAQUE ? GATE_R_OPAQUE : GATE_R_MALFORMED;
+	else if (!closed(READ_ONCE(table.epoch)))
+		d = decide(GATE_INGRESS, &e, &nobody);
+	if (d.reason == GATE_R_PASSED)
+		return XDP_PASS;
+	cpu = this_cpu();
+	if (d.reason == GATE_R_UNKNOWN) {
+		p = early_packet_of(ctx);
+		take_mac(&p, &e);
+	}
+	if (cpu)
+		count_drop(cpu, GATE_INGRESS, d.slot, d.reason, &e);
+	return XDP_DROP;
+}
+
+#endif
