@@ -30,7 +30,7 @@ class Clock {
 
   /// CLOCK_MONOTONIC in nanoseconds: it never goes back.
   [[nodiscard]] virtual std::uint64_t monotonic_ns() const = 0;
-  /// Nanoseconds since 1970, UTC: somebody may set it.
+  /// Nanoseconds since 1970, UTC: an administrator or a time service may set it.
   [[nodiscard]] virtual std::uint64_t unix_ns() const = 0;
   [[nodiscard]] std::int64_t monotonic_s() const {
     return static_cast<std::int64_t>(monotonic_ns() / 1'000'000'000);

@@ -21,15 +21,16 @@ class DropWatch {
   static constexpr std::int64_t kRecent = 300;
 
   /// Frames dropped since the last mention, if they are to be mentioned now. In the first round a
-  /// counter is only remembered: what a former daemon saw is not news. Later one begins at 0, and
-  /// one that is less by more than kBehind, or 0, has begun anew.
-  std::optional<std::uint64_t> look(const Key& key, std::uint64_t dropped, std::int64_t now) {
+  /// counter is only remembered: what a former daemon counted is not reported again. Later a
+  /// counter begins at 0, and one that is less than before by more than kBehind, or 0, has started
+  /// again.
+  std::optional<std::uint64_t> sample(const Key& key, std::uint64_t dropped, std::int64_t now) {
     auto [it, fresh] = seen_.try_emplace(key);
     Seen& seen = it->second;
     if (!fresh && is_gone(seen)) seen = {};
     seen.round = round_;
     if (fresh && first_) seen.mentioned = seen.counted = dropped;
-    if (dropped == 0 || dropped + kBehind < seen.mentioned) begin_anew(seen);
+    if (dropped == 0 || dropped + kBehind < seen.mentioned) restart(seen);
     follow(seen, dropped, now);
     if (dropped <= seen.mentioned || (seen.ever && now - seen.at < kRepeat)) return std::nullopt;
     const std::uint64_t since = dropped - seen.mentioned;
@@ -40,7 +41,7 @@ class DropWatch {
   }
 
   /// Frames dropped since drops of this key began, if there was one in the last kRecent seconds as
-  /// far as look() has been told; otherwise 0.
+  /// far as sample() was given them; otherwise 0.
   [[nodiscard]] std::uint64_t recent(const Key& key, std::int64_t now) const {
     const auto known = seen_.find(key);
     if (known == seen_.end() || is_gone(known->second)) return 0;
@@ -48,7 +49,7 @@ class DropWatch {
     return is_recent(seen, now) ? seen.counted - seen.began : 0;
   }
 
-  /// All counters have been looked at: what was not is gone.
+  /// All counters have been sampled: a key that was not is gone.
   void end_round() {
     ++round_;
     first_ = false;
@@ -67,7 +68,8 @@ class DropWatch {
   }
   [[nodiscard]] std::size_t size() const { return seen_.size(); }
 
-  /// What was not mentioned yet is at the next look, however short ago the last mention was.
+  /// What was not mentioned yet is mentioned at the next sample, however short ago the last mention
+  /// was.
   void wake() {
     for (auto& [key, seen] : seen_) seen.ever = false;
   }
@@ -84,7 +86,7 @@ class DropWatch {
     std::int64_t at = 0;
     bool ever = false;
     std::uint64_t round = 0;
-    std::uint64_t counted = 0;  ///< at the latest look
+    std::uint64_t counted = 0;  ///< at the latest sample
     std::uint64_t began = 0;    ///< counted when the drops that are recent began
     std::int64_t grew = 0;      ///< when it was last found to be more
     bool has_grown = false;
@@ -94,7 +96,7 @@ class DropWatch {
   [[nodiscard]] static bool is_recent(const Seen& seen, std::int64_t now) {
     return seen.has_grown && now - seen.grew < kRecent;
   }
-  static void begin_anew(Seen& seen) {
+  static void restart(Seen& seen) {
     seen.mentioned = seen.counted = 0;
     seen.has_grown = false;
   }

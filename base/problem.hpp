@@ -6,10 +6,11 @@
 namespace mlcca {
 
 /// What is wrong for as long as it lasts. It is reported when it begins and when it becomes another
-/// one, not again at each look.
+/// one, not again at each check.
 class Problem {
  public:
-  /// Takes what a look has found; nothing: it is over. True: that is to be reported.
+  /// Takes what a check has found; an empty text means that the problem is over. True: that is to
+  /// be reported.
   [[nodiscard]] bool is_new(std::string found) {
     const bool differs = found != text_;
     text_ = std::move(found);

@@ -52,7 +52,7 @@ Result<bool> wait_for_either(int first, int second) {
 Result<std::optional<Event>> event_of(Reply reply) {
   if (auto* event = std::get_if<Event>(&reply.body)) return std::move(*event);
   if (const auto* error = std::get_if<Error>(&reply.body)) return fail(error->message);
-  return fail("mlccad sent a reply that nobody asked for");
+  return fail("mlccad sent a reply without a request");
 }
 
 }  // namespace
@@ -126,9 +126,9 @@ Result<std::optional<Event>> Client::next_event_unless(int other) {
     auto reply = decode_reply(received_);
     if (!reply) return std::unexpected(std::move(reply).error());
     if (auto& whole = *reply; whole) return event_of(std::move(*whole));
-    const auto heard = wait_for_either(socket_.get(), other);
-    if (!heard) return std::unexpected(heard.error());
-    if (!*heard) return std::nullopt;
+    const auto ready = wait_for_either(socket_.get(), other);
+    if (!ready) return std::unexpected(ready.error());
+    if (!*ready) return std::nullopt;
     if (const auto received = receive_bytes(); !received) return std::unexpected(received.error());
   }
 }
@@ -140,7 +140,7 @@ Result<void> Client::send(const std::string& bytes) {
     if (n >= 0) {
       rest.remove_prefix(static_cast<std::size_t>(n));
     } else if (errno == EAGAIN) {
-      return fail(silence());
+      return fail(no_answer());
     } else if (errno != EINTR) {
       return fail(std::string("send to mlccad: ") + ::strerror(errno));
     }
@@ -155,7 +155,7 @@ Result<Reply> Client::receive() {
     if (auto& whole = *reply; whole) return std::move(*whole);
     const auto received = receive_bytes();
     if (!received) return std::unexpected(received.error());
-    if (!*received) return fail(silence());
+    if (!*received) return fail(no_answer());
   }
 }
 
@@ -173,7 +173,7 @@ Result<bool> Client::receive_bytes() {
   }
 }
 
-std::string Client::silence() const {
+std::string Client::no_answer() const {
   return "no answer from mlccad within " + std::to_string(patience_.count()) + " ms";
 }
 

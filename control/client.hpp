@@ -14,13 +14,13 @@
 
 namespace mlcca::control {
 
-/// How long the daemon may stay silent before it counts as stopped.
+/// How long the daemon may take to answer before it counts as stopped.
 inline constexpr std::chrono::milliseconds kPatience{10'000};
 
 class Client {
  public:
-  /// Connects to the socket at `path`. The error says whether there is no daemon, nobody listens or
-  /// permission is missing.
+  /// Connects to the socket at `path`. The error says whether there is no daemon, no process
+  /// listens or permission is missing.
   static Result<Client> connect(const std::string& path,
                                 std::chrono::milliseconds patience = kPatience);
 
@@ -29,7 +29,7 @@ class Client {
 
   /// Sends the request under a fresh id (`request.id` is not used) and waits for its reply. Events
   /// that come in between are kept for next_event(). A refusal by the daemon is a reply with an
-  /// Error body; a lost or silent daemon is an error.
+  /// Error body; a daemon that is lost or does not answer is an error.
   Result<Reply> call(Request request);
 
   /// Waits without limit for the next event of a monitor, or of admissions that are held; an error
@@ -46,7 +46,7 @@ class Client {
   Result<Reply> receive();
   /// Receives some bytes; false if none came in time.
   Result<bool> receive_bytes();
-  [[nodiscard]] std::string silence() const;
+  [[nodiscard]] std::string no_answer() const;
 
   Fd socket_;  ///< gives up sending and receiving after patience_
   std::chrono::milliseconds patience_;

@@ -11,8 +11,8 @@
 namespace mlcca {
 
 /// A local socket of `type` (SOCK_STREAM, SOCK_SEQPACKET) that listens at `path`, in place of one
-/// that nobody removed. Does not block. `mode`: who may connect, where it is not as the umask says;
-/// `backlog`: how many may wait to be accepted.
+/// that a former process left behind. Does not block. `mode`: who may connect, where it is not as
+/// the umask says; `backlog`: how many may wait to be accepted.
 [[nodiscard]] Result<Fd> listen_at(const std::string& path, int type, mode_t mode = 0,
                                    int backlog = SOMAXCONN);
 

@@ -15,8 +15,8 @@
 namespace mlcca {
 namespace {
 
-constexpr std::uint64_t kLookInterval = 1'000'000;  // µs
-constexpr std::uint64_t kAccuracy = 10'000;         // µs
+constexpr std::uint64_t kRoundInterval = 1'000'000;  // µs
+constexpr std::uint64_t kAccuracy = 10'000;          // µs
 
 std::uint64_t beat_micros(const Controller& gateway) { return gateway.beat_interval() / 1000; }
 
@@ -49,8 +49,8 @@ Result<Loop> Loop::open(sd_event* raw, Controller& gateway, const RealOutside& o
   if (e >= 0) e = sd_event_source_set_floating(beat, 1);
   sd_event_source_unref(beat);
   if (e >= 0)
-    e = sd_event_add_time_relative(raw, nullptr, CLOCK_MONOTONIC, kLookInterval, kAccuracy, on_look,
-                                   s);
+    e = sd_event_add_time_relative(raw, nullptr, CLOCK_MONOTONIC, kRoundInterval, kAccuracy,
+                                   on_round, s);
   s->always = Fd(::eventfd(1, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!s->always) e = -errno;
   sd_event_source* work = nullptr;
@@ -58,7 +58,7 @@ Result<Loop> Loop::open(sd_event* raw, Controller& gateway, const RealOutside& o
   s->work.reset(work);
   if (e >= 0) e = sd_event_source_set_enabled(work, SD_EVENT_OFF);
   if (e >= 0) e = sd_event_add_post(raw, nullptr, after_turn, s);
-  // sd_event_set_watchdog() waits while nobody reads the socket of the service manager.
+  // sd_event_set_watchdog() waits while no process reads the socket of the service manager.
   if (e >= 0 && sd_watchdog_enabled(0, &s->watchdog) > 0) {
     s->watchdog /= 2;
     e = sd_event_add_time_relative(raw, nullptr, CLOCK_MONOTONIC, 0, kAccuracy, on_watchdog, s);
@@ -77,13 +77,13 @@ Result<Loop> Loop::open(sd_event* raw, Controller& gateway, const RealOutside& o
   return Loop(std::move(sources));
 }
 
-void Loop::Sources::tell_manager() {
+void Loop::Sources::notify_manager() {
   const std::string status = "STATUS=" + gateway.summary();
-  if (notify(ready_told ? status : "READY=1\n" + status)) ready_told = true;
+  if (notify(ready_sent ? status : "READY=1\n" + status)) ready_sent = true;
 }
 
 int Loop::run() const {
-  sources_->tell_manager();
+  sources_->notify_manager();
   return sd_event_loop(sources_->event) < 0 ? 1 : 0;
 }
 
@@ -119,12 +119,12 @@ int Loop::on_beat(sd_event_source* source, std::uint64_t, void* self) noexcept {
   return 0;
 }
 
-int Loop::on_look(sd_event_source* source, std::uint64_t, void* self) noexcept {
+int Loop::on_round(sd_event_source* source, std::uint64_t, void* self) noexcept {
   auto& s = *static_cast<Sources*>(self);
   s.gateway.begin_round();
   sd_event_source_set_enabled(s.work.get(), SD_EVENT_ON);
-  s.tell_manager();
-  sd_event_source_set_time_relative(source, kLookInterval);
+  s.notify_manager();
+  sd_event_source_set_time_relative(source, kRoundInterval);
   sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
   return 0;
 }

@@ -32,12 +32,12 @@ class Loop {
   struct Sources {
     Sources(sd_event* e, Controller& g) : event(e), gateway(g) {}
     /// What the gateway does; that it is ready, too, until the service manager has taken it.
-    void tell_manager();
+    void notify_manager();
     sd_event* event;
     Controller& gateway;
     bool links_dirty = false;
     bool identities_dirty = false;
-    bool ready_told = false;
+    bool ready_sent = false;
     std::uint64_t watchdog = 0;  ///< µs between signs of life for the service manager; 0: none
     Fd always;                   ///< can always be read: in line with the sockets of clients
     Source work;                 ///< of always: a part of a round in each turn that it is on
@@ -48,7 +48,7 @@ class Loop {
   static int on_events(sd_event_source*, int, std::uint32_t, void* self) noexcept;
   static int on_udev(sd_device_monitor*, sd_device*, void* self) noexcept;
   static int on_beat(sd_event_source* source, std::uint64_t now, void* self) noexcept;
-  static int on_look(sd_event_source* source, std::uint64_t now, void* self) noexcept;
+  static int on_round(sd_event_source* source, std::uint64_t now, void* self) noexcept;
   static int on_work(sd_event_source*, int, std::uint32_t, void* self) noexcept;
   static int on_watchdog(sd_event_source* source, std::uint64_t now, void* self) noexcept;
   static int on_hangup(sd_event_source*, const signalfd_siginfo*, void* self) noexcept;

@@ -98,7 +98,7 @@ void pin_as_owner_of(const std::string& root) {
 
 int close_interfaces(const Options& options) {
   int status = 0;
-  // The next one is closed also where nobody reads what is said of this one.
+  // The next interface is closed even where no process reads the output about this one.
   const auto say = [](const std::string& name, const std::string& text) {
     write_at_once(STDERR_FILENO, name + ": " + text + '\n');
   };
@@ -131,7 +131,7 @@ constexpr std::uint64_t kGroupLimit = 5'000'000'000;  // ns
 
 struct ControlGroup {
   gid_t id = static_cast<gid_t>(-1);
-  bool hangs = false;  ///< a thread looks it up for ever
+  bool hangs = false;  ///< a thread waits for the look-up without end
 };
 
 std::optional<gid_t> group_named(const std::string& name) {
@@ -143,7 +143,7 @@ std::optional<gid_t> group_named(const std::string& name) {
   return found->gr_gid;
 }
 
-/// Heart-beats go on while it is looked up.
+/// Heart-beats go on during the look-up.
 ControlGroup control_group(const Options& options, const SystemLog& journal, Controller& gateway) {
   const auto found = in_time([name = options.group] { return group_named(name); }, kGroupLimit,
                              [&gateway] { gateway.beat(); });
@@ -197,8 +197,8 @@ void allow_many_descriptors() {
   std::abort();
 }
 
-/// What libraries report without words (libnl has no memory) and nobody catches in a callback. The
-/// library's own handler would wait for whoever reads its lines.
+/// Exceptions of libraries (libnl has no memory) that no callback catches. The library's own
+/// handler would wait for whoever reads its lines.
 [[noreturn]] void ended_by_an_exception() {
   try {
     if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
@@ -284,17 +284,17 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // What a thread has read is the loop's then: from an arena of its own nobody else could use what
-  // it gives back, which is up to a fifth of all memory (docs/reference/limits.md).
+  // What a thread has read is the loop's then: memory that is given back to an arena of that thread
+  // could not be used by others, which is up to a fifth of all memory (docs/reference/limits.md).
   ::mallopt(M_ARENA_MAX, 1);
   std::set_new_handler(out_of_memory);
   std::set_terminate(ended_by_an_exception);
   // A file that must not grow is an error of the write, not the end of the gateway.
   // NOLINTBEGIN(cert-err33-c): they cannot fail for a known signal
   ::signal(SIGXFSZ, SIG_IGN);
-  ::signal(SIGPIPE, SIG_IGN);  // a log that nobody reads any more
+  ::signal(SIGPIPE, SIG_IGN);  // a log without a reader
   // NOLINTEND(cert-err33-c)
-  ::umask(S_IRWXG | S_IRWXO);  // what it makes is for nobody else, unless that is said
+  ::umask(S_IRWXG | S_IRWXO);  // what it makes is for its user only, unless stated otherwise
   const Parsed parsed = parse_options(argc, argv);
   if (parsed.exit) return parsed.status;
   if (parsed.options.check_only) return check_description(parsed.options);

@@ -14,7 +14,8 @@ struct Options {
   std::string bpf_root = "/run/mlcca/bpf";
   std::string state_directory = "/var/lib/mlcca";
   std::string group = "mlcca";
-  /// How long verdicts stay when the daemon is silent; ~0 for ever, 0 as soon as it is noticed.
+  /// How long verdicts stay in force without a heart-beat of the daemon; ~0 for ever, 0 as soon as
+  /// it is noticed.
   std::uint64_t grace_ns = 10'000'000'000;
   /// How long a daemon that starts keeps in force what the one before it has left.
   std::uint64_t start_limit_ns = 30'000'000'000;

@@ -58,11 +58,11 @@ const char* verdict_of(Kind kind) {
   switch (kind) {
     case Kind::granted:
     case Kind::switched:
-      return "grant";
+      return "granted";
     case Kind::refused:
     case Kind::withdrawn:
     case Kind::released:
-      return "refusal";
+      return "refused";
     default:
       return nullptr;
   }
@@ -136,8 +136,9 @@ bool SystemLog::send(const Note& note, const std::string& message) const {
 
 void SystemLog::write(const Note& note) const {
   const std::string before =
-      *lost_ == 0 ? ""
-                  : fmt::format("({} lines before this one were lost: nobody read them) ", *lost_);
+      *lost_ == 0
+          ? ""
+          : fmt::format("({} lines before this one were lost: they were not read) ", *lost_);
   if (send(note, before + note.message))
     *lost_ = 0;
   else

@@ -36,7 +36,7 @@ Json of(const std::vector<control::ReasonCount>& counts) {
   return out;
 }
 
-/// What the kind of gate tells: a subject with who sent it, or an identifier.
+/// What the kind of gate reports: a subject with its sender, or an identifier.
 Json of(const control::Unknown& u) {
   Json out = {{"length", u.length}, {"egress", u.egress}, {"frames", u.frames}};
   if (u.subject != 0) {

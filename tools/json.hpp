@@ -16,7 +16,8 @@ std::string to_json(const control::Reply& reply);
 /// Of `status --check`: {"health": {"state": "degraded", "reasons": [...], "left_out": 0}}.
 std::string to_json(const control::Health& health);
 
-/// Each gate also with what its interface tells: "hook", "drops_early", "ingress" and "egress".
+/// Each gate also with what the status reports of its interface: "hook", "drops_early", "ingress"
+/// and "egress".
 std::string to_json(const control::Gates& gates, const std::vector<control::Interface>& interfaces);
 
 }  // namespace mlcca::tools

@@ -64,7 +64,7 @@ bool all_granted(const control::Channels& channels) {
   return !channels.channels.empty();
 }
 
-bool somebody_loses(const Reply& reply) {
+bool a_delivery_loses(const Reply& reply) {
   const auto* what_if = std::get_if<control::WhatIf>(&reply.body);
   return what_if != nullptr && std::ranges::any_of(what_if->outlooks, loses);
 }
@@ -78,7 +78,7 @@ Exit print_reply(const Options& options, const Reply& reply) {
     return print_error(options, *error);
   const auto* channels = std::get_if<control::Channels>(&reply.body);
   const bool refused = decides && channels != nullptr && !all_granted(*channels);
-  const auto status = refused || somebody_loses(reply) ? Exit::refused : Exit::fine;
+  const auto status = refused || a_delivery_loses(reply) ? Exit::refused : Exit::fine;
   if (options.json) return print(to_json(reply), status);
   if (decides && channels != nullptr)
     return print(explain(*channels, options.color, explains), status);
@@ -141,7 +141,7 @@ Exit ask_reservations(const Options& options, const Arguments& arguments) {
   return ask(options, control::ReservationsRequest{arguments.place});
 }
 
-/// What the gates hold, and what the status tells of their interfaces.
+/// What the gates hold, and what the status reports of their interfaces.
 Exit ask_gate(const Options& options, const Arguments& arguments) {
   auto client = control::Client::connect(options.socket, options.patience);
   if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
@@ -242,12 +242,14 @@ Exit ask_release(const Options& options, const Arguments& arguments) {
                                               .key = arguments.key});
 }
 
-/// What would stop, and that it should. Nobody: it cannot be asked, or does not want it.
+/// Asks whether what would stop should stop. An exit status: no person can be asked, or the person
+/// declines.
 std::optional<Exit> ask_back(const Options& options, const control::Channels& channels,
                              const std::string& name) {
   if (::isatty(STDIN_FILENO) == 0 || options.json)
-    return print_error(options, control::ErrorKind::invalid,
-                       "nobody can be asked whether this shall be done: say --yes");
+    return print_error(
+        options, control::ErrorKind::invalid,
+        "no person can be asked to confirm this (no terminal, or --json): state --yes");
   fmt::print(stderr, "{}", what_stops(channels, name, options.error_color));
   fmt::print(stderr, "Withdraw it? [y/N] ");
   std::array<char, 16> answer{};
@@ -282,7 +284,7 @@ Exit ask_mode(const Options& options, const Arguments& arguments) {
   return ask(options, control::ModeRequest{arguments.mode});
 }
 
-Exit tell_bandwidth(const Options& options, const Arguments& arguments) {
+Exit print_bandwidth(const Options& options, const Arguments& arguments) {
   const auto answer = bandwidth(arguments.bandwidth);
   if (!answer) return print_error(options, control::ErrorKind::invalid, answer.error().text);
   return print(options.json ? answer->json : answer->text,
@@ -360,7 +362,7 @@ constexpr std::array kVerbs = {
     Verb{"what-if", "who would lose, who would gain? changes nothing", Takes::changes, ask_what_if},
     Verb{"admit", "admit a new publisher or subscriber of a channel", Takes::reservation,
          ask_admit},
-    Verb{"renew", "the lease of an admission starts anew", Takes::lease, ask_renew},
+    Verb{"renew", "the lease of an admission starts again", Takes::lease, ask_renew},
     Verb{"release", "take run-time admissions back", Takes::admission, ask_release},
     Verb{"withdraw", "refuse everything of a channel, also what is described", Takes::withdrawal,
          ask_withdraw},
@@ -376,7 +378,7 @@ constexpr std::array kVerbs = {
     Verb{"reload", "read the description again, all or nothing", Takes::nothing,
          ask_plain<control::ReloadRequest>},
     Verb{"bandwidth", "what a chain of radio links carries; asks no daemon", Takes::links,
-         tell_bandwidth},
+         print_bandwidth},
 };
 
 }  // namespace

@@ -88,7 +88,7 @@ void add_delivery(CLI::App& app, Arguments& to) {
       ->check(CLI::Range(0U, kMaxPriority));
   app.add_option("--address", to.address,
                  "IPv4 or MAC address that the new publisher sends from, on an Ethernet-like "
-                 "network: gates tell it apart by that")
+                 "network: gates distinguish it by that")
       ->type_name("ADDRESS");
   app.add_option("--user", to.user, "user that may send, for a publisher on this gateway");
   app.add_option("--subscriber", to.subscriber, "name of the new subscriber, for reports");
@@ -188,7 +188,7 @@ void add_links(CLI::App& app, BandwidthArguments& to) {
 }
 
 void add_screen(CLI::App& app, TopArguments& to) {
-  app.add_option("-d,--delay", to.delay, "seconds between two looks, 0.1 to 3600; 1 by default")
+  app.add_option("-d,--delay", to.delay, "seconds between two polls, 0.1 to 3600; 1 by default")
       ->type_name("SECONDS")
       ->check([](const std::string& text) { return check_seconds(text, kShortestDelay, 3600); });
   app.add_flag("-b,--batch", to.batch,

@@ -15,7 +15,7 @@
 namespace mlcca::tools {
 namespace {
 
-/// Folder of this program, with the slash; empty where it cannot be told.
+/// Folder of this program, with the slash; empty where it is unknown.
 std::string own_folder() {
   std::array<char, 4096> path{};
   const auto size = ::readlink("/proc/self/exe", path.data(), path.size());

@@ -15,18 +15,18 @@ namespace {
 std::string limit(const control::GateSlot& slot) {
   constexpr double second = 1e9;
   constexpr double unit = 256;  // of per_byte
-  const char* const beyond = slot.excess_passes ? ", more is reported" : "";
+  const char* const excess = slot.excess_passes ? ", more is reported" : "";
   if (slot.per_frame_ns != 0) {
     const double rate = second / static_cast<double>(slot.per_frame_ns);
     const std::uint64_t burst = slot.tolerance_ns / slot.per_frame_ns;
     const auto text = rate < 0.1 ? fmt::format("1 in {:.0f} s", 1 / rate)
                                  : fmt::format("{:.{}f}/s", rate, rate < 10 ? 1 : 0);
-    return fmt::format("{}, {} at once{}", text, burst + 1, beyond);
+    return fmt::format("{}, {} at once{}", text, burst + 1, excess);
   }
   if (slot.per_byte != 0)
     return bytes_per_second(
                static_cast<std::uint64_t>(second * unit / static_cast<double>(slot.per_byte))) +
-           beyond;
+           excess;
   return {};
 }
 
@@ -55,7 +55,7 @@ Cell mask(const control::GateSlot& slot, bool ethernet) {
 std::string slots(const std::vector<control::GateSlot>& all, bool control, bool ethernet,
                   Color color) {
   Table table({{control ? ethernet ? "OTHER TRAFFIC" : "CONTROL TRAFFIC" : "CHANNEL"},
-               {"WAY"},
+               {"DIRECTION"},
                {"FROM"},
                {"IDENTIFIER"},
                {"MASK"},
@@ -86,17 +86,18 @@ std::string slots(const std::vector<control::GateSlot>& all, bool control, bool 
   return table.empty() ? "" : table.text(color, "  ");
 }
 
-std::string held(const control::Gate& gate, const control::Interface* interface, Color color) {
-  if (!gate.attached) return styled("NOT HELD", Style::bad, color);
-  std::string text = styled("held", Style::good, color);
+std::string attachment(const control::Gate& gate, const control::Interface* interface,
+                       Color color) {
+  if (!gate.attached) return styled("NOT ATTACHED", Style::bad, color);
+  std::string text = styled("attached", Style::good, color);
   if (interface == nullptr) return text;
   if (!interface->hook.empty()) text += " by " + printable(interface->hook);
   if (interface->drops_early) text += ", early in the driver";
   return text;
 }
 
-std::string fates(const control::Interface& interface, Color color) {
-  Table table({{"FATE"}, {"WAY"}, {"FRAMES", Align::right}});
+std::string reasons(const control::Interface& interface, Color color) {
+  Table table({{"REASON"}, {"DIRECTION"}, {"FRAMES", Align::right}});
   for (const auto* traffic : {&interface.ingress, &interface.egress})
     for (const auto& count : traffic->reasons)
       table.add({{count.reason},
@@ -122,10 +123,10 @@ std::string render(const control::Gates& gates, const std::vector<control::Inter
     const bool ethernet = gate.masked_room == 0;
     const control::Interface* const interface = interface_of(gate, interfaces);
     if (!text.empty()) text += '\n';
-    text +=
-        fmt::format("{} on {}: profile {}, {}, {} of {} slots",
-                    styled(gate.interface, Style::bold, color), printable(gate.network),
-                    printable(gate.profile), held(gate, interface, color), gate.slots, gate.room);
+    text += fmt::format("{} on {}: profile {}, {}, {} of {} slots",
+                        styled(gate.interface, Style::bold, color), printable(gate.network),
+                        printable(gate.profile), attachment(gate, interface, color), gate.slots,
+                        gate.room);
     if (gate.masked != 0) text += fmt::format(", {} of {} masks", gate.masked, gate.masked_room);
     text += '\n';
     if (!gate.problem.empty()) text += "  " + styled(gate.problem, Style::bad, color) + '\n';
@@ -133,7 +134,7 @@ std::string render(const control::Gates& gates, const std::vector<control::Inter
         slots(gate.control, true, ethernet, color) + slots(gate.channels, false, ethernet, color);
     if (ethernet && gate.slots > gate.channels.size())
       text += fmt::format("  and {} slots more\n", gate.slots - gate.channels.size());
-    if (interface != nullptr) text += fates(*interface, color);
+    if (interface != nullptr) text += reasons(*interface, color);
   }
   return text.empty() ? "this gateway has no gates\n" : text;
 }

@@ -35,7 +35,7 @@ std::string overview(const control::Reservations& reservations, Color color) {
                {"KIND"},
                {"CAPACITY", Align::right},
                {"RESERVED", Align::right},
-               {"OTHERS", Align::right},
+               {"BACKGROUND", Align::right},
                {"FREE", Align::right}});
   for (const auto& resource : reservations.resources)
     table.add({{resource.name, Style::bold},
@@ -47,7 +47,7 @@ std::string overview(const control::Reservations& reservations, Color color) {
   return table.empty() ? "nothing that can be reserved is described\n" : table.text(color);
 }
 
-/// Empty of what nobody chose: the preferred set, no importance, no lease.
+/// Cells of defaults are empty: the preferred set, no importance, no lease.
 std::string unless_zero(std::uint64_t n, std::uint64_t shown) {
   return n == 0 ? "" : fmt::format("{}", shown);
 }

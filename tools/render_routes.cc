@@ -89,7 +89,7 @@ std::string links(const std::vector<control::MeshLink>& all, Color color) {
                {link.loss_known ? percent(link.loss, kLossWhole) : ""},
                {link.busy_known ? percent(link.busy, kBusyWhole) : ""},
                {print_duration(link.age_ns)},
-               {link.stale ? "stale" : link.lack, Style::warning},
+               {link.stale ? "stale" : link.state, Style::warning},
                {link.source}});
   return table.empty() ? "" : "\nlinks\n" + table.text(color, "  ");
 }

@@ -30,8 +30,8 @@ Cell link(const control::Interface& interface) {
 
 Cell gate(const control::Interface& interface) {
   if (interface.ifindex == 0) return {};
-  if (!interface.gated) return {"NOT HELD", Style::bad};
-  return {interface.drops_early ? "held early" : "held", Style::good};
+  if (!interface.attached) return {"NOT ATTACHED", Style::bad};
+  return {interface.drops_early ? "attached early" : "attached", Style::good};
 }
 
 Style style_of_can_state(std::string_view state) {
@@ -247,7 +247,7 @@ std::string render(const control::Networks& networks, Color color) {
     table.add({{network.name, Style::bold},
                {network.kind},
                {network.profile},
-               network.available ? Cell{"usable", Style::good} : Cell{"not usable", Style::bad},
+               network.available ? Cell{"available", Style::good} : Cell{"unavailable", Style::bad},
                {rate(network.reserved)},
                {network.capacity_known ? rate(network.capacity) : "unknown"},
                {fmt::format("{}", fmt::join(network.gateways, ", "))},

@@ -31,7 +31,7 @@ Result<std::vector<control::Attribute>> attributes(const std::vector<std::string
   return result;
 }
 
-/// The daemon looks up no names for others: a directory that hangs would keep it from its work.
+/// The daemon resolves no names for clients: a directory that hangs would keep it from its work.
 Result<std::string> user_number(const std::string& user) {
   if (user.find_first_not_of("0123456789") == std::string::npos) return user;
   std::vector<char> buffer(std::size_t{1} << 20);

@@ -22,7 +22,7 @@ struct TriedMessage {
   std::optional<can::Message> message;
 };
 
-/// Everything that a decision looks at, by reference.
+/// Everything that a decision depends on, by reference.
 struct Situation {
   const System& system;
   const Topology& topology;

@@ -58,15 +58,16 @@ bool Allocation::keep(const std::vector<std::size_t>& channels) {
   return true;
 }
 
-/// What a channel could have of what it had, from its set downwards, if nobody else were there.
+/// What a channel could have of what it had, from its set downwards, if no other channel held
+/// anything.
 Decision Allocation::alone(std::size_t channel) {
-  if (!nobody_) nobody_ = empty_ledger(s_.system, s_.world);
+  if (!unloaded_) unloaded_ = empty_ledger(s_.system, s_.world);
   const Decision& old = decisions_[channel];
   Decision most;
   for (std::size_t set = old.set; set < sets_of(s_.system, channel); ++set) {
-    const Ledger::Mark mark = nobody_->mark();
-    Decision now = decide_in(s_, channel, set, *nobody_, &old);
-    nobody_->roll_back(mark);
+    const Ledger::Mark mark = unloaded_->mark();
+    Decision now = decide_in(s_, channel, set, *unloaded_, &old);
+    unloaded_->roll_back(mark);
     if (keeps_grants(old, now)) return now;
     if (set == old.set || now.granted > most.granted) most = std::move(now);
   }
@@ -151,7 +152,8 @@ bool Allocation::upgrade(const std::vector<std::size_t>& channels) {
   for (auto begin = channels.begin(); begin != channels.end();) {
     const auto end = std::find_if(
         begin, channels.end(), [&](std::size_t c) { return importance(c) != importance(*begin); });
-    // Until a whole round has upgraded nobody: who takes another way leaves something behind.
+    // Until a round over all channels has upgraded none: a channel that takes another way frees
+    // something.
     for (bool progress = true; progress; any |= progress) {
       progress = false;
       for (auto it = begin; it != end; ++it)

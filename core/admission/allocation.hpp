@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Who is given what when it does not suffice for everybody. Service comes before quality: nobody
-// gets a better attribute set while somebody who could be served has nothing. The more important
-// channel comes first; of equally important ones each takes one step in turn, the older first, as
-// in max-min fairness by progressive filling (Bertsekas, Gallager: Data Networks, 6.5.2), with
-// attribute sets as the steps.
+// Which channel is given what when it does not suffice for all. Service comes before quality: no
+// channel gets a better attribute set while one that could be granted has nothing. The more
+// important channel comes first; of equally important ones each takes one step in turn, the older
+// first, as in max-min fairness by progressive filling (Bertsekas, Gallager: Data Networks, 6.5.2),
+// with attribute sets as the steps.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -40,10 +40,11 @@ class Allocation {
   /// Gives sorted channels, of which the ledger holds nothing, their lowest set that serves them no
   /// less than before, the most important first; who does not fit then gets nothing.
   void degrade(const std::vector<std::size_t>& channels);
-  /// Decides those of the sorted channels anew that are granted nothing. True if somebody is now.
+  /// Decides again those of the sorted channels that are granted nothing. True if one is granted
+  /// now.
   bool admit_waiting(const std::vector<std::size_t>& channels);
-  /// Gives the sorted channels more, as far as there is more, at nobody's cost. True if somebody
-  /// got more.
+  /// Gives the sorted channels more, as far as there is more, at no other channel's cost. True if
+  /// one got more.
   bool upgrade(const std::vector<std::size_t>& channels);
 
   /// Takes what a channel holds out of the ledger.
@@ -64,15 +65,15 @@ class Allocation {
   std::vector<Decision>& decisions_;
   Ledger& ledger_;
   Former* former_;
-  std::optional<Ledger> nobody_;  // as if nobody held anything
+  std::optional<Ledger> unloaded_;  // as if no channel held anything
 };
 
 /// There is nothing to be divided: one set each, all equally important. Then serving one channel
 /// after the other gives the same.
 [[nodiscard]] bool is_plain(const System& system);
 
-/// Everything anew, nothing granted before. `each` is called for every channel; with a plain system
-/// right after its decision, so that nobody need keep all of them.
+/// Decides everything, with nothing granted before. `each` is called for every channel; with a
+/// plain system right after its decision, so that the caller need not keep all of them.
 using EachChannel = std::function<void(std::size_t channel, const Decision& decision)>;
 void decide_each(const Situation& situation, Ledger& ledger, const EachChannel& each);
 

@@ -125,7 +125,7 @@ void Media::obstruct(Obstacle obstacle, std::size_t hop) {
 Value Media::latency_of(std::size_t hop) const {
   if (guaranteed_[hop] != kUnbounded) return guaranteed_[hop];
   const AttributeSet& provision = hops_[hop].provision;
-  // What nobody states is refused for that; it takes nothing of what the buses may.
+  // Latency that is not stated is refused for that; it takes nothing of what the buses may.
   return normalised_provision(provision)[Attribute::latency];
 }
 
@@ -142,9 +142,10 @@ Value Media::variation_before(std::size_t hop) const {
   return sum;
 }
 
-/// How long the hop may take at most, so that everybody who hears the events there or later has
-/// them in time: of what the other hops leave, buses get shares like their bit times. That depends
-/// on nobody else on the buses, so a message is promised the same whenever it is decided.
+/// How long the hop may take at most, so that every subscriber that receives the events there or
+/// later has them in time: of what the other hops leave, buses get shares like their bit times.
+/// That does not depend on others on the buses, so a message is promised the same whenever it is
+/// decided.
 Value Media::delay_allowed(std::size_t hop) const {
   const Publisher& publisher = s_.members.publisher(v_.publisher);
   const Value source = attributes_in(publisher, v_.set)[Attribute::jitter];
@@ -211,15 +212,15 @@ void Media::late_row(Place hop, const can::Schedule::Late& late) {
   v_.rows.push_back(row);
 }
 
-/// What this publisher, and those that are analysed, are heard sending is no background.
+/// The observed load of this publisher, and of those that are analysed, is no background.
 void Media::leave_out_own_load(std::size_t network) {
   Condition condition = s_.world.conditions[network];
-  if (condition.heard.empty()) return;
+  if (condition.observed.empty()) return;
   const can::Schedule& bus = *ledger_.schedule(network);
-  for (const Heard& heard : condition.heard)
-    if (heard.publisher == v_.publisher ||
-        bus.contains(Ledger::key_of({heard.publisher, network, Flow::kOwn})))
-      condition.background -= std::min(condition.background, heard.load);
+  for (const ObservedLoad& observed : condition.observed)
+    if (observed.publisher == v_.publisher ||
+        bus.contains(Ledger::key_of({observed.publisher, network, Flow::kOwn})))
+      condition.background -= std::min(condition.background, observed.load);
   ledger_.assume(network, *bus_of(s_.system, condition, network));
 }
 
@@ -329,7 +330,7 @@ struct Media::Crossing {
   bool best_case;
   MediumUse use = {};
   Value available = kUnbounded;  ///< bytes/s
-  Value alone = kUnbounded;      ///< bytes/s, were nobody else there
+  Value alone = kUnbounded;      ///< bytes/s, without any other channel
   std::size_t longest = 0;       ///< links
   AttributeSet links_give = {};  ///< on the longest way
   bool reached = false;
@@ -337,7 +338,7 @@ struct Media::Crossing {
   bool fits = true;
 };
 
-/// At design time nobody need know the links: the run time decides, unless a way of one link is
+/// At design time the links need not be known: the run time decides, unless a way of one link is
 /// too bad already.
 void Media::no_path(const Crossing& c, std::size_t hop) {
   const mesh::Mesh& mesh = c.mesh;

@@ -13,8 +13,8 @@
 
 namespace mlcca::core {
 
-/// How late events may be at the end of a hop, counted from their publication, for those who hear
-/// them there.
+/// How late events may be at the end of a hop, counted from their publication, for those who
+/// receive them there.
 struct Limit {
   std::size_t hop = 0;
   Value latency = kUnbounded;  ///< ns
@@ -28,7 +28,7 @@ struct Limit {
 class Media {
  public:
   /// `hops`: what the hops of the verdict's route state; what is computed is put in its place.
-  /// `limits` are of everybody who hears the events, at least one for the last hop.
+  /// `limits` are of every subscriber that receives the events, at least one for the last hop.
   Media(const Situation& situation, Ledger& ledger, std::span<Hop> hops, std::vector<Limit> limits,
         Verdict& verdict);
 

@@ -101,7 +101,7 @@ class RouteCheck {
   }
 
   /// The kernel forwards between CAN networks, and between Ethernet networks. Between the two a
-  /// program does, and its gates let nobody send whom they do not know.
+  /// program does, and its gates pass no sender that is not described.
   [[nodiscard]] bool is_carried(std::size_t at) const {
     const Network& in = s_.system.networks[v_.route[at - 1].index];
     const Network& out = s_.system.networks[v_.route[at + 1].index];
@@ -241,9 +241,9 @@ class RouteCheck {
       add_rows(Against::traffic, v_.to, check_traffic(offered(), asked_by(s)), s);
   }
 
-  /// An event that crosses a broadcast medium is heard by every subscriber there: the way is open
-  /// only if each of them is fulfilled too. On the publisher's own network the event is, whatever
-  /// we decide.
+  /// An event that crosses a broadcast medium is received by every subscriber there: the way is
+  /// open only if each of them is fulfilled too. On the publisher's own network the event is,
+  /// whatever we decide.
   void check_overhearing() {
     each_overhearing_subscriber([this](const Target& target, std::size_t hop) {
       check_overhearing_subscriber(target, hop);
@@ -256,12 +256,13 @@ class RouteCheck {
     for (std::size_t i = at_home ? 1 : 0; i < count_; ++i)
       if (hops()[i].kind == Place::Kind::network)
         for (const Target& target : targets_)
-          if (target.place != v_.to && hears(target.place, i)) then(target, i);
+          if (target.place != v_.to && receives(target.place, i)) then(target, i);
   }
 
-  /// Whether somebody at a place hears what crosses the network of that hop for the first time:
-  /// there, or as a program on a gateway that has a port there and is not behind us on the way.
-  [[nodiscard]] bool hears(Place listener, std::size_t hop) const {
+  /// Whether a subscriber at a place receives what crosses the network of that hop for the first
+  /// time: there, or as a program on a gateway that has a port there and is not behind us on the
+  /// way.
+  [[nodiscard]] bool receives(Place listener, std::size_t hop) const {
     const Place network = hops()[hop];
     if (listener.kind == Place::Kind::network) return listener == network;
     if (s_.system.gateways[listener.index].port_on(network.index) == nullptr) return false;
@@ -311,7 +312,7 @@ class RouteCheck {
     return media.take_medium_rows();
   }
 
-  /// By when everybody who hears the events must have them.
+  /// By when every subscriber that receives the events must have them.
   [[nodiscard]] std::vector<Limit> limits() const {
     std::vector<Limit> all{limit_at(count_ - 1, v_.requirement)};
     each_overhearing_subscriber([&](const Target& target, std::size_t hop) {

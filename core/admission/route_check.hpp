@@ -36,13 +36,14 @@ struct Asked {
                                    const std::vector<std::size_t>& subscribers, std::size_t set);
 
 /// The verdict of a publisher towards a target in an attribute set, with what both ask, before any
-/// route has been looked at.
+/// route has been checked.
 [[nodiscard]] Verdict undecided(const Situation& situation, std::size_t channel,
                                 std::size_t publisher, const Target& target, std::size_t set);
 
 /// Fills in rows, obstacle, provision and outcome of a verdict that has its publisher, place,
-/// subscribers, set, requirement and route. `targets` are all of the channel: some of them may hear
-/// the events on the way. What is granted is reserved; otherwise the ledger is left as it was.
+/// subscribers, set, requirement and route. `targets` are all of the channel: some of them may
+/// receive the events on the way. What is granted is reserved; otherwise the ledger is left as it
+/// was.
 void check_route(const Situation& situation, Ledger& ledger, const std::vector<Target>& targets,
                  Verdict& verdict);
 

@@ -44,12 +44,13 @@ class State::Settlement {
     std::vector<std::vector<std::size_t>> short_of;
     std::vector<std::size_t> touched(s_.touched_.begin(), s_.touched_.end());
     allocation.sort(touched);
-    // Mostly everybody can be kept, and nobody needs to know who shares what with whom.
+    // Mostly all channels can be kept, and then it need not be found out which of them share
+    // something.
     if (!allocation.keep(touched)) {
       for (Component& component : components()) {
         allocation.sort(component.touched);
         if (!allocation.keep(component.touched))
-          short_of.emplace_back(component.everybody.begin(), component.everybody.end());
+          short_of.emplace_back(component.sharing.begin(), component.sharing.end());
       }
     }
     for (std::vector<std::size_t>& channels : short_of) {
@@ -70,7 +71,7 @@ class State::Settlement {
   /// matters to no channel outside.
   struct Component {
     std::vector<std::size_t> touched;
-    std::set<std::size_t> everybody;
+    std::set<std::size_t> sharing;
   };
   /// What several channels want: a resource, or a domain of one that is a mesh.
   using Shared = std::pair<std::size_t, std::size_t>;
@@ -89,8 +90,8 @@ class State::Settlement {
       Progress::step();
       if (s_.decisions_[c].granted == 0 || placed.contains(c)) continue;
       Component component;
-      component.everybody = sharing_with(c);
-      for (const std::size_t other : component.everybody) {
+      component.sharing = sharing_with(c);
+      for (const std::size_t other : component.sharing) {
         Progress::step();
         if (!s_.touched_.contains(other) || s_.decisions_[other].granted == 0) continue;
         component.touched.push_back(other);
@@ -198,11 +199,11 @@ class State::Settlement {
     s_.new_graphs_.clear();
   }
 
-  /// Where somebody is heard that is not granted, the background is that of who is analysed: what
-  /// concerns one there concerns all.
+  /// Where load of an unadmitted sender is observed, the background depends on which channels are
+  /// analysed: a change of one of them concerns all.
   void invalidate_shared_background() {
     for (std::size_t n = 0; n < s_.world_.conditions.size(); ++n) {
-      if (s_.world_.conditions[n].heard.empty() || s_.new_conditions_.contains(n)) continue;
+      if (s_.world_.conditions[n].observed.empty() || s_.new_conditions_.contains(n)) continue;
       const auto& here = s_.usage_.carried_by(n);
       if (std::ranges::any_of(s_.touched_, [&](std::size_t c) {
             Progress::step();
@@ -261,14 +262,14 @@ class State::Settlement {
     s_.relieved_.insert(network);
   }
 
-  /// Others take what is measured: a source that can tell its own traffic has taken it off. Nothing
-  /// is taken off for what is reserved here, since nobody knows whether it was sent.
+  /// Others take what is measured: a source that can distinguish our own traffic has subtracted it.
+  /// Nothing is taken off for what is reserved here, since it is unknown whether it was sent.
   static void take_background(MeshView& view) {
     for (std::size_t d = 0; d < view.domains().count(); ++d)
       view.background[d] = view.domains().busy_of(d);
   }
 
-  /// Nobody who is touched holds anything any more.
+  /// No channel that is touched holds anything any more.
   void renew_world() {
     for (auto& [network, condition] : s_.new_conditions_) {
       s_.world_.conditions[network] = std::move(condition);
@@ -282,7 +283,7 @@ class State::Settlement {
     }
   }
 
-  /// Networks that carry less of somebody than before, or something else.
+  /// Networks that carry less of a channel than before, or something else.
   void find_relief() {
     for (const auto& [channel, old] : before_) {
       Progress::step();

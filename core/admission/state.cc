@@ -252,7 +252,7 @@ bool State::unlist_unused() {
 
 Result<std::size_t> State::list(const UnlistedChannel& wanted) {
   const std::string name = format_subject(wanted.subject);
-  if (wanted.subject == 0) return fail("subject 0 is nobody's: a channel has another one");
+  if (wanted.subject == 0) return fail("subject 0 is not valid: a channel has another one");
   unlist_unused();
   const auto known = channel_of(wanted.subject);
   if (known && !system_.channels[*known].unlisted)
@@ -261,7 +261,8 @@ Result<std::size_t> State::list(const UnlistedChannel& wanted) {
     return fail("a channel of another subject is called " + name);
   const auto at = known ? known : free_unlisted();
   if (!at) {
-    // Who is told that there is no room asks again; nobody has room where nothing is allowed.
+    // A client that is refused for lack of room asks again. So a refusal that lasts comes first: a
+    // subject that a network does not allow never has room.
     if (auto allowed = check_unlisted(system_, system_.channels.size(), wanted); !allowed)
       return std::unexpected(allowed.error());
     return fail("there is no room for another channel that is not described: " +
@@ -305,7 +306,7 @@ bool State::remove(AdmissionId id) {
   const auto it = admissions_.find(id);
   if (it == admissions_.end()) return false;
   const std::size_t channel = it->second;
-  // What the others of the channel hold may depend on who left, so all of it is decided anew.
+  // What the others of the channel hold may depend on who left, so all of it is decided again.
   for (const std::size_t p : members_.publishers_of(channel)) ledger_.remove(p);
   forget_deliveries(channel, id);
   for (const std::size_t r : usage_.resources_of(channel)) relieved_.insert(r);

@@ -131,7 +131,7 @@ class State {
   /// The tag that the broker has dealt to a channel of which nothing is granted on the network now;
   /// 0: none that is known. Its binding there is dynamic.
   void set_tag(std::size_t network, std::size_t channel, std::uint32_t tag);
-  /// The same of kSubscribeSubject. Counts at once: only control_rules() look at it.
+  /// The same of kSubscribeSubject. Counts at once: only control_rules() reads it.
   void set_subscribe_tag(std::size_t network, std::uint32_t tag) {
     system_.networks[network].subscribe_tag = tag;
   }
@@ -145,20 +145,20 @@ class State {
   /// (core/admission/allocation.hpp).
   std::vector<Change> settle();
 
-  /// Decides everything anew, with described ends and admissions, whether they fit or not, as after
-  /// a start. `before`: what was granted, by channel; that is served first, and nobody else with
-  /// it.
+  /// Decides everything again, with described ends and admissions, whether they fit or not, as
+  /// after a start. `before`: what was granted, by channel; that is granted first, before any other
+  /// channel.
   void decide(const std::map<std::size_t, Grants>& before = {});
   [[nodiscard]] Grants grants(std::size_t channel) const;
   [[nodiscard]] Delivery delivery_of(const Verdict& verdict) const;
 
   [[nodiscard]] Proposal propose(Admission admission) { return {*this, std::move(admission)}; }
   /// The channel of a subject that the description does not have, so that an admission can name it:
-  /// the one that is there, or one that nobody uses any more. Without an admission it is nothing.
+  /// the one that is there, or one that is not used any more. Without an admission it is nothing.
   /// Errors: the subject is described; a network does not allow it, or has as many as it allows; an
   /// identifier is taken, or another one is in use.
   [[nodiscard]] Result<std::size_t> list(const UnlistedChannel& wanted);
-  /// Forgets the channels of list() that nobody uses, with their identifiers; list() does, too.
+  /// Forgets the channels of list() that no member uses, with their identifiers; list() does, too.
   /// True: there were some.
   bool unlist_unused();
   /// Takes an admission in without asking, before decide(): one that was granted before a restart.
@@ -176,7 +176,7 @@ class State {
     return core::gate_state(system_, members_, channel, decisions_[channel].verdicts, gateway);
   }
   /// What the gates of a gateway have to change after settle(). `left`: what they had of the
-  /// channels that somebody has left since; of the others that follows from the changes.
+  /// channels that a member has left since; of the others that follows from the changes.
   [[nodiscard]] GateChanges gate_changes(const std::vector<Change>& changes, std::size_t gateway,
                                          const FormerRules& left = {}) const;
 
@@ -224,7 +224,7 @@ class State {
   std::unordered_map<Subject, std::size_t> channel_of_subject_;
   std::unordered_map<std::string, Place> place_of_name_;
 
-  std::set<std::size_t> touched_;   // channels that must be decided anew
+  std::set<std::size_t> touched_;   // channels that must be decided again
   std::set<std::size_t> relieved_;  // resources that carry less now
 };
 

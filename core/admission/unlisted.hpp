@@ -22,7 +22,7 @@ struct UnlistedBinding {
   bool operator==(const UnlistedBinding&) const = default;
 };
 
-/// A channel that somebody asks for who cannot describe it.
+/// A channel of a client that knows the subject but has no description of it.
 struct UnlistedChannel {
   Subject subject = 0;
   std::vector<std::size_t> networks;  ///< where it begins and ends; each is asked

@@ -72,7 +72,7 @@ std::optional<can::Assumptions> bus_of(const System& system, const Condition& co
   if (condition.timing.bitrate != 0) timing = condition.timing;
   if (n.profile == Profile::none || timing.bitrate == 0) return std::nullopt;
   can::Assumptions bus = can::assumptions_of(system, network, timing);
-  // Who sends what nobody described may send any frame.
+  // A station that is not described may send any frame.
   if (condition.background != 0) bus.unknown_senders = true;
   bus.background += condition.background;
   return bus;

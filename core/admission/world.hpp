@@ -20,11 +20,11 @@
 
 namespace mlcca::core {
 
-/// A publisher that is heard on its bus although nothing is granted to it.
-struct Heard {
+/// The load of a publisher that sends on its bus although nothing is granted to it.
+struct ObservedLoad {
   std::size_t publisher = 0;
   std::uint32_t load = 0;  ///< 1e-6 of the bus time
-  bool operator==(const Heard&) const = default;
+  bool operator==(const ObservedLoad&) const = default;
 };
 
 /// A channel whose binding on a network is not to be relied on: the broker has said otherwise.
@@ -40,10 +40,11 @@ struct Condition {
   bool available = true;
   std::string problem;           ///< why not, in words
   can::Timing timing;            ///< of a CAN bus, 0: as described
-  std::uint32_t background = 0;  ///< of a CAN bus: 1e-6 of its time that was measured beyond what
-                                 ///< is reserved, that of `heard` included
+  std::uint32_t background = 0;  ///< of a CAN bus: unaccounted load in 1e-6 of its time: what was
+                                 ///< measured in excess of what is reserved, that of `observed`
+                                 ///< included
   /// To itself none of them is unaccounted load: what it sends is analysed where it is decided.
-  std::vector<Heard> heard;
+  std::vector<ObservedLoad> observed;
   std::vector<Contradicted> contradicted;  ///< sorted by channel
   [[nodiscard]] const Contradicted* contradiction_of(std::size_t channel) const {
     const auto it = std::ranges::lower_bound(contradicted, channel, {}, &Contradicted::channel);
@@ -89,7 +90,7 @@ class MeshView {
  private:
   const mesh::Mesh* mesh_;
   std::shared_ptr<const mesh::Domains> domains_;
-  // What was looked for is remembered.
+  // The result of a search is remembered.
   mutable mesh::Paths paths_;
   mutable std::unordered_map<std::uint64_t, mesh::PathCost> costs_;
   mutable std::unordered_map<std::uint32_t, std::vector<bool>> unrated_;  ///< reached from a node

@@ -58,7 +58,7 @@ class Analysis {
   std::vector<bool> stale_;  ///< messages with queues of their own
   std::vector<bool> queue_stale_;
   /// Messages that are blocked before each frame, where nothing but the messages is on the bus.
-  std::vector<std::size_t> blocked_anew_;
+  std::vector<std::size_t> blocked_per_frame_;
   std::size_t unbounded_;  ///< first message that makes all that depend on it unbounded
 };
 
@@ -92,7 +92,7 @@ Analysis::Analysis(const Assumptions& assumptions, std::vector<Message> sorted,
     ends_.push_back(end_of(lowest_of(m)));
     blocking_.push_back(blocking(lowest_of(m)));
     if (one_at_a_time(m) && overhead_.none() && !assumptions.unknown_senders)
-      blocked_anew_.push_back(i);
+      blocked_per_frame_.push_back(i);
   }
   make_queues(assumptions);
 }
@@ -134,9 +134,10 @@ void Analysis::raise(std::size_t i, Time response) {
   if (coupled && response == kNever) unbounded_ = std::min(unbounded_, i);
   if (coupled && response != kNever)
     streams_.interference.set_jitter(i, response - messages_[i].last_frame);
-  // Queues look at the bounds of all, so does who is blocked before each frame; another message
-  // alone only at when others' frames are offered.
-  for (const std::size_t k : blocked_anew_)
+  // The bounds of a queue, and of a message that is blocked before each frame, depend on the bounds
+  // of all messages. Those of any other message depend only on when the frames of others are
+  // offered.
+  for (const std::size_t k : blocked_per_frame_)
     if (k != i) stale_[k] = true;
   if (coupled)
     for (std::size_t k = 0; k < messages_.size(); ++k)
@@ -147,7 +148,7 @@ void Analysis::raise(std::size_t i, Time response) {
 
 /// What may block a message that is blocked before each frame; nothing if that is not bounded.
 std::optional<Blockers> Analysis::blockers_of(std::size_t i) const {
-  if (std::ranges::find(blocked_anew_, i) == blocked_anew_.end()) return std::nullopt;
+  if (std::ranges::find(blocked_per_frame_, i) == blocked_per_frame_.end()) return std::nullopt;
   Blockers all;
   for (std::size_t k = 0; k < messages_.size(); ++k) {
     if (k == i || lowest_of(messages_[k]) <= lowest_of(messages_[i])) continue;
@@ -195,7 +196,7 @@ void Analysis::update_queue(std::size_t q) {
   }
 }
 
-/// Whether anything was looked at.
+/// Whether any message was analysed.
 bool Analysis::round() {
   bool any = false;
   for (std::size_t i = 0; i < messages_.size(); ++i) {

@@ -14,8 +14,8 @@ namespace mlcca::core::can {
 
 /// Longest period, jitter, transmission or response that is analysed, ns (about 18 minutes).
 inline constexpr Time kLongestTime = Time{1} << 40U;
-/// Most events of one message in one busy period that are looked at; a message with more of them
-/// is not bounded.
+/// Most events of one message in one busy period that are analysed; a message with more of them is
+/// not bounded.
 inline constexpr std::uint64_t kMaxInstances = 4096;
 /// Most steps towards one fixpoint, and most rounds over a bus whose messages depend on each other
 /// in a circle; without a fixpoint by then a message is not bounded.
@@ -61,7 +61,7 @@ struct Response {
 
 /// Indices of the messages, highest priority first, in an order in which all of them meet their
 /// deadlines; nothing if there is no such order (Audsley, "On priority assignment in fixed priority
-/// scheduling", Information Processing Letters 79, 2001). Their priorities are not looked at. For
+/// scheduling", Information Processing Letters 79, 2001). Their priorities are not used. For
 /// messages with queues of their own the answer is exact. For others it is safe: an order that is
 /// found was analysed with all queues and holds, but one may exist where none is found.
 [[nodiscard]] std::optional<std::vector<std::size_t>> assign_priorities(

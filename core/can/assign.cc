@@ -22,7 +22,7 @@ class Places {
     for (std::size_t i = 0; i < messages.size(); ++i) all_.insert(i, messages[i], offered(i));
   }
 
-  /// Fills the places from the last to the first; false if nobody fits one of them.
+  /// Fills the places from the last to the first; false if no message fits one of them.
   bool fill() {
     Time longest_below = 0;
     for (std::size_t place = order_.size(); place-- > 0;) {
@@ -34,8 +34,8 @@ class Places {
   [[nodiscard]] std::vector<std::size_t> take() && { return std::move(order_); }
 
  private:
-  /// How late frames are offered. Where that depends on a response, which the order above is not
-  /// yet there to tell, it is as late as the deadline lets them be.
+  /// How late frames are offered. Where that depends on a response, which is unknown until the
+  /// order above it is known, they are taken to be as late as the deadline allows.
   [[nodiscard]] Time offered(std::size_t i) const {
     const Message& m = messages_[i];
     const Time deadline = std::min(m.deadline, kLongestTime);

@@ -8,13 +8,14 @@ constexpr unsigned kErrorFrameBits = 31;  // 6 + 6 of flags, 8 of delimiter, 3 o
                                           // a further flag that an error in a delimiter raises
 constexpr Time kMillionth = 1'000'000;
 
-/// What blocks `frames` frames anew until `until`, counted from the start of the busy period.
+/// What blocks `frames` frames, each one again, until `until`, counted from the start of the busy
+/// period.
 Time blocked(const Level& level, Time frames, Time until) {
   const Time each = level.blocking * frames;
   return level.blockers == nullptr ? each : std::min(each, level.blockers->until(until));
 }
 
-/// Bus share of what blocks each event anew.
+/// Bus share of what blocks each event once more.
 Share blocked_share(const Message& m, const Level& level) {
   if (!one_at_a_time(m)) return 0;
   const Share each = share_of(level.blocking * m.frames, std::min(m.period, kLongestTime));
@@ -84,7 +85,8 @@ LevelResponse level_response(const Interference& all, const Overhead& overhead, 
   const auto others = [&](Time until) {
     return all.demand(0, level.self, until) + all.demand(level.self + 1, level.end, until);
   };
-  const Time frames = one_at_a_time(m) ? m.frames : 0;  // of an event that are blocked anew
+  const Time frames = one_at_a_time(m) ? m.frames : 0;  // of an event that are blocked once more
+                                                        // each
   const Time once = frames > 0 ? 0 : level.blocking;
   const auto start_of = [&](Time events, Time from) {
     const Time own = once + events * m.transmission - m.last_frame;
@@ -106,9 +108,9 @@ LevelResponse level_response(const Interference& all, const Overhead& overhead, 
   const Time second = period > m.jitter ? period - m.jitter : 0;
   const Time end_of_first = *first + m.last_frame;
   Time events = 1;
-  // Most messages are alone in their busy period; then one look at their second release shows it.
+  // Most messages are alone in their busy period; then one check of their second release shows it.
   if (second < end_of_first || busy_until(second) > second) {
-    // What blocks each event anew must leave room for the next one.
+    // What blocks each event once more must leave room for the next one.
     if (share + blocked_share(m, level) >= kAllShare) return {};
     const auto busy = fixpoint(end_of_first, busy_until);
     if (!busy) return {};

@@ -64,13 +64,13 @@ class Overhead {
 };
 
 /// Whether the sender offers a frame only after the one before it was sent, of the same event or of
-/// the one before: then each frame is blocked anew.
+/// the one before: then each frame is blocked once more.
 [[nodiscard]] inline bool one_at_a_time(const Message& m) {
   return m.queue == kOwnQueue && m.frames > 1 && !m.back_to_back;
 }
 
-/// All frames that may block a message: what is blocked anew before each frame is blocked by each
-/// of these once.
+/// All frames that may block a message: a message that is blocked before each of its frames is
+/// blocked by each of these once.
 class Blockers {
  public:
   /// `response`: a bound from nominal release to the end of the last frame, not kNever.
@@ -124,7 +124,7 @@ struct LevelResponse {
                                   const Level& level);
 
 /// Smallest value that `next` leaves as it is, from `begin`, which is not above it; `next` never
-/// falls. Nothing if that is beyond kLongestTime, or not reached within kMaxSteps.
+/// falls. Nothing if that exceeds kLongestTime, or is not reached within kMaxSteps.
 template <class Next>
 [[nodiscard]] std::optional<Time> fixpoint(Time begin, const Next& next) {
   Time now = begin;

@@ -23,9 +23,9 @@ struct Message {
   std::uint32_t frames = 1;  ///< of one event, at least 1
   /// Of an event of several frames: all frames wait together, those of the next event with them, so
   /// that lower priorities block once. Otherwise a frame is offered only after the one before it
-  /// was sent, of the event before too, and each is blocked anew. Without meaning for events of one
-  /// frame, the next of which always waits, and in a shared queue, where frames wait in the order
-  /// in which they came.
+  /// was sent, of the event before too, and each is blocked once more. Without meaning for events
+  /// of one frame, the next of which always waits, and in a shared queue, where frames wait in the
+  /// order in which they came.
   bool back_to_back = false;
   Time transmission = 0;   ///< all frames of an event, at least `last_frame`
   Time longest_frame = 0;  ///< of these frames

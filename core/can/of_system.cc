@@ -62,7 +62,8 @@ std::optional<Message> message_of(const System& system, const Publisher& publish
   m.last_frame = m.longest_frame;
   m.transmission = m.longest_frame * m.frames;
   if (m.frames > 1) {
-    // All frames but the last are full; which one is short beyond 32 of FAMOUSO is not relied on.
+    // All frames but the last are full; which one is short of more than 32 of FAMOUSO is not relied
+    // on.
     const bool famouso = medium.profile == Profile::famouso;
     const unsigned chunk = most - 1;
     const bool known = !famouso || m.frames <= kShortHeaders;

@@ -212,7 +212,7 @@ void Schedule::erase(std::size_t at) {
 }
 
 /// The arrays of the analysis, from messages and assumptions. Without a bit rate, or with a message
-/// that cannot be analysed, there is nothing to keep: nothing can be added until that is mended.
+/// that cannot be analysed, there is nothing to keep: nothing can be added until that is corrected.
 void Schedule::rebuild() {
   at_least_.assign(messages_.size(), 0);
   coupled_ = static_cast<std::size_t>(std::ranges::count_if(messages_, is_coupled));

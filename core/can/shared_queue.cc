@@ -5,7 +5,7 @@
 
 namespace mlcca::core::can {
 
-/// What is sent between a moment that is looked back to and the start of an event's last frame.
+/// What is sent between an earlier moment and the start of an event's last frame.
 struct SharedQueue::Case {
   Time before = 0;       ///< frames that stood in front then, blocking included
   Range at_arrival{};    ///< members whose events count if they were queued before the event
@@ -83,7 +83,7 @@ std::optional<Time> SharedQueue::longest_wait(const Case& c, Time last_frame) co
   if (!busy) return std::nullopt;
 
   // While an event waits, later arrivals change nothing but what overtakes: the longest wait is
-  // that of an event which is queued when another one is. These moments are looked at in order.
+  // that of an event which is queued when another one is. These moments are tried in order.
   std::vector<Time> next;
   for (std::size_t i = c.at_arrival.first; i < c.at_arrival.last; ++i) {
     const Message& m = streams_.messages[members_[i]];
@@ -93,8 +93,8 @@ std::optional<Time> SharedQueue::longest_wait(const Case& c, Time last_frame) co
   Time longest = 0;
   Time start = 0;
   Time arrival = 0;
-  for (std::uint64_t looked = 0; arrival < *busy; ++looked) {
-    if (looked > kMaxInstances) return std::nullopt;
+  for (std::uint64_t tried = 0; arrival < *busy; ++tried) {
+    if (tried > kMaxInstances) return std::nullopt;
     const Time queued = c.before + queued_by(c, arrival) - last_frame;
     const auto found = fixpoint(std::max(start, queued), [&](Time w) {
       return queued + overhead_.until(w, w + last_frame, longest_) + others(c, w) +

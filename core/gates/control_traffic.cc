@@ -38,8 +38,8 @@ constexpr std::array kFamouso = {
 constexpr std::array kFamousoDatagrams = {kSubscribing};
 
 // SAE J1939-81 (address claim), J1939-21 (request, acknowledgement, transport), ISO 11783-3
-// (extended transport). Priorities and, where there are some, destinations are open. An address is
-// claimed towards everybody, from the null address too.
+// (extended transport). Priorities and, where there are some, destinations are open. An address
+// claim goes to all nodes, and may come from the null address too.
 constexpr std::uint32_t kPriority = 0x1c000000;
 constexpr std::uint32_t kSource = 0xff;
 constexpr std::uint32_t kAnyTwo = kPriority | 0xff00 | kSource;
@@ -86,7 +86,8 @@ constexpr std::array kCanopen = {
     ControlKind{.name = "time", .frames = kTime, .rate = 10, .burst = 2},
     ControlKind{.name = "error-control", .frames = kErrorControl, .rate = 1500, .burst = 127}};
 
-/// A binding has this very number. What it has of a wider range is told apart by its own slots.
+/// A binding has exactly this number. Frames of a binding within a wider range are distinguished by
+/// its own slots.
 bool is_bound(const Network& network, const ControlFrames& frames) {
   return std::ranges::any_of(network.bindings, [&](const Binding& b) {
     Progress::step();

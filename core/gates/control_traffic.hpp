@@ -22,17 +22,18 @@ struct ControlFrames {
   std::uint16_t max_length = 8;
 };
 
-/// "SUBSCRIB": by an event of it, whose 8 bytes are a subject, a FAMOUSO node tells gateways of its
-/// own kind what it subscribes. A channel that a description gives this subject takes its place.
+/// "SUBSCRIB": by an event of it, whose 8 bytes are a subject, a FAMOUSO node announces to gateways
+/// of its own kind what it subscribes. A channel that a description gives this subject takes its
+/// place.
 inline constexpr Subject kSubscribeSubject = 0x5355425343524942;
 
 struct ControlKind {
   std::string_view name;  ///< "address-claim"
   std::span<const ControlFrames> frames;
   std::uint32_t rate = 0;   ///< frames/s in each direction, unless a description says another
-  std::uint32_t burst = 0;  ///< frames that may come at once, beyond one
-  /// can-j1939 sends them itself, whoever gave it the data. Such frames carry what no gate can look
-  /// into, so that they pass only where a description names them.
+  std::uint32_t burst = 0;  ///< frames that may come at once, in addition to one
+  /// can-j1939 sends them itself, whoever gave it the data. Such frames carry content that no gate
+  /// can read, so that they pass only where a description names them.
   bool is_carrier = false;
   /// Its frames have the etag of kSubscribeSubject, which is dealt at run time: here it is open.
   bool is_tagged = false;

@@ -30,7 +30,7 @@ Policing by_bytes(const Policing& p, Value longest) {
           p.counts_only};
 }
 
-/// The traffic of two publishers that cannot be told apart, whose frames hold `longest` bytes at
+/// The traffic of two publishers that cannot be distinguished, whose frames hold `longest` bytes at
 /// most: the sum of their rates, and what both may send at once.
 Policing together(Policing a, Policing b, Value longest) {
   if (!a.any() || !b.any()) return {};
@@ -81,7 +81,7 @@ class Planner {
 
   /// The rules of one publisher: where its events enter this gateway, and where they leave.
   void add(std::size_t publisher, const std::vector<const Verdict*>& verdicts) {
-    sent_anew_.clear();
+    resent_.clear();
     set_ = verdicts.empty() ? 0 : verdicts.front()->set;  // all of a channel have the same
     silence_ = shortest_silence(verdicts);
     std::map<std::pair<std::size_t, std::size_t>, bool> out;  // (in, out) ports
@@ -90,9 +90,10 @@ class Planner {
       for (const auto& crossing : crossings(*v)) {
         if (crossing.in != kLocal) in[crossing.in] |= v->granted;
         if (crossing.out != kLocal) out[{crossing.in, crossing.out}] |= v->granted;
-        if (!crossing.as_sent) sent_anew_.insert(crossing.in);
+        if (!crossing.as_sent) resent_.insert(crossing.in);
       }
-    // A publisher on a network of ours whose events nobody needs here: known, and not passed.
+    // A publisher on a network of ours whose events no subscriber needs here: known, and not
+    // passed.
     const Publisher& p = members_.publisher(publisher);
     if (p.place.kind == Place::Kind::network)
       if (const std::size_t port = port_on(p.place.index); port != kLocal)
@@ -166,7 +167,7 @@ class Planner {
     return system_.networks[system_.gateways[here_.index].ports[port].network];
   }
 
-  /// Nothing where no gate can tell the frames apart, or nobody may send.
+  /// Nothing where no gate can distinguish the frames, or no sender is allowed.
   [[nodiscard]] std::optional<GateEntry> entry(const Publisher& p, std::size_t port,
                                                Direction direction, std::size_t source) const {
     const Network& network = network_at(port);
@@ -180,7 +181,7 @@ class Planner {
     e.subject = system_.channels[p.channel].subject;
     if (network.carries_subjects()) {
       const std::size_t in = direction == Direction::ingress ? port : source;
-      if (in != kLocal && !sent_anew_.contains(in)) e.station = p.station;
+      if (in != kLocal && !resent_.contains(in)) e.station = p.station;
       size_datagram(p, in, e);
     } else if (!identify(p, network, *binding, e)) {
       return std::nullopt;
@@ -193,12 +194,12 @@ class Planner {
       else if (p.uid)
         e.uid = *p.uid;
       else
-        return std::nullopt;  // a local publisher without a user: nobody may send
+        return std::nullopt;  // a local publisher without a user: no program may send
     }
     return e;
   }
 
-  /// Frames of publishers that leave alike are told apart by what they were admitted as.
+  /// Frames of publishers that leave alike are distinguished by what they were admitted as.
   void come_from(const Publisher& p, std::size_t source, const Network& out, GateEntry& e) const {
     e.source_port = source;
     if (out.carries_subjects() || network_at(source).carries_subjects()) return;
@@ -245,13 +246,13 @@ class Planner {
     return is_can(in) == is_can(out) ? std::nullopt : ports[out].sender;
   }
 
-  /// Another publisher at the same place whose datagrams nobody can tell from those of `p`: at home
-  /// by their address, behind a bus by nothing.
-  static bool looks_alike(const Publisher& p, const Publisher& other, bool as_sent) {
+  /// Another publisher at the same place whose datagrams cannot be distinguished from those of `p`:
+  /// on its own network only the address distinguishes them, behind a bus nothing does.
+  static bool is_indistinguishable(const Publisher& p, const Publisher& other, bool as_sent) {
     return other.place == p.place && (!as_sent || other.station == p.station);
   }
 
-  /// As long as the longest of those that look alike: they share the entry.
+  /// As long as the longest of those that cannot be distinguished: they share the entry.
   void size_datagram(const Publisher& p, std::size_t in, GateEntry& e) const {
     const auto size_of = [this](const Publisher& publisher) {
       const AttributeSet& offered = attributes_in(publisher, set_);
@@ -262,7 +263,7 @@ class Planner {
     if (in != kLocal)
       for (const std::size_t number : members_.publishers_of(p.channel))
         if (const Publisher& other = members_.publisher(number);
-            looks_alike(p, other, !sent_anew_.contains(in)))
+            is_indistinguishable(p, other, !resent_.contains(in)))
           bytes = std::max(bytes, size_of(other));
     e.fragmented = bytes > kDatagramBytes;
     e.max_length = static_cast<std::uint16_t>(std::min<Value>(bytes, kDatagramBytes));
@@ -282,7 +283,7 @@ class Planner {
         sized ? frame_bytes(network, b, offered[Attribute::max_payload]) : frame_bytes(b));
   }
 
-  /// Frames of publishers that nobody can tell apart have the length of the longest.
+  /// Frames of publishers that cannot be distinguished have the length of the longest.
   [[nodiscard]] bool identify(const Publisher& p, const Network& network, const Binding& b,
                               GateEntry& e) const {
     e.classic = b.format == FrameFormat::classic || b.format == FrameFormat::any;
@@ -304,9 +305,10 @@ class Planner {
   const System& system_;
   const Members& members_;
   Place here_;
-  std::size_t set_ = 0;              ///< attribute set that the channel is in
-  Value silence_ = 0;                ///< of the publisher that is being added, kUnbounded: none
-  std::set<std::size_t> sent_anew_;  ///< ports where its frames come from somebody else
+  std::size_t set_ = 0;           ///< attribute set that the channel is in
+  Value silence_ = 0;             ///< of the publisher that is being added, kUnbounded: none
+  std::set<std::size_t> resent_;  ///< ports where its frames come from the program that forwards
+                                  ///< them
   Rules rules_;
 };
 
@@ -404,7 +406,7 @@ std::optional<std::string> exceeds_capacity(const System& system, const Members&
     return "more than " + std::to_string(kMostEntries) + " publishers of it " +
            (rule.entry.direction == Direction::ingress ? "enter" : "leave") + " gateway " +
            here.name + " by network " + network.name +
-           ": a gate tells no more of one subject apart";
+           ": a gate distinguishes no more of one subject";
   }
   return std::nullopt;
 }

@@ -51,7 +51,7 @@ struct Policing {
   [[nodiscard]] bool any() const { return per_frame != 0 || per_byte != 0; }
 };
 
-/// How the events of an entry ought to come. No period: nobody looks.
+/// How the events of an entry are expected to come. Without a period there is no silence timer.
 struct Watching {
   Value period = 0;    ///< ns between events, as the publisher states it
   Value silence = 0;   ///< ns without an event that are too long; 0: no subscriber minds
@@ -67,8 +67,8 @@ struct GateRule {
   bool operator==(const GateRule&) const = default;
 };
 
-/// The gates of one gateway, sorted by entry; an entry stands once. Where two publishers cannot be
-/// told apart on the wire, the frames pass only if both may.
+/// The gates of one gateway, sorted by entry; each entry occurs once. Where two publishers cannot
+/// be distinguished on the wire, the frames pass only if both may.
 using GateState = std::vector<GateRule>;
 
 /// What leads from one state to the next, in the order in which it must be done: nothing is open
@@ -97,7 +97,7 @@ struct GateChanges {
 /// less the Latency. 0: unknown, or nothing was granted.
 [[nodiscard]] Value silence_of(const Verdict& verdict);
 
-/// What the frames of a granted publisher look like where they enter a gateway and where they leave
+/// The form of the frames of a granted publisher where they enter a gateway and where they leave
 /// it, from one of its ports to another.
 struct Transit {
   GateEntry in;

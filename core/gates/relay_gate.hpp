@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Gates below a mesh: one on a radio drops what its node relays for others, which nobody has
-// admitted there. One on the mesh's own device sees what the node itself sends and gets.
+// Gates below a mesh: one on a radio drops what its node relays for others, which is not admitted
+// there. One on the mesh's own device sees what the node itself sends and gets.
 #pragma once
 #include <cstddef>
 #include <cstdint>

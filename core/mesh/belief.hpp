@@ -99,7 +99,7 @@ struct FasterIsBetter {
 /// One direction of a link. Times in ns, never going back.
 class Belief {
  public:
-  /// nullopt: nobody knows that it carries anything.
+  /// nullopt: no source knows that it carries anything.
   void observe(const std::optional<Observation>& seen, std::uint64_t now, const Mesh& mesh);
 
   /// Known, and for long enough if it was lost.

@@ -35,7 +35,7 @@ void for_each_link(const LinkSet& set, const std::function<void(std::uint32_t)>&
 }
 
 /// For each node the links with an end at most `hops` links away, directions left aside. Links that
-/// carry nothing count as ways: their ends hear each other.
+/// carry nothing count as ways: their ends receive each other's signals.
 std::vector<LinkSet> links_near(const Graph& graph, std::uint32_t hops) {
   std::vector<LinkSet> near(graph.nodes, LinkSet((graph.links.size() + kBits - 1) / kBits));
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ways;

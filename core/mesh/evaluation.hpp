@@ -66,7 +66,7 @@ class PathCost {
   Value paper_ = 0;               ///< bytes/s
 };
 
-/// For a path that is looked at once; see PathCost.
+/// For a path that is evaluated once; see PathCost.
 [[nodiscard]] RouteRate evaluate(const Graph& graph, const Mesh& mesh, const Domains& domains,
                                  std::span<const std::uint32_t> path, Value event_bytes,
                                  const Taken& taken);
@@ -82,7 +82,7 @@ class PathCost {
 [[nodiscard]] AttributeSet composed_per_hop(const Graph& graph, const Mesh& mesh,
                                             std::span<const std::uint32_t> path, Value event_bytes);
 
-/// The best that any way gives of Mesh::per_hop: one link without a loss beyond what is stated.
+/// The best that any way gives of Mesh::per_hop: one link without more loss than is stated.
 [[nodiscard]] AttributeSet best_per_hop(const Mesh& mesh, Value event_bytes);
 
 }  // namespace mlcca::core::mesh

@@ -14,7 +14,7 @@
 
 namespace mlcca::core::mesh {
 
-/// The channel of a link of which nobody says it: it shares the medium with every channel.
+/// The channel of a link of which no source reports it: it shares the medium with every channel.
 inline constexpr std::uint32_t kAnyChannel = std::numeric_limits<std::uint32_t>::max();
 
 /// A link that carries, in the direction in which packets travel.
@@ -40,14 +40,14 @@ struct NextHopIndex {
 
 /// Why a link that is known carries nothing.
 enum class Lack : std::uint8_t {
-  gone,    ///< nobody speaks of it any more, or what is said is too old
+  gone,    ///< no source reports it any more, or the report is too old
   absent,  ///< who would know does not say that it is there
-  rate,    ///< it is there, and nobody knows its rate
+  rate,    ///< it is there, and its rate is unknown
   time,    ///< it was lost, and is back since less than Mesh::hold_up
 };
 
-/// A link that is known and carries nothing now. Its ends may still hear each other, and the
-/// routing protocol may still use it.
+/// A link that is known and carries nothing now. Its ends may still receive each other's signals,
+/// and the routing protocol may still use it.
 struct UnusableLink {
   std::uint32_t from = 0;
   std::uint32_t to = 0;

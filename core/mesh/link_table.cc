@@ -56,7 +56,7 @@ std::uint64_t LinkTable::fresh_until(const Report& report) const {
 
 std::uint64_t LinkTable::routes_fresh_until(std::size_t source) const {
   return is_description(source) ? kUnbounded
-                                : add_saturating(sources_[source].heard, mesh_.stale_after);
+                                : add_saturating(sources_[source].reported, mesh_.stale_after);
 }
 
 std::optional<std::uint32_t> LinkTable::node(const std::string& address) const {
@@ -73,7 +73,7 @@ std::optional<std::uint32_t> LinkTable::node_for(const std::string& address) {
   return index;
 }
 
-/// Addresses that were heard of once: described nodes stay.
+/// Addresses that were reported at some time: described nodes stay.
 void LinkTable::forget_unused_nodes() {
   std::vector<bool> used(addresses_.size(), false);
   for (std::uint32_t n = 0; n < used.size() && is_described(n); ++n) used[n] = true;
@@ -142,9 +142,9 @@ bool LinkTable::enter_next_hop(SourceState& state, const NextHop& hop) {
   return true;
 }
 
-/// What a source did not say again is gone. While it has a problem it is not: what it said of loss
-/// and busy time counts on, so that nobody makes a link better by silencing who knows of its
-/// losses.
+/// What a source did not report again is gone. While the source has a problem, the loss and busy
+/// time it reported last still count: otherwise an attacker could make a link seem better by
+/// stopping the source that knows of its losses.
 void LinkTable::drop_old_rounds(std::size_t source) {
   const SourceState& state = sources_[source];
   const auto is_old = [&](const Report& report) {
@@ -170,7 +170,7 @@ bool LinkTable::take(std::size_t source, const Snapshot& snapshot, std::uint64_t
   if (source >= sources_.size()) sources_.resize(source + 1);
   SourceState& state = sources_[source];
   ++state.rounds;
-  state.heard = now_;
+  state.reported = now_;
   state.problem = snapshot.problem;
   state.next_hops.clear();
   const std::size_t named = 2 * snapshot.links.size() + 3 * snapshot.next_hops.size();

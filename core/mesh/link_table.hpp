@@ -49,17 +49,17 @@ struct Known {
 /// improvement within Mesh::tolerance of what is believed is none. A link that was unknown counts
 /// at once, unless it was lost less than hold_up ago: then it must last, too. Samples older than
 /// Mesh::stale_after, or than their own validity, are as good as none, and so are the next hops of
-/// a source that was silent for so long; but the loss and busy time in them count until the source
-/// says something else without a problem. What the description says never ages.
+/// a source that has not reported for so long; but the loss and busy time in them count until the
+/// source reports something else without a problem. What the description says never ages.
 class LinkTable {
  public:
   /// Nodes keep their indices of the description; other addresses become nodes behind them. A
   /// described node without an address is known by its name. `here`: the node of this machine.
   explicit LinkTable(const Mesh& mesh, std::optional<std::uint32_t> here = std::nullopt);
 
-  /// `source` is an index into Mesh::sources. True if graph() changed. What is beyond kMaxNodes or
-  /// kMaxLinks is ignored and said in problem(). Links between described nodes take the room of
-  /// others, and nodes that nobody speaks of any more give theirs.
+  /// `source` is an index into Mesh::sources. True if graph() changed. What exceeds kMaxNodes or
+  /// kMaxLinks is ignored and stated in problem(). Links between described nodes take the room of
+  /// others, and nodes that no source reports any more give theirs.
   bool take(std::size_t source, const Snapshot& snapshot, std::uint64_t now);
   /// What became too old, and improvements that have lasted. True if graph() changed.
   bool expire(std::uint64_t now);
@@ -91,7 +91,7 @@ class LinkTable {
   };
   struct SourceState {
     std::uint64_t rounds = 0;
-    std::uint64_t heard = 0;
+    std::uint64_t reported = 0;
     std::vector<NextHopIndex> next_hops;
     std::string problem;
   };

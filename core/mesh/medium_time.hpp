@@ -17,7 +17,7 @@ struct LinkQuality {
   Value rate = 0;  ///< bit/s, 0: not known
   RateKind kind = RateKind::phy;
   Value loss = 0;           ///< 1e-9 of the packets, each sent again until it arrives
-  bool loss_known = false;  ///< false: `loss` is 0 because nobody has measured it
+  bool loss_known = false;  ///< false: `loss` is 0 because it was not measured
 
   bool operator==(const LinkQuality&) const = default;
 };
@@ -43,8 +43,8 @@ struct LinkQuality {
                                 Value event_bytes);
 
 /// bit/s of links that take turns, 1/R = sum of 1/R_i: equation 1 of the paper (Schulze, Lukas,
-/// ETFA 2009), rounded down. Exact for up to 16 rates; beyond, each 16 of them are rounded down
-/// first, which costs less than 2 bit/s. No rates, or one that is 0, give 0.
+/// ETFA 2009), rounded down. Exact for up to 16 rates; of more, each 16 are rounded down first,
+/// which costs less than 2 bit/s. No rates, or one that is 0, give 0.
 [[nodiscard]] Value paper_rate(std::span<const Value> rates_bit_s);
 
 }  // namespace mlcca::core::mesh

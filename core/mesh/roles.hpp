@@ -11,20 +11,20 @@
 
 namespace mlcca::core::mesh {
 
-/// Whose word it is that a link is there. Where several sources would know of a link, the highest
-/// of them decide, and one of those must say that it is there.
+/// What kind of source reports that a link is there. Where several sources would know of a link,
+/// the highest of them decide, and one of those must report it as there.
 enum class Presence : std::uint8_t {
-  stated,    ///< somebody wrote it down: there as long as nobody would know better
+  stated,    ///< written by a person: there as long as no other source would know better
   device,    ///< an interface of this machine
   protocol,  ///< the mesh's own protocol: a link that it has lost carries nothing
 };
 
-/// The links that a source tells of whenever they are there.
+/// The links that a source reports whenever they are there.
 enum class Scope : std::uint8_t {
   none,
-  from_here,     ///< in the direction away from this machine
-  of_here,       ///< one end is this machine
-  of_everybody,  ///< all of the mesh
+  from_here,  ///< in the direction away from this machine
+  of_here,    ///< one end is this machine
+  of_mesh,    ///< all of the mesh
 };
 
 struct Role {
@@ -39,7 +39,7 @@ inline constexpr auto kRoles = std::to_array<Role>({
     {SourceKind::file, Presence::stated, Scope::none, true},
     {SourceKind::nl80211, Presence::device, Scope::of_here, true},
     {SourceKind::batman, Presence::protocol, Scope::from_here, true},
-    {SourceKind::awds, Presence::protocol, Scope::of_everybody, true},
+    {SourceKind::awds, Presence::protocol, Scope::of_mesh, true},
     {SourceKind::babel, Presence::protocol, Scope::of_here, false},
     {SourceKind::olsr, Presence::protocol, Scope::of_here, true},
     {SourceKind::wire, Presence::device, Scope::of_here, true},
@@ -66,12 +66,11 @@ static_assert(roles_are_dense());
   return role_of(source.kind).rates;
 }
 
-/// Whether a source of that kind tells of the link if it is there. `here`: the node of this
-/// machine.
+/// Whether a source of that kind reports the link if it is there. `here`: the node of this machine.
 [[nodiscard]] constexpr bool would_know(SourceKind kind, std::uint32_t from, std::uint32_t to,
                                         std::optional<std::uint32_t> here) {
   switch (role_of(kind).scope) {
-    case Scope::of_everybody:
+    case Scope::of_mesh:
       return true;
     case Scope::of_here:
       return here == from || here == to;

@@ -62,8 +62,7 @@ class Paths {
 [[nodiscard]] std::vector<std::uint32_t> path(const Graph& graph, const Mesh& mesh,
                                               std::uint32_t from, std::uint32_t to);
 
-/// The nodes that links lead to from there, where one whose rate nobody knows counts like the
-/// others.
+/// The nodes that links lead to from there, where one of unknown rate counts like the others.
 [[nodiscard]] std::vector<bool> reached_without_rates(const Graph& graph, std::uint32_t from);
 
 }  // namespace mlcca::core::mesh

@@ -18,8 +18,8 @@ struct Sample {
   RateKind kind = RateKind::phy;
   std::optional<Value> loss;             ///< 1e-9 of the packets in this direction
   std::optional<std::uint32_t> channel;  ///< frequency in MHz or any number; equal ones share
-  std::optional<std::uint32_t> busy;     ///< 1e-6 of the medium's time that is taken around `from`,
-                                         ///< by everybody, our own traffic included
+  std::optional<std::uint32_t> busy;     ///< 1e-6 of the medium's time that is taken around `from`
+                                         ///< by all stations, our own traffic included
   std::optional<std::uint64_t> weight;   ///< cost that the routing protocol gives it
   std::uint64_t taken = 0;               ///< CLOCK_MONOTONIC ns of the measurement
   std::optional<Value> valid;  ///< ns; the protocol's own validity, shorter than stale_after

@@ -38,8 +38,8 @@ inline constexpr unsigned kCyphalCrc = 2;
 /// Payload bytes of the longest frame that the binding allows.
 [[nodiscard]] unsigned frame_bytes(const Binding& binding);
 
-/// Payload bytes of the longest frame of an event of `bytes`, as it is on the bus: FD frames have
-/// sizes of their own beyond 8 bytes.
+/// Payload bytes of the longest frame of an event of `bytes`, as it is on the bus: above 8 bytes an
+/// FD frame has one of a few fixed sizes.
 [[nodiscard]] unsigned frame_bytes(const Network& network, const Binding& binding, Value bytes);
 
 /// The largest event that the network carries.

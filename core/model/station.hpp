@@ -18,7 +18,7 @@ struct Station {
 };
 
 /// "192.0.2.7" or "02:00:00:00:00:01", in either case. Nothing for anything else, and for addresses
-/// that nobody sends from: 0.0.0.0, those of groups, 255.255.255.255, 00:00:00:00:00:00.
+/// that no station sends from: 0.0.0.0, those of groups, 255.255.255.255, 00:00:00:00:00:00.
 [[nodiscard]] std::optional<Station> station_of(std::string_view text);
 
 /// As station_of() reads it; "" for the wildcard.

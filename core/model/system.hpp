@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The described world as plain structs: what description/ reads and what every decision starts
-// from. Things refer to each other by index; nothing here has behaviour beyond look-up.
+// from. Things refer to each other by index; nothing here has behaviour other than look-up.
 #pragma once
 #include <algorithm>
 #include <compare>
@@ -97,13 +97,15 @@ struct FaultHypothesis {
   bool operator==(const FaultHypothesis&) const = default;
 };
 
-/// What is stated of a CAN bus beyond what is admitted onto it.
+/// What is stated of a CAN bus in addition to what is admitted onto it.
 struct CanBus {
   std::uint32_t bitrate = 0;       ///< bit/s, 0: not stated
   std::uint32_t data_bitrate = 0;  ///< bit/s of the FD data phase, 0: classic frames only
-  bool unknown_senders = false;    ///< somebody who is not described may send: any frame may block
+  bool unknown_senders = false;    ///< a station that is not described may send: any frame may
+                                   ///< block
   std::uint32_t background = 0;    ///< 1e-6 of the bus time that others take, at any priority
-  bool measured = true;            ///< load beyond what was admitted counts as unaccounted load
+  bool measured = true;            ///< measured load above the admitted one counts as unaccounted
+                                   ///< load
   FaultHypothesis faults;
   bool operator==(const CanBus&) const = default;
 };
@@ -144,7 +146,8 @@ struct Network {
   std::vector<Binding> bindings;  ///< State sorts them by channel
   Origin origin;
 
-  /// Frames name the 64-bit subject itself: Ethernet and what looks like it. No channel is bound.
+  /// Frames name the 64-bit subject itself: Ethernet and networks with Ethernet frames. No channel
+  /// is bound.
   [[nodiscard]] bool carries_subjects() const {
     return kind != NetworkKind::can && profile == Profile::famouso;
   }
@@ -168,17 +171,17 @@ struct InterfaceIdentity {
 
 /// How a gateway's frames wait for the bus.
 enum class Queueing : std::uint8_t {
-  fifo,      ///< in the order in which they came: what Linux does unless told otherwise
+  fifo,      ///< in the order in which they came: what Linux does unless it is configured otherwise
   priority,  ///< the frame that wins arbitration first; mlccad sets the queueing discipline up
 };
 
-/// What becomes of frames beyond the admitted traffic.
+/// What becomes of excess frames: those above the admitted traffic.
 enum class Excess : std::uint8_t {
   drop,
   pass,  ///< they are counted only
 };
 
-/// What the program that sent a frame is told when the gate drops it on its way out.
+/// What the program that sent a frame gets as the result when the gate drops it on its way out.
 enum class Refused : std::uint8_t {
   error,   ///< ENOBUFS, as of a full queue
   silent,  ///< success: for programs that end at the first error
@@ -187,7 +190,7 @@ enum class Refused : std::uint8_t {
 /// Who carries admitted frames from one CAN bus of a gateway to another.
 enum class Forwarder : std::uint8_t {
   can_gw,  ///< the kernel's can-gw, by rules that mlccad makes
-  none,    ///< somebody else, or nobody
+  none,    ///< another program, or none
 };
 
 /// One interface of a gateway, on one network.
@@ -303,7 +306,7 @@ struct Component {
 };
 
 /// The declared way between two places, in both directions. Where one is declared, no other is
-/// looked for.
+/// searched for.
 struct DeclaredRoute {
   std::vector<Place> places;  ///< both ends included; networks and gateways alternate
   Origin origin;

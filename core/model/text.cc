@@ -96,7 +96,7 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
       return "no route from " + name_of(system, publisher.place) + " to " + name_of(system, v.to) +
              " within " + std::to_string(kMaxHops) + " hops";
     case Obstacle::unavailable:
-      return at() + " is not usable" + (problem.empty() ? "" : ": " + problem);
+      return at() + " is not available" + (problem.empty() ? "" : ": " + problem);
     case Obstacle::unbound:
       return "the channel has no identifier on " + at();
     case Obstacle::no_node:
@@ -122,7 +122,7 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
              " depend on it";
     case Obstacle::no_path:
       if (const auto& mesh = system.networks[v.obstacle_at.index].mesh; mesh && mesh->nodes.empty())
-        return "no nodes of " + at() + " are described: nobody knows where events enter and leave";
+        return "no nodes of " + at() + " are described: it is unknown where events enter and leave";
       return "no links are known that lead through " + at();
     case Obstacle::no_rate:
       return "rate unknown: no source knows what the links that lead through " + at() + " carry";
@@ -307,7 +307,7 @@ std::string reason(const System& system, const Members& members, const Verdict& 
   if (row->against == Against::end_to_end) place = "the route";
   if (row->against == Against::overhearing)
     return compared(system, *row, "the way to " + name_of(system, row->place)) +
-           ", and subscribers there would hear it";
+           ", and subscribers there would receive it";
   return compared(system, *row, place);
 }
 

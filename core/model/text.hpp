@@ -39,7 +39,7 @@ namespace mlcca::core {
 
 [[nodiscard]] const std::string& name_of(const System& system, Place place);
 
-/// Where a row looks: a hop's name, "end to end", "publisher NAME for NAME", "capacity of NAME",
+/// What a row checks: a hop's name, "end to end", "publisher NAME for NAME", "capacity of NAME",
 /// "listeners on NAME", "response times on NAME", "medium time of NAME".
 [[nodiscard]] std::string where(const System& system, const Members& members,
                                 const Verdict& verdict, const Row& row);

@@ -26,7 +26,7 @@ class Topology {
   /// within kMaxHops.
   [[nodiscard]] const std::vector<Route>& routes(Place from, Place to) const;
 
-  /// Alternatives that are looked at for one pair of places.
+  /// Alternatives that are tried for one pair of places.
   static constexpr std::size_t kMaxRoutes = 16;
   /// Partial routes that one search may extend, so that a dense graph stays cheap.
   static constexpr std::size_t kMaxExplored = 65536;

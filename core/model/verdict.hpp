@@ -18,7 +18,7 @@ enum class Against : std::uint8_t {
   hop,          ///< one network or gateway of the route (Fig. 5)
   end_to_end,   ///< the composed provision of the route
   traffic,      ///< what the publisher offers, for one subscriber
-  overhearing,  ///< the way to an intermediate network whose subscribers hear the event too
+  overhearing,  ///< the way to an intermediate network whose subscribers receive the event too
   capacity,     ///< what is left of a network
   schedule,     ///< a message of an analysed bus and its deadline, or the queue of a gateway there
   medium_time,  ///< what is left of the time of a mesh's domains, as payload bytes/s
@@ -50,7 +50,7 @@ struct Row {
 enum class Obstacle : std::uint8_t {
   none,
   no_route,
-  unavailable,   ///< the interface of a network is not usable
+  unavailable,   ///< the interface of a network is not available
   unbound,       ///< the channel has no identifier on a network
   no_node,       ///< the profile needs a node, the publisher states none
   too_long,      ///< the event does not fit the frames of a network
@@ -58,9 +58,9 @@ enum class Obstacle : std::uint8_t {
   no_data_rate,  ///< FD frames, and no bit rate is known for their data phase
   no_period,     ///< an analysed bus, and the publisher does not say how often it sends
   no_path,       ///< no links are known that lead through a mesh
-  no_rate,       ///< the links that lead through a mesh are there, and nobody knows their rates
+  no_rate,       ///< the links that lead through a mesh are there, and their rates are unknown
   relay_gated,   ///< a gateway on the way through a mesh drops at its gate what its node relays
-  no_sender,     ///< nobody carries events across a gateway, from CAN to Ethernet or back
+  no_sender,     ///< no program carries events across a gateway, from CAN to Ethernet or back
   untagged,      ///< the broker has not dealt the channel its tag on a network yet
   contradicted,  ///< the broker has dealt the channel's tag to another, or it another tag
   withdrawn,     ///< by an operator, until it is reinstated

@@ -79,7 +79,8 @@ void Ledger::roll_back(Mark mark) {
     Progress::step();
   }
   last_mark_ = mark;
-  // What was kept before the mark may have been kept for an older one: keep anew when in doubt.
+  // What was kept before the mark may have been kept for an older one: keep it again when it is not
+  // known to be of this mark.
   forget_kept(steps_.size());
 }
 

@@ -72,8 +72,8 @@ class Ledger {
   /// What was done cannot be taken back any more.
   void commit();
 
-  /// False if the flow is carried already. The caller has checked the capacity: a sum beyond
-  /// 2^64 - 1 bytes/s is a bug.
+  /// False if the flow is carried already. The caller has checked the capacity: a sum above 2^64 -
+  /// 1 bytes/s is a bug.
   bool add(const Flow& flow, Value bytes_per_second);
   /// More links of a mesh for a flow that was added, and what they take of its domains.
   void occupy(const Flow& flow, std::span<const std::uint32_t> links,
@@ -86,8 +86,8 @@ class Ledger {
   /// Everything that a publisher holds.
   void remove(std::size_t publisher);
 
-  /// The bus as it is analysed from now on. Nobody holds anything of the network, and no mark is
-  /// open.
+  /// The bus as it is analysed from now on. No channel holds anything of the network, and no mark
+  /// is open.
   void set_bus(std::size_t network, std::optional<can::Assumptions> bus);
   /// The same for the domains of a mesh.
   void set_domains(std::size_t network, std::size_t count) { domains_[network].assign(count, 0); }

@@ -42,8 +42,8 @@ class Admissions {
         tags_(tags),
         clock_(clock) {}
 
-  /// After a start: keys and leases of what is recorded. Nobody is connected, so that each lease
-  /// begins anew.
+  /// After a start: keys and leases of what is recorded. No client is connected, so each lease
+  /// starts again.
   void remember();
   /// Takes what is recorded into a description that is not in force yet. Gives what has no place in
   /// it.
@@ -64,7 +64,7 @@ class Admissions {
   /// One that was just granted to a connection.
   void add(core::AdmissionId id, const control::Admit& request, std::uint64_t session);
   /// A connection has asked for one: if it holds it, its lease does not run, and its events go to
-  /// that connection; otherwise the lease begins anew. True: it is held.
+  /// that connection; otherwise the lease starts again. True: it is held.
   bool own(core::AdmissionId id, const control::Admit& request, std::uint64_t session);
   /// A connection has ended: the leases of what it held begin to run.
   void session_closed(std::uint64_t session);
@@ -78,7 +78,7 @@ class Admissions {
 
   /// Takes admissions back: on disk first, then in the kernel. After an error nothing has changed.
   Result<void> release(const std::vector<core::AdmissionId>& gone, const std::string& why);
-  /// The disk has refused what was admitted: nobody has been granted it.
+  /// The disk has refused what was admitted: no client has been granted it.
   void take_back(const std::vector<core::AdmissionId>& lost);
   /// Once a second: some of those whose lease has ended; true while there are more.
   bool end_some();

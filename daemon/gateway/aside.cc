@@ -71,8 +71,8 @@ std::vector<int> open_descriptors() {
 }
 
 /// Clients, the kernel and the next daemon must not take the child for this one: it has none of the
-/// sockets, nor the files and folders that are locked by whoever has them open.
-/// What cannot be looked at counts as one of them.
+/// sockets, nor the files and folders that are locked by whoever has them open. A descriptor that
+/// cannot be inspected counts as one of them.
 void close_what_is_shared(int keep) {
   for (const int fd : open_descriptors()) {
     struct stat is{};
@@ -160,7 +160,7 @@ class Aside::Report {
   /// Bytes that are made and not read; when it was made.
   [[nodiscard]] std::size_t kept() const { return made_ ? size_ - read_ : 0; }
   [[nodiscard]] std::uint64_t made_at() const { return made_at_; }
-  /// Its client has hung up: the loop has yet to hear of it.
+  /// Its client has hung up: the loop has yet to notice it.
   [[nodiscard]] bool forsaken() const { return forsaken_; }
   void forsake() { forsaken_ = true; }
   /// Why it is to end, if it is.
@@ -357,7 +357,7 @@ std::vector<Aside::Report*> Aside::waiting() const {
 }
 
 /// Of those who may begin the one whose user has waited longest for anything; a member comes before
-/// everybody else.
+/// all others.
 Aside::Report* Aside::next(std::uint64_t now) {
   Report* next = nullptr;
   std::uint64_t oldest = ~0ULL;
@@ -404,7 +404,7 @@ void Aside::plan() {
 void Aside::ended(pid_t child, serve::Turns::User user) {
   ::kill(child, SIGKILL);
   Ended& one = ended_.emplace_back(child, user);
-  // glibc names it since 2.36 only. Without it look() comes to wait for the child.
+  // glibc names it since 2.36 only. Without it poll() comes to wait for the child.
   // NOLINTNEXTLINE(*-vararg)
   one.process = Fd(static_cast<int>(::syscall(SYS_pidfd_open, child, 0)));
   sd_event_source* raw = nullptr;
@@ -441,7 +441,7 @@ void Aside::make_room_beside(const Report& fresh) {
   shrink(kKept, [user](const Report& r) { return r.user().member == user.member; });
 }
 
-void Aside::look() {
+void Aside::poll() {
   reap();
   const std::uint64_t now = monotonic_ns();
   std::erase_if(last_started_, [now](const auto& u) { return now - u.second > kLongest; });

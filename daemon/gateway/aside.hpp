@@ -29,8 +29,8 @@ class Aside {
   using Gone = std::function<bool(std::uint64_t session)>;
 
   /// Children at once, of all users; a user has one, members of the control group and root together
-  /// so many, and so many everybody else, so that neither keep the others waiting. Further reports
-  /// wait until one has ended and given back what it had.
+  /// so many, and all other users so many, so that neither group keeps the other waiting. Further
+  /// reports wait until one has ended and given back what it had.
   static constexpr std::size_t kAtOnce = 3;
   static constexpr std::size_t kOfStanding = 2;
   /// After that a child is killed, and a report that was made is given up, ns; one of which nothing
@@ -40,7 +40,7 @@ class Aside {
   /// Bytes of a report; of those of one user that are made and not read yet; of those of all who
   /// are members, or are not. When that is too much the oldest go.
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
-  /// Of one slice: the loop passes it on without looking into it. Most have some KiB.
+  /// Of one slice: the loop passes it on without reading it. Most have some KiB.
   static constexpr std::size_t kMostOfSlice = std::size_t{1} << 20;
   static constexpr std::size_t kKeptOfUser = std::size_t{64} << 20;
   static constexpr std::size_t kKept = std::size_t{128} << 20;
@@ -55,7 +55,7 @@ class Aside {
   Aside& operator=(Aside&&) = delete;
   ~Aside();
 
-  /// Told when the next slice for a session can be had.
+  /// Called when the next slice for a session is ready.
   void on_ready(Ready ready) { ready_ = std::move(ready); }
   /// Asked before a report begins: whether the client of this session has hung up.
   void on_begin(Gone gone) { gone_ = std::move(gone); }
@@ -66,13 +66,13 @@ class Aside {
   /// control::Reply::kMaxBytesUnsliced bytes.
   serve::NextSlice ask(const serve::Peer& peer, Make make, bool may_slice = true);
   /// Ends what takes too long. Once a second.
-  void look();
+  void poll();
 
  private:
   class Report;
   friend class Report;
   using Source = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_unref>>;
-  /// A child that was told to end, until it has. Not moved: the source goes before its descriptor,
+  /// A child that was asked to end, until it has. Not moved: the source goes before its descriptor,
   /// of which other children have copies, so that epoll would not forget it by itself.
   struct Ended {
     pid_t child = 0;

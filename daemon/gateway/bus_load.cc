@@ -59,8 +59,8 @@ std::uint32_t BusLoad::measure(const BusCounters& counters, std::uint32_t bitrat
                     now_ns - last_ns_);
   last_ = counters;
   last_ns_ = now_ns;
-  const std::uint64_t beyond = load_ > analysed ? load_ - analysed : 0;
-  const std::uint32_t excess = in_steps(beyond);
+  const std::uint64_t unaccounted = load_ > analysed ? load_ - analysed : 0;
+  const std::uint32_t excess = in_steps(unaccounted);
   if (excess >= excess_ || ++lower_for_ >= kHold) {
     excess_ = excess;
     lower_for_ = 0;

@@ -17,9 +17,10 @@ class BusLoad {
   static constexpr int kHold = 5;
 
   /// To be called about once a second. `analysed`: 1e-6 of the bus time that admitted messages and
-  /// declared background take at most. What the bus carried beyond it, in 1e-6, rounded up to
-  /// steps: more at once, less once it has lasted. Frames count with their fewest bits (11-bit
-  /// identifier, nothing stuffed), so that nobody is accused for stuff bits.
+  /// declared background take at most. Gives the unaccounted load, which the bus carried in excess
+  /// of that, in 1e-6, rounded up to steps: more at once, less once it has lasted. Frames count
+  /// with their fewest bits (11-bit identifier, nothing stuffed), so that stuff bits never count as
+  /// unaccounted load.
   std::uint32_t measure(const BusCounters& counters, std::uint32_t bitrate, std::uint64_t analysed,
                         std::uint64_t now_ns);
 

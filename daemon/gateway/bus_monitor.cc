@@ -17,10 +17,10 @@ void BusMonitor::add_to(std::vector<core::Condition>& conditions) const {
     if (network >= conditions.size()) continue;
     core::Condition& condition = conditions[network];
     condition.background = BusLoad::at_most(load.unaccounted);
-    condition.heard = load.heard;
-    for (core::Heard& heard : condition.heard) {
-      heard.load = BusLoad::at_most(heard.load + BusLoad::kStep);
-      condition.background += heard.load;
+    condition.observed = load.observed;
+    for (core::ObservedLoad& observed : condition.observed) {
+      observed.load = BusLoad::at_most(observed.load + BusLoad::kStep);
+      condition.background += observed.load;
     }
   }
 }
@@ -69,7 +69,7 @@ bool BusMonitor::poll_some() {
 }
 
 /// Publishers that send on the bus of a port without being granted anything, as far as its gate
-/// tells them apart.
+/// distinguishes them.
 void BusMonitor::poll_refused(const core::Decision& decision, std::size_t port) {
   const std::size_t network = gates_.network_number(port);
   const core::can::Schedule& bus = *scene_.state->ledger().schedule(network);
@@ -92,9 +92,9 @@ void BusMonitor::poll_refused(const core::Decision& decision, std::size_t port) 
   }
 }
 
-/// More on a bus than was analysed: somebody sends who was not admitted, or more than was
+/// More on a bus than was analysed: an unadmitted sender sends, or a publisher sends more than it
 /// announced. What the gate drops has been on the bus all the same. True if that is not as it was.
-bool BusMonitor::measure(std::size_t port, std::vector<core::Heard> senders) {
+bool BusMonitor::measure(std::size_t port, std::vector<core::ObservedLoad> senders) {
   const std::size_t network = gates_.network_number(port);
   const core::can::Schedule* bus = scene_.state->ledger().schedule(network);
   const auto counters = gates_.bus_counters(port);
@@ -106,12 +106,12 @@ bool BusMonitor::measure(std::size_t port, std::vector<core::Heard> senders) {
       std::min<std::uint64_t>(bus->assumptions().background, bus->utilisation_ppm()) +
       scene_.state->system().networks[network].bus.background;
   // Its frames and those of the bus are not counted at the same moment.
-  for (const core::Heard& sender : senders) expected += sender.load + BusLoad::kStep;
+  for (const core::ObservedLoad& sender : senders) expected += sender.load + BusLoad::kStep;
   const std::uint32_t now = meters_[gates_.network_of(port)].measure(
       *counters, bus->assumptions().timing.bitrate, expected, clock_.monotonic_ns());
-  if (now == load.unaccounted && senders == load.heard) return false;
+  if (now == load.unaccounted && senders == load.observed) return false;
   load.unaccounted = now;
-  load.heard = std::move(senders);
+  load.observed = std::move(senders);
   // A load that swings is reported when it comes, when it goes, and when it is quite another.
   constexpr std::uint32_t large = 200'000;
   const std::uint32_t difference = load.reported > now ? load.reported - now : now - load.reported;
@@ -124,8 +124,8 @@ bool BusMonitor::measure(std::size_t port, std::vector<core::Heard> senders) {
 void BusMonitor::report(const std::string& network, std::uint32_t unaccounted) {
   if (unaccounted != 0)
     log_.warning(Kind::interface,
-                 fmt::format("{} carries at least {:.1f} % more than was admitted: somebody sends "
-                             "who was not, or more than he said",
+                 fmt::format("{} carries at least {:.1f} % more than was admitted: a sender "
+                             "was not admitted, or sends more than it stated",
                              network, unaccounted / 1e4),
                  {.network = network});
   else

@@ -32,11 +32,11 @@ class BusMonitor final : public ConditionSource {
   /// has changed is settled at its end.
   bool poll_some();
 
-  /// What each network carried beyond what was analysed, by network.
+  /// The load of each network that the analysis does not have, by network.
   struct Load {
-    std::uint32_t unaccounted = 0;   ///< 1e-6 of its time, of senders that nobody knows
-    std::uint32_t reported = 0;      ///< of that, when it was last reported
-    std::vector<core::Heard> heard;  ///< publishers that are known, refused, and send all the same
+    std::uint32_t unaccounted = 0;  ///< 1e-6 of its time, of senders that are not described
+    std::uint32_t reported = 0;     ///< of that, when it was last reported
+    std::vector<core::ObservedLoad> observed;  ///< of known publishers that are refused
   };
   using Loads = std::map<std::size_t, Load>;
   /// For another description: an unadmitted sender does not go away with the former one. Gives what
@@ -47,7 +47,7 @@ class BusMonitor final : public ConditionSource {
  private:
   [[nodiscard]] bool is_measured(std::size_t port) const;
   void poll_refused(const core::Decision& decision, std::size_t port);
-  bool measure(std::size_t port, std::vector<core::Heard> senders);
+  bool measure(std::size_t port, std::vector<core::ObservedLoad> senders);
   void report(const std::string& network, std::uint32_t unaccounted);
 
   const Scene& scene_;
@@ -64,9 +64,9 @@ class BusMonitor final : public ConditionSource {
     std::uint64_t description = 0;
     std::size_t port = 0;
     std::size_t channel = 0;
-    std::set<std::size_t> polled;      ///< publishers
-    std::vector<core::Heard> refused;  ///< on this port
-    bool changed = false;              ///< on any
+    std::set<std::size_t> polled;             ///< publishers
+    std::vector<core::ObservedLoad> refused;  ///< on this port
+    bool changed = false;                     ///< on any
     void next_port() {
       ++port;
       channel = 0;

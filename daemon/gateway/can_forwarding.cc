@@ -76,8 +76,8 @@ void CanForwarding::add_to(control::Routes& routes,
   if (!forwarder_.problem().empty()) routes.problems.push_back(forwarder_.problem());
   for (const net::CanRule& rule : forwarder_.in_way())
     routes.problems.push_back(
-        fmt::format("{} is carried by a rule of somebody else, too, from {} to {}", name_of(rule),
-                    links_.name_of(rule.from), links_.name_of(rule.to)));
+        fmt::format("{} is also carried by a can-gw rule of another program, from {} to {}",
+                    name_of(rule), links_.name_of(rule.from), links_.name_of(rule.to)));
   if (!there) {
     routes.problems.push_back(there.error().text);
     return;

@@ -28,12 +28,12 @@ class CanForwarding {
 
   /// What a channel needs as it is decided now; act() brings it about.
   void want(std::size_t channel);
-  /// The same of all channels, and what the kernel has is read anew.
+  /// The same of all channels, and what the kernel has is read again.
   void want_all();
   /// Once a turn, before answers go out: makes the changes.
   void act() { forwarder_.act(); }
-  /// Once a second: what somebody has taken away or added, and what failed before.
-  void poll() { forwarder_.look(); }
+  /// Once a second: what another program has removed or added, and what failed before.
+  void poll() { forwarder_.poll(); }
   /// No rule of ours is left.
   void stop() { forwarder_.stop(); }
 

@@ -31,7 +31,7 @@ class ChannelReports {
         forwarding_(forwarding),
         meshes_(meshes) {}
 
-  /// The verdicts of a channel that somebody has asked for.
+  /// The verdicts of a channel that a client has asked for.
   [[nodiscard]] control::Channels known(const Asked& asked) const;
   /// Those that an admission takes part in.
   [[nodiscard]] control::Channels of_admission(core::AdmissionId id) const;

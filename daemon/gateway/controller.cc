@@ -53,7 +53,7 @@ Controller::Controller(Options options, Outside outside)
   turn_.add(buses_);
   turn_.add(tags_);
   turn_.on_lost([this](const auto& lost) { admissions_.take_back(lost); });
-  turn_.on_changed([this](std::size_t channel) { delivery_health_.begin_anew(channel); });
+  turn_.on_changed([this](std::size_t channel) { delivery_health_.restart(channel); });
   drops_.on_polled([this](const auto& polled) { delivery_health_.judge(polled); });
   plan_rounds();
 }
@@ -75,7 +75,7 @@ std::optional<StartError> Controller::begin_start() {
   if (const auto set = outside_.control.set_grace(options_.grace_ns); !set)
     return StartError{{set.error().text}};
   if (const auto begun = heartbeat_.begin_start(options_.start_limit_ns); !begun)
-    outside_.log.warning(Kind::trouble, "nothing is kept beyond the grace: " + begun.error().text);
+    outside_.log.warning(Kind::trouble, "nothing is kept after the grace: " + begun.error().text);
   heartbeat_.pulse();
   return std::nullopt;
 }
@@ -135,7 +135,7 @@ std::optional<StartError> Controller::open_gates() {
       return StartError{{cleared.error().text}};
   heartbeat_.end_start();
   delivery_health_.forget();
-  drops_.forget();  // what a former daemon has seen is not news
+  drops_.forget();  // what a former daemon has counted is not reported again
   turn_.open_unless_lost();
   outside_.log.notice(Kind::started, "started: " + summary());
   if (control.mode() == enforce::Mode::audit)
@@ -198,7 +198,7 @@ void Controller::reconcile() {
   tags_.state();
   turn_.observe();
   static_cast<void>(turn_.settle());
-  // An interface that became another one needs all of its slots anew.
+  // An interface that became another one needs all of its slots written again.
   static_cast<void>(turn_.enforce());
   turn_.open_unless_lost();
 }
@@ -237,15 +237,17 @@ void Controller::beat() {
   GateControl& control = outside_.control;
   auto alive = control.beat(outside_.clock.monotonic_ns());
   if (control.lapsed()) links_changed();
-  // We were silent for longer than the grace: what we know may be old. Look first, then open.
+  // No heart-beat was given for longer than the grace, so what we know may be old. Reconcile first,
+  // then open.
   if (control.lapsed() && outside_.links.problem().empty()) {
     reconcile();
     alive = control.clear_lapse(outside_.clock.monotonic_ns());
     outside_.log.error(
         Kind::lapsed,
-        fmt::format("the kernel had closed all gates because this daemon was silent for more than "
-                    "{}; they follow the verdicts again",
-                    core::format_value(Attribute::latency, control.grace())));
+        fmt::format(
+            "the kernel had closed all gates because the daemon gave no heart-beat for more than "
+            "{}; they follow the verdicts again",
+            core::format_value(Attribute::latency, control.grace())));
   }
   if (!alive)
     outside_.log.critical(Kind::trouble,
@@ -328,14 +330,15 @@ void Controller::poll_surroundings() {
   at_gate_ = 0;
   recorder_.keep();
   forwarding_.poll();
-  aside_.look();
+  aside_.poll();
   reloads_.poll();
 }
 
 bool Controller::repair_next() {
   if (const auto gate = outside_.gates.next_gate(at_gate_)) {
     at_gate_ = *gate;
-    // A client's turn in between would be told of changes that an interface without a gate ignores.
+    // A client whose turn came in between would get reports of changes that do not take effect on
+    // an interface without a gate.
     if (!outside_.gates.repair(*gate)) reconcile();
     return true;
   }
@@ -347,7 +350,7 @@ bool Controller::repair_next() {
 bool Controller::poll_next_bypass() {
   const auto gate = outside_.gates.next_gate(at_gate_);
   at_gate_ = gate.value_or(0);
-  if (gate) outside_.gates.look_for_bypass(*gate, outside_.clock.monotonic_s());
+  if (gate) outside_.gates.check_bypass(*gate, outside_.clock.monotonic_s());
   return gate.has_value();
 }
 

@@ -41,7 +41,7 @@ class DeliveryEvents {
   void changes(const std::vector<core::Change>& changes);
   void released(const std::vector<core::AdmissionId>& gone, const std::string& why);
   void dropped(const core::Verdict& verdict, Fate fate, std::uint64_t frames);
-  /// Of frames of these verdicts, whose publishers look alike where there are several.
+  /// Of frames of these verdicts, whose publishers cannot be distinguished where there are several.
   void excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames);
 
   /// `id` is the publisher or one of the subscribers.

@@ -35,7 +35,7 @@ std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
                              .misfits = drops_.recent(rule.entry, Drop::misfit),
                              .would_be_misfits = drops_.recent(rule.entry, Drop::would_be_misfit)});
   }
-  // Only where nothing comes somebody asks what comes instead.
+  // Unknown frames are read only where no events come: they may be the missing ones.
   const auto in =
       std::ranges::find(rules, core::Direction::ingress,
                         [](const core::GateRule& rule) { return rule.entry.direction; });
@@ -47,7 +47,7 @@ std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
   return troubles(seen);
 }
 
-void DeliveryHealth::begin_anew(std::size_t channel) {
+void DeliveryHealth::restart(std::size_t channel) {
   Passed passed;
   for (const core::GateRule& rule : scene_.state->gate_state(scene_.self, channel))
     if (rule.entry.direction == core::Direction::ingress)
@@ -96,13 +96,13 @@ void DeliveryHealth::add_to(std::vector<std::string>& lines) const {
                                     core::name_of(state.system(), publisher.place), publisher.name,
                                     core::name_of(state.system(), v.to), line));
     }
-    // What is beyond is counted, and listed by `channels`.
+    // Further reasons are counted, and listed by `channels`.
     if (lines.size() > 2 * control::Health::kMostReasons) return;
   }
 }
 
 bool DeliveryHealth::is_large() const {
-  constexpr std::size_t many = 32;  // channels, each of which is looked into
+  constexpr std::size_t many = 32;  // channels, each of which is examined
   if (troubled_.size() > many) return true;
   return std::ranges::any_of(troubled_, [this](std::size_t channel) {
     return channel < scene_.state->decisions().size() &&

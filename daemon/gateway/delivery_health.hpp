@@ -40,7 +40,7 @@ class DeliveryHealth {
   void note_missing(std::size_t channel) { troubled_.insert(channel); }
   /// A channel has been decided otherwise: what its gates have passed so far says nothing of what
   /// is granted from now on.
-  void begin_anew(std::size_t channel);
+  void restart(std::size_t channel);
   /// Numbers of channels mean something else now.
   void forget() {
     troubled_.clear();
@@ -61,8 +61,8 @@ class DeliveryHealth {
   const GateDriver& gates_;
   const DropReports& drops_;
   const CanForwarding& forwarding_;
-  std::map<std::size_t, Passed> passed_before_;  ///< by channel, see begin_anew()
-  std::set<std::size_t> troubled_;  ///< channels; each is looked into again when it is reported
+  std::map<std::size_t, Passed> passed_before_;  ///< by channel, see restart()
+  std::set<std::size_t> troubled_;  ///< channels; each is examined again when it is reported
 };
 
 }  // namespace mlcca

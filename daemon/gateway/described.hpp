@@ -16,7 +16,7 @@ namespace mlcca {
 /// Why a description is not used, or the daemon cannot start.
 struct StartError {
   std::vector<std::string> lines;
-  /// The description was read and is refused: only a person can mend that. False: the machine
+  /// The description was read and is refused: only a person can correct that. False: the machine
   /// failed (a file that cannot be opened, no memory, a full disk), and the next start may succeed.
   bool bad_input = false;
 };
@@ -33,7 +33,7 @@ using ReadDescription = std::function<DescribedResult()>;
 
 /// From the file that the options name.
 [[nodiscard]] DescribedResult read_description(const Options& options);
-/// When that takes longer than it may, and what to look for.
+/// When that takes longer than it may, and what may be the cause.
 [[nodiscard]] std::string not_read_in_time(const Options& options);
 
 }  // namespace mlcca

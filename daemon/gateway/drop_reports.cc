@@ -97,11 +97,11 @@ void DropReports::poll(const core::Decision& decision, Reporting reporting) {
     std::uint64_t would_drop = 0;
     for (const core::GateRule& rule : rules) {
       const Frames frames = gates_.frames({rule});
-      const auto excess = of_entries_.look({rule.entry, Drop::excess}, frames.excess, now);
+      const auto excess = of_entries_.sample({rule.entry, Drop::excess}, frames.excess, now);
       if (excess && reports) deliveries_.excess(users[rule.entry], *excess);
-      dropped += of_entries_.look({rule.entry, Drop::misfit}, misfits(frames), now).value_or(0);
+      dropped += of_entries_.sample({rule.entry, Drop::misfit}, misfits(frames), now).value_or(0);
       would_drop +=
-          of_entries_.look({rule.entry, Drop::would_be_misfit}, would_be_misfits(frames), now)
+          of_entries_.sample({rule.entry, Drop::would_be_misfit}, would_be_misfits(frames), now)
               .value_or(0);
     }
     if (!reports) continue;
@@ -114,7 +114,7 @@ void DropReports::poll(const core::Decision& decision, Reporting reporting) {
 void DropReports::poll_unknown(std::size_t port, Reporting reporting) {
   const UnknownFrames frames = gates_.unknown_frames(port);
   const auto poll = [&](Fate fate, std::uint64_t counted) {
-    const auto fresh = of_ports_.look({port, fate}, counted, clock_.monotonic_s());
+    const auto fresh = of_ports_.sample({port, fate}, counted, clock_.monotonic_s());
     if (!fresh || reporting == Reporting::no) return;
     const std::string& network = gates_.network_of(port);
     log_.warning(Kind::dropping,

@@ -19,8 +19,8 @@
 
 namespace mlcca {
 
-/// Why frames of an entry are dropped, as far as that is counted apart. Of excess nobody asks
-/// whether audit mode has let it through.
+/// Why frames of an entry are dropped, as far as that is counted apart. Excess is not counted apart
+/// by whether audit mode has let it through.
 enum class Drop : std::uint8_t { misfit, would_be_misfit, excess };
 
 class DropReports {

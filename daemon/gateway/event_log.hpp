@@ -54,7 +54,8 @@ class EventLog {
   }
   void write(Note note);
 
-  /// While it lives, what is written was done at the request of `actor`, or of nobody.
+  /// While it lives, what is written was done at the request of `actor`; without one, the daemon
+  /// did it by itself.
   class Acting {
    public:
     Acting(EventLog& log, std::optional<control::Actor> actor)

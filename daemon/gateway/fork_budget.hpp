@@ -17,8 +17,8 @@ class ForkBudget {
     serve::Rate members;  ///< of one user
     serve::Rate others;
     /// After a fork for a member no other member has one for so many times as long as it took, and
-    /// the same for everybody else: neither make the others wait, and with 20 all forks take less
-    /// than a tenth of the time of the loop.
+    /// the same for all other users: neither group makes the other wait, and with 20 all forks take
+    /// less than a tenth of the time of the loop.
     std::uint64_t rest = 0;
   };
   static constexpr Rates kUsual{{20, 10}, {4, 2}, 20};
@@ -38,7 +38,7 @@ class ForkBudget {
  private:
   std::uint64_t& rests_until(serve::Turns::User user) { return rests_until_.at(user.member); }
   std::uint64_t rest_;
-  std::array<std::uint64_t, 2> rests_until_{};  ///< everybody else, members
+  std::array<std::uint64_t, 2> rests_until_{};  ///< all others, members
   serve::Buckets users_;
 };
 

@@ -13,7 +13,7 @@ namespace mlcca {
 void Forwarder::want(std::size_t channel, std::vector<net::CanRule> rules) {
   const auto known = needs_.find(channel);
   if (known == needs_.end() ? rules.empty() : known->second == rules) return;
-  // Publishers of one channel that look alike share a rule; no other channel has it.
+  // Publishers of one channel that cannot be distinguished share a rule; no other channel has it.
   if (known != needs_.end())
     for (const net::CanRule& rule : known->second) wanted_.erase(rule);
   for (const net::CanRule& rule : rules) wanted_.emplace(rule, channel);
@@ -41,7 +41,7 @@ void Forwarder::act() {
   align();
 }
 
-void Forwarder::look() {
+void Forwarder::poll() {
   if (wanted_.empty() && !had_any_) return;
   const auto former = std::exchange(there_, std::nullopt);
   if (!read_again()) return;
@@ -49,8 +49,9 @@ void Forwarder::look() {
   const auto before = former ? std::ranges::count_if(*former, is_ours) : 0;
   const auto now = std::ranges::count_if(*there_, is_ours);
   if (now < before)
-    tell_(fmt::format("somebody took {} of our can-gw rules away: they are put back", before - now),
-          true);
+    report_(fmt::format("another program removed {} of our can-gw rules: they are added again",
+                        before - now),
+            true);
   align();
 }
 
@@ -84,7 +85,7 @@ void Forwarder::apply(const RuleChanges& changes) {
   bool unsure = false;
   for (const net::CanRuleThere& rule : changes.remove) {
     core::Progress::made();
-    // One that went with its interface is gone all the same: the next look tells.
+    // A rule that went with its interface is gone too: the next poll shows it.
     if (kernel_->remove(rule))
       std::erase(*there_, rule);
     else
@@ -102,7 +103,7 @@ void Forwarder::apply(const RuleChanges& changes) {
   }
   if (failed.empty() && !in_way_.empty())
     failed =
-        "can-gw rules of somebody else carry granted frames a second time, or changed (mlccactl "
+        "can-gw rules of another program carry granted frames a second time, or changed (mlccactl "
         "routes names the channels): take them away, or state forward=\"none\" of the gateway";
   if (unsure) there_.reset();
   settle_problem(std::move(failed));
@@ -111,9 +112,9 @@ void Forwarder::apply(const RuleChanges& changes) {
 void Forwarder::settle_problem(std::string now) {
   if (now == problem_) return;
   if (now.empty())
-    tell_("can-gw carries what was granted again, and nothing else", false);
+    report_("can-gw carries what was granted again, and nothing else", false);
   else
-    tell_(now, true);
+    report_(now, true);
   problem_ = std::move(now);
 }
 

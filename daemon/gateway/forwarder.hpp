@@ -18,26 +18,26 @@ namespace mlcca {
 
 class Forwarder {
  public:
-  using Tell = std::function<void(const std::string& line, bool problem)>;
+  using Report = std::function<void(const std::string& line, bool problem)>;
 
-  Forwarder(std::unique_ptr<net::CanRules> kernel, Tell tell)
-      : kernel_(std::move(kernel)), tell_(std::move(tell)) {}
+  Forwarder(std::unique_ptr<net::CanRules> kernel, Report report)
+      : kernel_(std::move(kernel)), report_(std::move(report)) {}
 
   /// What the channel needs from now on, in the place of what it needed; act() brings it about.
   void want(std::size_t channel, std::vector<net::CanRule> rules);
-  /// Nothing is needed by anyone, and what the kernel has is read anew.
+  /// No channel needs a rule any more, and what the kernel has is read again.
   void forget();
 
   /// Once a turn: the changes, if any.
   void act();
-  /// Once a second: what somebody took away or added, and what failed before.
-  void look();
+  /// Once a second: what another program removed or added, and what failed before.
+  void poll();
   /// No rule of ours is left.
   void stop();
 
   /// What is wrong now; empty: nothing.
   [[nodiscard]] const std::string& problem() const { return problem_; }
-  /// Wanted rules that somebody else's are in the way of.
+  /// Wanted rules that rules of another program are in the way of.
   [[nodiscard]] const std::vector<net::CanRule>& in_way() const { return in_way_; }
   [[nodiscard]] std::optional<std::size_t> channel_of(const net::CanRule& rule) const;
   /// Rules that are wanted, and those that the kernel was last seen to have.
@@ -52,7 +52,7 @@ class Forwarder {
   void settle_problem(std::string now);
 
   std::unique_ptr<net::CanRules> kernel_;
-  Tell tell_;
+  Report report_;
   std::map<std::size_t, std::vector<net::CanRule>> needs_;  ///< by channel
   Wanted wanted_;
   std::optional<std::vector<net::CanRuleThere>> there_;  ///< none: to be read

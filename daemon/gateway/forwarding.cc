@@ -26,10 +26,10 @@ Meets meets(const CanRule& ours, const CanRule& other) {
   const std::uint32_t mask = other.mask & ~CAN_ERR_FLAG;
   // An 11-bit identifier in the filter, its form included, means 11 bits.
   const bool standard = (mask & CAN_EFF_FLAG) != 0 && (other.id & CAN_EFF_FLAG) == 0;
-  const std::uint32_t looked_at =
+  const std::uint32_t compared =
       standard ? mask & (CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG) : mask;
-  const bool agree = ((ours.id ^ other.id) & ours.mask & looked_at) == 0;
-  const bool within = agree && (looked_at & ~ours.mask) == 0;
+  const bool agree = ((ours.id ^ other.id) & ours.mask & compared) == 0;
+  const bool within = agree && (compared & ~ours.mask) == 0;
   const bool inverted = (other.id & CAN_INV_FILTER) != 0;
   if (!agree) return inverted ? Meets::always : Meets::never;
   if (!within) return Meets::sometimes;
@@ -113,7 +113,7 @@ RuleChanges difference(const Wanted& wanted, const std::vector<CanRuleThere>& th
   std::set<CanRule> missing;
   for (const auto& [rule, channel] : wanted) {
     const Carried by_others = carried(rule, others);
-    // What was granted arrives whatever somebody else's rules do with other copies of it.
+    // What was granted arrives whatever rules of another program do with other copies of it.
     if (!by_others.all) missing.insert(rule);
     if (by_others.disturbed) changes.in_way.push_back(rule);
   }

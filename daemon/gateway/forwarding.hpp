@@ -23,8 +23,8 @@ using Wanted = std::map<net::CanRule, std::size_t>;
 struct RuleChanges {
   std::vector<net::CanRuleThere> remove;  ///< only ours
   std::vector<net::CanRuleThere> add;
-  /// A rule of somebody else carries some of its frames as well, or changes them. Where one carries
-  /// all of them as they were granted none of ours is made.
+  /// A rule of another program carries some of its frames as well, or changes them. Where one
+  /// carries all of them as they were granted none of ours is made.
   std::vector<net::CanRule> in_way;
 };
 /// Ours are known by their numbers, whoever made them: a daemon that died, too.

@@ -33,7 +33,7 @@ std::string frame_name(const gate_sample& sample) {
 
 }  // namespace
 
-/// Of a slot that was given to another grant meanwhile it concerns nobody any more.
+/// An event of a slot that was given to another grant meanwhile concerns no delivery any more.
 void GateEvents::on_event(const gate_event& event) {
   if (event.kind == GATE_E_BOUND) {
     parts_.tags.poll();
@@ -67,7 +67,7 @@ void GateEvents::on_sample(const gate_sample& sample) {
 
 void GateEvents::repeat_missing(const core::Verdict& verdict) {
   const core::State& state = *parts_.scene.state;
-  const auto done = parts_.gates.tell_again(
+  const auto done = parts_.gates.report_again(
       core::gate_state(state.system(), state.members(), verdict, parts_.scene.self));
   if (!done) parts_.log.error(Kind::trouble, done.error().text);
 }

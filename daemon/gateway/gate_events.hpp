@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What the gates report by themselves: events that are missing or come again, replies of FAMOUSO's
-// broker, and senders that nobody admitted.
+// broker, and unadmitted senders.
 #pragma once
 #include <functional>
 #include <string>

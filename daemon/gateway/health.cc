@@ -24,7 +24,7 @@ std::string time(std::uint64_t ns) {
 
 std::string frames(std::uint64_t n) { return n == 1 ? "1 frame" : fmt::format("{} frames", n); }
 
-/// Somebody may send what nothing was granted for.
+/// Frames that were not granted may be those of the publisher.
 void add_unknown(const Observed& seen, std::vector<std::string>& lines) {
   const auto in = std::ranges::find(seen.passages, false, &Passage::leaves);
   if (in == seen.passages.end() || seen.unknown == 0) return;
@@ -42,7 +42,7 @@ void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
                                 time(watch.since_last_ns), watch.since_last_ns / period));
   } else if (never && (watch.missing_now ||
                        watch.since_last_ns > std::max(kFirstEvent, period * kFirstPeriods))) {
-    lines.push_back(fmt::format("nobody sends: nothing has come since it was granted, {} ago",
+    lines.push_back(fmt::format("no publisher sends: nothing has come since it was granted, {} ago",
                                 time(watch.since_last_ns)));
   }
 }

@@ -15,10 +15,11 @@ namespace mlcca {
 struct Passage {
   std::string network;
   bool leaves = false;
-  bool is_shared = false;           ///< with other publishers of the channel, who look the same
+  bool is_shared = false;           ///< with other publishers of the channel that cannot be
+                                    ///< distinguished
   Frames frames;                    ///< since the slot was made
   std::uint64_t passed_before = 0;  ///< of them, when the channel was last decided otherwise
-  std::uint64_t excess = 0;         ///< recent ones beyond the admitted traffic
+  std::uint64_t excess = 0;         ///< recent ones in excess of the admitted traffic
   std::uint64_t misfits = 0;        ///< recent ones that name the subject and differ from the grant
   std::uint64_t would_be_misfits = 0;  ///< the same, let through by audit mode
 };
@@ -40,7 +41,7 @@ struct Observed {
 [[nodiscard]] std::vector<std::string> troubles(const Observed& seen);
 
 /// `lines` are the reasons of a gateway whose gates are `open`; of them the first
-/// control::Health::kMostReasons are told, and how many were left out.
+/// control::Health::kMostReasons are reported, and how many were left out.
 [[nodiscard]] control::Health health_of(bool open, std::vector<std::string> lines);
 
 }  // namespace mlcca

@@ -19,8 +19,8 @@ std::string deliveries(std::size_t n) {
 void add_interface(const control::Interface& i, std::vector<std::string>& to) {
   if (!i.problem.empty())
     to.push_back(fmt::format("{} ({}): {}", i.name, i.network, i.problem));
-  else if (i.ifindex != 0 && !i.gated && i.profile != "none")
-    to.push_back(fmt::format("{} ({}) is not held by a gate", i.name, i.network));
+  else if (i.ifindex != 0 && !i.attached && i.profile != "none")
+    to.push_back(fmt::format("no gate is attached to {} ({})", i.name, i.network));
   if (!i.drift.empty()) to.push_back(i.drift);
   if (i.bypassed != 0)
     to.push_back(
@@ -48,7 +48,7 @@ std::string withdrawn_words(const core::State& state, const std::vector<std::str
 std::vector<std::string> HealthReport::problems() const {
   std::vector<std::string> problems;
   if (parts_.gates.out_of_hand())
-    problems.emplace_back("an interface cannot be held: everything is denied");
+    problems.emplace_back("no gate can be attached to an interface: everything is denied");
   if (!parts_.links.problem().empty())
     problems.push_back(parts_.links.problem() + ": what is in force stays until they can be read");
   if (!parts_.gates.orphans_unknown().empty())

@@ -18,7 +18,7 @@ class Heartbeat {
   void pulse();
 
   /// Until end_start() the signs keep in force what a former daemon has left, for `limit` ns. After
-  /// an error nothing is kept beyond the grace.
+  /// an error nothing is kept after the grace.
   Result<void> begin_start(std::uint64_t limit);
   void end_start();
 

@@ -18,7 +18,7 @@ class Leases {
   static constexpr std::uint64_t kUnbounded = ~std::uint64_t{0};
 
   /// Admission `id` lives until `now` + `length_ns`, unless renewed. A lease that it had before is
-  /// replaced. A sum beyond 2^64-1 never ends.
+  /// replaced. A lease whose end would exceed 2^64-1 never ends.
   void set(std::uint64_t id, std::uint64_t length_ns, std::uint64_t now);
   /// From `now` on as long as it was set for; nothing for an id without a lease.
   void renew(std::uint64_t id, std::uint64_t now);

@@ -99,7 +99,7 @@ void Meshes::open_sources(Entry& entry) {
     entry.reported.back() = true;
     entry.sources.emplace_back();
     entry.problems.back() = source.error().text;
-    tell_(entry.name, told(entry, s, source.error().text), true);
+    report_(entry.name, problem_line(entry, s, source.error().text), true);
   }
 }
 
@@ -111,7 +111,8 @@ bool Meshes::Lines::take(std::uint64_t now) {
   return false;
 }
 
-std::string Meshes::told(const Entry& entry, std::size_t source, const std::string& problem) {
+std::string Meshes::problem_line(const Entry& entry, std::size_t source,
+                                 const std::string& problem) {
   return fmt::format("{}: {}: {}", entry.name, core::name_of(entry.mesh.sources[source]), problem);
 }
 
@@ -122,12 +123,12 @@ void Meshes::take(Entry& entry, std::size_t source, const core::mesh::Snapshot& 
   if (problem != entry.problems[source] && entry.lines[source].take(monotonic_ns())) {
     entry.problems[source] = problem;
     if (problem.empty())
-      tell_(entry.name,
-            fmt::format("{}: {} knows its links again", entry.name,
-                        core::name_of(entry.mesh.sources[source])),
-            false);
+      report_(entry.name,
+              fmt::format("{}: {} knows its links again", entry.name,
+                          core::name_of(entry.mesh.sources[source])),
+              false);
     else
-      tell_(entry.name, told(entry, source, problem), true);
+      report_(entry.name, problem_line(entry, source, problem), true);
   }
   if (changed) changed_(entry.network);
   arm();
@@ -140,7 +141,7 @@ std::vector<std::string> Meshes::problems() const {
       if (const std::string& problem =
               entry->sources[s] == nullptr ? entry->problems[s] : entry->table.problem(s);
           !problem.empty())
-        out.push_back(told(*entry, s, problem));
+        out.push_back(problem_line(*entry, s, problem));
   return out;
 }
 

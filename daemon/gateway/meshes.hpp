@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The meshes of the description: their sources, what is believed of their links, and when that has
-// to be looked at again.
+// to be evaluated again.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -21,19 +21,19 @@ namespace mlcca {
 
 class Meshes {
  public:
-  /// Told of what an operator should know: network, one line, whether it is a problem.
-  using Tell =
+  /// Gets what an operator should know: network, one line, whether it is a problem.
+  using Report =
       std::function<void(const std::string& network, const std::string& line, bool problem)>;
   /// The links of a network are believed to be others than before.
   using Changed = std::function<void(std::size_t network)>;
 
   /// `loop` must outlive this.
-  Meshes(sd_event* loop, Changed changed, Tell tell)
-      : loop_(loop), changed_(std::move(changed)), tell_(std::move(tell)) {}
+  Meshes(sd_event* loop, Changed changed, Report report)
+      : loop_(loop), changed_(std::move(changed)), report_(std::move(report)) {}
 
   /// The meshes of a new description. What is known of a mesh that is described as before stays
-  /// known. A source that cannot be opened is told and knows nothing.
-  /// `self`: the gateway of this machine.
+  /// known. A source that cannot be opened is reported and knows nothing. `self`: the gateway of
+  /// this machine.
   void describe(const core::System& system, std::size_t self);
 
   /// Runs the loop until every source has reported once, at most `limit_ns`: a daemon that starts
@@ -61,12 +61,13 @@ class Meshes {
     std::optional<std::uint32_t> here;
     core::mesh::LinkTable table;
     std::vector<bool> reported;         // per source
-    std::vector<std::string> problems;  // per source, as last told
+    std::vector<std::string> problems;  // per source, as last reported
     std::vector<Lines> lines;           // per source
     std::vector<std::unique_ptr<net::LinkSource>> sources;
   };
   static void hand_over(const core::mesh::LinkTable& former, Entry& entry);
-  static std::string told(const Entry& entry, std::size_t source, const std::string& problem);
+  static std::string problem_line(const Entry& entry, std::size_t source,
+                                  const std::string& problem);
   void open_sources(Entry& entry);
   void take(Entry& entry, std::size_t source, const core::mesh::Snapshot& snapshot);
   void expire();
@@ -75,7 +76,7 @@ class Meshes {
   using Timer = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_unref>>;
   sd_event* loop_;
   Changed changed_;
-  Tell tell_;
+  Report report_;
   std::vector<std::unique_ptr<Entry>> entries_;
   Timer timer_;
 };

@@ -15,8 +15,8 @@ namespace mlcca {
 
 class Patience {
  public:
-  /// So long, in nanoseconds, `meanwhile` is called. What hangs longer hangs the caller: then
-  /// nobody beats, and the gates close.
+  /// So long, in nanoseconds, `meanwhile` is called. What hangs longer hangs the caller: then no
+  /// heart-beat is given, and the gates close.
   static constexpr std::uint64_t kLongest = 30'000'000'000;
 
   /// `meanwhile` is called every 20 ms while something takes longer.

@@ -19,7 +19,7 @@ class Quotas {
  public:
   /// Admissions that one user holds; root may hold all that others do not.
   static constexpr std::size_t kOfUser = 4'096;
-  /// Those of everybody but root together.
+  /// Those of all users but root together.
   static constexpr std::size_t kOfOthers = 12'288;
   static constexpr std::size_t kOfAll = 16'384;
 
@@ -35,7 +35,7 @@ class Quotas {
   };
   static constexpr Rows kRowsOfUser{10'000, 5};
   static constexpr Rows kRowsOfRoot{100'000, 1'000};
-  /// A reload tells of every channel: it counts as so many.
+  /// A reload reports every channel: it counts as so many.
   static constexpr std::uint64_t kRowsOfReload = 1'000;
 
   /// Why a user must not have one more admission, and what to do; nothing when he may.

@@ -124,21 +124,21 @@ void Recorder::note_gone(const std::string& subject) { append(store::Granted{sub
 
 void Recorder::note_ports() {
   auto gone = contents().gated;
-  std::vector<store::Gated> news;
+  std::vector<store::Gated> changed;
   const auto report = gates_.report();
   for (std::size_t p = 0; p < report.size(); ++p) {
-    // A gate that somebody has detached is put back: it is the port's as before.
+    // A gate that another program has detached is attached again: it is the port's as before.
     if (!gates_.is_gated(p)) continue;
     const control::Interface& port = report[p];
     const store::Gated now{port.identity, port.network, port.name, port.ifindex};
     const auto known = gone.extract(port.identity);
-    if (known.empty() || known.mapped() != now) news.push_back(now);
+    if (known.empty() || known.mapped() != now) changed.push_back(now);
   }
   for (auto& [identity, port] : gone) {
     port.ifindex = 0;
-    news.push_back(std::move(port));
+    changed.push_back(std::move(port));
   }
-  for (const store::Gated& entry : news) append(entry);
+  for (const store::Gated& entry : changed) append(entry);
 }
 
 void Recorder::note_contradicted(std::vector<store::Contradicted> all) {
@@ -178,8 +178,8 @@ void Recorder::note_slots(core::GateState of_all) {
   for (auto& [subject, slots] : now) append(store::Enforced{subject, std::move(slots)});
 }
 
-/// A batch has a limit, which a million subjects reach: where nobody waits for an answer there may
-/// be several.
+/// A batch has a limit, which a million subjects reach: where no answer waits for it there may be
+/// several.
 void Recorder::append(const store::Entry& entry) {
   core::Progress::step();
   auto done = journal_->append(entry);
@@ -210,14 +210,15 @@ void Recorder::keep() {
   const auto again = patience_.wait_for([this] { return journal_->keep(); });
   if (gone_.is_new(again ? ""
                          : journal_->path() +
-                               " was removed or replaced, and cannot be written anew: " +
+                               " was removed or replaced, and cannot be written again: " +
                                again.error().text))
     log_.error(Kind::trouble, gone_.text());
   if (again && *again)
-    log_.error(Kind::drift,
-               journal_->path() +
-                   ": somebody removed or replaced it; it is written anew, with all that is "
-                   "granted");
+    log_.error(
+        Kind::drift,
+        journal_->path() +
+            ": another program removed or replaced it; it is written again, with all that is "
+            "granted");
 }
 
 }  // namespace mlcca

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What is written down so that it outlives this daemon: who was admitted, what was granted, and
-// what the gates were told to hold.
+// what the gates are to hold.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -60,7 +60,7 @@ class Recorder {
   /// Which interfaces are gated, for whoever compares them without this daemon.
   void note_ports();
   /// Stated tags that nothing passes by, since FAMOUSO's broker has dealt them otherwise: all of
-  /// them now. For a start at which the gates that have heard the broker are gone.
+  /// them now. For a start at which the gates that have received the broker's replies are gone.
   void note_contradicted(std::vector<store::Contradicted> all);
   /// The same as the last time.
   void note_contradicted() { note_contradicted(contradicted_); }
@@ -72,10 +72,10 @@ class Recorder {
   /// Puts on disk what was noted and admitted. After an error none of it is, and whoever is
   /// uncommitted() was never granted; `lost` is called with them.
   Result<void> commit(const std::function<void(const std::vector<core::AdmissionId>&)>& lost);
-  /// Writes the journal anew if somebody has removed or replaced the file: what was granted must
-  /// outlive this daemon.
+  /// Writes the journal again if another program has removed or replaced the file: what was granted
+  /// must outlive this daemon.
   void keep();
-  /// Why the journal cannot be written anew; empty: it can.
+  /// Why the journal cannot be written again; empty: it can.
   [[nodiscard]] const std::string& problem() const { return gone_.text(); }
 
  private:

@@ -28,7 +28,7 @@ control::Outcome outcome_of(Outcome outcome) {
   return control::Outcome::unfit;
 }
 
-/// Which of the comparisons are told, in their order: before all others those that do not fit.
+/// Which of the comparisons are listed, in their order: before all others those that do not fit.
 std::vector<std::size_t> listed_rows(const std::vector<core::Row>& rows) {
   std::vector<std::size_t> listed;
   const auto add = [&](bool fit) {

@@ -13,8 +13,8 @@ namespace mlcca {
 
 /// That are said in the loop, at once. Each takes some microseconds: 1,000 of them 1 to 5 ms.
 inline constexpr std::size_t kMostLines = 1024;
-/// Verdicts of a channel, or its publishers and subscribers: what has more is not looked into in
-/// one turn of the loop.
+/// Verdicts of a channel, or its publishers and subscribers: what has more is not examined in one
+/// turn of the loop.
 inline constexpr std::size_t kManyEnds = 256;
 
 /// Of one delivery: its subscribers, comparisons and hops, as far as they are listed, and the ways

@@ -193,7 +193,10 @@ void add_links(const core::mesh::Mesh& mesh, const core::mesh::LinkTable& table,
     link.busy = known.sample.busy.value_or(0);
     link.age_ns = now > known.sample.taken ? now - known.sample.taken : 0;
     link.stale = known.stale;
-    if (known.believed_rate == 0) link.lack = core::to_text(known.lack);
+    if (known.stale)
+      link.state = "stale";
+    else if (known.believed_rate == 0)
+      link.state = core::to_text(known.lack);
     link.source = core::name_of(mesh.sources[known.source]);
     out.links.push_back(std::move(link));
   }

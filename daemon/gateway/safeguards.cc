@@ -20,21 +20,23 @@ void Safeguards::poll_pins() {
   if (unpinned_.is_new(again ? "" : "the control word is not pinned: " + again.error().text))
     log_.error(Kind::trouble, unpinned_.text());
   if (again && *again)
-    log_.error(Kind::drift,
-               "somebody unpinned what closes the gates when this daemon dies: it is pinned again");
+    log_.error(
+        Kind::drift,
+        "another program unpinned what closes the gates when this daemon dies: it is pinned again");
 }
 
 void Safeguards::poll_grace() {
   const auto altered = control_.keep_grace();
   if (ungraced_.is_new(altered ? ""
-                               : "somebody altered the grace, and it cannot be set again: " +
+                               : "another program altered the grace, and it cannot be set again: " +
                                      altered.error().text))
     log_.error(Kind::trouble, ungraced_.text());
   if (altered && *altered)
-    log_.error(Kind::drift,
-               fmt::format("somebody altered the time after which the gates close when this daemon "
-                           "dies: it is {} again",
-                           core::format_value(Attribute::latency, control_.grace())));
+    log_.error(
+        Kind::drift,
+        fmt::format("another program altered the time after which the gates close when this daemon "
+                    "dies: it is {} again",
+                    core::format_value(Attribute::latency, control_.grace())));
 }
 
 void Safeguards::poll_lock() {
@@ -43,7 +45,7 @@ void Safeguards::poll_lock() {
                               : "two daemons may change the same gates: " + locked.error().text))
     log_.error(Kind::trouble, unlocked_.text());
   if (locked && *locked)
-    log_.error(Kind::drift, "somebody removed the lock of " + root_ + ": it is held again");
+    log_.error(Kind::drift, "another program removed the lock of " + root_ + ": it is held again");
 }
 
 std::vector<std::string> Safeguards::problems() const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What keeps the gates closed when this daemon dies, and other daemons away from them: the pins of
-// the control word, and the lock of the bpffs. What somebody removes is put back.
+// the control word, and the lock of the bpffs. What another program removes is put back.
 #pragma once
 #include <string>
 #include <utility>

@@ -21,8 +21,8 @@ void TagBindings::take_up(Known known) {
       if (tag->dynamic && tag->etag == 0 && (found.contradicted || found.dealt == found.etag))
         tag->etag = found.etag;
       if (tag->dynamic && found.dealt != tag->etag) tag->dealt = found.dealt;
-      tag->is_heard = tag->etag != 0 && tag->etag == found.etag;
-      if (tag->is_heard && found.contradicted && tag->contradiction.empty()) {
+      tag->is_confirmed = tag->etag != 0 && tag->etag == found.etag;
+      if (tag->is_confirmed && found.contradicted && tag->contradiction.empty()) {
         tag->contradiction = contradiction_words(*tag, found);
         report(*tag, 3, tag->contradiction);
       }
@@ -82,28 +82,28 @@ void TagBindings::report_rivals(const std::vector<Tag*>& changed) {
       report(*tag, 4, tag->rival + ": nothing passes by it");
 }
 
-void TagBindings::take(std::size_t port, const enforce::FoundBinding& found, News& news) {
+void TagBindings::take(std::size_t port, const enforce::FoundBinding& found, Poll& poll) {
   Tag* const tag = tags_.find(gates_.network_number(port), found.subject);
   if (tag == nullptr || tag->etag != found.etag) return;
-  news.seen.emplace(tag, found);
+  poll.seen.emplace(tag, found);
   if (tag->dynamic) tag->dealt = found.dealt != tag->etag ? found.dealt : std::uint16_t{0};
   if (!found.contradicted || tag->etag == 0) return;
   if (tag->contradiction.empty()) {
     tag->contradiction = contradiction_words(*tag, found);
     report(*tag, 3, tag->contradiction + ": its frames are dropped");
-    news.changed = true;
+    poll.changed = true;
   }
   // At first only half of the other subject may have been known.
   if (found.halves == 3)
     if (auto whole = contradiction_words(*tag, found); whole != tag->contradiction) {
       tag->contradiction = std::move(whole);
-      news.changed = true;
+      poll.changed = true;
     }
-  if (found.confirmed) news.confirmed.push_back(tag);
+  if (found.confirmed) poll.confirmed.push_back(tag);
 }
 
 void TagBindings::poll(bool anyway) {
-  News news;
+  Poll poll;
   for (std::size_t p = 0; p < gates_.size(); ++p) {
     const auto bindings = gates_.bindings(p);
     if (!bindings) continue;
@@ -112,20 +112,20 @@ void TagBindings::poll(bool anyway) {
     const auto polled = polled_.find(ifindex);
     if (!anyway && polled != polled_.end() && polled->second == now) continue;
     polled_[ifindex] = now;
-    for (const enforce::FoundBinding& found : bindings->found()) take(p, found, news);
+    for (const enforce::FoundBinding& found : bindings->found()) take(p, found, poll);
   }
-  if (news.seen.empty() && !anyway) return;
+  if (poll.seen.empty() && !anyway) return;
   const auto rivals = tags_.hold_apart();
   report_rivals(rivals);
-  if (news.changed || !rivals.empty()) {
+  if (poll.changed || !rivals.empty()) {
     turn_.observe();
     static_cast<void>(turn_.settle());
     note();
   }
   core::FormerRules left;
-  if (!move(news, left) && news.confirmed.empty()) return;
+  if (!move(poll, left) && poll.confirmed.empty()) return;
   state();
-  for (Tag* const tag : news.confirmed) {
+  for (Tag* const tag : poll.confirmed) {
     if (tag->contradiction.empty() || !gates_agree_on(*tag)) continue;
     tag->contradiction.clear();
     report(*tag, 5,
@@ -138,16 +138,16 @@ void TagBindings::poll(bool anyway) {
 }
 
 /// True if any has moved. Without a gate that has said so a tag is only given up.
-bool TagBindings::move(const News& news, core::FormerRules& left) {
+bool TagBindings::move(const Poll& poll, core::FormerRules& left) {
   bool moved = false;
   for (Tag& tag : tags_.all()) {
     const std::uint16_t etag = tag.due();
-    const auto seen = news.seen.find(&tag);
-    if (!tag.dynamic || etag == tag.etag || (etag != 0 && seen == news.seen.end())) continue;
+    const auto seen = poll.seen.find(&tag);
+    if (!tag.dynamic || etag == tag.etag || (etag != 0 && seen == poll.seen.end())) continue;
     tag.etag = etag;
     move(tag, left);
     moved = true;
-    if (seen == news.seen.end()) continue;
+    if (seen == poll.seen.end()) continue;
     for (std::size_t p = 0; p < gates_.size(); ++p)
       if (auto bindings = gates_.bindings(p); bindings && gates_.network_number(p) == tag.network)
         bindings->move(seen->second, etag);
@@ -168,7 +168,8 @@ void TagBindings::move(Tag& tag, core::FormerRules& left) {
   tag.asked = tag.wait = 0;
 }
 
-/// Every gate of the network has heard that the tag is dealt as stated, after all contradictions.
+/// Every gate of the network has received that the tag is dealt as stated, after all
+/// contradictions.
 bool TagBindings::gates_agree_on(const Tag& tag) {
   bool agree = true;
   for (std::size_t p = 0; p < gates_.size(); ++p) {

@@ -39,7 +39,7 @@ class TagBindings final : public ConditionSource {
   /// Channels that are not described come and go. Their tags are compared with what the broker has
   /// dealt before anything of them is granted.
   void claim();
-  /// Nobody uses some of them any more, so that their tags may be others'.
+  /// Some of them are not used any more, so that their tags may become others'.
   void leave_unused();
 
   /// Once a second, and when a gate reports a reply: the old identifier is closed before the new
@@ -51,8 +51,8 @@ class TagBindings final : public ConditionSource {
   [[nodiscard]] std::span<const Tag> all() const { return tags_.all(); }
 
  private:
-  /// Of one poll.
-  struct News {
+  /// What one poll has found.
+  struct Poll {
     bool changed = false;                        ///< of what is contradicted, or whose a tag is
     std::map<Tag*, enforce::FoundBinding> seen;  ///< in the gate of its network
     std::vector<Tag*> confirmed;                 ///< contradicted, and dealt as stated since
@@ -60,8 +60,8 @@ class TagBindings final : public ConditionSource {
   void put(const Tag& tag);
   void note() { recorder_.note_contradicted(tags_.to_keep()); }
   void report_rivals(const std::vector<Tag*>& changed);
-  void take(std::size_t port, const enforce::FoundBinding& found, News& news);
-  bool move(const News& news, core::FormerRules& left);
+  void take(std::size_t port, const enforce::FoundBinding& found, Poll& poll);
+  bool move(const Poll& poll, core::FormerRules& left);
   void move(Tag& tag, core::FormerRules& left);
   [[nodiscard]] bool gates_agree_on(const Tag& tag);
   void report(const Tag& tag, int priority, std::string message);
@@ -73,7 +73,8 @@ class TagBindings final : public ConditionSource {
   Recorder& recorder_;
   const Clock& clock_;
   Tags tags_;
-  std::map<int, std::uint32_t> polled_;  ///< count of a gate's news that was polled, by interface
+  std::map<int, std::uint32_t> polled_;  ///< count of a gate's reports that was polled, by
+                                         ///< interface
 };
 
 }  // namespace mlcca

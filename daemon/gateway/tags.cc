@@ -164,7 +164,7 @@ std::vector<Tag*> Tags::recall(const store::Contents& kept) {
   for (const auto& [key, entry] : kept.contradicted)
     for (Tag& tag : tags_) {
       if (tag.subject != entry.subject || tag.network_name != entry.network || tag.dynamic ||
-          tag.etag != entry.etag || tag.is_heard || !tag.problem().empty())
+          tag.etag != entry.etag || tag.is_confirmed || !tag.problem().empty())
         continue;
       tag.contradiction = entry.how;
       closed.push_back(&tag);

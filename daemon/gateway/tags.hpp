@@ -27,13 +27,15 @@ struct Tag {
   std::uint16_t etag = 0;              ///< stated or dealt, what its frames have here; 0: none
   std::uint16_t dealt = 0;  ///< dynamic: what the broker has dealt it instead of `etag`; 0: nothing
   bool is_in_gates = true;  ///< false: they have no room for it
-  bool is_heard = false;    ///< a gate has held just this tag against the broker all along
+  bool is_confirmed =
+      false;  ///< a gate has compared just this tag with the broker's replies all along
   std::string contradiction;  ///< what the broker said, as a clause; empty: nothing
-  std::string rival;          ///< why else nobody may have the tag, as a clause; empty: no reason
+  std::string rival;          ///< why else no subject may have the tag, as a clause; empty: no
+                              ///< reason
   std::uint64_t asked = 0;    ///< ns, when; 0: never
   std::uint64_t wait = 0;     ///< ns until it is asked for again
 
-  /// Worth a request: nobody knows it, or the broker may deal it again.
+  /// Worth a request: it is unknown, or the broker may deal it again.
   [[nodiscard]] bool is_wanted() const { return dynamic && (etag == 0 || !contradiction.empty()); }
   /// What its frames are to have here: what was dealt, unless that is claimed by another one, too.
   [[nodiscard]] std::uint16_t due() const {
@@ -57,9 +59,9 @@ class Tags {
 
   [[nodiscard]] std::span<const Tag> all() const { return tags_; }
   [[nodiscard]] std::span<Tag> all() { return tags_; }
-  /// A tag is one subject's. Of those who claim one (stated, admitted or dealt) nobody may have it,
-  /// until all but one are stated or dealt another, or released. Who was dealt it gives it up to
-  /// whom it is stated for. Gives those whose `rival` is another now.
+  /// A tag is one subject's. Of the subjects that claim one (stated, admitted or dealt) none may
+  /// have it, until all but one are stated or dealt another, or released. Who was dealt it gives it
+  /// up to whom it is stated for. Gives those whose `rival` is another now.
   std::vector<Tag*> hold_apart();
   [[nodiscard]] Tag* find(std::size_t network, core::Subject subject);
   /// For the gates of a network.

@@ -66,7 +66,7 @@ Result<void> Turn::enforce() {
 void Turn::commit() {
   if (!parts_.recorder.dirty()) return;
   // What is not on disk now was asked for by others before.
-  const EventLog::Acting nobody(parts_.log, std::nullopt);
+  const EventLog::Acting no_actor(parts_.log, std::nullopt);
   const Result<void> done = parts_.recorder.commit(lost_);
   committed_(done);
   if (done) return;

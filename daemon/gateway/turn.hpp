@@ -57,7 +57,7 @@ class Turn {
   void on_changed(std::function<void(std::size_t channel)> changed) {
     changed_ = std::move(changed);
   }
-  /// Called when the disk has refused what was admitted: nobody has been granted it.
+  /// Called when the disk has refused what was admitted: no client has been granted it.
   void on_lost(Lost lost) { lost_ = std::move(lost); }
   /// Called when everything that was answered with `held` is on disk, or why it is not.
   void on_commit(Committed committed) { committed_ = std::move(committed); }
@@ -65,12 +65,12 @@ class Turn {
   /// Takes up what is known of each network; settle() is due.
   void observe();
   /// Decides what was changed, brings the gates in line and reports it. `left`: what the gates had
-  /// of the channels that somebody has left. After an error everything is enforced anew, and the
+  /// of the channels that a member has left. After an error everything is enforced again, and the
   /// gates that refuse deny everything.
   Result<void> settle(const core::FormerRules& left = {});
   /// Every gate holds what is decided, and nothing else.
   Result<void> enforce();
-  /// What clients were told after this is on disk. Nothing where nothing waits for it.
+  /// What clients were answered after this is on disk. Nothing where nothing waits for it.
   void commit();
 
   /// The gates follow their slots, unless an interface is out of hand: then all of them deny.

@@ -49,7 +49,7 @@ bool put_changes(nl_msg* message, const CanRule& rule) {
 Result<Message> message_of(int type, const CanRuleThere& there) {
   const CanRule& rule = there.rule;
   if (rule.from <= 0 || rule.to <= 0) return fail("a can-gw rule needs two interfaces");
-  if (!there.is_ours()) return fail("a can-gw rule of somebody else is left alone");
+  if (!there.is_ours()) return fail("a can-gw rule of another program is left alone");
   const rtcanmsg head{AF_CAN, CGW_TYPE_CAN_CAN, there.flags};
   Message message = new_message(type, NLM_F_REQUEST | NLM_F_ACK, &head, sizeof head);
   const can_filter filter{rule.id, rule.mask};

@@ -89,7 +89,7 @@ Result<LinkTable> Links::read() {
 }
 
 Result<bool> Links::refresh() {
-  hear();
+  receive();
   auto table = read();
   problem_ = table ? "" : table.error().text;
   if (!table) return std::unexpected(table.error());
@@ -100,26 +100,26 @@ Result<bool> Links::refresh() {
 
 /// Who came and what changed is read from the table; who went is taken from here alone, and asked
 /// for where something was lost.
-void Links::hear() {
+void Links::receive() {
   constexpr std::size_t kMostOfOne = std::size_t{256} << 10;
   constexpr int kMostInARow = 4096;  // what is left keeps the socket readable
-  heard_.resize(kMostOfOne);
+  received_.resize(kMostOfOne);
   for (int i = 0; i < kMostInARow; ++i) {
     sockaddr_nl sender{};
     socklen_t length = sizeof sender;
     // NOLINTNEXTLINE(*-reinterpret-cast): as recvfrom() has it
-    const ssize_t size = ::recvfrom(fd(), heard_.data(), heard_.size(), MSG_TRUNC,
+    const ssize_t size = ::recvfrom(fd(), received_.data(), received_.size(), MSG_TRUNC,
                                     reinterpret_cast<sockaddr*>(&sender), &length);
     if (size < 0 && errno == EAGAIN) return;
     if (size < 0 && errno == EINTR) continue;
     if (size >= 0 && sender.nl_pid != 0) continue;  // not the kernel
-    if (size < 0 || static_cast<std::size_t>(size) > heard_.size()) {
+    if (size < 0 || static_cast<std::size_t>(size) > received_.size()) {
       // An overflow (ENOBUFS), or whatever else: what was lost may have been of traffic control.
       tc_changed_ = true;
       if (size < 0 && errno != ENOBUFS) return;
       continue;
     }
-    take_notices(heard_.data(), static_cast<std::size_t>(size));
+    take_notices(received_.data(), static_cast<std::size_t>(size));
   }
 }
 

@@ -58,8 +58,8 @@ class Links final : public LinkMonitor {
 
   /// Readable when something changed.
   [[nodiscard]] int fd() const override { return notices_.get(); }
-  /// Takes the notifications off the socket and reads the table anew. True if it differs, or
-  /// somebody has gone. After an error the table is what it was.
+  /// Takes the notifications off the socket and reads the table again. True if it differs, or an
+  /// interface has gone. After an error the table is what it was.
   Result<bool> refresh() override;
   /// Why the table may not be what is there: refresh() soon. Empty: it could be read.
   [[nodiscard]] const std::string& problem() const override { return problem_; }
@@ -77,8 +77,8 @@ class Links final : public LinkMonitor {
   };
   /// Links that went to another network namespace since the last call.
   [[nodiscard]] std::vector<Moved> take_moved() { return std::exchange(moved_, {}); }
-  /// Interfaces that have gone since the last call, as the kernel told of each; another one may
-  /// have such a number now.
+  /// Interfaces that have gone since the last call, as the kernel has reported of each; another one
+  /// may have such a number now.
   [[nodiscard]] std::set<int> take_gone() { return std::exchange(gone_, {}); }
 
   /// Asks the kernel now.
@@ -92,13 +92,13 @@ class Links final : public LinkMonitor {
  private:
   explicit Links(Fd notices) : notices_(std::move(notices)) {}
   Result<LinkTable> read();
-  void hear();
+  void receive();
   void take_notices(const char* notices, std::size_t size);
 
   Fd notices_;
   Rtnl kernel_;
   LinkTable table_;
-  std::vector<char> heard_;
+  std::vector<char> received_;
   std::string problem_;
   bool tc_changed_ = false;
   std::vector<Moved> moved_;

@@ -72,7 +72,7 @@ void Answers::add(const nlmsghdr& message) {
 
 namespace {
 
-/// What such a link is, libnl reads without looking whether the kernel has told it. Of two
+/// libnl reads what such a link is without checking whether the kernel has reported it. Of two
 /// attributes of one type it takes the last one, as here.
 bool is_can_without_data(nlmsghdr* link) {
   std::array<nlattr*, IFLA_MAX + 1> all{};
@@ -89,7 +89,7 @@ bool has_options(const Message& discipline) {
   return nlmsg_find_attr(nlmsg_hdr(discipline.get()), sizeof(tcmsg), TCA_OPTIONS) != nullptr;
 }
 
-/// Of some disciplines libnl reads the options without looking whether there are any. False: it
+/// Of some disciplines libnl reads the options without checking whether there are any. False: it
 /// would not find those that are added, behind what cannot be read.
 bool give_options(const Message& discipline) {
   if (has_options(discipline)) return true;
@@ -200,7 +200,7 @@ std::expected<bool, Refusal> Rtnl::take(const nlmsghdr& message, Read& read) {
     return false;
   }
   const auto said = verdict_of(message);
-  if (!said) return give_up("an answer that tells no end");
+  if (!said) return give_up("an answer without an end");
   if (*said != 0) return std::unexpected(Refusal{*said, text_of(*said)});
   // A list ends as a list does, and everything else is acknowledged.
   if (read.is_list != (type == NLMSG_DONE)) return give_up("the answer ended too early");
@@ -233,9 +233,9 @@ std::expected<std::size_t, Refusal> Rtnl::receive(Time end) {
   }
 }
 
-/// Until something comes, where nothing was there to be heard.
+/// Waits until something comes, where nothing was there to be received.
 std::expected<void, Refusal> Rtnl::wait(int error, Time end) {
-  if (error != EAGAIN && error != EINTR) return give_up("hearing rtnetlink", error);
+  if (error != EAGAIN && error != EINTR) return give_up("receiving from rtnetlink", error);
   const auto left =
       std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
   pollfd waits{socket_.get(), POLLIN, 0};

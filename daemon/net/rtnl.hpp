@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Conversations with rtnetlink: the only place where this program asks it for something. An answer
-// is whole or an error, nobody waits for ever, and a socket on which anything failed is not used
-// again: what is still under way there belongs to no question.
+// is complete or an error, no call waits without end, and a socket on which anything failed is not
+// used again: messages that are still under way there belong to no question.
 #pragma once
 #include <linux/netlink.h>
 

@@ -56,11 +56,11 @@ class GateControl {
   /// Starts the timer of the kernel that closes the gates; a heart-beat comes first.
   virtual Result<void> arm() = 0;
 
-  /// Pins again what somebody has unpinned. True: there was something.
+  /// Pins again what another program has unpinned. True: there was something.
   virtual Result<bool> keep_pinned() = 0;
   /// What stood in the place of pins of ours and was replaced: a line of each, once.
   virtual std::vector<std::string> take_replaced() = 0;
-  /// Sets the grace again that somebody has altered. True: it was.
+  /// Sets the grace again that another program has altered. True: it was.
   virtual Result<bool> keep_grace() = 0;
 
   /// From now on the gates' reports come to `reports`, in read_reports().

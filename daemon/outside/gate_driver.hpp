@@ -71,10 +71,10 @@ class GateDriver {
   [[nodiscard]] virtual bool out_of_hand() const = 0;
   /// Whether the interface of a gate is there could not be found out: follow() again soon.
   [[nodiscard]] virtual bool needs_recheck() const = 0;
-  /// Why nobody knows whether gates without pins are left; empty: it is known.
+  /// Why it is unknown whether gates without pins are left; empty: it is known.
   [[nodiscard]] virtual const std::string& orphans_unknown() const = 0;
   /// Once a second, of each gate: frames that were sent past it are reported.
-  virtual void look_for_bypass(int ifindex, std::int64_t now_s) = 0;
+  virtual void check_bypass(int ifindex, std::int64_t now_s) = 0;
 
   // Slots.
 
@@ -93,11 +93,12 @@ class GateDriver {
   [[nodiscard]] virtual Frames frames(const core::GateState& rules,
                                       const std::vector<core::GateEntry>& shared) const = 0;
   [[nodiscard]] Frames frames(const core::GateState& rules) const { return frames(rules, {}); }
-  /// How the events of a delivery come to the slot that they enter by; nothing where nobody
-  /// watches.
+  /// How the events of a delivery come to the slot that they enter by; nothing where it is not
+  /// watched.
   [[nodiscard]] virtual std::optional<control::Watch> watch(const core::GateState& rules) const = 0;
-  /// If events of a delivery are missing that is reported once more: somebody has not heard it.
-  [[nodiscard]] virtual Result<void> tell_again(const core::GateState& rules) const = 0;
+  /// If events of a delivery are missing that is reported once more, for a client that has not
+  /// received it.
+  [[nodiscard]] virtual Result<void> report_again(const core::GateState& rules) const = 0;
   /// The event is of the slot that one of these rules is held by.
   [[nodiscard]] virtual bool is_of(const gate_event& event, const core::GateState& rules) const = 0;
   /// What the slots of all gates hold, for `mlccactl gate`; `place`: an interface or a network,

@@ -11,7 +11,7 @@
 
 namespace mlcca {
 
-/// The control word that all gates of the kernel look at, and the ring that they report to.
+/// The control word that all gates of the kernel read, and the ring that they report to.
 class KernelGateControl final : public GateControl {
  public:
   explicit KernelGateControl(enforce::Control control) : control_(std::move(control)) {}

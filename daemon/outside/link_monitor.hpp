@@ -19,7 +19,7 @@ class LinkMonitor {
 
   /// Readable when something has changed.
   [[nodiscard]] virtual int fd() const = 0;
-  /// Reads all interfaces anew. True: they differ from what was known, or one has gone. After an
+  /// Reads all interfaces again. True: they differ from what was known, or one has gone. After an
   /// error what was known stays.
   virtual Result<bool> refresh() = 0;
   /// Why what is known may be out of date: refresh() soon. Empty: it could be read.

@@ -5,7 +5,7 @@
 
 namespace mlcca {
 
-std::uint64_t Bypass::look(const Counts& counts) {
+std::uint64_t Bypass::update(const Counts& counts) {
   const auto behind = static_cast<std::int64_t>(counts.sent + counts.waiting);
   const std::int64_t least = behind - static_cast<std::int64_t>(counts.let_out_after);
   const std::int64_t most = behind - static_cast<std::int64_t>(counts.let_out_before);
@@ -15,10 +15,10 @@ std::uint64_t Bypass::look(const Counts& counts) {
     base_ = most;
     return 0;
   }
-  const std::int64_t beyond = least - *base_;
-  if (beyond > static_cast<std::int64_t>(kInDriver)) {
+  const std::int64_t bypassed = least - *base_;
+  if (bypassed > static_cast<std::int64_t>(kInDriver)) {
     *base_ = least;
-    return static_cast<std::uint64_t>(beyond);
+    return static_cast<std::uint64_t>(bypassed);
   }
   *base_ = std::min(*base_, most);
   return 0;

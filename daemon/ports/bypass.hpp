@@ -23,7 +23,7 @@ class Bypass {
   /// before; 0 up to kInDriver. The first call only remembers, as does one after a counter was set
   /// back. Frames that are lost in a driver without being counted hide as many that went past in
   /// the same interval.
-  std::uint64_t look(const Counts& counts);
+  std::uint64_t update(const Counts& counts);
   /// The next call only remembers.
   void forget() { base_.reset(); }
 

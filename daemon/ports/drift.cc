@@ -49,7 +49,7 @@ std::string before_tc(int ifindex, const enforce::PortGate& gate) {
       gate.name(), fmt::join(others, ", "));
 }
 
-/// What was admitted, and what audit mode has let through: counted here, or told at ingress.
+/// What was admitted, and what audit mode has let through: counted here, or reported at ingress.
 std::uint64_t let_out(const enforce::PortGate& gate) {
   const auto reasons = gate.reasons(enforce::Direction::egress);
   const auto audit = gate.would_drop(enforce::Direction::egress);
@@ -76,20 +76,21 @@ bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& l
   gated_.insert(ifindex);
   if (gate.judge_again()) {
     ++seen.repaired;
-    tell_(
+    report_(
         Kind::drift,
-        fmt::format("somebody altered the gate of {}: it let everything pass until now, and judges "
-                    "again",
-                    gate.name()),
+        fmt::format(
+            "another program altered the gate of {}: it let everything pass until now, and judges "
+            "again",
+            gate.name()),
         true);
   }
   keep_pinned(gate, seen);
   const auto there = gate.attached();
   if (seen.unseen.is_new(
           there ? ""
-                : fmt::format("the gate of {} cannot be looked at, and is commanded as before: {}",
+                : fmt::format("the gate of {} cannot be inspected, and is commanded as before: {}",
                               gate.name(), there.error().text)))
-    tell_(Kind::drift, seen.unseen.text(), true);
+    report_(Kind::drift, seen.unseen.text(), true);
   if (!there) return true;
   keep_early(ifindex, gate, seen);
   if (*there) {
@@ -99,22 +100,23 @@ bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& l
   const bool replaced = enforce::is_gated(static_cast<std::uint32_t>(ifindex), gate.hook());
   const auto repaired = gate.reattach();
   if (!repaired) {
-    tell_(
+    report_(
         Kind::drift,
         "the gate of " + gate.name() + " is gone and cannot be put back: " + repaired.error().text,
         true);
     return false;
   }
   ++seen.repaired;
-  tell_(Kind::drift,
-        replaced
-            ? fmt::format("another daemon had put its gate in the place of that of {}, which is "
-                          "back: two daemons with --bpf-root of their own close each other's "
-                          "gates",
-                          gate.name())
-            : fmt::format("somebody removed the gate of {}: it was open until now, and is back",
-                          gate.name()),
-        true);
+  report_(Kind::drift,
+          replaced
+              ? fmt::format("another daemon had put its gate in the place of that of {}, which is "
+                            "back: two daemons with --bpf-root of their own close each other's "
+                            "gates",
+                            gate.name())
+              : fmt::format("another program removed the gate of {}: it was open until now, and is "
+                            "attached again",
+                            gate.name()),
+          true);
   return true;
 }
 
@@ -127,40 +129,41 @@ void Drift::keep_pinned(const enforce::PortGate& gate, Seen& seen) {
                       "the gate of {} is not pinned, and a daemon that starts would begin with "
                       "a closed one: {}",
                       gate.name(), again.error().text)))
-    tell_(Kind::drift, seen.unpinned.text(), true);
+    report_(Kind::drift, seen.unpinned.text(), true);
   if (!again || again->empty()) return;
   ++seen.repaired;
-  tell_(Kind::drift,
-        fmt::format("somebody unpinned {} of the gate of {}: pinned again, and nothing else has "
-                    "changed",
-                    fmt::join(*again, ", "), gate.name()),
-        true);
+  report_(Kind::drift,
+          fmt::format(
+              "another program unpinned {} of the gate of {}: pinned again, and nothing else has "
+              "changed",
+              fmt::join(*again, ", "), gate.name()),
+          true);
 }
 
 /// What is gone from the driver lets nothing pass: both filters judge all of it.
 void Drift::keep_early(int ifindex, enforce::PortGate& gate, Seen& seen) {
   const std::string others = before_tc(ifindex, gate);
-  const std::string told = std::exchange(seen.early, others);
+  const std::string reported = std::exchange(seen.early, others);
   const bool lost = gate.lost_early();
   // A place that another program has left is taken again.
   const auto put =
-      lost || (others.empty() && !told.empty()) ? gate.put_early_back() : Result<void>();
+      lost || (others.empty() && !reported.empty()) ? gate.put_early_back() : Result<void>();
   if (lost) {
     const bool back = gate.drops_early();
     if (back) ++seen.repaired;
-    tell_(Kind::drift,
-          fmt::format("somebody removed our program from the driver of {}: what is refused was "
-                      "dropped behind packet sockets until now, and {}{}",
-                      gate.name(), back ? "is dropped early again" : "still is",
-                      back || put ? "" : ": " + put.error().text),
-          true);
+    report_(Kind::drift,
+            fmt::format("another program removed ours from the driver of {}: what is refused was "
+                        "dropped behind packet sockets until now, and {}{}",
+                        gate.name(), back ? "is dropped early again" : "still is",
+                        back || put ? "" : ": " + put.error().text),
+            true);
   }
-  if (told == others) return;
-  tell_(Kind::drift,
-        others.empty()
-            ? fmt::format("no other XDP program runs before the gate of {} any more", gate.name())
-            : others,
-        !others.empty());
+  if (reported == others) return;
+  report_(Kind::drift,
+          others.empty()
+              ? fmt::format("no other XDP program runs before the gate of {} any more", gate.name())
+              : others,
+          !others.empty());
 }
 
 /// Ours goes first where that takes nothing away from anyone: a program in front of it may let
@@ -176,11 +179,11 @@ void Drift::keep_first(int ifindex, enforce::PortGate& gate, Seen& seen) {
     const auto left = before(ifindex, gate);
     if (moved && left && left->empty()) {
       ++seen.repaired;
-      tell_(Kind::drift,
-            fmt::format("before the gate of {} ran {}: what that let pass until now was not "
-                        "judged; the gate is first again",
-                        gate.name(), *found),
-            true);
+      report_(Kind::drift,
+              fmt::format("before the gate of {} ran {}: what that let pass until now was not "
+                          "judged; the gate is first again",
+                          gate.name(), *found),
+              true);
     } else {
       standing = fmt::format(
           "before the gate of {} runs {}, and it cannot be put first{}: what "
@@ -189,26 +192,27 @@ void Drift::keep_first(int ifindex, enforce::PortGate& gate, Seen& seen) {
     }
   }
   seen.unmovable = standing.empty() || !found ? "" : *found;
-  const std::string told = std::exchange(seen.standing, standing);
-  if (told == standing) return;
-  tell_(Kind::drift,
-        standing.empty() ? fmt::format("nothing runs before the gate of {} any more", gate.name())
-                         : standing,
-        !standing.empty());
+  const std::string reported = std::exchange(seen.standing, standing);
+  if (reported == standing) return;
+  report_(Kind::drift,
+          standing.empty() ? fmt::format("nothing runs before the gate of {} any more", gate.name())
+                           : standing,
+          !standing.empty());
 }
 
-void Drift::tell_moved(const net::Links::Moved& link) {
+void Drift::report_moved(const net::Links::Moved& link) {
   if (gated_.erase(link.ifindex) == 0) return;
-  tell_(Kind::drift,
-        link.name + " was moved to another network namespace: there it has no gate of ours", true);
+  report_(Kind::drift,
+          link.name + " was moved to another network namespace: there it has no gate of ours",
+          true);
 }
 
-void Drift::look_for_bypass(const Gates& gates, net::Links& links, std::int64_t now_s) {
-  for (const auto& [ifindex, gate] : gates) look_for_bypass(ifindex, *gate, links, now_s);
+void Drift::check_bypass(const Gates& gates, net::Links& links, std::int64_t now_s) {
+  for (const auto& [ifindex, gate] : gates) check_bypass(ifindex, *gate, links, now_s);
 }
 
-void Drift::look_for_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links,
-                            std::int64_t now_s) {
+void Drift::check_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links,
+                         std::int64_t now_s) {
   if (!gate.judges_everything()) return;
   Seen& seen = seen_[ifindex];
   Bypass::Counts counts;
@@ -219,14 +223,15 @@ void Drift::look_for_bypass(int ifindex, const enforce::PortGate& gate, net::Lin
   counts.waiting = waiting->frames;
   counts.sent = traffic->sent_frames + traffic->send_drops + waiting->dropped;
   counts.let_out_after = let_out(gate);
-  told_past_.look(gate.name(), seen.past, now_s);
-  seen.past += seen.bypass.look(counts);
-  if (const auto news = told_past_.look(gate.name(), seen.past, now_s))
-    tell_(Kind::bypass,
-          fmt::format("{} has sent {} frames that its gate has not seen: somebody sends past the "
-                      "queueing layer (AF_PACKET with PACKET_QDISC_BYPASS)",
-                      gate.name(), *news),
-          true);
+  reported_past_.sample(gate.name(), seen.past, now_s);
+  seen.past += seen.bypass.update(counts);
+  if (const auto bypassed = reported_past_.sample(gate.name(), seen.past, now_s))
+    report_(
+        Kind::bypass,
+        fmt::format("{} has sent {} frames that its gate has not seen: a program sends past the "
+                    "queueing layer (AF_PACKET with PACKET_QDISC_BYPASS)",
+                    gate.name(), *bypassed),
+        true);
 }
 
 void Drift::report(int ifindex, const enforce::PortGate& gate, control::Interface& to) const {

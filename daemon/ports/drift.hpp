@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The kernel drifts from what was put there: gates that somebody removed or stepped in front of are
-// put back, and frames that went past them are told.
+// The kernel drifts from what was put there: gates that another program removed or attached in
+// front of are put back, and frames that bypassed them are reported.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -21,11 +21,11 @@ namespace mlcca {
 
 class Drift {
  public:
-  using Tell = std::function<void(Kind kind, const std::string& line, bool problem)>;
+  using Report = std::function<void(Kind kind, const std::string& line, bool problem)>;
   /// By ifindex.
   using Gates = std::map<int, enforce::PortGate*>;
 
-  explicit Drift(Tell tell) : tell_(std::move(tell)) {}
+  explicit Drift(Report report) : report_(std::move(report)) {}
 
   /// Puts gates back, and first, and pins them again. Gives those that cannot be put back.
   std::vector<int> repair(const Gates& gates, const net::LinkTable& links);
@@ -33,18 +33,18 @@ class Drift {
   bool repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& links);
   void forget_all_but(const Gates& gates);
   /// An interface was taken to another namespace, where our gate is not; of those that had one.
-  void tell_moved(const net::Links::Moved& link);
+  void report_moved(const net::Links::Moved& link);
   /// About once a second. `now_s`: any steady clock.
-  void look_for_bypass(const Gates& gates, net::Links& links, std::int64_t now_s);
-  void look_for_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links,
-                       std::int64_t now_s);
+  void check_bypass(const Gates& gates, net::Links& links, std::int64_t now_s);
+  void check_bypass(int ifindex, const enforce::PortGate& gate, net::Links& links,
+                    std::int64_t now_s);
 
   void report(int ifindex, const enforce::PortGate& gate, control::Interface& to) const;
 
  private:
   struct Seen {
     std::string standing;   ///< what cannot be repaired; empty: nothing
-    Problem unseen;         ///< why nobody knows whether it is in place
+    Problem unseen;         ///< why it is unknown whether it is in place
     Problem unpinned;       ///< why it cannot be pinned again
     std::string early;      ///< XDP programs of others, which run before the gate; empty: none
     std::string unmovable;  ///< what runs before the gate and could not be put behind it
@@ -56,10 +56,10 @@ class Drift {
   void keep_first(int ifindex, enforce::PortGate& gate, Seen& seen);
   void keep_early(int ifindex, enforce::PortGate& gate, Seen& seen);
 
-  Tell tell_;
+  Report report_;
   std::map<int, Seen> seen_;
   std::set<int> gated_;  ///< interfaces that had a gate, those that are gone too
-  DropWatch<std::string> told_past_;
+  DropWatch<std::string> reported_past_;
 };
 
 }  // namespace mlcca

@@ -50,9 +50,9 @@ control::GateSlot left_alone(const enforce::PortGate& gate, enforce::Direction d
   return out;
 }
 
-class Report {
+class GateReport {
  public:
-  Report(const Ports& ports, const core::State& state) : ports_(ports), state_(state) {}
+  GateReport(const Ports& ports, const core::State& state) : ports_(ports), state_(state) {}
 
   [[nodiscard]] control::Gate gate_of(std::size_t p) const {
     control::Gate out;
@@ -173,7 +173,7 @@ class Report {
 
 control::Gates Ports::gates(const core::State& state, const std::string& place) const {
   control::Gates out;
-  const Report report(*this, state);
+  const GateReport report(*this, state);
   for (std::size_t p = 0; p < size(); ++p)
     if (has_gate(*this, p) &&
         (place.empty() || place == network_of(p) || place == interface_name(p)))

@@ -79,7 +79,7 @@ Result<void> Ports::hold(const net::Link& link, const PortState& port) {
 }
 
 /// The gate that is there goes when the other one is in its place: one of another profile, one that
-/// has become too small, whose slots the other one has, or one that tells senders otherwise.
+/// has become too small, whose slots the other one has, or one that answers senders otherwise.
 template <class Config>
 Result<void> Ports::hold(const Config& config) {
   const auto ifindex = static_cast<int>(config.ifindex);
@@ -125,7 +125,7 @@ Result<void> Ports::make_spare(const net::Link& link, const PortState& port, std
 }
 
 Result<void> Ports::prepare(const core::System& system, std::size_t gateway) {
-  const net::FactsOf facts_of = looked_up_once();
+  const net::FactsOf facts_of = facts_once();
   for (const PortState& port : ports_of(system, gateway)) {
     const auto found = net::find_interface(port.port.identity, links_.table(), facts_of);
     if (!found || !*found) continue;
@@ -151,15 +151,15 @@ void Ports::end_change() {
   change_ = {};
 }
 
-/// Those that may be put in its place as well: they may look at its slots, or have a copy.
+/// Those that may be put in its place as well: they may read its slots, or have a copy.
 void Ports::deny(int ifindex) {
   if (const auto gate = gates_.find(ifindex); gate != gates_.end()) gate->second->deny_all();
   const auto [first, last] = spares_.equal_range(ifindex);
   std::for_each(first, last, [](const auto& spare) { spare.second->deny_all(); });
 }
 
-/// Each interface is looked up once, not for every port.
-net::FactsOf Ports::looked_up_once() const {
+/// The facts of each interface are read once, not for every port.
+net::FactsOf Ports::facts_once() const {
   return [this, known = std::make_shared<std::map<int, net::UdevFacts>>()](int ifindex) {
     const auto [it, fresh] = known->try_emplace(ifindex);
     if (fresh) it->second = facts_of_(ifindex);

@@ -63,7 +63,7 @@ bool Ports::is_to_be_gated(int ifindex) const {
 
 void Ports::follow() {
   forget_vanished();
-  const net::FactsOf facts_of = looked_up_once();
+  const net::FactsOf facts_of = facts_once();
   for (PortState& port : ports_) {
     match(port, facts_of);
     core::Progress::made();
@@ -79,7 +79,7 @@ void Ports::follow() {
   }
   if (raised)
     if (const auto refreshed = links_.refresh(); !refreshed)
-      tell_({}, refreshed.error().text, true);
+      report_({}, refreshed.error().text, true);
   for (PortState& port : ports_) {
     const net::Link* const link = link_of(port);
     port.followed = link != nullptr ? std::optional(*link) : std::nullopt;
@@ -97,10 +97,10 @@ Drift::Gates Ports::all_gates() const {
   return all;
 }
 
-void Ports::look_for_bypass(int ifindex, std::int64_t now_s) {
+void Ports::check_bypass(int ifindex, std::int64_t now_s) {
   const auto held = gates_.find(ifindex);
   if (held == gates_.end()) return;
-  drift_.look_for_bypass(ifindex, *held->second.gate, links_, now_s);
+  drift_.check_bypass(ifindex, *held->second.gate, links_, now_s);
 }
 
 void Ports::match(PortState& port, const net::FactsOf& facts_of) {
@@ -109,17 +109,17 @@ void Ports::match(PortState& port, const net::FactsOf& facts_of) {
   port.unsettled = !found;
   const int now = found && *found ? **found : 0;
   if (now == 0 && port.problem.empty())
-    port.problem = fmt::format("the interface ({}) is not there", net::to_text(port.port.identity));
+    port.problem = fmt::format("the interface ({}) is absent", net::to_text(port.port.identity));
   if (now == port.ifindex) return;
   // Both the interface that was this port and the one that is it now may hold grants of another.
   for (const int ifindex : {port.ifindex, now}) deny(ifindex);
   if (now != 0)
-    tell_(port.network_name,
-          fmt::format("{} is {} ({})", links_.table().at(now).name, port.network_name,
-                      net::to_text(port.port.identity)),
-          false);
+    report_(port.network_name,
+            fmt::format("{} is {} ({})", links_.table().at(now).name, port.network_name,
+                        net::to_text(port.port.identity)),
+            false);
   else
-    tell_(port.network_name, fmt::format("{}: {}", port.network_name, port.problem), true);
+    report_(port.network_name, fmt::format("{}: {}", port.network_name, port.problem), true);
   port.ifindex = now;
   port.raised = false;
 }
@@ -147,7 +147,7 @@ void Ports::attach(PortState& port) {
     return;
   }
   port.held = 0;
-  port.told.clear();
+  port.reported.clear();
   port.lost = false;
 }
 
@@ -156,9 +156,9 @@ void Ports::hold_by_former(PortState& port, const std::string& name) {
   port.unfit = true;
   port.lost = false;
   deny(port.ifindex);
-  if (std::exchange(port.told, port.problem) == port.problem) return;
-  tell_(port.network_name, port.problem, true);
-  tell_(port.network_name, name + " is held closed", true);
+  if (std::exchange(port.reported, port.problem) == port.problem) return;
+  report_(port.network_name, port.problem, true);
+  report_(port.network_name, name + " is held closed", true);
 }
 
 /// The last resort: a gate without pins and slots, which denies everything.
@@ -168,12 +168,12 @@ void Ports::hold_closed(PortState& port, const std::string& name) {
   if (fresh) port.held = port.ifindex;
   // A gate that was there already is an older one that we do not command, unless it is that one.
   port.lost = !closing || (!fresh && port.held != port.ifindex);
-  if (std::exchange(port.told, port.problem) == port.problem) return;
-  tell_(port.network_name, port.problem, true);
-  tell_(port.network_name,
-        port.lost ? name + " cannot be held: every gate is closed until it can"
-                  : name + " is held closed",
-        true);
+  if (std::exchange(port.reported, port.problem) == port.problem) return;
+  report_(port.network_name, port.problem, true);
+  report_(port.network_name,
+          port.lost ? name + " cannot be held: every gate is closed until it can"
+                    : name + " is held closed",
+          true);
 }
 
 bool Ports::out_of_hand() const {
@@ -197,11 +197,11 @@ bool Ports::raise(PortState& port) {
     return true;
   }
   port.problem = fmt::format("{}: {}", link.name, done.error().text);
-  tell_(port.network_name, port.problem, true);
+  report_(port.network_name, port.problem, true);
   return false;
 }
 
-/// As the analysis assumes it: a queue that somebody replaced is put back.
+/// As the analysis assumes it: a queue that another program replaced is put back.
 void Ports::queue(PortState& port) {
   if (port.port.queueing != core::Queueing::priority || !is_gated_can(port)) return;
   const std::string& name = link_of(port)->name;
@@ -209,8 +209,8 @@ void Ports::queue(PortState& port) {
   if (!kept)
     port.problem = fmt::format("{}: {}", name, kept.error().text);
   else if (!*kept)
-    tell_(port.network_name, fmt::format("{} queues by priority, in {} bands", name, GATE_BANDS),
-          false);
+    report_(port.network_name, fmt::format("{} queues by priority, in {} bands", name, GATE_BANDS),
+            false);
 }
 
 void Ports::set_bands(std::size_t port, std::span<const std::uint32_t> limits) {
@@ -229,20 +229,20 @@ void Ports::judge(PortState& port) {
   else if (is_gated_can(port) && link->bitrate == 0 && port.described_bitrate == 0)
     port.problem = fmt::format("{} has no bit rate of its own: state <Bus bitrate=\"…\"/> of {}",
                                link->name, port.network_name);
-  tell_can_state(port, *link);
+  report_can_state(port, *link);
 }
 
-/// Error-active is as it should be; bus-off is told with what it withdraws.
-void Ports::tell_can_state(PortState& port, const net::Link& link) {
+/// Error-active is as it should be; bus-off is reported with what it withdraws.
+void Ports::report_can_state(PortState& port, const net::Link& link) {
   const bool warns = link.can_state == "error-warning" || link.can_state == "error-passive";
   const std::string now = warns ? link.can_state : "";
   if (std::exchange(port.can_state, now) == now) return;
-  tell_(port.network_name,
-        warns ? fmt::format("{} is {}: frames on {} are being disturbed", link.name, now,
-                            port.network_name)
-              : fmt::format("{} is {} again", link.name,
-                            link.can_state.empty() ? "in order" : link.can_state),
-        warns);
+  report_(port.network_name,
+          warns ? fmt::format("{} is {}: frames on {} are being disturbed", link.name, now,
+                              port.network_name)
+                : fmt::format("{} is {} again", link.name,
+                              link.can_state.empty() ? "in order" : link.can_state),
+          warns);
 }
 
 bool Ports::repair() {
@@ -255,7 +255,7 @@ bool Ports::repair() {
 }
 
 void Ports::begin_repair() {
-  for (const auto& link : links_.take_moved()) drift_.tell_moved(link);
+  for (const auto& link : links_.take_moved()) drift_.report_moved(link);
   drift_.forget_all_but(all_gates());
 }
 
@@ -352,7 +352,7 @@ Result<void> Ports::sync(const core::GateState& wanted) {
     problems += (problems.empty() ? "" : "; ") + refusing->name() + ": " + done.error().error.text;
     std::erase_if(changes, [&](const auto& c) { return c.gate == refusing; });
   }
-  tell_unwatched();
+  report_unwatched();
   if (!problems.empty()) return fail(problems);
   return {};
 }
@@ -388,7 +388,7 @@ Result<void> Ports::apply(const core::GateChanges& changes) {
   for (auto& [p, change] : by_port(changes)) gates.push_back({gate_of(p), std::move(change)});
   if (const auto done = enforce::PortGate::apply_together(gates); !done)
     return fail(done.error().gate->name() + ": " + done.error().error.text);
-  tell_unwatched();
+  report_unwatched();
   return {};
 }
 

@@ -32,19 +32,19 @@ namespace mlcca {
 
 class Ports final : public GateDriver {
  public:
-  /// Told of everything an operator should know: interface, one line, whether it is a problem.
-  using Tell =
+  /// Gets everything that an operator should know: interface, one line, whether it is a problem.
+  using Report =
       std::function<void(const std::string& network, const std::string& line, bool problem)>;
 
   /// `root`: the bpffs of `control`.
   Ports(net::Links& links, enforce::Control& control, std::string root, net::FactsOf facts_of,
-        Tell tell, Drift::Tell tell_drift)
+        Report report, Drift::Report report_drift)
       : links_(links),
         control_(control),
         root_(std::move(root)),
         facts_of_(std::move(facts_of)),
-        tell_(std::move(tell)),
-        drift_(std::move(tell_drift)) {}
+        report_(std::move(report)),
+        drift_(std::move(report_drift)) {}
 
   /// The ports of a new description. Gates that are there stay as they are until follow() and
   /// sync(); an interface that is not described any more is closed by follow().
@@ -76,7 +76,7 @@ class Ports final : public GateDriver {
   /// True if that changed anything: follow() then.
   bool repair() override;
   /// The same in steps, a gate at a time: what comes before them, then next_gate() behind 0 and so
-  /// on, then wants_gate() tells what repair() would.
+  /// on, then wants_gate() returns what repair() would.
   void begin_repair() override;
   /// False where the gate is gone and cannot be put back: follow() at once, before anything else.
   bool repair(int ifindex) override;
@@ -85,20 +85,20 @@ class Ports final : public GateDriver {
   [[nodiscard]] std::optional<int> next_gate(int ifindex) const override;
 
   /// An interface that ought to be gated has no gate that we command, and an older one may still
-  /// pass what it was told: everything must be closed.
+  /// pass what it holds: everything must be closed.
   [[nodiscard]] bool out_of_hand() const override;
   /// Whether a gate's interface is there could not be found out: follow() again soon.
   [[nodiscard]] bool needs_recheck() const override {
     return !unconfirmed_.empty() || unread_.lasts() || !orphans_closed_;
   }
 
-  /// Why nobody knows whether gates without pins are left; empty: it is known.
+  /// Why it is unknown whether gates without pins are left; empty: it is known.
   [[nodiscard]] const std::string& orphans_unknown() const override {
     return orphans_unknown_.text();
   }
 
   /// Once a second: frames that were sent past the gate of an interface.
-  void look_for_bypass(int ifindex, std::int64_t now_s) override;
+  void check_bypass(int ifindex, std::int64_t now_s) override;
 
   /// Usable or why not, per network of the system.
   [[nodiscard]] std::vector<core::Condition> conditions(std::size_t networks) const override;
@@ -122,10 +122,12 @@ class Ports final : public GateDriver {
   [[nodiscard]] Frames frames(const core::GateState& rules,
                               const std::vector<core::GateEntry>& shared) const override;
   using GateDriver::frames;
-  /// How the events of a delivery come to the slot that they enter by; nothing where nobody looks.
+  /// How the events of a delivery come to the slot that they enter by; nothing where it is not
+  /// watched.
   [[nodiscard]] std::optional<control::Watch> watch(const core::GateState& rules) const override;
-  /// If events of a delivery are missing that is told once more: somebody has not heard it.
-  [[nodiscard]] Result<void> tell_again(const core::GateState& rules) const override;
+  /// If events of a delivery are missing that is reported once more, for a client that has not
+  /// received it.
+  [[nodiscard]] Result<void> report_again(const core::GateState& rules) const override;
   /// The event is of the slot that one of these rules is held by.
   [[nodiscard]] bool is_of(const gate_event& event, const core::GateState& rules) const override;
   [[nodiscard]] std::vector<control::Interface> report() const override;
@@ -172,7 +174,7 @@ class Ports final : public GateDriver {
     core::NetworkKind kind = core::NetworkKind::can;
     core::Profile profile = core::Profile::none;
     std::uint32_t described_bitrate = 0;  ///< of the network
-    std::string can_state;                ///< as last told
+    std::string can_state;                ///< as last reported
     int ifindex = 0;                      ///< 0: not there
     std::string problem;
     std::optional<net::Link> followed;  ///< the interface as follow() has judged it
@@ -181,8 +183,8 @@ class Ports final : public GateDriver {
     bool lost = false;    ///< no gate of ours could be attached, not even a closed one
     int held = 0;  ///< ifindex that was given a gate without slots, because nothing else could be
     bool unfit = false;      ///< the gate that is there is of a former description, and is denied
-    bool unwatched = false;  ///< its gate has more to watch than it can, and that was told
-    std::string told;        ///< the last problem of attaching that was told
+    bool unwatched = false;  ///< its gate has more to watch than it can, and that was reported
+    std::string reported;    ///< the last problem of attaching that was reported
   };
 
   /// A gate, and what it is where only gates of that kind can do something.
@@ -196,7 +198,7 @@ class Ports final : public GateDriver {
   };
   static std::vector<PortState> ports_of(const core::System& system, std::size_t gateway);
   static std::size_t ether_slots_of(const core::System& system);
-  [[nodiscard]] net::FactsOf looked_up_once() const;
+  [[nodiscard]] net::FactsOf facts_once() const;
   static bool needs_gate(const PortState& port);
   static bool is_gated_can(const PortState& port);
   static bool can_have_gate(const PortState& port, const net::Link& link);
@@ -217,7 +219,7 @@ class Ports final : public GateDriver {
   void close(const net::Link& link);
   void judge(PortState& port);
   void queue(PortState& port);
-  void tell_can_state(PortState& port, const net::Link& link);
+  void report_can_state(PortState& port, const net::Link& link);
   /// Interface of its source port, 0: it has none; nothing: that is not there.
   [[nodiscard]] std::optional<std::uint32_t> source_of(const core::GateEntry& entry) const;
   [[nodiscard]] std::optional<enforce::SlotSpec> slot_of(const core::GateEntry& entry) const;
@@ -229,7 +231,7 @@ class Ports final : public GateDriver {
     std::uint32_t number;
     core::Watching expected;
   };
-  void tell_unwatched();
+  void report_unwatched();
   [[nodiscard]] std::optional<WatchedSlot> watched_slot(const core::GateState& rules) const;
   /// Puts the gate in place that a port needs, unless it is there.
   Result<void> hold(const net::Link& link, const PortState& port);
@@ -250,7 +252,7 @@ class Ports final : public GateDriver {
   enforce::Control& control_;
   std::string root_;
   net::FactsOf facts_of_;
-  Tell tell_;
+  Report report_;
   std::function<void()> step_ = [] {};
   std::vector<PortState> ports_;
   std::size_t ether_slots_ = 0;      ///< that Ethernet gates must have room for
@@ -262,7 +264,7 @@ class Ports final : public GateDriver {
   std::set<int> unconfirmed_;    ///< those of them whose interface may have gone
   bool orphans_closed_ = false;  ///< see close_orphans()
   Problem orphans_unknown_;      ///< why they could not be found
-  Problem unread_;               ///< why nobody knows what a former daemon has pinned
+  Problem unread_;               ///< why it is unknown what a former daemon has pinned
   Drift drift_;
 };
 

@@ -11,8 +11,8 @@
 
 namespace mlcca {
 
-/// The kernel has told that the interface of a gate went, or says so when it is asked for this one.
-/// That a list lacks it proves nothing.
+/// The kernel has reported that the interface of a gate went, or answers so when it is asked for
+/// this one. That a list lacks it proves nothing.
 bool Ports::has_gone(int ifindex) {
   const bool listed = links_.table().contains(ifindex);
   if (listed && !unconfirmed_.contains(ifindex)) return false;
@@ -43,7 +43,7 @@ void Ports::forget_vanished() {
   for (auto it = gates_.begin(); it != gates_.end();)
     it = has_gone(it->first) ? gates_.erase(it) : std::next(it);
   if (const auto unpinned = enforce::unpin_vanished(control_); !unpinned)
-    tell_({}, unpinned.error().text, true);
+    report_({}, unpinned.error().text, true);
 }
 
 void Ports::close_undescribed() {
@@ -54,9 +54,9 @@ void Ports::close_undescribed() {
   std::erase_if(unconfirmed_, [this](int ifindex) { return !gates_.contains(ifindex); });
   const auto pinned = enforce::pinned_interfaces(control_);
   if (unread_.is_new(pinned ? "" : pinned.error().text))
-    tell_({},
-          unread_.text() + ": nobody knows which gates a former daemon left, and all are closed",
-          true);
+    report_({},
+            unread_.text() + ": it is unknown which gates a former daemon left, and all are closed",
+            true);
   if (!pinned) return;
   for (const std::uint32_t number : *pinned) {
     const auto ifindex = static_cast<int>(number);
@@ -75,25 +75,27 @@ void Ports::close_undescribed() {
 void Ports::close(const net::Link& link) {
   const auto held = hold(link, PortState{});
   if (!held) {
-    tell_({}, held.error().text, true);
+    report_({}, held.error().text, true);
     return;
   }
   gates_.at(link.ifindex)->deny_all();
-  tell_({},
-        fmt::format("{} is not described, or without a profile: its gate stays closed", link.name),
-        true);
+  report_(
+      {},
+      fmt::format("{} is not described, or without a profile: its gate stays closed", link.name),
+      true);
 }
 
-/// Once: gates that no pin names, because somebody removed the pins of a former daemon. Where the
-/// interface is described, its own gate takes their place.
+/// Once: gates that no pin names, because another program removed the pins of a former daemon.
+/// Where the interface is described, its own gate takes their place.
 void Ports::close_orphans() {
   if (orphans_closed_) return;
   const auto found = enforce::gated_interfaces();
   orphans_closed_ = found.has_value();
   if (orphans_unknown_.is_new(found ? "" : found.error().text))
-    tell_({},
-          orphans_unknown_.text() + ": nobody knows which gates without pins a former daemon left",
-          true);
+    report_(
+        {},
+        orphans_unknown_.text() + ": it is unknown which gates without pins a former daemon left",
+        true);
   if (!found) return;
   for (const enforce::GatedInterface& gated : *found) {
     const auto ifindex = static_cast<int>(gated.ifindex);

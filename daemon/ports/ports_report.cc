@@ -83,7 +83,7 @@ std::vector<control::Interface> Ports::report() const {
       i.bitrate = link->bitrate;
     }
     if (const enforce::PortGate* gate = gate_of(p)) {
-      i.gated = gate->attached().value_or(false);
+      i.attached = gate->attached().value_or(false);
       drift_.report(port.ifindex, *gate, i);
       if (!links_.problem().empty())
         i.drift += (i.drift.empty() ? "" : "; ") + links_.problem() + ": all stays as it was";

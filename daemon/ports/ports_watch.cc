@@ -14,7 +14,7 @@ namespace {
 
 control::Watch report_of(const core::Watching& expected, const enforce::Arrivals& found) {
   return {.period_ns = expected.period,
-          .silence_ns = expected.silence,
+          .timeout_ns = expected.silence,
           .missing_now = found.silent,
           .events = found.events,
           .missing = found.missing,
@@ -47,7 +47,7 @@ std::optional<control::Watch> Ports::watch(const core::GateState& rules) const {
   return report_of(slot->expected, slot->gate->arrivals(slot->number, monotonic_ns()));
 }
 
-Result<void> Ports::tell_again(const core::GateState& rules) const {
+Result<void> Ports::report_again(const core::GateState& rules) const {
   const auto slot = watched_slot(rules);
   return slot ? slot->gate->tell_again(slot->number) : Result<void>{};
 }
@@ -61,18 +61,18 @@ bool Ports::is_of(const gate_event& event, const core::GateState& rules) const {
   });
 }
 
-/// Told when it begins and when it ends.
-void Ports::tell_unwatched() {
+/// Reported when it begins and when it ends.
+void Ports::report_unwatched() {
   for (std::size_t p = 0; p < ports_.size(); ++p) {
     const enforce::PortGate* gate = gate_of(p);
     const bool now = gate != nullptr && gate->unwatched() != 0;
     if (std::exchange(ports_[p].unwatched, now) == now) continue;
-    tell_(ports_[p].network_name,
-          now ? fmt::format("{} has {} periodic channels more than can be watched ({}): nobody "
-                            "looks whether their events come",
-                            gate->name(), gate->unwatched(), ETHER_WATCHES - 1)
-              : fmt::format("{}: every periodic channel is watched again", interface_name(p)),
-          now);
+    report_(ports_[p].network_name,
+            now ? fmt::format("{} has {} periodic channels more than can be watched ({}): missing "
+                              "events of these are not detected",
+                              gate->name(), gate->unwatched(), ETHER_WATCHES - 1)
+                : fmt::format("{}: every periodic channel is watched again", interface_name(p)),
+            now);
   }
 }
 

@@ -33,7 +33,7 @@ struct Place {
 
 /// Connections at once.
 constexpr std::size_t kMostPlaces = 256;
-/// Of these, kept free for root; for members of the control group; for everybody else.
+/// Of these, kept free for root; for members of the control group; for all other users.
 constexpr std::size_t kPlacesOfRoot = 16;
 constexpr std::size_t kPlacesOfMembers = 32;
 constexpr std::size_t kPlacesOfOthers = 32;

@@ -118,7 +118,7 @@ Result<Peer> Server::identify(int fd) const {
   return peer;
 }
 
-/// A connection of somebody who has more may be closed for it.
+/// A connection of a user that has more may be closed for it.
 Result<void> Server::make_place_for(const Peer& peer) {
   std::vector<Held> held;
   held.reserve(sessions_.size());
@@ -141,8 +141,8 @@ void Server::accept_some() {
   accepted_ = monotonic_ns();
 }
 
-/// False when nobody waits to be accepted, or cannot be. For lack of descriptors or memory the
-/// socket would stay readable, and the loop would turn without end: it looks again when a
+/// False when no connection waits to be accepted, or none can be. For lack of descriptors or memory
+/// the socket would stay readable, and the loop would turn without end: it tries again when a
 /// connection ends, and at the next sweep.
 bool Server::accept_one() {
   Fd socket(::accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
@@ -166,7 +166,7 @@ bool Server::accept_one() {
   if (!session) return true;
   Session& opened = *session;
   sessions_.emplace(fd, std::move(session));
-  // What it asks for is there, as a rule: it need not wait until the loop hears of that.
+  // What it asks for is there, as a rule: it need not wait until the loop reports that.
   if (!opened.receive())
     drop(fd);
   else if (opened.can_step())
@@ -177,7 +177,7 @@ bool Server::accept_one() {
 void Server::refuse(int fd, const std::string& why) {
   const std::string text =
       control::encode(control::Reply{0, control::Error{control::ErrorKind::world, why, {}}});
-  // NOLINTNEXTLINE(bugprone-unused-return-value): it is told on the way out, if it can be
+  // NOLINTNEXTLINE(bugprone-unused-return-value): the client gets the reason, if it can be sent
   (void)::send(fd, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
@@ -260,7 +260,7 @@ void Server::take_turns() {
 /// One user's share of a turn.
 void Server::serve(Session& session, std::uint64_t now) {
   session.set_in_line(false);
-  // Nothing is made for who does not hear it; what a member has asked for may be a change.
+  // No reply is made for a client that has hung up; what a member has asked for may be a change.
   if (!session.peer().may_change && has_hung_up(session.fd())) {
     drop(session.fd());
     return;

@@ -62,7 +62,7 @@ class Server {
   /// A connection without a complete request for so long is closed, ns.
   static constexpr std::uint64_t kMostIdle = 60'000'000'000;
 
-  /// Connections that wait to be accepted: as many as are looked at in one or two turns. Who comes
+  /// Connections that wait to be accepted: as many as are accepted in one or two turns. Who comes
   /// when there are more waits for one of them, and not behind thousands. As in mlccad.socket.
   static constexpr int kBacklog = 256;
 
@@ -93,19 +93,19 @@ class Server {
   ~Server();
 
   /// To every client that monitors, and to those that own an admission of the event. One that does
-  /// not read loses events and is told how many.
+  /// not read loses events and gets their number.
   void publish(const control::Event& event);
 
   /// Sends what was held, or the error in its place.
   void release(const Result<void>& done);
   /// A reply to this session that had to wait goes on.
   void resume(std::uint64_t session);
-  /// The client has hung up, whether the loop has heard of it or not.
+  /// The client has hung up, whether the loop has noticed it or not.
   [[nodiscard]] bool is_gone(std::uint64_t session) const;
   /// Closes connections that have been of no use for long, and forgets users who have none and have
   /// asked for nothing lately. The server does it by itself every few seconds.
   void sweep(std::uint64_t now);
-  /// Told of every connection that ends.
+  /// Called for every connection that ends.
   void on_close(Closed closed) { closed_ = std::move(closed); }
 
   [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
@@ -121,7 +121,7 @@ class Server {
   void drop(int fd);
   [[nodiscard]] Result<void> make_place_for(const Peer& peer);
   void dismiss(int fd, const std::string& why);
-  /// There is something to do for a session: at once where nobody else waits, or in its turn.
+  /// There is something to do for a session: at once where no other session waits, or in its turn.
   void ready(Session& session);
   void ready_later(Session& session);
   void line_up(Session& session);
@@ -142,7 +142,7 @@ class Server {
   Source source_;
   Arrivals arrivals_{kMembersArrivals, kOthersArrivals};
   Turns turns_{kMembersRate, kOthersRate};
-  std::uint64_t accepted_ = 0;  ///< when somebody was looked for last
+  std::uint64_t accepted_ = 0;  ///< when accepting was tried last
   bool taking_turns_ = false;
   Fd always_;    ///< can always be read: in line with the sockets when there is work left over
   Source work_;  ///< of always_

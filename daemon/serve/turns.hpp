@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Whose turn it is: users in a ring, each with the sessions of his that have work; those who may
-// change something and everybody else alternate. A user has so many steps a second. No I/O: time
-// comes in as argument, in nanoseconds of any steady clock.
+// change something and all others alternate. A user has so many steps a second. No I/O: time comes
+// in as argument, in nanoseconds of any steady clock.
 #pragma once
 #include <sys/types.h>
 
@@ -54,12 +54,12 @@ class Turns {
   /// A session that has work. It must not be in line already.
   void add(User user, Id session);
   void remove(User user, Id session);
-  /// Takes the session whose turn it is off the line; nothing when nobody is in line, or all who
-  /// are must wait for their rate.
+  /// Takes the session whose turn it is off the line; nothing when no session is in line, or all
+  /// that are must wait for their rate.
   std::optional<Id> next(std::uint64_t now);
   /// A further step of a user who has his turn; false when he has to wait for his rate.
   bool step(User user, std::uint64_t now);
-  /// When somebody who waits for his rate may go on; nothing when nobody does.
+  /// When the first user that waits for its rate may go on; nothing when none waits.
   [[nodiscard]] std::optional<std::uint64_t> next_ready(std::uint64_t now);
   [[nodiscard]] bool empty() const { return members_ring_.empty() && others_ring_.empty(); }
   /// Forgets users who have nothing in line and have not used their rate lately.

@@ -52,7 +52,7 @@ void propose(benchmark::State& bench) {
 }
 BENCHMARK(propose)->Arg(1)->Arg(1000)->Arg(10000);
 
-/// Everything anew, as after a change of the world.
+/// Everything again, as after a change of all networks.
 void decide_all_channels(benchmark::State& bench) {
   State state(many(static_cast<std::size_t>(bench.range(0))));
   for (auto _ : bench) state.decide();

@@ -41,7 +41,7 @@ std::vector<Message> messages(std::size_t count) {
   return set;
 }
 
-/// Median ns of one call, of rounds that last long enough to be told apart.
+/// Median ns of one call, of rounds that last long enough to be compared.
 template <class Call>
 double cost_of(const Call& call) {
   std::vector<double> costs;

@@ -89,7 +89,7 @@ void bench_journal(const std::string& directory, std::uint64_t group, int rounds
       }));
       require(journal->commit().has_value(), "commit");
     }));
-    // A round that wrote the file anew is the slowest of them, and counts like any other.
+    // A round that wrote the file again is the slowest of them, and counts like any other.
     if (journal->file_bytes() > before) bytes = journal->file_bytes() - before;
     floor.push_back(microseconds([&] { bare.write(std::string(bytes, 'x')); }));
   }
@@ -119,9 +119,9 @@ void bench_reopening(const std::string& directory, std::uint64_t live) {
     for (std::uint64_t id = first; id < first + live; ++id)
       require(journal->append(admitted(id)).has_value(), "append");
     require(journal->commit().has_value(), "commit");
-    const double anew = microseconds([&] { require(journal->compact().has_value(), "compact"); });
-    fmt::print("journal of {} admissions ({:.1f} MB) written anew in {:.0f} ms", live,
-               static_cast<double>(journal->file_bytes()) / 1e6, anew / 1e3);
+    const double again = microseconds([&] { require(journal->compact().has_value(), "compact"); });
+    fmt::print("journal of {} admissions ({:.1f} MB) written again in {:.0f} ms", live,
+               static_cast<double>(journal->file_bytes()) / 1e6, again / 1e3);
   }
   const double read =
       microseconds([&] { require(store::Journal::open(directory).has_value(), "open"); });

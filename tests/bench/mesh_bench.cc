@@ -116,7 +116,7 @@ void search_paths(benchmark::State& bench) {
 }
 BENCHMARK(search_paths)->Unit(benchmark::kMicrosecond);
 
-/// A source has looked at all links; one of them is slower or faster than before.
+/// A source has polled all links; one of them is slower or faster than before.
 void take_samples(benchmark::State& bench) {
   World world;
   Snapshot snapshot = grid();

@@ -122,7 +122,7 @@ TEST(ClientTest, SaysThatThereIsNoDaemon) {
   EXPECT_EQ(client.error().text, "no daemon: " + path + ": No such file or directory");
 }
 
-TEST(ClientTest, SaysThatNobodyListens) {
+TEST(ClientTest, SaysThatNoProcessListens) {
   const test::TempDir directory;
   const auto path = directory.path("left.sock");
   test::listen_at(path).reset();
@@ -164,7 +164,7 @@ TEST(ClientTest, GivesUpOnADaemonThatDoesNotAnswer) {
   EXPECT_EQ(reply.error().text, "no answer from mlccad within 20 ms");
 }
 
-TEST(ClientTest, WaitsForAnEventOnlyUntilTheOtherEndIsHeard) {
+TEST(ClientTest, WaitsForAnEventOnlyUntilTheOtherEndIsReadable) {
   auto [near, far] = pair_of(SOCK_STREAM);
   auto [input, other] = pair_of(SOCK_STREAM);
   Client client(std::move(near), 20ms);

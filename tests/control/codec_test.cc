@@ -13,7 +13,7 @@
 namespace mlcca::control {
 namespace {
 
-/// A buffer that ends where its content ends, so that a sanitizer sees any read beyond.
+/// A buffer that ends where its content ends, so that a sanitizer sees any read after it.
 Buffer exactly(std::string_view bytes) {
   Buffer buffer;
   buffer.append(bytes);

@@ -26,7 +26,7 @@ class TempDir {
   std::string directory_;
 };
 
-/// A listening socket at `path` that nobody accepts from.
+/// A listening socket at `path` whose connections are never accepted.
 Fd listen_at(const std::string& path);
 
 /// Serves one connection after the other in a thread of its own.

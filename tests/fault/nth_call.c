@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 /* LD_PRELOAD: the n-th call of a function that touches kernel, disk, bus or memory ends the process
- * with SIGKILL, or fails. Calls that may wait without end are told. See nth_call.h. */
+ * with SIGKILL, or fails. Calls that may wait without end are reported. See nth_call.h. */
 #define _GNU_SOURCE
 #include "nth_call.h"
 
@@ -107,7 +107,7 @@ static int hit(enum nth_call_class class) {
 
 /* --- what may wait without end --- */
 
-static __attribute__((noinline)) void tell_wait(const char* name, int fd) {
+static __attribute__((noinline)) void report_wait(const char* name, int fd) {
   void* callers[16];
   int count, i;
   size_t used;
@@ -129,7 +129,8 @@ static __attribute__((noinline)) void tell_wait(const char* name, int fd) {
 
 /*
  * A call that sends to, receives from or connects `fd`. What cannot be opened once more is written
- * to where it is ready (daemon/manager.cc): while opening is made to fail nothing is told of write.
+ * to where it is ready (daemon/manager.cc): while opening is made to fail nothing is reported of
+ * write.
  */
 static __attribute__((noinline)) void may_wait(const char* name, int fd, int flags) {
   const int before = errno;
@@ -145,7 +146,7 @@ static __attribute__((noinline)) void may_wait(const char* name, int fd, int fla
       raw(SYS_getsockopt, fd, SOL_SOCKET, SO_DOMAIN, (long)&domain, (long)&size, 0);
     if ((S_ISSOCK(is.st_mode) && domain != AF_NETLINK) || S_ISFIFO(is.st_mode) ||
         (S_ISCHR(is.st_mode) && major(is.st_rdev) != 1 /* /dev/null */))
-      tell_wait(name, fd);
+      report_wait(name, fd);
   }
   errno = before;
 }

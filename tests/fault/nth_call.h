@@ -2,7 +2,7 @@
 /* What nth_call.so (LD_PRELOAD) and a test share: a file of this layout, named by NTH_CALL, which
  * both map. The first process that loads the library while `pid` is 0 is the one that it watches.
  * All fields but the last are words of 64 bits: struct.pack("=26Q", ...). What is behind those 26
- * is told, never read: a file may end before it. */
+ * is reported, never read: a file may end before it. */
 #ifndef MLCCA_TESTS_FAULT_NTH_CALL_H
 #define MLCCA_TESTS_FAULT_NTH_CALL_H
 #include <stdint.h>

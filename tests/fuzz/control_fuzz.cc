@@ -48,7 +48,7 @@ class Octets {
 };
 
 constexpr const char* kChannels[] = {"c1", "c2", "c3", "c4", "c5", "0x3", "c9", ""};
-/// Channels that nobody described: the last one is of no network's Unlisted.
+/// Channels that are not described: the last one is of no network's Unlisted.
 constexpr const char* kUnlisted[] = {"0x5600000000000001", "0x5600000000000002",
                                      "0x56ffffffffffffff", "0x5700000000000001"};
 constexpr const char* kPlaces[] = {"", "lan", "bus", "gate", "nowhere"};
@@ -241,7 +241,7 @@ void act(GatewayUnderTest& gateway, unsigned what, std::size_t client, std::stri
       gateway.describe(from.next());
       break;
     case 12:
-      gateway.look_around();
+      gateway.run_round();
       break;
     case 13:
       if (restarts_left-- > 0) gateway.restart(from.next() % 2 == 0);
@@ -256,7 +256,7 @@ void act(GatewayUnderTest& gateway, unsigned what, std::size_t client, std::stri
 
 }  // namespace
 
-/// What mlccad logs goes nowhere; what must be heard goes to where it went before.
+/// What mlccad logs goes nowhere; what must be read goes to where it went before.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   fuzz::demand_fd = ::dup(STDERR_FILENO);
   static std::string quiet = "-close_fd_mask=2";

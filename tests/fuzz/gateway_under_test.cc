@@ -181,7 +181,7 @@ void GatewayUnderTest::send(std::size_t number, std::string_view octets) {
   }
 }
 
-/// Whatever it has not been told, nobody knows now.
+/// The answers that it has not received are unknown now.
 void GatewayUnderTest::lose(Client& client) {
   for (const auto& request : client.asked)
     if (changes(request) && client.user != User::outsider) unsure_ = true;
@@ -209,7 +209,7 @@ void GatewayUnderTest::describe(std::size_t number) {
   std::ofstream(surroundings().folder + "/system.xml") << description(written_);
 }
 
-void GatewayUnderTest::look_around() {
+void GatewayUnderTest::run_round() {
   parts_->gateway->begin_round();
   while (parts_->gateway->has_work()) parts_->gateway->work();
   parts_->gateway->act();  // as at the end of each turn of the loop
@@ -246,12 +246,12 @@ bool GatewayUnderTest::exchange() {
     std::array<char, 65536> room{};
     const ssize_t size = ::recv(client.socket.get(), room.data(), room.size(), MSG_DONTWAIT);
     if (size > 0) {
-      client.heard.append({room.data(), static_cast<std::size_t>(size)});
-      hear(client);
+      client.received.append({room.data(), static_cast<std::size_t>(size)});
+      receive(client);
       moves = true;
     } else if (size == 0 || errno != EAGAIN) {
-      // Whoever has sent what is no request is told, and so may be whoever sends no more.
-      demand(client.is_broken || client.is_shut, "somebody was hung up on");
+      // A client that has sent what is no request gets an error, and so may one that sends no more.
+      demand(client.is_broken || client.is_shut, "a client was hung up on");
       demand(client.is_shut || client.asked.empty(), "hung up on without an answer");
       close(i--);
       moves = true;
@@ -269,16 +269,16 @@ void GatewayUnderTest::settle() {
        exchange() || std::ranges::any_of(clients_, waits) || parts_->gateway->is_reading();) {
     if (!std::ranges::any_of(clients_, waits) && !parts_->gateway->is_reading()) continue;
     run_loop(1000);
-    demand(++patience < 20'000, "somebody waits for ever for an answer");
+    demand(++patience < 20'000, "a client waits for ever for an answer");
   }
   check();
 }
 
 void GatewayUnderTest::finish() { check(true); }
 
-void GatewayUnderTest::hear(Client& client) {
+void GatewayUnderTest::receive(Client& client) {
   for (;;) {
-    const auto reply = control::decode_reply(client.heard);
+    const auto reply = control::decode_reply(client.received);
     demand(reply.has_value(), "a reply that cannot be read");
     if (!*reply) return;
     take(client, **reply);
@@ -292,12 +292,12 @@ void GatewayUnderTest::take(Client& client, const control::Reply& reply) {
   }
   if (client.asked.empty()) {
     demand(client.is_broken && reply.id == 0 && std::holds_alternative<control::Error>(reply.body),
-           "an answer that nobody asked for");
+           "an answer without a request");
     return;
   }
   const control::Request& request = client.asked.front();
   demand(reply.id == request.id, "an answer to another question");
-  demand(!reply.more || request.slices, "a slice that nobody asked for");
+  demand(!reply.more || request.slices, "a slice without a request");
   judge(client, request, reply);
   if (!reply.more) client.asked.pop_front();
 }
@@ -417,8 +417,8 @@ void GatewayUnderTest::check_gates(const store::Contents& journal) const {
   }
 }
 
-/// Of a channel that nobody described: every network allows its subject, and on the bus its tag is
-/// that of an admission and nobody else's.
+/// Of a channel that is not described: every network allows its subject, and on the bus its tag is
+/// that of one admission only.
 void GatewayUnderTest::check_unlisted_slot(const enforce::SlotSpec& slot,
                                            const store::Contents& journal,
                                            const std::string& what) const {
@@ -437,7 +437,8 @@ void GatewayUnderTest::check_unlisted_slot(const enforce::SlotSpec& slot,
             admit.identifiers.end())
       return;
   }
-  demand(false, fmt::format("{}, by tag {:#x}, which nobody was granted", what, slot.id & tag));
+  demand(false,
+         fmt::format("{}, by tag {:#x}, which was granted to no subject", what, slot.id & tag));
 }
 
 /// By the description and the admissions alone, whatever the daemon has made of them.
@@ -479,9 +480,9 @@ void GatewayUnderTest::check_slot(const enforce::SlotSpec& slot, const store::Co
     if (!admit.from.empty()) publishes(read.ec == std::errc{} ? std::optional(user) : std::nullopt);
     if (!admit.to.empty()) subscribed = true;
   }
-  demand(published || released, what + ", and nobody publishes it");
+  demand(published || released, what + ", and no endpoint publishes it");
   demand(published, what + ", and was released");
-  demand(subscribed || released, what + ", and nobody subscribes to it");
+  demand(subscribed || released, what + ", and no endpoint subscribes to it");
   if (slot.direction == enforce::Direction::egress && slot.source == 0)
     demand(users.contains(slot.uid),
            fmt::format("{} for user {}, who was not granted it", what, slot.uid));

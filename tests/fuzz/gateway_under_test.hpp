@@ -26,7 +26,8 @@
 
 namespace mlcca::fuzz {
 
-/// A client, and what it must be told. Its requests are read here as the server has to read them.
+/// A client, and what it must be answered. Its requests are read here as the server has to read
+/// them.
 struct Client {
   Fd socket;
   User user = User::root;
@@ -35,7 +36,7 @@ struct Client {
   bool is_broken = false;  ///< has sent what is no request: an error follows, and the end
   bool monitors = false;
   control::Buffer sent;
-  control::Buffer heard;
+  control::Buffer received;
   std::deque<control::Request> asked;  ///< and not answered yet
   std::string unsent;
 };
@@ -52,7 +53,7 @@ class GatewayUnderTest {
   GatewayUnderTest& operator=(GatewayUnderTest&&) = delete;
   ~GatewayUnderTest();
 
-  /// Back to the first description, with nothing admitted at run time and nobody connected. It
+  /// Back to the first description, with nothing admitted at run time and no client connected. It
   /// takes a fifth of a second to start, so that one serves many stories.
   void begin();
   /// Of the first admission since then.
@@ -68,12 +69,12 @@ class GatewayUnderTest {
   /// Another text in place of the description, which counts when it is read.
   void describe(std::size_t number);
   /// What the daemon does once a second.
-  void look_around();
+  void run_round();
   /// It ends, in order or at once, and starts again. All clients are gone then.
   void restart(bool in_order);
 
-  /// Until everybody who reads is answered; then everything must hold. Gates are read back when the
-  /// journal has changed, which takes most of the time.
+  /// Until every client that reads is answered; then everything must hold. Gates are read back when
+  /// the journal has changed, which takes most of the time.
   void settle();
   /// They are read back whatever the journal says.
   void finish();
@@ -89,7 +90,7 @@ class GatewayUnderTest {
   void ask(decltype(control::Request::body) body);
   void run_loop(std::uint64_t micros);
   bool exchange();
-  void hear(Client& client);
+  void receive(Client& client);
   void take(Client& client, const control::Reply& reply);
   void judge(const Client& client, const control::Request& request, const control::Reply& reply);
   void judge_release(const control::ReleaseRequest& request);
@@ -111,7 +112,7 @@ class GatewayUnderTest {
   std::size_t written_ = 0;               ///< description that the next reload reads
   std::size_t in_force_ = 0;
   bool audit_ = false;
-  bool unsure_ = false;  ///< somebody was not told what has been admitted or released
+  bool unsure_ = false;  ///< a client has no answer about what was admitted or released
   store::Contents checked_;
   std::uint64_t first_id_ = 1;
   std::size_t memory_ = 0;  ///< at the beginning

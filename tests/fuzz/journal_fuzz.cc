@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A store that somebody has torn, altered or made up: it is read as a whole number of its batches,
-// or refused as a whole, and what was read stays the same however often it is read and written
-// anew.
+// A store that was torn, altered or made up: it is read as a whole number of its batches, or
+// refused as a whole, and what was read stays the same however often it is read and written again.
 #include <fcntl.h>
 #include <fuzzer/FuzzedDataProvider.h>
 
@@ -54,7 +53,7 @@ Result<Contents> contents_of(Memory& disk) {
   return journal->contents();
 }
 
-/// What can be read once can be read, changed and written anew for ever.
+/// What can be read once can be read, changed and written again for ever.
 void check_life(Memory& disk) {
   auto first = contents_of(disk);
   if (!first) {
@@ -66,8 +65,8 @@ void check_life(Memory& disk) {
   auto journal = Journal::open(kFolder, disk);
   demand(journal && journal->contents() == known, "another content when read again");
   demand(!journal->recovered(), "cut off twice");
-  demand(static_cast<bool>(journal->compact()), "cannot be written anew");
-  demand(journal->contents() == known, "writing anew changes it");
+  demand(static_cast<bool>(journal->compact()), "cannot be written again");
+  demand(journal->contents() == known, "writing again changes it");
   const Entry entry = Released{"0xf022"};
   demand(static_cast<bool>(journal->append(entry)), "takes no entry");
   known.apply(entry);

@@ -11,8 +11,9 @@
 # for FUZZ_SECONDS=3600 with a corpus that grows below $O/fuzz/corpus. FUZZ="a b" names the targets.
 FUZZ_CXX ?= $(filter %ccache,$(firstword $(CXX))) clang++-19
 FUZZ_FLAGS := -std=c++23 -Wno-deprecated-declarations -gline-tables-only -fno-omit-frame-pointer
-# What is looked into; the tests that are built of the same objects are not, which takes half the time.
-# Half the time of the compiler with -O0, half the inputs a second: `make test` takes it (Makefile).
+# What is instrumented; the tests that are built of the same objects are not, which takes half the
+# time. Half the time of the compiler with -O0, half the inputs a second: `make test` takes it
+# (Makefile).
 FUZZ_OPT ?= -O1
 FUZZ_INTO := $(FUZZ_OPT) -fsanitize=fuzzer-no-link
 FUZZ_SANITIZERS := address,undefined -fno-sanitize-recover=all

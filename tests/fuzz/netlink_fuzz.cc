@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Any octets as what rtnetlink and generic netlink say. The first octet: who asks (its low bits),
-// and whether what comes begins anew when it ends; then pieces, a datagram each. The first octet of
-// one says what becomes of it on its way, see Fate. Nobody waits for ever, a read that fails
+// and whether what comes starts again when it ends; then pieces, a datagram each. The first octet
+// of one says what becomes of it on its way, see Fate. Nobody waits for ever, a read that fails
 // changes nothing, and nobody has gone of whom the kernel did not say so.
 #include <linux/genetlink.h>
 #include <linux/rtnetlink.h>
@@ -56,9 +56,9 @@ struct Datagram {
   std::vector<char> octets;
 };
 
-/// The kernel as the input tells it, in place of the real one while somebody asks.
+/// The kernel as the input states it, in place of the real one while a caller asks.
 struct Kernel {
-  bool speaks = false;
+  bool answers_now = false;
   bool endless = false;
   std::vector<Datagram> answers;
   std::vector<Datagram> notices;
@@ -88,8 +88,9 @@ void each_message(char* octets, std::size_t size, Take&& take) {
   }
 }
 
-/// What has been said is understood here by itself, so that nobody is believed who was not told.
-ssize_t hear(const Datagram* said, msghdr* message) {
+/// What the kernel has sent is interpreted here independently, so that no caller is believed
+/// without a message for it.
+ssize_t receive(const Datagram* said, msghdr* message) {
   demand(++kernel.calls < kMostCalls);
   kernel.now += kStep;
   if (said == nullptr) return errno = EAGAIN, -1;
@@ -142,42 +143,42 @@ void take_question(const void* octets, std::size_t size) {
 
 // NOLINTBEGIN(*-vararg)
 extern "C" ssize_t recvmsg(int fd, msghdr* message, int flags) {
-  if (!kernel.speaks) return ::syscall(SYS_recvmsg, fd, message, flags);
-  return hear(kernel.next(kernel.answers, kernel.next_answer, kernel.endless), message);
+  if (!kernel.answers_now) return ::syscall(SYS_recvmsg, fd, message, flags);
+  return receive(kernel.next(kernel.answers, kernel.next_answer, kernel.endless), message);
 }
 extern "C" ssize_t recvfrom(int fd, void* octets, size_t size, int flags, sockaddr* from,
                             socklen_t* length) {
-  if (!kernel.speaks) return ::syscall(SYS_recvfrom, fd, octets, size, flags, from, length);
+  if (!kernel.answers_now) return ::syscall(SYS_recvfrom, fd, octets, size, flags, from, length);
   iovec room{octets, size};
   msghdr message{};
   message.msg_name = from;
   message.msg_namelen = length == nullptr ? 0 : *length;
   message.msg_iov = &room;
   message.msg_iovlen = 1;
-  const ssize_t heard = hear(kernel.next(kernel.notices, kernel.next_notice, false), &message);
-  if (heard < 0 || (flags & MSG_TRUNC) == 0 || (message.msg_flags & MSG_TRUNC) == 0) return heard;
+  const ssize_t taken = receive(kernel.next(kernel.notices, kernel.next_notice, false), &message);
+  if (taken < 0 || (flags & MSG_TRUNC) == 0 || (message.msg_flags & MSG_TRUNC) == 0) return taken;
   return static_cast<ssize_t>(size) + 1;
 }
 extern "C" ssize_t send(int fd, const void* octets, size_t size, int flags) {
-  if (!kernel.speaks) return ::syscall(SYS_sendto, fd, octets, size, flags, nullptr, 0);
+  if (!kernel.answers_now) return ::syscall(SYS_sendto, fd, octets, size, flags, nullptr, 0);
   take_question(octets, size);
   return static_cast<ssize_t>(size);
 }
 /// Of libnl. The real kernel answers as well, which makes the socket readable.
 extern "C" ssize_t sendmsg(int fd, const msghdr* message, int flags) {
-  if (kernel.speaks && message->msg_iovlen > 0)
+  if (kernel.answers_now && message->msg_iovlen > 0)
     take_question(message->msg_iov[0].iov_base, message->msg_iov[0].iov_len);
   return ::syscall(SYS_sendmsg, fd, message, flags);
 }
 extern "C" int poll(pollfd* fds, nfds_t count, int timeout) {
-  if (!kernel.speaks) return static_cast<int>(::syscall(SYS_poll, fds, count, timeout));
+  if (!kernel.answers_now) return static_cast<int>(::syscall(SYS_poll, fds, count, timeout));
   demand(timeout >= 0);
   if (kernel.endless && !kernel.answers.empty()) return 1;
   kernel.now += static_cast<std::uint64_t>(timeout) * kStep;
   return 0;
 }
 extern "C" int clock_gettime(clockid_t clock, timespec* to) noexcept {
-  if (!kernel.speaks || clock != CLOCK_MONOTONIC)
+  if (!kernel.answers_now || clock != CLOCK_MONOTONIC)
     return static_cast<int>(::syscall(SYS_clock_gettime, clock, to));
   to->tv_sec = static_cast<time_t>(kernel.now / 1'000'000'000);
   to->tv_nsec = static_cast<long>(kernel.now % 1'000'000'000);
@@ -188,10 +189,10 @@ extern "C" int clock_gettime(clockid_t clock, timespec* to) noexcept {
 namespace {
 
 void links() {
-  kernel.speaks = false;
+  kernel.answers_now = false;
   auto opened = net::Links::open();
   demand(opened.has_value());
-  kernel.speaks = true;
+  kernel.answers_now = true;
   std::set<int> gone;
   for (int i = 0; i < 3; ++i) {
     const net::LinkTable before = opened->table();
@@ -267,7 +268,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     auto& to = (fate & Fate::notice) != 0 ? kernel.notices : kernel.answers;
     to.push_back({fate, {piece.begin() + 1, piece.end()}});
   }
-  kernel.speaks = true;
+  kernel.answers_now = true;
   switch (data[0] & 0x7fU) {
     case 'l':
       links();
@@ -287,6 +288,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     default:
       break;
   }
-  kernel.speaks = false;
+  kernel.answers_now = false;
   return 0;
 }

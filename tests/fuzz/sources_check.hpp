@@ -17,9 +17,9 @@ inline constexpr std::uint64_t kNow = 1'000'000'000'000;  // ns
 
 /// Within the bounds nothing is out of them, and all of it arrives at mlccad.
 inline void check(core::mesh::Snapshot snapshot) {
-  const auto told = net::bounded(std::move(snapshot), {"a", "10.0.0.1"}, kNow);
-  demand(told.links.size() <= net::kMaxFacts && told.next_hops.size() <= net::kMaxFacts);
-  for (const auto& s : told.links) {
+  const auto kept = net::bounded(std::move(snapshot), {"a", "10.0.0.1"}, kNow);
+  demand(kept.links.size() <= net::kMaxFacts && kept.next_hops.size() <= net::kMaxFacts);
+  for (const auto& s : kept.links) {
     demand(net::is_address(s.from) && net::is_address(s.to));
     demand(s.rate <= net::kMaxRate && s.taken <= kNow);
     demand(s.loss.value_or(0) <= 1'000'000'000 && s.busy.value_or(0) <= core::mesh::kWhole);
@@ -27,13 +27,13 @@ inline void check(core::mesh::Snapshot snapshot) {
   }
   net::facts::AnswerReader reader;
   std::optional<core::mesh::Snapshot> arrived;
-  for (const auto& message : net::facts::answer(told)) {
+  for (const auto& message : net::facts::answer(kept)) {
     demand(!arrived && message.size() <= net::facts::kMaxMessage);
     auto read = reader.take(message);
     demand(read.has_value());
     arrived = std::move(*read);
   }
-  demand(arrived && arrived->links == told.links && arrived->next_hops == told.next_hops);
+  demand(arrived && arrived->links == kept.links && arrived->next_hops == kept.next_hops);
 }
 
 /// Cuts the input into pieces: two octets say how long one is.

@@ -58,7 +58,7 @@ void kernel(Pieces pieces) {
     put(mesh.originators, net::batman::read_originator(message));
     if (auto read = net::wire::read_interface(message)) wire = std::move(*read);
     if (auto read = net::wire::read_link_modes(message)) modes = *read;
-    check(view.look(radio, kNow));
+    check(view.update(radio, kNow));
   }
   check(net::batman::view(mesh, kNow));
   if (wire) check(net::wire::view(*wire, modes, {"a", "b"}, kNow));

@@ -144,7 +144,7 @@ Fd connected(const std::string& path, User user) {
   // NOLINTNEXTLINE(*-reinterpret-cast): as connect() has it
   const int done = ::connect(fd.get(), reinterpret_cast<sockaddr*>(&address), sizeof address);
   if (user != User::root) become(0, 0);
-  demand(done == 0, "nobody can connect");
+  demand(done == 0, "no client can connect");
   return fd;
 }
 

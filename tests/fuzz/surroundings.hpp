@@ -27,7 +27,7 @@ inline constexpr std::size_t kDescriptions = 4;
 inline constexpr std::size_t kUnreadable = 3;
 
 /// Of gateway "gate", lan and bus. c1 is described with both ends (or one, or its subscriber
-/// elsewhere), c2 has a subscriber, c3 and c4 have nobody, c5 a local publisher.
+/// elsewhere), c2 has a subscriber, c3 and c4 have no endpoint, c5 a local publisher.
 std::string description(std::size_t number);
 
 enum class User : std::uint8_t { root, member, outsider };

@@ -9,7 +9,7 @@
 # - candump loses frames of a burst with its default receive buffer (about 278 frames): -r as root.
 # - can-gw ignores a frame whose destination ifindex equals the ifindex of the sender in the sender's
 #   own namespace: vxcan_pair gives every interface an index of its own.
-# - `ip netns exec` hides bpffs, tracefs and debugfs, because it mounts /sys anew; in_ns does not.
+# - `ip netns exec` hides bpffs, tracefs and debugfs, because it mounts /sys again; in_ns does not.
 
 fail() {
 	echo "${BASH_SOURCE[-1]}:${BASH_LINENO[-2]}: $*" >&2
@@ -68,7 +68,7 @@ vxcan_pair() {
 }
 
 # forward NAMESPACE SOURCE DESTINATION: can-gw rules for classic and FD frames, which programs here
-# see as well (-e): the gate of DESTINATION hears its own frames then, without a sender.
+# see as well (-e): the gate of DESTINATION receives its own frames then, without a sender.
 forward() {
 	modprobe can-gw
 	in_ns "$1" cangw -A -s "$2" -d "$3" -e && in_ns "$1" cangw -A -s "$2" -d "$3" -e -X ||

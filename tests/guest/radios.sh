@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # For guest tests with radios (bash): . tests/guest/radios.sh
 #
-# mac80211_hwsim gives radios that hear each other without loss. Radio 0, 1, 2 is the interface mesh0
-# in the namespace node0, node1, node2, with the address 02:00:00:00:0N:00.
+# mac80211_hwsim gives radios that receive each other without loss. Radio 0, 1, 2 is the interface
+# mesh0 in the namespace node0, node1, node2, with the address 02:00:00:00:0N:00.
 . "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 radio=(02:00:00:00:00:00 02:00:00:00:01:00 02:00:00:00:02:00)
@@ -21,8 +21,8 @@ three_radios() {
 	done
 }
 
-# silence N: nobody hears radio N from now on, and it hears nobody.
-silence() {
+# isolate N: no radio receives radio N from now on, nor does it receive any.
+isolate() {
 	echo 2 >/sys/kernel/debug/ieee80211/phy$1/hwsim/group
 }
 
@@ -31,8 +31,8 @@ watch() {
 	exec {watched}< <(in_ns "$1" "$BUILD/tests/watch-source" "${@:2}")
 }
 
-# await SECONDS CONDITION...: takes snapshots until the condition, a function that looks at $line,
-# is true of one; fails the test when none is.
+# await SECONDS CONDITION...: takes snapshots until the condition, a function that reads $line, is
+# true of one; fails the test when none is.
 await() {
 	local end=$((${EPOCHREALTIME/./} + $1 * 1000000)) line_before=$line
 	shift

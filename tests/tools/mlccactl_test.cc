@@ -212,7 +212,7 @@ TEST(MlccactlTest, GateTellsWhatTheStatusKnowsOfItsInterface) {
   });
   const auto outcome = run_mlccactl({"gate", "can0", "--socket", server.path()});
   EXPECT_EQ(outcome.status, 0) << outcome.error;
-  EXPECT_NE(outcome.out.find("held by tcx"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("attached by tcx"), std::string::npos) << outcome.out;
   ASSERT_EQ(server.requests().size(), 2U);
   EXPECT_EQ(server.requests()[0].body,
             (decltype(control::Request::body){control::GateRequest{"can0"}}));
@@ -256,7 +256,7 @@ TEST(MlccactlTest, HoldPrintsObjectsOnlyWhereJsonIsAskedFor) {
   EXPECT_EQ(objects[1].at("admissions"), Json{7});
 }
 
-TEST(MlccactlTest, HoldEndsWhenSomebodyElseReleasesIt) {
+TEST(MlccactlTest, HoldEndsWhenAnotherClientReleasesIt) {
   Server server([](const control::Request&) {
     return Server::Answer{{granted_as_7(), {0, event_of("released", {6, 7})}}};
   });
@@ -287,7 +287,7 @@ TEST(MlccactlTest, HoldsNothingThatIsRefused) {
             3);
 }
 
-TEST(MlccactlTest, ExitsWith1WhenSomebodyWouldLose) {
+TEST(MlccactlTest, ExitsWith1WhenADeliveryWouldLose) {
   auto what_if = test::full_what_if();
   const Arguments arguments{"what-if", "--without", "bridge"};
   EXPECT_EQ(outcome_of(arguments, {0, what_if}).status, 1);
@@ -324,7 +324,7 @@ TEST(MlccactlTest, WithdrawsAndReinstatesWhatIsNamed) {
   EXPECT_EQ(request_of({"reinstate", "a"}), (control::Request{1, control::ReinstateRequest{"a"}}));
 }
 
-TEST(MlccactlTest, WithdrawsNothingWhereNobodyCanBeAsked) {
+TEST(MlccactlTest, WithdrawsNothingWhereNoPersonCanBeAsked) {
   std::size_t asked = 0;
   Server server([&](const control::Request& request) {
     ++asked;
@@ -333,7 +333,7 @@ TEST(MlccactlTest, WithdrawsNothingWhereNobodyCanBeAsked) {
   });
   const auto outcome = run_mlccactl({"withdraw", "a", "--socket", server.path()});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.error.find("say --yes"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("state --yes"), std::string::npos) << outcome.error;
   EXPECT_EQ(asked, 1U);
 }
 

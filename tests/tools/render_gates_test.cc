@@ -19,13 +19,13 @@ TEST(RenderGates, ListsControlTrafficOfAGateBeforeItsChannels) {
   gate.channels[1].per_frame_ns = 0;
   gate.channels[1].per_byte = 2560;
   EXPECT_EQ(render(control::Gates{{gate}}, Color::no),
-            R"(can0 on powertrain: profile j1939, held, 21 of 4094 slots, 3 of 32 masks
+            R"(can0 on powertrain: profile j1939, attached, 21 of 4094 slots, 3 of 32 masks
   can0 is down
-  CONTROL TRAFFIC  WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE   LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
-  address-claim    out  user 0  00eeff00    03ffff00  classic      8  passes  50/s, 257 at once, more is reported       7        2           4       1  more than admitted
-  CHANNEL        WAY  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE    LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
-  engine-speed   in           00eeff00    03ffff00  classic      8  passes   50/s, 257 at once, more is reported       7        2           4       1  more than admitted
-  address-claim  out  user 0  00eeff00    03ffff00  classic      8  refused  100 MB/s, more is reported                7        2           4       1  more than admitted
+  CONTROL TRAFFIC  DIRECTION  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE   LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
+  address-claim    out        user 0  00eeff00    03ffff00  classic      8  passes  50/s, 257 at once, more is reported       7        2           4       1  more than admitted
+  CHANNEL        DIRECTION  FROM    IDENTIFIER  MASK      FORMATS  BYTES  STATE    LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
+  engine-speed   in                 00eeff00    03ffff00  classic      8  passes   50/s, 257 at once, more is reported       7        2           4       1  more than admitted
+  address-claim  out        user 0  00eeff00    03ffff00  classic      8  refused  100 MB/s, more is reported                7        2           4       1  more than admitted
 )");
   EXPECT_EQ(render(control::Gates{}, Color::no), "this gateway has no gates\n");
 }
@@ -64,17 +64,18 @@ std::vector<control::Interface> its_interface() {
 }
 
 TEST(RenderGates, ListsWhatAnEthernetGatePassesBesidesSubjectsAndWhatBecameOfFrames) {
-  EXPECT_EQ(render(control::Gates{{ethernet_gate()}}, its_interface(), Color::no),
-            R"(eth1 on lan: profile famouso, held by clsact, early in the driver, 5000 of 8190 slots
-  OTHER TRAFFIC     WAY  STATE   PASSED
-  no event traffic  in   passes      12
-  CHANNEL   WAY  FORMATS       BYTES  STATE   LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
-  distance  in   unfragmented      8  passes  50/s, 257 at once, more is reported       7        2           4       1  more than admitted
+  EXPECT_EQ(
+      render(control::Gates{{ethernet_gate()}}, its_interface(), Color::no),
+      R"(eth1 on lan: profile famouso, attached by clsact, early in the driver, 5000 of 8190 slots
+  OTHER TRAFFIC     DIRECTION  STATE   PASSED
+  no event traffic  in         passes      12
+  CHANNEL   DIRECTION  FORMATS       BYTES  STATE   LIMIT                                PASSED  DROPPED  WOULD DROP  EXCESS  LAST DROP
+  distance  in         unfragmented      8  passes  50/s, 257 at once, more is reported       7        2           4       1  more than admitted
   and 4999 slots more
-  FATE              WAY  FRAMES
-  no event traffic  in       12
-  malformed         in        3
-  passed            out       1
+  REASON            DIRECTION  FRAMES
+  no event traffic  in             12
+  malformed         in              3
+  passed            out             1
 )");
 }
 

@@ -170,10 +170,10 @@ TEST_F(RenderTest, SaysThatThereIsNothingToRoute) {
 
 TEST_F(RenderTest, ShowsWhoHoldsWhatAndWhatIsLeft) {
   EXPECT_EQ(render(test::full_reservations(), Color::no),
-            R"(RESOURCE             KIND     CAPACITY  RESERVED  OTHERS              FREE
-robot-can: bus time  bus          60 %     1.5 %    10 %            48.5 %
-awds: all links      domain       80 %  42.424 %                  37.576 %
-uplink               network  300 kB/s  400 kB/s          over by 100 kB/s
+            R"(RESOURCE             KIND     CAPACITY  RESERVED  BACKGROUND              FREE
+robot-can: bus time  bus          60 %     1.5 %        10 %            48.5 %
+awds: all links      domain       80 %  42.424 %                      37.576 %
+uplink               network  300 kB/s  400 kB/s              over by 100 kB/s
 bridge               gateway   unknown   160 B/s
 
 robot-can: bus time
@@ -250,9 +250,9 @@ mode         enforce
 channels     3 granted, 1 refused
 grace        10 s, lapsed 2 times
 
-INTERFACE  NETWORK     PROFILE  LINK    CAN STATE        BITRATE  GATE        SLOTS  IN PASSED  IN DROPPED  OUT PASSED  OUT DROPPED  OUT WOULD DROP  MANAGED  IDENTITY
-can0       robot-can   famouso  up      ERROR-ACTIVE  500 kbit/s  held early      4       1001          22        2002           33              34  yes      name can0
-can1       second-can           absent                                            0          0           0           0            0
+INTERFACE  NETWORK     PROFILE  LINK    CAN STATE        BITRATE  GATE            SLOTS  IN PASSED  IN DROPPED  OUT PASSED  OUT DROPPED  OUT WOULD DROP  MANAGED  IDENTITY
+can0       robot-can   famouso  up      ERROR-ACTIVE  500 kbit/s  attached early      4       1001          22        2002           33              34  yes      name can0
+can1       second-can           absent                                                0          0           0           0            0
 
 frames by reason
   INTERFACE  DIRECTION  REASON              FRAMES  WOULD DROP
@@ -334,18 +334,18 @@ TEST_F(RenderTest, SaysThatAClosedGateDeniesEverything) {
             std::string::npos);
 }
 
-TEST_F(RenderTest, SaysThatAnInterfaceIsNotHeld) {
+TEST_F(RenderTest, SaysThatNoGateIsAttachedToAnInterface) {
   auto status = test::full_status();
-  status.interfaces[0].gated = false;
-  EXPECT_NE(render(status, Color::no).find("NOT HELD"), std::string::npos);
+  status.interfaces[0].attached = false;
+  EXPECT_NE(render(status, Color::no).find("NOT ATTACHED"), std::string::npos);
 }
 
 TEST_F(RenderTest, ShowsWhatNetworksProvideAndWhatIsReserved) {
   EXPECT_EQ(
       render(test::full_networks(), Color::no),
-      R"(NETWORK    KIND  PROFILE  STATE       RESERVED  CAPACITY  GATEWAYS               PROVISION
-robot-can  can   famouso  usable       160 B/s   40 kB/s  bridge, second-bridge  Latency 5 ms, Omission at best 5
-mesh       mesh  none     not usable     0 B/s   unknown
+      R"(NETWORK    KIND  PROFILE  STATE        RESERVED  CAPACITY  GATEWAYS               PROVISION
+robot-can  can   famouso  available     160 B/s   40 kB/s  bridge, second-bridge  Latency 5 ms, Omission at best 5
+mesh       mesh  none     unavailable     0 B/s   unknown
 mesh: wlan0 is down
 )");
 }
@@ -396,7 +396,7 @@ TEST(JsonFieldsTest, TellHowWatchedEventsComeAndNullOfOthers) {
   const auto json =
       json_of({1, control::Channels{{test::granted_channel(), test::refused_channel()}}});
   EXPECT_EQ(json.at("channels").at(0).at("watch"), Json::parse(R"({"period_ns": 50000000,
-      "silence_ns": 162075000, "missing_now": true, "events": 1001, "missing": 4,
+      "timeout_ns": 162075000, "missing_now": true, "events": 1001, "missing": 4,
       "since_last_ns": 200000000, "last_gap_ns": 49000000, "shortest_gap_ns": 44000000,
       "longest_gap_ns": 101000000, "jitter_ns": 6000000, "rate_mhz": 19975,
       "gaps": [0, 0, 0, 0, 0, 0, 0, 499, 500, 0, 0, 0, 0, 0, 0, 1]})"));
@@ -440,10 +440,10 @@ TEST(JsonFieldsTest, TellRoutesAndLinks) {
   EXPECT_EQ(json.at("links"), Json::parse(R"([
       {"network": "awds", "from": "laptop", "to": "relay", "rate": 24000000,
        "believed_rate": 22500000, "kind": "phy", "loss": 12500000, "busy": 43000,
-       "age_ns": 1250000000, "stale": false, "lack": "", "source": "nl80211 mesh0"},
+       "age_ns": 1250000000, "stale": false, "state": "", "source": "nl80211 mesh0"},
       {"network": "awds", "from": "relay", "to": "02:00:00:00:00:03", "rate": null,
        "believed_rate": 0, "kind": "derived", "loss": null, "busy": null,
-       "age_ns": 60000000000, "stale": true, "lack": "gone", "source": "awds eth1"}])"));
+       "age_ns": 60000000000, "stale": true, "state": "stale", "source": "awds eth1"}])"));
   EXPECT_EQ(json.at("problems").size(), 2U);
   EXPECT_EQ(json.at("can_rules").at(0), Json::parse(R"({"from": "can1", "to": "can0",
       "id": 2672296036, "mask": 3758096383, "fd": true, "ours": true,

@@ -39,10 +39,10 @@ TEST(StatusCheck, ExitsAsMonitoringSystemsTakeIt) {
 
 /// A monitoring system shows what stands on standard output, and takes 2 for closed gates.
 TEST(StatusCheck, SaysInOneLineThatTheHealthIsUnknown) {
-  const auto nobody = run_mlccactl({"status", "--check", "--socket", "/nonexistent"});
-  EXPECT_EQ(nobody.status, 3);
-  EXPECT_EQ(nobody.out, "UNKNOWN: no daemon: /nonexistent: No such file or directory\n");
-  EXPECT_EQ(nobody.error, "");
+  const auto no_daemon = run_mlccactl({"status", "--check", "--socket", "/nonexistent"});
+  EXPECT_EQ(no_daemon.status, 3);
+  EXPECT_EQ(no_daemon.out, "UNKNOWN: no daemon: /nonexistent: No such file or directory\n");
+  EXPECT_EQ(no_daemon.error, "");
   Server server(always({0, control::Error{control::ErrorKind::invalid, "this is wrong", {}}}));
   const auto refused = run_mlccactl({"status", "--check", "--socket", server.path()});
   EXPECT_EQ(refused.status, 3);

@@ -32,7 +32,7 @@ constexpr const char* kOtherScreen = "\x1b[?1049h";
 constexpr const char* kShellScreen = "\x1b[?1049l";
 constexpr const char* kCursor = "\x1b[?25h";
 
-/// A daemon whose only delivery passes 100 frames from look to look.
+/// A daemon whose only delivery passes 100 frames from poll to poll.
 Server::Handler gateway() {
   return [passed = std::make_shared<std::uint64_t>(0)](const control::Request& request) {
     control::Reply reply{0, control::Done{"?"}};

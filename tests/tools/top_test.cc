@@ -53,7 +53,7 @@ TEST(TopRatesTest, ARateIsTheDifferenceOverTheTime) {
   EXPECT_DOUBLE_EQ(rows[0].used.value(), 1);  // 20 a second of one each 50 ms
 }
 
-TEST(TopRatesTest, TheFirstLookHasNoRates) {
+TEST(TopRatesTest, TheFirstPollHasNoRates) {
   const auto rows = rows_by_subject(nullptr, sample(10, {delivery("beat", 100, 7)}));
   EXPECT_FALSE(rows.at(0).rate);
   EXPECT_FALSE(rows.at(0).drops);
@@ -98,7 +98,7 @@ TEST(TopRatesTest, WatchedEventsTellJitterLossAndWhatIsUsed) {
   EXPECT_EQ(rows.at(0).verdict, "granted");
   channel.watch->missing_now = true;
   rows = rows_by_subject(&before, sample(12, {channel}));
-  EXPECT_EQ(rows.at(0).verdict, "SILENT");
+  EXPECT_EQ(rows.at(0).verdict, "MISSING");
 }
 
 TEST(TopRatesTest, WhatIsWrongWithAGrantStandsInPlaceOfIt) {
@@ -223,7 +223,7 @@ TEST(TopRatesTest, ANetworkSumsItsInterfacesAndWeighsWhatIsUsed) {
   const auto rows = rows_by_network(&before, now);
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].place, "2 of 2");
-  EXPECT_EQ(rows[0].verdict, "usable");
+  EXPECT_EQ(rows[0].verdict, "available");
   EXPECT_DOUBLE_EQ(rows[0].rate.value(), 100);
   EXPECT_DOUBLE_EQ(rows[0].drops.value(), 3);
   EXPECT_DOUBLE_EQ(rows[0].reserved.value(), 0.06);  // of the bus: of the bytes it is less
@@ -312,7 +312,7 @@ TEST(TopOrderTest, EqualRowsKeepTheirOrder) {
   EXPECT_EQ(names(arranged({row("b", 1), row("a", 1)}, {})), "ba");
 }
 
-TEST(TopOrderTest, AFilterLooksAtAllTextsInAnyCase) {
+TEST(TopOrderTest, AFilterMatchesAllTextsInAnyCase) {
   View view;
   view.filter = "VID";
   EXPECT_EQ(names(arranged({row("video", 1), row("beat", 1)}, view)), "video");

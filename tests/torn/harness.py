@@ -132,7 +132,7 @@ class Trap:
 
 
 class Daemon:
-    """mlccad, which tells when it is ready, in the place of systemd."""
+    """mlccad, which reports when it is ready, in the place of systemd."""
 
     def __init__(self, description, run, state, grace, trap=None, log="/dev/null"):
         self.description, self.run, self.state, self.grace, self.trap = description, run, state, grace, trap
@@ -159,7 +159,7 @@ class Daemon:
         self.started += 1
 
     def listen(self, notify):
-        """Reads all that any daemon tells: sd_notify(3) waits where nobody does."""
+        """Reads all that any daemon reports: sd_notify(3) waits where no process does."""
         notify.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
         while True:
             text, control, _, _ = notify.recvmsg(4096, socket.CMSG_SPACE(12))
@@ -223,7 +223,7 @@ class Daemon:
 
 
 def main(harness):
-    """Runs it; a failure is told in one line, and is the exit status."""
+    """Runs it; a failure is printed in one line, and is the exit status."""
     try:
         harness()
     except Failure as failure:

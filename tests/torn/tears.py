@@ -84,7 +84,7 @@ class World:
         return os.path.exists(f"/sys/class/net/{interface}")
 
     def settle(self):
-        """The daemon looks at what was torn once a second."""
+        """The daemon checks once a second what was torn."""
         begin = time.monotonic()
         while time.monotonic() < begin + 1.5:
             self.ask("status")
@@ -141,7 +141,7 @@ class World:
     # --- processor and memory ---------------------------------------------------------------------------
 
     def hog(self):
-        """Every processor, above everybody else, for two graces. It ends by itself: nothing else runs meanwhile that
+        """Every processor, above all others, for two graces. It ends by itself: nothing else runs meanwhile that
         could end it, but the kernel, which kills it at twice the time (RLIMIT_RTTIME)."""
         for cpu in os.sched_getaffinity(0):
             self.hogs.append(subprocess.Popen([sys.executable, "-Sc", HOG, str(cpu)]))

@@ -50,7 +50,7 @@ Result<void> filter(int fd) {
 Result<Capture> Capture::open(std::string interface) {
   if (interface.empty() || interface.size() >= IFNAMSIZ)
     return fail("\"" + interface + "\" is no name of an interface");
-  // Protocol 0: hears nothing until it is bound to an interface.
+  // Protocol 0: receives nothing until it is bound to an interface.
   Fd socket(::socket(AF_PACKET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!socket) return system_error("packet socket (needs CAP_NET_RAW)");
   if (auto filtered = filter(socket.get()); !filtered) return std::unexpected(filtered.error());
@@ -79,7 +79,7 @@ Result<void> Capture::follow() {
 }
 
 std::span<const std::uint8_t> Capture::next(std::span<std::uint8_t> buffer) const {
-  // An error of the interface (it is down) is told once, in place of a packet.
+  // An error of the interface (it is down) is reported once, in place of a packet.
   for (int attempt = 0; attempt < 2; ++attempt) {
     const auto size = ::recv(fd(), buffer.data(), buffer.size(), 0);
     if (size > 0) return buffer.first(static_cast<std::size_t>(size));

@@ -12,7 +12,7 @@ namespace mlcca::awds {
 
 class Capture {
  public:
-  /// Needs CAP_NET_RAW; nothing later does. Hears nothing before follow().
+  /// Needs CAP_NET_RAW; nothing later does. Receives nothing before follow().
   static Result<Capture> open(std::string interface);
 
   /// Readable when a packet is there. The kernel lets nothing else through than floods of the kind

@@ -60,21 +60,21 @@ class Relay {
       return fail(net::system_error("watching the interface", -e));
     io_.reset(raw);
     if (auto started = readers_.start(); !started) return started;
-    return timer_.start(loop_, [this] { look(); });  // at once, and then again and again
+    return timer_.start(loop_, [this] { poll(); });  // at once, and then periodically
   }
 
  private:
-  void look() {
+  void poll() {
     std::string problem;
     if (const auto following = capture_.follow(); !following) problem = following.error().text;
     if (problem != problem_) {
       say(problem.empty() ? "listening" : problem);
       problem_ = std::move(problem);
-      told_ = false;
+      reported_ = false;
     }
-    if (!told_)  // until it is taken: systemd waits for the first one
-      told_ = notify("READY=1\nSTATUS=" + (problem_.empty() ? "listening" : problem_));
-    timer_.set(net::kLookAgain);
+    if (!reported_)  // until it is taken: systemd waits for the first one
+      reported_ = notify("READY=1\nSTATUS=" + (problem_.empty() ? "listening" : problem_));
+    timer_.set(net::kPollInterval);
   }
 
   static int on_packets(sd_event_source*, int, std::uint32_t, void* self) noexcept {
@@ -94,7 +94,7 @@ class Relay {
   net::EventSource io_;
   net::Timer timer_;
   std::string problem_;
-  bool told_ = false;  ///< systemd knows of problem_
+  bool reported_ = false;  ///< systemd knows of problem_
 };
 
 Result<void> serve(const std::string& interface, const char* path) {
@@ -128,7 +128,7 @@ int main(int argc, char** argv) {
     mlcca::awds::say("usage: mlcca-awds INTERFACE [SOCKET]");
     return 2;
   }
-  ::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): a log that nobody reads any more
+  ::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): a log without a reader
   try {
     const auto served = mlcca::awds::serve(argv[1], argc == 3 ? argv[2] : nullptr);
     if (served) return 0;

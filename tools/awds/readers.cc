@@ -26,7 +26,7 @@ Result<void> Readers::start() {
 }
 
 void Readers::send(std::span<const std::uint8_t> packet) const {
-  // On again where there were no descriptors when somebody connected.
+  // On again where there were no descriptors when a reader connected.
   sd_event_source_set_enabled(source_.get(), SD_EVENT_ON);
   // NOLINTBEGIN(bugprone-unused-return-value): who has hung up is noticed by on_hangup
   for (const auto& [fd, reader] : readers_)

@@ -65,7 +65,7 @@ class Generate {
     const auto units = units_of(*system, a_.components);
     if (!units) return refuse(Exit::usage, units.error().text);
     if (units->empty())
-      return refuse(Exit::usage, a_.system + ": nobody publishes or subscribes anything");
+      return refuse(Exit::usage, a_.system + ": no endpoint publishes or subscribes anything");
     const auto output = TargetFolder::open(a_.out);
     if (!output) return refuse(Exit::world, output.error().text);
     if (auto done = make(*system, *units, *output); !done) return done;
@@ -84,7 +84,7 @@ class Generate {
       const auto old = output.read(name, kMaxCallbacks);
       if (!old) return refuse(Exit::world, old.error().text);
       auto text = *old ? std::optional((*old)->text) : std::nullopt;
-      // What somebody else wrote has no code of ours; only --force may replace it.
+      // A file that another program wrote has no code of ours; only --force may replace it.
       const bool foreign = text && !text->substr(0, text->find('\n')).contains(kMark);
       auto callbacks =
           callbacks_of(system, unit, header->callbacks, foreign ? std::nullopt : text, a_.force);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Files that are read whole and replaced whole: whoever looks sees the old content or the new.
+// Files that are read and replaced as a whole: a reader sees the old content or the new one.
 #pragma once
 #include <sys/stat.h>
 

@@ -8,7 +8,7 @@
 
 namespace mlcca::tools::design {
 
-/// What every verb is told, and where it leaves its exit status.
+/// What every verb gets, and where it leaves its exit status.
 struct Context {
   bool json = false;
   bool no_color = false;  ///< as asked for; see color_of()

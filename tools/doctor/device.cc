@@ -22,7 +22,7 @@ constexpr std::array kModes = {
     Mode{CAN_CTRLMODE_LOOPBACK, "loopback", "frames do not reach the bus"},
     Mode{CAN_CTRLMODE_LISTENONLY, "listen-only", "it neither sends nor acknowledges"},
     Mode{CAN_CTRLMODE_ONE_SHOT, "one-shot", "a frame that loses arbitration is not sent again"},
-    Mode{CAN_CTRLMODE_PRESUME_ACK, "presume-ack", "what nobody received counts as sent"},
+    Mode{CAN_CTRLMODE_PRESUME_ACK, "presume-ack", "a frame that no node received counts as sent"},
     Mode{CAN_CTRLMODE_FD_NON_ISO, "fd-non-iso", "nodes of ISO 11898-1:2015 do not understand it"},
     Mode{CAN_CTRLMODE_FD, "fd", nullptr},
     Mode{CAN_CTRLMODE_3_SAMPLES, "triple-sampling", nullptr},
@@ -81,7 +81,7 @@ Line judge_restart(const Device& device) {
             fmt::format("WARNING: {0} ms after a bus-off it restarts by itself, which hides the "
                         "bus-off: ip link set {1} type can restart-ms 0",
                         ms, device.link.name)};
-  return {"restart", Outcome::ok, "none by itself (restart-ms 0): a bus-off stays and is told"};
+  return {"restart", Outcome::ok, "none by itself (restart-ms 0): a bus-off stays and is reported"};
 }
 
 Line judge_clock(const Device& device) {

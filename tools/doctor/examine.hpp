@@ -21,8 +21,8 @@ struct Request {
   unsigned bus_off_seconds = 0;        ///< 0: is not waited for
 };
 
-/// `say` tells the person in front of it what happens, and what to do.
-/// Errors: the interface cannot be read.
+/// `say` prints for the operator what happens, and what to do. Errors: the interface cannot be
+/// read.
 Result<std::vector<Line>> examine(const Request& request,
                                   const std::function<void(const std::string&)>& say);
 

@@ -12,11 +12,11 @@ namespace mlcca::doctor {
 namespace {
 
 constexpr unsigned kDeepest = 64;  ///< that a description can say
-/// An error frame and rtnetlink tell the same bus-off: the kernel gathers changes of a link for up
-/// to a second.
+/// An error frame and rtnetlink report the same bus-off: the kernel gathers changes of a link for
+/// up to a second.
 constexpr std::uint64_t kTogether = 2'000'000'000;
-constexpr const char* kNobody =
-    "nobody acknowledges: is another node on the bus, terminated and at this rate?";
+constexpr const char* kNoAcknowledge =
+    "no node acknowledges: is another node on the bus, terminated and at this rate?";
 
 std::uint64_t apart(std::uint64_t a, std::uint64_t b) { return a > b ? a - b : b - a; }
 
@@ -84,18 +84,20 @@ void PassageCount::take_seen(const Seen& seen) {
 Line judge_echo(const Device& device, std::span<const Single> singles) {
   if (std::ranges::any_of(singles, &Single::refused))
     return {"echo", Outcome::failed,
-            fmt::format("there is no room for a frame (ENOBUFS): its queue is full of what nobody "
-                        "acknowledged, or a filter drops it (tc filter show dev {} egress)",
-                        device.link.name)};
+            fmt::format(
+                "there is no room for a frame (ENOBUFS): its queue is full of frames that no node "
+                "acknowledged, or a filter drops it (tc filter show dev {} egress)",
+                device.link.name)};
   const auto none = [](const Single& s) { return s.echoes_ns.empty(); };
   const auto missing = std::ranges::count_if(singles, none);
   if (singles.empty() || none(singles.front()))
     return {"echo", Outcome::failed,
             fmt::format("none within {} ms: {}", kPatienceMs,
-                        is_virtual(device) ? "somebody drops the frames" : kNobody)};
+                        is_virtual(device) ? "another program drops the frames" : kNoAcknowledge)};
   if (missing != 0)
     return {"echo", Outcome::failed,
-            fmt::format("{} of {} frames did not come back: {}", missing, singles.size(), kNobody)};
+            fmt::format("{} of {} frames did not come back: {}", missing, singles.size(),
+                        kNoAcknowledge)};
   for (const Single& s : singles)
     if (s.echoes_ns.size() > 1)
       return {"echo", Outcome::failed,
@@ -190,10 +192,11 @@ Line judge_bus_off(const BusOff& seen) {
     return failed(fmt::format("the error frame and the state of the interface are {} s apart",
                               seconds(apart(*seen.frame_ns, *seen.link_ns))));
   if (!seen.recovered_ns)
-    return failed(fmt::format("told, but it did not end within {} s", seen.seconds));
-  return {"bus-off", Outcome::ok,
-          fmt::format("told by an error frame and by the state of the interface; over {} s later",
-                      seconds(*seen.recovered_ns - std::min(*seen.recovered_ns, *seen.link_ns)))};
+    return failed(fmt::format("reported, but it did not end within {} s", seen.seconds));
+  return {
+      "bus-off", Outcome::ok,
+      fmt::format("reported by an error frame and by the state of the interface; over {} s later",
+                  seconds(*seen.recovered_ns - std::min(*seen.recovered_ns, *seen.link_ns)))};
 }
 
 Line judge_counters(const std::optional<net::ErrorCounters>& before,

@@ -54,7 +54,7 @@ bool receives(const Fd& fd, const Probe& probe) {
          frame.len == probe.len;
 }
 
-/// An error at the socket is a drop by the gate: its counter tells.
+/// An error at the socket is a drop by the gate: its counter shows it.
 void send(const Fd& fd, const Probe& probe) {
   canfd_frame frame{};
   frame.can_id = probe.id;
@@ -64,7 +64,7 @@ void send(const Fd& fd, const Probe& probe) {
 
 }  // namespace
 
-/// As it was read, byte by byte; but nothing is policed, and nobody watches.
+/// As it was read, byte by byte; but nothing is policed or supervised.
 Result<void> CanCopies::add(const enforce::GateReading& gate, const Original& original) {
   const int far = kFarIndex + static_cast<int>(gate.ifindex);
   if (auto made = net::make_pair("vxcan", {gate.interface, static_cast<int>(gate.ifindex)},

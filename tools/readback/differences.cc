@@ -51,7 +51,7 @@ Words words_of(const SlotSpec& s, bool ethernet, const NameOf& name_of) {
           fmt::format("tolerance {} ns", s.tolerance),
           fmt::format("excess {}", s.excess_passes ? "passes" : "dropped"),
           fmt::format("period {} ns", s.period),
-          fmt::format("silence {} ns", s.silence),
+          fmt::format("timeout {} ns", s.silence),
           fmt::format("together {} ns", s.together)};
 }
 
@@ -76,7 +76,7 @@ struct Odd {
 };
 
 /// Each of those that are there is taken for the one that it is most like.
-void tell(Odd& odd, const std::string& where, std::vector<std::string>& to) {
+void list(Odd& odd, const std::string& where, std::vector<std::string>& to) {
   for (const Words& is : odd.is) {
     const auto like = std::ranges::min_element(
         odd.ought, {}, [&is](const Words& ought) { return unlike(is, ought); });
@@ -92,7 +92,7 @@ void tell(Odd& odd, const std::string& where, std::vector<std::string>& to) {
     to.push_back(fmt::format("{}: is not there; ought to be {}", where, fmt::join(ought, ", ")));
 }
 
-/// An Ethernet gate watches as many slots as it can, and tells that the others are not watched.
+/// An Ethernet gate watches as many slots as it can, and reports that the others are not watched.
 bool watches_all_it_can(const GateReading& gate) {
   return gate.ethernet && std::ranges::count_if(gate.slots, [](const SlotSpec& s) {
                             return s.period != 0;
@@ -127,7 +127,7 @@ std::vector<std::string> differences(const GateReading& gate, std::span<const Sl
     odd[{s.subject, s.direction}].ought.push_back(words_of(s, gate.ethernet, name_of));
   std::vector<std::string> lines;
   for (auto& [of, slots] : odd)
-    tell(slots,
+    list(slots,
          fmt::format("{} {} {}", gate.interface,
                      of.second == Direction::ingress ? "ingress" : "egress",
                      core::format_subject(of.first)),

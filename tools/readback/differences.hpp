@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Slot by slot: what a gate holds against what the daemon told it to hold.
+// Slot by slot: what a gate holds, compared with what the daemon wrote into it.
 #pragma once
 #include <functional>
 #include <span>

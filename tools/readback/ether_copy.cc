@@ -50,7 +50,7 @@ bool fill(const Fd& to, const std::vector<T>& from) {
   return true;
 }
 
-/// As it was read, byte by byte; but nothing is policed, and nobody watches.
+/// As it was read, byte by byte; but nothing is policed or supervised.
 Result<void> copy_table(const enforce::EtherImage& from, const enforce::EtherPinned& to) {
   if (from.sizes != to.sizes) return fail("its copy has another size");
   if (!fill(to.maps.table, from.table) || !fill(to.maps.buckets, from.buckets) ||
@@ -131,7 +131,7 @@ Result<Fate> EtherCopy::fate(const EtherProbe& probe) const {
   const Fd& to = probe.out ? ends.far : ends.near;
   const auto frame = frame_of(probe);
   const auto send = [&] {
-    // An error is a drop by the gate: its counter tells.
+    // An error is a drop by the gate: its counter shows it.
     static_cast<void>(::write(from.get(), frame.data(), frame.size()));
   };
   return fate_of(to, [&] { return drops_of(gate_); }, send, [&] { return receives(to, frame); });

@@ -15,7 +15,8 @@ namespace {
 
 /// Larger ones come in IP fragments.
 constexpr std::uint16_t kMostPayload = 1400;
-/// 192.0.2.1, and where that is somebody the next ones (RFC 5737: nobody's).
+/// 192.0.2.1, and where that is a station of the table the next ones (RFC 5737: they belong to no
+/// host).
 constexpr std::uint64_t kStation = 0xc0000201;
 
 void put(std::vector<std::uint8_t>& to, std::uint64_t number, unsigned octets) {
@@ -141,7 +142,7 @@ std::vector<std::uint8_t> datagram(const EtherProbe& probe) {
   put(frame, ip_header + udp, 2);
   put(frame, 0x00004000, 4);  // not to be fragmented
   put(frame, 0x0111, 2);      // one hop, UDP
-  put(frame, 0, 2);           // without a checksum: nobody here looks at it
+  put(frame, 0, 2);           // without a checksum: no program here checks it
   put(frame, probe.station, 4);
   put(frame, 0xef4d4c43, 4);
   put(frame, ETHER_MULTICAST_PORT, 2);

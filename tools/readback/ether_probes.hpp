@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which datagrams prove what an Ethernet gate has been told, and what must become of them. Pure.
+// Which datagrams prove what an Ethernet gate holds, and what must become of them. Pure.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -29,7 +29,7 @@ class EtherProbes {
   explicit EtherProbes(const enforce::GateReading& gate);
 
   /// For every slot a datagram that fits it, one that is longer, and one from a station without a
-  /// slot; and a subject that nobody has.
+  /// slot; and a subject without a slot.
   [[nodiscard]] const std::vector<EtherProbe>& probes() const { return probes_; }
   /// Why others are out of reach, one line each.
   [[nodiscard]] const std::vector<std::string>& untried() const { return untried_; }

@@ -26,8 +26,8 @@ inline std::uint64_t drops_of(const enforce::PortGate& gate) {
   return sum;
 }
 
-/// `to` is readable when it has come; `receive` tells whether that was it; `drops` counts what the
-/// gates on the way have dropped.
+/// `to` is readable when it has come; `receive` returns whether that was it; `drops` counts what
+/// the gates on the way have dropped.
 template <class Drops, class Send, class Receive>
 Fate fate_of(const Fd& to, const Drops& drops, const Send& send, const Receive& receive) {
   constexpr std::chrono::seconds patience{1};

@@ -38,7 +38,7 @@ constexpr const char* kFooter =
 
 /// A daemon changes its gates first and then the journal: what is wrong between the two is right a
 /// little later.
-constexpr int kLooks = 4;
+constexpr int kReadings = 4;
 constexpr std::chrono::milliseconds kBetween{100};
 
 /// A copy of the journal is opened, because the daemon holds the journal itself.
@@ -60,7 +60,7 @@ Result<store::Contents> read_journal(const std::string& state_directory) {
   return contents;
 }
 
-/// The interface of each port is the one that the journal says, and has a gate; and nobody else's
+/// The interface of each port is the one that the journal says, and has a gate; and no other
 /// interface passes anything.
 std::vector<std::string> compare_ports(const enforce::Reading& reading,
                                        const store::Contents& journal) {
@@ -157,7 +157,7 @@ std::string json(const enforce::Reading& reading, const Rest& rest, const Trials
 }
 
 const char* state_of(const enforce::Reading& reading) {
-  if (reading.lapsed) return "closed by the kernel: the daemon is silent";
+  if (reading.lapsed) return "closed by the kernel: the daemon gives no heart-beat";
   return reading.open ? "open" : "closed";
 }
 
@@ -200,7 +200,7 @@ Trials try_gates(enforce::Reading& reading, const std::string& root) {
   return trials;
 }
 
-struct Look {
+struct Comparison {
   enforce::Reading reading;
   Rest rest;
 
@@ -209,8 +209,8 @@ struct Look {
              return gate.problems.empty();
            });
   }
-  /// Only what was wrong in a former look, too.
-  void keep_what_was_wrong_in(const Look& former) {
+  /// Only what was wrong in a former comparison, too.
+  void keep_what_was_wrong_in(const Comparison& former) {
     const auto keep = [](std::vector<std::string>& now, const std::vector<std::string>& before) {
       std::erase_if(now,
                     [&](const auto& p) { return std::ranges::find(before, p) == before.end(); });
@@ -225,7 +225,7 @@ struct Look {
   }
 };
 
-Result<Look> look(const std::string& root, const std::string& state) {
+Result<Comparison> compare(const std::string& root, const std::string& state) {
   auto reading = enforce::read_back(root);
   if (!reading) return std::unexpected(reading.error());
   const auto journal = read_journal(state);
@@ -233,14 +233,14 @@ Result<Look> look(const std::string& root, const std::string& state) {
   for (auto& gate : reading->gates) find_filters_before(gate);
   readback::compare_slots(*reading, *journal);
   Rest rest{without_gate(*reading), compare_ports(*reading, *journal)};
-  return Look{std::move(*reading), std::move(rest)};
+  return Comparison{std::move(*reading), std::move(rest)};
 }
 
-Result<Look> look_until_good(const std::string& root, const std::string& state) {
-  auto last = look(root, state);
-  for (int i = 1; i < kLooks && last && !last->good(); ++i) {
+Result<Comparison> compare_until_good(const std::string& root, const std::string& state) {
+  auto last = compare(root, state);
+  for (int i = 1; i < kReadings && last && !last->good(); ++i) {
     std::this_thread::sleep_for(kBetween);
-    auto next = look(root, state);
+    auto next = compare(root, state);
     if (next) next->keep_what_was_wrong_in(*last);
     last = std::move(next);
   }
@@ -248,7 +248,7 @@ Result<Look> look_until_good(const std::string& root, const std::string& state) 
 }
 
 int verify(const std::string& root, const std::string& state, bool as_json, bool probes) {
-  auto found = look_until_good(root, state);
+  auto found = compare_until_good(root, state);
   if (!found) {
     const std::string& why = found.error().text;
     if (as_json)

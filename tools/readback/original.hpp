@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which programs a gate has pinned, looked at before its pins are out of sight.
+// Which programs a gate has pinned, read before its pins are out of sight.
 #pragma once
 #include <array>
 #include <string>

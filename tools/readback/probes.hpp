@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which frames prove what a CAN gate has been told, and what must become of them. Pure.
+// Which frames prove what a CAN gate holds, and what must become of them. Pure.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -32,7 +32,7 @@ struct Probes {
   std::size_t untried = 0;    ///< slots that no frame of ours can reach
 };
 
-/// For every slot a frame that fits it and one that is longer; and one with a key that nobody has.
+/// For every slot a frame that fits it and one that is longer; and one with a key without a slot.
 /// Out of reach are slots for CAN XL alone and for what the kernel itself sends.
 Probes probes_for(const enforce::GateReading& gate);
 

@@ -31,7 +31,7 @@ Result<void> enter_namespaces(const std::string& root) {
   return {};
 }
 
-/// The copies judge even in audit mode, and as long as it takes: nobody beats for them. Verdicts
+/// The copies judge even in audit mode, and as long as it takes, without a heart-beat. Verdicts
 /// that the daemon has put in force since the reading are none of theirs.
 Result<void> copy_control(const Fd& original, std::uint32_t generation,
                           const enforce::Control& control) {

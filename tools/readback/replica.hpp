@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A copy of the gateway in a network namespace of its own: virtual interfaces with the names and
 // indices of the real ones, our programs with copies of the tables in force. Frames that are sent
-// there touch no bus, no counter and nobody's share.
+// there touch no bus, no counter of the gateway and no publisher's share.
 #pragma once
 #include <string>
 #include <vector>

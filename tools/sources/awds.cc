@@ -31,15 +31,15 @@ class Awds final : public LinkSource {
         graph_(metric, std::move(described)) {}
 
   Result<void> start() {
-    if (auto pace = pace_.start(loop_, [this] { tell(); }); !pace) return pace;
-    return timer_.start(loop_, [this] { look(); });
+    if (auto pace = pace_.start(loop_, [this] { report(); }); !pace) return pace;
+    return timer_.start(loop_, [this] { poll(); });
   }
 
  private:
-  void look() {
+  void poll() {
     if (!socket_) connect();
     pace_.ask();
-    timer_.set(kLookAgain);
+    timer_.set(kPollInterval);
   }
 
   void connect() {
@@ -86,14 +86,14 @@ class Awds final : public LinkSource {
     if (changed) pace_.ask();
   }
 
-  /// What was heard stays true for as long as it is valid; looking again connects.
+  /// What was received stays true for as long as it is valid; the next poll connects.
   void disconnect(const std::string& why) {
     io_.reset();
     socket_.reset();
     problem_ = path_ + ": " + why;
   }
 
-  void tell() {
+  void report() {
     auto snapshot = graph_.snapshot(time_of(loop_));
     if (snapshot.links.empty() && !problem_.empty()) snapshot.problem = problem_;
     report_(std::move(snapshot));

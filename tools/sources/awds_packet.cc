@@ -152,7 +152,7 @@ std::uint64_t weight_of(AwdsMetric metric, std::uint16_t forward,
   return kNoBackward;
 }
 
-std::uint64_t Graph::Heard::valid() const {
+std::uint64_t Graph::Received::valid() const {
   return std::min(topology.validity * kNanosPerMilli, kMaxValidity);
 }
 
@@ -161,7 +161,7 @@ void Graph::forget_expired(std::uint64_t now) {
                 [now](const auto& node) { return now - node.second.at >= node.second.valid(); });
 }
 
-/// False: everybody who is known has more right to be.
+/// False: every known node has precedence.
 bool Graph::make_room(bool for_described) {
   if (nodes_.size() < kMaxNodes) return true;
   crowded_ = true;
@@ -178,7 +178,7 @@ bool Graph::make_room(bool for_described) {
 bool Graph::take(Topology topology, std::uint64_t now) {
   forget_expired(now);
   const auto known = nodes_.find(topology.source);
-  // Sequence numbers wrap: the nearer way round tells which is newer. A node that has started again
+  // Sequence numbers wrap: the shorter distance shows which is newer. A node that has started again
   // counts from 0 and is believed when what it said before has expired.
   if (known != nodes_.end() &&
       static_cast<std::int16_t>(topology.sequence - known->second.topology.sequence) <= 0)
@@ -191,7 +191,7 @@ bool Graph::take(Topology topology, std::uint64_t now) {
   const NodeId source = topology.source;
   const bool described = described_.contains(address_of(source));
   if (!make_room(described)) return false;
-  nodes_.emplace(source, Heard{std::move(topology), now, now, described});
+  nodes_.emplace(source, Received{std::move(topology), now, now, described});
   return true;
 }
 
@@ -208,23 +208,23 @@ core::mesh::Snapshot Graph::snapshot(std::uint64_t now) {
   forget_expired(now);
   core::mesh::Snapshot out;
   bool foreign = false;
-  for (const auto& [reporter, heard] : nodes_) {
-    for (const auto& neighbour : heard.topology.neighbours) {
+  for (const auto& [reporter, received] : nodes_) {
+    for (const auto& neighbour : received.topology.neighbours) {
       auto sample = sample_of(metric_, reporter, neighbour);
       if (!sample) {
         foreign = true;
         continue;
       }
       sample->weight = weight_of(metric_, neighbour.quality, quality(neighbour.id, reporter));
-      sample->taken = heard.at;
-      sample->valid = heard.valid();
+      sample->taken = received.at;
+      sample->valid = received.valid();
       out.links.push_back(std::move(*sample));
     }
   }
-  if (nodes_.empty()) out.problem = "no topology packet was heard";
+  if (nodes_.empty()) out.problem = "no topology packet was received";
   if (std::exchange(crowded_, false))
     out.problem = "more than " + std::to_string(kMaxNodes) +
-                  " nodes are heard: further ones that are not described are ignored";
+                  " nodes are known: further ones that are not described are ignored";
   if (out.links.empty() && foreign)
     out.problem = "the qualities that are sent are none of the described metric";
   return out;

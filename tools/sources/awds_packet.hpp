@@ -80,10 +80,10 @@ class Graph {
   [[nodiscard]] core::mesh::Snapshot snapshot(std::uint64_t now);
 
  private:
-  struct Heard {
+  struct Received {
     Topology topology;
     std::uint64_t at = 0;     ///< ns
-    std::uint64_t since = 0;  ///< ns: when it was heard first
+    std::uint64_t since = 0;  ///< ns: when it was received first
     bool described = false;
     [[nodiscard]] std::uint64_t valid() const;
   };
@@ -94,7 +94,7 @@ class Graph {
 
   core::mesh::AwdsMetric metric_;
   Described described_;
-  std::map<NodeId, Heard> nodes_;
+  std::map<NodeId, Received> nodes_;
   bool crowded_ = false;  ///< a node was left out since the last snapshot
 };
 

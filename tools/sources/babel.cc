@@ -82,7 +82,7 @@ Line State::take(std::string_view line) {
     flush(kind, id);
   else if (!take_entry(kind, id, fields))
     return Line::too_much;
-  return Line::news;
+  return Line::fact;
 }
 
 bool State::take_entry(std::string_view kind, const std::string& id, const Fields& fields) {
@@ -166,7 +166,7 @@ std::string State::own_name(const std::string& interface, const std::string& hos
 
 State::Names State::neighbours_by_host() const {
   Names out;
-  // A route that costs nothing beyond the neighbour is the neighbour's own.
+  // A route that costs nothing after the neighbour is the neighbour's own.
   for (const auto& [id, route] : routes_)
     if (route.refmetric == 0 && described_.contains(route.host))
       out.try_emplace(route.via, route.host);
@@ -195,7 +195,7 @@ core::mesh::Snapshot State::snapshot() const {
     there.weight = neighbour.cost;
     core::mesh::Sample back = there;
     std::swap(back.from, back.to);
-    // What we count of a neighbour's hellos is our rxcost; what it counts of ours it tells us.
+    // What we count of a neighbour's hellos is our rxcost; what it counts of ours it reports to us.
     there.loss = loss_of(neighbour.txcost);
     back.loss = loss_of(neighbour.rxcost);
     out.links.push_back(std::move(there));
@@ -216,8 +216,8 @@ namespace {
 
 constexpr std::uint64_t kPatience = 5'000'000;  // µs
 
-/// Is told of changes as they happen, and asks for everything each second: an answer shows that
-/// babeld is still there and means what it has said.
+/// Receives changes as they happen, and asks for everything each second: an answer shows that
+/// babeld is still there and that its reports still hold.
 class Babel final : public LinkSource {
  public:
   Babel(Endpoint endpoint, Described described, sd_event* loop, Report report)
@@ -226,14 +226,14 @@ class Babel final : public LinkSource {
         loop_(loop),
         report_(std::move(report)),
         state_(described_),
-        client_(std::move(endpoint), kLookAgain, kPatience,
+        client_(std::move(endpoint), kPollInterval, kPatience,
                 {.connected = [this] { begin(); },
                  .line = [this](std::string_view line) { take(line); },
                  .ended = [this](const std::string& why) { lost(why); }}) {}
 
   Result<void> start() {
     if (auto timer = timer_.start(loop_, [this] { ask(); }); !timer) return timer;
-    if (auto pace = pace_.start(loop_, [this] { tell(); }); !pace) return pace;
+    if (auto pace = pace_.start(loop_, [this] { report(); }); !pace) return pace;
     return client_.start(loop_);
   }
 
@@ -256,8 +256,8 @@ class Babel final : public LinkSource {
                     std::to_string(babel::kMaxNeighbours) + " neighbours and " +
                     std::to_string(babel::kMaxRoutes) + " routes to single hosts");
         break;
-      case babel::Line::news:
-        // Changes are told at once, the lines of a dump together.
+      case babel::Line::fact:
+        // Changes are reported at once, the lines of a dump together.
         if (dumped_ && !asked_) pace_.ask();
         break;
       case babel::Line::ok:
@@ -276,7 +276,7 @@ class Babel final : public LinkSource {
     }
     asked_ = false;
     dumped_ = true;
-    timer_.set(kLookAgain);
+    timer_.set(kPollInterval);
     pace_.ask();
   }
 
@@ -286,8 +286,8 @@ class Babel final : public LinkSource {
     client_.send("dump\n");
   }
 
-  void tell() {
-    if (!dumped_ || asked_) return;  // the end of the answer tells
+  void report() {
+    if (!dumped_ || asked_) return;  // the end of the answer reports
     auto snapshot = state_.snapshot();
     stamp(snapshot, time_of(loop_));
     report_(std::move(snapshot));

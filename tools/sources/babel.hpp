@@ -21,10 +21,10 @@ inline constexpr std::size_t kMaxRoutes = 4096;  ///< and as many prefixes of it
 inline constexpr std::size_t kMaxWords = 64;     ///< of a line
 inline constexpr std::size_t kMaxWord = 128;     ///< bytes
 
-/// How a line ends or does not end a reply. `too_much`: beyond one of the bounds above.
-enum class Line : std::uint8_t { news, other, ok, refused, too_much };
+/// How a line ends or does not end a reply. `too_much`: it exceeds one of the bounds above.
+enum class Line : std::uint8_t { fact, other, ok, refused, too_much };
 
-/// What babeld has told. Its lines are fed in order; those it does not know are ignored.
+/// What babeld has reported. Its lines are fed in order; those it does not know are ignored.
 class State {
  public:
   /// `described`: addresses that the description gives its nodes. babeld names a neighbour by its

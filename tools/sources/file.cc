@@ -168,7 +168,7 @@ Result<std::string> read_file(const std::string& path) {
   if (!S_ISREG(about.st_mode)) return fail(path + ": is not a regular file");
   if (auto checked = check_owner(path, about.st_uid); !checked)
     return std::unexpected(checked.error());
-  if ((about.st_mode & S_IWOTH) != 0) return fail(path + ": everybody may write it");
+  if ((about.st_mode & S_IWOTH) != 0) return fail(path + ": all users may write it");
   std::string text;
   std::array<char, 65536> block{};
   for (;;) {
@@ -182,7 +182,7 @@ Result<std::string> read_file(const std::string& path) {
   }
 }
 
-/// What tells one content of a path from another; nothing where there is none.
+/// What distinguishes one content of a path from another; nothing where there is none.
 using Version = std::optional<std::array<std::int64_t, 6>>;
 Version version_of(const std::string& path) {
   struct stat s{};
@@ -201,13 +201,13 @@ class File final : public LinkSource {
       : path_(std::move(path)), mesh_(std::move(mesh)), loop_(loop), report_(std::move(report)) {}
 
   Result<void> start() {
-    if (auto pace = pace_.start(loop_, [this] { tell(); }); !pace) return pace;
-    return timer_.start(loop_, [this] { look(); });
+    if (auto pace = pace_.start(loop_, [this] { report(); }); !pace) return pace;
+    return timer_.start(loop_, [this] { poll(); });
   }
 
  private:
   /// Refreshes the samples; watches the folder as soon as there is one.
-  void look() {
+  void poll() {
     if (!watch_) {
       watch();
       changed_ = true;
@@ -215,11 +215,11 @@ class File final : public LinkSource {
       changed_ = true;
     }
     pace_.ask();
-    timer_.set(kLookAgain);
+    timer_.set(kPollInterval);
   }
 
-  /// Behind a symbolic link, or with the folder itself: the watch does not tell of that. A file
-  /// that is being written in place is left alone until it is the same in two looks.
+  /// Behind a symbolic link, or with the folder itself: the watch does not report that. A file that
+  /// is being written in place is left alone until it is the same in two polls.
   [[nodiscard]] bool has_changed_unseen() {
     const Version now = version_of(path_);
     if (now == version_) return false;
@@ -264,7 +264,7 @@ class File final : public LinkSource {
       problem_ = links.error().text;
   }
 
-  void tell() {
+  void report() {
     if (std::exchange(changed_, false)) read();
     core::mesh::Snapshot snapshot{.links = links_, .next_hops = {}, .problem = problem_};
     stamp(snapshot, time_of(loop_));
@@ -277,7 +277,7 @@ class File final : public LinkSource {
   Report report_;
   std::vector<Sample> links_;
   std::string problem_;
-  Version seen_;          ///< in the last look, while it differs from what was read
+  Version seen_;          ///< in the last poll, while it differs from what was read
   Version version_;       ///< of what was read
   bool changed_ = false;  ///< since it was read
   EventSource watch_;

@@ -58,7 +58,7 @@ Result<void> LineClient::check_server() const {
   const auto listeners = trusted_listeners(endpoint_);
   if (!listeners) return std::unexpected(listeners.error());
   if (listeners->empty())
-    return fail("no socket of this machine listens there: whose it is, nobody can tell");
+    return fail("no socket of this machine listens there, so its owner is unknown");
   if (*listeners != listeners_) return fail("another socket listens there than a moment ago");
   return {};
 }

@@ -42,7 +42,7 @@ class LineClient {
   [[nodiscard]] Result<void> start(sd_event* loop);
   /// Requests are short and few: one that the socket does not take whole ends the connection.
   void send(std::string_view request);
-  /// An answer is complete: time and bytes are counted anew.
+  /// An answer is complete: time and bytes are counted from 0 again.
   void complete();
   /// Ends the connection as if the server had; the next attempt comes after the pause.
   void end(const std::string& why);

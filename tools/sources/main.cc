@@ -38,10 +38,10 @@ Result<net::facts::Question> read_question() {
     pollfd readable{.fd = kConversation, .events = POLLIN, .revents = 0};
     const int ready = ::poll(&readable, 1, kPatience);
     if (ready < 0 && errno == EINTR) continue;
-    if (ready <= 0) return fail("nobody says what to watch");
+    if (ready <= 0) return fail("no request says what to watch");
     const auto size = ::recv(kConversation, buffer.data(), buffer.size(), 0);
     if (size < 0) return fail(net::system_error("standard input is to be a socket", errno));
-    if (size == 0) return fail("nobody says what to watch");
+    if (size == 0) return fail("no request says what to watch");
     auto question = reader.take({buffer.data(), static_cast<std::size_t>(size)});
     if (!question) return std::unexpected(question.error());
     if (*question) return std::move(**question);
@@ -109,18 +109,18 @@ Result<void> serve() {
   const std::unique_ptr<sd_event, FreeWith<sd_event_unref>> loop(raw);
   Answers answers;
   if (auto started = answers.start(raw); !started) return started;
-  const auto tell = [&answers](core::mesh::Snapshot snapshot) {
+  const auto report = [&answers](core::mesh::Snapshot snapshot) {
     answers.take(std::move(snapshot));
   };
-  const auto source = net::open_here(question->source, question->mesh, raw, tell);
-  // It stays, so that the problem stays told and nobody starts another one for nothing.
+  const auto source = net::open_here(question->source, question->mesh, raw, report);
+  // It stays, so that the problem stays reported and no other process is started for nothing.
   net::Timer refused;
   if (!source) {
-    const auto tell_why = [&] {
-      tell({.links = {}, .next_hops = {}, .problem = source.error().text});
-      refused.set(net::kLookAgain);
+    const auto report_why = [&] {
+      report({.links = {}, .next_hops = {}, .problem = source.error().text});
+      refused.set(net::kPollInterval);
     };
-    if (auto started = refused.start(raw, tell_why); !started) return started;
+    if (auto started = refused.start(raw, report_why); !started) return started;
   }
   if (const int e = sd_event_loop(raw); e < 0) return fail(net::system_error("event loop", -e));
   return {};

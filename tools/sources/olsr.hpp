@@ -14,7 +14,7 @@ inline constexpr std::size_t kMaxRows = 16384;  ///< of the three tables togethe
 inline constexpr std::size_t kMaxOwn = 8;       ///< addresses of this node
 inline constexpr std::size_t kMaxText = 256;    ///< bytes of a value
 
-/// Three tables, after which olsrd2 closes: who we are, our own links, everybody else's.
+/// Three tables, after which olsrd2 closes: who we are, our own links, those of all others.
 inline constexpr std::string_view kRequest =
     "/olsrv2info json originator/nhdpinfo json neighbor/olsrv2info json edge\n";
 

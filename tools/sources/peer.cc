@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The kernel does not tell a client who is at the other end of a TCP connection, but whose every
-// socket of this machine is (proc_net(5)). A connection that was accepted and closed has no owner
-// any more; that which listens has, as long as it does. So it must listen before and after.
+// The kernel does not report to a client who is at the other end of a TCP connection, but it lists
+// the owner of every socket of this machine (proc_net(5)). A connection that was accepted and
+// closed has no owner any more; that which listens has, as long as it does. So it must listen
+// before and after.
 #include "tools/sources/peer.hpp"
 
 #include <fcntl.h>

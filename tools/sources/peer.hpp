@@ -18,7 +18,7 @@ namespace mlcca::net {
 
 /// From now on also that of the user at the other end of this local socket.
 Result<void> trust_owner_of(int socket);
-/// `what` belongs to `owner`: an error in words if that is nobody we trust.
+/// `what` belongs to `owner`: an error in words if that user is not trusted.
 [[nodiscard]] Result<void> check_owner(const std::string& what, uid_t owner);
 /// Who listens at the other end of a local socket.
 [[nodiscard]] Result<void> check_peer(int socket);
@@ -59,8 +59,8 @@ class Reachable {
 };
 /// Those of one text.
 [[nodiscard]] Listeners listeners_in(std::string_view text, const Endpoint& to);
-/// Those of this network namespace. An error: one of them belongs to nobody we trust. None for a
-/// path.
+/// Those of this network namespace. An error: one of them belongs to a user that is not trusted.
+/// None for a path.
 [[nodiscard]] Result<Listeners> trusted_listeners(const Endpoint& at);
 
 }  // namespace mlcca::net

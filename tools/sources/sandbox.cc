@@ -177,7 +177,7 @@ class Filter {
   void load(std::size_t offset) {
     add(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(offset));
   }
-  /// Its lower half: all that we look at are ints.
+  /// Its lower half: all arguments that are compared are ints.
   void load_argument(unsigned number) {
     load(offsetof(seccomp_data, args) + std::size_t{number} * sizeof(std::uint64_t));
   }

@@ -26,7 +26,7 @@ struct Heading {
   bool alarming = false;
   std::string problem;   ///< of the daemon, or that there is none; empty: nothing
   std::string time;      ///< of the day
-  std::string interval;  ///< between two looks
+  std::string interval;  ///< between two polls
 };
 [[nodiscard]] Heading heading_of(const control::Status& status);
 

@@ -149,7 +149,7 @@ std::string sender_of(const control::Unknown& frame) {
   return sender.empty() ? "" : " from " + sender;
 }
 
-/// Frames without a slot, dropped because nobody was granted anything by that name.
+/// Frames without a slot, dropped because no sender was granted anything by that name.
 Row unknown_row(const control::Interface& interface, const control::Unknown& frame) {
   Row row;
   row.name = frame.subject != 0 ? core::format_subject(frame.subject) : print_can_id(frame.can_id);
@@ -193,7 +193,7 @@ void add_watch(const control::Watch& watch, Row& row) {
   if (watch.last_gap_ns != 0) row.jitter = static_cast<double>(watch.jitter_ns) / kSecond;
   row.loss = share(watch.missing, add_saturating(watch.missing, watch.events));
   if (!watch.missing_now) return;
-  row.verdict = "SILENT";
+  row.verdict = "MISSING";
   row.style = Style::bad;
 }
 

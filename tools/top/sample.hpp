@@ -35,7 +35,7 @@ struct Row {
   std::string subject;             ///< "0x…", for the filter
 };
 
-/// Without `before` there are no rates. Where a counter began anew, what it counts is what came.
+/// Without `before` there are no rates. Where a counter was restarted, its value is what came.
 [[nodiscard]] std::vector<Row> rows_by_subject(const Sample* before, const Sample& now);
 [[nodiscard]] std::vector<Row> rows_by_network(const Sample* before, const Sample& now);
 

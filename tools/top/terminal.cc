@@ -40,7 +40,7 @@ bool write_all(std::string_view text) {
   return true;
 }
 
-/// As if nobody had blocked it.
+/// Takes the default action of a signal that is blocked.
 void suffer(int signal) {
   sigset_t one;
   sigemptyset(&one);
@@ -144,7 +144,7 @@ void Terminal::stop_and_go_on() {
 void Terminal::end_by(int signal) {
   leave();
   suffer(signal);
-  std::_Exit(128 + signal);  // nobody has told it to end by this one
+  std::_Exit(128 + signal);  // the signal did not end it
 }
 
 }  // namespace mlcca::tools::top

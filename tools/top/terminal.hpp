@@ -35,7 +35,7 @@ class Terminal {
   struct Happened {
     std::string keys;
     int signal = 0;     ///< that ends us, or stopped us and we go on
-    bool gone = false;  ///< nobody is there any more
+    bool gone = false;  ///< the terminal is gone
   };
   /// Waits for keys, a signal or the end of the time.
   [[nodiscard]] Happened wait(std::chrono::milliseconds time) const;

@@ -31,7 +31,7 @@ namespace {
 using namespace mlcca::tools::top;  // NOLINT(google-build-using-namespace)
 using Clock = std::chrono::steady_clock;
 
-/// A daemon that is silent must not hold the keys for longer.
+/// A daemon that does not answer must not block the keys for longer.
 constexpr std::chrono::milliseconds kPatience{3000};
 /// After that mlccad may have closed a connection that asks for nothing.
 constexpr std::chrono::seconds kUsable{30};
@@ -42,9 +42,9 @@ class Watcher {
   explicit Watcher(const Options& options)
       : socket_(options.socket), patience_(std::min(options.patience, kPatience)) {}
 
-  Result<void> look() {
-    if (Clock::now() - looked_ > kUsable) client_.reset();
-    looked_ = Clock::now();
+  Result<void> poll() {
+    if (Clock::now() - polled_ > kUsable) client_.reset();
+    polled_ = Clock::now();
     Result<Sample> fresh = ask();
     if (!fresh) {
       client_.reset();
@@ -98,7 +98,7 @@ class Watcher {
   std::string socket_;
   std::chrono::milliseconds patience_;
   std::optional<control::Client> client_;
-  Clock::time_point looked_;
+  Clock::time_point polled_;
   std::optional<Sample> before_;
   std::optional<Sample> now_;
   bool lost_ = true;
@@ -111,11 +111,11 @@ Exit complain(const Options& options, control::ErrorKind kind, const std::string
   return kind == control::ErrorKind::invalid ? Exit::usage : Exit::world;
 }
 
-Heading heading(const Watcher& watcher, const Result<void>& looked, double delay) {
+Heading heading(const Watcher& watcher, const Result<void>& polled, double delay) {
   Heading heading;
   if (watcher.has_any()) heading = heading_of(watcher.now().status);
-  if (!looked) {
-    heading.problem = looked.error().text;
+  if (!polled) {
+    heading.problem = polled.error().text;
     heading.alarming = true;
   }
   heading.interval = fmt::format("{:.3g} s", delay);
@@ -137,9 +137,9 @@ Exit in_batches(const Options& options, const TopArguments& arguments, Watcher& 
   for (std::uint32_t n = 0; arguments.count == 0 || n < arguments.count; ++n) {
     next += delay;
     std::this_thread::sleep_until(next);
-    const auto looked = watcher.look();
+    const auto polled = watcher.poll();
     std::string text = n == 0 ? "" : "\n";
-    for (const auto& line : screen(heading(watcher, looked, arguments.delay), watcher.rows(view),
+    for (const auto& line : screen(heading(watcher, polled, arguments.delay), watcher.rows(view),
                                    view, size, options.color))
       text += line + '\n';
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
@@ -153,14 +153,14 @@ Exit on_screen(const Options& options, const TopArguments& arguments, Watcher& w
                Clock::duration delay) {
   auto terminal = Terminal::take();
   if (!terminal) return complain(options, control::ErrorKind::world, terminal.error().text);
-  Result<void> looked;
+  Result<void> polled;
   std::string keys;
   auto next = Clock::now() + delay;
   std::uint32_t shown = 0;
   for (;;) {
     const Size size = Terminal::size();
     const auto rows = watcher.rows(view);
-    const Heading above = heading(watcher, looked, arguments.delay);
+    const Heading above = heading(watcher, polled, arguments.delay);
     const std::size_t room = room_for_rows(above, size);
     view.first = std::min(view.first, rows.size() - std::min(rows.size(), room));
     if (!Terminal::draw(screen(above, rows, view, size, options.color))) return Exit::world;
@@ -178,7 +178,7 @@ Exit on_screen(const Options& options, const TopArguments& arguments, Watcher& w
     if (Clock::now() < next) continue;
     next = Clock::now() + delay;
     if (view.paused) continue;
-    looked = watcher.look();
+    polled = watcher.poll();
     if (++shown == arguments.count) return Exit::fine;
   }
 }
@@ -201,8 +201,8 @@ Exit follow(const Options& options, const TopArguments& arguments) {
   const auto delay =
       std::chrono::ceil<Clock::duration>(std::chrono::duration<double>(arguments.delay));
   Watcher watcher(options);
-  if (const auto looked = watcher.look(); !looked)
-    return complain(options, control::ErrorKind::world, looked.error().text);
+  if (const auto polled = watcher.poll(); !polled)
+    return complain(options, control::ErrorKind::world, polled.error().text);
   if (arguments.batch || !has_screen()) return in_batches(options, arguments, watcher, view, delay);
   return on_screen(options, arguments, watcher, view, delay);
 }

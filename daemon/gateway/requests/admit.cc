@@ -21,7 +21,7 @@
 namespace mlcca::requests {
 namespace {
 
-/// A key that was granted before is answered as now, and its lease begins anew.
+/// A key that was granted before is answered as now, and its lease starts again.
 std::optional<Response> admit_again(Context& context, const Asker& asker,
                                     const control::Admit& request) {
   const auto known = context.admissions.with_key(request.key);
@@ -36,7 +36,7 @@ std::optional<Response> admit_again(Context& context, const Asker& asker,
                     id, request.key));
   const auto& left_out = context.admissions.left_out();
   if (const auto out = left_out.find(id); out != left_out.end())
-    return invalid(out->second + ": release it, or mend the description");
+    return invalid(out->second + ": release it, or correct the description");
   Response response = context.channels.of_admission(id);
   if (context.admissions.own(id, request, asker.peer.session)) response.owned = id;
   response.held = context.recorder.is_uncommitted(id);

@@ -104,9 +104,10 @@ Result<core::Station> station_named(const core::State& state, core::Place place,
         "profile famouso");
   const auto station = core::station_of(address);
   if (!station)
-    return fail(fmt::format(
-        "nobody sends from '{}': say the IPv4 or MAC address of one station, such as 192.0.2.7",
-        address));
+    return fail(
+        fmt::format("no station sends from '{}': state the IPv4 or MAC address of one station, "
+                    "such as 192.0.2.7",
+                    address));
   return *station;
 }
 
@@ -241,7 +242,7 @@ Result<std::size_t> channel_named(const core::State& state, const std::string& n
 
 namespace {
 
-/// Two publishers on a network that nobody can tell apart would use each other's grant, as in a
+/// Two publishers on a network that cannot be distinguished would use each other's grant, as in a
 /// description. Programs of one user on a gateway are admitted one by one, and share their limit.
 Result<void> check_sender(const core::State& state, const core::Publisher& newcomer) {
   if (newcomer.place.kind == core::Place::Kind::gateway) return {};

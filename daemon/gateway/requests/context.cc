@@ -65,7 +65,7 @@ Body outcome_of(const Context& context, const core::Proposal& proposal, const As
     for (control::Channel& channel : out.channels)
       if (channel.admission == asked.admission->id) channel.admission = 0;
   if (!out.channels.empty()) return out;
-  return invalid(fmt::format("nobody {} {}: there is nothing to {}",
+  return invalid(fmt::format("no endpoint {} {}: there is nothing to {}",
                              asked.admission->publisher ? "subscribes" : "publishes",
                              state.system().channels[asked.channel].name, to_do));
 }

@@ -77,8 +77,8 @@ struct Context {
 [[nodiscard]] const char* mode_name(const GateControl& control);
 /// On disk first, then in the kernel. After an error nothing has changed.
 [[nodiscard]] Result<void> set_withdrawn(Context& context, std::size_t channel, bool withdrawn);
-/// What a new admission would be given, or an error that says that there is nobody on the other
-/// side to do `to_do` with.
+/// What a new admission would be given, or an error that says that there is no endpoint on the
+/// other side to do `to_do` with.
 [[nodiscard]] Body outcome_of(const Context& context, const core::Proposal& proposal,
                               const Asked& asked, const char* to_do);
 /// Why there cannot be so many pairs of ends; nothing when there can. Each of them is decided and

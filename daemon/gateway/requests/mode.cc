@@ -13,8 +13,8 @@ Response mode(Context& context, const Asker& /*asker*/, const control::ModeReque
   if (request.mode != "enforce" && request.mode != "audit")
     return invalid(fmt::format("there is no mode '{}': it is enforce or audit", request.mode));
   {
-    // What was dropped so far is reported as what became of it, and nobody has asked for it.
-    const EventLog::Acting nobody(context.log, std::nullopt);
+    // What was dropped so far is reported as what became of it, and no client has asked for it.
+    const EventLog::Acting no_actor(context.log, std::nullopt);
     context.drops.report_all();
   }
   if (request.mode == "audit") {

@@ -125,13 +125,13 @@ class BatmanSource : public KernelSource {
       : KernelSource(loop, std::move(report)), interface_(std::move(interface)) {}
 
  private:
-  void look() override {
+  void poll() override {
     seen_ = {};
-    look_at_family(BATADV_NL_NAME, interface_,
-                   [this](Conversation& kernel, std::uint16_t family, unsigned index) {
-                     index_ = index;
-                     ask_all(kernel, family);
-                   });
+    ask_family(BATADV_NL_NAME, interface_,
+               [this](Conversation& kernel, std::uint16_t family, unsigned index) {
+                 index_ = index;
+                 ask_all(kernel, family);
+               });
   }
 
   /// A dump of which `read` makes an entry of `into` out of each message.
@@ -153,10 +153,10 @@ class BatmanSource : public KernelSource {
     const auto refused = [this](int error) {
       // Without one, the kernel has no neighbours to list (ENOENT).
       if (error == ENOENT && seen_.interfaces.empty()) {
-        tell_problem(interface_ + " has no interface below it");
+        report_problem(interface_ + " has no interface below it");
         return;
       }
-      if (error != 0) tell_refusal("batman-adv on " + interface_, error);
+      if (error != 0) report_refusal("batman-adv on " + interface_, error);
     };
     ask(kernel, family, BATADV_CMD_GET_HARDIF, batman::read_hard_interface, seen_.interfaces,
         refused);
@@ -168,7 +168,7 @@ class BatmanSource : public KernelSource {
             refused(error);
             return;
           }
-          tell(batman::view(seen_, now()));
+          report(batman::view(seen_, now()));
         });
   }
 

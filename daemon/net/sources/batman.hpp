@@ -27,7 +27,7 @@ struct HardInterface {
 /// BATADV_CMD_GET_NEIGHBORS
 struct Neighbour {
   std::string mac;
-  std::uint32_t interface = 0;      ///< index of the hard interface it is heard on
+  std::uint32_t interface = 0;      ///< index of the hard interface it is received on
   std::optional<Value> throughput;  ///< bit/s (BATMAN_V)
   std::uint32_t last_seen = 0;      ///< ms ago
 };
@@ -44,18 +44,18 @@ struct Originator {
 };
 [[nodiscard]] std::optional<Originator> read_originator(genl::Octets message);
 
-/// One look at a mesh interface.
+/// One poll of a mesh interface.
 struct Seen {
   std::vector<HardInterface> interfaces;
   std::vector<Neighbour> neighbours;
   std::vector<Originator> originators;
 };
-/// `now`: CLOCK_MONOTONIC ns of the look.
+/// `now`: CLOCK_MONOTONIC ns of the poll.
 [[nodiscard]] core::mesh::Snapshot view(const Seen& seen, std::uint64_t now);
 
 }  // namespace batman
 
-/// Looks each second at the mesh interface `source.interface` (bat0), which may come later. Needs
+/// Polls each second the mesh interface `source.interface` (bat0), which may come later. Needs
 /// CAP_NET_ADMIN.
 [[nodiscard]] Result<std::unique_ptr<LinkSource>> open_batman(const core::mesh::Source& source,
                                                               sd_event* loop,

@@ -20,7 +20,7 @@ bool is_right(const NextHop& h) {
   return is_address(h.from) && is_address(h.to) && is_address(h.via);
 }
 
-/// 0: between described nodes, 2: between nodes that nobody described.
+/// 0: between described nodes, 2: between nodes that are not described.
 int undescribed_ends(const Sample& s, const Described& described) {
   return int{!described.contains(s.from)} + int{!described.contains(s.to)};
 }

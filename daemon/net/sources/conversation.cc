@@ -146,7 +146,7 @@ void Conversation::send_first() {
   nl_msg* const request = asked_.front().request.get();
   errno = 0;
   if (request != nullptr && nl_send_auto(socket_.get(), request) >= 0) return;
-  // Told from the loop like every other end.
+  // Reported from the loop like every other end.
   error_ = request == nullptr ? ENOMEM : (errno != 0 ? errno : EIO);
   sd_event_source_set_enabled(send_failed_.get(), SD_EVENT_ONESHOT);
 }

@@ -17,7 +17,7 @@ class Described final : public LinkSource {
     return timer_.start(loop, [this, loop] {
       core::mesh::Snapshot snapshot{.links = links_, .next_hops = {}, .problem = {}};
       stamp(snapshot, time_of(loop));
-      timer_.set(kLookAgain);
+      timer_.set(kPollInterval);
       report_(std::move(snapshot));
     });
   }

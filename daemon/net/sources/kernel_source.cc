@@ -17,10 +17,10 @@
 namespace mlcca::net {
 namespace {
 
-constexpr std::uint64_t kInterval = kLookAgain * 1000;  // ns between looks
-constexpr std::uint64_t kSoon = 100'000'000;            // ns
-constexpr int kNotices = 256;                           // in a turn
-constexpr std::uint64_t kAfterNotice = 50'000'000;      // ns between looks that notices ask for
+constexpr std::uint64_t kInterval = kPollInterval * 1000;  // ns between polls
+constexpr std::uint64_t kSoon = 100'000'000;               // ns
+constexpr int kNotices = 256;                              // in a turn
+constexpr std::uint64_t kAfterNotice = 50'000'000;         // ns between polls that notices ask for
 
 }  // namespace
 
@@ -53,16 +53,17 @@ Result<void> KernelSource::join_notices() {
 }
 
 void KernelSource::take_notices() {
-  // What they say is asked for anew; an overflow (ENOBUFS) is just one of them.
+  // The next poll reads what has changed, so that the content of a notice is not used; an overflow
+  // (ENOBUFS) counts as a notice.
   std::array<char, 1024> sink{};
   const int fd = nl_socket_get_fd(notices_.get());
   for (int i = 0; i < kNotices; ++i)
     if (::recv(fd, sink.data(), sink.size(), MSG_TRUNC) < 0 && errno != ENOBUFS && errno != EINTR)
       break;
-  look_at(begun_ + kAfterNotice);
+  poll_at(begun_ + kAfterNotice);
 }
 
-void KernelSource::look_at(std::uint64_t when) { arm(std::min(next_, when)); }
+void KernelSource::poll_at(std::uint64_t when) { arm(std::min(next_, when)); }
 
 void KernelSource::arm(std::uint64_t when) {
   next_ = when;
@@ -72,23 +73,23 @@ void KernelSource::arm(std::uint64_t when) {
 
 void KernelSource::begin() {
   const std::uint64_t time = now();
-  if (looking_ && time < begun_ + kInterval) {
-    // A notice came during a look that has not seen what it tells of.
+  if (polling_ && time < begun_ + kInterval) {
+    // A notice came during a poll that has not seen the change.
     arm(std::min(begun_ + kInterval, time + kAfterNotice));
     return;
   }
-  if (looking_) tell_problem("the kernel did not answer within a second");
-  looking_ = true;
+  if (polling_) report_problem("the kernel did not answer within a second");
+  polling_ = true;
   begun_ = time;
   arm(begun_ + kInterval);
-  look();
+  poll();
 }
 
-void KernelSource::look_at_family(const char* family, const std::string& interface,
-                                  std::function<void(Conversation&, std::uint16_t, unsigned)> ask) {
+void KernelSource::ask_family(const char* family, const std::string& interface,
+                              std::function<void(Conversation&, std::uint16_t, unsigned)> ask) {
   const unsigned index = ::if_nametoindex(interface.c_str());
   if (index == 0) {
-    tell_problem("there is no interface " + interface);
+    report_problem("there is no interface " + interface);
     return;
   }
   Conversation* const kernel = talk(NETLINK_GENERIC);
@@ -97,7 +98,7 @@ void KernelSource::look_at_family(const char* family, const std::string& interfa
     if (number)
       ask(*talk(NETLINK_GENERIC), *number, index);
     else
-      tell_problem(std::move(number.error().text));
+      report_problem(std::move(number.error().text));
   });
 }
 
@@ -106,7 +107,7 @@ Conversation* KernelSource::talk(int protocol) {
   if (conversation) return conversation.get();
   auto opened = Conversation::open(loop_, protocol);
   if (!opened) {
-    tell_problem(std::move(opened.error().text));
+    report_problem(std::move(opened.error().text));
     return nullptr;
   }
   conversation = std::move(*opened);
@@ -114,29 +115,29 @@ Conversation* KernelSource::talk(int protocol) {
 }
 
 void KernelSource::end() {
-  looking_ = false;
+  polling_ = false;
   generic_.reset();
   route_.reset();
 }
 
-void KernelSource::tell(core::mesh::Snapshot snapshot) {
+void KernelSource::report(core::mesh::Snapshot snapshot) {
   end();
   report_(std::move(snapshot));
 }
 
-void KernelSource::tell_problem(std::string problem) {
-  tell({.links = {}, .next_hops = {}, .problem = std::move(problem)});
+void KernelSource::report_problem(std::string problem) {
+  report({.links = {}, .next_hops = {}, .problem = std::move(problem)});
 }
 
-void KernelSource::tell_refusal(const std::string& what, int error) {
+void KernelSource::report_refusal(const std::string& what, int error) {
   if (error != EINTR) {
-    tell_problem(system_error(what, error));
+    report_problem(system_error(what, error));
     return;
   }
   end();
-  look_again_soon();
+  poll_again_soon();
 }
 
-void KernelSource::look_again_soon() { look_at(begun_ + kSoon); }
+void KernelSource::poll_again_soon() { poll_at(begun_ + kSoon); }
 
 }  // namespace mlcca::net

@@ -21,13 +21,13 @@ class Nl80211Source : public KernelSource {
       : KernelSource(loop, std::move(report)), interface_(std::move(interface)) {}
 
  private:
-  void look() override {
+  void poll() override {
     seen_ = {};
-    look_at_family(NL80211_GENL_NAME, interface_,
-                   [this](Conversation& kernel, std::uint16_t family, unsigned index) {
-                     index_ = index;
-                     ask_interface(kernel, family);
-                   });
+    ask_family(NL80211_GENL_NAME, interface_,
+               [this](Conversation& kernel, std::uint16_t family, unsigned index) {
+                 index_ = index;
+                 ask_interface(kernel, family);
+               });
   }
 
   [[nodiscard]] Conversation::Request request(std::uint16_t family, std::uint8_t command,
@@ -45,11 +45,11 @@ class Nl80211Source : public KernelSource {
         },
         [this, family](int error) {
           if (error != 0) {
-            tell_refusal(interface_ + " is no radio", error);
+            report_refusal(interface_ + " is no radio", error);
             return;
           }
           if (!seen_.interface.frequency) {
-            tell_problem(interface_ + " is on no channel (down, or has joined nothing)");
+            report_problem(interface_ + " is on no channel (down, or has joined nothing)");
             return;
           }
           ask_links(*talk(NETLINK_GENERIC), family);
@@ -63,7 +63,7 @@ class Nl80211Source : public KernelSource {
           if (auto read = nl80211::read_station(octets)) seen_.stations.push_back(std::move(*read));
         },
         [this](int error) {
-          if (error != 0) tell_refusal("stations of " + interface_, error);
+          if (error != 0) report_refusal("stations of " + interface_, error);
         });
     if (seen_.interface.mesh) {
       kernel.ask(
@@ -73,7 +73,7 @@ class Nl80211Source : public KernelSource {
               seen_.paths.push_back(std::move(*read));
           },
           [this](int error) {
-            if (error != 0) tell_refusal("mesh paths of " + interface_, error);
+            if (error != 0) report_refusal("mesh paths of " + interface_, error);
           });
     }
     kernel.ask(
@@ -84,12 +84,12 @@ class Nl80211Source : public KernelSource {
         [this](int error) {
           // Not every driver counts how busy its channel is.
           if (error != 0 && error != EOPNOTSUPP) {
-            tell_refusal("survey of " + interface_, error);
+            report_refusal("survey of " + interface_, error);
             return;
           }
-          auto snapshot = view_.look(seen_, now());
-          if (view_.doubtful()) look_again_soon();
-          tell(std::move(snapshot));
+          auto snapshot = view_.update(seen_, now());
+          if (view_.doubtful()) poll_again_soon();
+          report(std::move(snapshot));
         });
   }
 

@@ -7,7 +7,7 @@
 
 namespace mlcca::net {
 
-/// Looks each second at the interface `source.interface`, which may come later. Mesh paths need
+/// Polls each second the interface `source.interface`, which may come later. Mesh paths need
 /// CAP_NET_ADMIN.
 [[nodiscard]] Result<std::unique_ptr<LinkSource>> open_nl80211(const core::mesh::Source& source,
                                                                sd_event* loop,

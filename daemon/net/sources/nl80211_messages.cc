@@ -15,7 +15,7 @@ std::optional<genl::Attributes> attributes_of(genl::Octets octets, std::uint8_t 
   return message->attributes;
 }
 
-/// The 16-bit rate cannot tell more than 6.5 Gbit/s, so the 32-bit one is preferred.
+/// The 16-bit rate cannot state more than 6.5 Gbit/s, so the 32-bit one is preferred.
 std::optional<Value> read_bitrate(const genl::Attributes& rate) {
   std::optional<std::uint32_t> hundred_kbits = rate.u32(NL80211_RATE_INFO_BITRATE32);
   if (!hundred_kbits) hundred_kbits = rate.u16(NL80211_RATE_INFO_BITRATE);

@@ -15,11 +15,11 @@ namespace {
 using core::mesh::RateKind;
 using core::mesh::Sample;
 
-constexpr std::size_t kLossLooks = 10;
+constexpr std::size_t kLossPolls = 10;
 constexpr std::uint64_t kLossPackets = 20;  // fewer say nothing about a share
 constexpr std::uint64_t kLossScale = 1'000'000'000;
 constexpr unsigned kDoubts = 3;
-constexpr std::size_t kBusyLooks = 2;
+constexpr std::size_t kBusyPolls = 2;
 constexpr std::uint64_t kBusyTime = 500;  // ms
 constexpr std::uint64_t kNanosPerMilli = 1'000'000;
 
@@ -45,7 +45,7 @@ std::map<std::string_view, std::uint32_t> metrics_of_links(const Seen& seen) {
 void GrowingPart::add(std::uint64_t whole, std::uint64_t part) {
   if (!seen_.empty() && (whole < seen_.back().whole || part < seen_.back().part)) seen_.clear();
   seen_.push_back({.whole = whole, .part = part});
-  if (seen_.size() > looks_ + 1) seen_.pop_front();
+  if (seen_.size() > polls_ + 1) seen_.pop_front();
 }
 
 std::optional<std::uint64_t> GrowingPart::share(std::uint64_t least, std::uint64_t scale) const {
@@ -63,7 +63,7 @@ std::optional<Value> rate_of_metric(std::uint32_t metric) {
 }
 
 View::Memory& View::memory_of(const std::string& mac) {
-  return stations_.try_emplace(mac, Memory{.given_up = GrowingPart(kLossLooks), .doubted = {}})
+  return stations_.try_emplace(mac, Memory{.given_up = GrowingPart(kLossPolls), .doubted = {}})
       .first->second;
 }
 
@@ -95,7 +95,7 @@ std::optional<std::uint32_t> View::busy_of(const Seen& seen) {
     busy_.reset();
     return {};
   }
-  if (!busy_ || surveyed_ != used->frequency) busy_.emplace(kBusyLooks);
+  if (!busy_ || surveyed_ != used->frequency) busy_.emplace(kBusyPolls);
   surveyed_ = used->frequency;
   // What this radio sends is reserved: it must not count again as taken by others.
   busy_->add(*used->time, *used->busy - std::min(*used->busy, used->sent.value_or(0)));
@@ -104,7 +104,7 @@ std::optional<std::uint32_t> View::busy_of(const Seen& seen) {
   return static_cast<std::uint32_t>(*share);
 }
 
-core::mesh::Snapshot View::look(const Seen& seen, std::uint64_t now) {
+core::mesh::Snapshot View::update(const Seen& seen, std::uint64_t now) {
   core::mesh::Snapshot out;
   const std::string& own = seen.interface.mac;
   doubtful_ = false;
@@ -118,15 +118,16 @@ core::mesh::Snapshot View::look(const Seen& seen, std::uint64_t now) {
       if (const auto path = metrics.find(station.mac); path != metrics.end())
         rate = {.rate = rate_of_metric(path->second).value_or(0), .kind = RateKind::derived};
     }
-    // A peer that falls silent stays a station for long: its age is the time since it was heard.
-    const std::uint64_t silent = station.inactive.value_or(0) * kNanosPerMilli;
+    // A peer that stops sending stays a station for long: its age is the time since it was received
+    // last.
+    const std::uint64_t inactive = station.inactive.value_or(0) * kNanosPerMilli;
     Sample there;
     there.from = own;
     there.to = station.mac;
     there.rate = rate.rate;
     there.kind = rate.kind;
     there.channel = seen.interface.frequency;
-    there.taken = now - std::min(now, silent);
+    there.taken = now - std::min(now, inactive);
     Sample back = there;
     std::swap(back.from, back.to);
     back.rate = station.rx_bitrate.value_or(0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From what a radio tells, look by look, to samples of links. No socket, no clock.
+// From what a radio reports, poll by poll, to samples of links. No socket, no clock.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -17,10 +17,10 @@ namespace mlcca::net::nl80211 {
 /// Two counters that only grow, of which one counts a part of what the other counts.
 class GrowingPart {
  public:
-  /// Compares the latest look with the one `looks` before it.
-  explicit GrowingPart(std::size_t looks) : looks_(looks) {}
+  /// Compares the latest poll with the one `polls` before it.
+  explicit GrowingPart(std::size_t polls) : polls_(polls) {}
 
-  /// A counter that is smaller than before began anew, and so does this.
+  /// A counter that is smaller than before was restarted, and so is this.
   void add(std::uint64_t whole, std::uint64_t part);
   /// By how much of `whole` the part grew, in 1/`scale`, rounded up, at most `scale`. Nothing if
   /// the whole grew by less than `least` (1 or more).
@@ -31,11 +31,11 @@ class GrowingPart {
     std::uint64_t whole = 0;
     std::uint64_t part = 0;
   };
-  std::size_t looks_;
+  std::size_t polls_;
   std::deque<Counters> seen_;
 };
 
-/// One look at an interface.
+/// One poll of an interface.
 struct Seen {
   Interface interface;
   std::vector<Station> stations;
@@ -47,21 +47,21 @@ struct Seen {
 /// (mac80211, airtime_link_metric_get()). Nothing for 0, 1 and the largest value, "no link".
 [[nodiscard]] std::optional<Value> rate_of_metric(std::uint32_t metric);
 
-/// Remembers what counters and doubts need from look to look.
+/// Remembers what counters and doubts need from poll to poll.
 class View {
  public:
-  /// `now`: CLOCK_MONOTONIC ns of the look.
-  core::mesh::Snapshot look(const Seen& seen, std::uint64_t now);
+  /// `now`: CLOCK_MONOTONIC ns of the poll.
+  core::mesh::Snapshot update(const Seen& seen, std::uint64_t now);
 
-  /// The latest look saw a station send slower than what is expected to get through, and cannot
-  /// tell yet whether that will last: a further look soon tells.
+  /// The latest poll saw a station send slower than what is expected to get through. Whether that
+  /// will last is known after a further poll, which comes soon.
   [[nodiscard]] bool doubtful() const { return doubtful_; }
 
  private:
   struct Memory {
     GrowingPart given_up;
-    std::optional<std::uint32_t> doubted;  ///< packets sent at the latest doubtful look
-    unsigned doubts = 0;                   ///< doubtful looks in a row
+    std::optional<std::uint32_t> doubted;  ///< packets sent at the latest doubtful poll
+    unsigned doubts = 0;                   ///< doubtful polls in a row
     bool slower = false;                   ///< it sends slower than what is expected to get through
   };
   struct Rate {

@@ -15,8 +15,8 @@ namespace mlcca::net {
 
 Result<std::unique_ptr<LinkSource>> open_source(const core::mesh::Source& source,
                                                 const core::mesh::Mesh& mesh, sd_event* loop,
-                                                LinkSource::Report tell) {
-  auto report = bounded_report(std::move(tell), mesh, loop);
+                                                LinkSource::Report to) {
+  auto report = bounded_report(std::move(to), mesh, loop);
   using enum core::mesh::SourceKind;
   switch (source.kind) {
     case description:

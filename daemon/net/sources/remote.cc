@@ -36,18 +36,18 @@ class Remote final : public LinkSource {
 
   Result<void> start() {
     if (auto rest = rest_.start(loop_, [this] { listen(); }); !rest) return rest;
-    return timer_.start(loop_, [this] { look(); });
+    return timer_.start(loop_, [this] { poll(); });
   }
 
  private:
-  void look() {
+  void poll() {
     Child::collect();
     if (!peer_.socket)
       begin();
-    else if (time_of(loop_) > heard_ + helper_.silence)
+    else if (time_of(loop_) > received_ + helper_.timeout)
       end("the process that reads it says nothing");
     else
-      timer_.set(kLookAgain);
+      timer_.set(kPollInterval);
   }
 
   void begin() {
@@ -67,8 +67,8 @@ class Remote final : public LinkSource {
     peer_ = std::move(*peer);
     reader_ = {};
     to_send_.assign(question_.begin(), question_.end());
-    begun_ = heard_ = time_of(loop_);
-    timer_.set(kLookAgain);
+    begun_ = received_ = time_of(loop_);
+    timer_.set(kPollInterval);
   }
 
   [[nodiscard]] Result<Peer> find_peer() const {
@@ -122,11 +122,11 @@ class Remote final : public LinkSource {
       return false;
     }
     if (!*read) return true;
-    heard_ = time_of(loop_);
+    received_ = time_of(loop_);
     // Whatever it does, there are no more snapshots than the core has time for.
     sd_event_source_set_io_events(io_.get(), 0);
     rest_.set(kRest);
-    report_(bounded(std::move(**read), described_, heard_));
+    report_(bounded(std::move(**read), described_, received_));
     return false;
   }
 
@@ -156,8 +156,8 @@ class Remote final : public LinkSource {
   std::deque<facts::Message> to_send_;
   facts::AnswerReader reader_;
   std::array<char, facts::kMaxMessage> buffer_{};
-  std::uint64_t begun_ = 0;  ///< ns
-  std::uint64_t heard_ = 0;  ///< ns: the latest snapshot
+  std::uint64_t begun_ = 0;     ///< ns
+  std::uint64_t received_ = 0;  ///< ns: the latest snapshot
   EventSource io_;
   Timer timer_;
   Timer rest_;

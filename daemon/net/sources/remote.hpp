@@ -17,13 +17,13 @@ struct Helper {
   /// or in
   /// ../libexec/mlcca.
   std::string program;
-  std::uint64_t silence = 15'000'000'000;  ///< ns after which it hangs
+  std::uint64_t timeout = 15'000'000'000;  ///< ns without a message after which it hangs
   std::uint64_t pause = 1'000'000;         ///< µs before another one
 };
 
-/// Its facts are held against the bounds again. A process that ends, says nothing for 15 s or says
-/// what is not understood is a problem; there is another one a second later, after each further
-/// failure twice as late, up to 32 s.
+/// Its facts are held against the bounds again. A process that ends, sends nothing for 15 s or
+/// sends what is not understood is a problem; another one is started a second later, after each
+/// further failure twice as late, up to 32 s.
 [[nodiscard]] Result<std::unique_ptr<LinkSource>> open_remote(const core::mesh::Source& source,
                                                               const core::mesh::Mesh& mesh,
                                                               sd_event* loop,

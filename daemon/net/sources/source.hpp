@@ -12,10 +12,9 @@
 
 namespace mlcca::net {
 
-/// Watches one source on the daemon's event loop until it is destroyed. It tells what it knows each
-/// time it has looked, also when nothing changed (the samples are younger then), and tells a
-/// problem (lost connection, missing interface) as a snapshot without links; it tries again by
-/// itself.
+/// Watches one source on the daemon's event loop until it is destroyed. It reports what it knows
+/// after each poll, also when nothing changed (the samples are younger then), and reports a problem
+/// (lost connection, missing interface) as a snapshot without links; it tries again by itself.
 class LinkSource {
  public:
   using Report = std::function<void(core::mesh::Snapshot)>;
@@ -29,7 +28,7 @@ class LinkSource {
 };
 
 /// `report` is called from the loop only, never from here. An error says what is wrong with the
-/// configuration; what may come and go is told as a problem instead.
+/// configuration; what may come and go is reported as a problem instead.
 [[nodiscard]] Result<std::unique_ptr<LinkSource>> open_source(const core::mesh::Source& source,
                                                               const core::mesh::Mesh& mesh,
                                                               sd_event* loop,

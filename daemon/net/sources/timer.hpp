@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What every source does with the event loop: keeps handles, asks the time, looks again in a while.
+// What every source does with the event loop: keeps handles, asks the time, polls again after a
+// while.
 #pragma once
 #include <systemd/sd-event.h>
 
@@ -16,8 +17,8 @@ namespace mlcca::net {
 /// Of an event source: it is over with its owner, even in the middle of its own handler.
 using EventSource = std::unique_ptr<sd_event_source, FreeWith<sd_event_source_disable_unref>>;
 
-inline constexpr std::uint64_t kLookAgain = 1'000'000;  ///< µs after which sources look again
-inline constexpr std::uint64_t kLeastPause = 100'000;   ///< µs between two snapshots of a source
+inline constexpr std::uint64_t kPollInterval = 1'000'000;  ///< µs after which sources poll again
+inline constexpr std::uint64_t kLeastPause = 100'000;      ///< µs between two snapshots of a source
 
 /// ns, CLOCK_MONOTONIC, when this turn of the loop began.
 [[nodiscard]] std::uint64_t time_of(sd_event* loop);

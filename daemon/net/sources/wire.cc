@@ -85,7 +85,7 @@ class WireSource : public KernelSource {
         nodes_(std::move(nodes)) {}
 
  private:
-  void look() override {
+  void poll() override {
     seen_.reset();
     modes_ = {};
     Conversation* const kernel = talk(NETLINK_ROUTE);
@@ -100,15 +100,15 @@ class WireSource : public KernelSource {
         std::move(request), [this](genl::Octets octets) { seen_ = wire::read_interface(octets); },
         [this](int error) {
           if (error == ENODEV) {
-            tell_problem("there is no interface " + interface_);
+            report_problem("there is no interface " + interface_);
             return;
           }
           if (error != 0) {
-            tell_refusal("state of " + interface_, error);
+            report_refusal("state of " + interface_, error);
             return;
           }
           if (!seen_) {
-            tell_problem(interface_ + " has no Ethernet address");
+            report_problem(interface_ + " has no Ethernet address");
             return;
           }
           find_ethtool();
@@ -120,7 +120,7 @@ class WireSource : public KernelSource {
     if (kernel == nullptr) return;
     kernel->find_family(ETHTOOL_GENL_NAME, [this](Result<std::uint16_t> family) {
       if (!family) {
-        tell_problem(std::move(family.error().text));
+        report_problem(std::move(family.error().text));
         return;
       }
       ask_speed(*talk(NETLINK_GENERIC), *family);
@@ -142,10 +142,10 @@ class WireSource : public KernelSource {
         [this](int error) {
           // A driver without link modes: the wire is there, how fast it is stays unknown.
           if (error != 0 && error != EOPNOTSUPP) {
-            tell_refusal("speed of " + interface_, error);
+            report_refusal("speed of " + interface_, error);
             return;
           }
-          tell(wire::view(*seen_, modes_, nodes_, now()));
+          report(wire::view(*seen_, modes_, nodes_, now()));
         });
   }
 

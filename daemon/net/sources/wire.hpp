@@ -38,7 +38,7 @@ struct LinkModes {
 
 }  // namespace wire
 
-/// Looks each second, and whenever the kernel tells that an interface changed, at the interface
+/// Polls each second, and whenever the kernel reports that an interface changed, the interface
 /// `source.interface`, which may come later. A wire does not say who is at its other end: it is
 /// taken to lead to every other node of `mesh`.
 [[nodiscard]] Result<std::unique_ptr<LinkSource>> open_wire(const core::mesh::Source& source,

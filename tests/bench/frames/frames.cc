@@ -187,10 +187,10 @@ int filter(const std::string& interface, std::uint32_t slots, const std::string&
 int count(const std::string& interface, std::uint32_t id, std::uint32_t wanted, std::uint32_t ms) {
   const Fd fd = can_socket(interface);
   const can_filter only{CAN_EFF_FLAG | id, CAN_EFF_FLAG | CAN_EFF_MASK};
-  const timeval silence{ms / 1000, ms % 1000 * 1000L};
+  const timeval timeout{ms / 1000, ms % 1000 * 1000L};
   const int room = 8 << 20;
   setsockopt(fd.get(), SOL_CAN_RAW, CAN_RAW_FILTER, &only, sizeof(only));
-  setsockopt(fd.get(), SOL_SOCKET, SO_RCVTIMEO, &silence, sizeof(silence));
+  setsockopt(fd.get(), SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout));
   setsockopt(fd.get(), SOL_SOCKET, SO_RCVBUFFORCE, &room, sizeof(room));
   listening();
   can_frame frame{};

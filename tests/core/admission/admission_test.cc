@@ -85,7 +85,7 @@ TEST(AdmissionTest, ChecksStrictListenersOfANetworkThatTheEventCrosses) {
   EXPECT_EQ(
       why(state, verdicts[1]),
       "Omission 2 required, the way to robot-can provides 5 (3 too many), and subscribers there "
-      "would hear it");
+      "would receive it");
 
   System without_motors = system;
   without_motors.subscribers.erase(without_motors.subscribers.begin());
@@ -198,7 +198,7 @@ TEST(AdmissionTest, RefusesAnInterfaceThatIsNotUsableAndGivesBackWhenItIs) {
   EXPECT_TRUE(lost[0].before.all_granted());
   EXPECT_FALSE(only_verdict(state).granted);
   EXPECT_EQ(reason(state.system(), state.members(), only_verdict(state), "can0 is down"),
-            "robot-can is not usable: can0 is down");
+            "robot-can is not available: can0 is down");
   state.set_condition(0, {});
   EXPECT_EQ(state.settle().size(), 1U);
   state.set_condition(0, {});

@@ -110,7 +110,7 @@ class Scarce {
   std::unique_ptr<State> state_;
 };
 
-TEST(AllocationTest, NothingIsGrantedOverLinksThatNobodyKnows) {
+TEST(AllocationTest, NothingIsGrantedOverUnknownLinks) {
   Scarce s({0, 0});
   EXPECT_EQ(s.service(), "--");
   EXPECT_EQ(s.state().decisions()[0].verdicts.at(0).obstacle, Obstacle::none);
@@ -133,7 +133,7 @@ TEST(AllocationTest, TheVideoGoesDownAndComesBackByItself) {
   EXPECT_EQ(s.service(), "h");
 }
 
-TEST(AllocationTest, QualityIsLoweredBeforeAnybodyIsWithdrawn) {
+TEST(AllocationTest, ChannelsAreDegradedBeforeOneIsWithdrawn) {
   Scarce s({0, 0, 0});
   s.carries(1200);
   EXPECT_EQ(s.service(), "hhh");
@@ -168,7 +168,7 @@ TEST(AllocationTest, ServiceComesBeforeQualityAlsoFromTheStart) {
   EXPECT_EQ(s.service(), "hll");
 }
 
-TEST(AllocationTest, NobodyIsLoweredForWhoWaits) {
+TEST(AllocationTest, NoChannelIsDegradedForOneThatWaits) {
   Scarce s({0, 9});
   s.carries(400);
   // Both at once: each is served, and the rest is too little for more.
@@ -191,7 +191,7 @@ TEST(AllocationTest, AReleaseServesWhoWaits) {
   EXPECT_EQ(s.service(), "-l");
 }
 
-TEST(AllocationTest, AChangeThatChangesNothingTellsNobody) {
+TEST(AllocationTest, AChangeThatChangesNothingIsNotReported) {
   Scarce s({0, 0});
   s.carries(2000);
   EXPECT_TRUE(s.carries(2000).empty());
@@ -205,7 +205,7 @@ TEST(AllocationTest, WhatWasGrantedBeforeTheRestartIsServedFirst) {
   EXPECT_EQ(s.service(), "-h");
 }
 
-/// Two links that hear each other only over a third, from b to c: k-hop domains, k = 1. Channels
+/// Two links that reach each other only over a third, from b to c: k-hop domains, k = 1. Channels
 /// of two sets, each over the link that is said.
 class Islands {
  public:
@@ -257,7 +257,7 @@ TEST(AllocationTest, WhoIsInAnotherDomainKeepsWhatItHas) {
   four.release(2, true);
   EXPECT_EQ(four.service(), "hh-h");
   four.release(2, false);
-  EXPECT_EQ(four.service(), "hhlh") << "who comes back takes from nobody";
+  EXPECT_EQ(four.service(), "hhlh") << "a channel that comes back takes from no other";
   four.carry(450, 500);
   EXPECT_EQ(four.service(), "lllh") << "the first link is none of their business";
 }

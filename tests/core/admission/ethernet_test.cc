@@ -48,7 +48,7 @@ TEST(EthernetTest, NeedsNoBindingAndGatesBySubjectAlone) {
   }
 }
 
-TEST(EthernetTest, NobodyCarriesEventsFromOneKindToTheOtherUnlessItIsSaid) {
+TEST(EthernetTest, NoProgramCarriesEventsFromOneKindToTheOtherUnlessItIsStated) {
   System system = from_ethernet();
   const State refused(system);
   const Verdict& verdict = refused.decisions()[0].verdicts[0];
@@ -148,7 +148,7 @@ TEST(EthernetTest, PublishersThatShareALimitShareTheLongestEvent) {
     EXPECT_EQ(rule.entry.max_length, rule.entry.station.is_wildcard() ? 100U : 8U);
 }
 
-TEST(EthernetTest, SomebodyElsewhereMakesNoEventLonger) {
+TEST(EthernetTest, APublisherElsewhereMakesNoEventLonger) {
   System system = two_on_ethernet("", "");
   system.publishers[0].attributes.set(Attribute::max_payload, 8);
   system.publishers[1].attributes.set(Attribute::max_payload, 100);
@@ -230,18 +230,18 @@ TEST(EthernetTest, AGateTellsEightPublishersOfASubjectApart) {
   EXPECT_EQ(
       lack,
       "channel emergency-switch: more than 8 publishers of it leave gateway bridge by network "
-      "mesh: a gate tells no more of one subject apart");
+      "mesh: a gate distinguishes no more of one subject");
   const Inspection found = inspect(system);
   EXPECT_EQ(found.channels[0].outcome, Outcome::unfit);
   EXPECT_NE(std::ranges::find(found.findings, FindingId::too_many, &Finding::id),
             found.findings.end());
-  // Those that look alike are one to a gate.
+  // Those that cannot be distinguished are one to a gate.
   for (Publisher& p : system.publishers) p.station = {};
   EXPECT_EQ(State(system).exceeds_capacity(kBridge), std::nullopt);
 }
 
-TEST(EthernetTest, BehindABusNobodySeesTheFirstAddress) {
-  // lan - bridge - bus - second bridge - far: the second bridge's program sends anew.
+TEST(EthernetTest, BehindABusTheFirstAddressIsUnknown) {
+  // lan - bridge - bus - second bridge - far: the second bridge's program sends it again.
   System system = from_ethernet();
   system.publishers[0].station = *station_of("192.0.2.1");
   system.gateways[kBridge].ports[kRobotCan].sender = 1000;

@@ -159,7 +159,7 @@ TEST(MeasuredMeshTest, WithoutDescribedNodesNothingEntersIt) {
   EXPECT_EQ(checked.verdict.obstacle, Obstacle::no_path);
   EXPECT_TRUE(only(checked.inspection)
                   .text.ends_with(
-                      "no nodes of air are described: nobody knows where events enter and leave"))
+                      "no nodes of air are described: it is unknown where events enter and leave"))
       << only(checked.inspection).text;
   EXPECT_EQ(only(checked.inspection).hint, "describe the nodes of the mesh");
 }

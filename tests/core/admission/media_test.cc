@@ -84,10 +84,10 @@ System loud_and_quiet() {
 bool is_granted(const State& state, std::size_t channel) {
   return state.decisions()[channel].granted != 0;
 }
-Condition carrying(std::uint32_t background, std::vector<Heard> heard = {}) {
+Condition carrying(std::uint32_t background, std::vector<ObservedLoad> observed = {}) {
   Condition condition;
   condition.background = background;
-  condition.heard = std::move(heard);
+  condition.observed = std::move(observed);
   return condition;
 }
 
@@ -112,12 +112,12 @@ TEST(BusTest, WhoIsRefusedAndSendsAllTheSameIsNotUnaccountedToHimself) {
   EXPECT_TRUE(is_granted(state, 0));
 }
 
-TEST(BusTest, WhoIsHeardIsBackgroundToAllOthers) {
+TEST(BusTest, ObservedLoadIsBackgroundToAllOthers) {
   State state(loud_and_quiet());
   state.set_withdrawn(0, true);
   state.set_condition(0, carrying(990'000, {{0, 990'000}}));
   state.settle();
-  EXPECT_FALSE(is_granted(state, 1)) << "0.99 of the bus is taken by somebody who may not";
+  EXPECT_FALSE(is_granted(state, 1)) << "0.99 of the bus is taken by an unadmitted sender";
   state.set_condition(0, carrying(360'000, {{0, 360'000}}));
   state.settle();
   EXPECT_TRUE(is_granted(state, 1));
@@ -136,10 +136,10 @@ TEST(BusTest, WhoIsHeardIsBackgroundToAllOthers) {
 TEST(BusTest, AtDesignTimeResponseTimesAreThoseOfAllMessagesThatAreGranted) {
   const System system = one_bus(3, 50 * kMs);
   const State daemon(system);
-  std::size_t told = 0;
+  std::size_t reports = 0;
   static_cast<void>(inspect(
       system, {}, [&](std::size_t channel, const Decision& decision, std::span<const Finding> why) {
-        ++told;
+        ++reports;
         EXPECT_TRUE(why.empty());
         const Verdict& v = decision.verdicts.at(0);
         const Value response = daemon.ledger().schedule(0)->response(v.media.at(0).key);
@@ -149,7 +149,7 @@ TEST(BusTest, AtDesignTimeResponseTimesAreThoseOfAllMessagesThatAreGranted) {
         ASSERT_NE(end, v.rows.end());
         EXPECT_EQ(end->comparison.provided, response);
       }));
-  EXPECT_EQ(told, 3U);
+  EXPECT_EQ(reports, 3U);
   EXPECT_TRUE(daemon.decisions()[0].verdicts.at(0).hops.empty()) << "kept at design time only";
 }
 
@@ -285,7 +285,7 @@ mesh::Graph link_of(Value bits_per_second, Value busy = 0) {
   return graph;
 }
 
-TEST(MeshTest, AMeshWhoseNodesNobodyDescribesGrantsNothing) {
+TEST(MeshTest, AMeshWithoutDescribedNodesGrantsNothing) {
   AttributeSet slow;
   slow.set(Attribute::bandwidth, 400).set(Attribute::max_payload, 100);
   System system = air(slow);

@@ -180,7 +180,7 @@ Admission random_admission(Random& random, const State& state, AdmissionId id) {
   return a;
 }
 
-/// A channel that nobody described, now and then by an identifier that another one has.
+/// A channel that is not described, now and then by an identifier that another one has.
 UnlistedChannel random_unlisted(Random& random) {
   UnlistedChannel wanted;
   wanted.subject = 0x1000 + below(random, 6);
@@ -230,14 +230,14 @@ void check_identifiers(const State& state) {
 
 class RandomTest : public ::testing::TestWithParam<int> {
  protected:
-  /// Histories in which nobody is admitted, or nobody refused, would prove little.
+  /// Histories in which no request is admitted, or none refused, would prove little.
   static void TearDownTestSuite() {
     if (histories == 0) return;
     EXPECT_GE(unlisted, histories);
     EXPECT_GE(refused, histories);
   }
   static inline std::size_t histories = 0;
-  static inline std::size_t unlisted = 0;  ///< admissions of channels that nobody described
+  static inline std::size_t unlisted = 0;  ///< admissions of channels that are not described
   static inline std::size_t refused = 0;   ///< of such, for their identifier or their number
 };
 

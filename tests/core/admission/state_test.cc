@@ -38,7 +38,7 @@ TEST(StateTest, AProposalThatIsNotAcceptedLeavesNoTrace) {
   EXPECT_EQ(only_verdict(state).subscribers.size(), 1U);
 }
 
-TEST(StateTest, WhoComesLaterIsRefusedAndNobodyElseSuffers) {
+TEST(StateTest, ALaterRequestIsRefusedAndNoOtherChannelSuffers) {
   State state(only_a_logger());
   ASSERT_TRUE(only_verdict(state).granted);
   {
@@ -93,7 +93,7 @@ System three_for_two() {
   return system;
 }
 
-TEST(StateTest, WhatWasGrantedBeforeIsGrantedAgainAndNobodyElseFirst) {
+TEST(StateTest, WhatWasGrantedBeforeIsGrantedAgainFirst) {
   State state(three_for_two());
   EXPECT_EQ(state.grants(0), (Grants{0, {{"p1", 0, "wire"}, {"p2", 0, "wire"}}}));
   EXPECT_EQ(state.grants(1), (Grants{}));
@@ -103,7 +103,7 @@ TEST(StateTest, WhatWasGrantedBeforeIsGrantedAgainAndNobodyElseFirst) {
   EXPECT_EQ(state.grants(1), (Grants{0, {{"p3", 0, "wire"}}}));
 }
 
-TEST(StateTest, GrantsOfWhomNobodyKnowsAreForgotten) {
+TEST(StateTest, GrantsOfUnknownEndpointsAreForgotten) {
   State state(three_for_two());
   state.decide({{0, {0, {{"p1", 9, "wire"}, {"p2", 0, "air"}}}}, {1, {4, {{"p3", 0, "wire"}}}}});
   EXPECT_EQ(state.grants(0).deliveries.size(), 2U) << "as from scratch";
@@ -163,7 +163,7 @@ TEST(StateTest, AReleasedChannelIsRefused) {
   for (const GateRule& rule : state.gate_state(kBridge)) EXPECT_FALSE(rule.pass);
 }
 
-TEST(StateTest, NobodyOnTheOtherSideMeansNothingToGrant) {
+TEST(StateTest, NoEndpointOnTheOtherSideMeansNothingToGrant) {
   System system = robot(0);
   system.publishers.clear();
   State state(system);

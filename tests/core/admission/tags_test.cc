@@ -16,7 +16,7 @@ using namespace testing;
 
 constexpr std::uint32_t kDealt = 0x3ffe;
 
-/// The switch on the second bus, whose tag nobody knows yet.
+/// The switch on the second bus, whose tag is unknown yet.
 System untagged() {
   System system = robot(0);
   Binding& binding = system.networks[kSecondCan].bindings.at(0);

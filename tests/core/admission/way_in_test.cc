@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One publisher, several ways into a network: who hears it there, what it costs, who sends it.
+// One publisher, several ways into a network: who receives it there, what it costs, who sends it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -59,7 +59,7 @@ TEST(WayInTest, AStrictProgramHearsTheNetworkOfItsGateway) {
   system.subscribers = {subscriber("far", network(kFar), lenient())};
   system.gateways.push_back(joining("listening", {kRobotCan}, 0));
   const State alone(system);
-  EXPECT_TRUE(passes(towards(alone, network(kFar)), kSlow)) << "nobody else listens";
+  EXPECT_TRUE(passes(towards(alone, network(kFar)), kSlow)) << "no other subscriber is there";
   system.subscribers.push_back(subscriber("program", gateway(3), heart_beat()));
   const State both(std::move(system));
   EXPECT_TRUE(towards(both, network(kFar)).granted);

@@ -179,7 +179,7 @@ struct Tally {
   std::uint64_t reached = 0;  ///< of these: one of its bounds is, to a bit
   std::uint64_t bounds = 0;   ///< of messages
   std::uint64_t exact = 0;    ///< of these: reached
-  std::uint64_t late = 0;     ///< messages beyond their bounds
+  std::uint64_t late = 0;     ///< messages that exceed their bounds
   std::uint64_t errors = 0;
 };
 

@@ -99,7 +99,7 @@ class Bus {
   }
 
  private:
-  static constexpr std::size_t kNobody = ~std::size_t{0} - 1;
+  static constexpr std::size_t kNoSender = ~std::size_t{0} - 1;
   static constexpr std::size_t kGateways = 1U << 16U;  // offers from here on are of gateways
 
   /// The bands of a priority queue: one for each priority while there are enough.
@@ -203,10 +203,10 @@ class Bus {
   void take_arrivals(Time until) {
     while (next_ <= until) {
       // Of those at one moment, the victim's come last.
-      std::size_t earliest = kNobody;
+      std::size_t earliest = kNoSender;
       for (std::size_t i = 0; i < messages_.size(); ++i) {
         if (arrival(i) != next_) continue;
-        if (earliest == kNobody || earliest == world_.victim) earliest = i;
+        if (earliest == kNoSender || earliest == world_.victim) earliest = i;
       }
       take(earliest);
       next_ = kFar;
@@ -221,9 +221,9 @@ class Bus {
   // --- the bus
   // ------------------------------------------------------------------------------------
 
-  /// Who wins: a message, a gateway (from kGateways on), kUnadmitted or kNobody.
+  /// Who wins: a message, a gateway (from kGateways on), kUnadmitted or kNoSender.
   std::size_t arbitrate(Time now) {
-    std::size_t winner = has_unadmitted(now) ? kUnadmitted : kNobody;
+    std::size_t winner = has_unadmitted(now) ? kUnadmitted : kNoSender;
     std::uint64_t best = std::numeric_limits<std::uint64_t>::max();
     const auto bid = [&](std::size_t who, std::size_t message) {
       // Equal priorities: the victim is the unlucky one, of others anyone.
@@ -240,7 +240,7 @@ class Bus {
     for (std::size_t q = 0; q < gateways_.size(); ++q)
       if (!gateways_[q].controller.empty())
         bid(kGateways + q, gateways_[q].controller.front().message);
-    if (winner != kNobody) return winner;
+    if (winner != kNoSender) return winner;
     // On an idle bus who was late for one arbitration starts the next.
     for (std::size_t i = 0; i < own_.size(); ++i)
       if (!own_[i].empty()) bid(i, i);

@@ -233,7 +233,7 @@ TEST(Analysis, NothingIsBoundedAtFullLoad) {
 }
 
 TEST(Analysis, LimitsEndTheSearch) {
-  // So near full load that the busy period has more instances than are looked at.
+  // So near full load that the busy period has more instances than are analysed.
   auto set =
       std::vector{message(0, 1, 499'990, kMillisecond), message(1, 2, 500'000, kMillisecond + 7)};
   set[0].jitter = 5 * kMillisecond;

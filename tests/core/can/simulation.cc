@@ -140,7 +140,7 @@ class Bus {
     const Time end = now + offer.time;
     take_arrivals(end - 1);  // what came meanwhile may be handed to the controller next
     if (offer.who == Offer::Who::background) {
-      // Not more than the load that is stated, wherever one starts to look.
+      // Not more than the load that is stated, wherever the measurement starts.
       const Time apart = longest_ * 1'000'000 / assumptions_.background + 1;
       background_next_ = now + apart;
     }

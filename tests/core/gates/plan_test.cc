@@ -70,7 +70,7 @@ TEST(PlanTest, ALocalProgramMaySendOnlyAsItsUser) {
   EXPECT_EQ(gates[0].entry.uid, 1000U);
 }
 
-TEST(PlanTest, PublishersThatLookAlikePassOnlyIfAllMay) {
+TEST(PlanTest, PublishersThatCannotBeDistinguishedPassOnlyIfAllMay) {
   System system = robot(0);
   for (Network& n : system.networks) {
     n.profile = Profile::raw;
@@ -179,7 +179,7 @@ TEST(PlanTest, TheStrictestSubscriberSaysHowLongSilenceMayLast) {
   EXPECT_EQ(expected(system).silence, 50'025'000U + 12 * kMs);
 }
 
-TEST(PlanTest, NobodyMindsSilenceOfWhatIsRefusedOrRequiresNoOmission) {
+TEST(PlanTest, WhatIsRefusedOrRequiresNoOmissionHasNoSilenceTimer) {
   EXPECT_EQ(expected(robot(5)).silence, 0U) << "refused";
   EXPECT_EQ(expected(robot(5)).period, 50 * kMs);
   System system = robot(0);
@@ -197,7 +197,7 @@ TEST(PlanTest, FramesOfAnEventAreExpectedTogether) {
   EXPECT_EQ(expected(system).together, 25 * kMs);
 }
 
-TEST(PlanTest, OfPublishersThatLookAlikeNobodyKnowsWhoseEventIsMissing) {
+TEST(PlanTest, OfPublishersThatCannotBeDistinguishedTheMissingOneIsUnknown) {
   System system = robot(0);
   for (Network& n : system.networks) {
     n.profile = Profile::raw;
@@ -265,7 +265,7 @@ TEST(PlanTest, NothingCrossesThatIsRefusedOrStaysOrComesFromAProgramHere) {
   EXPECT_TRUE(State(here).transits(kBridge, 0).empty());
 }
 
-TEST(PlanTest, PublishersThatLookAlikeCrossOnce) {
+TEST(PlanTest, PublishersThatCannotBeDistinguishedCrossOnce) {
   System system = robot(0);
   for (Network& n : system.networks) n.profile = Profile::raw;
   system.publishers.push_back(system.publishers[0]);

@@ -48,12 +48,12 @@ std::vector<std::uint32_t> distances(const Graph& graph, std::uint32_t from) {
   };
   for (; !open.empty(); open.pop_front()) {
     const std::uint32_t node = open.front();
-    const auto look = [&](const auto& link) {
+    const auto visit = [&](const auto& link) {
       if (link.from == node) reach(node, link.to);
       if (link.to == node) reach(node, link.from);
     };
-    for (const Link& l : graph.links) look(l);
-    for (const UnusableLink& l : graph.unusable) look(l);
+    for (const Link& l : graph.links) visit(l);
+    for (const UnusableLink& l : graph.unusable) visit(l);
   }
   return result;
 }

@@ -289,7 +289,7 @@ TEST(ComposedPerHopTest, TheWorseOfMeasuredAndStatedLossCounts) {
   EXPECT_EQ(composed_per_hop(graph, mesh, whole(graph), 0)[Attribute::packet_loss], 550'000'000U);
   mesh.per_hop.clear(Attribute::packet_loss);
   EXPECT_FALSE(composed_per_hop(graph, mesh, whole(graph), 0).has(Attribute::packet_loss))
-      << "nobody knows the loss of the second link";
+      << "the loss of the second link is unknown";
   graph.links[1].quality.loss_known = true;
   EXPECT_EQ(composed_per_hop(graph, mesh, whole(graph), 0)[Attribute::packet_loss], 500'000'000U);
 }

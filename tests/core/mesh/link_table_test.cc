@@ -282,7 +282,7 @@ TEST_F(LinkTableTest, NextHopsAreThoseOfTheFirstSourceThatKnows) {
   EXPECT_TRUE(table.take(0, first, kSecond));
   EXPECT_EQ(table.graph().next_hops, (std::vector<NextHopIndex>{{0, 2, 1}, {1, 2, 2}}));
   EXPECT_EQ(table.next_deadline(), kStale + 1);
-  EXPECT_TRUE(table.expire(kStale + 1)) << "source 1 was silent";
+  EXPECT_TRUE(table.expire(kStale + 1)) << "source 1 has not reported";
   EXPECT_EQ(table.graph().next_hops, (std::vector<NextHopIndex>{{0, 2, 1}}));
 }
 
@@ -310,7 +310,7 @@ TEST_F(LinkTableTest, ASourceThatIsSilencedMakesNoLinkBetter) {
     EXPECT_EQ(quality().loss, 250'000'000U);
   }
   for (std::uint64_t now = 20 * kSecond; now < 30 * kSecond; now += kSecond) {
-    table.take(1, {}, now);  // it speaks again, and not of this link
+    table.take(1, {}, now);  // it reports again, without this link
     see(sample(24 * kMega, now), now);
   }
   EXPECT_EQ(quality().loss, 0U);
@@ -393,7 +393,7 @@ TEST_F(LinkTableTest, LinksOfUndescribedNodesMakeRoomForThoseOfDescribedNodes) {
   EXPECT_EQ(table.graph().links.size(), kMaxLinks);
 }
 
-TEST_F(LinkTableTest, NodesThatNobodySpeaksOfAnyMoreGiveTheirRoom) {
+TEST_F(LinkTableTest, NodesThatNoSourceReportsAnyMoreGiveTheirRoom) {
   Snapshot crowd;
   const auto name = [](std::size_t i) { return "node-" + std::to_string(i); };
   for (std::size_t i = 3; i < kMaxNodes; ++i)

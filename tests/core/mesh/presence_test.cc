@@ -50,12 +50,12 @@ class PresenceTest : public ::testing::Test {
 
 TEST_F(PresenceTest, WhatTheProtocolHasLostCarriesNothingWhoeverGivesItARate) {
   state_rates();
-  EXPECT_FALSE(carries(0, 1)) << "nobody has seen it yet";
+  EXPECT_FALSE(carries(0, 1)) << "no source has seen it yet";
   EXPECT_EQ(lack(0, 1), Lack::absent);
   say(0, {sample(0, 1), sample(0, 1, kB, "c")}, 1);
   EXPECT_TRUE(carries(0, 1));
   EXPECT_TRUE(carries(1, 2)) << "links of others, too";
-  EXPECT_FALSE(carries(1, 0)) << "the other direction nobody has seen";
+  EXPECT_FALSE(carries(1, 0)) << "the other direction was not seen";
   say(0, {sample(0, 2)}, 2);
   EXPECT_FALSE(carries(1, 2)) << "at once";
   EXPECT_TRUE(carries(0, 1));

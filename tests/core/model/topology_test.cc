@@ -127,7 +127,7 @@ TEST(TopologyTest, FindsWhatAnExhaustiveSearchFindsInTheSameOrder) {
     ASSERT_EQ(topology.routes(from, to), expected) << "round " << round;
     if (!expected.empty()) longest = std::max(longest, expected.back().size());
   }
-  EXPECT_GT(longest, 6U) << "the graphs are too simple to tell";
+  EXPECT_GT(longest, 6U) << "the graphs are too simple to show it";
 }
 
 TEST(MediumTest, CountsFamousoFragments) {

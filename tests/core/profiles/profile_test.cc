@@ -49,7 +49,7 @@ TEST(FrameIdentity, OfJ1939LeavesOpenWhatIsNotStated) {
   EXPECT_EQ(all->mask, kExtendedFlag | 0x03ffffffU) << "PDU2 has none";
 }
 
-TEST(FrameIdentity, OfCyphalHasNoServiceAndNobodyAnonymous) {
+TEST(FrameIdentity, OfCyphalHasNoServiceAndNoAnonymousSender) {
   auto heartbeat = named(7509);
   heartbeat.priority = 4;
   const auto identity = identity_of(sender(42), on(Profile::cyphal), heartbeat, false);

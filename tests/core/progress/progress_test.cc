@@ -131,29 +131,29 @@ TEST(ProgressTest, IsToldWhileControlTrafficIsHeldAgainstAllBindings) {
 }
 
 TEST(ProgressTest, ManyShortStepsAreToldAsOne) {
-  int told = 0;
+  int steps = 0;
   const auto steps = [](int count) {
     for (int i = 0; i < count; ++i) Progress::step();
   };
   steps(1000);
   {
-    const Progress outer([&] { ++told; });
+    const Progress outer([&] { ++steps; });
     {
       const Progress inner([] {});
       steps(1000);
       Progress::made();
     }
-    EXPECT_EQ(told, 0) << "the latest one is told";
+    EXPECT_EQ(steps, 0) << "the latest one is called";
     Progress::made();
-    EXPECT_EQ(told, 1);
+    EXPECT_EQ(steps, 1);
     steps(1000);
-    EXPECT_GT(told, 10);
-    EXPECT_LT(told, 100);
+    EXPECT_GT(steps, 10);
+    EXPECT_LT(steps, 100);
   }
-  const int before = told;
+  const int before = steps;
   steps(1000);
   Progress::made();
-  EXPECT_EQ(told, before);
+  EXPECT_EQ(steps, before);
 }
 
 }  // namespace

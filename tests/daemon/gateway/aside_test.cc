@@ -297,7 +297,7 @@ TEST_F(AsideTest, OfTwoWhoWaitTheMemberIsFirst) {
   ::close(letters[1]);
 }
 
-TEST_F(AsideTest, MembersTogetherKeepNobodyElseWaiting) {
+TEST_F(AsideTest, MembersTogetherKeepNoOtherUserWaiting) {
   const Barrier never;
   const auto make = [&never] {
     never.wait();
@@ -375,7 +375,7 @@ TEST_F(AsideTest, WhoHangsUpBeforeItBeginsCostsNoFork) {
   EXPECT_EQ(forks.made, 1);
 }
 
-TEST_F(AsideTest, WhoHasHungUpUnheardCostsNoForkEither) {
+TEST_F(AsideTest, AClientThatHungUpUnnoticedCostsNoForkEither) {
   std::set<std::uint64_t> gone{1, 2};
   aside_->on_begin([&](std::uint64_t session) { return gone.contains(session); });
   const auto make = [] { return control::Done{"made"}; };
@@ -402,7 +402,7 @@ TEST_F(AsideTest, WhatWaitsInTheLoopIsDoneBeforeAFork) {
   EXPECT_EQ(text(whole(next, 1)), "made");
 }
 
-TEST_F(AsideTest, AReportThatNobodyWantsCountsUntilItsProcessHasEnded) {
+TEST_F(AsideTest, AReportWithoutAClientCountsUntilItsProcessHasEnded) {
   const Barrier never;
   for (int i = 1; i <= 3; ++i) {
     const auto next = ask(kAnna, static_cast<std::uint64_t>(i), [&never] {
@@ -414,7 +414,7 @@ TEST_F(AsideTest, AReportThatNobodyWantsCountsUntilItsProcessHasEnded) {
   EXPECT_EQ(forks.beside_another, 0);
 }
 
-TEST_F(AsideTest, WhoseBudgetIsUsedUpWaitsAndNobodyElse) {
+TEST_F(AsideTest, OnlyAUserWhoseBudgetIsUsedUpWaits) {
   aside_->set_rates({{3, 0}, {3, 0}, 0});
   const auto make = [] { return control::Done{"made"}; };
   for (std::uint64_t session = 1; session <= 3; ++session)

@@ -26,7 +26,7 @@ inline constexpr Value kMs = 1'000'000;
 inline constexpr core::Subject kUnlistedSubjects = 0x5600000000000000;
 
 /// Two buses and an Ethernet behind one gateway "g"; a channel "c0" goes from the first bus to the
-/// second one, and nobody else is there.
+/// second one, and there is no other one.
 core::System small_system();
 /// Two or three buses and an Ethernet behind one gateway; four to seven channels whose ends are
 /// anywhere. Mostly not all of them fit.

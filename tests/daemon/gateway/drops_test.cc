@@ -10,78 +10,78 @@ namespace {
 
 TEST(DropWatch, MentionsWhatIsNewAndNotTooOften) {
   DropWatch<std::string> watch;
-  EXPECT_EQ(watch.look("a", 5, 0), std::nullopt) << "of a daemon before this one";
-  EXPECT_EQ(watch.look("a", 7, 1), 2U);
-  EXPECT_EQ(watch.look("a", 9, 60), std::nullopt);
-  EXPECT_EQ(watch.look("a", 9, 61), 2U);
-  EXPECT_EQ(watch.look("a", 9, 200), std::nullopt);
+  EXPECT_EQ(watch.sample("a", 5, 0), std::nullopt) << "of a daemon before this one";
+  EXPECT_EQ(watch.sample("a", 7, 1), 2U);
+  EXPECT_EQ(watch.sample("a", 9, 60), std::nullopt);
+  EXPECT_EQ(watch.sample("a", 9, 61), 2U);
+  EXPECT_EQ(watch.sample("a", 9, 200), std::nullopt);
 }
 
 TEST(DropWatch, WhatComesLaterBeginsAtNothing) {
   DropWatch<std::string> watch;
-  watch.look("a", 5, 0);
+  watch.sample("a", 5, 0);
   watch.end_round();
-  EXPECT_EQ(watch.look("b", 3, 1), 3U) << "was not there before";
-  EXPECT_EQ(watch.look("a", 4, 1), std::nullopt) << "was read while it was counted";
-  EXPECT_EQ(watch.look("a", 5, 1), std::nullopt);
-  EXPECT_EQ(watch.look("a", 2000, 1), 1995U);
-  EXPECT_EQ(watch.look("a", 0, 100), std::nullopt);
-  EXPECT_EQ(watch.look("a", 2, 161), 2U) << "has begun anew";
+  EXPECT_EQ(watch.sample("b", 3, 1), 3U) << "was not there before";
+  EXPECT_EQ(watch.sample("a", 4, 1), std::nullopt) << "was read while it was counted";
+  EXPECT_EQ(watch.sample("a", 5, 1), std::nullopt);
+  EXPECT_EQ(watch.sample("a", 2000, 1), 1995U);
+  EXPECT_EQ(watch.sample("a", 0, 100), std::nullopt);
+  EXPECT_EQ(watch.sample("a", 2, 161), 2U) << "has started again";
 }
 
 TEST(DropWatch, WhatIsGoneForARoundIsForgotten) {
   DropWatch<std::string> watch;
-  watch.look("a", 5, 0);
+  watch.sample("a", 5, 0);
   watch.end_round();
   watch.end_round();
-  EXPECT_EQ(watch.look("a", 5, 1), 5U);
+  EXPECT_EQ(watch.sample("a", 5, 1), 5U);
   watch.forget();
-  EXPECT_EQ(watch.look("a", 9, 2), std::nullopt);
+  EXPECT_EQ(watch.sample("a", 9, 2), std::nullopt);
 }
 
 TEST(DropWatch, WhatIsGoneGivesItsMemoryBackInPieces) {
   DropWatch<int> watch;
-  for (int key = 0; key < 1000; ++key) watch.look(key, 1, 0);
+  for (int key = 0; key < 1000; ++key) watch.sample(key, 1, 0);
   watch.end_round();
-  for (int key = 0; key < 1000; key += 2) watch.look(key, 1, 1);
+  for (int key = 0; key < 1000; key += 2) watch.sample(key, 1, 1);
   watch.end_round();
   ASSERT_TRUE(watch.tidy());
   EXPECT_GT(watch.size(), 900U) << "a piece of it";
   while (watch.tidy()) {
   }
   EXPECT_EQ(watch.size(), 500U);
-  EXPECT_EQ(watch.look(2, 3, 2), 2U) << "stays";
-  EXPECT_EQ(watch.look(3, 3, 2), 3U) << "begins at nothing";
+  EXPECT_EQ(watch.sample(2, 3, 2), 2U) << "stays";
+  EXPECT_EQ(watch.sample(3, 3, 2), 3U) << "begins at nothing";
 }
 
 TEST(DropWatch, WhatWasDroppedInTheLastFiveMinutesIsRecent) {
   DropWatch<std::string> watch;
-  watch.look("a", 5, 0);
+  watch.sample("a", 5, 0);
   EXPECT_EQ(watch.recent("a", 0), 0U) << "of a daemon before this one";
-  EXPECT_EQ(watch.recent("b", 0), 0U) << "nobody has looked at it";
-  watch.look("a", 7, 10);
-  watch.look("a", 12, 200);
+  EXPECT_EQ(watch.recent("b", 0), 0U) << "it was not sampled";
+  watch.sample("a", 7, 10);
+  watch.sample("a", 12, 200);
   EXPECT_EQ(watch.recent("a", 200), 7U) << "since the drops began, mentioned or not";
   EXPECT_EQ(watch.recent("a", 499), 7U);
   EXPECT_EQ(watch.recent("a", 500), 0U) << "300 s after the latest one";
-  watch.look("a", 13, 600);
+  watch.sample("a", 13, 600);
   EXPECT_EQ(watch.recent("a", 600), 1U) << "the drops of then are over";
-  watch.look("a", 0, 601);
-  watch.look("a", 2, 602);
-  EXPECT_EQ(watch.recent("a", 602), 2U) << "the counter has begun anew";
+  watch.sample("a", 0, 601);
+  watch.sample("a", 2, 602);
+  EXPECT_EQ(watch.recent("a", 602), 2U) << "the counter has started again";
   watch.forget();
   EXPECT_EQ(watch.recent("a", 602), 0U);
 }
 
 TEST(DropWatch, AwakeItMentionsTheRestAtOnce) {
   DropWatch<std::string> watch;
-  watch.look("a", 0, 0);
-  watch.look("b", 0, 0);
-  EXPECT_EQ(watch.look("a", 1, 1), 1U);
+  watch.sample("a", 0, 0);
+  watch.sample("b", 0, 0);
+  EXPECT_EQ(watch.sample("a", 1, 1), 1U);
   watch.wake();
-  EXPECT_EQ(watch.look("a", 4, 2), 3U);
-  EXPECT_EQ(watch.look("b", 0, 2), std::nullopt) << "nothing came";
-  EXPECT_EQ(watch.look("a", 5, 3), std::nullopt) << "once";
+  EXPECT_EQ(watch.sample("a", 4, 2), 3U);
+  EXPECT_EQ(watch.sample("b", 0, 2), std::nullopt) << "nothing came";
+  EXPECT_EQ(watch.sample("a", 5, 3), std::nullopt) << "once";
 }
 
 TEST(DropWatch, LineSaysWhatWouldBeInAuditMode) {

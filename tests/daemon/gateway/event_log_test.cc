@@ -70,7 +70,7 @@ TEST_F(EventLogTest, TheClientThatAskedIsNamedAsLongAsItsRequestLasts) {
     const EventLog::Acting client(log_, control::Actor{.uid = 1000, .user = "alice", .pid = 42});
     log_.notice(Kind::released, "by request");
     {
-      const EventLog::Acting nobody(log_, std::nullopt);
+      const EventLog::Acting no_actor(log_, std::nullopt);
       log_.notice(Kind::released, "by itself");
     }
     log_.notice(Kind::released, "by request again");

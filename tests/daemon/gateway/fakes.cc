@@ -41,7 +41,7 @@ void FakeKernel::unplug(const std::string& name) {
   interfaces.erase(found);
 }
 
-void FakeKernel::look_at(std::uint64_t now) {
+void FakeKernel::advance_to(std::uint64_t now) {
   if (lapsed || !open || now < beaten || now - beaten <= grace) return;
   lapsed = true;
   ++lapses;
@@ -70,7 +70,7 @@ Result<void> FakeControl::set_grace(std::uint64_t grace) {
 }
 Result<void> FakeControl::beat(std::uint64_t now) {
   if (auto done = kernel_.calls.make("beat"); !done) return done;
-  kernel_.look_at(now);
+  kernel_.advance_to(now);
   kernel_.beaten = now;
   return {};
 }
@@ -82,7 +82,7 @@ Result<void> FakeControl::clear_lapse(std::uint64_t now) {
 }
 Result<void> FakeControl::begin_start(std::uint64_t /*limit*/, std::uint64_t now) {
   if (auto done = kernel_.calls.make("begin start"); !done) return done;
-  kernel_.look_at(now);
+  kernel_.advance_to(now);
   return {};
 }
 Result<void> FakeControl::undo_interrupted_step() { return kernel_.calls.make("undo"); }
@@ -178,7 +178,7 @@ void FakeGates::follow() {
 void FakeGates::match(PortState& port) {
   const auto found = links_.known().find(port.port.identity.name);
   const int now = found == links_.known().end() ? 0 : found->second.ifindex;
-  port.problem = now == 0 ? port.port.identity.name + " is not there" : "";
+  port.problem = now == 0 ? port.port.identity.name + " is absent" : "";
   if (now == 0) port.lost = false;
   if (now == port.ifindex) return;
   for (const int ifindex : {port.ifindex, now})
@@ -206,8 +206,8 @@ Result<void> FakeGates::hold(const PortState& port) {
   return done;
 }
 
-/// The gate of a former daemon is taken over with its slots. Where that is refused nobody commands
-/// it; an interface without one gets a program that passes nothing.
+/// The gate of a former daemon is taken over with its slots. Where that is refused no daemon
+/// commands it; an interface without one gets a program that passes nothing.
 void FakeGates::attach(PortState& port) {
   if (commanded_.contains(port.ifindex)) return;
   const auto held = hold(port);
@@ -427,7 +427,7 @@ std::vector<control::Interface> FakeGates::report() const {
     i.identity = "name " + i.name;
     i.ifindex = static_cast<std::uint32_t>(ports_[p].ifindex);
     i.problem = ports_[p].problem;
-    i.gated = gate_of(p) != nullptr;
+    i.attached = gate_of(p) != nullptr;
     out.push_back(std::move(i));
   }
   return out;

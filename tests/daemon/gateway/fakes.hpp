@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // A world for a gateway without a kernel, a clock or threads: interfaces that come and go, gates
-// that hold what they are told or refuse, all as plain values. FakeKernel outlives a daemon; the
-// others are what one daemon sees of it.
+// that hold what is written to them or refuse, all as plain values. FakeKernel outlives a daemon;
+// the others are what one daemon sees of it.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -81,8 +81,8 @@ struct FakeKernel {
 
   void plug(const std::string& name);
   void unplug(const std::string& name);
-  /// The timer of the kernel: closes the gates when nobody has beaten for the grace.
-  void look_at(std::uint64_t now);
+  /// The timer of the kernel: closes the gates when no heart-beat was given for the grace.
+  void advance_to(std::uint64_t now);
   [[nodiscard]] bool passes() const { return open && !lapsed; }
   [[nodiscard]] const FakeInterface* interface(int ifindex) const;
 };
@@ -166,7 +166,7 @@ class FakeGates final : public GateDriver {
   [[nodiscard]] bool out_of_hand() const override;
   [[nodiscard]] bool needs_recheck() const override { return false; }
   [[nodiscard]] const std::string& orphans_unknown() const override { return none_; }
-  void look_for_bypass(int /*ifindex*/, std::int64_t /*now_s*/) override {}
+  void check_bypass(int /*ifindex*/, std::int64_t /*now_s*/) override {}
 
   Result<void> sync(const core::GateState& wanted) override;
   Result<void> apply(const core::GateChanges& changes) override;
@@ -180,8 +180,8 @@ class FakeGates final : public GateDriver {
       const core::GateState& /*rules*/) const override {
     return watched;
   }
-  [[nodiscard]] Result<void> tell_again(const core::GateState& /*rules*/) const override {
-    return kernel_.calls.make("tell again");
+  [[nodiscard]] Result<void> report_again(const core::GateState& /*rules*/) const override {
+    return kernel_.calls.make("report again");
   }
   [[nodiscard]] bool is_of(const gate_event& event, const core::GateState& rules) const override;
   [[nodiscard]] control::Gates gates(const core::State& /*state*/,
@@ -269,7 +269,7 @@ class FakeBackground final : public Background {
   [[nodiscard]] std::uint64_t begun() const override { return begun_; }
   [[nodiscard]] bool busy() const override { return work_ != nullptr; }
   explicit FakeBackground(const Clock& clock) : clock_(clock) {}
-  /// The work ends; whoever waits for it hears of it.
+  /// The work ends; whoever waits for it is notified.
   void finish();
 
  private:

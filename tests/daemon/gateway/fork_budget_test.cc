@@ -34,7 +34,7 @@ TEST(ForkBudgetTest, AMemberHasMore) {
   EXPECT_EQ(budget.ready_at(kRoot, 0), kSecond / 10);
 }
 
-TEST(ForkBudgetTest, NobodyAlikeForksForTwentyTimesAsLongAsTheLastForkTook) {
+TEST(ForkBudgetTest, NoUserOfThatGroupForksForTwentyTimesAsLongAsTheLastForkTook) {
   ForkBudget budget(ForkBudget::kUsual);
   budget.forked(kAnna, 0, 40 * kMilli);
   EXPECT_EQ(budget.ready_at(kBert, 40 * kMilli), 840 * kMilli);

@@ -189,7 +189,7 @@ INSTANTIATE_TEST_SUITE_P(
                 1},
         Foreign{"with other data", {.from = kFrom, .to = kTo}, true, 1, 1}));
 
-TEST(ForwardingTest, ARuleOfSomebodyElseThatCarriesAPartIsInTheWay) {
+TEST(ForwardingTest, ARuleOfAnotherProgramThatCarriesAPartIsInTheWay) {
   CanRule wide = rule(core::kExtendedFlag | 0x1f000064);
   wide.mask &= ~(1U << 21);
   const auto changes = difference({{wide, 0}}, {foreign(rule(core::kExtendedFlag | 0x1f000064))});
@@ -214,7 +214,7 @@ TEST(ForwardingTest, NumbersAreNeverUsedTwiceAndNeverRunOver) {
 
 // --- in time -------------------------------------------------------------------------------------
 
-/// A can-gw that a test looks into, and that can fail.
+/// A can-gw whose rules a test reads, and that can fail.
 struct FakeRules : net::CanRules {
   std::vector<CanRuleThere> rules;
   std::string broken;  ///< why everything but reading fails
@@ -239,9 +239,9 @@ class ForwarderTest : public ::testing::Test {
  protected:
   std::unique_ptr<FakeRules> made_ = std::make_unique<FakeRules>();
   FakeRules& kernel_ = *made_;
-  std::vector<std::string> told_;
+  std::vector<std::string> reported_;
   Forwarder forwarder_{std::move(made_),
-                       [this](const std::string& line, bool) { told_.push_back(line); }};
+                       [this](const std::string& line, bool) { reported_.push_back(line); }};
 };
 
 TEST_F(ForwarderTest, RulesComeWithTheGrantAndGoWithIt) {
@@ -253,7 +253,7 @@ TEST_F(ForwarderTest, RulesComeWithTheGrantAndGoWithIt) {
   forwarder_.want(4, {});
   forwarder_.act();
   EXPECT_TRUE(kernel_.rules.empty());
-  EXPECT_TRUE(told_.empty());
+  EXPECT_TRUE(reported_.empty());
 }
 
 TEST_F(ForwarderTest, WhatADeadDaemonLeftIsTakenOverOrTakenAway) {
@@ -272,24 +272,24 @@ TEST_F(ForwarderTest, AtTheEndOnlyThoseOfOthersAreLeft) {
   EXPECT_EQ(kernel_.rules, std::vector{foreign(rule(9))});
 }
 
-TEST_F(ForwarderTest, WhatSomebodyTookAwayIsPutBackAndTold) {
+TEST_F(ForwarderTest, RulesThatAnotherProgramRemovedAreAddedAgainAndReported) {
   forwarder_.want(0, {rule(1)});
   forwarder_.act();
   kernel_.rules.clear();
-  forwarder_.look();
+  forwarder_.poll();
   EXPECT_EQ(kernel_.rules.size(), 1U);
-  ASSERT_EQ(told_.size(), 1U);
-  EXPECT_NE(told_[0].find("took 1 of our can-gw rules away"), std::string::npos);
+  ASSERT_EQ(reported_.size(), 1U);
+  EXPECT_NE(reported_[0].find("removed 1 of our can-gw rules"), std::string::npos);
 }
 
-TEST_F(ForwarderTest, MakesWayForARuleOfSomebodyElseAndComesBackAfterIt) {
+TEST_F(ForwarderTest, MakesWayForARuleOfAnotherProgramAndComesBackAfterIt) {
   forwarder_.want(0, {rule(1)});
   forwarder_.act();
   kernel_.rules.push_back(foreign({.from = kFrom, .to = kTo}));
-  forwarder_.look();
+  forwarder_.poll();
   EXPECT_EQ(kernel_.rules, (std::vector{foreign({.from = kFrom, .to = kTo})}));
   kernel_.rules.clear();
-  forwarder_.look();
+  forwarder_.poll();
   EXPECT_EQ(kernel_.rules.size(), 1U);
 }
 
@@ -297,16 +297,16 @@ TEST_F(ForwarderTest, AFailureIsToldOnceAndTriedAgain) {
   kernel_.broken = "can-gw: the kernel has no can-gw: modprobe can-gw";
   forwarder_.want(0, {rule(1), rule(2)});
   forwarder_.act();
-  forwarder_.look();
-  ASSERT_EQ(told_.size(), 1U);
-  EXPECT_NE(told_[0].find("modprobe can-gw"), std::string::npos);
+  forwarder_.poll();
+  ASSERT_EQ(reported_.size(), 1U);
+  EXPECT_NE(reported_[0].find("modprobe can-gw"), std::string::npos);
   EXPECT_NE(forwarder_.problem().find("are not carried from bus to bus: " + kernel_.broken),
             std::string::npos);
   kernel_.broken.clear();
-  forwarder_.look();
+  forwarder_.poll();
   EXPECT_EQ(kernel_.rules.size(), 2U);
   EXPECT_TRUE(forwarder_.problem().empty());
-  EXPECT_EQ(told_.size(), 2U);
+  EXPECT_EQ(reported_.size(), 2U);
 }
 
 TEST_F(ForwarderTest, ARuleThatWentWithItsInterfaceIsNoProblem) {
@@ -315,13 +315,13 @@ TEST_F(ForwarderTest, ARuleThatWentWithItsInterfaceIsNoProblem) {
   kernel_.rules.clear();
   forwarder_.want(0, {});
   forwarder_.act();
-  forwarder_.look();
+  forwarder_.poll();
   EXPECT_TRUE(forwarder_.problem().empty());
 }
 
 TEST_F(ForwarderTest, WhoForwardsNothingReadsOnce) {
   forwarder_.act();
-  for (int i = 0; i < 5; ++i) forwarder_.look();
+  for (int i = 0; i < 5; ++i) forwarder_.poll();
   EXPECT_EQ(kernel_.reads, 1);
 }
 
@@ -331,10 +331,10 @@ TEST_F(ForwarderTest, ARuleInTheWayIsAProblemUntilItGoes) {
   kernel_.rules = {other};
   forwarder_.want(0, {rule(1)});
   forwarder_.act();
-  EXPECT_NE(forwarder_.problem().find("somebody else"), std::string::npos);
+  EXPECT_NE(forwarder_.problem().find("another program"), std::string::npos);
   EXPECT_EQ(forwarder_.in_way(), std::vector{rule(1)});
   kernel_.rules.clear();
-  forwarder_.look();
+  forwarder_.poll();
   EXPECT_TRUE(forwarder_.problem().empty());
 }
 

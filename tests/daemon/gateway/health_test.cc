@@ -15,7 +15,7 @@ constexpr std::uint64_t kSecond = 1'000'000'000;
 control::Watch heart_beat() {
   control::Watch watch;
   watch.period_ns = 50 * kMillisecond;
-  watch.silence_ns = 162 * kMillisecond;
+  watch.timeout_ns = 162 * kMillisecond;
   watch.events = 100;
   watch.since_last_ns = 20 * kMillisecond;
   return watch;
@@ -40,7 +40,7 @@ TEST(Health, NothingIsWrongWithEventsThatComeAndLeave) {
   EXPECT_EQ(troubles({}), Lines{}) << "of a delivery that does not cross this gateway";
 }
 
-TEST(Health, SilenceIsToldWithWhatIsMissing) {
+TEST(Health, ReportsSilenceWithTheMissingEvents) {
   Observed seen{.watch = heart_beat()};
   seen.watch->missing_now = true;
   seen.watch->since_last_ns = 4'200 * kMillisecond + 1;
@@ -50,17 +50,18 @@ TEST(Health, SilenceIsToldWithWhatIsMissing) {
 TEST(Health, WhoHasNeverSentIsToldAfterThreePeriodsAndASecond) {
   Observed seen{.watch = heart_beat()};
   seen.watch->events = 0;
-  seen.watch->silence_ns = 0;
+  seen.watch->timeout_ns = 0;
   seen.watch->since_last_ns = kSecond;
   EXPECT_EQ(troubles(seen), Lines{}) << "it may be starting";
   seen.watch->since_last_ns = kSecond + kMillisecond;
   EXPECT_EQ(troubles(seen),
-            Lines{"nobody sends: nothing has come since it was granted, 1.001 s ago"});
+            Lines{"no publisher sends: nothing has come since it was granted, 1.001 s ago"});
   seen.watch->period_ns = 10 * kSecond;
   seen.watch->since_last_ns = 30 * kSecond;
   EXPECT_EQ(troubles(seen), Lines{});
   seen.watch->since_last_ns = 31 * kSecond;
-  EXPECT_EQ(troubles(seen), Lines{"nobody sends: nothing has come since it was granted, 31 s ago"});
+  EXPECT_EQ(troubles(seen),
+            Lines{"no publisher sends: nothing has come since it was granted, 31 s ago"});
 }
 
 TEST(Health, WhoSendsSomethingElseIsToldWhereNothingComes) {
@@ -70,7 +71,7 @@ TEST(Health, WhoSendsSomethingElseIsToldWhereNothingComes) {
   seen.unknown = 80;
   seen.latest_unknown = "1F480065";
   EXPECT_EQ(troubles(seen),
-            (Lines{"nobody sends: nothing has come since it was granted, 4 s ago",
+            (Lines{"no publisher sends: nothing has come since it was granted, 4 s ago",
                    "80 frames on second-can name no known subject, the latest 1F480065: does the "
                    "publisher send by another name?"}));
   seen.watch->events = 7;
@@ -98,7 +99,7 @@ TEST(Health, AGrantThatCarriesNothingSaysWhere) {
             Lines{"40 frames came in from second-can and none left to robot-can: nothing forwards "
                   "them"});
   EXPECT_EQ(troubles({.passages = {in(1), out(0)}}), Lines{}) << "it may be on its way";
-  EXPECT_EQ(troubles({.passages = {in(0), out(0)}}), Lines{}) << "nobody has sent";
+  EXPECT_EQ(troubles({.passages = {in(0), out(0)}}), Lines{}) << "no frame has come";
   EXPECT_EQ(troubles({.passages = {out(0)}}), Lines{}) << "sent by a program here, or not at all";
   auto shared = in(40);
   shared.is_shared = true;

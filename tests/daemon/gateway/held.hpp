@@ -31,7 +31,7 @@ inline std::string wrong_gate(Bench& bench) {
   for (const auto& [ifindex, gate] : bench.kernel.gates) {
     if (gates.next_gate(ifindex - 1) == ifindex || !bench.kernel.passes()) continue;
     if (std::ranges::any_of(gate.rules, [](const auto& held) { return held.second.pass; }))
-      return "a gate that nobody commands passes something";
+      return "a gate that no daemon commands passes something";
   }
   return {};
 }

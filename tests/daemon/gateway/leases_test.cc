@@ -48,7 +48,7 @@ TEST(Leases, ExpireInTheOrderOfTheirEndsUntilTheyAreForgotten) {
   EXPECT_EQ(leases.next_deadline(), 200U);
 }
 
-TEST(Leases, OfNobodyAreNone) {
+TEST(Leases, OfNoSessionAreNone) {
   Leases leases;
   leases.renew(9, 5);
   leases.forget(9);

@@ -7,11 +7,16 @@
 #include <array>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "base/handle.hpp"
 #include "base/unix_address.hpp"
 #include "daemon/system_log.hpp"
+#include "tests/support/source_tree.hpp"
 
 namespace mlcca {
 namespace {
@@ -56,11 +61,11 @@ TEST(Log, AnEntryHasItsFieldsWhateverTheirValuesAre) {
   const std::string entry = journald.read();
   for (const std::string& part :
        {field("MESSAGE", "two\nlines="), field("PRIORITY", "6"), field("MLCCA_KIND", "granted"),
-        field("CHANNEL", "stop"), field("VERDICT", "grant")})
+        field("CHANNEL", "stop"), field("VERDICT", "granted")})
     EXPECT_NE(entry.find(part), std::string::npos) << part;
 }
 
-TEST(Log, WhatNobodyReadsIsLostAndCounted) {
+TEST(Log, LinesWithoutAReaderAreLostAndCounted) {
   const Journald journald;
   const SystemLog journal = SystemLog::to_journald(journald.path());
   constexpr int kWritten = 5000;  // more than a queue of datagrams holds
@@ -70,7 +75,7 @@ TEST(Log, WhatNobodyReadsIsLostAndCounted) {
   ASSERT_LT(read, kWritten);
   journal.write({.message = "after"});
   EXPECT_NE(journald.read().find("(" + std::to_string(kWritten - read) +
-                                 " lines before this one were lost: nobody read them) after"),
+                                 " lines before this one were lost: they were not read) after"),
             std::string::npos);
   journal.write({.message = "last"});
   EXPECT_NE(journald.read().find(field("MESSAGE", "last")), std::string::npos);
@@ -98,8 +103,35 @@ TEST(Log, ALineThatWasTakenInPartEndsBeforeTheNextOne) {
   journal.write({.message = "after"});
   drain();
   ASSERT_EQ(::dup2(before.get(), STDERR_FILENO), STDERR_FILENO);
-  EXPECT_TRUE(read.ends_with("x\n(1 lines before this one were lost: nobody read them) after\n"))
+  EXPECT_TRUE(read.ends_with("x\n(1 lines before this one were lost: they were not read) after\n"))
       << read.substr(read.size() - 100);
+}
+
+std::string content_of(const std::string& file) {
+  std::ifstream stream(testing::source_tree() / file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::vector<Kind> all_kinds() {
+  std::vector<Kind> kinds;
+  std::istringstream names(kind_names());
+  for (std::string name; std::getline(names >> std::ws, name, ',');)
+    kinds.push_back(kind_named(name).value());
+  return kinds;
+}
+
+TEST(Kinds, HaveOneNameInTheManualPagesAndInTheSchema) {
+  const auto daemon = content_of("docs/man/mlccad.8");
+  const auto client = content_of("docs/man/mlccactl.1");
+  const auto schema = content_of("proto/mlcca/v1/control.proto");
+  for (const Kind kind : all_kinds()) {
+    const std::string name = name_of(kind);
+    std::string entry = name;
+    entry.resize(11, ' ');
+    EXPECT_NE(daemon.find("\n" + entry + message_id_of(kind) + "\n"), std::string::npos) << name;
+    EXPECT_NE(client.find(name), std::string::npos) << name;
+    EXPECT_NE(schema.find(name), std::string::npos) << name;
+  }
 }
 
 }  // namespace

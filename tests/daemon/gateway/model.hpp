@@ -76,22 +76,22 @@ class Model {
       case 0:
       case 1:
       case 2:
-        told_ += " [disk]";
+        steps_ += " [disk]";
         unsure_disk_ = true;
         bench_.disk().trouble(std::array{Trouble::fail, Trouble::fail_after, Trouble::lose,
                                          Trouble::write_part}[below(random_, 4)],
                               at, ENOSPC, many);
         break;
       case 3:
-        told_ += " [power]";
+        steps_ += " [power]";
         bench_.disk().trouble(chance(random_, 50) ? Trouble::stop : Trouble::stop_after, at, 0);
         break;
       case 4:
-        told_ += " [killed]";
+        steps_ += " [killed]";
         bench_.kernel.calls.kill(at);
         break;
       default:
-        told_ += " [kernel]";
+        steps_ += " [kernel]";
         bench_.kernel.calls.refuse(at, many);
     }
   }
@@ -102,7 +102,7 @@ class Model {
   }
 
   void act() {
-    told_ += " act";
+    steps_ += " act";
     bench_.act();
     take_commits();
   }
@@ -129,23 +129,23 @@ class Model {
 
   // --- ends and beginnings -----------------------------------------------------------------------
 
-  /// Nobody was told of what was held; it may be on disk all the same.
+  /// No client got the answers that were held; what they granted may be on disk all the same.
   void crash() {
     ++tally.crashes;
     end_trouble();
-    told_ += " crash";
+    steps_ += " crash";
     bench_.readable = true;
     for (const auto& [id, request] : held_) unmended_.insert(id);
     held_.clear();
     bench_.lose_power(power_);
     if (chance(random_, 20)) bench_.clock.monotonic += 40 * kSecond;
-    bench_.kernel.look_at(bench_.clock.monotonic);
+    bench_.kernel.advance_to(bench_.clock.monotonic);
     restart();
   }
 
   void restart() {
     ++tally.restarts;
-    told_ += " start";
+    steps_ += " start";
     sessions_.clear();
     bench_.commits.clear();
     if (chance(random_, 30)) {
@@ -163,7 +163,7 @@ class Model {
       end_trouble();
       if (killed) bench_.lose_power(power_);
       if (!started || killed) bench_.end();
-      if (started) told_ += "ed in trouble";
+      if (started) steps_ += "ed in trouble";
     }
     if (!bench_.runs()) {
       const auto failure = bench_.start();
@@ -180,7 +180,7 @@ class Model {
     expect_served();
   }
 
-  /// Everybody who was answered is there; nobody is who was not.
+  /// Every admission that was answered is there, and no other one.
   void adopt_recorded() {
     const auto recorded = bench_.recorded(power_);
     for (const auto& [id, request] : granted_)
@@ -261,7 +261,7 @@ class Model {
   bool settled_ = false;
   Served served_;
   std::vector<core::Condition> conditions_;
-  std::string told_;
+  std::string steps_;
   std::string wrong_;
 };
 

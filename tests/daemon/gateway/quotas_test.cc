@@ -44,7 +44,7 @@ TEST_F(AdmissionQuota, AUserHasHisAndNotOneMore) {
   EXPECT_EQ(refusal(kAnna), std::nullopt);
   admit(kAnna);
   expect_refused(refusal(kAnna), {"user 1000 holds 4096", "release"});
-  EXPECT_EQ(refusal(kBert), std::nullopt) << "it is nobody else's";
+  EXPECT_EQ(refusal(kBert), std::nullopt) << "no other user has it";
   held_.erase(1);
   EXPECT_EQ(refusal(kAnna), std::nullopt) << "he has released one";
 }

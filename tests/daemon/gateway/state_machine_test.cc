@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Whatever happens to a gateway, and whatever fails meanwhile: the gates hold what is granted or
-// deny, what was answered is on disk, what failed has changed nothing, and nobody is late. SETS
+// deny, what was answered is on disk, what failed has changed nothing, and no answer is late. SETS
 // random histories (25,000, or as the environment says) from the seed SEED on.
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ class Machine : Model {
   std::string run() {
     restart();
     for (std::size_t i = 6 + below(random_, kMostSteps - 6); i > 0 && wrong_.empty(); --i) step();
-    return wrong_.empty() ? "" : wrong_ + "\n  after:" + told_;
+    return wrong_.empty() ? "" : wrong_ + "\n  after:" + steps_;
   }
 
  private:
@@ -133,7 +133,7 @@ class Machine : Model {
   void admit() {
     const bool again = !granted_.empty() && chance(random_, 15);
     const control::Admit request = again ? granted_.begin()->second : random_request();
-    told_ += " admit " + request.channel;
+    steps_ += " admit " + request.channel;
     const Before before = now();
     const auto session = 1 + below(random_, 3);
     const auto answer = bench_.ask(request, member(session));
@@ -141,7 +141,7 @@ class Machine : Model {
     for (const auto& [id, channel] : bench_.state().admissions())
       if (!before.admissions.contains(id)) fresh.insert(id);
     if (std::holds_alternative<control::Error>(answer.reply.body)) {
-      told_ += " (" + std::get<control::Error>(answer.reply.body).message + ")";
+      steps_ += " (" + std::get<control::Error>(answer.reply.body).message + ")";
       demand(now() == before, "an admission that was answered by an error has changed something");
       ++tally.failed;
       return;
@@ -155,7 +155,7 @@ class Machine : Model {
     demand(fresh.size() == 1 && answer.held, "a grant that does not wait for the disk");
     for (const auto& c : std::get<control::Channels>(answer.reply.body).channels)
       demand(c.granted, "not all of an admission is granted");
-    told_ += " = " + std::to_string(*fresh.begin());
+    steps_ += " = " + std::to_string(*fresh.begin());
     held_.emplace(*fresh.begin(), request);
     if (request.hold) sessions_[*fresh.begin()].insert(session);
     ++tally.admitted;
@@ -164,7 +164,7 @@ class Machine : Model {
   void query() {
     control::Query query;
     static_cast<control::ChannelRequest&>(query) = random_request();
-    told_ += " query";
+    steps_ += " query";
     const Before before = now();
     bench_.ask(query, outsider());
     demand(now() == before, "a query has changed something");
@@ -177,7 +177,7 @@ class Machine : Model {
     take_commits();
     const auto* error = std::get_if<control::Error>(&answer.reply.body);
     if (error == nullptr) return true;
-    told_ += " (" + error->message + ")";
+    steps_ += " (" + error->message + ")";
     demand(lost || now() == before, "after an error something has changed");
     return false;
   }
@@ -195,7 +195,7 @@ class Machine : Model {
     } else {
       request.channel = "c" + std::to_string(below(random_, first_.channels.size()));
     }
-    told_ += " release " + request.channel + request.key + std::to_string(request.admission);
+    steps_ += " release " + request.channel + request.key + std::to_string(request.admission);
     const Before before = now();
     const auto of = bench_.state().find_channel(request.channel);
     const auto is_meant = [&](core::AdmissionId id, const control::Admit& known) {
@@ -216,8 +216,8 @@ class Machine : Model {
     settled_ = false;
     const std::string channel = "c" + std::to_string(below(random_, first_.channels.size()));
     const bool away = chance(random_, 50);
-    told_ += away ? " withdraw " : " reinstate ";
-    told_ += channel;
+    steps_ += away ? " withdraw " : " reinstate ";
+    steps_ += channel;
     const Before before = now();
     perhaps_withdrawn_.insert(channel);
     const auto answer = away ? bench_.ask(control::WithdrawRequest{channel})
@@ -235,7 +235,7 @@ class Machine : Model {
     bench_.readable = which != 0;
     const core::System& next = which == 1 ? other_ : first_;
     if (bench_.readable) bench_.system = next;
-    told_ += " reload " + std::to_string(which);
+    steps_ += " reload " + std::to_string(which);
     const Before before = now();
     const auto conditions = bench_.gates().conditions(bench_.state().system().networks.size());
     const auto answer = bench_.ask(control::ReloadRequest{});
@@ -248,7 +248,7 @@ class Machine : Model {
     const auto slice = answer.slices ? answer.slices() : std::nullopt;
     demand(slice.has_value(), "a reload is not answered");
     if (slice && std::holds_alternative<control::Error>(slice->body)) {
-      told_ += " (" + std::get<control::Error>(slice->body).message + ")";
+      steps_ += " (" + std::get<control::Error>(slice->body).message + ")";
       // To be tried again is a chance for whatever the kernel had refused before.
       demand(lost || now() == before || conditions != bench_.gates().conditions(conditions.size()),
              "a reload that was refused has changed something");
@@ -261,7 +261,7 @@ class Machine : Model {
   void change_links() {
     const std::string& name = first_.networks[below(random_, first_.networks.size())].name;
     const auto known = bench_.kernel.interfaces.find(name);
-    told_ += " link " + name;
+    steps_ += " link " + name;
     if (known == bench_.kernel.interfaces.end())
       bench_.kernel.plug(name);
     else if (chance(random_, 40))
@@ -281,11 +281,11 @@ class Machine : Model {
   /// Sometimes longer than the grace, without a heart-beat.
   void pass_time() {
     const std::uint64_t passed = chance(random_, 40) ? 40 * kSecond : kSecond;
-    told_ += " time " + std::to_string(passed / kSecond);
+    steps_ += " time " + std::to_string(passed / kSecond);
     bench_.clock.monotonic += passed;
     bench_.clock.wall += (below(random_, 7200) * kSecond);
     bench_.clock.wall -= 3600 * kSecond;
-    bench_.kernel.look_at(bench_.clock.monotonic);
+    bench_.kernel.advance_to(bench_.clock.monotonic);
     bench_.daemon().beat();
     round();
     if (passed <= kSecond || trouble_) return;
@@ -296,7 +296,7 @@ class Machine : Model {
 
   void round() {
     settled_ = false;
-    told_ += " round";
+    steps_ += " round";
     for (const auto& [id, request] : granted_)
       if (request.lease_ns != 0 || request.hold) perhaps_gone_.insert(id);
     bench_.daemon().begin_round();
@@ -319,15 +319,15 @@ class Machine : Model {
 
   void end_session() {
     const auto session = 1 + below(random_, 3);
-    told_ += " session " + std::to_string(session) + " ends";
+    steps_ += " session " + std::to_string(session) + " ends";
     bench_.daemon().session_closed(session);
     for (auto& [id, holders] : sessions_) holders.erase(session);
   }
 
-  /// Somebody removes a gate.
+  /// Another program removes a gate.
   void lose_gate() {
     if (bench_.kernel.gates.empty()) return;
-    told_ += " gate lost";
+    steps_ += " gate lost";
     bench_.kernel.gates.erase(bench_.kernel.gates.begin());
     round();
   }
@@ -335,7 +335,7 @@ class Machine : Model {
   // --- ends and beginnings -----------------------------------------------------------------------
 
   void stop() {
-    told_ += " stop";
+    steps_ += " stop";
     try {
       bench_.daemon().stop();
       take_commits();

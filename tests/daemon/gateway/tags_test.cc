@@ -55,7 +55,7 @@ class TagClaims : public testing::Test {
     tags_.hold_apart();
   }
   Tag& of(core::Subject subject) { return *tags_.find(kSecondCan, subject); }
-  /// The broker deals it, and the gate has heard it.
+  /// The broker deals it, and the gate has received that.
   void deal(core::Subject subject, std::uint16_t tag) {
     of(subject).dealt = tag != of(subject).etag ? tag : std::uint16_t{0};
     tags_.hold_apart();
@@ -74,14 +74,14 @@ class TagClaims : public testing::Test {
   Tags tags_;
 };
 
-TEST_F(TagClaims, WhatNobodyElseClaimsIsGiven) {
+TEST_F(TagClaims, ATagWithoutAnotherClaimIsGiven) {
   deal(kDistance, kNext);
   EXPECT_EQ(of(kDistance).etag, kNext);
   EXPECT_EQ(refused(), 0U);
 }
 
-/// The description says 0x3ffe is the switch's, the broker says it is distance's: nobody has it.
-TEST_F(TagClaims, ATagThatIsStatedForAnotherIsGivenToNobody) {
+/// The description says 0x3ffe is the switch's, the broker says it is distance's: neither has it.
+TEST_F(TagClaims, ATagThatIsStatedForAnotherIsGivenToNone) {
   deal(kDistance, kTag);
   EXPECT_EQ(of(kDistance).etag, 0);
   EXPECT_EQ(of(kDistance).problem(),
@@ -91,7 +91,7 @@ TEST_F(TagClaims, ATagThatIsStatedForAnotherIsGivenToNobody) {
   EXPECT_EQ(refused(), 2U);
   deal(kDistance, kNext);
   EXPECT_EQ(of(kDistance).etag, kNext);
-  EXPECT_EQ(refused(), 0U) << "nobody claims the other's any more";
+  EXPECT_EQ(refused(), 0U) << "the other one is not claimed any more";
 }
 
 TEST_F(TagClaims, OfTwoThatAreDealtOneTagTheLaterOneWaitsForTheOthersNext) {
@@ -169,7 +169,7 @@ TEST_F(TagClaims, WhatIsAdmittedWithoutBeingDescribedIsHeldAgainstTheBrokerAndTh
   deal(kDistance, kNext);
   EXPECT_EQ(of(kDistance).etag, 0);
   EXPECT_EQ(refused(), 2U);
-  // Nobody was admitted: whoever looks next finds it gone.
+  // No subject was admitted: the next query finds it gone.
   EXPECT_TRUE(state.unlist_unused());
   EXPECT_FALSE(state.unlist_unused());
   describe(state.system());
@@ -178,7 +178,7 @@ TEST_F(TagClaims, WhatIsAdmittedWithoutBeingDescribedIsHeldAgainstTheBrokerAndTh
   EXPECT_EQ(refused(), 0U);
 }
 
-TEST_F(TagClaims, ATagThatWasLearnedIsNobodyElsesToAdmit) {
+TEST_F(TagClaims, ATagThatWasLearnedIsForNoOtherSubject) {
   core::System system = machine();
   system.networks[kSecondCan].unlisted.allowed = true;
   core::State state(system);
@@ -190,7 +190,7 @@ TEST_F(TagClaims, ATagThatWasLearnedIsNobodyElsesToAdmit) {
             "identifier 0x3ffd on second-can is channel distance's: choose another");
 }
 
-/// The gate that has heard the broker is gone, with its interface or by a reboot.
+/// The gate that has received the broker's replies is gone, with its interface or by a reboot.
 TEST_F(TagClaims, WhatWasClosedStaysClosedForADaemonThatFindsNoGate) {
   of(kEmergency).contradiction = "the broker has dealt its tag to another";
   store::Contents kept;
@@ -210,7 +210,7 @@ TEST_F(TagClaims, WhatWasClosedStaysClosedForADaemonThatFindsNoGate) {
       std::ranges::find(stated, kEmergency, &enforce::StatedBinding::subject)->contradicted);
 }
 
-/// Whom the tag was dealt to is not known then: that it was dealt to somebody is.
+/// Whom the tag was dealt to is not known then: that it was dealt to some subject is.
 TEST_F(TagClaims, ATagThatIsStatedForAnotherStaysClosedForADaemonThatFindsNoGate) {
   deal(kDistance, kTag);
   store::Contents kept;
@@ -229,14 +229,14 @@ TEST_F(TagClaims, WhatWasKeptCountsForTheSameTagAndWhereNoGateKnowsBetter) {
   kept.apply(store::Contradicted{"second-can", kDistance, 0, "dealt to another"});
   EXPECT_TRUE(tags_.recall(kept).empty());
   kept.apply(store::Contradicted{"second-can", kEmergency, kTag, "dealt to another"});
-  of(kEmergency).is_heard = true;
+  of(kEmergency).is_confirmed = true;
   EXPECT_TRUE(tags_.recall(kept).empty());
   describe(machine());
   EXPECT_EQ(tags_.recall(kept).size(), 1U);
 }
 
-/// A gate of a new interface has heard nothing itself.
-TEST_F(TagClaims, WhatIsKnownIsToldToAGateThatHasNotHeardIt) {
+/// A gate of a new interface has received nothing itself.
+TEST_F(TagClaims, WhatIsKnownIsGivenToAGateThatHasNotReceivedIt) {
   deal(kDistance, kNext);
   deal(kVelocity, kTag);
   of(kEmergency).contradiction = "the broker has dealt its tag to another";

@@ -47,7 +47,7 @@ TEST_F(OnTheBench, WhatIsGrantedIsHeldByTheGatesAndAnsweredWhenTheDiskHasIt) {
   EXPECT_EQ(bench_.recorded(random_).admissions.size(), 1U);
 }
 
-TEST_F(OnTheBench, WhatTheDiskRefusesIsNobodys) {
+TEST_F(OnTheBench, WhatTheDiskRefusesIsNotGranted) {
   ASSERT_TRUE(bench_.ask(newcomer()).held);
   bench_.disk().trouble(store::test::Trouble::fail, 1, ENOSPC, 100);
   bench_.act();
@@ -156,7 +156,7 @@ TEST_F(OnTheBench, AReloadIsOneStepOrNothing) {
   EXPECT_EQ(wrong_gate(bench_), "");
 }
 
-TEST_F(OnTheBench, WhatSomebodyUnpinsIsPinnedAgain) {
+TEST_F(OnTheBench, WhatAnotherProgramUnpinsIsPinnedAgain) {
   bench_.kernel.pinned = false;
   bench_.events.clear();
   bench_.round();
@@ -165,9 +165,9 @@ TEST_F(OnTheBench, WhatSomebodyUnpinsIsPinnedAgain) {
   EXPECT_EQ(bench_.events.front(), "drift");
 }
 
-TEST_F(OnTheBench, GatesThatClosedForWantOfAHeartBeatAreLookedAtAndOpened) {
+TEST_F(OnTheBench, GatesThatClosedForWantOfAHeartBeatAreReconciledAndOpened) {
   bench_.clock.monotonic += 60'000'000'000;
-  bench_.kernel.look_at(bench_.clock.monotonic);
+  bench_.kernel.advance_to(bench_.clock.monotonic);
   ASSERT_FALSE(bench_.kernel.passes());
   bench_.daemon().beat();
   EXPECT_TRUE(bench_.kernel.passes());

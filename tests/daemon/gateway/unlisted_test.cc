@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Channels that nobody described: what a network does not allow is refused.
+// Channels that are not described: what a network does not allow is refused.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ std::string admit(core::State& state, const control::ChannelRequest& request,
   const auto asked = understand(state, request, id);
   if (!asked) return asked.error().text;
   core::Proposal proposal = state.propose(*asked->admission);
-  if (proposal.verdicts().empty()) return "nobody is there";
+  if (proposal.verdicts().empty()) return "no endpoint is there";
   const std::string why =
       core::reason(state.system(), state.members(), *proposal.verdicts().front(), {});
   if (!proposal.fit()) return why;
@@ -84,7 +84,7 @@ TEST(Unlisted, IsGrantedWhereEveryNetworkAllowsItAndHasAnIdentifier) {
     EXPECT_EQ(rule.entry.id & 0x3fffU,
               rule.entry.direction == core::Direction::ingress ? 0x70U : 0x71U);
     const bool policed = rule.policing.per_frame + rule.policing.per_byte != 0;
-    EXPECT_EQ(policed, rule.entry.direction == core::Direction::ingress) << "nobody sends more";
+    EXPECT_EQ(policed, rule.entry.direction == core::Direction::ingress) << "no sender sends more";
   }
 }
 
@@ -119,7 +119,7 @@ TEST(Unlisted, OtherSubjectsAreRefused) {
   EXPECT_NE(answer_to(allowing(), wanted("0x5700000000000001")), "granted");
   EXPECT_EQ(answer_to(allowing(), wanted("0x56ffffffffffffff")), "granted");
   EXPECT_EQ(answer_to(allowing(), wanted("0x0")),
-            "subject 0 is nobody's: a channel has another one");
+            "subject 0 is not valid: a channel has another one");
   EXPECT_EQ(answer_to(allowing(), wanted("sonar")),
             "'sonar' is no subject: 0x and up to 16 hexadecimal digits");
   core::System any = robot(0);
@@ -193,10 +193,10 @@ TEST(Unlisted, WhatIsLeftIsFreeForOthers) {
   }
   EXPECT_EQ(admit(state, wanted("0x56000000000000ff"), 101), "granted") << "the same identifiers";
   for (const core::Network& network : state.system().networks)
-    EXPECT_LE(network.bindings.size(), 17U) << "and what nobody uses goes";
+    EXPECT_LE(network.bindings.size(), 17U) << "and unused ones go";
 }
 
-TEST(Unlisted, AnIdentifierIsFreeOnceNobodyUsesIt) {
+TEST(Unlisted, AnIdentifierIsFreeOnceNoChannelUsesIt) {
   core::State state(allowing());
   EXPECT_EQ(admit(state, wanted("0x5600000000000001", 0x80), 1), "granted");
   EXPECT_EQ(admit(state, wanted("0x5600000000000002", 0x70), 2), "granted");

@@ -87,7 +87,7 @@ TEST(CanRoutesTest, NeverAsksToRemoveEverything) {
   EXPECT_FALSE(message_to_add(ours(nowhere, kFirstUid)));
 }
 
-TEST(CanRoutesTest, NeverTouchesARuleOfSomebodyElse) {
+TEST(CanRoutesTest, NeverTouchesARuleOfAnotherProgram) {
   for (const std::uint32_t uid : {0U, kFirstUid - 1, kLastUid + 1})
     EXPECT_FALSE(message_to_remove(ours(kPlain, uid))) << uid;
 }

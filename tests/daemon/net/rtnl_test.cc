@@ -26,7 +26,7 @@ namespace {
 
 /// Stand between this program and the kernel; nothing: the kernel itself.
 std::function<ssize_t(ssize_t, msghdr*)> spoil_answer;  // given what the kernel has said
-std::function<int()> fail_hearing;                      // errno, and what came stays; 0: heard
+std::function<int()> fail_receiving;                    // errno, and what came stays; 0: received
 std::function<int()> fail_sending;                      // errno, 0: sent
 bool nothing_comes = false;
 int asked = 0;
@@ -38,7 +38,7 @@ extern "C" ssize_t recvmsg(int fd, msghdr* message, int flags) {
     errno = EAGAIN;
     return -1;
   }
-  if (const int error = fail_hearing ? fail_hearing() : 0; error != 0) {
+  if (const int error = fail_receiving ? fail_receiving() : 0; error != 0) {
     errno = error;
     return -1;
   }
@@ -67,7 +67,7 @@ class RtnlTest : public testing::Test {
   ~RtnlTest() override { heal(); }
   static void heal() {
     spoil_answer = nullptr;
-    fail_hearing = nullptr;
+    fail_receiving = nullptr;
     fail_sending = nullptr;
     nothing_comes = false;
     asked = 0;
@@ -83,10 +83,10 @@ class RtnlTest : public testing::Test {
   }
   /// Until it is healed, from the n-th answer on.
   static void fail_from(int n, int error) {
-    fail_hearing = [n, error, heard = 0]() mutable { return ++heard >= n ? error : 0; };
+    fail_receiving = [n, error, received = 0]() mutable { return ++received >= n ? error : 0; };
   }
   static void fail_once(int n, int error) {
-    fail_hearing = [n, error, heard = 0]() mutable { return ++heard == n ? error : 0; };
+    fail_receiving = [n, error, received = 0]() mutable { return ++received == n ? error : 0; };
   }
 
   Rtnl kernel_;
@@ -183,7 +183,7 @@ TEST_F(RtnlTest, AnEndWithWhatIsNoErrnoIsAnError) {
   EXPECT_EQ(answers.error().said, 0);
 }
 
-TEST_F(RtnlTest, NobodyWaitsForEver) {
+TEST_F(RtnlTest, NoCallWaitsForEver) {
   nothing_comes = true;
   const auto read = kernel_.dump(interfaces());
   ASSERT_FALSE(read);
@@ -248,7 +248,7 @@ TEST_F(RtnlTest, OnlyTheKernelsOwnAnswerMeansThatAnInterfaceHasGone) {
   }
 }
 
-// --- what libnl reads without looking whether it is there ----------------------------------------
+// --- what libnl reads without checking whether it is there ---------------------------------------
 
 int objects_of(const Message& message, int type) {
   Answers answers;

@@ -10,75 +10,75 @@ Bypass::Counts counts(std::uint64_t let_out, std::uint64_t sent, std::uint64_t w
   return {.let_out_before = let_out, .waiting = waiting, .sent = sent, .let_out_after = let_out};
 }
 
-TEST(BypassTest, WhatADeviceSentBeforeTheFirstLookIsNoNews) {
+TEST(BypassTest, FramesSentBeforeTheFirstUpdateAreNotReported) {
   Bypass bypass;
-  EXPECT_EQ(bypass.look(counts(0, 5000)), 0U);
-  EXPECT_EQ(bypass.look(counts(100, 5100)), 0U);
+  EXPECT_EQ(bypass.update(counts(0, 5000)), 0U);
+  EXPECT_EQ(bypass.update(counts(100, 5100)), 0U);
 }
 
 TEST(BypassTest, MoreThanADriverHoldsIsTold) {
   Bypass bypass;
-  bypass.look(counts(0, 0));
-  EXPECT_EQ(bypass.look(counts(10, 10 + Bypass::kInDriver)), 0U);
-  EXPECT_EQ(bypass.look(counts(20, 20 + Bypass::kInDriver + 1)), Bypass::kInDriver + 1);
-  EXPECT_EQ(bypass.look(counts(30, 30 + Bypass::kInDriver + 1)), 0U) << "told once";
+  bypass.update(counts(0, 0));
+  EXPECT_EQ(bypass.update(counts(10, 10 + Bypass::kInDriver)), 0U);
+  EXPECT_EQ(bypass.update(counts(20, 20 + Bypass::kInDriver + 1)), Bypass::kInDriver + 1);
+  EXPECT_EQ(bypass.update(counts(30, 30 + Bypass::kInDriver + 1)), 0U) << "reported once";
 }
 
 TEST(BypassTest, SlowBypassIsFoundInTheEnd) {
   Bypass bypass;
-  bypass.look(counts(0, 0));
+  bypass.update(counts(0, 0));
   std::uint64_t found = 0;
   for (std::uint64_t second = 1; second <= Bypass::kInDriver + 1; ++second)
-    found += bypass.look(counts(1000 * second, 1001 * second));
+    found += bypass.update(counts(1000 * second, 1001 * second));
   EXPECT_EQ(found, Bypass::kInDriver + 1);
 }
 
 TEST(BypassTest, QueueThatFillsAndEmptiesIsNoBypass) {
   Bypass bypass;
-  bypass.look(counts(1000, 0, 1000));
-  EXPECT_EQ(bypass.look(counts(1000, 1000, 0)), 0U);
-  EXPECT_EQ(bypass.look(counts(3000, 1500, 1500)), 0U);
-  EXPECT_EQ(bypass.look(counts(3000, 3000, 0)), 0U);
+  bypass.update(counts(1000, 0, 1000));
+  EXPECT_EQ(bypass.update(counts(1000, 1000, 0)), 0U);
+  EXPECT_EQ(bypass.update(counts(3000, 1500, 1500)), 0U);
+  EXPECT_EQ(bypass.update(counts(3000, 3000, 0)), 0U);
 }
 
 TEST(BypassTest, FramesInTheDriverAreNoBypass) {
   Bypass bypass;
-  bypass.look(counts(0, 0));
-  EXPECT_EQ(bypass.look(counts(Bypass::kInDriver, 0)), 0U);
-  EXPECT_EQ(bypass.look(counts(Bypass::kInDriver, Bypass::kInDriver)), 0U);
+  bypass.update(counts(0, 0));
+  EXPECT_EQ(bypass.update(counts(Bypass::kInDriver, 0)), 0U);
+  EXPECT_EQ(bypass.update(counts(Bypass::kInDriver, Bypass::kInDriver)), 0U);
 }
 
 TEST(BypassTest, LostFramesOfTheGateDoNotHideThoseThatWentPastLater) {
   Bypass bypass;
-  bypass.look(counts(0, 0));
-  EXPECT_EQ(bypass.look(counts(500, 0)), 0U);
-  EXPECT_EQ(bypass.look(counts(500, 100)), 100U);
+  bypass.update(counts(0, 0));
+  EXPECT_EQ(bypass.update(counts(500, 0)), 0U);
+  EXPECT_EQ(bypass.update(counts(500, 100)), 100U);
 }
 
 TEST(BypassTest, FramesBetweenTheReadingsAreNoBypass) {
   Bypass bypass;
-  const auto look = [&](std::uint64_t before, std::uint64_t sent, std::uint64_t after) {
-    return bypass.look(
+  const auto update = [&](std::uint64_t before, std::uint64_t sent, std::uint64_t after) {
+    return bypass.update(
         {.let_out_before = before, .waiting = 0, .sent = sent, .let_out_after = after});
   };
-  look(0, 500, 1000);
-  EXPECT_EQ(look(100'000, 100'900, 101'000), 0U);
-  EXPECT_EQ(look(200'000, 200'100, 201'000), 0U);
+  update(0, 500, 1000);
+  EXPECT_EQ(update(100'000, 100'900, 101'000), 0U);
+  EXPECT_EQ(update(200'000, 200'100, 201'000), 0U);
 }
 
 TEST(BypassTest, CountersThatWereSetBackBeginAnew) {
   Bypass bypass;
-  bypass.look(counts(5000, 5000));
-  EXPECT_EQ(bypass.look(counts(0, 5000)), 0U) << "another gate";
-  EXPECT_EQ(bypass.look(counts(0, 0)), 0U) << "another device";
-  EXPECT_EQ(bypass.look(counts(0, 100)), 100U);
+  bypass.update(counts(5000, 5000));
+  EXPECT_EQ(bypass.update(counts(0, 5000)), 0U) << "another gate";
+  EXPECT_EQ(bypass.update(counts(0, 0)), 0U) << "another device";
+  EXPECT_EQ(bypass.update(counts(0, 100)), 100U);
 }
 
 TEST(BypassTest, ForgottenIsAsNew) {
   Bypass bypass;
-  bypass.look(counts(0, 0));
+  bypass.update(counts(0, 0));
   bypass.forget();
-  EXPECT_EQ(bypass.look(counts(0, 1000)), 0U);
+  EXPECT_EQ(bypass.update(counts(0, 1000)), 0U);
 }
 
 }  // namespace

@@ -73,12 +73,12 @@ class ChangeTest : public testing::Test {
     ports_.emplace(
         *links_, control_, root_, net::udev_facts,
         [this](const std::string&, const std::string& line, bool problem) {
-          if (problem) told_ += line + '\n';
+          if (problem) reported_ += line + '\n';
         },
-        [this](Kind, const std::string& line, bool) { told_ += line + '\n'; });
+        [this](Kind, const std::string& line, bool) { reported_ += line + '\n'; });
     ports_->describe(described(1), 0);
     ports_->follow();
-    EXPECT_TRUE(ports_->sync(granted())) << told_;
+    EXPECT_TRUE(ports_->sync(granted())) << reported_;
     control_.open();
     before_ = state();
     EXPECT_NE(before_.find("1 slots"), std::string::npos) << before_;
@@ -120,7 +120,7 @@ class ChangeTest : public testing::Test {
     }
     return text;
   }
-  /// As a daemon does that is told to reload.
+  /// As a daemon does on a reload.
   Result<void> change_to(const core::System& next) {
     if (auto ready = ports_->prepare(next, 0); !ready) return ready;
     ports_->describe(next, 0);
@@ -140,7 +140,7 @@ class ChangeTest : public testing::Test {
 
   std::string root_ = test::new_bpf_root();
   enforce::Control control_ = enforce::Control::create(root_).value();
-  std::string told_;
+  std::string reported_;
   std::optional<net::Links> links_;
   std::optional<Ports> ports_;
   std::string before_;
@@ -155,7 +155,7 @@ TEST_F(ChangeTest, AGateThatIsToBeAnotherHasTheSlotsOfTheOneBefore) {
     EXPECT_EQ(ports_->gate(0)->size(), 1U);
     EXPECT_EQ(state().find("left"), std::string::npos) << state();
     EXPECT_EQ(state().find("pinned"), std::string::npos) << state();
-    EXPECT_EQ(told_, "");
+    EXPECT_EQ(reported_, "");
   }
 }
 
@@ -171,7 +171,7 @@ TEST_F(ChangeTest, WithoutMemoryForTheMapsOfLargerGatesNothingChanges) {
     EXPECT_NE(done.error().text.find("Cannot allocate memory"), std::string::npos)
         << done.error().text;
     ASSERT_EQ(state(), before_) << "map " << n;
-    ASSERT_EQ(told_, "") << "map " << n;
+    ASSERT_EQ(reported_, "") << "map " << n;
     EXPECT_FALSE(ports_->out_of_hand());
   }
 }
@@ -202,7 +202,7 @@ TEST_F(ChangeTest, WhateverTheKernelRefusesOnceEveryGateIsAsItWasOrAsItIsToBe) {
       continue;
     }
     ++refused;
-    EXPECT_EQ(state(), before_) << "call " << n << ": " << done.error().text << "\n" << told_;
+    EXPECT_EQ(state(), before_) << "call " << n << ": " << done.error().text << "\n" << reported_;
   }
   EXPECT_GT(refused, 1) << "of " << all;
 }

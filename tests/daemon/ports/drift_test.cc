@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Real gates in a namespace that somebody tampers with: what is put right, and what is told.
+// Real gates in a namespace that another program tampers with: what is put right, and what is
+// reported.
 #include "daemon/ports/drift.hpp"
 
 #include <gtest/gtest.h>
@@ -35,7 +36,7 @@ class DriftTest : public AttachTo, public testing::WithParamInterface<Hook> {
   [[nodiscard]] int ifindex() const { return static_cast<int>(bus_.ifindex()); }
   Gate& gate() { return gate_; }
   void repair() { drift_.repair(gates_, links_->table()); }
-  void look() { drift_.look_for_bypass(gates_, *links_, ++now_); }
+  void check_bypass() { drift_.check_bypass(gates_, *links_, ++now_); }
   control::Interface report() {
     control::Interface interface;
     drift_.report(ifindex(), gate_, interface);
@@ -48,7 +49,7 @@ class DriftTest : public AttachTo, public testing::WithParamInterface<Hook> {
       EXPECT_TRUE(
           tcx_detach(bus_.ifindex(), Direction::ingress, open_pin(pins(bus_) + "/ingress").get()));
   }
-  /// Somebody's program that passes everything, before ours at ingress.
+  /// A program of another user that passes everything, before ours at ingress.
   void step_in_front() {
     const Fd program = test::load_foreign(0);
     if (hook_ == Hook::tcx)
@@ -61,19 +62,19 @@ class DriftTest : public AttachTo, public testing::WithParamInterface<Hook> {
   Gate gate_ = attach(bus_);
   Drift::Gates gates_;
   Result<net::Links> links_ = net::Links::open();
-  std::vector<std::string> told_;
+  std::vector<std::string> reported_;
   std::vector<Kind> kinds_;
   Drift drift_{[this](Kind kind, const std::string& line, bool) {
     kinds_.push_back(kind);
-    told_.push_back(line);
+    reported_.push_back(line);
   }};
   std::int64_t now_ = 0;
 };
 
 TEST_P(DriftTest, NothingIsToldOfAGateInPlace) {
   repair();
-  look();
-  EXPECT_TRUE(told_.empty()) << told_.front();
+  check_bypass();
+  EXPECT_TRUE(reported_.empty()) << reported_.front();
   EXPECT_EQ(report().hook, to_text(hook_));
   EXPECT_EQ(report().repaired, 0U);
 }
@@ -82,12 +83,13 @@ TEST_P(DriftTest, RemovedGateIsPutBackAndTold) {
   remove_ours();
   repair();
   EXPECT_TRUE(gate().attached().value());
-  ASSERT_EQ(told_.size(), 1U);
+  ASSERT_EQ(reported_.size(), 1U);
   EXPECT_EQ(kinds_[0], Kind::drift);
-  EXPECT_NE(told_[0].find("somebody removed the gate of bus0"), std::string::npos) << told_[0];
+  EXPECT_NE(reported_[0].find("another program removed the gate of bus0"), std::string::npos)
+      << reported_[0];
   EXPECT_EQ(report().repaired, 1U);
   repair();
-  EXPECT_EQ(told_.size(), 1U) << told_.back();
+  EXPECT_EQ(reported_.size(), 1U) << reported_.back();
 }
 
 TEST_P(DriftTest, AGateOfAnotherDaemonInItsPlaceIsReplacedAndNotToldAsOpen) {
@@ -102,8 +104,8 @@ TEST_P(DriftTest, AGateOfAnotherDaemonInItsPlaceIsReplacedAndNotToldAsOpen) {
   repair();
   EXPECT_TRUE(gate().attached().value());
   EXPECT_FALSE(usurper->attached().value());
-  ASSERT_EQ(told_.size(), 1U) << told_.front();
-  EXPECT_EQ(told_[0],
+  ASSERT_EQ(reported_.size(), 1U) << reported_.front();
+  EXPECT_EQ(reported_[0],
             "another daemon had put its gate in the place of that of bus0, which is back: two "
             "daemons with --bpf-root of their own close each other's gates");
   EXPECT_EQ(report().repaired, 1U);
@@ -117,11 +119,12 @@ TEST_P(DriftTest, UnpinnedGateIsPinnedAgainAndTold) {
   bus_.inject(frame(0x123));
   expect_passed(gate(), in(0x123), 2);
   repair();
-  ASSERT_EQ(told_.size(), 1U) << told_.back();
+  ASSERT_EQ(reported_.size(), 1U) << reported_.back();
   EXPECT_EQ(kinds_[0], Kind::drift);
-  for (const char* part : {"somebody unpinned silence_timers, table, cpus, ", "egress", "ingress",
-                           " of the gate of bus0: pinned again, and nothing else has changed"})
-    EXPECT_NE(told_[0].find(part), std::string::npos) << told_[0];
+  for (const char* part :
+       {"another program unpinned silence_timers, table, cpus, ", "egress", "ingress",
+        " of the gate of bus0: pinned again, and nothing else has changed"})
+    EXPECT_NE(reported_[0].find(part), std::string::npos) << reported_[0];
   EXPECT_EQ(report().repaired, 1U);
   EXPECT_TRUE(gate().attached().value());
   const auto reading = read_back(root_).value().gates.at(0);
@@ -130,7 +133,7 @@ TEST_P(DriftTest, UnpinnedGateIsPinnedAgainAndTold) {
   bus_.inject(frame(0x123));
   expect_passed(gate(), in(0x123), 3);
   repair();
-  EXPECT_EQ(told_.size(), 1U) << told_.back();
+  EXPECT_EQ(reported_.size(), 1U) << reported_.back();
 }
 
 TEST_P(DriftTest, AGateThatWasMadeToLetEverythingPassJudgesAgainAndThatIsTold) {
@@ -140,14 +143,14 @@ TEST_P(DriftTest, AGateThatWasMadeToLetEverythingPassJudgesAgainAndThatIsTold) {
   EXPECT_TRUE(sender.send(frame(0x124)));
   repair();
   EXPECT_FALSE(sender.send(frame(0x124)));
-  ASSERT_EQ(told_.size(), 1U);
+  ASSERT_EQ(reported_.size(), 1U);
   EXPECT_EQ(kinds_[0], Kind::drift);
-  EXPECT_EQ(
-      told_[0],
-      "somebody altered the gate of bus0: it let everything pass until now, and judges again");
+  EXPECT_EQ(reported_[0],
+            "another program altered the gate of bus0: it let everything pass until now, and "
+            "judges again");
   EXPECT_EQ(report().repaired, 1U);
   repair();
-  EXPECT_EQ(told_.size(), 1U) << told_.back();
+  EXPECT_EQ(reported_.size(), 1U) << reported_.back();
 }
 
 TEST_P(DriftTest, DaemonAfterThatTakesTheSameGateOver) {
@@ -164,8 +167,9 @@ TEST_P(DriftTest, PinOfAnotherGateIsReplacedByOurs) {
   const Gate foreign = attach(other);
   std::filesystem::rename(pins(other) + "/table", pins(bus_) + "/table");
   repair();
-  ASSERT_EQ(told_.size(), 1U);
-  EXPECT_NE(told_[0].find("unpinned table of the gate of bus0"), std::string::npos) << told_[0];
+  ASSERT_EQ(reported_.size(), 1U);
+  EXPECT_NE(reported_[0].find("unpinned table of the gate of bus0"), std::string::npos)
+      << reported_[0];
   EXPECT_TRUE(read_back(root_).value().gates.at(0).problems.empty());
 }
 
@@ -175,15 +179,17 @@ TEST_P(DriftTest, GateThatCannotBePinnedIsToldOnceAndInTheStatus) {
   std::filesystem::create_directories(table + "/of/somebody");
   repair();
   repair();
-  ASSERT_EQ(told_.size(), 1U) << told_.back();
-  EXPECT_NE(told_[0].find("the gate of bus0 is not pinned, and a daemon that starts would begin"),
-            std::string::npos)
-      << told_[0];
-  EXPECT_NE(told_[0].find("remove it (rm -r " + table + ")"), std::string::npos) << told_[0];
-  EXPECT_EQ(report().drift, told_[0]);
+  ASSERT_EQ(reported_.size(), 1U) << reported_.back();
+  EXPECT_NE(
+      reported_[0].find("the gate of bus0 is not pinned, and a daemon that starts would begin"),
+      std::string::npos)
+      << reported_[0];
+  EXPECT_NE(reported_[0].find("remove it (rm -r " + table + ")"), std::string::npos)
+      << reported_[0];
+  EXPECT_EQ(report().drift, reported_[0]);
   std::filesystem::remove_all(table);
   repair();
-  EXPECT_EQ(told_.size(), 2U) << told_.back();
+  EXPECT_EQ(reported_.size(), 2U) << reported_.back();
   EXPECT_EQ(report().drift, "");
 }
 
@@ -210,17 +216,18 @@ TEST_P(DriftTest, AReadOnlyBpffsIsToldOnceAndNothingIsSaidToBePutRight) {
     const ReadOnly bpffs(std::filesystem::path(root_).parent_path());
     repair();
     repair();
-    ASSERT_EQ(told_.size(), 1U) << told_.back();
-    EXPECT_NE(told_[0].find("the gate of bus0 is not pinned"), std::string::npos) << told_[0];
-    EXPECT_NE(told_[0].find("Read-only file system"), std::string::npos) << told_[0];
-    EXPECT_EQ(report().drift, told_[0]);
+    ASSERT_EQ(reported_.size(), 1U) << reported_.back();
+    EXPECT_NE(reported_[0].find("the gate of bus0 is not pinned"), std::string::npos)
+        << reported_[0];
+    EXPECT_NE(reported_[0].find("Read-only file system"), std::string::npos) << reported_[0];
+    EXPECT_EQ(report().drift, reported_[0]);
     EXPECT_EQ(report().repaired, 0U);
     const auto control = control_.keep_pinned();
     ASSERT_FALSE(control);
     EXPECT_NE(control.error().text.find("Read-only file system"), std::string::npos);
   }
   repair();
-  EXPECT_EQ(told_.size(), 1U) << told_.back();
+  EXPECT_EQ(reported_.size(), 1U) << reported_.back();
   EXPECT_EQ(report().drift, "");
   EXPECT_EQ(report().repaired, 0U) << "its pins are as they were";
 }
@@ -228,57 +235,58 @@ TEST_P(DriftTest, AReadOnlyBpffsIsToldOnceAndNothingIsSaidToBePutRight) {
 TEST_P(DriftTest, ProgramInFrontIsNamedAndTheGateGoesFirst) {
   step_in_front();
   repair();
-  ASSERT_EQ(told_.size(), 1U);
-  EXPECT_NE(told_[0].find(hook_ == Hook::tcx ? "ran TCX program" : "handle 0x2"), std::string::npos)
-      << told_[0];
-  EXPECT_NE(told_[0].find("the gate is first again"), std::string::npos) << told_[0];
+  ASSERT_EQ(reported_.size(), 1U);
+  EXPECT_NE(reported_[0].find(hook_ == Hook::tcx ? "ran TCX program" : "handle 0x2"),
+            std::string::npos)
+      << reported_[0];
+  EXPECT_NE(reported_[0].find("the gate is first again"), std::string::npos) << reported_[0];
   EXPECT_EQ(report().drift, "");
   bus_.inject(frame(0x124));
   expect_ingress(gate(), GATE_R_UNKNOWN, 1);
   repair();
-  EXPECT_EQ(told_.size(), 1U) << told_.back();
+  EXPECT_EQ(reported_.size(), 1U) << reported_.back();
 }
 
 TEST_P(DriftTest, FramesPastTheGateAreToldAndCounted) {
   const Program sender(bus_);
-  look();
+  check_bypass();
   sender.skip_queueing();
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(sender.send(frame(0x124)));
     ASSERT_TRUE(bus_.sent());
   }
-  look();
-  ASSERT_EQ(told_.size(), 1U);
+  check_bypass();
+  ASSERT_EQ(reported_.size(), 1U);
   EXPECT_EQ(kinds_[0], Kind::bypass);
-  EXPECT_NE(told_[0].find("bus0 has sent 100 frames"), std::string::npos) << told_[0];
+  EXPECT_NE(reported_[0].find("bus0 has sent 100 frames"), std::string::npos) << reported_[0];
   EXPECT_EQ(report().bypassed, 100U);
-  look();
-  EXPECT_EQ(told_.size(), 1U) << told_.back();
+  check_bypass();
+  EXPECT_EQ(reported_.size(), 1U) << reported_.back();
 }
 
 TEST_P(DriftTest, FramesThroughTheGateRaiseNoAlarm) {
   const Program sender(bus_);
   admit(gate(), {out(0x123, 0)});
-  look();
+  check_bypass();
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(sender.send(frame(0x123)));
     ASSERT_TRUE(bus_.sent());
     EXPECT_FALSE(sender.send(frame(0x124)));
   }
-  look();
-  EXPECT_TRUE(told_.empty()) << told_.front();
+  check_bypass();
+  EXPECT_TRUE(reported_.empty()) << reported_.front();
 }
 
 TEST_P(DriftTest, FramesThatAuditLetsOutRaiseNoAlarm) {
   const Program sender(bus_);
   control_.set_mode(Mode::audit);
-  look();
+  check_bypass();
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(sender.send(frame(0x124)));
     ASSERT_TRUE(bus_.sent());
   }
-  look();
-  EXPECT_TRUE(told_.empty()) << told_.front();
+  check_bypass();
+  EXPECT_TRUE(reported_.empty()) << reported_.front();
 }
 
 TEST_P(DriftTest, DeviceThatWentToAnotherNamespaceIsTold) {
@@ -304,12 +312,12 @@ TEST_P(DriftTest, DeviceThatWentToAnotherNamespaceIsTold) {
   const auto moved = links_->take_moved();
   ASSERT_EQ(moved.size(), 1U);
   EXPECT_EQ(moved[0].name, "bus0");
-  drift_.tell_moved(moved[0]);
-  ASSERT_EQ(told_.size(), 1U);
+  drift_.report_moved(moved[0]);
+  ASSERT_EQ(reported_.size(), 1U);
   EXPECT_EQ(kinds_[0], Kind::drift);
-  EXPECT_NE(told_[0].find("bus0 was moved to another network namespace"), std::string::npos);
-  drift_.tell_moved({4711, "foreign"});
-  EXPECT_EQ(told_.size(), 1U) << "it had no gate";
+  EXPECT_NE(reported_[0].find("bus0 was moved to another network namespace"), std::string::npos);
+  drift_.report_moved({4711, "foreign"});
+  EXPECT_EQ(reported_.size(), 1U) << "it had no gate";
 }
 
 /// Generic XDP runs before tc on any device, CAN too.
@@ -317,16 +325,16 @@ TEST_P(DriftTest, AnXdpProgramInFrontIsToldAndStays) {
   const auto id = test::put_foreign_xdp("bus0");
   repair();
   repair();
-  ASSERT_EQ(told_.size(), 1U);
-  EXPECT_NE(told_[0].find("before the gate of bus0 runs XDP program " + std::to_string(id)),
+  ASSERT_EQ(reported_.size(), 1U);
+  EXPECT_NE(reported_[0].find("before the gate of bus0 runs XDP program " + std::to_string(id)),
             std::string::npos)
-      << told_[0];
-  EXPECT_EQ(report().drift, told_[0]);
+      << reported_[0];
+  EXPECT_EQ(report().drift, reported_[0]);
   EXPECT_EQ(other_early_programs(bus_.ifindex(), 0), std::vector{id});
   test::remove_foreign_xdp("bus0");
   repair();
-  ASSERT_EQ(told_.size(), 2U);
-  EXPECT_EQ(told_[1], "no other XDP program runs before the gate of bus0 any more");
+  ASSERT_EQ(reported_.size(), 2U);
+  EXPECT_EQ(reported_[1], "no other XDP program runs before the gate of bus0 any more");
   EXPECT_EQ(report().drift, "");
 }
 
@@ -355,16 +363,16 @@ class DriftInTheDriver : public DriftTest {
 
 TEST_P(DriftInTheDriver, WhatIsGoneFromThereAloneIsToldAsThat) {
   repair();
-  EXPECT_TRUE(told_.empty()) << told_.front();
+  EXPECT_TRUE(reported_.empty()) << reported_.front();
   shell("ip link set lan0 xdp off");
   repair();
-  ASSERT_EQ(told_.size(), 1U);
-  EXPECT_EQ(told_[0],
-            "somebody removed our program from the driver of lan0: what is refused was dropped "
+  ASSERT_EQ(reported_.size(), 1U);
+  EXPECT_EQ(reported_[0],
+            "another program removed ours from the driver of lan0: what is refused was dropped "
             "behind packet sockets until now, and is dropped early again");
   EXPECT_TRUE(ether_->drops_early());
   repair();
-  EXPECT_EQ(told_.size(), 1U) << told_.back();
+  EXPECT_EQ(reported_.size(), 1U) << reported_.back();
 }
 
 TEST_P(DriftInTheDriver, AnotherProgramInsteadOfOursIsToldAndLeft) {
@@ -373,10 +381,11 @@ TEST_P(DriftInTheDriver, AnotherProgramInsteadOfOursIsToldAndLeft) {
   const auto id = test::put_foreign_xdp("lan0");
   repair();
   repair();
-  ASSERT_EQ(told_.size(), 2U);
-  EXPECT_NE(told_[0].find("and still is"), std::string::npos) << told_[0];
-  EXPECT_NE(told_[1].find("runs XDP program " + std::to_string(id)), std::string::npos) << told_[1];
-  EXPECT_EQ(status(), told_[1]);
+  ASSERT_EQ(reported_.size(), 2U);
+  EXPECT_NE(reported_[0].find("and still is"), std::string::npos) << reported_[0];
+  EXPECT_NE(reported_[1].find("runs XDP program " + std::to_string(id)), std::string::npos)
+      << reported_[1];
+  EXPECT_EQ(status(), reported_[1]);
   EXPECT_EQ(other_early_programs(ether_->ifindex(), ether_->early()), std::vector{id});
   const auto reading = read_back(root_).value();
   const auto gate = std::ranges::find(reading.gates, "lan0", &GateReading::interface);
@@ -385,7 +394,7 @@ TEST_P(DriftInTheDriver, AnotherProgramInsteadOfOursIsToldAndLeft) {
             std::vector{"XDP program " + std::to_string(id) + " runs before ours at ingress"});
   test::remove_foreign_xdp("lan0");
   repair();
-  EXPECT_EQ(told_.size(), 3U) << told_.back();
+  EXPECT_EQ(reported_.size(), 3U) << reported_.back();
   EXPECT_EQ(status(), "");
   EXPECT_TRUE(ether_->drops_early()) << "its place is free again";
   EXPECT_TRUE(read_back(root_).value().gates.at(1).problems.empty());
@@ -402,17 +411,17 @@ TEST_P(DriftInTheDriver, UnpinnedEthernetGateIsPinnedAgainAndTold) {
   ASSERT_TRUE(ether_->apply(changes));
   std::filesystem::remove_all(pins);
   repair();
-  ASSERT_GE(told_.size(), 1U);
-  EXPECT_NE(told_[0].find("somebody unpinned early, silence_timers, ether_table"),
+  ASSERT_GE(reported_.size(), 1U);
+  EXPECT_NE(reported_[0].find("another program unpinned early, silence_timers, ether_table"),
             std::string::npos)
-      << told_[0];
+      << reported_[0];
   repair();
   EXPECT_TRUE(read_back(root_).value().gates.at(1).problems.empty())
       << read_back(root_).value().gates.at(1).problems.front();
   EXPECT_EQ(read_back(root_).value().gates.at(1).slots, ether_->present());
-  const auto told = told_.size();
+  const auto before = reported_.size();
   repair();
-  EXPECT_EQ(told_.size(), told) << told_.back();
+  EXPECT_EQ(reported_.size(), before) << reported_.back();
 }
 
 TEST_P(DriftInTheDriver, OneOfOursThatIsNotThePinnedOneIsReadBack) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// News of an interface that is nobody's changes nothing; whatever may be a port's is followed.
+// A notification of an interface that is no port's changes nothing; whatever may be a port's is
+// followed.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -71,7 +72,7 @@ class FollowTest : public testing::Test {
   std::optional<Ports> ports_;
 };
 
-TEST_F(FollowTest, AnInterfaceThatNobodyDescribedIsNotFollowed) {
+TEST_F(FollowTest, AnInterfaceThatIsNotDescribedIsNotFollowed) {
   describe_by_name();
   for (const char* command :
        {"ip link add other type veth peer name eth8", "ip link set other up", "ip link set eth8 up",
@@ -166,7 +167,7 @@ TEST_F(FollowTest, WhatUdevLearnsOfAnInterfaceIsFollowedWhereAPortIsRecognisedBy
   EXPECT_TRUE(needs_reconcile()) << "two of them";
   facts_[kFar].serial = "";
   facts_[kNear].serial = "";
-  EXPECT_TRUE(needs_reconcile()) << "it is nobody's any more";
+  EXPECT_TRUE(needs_reconcile()) << "it is no port's any more";
 }
 
 }  // namespace

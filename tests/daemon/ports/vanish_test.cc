@@ -24,11 +24,11 @@
 
 namespace {
 
-std::function<int()> fail_hearing;  // errno; 0: heard
-int fail_queries = 0;               // errno of each question for the programs of an interface
-bool fail_listing = false;          // of a directory
+std::function<int()> fail_receiving;  // errno; 0: received
+int fail_queries = 0;                 // errno of each question for the programs of an interface
+bool fail_listing = false;            // of a directory
 
-int failure() { return fail_hearing ? fail_hearing() : 0; }
+int failure() { return fail_receiving ? fail_receiving() : 0; }
 
 }  // namespace
 
@@ -90,15 +90,15 @@ class VanishTest : public testing::Test {
     links_.emplace(net::Links::open().value());
     ports_.emplace(
         *links_, control_, root_, net::udev_facts,
-        [this](const std::string&, const std::string& line, bool) { told_.push_back(line); },
-        [this](Kind, const std::string& line, bool) { told_.push_back(line); });
+        [this](const std::string&, const std::string& line, bool) { reported_.push_back(line); },
+        [this](Kind, const std::string& line, bool) { reported_.push_back(line); });
     ports_->describe(one_ethernet(), 0);
     ports_->follow();
     EXPECT_NE(ports_->gate(0), nullptr) << ports_->problem(0);
     control_.open();
   }
   ~VanishTest() override {
-    fail_hearing = nullptr;
+    fail_receiving = nullptr;
     fail_queries = 0;
     fail_listing = false;
     // NOLINTNEXTLINE(*-command-processor): in a namespace of its own
@@ -122,7 +122,7 @@ class VanishTest : public testing::Test {
   static constexpr int kFar = 4712;
   std::string root_ = test::new_bpf_root();
   enforce::Control control_ = enforce::Control::create(root_).value();
-  std::vector<std::string> told_;
+  std::vector<std::string> reported_;
   std::optional<net::Links> links_;
   std::optional<Ports> ports_;
 };
@@ -130,10 +130,10 @@ class VanishTest : public testing::Test {
 TEST_F(VanishTest, AReadThatFailsLetsNoGateGo) {
   for (const int error : {ENOBUFS, ENOMEM, EIO})
     for (int n = 1; n <= 8; ++n) {
-      fail_hearing = [n, error, heard = 0]() mutable { return ++heard == n ? error : 0; };
+      fail_receiving = [n, error, received = 0]() mutable { return ++received == n ? error : 0; };
       follow();
       ASSERT_TRUE(is_gated()) << "errno " << error << " at " << n;
-      fail_hearing = nullptr;
+      fail_receiving = nullptr;
       follow();
       ASSERT_TRUE(is_gated()) << "after errno " << error << " at " << n;
       ASSERT_NE(ports_->gate(0), nullptr);
@@ -142,28 +142,28 @@ TEST_F(VanishTest, AReadThatFailsLetsNoGateGo) {
 
 TEST_F(VanishTest, ReadsThatAllFailLetNoGateGo) {
   for (int n = 1; n <= 4; ++n) {
-    fail_hearing = [n, heard = 0]() mutable { return ++heard >= n ? ENOBUFS : 0; };
+    fail_receiving = [n, received = 0]() mutable { return ++received >= n ? ENOBUFS : 0; };
     follow();
     EXPECT_TRUE(is_gated()) << n;
     EXPECT_NE(ports_->gate(0), nullptr) << n;
-    fail_hearing = nullptr;
+    fail_receiving = nullptr;
     follow();
     EXPECT_TRUE(is_gated()) << n;
   }
 }
 
-TEST_F(VanishTest, AGateThatCannotBeLookedAtIsCommandedAsBeforeAndToldOnce) {
-  told_.clear();
+TEST_F(VanishTest, AGateThatCannotBeInspectedIsCommandedAsBeforeAndReportedOnce) {
+  reported_.clear();
   fail_queries = ENOMEM;
   for (int n = 0; n < 3; ++n) {
     EXPECT_TRUE(ports_->repair(kNear));
     ASSERT_NE(ports_->gate(0), nullptr) << "a withdrawal would not reach it any more";
   }
-  ASSERT_EQ(told_.size(), 1U);
-  EXPECT_EQ(told_[0],
-            "the gate of eth7 cannot be looked at, and is commanded as before: tcx query: Cannot "
+  ASSERT_EQ(reported_.size(), 1U);
+  EXPECT_EQ(reported_[0],
+            "the gate of eth7 cannot be inspected, and is commanded as before: tcx query: Cannot "
             "allocate memory");
-  EXPECT_EQ(shown(), told_[0]);
+  EXPECT_EQ(shown(), reported_[0]);
   fail_queries = 0;
   EXPECT_TRUE(ports_->repair(kNear));
   EXPECT_TRUE(is_gated());
@@ -171,39 +171,40 @@ TEST_F(VanishTest, AGateThatCannotBeLookedAtIsCommandedAsBeforeAndToldOnce) {
 }
 
 TEST_F(VanishTest, AGateWhosePinsAreGoneIsClosedAlsoWhereItIsNotDescribedAnyMore) {
-  // A crash, then somebody removes all pins.
+  // A crash, then another program removes all pins.
   ports_.reset();
   control_ = enforce::Control::create(root_ = test::new_bpf_root()).value();
   core::System nothing = one_ethernet();
   nothing.gateways[0].ports.clear();
   ports_.emplace(
       *links_, control_, root_, net::udev_facts,
-      [this](const std::string&, const std::string& line, bool) { told_.push_back(line); },
-      [this](Kind, const std::string& line, bool) { told_.push_back(line); });
+      [this](const std::string&, const std::string& line, bool) { reported_.push_back(line); },
+      [this](Kind, const std::string& line, bool) { reported_.push_back(line); });
   ports_->describe(nothing, 0);
-  told_.clear();
+  reported_.clear();
   fail_queries = ENOMEM;
   ports_->follow();
   ports_->follow();
-  ASSERT_EQ(told_.size(), 1U) << "the same is told once";
-  EXPECT_NE(told_[0].find("nobody knows which gates without pins"), std::string::npos) << told_[0];
+  ASSERT_EQ(reported_.size(), 1U) << "the same is reported once";
+  EXPECT_NE(reported_[0].find("it is unknown which gates without pins"), std::string::npos)
+      << reported_[0];
   EXPECT_TRUE(ports_->needs_recheck()) << "it is tried again";
   fail_queries = 0;
   ports_->follow();
-  ASSERT_EQ(told_.size(), 2U);
-  EXPECT_EQ(told_[1], "eth7 is not described, or without a profile: its gate stays closed");
+  ASSERT_EQ(reported_.size(), 2U);
+  EXPECT_EQ(reported_[1], "eth7 is not described, or without a profile: its gate stays closed");
   EXPECT_TRUE(is_gated()) << "by a gate of this daemon, which has pins";
   EXPECT_FALSE(ports_->needs_recheck());
 }
 
-TEST_F(VanishTest, WhileNobodyKnowsWhetherItsInterfaceWentAGateIsHeld) {
+TEST_F(VanishTest, WhileItIsUnknownWhetherItsInterfaceWentAGateIsHeld) {
   shell("ip link del eth7");
   static_cast<void>(links_->refresh());
-  fail_hearing = [] { return ENOBUFS; };
+  fail_receiving = [] { return ENOBUFS; };
   ports_->follow();
   EXPECT_TRUE(ports_->next_gate(0));
   EXPECT_TRUE(ports_->needs_recheck());
-  fail_hearing = nullptr;
+  fail_receiving = nullptr;
   ports_->follow();
   EXPECT_FALSE(ports_->next_gate(0));
   EXPECT_FALSE(ports_->needs_recheck());
@@ -226,11 +227,11 @@ TEST_F(VanishTest, AnInterfaceThatWentTakesItsGateWithIt) {
   EXPECT_FALSE(ports_->needs_recheck());
 }
 
-TEST_F(VanishTest, WhetherItWentIsFoundOutLaterWhereNobodyAnswers) {
+TEST_F(VanishTest, WhetherItWentIsFoundOutLaterWithoutAnAnswer) {
   shell("ip link del eth7");
-  fail_hearing = [heard = 0]() mutable { return ++heard > 3 ? ENOBUFS : 0; };
+  fail_receiving = [received = 0]() mutable { return ++received > 3 ? ENOBUFS : 0; };
   follow();
-  fail_hearing = nullptr;
+  fail_receiving = nullptr;
   follow();
   EXPECT_EQ(ports_->gate(0), nullptr);
   EXPECT_FALSE(std::filesystem::exists(pins()));
@@ -259,8 +260,8 @@ TEST_F(VanishTest, AnotherInterfaceWithTheNumberGetsAGateOfItsOwn) {
 
 TEST_F(VanishTest, WhereLostNotificationsLeaveItOpenEachIsAskedFor) {
   shell("ip link del eth7");
-  // Whatever the kernel told is lost, and the list still lacks nobody else.
-  fail_hearing = [heard = 0]() mutable { return ++heard == 1 ? ENOBUFS : 0; };
+  // All notifications of the kernel are lost, and no other interface is missing from the list.
+  fail_receiving = [received = 0]() mutable { return ++received == 1 ? ENOBUFS : 0; };
   follow();
   EXPECT_EQ(ports_->gate(0), nullptr);
   EXPECT_FALSE(std::filesystem::exists(pins()));

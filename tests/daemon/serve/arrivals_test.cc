@@ -22,7 +22,7 @@ TEST(ArrivalsTest, AUserConnectsSoOftenAtOnceAndSoOftenASecond) {
   EXPECT_FALSE(arrivals.let_in(kAnna, kSecond + kSecond / 2));
 }
 
-TEST(ArrivalsTest, NobodyUsesUpWhatAnotherUserHas) {
+TEST(ArrivalsTest, NoUserUsesUpWhatAnotherUserHas) {
   Arrivals arrivals({2, 0}, {1, 0});
   EXPECT_TRUE(arrivals.let_in(kAnna, 0));
   EXPECT_FALSE(arrivals.let_in(kAnna, 0));

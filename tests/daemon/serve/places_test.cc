@@ -85,7 +85,7 @@ TEST_F(PlacesTest, WhatIsIdleGoesFirstAndWhatOwnsAnAdmissionNever) {
   EXPECT_FALSE(ask(kNewcomer + 1, Standing::member).refused.empty());
 }
 
-TEST_F(PlacesTest, NobodyLosesAPlaceToWhoHasAsMany) {
+TEST_F(PlacesTest, NoUserLosesAPlaceToOneThatHasAsMany) {
   for (uid_t uid = 1000; uid < 1104; ++uid) hold(uid, Standing::other, 2);
   EXPECT_TRUE(ask(kNewcomer, Standing::other).closes);
   EXPECT_FALSE(ask(1000, Standing::other).refused.empty());

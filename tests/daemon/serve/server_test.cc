@@ -295,7 +295,7 @@ TEST_F(ServerTest, WhatCannotBeReadIsAnsweredAndEndsTheConnection) {
   EXPECT_EQ(server_->sessions(), 0U);
 }
 
-TEST_F(ServerTest, SevenUsersWithAllTheirConnectionsLockNobodyOut) {
+TEST_F(ServerTest, SevenUsersWithAllTheirConnectionsLockNoOtherUserOut) {
   answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
   std::vector<Fd> held;
   for (uid_t uid = 100'000; uid < 100'007; ++uid)
@@ -309,7 +309,7 @@ TEST_F(ServerTest, SevenUsersWithAllTheirConnectionsLockNobodyOut) {
   EXPECT_GE(in_favour, 1);
 }
 
-TEST_F(ServerTest, TwoMembersWithAllTheirConnectionsLockNobodyOut) {
+TEST_F(ServerTest, TwoMembersWithAllTheirConnectionsLockNoOtherUserOut) {
   answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
   std::vector<Fd> held;
   for (uid_t uid = 65'001; uid < 65'003; ++uid)
@@ -328,7 +328,7 @@ TEST_F(ServerTest, WhoAsksForNothingForAMinuteIsToldAndClosed) {
     }
     return Answer{Reply{r.id, control::Done{std::to_string(peer.session)}}};
   };
-  const Fd silent = client();
+  const Fd idle = client();
   const Fd served = client();
   const Fd slow = client();
   const Fd owner = client();
@@ -345,7 +345,7 @@ TEST_F(ServerTest, WhoAsksForNothingForAMinuteIsToldAndClosed) {
   EXPECT_EQ(server_->sessions(), 6U);
   server_->sweep(monotonic_ns() + Server::kMostIdle + 1);
   EXPECT_EQ(server_->sessions(), 3U);
-  for (const Fd* socket : {&silent, &served, &slow})
+  for (const Fd* socket : {&idle, &served, &slow})
     EXPECT_EQ(fate(*socket), "closed: no request came for 60 s");
   for (const Fd* socket : {&owner, &waiting, &listening}) EXPECT_EQ(fate(*socket), "");
 }
@@ -395,7 +395,7 @@ TEST_F(ServerTest, WhatAMemberHasAskedForIsDoneAlsoWhenHeHangsUp) {
   EXPECT_EQ(asked, 1);
 }
 
-TEST_F(ServerTest, WhoConnectsTooOftenIsRefusedAndNobodyElse) {
+TEST_F(ServerTest, OnlyAUserThatConnectsTooOftenIsRefused) {
   answer_ = [](const Request& r, const Peer&) { return Answer{Reply{r.id, control::Done{}}}; };
   std::string refused;
   for (std::uint64_t i = 0; refused.empty() && i < 100 * Server::kOthersRate.burst; ++i)

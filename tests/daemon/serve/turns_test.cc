@@ -69,7 +69,7 @@ TEST(TurnsTest, MembersHaveEverySecondTurn) {
   EXPECT_EQ(member, 50);
 }
 
-TEST(TurnsTest, WhoHasUsedHisRateWaitsAndNobodyElse) {
+TEST(TurnsTest, OnlyAUserThatHasUsedItsRateWaits) {
   Turns turns(kPlenty, {2, 1});
   turns.add(kOne, 1);
   EXPECT_EQ(turns.next(0), 1);

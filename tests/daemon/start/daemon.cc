@@ -114,8 +114,8 @@ bool Process::ready(const std::function<void()>& meanwhile) {
     for (;;) {
       const ssize_t size = ::recv(notices_.get(), text.data(), text.size(), 0);
       if (size < 0) break;
-      const std::string_view told(text.data(), static_cast<std::size_t>(size));
-      if (told.find("READY=1") != std::string_view::npos) return true;
+      const std::string_view received(text.data(), static_cast<std::size_t>(size));
+      if (received.find("READY=1") != std::string_view::npos) return true;
     }
     if (status_ < 0 && ::waitpid(pid_, &status_, WNOHANG) == pid_) return false;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The real mlccad as a process of its own, and what is seen of it from outside: its control word,
-// and what it tells systemd.
+// and what it reports to systemd.
 #pragma once
 #include <sys/types.h>
 
@@ -18,8 +18,8 @@ namespace mlcca::test {
 /// CLOCK_MONOTONIC, ns.
 std::uint64_t clock_ns();
 
-/// Whether somebody reads what a process writes. Nobody: the pipe of its output is full, and so is
-/// the queue of what it tells systemd.
+/// Whether a reader takes what a process writes. Without one, the pipe of its output is full, and
+/// so is the queue of its reports to systemd.
 enum class Readers : std::uint8_t { there, none };
 
 /// Runs a program beside this one (…/build/mlccad), its output in `log`. Ends it when destroyed.
@@ -33,7 +33,7 @@ class Process {
   Process& operator=(const Process&) = delete;
   Process& operator=(Process&&) = delete;
 
-  /// Waits, at most some minutes, until it tells READY=1, and calls `meanwhile` each millisecond.
+  /// Waits, at most some minutes, until it reports READY=1, and calls `meanwhile` each millisecond.
   /// False: it has ended, or never came so far.
   bool ready(const std::function<void()>& meanwhile = [] {});
   void signal(int number) const;
@@ -47,7 +47,7 @@ class Process {
   void fill(const std::string& notices);
 
   Fd notices_;
-  Fd output_;  ///< the end that nobody reads
+  Fd output_;  ///< the end that is never read
   pid_t pid_ = -1;
   int status_ = -1;
   std::uint64_t began_ = 0;

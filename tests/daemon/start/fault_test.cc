@@ -88,7 +88,7 @@ TEST_F(StartFaultTest, AJournalThatAnotherProcessHoldsIsTriedAgain) {
 
 TEST_F(StartFaultTest, ADamagedJournalIsTriedAgain) {
   std::ofstream(gateway_.path("state/journal")) << "no journal";
-  EXPECT_EQ(status_of_a_start(), kAgain) << "until somebody has put a copy back";
+  EXPECT_EQ(status_of_a_start(), kAgain) << "until a copy was put back";
 }
 
 TEST_F(StartFaultTest, ADescriptionThatCannotBeReadIsTriedAgain) {

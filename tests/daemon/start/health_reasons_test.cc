@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is wrong, as a monitoring system is told of it by the whole daemon.
+// What is wrong, as the whole daemon reports it to a monitoring system.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -22,7 +22,7 @@ std::string mesh_of(const std::string& file) {
          file + "\"/></Mesh></Network>\n";
 }
 
-/// As the source wants it: nobody ever sees half of it.
+/// As the source wants it: a reader never sees half of it.
 void put(const std::string& path, const std::string& text) {
   std::ofstream(path + ".new") << text;
   std::filesystem::rename(path + ".new", path);

@@ -21,9 +21,9 @@ namespace mlcca::test {
 namespace {
 
 /// A babeld that takes connections and says nothing: the daemon waits for its first word.
-class SilentSource {
+class MuteSource {
  public:
-  explicit SilentSource(const std::string& path)
+  explicit MuteSource(const std::string& path)
       : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)), path_(path) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
@@ -74,16 +74,16 @@ class StartTest : public testing::Test {
   enforce::Mapped<gate_control> word_;
 };
 
-TEST_F(StartTest, BeatsBeforeItHasLookedAtEverything) {
-  const SilentSource source(gateway_.path("babel"));
+TEST_F(StartTest, BeatsBeforeItHasReadEverything) {
+  const MuteSource source(gateway_.path("babel"));
   let_one_die();
   gateway_.describe(described(1, source.network()));
   Process after(gateway_.command(), gateway_.path("log"));
   EXPECT_GE(beats_of(after).size(), 5U);  // the former one's, and more than the one at the end
 }
 
-TEST_F(StartTest, BeatsNotBeforeItHasLookedWhereThatIsNotWanted) {
-  const SilentSource source(gateway_.path("babel"));
+TEST_F(StartTest, BeatsNotBeforeItHasReadEverythingWhereThatIsNotWanted) {
+  const MuteSource source(gateway_.path("babel"));
   let_one_die();
   gateway_.describe(described(1, source.network()));
   Process after(gateway_.command({"--start-limit", "0"}), gateway_.path("log"));
@@ -99,9 +99,9 @@ TEST_F(StartTest, ThatFailsClosesWhatWasOpen) {
   EXPECT_EQ(word_[0].open, 0U);
 }
 
-TEST_F(StartTest, BeatsNotBeforeItHasLookedWhereTheGatesHaveLapsed) {
+TEST_F(StartTest, BeatsNotBeforeItHasReadEverythingWhereTheGatesHaveLapsed) {
   let_one_die();
-  const SilentSource source(gateway_.path("babel"));
+  const MuteSource source(gateway_.path("babel"));
   gateway_.describe(described(1, source.network()));
   __atomic_store_n(&word_[0].lapsed, 1, __ATOMIC_RELEASE);
   Process after(gateway_.command(), gateway_.path("log"));
@@ -145,7 +145,7 @@ TEST_F(StartTest, GoesOnBeatingWhileTheDiskTakesNothing) {
                 "withdraw", "--yes", "c0"},
                gateway_.path("said"));
   EXPECT_TRUE(becomes([&] { return heartbeat() > before + 2 * word_[0].grace_ns; }))
-      << "nobody beats while a change waits for the disk";
+      << "no heart-beat while a change waits for the disk";
   EXPECT_EQ(word_[0].lapsed, 0U);
   std::filesystem::remove(slow);
   EXPECT_EQ(asks.end(), 0);
@@ -198,7 +198,7 @@ TEST_F(StartTest, GoesOnBeatingWhileALookUpOfUsersHangsAndThenGivesUp) {
 TEST_F(StartTest, AReloadWhoseLookUpOfUsersHangsIsGivenUp) {
   const HangingUsers users(gateway_, "passwd");
   Process daemon(gateway_.command({"--read-limit", "1s"}), gateway_.path("log"));
-  ASSERT_TRUE(daemon.ready()) << "nobody is looked up yet: " << gateway_.log();
+  ASSERT_TRUE(daemon.ready()) << "no user is looked up yet: " << gateway_.log();
   const auto word = gateway_.word();
   gateway_.describe(described(1, HangingUsers::kSender));
   daemon.signal(SIGHUP);
@@ -279,21 +279,21 @@ TEST_F(StartTest, WaitsNeitherForSystemdNorForWhoeverReadsItsLines) {
     beats.insert(__atomic_load_n(&word_[0].heartbeat, __ATOMIC_ACQUIRE));
     return beats.size() > 8;
   }));
-  // Once somebody reads, it is said that it is ready.
+  // Once a reader is there, it reports that it is ready.
   EXPECT_TRUE(after.ready());
   after.signal(SIGTERM);
   EXPECT_EQ(after.end(), 0);
   EXPECT_EQ(word_[0].open, 0U);
 }
 
-TEST_F(StartTest, ClosesEveryInterfaceAlthoughNobodyReadsWhatItSays) {
+TEST_F(StartTest, ClosesEveryInterfaceWithoutAReaderOfItsOutput) {
   Process closing(gateway_.command({"--close", "lan0", "--close", "missing"}), gateway_.path("log"),
                   Readers::none);
   EXPECT_TRUE(closing.ends());
   EXPECT_EQ(closing.end(), 0);
 }
 
-TEST_F(StartTest, TheReaderOfUntrustedInputEndsAlthoughNobodyReadsWhy) {
+TEST_F(StartTest, TheReaderOfUntrustedInputEndsWithoutAReaderOfItsOutput) {
   Process reader({"mlcca-sources"}, gateway_.path("log"), Readers::none);
   EXPECT_TRUE(reader.ends());
   EXPECT_EQ(reader.end(), 1);
@@ -318,7 +318,7 @@ TEST_F(StartTest, TheRelayOfAwdsWaitsNeitherForSystemdNorForWhoeverReadsItsLines
   const std::string socket = gateway_.path("awds");
   Process relay({"mlcca-awds", "lan0", socket}, gateway_.path("log"), Readers::none);
   EXPECT_TRUE(is_served(socket));
-  // Once somebody reads, it is said that it is ready.
+  // Once a reader is there, it reports that it is ready.
   EXPECT_TRUE(relay.ready());
   relay.signal(SIGTERM);
   EXPECT_TRUE(relay.ends());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A channel that nobody described, through the whole daemon, with frames on the wire.
+// A channel that is not described, through the whole daemon, with frames on the wire.
 #include <gtest/gtest.h>
 #include <linux/if_packet.h>
 #include <net/if.h>

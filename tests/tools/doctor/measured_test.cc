@@ -36,12 +36,12 @@ TEST(EchoTest, OnceAndNotBeforeTheFrameIsSent) {
   EXPECT_EQ(judge_echo(controller(), twice).outcome, Outcome::failed);
 }
 
-TEST(EchoTest, NoneMeansThatNobodyAcknowledges) {
+TEST(EchoTest, NoneMeansThatNoNodeAcknowledges) {
   for (const auto& singles :
        {std::vector<Single>{}, std::vector{came_back({})}, {came_back({300}), came_back({})}}) {
     const auto line = judge_echo(controller(), singles);
     EXPECT_EQ(line.outcome, Outcome::failed);
-    EXPECT_TRUE(says(line, "nobody acknowledges"));
+    EXPECT_TRUE(says(line, "no node acknowledges"));
   }
 }
 

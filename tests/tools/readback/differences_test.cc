@@ -97,7 +97,7 @@ TEST(Differences, EachPartOfASlotIsCompared) {
   EXPECT_EQ(line([](SlotSpec& s) { s.period = 9; }),
             at + "is period 9 ns; ought to be period 0 ns");
   EXPECT_EQ(line([](SlotSpec& s) { s.silence = 9; }),
-            at + "is silence 9 ns; ought to be silence 0 ns");
+            at + "is timeout 9 ns; ought to be timeout 0 ns");
   EXPECT_EQ(line([](SlotSpec& s) { s.together = 9; }),
             at + "is together 9 ns; ought to be together 0 ns");
 }
@@ -114,7 +114,7 @@ TEST(Differences, SlotsThatAreTooManyOrMissingAreTold) {
       "origin, any station, "
       "length 8, formats classic, 1000 ns a frame, 0/256 ns a byte, tolerance 5 ns, excess "
       "dropped, "
-      "period 0 ns, silence 0 ns, together 0 ns";
+      "period 0 ns, timeout 0 ns, together 0 ns";
   EXPECT_EQ(between({slot()}, {}), Lines{kIn + "is " + all + "; ought not to be there"});
   EXPECT_EQ(between({}, {slot()}), Lines{kIn + "is not there; ought to be " + all});
 }

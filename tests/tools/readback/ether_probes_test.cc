@@ -55,7 +55,7 @@ TEST(EtherProbes, UnknownSubjectsComeInAndGoOut) {
   EXPECT_TRUE(has(probes, {.out = true, .subject = 0x6d6c636361000001}));
 }
 
-TEST(EtherProbes, OfAStationComeFromItAndFromNobodyElse) {
+TEST(EtherProbes, OfAStationComeFromItAndFromNoOther) {
   auto s = slot(7);
   s.station = 0xc0000201;  // that would meet the wildcard
   auto wildcard = slot(8);

@@ -54,7 +54,7 @@ TEST(Probes, OfASlotAreAFrameThatFitsAndALongerOne) {
   EXPECT_EQ(probes.untried, 0U);
 }
 
-TEST(Probes, EveryGateIsAskedForAFrameThatNobodyKnows) {
+TEST(Probes, EveryGateIsProbedWithAFrameWithoutASlot) {
   std::vector<SlotSpec> slots;
   for (std::uint32_t id = 0x6a0; id < 0x6b0; ++id) slots.push_back(slot(id, id));
   const auto g = gate(3, slots);

@@ -38,7 +38,7 @@ class ReplicaTest : public enforce::AttachTo {
     slot.subject = subject;
     return slot;
   }
-  /// In a process of its own, because nobody comes back from the namespaces of the copies.
+  /// In a process of its own, because no process comes back from the namespaces of the copies.
   [[nodiscard]] int problems_of(const enforce::Reading& reading) const {
     const pid_t child = ::fork();
     if (child == 0) {

@@ -3,7 +3,7 @@
 // on one interface: beacons, and topology floods with a copy for each node that relays them, in the
 // periods of AWDS. Commands on standard input, until its end:
 //   quality X Y Q   what X says of Y from now on, in its next flood
-//   drop X          X falls silent; its neighbours notice after 8 beacons and flood at once
+//   drop X          X stops sending; its neighbours notice after 8 beacons and flood at once
 #include <arpa/inet.h>
 #include <linux/if_packet.h>
 #include <net/if.h>
@@ -79,7 +79,7 @@ class Emulator {
   void send(const Octets& packet) const {
     const auto sent = ::sendto(socket_.get(), packet.data(), packet.size(), 0,
                                reinterpret_cast<const sockaddr*>(&to_), sizeof to_);
-    // An interface that is down or gone hears nothing: just like a radio that is switched off.
+    // An interface that is down or gone receives nothing: just like a radio that is switched off.
     if (sent < 0 && errno != ENETDOWN && errno != ENXIO) std::perror("send");
   }
 
@@ -113,16 +113,16 @@ class Emulator {
     }
   }
 
-  /// True if a neighbour of a silent node has lost its link.
+  /// True if a neighbour of a node that stopped sending has lost its link.
   bool notice_silence(Clock::time_point now) {
     bool lost = false;
-    for (auto it = silent_.begin(); it != silent_.end();) {
+    for (auto it = stopped_.begin(); it != stopped_.end();) {
       if (now - it->second < 8 * beacons_) {
         ++it;
         continue;
       }
       for (auto& [node, neighbours] : qualities_) lost |= neighbours.erase(it->first) > 0;
-      it = silent_.erase(it);
+      it = stopped_.erase(it);
     }
     return lost;
   }
@@ -149,7 +149,7 @@ class Emulator {
     words >> verb >> from;
     if (verb == "drop") {
       alive_.erase(from);
-      silent_[from] = Clock::now();
+      stopped_[from] = Clock::now();
     } else if (verb == "quality" && words >> to >> quality) {
       qualities_[from][to] = quality;
     } else {
@@ -162,7 +162,7 @@ class Emulator {
   sockaddr_ll to_{};
   std::string input_;
   std::set<unsigned> alive_;
-  std::map<unsigned, Clock::time_point> silent_;
+  std::map<unsigned, Clock::time_point> stopped_;
   std::map<unsigned, std::uint16_t> sequence_;
   std::map<unsigned, std::map<unsigned, std::uint16_t>> qualities_;
 };

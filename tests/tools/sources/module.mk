@@ -1,4 +1,5 @@
-# Sources of link state that other programs tell. Tests named *_live_test.cc need root and namespaces of their own.
+# Sources of link state that other programs report. Tests named *_live_test.cc need root and
+# namespaces of their own.
 $(eval $(call unit_test,proto_test,$(filter-out %_live_test.cc,$(wildcard tests/tools/sources/proto_*.cc)),$(SOURCES_ARCHIVES),$(SOURCES_LIBS) -lfmt))
 $(eval $(call kernel_test,sources_live_test,tests/tools/sources/proto_live_test.cc tests/tools/sources/proto_owner_live_test.cc tests/tools/sources/proto_loop.cc,$(SOURCES_ARCHIVES),$(SOURCES_LIBS) -lfmt))
 $(eval $(call program,tests/watch-source,tests/tools/sources/watch_source.cc,$(SOURCES_ARCHIVES),$(SOURCES_LIBS) -lfmt))

@@ -114,7 +114,7 @@ TEST(AwdsPacket, RandomOctetsAreSurvivedAndWhatIsReadFits) {
   std::uniform_int_distribution<unsigned> octet(0, 255);
   const auto captured = octets(kCaptured);
   for (int round = 0; round < 200'000; ++round) {
-    // Exactly as long as it is, so that a sanitizer sees every octet read beyond.
+    // Exactly as long as it is, so that a sanitizer sees every octet read after it.
     std::vector<std::uint8_t> packet = captured;
     if (round % 2 == 0) packet.resize(octet(random));
     for (unsigned i = octet(random) % 4 + 1; i > 0 && !packet.empty(); --i)

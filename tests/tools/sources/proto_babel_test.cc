@@ -35,7 +35,7 @@ TEST(Babel, RepliesEndInOneOfThreeWords) {
   EXPECT_EQ(state.take("ok\r"), Line::ok);
   EXPECT_EQ(state.take("no read-only"), Line::refused);
   EXPECT_EQ(state.take("bad"), Line::refused);
-  EXPECT_EQ(state.take("add interface mesh0 up false"), Line::news);
+  EXPECT_EQ(state.take("add interface mesh0 up false"), Line::fact);
 }
 
 TEST(Babel, ANeighbourIsALinkInBothDirections) {

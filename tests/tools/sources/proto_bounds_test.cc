@@ -132,7 +132,7 @@ TEST(AwdsBounds, InventedNodesDoNotCrowdOutTheDescribedAndTheKnown) {
   };
   EXPECT_NE(heard(0xf000), nullptr) << "described";
   EXPECT_NE(heard(1), nullptr) << "known longest";
-  EXPECT_EQ(heard(awds::kMaxNodes), nullptr) << "one that nobody described, which came last";
+  EXPECT_EQ(heard(awds::kMaxNodes), nullptr) << "one that is not described, which came last";
   EXPECT_EQ(heard(0xe000), nullptr);
   EXPECT_NE(told.problem.find("more than 1024 nodes"), std::string::npos);
   EXPECT_EQ(graph.snapshot(kNow + 3001).problem, "") << "said once";
@@ -157,25 +157,25 @@ std::string neighbour(std::size_t i) {
 TEST(BabelBounds, NeighboursAndRoutesAreCounted) {
   babel::State state({});
   for (std::size_t i = 0; i < babel::kMaxNeighbours; ++i)
-    ASSERT_EQ(state.take(neighbour(i)), babel::Line::news);
+    ASSERT_EQ(state.take(neighbour(i)), babel::Line::fact);
   EXPECT_EQ(state.take(neighbour(babel::kMaxNeighbours)), babel::Line::too_much);
-  EXPECT_EQ(state.take(neighbour(0)), babel::Line::news) << "it is known";
+  EXPECT_EQ(state.take(neighbour(0)), babel::Line::fact) << "it is known";
   const auto route = [](std::size_t i, const char* length) {
     return "add route " + std::to_string(i) + " prefix 10.0." + std::to_string(i / 256) + "." +
            std::to_string(i % 256) + length + " installed yes refmetric 0 via fe80::1";
   };
   for (std::size_t i = 0; i < babel::kMaxRoutes; ++i)
-    ASSERT_EQ(state.take(route(i, "/32")), babel::Line::news);
-  EXPECT_EQ(state.take(route(babel::kMaxRoutes, "/24")), babel::Line::news) << "no host";
+    ASSERT_EQ(state.take(route(i, "/32")), babel::Line::fact);
+  EXPECT_EQ(state.take(route(babel::kMaxRoutes, "/24")), babel::Line::fact) << "no host";
   EXPECT_EQ(state.take(route(babel::kMaxRoutes, "/32")), babel::Line::too_much);
-  EXPECT_EQ(state.take(route(0, "/24")), babel::Line::news) << "leads to no single host any more";
-  EXPECT_EQ(state.take(route(babel::kMaxRoutes, "/32")), babel::Line::news);
+  EXPECT_EQ(state.take(route(0, "/24")), babel::Line::fact) << "leads to no single host any more";
+  EXPECT_EQ(state.take(route(babel::kMaxRoutes, "/32")), babel::Line::fact);
   for (std::size_t i = 0; i < babel::kMaxInterfaces; ++i)
-    ASSERT_EQ(state.take("add interface i" + std::to_string(i) + " up true"), babel::Line::news);
+    ASSERT_EQ(state.take("add interface i" + std::to_string(i) + " up true"), babel::Line::fact);
   EXPECT_EQ(state.take("add interface more up true"), babel::Line::too_much);
   for (std::size_t i = 0; i < babel::kMaxRoutes; ++i)
     ASSERT_EQ(state.take("add xroute " + std::to_string(i) + " prefix 10.1.1.1/32"),
-              babel::Line::news);
+              babel::Line::fact);
   EXPECT_EQ(state.take("add xroute more prefix 10.1.1.1/32"), babel::Line::too_much);
 }
 
@@ -186,12 +186,12 @@ TEST(BabelBounds, WordsAreCountedAndMeasured) {
       line += " k" + std::to_string(i) + " " + std::string(size, 'v');
     return babel::State({}).take(line);
   };
-  EXPECT_EQ(with(babel::kMaxWords / 2, babel::kMaxWord), babel::Line::news);
+  EXPECT_EQ(with(babel::kMaxWords / 2, babel::kMaxWord), babel::Line::fact);
   EXPECT_EQ(with(babel::kMaxWords / 2 + 1, 1), babel::Line::too_much);
   EXPECT_EQ(with(1, babel::kMaxWord + 1), babel::Line::too_much);
 }
 
-/// What a babel source tells of a server that greets so and answers nothing.
+/// What a babel source reports of a server that greets so and answers nothing.
 std::string problem_with_server(const std::string& greeting) {
   sd_event* raw = nullptr;
   if (sd_event_new(&raw) < 0) return "no loop";

@@ -86,7 +86,8 @@ TEST_F(Conversation, IsOverWhereAnotherSocketListensThanBeforeTheConnection) {
                      .line = [](std::string_view) {},
                      .ended = [&](const std::string& text) { why = text; }});
   ASSERT_TRUE(client.start(loop()));
-  // The first turn connects; whoever listened then has gone when the client hears that it has.
+  // The first turn connects; whoever listened then has gone when the client notices that it is
+  // connected.
   ASSERT_GT(sd_event_run(loop(), patience), 0);
   const Fd accepted(::accept4(server.get(), nullptr, nullptr, SOCK_CLOEXEC));
   ASSERT_TRUE(accepted);

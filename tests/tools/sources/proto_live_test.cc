@@ -61,7 +61,7 @@ class Inside {
   Fd back_;
 };
 
-/// A program in the present namespace; it is told to end with this object.
+/// A program in the present namespace; it is asked to end with this object.
 class Child {
  public:
   explicit Child(const std::vector<std::string>& command) {
@@ -86,8 +86,9 @@ class Child {
     ::kill(pid_, SIGTERM);
     ::waitpid(pid_, nullptr, 0);
   }
-  void tell(const std::string& line) const {
-    require(::write(input_.get(), line.data(), line.size()) == std::ssize(line), "tell a child");
+  void write(const std::string& line) const {
+    require(::write(input_.get(), line.data(), line.size()) == std::ssize(line),
+            "write to a child");
   }
   [[nodiscard]] pid_t pid() const { return pid_; }
 
@@ -148,10 +149,10 @@ TEST_F(AwdsLive, QualitiesAndSilenceOfNodesAreSeen) {
   ASSERT_TRUE(first) << watched.last();
   EXPECT_EQ(first->links[0].loss, 0U);
   // What 2 says of 1 is the loss of 1 -> 2: 27 of 32.
-  emulator.tell("quality 2 1 10235\n");
+  emulator.write("quality 2 1 10235\n");
   EXPECT_TRUE(watched.await(loss_is(kOne, kTwo, 156'250'000))) << watched.last();
   EXPECT_TRUE(loss_is(kTwo, kOne, 0)(*watched.await(whole)));
-  emulator.tell("drop 3\n");
+  emulator.write("drop 3\n");
   const auto left = watched.await([](const auto& s) { return s.links.size() == 2; });
   ASSERT_TRUE(left) << watched.last();
   EXPECT_EQ(test::find(*left, kTwo, kThree), nullptr);

@@ -27,7 +27,7 @@ Watched::Watched(const Open& open, sd_event* loop) : loop_(sd_event_ref(loop)) {
   if (loop == nullptr) loop_.reset(raw);
   auto opened = open(loop_.get(), [this](Snapshot snapshot) {
     if (fits_ != nullptr && !found_ && (*fits_)(snapshot)) found_ = snapshot;
-    told_ = std::move(snapshot);
+    reported_ = std::move(snapshot);
   });
   if (opened)
     source_ = std::move(*opened);
@@ -47,12 +47,12 @@ std::optional<Snapshot> Watched::await(const Predicate& fits) {
 }
 
 std::string Watched::last() const {
-  if (!told_) return "nothing";
-  std::string out = "problem: " + told_->problem + "\n";
-  for (const auto& s : told_->links)
+  if (!reported_) return "nothing";
+  std::string out = "problem: " + reported_->problem + "\n";
+  for (const auto& s : reported_->links)
     out += s.from + " -> " + s.to + " " + std::to_string(s.rate) + " bit/s loss " +
            (s.loss ? std::to_string(*s.loss) : "?") + "\n";
-  for (const auto& h : told_->next_hops) out += h.from + " => " + h.to + " via " + h.via + "\n";
+  for (const auto& h : reported_->next_hops) out += h.from + " => " + h.to + " via " + h.via + "\n";
   return out;
 }
 

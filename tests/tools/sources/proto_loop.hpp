@@ -27,12 +27,12 @@ class Watched {
   [[nodiscard]] const std::string& error() const { return error_; }
   /// The first snapshot from now on that fits, waited for; nothing after a generous time.
   std::optional<core::mesh::Snapshot> await(const Predicate& fits);
-  /// What was told last, for a message.
+  /// What was reported last, for a message.
   [[nodiscard]] std::string last() const;
 
  private:
   std::unique_ptr<sd_event, FreeWith<sd_event_unref>> loop_;
-  std::optional<core::mesh::Snapshot> told_;
+  std::optional<core::mesh::Snapshot> reported_;
   const Predicate* fits_ = nullptr;
   std::optional<core::mesh::Snapshot> found_;
   std::string error_;

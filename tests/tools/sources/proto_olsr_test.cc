@@ -59,15 +59,15 @@ TEST(Olsr, OwnLinksAndThoseOfOthersMakeTheGraph) {
   EXPECT_EQ(read->links.size(), 3U);
   const auto* out = test::find(*read, "10.7.0.1", "10.7.0.2");
   const auto* in = test::find(*read, "10.7.0.2", "10.7.0.1");
-  const auto* beyond = test::find(*read, "10.7.0.2", "10.7.1.3");
-  ASSERT_TRUE(out != nullptr && in != nullptr && beyond != nullptr);
+  const auto* two_hop = test::find(*read, "10.7.0.2", "10.7.1.3");
+  ASSERT_TRUE(out != nullptr && in != nullptr && two_hop != nullptr);
   EXPECT_EQ(out->rate, 24'129'029U);
   EXPECT_EQ(out->kind, RateKind::derived);
   EXPECT_FALSE(out->loss);  // is part of the metric
   EXPECT_EQ(out->weight, 89U);
   EXPECT_EQ(in->rate, 11'012'736U);  // what we count ourselves, not what is flooded
-  EXPECT_EQ(beyond->rate, 11'012'736U);
-  EXPECT_EQ(test::find(*read, "10.7.1.3", "10.7.0.2"), nullptr);  // nobody has told
+  EXPECT_EQ(two_hop->rate, 11'012'736U);
+  EXPECT_EQ(test::find(*read, "10.7.1.3", "10.7.0.2"), nullptr);  // not reported
 }
 
 TEST(Olsr, AnotherMetricHasNoRate) {

@@ -79,7 +79,7 @@ core::mesh::Source source(SourceKind kind, const std::string& endpoint) {
   return out;
 }
 
-std::string told_of(const core::mesh::Source& source) {
+std::string reported_of(const core::mesh::Source& source) {
   test::Watched watched(source, test::mesh_of({"a", "b"}));
   const auto told =
       watched.await([](const auto& s) { return !s.problem.empty() || !s.links.empty(); });
@@ -96,7 +96,7 @@ TEST(OwnerLive, APortAtWhichAnotherUserListensIsNotBelieved) {
   const OtherUser other(reinterpret_cast<const sockaddr*>(&loopback), sizeof loopback, SOCK_STREAM);
   const std::string endpoint = "127.0.0.1:" + std::to_string(other.port());
   for (const auto kind : {SourceKind::babel, SourceKind::olsr})
-    EXPECT_NE(told_of(source(kind, endpoint)).find(kRefused), std::string::npos);
+    EXPECT_NE(reported_of(source(kind, endpoint)).find(kRefused), std::string::npos);
 }
 
 TEST(OwnerLive, APathAtWhichAnotherUserListensIsNotBelieved) {
@@ -108,21 +108,21 @@ TEST(OwnerLive, APathAtWhichAnotherUserListensIsNotBelieved) {
     const auto address = unix_address(path);
     ASSERT_TRUE(address);
     const OtherUser other(generic(*address), sizeof *address, type);
-    EXPECT_NE(told_of(source(kind, path)).find(kRefused), std::string::npos);
+    EXPECT_NE(reported_of(source(kind, path)).find(kRefused), std::string::npos);
   }
 }
 
-TEST(OwnerLive, AFileOfAnotherUserOrOfEverybodyIsNotBelieved) {
+TEST(OwnerLive, AFileThatOthersMayWriteIsNotBelieved) {
   const test::Folder folder;
   const std::string path = folder / "links";
   std::ofstream(path) << "a b 1Mbit/s\n";
   const auto file = source(SourceKind::file, path);
-  EXPECT_EQ(told_of(file).find("problem: \n"), 0U) << "ours";
+  EXPECT_EQ(reported_of(file).find("problem: \n"), 0U) << "ours";
   ::chmod(path.c_str(), 0646);
-  EXPECT_NE(told_of(file).find("everybody may write it"), std::string::npos);
+  EXPECT_NE(reported_of(file).find("all users may write it"), std::string::npos);
   ::chmod(path.c_str(), 0644);
   ASSERT_EQ(::chown(path.c_str(), kOtherUser, kOtherUser), 0);
-  EXPECT_NE(told_of(file).find(kRefused), std::string::npos);
+  EXPECT_NE(reported_of(file).find(kRefused), std::string::npos);
 }
 
 }  // namespace

@@ -81,7 +81,7 @@ TEST(Peer, NonsenseIsNoSocket) {
     EXPECT_TRUE(of(text, "127.0.0.1:2009").empty()) << text;
 }
 
-TEST(Peer, RootAndWeAreBelievedAndNobodyElse) {
+TEST(Peer, OnlyRootAndWeAreBelieved) {
   EXPECT_TRUE(check_owner("it", 0));
   EXPECT_TRUE(check_owner("it", ::geteuid()));
   const auto other = check_owner("it", 64'999);

@@ -125,7 +125,7 @@ TEST_F(RemoteSource, AProcessThatDiesIsAProblemAndReplaced) {
 }
 
 TEST_F(RemoteSource, AProcessThatHangsIsReplaced) {
-  helper_.silence = 1'500'000'000;
+  helper_.timeout = 1'500'000'000;
   const std::string mark = folder_ / "mark";
   helper_.program = script("[ -e " + mark + " ] && exec " + helper_.program + "\ntouch " + mark +
                            "\nexec sleep 600");
@@ -160,7 +160,7 @@ TEST_F(RemoteSource, AProgramThatIsNotThereIsAProblem) {
   EXPECT_NE(lost->problem.find("No such file"), std::string::npos) << lost->problem;
 }
 
-TEST_F(RemoteSource, ASocketAtWhichSomebodyStartsOneIsPreferred) {
+TEST_F(RemoteSource, ASocketAtWhichSystemdStartsOneIsPreferred) {
   helper_.socket = folder_ / "sources";
   const auto address = unix_address(helper_.socket);
   ASSERT_TRUE(address);

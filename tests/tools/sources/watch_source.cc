@@ -31,7 +31,7 @@ struct Options {
   core::mesh::Source source;
   core::mesh::Mesh mesh;
   unsigned long count = 0;  ///< 0: no limit
-  std::string until;        ///< empty: nothing is looked for
+  std::string until;        ///< empty: nothing is awaited
 };
 
 Result<Options> read_options(int argc, char** argv) {
@@ -91,14 +91,14 @@ int watch(const Options& options) {
   sd_event* raw = nullptr;
   if (sd_event_new(&raw) < 0) return 2;
   const std::unique_ptr<sd_event, FreeWith<sd_event_unref>> loop(raw);
-  unsigned long told = 0;
+  unsigned long reports = 0;
   const auto source = net::open_source(
       options.source, options.mesh, loop.get(), [&](const core::mesh::Snapshot& snapshot) {
         const std::string line = describe(snapshot).dump();
         std::cout << line << std::endl;  // a test waits for it
-        ++told;
+        ++reports;
         const bool found = !options.until.empty() && line.find(options.until) != std::string::npos;
-        if (found || told == options.count) sd_event_exit(loop.get(), 0);
+        if (found || reports == options.count) sd_event_exit(loop.get(), 0);
       });
   if (!source) {
     std::cerr << source.error().text << '\n';

@@ -207,7 +207,7 @@ void add_analyse_bus(CLI::App& app, Context& context) {
                    "of the data phase of FD frames, such as 2M")
       ->type_name("BIT/S");
   verb->add_flag("--unknown-senders", options->bus.unknown_senders,
-                 "somebody else may send: the longest frame of the bus may block");
+                 "other nodes may send: the longest frame of the bus may block");
   verb->add_option("--background-load", options->background,
                    "share of the bus that others take at any priority, such as 0.05")
       ->type_name("SHARE");
@@ -217,7 +217,7 @@ void add_analyse_bus(CLI::App& app, Context& context) {
       ->check(CLI::NonNegativeNumber)
       ->type_name("MS");
   verb->add_flag("--assign", options->assign,
-                 "look for an order of the identifiers in which all deadlines are met");
+                 "search for an order of the identifiers in which all deadlines are met");
   verb->callback([&context, options] {
     understand(*options);
     context.exit = run(*options, context.json, color_of(STDOUT_FILENO, context.no_color));

@@ -31,7 +31,8 @@ struct Bus {
   std::string network;  ///< empty: from a table
   core::can::Assumptions assumptions;
   std::vector<BusMessage> messages;
-  /// What nobody states and the bounds depend on, and who is left out: sentences.
+  /// What is not stated although the bounds depend on it, and which publishers are left out:
+  /// sentences.
   std::vector<std::string> unknown;
   std::vector<std::string> left_out;
   std::vector<std::string> findings;  ///< what check says of this bus

@@ -157,7 +157,7 @@ class DescribedBuses {
                            : " and counts as nothing: state its Latency";
   }
 
-  /// Events of one publisher that come by several ways are told apart.
+  /// Events of one publisher that come by several ways are distinguished.
   void name_ways(Bus& bus) {
     const std::size_t first = froms_.size() - bus.messages.size();
     std::vector<std::string> names;

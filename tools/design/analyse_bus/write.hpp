@@ -20,7 +20,7 @@ struct AnalysedBus {
   bool schedulable = true;    ///< all fit, as far as is known, and check refuses none for the bus
   std::string why_unbounded;  ///< a sentence, if one is not
   std::uint64_t load = 0;     ///< 1e-6 of the bus time
-  bool assigned = false;      ///< an order was looked for
+  bool assigned = false;      ///< an order was searched for
   std::optional<std::vector<std::size_t>> order;  ///< highest priority first, if there is one
 };
 

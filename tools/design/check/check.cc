@@ -64,7 +64,7 @@ class Check {
     return write_text(report, options_.output.empty() ? color_ : Color::no);
   }
 
-  /// The status of a report; the error is the one of a report that nobody got.
+  /// The status of a report; the error is the one of a report that could not be written.
   using Delivery = std::expected<Exit, Exit>;
 
   [[nodiscard]] Delivery deliver(const Report& report) const {

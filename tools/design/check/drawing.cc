@@ -31,13 +31,13 @@ std::string quoted(std::string_view text) {
   return out;
 }
 
-/// Class for the page's style sheet, and a look that needs no colour.
-struct Look {
+/// Class for the page's style sheet, and attributes that need no colour.
+struct EdgeStyle {
   const char* name;
   const char* attributes;
 };
 
-Look look_of(Outcome outcome) {
+EdgeStyle style_of(Outcome outcome) {
   switch (outcome) {
     case Outcome::fit:
       return {"fit", R"(color="#1a7f37" style=solid)"};
@@ -207,9 +207,9 @@ class Graph {
 
   void add_edge(const std::string& from, const std::string& to, Outcome outcome,
                 const std::string& label) {
-    const auto look = look_of(outcome);
+    const auto style = style_of(outcome);
     put("{} -> {} [id=\"{}e{}\" class=\"channel {}\" {} constraint=false label=\"{}\"]\n", from, to,
-        prefix_, edges_++, look.name, look.attributes, quoted(label));
+        prefix_, edges_++, style.name, style.attributes, quoted(label));
   }
 
   // --- many deliveries ---------------------------------------------------------------------------

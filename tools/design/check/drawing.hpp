@@ -14,7 +14,7 @@ struct Drawing {
   std::size_t left_out = 0;  ///< networks, gateways, ports and edges that are not drawn
 };
 
-/// Up to kMaxSingle deliveries each has an edge from publisher to subscriber, beyond that the
+/// Up to kMaxSingle deliveries each has an edge from publisher to subscriber; with more, the
 /// channels between the same two places with the same outcome share one. At most kMaxNodes places,
 /// kMaxEdges ports and kMaxEdges channels are drawn. `number` makes the ids of the elements unique
 /// on a page.

@@ -156,7 +156,7 @@ class Run {
     if (auto logical = logical_locations(f); !logical.empty())
       location["logicalLocations"] = std::move(logical);
     const auto identity = identity_of(f);
-    // Equal ones are told apart by their order.
+    // Equal ones are distinguished by their order.
     const auto print = fmt::format("{:016x}:{}", hash_of(identity), ++prints_[identity]);
     Json out{{"ruleId", core::code_of(f.id)},
              {"ruleIndex", &info - core::finding_table().data()},

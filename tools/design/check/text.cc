@@ -34,7 +34,7 @@ void write(std::string& out, const ReportedFinding& f, Color color) {
 }
 
 /// "volksbot: 3 channels: 2 fit, 1 decided at run time, 0 do not fit"; where mlccad would refuse
-/// the description as a whole nothing fits, whatever the deliveries alone look like.
+/// the description as a whole nothing fits, whatever the deliveries alone give.
 std::string channels_line(const SystemReport& system) {
   const auto& name = system.system.name.empty() ? system.file : system.system.name;
   if (!system.readable) return fmt::format("{}: cannot be read", name);

@@ -32,7 +32,7 @@ class FileWatch {
   static Result<FileWatch> open();
 
   /// Watches these files and no others; they need not exist. True if one that was not watched
-  /// before has changed since then: nobody would notice that any more.
+  /// before has changed since then: that change would go unnoticed.
   Result<bool> follow(const std::vector<std::string>& files, timespec since);
 
   /// Until one of them is written, replaced, removed or appears. The many events of one save are

@@ -9,7 +9,7 @@
 
 namespace mlcca::tools::design {
 
-/// Somebody at a keyboard: prompts go to standard error, so that standard output can be redirected.
+/// A person at a keyboard: prompts go to standard error, so that standard output can be redirected.
 class Terminal {
  public:
   /// Standard input and standard error are a terminal.
@@ -31,7 +31,7 @@ bool ask_for_changes(Terminal& terminal, Markup& markup, std::size_t channel);
 /// "yes" by default; false for no, and at the end of the input.
 bool confirm(Terminal& terminal, const std::string& question);
 
-/// A subject that nobody else has: 64 random bits of the kernel, not 0.
+/// A subject that no other channel has: 64 random bits of the kernel, not 0.
 Result<std::string> random_subject();
 
 /// What stands against that quantity in a file that declares its attribute with another unit.

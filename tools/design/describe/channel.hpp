@@ -43,9 +43,9 @@ std::string problem_of_description(std::string_view text);
 std::string problem_of_safe_side(std::string_view text);
 std::string problem_of_priority(int priority);
 
-/// What is wrong with the channels of a file beyond the schema: values, and names and subjects that
-/// two of them share. Each with "line N: " in front; `about` is looked at in full, of the others
-/// only name and subject.
+/// What is wrong with the channels of a file and not seen by the schema: values, and names and
+/// subjects that two of them share. Each with "line N: " in front; `about` is checked in full, of
+/// the others only name and subject.
 std::vector<std::string> problems_of(const Markup& markup, std::size_t about);
 
 /// The first publisher, subscriber or binding of the file that calls the channel by a name or a

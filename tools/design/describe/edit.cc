@@ -49,7 +49,7 @@ NewElement attribute_element(const Quantity& quantity) {
   return result;
 }
 
-/// One channel of a text; each step finds its elements anew, because the one before moved them.
+/// One channel of a text; each step finds its elements again, because the one before moved them.
 class Editor {
  public:
   Editor(Markup& markup, std::size_t channel) : markup_(markup), channel_(channel) {}
@@ -168,7 +168,8 @@ class Editor {
 
   std::size_t make_set(const std::vector<AttributeSetText>& sets, std::optional<int> priority) {
     auto element = parent("Attributes", {});
-    // What is not said anew stays required: a set without it would be granted on any network.
+    // An attribute that is not stated again stays required: a set without it would be granted on
+    // any network.
     if (!sets.empty())
       for (const auto& quantity :
            std::ranges::max_element(sets, {}, &AttributeSetText::priority)->attributes)

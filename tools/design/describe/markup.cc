@@ -31,7 +31,7 @@ std::size_t after_skipped(std::string_view text, std::size_t at) {
   return at;
 }
 
-/// Finds the elements. The text is well-formed; nothing is read beyond its end in any case.
+/// Finds the elements. The text is well-formed; nothing is read after its end in any case.
 class Scanner {
  public:
   explicit Scanner(std::string_view text) : text_(text) {}

@@ -40,7 +40,7 @@ struct Node {
   [[nodiscard]] const MarkupAttribute* attribute(std::string_view key) const;
 };
 
-/// Why the text cannot be edited, as far as its beginning tells: not XML in UTF-8, or with a
+/// Why the text cannot be edited, as far as its beginning shows: not XML in UTF-8, or with a
 /// DOCTYPE. To be asked before any parser sees it.
 Result<void> check_prolog(std::string_view text);
 
@@ -57,7 +57,7 @@ class Markup {
   [[nodiscard]] const std::string& text() const { return text_; }
   [[nodiscard]] const Node& root() const { return root_; }
 
-  /// Replaces these bytes. All nodes are found anew: earlier references are invalid.
+  /// Replaces these bytes. All nodes are found again: earlier references are invalid.
   void replace(Range range, std::string_view by);
 
   [[nodiscard]] std::string_view view(Range range) const {

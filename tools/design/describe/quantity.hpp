@@ -29,7 +29,7 @@ Result<Quantity> parse_user_defined(std::string_view text);
 bool names_built_in(std::string_view text);
 
 /// What is wrong with the value of a channel; an empty text if nothing. Of an attribute that is not
-/// built in, only the form is looked at.
+/// built in, only the form is checked.
 std::string problem_of(const Quantity& quantity);
 
 /// The same attribute, value and unit, however they are written: 50 with magnitude -3 is 0.05.

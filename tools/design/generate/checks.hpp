@@ -36,7 +36,7 @@ class Decisions {
     /// Of the channel in that set; errors alone.
     std::shared_ptr<const std::vector<core::Finding>> errors;
   };
-  /// From a publisher to everybody at a place.
+  /// From a publisher to all subscribers at a place.
   [[nodiscard]] const Delivery& of(std::size_t publisher, core::Place to, std::size_t set) const {
     return deliveries_.at({publisher, to, set});
   }
@@ -57,7 +57,7 @@ class Decisions {
 };
 
 /// A publisher and a subscriber of the same channel, one of them of the unit; or one end alone,
-/// where the system has nobody on the other side.
+/// where the system has no endpoint on the other side.
 struct Pair {
   std::optional<End> publisher;
   std::optional<End> subscriber;

@@ -242,7 +242,7 @@ class Writer {
     // Worse than anything that can be asked: the same as not to be provided.
     if (gives[Attribute::omission] > kMostOmissions && gives != system_.provision_of(hop.place))
       gives.clear(Attribute::omission);
-    // Nobody can ask for more than a literal holds.
+    // No requirement exceeds what a literal holds.
     for (std::size_t i = 0; i < kAttributes; ++i)
       if (const auto a = attribute_at(i); gives.has(a) && gives[a] == kUnbounded)
         gives.set(a, kUnbounded - 1, gives.is_dynamic(a));
@@ -401,7 +401,7 @@ class Writer {
     return out;
   }
 
-  /// What is wrong with a channel as a whole, or with a subscriber that nobody publishes for.
+  /// What is wrong with a channel as a whole, or with a subscriber that no publisher sends to.
   void add_errors_of_channel(std::vector<CheckText>& out, std::size_t channel,
                              const std::string& between, bool alone) const {
     for (const auto& f : decisions_.errors_of(channel)) {

@@ -39,7 +39,7 @@ bool is_large(char c) { return c >= 'A' && c <= 'Z'; }
 char small(char c) { return is_large(c) ? static_cast<char>(c + 32) : c; }
 char large(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; }
 
-/// "CAN" is "Can": words in large letters alone are what macros look like.
+/// "CAN" is "Can": words in large letters alone have the form of macros.
 std::string capitalised(std::string word) {
   const bool shouted = word.size() > 1 &&
                        std::ranges::all_of(word, [](char c) { return is_large(c) || is_digit(c); });

@@ -26,8 +26,8 @@ std::string comment_text(std::string_view text);
 /// The same as a literal for a compiler's message.
 std::string string_literal(std::string_view text);
 
-/// Hands out each name once: a second "Motor" is "Motor_2". Case does not tell names apart, because
-/// it does not in every file system.
+/// Hands out each name once: a second "Motor" is "Motor_2". Names that differ in case only count as
+/// equal, because some file systems do not distinguish them.
 class Names {
  public:
   std::string take(const std::string& wanted);

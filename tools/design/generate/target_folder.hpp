@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Writes what was generated: only what is new or differs, and never over the work of somebody else.
+// Writes what was generated: only what is new or differs, and never over the work of another
+// program or person.
 #pragma once
 #include <cstddef>
 #include <cstdint>

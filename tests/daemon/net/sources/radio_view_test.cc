@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// From what the kernel tells of radios, batman-adv and wires to samples of links.
+// From what the kernel reports of radios, batman-adv and wires to samples of links.
 #include <gtest/gtest.h>
 #include <linux/nl80211.h>
 
@@ -45,13 +45,13 @@ class RadioView : public testing::Test {
   }
   nl80211::Station& peer() { return seen.stations.front(); }
   Sample there() {
-    const Snapshot snapshot = view.look(seen, kNow);
+    const Snapshot snapshot = view.update(seen, kNow);
     const Sample* const found = find(snapshot, kOwn, kPeer);
     EXPECT_NE(found, nullptr);
     return found == nullptr ? Sample{} : *found;
   }
   Sample back() {
-    const Snapshot snapshot = view.look(seen, kNow);
+    const Snapshot snapshot = view.update(seen, kNow);
     const Sample* const found = find(snapshot, kPeer, kOwn);
     EXPECT_NE(found, nullptr);
     return found == nullptr ? Sample{} : *found;
@@ -61,7 +61,7 @@ class RadioView : public testing::Test {
 };
 
 TEST_F(RadioView, APeerIsALinkInBothDirections) {
-  const Snapshot snapshot = view.look(seen, kNow);
+  const Snapshot snapshot = view.update(seen, kNow);
   ASSERT_EQ(snapshot.links.size(), 2U);
   const Sample* const to = find(snapshot, kOwn, kPeer);
   const Sample* const from = find(snapshot, kPeer, kOwn);
@@ -82,7 +82,7 @@ TEST_F(RadioView, WithoutAnExpectedThroughputTheBitRateCounts) {
   EXPECT_EQ(link.kind, RateKind::phy);
 }
 
-TEST_F(RadioView, TheAgeIsTheTimeSinceThePeerWasHeard) {
+TEST_F(RadioView, TheAgeIsTheTimeSinceThePeerWasReceived) {
   EXPECT_EQ(there().taken, kNow - 384'000'000);
   peer().inactive = 4'000'000;  // longer than this machine runs
   EXPECT_EQ(there().taken, 0U);
@@ -94,18 +94,18 @@ TEST_F(RadioView, OnlyEstablishedPeersAreLinksOfAMesh) {
   for (const std::uint8_t state : {NL80211_PLINK_LISTEN, NL80211_PLINK_OPN_SNT,
                                    NL80211_PLINK_HOLDING, NL80211_PLINK_BLOCKED}) {
     peer().plink_state = state;
-    EXPECT_TRUE(view.look(seen, kNow).links.empty());
+    EXPECT_TRUE(view.update(seen, kNow).links.empty());
   }
   peer().plink_state.reset();
-  EXPECT_TRUE(view.look(seen, kNow).links.empty());
+  EXPECT_TRUE(view.update(seen, kNow).links.empty());
   seen.interface.mesh = false;  // ad hoc: there are no peerings
-  EXPECT_EQ(view.look(seen, kNow).links.size(), 2U);
+  EXPECT_EQ(view.update(seen, kNow).links.size(), 2U);
 }
 
 TEST_F(RadioView, ASlowerBitRateOutweighsTheExpectationWhenItLasts) {
   EXPECT_EQ(there().kind, RateKind::effective);
   peer().tx_bitrate = 1'000'000;
-  for (int look = 0; look < 2; ++look) {
+  for (int poll = 0; poll < 2; ++poll) {
     peer().tx_packets = *peer().tx_packets + 5;
     EXPECT_EQ(there().kind, RateKind::effective) << "it may have tried a rate out";
     EXPECT_TRUE(view.doubtful());
@@ -124,22 +124,22 @@ TEST_F(RadioView, ASlowFrameThatStaysTheLastProvesNothing) {
   peer().tx_bitrate = 1'000'000;
   EXPECT_EQ(there().kind, RateKind::effective);
   EXPECT_TRUE(view.doubtful());
-  for (int look = 0; look < 5; ++look) {
+  for (int poll = 0; poll < 5; ++poll) {
     EXPECT_EQ(there().kind, RateKind::effective);
-    EXPECT_FALSE(view.doubtful()) << "nothing was sent: looking again would not tell";
+    EXPECT_FALSE(view.doubtful()) << "nothing was sent: polling again would not show it";
   }
 }
 
 TEST_F(RadioView, AFastFrameBetweenSlowOnesEndsTheDoubt) {
-  for (int look = 0; look < 10; ++look) {
-    peer().tx_bitrate = look % 3 == 2 ? 13'000'000 : 1'000'000;
+  for (int poll = 0; poll < 10; ++poll) {
+    peer().tx_bitrate = poll % 3 == 2 ? 13'000'000 : 1'000'000;
     peer().tx_packets = *peer().tx_packets + 5;
     EXPECT_EQ(there().kind, RateKind::effective);
   }
 }
 
 TEST_F(RadioView, LossIsTheShareOfPacketsGivenUp) {
-  EXPECT_FALSE(there().loss) << "one look tells no difference";
+  EXPECT_FALSE(there().loss) << "one poll gives no difference";
   peer().tx_packets = 200;
   peer().tx_failed = 7;
   EXPECT_EQ(there().loss, 70'000'000U);  // 7 of 100
@@ -159,12 +159,12 @@ TEST_F(RadioView, OldLossIsForgotten) {
   peer().tx_packets = 200;
   peer().tx_failed = 50;
   EXPECT_EQ(there().loss, 500'000'000U);
-  for (int look = 0; look < 9; ++look) {
+  for (int poll = 0; poll < 9; ++poll) {
     peer().tx_packets = *peer().tx_packets + 100;
     EXPECT_GT(there().loss, 0U);
   }
   peer().tx_packets = *peer().tx_packets + 100;
-  EXPECT_EQ(there().loss, 0U) << "ten looks ago";
+  EXPECT_EQ(there().loss, 0U) << "ten polls ago";
 }
 
 TEST_F(RadioView, CountersThatBeginAnewTellNoLoss) {
@@ -187,7 +187,7 @@ TEST_F(RadioView, APeerThatCameBackBeginsAnew) {
   static_cast<void>(there());
   const auto before = seen.stations;
   seen.stations.clear();
-  EXPECT_TRUE(view.look(seen, kNow).links.empty());
+  EXPECT_TRUE(view.update(seen, kNow).links.empty());
   seen.stations = before;
   peer().tx_packets = 200;
   peer().tx_failed = 100;
@@ -215,7 +215,7 @@ TEST_F(RadioView, WhatThisRadioSendsIsNotTakenByOthers) {
 
 TEST_F(RadioView, ASurveyThatDoesNotCountTellsNothing) {
   seen.surveys = {{.frequency = 2412, .in_use = true, .time = 10'000, .busy = 400}};
-  for (int look = 0; look < 4; ++look) EXPECT_FALSE(there().busy);
+  for (int poll = 0; poll < 4; ++poll) EXPECT_FALSE(there().busy);
   seen.surveys[0].time = 10'499;
   EXPECT_FALSE(there().busy) << "less than half a second";
 }
@@ -243,7 +243,7 @@ TEST_F(RadioView, MeshPathsTellNextHopsOnly) {
                  .metric = 5,
                  .hops = 1,
                  .flags = NL80211_MPATH_FLAG_RESOLVING}};
-  const Snapshot snapshot = view.look(seen, kNow);
+  const Snapshot snapshot = view.update(seen, kNow);
   const std::vector<core::mesh::NextHop> expected{{.from = kOwn, .to = kPeer, .via = kPeer},
                                                   {.from = kOwn, .to = kFar, .via = kPeer}};
   EXPECT_EQ(snapshot.next_hops, expected);
@@ -274,7 +274,7 @@ TEST(RadioMetric, NoLinkHasNoRate) {
   EXPECT_EQ(nl80211::rate_of_metric(257), 32'000'000U);  // the example of open80211s
 }
 
-TEST(BatmanView, ANeighboursThroughputIsALinkFromTheInterfaceItIsHeardOn) {
+TEST(BatmanView, ANeighboursThroughputIsALinkFromTheInterfaceItIsReceivedOn) {
   const batman::Seen seen{
       .interfaces = {{.index = 4, .mac = kOwn}},
       .neighbours = {{.mac = kPeer, .interface = 4, .throughput = 8'500'000, .last_seen = 120},

@@ -59,13 +59,13 @@ class WireLive : public testing::Test {
   void await(const std::function<bool(const core::mesh::Snapshot&)>& is_so) {
     for (int seen = 0; seen < 20; ++seen) {
       while (snapshots_.empty())
-        ASSERT_GT(sd_event_run(loop_.get(), kPatience), 0) << "nothing is told";
+        ASSERT_GT(sd_event_run(loop_.get(), kPatience), 0) << "nothing is reported";
       last_ = std::move(snapshots_.front());
       snapshots_.pop_front();
       if (is_so(last_)) return;
     }
-    FAIL() << "never told; last: " << last_.links.size() << " links, problem \"" << last_.problem
-           << '"';
+    FAIL() << "never reported; last: " << last_.links.size() << " links, problem \""
+           << last_.problem << '"';
   }
   void await_problem(const std::string& text) {
     await([&](const core::mesh::Snapshot& s) { return s.problem == text && s.links.empty(); });

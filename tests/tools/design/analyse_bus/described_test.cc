@@ -75,7 +75,7 @@ TEST_F(AnalyseBusTest, PublishersOfADescriptionAreAnalysedOnEachNetworkTheyCross
   EXPECT_EQ(analyse(path, {"--network", "nowhere"}).status, 2);
 }
 
-TEST_F(AnalyseBusTest, WhatNobodyStatesOfTheWayIsSaid) {
+TEST_F(AnalyseBusTest, WhatIsNotStatedOfTheWayIsReported) {
   const auto traffic = attribute("Period", time_value(50)) + payload_of_7();
   const auto path = file("open.xml", two_buses(traffic, "<Bus bitrate=\"250000\"/>", ""));
   const auto done = analyse(path);

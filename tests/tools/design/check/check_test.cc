@@ -56,7 +56,7 @@ TEST_F(ExitTest, Is2ForWhatCannotBeRead) {
   EXPECT_EQ(status_of({broken()}), 2);
   EXPECT_EQ(status_of({path("none.xml")}), 2);
   EXPECT_EQ(status_of({path("folder")}), 2);
-  EXPECT_EQ(status_of({path("fifo")}), 2) << "which nobody writes";
+  EXPECT_EQ(status_of({path("fifo")}), 2) << "without a writer";
   EXPECT_EQ(status_of({file("empty.xml", "")}), 2);
 }
 

@@ -137,7 +137,7 @@ TEST_F(FileWatchTest, WaitsForAFolderBesideAFileThatExists) {
   expect_change(watch);
 }
 
-TEST_F(FileWatchTest, TellsOfAChangeBeforeItLooked) {
+TEST_F(FileWatchTest, ReportsAChangeBeforeItPolled) {
   auto watch = open();
   const auto before = tools::design::file_time();
   const auto name = file("a.xml", "1");
@@ -244,7 +244,7 @@ TEST_F(WatchTest, ReplacesTheOutputAndShowsTheText) {
   EXPECT_TRUE(test::content_of(page).contains("No findings."));
 }
 
-TEST_F(WatchTest, EndsAtOnceWhenNobodyCanGetTheFirstReport) {
+TEST_F(WatchTest, EndsAtOnceWhenTheFirstReportCannotBeWritten) {
   save(2, 2);
   for (const auto& output : {path("missing/report.txt"), path(name_)}) {
     const std::vector<std::string> arguments = {"check", "--output", output, path(name_)};

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Somebody's file: comments everywhere, several layouts, both kinds of quotes.
+/// A file of another author: comments everywhere, several layouts, both kinds of quotes.
 constexpr const char* kAnnotated = R"xml(<?xml version='1.0'?>
 <!-- Owner: the safety group.
      Do not touch. -->
@@ -446,16 +446,16 @@ TEST(DescribeTest, KeepsModeAndOwnerAndFollowsALink) {
   EXPECT_TRUE(content_of(file).contains("<Value>7<!-- was 3 --></Value>"));
 }
 
-TEST(DescribeTest, WhatSomebodyElseWroteMeanwhileIsNotLost) {
+TEST(DescribeTest, WhatAnotherProgramWroteMeanwhileIsNotLost) {
   const Folder folder;
   const auto file = folder.write("c.xml", "one");
   const auto read = tools::design::read_file(file, 100);
   ASSERT_TRUE(read.has_value() && read->has_value());
-  folder.write("c.xml", "somebody else's");
+  folder.write("c.xml", "another one's");
   EXPECT_FALSE(tools::design::replace_file(**read, "two").has_value());
-  EXPECT_EQ(content_of(file), "somebody else's");
+  EXPECT_EQ(content_of(file), "another one's");
   EXPECT_FALSE(tools::design::create_file(file, "three").has_value());
-  EXPECT_EQ(content_of(file), "somebody else's");
+  EXPECT_EQ(content_of(file), "another one's");
 }
 
 TEST(DescribeTest, ADryRunPrintsTheResultAndWritesNothing) {

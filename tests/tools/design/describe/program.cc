@@ -106,7 +106,7 @@ OnTerminal::~OnTerminal() {
 bool OnTerminal::read_more() {
   std::array<char, 4096> piece{};
   const auto n = ::read(terminal_.get(), piece.data(), piece.size());
-  if (n <= 0) return false;  // EIO: nobody has the terminal open any more
+  if (n <= 0) return false;  // EIO: no process has the terminal open any more
   screen_.append(piece.data(), static_cast<std::size_t>(n));
   return true;
 }

@@ -54,7 +54,7 @@ TEST(CaseStudyTest, TheSwitchBesideTheControlPcDoesNotCompile) {
     EXPECT_TRUE(text.contains(part)) << part << " is not in:\n" << text;
 }
 
-// Figure 3 of the paper: somebody puts the mesh in the place of the bus, by hand.
+// Figure 3 of the paper: a person puts the mesh in the place of the bus, by hand.
 TEST(CaseStudyTest, TheCanLayerReplacedByTheMeshDoesNotCompile) {
   const Folder folder;
   const auto generated = folder.path("generated");
@@ -71,7 +71,8 @@ TEST(CaseStudyTest, TheCanLayerReplacedByTheMeshDoesNotCompile) {
 }
 
 // The switch as it was compiled for the robot sees only its own bus: the compiler cannot know that
-// another bus, behind the control PC, was put in its place. Generated anew, the code knows the way.
+// another bus, behind the control PC, was put in its place. Generated again, the code knows the
+// way.
 TEST(CaseStudyTest, TheSecondBusIsNotSeenByCodeThatWasGeneratedForTheRobot) {
   const Folder folder;
   const auto generated = folder.path("generated");

@@ -182,14 +182,14 @@ TEST(GenerateTest, WhatOnlyTheCoreRefusesDoesNotCompile) {
   EXPECT_TRUE(said.contains("MLCCA031: with p, the frames of p (more) on bus")) << said;
 }
 
-TEST(GenerateTest, WhoHasNobodyOnTheOtherSideIsDecidedAsCheckDoes) {
+TEST(GenerateTest, AnEndpointWithoutAnOtherSideIsDecidedAsCheckDoes) {
   const Folder sends;
-  const Folder hears;
+  const Folder receives;
   const auto alone = [](bool publishes) {
     return on_a_bus("500000", one_more(publishes, !publishes));
   };
   EXPECT_EQ(complaints({"g++"}, generated(sends, alone(true))), "");
-  const auto said = complaints({"g++"}, generated(hears, alone(false)));
+  const auto said = complaints({"g++"}, generated(receives, alone(false)));
   EXPECT_TRUE(said.contains("MLCCA010: ")) << said;
 }
 
@@ -299,7 +299,7 @@ TEST(GenerateTest, CodeOfARenamedChannelIsKeptAndComesBack) {
       kept.contains("// BEGIN user code: EmergencySwitchSpec::exception\n#if 0\n"
                     "  static_cast<void>(why);\n  // precious\n#endif\n"))
       << kept;
-  // What nobody had written anything into is not kept.
+  // An empty section is not kept.
   EXPECT_FALSE(kept.contains("EmergencySwitchSpec::notify")) << kept;
   EXPECT_EQ(complaints({"g++"}, out), "");
   generated(folder, renamed);
@@ -345,7 +345,7 @@ TEST(GenerateTest, FilesOfOthersAreNotOverwritten) {
                            "motors_EmergencySwitchSpec.der"}) {
     const Folder folder;
     fs::create_directory(folder.path("out"));
-    folder.write(std::string("out/") + name, "somebody's work\n");
+    folder.write(std::string("out/") + name, "another one's work\n");
     folder.write("system.xml", robot());
     const auto ran = run({"generate", folder.path("system.xml"), "--out", folder.path("out")});
     EXPECT_EQ(ran.status, 2) << name;
@@ -354,7 +354,7 @@ TEST(GenerateTest, FilesOfOthersAreNotOverwritten) {
     EXPECT_EQ(
         run({"generate", folder.path("system.xml"), "--out", folder.path("out"), "--force"}).status,
         0);
-    EXPECT_NE(content_of(folder.path("out/") + name), "somebody's work\n");
+    EXPECT_NE(content_of(folder.path("out/") + name), "another one's work\n");
   }
 }
 
@@ -365,7 +365,7 @@ TEST(GenerateTest, NothingIsWrittenThroughASymbolicLink) {
       const Folder folder;
       fs::create_directory(folder.path("out"));
       const auto target = folder.path("target");
-      if (leads_somewhere) folder.write("target", "somebody's work\n");
+      if (leads_somewhere) folder.write("target", "another one's work\n");
       fs::create_symlink(target, folder.path("out/") + name);
       const auto system = folder.write("system.xml", robot());
       for (const bool force : {true, false}) {
@@ -379,7 +379,7 @@ TEST(GenerateTest, NothingIsWrittenThroughASymbolicLink) {
         EXPECT_EQ(std::distance(fs::directory_iterator(folder.path("out")), {}), 1) << name;
         EXPECT_EQ(fs::exists(target), leads_somewhere);
         if (leads_somewhere) {
-          EXPECT_EQ(content_of(target), "somebody's work\n");
+          EXPECT_EQ(content_of(target), "another one's work\n");
         }
       }
     }
@@ -439,7 +439,7 @@ TEST(GenerateTest, MoreUserDefinedAttributesThanAListHoldsAreRefused) {
   }
 }
 
-TEST(GenerateTest, WhatBelongsToNobodyAnyMoreIsNamedAndStays) {
+TEST(GenerateTest, WhatHasNoOwnerAnyMoreIsNamedAndStays) {
   const Folder folder;
   generated(folder, robot());
   folder.write("system.xml",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which news of interfaces concern the ports: those of others come and go all the time where
+// Which changes of interfaces concern the ports: other interfaces come and go all the time where
 // containers do.
 #include <algorithm>
 
@@ -7,8 +7,8 @@
 
 namespace mlcca {
 
-/// What the port is recognised by decides, not what the news was: so nothing is missed where some
-/// were lost.
+/// The identity of the port decides, not the content of a notification: so nothing is missed where
+/// some were lost.
 bool Ports::concerns(const PortState& port, const net::FactsOf& facts_of) const {
   if (port.unsettled) return true;
   const net::Link* const link = link_of(port);
@@ -24,7 +24,7 @@ bool Ports::needs_reconcile() {
   const bool lacks_interface = std::ranges::any_of(
       gates_, [this](const auto& gate) { return !links_.table().contains(gate.first); });
   if (lacks_interface) return true;
-  const net::FactsOf facts_of = looked_up_once();
+  const net::FactsOf facts_of = facts_once();
   return std::ranges::any_of(ports_,
                              [&](const PortState& port) { return concerns(port, facts_of); });
 }
