@@ -131,7 +131,7 @@ $O/bundle/%.o: $O/bundle/%.cc | $(CONTROL_HEADERS)
 
 # --- what a person calls ---------------------------------------------------------------------------
 
-demo: ensure-deps ## the emergency stop, told on real SocketCAN and systemd (DEMO=host: on this kernel)
+demo: ensure-deps ## the emergency stop, shown on real SocketCAN and systemd (DEMO=host: on this kernel)
 	$(Q)$(MAKE) BUNDLE=1 run-demo
 
 test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
@@ -154,14 +154,14 @@ check-format:
 format: ## format every file in place
 	$(Q)$(CLANG_FORMAT) -i $(FORMATTED)
 
-# False alarms are listed with their reasons; what is wrong is mended.
+# False alarms are listed with their reasons; what is wrong is corrected.
 cppcheck: ## defects that cppcheck finds without the headers of libraries
 	$(call say,CPPCHK,base control core daemon description tools)
 	$(Q)cppcheck -q -j2 --std=c++20 --language=c++ --enable=warning,performance,portability --max-configs=1 \
 		--suppress=missingInclude --suppressions-list=tests/support/cppcheck.supp --error-exitcode=1 \
 		-D__x86_64__ -D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. base control core daemon description tools
 
-# One stamp a file: only what changed is looked at again.
+# One stamp a file: only what changed is checked again.
 TIDY_SOURCES := $(filter-out tests/% include/% bpf/%,$(shell git ls-files '*.cc' 2>/dev/null))
 TIDY_STAMPS := $(patsubst %.cc,$O/tidy/%.ok,$(TIDY_SOURCES))
 $O/tidy/%.ok: %.cc .clang-tidy | $(BPF_SKELETONS) $(CONTROL_HEADERS)
