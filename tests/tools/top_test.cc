@@ -416,6 +416,18 @@ TEST(TopLayoutTest, EightyColumnsShowAllOfThem) {
             }));
 }
 
+TEST(TopLayoutTest, TheStateOfANetworkIsNotCutOff) {
+  Row r = row("second-can", 1);
+  r.place = "2 of 2";
+  r.verdict = "unavailable";
+  View by_network;
+  by_network.by_network = true;
+  const auto lines = screen({}, {r}, by_network, {80, 0}, Color::no);
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_TRUE(lines[2].starts_with("NETWORK          GRANTED     STATE       RATE/s")) << lines[2];
+  EXPECT_TRUE(lines[3].starts_with("second-can       2 of 2      unavailable ")) << lines[3];
+}
+
 TEST(TopLayoutTest, AProblemHasALineOfItsOwn) {
   Heading heading;
   heading.problem = "can1 is missing";

@@ -92,9 +92,17 @@ std::array<std::string, kFields> texts_of(const Row& row) {
           short_share(row.used)};
 }
 
-std::array<std::size_t, kFields> widths_of(const std::vector<Row>& rows, std::size_t columns) {
+/// A state of a network ("unavailable") is longer than a verdict, and "2 of 2" shorter than a way.
+constexpr std::size_t kLongerState = 4;
+
+std::array<std::size_t, kFields> widths_of(const std::vector<Row>& rows, bool by_network,
+                                           std::size_t columns) {
   std::array<std::size_t, kFields> widths{};
   for (std::size_t i = 0; i < kFields; ++i) widths[i] = kTitles[i].width;
+  if (by_network) {
+    widths[static_cast<std::size_t>(Field::verdict)] += kLongerState;
+    widths[1] -= kLongerState;
+  }
   std::size_t spare = columns > kNarrow + 1 ? columns - kNarrow - 1 : 0;
   std::array<std::size_t, 2> wanted{};
   for (const Row& row : rows) {
@@ -156,7 +164,7 @@ std::vector<std::string> table(const std::vector<Row>& rows, const View& view, b
   // Too narrow for whole columns: what does not fit is cut off at the right.
   const bool fits = columns >= kNarrow;
   const Color shown = fits ? color : Color::no;
-  const auto widths = widths_of(rows, columns);
+  const auto widths = widths_of(rows, view.by_network, columns);
   const auto cut = [&](const std::string& line) { return fits ? line : clipped(line, columns); };
   std::vector<std::string> lines = {cut(titles(view, audit, widths, shown))};
   const std::size_t last_page = rows.size() - std::min(rows.size(), std::max<std::size_t>(room, 1));

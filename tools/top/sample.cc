@@ -311,7 +311,7 @@ std::vector<Row> rows_by_network(const Sample* before, const Sample& now) {
   for (const auto& network : now.networks.networks) {
     Row row;
     row.name = network.name;
-    row.verdict = network.available ? "usable" : "DOWN";
+    row.verdict = network.available ? "available" : "unavailable";
     row.style = network.available ? Style::good : Style::bad;
     add_deliveries(now, deliveries, row);
     if (const Counts* of = find(counts, network.name)) {
