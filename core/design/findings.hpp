@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What a check of a description can find: stable numbers, severities, titles.
+// What a check of a description can find: stable numbers, severities, titles and advice.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,54 +9,11 @@
 
 namespace mlcca::core {
 
-/// Printed as MLCCA and three digits. A number is never used again for something else.
+/// A value for each row of finding_rows.inc, which is all that a new kind needs beside the code
+/// that finds it.
 enum class FindingId : std::uint8_t {
-  // The description cannot be used.
-  unreadable = 1,
-  not_xml = 2,
-  not_in_schema = 3,
-  // Names and rules.
-  rule = 4,
-  unknown_name = 5,
-  name_twice = 6,
-  wrong_place = 7,
-  too_many = 8,
-  subject_twice = 9,
-  // Completeness.
-  no_publisher = 10,
-  unused_publisher = 11,
-  unused_channel = 12,
-  no_route = 13,
-  unreachable_network = 14,
-  identifier_clash = 15,
-  interface_twice = 16,
-  unbound = 17,
-  sender_twice = 18,
-  unplaced = 19,
-  // Correctness.
-  traffic_mismatch = 20,
-  hop_unfit = 21,
-  route_unfit = 22,
-  overhearing_unfit = 23,
-  capacity = 24,
-  too_long = 25,
-  no_node = 26,
-  no_traffic = 27,
-  run_time = 28,
-  lower_set = 29,
-  unsafe_drop = 30,
-  deadline_missed = 31,
-  medium_time = 32,
-  shared_limit = 33,
-  not_decided = 34,
-  no_data_rate = 35,
-  queue_too_short = 36,
-  relay_gated = 37,
-  // Allowed, and hardly meant.
-  no_omission = 38,
-  long_period = 39,
-  managed_in_vain = 40,
-  unstarted_sender = 41,
+#define FINDING(number, name, severity, title, advice) name = number,
+#include "core/design/finding_rows.inc"
 };
 
 /// A note is information: it does not make a description unfit.
@@ -65,8 +22,9 @@ enum class Severity : std::uint8_t { error, warning, note };
 struct FindingInfo {
   FindingId id;
   Severity severity;
-  const char* name;   ///< short and stable, for tools: "no-publisher"
-  const char* title;  ///< one sentence for people, without a full stop
+  const char* name;    ///< short and stable, for tools: "no-publisher"
+  const char* title;   ///< one sentence for people, without a full stop
+  const char* advice;  ///< what it means and what helps, in a sentence or two
 };
 
 /// All of them, by number.

@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <regex>
 #include <string>
 #include <vector>
 
+#include "core/design/findings.hpp"
 #include "description/read.hpp"
 #include "tests/description/twin/expected.hpp"
 #include "tests/description/twin/twin.hpp"
@@ -44,6 +47,32 @@ TEST(TwinCases, AreDecidedAlikeByTheChecker) {
 TEST(TwinCases, FitTheSchema) {
   for (const auto& file : cases())
     output_of("xmllint --noout --nonet --schema description/system.xsd '" + file + "' 2>&1");
+}
+
+/// The stylesheet says a number where it finds something: with the severity of the table's row.
+TEST(TwinCases, NameFindingsAsTheTableDoes) {
+  std::map<std::string, core::Severity> kinds;
+  for (const auto& info : core::finding_table())
+    kinds.emplace(core::code_of(info.id), info.severity);
+  const std::map<std::string, core::Severity> words = {{"finding", core::Severity::error},
+                                                       {"compare", core::Severity::error},
+                                                       {"sense", core::Severity::note}};
+  const std::regex call(
+      "call-template name=\"([a-z]+)\">\\s*<xsl:with-param name=\"id\" select=\"'(MLCCA[0-9]+)'");
+  const std::regex any("MLCCA[0-9]{3}");
+  std::size_t calls = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("description")) {
+    if (entry.path().extension() != ".xsl") continue;
+    const auto text = text_of(entry.path().string());
+    for (std::sregex_iterator at(text.begin(), text.end(), any), end; at != end; ++at)
+      EXPECT_TRUE(kinds.contains(at->str())) << entry.path() << " names " << at->str();
+    for (std::sregex_iterator at(text.begin(), text.end(), call), end; at != end; ++at, ++calls) {
+      ASSERT_TRUE(words.contains((*at)[1])) << (*at)[1];
+      EXPECT_EQ(words.at((*at)[1]), kinds[(*at)[2]]) << entry.path() << " " << (*at)[2];
+    }
+  }
+  EXPECT_GE(calls, 10U);
+  EXPECT_EQ(kinds[core::code_of(core::FindingId::not_decided)], core::Severity::note);
 }
 
 constexpr const char* kCheck = "xsltproc --nonet description/check.xsl ";

@@ -7,7 +7,6 @@
 #include <unordered_map>
 
 #include "control/version.hpp"
-#include "tools/design/check/advice.hpp"
 #include "tools/design/check/uri.hpp"
 #include "tools/design/check/write.hpp"
 
@@ -45,7 +44,7 @@ std::string sentence(std::string text) {
 Json rules() {
   Json out = Json::array();
   for (const auto& info : core::finding_table()) {
-    const std::string advice = advice_on(info.id);
+    const std::string advice = info.advice;
     out.push_back({{"id", core::code_of(info.id)},
                    {"name", pascal_case(info.name)},
                    {"shortDescription", message(sentence(info.title))},

@@ -7,7 +7,6 @@
 #include <iterator>
 
 #include "core/model/text.hpp"
-#include "tools/design/check/advice.hpp"
 #include "tools/design/escape.hpp"
 
 namespace mlcca::tools::design {
@@ -160,7 +159,7 @@ std::string findings_table(const std::vector<ReportedFinding>& findings, core::S
     if (info.severity != severity || !rows.wants_more()) continue;
     const auto where = f.line > 0 ? fmt::format("{}:{}", f.file, f.line) : f.file;
     rows.add({fmt::format("<abbr title=\"{}: {}\">{}</abbr>", html_text(info.title),
-                          html_text(advice_on(f.id)), core::code_of(f.id)),
+                          html_text(info.advice), core::code_of(f.id)),
               "<code>" + html_text(where) + "</code>", finding_text(f)});
   }
   return rows.html();

@@ -17,7 +17,6 @@
 
 #include "core/design/findings.hpp"
 #include "tests/tools/design/check/program.hpp"
-#include "tools/design/check/advice.hpp"
 #include "tools/design/check/report.hpp"
 
 namespace mlcca {
@@ -130,9 +129,9 @@ TEST(CatalogueTest, TheDocumentationListsEveryKindOfFinding) {
   for (const auto& info : core::finding_table()) {
     std::string title(info.title);
     title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
-    const auto section = in_words(fmt::format("### {} {} ({})\n\n{}. {}", core::code_of(info.id),
-                                              info.name, tools::design::to_text(info.severity),
-                                              title, tools::design::advice_on(info.id)));
+    const auto section =
+        in_words(fmt::format("### {} {} ({})\n\n{}. {}", core::code_of(info.id), info.name,
+                             tools::design::to_text(info.severity), title, info.advice));
     EXPECT_TRUE(text.contains(section)) << section;
   }
 }
