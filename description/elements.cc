@@ -4,6 +4,7 @@
 
 #include "core/model/text.hpp"
 #include "core/model/words.hpp"
+#include "core/profiles/profile.hpp"
 #include "description/attributes.hpp"
 #include "description/convert.hpp"
 #include "description/draft.hpp"
@@ -137,8 +138,11 @@ class PartReader {
     if (const auto destination = optional_number(named.attribute("destination")))
       out.destination = *destination;
     out.binding.mask = number_or(named, "mask", out.binding.mask);
-    out.binding.extended =
-        named.name == "Identifier" ? named.attribute("form") == "extended" : named.name != "COBID";
+    const auto* const profile = core::profile_with_element(named.name);
+    const auto form = profile == nullptr ? core::IdentifierForm::extended : profile->form;
+    out.binding.extended = form == core::IdentifierForm::stated
+                               ? named.attribute("form") == "extended"
+                               : form == core::IdentifierForm::extended;
     return out;
   }
 

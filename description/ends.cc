@@ -306,41 +306,39 @@ class Ends {
     const auto of_frames = [](const core::Network& n) {
       return n.carries_subjects() ? Profile::none : n.profile;
     };
-    const auto spoken = [&](Profile profile) {
-      return std::ranges::find(networks, profile, of_frames) != networks.end();
-    };
     const Profile here =
         place.kind == Place::Kind::network ? of_frames(networks[place.index]) : Profile::none;
     if (core::has_nodes(here) && !seat.node)
       say(FindingId::no_node, end.origin, "Publisher",
           fmt::format("attribute node is missing: on a network with profile {} it is {}",
-                      core::words::kProfiles.of(here), node_words(here)));
+                      core::words::kProfiles.of(here), core::traits_of(here).nodes));
     if (seat.node) {
       // What is not known here may be needed where its events go.
-      Profile widest = here;
+      const core::ProfileTraits* widest = &core::traits_of(here);
       if (!core::has_nodes(here))
-        for (const Profile profile : {Profile::famouso, Profile::cyphal, Profile::j1939})
-          if (spoken(profile)) widest = profile;
-      if (!core::has_nodes(widest))
+        for (const auto& network : networks)
+          if (const auto& spoken = core::traits_of(of_frames(network));
+              spoken.last_node > widest->last_node)
+            widest = &spoken;
+      if (widest->last_node < 0)
         wrong(
-            "attribute node is for profiles famouso, j1939 and cyphal, and no network speaks one "
-            "of them here: remove it");
-      else if (*seat.node > static_cast<unsigned>(core::traits_of(widest).last_node))
-        wrong(fmt::format("attribute node: {} is not right: {}", *seat.node, node_words(widest)));
+            fmt::format("attribute node is for {}, and no network speaks one of them here: "
+                        "remove it",
+                        core::for_profiles_with([](const auto& p) { return p.last_node >= 0; })));
+      else if (*seat.node > static_cast<unsigned>(widest->last_node))
+        wrong(fmt::format("attribute node: {} is not right: {}", *seat.node, widest->nodes));
     }
     if (!seat.priority) return;
-    if (!spoken(Profile::famouso))
+    if (std::ranges::none_of(networks, [&](const core::Network& n) {
+          return core::traits_of(of_frames(n)).has_sender_priority;
+        }))
       wrong(
-          "attribute priority is for profile famouso, which no network speaks here: remove it "
-          "(a PGN and a SubjectID have a priority in their Binding)");
+          fmt::format("attribute priority is for {}, which no network speaks here: remove it "
+                      "({} have a priority in their Binding)",
+                      core::for_profiles_with([](const auto& p) { return p.has_sender_priority; }),
+                      core::elements_with([](const auto& p) { return p.has_number_priority; })));
     else if (*seat.priority > kMaxPriority)
       wrong(fmt::format("attribute priority: {} is not right: 0 (highest) to 127", *seat.priority));
-  }
-
-  static std::string_view node_words(Profile profile) {
-    if (profile == Profile::famouso) return "0 to 126 (127 is the broker's)";
-    if (profile == Profile::j1939) return "0 to 253 (254 and 255 are nobody's address)";
-    return "0 to 127";
   }
 
   core::Station station_at(const EndDraft& end, Place place) {
@@ -349,8 +347,10 @@ class Ends {
     if (place.kind != Place::Kind::network ||
         !to_.system.networks[place.index].carries_subjects()) {
       say(FindingId::wrong_place, end.origin, "Publisher",
-          "attribute address is for publishers on a network of kind udp-multicast or mesh with "
-          "profile famouso: remove it");
+          fmt::format(
+              "attribute address is for publishers on a network of kind udp-multicast or "
+              "mesh with {}: remove it",
+              core::for_profiles_with([](const auto& p) { return p.datagrams != nullptr; })));
       return {};
     }
     const auto station = core::station_of(address);

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <iterator>
 #include <optional>
 #include <ranges>
@@ -14,6 +13,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/number.hpp"
 #include "core/gates/control_traffic.hpp"
 #include "core/model/words.hpp"
 #include "core/profiles/profile.hpp"
@@ -108,14 +108,15 @@ void check_form(const BindingDraft& b, const core::Network& network, Problems& p
   if (network.profile == Profile::none) return;
   const auto& traits = core::traits_of(network.profile);
   const auto profile = core::words::kProfiles.of(network.profile);
-  if (b.binding.dynamic && network.profile != Profile::famouso)
-    say(fmt::format("dynamic is for profile famouso, whose broker deals tags: profile {} needs {}",
-                    profile, traits.element));
+  const auto deals_tags = [](const core::ProfileTraits& p) { return p.deals_tags; };
+  if (b.binding.dynamic && !traits.deals_tags)
+    say(fmt::format("dynamic is for {}, whose broker deals tags: profile {} needs {}",
+                    core::for_profiles_with(deals_tags), profile, traits.element));
   else if (b.binding.dynamic && !b.element.empty())
     say("a dynamic binding has the tag that the broker deals: remove the ETag, or dynamic");
   else if (!b.binding.dynamic && b.element.empty())
     say(fmt::format("profile {} needs {}{}", profile, traits.element,
-                    network.profile == Profile::famouso ? ", or dynamic=\"true\"" : ""));
+                    traits.deals_tags ? ", or dynamic=\"true\"" : ""));
   else if (!b.element.empty() && !traits.element.ends_with(" " + b.element)) {
     const auto owner = std::ranges::find_if(core::words::kProfiles, [&](std::string_view word) {
       return core::traits_of(core::words::kProfiles.or_first(word))
@@ -126,10 +127,12 @@ void check_form(const BindingDraft& b, const core::Network& network, Problems& p
                     profile, traits.element));
   }
   if (b.binding.remote_frames && !traits.remote_frames)
-    say(fmt::format("remote-frames is for profiles raw and canopen: {} has no remote frames",
+    say(fmt::format("remote-frames is for {}: {} has no remote frames",
+                    core::for_profiles_with([](const auto& p) { return p.remote_frames; }),
                     profile));
   if (b.binding.format == core::FrameFormat::xl && !traits.xl)
-    say(fmt::format("format xl is for profile raw: {} has no CAN XL frames", profile));
+    say(fmt::format("format xl is for {}: {} has no CAN XL frames",
+                    core::for_profiles_with([](const auto& p) { return p.xl; }), profile));
 }
 
 /// The kinds that are named, as bits; nothing is named: none.
@@ -168,8 +171,8 @@ core::ControlPolicy control_policy(const ControlDraft& from, const core::Network
   if (core::control_kinds(network).empty()) {
     say(fmt::format(
         "{} has no control traffic: remove control, control-rate and control-user, which "
-        "are for profiles famouso, j1939, cyphal and canopen",
-        network.name));
+        "are for {}",
+        network.name, core::for_profiles_with([](const auto& p) { return !p.control.empty(); })));
     return {};
   }
   return {.kinds = kinds_named(from.kinds, network, say), .rate = from.rate};
@@ -204,18 +207,18 @@ std::uint32_t control_user(const PortDraft& p, Users users, Problems& problems) 
 void set_node(const PortDraft& p, const core::Network& network, core::Port& port,
               Problems& problems) {
   if (!p.node) return;
-  const bool famouso = network.kind == NetworkKind::can && network.profile == Profile::famouso;
-  const int last = core::traits_of(Profile::famouso).last_node;
-  if (famouso && static_cast<int>(*p.node) <= last) {
+  const bool has_broker = core::has_broker(network);
+  const int last = core::traits_of(network.profile).last_node;
+  if (has_broker && static_cast<int>(*p.node) <= last) {
     port.node = static_cast<std::uint8_t>(*p.node);
     return;
   }
-  problems.add(port.origin, "Port",
-               famouso ? fmt::format("attribute node: {} is too large: at most {}", *p.node, last)
-                       : fmt::format("attribute node: {} is no CAN network of profile famouso: "
-                                     "remove it",
-                                     p.network),
-               FindingId::wrong_place);
+  problems.add(
+      port.origin, "Port",
+      has_broker ? fmt::format("attribute node: {} is too large: at most {}", *p.node, last)
+                 : fmt::format("attribute node: {} is no CAN network of {}: remove it", p.network,
+                               core::for_profiles_with([](const auto& t) { return t.deals_tags; })),
+      FindingId::wrong_place);
 }
 
 void add_gateway(const GatewayDraft& from, Resolved& to, Users users, Problems& problems) {
@@ -251,9 +254,9 @@ std::optional<std::size_t> Resolved::channel_named(std::string_view name, core::
   if (by_subject.empty())
     for (std::size_t i = 0; i < system.channels.size(); ++i)
       by_subject.try_emplace(system.channels[i].subject, i);
-  core::Subject subject = 0;
-  std::from_chars(name.begin() + 2, name.end(), subject, 16);
-  if (const auto found = by_subject.find(subject); found != by_subject.end()) return found->second;
+  const auto subject = number_in<core::Subject>(name.substr(2), kHexadecimalBase);
+  if (const auto found = by_subject.find(subject.value_or(0)); found != by_subject.end())
+    return found->second;
   return channels.find(name, origin, element, problems);
 }
 

@@ -28,68 +28,20 @@ using core::NetworkKind;
 using core::Place;
 using core::Profile;
 
-void check_pgn(const Binding& b, const auto& say) {
-  if (b.id > core::traits_of(Profile::j1939).last)
-    say(fmt::format("PGN {0} (0x{0:x}) is too large: up to 262143 (0x3ffff)", b.id));
-  else if (core::has_destination(b.id) && (b.id & 0xff) != 0)
-    say(
-        fmt::format("PGN {0} (0x{0:x}) is sent to an address, which is no part of it: write "
-                    "0x{1:x}, with destination=\"0x{2:x}\" where it is for that one alone",
-                    b.id, b.id & ~0xffU, b.id & 0xff));
-  else if (b.destination && !core::has_destination(b.id))
-    say(
-        fmt::format("PGN {0} (0x{0:x}) goes to everybody: remove attribute destination, which is "
-                    "for PGNs below 0xf000 of a data page",
-                    b.id));
-}
-
-void check_identifier(const Binding& b, const auto& say) {
-  if (b.id > (b.extended ? core::kExtendedBits : core::kStandardBits))
-    say(b.extended ? fmt::format("extended identifier 0x{:x} is too large: up to 0x1fffffff", b.id)
-                   : fmt::format("standard identifier 0x{:x} is too large: up to 0x7ff, or "
-                                 "form=\"extended\" up to 0x1fffffff",
-                                 b.id));
-  if (b.extended && b.format == FrameFormat::xl)
-    say("CAN XL has priorities of 11 bits: form=\"standard\"");
-  if (!b.is_masked()) return;
-  if (b.mask == 0)
-    say("mask 0x0 is every frame: state the bits of the identifier that count");
-  else if ((b.id & ~b.mask) != 0)
-    say(fmt::format("identifier 0x{:x} has bits that mask 0x{:x} leaves open: write 0x{:x}", b.id,
-                    b.mask, b.id & b.mask));
-}
-
 void check_binding(const core::Network& network, const Binding& b, Problems& problems) {
   const auto say = [&](std::string_view text) {
     problems.add(b.origin, "Binding", text, FindingId::wrong_place);
   };
-  const auto& traits = core::traits_of(network.profile);
-  if (b.dynamic) {
-    // Its tag is not known yet.
-  } else if (network.profile == Profile::famouso) {
-    if (b.id < traits.first || b.id > traits.last)
-      say(
-          fmt::format("ETag 0x{:x} is not right: 0x64 to 0x3fff (the smaller ones are the "
-                      "protocol's own)",
-                      b.id));
-  } else if (network.profile == Profile::j1939) {
-    check_pgn(b, say);
-  } else if (network.profile == Profile::cyphal) {
-    if (b.id > traits.last) say(fmt::format("SubjectID {} is too large: up to 8191", b.id));
-  } else if (network.profile == Profile::canopen) {
-    if (b.id > traits.last) say(fmt::format("COBID 0x{:x} is too large: up to 0x7ff", b.id));
-  } else {
-    check_identifier(b, say);
-  }
+  if (!b.dynamic)  // otherwise its tag is not known yet
+    for (const auto& problem : core::traits_of(network.profile).problems(b)) say(problem);
   if (b.remote_frames && b.format != FrameFormat::classic && b.format != FrameFormat::any)
     say("there are no FD remote frames: remote-frames needs format classic or any");
 }
 
 std::string identifier_words(const core::Network& network, const Binding& b) {
-  if (network.profile != Profile::raw && network.profile != Profile::none) {
-    const auto element = core::traits_of(network.profile).element;
-    return std::string(element.substr(element.find(' ') + 1));
-  }
+  const auto& traits = core::traits_of(network.profile);
+  if (traits.form != core::IdentifierForm::stated)
+    return std::string(traits.element.substr(traits.element.find(' ') + 1));
   const std::string mask = b.is_masked() ? fmt::format(" of mask 0x{:x}", b.mask) : "";
   return (b.extended ? "extended identifier" : "standard identifier") + mask;
 }
@@ -140,14 +92,16 @@ void check_subscribe_tag(const core::System& system, const core::Network& networ
   const auto say = [&](std::string_view text, FindingId id) {
     problems.add(network.origin, "Network", fmt::format("attribute subscribe-etag: {}", text), id);
   };
-  if (network.kind != NetworkKind::can || network.profile != Profile::famouso) {
-    say(fmt::format("{} is no CAN network of profile famouso: remove it", network.name),
+  if (!core::has_broker(network)) {
+    say(fmt::format("{} is no CAN network of {}: remove it", network.name,
+                    core::for_profiles_with([](const auto& p) { return p.deals_tags; })),
         FindingId::wrong_place);
     return;
   }
-  const auto& traits = core::traits_of(Profile::famouso);
+  const auto& traits = core::traits_of(network.profile);
   if (network.subscribe_tag < traits.first || network.subscribe_tag > traits.last)
-    say(fmt::format("0x{:x} is not right: 0x64 to 0x3fff", network.subscribe_tag),
+    say(fmt::format("0x{:x} is not right: 0x{:x} to 0x{:x}", network.subscribe_tag, traits.first,
+                    traits.last),
         FindingId::wrong_place);
   for (const auto& b : network.bindings)
     if (b.id == network.subscribe_tag)
@@ -246,8 +200,8 @@ const Binding* check_bound(const core::System& system, Bindings& bindings, const
 
 /// How a network carries its largest event.
 std::string_view room_words(const core::Network& network, const Binding& binding) {
-  if (network.profile == Profile::famouso) return "in 4096 fragments";
-  if (network.profile == Profile::cyphal) return "in 4096 frames";
+  if (const auto* several = core::traits_of(network.profile).fragmentation; several != nullptr)
+    return several->room;
   if (binding.format == FrameFormat::classic) return "in a classic frame (64 with format=\"fd\")";
   return binding.format == FrameFormat::xl ? "in a CAN XL frame" : "in an FD frame";
 }
@@ -356,17 +310,22 @@ void check_networks(const core::System& system, Problems& problems) {
   check_names(system, system.networks, "Network", problems);
   for (const auto& n : system.networks) {
     const bool can = n.kind == NetworkKind::can;
+    const bool datagrams = core::traits_of(n.profile).datagrams != nullptr;
     if (can && n.profile == Profile::none)
       problems.add(n.origin, "Network",
-                   "a CAN network needs a Profile: raw, famouso, j1939, cyphal or canopen");
+                   "a CAN network needs a Profile: " +
+                       core::profiles_with([](const auto& p) { return p.last != 0; }, " or "));
     const bool ethernet = n.kind == NetworkKind::udp_multicast || n.kind == NetworkKind::mesh;
-    if (!can && n.profile != Profile::none && n.profile != Profile::famouso)
+    const auto profile = core::words::kProfiles.of(n.profile);
+    if (!can && n.profile != Profile::none && !datagrams)
       problems.add(n.origin, "Network",
-                   fmt::format("Profile {} is for CAN: remove it, or say famouso",
-                               core::words::kProfiles.of(n.profile)));
-    if (!can && !ethernet && n.profile == Profile::famouso)
+                   fmt::format("Profile {} is for CAN: remove it, or say {}", profile,
+                               core::profiles_with(
+                                   [](const auto& p) { return p.datagrams != nullptr; }, " or ")));
+    if (!can && !ethernet && datagrams)
       problems.add(n.origin, "Network",
-                   "Profile famouso is for the kinds can, udp-multicast and mesh: remove it");
+                   fmt::format("Profile {} is for the kinds can, udp-multicast and mesh: remove it",
+                               profile));
     check_bindings(system, n, problems);
     check_subscribe_tag(system, n, problems);
   }

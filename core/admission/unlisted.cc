@@ -2,48 +2,36 @@
 #include "core/admission/unlisted.hpp"
 
 #include <algorithm>
-#include <string_view>
+#include <string>
+#include <utility>
 
+#include "base/number.hpp"
 #include "core/model/text.hpp"
 #include "core/profiles/profile.hpp"
 
 namespace mlcca::core {
 namespace {
 
-std::string hexadecimal(std::uint32_t number) {
-  static constexpr std::string_view digits = "0123456789abcdef";
-  std::string text;
-  do {
-    text.insert(text.begin(), digits[number & 15U]);
-    number >>= 4U;
-  } while (number != 0);
-  return "0x" + text;
-}
-
 Binding as_binding(const Network& network, std::size_t channel, const UnlistedBinding& wanted) {
   Binding b;
   b.channel = channel;
   b.id = wanted.id;
-  b.extended =
-      network.profile == Profile::raw ? wanted.extended : network.profile != Profile::canopen;
+  const IdentifierForm form = traits_of(network.profile).form;
+  b.extended = form == IdentifierForm::stated ? wanted.extended : form == IdentifierForm::extended;
   return b;
 }
 
 Result<void> check_identifier(const Network& network, const Binding& b) {
   const ProfileTraits& traits = traits_of(network.profile);
-  const std::uint32_t last =
-      network.profile == Profile::raw ? (b.extended ? kExtendedBits : kStandardBits) : traits.last;
-  const std::uint32_t first = network.profile == Profile::raw ? 0 : traits.first;
-  if (b.id < first || b.id > last)
+  const std::uint32_t last = std::min(traits.last, b.extended ? kExtendedBits : kStandardBits);
+  if (b.id < traits.first || b.id > last)
     return fail("identifier " + hexadecimal(b.id) + " is not right on " + network.name + ": " +
-                hexadecimal(first) + " to " + hexadecimal(last));
-  if (network.profile == Profile::famouso && b.id == network.subscribe_tag)
+                hexadecimal(traits.first) + " to " + hexadecimal(last));
+  if (has_broker(network) && b.id == network.subscribe_tag)
     return fail("identifier " + hexadecimal(b.id) + " on " + network.name +
                 " is that of SUBSCRIB: choose another");
-  if (network.profile == Profile::j1939 && has_destination(b.id) && (b.id & 0xffU) != 0)
-    return fail("PGN " + hexadecimal(b.id) +
-                " is sent to an address, which is no part of it: " + hexadecimal(b.id & ~0xffU));
-  return {};
+  auto problem = traits.unlisted_problem == nullptr ? std::string() : traits.unlisted_problem(b);
+  return problem.empty() ? Result<void>() : fail(std::move(problem));
 }
 
 Result<void> check_binding(const System& system, std::size_t channel,

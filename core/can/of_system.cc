@@ -9,8 +9,6 @@
 namespace mlcca::core::can {
 namespace {
 
-constexpr unsigned kShortHeaders = 32;  // fragments of an event whose headers are all of one byte
-
 /// Time of a frame with these payload bytes, the longest (or shortest) in any format that the
 /// binding allows.
 struct Range {
@@ -62,16 +60,11 @@ std::optional<Message> message_of(const System& system, const Publisher& publish
   m.last_frame = m.longest_frame;
   m.transmission = m.longest_frame * m.frames;
   if (m.frames > 1) {
-    // All frames but the last are full; which one is short of more than 32 of FAMOUSO is not relied
-    // on.
-    const bool famouso = medium.profile == Profile::famouso;
-    const unsigned chunk = most - 1;
-    const bool known = !famouso || m.frames <= kShortHeaders;
-    const Value sent = famouso ? bytes : bytes + kCyphalCrc;
-    const auto rest = known ? static_cast<unsigned>(sent - (m.frames - 1) * Value{chunk}) : 0;
-    const Range last = times_of(timing, *binding, rest + 1);
+    const Fragmentation& several = *traits_of(medium.profile).fragmentation;
+    const unsigned rest = several.last_frame(bytes, m.frames, most);
+    const Range last = times_of(timing, *binding, std::max(rest, 1U));
     m.last_frame = last.shortest;
-    if (known) m.transmission -= m.longest_frame - last.longest;
+    if (rest != 0) m.transmission -= m.longest_frame - last.longest;
   }
   m.period = offered[Attribute::period];
   m.deadline = m.period;

@@ -10,34 +10,17 @@
 
 #include "core/gates/plan.hpp"
 #include "core/model/system.hpp"
+#include "core/profiles/profile.hpp"
 
 namespace mlcca::core {
 
 /// Subject of the slots of control traffic: no channel has it.
 inline constexpr Subject kControlSubject = 0;
 
-/// Frames of a kind of control traffic, as identifier and mask with kExtendedFlag in both.
-struct ControlFrames {
-  FrameIdentity identity;
-  std::uint16_t max_length = 8;
-};
-
 /// "SUBSCRIB": by an event of it, whose 8 bytes are a subject, a FAMOUSO node announces to gateways
 /// of its own kind what it subscribes. A channel that a description gives this subject takes its
 /// place.
 inline constexpr Subject kSubscribeSubject = 0x5355425343524942;
-
-struct ControlKind {
-  std::string_view name;  ///< "address-claim"
-  std::span<const ControlFrames> frames;
-  std::uint32_t rate = 0;   ///< frames/s in each direction, unless a description says another
-  std::uint32_t burst = 0;  ///< frames that may come at once, in addition to one
-  /// can-j1939 sends them itself, whoever gave it the data. Such frames carry content that no gate
-  /// can read, so that they pass only where a description names them.
-  bool is_carrier = false;
-  /// Its frames have the etag of kSubscribeSubject, which is dealt at run time: here it is open.
-  bool is_tagged = false;
-};
 
 /// Of a CAN network of that profile, in the order of ControlPolicy::kinds.
 [[nodiscard]] std::span<const ControlKind> control_kinds(Profile profile);

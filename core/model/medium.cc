@@ -1,36 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "core/model/medium.hpp"
 
-#include <algorithm>
-
 #include "core/can/frame.hpp"
+#include "core/profiles/profile.hpp"
 
 namespace mlcca::core {
 namespace {
 
 /// Payload bytes of a frame that are the event's, when it is in one frame.
 unsigned room(const Network& network, const Binding& binding) {
-  return frame_bytes(binding) - (network.profile == Profile::cyphal ? kCyphalTail : 0);
-}
-
-unsigned famouso_frames(Value bytes, Value mtu) {
-  constexpr Value short_headers = 32;  // fragments whose count of followers fits in 5 bits
-  const Value in_short = short_headers * (mtu - 1);
-  if (bytes <= in_short) return static_cast<unsigned>((bytes + mtu - 2) / (mtu - 1));
-  const Value rest = std::min(bytes, kFamousoMaxEvent * 8) - in_short;
-  return static_cast<unsigned>(short_headers + (rest + mtu - 3) / (mtu - 2));
-}
-
-unsigned datagrams(Value bytes) {
-  constexpr Value headers = 6;
-  constexpr Value chunk = kDatagramBytes - headers;
-  return static_cast<unsigned>((std::min(bytes, kDatagramMaxEvent) + chunk - 1) / chunk);
-}
-
-unsigned cyphal_frames(Value bytes, Value mtu) {
-  const Value chunk = mtu - kCyphalTail;
-  const Value most = kMaxFrames * chunk;
-  return static_cast<unsigned>((std::min(bytes, most) + kCyphalCrc + chunk - 1) / chunk);
+  const Fragmentation* const several = traits_of(network.profile).fragmentation;
+  return frame_bytes(binding) - (several == nullptr ? 0 : several->tail);
 }
 
 }  // namespace
@@ -49,24 +29,22 @@ unsigned frame_bytes(const Network& network, const Binding& binding, Value bytes
 }
 
 Value event_bytes(const Network& network, const Binding& binding) {
-  if (network.profile == Profile::famouso) return kFamousoMaxEvent;
-  if (network.profile == Profile::cyphal)
-    return Value{kMaxFrames} * (frame_bytes(binding) - kCyphalTail) - kCyphalCrc;
-  return frame_bytes(binding);
+  const Fragmentation* const several = traits_of(network.profile).fragmentation;
+  const unsigned most = frame_bytes(binding);
+  return several == nullptr ? most : several->largest(most);
 }
 
 bool is_fragmented(const Network& network, const Binding* binding, Value bytes) {
   if (network.carries_subjects()) return bytes > kDatagramBytes;
-  const bool fragments = network.profile == Profile::famouso || network.profile == Profile::cyphal;
-  return fragments && binding != nullptr && bytes > room(network, *binding);
+  return traits_of(network.profile).fragmentation != nullptr && binding != nullptr &&
+         bytes > room(network, *binding);
 }
 
 unsigned frames_per_event(const Network& network, const Binding* binding, Value bytes) {
   if (!is_fragmented(network, binding, bytes)) return 1;
-  if (network.carries_subjects()) return datagrams(bytes);
-  const Value mtu = frame_bytes(*binding);
-  return network.profile == Profile::cyphal ? cyphal_frames(bytes, mtu)
-                                            : famouso_frames(bytes, mtu);
+  const ProfileTraits& traits = traits_of(network.profile);
+  return network.carries_subjects() ? traits.datagrams(bytes)
+                                    : traits.fragmentation->frames(bytes, frame_bytes(*binding));
 }
 
 }  // namespace mlcca::core

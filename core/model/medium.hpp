@@ -21,14 +21,8 @@ inline constexpr Value kFamousoMaxEvent = 24608;
 inline constexpr unsigned kDatagramBytes = 8183;
 inline constexpr Value kDatagramMaxEvent = 65535;
 
-/// Cyphal/CAN: the last byte of each frame is the transfer's, and one of several frames ends with a
-/// CRC of two.
-inline constexpr unsigned kCyphalTail = 1;
-inline constexpr unsigned kCyphalCrc = 2;
-
-/// Frames that an event of `bytes` takes on the network, at least 1. FAMOUSO fragments what is
-/// longer than one frame with a header of 1 byte (up to 32 fragments) or 2, and 5 more in a
-/// datagram, Cyphal as it says above; other profiles do not fragment.
+/// Frames that an event of `bytes` takes on the network, at least 1. Some profiles fragment what is
+/// longer than one frame: see Fragmentation.
 [[nodiscard]] unsigned frames_per_event(const Network& network, const Binding* binding,
                                         Value bytes);
 

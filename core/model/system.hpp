@@ -62,7 +62,14 @@ inline constexpr std::size_t kMaxHops = 16;
 enum class NetworkKind : std::uint8_t { can, udp_multicast, mesh, ieee802154, other };
 
 /// How frames on the network's interfaces name their subject.
-enum class Profile : std::uint8_t { none, raw, famouso, j1939, cyphal, canopen };
+enum class Profile : std::uint8_t {
+#define PROFILE(word, NAME) word,
+#include "core/profiles/list.inc"
+};
+inline constexpr std::size_t kProfileCount = 0
+#define PROFILE(word, NAME) +1
+#include "core/profiles/list.inc"
+    ;
 
 /// Which CAN frame formats a binding allows; any: classic and FD.
 enum class FrameFormat : std::uint8_t { classic, fd, any, xl };
@@ -148,9 +155,7 @@ struct Network {
 
   /// Frames name the 64-bit subject itself: Ethernet and networks with Ethernet frames. No channel
   /// is bound.
-  [[nodiscard]] bool carries_subjects() const {
-    return kind != NetworkKind::can && profile == Profile::famouso;
-  }
+  [[nodiscard]] bool carries_subjects() const;
   /// For bindings that are sorted by channel.
   [[nodiscard]] const Binding* binding_of(std::size_t channel) const {
     const auto it = std::ranges::lower_bound(bindings, channel, {}, &Binding::channel);

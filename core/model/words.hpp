@@ -33,8 +33,10 @@ namespace words {
 
 inline constexpr Words<NetworkKind, 5> kNetworkKinds{
     {"can", "udp-multicast", "mesh", "ieee802154", "other"}};
-inline constexpr Words<Profile, 6> kProfiles{
-    {"none", "raw", "famouso", "j1939", "cyphal", "canopen"}};
+inline constexpr Words<Profile, kProfileCount> kProfiles{{
+#define PROFILE(word, NAME) #word,
+#include "core/profiles/list.inc"
+}};
 inline constexpr Words<FrameFormat, 4> kFrameFormats{{"classic", "fd", "any", "xl"}};
 inline constexpr Words<SafeSide, 3> kSafeSides{{"", "drop", "deliver"}};
 inline constexpr Words<Queueing, 2> kQueueings{{"fifo", "priority"}};

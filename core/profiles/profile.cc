@@ -1,44 +1,24 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "core/profiles/profile.hpp"
 
+#include <algorithm>
 #include <array>
+
+#include "core/model/words.hpp"
+#include "core/profiles/definition.hpp"
 
 namespace mlcca::core {
 namespace {
 
-// FAMOUSO's 29-bit identifier: priority, fragment bit, node, etag.
-constexpr unsigned kFamousoNodeShift = 14;
-constexpr std::uint32_t kTagBits = 0x3fff;
-constexpr std::uint32_t kFragmentBit = 1U << 21U;
-constexpr unsigned kFamousoPriorityShift = 22;
+constexpr std::array kProfiles = {
+#define PROFILE(word, NAME) &profiles::word,
+#include "core/profiles/list.inc"
+};
+static_assert(kProfiles.size() == kProfileCount);
 
-// J1939-21: priority, PGN with the destination of PDU1 in its low byte, source.
-// Cyphal/CAN 1.0: priority, service, anonymous, reserved, two bits that receivers ignore,
-// subject-id, reserved, source.
-constexpr unsigned kPriorityShift = 26;
-constexpr std::uint32_t kPriorityBits = 7U << kPriorityShift;
-constexpr unsigned kNumberShift = 8;
-constexpr std::uint32_t kDestinationBits = 0xffU << kNumberShift;
-constexpr std::uint32_t kIgnoredBits = 3U << 21U;
+}  // namespace
 
-constexpr std::array<ProfileTraits, 6> kTraits{{
-    {.element = "nothing"},
-    {.element = "an Identifier", .last = kExtendedBits, .remote_frames = true, .xl = true},
-    {.element = "an ETag", .first = 0x64, .last = 0x3fff, .last_node = 126},
-    {.element = "a PGN", .last = 0x3ffff, .last_node = 253},
-    {.element = "a SubjectID", .last = 8191, .last_node = 127},
-    {.element = "a COBID", .last = kStandardBits, .remote_frames = true},
-}};
-
-/// As long as the etag is not known, it may be any.
-FrameIdentity famouso(const Publisher& p, const Binding& b, bool fragmented) {
-  const std::uint32_t known = b.waits_for_tag() ? kExtendedBits & ~kTagBits : kExtendedBits;
-  return {
-      .id = static_cast<std::uint32_t>(p.priority) << kFamousoPriorityShift |
-            static_cast<std::uint32_t>(*p.node) << kFamousoNodeShift | b.id,
-      // Events up to the published size may be fragmented or not: both forms of the frame occur.
-      .mask = fragmented ? known & ~kFragmentBit : known};
-}
+namespace profiles {
 
 FrameIdentity with_priority(const Publisher& p, const Binding& b) {
   FrameIdentity f{.id = b.id << kNumberShift | *p.node, .mask = kExtendedBits};
@@ -49,31 +29,56 @@ FrameIdentity with_priority(const Publisher& p, const Binding& b) {
   return f;
 }
 
-FrameIdentity j1939(const Publisher& p, const Binding& b) {
-  FrameIdentity f = with_priority(p, b);
-  if (b.destination)
-    f.id |= static_cast<std::uint32_t>(*b.destination) << kNumberShift;
-  else if (has_destination(b.id))
-    f.mask &= ~kDestinationBits;
-  return f;
+}  // namespace profiles
+
+const ProfileTraits& traits_of(Profile profile) {
+  return *kProfiles.at(static_cast<std::size_t>(profile));
 }
 
-FrameIdentity cyphal(const Publisher& p, const Binding& b) {
-  FrameIdentity f = with_priority(p, b);
-  f.mask &= ~kIgnoredBits;
-  return f;
+const ProfileTraits* profile_with_element(std::string_view element) {
+  const auto* const found = std::ranges::find_if(kProfiles, [&](const ProfileTraits* traits) {
+    return traits->element.substr(traits->element.find(' ') + 1) == element;
+  });
+  return found == kProfiles.end() ? nullptr : *found;
 }
 
-/// Of an 11-bit identifier all 29 bits count: those that a standard frame does not have must be 0.
-FrameIdentity plain(const Binding& b) {
-  return {.id = b.id,
-          .mask = b.extended ? b.mask & kExtendedBits : b.mask | (kExtendedBits & ~kStandardBits)};
+namespace {
+
+using Names = std::vector<std::string_view>;
+
+Names words_of(bool (*has)(const ProfileTraits&)) {
+  Names out;
+  for (std::size_t i = 0; i < kProfiles.size(); ++i)
+    if (has(*kProfiles[i])) out.push_back(words::kProfiles[i]);
+  return out;
+}
+
+std::string listed(const Names& all, std::string_view last) {
+  std::string out;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    out.append(i == 0 ? "" : i + 1 == all.size() ? last : ", ").append(all[i]);
+  return out;
 }
 
 }  // namespace
 
-const ProfileTraits& traits_of(Profile profile) {
-  return kTraits.at(static_cast<std::size_t>(profile));
+std::string profiles_with(bool (*has)(const ProfileTraits&), std::string_view last) {
+  return listed(words_of(has), last);
+}
+
+std::string for_profiles_with(bool (*has)(const ProfileTraits&)) {
+  return (words_of(has).size() == 1 ? "profile " : "profiles ") + profiles_with(has);
+}
+
+std::string elements_with(bool (*has)(const ProfileTraits&)) {
+  Names all;
+  for (const ProfileTraits* const traits : kProfiles)
+    if (has(*traits)) all.push_back(traits->element);
+  return listed(all, " and ");
+}
+
+bool Network::carries_subjects() const {
+  return kind != NetworkKind::can && traits_of(profile).datagrams != nullptr;
 }
 
 bool can_send(const Publisher& publisher, const Network& network) {
@@ -106,31 +111,14 @@ std::string_view way_to_differ(const Publisher& publisher) {
 std::optional<FrameIdentity> identity_of(const Publisher& publisher, const Network& network,
                                          const Binding& binding, bool fragmented) {
   if (network.profile == Profile::none || !can_send(publisher, network)) return std::nullopt;
-  FrameIdentity f;
-  switch (network.profile) {
-    case Profile::famouso:
-      f = famouso(publisher, binding, fragmented);
-      break;
-    case Profile::j1939:
-      f = j1939(publisher, binding);
-      break;
-    case Profile::cyphal:
-      f = cyphal(publisher, binding);
-      break;
-    default:
-      f = plain(binding);
-      break;
-  }
+  FrameIdentity f = traits_of(network.profile).identity(publisher, binding, fragmented);
   if (binding.extended) f.id |= kExtendedFlag;
   f.mask |= kExtendedFlag;
   return f;
 }
 
 bool clash(Profile profile, const Binding& a, const Binding& b) {
-  if (a.extended != b.extended) return false;
-  if (profile == Profile::j1939)
-    return a.id == b.id && (!a.destination || !b.destination || a.destination == b.destination);
-  return ((a.id ^ b.id) & a.mask & b.mask) == 0;
+  return a.extended == b.extended && traits_of(profile).overlap(a, b);
 }
 
 }  // namespace mlcca::core

@@ -16,15 +16,10 @@
 namespace mlcca::enforce {
 namespace {
 
-struct KnownProfile {
-  core::Profile core;
-  std::uint32_t gate;
-};
-constexpr std::array kProfiles = {KnownProfile{core::Profile::raw, GATE_PROFILE_RAW},
-                                  KnownProfile{core::Profile::famouso, GATE_PROFILE_FAMOUSO},
-                                  KnownProfile{core::Profile::j1939, GATE_PROFILE_J1939},
-                                  KnownProfile{core::Profile::cyphal, GATE_PROFILE_CYPHAL},
-                                  KnownProfile{core::Profile::canopen, GATE_PROFILE_CANOPEN}};
+#define PROFILE(word, NAME)                                                        \
+  static_assert(static_cast<unsigned>(core::Profile::word) == GATE_PROFILE_##NAME, \
+                "bpf/gate.h numbers the profiles as core/profiles/list.inc has them");
+#include "core/profiles/list.inc"
 
 using Row = MapRow<GateMaps, gate_bpf>;
 using Maps = decltype(gate_bpf::maps);
@@ -33,13 +28,9 @@ constexpr std::array kMaps = {Row{&GateMaps::table, kTablePin, &Maps::bss},
 
 }  // namespace
 
-std::uint32_t gate_profile_of(core::Profile profile) {
-  const auto* const known = std::ranges::find(kProfiles, profile, &KnownProfile::core);
-  return known == kProfiles.end() ? std::uint32_t{GATE_PROFILE_NONE} : known->gate;
-}
+std::uint32_t gate_profile_of(core::Profile profile) { return static_cast<std::uint32_t>(profile); }
 core::Profile core_profile_of(std::uint32_t profile) {
-  const auto* const known = std::ranges::find(kProfiles, profile, &KnownProfile::gate);
-  return known == kProfiles.end() ? core::Profile::none : known->core;
+  return profile < core::kProfileCount ? static_cast<core::Profile>(profile) : core::Profile::none;
 }
 
 void destroy_programs(gate_bpf* object) { gate_bpf__destroy(object); }

@@ -15,6 +15,7 @@
 #include "base/handle.hpp"
 #include "core/gates/control_traffic.hpp"
 #include "core/model/text.hpp"
+#include "core/profiles/profile.hpp"
 
 namespace mlcca {
 namespace {
@@ -22,10 +23,6 @@ namespace {
 constexpr std::uint32_t kRequestId = 0x1f400002;  // priority 0x7d, etag 2
 constexpr unsigned kNodeShift = 14;
 constexpr unsigned kHalfBits = 32;
-
-bool has_tags(const core::Network& network) {
-  return network.kind == core::NetworkKind::can && network.profile == core::Profile::famouso;
-}
 
 auto place_of(const Tag& tag) { return std::tuple(tag.network, tag.subject); }
 
@@ -62,7 +59,7 @@ void add_tags_of(const core::System& system, std::size_t n, std::vector<Tag>& to
 void Tags::describe(const core::System& system, std::size_t gateway) {
   std::vector<Tag> next;
   for (std::size_t n = 0; n < system.networks.size(); ++n)
-    if (has_tags(system.networks[n]) && system.gateways[gateway].port_on(n) != nullptr)
+    if (core::has_broker(system.networks[n]) && system.gateways[gateway].port_on(n) != nullptr)
       add_tags_of(system, n, next);
   for (Tag& tag : next) {
     const auto known = std::ranges::find_if(tags_, [&](const Tag& t) {

@@ -7,6 +7,7 @@
 
 #include "base/clock.hpp"
 #include "bpf/ether.h"
+#include "core/profiles/profile.hpp"
 #include "daemon/ports/ports.hpp"
 
 namespace mlcca {
@@ -78,7 +79,7 @@ void Ports::report_unwatched() {
 
 std::optional<enforce::Bindings> Ports::bindings(std::size_t port) const {
   const enforce::Gate* gate = can_gate_of(port);
-  if (gate == nullptr || ports_[port].profile != core::Profile::famouso) return std::nullopt;
+  if (gate == nullptr || !core::traits_of(ports_[port].profile).deals_tags) return std::nullopt;
   return gate->bindings();
 }
 

@@ -5,10 +5,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <string>
 #include <vector>
 
+#include "base/number.hpp"
 #include "core/profiles/profile.hpp"
 
 namespace mlcca {
@@ -100,8 +100,8 @@ Result<core::Station> station_named(const core::State& state, core::Place place,
   if (place.kind != core::Place::Kind::network ||
       !state.system().networks[place.index].carries_subjects())
     return fail(
-        "an address is said only for a publisher on a network of kind udp-multicast or mesh with "
-        "profile famouso");
+        "an address is said only for a publisher on a network of kind udp-multicast or mesh with " +
+        core::for_profiles_with([](const auto& p) { return p.datagrams != nullptr; }));
   const auto station = core::station_of(address);
   if (!station)
     return fail(
@@ -145,13 +145,10 @@ Result<core::Publisher> new_publisher(const core::State& state,
   if (from.kind == core::Place::Kind::gateway) {
     if (request.user.empty())
       return fail("a publisher on a gateway is a local program: say as which user it runs");
-    std::uint32_t number = 0;
-    const char* const end = request.user.data() + request.user.size();
-    const auto read = std::from_chars(request.user.data(), end, number);
-    if (read.ec == std::errc{} && read.ptr == end) {
-      if (number == kAnyUser)
-        return fail(fmt::format("{} is not a user number: at most {}", number, kAnyUser - 1));
-      p.uid = number;
+    if (const auto number = number_in<std::uint32_t>(request.user)) {
+      if (*number == kAnyUser)
+        return fail(fmt::format("{} is not a user number: at most {}", *number, kAnyUser - 1));
+      p.uid = *number;
       return p;
     }
     // Looking a name up may take as long as a directory service likes.

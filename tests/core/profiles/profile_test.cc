@@ -28,6 +28,35 @@ Publisher sender(std::optional<std::uint8_t> node = {}) {
   return p;
 }
 
+TEST(Profiles, HaveAnElementOfTheirOwn) {
+  for (std::size_t i = 0; i < kProfileCount; ++i) {
+    const ProfileTraits& traits = traits_of(static_cast<Profile>(i));
+    const auto word = traits.element.substr(traits.element.find(' ') + 1);
+    EXPECT_EQ(profile_with_element(word), &traits) << word;
+  }
+  EXPECT_EQ(profile_with_element("Network"), nullptr);
+}
+
+TEST(Profiles, AreNamedByWhatTheyHave) {
+  EXPECT_EQ(profiles_with([](const auto& p) { return p.remote_frames; }), "raw and canopen");
+  EXPECT_EQ(profiles_with([](const auto& p) { return p.last != 0; }, " or "),
+            "raw, famouso, j1939, cyphal or canopen");
+  EXPECT_EQ(for_profiles_with([](const auto& p) { return p.xl; }), "profile raw");
+  EXPECT_EQ(for_profiles_with([](const auto& p) { return p.last_node >= 0; }),
+            "profiles famouso, j1939 and cyphal");
+  EXPECT_EQ(elements_with([](const auto& p) { return p.has_number_priority; }),
+            "a PGN and a SubjectID");
+}
+
+TEST(Profiles, CarryDatagramsOnlyWhereTheyHaveSome) {
+  Network network = on(Profile::famouso);
+  EXPECT_FALSE(network.carries_subjects()) << "a CAN network";
+  network.kind = NetworkKind::mesh;
+  EXPECT_TRUE(network.carries_subjects());
+  network.profile = Profile::j1939;
+  EXPECT_FALSE(network.carries_subjects());
+}
+
 TEST(FrameIdentity, OfJ1939HasPriorityGroupAndSource) {
   // EEC1, PGN 61444, priority 3, from the engine (0).
   auto eec1 = named(61444);

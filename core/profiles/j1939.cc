@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// SAE J1939-21: priority, PGN with the destination of PDU1 in its low byte, source.
+#include "base/number.hpp"
+#include "core/profiles/definition.hpp"
+
+namespace mlcca::core::profiles {
+namespace {
+
+constexpr std::uint32_t kDestinationBits = 0xffU << kNumberShift;
+constexpr std::uint32_t kNumberBits = 0x03ff0000;
+
+// SAE J1939-81 (address claim), J1939-21 (request, acknowledgement, transport), ISO 11783-3
+// (extended transport). Priorities and, where there are some, destinations are open. An address is
+// claimed towards everybody, from the null address too.
+constexpr std::uint32_t kSource = 0xff;
+constexpr std::uint32_t kAnyTwo = kPriorityBits | kDestinationBits | kSource;
+constexpr std::array kAddressClaim = {extended(0x00eeff00, kPriorityBits | kSource)};
+constexpr std::array kRequest = {extended(0x00ea0000, kAnyTwo)};
+constexpr std::array kAcknowledgement = {extended(0x00e80000, kAnyTwo)};
+constexpr std::array kTransport = {extended(0x00ec0000, kAnyTwo), extended(0x00eb0000, kAnyTwo)};
+constexpr std::array kExtendedTransport = {extended(0x00c80000, kAnyTwo),
+                                           extended(0x00c70000, kAnyTwo)};
+constexpr std::array kControl = {
+    ControlKind{.name = "address-claim", .frames = kAddressClaim, .rate = 50, .burst = 256},
+    ControlKind{.name = "request", .frames = kRequest, .rate = 100, .burst = 20},
+    ControlKind{.name = "acknowledgement", .frames = kAcknowledgement, .rate = 100, .burst = 20},
+    ControlKind{
+        .name = "transport", .frames = kTransport, .rate = 500, .burst = 300, .is_carrier = true},
+    ControlKind{.name = "extended-transport",
+                .frames = kExtendedTransport,
+                .rate = 500,
+                .burst = 300,
+                .is_carrier = true}};
+
+/// A PGN below PDU format 240 (PDU1) is sent to somebody, and its low byte is 0.
+constexpr bool has_destination(std::uint32_t pgn) {
+  constexpr std::uint32_t pdu2 = 240;
+  return (pgn >> 8 & 0xff) < pdu2;
+}
+
+bool contains_destination(const Binding& b) { return has_destination(b.id) && (b.id & 0xff) != 0; }
+
+std::string problem(const Binding& b) {
+  if (b.id > j1939.last) return "is too large: up to 262143 (0x3ffff)";
+  if (contains_destination(b))
+    return "is sent to an address, which is no part of it: write " + hexadecimal(b.id & ~0xffU) +
+           ", with destination=\"" + hexadecimal(b.id & 0xff) + "\" where it is for that one alone";
+  if (b.destination && !has_destination(b.id))
+    return "goes to everybody: remove attribute destination, which is for PGNs below 0xf000 of a "
+           "data page";
+  return {};
+}
+
+std::vector<std::string> problems(const Binding& b) {
+  const auto text = problem(b);
+  if (text.empty()) return {};
+  return {"PGN " + std::to_string(b.id) + " (" + hexadecimal(b.id) + ") " + text};
+}
+
+std::string unlisted_problem(const Binding& b) {
+  if (!contains_destination(b)) return {};
+  return "PGN " + hexadecimal(b.id) +
+         " is sent to an address, which is no part of it: " + hexadecimal(b.id & ~0xffU);
+}
+
+FrameIdentity identity(const Publisher& p, const Binding& b, bool /*fragmented*/) {
+  FrameIdentity f = with_priority(p, b);
+  if (b.destination)
+    f.id |= static_cast<std::uint32_t>(*b.destination) << kNumberShift;
+  else if (has_destination(b.id))
+    f.mask &= ~kDestinationBits;
+  return f;
+}
+
+bool same(const Binding& a, const Binding& b) {
+  return a.id == b.id && (!a.destination || !b.destination || a.destination == b.destination);
+}
+
+}  // namespace
+
+constinit const ProfileTraits j1939{.element = "a PGN",
+                                    .last = 0x3ffff,
+                                    .last_node = 253,
+                                    .nodes = "0 to 253 (254 and 255 are nobody's address)",
+                                    .number_bits = kNumberBits,
+                                    .has_number_priority = true,
+                                    .problems = problems,
+                                    .unlisted_problem = unlisted_problem,
+                                    .identity = identity,
+                                    .overlap = same,
+                                    .control = kControl};
+
+}  // namespace mlcca::core::profiles
