@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 
+#include "base/number.hpp"
 #include "control/version.hpp"
 
 namespace mlcca {
@@ -14,13 +15,11 @@ std::optional<std::uint64_t> parse_time(const std::string& text) {
   constexpr std::uint64_t longest = 86'400;  // a day in seconds
   if (text == "forever") return ~std::uint64_t{0};
   if (text == "0") return 0;
-  std::size_t used = 0;
-  const auto digits = text.find_first_not_of("0123456789");
-  if (digits == 0 || digits == std::string::npos || digits > 8) return std::nullopt;
-  const std::uint64_t number = std::stoull(text, &used);
-  const std::string unit = text.substr(used);
-  if (unit == "ms" && number <= longest * 1000) return number * 1'000'000;
-  if (unit == "s" && number <= longest) return number * 1'000'000'000;
+  std::string_view rest = text;
+  const auto number = take_number<std::uint32_t>(rest);
+  if (!number) return std::nullopt;
+  if (rest == "ms" && *number <= longest * 1000) return *number * std::uint64_t{1'000'000};
+  if (rest == "s" && *number <= longest) return *number * std::uint64_t{1'000'000'000};
   return std::nullopt;
 }
 

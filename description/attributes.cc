@@ -9,8 +9,8 @@
 #include <array>
 #include <cstddef>
 
+#include "base/decimal.hpp"
 #include "description/convert.hpp"
-#include "description/decimal.hpp"
 #include "description/suggest.hpp"
 
 namespace mlcca::description {
@@ -68,9 +68,14 @@ std::string dimension_words(const Unit& unit) {
   return out.empty() ? "no SIUnit" : out;
 }
 
-Rounding rounding_of(Side side, Better better) {
-  const bool up = (side == Side::provision) == (better == Better::smaller);
-  return up ? Rounding::up : Rounding::down;
+bool rounds_up(Side side, Better better) {
+  return (side == Side::provision) == (better == Better::smaller);
+}
+
+/// `decimal`, as the schema has accepted it, times a power of ten.
+std::optional<Value> scaled(std::string_view decimal, int power, bool up) {
+  const auto number = Decimal::read(decimal);
+  return number ? number->scaled(power, up) : std::nullopt;
 }
 
 std::string twice_words(std::string_view name) {
@@ -115,8 +120,7 @@ std::expected<Value, std::string> to_value(Attribute attribute, std::string_view
   if (dimension.unit != unit.unit)
     return std::unexpected(
         fmt::format("{} {}; here is {}", row.name, unit.right, dimension_words(dimension.unit)));
-  const auto value =
-      scaled(decimal, dimension.magnitude + unit.scale, rounding_of(side, row.better));
+  const auto value = scaled(decimal, dimension.magnitude + unit.scale, rounds_up(side, row.better));
   if (!value)
     return std::unexpected(fmt::format("{} {} with Magnitude {} is too large: at most {} {}",
                                        row.name, decimal, dimension.magnitude, kUnbounded - 1,
@@ -180,7 +184,7 @@ std::expected<Value, std::string> to_user_value(const UserValueDraft& draft,
                                        dimension_words(known.unit),
                                        dimension_words(draft.dimension.unit)));
   const auto value = scaled(draft.decimal, draft.dimension.magnitude - attribute.magnitude,
-                            rounding_of(side, attribute.better));
+                            rounds_up(side, attribute.better));
   if (!value)
     return std::unexpected(
         fmt::format("{} {} with Magnitude {} is too large: at most {} times "

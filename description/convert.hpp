@@ -3,7 +3,6 @@
 #pragma once
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -11,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/number.hpp"
 #include "description/xml.hpp"
 
 namespace mlcca::description {
@@ -18,16 +18,10 @@ namespace mlcca::description {
 /// Decimal, or hexadecimal after 0x; the schema has bounded the digits to what fits.
 template <class Number>
 Number number(std::string_view text) {
-  int base = 10;
-  if (text.starts_with("0x")) {
-    base = 16;
-    text.remove_prefix(2);
-  } else if (text.starts_with('+')) {
-    text.remove_prefix(1);
-  }
-  Number value = 0;
-  std::from_chars(text.begin(), text.end(), value, base);
-  return value;
+  if (text.starts_with("0x"))
+    return number_in<Number>(text.substr(2), kHexadecimalBase).value_or(Number{});
+  if (text.starts_with('+')) text.remove_prefix(1);
+  return number_in<Number>(text).value_or(Number{});
 }
 
 inline std::optional<unsigned> optional_number(std::string_view text) {

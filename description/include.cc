@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 
+#include "base/number.hpp"
 #include "description/problems.hpp"
 
 namespace mlcca::description {
@@ -31,11 +31,9 @@ std::optional<std::string> decoded(std::string_view text) {
       continue;
     }
     const auto digits = text.substr(i + 1, 2);
-    unsigned value = 0;
-    const auto [end, error] = std::from_chars(digits.begin(), digits.end(), value, 16);
-    if (digits.size() < 2 || error != std::errc{} || end != digits.end() || value == 0)
-      return std::nullopt;
-    out += static_cast<char>(value);
+    const auto value = number_in<std::uint8_t>(digits, kHexadecimalBase);
+    if (digits.size() < 2 || value.value_or(0) == 0) return std::nullopt;
+    out += static_cast<char>(*value);
     i += 2;
   }
   return out;

@@ -11,16 +11,17 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "base/decimal.hpp"
+#include "base/number.hpp"
 #include "core/model/words.hpp"
 #include "description/convert.hpp"
-#include "description/decimal.hpp"
 #include "description/suggest.hpp"
 #include "description/values.hpp"
+#include "mlcca/arithmetic.hpp"
 
 namespace mlcca::description {
 namespace {
@@ -33,7 +34,9 @@ using core::mesh::SourceKind;
 /// What the scale makes of a decimal; nothing where there is none, or it is out of range.
 std::optional<Value> whole(std::string_view text, const Scale& scale) {
   if (text.empty()) return std::nullopt;
-  const auto value = scaled(text, scale.digits, scale.rounding);
+  const auto number = Decimal::read(text);
+  const auto value =
+      number ? number->scaled(scale.digits, scale.rounding == Rounding::up) : std::nullopt;
   return value && *value >= scale.least && *value <= scale.most ? value : std::nullopt;
 }
 
@@ -72,11 +75,7 @@ std::optional<std::string> normal_ip(int family, const std::string& text) {
   return out.data();
 }
 
-bool is_port(std::string_view text) {
-  unsigned port = 0;
-  const auto [end, error] = std::from_chars(text.begin(), text.end(), port);
-  return error == std::errc{} && end == text.end() && port >= 1 && port <= 65535;
-}
+bool is_port(std::string_view text) { return number_in<std::uint16_t>(text).value_or(0) != 0; }
 
 /// "127.0.0.1:33123" or "[::1]:33123"
 bool is_host_and_port(std::string_view text) {

@@ -6,12 +6,13 @@
 #include <pwd.h>
 
 #include <cerrno>
-#include <charconv>
 #include <cstddef>
 #include <cstring>
 #include <limits>
 #include <string_view>
 #include <vector>
+
+#include "base/number.hpp"
 
 namespace mlcca::description {
 namespace {
@@ -22,9 +23,8 @@ constexpr std::size_t kMostBytes = std::size_t{1} << 20U;  // of one entry
 
 std::expected<std::uint32_t, NoUser> uid_of(const std::string& user) {
   if (user.find_first_not_of("0123456789") == std::string::npos) {
-    std::uint32_t uid = 0;
-    const auto [end, error] = std::from_chars(user.data(), user.data() + user.size(), uid);
-    if (error == std::errc{} && uid != std::numeric_limits<std::uint32_t>::max()) return uid;
+    const auto uid = number_in<std::uint32_t>(user);
+    if (uid && *uid != std::numeric_limits<std::uint32_t>::max()) return *uid;
     return std::unexpected(
         NoUser{fmt::format("user {} is not a user number: at most 4294967294", user)});
   }

@@ -6,11 +6,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
 #include <limits>
 #include <optional>
 
+#include "base/number.hpp"
 #include "description/problems.hpp"
 #include "description/suggest.hpp"
 
@@ -41,9 +41,7 @@ std::optional<long> to_integer(std::string_view text) {
   const bool negative = text.starts_with('-');
   if (negative || text.starts_with('+')) text.remove_prefix(1);
   if (text.empty() || !std::ranges::all_of(text, is_digit)) return std::nullopt;
-  long value = 0;
-  const auto [end, error] = std::from_chars(text.begin(), text.end(), value);
-  if (error != std::errc{}) value = std::numeric_limits<long>::max();
+  const long value = number_in<long>(text).value_or(std::numeric_limits<long>::max());
   return negative ? -value : value;
 }
 

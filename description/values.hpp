@@ -9,7 +9,8 @@
 #include <string>
 #include <string_view>
 
-#include "description/decimal.hpp"
+#include "mlcca/arithmetic.hpp"
+#include "mlcca/attribute.hpp"
 
 namespace mlcca::description {
 

@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <string_view>
 
+#include "base/number.hpp"
 #include "core/mesh/evaluation.hpp"
 #include "core/mesh/route.hpp"
 #include "mlcca/arithmetic.hpp"
@@ -45,15 +45,13 @@ Result<void> read(std::string_view option, const std::string& text, Target& targ
 /// "single-domain" or "2-hop".
 Result<void> read_domain(const std::string& text, mesh::Mesh& to) {
   if (text.empty() || text == "single-domain") return {};
-  std::uint32_t hops = 0;
-  const auto* const end = text.data() + text.size();
-  const auto number = std::from_chars(text.data(), end, hops);
-  if (number.ec != std::errc{} || std::string_view(number.ptr, end) != "-hop" ||
-      hops > kMaxHopDistance)
+  std::string_view rest = text;
+  const auto hops = take_number<std::uint32_t>(rest);
+  if (!hops || rest != "-hop" || *hops > kMaxHopDistance)
     return fail(fmt::format("--domain '{}': must be single-domain, or 0-hop to {}-hop", text,
                             kMaxHopDistance));
   to.interference = mesh::Interference::k_hop;
-  to.hops = hops;
+  to.hops = *hops;
   return {};
 }
 

@@ -7,11 +7,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
 
+#include "base/number.hpp"
 #include "control/client.hpp"
 #include "control/version.hpp"
 #include "tools/other_programs.hpp"
@@ -33,10 +33,8 @@ constexpr unsigned kMostTables = 1'000'000'000;
 
 /// CLI::Range would let nan through.
 std::string check_seconds(const std::string& text, double least, double most) {
-  double seconds = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), seconds);
-  const bool whole = read.ec == std::errc{} && read.ptr == text.data() + text.size();
-  return whole && seconds >= least && seconds <= most
+  const auto seconds = number_in<double>(text);
+  return seconds && *seconds >= least && *seconds <= most
              ? ""
              : fmt::format("must be {} to {} seconds", least, most);
 }

@@ -5,12 +5,12 @@
 #include <pwd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/number.hpp"
 #include "mlcca/arithmetic.hpp"
 #include "tools/times.hpp"
 #include "tools/values.hpp"
@@ -50,17 +50,14 @@ Result<control::Identifier> identifier(const std::string& text) {
         fmt::format("--identifier '{}': must be NETWORK=ID, such as robot-can=0x123", text));
   };
   if (equals == std::string::npos || equals == 0) return wrong();
-  std::string_view number = std::string_view(text).substr(equals + 1);
-  const bool hexadecimal = number.starts_with("0x");
-  if (hexadecimal) number.remove_prefix(2);
-  control::Identifier out{.network = text.substr(0, equals), .id = 0, .extended = false};
-  const auto read =
-      std::from_chars(number.data(), number.data() + number.size(), out.id, hexadecimal ? 16 : 10);
-  if (read.ec != std::errc{} || read.ptr != number.data() + number.size()) return wrong();
-  constexpr std::size_t standard_digits = 3;
+  const std::string_view number = std::string_view(text).substr(equals + 1);
+  const auto id = prefixed_number_in<std::uint32_t>(number);
+  if (!id) return wrong();
+  constexpr std::size_t standard_digits = std::string_view("0x7ff").size();
   constexpr std::uint32_t last_standard = 0x7ff;
-  out.extended = out.id > last_standard || (hexadecimal && number.size() > standard_digits);
-  return out;
+  const bool is_long = number.starts_with("0x") && number.size() > standard_digits;
+  return control::Identifier{
+      .network = text.substr(0, equals), .id = *id, .extended = *id > last_standard || is_long};
 }
 
 Result<std::vector<control::Identifier>> identifiers(const std::vector<std::string>& texts) {

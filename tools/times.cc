@@ -7,11 +7,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstddef>
 #include <ctime>
 #include <optional>
 
+#include "base/decimal.hpp"
+#include "base/number.hpp"
+#include "base/units.hpp"
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca::tools {
@@ -19,49 +21,33 @@ namespace {
 
 constexpr std::uint64_t kMillisecond = 1'000'000;
 constexpr std::uint64_t kSecond = 1'000'000'000;
-constexpr std::uint64_t kMinute = 60 * kSecond;
-constexpr std::uint64_t kHour = 60 * kMinute;
-constexpr std::uint64_t kDay = 24 * kHour;
+constexpr std::uint64_t kDay = units::kDay * kSecond;
 
-struct Unit {
-  std::string_view name;
-  std::uint64_t ns;
-};
-constexpr std::array kUnits = {
-    Unit{"ms", kMillisecond}, Unit{"s", kSecond},   Unit{"second", kSecond},
-    Unit{"seconds", kSecond}, Unit{"min", kMinute}, Unit{"minute", kMinute},
-    Unit{"minutes", kMinute}, Unit{"h", kHour},     Unit{"hour", kHour},
-    Unit{"hours", kHour},     Unit{"d", kDay},      Unit{"day", kDay},
-    Unit{"days", kDay},       Unit{"w", 7 * kDay},  Unit{"week", 7 * kDay},
-    Unit{"weeks", 7 * kDay},
-};
+/// Spans are of milliseconds and longer ones.
+const Unit* unit_named(std::string_view name) {
+  if (const Unit* const longer = units::find(Measure::nanoseconds, name, units::kLongTimes))
+    return longer;
+  const Unit* const unit = units::find(Measure::nanoseconds, name);
+  return unit != nullptr && unit->power >= 6 ? unit : nullptr;
+}
 
 void skip_blanks(std::string_view& text) {
   text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
 }
 
-/// Takes digits off the front.
-template <class Number>
-std::optional<Number> take_number(std::string_view& text) {
-  Number number = 0;
-  const std::string digits(text.substr(0, text.find_first_not_of("0123456789")));
-  const auto* const end = digits.data() + digits.size();
-  if (std::from_chars(digits.data(), end, number).ec != std::errc{}) return std::nullopt;
-  text.remove_prefix(digits.size());
-  return number;
-}
-
 /// Takes a whole number and its unit off the front: nanoseconds.
 std::optional<std::uint64_t> take_part(std::string_view& text) {
-  const auto number = take_number<std::uint64_t>(text);
-  if (!number) return std::nullopt;
+  const auto digits = text.substr(0, text.find_first_not_of("0123456789"));
+  const auto number = Decimal::read(digits);
+  if (!number || !number_in<std::uint64_t>(digits)) return std::nullopt;
+  text.remove_prefix(digits.size());
   skip_blanks(text);
   const auto length = std::min(text.find_first_of(" 0123456789"), text.size());
-  const auto* const unit = std::ranges::find(kUnits, text.substr(0, length), &Unit::name);
-  if (unit == kUnits.end()) return std::nullopt;
+  const Unit* const unit = unit_named(text.substr(0, length));
+  if (unit == nullptr) return std::nullopt;
   text.remove_prefix(length);
   skip_blanks(text);
-  return mul_saturating(*number, unit->ns);
+  return unit->of(*number, false).value_or(kUnbounded);
 }
 
 std::optional<std::uint64_t> read_span(std::string_view text) {
@@ -99,14 +85,14 @@ std::optional<std::uint64_t> unix_ns(std::tm when) {
 bool take_behind(char separator, std::string_view& text, int& to) {
   if (!text.starts_with(separator)) return false;
   text.remove_prefix(1);
-  const auto number = take_number<int>(text);
+  const auto number = take_number<std::uint16_t>(text);
   to = number.value_or(0);
   return number.has_value();
 }
 
 /// Reads "14:00" or "14:00:30" into `to`.
 bool read_time(std::string_view text, std::tm& to) {
-  const auto hour = take_number<int>(text);
+  const auto hour = take_number<std::uint16_t>(text);
   if (!hour) return false;
   to.tm_hour = *hour;
   if (!take_behind(':', text, to.tm_min)) return false;
@@ -115,7 +101,7 @@ bool read_time(std::string_view text, std::tm& to) {
 
 /// Reads "2026-11-21", with or without a time.
 bool read_date(std::string_view text, std::tm& to) {
-  const auto year = take_number<int>(text);
+  const auto year = take_number<std::uint16_t>(text);
   if (!year || *year < 1970 || !take_behind('-', text, to.tm_mon) ||
       !take_behind('-', text, to.tm_mday))
     return false;

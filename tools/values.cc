@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Decimal fractions are read as integers: mantissa * unit / 10^decimals, rounded once.
 #include "tools/values.hpp"
 
 #include <fmt/format.h>
@@ -7,85 +6,35 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstddef>
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include "base/decimal.hpp"
+#include "base/number.hpp"
 #include "core/model/text.hpp"
 #include "mlcca/attribute.hpp"
 
 namespace mlcca::tools {
 namespace {
 
-__extension__ using Wide = unsigned __int128;
-
-/// One `name` is numerator / denominator times the `base` unit of an attribute.
-struct Unit {
-  std::string_view base;
-  std::string_view name;
-  Value numerator;
-  Value denominator = 1;
-};
-
-constexpr std::array kUnits = {
-    Unit{"ns", "ns", 1},
-    Unit{"ns", "us", 1'000},
-    Unit{"ns", "\u00b5s", 1'000},  // micro sign
-    Unit{"ns", "\u03bcs", 1'000},  // Greek mu
-    Unit{"ns", "ms", 1'000'000},
-    Unit{"ns", "s", 1'000'000'000},
-    Unit{"ns", "min", 60'000'000'000},
-    Unit{"ns", "h", 3'600'000'000'000},
-    Unit{"bytes/s", "B/s", 1},
-    Unit{"bytes/s", "kB/s", 1'000},
-    Unit{"bytes/s", "MB/s", 1'000'000},
-    Unit{"bytes/s", "GB/s", 1'000'000'000},
-    Unit{"bytes/s", "KiB/s", 1U << 10U},
-    Unit{"bytes/s", "MiB/s", 1U << 20U},
-    Unit{"bytes/s", "bit/s", 1, 8},
-    Unit{"bytes/s", "kbit/s", 125},
-    Unit{"bytes/s", "Mbit/s", 125'000},
-    Unit{"bytes/s", "Gbit/s", 125'000'000},
-    Unit{"1e-9", "%", 10'000'000},
-    Unit{"1e-9", "ppm", 1'000},
-    Unit{"1e-9", "ppb", 1},
-    Unit{"events", "", 1},
-    Unit{"events", "events", 1},
-    Unit{"bytes", "", 1},
-    Unit{"bytes", "B", 1},
-    Unit{"bytes", "bytes", 1},
-    Unit{"bytes", "kB", 1'000},
-    Unit{"bytes", "KiB", 1U << 10U},
-};
-
-/// Of rates in bit/s.
-constexpr std::array kBitRates = {
-    Unit{"", "bit/s", 1},
-    Unit{"", "kbit/s", 1'000},
-    Unit{"", "Mbit/s", 1'000'000},
-    Unit{"", "Gbit/s", 1'000'000'000},
-    Unit{"", "k", 1'000},
-    Unit{"", "M", 1'000'000},
-    Unit{"", "G", 1'000'000'000},
-    Unit{"", "B/s", 8},
-    Unit{"", "kB/s", 8'000},
-    Unit{"", "MB/s", 8'000'000},
-    Unit{"", "GB/s", 8'000'000'000},
-    Unit{"", "KiB/s", 8U << 10U},
-    Unit{"", "MiB/s", 8U << 20U},
-    Unit{"", "Byte/s", 8},
-    Unit{"", "kByte/s", 8'000},
-    Unit{"", "KByte/s", 8'000},
-    Unit{"", "MByte/s", 8'000'000},
-    Unit{"", "GByte/s", 8'000'000'000},
-};
+/// What attributes measure whose own unit is that of the table.
+Measure measure_of(std::string_view base) {
+  static constexpr std::array measures = {
+      std::pair("ns", Measure::nanoseconds), std::pair("bytes/s", Measure::bytes_per_second),
+      std::pair("1e-9", Measure::parts_per_billion), std::pair("bytes", Measure::bytes)};
+  const auto* const found =
+      std::ranges::find_if(measures, [&](const auto& one) { return base == one.first; });
+  return found == measures.end() ? Measure::number : found->second;
+}
 
 /// "ns, us, ms, s, min or h"; spellings that are not ASCII are accepted but not named.
 std::string units_of(std::string_view base) {
   std::vector<std::string_view> names;
-  for (const auto& unit : kUnits)
-    if (unit.base == base && !unit.name.empty() && static_cast<unsigned char>(unit.name[0]) < 0x80)
+  for (const auto& unit : units::kAll)
+    if (unit.measure == measure_of(base) && !unit.name.empty() &&
+        static_cast<unsigned char>(unit.name[0]) < 0x80)
       names.push_back(unit.name);
   const auto last = names.back();
   names.pop_back();
@@ -112,29 +61,11 @@ Result<Attribute> attribute_named(std::string_view name) {
       fmt::format("unknown attribute '{}': must be one of {}", name, fmt::join(names, ", ")));
 }
 
-/// digits / 10^decimals
-struct Decimal {
-  Value digits = 0;
-  int decimals = 0;
-};
-
-/// Reads "12.5"; nullopt for anything else, and for more than 64 bits of digits.
-std::optional<Decimal> read_decimal(std::string_view text) {
-  const auto point = std::min(text.find('.'), text.size());
-  std::string digits(text.substr(0, point));
-  Decimal result;
-  if (point < text.size()) {
-    auto fraction = text.substr(point + 1);
-    if (digits.empty() || fraction.empty()) return std::nullopt;
-    while (!fraction.empty() && fraction.back() == '0') fraction.remove_suffix(1);
-    digits += fraction;
-    result.decimals = static_cast<int>(fraction.size());
-  }
-  const auto* end = digits.data() + digits.size();
-  const auto read = std::from_chars(digits.data(), end, result.digits);
-  // 10^18 is the largest power of ten that leaves room for a denominator of 8.
-  if (read.ec != std::errc{} || read.ptr != end || result.decimals > 18) return std::nullopt;
-  return result;
+/// Its digits fit 64 bits, and 18 decimals suffice.
+bool is_moderate(const Decimal& number) {
+  constexpr std::size_t most_decimals = 18;
+  return number.decimals() <= most_decimals &&
+         (number.digits().empty() || number_in<Value>(number.digits()));
 }
 
 bool rounds_up(Attribute attribute, Role role) {
@@ -142,38 +73,20 @@ bool rounds_up(Attribute attribute, Role role) {
   return more_traffic || info(attribute).better == Better::larger;
 }
 
-/// The value in the base unit; nullopt when 64 bits cannot hold it.
-std::optional<Value> scaled(const Decimal& number, const Unit& unit, bool up) {
-  Wide divisor = unit.denominator;
-  for (int i = 0; i < number.decimals; ++i) divisor *= 10;
-  const Wide product = static_cast<Wide>(number.digits) * unit.numerator;
-  const Wide result = product / divisor + (up && product % divisor != 0 ? 1 : 0);
-  if (result >= kUnbounded) return std::nullopt;
-  return static_cast<Value>(result);
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  return text;
-}
-
 Result<Value> read_value(Attribute attribute, std::string_view text, Role role) {
   const auto base = std::string_view(info(attribute).unit);
-  const auto split = std::min(text.find_first_not_of("0123456789."), text.size());
-  const auto unit_name = trimmed(text.substr(split));
-  const auto* const unit = std::ranges::find_if(
-      kUnits, [&](const Unit& u) { return u.base == base && u.name == unit_name; });
-  const auto number = read_decimal(trimmed(text.substr(0, split)));
-  if (!number)
-    return fail(split == 0 ? "must be a number of 0 or more, such as 50 or 12.5"
-                           : "must be digits, at most one point and 18 decimals, and fit 64 bits "
-                             "without the point");
-  if (unit == kUnits.end())
+  const auto [number, unit_name] = number_and_unit(text);
+  const Unit* const unit = units::find(measure_of(base), unit_name);
+  if (!number || !is_moderate(*number))
+    return fail(unit_name == trimmed(text)
+                    ? "must be a number of 0 or more, such as 50 or 12.5"
+                    : "must be digits, at most one point and 18 decimals, and fit 64 bits "
+                      "without the point");
+  if (unit == nullptr)
     return fail(unit_name.empty() ? "needs a unit: " + units_of(base)
                                   : fmt::format("'{}' is not a unit of it: must be {}", unit_name,
                                                 units_of(base)));
-  const auto value = scaled(*number, *unit, rounds_up(attribute, role));
+  const auto value = unit->of(*number, rounds_up(attribute, role));
   if (!value) return fail("too large");
   if (attribute == Attribute::period && *value == 0) return fail("must be more than 0 ns");
   if (attribute == Attribute::packet_loss && *value > kCertainLoss)
@@ -181,26 +94,17 @@ Result<Value> read_value(Attribute attribute, std::string_view text, Role role) 
   return *value;
 }
 
-/// A number and what follows it.
-struct Quantity {
-  Decimal number;
-  std::string_view unit;
-};
-
-Result<Quantity> read_quantity(std::string_view text) {
-  text = trimmed(text);
-  const auto split = std::min(text.find_first_not_of("0123456789."), text.size());
-  const auto number = read_decimal(trimmed(text.substr(0, split)));
-  if (!number)
-    return fail(
-        fmt::format("'{}': must begin with a number of 0 or more, such as 50 or 12.5", text));
-  return Quantity{*number, trimmed(text.substr(split))};
+Result<WithUnit> read_quantity(std::string_view text) {
+  const auto quantity = number_and_unit(text);
+  if (!quantity.number || !is_moderate(*quantity.number))
+    return fail(fmt::format("'{}': must begin with a number of 0 or more, such as 50 or 12.5",
+                            trimmed(text)));
+  return quantity;
 }
 
-Result<Value> whole_parts(const Quantity& quantity, Value numerator, Value denominator,
-                          Rounding rounding, std::string_view text) {
-  const auto value =
-      scaled(quantity.number, {"", "", numerator, denominator}, rounding == Rounding::up);
+Result<Value> whole_parts(const Decimal& number, int power, Rounding rounding,
+                          std::string_view text) {
+  const auto value = number.scaled(power, rounding == Rounding::up);
   if (!value) return fail(fmt::format("'{}': too large", text));
   return *value;
 }
@@ -210,13 +114,15 @@ Result<Value> whole_parts(const Quantity& quantity, Value numerator, Value denom
 Result<std::uint64_t> parse_bit_rate(std::string_view text, Rounding rounding) {
   const auto quantity = read_quantity(text);
   if (!quantity) return std::unexpected(quantity.error());
-  const auto* const unit = std::ranges::find(kBitRates, quantity->unit, &Unit::name);
-  if (unit == kBitRates.end())
+  const Unit* unit = units::find(Measure::bits_per_second, quantity->unit);
+  if (unit == nullptr)
+    unit = units::find(Measure::bits_per_second, quantity->unit, units::kRadioRates);
+  if (unit == nullptr)
     return fail(
         fmt::format("'{}': needs a unit of bit/s, kbit/s, Mbit/s, Gbit/s, B/s, kB/s, MB/s, "
                     "GB/s, KiB/s or MiB/s",
                     text));
-  auto rate = whole_parts(*quantity, unit->numerator, 1, rounding, text);
+  auto rate = whole_parts(quantity->number->times(unit->factor), unit->power, rounding, text);
   if (rate && *rate == 0) return fail(fmt::format("'{}': must be 1 bit/s or more", text));
   return rate;
 }
@@ -226,7 +132,8 @@ Result<std::uint64_t> parse_share(std::string_view text, std::uint64_t whole, Ro
   if (!quantity) return std::unexpected(quantity.error());
   if (!quantity->unit.empty() && quantity->unit != "%")
     return fail(fmt::format("'{}': must be a share such as 0.25 or 25%", text));
-  auto parts = whole_parts(*quantity, whole, quantity->unit.empty() ? 1 : 100, rounding, text);
+  const int power = quantity->unit.empty() ? 0 : -2;
+  auto parts = whole_parts(quantity->number->times(whole), power, rounding, text);
   if (parts && *parts > whole) return fail(fmt::format("'{}': must be at most 1 or 100%", text));
   return parts;
 }
@@ -236,7 +143,7 @@ Result<std::uint64_t> parse_microseconds(std::string_view text, Rounding roundin
   if (!quantity) return std::unexpected(quantity.error());
   if (!quantity->unit.empty() && quantity->unit != "us")
     return fail(fmt::format("'{}': must be a number of microseconds", text));
-  return whole_parts(*quantity, 1'000, 1, rounding, text);
+  return whole_parts(*quantity->number, 3, rounding, text);
 }
 
 std::string print_bit_rate(std::uint64_t bits_per_second) {
@@ -258,11 +165,8 @@ Result<control::Attribute> parse_attribute(std::string_view text, Role role) {
                             .dynamic = false};
 }
 
-std::optional<UnitScale> unit_scale(std::string_view base, std::string_view name) {
-  const auto* const unit =
-      std::ranges::find_if(kUnits, [&](const Unit& u) { return u.base == base && u.name == name; });
-  if (unit == kUnits.end()) return std::nullopt;
-  return UnitScale{unit->numerator, unit->denominator};
+const Unit* unit_of(std::string_view base, std::string_view name) {
+  return units::find(measure_of(base), name);
 }
 
 std::string print_value(std::string_view attribute, std::uint64_t value, std::string_view unit) {

@@ -2,11 +2,11 @@
 // Attribute values as people write and read them: "Period=50ms", "400 kB/s", "0.5 %".
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 
 #include "base/result.hpp"
+#include "base/units.hpp"
 #include "control/messages.hpp"
 #include "mlcca/arithmetic.hpp"
 #include "mlcca/attribute.hpp"
@@ -24,15 +24,9 @@ enum class Role : std::uint8_t {
 /// rounded as `role` says. The error says what would be right.
 Result<control::Attribute> parse_attribute(std::string_view text, Role role);
 
-/// One of a unit that is typed is numerator / denominator of the attribute's own unit.
-struct UnitScale {
-  Value numerator = 1;
-  Value denominator = 1;  ///< 1 or 8
-};
-
-/// Of the unit `name` (may be empty, where none is needed) for attributes whose own unit is `base`
-/// (AttributeInfo::unit); nullopt if they do not take it.
-std::optional<UnitScale> unit_scale(std::string_view base, std::string_view name);
+/// The unit `name` (may be empty, where none is needed) of attributes whose own unit is `base`
+/// (AttributeInfo::unit); nullptr if they do not take it.
+const Unit* unit_of(std::string_view base, std::string_view name);
 
 /// bit/s of "24Mbit/s", "1.5 MB/s", "400 KByte/s" or, as radios are called, "54M". 1 or more.
 Result<std::uint64_t> parse_bit_rate(std::string_view text, Rounding rounding);

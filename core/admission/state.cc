@@ -2,10 +2,10 @@
 #include "core/admission/state.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <numeric>
 #include <utility>
 
+#include "base/number.hpp"
 #include "core/admission/allocation.hpp"
 #include "core/model/progress.hpp"
 #include "core/model/text.hpp"
@@ -466,11 +466,7 @@ std::optional<Place> State::find_place(const std::string& name) const {
 
 std::optional<Subject> parse_subject(const std::string& text) {
   if (!text.starts_with("0x") && !text.starts_with("0X")) return std::nullopt;
-  Subject subject = 0;
-  const char* const end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data() + 2, end, subject, 16);
-  if (error != std::errc{} || rest != end) return std::nullopt;
-  return subject;
+  return number_in<Subject>(std::string_view(text).substr(2), kHexadecimalBase);
 }
 
 }  // namespace mlcca::core

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "core/model/station.hpp"
 
-#include <charconv>
+#include "base/number.hpp"
 
 namespace mlcca::core {
 namespace {
@@ -13,22 +13,19 @@ constexpr unsigned kOctet = 8;
 std::optional<std::uint64_t> read(std::string_view text, unsigned octets, char separator, int base,
                                   std::size_t most_digits) {
   std::uint64_t out = 0;
-  const char* at = text.data();
-  const char* const end = at + text.size();
   for (unsigned i = 0; i < octets; ++i) {
     if (i > 0) {
-      if (at == end || *at != separator) return std::nullopt;
-      ++at;
+      if (!text.starts_with(separator)) return std::nullopt;
+      text.remove_prefix(1);
     }
-    std::uint8_t octet = 0;
-    const auto [next, error] = std::from_chars(at, end, octet, base);
-    const auto digits = static_cast<std::size_t>(next - at);
-    const bool padded = base == 16 ? digits != 2 : digits > 1 && *at == '0';
-    if (error != std::errc{} || digits > most_digits || padded) return std::nullopt;
-    out = out << kOctet | octet;
-    at = next;
+    const std::string_view before = text;
+    const auto octet = take_number<std::uint8_t>(text, base);
+    const std::size_t digits = before.size() - text.size();
+    const bool padded = base == kHexadecimalBase ? digits != 2 : digits > 1 && before[0] == '0';
+    if (!octet || digits > most_digits || padded) return std::nullopt;
+    out = out << kOctet | *octet;
   }
-  if (at != end) return std::nullopt;
+  if (!text.empty()) return std::nullopt;
   return out;
 }
 

@@ -7,11 +7,11 @@
 #include <sys/socket.h>
 
 #include <cerrno>
-#include <charconv>
 #include <string_view>
 #include <system_error>
 
 #include "base/handle.hpp"
+#include "base/number.hpp"
 #include "daemon/gates/closed_programs.hpp"
 #include "daemon/gates/ether_gate.hpp"
 #include "daemon/gates/failure.hpp"
@@ -28,11 +28,9 @@ Result<std::vector<std::uint32_t>> pinned_interfaces(const Control& control) {
   if (!names && names.error() != std::errc::no_such_file_or_directory)
     return failure("read " + control.directory(), names.error().value());
   for (const std::string& name : names.value_or(std::vector<std::string>{})) {
-    std::uint32_t ifindex = 0;
-    const char* const end = name.data() + name.size();
     if (!name.starts_with(prefix)) continue;
-    const auto number = std::from_chars(name.data() + prefix.size(), end, ifindex);
-    if (number.ec == std::errc{} && number.ptr == end) found.push_back(ifindex);
+    if (const auto ifindex = number_in<std::uint32_t>(std::string_view(name).substr(prefix.size())))
+      found.push_back(*ifindex);
   }
   return found;
 }

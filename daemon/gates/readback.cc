@@ -8,13 +8,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <ctime>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 
+#include "base/number.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gates/control.hpp"
 #include "daemon/gates/early.hpp"
@@ -294,11 +294,10 @@ Result<Reading> read_back(const std::string& root) {
   const auto names = names_in(directory);
   if (!names) return failure("read " + directory, names.error().value());
   for (const std::string& file : *names) {
-    std::uint32_t ifindex = 0;
-    const char* const end = file.data() + file.size();
-    if (file.starts_with("if") && std::from_chars(file.data() + 2, end, ifindex).ptr == end)
+    if (!file.starts_with("if")) continue;
+    if (const auto ifindex = number_in<std::uint32_t>(std::string_view(file).substr(2)))
       reading.gates.push_back(
-          read_gate(gate_directory(directory, ifindex), ifindex, control, word));
+          read_gate(gate_directory(directory, *ifindex), *ifindex, control, word));
   }
   std::ranges::sort(reading.gates, {}, &GateReading::ifindex);
   return reading;

@@ -4,11 +4,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <string_view>
 #include <utility>
 
+#include "base/number.hpp"
 #include "core/model/progress.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gates/slot_record.hpp"
@@ -26,14 +26,6 @@ std::string text_of(const core::Grants& grants) {
   for (const core::Delivery& d : grants.deliveries)
     text += fmt::format(" {}#{}>{}", d.publisher, d.admission, d.to);
   return text;
-}
-
-template <class Number>
-std::optional<Number> number_in(std::string_view text) {
-  Number number = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (read.ec != std::errc{} || read.ptr != text.data() + text.size()) return std::nullopt;
-  return number;
 }
 
 /// Nothing for words that are not ours. Neither names of places nor numbers have a # or a >.

@@ -3,28 +3,24 @@
 
 #include <systemd/sd-device.h>
 
-#include <charconv>
 #include <memory>
 #include <string_view>
 
 #include "base/handle.hpp"
+#include "base/number.hpp"
 
 namespace mlcca::net {
 namespace {
 
 using Device = std::unique_ptr<sd_device, FreeWith<sd_device_unref>>;
 
-std::optional<unsigned> number_in(sd_device* device, const char* attribute) {
+std::optional<unsigned> number_of(sd_device* device, const char* attribute) {
   const char* text = nullptr;
   if (sd_device_get_sysattr_value(device, attribute, &text) < 0) return std::nullopt;
   std::string_view digits(text);
   const bool hex = digits.starts_with("0x");
   if (hex) digits.remove_prefix(2);
-  unsigned value = 0;
-  const auto [end, error] =
-      std::from_chars(digits.data(), digits.data() + digits.size(), value, hex ? 16 : 10);
-  if (error != std::errc{} || end == digits.data()) return std::nullopt;
-  return value;
+  return take_number<unsigned>(digits, hex ? kHexadecimalBase : kDecimalBase);
 }
 
 bool needs_udev(const core::InterfaceIdentity& id) {
@@ -51,8 +47,8 @@ UdevFacts udev_facts(int ifindex) {
   if (sd_device_get_property_value(device.get(), "ID_PATH", &text) >= 0) facts.id_path = text;
   if (sd_device_get_property_value(device.get(), "ID_SERIAL_SHORT", &text) >= 0)
     facts.serial = text;
-  facts.port = number_in(device.get(), "dev_port");
-  if (const auto id = number_in(device.get(), "dev_id"); id && *id != 0) facts.port = id;
+  facts.port = number_of(device.get(), "dev_port");
+  if (const auto id = number_of(device.get(), "dev_id"); id && *id != 0) facts.port = id;
   return facts;
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/store/earlier.hpp"
 
-#include <charconv>
 #include <cstdint>
 #include <utility>
 
+#include "base/number.hpp"
 #include "control/buffer.hpp"
 #include "control/codec.hpp"
 
@@ -22,10 +22,11 @@ std::uint64_t checksum(std::string_view text) {
   return hash;
 }
 
-bool take_number(std::string_view& text, std::uint64_t& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end == text.data() + text.size() || *end != '\n') return false;
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()) + 1);
+bool take_line(std::string_view& text, std::uint64_t& value) {
+  const auto number = take_number<std::uint64_t>(text);
+  if (!number || !text.starts_with('\n')) return false;
+  value = *number;
+  text.remove_prefix(1);
   return true;
 }
 
@@ -39,10 +40,10 @@ Result<Contents> read_earlier(std::string_view text, const std::string& path) {
   if (!text.starts_with(kMagic)) return damaged("no MLCCA1 header");
   text.remove_prefix(kMagic.size());
   std::uint64_t sum = 0;
-  if (!take_number(text, sum)) return damaged("no checksum");
+  if (!take_line(text, sum)) return damaged("no checksum");
   if (sum != checksum(text)) return damaged("checksum");
   Contents contents;
-  if (!take_number(text, contents.next_id) || contents.next_id == 0) return damaged("no id");
+  if (!take_line(text, contents.next_id) || contents.next_id == 0) return damaged("no id");
   control::Buffer buffer;
   buffer.append(text);
   while (!buffer.content().empty()) {

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -13,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/number.hpp"
 #include "tools/design/describe/ask.hpp"
 #include "tools/design/describe/edit.hpp"
 #include "tools/design/describe/validate.hpp"
@@ -169,12 +169,10 @@ class Describe {
   }
 
   static Result<int> number(const std::string& text) {
-    int value = 0;
-    const auto* end = text.data() + text.size();
-    const auto read = std::from_chars(text.data(), end, value);
-    if (read.ec != std::errc{} || read.ptr != end || !problem_of_priority(value).empty())
+    const auto value = number_in<int>(text);
+    if (!value || !problem_of_priority(*value).empty())
       return fail(fmt::format("'{}': must be a whole number of -1000 to 1000", text));
-    return value;
+    return *value;
   }
 
   Result<void> use_priority(const std::string& text) {

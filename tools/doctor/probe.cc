@@ -10,12 +10,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <ctime>
 #include <span>
 #include <string_view>
 #include <utility>
+
+#include "base/number.hpp"
 
 namespace mlcca::doctor {
 namespace {
@@ -79,13 +80,11 @@ Seen understood(const canfd_frame& raw, bool fd) {
 Result<Identifier> read_identifier(const std::string& text) {
   std::string_view digits = text;
   if (digits.starts_with("0x") || digits.starts_with("0X")) digits.remove_prefix(2);
-  std::uint32_t value = 0;
-  const auto [end, error] =
-      std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
-  if (error != std::errc() || end != digits.data() + digits.size() || value > CAN_EFF_MASK)
+  const auto value = number_in<std::uint32_t>(digits, kHexadecimalBase);
+  if (!value || *value > CAN_EFF_MASK)
     return fail("--id " + text +
                 ": must be hexadecimal, up to 7FF (11 bits) or 1FFFFFFF (29 bits)");
-  return Identifier{.value = value, .extended = value > CAN_SFF_MASK};
+  return Identifier{.value = *value, .extended = *value > CAN_SFF_MASK};
 }
 
 Result<Probe> Probe::open(int ifindex, Identifier id, bool fd) {

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <utility>
 
+#include "base/number.hpp"
 #include "tools/sources/line_client.hpp"
 
 namespace mlcca::net {
@@ -36,11 +36,7 @@ std::string text_of(const std::map<std::string_view, std::string_view>& fields,
 /// A cost; what is missing or no number is infinite.
 std::uint32_t cost_of(const std::map<std::string_view, std::string_view>& fields,
                       std::string_view key) {
-  const std::string text = text_of(fields, key);
-  std::uint32_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool number = error == std::errc{} && end == text.data() + text.size();
-  return number ? value : kInfinity;
+  return number_in<std::uint32_t>(text_of(fields, key)).value_or(kInfinity);
 }
 
 }  // namespace

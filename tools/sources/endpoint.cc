@@ -4,23 +4,21 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 
-#include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <optional>
 #include <string_view>
 #include <utility>
 
+#include "base/number.hpp"
 #include "base/unix_address.hpp"
 
 namespace mlcca::net {
 namespace {
 
 std::optional<std::uint16_t> parse_port(std::string_view text) {
-  std::uint16_t port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  if (error != std::errc{} || end != text.data() + text.size() || port == 0) return std::nullopt;
-  return port;
+  const auto port = number_in<std::uint16_t>(text);
+  return port.value_or(0) == 0 ? std::nullopt : port;
 }
 
 /// The sockets API takes every family through one type.

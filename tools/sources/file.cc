@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -17,7 +16,10 @@
 #include <set>
 #include <utility>
 
+#include "base/decimal.hpp"
 #include "base/handle.hpp"
+#include "base/number.hpp"
+#include "base/units.hpp"
 #include "core/model/words.hpp"
 #include "daemon/net/sources/bounds.hpp"
 #include "daemon/net/sources/timer.hpp"
@@ -31,50 +33,34 @@ using core::mesh::Sample;
 
 constexpr Value kBillion = 1'000'000'000;
 
-template <class Integer>
-std::optional<Integer> parse_integer(std::string_view text) {
-  Integer value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-/// A number with at most nine decimals, in 1e-9. Nothing: no number, or one that is too large.
-std::optional<Value> parse_number(std::string_view text) {
+/// A number with at most nine decimals.
+std::optional<Decimal> parse_number(std::string_view text) {
+  constexpr std::size_t most_decimals = 9;
   const auto point = std::min(text.find('.'), text.size());
-  const std::string_view whole = text.substr(0, point);
-  std::string decimals(text.substr(std::min(point + 1, text.size())));
-  if (whole.empty() || decimals.size() > 9 || text.ends_with('.')) return std::nullopt;
-  decimals.resize(9, '0');
-  const auto units = parse_integer<std::uint64_t>(whole);
-  const auto billionths = parse_integer<std::uint64_t>(decimals);
-  if (!units || !billionths || *units > std::numeric_limits<Value>::max() / kBillion - 1)
-    return std::nullopt;
-  return *units * kBillion + *billionths;
+  if (text.size() - point > most_decimals + 1) return std::nullopt;
+  return Decimal::read(text);
 }
 
 /// bit/s, whole, at least 1.
 std::optional<Value> parse_rate(std::string_view text) {
-  static constexpr std::array<std::pair<std::string_view, Value>, 4> units{
-      {{"Gbit/s", 1'000'000'000}, {"Mbit/s", 1'000'000}, {"kbit/s", 1'000}, {"bit/s", 1}}};
-  const auto* const unit =
-      std::ranges::find_if(units, [text](const auto& u) { return text.ends_with(u.first); });
-  if (unit == units.end()) return std::nullopt;
-  text.remove_suffix(unit->first.size());
+  static constexpr std::array names{"Gbit/s", "Mbit/s", "kbit/s", "bit/s"};
+  const auto* const name =
+      std::ranges::find_if(names, [text](std::string_view n) { return text.ends_with(n); });
+  if (name == names.end()) return std::nullopt;
+  text.remove_suffix(std::string_view(*name).size());
   const auto number = parse_number(text);
-  if (!number || *number / kBillion >= std::numeric_limits<Value>::max() / unit->second)
-    return std::nullopt;
-  const Value rate =
-      *number / kBillion * unit->second + *number % kBillion * unit->second / kBillion;
-  if (rate == 0 || rate > kMaxRate) return std::nullopt;
-  return rate;
+  if (!number) return std::nullopt;
+  const auto rate = units::find(Measure::bits_per_second, *name)->of(*number, false);
+  return rate && *rate >= 1 && *rate <= kMaxRate ? rate : std::nullopt;
 }
 
 /// A share from 0 to 1, in units of 1/whole.
 std::optional<Value> parse_share(std::string_view text, Value whole) {
   const auto number = parse_number(text);
-  if (!number || *number > kBillion) return std::nullopt;
-  return *number * whole / kBillion;
+  if (!number) return std::nullopt;
+  const auto billionths = number->scaled(9, false);
+  return billionths && *billionths <= kBillion ? number->times(whole).scaled(0, false)
+                                               : std::nullopt;
 }
 
 /// The address of a described node that `text` names.
@@ -112,9 +98,9 @@ std::optional<std::string> take_option(const std::string& word, Sample& sample) 
     if (!share) return "busy is a share from 0 to 1 with at most nine decimals: busy=0.1";
     sample.busy = static_cast<std::uint32_t>(*share);
   }
-  if (name == "channel" && !store(parse_integer<std::uint32_t>(value), sample.channel))
+  if (name == "channel" && !store(number_in<std::uint32_t>(value), sample.channel))
     return "channel is a whole number: channel=2412";
-  if (name == "weight" && !store(parse_integer<std::uint32_t>(value), sample.weight))
+  if (name == "weight" && !store(number_in<std::uint32_t>(value), sample.weight))
     return "weight is a whole number up to 4294967295: weight=256";
   if (name == "kind" && !store(core::words::kRateKinds.find(value), sample.kind))
     return "kind is phy, effective or derived";

@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <optional>
 #include <span>
@@ -21,6 +20,7 @@
 #include <vector>
 
 #include "base/handle.hpp"
+#include "base/number.hpp"
 #include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::net {
@@ -86,25 +86,17 @@ std::optional<At> place_of(const Endpoint& endpoint) {
   return out;
 }
 
-template <class Integer>
-std::optional<Integer> number(std::string_view text, int base) {
-  Integer value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 /// "0100007F:07D9": words of the address as this machine has them, and the port.
 std::optional<At> read_place(std::string_view text) {
   const auto colon = text.find(':');
   if (colon != 8 && colon != 32) return std::nullopt;
   std::vector<std::uint8_t> octets(colon / 2);
   for (std::size_t at = 0; at < colon; at += 8) {
-    const auto word = number<std::uint32_t>(text.substr(at, 8), 16);
+    const auto word = number_in<std::uint32_t>(text.substr(at, 8), 16);
     if (!word) return std::nullopt;
     std::memcpy(octets.data() + at / 2, &*word, sizeof *word);
   }
-  const auto port = number<std::uint16_t>(text.substr(colon + 1), 16);
+  const auto port = number_in<std::uint16_t>(text.substr(colon + 1), 16);
   if (!port) return std::nullopt;
   At out{.address = {}, .port = *port};
   if (colon == 8)
@@ -166,8 +158,8 @@ bool Reachable::take(std::string_view line) {
   const auto place = read_place(columns[1]);
   const int rank = to_ && place ? rank_of(*place, *to_) : 0;
   if (rank == 0 || rank < rank_) return true;
-  const auto owner = number<uid_t>(columns[7], 10);
-  const auto inode = number<std::uint64_t>(columns[9], 10);
+  const auto owner = number_in<uid_t>(columns[7], 10);
+  const auto inode = number_in<std::uint64_t>(columns[9], 10);
   if (!owner || !inode) return true;
   if (rank > rank_) best_.clear();
   rank_ = rank;

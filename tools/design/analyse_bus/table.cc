@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstddef>
 #include <limits>
 #include <map>
 #include <optional>
 #include <utility>
 
+#include "base/number.hpp"
 #include "base/result.hpp"
 #include "core/can/analysis.hpp"
 #include "tools/design/analyse_bus/bus.hpp"
@@ -107,19 +107,13 @@ std::optional<std::string> take_cell(std::string_view& line, char separator, boo
 
 Result<std::uint64_t> whole_number(std::string_view text, std::uint64_t least, std::uint64_t most,
                                    std::string_view what) {
-  int base = 10;
-  std::string_view digits = text;
-  if (text.starts_with("0x") || text.starts_with("0X")) {
-    base = 16;
-    digits.remove_prefix(2);
-  }
-  std::uint64_t value = 0;
-  const auto [end, error] =
-      std::from_chars(digits.data(), digits.data() + digits.size(), value, base);
-  if (error != std::errc{} || end != digits.data() + digits.size() || value < least || value > most)
+  const bool hex = text.starts_with("0x") || text.starts_with("0X");
+  const auto value = hex ? number_in<std::uint64_t>(text.substr(2), kHexadecimalBase)
+                         : number_in<std::uint64_t>(text);
+  if (!value || *value < least || *value > most)
     return fail(fmt::format("{} '{}': must be a whole number from {} to {}, decimal or 0x…", what,
                             text, least, most));
-  return value;
+  return *value;
 }
 
 Result<bool> yes_or_no(std::string_view text, std::string_view what) {

@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <map>
 #include <set>
 #include <utility>
 
+#include "base/number.hpp"
 #include "control/utf8.hpp"
 #include "description/values.hpp"
 
@@ -47,9 +47,7 @@ std::string text_of(const Markup& markup, const MarkupAttribute* attribute) {
 
 int number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  int value = 0;  // the schema has bounded it
-  std::from_chars(text.data(), text.data() + text.size(), value);
-  return value;
+  return number_in<int>(text).value_or(0);  // the schema has bounded it
 }
 
 description::Dimension dimension_of(const Markup& markup, const Node* node) {
@@ -79,10 +77,7 @@ AttributeSetText read_set(const Markup& markup, const Node& node) {
 }
 
 std::uint64_t subject_number(std::string_view text) {
-  std::uint64_t value = 0;
-  if (text.starts_with("0x"))
-    std::from_chars(text.data() + 2, text.data() + text.size(), value, 16);
-  return value;
+  return text.starts_with("0x") ? prefixed_number_in<std::uint64_t>(text).value_or(0) : 0;
 }
 
 std::string problem_of(const description::ValueType& type, std::string_view text) {

@@ -4,9 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <utility>
+
+#include "base/number.hpp"
 
 namespace mlcca::tools::design {
 namespace {
@@ -153,9 +154,8 @@ void append_reference(std::string& out, std::string_view name) {
   name.remove_prefix(1);
   const bool hex = name.starts_with('x');
   if (hex) name.remove_prefix(1);
-  std::uint32_t c = 0;
-  std::from_chars(name.data(), name.data() + name.size(), c, hex ? 16 : 10);
-  append_utf8(out, c);
+  const int base = hex ? kHexadecimalBase : kDecimalBase;
+  append_utf8(out, number_in<std::uint32_t>(name, base).value_or(0));
 }
 
 std::string resolved(std::string_view raw) {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Digits are multiplied and shifted as text or 128-bit integers, never as floating point.
 #include "tools/design/describe/quantity.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <optional>
 #include <utility>
 
+#include "base/decimal.hpp"
+#include "base/number.hpp"
 #include "core/model/text.hpp"
 #include "description/values.hpp"
 #include "tools/values.hpp"
@@ -20,8 +20,6 @@ namespace {
 
 using description::Dimension;
 using description::Unit;
-
-__extension__ using Wide = unsigned __int128;
 
 constexpr std::size_t kSeconds = 0;
 constexpr std::size_t kBytes = 1;
@@ -72,55 +70,14 @@ std::optional<Attribute> built_in_named(std::string_view name) {
   return std::nullopt;
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  return text;
-}
-
-/// Without zeros that say nothing.
-std::string tidy(std::string_view decimal) {
-  const auto point = decimal.find('.');
-  if (point != std::string_view::npos) {
-    while (decimal.ends_with('0')) decimal.remove_suffix(1);
-    if (decimal.ends_with('.')) decimal.remove_suffix(1);
-  }
-  while (decimal.size() > 1 && decimal[0] == '0' && decimal[1] != '.') decimal.remove_prefix(1);
-  return std::string(decimal);
-}
-
-/// decimal * factor; both fit 64 bits without the point.
-std::string times(std::string_view typed, Value factor) {
-  auto decimal = tidy(typed);
-  if (factor == 1) return decimal;
-  const auto point = std::min(decimal.find('.'), decimal.size());
-  const std::size_t decimals = point == decimal.size() ? 0 : decimal.size() - point - 1;
-  auto digits = decimal.substr(0, point);
-  if (decimals > 0) digits += decimal.substr(point + 1);
-  Wide product = 0;
-  for (const char c : digits) product = product * 10 + static_cast<Wide>(c - '0');
-  product *= factor;
-  std::string out;
-  for (; product != 0; product /= 10)
-    out += static_cast<char>('0' + static_cast<int>(product % 10));
-  while (out.size() <= decimals) out += '0';
-  std::ranges::reverse(out);
-  if (decimals > 0) out.insert(out.size() - decimals, 1, '.');
-  return tidy(out);
-}
-
 /// A value as digits without leading or trailing zeros, times a power of ten.
 std::pair<std::string, int> normal(const Quantity& q) {
-  const auto point = std::min(q.value.find('.'), q.value.size());
-  int magnitude = q.dimension.magnitude;
-  std::string digits = q.value.substr(0, point);
-  if (point < q.value.size()) {
-    digits += q.value.substr(point + 1);
-    magnitude -= static_cast<int>(q.value.size() - point - 1);
-  }
+  const auto number = Decimal::read(q.value);
+  if (!number) return {q.value, 0};
+  std::string digits = number->digits();
+  int magnitude = q.dimension.magnitude - static_cast<int>(number->decimals());
   for (; digits.ends_with('0'); digits.pop_back()) ++magnitude;
-  digits.erase(0, std::min(digits.find_first_not_of('0'), digits.size()));
-  return digits.empty() ? std::pair(digits, 0) : std::pair(digits, magnitude);
+  return {digits, digits.empty() ? 0 : magnitude};
 }
 
 std::optional<Symbol> symbol_of(std::string_view text) {
@@ -146,10 +103,10 @@ Result<void> multiply(Dimension& by, std::string_view factor, int sign) {
                     factor));
   int exponent = 1;
   if (hat < factor.size()) {
-    const auto* end = factor.data() + factor.size();
-    const auto read = std::from_chars(factor.data() + hat + 1, end, exponent);
-    if (read.ec != std::errc{} || read.ptr != end || exponent < -9 || exponent > 9)
+    const auto read = number_in<int>(factor.substr(hat + 1));
+    if (!read || *read < -9 || *read > 9)
       return fail(fmt::format("'{}': the exponent must be a whole number of -9 to 9", factor));
+    exponent = *read;
   }
   const int sum = by.unit.at(symbol->base) + sign * exponent;
   if (sum < -9 || sum > 9)
@@ -243,26 +200,16 @@ Result<Quantity> parse_built_in(std::string_view text) {
   if (!known) return std::unexpected(known.error());
   const auto parts = split(text);
   if (!parts) return std::unexpected(parts.error());
-  const auto value = parts->second;
-  const auto digits = std::min(value.find_first_not_of("0123456789."), value.size());
-  const auto scale = unit_scale(known->unit, trimmed(value.substr(digits)));
-  if (!scale) return fail(fmt::format("'{}': no such unit", text));
+  const auto [number, unit_name] = number_and_unit(parts->second);
+  const mlcca::Unit* const typed = unit_of(known->unit, unit_name);
+  if (!number || typed == nullptr) return fail(fmt::format("'{}': no such unit", text));
   const auto& unit = table_unit(info(*built_in_named(known->name)));
   Quantity result{.name = known->name, .value = {}, .dimension = {}};
   result.dimension.unit.at(kSeconds) = unit.seconds;
   result.dimension.unit.at(kBytes) = unit.bytes;
-  result.dimension.magnitude = unit.magnitude;
-  // A unit is a power of ten of the one inside, times what no power of ten can say: 60, 1024, 1/8.
-  Value factor = scale->numerator;
-  if (scale->denominator == 8) {
-    factor *= 125;
-    result.dimension.magnitude -= 3;
-  }
-  const bool multiple = factor % 3 == 0;  // minutes and hours are written in seconds
-  const int most = multiple ? 0 : 30;
-  for (; factor % 10 == 0 && result.dimension.magnitude < most; factor /= 10)
-    ++result.dimension.magnitude;
-  result.value = times(value.substr(0, digits), factor);
+  // A unit is a power of ten of the one inside, times what no power of ten can say: 60, 1024, 125.
+  result.dimension.magnitude = unit.magnitude + typed->power;
+  result.value = number->times(typed->factor).text();
   return result;
 }
 
@@ -275,8 +222,10 @@ Result<Quantity> parse_user_defined(std::string_view text) {
   const auto digits = std::min(value.find_first_not_of("0123456789."), value.size());
   const auto dimension = parse_unit(trimmed(value.substr(digits)));
   if (!dimension) return fail(fmt::format("{}: {}", text, dimension.error().text));
-  Quantity result{
-      .name = std::string(name), .value = tidy(value.substr(0, digits)), .dimension = *dimension};
+  const auto number = Decimal::read(value.substr(0, digits));
+  Quantity result{.name = std::string(name),
+                  .value = number ? number->text() : std::string(value.substr(0, digits)),
+                  .dimension = *dimension};
   if (auto problem = problem_of(result); !problem.empty())
     return fail(fmt::format("{}: {}", text, problem));
   return result;
@@ -314,7 +263,7 @@ std::string to_words(const Quantity& quantity) {
 }
 
 std::string_view help_of(Attribute attribute) {
-  constexpr std::array<std::string_view, kAttributes> help = {
+  constexpr auto help = std::to_array<std::string_view>({
       "longest time from sending to receiving, jitter included; ns, us, ms, s",
       "longest minus shortest such time; ns, us, ms, s",
       "time by which an event must be there; ns, us, ms, s",
@@ -323,7 +272,8 @@ std::string_view help_of(Attribute attribute) {
       "share of events that may be lost; %, ppm, ppb",
       "events in a row that may be lost; a number",
       "largest event; a number of bytes, or B, kB, KiB",
-  };
+  });
+  static_assert(help.size() == kAttributes);
   return help.at(index_of(attribute));
 }
 

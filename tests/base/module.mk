@@ -1,0 +1,1 @@
+$(eval $(call unit_test,base_test,$(wildcard tests/base/*.cc),))
