@@ -48,12 +48,14 @@ bool may_know_rates(const mesh::Mesh& mesh) {
   return mesh.sources.empty() || std::ranges::any_of(mesh.sources, mesh::knows_rates);
 }
 
-/// The links of a mesh are known for good only if nothing but the description knows them.
-bool is_fixed(const mesh::Mesh& mesh) {
-  return !mesh.sources.empty() && std::ranges::all_of(mesh.sources, [](const mesh::Source& s) {
-    return s.kind == mesh::SourceKind::description;
-  });
+/// At run time something else may know better links than those that are described.
+bool is_measured(const mesh::Mesh& mesh) {
+  return std::ranges::any_of(
+      mesh.sources, [](const mesh::Source& s) { return s.kind != mesh::SourceKind::description; });
 }
+
+/// The links of a mesh are known for good only if nothing but the description knows them.
+bool is_fixed(const mesh::Mesh& mesh) { return !mesh.sources.empty() && !is_measured(mesh); }
 
 bool is_empty(const AttributeSet& offered) {
   return offered.has(Attribute::max_payload) && offered[Attribute::max_payload] == 0;
@@ -338,8 +340,8 @@ struct Media::Crossing {
   bool fits = true;
 };
 
-/// At design time the links need not be known: the run time decides, unless a way of one link is
-/// too bad already.
+/// At design time nobody need know the links, and those that are described are not all: the run
+/// time decides, unless a way of one link is too bad already.
 void Media::no_path(const Crossing& c, std::size_t hop) {
   const mesh::Mesh& mesh = c.mesh;
   if (!s_.best_cases_pass || is_fixed(mesh) || mesh.nodes.empty()) {
@@ -393,8 +395,9 @@ bool Media::is_relayed(const Crossing& c, std::span<const std::uint32_t> path) {
   return true;
 }
 
-/// False: there is no way.
+/// False: there is no way, or none that the description knows for sure.
 bool Media::take_path(Crossing& c, std::uint32_t from, std::uint32_t to) {
+  if (c.best_case && is_measured(c.mesh)) return false;
   const auto& path = c.view.path(from, to);
   if (path.empty()) {
     c.unrated = c.view.lacks_rates(from, to);

@@ -23,6 +23,7 @@
 #include "core/can/of_system.hpp"
 #include "core/design/inspect.hpp"
 #include "description/read.hpp"
+#include "tests/description/twin/random_values.hpp"
 #include "tests/description/twin/twin.hpp"
 #include "tests/levels/random_system.hpp"
 #include "tools/design/analyse_bus/bus.hpp"
@@ -119,6 +120,45 @@ std::unique_ptr<core::State> daemon_of(const core::System& system) {
   }
   state->decide();
   return state;
+}
+
+/// A source beside the description knows its links.
+bool is_measured(const core::Network& network) {
+  if (!network.mesh) return false;
+  return std::ranges::any_of(network.mesh->sources, [](const mesh::Source& source) {
+    return source.kind != mesh::SourceKind::description;
+  });
+}
+
+/// What a gateway decides when other links have been measured than those that are described: of
+/// any two nodes, or not, and better ones and worse.
+std::unique_ptr<core::State> measuring_daemon_of(const core::System& system, Random& random) {
+  auto state = daemon_of(system);
+  for (std::size_t n = 0; n < system.networks.size(); ++n) {
+    if (!is_measured(system.networks[n])) continue;
+    mesh::Graph graph;
+    graph.nodes = system.networks[n].mesh->nodes.size();
+    for (std::uint32_t from = 0; from < graph.nodes; ++from)
+      for (std::uint32_t to = 0; to < graph.nodes; ++to) {
+        if (from == to || random.one_in(3)) continue;
+        mesh::Link& link = graph.links.emplace_back();
+        link.from = from;
+        link.to = to;
+        link.quality.rate = 500'000 << random.below(10);
+        link.quality.loss_known = random.one_in(2);
+        if (link.quality.loss_known) link.quality.loss = random.below(4) * 10'000'000;
+      }
+    state->set_graph(n, std::move(graph));
+  }
+  state->settle();
+  return state;
+}
+
+/// The same without the publishers and subscribers of other channels, which take of what there is.
+core::System alone(core::System system, std::size_t channel) {
+  std::erase_if(system.publishers, [&](const auto& p) { return p.channel != channel; });
+  std::erase_if(system.subscribers, [&](const auto& s) { return s.channel != channel; });
+  return system;
 }
 
 class Levels : public ::testing::Test {
@@ -231,6 +271,30 @@ TEST_F(Levels, TheDaemonRefusesWhatCheckRefuses) {
     const auto daemon = daemon_of(all_[i].system);
     for (const auto& decision : daemon->decisions()) ASSERT_EQ(decision.granted, 0U) << texts_[i];
   }
+}
+
+TEST_F(Levels, ADaemonThatMeasuresLinksRefusesWhatCheckRefuses) {
+  Random random(1);
+  std::size_t granted = 0;
+  std::size_t refuted = 0;  // although there are links
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    if (!core::is_plain(all_[i].system)) continue;
+    if (std::ranges::none_of(all_[i].system.networks, is_measured)) continue;
+    for (std::size_t c = 0; c < all_[i].system.channels.size(); ++c) {
+      const core::System system = alone(all_[i].system, c);
+      const auto daemon = measuring_daemon_of(system, random);
+      std::size_t fit = 0;
+      std::ignore = core::inspect(system, {},
+                                  [&](std::size_t, const core::Decision& decision,
+                                      std::span<const core::Finding>) { fit += decision.granted; });
+      const auto by_daemon = daemon->decisions()[c].granted;
+      ASSERT_TRUE(fit != 0 || by_daemon == 0) << "channel " << c << "\n" << texts_[i];
+      granted += by_daemon != 0 ? 1 : 0;
+      refuted += fit == 0 && !daemon->decisions()[c].verdicts.empty() ? 1 : 0;
+    }
+  }
+  EXPECT_GT(granted, kSystems / 100);
+  EXPECT_GT(refuted, kSystems / 100);
 }
 
 TEST_F(Levels, TheChecksOfGeneratedCodeGrantWhatCheckGrants) {

@@ -224,11 +224,12 @@ class Writer {
     for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
       if (random_.one_in(8)) continue;
       linked = true;
-      out +=
-          fmt::format("<Link from=\"{}\" to=\"{}\" rate=\"{}\"{}{}{}/>", nodes[i], nodes[i + 1],
-                      1000000 + random_.below(20000000), random_.one_in(6) ? " loss=\"0.05\"" : "",
-                      random_.one_in(3) ? fmt::format(" channel=\"{}\"", 1 + i % 2) : "",
-                      random_.one_in(6) ? " kind=\"effective\"" : "");
+      out += fmt::format(
+          "<Link from=\"{}\" to=\"{}\" rate=\"{}\"{}{}{}/>", nodes[i], nodes[i + 1],
+          random_.one_in(8) ? 2000 + random_.below(20000) : 1000000 + random_.below(20000000),
+          random_.one_in(6) ? " loss=\"0.05\"" : "",
+          random_.one_in(3) ? fmt::format(" channel=\"{}\"", 1 + i % 2) : "",
+          random_.one_in(6) ? " kind=\"effective\"" : "");
     }
     if (nodes.size() > 2 && random_.one_in(3)) {
       linked = true;  // a ring
@@ -236,7 +237,7 @@ class Writer {
                          1000000 + random_.below(20000000),
                          random_.one_in(3) ? " both-ways=\"false\"" : "");
     }
-    const bool elsewhere = random_.one_in(8);
+    const bool elsewhere = random_.one_in(4);
     if (elsewhere) out += "<Source kind=\"file\" endpoint=\"/nowhere\"/>";
     if (linked && (elsewhere || random_.one_in(2))) out += "<Source kind=\"description\"/>";
     out += "</Mesh>";

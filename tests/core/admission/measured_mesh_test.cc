@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <optional>
 #include <string>
 
@@ -151,6 +152,59 @@ TEST(MeasuredMeshTest, LossMayBeMeasured) {
   EXPECT_EQ(only(check(system).inspection).id, Id::run_time);
 }
 
+const Verdict& decided(State& state, mesh::Graph graph) {
+  state.set_graph(kAir, std::move(graph));
+  state.settle();
+  return state.decisions().at(0).verdicts.at(0);
+}
+
+/// Links of 8 kbit/s from a over b to c are described; `sources` know of links.
+System slowly_linked(std::initializer_list<mesh::SourceKind> sources) {
+  System system = measured();
+  system.networks[kBus].provision.set(Attribute::bandwidth, 50'000);
+  mesh::Mesh& air = *system.networks[kAir].mesh;
+  air.sources.clear();
+  for (const mesh::SourceKind kind : sources) {
+    mesh::Source& source = air.sources.emplace_back();
+    source.kind = kind;
+    source.metric = mesh::AwdsMetric::packet_pair;
+  }
+  for (const std::uint32_t from : {0U, 1U}) {
+    mesh::DescribedLink link;
+    link.from = from;
+    link.to = from + 1;
+    link.rate = 8'000;
+    air.links.push_back(link);
+  }
+  return system;
+}
+
+TEST(MeasuredMeshTest, DescribedLinksDoNotRefuteWhatMeasuredOnesMayCarry) {
+  using enum mesh::SourceKind;
+  for (const mesh::SourceKind kind : {file, awds, wire, nl80211, batman, babel, olsr}) {
+    System system = slowly_linked({kind, description});
+    system.networks[kAir].mesh->per_hop.set(Attribute::latency, 30 * kMs);
+    // Two links take 60 ms, carry 500 bytes/s and lose three in a row; one link need not.
+    for (AttributeSet* ends : {&system.publishers[0].attributes, &system.subscribers[0].attributes})
+      ends->set(Attribute::omission, 1).set(Attribute::bandwidth, 10'000);
+    EXPECT_EQ(only(check(system).inspection).id, Id::run_time)
+        << only(check(system).inspection).text;
+    mesh::Graph direct;
+    direct.nodes = 3;
+    mesh::Link& link = direct.links.emplace_back();
+    link.to = 2;
+    link.quality.rate = 100'000'000;
+    State state(system);
+    EXPECT_TRUE(decided(state, direct).granted);
+  }
+}
+
+TEST(MeasuredMeshTest, DescribedLinksRefuteWhereNothingElseKnowsAny) {
+  System system = slowly_linked({mesh::SourceKind::description});
+  system.publishers[0].attributes.set(Attribute::bandwidth, 10'000);
+  EXPECT_EQ(only(check(system).inspection).id, Id::medium_time);
+}
+
 TEST(MeasuredMeshTest, WithoutDescribedNodesNothingEntersIt) {
   System system = measured();
   system.networks[kAir].mesh->nodes.clear();
@@ -180,12 +234,6 @@ mesh::Graph row_of_links(std::optional<mesh::Lack> lack = std::nullopt) {
     graph.links.push_back(link);
   }
   return graph;
-}
-
-const Verdict& decided(State& state, mesh::Graph graph) {
-  state.set_graph(kAir, std::move(graph));
-  state.settle();
-  return state.decisions().at(0).verdicts.at(0);
 }
 
 TEST(MeasuredMeshTest, LinksWithoutARateAreNotUnknown) {
