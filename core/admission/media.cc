@@ -29,8 +29,15 @@ void provide(AttributeSet& provision, Attribute a, Value value, bool dynamic = f
   if (is_missing(provision, a)) provision.set(a, value, dynamic);
 }
 
+/// What is computed sustains the Period of the events. That promises nothing of how long they take,
+/// as a Period that the description states does: without a Latency there is none.
+void provide_period(AttributeSet& provision, Value period, bool dynamic = false) {
+  if (!is_missing(provision, Attribute::period)) return;
+  if (!provision.has(Attribute::latency)) provision.set(Attribute::latency, kUnbounded);
+  provision.set(Attribute::period, period, dynamic);
+}
+
 void provide_response(AttributeSet& provision, Value response) {
-  if (response == 0) return;
   provide(provision, Attribute::latency, response);
   provide(provision, Attribute::jitter, response);
 }
@@ -40,7 +47,7 @@ void provide_response(AttributeSet& provision, Value response) {
 void provide_events(AttributeSet& provision, const AttributeSet& offered, bool dynamic = false) {
   provide(provision, Attribute::max_payload, kUnbounded, dynamic);
   if (offered.has(Attribute::period))
-    provide(provision, Attribute::period, offered[Attribute::period], dynamic);
+    provide_period(provision, offered[Attribute::period], dynamic);
 }
 
 /// Something could know what its links carry, if anything is asked.
@@ -127,8 +134,9 @@ void Media::obstruct(Obstacle obstacle, std::size_t hop) {
 Value Media::latency_of(std::size_t hop) const {
   if (guaranteed_[hop] != kUnbounded) return guaranteed_[hop];
   const AttributeSet& provision = hops_[hop].provision;
+  const Value latency = normalised_provision(provision)[Attribute::latency];
   // Latency that is not stated is refused for that; it takes nothing of what the buses may.
-  return normalised_provision(provision)[Attribute::latency];
+  return latency == kUnbounded ? 0 : latency;
 }
 
 Value Media::variation_of(std::size_t hop) const {
@@ -265,7 +273,7 @@ void Media::take_bus(std::size_t hop) {
   }
   AttributeSet& provision = hops_[hop].provision;
   provide_response(provision, use.response);
-  provide(provision, Attribute::period, message->period);
+  provide_period(provision, message->period);
   const Network& medium = s_.system.networks[network];
   provide(provision, Attribute::max_payload, event_bytes(medium, *medium.binding_of(v_.channel)));
 }

@@ -170,11 +170,20 @@ class RouteCheck {
     }
   }
 
+  /// To have no bound is to be not provided.
+  [[nodiscard]] static Comparison without_unbounded_latency(Comparison row) {
+    if (held_against(row.attribute) != Attribute::latency || row.provided != kUnbounded) return row;
+    row.known = false;
+    row.dynamic = false;
+    row.provided = 0;
+    return row;
+  }
+
   void add_rows(Against against, Place place, const CheckResult& check,
                 std::size_t subscriber = 0) {
     for (std::size_t i = 0; i < check.count; ++i)
       v_.rows.push_back({.place = place,
-                         .comparison = check.rows[i],
+                         .comparison = without_unbounded_latency(check.rows[i]),
                          .end = static_cast<std::uint32_t>(subscriber),
                          .against = against});
   }

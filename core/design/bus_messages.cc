@@ -14,7 +14,9 @@ namespace mlcca::core {
 namespace {
 
 bool is_unknown(const AttributeSet& provision) {
-  return !provision.has(Attribute::latency) || provision.is_dynamic(Attribute::latency);
+  constexpr Attribute latency = Attribute::latency;
+  return !provision.has(latency) || provision.is_dynamic(latency) ||
+         provision[latency] == kUnbounded;
 }
 
 /// Hops before the one of that number whose delay nobody knows.
@@ -48,7 +50,7 @@ std::optional<BusMessage::Before> bus_before(const System& system, const Ledger&
     if (i >= v.hops.size()) continue;
     const AttributeSet& gives = v.hops[i].provision;
     for (const Attribute a : {Attribute::jitter, Attribute::latency})
-      if (gives.has(a)) {
+      if (gives.has(a) && gives[a] != kUnbounded) {
         added = add_saturating(added, gives[a]);
         break;
       }

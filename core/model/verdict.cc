@@ -15,6 +15,13 @@ Value slack(const Comparison& c) {
   return mul_div_down(c.margin(), 1024, larger);
 }
 
+/// As a rule what is carried is exactly what the publisher offers; what a person wants to know is
+/// how near time and loss are.
+bool is_met_by_rule(const Comparison& c) {
+  return c.attribute == Attribute::max_payload ||
+         (c.attribute == Attribute::period && c.provided == c.required);
+}
+
 }  // namespace
 
 const Row* deciding_row(const Verdict& verdict) {
@@ -26,8 +33,7 @@ const Row* deciding_row(const Verdict& verdict) {
       continue;
     }
     if (row.against != Against::end_to_end) continue;
-    // Sizes are met exactly as a rule; what a person wants to know is how near time and loss are.
-    if (row.comparison.attribute == Attribute::max_payload) continue;
+    if (is_met_by_rule(row.comparison)) continue;
     if (tightest == nullptr || slack(row.comparison) < slack(tightest->comparison)) tightest = &row;
   }
   if (verdict.granted && tightest == nullptr && !verdict.rows.empty()) return &verdict.rows.front();

@@ -143,6 +143,16 @@ TEST(MeasuredMeshTest, WhatNoLinkStatesIsToBeStatedInPerHop) {
       << checked.inspection.findings[0].hint;
 }
 
+TEST(MeasuredMeshTest, NoLatencyFollowsFromThePeriodOfThePublisher) {
+  System system = measured();
+  system.networks[kAir].mesh->per_hop.clear(Attribute::latency);
+  const Checked checked = check(system);
+  const Finding& finding = only(checked.inspection);
+  EXPECT_EQ(finding.id, Id::hop_unfit);
+  EXPECT_TRUE(finding.text.ends_with("air provides none")) << finding.text;
+  EXPECT_TRUE(finding.hint.starts_with("state Latency of PerHop of air")) << finding.hint;
+}
+
 TEST(MeasuredMeshTest, LossMayBeMeasured) {
   System system = measured();
   system.channels[0].attributes.set(Attribute::packet_loss, kPercent);

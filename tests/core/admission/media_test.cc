@@ -313,6 +313,40 @@ TEST(MeshTest, WhatEachLinkStatesCountsBeforeWhatFollowsFromTheTime) {
   }
 }
 
+TEST(MeshTest, ThePeriodOfThePublisherPromisesNoLatency) {
+  System system = air(every(50 * kMs));
+  system.networks[0].mesh->per_hop.set(Attribute::omission, 0);
+  State state(std::move(system));
+  state.set_graph(0, link_of(8000));
+  state.settle();
+  const Verdict& v = state.decisions()[0].verdicts.at(0);
+  EXPECT_FALSE(v.granted);
+  EXPECT_EQ(reason(state.system(), state.members(), v),
+            "Deadline 50 ms required, air provides none");
+}
+
+TEST(MeshTest, APeriodThatTheDescriptionStatesPromisesALatency) {
+  System system = air(every(50 * kMs));
+  system.networks[0].provision.set(Attribute::period, 20 * kMs);
+  State state(std::move(system));
+  state.set_graph(0, link_of(8000));
+  state.settle();
+  const Verdict& v = state.decisions()[0].verdicts.at(0);
+  EXPECT_TRUE(v.granted);
+  EXPECT_EQ(v.provision[Attribute::latency], 20 * kMs);
+}
+
+TEST(MeshTest, AGrantIsSummedUpByWhatIsNearest) {
+  System system = air(every(50 * kMs));
+  system.networks[0].mesh->per_hop.set(Attribute::latency, 45 * kMs);
+  State state(std::move(system));
+  state.set_graph(0, link_of(8000));
+  state.settle();
+  const Verdict& v = state.decisions()[0].verdicts.at(0);
+  ASSERT_TRUE(v.granted);
+  EXPECT_EQ(deciding_row(v)->comparison.attribute, Attribute::deadline);
+}
+
 TEST(MeshTest, BetweenProgramsOfOneNodeThereIsNothingToWaitFor) {
   AttributeSet often;
   often.set(Attribute::period, 10 * kMs)
