@@ -63,20 +63,6 @@ bool is_about_medium(const Row& row) {
   return row.against == Against::schedule || row.against == Against::medium_time;
 }
 
-/// What a mesh has left is less than what it would give to one alone: one number is told.
-bool is_told_as_medium_time(const Verdict& v, const Row& row) {
-  if (row.against != Against::hop || row.is_user() ||
-      row.comparison.attribute != Attribute::bandwidth)
-    return false;
-  return std::ranges::any_of(v.rows, [&](const Row& other) {
-    return other.against == Against::medium_time && other.place == row.place && is_unfit(other);
-  });
-}
-
-bool same_attribute(const Row& a, const Row& b) {
-  return a.user == b.user && a.comparison.attribute == b.comparison.attribute;
-}
-
 /// "robot-can, bridge, second-can"
 std::string way_of(const System& system, const Route& route) {
   std::string text;
@@ -321,13 +307,10 @@ void Explainer::add_pair(const Verdict& v, std::size_t subscriber) {
   for (const Row& row : pair.rows) {
     if (!is_unfit(row) || row.against == Against::capacity || is_about_medium(row)) continue;
     if (pair.obstacle != Obstacle::none && is_left_open(row)) continue;
-    if (is_told_as_medium_time(v, row)) continue;
-    // What one hop cannot give, the whole way cannot: once is enough.
-    const bool said =
-        row.against == Against::end_to_end && std::ranges::any_of(pair.rows, [&](const Row& other) {
-          return other.against == Against::hop && is_unfit(other) && same_attribute(other, row);
-        });
-    if (!said) add_row(pair, row, subscriber);
+    // What a medium has left is known of all together.
+    if (row.against == Against::hop && is_said_by_another(v, row)) continue;
+    if (is_said_by_another(pair, row)) continue;
+    add_row(pair, row, subscriber);
   }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "core/model/verdict.hpp"
 
+#include <algorithm>
+
 #include "mlcca/check.hpp"
 #include "mlcca/units.hpp"
 
@@ -15,6 +17,8 @@ Value slack(const Comparison& c) {
   return mul_div_down(c.margin(), 1024, larger);
 }
 
+bool is_unfit(const Row& row) { return row.comparison.outcome == Outcome::unfit; }
+
 /// As a rule what is carried is exactly what the publisher offers; what a person wants to know is
 /// how near time and loss are.
 bool is_met_by_rule(const Comparison& c) {
@@ -24,12 +28,23 @@ bool is_met_by_rule(const Comparison& c) {
 
 }  // namespace
 
+bool is_said_by_another(const Verdict& verdict, const Row& row) {
+  const Attribute attribute = row.comparison.attribute;
+  return std::ranges::any_of(verdict.rows, [&](const Row& other) {
+    if (!is_unfit(other) || other.comparison.attribute != attribute) return false;
+    if (row.against == Against::end_to_end)
+      return other.against == Against::hop && other.user == row.user;
+    return row.against == Against::hop && !row.is_user() && attribute == Attribute::bandwidth &&
+           other.against == Against::medium_time && other.place == row.place;
+  });
+}
+
 const Row* deciding_row(const Verdict& verdict) {
   const Row* tightest = nullptr;
   for (const Row& row : verdict.rows) {
     const bool fits = at_run_time(row.comparison.outcome) == Outcome::fit;
     if (!verdict.granted) {
-      if (!fits) return &row;
+      if (!fits && !is_said_by_another(verdict, row)) return &row;
       continue;
     }
     if (row.against != Against::end_to_end) continue;

@@ -347,6 +347,17 @@ TEST(MeshTest, AGrantIsSummedUpByWhatIsNearest) {
   EXPECT_EQ(deciding_row(v)->comparison.attribute, Attribute::deadline);
 }
 
+TEST(MeshTest, AStreamThatIsTooFastIsRefusedForWhatIsLeft) {
+  AttributeSet fast;
+  fast.set(Attribute::bandwidth, 2000).set(Attribute::max_payload, 100);
+  State state(air(fast));
+  state.set_graph(0, link_of(8000, 500'000));
+  state.settle();
+  const Verdict& v = state.decisions()[0].verdicts.at(0);
+  EXPECT_EQ(reason(state.system(), state.members(), v),
+            "2 kB/s needed on air, whose links have time for 500 B/s");
+}
+
 TEST(MeshTest, BetweenProgramsOfOneNodeThereIsNothingToWaitFor) {
   AttributeSet often;
   often.set(Attribute::period, 10 * kMs)
