@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The encoding of protobuf, for every message of control.proto: templates over what
-// proto/protoc-gen-mlcca makes of it. Private to control/.
+// The bytes of requests and replies. Private to control/.
 #pragma once
 #include <string>
 #include <string_view>

@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# The structs of the control protocol, made of control.proto.
-CONTROL_HEADERS := $O/made/control/messages.hpp $O/made/control/oneofs.inc $O/made/control/fields.hpp
+# The structs of the control protocol and of the journal's entries, made of their schemas.
 PROTO_FILES := $(wildcard proto/mlcca/v1/*.proto)
-$O/made/control/fields.hpp $O/made/control/oneofs.inc: $O/made/control/messages.hpp ;
-$O/made/control/messages.hpp: proto/protoc-gen-mlcca $(PROTO_FILES)
-	$(call say,PROTOC,$@)
-	$(Q)mkdir -p $O/made && $(PROTOC) -Iproto --plugin=protoc-gen-mlcca=proto/protoc-gen-mlcca \
-		--mlcca_out=$O/made mlcca/v1/control.proto
+CONTROL_HEADERS := $(foreach folder,control daemon/store,$(addprefix $O/made/$(folder)/,messages.hpp oneofs.inc fields.hpp))
+# $(call schema,FOLDER,FILE)
+define schema
+$O/made/$1/fields.hpp $O/made/$1/oneofs.inc: $O/made/$1/messages.hpp ;
+$O/made/$1/messages.hpp: proto/protoc-gen-mlcca $(PROTO_FILES)
+	$$(call say,PROTOC,$$@)
+	$$(Q)mkdir -p $O/made && $$(PROTOC) -Iproto --plugin=protoc-gen-mlcca=proto/protoc-gen-mlcca \
+		--mlcca_out=$1:$O/made mlcca/v1/$2.proto
+endef
+$(eval $(call schema,control,control))
+$(eval $(call schema,daemon/store,journal))
 
 # What protobuf itself makes of it: tests hold ours against that.
 $O/gen/%.pb.cc $O/gen/%.pb.h: proto/%.proto

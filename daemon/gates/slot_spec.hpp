@@ -46,6 +46,13 @@ struct SlotSpec {
   [[nodiscard]] bool same_grant(const SlotSpec& other) const;
 };
 
+/// A slot, and the interface that has it.
+struct PlacedSlot {
+  std::uint32_t ifindex = 0;
+  SlotSpec slot;
+  bool operator==(const PlacedSlot&) const = default;
+};
+
 /// Changes of one interface. `close`, `remove` and `open` name slots by everything but the verdict
 /// and the traffic.
 struct SlotChanges {

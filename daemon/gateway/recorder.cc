@@ -1,60 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gateway/recorder.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <map>
-#include <string_view>
 #include <utility>
 
 #include "base/number.hpp"
 #include "core/model/progress.hpp"
 #include "core/model/text.hpp"
-#include "daemon/gates/slot_record.hpp"
+#include "daemon/store/records.hpp"
 
 namespace mlcca {
-namespace {
-
-// The journal's words for what is granted: "set=0 camera#0>control player#7>laptop": the attribute
-// set, then publisher, its admission and the place of each delivery.
-constexpr std::string_view kSet = "set=";
-
-std::string text_of(const core::Grants& grants) {
-  if (grants.deliveries.empty()) return {};
-  std::string text = std::string(kSet) + std::to_string(grants.set);
-  for (const core::Delivery& d : grants.deliveries)
-    text += fmt::format(" {}#{}>{}", d.publisher, d.admission, d.to);
-  return text;
-}
-
-/// Nothing for words that are not ours. Neither names of places nor numbers have a # or a >.
-std::optional<core::Grants> grants_of(std::string_view text) {
-  if (!text.starts_with(kSet)) return std::nullopt;
-  core::Grants grants;
-  bool first = true;
-  while (!text.empty()) {
-    const auto blank = std::min(text.find(' '), text.size());
-    const std::string_view word = text.substr(0, blank);
-    text.remove_prefix(std::min(blank + 1, text.size()));
-    if (std::exchange(first, false)) {
-      const auto set = number_in<std::size_t>(word.substr(kSet.size()));
-      if (!set) return std::nullopt;
-      grants.set = *set;
-      continue;
-    }
-    const auto to = word.rfind('>');
-    const auto id = to == std::string_view::npos ? to : word.rfind('#', to);
-    if (id == std::string_view::npos) return std::nullopt;
-    const auto admission = number_in<core::AdmissionId>(word.substr(id + 1, to - id - 1));
-    if (!admission) return std::nullopt;
-    grants.deliveries.push_back(
-        {std::string(word.substr(0, id)), *admission, std::string(word.substr(to + 1))});
-  }
-  return grants;
-}
-
-}  // namespace
 
 Result<void> Recorder::open(const std::string& directory, store::Disk& disk) {
   auto opened = patience_.wait_for([&] { return store::Journal::open(directory, disk); });
@@ -65,8 +21,8 @@ Result<void> Recorder::open(const std::string& directory, store::Disk& disk) {
 
 Recorder::Granted Recorder::granted() const {
   Granted all;
-  for (const auto& [subject, text] : contents().granted)
-    if (auto grants = grants_of(text)) all.emplace(subject, std::move(*grants));
+  for (const auto& [subject, record] : contents().granted)
+    if (auto grants = store::grants_in(record)) all.emplace(subject, std::move(*grants));
   return all;
 }
 
@@ -104,12 +60,12 @@ void Recorder::note(std::size_t channel) {
   note_granted(channel);
   append(store::Enforced{
       scene_.state->system().channels[channel].subject,
-      enforce::record_of(gates_.slots(scene_.state->gate_state(scene_.self, channel)))});
+      store::record_of(gates_.slots(scene_.state->gate_state(scene_.self, channel)))});
 }
 
 void Recorder::note_granted(std::size_t channel) {
   append(store::Granted{core::format_subject(scene_.state->system().channels[channel].subject),
-                        text_of(scene_.state->grants(channel))});
+                        store::record_of(scene_.state->grants(channel))});
 }
 
 void Recorder::note_gone(const std::string& subject) { append(store::Granted{subject, {}}); }
@@ -158,8 +114,7 @@ void Recorder::note_slots(core::GateState of_all) {
     const auto last = std::find_if(first, of_all.end(), [&](const core::GateRule& rule) {
       return subject_of(rule) != subject_of(*first);
     });
-    now.emplace_hint(now.end(), subject_of(*first),
-                     enforce::record_of(gates_.slots({first, last})));
+    now.emplace_hint(now.end(), subject_of(*first), store::record_of(gates_.slots({first, last})));
     first = last;
     pulse_();
   }

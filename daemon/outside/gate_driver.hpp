@@ -17,7 +17,7 @@
 #include "core/gates/plan.hpp"
 #include "core/model/system.hpp"
 #include "daemon/gates/bindings.hpp"
-#include "daemon/gates/slot_record.hpp"
+#include "daemon/gates/slot_spec.hpp"
 #include "daemon/outside/frames.hpp"
 
 namespace mlcca {

@@ -22,7 +22,7 @@
 #include "daemon/gates/control.hpp"
 #include "daemon/gates/ether_gate.hpp"
 #include "daemon/gates/gate.hpp"
-#include "daemon/gates/slot_record.hpp"
+#include "daemon/gates/slot_spec.hpp"
 #include "daemon/net/identity.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/outside/gate_driver.hpp"

@@ -45,6 +45,7 @@ struct Apply {
     to.released.erase(first, last);
   }
   void operator()(const Granted& entry) const { put(to.granted, entry.subject, entry.state); }
+  void operator()(const NextId& entry) const { to.next_id = std::max(to.next_id, entry.id); }
   void operator()(const Enforced& entry) const { put(to.enforced, entry.subject, entry.slots); }
   void operator()(const Gated& entry) const {
     if (entry.ifindex == 0)
@@ -88,6 +89,10 @@ struct Inverse {
     std::string before = get(of.granted, entry.subject);
     if (before == entry.state) return std::nullopt;
     return Granted{entry.subject, std::move(before)};
+  }
+  Answer operator()(const NextId& entry) const {
+    if (entry.id <= of.next_id) return std::nullopt;
+    return NextId{of.next_id};
   }
   Answer operator()(const Enforced& entry) const {
     std::string before = get(of.enforced, entry.subject);

@@ -11,69 +11,15 @@
 #include <string>
 #include <unordered_map>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "control/messages.hpp"
+#include "daemon/store/messages.hpp"
 
 namespace mlcca::store {
 
-/// An Admit request was granted.
-struct Admitted {
-  control::Request request;  ///< id: the admission's, from 1; body: control::Admit
-  std::uint32_t by = 0;      ///< user who asked for it; root where nobody wrote that down
-  bool operator==(const Admitted&) const = default;
-};
-/// An admission is gone.
-struct Removed {
-  std::uint64_t id = 0;
-  bool operator==(const Removed&) const = default;
-};
-/// The operator has released a channel (subject as "0x…").
-struct Released {
-  std::string subject;
-  bool operator==(const Released&) const = default;
-};
-/// A released channel is admitted again.
-struct Reinstated {
-  std::string subject;
-  bool operator==(const Reinstated&) const = default;
-};
-/// What a channel has been granted; the latest one of a subject counts.
-struct Granted {
-  std::string subject;
-  std::string state;  ///< the writer's own words; empty: nothing
-  bool operator==(const Granted&) const = default;
-};
-
-/// Which interface a port has, by its identity ("name can0"); the latest one of an identity counts.
-struct Gated {
-  std::string identity;
-  std::string network;
-  std::string interface;
-  std::uint32_t ifindex = 0;  ///< 0: none any more
-  bool operator==(const Gated&) const = default;
-};
-
-/// What the gates were told to hold of a channel; the latest one of a subject counts.
-struct Enforced {
-  std::uint64_t subject = 0;
-  std::string slots;  ///< the writer's own octets; empty: nothing
-  bool operator==(const Enforced&) const = default;
-};
-
-/// The broker of a FAMOUSO bus has dealt the tag that is stated for a subject otherwise, and not as
-/// stated since; the latest one of a subject on a network counts.
-struct Contradicted {
-  std::string network;
-  std::uint64_t subject = 0;
-  std::uint16_t etag = 0;  ///< as it is stated
-  std::string how;         ///< the writer's own words; empty: it is over
-  bool operator==(const Contradicted&) const = default;
-};
-
-using Entry =
-    std::variant<Admitted, Removed, Released, Reinstated, Granted, Gated, Enforced, Contradicted>;
+/// One of the structs that are made of journal.proto.
+using Entry = decltype(JournalEntry::body);
 
 /// Admit requests that were granted: a range of control::Request, oldest first (by id).
 class Admissions {
@@ -126,11 +72,11 @@ struct Contents {
   Admissions admissions;
   /// Channels (by subject, "0x…") that the operator has released, sorted.
   std::vector<std::string> released;
-  /// By subject; never an empty text.
+  /// By subject: a Grants message (records.hpp); never empty.
   std::map<std::string, std::string> granted;
   /// By identity; never of ifindex 0.
   std::map<std::string, Gated> gated;
-  /// By subject; never empty octets.
+  /// By subject: a Slots message (records.hpp); never empty.
   std::map<std::uint64_t, std::string> enforced;
   /// By network and subject; never of empty words.
   std::map<std::pair<std::string, std::uint64_t>, Contradicted> contradicted;

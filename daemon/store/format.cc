@@ -2,29 +2,19 @@
 #include "daemon/store/format.hpp"
 
 #include <utility>
+#include <variant>
 
-#include "control/buffer.hpp"
-#include "control/codec.hpp"
+#include "control/protobuf.hpp"
 #include "daemon/store/checksum.hpp"
+#include "daemon/store/fields.hpp"
 
 namespace mlcca::store::format {
 namespace {
 
-constexpr std::string_view kFileMark = "MLCCAJ01";
+/// Of every layout, and of this one.
+constexpr std::string_view kAnyMark = "MLCCAJ";
+constexpr std::string_view kFileMark = "MLCCAJ02";
 constexpr std::string_view kBatchMark = "BTCH";
-
-enum class Kind : std::uint8_t {
-  admitted = 1,
-  removed = 2,
-  released = 3,
-  reinstated = 4,
-  granted = 5,
-  next_id = 6,
-  gated = 7,
-  enforced = 8,
-  admitted_by = 9,
-  contradicted = 10,
-};
 
 template <class Integer>
 void put(std::string& to, Integer value) {
@@ -49,147 +39,27 @@ std::string octets(std::uint64_t value) {
   return out;
 }
 
-/// A text that others follow.
-void put_text(std::string& to, const std::string& text) {
-  put(to, static_cast<std::uint32_t>(text.size()));
-  to += text;
-}
-std::optional<std::string> take_text(std::string_view& from) {
-  if (from.size() < sizeof(std::uint32_t)) return std::nullopt;
-  const auto length = take<std::uint32_t>(from);
-  if (length > from.size()) return std::nullopt;
-  std::string text(from.substr(0, length));
-  from.remove_prefix(length);
-  return text;
-}
-
-std::string with_head(Kind kind, std::string_view body) {
-  std::string out(1, static_cast<char>(kind));
-  put(out, static_cast<std::uint32_t>(body.size()));
-  return out.append(body);
-}
-
 std::uint64_t head_checksum(std::string_view head, std::uint64_t salt) {
   return crc64(head, crc64(octets(salt)));
 }
 
-struct Encode {
-  std::string operator()(const Admitted& entry) const {
-    const std::string request = control::encode(entry.request);
-    if (entry.by == 0) return with_head(Kind::admitted, request);
-    std::string body;
-    put(body, entry.by);
-    return with_head(Kind::admitted_by, body + request);
-  }
-  std::string operator()(const Removed& entry) const {
-    return with_head(Kind::removed, octets(entry.id));
-  }
-  std::string operator()(const Released& entry) const {
-    return with_head(Kind::released, entry.subject);
-  }
-  std::string operator()(const Reinstated& entry) const {
-    return with_head(Kind::reinstated, entry.subject);
-  }
-  std::string operator()(const Granted& entry) const {
-    std::string body;
-    put_text(body, entry.subject);
-    return with_head(Kind::granted, body + entry.state);
-  }
-  std::string operator()(const Gated& entry) const {
-    std::string body;
-    put(body, entry.ifindex);
-    put_text(body, entry.network);
-    put_text(body, entry.interface);
-    return with_head(Kind::gated, body + entry.identity);
-  }
-  std::string operator()(const Enforced& entry) const {
-    return with_head(Kind::enforced, octets(entry.subject) + entry.slots);
-  }
-  std::string operator()(const Contradicted& entry) const {
-    std::string body = octets(entry.subject);
-    put(body, entry.etag);
-    put_text(body, entry.network);
-    return with_head(Kind::contradicted, body + entry.how);
-  }
+/// Of what only takes something away, or sets the next id: nothing of that is alive.
+struct IsAlive {
+  bool operator()(const Admitted&) const { return true; }
+  bool operator()(const Removed&) const { return false; }
+  bool operator()(const Released&) const { return true; }
+  bool operator()(const Reinstated&) const { return false; }
+  bool operator()(const NextId&) const { return false; }
+  bool operator()(const Granted& entry) const { return !entry.state.empty(); }
+  bool operator()(const Gated& entry) const { return entry.ifindex != 0; }
+  bool operator()(const Enforced& entry) const { return !entry.slots.empty(); }
+  bool operator()(const Contradicted& entry) const { return !entry.how.empty(); }
 };
 
-std::optional<Entry> decode_admitted(std::string_view body, std::uint32_t by = 0) {
-  control::Buffer buffer;
-  buffer.append(body);
-  auto request = control::decode_request(buffer);
-  if (!request || !*request || !buffer.content().empty()) return std::nullopt;
-  if (!std::holds_alternative<control::Admit>((*request)->body)) return std::nullopt;
-  return Admitted{std::move(**request), by};
-}
-
-std::optional<Entry> decode_admitted_by(std::string_view body) {
-  if (body.size() < sizeof(std::uint32_t)) return std::nullopt;
-  const auto by = take<std::uint32_t>(body);
-  return decode_admitted(body, by);
-}
-
-std::optional<Entry> decode_granted(std::string_view body) {
-  auto subject = take_text(body);
-  if (!subject) return std::nullopt;
-  return Granted{std::move(*subject), std::string(body)};
-}
-
-std::optional<Entry> decode_enforced(std::string_view body) {
-  if (body.size() < sizeof(std::uint64_t)) return std::nullopt;
-  const auto subject = take<std::uint64_t>(body);
-  return Enforced{subject, std::string(body)};
-}
-
-std::optional<Entry> decode_gated(std::string_view body) {
-  if (body.size() < sizeof(std::uint32_t)) return std::nullopt;
-  Gated entry;
-  entry.ifindex = take<std::uint32_t>(body);
-  auto network = take_text(body);
-  auto interface = take_text(body);
-  if (!network || !interface) return std::nullopt;
-  entry.network = std::move(*network);
-  entry.interface = std::move(*interface);
-  entry.identity = body;
-  return entry;
-}
-
-std::optional<Entry> decode_contradicted(std::string_view body) {
-  Contradicted entry;
-  if (body.size() < sizeof entry.subject + sizeof entry.etag) return std::nullopt;
-  entry.subject = take<std::uint64_t>(body);
-  entry.etag = take<std::uint16_t>(body);
-  auto network = take_text(body);
-  if (!network) return std::nullopt;
-  entry.network = std::move(*network);
-  entry.how = body;
-  return entry;
-}
-
-std::optional<Entry> decode(std::uint8_t kind, std::string_view body) {
-  switch (static_cast<Kind>(kind)) {
-    case Kind::admitted:
-      return decode_admitted(body);
-    case Kind::removed:
-      if (body.size() != sizeof(std::uint64_t)) return std::nullopt;
-      return Removed{take<std::uint64_t>(body)};
-    case Kind::released:
-      return Released{std::string(body)};
-    case Kind::reinstated:
-      return Reinstated{std::string(body)};
-    case Kind::granted:
-      return decode_granted(body);
-    case Kind::gated:
-      return decode_gated(body);
-    case Kind::enforced:
-      return decode_enforced(body);
-    case Kind::admitted_by:
-      return decode_admitted_by(body);
-    case Kind::contradicted:
-      return decode_contradicted(body);
-    case Kind::next_id:
-      break;  // no entry: the reader keeps it
-  }
-  return std::nullopt;
+/// What is admitted is an Admit request and nothing else.
+bool is_sound(const Entry& entry) {
+  const auto* admitted = std::get_if<Admitted>(&entry);
+  return admitted == nullptr || std::holds_alternative<control::Admit>(admitted->request.body);
 }
 
 }  // namespace
@@ -201,35 +71,33 @@ std::string file_head(std::uint64_t salt) {
   return head;
 }
 
-std::optional<std::uint64_t> read_file_head(std::string_view bytes) {
-  if (bytes.size() < kFileHead || !bytes.starts_with(kFileMark)) return std::nullopt;
+Result<std::uint64_t> read_file_head(std::string_view bytes) {
+  const auto none = [] { return fail("damaged at byte 0 (no head of a journal)"); };
+  if (bytes.size() < kFileHead || !bytes.starts_with(kAnyMark)) return none();
   const std::uint64_t expected = crc64(bytes.substr(0, kFileHead - sizeof(std::uint64_t)));
+  const std::string mark(bytes.substr(0, kFileMark.size()));
   bytes.remove_prefix(kFileMark.size());
   const auto salt = take<std::uint64_t>(bytes);
-  if (take<std::uint64_t>(bytes) != expected) return std::nullopt;
+  if (take<std::uint64_t>(bytes) != expected) return none();
+  if (mark != kFileMark)
+    return fail("a journal of layout " + mark + ", and this version reads only " +
+                std::string(kFileMark));
   return salt;
 }
 
-std::string encode(const Entry& entry) { return std::visit(Encode{}, entry); }
-
-/// Those of each admission are asked for without their octets.
-std::uint64_t live_bytes(const Entry& entry) {
-  if (const auto* granted = std::get_if<Granted>(&entry))
-    return granted->state.empty() ? 0
-                                  : kEntryHead + sizeof(std::uint32_t) + granted->subject.size() +
-                                        granted->state.size();
-  if (const auto* enforced = std::get_if<Enforced>(&entry))
-    return enforced->slots.empty()
-               ? 0
-               : kEntryHead + sizeof(enforced->subject) + enforced->slots.size();
-  const auto* gated = std::get_if<Gated>(&entry);
-  const auto* contradicted = std::get_if<Contradicted>(&entry);
-  const bool adds = std::holds_alternative<Admitted>(entry) ||
-                    std::holds_alternative<Released>(entry) ||
-                    (gated != nullptr && gated->ifindex != 0) ||
-                    (contradicted != nullptr && !contradicted->how.empty());
-  return adds ? encode(entry).size() : 0;
+std::string encode(const Entry& entry) {
+  std::string message;
+  const auto number = static_cast<std::uint32_t>(entry.index() + 1);  // as journal.proto numbers
+  std::visit([&](const auto& one) { control::ProtobufWriter(message).put_always(number, one); },
+             entry);
+  std::string out;
+  put(out, static_cast<std::uint32_t>(message.size()));
+  return out += message;
 }
+
+bool is_alive(const Entry& entry) { return std::visit(IsAlive{}, entry); }
+
+std::uint64_t live_bytes(const Entry& entry) { return is_alive(entry) ? encode(entry).size() : 0; }
 
 std::string batch(std::uint64_t salt, std::uint64_t sequence, std::uint32_t count,
                   std::string entries) {
@@ -244,12 +112,13 @@ std::string batch(std::uint64_t salt, std::uint64_t sequence, std::uint32_t coun
 }
 
 std::string snapshot(std::uint64_t salt, const Contents& contents) {
-  std::string entries = with_head(Kind::next_id, octets(contents.next_id));
-  std::uint32_t count = 1;
+  std::string entries;
+  std::uint32_t count = 0;
   const auto add = [&](const Entry& entry) {
     entries += encode(entry);
     ++count;
   };
+  add(NextId{contents.next_id});
   for (const control::Request& r : contents.admissions)
     add(Admitted{r, contents.admissions.user_of(r.id)});
   for (const std::string& subject : contents.released) add(Released{subject});
@@ -281,23 +150,18 @@ bool holds_batch_head(std::string_view bytes, std::uint64_t salt) {
 }
 
 Result<std::optional<Entry>> Reader::next() {
-  while (left_ > 0) {
-    if (bytes_.size() < kEntryHead) return fail("ends within an entry");
-    --left_;
-    const auto kind = take<std::uint8_t>(bytes_);
-    const auto length = take<std::uint32_t>(bytes_);
-    if (length > bytes_.size()) return fail("ends within an entry");
-    std::string_view body = bytes_.substr(0, length);
-    bytes_.remove_prefix(length);
-    if (static_cast<Kind>(kind) == Kind::next_id && length == sizeof(std::uint64_t)) {
-      next_id_ = take<std::uint64_t>(body);
-      continue;
-    }
-    auto entry = decode(kind, body);
-    if (!entry) return fail("an entry of kind " + std::to_string(kind) + " that is not understood");
-    return entry;
-  }
-  return std::optional<Entry>();
+  if (left_ == 0) return std::optional<Entry>();
+  --left_;
+  if (bytes_.size() < kEntryHead) return fail("ends within an entry");
+  const auto length = take<std::uint32_t>(bytes_);
+  if (length > bytes_.size()) return fail("ends within an entry");
+  auto entry =
+      control::parse<JournalEntry>(bytes_.substr(0, length), control::UnknownField::refuse);
+  bytes_.remove_prefix(length);
+  last_ = kEntryHead + length;
+  if (!entry || !entry->has_body || !is_sound(entry->message.body))
+    return fail("has an entry that is not understood");
+  return std::move(entry->message.body);
 }
 
 }  // namespace mlcca::store::format

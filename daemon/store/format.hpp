@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The bytes of the journal's file (docs/reference/journal.md). Integers are little endian. A file
-// is a head and batches; the first batch is the state that the file began with.
+// The bytes of the journal's file (docs/reference/journal.md): a head and batches of entries, which
+// are messages of journal.proto. Integers of heads are little endian. The first batch is the state
+// that the file began with.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -15,19 +16,21 @@ namespace mlcca::store::format {
 
 inline constexpr std::size_t kFileHead = 24;
 inline constexpr std::size_t kBatchHead = 40;
-inline constexpr std::size_t kEntryHead = 5;
+inline constexpr std::size_t kEntryHead = 4;
 /// Batches begin at multiples of this.
 inline constexpr std::size_t kAlign = 8;
 
 /// Of a file whose batch heads are bound to it by `salt`, a number that nobody else knows: bytes of
 /// another file, or of a client's text, are never taken for a batch of this one.
 std::string file_head(std::uint64_t salt);
-/// The salt; nothing if the bytes do not begin with a whole head.
-std::optional<std::uint64_t> read_file_head(std::string_view bytes);
+/// The salt; an error if the bytes do not begin with a whole head, or with that of another layout.
+Result<std::uint64_t> read_file_head(std::string_view bytes);
 
-/// One entry.
+/// One entry, with its head.
 std::string encode(const Entry& entry);
-/// Bytes that the entry needs in a file written anew; 0 for one that only takes something away.
+/// Not for one that only takes something away: a file written anew has nothing of that.
+bool is_alive(const Entry& entry);
+/// Bytes that the entry needs in a file written anew.
 std::uint64_t live_bytes(const Entry& entry);
 
 /// A batch of `count` encoded entries, with its head and filled up to kAlign.
@@ -56,13 +59,13 @@ class Reader {
   /// Nothing after the last one. An error is no damage, the checksum was right: the words of a
   /// later version.
   Result<std::optional<Entry>> next();
-  /// The id that a snapshot sets, 0 for none: known after the last entry.
-  [[nodiscard]] std::uint64_t next_id() const { return next_id_; }
+  /// Of the last entry, with its head.
+  [[nodiscard]] std::uint64_t bytes() const { return last_; }
 
  private:
   std::uint32_t left_;
   std::string_view bytes_;
-  std::uint64_t next_id_ = 0;
+  std::uint64_t last_ = 0;
 };
 
 }  // namespace mlcca::store::format

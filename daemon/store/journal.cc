@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "daemon/store/checksum.hpp"
-#include "daemon/store/earlier.hpp"
 #include "daemon/store/format.hpp"
 
 namespace mlcca::store {
@@ -62,11 +61,15 @@ Result<std::uint64_t> new_salt() {
   return salt;
 }
 
+std::unexpected<Error> unusable(const std::string& path, const std::string& why) {
+  return fail(path + ": " + why +
+              ", nothing of it is used: put a copy back, or move it away to start without the "
+              "run-time admissions");
+}
+
 std::unexpected<Error> damaged(const std::string& path, std::uint64_t offset,
                                const std::string& how) {
-  return fail(path + ": damaged at byte " + std::to_string(offset) + " (" + how +
-              "), nothing of it is used: put a copy back, or move it away to start without the "
-              "run-time admissions");
+  return unusable(path, "damaged at byte " + std::to_string(offset) + " (" + how + ")");
 }
 
 }  // namespace
@@ -92,25 +95,15 @@ Result<Journal> Journal::open(const std::string& directory, Disk& disk) {
   if (!journal.file_ && errno != ENOENT) return system_error(journal.path_);
   const auto ready = journal.file_ ? journal.read() : journal.begin();
   if (!ready) return std::unexpected(ready.error());
-  // The journal counts from now on. If this fails or a crash comes first, the next start does it.
-  disk.rename(directory + "/admissions", directory + "/admissions.old");
   return journal;
 }
 
-/// There is no journal yet: one that holds what an earlier version has left.
+/// There is no journal yet. What was granted before there were journals must not be lost silently.
 Result<void> Journal::begin() {
-  const std::string earlier = directory_path_ + "/admissions";
-  const OpenFile file(*disk_, disk_->open(earlier, O_RDONLY));
-  if (!file && errno != ENOENT) return system_error(earlier);
-  if (file) {
-    const auto text = read_all(*disk_, file.get(), earlier);
-    if (!text) return std::unexpected(text.error());
-    auto contents = read_earlier(*text, earlier);
-    if (!contents) return std::unexpected(std::move(contents.error()));
-    contents_ = std::move(*contents);
-    for (const control::Request& r : contents_.admissions) live_ += format::live_bytes(Admitted{r});
-    for (const std::string& s : contents_.released) live_ += format::live_bytes(Released{s});
-  }
+  const std::string former = directory_path_ + "/admissions";
+  const OpenFile file(*disk_, disk_->open(former, O_RDONLY));
+  if (!file && errno != ENOENT) return system_error(former);
+  if (file) return unusable(former, "written before there was a journal");
   return compact();
 }
 
@@ -119,7 +112,7 @@ Result<void> Journal::read() {
   if (!text) return std::unexpected(text.error());
   const std::string_view bytes = *text;
   const auto salt = format::read_file_head(bytes);
-  if (!salt) return damaged(path_, 0, "no head of a journal");
+  if (!salt) return unusable(path_, salt.error().text);
   salt_ = *salt;
   end_ = format::kFileHead;
   std::uint64_t expected = 0;
@@ -153,9 +146,8 @@ Result<std::uint64_t> Journal::read_batch(std::string_view bytes, std::uint64_t 
       return fail(path_ + ": the batch at byte " + std::to_string(end_) + " " + entry.error().text +
                   ": was it written by a later version?");
     if (!*entry) break;
-    change(**entry);
+    if (const auto back = contents_.inverse(**entry)) change(**entry, *back, reader.bytes());
   }
-  contents_.next_id = std::max(contents_.next_id, reader.next_id());
   return format::kBatchHead + head->length;
 }
 
@@ -179,11 +171,10 @@ Result<void> Journal::cut_tail(std::string_view bytes) {
 
 // --- changing ------------------------------------------------------------------------------------
 
-void Journal::change(const Entry& entry) {
-  const auto back = contents_.inverse(entry);
-  if (!back) return;
-  live_ += format::live_bytes(entry);
-  live_ -= format::live_bytes(*back);
+/// `back` is its inverse, and `bytes` what it takes on disk.
+void Journal::change(const Entry& entry, const Entry& back, std::uint64_t bytes) {
+  if (format::is_alive(entry)) live_ += bytes;
+  live_ -= format::live_bytes(back);
   contents_.apply(entry);
 }
 
@@ -206,7 +197,7 @@ Result<void> Journal::append(const Entry& entry) {
   if (batch_.size() + bytes.size() > kMaxBatch)
     return fail("more than " + std::to_string(kMaxBatch) + " bytes wait to be stored");
   if (batch_.empty()) former_next_ = contents_.next_id;
-  change(entry);
+  change(entry, *back, bytes.size());
   batch_ += bytes;
   ++count_;
   undo_.push_back(std::move(*back));
@@ -215,7 +206,8 @@ Result<void> Journal::append(const Entry& entry) {
 
 void Journal::roll_back() {
   if (!dirty()) return;
-  for (const Entry& back : std::views::reverse(undo_)) change(back);
+  for (const Entry& entry : std::views::reverse(undo_))
+    if (const auto back = contents_.inverse(entry)) change(entry, *back, format::live_bytes(entry));
   contents_.next_id = former_next_;
   forget_batch();
 }
@@ -330,9 +322,9 @@ Result<void> Journal::find_named() {
   std::string head(format::kFileHead, '\0');
   if (disk_->pread(named.get(), head.data(), head.size(), 0) < 0) return system_error(path_);
   const auto salt = format::read_file_head(head);
-  if (salt == fresh_.salt)
+  if (salt && *salt == fresh_.salt)
     adopt_fresh();
-  else if (salt != salt_)
+  else if (!salt || *salt != salt_)
     return fail(path_ + ": is not the file that was written");
   fresh_ = {};
   return {};

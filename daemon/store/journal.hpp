@@ -11,14 +11,15 @@
 
 #include "base/handle.hpp"
 #include "base/result.hpp"
-#include "control/codec.hpp"
+#include "control/messages.hpp"
 #include "daemon/store/contents.hpp"
 #include "daemon/store/disk.hpp"
 
 namespace mlcca::store {
 
 /// Bytes of one entry on disk, without its head; append() refuses more.
-inline constexpr std::size_t kMaxEntry = control::Request::kMaxBytes;
+/// The largest request that the control socket takes has room, with its user.
+inline constexpr std::size_t kMaxEntry = control::Request::kMaxBytes + 64;
 /// Bytes of all entries between two commits; append() refuses more.
 inline constexpr std::size_t kMaxBatch = 64UL * 1024 * 1024;
 /// The file is written anew when it is larger than this many times what lives in it …
@@ -34,10 +35,9 @@ inline constexpr std::uint64_t kCompactAtLeast = 1024UL * 1024;
 ///     answer();
 class Journal {
  public:
-  /// Reads what is there; a store of an earlier version is taken over once. An unfinished batch at
-  /// the end (a crash) is cut off, see recovered(). Damage anywhere else is an error that names
-  /// file and offset and says what to do: nothing of such a file is used. `directory` must exist;
-  /// `disk` must outlive the journal.
+  /// Reads what is there. An unfinished batch at the end (a crash) is cut off, see recovered().
+  /// Damage anywhere else, and a file of another layout, is an error that names the file and says
+  /// what to do: nothing of it is used. `directory` must exist; `disk` must outlive the journal.
   static Result<Journal> open(const std::string& directory, Disk& disk = real_disk());
 
   /// With what is appended and not yet committed.
@@ -89,7 +89,7 @@ class Journal {
   Result<void> mend();
   [[nodiscard]] bool is_gone() const;
   void forget_batch();
-  void change(const Entry& entry);
+  void change(const Entry& entry, const Entry& back, std::uint64_t bytes);
   void compact_if_large();
   void adopt_fresh();
   Result<void> find_named();

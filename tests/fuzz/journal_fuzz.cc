@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "control/codec.hpp"
 #include "daemon/store/format.hpp"
 #include "daemon/store/journal.hpp"
 #include "tests/daemon/store/fake_disk.hpp"
@@ -27,7 +26,6 @@ using Memory = store::test::MemoryDisk;
 
 constexpr const char* kFolder = "/store";
 constexpr const char* kJournal = "/store/journal";
-constexpr const char* kEarlier = "/store/admissions";
 constexpr std::uint64_t kSalt = 0x5a17;
 
 void put_file(Memory& disk, const char* path, std::string_view bytes) {
@@ -78,31 +76,31 @@ void check_life(Memory& disk) {
   demand(last && *last == known, "what was committed is not read");
 }
 
-std::string some_text(FuzzedDataProvider& in) {
+std::string some_octets(FuzzedDataProvider& in) {
   if (in.ConsumeBool()) return in.ConsumeRandomLengthString(40);
   static const std::vector<std::string> kTexts = {"", "0x1", "0xa4efeccc3210b497", "name can0",
                                                   "bus"};
   return kTexts[in.ConsumeIntegralInRange<std::size_t>(0, kTexts.size() - 1)];
 }
 
-/// As text of a protocol message may be.
-std::string some_word(FuzzedDataProvider& in) {
-  std::string word = some_text(in);
-  std::ranges::replace_if(word, [](char c) { return static_cast<unsigned char>(c) > 0x7e; }, '?');
-  return word;
+/// As the text of a message may be.
+std::string some_text(FuzzedDataProvider& in) {
+  std::string text = some_octets(in);
+  std::ranges::replace_if(text, [](char c) { return static_cast<unsigned char>(c) > 0x7e; }, '?');
+  return text;
 }
 
 Entry some_entry(FuzzedDataProvider& in) {
   switch (in.ConsumeIntegralInRange(0, 7)) {
     case 0: {
       control::Admit admit;
-      admit.channel = some_word(in);
-      admit.from = some_word(in);
-      admit.key = some_word(in);
+      admit.channel = some_text(in);
+      admit.from = some_text(in);
+      admit.key = some_text(in);
       admit.lease_ns = in.ConsumeIntegral<std::uint64_t>();
       admit.hold = in.ConsumeBool();
       if (in.ConsumeBool())
-        admit.offered.push_back({some_word(in), in.ConsumeIntegral<std::uint64_t>(), "ns", false});
+        admit.offered.push_back({some_text(in), in.ConsumeIntegral<std::uint64_t>(), "ns", false});
       const auto by = in.ConsumeIntegralInRange<std::uint32_t>(0, 2);
       return Admitted{{in.ConsumeIntegralInRange<std::uint64_t>(0, 12), admit}, by};
     }
@@ -113,15 +111,15 @@ Entry some_entry(FuzzedDataProvider& in) {
     case 3:
       return Reinstated{some_text(in)};
     case 4:
-      return Granted{some_text(in), some_text(in)};
+      return Granted{some_text(in), some_octets(in)};
     case 5:
-      return Gated{some_text(in), some_text(in), some_text(in),
+      return Gated{some_text(in), some_text(in), some_octets(in),
                    in.ConsumeIntegral<std::uint32_t>()};
     case 6:
       return Contradicted{some_text(in), in.ConsumeIntegralInRange<std::uint64_t>(0, 3),
                           in.ConsumeIntegral<std::uint16_t>(), some_text(in)};
     default:
-      return Enforced{in.ConsumeIntegralInRange<std::uint64_t>(0, 3), some_text(in)};
+      return Enforced{in.ConsumeIntegralInRange<std::uint64_t>(0, 3), some_octets(in)};
   }
 }
 
@@ -144,26 +142,6 @@ std::string made_up(FuzzedDataProvider& in) {
     file += format::batch(kSalt, sequence, count, std::move(entries));
   }
   return file;
-}
-
-std::string sum_of_earlier(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  return "MLCCA1 " + std::to_string(hash) + "\n" + std::string(text);
-}
-
-/// What an earlier version has left: any octets under a right sum.
-std::string made_up_earlier(FuzzedDataProvider& in) {
-  std::string text = std::to_string(in.ConsumeIntegralInRange<std::uint64_t>(0, 20)) + "\n";
-  while (in.ConsumeBool() && in.remaining_bytes() > 0) {
-    const Entry entry = some_entry(in);
-    if (const auto* admitted = std::get_if<Admitted>(&entry))
-      text += control::encode(admitted->request);
-    if (const auto* released = std::get_if<Released>(&entry))
-      text += control::encode({0, control::ReleaseRequest{released->subject, 0, ""}});
-  }
-  text += in.ConsumeRemainingBytesAsString();
-  return sum_of_earlier(text);
 }
 
 /// A true story, then its file is cut or changed in one place: what is read is what was there after
@@ -200,15 +178,14 @@ void tear(FuzzedDataProvider& in) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   FuzzedDataProvider in(data, size);
-  const int kind = in.ConsumeIntegralInRange(0, 3);
+  const int kind = in.ConsumeIntegralInRange(0, 2);
   if (kind == 0) {
     tear(in);
     return 0;
   }
   Memory disk;
   if (kind == 1) put_file(disk, kJournal, made_up(in));
-  if (kind == 2) put_file(disk, kEarlier, made_up_earlier(in));
-  if (kind == 3) put_file(disk, kJournal, in.ConsumeRemainingBytesAsString());
+  if (kind == 2) put_file(disk, kJournal, in.ConsumeRemainingBytesAsString());
   check_life(disk);
   return 0;
 }

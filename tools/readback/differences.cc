@@ -12,7 +12,7 @@
 #include "bpf/ether.h"
 #include "core/model/station.hpp"
 #include "core/model/text.hpp"
-#include "daemon/gates/slot_record.hpp"
+#include "daemon/store/records.hpp"
 
 namespace mlcca::readback {
 namespace {
@@ -138,7 +138,7 @@ std::vector<std::string> differences(const GateReading& gate, std::span<const Sl
 void compare_slots(enforce::Reading& reading, const store::Contents& journal) {
   std::map<std::uint32_t, std::vector<SlotSpec>> ought;
   for (const auto& [subject, record] : journal.enforced) {
-    const auto slots = enforce::slots_in(record, subject);
+    const auto slots = store::slots_in(record, subject);
     if (!slots)
       reading.problems.push_back("what the journal says of the slots of subject " +
                                  core::format_subject(subject) + " is not understood");

@@ -52,6 +52,16 @@ TEST(Contents, HaveNoInverseForWhatChangesNothing) {
   EXPECT_FALSE(contents.inverse(Granted{"0x1", "set=1"}));
 }
 
+TEST(Contents, NeverGoBackToAFormerNextId) {
+  Contents contents;
+  EXPECT_FALSE(contents.inverse(NextId{1}));
+  EXPECT_EQ(contents.inverse(NextId{7}), Entry(NextId{1}));
+  contents.apply(NextId{7});
+  EXPECT_EQ(contents.next_id, 7U);
+  contents.apply(NextId{1});
+  EXPECT_EQ(contents.next_id, 7U);
+}
+
 TEST(Contents, KeepWhichInterfaceAPortHas) {
   Contents contents;
   const Gated can0{"name can0", "robot-can", "can0", 3};

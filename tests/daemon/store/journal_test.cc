@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
-#include <vector>
+#include <variant>
 
 #include "base/handle.hpp"
 #include "control/codec.hpp"
@@ -138,13 +138,14 @@ TEST(Journal, RefusesWhatIsNoAdmission) {
 
 TEST(Journal, TakesEntriesUpToItsLimit) {
   const Folder folder;
-  // Length of the subject (4 bytes) and "0x1" are part of what is limited.
-  const Granted largest{"0x1", std::string(kMaxEntry - 7, 'x')};
-  const Granted larger{"0x1", std::string(kMaxEntry - 6, 'x')};
-  const std::size_t around = control::encode(admitted(1, std::string(60'000, 'c')).request).size();
-  const std::size_t room = kMaxEntry - (around - 60'000);
+  const auto room_in = [](const Entry& with_60000) {
+    return kMaxEntry - (format::encode(with_60000).size() - format::kEntryHead - 60'000);
+  };
+  const Granted granted{"0x1", std::string(60'000, 'x')};
+  const Granted largest{"0x1", std::string(room_in(granted), 'x')};
+  const Granted larger{"0x1", std::string(room_in(granted) + 1, 'x')};
+  const std::size_t room = room_in(admitted(1, std::string(60'000, 'c')));
   const Admitted longest = admitted(1, std::string(room, 'c'));
-  ASSERT_EQ(control::encode(longest.request).size(), kMaxEntry);
   {
     Journal journal = opened(folder);
     EXPECT_FALSE(journal.append(larger));
@@ -155,6 +156,24 @@ TEST(Journal, TakesEntriesUpToItsLimit) {
   const Journal journal = opened(folder);
   EXPECT_EQ(journal.contents().granted.at("0x1"), largest.state);
   EXPECT_EQ(*journal.contents().admissions.find(1), longest.request);
+}
+
+TEST(Journal, TakesTheLargestRequestOfAnyUser) {
+  MemoryDisk disk;
+  Journal journal = std::move(*Journal::open("/d", disk));
+  // The daemon gives the request its id, which the client did not send.
+  constexpr std::uint64_t id = ~std::uint64_t{1};
+  Admitted largest = admitted(0, "");
+  largest.by = ~std::uint32_t{0};
+  auto& channel = std::get<control::Admit>(largest.request.body).channel;
+  channel.assign(60'000, 'c');
+  const std::size_t prefix = 3;
+  channel.append(control::Request::kMaxBytes - (control::encode(largest.request).size() - prefix),
+                 'c');
+  ASSERT_EQ(control::encode(largest.request).size() - prefix, control::Request::kMaxBytes);
+  largest.request.id = id;
+  const auto done = write(journal, {largest});
+  EXPECT_TRUE(done) << done.error().text;
 }
 
 TEST(Journal, TakesBatchesUpToItsLimit) {
@@ -299,52 +318,33 @@ TEST(Compaction, WaitsForACommit) {
   EXPECT_TRUE(journal.dirty());
 }
 
-// --- the store of earlier versions ---------------------------------------------------------------
+// --- what other versions have left ---------------------------------------------------------------
 
-/// As the earlier version wrote it.
-std::string earlier(std::uint64_t next_id, const std::vector<control::Request>& requests) {
-  std::string body = std::to_string(next_id) + "\n";
-  for (const control::Request& r : requests) body += control::encode(r);
-  std::uint64_t fnv = 14695981039346656037U;
-  for (const char c : body) fnv = (fnv ^ static_cast<unsigned char>(c)) * 1099511628211U;
-  return "MLCCA1 " + std::to_string(fnv) + "\n" + body;
-}
-
-TEST(EarlierStore, IsTakenOverOnce) {
+TEST(AStoreFromBeforeTheJournal, IsRefusedAndLeftAlone) {
   const Folder folder;
-  const std::string bytes = earlier(
-      9, {admitted(3).request, admitted(8).request, {0, control::ReleaseRequest{"0x7", 0, ""}}});
-  write_file(folder.file("admissions"), bytes);
-  Contents expected;
-  expected.admissions = {admitted(3).request, admitted(8).request};
-  expected.released = {"0x7"};
-  expected.next_id = 9;
-  {
-    Journal journal = opened(folder);
-    EXPECT_EQ(journal.contents(), expected) << text_of(journal.contents());
-    must_write(journal, {Removed{3}, Removed{8}, Reinstated{"0x7"}});
-    EXPECT_EQ(journal.live_bytes(), 0U);
+  write_file(folder.file("admissions"), "MLCCA1 0\n9\n");
+  for (int start = 0; start < 2; ++start) {
+    const auto journal = Journal::open(folder.path());
+    ASSERT_FALSE(journal);
+    EXPECT_EQ(journal.error().text,
+              folder.file("admissions") +
+                  ": written before there was a journal, nothing of it is used: put a copy back, "
+                  "or move it away to start without the run-time admissions");
+    EXPECT_FALSE(std::filesystem::exists(folder.file("journal")));
+    EXPECT_EQ(read_file(folder.file("admissions")), "MLCCA1 0\n9\n");
   }
-  EXPECT_FALSE(std::filesystem::exists(folder.file("admissions")));
-  EXPECT_EQ(read_file(folder.file("admissions.old")), bytes);
-  EXPECT_TRUE(opened(folder).contents().admissions.empty());
-  std::filesystem::remove(folder.file("journal"));
+  std::filesystem::rename(folder.file("admissions"), folder.file("away"));
   EXPECT_EQ(opened(folder).contents(), Contents{});
 }
 
-TEST(EarlierStore, IsNotUsedWhenItIsDamaged) {
-  const std::string bytes = earlier(9, {admitted(3).request});
-  for (std::size_t at = 0; at < bytes.size(); ++at) {
-    const Folder folder;
-    std::string damaged = bytes;
-    damaged[at] = static_cast<char>(damaged[at] ^ 1);
-    write_file(folder.file("admissions"), damaged);
-    const auto journal = Journal::open(folder.path());
-    ASSERT_FALSE(journal) << at;
-    ASSERT_TRUE(journal.error().text.starts_with(folder.file("admissions") + ": damaged ("));
-    ASSERT_FALSE(std::filesystem::exists(folder.file("journal")));
-    ASSERT_EQ(read_file(folder.file("admissions")), damaged);
+TEST(AStoreFromBeforeTheJournal, IsNotAskedForBesideAJournal) {
+  const Folder folder;
+  {
+    Journal journal = opened(folder);
+    must_write(journal, {admitted(1)});
   }
+  write_file(folder.file("admissions"), "anything");
+  EXPECT_EQ(opened(folder).contents().admissions.size(), 1U);
 }
 
 }  // namespace

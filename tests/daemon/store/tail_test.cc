@@ -200,11 +200,21 @@ std::string checksum(std::string_view bytes) {
 
 const std::string kSalt = "saltsalt";
 
-std::string head() { return "MLCCAJ01" + kSalt + checksum("MLCCAJ01" + kSalt); }
+std::string head_of(const std::string& layout) { return layout + kSalt + checksum(layout + kSalt); }
+std::string head() { return head_of("MLCCAJ02"); }
 
-std::string entry(char kind, const std::string& body) {
-  return kind + number(body.size(), 4) + body;
+/// A field of protobuf: a number, or anything of less than 128 bytes.
+std::string field(int number, std::uint64_t value) {
+  return std::string{static_cast<char>(8 * number), static_cast<char>(value)};
 }
+std::string field(int number, const std::string& bytes) {
+  return std::string{static_cast<char>(8 * number + 2), static_cast<char>(bytes.size())} + bytes;
+}
+
+std::string entry(const std::string& message) { return number(message.size(), 4) + message; }
+
+/// Without the length that the control socket has in front.
+std::string request_of(std::uint64_t id) { return control::encode(admitted(id).request).substr(1); }
 
 std::string batch(std::uint64_t sequence, std::uint32_t count, std::string entries) {
   while (entries.size() % 8 != 0) entries += '\0';
@@ -214,32 +224,46 @@ std::string batch(std::uint64_t sequence, std::uint32_t count, std::string entri
 }
 
 TEST(AFileWrittenByHand, IsRead) {
-  const std::string snapshot = batch(
-      0, 3,
-      entry(6, number(50, 8)) + entry(1, control::encode(admitted(7).request)) + entry(3, "0x9"));
-  const std::string change =
-      batch(1, 4,
-            entry(1, control::encode(admitted(50).request)) + entry(2, number(7, 8)) +
-                entry(4, "0x9") + entry(5, number(3, 4) + "0x8set=2"));
+  const std::string delivery = field(1, "camera") + field(2, 7) + field(3, "control");
+  const std::string grants = field(1, 2) + field(2, delivery);
+  const std::string slots = field(1, field(1, 3) + field(2, 1));
+  const std::string snapshot = batch(0, 3,
+                                     entry(field(6, field(1, 50))) +
+                                         entry(field(1, field(1, request_of(7)) + field(2, 100))) +
+                                         entry(field(3, field(1, "0x9"))));
+  const std::string change = batch(
+      1, 7,
+      entry(field(1, field(1, request_of(50)))) + entry(field(2, field(1, 7))) +
+          entry(field(4, field(1, "0x9"))) + entry(field(5, field(1, "0x8") + field(2, grants))) +
+          entry(
+              field(7, field(1, "name can0") + field(2, "bus") + field(3, "can0") + field(4, 3))) +
+          entry(field(8, field(1, 8) + field(2, slots))) +
+          entry(field(9, field(1, "bus") + field(2, 8) + field(3, 5) + field(4, "dealt"))));
   const auto disk = disk_with(head() + snapshot + change);
   const auto journal = Journal::open("/d", *disk);
   ASSERT_TRUE(journal) << journal.error().text;
   Contents expected;
   expected.admissions = {admitted(50).request};
-  expected.granted = {{"0x8", "set=2"}};
+  expected.granted = {{"0x8", grants}};
+  expected.gated = {{"name can0", {"name can0", "bus", "can0", 3}}};
+  expected.enforced = {{8, slots}};
+  expected.contradicted = {{{"bus", 8}, {"bus", 8, 5, "dealt"}}};
   expected.next_id = 51;
   EXPECT_EQ(journal->contents(), expected) << text_of(journal->contents());
 }
 
 TEST(AFileOfALaterVersion, IsLeftAlone) {
-  const std::string good = head() + batch(0, 1, entry(6, number(1, 8)));
-  const std::string inside = control::encode(admitted(1).request);
+  const std::string good = head() + batch(0, 1, entry(field(6, field(1, 1))));
+  const std::string inside = request_of(1);
   for (const std::string& unknown :
-       {entry(7, "news"), entry(0, ""), entry(2, "short"), entry(6, "short"), entry(5, "x"),
-        entry(5, number(9, 4) + "0x1"), entry(1, inside + "more"), entry(1, inside.substr(1)),
-        entry(1, control::encode(control::Request{1, control::Query{}})),
-        '\x03' + number(30, 4) + "0x1"}) {
-    const std::string bytes = good + batch(1, 1, unknown) + batch(2, 1, entry(3, "0x1"));
+       {entry(field(10, "")), entry(""), entry(field(3, field(2, "news"))),
+        entry(field(3, field(1, "0x1")) + field(15, 1)), entry(field(2, field(1, "text"))),
+        entry(field(3, field(1, "\xff"))), entry(field(1, field(1, inside + field(15, 1)))),
+        entry(field(1, field(1, inside.substr(1)))), entry(field(1, "")),
+        entry(field(1, field(1, field(1, 1) + field(2, "")))), entry(field(3, 1)),
+        number(30, 4) + field(3, field(1, "0x1"))}) {
+    const std::string bytes =
+        good + batch(1, 1, unknown) + batch(2, 1, entry(field(3, field(1, "0x1"))));
     const auto disk = disk_with(bytes);
     const auto journal = Journal::open("/d", *disk);
     ASSERT_FALSE(journal) << testing::PrintToString(unknown);
@@ -247,8 +271,22 @@ TEST(AFileOfALaterVersion, IsLeftAlone) {
         << journal.error().text;
     ASSERT_EQ(bytes_of(*disk), bytes);
   }
-  const auto disk = disk_with(good + batch(1, 2, entry(3, "0x1")));
+  const auto disk = disk_with(good + batch(1, 2, entry(field(3, field(1, "0x1")))));
   EXPECT_FALSE(Journal::open("/d", *disk)) << "fewer entries than it says";
+}
+
+TEST(AFileOfAnotherLayout, IsNamedAndLeftAlone) {
+  for (const std::string layout : {"MLCCAJ01", "MLCCAJ03"}) {
+    const std::string bytes = head_of(layout) + batch(0, 1, entry(field(6, field(1, 1))));
+    const auto disk = disk_with(bytes);
+    const auto journal = Journal::open("/d", *disk);
+    ASSERT_FALSE(journal);
+    EXPECT_EQ(journal.error().text,
+              "/d/journal: a journal of layout " + layout +
+                  ", and this version reads only MLCCAJ02, nothing of it is used: put a copy back, "
+                  "or move it away to start without the run-time admissions");
+    EXPECT_EQ(bytes_of(*disk), bytes);
+  }
 }
 
 }  // namespace

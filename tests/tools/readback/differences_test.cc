@@ -8,7 +8,7 @@
 #include <string>
 
 #include "bpf/ether.h"
-#include "daemon/gates/slot_record.hpp"
+#include "daemon/store/records.hpp"
 
 namespace mlcca::readback {
 namespace {
@@ -146,7 +146,7 @@ TEST(Differences, AnEthernetGateThatWatchesAllItCanLacksNone) {
 store::Contents journal_of(const std::vector<enforce::PlacedSlot>& slots) {
   store::Contents journal;
   journal.gated = {{"name can0", {"name can0", "robot", "can0", 3}}};
-  if (!slots.empty()) journal.enforced = {{7, enforce::record_of(slots)}};
+  if (!slots.empty()) journal.enforced = {{7, store::record_of(slots)}};
   return journal;
 }
 Lines problems(const GateReading& g, const store::Contents& journal) {
