@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <grp.h>
 #include <malloc.h>
-#include <net/if.h>
-#include <sys/fsuid.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -27,9 +25,9 @@
 #include "base/handle.hpp"
 #include "base/result.hpp"
 #include "core/admission/state.hpp"
+#include "daemon/early_closing.hpp"
 #include "daemon/gates/close_unpinned.hpp"
 #include "daemon/gates/former_layouts.hpp"
-#include "daemon/gates/interfaces.hpp"
 #include "daemon/gateway/controller.hpp"
 #include "daemon/gateway/in_time.hpp"
 #include "daemon/listen.hpp"
@@ -86,38 +84,6 @@ int check_description(const Options& options) {
   for (const auto& problem : system.error())
     fmt::print(stderr, "{}\n", description::to_string(problem));
   return kBadInput;
-}
-
-/// What root pins here must be the service user's: it is the owner of the bpffs.
-void pin_as_owner_of(const std::string& root) {
-  struct stat owner{};
-  if (::geteuid() != 0 || ::stat(root.c_str(), &owner) < 0) return;
-  ::setfsgid(owner.st_gid);
-  ::setfsuid(owner.st_uid);
-}
-
-int close_interfaces(const Options& options) {
-  int status = 0;
-  // The next interface is closed even where no process reads the output about this one.
-  const auto say = [](const std::string& name, const std::string& text) {
-    write_at_once(STDERR_FILENO, name + ": " + text + '\n');
-  };
-  pin_as_owner_of(options.bpf_root);
-  for (const std::string& name : options.close) {
-    if (name.empty()) continue;
-    if (::if_nametoindex(name.c_str()) == 0) {
-      say(name, "not there yet; the udev rule closes it when it appears");
-      continue;
-    }
-    const auto done = enforce::close_interface(name, options.bpf_root);
-    if (!done) {
-      say(name, done.error().text);
-      status = kFailed;
-    } else {
-      say(name, *done == enforce::Closing::closed ? "closed" : "has a gate already, left as it is");
-    }
-  }
-  return status;
 }
 
 /// The socket that systemd hands over, or one of our own.
@@ -298,6 +264,6 @@ int main(int argc, char** argv) {
   const Parsed parsed = parse_options(argc, argv);
   if (parsed.exit) return parsed.status;
   if (parsed.options.check_only) return check_description(parsed.options);
-  if (parsed.options.close_mode) return close_interfaces(parsed.options);
+  if (parsed.options.close_mode) return close_early(parsed.options);
   return run(parsed.options);
 }

@@ -77,6 +77,10 @@ Parsed parse_options(int argc, char** argv) {
                      "close these interfaces in the kernel and exit; one that does not exist "
                      "is left to the udev rule")
           ->expected(0, 64);
+  app.add_option("--among", o.among,
+                 "with --close: leave those alone that this list does not name (names between "
+                 "spaces)")
+      ->needs(close);
   app.add_flag("--check", o.check_only, "read the description, say what is wrong, and exit");
   try {
     app.parse(argc, argv);

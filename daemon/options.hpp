@@ -2,6 +2,7 @@
 // What the command line of mlccad says.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,8 @@ struct Options {
   std::uint64_t read_limit_ns = 60'000'000'000;
   std::vector<std::string> close;  ///< close these interfaces and exit
   bool close_mode = false;
-  bool check_only = false;  ///< read the description, say what is wrong, exit
+  std::optional<std::string> among;  ///< close only those that it names, between spaces
+  bool check_only = false;           ///< read the description, say what is wrong, exit
 };
 
 /// Result of reading the command line: go on, or exit with the status.
