@@ -59,12 +59,12 @@ CLEAN_EXTRA :=
 BUNDLE ?=
 hash := \#
 # Files that must be compiled alone: names of theirs, or of headers that they need, stand in another
-# file of the folder too.
-ALONE := core/can/wire.cc core/mesh/medium_time.cc daemon/gateway/quotas.cc daemon/net/pair.cc \
-	daemon/net/sources/described.cc tools/design/check/check.cc tools/design/check/watch.cc \
-	tools/design/describe/edit.cc tools/design/describe/markup.cc tools/design/generate.cc \
-	tools/render_reservations.cc tools/render_routes.cc tools/render_system.cc tools/sources/olsr.cc \
-	tools/values.cc tools/words.cc
+# file of the folder too, or the compiler warns of values that it loses sight of (wire, kernel_source).
+ALONE := $(wildcard daemon/gates/*.cc description/*.cc) core/can/wire.cc core/mesh/medium_time.cc \
+	daemon/gateway/quotas.cc daemon/net/pair.cc \
+	$(addprefix daemon/net/sources/,described.cc kernel_source.cc wire.cc) \
+	$(addprefix tools/design/,check/check.cc check/watch.cc describe/edit.cc describe/markup.cc generate.cc) \
+	$(addprefix tools/,render_reservations.cc render_routes.cc render_system.cc sources/olsr.cc values.cc words.cc)
 # $(call objects_of,NAME,SOURCES)
 objects_of = $(if $(BUNDLE),$(foreach folder,$(sort $(dir $2)),$(call objects_of_folder,$1,$(folder),$(filter-out \
 	$(ALONE),$(call in_folder,$(folder),$2)))) $(patsubst %.cc,$O/%.o,$(filter $(ALONE),$2)),$(patsubst %.cc,$O/%.o,$2))
