@@ -11,7 +11,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -19,8 +18,8 @@
 #include <exception>
 #include <memory>
 #include <new>
-#include <optional>
 #include <string_view>
+#include <vector>
 
 #include "base/handle.hpp"
 #include "base/result.hpp"
@@ -100,13 +99,21 @@ struct ControlGroup {
   bool hangs = false;  ///< a thread waits for the look-up without end
 };
 
-std::optional<gid_t> group_named(const std::string& name) {
-  std::array<char, 16384> buffer{};
+/// Its members are read as well, and may be many.
+Result<gid_t> group_named(const std::string& name) {
+  constexpr std::size_t most_bytes = std::size_t{1} << 26U;
+  std::vector<char> buffer(1024);
   group entry{};
   group* found = nullptr;
-  ::getgrnam_r(name.c_str(), &entry, buffer.data(), buffer.size(), &found);
-  if (found == nullptr) return std::nullopt;
-  return found->gr_gid;
+  int error = ERANGE;
+  while (error == ERANGE && buffer.size() < most_bytes) {
+    buffer.resize(buffer.size() * 2);
+    error = ::getgrnam_r(name.c_str(), &entry, buffer.data(), buffer.size(), &found);
+  }
+  if (found != nullptr) return found->gr_gid;
+  if (error == 0) return fail("there is no group " + name);
+  return fail(fmt::format("group {} cannot be looked up: {}", name,
+                          std::strerror(error)));  // NOLINT(concurrency-mt-unsafe)
 }
 
 /// Heart-beats go on during the look-up.
@@ -114,17 +121,17 @@ ControlGroup control_group(const Options& options, const SystemLog& journal, Con
   const auto found = in_time([name = options.group] { return group_named(name); }, kGroupLimit,
                              [&gateway] { gateway.beat(); });
   if (found && *found) return {**found, false};
-  journal.write({Kind::trouble,
-                 4,
-                 fmt::format("{} {}: only root may change anything",
-                             found ? "there is no group"
-                                   : "within 5 s the look-up of groups has not answered for",
-                             options.group),
-                 0,
-                 {},
-                 {},
-                 {},
-                 {}});
+  journal.write(
+      {Kind::trouble,
+       4,
+       (found ? found->error().text
+              : "within 5 s the look-up of groups has not answered for " + options.group) +
+           ": until the next start only root may change anything",
+       0,
+       {},
+       {},
+       {},
+       {}});
   return {.hangs = !found};
 }
 

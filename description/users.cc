@@ -41,8 +41,10 @@ std::expected<std::uint32_t, NoUser> uid_of(const std::string& user) {
     return std::unexpected(NoUser{fmt::format("user {} cannot be looked up: {}", user,
                                               std::strerror(error)),  // NOLINT(*-mt-unsafe)
                                   core::FindingId::unreadable});
+  // The C library says the same where a user database cannot be opened, or is not there yet.
   return std::unexpected(NoUser{
-      fmt::format("user {} is not known on this machine: add the user or give a number", user)});
+      fmt::format("user {} is not known on this machine: add the user or give a number", user),
+      core::FindingId::unreadable});
 }
 
 }  // namespace mlcca::description

@@ -12,7 +12,7 @@ namespace mlcca::description {
 /// Why a user has no number.
 struct NoUser {
   std::string text;
-  /// wrong_place: there is none; unreadable: the look-up failed, and another one may not.
+  /// wrong_place: it is no number; unreadable: it was not found, and may be found another time.
   core::FindingId id = core::FindingId::wrong_place;
 };
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // LD_PRELOAD: of files whose path ends in FAILING_FILE, each call named FAILING_CALL (open, read or
-// write) fails with the errno FAILING_ERRNO, a number; getpwnam_r, which has no file, does always.
+// write) fails with the errno FAILING_ERRNO, a number; getpwnam_r and getgrnam_r, which have no
+// file, do always.
 #define _GNU_SOURCE
+#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <grp.h>
 #include <pwd.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -57,6 +60,16 @@ int getpwnam_r(const char* name, struct passwd* entry, char* buffer, size_t size
   (void)name, (void)entry, (void)buffer, (void)size;
   *found = NULL;
   return fails("getpwnam_r", "") ? errno : 0;
+}
+
+int getgrnam_r(const char* name, struct group* entry, char* buffer, size_t size,
+               struct group** found) {
+  static int (*real)(const char*, struct group*, char*, size_t, struct group**);
+
+  *found = NULL;
+  if (fails("getgrnam_r", "")) return errno;
+  if (!real) real = dlsym(RTLD_NEXT, "getgrnam_r");
+  return real(name, entry, buffer, size, found);
 }
 
 #define PREAD(name)                                                              \

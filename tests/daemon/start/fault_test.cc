@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
+#include <sys/mount.h>
 
 #include <cerrno>
 #include <csignal>
@@ -11,6 +12,9 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/handle.hpp"
 #include "tests/daemon/start/daemon.hpp"
@@ -21,9 +25,45 @@ namespace {
 constexpr int kAgain = 1;
 constexpr int kNotAgain = 2;
 
+/// Of the processes that are started while it lives.
+class Environment {
+ public:
+  explicit Environment(std::vector<std::pair<std::string, std::string>> variables)
+      : variables_(std::move(variables)) {
+    for (const auto& [name, value] : variables_)
+      ::setenv(name.c_str(), value.c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
+  }
+  ~Environment() {
+    for (const auto& [name, value] : variables_)
+      ::unsetenv(name.c_str());  // NOLINT(concurrency-mt-unsafe)
+  }
+  Environment(const Environment&) = delete;
+  Environment(Environment&&) = delete;
+  Environment& operator=(const Environment&) = delete;
+  Environment& operator=(Environment&&) = delete;
+
+ private:
+  std::vector<std::pair<std::string, std::string>> variables_;
+};
+
+std::string beside_this(const std::string& name) {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
+}
+
 class StartFaultTest : public testing::Test {
  protected:
   static void SetUpTestSuite() { make_links(1); }
+  void TearDown() override {
+    if (!has_groups_) return;
+    ASSERT_EQ(::umount2("/etc/group", MNT_DETACH), 0);
+  }
+
+  /// In the namespace of the test.
+  void have_groups(const std::string& line) {
+    std::ofstream(gateway_.path("group")) << "root:x:0:\n" << line << '\n';
+    ASSERT_EQ(::mount(gateway_.path("group").c_str(), "/etc/group", nullptr, MS_BIND, nullptr), 0);
+    has_groups_ = true;
+  }
 
   int status_of_a_start(std::vector<std::string> more = {}) {
     Process daemon(gateway_.command(std::move(more)), gateway_.path("log"));
@@ -35,14 +75,11 @@ class StartFaultTest : public testing::Test {
 
   /// Of a start where `call` (open, read, write) fails for files whose path ends so.
   int status_where(const char* call, const std::string& file, int error) {
-    const auto library =
-        std::filesystem::read_symlink("/proc/self/exe").parent_path() / "failing_file.so";
-    ::setenv("FAILING_CALL", call, 1);                            // NOLINT(concurrency-mt-unsafe)
-    ::setenv("FAILING_FILE", file.c_str(), 1);                    // NOLINT(concurrency-mt-unsafe)
-    ::setenv("FAILING_ERRNO", std::to_string(error).c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
-    ::setenv("LD_PRELOAD", library.c_str(), 1);                   // NOLINT(concurrency-mt-unsafe)
+    const Environment failing({{"FAILING_CALL", call},
+                               {"FAILING_FILE", file},
+                               {"FAILING_ERRNO", std::to_string(error)},
+                               {"LD_PRELOAD", beside_this("failing_file.so")}});
     const int status = status_of_a_start();
-    ::unsetenv("LD_PRELOAD");  // NOLINT(concurrency-mt-unsafe)
     EXPECT_NE(gateway_.log().find(std::strerror(error)), std::string::npos)  // NOLINT(*-mt-unsafe)
         << gateway_.log();
     return status;
@@ -57,6 +94,7 @@ class StartFaultTest : public testing::Test {
   }
 
   Gateway gateway_{described(1)};
+  bool has_groups_ = false;
 };
 
 TEST_F(StartFaultTest, AJournalThatCannotBeReadIsTriedAgain) {
@@ -116,7 +154,30 @@ TEST_F(StartFaultTest, AUserDatabaseThatCannotBeReadIsTriedAgain) {
   gateway_.describe(
       described(1, "<Publisher channel=\"c0\" gateway=\"gate\" user=\"mlcca-nobody\"/>\n"));
   EXPECT_EQ(status_where("getpwnam_r", "", EMFILE), kAgain);
-  EXPECT_EQ(status_of_a_start(), kNotAgain) << "it was read, and has no such user";
+  EXPECT_EQ(status_of_a_start(), kAgain) << "the directory that has the user may not be up yet";
+  gateway_.describe(
+      described(1, "<Publisher channel=\"c0\" gateway=\"gate\" user=\"4294967295\"/>\n"));
+  EXPECT_EQ(status_of_a_start(), kNotAgain) << "nobody has this number";
+}
+
+TEST_F(StartFaultTest, AGroupWithManyMembersIsFound) {
+  std::string line = "mlcca:x:995:";
+  for (int i = 0; i < 20'000; ++i) line += "member" + std::to_string(i) + ",";
+  have_groups(line + "last");
+  let_one_run();
+  EXPECT_EQ(gateway_.log().find("only root may change"), std::string::npos) << gateway_.log();
+}
+
+TEST_F(StartFaultTest, AGroupThatCannotBeLookedUpIsNotSaidToBeMissing) {
+  have_groups("mlcca:x:995:member");
+  const Environment failing({{"FAILING_CALL", "getgrnam_r"},
+                             {"FAILING_FILE", ""},
+                             {"FAILING_ERRNO", std::to_string(EMFILE)},
+                             {"LD_PRELOAD", beside_this("failing_file.so")}});
+  let_one_run();
+  EXPECT_NE(gateway_.log().find("group mlcca cannot be looked up: Too many open files"),
+            std::string::npos)
+      << gateway_.log();
 }
 
 TEST_F(StartFaultTest, WhatWasReadAndIsRefusedIsNotTriedAgain) {
