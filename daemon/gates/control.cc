@@ -26,6 +26,7 @@
 #include "daemon/gates/former_layouts.hpp"
 #include "daemon/gates/mapped.hpp"
 #include "daemon/gates/pins.hpp"
+#include "daemon/gates/program_types.hpp"
 
 namespace mlcca::enforce {
 namespace {
@@ -98,6 +99,8 @@ Result<Fd> make_word() {
   Fd map(bpf_map_create(BPF_MAP_TYPE_ARRAY, GATE_CONTROL_NAME, sizeof(std::uint32_t),
                         sizeof(gate_control), 1, &options));
   if (!map) return failure("control map", errno);
+  if (map_name(map.get()) != GATE_CONTROL_NAME)
+    return fail("control map: libbpf could not ask the kernel whether maps can have names");
   const auto token = random_token();
   if (!token) return std::unexpected(token.error());
   const auto ticks = in_ticks(kDefaultGrace);
@@ -365,6 +368,7 @@ Result<void> Control::State::load_programs() {
 }
 
 Result<void> Control::State::load_programs(const Fd& timer) {
+  if (auto demanded = demand_types(); !demanded) return demanded;
   const Complaints complaints;
   Object made(deadman_bpf__open());
   if (!made) return complaints.error("open the dead-man program", errno);
@@ -375,6 +379,10 @@ Result<void> Control::State::load_programs(const Fd& timer) {
       return complaints.error("dead-man: take over the timer", error);
   if (const int error = deadman_bpf__load(made.get()); error != 0)
     return complaints.error("load the dead-man program", error);
+  // The first that this process loads: later ones rely on what libbpf has found out for it.
+  const int program = bpf_program__fd(made->progs.gate_beat);
+  if (auto probed = probed_without_failure(made->maps.data_control, program); !probed)
+    return probed;
   object = std::move(made);
   return {};
 }

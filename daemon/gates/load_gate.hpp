@@ -9,6 +9,7 @@
 #include "base/result.hpp"
 #include "daemon/gates/complaints.hpp"
 #include "daemon/gates/control.hpp"
+#include "daemon/gates/program_types.hpp"
 #include "daemon/gates/programs.hpp"
 
 namespace mlcca::enforce {
@@ -23,6 +24,7 @@ struct GateSwitches {
 template <class Skeleton, class Object>
 Result<Object> try_load_gate(const std::string& what, const GateSwitches& switches,
                              const SharedMaps& shared, bool direct_access, const auto& prepare) {
+  if (auto demanded = demand_types(); !demanded) return std::unexpected(demanded.error());
   const Complaints complaints;
   Object object(Skeleton::open());
   if (!object) return complaints.error("open " + what, errno);

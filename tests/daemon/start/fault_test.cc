@@ -180,6 +180,25 @@ TEST_F(StartFaultTest, AGroupThatCannotBeLookedUpIsNotSaidToBeMissing) {
       << gateway_.log();
 }
 
+/// libbpf goes on without them, and the verifier does not end then.
+TEST_F(StartFaultTest, AStartEndsOrSucceedsWhicheverTypesTheKernelDoesNotTakeOnce) {
+  const std::string said = "types failed";
+  for (int n = 1;; ++n) {
+    std::filesystem::remove(gateway_.path("log"));
+    const Environment failing(
+        {{"FAILING_TYPES", std::to_string(n)}, {"LD_PRELOAD", beside_this("failing_types.so")}});
+    Process daemon(gateway_.command(), gateway_.path("log"));
+    const bool ready = daemon.ready();
+    if (ready) daemon.signal(SIGTERM);
+    EXPECT_EQ(daemon.end(), ready ? 0 : kAgain) << n << '\n' << gateway_.log();
+    if (gateway_.log().find(said) == std::string::npos) {
+      EXPECT_TRUE(ready) << gateway_.log();
+      EXPECT_GT(n, 10) << "libbpf's probes and our programs";
+      return;
+    }
+  }
+}
+
 TEST_F(StartFaultTest, WhatWasReadAndIsRefusedIsNotTriedAgain) {
   EXPECT_EQ(status_of_a_start({"--gateway", "another"}), kNotAgain);
   gateway_.describe("<System");

@@ -14,4 +14,7 @@ $O/tests/failing_file.so: tests/daemon/start/failing_file.c
 	$(call say,CC,$@)
 	$(Q)mkdir -p $(@D) && $(CC) -std=gnu17 -O1 -fPIC -shared -Wall -Wextra $(WERROR) -o $@ $<
 $(eval $(call kernel_test,start_fault_test,tests/daemon/start/fault_test.cc tests/daemon/start/daemon.cc tests/daemon/gates/sandbox.cc,$O/libenforce.a,-lbpf -lfmt))
-$O/tests/start_fault_test: $O/tests/failing_file.so $O/mlccad
+$O/tests/failing_types.so: tests/daemon/start/failing_types.c
+	$(call say,CC,$@)
+	$(Q)mkdir -p $(@D) && $(CC) -std=gnu17 -O1 -fPIC -shared -Wall -Wextra $(WERROR) -o $@ $<
+$O/tests/start_fault_test: $O/tests/failing_file.so $O/tests/failing_types.so $O/mlccad
