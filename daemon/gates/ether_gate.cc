@@ -2,11 +2,7 @@
 #include "daemon/gates/ether_gate.hpp"
 
 #include <fmt/format.h>
-#include <net/if.h>
-#include <net/if_arp.h>
-#include <sys/ioctl.h>
 #include <sys/random.h>
-#include <sys/socket.h>
 
 #include <cerrno>
 #include <utility>
@@ -164,15 +160,6 @@ EtherGate::EtherGate(PortGate loaded, bool silent) : PortGate(std::move(loaded))
 bool EtherGate::holds(const EtherConfig& config) const {
   return silent_ == config.silent &&
          room() + ETHER_FIRST_SLOT >= EtherSizes::for_slots(config.slots, possible_cpus()).slots;
-}
-
-Result<bool> is_ethernet(std::uint32_t ifindex) {
-  const Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  ifreq request{};
-  if (!socket || if_indextoname(ifindex, request.ifr_name) == nullptr ||
-      ::ioctl(socket.get(), SIOCGIFHWADDR, &request) != 0)
-    return failure(fmt::format("ask for the hardware type of interface {}", ifindex), errno);
-  return request.ifr_hwaddr.sa_family == ARPHRD_ETHER;
 }
 
 }  // namespace mlcca::enforce
