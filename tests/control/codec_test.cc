@@ -81,7 +81,7 @@ TEST_P(CodecReplyTest, WaitsForTheRestWhereverItIsCut) {
 }
 
 /// A message that ends early although its length says that it is whole.
-TEST_P(CodecReplyTest, NeverReadsBeyondAMessageThatWasCutShort) {
+TEST_P(CodecReplyTest, NeverReadsPastTheEndOfAMessageThatWasCutShort) {
   const auto whole = encode(GetParam().reply);
   const auto message = whole.substr(varint(whole.size() - 1).size());
   for (std::size_t cut = 0; cut < message.size(); ++cut) {

@@ -203,7 +203,7 @@ TEST(StrictestTest, RequirementBetweenLeavesTheSourceOutOfWhatIsAsked) {
   EXPECT_FALSE(requirement_between(publisher, AttributeSet()).has(Attribute::jitter));
 }
 
-TEST(CheckEverybodyTest, LenientLoggerDoesNotOpenTheWayThatTheMotorIsRefused) {
+TEST(CheckAllSubscribersTest, LenientLoggerDoesNotOpenTheWayThatTheMotorIsRefused) {
   const AttributeSet logger;
   const AttributeSet bridge = make_set<Period<10_ms>, Omission<5>>();
   const std::array<AttributeSet, 3> listeners = {logger, kSwitch, logger};
@@ -260,7 +260,7 @@ TEST(DemandTest, IsTheLargerOfBandwidthAndPayloadPerPeriodRoundedUp) {
   EXPECT_EQ(demand, 2666666667U);
 }
 
-TEST(DemandTest, HasNoBoundWithoutAPeriodOrBeyondTheRange) {
+TEST(DemandTest, HasNoBoundWithoutAPeriodOrOutsideTheRange) {
   Value demand = 0;
   EXPECT_TRUE(demand_of(make_set<MaxPayload<8_bytes>, Period<0_ns>>(), &demand));
   EXPECT_EQ(demand, kUnbounded);

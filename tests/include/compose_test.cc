@@ -81,7 +81,7 @@ TEST(ComposeTest, PeriodicRequirementWithoutDeadlineImpliesIt) {
   EXPECT_EQ(normalised_requirement(marked), make_set<Omission<2>>());
 }
 
-TEST(ComposeTest, NobodyProvidesADeadline) {
+TEST(ComposeTest, NoHopProvidesADeadline) {
   EXPECT_TRUE(composed({{make_set<Deadline<1_ms>>(), 1, 1}}).empty());
   EXPECT_TRUE(normalised_provision(make_set<Deadline<1_ms>>()).empty());
 }

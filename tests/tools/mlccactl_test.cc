@@ -199,7 +199,7 @@ control::Event event_of(const char* kind, std::vector<std::uint64_t> admissions)
 
 Reply granted_as_7() { return {0, control::Channels{{test::granted_channel()}}}; }
 
-TEST(MlccactlTest, GateTellsWhatTheStatusKnowsOfItsInterface) {
+TEST(MlccactlTest, GateReportsWhatTheStatusKnowsOfItsInterface) {
   auto gates = test::full_gates();
   gates.gates.resize(1);
   auto status = test::full_status();

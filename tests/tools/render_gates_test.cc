@@ -79,7 +79,7 @@ TEST(RenderGates, ListsWhatAnEthernetGatePassesBesidesSubjectsAndWhatBecameOfFra
 )");
 }
 
-TEST(GatesAsJson, TellGates) {
+TEST(GatesAsJson, ReportGates) {
   const auto json = Json::parse(to_json(control::Reply{1, test::full_gates()}));
   EXPECT_EQ(json.at("gates").at(0).at("masked_room"), 32);
   EXPECT_EQ(json.at("gates").at(0).at("control").at(0),
@@ -91,7 +91,7 @@ TEST(GatesAsJson, TellGates) {
       "identifier": "00eeff00"})"));
 }
 
-TEST(GatesAsJson, TellAnEthernetGateWithItsInterface) {
+TEST(GatesAsJson, ReportAnEthernetGateWithItsInterface) {
   const auto json = Json::parse(to_json(control::Gates{{ethernet_gate(), {}}}, its_interface()));
   const auto& gate = json.at("gates").at(0);
   EXPECT_EQ(gate.at("hook"), "clsact");

@@ -90,7 +90,7 @@ TEST_F(RenderTest, NamesTheAdmissionThatCanBeReleased) {
   EXPECT_EQ(text.find("passed"), std::string::npos);
 }
 
-TEST_F(RenderTest, TellsHowWatchedEventsCome) {
+TEST_F(RenderTest, ReportsHowWatchedEventsCome) {
   auto channel = test::granted_channel();
   const auto watched = [&] { return explain({{channel}}, Color::no, true); };
   EXPECT_NE(watched().find("  watched      1001 events, 19.975 a second, jitter 6 ms, 4 missing; "
@@ -392,7 +392,7 @@ TEST(JsonFieldsTest, CarryTheNamesAndUnitsOfTheProtocol) {
   EXPECT_EQ(channel.at("rows").at(2).at("outcome"), "run-time");
 }
 
-TEST(JsonFieldsTest, TellHowWatchedEventsComeAndNullOfOthers) {
+TEST(JsonFieldsTest, ReportHowWatchedEventsComeAndNullOfOthers) {
   const auto json =
       json_of({1, control::Channels{{test::granted_channel(), test::refused_channel()}}});
   EXPECT_EQ(json.at("channels").at(0).at("watch"), Json::parse(R"({"period_ns": 50000000,
@@ -419,7 +419,7 @@ TEST(JsonFieldsTest, AreNullWhereNothingIsKnown) {
   EXPECT_TRUE(json.at("networks").at(1).at("capacity").is_null());
 }
 
-TEST(JsonFieldsTest, TellWhatMediaGiveAndNullOfOtherMedia) {
+TEST(JsonFieldsTest, ReportWhatMediaGiveAndNullOfOtherMedia) {
   const auto json = json_of({1, control::Channels{{test::switched_channel()}}});
   const auto& channel = json.at("channels").at(0);
   EXPECT_EQ(channel.at("set"), 1);
@@ -432,7 +432,7 @@ TEST(JsonFieldsTest, TellWhatMediaGiveAndNullOfOtherMedia) {
        "paper_rate": null, "available": null, "limiting_domain": "", "nodes": []}])"));
 }
 
-TEST(JsonFieldsTest, TellRoutesAndLinks) {
+TEST(JsonFieldsTest, ReportRoutesAndLinks) {
   const auto json = json_of({1, test::full_routes()});
   const auto& route = json.at("routes").at(1);
   EXPECT_EQ(route, Json::parse(R"({"from": "second-can", "to": "awds", "places": [], "granted": 0,
@@ -451,7 +451,7 @@ TEST(JsonFieldsTest, TellRoutesAndLinks) {
       "handled": 7000000000, "dropped": 1, "deleted": 2})"));
 }
 
-TEST(JsonFieldsTest, TellReservations) {
+TEST(JsonFieldsTest, ReportReservations) {
   const auto json = json_of({1, test::full_reservations()});
   EXPECT_EQ(json.at("resources").at(2), Json::parse(R"({"name": "uplink", "kind": "network",
       "unit": "bytes/s", "capacity": 300000, "reserved": 400000, "background": 0,
@@ -461,7 +461,7 @@ TEST(JsonFieldsTest, TellReservations) {
   EXPECT_TRUE(json.at("resources").at(0).at("reservations").at(0).at("lease_ns").is_null());
 }
 
-TEST(JsonFieldsTest, TellWhatWouldBeAndWhatWas) {
+TEST(JsonFieldsTest, ReportWhatWouldBeAndWhatWas) {
   const auto what_if = json_of({1, test::full_what_if()});
   EXPECT_EQ(what_if.at("unchanged"), 12);
   EXPECT_EQ(what_if.at("outlooks").at(3), Json::parse(R"({"channel": "speech",

@@ -68,7 +68,7 @@ TEST(TopRatesTest, WhoIsNewHasNoRateYet) {
   EXPECT_FALSE(rows.at(1).rate);
 }
 
-TEST(TopRatesTest, ACounterThatBeganAnewCountsFromZero) {
+TEST(TopRatesTest, ACounterThatStartedAgainCountsFromZero) {
   const auto before = sample(10, {delivery("beat", 100'000, 7)});
   const auto rows = rows_by_subject(&before, sample(11, {delivery("beat", 30, 0)}));
   EXPECT_DOUBLE_EQ(rows.at(0).rate.value(), 30);
@@ -80,7 +80,7 @@ TEST(TopRatesTest, AClockThatStandsStillGivesNoRate) {
   EXPECT_FALSE(rows_by_subject(&before, sample(10, {delivery("beat", 200, 7)})).at(0).rate);
 }
 
-TEST(TopRatesTest, WatchedEventsTellJitterLossAndWhatIsUsed) {
+TEST(TopRatesTest, WatchedEventsReportJitterLossAndWhatIsUsed) {
   auto channel = delivery("beat", 0, 0);
   channel.watch.emplace();
   channel.watch->period_ns = 100'000'000;

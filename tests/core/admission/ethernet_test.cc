@@ -204,7 +204,7 @@ TEST(EthernetTest, PublishersThatShareALimitHaveTheSumOfTheirRates) {
   EXPECT_LE(one_second, 121U);
 }
 
-TEST(EthernetTest, AGateTellsEightPublishersOfASubjectApart) {
+TEST(EthernetTest, AGateDistinguishesEightPublishersOfASubject) {
   System system = two_on_ethernet("192.0.2.1", "192.0.2.2");
   const auto add = [&system] {
     Publisher p = system.publishers[0];

@@ -325,7 +325,7 @@ TEST(MeasuredMeshTest, AGateOnTheRadioOfAnEndDropsNothingOnTheWay) {
   EXPECT_TRUE(decided(state, row_of_links()).granted);
 }
 
-TEST(MeasuredMeshTest, AStreamThatIsTooFastIsToldOneCapacity) {
+TEST(MeasuredMeshTest, AStreamThatIsTooFastHasOneCapacityAsItsReason) {
   System system = measured();
   Network& air = system.networks[kAir];
   air.mesh->sources[0].kind = mesh::SourceKind::description;

@@ -161,7 +161,7 @@ TEST(BusTest, AStatedLatencyIsHeldAgainstTheAnalysis) {
   EXPECT_EQ(granted(state), 2U);
 }
 
-TEST(BusTest, AnotherBitRateDecidesAnew) {
+TEST(BusTest, AnotherBitRateDecidesAgain) {
   State state(one_bus(4, 5 * kMs));
   ASSERT_EQ(granted(state), 4U);
   Condition slow;

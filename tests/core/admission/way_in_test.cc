@@ -54,7 +54,7 @@ TEST(WayInTest, AStrictListenerOnTheLastNetworkBeforeAProgramIsHeeded) {
   EXPECT_TRUE(passes(towards(state, network(kRobotCan)), kFast));
 }
 
-TEST(WayInTest, AStrictProgramHearsTheNetworkOfItsGateway) {
+TEST(WayInTest, AStrictProgramReceivesFromTheNetworkOfItsGateway) {
   System system = two_ways(10);
   system.subscribers = {subscriber("far", network(kFar), lenient())};
   system.gateways.push_back(joining("listening", {kRobotCan}, 0));

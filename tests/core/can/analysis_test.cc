@@ -129,7 +129,7 @@ TEST(Analysis, WorseAssumptionsNeverMakeAMessageEarlier) {
   }
 }
 
-TEST(Analysis, EachFragmentIsBlockedAnewUnlessTheyWaitTogether) {
+TEST(Analysis, EachFragmentIsBlockedAgainUnlessTheyWaitTogether) {
   auto set = std::vector{message(0, 1, kMillisecond, 100 * kMillisecond),
                          message(1, 2, 2 * kMillisecond, 100 * kMillisecond)};
   set[0].frames = 3;

@@ -111,7 +111,7 @@ TEST(Schedule, AnswersLikeTheWholeAnalysisWithQueuesAndFragments) {
   add_and_remove(assumptions, {.load = 150, .several_frames = true, .queues = 2}, 4, 300);
 }
 
-TEST(Schedule, TellsWhoWouldBeLate) {
+TEST(Schedule, NamesWhatWouldBeLate) {
   Schedule schedule(bus());
   auto tight = message(1, 1, kMillisecond, 20 * kMillisecond);
   tight.deadline = 2 * kMillisecond;
@@ -128,7 +128,7 @@ TEST(Schedule, TellsWhoWouldBeLate) {
   EXPECT_EQ(schedule.response(2), kNever);
 }
 
-TEST(Schedule, ToldOfOtherAssumptionsItNamesWhatIsLate) {
+TEST(Schedule, WithOtherAssumptionsItNamesWhatIsLate) {
   Schedule schedule(bus());
   auto tight = message(1, 1, kMillisecond, 20 * kMillisecond);
   tight.deadline = 1200 * sets::kMicrosecond;

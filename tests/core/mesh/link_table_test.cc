@@ -76,7 +76,7 @@ TEST_F(LinkTableTest, BetterCountsAsTheWorstOfItsTime) {
   EXPECT_EQ(rate(), 20 * kMega);
 }
 
-TEST_F(LinkTableTest, AnInterruptedRiseBeginsAnew) {
+TEST_F(LinkTableTest, AnInterruptedRiseStartsAgain) {
   see(11 * kMega, 0);
   for (int i = 1; i <= 7; ++i)
     see(i == 3 ? 11 * kMega : 24 * kMega, static_cast<std::uint64_t>(i) * kSecond);

@@ -25,7 +25,7 @@ std::vector<AdmissionId> ids_of(AdmissionId publisher, const std::vector<Admissi
                    [&](std::size_t s) { return others[s]; });
 }
 
-TEST(MembersTest, TheAdmissionsOfADeliveryAreToldOnceAndDescribedEndsNot) {
+TEST(MembersTest, TheAdmissionsOfADeliveryAreReportedOnceAndDescribedEndsNot) {
   EXPECT_EQ(ids_of(0, {0, 7, 8}), (std::vector<AdmissionId>{7, 8}));
   EXPECT_EQ(ids_of(7, {0, 7, 8}), (std::vector<AdmissionId>{7, 8}));
   EXPECT_EQ(ids_of(9, {}), (std::vector<AdmissionId>{9}));

@@ -79,7 +79,7 @@ std::size_t longest_of(const auto& work) {
   return stretches.longest();
 }
 
-TEST(ProgressTest, IsToldWhileTheOnlyNetworkOfManyChannelsGoesAndComes) {
+TEST(ProgressTest, IsCalledWhileTheOnlyNetworkOfManyChannelsGoesAndComes) {
   State state(many(NetworkKind::udp_multicast));
   ASSERT_EQ(state.granted(), kChannels);
   for (const Condition& condition : {down(), Condition{}}) {
@@ -112,7 +112,7 @@ TEST(ProgressTest, IsReportedWhileEverythingIsInvalidated) {
   EXPECT_LE(longest_of([&] { state.decide(); }), kLongest);
 }
 
-TEST(ProgressTest, IsToldWhileTheRulesOfAllGatesArePlannedAndCompared) {
+TEST(ProgressTest, IsCalledWhileTheRulesOfAllGatesArePlannedAndCompared) {
   const State state(many(NetworkKind::udp_multicast));
   GateState all;
   EXPECT_LE(longest_of([&] { all = state.gate_state(0); }), kLongest);
@@ -123,37 +123,37 @@ TEST(ProgressTest, IsToldWhileTheRulesOfAllGatesArePlannedAndCompared) {
   EXPECT_GE(stretches.told(), 2 * kChannels / 64);
 }
 
-TEST(ProgressTest, IsToldWhileControlTrafficIsHeldAgainstAllBindings) {
+TEST(ProgressTest, IsCalledWhileControlTrafficIsHeldAgainstAllBindings) {
   const System system = many(NetworkKind::can);
   Stretches stretches;
   ASSERT_FALSE(control_rules(system, 0, {}).empty());
   EXPECT_GE(stretches.told(), kChannels / 64);
 }
 
-TEST(ProgressTest, ManyShortStepsAreToldAsOne) {
-  int steps = 0;
+TEST(ProgressTest, ManyShortStepsAreReportedAsOne) {
+  int called = 0;
   const auto steps = [](int count) {
     for (int i = 0; i < count; ++i) Progress::step();
   };
   steps(1000);
   {
-    const Progress outer([&] { ++steps; });
+    const Progress outer([&] { ++called; });
     {
       const Progress inner([] {});
       steps(1000);
       Progress::made();
     }
-    EXPECT_EQ(steps, 0) << "the latest one is called";
+    EXPECT_EQ(called, 0) << "the latest one is called";
     Progress::made();
-    EXPECT_EQ(steps, 1);
+    EXPECT_EQ(called, 1);
     steps(1000);
-    EXPECT_GT(steps, 10);
-    EXPECT_LT(steps, 100);
+    EXPECT_GT(called, 10);
+    EXPECT_LT(called, 100);
   }
-  const int before = steps;
+  const int before = called;
   steps(1000);
   Progress::made();
-  EXPECT_EQ(steps, before);
+  EXPECT_EQ(called, before);
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ TEST_F(EventLogTest, OfANetworkAloneTheHistoryHasNoDelivery) {
   EXPECT_EQ(rows[0].to, "");
 }
 
-TEST_F(EventLogTest, DropsAreToldAndNotKept) {
+TEST_F(EventLogTest, DropsAreReportedAndNotKept) {
   log_.warning(Kind::dropping, "3 frames");
   EXPECT_EQ(published_.size(), 1U);
   EXPECT_TRUE(kept().empty());

@@ -293,7 +293,7 @@ TEST_F(ForwarderTest, MakesWayForARuleOfAnotherProgramAndComesBackAfterIt) {
   EXPECT_EQ(kernel_.rules.size(), 1U);
 }
 
-TEST_F(ForwarderTest, AFailureIsToldOnceAndTriedAgain) {
+TEST_F(ForwarderTest, AFailureIsReportedOnceAndTriedAgain) {
   kernel_.broken = "can-gw: the kernel has no can-gw: modprobe can-gw";
   forwarder_.want(0, {rule(1), rule(2)});
   forwarder_.act();

@@ -47,7 +47,7 @@ TEST(Health, ReportsSilenceWithTheMissingEvents) {
   EXPECT_EQ(troubles(seen), Lines{"nothing has come for 4.2 s: 84 events are missing"});
 }
 
-TEST(Health, WhoHasNeverSentIsToldAfterThreePeriodsAndASecond) {
+TEST(Health, APublisherThatNeverSentIsReportedAfterThreePeriodsAndASecond) {
   Observed seen{.watch = heart_beat()};
   seen.watch->events = 0;
   seen.watch->timeout_ns = 0;
@@ -64,7 +64,7 @@ TEST(Health, WhoHasNeverSentIsToldAfterThreePeriodsAndASecond) {
             Lines{"no publisher sends: nothing has come since it was granted, 31 s ago"});
 }
 
-TEST(Health, WhoSendsSomethingElseIsToldWhereNothingComes) {
+TEST(Health, UnknownFramesAreReportedWhereNothingComes) {
   Observed seen{.watch = control::Watch{}, .passages = {in(0), out(0)}};
   seen.watch->period_ns = 50'000'000;
   seen.watch->since_last_ns = 4 * kSecond;
@@ -79,7 +79,7 @@ TEST(Health, WhoSendsSomethingElseIsToldWhereNothingComes) {
   EXPECT_EQ(troubles(seen), Lines{}) << "its events come";
 }
 
-TEST(Health, DropsAreToldWithTheirPlace) {
+TEST(Health, DropsAreReportedWithTheirPlace) {
   Observed seen{.passages = {in(100), out(100)}};
   seen.passages[0].excess = 12;
   seen.passages[1].misfits = 1;
@@ -121,7 +121,7 @@ TEST(Health, IsWhatTheGatesAndTheReasonsMakeIt) {
   EXPECT_EQ(health_of(false, {"a"}).state, control::HealthState::closed);
 }
 
-TEST(Health, TellsAsManyReasonsAsFitAndHowManyMoreThereAre) {
+TEST(Health, ReportsAsManyReasonsAsFitAndHowManyMoreThereAre) {
   Lines lines;
   for (std::size_t i = 0; i < control::Health::kMostReasons; ++i)
     lines.push_back(fmt::format("{}", i));

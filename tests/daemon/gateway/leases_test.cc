@@ -56,7 +56,7 @@ TEST(Leases, OfNoSessionAreNone) {
   EXPECT_EQ(leases.next_deadline(), Leases::kUnbounded);
 }
 
-TEST(Leases, BeyondTheEndOfTimeNeverEnd) {
+TEST(Leases, PastTheEndOfTimeNeverEnd) {
   Leases leases;
   leases.set(1, Leases::kUnbounded, 1);
   leases.set(2, Leases::kUnbounded - 10, 10);

@@ -67,7 +67,7 @@ TEST_F(RoundsTest, APieceThatTakesTooLongIsTheOnlyOneOfItsTurn) {
   EXPECT_EQ(turn(), "b");
 }
 
-TEST_F(RoundsTest, ARoundThatIsUnderWayIsNotBegunAnew) {
+TEST_F(RoundsTest, ARoundThatIsUnderWayIsNotBegunAgain) {
   add('a', 2, Rounds::kTurn);
   add('b', 1, 1);
   rounds_.begin();

@@ -41,13 +41,13 @@ TEST(SenderTest, RefusesAPublisherWhoseIdentifierIsTaken) {
             "identifier has one sender on a bus");
 }
 
-TEST(SenderTest, ANodeDoesNotTellPublishersApartWhereNoFrameNamesIt) {
+TEST(SenderTest, ANodeDoesNotDistinguishPublishersWhereNoFrameNamesIt) {
   auto request = twin();
   request.node = 0x21;
   EXPECT_NE(answer_to(raw_robot(), request), "understood");
 }
 
-TEST(SenderTest, TellsPublishersApartByTheirNodeWhereFramesNameIt) {
+TEST(SenderTest, DistinguishesPublishersByTheirNodeWhereFramesNameIt) {
   auto request = twin();
   request.node = core::testing::kSwitchNode;
   EXPECT_EQ(answer_to(robot(0), request),

@@ -120,7 +120,7 @@ TEST_F(TagClaims, TwoThatAreDealtEachOthersTagsExchangeThem) {
   EXPECT_EQ(refused(), 0U);
 }
 
-TEST_F(TagClaims, TwoThatAreToldAtOnceGetNothing) {
+TEST_F(TagClaims, TwoThatAreDealtAtOnceGetNothing) {
   of(kDistance).dealt = of(kVelocity).dealt = kNext;
   tags_.hold_apart();
   give();

@@ -16,7 +16,7 @@ TEST(BypassTest, FramesSentBeforeTheFirstUpdateAreNotReported) {
   EXPECT_EQ(bypass.update(counts(100, 5100)), 0U);
 }
 
-TEST(BypassTest, MoreThanADriverHoldsIsTold) {
+TEST(BypassTest, MoreThanADriverHoldsIsReported) {
   Bypass bypass;
   bypass.update(counts(0, 0));
   EXPECT_EQ(bypass.update(counts(10, 10 + Bypass::kInDriver)), 0U);
@@ -66,7 +66,7 @@ TEST(BypassTest, FramesBetweenTheReadingsAreNoBypass) {
   EXPECT_EQ(update(200'000, 200'100, 201'000), 0U);
 }
 
-TEST(BypassTest, CountersThatWereSetBackBeginAnew) {
+TEST(BypassTest, CountersThatWereSetBackStartAgain) {
   Bypass bypass;
   bypass.update(counts(5000, 5000));
   EXPECT_EQ(bypass.update(counts(0, 5000)), 0U) << "another gate";

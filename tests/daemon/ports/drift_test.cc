@@ -71,7 +71,7 @@ class DriftTest : public AttachTo, public testing::WithParamInterface<Hook> {
   std::int64_t now_ = 0;
 };
 
-TEST_P(DriftTest, NothingIsToldOfAGateInPlace) {
+TEST_P(DriftTest, NothingIsReportedOfAGateInPlace) {
   repair();
   check_bypass();
   EXPECT_TRUE(reported_.empty()) << reported_.front();
@@ -79,7 +79,7 @@ TEST_P(DriftTest, NothingIsToldOfAGateInPlace) {
   EXPECT_EQ(report().repaired, 0U);
 }
 
-TEST_P(DriftTest, RemovedGateIsPutBackAndTold) {
+TEST_P(DriftTest, RemovedGateIsPutBackAndReported) {
   remove_ours();
   repair();
   EXPECT_TRUE(gate().attached().value());
@@ -92,7 +92,7 @@ TEST_P(DriftTest, RemovedGateIsPutBackAndTold) {
   EXPECT_EQ(reported_.size(), 1U) << reported_.back();
 }
 
-TEST_P(DriftTest, AGateOfAnotherDaemonInItsPlaceIsReplacedAndNotToldAsOpen) {
+TEST_P(DriftTest, AGateOfAnotherDaemonInItsPlaceIsReplacedAndNotReportedAsOpen) {
   const auto elsewhere = Control::create(test::new_bpf_root()).value();
   GateConfig config;
   config.ifindex = bus_.ifindex();
@@ -111,7 +111,7 @@ TEST_P(DriftTest, AGateOfAnotherDaemonInItsPlaceIsReplacedAndNotToldAsOpen) {
   EXPECT_EQ(report().repaired, 1U);
 }
 
-TEST_P(DriftTest, UnpinnedGateIsPinnedAgainAndTold) {
+TEST_P(DriftTest, UnpinnedGateIsPinnedAgainAndReported) {
   admit(gate(), {in(0x123)});
   bus_.inject(frame(0x123));
   expect_passed(gate(), in(0x123), 1);
@@ -136,7 +136,7 @@ TEST_P(DriftTest, UnpinnedGateIsPinnedAgainAndTold) {
   EXPECT_EQ(reported_.size(), 1U) << reported_.back();
 }
 
-TEST_P(DriftTest, AGateThatWasMadeToLetEverythingPassJudgesAgainAndThatIsTold) {
+TEST_P(DriftTest, AGateThatWasMadeToLetEverythingPassJudgesAgainAndThatIsReported) {
   const Program sender(bus_);
   const Fd map = open_pin(pins(bus_) + "/table");
   Mapped<gate_table>(map.get(), 1)[0].retired = 1;
@@ -173,7 +173,7 @@ TEST_P(DriftTest, PinOfAnotherGateIsReplacedByOurs) {
   EXPECT_TRUE(read_back(root_).value().gates.at(0).problems.empty());
 }
 
-TEST_P(DriftTest, GateThatCannotBePinnedIsToldOnceAndInTheStatus) {
+TEST_P(DriftTest, GateThatCannotBePinnedIsReportedOnceAndInTheStatus) {
   const std::string table = pins(bus_) + "/table";
   std::filesystem::remove(table);
   std::filesystem::create_directories(table + "/of/somebody");
@@ -210,7 +210,7 @@ class ReadOnly {
   std::string point_;
 };
 
-TEST_P(DriftTest, AReadOnlyBpffsIsToldOnceAndNothingIsSaidToBePutRight) {
+TEST_P(DriftTest, AReadOnlyBpffsIsReportedOnceAndNothingIsSaidToBePutRight) {
   ASSERT_TRUE(control_.arm());
   {
     const ReadOnly bpffs(std::filesystem::path(root_).parent_path());
@@ -247,7 +247,7 @@ TEST_P(DriftTest, ProgramInFrontIsNamedAndTheGateGoesFirst) {
   EXPECT_EQ(reported_.size(), 1U) << reported_.back();
 }
 
-TEST_P(DriftTest, FramesPastTheGateAreToldAndCounted) {
+TEST_P(DriftTest, FramesPastTheGateAreReportedAndCounted) {
   const Program sender(bus_);
   check_bypass();
   sender.skip_queueing();
@@ -289,7 +289,7 @@ TEST_P(DriftTest, FramesThatAuditLetsOutRaiseNoAlarm) {
   EXPECT_TRUE(reported_.empty()) << reported_.front();
 }
 
-TEST_P(DriftTest, DeviceThatWentToAnotherNamespaceIsTold) {
+TEST_P(DriftTest, DeviceThatWentToAnotherNamespaceIsReported) {
   repair();
   std::array<int, 2> ready{};
   ASSERT_EQ(pipe(ready.data()), 0);
@@ -321,7 +321,7 @@ TEST_P(DriftTest, DeviceThatWentToAnotherNamespaceIsTold) {
 }
 
 /// Generic XDP runs before tc on any device, CAN too.
-TEST_P(DriftTest, AnXdpProgramInFrontIsToldAndStays) {
+TEST_P(DriftTest, AnXdpProgramInFrontIsReportedAndStays) {
   const auto id = test::put_foreign_xdp("bus0");
   repair();
   repair();
@@ -361,7 +361,7 @@ class DriftInTheDriver : public DriftTest {
   std::unique_ptr<EtherGate> ether_;
 };
 
-TEST_P(DriftInTheDriver, WhatIsGoneFromThereAloneIsToldAsThat) {
+TEST_P(DriftInTheDriver, WhatIsGoneFromThereAloneIsReportedAsThat) {
   repair();
   EXPECT_TRUE(reported_.empty()) << reported_.front();
   shell("ip link set lan0 xdp off");
@@ -375,7 +375,7 @@ TEST_P(DriftInTheDriver, WhatIsGoneFromThereAloneIsToldAsThat) {
   EXPECT_EQ(reported_.size(), 1U) << reported_.back();
 }
 
-TEST_P(DriftInTheDriver, AnotherProgramInsteadOfOursIsToldAndLeft) {
+TEST_P(DriftInTheDriver, AnotherProgramInsteadOfOursIsReportedAndLeft) {
   repair();
   shell("ip link set lan0 xdp off");
   const auto id = test::put_foreign_xdp("lan0");
@@ -400,7 +400,7 @@ TEST_P(DriftInTheDriver, AnotherProgramInsteadOfOursIsToldAndLeft) {
   EXPECT_TRUE(read_back(root_).value().gates.at(1).problems.empty());
 }
 
-TEST_P(DriftInTheDriver, UnpinnedEthernetGateIsPinnedAgainAndTold) {
+TEST_P(DriftInTheDriver, UnpinnedEthernetGateIsPinnedAgainAndReported) {
   const std::string pins = gate_directory(control_.directory(), ether_->ifindex());
   SlotSpec admitted;
   admitted.pass = true;

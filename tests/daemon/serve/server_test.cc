@@ -318,7 +318,7 @@ TEST_F(ServerTest, TwoMembersWithAllTheirConnectionsLockNoOtherUserOut) {
   EXPECT_TRUE(is_served(client_of(65'004, kGroup)));
 }
 
-TEST_F(ServerTest, WhoAsksForNothingForAMinuteIsToldAndClosed) {
+TEST_F(ServerTest, WhoAsksForNothingForAMinuteGetsTheReasonAndIsClosed) {
   answer_ = [this](const Request& r, const Peer& peer) {
     if (r.id == 1) return Answer{Reply{r.id, control::Done{"admitted"}}, false, 17};
     if (r.id == 2) {
@@ -436,7 +436,7 @@ TEST_F(ServerTest, WithoutDescriptorsTheLoopRestsAndAcceptsOnceThereAreSome) {
   EXPECT_TRUE(is_served(second));
 }
 
-TEST_F(ServerTest, ItIsKnownWhoHasHungUpBeforeTheLoopHearsOfIt) {
+TEST_F(ServerTest, ItIsKnownWhoHasHungUpBeforeTheLoopNoticesIt) {
   std::uint64_t session = 0;
   answer_ = [&](const Request& r, const Peer& peer) {
     session = peer.session;

@@ -152,7 +152,7 @@ Filling filled(unsigned taken, unsigned left) {
   return {.taken = taken, .left = left, .echoed = taken, .refused = true};
 }
 
-TEST(DepthTest, IsWhatFitsBeyondTheQueueAtTheSameTime) {
+TEST(DepthTest, IsWhatFitsBehindTheQueueAtTheSameTime) {
   const std::vector fillings{filled(12, 0), filled(14, 1), filled(13, 1)};
   const auto line = judge_depth(controller(), fillings, {});
   EXPECT_EQ(line.outcome, Outcome::ok);
@@ -192,7 +192,7 @@ TEST(DepthTest, AQueueWithoutAnEndIsNotTested) {
   EXPECT_TRUE(why_no_depth(unknown));
 }
 
-TEST(BusOffTest, IsToldInTwoWaysTogetherAndEnds) {
+TEST(BusOffTest, IsReportedInTwoWaysTogetherAndEnds) {
   const BusOff good{
       .frame_ns = kSecond, .link_ns = 2 * kSecond, .recovered_ns = 9 * kSecond, .seconds = 20};
   EXPECT_EQ(judge_bus_off(good).outcome, Outcome::ok);

@@ -108,7 +108,7 @@ TEST(Differences, SeveralInOneSlotAreOneLine) {
                         "frame"});
 }
 
-TEST(Differences, SlotsThatAreTooManyOrMissingAreTold) {
+TEST(Differences, SlotsThatAreTooManyOrMissingAreReported) {
   const std::string all =
       "verdict pass, identifier 0x123, mask 0x800007ff, source a local program, any user, no "
       "origin, any station, "
@@ -176,14 +176,14 @@ TEST(CompareSlots, AnInterfaceThatIsNoPortAndATableThatCannotBeReadAreLeftOut) {
   EXPECT_EQ(problems(gate({slot(0x124)}), journal), Lines{});
 }
 
-TEST(CompareSlots, AJournalWithoutSlotsIsToldOnce) {
+TEST(CompareSlots, AJournalWithoutSlotsIsReportedOnce) {
   EXPECT_EQ(problems(gate({}), journal_of({})), Lines{});
   const auto told = problems(gate({slot(), slot(0x124)}), journal_of({}));
   ASSERT_EQ(told.size(), 1U);
   EXPECT_NE(told[0].find("did not write them down, restart it"), std::string::npos) << told[0];
 }
 
-TEST(CompareSlots, OctetsThatAreNotUnderstoodAreTold) {
+TEST(CompareSlots, OctetsThatAreNotUnderstoodAreReported) {
   auto journal = journal_of({});
   journal.enforced = {{7, "\x80"}};
   EXPECT_EQ(problems(gate({}), journal),

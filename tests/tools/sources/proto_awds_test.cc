@@ -90,7 +90,7 @@ TEST(AwdsPacket, TheShortestOneHasNeitherLinksNorName) {
   EXPECT_TRUE(parse(packet)->neighbours.empty());
 }
 
-TEST(AwdsPacket, CountsBeyondTheProtocolAreRefused) {
+TEST(AwdsPacket, CountsOutsideTheProtocolAreRefused) {
   auto packet = octets(kCaptured);
   packet[21] = 41;
   packet.resize(1000);
@@ -222,7 +222,7 @@ TEST(AwdsGraph, ANodeThatHasStartedAgainIsBelievedOnceItsPastHasExpired) {
   EXPECT_TRUE(graph.take(topology(1, 1, 1000, {}), 1000 * kMilli));
 }
 
-TEST(AwdsGraph, TheWrongMetricIsTold) {
+TEST(AwdsGraph, TheWrongMetricIsReported) {
   Graph graph(AwdsMetric::etx);
   graph.take(topology(1, 1, 3600, {{id(2), 10}}), 0);  // 10: what a hop count sends
   const auto snapshot = graph.snapshot(1);

@@ -125,7 +125,7 @@ TEST(Babel, NodesMayBeDescribedByTheirHostRoutes) {
   }
 }
 
-TEST(Babel, HostsAndNetworksAreToldApart) {
+TEST(Babel, HostsAndNetworksAreDistinguished) {
   EXPECT_EQ(host_of("10.9.3.1/32"), "10.9.3.1");
   EXPECT_EQ(host_of("fd00::1/128"), "fd00::1");
   EXPECT_FALSE(host_of("fd00::/32"));

@@ -116,7 +116,7 @@ TEST_F(Conversation, MonitorsThenAsksForEverythingAgainAndAgain) {
   EXPECT_EQ(asked[1], "dump");
 }
 
-TEST_F(Conversation, AChangeIsToldAtOnce) {
+TEST_F(Conversation, AChangeIsReportedAtOnce) {
   test::Server server(loop(), kGreeting, false, [](const std::string&) { return kTable; });
   test::Watched watched(source(SourceKind::babel, server.endpoint()), {}, loop());
   ASSERT_TRUE(watched.await([](const auto& s) { return s.links.size() == 2; })) << watched.last();
@@ -125,7 +125,7 @@ TEST_F(Conversation, AChangeIsToldAtOnce) {
       << watched.last();
 }
 
-TEST_F(Conversation, AConnectionThatBreaksIsToldAndMadeAnew) {
+TEST_F(Conversation, AConnectionThatBreaksIsReportedAndMadeAgain) {
   test::Server server(loop(), kGreeting, false, [](const std::string&) { return kTable; });
   test::Watched watched(source(SourceKind::babel, server.endpoint()), {}, loop());
   ASSERT_TRUE(watched.await([](const auto& s) { return s.links.size() == 2; })) << watched.last();
@@ -136,7 +136,7 @@ TEST_F(Conversation, AConnectionThatBreaksIsToldAndMadeAnew) {
   EXPECT_TRUE(watched.await([](const auto& s) { return s.links.size() == 2; })) << watched.last();
 }
 
-TEST_F(Conversation, ARefusalIsTold) {
+TEST_F(Conversation, ARefusalIsReported) {
   test::Server server(loop(), kGreeting, false, [](const std::string&) { return "bad\n"; });
   test::Watched watched(source(SourceKind::babel, server.endpoint()), {}, loop());
   const auto told = watched.await([](const auto& s) { return !s.problem.empty(); });

@@ -50,7 +50,7 @@ TEST(Facts, ASnapshotArrivesAsItWasSent) {
   EXPECT_EQ(read_back(answer(snapshot(kMaxFacts))), snapshot(kMaxFacts));
 }
 
-TEST(Facts, AnotherSnapshotBeginsAnew) {
+TEST(Facts, AnotherSnapshotStartsAgain) {
   AnswerReader reader;
   for (int i = 0; i < 2; ++i)
     for (const auto& message : answer(snapshot(3))) {

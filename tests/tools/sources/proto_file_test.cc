@@ -66,7 +66,7 @@ TEST(LinkFile, RatesHaveUnits) {
   EXPECT_EQ(links_of("n1 n2 1.000000001Gbit/s")[0].rate, 1'000'000'001U);
 }
 
-TEST(LinkFile, WhatIsWrongIsToldWithItsLine) {
+TEST(LinkFile, WhatIsWrongIsReportedWithItsLine) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"n1 n2", "links:1: a link needs"},
       {"\n\nn1 n9 1Mbit/s", "links:3: no node has the name or address \"n9\""},
@@ -197,7 +197,7 @@ TEST_F(WatchedFile, ARelativePathIsRefusedAtOnce) {
   EXPECT_NE(test::Watched(relative, kMesh).error(), "");
 }
 
-TEST(DescribedLinks, AreToldAsDescribedAndStayYoung) {
+TEST(DescribedLinks, AreReportedAsDescribedAndStayYoung) {
   auto mesh = kMesh;
   core::mesh::DescribedLink link;
   link.from = 2;

@@ -105,7 +105,7 @@ TEST(Olsr, AnAnswerThatIsCutOffInATableIsAnError) {
   EXPECT_FALSE(parse(std::string_view(whole).substr(0, whole.size() - 1)));
 }
 
-TEST(Olsr, TheServerIsAskedAgainAndAgainAndItsLossIsTold) {
+TEST(Olsr, TheServerIsAskedAgainAndAgainAndItsLossIsReported) {
   std::unique_ptr<test::Server> server;
   std::string asked;
   std::string text = answer();

@@ -103,7 +103,7 @@ TEST(RadioMessages, AStationIsReadFromItsOctets) {
   EXPECT_FALSE(read->expected_throughput);
 }
 
-TEST(RadioMessages, WhatAStationDoesNotTellIsUnknown) {
+TEST(RadioMessages, WhatAStationDoesNotReportIsUnknown) {
   MessageMaker made(NL80211_CMD_NEW_STATION);
   made.mac(NL80211_ATTR_MAC, kOne);
   auto octets = made.octets();
@@ -308,7 +308,7 @@ TEST(RadioMessages, AMessageShorterThanItSaysIsNone) {
   EXPECT_FALSE(nl80211::read_station(octets));
 }
 
-TEST(RadioMessages, AnAttributeThatReachesBeyondItsSurroundingsIsNone) {
+TEST(RadioMessages, AnAttributeThatEndsAfterItsSurroundingsIsNone) {
   // Length 8 where 4 octets are left; then the same with all of them there.
   const std::array<std::uint16_t, 4> octets{8, NL80211_SURVEY_INFO_IN_USE, 0, 0};
   const auto all = std::as_bytes(std::span(octets));

@@ -145,7 +145,7 @@ TEST_F(RadioView, LossIsTheShareOfPacketsGivenUp) {
   EXPECT_EQ(there().loss, 70'000'000U);  // 7 of 100
 }
 
-TEST_F(RadioView, FewPacketsTellNoLoss) {
+TEST_F(RadioView, FewPacketsReportNoLoss) {
   static_cast<void>(there());
   peer().tx_packets = 119;
   peer().tx_failed = 10;
@@ -167,7 +167,7 @@ TEST_F(RadioView, OldLossIsForgotten) {
   EXPECT_EQ(there().loss, 0U) << "ten polls ago";
 }
 
-TEST_F(RadioView, CountersThatBeginAnewTellNoLoss) {
+TEST_F(RadioView, CountersThatStartAgainReportNoLoss) {
   static_cast<void>(there());
   peer().tx_packets = 30;
   EXPECT_FALSE(there().loss);
@@ -183,7 +183,7 @@ TEST_F(RadioView, MoreFailuresThanPacketsIsAll) {
   EXPECT_EQ(there().loss, 1'000'000'000U);
 }
 
-TEST_F(RadioView, APeerThatCameBackBeginsAnew) {
+TEST_F(RadioView, APeerThatCameBackStartsAgain) {
   static_cast<void>(there());
   const auto before = seen.stations;
   seen.stations.clear();
@@ -213,21 +213,21 @@ TEST_F(RadioView, WhatThisRadioSendsIsNotTakenByOthers) {
   EXPECT_EQ(there().busy, 100'000U);
 }
 
-TEST_F(RadioView, ASurveyThatDoesNotCountTellsNothing) {
+TEST_F(RadioView, ASurveyThatDoesNotCountReportsNothing) {
   seen.surveys = {{.frequency = 2412, .in_use = true, .time = 10'000, .busy = 400}};
   for (int poll = 0; poll < 4; ++poll) EXPECT_FALSE(there().busy);
   seen.surveys[0].time = 10'499;
   EXPECT_FALSE(there().busy) << "less than half a second";
 }
 
-TEST_F(RadioView, AnotherChannelBeginsAnew) {
+TEST_F(RadioView, AnotherChannelStartsAgain) {
   seen.surveys = {{.frequency = 2412, .in_use = true, .time = 10'000, .busy = 400}};
   static_cast<void>(there());
   seen.surveys = {{.frequency = 2437, .in_use = true, .time = 20'000, .busy = 9'400}};
   EXPECT_FALSE(there().busy);
 }
 
-TEST_F(RadioView, MeshPathsTellNextHopsOnly) {
+TEST_F(RadioView, MeshPathsReportNextHopsOnly) {
   seen.paths = {{.destination = kPeer,
                  .next_hop = kPeer,
                  .metric = 820,
@@ -250,7 +250,7 @@ TEST_F(RadioView, MeshPathsTellNextHopsOnly) {
   EXPECT_EQ(snapshot.links.size(), 2U) << "a path of two hops is no link";
 }
 
-TEST_F(RadioView, ADirectPathsMetricIsARateWhereTheDriverTellsNone) {
+TEST_F(RadioView, ADirectPathsMetricIsARateWhereTheDriverReportsNone) {
   peer().expected_throughput.reset();
   peer().tx_bitrate.reset();
   EXPECT_EQ(there().rate, 0U) << "known, its rate is not";
@@ -295,7 +295,7 @@ TEST(BatmanView, ANeighboursThroughputIsALinkFromTheInterfaceItIsReceivedOn) {
   EXPECT_EQ(snapshot.next_hops, expected);
 }
 
-TEST(BatmanView, BatmanIvTellsLossWithoutARate) {
+TEST(BatmanView, BatmanIvReportsLossWithoutARate) {
   const batman::Seen seen{
       .interfaces = {{.index = 4, .mac = kOwn}},
       .neighbours = {{.mac = kPeer, .interface = 4, .throughput = {}, .last_seen = 0}},

@@ -84,7 +84,7 @@ class WireLive : public testing::Test {
   std::unique_ptr<LinkSource> source_;
 };
 
-TEST_F(WireLive, TellsTheSpeedWhileThereIsACarrier) {
+TEST_F(WireLive, ReportsTheSpeedWhileThereIsACarrier) {
   await_problem("there is no interface wire0");
   run(std::string("ip link add wire0 address ") + kOwn + " type veth peer name wire1");
   run("ip link set wire0 up");

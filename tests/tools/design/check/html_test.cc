@@ -146,7 +146,7 @@ std::string many(int channels, int bad) {
   return test::system_of(parts);
 }
 
-TEST_F(HtmlTest, DrawsEachDeliveryUpToALimitAndBundlesBeyondIt) {
+TEST_F(HtmlTest, DrawsEachDeliveryUpToALimitAndBundlesAboveIt) {
   const int limit = static_cast<int>(tools::design::kMaxSingle);
   const auto single = html(file("single.xml", many(limit, 1)), 1);
   EXPECT_EQ(count_of(single, "class=\"edge channel"), tools::design::kMaxSingle);
