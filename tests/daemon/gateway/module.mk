@@ -1,7 +1,7 @@
 $(eval $(call unit_test,leases_test,tests/daemon/gateway/leases_test.cc,$O/daemon/gateway/leases.o,))
 $(eval $(call unit_test,bus_load_test,tests/daemon/gateway/bus_load_test.cc,$O/daemon/gateway/bus_load.o,))
 $(eval $(call unit_test,forwarding_test,tests/daemon/gateway/forwarding_test.cc tests/daemon/net/can_routes_test.cc,$(addprefix $O/daemon/,gateway/forwarding.o gateway/forwarder.o net/can_routes.o net/rtnl.o),$(NL_LIBS) -lfmt))
-$(eval $(call unit_test,quotas_test,tests/daemon/gateway/quotas_test.cc,$O/daemon/gateway/quotas.o,-lfmt))
+$(eval $(call unit_test,quotas_test,tests/daemon/gateway/quotas_test.cc,$O/daemon/gateway/quotas.o $O/libcontrol.a,-lfmt))
 $(eval $(call unit_test,in_time_test,tests/daemon/gateway/in_time_test.cc,,-pthread))
 $(eval $(call unit_test,patience_test,tests/daemon/gateway/patience_test.cc,$O/daemon/gateway/patience.o,-pthread))
 $(eval $(call unit_test,reading_test,tests/daemon/gateway/reading_test.cc,$O/daemon/gateway/reading.o,-lsystemd -pthread))
