@@ -106,7 +106,7 @@ class ProtobufReader {
   /// True if there was one of the alternatives of the message.
   template <Message M>
   bool fields(M& to) {
-    bool any = false;
+    bool any = false;  // NOLINT(misc-const-correctness): it changes where there are alternatives
     while (next()) {
       const std::uint32_t number = from_.tag();
       if (!with_field(to, number, [this](auto&& member) { take(member); })) skip();
@@ -203,9 +203,10 @@ std::optional<Parsed<M>> parse(std::string_view bytes, UnknownField unknown) {
     parsed.has_body = ProtobufReader({bytes.data(), bytes.size()}, unknown).fields(parsed.message);
     return parsed;
   } catch (const protozero::exception&) {
+    return std::nullopt;
   } catch (const Malformed&) {
+    return std::nullopt;
   }
-  return std::nullopt;
 }
 
 }  // namespace mlcca::control
