@@ -26,6 +26,13 @@ BENCHES += $O/bench/mesh_bench
 $(eval $(call program,bench/journal_bench,tests/bench/journal_bench.cc,$(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a,-lsqlite3 -lfmt))
 BENCHES += $O/bench/journal_bench
 
+# The journal against SQLite, with its crash tests: a prototype on the fakes of tests/daemon/store.
+$(eval $(call program,bench/store_bench,$(wildcard tests/bench/store/*.cc) $(addprefix tests/daemon/store/,fake_disk.cc worlds.cc),$(patsubst %.cc,$O/%.o,$(wildcard daemon/store/*.cc)) $O/libcontrol.a $O/libcore.a,-lsqlite3 -lfmt -lgtest -lpthread))
+BENCHES += $O/bench/store_bench
+run-bench-store: $O/bench/store_bench
+	$(Q)$O/bench/store_bench $O/bench
+.PHONY: run-bench-store
+
 $(eval $(call program,bench/can_bench,tests/bench/can_bench.cc,$O/libcore.a,))
 BENCHES += $O/bench/can_bench
 
