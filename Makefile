@@ -132,10 +132,10 @@ $O/bundle/%.o: $O/bundle/%.cc | $(CONTROL_HEADERS)
 # --- what a person calls ---------------------------------------------------------------------------
 
 demo: ensure-deps ## the emergency stop, shown on real SocketCAN and systemd (DEMO=host: on this kernel)
-	$(Q)$(MAKE) BUNDLE=1 run-demo
+	$(Q)$(MAKE) run-demo
 
 test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
-	$(Q)$(MAKE) BUNDLE=1 test-all
+	$(Q)$(MAKE) test-all
 
 test-all:
 	$(Q)$(MAKE) all check-layers check-format cppcheck check-mcu
