@@ -101,7 +101,13 @@
         <xsl:with-param name="text" select="'the port is managed, and its network is no CAN network'"/>
       </xsl:call-template>
     </xsl:if>
-    <xsl:if test="@sender">
+    <xsl:variable name="is-can" select="normalize-space($network/Kind) = 'can'"/>
+    <xsl:variable name="carried">
+      <xsl:for-each select="../Port">
+        <xsl:if test="(normalize-space(key('place', normalize-space(@network))/Kind) = 'can') != $is-can">1</xsl:if>
+      </xsl:for-each>
+    </xsl:variable>
+    <xsl:if test="@sender and string($carried)">
       <xsl:call-template name="sense">
         <xsl:with-param name="id" select="'MLCCA041'"/>
         <xsl:with-param name="port" select="."/>

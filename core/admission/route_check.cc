@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/admission/media.hpp"
+#include "core/model/carrier.hpp"
 #include "core/model/medium.hpp"
 #include "core/model/user_values.hpp"
 #include "core/profiles/profile.hpp"
@@ -100,13 +101,12 @@ class RouteCheck {
         obstruct(Obstacle::no_sender, v_.route[i]);
   }
 
-  /// The kernel forwards between CAN networks, and between Ethernet networks. Between the two a
-  /// program does, and its gates pass no sender that is not described.
+  /// Where a program has to carry events, its gates pass no sender that is not described.
   [[nodiscard]] bool is_carried(std::size_t at) const {
     const Network& in = s_.system.networks[v_.route[at - 1].index];
     const Network& out = s_.system.networks[v_.route[at + 1].index];
     if (in.profile == Profile::none || out.profile == Profile::none ||
-        in.carries_subjects() == out.carries_subjects())
+        are_joined_by_kernel(in, out))
       return true;
     const Port* port = s_.system.gateways[v_.route[at].index].port_on(v_.route[at + 1].index);
     return port != nullptr && port->sender.has_value();

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "core/design/sense.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
 
+#include "core/model/carrier.hpp"
 #include "core/model/text.hpp"
 #include "mlcca/check.hpp"
 
@@ -38,7 +40,7 @@ class Sense {
                             "address and no rate",
                         "let the network configuration of the machine set the interface up, and "
                         "remove managed"));
-    if (port.sender)
+    if (port.sender && is_sender_used(gateway, port))
       at_gateway(g,
                  add(FindingId::unstarted_sender, port.origin,
                      where + " leaves events to the program of its sender, which mlccad does not "
@@ -47,6 +49,13 @@ class Sense {
   }
 
  private:
+  /// A program has to carry events from another port of the gateway to this one.
+  [[nodiscard]] bool is_sender_used(const Gateway& gateway, const Port& port) const {
+    return std::ranges::any_of(gateway.ports, [&](const Port& from) {
+      return !are_joined_by_kernel(s_.networks[from.network], s_.networks[port.network]);
+    });
+  }
+
   Finding& add(FindingId id, Origin origin, std::string text, std::string hint) {
     Finding& f = to_.emplace_back();
     f.id = id;

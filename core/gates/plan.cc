@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "core/model/carrier.hpp"
 #include "core/model/medium.hpp"
 #include "core/model/progress.hpp"
 #include "mlcca/arithmetic.hpp"
@@ -240,10 +241,9 @@ class Planner {
   [[nodiscard]] std::optional<std::uint32_t> sender_between(std::size_t in, std::size_t out) const {
     if (in == kLocal) return std::nullopt;
     const auto& ports = system_.gateways[here_.index].ports;
-    const auto is_can = [&](std::size_t port) {
-      return system_.networks[ports[port].network].kind == NetworkKind::can;
-    };
-    return is_can(in) == is_can(out) ? std::nullopt : ports[out].sender;
+    const Network& from = system_.networks[ports[in].network];
+    const Network& to = system_.networks[ports[out].network];
+    return are_joined_by_kernel(from, to) ? std::nullopt : ports[out].sender;
   }
 
   /// Another publisher at the same place whose datagrams cannot be distinguished from those of `p`:
