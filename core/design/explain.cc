@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/can/level.hpp"
 #include "core/can/of_system.hpp"
 #include "core/can/schedule.hpp"
 #include "core/gates/relay_gate.hpp"
@@ -117,6 +118,12 @@ std::string stated_by(const System& system, Place place) {
   return (evaluated ? "PerHop of " : "") + name_of(system, place);
 }
 
+bool is_too_much_jitter(const can::Schedule& bus, can::Message message, Value jitter) {
+  message.jitter = jitter;
+  return can::unusable(bus.assumptions(), message) == can::Unusable::jitter ||
+         (message.period != 0 && jitter / message.period >= can::kMaxInstances);
+}
+
 /// What would help a message that comes too late: a better identifier only where others are in its
 /// way, and the bus has time for all of them.
 std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdict& v,
@@ -135,19 +142,29 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
     return "send less often, or use a faster bus: its frames would take " +
            std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " % of the time";
   }
+  const auto own = row.end == v.publisher ? newcomer : message_of(row.end, v.set);
+  const Value jitter = attributes_in(s.members.publisher(row.end), v.set)[Attribute::jitter];
+  if (own && row.comparison.provided == kUnbounded && is_too_much_jitter(bus, *own, jitter))
+    return "state a smaller Jitter of " + late + ": " + format_value(Attribute::jitter, jitter) +
+           " is more than what is analysed";
   if (row.comparison.provided == kUnbounded)
     return "send less often: what goes before these frames can take all of the bus";
   if (row.comparison.required == 0)
     return "allow more time, or let the rest of the way take less: state shorter times of it";
-  const auto own = row.end == v.publisher ? newcomer : message_of(row.end, v.set);
   if (own && own->transmission > row.comparison.required)
     return "allow " + late +
            " more time, let it send smaller events, or use a faster bus: its frames "
            "alone take " +
            format_value(Attribute::latency, own->transmission);
+  const auto goes_before = [&](const can::Message& m) { return m.priority < own->priority; };
+  if (own && std::ranges::none_of(bus.messages(), goes_before) &&
+      !(newcomer && goes_before(*newcomer)))
+    return "allow " + late +
+           " more time, send smaller events, or use a faster bus: no identifier there is better "
+           "than its own";
   return "give " + late +
-         " a better identifier (mlccactl analyse-bus --assign), send less often, or "
-         "allow more time";
+         " a better identifier if there is an order for all (mlccactl analyse-bus --assign), send "
+         "less often, or allow more time";
 }
 
 /// False where a required Deadline follows from a Period.

@@ -475,5 +475,23 @@ TEST(InspectTest, FramesThatOthersDelayAreHelpedByAnIdentifier) {
       << late_in(result).hint;
 }
 
+TEST(InspectTest, FramesThatHaveTheBestIdentifierAreNotHelpedByAnother) {
+  System system = heart_beats(2, 100'000);
+  Network& bus = system.networks[kRobotCan];
+  bus.bus.bitrate = 8'000;
+  bus.provision = AttributeSet{}.set(Attribute::omission, 0);
+  system.publishers[0].attributes.set(Attribute::deadline, 30 * kMs);
+  const std::string hint = late_in(inspect(system)).hint;
+  EXPECT_TRUE(hint.starts_with("allow switch more time, send smaller events")) << hint;
+}
+
+TEST(InspectTest, FramesOfTooMuchJitterAreNotHelpedByABiggerPeriod) {
+  constexpr Value second = 1000 * kMs;
+  System system = on_bus(500'000, 9000 * second);
+  system.publishers[0].attributes.set(Attribute::jitter, 2000 * second);
+  EXPECT_EQ(late_in(inspect(system)).hint,
+            "state a smaller Jitter of switch: 2000 s is more than what is analysed");
+}
+
 }  // namespace
 }  // namespace mlcca::core::testing
