@@ -142,6 +142,7 @@ class RouteCheck {
     }
     if (!can_send(publisher(), network)) obstruct(Obstacle::no_node, hop);
     if (lacks_data_rate(hop.index, *binding)) obstruct(Obstacle::no_data_rate, hop);
+    if (waits_for_data_rate(hop.index, *binding)) at_run_time_ = true;
     if (offered().has(Attribute::max_payload) &&
         offered()[Attribute::max_payload] > event_bytes(network, *binding))
       obstruct(Obstacle::too_long, hop);
@@ -152,6 +153,12 @@ class RouteCheck {
     const can::Schedule* bus = ledger_.schedule(network);
     return binding.format != FrameFormat::classic && bus != nullptr &&
            bus->assumptions().timing.data_bitrate == 0;
+  }
+
+  /// Only the interface knows the rates of a bus that states none.
+  [[nodiscard]] bool waits_for_data_rate(std::size_t network, const Binding& binding) const {
+    return s_.best_cases_pass && binding.format != FrameFormat::classic &&
+           ledger_.schedule(network) == nullptr;
   }
 
   void collect_hops() {

@@ -293,9 +293,15 @@ void Explainer::add_run_time(const Verdict& v) {
   }
   for (const Place hop : hops_of(v.route)) {
     if (hop.kind != Place::Kind::network) continue;
-    const Binding* binding = s_.system.networks[hop.index].binding_of(v.channel);
-    if (binding == nullptr || !binding->waits_for_tag()) continue;
-    what += (what.empty() ? "" : ", ") + ("the tag on " + name_of(s_.system, hop));
+    const Network& network = s_.system.networks[hop.index];
+    const Binding* binding = network.binding_of(v.channel);
+    if (binding == nullptr || network.kind != NetworkKind::can) continue;
+    const bool tag = binding->waits_for_tag();
+    const bool rate =
+        binding->format != FrameFormat::classic && ledger_.schedule(hop.index) == nullptr;
+    if (!tag && !rate) continue;
+    if (tag) what += (what.empty() ? "" : ", ") + ("the tag on " + network.name);
+    if (rate) what += (what.empty() ? "" : ", ") + ("the data bit rate of " + network.name);
     if (f.has_place) continue;
     f.place = hop;
     f.has_place = true;

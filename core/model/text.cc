@@ -85,6 +85,14 @@ std::string compared(const System& system, const Row& row, const std::string& pl
   return text + " (" + format_margin(system, row) + ")";
 }
 
+/// Which frames with a data phase a channel has on a bus.
+std::string_view forms_of(const System& system, const Verdict& v) {
+  const Binding* binding = system.networks[v.obstacle_at.index].binding_of(v.channel);
+  if (binding != nullptr && binding->format == FrameFormat::xl) return "are XL frames";
+  if (binding != nullptr && binding->format == FrameFormat::fd) return "are FD frames";
+  return "may be FD frames";
+}
+
 std::string obstacle_text(const System& system, const Members& members, const Verdict& v,
                           const std::string& problem) {
   const auto at = [&] { return name_of(system, v.obstacle_at); };
@@ -115,8 +123,9 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
              " states neither Period with MaxPayload nor Bandwidth, and the capacity of " + at() +
              " is shared";
     case Obstacle::no_data_rate:
-      return "frames of channel " + system.channels[v.channel].name + " may be FD frames, and " +
-             at() + " has no bit rate for their data phase";
+      return "frames of channel " + system.channels[v.channel].name + " " +
+             std::string(forms_of(system, v)) + ", and " + at() +
+             " has no bit rate for their data phase";
     case Obstacle::no_period:
       return "publisher " + publisher.name + " states no Period, and response times on " + at() +
              " depend on it";

@@ -234,10 +234,26 @@ TEST(BusTest, FramesWithADataPhaseNeedItsBitRate) {
       EXPECT_EQ(granted(state), rate == 0 ? 0U : 1U);
     }
     const Verdict& refused = state.decisions()[0].verdicts.at(0);
-    EXPECT_EQ(
-        reason(state.system(), state.members(), refused),
-        "frames of channel c0 may be FD frames, and bus has no bit rate for their data phase");
+    const std::string forms = format == FrameFormat::fd   ? "are FD frames"
+                              : format == FrameFormat::xl ? "are XL frames"
+                                                          : "may be FD frames";
+    EXPECT_EQ(reason(state.system(), state.members(), refused),
+              "frames of channel c0 " + forms + ", and bus has no bit rate for their data phase");
   }
+}
+
+TEST(BusTest, WithoutAnyBitRateTheDataPhaseIsDecidedAtRunTime) {
+  System system = one_bus(1, 50 * kMs);
+  system.networks[0].bus = {};
+  system.networks[0].provision.set(Attribute::period, kMs);
+  EXPECT_EQ(inspect(system).channels.at(0).outcome, Outcome::fit);
+  system.networks[0].bindings[0].format = FrameFormat::fd;
+  const Inspection inspection = inspect(system);
+  EXPECT_EQ(inspection.channels.at(0).outcome, Outcome::run_time);
+  ASSERT_EQ(inspection.findings.size(), 1U);
+  EXPECT_EQ(inspection.findings[0].id, FindingId::run_time);
+  EXPECT_TRUE(inspection.findings[0].text.ends_with("(the data bit rate of bus)"))
+      << inspection.findings[0].text;
 }
 
 TEST(BusTest, WhereTheOtherHopsTakeAllOfTheTimeNoneIsLeft) {
