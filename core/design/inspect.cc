@@ -13,6 +13,7 @@
 
 #include "core/admission/allocation.hpp"
 #include "core/admission/world.hpp"
+#include "core/can/of_system.hpp"
 #include "core/design/explain.hpp"
 #include "core/design/sense.hpp"
 #include "core/gates/plan.hpp"
@@ -201,12 +202,22 @@ class Inspector {
     if (subscribers.empty())
       for (const std::size_t p : publishers) {
         const Publisher& publisher = members_.publisher(p);
+        const std::string* const bus = analysed_bus(publisher.place);
         add(FindingId::unused_publisher, publisher.origin,
-            publisher.name + " publishes channel " + channel.name + ", which nobody subscribes",
-            "add a <Subscriber channel=\"" + channel.name + "\" …/>, or remove the publisher", c,
-            static_cast<std::uint32_t>(p));
+            publisher.name + " publishes channel " + channel.name + ", which nobody subscribes" +
+                (bus == nullptr ? "" : ": its frames on " + *bus + " are counted nowhere"),
+            "add a <Subscriber channel=\"" + channel.name + "\" …/>, or remove the publisher" +
+                (bus == nullptr ? "" : ": deadlines there hold for sure only while it is silent"),
+            c, static_cast<std::uint32_t>(p));
       }
     return !publishers.empty() || subscribers.empty();
+  }
+
+  /// The name of the bus there whose response times are analysed; nullptr: none.
+  [[nodiscard]] const std::string* analysed_bus(Place place) const {
+    if (place.kind != Place::Kind::network) return nullptr;
+    const Network& network = s_.networks[place.index];
+    return can::timing_of(network).bitrate != 0 ? &network.name : nullptr;
   }
 
   /// Devices that put frames on a bus: gateways by number, publishers there from kOwn on.

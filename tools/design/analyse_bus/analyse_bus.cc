@@ -88,8 +88,11 @@ std::string unbounded_words(const AnalysedBus& analysed,
     if (const auto late = sorted[i].jitter / sorted[i].period; late >= core::can::kMaxInstances)
       return fmt::format(
           "{} has so much jitter that {} of its events may wait at once, and at most {} in a row "
-          "are analysed: what it may win against is not bounded either.",
-          name(i), late + 1, core::can::kMaxInstances);
+          "are analysed{}.",
+          name(i), late + 1, core::can::kMaxInstances,
+          std::ranges::count(analysed.responses, false, &core::can::Response::bounded) > 1
+              ? ": what it may win against is not bounded either"
+              : "");
   const auto first = std::ranges::find(analysed.responses, false, &core::can::Response::bounded);
   if (first == analysed.responses.end()) return {};
   constexpr std::uint64_t whole = 1'000'000;
@@ -107,6 +110,20 @@ std::string unbounded_words(const AnalysedBus& analysed,
       name(static_cast<std::size_t>(first - analysed.responses.begin())));
 }
 
+/// The messages are in time as well if everything sends that is not counted.
+bool holds_with_uncounted(const Bus& bus, std::vector<core::can::Message> messages) {
+  const std::size_t counted = messages.size();
+  for (const auto& message : bus.uncounted) {
+    if (!message) return false;
+    messages.push_back(*message);
+  }
+  if (messages.size() == counted) return true;
+  const auto responses = analyse(bus.assumptions, messages);
+  for (std::size_t i = 0; i < counted; ++i)
+    if (!responses[i].meets(messages[i].deadline)) return false;
+  return true;
+}
+
 AnalysedBus analysed(Bus bus, bool assign) {
   AnalysedBus result;
   std::ranges::stable_sort(bus.messages, {},
@@ -119,7 +136,8 @@ AnalysedBus analysed(Bus bus, bool assign) {
     result.late = result.late || !result.responses[i].meets(messages[i].deadline);
     result.schedulable = result.schedulable && fit && !bus.messages[i].in_vain;
   }
-  result.schedulable = result.schedulable && bus.unknown.empty();
+  result.met_alone = !result.late && !holds_with_uncounted(bus, messages);
+  result.schedulable = result.schedulable && bus.unknown.empty() && !result.met_alone;
   result.load = utilisation_ppm(bus.assumptions, messages);
   result.assigned = assign;
   if (assign) result.order = assign_priorities(bus.assumptions, messages);

@@ -35,6 +35,9 @@ struct Bus {
   /// sentences.
   std::vector<std::string> unknown;
   std::vector<std::string> left_out;
+  /// Of what is left out: what it sends here if it does; nothing where the description does not say
+  /// enough.
+  std::vector<std::optional<core::can::Message>> uncounted;
   std::vector<std::string> findings;  ///< what check says of this bus
 };
 

@@ -85,8 +85,10 @@ class DescribedBuses {
     for (std::string& text : problems_of(bus.messages, network.name))
       problems_.push_back(std::move(text));
     for (const core::Finding& f : inspection_.findings) {
-      if (f.id == core::FindingId::unused_publisher && is_on(f.publisher, n))
+      if (f.id == core::FindingId::unused_publisher && is_on(f.publisher, n)) {
         bus.left_out.push_back(f.text);
+        bus.uncounted.push_back(uncounted(f.publisher, n, bus.assumptions.timing));
+      }
       const bool about_bus =
           f.id == core::FindingId::deadline_missed || f.id == core::FindingId::queue_too_short;
       if (about_bus && f.has_place && f.place == Place{Place::Kind::network, n})
@@ -98,6 +100,15 @@ class DescribedBuses {
 
   [[nodiscard]] bool is_on(std::size_t publisher, std::size_t network) const {
     return system_.publishers[publisher].place == Place{Place::Kind::network, network};
+  }
+
+  [[nodiscard]] std::optional<core::can::Message> uncounted(std::size_t publisher,
+                                                            std::size_t network,
+                                                            const core::can::Timing& timing) const {
+    const Publisher& p = system_.publishers[publisher];
+    auto message = core::can::message_of(system_, p, 0, network, timing);
+    if (message) message->jitter = p.attributes[Attribute::jitter];
+    return message;
   }
 
   void check_formats(std::size_t n) {

@@ -135,6 +135,10 @@ class TableReader {
 
   Buses read(std::string_view text) && {
     constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+      problem("header", "the table is UTF-16: save it as UTF-8");
+      return {{}, std::move(problems_)};
+    }
     if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
     while (!text.empty() && readable_) {
       const auto end = std::min(text.find('\n'), text.size());

@@ -34,7 +34,14 @@ double as_us(std::uint64_t ns) {
 }
 
 /// How the message does, as a word for programs.
-enum class Fate : std::uint8_t { met, late, not_bounded, queue_too_short, refused };
+enum class Fate : std::uint8_t {
+  met,
+  late,
+  not_bounded,
+  queue_too_short,
+  refused,
+  refused_by_check
+};
 
 Fate fate_of(const AnalysedBus& analysed, std::size_t i) {
   const BusMessage& m = analysed.bus.messages[i];
@@ -42,7 +49,8 @@ Fate fate_of(const AnalysedBus& analysed, std::size_t i) {
   if (!r.bounded) return Fate::not_bounded;
   if (!r.meets(m.message.deadline)) return Fate::late;
   if (!analysed.fit[i]) return Fate::queue_too_short;
-  return m.in_vain ? Fate::refused : Fate::met;
+  if (m.in_vain) return Fate::refused;
+  return m.granted.value_or(true) ? Fate::met : Fate::refused_by_check;
 }
 
 /// The queue of a gateway; null for a node's own, and for a FIFO whose length is not stated.
@@ -68,6 +76,8 @@ std::string verdict_of(const AnalysedBus& analysed, std::size_t i) {
                          analysed.responses[i].queued_frames);
     case Fate::refused:
       return "refused for others";
+    case Fate::refused_by_check:
+      return "refused by check";
   }
   return {};
 }
@@ -81,6 +91,7 @@ std::string granted_of(const BusMessage& m, const core::can::Response& r) {
 std::string_view word_of(Fate fate) {
   switch (fate) {
     case Fate::met:
+    case Fate::refused_by_check:  // not for its deadline; "granted" says so
       return "met";
     case Fate::late:
       return "late";
@@ -109,6 +120,7 @@ std::string summary_of(const AnalysedBus& analysed) {
   std::string text = analysed.late ? "a deadline can be missed" : "every deadline is met";
   if (!analysed.late && !analysed.bus.unknown.empty())
     text = "whether every deadline is met is not known";
+  if (analysed.met_alone) text += " only while what is not counted is silent";
   if (queue) text += ", and frames can be lost in a queue that is too short";
   return text;
 }

@@ -214,6 +214,24 @@ TEST_F(AnalyseBusTest, WhoHasNoSubscriberIsNotCountedAndNamed) {
   EXPECT_NE(out["not_counted"][0].get<std::string>().find("unheard"), std::string::npos);
 }
 
+TEST_F(AnalyseBusTest, WhatIsNotCountedMayBreakNoDeadlineUnsaid) {
+  auto text =
+      system_with({{"heard", "a", "a", 2, 0, 20000, 20000}, {"unheard", "a", "a", 1, 0, 250, 900}});
+  const auto at = text.find("<Subscriber name=\"to-unheard\"");
+  text.erase(at, text.find('\n', at) - at);
+  const auto path = file("unheard.xml", text);
+  const auto done = analyse(path, {"--network", "a"});
+  EXPECT_EQ(done.status, 1) << done.out;
+  EXPECT_NE(done.out.find("every deadline is met only while what is not counted is silent\n"),
+            std::string::npos)
+      << done.out;
+  const auto check = test::run({"check", path}).out;
+  EXPECT_NE(check.find("MLCCA011: unheard publishes channel unheard, which nobody subscribes: its "
+                       "frames on a are counted nowhere"),
+            std::string::npos)
+      << check;
+}
+
 TEST_F(AnalyseBusTest, TwoSendersOfOneIdentifierAreRefusedWithBothLines) {
   const auto path = table(
       "a,0x10,0,8,10000,10000,0\nb,17,0,8,10000,10000,0\n"
