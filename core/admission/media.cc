@@ -55,14 +55,8 @@ bool may_know_rates(const mesh::Mesh& mesh) {
   return mesh.sources.empty() || std::ranges::any_of(mesh.sources, mesh::knows_rates);
 }
 
-/// At run time something else may know better links than those that are described.
-bool is_measured(const mesh::Mesh& mesh) {
-  return std::ranges::any_of(
-      mesh.sources, [](const mesh::Source& s) { return s.kind != mesh::SourceKind::description; });
-}
-
 /// The links of a mesh are known for good only if nothing but the description knows them.
-bool is_fixed(const mesh::Mesh& mesh) { return !mesh.sources.empty() && !is_measured(mesh); }
+bool is_fixed(const mesh::Mesh& mesh) { return !mesh.sources.empty() && !mesh::is_measured(mesh); }
 
 bool is_empty(const AttributeSet& offered) {
   return offered.has(Attribute::max_payload) && offered[Attribute::max_payload] == 0;
@@ -405,7 +399,7 @@ bool Media::is_relayed(const Crossing& c, std::span<const std::uint32_t> path) {
 
 /// False: there is no way, or none that the description knows for sure.
 bool Media::take_path(Crossing& c, std::uint32_t from, std::uint32_t to) {
-  if (c.best_case && is_measured(c.mesh)) return false;
+  if (c.best_case && mesh::is_measured(c.mesh)) return false;
   const auto& path = c.view.path(from, to);
   if (path.empty()) {
     c.unrated = c.view.lacks_rates(from, to);

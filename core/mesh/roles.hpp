@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What each kind of source is believed in: that links are there, and what they carry.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -66,7 +67,14 @@ static_assert(roles_are_dense());
   return role_of(source.kind).rates;
 }
 
-/// Whether a source of that kind reports the link if it is there. `here`: the node of this machine.
+/// At run time something else may know better links than those that are described.
+[[nodiscard]] inline bool is_measured(const Mesh& mesh) {
+  return std::ranges::any_of(
+      mesh.sources, [](const Source& source) { return source.kind != SourceKind::description; });
+}
+
+/// Whether a source of that kind reports the link if it is there. `here`: the node of this
+/// machine.
 [[nodiscard]] constexpr bool would_know(SourceKind kind, std::uint32_t from, std::uint32_t to,
                                         std::optional<std::uint32_t> here) {
   switch (role_of(kind).scope) {

@@ -18,18 +18,20 @@ struct Literal {
   std::string_view base;  ///< AttributeInfo::unit
   std::string_view suffix;
   Value scale;
+  std::string_view type;
 };
 /// The largest unit first.
-constexpr auto kLiterals = std::to_array<Literal>({{"ns", "_s", 1'000'000'000},
-                                                   {"ns", "_ms", 1'000'000},
-                                                   {"ns", "_us", 1'000},
-                                                   {"ns", "_ns", 1},
-                                                   {"bytes/s", "_kB_per_s", 1'000},
-                                                   {"bytes/s", "_bytes_per_s", 1},
-                                                   {"1e-9", "_percent", 10'000'000},
-                                                   {"1e-9", "_ppm", 1'000},
-                                                   {"1e-9", "_ppb", 1},
-                                                   {"bytes", "_bytes", 1}});
+constexpr auto kLiterals =
+    std::to_array<Literal>({{"ns", "_s", 1'000'000'000, "Nanoseconds"},
+                            {"ns", "_ms", 1'000'000, "Nanoseconds"},
+                            {"ns", "_us", 1'000, "Nanoseconds"},
+                            {"ns", "_ns", 1, "Nanoseconds"},
+                            {"bytes/s", "_kB_per_s", 1'000, "BytesPerSecond"},
+                            {"bytes/s", "_bytes_per_s", 1, "BytesPerSecond"},
+                            {"1e-9", "_percent", 10'000'000, "PerBillion"},
+                            {"1e-9", "_ppm", 1'000, "PerBillion"},
+                            {"1e-9", "_ppb", 1, "PerBillion"},
+                            {"bytes", "_bytes", 1, "Bytes"}});
 
 std::string literal(Attribute attribute, Value value) {
   const std::string_view base = info(attribute).unit;
@@ -37,6 +39,9 @@ std::string literal(Attribute attribute, Value value) {
     return l.base == base && (l.scale == 1 || (value != 0 && value % l.scale == 0));
   });
   if (found == kLiterals.end()) return number(value);  // events are a plain number
+  // No literal is as large.
+  if (value == kUnbounded)
+    return fmt::format("static_cast<mlcca::{}>(mlcca::kUnbounded)", found->type);
   return fmt::format("{}{}", value / found->scale, found->suffix);
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/can/of_system.hpp"
+#include "core/mesh/roles.hpp"
 #include "core/model/text.hpp"
 #include "mlcca/user_check.hpp"
 #include "tools/design/generate/attributes.hpp"
@@ -242,10 +243,6 @@ class Writer {
     // Worse than anything that can be asked: the same as not to be provided.
     if (gives[Attribute::omission] > kMostOmissions && gives != system_.provision_of(hop.place))
       gives.clear(Attribute::omission);
-    // No requirement exceeds what a literal holds.
-    for (std::size_t i = 0; i < kAttributes; ++i)
-      if (const auto a = attribute_at(i); gives.has(a) && gives[a] == kUnbounded)
-        gives.set(a, kUnbounded - 1, gives.is_dynamic(a));
     return listed(core::name_of(system_, hop.place), gives, user_of(hop.place));
   }
 
@@ -277,6 +274,8 @@ class Writer {
 
   [[nodiscard]] std::string computed_from(Place place) const {
     const auto& network = system_.networks[place.index];
+    if (network.mesh && core::mesh::is_measured(*network.mesh))
+      return "from PerHop, for one link at best: the links are measured at run time";
     if (network.mesh) return "from the links of the mesh as they are described";
     return fmt::format("from {} and the response times of all messages that are granted",
                        print_bitrate(core::can::timing_of(network).bitrate));
