@@ -62,9 +62,10 @@ void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event) {
   note.missing = missing ? event.silent / period : (event.silent + period / 2) / period - 1;
   if (missing)
     note.message = fmt::format(
-        "{} towards {}: {} {}, {} events are missing where {} may be", what, note.network,
+        "{} towards {}: {} {}, {} missing where {} may be", what, note.network,
         event.never != 0 ? "nothing has come since it was granted, for" : "nothing has come for",
-        time, note.missing, v.requirement[Attribute::omission]);
+        time, note.missing == 1 ? "1 event is" : fmt::format("{} events are", note.missing),
+        v.requirement[Attribute::omission]);
   else
     note.message =
         fmt::format("{} towards {} comes again, after {} without", what, note.network, time);

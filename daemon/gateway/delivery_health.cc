@@ -6,11 +6,26 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/model/medium.hpp"
 #include "core/model/text.hpp"
-#include "daemon/gateway/health.hpp"
 #include "daemon/gateway/report_size.hpp"
 
 namespace mlcca {
+namespace {
+
+/// Frames of an event where it comes in: before all of them have come, nothing need leave.
+std::uint64_t event_frames(const core::State& state, const core::Verdict& v,
+                           const core::GateRule& rule) {
+  if (rule.entry.direction != core::Direction::ingress || v.route.empty() ||
+      v.route.front().kind != core::Place::Kind::network)
+    return 1;
+  const core::Network& network = state.system().networks[v.route.front().index];
+  const core::Publisher& publisher = state.members().publisher(v.publisher);
+  const Value bytes = core::attributes_in(publisher, v.set)[Attribute::max_payload];
+  return core::frames_per_event(network, network.binding_of(v.channel), bytes);
+}
+
+}  // namespace
 
 std::vector<core::GateEntry> DeliveryHealth::shared_entries_of(std::size_t channel) const {
   return core::shared_entries(scene_.state->system(), scene_.state->members(), channel,
@@ -24,22 +39,23 @@ std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
   Observed seen;
   seen.watch = std::move(watch);
   if (const std::string* why = forwarding_.obstacle(v.channel)) seen.not_forwarded = *why;
+  const core::GateRule* const in = way_in(rules);
   for (const core::GateRule& rule : rules) {
     if (!gates_.is_gated(rule.entry.port)) continue;
-    seen.passages.push_back({.network = gates_.network_of(rule.entry.port),
-                             .leaves = rule.entry.direction == core::Direction::egress,
-                             .is_shared = std::ranges::binary_search(shared, rule.entry),
-                             .frames = gates_.frames({rule}),
-                             .passed_before = passed_before(v.channel, rule.entry),
-                             .excess = drops_.recent(rule.entry, Drop::excess),
-                             .misfits = drops_.recent(rule.entry, Drop::misfit),
-                             .would_be_misfits = drops_.recent(rule.entry, Drop::would_be_misfit)});
+    seen.passages.push_back(
+        {.network = gates_.network_of(rule.entry.port),
+         .leaves = rule.entry.direction == core::Direction::egress,
+         .is_shared = std::ranges::binary_search(shared, rule.entry),
+         .frames = gates_.frames({rule}),
+         .passed_before = passed_before(v.channel, rule.entry),
+         .event_frames = event_frames(*scene_.state, v, rule),
+         .latest = in == nullptr ? std::nullopt : latest_left(v.channel, in->entry, rule.entry),
+         .excess = drops_.recent(rule.entry, Drop::excess),
+         .misfits = drops_.recent(rule.entry, Drop::misfit),
+         .would_be_misfits = drops_.recent(rule.entry, Drop::would_be_misfit)});
   }
   // Unknown frames are read only where no events come: they may be the missing ones.
-  const auto in =
-      std::ranges::find(rules, core::Direction::ingress,
-                        [](const core::GateRule& rule) { return rule.entry.direction; });
-  if (in != rules.end() && seen.watch && (seen.watch->missing_now || seen.watch->events == 0)) {
+  if (in != nullptr && seen.watch && (seen.watch->missing_now || seen.watch->events == 0)) {
     const std::size_t port = in->entry.port;
     seen.unknown = drops_.recent_unknown(port);
     if (seen.unknown != 0) seen.latest_unknown = gates_.latest_unknown(port);
@@ -47,7 +63,41 @@ std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
   return troubles(seen);
 }
 
+const core::GateRule* DeliveryHealth::way_in(const core::GateState& rules) const {
+  const auto in =
+      std::ranges::find(rules, core::Direction::ingress,
+                        [](const core::GateRule& rule) { return rule.entry.direction; });
+  return in == rules.end() ? nullptr : &*in;
+}
+
+void DeliveryHealth::note_leaving(std::size_t channel, const core::GateState& rules) {
+  const core::GateRule* const in = way_in(rules);
+  if (in == nullptr || !gates_.is_gated(in->entry.port)) return;
+  for (const core::GateRule& rule : rules) {
+    if (rule.entry.direction != core::Direction::egress || !gates_.is_gated(rule.entry.port))
+      continue;
+    // In this order: what leaves meanwhile is seen at the next time.
+    const std::uint64_t left = gates_.frames({rule}).passed;
+    const std::uint64_t came = gates_.frames({*in}).passed;
+    if (left == 0) continue;
+    LatestLeft& latest = leaving_[channel][{in->entry, rule.entry}];
+    // A slot that was made anew counts from 0.
+    if (left != latest.out || came < latest.in) latest = {came, left};
+  }
+}
+
+std::optional<LatestLeft> DeliveryHealth::latest_left(std::size_t channel,
+                                                      const core::GateEntry& in,
+                                                      const core::GateEntry& out) const {
+  const auto of_channel = leaving_.find(channel);
+  if (of_channel == leaving_.end()) return std::nullopt;
+  const auto known = of_channel->second.find({in, out});
+  if (known == of_channel->second.end()) return std::nullopt;
+  return known->second;
+}
+
 void DeliveryHealth::restart(std::size_t channel) {
+  leaving_.erase(channel);
   Passed passed;
   for (const core::GateRule& rule : scene_.state->gate_state(scene_.self, channel))
     if (rule.entry.direction == core::Direction::ingress)
@@ -73,6 +123,8 @@ void DeliveryHealth::judge(const DropReports::Polled& polled) {
   const auto shared = shared_entries_of(channel);
   // Granted ones come first.
   bool troubled = false;
+  for (std::size_t i = 0; i < verdicts.size() && verdicts[i]->granted; ++i)
+    note_leaving(channel, rules[i]);
   for (std::size_t i = 0; i < verdicts.size() && verdicts[i]->granted && !troubled; ++i)
     troubled = !troubles_of(*verdicts[i], rules[i], shared, gates_.watch(rules[i])).empty();
   if (troubled)

@@ -7,12 +7,14 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "control/messages.hpp"
 #include "core/admission/state.hpp"
 #include "daemon/gateway/can_forwarding.hpp"
 #include "daemon/gateway/drop_reports.hpp"
+#include "daemon/gateway/health.hpp"
 #include "daemon/gateway/scene.hpp"
 #include "daemon/outside/gate_driver.hpp"
 
@@ -45,6 +47,7 @@ class DeliveryHealth {
   void forget() {
     troubled_.clear();
     passed_before_.clear();
+    leaving_.clear();
   }
   /// Adds the troubles of all channels to the lines of a report; about as many lines as a report
   /// lists.
@@ -54,14 +57,24 @@ class DeliveryHealth {
 
  private:
   using Passed = std::map<core::GateEntry, std::uint64_t>;
+  /// By where the events come in and where they leave.
+  using Leaving = std::map<std::pair<core::GateEntry, core::GateEntry>, LatestLeft>;
   [[nodiscard]] std::uint64_t passed_before(std::size_t channel,
                                             const core::GateEntry& entry) const;
+
+  /// Where the events of a delivery come in; nullptr: not through a gate of ours.
+  [[nodiscard]] const core::GateRule* way_in(const core::GateState& rules) const;
+  void note_leaving(std::size_t channel, const core::GateState& rules);
+  [[nodiscard]] std::optional<LatestLeft> latest_left(std::size_t channel,
+                                                      const core::GateEntry& in,
+                                                      const core::GateEntry& out) const;
 
   const Scene& scene_;
   const GateDriver& gates_;
   const DropReports& drops_;
   const CanForwarding& forwarding_;
   std::map<std::size_t, Passed> passed_before_;  ///< by channel, see restart()
+  std::map<std::size_t, Leaving> leaving_;       ///< by channel
   std::set<std::size_t> troubled_;  ///< channels; each is examined again when it is reported
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "control/watches.hpp"
 #include "core/model/text.hpp"
 
 namespace mlcca {
@@ -14,7 +15,7 @@ namespace {
 /// A publisher that has just started may need so long until its first event.
 constexpr std::uint64_t kFirstEvent = 1'000'000'000;  // ns
 constexpr std::uint64_t kFirstPeriods = 3;
-/// One frame may be on its way from one gate to the other.
+/// One event may be on its way from one gate to the other.
 constexpr std::uint64_t kOnTheirWay = 1;
 
 /// To a millisecond.
@@ -37,9 +38,14 @@ void add_unknown(const Observed& seen, std::vector<std::string>& lines) {
 void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
   const std::uint64_t period = std::max<std::uint64_t>(watch.period_ns, 1);
   const bool never = watch.events == 0;
-  if (watch.missing_now && !never) {
-    lines.push_back(fmt::format("nothing has come for {}: {} events are missing",
-                                time(watch.since_last_ns), watch.since_last_ns / period));
+  if (is_coming_again(watch)) {
+    lines.push_back(fmt::format("events come again, the latest {} ago: not restored yet",
+                                time(watch.since_last_ns)));
+  } else if (watch.missing_now && !never) {
+    const std::uint64_t missing = watch.since_last_ns / period;
+    lines.push_back(fmt::format("nothing has come for {}: {} {} missing", time(watch.since_last_ns),
+                                missing == 1 ? "1 event" : fmt::format("{} events", missing),
+                                missing == 1 ? "is" : "are"));
   } else if (never && (watch.missing_now ||
                        watch.since_last_ns > std::max(kFirstEvent, period * kFirstPeriods))) {
     lines.push_back(fmt::format("no publisher sends: nothing has come since it was granted, {} ago",
@@ -67,14 +73,19 @@ void add_lost(const Observed& seen, std::vector<std::string>& lines) {
   const auto in = std::ranges::find_if(seen.passages,
                                        [](const Passage& p) { return !p.leaves && !p.is_shared; });
   if (in == seen.passages.end()) return;
-  // What came in before may have left by slots that are gone.
-  const std::uint64_t came = in->frames.passed - std::min(in->passed_before, in->frames.passed);
-  if (came <= kOnTheirWay) return;
-  for (const Passage& out : seen.passages)
-    if (out.leaves && out.frames.passed == 0)
-      lines.push_back(fmt::format(
-          "{} came in from {} and none left to {}{}", frames(came), in->network, out.network,
-          out.misfits + out.would_be_misfits == 0 ? ": nothing forwards them" : ""));
+  for (const Passage& out : seen.passages) {
+    if (!out.leaves) continue;
+    const bool none = out.frames.passed == 0;
+    if (!none && (!out.latest || out.latest->out != out.frames.passed)) continue;
+    // What came in before may have left by slots that are gone.
+    const std::uint64_t before = std::max(in->passed_before, none ? 0 : out.latest->in);
+    const std::uint64_t came = in->frames.passed - std::min(before, in->frames.passed);
+    if (came <= kOnTheirWay * in->event_frames) continue;
+    lines.push_back(
+        fmt::format("{} came in from {} {} left to {}{}", frames(came), in->network,
+                    none ? "and none" : "since the latest", out.network,
+                    out.misfits + out.would_be_misfits == 0 ? ": nothing forwards them" : ""));
+  }
 }
 
 }  // namespace

@@ -11,16 +11,24 @@
 
 namespace mlcca {
 
+/// What the gates of a delivery had passed when a frame was last seen to leave.
+struct LatestLeft {
+  std::uint64_t in = 0;
+  std::uint64_t out = 0;
+};
+
 /// What one gate has seen of a granted delivery, at the network where its events come in or leave.
 struct Passage {
   std::string network;
   bool leaves = false;
-  bool is_shared = false;           ///< with other publishers of the channel that cannot be
-                                    ///< distinguished
-  Frames frames;                    ///< since the slot was made
-  std::uint64_t passed_before = 0;  ///< of them, when the channel was last decided otherwise
-  std::uint64_t excess = 0;         ///< recent ones in excess of the admitted traffic
-  std::uint64_t misfits = 0;        ///< recent ones that name the subject and differ from the grant
+  bool is_shared = false;                 ///< with other publishers of the channel that cannot be
+                                          ///< distinguished
+  Frames frames;                          ///< since the slot was made
+  std::uint64_t passed_before = 0;        ///< of them, when the channel was last decided otherwise
+  std::uint64_t event_frames = 1;         ///< that an event may have there, before it is whole
+  std::optional<LatestLeft> latest = {};  ///< leaves: at the latest poll; nothing: not polled yet
+  std::uint64_t excess = 0;               ///< recent ones in excess of the admitted traffic
+  std::uint64_t misfits = 0;  ///< recent ones that name the subject and differ from the grant
   std::uint64_t would_be_misfits = 0;  ///< the same, let through by audit mode
 };
 
@@ -36,7 +44,9 @@ struct Observed {
 /// What is wrong with it, one line each; nothing where all is as granted:
 ///   nothing has come for 4.2 s: 84 events are missing
 ///   12 frames on second-can were more than was admitted
+///   events come again, the latest 20 ms ago: not restored yet
 ///   40 frames came in from second-can and none left to robot-can
+///   40 frames came in from second-can since the latest left to robot-can: nothing forwards them
 ///   12 frames on second-can name no known subject, the latest 124: does the publisher send ...
 [[nodiscard]] std::vector<std::string> troubles(const Observed& seen);
 

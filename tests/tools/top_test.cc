@@ -99,6 +99,10 @@ TEST(TopRatesTest, WatchedEventsReportJitterLossAndWhatIsUsed) {
   channel.watch->missing_now = true;
   rows = rows_by_subject(&before, sample(12, {channel}));
   EXPECT_EQ(rows.at(0).verdict, "MISSING");
+  channel.watch->timeout_ns = 300'000'000;
+  channel.watch->since_last_ns = 5'000'000;
+  rows = rows_by_subject(&before, sample(12, {channel}));
+  EXPECT_EQ(rows.at(0).verdict, "RETURNS") << "events come, and are not restored yet";
 }
 
 TEST(TopRatesTest, WhatIsWrongWithAGrantStandsInPlaceOfIt) {

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "control/watches.hpp"
 #include "core/model/text.hpp"
 #include "mlcca/arithmetic.hpp"
 #include "tools/values.hpp"
@@ -193,7 +194,7 @@ void add_watch(const control::Watch& watch, Row& row) {
   if (watch.last_gap_ns != 0) row.jitter = static_cast<double>(watch.jitter_ns) / kSecond;
   row.loss = share(watch.missing, add_saturating(watch.missing, watch.events));
   if (!watch.missing_now) return;
-  row.verdict = "MISSING";
+  row.verdict = control::is_coming_again(watch) ? "RETURNS" : "MISSING";
   row.style = Style::bad;
 }
 

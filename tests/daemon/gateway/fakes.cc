@@ -378,6 +378,9 @@ std::vector<enforce::PlacedSlot> FakeGates::slots(std::span<const core::GateRule
 Frames FakeGates::frames(const core::GateState& rules,
                          const std::vector<core::GateEntry>& /*shared*/) const {
   if (rules.empty()) return {};
+  if (const auto one = passed.find(rules.front().entry.direction);
+      rules.size() == 1 && one != passed.end())
+    return {.passed = one->second, .last_reason = {}};
   const auto found = counted.find(rules.front().entry.subject);
   return found == counted.end() ? Frames{} : found->second;
 }

@@ -224,10 +224,11 @@ class FakeGates final : public GateDriver {
   [[nodiscard]] bool has_refused(std::size_t port) const { return ports_[port].refused; }
 
   // What tests say:
-  std::map<std::string, BusCounters> carried;    ///< by interface
-  std::map<std::string, UnknownFrames> unknown;  ///< by interface
-  std::map<core::Subject, Frames> counted;       ///< what frames() says of a subject
-  std::optional<control::Watch> watched;         ///< what watch() says
+  std::map<std::string, BusCounters> carried;       ///< by interface
+  std::map<std::string, UnknownFrames> unknown;     ///< by interface
+  std::map<core::Subject, Frames> counted;          ///< what frames() says of a subject
+  std::map<core::Direction, std::uint64_t> passed;  ///< frames() of a single rule, if any
+  std::optional<control::Watch> watched;            ///< what watch() says
 
  private:
   struct PortState {

@@ -114,6 +114,32 @@ TEST(Health, AGrantThatCarriesNothingSaysWhere) {
   EXPECT_EQ(troubles({.passages = {in(40), out(0)}, .not_forwarded = "why"}), Lines{"why"});
 }
 
+TEST(Health, AForwarderThatEndsIsSeenAfterItsLastFrame) {
+  auto left = out(60);
+  left.latest = LatestLeft{.in = 60, .out = 60};
+  EXPECT_EQ(troubles({.passages = {in(100), left}}),
+            Lines{"40 frames came in from second-can since the latest left to robot-can: nothing "
+                  "forwards them"});
+  EXPECT_EQ(troubles({.passages = {in(61), left}}), Lines{}) << "it may be on its way";
+  auto fragments = in(68);
+  fragments.event_frames = 8;
+  EXPECT_EQ(troubles({.passages = {fragments, left}}), Lines{}) << "of an event that is not whole";
+  left.frames.passed = 61;
+  EXPECT_EQ(troubles({.passages = {in(100), left}}), Lines{}) << "they leave";
+  left.latest.reset();
+  EXPECT_EQ(troubles({.passages = {in(100), left}}), Lines{}) << "it has not been polled";
+}
+
+TEST(Health, EventsThatComeAgainAreNotMissing) {
+  Observed seen{.watch = heart_beat()};
+  seen.watch->missing_now = true;
+  seen.watch->since_last_ns = 5 * kMillisecond;
+  EXPECT_EQ(troubles(seen), Lines{"events come again, the latest 5 ms ago: not restored yet"});
+  seen.watch->silence_ns = 62 * kMillisecond;
+  seen.watch->since_last_ns = 80 * kMillisecond;
+  EXPECT_EQ(troubles(seen), Lines{"nothing has come for 80 ms: 1 event is missing"});
+}
+
 TEST(Health, IsWhatTheGatesAndTheReasonsMakeIt) {
   EXPECT_EQ(health_of(true, {}).state, control::HealthState::healthy);
   EXPECT_EQ(health_of(true, {"a"}).state, control::HealthState::degraded);

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What follows from the supervision of a publisher's events.
+#pragma once
+#include "control/messages.hpp"
+
+namespace mlcca::control {
+
+/// Events were missing, and come again: they have to come for a while until they are restored.
+inline bool is_coming_again(const Watch& watch) {
+  return watch.missing_now && watch.events != 0 && watch.since_last_ns < watch.timeout_ns;
+}
+
+}  // namespace mlcca::control
