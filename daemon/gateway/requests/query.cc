@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Would it be admitted? Nothing changes.
+#include <variant>
+
 #include "daemon/gateway/channel_reports.hpp"
 #include "daemon/gateway/recorder.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
@@ -11,7 +13,12 @@ Body would_be(Context& context, const Asked& asked) {
   if (const auto lack = lacks_pairs(context, asked)) return invalid(*lack);
   const core::Proposal proposal = context.scene.state->propose(*asked.admission);
   if (const auto lack = proposal.exceeds_capacity(context.scene.self)) return invalid(*lack);
-  return outcome_of(context, proposal, asked, "decide");
+  Body body = outcome_of(context, proposal, asked, "decide");
+  // Nothing is admitted: there is no number by which it could be released.
+  if (auto* const would_be = std::get_if<control::Channels>(&body))
+    for (control::Channel& channel : would_be->channels)
+      if (channel.admission == asked.admission->id) channel.admission = 0;
+  return body;
 }
 
 }  // namespace

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
+#include <cstdint>
+#include <string>
 #include <variant>
+#include <vector>
 
 #include "daemon/gateway/requests/table.hpp"
 #include "tests/daemon/gateway/bench.hpp"
@@ -117,6 +120,8 @@ TEST_F(OnTheBench, AQueryWithAKeyAndALeaseHoldsNothing) {
   const auto answer = bench_.ask(query);
   ASSERT_FALSE(is_error(answer));
   EXPECT_FALSE(answer.held);
+  for (const auto& channel : std::get<control::Channels>(answer.reply.body).channels)
+    EXPECT_EQ(channel.admission, 0U) << "nothing could be released by that number";
   bench_.act();
   EXPECT_TRUE(bench_.state().admissions().empty());
   EXPECT_TRUE(bench_.recorded(random_).admissions.empty());
@@ -136,6 +141,35 @@ TEST_F(OnTheBench, ALeaseThatIsNotRenewedEnds) {
   EXPECT_TRUE(bench_.state().admissions().empty());
   EXPECT_TRUE(bench_.recorded(random_).admissions.empty());
   EXPECT_EQ(wrong_gate(bench_), "");
+}
+
+TEST_F(OnTheBench, AForwarderThatEndsIsReportedAfterItsLastFrame) {
+  auto& passed = bench_.gates().passed;
+  const auto troubles = [&] {
+    const auto answer = bench_.ask(control::ExplainRequest{"c0"});
+    return std::get<control::Channels>(answer.reply.body).channels.at(0).troubles;
+  };
+  const auto pass = [&](std::uint64_t in, std::uint64_t out) {
+    passed = {{core::Direction::ingress, in}, {core::Direction::egress, out}};
+  };
+  using Lines = std::vector<std::string>;
+  pass(20, 20);
+  bench_.round();
+  pass(60, 60);
+  EXPECT_EQ(troubles(), Lines{}) << "between two polls";
+  bench_.round();
+  pass(100, 60);
+  bench_.round();
+  EXPECT_EQ(troubles(), Lines{"40 frames came in from can0 since the latest left to can1: nothing "
+                              "forwards them"});
+  pass(101, 61);
+  bench_.round();
+  EXPECT_EQ(troubles(), Lines{}) << "they leave again";
+  pass(5, 0);
+  bench_.round();
+  EXPECT_EQ(troubles(), Lines{"5 frames came in from can0 and none left to can1: nothing forwards "
+                              "them"})
+      << "slots that were made anew";
 }
 
 TEST_F(OnTheBench, AReloadIsOneStepOrNothing) {
