@@ -53,8 +53,8 @@
     <xsl:param name="text"/>
     <xsl:variable name="publisher-name"><xsl:apply-templates select="$publisher" mode="name"/></xsl:variable>
     <xsl:variable name="subscriber-name"><xsl:apply-templates select="$subscriber" mode="name"/></xsl:variable>
-    <Left publisher="{$publisher-name}" subscriber="{$subscriber-name}">
-      <xsl:value-of select="concat('note: publisher ', $publisher-name, ', subscriber ', $subscriber-name, ': ', $text, '&#10;')"/>
+    <Left id="MLCCA034" publisher="{$publisher-name}" subscriber="{$subscriber-name}">
+      <xsl:value-of select="concat('note MLCCA034: publisher ', $publisher-name, ', subscriber ', $subscriber-name, ': ', $text, '&#10;')"/>
     </Left>
   </xsl:template>
 

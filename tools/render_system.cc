@@ -3,6 +3,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <ctime>
 #include <string_view>
 #include <vector>
@@ -87,12 +89,25 @@ std::string interfaces(const std::vector<control::Interface>& all, Color color) 
 
 void add_reasons(Table& table, const std::string& interface, const char* direction,
                  const control::Traffic& traffic) {
+  const auto frames_of = [](const auto& reasons, const std::string& reason) -> std::uint64_t {
+    for (const auto& count : reasons)
+      if (count.reason == reason) return count.frames;
+    return 0;
+  };
+  const auto add = [&](const std::string& reason, std::uint64_t frames, std::uint64_t would_drop) {
+    if (frames != 0 || would_drop != 0)
+      table.add({{interface},
+                 {direction},
+                 {reason},
+                 frames != 0 ? number(frames) : Cell{},
+                 number_if_any(would_drop)});
+  };
   for (const auto& count : traffic.reasons)
-    if (count.frames != 0)
-      table.add({{interface}, {direction}, {count.reason}, number(count.frames), {}});
+    add(count.reason, count.frames, frames_of(traffic.would_drop_reasons, count.reason));
   for (const auto& count : traffic.would_drop_reasons)
-    if (count.frames != 0)
-      table.add({{interface}, {direction}, {count.reason}, {}, number_if_any(count.frames)});
+    if (std::ranges::find(traffic.reasons, count.reason, &control::ReasonCount::reason) ==
+        traffic.reasons.end())
+      add(count.reason, 0, count.frames);
 }
 
 std::string reasons(const std::vector<control::Interface>& all, Color color) {

@@ -79,6 +79,19 @@ TEST(RenderGates, ListsWhatAnEthernetGatePassesBesidesSubjectsAndWhatBecameOfFra
 )");
 }
 
+TEST(RenderGates, AReasonHasOneRowForWhatIsDroppedAndWhatWouldBe) {
+  auto status = test::full_status();
+  control::Traffic& in = status.interfaces.at(0).ingress;
+  in.reasons = {{"unknown", 21}, {"length", 1}};
+  in.would_drop_reasons = {{"source", 5}, {"unknown", 7}};
+  const std::string text = render(status, Color::no);
+  EXPECT_NE(text.find("  can0       in         unknown                 21           7\n"
+                      "  can0       in         length                   1\n"
+                      "  can0       in         source                               5\n"),
+            std::string::npos)
+      << text;
+}
+
 TEST(GatesAsJson, ReportGates) {
   const auto json = Json::parse(to_json(control::Reply{1, test::full_gates()}));
   EXPECT_EQ(json.at("gates").at(0).at("masked_room"), 32);

@@ -135,7 +135,7 @@ TEST(Health, EventsThatComeAgainAreNotMissing) {
   seen.watch->missing_now = true;
   seen.watch->since_last_ns = 5 * kMillisecond;
   EXPECT_EQ(troubles(seen), Lines{"events come again, the latest 5 ms ago: not restored yet"});
-  seen.watch->silence_ns = 62 * kMillisecond;
+  seen.watch->timeout_ns = 62 * kMillisecond;
   seen.watch->since_last_ns = 80 * kMillisecond;
   EXPECT_EQ(troubles(seen), Lines{"nothing has come for 80 ms: 1 event is missing"});
 }

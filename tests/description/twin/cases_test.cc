@@ -111,9 +111,10 @@ TEST(Twin, FindsARootThatIsNoSystem) {
 }
 
 TEST(Twin, SaysWhichConnectionsItDoesNotCheck) {
-  EXPECT_EQ(output_of(kCheck + std::string("tests/description/twin/cases/route-undeclared.xml")),
-            "note: publisher p, subscriber s: no Route is declared between a and b: left to "
-            "mlccactl check\n0 findings\n");
+  EXPECT_EQ(
+      output_of(kCheck + std::string("tests/description/twin/cases/route-undeclared.xml")),
+      "note MLCCA034: publisher p, subscriber s: no Route is declared between a and b: left to "
+      "mlccactl check\n0 findings\n");
 }
 
 TEST(Twin, SaysWhatItDoesNotDecideWhereNothingElseIsFound) {
