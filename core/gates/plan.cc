@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "core/gates/difference.hpp"
 #include "core/model/carrier.hpp"
 #include "core/model/medium.hpp"
 #include "core/model/progress.hpp"
@@ -429,32 +430,13 @@ std::vector<GateEntry> shared_entries(const System& system, const Members& membe
   return shared;
 }
 
-namespace {
-
-void compare_same(const GateRule& now, const GateRule& next, GateChanges& changes) {
-  if (now.pass && !next.pass) changes.close.push_back(now.entry);
-  if (!now.pass && next.pass) changes.open.push_back(next.entry);
-  if (now.policing != next.policing || now.watching != next.watching)
-    changes.police.push_back(next);
-}
-
-}  // namespace
-
 GateChanges difference(const GateState& now, const GateState& next) {
-  GateChanges changes;
-  auto a = now.begin();
-  auto b = next.begin();
-  while (a != now.end() || b != next.end()) {
-    Progress::step();
-    if (b == next.end() || (a != now.end() && a->entry < b->entry)) {
-      changes.remove.push_back((a++)->entry);
-    } else if (a == now.end() || b->entry < a->entry) {
-      changes.add.push_back(*b++);
-    } else {
-      compare_same(*a++, *b++, changes);
-    }
-  }
-  return changes;
+  return difference_of<GateChanges>(
+      now, next, [](const GateRule& a, const GateRule& b) { return a.entry < b.entry; },
+      [](const GateRule& rule) { return rule.entry; },
+      [](const GateRule& a, const GateRule& b) {
+        return a.policing == b.policing && a.watching == b.watching;
+      });
 }
 
 }  // namespace mlcca::core

@@ -7,14 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "core/gates/direction.hpp"
 #include "core/model/members.hpp"
 #include "core/model/system.hpp"
 #include "core/model/verdict.hpp"
 #include "core/profiles/profile.hpp"
 
 namespace mlcca::core {
-
-enum class Direction : std::uint8_t { ingress, egress };
 
 /// What one slot of a gate admits or refuses: everything that was granted and nothing more.
 /// Where frames carry the subject, key, id and mask are 0.
@@ -71,8 +70,7 @@ struct GateRule {
 /// be distinguished on the wire, the frames pass only if both may.
 using GateState = std::vector<GateRule>;
 
-/// What leads from one state to the next, in the order in which it must be done: nothing is open
-/// that either state forbids.
+/// What leads from one state to the next, in one step for frames.
 struct GateChanges {
   std::vector<GateEntry> close;
   std::vector<GateEntry> remove;

@@ -16,7 +16,7 @@ std::uint8_t formats_of(const core::GateEntry& e, core::NetworkKind kind) {
 /// An Ethernet gate makes it of the slot's own subject and station.
 std::uint32_t origin_of(const core::GateEntry& e, core::NetworkKind kind) {
   if (kind != core::NetworkKind::can) return 0;
-  if (e.direction == core::Direction::ingress)
+  if (e.direction == Direction::ingress)
     return gate_origin(e.subject, gate_publisher(e.id, e.mask));
   if (!e.source_port) return 0;
   return gate_origin(e.subject, gate_publisher(e.entered_as.id, e.entered_as.mask));
@@ -26,7 +26,7 @@ std::uint32_t origin_of(const core::GateEntry& e, core::NetworkKind kind) {
 
 SlotSpec slot_of(const core::GateEntry& e, core::NetworkKind kind, std::uint32_t source) {
   SlotSpec slot;
-  slot.direction = e.direction == core::Direction::ingress ? Direction::ingress : Direction::egress;
+  slot.direction = e.direction;
   slot.max_len = e.max_length;
   slot.formats = formats_of(e, kind);
   slot.id = e.id;
@@ -34,7 +34,7 @@ SlotSpec slot_of(const core::GateEntry& e, core::NetworkKind kind, std::uint32_t
   slot.subject = e.subject;
   slot.station = e.station.bits;
   slot.origin = origin_of(e, kind);
-  if (e.direction == core::Direction::ingress) return slot;
+  if (e.direction == Direction::ingress) return slot;
   if (e.source_port)
     slot.source = source;
   else if (e.from_kernel)

@@ -14,8 +14,7 @@ namespace {
 constexpr std::uint32_t kLargestIfindex = 0x7fffffff;
 
 std::string name(const SlotSpec& s) {
-  return fmt::format("slot of subject {:#018x} ({})", s.subject,
-                     s.direction == Direction::ingress ? "ingress" : "egress");
+  return fmt::format("slot of subject {:#018x} ({})", s.subject, to_text(s.direction));
 }
 
 Result<void> check_spec(const SlotSpec& s) {

@@ -5,6 +5,7 @@
 #include <bpf/libbpf.h>
 
 #include <cerrno>
+#include <string>
 
 #include "daemon/gates/complaints.hpp"
 
@@ -20,9 +21,7 @@ bpf_tc_hook hook_of(std::uint32_t ifindex, Direction direction) {
   return hook_of(ifindex, direction == Direction::ingress ? BPF_TC_INGRESS : BPF_TC_EGRESS);
 }
 
-const char* name(Direction direction) {
-  return direction == Direction::ingress ? "ingress filter" : "egress filter";
-}
+std::string name(Direction direction) { return to_text(direction) + std::string(" filter"); }
 
 /// Holds our place while our filter goes to the head of its priority.
 constexpr std::uint32_t kDeputy = GATE_TC_HANDLE + 1;

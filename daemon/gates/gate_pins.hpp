@@ -20,7 +20,7 @@ inline std::string gate_directory(const std::string& directory, std::uint32_t if
   return directory + "/if" + std::to_string(ifindex);
 }
 inline std::string program_pin(const std::string& directory, Direction direction) {
-  return directory + (direction == Direction::ingress ? "/ingress" : "/egress");
+  return directory + "/" + to_text(direction);
 }
 inline std::string next_of(const std::string& pin) { return pin + "_next"; }
 inline std::string next_pin(const std::string& directory, Direction direction) {

@@ -31,10 +31,6 @@ namespace {
 
 constexpr std::uint64_t kGraceSlack = 200'000'000;  // ns: two ticks of the slowest kernel, and more
 
-const char* name(Direction direction) {
-  return direction == Direction::ingress ? "ingress" : "egress";
-}
-
 /// A driver may have no place for ours: that it is not there is no problem.
 void read_early(GateReading& gate, const std::string& directory) {
   const Fd pinned = open_pin(early_pin(directory));
@@ -66,22 +62,24 @@ void read_programs(GateReading& gate, const std::string& directory,
     const ProgramInfo info = pinned ? program_info(pinned.get()) : ProgramInfo{};
     const std::uint32_t there = attached.of(direction);
     if (there == 0)
-      gate.problems.push_back(fmt::format("no program of ours is attached at {}", name(direction)));
+      gate.problems.push_back(
+          fmt::format("no program of ours is attached at {}", to_text(direction)));
     else if (there != info.id)
       gate.problems.push_back(
-          fmt::format("the program attached at {} ({}) is not the pinned one ({})", name(direction),
-                      there, info.id));
+          fmt::format("the program attached at {} ({}) is not the pinned one ({})",
+                      to_text(direction), there, info.id));
     for (const std::uint32_t map : maps)
       if (info.id != 0 && std::ranges::find(info.map_ids, map) == info.map_ids.end())
-        gate.problems.push_back(fmt::format(
-            "the program pinned for {} does not look at the pinned map {}", name(direction), map));
+        gate.problems.push_back(
+            fmt::format("the program pinned for {} does not look at the pinned map {}",
+                        to_text(direction), map));
   }
   read_early(gate, directory);
   const auto ahead = tcx_ahead({gate.ifindex, directory, gate.hook}, attached);
   if (!ahead) gate.problems.push_back(ahead.error().text);
   for (const Ahead& a : ahead.value_or(std::vector<Ahead>{}))
     gate.problems.push_back(
-        fmt::format("TCX program {} runs before ours at {}", a.program, name(a.direction)));
+        fmt::format("TCX program {} runs before ours at {}", a.program, to_text(a.direction)));
 }
 
 /// Both halves say the same unless the daemon is just at it: what differs begins to count with the

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gates/slot_spec.hpp"
 
-#include <map>
-#include <set>
+#include <algorithm>
+#include <ranges>
 #include <tuple>
 
+#include "core/gates/difference.hpp"
 #include "core/model/progress.hpp"
 
 namespace mlcca::enforce {
@@ -13,6 +14,36 @@ namespace {
 auto grant(const SlotSpec& s) {
   return std::tie(s.direction, s.max_len, s.formats, s.id, s.mask, s.source, s.uid, s.origin,
                   s.station, s.subject);
+}
+
+bool precedes(const SlotSpec& a, const SlotSpec& b) {
+  core::Progress::step();
+  return grant(a) < grant(b);
+}
+
+/// Without a copy of each.
+std::vector<const SlotSpec*> sorted(std::span<const SlotSpec> specs) {
+  std::vector<const SlotSpec*> out;
+  out.reserve(specs.size());
+  for (const SlotSpec& s : specs) out.push_back(&s);
+  std::ranges::sort(out, [](const auto* a, const auto* b) { return precedes(*a, *b); });
+  return out;
+}
+
+/// Sorted. Two publishers with one grant share a slot; it passes when one of them may.
+std::vector<SlotSpec> joined(std::span<const SlotSpec> specs) {
+  std::vector<SlotSpec> out(specs.begin(), specs.end());
+  std::ranges::stable_sort(out, precedes);
+  std::size_t count = 0;
+  for (const SlotSpec& s : out) {
+    core::Progress::step();
+    if (count != 0 && out[count - 1].same_grant(s))
+      out[count - 1].pass = out[count - 1].pass || s.pass;
+    else
+      out[count++] = s;
+  }
+  out.resize(count);
+  return out;
 }
 
 }  // namespace
@@ -30,40 +61,11 @@ bool SlotSpec::same_traffic(const SlotSpec& other) const {
 bool SlotSpec::same_grant(const SlotSpec& other) const { return grant(*this) == grant(other); }
 
 SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSpec> wanted) {
-  // Two publishers with one grant share a slot; it passes when one of them may.
-  std::map<SlotSpec, bool, ByGrant> want;
-  using Succession = std::tuple<Direction, std::uint64_t, std::uint32_t, std::uint32_t,
-                                std::uint32_t, std::uint64_t>;
-  const auto succession = [](const SlotSpec& s) {
-    return Succession{s.direction, s.subject, s.id, s.source, s.origin, s.station};
-  };
-  std::set<Succession> passing;
-  for (const auto& s : wanted) {
-    want[s] = want[s] || s.pass;
-    if (s.pass) passing.insert(succession(s));
-    core::Progress::step();
-  }
-
-  SlotChanges changes;
-  for (const auto& s : present) {
-    core::Progress::step();
-    const auto found = want.find(s);
-    if (found == want.end()) {
-      if (s.pass && !passing.contains(succession(s))) changes.close.push_back(s);
-      changes.remove.push_back(s);
-      continue;
-    }
-    if (s.pass && !found->second) changes.close.push_back(s);
-    if (!s.pass && found->second) changes.open.push_back(s);
-    if (!s.same_traffic(found->first)) changes.police.push_back(found->first);
-    want.erase(found);
-  }
-  for (const auto& [spec, pass] : want) {
-    changes.add.push_back(spec);
-    changes.add.back().pass = pass;
-    core::Progress::step();
-  }
-  return changes;
+  const auto now = sorted(present);
+  return core::difference_of<SlotChanges>(
+      std::views::transform(now, [](const SlotSpec* s) -> const SlotSpec& { return *s; }),
+      joined(wanted), ByGrant{}, [](const SlotSpec& s) { return s; },
+      [](const SlotSpec& a, const SlotSpec& b) { return a.same_traffic(b); });
 }
 
 }  // namespace mlcca::enforce

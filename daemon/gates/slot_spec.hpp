@@ -4,14 +4,18 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/result.hpp"
 #include "bpf/gate.h"
+#include "core/gates/direction.hpp"
 
 namespace mlcca::enforce {
 
-enum class Direction : std::uint8_t { ingress = GATE_INGRESS, egress = GATE_EGRESS };
+using core::Direction;
+static_assert(std::to_underlying(Direction::ingress) == GATE_INGRESS &&
+              std::to_underlying(Direction::egress) == GATE_EGRESS);
 
 /// What one slot admits. A frame fits when (can_id & mask) == id, with the flags of <linux/can.h>.
 /// Its key is what the profile makes the subject: gate_key_mask().
@@ -73,9 +77,7 @@ struct ByGrant {
 };
 
 /// What turns `present` into `wanted`. Slots that are in both with one verdict are not mentioned.
-/// A passing slot that goes without a passing successor (same direction, subject, identifier,
-/// source and origin) is closed before anything opens; one with a successor stays until that has
-/// opened.
+/// What goes is denied in the step in which what comes opens: see Table::apply().
 SlotChanges difference(std::span<const SlotSpec> present, std::span<const SlotSpec> wanted);
 
 /// Waits until no CPU runs a program that began before the call (one RCU grace period).

@@ -32,7 +32,7 @@ std::uint8_t formats_of(const SlotSpec& s) {
 
 std::string name(const SlotSpec& s) {
   return fmt::format("slot of subject {:#018x} (identifier {:#x}, {})", s.subject, s.id,
-                     s.direction == Direction::ingress ? "ingress" : "egress");
+                     to_text(s.direction));
 }
 
 /// Bits that a mask must have so that the key leads to the slot.

@@ -127,11 +127,10 @@ std::vector<std::string> differences(const GateReading& gate, std::span<const Sl
     odd[{s.subject, s.direction}].ought.push_back(words_of(s, gate.ethernet, name_of));
   std::vector<std::string> lines;
   for (auto& [of, slots] : odd)
-    list(slots,
-         fmt::format("{} {} {}", gate.interface,
-                     of.second == Direction::ingress ? "ingress" : "egress",
-                     core::format_subject(of.first)),
-         lines);
+    list(
+        slots,
+        fmt::format("{} {} {}", gate.interface, to_text(of.second), core::format_subject(of.first)),
+        lines);
   return lines;
 }
 

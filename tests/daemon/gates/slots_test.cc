@@ -252,23 +252,26 @@ TEST(Difference, NamesOnlyWhatChanges) {
   const std::vector present = {raw(1), refused(raw(2)), raw(3), raw(4)};
   const std::vector wanted = {refused(raw(1)), raw(2), raw(3), raw(5)};
   const auto changes = difference(present, wanted);
-  EXPECT_EQ(changes.close, (std::vector{raw(1), raw(4)}));
+  EXPECT_EQ(changes.close, std::vector{raw(1)});
   EXPECT_EQ(changes.open, std::vector{refused(raw(2))});
   EXPECT_EQ(changes.remove, std::vector{raw(4)});
   EXPECT_EQ(changes.add, std::vector{raw(5)});
 }
 
-TEST(Difference, ForerunnerOfAPassingSlotIsNotClosedFirst) {
+/// Whether or not something comes in its place.
+TEST_F(Slots, WhatGoesIsDeniedInTheStepInWhichWhatComesOpens) {
+  auto slots = read();
+  ASSERT_TRUE(slots.apply(adding({raw(1), raw(2)})));
+  const std::uint32_t before = generation_;
+  const auto gone = slots.find(raw(2)).value();
   auto longer = raw(1);
   longer.max_len = 64;
-  const std::vector present = {raw(1)};
-  EXPECT_TRUE(difference(present, std::vector{longer}).close.empty());
-  EXPECT_EQ(difference(present, std::vector{refused(longer)}).close, present);
-  EXPECT_EQ(difference(present, std::vector{raw(1, 9)}).close, present) << "another source";
-  auto other = raw(1, 9);
-  other.origin = 1;
-  const std::vector forwarded = {raw(1, 9)};
-  EXPECT_EQ(difference(forwarded, std::vector{other}).close, forwarded) << "another origin";
+  const auto former = slots.find(raw(1)).value();
+  ASSERT_TRUE(slots.apply(difference(slots.present(), std::vector{longer, raw(3)})));
+  EXPECT_EQ(generation_, before + 1) << "one step";
+  for (const auto slot : {gone, former}) EXPECT_EQ(verdict_of(slot), unsigned{GATE_DENY});
+  EXPECT_EQ(verdict_of(slots.find(longer).value()), unsigned{GATE_PASS});
+  EXPECT_EQ(slots.size(), 2U);
 }
 
 TEST(Difference, PublishersWithOneGrantShareASlotThatPassesForEither) {
