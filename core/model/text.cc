@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "core/model/text.hpp"
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -22,20 +23,26 @@ constexpr std::array<Unit, 1> kPercent{{{10000000, " %"}}};
 constexpr std::array<Unit, 1> kBytes{{{1, " bytes"}}};
 constexpr std::array<Unit, 1> kCount{{{1, ""}}};
 
-std::span<const Unit> units_of(Attribute a) {
-  switch (a) {
-    case Attribute::bandwidth:
-      return kRate;
-    case Attribute::packet_loss:
-      return kPercent;
-    case Attribute::omission:
-      return kCount;
-    case Attribute::max_payload:
-      return kBytes;
-    default:
-      return kTime;
-  }
+/// How a person reads values whose own unit is that of the table.
+struct Reading {
+  std::string_view unit;
+  std::span<const Unit> units;
+  const char* excess;  ///< what is more than required, or less where larger is better
+};
+constexpr std::array<Reading, 5> kReadings{{{"ns", kTime, " too long"},
+                                            {"bytes/s", kRate, " short"},
+                                            {"1e-9", kPercent, " too much"},
+                                            {"events", kCount, " too many"},
+                                            {"bytes", kBytes, " short"}}};
+
+constexpr const Reading* reading_of_unit(std::string_view unit) {
+  return std::ranges::find(kReadings, unit, &Reading::unit);
 }
+static_assert(std::ranges::all_of(kAttributeTable, [](const AttributeInfo& row) {
+  return reading_of_unit(row.unit) != kReadings.end();
+}));
+
+const Reading& reading_of(Attribute a) { return *reading_of_unit(info(a).unit); }
 
 std::string with_unit(Value value, const Unit& unit) {
   // Thousandths, or the last digit that a percentage of 1e-9 parts can have.
@@ -57,20 +64,6 @@ std::string with_unit(Value value, const Unit& unit) {
     text += "." + digits;
   }
   return text.append(unit.name);
-}
-
-const char* excess_word(Attribute a) {
-  switch (a) {
-    case Attribute::bandwidth:
-    case Attribute::max_payload:
-      return " short";
-    case Attribute::omission:
-      return " too many";
-    case Attribute::packet_loss:
-      return " too much";
-    default:
-      return " too long";
-  }
 }
 
 std::string title(Attribute a) { return info(a).name; }
@@ -160,7 +153,7 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
 
 std::string format_value(Attribute attribute, Value value) {
   if (value == kUnbounded) return "unbounded";
-  const auto units = units_of(attribute);
+  const auto units = reading_of(attribute).units;
   for (const Unit& unit : units)
     if (value >= unit.size) return with_unit(value, unit);
   return with_unit(value, units.back());
@@ -173,7 +166,7 @@ std::string format_margin(const Comparison& c) {
                                                                   : c.provided > c.required;
   const Value by = c.required > c.provided ? c.required - c.provided : c.provided - c.required;
   if (c.provided == kUnbounded) return better ? "no limit" : "unbounded";
-  return format_value(c.attribute, by) + (better ? " to spare" : excess_word(c.attribute));
+  return format_value(c.attribute, by) + (better ? " to spare" : reading_of(c.attribute).excess);
 }
 
 std::string attribute_name(const System& system, const Row& row) {

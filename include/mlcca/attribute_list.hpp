@@ -91,6 +91,46 @@ struct MaxPayload {
   static constexpr Value kValue = static_cast<Value>(V);
 };
 
+namespace detail {
+
+/// The type that states a value of an attribute: the words of a compile-time error.
+template <Attribute A, Value V>
+struct Named;
+template <Value V>
+struct Named<Attribute::latency, V> {
+  using Type = Latency<static_cast<Nanoseconds>(V)>;
+};
+template <Value V>
+struct Named<Attribute::jitter, V> {
+  using Type = Jitter<static_cast<Nanoseconds>(V)>;
+};
+template <Value V>
+struct Named<Attribute::deadline, V> {
+  using Type = Deadline<static_cast<Nanoseconds>(V)>;
+};
+template <Value V>
+struct Named<Attribute::period, V> {
+  using Type = Period<static_cast<Nanoseconds>(V)>;
+};
+template <Value V>
+struct Named<Attribute::bandwidth, V> {
+  using Type = Bandwidth<static_cast<BytesPerSecond>(V)>;
+};
+template <Value V>
+struct Named<Attribute::packet_loss, V> {
+  using Type = PacketLoss<static_cast<PerBillion>(V)>;
+};
+template <Value V>
+struct Named<Attribute::omission, V> {
+  using Type = Omission<V>;
+};
+template <Value V>
+struct Named<Attribute::max_payload, V> {
+  using Type = MaxPayload<static_cast<Bytes>(V)>;
+};
+
+}  // namespace detail
+
 /// A provision that is a best case, as in Dynamic<Latency<5_ms>>: the network decides each request
 /// at run time. It can refute at compile time, never grant. Means nothing in a requirement.
 template <class A>

@@ -85,16 +85,33 @@ class Reader {
   }
   constexpr uint8_t magnitude_size() const { return static_cast<uint8_t>(end_ - at_); }
 
-  /// The octet of a BIT STRING, which ends with a bit that is set.
-  constexpr bool read_marks(uint8_t* marks) {
-    if (!open_fixed(kMarks, 2)) return false;
+  /// The octets of a BIT STRING, which ends with a bit that is set.
+  constexpr bool read_marks(AttributeBits* marks) {
+    if (!open_marks()) return false;
     const uint8_t unused = *at_++;
-    *marks = *at_++;
-    return (unused < 8 && static_cast<uint8_t>(*marks << (7 - unused)) == 0x80) ||
+    uint8_t last = *at_++;
+    uint8_t shift = 8 * (kMarkOctets - 1);
+    *marks = static_cast<AttributeBits>(last << shift);
+    while (shift != 0 && at_ != end_) {
+      last = *at_++;
+      shift = static_cast<uint8_t>(shift - 8);
+      *marks = static_cast<AttributeBits>(*marks | last << shift);
+    }
+    return (unused < 8 && static_cast<uint8_t>(last << (7 - unused)) == 0x80) ||
            refuse(Error::marks);
   }
 
  private:
+  constexpr bool open_marks() {
+    if (kMarkOctets == 1) return open_fixed(kMarks, 2);
+    const uint8_t* start = at_;
+    if (!open(kMarks)) return false;
+    const auto length = static_cast<size_t>(end_ - at_);
+    if (length >= 2 && length <= 1 + kMarkOctets) return true;
+    at_ = start;
+    return refuse(Error::length);
+  }
+
   // The octets of a node are fewer than 128: there an 8-bit length is enough.
   template <bool Long, class = void>
   struct LengthOf {
@@ -115,8 +132,8 @@ class Reader {
 /// The attributes up to the limit, in the order of the table, each at most once.
 template <class Sink>
 constexpr bool read_attributes(Reader<Sink::kTakesUsers>& in, Sink& sink) {
-  uint8_t marks = 0;
-  uint8_t present = 0;
+  AttributeBits marks = 0;
+  AttributeBits present = 0;
   uint8_t next = 0;
   while (!in.at_limit()) {
     const uint8_t tag = in.octet();
@@ -131,7 +148,7 @@ constexpr bool read_attributes(Reader<Sink::kTakesUsers>& in, Sink& sink) {
     }
     if (!in.open_magnitude(tag)) return false;
     const Attribute a = attribute_at(static_cast<size_t>(number - 1));
-    if (sink.takes_marks()) present = static_cast<uint8_t>(present | mark_of(a));
+    if (sink.takes_marks()) present = static_cast<AttributeBits>(present | mark_of(a));
     const bool dynamic = sink.takes_marks() && (marks & mark_of(a)) != 0;
     if (!sink.attribute(a, in.at(), in.magnitude_size(), dynamic)) return in.refuse(Error::range);
     in.skip_to(in.end());

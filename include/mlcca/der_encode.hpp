@@ -42,16 +42,25 @@ constexpr size_t element_size(size_t contents) {
   return contents + (contents < 0x80 ? 2 : contents < 0x100 ? 3 : 4);
 }
 
-constexpr uint8_t marks_of(const AttributeSet& set) {
-  uint8_t marks = 0;
+constexpr AttributeBits marks_of(const AttributeSet& set) {
+  AttributeBits marks = 0;
   for (size_t i = 0; i < kAttributes; ++i)
     if (set.is_dynamic(attribute_at(i)))
-      marks = static_cast<uint8_t>(marks | mark_of(attribute_at(i)));
+      marks = static_cast<AttributeBits>(marks | mark_of(attribute_at(i)));
   return marks;
 }
 
+/// Trailing zeros are not sent (X.690, 11.2.2).
+constexpr uint8_t unused_bits(AttributeBits marks) {
+  uint8_t unused = 0;
+  while ((marks >> unused & 1) == 0) ++unused;
+  return unused;
+}
+constexpr size_t mark_octets(AttributeBits marks) { return kMarkOctets - unused_bits(marks) / 8; }
+
 constexpr size_t attributes_size(const AttributeSet& set) {
-  size_t size = marks_of(set) != 0 ? 4 : 0;
+  const AttributeBits marks = marks_of(set);
+  size_t size = marks != 0 ? 3 + mark_octets(marks) : 0;
   for (size_t i = 0; i < kAttributes; ++i)
     if (set.has(attribute_at(i))) size += 2 + integer_size(set[attribute_at(i)]);
   return size;
@@ -103,13 +112,13 @@ class Writer {
   size_t at_ = 0;
 };
 
-/// The number of unused bits, and the bits: trailing zeros are not sent (X.690, 11.2.2).
-constexpr void write_marks(Writer& out, uint8_t marks) {
-  uint8_t unused = 0;
-  while ((marks >> unused & 1) == 0) ++unused;
-  out.header(kMarks, 2);
-  out.octet(unused);
-  out.octet(marks);
+/// The number of unused bits of the last octet, and the bits.
+constexpr void write_marks(Writer& out, AttributeBits marks) {
+  const size_t octets = mark_octets(marks);
+  out.header(kMarks, 1 + octets);
+  out.octet(static_cast<uint8_t>(unused_bits(marks) % 8));
+  for (size_t i = 0; i < octets; ++i)
+    out.octet(static_cast<uint8_t>(marks >> (8 * (kMarkOctets - 1 - i)) & 0xff));
 }
 
 constexpr void write_attributes(Writer& out, const AttributeSet& set) {

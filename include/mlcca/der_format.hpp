@@ -118,15 +118,21 @@ constexpr bool tags_follow_table() {
     if (kAttributeTable[i].tag != i + 1) return false;
   return true;
 }
-static_assert(tags_follow_table() && kAttributes <= 8,
-              "a tag is the attribute's index + 1, and the marks are one octet");
+static_assert(tags_follow_table() && kAttributes <= 30,
+              "a tag is the attribute's index + 1, and of one octet (X.690, 8.1.2.2)");
 
-/// The mark of an attribute in the octet of the BIT STRING, whose first bit is the highest.
-constexpr uint8_t mark_of(Attribute a) { return static_cast<uint8_t>(0x80 >> index_of(a)); }
+/// Of the BIT STRING that marks all attributes.
+constexpr size_t kMarkOctets = (kAttributes + 7) / 8;
+static_assert(kMarkOctets <= sizeof(AttributeBits), "the marks are held as one bit each");
+
+/// The mark of an attribute in the octets of the BIT STRING, whose first bit is the highest.
+constexpr AttributeBits mark_of(Attribute a) {
+  return static_cast<AttributeBits>(1U << (8 * kMarkOctets - 1) >> index_of(a));
+}
 
 // Largest elements, header included.
 constexpr size_t kMaxInteger = 2 + 1 + kMaxMagnitude;
-constexpr size_t kMaxAttributes = 2 + 4 + kAttributes * kMaxInteger;
+constexpr size_t kMaxAttributes = 2 + 3 + kMarkOctets + kAttributes * kMaxInteger;
 constexpr size_t kMaxUserAttribute = 2 + (2 + kMaxName) + kMaxInteger + 3;
 constexpr size_t kHead = 3 + 3 + 2 + kSubjectSize;  // version, role, subject
 
@@ -137,7 +143,8 @@ constexpr size_t kMaxPlainSize = 2 + detail::kHead + detail::kMaxAttributes;
 /// Largest encoding.
 constexpr size_t kMaxSize =
     4 + detail::kHead + detail::kMaxAttributes + 4 + kMaxUserAttributes * detail::kMaxUserAttribute;
-static_assert(kMaxPlainSize == 112 && kMaxSize == 1414, "part of the documentation");
+static_assert(kAttributes != 8 || (kMaxPlainSize == 112 && kMaxSize == 1414),
+              "part of the documentation");
 
 namespace detail {
 

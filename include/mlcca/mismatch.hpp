@@ -30,41 +30,6 @@ struct END_TO_END {};
 
 namespace detail {
 
-template <Attribute A, Value V>
-struct Named;
-template <Value V>
-struct Named<Attribute::latency, V> {
-  using Type = Latency<static_cast<Nanoseconds>(V)>;
-};
-template <Value V>
-struct Named<Attribute::jitter, V> {
-  using Type = Jitter<static_cast<Nanoseconds>(V)>;
-};
-template <Value V>
-struct Named<Attribute::deadline, V> {
-  using Type = Deadline<static_cast<Nanoseconds>(V)>;
-};
-template <Value V>
-struct Named<Attribute::period, V> {
-  using Type = Period<static_cast<Nanoseconds>(V)>;
-};
-template <Value V>
-struct Named<Attribute::bandwidth, V> {
-  using Type = Bandwidth<static_cast<BytesPerSecond>(V)>;
-};
-template <Value V>
-struct Named<Attribute::packet_loss, V> {
-  using Type = PacketLoss<static_cast<PerBillion>(V)>;
-};
-template <Value V>
-struct Named<Attribute::omission, V> {
-  using Type = Omission<V>;
-};
-template <Value V>
-struct Named<Attribute::max_payload, V> {
-  using Type = MaxPayload<static_cast<Bytes>(V)>;
-};
-
 template <bool Condition, class Then, class Else>
 struct Select {
   using Type = Then;
