@@ -207,7 +207,7 @@ class RouteCheck {
 
   void check_hops() {
     for (std::size_t i = 0; i < count_; ++i) {
-      add_rows(Against::hop, hops()[i], check_hop(v_.requirement, hops_[i]));
+      add_rows(Against::hop, hops()[i], check_normalised_hop(v_.requirement, hops_[i]));
       if (!v_.user_requirement.empty())
         add_rows(Against::hop, hops()[i], asked_of(i), user_provision(i, 1));
     }
@@ -247,7 +247,7 @@ class RouteCheck {
   void check_end_to_end() {
     v_.provision = composed(count_);
     if (count_ == 0) return;  // publisher and subscriber on one host: no network in between
-    add_rows(Against::end_to_end, v_.to, check_layer(v_.requirement, v_.provision));
+    add_rows(Against::end_to_end, v_.to, check_normalised_layer(v_.requirement, v_.provision));
     if (!v_.user_requirement.empty())
       add_rows(Against::end_to_end, v_.to, v_.user_requirement, user_provision(0, count_));
   }
@@ -289,7 +289,7 @@ class RouteCheck {
   void check_overhearing_subscriber(const Target& target, std::size_t hop) {
     const Place place = hops()[hop];
     const Asked asked = asked_together(s_, v_.publisher, target.subscribers, v_.set);
-    add_rows(Against::overhearing, place, check_layer(asked.set, composed(hop + 1)));
+    add_rows(Against::overhearing, place, check_normalised_layer(asked.set, composed(hop + 1)));
     if (!asked.user.empty())
       add_rows(Against::overhearing, place, asked.user, user_provision(0, hop + 1));
     for (const std::size_t s : target.subscribers)
@@ -333,8 +333,7 @@ class RouteCheck {
     std::vector<Limit> all{limit_at(count_ - 1, v_.requirement)};
     each_overhearing_subscriber([&](const Target& target, std::size_t hop) {
       all.push_back(
-          limit_at(hop, normalised_requirement(
-                            asked_together(s_, v_.publisher, target.subscribers, v_.set).set)));
+          limit_at(hop, asked_together(s_, v_.publisher, target.subscribers, v_.set).set));
     });
     return all;
   }
@@ -410,7 +409,7 @@ Asked asked_together(const Situation& situation, std::size_t publisher,
   Asked asked{requirement_between(offered, {}), user_values_in(p, set)};
   for (const std::size_t s : subscribers) {
     const Subscriber& subscriber = situation.members.subscriber(s);
-    asked.set = strictest(asked.set, requirement_between(offered, attributes_in(subscriber, set)));
+    asked.set = with_subscriber(asked.set, offered, attributes_in(subscriber, set));
     const UserValues& user = user_values_in(subscriber, set);
     if (!user.empty()) asked.user = strictest(situation.system, asked.user, user);
   }
@@ -426,7 +425,7 @@ Verdict undecided(const Situation& situation, std::size_t channel, std::size_t p
   v.subscribers = target.subscribers;
   v.set = set;
   Asked asked = asked_together(situation, publisher, target.subscribers, set);
-  v.requirement = normalised_requirement(asked.set);
+  v.requirement = asked.set;
   v.user_requirement = std::move(asked.user);
   return v;
 }

@@ -26,7 +26,7 @@ struct Target {
 
 /// What is asked of the networks between some ends.
 struct Asked {
-  AttributeSet set;
+  AttributeSet set;  ///< normalised
   UserValues user;
 };
 

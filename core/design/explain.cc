@@ -84,8 +84,7 @@ const std::string& asker(const Situation& s, const Verdict& v, const Row& row,
     return own ? listener.name : publisher.name;
   }
   const Attribute a = row.comparison.attribute;
-  const AttributeSet alone =
-      normalised_requirement(requirement_between(attributes_in(publisher, v.set), {}));
+  const AttributeSet alone = requirement_between(attributes_in(publisher, v.set), {});
   const bool publishers = alone.has(a) && alone[a] == required;
   const AttributeSet stated = normalised_requirement(attributes_in(listener, v.set));
   const bool subscribers = stated.has(a) && stated[a] == required;

@@ -28,6 +28,15 @@ constexpr void set_harder(AttributeSet& requirement, Attribute a, Value value) {
     requirement.set(a, value);
 }
 
+/// The union of two requirements that are both normalised, as it is itself then.
+constexpr AttributeSet union_of_normalised(AttributeSet a, const AttributeSet& b) {
+  for (size_t i = 0; i < kAttributes; ++i) {
+    const Attribute attribute = attribute_at(i);
+    if (b.has(attribute)) set_harder(a, attribute, b[attribute]);
+  }
+  return a;
+}
+
 /// Rows for a requirement and a provision that are both normalised.
 constexpr CheckResult check_normalised(const AttributeSet& requirement,
                                        const AttributeSet& provision) {
@@ -56,13 +65,7 @@ constexpr Outcome outcome_normalised(const AttributeSet& requirement,
 /// that the explicit Deadline of one does not replace the shorter one that the other's Period
 /// implies: a lenient listener never softens what a strict one asks.
 constexpr AttributeSet strictest(const AttributeSet& a, const AttributeSet& b) {
-  AttributeSet result = normalised_requirement(a);
-  const AttributeSet other = normalised_requirement(b);
-  for (size_t i = 0; i < kAttributes; ++i) {
-    const Attribute attribute = attribute_at(i);
-    if (other.has(attribute)) detail::set_harder(result, attribute, other[attribute]);
-  }
-  return result;
+  return detail::union_of_normalised(normalised_requirement(a), normalised_requirement(b));
 }
 
 /// The strictest of n requirements; the empty set for none.
@@ -72,22 +75,36 @@ constexpr AttributeSet strictest_of(const AttributeSet* all, size_t n) {
   return result;
 }
 
-/// What publisher and subscriber together ask of the networks between them. The publisher's
-/// Latency, Deadline, PacketLoss and Omission are requirements of its own; its Period, Bandwidth
-/// and MaxPayload are what must be carried; its Jitter is a property of the source and asks
-/// nothing. The subscriber's MaxPayload says what it accepts (check_traffic()) and counts as the
-/// size to be carried only when the publisher states none. A publisher whose Period is meant as a
-/// rate only states a longer Deadline of its own.
-constexpr AttributeSet requirement_between(AttributeSet publisher, AttributeSet subscriber) {
+/// What one more subscriber of a publisher asks beside `requirement`, which is normalised. So is
+/// the result.
+constexpr AttributeSet with_subscriber(const AttributeSet& requirement,
+                                       const AttributeSet& publisher, AttributeSet subscriber) {
   if (publisher.has(Attribute::max_payload)) subscriber.clear(Attribute::max_payload);
-  return strictest(publisher.clear(Attribute::jitter), subscriber);
+  return detail::union_of_normalised(requirement, normalised_requirement(subscriber));
+}
+
+/// What publisher and subscriber together ask of the networks between them, normalised. The
+/// publisher's Latency, Deadline, PacketLoss and Omission are requirements of its own; its Period,
+/// Bandwidth and MaxPayload are what must be carried; its Jitter is a property of the source and
+/// asks nothing. The subscriber's MaxPayload says what it accepts (check_traffic()) and counts as
+/// the size to be carried only when the publisher states none. A publisher whose Period is meant as
+/// a rate only states a longer Deadline of its own.
+constexpr AttributeSet requirement_between(AttributeSet publisher, const AttributeSet& subscriber) {
+  publisher.clear(Attribute::jitter);
+  return with_subscriber(normalised_requirement(publisher), publisher, subscriber);
+}
+
+/// Check 1 for a requirement that is normalised, as strictest(), requirement_between() and
+/// with_subscriber() give it: who makes many checks of one requirement normalises it once.
+constexpr CheckResult check_normalised_layer(const AttributeSet& requirement,
+                                             const AttributeSet& provision) {
+  return detail::check_normalised(requirement, normalised_provision(provision));
 }
 
 /// Check 1: a requirement against one network layer (figure 5 of the paper). A Deadline is held
 /// against the provided Latency. In a requirement, MaxPayload is the size to be carried.
 constexpr CheckResult check_layer(const AttributeSet& requirement, const AttributeSet& provision) {
-  return detail::check_normalised(normalised_requirement(requirement),
-                                  normalised_provision(provision));
+  return check_normalised_layer(normalised_requirement(requirement), provision);
 }
 
 /// The outcome of check 1 alone.
@@ -106,12 +123,17 @@ constexpr Attribute kMatterOfNetworks[] = {Attribute::period, Attribute::bandwid
 
 /// Check 1 for one hop of a route, which may take several frames for an event. A gateway is asked
 /// for rate, period and size only if it limits them; the Deadline that a Period implies is asked of
-/// it all the same.
-constexpr CheckResult check_hop(const AttributeSet& requirement, const Hop& hop) {
-  AttributeSet asked = normalised_requirement(requirement);
+/// it all the same. The requirement is normalised.
+constexpr CheckResult check_normalised_hop(const AttributeSet& requirement, const Hop& hop) {
+  AttributeSet asked = requirement;
   for (const Attribute a : detail::kMatterOfNetworks)
     if (hop.gateway && !hop.provision.has(a)) asked.clear(a);
-  return check_layer(asked, hop.frames == 1 ? hop.provision : compose(&hop, 1));
+  return check_normalised_layer(asked, hop.frames == 1 ? hop.provision : compose(&hop, 1));
+}
+
+/// The same for any requirement.
+constexpr CheckResult check_hop(const AttributeSet& requirement, const Hop& hop) {
+  return check_normalised_hop(normalised_requirement(requirement), hop);
 }
 
 /// Check 2: a requirement against the composed provision of a route. No route, or one of more than
