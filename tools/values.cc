@@ -95,7 +95,7 @@ Result<Value> read_value(Attribute attribute, std::string_view text, Role role) 
 }
 
 Result<WithUnit> read_quantity(std::string_view text) {
-  const auto quantity = number_and_unit(text);
+  auto quantity = number_and_unit(text);
   if (!quantity.number || !is_moderate(*quantity.number))
     return fail(fmt::format("'{}': must begin with a number of 0 or more, such as 50 or 12.5",
                             trimmed(text)));

@@ -12,6 +12,7 @@ namespace mlcca::core {
 /// A value for each row of finding_rows.inc, which is all that a new kind needs beside the code
 /// that finds it.
 enum class FindingId : std::uint8_t {
+// NOLINTNEXTLINE(bugprone-macro-parentheses): an enumerator
 #define FINDING(number, name, severity, title, advice) name = number,
 #include "core/design/finding_rows.inc"
 };

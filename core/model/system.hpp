@@ -67,7 +67,7 @@ enum class Profile : std::uint8_t {
 #include "core/profiles/list.inc"
 };
 inline constexpr std::size_t kProfileCount = 0
-#define PROFILE(word, NAME) +1
+#define PROFILE(word, NAME) +1  // NOLINT(bugprone-macro-parentheses): a summand
 #include "core/profiles/list.inc"
     ;
 

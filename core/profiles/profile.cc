@@ -55,8 +55,10 @@ Names words_of(bool (*has)(const ProfileTraits&)) {
 
 std::string listed(const Names& all, std::string_view last) {
   std::string out;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    out.append(i == 0 ? "" : i + 1 == all.size() ? last : ", ").append(all[i]);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i > 0) out.append(i + 1 == all.size() ? last : ", ");
+    out.append(all[i]);
+  }
   return out;
 }
 

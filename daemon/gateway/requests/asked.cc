@@ -148,7 +148,7 @@ Result<core::Publisher> new_publisher(const core::State& state,
     if (const auto number = number_in<std::uint32_t>(request.user)) {
       if (*number == kAnyUser)
         return fail(fmt::format("{} is not a user number: at most {}", *number, kAnyUser - 1));
-      p.uid = *number;
+      p.uid = number;
       return p;
     }
     // Looking a name up may take as long as a directory service likes.
