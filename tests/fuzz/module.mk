@@ -65,7 +65,7 @@ endef
 
 $(eval $(call fuzz_target,der_fuzz,,der,1500))
 $(eval $(call fuzz_target,description_fuzz,description core,description/good description/bad,16384,$(XML_LIBS) -lfmt))
-$(eval $(call fuzz_target,journal_fuzz,$(addprefix daemon/store/,journal format contents disk) tests/daemon/store/fake_disk control core,journal,2048,))
+$(eval $(call fuzz_target,journal_fuzz,$(addprefix daemon/store/,oneofs journal format contents disk) tests/daemon/store/fake_disk control core,journal,2048,))
 $(eval $(call fuzz_target,replies_fuzz,$(addprefix tools/,$(basename $(notdir $(wildcard tools/render*.cc))) json table words values times) control core,replies,4096,))
 $(eval $(call fuzz_target,tables_fuzz,tools/design/analyse_bus/table tools/design/analyse_bus/distinct tools/values core,tables,2048,))
 $(eval $(call fuzz_target,sources_texts_fuzz,untrusted sources,sources_texts,16384,$(NL_LIBS) -lsystemd))
