@@ -8,6 +8,6 @@ $(GROWN)/grammar_table.inc: description/make-grammar $(GROWN)/system.xsd
 	$(Q)description/make-grammar $(GROWN)/system.xsd > $@
 $O/tests/description/grown/grammar.o: description/grammar.cc $(GROWN)/grammar_table.inc
 	$(call say,CXX,$<)
-	$(Q)mkdir -p $(@D) && $(CXX) $(STD) $(WARN) -isystem $(GROWN) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
+	$(Q)mkdir -p $(@D) && $(CXX) $(STD) $(WARN) -I$(GROWN) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
 OBJECTS += $O/tests/description/grown/grammar.o
 $(eval $(call unit_test,grown_test,$(wildcard tests/description/grown/*.cc),$O/tests/description/grown/grammar.o $O/libdescription.a $O/libcore.a,$(XML_LIBS) -lfmt))
