@@ -18,6 +18,11 @@ void* operator new(std::size_t size) {
   if (void* const memory = std::malloc(size == 0 ? 1 : size)) return memory;
   throw std::bad_alloc();
 }
+// Of std::stable_sort: what replaces one of them replaces all.
+void* operator new(std::size_t size, const std::nothrow_t& /*tag*/) noexcept {
+  ++made;
+  return std::malloc(size == 0 ? 1 : size);
+}
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 // NOLINTEND(*-no-malloc,*-owning-memory,misc-new-delete-overloads)
