@@ -158,13 +158,14 @@ class World:
         pid = self.daemon.process.pid
         with open(f"/proc/{pid}/statm", encoding="ascii") as file:
             size = int(file.read().split()[0]) * os.sysconf("SC_PAGESIZE")
-        sh(f"prlimit --pid {pid} --as={size + (256 << 10)}", check=False)
+        # The soft limit alone: to raise the hard one again takes a capability that root may lack.
+        sh(f"prlimit --pid {pid} --as={size + (256 << 10)}:", check=False)
         for words in (("channels",), ("gate",), ("reload",), ("status",)):
             self.ask(*words)
 
     def unlimit_memory(self):
         if self.daemon.alive():
-            sh(f"prlimit --pid {self.daemon.process.pid} --as=unlimited", check=False)
+            sh(f"prlimit --pid {self.daemon.process.pid} --as=unlimited:", check=False)
 
     # --- interfaces -------------------------------------------------------------------------------------
 
