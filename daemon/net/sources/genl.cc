@@ -3,6 +3,7 @@
 
 #include <linux/genetlink.h>
 #include <linux/netlink.h>
+#include <linux/rtnetlink.h>
 
 #include <array>
 #include <cstring>
@@ -91,6 +92,13 @@ std::optional<Attributes> read_route_message(Octets octets, std::uint16_t type, 
   const std::size_t skipped = NLMSG_ALIGN(fixed);
   if (!payload || header.nlmsg_type != type || payload->size() < skipped) return {};
   return Attributes(payload->subspan(skipped));
+}
+
+std::optional<std::uint32_t> index_of_link(Octets octets) {
+  ifinfomsg fixed{};
+  if (!read_route_message(octets, RTM_NEWLINK, sizeof fixed)) return {};
+  std::memcpy(&fixed, octets.data() + NLMSG_HDRLEN, sizeof fixed);
+  return static_cast<std::uint32_t>(fixed.ifi_index);
 }
 
 }  // namespace mlcca::net::genl

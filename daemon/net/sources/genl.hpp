@@ -50,5 +50,7 @@ struct Message {
 /// that this type begins with). Nothing if it is of another type or too short.
 [[nodiscard]] std::optional<Attributes> read_route_message(Octets octets, std::uint16_t type,
                                                            std::size_t fixed);
+/// The index of the interface that an RTM_NEWLINK message is about. Nothing if it is none.
+[[nodiscard]] std::optional<std::uint32_t> index_of_link(Octets octets);
 
 }  // namespace mlcca::net::genl

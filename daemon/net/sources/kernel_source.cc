@@ -3,7 +3,8 @@
 
 #include <linux/netlink.h>
 #include <linux/rtnetlink.h>
-#include <net/if.h>
+#include <netlink/attr.h>
+#include <netlink/msg.h>
 #include <netlink/netlink.h>
 #include <netlink/socket.h>
 #include <sys/epoll.h>
@@ -85,21 +86,45 @@ void KernelSource::begin() {
   poll();
 }
 
+void KernelSource::ask_link(const std::string& interface, Conversation::OnMessage each,
+                            std::function<void()> end) {
+  Conversation* const kernel = talk(NETLINK_ROUTE);
+  if (kernel == nullptr) return;
+  auto request = Conversation::route_request(RTM_GETLINK, 0);
+  if (request) {
+    ifinfomsg any{};
+    nlmsg_append(request.get(), &any, sizeof any, NLMSG_ALIGNTO);
+    nla_put_string(request.get(), IFLA_IFNAME, interface.c_str());
+  }
+  kernel->ask(std::move(request), std::move(each), [this, interface, end = std::move(end)](int e) {
+    if (e == ENODEV)
+      report_problem("there is no interface " + interface);
+    else if (e != 0)
+      report_refusal("state of " + interface, e);
+    else
+      end();
+  });
+}
+
 void KernelSource::ask_family(const char* family, const std::string& interface,
                               std::function<void(Conversation&, std::uint16_t, unsigned)> ask) {
-  const unsigned index = ::if_nametoindex(interface.c_str());
-  if (index == 0) {
-    report_problem("there is no interface " + interface);
-    return;
-  }
-  Conversation* const kernel = talk(NETLINK_GENERIC);
-  if (kernel == nullptr) return;
-  kernel->find_family(family, [this, index, ask = std::move(ask)](Result<std::uint16_t> number) {
-    if (number)
-      ask(*talk(NETLINK_GENERIC), *number, index);
-    else
-      report_problem(std::move(number.error().text));
-  });
+  const auto index = std::make_shared<unsigned>(0);
+  ask_link(
+      interface, [index](genl::Octets octets) { *index = genl::index_of_link(octets).value_or(0); },
+      [this, index, family, interface, ask = std::move(ask)] {
+        if (*index == 0) {
+          report_problem("the kernel gave no index of " + interface);
+          return;
+        }
+        Conversation* const kernel = talk(NETLINK_GENERIC);
+        if (kernel == nullptr) return;
+        kernel->find_family(family, [this, index, ask](Result<std::uint16_t> number) {
+          if (number)
+            ask(*talk(NETLINK_GENERIC), *number, *index);
+          else
+            report_problem(std::move(number.error().text));
+        });
+      });
 }
 
 Conversation* KernelSource::talk(int protocol) {

@@ -27,6 +27,13 @@ class KernelSource : public LinkSource {
   /// destroy the conversations of the poll, so they are called last.
   virtual void poll() = 0;
 
+  /// Asks for the rtnetlink message of an interface: `each` gets it, then `end` is called. If there
+  /// is no such interface that is reported as a problem, and `end` is not called.
+  ///
+  /// if_nametoindex(3) would let the kernel start modprobe for a name that it does not know, and
+  /// wait for it.
+  void ask_link(const std::string& interface, Conversation::OnMessage each,
+                std::function<void()> end);
   /// Asks a generic netlink family about an interface: `ask` is called with both. If one of them is
   /// not there, that is reported as a problem.
   void ask_family(const char* family, const std::string& interface,

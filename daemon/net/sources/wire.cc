@@ -88,30 +88,13 @@ class WireSource : public KernelSource {
   void poll() override {
     seen_.reset();
     modes_ = {};
-    Conversation* const kernel = talk(NETLINK_ROUTE);
-    if (kernel == nullptr) return;
-    auto request = Conversation::route_request(RTM_GETLINK, 0);
-    if (request) {
-      ifinfomsg any{};
-      nlmsg_append(request.get(), &any, sizeof any, NLMSG_ALIGNTO);
-      nla_put_string(request.get(), IFLA_IFNAME, interface_.c_str());
-    }
-    kernel->ask(
-        std::move(request), [this](genl::Octets octets) { seen_ = wire::read_interface(octets); },
-        [this](int error) {
-          if (error == ENODEV) {
-            report_problem("there is no interface " + interface_);
-            return;
-          }
-          if (error != 0) {
-            report_refusal("state of " + interface_, error);
-            return;
-          }
-          if (!seen_) {
+    ask_link(
+        interface_, [this](genl::Octets octets) { seen_ = wire::read_interface(octets); },
+        [this] {
+          if (seen_)
+            find_ethtool();
+          else
             report_problem(interface_ + " has no Ethernet address");
-            return;
-          }
-          find_ethtool();
         });
   }
 
