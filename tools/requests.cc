@@ -5,6 +5,7 @@
 #include <pwd.h>
 
 #include <algorithm>
+#include <cstring>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -37,7 +38,10 @@ Result<std::string> user_number(const std::string& user) {
   std::vector<char> buffer(std::size_t{1} << 20);
   passwd entry{};
   passwd* found = nullptr;
-  ::getpwnam_r(user.c_str(), &entry, buffer.data(), buffer.size(), &found);
+  const int error = ::getpwnam_r(user.c_str(), &entry, buffer.data(), buffer.size(), &found);
+  if (error != 0)
+    return fail(fmt::format("--user '{}' cannot be looked up ({}); a number needs no look-up", user,
+                            std::strerror(error)));  // NOLINT(concurrency-mt-unsafe)
   if (found == nullptr) return fail(fmt::format("there is no user '{}'", user));
   return std::to_string(found->pw_uid);
 }

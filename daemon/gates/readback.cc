@@ -106,7 +106,7 @@ void take_slots(GateReading& gate, const Result<Table>& table) {
 void read_holding(GateReading& gate, const auto& table, std::uint32_t epoch) {
   if (table.retired != 0)
     gate.problems.emplace_back(
-        "somebody has altered it: everything passes, as if its interface had left");
+        "another program has altered it: everything passes, as if its interface had left");
   if (table.epoch < epoch) gate.problems.emplace_back("no daemon has taken it over: it is closed");
 }
 
@@ -173,6 +173,11 @@ GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const
   gate.ifindex = ifindex;
   std::array<char, IF_NAMESIZE> interface{};
   if (if_indextoname(ifindex, interface.data()) == nullptr) {
+    if (errno != ENXIO) {
+      gate.problems.push_back(
+          failure(fmt::format("name of interface {}", ifindex), errno).error().text);
+      return gate;
+    }
     gate.problems.push_back(fmt::format(
         "no interface of this network namespace has the index {}: the pins are left over",
         ifindex));
@@ -234,20 +239,21 @@ void compare_grace(const std::string& directory, const gate_control& word, const
   if (!wanted) {
     problems.push_back(wanted.error().text);
   } else if (words_of_grace(word) != *wanted) {
-    problems.push_back(
-        fmt::format("somebody has altered after which time the gates close without a daemon: it is "
-                    "{} in nanoseconds, {} in ticks, looked at each {}; ought to be {}, {}, {}",
-                    seconds(word.grace_ns), word.grace_ticks, seconds(word.check_ns),
-                    seconds(wanted->grace_ns), wanted->grace_ticks, seconds(wanted->check_ns)));
+    problems.push_back(fmt::format(
+        "another program has altered after which time the gates close without a daemon: it is "
+        "{} in nanoseconds, {} in ticks, looked at each {}; ought to be {}, {}, {}",
+        seconds(word.grace_ns), word.grace_ticks, seconds(word.check_ns), seconds(wanted->grace_ns),
+        wanted->grace_ticks, seconds(wanted->check_ns)));
   }
   if (*noted == kForEver || word.open == 0 || word.lapsed != 0) return;
   const auto left = time_left(control.get());
   if (!left)
     problems.push_back(left.error().text);
   else if (*left > *noted + kGraceSlack)
-    problems.push_back(fmt::format(
-        "somebody has altered when the gates close without a daemon: in {}; ought to be at most {}",
-        seconds(*left), seconds(*noted)));
+    problems.push_back(
+        fmt::format("another program has altered when the gates close without a daemon: in {}; "
+                    "ought to be at most {}",
+                    seconds(*left), seconds(*noted)));
 }
 
 /// The gates close by themselves when the daemon is silent; this timer counts it.
