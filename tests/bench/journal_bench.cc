@@ -19,28 +19,12 @@
 #include "base/handle.hpp"
 #include "daemon/store/history.hpp"
 #include "daemon/store/journal.hpp"
+#include "tests/bench/measure.hpp"
 
 namespace {
 
-using namespace mlcca;  // NOLINT(google-build-using-namespace): a bench
-using Clock = std::chrono::steady_clock;
-
-void require(bool good, const std::string& what) {
-  if (!good) throw std::runtime_error(what);
-}
-
-template <class Work>
-double microseconds(const Work& work) {
-  const auto start = Clock::now();
-  work();
-  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
-
-double quantile(std::vector<double> values, double part) {
-  const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, values.begin() + at);
-  return values[static_cast<std::size_t>(at)];
-}
+using namespace mlcca;         // NOLINT(google-build-using-namespace): a bench
+using namespace mlcca::bench;  // NOLINT(google-build-using-namespace): a bench
 
 store::Admitted admitted(std::uint64_t id) {
   control::Admit admit;

@@ -6,20 +6,9 @@
 #include <gate_closed_test.skel.h>
 #include <linux/pkt_cls.h>
 
-#include <cstdio>
-#include <cstdlib>
+#include "tests/support/require.hpp"
 
 namespace mlcca::test {
-namespace {
-
-void require(bool done, const char* what) {
-  if (done) return;
-  std::perror(what);
-  std::abort();
-}
-
-}  // namespace
-
 ClosedGate::ClosedGate(int control_map)
     : object_(gate_closed_test_bpf__open(), gate_closed_test_bpf__destroy) {
   require(object_ != nullptr, "open the closed gate");

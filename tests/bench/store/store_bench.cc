@@ -24,31 +24,15 @@
 #include "core/model/text.hpp"
 #include "daemon/store/journal.hpp"
 #include "daemon/store/records.hpp"
+#include "tests/bench/measure.hpp"
 #include "tests/bench/store/crashes.hpp"
 #include "tests/bench/store/sqlite_store.hpp"
 
 namespace {
 
-using namespace mlcca;  // NOLINT(google-build-using-namespace): a bench
-using Clock = std::chrono::steady_clock;
+using namespace mlcca;         // NOLINT(google-build-using-namespace): a bench
+using namespace mlcca::bench;  // NOLINT(google-build-using-namespace): a bench
 using Entries = std::vector<store::Entry>;
-
-void require(bool good, const std::string& what) {
-  if (!good) throw std::runtime_error(what);
-}
-
-template <class Work>
-double microseconds(const Work& work) {
-  const auto start = Clock::now();
-  work();
-  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
-
-double quantile(std::vector<double> values, double part) {
-  const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, values.begin() + at);
-  return values[static_cast<std::size_t>(at)];
-}
 
 /// A number of a file of /proc, in the line that begins with `key`.
 std::uint64_t number_in(const char* file, const std::string& key) {
@@ -182,9 +166,10 @@ void bench_open(const char* name, const std::string& folder, const Open& open) {
       const auto before = static_cast<double>(number_in("/proc/self/status", "VmRSS:"));
       std::array<double, kFigures> out{};
       const std::clock_t processor = std::clock();
-      const auto start = Clock::now();
+      const auto start = std::chrono::steady_clock::now();
       const auto opened = open(folder);
-      out[0] = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+      out[0] = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+                   .count();
       out[1] = 1e3 * static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC;
       out[2] = (heap() - heap_before) / 1e6;
       out[3] = (static_cast<double>(number_in("/proc/self/status", "VmHWM:")) - before) / 1e3;

@@ -6,21 +6,11 @@
 #include <gate_test.skel.h>
 #include <linux/pkt_cls.h>
 
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 
+#include "tests/support/require.hpp"
+
 namespace mlcca::test {
-namespace {
-
-void require(bool done, const char* what) {
-  if (done) return;
-  std::perror(what);
-  std::abort();
-}
-
-}  // namespace
-
 CanTwin::CanTwin(int control_map) : object_(gate_test_bpf__open(), gate_test_bpf__destroy) {
   require(object_ != nullptr, "open the CAN gate");
   object_->rodata->profile = GATE_PROFILE_RAW;

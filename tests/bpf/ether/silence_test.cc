@@ -85,7 +85,7 @@ TEST_P(EtherSilence, TheNextObjectGoesOnAndTellsOnceMore) {
   gate_ = attach();
   EXPECT_EQ(gate_.present(), std::vector{watched()});
   EXPECT_EQ(next().kind, std::uint32_t{GATE_E_MISSING});
-  ASSERT_TRUE(gate_.tell_again(gate_.watched_as(watched()).value()));
+  ASSERT_TRUE(gate_.report_again(gate_.watched_as(watched()).value()));
   EXPECT_EQ(next().kind, std::uint32_t{GATE_E_MISSING});
   gate_ = attach(20'000);
   EXPECT_EQ(next().subject, kSubject) << "in the larger table, too";

@@ -25,17 +25,13 @@
 #include "daemon/gates/pins.hpp"
 #include "daemon/gates/tcx.hpp"
 #include "tests/bpf/ether/packets.hpp"
+#include "tests/support/require.hpp"
 
 namespace mlcca::enforce {
 
 using test::Bytes;
 using test::Datagram;
-
-inline void require(bool done, const char* what) {
-  if (done) return;
-  std::perror(what);
-  std::abort();
-}
+using test::require;
 
 inline void shell(const std::string& command) {
   require(std::system(command.c_str()) == 0, command.c_str());  // NOLINT(*-command-processor)

@@ -21,24 +21,17 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
 #include "bpf/gate.h"
+#include "tests/support/require.hpp"
 
 namespace mlcca::test {
 namespace {
 
 constexpr int kPatience = 10'000;  // ms
-
-void require(bool done, const char* what) {
-  if (done) return;
-  std::perror(what);
-  std::abort();
-}
 
 /// Makes the private namespaces; gives the mount point of a bpffs in them.
 std::string enter_sandbox() {

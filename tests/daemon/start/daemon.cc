@@ -24,17 +24,12 @@
 #include "daemon/gates/pins.hpp"
 #include "tests/daemon/gates/sandbox.hpp"
 #include "tests/support/becomes.hpp"
+#include "tests/support/require.hpp"
 
 namespace mlcca::test {
 namespace {
 
 constexpr std::uint64_t kPatience = 300'000'000'000;  // ns
-
-void require(bool done, const char* what) {
-  if (done) return;
-  std::perror(what);
-  std::abort();
-}
 
 }  // namespace
 

@@ -15,6 +15,7 @@
 #include <sstream>
 
 #include "base/handle.hpp"
+#include "tests/support/require.hpp"
 #include "tests/tools/sources/proto_loop.hpp"
 
 namespace mlcca::net {
@@ -23,12 +24,7 @@ namespace {
 using core::mesh::Snapshot;
 using core::mesh::Source;
 using core::mesh::SourceKind;
-
-void require(bool done, const char* what) {
-  if (done) return;
-  std::perror(what);
-  std::abort();
-}
+using test::require;
 
 void run(const std::string& command) {
   if (std::system(command.c_str()) != 0) ADD_FAILURE() << command;
