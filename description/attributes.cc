@@ -116,7 +116,8 @@ std::expected<Value, std::string> to_value(Attribute attribute, std::string_view
   const auto& unit = unit_of(attribute);
   if (side == Side::provision && row.composition == Composition::not_provided)
     return std::unexpected(fmt::format(
-        "{} is not provided by anybody: it is held against the Latency; state that", row.name));
+        "{} is provided by no network and no gateway: it is held against the Latency; state that",
+        row.name));
   if (dimension.unit != unit.unit)
     return std::unexpected(
         fmt::format("{} {}; here is {}", row.name, unit.right, dimension_words(dimension.unit)));

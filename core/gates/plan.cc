@@ -333,17 +333,17 @@ void add_channel(Planner& planner, const Members& members, std::size_t channel,
 
 Policing policing_of(const AttributeSet& offered, std::uint64_t frames, Value largest) {
   constexpr Value second = 1'000'000'000;
-  const auto hurried = [](Value time) { return time - time / kClocks; };
+  const auto shortened = [](Value time) { return time - time / kClocks; };
   const Value jitter = offered[Attribute::jitter];
   Policing out;
   if (offered.has(Attribute::period)) {
-    const Value period = hurried(offered[Attribute::period]);
+    const Value period = shortened(offered[Attribute::period]);
     out.per_frame = std::max<Value>(period / std::max<Value>(frames, 1), 1);
     // The frames of an event come together, and the next event may be early.
     out.tolerance = add_saturating(mul_saturating(period, 2) - out.per_frame, jitter);
   } else if (offered.has(Attribute::bandwidth) && offered[Attribute::bandwidth] != 0) {
     out.per_byte =
-        std::max<Value>(hurried(mul_div_down(second, kUnit, offered[Attribute::bandwidth])), 1);
+        std::max<Value>(shortened(mul_div_down(second, kUnit, offered[Attribute::bandwidth])), 1);
     const Value event =
         offered.has(Attribute::max_payload) ? offered[Attribute::max_payload] : largest;
     out.tolerance = add_saturating(

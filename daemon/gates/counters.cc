@@ -161,7 +161,7 @@ const char* reason_text(gate_reason reason) {
     case GATE_R_CLOSED:
       return "gate closed";
     case GATE_R_ECHO:
-      return "echo, or told before";
+      return "echo, or counted before";
     case GATE_R_ERROR_IN:
       return "error frame from the bus";
     case GATE_R_EXCESS:

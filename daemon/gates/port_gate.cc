@@ -20,6 +20,10 @@
 namespace mlcca::enforce {
 namespace {
 
+std::unexpected<Error> of_gate(const std::string& name, const Error& error) {
+  return fail(fmt::format("gate of {}: {}", name, error.text));
+}
+
 GatePrograms programs_of(const GateObject& object) {
   return {object.program_fd(Direction::ingress), object.program_fd(Direction::egress)};
 }
@@ -36,9 +40,6 @@ struct PortGate::State {
   bool was_put = false;
   bool early = false;  ///< it was put in the driver
 
-  [[nodiscard]] auto in_context(const Error& error) const {
-    return fail(fmt::format("gate of {}: {}", config.name, error.text));
-  }
   /// This daemon holds the gate.
   void own() const { publish(object->words().epoch, shared.epoch); }
   [[nodiscard]] std::vector<Pin> pins() const;
@@ -108,14 +109,11 @@ Result<void> PortGate::State::go_first() {
 }
 
 Result<PortGate> PortGate::load(const Config& config, GateKind& kind, const Control& control) {
-  const auto in_context = [&](const Error& error) {
-    return fail(fmt::format("gate of {}: {}", config.name, error.text));
-  };
   const Place place{config.ifindex, gate_directory(control.directory(), config.ifindex),
                     config.hook.value_or(best_hook())};
   const SharedMaps shared = control.shared();
   const auto attached = maps_of_attached(place.directory, config.ifindex);
-  if (!attached) return in_context(attached.error());
+  if (!attached) return of_gate(config.name, attached.error());
   const bool is_there = std::ranges::any_of(
       *attached, [&](const MapIds& ids) { return kind.take(place.directory, ids); });
   // An ifindex alone can have been given to another device, whose gate must start empty.
@@ -125,18 +123,19 @@ Result<PortGate> PortGate::load(const Config& config, GateKind& kind, const Cont
   auto object = reused ? kind.load_over_taken(shared) : kind.load_new(shared);
   // Maps that make no sense are not worth keeping: start closed.
   if (!object && std::exchange(reused, false)) object = kind.load_new(shared);
-  if (!object) return in_context(object.error());
+  if (!object) return of_gate(config.name, object.error());
   if (is_there && !kind.fits()) {
     // Whoever was admitted goes on in the larger table.
     if (const auto old = kind.load_over_taken(shared)) {
       SlotChanges moved;
       moved.add = (*old)->table().present();
-      if (auto done = (*object)->table().apply(moved); !done) return in_context(done.error());
+      if (auto done = (*object)->table().apply(moved); !done)
+        return of_gate(config.name, done.error());
     }
   }
   // Timers that run already go on, by our program.
   auto timers = (*object)->silence_timers(shared, silence_timers_pin(place.directory), reused);
-  if (!timers) return in_context(timers.error());
+  if (!timers) return of_gate(config.name, timers.error());
   return PortGate(std::make_unique<State>(State{.config = config,
                                                 .place = place,
                                                 .shared = shared,
@@ -159,12 +158,12 @@ const GateObject& PortGate::object() const { return *state_->object; }
 const Table& PortGate::table() const { return state_->object->table(); }
 
 Result<void> PortGate::put() {
-  if (auto done = state_->put(); !done) return state_->in_context(done.error());
+  if (auto done = state_->put(); !done) return of_gate(name(), done.error());
   return {};
 }
 
 Result<void> PortGate::go_first() {
-  if (auto done = state_->go_first(); !done) return state_->in_context(done.error());
+  if (auto done = state_->go_first(); !done) return of_gate(name(), done.error());
   return {};
 }
 
@@ -175,7 +174,7 @@ Result<bool> PortGate::attached() const {
 Result<void> PortGate::reattach() {
   state_->own();
   if (auto put = put_gate_in_place(state_->place, programs_of(object())); !put)
-    return state_->in_context(put.error());
+    return of_gate(name(), put.error());
   forget_next(state_->place.directory);
   return {};
 }
@@ -198,7 +197,10 @@ Result<std::vector<std::string>> PortGate::keep_pinned() const {
 std::uint32_t PortGate::early() const {
   return object().early_fd() < 0 ? 0 : program_info(object().early_fd()).id;
 }
-bool PortGate::drops_early() const { return early() != 0 && early_program(ifindex()) == early(); }
+bool PortGate::drops_early() const {
+  const std::uint32_t ours = early();
+  return ours != 0 && early_program(ifindex()) == ours;
+}
 bool PortGate::lost_early() const { return state_->early && !drops_early(); }
 Result<void> PortGate::put_early_back() { return state_->put_early(); }
 
@@ -249,7 +251,7 @@ std::optional<std::uint32_t> PortGate::watched_as(const SlotSpec& spec) const {
 Arrivals PortGate::arrivals(std::uint32_t slot, std::uint64_t now) const {
   return enforce::arrivals(object().watch(table().watch_of(slot)), now);
 }
-Result<void> PortGate::tell_again(std::uint32_t slot) const {
+Result<void> PortGate::report_again(std::uint32_t slot) const {
   const std::uint16_t watch = table().watch_of(slot);
   return object().watch(watch).silent != 0 ? state_->silence_timers.arm(watch) : Result<void>{};
 }

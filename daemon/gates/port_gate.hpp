@@ -86,7 +86,7 @@ class PortGate {
   /// How the events of a watched slot have come. `now`: CLOCK_MONOTONIC.
   [[nodiscard]] Arrivals arrivals(std::uint32_t slot, std::uint64_t now) const;
   /// If events of a watched slot are missing that is told once more.
-  [[nodiscard]] Result<void> tell_again(std::uint32_t slot) const;
+  [[nodiscard]] Result<void> report_again(std::uint32_t slot) const;
   /// Slots whose events ought to be watched, beyond those that can be.
   [[nodiscard]] std::size_t unwatched() const;
   [[nodiscard]] ReasonCounters reasons(Direction direction) const;

@@ -50,7 +50,7 @@ std::optional<control::Watch> Ports::watch(const core::GateState& rules) const {
 
 Result<void> Ports::report_again(const core::GateState& rules) const {
   const auto slot = watched_slot(rules);
-  return slot ? slot->gate->tell_again(slot->number) : Result<void>{};
+  return slot ? slot->gate->report_again(slot->number) : Result<void>{};
 }
 
 bool Ports::is_of(const gate_event& event, const core::GateState& rules) const {

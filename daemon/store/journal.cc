@@ -227,7 +227,7 @@ Result<void> Journal::commit() {
   if (is_gone()) {
     roll_back();
     const auto again = keep();
-    return fail(path_ + ": somebody removed or replaced it" +
+    return fail(path_ + ": another program removed or replaced it" +
                 (again ? "; it is written anew, ask again"
                        : ", and it cannot be written anew: " + again.error().text));
   }

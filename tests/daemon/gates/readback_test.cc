@@ -142,7 +142,7 @@ TEST_P(Attach, ReadBackNamesAGateThatWasMadeToLetEverythingPass) {
   const Fd map(bpf_obj_get((pins(bus) + "/table").c_str()));
   Mapped<gate_table>(map.get(), 1)[0].retired = 1;
   EXPECT_EQ(all_problems(read_back(root_).value().gates.at(0)),
-            "somebody has altered it: everything passes, as if its interface had left\n");
+            "another program has altered it: everything passes, as if its interface had left\n");
 }
 
 TEST_P(Attach, ReadBackNamesAGateThatNoDaemonHasTakenOver) {
@@ -192,9 +192,10 @@ class ReadBackOfGrace : public testing::Test {
 TEST_F(ReadBackOfGrace, NamesAGraceThatWasAltered) {
   EXPECT_EQ(problems(), "");
   word_[0].grace_ticks *= 2;
-  EXPECT_NE(problems().find("somebody has altered after which time the gates close without a "
-                            "daemon: it is 3600 s in nanoseconds, "),
-            std::string::npos)
+  EXPECT_NE(
+      problems().find("another program has altered after which time the gates close without a "
+                      "daemon: it is 3600 s in nanoseconds, "),
+      std::string::npos)
       << problems();
   word_[0].grace_ticks /= 2;
   word_[0].grace_ns = kForEver;
@@ -203,8 +204,9 @@ TEST_F(ReadBackOfGrace, NamesAGraceThatWasAltered) {
 
 TEST_F(ReadBackOfGrace, NamesADeadlineThatWasAltered) {
   word_[0].deadline *= 2;
-  EXPECT_NE(problems().find("somebody has altered when the gates close without a daemon: in "),
-            std::string::npos)
+  EXPECT_NE(
+      problems().find("another program has altered when the gates close without a daemon: in "),
+      std::string::npos)
       << problems();
   ASSERT_TRUE(control_.set_grace(kForEver));
   EXPECT_EQ(problems(), "") << "they never do";
