@@ -93,14 +93,14 @@ void Ports::follow() {
 
 Drift::Gates Ports::all_gates() const {
   Drift::Gates all;
-  for (const auto& [ifindex, held] : gates_) all.emplace(ifindex, held.gate.get());
+  for (const int ifindex : gates_.interfaces())
+    all.emplace(ifindex, &gates_.find(ifindex)->port_gate());
   return all;
 }
 
 void Ports::check_bypass(int ifindex, std::int64_t now_s) {
-  const auto held = gates_.find(ifindex);
-  if (held == gates_.end()) return;
-  drift_.check_bypass(ifindex, *held->second.gate, links_, now_s);
+  if (HeldGate* const held = gates_.find(ifindex))
+    drift_.check_bypass(ifindex, held->port_gate(), links_, now_s);
 }
 
 void Ports::match(PortState& port, const net::FactsOf& facts_of) {
@@ -112,7 +112,7 @@ void Ports::match(PortState& port, const net::FactsOf& facts_of) {
     port.problem = fmt::format("the interface ({}) is absent", net::to_text(port.port.identity));
   if (now == port.ifindex) return;
   // Both the interface that was this port and the one that is it now may hold grants of another.
-  for (const int ifindex : {port.ifindex, now}) deny(ifindex);
+  for (const int ifindex : {port.ifindex, now}) gates_.deny(ifindex);
   if (now != 0)
     report_(port.network_name,
             fmt::format("{} is {} ({})", links_.table().at(now).name, port.network_name,
@@ -137,9 +137,10 @@ void Ports::attach(PortState& port) {
     return;
   }
   port.unfit = false;
-  if (const auto done = hold(link, port); !done) {
+  const auto spec = gate_spec(link, port.kind, port.profile, port.port.refused, ether_slots_);
+  if (const auto done = gates_.hold(spec); !done) {
     port.problem = done.error().text;
-    if (!change_) return;  // it goes back to what was
+    if (!gates_.change()) return;  // it goes back to what was
     if (gates_.contains(port.ifindex))
       hold_by_former(port, link.name);
     else
@@ -155,7 +156,7 @@ void Ports::attach(PortState& port) {
 void Ports::hold_by_former(PortState& port, const std::string& name) {
   port.unfit = true;
   port.lost = false;
-  deny(port.ifindex);
+  gates_.deny(port.ifindex);
   if (std::exchange(port.reported, port.problem) == port.problem) return;
   report_(port.network_name, port.problem, true);
   report_(port.network_name, name + " is held closed", true);
@@ -260,19 +261,13 @@ void Ports::begin_repair() {
 }
 
 bool Ports::repair(int ifindex) {
-  const auto held = gates_.find(ifindex);
-  if (held == gates_.end()) return true;
-  const bool kept = drift_.repair(ifindex, *held->second.gate, links_.table());
-  if (!kept) gates_.erase(held);
+  HeldGate* const held = gates_.find(ifindex);
+  if (held == nullptr) return true;
+  const bool kept = drift_.repair(ifindex, held->port_gate(), links_.table());
+  if (!kept) gates_.forget(ifindex);
   for (PortState& port : ports_)
     if (port.ifindex == ifindex && port.problem.empty() && link_of(port) != nullptr) queue(port);
   return kept;
-}
-
-std::optional<int> Ports::next_gate(int ifindex) const {
-  const auto next = gates_.upper_bound(ifindex);
-  if (next == gates_.end()) return std::nullopt;
-  return next->first;
 }
 
 bool Ports::wants_gate() const {

@@ -20,13 +20,13 @@
 #include "core/gates/plan.hpp"
 #include "core/model/system.hpp"
 #include "daemon/gates/control.hpp"
-#include "daemon/gates/ether_gate.hpp"
-#include "daemon/gates/gate.hpp"
 #include "daemon/gates/slot_spec.hpp"
 #include "daemon/net/identity.hpp"
 #include "daemon/net/links.hpp"
 #include "daemon/outside/gate_driver.hpp"
 #include "daemon/ports/drift.hpp"
+#include "daemon/ports/gate_set.hpp"
+#include "daemon/ports/kernel_gate.hpp"
 
 namespace mlcca {
 
@@ -44,6 +44,7 @@ class Ports final : public GateDriver {
         root_(std::move(root)),
         facts_of_(std::move(facts_of)),
         report_(std::move(report)),
+        gates_([this](const GateSpec& spec) { return KernelGate::load(spec, control_); }),
         drift_(std::move(report_drift)) {}
 
   /// The ports of a new description. Gates that are there stay as they are until follow() and
@@ -56,13 +57,10 @@ class Ports final : public GateDriver {
   Result<void> prepare(const core::System& system, std::size_t gateway) override;
   /// Why a gate could not be put in place since prepare(): describe() what was before, and
   /// follow(). The one that was in its place is there, with its slots.
-  [[nodiscard]] const Result<void>& change() const override { return change_; }
+  [[nodiscard]] const Result<void>& change() const override { return gates_.change(); }
   /// From now on follow() and sync() go back to what was before.
-  void go_back() override {
-    goes_back_ = true;
-    change_ = {};
-  }
-  void end_change() override;
+  void go_back() override { gates_.go_back(); }
+  void end_change() override { gates_.end_change(); }
 
   /// Called between the steps of what takes long, a gate at a time.
   void on_step(std::function<void()> step) override { step_ = std::move(step); }
@@ -82,7 +80,9 @@ class Ports final : public GateDriver {
   bool repair(int ifindex) override;
   [[nodiscard]] bool wants_gate() const override;
   /// The gate behind this one, by ifindex; nothing behind the last one.
-  [[nodiscard]] std::optional<int> next_gate(int ifindex) const override;
+  [[nodiscard]] std::optional<int> next_gate(int ifindex) const override {
+    return gates_.next(ifindex);
+  }
 
   /// An interface that ought to be gated has no gate that we command, and an older one may still
   /// pass what it holds: everything must be closed.
@@ -187,15 +187,6 @@ class Ports final : public GateDriver {
     std::string reported;    ///< the last problem of attaching that was reported
   };
 
-  /// A gate, and what it is where only gates of that kind can do something.
-  struct Held {
-    std::unique_ptr<enforce::PortGate> gate;
-    enforce::Gate* can = nullptr;
-    enforce::EtherGate* ethernet = nullptr;
-    enforce::PortGate* operator->() const { return gate.get(); }
-    [[nodiscard]] bool holds(const enforce::GateConfig& config) const;
-    [[nodiscard]] bool holds(const enforce::EtherConfig& config) const;
-  };
   static std::vector<PortState> ports_of(const core::System& system, std::size_t gateway);
   static std::size_t ether_slots_of(const core::System& system);
   [[nodiscard]] net::FactsOf facts_once() const;
@@ -233,17 +224,9 @@ class Ports final : public GateDriver {
   };
   void report_unwatched();
   [[nodiscard]] std::optional<WatchedSlot> watched_slot(const core::GateState& rules) const;
-  /// Puts the gate in place that a port needs, unless it is there.
-  Result<void> hold(const net::Link& link, const PortState& port);
-  template <class Config>
-  Result<void> hold(const Config& config);
-  Result<void> make_spare(const net::Link& link, const PortState& port, std::size_t slots);
-  Result<Held> load(const enforce::GateConfig& config) const;
-  Result<Held> load(const enforce::EtherConfig& config) const;
-  void deny(int ifindex);
   [[nodiscard]] Drift::Gates all_gates() const;
-  [[nodiscard]] const enforce::PortGate* gate_of(std::size_t port) const;
-  enforce::PortGate* gate_of(std::size_t port);
+  [[nodiscard]] HeldGate* held_by(std::size_t port) const;
+  [[nodiscard]] enforce::PortGate* gate_of(std::size_t port) const;
   /// The gate of a port on a CAN network.
   [[nodiscard]] enforce::Gate* can_gate_of(std::size_t port) const;
   [[nodiscard]] bool is_to_be_gated(int ifindex) const;
@@ -255,12 +238,8 @@ class Ports final : public GateDriver {
   Report report_;
   std::function<void()> step_ = [] {};
   std::vector<PortState> ports_;
-  std::size_t ether_slots_ = 0;      ///< that Ethernet gates must have room for
-  std::map<int, Held> gates_;        ///< by ifindex
-  std::multimap<int, Held> spares_;  ///< those that are not in place, see prepare()
-  bool goes_back_ = false;           ///< see go_back()
-  bool keeps_spares_ = false;
-  Result<void> change_;
+  std::size_t ether_slots_ = 0;  ///< that Ethernet gates must have room for
+  GateSet gates_;
   std::set<int> unconfirmed_;    ///< those of them whose interface may have gone
   bool orphans_closed_ = false;  ///< see close_orphans()
   Problem orphans_unknown_;      ///< why they could not be found

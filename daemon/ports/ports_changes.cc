@@ -22,7 +22,7 @@ bool Ports::needs_reconcile() {
   mark_unconfirmed();
   if (needs_recheck() || out_of_hand()) return true;
   const bool lacks_interface = std::ranges::any_of(
-      gates_, [this](const auto& gate) { return !links_.table().contains(gate.first); });
+      gates_.interfaces(), [this](int ifindex) { return !links_.table().contains(ifindex); });
   if (lacks_interface) return true;
   const net::FactsOf facts_of = facts_once();
   return std::ranges::any_of(ports_,

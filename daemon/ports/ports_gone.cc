@@ -2,8 +2,6 @@
 // Gates whose interface has gone, or is not described any more.
 #include <fmt/core.h>
 
-#include <iterator>
-
 #include "core/model/progress.hpp"
 #include "daemon/gates/close_unpinned.hpp"
 #include "daemon/gates/interfaces.hpp"
@@ -19,7 +17,7 @@ bool Ports::has_gone(int ifindex) {
   switch (links_.presence(ifindex)) {
     case net::Presence::gone:
       unconfirmed_.erase(ifindex);
-      gates_.at(ifindex)->unpin();
+      gates_.find(ifindex)->unpin();
       return true;
     case net::Presence::there:
       // It went, and another one has its number, or it is back: a gate of its own finds out what
@@ -40,15 +38,15 @@ void Ports::mark_unconfirmed() {
 
 void Ports::forget_vanished() {
   mark_unconfirmed();
-  for (auto it = gates_.begin(); it != gates_.end();)
-    it = has_gone(it->first) ? gates_.erase(it) : std::next(it);
+  for (const int ifindex : gates_.interfaces())
+    if (has_gone(ifindex)) gates_.forget(ifindex);
   if (const auto unpinned = enforce::unpin_vanished(control_); !unpinned)
     report_({}, unpinned.error().text, true);
 }
 
 void Ports::close_undescribed() {
-  for (auto& [ifindex, gate] : gates_) {
-    if (!is_to_be_gated(ifindex)) gate->deny_all();
+  for (const int ifindex : gates_.interfaces()) {
+    if (!is_to_be_gated(ifindex)) gates_.find(ifindex)->deny_all();
     core::Progress::made();
   }
   std::erase_if(unconfirmed_, [this](int ifindex) { return !gates_.contains(ifindex); });
@@ -71,14 +69,13 @@ void Ports::close_undescribed() {
   }
 }
 
-/// A gate without a profile starts without slots: nothing that was granted before passes.
 void Ports::close(const net::Link& link) {
-  const auto held = hold(link, PortState{});
+  const auto held = gates_.hold(closed_gate_spec(link, ether_slots_));
   if (!held) {
     report_({}, held.error().text, true);
     return;
   }
-  gates_.at(link.ifindex)->deny_all();
+  gates_.find(link.ifindex)->deny_all();
   report_(
       {},
       fmt::format("{} is not described, or without a profile: its gate stays closed", link.name),

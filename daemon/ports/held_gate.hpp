@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A gate that was loaded for one interface, as a set of gates handles it: the kernel's (KernelGate)
+// or a fake.
+#pragma once
+#include "base/result.hpp"
+#include "daemon/ports/gate_spec.hpp"
+
+namespace mlcca {
+
+class HeldGate {
+ public:
+  HeldGate() = default;
+  HeldGate(const HeldGate&) = delete;
+  HeldGate& operator=(const HeldGate&) = delete;
+  HeldGate(HeldGate&&) = delete;
+  HeldGate& operator=(HeldGate&&) = delete;
+  virtual ~HeldGate() = default;
+
+  /// It need not be replaced by one that was loaded by `spec`.
+  [[nodiscard]] virtual bool is(const GateSpec& spec) const = 0;
+
+  // See enforce::PortGate.
+
+  virtual Result<void> put() = 0;
+  virtual Result<void> reattach() = 0;
+  virtual void deny_all() = 0;
+  virtual void unpin() = 0;
+
+  /// Its slots and counters.
+  [[nodiscard]] virtual enforce::PortGate& port_gate() = 0;
+  /// The same of a CAN gate; none of another.
+  [[nodiscard]] virtual enforce::Gate* can_gate() = 0;
+};
+
+}  // namespace mlcca
