@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/model/progress.hpp"
+#include "daemon/gates/close_unpinned.hpp"
 #include "daemon/gates/entry_slot.hpp"
 #include "daemon/gates/interfaces.hpp"
 #include "daemon/net/queue.hpp"
@@ -69,7 +70,6 @@ void Ports::follow() {
     core::Progress::made();
   }
   close_undescribed();
-  close_orphans();
   bool raised = false;
   for (PortState& port : ports_) {
     if (port.ifindex == 0 || !port.problem.empty()) continue;
@@ -89,6 +89,30 @@ void Ports::follow() {
     judge(port);
     core::Progress::made();
   }
+}
+
+void Ports::forget_vanished() {
+  vanished_.note(links_.take_gone(), gates_);
+  vanished_.let_go(gates_, links_.table(),
+                   [this](int ifindex) { return links_.presence(ifindex); });
+  if (const auto unpinned = enforce::unpin_vanished(control_); !unpinned)
+    report_({}, unpinned.error().text, true);
+}
+
+void Ports::close_undescribed() {
+  for (const int ifindex : gates_.interfaces()) {
+    if (!is_to_be_gated(ifindex)) gates_.find(ifindex)->deny_all();
+    core::Progress::made();
+  }
+  vanished_.forget_all_but(gates_);
+  const FormerGates::Present present{
+      .links = links_.table(),
+      .presence = [this](int ifindex) { return links_.presence(ifindex); },
+      .is_gated_port = [this](int ifindex) { return is_to_be_gated(ifindex); },
+      .slots = ether_slots_};
+  former_.close_pinned(enforce::pinned_interfaces(control_), present, gates_);
+  if (former_.may_leave_orphans())
+    former_.close_orphans(enforce::gated_interfaces(), present, gates_);
 }
 
 Drift::Gates Ports::all_gates() const {
@@ -178,7 +202,7 @@ void Ports::hold_closed(PortState& port, const std::string& name) {
 }
 
 bool Ports::out_of_hand() const {
-  return unread_.lasts() || std::ranges::any_of(ports_, &PortState::lost);
+  return former_.unread() || std::ranges::any_of(ports_, &PortState::lost);
 }
 
 bool Ports::raise(PortState& port) {

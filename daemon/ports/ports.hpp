@@ -7,13 +7,11 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "base/problem.hpp"
 #include "base/result.hpp"
 #include "control/messages.hpp"
 #include "core/admission/admission.hpp"
@@ -25,26 +23,26 @@
 #include "daemon/net/links.hpp"
 #include "daemon/outside/gate_driver.hpp"
 #include "daemon/ports/drift.hpp"
+#include "daemon/ports/former_gates.hpp"
 #include "daemon/ports/gate_set.hpp"
 #include "daemon/ports/kernel_gate.hpp"
+#include "daemon/ports/report_line.hpp"
+#include "daemon/ports/vanished_gates.hpp"
 
 namespace mlcca {
 
 class Ports final : public GateDriver {
  public:
-  /// Gets everything that an operator should know: interface, one line, whether it is a problem.
-  using Report =
-      std::function<void(const std::string& network, const std::string& line, bool problem)>;
-
   /// `root`: the bpffs of `control`.
   Ports(net::Links& links, enforce::Control& control, std::string root, net::FactsOf facts_of,
-        Report report, Drift::Report report_drift)
+        ReportLine report, Drift::Report report_drift)
       : links_(links),
         control_(control),
         root_(std::move(root)),
         facts_of_(std::move(facts_of)),
         report_(std::move(report)),
         gates_([this](const GateSpec& spec) { return KernelGate::load(spec, control_); }),
+        former_(report_),
         drift_(std::move(report_drift)) {}
 
   /// The ports of a new description. Gates that are there stay as they are until follow() and
@@ -89,12 +87,12 @@ class Ports final : public GateDriver {
   [[nodiscard]] bool out_of_hand() const override;
   /// Whether a gate's interface is there could not be found out: follow() again soon.
   [[nodiscard]] bool needs_recheck() const override {
-    return !unconfirmed_.empty() || unread_.lasts() || !orphans_closed_;
+    return vanished_.unconfirmed() || former_.needs_recheck();
   }
 
   /// Why it is unknown whether gates without pins are left; empty: it is known.
   [[nodiscard]] const std::string& orphans_unknown() const override {
-    return orphans_unknown_.text();
+    return former_.orphans_unknown();
   }
 
   /// Once a second: frames that were sent past the gate of an interface.
@@ -201,13 +199,8 @@ class Ports final : public GateDriver {
   /// True if that changed the interface.
   bool raise(PortState& port);
   void forget_vanished();
-  [[nodiscard]] bool has_gone(int ifindex);
-  void mark_unconfirmed();
   [[nodiscard]] bool concerns(const PortState& port, const net::FactsOf& facts_of) const;
   void close_undescribed();
-  void close_orphans();
-  /// Gives an interface that is not described a gate that denies everything.
-  void close(const net::Link& link);
   void judge(PortState& port);
   void queue(PortState& port);
   void report_can_state(PortState& port, const net::Link& link);
@@ -235,15 +228,13 @@ class Ports final : public GateDriver {
   enforce::Control& control_;
   std::string root_;
   net::FactsOf facts_of_;
-  Report report_;
+  ReportLine report_;
   std::function<void()> step_ = [] {};
   std::vector<PortState> ports_;
   std::size_t ether_slots_ = 0;  ///< that Ethernet gates must have room for
   GateSet gates_;
-  std::set<int> unconfirmed_;    ///< those of them whose interface may have gone
-  bool orphans_closed_ = false;  ///< see close_orphans()
-  Problem orphans_unknown_;      ///< why they could not be found
-  Problem unread_;               ///< why it is unknown what a former daemon has pinned
+  VanishedGates vanished_;
+  FormerGates former_;
   Drift drift_;
 };
 

@@ -19,7 +19,7 @@ bool Ports::concerns(const PortState& port, const net::FactsOf& facts_of) const 
 }
 
 bool Ports::needs_reconcile() {
-  mark_unconfirmed();
+  vanished_.note(links_.take_gone(), gates_);
   if (needs_recheck() || out_of_hand()) return true;
   const bool lacks_interface = std::ranges::any_of(
       gates_.interfaces(), [this](int ifindex) { return !links_.table().contains(ifindex); });
