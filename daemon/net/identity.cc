@@ -3,6 +3,7 @@
 
 #include <systemd/sd-device.h>
 
+#include <map>
 #include <memory>
 #include <string_view>
 
@@ -50,6 +51,14 @@ UdevFacts udev_facts(int ifindex) {
   facts.port = number_of(device.get(), "dev_port");
   if (const auto id = number_of(device.get(), "dev_id"); id && *id != 0) facts.port = id;
   return facts;
+}
+
+FactsOf read_once(const FactsOf& facts_of) {
+  return [facts_of, known = std::make_shared<std::map<int, UdevFacts>>()](int ifindex) {
+    const auto [it, fresh] = known->try_emplace(ifindex);
+    if (fresh) it->second = facts_of(ifindex);
+    return it->second;
+  };
 }
 
 Result<std::optional<int>> find_interface(const core::InterfaceIdentity& identity,

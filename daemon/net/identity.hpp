@@ -22,6 +22,8 @@ struct UdevFacts {
 [[nodiscard]] UdevFacts udev_facts(int ifindex);
 
 using FactsOf = std::function<UdevFacts(int ifindex)>;
+/// Asks for the facts of each interface once, however many ports look for one.
+[[nodiscard]] FactsOf read_once(const FactsOf& facts_of);
 
 /// The interface of the identity: nothing while it is not there, an error when several match.
 [[nodiscard]] Result<std::optional<int>> find_interface(const core::InterfaceIdentity& identity,

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numeric>
+#include <ranges>
 #include <utility>
 
 #include "bpf/gate.h"
@@ -58,12 +60,14 @@ std::uint64_t let_out(const enforce::PortGate& gate) {
 
 }  // namespace
 
-void Drift::forget_all_but(const Gates& gates) {
-  std::erase_if(seen_, [&](const auto& entry) { return !gates.contains(entry.first); });
+void Drift::forget_all_but(const std::vector<int>& gated) {
+  std::erase_if(seen_,
+                [&](const auto& entry) { return !std::ranges::binary_search(gated, entry.first); });
 }
 
 std::vector<int> Drift::repair(const Gates& gates, const net::LinkTable& links) {
-  forget_all_but(gates);
+  const auto gated = std::views::keys(gates);
+  forget_all_but({gated.begin(), gated.end()});
   std::vector<int> lost;
   for (const auto& [ifindex, gate] : gates)
     if (!repair(ifindex, *gate, links)) lost.push_back(ifindex);

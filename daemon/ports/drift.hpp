@@ -31,7 +31,8 @@ class Drift {
   std::vector<int> repair(const Gates& gates, const net::LinkTable& links);
   /// One of them; false if it cannot be put back.
   bool repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& links);
-  void forget_all_but(const Gates& gates);
+  /// `gated`: interfaces that have a gate, sorted.
+  void forget_all_but(const std::vector<int>& gated);
   /// An interface was taken to another namespace, where our gate is not; of those that had one.
   void report_moved(const net::Links::Moved& link);
   /// About once a second. `now_s`: any steady clock.

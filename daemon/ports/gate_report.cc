@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gates hold, slot by slot: control traffic and channels, limits and counters.
+#include "daemon/ports/gate_report.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <linux/can.h>
 
 #include <algorithm>
 #include <array>
 #include <map>
-#include <string>
 #include <tuple>
 #include <vector>
 
 #include "bpf/ether.h"
+#include "bpf/gate.h"
 #include "core/gates/control_traffic.hpp"
+#include "core/model/text.hpp"
 #include "core/model/words.hpp"
-#include "daemon/ports/ports.hpp"
 
 namespace mlcca {
 namespace {
 
 /// Slots of one gate that are listed; it may have a thousand times as many.
 constexpr std::ptrdiff_t kListed = GATE_SLOTS;
-
-bool has_gate(const Ports& ports, std::size_t p) { return ports.profile(p) != core::Profile::none; }
 
 std::string formats_of(std::uint8_t formats, bool can) {
   std::string words;
@@ -52,15 +52,16 @@ control::GateSlot left_alone(const enforce::PortGate& gate, enforce::Direction d
 
 class GateReport {
  public:
-  GateReport(const Ports& ports, const core::State& state) : ports_(ports), state_(state) {}
+  GateReport(const GatedPorts& ports, const net::LinkTable& links, const core::State& state)
+      : ports_(ports), links_(links), state_(state) {}
 
   [[nodiscard]] control::Gate gate_of(std::size_t p) const {
     control::Gate out;
-    out.interface = ports_.interface_name(p);
-    out.network = ports_.network_of(p);
-    out.profile = core::words::kProfiles.of(ports_.profile(p));
-    out.problem = ports_.problem(p);
-    const bool can = ports_.is_can(p);
+    out.interface = ports_[p].interface_name(links_);
+    out.network = ports_[p].network();
+    out.profile = core::words::kProfiles.of(ports_[p].profile());
+    out.problem = ports_[p].problem();
+    const bool can = ports_[p].is_can();
     out.masked_room = can ? GATE_WALK : 0;
     const enforce::PortGate* gate = ports_.gate(p);
     if (gate == nullptr) return out;
@@ -96,7 +97,7 @@ class GateReport {
     out.passes = slot.pass;
     out.id = slot.id;
     out.mask = slot.mask;
-    out.formats = formats_of(slot.formats, ports_.is_can(port));
+    out.formats = formats_of(slot.formats, ports_[port].is_can());
     out.max_length = slot.max_len;
     out.source = source_of(slot);
     out.per_frame_ns = slot.per_frame;
@@ -116,14 +117,14 @@ class GateReport {
   }
 
   [[nodiscard]] bool is_control(const enforce::SlotSpec& slot, std::size_t port) const {
-    if (ports_.is_can(port)) return slot.subject == core::kControlSubject;
+    if (ports_[port].is_can()) return slot.subject == core::kControlSubject;
     return slot.subject == core::kSubscribeSubject && !state_.channel_of(slot.subject);
   }
 
   [[nodiscard]] std::string name_of(const enforce::SlotSpec& slot, std::size_t port) const {
     if (is_control(slot, port))
-      return ports_.is_can(port)
-                 ? std::string(core::control_kind_of(ports_.profile(port), slot.id, slot.mask))
+      return ports_[port].is_can()
+                 ? std::string(core::control_kind_of(ports_[port].profile(), slot.id, slot.mask))
                  : "subscribe";
     const auto channel = state_.channel_of(slot.subject);
     return channel ? state_.system().channels[*channel].name : fmt::format("{:#x}", slot.subject);
@@ -164,35 +165,37 @@ class GateReport {
 
   using Identifiers = std::map<std::uint32_t, std::uint32_t>;  // by origin
 
-  const Ports& ports_;
+  const GatedPorts& ports_;
+  const net::LinkTable& links_;
   const core::State& state_;
   mutable std::map<std::uint32_t, Identifiers> entered_;  ///< by interface
 };
 
 }  // namespace
 
-control::Gates Ports::gates(const core::State& state, const std::string& place) const {
+control::Gates gate_reports(const GatedPorts& ports, const net::LinkTable& links,
+                            const core::State& state, const std::string& place) {
   control::Gates out;
-  const GateReport report(*this, state);
-  for (std::size_t p = 0; p < size(); ++p)
-    if (has_gate(*this, p) &&
-        (place.empty() || place == network_of(p) || place == interface_name(p)))
+  const GateReport report(ports, links, state);
+  for (std::size_t p = 0; p < ports.size(); ++p)
+    if (ports[p].needs_gate() &&
+        (place.empty() || place == ports[p].network() || place == ports[p].interface_name(links)))
       out.gates.push_back(report.gate_of(p));
   return out;
 }
 
-std::string Ports::gated_places() const {
+std::string gated_places(const GatedPorts& ports, const net::LinkTable& links) {
   std::vector<std::string> names;
-  for (std::size_t p = 0; p < size(); ++p)
-    if (has_gate(*this, p))
-      names.push_back(fmt::format("{} of {}", interface_name(p), network_of(p)));
+  for (std::size_t p = 0; p < ports.size(); ++p)
+    if (ports[p].needs_gate())
+      names.push_back(fmt::format("{} of {}", ports[p].interface_name(links), ports[p].network()));
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::size_t Ports::slot_count() const {
+std::size_t slot_count(const GatedPorts& ports) {
   std::size_t slots = 0;
-  for (std::size_t p = 0; p < size(); ++p)
-    if (const auto* gate = gate_of(p)) slots += gate->size();
+  for (std::size_t p = 0; p < ports.size(); ++p)
+    if (const auto* gate = ports.gate(p)) slots += gate->size();
   return slots;
 }
 

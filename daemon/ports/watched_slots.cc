@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How events come to the gates of this gateway.
+#include "daemon/ports/watched_slots.hpp"
+
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <iterator>
 #include <utility>
 
 #include "base/clock.hpp"
 #include "bpf/ether.h"
-#include "core/profiles/profile.hpp"
-#include "daemon/ports/ports.hpp"
+#include "daemon/ports/gate_slots.hpp"
 
 namespace mlcca {
 namespace {
@@ -28,13 +30,17 @@ control::Watch report_of(const core::Watching& expected, const enforce::Arrivals
           .gaps = {std::begin(found.gaps), std::end(found.gaps)}};
 }
 
-}  // namespace
+struct WatchedSlot {
+  const enforce::PortGate* gate;
+  std::uint32_t number;
+  core::Watching expected;
+};
 
 /// The slot that the events of a delivery enter by, if they are watched.
-std::optional<Ports::WatchedSlot> Ports::watched_slot(const core::GateState& rules) const {
+std::optional<WatchedSlot> watched_slot(const core::GateState& rules, const GatedPorts& ports) {
   for (const core::GateRule& rule : rules) {
-    const enforce::PortGate* gate = gate_of(rule.entry.port);
-    const auto slot = slot_of(rule);
+    const enforce::PortGate* gate = ports.gate(rule.entry.port);
+    const auto slot = slot_of(rule, ports);
     if (gate == nullptr || !slot || slot->period == 0) continue;
     if (const auto number = gate->watched_as(*slot))
       return WatchedSlot{gate, *number, rule.watching};
@@ -42,45 +48,42 @@ std::optional<Ports::WatchedSlot> Ports::watched_slot(const core::GateState& rul
   return std::nullopt;
 }
 
-std::optional<control::Watch> Ports::watch(const core::GateState& rules) const {
-  const auto slot = watched_slot(rules);
+}  // namespace
+
+std::optional<control::Watch> watch_of(const core::GateState& rules, const GatedPorts& ports) {
+  const auto slot = watched_slot(rules, ports);
   if (!slot) return std::nullopt;
   return report_of(slot->expected, slot->gate->arrivals(slot->number, monotonic_ns()));
 }
 
-Result<void> Ports::report_again(const core::GateState& rules) const {
-  const auto slot = watched_slot(rules);
+Result<void> report_missing_again(const core::GateState& rules, const GatedPorts& ports) {
+  const auto slot = watched_slot(rules, ports);
   return slot ? slot->gate->report_again(slot->number) : Result<void>{};
 }
 
-bool Ports::is_of(const gate_event& event, const core::GateState& rules) const {
+bool is_of(const gate_event& event, const core::GateState& rules, const GatedPorts& ports) {
   return std::ranges::any_of(rules, [&](const core::GateRule& rule) {
-    const enforce::PortGate* gate = gate_of(rule.entry.port);
-    const auto slot = slot_of(rule);
+    const enforce::PortGate* gate = ports.gate(rule.entry.port);
+    const auto slot = slot_of(rule, ports);
     return gate != nullptr && slot && gate->ifindex() == event.ifindex &&
            rule.entry.subject == event.subject && gate->watched_as(*slot) == event.slot;
   });
 }
 
-/// Reported when it begins and when it ends.
-void Ports::report_unwatched() {
-  for (std::size_t p = 0; p < ports_.size(); ++p) {
-    const enforce::PortGate* gate = gate_of(p);
+void report_unwatched(GatedPorts& ports, const net::LinkTable& links, const ReportLine& report) {
+  std::size_t p = 0;
+  for (GatedPort& gated : ports) {
+    const enforce::PortGate* gate = ports.gate(p++);
     const bool now = gate != nullptr && gate->unwatched() != 0;
-    if (std::exchange(ports_[p].unwatched, now) == now) continue;
-    report_(ports_[p].network_name,
-            now ? fmt::format("{} has {} periodic channels more than can be watched ({}): missing "
-                              "events of these are not detected",
-                              gate->name(), gate->unwatched(), ETHER_WATCHES - 1)
-                : fmt::format("{}: every periodic channel is watched again", interface_name(p)),
-            now);
+    if (std::exchange(gated.unwatched, now) == now) continue;
+    report(gated.port.network(),
+           now ? fmt::format("{} has {} periodic channels more than can be watched ({}): missing "
+                             "events of these are not detected",
+                             gate->name(), gate->unwatched(), ETHER_WATCHES - 1)
+               : fmt::format("{}: every periodic channel is watched again",
+                             gated.port.interface_name(links)),
+           now);
   }
-}
-
-std::optional<enforce::Bindings> Ports::bindings(std::size_t port) const {
-  const enforce::Gate* gate = can_gate_of(port);
-  if (gate == nullptr || !core::traits_of(ports_[port].profile).deals_tags) return std::nullopt;
-  return gate->bindings();
 }
 
 }  // namespace mlcca

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#pragma once
+#include "base/result.hpp"
+#include "core/model/system.hpp"
+#include "daemon/net/links.hpp"
+
+namespace mlcca {
+
+/// Gives an interface that is described as managed the bit rates of its port, and brings it up.
+Result<void> bring_up(const net::Link& link, const core::Port& port, net::Links& links);
+
+}  // namespace mlcca

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/ports/gate_slots.hpp"
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "bpf/gate.h"
+#include "core/model/progress.hpp"
+#include "daemon/gates/entry_slot.hpp"
+
+namespace mlcca {
+
+static_assert(core::kMostEntries == GATE_CHAIN);
+
+namespace {
+
+/// Interface of its source port, 0: it has none; nothing: that is not there.
+std::optional<std::uint32_t> source_of(const core::GateEntry& entry, const GatedPorts& ports) {
+  if (!entry.source_port) return 0;
+  const int ifindex = ports[*entry.source_port].ifindex();
+  if (ifindex == 0) return std::nullopt;
+  return static_cast<std::uint32_t>(ifindex);
+}
+
+const core::GateEntry& entry_of(const core::GateEntry& entry) { return entry; }
+const core::GateEntry& entry_of(const core::GateRule& rule) { return rule.entry; }
+
+template <class Entry>
+std::optional<enforce::SlotSpec> slot_from(const Entry& from, const GatedPorts& ports) {
+  const core::GateEntry& entry = entry_of(from);
+  const auto source = source_of(entry, ports);
+  if (!source) return std::nullopt;
+  return enforce::slot_of(from, ports[entry.port].kind(), *source);
+}
+
+using ByPort = std::map<std::size_t, enforce::SlotChanges>;
+using Slots = std::vector<enforce::SlotSpec>;
+
+/// Adds the slots to one list of the changes of each port.
+template <class Entry>
+void spread(const std::vector<Entry>& entries, Slots enforce::SlotChanges::* list,
+            const GatedPorts& ports, ByPort& to) {
+  for (const Entry& entry : entries) {
+    const std::size_t port = entry_of(entry).port;
+    if (ports.has_gate(port))
+      if (auto slot = slot_of(entry, ports)) (to[port].*list).push_back(*slot);
+    core::Progress::step();
+  }
+}
+
+std::vector<Slots> slots_by_port(const core::GateState& rules, const GatedPorts& ports) {
+  std::vector<Slots> slots(ports.size());
+  for (const core::GateRule& rule : rules) {
+    if (ports.has_gate(rule.entry.port))
+      if (auto slot = slot_of(rule, ports)) slots[rule.entry.port].push_back(*slot);
+    core::Progress::step();
+  }
+  return slots;
+}
+
+}  // namespace
+
+std::optional<enforce::SlotSpec> slot_of(const core::GateEntry& entry, const GatedPorts& ports) {
+  return slot_from(entry, ports);
+}
+
+std::optional<enforce::SlotSpec> slot_of(const core::GateRule& rule, const GatedPorts& ports) {
+  return slot_from(rule, ports);
+}
+
+ByPort changes_by_port(const core::GateChanges& changes, const GatedPorts& ports) {
+  ByPort out;
+  spread(changes.close, &enforce::SlotChanges::close, ports, out);
+  spread(changes.remove, &enforce::SlotChanges::remove, ports, out);
+  spread(changes.open, &enforce::SlotChanges::open, ports, out);
+  spread(changes.add, &enforce::SlotChanges::add, ports, out);
+  spread(changes.police, &enforce::SlotChanges::police, ports, out);
+  return out;
+}
+
+std::vector<enforce::PlacedSlot> placed_slots(std::span<const core::GateRule> rules,
+                                              const GatedPorts& ports) {
+  std::vector<enforce::PlacedSlot> placed;
+  for (const core::GateRule& rule : rules)
+    if (const enforce::PortGate* gate = ports.gate(rule.entry.port))
+      if (const auto slot = slot_of(rule, ports)) placed.push_back({gate->ifindex(), *slot});
+  return placed;
+}
+
+Result<void> hold_exactly(const core::GateState& wanted, const GatedPorts& ports) {
+  const std::vector<Slots> slots = slots_by_port(wanted, ports);
+  std::vector<enforce::PortGate::Change> changes;
+  for (std::size_t p = 0; p < ports.size(); ++p) {
+    enforce::PortGate* const gate = ports.gate(p);
+    if (gate == nullptr) continue;
+    if (auto change = enforce::difference(gate->present(), slots[p]); !change.empty())
+      changes.push_back({gate, std::move(change)});
+    core::Progress::made();
+  }
+  std::string problems;
+  for (;;) {
+    const auto done = enforce::PortGate::apply_together(changes);
+    if (done) break;
+    enforce::PortGate* const refusing = done.error().gate;
+    refusing->deny_all();
+    problems += (problems.empty() ? "" : "; ") + refusing->name() + ": " + done.error().error.text;
+    std::erase_if(changes, [&](const auto& c) { return c.gate == refusing; });
+  }
+  if (!problems.empty()) return fail(problems);
+  return {};
+}
+
+Result<void> make_changes(const core::GateChanges& changes, const GatedPorts& ports) {
+  std::vector<enforce::PortGate::Change> gates;
+  for (auto& [p, change] : changes_by_port(changes, ports))
+    gates.push_back({ports.gate(p), std::move(change)});
+  if (const auto done = enforce::PortGate::apply_together(gates); !done)
+    return fail(done.error().gate->name() + ": " + done.error().error.text);
+  return {};
+}
+
+}  // namespace mlcca

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/ports/port_report.hpp"
+
+#include <fmt/core.h>
+#include <linux/can.h>
+
+#include <utility>
+
+#include "core/model/progress.hpp"
+#include "core/model/text.hpp"
+
+namespace mlcca {
+namespace {
+
+control::Traffic traffic_of(const enforce::PortGate& gate, enforce::Direction direction) {
+  control::Traffic out;
+  const auto reasons = gate.reasons(direction);
+  for (std::size_t i = 0; i < reasons.size(); ++i) {
+    if (reasons[i] == 0) continue;
+    const auto reason = static_cast<gate_reason>(i);
+    if (reason == GATE_R_PASSED) out.passed = reasons[i];
+    if (reason == GATE_R_UNKNOWN) out.unknown = reasons[i];
+    if (enforce::is_drop(reason)) out.dropped += reasons[i];
+    out.reasons.push_back({enforce::reason_text(reason), reasons[i]});
+  }
+  const auto spared = gate.would_drop(direction);
+  for (std::size_t i = 0; i < spared.size(); ++i) {
+    if (spared[i] == 0) continue;
+    out.would_drop += spared[i];
+    out.would_drop_reasons.push_back(
+        {enforce::reason_text(static_cast<gate_reason>(i)), spared[i]});
+  }
+  return out;
+}
+
+control::Interface report_of(const DescribedPort& port, const net::LinkTable& links) {
+  control::Interface i;
+  i.name = port.interface_name(links);
+  i.network = port.network();
+  i.identity = net::to_text(port.described().identity);
+  i.profile = core::to_text(port.profile());
+  i.managed = port.described().managed;
+  i.problem = port.problem();
+  i.ifindex = static_cast<std::uint32_t>(port.ifindex());
+  if (const net::Link* link = port.link(links)) {
+    i.up = link->up;
+    i.can_state = link->can_state;
+    i.bitrate = link->bitrate;
+  }
+  return i;
+}
+
+void add_gate(const enforce::PortGate& gate, control::Interface& to) {
+  to.attached = gate.attached().value_or(false);
+  to.drops_early = gate.drops_early();
+  to.slots = static_cast<std::uint32_t>(gate.size());
+  to.ingress = traffic_of(gate, enforce::Direction::ingress);
+  to.egress = traffic_of(gate, enforce::Direction::egress);
+  for (const enforce::UnknownFrame& f : gate.unknown())
+    to.unknown.push_back({f.can_id, f.len, f.format == GATE_FD,
+                          f.direction == enforce::Direction::egress, f.count, f.subject,
+                          f.format == GATE_XL, enforce::address_text(f.station),
+                          enforce::mac_text(f.station, f.mac)});
+}
+
+}  // namespace
+
+UnknownFrames unknown_frames(const enforce::PortGate* gate) {
+  UnknownFrames sum;
+  if (gate == nullptr) return sum;
+  for (const auto direction : enforce::kBothDirections) {
+    sum.dropped += gate->reasons(direction)[GATE_R_UNKNOWN];
+    sum.would_drop += gate->would_drop(direction)[GATE_R_UNKNOWN];
+  }
+  return sum;
+}
+
+std::string latest_unknown(const enforce::PortGate* gate) {
+  if (gate == nullptr) return {};
+  for (const enforce::UnknownFrame& f : gate->unknown()) {
+    if (f.direction != enforce::Direction::ingress) continue;
+    if (f.format != 0)
+      return (f.can_id & CAN_EFF_FLAG) != 0 ? fmt::format("{:08X}", f.can_id & CAN_EFF_MASK)
+                                            : fmt::format("{:03X}", f.can_id & CAN_SFF_MASK);
+    return fmt::format("{} from {}", core::format_subject(f.subject),
+                       enforce::sender_text(f.station, f.mac));
+  }
+  return {};
+}
+
+std::vector<control::Interface> port_reports(const GatedPorts& ports, const net::Links& links,
+                                             const Drift& drift) {
+  std::vector<control::Interface> out;
+  for (std::size_t p = 0; p < ports.size(); ++p) {
+    control::Interface i = report_of(ports[p], links.table());
+    if (const enforce::PortGate* gate = ports.gate(p)) {
+      add_gate(*gate, i);
+      drift.report(ports[p].ifindex(), *gate, i);
+      if (!links.problem().empty())
+        i.drift += (i.drift.empty() ? "" : "; ") + links.problem() + ": all stays as it was";
+    }
+    out.push_back(std::move(i));
+    core::Progress::made();
+  }
+  return out;
+}
+
+}  // namespace mlcca
