@@ -2,6 +2,7 @@
 #include "daemon/ports/gate_slots.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -23,12 +24,10 @@ std::optional<std::uint32_t> source_of(const core::GateEntry& entry, const Gated
   return static_cast<std::uint32_t>(ifindex);
 }
 
-const core::GateEntry& entry_of(const core::GateEntry& entry) { return entry; }
-const core::GateEntry& entry_of(const core::GateRule& rule) { return rule.entry; }
-
-template <class Entry>
-std::optional<enforce::SlotSpec> slot_from(const Entry& from, const GatedPorts& ports) {
-  const core::GateEntry& entry = entry_of(from);
+/// `from`: the entry, or its rule.
+template <class From>
+std::optional<enforce::SlotSpec> slot_from(const From& from, const core::GateEntry& entry,
+                                           const GatedPorts& ports) {
   const auto source = source_of(entry, ports);
   if (!source) return std::nullopt;
   return enforce::slot_of(from, ports[entry.port].kind(), *source);
@@ -37,14 +36,14 @@ std::optional<enforce::SlotSpec> slot_from(const Entry& from, const GatedPorts& 
 using ByPort = std::map<std::size_t, enforce::SlotChanges>;
 using Slots = std::vector<enforce::SlotSpec>;
 
-/// Adds the slots to one list of the changes of each port.
-template <class Entry>
-void spread(const std::vector<Entry>& entries, Slots enforce::SlotChanges::* list,
-            const GatedPorts& ports, ByPort& to) {
-  for (const Entry& entry : entries) {
-    const std::size_t port = entry_of(entry).port;
+/// Adds the slots to one list of the changes of each port. `from`: entries or rules.
+template <class From, class EntryOf>
+void spread(const std::vector<From>& from, const EntryOf& entry_of,
+            Slots enforce::SlotChanges::* list, const GatedPorts& ports, ByPort& to) {
+  for (const From& one : from) {
+    const std::size_t port = std::invoke(entry_of, one).port;
     if (ports.has_gate(port))
-      if (auto slot = slot_of(entry, ports)) (to[port].*list).push_back(*slot);
+      if (auto slot = slot_of(one, ports)) (to[port].*list).push_back(*slot);
     core::Progress::step();
   }
 }
@@ -62,20 +61,20 @@ std::vector<Slots> slots_by_port(const core::GateState& rules, const GatedPorts&
 }  // namespace
 
 std::optional<enforce::SlotSpec> slot_of(const core::GateEntry& entry, const GatedPorts& ports) {
-  return slot_from(entry, ports);
+  return slot_from(entry, entry, ports);
 }
 
 std::optional<enforce::SlotSpec> slot_of(const core::GateRule& rule, const GatedPorts& ports) {
-  return slot_from(rule, ports);
+  return slot_from(rule, rule.entry, ports);
 }
 
 ByPort changes_by_port(const core::GateChanges& changes, const GatedPorts& ports) {
   ByPort out;
-  spread(changes.close, &enforce::SlotChanges::close, ports, out);
-  spread(changes.remove, &enforce::SlotChanges::remove, ports, out);
-  spread(changes.open, &enforce::SlotChanges::open, ports, out);
-  spread(changes.add, &enforce::SlotChanges::add, ports, out);
-  spread(changes.police, &enforce::SlotChanges::police, ports, out);
+  spread(changes.close, std::identity{}, &enforce::SlotChanges::close, ports, out);
+  spread(changes.remove, std::identity{}, &enforce::SlotChanges::remove, ports, out);
+  spread(changes.open, std::identity{}, &enforce::SlotChanges::open, ports, out);
+  spread(changes.add, &core::GateRule::entry, &enforce::SlotChanges::add, ports, out);
+  spread(changes.police, &core::GateRule::entry, &enforce::SlotChanges::police, ports, out);
   return out;
 }
 

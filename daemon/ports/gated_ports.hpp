@@ -34,7 +34,7 @@ class GatedPorts {
   Result<void> prepare(const core::System& system, std::size_t gateway, const net::LinkTable& links,
                        const net::FactsOf& facts_of, const std::function<void()>& step);
   /// Gives a port the gate that it needs. What stands in its way becomes the problem of the port.
-  void attach(GatedPort& port, const net::Link& link, const ReportLine& report);
+  void attach(GatedPort& gated, const net::Link& link, const ReportLine& report);
 
   [[nodiscard]] std::size_t size() const { return ports_.size(); }
   [[nodiscard]] const DescribedPort& operator[](std::size_t port) const {

@@ -57,7 +57,8 @@ void Ports::forget_vanished() {
 
 void Ports::match() {
   const net::FactsOf facts_of = net::read_once(facts_of_);
-  for (auto& [port, hold, unwatched] : ports_) {
+  for (GatedPort& gated : ports_) {
+    DescribedPort& port = gated.port;
     if (const auto former = port.match(links_.table(), facts_of)) {
       // Both the interface that was this port and the one that is it now may hold grants of
       // another.
