@@ -144,8 +144,14 @@ int give_up(const SystemLog& journal, const std::string& line) {
 int close_and_give_up(const SystemLog& journal, const std::string& why) {
   const auto closed = enforce::close_unpinned();
   if (!closed)
-    journal.write(
-        {Kind::trouble, 2, "nothing could be closed: " + closed.error().text, 0, {}, {}, {}, {}});
+    journal.write({Kind::trouble,
+                   2,
+                   "not every gate could be closed: " + closed.error().text,
+                   0,
+                   {},
+                   {},
+                   {},
+                   {}});
   else if (!closed->empty())
     journal.write(
         {Kind::stopped, 3, fmt::format("closed: {}", fmt::join(*closed, ", ")), 0, {}, {}, {}, {}});

@@ -17,7 +17,7 @@ RealOutside::RealOutside(const Options& options, SystemLog log, enforce::Control
       control_(std::move(control)),
       links_(std::move(links)),
       ports_(
-          links_, control_.control(), options.bpf_root, std::move(facts_of),
+          links_, control_.control(), std::move(facts_of),
           [this](const std::string& network, const std::string& line, bool problem) {
             if (problem)
               log_.warning(Kind::interface, line, {.network = network});

@@ -2,6 +2,8 @@
 // Nothing is pinned here: clsact and TCX hold programs, and those their maps.
 #include "daemon/gates/close_unpinned.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <net/if.h>
 
 #include <algorithm>
@@ -132,12 +134,17 @@ Result<std::vector<std::string>> close_unpinned() {
   const auto found = gated_interfaces();
   if (!found) return std::unexpected(found.error());
   std::vector<std::string> closed;
+  std::string left;
   for (const GatedInterface& gated : *found) {
-    if (auto done = close(gated.ifindex, gated.hook, *control); !done)
-      return std::unexpected(done.error());
-    closed.emplace_back(gated.name);
+    const auto done = close(gated.ifindex, gated.hook, *control);
+    if (done)
+      closed.emplace_back(gated.name);
+    else
+      left += fmt::format("{}{}: {}", left.empty() ? "" : "; ", gated.name, done.error().text);
   }
-  return closed;
+  if (left.empty()) return closed;
+  return fail(closed.empty() ? left
+                             : fmt::format("{}; closed are {}", left, fmt::join(closed, ", ")));
 }
 
 }  // namespace mlcca::enforce

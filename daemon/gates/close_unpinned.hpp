@@ -25,7 +25,8 @@ bool is_gated(std::uint32_t ifindex, Hook hook);
 
 /// For a daemon that cannot command the gates, because there is no bpffs: puts closed ones in the
 /// place of all that are in this network namespace, where they stay until a daemon replaces them.
-/// Gives the names of those interfaces.
+/// Gives the names of those interfaces. Error: it names those that could not be closed, and closed
+/// the others.
 Result<std::vector<std::string>> close_unpinned();
 
 }  // namespace mlcca::enforce

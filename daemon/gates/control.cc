@@ -153,7 +153,7 @@ struct Control::State {
   Fd deadman;     ///< the timer ends with the last reference to its map
   Object object;  ///< the programs of the dead-man, from the first beat on
   bool reused = false;
-  bool has_taken_over = false;
+  std::uint32_t epoch = 0;  ///< 0: this daemon has not taken over
   std::vector<std::string> replaced;
   Fd grace_note;
   std::optional<GraceWords> grace;  ///< as set by this daemon
@@ -249,12 +249,16 @@ int Control::events_fd() const { return state_->events.get(); }
 
 /// Gates have the next epoch before the word has it: those that stay are open all the time.
 std::uint32_t Control::epoch() const {
-  return load(word().epoch) + (state_->has_taken_over ? 0U : 1U);
+  return state_->epoch != 0 ? state_->epoch : load(word().epoch) + 1U;
 }
 void Control::take_over() {
-  const std::uint32_t next = epoch();
-  state_->has_taken_over = true;
-  store(word().epoch, next);
+  state_->epoch = epoch();
+  store(word().epoch, state_->epoch);
+}
+bool Control::keep_epoch() {
+  if (state_->epoch == 0 || load(word().epoch) == state_->epoch) return false;
+  store(word().epoch, state_->epoch);
+  return true;
 }
 
 void Control::open() { store(word().open, std::uint32_t{1}); }

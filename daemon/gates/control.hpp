@@ -57,6 +57,9 @@ class Control {
   /// Every gate that this daemon holds is in place: whatever is left of one before it, and held by
   /// nobody, is closed from now on, wherever it is.
   void take_over();
+  /// After take_over(): writes again which daemon holds the gates, if another program has written
+  /// over it. True: it has; the gates were closed.
+  bool keep_epoch();
 
   void open();
   /// Everything is denied on every interface; slots stay as they are.

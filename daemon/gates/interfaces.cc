@@ -91,22 +91,21 @@ Result<Closing> put_closed(Place place, const Control& control) {
 
 }  // namespace
 
-Result<Closing> close_interface(const std::string& name, const std::string& root,
+Result<Closing> close_interface(const std::string& name, const Control& control,
                                 std::optional<Hook> hook) {
   const auto in_context = [&](const Error& error) {
     return fail(fmt::format("close {}: {}", name, error.text));
   };
   const std::uint32_t ifindex = if_nametoindex(name.c_str());
   if (ifindex == 0) return failure("close " + name, errno);
-  const auto control = Control::create(root);
-  if (!control) return in_context(control.error());
-  const Place place{ifindex, gate_directory(control->directory(), ifindex),
-                    hook.value_or(best_hook())};
+  const bool can_pin = !control.directory().empty();
+  const Place place{ifindex, can_pin ? gate_directory(control.directory(), ifindex) : "",
+                    hook.value_or(can_pin ? best_hook() : Hook::clsact)};
   const auto before = has_gate(place);
   if (!before) return in_context(before.error());
   if (*before) return Closing::was_gated;
 
-  auto closing = put_closed(place, *control);
+  auto closing = put_closed(place, control);
   if (!closing) return in_context(closing.error());
   const auto after = has_gate(place);
   if (!after) return in_context(after.error());
@@ -115,6 +114,14 @@ Result<Closing> close_interface(const std::string& name, const std::string& root
         "close {0}: an ingress qdisc stands in the place of clsact: tc qdisc del dev {0} ingress",
         name));
   return closing;
+}
+
+Result<Closing> close_interface(const std::string& name, const std::string& root,
+                                std::optional<Hook> hook) {
+  auto control = Control::create(root);
+  if (!control) control = Control::create_unpinned();
+  if (!control) return fail(fmt::format("close {}: {}", name, control.error().text));
+  return close_interface(name, *control, hook);
 }
 
 }  // namespace mlcca::enforce

@@ -25,9 +25,14 @@ enum class Closing : std::uint8_t {
   was_gated,  ///< a gate was there already; nothing was done
 };
 
-/// For early boot and udev: puts a gate without slots on the interface unless one of ours is there.
-/// Never replaces a program, so that it may race with the daemon. By clsact where no link can be
-/// pinned.
+/// Puts a gate without slots on the interface unless one of ours is there. Never replaces a
+/// program. By clsact where nothing can be pinned, so that it needs no bpffs. `control`: of the
+/// daemon that asks.
+Result<Closing> close_interface(const std::string& name, const Control& control,
+                                std::optional<Hook> hook = std::nullopt);
+/// The same for early boot and udev, where it may race with the daemon. Where there is no bpffs at
+/// `root`, or the control word there cannot be read, the gate has one of its own, which nothing can
+/// open: it stays closed until a daemon replaces it.
 Result<Closing> close_interface(const std::string& name, const std::string& root,
                                 std::optional<Hook> hook = std::nullopt);
 

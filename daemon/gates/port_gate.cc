@@ -185,6 +185,12 @@ Result<std::vector<Ahead>> PortGate::ahead() const {
 
 bool PortGate::judge_again() { return std::atomic_ref(object().words().retired).exchange(0) != 0; }
 
+bool PortGate::hold_again() {
+  if (object().words().epoch == state_->shared.epoch) return false;
+  state_->own();
+  return true;
+}
+
 void PortGate::unpin() {
   if (is_gone(ifindex())) publish(object().words().retired, std::uint32_t{1});
   remove_pin_directory(state_->place.directory);

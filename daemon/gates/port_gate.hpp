@@ -50,6 +50,9 @@ class PortGate {
   /// Somebody has told the gate that its interface has left, for which unpin() is there, so that
   /// everything passes: it judges again. False: nobody has.
   bool judge_again();
+  /// Another program has given the gate to another daemon, or to none, so that it was closed: it is
+  /// held by this one again. False: none has.
+  bool hold_again();
   /// Puts our programs before all others of their hook; see put_gate_first().
   Result<void> go_first();
   /// Whatever leaves is counted; of Ethernet only what carries events is.

@@ -11,6 +11,8 @@ namespace {
 
 constexpr const char* kBusy =
     "nothing was changed: the description is being read already; ask again later";
+constexpr const char* kNoThread =
+    "nothing was changed: no thread can be had that reads the description; ask again later";
 
 }  // namespace
 
@@ -27,8 +29,10 @@ bool Reloads::start_reading(std::uint64_t session) {
   return true;
 }
 
+const char* Reloads::why_not_begun() const { return parts_.reading.busy() ? kBusy : kNoThread; }
+
 Response Reloads::begin(const Asker& asker) {
-  if (!start_reading(asker.peer.session)) return failed(kBusy);
+  if (!start_reading(asker.peer.session)) return failed(why_not_begun());
   return Response([current = current_]() -> std::optional<serve::Slice> {
     if (!current->body) return std::nullopt;
     return serve::Slice{*current->body};
@@ -36,7 +40,7 @@ Response Reloads::begin(const Asker& asker) {
 }
 
 void Reloads::begin() {
-  if (!start_reading(0)) parts_.log.error(Kind::reload, kBusy);
+  if (!start_reading(0)) parts_.log.error(Kind::reload, why_not_begun());
 }
 
 void Reloads::poll() {

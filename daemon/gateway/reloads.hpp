@@ -85,6 +85,7 @@ class Reloads {
     std::optional<control::Actor> actor;
   };
   [[nodiscard]] bool start_reading(std::uint64_t session);
+  [[nodiscard]] const char* why_not_begun() const;
   void end(Body body);
   Body put_in_force(DescribedResult read);
   Body refuse(StartError why);

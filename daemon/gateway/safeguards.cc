@@ -10,6 +10,7 @@ namespace mlcca {
 
 void Safeguards::poll() {
   poll_pins();
+  poll_epoch();
   poll_grace();
   if (lock_) poll_lock();
 }
@@ -23,6 +24,13 @@ void Safeguards::poll_pins() {
     log_.error(
         Kind::drift,
         "another program unpinned what closes the gates when this daemon dies: it is pinned again");
+}
+
+void Safeguards::poll_epoch() {
+  if (control_.keep_epoch())
+    log_.error(Kind::drift,
+               "another program altered which daemon holds the gates: they were closed until now, "
+               "and hold what is granted again");
 }
 
 void Safeguards::poll_grace() {

@@ -28,6 +28,7 @@ class Safeguards {
 
  private:
   void poll_pins();
+  void poll_epoch();
   void poll_grace();
   void poll_lock();
 

@@ -60,6 +60,9 @@ class GateControl {
   virtual Result<bool> keep_pinned() = 0;
   /// What stood in the place of pins of ours and was replaced: a line of each, once.
   virtual std::vector<std::string> take_replaced() = 0;
+  /// Holds the gates again where another program has written over which daemon does, so that they
+  /// had closed. True: it was.
+  virtual bool keep_epoch() = 0;
   /// Sets the grace again that another program has altered. True: it was.
   virtual Result<bool> keep_grace() = 0;
 

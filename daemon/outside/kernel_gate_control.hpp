@@ -38,6 +38,7 @@ class KernelGateControl final : public GateControl {
   Result<void> arm() override { return control_.arm(); }
   Result<bool> keep_pinned() override { return control_.keep_pinned(); }
   std::vector<std::string> take_replaced() override { return control_.take_replaced(); }
+  bool keep_epoch() override { return control_.keep_epoch(); }
   Result<bool> keep_grace() override { return control_.keep_grace(); }
   Result<void> listen(GateReports reports) override;
   [[nodiscard]] int reports_fd() const override { return reports_->fd(); }

@@ -88,6 +88,14 @@ bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& l
             gate.name()),
         true);
   }
+  if (gate.hold_again()) {
+    ++seen.repaired;
+    report_(Kind::drift,
+            fmt::format("another program altered which daemon holds the gate of {}: it was closed "
+                        "until now, and holds what is granted again",
+                        gate.name()),
+            true);
+  }
   keep_pinned(gate, seen);
   const auto there = gate.attached();
   if (seen.unseen.is_new(

@@ -11,15 +11,15 @@
 
 namespace mlcca {
 
-Ports::Ports(net::Links& links, enforce::Control& control, const std::string& root,
-             net::FactsOf facts_of, ReportLine report, Drift::Report report_drift)
+Ports::Ports(net::Links& links, enforce::Control& control, net::FactsOf facts_of, ReportLine report,
+             Drift::Report report_drift)
     : links_(links),
       control_(control),
       facts_of_(std::move(facts_of)),
       report_(std::move(report)),
       ports_([&control](const GateSpec& spec) { return KernelGate::load(spec, control); },
-             [root](const std::string& interface) {
-               return enforce::close_interface(interface, root);
+             [&control](const std::string& interface) {
+               return enforce::close_interface(interface, control);
              }),
       former_(report_),
       drift_(std::move(report_drift)) {}

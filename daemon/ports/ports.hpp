@@ -34,9 +34,8 @@ namespace mlcca {
 
 class Ports final : public GateDriver {
  public:
-  /// `root`: the bpffs of `control`.
-  Ports(net::Links& links, enforce::Control& control, const std::string& root,
-        net::FactsOf facts_of, ReportLine report, Drift::Report report_drift);
+  Ports(net::Links& links, enforce::Control& control, net::FactsOf facts_of, ReportLine report,
+        Drift::Report report_drift);
 
   // Ports, interfaces and gates.
 

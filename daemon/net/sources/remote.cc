@@ -10,6 +10,7 @@
 #include <deque>
 #include <utility>
 
+#include "base/clock.hpp"
 #include "daemon/net/sources/bounds.hpp"
 #include "daemon/net/sources/child.hpp"
 #include "daemon/net/sources/facts.hpp"
@@ -21,7 +22,11 @@ namespace {
 constexpr int kTurn = 16;                            // messages that are taken before others
 constexpr std::uint64_t kLongestPause = 32'000'000;  // µs
 constexpr std::uint64_t kStable = 60'000'000'000;    // ns after which a failure is the first
-constexpr std::uint64_t kRest = kLeastPause / 2;     // µs between two snapshots
+constexpr std::uint64_t kRest = kLeastPause / 2;     // µs at least between two snapshots
+// After a snapshot the sources of a mesh rest for so many times as long as it took to read and
+// report it, but not longer than kLongestRest: all of them together take a tenth of the time.
+constexpr std::uint64_t kRestPerWork = 10;
+constexpr std::uint64_t kLongestRest = 1'000'000;  // µs
 
 class Remote final : public LinkSource {
  public:
@@ -31,6 +36,7 @@ class Remote final : public LinkSource {
         described_(described_nodes(mesh)),
         loop_(loop),
         report_(std::move(report)),
+        sources_(std::max<std::size_t>(mesh.sources.size(), 1)),
         helper_(std::move(helper)),
         pause_(helper_.pause) {}
 
@@ -79,7 +85,12 @@ class Remote final : public LinkSource {
   static int on_io(sd_event_source*, int, std::uint32_t events, void* self) noexcept {
     auto& remote = *static_cast<Remote*>(self);
     if ((events & EPOLLOUT) != 0) remote.send();
-    if (remote.io_ && (events & ~EPOLLOUT) != 0) remote.receive();
+    if (remote.io_ && (events & ~EPOLLOUT) != 0) {
+      const std::uint64_t begin = monotonic_ns();
+      const bool whole = remote.receive();
+      remote.worked_ += monotonic_ns() - begin;
+      if (whole) remote.rest();
+    }
     return 0;
   }
 
@@ -101,19 +112,28 @@ class Remote final : public LinkSource {
       sd_event_source_set_io_events(io_.get(), to_send_.empty() ? EPOLLIN : EPOLLIN | EPOLLOUT);
   }
 
-  void receive() {
-    for (int i = 0; i < kTurn; ++i) {
+  /// True: a snapshot was whole, and was reported.
+  bool receive() {
+    for (int i = 0; i < kTurn && io_; ++i) {
       const auto size = ::recv(peer_.socket.get(), buffer_.data(), buffer_.size(), MSG_TRUNC);
-      if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
+      if (size < 0 && (errno == EAGAIN || errno == EINTR)) return false;
       if (size <= 0) {
         end(ended(size == 0 ? 0 : errno));
-        return;
+        return false;
       }
-      if (!take(static_cast<std::size_t>(size))) return;
+      if (take(static_cast<std::size_t>(size))) return true;
     }
+    return false;
   }
 
-  /// False: nothing more in this turn.
+  /// Whatever it does, there are no more snapshots than the loop has time for.
+  void rest() {
+    sd_event_source_set_io_events(io_.get(), 0);
+    const std::uint64_t work = std::exchange(worked_, 0) / 1000;
+    rest_.set(std::clamp(work * kRestPerWork * sources_, kRest, kLongestRest));
+  }
+
+  /// True: with this message a snapshot was whole, and was reported.
   bool take(std::size_t size) {
     auto read = size > buffer_.size() ? fail("it sent a message that is too long")
                                       : reader_.take({buffer_.data(), size});
@@ -121,13 +141,10 @@ class Remote final : public LinkSource {
       end("the process that reads it is not to be believed: " + read.error().text);
       return false;
     }
-    if (!*read) return true;
+    if (!*read) return false;
     received_ = time_of(loop_);
-    // Whatever it does, there are no more snapshots than the core has time for.
-    sd_event_source_set_io_events(io_.get(), 0);
-    rest_.set(kRest);
     report_(bounded(std::move(**read), described_, received_));
-    return false;
+    return true;
   }
 
   static std::string ended(int error) {
@@ -150,6 +167,7 @@ class Remote final : public LinkSource {
   Described described_;
   sd_event* loop_;
   Report report_;
+  std::size_t sources_;  ///< of the mesh
   Helper helper_;
   std::uint64_t pause_;  ///< µs before the next one
   Peer peer_;
@@ -157,6 +175,7 @@ class Remote final : public LinkSource {
   facts::AnswerReader reader_;
   std::array<char, facts::kMaxMessage> buffer_{};
   std::uint64_t begun_ = 0;     ///< ns
+  std::uint64_t worked_ = 0;    ///< ns, since the latest rest
   std::uint64_t received_ = 0;  ///< ns: the latest snapshot
   EventSource io_;
   Timer timer_;

@@ -276,6 +276,20 @@ TEST_P(Attach, DaemonTakesOverAClosedInterface) {
   expect_passed(gate, in(0x123), 1);
 }
 
+TEST_P(Attach, AnInterfaceIsClosedWithoutABpffsAndTakenOverWhenThereIsOne) {
+  const Bus bus("bus0");
+  const auto closing = close_interface("bus0", "/proc/no-bpffs", hook_);
+  ASSERT_TRUE(closing) << closing.error().text;
+  EXPECT_EQ(*closing, Closing::closed);
+  EXPECT_FALSE(Program(bus).send(frame(0x123)));
+  EXPECT_EQ(close_interface("bus0", "/proc/no-bpffs", hook_).value(), Closing::was_gated);
+  auto gate = attach(bus);
+  EXPECT_TRUE(gate.attached().value());
+  admit(gate, {in(0x123)});
+  bus.inject(frame(0x123));
+  expect_passed(gate, in(0x123), 1);
+}
+
 TEST_P(Attach, ClosingAnAbsentInterfaceIsAnErrorInWords) {
   const auto closing = close_interface("nowhere", root_);
   ASSERT_FALSE(closing);

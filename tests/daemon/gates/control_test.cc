@@ -209,6 +209,19 @@ class Word {
   Mapped<gate_control> memory_{map_.get(), 1};
 };
 
+TEST(DeadMan, WhichDaemonHoldsTheGatesIsWrittenAgainWhereAnotherProgramHasAlteredIt) {
+  auto control = watched(new_bpf_root());
+  const Word word(control);
+  EXPECT_FALSE(control.keep_epoch()) << "it has not taken over";
+  control.take_over();
+  const auto held = word->epoch;
+  EXPECT_FALSE(control.keep_epoch());
+  ++word->epoch;
+  EXPECT_TRUE(control.keep_epoch());
+  EXPECT_EQ(word->epoch, held);
+  EXPECT_EQ(control.shared().epoch, held);
+}
+
 TEST(DeadMan, AGraceThatSomebodyAltersIsSetAgainWithTheDeadlineThatFollows) {
   auto control = watched(new_bpf_root());
   const auto left = [&] { return time_left(control.map_fd()).value(); };

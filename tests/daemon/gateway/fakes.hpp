@@ -115,6 +115,7 @@ class FakeControl final : public GateControl {
   Result<void> undo_interrupted_step() override;
   void end_start() override {}
   std::vector<std::string> take_replaced() override { return {}; }
+  bool keep_epoch() override { return false; }
   Result<bool> keep_grace() override;
   Result<void> arm() override;
   Result<bool> keep_pinned() override;

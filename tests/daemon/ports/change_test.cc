@@ -71,7 +71,7 @@ class ChangeTest : public testing::Test {
     }
     links_.emplace(net::Links::open().value());
     ports_.emplace(
-        *links_, control_, root_, net::udev_facts,
+        *links_, control_, net::udev_facts,
         [this](const std::string&, const std::string& line, bool problem) {
           if (problem) reported_ += line + '\n';
         },

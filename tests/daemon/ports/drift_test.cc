@@ -153,6 +153,24 @@ TEST_P(DriftTest, AGateThatWasMadeToLetEverythingPassJudgesAgainAndThatIsReporte
   EXPECT_EQ(reported_.size(), 1U) << reported_.back();
 }
 
+TEST_P(DriftTest, AGateThatWasGivenToNoDaemonIsHeldAgainAndThatIsReported) {
+  admit(gate(), {in(0x123)});
+  const Fd map = open_pin(pins(bus_) + "/table");
+  const Mapped<gate_table> table(map.get(), 1);
+  const auto held = table[0].epoch;
+  table[0].epoch = 0;
+  repair();
+  EXPECT_EQ(table[0].epoch, held);
+  ASSERT_EQ(reported_.size(), 1U);
+  EXPECT_EQ(kinds_[0], Kind::drift);
+  EXPECT_EQ(reported_[0],
+            "another program altered which daemon holds the gate of bus0: it was closed until now, "
+            "and holds what is granted again");
+  EXPECT_EQ(report().repaired, 1U);
+  repair();
+  EXPECT_EQ(reported_.size(), 1U) << reported_.back();
+}
+
 TEST_P(DriftTest, DaemonAfterThatTakesTheSameGateOver) {
   admit(gate(), {in(0x123)});
   std::filesystem::remove_all(pins(bus_));

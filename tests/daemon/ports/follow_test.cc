@@ -26,7 +26,7 @@ class FollowTest : public testing::Test {
     EXPECT_TRUE(paired) << paired.error().text;
     links_.emplace(net::Links::open().value());
     ports_.emplace(
-        *links_, control_, root_, [this](int ifindex) { return facts_[ifindex]; },
+        *links_, control_, [this](int ifindex) { return facts_[ifindex]; },
         [](const std::string&, const std::string&, bool) {}, [](Kind, const std::string&, bool) {});
   }
   ~FollowTest() override {

@@ -89,7 +89,7 @@ class VanishTest : public testing::Test {
     EXPECT_TRUE(paired) << paired.error().text;
     links_.emplace(net::Links::open().value());
     ports_.emplace(
-        *links_, control_, root_, net::udev_facts,
+        *links_, control_, net::udev_facts,
         [this](const std::string&, const std::string& line, bool) { reported_.push_back(line); },
         [this](Kind, const std::string& line, bool) { reported_.push_back(line); });
     ports_->describe(one_ethernet(), 0);
@@ -126,6 +126,23 @@ class VanishTest : public testing::Test {
   std::optional<net::Links> links_;
   std::optional<Ports> ports_;
 };
+
+TEST_F(VanishTest, AnInterfaceThatAppearsWhileThereIsNoBpffsIsHeldClosed) {
+  shell("mount -t tmpfs tmpfs " + root_);
+  shell("ip link del eth7");
+  follow();
+  shell("ip link add eth7 index 4711 type veth peer name far7");
+  follow();
+  const auto closed = enforce::in_place({kNear, {}, enforce::Hook::clsact});
+  EXPECT_TRUE(closed && closed->is_gate());
+  EXPECT_FALSE(ports_->out_of_hand()) << "other gates need not close";
+  EXPECT_FALSE(ports_->problem(0).empty());
+
+  shell("umount " + root_);
+  follow();
+  EXPECT_NE(ports_->gate(0), nullptr);
+  EXPECT_TRUE(is_gated());
+}
 
 TEST_F(VanishTest, AReadThatFailsLetsNoGateGo) {
   for (const int error : {ENOBUFS, ENOMEM, EIO})
@@ -177,7 +194,7 @@ TEST_F(VanishTest, AGateWhosePinsAreGoneIsClosedAlsoWhereItIsNotDescribedAnyMore
   core::System nothing = one_ethernet();
   nothing.gateways[0].ports.clear();
   ports_.emplace(
-      *links_, control_, root_, net::udev_facts,
+      *links_, control_, net::udev_facts,
       [this](const std::string&, const std::string& line, bool) { reported_.push_back(line); },
       [this](Kind, const std::string& line, bool) { reported_.push_back(line); });
   ports_->describe(nothing, 0);

@@ -7,7 +7,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -15,6 +17,7 @@
 
 #include "base/handle.hpp"
 #include "base/unix_address.hpp"
+#include "daemon/net/sources/facts.hpp"
 #include "daemon/net/sources/remote.hpp"
 #include "tests/tools/sources/proto_loop.hpp"
 
@@ -24,6 +27,14 @@ namespace {
 std::string helper_program() {
   const auto tests = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   return (tests / "../mlcca-sources").lexically_normal();
+}
+
+/// Of this process, ns.
+std::uint64_t processor_time() {
+  timespec time{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 +
+         static_cast<std::uint64_t>(time.tv_nsec);
 }
 
 /// Those whom this process has started.
@@ -71,12 +82,29 @@ class RemoteSource : public testing::Test {
     ::chmod(path.c_str(), 0755);
     return path;
   }
-  std::unique_ptr<test::Watched> watch() {
+  /// The socket at which the helper is expected.
+  Fd listen() {
+    helper_.socket = folder_ / "sources";
+    const auto address = unix_address(helper_.socket);
+    EXPECT_TRUE(address);
+    Fd listening(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+    EXPECT_EQ(::bind(listening.get(), generic(*address), sizeof *address), 0);
+    EXPECT_EQ(::listen(listening.get(), 4), 0);
+    return listening;
+  }
+  std::unique_ptr<test::Watched> watch(std::uint64_t work = 0) {
     core::mesh::Source source;
     source.kind = core::mesh::SourceKind::file;
     source.endpoint = links_;
     return std::make_unique<test::Watched>([&](sd_event* loop, LinkSource::Report report) {
-      return open_remote(source, test::mesh_of({"a", "b"}), loop, std::move(report), helper_);
+      return open_remote(
+          source, test::mesh_of({"a", "b"}), loop,
+          [work, report = std::move(report)](core::mesh::Snapshot snapshot) {
+            for (const auto end = processor_time() + work; processor_time() < end;) {
+            }
+            report(std::move(snapshot));
+          },
+          helper_);
     });
   }
 
@@ -161,12 +189,7 @@ TEST_F(RemoteSource, AProgramThatIsNotThereIsAProblem) {
 }
 
 TEST_F(RemoteSource, ASocketAtWhichSystemdStartsOneIsPreferred) {
-  helper_.socket = folder_ / "sources";
-  const auto address = unix_address(helper_.socket);
-  ASSERT_TRUE(address);
-  const Fd listening(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
-  ASSERT_EQ(::bind(listening.get(), generic(*address), sizeof *address), 0);
-  ASSERT_EQ(::listen(listening.get(), 4), 0);
+  const Fd listening = listen();
   // What systemd does, once.
   const pid_t starter = ::fork();
   if (starter == 0) {
@@ -182,6 +205,32 @@ TEST_F(RemoteSource, ASocketAtWhichSystemdStartsOneIsPreferred) {
   int status = -1;
   ::waitpid(starter, &status, 0);
   EXPECT_EQ(status, 0) << "it ends with the conversation";
+}
+
+// A report that takes 20 ms, and a reader with more without end: at least 200 ms lie between two.
+TEST_F(RemoteSource, AReaderThatReportsWithoutPauseLeavesTheLoopTimeForOthers) {
+  const Fd listening = listen();
+  const pid_t liar = ::fork();
+  if (liar == 0) {
+    const int peer = ::accept(listening.get(), nullptr, nullptr);
+    const auto answer = facts::answer({.links = {}, .next_hops = {}, .problem = "none"});
+    while (peer >= 0)
+      for (const auto& message : answer)
+        if (::send(peer, message.data(), message.size(), MSG_NOSIGNAL) < 0) ::_exit(0);
+    ::_exit(1);
+  }
+  auto watched = watch(20'000'000);
+  constexpr int reports = 5;
+  const auto worked = processor_time();
+  const auto begun = std::chrono::steady_clock::now();
+  for (int i = 0; i < reports; ++i)
+    ASSERT_TRUE(watched->await([](const auto& s) { return s.problem == "none"; }));
+  const std::chrono::nanoseconds passed = std::chrono::steady_clock::now() - begun;
+  EXPECT_GT(static_cast<std::uint64_t>(passed.count()), 6 * (processor_time() - worked));
+  watched.reset();
+  int status = -1;
+  ::waitpid(liar, &status, 0);
+  EXPECT_EQ(status, 0);
 }
 
 TEST_F(RemoteSource, EndsWithItsSource) {
