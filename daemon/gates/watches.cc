@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "base/clock.hpp"
 #include "daemon/gates/publish.hpp"
 
 namespace mlcca::enforce {
@@ -21,8 +22,9 @@ std::uint64_t per_1000_seconds(std::uint64_t events, std::uint64_t ns) {
 
 void forget_findings(gate_watch& watch) {
   for (__u64* word : {&watch.last, &watch.last_gap, &watch.shortest, &watch.longest,
-                      &watch.deviation, &watch.missing, &watch.since, &watch.silent, &watch.first})
+                      &watch.deviation, &watch.missing, &watch.silent, &watch.first})
     publish(*word, __u64{0});
+  publish(watch.since, __u64{monotonic_ns()});
   for (__u64& gaps : watch.gaps) publish(gaps, __u64{0});
 }
 

@@ -10,14 +10,14 @@ namespace mlcca::enforce {
 
 /// What was found under another period means nothing any more.
 void expect_events(gate_watch& watch, const SlotSpec& spec);
-/// As if nothing had come yet.
+/// As if nothing had come yet: silence begins now, also where no timer counts it.
 void forget_findings(gate_watch& watch);
 
 /// What a watch has found so far. Times in ns.
 struct Arrivals {
   std::uint64_t events = 0;
   std::uint64_t missing = 0;     ///< with those that are missing now
-  std::uint64_t since_last = 0;  ///< nothing came yet: since silence began
+  std::uint64_t since_last = 0;  ///< nothing came yet: since the slot was opened
   std::uint64_t rate = 0;        ///< events in 1000 s, over all of the time; 0: unknown
   std::uint64_t last_gap = 0;    ///< 0: not two events yet
   std::uint64_t shortest = 0;

@@ -63,6 +63,17 @@ TEST_P(EtherSilence, AHeartBeatThatNeverComesIsToldWithinAPeriod) {
   EXPECT_LT(event.at, after + kSilence + kPeriod);
 }
 
+TEST_P(EtherSilence, WithoutATimeoutTheTimeSinceTheGrantIsKnownToo) {
+  SlotSpec spec = watched();
+  spec.silence = 0;
+  const std::uint64_t before = monotonic_ns();
+  admit({spec});
+  const std::uint64_t now = monotonic_ns() + kPeriod;
+  const std::uint64_t since = gate_.arrivals(gate_.watched_as(spec).value(), now).since_last;
+  EXPECT_GE(since, kPeriod);
+  EXPECT_LE(since, now - before);
+}
+
 TEST_P(EtherSilence, TheEndOfAHeartBeatAndItsReturnAreTold) {
   admit({watched()});
   const auto number = gate_.watched_as(watched()).value();

@@ -13,6 +13,7 @@ namespace mlcca::enforce {
 namespace {
 
 constexpr std::uint64_t kMillisecond = 1'000'000;
+constexpr std::uint64_t kSecond = 1000 * kMillisecond;
 constexpr std::uint64_t kPeriod = 100 * kMillisecond;
 constexpr std::uint64_t kSilence = 250 * kMillisecond;
 constexpr int kPatience = 20'000;  // ms
@@ -86,6 +87,34 @@ TEST_F(WatchAttached, AHeartBeatThatNeverComesIsTold) {
   EXPECT_GE(event.at, before + kSilence);
   EXPECT_LT(event.at, after + kSilence + kPeriod) << "within a period";
   EXPECT_TRUE(gate.arrivals(static_cast<std::uint16_t>(event.slot), monotonic_ns()).silent);
+}
+
+/// Health names a publisher that never sent by it.
+TEST_F(WatchAttached, WithoutATimeoutTheTimeSinceTheGrantIsKnownToo) {
+  const Bus bus("can0");
+  std::optional<Gate> gate = attach(bus);
+  const std::uint64_t before = monotonic_ns();
+  admit(*gate, {heart_beat(1, 0)});
+  const std::uint64_t after = monotonic_ns();
+  const auto since_last = [&](std::uint64_t now) {
+    return gate->arrivals(gate->number_of(heart_beat(1, 0)).value(), now).since_last;
+  };
+  EXPECT_GE(since_last(after + kPeriod), kPeriod);
+  EXPECT_LE(since_last(after + kPeriod), after + kPeriod - before);
+  // The next daemon goes on, and only what is opened again begins anew.
+  gate.reset();
+  gate = attach(bus);
+  ASSERT_TRUE(gate->reused());
+  EXPECT_GE(since_last(after + kPeriod), kPeriod);
+  SlotChanges changes;
+  changes.close = {heart_beat(1, 0)};
+  ASSERT_TRUE(gate->apply(changes));
+  changes = {};
+  changes.open = {heart_beat(1, 0)};
+  const std::uint64_t opened = monotonic_ns();
+  ASSERT_TRUE(gate->apply(changes));
+  EXPECT_LE(since_last(opened + kPeriod), kPeriod);
+  EXPECT_GT(since_last(opened + 2 * kSecond), kSecond);
 }
 
 TEST_F(WatchAttached, SilenceAfterTheLastEventIsToldOnceAndSoIsItsEnd) {
