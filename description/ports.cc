@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "description/names.hpp"
@@ -140,6 +141,32 @@ void check_claims(const core::System& system, const Machine& ports, Problems& pr
   }
 }
 
+/// As its node a gateway asks the broker for tags: two senders of one node would send one identifier.
+void check_nodes(const core::System& system, Problems& problems) {
+  std::map<std::pair<std::size_t, unsigned>, std::pair<const Gateway*, const Port*>> taken;
+  const auto say = [&](core::Origin origin, std::string_view element, std::string_view by,
+                       const auto& of) {
+    const auto& [at, owner] = of;
+    problems.add(origin, element,
+                 fmt::format("attribute node: {} on {} is {}gateway {}'s, from {}: choose another",
+                             at.second, system.networks[at.first].name, by, owner.first->name,
+                             line_words(system, origin, owner.second->origin)),
+                 core::FindingId::sender_twice);
+  };
+  for (const Gateway& g : system.gateways)
+    for (const Port& p : g.ports) {
+      if (!p.node) continue;
+      const auto [it, fresh] = taken.try_emplace({p.network, *p.node}, &g, &p);
+      if (!fresh && it->second.first != &g) say(p.origin, "Port", "already ", *it);
+    }
+  if (taken.empty()) return;
+  for (const core::Publisher& p : system.publishers) {
+    if (p.place.kind != core::Place::Kind::network || !p.node) continue;
+    const auto it = taken.find({p.place.index, *p.node});
+    if (it != taken.end()) say(p.origin, "Publisher", "", *it);
+  }
+}
+
 }  // namespace
 
 void check_gateways(const core::System& system, Problems& problems) {
@@ -168,6 +195,7 @@ void check_gateways(const core::System& system, Problems& problems) {
       machine.push_back(&p);
   }
   for (const auto& [host, ports] : machines) check_claims(system, ports, problems);
+  check_nodes(system, problems);
   check_count(system.gateways, kMaxGateways, "Gateway", "gateways", problems);
 }
 

@@ -239,10 +239,23 @@ Result<std::size_t> channel_named(const core::State& state, const std::string& n
 
 namespace {
 
+/// The gateway that has the publisher's node on the publisher's network: as it, it asks for tags.
+const core::Gateway* gateway_with_node_of(const core::System& system, const core::Publisher& p) {
+  const auto found = std::ranges::find_if(system.gateways, [&](const core::Gateway& g) {
+    return std::ranges::any_of(g.ports, [&](const core::Port& port) {
+      return p.node && port.node == p.node && port.network == p.place.index;
+    });
+  });
+  return found == system.gateways.end() ? nullptr : &*found;
+}
+
 /// Two publishers on a network that cannot be distinguished would use each other's grant, as in a
 /// description. Programs of one user on a gateway are admitted one by one, and share their limit.
 Result<void> check_sender(const core::State& state, const core::Publisher& newcomer) {
   if (newcomer.place.kind == core::Place::Kind::gateway) return {};
+  if (const auto* const other = gateway_with_node_of(state.system(), newcomer))
+    return fail(fmt::format("node {} on {} is gateway {}'s: choose another", *newcomer.node,
+                            state.system().networks[newcomer.place.index].name, other->name));
   const auto sender = core::sender_of(state.system(), newcomer);
   if (!sender) return {};
   const auto& members = state.members();

@@ -57,6 +57,19 @@ TEST(SenderTest, DistinguishesPublishersByTheirNodeWhereFramesNameIt) {
   EXPECT_EQ(answer_to(robot(0), request), "understood");
 }
 
+/// As it the gateway asks the broker for tags: two would send one identifier.
+TEST(SenderTest, RefusesTheNodeOfAGatewayOnTheBus) {
+  core::System system = robot(0);
+  for (core::Port& port : system.gateways[kBridge].ports)
+    if (port.network == kSecondCan) port.node = 9;
+  auto request = twin();
+  request.node = 9;
+  EXPECT_EQ(answer_to(system, request),
+            "node 9 on second-can is gateway bridge's: choose another");
+  request.node = 10;
+  EXPECT_EQ(answer_to(system, request), "understood");
+}
+
 TEST(SenderTest, AdmitsProgramsOfOneUserOneByOne) {
   core::System system = robot(0);
   core::Publisher panel;
