@@ -441,7 +441,7 @@ void Explainer::add_capacity(const Verdict& v, const Row& row) {
     f.text += ", which carries " + rate(all) + " in all";
   else
     f.text += ", where " + f.provided + " of " + rate(all) + " are left (" + rate(row.reserved) +
-              " for the channels described before it)";
+              " for other channels)";
   f.hint = "send less, or less often, or move channels to another way";
 }
 

@@ -291,7 +291,7 @@ TEST(InspectTest, AllChannelsTogetherMustFitANetwork) {
   EXPECT_EQ(f.provided, "159 B/s");
   EXPECT_EQ(f.text,
             "sender-2 needs 160 B/s on robot-can, where 159 B/s of 479 B/s are left (320 B/s for "
-            "the channels described before it)");
+            "other channels)");
   EXPECT_EQ(result.networks[kRobotCan].reserved, 320U);
   EXPECT_EQ(result.networks[kSecondCan].reserved, 320U);
 }
