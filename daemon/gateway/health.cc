@@ -102,6 +102,13 @@ std::vector<std::string> troubles(const Observed& seen) {
   return lines;
 }
 
+std::string unlisted_gates(std::string_view why) {
+  return fmt::format(
+      "mlccad cannot list the gates of the kernel ({}): a gate without pins may be left on an "
+      "interface that is not described",
+      why.contains("BTF") ? "its BTF cannot be read" : "the system log says why");
+}
+
 control::Health health_of(bool open, std::vector<std::string> lines) {
   control::Health out;
   out.state = lines.empty() ? control::HealthState::healthy : control::HealthState::degraded;

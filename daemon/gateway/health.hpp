@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "control/messages.hpp"
@@ -49,6 +50,9 @@ struct Observed {
 ///   40 frames came in from second-can since the latest left to robot-can: nothing forwards them
 ///   12 frames on second-can name no known subject, the latest 124: does the publisher send ...
 [[nodiscard]] std::vector<std::string> troubles(const Observed& seen);
+
+/// That gates without pins may be left, because of `why`, an error that the system log has whole.
+[[nodiscard]] std::string unlisted_gates(std::string_view why);
 
 /// `lines` are the reasons of a gateway whose gates are `open`; of them the first
 /// control::Health::kMostReasons are reported, and how many were left out.

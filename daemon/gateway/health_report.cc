@@ -52,8 +52,7 @@ std::vector<std::string> HealthReport::problems() const {
   if (!parts_.links.problem().empty())
     problems.push_back(parts_.links.problem() + ": what is in force stays until they can be read");
   if (!parts_.gates.orphans_unknown().empty())
-    problems.push_back(parts_.gates.orphans_unknown() +
-                       ": a gate without pins may be left on an interface that is not described");
+    problems.push_back(unlisted_gates(parts_.gates.orphans_unknown()));
   if (!parts_.recorder.problem().empty()) problems.push_back(parts_.recorder.problem());
   if (!parts_.forwarding.problem().empty()) problems.push_back(parts_.forwarding.problem());
   return problems;

@@ -340,6 +340,15 @@ TEST_F(RenderTest, SaysThatNoGateIsAttachedToAnInterface) {
   EXPECT_NE(render(status, Color::no).find("NOT ATTACHED"), std::string::npos);
 }
 
+TEST_F(RenderTest, SaysThatANetworkWithoutAProfileHasNoGate) {
+  auto status = test::full_status();
+  status.interfaces[0].attached = false;
+  status.interfaces[0].profile = "none";
+  const std::string shown = render(status, Color::no);
+  EXPECT_NE(shown.find("none: not enforced"), std::string::npos) << shown;
+  EXPECT_EQ(shown.find("NOT ATTACHED"), std::string::npos) << shown;
+}
+
 TEST_F(RenderTest, ShowsWhatNetworksProvideAndWhatIsReserved) {
   EXPECT_EQ(
       render(test::full_networks(), Color::no),

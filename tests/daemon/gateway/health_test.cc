@@ -64,6 +64,16 @@ TEST(Health, APublisherThatNeverSentIsReportedAfterThreePeriodsAndASecond) {
             Lines{"no publisher sends: nothing has come since it was granted, 31 s ago"});
 }
 
+TEST(Health, GatesThatCannotBeListedAreOneShortSentence) {
+  EXPECT_EQ(unlisted_gates("list the programs of gates: No such process (libbpf: failed to find "
+                           "valid kernel BTF libbpf: Error loading vmlinux BTF: -3 )"),
+            "mlccad cannot list the gates of the kernel (its BTF cannot be read): a gate without "
+            "pins may be left on an interface that is not described");
+  EXPECT_EQ(unlisted_gates("list the interfaces: Cannot allocate memory"),
+            "mlccad cannot list the gates of the kernel (the system log says why): a gate without "
+            "pins may be left on an interface that is not described");
+}
+
 TEST(Health, UnknownFramesAreReportedWhereNothingComes) {
   Observed seen{.watch = control::Watch{}, .passages = {in(0), out(0)}};
   seen.watch->period_ns = 50'000'000;
