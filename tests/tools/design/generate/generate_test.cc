@@ -175,6 +175,18 @@ TEST(GenerateTest, WhatABusGivesIsComputedAndSaysFromWhat) {
   for (const auto& compiler : compilers()) EXPECT_EQ(complaints(compiler, out), "") << compiler[0];
 }
 
+TEST(GenerateTest, WhatAMeshDoesNotGiveIsNotStated) {
+  const Folder folder;
+  const auto out = generated(folder, unknown_mesh());
+  const auto header = content_of(out + "/mesh_channels.hpp");
+  for (const char* text :
+       {"/// Computed: Period, Bandwidth, PacketLoss, MaxPayload,\n",
+        "struct MeshForBeat {\n  using provision = mlcca::AttributeList<\n"
+        "      mlcca::Dynamic<mlcca::Period<50_ms>>,"})
+    EXPECT_TRUE(header.contains(text)) << text << header;
+  EXPECT_FALSE(header.contains("Latency")) << header;
+}
+
 TEST(GenerateTest, WhatOnlyTheCoreRefusesDoesNotCompile) {
   // Values of the two ends fit; the slow bus has not the time.
   const Folder folder;

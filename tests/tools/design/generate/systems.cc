@@ -87,6 +87,17 @@ std::string one_more(bool publisher, bool subscriber) {
          (subscriber ? R"(<Subscriber name="q" channel="more" network="bus"/>)" : "");
 }
 
+std::string unknown_mesh() {
+  return "<System name=\"s\"><EventChannel name=\"beat\"><SubjectUID>0x1</SubjectUID><Attributes>" +
+         time("Period", "50", "-3") + bytes("8") +
+         "</Attributes></EventChannel><Network name=\"mesh\"><Kind>mesh</Kind><Mesh>"
+         "<Node name=\"robot\" address=\"02:00:00:00:00:01\"/>"
+         "<Node name=\"base\" address=\"02:00:00:00:00:02\"/>"
+         "<Source kind=\"file\" endpoint=\"/run/links\"/></Mesh></Network>"
+         "<Publisher channel=\"beat\" network=\"mesh\" mesh-node=\"robot\"/>"
+         "<Subscriber channel=\"beat\" network=\"mesh\" mesh-node=\"base\"/></System>\n";
+}
+
 std::string called(const std::string& name) {
   const auto is = " name=\"" + name + "\"";
   std::string own;  // letters and digits only
