@@ -26,7 +26,7 @@
 namespace mlcca::tools::design {
 namespace {
 
-constexpr std::uint32_t kMostDataRate = 20'000'000;  // CAN XL; FD ends at 8 Mbit/s
+constexpr std::uint32_t kMostDataRate = 8'000'000;  // as in a description
 
 struct Options {
   std::string file;
@@ -222,7 +222,7 @@ void add_analyse_bus(CLI::App& app, Context& context) {
                    "of the bus, such as 500k, at most 1M; SYSTEM.xml may state it")
       ->type_name("BIT/S");
   verb->add_option("--data-bitrate", options->data_bitrate,
-                   "of the data phase of FD frames, such as 2M")
+                   "of the data phase of FD frames, such as 2M, at most 8M")
       ->type_name("BIT/S");
   verb->add_flag("--unknown-senders", options->bus.unknown_senders,
                  "other nodes may send: the longest frame of the bus may block");

@@ -169,6 +169,19 @@ TEST_F(AnalyseBusTest, CommandLinesThatCannotBeUsed) {
   EXPECT_NE(slow(path + ".none").error.find("No such file"), std::string::npos);
 }
 
+TEST_F(AnalyseBusTest, TheDataPhaseIsAsFastAsADescriptionMayStateIt) {
+  const auto path = table("a,1,0,8,10000,10000,0\n");
+  const auto with = [&](const char* rate) {
+    return analyse(path, {"--bitrate", "500k", "--data-bitrate", rate});
+  };
+  EXPECT_EQ(with("8M").status, 0) << with("8M").error;
+  const auto refused = with("8000001");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.error.find("--data-bitrate: '8000001': at most 8 Mbit/s"), std::string::npos)
+      << refused.error;
+  EXPECT_EQ(with("12M").status, 2);
+}
+
 TEST_F(AnalyseBusTest, WhoLeavesOthersUnboundedIsNamed) {
   const auto path = table(
       "first,1,0,8,10000,10000,0\nfull,2,0,8,1200,1200,0\n"
