@@ -187,9 +187,11 @@ void add_network(const NetworkDraft& from, Resolved& to, Problems& problems) {
   for (const auto& b : from.bindings) {
     const auto channel = to.channel_named(b.channel, b.binding.origin, "Binding", problems);
     check_form(b, network, problems);
-    if (!channel || (b.element.empty() && !b.binding.dynamic)) continue;
+    if (!channel) continue;
     auto& binding = network.bindings.emplace_back(b.binding);
     binding.channel = *channel;
+    // Of one that names nothing that is said already: its channel is not unbound as well.
+    if (b.element.empty()) binding.dynamic = true;
     if (b.destination) binding.destination = static_cast<std::uint8_t>(*b.destination);
   }
 }
