@@ -49,6 +49,7 @@ class Inspector {
   Inspection run() {
     out_.channels.resize(s_.channels.size());
     check_networks();
+    check_meshes();
     check_relays();
     add_sense_notes(s_, members_, out_.findings);
     const Situation situation{s_, topology_, members_, world_, withdrawn_, true};
@@ -135,6 +136,19 @@ class Inspector {
                                                    : std::nullopt);
     }
     inherit_jitter(buses_->messages, buses_->assumptions);
+  }
+
+  void check_meshes() {
+    for (std::size_t n = 0; n < s_.networks.size(); ++n) {
+      const auto& mesh = s_.networks[n].mesh;
+      if (!mesh || mesh->nodes.empty() || !mesh->links.empty() || !mesh->sources.empty()) continue;
+      add(FindingId::no_links, mesh->origin,
+          "no link of mesh " + s_.networks[n].name +
+              " can ever be known: it has nodes, and neither Link nor Source",
+          "add a <Source kind=\"…\"/> to its Mesh, or describe its links", kNone);
+      out_.findings.back().place = {Place::Kind::network, n};
+      out_.findings.back().has_place = true;
+    }
   }
 
   void check_networks() {
