@@ -141,7 +141,8 @@ void check_claims(const core::System& system, const Machine& ports, Problems& pr
   }
 }
 
-/// As its node a gateway asks the broker for tags: two senders of one node would send one identifier.
+/// As its node a gateway asks the broker for tags: two senders of one node would send one
+/// identifier.
 void check_nodes(const core::System& system, Problems& problems) {
   std::map<std::pair<std::size_t, unsigned>, std::pair<const Gateway*, const Port*>> taken;
   const auto say = [&](core::Origin origin, std::string_view element, std::string_view by,

@@ -64,8 +64,7 @@ TEST(SenderTest, RefusesTheNodeOfAGatewayOnTheBus) {
     if (port.network == kSecondCan) port.node = 9;
   auto request = twin();
   request.node = 9;
-  EXPECT_EQ(answer_to(system, request),
-            "node 9 on second-can is gateway bridge's: choose another");
+  EXPECT_EQ(answer_to(system, request), "node 9 on second-can is gateway bridge's: choose another");
   request.node = 10;
   EXPECT_EQ(answer_to(system, request), "understood");
 }

@@ -179,10 +179,9 @@ TEST(GenerateTest, WhatAMeshDoesNotGiveIsNotStated) {
   const Folder folder;
   const auto out = generated(folder, unknown_mesh());
   const auto header = content_of(out + "/mesh_channels.hpp");
-  for (const char* text :
-       {"/// Computed: Period, Bandwidth, PacketLoss, MaxPayload,\n",
-        "struct MeshForBeat {\n  using provision = mlcca::AttributeList<\n"
-        "      mlcca::Dynamic<mlcca::Period<50_ms>>,"})
+  for (const char* text : {"/// Computed: Period, Bandwidth, PacketLoss, MaxPayload,\n",
+                           "struct MeshForBeat {\n  using provision = mlcca::AttributeList<\n"
+                           "      mlcca::Dynamic<mlcca::Period<50_ms>>,"})
     EXPECT_TRUE(header.contains(text)) << text << header;
   EXPECT_FALSE(header.contains("Latency")) << header;
 }

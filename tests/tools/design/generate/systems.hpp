@@ -17,8 +17,8 @@ std::string on_a_bus(const std::string& bitrate = "500000", const std::string& m
 /// every ms.
 std::string one_more(bool publisher, bool subscriber);
 
-/// A mesh of two nodes that states nothing of its links, which a file says, and over which events of
-/// channel "beat" come every 50 ms.
+/// A mesh of two nodes that states nothing of its links, which a file says, and over which events
+/// of channel "beat" come every 50 ms.
 std::string unknown_mesh();
 
 /// Names that are keywords, macros, alike, or bare subjects; descriptions that try to end a
