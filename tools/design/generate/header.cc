@@ -238,20 +238,13 @@ class Writer {
         for (const auto& hop : hops_of(pair, set)) then(pair, hop);
   }
 
-  /// Without what is worse than anything that can be asked: the same as not to be provided.
-  [[nodiscard]] AttributeSet given_by(const RouteHop& hop) const {
-    AttributeSet gives = hop.gives.provision;
-    if (gives == system_.provision_of(hop.place)) return gives;
-    for (std::size_t i = 0; i < kAttributes; ++i) {
-      const auto a = attribute_at(i);
-      const Value most = a == Attribute::omission ? kMostOmissions : kUnbounded - 1;
-      if (info(a).better == Better::smaller && gives[a] > most) gives.clear(a);
-    }
-    return gives;
-  }
-
   [[nodiscard]] std::string listed(const RouteHop& hop) {
-    return listed(core::name_of(system_, hop.place), given_by(hop), user_of(hop.place));
+    AttributeSet gives = hop.gives.provision;
+    // Worse than anything that can be asked: the same as not to be provided. A Latency without
+    // bound stays: without one, the Period would promise it (normalised_provision()).
+    if (gives[Attribute::omission] > kMostOmissions && gives != system_.provision_of(hop.place))
+      gives.clear(Attribute::omission);
+    return listed(core::name_of(system_, hop.place), gives, user_of(hop.place));
   }
 
   /// Where a hop gives a channel more than it states: a struct of its own.
@@ -259,7 +252,6 @@ class Writer {
     const auto& stated = system_.provision_of(hop.place);
     if (hop.gives.provision == stated) return;
     const auto channel = channel_of(system_, *pair.publisher);
-    const AttributeSet gives = given_by(hop);
     auto text = listed(hop);
     auto& type = computed_[{hop.place, channel, text}];
     if (!type.empty()) return;
@@ -269,6 +261,7 @@ class Writer {
     std::string which;
     for (std::size_t i = 0; i < kAttributes; ++i) {
       const auto a = attribute_at(i);
+      const auto& gives = hop.gives.provision;
       if (!gives.has(a) ||
           (stated.has(a) && stated[a] == gives[a] && stated.is_dynamic(a) == gives.is_dynamic(a)))
         continue;
