@@ -18,6 +18,7 @@
 #include "daemon/net/pair.hpp"
 #include "daemon/ports/ports.hpp"
 #include "tests/daemon/gates/sandbox.hpp"
+#include "tests/daemon/ports/two_ports.hpp"
 
 namespace {
 
@@ -43,24 +44,6 @@ namespace {
 
 constexpr std::size_t kMany = 3'000;  // channels: more than the smallest gate has room for
 
-/// Two ports, whose gates must be others where one of these is.
-core::System described(std::size_t channels, core::Refused refused = core::Refused::error) {
-  core::System system;
-  system.networks.resize(2);
-  system.gateways.resize(1);
-  system.gateways[0].ports.resize(2);
-  for (std::size_t n = 0; n < 2; ++n) {
-    system.networks[n].name = "lan" + std::to_string(n);
-    system.networks[n].kind = core::NetworkKind::udp_multicast;
-    system.networks[n].profile = core::Profile::famouso;
-    system.gateways[0].ports[n].network = n;
-    system.gateways[0].ports[n].identity.name = "eth" + std::to_string(n);
-    system.gateways[0].ports[n].refused = refused;
-  }
-  system.channels.resize(channels);
-  return system;
-}
-
 class ChangeTest : public testing::Test {
  protected:
   ChangeTest() {
@@ -76,7 +59,7 @@ class ChangeTest : public testing::Test {
           if (problem) reported_ += line + '\n';
         },
         [this](Kind, const std::string& line, bool) { reported_ += line + '\n'; });
-    ports_->describe(described(1), 0);
+    ports_->describe(test::two_ports(1), 0);
     ports_->follow();
     EXPECT_TRUE(ports_->sync(granted())) << reported_;
     control_.open();
@@ -130,7 +113,7 @@ class ChangeTest : public testing::Test {
       done = ports_->sync(granted());
     } else {
       ports_->go_back();
-      ports_->describe(described(1), 0);
+      ports_->describe(test::two_ports(1), 0);
       ports_->follow();
       EXPECT_TRUE(ports_->sync(granted()));
     }
@@ -147,8 +130,8 @@ class ChangeTest : public testing::Test {
 };
 
 TEST_F(ChangeTest, AGateThatIsToBeAnotherHasTheSlotsOfTheOneBefore) {
-  for (const auto& next :
-       {described(kMany), described(kMany, core::Refused::silent), described(1)}) {
+  for (const auto& next : {test::two_ports(kMany), test::two_ports(kMany, core::Refused::silent),
+                           test::two_ports(1)}) {
     const auto done = change_to(next);
     ASSERT_TRUE(done) << done.error().text;
     EXPECT_NE(state(), before_);
@@ -164,7 +147,7 @@ TEST_F(ChangeTest, WithoutMemoryForTheMapsOfLargerGatesNothingChanges) {
     fails = [n, made = 0](long command) mutable {
       return command == BPF_MAP_CREATE && ++made >= n;
     };
-    const auto done = change_to(described(kMany));
+    const auto done = change_to(test::two_ports(kMany));
     fails = nullptr;
     if (done) break;
     ASSERT_LT(n, 100);
@@ -177,7 +160,7 @@ TEST_F(ChangeTest, WithoutMemoryForTheMapsOfLargerGatesNothingChanges) {
 }
 
 TEST_F(ChangeTest, WhateverTheKernelRefusesOnceEveryGateIsAsItWasOrAsItIsToBe) {
-  const auto other = described(kMany, core::Refused::silent);
+  const auto other = test::two_ports(kMany, core::Refused::silent);
   int calls = 0;
   const auto is_counted = [](long command) {
     return command != BPF_OBJ_GET && command != BPF_OBJ_GET_INFO_BY_FD && command != BPF_PROG_QUERY;
@@ -188,7 +171,7 @@ TEST_F(ChangeTest, WhateverTheKernelRefusesOnceEveryGateIsAsItWasOrAsItIsToBe) {
   int refused = 0;
   for (int n = 1; n <= all; n += 1 + all / 16) {
     fails = nullptr;
-    ASSERT_TRUE(change_to(described(1)));
+    ASSERT_TRUE(change_to(test::two_ports(1)));
     before_ = state();
     calls = 0;
     fails = [&](long command) { return is_counted(command) && ++calls == n; };
@@ -208,8 +191,8 @@ TEST_F(ChangeTest, WhateverTheKernelRefusesOnceEveryGateIsAsItWasOrAsItIsToBe) {
 }
 
 TEST_F(ChangeTest, WhatWasDeniedMeanwhileStaysSo) {
-  ASSERT_TRUE(ports_->prepare(described(kMany), 0));
-  auto swapped = described(kMany);
+  ASSERT_TRUE(ports_->prepare(test::two_ports(kMany), 0));
+  auto swapped = test::two_ports(kMany);
   std::swap(swapped.gateways[0].ports[0].identity, swapped.gateways[0].ports[1].identity);
   ports_->describe(swapped, 0);
   ports_->follow();

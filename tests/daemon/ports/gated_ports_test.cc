@@ -4,35 +4,21 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "daemon/ports/gate_slots.hpp"
 #include "tests/daemon/ports/fake_gates.hpp"
+#include "tests/daemon/ports/two_ports.hpp"
 
 namespace mlcca {
 namespace {
-
-/// Two ports, eth0 and eth1, with the interfaces 10 and 11.
-core::System described(std::size_t channels) {
-  core::System system;
-  system.networks.resize(2);
-  system.gateways.resize(1);
-  system.gateways[0].ports.resize(2);
-  for (std::size_t n = 0; n < 2; ++n) {
-    system.networks[n].name = "lan" + std::to_string(n);
-    system.networks[n].kind = core::NetworkKind::udp_multicast;
-    system.networks[n].profile = core::Profile::famouso;
-    system.gateways[0].ports[n].network = n;
-    system.gateways[0].ports[n].identity.name = "eth" + std::to_string(n);
-  }
-  system.channels.resize(channels);
-  return system;
-}
 
 class GatedPortsTest : public testing::Test {
  protected:
   GatedPortsTest() {
     for (const int n : {0, 1})
       links_.emplace(10 + n, test::ethernet(10 + n, "eth" + std::to_string(n)));
-    ports_.describe(described(1), 0);
+    ports_.describe(test::two_ports(1), 0);
     follow();
   }
   void follow() {
@@ -64,7 +50,7 @@ class GatedPortsTest : public testing::Test {
 
 TEST_F(GatedPortsTest, APortOfTheSameNameKeepsItsGateInTheNextDescription) {
   ASSERT_TRUE(ports_.has_gate(1));
-  core::System swapped = described(1);
+  core::System swapped = test::two_ports(1);
   std::swap(swapped.gateways[0].ports[0], swapped.gateways[0].ports[1]);
   ports_.describe(swapped, 0);
   EXPECT_EQ(ports_[0].ifindex(), 11);
@@ -73,7 +59,7 @@ TEST_F(GatedPortsTest, APortOfTheSameNameKeepsItsGateInTheNextDescription) {
 }
 
 TEST_F(GatedPortsTest, OfAnotherNetworkTheInterfaceIsMatchedAnew) {
-  core::System renamed = described(1);
+  core::System renamed = test::two_ports(1);
   renamed.networks[0].name = "other";
   ports_.describe(renamed, 0);
   EXPECT_EQ(ports_[0].ifindex(), 0);
@@ -83,9 +69,9 @@ TEST_F(GatedPortsTest, OfAnotherNetworkTheInterfaceIsMatchedAnew) {
 
 TEST_F(GatedPortsTest, WithoutMemoryForTheNextDescriptionNothingChanges) {
   hooks_.lacks_memory = true;
-  EXPECT_TRUE(prepare(described(1))) << "all it needs is there";
+  EXPECT_TRUE(prepare(test::two_ports(1))) << "all it needs is there";
   ports_.gates().end_change();
-  EXPECT_FALSE(prepare(described(9)));
+  EXPECT_FALSE(prepare(test::two_ports(9)));
   EXPECT_TRUE(ports_.gates().change());
   EXPECT_EQ(hooks_.in_place[10], "eth0 for 2 slots");
 }
@@ -94,7 +80,7 @@ TEST_F(GatedPortsTest, APortThatLacksItsGateAlreadyDoesNotStandInTheWay) {
   for (const int ifindex : {10, 11}) ports_.gates().forget(ifindex);
   EXPECT_TRUE(ports_.wants_gate(links_));
   hooks_.lacks_memory = true;
-  EXPECT_TRUE(prepare(described(9)));
+  EXPECT_TRUE(prepare(test::two_ports(9)));
 }
 
 TEST_F(GatedPortsTest, AnInterfaceOfAnotherKindGetsNoGate) {
