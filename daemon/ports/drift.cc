@@ -79,22 +79,19 @@ bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& l
   Seen& seen = seen_[ifindex];
   gated_.insert(ifindex);
   if (gate.judge_again()) {
-    ++seen.repaired;
-    report_(
-        Kind::drift,
+    report_repaired(
+        seen,
         fmt::format(
             "another program altered the gate of {}: it let everything pass until now, and judges "
             "again",
-            gate.name()),
-        true);
+            gate.name()));
   }
   if (gate.hold_again()) {
-    ++seen.repaired;
-    report_(Kind::drift,
-            fmt::format("another program altered which daemon holds the gate of {}: it was closed "
-                        "until now, and holds what is granted again",
-                        gate.name()),
-            true);
+    report_repaired(
+        seen,
+        fmt::format("another program altered which daemon holds the gate of {}: it was closed "
+                    "until now, and holds what is granted again",
+                    gate.name()));
   }
   keep_pinned(gate, seen);
   const auto there = gate.attached();
@@ -118,18 +115,22 @@ bool Drift::repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& l
         true);
     return false;
   }
-  ++seen.repaired;
-  report_(Kind::drift,
-          replaced
-              ? fmt::format("another daemon had put its gate in the place of that of {}, which is "
-                            "back: two daemons with --bpf-root of their own close each other's "
-                            "gates",
-                            gate.name())
-              : fmt::format("another program removed the gate of {}: it was open until now, and is "
-                            "attached again",
-                            gate.name()),
-          true);
+  report_repaired(
+      seen,
+      replaced
+          ? fmt::format("another daemon had put its gate in the place of that of {}, which is "
+                        "back: two daemons with --bpf-root of their own close each other's "
+                        "gates",
+                        gate.name())
+          : fmt::format("another program removed the gate of {}: it was open until now, and is "
+                        "attached again",
+                        gate.name()));
   return true;
+}
+
+void Drift::report_repaired(Seen& seen, const std::string& line) {
+  ++seen.repaired;
+  report_(Kind::drift, line, true);
 }
 
 /// Before anything else is put back: that is pinned, too.
@@ -143,13 +144,11 @@ void Drift::keep_pinned(const enforce::PortGate& gate, Seen& seen) {
                       gate.name(), again.error().text)))
     report_(Kind::drift, seen.unpinned.text(), true);
   if (!again || again->empty()) return;
-  ++seen.repaired;
-  report_(Kind::drift,
-          fmt::format(
-              "another program unpinned {} of the gate of {}: pinned again, and nothing else has "
-              "changed",
-              fmt::join(*again, ", "), gate.name()),
-          true);
+  report_repaired(
+      seen, fmt::format(
+                "another program unpinned {} of the gate of {}: pinned again, and nothing else has "
+                "changed",
+                fmt::join(*again, ", "), gate.name()));
 }
 
 /// What is gone from the driver lets nothing pass: both filters judge all of it.
@@ -190,12 +189,10 @@ void Drift::keep_first(int ifindex, enforce::PortGate& gate, Seen& seen) {
     const auto moved = gate.go_first();
     const auto left = before(ifindex, gate);
     if (moved && left && left->empty()) {
-      ++seen.repaired;
-      report_(Kind::drift,
-              fmt::format("before the gate of {} ran {}: what that let pass until now was not "
-                          "judged; the gate is first again",
-                          gate.name(), *found),
-              true);
+      report_repaired(
+          seen, fmt::format("before the gate of {} ran {}: what that let pass until now was not "
+                            "judged; the gate is first again",
+                            gate.name(), *found));
     } else {
       standing = fmt::format(
           "before the gate of {} runs {}, and it cannot be put first{}: what "

@@ -53,6 +53,7 @@ class Drift {
     std::uint64_t past = 0;  ///< frames that went past the gate
     Bypass bypass;
   };
+  void report_repaired(Seen& seen, const std::string& line);
   void keep_pinned(const enforce::PortGate& gate, Seen& seen);
   void keep_first(int ifindex, enforce::PortGate& gate, Seen& seen);
   void keep_early(int ifindex, enforce::PortGate& gate, Seen& seen);

@@ -36,6 +36,15 @@ class DriftTest : public AttachTo, public testing::WithParamInterface<Hook> {
   [[nodiscard]] int ifindex() const { return static_cast<int>(bus_.ifindex()); }
   Gate& gate() { return gate_; }
   void repair() { drift_.repair(gates_, links_->table()); }
+  /// It was repaired and reported, and there is nothing more to repair.
+  void expect_repaired_once(const std::string& line) {
+    ASSERT_EQ(reported_.size(), 1U);
+    EXPECT_EQ(kinds_[0], Kind::drift);
+    EXPECT_EQ(reported_[0], line);
+    EXPECT_EQ(report().repaired, 1U);
+    repair();
+    EXPECT_EQ(reported_.size(), 1U) << reported_.back();
+  }
   void check_bypass() { drift_.check_bypass(gates_, *links_, ++now_); }
   control::Interface report() {
     control::Interface interface;
@@ -143,14 +152,9 @@ TEST_P(DriftTest, AGateThatWasMadeToLetEverythingPassJudgesAgainAndThatIsReporte
   EXPECT_TRUE(sender.send(frame(0x124)));
   repair();
   EXPECT_FALSE(sender.send(frame(0x124)));
-  ASSERT_EQ(reported_.size(), 1U);
-  EXPECT_EQ(kinds_[0], Kind::drift);
-  EXPECT_EQ(reported_[0],
-            "another program altered the gate of bus0: it let everything pass until now, and "
-            "judges again");
-  EXPECT_EQ(report().repaired, 1U);
-  repair();
-  EXPECT_EQ(reported_.size(), 1U) << reported_.back();
+  expect_repaired_once(
+      "another program altered the gate of bus0: it let everything pass until now, and "
+      "judges again");
 }
 
 TEST_P(DriftTest, AGateThatWasGivenToNoDaemonIsHeldAgainAndThatIsReported) {
@@ -161,14 +165,9 @@ TEST_P(DriftTest, AGateThatWasGivenToNoDaemonIsHeldAgainAndThatIsReported) {
   table[0].epoch = 0;
   repair();
   EXPECT_EQ(table[0].epoch, held);
-  ASSERT_EQ(reported_.size(), 1U);
-  EXPECT_EQ(kinds_[0], Kind::drift);
-  EXPECT_EQ(reported_[0],
-            "another program altered which daemon holds the gate of bus0: it was closed until now, "
-            "and holds what is granted again");
-  EXPECT_EQ(report().repaired, 1U);
-  repair();
-  EXPECT_EQ(reported_.size(), 1U) << reported_.back();
+  expect_repaired_once(
+      "another program altered which daemon holds the gate of bus0: it was closed until now, "
+      "and holds what is granted again");
 }
 
 TEST_P(DriftTest, DaemonAfterThatTakesTheSameGateOver) {
