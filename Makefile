@@ -54,7 +54,7 @@ INSTALL := # targets that install something
 CLEAN_EXTRA :=
 
 # BUNDLE=1 compiles the files of one folder of a library as one: headers and templates are read once
-# and not forty times, and a build from nothing takes a third of the processor time. Without it each
+# and not forty times, and a build from nothing takes less than half of the processor time. Without it each
 # file is compiled alone, so that a change of one file is built in seconds. `make demo` and `make test`
 # bundle where no file was compiled alone yet.
 BUNDLE ?=
