@@ -148,8 +148,9 @@ test-all:
 
 lint: check-layers check-format cppcheck tidy ## layering, clang-format-19, cppcheck and clang-tidy-19
 
-check-layers: ## who may include whom
+check-layers: ## who may include whom, and no name that means another thing in a bundle
 	$(Q)tests/support/check-layers
+	$(Q)tests/support/check-bundles
 
 FORMATTED = $(shell git ls-files '*.cc' '*.hpp' '*.h' '*.c' 2>/dev/null || true)
 check-format:

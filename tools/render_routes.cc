@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint64_t kLossWhole = 1'000'000'000;
 constexpr std::uint64_t kBusyWhole = 1'000'000;
 
-Cell count(std::uint32_t n, Style style) {
+Cell count_cell(std::uint32_t n, Style style) {
   return {fmt::format("{}", n), n == 0 ? Style::plain : style};
 }
 
@@ -28,8 +28,8 @@ std::string ways(const std::vector<control::RouteReport>& all, Color color) {
   for (const auto& route : all)
     table.add({{route.from},
                {route.to},
-               count(route.granted, Style::good),
-               count(route.refused, Style::bad),
+               count_cell(route.granted, Style::good),
+               count_cell(route.refused, Style::bad),
                places_of(route)});
   return table.empty() ? "no channel has a publisher and a subscriber\n" : table.text(color);
 }

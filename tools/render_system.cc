@@ -124,7 +124,7 @@ std::string reasons(const std::vector<control::Interface>& all, Color color) {
   return table.empty() ? "" : "\nframes by reason\n" + table.text(color, "  ");
 }
 
-std::string name_of(const control::Unknown& frame) {
+std::string name_of_unknown(const control::Unknown& frame) {
   return frame.subject != 0 ? core::format_subject(frame.subject) : print_can_id(frame.can_id);
 }
 
@@ -140,7 +140,7 @@ std::string unknown_frames(const std::vector<control::Interface>& all, Color col
     for (const auto& frame : one.unknown)
       table.add({{one.name},
                  {frame.egress ? "out" : "in"},
-                 {name_of(frame)},
+                 {name_of_unknown(frame)},
                  {frame.subject != 0 ? "datagram"
                   : frame.xl         ? "XL"
                   : frame.fd         ? "FD"

@@ -15,12 +15,12 @@ constexpr std::uint64_t kBitsPerByte = 8;
 /// Of a percent, in the whole.
 constexpr std::uint64_t kThousandths = 100'000;
 
-struct Unit {
+struct BitRateUnit {
   const char* name;
   std::uint64_t size;
 };
-constexpr std::array kBitRates = {Unit{"Gbit/s", 1'000'000'000}, Unit{"Mbit/s", 1'000'000},
-                                  Unit{"kbit/s", 1'000}};
+constexpr std::array kBitRates = {BitRateUnit{"Gbit/s", 1'000'000'000},
+                                  BitRateUnit{"Mbit/s", 1'000'000}, BitRateUnit{"kbit/s", 1'000}};
 
 /// `count` / `unit`, rounded to thousandths; unit is 1 or a multiple of 1000.
 std::string decimal(std::uint64_t count, std::uint64_t unit) {

@@ -22,13 +22,13 @@ const char* name_of(Outcome outcome) {
   std::unreachable();
 }
 
-std::size_t count(std::span<const Line> lines, Outcome outcome) {
+std::size_t lines_with(std::span<const Line> lines, Outcome outcome) {
   return static_cast<std::size_t>(std::ranges::count(lines, outcome, &Line::outcome));
 }
 
 }  // namespace
 
-bool any_failed(std::span<const Line> lines) { return count(lines, Outcome::failed) != 0; }
+bool any_failed(std::span<const Line> lines) { return lines_with(lines, Outcome::failed) != 0; }
 
 std::string to_text(std::span<const Line> lines) {
   std::string out;
@@ -36,8 +36,9 @@ std::string to_text(std::span<const Line> lines) {
   for (const Line& line : lines) width = std::max(width, line.check.size());
   for (const Line& line : lines)
     out += fmt::format("{:<{}}  {}: {}\n", line.check, width, name_of(line.outcome), line.text);
-  return out + fmt::format("{} ok, {} failed, {} not tested\n", count(lines, Outcome::ok),
-                           count(lines, Outcome::failed), count(lines, Outcome::not_tested));
+  return out + fmt::format("{} ok, {} failed, {} not tested\n", lines_with(lines, Outcome::ok),
+                           lines_with(lines, Outcome::failed),
+                           lines_with(lines, Outcome::not_tested));
 }
 
 bool was_tried(std::span<const Line> lines) {
@@ -54,9 +55,9 @@ std::string to_json(const std::string& interface, std::span<const Line> lines) {
     checks.push_back(
         {{"check", line.check}, {"outcome", name_of(line.outcome)}, {"text", line.text}});
   const nlohmann::ordered_json all = {{"interface", interface},
-                                      {"ok", count(lines, Outcome::ok)},
-                                      {"failed", count(lines, Outcome::failed)},
-                                      {"not_tested", count(lines, Outcome::not_tested)},
+                                      {"ok", lines_with(lines, Outcome::ok)},
+                                      {"failed", lines_with(lines, Outcome::failed)},
+                                      {"not_tested", lines_with(lines, Outcome::not_tested)},
                                       {"checks", checks}};
   return all.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }

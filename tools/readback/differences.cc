@@ -76,7 +76,7 @@ struct Odd {
 };
 
 /// Each of those that are there is taken for the one that it is most like.
-void list(Odd& odd, const std::string& where, std::vector<std::string>& to) {
+void append_lines(Odd& odd, const std::string& where, std::vector<std::string>& to) {
   for (const Words& is : odd.is) {
     const auto like = std::ranges::min_element(
         odd.ought, {}, [&is](const Words& ought) { return unlike(is, ought); });
@@ -127,7 +127,7 @@ std::vector<std::string> differences(const GateReading& gate, std::span<const Sl
     odd[{s.subject, s.direction}].ought.push_back(words_of(s, gate.ethernet, name_of));
   std::vector<std::string> lines;
   for (auto& [of, slots] : odd)
-    list(
+    append_lines(
         slots,
         fmt::format("{} {} {}", gate.interface, to_text(of.second), core::format_subject(of.first)),
         lines);

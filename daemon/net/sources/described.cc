@@ -8,9 +8,9 @@
 namespace mlcca::net {
 namespace {
 
-class Described final : public LinkSource {
+class DescribedSource final : public LinkSource {
  public:
-  Described(std::vector<core::mesh::Sample> links, Report report)
+  DescribedSource(std::vector<core::mesh::Sample> links, Report report)
       : report_(std::move(report)), links_(std::move(links)) {}
 
   Result<void> start(sd_event* loop) {
@@ -47,7 +47,7 @@ std::vector<core::mesh::Sample> described_links(const core::mesh::Mesh& mesh) {
 
 Result<std::unique_ptr<LinkSource>> open_described(const core::mesh::Mesh& mesh, sd_event* loop,
                                                    LinkSource::Report report) {
-  auto source = std::make_unique<Described>(described_links(mesh), std::move(report));
+  auto source = std::make_unique<DescribedSource>(described_links(mesh), std::move(report));
   if (auto started = source->start(loop); !started) return std::unexpected(started.error());
   return source;
 }

@@ -8,7 +8,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;  // of the object
+constexpr int kObjectVersion = 1;
 
 Json to_json(const SystemReport& system) {
   Json out{{"file", system.file},
@@ -51,7 +51,7 @@ Json to_json(const ReportedFinding& f) {
 }  // namespace
 
 std::string write_json(const Report& report) {
-  Json out{{"version", kVersion}, {"systems", Json::array()}, {"findings", Json::array()}};
+  Json out{{"version", kObjectVersion}, {"systems", Json::array()}, {"findings", Json::array()}};
   for (const auto& system : report.systems) out["systems"].push_back(to_json(system));
   for_each_finding(report,
                    [&](const ReportedFinding& f) { out["findings"].push_back(to_json(f)); });

@@ -30,8 +30,8 @@ std::vector<std::string> parts_of(const core::System& system) {
   return out;
 }
 
-std::string list(const std::vector<std::string>& names, std::string_view before,
-                 std::string_view separator) {
+std::string joined(const std::vector<std::string>& names, std::string_view before,
+                   std::string_view separator) {
   std::string out;
   for (const auto& name : names) out += fmt::format("{}{}{}", separator, before, name);
   return out;
@@ -50,7 +50,7 @@ BuildFiles build_files(const core::System& system, const std::vector<Unit>& unit
     sources.push_back(unit.stem + "_callbacks.cpp");
   }
   const auto parts = parts_of(system);
-  const auto arguments = list(only, "--component ", " ");
+  const auto arguments = joined(only, "--component ", " ");
   BuildFiles out;
   out.make = fmt::format(
       "# {0}: change the description, not this file.\n"
@@ -70,9 +70,9 @@ BuildFiles build_files(const core::System& system, const std::vector<Unit>& unit
       "\ttouch $@\n"
       "$(MLCCA_SYSTEM_PARTS): ;\n"
       "endif\n",
-      kMark, list(headers, "$(MLCCA_GENERATED_DIR)", " \\\n\t"),
-      list(sources, "$(MLCCA_GENERATED_DIR)", " \\\n\t"),
-      list(parts, "$(dir $(MLCCA_SYSTEM))", " \\\n\t"), arguments);
+      kMark, joined(headers, "$(MLCCA_GENERATED_DIR)", " \\\n\t"),
+      joined(sources, "$(MLCCA_GENERATED_DIR)", " \\\n\t"),
+      joined(parts, "$(dir $(MLCCA_SYSTEM))", " \\\n\t"), arguments);
   out.cmake = fmt::format(
       "# {0}: change the description, not this file.\n"
       "# With MLCCA_SYSTEM, the path of the description, everything is generated again when it "
@@ -100,9 +100,9 @@ BuildFiles build_files(const core::System& system, const std::vector<Unit>& unit
       "set(MLCCA_GENERATED_HEADERS{1})\n"
       "set(MLCCA_GENERATED_SOURCES{2})\n"
       "set(MLCCA_GENERATED_INCLUDE_DIRS ${{CMAKE_CURRENT_LIST_DIR}})\n",
-      kMark, list(headers, "${CMAKE_CURRENT_LIST_DIR}/", "\n  "),
-      list(sources, "${CMAKE_CURRENT_LIST_DIR}/", "\n  "),
-      list(parts, "${MLCCA_SYSTEM_DIR}/", "\n    "), arguments);
+      kMark, joined(headers, "${CMAKE_CURRENT_LIST_DIR}/", "\n  "),
+      joined(sources, "${CMAKE_CURRENT_LIST_DIR}/", "\n  "),
+      joined(parts, "${MLCCA_SYSTEM_DIR}/", "\n    "), arguments);
   return out;
 }
 
