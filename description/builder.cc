@@ -197,7 +197,7 @@ void Builder::add_keys(Open& open, std::span<const ParsedAttribute> attributes) 
     if (is_ignored(attribute)) continue;
     const auto key = std::ranges::find(keys, attribute.name.local, &Key::name);
     if (key == keys.end() || !attribute.name.space.empty()) {
-      wrong(open, explain_key(*open.type, open.name, attribute.name.local));
+      wrong(attribute.line, open.name, explain_key(*open.type, open.name, attribute.name.local));
       continue;
     }
     seen |= std::uint64_t{1} << static_cast<std::size_t>(key - keys.begin());
@@ -215,23 +215,25 @@ std::string_view Builder::key_value(const Open& open, const ParsedAttribute& att
                                     const Key& key) {
   if (attribute.value.size() > kMaxValue) {
     stop(
-        open.at, open.name,
+        {.file = file_, .line = attribute.line}, open.name,
         fmt::format("attribute {} is longer than {} bytes; that is the limit", key.name, kMaxValue),
         FindingId::not_xml);
     return {};
   }
   const auto value = kept_collapsed(attribute.value);
   if (!is_valid(*key.type, value))
-    wrong(open, fmt::format("attribute {}: {}", key.name, explain(*key.type, value)));
+    wrong(attribute.line, open.name,
+          fmt::format("attribute {}: {}", key.name, explain(*key.type, value)));
   return value;
 }
 
 void Builder::start_include(int line, std::span<const ParsedAttribute> attributes) {
   including_ = {.open = true, .right = true, .at = {.file = file_, .line = line}, .href = {}};
-  const auto refuse = [&](std::string_view text) {
-    wrong(line, "include", text);
+  const auto refuse_in = [&](int at, std::string_view text) {
+    wrong(at, "include", text);
     including_.right = false;
   };
+  const auto refuse = [&](std::string_view text) { refuse_in(line, text); };
   if (!is_container(*open_.back().type))
     refuse(fmt::format("xi:include is a child of {}: it stands for a whole part",
                        fmt::join(containers(), " or ")));
@@ -246,7 +248,7 @@ void Builder::start_include(int line, std::span<const ParsedAttribute> attribute
       continue;
     }
     if (const auto text = explain_include_key(attribute.name.local, attribute.value); !text.empty())
-      refuse(text);
+      refuse_in(attribute.line, text);
   }
   if (!has_href) refuse("attribute href is missing: it names the file");
 }

@@ -27,6 +27,7 @@ struct QualifiedName {
 struct ParsedAttribute {
   QualifiedName name;
   std::string_view value;
+  int line = 0;  ///< where its value begins
 };
 
 class Builder {
@@ -41,7 +42,7 @@ class Builder {
   void begin_file(std::uint32_t file);
   void end_file();
 
-  /// `line` is where the start tag ends.
+  /// `line` is where the start tag begins.
   void start(int line, const QualifiedName& name, std::span<const ParsedAttribute> attributes);
   /// A piece of text that ends in `line`.
   void text(int line, std::string_view piece);

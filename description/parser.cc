@@ -8,8 +8,10 @@
 #include <libxml/parserInternals.h>
 #include <libxml/xmlerror.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <functional>
 #include <memory>
 
 #include "base/handle.hpp"
@@ -102,6 +104,8 @@ class Parser {
 
   void start(const xmlChar* name, const xmlChar* uri, int attributes, const xmlChar** rows);
   [[nodiscard]] int line() const { return context_->input == nullptr ? 0 : context_->input->line; }
+  [[nodiscard]] int line_of(const char* text) const;
+  [[nodiscard]] const char* tag_begin() const;
   [[nodiscard]] core::Origin here() const { return {.file = file_, .line = line()}; }
   void end_here() {
     ended_ = true;
@@ -160,6 +164,28 @@ void Parser::message(void* data, xmlError* error) noexcept {
   if (error->level == XML_ERR_FATAL) self.end_here();
 }
 
+/// The line that `text` stands in, for a place of the start tag that was just read. The line that
+/// was read last, if the place is not in the buffer: a value with references stands elsewhere.
+int Parser::line_of(const char* text) const {
+  const auto* const input = context_->input;
+  if (input == nullptr || text == nullptr) return line();
+  const auto* const begin = reinterpret_cast<const char*>(input->base);
+  const auto* const now = reinterpret_cast<const char*>(input->cur);
+  if (std::less<>()(text, begin) || std::less<>()(now, text)) return line();
+  return line() - static_cast<int>(std::count(text, now, '\n'));
+}
+
+/// The "<" of the start tag that was just read: no value has one. Null: it is no longer in the
+/// buffer.
+const char* Parser::tag_begin() const {
+  const auto* const input = context_->input;
+  if (input == nullptr) return nullptr;
+  const std::string_view read(reinterpret_cast<const char*>(input->base),
+                              static_cast<std::size_t>(input->cur - input->base));
+  const auto at = read.rfind('<');
+  return at == std::string_view::npos ? nullptr : read.data() + at;
+}
+
 void Parser::start(const xmlChar* name, const xmlChar* uri, int attributes, const xmlChar** rows) {
   attributes_.clear();
   // Of each attribute the name, its prefix and namespace, and where its value begins and ends.
@@ -168,9 +194,10 @@ void Parser::start(const xmlChar* name, const xmlChar* uri, int attributes, cons
     const auto at = row.subspan(attributes_.size() * 5, 5);
     attributes_.push_back(
         {{.space = view(at[2]), .local = view(at[0])},
-         {reinterpret_cast<const char*>(at[3]), reinterpret_cast<const char*>(at[4])}});
+         {reinterpret_cast<const char*>(at[3]), reinterpret_cast<const char*>(at[4])},
+         line_of(reinterpret_cast<const char*>(at[3]))});
   }
-  builder_.start(line(), {.space = view(uri), .local = view(name)}, attributes_);
+  builder_.start(line_of(tag_begin()), {.space = view(uri), .local = view(name)}, attributes_);
   end_if_stopped();
 }
 

@@ -52,11 +52,12 @@ void provide_events(AttributeSet& provision, const AttributeSet& offered, bool d
 
 /// Something could know what its links carry, if anything is asked.
 bool may_know_rates(const mesh::Mesh& mesh) {
-  return mesh.sources.empty() || std::ranges::any_of(mesh.sources, mesh::knows_rates);
+  return std::ranges::any_of(mesh.sources, mesh::knows_rates);
 }
 
 /// The links of a mesh are known for good only if nothing but the description knows them.
-bool is_fixed(const mesh::Mesh& mesh) { return !mesh.sources.empty() && !mesh::is_measured(mesh); }
+/// One without any source has no links at all (MLCCA042).
+bool is_fixed(const mesh::Mesh& mesh) { return !mesh::is_measured(mesh); }
 
 bool is_empty(const AttributeSet& offered) {
   return offered.has(Attribute::max_payload) && offered[Attribute::max_payload] == 0;

@@ -380,6 +380,28 @@ TEST(ReadMemory, AnElementThatComesTooLateIsToldWhereItBelongs) {
             "Attributes, in this order");
 }
 
+TEST(ReadMemory, AMistakeInATagOfSeveralLinesIsToldAtItsLine) {
+  EXPECT_EQ(problem_of("<System name='a'>\n<EventChannel\n name='c'\n\n colour='red'\n>\n"
+                       "<SubjectUID>0x1</SubjectUID>\n</EventChannel>\n</System>\n")
+                .substr(0, 24),
+            "t.xml:5: <EventChannel>:");
+  EXPECT_EQ(problem_of("<System name='a'>\n<EventChannel\n name='c'\n safe-side=\n'left'\n>\n"
+                       "<SubjectUID>0x1</SubjectUID>\n</EventChannel>\n</System>\n")
+                .substr(0, 24),
+            "t.xml:5: <EventChannel>:");
+  EXPECT_EQ(problem_of("<System name='a'>\n<Publisher\n\n\n/>\n</System>\n"),
+            "t.xml:2: <Publisher>: attribute channel is missing");
+}
+
+TEST(ReadMemory, TheLineOfAnElementIsThatOfItsName) {
+  const auto system = read_memory(
+      "<System name='a'>\n<EventChannel\n name='c'\n>\n"
+      "<SubjectUID>0x1</SubjectUID>\n</EventChannel>\n</System>\n",
+      "t.xml");
+  ASSERT_TRUE(system);
+  EXPECT_EQ(system->channels[0].origin.line, 2);
+}
+
 TEST(ReadMemory, ReadsTheSameTwice) {
   const auto xml = system_of(channels(3));
   const auto first = read_memory(xml, "t.xml");

@@ -46,6 +46,13 @@ using Delivery = std::tuple<std::size_t, std::size_t, core::Place>;  // channel,
 
 using OnBus = std::pair<std::size_t, std::uint64_t>;  // network, key
 
+/// A mesh with nodes, and neither Link nor Source: MLCCA042.
+bool has_no_links(const core::System& system, core::Place place) {
+  if (place.kind != core::Place::Kind::network) return false;
+  const auto& mesh = system.networks[place.index].mesh;
+  return mesh && !mesh->nodes.empty() && mesh->links.empty() && mesh->sources.empty();
+}
+
 /// What check says of a system.
 struct Checked {
   core::System system;
@@ -53,6 +60,8 @@ struct Checked {
   std::map<Delivery, bool> granted;
   std::map<OnBus, core::MediumUse> on_bus;  ///< of what is granted
   bool best_cases = false;                  ///< some of it is left to the run time
+  std::size_t without_links = 0;            ///< verdicts over a mesh that has no links
+  std::size_t awaits_links = 0;             ///< of them: left to the run time because of that mesh
 };
 
 Checked checked(const std::string& text) {
@@ -75,6 +84,14 @@ Checked checked(const std::string& text) {
           for (const core::MediumUse& use : v.media)
             if (v.granted && use.key != 0) out.on_bus[{use.network, use.key}] = use;
           out.best_cases |= v.outcome == Outcome::run_time;
+          for (const core::Place hop : v.route)
+            out.without_links += has_no_links(out.system, hop) ? 1 : 0;
+          for (const core::Row& row : v.rows)
+            out.awaits_links += row.against == core::Against::medium_time &&
+                                        row.comparison.outcome == Outcome::run_time &&
+                                        has_no_links(out.system, row.place)
+                                    ? 1
+                                    : 0;
         }
       });
   // What a preferred set leaves to the run time may be chosen there or not.
@@ -260,6 +277,15 @@ TEST_F(Levels, TheDaemonDecidesAsCheckSays) {
                                                                          << texts_[i];
   }
   EXPECT_GT(compared, kSystems / 5);
+}
+
+TEST_F(Levels, NothingWaitsForLinksThatNothingCanKnow) {
+  std::size_t without = 0;
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    without += all_[i].without_links;
+    ASSERT_EQ(all_[i].awaits_links, 0U) << texts_[i];
+  }
+  EXPECT_GT(without, kSystems / 100);
 }
 
 TEST_F(Levels, TheDaemonRefusesWhatCheckRefuses) {

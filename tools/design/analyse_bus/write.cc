@@ -114,6 +114,28 @@ bool has_short_queue(const AnalysedBus& analysed) {
   return false;
 }
 
+/// What the two response times of a described bus assume, where the table shows both.
+std::string assumed_text(const AnalysedBus& analysed) {
+  bool differs = false;
+  bool late_though_granted = false;
+  for (std::size_t i = 0; i < analysed.responses.size(); ++i) {
+    const BusMessage& m = analysed.bus.messages[i];
+    differs = differs || !granted_of(m, analysed.responses[i]).empty();
+    late_though_granted = late_though_granted || (m.granted.value_or(false) && m.granted_response &&
+                                                  !analysed.responses[i].meets(m.message.deadline));
+  }
+  std::string text;
+  if (differs)
+    text +=
+        "Response us: every message of the table sends. Granted us: only those send that mlccactl "
+        "check grants.\n";
+  if (late_though_granted)
+    text +=
+        "mlccactl check grants a message that is late here, because the gates drop what it "
+        "refuses.\n";
+  return text;
+}
+
 /// What the bus as a whole does, behind its load.
 std::string summary_of(const AnalysedBus& analysed) {
   const bool queue = has_short_queue(analysed);
@@ -182,9 +204,11 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
     text +=
         fmt::format(", {} in the data phase", print_bitrate(bus.assumptions.timing.data_bitrate));
   text += fmt::format(": {}\n", summary_of(analysed));
+  text += assumed_text(analysed);
   if (!analysed.why_unbounded.empty()) text += analysed.why_unbounded + "\n";
   text += sentences("Not known:", bus.unknown) + sentences("Not counted:", bus.left_out) +
-          sentences("mlccactl check refuses:", bus.findings);
+          sentences("mlccactl check refuses, with the times beside the messages that it grants:",
+                    bus.findings);
   if (analysed.assigned) text += order_text(analysed);
   return text;
 }

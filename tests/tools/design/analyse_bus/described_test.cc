@@ -175,6 +175,49 @@ TEST_F(AnalyseBusTest, WhatIsRefusedOnTheFirstBusIsAsLateOnTheSecondAsItWouldBe)
   EXPECT_EQ(message_of(out["networks"][1], "V")["response_us"], 1080);
 }
 
+/// Channels of 1 ms and 8 bytes on a bus of 250 kbit/s, where a frame takes 540 us: one of them
+/// fits.
+std::string crowded_bus(int channels) {
+  std::string all;
+  std::string bindings;
+  std::string ends;
+  for (int i = 0; i < channels; ++i) {
+    all += fmt::format(
+        "<EventChannel name=\"c{0}\"><SubjectUID>{1:#x}</SubjectUID><Attributes>{2}{3}</Attributes>"
+        "</EventChannel>\n",
+        i, i + 1, attribute("Period", time_value(1)),
+        attribute("MaxPayload",
+                  "<Dimension><SIUnit><Bytes>1</Bytes></SIUnit></Dimension><Value>8</Value>"));
+    bindings += fmt::format(
+        "<Binding channel=\"c{}\"><Identifier form=\"standard\">{:#x}</Identifier></Binding>", i,
+        0x300 - 0x100 * i);
+    ends += fmt::format(
+        "<Publisher name=\"p{0}\" channel=\"c{0}\" network=\"bus\"/>\n"
+        "<Subscriber name=\"s{0}\" channel=\"c{0}\" network=\"bus\"/>\n",
+        i);
+  }
+  return test::system_of(all +
+                         "<Network name=\"bus\"><Kind>can</Kind><Profile>raw</Profile>"
+                         "<Bus bitrate=\"250000\"/>" +
+                         bindings + "</Network>\n" + ends);
+}
+
+TEST_F(AnalyseBusTest, SaysWhyCheckGrantsWhatIsLateWhereEverythingSends) {
+  const auto crowded = analyse(file("crowded.xml", crowded_bus(3)));
+  EXPECT_EQ(crowded.status, 1);
+  EXPECT_TRUE(crowded.out.contains(
+      "Response us: every message of the table sends. Granted us: only those send that mlccactl "
+      "check grants.\n"
+      "mlccactl check grants a message that is late here, because the gates drop what it "
+      "refuses.\n"))
+      << crowded.out;
+  EXPECT_TRUE(crowded.out.contains("refuses, with the times beside the messages that it grants:"))
+      << crowded.out;
+  const auto alone = analyse(file("alone.xml", crowded_bus(1)));
+  EXPECT_EQ(alone.status, 0) << alone.out;
+  EXPECT_FALSE(alone.out.contains("every message of the table sends")) << alone.out;
+}
+
 TEST_F(AnalyseBusTest, AQueueThatIsTooShortIsNoMissedDeadline) {
   std::vector<Line> lines;
   for (unsigned i = 0; i < 4; ++i)
