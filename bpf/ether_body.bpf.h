@@ -73,13 +73,13 @@ __noinline __u32 look_at(struct __sk_buff *skb, struct event *e)
 	return parse(&p, e);
 }
 
-static __always_inline struct sender sender_of(struct __sk_buff *skb)
+/* Who sends; of no interest at ingress. */
+static __always_inline void take_sender(struct __sk_buff *skb, struct event *e)
 {
 	__u32 from = skb->ingress_ifindex;
 
-	if (is_local(skb))
-		return (struct sender){.source = 0, .uid = bpf_get_socket_uid(skb)};
-	return (struct sender){.source = from ? from : GATE_NO_SOURCE, .uid = GATE_ANY_UID};
+	e->uid = is_local(skb) ? bpf_get_socket_uid(skb) : GATE_ANY_UID;
+	e->source = is_local(skb) ? 0 : from ? from : GATE_NO_SOURCE;
 }
 
 /* Counts a drop, or what would be one, and gives the action: audit mode drops nothing. */
@@ -127,7 +127,7 @@ static __always_inline __u32 judge_first(const struct event *e, void *others)
 }
 
 static __always_inline struct decision judge(struct __sk_buff *skb, __u32 direction,
-					     struct event *e, const struct sender *from)
+					     struct event *e)
 {
 	struct decision d = {.slot = direction, .reason = GATE_R_CLOSED};
 
@@ -137,14 +137,13 @@ static __always_inline struct decision judge(struct __sk_buff *skb, __u32 direct
 	d.reason = skb->gso_size ? GATE_R_MALFORMED : judge_first(e, &foreign_fragments);
 	if (d.reason != GATE_R_PASSED)
 		return d;
-	return decide(direction, e, from);
+	return decide(direction, e);
 }
 
 static __always_inline int filter_event(struct __sk_buff *skb, struct ether_cpu *cpu,
-					__u32 direction, struct event *e, const struct sender *from)
+					__u32 direction, struct event *e)
 {
-	struct decision d = judge(skb, direction, e, from);
-
+	struct decision d = judge(skb, direction, e);
 	bool granted = d.reason == GATE_R_PASSED;
 
 	if (granted && admit(skb, cpu, direction, d.slot, e)) {
@@ -169,11 +168,10 @@ static __always_inline __u32 mark_of_later(const struct ether_fragment *f)
 }
 
 static __always_inline int filter_later(struct __sk_buff *skb, struct ether_cpu *cpu,
-					__u32 direction, const struct event *e,
-					const struct sender *from)
+					__u32 direction, const struct event *e)
 {
 	struct ether_fragment *f = remembered(&fragments, &e->key);
-	struct decision d = judge_later(f, e, from);
+	struct decision d = judge_later(f, e);
 
 	if (d.reason != GATE_R_PASSED && d.reason != GATE_R_FOREIGN)
 		return drop(cpu, direction, d.slot, d.reason, e);
@@ -188,7 +186,6 @@ static __always_inline int filter(struct __sk_buff *skb, __u32 direction)
 {
 	struct event e = {.mark = skb->mark, .key.direction = direction};
 	struct ether_cpu *cpu = this_cpu();
-	struct sender from = {};
 	enum nature nature;
 	__u32 reason;
 
@@ -207,15 +204,15 @@ static __always_inline int filter(struct __sk_buff *skb, __u32 direction)
 		goto foreign;
 	}
 	if (direction == GATE_EGRESS)
-		from = sender_of(skb);
+		take_sender(skb, &e);
 	if (nature == LATER)
-		return filter_later(skb, cpu, direction, &e, &from);
+		return filter_later(skb, cpu, direction, &e);
 	/* No token leaves the machine or the namespace. */
 	skb->mark = 0;
 	if (nature != EVENT)
 		return refuse(skb, cpu, direction, direction,
 			      nature == OPAQUE ? GATE_R_OPAQUE : GATE_R_MALFORMED, &e);
-	return filter_event(skb, cpu, direction, &e, &from);
+	return filter_event(skb, cpu, direction, &e);
 
 foreign:
 	count_reason(cpu, direction, GATE_R_FOREIGN);
@@ -266,7 +263,6 @@ SEC("xdp")
 int ether_early(struct xdp_md *ctx)
 {
 	struct decision d = {.slot = GATE_INGRESS, .reason = GATE_R_CLOSED};
-	const struct sender nobody = {};
 	struct ether_cpu *cpu;
 	struct event e = {};
 	enum nature nature;
@@ -281,7 +277,7 @@ int ether_early(struct xdp_md *ctx)
 	if (nature != EVENT)
 		d.reason = nature == OPAQUE ? GATE_R_OPAQUE : GATE_R_MALFORMED;
 	else if (!closed(READ_ONCE(table.epoch)))
-		d = decide(GATE_INGRESS, &e, &nobody);
+		d = decide(GATE_INGRESS, &e);
 	if (d.reason == GATE_R_PASSED)
 		return XDP_PASS;
 	cpu = this_cpu();

@@ -3,16 +3,10 @@
 #ifndef MLCCA_ETHER_DECIDE_BPF_H
 #define MLCCA_ETHER_DECIDE_BPF_H
 
-struct decision {
-	__u32 slot;
-	__u32 reason; /* enum gate_reason */
-};
-
-/* Who sends; of no interest at ingress. */
-struct sender {
-	__u32 source; /* as in gate_frame.bpf.h */
-	__u32 uid;    /* of a local program */
-};
+#define ASKED event
+#define CONTEXT
+#define OF_CONTEXT
+#include "bpf/decide.bpf.h"
 
 static __always_inline struct ether_contract *contract_of(const struct ether_slot *slot)
 {
@@ -30,20 +24,19 @@ static __always_inline __u32 mark_of(const struct ether_slot *slot,
 }
 
 /* Egress: it comes from the interface of the grant, or from a program of its user. */
-static __always_inline bool comes_from(const struct ether_contract *contract,
-				       const struct sender *from)
+static __always_inline bool comes_from(const struct ether_contract *contract, const struct event *e)
 {
-	if (from->source != contract->source)
+	if (e->source != contract->source)
 		return false;
-	return from->source || contract->uid == GATE_ANY_UID || contract->uid == from->uid;
+	return e->source || contract->uid == GATE_ANY_UID || contract->uid == e->uid;
 }
 
 /* Egress: the gate of the interface that it comes from has passed it as what the slot is for. */
 static __always_inline bool is_vouched_for(const struct ether_slot *slot,
-					   const struct ether_contract *contract, __u32 mark,
-					   const struct sender *from)
+					   const struct ether_contract *contract,
+					   const struct event *e)
 {
-	return !from->source || mark == mark_of(slot, contract, from->source);
+	return !e->source || e->mark == mark_of(slot, contract, e->source);
 }
 
 /*
@@ -63,28 +56,25 @@ static __always_inline __u32 fit_sender(const struct ether_slot *slot,
 	return GATE_R_PASSED;
 }
 
-static __always_inline __u32 fit(const struct ether_slot *slot, __u32 direction, struct event *e,
-				 const struct sender *from)
+static __always_inline __u32 fit(const struct ether_slot *slot, __u32 direction, struct event *e)
 {
 	const struct ether_contract *contract = contract_of(slot);
-	__u32 verdict, reason;
+	__u32 reason;
 
 	if (!contract)
 		return GATE_R_DENIED;
-	if (direction == GATE_EGRESS && !comes_from(contract, from))
+	if (direction == GATE_EGRESS && !comes_from(contract, e))
 		return GATE_R_SOURCE;
 	reason = fit_sender(slot, contract, e);
 	if (reason != GATE_R_PASSED)
 		return reason;
-	if (direction == GATE_EGRESS && !is_vouched_for(slot, contract, e->mark, from))
+	if (direction == GATE_EGRESS && !is_vouched_for(slot, contract, e))
 		return GATE_R_SOURCE;
 	if (!(contract->forms & e->form))
 		return GATE_R_FORMAT;
 	if (e->len > contract->max_len)
 		return GATE_R_LENGTH;
-	verdict = READ_ONCE(slot->verdict[e->generation & 1]);
-	e->read += verdict;
-	return verdict == GATE_PASS ? GATE_R_PASSED : GATE_R_DENIED;
+	return reason_of_verdict(slot->verdict, e);
 }
 
 static __always_inline bool is_of(const struct ether_slot *slot, __u32 direction,
@@ -93,74 +83,34 @@ static __always_inline bool is_of(const struct ether_slot *slot, __u32 direction
 	return slot->subject == e->subject && slot->direction == direction;
 }
 
-/*
- * Not static, like walk(): the verifier looks at it once by itself, and takes its result for any
- * number. Static functions would multiply with every way that leads to and from them.
- */
-__noinline __u32 fit_apart(__u32 at, __u32 direction, struct event *e, const struct sender *from)
+/* Not static, as walk(). */
+__noinline __u32 fit_apart(__u32 at, struct event *e, __u32 direction)
 {
 	const struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
 
-	if (!slot || !e || !from || !is_of(slot, direction, e))
+	if (!slot || !e || !is_of(slot, direction, e))
 		return GATE_R_UNKNOWN;
-	return fit(slot, direction, e, from);
+	return fit(slot, direction, e);
 }
 
-/*
- * Passes when any slot of the subject admits the event. Otherwise gives the slot that came
- * furthest, of equals the first; the direction's own slot where the subject has none. Reason in the
- * upper half of the word, slot in the lower.
- */
-__noinline __u64 walk(__u32 at, struct event *e, __u32 direction, const struct sender *from)
+static __always_inline __u32 next_of(__u32 at)
 {
-	__u64 slot = direction, best = GATE_R_UNKNOWN;
-	__u32 i;
+	const struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
 
-	if (!e)
-		return best << 32 | slot;
-	for (i = 0; i < GATE_WALK && at; i++) {
-		const struct ether_slot *s;
-		__u32 reason = fit_apart(at, direction, e, from);
-
-		if (reason == GATE_R_PASSED)
-			return at;
-		if (reason > best) {
-			best = reason;
-			slot = at;
-		}
-		s = bpf_map_lookup_elem(&slots, &at);
-		if (!s)
-			break;
-		at = READ_ONCE(s->next);
-		e->read += at;
-	}
-	return best << 32 | slot;
+	return slot ? READ_ONCE(slot->next) : 0;
 }
 
-/* As walk(), by the verdicts of one generation. */
-__noinline __u64 decide_again(const struct event *e, __u32 direction, const struct sender *from)
+static __always_inline __u64 walk_from_head(struct event *e, __u32 direction)
 {
-	__u64 *bucket, hash, found;
-	struct event copy;
-	__u32 at, first, i;
+	__u64 hash = ether_hash(table.seed, e->subject, direction);
+	__u32 at = hash & bucket_mask, first;
+	__u64 *bucket = bpf_map_lookup_elem(&buckets, &at);
 
-	direction &= GATE_DIRECTIONS - 1;
-	if (!e)
-		return (__u64)GATE_R_UNKNOWN << 32 | direction;
-	copy = *e;
-	hash = ether_hash(table.seed, copy.subject, direction);
-	at = hash & bucket_mask;
-	bucket = bpf_map_lookup_elem(&buckets, &at);
 	if (!bucket)
-		return (__u64)GATE_R_UNKNOWN << 32 | direction;
-	for (i = 0; i < GATE_TRIES; i++) {
-		copy.generation = READ_ONCE(control.generation);
-		copy.read = first = READ_ONCE(*bucket);
-		found = walk(first, &copy, direction, from);
-		if (!moved_on(copy.generation, copy.read))
-			return found;
-	}
-	return (__u64)GATE_R_DENIED << 32 | direction;
+		return packed(GATE_R_UNKNOWN, direction);
+	first = READ_ONCE(*bucket);
+	e->read += first;
+	return walk(first, e, direction);
 }
 
 /* Of one slot, by one generation. */
@@ -189,50 +139,37 @@ static __always_inline bool may_be_there(__u32 bucket, __u64 hash)
 }
 
 /* The first slot is looked at in place: nearly always it is the only one. */
-static __always_inline struct decision decide(__u32 direction, struct event *e,
-					      const struct sender *from)
+static __always_inline struct decision decide(__u32 direction, struct event *e)
 {
-	struct decision d = {.slot = direction, .reason = GATE_R_UNKNOWN};
 	__u64 hash = ether_hash(table.seed, e->subject, direction);
-	__u32 at = hash & bucket_mask, first;
-	__u64 *bucket, found;
+	__u64 *bucket, head, found = packed(GATE_R_UNKNOWN, direction);
+	__u32 at = hash & bucket_mask, first, reason = GATE_R_UNKNOWN;
 	const struct ether_slot *slot;
-	struct sender from_copy;
 	struct event copy;
 
 	if (has_prefilter && !may_be_there(at, hash))
-		return d;
+		return unpacked(found);
 	bucket = bpf_map_lookup_elem(&buckets, &at);
 	if (!bucket)
-		return d;
+		return unpacked(found);
 	e->generation = READ_ONCE(control.generation);
-	found = READ_ONCE(*bucket);
-	if (!(found & ether_fingerprint(hash)))
-		return d;
-	e->read = first = found;
+	head = READ_ONCE(*bucket);
+	if (!(head & ether_fingerprint(hash)))
+		return unpacked(found);
+	e->read = first = head;
 	slot = bpf_map_lookup_elem(&slots, &first);
 	if (!slot)
-		return d;
+		return unpacked(found);
 	if (is_of(slot, direction, e)) {
-		d.slot = first;
-		d.reason = fit(slot, direction, e, from);
+		reason = fit(slot, direction, e);
+		found = packed(reason, first);
 	}
-	if (d.reason != GATE_R_PASSED && READ_ONCE(slot->next)) {
+	if (reason != GATE_R_PASSED && READ_ONCE(slot->next)) {
 		copy = *e;
-		from_copy = *from;
-		found = walk(first, &copy, direction, &from_copy);
+		found = walk(first, &copy, direction);
 		e->read += copy.read;
-		d.reason = found >> 32;
-		d.slot = found;
 	}
-	if (moved_on(e->generation, e->read)) {
-		copy = *e;
-		from_copy = *from;
-		found = decide_again(&copy, direction, &from_copy);
-		d.reason = found >> 32;
-		d.slot = found;
-	}
-	return d;
+	return settled(e, direction, found);
 }
 
 #endif

@@ -18,8 +18,7 @@ static __always_inline bool take_octets(struct ether_fragment *f, const struct e
 }
 
 /* Of a datagram whose first fragment was admitted, and would be now from the same sender. */
-static __always_inline __u32 fragment_reason(const struct ether_fragment *f, const struct event *e,
-					     const struct sender *from)
+static __always_inline __u32 fragment_reason(const struct ether_fragment *f, const struct event *e)
 {
 	__u32 end = e->offset + e->payload, at = f->slot;
 	const struct ether_slot *slot = bpf_map_lookup_elem(&slots, &at);
@@ -31,8 +30,8 @@ static __always_inline __u32 fragment_reason(const struct ether_fragment *f, con
 	    verdict_of(slot) != GATE_PASS)
 		return GATE_R_DENIED;
 	contract = contract_of(slot);
-	if (e->key.direction == GATE_EGRESS && (!contract || !comes_from(contract, from) ||
-						!is_vouched_for(slot, contract, e->mark, from)))
+	if (e->key.direction == GATE_EGRESS &&
+	    (!contract || !comes_from(contract, e) || !is_vouched_for(slot, contract, e)))
 		return GATE_R_SOURCE;
 	return GATE_R_PASSED;
 }
@@ -41,14 +40,12 @@ static __always_inline __u32 fragment_reason(const struct ether_fragment *f, con
  * GATE_R_PASSED or a reason to drop it; GATE_R_FOREIGN where it belongs to nobody of ours. What is
  * too much is counted with its slot.
  */
-static __always_inline struct decision judge_later(struct ether_fragment *f, const struct event *e,
-						   const struct sender *from)
+static __always_inline struct decision judge_later(struct ether_fragment *f, const struct event *e)
 {
 	struct decision d = {.slot = e->key.direction, .reason = GATE_R_FRAGMENT};
 
 	if (f) {
-		d.reason =
-		    closed(READ_ONCE(table.epoch)) ? GATE_R_CLOSED : fragment_reason(f, e, from);
+		d.reason = closed(READ_ONCE(table.epoch)) ? GATE_R_CLOSED : fragment_reason(f, e);
 		if (d.reason == GATE_R_PASSED && !take_octets(f, e)) {
 			d.slot = f->slot;
 			d.reason = GATE_R_EXCESS;

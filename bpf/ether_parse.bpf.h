@@ -26,6 +26,8 @@ struct event {
 	__u32 len;	  /* payload bytes */
 	__u32 form;	  /* ETHER_UNFRAGMENTED or ETHER_FRAGMENT */
 	__u32 mark;	  /* when the gate saw it first */
+	__u32 source;	  /* who sends it, at egress: as in gate_frame.bpf.h */
+	__u32 uid;	  /* of the local program that sends it */
 	__u32 generation; /* of the verdicts that it is decided by */
 	__u32 read;	  /* sum of what was read for that: see moved_on() */
 	/* Of an IP packet: */

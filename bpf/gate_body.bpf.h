@@ -88,7 +88,8 @@ int gate_ingress(struct __sk_buff *skb)
 		return refuse_in(skb, cpu, GATE_INGRESS, GATE_R_CLOSED, &frame);
 	}
 
-	d = decide(skb, GATE_INGRESS, &frame, GATE_NO_SOURCE);
+	frame.source = GATE_NO_SOURCE;
+	d = decide(skb, GATE_INGRESS, &frame);
 	if (is_reply(&frame))
 		heed_reply(skb, &frame, GATE_INGRESS, d.reason == GATE_R_PASSED);
 	if (d.reason != GATE_R_PASSED)
@@ -135,11 +136,10 @@ int gate_egress(struct __sk_buff *skb)
 	struct gate_cpu *cpu = this_cpu();
 	struct frame frame;
 	struct decision d;
-	__u32 source;
 
 	if (!cpu)
 		return TC_ACT_SHOT;
-	source = source_of(skb);
+	frame.source = source_of(skb);
 	frame.mark = skb->mark;
 	/*
 	 * No token leaves the machine or the namespace. The echo mark goes on local frames too: the
@@ -155,7 +155,7 @@ int gate_egress(struct __sk_buff *skb)
 		return heed_unless_dropped(skb, &frame,
 					   refuse_out(cpu, GATE_EGRESS, GATE_R_CLOSED, &frame));
 
-	d = decide(skb, GATE_EGRESS, &frame, source);
+	d = decide(skb, GATE_EGRESS, &frame);
 	if (d.reason != GATE_R_PASSED)
 		return heed_unless_dropped(skb, &frame, refuse_out(cpu, d.slot, d.reason, &frame));
 	if (!admit(cpu, GATE_EGRESS, d.slot, &frame))

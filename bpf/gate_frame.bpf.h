@@ -10,6 +10,7 @@ struct frame {
 	__u32 len;	  /* payload bytes */
 	__u32 format;	  /* GATE_CLASSIC, GATE_FD or GATE_XL */
 	__u32 mark;	  /* when the gate saw it first */
+	__u32 source;	  /* as source_of(); GATE_NO_SOURCE at ingress */
 	__u32 generation; /* of the verdicts that it is decided by */
 	__u32 read;	  /* sum of what was read for that: see moved_on() */
 };

@@ -3,10 +3,10 @@
 #ifndef MLCCA_GATE_SLOT_BPF_H
 #define MLCCA_GATE_SLOT_BPF_H
 
-struct decision {
-	__u32 slot;
-	__u32 reason; /* enum gate_reason */
-};
+#define ASKED	   frame
+#define CONTEXT	   struct __sk_buff *skb,
+#define OF_CONTEXT skb,
+#include "bpf/decide.bpf.h"
 
 /*
  * A slot's mask covers its key, so that only a misfit needs to know whose key it was. Of a masked
@@ -20,9 +20,9 @@ static __always_inline __u32 misfit_identifier(const struct gate_slot *slot, __u
 }
 
 static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
-				 const struct gate_slot *slot, struct frame *frame, __u32 source)
+				 const struct gate_slot *slot, struct frame *frame)
 {
-	__u32 verdict;
+	__u32 source = frame->source, reason;
 
 	if ((frame->can_id & slot->mask) != slot->id)
 		return misfit_identifier(slot, frame->can_id);
@@ -39,87 +39,47 @@ static __always_inline __u32 fit(struct __sk_buff *skb, __u32 direction,
 		return GATE_R_FORMAT;
 	if (frame->len > slot->max_len)
 		return GATE_R_LENGTH;
-	verdict = READ_ONCE(slot->verdict[frame->generation & 1]);
-	frame->read += verdict;
+	reason = reason_of_verdict(slot->verdict, frame);
 	if (profile == GATE_PROFILE_FAMOUSO && READ_ONCE(slot->contradicted))
 		return GATE_R_DENIED;
-	return verdict == GATE_PASS ? GATE_R_PASSED : GATE_R_DENIED;
+	return reason;
 }
 
-/*
- * Not static, like walk(): the verifier looks at it once by itself, and takes its result for any
- * number. Static functions would multiply with every way that leads to and from them.
- */
-__noinline __u32 fit_apart(struct __sk_buff *skb, __u32 at, struct frame *frame, __u32 direction,
-			   __u32 source)
+/* Not static, as walk(). */
+__noinline __u32 fit_apart(struct __sk_buff *skb, __u32 at, struct frame *frame, __u32 direction)
 {
 	if (!frame)
 		return GATE_R_UNKNOWN;
-	return fit(skb, direction, &table.slots[at & (GATE_SLOTS - 1)], frame, source);
+	return fit(skb, direction, &table.slots[at & (GATE_SLOTS - 1)], frame);
 }
 
-/*
- * Passes when any slot of the frame's key admits it. Otherwise gives the slot that came furthest,
- * of equals the first; the direction's own slot where the key has none. Reason in the upper half,
- * slot in the lower.
- */
-__noinline __u32 walk(struct __sk_buff *skb, __u32 at, struct frame *frame, __u32 direction,
-		      __u32 source)
+static __always_inline __u32 next_of(__u32 at)
 {
-	__u32 slot = direction, best = GATE_R_UNKNOWN, i;
-
-	if (!frame)
-		return GATE_R_UNKNOWN << 16;
-	for (i = 0; i < GATE_WALK && at; i++) {
-		__u32 reason = fit_apart(skb, at, frame, direction, source);
-
-		if (reason == GATE_R_PASSED)
-			return at;
-		if (reason > best) {
-			best = reason;
-			slot = at;
-		}
-		at = READ_ONCE(table.slots[at & (GATE_SLOTS - 1)].next);
-		frame->read += at;
-	}
-	return best << 16 | slot;
+	return READ_ONCE(table.slots[at & (GATE_SLOTS - 1)].next);
 }
 
 /* As walk(), from the first masked slot. */
-static __always_inline __u32 walk_masked(struct __sk_buff *skb, struct frame *frame,
-					 __u32 direction, __u32 source)
+static __always_inline __u64 walk_masked(struct __sk_buff *skb, struct frame *frame,
+					 __u32 direction)
 {
 	__u32 first = READ_ONCE(table.masked[direction]);
 
 	frame->read += first;
-	return first ? walk(skb, first, frame, direction, source)
-		     : GATE_R_UNKNOWN << 16 | direction;
+	return first ? walk(skb, first, frame, direction) : packed(GATE_R_UNKNOWN, direction);
 }
 
-/* As walk(), by the verdicts of one generation. */
-__noinline __u32 decide_again(struct __sk_buff *skb, const struct frame *frame, __u32 direction,
-			      __u32 source)
+static __always_inline __u64 walk_from_head(struct __sk_buff *skb, struct frame *frame,
+					    __u32 direction)
 {
-	__u32 bucket, first, found, i;
-	struct frame copy;
+	__u32 bucket = gate_bucket(profile, frame->can_id), first;
+	__u64 found;
 
-	if (!frame)
-		return GATE_R_UNKNOWN << 16;
-	copy = *frame;
-	bucket = gate_bucket(profile, copy.can_id);
-	direction &= GATE_DIRECTIONS - 1;
 	if (bucket >= GATE_BUCKETS)
-		return GATE_R_UNKNOWN << 16 | direction;
-	for (i = 0; i < GATE_TRIES; i++) {
-		copy.generation = READ_ONCE(control.generation);
-		copy.read = first = READ_ONCE(table.head[direction][bucket]);
-		found = walk(skb, first, &copy, direction, source);
-		if (found >> 16 == GATE_R_UNKNOWN)
-			found = walk_masked(skb, &copy, direction, source);
-		if (!moved_on(copy.generation, copy.read))
-			return found;
-	}
-	return GATE_R_DENIED << 16 | direction;
+		return packed(GATE_R_UNKNOWN, direction);
+	first = READ_ONCE(table.head[direction][bucket]);
+	frame->read += first;
+	found = walk(skb, first, frame, direction);
+	return found >> 32 == GATE_R_UNKNOWN ? walk_masked(skb, frame, direction) : found;
 }
 
 /*
@@ -127,42 +87,34 @@ __noinline __u32 decide_again(struct __sk_buff *skb, const struct frame *frame, 
  * decided there, even if that refuses: masked slots never open what was refused by name.
  */
 static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direction,
-					      struct frame *frame, __u32 source)
+					      struct frame *frame)
 {
-	struct decision d = {.slot = direction, .reason = GATE_R_UNKNOWN};
-	__u32 bucket = gate_bucket(profile, frame->can_id);
+	__u32 bucket = gate_bucket(profile, frame->can_id), first, reason;
+	__u64 found = packed(GATE_R_UNKNOWN, direction);
 	const struct gate_slot *slot;
 	struct frame copy;
-	__u32 first, found;
 
 	if (bucket >= GATE_BUCKETS)
-		return d;
+		return unpacked(found);
 	frame->generation = READ_ONCE(control.generation);
 	frame->read = first = READ_ONCE(table.head[direction][bucket]);
-	found = GATE_R_UNKNOWN << 16 | direction;
 	if (first) {
 		slot = &table.slots[first & (GATE_SLOTS - 1)];
-		d.reason = fit(skb, direction, slot, frame, source);
-		if (d.reason != GATE_R_PASSED && READ_ONCE(slot->next)) {
+		reason = fit(skb, direction, slot, frame);
+		if (reason != GATE_R_PASSED && READ_ONCE(slot->next)) {
 			copy = *frame;
-			found = walk(skb, first, &copy, direction, source);
+			found = walk(skb, first, &copy, direction);
 			frame->read += copy.read;
-		} else if (d.reason != GATE_R_UNKNOWN) {
-			found = d.reason << 16 | first;
+		} else if (reason != GATE_R_UNKNOWN) {
+			found = packed(reason, first);
 		}
 	}
-	if (found >> 16 == GATE_R_UNKNOWN && READ_ONCE(table.masked[direction])) {
+	if (found >> 32 == GATE_R_UNKNOWN && READ_ONCE(table.masked[direction])) {
 		copy = *frame;
-		found = walk_masked(skb, &copy, direction, source);
+		found = walk_masked(skb, &copy, direction);
 		frame->read += copy.read;
 	}
-	if (moved_on(frame->generation, frame->read)) {
-		copy = *frame;
-		found = decide_again(skb, &copy, direction, source);
-	}
-	d.reason = found >> 16;
-	d.slot = found & 0xffff;
-	return d;
+	return settled(skb, frame, direction, found);
 }
 
 /* Drops what is not to pass; in audit mode it goes on, marked. Without a slot `frame` is told. */
