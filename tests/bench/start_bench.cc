@@ -103,8 +103,9 @@ Fd empty_program() {
 }
 
 /// What the kernel alone takes to attach a program in both directions: it waits for a grace period
-/// of RCU in each call, and the first one of a machine takes effect behind that.
+/// of RCU in each call, and the first one of a machine takes effect behind that. 0: it has no TCX.
 std::uint64_t time_to_attach(const std::string& interface) {
+  if (!enforce::kernel_has_tcx()) return 0;
   const Fd program = empty_program();
   const auto ifindex = if_nametoindex(interface.c_str());
   const std::uint64_t began = clock_ns();

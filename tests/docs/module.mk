@@ -3,6 +3,7 @@
 NOT_RUN := 4
 check-docs: $O/mlccactl $O/mlcca-design $O/mlcca-doctor ## links, drawings and form of the documentation, and its commands
 	$(Q)tests/docs/form
+	$(Q)tests/bench/age check
 	$(Q)BUILD=$(abspath $O) tests/docs/additions
 	$(Q)tests/docs/sessions count $(NOT_RUN)
 	$(Q)BUILD=$(abspath $O) tests/docs/sessions host
