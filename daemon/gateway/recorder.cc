@@ -154,7 +154,11 @@ Result<void> Recorder::commit(
 
 void Recorder::keep() {
   if (!journal_ || journal_->dirty()) return;
-  const auto again = patience_.wait_for([this] { return journal_->keep(); });
+  const auto again = patience_.wait_for([this] {
+    // That something cannot be undone was reported with the commit that failed.
+    static_cast<void>(journal_->mend());
+    return journal_->keep();
+  });
   if (gone_.is_new(again ? ""
                          : journal_->path() +
                                " was removed or replaced, and cannot be written again: " +

@@ -73,7 +73,7 @@ class Recorder {
   /// uncommitted() was never granted; `lost` is called with them.
   Result<void> commit(const std::function<void(const std::vector<core::AdmissionId>&)>& lost);
   /// Writes the journal again if another program has removed or replaced the file: what was granted
-  /// must outlive this daemon.
+  /// must outlive this daemon. Undoes on disk what could not be undone when it was refused.
   void keep();
   /// Why the journal cannot be written again; empty: it can.
   [[nodiscard]] const std::string& problem() const { return gone_.text(); }

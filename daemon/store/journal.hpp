@@ -54,9 +54,13 @@ class Journal {
   /// trouble().
   Result<void> commit();
 
-  /// Writes the file anew if somebody has removed or replaced it, or its directory: what goes into
-  /// a file without a name is lost with the process. True if so. commit() does the same, and
-  /// refuses what was to be committed. There must be nothing uncommitted.
+  /// Undoes on disk what could not be undone when its commit failed: until then a loss of power may
+  /// bring it back. Each commit does it first. Does nothing where all was undone.
+  Result<void> mend();
+
+  /// Writes the file anew if another program has removed or replaced it, or its directory: what
+  /// goes into a file without a name is lost with the process. True if so. commit() does the same,
+  /// and refuses what was to be committed. There must be nothing uncommitted.
   Result<bool> keep();
 
   /// Something is appended and not committed.
@@ -85,8 +89,6 @@ class Journal {
   Result<void> read();
   Result<std::uint64_t> read_batch(std::string_view bytes, std::uint64_t sequence);
   Result<void> cut_tail(std::string_view bytes);
-  /// Undoes on disk what could not be undone when it failed: nothing may be written before that.
-  Result<void> mend();
   [[nodiscard]] bool is_gone() const;
   void forget_batch();
   void change(const Entry& entry, const Entry& back, std::uint64_t bytes);

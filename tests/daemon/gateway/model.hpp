@@ -25,6 +25,14 @@ inline constexpr std::uint64_t kSecond = 1'000'000'000;
 struct Tally {
   std::uint64_t steps = 0, admitted = 0, refused = 0, failed = 0, released = 0, reloads = 0;
   std::uint64_t restarts = 0, crashes = 0, lost = 0, expired = 0;
+
+  Tally& operator+=(const Tally& other) {
+    for (const auto field :
+         {&Tally::steps, &Tally::admitted, &Tally::refused, &Tally::failed, &Tally::released,
+          &Tally::reloads, &Tally::restarts, &Tally::crashes, &Tally::lost, &Tally::expired})
+      this->*field += other.*field;
+    return *this;
+  }
 };
 inline Tally tally;
 
@@ -119,6 +127,7 @@ class Model {
       } else {
         for (const auto& [id, request] : held_) {
           unmended_.insert(id);
+          sessions_.erase(id);  // the next admission may get its number
           demand(!bench_.state().admissions().contains(id), "what the disk refused is granted");
           ++tally.lost;
         }
