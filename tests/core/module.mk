@@ -1,1 +1,1 @@
-$(eval $(call unit_test,core_test,$(foreach part,model admission design profiles gates,$(wildcard tests/core/$(part)/*.cc)),$O/libcore.a,))
+$(eval $(call unit_test,core_test,$(foreach part,model admission design profiles gates reserve,$(wildcard tests/core/$(part)/*.cc)),$O/libcore.a,))

@@ -205,6 +205,98 @@ TEST(AllocationTest, WhatWasGrantedBeforeTheRestartIsServedFirst) {
   EXPECT_EQ(s.service(), "-h");
 }
 
+/// Channels over one link between two nodes whose ends come at run time.
+class Ages {
+ public:
+  /// `described`: of each channel, 'p' or 's' for the ends that the description has.
+  explicit Ages(const std::vector<std::string>& described) {
+    System system = mesh_of(2);
+    system.networks[0].provision.set(Attribute::max_payload, 1400);
+    for (std::size_t c = 0; c < described.size(); ++c) add_channel(system, 0);
+    all_ = system;
+    std::erase_if(system.publishers,
+                  [&](const Publisher& p) { return !described[p.channel].contains('p'); });
+    std::erase_if(system.subscribers,
+                  [&](const Subscriber& s) { return !described[s.channel].contains('s'); });
+    state_ = std::make_unique<State>(std::move(system));
+  }
+
+  void admit(AdmissionId id, std::size_t channel, const std::string& ends) {
+    Admission a;
+    a.id = id;
+    a.channel = channel;
+    if (ends.contains('p')) a.publisher = all_.publishers[channel];
+    if (ends.contains('s')) a.subscriber = all_.subscribers[channel];
+    state_->restore(a);
+  }
+  void release(AdmissionId id) { EXPECT_TRUE(state_->remove(id)); }
+
+  /// Who is served where the link carries one of them.
+  std::string served() {
+    mesh::Graph graph;
+    graph.nodes = 2;
+    graph.links = {link(0, 2000)};
+    state_->set_graph(0, graph);
+    state_->decide();
+    EXPECT_FALSE(service_of(*state_).contains('-')) << "there is room for all";
+    graph.links = {link(0, 100)};
+    state_->set_graph(0, graph);
+    state_->settle();
+    return service_of(*state_);
+  }
+
+ private:
+  System all_;
+  std::unique_ptr<State> state_;
+};
+
+TEST(AllocationTest, TheChannelThatWasAdmittedFirstIsKept) {
+  Ages later({"", ""});
+  later.admit(5, 0, "ps");
+  later.admit(3, 1, "ps");
+  EXPECT_EQ(later.served(), "-l");
+  Ages earlier({"", ""});
+  earlier.admit(2, 0, "ps");
+  earlier.admit(3, 1, "ps");
+  EXPECT_EQ(earlier.served(), "l-");
+}
+
+TEST(AllocationTest, AChannelIsAsOldAsTheFirstOfItsAdmissions) {
+  for (const std::string first : {"p", "s"}) {
+    Ages ages({"", ""});
+    ages.admit(3, 0, "ps");
+    ages.admit(2, 1, first);
+    ages.admit(5, 1, first == "p" ? "s" : "p");
+    EXPECT_EQ(ages.served(), "-l") << first;
+    ages.release(2);
+    ages.admit(6, 1, first);
+    EXPECT_EQ(ages.served(), "l-") << "the others of the channel came later";
+  }
+}
+
+TEST(AllocationTest, AChannelWithBothEndsInTheDescriptionIsOlderThanAnyAdmission) {
+  Ages ages({"", "ps"});
+  ages.admit(1, 0, "ps");
+  EXPECT_EQ(ages.served(), "-l");
+  ages.admit(7, 1, "s");
+  EXPECT_EQ(ages.served(), "-l") << "whoever comes to it later";
+  ages.admit(8, 1, "p");
+  EXPECT_EQ(ages.served(), "-l");
+}
+
+TEST(AllocationTest, AChannelWithOneEndInTheDescriptionIsAsOldAsTheAdmissionOfTheOther) {
+  for (const std::string described : {"p", "s"}) {
+    Ages ages({"", described});
+    ages.admit(1, 0, "ps");
+    ages.admit(2, 1, described == "p" ? "s" : "p");
+    EXPECT_EQ(ages.served(), "l-") << described;
+    Ages older({"", described});
+    older.admit(3, 0, "ps");
+    older.admit(2, 1, described == "p" ? "s" : "p");
+    EXPECT_EQ(older.served(), "-l") << described;
+  }
+}
+
 /// Two links that reach each other only over a third, from b to c: k-hop domains, k = 1. Channels
 /// of two sets, each over the link that is said.
 class Islands {

@@ -57,6 +57,41 @@ TEST(Assign, FindsAnOrderExactlyWhenOneOfAllPermutationsWorks) {
   EXPECT_GT(none, 30U);
 }
 
+/// What may be on the bus beside the messages counts at every place.
+TEST(Assign, WithErrorsAndOtherLoadTooItFindsAnOrderExactlyWhenOneWorks) {
+  auto errors = bus();
+  errors.faults = {.count = 1, .interval = 5 * sets::kMillisecond};
+  auto load = bus();
+  load.background = 50'000;
+  auto senders = bus();
+  senders.unknown_senders = true;
+  for (const Assumptions& assumptions : {errors, load, senders}) {
+    sets::Random random(3);
+    unsigned found = 0;
+    unsigned none = 0;
+    for (unsigned n = 0; n < 100; ++n) {
+      auto set = sets::random_set(random, sets::between(random, 2, 5), {.load = 60});
+      for (Message& m : set)
+        m.deadline = m.jitter + sets::between(random, 400, 2800) * sets::kMicrosecond;
+      std::vector<std::size_t> order(set.size());
+      std::iota(order.begin(), order.end(), std::size_t{0});
+      bool any = false;
+      do {
+        const auto one = ordered(set, order);
+        const auto responses = analyse(assumptions, one);
+        any = true;
+        for (std::size_t i = 0; i < one.size(); ++i)
+          any = any && fits(assumptions, one[i], responses[i]);
+      } while (!any && std::ranges::next_permutation(order).found);
+      const auto assigned = assign_priorities(assumptions, set);
+      ASSERT_EQ(assigned.has_value(), any) << n;
+      ++(any ? found : none);
+    }
+    EXPECT_GT(found, 10U);
+    EXPECT_GT(none, 10U);
+  }
+}
+
 TEST(Assign, WithQueuesAndFragmentsAnOrderThatIsFoundHolds) {
   sets::Random random(2);
   auto assumptions = bus();

@@ -130,6 +130,56 @@ TEST(Frame, WithoutAChangeOfRateAllBitsOfAnFdFrameAreSlow) {
             frame_time({.bitrate = 500'000, .data_bitrate = 500'000}, fd, 64));
 }
 
+/// docs/explanation/can-analysis.md: 35 or 59 slow bits, and 33 + 10 s or 38 + 10 s fast ones.
+TEST(Frame, FdBitsTakeTheTimeOfTheirPhase) {
+  const Timing timing{.bitrate = 500'000, .data_bitrate = 2'000'000};  // 2 us and 500 ns
+  const FrameForm standard{.extended = false, .fd = true};
+  const FrameForm extended{.extended = true, .fd = true};
+  EXPECT_EQ(frame_time(timing, standard, 0), 35 * 2'000U + 33 * 500U);
+  EXPECT_EQ(frame_time(timing, standard, 16), 35 * 2'000U + 193 * 500U);
+  EXPECT_EQ(frame_time(timing, standard, 17), 35 * 2'000U + 238 * 500U) << "a longer CRC, 20 bytes";
+  EXPECT_EQ(frame_time(timing, extended, 8), 59 * 2'000U + 113 * 500U);
+  EXPECT_EQ(frame_time(timing, extended, 64), 59 * 2'000U + 678 * 500U);
+  EXPECT_EQ(frame_time(timing, extended, 65), 59 * 2'000U + 678 * 500U) << "there are no more";
+  // Each phase is rounded up for itself: 35 bits of 3000.003 ns, 33 bits of 499.99975 ns.
+  EXPECT_EQ(frame_time({.bitrate = 333'333, .data_bitrate = 2'000'001}, standard, 0),
+            105'001U + 16'500U);
+}
+
+TEST(Frame, ADataBitRateThatIsNoFasterIsNotChangedTo) {
+  const FrameForm fd{.extended = false, .fd = true};
+  for (const std::uint32_t data : {0U, 1U, 250'000U, 500'000U})
+    EXPECT_EQ(frame_time({.bitrate = 500'000, .data_bitrate = data}, fd, 64), (35 + 678) * 2'000U)
+        << data;
+  EXPECT_EQ(frame_time({.bitrate = 500'000, .data_bitrate = 1'000'000}, fd, 64),
+            35 * 2'000U + 678 * 1'000U);
+}
+
+/// 40 slow bits; 6 fast ones, and 109 + 8 s with a bit more for each ten.
+TEST(Frame, XlBitsTakeTheTimeOfTheirPhase) {
+  const Timing timing{.bitrate = 500'000, .data_bitrate = 10'000'000};  // 2 us and 100 ns
+  EXPECT_EQ(xl_frame_time(timing, 1), 40 * 2'000U + (6 + 117 + 12) * 100U);
+  EXPECT_EQ(xl_frame_time(timing, 0), xl_frame_time(timing, 1)) << "none is shorter";
+  EXPECT_EQ(xl_frame_time(timing, 2), 40 * 2'000U + (6 + 125 + 13) * 100U);
+  EXPECT_EQ(xl_frame_time(timing, 2048), 40 * 2'000U + (6 + 16'493 + 1'650) * 100U);
+  EXPECT_EQ(xl_frame_time(timing, 2049), xl_frame_time(timing, 2048)) << "there are no more";
+  EXPECT_EQ(xl_frame_time({.bitrate = 500'000}, 1), (40 + 6 + 117 + 12) * 2'000U);
+  EXPECT_EQ(xl_frame_time({}, 1), kNever);
+}
+
+TEST(Frame, TheLongestFrameIsThatOfTheFormsThatABusCarries) {
+  const Timing equal{.bitrate = 500'000, .data_bitrate = 500'000};
+  EXPECT_EQ(longest_frame(equal, false), 160 * 2'000U);
+  EXPECT_EQ(longest_frame(equal, true), (59 + 678) * 2'000U);
+  EXPECT_EQ(longest_frame(equal, true, true), xl_frame_time(equal, 2048));
+  // 59 slow bits and few fast ones are less than the 160 of a classic frame.
+  const Timing fast{.bitrate = 125'000, .data_bitrate = 16'000'000};
+  EXPECT_EQ(longest_frame(fast, true), 160 * 8'000U);
+  // 18149 fast bits and 40 slow ones against 59 slow ones and 678 fast ones.
+  const Timing fastest{.bitrate = 10'000, .data_bitrate = 400'000'000};
+  EXPECT_EQ(longest_frame(fastest, false, true), 160 * 100'000U);
+}
+
 TEST(Frame, PhysicalLimitsAtOneMegabit) {
   const Timing timing{.bitrate = 1'000'000};
   EXPECT_EQ(frame_time(timing, {.extended = false}, 0), 55'000U);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <random>
 #include <string>
 
@@ -27,13 +28,15 @@ std::string remainder(std::string bits) {
   return bits.substr(bits.size() - 15);
 }
 
-std::string stuffed(const std::string& bits) {
+/// `at_end`: whether the last bit may be followed by a stuff bit.
+std::string stuffed(const std::string& bits, bool at_end = true) {
   std::string out;
   unsigned run = 0;
-  for (const char bit : bits) {
+  for (std::size_t i = 0; i < bits.size(); ++i) {
+    const char bit = bits[i];
     run = !out.empty() && out.back() == bit ? run + 1 : 1;
     out += bit;
-    if (run == 5) {
+    if (run == 5 && (at_end || i + 1 < bits.size())) {
       out += bit == '0' ? '1' : '0';
       run = 1;
     }
@@ -77,6 +80,44 @@ TEST(Wire, AClassicFrameHasTheBitsThatAreWritten) {
   for (unsigned i = 0; i < 20'000; ++i) {
     const auto f = any_frame(random);
     EXPECT_EQ(wire_length(f), (WireLength{.slow = written(f), .fast = 0}));
+  }
+}
+
+/// The four bits that state the length of an FD frame.
+std::string fd_length(unsigned bytes) {
+  const std::map<unsigned, std::string> longer = {{12, "1001"}, {16, "1010"}, {20, "1011"},
+                                                  {24, "1100"}, {32, "1101"}, {48, "1110"},
+                                                  {64, "1111"}};
+  return bytes <= 8 ? binary(bytes, 4) : longer.lower_bound(bytes)->second;
+}
+
+/// Dynamic stuffing ends with the payload. What follows has a length of its own: stuff count and
+/// CRC with their fixed stuff bits, delimiter; acknowledgement to intermission.
+WireLength written_fd(const WireFrame& f) {
+  const std::string first = head(f) + "10" + (f.switches ? "1" : "0");
+  WireFrame padded = f;  // to a size that exists; what is added is zero
+  while (padded.size > 8 && padded.size != 12 && padded.size != 16 && padded.size != 20 &&
+         padded.size != 24 && padded.size != 32 && padded.size != 48 && padded.size != 64)
+    padded.data[padded.size++] = 0;
+  const std::string second = (f.passive ? "1" : "0") + fd_length(f.size) + payload(padded);
+  const std::string all = stuffed(first + second, false);
+  const auto slow = static_cast<unsigned>(stuffed(first).size());
+  const unsigned fast = static_cast<unsigned>(all.size()) - slow + (padded.size > 16 ? 32 : 27) + 1;
+  if (f.switches) return {.slow = slow + 12, .fast = fast};
+  return {.slow = slow + fast + 12, .fast = 0};
+}
+
+TEST(Wire, AnFdFrameHasTheBitsThatAreWritten) {
+  std::mt19937 random(3);
+  for (unsigned i = 0; i < 20'000; ++i) {
+    auto f = any_frame(random);
+    f.fd = true;
+    f.remote = false;
+    f.switches = random() % 2 != 0;
+    f.passive = random() % 2 != 0;
+    f.size = static_cast<std::uint8_t>(random() % 65);
+    for (std::size_t at = f.size; at < f.data.size(); ++at) f.data[at] = 0;
+    ASSERT_EQ(wire_length(f), written_fd(f)) << i << ", " << unsigned{f.size} << " bytes";
   }
 }
 
