@@ -149,6 +149,16 @@ TEST_F(EtherFragments, EndWhereTheDatagramSaysSo) {
   EXPECT_TRUE(passes(known_, 1152, 1400));
 }
 
+TEST_F(EtherFragments, MayEndWhereTheLongestDatagramEnds) {
+  Datagram longest = known_;
+  longest.port = 53;
+  longest.payload = 65'535 - 17;
+  EXPECT_TRUE(passes(longest, 0, 576));
+  EXPECT_TRUE(passes(longest, 576, 1152));
+  EXPECT_TRUE(passes(longest, 65'528, 65'535)) << "the last 7 octets that a length can state";
+  EXPECT_EQ(counted(GATE_R_MALFORMED), 0U);
+}
+
 TEST_F(EtherFragments, OfADatagramThatLiesAboutItsLengthAreDropped) {
   Datagram lies = known_;
   lies.longer_udp = 576 - 1400;

@@ -313,6 +313,19 @@ TEST(LedgerTest, ThePromisesOfTwoPublishersAreNotMixedUp) {
   b.add(on(kBus, 0), 3);
   b.add(on(kWire, 1), 3);
   EXPECT_FALSE(a.same_promises(b));
+  // The first publisher has the same, and the others have each other's.
+  const auto exchanged = [](std::size_t second, std::size_t third) {
+    Ledger l = ledger();
+    for (const auto& [p, bytes] : {std::pair(std::size_t{0}, 1U), {second, 2U}, {third, 3U}})
+      l.add(on(kWire, p), bytes);
+    return l;
+  };
+  EXPECT_TRUE(exchanged(1, 2).same_promises(exchanged(1, 2)));
+  EXPECT_FALSE(exchanged(1, 2).same_promises(exchanged(2, 1)));
+  // A way over links that take no time is not none.
+  const Ledger timeless = Held{.shares = {}}.made();
+  EXPECT_FALSE(timeless.same_promises(Held{.over_mesh = false}.made()));
+  EXPECT_FALSE(Held{.over_mesh = false}.made().same_promises(timeless));
   // Where it comes from is part of a flow.
   Ledger c = ledger();
   c.add(on(kWire, 0, kBus), 3);
