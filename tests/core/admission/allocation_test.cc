@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Who gets what when a network changes: keep, degrade, admit waiting, upgrade.
+#include "core/admission/allocation.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -203,6 +205,71 @@ TEST(AllocationTest, WhatWasGrantedBeforeTheRestartIsServedFirst) {
   // Alone the second got its high quality before the first was admitted again.
   s.state().decide({{1, {0, {{"p1", 0, "air"}}}}});
   EXPECT_EQ(s.service(), "-h");
+}
+
+TEST(AllocationTest, AChannelThatMustGoDownComesBeforeOneThatWaits) {
+  Scarce s({0, 0});
+  s.carries(450);
+  s.state().decide({{1, {0, {{"p1", 0, "air"}}}}});
+  ASSERT_EQ(s.service(), "-h");
+  s.carries(150);
+  EXPECT_EQ(s.service(), "-l") << "its high quality does not fit even alone, its low one does";
+}
+
+/// Two networks with two gateways between them: the second loses events, which the first channel,
+/// an important one, does not accept and the second does. Each is content with `kLow`.
+System two_gateways(Value first, Value second) {
+  System system;
+  for (const char* name : {"near", "far"}) {
+    Network& net = system.networks.emplace_back();
+    net.name = name;
+    net.kind = NetworkKind::other;
+    net.provision.set(Attribute::omission, 0).set(Attribute::max_payload, 8);
+    net.provision.set(Attribute::bandwidth, 10 * kHigh);
+  }
+  for (const auto& [bytes, lost] : {std::pair(first, 0U), {second, 5U}}) {
+    Gateway& g = system.gateways.emplace_back();
+    g.name = lost == 0 ? "good" : "lossy";
+    g.provision.set(Attribute::omission, lost).set(Attribute::bandwidth, bytes);
+    for (const std::size_t n : {0, 1}) g.ports.emplace_back().network = n;
+  }
+  for (const Value lost : {0, 9}) {
+    add_channel(system, 0, lost == 0 ? 7 : 0);
+    EventChannel& channel = system.channels.back();
+    channel.attributes.set(Attribute::omission, lost);
+    channel.lower[0].attributes.set(Attribute::omission, lost);
+    for (AttributeSet* set :
+         {&system.publishers.back().attributes, &system.subscribers.back().attributes})
+      *set = channel.attributes;
+    system.publishers.back().lower = system.subscribers.back().lower = channel.lower;
+    system.publishers.back().mesh_node.reset();
+    system.subscribers.back().mesh_node.reset();
+    system.subscribers.back().place = network(1);
+  }
+  return system;
+}
+
+TEST(AllocationTest, WhatALessImportantChannelFreesByAnotherWayIsGivenToTheMoreImportant) {
+  // Both fit the good gateway at their low rate. The second is upgraded over the lossy one, and
+  // only then there is room for the high rate of the first.
+  const System system = two_gateways(kHigh + kLow / 2, kHigh);
+  EXPECT_EQ(service_of(State(system)), "hh");
+  const Topology topology(system);
+  const Members members(system);
+  const World world(system);
+  Ledger ledger = empty_ledger(system, world);
+  std::vector<std::size_t> sets;
+  decide_each({system, topology, members, world, {false, false}}, ledger,
+              [&](std::size_t, const Decision& d) { sets.push_back(d.granted == 0 ? 9 : d.set); });
+  EXPECT_EQ(sets, (std::vector<std::size_t>{0, 0}));
+  State later(system);
+  for (const bool available : {false, true}) {
+    Condition condition;
+    condition.available = available;
+    later.set_condition(1, condition);
+    later.settle();
+  }
+  EXPECT_EQ(service_of(later), "hh");
 }
 
 /// Channels over one link between two nodes whose ends come at run time.

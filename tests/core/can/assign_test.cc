@@ -57,6 +57,14 @@ TEST(Assign, FindsAnOrderExactlyWhenOneOfAllPermutationsWorks) {
   EXPECT_GT(none, 30U);
 }
 
+TEST(Assign, TheLowestPlaceIsBlockedByNobody) {
+  auto set = std::vector{sets::message(0, 1, sets::kMillisecond, 9 * sets::kMillisecond)};
+  set[0].deadline = sets::kMillisecond;
+  EXPECT_TRUE(assign_priorities(bus(), set));
+  set[0].deadline = sets::kMillisecond - 1;
+  EXPECT_FALSE(assign_priorities(bus(), set));
+}
+
 /// What may be on the bus beside the messages counts at every place.
 TEST(Assign, WithErrorsAndOtherLoadTooItFindsAnOrderExactlyWhenOneWorks) {
   auto errors = bus();
