@@ -44,6 +44,7 @@ class Mutation:
     line: int
     before: str  # the line, without the space around it
     after: str
+    above: str   # the line above it
 
     def applied_to(self, source):
         return source[:self.start] + self.replacement + source[self.end:]
@@ -110,6 +111,7 @@ def mutations_of(path, source):
         first = source.rfind('\n', 0, start) + 1
         last = source.find('\n', end)
         before = source[first:last]
+        above = ' '.join(source[source.rfind('\n', 0, max(first - 1, 0)) + 1:first].split())
         group = []
         for replacement in replacements:
             # A condition is copied from the code without strings: take the source's own text.
@@ -117,5 +119,5 @@ def mutations_of(path, source):
                 replacement = '!(' + source[start:end] + ')'
             after = source[first:start] + replacement + source[end:last]
             group.append(Mutation(path, start, end, replacement, source.count('\n', 0, start) + 1,
-                                  ' '.join(before.split()), ' '.join(after.split())))
+                                  ' '.join(before.split()), ' '.join(after.split()), above))
         yield group
