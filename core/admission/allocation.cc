@@ -110,6 +110,14 @@ void Allocation::degrade(const std::vector<std::size_t>& channels) {
   ledger_.commit();
 }
 
+/// Whether something is granted over another way than before.
+bool Allocation::takes_another_way(const Decision& before, const Decision& after) {
+  return std::ranges::any_of(after.verdicts, [&](const Verdict& v) {
+    const Verdict* old = same_delivery(before, v);
+    return v.granted && old != nullptr && old->granted && v.route != old->route;
+  });
+}
+
 bool Allocation::step_up(std::size_t channel) {
   Progress::step();
   if (is_best(channel)) return false;
@@ -126,10 +134,12 @@ bool Allocation::step_up(std::size_t channel) {
     const bool better = next.granted == now.granted && set < now.set && now.granted != 0;
     const bool same = next.granted == now.granted && set == now.set && now.granted != 0;
     if (keeps && (more || better || same)) {
+      const bool moves = takes_another_way(now, next);
       put(channel, std::move(next));
       ledger_.commit();
-      // The same again: only the reasons of what is refused are those of now.
-      if (!same) return true;
+      // The same again on the same way: only the reasons of what is refused are those of now. On
+      // another way it frees something, which others may wait for.
+      if (!same || moves) return true;
       continue;
     }
     ledger_.roll_back(mark);

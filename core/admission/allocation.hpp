@@ -44,7 +44,7 @@ class Allocation {
   /// now.
   bool admit_waiting(const std::vector<std::size_t>& channels);
   /// Gives the sorted channels more, as far as there is more, at no other channel's cost. True if
-  /// one got more.
+  /// one got more, or takes another way.
   bool upgrade(const std::vector<std::size_t>& channels);
 
   /// Takes what a channel holds out of the ledger.
@@ -54,6 +54,7 @@ class Allocation {
   void put(std::size_t channel, Decision decision);
   [[nodiscard]] Decision alone(std::size_t channel);
   [[nodiscard]] std::optional<Decision> lowered(std::size_t channel, const Decision& before);
+  [[nodiscard]] static bool takes_another_way(const Decision& before, const Decision& after);
   bool step_up(std::size_t channel);
   [[nodiscard]] bool is_best(std::size_t channel) const;
   [[nodiscard]] std::uint8_t importance(std::size_t channel) const {

@@ -216,9 +216,20 @@ TEST(AllocationTest, AChannelThatMustGoDownComesBeforeOneThatWaits) {
   EXPECT_EQ(s.service(), "-l") << "its high quality does not fit even alone, its low one does";
 }
 
-/// Two networks with two gateways between them: the second loses events, which the first channel,
-/// an important one, does not accept and the second does. Each is content with `kLow`.
-System two_gateways(Value first, Value second) {
+/// A gateway that carries so many bytes/s and may lose so many events.
+struct Way {
+  Value bytes;
+  Value lost;
+};
+/// What a channel accepts.
+struct Wanted {
+  Value lost;
+  std::uint8_t importance = 0;
+};
+
+/// Two networks with gateways between them, and channels over them that prefer `kHigh` and are
+/// content with `kLow`.
+System several_ways(const std::vector<Way>& ways, const std::vector<Wanted>& channels) {
   System system;
   for (const char* name : {"near", "far"}) {
     Network& net = system.networks.emplace_back();
@@ -227,17 +238,17 @@ System two_gateways(Value first, Value second) {
     net.provision.set(Attribute::omission, 0).set(Attribute::max_payload, 8);
     net.provision.set(Attribute::bandwidth, 10 * kHigh);
   }
-  for (const auto& [bytes, lost] : {std::pair(first, 0U), {second, 5U}}) {
+  for (const Way& way : ways) {
     Gateway& g = system.gateways.emplace_back();
-    g.name = lost == 0 ? "good" : "lossy";
-    g.provision.set(Attribute::omission, lost).set(Attribute::bandwidth, bytes);
+    g.name = "g" + std::to_string(system.gateways.size());
+    g.provision.set(Attribute::omission, way.lost).set(Attribute::bandwidth, way.bytes);
     for (const std::size_t n : {0, 1}) g.ports.emplace_back().network = n;
   }
-  for (const Value lost : {0, 9}) {
-    add_channel(system, 0, lost == 0 ? 7 : 0);
+  for (const Wanted& wanted : channels) {
+    add_channel(system, 0, wanted.importance);
     EventChannel& channel = system.channels.back();
-    channel.attributes.set(Attribute::omission, lost);
-    channel.lower[0].attributes.set(Attribute::omission, lost);
+    channel.attributes.set(Attribute::omission, wanted.lost);
+    channel.lower[0].attributes.set(Attribute::omission, wanted.lost);
     for (AttributeSet* set :
          {&system.publishers.back().attributes, &system.subscribers.back().attributes})
       *set = channel.attributes;
@@ -252,7 +263,7 @@ System two_gateways(Value first, Value second) {
 TEST(AllocationTest, WhatALessImportantChannelFreesByAnotherWayIsGivenToTheMoreImportant) {
   // Both fit the good gateway at their low rate. The second is upgraded over the lossy one, and
   // only then there is room for the high rate of the first.
-  const System system = two_gateways(kHigh + kLow / 2, kHigh);
+  const System system = several_ways({{kHigh + kLow / 2, 0}, {kHigh, 5}}, {{0, 7}, {9}});
   EXPECT_EQ(service_of(State(system)), "hh");
   const Topology topology(system);
   const Members members(system);
@@ -270,6 +281,22 @@ TEST(AllocationTest, WhatALessImportantChannelFreesByAnotherWayIsGivenToTheMoreI
     later.settle();
   }
   EXPECT_EQ(service_of(later), "hh");
+}
+
+TEST(AllocationTest, WhatAChannelFreesThatTakesAnotherWayInTheSameQualityIsGivenAway) {
+  // The first takes the lossy gateway, the second the good one, which the third needs.
+  System system = several_ways({{kLow, 5}, {kLow, 0}}, {{9}, {9}, {0}});
+  // Nobody can serve another subscriber of the second: it is looked at again with each relief.
+  Network apart = system.networks[1];
+  apart.name = "apart";
+  system.networks.push_back(apart);
+  system.subscribers.push_back(system.subscribers[1]);
+  system.subscribers.back().place = network(2);
+  State state(std::move(system));
+  ASSERT_EQ(service_of(state), "ll-");
+  state.set_withdrawn(0, true);
+  state.settle();
+  EXPECT_EQ(service_of(state), "-ll") << "the second goes over the lossy gateway now";
 }
 
 /// Channels over one link between two nodes whose ends come at run time.

@@ -110,6 +110,23 @@ TEST(MeasuredMeshTest, AtDesignTimeItGivesAtBestWhatOneLinkStates) {
   EXPECT_TRUE(checked.verdict.hops.at(mesh_hop).provision.is_dynamic(Attribute::latency));
 }
 
+TEST(MeasuredMeshTest, AtDesignTimeTheRunTimeDecidesOfItsMediumTime) {
+  const Checked checked = check(measured());
+  std::size_t found = 0;
+  for (const Row& row : checked.verdict.rows) {
+    if (row.against != Against::medium_time) continue;
+    ++found;
+    EXPECT_EQ(row.place, network(kAir));
+    EXPECT_EQ(row.comparison.attribute, Attribute::bandwidth);
+    EXPECT_EQ(row.comparison.outcome, Outcome::run_time);
+    EXPECT_TRUE(row.comparison.known);
+    EXPECT_TRUE(row.comparison.dynamic);
+    EXPECT_EQ(row.comparison.required, 160U) << "8 bytes every 50 ms";
+    EXPECT_EQ(row.comparison.provided, kUnbounded);
+  }
+  EXPECT_EQ(found, 1U);
+}
+
 TEST(MeasuredMeshTest, AtDesignTimeItLeavesTheBusBeforeItTheRestOfTheDeadline) {
   const Checked checked = check(measured());
   ASSERT_EQ(checked.verdict.media.size(), 1U);

@@ -73,6 +73,25 @@ TEST(BusTest, GrantsWhatMeetsItsDeadlineAndNothingMore) {
       << reason(state.system(), state.members(), refused);
 }
 
+TEST(BusTest, WhatAGrantPromisesIsTheResponseTimeOfItsFrames) {
+  const State state(one_bus(2, 50 * kMs));
+  // A frame takes 1.08 ms. The first is blocked by one of the second, which waits for the first.
+  for (const Decision& d : state.decisions()) {
+    const Verdict& v = d.verdicts.at(0);
+    ASSERT_TRUE(v.granted);
+    ASSERT_EQ(v.media.size(), 1U);
+    EXPECT_EQ(v.media[0].network, 0U);
+    EXPECT_EQ(v.media[0].guaranteed, 50 * kMs);
+  }
+  // The first was alone when it was decided, the second was not.
+  EXPECT_EQ(state.decisions()[0].verdicts[0].media[0].response, 1'080'000U);
+  EXPECT_EQ(state.decisions()[0].verdicts[0].provision[Attribute::latency], 1'080'000U);
+  EXPECT_EQ(state.decisions()[0].verdicts[0].provision[Attribute::jitter], 1'080'000U);
+  EXPECT_EQ(state.decisions()[1].verdicts[0].media[0].response, 2'160'000U);
+  EXPECT_EQ(state.decisions()[1].verdicts[0].provision[Attribute::latency], 2'160'000U);
+  EXPECT_EQ(state.decisions()[1].verdicts[0].provision[Attribute::period], 50 * kMs);
+}
+
 /// One message of 36 % of the bus, and one of 5 %.
 System loud_and_quiet() {
   System system = one_bus(2, 20 * kMs);
@@ -384,6 +403,7 @@ TEST(MeshTest, BetweenProgramsOfOneNodeThereIsNothingToWaitFor) {
   System system = air(often);
   system.networks[0].provision.set(Attribute::latency, 20 * kMs, true);
   system.subscribers[0].mesh_node = 0;
+  system.subscribers[0].attributes.set(Attribute::bandwidth, 100);
   State state(std::move(system));
   state.set_graph(0, link_of(8000));
   state.settle();
@@ -407,6 +427,51 @@ TEST(MeshTest, EventsWithoutPayloadTakeTimeAllTheSame) {
     }
   EXPECT_TRUE(found);
   EXPECT_FALSE(v.granted);
+}
+
+TEST(MeshTest, WithoutAPeriodTheBandwidthSaysHowOftenEmptyEventsAre) {
+  AttributeSet slow;
+  slow.set(Attribute::max_payload, 0).set(Attribute::bandwidth, 7);
+  State state(air(slow));
+  state.set_graph(0, link_of(8000));
+  state.settle();
+  const Verdict& v = state.decisions()[0].verdicts.at(0);
+  EXPECT_TRUE(v.granted);
+  const auto row = std::ranges::find(v.rows, Against::medium_time, &Row::against);
+  ASSERT_NE(row, v.rows.end());
+  EXPECT_EQ(row->comparison.required, 7U);
+}
+
+/// Of a chain a, b, c: a link that goes to b carries what goes on to c as well.
+TEST(MeshTest, ALinkOnTheWayToTwoNodesIsTakenOnce) {
+  AttributeSet slow;
+  slow.set(Attribute::bandwidth, 100).set(Attribute::max_payload, 100);
+  const auto taken_by = [&](const std::vector<std::uint32_t>& listeners) {
+    System system = air(slow);
+    system.networks[0].mesh->nodes.push_back({"c", "c", {}, {}});
+    const Subscriber one = system.subscribers[0];
+    system.subscribers.clear();
+    for (const std::uint32_t node : listeners) {
+      system.subscribers.push_back(one);
+      system.subscribers.back().mesh_node = node;
+    }
+    State state(std::move(system));
+    mesh::Graph graph = link_of(8000);
+    graph.nodes = 3;
+    graph.links.push_back(graph.links[0]);
+    graph.links[1].from = 1;
+    graph.links[1].to = 2;
+    state.set_graph(0, graph);
+    state.settle();
+    EXPECT_TRUE(state.decisions()[0].all_granted());
+    return state.ledger().medium_time(0, 0);
+  };
+  const Value near = taken_by({1});
+  const Value far = taken_by({2});
+  EXPECT_GT(near, 0U);
+  EXPECT_EQ(far, 2 * near) << "two links, each as long";
+  EXPECT_EQ(taken_by({1, 2}), far);
+  EXPECT_EQ(taken_by({2, 1}), far);
 }
 
 TEST(MeshTest, WhatIsMeasuredBusyIsTakenWhateverIsReserved) {
