@@ -135,6 +135,13 @@ int LoadedGate::action(enforce::Direction direction, const Bytes& bytes,
   return static_cast<int>(execute(direction, bytes, context, sender, 0).retval);
 }
 
+std::uint32_t LoadedGate::band(const Bytes& bytes, const Sender& sender) const {
+  __sk_buff context{};
+  const auto run = execute(enforce::Direction::egress, bytes, context, sender, 0);
+  require(static_cast<int>(run.retval) == TC_ACT_UNSPEC, "let a frame out");
+  return context.priority;
+}
+
 std::uint32_t LoadedGate::time(enforce::Direction direction, const Bytes& bytes,
                                const Sender& sender, int repeat) const {
   __sk_buff context{};

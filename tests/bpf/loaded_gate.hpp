@@ -70,6 +70,8 @@ class LoadedGate {
   Outcome run(enforce::Direction direction, const Bytes& bytes, const Sender& sender = {}) const;
   /// What the program gives: TC_ACT_*.
   int action(enforce::Direction direction, const Bytes& bytes, const Sender& sender = {}) const;
+  /// skb->priority of what is let out.
+  std::uint32_t band(const Bytes& bytes, const Sender& sender) const;
   /// Average ns of a run.
   std::uint32_t time(enforce::Direction direction, const Bytes& bytes, const Sender& sender,
                      int repeat) const;

@@ -237,6 +237,9 @@ TEST(PlanTest, WithoutAPeriodTheBandwidthCounts) {
   EXPECT_EQ(policing_of(unsized, 1, 1000).tolerance, p.per_byte * 2000 / 256)
       << "who states no size may send the largest there is";
   EXPECT_FALSE(policing_of({}, 1).any()) << "who says nothing was promised nothing";
+  AttributeSet nothing;
+  nothing.set(Attribute::bandwidth, 0);
+  EXPECT_FALSE(policing_of(nothing, 1).any()) << "no rate follows from 0 bytes/s";
 }
 
 TEST(PlanTest, AGrantThatCrossesKnowsBothEnds) {
@@ -271,6 +274,66 @@ TEST(PlanTest, PublishersThatCannotBeDistinguishedCrossOnce) {
   system.publishers.push_back(system.publishers[0]);
   system.publishers[1].name = "second switch";
   EXPECT_EQ(State(system).transits(kBridge, 0).size(), 1U);
+}
+
+TEST(PlanTest, NothingCrossesAsFramesOfCanThatComesFromEthernetOrGoesThere) {
+  for (const auto& others : {std::vector{kSecondCan}, {kRobotCan}, {kSecondCan, kRobotCan}}) {
+    System system = robot(0);
+    for (const std::size_t n : others) {
+      system.networks[n].kind = NetworkKind::udp_multicast;
+      system.networks[n].bindings.clear();
+    }
+    system.publishers[0].node = 5;
+    for (Port& port : system.gateways[kBridge].ports) port.sender = 1000;
+    const State state(system);
+    ASSERT_TRUE(only_verdict(state).granted);
+    EXPECT_TRUE(state.transits(kBridge, 0).empty());
+  }
+}
+
+TEST(PlanTest, RemoteFramesPassWhereTheBindingHasThemAndItsMaskSaysTheRest) {
+  System system = robot(0);
+  for (Network& n : system.networks) {
+    n.profile = Profile::raw;
+    n.bindings[0].id = 0x120;
+    n.bindings[0].mask = 0x7f0;
+    n.bindings[0].extended = false;
+  }
+  for (const bool remote : {false, true}) {
+    for (Network& n : system.networks) n.bindings[0].remote_frames = remote;
+    const GateState gates = State(system).gate_state(kBridge);
+    ASSERT_EQ(gates.size(), 2U);
+    for (const GateRule& rule : gates) {
+      EXPECT_EQ(rule.entry.id, 0x120U);
+      EXPECT_EQ(rule.entry.mask, kExtendedFlag | (remote ? 0 : kRemoteFlag) | (kAllBits & ~0xfU));
+    }
+  }
+}
+
+/// 8 bytes every 20 ms are 400 bytes/s, beside 1000 bytes/s; both clocks may be 500 ppm fast.
+TEST(PlanTest, OneThatStatesAPeriodAndOneThatStatesARateSendSoManyBytesTogether) {
+  System system = robot(0);
+  for (Network& n : system.networks) n.profile = Profile::raw;
+  system.subscribers[0].attributes = AttributeSet{}.set(Attribute::max_payload, 8);
+  system.publishers.push_back(system.publishers[0]);
+  system.publishers[1].name = "second switch";
+  AttributeSet periodic;
+  periodic.set(Attribute::period, 20 * kMs).set(Attribute::max_payload, 8);
+  AttributeSet stream;
+  stream.set(Attribute::bandwidth, 1000).set(Attribute::max_payload, 8);
+  std::vector<Policing> found;
+  for (const bool turned : {false, true}) {
+    system.publishers[turned ? 1 : 0].attributes = periodic;
+    system.publishers[turned ? 0 : 1].attributes = stream;
+    const GateState gates = State(system).gate_state(kBridge);
+    const GateRule* in = find(gates, kSecondCan, Direction::ingress);
+    ASSERT_NE(in, nullptr);
+    EXPECT_TRUE(in->pass);
+    found.push_back(in->policing);
+  }
+  EXPECT_EQ(found[0], found[1]) << "whoever is described first";
+  EXPECT_EQ(found[0].per_frame, 0U);
+  EXPECT_NEAR(static_cast<double>(found[0].per_byte), 256 * 1e9 / (1400 * 1.0005), 100);
 }
 
 TEST(PlanTest, EntriesOfSeveralPublishersAreKnown) {

@@ -188,6 +188,46 @@ TEST(ControlTraffic, ThatCarriesAnythingPassesOnlyWhereItIsNamed) {
   EXPECT_EQ(passing(control_rules(s, 0)), control_rules(s, 0).size());
 }
 
+/// Frames of a carrier may come from the kernel itself, whose protocol makes them.
+TEST(ControlTraffic, ThatCarriesAnythingIsSentByTheKernelToo) {
+  auto s = bus_of(Profile::j1939);
+  const auto kinds = control_kinds(Profile::j1939);
+  s.networks[0].control.kinds = (1U << kinds.size()) - 1;
+  s.gateways[0].ports[0].control_uid = 7;
+  std::size_t frames = 0;
+  std::size_t of_carriers = 0;
+  for (const ControlKind& kind : kinds) {
+    frames += kind.frames.size();
+    of_carriers += kind.is_carrier ? kind.frames.size() : 0;
+  }
+  ASSERT_GT(of_carriers, 0U);
+  std::size_t in = 0;
+  std::size_t from_program = 0;
+  std::size_t from_kernel = 0;
+  for (const GateRule& rule : control_rules(s, 0)) {
+    EXPECT_FALSE(rule.policing.counts_only);
+    if (rule.entry.direction == Direction::ingress) {
+      ++in;
+      EXPECT_FALSE(rule.entry.from_kernel);
+    } else if (rule.entry.from_kernel) {
+      ++from_kernel;
+      EXPECT_EQ(rule.entry.uid, 0U);
+    } else {
+      ++from_program;
+      EXPECT_EQ(rule.entry.uid, 7U);
+    }
+  }
+  EXPECT_EQ(in, frames);
+  EXPECT_EQ(from_program, frames);
+  EXPECT_EQ(from_kernel, of_carriers);
+}
+
+TEST(ControlTraffic, ThatIsTooMuchPassesWhereExcessDoes) {
+  auto s = bus_of(Profile::canopen);
+  s.gateways[0].ports[0].excess = Excess::pass;
+  for (const GateRule& rule : control_rules(s, 0)) EXPECT_TRUE(rule.policing.counts_only);
+}
+
 TEST(ControlTraffic, OfAPortGoesBeforeThatOfItsNetwork) {
   auto s = bus_of(Profile::canopen);
   s.networks[0].control = {.kinds = 0, .rate = 10};
