@@ -297,6 +297,21 @@ TEST_F(LinkTableTest, AProblemIsKeptUntilItIsOver) {
   EXPECT_EQ(table.problem(0), "");
 }
 
+TEST_F(LinkTableTest, OfASourceWithAProblemOnlyWhatItWarnedOfCounts) {
+  Sample s = sample(24 * kMega, kSecond);
+  s.loss = 300'000'000;
+  s.weight = 7;
+  see(s, kSecond);
+  EXPECT_EQ(table.graph().links.at(0).weight, 7U);
+  EXPECT_TRUE(table.take(0, {.links = {}, .next_hops = {}, .problem = "has closed"}, kSecond));
+  ASSERT_EQ(table.graph().unusable.size(), 1U);
+  EXPECT_EQ(table.graph().unusable[0].weight, std::nullopt) << "at the same moment, too";
+  ASSERT_EQ(table.links().size(), 1U);
+  EXPECT_EQ(table.links()[0].sample.rate, 0U);
+  EXPECT_EQ(table.links()[0].sample.weight, std::nullopt);
+  EXPECT_EQ(table.links()[0].sample.loss, 300'000'000U);
+}
+
 TEST_F(LinkTableTest, ASourceThatIsSilencedMakesNoLinkBetter) {
   Sample etx = sample(0, kSecond);
   etx.loss = 250'000'000;

@@ -95,6 +95,16 @@ TEST(EventTimeTest, IsTheSumOfItsPackets) {
   EXPECT_EQ(event_time(k11, mesh, 3250), 3 * full + packet_time(k11, mesh, 250));
 }
 
+TEST(EventTimeTest, PacketsHoldAtLeastAByte) {
+  Mesh mesh = bare_mesh();
+  mesh.packet_time = 50'000;
+  for (const std::uint32_t bytes : {0, 1}) {
+    mesh.packet_bytes = bytes;
+    EXPECT_EQ(event_time(k11, mesh, 3), 3 * packet_time(k11, mesh, 1)) << bytes;
+    EXPECT_EQ(reckoned_event(mesh, 0), 1U);
+  }
+}
+
 TEST(MediumTimeTest, DemandOfThePaperTakesItsShareOfASecond) {
   // 3.2 Mbit/s by 24 and 11 Mbit/s: 2/15 + 16/55 = 70/165 = 0.4242 of the time
   const Value demand = 400'000;

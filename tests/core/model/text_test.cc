@@ -34,6 +34,73 @@ TEST(TextTest, WritesMarginsInWords) {
   EXPECT_EQ(format_margin(compare(Attribute::omission, 2, AttributeSet{})), "not provided");
 }
 
+TEST(TextTest, WritesMarginsThatHaveNoEndInWords) {
+  const auto margin = [](Attribute a, Value required, Value provided) {
+    return format_margin(compare(a, required, AttributeSet{}.set(a, provided)));
+  };
+  EXPECT_EQ(margin(Attribute::max_payload, 8, kUnbounded), "no limit");
+  EXPECT_EQ(margin(Attribute::latency, 8, kUnbounded), "unbounded");
+  EXPECT_EQ(margin(Attribute::latency, 8, 10), "2 ns too long");
+}
+
+UserAttribute own(int magnitude, const char* unit, Better better = Better::smaller) {
+  UserAttribute a;
+  a.name = "Own";
+  a.magnitude = magnitude;
+  a.unit = unit;
+  a.better = better;
+  return a;
+}
+
+TEST(TextTest, WritesUserDefinedValuesAsTheDescriptionDoes) {
+  EXPECT_EQ(format_user_value(own(0, "K"), 215), "215 K");
+  EXPECT_EQ(format_user_value(own(0, ""), 215), "215");
+  EXPECT_EQ(format_user_value(own(2, "K"), 215), "21500 K");
+  EXPECT_EQ(format_user_value(own(2, "K"), 0), "0 K");
+  EXPECT_EQ(format_user_value(own(-1, "K"), 215), "21.5 K");
+  EXPECT_EQ(format_user_value(own(-1, "K"), 210), "21 K");
+  EXPECT_EQ(format_user_value(own(-1, "K"), 200), "20 K");
+  EXPECT_EQ(format_user_value(own(-3, "K"), 215), "0.215 K");
+  EXPECT_EQ(format_user_value(own(-3, "K"), 5), "0.005 K");
+  EXPECT_EQ(format_user_value(own(-3, "K"), 10), "0.01 K");
+  EXPECT_EQ(format_user_value(own(-3, "K"), 0), "0 K");
+  EXPECT_EQ(format_user_value(own(-3, "K"), 1000), "1 K");
+  EXPECT_EQ(format_user_value(own(-3, "K"), kUnbounded), "unbounded");
+}
+
+TEST(TextTest, WritesMarginsOfUserDefinedValues) {
+  System system;
+  system.user_attributes = {own(-1, "K"), own(0, "", Better::larger), own(3, "m"), own(3, "")};
+  const auto margin = [&](std::uint32_t attribute, Value required, Value provided,
+                          bool known = true) {
+    Row row;
+    row.user = attribute;
+    row.comparison.known = known;
+    row.comparison.required = required;
+    row.comparison.provided = provided;
+    return format_margin(system, row);
+  };
+  EXPECT_EQ(margin(0, 30, 30), "exactly met");
+  EXPECT_EQ(margin(0, 30, 25), "0.5 K to spare");
+  EXPECT_EQ(margin(0, 30, 45), "1.5 K too much");
+  EXPECT_EQ(margin(1, 30, 45), "15 to spare");
+  EXPECT_EQ(margin(1, 30, 25), "5 short");
+  EXPECT_EQ(margin(1, kUnbounded, 25), "unbounded");
+  EXPECT_EQ(margin(0, 30, kUnbounded), "unbounded");
+  EXPECT_EQ(margin(0, 30, 0, false), "not provided");
+  Row row;
+  row.user = 0;
+  EXPECT_EQ(unit_name(system, row), "1e-1 K");
+  row.user = 1;
+  EXPECT_EQ(unit_name(system, row), "");
+  row.user = 2;
+  EXPECT_EQ(unit_name(system, row), "1e3 m");
+  row.user = 3;
+  EXPECT_EQ(unit_name(system, row), "1e3");
+  EXPECT_EQ(attribute_name(system, row), "Own");
+  EXPECT_EQ(format_value(system, row, 2), "2000");
+}
+
 TEST(TextTest, WritesSubjectsWithAllDigits) {
   EXPECT_EQ(format_subject(0xa4efeccc3210b497), "0xa4efeccc3210b497");
   EXPECT_EQ(format_subject(1), "0x0000000000000001");

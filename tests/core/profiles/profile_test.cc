@@ -4,9 +4,16 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
 #include "core/can/of_system.hpp"
 #include "core/gates/control_traffic.hpp"
 #include "core/model/medium.hpp"
+#include "core/model/text.hpp"
+#include "tests/support/source_tree.hpp"
 
 namespace mlcca::core {
 namespace {
@@ -186,6 +193,44 @@ TEST(ControlTraffic, ThatCarriesAnythingPassesOnlyWhereItIsNamed) {
   EXPECT_EQ(passing(control_rules(s, 0)), 6U) << "claim, request, acknowledgement, in and out";
   s.networks[0].control.kinds = (1U << kinds.size()) - 1;
   EXPECT_EQ(passing(control_rules(s, 0)), control_rules(s, 0).size());
+}
+
+/// Rows of the table of docs/reference/can-profiles.md: "profile kind rate burst", carriers "off".
+std::vector<std::string> rows_of_reference() {
+  std::ifstream page(mlcca::testing::source_tree() / "docs/reference/can-profiles.md");
+  std::vector<std::string> rows;
+  std::string profile;
+  for (std::string line; std::getline(page, line);) {
+    std::vector<std::string> cells;
+    std::istringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, '|');) {
+      std::erase_if(cell, [](char c) { return c == ' ' || c == '`'; });
+      cells.push_back(cell);
+    }
+    if (cells.size() != 6 || cells[4].find_first_not_of("0123456789") != std::string::npos)
+      continue;
+    if (!cells[1].empty()) profile = cells[1];
+    rows.push_back(profile + " " + cells[2] + " " + cells[4] + " " + cells[5] +
+                   (cells[3].ends_with("off") ? " off" : ""));
+  }
+  return rows;
+}
+
+TEST(ControlTraffic, HasTheRatesThatTheReferenceStates) {
+  std::vector<std::string> rows;
+  for (const Profile profile :
+       {Profile::famouso, Profile::j1939, Profile::cyphal, Profile::canopen})
+    for (const ControlKind& kind : control_kinds(profile))
+      rows.push_back(std::string(to_text(profile)) + " " + std::string(kind.name) + " " +
+                     std::to_string(kind.rate) + " " + std::to_string(kind.burst) +
+                     (kind.is_carrier ? " off" : ""));
+  EXPECT_EQ(rows, rows_of_reference());
+  // The limit of a slot: so many at once in addition to one.
+  const auto rules = control_rules(bus_of(Profile::canopen), 0);
+  const auto nmt = std::ranges::find_if(rules, [](const GateRule& r) { return r.entry.id == 0; });
+  ASSERT_NE(nmt, rules.end());
+  EXPECT_EQ(nmt->policing.per_frame, 20'000'000U);
+  EXPECT_EQ(nmt->policing.tolerance, 10 * 20'000'000U);
 }
 
 /// Frames of a carrier may come from the kernel itself, whose protocol makes them.
