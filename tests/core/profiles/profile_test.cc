@@ -124,6 +124,85 @@ TEST(FrameIdentity, ThatLeavesBitsOpenDisturbsWithTheFirstAndSuffersWithTheLast)
   EXPECT_EQ(fixed->id, fixed->last);
 }
 
+std::size_t problems_of(Profile profile, const Binding& b) {
+  return traits_of(profile).problems(b).size();
+}
+
+TEST(Problems, OfANumberAreThatItIsNoneOfTheProfile) {
+  EXPECT_EQ(problems_of(Profile::famouso, named(0x63)), 1U);
+  EXPECT_EQ(problems_of(Profile::famouso, named(0x64)), 0U);
+  EXPECT_EQ(problems_of(Profile::famouso, named(0x3fff)), 0U);
+  EXPECT_EQ(problems_of(Profile::famouso, named(0x4000)), 1U);
+  EXPECT_EQ(problems_of(Profile::cyphal, named(8191)), 0U);
+  EXPECT_EQ(problems_of(Profile::cyphal, named(8192)), 1U);
+  EXPECT_EQ(problems_of(Profile::canopen, named(0x7ff, false)), 0U);
+  EXPECT_EQ(problems_of(Profile::canopen, named(0x800, false)), 1U);
+  EXPECT_EQ(problems_of(Profile::raw, named(0x7ff, false)), 0U);
+  EXPECT_EQ(problems_of(Profile::raw, named(0x800, false)), 1U);
+  EXPECT_EQ(problems_of(Profile::raw, named(0x1fffffff)), 0U);
+  EXPECT_EQ(problems_of(Profile::raw, named(0x20000000)), 1U);
+}
+
+TEST(Problems, OfAnXlFrameAreThatItHasAPriorityOf11Bits) {
+  auto b = named(0x100, false);
+  b.format = FrameFormat::xl;
+  EXPECT_EQ(problems_of(Profile::raw, b), 0U);
+  b.extended = true;
+  EXPECT_EQ(problems_of(Profile::raw, b), 1U);
+}
+
+TEST(Problems, OfAMaskAreThatItIsEmptyOrLeavesBitsOfTheIdentifierOpen) {
+  auto b = named(0x120, false);
+  b.mask = 0x7f0;
+  EXPECT_EQ(problems_of(Profile::raw, b), 0U);
+  b.id = 0x121;
+  EXPECT_EQ(problems_of(Profile::raw, b), 1U);
+  b.mask = 0;
+  EXPECT_EQ(problems_of(Profile::raw, b), 1U);
+}
+
+TEST(Problems, OfAPgnAreADestinationInItAndOneThatItCannotHave) {
+  EXPECT_EQ(problems_of(Profile::j1939, named(0x3ffff)), 0U);
+  EXPECT_EQ(problems_of(Profile::j1939, named(0x40000)), 1U);
+  const auto to_one = traits_of(Profile::j1939).problems(named(0xef21));
+  ASSERT_EQ(to_one.size(), 1U);
+  EXPECT_TRUE(to_one[0].contains("write 0xef00, with destination=\"0x21\"")) << to_one[0];
+  EXPECT_EQ(problems_of(Profile::j1939, named(0xef00)), 0U);
+  EXPECT_EQ(problems_of(Profile::j1939, named(0xf001)), 0U) << "PDU2 has its low byte";
+  auto destined = named(0xef00);
+  destined.destination = 0x21;
+  EXPECT_EQ(problems_of(Profile::j1939, destined), 0U);
+  destined.id = 0xf000;
+  EXPECT_EQ(problems_of(Profile::j1939, destined), 1U);
+  EXPECT_EQ(traits_of(Profile::j1939).unlisted_problem(named(0xef00)), "");
+  EXPECT_NE(traits_of(Profile::j1939).unlisted_problem(named(0xef21)), "");
+  EXPECT_EQ(traits_of(Profile::j1939).unlisted_problem(named(0xf021)), "");
+}
+
+TEST(Senders, AreToldApartByWhatFramesOrTheKernelSayOfThem) {
+  System system;
+  system.networks = {on(Profile::j1939), on(Profile::raw), on(Profile::none)};
+  Publisher p = sender(5);
+  p.uid = 1000;
+  p.place = {Place::Kind::gateway, 0};
+  ASSERT_TRUE(sender_of(system, p));
+  EXPECT_EQ(sender_of(system, p)->uid, 1000U);
+  EXPECT_EQ(sender_of(system, p)->node, 5);
+  p.uid.reset();
+  EXPECT_FALSE(sender_of(system, p)) << "a program without a user";
+  p.place = {Place::Kind::network, 0};
+  ASSERT_TRUE(sender_of(system, p));
+  EXPECT_EQ(sender_of(system, p)->node, 5);
+  p.place.index = 1;
+  ASSERT_TRUE(sender_of(system, p));
+  EXPECT_EQ(sender_of(system, p)->node, std::nullopt) << "no raw frame names a node";
+  p.place.index = 2;
+  EXPECT_FALSE(sender_of(system, p)) << "no gate";
+  p.place.index = 0;
+  p.node.reset();
+  EXPECT_FALSE(sender_of(system, p));
+}
+
 TEST(Clash, IsAFrameThatCouldBeBoth) {
   auto a = named(0x120, false);
   a.mask = 0x7f0;
@@ -193,6 +272,72 @@ TEST(ControlTraffic, ThatCarriesAnythingPassesOnlyWhereItIsNamed) {
   EXPECT_EQ(passing(control_rules(s, 0)), 6U) << "claim, request, acknowledgement, in and out";
   s.networks[0].control.kinds = (1U << kinds.size()) - 1;
   EXPECT_EQ(passing(control_rules(s, 0)), control_rules(s, 0).size());
+}
+
+struct Control {
+  Profile profile;
+  std::uint32_t can_id;
+  const char* kind;  ///< nullptr: it is no control traffic
+  std::uint16_t bytes = 8;
+};
+
+/// As they are on a bus.
+TEST(ControlTraffic, IsKnownByItsIdentifierAndLength) {
+  constexpr std::uint32_t extended = kExtendedFlag;
+  const std::vector<Control> all = {
+      {Profile::famouso, extended | 0x1f400000U | 5U << 14U, "configuration"},
+      {Profile::famouso, extended | 0x1f7fc000U, "configuration"},
+      {Profile::famouso, extended | 0x1f400001U | 5U << 14U, "configuration", 0},
+      {Profile::famouso, extended | 0x1f400002U | 5U << 14U, "binding"},
+      {Profile::famouso, extended | 0x1f5fc004U, "binding"},
+      {Profile::famouso, extended | 0x1f400004U | 5U << 14U, nullptr},
+      {Profile::famouso, extended | 0x1f400003U | 5U << 14U, nullptr},
+      {Profile::famouso, extended | 0x1f000000U | 5U << 14U, nullptr},
+      {Profile::j1939, extended | 0x18eefffeU, "address-claim"},
+      {Profile::j1939, extended | 0x18ee21feU, nullptr},
+      {Profile::j1939, extended | 0x18ea2105U, "request"},
+      {Profile::j1939, extended | 0x00eaff05U, "request"},
+      {Profile::j1939, extended | 0x19ea2105U, nullptr},
+      {Profile::j1939, extended | 0x18e8ff05U, "acknowledgement"},
+      {Profile::j1939, extended | 0x18ec2105U, "transport"},
+      {Profile::j1939, extended | 0x18eb2105U, "transport"},
+      {Profile::j1939, extended | 0x18c82105U, "extended-transport"},
+      {Profile::j1939, extended | 0x18c72105U, "extended-transport"},
+      {Profile::j1939, extended | 0x18ef2105U, nullptr},
+      {Profile::cyphal, extended | 0x107d552aU, "heartbeat"},
+      {Profile::cyphal, extended | 0x101d552aU, "heartbeat"},
+      {Profile::cyphal, extended | 0x117d552aU, nullptr},
+      {Profile::cyphal, extended | 0x107fe52aU, "allocation", 64},
+      {Profile::cyphal, extended | 0x117fe5aaU, nullptr},
+      {Profile::cyphal, extended | 0x117fe62aU, "allocation"},
+      {Profile::cyphal, extended | 0x107fe72aU, nullptr},
+      {Profile::canopen, 0x000, "nmt", 2},
+      {Profile::canopen, 0x001, nullptr},
+      {Profile::canopen, 0x080, "sync", 1},
+      {Profile::canopen, 0x081, "emergency"},
+      {Profile::canopen, 0x0ff, "emergency"},
+      {Profile::canopen, 0x100, "time", 6},
+      {Profile::canopen, 0x101, nullptr},
+      {Profile::canopen, 0x701, "error-control", 1},
+      {Profile::canopen, 0x77f, "error-control", 1},
+      {Profile::canopen, 0x780, nullptr},
+      {Profile::canopen, 0x602, nullptr},
+      {Profile::canopen, extended | 0x100, nullptr}};
+  for (const Control& c : all) {
+    const ControlKind* kind = nullptr;
+    const ControlFrames* frames = nullptr;
+    for (const ControlKind& k : control_kinds(c.profile))
+      for (const ControlFrames& f : k.frames)
+        if (kind == nullptr && !k.is_tagged &&
+            ((c.can_id ^ f.identity.id) & f.identity.mask) == 0) {
+          kind = &k;
+          frames = &f;
+        }
+    ASSERT_EQ(kind != nullptr, c.kind != nullptr) << to_text(c.profile) << ' ' << c.can_id;
+    if (kind == nullptr) continue;
+    EXPECT_EQ(kind->name, c.kind) << to_text(c.profile) << ' ' << c.can_id;
+    EXPECT_EQ(frames->max_length, c.bytes) << to_text(c.profile) << ' ' << c.can_id;
+  }
 }
 
 /// Rows of the table of docs/reference/can-profiles.md: "profile kind rate burst", carriers "off".
