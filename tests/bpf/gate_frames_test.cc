@@ -450,29 +450,6 @@ TEST(GateCounters, AtomicAdditionsCountTheSame) {
   EXPECT_EQ(reasons.at(GATE_R_DENIED), 1000U);
 }
 
-/// Each band but the last has a limit: the arbitration of the last frame that goes into it.
-TEST(GateBands, AFrameGoesIntoTheFirstBandWhoseLimitIsNotBelowIt) {
-  auto& gate = LoadedGate::with();
-  const auto any = with(out(0, 0), [](SlotSpec& s) {
-    s.uid = 0;
-    s.mask = kEff | kRtr;
-  });
-  gate.admit({any});
-  gate_table& table = gate.table();
-  constexpr std::uint32_t step = 0x10;
-  for (std::uint32_t i = 0; i + 1 < GATE_BANDS; ++i)
-    table.band_limit[i] = gate_arbitration((i + 1) * step);
-  EXPECT_EQ(gate.band(frame(0x7ff, 8), kLocal), priority_of(kLocal)) << "no bands: left alone";
-  table.bands = GATE_BANDS;
-  for (std::uint32_t i = 0; i + 1 < GATE_BANDS; ++i) {
-    EXPECT_EQ(gate.band(frame((i + 1) * step, 8), kLocal), i);
-    EXPECT_EQ(gate.band(frame((i + 1) * step + 1, 8), kLocal), i + 1);
-  }
-  EXPECT_EQ(gate.band(frame(0, 8), kLocal), 0U);
-  EXPECT_EQ(gate.band(frame(0x7ff, 8), kLocal), GATE_BANDS - 1U) << "the last one";
-  gate.reset();
-}
-
 /// A redirection to no interface: final in clsact and TCX, and success to the sender.
 TEST(SilentGate, TellsSendersNothingAndCountsAllTheSame) {
   const Bytes unknown = frame(0x124, 8);
