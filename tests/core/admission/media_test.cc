@@ -271,6 +271,8 @@ TEST(BusTest, WithoutAnyBitRateTheDataPhaseIsDecidedAtRunTime) {
   EXPECT_EQ(inspection.channels.at(0).outcome, Outcome::run_time);
   ASSERT_EQ(inspection.findings.size(), 1U);
   EXPECT_EQ(inspection.findings[0].id, FindingId::run_time);
+  EXPECT_TRUE(inspection.findings[0].has_place);
+  EXPECT_EQ(inspection.findings[0].place, network(0));
   EXPECT_TRUE(inspection.findings[0].text.ends_with("(the data bit rate of bus)"))
       << inspection.findings[0].text;
 }
