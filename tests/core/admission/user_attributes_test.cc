@@ -117,10 +117,19 @@ TEST(UserAttributesTest, AGatewayIsAskedForWhatItLimitsAndForWhatAddsUp) {
   system.subscribers[0].user = {{0, false, 7}, {1, false, 9}, {2, false, 3}};
   const State state(system);
   EXPECT_TRUE(only_verdict(state).granted);
-  std::vector<std::uint32_t> asked;
-  for (const Row& row : user_rows(only_verdict(state), Against::hop))
-    if (row.place == gateway(kBridge)) asked.push_back(row.user);
-  EXPECT_EQ(asked, (std::vector<std::uint32_t>{0, 2}));
+  const auto asked_of_bridge = [](const State& decided) {
+    std::vector<std::uint32_t> asked;
+    for (const Row& row : user_rows(only_verdict(decided), Against::hop))
+      if (row.place == gateway(kBridge)) asked.push_back(row.user);
+    return asked;
+  };
+  EXPECT_EQ(asked_of_bridge(state), (std::vector<std::uint32_t>{0, 2}));
+  System silent = system;
+  silent.networks[kRobotCan].user = {{0, false, 9}, {2, false, 1}};
+  const State refused(std::move(silent));
+  EXPECT_FALSE(only_verdict(refused).granted) << "the network states it not, either";
+  EXPECT_EQ(asked_of_bridge(refused), (std::vector<std::uint32_t>{0, 2}))
+      << "which is its own lack";
 
   system.subscribers[0].user[0].value = 8;
   EXPECT_FALSE(only_verdict(State(system)).granted) << "the gateway gives 7";
