@@ -31,8 +31,9 @@ NOT_CODE = re.compile(
     r'//[^\n]*|/\*.*?\*/|R"\(.*?\)"|"(?:\\.|[^"\\\n])*"'
     r"|(?<![\w'])'(?:\\.|[^'\\\n])+'"
     r'|^[ \t]*#(?:\\\n|[^\n])*', re.DOTALL | re.MULTILINE)
-# An assertion says nothing that the program does; reserve() is of no effect but on time.
-NOT_TRIED = re.compile(r'\b(?:static_assert|assert|GATE_ASSERT)\(|\.reserve\(|\b__attribute__\(\(|\[\[')
+# An assertion says nothing that the program does; reserve() is of no effect but on time, and a step
+# of progress is one of many.
+NOT_TRIED = re.compile(r'\b(?:static_assert|assert|GATE_ASSERT)\(|\.reserve\(|\bProgress::(?:step|made)\(|\b__attribute__\(\(|\[\[')
 
 
 @dataclass(frozen=True)

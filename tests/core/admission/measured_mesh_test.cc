@@ -110,6 +110,25 @@ TEST(MeasuredMeshTest, AtDesignTimeItGivesAtBestWhatOneLinkStates) {
   EXPECT_TRUE(checked.verdict.hops.at(mesh_hop).provision.is_dynamic(Attribute::latency));
 }
 
+/// From a over a node that the description does not have to c.
+TEST(MeasuredMeshTest, NodesThatAreNotDescribedRelay) {
+  for (const std::uint32_t more : {0, 1}) {
+    State state(measured());
+    mesh::Graph graph;
+    graph.nodes = 5;
+    const std::uint32_t between = 3 + more;
+    for (const auto& [from, to] : {std::pair(0U, between), {between, 2U}}) {
+      mesh::Link& link = graph.links.emplace_back();
+      link.from = from;
+      link.to = to;
+      link.quality.rate = 1'000'000;
+    }
+    state.set_graph(kAir, graph);
+    state.settle();
+    EXPECT_TRUE(state.decisions()[0].all_granted()) << between;
+  }
+}
+
 TEST(MeasuredMeshTest, AtDesignTimeTheRunTimeDecidesOfItsMediumTime) {
   const Checked checked = check(measured());
   std::size_t found = 0;

@@ -68,7 +68,8 @@ TEST(FindingPlace, OfAnOverhearingSubscriberIsItsNetwork) {
   behind.ports[1].network = 2;
   behind.provision.set(Attribute::omission, 0);
   system.gateways.push_back(behind);
-  system.gateways[kBridge].provision.set(Attribute::omission, 2);
+  // Nothing is lost before the network itself.
+  system.networks[kRobotCan].provision.set(Attribute::omission, 2);
   system.subscribers[0].attributes.set(Attribute::omission, 1);
   system.subscribers.push_back(subscriber("far", network(2), heart_beat()));
   const Inspection found = inspect(system);
