@@ -299,6 +299,34 @@ TEST(AllocationTest, WhatAChannelFreesThatTakesAnotherWayInTheSameQualityIsGiven
   EXPECT_EQ(service_of(state), "-ll") << "the second goes over the lossy gateway now";
 }
 
+TEST(AllocationTest, WhoComesBackDoesNotPullTheOthersOfItsChannelDown) {
+  System system = several_ways({{kHigh, 0}}, {{0}});
+  Network third = system.networks[1];
+  third.name = "third";
+  system.networks.push_back(third);
+  Gateway narrow = system.gateways[0];
+  narrow.name = "narrow";
+  narrow.provision.set(Attribute::bandwidth, kLow);
+  narrow.ports[1].network = 2;
+  system.gateways.push_back(narrow);
+  system.subscribers.push_back(system.subscribers[0]);
+  system.subscribers.back().place = network(2);
+  Condition down;
+  down.available = false;
+  State state(system);
+  EXPECT_EQ(service_of(state), "l") << "so that both receive it";
+  state.set_condition(2, down);
+  state.settle();
+  EXPECT_EQ(service_of(state), "h");
+  state.set_condition(2, {});
+  state.settle();
+  EXPECT_EQ(service_of(state), "h") << "the narrow gateway carries less";
+  EXPECT_EQ(state.decisions()[0].granted, 1U);
+  state.decide();
+  EXPECT_EQ(service_of(state), "l");
+  EXPECT_TRUE(state.decisions()[0].all_granted());
+}
+
 /// Channels over one link between two nodes whose ends come at run time.
 class Ages {
  public:
