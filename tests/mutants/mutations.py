@@ -33,7 +33,9 @@ NOT_CODE = re.compile(
     r'|^[ \t]*#(?:\\\n|[^\n])*', re.DOTALL | re.MULTILINE)
 # An assertion says nothing that the program does; reserve() is of no effect but on time, and a step
 # of progress is one of many.
-NOT_TRIED = re.compile(r'\b(?:static_assert|assert|GATE_ASSERT)\(|\.reserve\(|\bProgress::(?:step|made)\(|\b__attribute__\(\(|\[\[')
+NOT_TRIED = re.compile(
+    r'\b(?:static_assert|assert|GATE_ASSERT)\(|\.reserve\(|\bProgress::(?:step|made)\('
+    r'|\b__attribute__\(\(|\[\[')
 
 
 @dataclass(frozen=True)
@@ -79,8 +81,9 @@ def code_of(source):
 
 def changed_numbers(digits):
     plain = digits.replace("'", '')
-    value = int(plain, 0) if plain.startswith('0x') or plain == '0' else int(plain.lstrip('0') or '0')
-    write = hex if plain.startswith('0x') else str
+    is_hex = plain.startswith('0x')
+    value = int(plain, 16 if is_hex else 10)
+    write = hex if is_hex else str
     return [write(value + 1)] + ([write(value - 1)] if value > 0 else [])
 
 
