@@ -26,7 +26,7 @@ CONDITION = re.compile(r'\b(?:if|while) \(')
 # its name.
 STATEMENT = re.compile(
     r'^[ \t]+(?!return\b|using\b|else\b|delete\b|case\b|default\b|public\b|private\b)'
-    r'((?:\+\+|--|\*)?[\w:.\->\[\]]+(?:\(.*\)| [+\-*/|&^]?= [^;]*|\+\+|--)?;)$', re.MULTILINE)
+    r'((?:\+\+|--|\*)?[\w:.\->\[\]]+(?:\(.*\)| [+\-*/|&^]?= [^;]*|\+\+|--)?;)[ \t]*$', re.MULTILINE)
 NOT_CODE = re.compile(
     r'//[^\n]*|/\*.*?\*/|R"\(.*?\)"|"(?:\\.|[^"\\\n])*"'
     r"|(?<![\w'])'(?:\\.|[^'\\\n])+'"
