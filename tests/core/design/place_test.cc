@@ -9,11 +9,10 @@
 namespace mlcca::core::testing {
 namespace {
 
-const Finding& of(const Inspection& inspection, FindingId id) {
-  static const Finding none;
+Finding of(const Inspection& inspection, FindingId id) {
   const auto it = std::ranges::find(inspection.findings, id, &Finding::id);
   EXPECT_NE(it, inspection.findings.end()) << code_of(id);
-  return it == inspection.findings.end() ? none : *it;
+  return it == inspection.findings.end() ? Finding{} : *it;
 }
 
 void expect_place(const Finding& f, Place place, const std::string& attribute) {
@@ -24,7 +23,7 @@ void expect_place(const Finding& f, Place place, const std::string& attribute) {
 
 TEST(FindingPlace, OfAHopIsTheHop) {
   const Inspection found = inspect(described(5));
-  const Finding& f = of(found, Id::hop_unfit);
+  const Finding f = of(found, Id::hop_unfit);
   expect_place(f, gateway(kBridge), "Omission");
   EXPECT_EQ(f.required, "2");
   EXPECT_EQ(f.provided, "5");
@@ -34,7 +33,7 @@ TEST(FindingPlace, OfTheWholeWayThereIsNone) {
   System system = described(1);
   for (Network& n : system.networks) n.provision.set(Attribute::omission, 1);
   const Inspection found = inspect(system);
-  const Finding& f = of(found, Id::route_unfit);
+  const Finding f = of(found, Id::route_unfit);
   EXPECT_FALSE(f.has_place);
   EXPECT_EQ(f.attribute, "Omission");
 }
@@ -43,10 +42,51 @@ TEST(FindingPlace, OfACapacityIsTheNetworkThatIsFull) {
   System system = described(0);
   system.networks[kRobotCan].provision.set(Attribute::bandwidth, 159);
   const Inspection found = inspect(system);
-  const Finding& f = of(found, Id::capacity);
+  const Finding f = of(found, Id::capacity);
   expect_place(f, network(kRobotCan), "Bandwidth");
   EXPECT_EQ(f.required, "160 B/s");
   EXPECT_EQ(f.provided, "159 B/s");
+  EXPECT_EQ(f.text, "switch needs 160 B/s on robot-can, which carries 159 B/s in all");
+
+  // Another channel that needs as much comes first.
+  system.networks[kRobotCan].provision.set(Attribute::bandwidth, 200);
+  system.channels.insert(system.channels.begin(), system.channels[0]);
+  system.publishers.push_back(system.publishers[0]);
+  system.subscribers.push_back(system.subscribers[0]);
+  system.publishers[0].channel = system.subscribers[0].channel = 1;
+  for (Network& n : system.networks) {
+    n.bindings.push_back(n.bindings[0]);
+    n.bindings[1].channel = 1;
+    n.bindings[1].id = kEtag + 1;
+  }
+  const Inspection shared = inspect(system);
+  EXPECT_TRUE(of(shared, Id::capacity)
+                  .text.ends_with("where 40 B/s of 200 B/s are left (160 B/s for other channels)"))
+      << of(shared, Id::capacity).text;
+}
+
+/// Each place in turn, the first of them as well.
+TEST(FindingPlace, OfANetworkOrAGatewayIsItself) {
+  for (const std::size_t n : {0, 1}) {
+    System system = described(0);
+    std::erase_if(system.gateways[kBridge].ports, [&](const Port& p) { return p.network == n; });
+    expect_place(of(inspect(system), Id::unreachable_network), network(n), "");
+  }
+  for (const std::size_t n : {0, 1}) {
+    System system = described(0);
+    Network& air = system.networks[n];
+    air.kind = NetworkKind::mesh;
+    air.bindings.clear();
+    air.mesh.emplace();
+    air.mesh->nodes = {{"a", "a", 0, {}}, {"b", "b", {}, {}}};
+    expect_place(of(inspect(system), Id::no_links), network(n), "");
+    air.mesh->sources.resize(1);
+    air.mesh->sources[0].kind = mesh::SourceKind::babel;
+    const auto is_relay = [](const Finding& f) { return f.id == Id::relay_gated; };
+    EXPECT_TRUE(std::ranges::none_of(inspect(system).findings, is_relay)) << "of two nodes";
+    air.mesh->nodes.push_back({"c", "c", {}, {}});
+    expect_place(of(inspect(system), Id::relay_gated), gateway(kBridge), "");
+  }
 }
 
 TEST(FindingPlace, OfALateMessageIsItsBus) {
@@ -80,7 +120,7 @@ TEST(FindingPlace, OfWhatTheRunTimeDecidesIsTheFirstThatIsNotKnown) {
   System system = described(0);
   for (Network& n : system.networks) n.provision.set(Attribute::omission, 0, true);
   const Inspection found = inspect(system);
-  const Finding& f = of(found, Id::run_time);
+  const Finding f = of(found, Id::run_time);
   EXPECT_TRUE(f.has_place);
   EXPECT_EQ(f.place, network(kSecondCan)) << "the publisher's";
   EXPECT_EQ(f.text.find("Omission"), f.text.rfind("Omission")) << "each attribute is named once";
