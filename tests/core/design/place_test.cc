@@ -89,6 +89,31 @@ TEST(FindingPlace, OfANetworkOrAGatewayIsItself) {
   }
 }
 
+/// Frames of CAN name their publisher by node or identifier.
+TEST(SharedLimit, IsOfPublishersThatLookAlikeToAGateOfEthernet) {
+  System system = described(0);
+  system.publishers.push_back(system.publishers[0]);
+  system.publishers[1].name = "second";
+  const auto is_shared = [](const System& s) {
+    const Inspection found = inspect(s);
+    return std::ranges::find(found.findings, Id::shared_limit, &Finding::id) !=
+           found.findings.end();
+  };
+  EXPECT_FALSE(is_shared(system));
+  for (Network& n : system.networks) {
+    n.kind = NetworkKind::udp_multicast;
+    n.bindings.clear();
+  }
+  EXPECT_TRUE(is_shared(system));
+  system.publishers[1].station = station_of("192.0.2.7").value();
+  EXPECT_FALSE(is_shared(system));
+  system.publishers[0].station = system.publishers[1].station;
+  EXPECT_TRUE(is_shared(system));
+  std::erase_if(system.gateways[kBridge].ports,
+                [](const Port& p) { return p.network == kSecondCan; });
+  EXPECT_FALSE(is_shared(system)) << "there is no gate";
+}
+
 TEST(FindingPlace, OfALateMessageIsItsBus) {
   System system = described(0);
   system.networks[kRobotCan].bus.bitrate = 1000;  // 160 ms a frame
