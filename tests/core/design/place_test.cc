@@ -89,6 +89,31 @@ TEST(FindingPlace, OfANetworkOrAGatewayIsItself) {
   }
 }
 
+TEST(FindingPlace, OfAPortThatCannotBeMeantSoIsItsGateway) {
+  System system = described(0);
+  system.networks[kSecondCan].kind = NetworkKind::udp_multicast;
+  system.networks[kSecondCan].bindings.clear();
+  system.publishers[0].node = 5;
+  for (Port& port : system.gateways[kBridge].ports) {
+    port.managed = true;
+    port.sender = 1000;
+  }
+  const Inspection found = inspect(system);
+  std::size_t managed = 0;
+  std::size_t senders = 0;
+  for (const Finding& f : found.findings) {
+    managed += f.id == Id::managed_in_vain ? 1 : 0;
+    senders += f.id == Id::unstarted_sender ? 1 : 0;
+    if (f.id == Id::managed_in_vain || f.id == Id::unstarted_sender)
+      expect_place(f, gateway(kBridge), "");
+  }
+  EXPECT_EQ(managed, 1U) << "of the port that is not on CAN";
+  EXPECT_EQ(senders, 2U) << "a program carries events either way";
+  system.networks[kSecondCan] = can_network("second-can");
+  for (const Finding& f : inspect(system).findings)
+    EXPECT_FALSE(f.id == Id::managed_in_vain || f.id == Id::unstarted_sender) << f.text;
+}
+
 /// Frames of CAN name their publisher by node or identifier.
 TEST(SharedLimit, IsOfPublishersThatLookAlikeToAGateOfEthernet) {
   System system = described(0);
