@@ -306,6 +306,9 @@ TEST(EthernetTest, HasSubscriptionsOnlyAsControlTraffic) {
   ASSERT_EQ(rules.size(), 2U);
   for (const GateRule& rule : rules) {
     EXPECT_EQ(rule.entry.subject, 0x5355425343524942U);
+    EXPECT_EQ(rule.entry.id, 0U) << "frames name the subject itself";
+    EXPECT_EQ(rule.entry.mask, 0U);
+    EXPECT_FALSE(rule.entry.classic);
     EXPECT_EQ(rule.entry.max_length, 8U);
     EXPECT_FALSE(rule.entry.source_port) << "it never crosses a gateway";
     EXPECT_TRUE(rule.entry.station.is_wildcard());

@@ -91,6 +91,7 @@ TEST(WayInTest, TwoGatewaysSendTheEventsOfOnePublisherUnderOneIdentifier) {
   const Inspection result = inspect(entering_twice(320));
   const Finding& f = only(result);
   EXPECT_EQ(f.id, Id::sender_twice);
+  EXPECT_TRUE(f.has_place);
   EXPECT_EQ(f.place, network(kRobotCan));
 }
 

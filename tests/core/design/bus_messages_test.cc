@@ -102,6 +102,18 @@ TEST(BusMessagesTest, WhatIsNotSaidOfAHopIsNamed) {
   EXPECT_FALSE(messages[0].granted);
 }
 
+TEST(BusMessagesTest, WhoStatesNoPeriodIsOnTheBusWithoutAMessage) {
+  System system = two_buses();
+  system.publishers[0].attributes.clear(Attribute::period);
+  system.subscribers[0].attributes.clear(Attribute::period);
+  const auto messages = messages_of(system);
+  ASSERT_EQ(messages.size(), 2U) << "on both buses of its way";
+  for (const BusMessage& m : messages) {
+    EXPECT_FALSE(m.granted);
+    EXPECT_FALSE(m.message);
+  }
+}
+
 /// Each place behind a bus has a verdict; the message is one, and has to suit all of them.
 TEST(BusMessagesTest, ForSeveralPlacesBehindABusTheMessageIsTheStrictest) {
   System system = two_buses();
