@@ -286,6 +286,13 @@ TEST_F(LinkTableTest, NextHopsAreThoseOfTheFirstSourceThatKnows) {
   EXPECT_EQ(table.graph().next_hops, (std::vector<NextHopIndex>{{0, 2, 1}}));
 }
 
+TEST_F(LinkTableTest, NextHopsThatAreNotReportedAgainAreGone) {
+  table.take(0, {.links = {}, .next_hops = {{kA, "c", kB}}, .problem = {}}, 0);
+  ASSERT_EQ(table.graph().next_hops.size(), 1U);
+  EXPECT_TRUE(table.take(0, {}, kSecond));
+  EXPECT_TRUE(table.graph().next_hops.empty());
+}
+
 TEST_F(LinkTableTest, AProblemIsKeptUntilItIsOver) {
   see(24 * kMega, 0);
   EXPECT_TRUE(table.take(0, {.links = {}, .next_hops = {}, .problem = "no such interface"}, 1));
