@@ -336,6 +336,21 @@ TEST(PlanTest, OneThatStatesAPeriodAndOneThatStatesARateSendSoManyBytesTogether)
   EXPECT_NEAR(static_cast<double>(found[0].per_byte), 256 * 1e9 / (1400 * 1.0005), 100);
 }
 
+TEST(PlanTest, WhoCannotBeToldFromOneThatStatesNoRateHasNoLimit) {
+  System system = robot(0);
+  for (Network& n : system.networks) n.profile = Profile::raw;
+  system.publishers.push_back(system.publishers[0]);
+  system.publishers[1].name = "second switch";
+  for (const std::size_t silent : {0, 1}) {
+    System one = system;
+    one.publishers[silent].attributes.clear(Attribute::period);
+    const GateState gates = State(one).gate_state(kBridge);
+    const GateRule* in = find(gates, kSecondCan, Direction::ingress);
+    ASSERT_NE(in, nullptr);
+    EXPECT_FALSE(in->policing.any()) << silent;
+  }
+}
+
 TEST(PlanTest, EntriesOfSeveralPublishersAreKnown) {
   System system = robot(0);
   const auto shared = [&] {
