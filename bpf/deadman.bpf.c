@@ -3,8 +3,8 @@
  * The dead-man closes all gates when the daemon's heart-beat stands still. Each beat moves a
  * deadline in jiffies, which the gates compare with the clock themselves (closed.bpf.h); user space
  * cannot read jiffies, so a beat is a run of gate_beat. A kernel timer is the second line: it
- * counts the lapse while nobody beats. A value with a timer can't be memory-mapped, so it has a map
- * of its own.
+ * counts the lapse while no heart-beat comes. A value with a timer can't be memory-mapped, so it
+ * has a map of its own.
  */
 #include <stdbool.h>
 #include <linux/bpf.h>
@@ -47,7 +47,7 @@ static __always_inline void lapse(void)
 static int check_heartbeat(void *map, __u32 *key, struct deadman *d)
 {
 	__u64 grace = READ_ONCE(control.grace_ns);
-	/* The heart-beat before the clock: a beat in between must not look like a long silence. */
+	/* The heart-beat before the clock: a beat in between must not count as a long silence. */
 	__u64 heartbeat = READ_ONCE(control.heartbeat);
 	__u64 now = bpf_ktime_get_ns();
 
@@ -84,7 +84,7 @@ int gate_arm(struct __sk_buff *skb)
 /*
  * Run by BPF_PROG_TEST_RUN; skb->mark is an enum gate_beat. Gates that have been closed for silence
  * never open by a beat: frames may have been dropped, and what the daemon knows may be old. A
- * deadline of 0 is that of a word that nobody has beaten yet.
+ * deadline of 0 is that of a word for which no heart-beat has come yet.
  */
 SEC("tc")
 int gate_beat(struct __sk_buff *skb)

@@ -21,7 +21,7 @@
 #define ETHER_EVENT_HEADER 9
 #define ETHER_MAX_PAYLOAD  8183
 
-/* IEEE 802.1Q and 802.1ad tags that are looked through, beside one that the device has taken off.
+/* IEEE 802.1Q and 802.1ad tags that are skipped, beside one that the device has taken off.
  */
 #define ETHER_TAGS 2
 
@@ -107,12 +107,13 @@ struct ether_slot {
 	__u8 verdict[2]; /* enum gate_verdict, in even and in odd generations */
 	__u8 direction;
 	__u8 last_reason; /* as gate_table.last_reason; written by the program */
-	__u16 watch;	  /* number of its gate_watch; 0: nobody looks */
+	__u16 watch;	  /* number of its gate_watch; 0: not supervised */
 };
 
 /*
  * A bucket is one word: the first slot in the lower half, and in the upper one a bit for each
- * subject of the chain, by ether_fingerprint(). Most subjects that nobody has leave here.
+ * subject of the chain, by ether_fingerprint(). Most subjects without a slot are decided by these
+ * bits alone.
  */
 #define ETHER_FINGERPRINT_SHIFT 32
 
@@ -127,7 +128,7 @@ struct ether_table {
 	__u32 slots;   /* entries of the slot map */
 	__u32 buckets; /* a power of two */
 	__u32 banks;   /* of counters: one for each CPU, or one for all */
-	__u64 seed;    /* of the hash, random: nobody can choose subjects that fall together */
+	__u64 seed;    /* of the hash, random: a sender cannot choose subjects that collide */
 	__u64 unknown_frames; /* as in gate_table */
 	__u32 contracts;
 	__u32 watches_end; /* all watches that were ever used are below this one */

@@ -19,7 +19,7 @@ const volatile __u32 ifindex = 0;
 const volatile __u32 bucket_mask = 0;
 const volatile __u32 slots_of_bank = 0;
 const volatile __u32 banks = 1;
-/* Look at the prefilter in front of the buckets first. */
+/* The prefilter is read before the buckets. */
 const volatile __u8 has_prefilter = false;
 /* Read packets by packet pointers; false where the verifier refuses unaligned loads. */
 const volatile __u8 direct_access = true;
@@ -52,10 +52,10 @@ static __always_inline struct packet packet_of(struct __sk_buff *skb)
 
 /*
  * What the headers say may lie in pages that cannot be read in place. Then it is brought together,
- * for UDP and AWDS alone: of other packets nothing behind the IP header is looked at.
- * Not static: the verifier looks at it once by itself, and takes its result for any number.
+ * for UDP and AWDS alone: of other packets nothing behind the IP header is read.
+ * Not static: the verifier checks it once by itself, and takes its result for any number.
  */
-__noinline __u32 look_at(struct __sk_buff *skb, struct event *e)
+__noinline __u32 read_event(struct __sk_buff *skb, struct event *e)
 {
 	enum nature nature;
 	struct packet p;
@@ -97,7 +97,7 @@ static __always_inline int drop(struct ether_cpu *cpu, __u32 direction, __u32 sl
 
 /*
  * The same of what carries an event, or may. What ingress has refused in audit mode is marked, so
- * that it is counted once; what is left of it at egress is what ingress has told.
+ * that it is counted once; at egress only ones that ingress has counted are left.
  */
 static __always_inline int refuse(struct __sk_buff *skb, struct ether_cpu *cpu, __u32 direction,
 				  __u32 slot, __u32 reason, struct event *e)
@@ -133,7 +133,7 @@ static __always_inline struct decision judge(struct __sk_buff *skb, __u32 direct
 
 	if (closed(READ_ONCE(table.epoch)))
 		return d;
-	/* Several datagrams in one buffer, of which only the first would be looked at. */
+	/* Several datagrams in one buffer, of which only the first would be checked. */
 	d.reason = skb->gso_size ? GATE_R_MALFORMED : judge_first(e, &foreign_fragments);
 	if (d.reason != GATE_R_PASSED)
 		return d;
@@ -191,7 +191,7 @@ static __always_inline int filter(struct __sk_buff *skb, __u32 direction)
 
 	if (READ_ONCE(table.retired))
 		return TC_ACT_UNSPEC;
-	nature = look_at(skb, &e);
+	nature = read_event(skb, &e);
 	if (!cpu)
 		return TC_ACT_SHOT;
 	if (nature == NOT_EVENT)
@@ -247,7 +247,7 @@ static __always_inline struct packet early_packet_of(struct xdp_md *ctx)
 			       .xdp = true};
 }
 
-__noinline __u32 look_early(struct xdp_md *ctx, struct event *e)
+__noinline __u32 read_early(struct xdp_md *ctx, struct event *e)
 {
 	struct packet p = early_packet_of(ctx);
 
@@ -270,7 +270,7 @@ int ether_early(struct xdp_md *ctx)
 
 	if (READ_ONCE(control.mode) == GATE_AUDIT || READ_ONCE(table.retired))
 		return XDP_PASS;
-	nature = look_early(ctx, &e);
+	nature = read_early(ctx, &e);
 	if (nature == NOT_EVENT || nature == NOT_EVENT_FIRST || nature == LATER ||
 	    (nature == EVENT && e.more))
 		return XDP_PASS;

@@ -27,8 +27,8 @@ struct gate_control control SEC(".data.control"); /* shared by all interfaces */
 #include "bpf/ether_parse.bpf.h"
 #include "bpf/ether_remember.bpf.h"
 
-/* Not static: the verifier looks at it once by itself. */
-__noinline __u32 look_at(struct __sk_buff *skb, struct event *e)
+/* Not static: the verifier checks it once by itself. */
+__noinline __u32 read_event(struct __sk_buff *skb, struct event *e)
 {
 	struct packet p = {.ctx = skb, .len = skb->len};
 
@@ -40,7 +40,7 @@ static __always_inline bool passes(struct __sk_buff *skb, __u32 direction)
 	struct event e = {.key.direction = direction};
 	struct ether_fragment *f;
 
-	switch (look_at(skb, &e)) {
+	switch (read_event(skb, &e)) {
 	case NOT_EVENT:
 		return true;
 	case NOT_EVENT_FIRST:

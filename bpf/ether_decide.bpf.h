@@ -138,7 +138,7 @@ static __always_inline bool may_be_there(__u32 bucket, __u64 hash)
 	return part && (READ_ONCE(part->bits[bucket % ETHER_PREFILTER_BUCKETS]) & wanted) == wanted;
 }
 
-/* The first slot is looked at in place: nearly always it is the only one. */
+/* The first slot is compared in place: nearly always it is the only one. */
 static __always_inline struct decision decide(__u32 direction, struct event *e)
 {
 	__u64 hash = ether_hash(table.seed, e->subject, direction);

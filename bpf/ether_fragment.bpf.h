@@ -37,8 +37,8 @@ static __always_inline __u32 fragment_reason(const struct ether_fragment *f, con
 }
 
 /*
- * GATE_R_PASSED or a reason to drop it; GATE_R_FOREIGN where it belongs to nobody of ours. What is
- * too much is counted with its slot.
+ * GATE_R_PASSED or a reason to drop it; GATE_R_FOREIGN where it belongs to no event of ours. Excess
+ * is counted with its slot.
  */
 static __always_inline struct decision judge_later(struct ether_fragment *f, const struct event *e)
 {

@@ -75,7 +75,7 @@ static __always_inline enum nature parse_link(const struct packet *p, __u32 *at,
 		if (!TAKE(p, *at - 2, protocol))
 			return MALFORMED;
 	}
-	/* A frame with more tags than anyone looks through. */
+	/* A frame with more tags than are skipped. */
 	return *protocol == bpf_htons(ETH_P_8021Q) || *protocol == bpf_htons(ETH_P_8021AD)
 		   ? OPAQUE
 		   : NOT_EVENT;
@@ -219,7 +219,7 @@ static __always_inline void take_mac_at(const struct packet *p, __u32 at, struct
 		__builtin_memcpy(e->mac, &from, sizeof(from));
 }
 
-/* The sender of the frame, for a person to look for; an AWDS packet brings the one it is from. */
+/* The sender of the frame, for reports; an AWDS packet states the station it is from. */
 static __always_inline void take_mac(const struct packet *p, struct event *e)
 {
 	if (!e->key.inside && !(e->station & ETHER_MAC))

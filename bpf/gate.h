@@ -81,9 +81,10 @@
 #define GATE_SILENT_PERIODS 16
 #define GATE_LONGEST_PERIOD (1ULL << 50) /* ns, 13 days: longer ones are not watched */
 
-#define GATE_SILENCE_TIMERS 16 /* timers of one interface; each looks at every 16th slot */
-#define GATE_RECOVERY_HOLD  1000000000ULL /* ns for which events come again before that is told */
-#define GATE_EVENTS_SIZE    (256 * 1024)  /* bytes of the ring of gate_event and gate_sample */
+#define GATE_SILENCE_TIMERS 16 /* timers of one interface; each supervises every 16th slot */
+#define GATE_RECOVERY_HOLD                                                                         \
+	1000000000ULL		      /* ns for which events come again before that is reported */
+#define GATE_EVENTS_SIZE (256 * 1024) /* bytes of the ring of gate_event and gate_sample */
 
 /* Samples of frames without a slot, for each interface: so many at once, then one in that time. */
 #define GATE_SAMPLES   16
@@ -162,7 +163,7 @@ enum gate_reason {
  * live slot other than `verdict`, `next` and what is policed.
  *
  * Many verdicts change as one step, on all interfaces: the halves that the next generation will
- * read are written, then gate_control.generation, then the halves that nobody reads any more. A
+ * read are written, then gate_control.generation, then the halves that no program reads any more. A
  * program that finds another generation at the end of a decision than at its beginning decides
  * again.
  *
@@ -200,7 +201,7 @@ struct gate_slot {
  * its first one.
  */
 struct gate_watch {
-	__u64 period;	 /* ns; 0: nobody looks */
+	__u64 period;	 /* ns; 0: not supervised */
 	__u64 scale;	 /* gate_gap_scale(period) */
 	__u64 together;	 /* ns; 0: each frame is an event */
 	__u64 last;	 /* CLOCK_MONOTONIC ns of the latest event that passed, 0: none yet */
@@ -211,8 +212,8 @@ struct gate_watch {
 	__u64 gaps[GATE_GAPS];
 	__u64 missing; /* events between those that came */
 	__u64 silence; /* ns without an event that are too long; 0: no timer */
-	__u64 since; /* CLOCK_MONOTONIC ns from which on silence counts, 0: from the next look on */
-	__u64 silent;	  /* it has lasted too long, and that was told */
+	__u64 since; /* CLOCK_MONOTONIC ns from which on silence counts, 0: from the next poll on */
+	__u64 silent;	  /* it has lasted too long, and that was reported */
 	__u64 from;	  /* when that silence began */
 	__u64 recovering; /* since when events come again, 0: they do not */
 	__u64 first;	  /* CLOCK_MONOTONIC ns of the first event */
@@ -250,7 +251,7 @@ struct gate_table {
 	__u32 bindings_end; /* all bindings that were ever used are below this one */
 	__u32 binding_news; /* how often something was found about one */
 	__u32 epoch;	    /* of the daemon that holds the gate: see gate_control */
-	__u64 reply_due; /* as gate_slot.due, of what is told of replies; written by the program */
+	__u64 reply_due;    /* as gate_slot.due, of reports of replies; written by the program */
 	__u64 pad2;
 	struct gate_slot slots[GATE_SLOTS];
 	struct gate_watch watches[GATE_SLOTS];
@@ -296,10 +297,10 @@ enum gate_event_kind {
 	GATE_E_MISSING = 1, /* nothing has come for longer than `silence` */
 	GATE_E_RESTORED,    /* events come again */
 	GATE_E_UNKNOWN,	    /* a frame without a slot: a gate_sample */
-	GATE_E_BOUND,	    /* gate_table.binding_news has changed; it may change untold */
+	GATE_E_BOUND, /* gate_table.binding_news has changed; it may change without a report */
 };
 
-/* What the kernel tells by the ring, one for the whole gateway, in the order it was told. */
+/* What the kernel reports by the ring, one for the whole gateway, in the order of the reports. */
 struct gate_event {
 	__u32 kind; /* enum gate_event_kind */
 	__u32 ifindex;
@@ -311,8 +312,8 @@ struct gate_event {
 };
 
 /*
- * A frame without a slot that was not among the last seen ones before. Told only while half of the
- * ring is free, so that no unadmitted sender takes the place of a gate_event.
+ * A frame without a slot that was not among the last seen ones before. Reported only while half of
+ * the ring is free, so that no unadmitted sender takes the place of a gate_event.
  */
 struct gate_sample {
 	__u32 kind; /* GATE_E_UNKNOWN */
@@ -334,10 +335,10 @@ struct gate_sample {
  * One for the whole gateway, pinned, memory-mapped. The gates are open only while `open` is set,
  * `lapsed` is not, and `deadline` is not over. Each heart-beat moves the deadline; a beat that
  * comes after it, or a kernel timer that finds `heartbeat` older than `grace_ns`, sets `lapsed`;
- * only the daemon clears it, after it has looked at the world anew. A daemon that starts gives each
- * gate that it holds the next epoch, and then the word itself: from then on a gate that it does not
- * know is closed, wherever its device went. Layout version and `open` stand
- * at the head in all layouts: a daemon closes what one of another layout has left.
+ * only the daemon clears it, after it has observed the interfaces anew. A daemon that starts gives
+ * each gate that it holds the next epoch, and then the word itself: from then on a gate that it
+ * does not know is closed, wherever its device went. Layout version and `open` stand at the head in
+ * all layouts: a daemon closes what one of another layout has left.
  */
 struct gate_control {
 	__u32 layout_version;
@@ -359,7 +360,7 @@ struct gate_control {
 
 #define GATE_CONTROL_NAME "mlcca_control" /* of its map, for programs that nothing else names */
 
-/* One of the programs that look at such a word: see roster.bpf.c. */
+/* One of the programs that read such a word: see roster.bpf.c. */
 struct gate_program {
 	__u32 id;
 	char name[16];
@@ -368,7 +369,7 @@ struct gate_program {
 /* What gate_beat is run for. */
 enum gate_beat {
 	GATE_BEAT = 0,	   /* the daemon lives */
-	GATE_BEAT_CLEAR,   /* it has looked anew: the lapse is over */
+	GATE_BEAT_CLEAR,   /* it has observed anew: the lapse is over */
 	GATE_BEAT_SHORTEN, /* the grace has changed: the deadline may come nearer, no more */
 };
 
@@ -437,9 +438,9 @@ static inline int gate_has_origin(__u32 direction, __u32 source)
 }
 
 /*
- * As what a frame was admitted at ingress, in 31 bits: the subject and the publisher, who is what
- * the slot tells its frames by: gate_publisher() on CAN, ether_station() on Ethernet. Two of them
- * are the same with a chance of 2^-31.
+ * As what a frame was admitted at ingress, in 31 bits: the subject and the publisher, by which
+ * the slot distinguishes its frames: gate_publisher() on CAN, ether_station() on Ethernet. Two of
+ * them are the same with a chance of 2^-31.
  */
 static inline __u32 gate_origin(__u64 subject, __u64 publisher)
 {

@@ -5,7 +5,7 @@
 
 #include <linux/types.h>
 
-/* FAMOUSO: the broker's replies, and the subject by which nodes tell what they subscribe. */
+/* FAMOUSO: the broker's replies, and the subject by which nodes announce what they subscribe to. */
 #define GATE_REPLY_TAG 4
 #define GATE_REPLY_ID  0x1f5fc004U
 #define GATE_SUBSCRIBE 0x5355425343524942ULL /* "SUBSCRIB" */

@@ -102,7 +102,7 @@ int gate_ingress(struct __sk_buff *skb)
 	return TC_ACT_UNSPEC;
 
 echo:
-	/* Without a mark, so that nobody forwards it as a frame from the bus. */
+	/* Without a mark, so that it is not forwarded as a frame from the bus. */
 	skb->mark = 0;
 	count_reason(cpu, GATE_INGRESS, GATE_R_ECHO);
 	return TC_ACT_UNSPEC;

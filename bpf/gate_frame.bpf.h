@@ -58,7 +58,8 @@ static __always_inline bool is_xl(struct __sk_buff *skb, __u32 lead, struct xl_h
 	       head->len <= XL_MAX_DLEN && skb->len == lead + XL_HEADER + head->len;
 }
 
-/* The length does not tell whether something stands in front. Where both could be: neither. */
+/* The length does not say whether a header stands in front. A frame that could be both is neither.
+ */
 static __always_inline bool read_xl(struct __sk_buff *skb, __u32 direction, struct frame *frame)
 {
 	struct xl_head bare, led;

@@ -83,7 +83,7 @@ static __always_inline __u64 walk_from_head(struct __sk_buff *skb, struct frame 
 }
 
 /*
- * The first slot is looked at in place: nearly always it is the only one. A key that has a slot is
+ * The first slot is compared in place: nearly always it is the only one. A key that has a slot is
  * decided there, even if that refuses: masked slots never open what was refused by name.
  */
 static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direction,
@@ -117,7 +117,8 @@ static __always_inline struct decision decide(struct __sk_buff *skb, __u32 direc
 	return settled(skb, frame, direction, found);
 }
 
-/* Drops what is not to pass; in audit mode it goes on, marked. Without a slot `frame` is told. */
+/* Drops what is not to pass; in audit mode it goes on, marked. A `frame` without a slot is
+ * reported. */
 static __always_inline int refuse_in(struct __sk_buff *skb, struct gate_cpu *cpu, __u32 slot,
 				     __u32 reason, const struct frame *frame)
 {

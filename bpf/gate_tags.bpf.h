@@ -6,7 +6,7 @@
 #ifndef MLCCA_GATE_TAGS_BPF_H
 #define MLCCA_GATE_TAGS_BPF_H
 
-/* So many wake-ups at once, then one in that time. What they tell is in the table. */
+/* REPLIES wake-ups at once, then one in REPLY_NS. The table holds what they report. */
 #define REPLIES	 16
 #define REPLY_NS 100000000ULL
 
@@ -123,9 +123,9 @@ static long look_at_binding(__u32 at, void *context)
 	return 0;
 }
 
-/* The first half of a reply wakes nobody: who is woken by the second one knows the whole subject.
+/* The first half of a reply wakes no reader: at the second one the whole subject is known.
  */
-static __always_inline void tell_news(__u32 half)
+static __always_inline void report_news(__u32 half)
 {
 	struct gate_event event = {.kind = GATE_E_BOUND, .ifindex = ifindex};
 
@@ -163,8 +163,8 @@ static __always_inline void join(struct reply *r, __u32 direction, __u32 node)
 /*
  * What comes in has been on the bus, whatever becomes of it here; what goes out comes here when it
  * passes, also by audit mode. `admitted`: as control traffic. A reply that no broker may send
- * closes as well: nodes take the answer from anyone. Not static: the verifier looks at it once by
- * itself.
+ * closes as well: nodes take the answer from any sender. Not static: the verifier checks it once
+ * by itself.
  */
 __noinline __u32 heed_reply(struct __sk_buff *skb, struct frame *frame, __u32 direction,
 			    __u32 admitted)
@@ -184,7 +184,7 @@ __noinline __u32 heed_reply(struct __sk_buff *skb, struct frame *frame, __u32 di
 	join(&r, direction, data.node);
 	bpf_loop(READ_ONCE(table.bindings_end), look_at_binding, &r, 0);
 	if (r.news)
-		tell_news(r.half);
+		report_news(r.half);
 	return 0;
 }
 

@@ -2,7 +2,7 @@
 /*
  * How the events of a slot come. The exchange of `last` gives each gap to one frame, whatever the
  * CPUs do, and every gap is counted once, so that the counts are exact. No timer is touched here:
- * the one of the slot (watch.bpf.c) looks at `last` when it is due.
+ * the one of the slot (watch.bpf.c) reads `last` when it is due.
  */
 #ifndef MLCCA_GATE_WATCH_BPF_H
 #define MLCCA_GATE_WATCH_BPF_H

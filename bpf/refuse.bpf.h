@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
-/* What the sender of a dropped frame is told. */
+/* What the sender of a dropped frame gets from its system call. */
 #ifndef MLCCA_REFUSE_BPF_H
 #define MLCCA_REFUSE_BPF_H
 
 /*
- * Set before loading. A frame that is dropped on its way out looks sent to the program that sent
- * it; otherwise that gets ENOBUFS.
+ * Set before loading. The program that sent a frame which is dropped at egress gets success;
+ * otherwise it gets ENOBUFS.
  */
 const volatile __u8 silent = false;
 
 /*
- * The action of a drop. TC_ACT_STOLEN would tell the sender success in clsact, but in TCX it means
- * that the next program is asked. A redirection is final in both, and success to the sender: the
- * kernel finds no interface of index 0 and frees the frame.
+ * The action of a drop. TC_ACT_STOLEN would report success to the sender in clsact, but in TCX it
+ * means that the next program is asked. A redirection is final in both, and success to the sender:
+ * the kernel finds no interface of index 0 and frees the frame.
  */
 static __always_inline int refusal(__u32 direction)
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause
 /*
- * Which programs of this kernel are gates of ours, whoever has loaded them: those that look at a
+ * Which programs of this kernel are gates of ours, whoever has loaded them: those that read a
  * map of the name of the control word. Who asks the kernel for a program by its id needs
  * CAP_SYS_ADMIN; an iterator needs CAP_BPF and CAP_PERFMON alone. Offsets are those of the running
  * kernel's BTF.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
 /*
  * Silence: kernel timers that notice when a watched slot of one interface has had no event for too
- * long. A timer is due when the oldest of the latest events of its slots would be too old, looks
+ * long. A timer is due when the oldest of the latest events of its slots would be too old, checks
  * whether later ones have come, and if so is due again by those: it ticks with the channels, and
  * never drifts. The kernel may refuse memory for a timer at any time (6.18 often does), so there
  * are a few for all slots, made when the gate is. A value with a timer can't be memory-mapped: they
@@ -20,7 +20,7 @@ static __u32 slot_number(__u32 at, const struct gate_watch *w);
 static bool passes(__u32 at, const struct gate_watch *w);
 
 #define SHORTEST_WAIT 100000ULL	   /* ns: no Period keeps a CPU busy */
-#define AT_LEISURE    100000000ULL /* ns: where nobody waits for what is found */
+#define AT_LEISURE    100000000ULL /* ns: where no one waits for the result */
 
 const volatile __u32 ifindex = 0; /* set before loading */
 
@@ -48,8 +48,8 @@ static bool passes_now(const __u8 *verdict)
 	return READ_ONCE(verdict[READ_ONCE(control.generation) & 1]) == GATE_PASS;
 }
 
-/* False: the ring is full. Then it is told at the next tick. */
-static bool tell(__u32 at, const struct gate_watch *w, __u32 kind, __u64 now, __u64 silent)
+/* False: the ring is full. Then it is reported at the next tick. */
+static bool report(__u32 at, const struct gate_watch *w, __u32 kind, __u64 now, __u64 silent)
 {
 	struct gate_event event = {
 	    .kind = kind,
@@ -64,23 +64,24 @@ static bool tell(__u32 at, const struct gate_watch *w, __u32 kind, __u64 now, __
 	return !bpf_ringbuf_output(&events, &event, sizeof(event), 0);
 }
 
-/* Of a slot that is silent: when it has come for a while without a break it is told, not before. */
-static void look_for_events(__u32 at, struct gate_watch *w, bool quiet, __u64 now)
+/* Of a slot that is silent: its recovery is reported when events have come for a while without a
+ * break. */
+static void await_recovery(__u32 at, struct gate_watch *w, bool quiet, __u64 now)
 {
 	if (quiet)
 		w->recovering = 0;
 	else if (!w->recovering)
 		w->recovering = now;
 	else if (now - w->recovering >= GATE_RECOVERY_HOLD &&
-		 tell(at, w, GATE_E_RESTORED, now, w->recovering - w->from))
+		 report(at, w, GATE_E_RESTORED, now, w->recovering - w->from))
 		w->silent = 0;
 }
 
 /*
- * Gives the time until the next look at a slot, 0 for none. Not static: the verifier looks at it
+ * Gives the time until the next poll of a slot, 0 for none. Not static: the verifier checks it
  * once by itself.
  */
-__noinline __u64 look(__u32 at)
+__noinline __u64 poll_watch(__u32 at)
 {
 	struct gate_watch *w = watch_of(at);
 	__u64 silence, period, last, now, since;
@@ -89,7 +90,7 @@ __noinline __u64 look(__u32 at)
 		return 0;
 	silence = READ_ONCE(w->silence);
 	period = READ_ONCE(w->period);
-	/* The event before the clock: one in between must not look like a long silence. */
+	/* The event before the clock: one in between must not count as a long silence. */
 	last = READ_ONCE(w->last);
 	now = bpf_ktime_get_ns();
 	if (!silence || !passes(at, w))
@@ -104,12 +105,12 @@ __noinline __u64 look(__u32 at)
 		w->since = now;
 	since = last > w->since ? last : w->since;
 	if (w->silent) {
-		look_for_events(at, w, now - since >= silence, now);
+		await_recovery(at, w, now - since >= silence, now);
 		return period > AT_LEISURE ? period : AT_LEISURE;
 	}
 	if (now < since + silence)
 		return since + silence - now;
-	if (tell(at, w, GATE_E_MISSING, now, now - since)) {
+	if (report(at, w, GATE_E_MISSING, now, now - since)) {
 		w->silent = 1;
 		w->from = since;
 		w->recovering = 0;
@@ -123,14 +124,14 @@ static int tick(void *map, __u32 *key, struct silence_timer *own)
 	__u32 end = watches_end(), at = *key, i;
 
 	for (i = 0; i < WATCHES / GATE_SILENCE_TIMERS && at < end; i++, at += GATE_SILENCE_TIMERS) {
-		__u64 wait = look(at);
+		__u64 wait = poll_watch(at);
 
 		if (wait && (!soonest || wait < soonest))
 			soonest = wait;
 	}
 	if (soonest)
 		bpf_timer_start(&own->timer, soonest < SHORTEST_WAIT ? SHORTEST_WAIT : soonest, 0);
-	/* One was armed behind our back: its wait has just been overwritten. */
+	/* One was armed meanwhile: its wait has just been overwritten. */
 	if (READ_ONCE(own->armed) != armed)
 		bpf_timer_start(&own->timer, SHORTEST_WAIT, 0);
 	return 0;
@@ -163,7 +164,7 @@ int watch_make(struct __sk_buff *skb)
 	return 0;
 }
 
-/* Watch `skb->mark` is looked at from now on. What is missing already is told once more. */
+/* Watch `skb->mark` is polled from now on. What is missing already is reported once more. */
 SEC("tc")
 int watch_arm(struct __sk_buff *skb)
 {

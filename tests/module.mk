@@ -21,7 +21,7 @@ SANITIZED_ALL := $(SANITIZED) attach_test store_test wire_live_test ether_table_
 	description_test mesh_test doctor_test
 # Never: they run programs that are not instrumented (analyse_bus, bandwidth, check, describe, generate, proto,
 # sources_live, start, tools, twin), code that a generator made (der), literals that must be constants to be linked
-# (include), or frames through the kernel, where nothing is to be looked into (gate_frames, ether_frames, ether_sockets).
+# (include), or frames through the kernel, where nothing is to be instrumented (gate_frames, ether_frames, ether_sockets).
 # What mlcca-sources reads goes through sources_texts_fuzz and sources_packets_fuzz.
 check-sanitized: $(addprefix $O/fuzz/tests/,$(SANITIZED)) | $(PROGRAMS) ## tests with ASan and UBSan (root): SANITIZED="store_test …"
 	$(Q)tests/support/run-tests $^

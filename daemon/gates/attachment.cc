@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // In TCX a program of ours is known by its pin: its own name, or the next one, which it has before
-// it is attached. A crash in between leaves it in force under a name that the next start looks at.
+// it is attached. A crash in between leaves it in force under a name that the next start checks.
 #include "daemon/gates/attachment.hpp"
 
 #include <bpf/bpf.h>
@@ -22,7 +22,7 @@
 namespace mlcca::enforce {
 namespace {
 
-constexpr int kTries = 8;  ///< somebody else changes the order at the same time
+constexpr int kTries = 8;  ///< while another program changes the order at the same time
 
 struct Named {
   Fd fd;
@@ -101,8 +101,8 @@ Result<void> end_links_of_other_layouts(const Place& place) {
   return {};
 }
 
-/// What else of ours is there would go on by its own control word, which nobody beats any more: it
-/// drops everything. Where it cannot be found out, that is the safe side.
+/// What else of ours is there would go on by its own control word, which gets no heart-beat any
+/// more: it drops everything. Where it cannot be found out, that is the safe side.
 Result<void> remove_others_of_ours(const Place& place, const InPlace& ours) {
   if (auto ended = end_links_of_other_layouts(place); !ended) return ended;
   for (const auto direction : kBothDirections) {

@@ -15,7 +15,7 @@ namespace mlcca::enforce {
 struct StatedBinding {
   std::uint64_t subject = 0;
   std::uint16_t etag = 0;  ///< 0: not known yet
-  // For a gate that has not heard it itself:
+  // For a gate that has not seen the traffic itself:
   bool contradicted = false;
   std::uint16_t dealt = 0;  ///< the tag that the broker has dealt it last; 0: none
   bool operator==(const StatedBinding&) const = default;

@@ -117,7 +117,7 @@ Result<Fd> make_word() {
   return map;
 }
 
-/// The control word of this version. Of another one nobody knows more than how it is closed.
+/// The control word of this version. Of another version only how to close it is known.
 bool is_word_or_close(int map) {
   const std::uint32_t key = 0;
   gate_control word{};
@@ -130,7 +130,7 @@ bool is_word_or_close(int map) {
 
 /// What the program says.
 Result<std::uint32_t> run_once(int program, std::uint32_t mark) {
-  std::array<std::uint8_t, 14> frame{};  // the least that a test run takes; not looked at
+  std::array<std::uint8_t, 14> frame{};  // the least that a test run takes; not read
   __sk_buff context{};
   context.mark = mark;
   LIBBPF_OPTS(bpf_test_run_opts, run);
@@ -172,8 +172,8 @@ struct Control::State {
 };
 
 /// Two processes may be at it: the one whose pin comes first has made it. Something else that has
-/// the name is the same as nothing: gates that are attached hold their own word, which nobody
-/// beats.
+/// the name is the same as nothing: gates that are attached hold their own word, which
+/// gets no heart-beat.
 Result<void> Control::State::open_or_make() {
   Fd made;
   for (int i = 0; i < kTries; ++i) {
@@ -193,10 +193,10 @@ Result<void> Control::State::open_or_make() {
     if (!pinned) return std::unexpected(pinned.error());
     if (!*pinned) continue;
     map = std::move(made);
-    remove_pin(deadman_pin());  // its timer would look at another word
+    remove_pin(deadman_pin());  // its timer would read another word
     return map_word();
   }
-  return fail("pin " + control_pin() + ": somebody else pins there again and again");
+  return fail("pin " + control_pin() + ": another program pins there repeatedly");
 }
 
 Result<void> Control::State::map_word() {

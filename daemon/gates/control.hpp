@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The word that opens and closes all gates of this gateway, with the deadline after which they
 // close when the daemon falls silent, and the kernel timer that counts that. Lives in pinned maps:
-// it outlasts the daemon; what the gates look at also outlasts its pin.
+// it outlasts the daemon; what the gates read also outlasts its pin.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -22,7 +22,7 @@ enum class Mode : std::uint8_t {
 /// Grace that never ends: verdicts stay however long the daemon is silent.
 inline constexpr std::uint64_t kForEver = ~std::uint64_t{0};
 inline constexpr std::uint64_t kDefaultGrace = 10'000'000'000;  ///< ns
-/// A shorter grace is taken as this: it could not be told from a busy daemon.
+/// A shorter grace is taken as this: a busy daemon could not be distinguished from a dead one.
 inline constexpr std::uint64_t kShortestGrace = 100'000'000;  ///< ns
 
 /// The maps that all gates share, by their descriptors, and the epoch of a gate that this daemon
@@ -39,7 +39,7 @@ class Control {
   /// makes them: closed, enforcing, grace of 10 s, no heart-beat yet, timer not armed. Errors: no
   /// bpffs, no privilege, maps of another layout.
   static Result<Control> create(const std::string& root);
-  /// In memory that nothing names: closed, and nobody can open it any more when this object is
+  /// In memory that nothing names: closed, and it cannot be opened any more when this object is
   /// gone.
   static Result<Control> create_unpinned();
   Control(Control&&) noexcept;
@@ -51,11 +51,11 @@ class Control {
   /// The maps were there before: a daemon has run since boot.
   [[nodiscard]] bool reused() const;
   /// What had names that are ours, and was no object of ours: replaced, a line of each, once. The
-  /// gates that are attached hold what they look at, pinned or not; those close, and are made anew.
+  /// gates that are attached hold what they read, pinned or not; those close, and are made anew.
   [[nodiscard]] std::vector<std::string> take_replaced();
 
   /// Every gate that this daemon holds is in place: whatever is left of one before it, and held by
-  /// nobody, is closed from now on, wherever it is.
+  /// none, is closed from now on, wherever it is.
   void take_over();
   /// After take_over(): writes again which daemon holds the gates, if another program has written
   /// over it. True: it has; the gates were closed.
@@ -75,7 +75,8 @@ class Control {
   /// Quarter of the grace, at most 1 s, in ns.
   [[nodiscard]] std::uint64_t beat_interval() const;
 
-  /// The kernel has closed the gates because of our silence. Look at the world anew, then clear.
+  /// The kernel has closed the gates because of our silence. Observe the interfaces anew, then
+  /// clear.
   [[nodiscard]] bool lapsed() const;
   [[nodiscard]] std::uint64_t lapses() const;
   /// Counts as a beat, so that nothing closes again at once.
@@ -83,18 +84,18 @@ class Control {
 
   /// How long verdicts outlive the daemon, in ns: the gates close by themselves within two ticks of
   /// the kernel's clock after that. A shorter one holds at once. Restarts an armed timer, which
-  /// looks every eighth of the grace, from 20 ms to 1 s. What was set is also pinned where nobody
-  /// can alter it (see noted_grace()).
+  /// checks every eighth of the grace, from 20 ms to 1 s. What was set is also pinned where no
+  /// program can alter it (see noted_grace()).
   Result<void> set_grace(std::uint64_t grace);
-  /// Sets again what somebody else has written over what set_grace() has set. True if it was.
+  /// Sets again what set_grace() has set, if another program has overwritten it. True if it was.
   Result<bool> keep_grace();
   [[nodiscard]] std::uint64_t grace() const;
 
   /// Starts the kernel timer; beat() first. Harmless when it runs: it then calls the new program.
   Result<void> arm();
 
-  /// Pins again what somebody has unpinned: without its pin the timer would end with the daemon,
-  /// and the gates stay open. True if anything was.
+  /// Pins again what another program has unpinned: without its pin the timer would end with the
+  /// daemon, and the gates stay open. True if anything was.
   Result<bool> keep_pinned();
 
   /// Directory of the pins, `root`/v1.
@@ -123,8 +124,8 @@ struct GraceWords {
 Result<GraceWords> words_of_grace(std::uint64_t grace);
 GraceWords words_of_grace(const gate_control& word);
 
-/// The grace that a daemon has set last, in ns, which nobody can write to since; nothing where none
-/// has.
+/// The grace that a daemon has set last, in ns, which no program can write to since; nothing where
+/// none has.
 std::optional<std::uint64_t> noted_grace(const std::string& directory);
 /// How long the gates of a word stay open from now on without a heart-beat, in ns, rounded down;
 /// at most 2^32 ticks. Error: no right to ask, or no memory.

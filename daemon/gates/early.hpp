@@ -26,8 +26,8 @@ Result<void> note_early(const std::string& root, std::uint32_t program);
 bool is_noted_early(const std::string& root, std::uint32_t program);
 
 /// Ours takes the place of ours, be it of a daemon before this one, or come back with its device;
-/// elsewhere it is put where nobody else's program is. Gives whether it is there. Between looking
-/// and putting nobody is kept from putting his own there.
+/// elsewhere it is put where no program of another owner is. Gives whether it is there. Between
+/// the check and the attachment another program can be attached.
 Result<bool> put_early_in_place(const Place& place, int program_fd);
 
 }  // namespace mlcca::enforce

@@ -21,7 +21,7 @@ struct EtherConfig {
 
 class EtherGate final : public PortGate {
  public:
-  /// Loads a gate and puts it in place. Where the driver has XDP and nobody else's program is
+  /// Loads a gate and puts it in place. Where the driver has XDP and no other program is
   /// there, what is refused is dropped there. Error: no Ethernet interface.
   static Result<EtherGate> attach(const EtherConfig& config, const Control& control);
   /// See PortGate::load().

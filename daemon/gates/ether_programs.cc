@@ -20,7 +20,7 @@ namespace {
 
 using Maps = decltype(ether_bpf::maps);
 
-/// What is mapped is of a size that can be looked at.
+/// What is mapped is of a size that can be read.
 struct Row : MapRow<EtherMaps, ether_bpf> {
   std::uint32_t value_size = 0;  ///< 0: it is not mapped
   std::uint32_t (*entries)(const EtherSizes&) = nullptr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The object of the Ethernet gate in the kernel: its programs and the maps they look at.
+// The object of the Ethernet gate in the kernel: its programs and the maps they read.
 #pragma once
 #include <cstdint>
 #include <memory>

@@ -140,7 +140,7 @@ Result<void> EtherTable::check_adopted(std::uint32_t at, std::size_t bucket) con
   return {};
 }
 
-/// The same contract under two numbers, which nobody writes, would count as one.
+/// The same contract under two numbers, which this program never writes, would count as one.
 Result<void> EtherTable::adopt_contract(std::uint32_t at) {
   const std::uint16_t number = memory_.slots[at].contract;
   Use& use = contracts_[contract_of(spec_of(at))];
@@ -222,7 +222,7 @@ std::set<EtherTable::Contract> EtherTable::new_contracts(const SlotChanges& chan
   return fresh;
 }
 
-/// Where nothing goes, check() has looked at the same.
+/// Where nothing goes, check() has checked the same.
 bool EtherTable::fits_at_once(const SlotChanges& changes) const {
   return changes.remove.empty() || (changes.add.size() <= slots_.size() &&
                                     new_contracts(changes).size() <= contract_numbers_.size() &&

@@ -95,7 +95,7 @@ class EtherTable final : public Table {
     std::uint64_t silence = 0;
     std::uint64_t together = 0;
   };
-  /// Entries of a map that nobody uses; a running program may still look at those in quarantine.
+  /// Unused entries of a map; a running program may still read those in quarantine.
   template <class Number>
   struct Unused {
     std::vector<Number> free;
@@ -128,7 +128,7 @@ class EtherTable final : public Table {
   }
   [[nodiscard]] std::uint32_t slots_end() const override { return sizes_.slots; }
   void forget_events(std::uint32_t slot) override;
-  [[nodiscard]] std::uint16_t minded_watch(std::uint32_t slot) const override;
+  [[nodiscard]] std::uint16_t supervised_watch(std::uint32_t slot) const override;
   [[nodiscard]] std::uint32_t last_of_stations(std::uint64_t bucket, const SlotSpec& spec) const;
   void link(const SlotSpec& spec);
   void unlink(const SlotSpec& spec);

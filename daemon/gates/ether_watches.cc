@@ -71,7 +71,7 @@ void EtherTable::forget_events(std::uint32_t slot) {
     forget_findings(memory_.watches[watch]);
 }
 
-std::uint16_t EtherTable::minded_watch(std::uint32_t slot) const {
+std::uint16_t EtherTable::supervised_watch(std::uint32_t slot) const {
   const std::uint16_t watch = watch_of(slot);
   return memory_.watches[watch].silence != 0 ? watch : std::uint16_t{0};
 }
@@ -81,7 +81,7 @@ std::vector<std::uint16_t> EtherTable::watched() const {
   const std::uint32_t end = std::min<std::uint32_t>(memory_.table->watches_end, ETHER_WATCHES);
   for (std::uint32_t watch = 1; watch < end; ++watch)
     if (const auto slot = static_cast<std::uint32_t>(memory_.watches[watch].slot);
-        slot < sizes_.slots && minded_watch(slot) == watch && passes(slot))
+        slot < sizes_.slots && supervised_watch(slot) == watch && passes(slot))
       watches.push_back(static_cast<std::uint16_t>(watch));
   return watches;
 }

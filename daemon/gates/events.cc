@@ -27,7 +27,8 @@ Result<Fd> make_event_ring() {
   return made;
 }
 
-/// Another one than before only tells less: gates that write to that pass and drop the same frames.
+/// With another one than before reports are lost only: gates that write to that pass and drop the
+/// same frames.
 Result<Fd> open_event_ring(const std::string& pin_path, std::string& was) {
   const auto is_ours = [](int map) { return is_ring(map, GATE_EVENTS_SIZE); };
   auto there = open_own(pin_path, is_ours, was);
@@ -37,10 +38,10 @@ Result<Fd> open_event_ring(const std::string& pin_path, std::string& was) {
   const auto pinned = pin(made->get(), pin_path);
   if (!pinned) return std::unexpected(pinned.error());
   if (*pinned) return made;
-  // Somebody else was first: his is the one.
+  // Another process was first: its ring is used.
   there = open_own(pin_path, is_ours, was);
   if (there && !*there)
-    return fail("pin " + pin_path + ": somebody else pins there at this moment");
+    return fail("pin " + pin_path + ": another program pins there at this moment");
   return there;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the kernel tells by itself: the ring that all gates of this gateway, and their timers, write
-// to.
+// What the kernel reports by itself: the ring that all gates of this gateway, and their timers,
+// write to.
 #pragma once
 #include <functional>
 #include <memory>
@@ -18,7 +18,8 @@ void free_ring(ring_buffer* ring);
 
 /// The ring that all gates share; nothing names it.
 Result<Fd> make_event_ring();
-/// The pinned ring, or a new one that is pinned there: what was told while no daemon ran is kept.
+/// The pinned ring, or a new one that is pinned there: what was reported while no daemon ran is
+/// kept.
 Result<Fd> open_event_ring(const std::string& pin_path, std::string& was);
 
 class EventReader {

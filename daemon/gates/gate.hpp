@@ -23,7 +23,7 @@ struct GateConfig {
   /// not set it for a device whose frames come from another namespace (vxcan): marks cross there.
   bool echo_by_mark = false;
   std::optional<Hook> hook;  ///< the best one that the kernel has
-  /// What is dropped on its way out looks sent to the program that sent it.
+  /// A program gets success for what is dropped at egress.
   bool silent = false;
 };
 

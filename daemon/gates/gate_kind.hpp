@@ -18,7 +18,7 @@
 
 namespace mlcca::enforce {
 
-/// What a gate has in the kernel: its programs, the maps that they look at, and what these hold.
+/// What a gate has in the kernel: its programs, the maps that they read, and what these hold.
 /// Nothing of it is pinned or attached by this object.
 class GateObject {
  public:

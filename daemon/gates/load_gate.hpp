@@ -14,7 +14,7 @@
 
 namespace mlcca::enforce {
 
-/// What every gate is told before it is loaded.
+/// What is set in every gate before it is loaded.
 struct GateSwitches {
   std::uint32_t ifindex = 0;
   bool silent = false;

@@ -133,7 +133,7 @@ Result<std::string> pin_instead(int fd, const std::string& path) {
   if (!was) return was;
   const auto pinned = pin(fd, path);
   if (!pinned) return std::unexpected(pinned.error());
-  if (!*pinned) return fail("pin " + path + ": somebody else pins there at this moment");
+  if (!*pinned) return fail("pin " + path + ": another program pins there at this moment");
   return was;
 }
 

@@ -42,13 +42,14 @@ class PortGate {
   Result<void> put();
   /// Both programs are in their places now and are those of this object.
   [[nodiscard]] Result<bool> attached() const;
-  /// Puts the same programs back after somebody removed or replaced them; slots and counters stay.
+  /// Puts the same programs back after another program removed or replaced them; slots and counters
+  /// stay.
   Result<void> reattach();
   [[nodiscard]] Hook hook() const;
   /// TCX programs of others that may let frames pass before ours have seen them.
   [[nodiscard]] Result<std::vector<Ahead>> ahead() const;
-  /// Somebody has told the gate that its interface has left, for which unpin() is there, so that
-  /// everything passes: it judges again. False: nobody has.
+  /// The gate was marked as that of an interface that has left, which only unpin() may do, so that
+  /// everything passes: it judges again. False: it was not marked.
   bool judge_again();
   /// Another program has given the gate to another daemon, or to none, so that it was closed: it is
   /// held by this one again. False: none has.
@@ -62,9 +63,9 @@ class PortGate {
   [[nodiscard]] std::uint32_t early() const;
   /// The driver drops what is refused before anything else sees it.
   [[nodiscard]] bool drops_early() const;
-  /// It did, until somebody took our program away from there. Both filters hold all of it.
+  /// It did, until our program was removed from there. Both filters hold all of it.
   [[nodiscard]] bool lost_early() const;
-  /// Where nobody else's program is: see drops_early().
+  /// Where no other program is: see drops_early().
   Result<void> put_early_back();
 
   /// See Table::apply(); then the timers of what is newly watched.
@@ -84,11 +85,11 @@ class PortGate {
   [[nodiscard]] std::optional<SlotCounters> counters(const SlotSpec& spec) const;
   /// Number of the slot with this grant, as events name it.
   [[nodiscard]] std::optional<std::uint32_t> number_of(const SlotSpec& spec) const;
-  /// The same; nothing where nobody looks.
+  /// The same; nothing if it is not supervised.
   [[nodiscard]] std::optional<std::uint32_t> watched_as(const SlotSpec& spec) const;
   /// How the events of a watched slot have come. `now`: CLOCK_MONOTONIC.
   [[nodiscard]] Arrivals arrivals(std::uint32_t slot, std::uint64_t now) const;
-  /// If events of a watched slot are missing that is told once more.
+  /// If events of a watched slot are missing that is reported once more.
   [[nodiscard]] Result<void> report_again(std::uint32_t slot) const;
   /// Slots whose events ought to be watched, beyond those that can be.
   [[nodiscard]] std::size_t unwatched() const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The gate's object in the kernel: two programs and the maps they look at.
+// The gate's object in the kernel: two programs and the maps they read.
 #pragma once
 #include <cstdint>
 #include <memory>

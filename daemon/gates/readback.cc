@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Tables are copied before they are looked at: a daemon may be at work on them.
+// Tables are copied before they are read: a daemon may be at work on them.
 #include "daemon/gates/readback.hpp"
 
 #include <fmt/format.h>
@@ -70,9 +70,8 @@ void read_programs(GateReading& gate, const std::string& directory,
                       to_text(direction), there, info.id));
     for (const std::uint32_t map : maps)
       if (info.id != 0 && std::ranges::find(info.map_ids, map) == info.map_ids.end())
-        gate.problems.push_back(
-            fmt::format("the program pinned for {} does not look at the pinned map {}",
-                        to_text(direction), map));
+        gate.problems.push_back(fmt::format(
+            "the program pinned for {} does not use the pinned map {}", to_text(direction), map));
   }
   read_early(gate, directory);
   const auto ahead = tcx_ahead({gate.ifindex, directory, gate.hook}, attached);
@@ -189,7 +188,7 @@ GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const
   if (const auto ether = pinned_ether_maps(directory)) {
     gate.ethernet = true;
     std::vector<std::uint32_t> ids{map_id(control.get())};
-    for (const Fd EtherMaps::* map :
+    for (const Fd EtherMaps::* const map :
          {&EtherMaps::table, &EtherMaps::buckets, &EtherMaps::slots, &EtherMaps::contracts})
       ids.push_back(map_id((ether->maps.*map).get()));
     read_programs(gate, directory, ids);
@@ -224,7 +223,7 @@ std::string seconds(std::uint64_t ns) {
   return ns == kForEver ? "for ever" : fmt::format("{} s", static_cast<double>(ns) / 1e9);
 }
 
-/// What the daemon has set is noted where nobody can write, and the deadline follows from it.
+/// What the daemon has set is noted where no program can write, and the deadline follows from it.
 void compare_grace(const std::string& directory, const gate_control& word, const Fd& control,
                    std::vector<std::string>& problems) {
   const auto noted = noted_grace(directory);
@@ -241,7 +240,7 @@ void compare_grace(const std::string& directory, const gate_control& word, const
   } else if (words_of_grace(word) != *wanted) {
     problems.push_back(fmt::format(
         "another program has altered after which time the gates close without a daemon: it is "
-        "{} in nanoseconds, {} in ticks, looked at each {}; ought to be {}, {}, {}",
+        "{} in nanoseconds, {} in ticks, checked each {}; ought to be {}, {}, {}",
         seconds(word.grace_ns), word.grace_ticks, seconds(word.check_ns), seconds(wanted->grace_ns),
         wanted->grace_ticks, seconds(wanted->check_ns)));
   }

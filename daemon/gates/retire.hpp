@@ -14,7 +14,7 @@ void retire_gate(const std::string& directory);
 
 /// Before the pins of a gate are given to another one: what is pinned there and is none of these
 /// maps, which are attached to the device of this index, belongs to another device, that may have
-/// gone to another namespace. Nobody holds it any more: it is closed.
+/// gone to another namespace. No daemon holds it any more: it is closed.
 void disown_gate(const std::string& directory, const std::vector<MapIds>& attached);
 
 /// The kernel knows no interface of that index in this network namespace.

@@ -25,7 +25,7 @@ constexpr int kTries = 100;
 
 /// Programs that have to do with timers give 0 or a negative errno, as does this.
 int run(int program, std::uint32_t mark) {
-  std::array<std::uint8_t, 14> frame{};  // the least that a test run takes; not looked at
+  std::array<std::uint8_t, 14> frame{};  // the least that a test run takes; not read
   __sk_buff context{};
   context.mark = mark;
   LIBBPF_OPTS(bpf_test_run_opts, run);

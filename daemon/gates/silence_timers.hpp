@@ -12,7 +12,7 @@
 
 namespace mlcca::enforce {
 
-/// Maps of the gate and the gateway that timers look at and write to; they stay the caller's.
+/// Maps of the gate and the gateway that timers read and write; they stay the caller's.
 struct WatchedMaps {
   int table = -1;
   int control = -1;
@@ -32,7 +32,7 @@ class SilenceTimers {
                                            const std::string& pin_path, bool take_over);
 
   /// The timer of a watch that says what silence is. It ends by itself when the slot does not pass
-  /// any more, or nobody minds silence. What is missing already is told once more.
+  /// any more, or silence is not supervised. What is missing already is reported once more.
   [[nodiscard]] Result<void> arm(std::uint32_t watch) const;
   /// They end with the last descriptor or pin of their map.
   [[nodiscard]] Pin pin() const { return {timers_.get(), pin_path_}; }

@@ -38,7 +38,7 @@ struct SlotSpec {
   std::uint64_t per_byte = 0;
   std::uint64_t tolerance = 0;
   bool excess_passes = false;
-  // How its events are expected, see gate_watch; all 0: nobody looks.
+  // How its events are expected, see gate_watch; all 0: not supervised.
   std::uint64_t period = 0;  ///< at most GATE_LONGEST_PERIOD
   std::uint64_t silence = 0;
   std::uint64_t together = 0;

@@ -358,7 +358,7 @@ std::uint16_t SlotTable::watch_of(std::uint32_t slot) const {
   return table_->watches[slot].period != 0 ? static_cast<std::uint16_t>(slot) : std::uint16_t{0};
 }
 
-std::uint16_t SlotTable::minded_watch(std::uint32_t slot) const {
+std::uint16_t SlotTable::supervised_watch(std::uint32_t slot) const {
   return table_->watches[slot].silence != 0 ? static_cast<std::uint16_t>(slot) : std::uint16_t{0};
 }
 
@@ -366,7 +366,7 @@ std::vector<std::uint16_t> SlotTable::watched() const {
   std::vector<std::uint16_t> slots;
   for_each_chain([&](Direction, std::uint32_t, std::uint16_t first) {
     for (std::uint16_t at = first; at != 0; at = table_->slots[at].next)
-      if (passes(at) && minded_watch(at) != 0) slots.push_back(at);
+      if (passes(at) && supervised_watch(at) != 0) slots.push_back(at);
   });
   return slots;
 }

@@ -28,7 +28,7 @@ class SlotTable final : public Table {
   /// are reused only after a grace period. Errors: another layout or profile, broken chains.
   static Result<SlotTable> read(const Memory& memory, std::uint32_t profile, bool fresh,
                                 GracePeriod wait);
-  /// To be looked at only: slots may stand where their identifiers do not lead to.
+  /// To be read only: slots may stand where their identifiers do not lead to.
   static Result<SlotTable> read_as_found(const Memory& memory, std::uint32_t profile);
 
   // Errors of apply(): a slot that the profile has no key for, is there twice or is not there;
@@ -61,7 +61,7 @@ class SlotTable final : public Table {
   }
   [[nodiscard]] std::uint32_t slots_end() const override { return GATE_SLOTS; }
   void forget_events(std::uint32_t slot) override;
-  [[nodiscard]] std::uint16_t minded_watch(std::uint32_t slot) const override;
+  [[nodiscard]] std::uint16_t supervised_watch(std::uint32_t slot) const override;
   void link(const SlotSpec& spec);
   void unlink(const SlotSpec& spec);
   void set_traffic(const SlotSpec& spec);
@@ -79,7 +79,7 @@ class SlotTable final : public Table {
   GracePeriod wait_;
   std::size_t used_ = 0;
   std::vector<std::uint16_t> free_;        ///< no program can hold them
-  std::vector<std::uint16_t> quarantine_;  ///< a running program may still look at them
+  std::vector<std::uint16_t> quarantine_;  ///< a running program may still read them
 };
 
 }  // namespace mlcca::enforce

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The half of a verdict that the next generation reads is written for all tables, then the
-// generation, then the half that nobody reads any more.
+// generation, then the half that no program reads any more.
 #include "daemon/gates/table.hpp"
 
 #include <utility>
@@ -104,7 +104,7 @@ void Table::undo_step(std::uint32_t slot) const {
 }
 
 void Table::note_watched(std::uint32_t slot) {
-  if (const std::uint16_t watch = minded_watch(slot); watch != 0 && passes(slot))
+  if (const std::uint16_t watch = supervised_watch(slot); watch != 0 && passes(slot))
     newly_watched_.insert(watch);
 }
 

@@ -57,7 +57,7 @@ class Table {
   /// changed since the last call.
   [[nodiscard]] virtual std::vector<std::uint16_t> watched() const = 0;
   [[nodiscard]] std::vector<std::uint16_t> take_newly_watched();
-  /// Number of the watch of a slot; 0: nobody looks.
+  /// Number of the watch of a slot; 0: not supervised.
   [[nodiscard]] virtual std::uint16_t watch_of(std::uint32_t slot) const = 0;
   /// Slots whose events ought to be watched, beyond those that can be.
   [[nodiscard]] virtual std::size_t unwatched() const { return 0; }
@@ -69,7 +69,7 @@ class Table {
   [[nodiscard]] bool passes(std::uint32_t slot) const;
   /// Whoever wrote the slot may have ended halfway to the next generation.
   void undo_step(std::uint32_t slot) const;
-  /// If events of the slot can come and somebody minds when they do not, its timer is to start.
+  /// If events of the slot can come and their absence is supervised, its timer is to start.
   void note_watched(std::uint32_t slot);
   void forget_watched(std::uint16_t watch) { newly_watched_.erase(watch); }
 
@@ -97,8 +97,8 @@ class Table {
   virtual void forget_events(std::uint32_t slot) = 0;
   /// What waits for a watch gets one that was left.
   virtual void watch_what_waits() {}
-  /// Its watch, if somebody minds silence; 0: nobody.
-  [[nodiscard]] virtual std::uint16_t minded_watch(std::uint32_t slot) const = 0;
+  /// Its watch, if silence is supervised; otherwise 0.
+  [[nodiscard]] virtual std::uint16_t supervised_watch(std::uint32_t slot) const = 0;
 
   /// From the next generation on.
   void stage(std::uint32_t slot, std::uint8_t verdict);
@@ -107,7 +107,7 @@ class Table {
   void stage_what_comes(const SlotChanges& changes);
   static void deny_what_goes(std::span<const Change> changes);
   void next_generation();
-  /// The next generation is there: nobody reads the other half of what was staged.
+  /// The next generation is there: no program reads the other half of what was staged.
   void settle();
 
   std::uint32_t* generation_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // CRC-64/XZ: polynomial 0x42F0E1EBA9EA3693 (ECMA-182), reflected, all ones before and inverted
 // after; of "123456789" it is 0x995DC9BBDF1939FA. Finds every single burst of up to 64 bits, and
-// all but one in 2^64 of other damage. No protection against somebody who may write the file.
+// all but one in 2^64 of other damage. No protection against a program that may write the file.
 #pragma once
 #include <array>
 #include <cstddef>

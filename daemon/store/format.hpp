@@ -20,8 +20,8 @@ inline constexpr std::size_t kEntryHead = 4;
 /// Batches begin at multiples of this.
 inline constexpr std::size_t kAlign = 8;
 
-/// Of a file whose batch heads are bound to it by `salt`, a number that nobody else knows: bytes of
-/// another file, or of a client's text, are never taken for a batch of this one.
+/// Of a file whose batch heads are bound to it by `salt`, a number that no other program knows:
+/// bytes of another file, or of a client's text, are never taken for a batch of this one.
 std::string file_head(std::uint64_t salt);
 /// The salt; an error if the bytes do not begin with a whole head, or with that of another layout.
 Result<std::uint64_t> read_file_head(std::string_view bytes);

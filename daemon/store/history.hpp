@@ -32,7 +32,7 @@ struct Decision {
   bool operator==(const Decision&) const = default;
 };
 
-/// What to look for. Empty texts match everything; others match exactly.
+/// What to find. Empty texts match everything; others match exactly.
 struct HistoryFilter {
   std::string channel;
   std::string kind;

@@ -160,7 +160,7 @@ Result<void> Journal::cut_tail(std::string_view bytes) {
   if (!tail.empty()) {
     recovered_ = path_ + ": " + std::to_string(tail.size()) +
                  " bytes at the end were cut off: they were being written when the daemon or the "
-                 "machine stopped, and nobody had been given an answer";
+                 "machine stopped, and no answer had been given";
     if (disk_->truncate(file_.get(), end_) < 0) return system_error(path_);
   }
   // What a killed daemon has written and not synced is used from now on: it must last.

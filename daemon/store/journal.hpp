@@ -50,7 +50,7 @@ class Journal {
   /// One write and one fdatasync for everything since the last commit. On failure all of it is
   /// undone, in memory and on disk, and the error says so; the journal can be used again, unless
   /// the disk refuses even the undoing: then every commit tries that first, and fails while it
-  /// fails. Writes the file anew when too little in it is alive; a failure of that is told by
+  /// fails. Writes the file anew when too little in it is alive; a failure of that is reported by
   /// trouble().
   Result<void> commit();
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What entries keep encoded: the grants of a channel, and the slots that its gates were told to
-// hold.
+// What entries keep encoded: the grants of a channel, and the slots that its gates were
+// to hold.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -81,7 +81,8 @@ std::vector<Row> rows() {
       {"TagIsGivenByANode", fam, kEff | 0x1f5f4004, 8, false},
       {"OldSupply", fam, kEff | 0x1f5fc003, 8, false},
       {"Event", fam, kEff | 0x1f5f7ffe, 8, false},
-      // A node tells what it subscribes by an event of the subject SUBSCRIB, whose tag is 0x3fff.
+      // A node announces what it subscribes by an event of the subject SUBSCRIB, whose tag is
+      // 0x3fff.
       {"Subscription", fam, kEff | 0x1f5fbfff, 8, true},
       {"SubscriptionOfAnotherNode", fam, kEff | 0x1f403fff, 8, true},
       {"SubscriptionInFragments", fam, kEff | 0x1f7fbfff, 8, false},

@@ -300,17 +300,17 @@ std::vector<Row> state_rows() {
           State::overdue),
       raw("OverdueHeartBeatDropsAdmittedAtEgress", {out(0x123)}, kOut, f, kForwarded,
           {GATE_R_CLOSED}, State::overdue),
-      raw("AuditLetsUnknownThroughMarked", {}, kIn, f, kBus, {GATE_R_UNKNOWN, kOwn, kToldBefore},
-          State::audit),
+      raw("AuditLetsUnknownThroughMarked", {}, kIn, f, kBus,
+          {GATE_R_UNKNOWN, kOwn, kReportedBefore}, State::audit),
       raw("AuditLetsDeniedThroughMarked", {denied(in(0x123))}, kIn, f, marked(kFromOther),
-          {GATE_R_DENIED, 0, kToldBefore}, State::audit),
+          {GATE_R_DENIED, 0, kReportedBefore}, State::audit),
       raw("AuditDoesNotCountAtEgressWhatIngressHas", {denied(out(0x123))}, kOut, f,
-          {.mark = kToldBefore, .ingress_ifindex = 10}, {GATE_R_ECHO}, State::audit),
-      raw("NorWhatNobodyKnows", {}, kOut, f, {.mark = kToldBefore, .ingress_ifindex = 10},
+          {.mark = kReportedBefore, .ingress_ifindex = 10}, {GATE_R_ECHO}, State::audit),
+      raw("NorAnUnknownFrame", {}, kOut, f, {.mark = kReportedBefore, .ingress_ifindex = 10},
           {GATE_R_ECHO}, State::audit),
       raw("WhatAnIngressGateRefusedIsDroppedAfterAudit", {out(0x123)}, kOut, f,
-          {.mark = kToldBefore, .ingress_ifindex = 10}, {GATE_R_SOURCE, 0}),
-      raw("AuditMarkOpensNothing", {in(0x123)}, kIn, f, marked(kToldBefore), admitted(),
+          {.mark = kReportedBefore, .ingress_ifindex = 10}, {GATE_R_SOURCE, 0}),
+      raw("AuditMarkOpensNothing", {in(0x123)}, kIn, f, marked(kReportedBefore), admitted(),
           State::audit),
       raw("AuditMarksAdmitted", {in(0x123)}, kIn, f, kBus, admitted(), State::audit),
       raw("AuditLetsWrongSourceOutUnmarked", {out(0x123)}, kOut, f,
@@ -318,7 +318,7 @@ std::vector<Row> state_rows() {
       raw("AuditLetsErrorFrameOut", {}, kOut, frame(CAN_ERR_FLAG | 1, 8), kLocal,
           {GATE_R_ERROR_FRAME}, State::audit),
       raw("AuditLetsMalformedThrough", {}, kIn, Bytes(20), kBus,
-          {GATE_R_MALFORMED, kOwn, kToldBefore}, State::audit),
+          {GATE_R_MALFORMED, kOwn, kReportedBefore}, State::audit),
   };
 }
 
@@ -451,16 +451,16 @@ TEST(GateCounters, AtomicAdditionsCountTheSame) {
 }
 
 /// A redirection to no interface: final in clsact and TCX, and success to the sender.
-TEST(SilentGate, TellsSendersNothingAndCountsAllTheSame) {
+TEST(SilentGate, ReportsSuccessToSendersAndCountsAllTheSame) {
   const Bytes unknown = frame(0x124, 8);
   const auto drops = [](const LoadedGate& gate, Direction direction) {
     return enforce::reason_counters(gate.cpus(), direction).at(GATE_R_UNKNOWN);
   };
-  auto& telling = LoadedGate::with();
-  EXPECT_EQ(telling.action(Direction::egress, unknown, {.local = true}), TC_ACT_SHOT);
+  auto& reporting = LoadedGate::with();
+  EXPECT_EQ(reporting.action(Direction::egress, unknown, {.local = true}), TC_ACT_SHOT);
   auto& gate = LoadedGate::with({.silent = true});
   EXPECT_EQ(gate.action(Direction::egress, unknown, {.local = true}), TC_ACT_REDIRECT);
-  EXPECT_EQ(gate.action(Direction::ingress, unknown), TC_ACT_SHOT) << "nobody here has sent it";
+  EXPECT_EQ(gate.action(Direction::ingress, unknown), TC_ACT_SHOT) << "no program here has sent it";
   EXPECT_EQ(drops(gate, Direction::egress), 1U);
   EXPECT_EQ(drops(gate, Direction::ingress), 1U);
   gate.control().open = 0;

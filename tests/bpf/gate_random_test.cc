@@ -124,7 +124,7 @@ Sender random_sender(Random& random) {
   };
   s.mark =
       random.of({0, from(kOther, 1), from(kOther, 1, 2), from(kOther, 2), from(11, 1), from(11, 2),
-                 from(11, 2, 2), from(kIfindex, 1), kToken, ~kToken, kToldBefore, 7});
+                 from(11, 2, 2), from(kIfindex, 1), kToken, ~kToken, kReportedBefore, 7});
   s.ingress_ifindex = random.of({0, kOther, kOther, 11, kIfindex});
   return s;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Looks at every slot for every frame: no buckets, no chains, no early way out.
+// Compares every slot with every frame: no buckets, no chains, no early way out.
 #include "tests/bpf/oracle.hpp"
 
 #include <cstring>
@@ -155,7 +155,7 @@ Judgement refused(const World& world, gate_reason reason, std::uint32_t mark) {
 
 /// At ingress: what audit mode lets through has a mark of its own.
 Judgement refused_in(const World& world, gate_reason reason) {
-  return refused(world, reason, world.audit ? kToldBefore : 0);
+  return refused(world, reason, world.audit ? kReportedBefore : 0);
 }
 
 Judgement judge_ingress(const World& world, const Bytes& bytes, const Sender& sender) {
@@ -194,8 +194,9 @@ Judgement judge_egress(const World& world, const Bytes& bytes, const Sender& sen
 Judgement judge(const World& world, Direction direction, const Bytes& bytes, const Sender& sender) {
   if (direction == Direction::ingress) return judge_ingress(world, bytes, sender);
   const Judgement j = judge_egress(world, bytes, sender);
-  const bool told = world.audit && sender.mark == kToldBefore && j.reason != GATE_R_PASSED;
-  return told ? Judgement{.outcome = j.outcome, .reason = GATE_R_ECHO, .slot = {}, .bytes = 0} : j;
+  const bool reported = world.audit && sender.mark == kReportedBefore && j.reason != GATE_R_PASSED;
+  return reported ? Judgement{.outcome = j.outcome, .reason = GATE_R_ECHO, .slot = {}, .bytes = 0}
+                  : j;
 }
 
 }  // namespace mlcca::test

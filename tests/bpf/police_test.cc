@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Policing by the real gate programs. Nobody waits here: how much may have passed follows from the
+// Policing by the real gate programs. No test waits: how much may have passed follows from the
 // time that went by, whatever that was.
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -95,7 +95,7 @@ TEST_F(Police, WhatIsNotPolicedPasses) {
   EXPECT_EQ(counted().excess, 0U);
 }
 
-TEST_F(Police, ARefusedFrameTakesNobodysTurn) {
+TEST_F(Police, ARefusedFrameCostsNoAllowance) {
   SlotSpec s = policed(kHour, 0);
   s.max_len = 4;
   admit(s);

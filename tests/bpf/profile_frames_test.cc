@@ -353,7 +353,7 @@ TEST_F(XlFrames, ThatHoldAnotherOneAreNotTakenForIt) {
   auto outer = xl_slot(2048);
   outer.id = 0x100;
   gate_.admit({outer, xl_slot(2048)});
-  // A frame of 0x7ff whose payload looks like one of 0x123 behind a driver's data.
+  // A frame of 0x7ff whose payload resembles one of 0x123 behind a driver's data.
   auto bytes = xl_frame(0x7ff, 64);
   const auto inner = xl_frame(0x123, 64 - 16);
   std::copy(inner.begin(), inner.begin() + 12, bytes.begin() + 16);

@@ -76,7 +76,7 @@ TEST_F(Publishers, LeaveWithTheIdentifierThatTheOtherBusHasForThem) {
   EXPECT_FALSE(passes(famouso(kFirst), famouso(kSecond, etag)));
 }
 
-TEST_F(Publishers, ThatLookAlikeOnTheOtherBusLeaveAsFarAsTheyAreGranted) {
+TEST_F(Publishers, ThatShareAnIdentifierOnTheOtherBusLeaveAsFarAsTheyAreGranted) {
   core::System system = two_switches();
   system.networks[kRobotCan].profile = core::Profile::raw;
   constexpr std::uint32_t one = CAN_EFF_FLAG | core::testing::kEtag;

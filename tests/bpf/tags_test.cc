@@ -68,7 +68,7 @@ class GateTags : public testing::Test {
     s.id = kEff | 0x1f5fc004;
     return s;
   }
-  void hear(const Reply& r, Direction direction = Direction::ingress) {
+  void receive(const Reply& r, Direction direction = Direction::ingress) {
     for (const int half : {0, 1}) hear_half(r, half, direction);
   }
   void hear_half(const Reply& r, int half, Direction direction = Direction::ingress) {
@@ -92,18 +92,18 @@ class GateTags : public testing::Test {
 
 TEST_F(GateTags, AReplyAsStatedChangesNothing) {
   const auto before = stated_.news();
-  hear({.subject = kSwitch});
+  receive({.subject = kSwitch});
   EXPECT_TRUE(enters());
   EXPECT_TRUE(leaves());
   EXPECT_FALSE(found().contradicted);
   EXPECT_EQ(found().dealt, kTag);
-  hear({.subject = kDistance, .tag = 0x3ffd});
+  receive({.subject = kDistance, .tag = 0x3ffd});
   EXPECT_TRUE(enters()) << "another subject and another tag";
   EXPECT_EQ(stated_.news(), before + 1) << "that it is dealt at all is news, once";
 }
 
 TEST_F(GateTags, TheTagOfAnotherSubjectIsClosedBeforeItsFirstEvent) {
-  hear({});
+  receive({});
   EXPECT_FALSE(enters());
   EXPECT_FALSE(leaves());
   EXPECT_TRUE(found().contradicted);
@@ -134,7 +134,7 @@ TEST_F(GateTags, ASecondHalfAloneContradictsToo) {
 }
 
 TEST_F(GateTags, ASubjectThatIsDealtAnotherTagLosesItsOwn) {
-  hear({.subject = kSwitch, .tag = 0x3ffd});
+  receive({.subject = kSwitch, .tag = 0x3ffd});
   EXPECT_FALSE(enters());
   EXPECT_FALSE(leaves());
   EXPECT_EQ(found().halves, 0);
@@ -149,8 +149,8 @@ TEST_F(GateTags, HalvesOfTwoRepliesAreNotJoined) {
   EXPECT_TRUE(enters()) << "for another node";
 }
 
-TEST_F(GateTags, WhatIsSentHereCountsAsWhatIsHeard) {
-  hear({}, Direction::egress);
+TEST_F(GateTags, AReplySentHereCountsAsOneThatWasReceived) {
+  receive({}, Direction::egress);
   EXPECT_FALSE(enters());
   EXPECT_FALSE(leaves());
 }
@@ -159,7 +159,7 @@ TEST_F(GateTags, WhatTheGateDoesNotLetOutWasOnNoBus) {
   enforce::SlotChanges changes;
   changes.close = {reply(Direction::egress)};
   ASSERT_TRUE(gate_.slots().apply(changes));
-  hear({}, Direction::egress);
+  receive({}, Direction::egress);
   EXPECT_TRUE(enters());
 }
 
@@ -169,17 +169,17 @@ TEST_F(GateTags, WhatAuditModeLetsOutIsHeldAgainstWhatIsStated) {
   changes.close = {reply(Direction::egress)};
   ASSERT_TRUE(gate_.slots().apply(changes));
   gate_.control().mode = GATE_AUDIT;
-  hear({.subject = kSwitch}, Direction::egress);
+  receive({.subject = kSwitch}, Direction::egress);
   EXPECT_EQ(found().dealt, 0);
   EXPECT_FALSE(found().contradicted);
-  hear({}, Direction::egress);
-  EXPECT_TRUE(found().contradicted) << "nobody may send it";
+  receive({}, Direction::egress);
+  EXPECT_TRUE(found().contradicted) << "no node may send it";
 }
 
 TEST_F(GateTags, WhatAClosedGateLetsOutInAuditModeCountsToo) {
   gate_.control().mode = GATE_AUDIT;
   gate_.control().open = 0;
-  hear({}, Direction::egress);
+  receive({}, Direction::egress);
   gate_.control().open = 1;
   EXPECT_TRUE(found().contradicted);
 }
@@ -191,12 +191,12 @@ TEST_F(GateTags, WhatIsMoreThanAdmittedAndLeavesInAuditModeCountsToo) {
   changes.remove = {reply(Direction::egress)};
   ASSERT_TRUE(gate_.slots().apply(changes));
   gate_.admit({seldom});
-  hear({.subject = kSwitch}, Direction::egress);
+  receive({.subject = kSwitch}, Direction::egress);
   EXPECT_FALSE(found().contradicted);
-  hear({}, Direction::egress);
+  receive({}, Direction::egress);
   EXPECT_FALSE(found().contradicted) << "it was dropped";
   gate_.control().mode = GATE_AUDIT;
-  hear({}, Direction::egress);
+  receive({}, Direction::egress);
   EXPECT_TRUE(found().contradicted);
 }
 
@@ -204,22 +204,22 @@ TEST_F(GateTags, WhatCameInWasOnTheBusWhateverBecomesOfIt) {
   enforce::SlotChanges changes;
   changes.close = {reply(Direction::ingress)};
   ASSERT_TRUE(gate_.slots().apply(changes));
-  hear({});
+  receive({});
   EXPECT_FALSE(enters());
 }
 
 TEST_F(GateTags, TheGateListensWhileItIsClosed) {
   gate_.control().open = 0;
-  hear({});
+  receive({});
   gate_.control().open = 1;
   EXPECT_FALSE(enters());
 }
 
 TEST_F(GateTags, AReplyThatIsNoBrokersClosesAndOpensNothing) {
   const Reply forged{.id = kEff | 0x1f5f4004};  // of node 0x7d
-  hear(forged);
+  receive(forged);
   EXPECT_FALSE(enters());
-  hear({.subject = kSwitch, .id = forged.id});
+  receive({.subject = kSwitch, .id = forged.id});
   EXPECT_FALSE(found().confirmed);
   hear_half({.subject = kSwitch}, 0);
   hear_half({.subject = kSwitch, .id = forged.id}, 1);
@@ -234,21 +234,21 @@ TEST_F(GateTags, OtherFramesOfThatTagAreNoReplies) {
   Bytes third = half_of({}, 0);
   third[9] = 2;
   gate_.run(Direction::ingress, third);
-  hear({.id = kEff | CAN_RTR_FLAG | 0x1f5fc004});
-  hear({.id = 4});
-  hear({.id = kEff | 0x1f5fc003});
+  receive({.id = kEff | CAN_RTR_FLAG | 0x1f5fc004});
+  receive({.id = 4});
+  receive({.id = kEff | 0x1f5fc003});
   EXPECT_TRUE(enters());
 }
 
 TEST_F(GateTags, OpensAgainWhenTheTagIsDealtAsStatedAndUserSpaceSaysSo) {
-  hear({});
+  receive({});
   EXPECT_FALSE(found().confirmed);
-  hear({.subject = kSwitch});
+  receive({.subject = kSwitch});
   EXPECT_TRUE(found().confirmed);
   EXPECT_FALSE(enters()) << "not by itself";
-  hear({});
+  receive({});
   EXPECT_FALSE(found().confirmed) << "a contradiction since";
-  hear({.subject = kSwitch});
+  receive({.subject = kSwitch});
   ASSERT_TRUE(stated_.settle(kSwitch));
   EXPECT_TRUE(enters());
   EXPECT_TRUE(leaves());
@@ -256,7 +256,7 @@ TEST_F(GateTags, OpensAgainWhenTheTagIsDealtAsStatedAndUserSpaceSaysSo) {
 }
 
 TEST_F(GateTags, ASlotThatComesLaterIsShutAsWell) {
-  hear({});
+  receive({});
   enforce::SlotChanges changes;
   changes.remove = {slot(Direction::ingress)};
   ASSERT_TRUE(gate_.slots().apply(changes));
@@ -267,13 +267,13 @@ TEST_F(GateTags, ASlotThatComesLaterIsShutAsWell) {
 }
 
 TEST_F(GateTags, OutlastTheDaemonAndEndWithTheStatement) {
-  hear({});
+  receive({});
   const std::vector<enforce::StatedBinding> same{{kSwitch, kTag, false}};
   Bindings(gate_.table()).state(same);
   EXPECT_TRUE(found().contradicted) << "another daemon states the same";
   stated_.state(std::vector<enforce::StatedBinding>{{kSwitch, 0x3ff0, false}});
   EXPECT_FALSE(found().contradicted);
-  hear({.subject = kDistance, .tag = 0x3ff0});
+  receive({.subject = kDistance, .tag = 0x3ff0});
   EXPECT_TRUE(found().contradicted);
   stated_.state({});
   EXPECT_TRUE(stated_.found().empty());
@@ -284,22 +284,22 @@ TEST_F(GateTags, ATagThatIsNotKnownIsLearnedFromAWholeReply) {
       std::vector<enforce::StatedBinding>{{kSwitch, 0, false}, {GATE_SUBSCRIBE, 0, false}});
   hear_half({.subject = kSwitch}, 1);
   EXPECT_EQ(found().dealt, 0);
-  hear({.subject = kSwitch, .id = kEff | 0x1f5f4004});
+  receive({.subject = kSwitch, .id = kEff | 0x1f5f4004});
   EXPECT_EQ(found().dealt, 0) << "no broker's";
-  hear({.subject = kSwitch});
+  receive({.subject = kSwitch});
   EXPECT_EQ(found().dealt, kTag);
   EXPECT_EQ(found(GATE_SUBSCRIBE).dealt, 0);
   EXPECT_FALSE(found().contradicted);
-  hear({.subject = kSwitch, .tag = 0x3ffb});
+  receive({.subject = kSwitch, .tag = 0x3ffb});
   EXPECT_EQ(found().dealt, 0x3ffb);
 }
 
 TEST_F(GateTags, ATagThatIsDealtToAnotherBeforeItIsStatedIsTakenBack) {
   stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch}, {.subject = kDistance}});
-  hear({.subject = kSwitch});
+  receive({.subject = kSwitch});
   const FoundBinding seen = found();
   EXPECT_EQ(seen.dealt, kTag);
-  hear({});
+  receive({});
   EXPECT_EQ(found().dealt, 0) << "the last word counts";
   EXPECT_EQ(found(kDistance).dealt, kTag);
   // Whoever gives it by what was seen before finds it contradicted.
@@ -315,31 +315,31 @@ TEST_F(GateTags, ATagThatIsDealtToAnotherBeforeItIsStatedIsTakenBack) {
 
 TEST_F(GateTags, OneHalfOfAnotherSubjectTakesItBackAsWell) {
   stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch}});
-  hear({.subject = kSwitch});
+  receive({.subject = kSwitch});
   hear_half({}, 0);
   EXPECT_EQ(found().dealt, 0);
 }
 
 TEST_F(GateTags, ATagThatMovesIsOpenAndSupervisedAtOnce) {
   stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch, .dealt = kTag}});
-  EXPECT_EQ(found().dealt, kTag) << "of a gate that has not heard it";
+  EXPECT_EQ(found().dealt, kTag) << "of a gate that has not seen it";
   stated_.move(found(), kTag);
   EXPECT_EQ(found().etag, kTag);
   EXPECT_FALSE(found().contradicted);
-  hear({.subject = kSwitch, .tag = 0x3ffb});
+  receive({.subject = kSwitch, .tag = 0x3ffb});
   EXPECT_TRUE(found().contradicted);
   stated_.move(found(), 0x3ffb);
   EXPECT_FALSE(found().contradicted);
   gate_.admit({slot(Direction::ingress, 0x3ffb)});
   EXPECT_TRUE(enters(0x3ffb));
   EXPECT_FALSE(enters()) << "the tag that it had stays shut";
-  hear({.tag = 0x3ffb});
+  receive({.tag = 0x3ffb});
   EXPECT_FALSE(enters(0x3ffb));
 }
 
 TEST_F(GateTags, WhatTheBrokerHasDealtOutlastsThatTheTagIsGivenUp) {
   stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch}});
-  hear({.subject = kSwitch});
+  receive({.subject = kSwitch});
   stated_.move(found(), kTag);
   stated_.state(std::vector<enforce::StatedBinding>{{.subject = kSwitch, .dealt = kTag}});
   EXPECT_EQ(found().etag, 0);
@@ -350,7 +350,7 @@ TEST_F(GateTags, SubscriptionsAreShutLikeAChannel) {
   stated_.state(std::vector<enforce::StatedBinding>{{GATE_SUBSCRIBE, 0x3fff, false}});
   gate_.admit({slot(Direction::ingress, 0x3fff, 0)});
   EXPECT_TRUE(enters(0x3fff));
-  hear({.tag = 0x3fff});
+  receive({.tag = 0x3fff});
   EXPECT_FALSE(enters(0x3fff));
   EXPECT_TRUE(enters());
 }
@@ -361,14 +361,14 @@ TEST_F(GateTags, OfAThousandBindingsTheRightOneIsFound) {
     many.push_back({0x1000000000000000U + i, static_cast<std::uint16_t>(0x64 + i), false});
   many.push_back({kSwitch, kTag, false});
   stated_.state(many);
-  hear({});
+  receive({});
   int contradicted = 0;
   for (const FoundBinding& f : stated_.found()) contradicted += f.contradicted ? 1 : 0;
   EXPECT_EQ(contradicted, 1);
   EXPECT_FALSE(enters());
 }
 
-TEST(GateTagsOfOthers, AreNotLookedAt) {
+TEST(GateTagsOfOthers, AreIgnored) {
   auto& gate = LoadedGate::with({.profile = GATE_PROFILE_RAW});
   Bindings(gate.table()).state(std::vector<enforce::StatedBinding>{{kSwitch, kTag, false}});
   for (const int half : {0, 1}) gate.run(Direction::ingress, half_of({}, half));

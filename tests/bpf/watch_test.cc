@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the real gate programs find about the events of a slot. Nobody waits here: a gap is as long
+// What the real gate programs find about the events of a slot. No test waits: a gap is as long
 // as the test says, because it puts back the time of the latest event.
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -97,7 +97,7 @@ TEST_F(Watch, BeginsAnewAfterASilence) {
   EXPECT_GE(watch().first, before);
 }
 
-TEST_F(Watch, WhoseSilenceNobodyMindsIsSilentForSixteenPeriods) {
+TEST_F(Watch, WithoutASilenceTimerIsSilentForSixteenPeriods) {
   admit(watched(kPeriod));
   ASSERT_TRUE(passes());
   passes_after(GATE_SILENT_PERIODS * kPeriod - kSoon);
@@ -147,7 +147,7 @@ TEST_F(Watch, WhatIsDroppedIsNoEvent) {
   EXPECT_EQ(gaps(), 1U) << "too early, but it came";
 }
 
-TEST_F(Watch, WithoutAPeriodNobodyLooks) {
+TEST_F(Watch, WithoutAPeriodASlotIsNotSupervised) {
   admit(watched(0));
   ASSERT_TRUE(passes());
   ASSERT_TRUE(passes());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is written to somebody who does not read.
+// What is written to a reader that does not read.
 #include "daemon/manager.hpp"
 
 #include <fcntl.h>

@@ -321,7 +321,7 @@ TEST_F(Examine, GoesOnToTheNextFileAfterABrokenOne) {
   EXPECT_EQ(result.problems[2].text, "is not complete: it needs ( SubjectUID )");
 }
 
-TEST_F(Examine, TellsHowFarItIs) {
+TEST_F(Examine, ReportsItsProgress) {
   std::string parts;
   for (int i = 0; i < 50000; ++i) parts += channel(fmt::format("c{}", i), i + 1);
   file("s.xml", system_of(parts));

@@ -359,7 +359,7 @@ TEST(ReadMemory, RefusesWhatIsNoUtf8Xml) {
   EXPECT_EQ(problem_of("\xef\xbb\xbf<System name=\"test\"/>"), "");
 }
 
-TEST(ReadMemory, MistakesInCommentsAreToldAtTheirLine) {
+TEST(ReadMemory, MistakesInCommentsAreReportedAtTheirLine) {
   EXPECT_EQ(problem_of("<System name='a'>\n<!-- open\n\n<Network/>\n</System>\n"),
             "t.xml:2: <System>: not well-formed XML: the comment that begins here does not end: "
             "\"-->\" is missing");
@@ -372,7 +372,7 @@ TEST(ReadMemory, MistakesInCommentsAreToldAtTheirLine) {
       "may have two hyphens; write one, or end the comment before");
 }
 
-TEST(ReadMemory, AnElementThatComesTooLateIsToldWhereItBelongs) {
+TEST(ReadMemory, AnElementThatComesTooLateIsReportedWithItsPlace) {
   EXPECT_EQ(problem_of("<System name='a'>\n<EventChannel name='c'>\n<SubjectUID>0x1</SubjectUID>\n"
                        "<Attributes/>\n<Description>d</Description>\n</EventChannel>\n</System>\n"),
             "t.xml:5: <Description>: comes too late: it belongs before Attributes in line 4, "

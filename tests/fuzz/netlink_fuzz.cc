@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Any octets as what rtnetlink and generic netlink say. The first octet: who asks (its low bits),
 // and whether what comes starts again when it ends; then pieces, a datagram each. The first octet
-// of one says what becomes of it on its way, see Fate. Nobody waits for ever, a read that fails
-// changes nothing, and nobody has gone of whom the kernel did not say so.
+// of one says what becomes of it on its way, see Fate. No call waits without end, a read that fails
+// changes nothing, and only what the kernel reported as gone has gone.
 #include <linux/genetlink.h>
 #include <linux/rtnetlink.h>
 #include <net/if.h>

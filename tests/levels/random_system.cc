@@ -262,7 +262,7 @@ class Writer {
     return out;
   }
 
-  /// Seats from which everybody can be reached, more or less.
+  /// Seats from which every other can be reached, more or less.
   std::string seat(bool publishes, std::size_t node) {
     if (gateways_ != 0 && random_.one_in(4)) {
       const auto g = random_.below(gateways_);

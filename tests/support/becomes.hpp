@@ -6,7 +6,7 @@
 
 namespace mlcca::test {
 
-/// Looks every millisecond until it holds; false after a time that is generous for a busy machine.
+/// Checks every millisecond until it holds; false after a time that is generous for a busy machine.
 bool becomes(auto holds) {
   constexpr std::chrono::seconds kPatience{20};
   const auto start = std::chrono::steady_clock::now();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// How long a piece of work goes on without saying so, whatever machine it runs on.
+// How long a piece of work goes on without a report of progress, in units that do not depend on the
+// machine.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -11,7 +12,7 @@ namespace mlcca::test {
 /// Memory that this process has asked for, in pieces.
 std::size_t allocations();
 
-/// The work of this thread while it lives, cut where core::Progress is told.
+/// The work of this thread while it lives, cut at each report of core::Progress.
 class Stretches {
  public:
   /// The longest one until now, in allocations.
@@ -19,7 +20,7 @@ class Stretches {
     end();
     return longest_;
   }
-  [[nodiscard]] std::size_t told() const { return told_; }
+  [[nodiscard]] std::size_t reports() const { return reports_; }
 
  private:
   void end() {
@@ -29,10 +30,10 @@ class Stretches {
   }
 
   std::size_t longest_ = 0;
-  std::size_t told_ = 0;
+  std::size_t reports_ = 0;
   core::Progress progress_{[this] {
     end();
-    ++told_;
+    ++reports_;
   }};
   std::size_t begun_ = allocations();
 };

@@ -13,7 +13,7 @@ using enforce::SlotSpec;
 inline constexpr auto kIn = Direction::ingress;
 inline constexpr auto kOut = Direction::egress;
 inline constexpr std::uint64_t kSubject = 0x44697374616e6365;  // "Distance"
-/// Of an event of a station, or of somebody who has no slot of his own.
+/// Of an event of a station, or of a sender without a slot of its own.
 inline std::uint32_t mark_from(std::uint32_t ifindex, std::uint64_t station = 0) {
   return gate_ingress_token(kToken, ifindex, gate_origin(kSubject, station));
 }

@@ -119,7 +119,7 @@ TEST_F(EtherFragments, BeforeTheFirstOneAreDropped) {
   EXPECT_TRUE(passes(known_, 576, 1152));
 }
 
-TEST_F(EtherFragments, OfAnotherDatagramAreToldApart) {
+TEST_F(EtherFragments, OfAnotherDatagramAreDistinguished) {
   EXPECT_TRUE(passes(known_, 0, 576));
   for (const auto& change : std::vector<void (*)(Datagram&)>{
            [](Datagram& d) { ++d.id; }, [](Datagram& d) { ++d.source; },
@@ -164,7 +164,7 @@ TEST_F(EtherFragments, OfADatagramThatLiesAboutItsLengthAreDropped) {
   lies.longer_udp = 576 - 1400;
   EXPECT_FALSE(passes(lies, 0, 576)) << "no more bytes than are here, and more fragments";
   lies.longer_udp = 8;
-  EXPECT_TRUE(passes(lies, 0, 576)) << "nobody can know yet";
+  EXPECT_TRUE(passes(lies, 0, 576)) << "this cannot be known yet";
   EXPECT_FALSE(passes(lies, 1152, 1400));
 }
 
@@ -363,7 +363,7 @@ TEST(EtherStates, AuditCountsAndDropsNothing) {
   EXPECT_EQ(gate.counted(kIn).dropped, 2U);
 }
 
-TEST(EtherStates, WhoIsUnknownIsTold) {
+TEST(EtherStates, AnUnknownFrameIsReported) {
   LoadedEther& gate = LoadedEther::with();
   for (int i = 0; i < 3; ++i) gate.run(kIn, packet());
   gate.run(kOut, packet([](Datagram& d) { d.subject = 5, d.payload = 300; }), kLocal);
@@ -383,7 +383,7 @@ Bytes sent_by(const enforce::Mac& mac, Bytes bytes, std::size_t at = 0) {
 }
 
 /// The gate in front of drivers and that of tc note the same.
-TEST(EtherStates, WhoIsUnknownIsToldWithTheAddressOfItsSender) {
+TEST(EtherStates, AnUnknownFrameIsReportedWithTheAddressOfItsSender) {
   constexpr enforce::Mac near{0x02, 0, 0x5e, 0x10, 0, 1};
   constexpr enforce::Mac inner{0x02, 0, 0x5e, 0x10, 0, 2};
   for (const bool direct : {true, false})

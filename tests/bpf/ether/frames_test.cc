@@ -221,7 +221,7 @@ std::vector<Row> station_rows() {
   };
 }
 
-/// What is no event, whatever it looks like, is left alone.
+/// What is no event, whatever it resembles, is left alone.
 std::vector<Row> foreign_rows() {
   const auto foreign = [](std::string name, Bytes bytes) {
     return Row{std::move(name), {}, kIn, std::move(bytes), kWire, GATE_R_FOREIGN, kOwn};

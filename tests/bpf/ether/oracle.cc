@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Looks at every slot for every packet; no hash, no chains, no early way out.
+// Compares every slot with every packet; no hash, no chains, no early way out.
 #include "tests/bpf/ether/oracle.hpp"
 
 namespace mlcca::test {
@@ -46,7 +46,7 @@ gate_reason misfit(const SlotSpec& s, std::uint64_t length, bool fragmented, con
 
 }  // namespace
 
-EtherWorld::Seen EtherWorld::look(const Bytes& bytes) {
+EtherWorld::Seen EtherWorld::parse(const Bytes& bytes) {
   std::size_t at = 12;
   bool inside = false;
   for (int frame = 0; frame < 2; ++frame) {
@@ -136,8 +136,8 @@ Judgement EtherWorld::refused(gate_reason reason, std::optional<std::size_t> slo
   return {.dropped = !audit, .mark = mark, .reason = reason, .slot = slot, .counts_in_slot = true};
 }
 
-/// Slots of a station are asked first, then the wildcard, which nobody meets who has one; the
-/// latest before others. A passing one wins, then the one that came furthest.
+/// Slots of a station are asked first, then the wildcard, which a station that has one never
+/// reaches; the latest before others. A passing one wins, then the one that came furthest.
 std::pair<gate_reason, std::optional<std::size_t>> EtherWorld::decide(Direction direction,
                                                                       const Seen& seen,
                                                                       const Sender& sender) const {
@@ -205,8 +205,9 @@ Judgement EtherWorld::judge_later(Direction direction, const Seen& seen, const S
           .counts_in_slot = false};
 }
 
-/// Of what carries an event, or may: in audit mode it is told where it is refused first.
-Judgement EtherWorld::told_once(Direction direction, const Sender& sender, Judgement judged) const {
+/// Of what carries an event, or may: in audit mode it is reported where it is refused first.
+Judgement EtherWorld::reported_once(Direction direction, const Sender& sender,
+                                    Judgement judged) const {
   if (!audit || judged.reason == GATE_R_PASSED) return judged;
   if (direction == Direction::ingress) {
     judged.mark = gate_refused_token(kToken);
@@ -217,7 +218,7 @@ Judgement EtherWorld::told_once(Direction direction, const Sender& sender, Judge
 }
 
 Judgement EtherWorld::judge(Direction direction, const Bytes& bytes, const Sender& sender) {
-  const Seen seen = look(bytes);
+  const Seen seen = parse(bytes);
   switch (seen.kind) {
     case Kind::foreign:
       return {};
@@ -230,17 +231,17 @@ Judgement EtherWorld::judge(Direction direction, const Bytes& bytes, const Sende
     case Kind::later:
       return judge_later(direction, seen, sender);
     case Kind::malformed:
-      return told_once(direction, sender, refused(GATE_R_MALFORMED, {}, 0));
+      return reported_once(direction, sender, refused(GATE_R_MALFORMED, {}, 0));
     case Kind::opaque:
-      return told_once(direction, sender, refused(GATE_R_OPAQUE, {}, 0));
+      return reported_once(direction, sender, refused(GATE_R_OPAQUE, {}, 0));
     case Kind::event:
       break;
   }
-  return told_once(direction, sender, judge_event(direction, seen, sender));
+  return reported_once(direction, sender, judge_event(direction, seen, sender));
 }
 
 std::optional<Judgement> EtherWorld::judge_early(const Bytes& bytes) const {
-  const Seen seen = look(bytes);
+  const Seen seen = parse(bytes);
   if (audit) return std::nullopt;
   if (seen.kind == Kind::malformed) return refused(GATE_R_MALFORMED, {}, {});
   if (seen.kind == Kind::opaque) return refused(GATE_R_OPAQUE, {}, {});

@@ -56,15 +56,15 @@ class EtherWorld {
     std::size_t left = 0;  ///< bytes that may follow
   };
 
-  static Seen look(const Bytes& bytes);
+  static Seen parse(const Bytes& bytes);
   static Seen look_at_ip(const Bytes& bytes, std::size_t at, bool inside);
   static Seen look_at_awds(const Bytes& bytes, std::size_t packet, std::size_t at, bool inside);
   Judgement judge_event(enforce::Direction direction, const Seen& seen, const Sender& sender);
   Judgement judge_later(enforce::Direction direction, const Seen& seen, const Sender& sender);
   [[nodiscard]] std::pair<gate_reason, std::optional<std::size_t>> decide(
       enforce::Direction direction, const Seen& seen, const Sender& sender) const;
-  [[nodiscard]] Judgement told_once(enforce::Direction direction, const Sender& sender,
-                                    Judgement judged) const;
+  [[nodiscard]] Judgement reported_once(enforce::Direction direction, const Sender& sender,
+                                        Judgement judged) const;
   [[nodiscard]] Judgement refused(gate_reason reason, std::optional<std::size_t> slot,
                                   std::optional<std::uint32_t> mark) const;
 

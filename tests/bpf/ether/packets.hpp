@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Ethernet frames as octets: what FAMOUSO and AWDS put on a wire, and what nobody should.
+// Ethernet frames as octets: what FAMOUSO and AWDS put on a wire, and what no sender should.
 #pragma once
 #include <cstdint>
 #include <optional>

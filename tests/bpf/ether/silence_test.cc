@@ -30,7 +30,7 @@ class EtherSilence : public EtherSockets {
   gate_event next() {
     while (got_.empty() && !HasFailure()) {
       pollfd ready{reader_.fd(), POLLIN, 0};
-      EXPECT_EQ(poll(&ready, 1, 20'000), 1) << "nothing was told";
+      EXPECT_EQ(poll(&ready, 1, 20'000), 1) << "nothing was reported";
       EXPECT_TRUE(reader_.read());
     }
     const gate_event event = got_.empty() ? gate_event{} : got_.front();
@@ -49,7 +49,7 @@ class EtherSilence : public EtherSockets {
   EventReader reader_;
 };
 
-TEST_P(EtherSilence, AHeartBeatThatNeverComesIsToldWithinAPeriod) {
+TEST_P(EtherSilence, AHeartBeatThatNeverComesIsReportedWithinAPeriod) {
   const std::uint64_t before = monotonic_ns();
   admit({watched()});
   const std::uint64_t after = monotonic_ns();
@@ -74,7 +74,7 @@ TEST_P(EtherSilence, WithoutATimeoutTheTimeSinceTheGrantIsKnownToo) {
   EXPECT_LE(since, now - before);
 }
 
-TEST_P(EtherSilence, TheEndOfAHeartBeatAndItsReturnAreTold) {
+TEST_P(EtherSilence, TheEndOfAHeartBeatAndItsReturnAreReported) {
   admit({watched()});
   const auto number = gate_.watched_as(watched()).value();
   beat_until(monotonic_ns() + 6 * kPeriod);
@@ -90,7 +90,7 @@ TEST_P(EtherSilence, TheEndOfAHeartBeatAndItsReturnAreTold) {
   EXPECT_FALSE(gate_.arrivals(number, monotonic_ns()).silent);
 }
 
-TEST_P(EtherSilence, TheNextObjectGoesOnAndTellsOnceMore) {
+TEST_P(EtherSilence, TheNextObjectGoesOnAndReportsOnceMore) {
   admit({watched()});
   EXPECT_EQ(next().kind, std::uint32_t{GATE_E_MISSING});
   gate_ = attach();
@@ -102,7 +102,7 @@ TEST_P(EtherSilence, TheNextObjectGoesOnAndTellsOnceMore) {
   EXPECT_EQ(next().subject, kSubject) << "in the larger table, too";
 }
 
-TEST_P(EtherSilence, NobodyWaitsForWhatDoesNotPassAnyMore) {
+TEST_P(EtherSilence, ASlotThatDoesNotPassIsNotSupervised) {
   admit({watched(), watched(kSubject + 1)});
   SlotChanges changes;
   changes.remove = {watched()};
@@ -110,7 +110,7 @@ TEST_P(EtherSilence, NobodyWaitsForWhatDoesNotPassAnyMore) {
   EXPECT_EQ(next().subject, kSubject + 1);
   gate_.deny_all();
   admit({watched(kSubject + 2)});
-  EXPECT_EQ(next().subject, kSubject + 2) << "nothing more was told of the others";
+  EXPECT_EQ(next().subject, kSubject + 2) << "nothing more was reported of the others";
 }
 
 INSTANTIATE_TEST_SUITE_P(By, EtherSilence, testing::ValuesIn(hooks()), name_of);

@@ -171,7 +171,7 @@ class EtherSockets : public testing::TestWithParam<Hook> {
   [[nodiscard]] std::uint64_t counted(Direction direction, gate_reason reason) const {
     return gate_.reasons(direction).at(reason);
   }
-  /// As somebody else would.
+  /// As another program would.
   void remove_gate() const {
     if (gate_.hook() == Hook::clsact) return shell("tc qdisc del dev eth0 clsact");
     const Place there = place(Hook::tcx, control_);

@@ -62,7 +62,7 @@ TEST_P(EtherSockets, FragmentsLeaveAsTheyCame) {
   EXPECT_EQ(counted(Direction::egress, GATE_R_UNKNOWN), 1U) << "the kernel sends no others then";
 }
 
-TEST_P(EtherSockets, NobodyElseSendsTheRestOfAnEvent) {
+TEST_P(EtherSockets, AnotherSenderCannotSendTheRestOfAnEvent) {
   SlotSpec out = slot(Direction::egress);
   out.uid = ::geteuid();
   admit({out});
@@ -90,7 +90,7 @@ TEST_P(EtherSockets, WhatAProgramSendsIsItsUsers) {
   SlotSpec of_another = slot(Direction::egress);
   of_another.uid = 12345;
   admit({of_another});
-  send(near_, "10.0.0.2", kPort, event(kSubject, 3));  // the kernel tells no UDP sender
+  send(near_, "10.0.0.2", kPort, event(kSubject, 3));  // the kernel reports it to no UDP sender
   EXPECT_EQ(counted(Direction::egress, GATE_R_SOURCE), 1U);
   const Fd theirs = Wire::get().socket(false, kPort);
   ASSERT_EQ(fchown(theirs.get(), 12345, static_cast<gid_t>(-1)), 0);
@@ -230,7 +230,8 @@ TEST_P(EtherSockets, AForeignProgramInTheDriverStays) {
   EXPECT_TRUE(gate_.attached().value()) << "tc holds all of it";
 }
 
-/// It would go on by a word that nobody beats, and drop what the gate of tc holds to be admitted.
+/// It would go on by a word that gets no heart-beat, and drop what the gate of tc holds to be
+/// admitted.
 TEST_P(EtherSockets, AProgramInTheDriverWhosePinsAreGoneIsReplaced) {
   const auto before = early_program(if_nametoindex("eth0"));
   ASSERT_NE(before, 0U);
@@ -249,7 +250,7 @@ TEST_P(EtherSockets, AProgramInTheDriverWhosePinsAreGoneIsReplaced) {
   EXPECT_EQ(received(near_), 18U);
 }
 
-/// Nobody beats, and nothing is left that could close: neither daemon nor pins nor timer.
+/// No heart-beat comes, and nothing is left that could close: neither daemon nor pins nor timer.
 TEST_P(EtherSockets, ClosesByItselfWhenDaemonAndPinsAreGone) {
   admit({slot(Direction::egress)});
   const Fd counters =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What the real Ethernet programs find about the events of a slot. As in tests/bpf/watch_test.cc
-// nobody waits: a test puts back the time of the latest event.
+// without waiting: a test puts back the time of the latest event.
 #include <gtest/gtest.h>
 #include <sched.h>
 
@@ -115,7 +115,7 @@ TEST_P(EtherWatch, WhatIsMoreAndPassesAllTheSameIsAnEvent) {
   EXPECT_EQ(gaps(), 1U) << "too early, but it came";
 }
 
-TEST_P(EtherWatch, WithoutAPeriodNobodyLooks) {
+TEST_P(EtherWatch, WithoutAPeriodASlotIsNotSupervised) {
   admit(in());
   EXPECT_EQ(watch_, 0U);
   ASSERT_TRUE(passes());

@@ -40,12 +40,12 @@ TEST(InspectTest, FindingsComeInTheOrderOfTheDescription) {
             (Ids{Id::unsafe_drop, Id::unreachable_network, Id::hop_unfit}));
 }
 
-TEST(InspectTest, TellsAboutEveryThousandChannels) {
+TEST(InspectTest, ReportsProgressEveryThousandChannels) {
   System system = described(0);
   system.channels.resize(2100);
-  std::vector<std::size_t> told;
-  static_cast<void>(inspect(system, [&](std::size_t done) { told.push_back(done); }));
-  EXPECT_EQ(told, (std::vector<std::size_t>{1024, 2048}));
+  std::vector<std::size_t> reported;
+  static_cast<void>(inspect(system, [&](std::size_t done) { reported.push_back(done); }));
+  EXPECT_EQ(reported, (std::vector<std::size_t>{1024, 2048}));
 }
 
 // --- who asks ----------------------------------------------------------------------------------
@@ -336,7 +336,7 @@ TEST(InspectTest, EverySubscriptionNeedsAPublisher) {
   EXPECT_EQ(result.channels[0].outcome, Outcome::unfit);
 }
 
-TEST(InspectTest, WhatNobodyWantsIsAWarningAndWhatNobodyUsesANote) {
+TEST(InspectTest, WithoutSubscribersIsAWarningAndWithoutUsersANote) {
   System system = described(0);
   system.subscribers.clear();
   EXPECT_EQ(ids_of(inspect(system)), Ids{Id::unused_publisher});

@@ -131,7 +131,7 @@ TEST(DomainsTest, KHopDomainsAreNeighbourhoodsWithoutRepetition) {
   EXPECT_EQ(members(graph, far), (std::vector<Links>{{0, 1, 2, 3, 4}})) << "equal sets are one";
 }
 
-TEST(DomainsTest, EndsOfALinkThatCarriesNothingStillHearEachOther) {
+TEST(DomainsTest, EndsOfALinkThatCarriesNothingStillShareTheMedium) {
   Graph graph = chain({kMega, kMega, kMega});
   graph.links.erase(graph.links.begin() + 1);
   const Mesh mesh = with(Interference::k_hop, 1);

@@ -120,14 +120,14 @@ TEST(ProgressTest, IsCalledWhileTheRulesOfAllGatesArePlannedAndCompared) {
   Stretches stretches;
   EXPECT_EQ(difference({}, all).add.size(), kChannels);
   EXPECT_TRUE(difference(all, all).empty());
-  EXPECT_GE(stretches.told(), 2 * kChannels / 64);
+  EXPECT_GE(stretches.reports(), 2 * kChannels / 64);
 }
 
 TEST(ProgressTest, IsCalledWhileControlTrafficIsHeldAgainstAllBindings) {
   const System system = many(NetworkKind::can);
   Stretches stretches;
   ASSERT_FALSE(control_rules(system, 0, {}).empty());
-  EXPECT_GE(stretches.told(), kChannels / 64);
+  EXPECT_GE(stretches.reports(), kChannels / 64);
 }
 
 TEST(ProgressTest, ManyShortStepsAreReportedAsOne) {

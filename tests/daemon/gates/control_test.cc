@@ -137,7 +137,7 @@ TEST(DeadMan, LeavesABeatingDaemonAlone) {
   } while (longest >= 200 * kMillisecond);
 }
 
-TEST(DeadMan, OutlivesTheDaemonThoughSomebodyTookItsPin) {
+TEST(DeadMan, OutlivesTheDaemonThoughItsPinWasRemoved) {
   const auto root = new_bpf_root();
   Fd word;
   {
@@ -222,7 +222,7 @@ TEST(DeadMan, WhichDaemonHoldsTheGatesIsWrittenAgainWhereAnotherProgramHasAltere
   EXPECT_EQ(control.shared().epoch, held);
 }
 
-TEST(DeadMan, AGraceThatSomebodyAltersIsSetAgainWithTheDeadlineThatFollows) {
+TEST(DeadMan, AGraceThatAnotherProgramAltersIsSetAgainWithTheDeadlineThatFollows) {
   auto control = watched(new_bpf_root());
   const auto left = [&] { return time_left(control.map_fd()).value(); };
   ASSERT_TRUE(control.set_grace(3'600'000 * kMillisecond));
@@ -244,7 +244,7 @@ TEST(DeadMan, AGraceThatSomebodyAltersIsSetAgainWithTheDeadlineThatFollows) {
   EXPECT_LE(left(), 3'601'000 * kMillisecond);
 }
 
-TEST(Control, NobodyCanWriteToTheGraceThatIsNoted) {
+TEST(Control, NoProgramCanWriteToTheGraceThatIsNoted) {
   auto control = create(new_bpf_root());
   EXPECT_FALSE(noted_grace(control.directory()));
   for (const std::uint64_t grace : {7'000 * kMillisecond, kForEver}) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Gates that close by themselves when nobody beats: no timer runs here, and nothing is pinned.
+// Gates that close by themselves when no heart-beat comes: no timer runs here, and nothing is
+// pinned.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -42,7 +43,7 @@ TEST_P(Attach, ABeatThatComesTooLateFindsALapseAndOpensNothing) {
   admit(gate, {in(0x123)});
   ASSERT_TRUE(control_.set_grace(0));
   ASSERT_TRUE(closes(bus, gate));
-  EXPECT_FALSE(control_.lapsed()) << "nobody has counted it yet";
+  EXPECT_FALSE(control_.lapsed()) << "it was not counted yet";
   for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE(control_.beat(0));
     EXPECT_TRUE(control_.lapsed());
@@ -61,7 +62,7 @@ TEST_P(Attach, ABeatThatComesTooLateFindsALapseAndOpensNothing) {
   }));
 }
 
-TEST_P(Attach, NobodyHasBeatenYet) {
+TEST_P(Attach, BeforeTheFirstHeartBeat) {
   const Bus bus("bus0");
   root_ = test::new_bpf_root();
   control_ = create(root_);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kMany = 10'000;
 /// Of what is done with all slots: each time at least.
-constexpr std::size_t kTold = kMany / 64;
+constexpr std::size_t kReports = kMany / 64;
 
 class EtherProgressTest : public EtherTableTest {
  protected:
@@ -18,47 +18,47 @@ class EtherProgressTest : public EtherTableTest {
   std::vector<SlotSpec> all_;
 };
 
-TEST_F(EtherProgressTest, IsToldInEachPhaseOfAChange) {
+TEST_F(EtherProgressTest, IsReportedInEachPhaseOfAChange) {
   {
     test::Stretches stretches;
     ASSERT_TRUE(add(all_));
-    EXPECT_GE(stretches.told(), 6 * kTold) << "checked, sorted, linked, opened";
+    EXPECT_GE(stretches.reports(), 6 * kReports) << "checked, sorted, linked, opened";
   }
   SlotChanges others;
   others.close = all_;
   {
     test::Stretches stretches;
     ASSERT_TRUE(table_.apply(others));
-    EXPECT_GE(stretches.told(), 3 * kTold) << "checked, staged, settled";
+    EXPECT_GE(stretches.reports(), 3 * kReports) << "checked, staged, settled";
   }
   test::Stretches stretches;
   ASSERT_TRUE(remove(all_));
-  EXPECT_GE(stretches.told(), 6 * kTold) << "checked, sorted, denied, removed";
+  EXPECT_GE(stretches.reports(), 6 * kReports) << "checked, sorted, denied, removed";
 }
 
-TEST_F(EtherProgressTest, IsToldWhileItIsReadComparedAndDenied) {
+TEST_F(EtherProgressTest, IsReportedWhileItIsReadComparedAndDenied) {
   ASSERT_TRUE(add(all_));
   test::Stretches stretches;
   const auto found = table_.present();
-  EXPECT_GE(stretches.told(), kTold);
+  EXPECT_GE(stretches.reports(), kReports);
   ASSERT_EQ(found.size(), kMany);
   {
     test::Stretches compared;
     EXPECT_TRUE(difference(found, all_).empty());
     EXPECT_EQ(difference({}, all_).add.size(), kMany);
     EXPECT_LE(compared.longest(), 2'000U) << "allocations";
-    EXPECT_GE(compared.told(), 4 * kTold);
+    EXPECT_GE(compared.reports(), 4 * kReports);
   }
   test::Stretches denied;
   table_.deny_all();
-  EXPECT_GE(denied.told(), 2 * kTold);
+  EXPECT_GE(denied.reports(), 2 * kReports);
 }
 
-TEST_F(EtherProgressTest, IsToldWhileATableIsTakenOver) {
+TEST_F(EtherProgressTest, IsReportedWhileATableIsTakenOver) {
   ASSERT_TRUE(add(all_));
   test::Stretches stretches;
   ASSERT_TRUE(open(false));
-  EXPECT_GE(stretches.told(), 2 * kTold);
+  EXPECT_GE(stretches.reports(), 2 * kReports);
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ TEST_F(EtherTableTest, AnotherDaemonFindsItAsItWas) {
   table_ = open(false).value();
   EXPECT_EQ(present(), all);
   ASSERT_TRUE(add({slot(5)}));
-  EXPECT_EQ(waits_, 1) << "nobody knows what the one before has removed lately";
+  EXPECT_EQ(waits_, 1) << "what the one before has removed lately is not known";
   ASSERT_TRUE(remove(all));
   EXPECT_EQ(present(), std::vector{slot(5)});
 }

@@ -41,7 +41,7 @@ TEST_F(EtherWatches, SayWhoseEventsTheyAre) {
   EXPECT_TRUE(table_.take_newly_watched().empty());
 }
 
-TEST_F(EtherWatches, OfSlotsThatDoNotPassNobodyWaits) {
+TEST_F(EtherWatches, OfSlotsThatDoNotPassAreNotSupervised) {
   SlotSpec refused = periodic(1);
   refused.pass = false;
   ASSERT_TRUE(add({refused}));

@@ -84,7 +84,7 @@ TEST_P(Orphan, IsReplacedByTheNextDaemon) {
   ASSERT_TRUE(control_.beat(0));
   control_.open();
   auto gate = attach(bus);
-  EXPECT_FALSE(gate.reused()) << "nobody knows its slots";
+  EXPECT_FALSE(gate.reused()) << "its slots are not known";
   EXPECT_EQ(attached(bus), 1U);
   admit(gate, {in(0x123)});
   const Program listener(bus);
@@ -97,7 +97,7 @@ TEST_P(Orphan, WithAnEndlessGraceIsClosedByADaemonThatCannotCommandIt) {
   const Bus bus("bus0");
   const Bus other("other");
   leave_behind(bus, kForEver);
-  EXPECT_TRUE(Program(bus).send(frame(0x123))) << "as it was told";
+  EXPECT_TRUE(Program(bus).send(frame(0x123))) << "as it was granted";
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(close_unpinned().value(), std::vector<std::string>{"bus0"});
     EXPECT_FALSE(Program(bus).send(frame(0x123)));
@@ -332,7 +332,7 @@ TEST_P(Tcx, LinkOfLayout3EndsWhereAGateOfOursTakesItsPlace) {
   EXPECT_FALSE(std::filesystem::exists(former));
 }
 
-TEST_P(Attach, ProgramsOfGatesAreKnownByWhatTheyLookAt) {
+TEST_P(Attach, ProgramsOfGatesAreKnownByTheMapsTheyRead) {
   const Bus bus("bus0");
   const Fd foreign = test::load_foreign(0);
   const auto gate = attach(bus);

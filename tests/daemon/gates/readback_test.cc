@@ -61,7 +61,7 @@ TEST_P(Attach, ReadBackNamesMapsOfAnotherGate) {
   const auto gate = attach(bus);
   attach(other);
   std::filesystem::rename(pins(other) + "/table", pins(bus) + "/table");
-  EXPECT_NE(all_problems(read_back(root_).value().gates.at(0)).find("does not look at the pinned"),
+  EXPECT_NE(all_problems(read_back(root_).value().gates.at(0)).find("does not use the pinned"),
             std::string::npos);
 }
 

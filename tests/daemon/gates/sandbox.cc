@@ -139,7 +139,7 @@ Bus::Bus(const std::string& name, std::uint32_t ifindex) : name_(name) {
   ifindex_ = if_nametoindex(name.c_str());
   const std::string wire = name + "-wire";
   wire_ = make_tun(wire, 0);
-  // A frame from tun belongs to the socket of its descriptor; a clone belongs to nobody.
+  // A frame from tun belongs to the socket of its descriptor; a clone belongs to no socket.
   attach(if_nametoindex(wire.c_str()),
          {move(BPF_REG_2, static_cast<std::int32_t>(ifindex_)), move(BPF_REG_3, BPF_F_INGRESS),
           jump(BPF_CALL, BPF_FUNC_clone_redirect), move(BPF_REG_0, TC_ACT_SHOT), jump(BPF_EXIT)},
@@ -214,7 +214,7 @@ std::uint32_t put_foreign_xdp(const std::string& interface) {
   require(bpf_xdp_attach(ifindex, program.get(), XDP_FLAGS_SKB_MODE, nullptr) == 0, "attach XDP");
   bpf_prog_info info{};
   std::uint32_t size = sizeof info;
-  require(bpf_obj_get_info_by_fd(program.get(), &info, &size) == 0, "look at a program");
+  require(bpf_obj_get_info_by_fd(program.get(), &info, &size) == 0, "read a program");
   return info.id;
 }
 

@@ -57,13 +57,13 @@ class Program {
 /// Forwards every frame that passes `from`'s ingress gate, as can-gw does.
 void forward(const Bus& from, const Bus& to);
 
-/// A program of somebody else, that does the same with every frame.
+/// A program of another owner, that does the same with every frame.
 Fd load_foreign(int action);
-/// An XDP program of somebody else that passes everything, run before tc: gives its id. Withdrawn
+/// An XDP program of another owner that passes everything, run before tc: gives its id. Withdrawn
 /// by remove_foreign_xdp().
 std::uint32_t put_foreign_xdp(const std::string& interface);
 void remove_foreign_xdp(const std::string& interface);
-/// A filter of somebody else on ingress, that leaves everything to others unless told otherwise.
+/// A filter of another owner on ingress, that leaves everything to others by default.
 void add_foreign_filter(const Bus& bus, std::uint32_t priority, std::uint32_t handle,
                         int action = -1);
 /// Id of the program there, 0 for none.

@@ -13,7 +13,7 @@
 namespace mlcca::enforce {
 namespace {
 
-constexpr int kPass = 0;  // TCX_PASS: nobody else sees the frame, neither TCX nor clsact
+constexpr int kPass = 0;  // TCX_PASS: no other program sees the frame, neither TCX nor clsact
 
 std::uint32_t id_of(const Fd& program) { return program_info(program.get()).id; }
 

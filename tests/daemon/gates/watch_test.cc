@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Silence noticed by the kernel's own timers, on a real clock: when it is told is held against what
-// the time stamps of the frames say.
+// Silence noticed by the kernel's own timers, on a real clock: the time of each report is compared
+// with what the time stamps of the frames say.
 #include <deque>
 #include <set>
 
@@ -46,7 +46,7 @@ class WatchAttached : public Clsact {
       }
       pollfd ready{reader_.fd(), POLLIN, 0};
       if (HasFailure() || poll(&ready, 1, kPatience) <= 0) {
-        ADD_FAILURE() << "nothing was told";
+        ADD_FAILURE() << "nothing was reported";
         return {};
       }
       EXPECT_TRUE(reader_.read());
@@ -59,7 +59,7 @@ class WatchAttached : public Clsact {
       poll(nullptr, 0, 20);
     }
   }
-  /// Told no earlier than it was due, and within a period from then.
+  /// Reported no earlier than it was due, and within a period from then.
   static void expect_missing(const gate_event& event, std::uint64_t since) {
     EXPECT_EQ(event.kind, std::uint32_t{GATE_E_MISSING});
     EXPECT_EQ(event.at - event.silent, since);
@@ -72,7 +72,7 @@ class WatchAttached : public Clsact {
   EventReader reader_;
 };
 
-TEST_F(WatchAttached, AHeartBeatThatNeverComesIsTold) {
+TEST_F(WatchAttached, AHeartBeatThatNeverComesIsReported) {
   const Bus bus("can0");
   Gate gate = attach(bus);
   const std::uint64_t before = monotonic_ns();
@@ -117,7 +117,7 @@ TEST_F(WatchAttached, WithoutATimeoutTheTimeSinceTheGrantIsKnownToo) {
   EXPECT_GT(since_last(opened + 2 * kSecond), kSecond);
 }
 
-TEST_F(WatchAttached, SilenceAfterTheLastEventIsToldOnceAndSoIsItsEnd) {
+TEST_F(WatchAttached, SilenceAfterTheLastEventIsReportedOnceAndSoIsItsEnd) {
   const Bus bus("can0");
   Gate gate = attach(bus);
   admit(gate, {heart_beat(1)});
@@ -130,7 +130,7 @@ TEST_F(WatchAttached, SilenceAfterTheLastEventIsToldOnceAndSoIsItsEnd) {
   EXPECT_EQ(missing.never, 0U);
   EXPECT_EQ(gate.arrivals(slot, last + 2 * kPeriod).missing, 2U);
 
-  // It goes on for long: the next thing that is told is its end.
+  // It goes on for long: the next report is of its end.
   poll(nullptr, 0, 400);
   const std::uint64_t again = monotonic_ns();
   beat_until(bus, 1, again + GATE_RECOVERY_HOLD + 5 * kPeriod);
@@ -144,7 +144,7 @@ TEST_F(WatchAttached, SilenceAfterTheLastEventIsToldOnceAndSoIsItsEnd) {
   EXPECT_EQ(next().kind, std::uint32_t{GATE_E_MISSING});
 }
 
-TEST_F(WatchAttached, WhoComesAndGoesIsToldOnce) {
+TEST_F(WatchAttached, AnEventStreamThatComesAndGoesIsReportedOnce) {
   const Bus bus("can0");
   Gate gate = attach(bus);
   admit(gate, {heart_beat(1)});
@@ -155,10 +155,10 @@ TEST_F(WatchAttached, WhoComesAndGoesIsToldOnce) {
   }
   admit(gate, {heart_beat(2)});
   const gate_event event = next();
-  EXPECT_EQ(event.subject, 2U) << "nothing more was told of the first";
+  EXPECT_EQ(event.subject, 2U) << "nothing more was reported of the first";
 }
 
-TEST_F(WatchAttached, NobodyIsToldOfWhatDoesNotPassAnyMore) {
+TEST_F(WatchAttached, SilenceOfASlotThatDoesNotPassIsNotReported) {
   const Bus bus("can0");
   Gate gate = attach(bus);
   admit(gate, {heart_beat(1), heart_beat(2), heart_beat(3), heart_beat(4, 0)});
@@ -179,7 +179,7 @@ TEST_F(WatchAttached, NobodyIsToldOfWhatDoesNotPassAnyMore) {
   EXPECT_GE(event.at, before + kSilence);
 }
 
-TEST_F(WatchAttached, SilenceOfClosedGatesIsNobodysFault) {
+TEST_F(WatchAttached, SilenceOfClosedGatesIsNotReported) {
   const Bus bus("can0");
   Gate gate = attach(bus);
   control_.close_all();
@@ -191,12 +191,12 @@ TEST_F(WatchAttached, SilenceOfClosedGatesIsNobodysFault) {
   EXPECT_GE(event.at, opened + kSilence);
 }
 
-TEST_F(WatchAttached, TheNextDaemonHearsWhatWasToldAndWhatIsStillMissing) {
+TEST_F(WatchAttached, TheNextDaemonReadsWhatWasReportedAndWhatIsStillMissing) {
   const Bus bus("can0");
   std::optional<Gate> gate = attach(bus);
   admit(*gate, {heart_beat(1)});
   pollfd ready{reader_.fd(), POLLIN, 0};
-  ASSERT_EQ(poll(&ready, 1, kPatience), 1) << "told, and not read";
+  ASSERT_EQ(poll(&ready, 1, kPatience), 1) << "reported, and not read";
   gate.reset();
   control_ = create(root_);
   reader_ = open_reader();
@@ -223,7 +223,7 @@ TEST_F(WatchAttached, AFloodOfUnknownFramesHidesNothing) {
   EXPECT_GT(flood.stop(), 0U);
   EXPECT_TRUE(got_.empty());
   const std::uint64_t seconds = (monotonic_ns() - began) / GATE_SAMPLE_NS;
-  EXPECT_LE(samples_.size(), GATE_SAMPLES + seconds + 1) << "counted, not told one by one";
+  EXPECT_LE(samples_.size(), GATE_SAMPLES + seconds + 1) << "counted, not reported one by one";
 }
 
 TEST_F(WatchAttached, AnUnknownFrameIsReportedAtOnceAndOnceByEachCpu) {
@@ -244,7 +244,7 @@ TEST_F(WatchAttached, AnUnknownFrameIsReportedAtOnceAndOnceByEachCpu) {
   EXPECT_EQ(first.len, 8U);
   EXPECT_EQ(first.direction, GATE_INGRESS);
   EXPECT_EQ(samples_.back().can_id, CAN_EFF_FLAG | 0x1abcdef);
-  EXPECT_EQ(samples_.back().frames, 301U) << "with those that nobody was told of";
+  EXPECT_EQ(samples_.back().frames, 301U) << "with those that were not reported";
 }
 
 /// Frames that the gate has seen in this direction.
@@ -272,8 +272,9 @@ TEST_F(WatchAttached, SamplesLeaveHalfOfTheRingToWhatIsMissing) {
   const Fd pinned(bpf_obj_get((pins(bus) + "/table").c_str()));
   const Mapped<gate_table> table(pinned.get(), 1);
   std::uint32_t id = 0;
-  // Nobody reads for very long: the allowance is given back, as time would.
-  for (std::size_t told = 0; told < 2 * GATE_EVENTS_SIZE / record; told += GATE_SAMPLES) {
+  // Nothing is read for very long: the allowance is given back, as time would.
+  for (std::size_t reported = 0; reported < 2 * GATE_EVENTS_SIZE / record;
+       reported += GATE_SAMPLES) {
     table[0].sample_due = 0;
     for (int i = 0; i < 64; ++i) bus.inject(frame(CAN_EFF_FLAG | ++id));
   }
@@ -283,7 +284,7 @@ TEST_F(WatchAttached, SamplesLeaveHalfOfTheRingToWhatIsMissing) {
   EXPECT_GE(samples_.size(), GATE_EVENTS_SIZE / 2 / record - 1);
 }
 
-TEST_F(WatchAttached, TimersThatSomebodyUnpinnedGoOnAndArePinnedAgain) {
+TEST_F(WatchAttached, TimersThatWereUnpinnedGoOnAndArePinnedAgain) {
   const Bus bus("can0");
   Gate gate = attach(bus);
   ASSERT_TRUE(std::filesystem::remove(pins(bus) + "/silence_timers"));
@@ -301,9 +302,9 @@ TEST_F(WatchAttached, AnEventReachesWhoeverIsWatchedOnAllOfManySlots) {
   std::vector<SlotSpec> specs;
   for (std::uint32_t id = 1; id <= slots; ++id) specs.push_back(heart_beat(id));
   admit(gate, specs);
-  std::set<std::uint64_t> told;
-  for (std::uint32_t i = 0; i < slots; ++i) told.insert(next().subject);
-  EXPECT_EQ(told.size(), slots);
+  std::set<std::uint64_t> reported;
+  for (std::uint32_t i = 0; i < slots; ++i) reported.insert(next().subject);
+  EXPECT_EQ(reported.size(), slots);
 }
 
 }  // namespace

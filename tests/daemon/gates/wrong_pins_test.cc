@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Something else has a name that is ours in the bpffs: it is replaced, or, where that would destroy
-// what belongs to somebody, it is said what is there and what is to be done.
+// of what belongs to another program, a message says what is there and what is to be done.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -79,7 +79,7 @@ TEST_F(WrongPins, OfAllGatesAreReplaced) {
     }
 }
 
-TEST_F(WrongPins, ThatWereReplacedAreTold) {
+TEST_F(WrongPins, ThatWereReplacedAreReported) {
   const std::string path = control_.directory() + "/control";
   std::filesystem::remove(path);
   std::filesystem::create_directory(path);

@@ -54,7 +54,7 @@ TEST_F(GatedPortsTest, APortOfTheSameNameKeepsItsGateInTheNextDescription) {
   std::swap(swapped.gateways[0].ports[0], swapped.gateways[0].ports[1]);
   ports_.describe(swapped, 0);
   EXPECT_EQ(ports_[0].ifindex(), 11);
-  EXPECT_TRUE(ports_.has_gate(0)) << "before it is looked for";
+  EXPECT_TRUE(ports_.has_gate(0)) << "before it is searched";
   EXPECT_EQ(hooks_.loaded, 2U);
 }
 

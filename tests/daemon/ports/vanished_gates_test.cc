@@ -30,7 +30,7 @@ class VanishedGatesTest : public testing::Test {
 TEST_F(VanishedGatesTest, AGateStaysWhileItsInterfaceIsListed) {
   answer_ = net::Presence::gone;
   let_go();
-  EXPECT_TRUE(gates_.contains(7)) << "nobody has reported that it went";
+  EXPECT_TRUE(gates_.contains(7)) << "the kernel has not reported that it went";
   EXPECT_FALSE(vanished_.unconfirmed());
 }
 

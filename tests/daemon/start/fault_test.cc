@@ -157,7 +157,7 @@ TEST_F(StartFaultTest, AUserDatabaseThatCannotBeReadIsTriedAgain) {
   EXPECT_EQ(status_of_a_start(), kAgain) << "the directory that has the user may not be up yet";
   gateway_.describe(
       described(1, "<Publisher channel=\"c0\" gateway=\"gate\" user=\"4294967295\"/>\n"));
-  EXPECT_EQ(status_of_a_start(), kNotAgain) << "nobody has this number";
+  EXPECT_EQ(status_of_a_start(), kNotAgain) << "no user has this number";
 }
 
 TEST_F(StartFaultTest, AGroupWithManyMembersIsFound) {

@@ -301,7 +301,8 @@ TEST_F(StartTest, TheReaderOfUntrustedInputEndsWithoutAReaderOfItsOutput) {
 
 // --- mlcca-awds ----------------------------------------------------------------------------------
 
-/// Connects, says that it reads no more, and is hung up on by who looks after its connections.
+/// Connects, shuts its writing side down, and is served: the owner of the socket closes the
+/// connection.
 bool is_served(const std::string& path) {
   const Fd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
   const auto address = unix_address(path);

@@ -39,9 +39,9 @@ struct Promise {
 
 /// Writes the story on a disk that fails: a batch that was refused is tried again, in the end on a
 /// disk that is whole. Every third batch is followed by a compaction.
-class Teller {
+class Writer {
  public:
-  Teller(const Story& story, Disk& disk) : story_(story), disk_(disk) {}
+  Writer(const Story& story, Disk& disk) : story_(story), disk_(disk) {}
 
   /// False: the journal could not be opened.
   bool open() {
@@ -50,7 +50,7 @@ class Teller {
     return journal_ != nullptr;
   }
 
-  void tell(Promise& promise) {
+  void write_story(Promise& promise) {
     for (std::size_t i = 0; i < story_.batches.size(); ++i) {
       for (int tries = 0; tries < 3; ++tries) {
         const auto done = write(*journal_, story_.batches[i]);
@@ -87,9 +87,9 @@ TEST(AFailingCall, NeverCostsWhatWasAnswered) {
       TroubledDisk disk(memory, &memory);
       disk.trouble(how.what, at, how.error, how.calls);
       Promise promise;
-      Teller teller(story, disk);
-      if (teller.open()) {
-        ASSERT_NO_FATAL_FAILURE(teller.tell(promise)) << at;
+      Writer writer(story, disk);
+      if (writer.open()) {
+        ASSERT_NO_FATAL_FAILURE(writer.write_story(promise)) << at;
       }
       const bool came = disk.came();
       for (std::uint32_t seed = 0; seed < 10; ++seed) {
@@ -162,7 +162,7 @@ TEST(AnInterruptedCall, IsMadeAgain) {
   EXPECT_TRUE(write(*journal, story.batches[0]));
 }
 
-TEST(ACompactionThatFails, IsReportedAndDoesNotStopAnybody) {
+TEST(ACompactionThatFails, IsReportedAndStopsNothing) {
   MemoryDisk memory;
   TroubledDisk disk(memory);
   auto journal = Journal::open("/d", disk);

@@ -182,7 +182,7 @@ Result TroubledDisk::call(const std::function<Result()>& made) {
 }
 
 int TroubledDisk::open(const std::string& path, int flags) {
-  // A descriptor that nobody hears of would stay open.
+  // A descriptor that is not returned would stay open.
   ++calls_;
   if (stopped_) throw PowerLoss{};
   if (!now()) return below_->open(path, flags);

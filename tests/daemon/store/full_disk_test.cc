@@ -29,7 +29,7 @@ class AFullDisk : public testing::Test {
   [[nodiscard]] std::uint64_t room() const {
     return std::filesystem::space(folder_.path()).available;
   }
-  /// Somebody else's file that leaves `pages` of 4096 bytes.
+  /// Another program's file that leaves `pages` of 4096 bytes.
   void fill_but(std::uint64_t pages) const {
     write_file(folder_.file("ballast"), std::string(room() - 4096 * pages, 'b'));
     ASSERT_EQ(room(), 4096 * pages);

@@ -314,7 +314,7 @@ TEST(ADamagedHistory, IsNoticedWhenItIsWrittenAndNothingThatWaitedIsLost) {
   EXPECT_EQ(found(history), std::vector{decision(6'000)});
 }
 
-TEST(ADamagedHistory, NeverStopsAnybodyWhateverItsBytesAre) {
+TEST(ADamagedHistory, NeverStopsTheDaemonWhateverItsBytesAre) {
   std::mt19937 random(52);
   const Folder origin;
   fill(origin, 300);
@@ -338,7 +338,7 @@ TEST(ADamagedHistory, NeverStopsAnybodyWhateverItsBytesAre) {
   }
 }
 
-TEST(AHistoryOfSomebodyElse, IsSetAsideToo) {
+TEST(AHistoryOfAnotherProgram, IsSetAsideToo) {
   const Folder folder;
   {
     sqlite3* database = nullptr;
@@ -417,7 +417,7 @@ class WithoutLocks {
   sqlite3_vfs* vfs_;
 };
 
-TEST(AFileSystemThatGrantsNoLocks, IsToldAndNeverWaitedFor) {
+TEST(AFileSystemThatGrantsNoLocks, IsReportedAndNeverWaitedFor) {
   const Folder folder;
   History history = History::open(folder.path());
   history.append(decision(1));
@@ -457,7 +457,7 @@ std::uint64_t& steps() {
   return count;
 }
 
-TEST(AQueryOf100000Rows, LooksAtThoseItGivesOnly) {
+TEST(AQueryOf100000Rows, ReadsOnlyTheRowsThatItGives) {
   steps() = 0;
   const Folder folder;
   History history = History::open(folder.path());

@@ -188,7 +188,7 @@ TEST(Journal, TakesBatchesUpToItsLimit) {
   ASSERT_TRUE(journal.append(Released{"more"}));
 }
 
-TEST(Journal, IsWrittenAnewWhenSomebodyRemovesIt) {
+TEST(Journal, IsRewrittenWhenAnotherProgramRemovesIt) {
   const Folder folder;
   Contents all;
   {
@@ -208,7 +208,7 @@ TEST(Journal, IsWrittenAnewWhenSomebodyRemovesIt) {
   EXPECT_EQ(opened(folder).contents(), all);
 }
 
-TEST(Journal, RefusesWhatIsCommittedToAFileThatSomebodyReplaced) {
+TEST(Journal, RefusesWhatIsCommittedToAFileThatWasReplaced) {
   const Folder folder;
   Journal journal = opened(folder);
   const auto before = journal.contents();
@@ -225,7 +225,7 @@ TEST(Journal, RefusesWhatIsCommittedToAFileThatSomebodyReplaced) {
   EXPECT_TRUE(journal.commit());
 }
 
-TEST(Journal, IsWrittenAnewInADirectoryThatSomebodyReplaced) {
+TEST(Journal, IsRewrittenInADirectoryThatWasReplaced) {
   const Folder folder;
   Journal journal = opened(folder);
   std::filesystem::rename(folder.path(), folder.path() + ".old");
@@ -246,7 +246,7 @@ TEST(Journal, BelongsToOneProcessAtATime) {
   EXPECT_NE(second.error().text.find("in use by another process"), std::string::npos);
 }
 
-TEST(Journal, IsOpenedWhileSomebodyHoldsTheLockOfItsDirectory) {
+TEST(Journal, IsOpenedWhileAnotherProcessHoldsTheLockOfItsDirectory) {
   const Folder folder;
   const Fd directory(::open(folder.path().c_str(), O_RDONLY | O_DIRECTORY));
   ASSERT_EQ(::flock(directory.get(), LOCK_EX | LOCK_NB), 0);

@@ -22,7 +22,7 @@ struct Progress {
   bool finished = false;
 };
 
-Progress tell(const Story& story, const std::string& directory, Disk& disk) {
+Progress write_story(const Story& story, const std::string& directory, Disk& disk) {
   Progress progress;
   try {
     auto journal = Journal::open(directory, disk);
@@ -58,7 +58,7 @@ TEST(ALossOfPower, LeavesTheStateBeforeOrAfterTheBatch) {
       MemoryDisk memory;
       TroubledDisk disk(memory);
       disk.trouble(how, stops, 0);
-      const Progress progress = tell(story, "/d", disk);
+      const Progress progress = write_story(story, "/d", disk);
       if (progress.finished) break;
       for (std::uint32_t seed = 0; seed < 60; ++seed) {
         std::mt19937 random(seed);
@@ -80,7 +80,7 @@ TEST(ALossOfPowerDuringRecovery, LeavesTheSame) {
     MemoryDisk memory;
     TroubledDisk disk(memory);
     disk.trouble(Trouble::stop, stops, 0);
-    const Progress progress = tell(story, "/d", disk);
+    const Progress progress = write_story(story, "/d", disk);
     if (progress.finished) break;
     for (int round = 0; round < 3; ++round) {
       auto rest = memory.after_power_loss(random);
@@ -115,7 +115,7 @@ TEST(WhatAStartHasSeenAfterAKill, IsNotLostWithThePower) {
       MemoryDisk memory;
       TroubledDisk disk(memory);
       disk.trouble(Trouble::stop, stops, 0);
-      const Progress progress = tell(story, "/d", disk);
+      const Progress progress = write_story(story, "/d", disk);
       if (progress.finished) return;
       Contents used;
       {
@@ -140,7 +140,7 @@ TEST(AnEndedProcess, LeavesRealFilesInTheStateBeforeOrAfter) {
       const Folder folder;
       TroubledDisk disk(real_disk());
       disk.trouble(how, stops, 0);
-      const Progress progress = tell(story, folder.path(), disk);
+      const Progress progress = write_story(story, folder.path(), disk);
       if (progress.finished) break;
       const auto journal = Journal::open(folder.path());
       ASSERT_TRUE(journal) << journal.error().text;

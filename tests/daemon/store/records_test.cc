@@ -85,7 +85,7 @@ TEST(SlotRecord, NumbersThatDoNotFitAreNotUnderstood) {
   EXPECT_TRUE(of_one("\x30\xff\x01")) << "formats of 8 bits";
   EXPECT_FALSE(of_one("\x30\xff\x03")) << "of 9";
   EXPECT_FALSE(of_one("\x60" + std::string(10, '\xff') + '\x01')) << "11 octets are no number";
-  EXPECT_FALSE(of_one("\x98\x01\x01")) << "a field that nobody has written yet";
+  EXPECT_FALSE(of_one("\x98\x01\x01")) << "a field that no version has written yet";
 }
 
 TEST(GrantRecord, GivesBackEverythingThatIsGranted) {

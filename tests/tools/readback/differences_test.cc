@@ -178,9 +178,9 @@ TEST(CompareSlots, AnInterfaceThatIsNoPortAndATableThatCannotBeReadAreLeftOut) {
 
 TEST(CompareSlots, AJournalWithoutSlotsIsReportedOnce) {
   EXPECT_EQ(problems(gate({}), journal_of({})), Lines{});
-  const auto told = problems(gate({slot(), slot(0x124)}), journal_of({}));
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_NE(told[0].find("did not write them down, restart it"), std::string::npos) << told[0];
+  const auto found = problems(gate({slot(), slot(0x124)}), journal_of({}));
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NE(found[0].find("did not write them down, restart it"), std::string::npos) << found[0];
 }
 
 TEST(CompareSlots, OctetsThatAreNotUnderstoodAreReported) {

@@ -60,24 +60,24 @@ TEST(SourceBounds, ANumberOutOfRangeBecomesTheWorst) {
   wrong.weight = kMaxWeight + 1;
   wrong.valid = kMaxValidity + 1;
   wrong.taken = kNow + 1;
-  const auto told = bounded(of(wrong), {}, kNow);
-  ASSERT_EQ(told.links.size(), 1U);
-  EXPECT_EQ(told.links[0].rate, 0U);
-  EXPECT_EQ(told.links[0].loss, 1'000'000'000U);
-  EXPECT_EQ(told.links[0].busy, core::mesh::kWhole);
-  EXPECT_EQ(told.links[0].weight, kMaxWeight);
-  EXPECT_EQ(told.links[0].valid, kMaxValidity);
-  EXPECT_EQ(told.links[0].taken, kNow);
-  EXPECT_EQ(told.problem, "some of its numbers are out of range");
+  const auto reported = bounded(of(wrong), {}, kNow);
+  ASSERT_EQ(reported.links.size(), 1U);
+  EXPECT_EQ(reported.links[0].rate, 0U);
+  EXPECT_EQ(reported.links[0].loss, 1'000'000'000U);
+  EXPECT_EQ(reported.links[0].busy, core::mesh::kWhole);
+  EXPECT_EQ(reported.links[0].weight, kMaxWeight);
+  EXPECT_EQ(reported.links[0].valid, kMaxValidity);
+  EXPECT_EQ(reported.links[0].taken, kNow);
+  EXPECT_EQ(reported.problem, "some of its numbers are out of range");
 }
 
 TEST(SourceBounds, AnAddressIsShortAndVisible) {
   for (const auto& address : {std::string(), std::string(kMaxAddress + 1, 'a'), std::string("a b"),
                               std::string("a\x1b[2J"), std::string("\xc3\xa4")}) {
     EXPECT_FALSE(is_address(address)) << address;
-    const auto told = bounded(of(sample("a", address)), {}, kNow);
-    EXPECT_TRUE(told.links.empty());
-    EXPECT_EQ(told.problem, "some of its links have no address: ignored");
+    const auto reported = bounded(of(sample("a", address)), {}, kNow);
+    EXPECT_TRUE(reported.links.empty());
+    EXPECT_EQ(reported.problem, "some of its links have no address: ignored");
   }
 }
 
@@ -94,13 +94,13 @@ TEST(SourceBounds, OfTooManyLinksThoseOfDescribedNodesAreKept) {
   for (std::size_t i = 0; i <= kMaxFacts; ++i)
     many.next_hops.push_back({.from = "x", .to = "y" + std::to_string(i), .via = "z"});
   many.next_hops.push_back({.from = "a", .to = "b", .via = "z"});
-  const auto told = bounded(many, {"a", "b"}, kNow);
-  ASSERT_EQ(told.links.size(), kMaxFacts);
-  EXPECT_EQ(told.links[0], sample("a", "b"));
-  EXPECT_EQ(told.links[1], sample("x0", "b"));
-  ASSERT_EQ(told.next_hops.size(), kMaxFacts);
-  EXPECT_EQ(told.next_hops[0].to, "b");
-  EXPECT_NE(told.problem.find("more than 8192"), std::string::npos);
+  const auto reported = bounded(many, {"a", "b"}, kNow);
+  ASSERT_EQ(reported.links.size(), kMaxFacts);
+  EXPECT_EQ(reported.links[0], sample("a", "b"));
+  EXPECT_EQ(reported.links[1], sample("x0", "b"));
+  ASSERT_EQ(reported.next_hops.size(), kMaxFacts);
+  EXPECT_EQ(reported.next_hops[0].to, "b");
+  EXPECT_NE(reported.problem.find("more than 8192"), std::string::npos);
 }
 
 // --- AWDS ----------------------------------------------------------------------------------------
@@ -125,25 +125,25 @@ TEST(AwdsBounds, InventedNodesDoNotCrowdOutTheDescribedAndTheKnown) {
   EXPECT_EQ(graph.snapshot(kNow + 2000).problem, "");
   EXPECT_FALSE(graph.take(says(0xe000), kNow + 3000));
   EXPECT_TRUE(graph.take(says(0xf000), kNow + 3000));
-  const auto told = graph.snapshot(kNow + 3000);
-  EXPECT_EQ(told.links.size(), awds::kMaxNodes);
-  const auto heard = [&](std::size_t number) {
-    return test::find(told, awds::address_of(node(number)), awds::address_of(node(0xffff)));
+  const auto reported = graph.snapshot(kNow + 3000);
+  EXPECT_EQ(reported.links.size(), awds::kMaxNodes);
+  const auto link_from = [&](std::size_t number) {
+    return test::find(reported, awds::address_of(node(number)), awds::address_of(node(0xffff)));
   };
-  EXPECT_NE(heard(0xf000), nullptr) << "described";
-  EXPECT_NE(heard(1), nullptr) << "known longest";
-  EXPECT_EQ(heard(awds::kMaxNodes), nullptr) << "one that is not described, which came last";
-  EXPECT_EQ(heard(0xe000), nullptr);
-  EXPECT_NE(told.problem.find("more than 1024 nodes"), std::string::npos);
+  EXPECT_NE(link_from(0xf000), nullptr) << "described";
+  EXPECT_NE(link_from(1), nullptr) << "known longest";
+  EXPECT_EQ(link_from(awds::kMaxNodes), nullptr) << "one that is not described, which came last";
+  EXPECT_EQ(link_from(0xe000), nullptr);
+  EXPECT_NE(reported.problem.find("more than 1024 nodes"), std::string::npos);
   EXPECT_EQ(graph.snapshot(kNow + 3001).problem, "") << "said once";
 }
 
 TEST(AwdsBounds, ValidityIsTenMinutesAtMost) {
   awds::Graph graph(core::mesh::AwdsMetric::hops);
   ASSERT_TRUE(graph.take(says(1, 0xffff'ffff), kNow));
-  const auto told = graph.snapshot(kNow + kMaxValidity - 1);
-  ASSERT_EQ(told.links.size(), 1U);
-  EXPECT_EQ(told.links[0].valid, kMaxValidity);
+  const auto reported = graph.snapshot(kNow + kMaxValidity - 1);
+  ASSERT_EQ(reported.links.size(), 1U);
+  EXPECT_EQ(reported.links[0].valid, kMaxValidity);
   EXPECT_TRUE(graph.snapshot(kNow + kMaxValidity).links.empty());
 }
 
@@ -201,8 +201,8 @@ std::string problem_with_server(const std::string& greeting) {
   source.kind = core::mesh::SourceKind::babel;
   source.endpoint = server.endpoint();
   test::Watched watched(source, {}, raw);
-  const auto told = watched.await([](const auto& s) { return !s.problem.empty(); });
-  return told ? told->problem : watched.last();
+  const auto reported = watched.await([](const auto& s) { return !s.problem.empty(); });
+  return reported ? reported->problem : watched.last();
 }
 
 TEST(BabelBounds, AnAnswerWithoutAnEndIsLeft) {

@@ -139,9 +139,9 @@ TEST_F(Conversation, AConnectionThatBreaksIsReportedAndMadeAgain) {
 TEST_F(Conversation, ARefusalIsReported) {
   test::Server server(loop(), kGreeting, false, [](const std::string&) { return "bad\n"; });
   test::Watched watched(source(SourceKind::babel, server.endpoint()), {}, loop());
-  const auto told = watched.await([](const auto& s) { return !s.problem.empty(); });
-  ASSERT_TRUE(told);
-  EXPECT_NE(told->problem.find("refuses"), std::string::npos) << told->problem;
+  const auto reported = watched.await([](const auto& s) { return !s.problem.empty(); });
+  ASSERT_TRUE(reported);
+  EXPECT_NE(reported->problem.find("refuses"), std::string::npos) << reported->problem;
 }
 
 TEST_F(Conversation, AServerThatSaysNothingIsLeftAndTriedAgain) {
@@ -161,9 +161,10 @@ TEST_F(Conversation, AServerThatSendsNoLinesIsLeft) {
   test::Server server(loop(), std::string(2 * LineClient::kLongestLine, 'x'), false,
                       [](const std::string&) { return ""; });
   test::Watched watched(source(SourceKind::babel, server.endpoint()), {}, loop());
-  const auto told = watched.await([](const auto& s) { return !s.problem.empty(); });
-  ASSERT_TRUE(told);
-  EXPECT_NE(told->problem.find("longer than 65536 bytes"), std::string::npos) << told->problem;
+  const auto reported = watched.await([](const auto& s) { return !s.problem.empty(); });
+  ASSERT_TRUE(reported);
+  EXPECT_NE(reported->problem.find("longer than 65536 bytes"), std::string::npos)
+      << reported->problem;
 }
 
 }  // namespace

@@ -141,10 +141,10 @@ TEST_F(WatchedFile, NothingOfABadFileIsUsed) {
   test::Watched watched(source(), kMesh);
   ASSERT_TRUE(watched.await(rate_is(24'000'000))) << watched.last();
   write(path(), "n1 n2 11Mbit/s\nn2 n1 much\n");
-  const auto told = watched.await([](const auto& s) { return !s.problem.empty(); });
-  ASSERT_TRUE(told) << watched.last();
-  EXPECT_TRUE(told->links.empty());
-  EXPECT_TRUE(told->problem.starts_with(path() + ":2: ")) << told->problem;
+  const auto reported = watched.await([](const auto& s) { return !s.problem.empty(); });
+  ASSERT_TRUE(reported) << watched.last();
+  EXPECT_TRUE(reported->links.empty());
+  EXPECT_TRUE(reported->problem.starts_with(path() + ":2: ")) << reported->problem;
   write(path(), "n1 n2 11Mbit/s\n");
   EXPECT_TRUE(watched.await(rate_is(11'000'000))) << watched.last();
 }

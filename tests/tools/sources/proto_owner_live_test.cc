@@ -81,9 +81,9 @@ core::mesh::Source source(SourceKind kind, const std::string& endpoint) {
 
 std::string reported_of(const core::mesh::Source& source) {
   test::Watched watched(source, test::mesh_of({"a", "b"}));
-  const auto told =
+  const auto reported =
       watched.await([](const auto& s) { return !s.problem.empty() || !s.links.empty(); });
-  return told && told->links.empty() ? told->problem : watched.last();
+  return reported && reported->links.empty() ? reported->problem : watched.last();
 }
 
 const char* const kRefused = "belongs to uid 65534";
