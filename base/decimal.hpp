@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <ranges>
 #include <string>
 #include <string_view>
 
@@ -43,8 +44,8 @@ class Decimal {
     Decimal out;
     out.decimals_ = decimals_;
     Wide carry = 0;
-    for (auto digit = digits_.rbegin(); digit != digits_.rend(); ++digit) {
-      carry += static_cast<Wide>(*digit - '0') * factor;
+    for (const char digit : std::views::reverse(digits_)) {
+      carry += static_cast<Wide>(digit - '0') * factor;
       out.digits_ += static_cast<char>('0' + static_cast<int>(carry % 10));
       carry /= 10;
     }

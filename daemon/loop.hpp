@@ -21,8 +21,8 @@ using EventLoop = std::unique_ptr<sd_event, FreeWith<sd_event_unref>>;
 
 class Loop {
  public:
-  /// Adds what the gateway needs to `event`, which must outlive this.
-  static Result<Loop> open(sd_event* event, Controller& gateway, const RealOutside& outside);
+  /// Adds what the gateway needs to `raw`, which must outlive this.
+  static Result<Loop> open(sd_event* raw, Controller& gateway, const RealOutside& outside);
 
   /// Until SIGTERM or SIGINT. The exit status of the program.
   [[nodiscard]] int run() const;

@@ -9,9 +9,9 @@
 
 namespace mlcca {
 
-RealOutside::RealOutside(const Options& options, SystemLog log, enforce::Control control,
-                         net::Links links, net::FactsOf facts_of, sd_event* loop)
-    : options_(options),
+RealOutside::RealOutside(Options options, SystemLog log, enforce::Control control, net::Links links,
+                         net::FactsOf facts_of, sd_event* loop)
+    : options_(std::move(options)),
       loop_(loop),
       log_(std::move(log)),
       control_(std::move(control)),

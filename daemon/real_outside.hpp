@@ -20,7 +20,7 @@ namespace mlcca {
 class RealOutside {
  public:
   /// `loop` must outlive this.
-  RealOutside(const Options& options, SystemLog log, enforce::Control control, net::Links links,
+  RealOutside(Options options, SystemLog log, enforce::Control control, net::Links links,
               net::FactsOf facts_of, sd_event* loop);
 
   /// For one controller.

@@ -13,8 +13,6 @@
 namespace mlcca::description {
 namespace {
 
-using core::Profile;
-
 Composition composition_named(std::string_view word) {
   if (word == "maximum") return Composition::slowest;
   if (word == "minimum") return Composition::smallest;
@@ -135,8 +133,7 @@ class PartReader {
     out.binding.id = number<std::uint32_t>(named.text);
     if (const auto priority = optional_number(named.attribute("priority")))
       out.binding.priority = static_cast<std::uint8_t>(*priority);
-    if (const auto destination = optional_number(named.attribute("destination")))
-      out.destination = *destination;
+    out.destination = optional_number(named.attribute("destination"));
     out.binding.mask = number_or(named, "mask", out.binding.mask);
     const auto* const profile = core::profile_with_element(named.name);
     const auto form = profile == nullptr ? core::IdentifierForm::extended : profile->form;

@@ -58,9 +58,9 @@ Number decimal(const Element& e, std::string_view attribute, Problems& problems)
 // --- addresses -----------------------------------------------------------------------------------
 
 bool is_mac(std::string_view text) {
-  constexpr std::size_t kLength = 17;  // "02:00:00:00:00:01"
-  if (text.size() != kLength) return false;
-  for (std::size_t i = 0; i < kLength; ++i)
+  constexpr std::size_t length = 17;  // "02:00:00:00:00:01"
+  if (text.size() != length) return false;
+  for (std::size_t i = 0; i < length; ++i)
     if (i % 3 == 2 ? text[i] != ':' : std::isxdigit(static_cast<unsigned char>(text[i])) == 0)
       return false;
   return true;

@@ -156,7 +156,8 @@ void Parser::message(void* data, xmlError* error) noexcept {
   if (const auto in_comment = comment_message(self.guard_, *error)) {
     self.builder_.fail({.file = self.file_, .line = in_comment->line}, self.builder_.inside(),
                        in_comment->text, FindingId::not_xml);
-    return self.end_here();
+    self.end_here();
+    return;
   }
   const bool has_line = error->domain == XML_FROM_PARSER || error->domain == XML_FROM_NAMESPACE;
   self.builder_.fail({.file = self.file_, .line = has_line ? error->line : self.line()},

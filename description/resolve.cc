@@ -118,10 +118,11 @@ void check_form(const BindingDraft& b, const core::Network& network, Problems& p
     say(fmt::format("profile {} needs {}{}", profile, traits.element,
                     traits.deals_tags ? ", or dynamic=\"true\"" : ""));
   else if (!b.element.empty() && !traits.element.ends_with(" " + b.element)) {
-    const auto owner = std::ranges::find_if(core::words::kProfiles, [&](std::string_view word) {
-      return core::traits_of(core::words::kProfiles.or_first(word))
-          .element.ends_with(" " + b.element);
-    });
+    const auto* const owner =
+        std::ranges::find_if(core::words::kProfiles, [&](std::string_view word) {
+          return core::traits_of(core::words::kProfiles.or_first(word))
+              .element.ends_with(" " + b.element);
+        });
     say(fmt::format("{} is for profile {}: profile {} needs {}",
                     core::traits_of(core::words::kProfiles.or_first(*owner)).element, *owner,
                     profile, traits.element));

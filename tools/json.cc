@@ -52,6 +52,15 @@ Json of(const control::Unknown& u) {
   return out;
 }
 
+template <class T>
+Json json_of_field(const Field& field, const T& value) {
+  if constexpr (std::integral<T>)
+    if (field.zero_is_none && value == 0) return {};
+  if constexpr (std::same_as<T, std::uint64_t>)
+    if (field.as_subject) return core::format_subject(value);
+  return json_of(value);
+}
+
 /// The fields of a message, but of a field that is not known, NAME_known says so, null.
 template <Message M>
 Json fields_of(const M& message) {
@@ -69,14 +78,7 @@ Json fields_of(const M& message) {
     }
     Json& to = out[name];
     if (name == unknown) return;
-    if constexpr (std::integral<T>)
-      if (field.zero_is_none && value == 0) return;
-    if constexpr (std::same_as<T, std::uint64_t>)
-      if (field.as_subject) {
-        to = core::format_subject(value);
-        return;
-      }
-    to = json_of(value);
+    to = json_of_field(field, value);
   });
   return out;
 }

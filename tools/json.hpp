@@ -14,7 +14,7 @@ namespace mlcca::tools {
 std::string to_json(const control::Reply& reply);
 
 /// Of `status --check`: {"health": {"state": "degraded", "reasons": [...], "left_out": 0}}.
-std::string to_json(const control::Health& health);
+std::string to_json(const control::Health& of_status);
 
 /// Each gate also with what the status reports of its interface: "hook", "drops_early", "ingress"
 /// and "egress".

@@ -229,9 +229,9 @@ std::string what_stops(const control::Channels& channels, std::string_view name,
     if (!channel.reaction.empty())
       text += fmt::format("         reaction to its loss: {}\n", printable(channel.reaction));
   }
-  const auto head = granted == 0   ? "nothing of it is granted now"
-                    : granted == 1 ? std::string("1 delivery stops")
-                                   : fmt::format("{} deliveries stop", granted);
+  std::string head = "nothing of it is granted now";
+  if (granted == 1) head = "1 delivery stops";
+  if (granted > 1) head = fmt::format("{} deliveries stop", granted);
   return fmt::format(
              "{}: {}; everything of it is refused, also what is described, until it is "
              "reinstated\n",

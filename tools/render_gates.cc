@@ -54,7 +54,8 @@ Cell mask(const control::GateSlot& slot, bool ethernet) {
 
 std::string slots(const std::vector<control::GateSlot>& all, bool control, bool ethernet,
                   Color color) {
-  Table table({{control ? ethernet ? "OTHER TRAFFIC" : "CONTROL TRAFFIC" : "CHANNEL"},
+  const char* const other = ethernet ? "OTHER TRAFFIC" : "CONTROL TRAFFIC";
+  Table table({{control ? other : "CHANNEL"},
                {"DIRECTION"},
                {"FROM"},
                {"IDENTIFIER"},

@@ -96,16 +96,16 @@ std::string links(const std::vector<control::MeshLink>& all, Color color) {
 
 /// "1f480064", of several with the bits that count: "100/7ff"; "all"; "not" what is left out.
 std::string filter_of(const control::CanRule& rule) {
-  constexpr std::uint32_t kForm = 0x80000000;
-  constexpr std::uint32_t kOnlyData = 0x40000000;
-  constexpr std::uint32_t kInverted = 0x20000000;
-  const std::uint32_t bits = (rule.id & kForm) != 0 ? 0x1fffffff : 0x7ff;
-  const bool exact = (rule.mask & bits) == bits && (rule.mask & kForm) != 0 &&
-                     (rule.mask & kOnlyData) != 0 && (rule.id & kOnlyData) == 0;
-  const std::string inverted = (rule.id & kInverted) != 0 ? "not " : "";
+  constexpr std::uint32_t form = 0x80000000;
+  constexpr std::uint32_t only_data = 0x40000000;
+  constexpr std::uint32_t invert = 0x20000000;
+  const std::uint32_t bits = (rule.id & form) != 0 ? 0x1fffffff : 0x7ff;
+  const bool exact = (rule.mask & bits) == bits && (rule.mask & form) != 0 &&
+                     (rule.mask & only_data) != 0 && (rule.id & only_data) == 0;
+  const std::string inverted = (rule.id & invert) != 0 ? "not " : "";
   if (rule.mask == 0) return inverted + "all";
-  if (exact) return inverted + print_can_id(rule.id & ~kInverted);
-  return fmt::format("{}{:03x}/{:03x}", inverted, rule.id & ~kInverted, rule.mask);
+  if (exact) return inverted + print_can_id(rule.id & ~invert);
+  return fmt::format("{}{:03x}/{:03x}", inverted, rule.id & ~invert, rule.mask);
 }
 
 Cell frames(std::uint64_t n, Style style = Style::plain) {

@@ -128,6 +128,12 @@ std::string name_of_unknown(const control::Unknown& frame) {
   return frame.subject != 0 ? core::format_subject(frame.subject) : print_can_id(frame.can_id);
 }
 
+std::string format_of_unknown(const control::Unknown& frame) {
+  if (frame.subject != 0) return "datagram";
+  if (frame.xl) return "XL";
+  return frame.fd ? "FD" : "classic";
+}
+
 std::string unknown_frames(const std::vector<control::Interface>& all, Color color) {
   Table table({{"INTERFACE"},
                {"DIRECTION"},
@@ -141,10 +147,7 @@ std::string unknown_frames(const std::vector<control::Interface>& all, Color col
       table.add({{one.name},
                  {frame.egress ? "out" : "in"},
                  {name_of_unknown(frame)},
-                 {frame.subject != 0 ? "datagram"
-                  : frame.xl         ? "XL"
-                  : frame.fd         ? "FD"
-                                     : "classic"},
+                 {format_of_unknown(frame)},
                  number(frame.length),
                  number(frame.frames),
                  {print_sender(frame)}});

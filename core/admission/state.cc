@@ -198,8 +198,11 @@ bool State::is_used(std::size_t channel) const {
 }
 
 std::optional<std::size_t> State::free_unlisted() const {
-  for (std::size_t c = system_.channels.size(); c-- > 0 && system_.channels[c].unlisted;)
+  for (std::size_t end = system_.channels.size(); end > 0; --end) {
+    const std::size_t c = end - 1;
+    if (!system_.channels[c].unlisted) break;
     if (!is_used(c)) return c;
+  }
   return std::nullopt;
 }
 

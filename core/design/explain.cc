@@ -57,8 +57,6 @@ FindingId id_of(Against against) {
   return FindingId::rule;
 }
 
-bool is_unfit(const Row& row) { return row.comparison.outcome == Outcome::unfit; }
-
 /// What a medium has left depends on everybody, not on one pair of ends.
 bool is_about_medium(const Row& row) {
   return row.against == Against::schedule || row.against == Against::medium_time;
@@ -275,35 +273,38 @@ void Explainer::add_obstacle(const Verdict& v) {
   }
 }
 
+std::vector<std::string> Explainer::open_on_bus(const Verdict& v, Place hop) const {
+  if (hop.kind != Place::Kind::network) return {};
+  const Network& network = s_.system.networks[hop.index];
+  const Binding* binding = network.binding_of(v.channel);
+  if (binding == nullptr || network.kind != NetworkKind::can) return {};
+  std::vector<std::string> open;
+  if (binding->waits_for_tag()) open.push_back("the tag on " + network.name);
+  if (binding->format != FrameFormat::classic && ledger_.schedule(hop.index) == nullptr)
+    open.push_back("the data bit rate of " + network.name);
+  return open;
+}
+
 void Explainer::add_run_time(const Verdict& v) {
   Finding& f = new_finding(FindingId::run_time, v);
   std::string what;
-  const auto at_best = [](const Row& row) { return row.comparison.outcome == Outcome::run_time; };
+  const auto add = [&](const std::string& words) { what += (what.empty() ? "" : ", ") + words; };
+  const auto point_to = [&](Place place) {
+    if (!f.has_place) f.place = place;
+    f.has_place = true;
+  };
   for (const Row& row : v.rows) {
-    if (!at_best(row)) continue;
-    if (!f.has_place && row.against == Against::hop) {
-      f.place = row.place;
-      f.has_place = true;
-    }
+    if (row.comparison.outcome != Outcome::run_time) continue;
+    if (row.against == Against::hop) point_to(row.place);
     const std::string name = attribute_name(s_.system, row);
-    if (what.find(name) != std::string::npos) continue;
-    what += (what.empty() ? "" : ", ") + name + " " +
-            format_value(s_.system, row, row.comparison.required);
+    if (what.find(name) == std::string::npos)
+      add(name + " " + format_value(s_.system, row, row.comparison.required));
   }
   for (const Place hop : hops_of(v.route)) {
-    if (hop.kind != Place::Kind::network) continue;
-    const Network& network = s_.system.networks[hop.index];
-    const Binding* binding = network.binding_of(v.channel);
-    if (binding == nullptr || network.kind != NetworkKind::can) continue;
-    const bool tag = binding->waits_for_tag();
-    const bool rate =
-        binding->format != FrameFormat::classic && ledger_.schedule(hop.index) == nullptr;
-    if (!tag && !rate) continue;
-    if (tag) what += (what.empty() ? "" : ", ") + ("the tag on " + network.name);
-    if (rate) what += (what.empty() ? "" : ", ") + ("the data bit rate of " + network.name);
-    if (f.has_place) continue;
-    f.place = hop;
-    f.has_place = true;
+    for (const std::string& words : open_on_bus(v, hop)) {
+      add(words);
+      point_to(hop);
+    }
   }
   f.text = s_.members.publisher(v.publisher).name + " to " + name_of(s_.system, v.to) + " over " +
            way_of(s_.system, v.route) + ": decided at run time (" + what + ")";

@@ -28,6 +28,8 @@ class Explainer {
  private:
   void add_obstacle(const Verdict& v);
   void add_run_time(const Verdict& v);
+  /// What of a hop over CAN becomes known at run time only, in words.
+  [[nodiscard]] std::vector<std::string> open_on_bus(const Verdict& v, Place hop) const;
   void add_pair(const Verdict& v, std::size_t subscriber);
   void add_row(const Verdict& v, const Row& row, std::size_t subscriber);
   [[nodiscard]] bool is_left_open(const Row& row) const;

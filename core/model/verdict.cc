@@ -17,8 +17,6 @@ Value slack(const Comparison& c) {
   return mul_div_down(c.margin(), 1024, larger);
 }
 
-bool is_unfit(const Row& row) { return row.comparison.outcome == Outcome::unfit; }
-
 /// As a rule what is carried is exactly what the publisher offers; what a person wants to know is
 /// how near time and loss are.
 bool is_met_by_rule(const Comparison& c) {

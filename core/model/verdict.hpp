@@ -109,6 +109,10 @@ struct Decision {
   [[nodiscard]] bool all_granted() const { return granted == verdicts.size(); }
 };
 
+[[nodiscard]] inline bool is_unfit(const Row& row) {
+  return row.comparison.outcome == Outcome::unfit;
+}
+
 /// Another row says the same of a refusal, or more: what a mesh has left is less than what it would
 /// give to one alone, and what one hop cannot give, the whole way cannot.
 [[nodiscard]] bool is_said_by_another(const Verdict& verdict, const Row& row);

@@ -22,7 +22,7 @@ bool is_of(const gate_slot& slot, const gate_binding& b) {
   return slot.subject == b.subject || (slot.subject == 0 && b.subject == GATE_SUBSCRIBE);
 }
 
-/// In memory that no program looks at before the subject is there.
+/// In memory that no program reads before the subject is there.
 void fill(gate_binding& b, const StatedBinding& stated) {
   b.other = 0;
   b.contradictions = stated.contradicted ? 1 : 0;
@@ -34,10 +34,17 @@ void fill(gate_binding& b, const StatedBinding& stated) {
   publish(b.subject, __u64{stated.subject});
 }
 
-/// The program may be looking at it, and adds to `contradictions` what it finds.
+/// The program may be reading it, and adds to `contradictions` what it finds.
 void give(gate_binding& b, std::uint16_t etag, std::uint32_t settled) {
   publish(b.settled, __u32{settled});
   publish(b.etag, __u16{etag});
+}
+
+/// Of a binding that is in the table, and may have another tag from now on.
+void restate(gate_binding& b, const StatedBinding& stated) {
+  if (b.etag == stated.etag) return;
+  if (load(b.dealt) == 0 && stated.etag == 0) publish(b.dealt, __u16{stated.dealt});
+  give(b, stated.etag, load(b.contradictions));
 }
 
 }  // namespace
@@ -62,10 +69,7 @@ void Bindings::state(std::span<const StatedBinding> bindings) {
       publish(b.subject, __u64{0});
       continue;
     }
-    if (b.etag != it->second->etag) {
-      if (load(b.dealt) == 0 && it->second->etag == 0) publish(b.dealt, __u16{it->second->dealt});
-      give(b, it->second->etag, load(b.contradictions));
-    }
+    restate(b, *it->second);
     wanted.erase(it);
   }
   std::size_t at = 0;

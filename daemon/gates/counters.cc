@@ -68,6 +68,7 @@ ReasonCounters sum_of_reasons(std::span<const Cpu> cpus, Direction direction) {
 /// What is the same on several CPUs is one, as it was seen last.
 template <class Cpu>
 std::vector<UnknownFrame> newest_of(std::span<const Cpu> cpus) {
+  // NOLINTNEXTLINE(misc-const-correctness): the check does not see in a template that it changes
   std::map<std::tuple<std::uint32_t, std::uint64_t, std::uint8_t, Direction>, UnknownFrame> merged;
   for (const auto& cpu : cpus) {
     for (const auto& seen : cpu.seen) {

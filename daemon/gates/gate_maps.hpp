@@ -47,6 +47,7 @@ std::optional<Maps> take_maps(const auto& rows, const std::string& directory, co
 template <class Skeleton>
 std::vector<Pin> pins_of(const auto& rows, const Skeleton& object, const std::string& directory) {
   std::vector<Pin> pins;
+  pins.reserve(std::size(rows));
   for (const auto& row : rows)
     pins.push_back({bpf_map__fd(object.maps.*row.map), directory + "/" + row.pin});
   return pins;

@@ -1,31 +1,52 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gates/gate_pins.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "daemon/gates/attachment.hpp"
 
 namespace mlcca::enforce {
+namespace {
+
+/// The maps of the attached program of a direction, and whether it has the name of the next one
+/// yet, which becomes its own. Nothing: no pin names it.
+struct Attached {
+  MapIds maps;
+  bool was_next = false;
+};
+Result<std::optional<Attached>> attached_program(const std::string& directory, Direction direction,
+                                                 std::uint32_t id) {
+  if (id == 0) return std::nullopt;
+  const std::string own = program_pin(directory, direction);
+  for (const bool next : {true, false}) {
+    const Fd program = open_pin(next ? next_of(own) : own);
+    if (!program || !is_program(program.get())) continue;
+    auto info = program_info(program.get());
+    if (info.id != id) continue;
+    if (next)
+      if (auto named = rename_pin(next_of(own), own); !named) return std::unexpected(named.error());
+    return Attached{.maps = std::move(info.map_ids), .was_next = next};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
 
 Result<std::vector<MapIds>> maps_of_attached(const std::string& directory, std::uint32_t ifindex) {
   std::vector<MapIds> found;
   for (const auto hook : {Hook::tcx, Hook::clsact}) {
     const auto attached = in_place({ifindex, directory, hook});
     if (!attached) return std::unexpected(attached.error());
-    for (const auto direction : kBothDirections)
-      for (const bool next : {true, false}) {
-        const std::string own = program_pin(directory, direction);
-        const Fd program = open_pin(next ? next_of(own) : own);
-        if (!program || attached->of(direction) == 0 || !is_program(program.get())) continue;
-        auto info = program_info(program.get());
-        if (info.id != attached->of(direction)) continue;
-        if (next)
-          if (auto named = rename_pin(next_of(own), own); !named)
-            return std::unexpected(named.error());
-        found.insert(next ? found.begin() : found.end(), std::move(info.map_ids));
-        break;
-      }
+    for (const auto direction : kBothDirections) {
+      auto program = attached_program(directory, direction, attached->of(direction));
+      if (!program) return std::unexpected(program.error());
+      if (!*program) continue;
+      found.insert((*program)->was_next ? found.begin() : found.end(), std::move((*program)->maps));
+    }
   }
   return found;
 }
@@ -64,7 +85,7 @@ void forget_next(const std::string& directory) {
   const auto names = names_in(directory);
   if (!names) return;
   for (const std::string& name : *names)
-    if (name.ends_with(next_of(""))) remove_pin(directory + "/" + name);
+    if (name.ends_with(next_of(""))) remove_pin(fmt::format("{}/{}", directory, name));
 }
 
 }  // namespace mlcca::enforce

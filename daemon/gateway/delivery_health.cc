@@ -63,7 +63,7 @@ std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
   return troubles(seen);
 }
 
-const core::GateRule* DeliveryHealth::way_in(const core::GateState& rules) const {
+const core::GateRule* DeliveryHealth::way_in(const core::GateState& rules) {
   const auto in =
       std::ranges::find(rules, core::Direction::ingress,
                         [](const core::GateRule& rule) { return rule.entry.direction; });

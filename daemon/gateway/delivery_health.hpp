@@ -63,7 +63,7 @@ class DeliveryHealth {
                                             const core::GateEntry& entry) const;
 
   /// Where the events of a delivery come in; nullptr: not through a gate of ours.
-  [[nodiscard]] const core::GateRule* way_in(const core::GateState& rules) const;
+  [[nodiscard]] static const core::GateRule* way_in(const core::GateState& rules);
   void note_leaving(std::size_t channel, const core::GateState& rules);
   [[nodiscard]] std::optional<LatestLeft> latest_left(std::size_t channel,
                                                       const core::GateEntry& in,

@@ -71,6 +71,19 @@ void DropReports::forget() {
   poll_all(Reporting::no);
 }
 
+void DropReports::sample_entry(const core::GateRule& rule,
+                               const std::vector<const core::Verdict*>& users, Reporting reporting,
+                               Dropped& sum) {
+  const std::int64_t now = clock_.monotonic_s();
+  const Frames frames = gates_.frames({rule});
+  const auto excess = of_entries_.sample({rule.entry, Drop::excess}, frames.excess, now);
+  if (excess && reporting == Reporting::yes) deliveries_.excess(users, *excess);
+  sum.dropped += of_entries_.sample({rule.entry, Drop::misfit}, misfits(frames), now).value_or(0);
+  sum.would_drop +=
+      of_entries_.sample({rule.entry, Drop::would_be_misfit}, would_be_misfits(frames), now)
+          .value_or(0);
+}
+
 /// Of each entry once, with the first of the verdicts whose events come or leave by it; granted
 /// ones before others.
 void DropReports::poll(const core::Decision& decision, Reporting reporting) {
@@ -90,23 +103,12 @@ void DropReports::poll(const core::Decision& decision, Reporting reporting) {
       of_entry.push_back(v);
     }
   }
-  const bool reports = reporting == Reporting::yes;
-  const std::int64_t now = clock_.monotonic_s();
   for (const auto& [v, rules] : first_to_use) {
-    std::uint64_t dropped = 0;
-    std::uint64_t would_drop = 0;
-    for (const core::GateRule& rule : rules) {
-      const Frames frames = gates_.frames({rule});
-      const auto excess = of_entries_.sample({rule.entry, Drop::excess}, frames.excess, now);
-      if (excess && reports) deliveries_.excess(users[rule.entry], *excess);
-      dropped += of_entries_.sample({rule.entry, Drop::misfit}, misfits(frames), now).value_or(0);
-      would_drop +=
-          of_entries_.sample({rule.entry, Drop::would_be_misfit}, would_be_misfits(frames), now)
-              .value_or(0);
-    }
-    if (!reports) continue;
-    if (dropped != 0) deliveries_.dropped(*v, Fate::dropped, dropped);
-    if (would_drop != 0) deliveries_.dropped(*v, Fate::let_through, would_drop);
+    Dropped sum;
+    for (const core::GateRule& rule : rules) sample_entry(rule, users[rule.entry], reporting, sum);
+    if (reporting == Reporting::no) continue;
+    if (sum.dropped != 0) deliveries_.dropped(*v, Fate::dropped, sum.dropped);
+    if (sum.would_drop != 0) deliveries_.dropped(*v, Fate::let_through, sum.would_drop);
   }
   if (!polled.verdicts.empty()) on_polled_(polled);
 }

@@ -68,6 +68,13 @@ class DropReports {
  private:
   enum class Reporting : bool { no, yes };
   void poll_all(Reporting reporting);
+  /// Frames of the entries of a verdict, without excess.
+  struct Dropped {
+    std::uint64_t dropped = 0;
+    std::uint64_t would_drop = 0;
+  };
+  void sample_entry(const core::GateRule& rule, const std::vector<const core::Verdict*>& users,
+                    Reporting reporting, Dropped& sum);
   void poll(const core::Decision& decision, Reporting reporting);
   void poll_unknown(std::size_t port, Reporting reporting);
 

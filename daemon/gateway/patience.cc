@@ -31,12 +31,14 @@ bool Patience::start() {
   sigset_t before{};
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
+  bool started = true;
   try {
     thread_ = std::thread([this] { serve(); });
-  } catch (const std::system_error&) {  // of the library: no thread
+  } catch (const std::system_error&) {
+    started = false;
   }
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  return thread_.joinable();
+  return started;
 }
 
 void Patience::serve() {

@@ -108,7 +108,8 @@ control::MediumUse medium_report(const core::State& state, const core::Verdict& 
   return out;
 }
 
-control::Channel channel_report(const core::State& state, const core::Verdict& v, Frames frames) {
+control::Channel channel_report(const core::State& state, const core::Verdict& v,
+                                const Frames& frames) {
   const core::System& system = state.system();
   const core::Members& members = state.members();
   const core::EventChannel& channel = system.channels[v.channel];

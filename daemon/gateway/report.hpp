@@ -20,7 +20,7 @@ enum class Own : std::uint8_t { is_available, is_taken };
                                                const core::Verdict& verdict,
                                                const core::MediumUse& use, Own own);
 [[nodiscard]] control::Channel channel_report(const core::State& state,
-                                              const core::Verdict& verdict, Frames frames);
+                                              const core::Verdict& verdict, const Frames& frames);
 [[nodiscard]] control::Network network_report(const core::State& state, std::size_t index);
 
 /// "emergency-switch (0xa4efeccc3210b497) refused from second-can to robot-can: Omission …".

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gateway/reservations.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <map>
 #include <string_view>
@@ -137,6 +139,29 @@ bool is_about_a_network(core::Obstacle obstacle) {
          obstacle == unavailable;
 }
 
+control::RouteReport new_route(const core::State& state, const core::Verdict& v, core::Place from) {
+  control::RouteReport out;
+  out.from = core::name_of(state.system(), from);
+  out.to = core::name_of(state.system(), v.to);
+  for (const core::Place p : v.route) out.places.push_back(core::name_of(state.system(), p));
+  if (v.route.empty()) out.problem = "there is no way";
+  return out;
+}
+
+/// A verdict more that takes the route.
+void count_in(const core::State& state, const core::Verdict& v, control::RouteReport& out) {
+  ++(v.granted ? out.granted : out.refused);
+  if (is_about_a_network(v.obstacle)) out.problem = why(state, v);
+  for (const core::MediumUse& use : v.media) {
+    const control::MediumUse now = medium_report(state, v, use, Own::is_taken);
+    const auto same = std::ranges::find(out.media, now.network, &control::MediumUse::network);
+    if (same == out.media.end())
+      out.media.push_back(now);
+    else
+      worsen(*same, now);
+  }
+}
+
 }  // namespace
 
 control::Routes routes_report(const core::State& state) {
@@ -148,24 +173,8 @@ control::Routes routes_report(const core::State& state) {
       const core::Place from = state.members().publisher(v.publisher).place;
       if (key.empty()) key = {from, v.to};
       const auto [it, fresh] = known.try_emplace(key, out.routes.size());
-      if (fresh) {
-        control::RouteReport& r = out.routes.emplace_back();
-        r.from = core::name_of(state.system(), from);
-        r.to = core::name_of(state.system(), v.to);
-        for (const core::Place p : v.route) r.places.push_back(core::name_of(state.system(), p));
-        if (v.route.empty()) r.problem = "there is no way";
-      }
-      control::RouteReport& r = out.routes[it->second];
-      ++(v.granted ? r.granted : r.refused);
-      if (is_about_a_network(v.obstacle)) r.problem = why(state, v);
-      for (const core::MediumUse& use : v.media) {
-        const control::MediumUse now = medium_report(state, v, use, Own::is_taken);
-        const auto same = std::ranges::find(r.media, now.network, &control::MediumUse::network);
-        if (same == r.media.end())
-          r.media.push_back(now);
-        else
-          worsen(*same, now);
-      }
+      if (fresh) out.routes.push_back(new_route(state, v, from));
+      count_in(state, v, out.routes[it->second]);
     }
   }
   return out;
@@ -202,7 +211,8 @@ void add_links(const core::mesh::Mesh& mesh, const core::mesh::LinkTable& table,
   }
   for (std::size_t s = 0; s < mesh.sources.size(); ++s)
     if (const std::string& problem = table.problem(s); !problem.empty())
-      out.problems.push_back(network + ": " + core::name_of(mesh.sources[s]) + ": " + problem);
+      out.problems.push_back(
+          fmt::format("{}: {}: {}", network, core::name_of(mesh.sources[s]), problem));
 }
 
 control::Reservations reservations_report(const core::State& state,

@@ -8,25 +8,28 @@
 
 namespace mlcca {
 
+/// What a gate learned under a daemon before this one.
+void TagBindings::take_up(std::size_t port, const enforce::FoundBinding& found) {
+  Tag* const tag = tags_.find(gates_.network_number(port), found.subject);
+  if (tag == nullptr) return;
+  // A tag that was stated before was not dealt by the broker.
+  if (tag->dynamic && tag->etag == 0 && (found.contradicted || found.dealt == found.etag))
+    tag->etag = found.etag;
+  if (tag->dynamic && found.dealt != tag->etag) tag->dealt = found.dealt;
+  tag->is_confirmed = tag->etag != 0 && tag->etag == found.etag;
+  if (tag->is_confirmed && found.contradicted && tag->contradiction.empty()) {
+    tag->contradiction = contradiction_words(*tag, found);
+    report(*tag, 3, tag->contradiction);
+  }
+}
+
 void TagBindings::take_up(Known known) {
   scene_.state->unlist_unused();
   tags_.describe(scene_.state->system(), scene_.self);
   for (std::size_t p = 0; p < gates_.size(); ++p) {
     const auto bindings = gates_.bindings(p);
     if (!bindings) continue;
-    for (const enforce::FoundBinding& found : bindings->found()) {
-      Tag* const tag = tags_.find(gates_.network_number(p), found.subject);
-      if (tag == nullptr) continue;
-      // What was stated before is no word of the broker.
-      if (tag->dynamic && tag->etag == 0 && (found.contradicted || found.dealt == found.etag))
-        tag->etag = found.etag;
-      if (tag->dynamic && found.dealt != tag->etag) tag->dealt = found.dealt;
-      tag->is_confirmed = tag->etag != 0 && tag->etag == found.etag;
-      if (tag->is_confirmed && found.contradicted && tag->contradiction.empty()) {
-        tag->contradiction = contradiction_words(*tag, found);
-        report(*tag, 3, tag->contradiction);
-      }
-    }
+    for (const enforce::FoundBinding& found : bindings->found()) take_up(p, found);
   }
   report_rivals(tags_.hold_apart());
   if (known == Known::by_gates_and_disk)
@@ -51,7 +54,7 @@ void TagBindings::add_to(std::vector<core::Condition>& conditions) const {
     conditions[n].contradicted = tags_.contradicted(n);
 }
 
-void TagBindings::put(const Tag& tag) {
+void TagBindings::put(const Tag& tag) const {
   if (tag.channel)
     scene_.state->set_tag(tag.network, *tag.channel, tag.etag);
   else

@@ -57,7 +57,8 @@ class TagBindings final : public ConditionSource {
     std::map<Tag*, enforce::FoundBinding> seen;  ///< in the gate of its network
     std::vector<Tag*> confirmed;                 ///< contradicted, and dealt as stated since
   };
-  void put(const Tag& tag);
+  void take_up(std::size_t port, const enforce::FoundBinding& found);
+  void put(const Tag& tag) const;
   void note() { recorder_.note_contradicted(tags_.to_keep()); }
   void report_rivals(const std::vector<Tag*>& changed);
   void take(std::size_t port, const enforce::FoundBinding& found, Poll& poll);

@@ -3,8 +3,8 @@
 
 #include <linux/can/netlink.h>
 #include <linux/if.h>
-#include <linux/if_arp.h>
 #include <linux/rtnetlink.h>
+#include <net/if_arp.h>
 #include <netlink/attr.h>
 #include <netlink/msg.h>
 #include <netlink/route/link.h>
@@ -101,10 +101,10 @@ Result<bool> Links::refresh() {
 /// Who came and what changed is read from the table; who went is taken from here alone, and asked
 /// for where something was lost.
 void Links::receive() {
-  constexpr std::size_t kMostOfOne = std::size_t{256} << 10;
-  constexpr int kMostInARow = 4096;  // what is left keeps the socket readable
-  received_.resize(kMostOfOne);
-  for (int i = 0; i < kMostInARow; ++i) {
+  constexpr std::size_t most_of_one = std::size_t{256} << 10;
+  constexpr int most_in_a_row = 4096;  // what is left keeps the socket readable
+  received_.resize(most_of_one);
+  for (int i = 0; i < most_in_a_row; ++i) {
     sockaddr_nl sender{};
     socklen_t length = sizeof sender;
     // NOLINTNEXTLINE(*-reinterpret-cast): as recvfrom() has it

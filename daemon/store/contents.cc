@@ -68,7 +68,7 @@ struct Inverse {
   Answer operator()(const Admitted& entry) const {
     const control::Request* old = of.admissions.find(entry.request.id);
     if (old == nullptr) return Removed{entry.request.id};
-    const Admitted before{*old, of.admissions.user_of(old->id)};
+    Admitted before{*old, of.admissions.user_of(old->id)};
     if (before == entry) return std::nullopt;
     return before;
   }

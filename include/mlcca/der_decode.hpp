@@ -281,8 +281,8 @@ class UserAttributes {
     constexpr Iterator(const uint8_t* at, const uint8_t* end) : at_(at), end_(end) { read(); }
 
     UserAttribute operator*() const {
-      return UserAttribute(reinterpret_cast<const char*>(user_.name), user_.name_size, user_.value,
-                           user_.dynamic);
+      return {reinterpret_cast<const char*>(user_.name), user_.name_size, user_.value,
+              user_.dynamic};
     }
     constexpr Iterator& operator++() {
       at_ = next_;
@@ -313,8 +313,8 @@ class UserAttributes {
   constexpr UserAttributes(const uint8_t* begin, const uint8_t* end) : begin_(begin), end_(end) {}
 
   constexpr bool empty() const { return begin_ == end_; }
-  constexpr Iterator begin() const { return Iterator(begin_, end_); }
-  constexpr Iterator end() const { return Iterator(end_, end_); }
+  constexpr Iterator begin() const { return {begin_, end_}; }
+  constexpr Iterator end() const { return {end_, end_}; }
 
  private:
   const uint8_t* begin_ = nullptr;

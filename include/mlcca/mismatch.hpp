@@ -94,7 +94,7 @@ struct RequiredAs<void, ImpliedBy> {
 constexpr Comparison first_unfit_row(const CheckResult& check, bool deadline_is_implied) {
   for (size_t i = 0; i < check.count; ++i)
     if (check.rows[i].outcome == Outcome::unfit &&
-        !(deadline_is_implied && check.rows[i].attribute == Attribute::deadline))
+        (!deadline_is_implied || check.rows[i].attribute != Attribute::deadline))
       return check.rows[i];
   for (size_t i = 0; i < check.count; ++i)
     if (check.rows[i].outcome == Outcome::unfit) return check.rows[i];

@@ -74,7 +74,7 @@ constexpr bool is_unit(uint32_t unit) { return unit != 0 && unit < 0x80000000; }
 template <class Count>
 __attribute__((noinline)) constexpr Count divide_magnitude(const uint8_t* magnitude, uint8_t size,
                                                            uint32_t unit, bool up) {
-  constexpr Count no_bound = static_cast<Count>(~Count{0});
+  constexpr auto no_bound = static_cast<Count>(~Count{0});
   Count quotient = 0;
   uint32_t rest = 0;
   for (; size != 0; --size, ++magnitude) {

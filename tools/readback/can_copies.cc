@@ -99,6 +99,30 @@ const CanCopies::Copy* CanCopies::find(std::uint32_t ifindex) const {
   return copy == copies_.end() ? nullptr : copy->get();
 }
 
+/// Frames that come by another interface, as `source` forwards them.
+void CanCopies::run_through(std::uint32_t source, const std::vector<Probe>& frames,
+                            const Copy& copy, bool closed, Trial& trial) {
+  const std::uint32_t ifindex = copy.original->ifindex;
+  const auto forwarded = find(source) != nullptr
+                             ? forward(source, ifindex, true)
+                             : Result<void>(fail("it has no CAN gate with slots"));
+  if (!forwarded) {
+    if (!closed)
+      trial.untried.push_back(
+          fmt::format("what comes by interface {}: {}", source, forwarded.error().text));
+    return;
+  }
+  std::size_t renamed = 0;
+  for (const Probe& probe : frames) {
+    try_one(probe, copy, closed, trial);
+    if (enters_otherwise(probe, *copy.original, reading_->gates)) ++renamed;
+  }
+  static_cast<void>(forward(source, ifindex, false));
+  if (renamed != 0 && !closed)
+    trial.untried.push_back(fmt::format(
+        "{} frames by interface {} that enter there with another identifier", renamed, source));
+}
+
 /// Sorted by the way and then by the source: a rule of the forwarder stays for all its frames.
 void CanCopies::run(std::uint32_t ifindex, bool closed, Trial& trial) {
   const Copy* const copy = find(ifindex);
@@ -110,26 +134,7 @@ void CanCopies::run(std::uint32_t ifindex, bool closed, Trial& trial) {
       through[probe.source].push_back(probe);
     else
       try_one(probe, *copy, closed, trial);
-  for (const auto& [source, frames] : through) {
-    const auto forwarded = find(source) != nullptr
-                               ? forward(source, ifindex, true)
-                               : Result<void>(fail("it has no CAN gate with slots"));
-    if (!forwarded) {
-      if (!closed)
-        trial.untried.push_back(
-            fmt::format("what comes by interface {}: {}", source, forwarded.error().text));
-      continue;
-    }
-    std::size_t renamed = 0;
-    for (const Probe& probe : frames) {
-      try_one(probe, *copy, closed, trial);
-      if (enters_otherwise(probe, *copy->original, reading_->gates)) ++renamed;
-    }
-    static_cast<void>(forward(source, ifindex, false));
-    if (renamed != 0 && !closed)
-      trial.untried.push_back(fmt::format(
-          "{} frames by interface {} that enter there with another identifier", renamed, source));
-  }
+  for (const auto& [source, frames] : through) run_through(source, frames, *copy, closed, trial);
   if (probes.untried != 0 && !closed)
     trial.untried.push_back(
         fmt::format("{} slots for CAN XL or for what the kernel sends", probes.untried));

@@ -35,6 +35,8 @@ class CanCopies {
     Fd far;   ///< the bus
   };
   [[nodiscard]] const Copy* find(std::uint32_t ifindex) const;
+  void run_through(std::uint32_t source, const std::vector<Probe>& frames, const Copy& copy,
+                   bool closed, Trial& trial);
   [[nodiscard]] Result<void> forward(std::uint32_t from, std::uint32_t to, bool wanted);
   [[nodiscard]] Result<Fate> fate(const Probe& probe, const Copy& copy) const;
   void try_one(const Probe& probe, const Copy& copy, bool closed, Trial& trial) const;

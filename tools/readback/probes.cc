@@ -20,7 +20,7 @@ using enforce::SlotSpec;
 constexpr std::array<std::uint16_t, 8> kFdLengths = {8, 12, 16, 20, 24, 32, 48, 64};
 
 std::uint16_t fd_length(std::uint16_t most) {
-  const auto above = std::ranges::upper_bound(kFdLengths, most);
+  const auto* const above = std::ranges::upper_bound(kFdLengths, most);
   return above == kFdLengths.begin() ? most : *std::prev(above);
 }
 

@@ -77,6 +77,7 @@ class Replica {
     control_.close_all();
     run(true);
     std::vector<Trial> trials;
+    trials.reserve(trials_.size());
     for (auto& [ifindex, trial] : trials_) trials.push_back(std::move(trial));
     return trials;
   }

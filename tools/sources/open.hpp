@@ -8,7 +8,6 @@ namespace mlcca::net {
 /// As open_source() of the sources awds, babel, olsr and file; another is an error.
 [[nodiscard]] Result<std::unique_ptr<LinkSource>> open_here(const core::mesh::Source& source,
                                                             const core::mesh::Mesh& mesh,
-                                                            sd_event* loop,
-                                                            LinkSource::Report report);
+                                                            sd_event* loop, LinkSource::Report to);
 
 }  // namespace mlcca::net

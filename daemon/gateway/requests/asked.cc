@@ -156,9 +156,8 @@ Result<core::Publisher> new_publisher(const core::State& state,
         fmt::format("user '{}': a request says a user by number, such as 1000 (mlccactl "
                     "turns names into numbers)",
                     request.user));
-  } else if (!request.user.empty()) {
-    return fail("a user is said only for a publisher on a gateway");
   }
+  if (!request.user.empty()) return fail("a user is said only for a publisher on a gateway");
   return p;
 }
 
@@ -189,6 +188,29 @@ bool describes_subscriber(const control::ChannelRequest& r) {
   return !r.required.empty() || !r.subscriber.empty() || !r.to_node.empty();
 }
 
+/// The network of that name; nothing for a gateway.
+Result<std::optional<std::size_t>> network_named(const core::State& state,
+                                                 const std::string& name) {
+  const auto place = place_named(state, name);
+  if (!place) return std::unexpected(place.error());
+  if (place->kind == core::Place::Kind::gateway) return std::nullopt;
+  return place->index;
+}
+
+Result<void> add_identifier(const core::State& state, const control::Identifier& identifier,
+                            core::UnlistedChannel& wanted) {
+  const auto network = network_named(state, identifier.network);
+  if (!network) return std::unexpected(network.error());
+  if (!*network)
+    return fail(
+        fmt::format("{} is a gateway: identifiers are of CAN networks", identifier.network));
+  if (std::ranges::find(wanted.bindings, **network, &core::UnlistedBinding::network) !=
+      wanted.bindings.end())
+    return fail(fmt::format("{} is given two identifiers", identifier.network));
+  wanted.bindings.push_back({**network, identifier.id, identifier.extended});
+  return {};
+}
+
 }  // namespace
 
 Result<void> list(core::State& state, const control::ChannelRequest& request) {
@@ -204,28 +226,15 @@ Result<void> list(core::State& state, const control::ChannelRequest& request) {
     return fail(
         fmt::format("'{}' is no subject: 0x and up to 16 hexadecimal digits", request.channel));
   core::UnlistedChannel wanted{.subject = *subject, .networks = {}, .bindings = {}};
-  const auto network_named = [&](const std::string& name) -> Result<std::optional<std::size_t>> {
-    const auto place = place_named(state, name);
-    if (!place) return std::unexpected(place.error());
-    if (place->kind == core::Place::Kind::gateway) return std::nullopt;
-    return place->index;
-  };
   for (const std::string& end : {request.from, request.to}) {
     if (end.empty()) continue;
-    const auto network = network_named(end);
+    const auto network = network_named(state, end);
     if (!network) return std::unexpected(network.error());
     if (*network) wanted.networks.push_back(**network);
   }
-  for (const control::Identifier& i : request.identifiers) {
-    const auto network = network_named(i.network);
-    if (!network) return std::unexpected(network.error());
-    if (!*network)
-      return fail(fmt::format("{} is a gateway: identifiers are of CAN networks", i.network));
-    if (std::ranges::find(wanted.bindings, **network, &core::UnlistedBinding::network) !=
-        wanted.bindings.end())
-      return fail(fmt::format("{} is given two identifiers", i.network));
-    wanted.bindings.push_back({**network, i.id, i.extended});
-  }
+  for (const control::Identifier& identifier : request.identifiers)
+    if (const auto added = add_identifier(state, identifier, wanted); !added)
+      return std::unexpected(added.error());
   const auto listed = state.list(wanted);
   if (!listed) return std::unexpected(listed.error());
   return {};

@@ -27,11 +27,11 @@ class LinkSource {
   virtual ~LinkSource() = default;
 };
 
-/// `report` is called from the loop only, never from here. An error says what is wrong with the
+/// `to` is called from the loop only, never from here. An error says what is wrong with the
 /// configuration; what may come and go is reported as a problem instead.
 [[nodiscard]] Result<std::unique_ptr<LinkSource>> open_source(const core::mesh::Source& source,
                                                               const core::mesh::Mesh& mesh,
                                                               sd_event* loop,
-                                                              LinkSource::Report report);
+                                                              LinkSource::Report to);
 
 }  // namespace mlcca::net

@@ -41,7 +41,7 @@ struct Options {
 
 bool is_table(const std::string& file) { return !file.ends_with(".xml"); }
 
-Buses read_file(const std::string& file, const BusOptions& options) {
+Buses read_input(const std::string& file, const BusOptions& options) {
   if (!is_table(file)) return read_description(file, options);
   errno = 0;
   if (std::error_code error; std::filesystem::is_directory(file, error))
@@ -190,7 +190,7 @@ void understand(Options& options) {
 }
 
 Exit run(const Options& options, bool json, Color color) {
-  auto read = read_file(options.file, options.bus);
+  auto read = read_input(options.file, options.bus);
   if (!read.problems.empty()) {
     const std::string first = read.problems.front();
     read.problems.erase(read.problems.begin());

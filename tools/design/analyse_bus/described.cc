@@ -158,9 +158,9 @@ class DescribedBuses {
     const core::mesh::Mesh* const mesh = network && system_.networks[place.index].mesh
                                              ? &*system_.networks[place.index].mesh
                                              : nullptr;
-    const AttributeSet& stated = mesh != nullptr ? mesh->per_hop
-                                 : network       ? system_.networks[place.index].provision
-                                                 : system_.gateways[place.index].provision;
+    const AttributeSet& whole =
+        network ? system_.networks[place.index].provision : system_.gateways[place.index].provision;
+    const AttributeSet& stated = mesh != nullptr ? mesh->per_hop : whole;
     if (stated.has(Attribute::latency))
       return mesh != nullptr ? " before the run time, and counts as that of one link (PerHop)"
                              : " before the run time, and counts as its best case";

@@ -19,7 +19,7 @@ namespace {
 using core::Place;
 
 /// Inside the quotes of a label. dot reads entities there too.
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string out;
   for (const char c : text) {
     if (c == '\\' || c == '"') out += '\\';
@@ -120,7 +120,7 @@ class Graph {
     const auto id = id_of(place);
     put("{} [id=\"{}{}\" class=\"{}{}\" shape={} style={} label=\"{}\\n{}{}\"]\n", id, prefix_, id,
         place.kind == Place::Kind::network ? "network" : "gateway", dynamic ? " dynamic" : "",
-        shape, dynamic ? "dashed" : "solid", quoted(name_of(s_, place)), quoted(kind),
+        shape, dynamic ? "dashed" : "solid", in_quotes(name_of(s_, place)), in_quotes(kind),
         dynamic ? "\\ndynamic" : "");
   }
 
@@ -152,7 +152,7 @@ class Graph {
     if (first) std::swap(ends.first, ends.second);
     put("{} -> {} [id=\"{}port{}\" class=\"port\" dir=none color=\"#57606a\" penwidth=2 "
         "label=\"{}\"]\n",
-        ends.first, ends.second, prefix_, edges_++, quoted(interface_words(port.identity)));
+        ends.first, ends.second, prefix_, edges_++, in_quotes(interface_words(port.identity)));
   }
 
   // --- every delivery ----------------------------------------------------------------------------
@@ -170,7 +170,7 @@ class Graph {
   /// Who listens stands behind its network, anyone else before it.
   void add_seat(const std::string& id, const std::string& name, Place place, bool behind) {
     put("{} [id=\"{}{}\" class=\"end\" shape=box style=rounded fontsize=10 label=\"{}\"]\n", id,
-        prefix_, id, quoted(name));
+        prefix_, id, in_quotes(name));
     if (!is_drawn(place)) return;
     auto ends = std::pair(id, id_of(place));
     if (behind) std::swap(ends.first, ends.second);
@@ -209,7 +209,7 @@ class Graph {
                 const std::string& label) {
     const auto style = style_of(outcome);
     put("{} -> {} [id=\"{}e{}\" class=\"channel {}\" {} constraint=false label=\"{}\"]\n", from, to,
-        prefix_, edges_++, style.name, style.attributes, quoted(label));
+        prefix_, edges_++, style.name, style.attributes, in_quotes(label));
   }
 
   // --- many deliveries ---------------------------------------------------------------------------
