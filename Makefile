@@ -142,7 +142,7 @@ test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 	$(Q)$(MAKE) BUNDLE=$(BUNDLE_IF_BARE) test-all
 
 test-all:
-	$(Q)$(MAKE) all check-layers check-format cppcheck check-mcu
+	$(Q)$(MAKE) all check-layers check-format cppcheck tidy check-mcu
 	$(Q)$(MAKE) FUZZ_OPT=-O0 check-node check-fuzz check-work check-sanitized check-plain check-docs check-fault check-memory check-torn check-neighbour check-quotas
 	$(Q)$(MAKE) check-harness check-guest
 
