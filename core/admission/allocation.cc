@@ -24,6 +24,8 @@ void Allocation::take_out(std::size_t channel) {
 
 void Allocation::put(std::size_t channel, Decision decision) {
   if (former_ != nullptr) former_->try_emplace(channel, std::move(decisions_[channel]));
+  // Kept for as long as it is in force, with no more than it needs.
+  for (Verdict& v : decision.verdicts) v.rows.shrink_to_fit();
   decisions_[channel] = std::move(decision);
   Progress::step();
 }

@@ -212,10 +212,14 @@ void Journal::roll_back() {
   forget_batch();
 }
 
+/// A large batch, as that of a start, gives its memory back.
 void Journal::forget_batch() {
+  constexpr std::size_t keep_bytes = std::size_t{1} << 16U;
   batch_.clear();
+  if (batch_.capacity() > keep_bytes) batch_.shrink_to_fit();
   count_ = 0;
   undo_.clear();
+  if (undo_.capacity() > keep_bytes / sizeof(Entry)) undo_.shrink_to_fit();
 }
 
 Result<void> Journal::commit() {
