@@ -22,31 +22,30 @@ namespace {
 
 using Types = std::unique_ptr<btf, FreeWith<btf__free>>;
 
-/// Where libbpf takes the kernel for too old, it gives it functions that are not global.
-bool has_global_function(int types_fd) {
+/// Where libbpf takes the kernel for too old, it gives it functions that are not global: -EAGAIN.
+/// 0: there is one. Another error of errno: the kernel did not say.
+int check_global_function(int types_fd) {
   bpf_btf_info info{};
   std::uint32_t size = sizeof info;
-  if (bpf_obj_get_info_by_fd(types_fd, &info, &size) != 0) return false;
+  if (const int error = bpf_obj_get_info_by_fd(types_fd, &info, &size); error != 0) return error;
   std::vector<std::uint8_t> bytes(info.btf_size);
   info = {};
   info.btf = reinterpret_cast<std::uintptr_t>(bytes.data());  // NOLINT(*-reinterpret-cast)
   info.btf_size = static_cast<std::uint32_t>(bytes.size());
   size = sizeof info;
-  if (bpf_obj_get_info_by_fd(types_fd, &info, &size) != 0) return false;
+  if (const int error = bpf_obj_get_info_by_fd(types_fd, &info, &size); error != 0) return error;
   const Types types(btf__new(bytes.data(), static_cast<std::uint32_t>(bytes.size())));
-  if (!types) return false;
+  if (!types) return -errno;
   for (std::uint32_t id = 1; id < btf__type_cnt(types.get()); ++id) {
     const btf_type* const type = btf__type_by_id(types.get(), id);
-    if (btf_is_func(type) && BTF_INFO_VLEN(type->info) == BTF_FUNC_GLOBAL) return true;
+    if (btf_is_func(type) && BTF_INFO_VLEN(type->info) == BTF_FUNC_GLOBAL) return 0;
   }
-  return false;
+  return -EAGAIN;
 }
 
 int prepare(bpf_program* /*program*/, bpf_prog_load_opts* load, long /*cookie*/) noexcept {
-  if (load->prog_btf_fd > 0 && load->func_info_cnt > 0 &&
-      has_global_function(static_cast<int>(load->prog_btf_fd)))
-    return 0;
-  return -EAGAIN;
+  if (load->prog_btf_fd == 0 || load->func_info_cnt == 0) return -EAGAIN;
+  return check_global_function(static_cast<int>(load->prog_btf_fd));
 }
 
 /// For the life of the process: objects keep pointers into libbpf's table of these.

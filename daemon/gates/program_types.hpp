@@ -10,7 +10,8 @@ struct bpf_map;
 namespace mlcca::enforce {
 
 /// From now on, a program of ours (a tc or XDP program that libbpf opens after this) is loaded only
-/// if the kernel has its types; else the load fails before the verifier runs, with EAGAIN.
+/// if the kernel has its types; else the load fails before the verifier runs, with the error of the
+/// call that failed, or with EAGAIN.
 Result<void> demand_types();
 
 /// libbpf asks the kernel once for what it can do, and keeps for the life of the process what a

@@ -182,7 +182,8 @@ class Controller {
   Rounds rounds_{[this] { return outside_.clock.monotonic_ns(); }};
   int at_gate_ = 0;  ///< the last gate of a job of rounds, by ifindex
   std::optional<store::History> history_;
-  std::optional<Context> context_;  ///< from start() on
+  bool writes_much_history_ = false;  ///< more than one slice of it at the latest round
+  std::optional<Context> context_;    ///< from start() on
   bool reads_for_ever_ = false;
   std::uint64_t started_ = 0;  ///< seconds since 1970
 };
