@@ -6,6 +6,7 @@
 #include <bpf/bpf.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -57,12 +58,20 @@ Result<bool> is_in_order(std::uint32_t ifindex, Direction direction, std::uint32
   return *order && (*order)->has(program);
 }
 
-Result<void> put_in_order(const Place& place, Direction direction, int program_fd) {
+Result<std::uint32_t> id_of(int program_fd) {
+  errno = 0;
   const std::uint32_t id = program_info(program_fd).id;
-  const auto there = is_in_order(place.ifindex, direction, id);
+  if (id == 0) return failure("ask for the number of a program", errno);
+  return id;
+}
+
+Result<void> put_in_order(const Place& place, Direction direction, int program_fd) {
+  const auto id = id_of(program_fd);
+  if (!id) return std::unexpected(id.error());
+  const auto there = is_in_order(place.ifindex, direction, *id);
   if (!there) return std::unexpected(there.error());
   if (*there) return {};
-  const auto former = named_programs(place, direction, id);
+  const auto former = named_programs(place, direction, *id);
   if (!former) return std::unexpected(former.error());
   return former->empty()
              ? tcx_attach_first(place.ifindex, direction, program_fd)
@@ -103,14 +112,16 @@ Result<void> end_links_of_other_layouts(const Place& place) {
 
 /// What else of ours is there would go on by its own control word, which gets no heart-beat any
 /// more: it drops everything. Where it cannot be found out, that is the safe side.
-Result<void> remove_others_of_ours(const Place& place, const InPlace& ours) {
+Result<void> remove_others_of_ours(const Place& place, const GatePrograms& programs) {
+  const auto ours = ids_of(programs);
+  if (!ours) return std::unexpected(ours.error());
   if (auto ended = end_links_of_other_layouts(place); !ended) return ended;
   for (const auto direction : kBothDirections) {
-    const auto named = named_programs(place, direction, ours.of(direction));
+    const auto named = named_programs(place, direction, ours->of(direction));
     if (!named) return std::unexpected(named.error());
     for (const Named& former : *named)
       static_cast<void>(tcx_detach(place.ifindex, direction, former.fd.get()));
-    static_cast<void>(remove_orphans(place.ifindex, direction, ours.of(direction)));
+    static_cast<void>(remove_orphans(place.ifindex, direction, ours->of(direction)));
   }
   return {};
 }
@@ -142,8 +153,12 @@ const char* to_text(Hook hook) { return hook == Hook::tcx ? "tcx" : "clsact"; }
 
 Hook best_hook() { return kernel_has_tcx() ? Hook::tcx : Hook::clsact; }
 
-InPlace ids_of(const GatePrograms& programs) {
-  return {.ingress = program_info(programs.ingress).id, .egress = program_info(programs.egress).id};
+Result<InPlace> ids_of(const GatePrograms& programs) {
+  const auto in = id_of(programs.ingress);
+  if (!in) return std::unexpected(in.error());
+  const auto out = id_of(programs.egress);
+  if (!out) return std::unexpected(out.error());
+  return InPlace{.ingress = *in, .egress = *out};
 }
 
 Result<InPlace> in_place(const Place& place) {
@@ -186,9 +201,10 @@ void withdraw(const Place& place) {
 }
 
 Result<bool> are_in_place(const Place& place, const GatePrograms& programs) {
-  const InPlace ours = ids_of(programs);
+  const auto ours = ids_of(programs);
+  if (!ours) return std::unexpected(ours.error());
   for (const auto direction : kBothDirections) {
-    const std::uint32_t id = ours.of(direction);
+    const std::uint32_t id = ours->of(direction);
     if (place.hook == Hook::tcx) {
       const auto there = is_in_order(place.ifindex, direction, id);
       if (!there || !*there) return there;
@@ -213,7 +229,7 @@ Result<void> put_gate_in_place(const Place& place, const GatePrograms& programs)
   Place other = place;
   other.hook = place.hook == Hook::tcx ? Hook::clsact : Hook::tcx;
   withdraw(other);
-  return remove_others_of_ours(place, ids_of(programs));
+  return remove_others_of_ours(place, programs);
 }
 
 Result<std::vector<Ahead>> tcx_ahead(const Place& place, const InPlace& ours) {
@@ -240,7 +256,7 @@ Result<void> put_gate_first(const Place& place, const GatePrograms& programs,
     if (place.hook == Hook::tcx)  // it may be gone, which is why we are here
       static_cast<void>(tcx_detach(place.ifindex, direction, former.of(direction)));
   }
-  return place.hook == Hook::tcx ? remove_others_of_ours(place, ids_of(programs)) : Result<void>{};
+  return place.hook == Hook::tcx ? remove_others_of_ours(place, programs) : Result<void>{};
 }
 
 }  // namespace mlcca::enforce

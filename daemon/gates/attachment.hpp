@@ -84,7 +84,8 @@ Result<std::vector<Ahead>> tcx_ahead(const Place& place, const InPlace& ours);
 Result<void> put_gate_first(const Place& place, const GatePrograms& programs,
                             const GatePrograms& former);
 
-/// Ids of the programs of a gate.
-InPlace ids_of(const GatePrograms& programs);
+/// Ids of the programs of a gate. An error where the kernel does not tell one of them: without it,
+/// the gate's own program cannot be told from another one that is to go.
+Result<InPlace> ids_of(const GatePrograms& programs);
 
 }  // namespace mlcca::enforce

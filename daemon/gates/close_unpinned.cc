@@ -72,11 +72,11 @@ Result<void> put(std::uint32_t ifindex, Hook hook, const auto& programs) {
     const auto done = hook == Hook::clsact ? put_filter(ifindex, direction, program)
                                            : tcx_attach_first(ifindex, direction, program);
     if (!done) return done;
-    if (hook == Hook::tcx)
-      static_cast<void>(remove_orphans(
-          ifindex, direction,
-          ids_of({programs.program_fd(Direction::ingress), programs.program_fd(Direction::egress)})
-              .of(direction)));
+    if (hook != Hook::tcx) continue;
+    const auto ours =
+        ids_of({programs.program_fd(Direction::ingress), programs.program_fd(Direction::egress)});
+    // Where it is not known which one is ours, none is removed: another one of ours drops, too.
+    if (ours) static_cast<void>(remove_orphans(ifindex, direction, ours->of(direction)));
   }
   return {};
 }

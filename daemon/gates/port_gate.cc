@@ -180,7 +180,9 @@ Result<void> PortGate::reattach() {
 }
 
 Result<std::vector<Ahead>> PortGate::ahead() const {
-  return tcx_ahead(state_->place, ids_of(programs_of(object())));
+  const auto ours = ids_of(programs_of(object()));
+  if (!ours) return std::unexpected(ours.error());
+  return tcx_ahead(state_->place, *ours);
 }
 
 bool PortGate::judge_again() { return std::atomic_ref(object().words().retired).exchange(0) != 0; }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <linux/pkt_cls.h>
 
+#include "daemon/gates/attachment.hpp"
 #include "daemon/gates/gate.hpp"
 #include "daemon/gates/gate_pins.hpp"
 #include "daemon/gates/interfaces.hpp"
@@ -28,6 +29,13 @@ TEST_P(Tcx, GateOutlivesItsDaemon) {
   bus.inject(frame(0x124));
   bus.inject(frame(0x123));
   EXPECT_EQ(listener.received(), frame(0x123));
+}
+
+/// A failed call gave the number 0. Every program but that one went, and with them the gate's own.
+TEST_P(Tcx, WhatNumberAProgramHasIsAnErrorWhereTheKernelDoesNotSay) {
+  const auto ids = ids_of({.ingress = -1, .egress = -1});
+  ASSERT_FALSE(ids);
+  EXPECT_TRUE(ids.error().text.contains("ask for the number of a program: ")) << ids.error().text;
 }
 
 TEST_P(Tcx, RemovedQdiscDoesNotConcernIt) {
