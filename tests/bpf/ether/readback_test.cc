@@ -7,15 +7,10 @@
 #include <string>
 
 #include "tests/bpf/ether/sockets_fixture.hpp"
+#include "tests/daemon/gates/all_problems.hpp"
 
 namespace mlcca::enforce {
 namespace {
-
-std::string all_problems(const GateReading& gate) {
-  std::string all;
-  for (const auto& problem : gate.problems) all += problem + "\n";
-  return all;
-}
 
 class EtherReadback : public EtherSockets {
  protected:

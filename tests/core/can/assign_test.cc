@@ -31,6 +31,24 @@ bool works(const std::vector<Message>& set) {
   return true;
 }
 
+/// Whether the messages work in one of all orders.
+template <class Works>
+bool any_order_works(const std::vector<Message>& set, const Works& in_order) {
+  std::vector<std::size_t> order(set.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  do {
+    if (in_order(ordered(set, order))) return true;
+  } while (std::ranges::next_permutation(order).found);
+  return false;
+}
+
+bool all_fit(const Assumptions& assumptions, const std::vector<Message>& set) {
+  const auto responses = analyse(assumptions, set);
+  for (std::size_t i = 0; i < set.size(); ++i)
+    if (!fits(assumptions, set[i], responses[i])) return false;
+  return true;
+}
+
 TEST(Assign, FindsAnOrderExactlyWhenOneOfAllPermutationsWorks) {
   sets::Random random(1);
   unsigned found = 0;
@@ -40,12 +58,7 @@ TEST(Assign, FindsAnOrderExactlyWhenOneOfAllPermutationsWorks) {
     // About as long as what can stand in the way: some sets work in a few orders only.
     for (Message& m : set)
       m.deadline = m.jitter + sets::between(random, 200, 1600) * sets::kMicrosecond;
-    std::vector<std::size_t> order(set.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    bool any = false;
-    do {
-      any = works(ordered(set, order));
-    } while (!any && std::ranges::next_permutation(order).found);
+    const bool any = any_order_works(set, works);
     const auto assigned = assign_priorities(bus(), set);
     ASSERT_EQ(assigned.has_value(), any) << n;
     if (assigned) {
@@ -81,16 +94,8 @@ TEST(Assign, WithErrorsAndOtherLoadTooItFindsAnOrderExactlyWhenOneWorks) {
       auto set = sets::random_set(random, sets::between(random, 2, 5), {.load = 60});
       for (Message& m : set)
         m.deadline = m.jitter + sets::between(random, 400, 2800) * sets::kMicrosecond;
-      std::vector<std::size_t> order(set.size());
-      std::iota(order.begin(), order.end(), std::size_t{0});
-      bool any = false;
-      do {
-        const auto one = ordered(set, order);
-        const auto responses = analyse(assumptions, one);
-        any = true;
-        for (std::size_t i = 0; i < one.size(); ++i)
-          any = any && fits(assumptions, one[i], responses[i]);
-      } while (!any && std::ranges::next_permutation(order).found);
+      const bool any = any_order_works(
+          set, [&](const std::vector<Message>& one) { return all_fit(assumptions, one); });
       const auto assigned = assign_priorities(assumptions, set);
       ASSERT_EQ(assigned.has_value(), any) << n;
       ++(any ? found : none);

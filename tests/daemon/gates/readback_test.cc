@@ -6,16 +6,11 @@
 
 #include <chrono>
 
+#include "tests/daemon/gates/all_problems.hpp"
 #include "tests/daemon/gates/attach_fixture.hpp"
 
 namespace mlcca::enforce {
 namespace {
-
-std::string all_problems(const GateReading& gate) {
-  std::string all;
-  for (const auto& problem : gate.problems) all += problem + "\n";
-  return all;
-}
 
 TEST_P(Attach, ReadBackIsWhatWasPutThere) {
   const Bus bus("bus0");
