@@ -217,8 +217,7 @@ std::expected<std::size_t, Refusal> Rtnl::receive(Time end) {
     datagram.msg_namelen = sizeof sender;
     datagram.msg_iov = &room;
     datagram.msg_iovlen = 1;
-    // What comes without end must not put it off: others may send as well.
-    if (std::chrono::steady_clock::now() >= end) return give_up(kTooLate);
+    // What is there is taken, however late this process comes to it.
     const ssize_t size = ::recvmsg(socket_.get(), &datagram, MSG_DONTWAIT);
     if (size == 0) return give_up("rtnetlink has hung up");
     if (size < 0) {
@@ -230,16 +229,19 @@ std::expected<std::size_t, Refusal> Rtnl::receive(Time end) {
       return give_up("an answer is longer than the room for it");
     }
     if (sender.nl_pid == 0) return static_cast<std::size_t>(size);  // the kernel
+    // Others may send as well: what comes from them without end must not put it off.
+    if (std::chrono::steady_clock::now() >= end) return give_up(kTooLate);
   }
 }
 
 /// Waits until something comes, where nothing was there to be received.
 std::expected<void, Refusal> Rtnl::wait(int error, Time end) {
   if (error != EAGAIN && error != EINTR) return give_up("receiving from rtnetlink", error);
-  const auto left =
-      std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+  const auto left = std::max(
+      std::chrono::milliseconds(0),
+      std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now()));
   pollfd waits{socket_.get(), POLLIN, 0};
-  const int ready = left.count() > 0 ? ::poll(&waits, 1, static_cast<int>(left.count()) + 1) : 0;
+  const int ready = ::poll(&waits, 1, static_cast<int>(left.count()));
   if (ready == 0) return give_up(kTooLate);
   if (ready < 0 && errno != EINTR) return give_up("waiting for rtnetlink", errno);
   return {};

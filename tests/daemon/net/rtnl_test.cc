@@ -13,12 +13,14 @@
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <utility>
 
 #include "daemon/net/links.hpp"
 
@@ -30,8 +32,15 @@ std::function<int()> fail_receiving;                    // errno, and what came 
 std::function<int()> fail_sending;                      // errno, 0: sent
 bool nothing_comes = false;
 int asked = 0;
+timespec later{};  // added to every clock: this process has had no processor for so long
 
 }  // namespace
+
+extern "C" int clock_gettime(clockid_t clock, timespec* now) {
+  const auto done = static_cast<int>(::syscall(SYS_clock_gettime, clock, now));
+  now->tv_sec += later.tv_sec;
+  return done;
+}
 
 extern "C" ssize_t recvmsg(int fd, msghdr* message, int flags) {
   if (nothing_comes) {
@@ -71,6 +80,7 @@ class RtnlTest : public testing::Test {
     fail_sending = nullptr;
     nothing_comes = false;
     asked = 0;
+    later = {};
   }
   static Message interfaces() {
     const ifinfomsg head{};
@@ -185,6 +195,34 @@ TEST_F(RtnlTest, AnEndWithWhatIsNoErrnoIsAnError) {
 
 TEST_F(RtnlTest, NoCallWaitsForEver) {
   nothing_comes = true;
+  const auto read = kernel_.dump(interfaces());
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().text, "the kernel has not answered in time");
+}
+
+TEST_F(RtnlTest, AnAnswerThatIsThereIsTakenHoweverLateThisProcessComesToIt) {
+  const auto whole = kernel_.dump(interfaces());
+  ASSERT_TRUE(whole);
+  for (const bool once : {false, true}) {
+    later = {};
+    fail_receiving = [once, first = true]() mutable {
+      later.tv_sec += 10;
+      return once && std::exchange(first, false) ? EAGAIN : 0;
+    };
+    asked = 0;
+    const auto read = kernel_.dump(interfaces());
+    ASSERT_TRUE(read) << read.error().text;
+    EXPECT_EQ(in(*read), in(*whole));
+    EXPECT_EQ(asked, 1);
+  }
+}
+
+TEST_F(RtnlTest, WhatOthersSendPutsNothingOff) {
+  spoil_answer = [](ssize_t size, msghdr* message) {
+    static_cast<sockaddr_nl*>(message->msg_name)->nl_pid = 1;
+    later.tv_sec += 10;
+    return size;
+  };
   const auto read = kernel_.dump(interfaces());
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().text, "the kernel has not answered in time");
