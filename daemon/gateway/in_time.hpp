@@ -34,11 +34,13 @@ auto in_time(Work work, std::uint64_t limit_ns, const std::function<void()>& mea
     return (*shared)();
   }
   const std::uint64_t end = monotonic_ns() + limit_ns;
-  while (future.wait_for(slice) != std::future_status::ready) {
-    if (monotonic_ns() >= end) return std::nullopt;
+  for (;;) {
+    // What is there is taken, however late this process comes to it: it is looked for after this.
+    const bool late = monotonic_ns() >= end;
+    if (future.wait_for(slice) == std::future_status::ready) return future.get();
+    if (late) return std::nullopt;
     meanwhile();
   }
-  return future.get();
 }
 
 }  // namespace mlcca
