@@ -112,18 +112,31 @@ Result<void> end_links_of_other_layouts(const Place& place) {
 
 /// What else of ours is there would go on by its own control word, which gets no heart-beat any
 /// more: it drops everything. Where it cannot be found out, that is the safe side.
-Result<void> remove_others_of_ours(const Place& place, const GatePrograms& programs) {
-  const auto ours = ids_of(programs);
-  if (!ours) return std::unexpected(ours.error());
+Result<void> remove_others_of_ours(const Place& place, const InPlace& ours) {
   if (auto ended = end_links_of_other_layouts(place); !ended) return ended;
   for (const auto direction : kBothDirections) {
-    const auto named = named_programs(place, direction, ours->of(direction));
+    const auto named = named_programs(place, direction, ours.of(direction));
     if (!named) return std::unexpected(named.error());
     for (const Named& former : *named)
       static_cast<void>(tcx_detach(place.ifindex, direction, former.fd.get()));
-    static_cast<void>(remove_orphans(place.ifindex, direction, ours->of(direction)));
+    static_cast<void>(remove_orphans(place.ifindex, direction, ours.of(direction)));
   }
   return {};
+}
+
+Result<bool> are_in_place(const Place& place, const InPlace& ours) {
+  for (const auto direction : kBothDirections) {
+    const std::uint32_t id = ours.of(direction);
+    if (place.hook == Hook::tcx) {
+      const auto there = is_in_order(place.ifindex, direction, id);
+      if (!there || !*there) return there;
+      continue;
+    }
+    const auto there = program_in_place(place.ifindex, direction);
+    if (!there) return std::unexpected(there.error());
+    if (*there != id) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -203,24 +216,15 @@ void withdraw(const Place& place) {
 Result<bool> are_in_place(const Place& place, const GatePrograms& programs) {
   const auto ours = ids_of(programs);
   if (!ours) return std::unexpected(ours.error());
-  for (const auto direction : kBothDirections) {
-    const std::uint32_t id = ours->of(direction);
-    if (place.hook == Hook::tcx) {
-      const auto there = is_in_order(place.ifindex, direction, id);
-      if (!there || !*there) return there;
-      continue;
-    }
-    const auto there = program_in_place(place.ifindex, direction);
-    if (!there) return std::unexpected(there.error());
-    if (*there != id) return false;
-  }
-  return true;
+  return are_in_place(place, *ours);
 }
 
 Result<void> put_gate_in_place(const Place& place, const GatePrograms& programs) {
   for (const auto direction : kBothDirections)
     if (auto put = put_in_place(place, direction, programs.of(direction)); !put) return put;
-  const auto there = are_in_place(place, programs);
+  const auto ours = ids_of(programs);
+  if (!ours) return std::unexpected(ours.error());
+  const auto there = are_in_place(place, *ours);
   if (!there) return std::unexpected(there.error());
   if (!*there)
     return fail(
@@ -229,7 +233,7 @@ Result<void> put_gate_in_place(const Place& place, const GatePrograms& programs)
   Place other = place;
   other.hook = place.hook == Hook::tcx ? Hook::clsact : Hook::tcx;
   withdraw(other);
-  return remove_others_of_ours(place, programs);
+  return remove_others_of_ours(place, *ours);
 }
 
 Result<std::vector<Ahead>> tcx_ahead(const Place& place, const InPlace& ours) {
@@ -256,7 +260,10 @@ Result<void> put_gate_first(const Place& place, const GatePrograms& programs,
     if (place.hook == Hook::tcx)  // it may be gone, which is why we are here
       static_cast<void>(tcx_detach(place.ifindex, direction, former.of(direction)));
   }
-  return place.hook == Hook::tcx ? remove_others_of_ours(place, programs) : Result<void>{};
+  if (place.hook != Hook::tcx) return {};
+  const auto ours = ids_of(programs);
+  if (!ours) return std::unexpected(ours.error());
+  return remove_others_of_ours(place, *ours);
 }
 
 }  // namespace mlcca::enforce
