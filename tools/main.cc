@@ -73,7 +73,8 @@ bool a_delivery_loses(const Reply& reply) {
 template <class Question>
 Exit print_reply(const Options& options, const Reply& reply) {
   constexpr bool explains = std::is_same_v<Question, control::ExplainRequest>;
-  constexpr bool decides = explains || std::is_base_of_v<control::ChannelRequest, Question>;
+  constexpr bool decides = explains || std::is_base_of_v<control::ChannelRequest, Question> ||
+                           std::is_same_v<Question, control::AnnounceRequest>;
   if (const auto* error = std::get_if<control::Error>(&reply.body))
     return print_error(options, *error);
   const auto* channels = std::get_if<control::Channels>(&reply.body);
@@ -236,6 +237,28 @@ Exit ask_admit(const Options& options, const Arguments& arguments) {
   return request->hold ? hold(options, *client, std::move(admissions)) : status;
 }
 
+/// Prints the events of a connection for as long as it lives.
+Exit print_events(const Options& options, control::Client& client) {
+  for (;;) {
+    const auto event = client.next_event();
+    if (!event) return print_error(options, control::ErrorKind::world, event.error().text);
+    if (const auto status = print_event(options, *event); status != Exit::fine) return status;
+  }
+}
+
+Exit ask_announce(const Options& options, const Arguments& arguments) {
+  const auto request = announce(arguments);
+  if (!request) return print_error(options, control::ErrorKind::invalid, request.error().text);
+  auto client = control::Client::connect(options.socket, options.patience);
+  if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
+  const auto reply = client->call({0, *request});
+  if (!reply) return print_error(options, control::ErrorKind::world, reply.error().text);
+  const auto status = print_reply<control::AnnounceRequest>(options, *reply);
+  const bool taken_up = std::holds_alternative<control::Channels>(reply->body);
+  return arguments.follow && taken_up && status != Exit::world ? print_events(options, *client)
+                                                               : status;
+}
+
 Exit ask_release(const Options& options, const Arguments& arguments) {
   return ask(options, control::ReleaseRequest{.channel = arguments.channel,
                                               .admission = arguments.admission.value_or(0),
@@ -298,11 +321,7 @@ Exit monitor(const Options& options, const Arguments&) {
   if (!reply) return print_error(options, control::ErrorKind::world, reply.error().text);
   if (const auto* error = std::get_if<control::Error>(&reply->body))
     return print_error(options, *error);
-  for (;;) {
-    const auto event = client->next_event();
-    if (!event) return print_error(options, control::ErrorKind::world, event.error().text);
-    if (const auto status = print_event(options, *event); status != Exit::fine) return status;
-  }
+  return print_events(options, *client);
 }
 
 Exit watch(const Options& options, const Arguments& arguments) {
@@ -360,6 +379,8 @@ constexpr std::array kVerbs = {
          ask_gate},
     Verb{"query", "would this be admitted? changes nothing", Takes::delivery, ask_query},
     Verb{"what-if", "who would lose, who would gain? changes nothing", Takes::changes, ask_what_if},
+    Verb{"announce", "a program takes up the end of a channel that is described for it",
+         Takes::announcement, ask_announce},
     Verb{"admit", "admit a new publisher or subscriber of a channel", Takes::reservation,
          ask_admit},
     Verb{"renew", "the lease of an admission starts again", Takes::lease, ask_renew},

@@ -104,6 +104,21 @@ void add_reservation(CLI::App& app, Arguments& to) {
                "or the end of a pipe on standard input");
 }
 
+void add_announcement(CLI::App& app, Arguments& to) {
+  add_channel(app, to);
+  app.add_option("role", to.role, "what the program is in this channel")
+      ->required()
+      ->type_name("publisher|subscriber")
+      ->check(CLI::IsMember({"publisher", "subscriber"}));
+  app.add_option("--name", to.end, "name of that publisher or subscriber, where it may be several");
+  app.add_option("--state", to.state,
+                 "what the program was made with, such as Period=50ms: refused if it is more than "
+                 "what is described")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
+  app.add_flag("--follow", to.follow, "stay and print the events of the channel, until Ctrl-C");
+}
+
 CLI::Option* add_id(CLI::App& app, Arguments& to) {
   return app
       .add_option("--id,--admission", to.admission, "one admission, as admit and explain name it")
@@ -222,6 +237,9 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
       break;
     case Takes::delivery:
       add_delivery(app, to);
+      break;
+    case Takes::announcement:
+      add_announcement(app, to);
       break;
     case Takes::reservation:
       add_reservation(app, to);

@@ -40,6 +40,10 @@ struct Arguments {
   std::string key;    ///< the user's own name of an admission
   std::string lease;  ///< a span of time
   bool hold = false;
+  std::string role;
+  std::string end;                 ///< its name
+  std::vector<std::string> state;  ///< attributes that the program was made with
+  bool follow = false;
   std::string place;
   bool yes = false;                ///< do it without asking back
   bool check = false;              ///< only the health, for a monitoring system
@@ -60,10 +64,11 @@ enum class Takes : std::uint8_t {
   withdrawal,  ///< a channel, and whether to ask back
   check,       ///< perhaps as a monitoring system asks
   channel,
-  delivery,     ///< a channel, and the ends that shall be added to it
-  reservation,  ///< a delivery, and for how long it is admitted
-  admission,    ///< a channel, or the id of an admission
-  lease,        ///< the id or the key of an admission
+  delivery,      ///< a channel, and the ends that shall be added to it
+  announcement,  ///< a channel, and the end of it that a program is
+  reservation,   ///< a delivery, and for how long it is admitted
+  admission,     ///< a channel, or the id of an admission
+  lease,         ///< the id or the key of an admission
   mode,
   place,    ///< perhaps a network or gateway
   gate,     ///< perhaps an interface or network

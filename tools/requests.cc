@@ -153,6 +153,17 @@ Result<control::Query> query(const Arguments& from) {
   return control::Query{std::move(*request)};
 }
 
+Result<control::AnnounceRequest> announce(const Arguments& from) {
+  const bool publishes = from.role == "publisher";
+  auto stated = attributes(from.state, publishes ? Role::offered : Role::required);
+  if (!stated) return std::unexpected(std::move(stated).error());
+  return control::AnnounceRequest{
+      .channel = from.channel,
+      .role = publishes ? control::Role::publisher : control::Role::subscriber,
+      .name = from.end,
+      .attributes = std::move(*stated)};
+}
+
 Result<control::Admit> admit(const Arguments& from) {
   auto request = delivery(from);
   if (!request) return std::unexpected(std::move(request).error());

@@ -17,6 +17,7 @@ inline constexpr std::chrono::nanoseconds kHoldLease = std::chrono::seconds{10};
 
 Result<control::Query> query(const Arguments& from);
 Result<control::Admit> admit(const Arguments& from);
+Result<control::AnnounceRequest> announce(const Arguments& from);
 
 /// --link is [NETWORK/]FROM,TO=RATE: names of networks and nodes have neither '/' nor ',' nor '='.
 /// RATE 0: the link is gone.

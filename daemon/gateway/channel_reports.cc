@@ -42,16 +42,32 @@ control::Channels ChannelReports::known(const Asked& asked) const {
   return {report(known)};
 }
 
+control::Channels ChannelReports::of_those(std::size_t channel, const Concerned& concerned) const {
+  std::vector<const core::Verdict*> verdicts;
+  for (const core::Verdict& v : scene_.state->decisions()[channel].verdicts)
+    if (concerned(v)) verdicts.push_back(&v);
+  control::Channels out;
+  out.left_out = leave_out(*scene_.state, verdicts);
+  out.channels = report(verdicts);
+  return out;
+}
+
+control::Channels ChannelReports::of_publisher(std::size_t channel, std::size_t publisher) const {
+  return of_those(channel,
+                  [publisher](const core::Verdict& v) { return v.publisher == publisher; });
+}
+
+control::Channels ChannelReports::of_subscriber(std::size_t channel, std::size_t subscriber) const {
+  return of_those(channel, [subscriber](const core::Verdict& v) {
+    return std::ranges::find(v.subscribers, subscriber) != v.subscribers.end();
+  });
+}
+
 control::Channels ChannelReports::of_admission(core::AdmissionId id) const {
   const auto known = scene_.state->admissions().find(id);
   if (known == scene_.state->admissions().end()) return {};
-  std::vector<const core::Verdict*> concerned;
-  for (const core::Verdict& v : scene_.state->decisions()[known->second].verdicts)
-    if (deliveries_.concerns(v, id)) concerned.push_back(&v);
-  control::Channels out;
-  out.left_out = leave_out(*scene_.state, concerned);
-  out.channels = report(concerned);
-  return out;
+  return of_those(known->second,
+                  [this, id](const core::Verdict& v) { return deliveries_.concerns(v, id); });
 }
 
 /// Each delivery has as many lines as all that is compared for it.

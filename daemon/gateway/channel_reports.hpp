@@ -3,6 +3,7 @@
 // is not made in one turn of the loop.
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "control/messages.hpp"
@@ -35,6 +36,9 @@ class ChannelReports {
   [[nodiscard]] control::Channels known(const Asked& asked) const;
   /// Those that an admission takes part in.
   [[nodiscard]] control::Channels of_admission(core::AdmissionId id) const;
+  /// Those of one publisher, or towards one subscriber, of a channel.
+  [[nodiscard]] control::Channels of_publisher(std::size_t channel, std::size_t publisher) const;
+  [[nodiscard]] control::Channels of_subscriber(std::size_t channel, std::size_t subscriber) const;
   /// Where a list of all deliveries goes on.
   struct Position {
     std::size_t channel = 0;
@@ -53,6 +57,8 @@ class ChannelReports {
   [[nodiscard]] bool has_channel_of_many_ends() const;
 
  private:
+  using Concerned = std::function<bool(const core::Verdict&)>;
+  [[nodiscard]] control::Channels of_those(std::size_t channel, const Concerned& concerned) const;
   /// Some or all verdicts of one channel.
   [[nodiscard]] std::vector<control::Channel> report(
       const std::vector<const core::Verdict*>& verdicts) const;

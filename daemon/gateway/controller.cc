@@ -278,6 +278,7 @@ serve::Answer Controller::answer(const control::Request& request, const serve::P
   return {{request.id, std::move(response.body)},
           response.held,
           response.owned,
+          response.follows,
           std::move(response.slices),
           response.least_bytes};
 }

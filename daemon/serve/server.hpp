@@ -47,6 +47,7 @@ struct Answer {
   /// its place.
   bool held = false;
   std::uint64_t owned = 0;  ///< an admission whose events go to this connection from now on
+  std::optional<std::uint64_t> follows{};  ///< a subject of which the same holds
   /// Where the reply comes in slices: makes them, and `reply` gives no more than the id.
   NextSlice slices{};
   std::size_t least_bytes = 0;  ///< that all slices have together, as far as that is known
@@ -92,8 +93,8 @@ class Server {
   Server& operator=(Server&&) = delete;
   ~Server();
 
-  /// To every client that monitors, and to those that own an admission of the event. One that does
-  /// not read loses events and gets their number.
+  /// To every client that monitors, to those that own an admission of the event, and to those that
+  /// follow its subject. One that does not read loses events and gets their number.
   void publish(const control::Event& event);
 
   /// Sends what was held, or the error in its place.

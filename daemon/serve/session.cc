@@ -23,6 +23,12 @@ std::optional<Slice> too_large() {
                               {}}};
 }
 
+/// What concerns every channel of the gateway.
+bool concerns_all(const control::Event& event) {
+  return event.subject == 0 &&
+         (event.kind == "lapsed" || event.kind == "mode" || event.kind == "stopped");
+}
+
 }  // namespace
 
 Session::Session(Server& server, Fd socket, Peer peer)
@@ -81,7 +87,21 @@ void Session::step() {
   take(server_.answer_(asked, peer_), asked.slices);
 }
 
+bool Session::follow(std::uint64_t subject) {
+  if (followed_.size() >= kMostFollowed && !followed_.contains(subject)) return false;
+  followed_.insert(subject);
+  return true;
+}
+
 void Session::take(Answer answer, bool may_slice) {
+  if (answer.follows && !follow(*answer.follows)) {
+    answer.slices = nullptr;
+    answer.reply.body =
+        control::Error{control::ErrorKind::world,
+                       "this connection follows " + std::to_string(kMostFollowed) +
+                           " channels, which is the most: announce the others on another one",
+                       {}};
+  }
   if (answer.slices) {
     rest_ = Rest{std::move(answer.slices), answer.reply.id, may_slice};
     if (!may_slice && answer.least_bytes > control::Reply::kMaxBytesUnsliced)
@@ -148,9 +168,10 @@ void Session::release(const Result<void>& done) {
 }
 
 bool Session::wants(const control::Event& event) const {
-  return monitoring_ || std::ranges::any_of(event.admissions, [this](std::uint64_t id) {
-           return owned_.contains(id);
-         });
+  return monitoring_ || followed_.contains(event.subject) ||
+         (!followed_.empty() && concerns_all(event)) ||
+         std::ranges::any_of(event.admissions,
+                             [this](std::uint64_t id) { return owned_.contains(id); });
 }
 
 void Session::refuse(std::string text) {
@@ -169,7 +190,7 @@ Use Session::use() const {
       std::ranges::any_of(held_, [](const Answer& answer) { return answer.owned != 0; });
   if (will_own || !owned_.empty()) return Use::owns;
   if (rest_ || has_work_ || !held_.empty() || waiting() != 0) return Use::asks;
-  return monitoring_ ? Use::listens : Use::idle;
+  return monitoring_ || !followed_.empty() ? Use::listens : Use::idle;
 }
 
 void Session::send_event(const std::string& encoded) {

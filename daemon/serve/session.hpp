@@ -24,6 +24,9 @@ class Session {
   /// meanwhile.
   static constexpr std::size_t kBusy = std::size_t{256} << 10;
 
+  /// Subjects that one client follows.
+  static constexpr std::size_t kMostFollowed = 4096;
+
   /// Answers that wait for the disk; no request is read meanwhile.
   static constexpr std::size_t kMostHeld = 256;
 
@@ -44,7 +47,8 @@ class Session {
   [[nodiscard]] std::uint64_t active() const { return active_; }
   /// Its client waits for the daemon, for events, or owns an admission.
   [[nodiscard]] bool is_needed() const {
-    return monitoring_ || use() == Use::owns || can_step() || parked_ || !held_.empty();
+    return monitoring_ || !followed_.empty() || use() == Use::owns || can_step() || parked_ ||
+           !held_.empty();
   }
 
   // For the server, which says whose turn it is.
@@ -79,6 +83,7 @@ class Session {
   void step_slice();
   void pass_on(const Slice& slice);
   void take(Answer answer, bool may_slice);
+  [[nodiscard]] bool follow(std::uint64_t subject);
 
   /// A reply that is being made.
   struct Rest {
@@ -100,8 +105,9 @@ class Session {
   std::size_t sent_ = 0;
   /// Answers from the first held one on: they are sent in the order of the requests.
   std::vector<Answer> held_;
-  std::optional<Rest> rest_;       ///< behind what is held; no request is answered meanwhile
-  std::set<std::uint64_t> owned_;  // admissions
+  std::optional<Rest> rest_;          ///< behind what is held; no request is answered meanwhile
+  std::set<std::uint64_t> owned_;     // admissions
+  std::set<std::uint64_t> followed_;  // subjects
   std::uint64_t active_;
   bool monitoring_ = false;
   bool closing_ = false;

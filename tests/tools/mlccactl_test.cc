@@ -218,6 +218,41 @@ TEST(MlccactlTest, GateReportsWhatTheStatusKnowsOfItsInterface) {
             (decltype(control::Request::body){control::GateRequest{"can0"}}));
 }
 
+TEST(MlccactlTest, AnnouncesAnEndWithWhatTheProgramStates) {
+  EXPECT_EQ(
+      request_of({"announce", "a", "subscriber"}),
+      (control::Request{1, control::AnnounceRequest{"a", control::Role::subscriber, "", {}}}));
+  EXPECT_EQ(
+      request_of({"announce", "a", "publisher", "--name", "lever", "--state", "Period=50ms"}),
+      (control::Request{
+          1, control::AnnounceRequest{
+                 "a",
+                 control::Role::publisher,
+                 "lever",
+                 {{.name = "Period", .value = 50'000'000, .unit = "ns", .dynamic = false}}}}));
+  EXPECT_EQ(outcome_of({"announce", "a", "reader"}, granted_as_7()).status, 2);
+  EXPECT_EQ(outcome_of({"announce", "a", "publisher"}, granted_as_7()).status, 0);
+  EXPECT_EQ(
+      outcome_of({"announce", "a", "publisher"}, {0, control::Channels{{test::refused_channel()}}})
+          .status,
+      1);
+  EXPECT_EQ(
+      outcome_of({"announce", "a", "publisher"}, error_of(control::ErrorKind::forbidden)).status,
+      3);
+}
+
+TEST(MlccactlTest, AnnounceFollowsTheChannelAlsoWhileItIsRefused) {
+  Server server([](const control::Request&) {
+    return Server::Answer{
+        {{0, control::Channels{{test::refused_channel()}}}, {0, event_of("granted", {})}}, true};
+  });
+  const auto outcome = run_mlccactl(
+      {"announce", "a", "publisher", "--follow", "--socket", server.path()}, {"TZ=UTC"});
+  EXPECT_TRUE(outcome.out.starts_with("refused")) << outcome.out;
+  EXPECT_NE(outcome.out.find("2023-11-14 22:13:20.123  granted "), std::string::npos)
+      << outcome.out;
+}
+
 TEST(MlccactlTest, HoldPrintsWhatHappensUntilTheDaemonEnds) {
   Server server([](const control::Request&) {
     return Server::Answer{{granted_as_7(),

@@ -29,7 +29,7 @@ _mlccactl_can() {
 
 _mlccactl() {
 	local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
-	local verbs="status networks channels routes reservations gate query what-if admit renew release withdraw"
+	local verbs="status networks channels routes reservations gate query what-if announce admit renew release withdraw"
 	verbs+=" reinstate explain history monitor top mode reload bandwidth"
 	local others="analyse-bus check describe generate doctor"
 	local common="--socket --timeout --json --no-color --help"
@@ -148,6 +148,10 @@ _mlccactl() {
 	esac
 	case $verb in
 	admit) words+=" --key --lease --hold" ;;
+	announce)
+		words+=" --name --state --follow"
+		[[ $cur == -* || $prev == announce ]] || words="publisher subscriber"
+		;;
 	reservations) [[ $cur == -* ]] || words=$(_mlccactl_places) ;;
 	gate)
 		words+=" --verify"
@@ -156,6 +160,9 @@ _mlccactl() {
 		;;
 	esac
 	case $verb in
+	announce)
+		[[ $prev != announce || $cur == -* ]] || words=$(_mlccactl_channels)
+		;;
 	query | admit | release | withdraw | reinstate | explain)
 		[[ $cur == -* ]] || words=$(_mlccactl_channels)
 		;;

@@ -8,6 +8,7 @@ namespace mlcca::requests {
 Response status(Context& context, const Asker& asker, const control::StatusRequest& request);
 Response networks(Context& context, const Asker& asker, const control::NetworksRequest& request);
 Response channels(Context& context, const Asker& asker, const control::ChannelsRequest& request);
+Response announce(Context& context, const Asker& asker, const control::AnnounceRequest& request);
 Response query(Context& context, const Asker& asker, const control::Query& request);
 Response admit(Context& context, const Asker& asker, const control::Admit& request);
 Response release(Context& context, const Asker& asker, const control::ReleaseRequest& request);

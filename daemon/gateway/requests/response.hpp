@@ -3,6 +3,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -32,8 +33,9 @@ struct Response {
       : slices(std::move(next)), least_bytes(least) {}
 
   Body body;
-  bool held = false;            ///< not sent before what it says is on disk
-  core::AdmissionId owned = 0;  ///< whose events go to the connection from now on
+  bool held = false;                       ///< not sent before what it says is on disk
+  core::AdmissionId owned = 0;             ///< whose events go to the connection from now on
+  std::optional<std::uint64_t> follows{};  ///< subject whose events go to it from now on
   serve::NextSlice slices;
   std::size_t least_bytes = 0;  ///< that all slices have together, as far as that is known
 };

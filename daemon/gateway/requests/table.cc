@@ -24,6 +24,7 @@ constexpr std::tuple kTable{
     Row{Privilege::anyone, Trace::none, channels},
     Row{Privilege::anyone, Trace::none, query},
     Row{Privilege::anyone, Trace::none, explain},
+    Row{Privilege::anyone, Trace::none, announce},
     Row{Privilege::anyone, Trace::none, monitor},
     Row{Privilege::anyone, Trace::none, routes},
     Row{Privilege::anyone, Trace::none, reservations},

@@ -272,6 +272,49 @@ TEST_F(ServerTest, SlicesWaitForTheAnswersBeforeThem) {
   EXPECT_EQ(all[0].id, 3U);
 }
 
+TEST_F(ServerTest, WhoFollowsASubjectGetsItsEventsAndThoseThatConcernAll) {
+  answer_ = [](const Request& request, const Peer&) {
+    Answer answer{Reply{request.id, control::Done{}}};
+    if (request.id <= 2) answer.follows = 40 + request.id;
+    return answer;
+  };
+  const Fd follower = client();
+  const Fd other = client();
+  control::Buffer buffer;
+  control::Buffer of_other;
+  for (const std::uint64_t id : {1, 2}) ask(follower, id);
+  ask(other, 3);
+  ASSERT_EQ(replies(follower, buffer).size() + replies(other, of_other).size(), 3U);
+  const auto publish = [this](std::uint64_t subject, const std::string& kind) {
+    server_->publish({.unix_ns = 0, .kind = kind, .subject = subject});
+  };
+  for (const std::uint64_t subject : {41, 43}) publish(subject, "withdrawn");
+  publish(42, "missing");
+  for (const char* kind : {"interface", "lapsed"}) publish(0, kind);
+  std::vector<std::string> kinds;
+  for (const Reply& reply : replies(follower, buffer))
+    kinds.push_back(std::get<control::Event>(reply.body).kind);
+  EXPECT_EQ(kinds, (std::vector<std::string>{"withdrawn", "missing", "lapsed"}));
+  EXPECT_TRUE(replies(other, of_other).empty());
+}
+
+TEST_F(ServerTest, OneConnectionFollowsAtMost4096Subjects) {
+  answer_ = [](const Request& request, const Peer&) {
+    Answer answer{Reply{request.id, control::Done{}}};
+    answer.follows = request.id;
+    return answer;
+  };
+  const Fd follower = client();
+  control::Buffer buffer;
+  std::uint64_t refused = 0;
+  for (std::uint64_t id = 1; id <= 4098; ++id) {
+    ask(follower, id == 4098 ? 1 : id);
+    for (const Reply& reply : replies(follower, buffer))
+      if (std::holds_alternative<control::Error>(reply.body)) refused = reply.id;
+  }
+  EXPECT_EQ(refused, 4097U) << "and one that it follows is no further one";
+}
+
 TEST_F(ServerTest, WhoHangsUpInTheMiddleIsForgotten) {
   answer_ = [&](const Request& r, const Peer&) { return channels(r.id, 100'000, 8192); };
   {

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A program on this gateway takes up the end of a channel that is meant for it. What is decided
+// stays as it is.
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/model/text.hpp"
+#include "daemon/gateway/channel_reports.hpp"
+#include "daemon/gateway/report_size.hpp"
+#include "daemon/gateway/requests/handlers.hpp"
+
+namespace mlcca::requests {
+namespace {
+
+using control::Role;
+
+const char* name_of(Role role) { return role == Role::publisher ? "publisher" : "subscriber"; }
+
+/// For one end: whether a program that states `announced` sends more, or asks for more, than the
+/// end that was decided. A publisher's MaxPayload and Jitter are of what it sends, and the
+/// MaxPayload of a subscriber is what it accepts.
+bool is_more(Role role, Attribute a, Value announced, Value decided) {
+  const bool smaller_is_harder = info(a).better == Better::smaller;
+  const bool turned_round =
+      role == Role::publisher ? a == Attribute::jitter : a == Attribute::max_payload;
+  return smaller_is_harder != turned_round ? announced < decided : announced > decided;
+}
+
+/// What of it is more than the end states; nothing: it is as the end, or less.
+std::optional<std::string> too_much(Role role, const std::vector<control::Attribute>& announced,
+                                    const AttributeSet& decided) {
+  for (const control::Attribute& one : announced) {
+    std::size_t i = 0;
+    while (i < kAttributes && one.name != kAttributeTable[i].name) ++i;
+    if (i == kAttributes) return fmt::format("there is no attribute '{}'", one.name);
+    const Attribute a = attribute_at(i);
+    const std::string value = core::format_value(a, one.value);
+    if (!decided.has(a))
+      return fmt::format(
+          "{} {} is announced, and nothing is stated for this end: state it in the "
+          "description",
+          one.name, value);
+    if (is_more(role, a, one.value, decided[a]))
+      return fmt::format(
+          "{} {} is announced, and {} is stated for this end: state what the "
+          "program needs in the description",
+          one.name, value, core::format_value(a, decided[a]));
+  }
+  return std::nullopt;
+}
+
+/// The ends of one kind that a channel has on this gateway.
+class Ends {
+ public:
+  Ends(const Context& context, std::size_t channel, Role role)
+      : state_(*context.scene.state),
+        members_(state_.members()),
+        here_{core::Place::Kind::gateway, context.scene.self},
+        role_(role) {
+    const auto& all = role == Role::publisher ? members_.publishers_of(channel)
+                                              : members_.subscribers_of(channel);
+    std::ranges::copy_if(all, std::back_inserter(ends_),
+                         [this](std::size_t end) { return place_of(end) == here_; });
+  }
+
+  [[nodiscard]] const std::string& name_of(std::size_t end) const {
+    return role_ == Role::publisher ? members_.publisher(end).name : members_.subscriber(end).name;
+  }
+  [[nodiscard]] const AttributeSet& attributes_of(std::size_t end) const {
+    return role_ == Role::publisher ? members_.publisher(end).attributes
+                                    : members_.subscriber(end).attributes;
+  }
+  /// Frames of a publisher pass for one user alone. What a bus brings can be read by every user.
+  [[nodiscard]] bool is_for(std::size_t end, uid_t user) const {
+    return role_ == Role::subscriber || members_.publisher(end).uid == user;
+  }
+
+  /// The one that a user may take up under that name; empty: the only one.
+  [[nodiscard]] Result<std::size_t> find(const std::string& name, uid_t user) const {
+    std::vector<std::size_t> found;
+    std::ranges::copy_if(ends_, std::back_inserter(found),
+                         [&](std::size_t end) { return name.empty() || name_of(end) == name; });
+    if (found.empty()) return fail(none(name));
+    const std::size_t one = found.front();
+    std::erase_if(found, [&](std::size_t end) { return !is_for(end, user); });
+    if (found.empty())
+      return fail(fmt::format("{} is for programs of user {}, and this one is of user {}",
+                              name_of(one), members_.publisher(one).uid.value_or(0), user));
+    if (found.size() > 1)
+      return fail(fmt::format("user {} may be {}: say which", user, fmt::join(names(found), ", ")));
+    return found.front();
+  }
+
+ private:
+  [[nodiscard]] core::Place place_of(std::size_t end) const {
+    return role_ == Role::publisher ? members_.publisher(end).place
+                                    : members_.subscriber(end).place;
+  }
+  [[nodiscard]] std::vector<std::string> names(std::span<const std::size_t> ends) const {
+    constexpr std::size_t most = 8;
+    std::vector<std::string> out;
+    for (const std::size_t end : ends.first(std::min(ends.size(), most)))
+      out.push_back(name_of(end));
+    if (ends.size() > most) out.emplace_back("…");
+    return out;
+  }
+  [[nodiscard]] std::string none(const std::string& name) const {
+    const std::string& gateway = core::name_of(state_.system(), here_);
+    if (ends_.empty())
+      return fmt::format("no {} of this channel is on {}: describe one there, or admit one",
+                         requests::name_of(role_), gateway);
+    return fmt::format("no {} '{}' of this channel is on {} (there are: {})",
+                       requests::name_of(role_), name, gateway, fmt::join(names(ends_), ", "));
+  }
+
+  const core::State& state_;
+  const core::Members& members_;
+  core::Place here_;
+  Role role_;
+  std::vector<std::size_t> ends_;
+};
+
+}  // namespace
+
+Response announce(Context& context, const Asker& asker, const control::AnnounceRequest& request) {
+  const core::State& state = *context.scene.state;
+  if (request.role != Role::publisher && request.role != Role::subscriber)
+    return invalid("say the role: publisher or subscriber");
+  const auto channel = channel_named(state, request.channel);
+  if (!channel) return invalid(channel.error().text);
+  const Ends ends(context, *channel, request.role);
+  const auto end = ends.find(request.name, asker.peer.uid);
+  if (!end) return error_of(control::ErrorKind::forbidden, end.error().text);
+  if (const auto why = too_much(request.role, request.attributes, ends.attributes_of(*end)))
+    return invalid(*why);
+  const auto report = [&context, channel = *channel, role = request.role, end = *end] {
+    return role == Role::publisher ? context.channels.of_publisher(channel, end)
+                                   : context.channels.of_subscriber(channel, end);
+  };
+  Response response = context.channels.has_many_lines(*channel) ? made_aside(context, asker, report)
+                                                                : Response(report());
+  response.follows = state.system().channels[*channel].subject;
+  return response;
+}
+
+}  // namespace mlcca::requests

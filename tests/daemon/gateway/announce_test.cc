@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A program takes up the end that is meant for it, and no other one.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "tests/daemon/gateway/bench.hpp"
+
+namespace mlcca::test {
+namespace {
+
+using control::AnnounceRequest;
+using control::Role;
+
+constexpr core::Place kGateway{core::Place::Kind::gateway, 0};
+constexpr uid_t kUser = 1000;
+
+core::Publisher publisher(const core::System& system, const std::string& name, uid_t user) {
+  core::Publisher p;
+  p.name = name;
+  p.place = kGateway;
+  p.uid = user;
+  p.attributes = system.channels[0].attributes;
+  return p;
+}
+
+/// Channel c0 (Period 50 ms, MaxPayload 8) of a local program "lever", to a bus and to a local
+/// program "lamp".
+core::System with_programs() {
+  core::System system = small_system();
+  system.publishers = {publisher(system, "lever", kUser)};
+  core::Subscriber lamp = system.subscribers[0];
+  lamp.name = "lamp";
+  lamp.place = kGateway;
+  system.subscribers.push_back(lamp);
+  return system;
+}
+
+serve::Peer program(uid_t uid = kUser) { return {.pid = 7, .uid = uid}; }
+
+control::Attribute attribute(const std::string& name, Value value) {
+  return {.name = name, .value = value, .unit = {}, .dynamic = false};
+}
+
+class Announce : public testing::Test {
+ protected:
+  serve::Answer ask(const AnnounceRequest& request, serve::Peer peer = program()) {
+    return bench_.ask(request, peer);
+  }
+  /// The error; empty: it was taken up.
+  std::string refusal(const AnnounceRequest& request, serve::Peer peer = program()) {
+    const serve::Answer answer = ask(request, peer);
+    const auto* error = std::get_if<control::Error>(&answer.reply.body);
+    EXPECT_EQ(answer.follows.has_value(), error == nullptr);
+    return error == nullptr ? "" : error->message;
+  }
+  std::string stating(Role role, const std::string& name, Value value) {
+    return refusal({"c0", role, "", {attribute(name, value)}});
+  }
+  void reload() {
+    static_cast<void>(bench_.ask(control::ReloadRequest{}));
+    bench_.reading().finish();
+  }
+  void SetUp() override { ASSERT_FALSE(bench_.start()); }
+
+  Bench bench_{with_programs()};
+};
+
+TEST_F(Announce, APublisherGetsItsDeliveriesAndTheEventsOfItsChannel) {
+  const serve::Answer answer = ask({"c0", Role::publisher, "", {}});
+  const auto& channels = std::get<control::Channels>(answer.reply.body);
+  ASSERT_EQ(channels.channels.size(), 2U);
+  for (const auto& c : channels.channels) {
+    EXPECT_EQ(c.publisher, "lever");
+    EXPECT_TRUE(c.granted) << c.reason;
+  }
+  EXPECT_EQ(answer.follows, 1U);
+  EXPECT_FALSE(answer.held);
+}
+
+TEST_F(Announce, ASubscriberGetsTheDeliveriesToIt) {
+  const serve::Answer answer = ask({"0x1", Role::subscriber, "lamp", {}}, program(4711));
+  const auto& channels = std::get<control::Channels>(answer.reply.body);
+  ASSERT_EQ(channels.channels.size(), 1U);
+  EXPECT_EQ(channels.channels[0].to, "g");
+  EXPECT_EQ(answer.follows, 1U);
+}
+
+TEST_F(Announce, NothingIsDecidedAnew) {
+  const auto before = bench_.wanted();
+  const std::size_t events = bench_.events.size();
+  EXPECT_EQ(refusal({"c0", Role::publisher, "", {}}), "");
+  EXPECT_EQ(bench_.wanted(), before);
+  EXPECT_EQ(bench_.events.size(), events);
+}
+
+TEST_F(Announce, APublisherIsOnlyForItsUser) {
+  for (const uid_t other : {uid_t{0}, uid_t{1001}})
+    EXPECT_EQ(
+        refusal({"c0", Role::publisher, "", {}}, program(other)),
+        "lever is for programs of user 1000, and this one is of user " + std::to_string(other));
+}
+
+TEST_F(Announce, WhatIsNotThereIsRefusedWithWhatIs) {
+  EXPECT_EQ(refusal({"c1", Role::publisher, "", {}}),
+            "no publisher of this channel is on g: describe one there, or admit one");
+  EXPECT_EQ(refusal({"c0", Role::publisher, "leever", {}}),
+            "no publisher 'leever' of this channel is on g (there are: lever)");
+  EXPECT_EQ(refusal({"c0", Role::subscriber, "lever", {}}),
+            "no subscriber 'lever' of this channel is on g (there are: lamp)");
+  EXPECT_EQ(refusal({"c0", Role::unspecified, "", {}}), "say the role: publisher or subscriber");
+  EXPECT_NE(refusal({"c9", Role::publisher, "", {}}).find("c9"), std::string::npos);
+}
+
+TEST_F(Announce, OfSeveralEndsOneUserSaysWhich) {
+  bench_.system.publishers.push_back(publisher(bench_.system, "handle", kUser));
+  bench_.system.publishers.push_back(publisher(bench_.system, "pedal", 1001));
+  reload();
+  EXPECT_EQ(refusal({"c0", Role::publisher, "", {}}), "user 1000 may be lever, handle: say which");
+  EXPECT_EQ(refusal({"c0", Role::publisher, "handle", {}}), "");
+  EXPECT_EQ(refusal({"c0", Role::publisher, "", {}}, program(1001)), "");
+}
+
+TEST_F(Announce, AnEndThatAnOperatorHasAdmittedCanBeTakenUp) {
+  control::Admit request;
+  request.channel = "c0";
+  request.from = "g";
+  request.user = "1002";
+  request.publisher = "spare";
+  const serve::Answer admitted = bench_.ask(request);
+  ASSERT_TRUE(std::holds_alternative<control::Channels>(admitted.reply.body));
+  EXPECT_EQ(refusal({"c0", Role::publisher, "", {}}, program(1002)), "");
+}
+
+TEST_F(Announce, WhoStatesAsMuchOrLessIsTakenUp) {
+  EXPECT_EQ(stating(Role::publisher, "Period", 50 * kMs), "");
+  EXPECT_EQ(stating(Role::publisher, "Period", 51 * kMs), "");
+  EXPECT_EQ(stating(Role::publisher, "MaxPayload", 7), "");
+  EXPECT_EQ(stating(Role::subscriber, "Period", 51 * kMs), "");
+  EXPECT_EQ(stating(Role::subscriber, "MaxPayload", 9), "");
+}
+
+TEST_F(Announce, WhoStatesMoreIsRefusedWithBothValues) {
+  EXPECT_EQ(stating(Role::publisher, "Period", 49 * kMs),
+            "Period 49 ms is announced, and 50 ms is stated for this end: state what the program "
+            "needs in the description");
+  EXPECT_NE(stating(Role::publisher, "MaxPayload", 9), "");
+  EXPECT_NE(stating(Role::subscriber, "Period", 49 * kMs), "");
+  EXPECT_NE(stating(Role::subscriber, "MaxPayload", 7), "") << "events may have 8 bytes";
+  EXPECT_EQ(stating(Role::publisher, "Latency", kMs),
+            "Latency 1 ms is announced, and nothing is stated for this end: state it in the "
+            "description");
+  EXPECT_EQ(stating(Role::publisher, "Speed", 1), "there is no attribute 'Speed'");
+}
+
+/// The Jitter of a publisher is its own: more of it is worse.
+TEST_F(Announce, APublisherWithMoreJitterThanIsStatedIsRefused) {
+  bench_.system.publishers[0].attributes.set(Attribute::jitter, kMs);
+  reload();
+  EXPECT_EQ(stating(Role::publisher, "Jitter", kMs), "");
+  EXPECT_NE(stating(Role::publisher, "Jitter", 2 * kMs), "");
+}
+
+}  // namespace
+}  // namespace mlcca::test
