@@ -117,7 +117,7 @@ $O/fuzz/tests/$1: $$($1_objects:$O/%=$O/fuzz/obj/%) \
 endef
 
 include deps.mk
-include core/module.mk description/module.mk proto/module.mk control/module.mk bpf/module.mk
+include core/module.mk description/module.mk proto/module.mk control/module.mk client/module.mk bpf/module.mk
 include daemon/module.mk tools/module.mk include/module.mk systemd/module.mk tests/module.mk
 include examples/module.mk docs/module.mk
 
@@ -143,7 +143,7 @@ test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 
 test-all:
 	$(Q)$(MAKE) all check-layers check-format cppcheck tidy check-mcu
-	$(Q)$(MAKE) FUZZ_OPT=-O0 check-node check-fuzz check-work check-sanitized check-plain check-docs check-fault check-memory check-torn check-neighbour check-quotas
+	$(Q)$(MAKE) FUZZ_OPT=-O0 check-node check-fuzz check-work check-sanitized check-plain check-docs check-fault check-memory check-torn check-neighbour check-quotas check-client
 	$(Q)$(MAKE) check-harness check-guest
 
 lint: check-layers check-format cppcheck tidy ## layering, clang-format-19, cppcheck and clang-tidy-19
@@ -161,15 +161,15 @@ format: ## format every file in place
 
 # False alarms are listed with their reasons; what is wrong is corrected.
 cppcheck: ## defects that cppcheck finds without the headers of libraries
-	$(call say,CPPCHK,base control core daemon description tools)
+	$(call say,CPPCHK,base client control core daemon description tools)
 	$(Q)cppcheck -q -j2 --std=c++20 --language=c++ --enable=warning,performance,portability --max-configs=1 \
 		--suppress=missingInclude --suppressions-list=tests/support/cppcheck.supp --error-exitcode=1 \
-		-D__x86_64__ -D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. base control core daemon description tools
+		-D__x86_64__ -D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. base client control core daemon description tools
 
 # clang-tidy matches every check against the headers of a file, too, and for most files they are nine
 # tenths of its time. So it takes a part of the tree as one file, which includes the files of the part; of
 # ALONE it takes one file of each folder. One stamp a bundle: what did not change is not checked again.
-TIDY_PARTS := core control description daemon/gateway daemon/net/sources daemon tools/awds \
+TIDY_PARTS := core control client description daemon/gateway daemon/net/sources daemon tools/awds \
 	tools/design/generate tools/design tools/doctor tools/readback tools/sources tools
 ifneq ($(filter tidy lint analyse,$(MAKECMDGOALS)),)
 tidy_rest := $(filter-out tests/% include/% bpf/%,$(shell git ls-files '*.cc'))

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "mlcca/client/client.hpp"
+
+#include <utility>
+
+#include "client/connection.hpp"
+#include "client/part.hpp"
+
+namespace mlcca::client {
+namespace {
+
+std::vector<control::Attribute> attributes_of(const AttributeSet& set) {
+  std::vector<control::Attribute> out;
+  for (std::size_t i = 0; i < kAttributes; ++i)
+    if (const Attribute a = attribute_at(i); set.has(a))
+      out.push_back(
+          {.name = info(a).name, .value = set[a], .unit = info(a).unit, .dynamic = false});
+  return out;
+}
+
+}  // namespace
+
+const char* name_of(Cause cause) {
+  switch (cause) {
+    case Cause::granted:
+      return "granted";
+    case Cause::refused:
+      return "refused";
+    case Cause::withdrawn:
+      return "withdrawn";
+    case Cause::degraded:
+      return "degraded";
+    case Cause::upgraded:
+      return "upgraded";
+    case Cause::policed:
+      return "policed";
+    case Cause::dropped:
+      return "dropped";
+    case Cause::missing:
+      return "missing";
+    case Cause::restored:
+      return "restored";
+    case Cause::gates_closed:
+      return "gates closed";
+    case Cause::mode:
+      return "mode";
+    case Cause::lagged:
+      return "lagged";
+    case Cause::daemon_gone:
+      return "daemon gone";
+    case Cause::daemon_back:
+      return "daemon back";
+    case Cause::other:
+      break;
+  }
+  return "other";
+}
+
+const char* name_of(State state) {
+  switch (state) {
+    case State::unannounced:
+      return "unannounced";
+    case State::granted:
+      return "granted";
+    case State::partly:
+      return "granted in part";
+    case State::refused:
+      return "refused";
+    case State::rejected:
+      return "rejected";
+    case State::no_daemon:
+      return "no daemon";
+  }
+  return "unknown";
+}
+
+Client::Client(Options options) : connection_(std::make_shared<Connection>(std::move(options))) {}
+Client::~Client() = default;
+
+int Client::fd() const { return connection_->fd(); }
+bool Client::is_connected() const { return connection_->is_connected(); }
+
+void Client::process() {
+  const auto connection = connection_;  // a handler may end this client
+  connection->turn();
+  connection->call_handlers();
+}
+
+void Client::wait(std::chrono::milliseconds time) {
+  connection_->wait(time);
+  process();
+}
+
+Channel::Channel(Client& client, Role role, std::string channel, const AttributeSet& stated,
+                 std::string name)
+    : part_(std::make_shared<Part>()) {
+  part_->request = {
+      .channel = std::move(channel),
+      .role = role == Role::publisher ? control::Role::publisher : control::Role::subscriber,
+      .name = std::move(name),
+      .attributes = attributes_of(stated)};
+  part_->connection = client.connection_;
+}
+Channel::~Channel() = default;
+
+void Channel::on_exception(Handler handler) { part_->handler = std::move(handler); }
+const Answer& Channel::answer() const { return part_->answer; }
+
+const Answer& Channel::take_up() {
+  if (const auto connection = part_->connection.lock()) connection->take_up(part_);
+  return part_->answer;
+}
+
+}  // namespace mlcca::client

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: BSD-2-Clause
+# libmlcca: what applications link with. It shows mlcca::client alone; whatever else it is made of, the
+# control protocol with the standard library, is hidden in it.
+$(eval $(call library,client,$(wildcard client/*.cc)))
+
+# The number changes when a program that was linked with the library does not run any more with a later one.
+CLIENT_ABI := 0
+CLIENT_VERSION := $(shell sed -n 's/.*kVersion\[\] = "\(.*\)";/\1/p' control/version.hpp)
+CLIENT_LIBRARY := $O/libmlcca.so.$(CLIENT_VERSION)
+CLIENT_OBJECTS := $(if $(BUNDLE),$(foreach folder,client control,$(call bundle,$O/bundle/pic/$(folder),$(wildcard \
+	$(folder)/*.cc))),$(patsubst %.cc,$O/pic/%.o,$(wildcard client/*.cc control/*.cc)))
+OBJECTS += $(CLIENT_OBJECTS)
+$(CLIENT_OBJECTS): CXXFLAGS += -fPIC -fvisibility=hidden
+
+$O/pic/%.o: %.cc | $(CONTROL_HEADERS)
+	$(call say,CXX,$< (shared))
+	$(Q)mkdir -p $(@D) && $(CXX) $(STD) $(WARN) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
+
+$(CLIENT_LIBRARY): $(CLIENT_OBJECTS) client/exports.map
+	$(call say,LINK,$@)
+	$(Q)$(CXX) $(LDFLAGS) -shared -Wl,-soname,libmlcca.so.$(CLIENT_ABI) -Wl,--version-script=client/exports.map \
+		-Wl,--no-undefined -o $@ $(CLIENT_OBJECTS)
+	$(Q)ln -sf $(@F) $O/libmlcca.so.$(CLIENT_ABI) && ln -sf libmlcca.so.$(CLIENT_ABI) $O/libmlcca.so
+PROGRAMS += $(CLIENT_LIBRARY)
+
+# Where Debian has the libraries of a machine; elsewhere `make LIBDIR=…`.
+LIBDIR ?= $(PREFIX)/lib$(if $(filter /usr,$(PREFIX)),/$(shell $(CXX) -print-multiarch))
+install-client: $(CLIENT_LIBRARY) ## libmlcca for applications, with what pkg-config and CMake need
+	$(Q)install -d $(DESTDIR)$(LIBDIR)/pkgconfig $(DESTDIR)$(LIBDIR)/cmake/mlcca $(DESTDIR)$(PREFIX)/include/mlcca/client
+	$(Q)install -m 644 $(CLIENT_LIBRARY) $(DESTDIR)$(LIBDIR)
+	$(Q)ln -sf $(notdir $(CLIENT_LIBRARY)) $(DESTDIR)$(LIBDIR)/libmlcca.so.$(CLIENT_ABI)
+	$(Q)ln -sf libmlcca.so.$(CLIENT_ABI) $(DESTDIR)$(LIBDIR)/libmlcca.so
+	$(Q)install -d $(DESTDIR)$(PREFIX)/share/mlcca/proto/mlcca/v1
+	$(Q)install -m 644 proto/mlcca/v1/control.proto proto/mlcca/v1/options.proto $(DESTDIR)$(PREFIX)/share/mlcca/proto/mlcca/v1
+	$(Q)install -m 644 include/mlcca/client/*.hpp $(DESTDIR)$(PREFIX)/include/mlcca/client
+	$(Q)for file in mlcca.pc:pkgconfig/mlcca.pc mlcca-config.cmake:cmake/mlcca/mlcca-config.cmake \
+		mlcca-config-version.cmake:cmake/mlcca/mlcca-config-version.cmake; do \
+		sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@VERSION@|$(CLIENT_VERSION)|g' \
+			client/$${file%%:*}.in >$(DESTDIR)$(LIBDIR)/$${file#*:} || exit 1; done
+INSTALL += install-client
+.PHONY: install-client

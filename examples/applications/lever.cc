@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The lever of an emergency stop: a program on the gateway that announces the channel "stop" and
+// prints what is decided for it, and what becomes of that.
+//   g++ -std=c++17 lever.cc $(pkg-config --cflags --libs mlcca) -o lever
+#include <chrono>
+#include <cstdint>
+#include <iostream>
+#include <string>
+
+#include "mlcca/client/client.hpp"
+#include "mlcca/mlcca.hpp"
+
+namespace {
+
+using mlcca::client::Answer;
+using mlcca::client::Exception;
+using namespace mlcca::literals;
+
+// As in the description: what a node checks at compile time is announced at run time.
+struct StopSpec {
+  static constexpr std::uint64_t subject = 0x73746f7000000000;
+  using attributes = mlcca::AttributeList<mlcca::Period<50_ms>, mlcca::Omission<2>>;
+};
+
+void print(const std::string& what, const Answer& answer) {
+  std::cout << what << ": " << mlcca::client::name_of(answer.state) << ", " << answer.reason
+            << std::endl;
+  for (const auto& delivery : answer.deliveries)
+    for (const auto& check : delivery.checks)
+      if (!check.fits)
+        std::cout << "  " << check.attribute << " at " << check.where << ": " << check.margin
+                  << std::endl;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  mlcca::client::Options options;
+  if (argc > 1) options.socket = argv[1];
+  mlcca::client::Client client(options);
+  mlcca::client::PublisherChannel stop(client, "stop", mlcca::values_of<StopSpec::attributes>());
+  stop.on_exception([](const Exception& exception) {
+    print(mlcca::client::name_of(exception.cause), exception.answer);
+  });
+  print("announced", stop.announce());
+  for (;;) client.wait(std::chrono::hours(1));
+}

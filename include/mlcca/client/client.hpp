@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The application's side of a gateway: a program takes up the publishers and subscribers that the
+// description has for it, learns what was decided for them and why, and gets an exception when that
+// changes. C++17 with the standard library. Link with -lmlcca (pkg-config mlcca).
+//
+// A Client and its channels belong to one thread. Put Client::fd() into your poll, epoll, sd-event
+// or asio loop and call process() when it can be read, or call wait() in a loop of your own.
+// Events are sent and received by sockets of your own: this library carries none yet.
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mlcca/attribute.hpp"
+#include "mlcca/values_of.hpp"
+
+#define MLCCA_API __attribute__((visibility("default")))
+
+namespace mlcca::client {
+
+/// One attribute, held against one place on the way of an event.
+struct Check {
+  std::string where;              ///< network or gateway, "end to end", "publisher NAME", …
+  std::string attribute;          ///< "Omission"
+  std::string unit;               ///< of both values: "ns", "bytes/s", "1e-9", "events", "bytes"
+  Value required = 0;             ///< what publisher and subscribers ask for together
+  std::optional<Value> provided;  ///< nothing: it is not known
+  bool fits = false;
+  std::string margin;  ///< readable: "1 to spare", "3 events too many"
+};
+
+/// What was decided for the events of one publisher towards one network or gateway.
+struct Delivery {
+  bool granted = false;
+  std::string publisher;
+  std::string from;
+  std::string to;
+  std::string reason;   ///< one line: the smallest margin, or why it is refused
+  unsigned set = 0;     ///< attribute set in use, 0: the preferred one
+  std::string trouble;  ///< what is wrong although it is granted; empty: nothing
+  std::vector<std::string> route;
+  std::vector<Check> checks;
+};
+
+enum class State : std::uint8_t {
+  unannounced,
+  granted,    ///< every delivery
+  partly,     ///< some deliveries are granted, some refused
+  refused,    ///< every delivery, or there is none
+  rejected,   ///< the daemon does not take the announcement: see the reason
+  no_daemon,  ///< nothing is known while no daemon answers
+};
+
+/// What is known of a channel.
+struct Answer {
+  State state = State::unannounced;
+  /// One line: of a delivery that is refused, else of the one that is granted; or the error.
+  std::string reason;
+  std::vector<Delivery> deliveries;
+};
+
+/// Why an exception handler is called.
+enum class Cause : std::uint8_t {
+  granted,       ///< a delivery that was refused is granted
+  refused,       ///< a delivery is refused
+  withdrawn,     ///< a delivery was granted and is not any more
+  degraded,      ///< another attribute set is in use, which asks for less
+  upgraded,      ///< another attribute set is in use, which gives more
+  policed,       ///< the publisher sent more than was admitted
+  dropped,       ///< the gate dropped frames of the channel
+  missing,       ///< nothing has come for longer than a subscriber's Omission allows
+  restored,      ///< events come again
+  gates_closed,  ///< the kernel closed all gates for a while, or the daemon ends and closes them
+  mode,          ///< enforce or audit
+  lagged,        ///< exceptions were lost: this program called process() too seldom
+  daemon_gone,   ///< nothing is known any more; granted deliveries hold for the grace period
+  daemon_back,   ///< it is announced again: see the answer
+  other,         ///< of a newer daemon: see the text
+};
+/// "withdrawn"
+MLCCA_API const char* name_of(Cause cause);
+MLCCA_API const char* name_of(State state);
+
+struct Exception {
+  Cause cause = Cause::other;
+  std::string text;                   ///< one line, as in the log of the gateway
+  std::chrono::nanoseconds silent{};  ///< missing, restored: how long nothing came
+  std::uint64_t missing_events = 0;   ///< missing, restored: how many did not come in that time
+  Answer answer;                      ///< what is decided now
+};
+
+struct Options {
+  std::string socket = "/run/mlcca/control.sock";
+  /// How long announce() and subscribe() wait for an answer.
+  std::chrono::milliseconds patience{10'000};
+  /// How long after the daemon is lost it is tried again: this, then twice as long, up to
+  /// `longest`.
+  std::chrono::milliseconds first_retry{100};
+  std::chrono::milliseconds longest_retry{5'000};
+};
+
+class Channel;
+
+/// A connection to mlccad, which is made when it is needed and made again when it is lost.
+class MLCCA_API Client {
+ public:
+  /// Throws std::system_error when the process has no file descriptors left. No daemon is needed.
+  explicit Client(Options options = {});
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+  Client(Client&&) = delete;
+  Client& operator=(Client&&) = delete;
+  ~Client();
+
+  /// Can be read when there is something for process() to do. It stays the same.
+  [[nodiscard]] int fd() const;
+  /// Does what there is to do and calls exception handlers. Never waits. What a handler throws
+  /// comes out of here; the other exceptions are kept for the next call.
+  void process();
+  /// process(), after waiting until there is something to do, for at most so long. A negative time
+  /// is without end.
+  void wait(std::chrono::milliseconds time);
+  [[nodiscard]] bool is_connected() const;
+
+ private:
+  friend class Channel;
+  class __attribute__((visibility("hidden"))) Connection;
+  std::shared_ptr<Connection> connection_;
+};
+
+/// What a publisher and a subscriber have in common. A channel may outlive its Client; then nothing
+/// happens to it any more.
+class MLCCA_API Channel {
+ public:
+  using Handler = std::function<void(const Exception&)>;
+
+  Channel(const Channel&) = delete;
+  Channel& operator=(const Channel&) = delete;
+  Channel(Channel&&) = delete;
+  Channel& operator=(Channel&&) = delete;
+  ~Channel();
+
+  /// Called by Client::process(), never by announce() or subscribe(). The channel may be destroyed
+  /// in it.
+  void on_exception(Handler handler);
+  /// What is known now.
+  [[nodiscard]] const Answer& answer() const;
+
+ protected:
+  enum class Role : std::uint8_t { publisher, subscriber };
+  Channel(Client& client, Role role, std::string channel, const AttributeSet& stated,
+          std::string name);
+  const Answer& take_up();
+
+ private:
+  friend class Client;
+  struct __attribute__((visibility("hidden"))) Part;
+  std::shared_ptr<Part> part_;
+};
+
+class MLCCA_API PublisherChannel : public Channel {
+ public:
+  /// `channel`: its name, or its subject as "0xa4efeccc3210b497". `stated`: what this program was
+  /// made with, so that it is refused where the description has less; values_of<Spec::attributes>()
+  /// of a specification. `name`: of the publisher in the description, where several are for the
+  /// user that runs this program.
+  PublisherChannel(Client& client, std::string channel, const AttributeSet& stated = {},
+                   std::string name = {})
+      : Channel(client, Role::publisher, std::move(channel), stated, std::move(name)) {}
+
+  /// Takes the publisher up and waits for the answer, at most Options::patience. Whatever it is,
+  /// the channel is announced again by itself whenever a daemon is there, until it is destroyed.
+  const Answer& announce() { return take_up(); }
+};
+
+class MLCCA_API SubscriberChannel : public Channel {
+ public:
+  /// As for a publisher.
+  SubscriberChannel(Client& client, std::string channel, const AttributeSet& stated = {},
+                    std::string name = {})
+      : Channel(client, Role::subscriber, std::move(channel), stated, std::move(name)) {}
+
+  /// As PublisherChannel::announce().
+  const Answer& subscribe() { return take_up(); }
+};
+
+}  // namespace mlcca::client
