@@ -115,6 +115,13 @@ std::string stated_by(const System& system, Place place) {
   return (evaluated ? "PerHop of " : "") + name_of(system, place);
 }
 
+/// What a mesh provides of it is composed of what each of its links does.
+bool follows_from_links(const System& system, const Row& row) {
+  if (row.is_user() || row.place.kind != Place::Kind::network) return false;
+  const auto& mesh = system.networks[row.place.index].mesh;
+  return mesh && mesh->per_hop.has(held_against(row.comparison.attribute));
+}
+
 bool is_too_much_jitter(const can::Schedule& bus, can::Message message, Value jitter) {
   message.jitter = jitter;
   return can::unusable(bus.assumptions(), message) == can::Unusable::jitter ||
@@ -382,11 +389,15 @@ void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber
       f.text = publisher + " to " + listener + ": " + asked + " required by " +
                asker(s_, v, row, subscriber) + ", " + name_of(system, row.place) + " provides " +
                numbers;
-      f.hint = c.known ? "let " + name_of(system, row.place) + " provide " +
-                             provided_name(system, row) + " " + f.required +
-                             " or better, ask less, or take another way"
-                       : "state " + provided_name(system, row) + " of " +
-                             stated_by(system, row.place) + ": what is not stated is not given";
+      if (!c.known)
+        f.hint = "state " + provided_name(system, row) + " of " + stated_by(system, row.place) +
+                 ": what is not stated is not given";
+      else if (follows_from_links(system, row))
+        f.hint = "each link has the " + provided_name(system, row) +
+                 " that PerHop states: let it be better, take fewer links, or ask less";
+      else
+        f.hint = "let " + name_of(system, row.place) + " provide " + provided_name(system, row) +
+                 " " + f.required + " or better, ask less, or take another way";
       break;
     case Against::overhearing:
       f.text = publisher + " to " + name_of(system, v.to) + ": " + f.attribute + " " + f.required +
@@ -417,7 +428,8 @@ void Explainer::add_medium(const Verdict& v, const Row& row) {
     f.text = "with " + publisher + ", " + schedule_text(s_.system, s_.members, row);
     if (queue)
       f.hint = "send less often, or give the port of the gateway queue-length=\"" +
-               std::to_string(row.reserved) + "\"";
+               std::to_string(row.reserved) +
+               "\"; mlccactl analyse-bus says what all messages of the bus need together";
     else
       f.hint = late_hint(s_, *ledger_.schedule(row.place.index), v, row);
     return;

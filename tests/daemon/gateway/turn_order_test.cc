@@ -100,6 +100,19 @@ TEST_F(OnTheBench, WhatIsReleasedOrWithdrawnIsAnsweredSoWhateverTheKernelSays) {
   EXPECT_EQ(wrong_gate(bench_), "");
 }
 
+TEST_F(OnTheBench, AReloadReportsOnlyWhatBecameDifferent) {
+  const auto reload = [this] {
+    bench_.events.clear();
+    static_cast<void>(bench_.ask(control::ReloadRequest{}));
+    bench_.reading().finish();
+    return bench_.events;
+  };
+  EXPECT_EQ(reload(), std::vector<std::string>{"reload"});
+  bench_.system.subscribers.clear();
+  EXPECT_EQ(reload(), (std::vector<std::string>{"reload", "withdrawn"}));
+  EXPECT_EQ(reload(), std::vector<std::string>{"reload"});
+}
+
 TEST_F(OnTheBench, ObservesAndSettlesBeforeItEnforcesAndOpens) {
   bench_.kernel.order.clear();
   bench_.kernel.unplug("can1");

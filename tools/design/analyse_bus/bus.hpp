@@ -24,6 +24,7 @@ struct BusMessage {
   std::uint64_t granted_on_bus = 0;
   /// check refuses it because of the bus, though it may be another message that would be late.
   bool in_vain = false;
+  bool from_elsewhere = false;  ///< a gateway sends it on: its jitter follows from the way before
   core::can::Message message;
 };
 

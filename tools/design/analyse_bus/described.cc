@@ -142,6 +142,7 @@ class DescribedBuses {
       m.granted_on_bus = *from.granted_response - from.granted_jitter;
     }
     m.in_vain = from.in_vain;
+    m.from_elsewhere = from.from != core::Flow::kOwn;
     m.message = *from.message;
     m.message.key = core::Ledger::key_of({from.publisher, from.network, from.from});
     froms_.push_back(from.from);

@@ -143,7 +143,10 @@ class TableReader {
     while (!text.empty() && readable_) {
       const auto end = std::min(text.find('\n'), text.size());
       ++line_;
-      take(without_comment(text.substr(0, end)));
+      const auto whole = text.substr(0, end);
+      const auto line = without_comment(whole);
+      commented_ = line.size() != whole.size();
+      take(line);
       text.remove_prefix(std::min(end + 1, text.size()));
     }
     if (!header_)
@@ -236,8 +239,9 @@ class TableReader {
 
   void take_message(const std::vector<std::string>& cells) {
     if (cells.size() != columns_) {
-      problem("values", fmt::format("{} values: must be {}, one for each column of the header",
-                                    cells.size(), columns_));
+      problem("values", fmt::format("{} values: must be {}, one for each column of the header{}",
+                                    cells.size(), columns_,
+                                    commented_ ? " (what follows a # is a comment)" : ""));
       return;
     }
     const std::size_t problems = found_;
@@ -333,6 +337,7 @@ class TableReader {
   std::size_t line_ = 0;
   char separator_ = ',';
   bool header_ = false;
+  bool commented_ = false;  ///< the line that is read ends with a comment
   bool readable_ = true;
 };
 

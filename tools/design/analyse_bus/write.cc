@@ -147,9 +147,38 @@ std::string summary_of(const AnalysedBus& analysed) {
   return text;
 }
 
+/// Why there may be an order although none was found: sentences. None: there is no order.
+std::vector<std::string> order_may_exist(const AnalysedBus& analysed) {
+  std::vector<std::string> why;
+  const auto& messages = analysed.bus.messages;
+  const bool searched_whole = std::ranges::all_of(messages, [](const BusMessage& m) {
+    return m.message.queue == core::can::kOwnQueue && m.message.frames == 1;
+  });
+  if (!searched_whole)
+    why.emplace_back(
+        "One may exist: for messages that wait in a queue of a gateway or of a node, and for "
+        "events "
+        "of several frames, the search is on the safe side.");
+  for (const BusMessage& m : messages)
+    if (m.from_elsewhere && m.message.jitter > 0)
+      why.push_back(fmt::format(
+          "{} comes here from another network with a jitter of {} us. A better order of the "
+          "identifiers there can lessen that: change that bus first, then analyse again.",
+          printable(m.name), in_us(m.message.jitter)));
+  return why;
+}
+
 std::string order_text(const AnalysedBus& analysed) {
-  if (!analysed.order)
-    return "There is no order of the identifiers in which all deadlines are met.\n";
+  if (!analysed.order) {
+    const auto why = order_may_exist(analysed);
+    if (why.empty())
+      return "There is no order of the identifiers in which all deadlines are met.\n";
+    std::string text =
+        "No order of the identifiers was found in which all deadlines are met, with these "
+        "jitters.\n";
+    for (const std::string& sentence : why) text += sentence + '\n';
+    return text;
+  }
   std::string text =
       "In this order of the identifiers, highest priority first, all deadlines are met:\n";
   for (const std::size_t i : *analysed.order)
@@ -269,7 +298,10 @@ Json bus_json(const AnalysedBus& analysed) {
     out["messages"].push_back(message_json(analysed, i));
   if (!analysed.assigned) return out;
   out["assignment"] = nullptr;
-  if (!analysed.order) return out;
+  if (!analysed.order) {
+    if (const auto why = order_may_exist(analysed); !why.empty()) out["assignment_may_exist"] = why;
+    return out;
+  }
   out["assignment"] = Json::array();
   for (const std::size_t i : *analysed.order) out["assignment"].push_back(bus.messages[i].name);
   return out;

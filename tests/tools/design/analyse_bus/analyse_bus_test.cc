@@ -92,6 +92,18 @@ TEST_F(AnalyseBusTest, AnOrderIsFoundWhereThereIsOne) {
   const auto none =
       slow(table("a,1,0,7,20000,1500,0\nb,2,0,7,20000,1500,0\n"), {"--json", "--assign"});
   EXPECT_TRUE(Json::parse(none.out)["assignment"].is_null());
+  EXPECT_FALSE(Json::parse(none.out).contains("assignment_may_exist"));
+  const auto fragments = slow(file("fragments.csv",
+                                   "name,id,extended,bytes,period_us,deadline_us,frames\n"
+                                   "a,1,0,7,20000,1900,2\nb,2,0,7,20000,1900,1\n"),
+                              {"--assign"});
+  EXPECT_NE(fragments.out.find("One may exist: "), std::string::npos) << fragments.out;
+}
+
+TEST_F(AnalyseBusTest, ACommentThatCutsALineIsNamed) {
+  EXPECT_NE(slow(table("a#1,1,0,7,20000,1500,0\n")).error.find("(what follows a # is a comment)"),
+            std::string::npos);
+  EXPECT_EQ(slow(table("a,1,0,7\n")).error.find('#'), std::string::npos);
 }
 
 TEST_F(AnalyseBusTest, TablesMayHaveCommentsBlankLinesAnyOrderAndFurtherColumns) {

@@ -175,6 +175,26 @@ TEST_F(AnalyseBusTest, WhatIsRefusedOnTheFirstBusIsAsLateOnTheSecondAsItWouldBe)
   EXPECT_EQ(message_of(out["networks"][1], "V")["response_us"], 1080);
 }
 
+/// In another order of the identifiers on the first bus it would come earlier.
+TEST_F(AnalyseBusTest, AnOrderThatIsNotFoundMayExistWhereTheBusBeforeCanBeBetter) {
+  auto lines = late_on_the_second();
+  lines.back().deadline = 2000;
+  const auto path = file("later.xml", system_with(lines));
+  const auto text = analyse(path, {"--assign"}).out;
+  EXPECT_NE(text.find("No order of the identifiers was found"), std::string::npos) << text;
+  EXPECT_NE(text.find("X comes here from another network with a jitter of 1890.000 us"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("There is no order"), std::string::npos) << text;
+  const Json out = Json::parse(analyse(path, {"--assign", "--json"}).out);
+  EXPECT_TRUE(out["networks"][0]["assignment"].is_array());
+  EXPECT_TRUE(out["networks"][1]["assignment"].is_null());
+  EXPECT_EQ(out["networks"][1]["assignment_may_exist"].size(), 2U);
+  lines.back().id_a = 1;  // as the order on the first bus says
+  const auto better = analyse(file("better.xml", system_with(lines)), {"--json"});
+  EXPECT_EQ(better.status, 0) << better.out;
+}
+
 /// Channels of 1 ms and 8 bytes on a bus of 250 kbit/s, where a frame takes 540 us: one of them
 /// fits.
 std::string crowded_bus(int channels) {
