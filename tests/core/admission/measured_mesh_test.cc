@@ -107,7 +107,8 @@ TEST(MeasuredMeshTest, AtDesignTimeItGivesAtBestWhatOneLinkStates) {
   const std::size_t mesh_hop = 2;
   EXPECT_EQ(provided(checked.verdict, mesh_hop, Attribute::omission), 1U);
   EXPECT_EQ(provided(checked.verdict, mesh_hop, Attribute::latency), 10 * kMs);
-  EXPECT_TRUE(checked.verdict.hops.at(mesh_hop).provision.is_dynamic(Attribute::latency));
+  for (const Attribute a : {Attribute::latency, Attribute::max_payload, Attribute::period})
+    EXPECT_TRUE(checked.verdict.hops.at(mesh_hop).provision.is_dynamic(a)) << info(a).name;
 }
 
 /// From a over a node that the description does not have to c.

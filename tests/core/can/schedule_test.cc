@@ -149,6 +149,47 @@ TEST(Schedule, WithOtherAssumptionsItNamesWhatIsLate) {
   EXPECT_FALSE(schedule.add(message(3, 3, 100 * sets::kMicrosecond, 50 * kMillisecond)));
 }
 
+/// Where an analysis ended with more on the bus is no beginning for the next one.
+TEST(Schedule, WithLessOnTheBusEverythingIsAsItWouldHaveBeen) {
+  auto busy = bus();
+  busy.background = 300'000;
+  auto quieter = bus();
+  quieter.background = 1'000;
+  Random random(5);
+  unsigned refused = 0;
+  for (int round = 0; round < 300; ++round) {
+    const auto pool = sets::random_set(random, 30, {.load = 150, .equal_priorities = true});
+    Schedule schedule(busy);
+    std::size_t next = 0;
+    while (next < pool.size() / 2) schedule.add(pool[next++]);
+    ASSERT_TRUE(schedule.set_assumptions(quieter).empty());
+    Schedule fresh(quieter);
+    for (const Message& m : schedule.messages()) ASSERT_FALSE(fresh.add(m));
+    for (; next < pool.size(); ++next) {
+      const auto late = schedule.add(pool[next]);
+      ASSERT_EQ(late, fresh.add(pool[next])) << round;
+      if (late) ++refused;
+    }
+  }
+  EXPECT_GT(refused, 300U);
+}
+
+/// The second instance of the lowest is later than the first one (Davis and others, Real-Time
+/// Systems 35, 2007, table 3), and here both may be queued at the same moment.
+TEST(Schedule, AJitterLongerThanThePeriodLeavesTheLaterInstancesLate) {
+  constexpr Time us = sets::kMicrosecond;
+  Schedule schedule(bus());
+  ASSERT_FALSE(schedule.add(message(1, 1, 1000 * us, 2500 * us)));
+  ASSERT_FALSE(schedule.add(message(2, 2, 1000 * us, 3500 * us)));
+  auto lowest = message(3, 3, 1000 * us, 3500 * us);
+  lowest.jitter = 3600 * us;
+  lowest.deadline = 6850 * us;
+  const auto late = schedule.add(lowest);
+  ASSERT_TRUE(late);
+  EXPECT_EQ(late->key, 3U);
+  EXPECT_EQ(late->response, 7100 * us);
+}
+
 TEST(Schedule, AnUnknownBitRateGrantsNothing) {
   Schedule none;
   const auto late = none.add(message(1, 1, kMillisecond, 20 * kMillisecond));

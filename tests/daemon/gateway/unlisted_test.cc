@@ -218,6 +218,22 @@ TEST(Unlisted, ASecondSubscriberJoins) {
   EXPECT_EQ(admit(state, second, 2), "granted");
 }
 
+/// Whom its publisher has left waits for another one.
+TEST(Unlisted, AChannelThatOnlyASubscriberIsLeftOfIsKept) {
+  core::State state(allowing());
+  ASSERT_EQ(admit(state, wanted(), 1), "granted");
+  control::ChannelRequest second;
+  second.channel = "0x5600000000000001";
+  second.unlisted = true;
+  second.to = "robot-can";
+  second.subscriber = "logger";
+  ASSERT_EQ(admit(state, second, 2), "granted");
+  ASSERT_TRUE(state.remove(1));
+  state.settle();
+  ASSERT_EQ(admit(state, wanted("0x5600000000000002", 0x90), 3), "granted");
+  EXPECT_TRUE(state.find_channel("0x5600000000000001"));
+}
+
 TEST(Unlisted, IdentifiersBelongToSuchChannelsOnly) {
   auto request = wanted("emergency-switch");
   request.unlisted = false;
