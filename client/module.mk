@@ -39,3 +39,13 @@ install-client: $(CLIENT_LIBRARY) ## libmlcca for applications, with what pkg-co
 			client/$${file%%:*}.in >$(DESTDIR)$(LIBDIR)/$${file#*:} || exit 1; done
 INSTALL += install-client
 .PHONY: install-client
+
+# The same in Python, with what protoc makes of the protocol. Debian's Python looks there.
+PYTHON_DIR ?= $(PREFIX)/lib/$(if $(filter /usr,$(PREFIX)),python3,$(shell python3 -c \
+	'import sys; print("python%d.%d" % sys.version_info[:2])'))/dist-packages
+install-python: ## the package mlcca for Python 3
+	$(Q)install -d $(DESTDIR)$(PYTHON_DIR)/mlcca
+	$(Q)install -m 644 client/python/mlcca/*.py client/python/mlcca/py.typed $(DESTDIR)$(PYTHON_DIR)/mlcca
+	$(Q)$(PROTOC) -Iproto --python_out=$(DESTDIR)$(PYTHON_DIR) mlcca/v1/control.proto mlcca/v1/options.proto
+INSTALL += install-python
+.PHONY: install-python

@@ -5,6 +5,9 @@ $(eval $(call unit_test,client_test,tests/client/client_test.cc tests/control/se
 check-client: $O/mlccad $O/mlccactl $(CLIENT_LIBRARY) ## libmlcca, installed, against a real mlccad: root
 	$(call say,TEST,a program outside of the tree)
 	$(Q)rm -rf $O/client-installed
-	$(Q)$(MAKE) --no-print-directory DESTDIR=$(abspath $O)/client-installed PREFIX=/usr install-client install-headers
+	$(Q)$(MAKE) --no-print-directory DESTDIR=$(abspath $O)/client-installed PREFIX=/usr install-client install-headers install-python
+	$(Q)PYTHONPATH=$O/client-installed/usr/lib/python3/dist-packages /usr/bin/python3 -W ignore tests/client/python_test.py 2>$O/python_test.log || \
+		{ cat $O/python_test.log; exit 1; }
+	$(Q)tail -n 3 $O/python_test.log | head -n 1
 	$(Q)tests/client/run $O $O/client-installed
 .PHONY: check-client

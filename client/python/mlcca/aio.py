@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The same for asyncio: announce() is awaited, and exceptions are iterated over."""
+from __future__ import annotations
+
+import asyncio
+from typing import AsyncIterator, Optional
+
+from mlcca.client import SOCKET
+from mlcca.session import Part, ProtocolError, Role, Session
+from mlcca.types import Answer, ChannelException, State
+
+
+class Channel:
+    """A publisher or a subscriber of a program. It is made by Client.publisher() or Client.subscriber()."""
+
+    def __init__(self, client: "Client", part: Part) -> None:
+        self._client = client
+        self._part = part
+
+    @property
+    def answer(self) -> Answer:
+        return self._part.answer
+
+    async def announce(self) -> Answer:
+        """As mlcca.Channel.announce()."""
+        return await self._client._take_up(self._part)
+
+    async def exceptions(self) -> AsyncIterator[ChannelException]:
+        """Without end; what came before is kept."""
+        while True:
+            while self._part.exceptions:
+                yield self._part.exceptions.popleft()
+            await self._client._changed()
+
+    def close(self) -> None:
+        self._client._forget(self._part)
+
+
+class Client:
+    """`async with Client() as client`: the connection lives in a task of the running loop."""
+
+    def __init__(self, path: str = SOCKET, patience: float = 10, first_retry: float = 0.1, longest_retry: float = 5) -> None:
+        self._path, self._patience = path, patience
+        self._first_retry, self._longest_retry = first_retry, max(first_retry, longest_retry)
+        self._session = Session()
+        self._writer: Optional[asyncio.StreamWriter] = None
+        self._task: Optional[asyncio.Task[None]] = None
+        self._change = asyncio.Event()
+        self._wanted = asyncio.Event()  # something is announced
+        self._hurry = asyncio.Event()   # somebody waits for a connection
+        self._losses = 0
+
+    def publisher(self, channel: str, name: str = "", **stated: int | str) -> Channel:
+        """As mlcca.Client.publisher()."""
+        return Channel(self, Part(channel, Role.PUBLISHER, name, stated))
+
+    def subscriber(self, channel: str, name: str = "", **stated: int | str) -> Channel:
+        return Channel(self, Part(channel, Role.SUBSCRIBER, name, stated))
+
+    async def __aenter__(self) -> "Client":
+        self._task = asyncio.create_task(self._run())
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        assert self._task is not None
+        self._task.cancel()
+        await asyncio.gather(self._task, return_exceptions=True)
+
+    async def _take_up(self, part: Part) -> Answer:
+        if part not in self._session.parts:
+            self._session.parts.append(part)
+        part.lost = False
+        losses = self._losses
+        if self._writer and part.asked == 0:
+            self._session.ask(part)
+            self._send()
+        self._wanted.set()
+        self._hurry.set()
+        try:
+            async with asyncio.timeout(self._patience):
+                while self._losses == losses and (part.asked != 0 or not self._writer):
+                    await self._changed()
+        except TimeoutError:
+            part.lost = True  # the answer may come later
+            part.answer = Answer(State.NO_DAEMON, f"no answer from mlccad within {self._patience:g} s")
+        return part.answer
+
+    def _forget(self, part: Part) -> None:
+        if part in self._session.parts:
+            self._session.parts.remove(part)
+
+    async def _changed(self) -> None:
+        await self._change.wait()
+
+    def _wake(self) -> None:
+        """Whoever waits for a change looks whether it is theirs."""
+        self._change.set()
+        self._change = asyncio.Event()
+
+    def _send(self) -> None:
+        if self._writer and self._session.out:
+            self._writer.write(bytes(self._session.out))
+            self._session.out.clear()
+
+    async def _pause(self, seconds: float) -> None:
+        try:
+            async with asyncio.timeout(seconds):
+                await self._hurry.wait()
+        except TimeoutError:
+            pass
+
+    async def _run(self) -> None:
+        retry = self._first_retry
+        while True:
+            await self._wanted.wait()
+            why = "mlccad closed the connection"
+            try:
+                reader, self._writer = await asyncio.open_unix_connection(self._path)
+                self._session.connected()
+                self._send()
+                while data := await reader.read(1 << 16):
+                    retry = self._first_retry
+                    self._session.receive(data)
+                    self._send()
+                    self._wake()
+            except ProtocolError as wrong:
+                why = str(wrong)
+            except OSError as error:
+                told = error.strerror or str(error)
+                why = told if self._writer else f"no daemon: {self._path}: {told}"
+            finally:
+                if self._writer:
+                    self._writer.close()
+                self._writer = None
+            self._session.lost(why)
+            self._losses += 1
+            self._hurry.clear()
+            self._wake()
+            await self._pause(retry)
+            retry = min(retry * 2, self._longest_retry)

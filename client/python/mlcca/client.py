@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The blocking client: fits a program of one thread, or a loop over file descriptors."""
+from __future__ import annotations
+
+import select
+import socket
+import time
+from typing import Callable, Mapping, Optional
+
+from mlcca.session import Part, ProtocolError, Role, Session
+from mlcca.types import Answer, ChannelException, State
+
+SOCKET = "/run/mlcca/control.sock"
+Handler = Callable[[ChannelException], None]
+
+
+class Channel:
+    """A publisher or a subscriber of a program. It is made by Client.publisher() or Client.subscriber()."""
+
+    def __init__(self, client: "Client", part: Part) -> None:
+        self._client = client
+        self._part = part
+        self.on_exception: Optional[Handler] = None  # called by Client.process() and Client.wait()
+
+    @property
+    def answer(self) -> Answer:
+        return self._part.answer
+
+    def announce(self) -> Answer:
+        """Takes the end up and waits for the answer, at most as long as the client is patient.
+
+        Whatever it is, the channel is announced again by itself whenever a daemon is there, until close().
+        """
+        return self._client._take_up(self)
+
+    def close(self) -> None:
+        """Nothing happens to it any more."""
+        self._client._forget(self)
+
+
+class Client:
+    """A connection to mlccad, which is made when it is needed and made again when it is lost.
+
+    Give it to select(), or its fileno() to a loop of your own, and call process() when it can be read; call process() once
+    a second in any case, so that a daemon that comes back is found. Or call wait().
+    """
+
+    def __init__(self, path: str = SOCKET, patience: float = 10, first_retry: float = 0.1, longest_retry: float = 5) -> None:
+        self._path, self._patience = path, patience
+        self._first_retry, self._longest_retry = first_retry, max(first_retry, longest_retry)
+        self._retry, self._retry_at = first_retry, 0.0
+        self._session = Session()
+        self._socket: Optional[socket.socket] = None
+        self._channels: list[Channel] = []
+
+    def publisher(self, channel: str, name: str = "", **stated: int | str) -> Channel:
+        """`channel`: its name, or its subject as "0xa4efeccc3210b497"; `name`: of the publisher, where several are for this
+        user; the others: what the program was made with, such as Period="50ms". Raises ValueError."""
+        return Channel(self, Part(channel, Role.PUBLISHER, name, stated))
+
+    def subscriber(self, channel: str, name: str = "", **stated: int | str) -> Channel:
+        return Channel(self, Part(channel, Role.SUBSCRIBER, name, stated))
+
+    @property
+    def connected(self) -> bool:
+        return self._socket is not None
+
+    def fileno(self) -> int:
+        """-1 while there is no connection: it changes when the daemon comes and goes."""
+        return self._socket.fileno() if self._socket else -1
+
+    def process(self) -> None:
+        """Does what there is to do and calls exception handlers. Never waits."""
+        self._turn()
+        for channel in list(self._channels):
+            for _ in range(len(channel._part.exceptions)):
+                exception = channel._part.exceptions.popleft()
+                if channel.on_exception:
+                    channel.on_exception(exception)
+                if channel not in self._channels:
+                    break
+
+    def wait(self, seconds: Optional[float] = None) -> None:
+        """process(), after waiting until there is something to do, for at most so long; None: without end."""
+        end = None if seconds is None else time.monotonic() + seconds
+        while not any(c._part.exceptions for c in self._channels):
+            left = None if end is None else end - time.monotonic()
+            if left is not None and left <= 0:
+                break
+            self._wait_for_daemon(left)
+            self._turn()
+        self.process()
+
+    def close(self) -> None:
+        if self._socket:
+            self._socket.close()
+        self._socket = None
+        self._channels.clear()
+        self._session = Session()
+
+    def __enter__(self) -> "Client":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # --- below: for Channel ---------------------------------------------------------------------------------------
+
+    def _take_up(self, channel: Channel) -> Answer:
+        part = channel._part
+        if channel not in self._channels:
+            self._channels.append(channel)
+            self._session.parts.append(part)
+        part.lost = False
+        if not self._socket:
+            self._connect()
+        elif part.asked == 0:
+            self._session.ask(part)
+        end = time.monotonic() + self._patience
+        self._turn()
+        while part.asked != 0 and (left := end - time.monotonic()) > 0:
+            self._wait_for_daemon(left)
+            self._turn()
+        if part.asked != 0:
+            part.lost = True  # the answer may come later
+            part.answer = Answer(State.NO_DAEMON, f"no answer from mlccad within {self._patience:g} s")
+        return part.answer
+
+    def _forget(self, channel: Channel) -> None:
+        if channel in self._channels:
+            self._channels.remove(channel)
+            self._session.parts.remove(channel._part)
+
+    # --- the connection -------------------------------------------------------------------------------------------
+
+    def _connect(self) -> None:
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM | socket.SOCK_CLOEXEC)
+        self._socket.setblocking(False)
+        try:
+            self._socket.connect(self._path)
+        except OSError as error:
+            self._lose(f"no daemon: {self._path}: {error.strerror or error}")
+            return
+        self._session.connected()
+
+    def _lose(self, why: str) -> None:
+        if self._socket:
+            self._socket.close()
+        self._socket = None
+        self._retry_at = time.monotonic() + self._retry
+        self._retry = min(self._retry * 2, self._longest_retry)
+        self._session.lost(why)
+
+    def _turn(self) -> None:
+        if not self._socket and self._channels and time.monotonic() >= self._retry_at:
+            self._connect()
+        try:
+            self._send()
+            self._receive()
+            self._send()
+        except ProtocolError as wrong:
+            self._lose(str(wrong))
+        except OSError as error:
+            self._lose(error.strerror or str(error))
+
+    def _send(self) -> None:
+        while self._socket and self._session.out:
+            try:
+                del self._session.out[:self._socket.send(self._session.out, socket.MSG_NOSIGNAL)]
+            except (BlockingIOError, BrokenPipeError):  # what the daemon has said before it closed is read first
+                return
+
+    def _receive(self) -> None:
+        while self._socket:
+            try:
+                data = self._socket.recv(1 << 16)
+            except BlockingIOError:
+                return
+            if not data:
+                self._lose("mlccad closed the connection")
+                return
+            self._session.receive(data)
+            self._retry = self._first_retry
+
+    def _wait_for_daemon(self, seconds: Optional[float]) -> None:
+        if not self._socket:
+            pause = max(self._retry_at - time.monotonic(), 0) if self._channels else seconds
+            if pause is None:
+                raise RuntimeError("nothing is announced: wait() would have no end")
+            time.sleep(pause if seconds is None else min(pause, seconds))
+            return
+        writers = [self._socket] if self._session.out else []
+        select.select([self._socket], writers, [], seconds)
