@@ -117,7 +117,7 @@ $O/fuzz/tests/$1: $$($1_objects:$O/%=$O/fuzz/obj/%) \
 endef
 
 include deps.mk
-include core/module.mk description/module.mk proto/module.mk control/module.mk client/module.mk bpf/module.mk
+include core/module.mk description/module.mk proto/module.mk control/module.mk client/module.mk relay/module.mk bpf/module.mk
 include daemon/module.mk tools/module.mk include/module.mk systemd/module.mk tests/module.mk
 include examples/module.mk docs/module.mk
 
@@ -161,10 +161,10 @@ format: ## format every file in place
 
 # False alarms are listed with their reasons; what is wrong is corrected.
 cppcheck: ## defects that cppcheck finds without the headers of libraries
-	$(call say,CPPCHK,base client control core daemon description tools)
+	$(call say,CPPCHK,base client relay control core daemon description tools)
 	$(Q)cppcheck -q -j2 --std=c++20 --language=c++ --enable=warning,performance,portability --max-configs=1 \
 		--suppress=missingInclude --suppressions-list=tests/support/cppcheck.supp --error-exitcode=1 \
-		-D__x86_64__ -D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. base client control core daemon description tools
+		-D__x86_64__ -D'LIBBPF_OPTS(TYPE,NAME,...)=struct TYPE NAME{}' -Iinclude -I. base client relay control core daemon description tools
 
 # clang-tidy matches every check against the headers of a file, too, and for most files they are nine
 # tenths of its time. So it takes a part of the tree as one file, which includes the files of the part; of

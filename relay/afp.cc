@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "relay/afp.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <utility>
+
+namespace mlcca::relay::afp {
+namespace {
+
+constexpr std::size_t kShort = 31;  // fragments behind one with a header of one octet
+constexpr std::size_t kLong = kMostFragments - 1;  // the same with two octets
+constexpr std::size_t kNumber = 5;                 // octets of the extension
+constexpr std::uint8_t kExtended = 0x40;           // in a header of one octet
+constexpr std::uint8_t kFirst = 0x20;
+constexpr std::uint8_t kTwoOctets = 0x80;
+
+/// Octets in front of the data of a fragment with so many behind it.
+std::size_t header_of(const Form& form, std::size_t left) {
+  return (left <= kShort ? 1 : 2) + (form.numbered ? kNumber : 0);
+}
+std::size_t room_of(const Form& form, std::size_t left) {
+  return form.payload - header_of(form, left);
+}
+
+std::size_t fragments_for(const Form& form, std::size_t octets) {
+  const std::size_t in_short = (kShort + 1) * room_of(form, 0);
+  if (octets <= in_short) {
+    const std::size_t room = room_of(form, 0);
+    return std::max<std::size_t>(1, (octets + room - 1) / room);
+  }
+  const std::size_t room = room_of(form, kLong);
+  return kShort + 1 + (octets - in_short + room - 1) / room;
+}
+
+}  // namespace
+
+std::size_t longest_event(const Form& form) {
+  const std::size_t all = (kShort + 1) * room_of(form, 0) + (kLong - kShort) * room_of(form, kLong);
+  return std::min(all, kMostOctets);
+}
+
+// --- cutting -------------------------------------------------------------------------------------
+
+Result<Fragments> Fragments::of(const Form& form, Octets event, std::uint32_t number) {
+  if (event.size() > longest_event(form))
+    return fail("an event of " + std::to_string(event.size()) + " octets: at most " +
+                std::to_string(longest_event(form)) + " fit " + std::to_string(kMostFragments) +
+                " fragments");
+  return Fragments(form, event, number, fragments_for(form, event.size()));
+}
+
+std::optional<std::vector<std::uint8_t>> Fragments::next() {
+  if (left_ == 0) return std::nullopt;
+  const bool first = left_ == count_;
+  const std::size_t behind = --left_;
+  std::vector<std::uint8_t> out;
+  out.reserve(form_.payload);
+  const auto flags =
+      static_cast<std::uint8_t>((form_.numbered ? kExtended : 0U) | (first ? kFirst : 0U));
+  if (behind <= kShort) {
+    out.push_back(static_cast<std::uint8_t>(flags | behind));
+  } else {
+    out.push_back(static_cast<std::uint8_t>(kTwoOctets | flags >> 1U | behind >> 8U));
+    out.push_back(static_cast<std::uint8_t>(behind & 0xffU));
+  }
+  if (form_.numbered) {
+    out.push_back(0);
+    for (const unsigned shift : {24U, 16U, 8U, 0U})
+      out.push_back(static_cast<std::uint8_t>(number_ >> shift));
+  }
+  const auto data = rest_.first(std::min(rest_.size(), room_of(form_, behind)));
+  out.insert(out.end(), data.begin(), data.end());
+  rest_ = rest_.subspan(data.size());
+  return out;
+}
+
+// --- putting together ----------------------------------------------------------------------------
+
+std::optional<Reassembly::Fragment> Reassembly::parse(Octets fragment) const {
+  if (fragment.empty() || fragment.size() > form_.payload) return std::nullopt;
+  Fragment out;
+  std::uint8_t flags = fragment[0];
+  if ((flags & kTwoOctets) == 0) {
+    out.left = flags & kShort;
+  } else {
+    // Three octets and more would be for events that are longer than any.
+    if ((flags & kExtended) != 0 || fragment.size() < 2) return std::nullopt;
+    out.left = (flags & 0x0fU) << 8U | fragment[1];
+    flags = static_cast<std::uint8_t>(flags << 1U);
+  }
+  out.first = (flags & kFirst) != 0;
+  const std::size_t size = (fragment[0] & kTwoOctets) == 0 ? 1 : 2;
+  if (((flags & kExtended) != 0) != form_.numbered) return std::nullopt;
+  if (form_.numbered) {
+    // The number, and nothing behind it: forward error correction is for applications.
+    if (fragment.size() < size + kNumber || fragment[size] != 0) return std::nullopt;
+    for (std::size_t i = 1; i < kNumber; ++i) out.number = out.number << 8U | fragment[size + i];
+  }
+  // The shortest header that holds the number is the only one: positions follow from that.
+  if (size != (out.left <= kShort ? 1U : 2U)) return std::nullopt;
+  if (out.left != 0 && fragment.size() != form_.payload) return std::nullopt;
+  out.data = fragment.subspan(header_of(form_, out.left));
+  return out;
+}
+
+std::optional<Event> Reassembly::take(Source source, Octets fragment, std::uint64_t now) {
+  expire(now);
+  const auto parsed = parse(fragment);
+  if (!parsed) {
+    ++losses_.malformed;
+    return std::nullopt;
+  }
+  return form_.numbered ? take_numbered(source, *parsed, now) : take_in_order(source, *parsed, now);
+}
+
+/// One event of a source at a time: the first fragment begins it, a gap ends it.
+std::optional<Event> Reassembly::take_in_order(Source source, const Fragment& fragment,
+                                               std::uint64_t now) {
+  const Key key{.source = source, .number = 0};
+  auto event = begun_.find(key);
+  if (fragment.first) {
+    if (event != begun_.end()) give_up(event, losses_.incomplete);
+    event = begin(key, now);
+  } else if (event == begun_.end()) {
+    return std::nullopt;  // of an event whose beginning was lost, and counted then
+  } else if (event->second.fragments.begin()->first != fragment.left + 1) {
+    give_up(event, losses_.incomplete);
+    return std::nullopt;
+  }
+  return keep(event, fragment) ? complete(event) : std::nullopt;
+}
+
+std::optional<Event> Reassembly::take_numbered(Source source, const Fragment& fragment,
+                                               std::uint64_t now) {
+  const Key key{.source = source, .number = fragment.number};
+  if (done_.contains(key)) {
+    ++losses_.duplicates;
+    return std::nullopt;
+  }
+  auto event = begun_.find(key);
+  if (event == begun_.end()) event = begin(key, now);
+  if (event->second.fragments.contains(fragment.left)) {
+    ++losses_.duplicates;
+    return std::nullopt;
+  }
+  if (!keep(event, fragment)) return std::nullopt;
+  auto whole = complete(event);
+  if (whole) {
+    done_.emplace(key, now);
+    done_order_.push_back(key);
+    if (done_.size() > limits_.remembered) {
+      done_.erase(done_order_.front());
+      done_order_.pop_front();
+    }
+  }
+  return whole;
+}
+
+template <class Weight>
+Reassembly::All::iterator Reassembly::victim(Weight weight, const Key* beside) {
+  std::map<Source, std::size_t> of_source;
+  for (const auto& [key, event] : begun_) of_source[key.source] += weight(event);
+  auto found = begun_.end();
+  for (auto it = begun_.begin(); it != begun_.end(); ++it) {
+    if (beside != nullptr && it->first == *beside) continue;
+    const auto better = [&](All::iterator than) {
+      const std::size_t own = of_source[it->first.source];
+      const std::size_t other = of_source[than->first.source];
+      return own != other ? own > other : it->second.since < than->second.since;
+    };
+    if (found == begun_.end() || better(found)) found = it;
+  }
+  return found;
+}
+
+Reassembly::All::iterator Reassembly::begin(const Key& key, std::uint64_t now) {
+  if (begun_.size() >= limits_.begun)
+    give_up(victim([](const Begun&) { return std::size_t{1}; }, nullptr), losses_.crowded);
+  return begun_.emplace(key, Begun{.fragments = {}, .last = {}, .octets = 0, .since = now}).first;
+}
+
+bool Reassembly::keep(All::iterator event, const Fragment& fragment) {
+  Begun& begun = event->second;
+  const bool beyond = (begun.last && fragment.left > *begun.last) ||
+                      (fragment.first && !begun.fragments.empty() &&
+                       begun.fragments.rbegin()->first > fragment.left);
+  if (beyond || (fragment.first && begun.last) ||
+      begun.octets + fragment.data.size() > kMostOctets) {
+    give_up(event, losses_.malformed);
+    return false;
+  }
+  const std::size_t cost = fragment.data.size() + kPerFragment;
+  make_room(cost, event->first);
+  if (octets_ + cost > limits_.octets) {
+    give_up(event, losses_.crowded);
+    return false;
+  }
+  if (fragment.first) begun.last = fragment.left;
+  begun.octets += fragment.data.size();
+  octets_ += cost;
+  begun.fragments.emplace(fragment.left, std::vector(fragment.data.begin(), fragment.data.end()));
+  return true;
+}
+
+std::optional<Event> Reassembly::complete(All::iterator event) {
+  const Begun& begun = event->second;
+  if (!begun.last || begun.fragments.size() != *begun.last + 1) return std::nullopt;
+  Event whole;
+  whole.reserve(begun.octets);
+  for (auto it = begun.fragments.rbegin(); it != begun.fragments.rend(); ++it)
+    whole.insert(whole.end(), it->second.begin(), it->second.end());
+  forget(event);
+  return whole;
+}
+
+void Reassembly::give_up(All::iterator event, std::uint64_t& why) {
+  ++why;
+  forget(event);
+}
+
+void Reassembly::forget(All::iterator event) {
+  octets_ -= event->second.octets + event->second.fragments.size() * kPerFragment;
+  begun_.erase(event);
+}
+
+void Reassembly::expire(std::uint64_t now) {
+  const auto is_old = [&](std::uint64_t since) {
+    return now >= since && now - since >= limits_.lifetime_ns;
+  };
+  for (auto it = begun_.begin(); it != begun_.end();) {
+    const auto event = it++;
+    if (is_old(event->second.since)) give_up(event, losses_.incomplete);
+  }
+  while (!done_order_.empty() && is_old(done_.at(done_order_.front()))) {
+    done_.erase(done_order_.front());
+    done_order_.pop_front();
+  }
+}
+
+void Reassembly::make_room(std::size_t octets, const Key& beside) {
+  while (octets_ + octets > limits_.octets) {
+    const auto other = victim([](const Begun& event) { return event.octets; }, &beside);
+    if (other == begun_.end()) return;
+    give_up(other, losses_.crowded);
+  }
+}
+
+}  // namespace mlcca::relay::afp
