@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// FAMOUSO's protocols: what a local client sends, and frames to brokers and to a node. The first
+// octet says which. A frame is its time since the one before it in 16 ms, its identifier (4
+// octets), its length, and its octets.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <span>
+#include <vector>
+
+#include "relay/local_protocol.hpp"
+#include "relay/node_numbers.hpp"
+#include "relay/tag_broker.hpp"
+#include "tests/fuzz/demand.hpp"
+
+namespace {
+
+using namespace mlcca::relay;
+using mlcca::fuzz::demand;
+
+constexpr std::uint64_t kStep = 16'000'000;
+using Octets = std::span<const std::uint8_t>;
+
+/// In pieces whose lengths are the first octet of each.
+void local_protocol(Octets rest) {
+  LocalSession session;
+  std::vector<LocalSession::Event> events;
+  while (!rest.empty()) {
+    const std::size_t piece = std::min<std::size_t>(rest[0], rest.size() - 1);
+    session.take(rest.subspan(1, piece), events);
+    rest = rest.subspan(1 + piece);
+    demand(session.kept() <= 13 + LocalSession::kMostOctets, "more than one message is kept");
+    demand(session.role() != LocalSession::Role::ended || !session.why().empty(), "no reason");
+    for (const auto& event : events) session.send(event);
+    demand(session.waiting().size() <= LocalSession::kMostWaiting, "too much waits");
+    events.clear();
+  }
+}
+
+template <class Take>
+void frames(Octets rest, Take take) {
+  std::uint64_t now = 0;
+  while (rest.size() >= 6) {
+    now += rest[0] * kStep;
+    Frame frame;
+    for (std::size_t i = 1; i < 5; ++i) frame.id = frame.id << 8U | rest[i];
+    frame.id &= 0x1fffffffU;
+    frame.length = static_cast<std::uint8_t>(std::min<std::size_t>({rest[5], 8, rest.size() - 6}));
+    std::copy_n(rest.begin() + 6, frame.length, frame.data.begin());
+    rest = rest.subspan(6U + frame.length);
+    take(frame, now);
+  }
+}
+
+void node_broker(Octets rest) {
+  NodeBroker broker({1});
+  frames(rest, [&](const Frame& frame, std::uint64_t now) {
+    static_cast<void>(broker.expire(now));
+    const auto answer = broker.take(frame, now);
+    demand(!answer || (tag_of(*answer) == kNodeAnswer && answer->length == 8), "no answer of it");
+    demand(broker.dealt().size() <= 127, "more numbers than there are");
+    demand(broker.number_of({1}) == kHighestNode, "its own number has changed");
+  });
+}
+
+void node(Octets rest) {
+  NodeClient client({0x6e, 0x6f, 0x64, 0x65, 0x30, 0x30, 0x30, 0x31});
+  static_cast<void>(client.start(0));
+  frames(rest, [&](const Frame& frame, std::uint64_t now) {
+    const auto before = client.number();
+    for (const auto& sent : {client.expire(now), client.take(frame, now)})
+      demand(!sent || tag_of(*sent) == kNodeRequest, "no request");
+    demand(!before || client.number() == before, "a number has changed");
+    demand(client.number() || client.due() > now, "it waits for ever");
+  });
+}
+
+void tag_broker(Octets rest) {
+  TagBroker broker;
+  frames(rest, [&](const Frame& frame, std::uint64_t) {
+    const std::size_t before = broker.dealt().size();
+    const auto first = broker.take(frame);
+    demand(broker.take(frame) == first, "the same subject, another tag");
+    demand(broker.dealt().size() <= before + 1, "more than one tag for a request");
+  });
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  if (size == 0) return 0;
+  constexpr void (*kParts[])(Octets) = {local_protocol, node_broker, node, tag_broker};
+  kParts[data[0] % std::size(kParts)](Octets(data + 1, size - 1));
+  return 0;
+}
