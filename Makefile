@@ -169,7 +169,7 @@ cppcheck: ## defects that cppcheck finds without the headers of libraries
 # clang-tidy matches every check against the headers of a file, too, and for most files they are nine
 # tenths of its time. So it takes a part of the tree as one file, which includes the files of the part; of
 # ALONE it takes one file of each folder. One stamp a bundle: what did not change is not checked again.
-TIDY_PARTS := core control client description daemon/gateway daemon/net/sources daemon tools/awds \
+TIDY_PARTS := core control client relay description daemon/gateway daemon/net/sources daemon tools/awds \
 	tools/design/generate tools/design tools/doctor tools/readback tools/sources tools
 ifneq ($(filter tidy lint analyse,$(MAKECMDGOALS)),)
 tidy_rest := $(filter-out tests/% include/% bpf/%,$(shell git ls-files '*.cc'))
@@ -181,7 +181,7 @@ $(foreach part,$(TIDY_PARTS),$(call tidy_bundle,$(part),$(filter $(part)/%,$(tid
 $(call tidy_bundle,rest,$(tidy_rest))
 $(foreach n,1 2 3 4 5 6 7 8 9,$(call tidy_bundle,alone-$n,$(foreach folder,$(sort $(dir $(tidy_alone))),$(word \
 	$n,$(call in_folder,$(folder),$(tidy_alone))))))
-$(call tidy_bundle,include,$(shell git ls-files 'include/*.h*'))
+$(call tidy_bundle,include,$(filter-out include/mlcca/client/%,$(shell git ls-files 'include/*.h*')))
 TIDY_STAMPS := $(TIDY_BUNDLES:.o=.ok)
 $O/tidy/include.%: STD := -std=c++14
 $O/tidy/include.%: TIDY_FLAGS := --header-filter='^include/'

@@ -66,10 +66,15 @@ void Client::Connection::connect() {
   if (socket_) return;
   set_timer(timer_, std::chrono::milliseconds(0));
   const auto address = unix_address(options_.socket);
-  if (!address) return lose(address.error().text);
+  if (!address) {
+    lose(address.error().text);
+    return;
+  }
   Fd socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (!socket || ::connect(socket.get(), generic(*address), sizeof *address) != 0)
-    return lose("no daemon: " + options_.socket + ": " + text_of(errno));
+  if (!socket || ::connect(socket.get(), generic(*address), sizeof *address) != 0) {
+    lose("no daemon: " + options_.socket + ": " + text_of(errno));
+    return;
+  }
   socket_ = std::move(socket);
   add_to(epoll_, socket_, EPOLLIN);
   for (const PartOf& part : parts()) ask(part);
@@ -174,20 +179,29 @@ void Client::Connection::turn() {
 }
 
 void Client::Connection::receive() {
-  for (;;) {
+  while (socket_) {
     const auto room = in_.space(kReadSize);
     const ssize_t n = ::recv(socket_.get(), room.data(), room.size(), MSG_DONTWAIT);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0 && errno == EAGAIN) return;
-    if (n <= 0) return lose(n == 0 ? "mlccad closed the connection" : text_of(errno));
-    in_.commit(static_cast<std::size_t>(n));
-    for (;;) {
-      auto reply = control::decode_reply(in_);
-      if (!reply) return lose(reply.error().text);
-      if (!*reply) break;
-      on_reply(std::move(**reply));
-      if (!socket_) return;
+    if (n > 0) {
+      in_.commit(static_cast<std::size_t>(n));
+      take_replies();
+    } else {
+      lose(n == 0 ? "mlccad closed the connection" : text_of(errno));
     }
+  }
+}
+
+/// Those that are whole.
+void Client::Connection::take_replies() {
+  while (socket_) {
+    auto reply = control::decode_reply(in_);
+    if (reply && !*reply) return;
+    if (reply)
+      on_reply(std::move(**reply));
+    else
+      lose(reply.error().text);
   }
 }
 
@@ -225,15 +239,21 @@ void Client::Connection::wait_for_daemon(std::chrono::milliseconds time) const {
 // --- what comes ----------------------------------------------------------------------------------
 
 void Client::Connection::on_reply(control::Reply reply) {
-  if (const auto* event = std::get_if<control::Event>(&reply.body)) return on_event(*event);
+  if (const auto* event = std::get_if<control::Event>(&reply.body)) {
+    on_event(*event);
+    return;
+  }
   if (reply.id == 0) {
     const auto* error = std::get_if<control::Error>(&reply.body);
-    return lose(error == nullptr ? "mlccad sent a reply without a request" : error->message);
+    lose(error == nullptr ? "mlccad sent a reply without a request" : error->message);
+    return;
   }
   const auto found = asked_.find(reply.id);
   if (found == asked_.end()) return;
-  if (const auto joined = control::join(found->second.whole, std::move(reply)); !joined)
-    return lose(joined.error().text);
+  if (const auto joined = control::join(found->second.whole, std::move(reply)); !joined) {
+    lose(joined.error().text);
+    return;
+  }
   if (found->second.whole->more) return;
   const Asked asked = std::move(found->second);
   asked_.erase(found);

@@ -50,6 +50,7 @@ class Client::Connection {
   void lose(const std::string& why);
   void ask(const PartOf& part);
   void receive();
+  void take_replies();
   void flush();
   void watch();
   void on_reply(control::Reply reply);

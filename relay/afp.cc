@@ -2,7 +2,7 @@
 #include "relay/afp.hpp"
 
 #include <algorithm>
-#include <iterator>
+#include <ranges>
 #include <string>
 #include <utility>
 
@@ -209,8 +209,8 @@ std::optional<Event> Reassembly::complete(All::iterator event) {
   if (!begun.last || begun.fragments.size() != *begun.last + 1) return std::nullopt;
   Event whole;
   whole.reserve(begun.octets);
-  for (auto it = begun.fragments.rbegin(); it != begun.fragments.rend(); ++it)
-    whole.insert(whole.end(), it->second.begin(), it->second.end());
+  for (const auto& [left, data] : begun.fragments | std::views::reverse)
+    whole.insert(whole.end(), data.begin(), data.end());
   forget(event);
   return whole;
 }
