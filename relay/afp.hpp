@@ -96,7 +96,7 @@ class Reassembly {
   };
 
   explicit Reassembly(const Form& form) : Reassembly(form, Limits{}) {}
-  Reassembly(const Form& form, Limits limits) : form_(form), limits_(limits) {}
+  Reassembly(const Form& form, const Limits& limits) : form_(form), limits_(limits) {}
 
   /// The event that this fragment completes, if it does. `now` never falls.
   std::optional<Event> take(Source source, Octets fragment, std::uint64_t now);
