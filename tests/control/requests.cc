@@ -69,6 +69,13 @@ std::vector<NamedRequest> all_requests() {
            {6, ReleaseRequest{.channel = "emergency-switch", .admission = 9, .key = "blue"}}},
           {"Withdraw", {7, WithdrawRequest{"emergency-switch"}}},
           {"Reinstate", {8, ReinstateRequest{"emergency-switch"}}},
+          {"Announce",
+           {9,
+            AnnounceRequest{
+                "emergency-switch",
+                Role::publisher,
+                "switch",
+                {{.name = "Period", .value = 50'000'000, .unit = "ns", .dynamic = false}}}}},
           {"Explain", {7, ExplainRequest{"0xa4efeccc3210b497"}}},
           {"Monitor", {8, MonitorRequest{}}},
           {"Mode", {9, ModeRequest{"audit"}}},

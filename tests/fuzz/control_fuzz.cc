@@ -4,10 +4,13 @@
 // gateway_under_test.hpp.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "control/codec.hpp"
@@ -97,6 +100,17 @@ std::uint64_t some_admission(Octets& from) {
 }
 
 /// A request of any kind; nearly all of them are ones that may be asked.
+control::AnnounceRequest some_announcement(Octets& from) {
+  control::ChannelRequest attributes;
+  fill(attributes, from);
+  control::AnnounceRequest out{.channel = from.one_of(kChannels),
+                               .role = static_cast<control::Role>(from.next() % 4),
+                               .name = attributes.publisher,
+                               .attributes = std::move(attributes.offered)};
+  std::ranges::move(attributes.required, std::back_inserter(out.attributes));
+  return out;
+}
+
 control::Request some_request(Octets& from) {
   control::Request out;
   const unsigned kind = from.next() % 16;
@@ -182,11 +196,13 @@ control::Request some_request(Octets& from) {
       break;
     }
     default: {
-      const unsigned which = from.next() % 4;
+      const unsigned which = from.next() % 5;
       if (which == 0)
         out.body = control::WithdrawRequest{from.one_of(kChannels)};
       else if (which == 1)
         out.body = control::ReinstateRequest{from.one_of(kChannels)};
+      else if (which == 4)
+        out.body = some_announcement(from);
       else
         out.body = control::GateRequest{from.one_of(kPlaces)};
     }
