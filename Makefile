@@ -132,6 +132,8 @@ $O/bundle/%.o: $O/bundle/%.cc | $(CONTROL_HEADERS)
 	$(Q)$(CXX) $(STD) $(WARN) -Wno-subobject-linkage $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
 
 -include $(OBJECTS:.o=.d)
+# Of files that a test takes alone while BUNDLE=1 builds their folder as one.
+-include $(filter-out $(OBJECTS:.o=.d),$(wildcard $(foreach folder,control daemon/* tools/* core/*,$O/$(folder)/*.d)))
 
 # --- what a person calls ---------------------------------------------------------------------------
 

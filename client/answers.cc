@@ -15,17 +15,32 @@ namespace {
 
 struct Named {
   std::string_view kind;  ///< of an event in control.proto
-  Cause cause;
+  Meaning meaning;
+  Cause cause = Cause::other;
 };
-/// "switched" is not here: it is degraded or upgraded.
-constexpr std::array kCauses{
-    Named{"granted", Cause::granted},     Named{"refused", Cause::refused},
-    Named{"withdrawn", Cause::withdrawn}, Named{"released", Cause::withdrawn},
-    Named{"excess", Cause::policed},      Named{"dropping", Cause::dropped},
-    Named{"missing", Cause::missing},     Named{"restored", Cause::restored},
-    Named{"lapsed", Cause::gates_closed}, Named{"stopped", Cause::gates_closed},
-    Named{"mode", Cause::mode},           Named{"lagged", Cause::lagged},
+constexpr std::array kKinds{
+    Named{"granted", Meaning::verdict},
+    Named{"refused", Meaning::verdict},
+    Named{"withdrawn", Meaning::withdrawn},
+    Named{"released", Meaning::verdict},
+    Named{"switched", Meaning::verdict},
+    Named{"reinstated", Meaning::verdict},
+    Named{"reload", Meaning::verdict},
+    Named{"lagged", Meaning::verdict},
+    Named{"excess", Meaning::happened, Cause::policed},
+    Named{"dropping", Meaning::happened, Cause::dropped},
+    Named{"missing", Meaning::happened, Cause::missing},
+    Named{"restored", Meaning::happened, Cause::restored},
+    Named{"lapsed", Meaning::happened, Cause::gates_closed},
+    Named{"stopped", Meaning::happened, Cause::gates_closed},
+    Named{"mode", Meaning::happened, Cause::mode},
+    Named{"binding", Meaning::none},
 };
+
+const Named* kind_of(const control::Event& event) {
+  const auto* const known = std::ranges::find(kKinds, event.kind, &Named::kind);
+  return known == kKinds.end() ? nullptr : known;
+}
 
 Check check_of(const control::Row& row) {
   return {.where = row.where,
@@ -57,62 +72,41 @@ State state_of(const std::vector<Delivery>& deliveries) {
   return granted == std::ssize(deliveries) ? State::granted : State::partly;
 }
 
-/// The worst set that is in use.
-unsigned set_of(const Answer& answer) {
-  unsigned worst = 0;
-  for (const Delivery& d : answer.deliveries)
-    if (d.granted) worst = std::max(worst, d.set);
-  return worst;
-}
-
-Cause cause_of(const control::Event& event, const Answer& before, const Answer& after) {
-  if (event.kind == "switched")
-    return set_of(after) < set_of(before) ? Cause::upgraded : Cause::degraded;
-  const auto* const known = std::ranges::find(kCauses, event.kind, &Named::kind);
-  return known == kCauses.end() ? Cause::other : known->cause;
-}
-
 }  // namespace
 
-Answer answer_of(const control::Reply& reply) {
+void summarise(Answer& answer) {
+  answer.state = state_of(answer.deliveries);
+  const auto worst = std::ranges::find(answer.deliveries, false, &Delivery::granted);
+  if (worst != answer.deliveries.end())
+    answer.reason = worst->reason;
+  else
+    answer.reason =
+        answer.deliveries.empty() ? "nobody is at the other end" : answer.deliveries[0].reason;
+}
+
+std::optional<Answer> answer_of(const control::Reply& reply) {
   Answer out;
-  const auto* channels = std::get_if<control::Channels>(&reply.body);
-  if (channels == nullptr) {
-    const auto* error = std::get_if<control::Error>(&reply.body);
+  if (const auto* error = std::get_if<control::Error>(&reply.body)) {
+    if (error->kind == control::ErrorKind::world) return std::nullopt;
     out.state = State::rejected;
-    out.reason = error == nullptr ? "the daemon answered with something else" : error->message;
+    out.reason = error->message;
     return out;
   }
+  const auto* channels = std::get_if<control::Channels>(&reply.body);
+  if (channels == nullptr) return std::nullopt;
   std::ranges::transform(channels->channels, std::back_inserter(out.deliveries), delivery_of);
-  out.state = state_of(out.deliveries);
-  const auto worst = std::ranges::find(out.deliveries, false, &Delivery::granted);
-  if (worst != out.deliveries.end())
-    out.reason = worst->reason;
-  else
-    out.reason = out.deliveries.empty() ? "nobody is at the other end" : out.deliveries[0].reason;
+  summarise(out);
   return out;
 }
 
-bool same_verdicts(const Answer& a, const Answer& b) {
-  return a.state == b.state &&
-         std::ranges::equal(a.deliveries, b.deliveries, [](const Delivery& x, const Delivery& y) {
-           return x.granted == y.granted && x.set == y.set && x.publisher == y.publisher &&
-                  x.from == y.from && x.to == y.to;
-         });
+Meaning meaning_of(const control::Event& event) {
+  const Named* const known = kind_of(event);
+  return known == nullptr ? Meaning::happened : known->meaning;
 }
 
-bool changes_verdicts(const control::Event& event) {
-  constexpr std::array<std::string_view, 6> kinds{"granted",  "refused",  "withdrawn",
-                                                  "released", "switched", "reinstated"};
-  return std::ranges::find(kinds, event.kind) != kinds.end();
-}
-
-Exception exception_of(const control::Event& event, const Answer& before, const Answer& after) {
-  return {.cause = cause_of(event, before, after),
-          .text = event.message,
-          .silent = std::chrono::nanoseconds(event.silent_ns),
-          .missing_events = event.missing,
-          .answer = after};
+Cause cause_of(const control::Event& event) {
+  const Named* const known = kind_of(event);
+  return known == nullptr ? Cause::other : known->cause;
 }
 
 }  // namespace mlcca::client

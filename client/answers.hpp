@@ -1,19 +1,26 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // From messages of the daemon to what a program is given.
 #pragma once
+#include <optional>
+
 #include "control/messages.hpp"
 #include "mlcca/client/client.hpp"
 
 namespace mlcca::client {
 
-/// Of a reply to AnnounceRequest.
-[[nodiscard]] Answer answer_of(const control::Reply& reply);
-/// Of an event, with the answers before and after it, which say whether a set is a better one.
-[[nodiscard]] Exception exception_of(const control::Event& event, const Answer& before,
-                                     const Answer& after);
-/// The same deliveries are granted, by the same attribute sets.
-[[nodiscard]] bool same_verdicts(const Answer& a, const Answer& b);
-/// Whether the verdicts may be others than before.
-[[nodiscard]] bool changes_verdicts(const control::Event& event);
+/// Of a reply to AnnounceRequest. Nothing: the daemon could not answer, and may later.
+[[nodiscard]] std::optional<Answer> answer_of(const control::Reply& reply);
+/// State and reason of an answer follow from its deliveries.
+void summarise(Answer& answer);
+
+enum class Meaning : std::uint8_t {
+  none,       ///< of a change that other events tell
+  happened,   ///< an exception by itself
+  verdict,    ///< what is decided may be otherwise: ask
+  withdrawn,  ///< the same, and the safe side is known at once
+};
+[[nodiscard]] Meaning meaning_of(const control::Event& event);
+/// Of what happened.
+[[nodiscard]] Cause cause_of(const control::Event& event);
 
 }  // namespace mlcca::client

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "base/number.hpp"
 #include "client/connection.hpp"
 #include "client/part.hpp"
 
@@ -28,6 +29,8 @@ const char* name_of(Cause cause) {
       return "refused";
     case Cause::withdrawn:
       return "withdrawn";
+    case Cause::rejected:
+      return "rejected";
     case Cause::degraded:
       return "degraded";
     case Cause::upgraded:
@@ -99,14 +102,17 @@ Channel::Channel(Client& client, Role role, std::string channel, const Attribute
       .role = role == Role::publisher ? control::Role::publisher : control::Role::subscriber,
       .name = std::move(name),
       .attributes = attributes_of(stated)};
+  part_->subject = prefixed_number_in<std::uint64_t>(part_->request.channel).value_or(0);
   part_->connection = client.connection_;
 }
 Channel::~Channel() = default;
 
-void Channel::on_exception(Handler handler) { part_->handler = std::move(handler); }
-const Answer& Channel::answer() const { return part_->answer; }
+void Channel::on_exception(Handler handler) {
+  part_->handler = handler ? std::make_shared<const Handler>(std::move(handler)) : nullptr;
+}
+std::shared_ptr<const Answer> Channel::answer() const { return part_->answer; }
 
-const Answer& Channel::take_up() {
+std::shared_ptr<const Answer> Channel::take_up() {
   if (const auto connection = part_->connection.lock()) connection->take_up(part_);
   return part_->answer;
 }

@@ -22,26 +22,39 @@
 namespace mlcca::client {
 namespace {
 
+using std::chrono::milliseconds;
+
 constexpr std::size_t kReadSize = std::size_t{64} << 10;
-/// Exceptions that wait for a program that does not call process(); a reader of the connection
-/// alone cannot make more of them wait than come in one turn.
-constexpr std::size_t kMostNotices = 4096;
+/// Received in one turn: a daemon that sends without pause does not keep a program from its work.
+constexpr std::size_t kMostOfTurn = std::size_t{1} << 20;
+/// Deliveries of one answer; a gateway has fewer pairs of ends of one channel.
+constexpr std::size_t kMostRows = std::size_t{1} << 18;
+/// The longest wait that poll(2) and the clock can express with ease.
+constexpr milliseconds kLongest(std::chrono::hours(24));
 
 std::string text_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe)
 
-void add_to(const Fd& epoll, const Fd& fd, std::uint32_t events) {
+bool add_to(const Fd& epoll, const Fd& fd, std::uint32_t events) {
   epoll_event event{.events = events, .data = {.fd = fd.get()}};
-  if (::epoll_ctl(epoll.get(), EPOLL_CTL_ADD, fd.get(), &event) != 0)
-    throw std::system_error(errno, std::system_category(), "epoll_ctl");
+  return ::epoll_ctl(epoll.get(), EPOLL_CTL_ADD, fd.get(), &event) == 0;
 }
 
-void set_timer(const Fd& timer, std::chrono::milliseconds time) {
+void set_timer(const Fd& timer, milliseconds time) {
   constexpr long in_a_second = 1000;
   constexpr long in_a_milli = 1'000'000;
   itimerspec at{};
   at.it_value.tv_sec = time.count() / in_a_second;
   at.it_value.tv_nsec = time.count() % in_a_second * in_a_milli;
   ::timerfd_settime(timer.get(), 0, &at, nullptr);
+}
+
+int for_poll(milliseconds time) {
+  return time.count() < 0 ? -1 : static_cast<int>(std::min(time, kLongest).count());
+}
+
+std::shared_ptr<const Answer> no_daemon(const std::string& why) {
+  return std::make_shared<Answer>(
+      Answer{.state = State::no_daemon, .reason = why, .deliveries = {}});
 }
 
 }  // namespace
@@ -51,57 +64,56 @@ Client::Connection::Connection(Options options)
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
       timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)),
       noticed_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (!epoll_ || !timer_ || !noticed_)
+  if (!epoll_ || !timer_ || !noticed_ || !add_to(epoll_, timer_, EPOLLIN) ||
+      !add_to(epoll_, noticed_, EPOLLIN))
     throw std::system_error(errno, std::system_category(), "a connection to mlccad");
-  options_.first_retry = std::max(options_.first_retry, std::chrono::milliseconds(1));
-  options_.longest_retry = std::max(options_.longest_retry, options_.first_retry);
+  options_.first_retry = std::clamp(options_.first_retry, milliseconds(1), kLongest);
+  options_.longest_retry = std::clamp(options_.longest_retry, options_.first_retry, kLongest);
   retry_ = options_.first_retry;
-  add_to(epoll_, timer_, EPOLLIN);
-  add_to(epoll_, noticed_, EPOLLIN);
 }
 
 // --- made and lost -------------------------------------------------------------------------------
 
-void Client::Connection::connect() {
+void Client::Connection::connect(Try why) {
   if (socket_) return;
-  set_timer(timer_, std::chrono::milliseconds(0));
   const auto address = unix_address(options_.socket);
   if (!address) {
-    lose(address.error().text);
+    lose(address.error().text, why);
     return;
   }
   Fd socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (!socket || ::connect(socket.get(), generic(*address), sizeof *address) != 0) {
-    lose("no daemon: " + options_.socket + ": " + text_of(errno));
+  if (!socket || ::connect(socket.get(), generic(*address), sizeof *address) != 0 ||
+      !add_to(epoll_, socket, EPOLLIN)) {
+    lose("no daemon: " + options_.socket + ": " + text_of(errno), why);
     return;
   }
   socket_ = std::move(socket);
-  add_to(epoll_, socket_, EPOLLIN);
+  set_timer(timer_, milliseconds(0));
   for (const PartOf& part : parts()) ask(part);
   flush();
 }
 
+void Client::Connection::retry_later(Try after) {
+  set_timer(timer_, retry_);
+  if (after == Try::planned) retry_ = std::min(retry_ * 2, options_.longest_retry);
+}
+
 /// Whatever was under way is gone; it is tried again after a while.
-void Client::Connection::lose(const std::string& why) {
+void Client::Connection::lose(const std::string& why, Try after) {
   socket_.reset();
   in_ = control::Buffer();
   out_.clear();
   asked_.clear();
-  set_timer(timer_, retry_);
-  retry_ = std::min(retry_ * 2, options_.longest_retry);
+  retry_later(after);
   for (const PartOf& part : parts()) {
+    const State before = part->answer->state;
     part->asked = 0;
-    part->waiting.clear();
-    const bool was_told =
-        part->answer.state != State::no_daemon && part->answer.state != State::unannounced;
+    part->outdated = part->failed = false;
     part->lost = true;
-    part->answer = {.state = State::no_daemon, .reason = why, .deliveries = {}};
-    if (was_told)
-      note(part, {.cause = Cause::daemon_gone,
-                  .text = why,
-                  .silent = {},
-                  .missing_events = 0,
-                  .answer = part->answer});
+    part->answer = no_daemon(why);
+    if (before == State::no_daemon || before == State::unannounced) continue;
+    part->note(Cause::daemon_gone, why);
+    wake();
   }
 }
 
@@ -124,27 +136,34 @@ void Client::Connection::take_up(const PartOf& part) {
   add(part);
   part->lost = false;
   if (!socket_)
-    connect();
-  else if (part->asked == 0)
-    ask(part);
-  const auto end = Clock::now() + options_.patience;
+    connect(Try::asked_for);
+  else
+    ask_again(part);
+  const bool for_ever = options_.patience.count() < 0;
+  const auto end = Clock::now() + std::min(options_.patience, kLongest);
   for (turn(); part->asked != 0; turn()) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
-    if (left.count() <= 0) break;
-    wait_for_daemon(left);
+    const auto left = std::chrono::ceil<milliseconds>(end - Clock::now());
+    if (!for_ever && left.count() <= 0) break;
+    wait_for_daemon(for_ever ? milliseconds(-1) : left);
   }
   if (part->asked == 0) return;
   part->lost = true;  // the answer may come later
-  part->answer = {
-      .state = State::no_daemon,
-      .reason = "no answer from mlccad within " + std::to_string(options_.patience.count()) + " ms",
-      .deliveries = {}};
+  part->answer = no_daemon("no answer from mlccad within " +
+                           std::to_string(options_.patience.count()) + " ms");
 }
 
 void Client::Connection::ask(const PartOf& part) {
   part->asked = ++last_id_;
-  asked_.emplace(part->asked, Asked{part, {}});
+  part->outdated = part->failed = false;
+  asked_.emplace(part->asked, Asked{part});
   out_ += control::encode(control::Request{part->asked, part->request, true});
+}
+
+void Client::Connection::ask_again(const PartOf& part) {
+  if (part->asked == 0)
+    ask(part);
+  else
+    part->outdated = true;
 }
 
 /// There is something for handlers.
@@ -153,38 +172,28 @@ void Client::Connection::wake() {
   static_cast<void>(::write(noticed_.get(), &one, sizeof one) < 0);
 }
 
-void Client::Connection::note(const PartOf& part, Exception exception) {
-  wake();
-  if (notices_.size() == kMostNotices) {
-    notices_.back() = {part,
-                       {.cause = Cause::lagged,
-                        .text = "exceptions were lost: process() is called too seldom",
-                        .silent = {},
-                        .missing_events = 0,
-                        .answer = part->answer}};
-    return;
-  }
-  notices_.push_back({part, std::move(exception)});
-}
-
 // --- bytes ---------------------------------------------------------------------------------------
 
 void Client::Connection::turn() {
   std::uint64_t expired = 0;
   const bool due = ::read(timer_.get(), &expired, sizeof expired) == sizeof expired;
-  if (!socket_ && due) connect();
+  if (!socket_ && due) connect(Try::planned);
+  if (socket_ && due)
+    for (const PartOf& part : parts())
+      if (part->failed) ask(part);
   if (socket_) flush();
   if (socket_) receive();
   if (socket_) flush();
 }
 
 void Client::Connection::receive() {
-  while (socket_) {
+  for (std::size_t received = 0; socket_ && received < kMostOfTurn;) {
     const auto room = in_.space(kReadSize);
     const ssize_t n = ::recv(socket_.get(), room.data(), room.size(), MSG_DONTWAIT);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0 && errno == EAGAIN) return;
     if (n > 0) {
+      received += static_cast<std::size_t>(n);
       in_.commit(static_cast<std::size_t>(n));
       take_replies();
     } else {
@@ -210,9 +219,13 @@ void Client::Connection::flush() {
     const ssize_t n = ::send(socket_.get(), out_.data(), out_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0 && errno == EAGAIN) break;
-    // What the daemon has said before it closed is read first.
-    if (n < 0) break;
-    out_.erase(0, static_cast<std::size_t>(n));
+    if (n >= 0) {
+      out_.erase(0, static_cast<std::size_t>(n));
+      continue;
+    }
+    // What the daemon has said before it closed is read; then the connection ends.
+    out_.clear();
+    ::shutdown(socket_.get(), SHUT_RDWR);
   }
   watch();
 }
@@ -223,17 +236,16 @@ void Client::Connection::watch() {
   ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, socket_.get(), &event);
 }
 
-void Client::Connection::wait(std::chrono::milliseconds time) const {
-  constexpr std::chrono::milliseconds longest(1'000'000'000);
+void Client::Connection::wait(milliseconds time) const {
   pollfd waits{.fd = epoll_.get(), .events = POLLIN, .revents = 0};
-  ::poll(&waits, 1, time.count() < 0 ? -1 : static_cast<int>(std::min(time, longest).count()));
+  ::poll(&waits, 1, for_poll(time));
 }
 
 /// Whatever there is for handlers.
-void Client::Connection::wait_for_daemon(std::chrono::milliseconds time) const {
+void Client::Connection::wait_for_daemon(milliseconds time) const {
   const auto events = static_cast<short>(POLLIN | (out_.empty() ? 0 : POLLOUT));
   pollfd waits{.fd = socket_.get(), .events = events, .revents = 0};
-  ::poll(&waits, 1, static_cast<int>(time.count()));
+  ::poll(&waits, 1, for_poll(time));
 }
 
 // --- what comes ----------------------------------------------------------------------------------
@@ -250,6 +262,12 @@ void Client::Connection::on_reply(control::Reply reply) {
   }
   const auto found = asked_.find(reply.id);
   if (found == asked_.end()) return;
+  if (const auto* channels = std::get_if<control::Channels>(&reply.body))
+    found->second.rows += channels->channels.size();
+  if (found->second.rows > kMostRows) {
+    lose("mlccad sent an answer without end");
+    return;
+  }
   if (const auto joined = control::join(found->second.whole, std::move(reply)); !joined) {
     lose(joined.error().text);
     return;
@@ -258,59 +276,77 @@ void Client::Connection::on_reply(control::Reply reply) {
   const Asked asked = std::move(found->second);
   asked_.erase(found);
   retry_ = options_.first_retry;
-  // One that was asked for again has an answer that is newer.
-  if (const PartOf part = asked.part.lock(); part && part->asked == asked.whole->id)
-    on_answer(part, *asked.whole);
+  if (const PartOf part = asked.part.lock()) on_answer(part, *asked.whole);
 }
 
 void Client::Connection::on_answer(const PartOf& part, const control::Reply& reply) {
   part->asked = 0;
-  const Answer before = std::exchange(part->answer, answer_of(reply));
+  auto answer = answer_of(reply);
+  if (!answer) {
+    // Too much to do, no memory: it may be otherwise soon. What is known stays.
+    part->failed = true;
+    retry_later(Try::asked_for);
+    if (part->answer->state != State::unannounced && part->answer->state != State::no_daemon)
+      return;
+    const auto* error = std::get_if<control::Error>(&reply.body);
+    part->answer =
+        no_daemon(error == nullptr ? "mlccad answered with something else" : error->message);
+    part->lost = true;
+    return;
+  }
   if (const auto* channels = std::get_if<control::Channels>(&reply.body);
       channels != nullptr && !channels->channels.empty())
     part->subject = channels->channels.front().subject;
-  if (std::exchange(part->lost, false))
-    note(part, {.cause = Cause::daemon_back,
-                .text = part->answer.reason,
-                .silent = {},
-                .missing_events = 0,
-                .answer = part->answer});
-  // Events are of all ends of a channel.
-  const auto events = std::exchange(part->waiting, {});
-  if (same_verdicts(before, part->answer)) return;
-  for (const control::Event& event : events) note(part, exception_of(event, before, part->answer));
+  // Something has happened since the daemon was asked: only the next answer is sure to know it.
+  if (part->outdated) {
+    ask(part);
+    return;
+  }
+  part->take(std::make_shared<Answer>(std::move(*answer)));
+  if (std::exchange(part->lost, false)) part->note(Cause::daemon_back, part->answer->reason);
+  if (!part->waiting.empty()) wake();
 }
 
 void Client::Connection::on_event(const control::Event& event) {
+  const Meaning meaning = meaning_of(event);
+  if (meaning == Meaning::none) return;
   for (const PartOf& part : parts()) {
     // Without a delivery only the name is known.
-    const bool ours = event.subject != 0 &&
-                      (event.subject == part->subject || event.channel == part->request.channel);
-    const bool to_all = event.subject == 0;
-    if (!ours && !to_all) continue;
-    if (ours && changes_verdicts(event)) {
-      // What is decided is asked for once more: an answer that is under way may be an older one.
-      part->waiting.push_back(event);
-      ask(part);
+    const bool of_channel = event.subject != 0 && (event.subject == part->subject ||
+                                                   event.channel == part->request.channel);
+    if (!of_channel && event.subject != 0) continue;
+    if (meaning == Meaning::happened) {
+      if (event.subject == 0 || part->concerns(event))
+        part->note(cause_of(event), event.message, &event);
     } else {
-      note(part, exception_of(event, part->answer, part->answer));
+      if (meaning == Meaning::withdrawn) part->withdraw(event);
+      ask_again(part);
     }
+    if (!part->waiting.empty()) wake();
   }
+}
+
+bool Client::Connection::has_exceptions() {
+  return std::ranges::any_of(
+      parts(), [](const PartOf& part) { return !part->waiting.empty() || part->lagged; });
 }
 
 void Client::Connection::call_handlers() {
   std::uint64_t count = 0;
   static_cast<void>(::read(noticed_.get(), &count, sizeof count) < 0);
-  // Not those that come while a handler runs: they are for the next turn.
-  for (std::size_t left = notices_.size(); left != 0 && !notices_.empty(); --left) {
-    const Notice notice = std::move(notices_.front());
-    notices_.pop_front();
-    const PartOf part = notice.part.lock();
-    if (!part || !part->handler) continue;
-    const Channel::Handler handler = part->handler;  // which may replace it
-    if (left > 1) wake();                            // should it throw
-    handler(notice.exception);
+  for (const PartOf& part : parts()) {
+    // Not those that come while a handler runs: they are for the next turn.
+    for (std::size_t left = part->waiting.size() + (part->lagged ? 1 : 0); left != 0; --left) {
+      const auto exception = part->next();
+      const auto handler = part->handler;  // which may replace it
+      // Should it throw, the others are for the next turn.
+      wake();
+      if (exception && handler) (*handler)(*exception);
+      if (part.use_count() == 1) break;  // it has ended its channel
+    }
   }
+  static_cast<void>(::read(noticed_.get(), &count, sizeof count) < 0);
+  if (has_exceptions()) wake();
 }
 
 }  // namespace mlcca::client

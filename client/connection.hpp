@@ -3,7 +3,6 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -43,11 +42,15 @@ class Client::Connection {
   /// A request that is not answered yet; of a channel that may be gone.
   struct Asked {
     std::weak_ptr<Channel::Part> part;
-    std::optional<control::Reply> whole;  ///< what has come of it
+    std::optional<control::Reply> whole{};  ///< what has come of it
+    std::size_t rows = 0;
   };
 
-  void connect();
-  void lose(const std::string& why);
+  /// Whether a failure makes the next try come later.
+  enum class Try : std::uint8_t { planned, asked_for };
+  void connect(Try why);
+  void lose(const std::string& why, Try after = Try::planned);
+  void retry_later(Try after);
   void ask(const PartOf& part);
   void receive();
   void take_replies();
@@ -56,8 +59,10 @@ class Client::Connection {
   void on_reply(control::Reply reply);
   void on_event(const control::Event& event);
   void on_answer(const PartOf& part, const control::Reply& reply);
-  void note(const PartOf& part, Exception exception);
+  /// What is decided is asked for once more: at once, or when the answer under way is there.
+  void ask_again(const PartOf& part);
   void wake();
+  [[nodiscard]] bool has_exceptions();
   void wait_for_daemon(std::chrono::milliseconds time) const;
   /// Those that still exist.
   std::vector<PartOf> parts();
@@ -73,11 +78,6 @@ class Client::Connection {
   std::uint64_t last_id_ = 0;
   std::map<std::uint64_t, Asked> asked_;
   std::vector<std::weak_ptr<Channel::Part>> parts_;
-  struct Notice {
-    std::weak_ptr<Channel::Part> part;
-    Exception exception;
-  };
-  std::deque<Notice> notices_;
 };
 
 }  // namespace mlcca::client

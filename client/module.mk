@@ -3,9 +3,9 @@
 # control protocol with the standard library, is hidden in it.
 $(eval $(call library,client,$(wildcard client/*.cc)))
 
-# The number changes when a program that was linked with the library does not run any more with a later one.
-CLIENT_ABI := 0
+# Before 1.0 a program that was linked with one minor version does not run with the next one.
 CLIENT_VERSION := $(shell sed -n 's/.*kVersion\[\] = "\(.*\)";/\1/p' control/version.hpp)
+CLIENT_ABI := $(basename $(CLIENT_VERSION))
 CLIENT_LIBRARY := $O/libmlcca.so.$(CLIENT_VERSION)
 CLIENT_OBJECTS := $(if $(BUNDLE),$(foreach folder,client control,$(call bundle,$O/bundle/pic/$(folder),$(wildcard \
 	$(folder)/*.cc))),$(patsubst %.cc,$O/pic/%.o,$(wildcard client/*.cc control/*.cc)))

@@ -2,8 +2,8 @@
 // What a channel of a program is to its connection.
 #pragma once
 #include <cstdint>
-#include <string>
-#include <vector>
+#include <deque>
+#include <memory>
 
 #include "control/messages.hpp"
 #include "mlcca/client/client.hpp"
@@ -11,15 +11,31 @@
 namespace mlcca::client {
 
 struct Channel::Part {
+  /// Exceptions that wait for a program that does not call process().
+  static constexpr std::size_t kMostWaiting = 256;
+
   control::AnnounceRequest request;
-  Answer answer;
-  Handler handler;
+  std::shared_ptr<const Answer> answer = std::make_shared<Answer>();
+  std::shared_ptr<const Handler> handler;
   std::uint64_t subject = 0;  ///< 0: not known yet
   std::uint64_t asked = 0;    ///< the request that waits for an answer, 0: none
+  bool outdated = false;      ///< something has changed since it was asked
+  bool failed = false;        ///< the daemon could not answer: it is asked again later
   bool lost = false;          ///< the daemon went after it was announced
-  /// What has happened and is handled once the answer to it is there.
-  std::vector<control::Event> waiting;
+  bool lagged = false;        ///< exceptions were lost
+  std::deque<Exception> waiting;
   std::weak_ptr<Client::Connection> connection;
+
+  /// Where too many wait, what only informs goes first, then what is oldest.
+  void note(Cause cause, std::string text, const control::Event* event = nullptr);
+  /// The next exception for the handler; nothing: none waits.
+  std::optional<Exception> next();
+  /// The event is of a delivery of this end.
+  [[nodiscard]] bool concerns(const control::Event& event) const;
+  /// Another answer, and an exception for each delivery that is decided otherwise than before.
+  void take(std::shared_ptr<const Answer> now);
+  /// A delivery of it is withdrawn: the answer says so before the daemon is asked.
+  void withdraw(const control::Event& event);
 };
 
 }  // namespace mlcca::client

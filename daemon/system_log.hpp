@@ -55,8 +55,9 @@ struct Note {
   std::string message = {};
   std::uint64_t subject = 0;  ///< 0: not about a subject
   std::string channel = {};
-  std::string network = {};  ///< or gateway; of a delivery the place that it leads to
-  std::string from = {};     ///< of a delivery: the place of its publisher
+  std::string network = {};    ///< or gateway; of a delivery the place that it leads to
+  std::string from = {};       ///< of a delivery: the place of its publisher
+  std::string publisher = {};  ///< of a delivery or of frames: its name; empty: several, or none
   std::vector<std::uint64_t> admissions = {};  ///< run-time admissions that it concerns
   std::uint64_t silent_ns = 0;                 ///< of missing and restored: how long nothing came
   std::uint64_t missing = 0;                   ///< and how many events that are

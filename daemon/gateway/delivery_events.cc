@@ -39,6 +39,7 @@ void DeliveryEvents::verdict(Kind kind, const core::Verdict& v, const std::strin
               .network = core::name_of(scene_.state->system(), v.to),
               .from = core::name_of(scene_.state->system(),
                                     scene_.state->members().publisher(v.publisher).place),
+              .publisher = scene_.state->members().publisher(v.publisher).name,
               .admissions = admissions_of(v)});
 }
 
@@ -56,6 +57,7 @@ void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event) {
             .channel = channel.name,
             .network = core::name_of(scene_.state->system(), v.to),
             .from = core::name_of(scene_.state->system(), publisher.place),
+            .publisher = publisher.name,
             .admissions = admissions_of(v)};
   note.silent_ns = event.silent;
   // Half a period is late, unless no more comes.
@@ -119,6 +121,7 @@ void DeliveryEvents::gone(const std::string& subject, const core::Delivery& deli
                {.subject = core::parse_subject(subject).value_or(0),
                 .channel = name,
                 .network = delivery.to,
+                .publisher = delivery.publisher,
                 .admissions = delivery.admission != 0 ? std::vector{delivery.admission}
                                                       : std::vector<core::AdmissionId>{}});
 }
@@ -161,7 +164,8 @@ void DeliveryEvents::dropped(const core::Verdict& v, Fate fate, std::uint64_t fr
   log_.warning(Kind::dropping, dropped_line(fate, frames, which),
                {.subject = c.subject,
                 .channel = c.name,
-                .network = core::name_of(scene_.state->system(), publisher.place)});
+                .network = core::name_of(scene_.state->system(), publisher.place),
+                .publisher = publisher.name});
 }
 
 void DeliveryEvents::excess(const std::vector<const core::Verdict*>& verdicts,
@@ -191,6 +195,7 @@ void DeliveryEvents::excess(const std::vector<const core::Verdict*>& verdicts,
        .channel = channel.name,
        .network = core::name_of(scene_.state->system(), first.to),
        .from = core::name_of(scene_.state->system(), publisher.place),
+       .publisher = who.size() == 1 ? who.front() : "",
        .admissions = ids});
 }
 

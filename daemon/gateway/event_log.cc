@@ -20,6 +20,7 @@ void EventLog::write(Kind kind, int priority, std::string message, About about) 
          .channel = std::move(about.channel),
          .network = std::move(about.network),
          .from = std::move(about.from),
+         .publisher = std::move(about.publisher),
          .admissions = std::move(about.admissions)});
 }
 
@@ -45,6 +46,7 @@ void EventLog::write(Note note) {
   event.silent_ns = note.silent_ns;
   event.missing = note.missing;
   event.by = std::move(note.by);
+  event.publisher = std::move(note.publisher);
   publish_(event);
 }
 

@@ -24,6 +24,7 @@ struct About {
   std::string channel = {};
   std::string network = {};
   std::string from = {};
+  std::string publisher = {};
   std::vector<std::uint64_t> admissions = {};
 };
 

@@ -25,8 +25,8 @@ std::optional<Slice> too_large() {
 
 /// What concerns every channel of the gateway.
 bool concerns_all(const control::Event& event) {
-  return event.subject == 0 &&
-         (event.kind == "lapsed" || event.kind == "mode" || event.kind == "stopped");
+  return event.subject == 0 && (event.kind == "lapsed" || event.kind == "mode" ||
+                                event.kind == "reload" || event.kind == "stopped");
 }
 
 }  // namespace
@@ -84,6 +84,7 @@ void Session::step() {
   active_ = monotonic_ns();
   const control::Request& asked = **request;
   if (std::holds_alternative<control::MonitorRequest>(asked.body)) monitoring_ = true;
+  if (std::holds_alternative<control::AnnounceRequest>(asked.body)) announcing_ = true;
   take(server_.answer_(asked, peer_), asked.slices);
 }
 
@@ -168,8 +169,7 @@ void Session::release(const Result<void>& done) {
 }
 
 bool Session::wants(const control::Event& event) const {
-  return monitoring_ || followed_.contains(event.subject) ||
-         (!followed_.empty() && concerns_all(event)) ||
+  return monitoring_ || followed_.contains(event.subject) || (announcing_ && concerns_all(event)) ||
          std::ranges::any_of(event.admissions,
                              [this](std::uint64_t id) { return owned_.contains(id); });
 }
@@ -190,7 +190,7 @@ Use Session::use() const {
       std::ranges::any_of(held_, [](const Answer& answer) { return answer.owned != 0; });
   if (will_own || !owned_.empty()) return Use::owns;
   if (rest_ || has_work_ || !held_.empty() || waiting() != 0) return Use::asks;
-  return monitoring_ || !followed_.empty() ? Use::listens : Use::idle;
+  return monitoring_ || announcing_ ? Use::listens : Use::idle;
 }
 
 void Session::send_event(const std::string& encoded) {

@@ -47,7 +47,7 @@ class Session {
   [[nodiscard]] std::uint64_t active() const { return active_; }
   /// Its client waits for the daemon, for events, or owns an admission.
   [[nodiscard]] bool is_needed() const {
-    return monitoring_ || !followed_.empty() || use() == Use::owns || can_step() || parked_ ||
+    return monitoring_ || announcing_ || use() == Use::owns || can_step() || parked_ ||
            !held_.empty();
   }
 
@@ -110,6 +110,7 @@ class Session {
   std::set<std::uint64_t> followed_;  // subjects
   std::uint64_t active_;
   bool monitoring_ = false;
+  bool announcing_ = false;  ///< it has announced a channel, perhaps in vain
   bool closing_ = false;
   bool in_line_ = false;
   bool has_work_ = false;  ///< received or begun, and not done as far as one knows

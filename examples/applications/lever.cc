@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <iostream>
+#include <memory>
 #include <string>
 
 #include "mlcca/client/client.hpp"
@@ -22,10 +23,10 @@ struct StopSpec {
   using attributes = mlcca::AttributeList<mlcca::Period<50_ms>, mlcca::Omission<2>>;
 };
 
-void print(const std::string& what, const Answer& answer) {
-  std::cout << what << ": " << mlcca::client::name_of(answer.state) << ", " << answer.reason
+void print(const std::string& what, const std::shared_ptr<const Answer>& answer) {
+  std::cout << what << ": " << mlcca::client::name_of(answer->state) << ", " << answer->reason
             << std::endl;
-  for (const auto& delivery : answer.deliveries)
+  for (const auto& delivery : answer->deliveries)
     for (const auto& check : delivery.checks)
       if (!check.fits)
         std::cout << "  " << check.attribute << " at " << check.where << ": " << check.margin

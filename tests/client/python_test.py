@@ -142,6 +142,34 @@ class Clients:
         self.assertEqual(self.causes([channels(True), event("refused")], [channels(True), event("missing")], count=1),
                          [Cause.MISSING])
 
+    def test_a_withdrawal_is_told_also_where_the_next_answer_is_granted_again(self):
+        self.assertEqual(self.causes([channels(True), event("withdrawn"), event("granted")], [channels(True)], count=2),
+                         [Cause.WITHDRAWN, Cause.GRANTED])
+
+    def test_many_events_are_one_request(self):
+        self.assertEqual(self.causes([channels(True)] + [event("withdrawn")] * 500, [channels(False)], count=1),
+                         [Cause.WITHDRAWN])
+        self.assertLessEqual(len(self.requests), 4)
+
+    def test_a_reload_is_asked_for_and_a_rejection_is_an_exception(self):
+        invalid = error("Period 50 ms is announced")
+        self.assertEqual(self.causes([channels(True), event("reload", 0)], [invalid, event("reload", 0)], [channels(True)],
+                                     count=2), [Cause.REJECTED, Cause.GRANTED])
+
+    def test_after_events_that_were_lost_it_is_asked_again(self):
+        self.assertEqual(self.causes([channels(True), event("lagged", 0)], [channels(False)], count=1), [Cause.WITHDRAWN])
+
+    def test_what_happens_to_others_is_not_told(self):
+        _, told = self.both([channels(True), event("missing", publisher="other"), event("withdrawn", publisher="other"),
+                             event("restored", publisher="lever")], [channels(True)], count=1)
+        self.assertEqual([(e.cause, e.publisher) for e in told], [(Cause.RESTORED, "lever")])
+
+    def test_what_a_daemon_cannot_answer_is_asked_for_later(self):
+        busy = control_pb2.Reply(error=control_pb2.Error(kind=control_pb2.ERROR_WORLD, message="no memory"))
+        given, told = self.both([busy], [channels(True)], count=1)
+        self.assertEqual((given.state, given.reason), (State.NO_DAEMON, "no memory"))
+        self.assertEqual(told[0].cause, Cause.DAEMON_BACK)
+
     def test_another_attribute_set_is_degraded_or_upgraded(self):
         self.assertEqual(self.causes([channels(True), event("switched")], [channels(True, 2), event("switched")],
                                      [channels(True, 1)], count=2), [Cause.DEGRADED, Cause.UPGRADED])

@@ -28,8 +28,8 @@ class Channel:
     async def exceptions(self) -> AsyncIterator[ChannelException]:
         """Without end; what came before is kept."""
         while True:
-            while self._part.exceptions:
-                yield self._part.exceptions.popleft()
+            while self._part.waits():
+                yield self._part.take_exception()
             await self._client._changed()
 
     def close(self) -> None:
@@ -71,8 +71,8 @@ class Client:
             self._session.parts.append(part)
         part.lost = False
         losses = self._losses
-        if self._writer and part.asked == 0:
-            self._session.ask(part)
+        if self._writer:
+            self._session.ask_again(part)
             self._send()
         self._wanted.set()
         self._hurry.set()
@@ -102,6 +102,11 @@ class Client:
             self._writer.write(bytes(self._session.out))
             self._session.out.clear()
 
+    def _ask_failed(self) -> None:
+        if self._writer:
+            self._session.ask_failed()
+            self._send()
+
     async def _pause(self, seconds: float) -> None:
         try:
             async with asyncio.timeout(seconds):
@@ -123,6 +128,8 @@ class Client:
                     self._session.receive(data)
                     self._send()
                     self._wake()
+                    if any(part.failed for part in self._session.parts):
+                        asyncio.get_running_loop().call_later(retry, self._ask_failed)
             except ProtocolError as wrong:
                 why = str(wrong)
             except OSError as error:

@@ -11,6 +11,7 @@ from mlcca.session import Part, ProtocolError, Role, Session
 from mlcca.types import Answer, ChannelException, State
 
 SOCKET = "/run/mlcca/control.sock"
+MOST_READS = 16  # in one turn: a daemon that sends without pause does not keep a program from its work
 Handler = Callable[[ChannelException], None]
 
 
@@ -73,8 +74,8 @@ class Client:
         """Does what there is to do and calls exception handlers. Never waits."""
         self._turn()
         for channel in list(self._channels):
-            for _ in range(len(channel._part.exceptions)):
-                exception = channel._part.exceptions.popleft()
+            for _ in range(channel._part.waits()):
+                exception = channel._part.take_exception()
                 if channel.on_exception:
                     channel.on_exception(exception)
                 if channel not in self._channels:
@@ -83,7 +84,7 @@ class Client:
     def wait(self, seconds: Optional[float] = None) -> None:
         """process(), after waiting until there is something to do, for at most so long; None: without end."""
         end = None if seconds is None else time.monotonic() + seconds
-        while not any(c._part.exceptions for c in self._channels):
+        while not any(c._part.waits() for c in self._channels):
             left = None if end is None else end - time.monotonic()
             if left is not None and left <= 0:
                 break
@@ -113,9 +114,9 @@ class Client:
             self._session.parts.append(part)
         part.lost = False
         if not self._socket:
-            self._connect()
-        elif part.asked == 0:
-            self._session.ask(part)
+            self._connect(planned=False)
+        else:
+            self._session.ask_again(part)
         end = time.monotonic() + self._patience
         self._turn()
         while part.asked != 0 and (left := end - time.monotonic()) > 0:
@@ -133,27 +134,35 @@ class Client:
 
     # --- the connection -------------------------------------------------------------------------------------------
 
-    def _connect(self) -> None:
+    def _connect(self, planned: bool = True) -> None:
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM | socket.SOCK_CLOEXEC)
         self._socket.setblocking(False)
         try:
             self._socket.connect(self._path)
         except OSError as error:
-            self._lose(f"no daemon: {self._path}: {error.strerror or error}")
+            self._lose(f"no daemon: {self._path}: {error.strerror or error}", planned)
             return
         self._session.connected()
 
-    def _lose(self, why: str) -> None:
+    def _retry_later(self, planned: bool) -> None:
+        """Only a failure of a planned try makes the next one come later."""
+        self._retry_at = time.monotonic() + self._retry
+        if planned:
+            self._retry = min(self._retry * 2, self._longest_retry)
+
+    def _lose(self, why: str, planned: bool = True) -> None:
         if self._socket:
             self._socket.close()
         self._socket = None
-        self._retry_at = time.monotonic() + self._retry
-        self._retry = min(self._retry * 2, self._longest_retry)
+        self._retry_later(planned)
         self._session.lost(why)
 
     def _turn(self) -> None:
-        if not self._socket and self._channels and time.monotonic() >= self._retry_at:
+        due = self._channels and time.monotonic() >= self._retry_at
+        if not self._socket and due:
             self._connect()
+        if self._socket and due:
+            self._session.ask_failed()
         try:
             self._send()
             self._receive()
@@ -167,11 +176,16 @@ class Client:
         while self._socket and self._session.out:
             try:
                 del self._session.out[:self._socket.send(self._session.out, socket.MSG_NOSIGNAL)]
-            except (BlockingIOError, BrokenPipeError):  # what the daemon has said before it closed is read first
+            except BlockingIOError:
                 return
+            except OSError:  # what the daemon has said before it closed is read; then the connection ends
+                self._session.out.clear()
+                self._socket.shutdown(socket.SHUT_RDWR)
 
     def _receive(self) -> None:
-        while self._socket:
+        for _ in range(MOST_READS):
+            if not self._socket:
+                return
             try:
                 data = self._socket.recv(1 << 16)
             except BlockingIOError:
@@ -181,6 +195,8 @@ class Client:
                 return
             self._session.receive(data)
             self._retry = self._first_retry
+            if any(part.failed for part in self._session.parts):
+                self._retry_later(planned=False)
 
     def _wait_for_daemon(self, seconds: Optional[float]) -> None:
         if not self._socket:
@@ -189,5 +205,8 @@ class Client:
                 raise RuntimeError("nothing is announced: wait() would have no end")
             time.sleep(pause if seconds is None else min(pause, seconds))
             return
+        if any(part.failed for part in self._session.parts):
+            pause = max(self._retry_at - time.monotonic(), 0)
+            seconds = pause if seconds is None else min(pause, seconds)
         writers = [self._socket] if self._session.out else []
         select.select([self._socket], writers, [], seconds)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 import re
 from collections import deque
+from dataclasses import replace
 from typing import Deque, Mapping, Optional
 
 from google.protobuf.message import DecodeError
@@ -13,17 +14,21 @@ from mlcca.types import Answer, Cause, ChannelException, Check, Delivery, State
 from mlcca.v1 import control_pb2
 
 MOST_REPLY = 16 << 20  # bytes, as control.proto has it
-MOST_WAITING = 4096    # exceptions that wait for a program that does not take them
+MOST_WAITING = 256      # exceptions that wait for a program that does not take them
+MOST_ROWS = 1 << 18     # deliveries of one answer
 
 # In whole numbers of the unit that the daemon counts in.
 UNITS = {"Latency": "ns", "Jitter": "ns", "Deadline": "ns", "Period": "ns", "Bandwidth": "bytes/s", "PacketLoss": "1e-9",
          "Omission": "events", "MaxPayload": "bytes"}
 NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000}
 
-CAUSES = {"granted": Cause.GRANTED, "refused": Cause.REFUSED, "withdrawn": Cause.WITHDRAWN, "released": Cause.WITHDRAWN,
-          "excess": Cause.POLICED, "dropping": Cause.DROPPED, "missing": Cause.MISSING, "restored": Cause.RESTORED,
-          "lapsed": Cause.GATES_CLOSED, "stopped": Cause.GATES_CLOSED, "mode": Cause.MODE, "lagged": Cause.LAGGED}
-CHANGE_VERDICTS = {"granted", "refused", "withdrawn", "released", "switched", "reinstated"}
+HAPPENED = {"excess": Cause.POLICED, "dropping": Cause.DROPPED, "missing": Cause.MISSING, "restored": Cause.RESTORED,
+            "lapsed": Cause.GATES_CLOSED, "stopped": Cause.GATES_CLOSED, "mode": Cause.MODE}
+# What is decided may be otherwise: it is asked for.
+VERDICT = {"granted", "refused", "withdrawn", "released", "switched", "reinstated", "reload", "lagged"}
+MEANINGLESS = {"binding"}
+# They are lost first where a program takes none.
+ONLY_INFORM = {Cause.POLICED, Cause.DROPPED, Cause.MISSING, Cause.RESTORED, Cause.MODE, Cause.OTHER}
 
 
 class ProtocolError(Exception):
@@ -71,15 +76,21 @@ def delivery_of(channel: control_pb2.Channel) -> Delivery:
                     next(iter(channel.troubles), ""), tuple(channel.route), tuple(map(check_of, channel.rows)))
 
 
-def answer_of(reply: control_pb2.Reply) -> Answer:
-    if not reply.HasField("channels"):
-        return Answer(State.REJECTED, reply.error.message or "the daemon answered with something else")
-    deliveries = tuple(map(delivery_of, reply.channels.channels))
-    refused = [d for d in deliveries if not d.granted]
-    state = State.GRANTED if not refused else State.REFUSED if len(refused) == len(deliveries) else State.PARTLY
+def summary_of(deliveries: tuple[Delivery, ...]) -> Answer:
     if not deliveries:
         return Answer(State.REFUSED, "nobody is at the other end")
+    refused = [d for d in deliveries if not d.granted]
+    state = State.GRANTED if not refused else State.REFUSED if len(refused) == len(deliveries) else State.PARTLY
     return Answer(state, (refused or deliveries)[0].reason, deliveries)
+
+
+def answer_of(reply: control_pb2.Reply) -> Optional[Answer]:
+    """None: the daemon could not answer, and may later."""
+    if reply.HasField("channels"):
+        return summary_of(tuple(map(delivery_of, reply.channels.channels)))
+    if reply.HasField("error") and reply.error.kind != control_pb2.ERROR_WORLD:
+        return Answer(State.REJECTED, reply.error.message)
+    return None
 
 
 class Part:
@@ -90,24 +101,71 @@ class Part:
         for attribute, value in stated.items():
             self.request.attributes.add(name=attribute, value=value_of(attribute, value), unit=UNITS[attribute])
         self.answer = Answer()
-        self.exceptions: Deque[ChannelException] = deque()
-        self.subject = 0  # 0: not known yet
-        self.asked = 0    # the request that waits for an answer, 0: none
-        self.lost = False  # the daemon went after it was announced
-        self.waiting: list[control_pb2.Event] = []
+        self.subject = int(channel, 16) if re.fullmatch("0x[0-9a-fA-F]{1,16}", channel) else 0  # 0: not known yet
+        self.asked = 0         # the request that waits for an answer, 0: none
+        self.outdated = False  # something has changed since it was asked
+        self.failed = False    # the daemon could not answer: it is asked again later
+        self.lost = False      # the daemon went after it was announced
+        self._waiting: Deque[ChannelException] = deque()
+        self._lagged = False
 
-    def note(self, cause: Cause, text: str, silent_ns: int = 0, missing_events: int = 0) -> None:
-        if len(self.exceptions) == MOST_WAITING:
-            self.exceptions[-1] = ChannelException(Cause.LAGGED, "exceptions were lost: they are taken too slowly",
-                                                   answer=self.answer)
+    def waits(self) -> int:
+        """Exceptions that take_exception() has."""
+        return len(self._waiting) + self._lagged
+
+    def take_exception(self) -> ChannelException:
+        if self._lagged:
+            self._lagged = False
+            return ChannelException(Cause.LAGGED, "exceptions were lost: they are taken too slowly", answer=self.answer)
+        return self._waiting.popleft()
+
+    def note(self, cause: Cause, text: str, event: Optional[control_pb2.Event] = None) -> None:
+        if len(self._waiting) >= MOST_WAITING:
+            least = next((i for i, e in enumerate(self._waiting) if e.cause in ONLY_INFORM), 0)
+            del self._waiting[least]
+            self._lagged = True
+        publisher, silent, missing = (event.publisher, event.silent_ns, event.missing) if event else ("", 0, 0)
+        self._waiting.append(ChannelException(cause, text, publisher, silent, missing, self.answer))
+
+    def concerns(self, event: control_pb2.Event) -> bool:
+        """The event is of a delivery of this end; before there is one nothing but the channel is known."""
+        if not event.publisher or not self.answer.deliveries:
+            return True
+        return any(d.publisher == event.publisher and event.network in ("", d.to, d.source) for d in self.answer.deliveries)
+
+    def take(self, answer: Answer) -> None:
+        """Another answer, and an exception for each delivery that is decided otherwise than before."""
+        before, self.answer = self.answer, answer
+        if answer.state is State.REJECTED:
+            if before.state not in (State.REJECTED, State.UNANNOUNCED):
+                self.note(Cause.REJECTED, answer.reason)
             return
-        self.exceptions.append(ChannelException(cause, text, silent_ns, missing_events, self.answer))
+        if before.state in (State.UNANNOUNCED, State.NO_DAEMON):
+            return
+        was_of = {(d.publisher, d.source, d.to): d for d in before.deliveries}
+        for d in answer.deliveries:
+            was = was_of.pop((d.publisher, d.source, d.to), None)
+            if d.granted and (was is None or not was.granted):
+                self.note(Cause.GRANTED, d.reason)
+            elif d.granted and was and d.attribute_set != was.attribute_set:
+                self.note(Cause.UPGRADED if d.attribute_set < was.attribute_set else Cause.DEGRADED, d.reason)
+            elif not d.granted and was is None:
+                self.note(Cause.REFUSED, d.reason)
+            elif not d.granted and was and was.granted:
+                self.note(Cause.WITHDRAWN, d.reason)
+        for d in was_of.values():
+            if d.granted:
+                self.note(Cause.WITHDRAWN, f"there is no delivery of {d.publisher} to {d.to} any more")
 
-    def note_event(self, event: control_pb2.Event, before: Answer) -> None:
-        cause = CAUSES.get(event.kind, Cause.OTHER)
-        if event.kind == "switched":
-            cause = Cause.UPGRADED if self.answer.worst_set() < before.worst_set() else Cause.DEGRADED
-        self.note(cause, event.message, event.silent_ns, event.missing)
+    def withdraw(self, event: control_pb2.Event) -> None:
+        """A delivery of it is withdrawn: the answer says so before the daemon is asked."""
+        def concerned(d: Delivery) -> bool:
+            return d.granted and event.publisher in ("", d.publisher) and event.network in ("", d.to)
+        if not any(map(concerned, self.answer.deliveries)):
+            return
+        self.answer = summary_of(tuple(replace(d, granted=False, reason=event.message, checks=()) if concerned(d) else d
+                                       for d in self.answer.deliveries))
+        self.note(Cause.WITHDRAWN, event.message, event)
 
 
 class Session:
@@ -130,15 +188,28 @@ class Session:
         self._whole.clear()
         for part in self.parts:
             told = part.answer.state not in (State.NO_DAEMON, State.UNANNOUNCED)
-            part.asked, part.lost, part.waiting = 0, True, []
+            part.asked, part.lost, part.outdated, part.failed = 0, True, False, False
             part.answer = Answer(State.NO_DAEMON, why)
             if told:
                 part.note(Cause.DAEMON_GONE, why)
 
     def ask(self, part: Part) -> None:
         self._last_id += 1
-        part.asked = self._last_id
+        part.asked, part.outdated, part.failed = self._last_id, False, False
         self.out += encode(control_pb2.Request(id=part.asked, announce=part.request, slices=True))
+
+    def ask_again(self, part: Part) -> None:
+        """At once, or when the answer under way is there."""
+        if part.asked == 0:
+            self.ask(part)
+        else:
+            part.outdated = True
+
+    def ask_failed(self) -> None:
+        """Those that the daemon could not answer before."""
+        for part in self.parts:
+            if part.failed:
+                self.ask(part)
 
     def receive(self, data: bytes) -> None:
         """Raises ProtocolError."""
@@ -185,38 +256,48 @@ class Session:
             whole.MergeFrom(reply)
             whole.more = more
             reply = whole
+        if len(reply.channels.channels) > MOST_ROWS:
+            raise ProtocolError("mlccad sent an answer without end")
         if reply.more:
             self._whole[reply.id] = reply
             return
-        # One that was asked for again has an answer that is newer.
         for part in self.parts:
             if part.asked == reply.id:
                 self._on_answer(part, reply)
 
-    @staticmethod
-    def _on_answer(part: Part, reply: control_pb2.Reply) -> None:
+    def _on_answer(self, part: Part, reply: control_pb2.Reply) -> None:
         part.asked = 0
-        before, part.answer = part.answer, answer_of(reply)
+        answer = answer_of(reply)
+        if answer is None:
+            # Too much to do, no memory: it may be otherwise soon. What is known stays.
+            part.failed = True
+            if part.answer.state in (State.UNANNOUNCED, State.NO_DAEMON):
+                part.answer = Answer(State.NO_DAEMON, reply.error.message or "mlccad answered with something else")
+                part.lost = True
+            return
         if reply.channels.channels:
             part.subject = reply.channels.channels[0].subject
-        events, part.waiting = part.waiting, []
+        # Something has happened since the daemon was asked: only the next answer is sure to know it.
+        if part.outdated:
+            self.ask(part)
+            return
+        part.take(answer)
         if part.lost:
             part.lost = False
             part.note(Cause.DAEMON_BACK, part.answer.reason)
-        # Events are of all ends of a channel.
-        if before.state == part.answer.state and before.verdicts() == part.answer.verdicts():
-            return
-        for event in events:
-            part.note_event(event, before)
 
     def _on_event(self, event: control_pb2.Event) -> None:
+        if event.kind in MEANINGLESS:
+            return
         for part in self.parts:
             # Without a delivery only the name is known.
-            ours = event.subject != 0 and (event.subject == part.subject or event.channel == part.request.channel)
-            if not ours and event.subject != 0:
+            of_channel = event.subject != 0 and (event.subject == part.subject or event.channel == part.request.channel)
+            if not of_channel and event.subject != 0:
                 continue
-            if ours and event.kind in CHANGE_VERDICTS:
-                part.waiting.append(event)
-                self.ask(part)
-            else:
-                part.note_event(event, part.answer)
+            if event.kind not in VERDICT:
+                if event.subject == 0 or part.concerns(event):
+                    part.note(HAPPENED.get(event.kind, Cause.OTHER), event.message, event)
+                continue
+            if event.kind == "withdrawn":
+                part.withdraw(event)
+            self.ask_again(part)

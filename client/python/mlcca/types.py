@@ -22,6 +22,7 @@ class Cause(enum.Enum):
     GRANTED = "granted"            # a delivery that was refused is granted
     REFUSED = "refused"            # a delivery is refused
     WITHDRAWN = "withdrawn"        # a delivery was granted and is not any more
+    REJECTED = "rejected"          # after a reload the announcement does not go with the description any more
     DEGRADED = "degraded"          # another attribute set is in use, which asks for less
     UPGRADED = "upgraded"          # another attribute set is in use, which gives more
     POLICED = "policed"            # the publisher sent more than was admitted
@@ -69,19 +70,13 @@ class Answer:
     reason: str = ""
     deliveries: tuple[Delivery, ...] = ()
 
-    def verdicts(self) -> frozenset[tuple[str, str, str, bool, int]]:
-        """By which two answers are the same decision."""
-        return frozenset((d.publisher, d.source, d.to, d.granted, d.attribute_set) for d in self.deliveries)
-
-    def worst_set(self) -> int:
-        return max((d.attribute_set for d in self.deliveries if d.granted), default=0)
-
 
 @dataclass(frozen=True)
 class ChannelException:
     """Something has happened to a channel. It is handed over, never raised."""
     cause: Cause
     text: str                # one line, as in the log of the gateway
+    publisher: str = ""      # that it is of, by its name; empty: of several, or of none
     silent_ns: int = 0       # missing, restored: how long nothing came
     missing_events: int = 0  # missing, restored: how many did not come in that time
     answer: Answer = field(default_factory=Answer)  # what is decided now

@@ -7,12 +7,13 @@
 #include <algorithm>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/model/text.hpp"
 #include "daemon/gateway/channel_reports.hpp"
-#include "daemon/gateway/report_size.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
+#include "mlcca/check.hpp"
 
 namespace mlcca::requests {
 namespace {
@@ -21,35 +22,48 @@ using control::Role;
 
 const char* name_of(Role role) { return role == Role::publisher ? "publisher" : "subscriber"; }
 
-/// For one end: whether a program that states `announced` sends more, or asks for more, than the
-/// end that was decided. A publisher's MaxPayload and Jitter are of what it sends, and the
-/// MaxPayload of a subscriber is what it accepts.
-bool is_more(Role role, Attribute a, Value announced, Value decided) {
+/// For one end: whether a program that states `announced` sends more, or asks for more, than was
+/// decided. A publisher's MaxPayload and Jitter are of what it sends, and the MaxPayload of a
+/// subscriber is what it accepts. A publisher's Period and Bandwidth are promised to subscribers,
+/// too: less of it is as wrong as more.
+bool differs(Role role, Attribute a, Value announced, Value decided) {
+  const bool publishes = role == Role::publisher;
+  if (publishes && (a == Attribute::period || a == Attribute::bandwidth))
+    return announced != decided;
   const bool smaller_is_harder = info(a).better == Better::smaller;
-  const bool turned_round =
-      role == Role::publisher ? a == Attribute::jitter : a == Attribute::max_payload;
+  const bool turned_round = publishes ? a == Attribute::jitter : a == Attribute::max_payload;
   return smaller_is_harder != turned_round ? announced < decided : announced > decided;
 }
 
-/// What of it is more than the end states; nothing: it is as the end, or less.
-std::optional<std::string> too_much(Role role, const std::vector<control::Attribute>& announced,
-                                    const AttributeSet& decided) {
+/// What the program states, with the Deadline that follows from its Period. Error: there is no such
+/// attribute.
+Result<AttributeSet> announced_set(const std::vector<control::Attribute>& announced) {
+  AttributeSet out;
   for (const control::Attribute& one : announced) {
     std::size_t i = 0;
     while (i < kAttributes && one.name != kAttributeTable[i].name) ++i;
-    if (i == kAttributes) return fmt::format("there is no attribute '{}'", one.name);
+    if (i == kAttributes) return fail(fmt::format("there is no attribute '{}'", one.name));
+    out.set(attribute_at(i), one.value);
+  }
+  return out;
+}
+
+/// What of it does not go with `decided`; nothing: all of it does.
+std::optional<std::string> conflict(Role role, const AttributeSet& announced,
+                                    const AttributeSet& decided, std::string_view whose) {
+  const AttributeSet asked = normalised_requirement(announced);
+  const AttributeSet given = normalised_requirement(decided);
+  for (std::size_t i = 0; i < kAttributes; ++i) {
     const Attribute a = attribute_at(i);
-    const std::string value = core::format_value(a, one.value);
-    if (!decided.has(a))
-      return fmt::format(
-          "{} {} is announced, and nothing is stated for this end: state it in the "
-          "description",
-          one.name, value);
-    if (is_more(role, a, one.value, decided[a]))
-      return fmt::format(
-          "{} {} is announced, and {} is stated for this end: state what the "
-          "program needs in the description",
-          one.name, value, core::format_value(a, decided[a]));
+    if (!asked.has(a)) continue;
+    const std::string what =
+        fmt::format("{} {} is announced{}", info(a).name, core::format_value(a, asked[a]),
+                    announced.has(a) ? "" : " (implied by the Period)");
+    if (!given.has(a))
+      return fmt::format("{}, and nothing is stated {}: state it in the description", what, whose);
+    if (differs(role, a, asked[a], given[a]))
+      return fmt::format("{}, and {} is stated {}: state what the program needs in the description",
+                         what, core::format_value(a, given[a]), whose);
   }
   return std::nullopt;
 }
@@ -61,6 +75,7 @@ class Ends {
       : state_(*context.scene.state),
         members_(state_.members()),
         here_{core::Place::Kind::gateway, context.scene.self},
+        channel_(channel),
         role_(role) {
     const auto& all = role == Role::publisher ? members_.publishers_of(channel)
                                               : members_.subscribers_of(channel);
@@ -71,9 +86,22 @@ class Ends {
   [[nodiscard]] const std::string& name_of(std::size_t end) const {
     return role_ == Role::publisher ? members_.publisher(end).name : members_.subscriber(end).name;
   }
-  [[nodiscard]] const AttributeSet& attributes_of(std::size_t end) const {
-    return role_ == Role::publisher ? members_.publisher(end).attributes
-                                    : members_.subscriber(end).attributes;
+  /// Why a program that states this cannot be that end; nothing: it can. Where deliveries are
+  /// granted, the attribute sets that are in use count; else the preferred one.
+  [[nodiscard]] std::optional<std::string> conflict(std::size_t end,
+                                                    const AttributeSet& announced) const {
+    std::optional<std::string> found;
+    bool granted = false;
+    for (const core::Verdict& v : state_.decisions()[channel_].verdicts) {
+      if (found || !v.granted || !concerns(v, end)) continue;
+      granted = true;
+      found = requests::conflict(
+          role_, announced, attributes_of(end, v.set),
+          v.set == 0 ? "for this end"
+                     : fmt::format("in attribute set {}, which is in use for this end", v.set));
+    }
+    return granted ? found
+                   : requests::conflict(role_, announced, attributes_of(end, 0), "for this end");
   }
   /// Frames of a publisher pass for one user alone. What a bus brings can be read by every user.
   [[nodiscard]] bool is_for(std::size_t end, uid_t user) const {
@@ -97,6 +125,14 @@ class Ends {
   }
 
  private:
+  [[nodiscard]] const AttributeSet& attributes_of(std::size_t end, std::size_t set) const {
+    return role_ == Role::publisher ? core::attributes_in(members_.publisher(end), set)
+                                    : core::attributes_in(members_.subscriber(end), set);
+  }
+  [[nodiscard]] bool concerns(const core::Verdict& v, std::size_t end) const {
+    return role_ == Role::publisher ? v.publisher == end
+                                    : std::ranges::find(v.subscribers, end) != v.subscribers.end();
+  }
   [[nodiscard]] core::Place place_of(std::size_t end) const {
     return role_ == Role::publisher ? members_.publisher(end).place
                                     : members_.subscriber(end).place;
@@ -121,6 +157,7 @@ class Ends {
   const core::State& state_;
   const core::Members& members_;
   core::Place here_;
+  std::size_t channel_;
   Role role_;
   std::vector<std::size_t> ends_;
 };
@@ -136,8 +173,9 @@ Response announce(Context& context, const Asker& asker, const control::AnnounceR
   const Ends ends(context, *channel, request.role);
   const auto end = ends.find(request.name, asker.peer.uid);
   if (!end) return error_of(control::ErrorKind::forbidden, end.error().text);
-  if (const auto why = too_much(request.role, request.attributes, ends.attributes_of(*end)))
-    return invalid(*why);
+  const auto announced = announced_set(request.attributes);
+  if (!announced) return invalid(announced.error().text);
+  if (const auto why = ends.conflict(*end, *announced)) return invalid(*why);
   const auto report = [&context, channel = *channel, role = request.role, end = *end] {
     return role == Role::publisher ? context.channels.of_publisher(channel, end)
                                    : context.channels.of_subscriber(channel, end);

@@ -5,7 +5,9 @@
 //
 // A Client and its channels belong to one thread. Put Client::fd() into your poll, epoll, sd-event
 // or asio loop and call process() when it can be read, or call wait() in a loop of your own.
-// Events are sent and received by sockets of your own: this library carries none yet.
+// Events are sent and received by sockets of your own: this library carries none yet. After fork()
+// only one of both processes may go on using it. Before version 1.0 each minor version has an ABI
+// of its own, and the name of the library says which.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -69,6 +71,7 @@ enum class Cause : std::uint8_t {
   granted,       ///< a delivery that was refused is granted
   refused,       ///< a delivery is refused
   withdrawn,     ///< a delivery was granted and is not any more
+  rejected,      ///< after a reload the announcement does not go with the description any more
   degraded,      ///< another attribute set is in use, which asks for less
   upgraded,      ///< another attribute set is in use, which gives more
   policed,       ///< the publisher sent more than was admitted
@@ -89,14 +92,15 @@ MLCCA_API const char* name_of(State state);
 struct Exception {
   Cause cause = Cause::other;
   std::string text;                   ///< one line, as in the log of the gateway
+  std::string publisher;              ///< that it is of, by its name; empty: of several, or of none
   std::chrono::nanoseconds silent{};  ///< missing, restored: how long nothing came
   std::uint64_t missing_events = 0;   ///< missing, restored: how many did not come in that time
-  Answer answer;                      ///< what is decided now
+  std::shared_ptr<const Answer> answer;  ///< what is decided now
 };
 
 struct Options {
   std::string socket = "/run/mlcca/control.sock";
-  /// How long announce() and subscribe() wait for an answer.
+  /// How long announce() and subscribe() wait for an answer; less than 0: without end.
   std::chrono::milliseconds patience{10'000};
   /// How long after the daemon is lost it is tried again: this, then twice as long, up to
   /// `longest`.
@@ -143,19 +147,19 @@ class MLCCA_API Channel {
   Channel& operator=(const Channel&) = delete;
   Channel(Channel&&) = delete;
   Channel& operator=(Channel&&) = delete;
-  ~Channel();
 
   /// Called by Client::process(), never by announce() or subscribe(). The channel may be destroyed
   /// in it.
   void on_exception(Handler handler);
   /// What is known now.
-  [[nodiscard]] const Answer& answer() const;
+  [[nodiscard]] std::shared_ptr<const Answer> answer() const;
 
  protected:
   enum class Role : std::uint8_t { publisher, subscriber };
   Channel(Client& client, Role role, std::string channel, const AttributeSet& stated,
           std::string name);
-  const Answer& take_up();
+  ~Channel();
+  std::shared_ptr<const Answer> take_up();
 
  private:
   friend class Client;
@@ -175,7 +179,7 @@ class MLCCA_API PublisherChannel : public Channel {
 
   /// Takes the publisher up and waits for the answer, at most Options::patience. Whatever it is,
   /// the channel is announced again by itself whenever a daemon is there, until it is destroyed.
-  const Answer& announce() { return take_up(); }
+  std::shared_ptr<const Answer> announce() { return take_up(); }
 };
 
 class MLCCA_API SubscriberChannel : public Channel {
@@ -186,7 +190,7 @@ class MLCCA_API SubscriberChannel : public Channel {
       : Channel(client, Role::subscriber, std::move(channel), stated, std::move(name)) {}
 
   /// As PublisherChannel::announce().
-  const Answer& subscribe() { return take_up(); }
+  std::shared_ptr<const Answer> subscribe() { return take_up(); }
 };
 
 }  // namespace mlcca::client

@@ -137,16 +137,17 @@ TEST_F(Announce, AnEndThatAnOperatorHasAdmittedCanBeTakenUp) {
 
 TEST_F(Announce, WhoStatesAsMuchOrLessIsTakenUp) {
   EXPECT_EQ(stating(Role::publisher, "Period", 50 * kMs), "");
-  EXPECT_EQ(stating(Role::publisher, "Period", 51 * kMs), "");
+  EXPECT_EQ(stating(Role::publisher, "Deadline", 50 * kMs), "") << "the Period implies it";
   EXPECT_EQ(stating(Role::publisher, "MaxPayload", 7), "");
   EXPECT_EQ(stating(Role::subscriber, "Period", 51 * kMs), "");
   EXPECT_EQ(stating(Role::subscriber, "MaxPayload", 9), "");
 }
 
 TEST_F(Announce, WhoStatesMoreIsRefusedWithBothValues) {
-  EXPECT_EQ(stating(Role::publisher, "Period", 49 * kMs),
-            "Period 49 ms is announced, and 50 ms is stated for this end: state what the program "
-            "needs in the description");
+  EXPECT_EQ(
+      stating(Role::publisher, "Period", 49 * kMs),
+      "Deadline 49 ms is announced (implied by the Period), and 50 ms is stated for this end: "
+      "state what the program needs in the description");
   EXPECT_NE(stating(Role::publisher, "MaxPayload", 9), "");
   EXPECT_NE(stating(Role::subscriber, "Period", 49 * kMs), "");
   EXPECT_NE(stating(Role::subscriber, "MaxPayload", 7), "") << "events may have 8 bytes";
@@ -154,6 +155,48 @@ TEST_F(Announce, WhoStatesMoreIsRefusedWithBothValues) {
             "Latency 1 ms is announced, and nothing is stated for this end: state it in the "
             "description");
   EXPECT_EQ(stating(Role::publisher, "Speed", 1), "there is no attribute 'Speed'");
+}
+
+/// Subscribers are promised an event every 50 ms.
+TEST_F(Announce, APublisherThatSendsMoreSeldomIsRefused) {
+  EXPECT_EQ(stating(Role::publisher, "Period", 51 * kMs),
+            "Period 51 ms is announced, and 50 ms is stated for this end: state what the program "
+            "needs in the description");
+}
+
+/// A program that was made for a Deadline of its Period relies on it.
+TEST_F(Announce, AnImpliedDeadlineCounts) {
+  for (core::Publisher& p : bench_.system.publishers)
+    p.attributes.set(Attribute::deadline, 200 * kMs);
+  reload();
+  EXPECT_EQ(stating(Role::publisher, "Period", 50 * kMs),
+            "Deadline 50 ms is announced (implied by the Period), and 200 ms is stated for this "
+            "end: state what the program needs in the description");
+  EXPECT_EQ(stating(Role::publisher, "MaxPayload", 8), "");
+}
+
+/// 8 bytes every 50 ms or, where that cannot be, 4 bytes every 200 ms.
+TEST_F(Announce, TheAttributeSetThatIsInUseCounts) {
+  core::System& system = bench_.system;
+  const AttributeSet lower =
+      AttributeSet{}.set(Attribute::period, 200 * kMs).set(Attribute::max_payload, 4);
+  system.channels[0].lower = {{-1, lower, {}}};
+  for (core::Publisher& p : system.publishers) p.lower = system.channels[0].lower;
+  for (core::Subscriber& s : system.subscribers) s.lower = system.channels[0].lower;
+  reload();
+  EXPECT_EQ(stating(Role::publisher, "MaxPayload", 8), "");
+  EXPECT_NE(stating(Role::publisher, "Period", 200 * kMs), "") << "the preferred set is in use";
+  system.subscribers.pop_back();  // only what leads to the bus, which carries 4 bytes
+  for (core::Network& n : system.networks) n.provision.set(Attribute::max_payload, 4);
+  reload();
+  const core::Verdict& v = bench_.state().decisions()[0].verdicts.at(0);
+  ASSERT_TRUE(v.granted);
+  ASSERT_EQ(v.set, 1U);
+  EXPECT_EQ(stating(Role::publisher, "Period", 200 * kMs), "");
+  EXPECT_EQ(
+      stating(Role::publisher, "MaxPayload", 8),
+      "MaxPayload 8 bytes is announced, and 4 bytes is stated in attribute set 1, which is in "
+      "use for this end: state what the program needs in the description");
 }
 
 /// The Jitter of a publisher is its own: more of it is worse.

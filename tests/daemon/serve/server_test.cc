@@ -93,8 +93,9 @@ class ServerTest : public testing::Test {
     for (int i = 0; i < kManyTurns && sd_event_run(loop_.get(), 0) > 0;) ++i;
   }
 
-  void ask(const Fd& socket, std::uint64_t id, bool slices = true) {
-    const std::string bytes = control::encode(Request{id, control::ChannelsRequest{}, slices});
+  void ask(const Fd& socket, std::uint64_t id, bool slices = true,
+           decltype(Request::body) body = control::ChannelsRequest{}) {
+    const std::string bytes = control::encode(Request{id, std::move(body), slices});
     ASSERT_EQ(::send(socket.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL),
               static_cast<ssize_t>(bytes.size()));
   }
@@ -282,7 +283,7 @@ TEST_F(ServerTest, WhoFollowsASubjectGetsItsEventsAndThoseThatConcernAll) {
   const Fd other = client();
   control::Buffer buffer;
   control::Buffer of_other;
-  for (const std::uint64_t id : {1, 2}) ask(follower, id);
+  for (const std::uint64_t id : {1, 2}) ask(follower, id, true, control::AnnounceRequest{});
   ask(other, 3);
   ASSERT_EQ(replies(follower, buffer).size() + replies(other, of_other).size(), 3U);
   const auto publish = [this](std::uint64_t subject, const std::string& kind) {
@@ -290,11 +291,11 @@ TEST_F(ServerTest, WhoFollowsASubjectGetsItsEventsAndThoseThatConcernAll) {
   };
   for (const std::uint64_t subject : {41, 43}) publish(subject, "withdrawn");
   publish(42, "missing");
-  for (const char* kind : {"interface", "lapsed"}) publish(0, kind);
+  for (const char* kind : {"interface", "lapsed", "reload"}) publish(0, kind);
   std::vector<std::string> kinds;
   for (const Reply& reply : replies(follower, buffer))
     kinds.push_back(std::get<control::Event>(reply.body).kind);
-  EXPECT_EQ(kinds, (std::vector<std::string>{"withdrawn", "missing", "lapsed"}));
+  EXPECT_EQ(kinds, (std::vector<std::string>{"withdrawn", "missing", "lapsed", "reload"}));
   EXPECT_TRUE(replies(other, of_other).empty());
 }
 

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "client/part.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "client/answers.hpp"
+
+namespace mlcca::client {
+namespace {
+
+bool only_informs(const Exception& exception) {
+  switch (exception.cause) {
+    case Cause::policed:
+    case Cause::dropped:
+    case Cause::missing:
+    case Cause::restored:
+    case Cause::mode:
+    case Cause::other:
+      return true;
+    default:
+      return false;
+  }
+}
+
+const Delivery* same_delivery(const Answer& answer, const Delivery& d) {
+  const auto found = std::ranges::find_if(answer.deliveries, [&](const Delivery& other) {
+    return other.publisher == d.publisher && other.from == d.from && other.to == d.to;
+  });
+  return found == answer.deliveries.end() ? nullptr : &*found;
+}
+
+/// What has become of a delivery; nothing: it is decided as before.
+std::optional<Cause> change_of(const Delivery* was, const Delivery& is) {
+  const bool was_granted = was != nullptr && was->granted;
+  if (is.granted != was_granted) return is.granted ? Cause::granted : Cause::withdrawn;
+  if (!is.granted) return was == nullptr ? std::optional(Cause::refused) : std::nullopt;
+  if (is.set == was->set) return std::nullopt;
+  return is.set < was->set ? Cause::upgraded : Cause::degraded;
+}
+
+}  // namespace
+
+void Channel::Part::note(Cause cause, std::string text, const control::Event* event) {
+  if (waiting.size() >= kMostWaiting) {
+    const auto least = std::ranges::find_if(waiting, only_informs);
+    waiting.erase(least == waiting.end() ? waiting.begin() : least);
+    lagged = true;
+  }
+  Exception exception;
+  exception.cause = cause;
+  exception.text = std::move(text);
+  exception.answer = answer;
+  if (event != nullptr) {
+    exception.publisher = event->publisher;
+    exception.silent = std::chrono::nanoseconds(event->silent_ns);
+    exception.missing_events = event->missing;
+  }
+  waiting.push_back(std::move(exception));
+}
+
+std::optional<Exception> Channel::Part::next() {
+  if (std::exchange(lagged, false)) {
+    Exception exception;
+    exception.cause = Cause::lagged;
+    exception.text = "exceptions were lost: process() is called too seldom";
+    exception.answer = answer;
+    return exception;
+  }
+  if (waiting.empty()) return std::nullopt;
+  Exception next = std::move(waiting.front());
+  waiting.pop_front();
+  return next;
+}
+
+bool Channel::Part::concerns(const control::Event& event) const {
+  // Before there is a delivery nothing but the channel is known.
+  if (event.publisher.empty() || answer->deliveries.empty()) return true;
+  return std::ranges::any_of(answer->deliveries, [&](const Delivery& d) {
+    return d.publisher == event.publisher &&
+           (d.to == event.network || d.from == event.network || event.network.empty());
+  });
+}
+
+void Channel::Part::take(std::shared_ptr<const Answer> now) {
+  const auto before = std::exchange(answer, std::move(now));
+  if (answer->state == State::rejected) {
+    if (before->state != State::rejected && before->state != State::unannounced)
+      note(Cause::rejected, answer->reason);
+    return;
+  }
+  if (before->state == State::unannounced || before->state == State::no_daemon) return;
+  for (const Delivery& d : answer->deliveries)
+    if (const auto cause = change_of(same_delivery(*before, d), d)) note(*cause, d.reason);
+  for (const Delivery& d : before->deliveries)
+    if (d.granted && same_delivery(*answer, d) == nullptr)
+      note(Cause::withdrawn,
+           "there is no delivery of " + d.publisher + " to " + d.to + " any more");
+}
+
+void Channel::Part::withdraw(const control::Event& event) {
+  auto now = std::make_shared<Answer>(*answer);
+  bool found = false;
+  for (Delivery& d : now->deliveries) {
+    if (!d.granted || (!event.publisher.empty() && d.publisher != event.publisher) ||
+        (!event.network.empty() && d.to != event.network))
+      continue;
+    d.granted = false;
+    d.reason = event.message;
+    d.checks.clear();
+    found = true;
+  }
+  if (!found) return;
+  summarise(*now);
+  answer = std::move(now);
+  note(Cause::withdrawn, event.message, &event);
+}
+
+}  // namespace mlcca::client

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What must not get lost on the way from the daemon to the handler of a program, and what must not
+// grow.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/client/scene.hpp"
+
+namespace mlcca::client {
+namespace {
+
+using Texts = std::vector<std::string>;
+
+control::Reply of_publisher(control::Reply event, const std::string& name) {
+  std::get<control::Event>(event.body).publisher = name;
+  return event;
+}
+control::Reply error(control::ErrorKind kind, const std::string& text) {
+  return {0, control::Error{kind, text, {}}};
+}
+
+TEST(Exceptions, ManyEventsAreOneRequestAndTheWithdrawalIsToldAtOnce) {
+  std::vector<control::Reply> all{channels({delivery("robot-can", true)})};
+  for (int i = 0; i < 500; ++i) all.push_back(event("withdrawn"));
+  Scene scene({{all}, {{channels({delivery("robot-can", false)})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  stop.announce();
+  EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"withdrawn"});
+  EXPECT_EQ(stop.announce()->state, State::refused);
+  EXPECT_LE(scene.requests().size(), 4U);
+}
+
+/// Frames were dropped in between.
+TEST(Exceptions, AWithdrawalIsToldAlsoWhereTheNextAnswerIsGrantedAgain) {
+  Scene scene({{{channels({delivery("robot-can", true)}), event("withdrawn"), event("granted")}},
+               {{channels({delivery("robot-can", true)})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  stop.announce();
+  EXPECT_EQ(causes(exceptions(client, stop, 2)), (Texts{"withdrawn", "granted"}));
+}
+
+TEST(Exceptions, AnAnswerFromBeforeAChangeGrantsNothing) {
+  Scene scene({{{channels({delivery("robot-can", true)}), event("withdrawn")}},
+               {{event("withdrawn"), channels({delivery("robot-can", true)})}},
+               {{channels({delivery("robot-can", false)})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  stop.announce();
+  EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"withdrawn"});
+  EXPECT_EQ(stop.announce()->state, State::refused);
+  client.process();
+  EXPECT_EQ(stop.answer()->state, State::refused);
+}
+
+/// Who does not call process() for long is told that it has missed something, and what counts.
+TEST(Exceptions, ADaemonThatGoesIsToldHoweverMuchWaits) {
+  std::vector<control::Reply> all{channels({delivery("robot-can", true)})};
+  for (int i = 0; i < 3'000; ++i) all.push_back(event("missing"));
+  Scene scene({{all, true}, {{channels({delivery("robot-can", true)})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  PublisherChannel other(client, "other");
+  Texts told;
+  stop.on_exception([&](const Exception& e) { told.emplace_back(name_of(e.cause)); });
+  stop.announce();
+  while (stop.answer()->state != State::no_daemon) other.announce();  // no handler is called
+  while (std::ranges::find(told, "daemon back") == told.end()) client.wait(kLong);
+  EXPECT_NE(std::ranges::find(told, "daemon gone"), told.end());
+  EXPECT_NE(std::ranges::find(told, "lagged"), told.end());
+  EXPECT_LE(told.size(), 260U);
+}
+
+TEST(Exceptions, AReloadIsAskedForAndARejectionIsAnException) {
+  Scene scene(
+      {{{channels({delivery("robot-can", true)}), event("reload", 0)}},
+       {{error(control::ErrorKind::invalid, "Period 50 ms is announced"), event("reload", 0)}},
+       {{channels({delivery("robot-can", true)})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  stop.announce();
+  const auto all = exceptions(client, stop, 2);
+  EXPECT_EQ(causes(all), (Texts{"rejected", "granted"}));
+  EXPECT_EQ(all[0].answer->state, State::rejected);
+  EXPECT_EQ(all[0].text, "Period 50 ms is announced");
+}
+
+TEST(Exceptions, AfterEventsThatWereLostOnTheWayItIsAskedAgain) {
+  Scene scene({{{channels({delivery("robot-can", true)}), event("lagged", 0)}},
+               {{channels({delivery("robot-can", false)})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  stop.announce();
+  EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"withdrawn"});
+}
+
+TEST(Exceptions, OfAChannelThatIsAnnouncedByItsSubjectTheFirstDeliveryIsToldToo) {
+  Scene scene({{{channels({}), event("granted")}}, {{channels({delivery("robot-can", true)})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "0xa4efeccc3210b497");
+  stop.announce();
+  EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"granted"});
+}
+
+TEST(Exceptions, WhatHappensToOthersIsNotTold) {
+  Scene scene({{{channels({delivery("robot-can", true)}), of_publisher(event("missing"), "other"),
+                 of_publisher(event("excess"), "other"), of_publisher(event("withdrawn"), "other"),
+                 of_publisher(event("restored"), "lever")}},
+               {{channels({delivery("robot-can", true)})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  stop.announce();
+  const auto all = exceptions(client, stop, 1);
+  EXPECT_EQ(causes(all), Texts{"restored"});
+  EXPECT_EQ(all[0].publisher, "lever");
+}
+
+/// A daemon that comes is found as soon as was promised, however often it was asked for in vain.
+TEST(Exceptions, AnnouncingInVainPutsNothingOff) {
+  const test::TempDir folder;
+  Scene scene({{{channels({delivery("robot-can", true)})}}});
+  Options options = scene.options();
+  options.socket = folder.path("later.sock");
+  options.longest_retry = std::chrono::hours(1);
+  Client client(options);
+  PublisherChannel stop(client, "stop");
+  for (int i = 0; i < 30; ++i) EXPECT_EQ(stop.announce()->state, State::no_daemon);
+  std::filesystem::create_symlink(scene.options().socket, options.socket);
+  EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"daemon back"});
+}
+
+TEST(Exceptions, WhatADaemonCannotAnswerIsAskedForLater) {
+  Scene scene({{{error(control::ErrorKind::world, "no memory")}},
+               {{channels({delivery("robot-can", true)})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  EXPECT_EQ(stop.announce()->state, State::no_daemon);
+  EXPECT_EQ(stop.answer()->reason, "no memory");
+  EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"daemon back"});
+}
+
+TEST(Exceptions, AHandlerKeepsItsState) {
+  Scene scene({{{channels({delivery("robot-can", true)}), event("missing"), event("restored")}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  int seen = 0;
+  stop.on_exception([&seen, n = 0](const Exception&) mutable { seen = ++n; });
+  stop.announce();
+  while (seen < 2) client.wait(kLong);
+  EXPECT_EQ(seen, 2);
+}
+
+TEST(Exceptions, PatienceMayBeWithoutEnd) {
+  for (const auto patience : {milliseconds(-1), milliseconds::max()}) {
+    Scene scene({{{channels({delivery("robot-can", true)})}}});
+    Options options = scene.options();
+    options.patience = patience;
+    Client client(options);
+    PublisherChannel stop(client, "stop");
+    EXPECT_EQ(stop.announce()->state, State::granted);
+    client.wait(milliseconds(0));
+  }
+}
+
+/// An answer outlives the next one.
+TEST(Exceptions, AnAnswerStaysWhatItWas) {
+  Scene scene(
+      {{{channels({delivery("robot-can", true)})}}, {{channels({delivery("robot-can", false)})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  const auto first = stop.announce();
+  EXPECT_EQ(stop.announce()->state, State::refused);
+  EXPECT_EQ(first->state, State::granted);
+}
+
+}  // namespace
+}  // namespace mlcca::client
