@@ -161,7 +161,7 @@ TEST(Schedule, WithLessOnTheBusEverythingIsAsItWouldHaveBeen) {
     const auto pool = sets::random_set(random, 30, {.load = 150, .equal_priorities = true});
     Schedule schedule(busy);
     std::size_t next = 0;
-    while (next < pool.size() / 2) schedule.add(pool[next++]);
+    while (next < pool.size() / 2) static_cast<void>(schedule.add(pool[next++]));
     ASSERT_TRUE(schedule.set_assumptions(quieter).empty());
     Schedule fresh(quieter);
     for (const Message& m : schedule.messages()) ASSERT_FALSE(fresh.add(m));
