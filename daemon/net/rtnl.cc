@@ -158,8 +158,8 @@ std::expected<Rtnl::Ending, Refusal> Rtnl::ask_once(const Message& request, unsi
                                                     Time end, Answers& to) {
   if (auto sent = send(request, flags); !sent) return std::unexpected(std::move(sent.error()));
   Read read{.is_list = (flags & NLM_F_DUMP) != 0, .to = to};
-  for (;;) {
-    const auto size = receive(end);
+  for (unsigned late = 0;;) {
+    const auto size = receive(end, late);
     if (!size) return std::unexpected(size.error());
     // NOLINTBEGIN(*-cstyle-cast,*-reinterpret-cast): macros of the kernel's header
     auto left = static_cast<int>(*size);
@@ -207,7 +207,7 @@ std::expected<bool, Refusal> Rtnl::take(const nlmsghdr& message, Read& read) {
   return true;
 }
 
-std::expected<std::size_t, Refusal> Rtnl::receive(Time end) {
+std::expected<std::size_t, Refusal> Rtnl::receive(Time end, unsigned& late) {
   buffer_.resize(std::max(buffer_.size(), kFirstBuffer));
   for (;;) {
     sockaddr_nl sender{};
@@ -228,9 +228,11 @@ std::expected<std::size_t, Refusal> Rtnl::receive(Time end) {
       buffer_.resize(std::min(buffer_.size() * 4, kMostBuffer));
       return give_up("an answer is longer than the room for it");
     }
-    if (sender.nl_pid == 0) return static_cast<std::size_t>(size);  // the kernel
-    // Others may send as well: what comes from them without end must not put it off.
-    if (std::chrono::steady_clock::now() >= end) return give_up(kTooLate);
+    const bool from_kernel = sender.nl_pid == 0;
+    // What comes without end must not put it off, and what others send not at all.
+    const bool in_time = std::chrono::steady_clock::now() < end;
+    if (!in_time && (!from_kernel || ++late > kMostLate)) return give_up(kTooLate);
+    if (from_kernel) return static_cast<std::size_t>(size);
   }
 }
 

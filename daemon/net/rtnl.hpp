@@ -79,6 +79,8 @@ class Rtnl {
  public:
   /// A whole conversation, with all that is asked again.
   static constexpr std::chrono::milliseconds kLimit{2000};
+  /// Datagrams of an answer that are there when it is over, since this process had no processor.
+  static constexpr unsigned kMostLate = 64;
   /// So often is asked what changed while it was read, or got lost on the way.
   static constexpr int kTries = 5;
   static constexpr std::size_t kMostOctets = std::size_t{64} << 20;  ///< of all answers
@@ -102,7 +104,7 @@ class Rtnl {
                                           Answers& to);
   std::expected<void, Refusal> send(const Message& request, unsigned flags);
   std::expected<bool, Refusal> take(const nlmsghdr& message, Read& read);
-  std::expected<std::size_t, Refusal> receive(Time end);
+  std::expected<std::size_t, Refusal> receive(Time end, unsigned& late);
   std::expected<void, Refusal> wait(int error, Time end);
   std::unexpected<Refusal> give_up(const char* call, int error);
   std::unexpected<Refusal> give_up(std::string why);

@@ -32,6 +32,8 @@ std::function<int()> fail_receiving;                    // errno, and what came 
 std::function<int()> fail_sending;                      // errno, 0: sent
 bool nothing_comes = false;
 int asked = 0;
+std::uint32_t question = 0;  // the number of the latest one
+bool nothing_without_end = false;
 timespec later{};  // added to every clock: this process has had no processor for so long
 
 }  // namespace
@@ -43,6 +45,16 @@ extern "C" int clock_gettime(clockid_t clock, timespec* now) {
 }
 
 extern "C" ssize_t recvmsg(int fd, msghdr* message, int flags) {
+  if (nothing_without_end) {
+    nlmsghdr noop{};
+    noop.nlmsg_len = sizeof noop;
+    noop.nlmsg_type = NLMSG_NOOP;
+    noop.nlmsg_seq = question;
+    std::memcpy(message->msg_iov->iov_base, &noop, sizeof noop);
+    static_cast<sockaddr_nl*>(message->msg_name)->nl_pid = 0;
+    ++later.tv_sec;
+    return sizeof noop;
+  }
   if (nothing_comes) {
     errno = EAGAIN;
     return -1;
@@ -56,6 +68,7 @@ extern "C" ssize_t recvmsg(int fd, msghdr* message, int flags) {
 }
 extern "C" ssize_t send(int fd, const void* octets, size_t size, int flags) {
   ++asked;
+  question = static_cast<const nlmsghdr*>(octets)->nlmsg_seq;
   if (const int error = fail_sending ? fail_sending() : 0; error != 0) {
     errno = error;
     return -1;
@@ -81,6 +94,7 @@ class RtnlTest : public testing::Test {
     nothing_comes = false;
     asked = 0;
     later = {};
+    nothing_without_end = false;
   }
   static Message interfaces() {
     const ifinfomsg head{};
@@ -215,6 +229,14 @@ TEST_F(RtnlTest, AnAnswerThatIsThereIsTakenHoweverLateThisProcessComesToIt) {
     EXPECT_EQ(in(*read), in(*whole));
     EXPECT_EQ(asked, 1);
   }
+}
+
+TEST_F(RtnlTest, MessagesWithoutEndPutNothingOff) {
+  nothing_without_end = true;
+  const auto read = kernel_.dump(interfaces());
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().text, "the kernel has not answered in time");
+  EXPECT_LT(later.tv_sec, 100);
 }
 
 TEST_F(RtnlTest, WhatOthersSendPutsNothingOff) {
