@@ -46,6 +46,16 @@ control::ChannelRequest wanted(const std::string& subject = "0x5600000000000001"
   return request;
 }
 
+/// One more subscriber of that channel.
+control::ChannelRequest a_logger() {
+  control::ChannelRequest request;
+  request.channel = "0x5600000000000001";
+  request.unlisted = true;
+  request.to = "robot-can";
+  request.subscriber = "logger";
+  return request;
+}
+
 /// "granted", or why not.
 std::string admit(core::State& state, const control::ChannelRequest& request,
                   core::AdmissionId id = 1) {
@@ -210,24 +220,14 @@ TEST(Unlisted, AnIdentifierIsFreeOnceNoChannelUsesIt) {
 TEST(Unlisted, ASecondSubscriberJoins) {
   core::State state(allowing());
   EXPECT_EQ(admit(state, wanted()), "granted");
-  control::ChannelRequest second;
-  second.channel = "0x5600000000000001";
-  second.unlisted = true;
-  second.to = "robot-can";
-  second.subscriber = "logger";
-  EXPECT_EQ(admit(state, second, 2), "granted");
+  EXPECT_EQ(admit(state, a_logger(), 2), "granted");
 }
 
 /// Whom its publisher has left waits for another one.
 TEST(Unlisted, AChannelThatOnlyASubscriberIsLeftOfIsKept) {
   core::State state(allowing());
   ASSERT_EQ(admit(state, wanted(), 1), "granted");
-  control::ChannelRequest second;
-  second.channel = "0x5600000000000001";
-  second.unlisted = true;
-  second.to = "robot-can";
-  second.subscriber = "logger";
-  ASSERT_EQ(admit(state, second, 2), "granted");
+  ASSERT_EQ(admit(state, a_logger(), 2), "granted");
   ASSERT_TRUE(state.remove(1));
   state.settle();
   ASSERT_EQ(admit(state, wanted("0x5600000000000002", 0x90), 3), "granted");
