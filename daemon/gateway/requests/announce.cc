@@ -40,10 +40,9 @@ bool differs(Role role, Attribute a, Value announced, Value decided) {
 Result<AttributeSet> announced_set(const std::vector<control::Attribute>& announced) {
   AttributeSet out;
   for (const control::Attribute& one : announced) {
-    std::size_t i = 0;
-    while (i < kAttributes && one.name != kAttributeTable[i].name) ++i;
-    if (i == kAttributes) return fail(fmt::format("there is no attribute '{}'", one.name));
-    out.set(attribute_at(i), one.value);
+    const auto attribute = attribute_named(one.name);
+    if (!attribute) return fail(fmt::format("there is no attribute '{}'", one.name));
+    out.set(*attribute, one.value);
   }
   return out;
 }

@@ -59,12 +59,11 @@ Result<std::optional<std::uint32_t>> mesh_node_named(const core::State& state, c
 
 Result<AttributeSet> overridden(AttributeSet base, const std::vector<control::Attribute>& changes) {
   for (const control::Attribute& change : changes) {
-    std::size_t i = 0;
-    while (i < kAttributes && change.name != kAttributeTable[i].name) ++i;
-    if (i == kAttributes)
+    const auto attribute = attribute_named(change.name);
+    if (!attribute)
       return fail(fmt::format("there is no attribute '{}' (there are: {})", change.name,
                               known(kAttributeTable)));
-    base.set(attribute_at(i), change.value);
+    base.set(*attribute, change.value);
   }
   return base;
 }
@@ -334,6 +333,12 @@ Result<void> understand_subscriber(const core::State& state, const control::Chan
 }
 
 }  // namespace
+
+std::optional<Attribute> attribute_named(std::string_view name) {
+  for (std::size_t i = 0; i < kAttributes; ++i)
+    if (name == kAttributeTable[i].name) return attribute_at(i);
+  return std::nullopt;
+}
 
 Result<Asked> understand(const core::State& state, const control::ChannelRequest& request,
                          core::AdmissionId id) {
