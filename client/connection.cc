@@ -113,7 +113,6 @@ void Client::Connection::lose(const std::string& why, Try after) {
     part->answer = no_daemon(why);
     if (before == State::no_daemon || before == State::unannounced) continue;
     part->note(Cause::daemon_gone, why);
-    wake();
   }
 }
 
@@ -184,6 +183,7 @@ void Client::Connection::turn() {
   if (socket_) flush();
   if (socket_) receive();
   if (socket_) flush();
+  if (has_exceptions()) wake();
 }
 
 void Client::Connection::receive() {
@@ -304,7 +304,6 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
   }
   part->take(std::make_shared<Answer>(std::move(*answer)));
   if (std::exchange(part->lost, false)) part->note(Cause::daemon_back, part->answer->reason);
-  if (!part->waiting.empty()) wake();
 }
 
 void Client::Connection::on_event(const control::Event& event) {
@@ -315,6 +314,8 @@ void Client::Connection::on_event(const control::Event& event) {
     const bool of_channel = event.subject != 0 && (event.subject == part->subject ||
                                                    event.channel == part->request.channel);
     if (!of_channel && event.subject != 0) continue;
+    // What came before the first answer happened before it was announced.
+    if (meaning == Meaning::happened && part->answer->state == State::unannounced) continue;
     if (meaning == Meaning::happened) {
       if (event.subject == 0 || part->concerns(event))
         part->note(cause_of(event), event.message, &event);
@@ -322,7 +323,6 @@ void Client::Connection::on_event(const control::Event& event) {
       if (meaning == Meaning::withdrawn) part->withdraw(event);
       ask_again(part);
     }
-    if (!part->waiting.empty()) wake();
   }
 }
 
@@ -332,19 +332,17 @@ bool Client::Connection::has_exceptions() {
 }
 
 void Client::Connection::call_handlers() {
-  std::uint64_t count = 0;
-  static_cast<void>(::read(noticed_.get(), &count, sizeof count) < 0);
   for (const PartOf& part : parts()) {
     // Not those that come while a handler runs: they are for the next turn.
     for (std::size_t left = part->waiting.size() + (part->lagged ? 1 : 0); left != 0; --left) {
       const auto exception = part->next();
       const auto handler = part->handler;  // which may replace it
-      // Should it throw, the others are for the next turn.
-      wake();
       if (exception && handler) (*handler)(*exception);
       if (part.use_count() == 1) break;  // it has ended its channel
     }
   }
+  // Where a handler throws, this stays as it is: the others are for the next turn.
+  std::uint64_t count = 0;
   static_cast<void>(::read(noticed_.get(), &count, sizeof count) < 0);
   if (has_exceptions()) wake();
 }

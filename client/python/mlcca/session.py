@@ -294,6 +294,9 @@ class Session:
             of_channel = event.subject != 0 and (event.subject == part.subject or event.channel == part.request.channel)
             if not of_channel and event.subject != 0:
                 continue
+            # What came before the first answer happened before it was announced.
+            if event.kind not in VERDICT and part.answer.state is State.UNANNOUNCED:
+                continue
             if event.kind not in VERDICT:
                 if event.subject == 0 or part.concerns(event):
                     part.note(HAPPENED.get(event.kind, Cause.OTHER), event.message, event)
