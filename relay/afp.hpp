@@ -79,7 +79,7 @@ struct Losses {
 /// Memory that keeping a fragment takes beside its data, about.
 inline constexpr std::size_t kPerFragment = 64;
 
-/// Puts events together again. Takes what comes from strangers: its memory is bounded. Where it is
+/// Puts events together again. It takes untrusted input: its memory is bounded. Where it is
 /// full, the source that has most of it loses its oldest event.
 class Reassembly {
  public:
