@@ -67,7 +67,7 @@ Names next_names(const ElementType& type, const Content& content) {
 }
 
 std::string listed(const Names& names) {
-  return fmt::format("{}( {} )", names.size() > 1 ? "one of " : "", fmt::join(names, ", "));
+  return fmt::format("{}{}", names.size() > 1 ? "one of " : "", fmt::join(names, ", "));
 }
 
 /// Of the children `before`, which stand in their order: the first that the child of that name has
@@ -158,7 +158,7 @@ std::string explain_child(const ElementType& type, const Content& content, std::
       type.steps, [&](const Step& step) { return child_named(step, name) != nullptr; });
   // Of what may stand more than once there would be room, too: only the present step has an end.
   const bool too_early = own - type.steps.begin() > static_cast<std::ptrdiff_t>(content.step);
-  return too_early ? fmt::format("comes too early: before it belongs {}: {}", listed(next), order)
+  return too_early ? fmt::format("comes too early: {} belongs before it: {}", listed(next), order)
                    : fmt::format("is one too many: here may stand {}: {}", listed(next), order);
 }
 

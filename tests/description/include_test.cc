@@ -318,7 +318,7 @@ TEST_F(Examine, GoesOnToTheNextFileAfterABrokenOne) {
   EXPECT_EQ(result.problems[0].file, path("s.xml"));
   EXPECT_EQ(to_string(result.problems[1]),
             path("none.xml") + ": cannot open the file: No such file or directory");
-  EXPECT_EQ(result.problems[2].text, "is not complete: it needs ( SubjectUID )");
+  EXPECT_EQ(result.problems[2].text, "is not complete: it needs SubjectUID");
 }
 
 TEST_F(Examine, ReportsItsProgress) {
@@ -346,7 +346,7 @@ TEST_F(Examine, ChecksAPartAlone) {
       said(check_part(file("c.xml", "<EventChannel name=\"1\"/>")), path("")),
       "c.xml:1: <EventChannel>: attribute name: '1' is not right: it must be a letter, then up "
       "to 62 letters, digits, dots, underscores or hyphens|"
-      "c.xml:1: <EventChannel>: is not complete: it needs ( SubjectUID )");
+      "c.xml:1: <EventChannel>: is not complete: it needs SubjectUID");
   EXPECT_EQ(said(check_part(file("d.xml", "<Port/>")), path("")),
             "d.xml:1: <Port>: the root element must be System or a part of one, without a "
             "namespace");

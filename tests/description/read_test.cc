@@ -309,7 +309,7 @@ TEST(Problems, AreCutAtWholeCharactersAndCleaned) {
 
 TEST(Problems, HaveTheirLineBeyond65535) {
   EXPECT_EQ(problem_of(system_of(std::string(70000, '\n') + "<Network name=\"n\"/>\n")),
-            "t.xml:70002: <Network>: is not complete: it needs ( Kind )");
+            "t.xml:70002: <Network>: is not complete: it needs Kind");
   EXPECT_EQ(problem_of(system_of(std::string(70000, '\n') +
                                  "<Network name=\"n\"><Kind>can</Kind></Network>\n")),
             "t.xml:70002: <Network>: a CAN network needs a Profile: raw, famouso, "
@@ -376,7 +376,7 @@ TEST(ReadMemory, AnElementThatComesTooLateIsReportedWithItsPlace) {
   EXPECT_EQ(problem_of("<System name='a'>\n<EventChannel name='c'>\n<SubjectUID>0x1</SubjectUID>\n"
                        "<Attributes/>\n<Description>d</Description>\n</EventChannel>\n</System>\n"),
             "t.xml:5: <Description>: comes too late: it belongs before Attributes in line 4, "
-            "and here may stand ( Attributes ): EventChannel has SubjectUID, Description, "
+            "and here may stand Attributes: EventChannel has SubjectUID, Description, "
             "Attributes, in this order");
 }
 

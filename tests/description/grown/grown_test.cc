@@ -53,10 +53,10 @@ TEST(GrownSchema, IsFollowedInNumberAndOrder) {
             Texts{"Location: is one too many or out of place: Gateway has Provision, Port, "
                   "Location, in this order"});
   EXPECT_EQ(problems_of(gateway(location + std::string(kPort))),
-            Texts{"Location: comes too early: before it belongs one of ( Provision, Port ): "
+            Texts{"Location: comes too early: one of Provision, Port belongs before it: "
                   "Gateway has Provision, Port, Location, in this order"});
   EXPECT_EQ(problems_of(located(R"(<Location room="A-1"/>)")),
-            Texts{"Location: is not complete: it needs ( Access )"});
+            Texts{"Location: is not complete: it needs Access"});
 }
 
 TEST(GrownSchema, IsFollowedInAttributes) {
