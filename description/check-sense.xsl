@@ -102,9 +102,13 @@
       </xsl:call-template>
     </xsl:if>
     <xsl:variable name="is-can" select="normalize-space($network/Kind) = 'can'"/>
+    <xsl:variable name="forward" select="normalize-space(../@forward)"/>
+    <xsl:variable name="relays" select="$forward = '' or $forward = 'relay'"/>
+    <xsl:variable name="own" select="normalize-space(@network)"/>
     <xsl:variable name="carried">
-      <xsl:for-each select="../Port">
-        <xsl:if test="(normalize-space(key('place', normalize-space(@network))/Kind) = 'can') != $is-can">1</xsl:if>
+      <xsl:for-each select="../Port[normalize-space(@network) != $own]">
+        <xsl:variable name="from-can" select="normalize-space(key('place', normalize-space(@network))/Kind) = 'can'"/>
+        <xsl:if test="$from-can != $is-can or ($relays and not($is-can))">1</xsl:if>
       </xsl:for-each>
     </xsl:variable>
     <xsl:if test="@sender and string($carried)">

@@ -404,6 +404,17 @@ class Ends {
         say(uid.error().id, port.origin, "Port",
             fmt::format("attribute sender: {}", uid.error().text));
     }
+    // Without that user nothing that mlcca-relay would carry is granted; all else is.
+    for (core::Gateway& gateway : to_.system.gateways)
+      if (gateway.forwarder == core::Forwarder::relay && needs_program(gateway))
+        if (const auto& uid = user_named("mlcca-relay")) gateway.relay = *uid;
+  }
+
+  [[nodiscard]] bool needs_program(const core::Gateway& gateway) const {
+    return gateway.ports.size() > 1 &&
+           std::ranges::any_of(gateway.ports, [this](const core::Port& port) {
+             return to_.system.networks[port.network].kind != core::NetworkKind::can;
+           });
   }
 
   Draft& draft_;

@@ -103,13 +103,14 @@ class RouteCheck {
 
   /// Where a program has to carry events, its gates pass no sender that is not described.
   [[nodiscard]] bool is_carried(std::size_t at) const {
+    const Gateway& gateway = s_.system.gateways[v_.route[at].index];
     const Network& in = s_.system.networks[v_.route[at - 1].index];
     const Network& out = s_.system.networks[v_.route[at + 1].index];
     if (in.profile == Profile::none || out.profile == Profile::none ||
-        are_joined_by_kernel(in, out))
+        are_joined_by_kernel(gateway, in, out))
       return true;
-    const Port* port = s_.system.gateways[v_.route[at].index].port_on(v_.route[at + 1].index);
-    return port != nullptr && port->sender.has_value();
+    const Port* port = gateway.port_on(v_.route[at + 1].index);
+    return port != nullptr && sender_at(gateway, *port).has_value();
   }
 
   void find_obstacle_on(Place hop) {

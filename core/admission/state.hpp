@@ -168,7 +168,7 @@ class State {
     return core::gate_state(system_, members_, decisions_, gateway);
   }
   [[nodiscard]] std::vector<Transit> transits(std::size_t gateway, std::size_t channel) const {
-    return core::transits(system_, members_, decisions_[channel].verdicts, gateway);
+    return core::transits(system_, members_, channel, decisions_[channel].verdicts, gateway);
   }
   /// See core::exceeds_capacity(): a channel for which there is none, and why.
   [[nodiscard]] std::optional<std::string> exceeds_capacity(std::size_t gateway) const;

@@ -45,14 +45,16 @@ class Sense {
                  add(FindingId::unstarted_sender, port.origin,
                      where + " leaves events to the program of its sender, which mlccad does not "
                              "start: without it they are granted, and none arrives",
-                     "let systemd start that program (a unit with User=), or remove sender"));
+                     "let systemd start that program (a unit with User=), or remove sender: then "
+                     "mlcca-relay carries them"));
   }
 
  private:
   /// A program has to carry events from another port of the gateway to this one.
   [[nodiscard]] bool is_sender_used(const Gateway& gateway, const Port& port) const {
     return std::ranges::any_of(gateway.ports, [&](const Port& from) {
-      return !are_joined_by_kernel(s_.networks[from.network], s_.networks[port.network]);
+      return from.network != port.network &&
+             !are_joined_by_kernel(gateway, s_.networks[from.network], s_.networks[port.network]);
     });
   }
 

@@ -108,18 +108,25 @@ class Planner {
 
   [[nodiscard]] GateState take() const { return rules_.take(); }
 
-  /// From one bus to another, granted, and both ends gated.
-  void add_transits(const Verdict& v, std::vector<Transit>& to) {
-    if (!v.granted) return;
-    set_ = v.set;
-    const Publisher& p = members_.publisher(v.publisher);
-    for (const auto& [in, out, as_sent] : crossings(v)) {
-      if (in == kLocal || out == kLocal || network_at(in).kind != NetworkKind::can ||
-          network_at(out).kind != NetworkKind::can)
-        continue;
-      const auto enters = entry(p, in, Direction::ingress, kLocal);
-      const auto leaves = entry(p, out, Direction::egress, in);
-      if (enters && leaves) to.push_back({*enters, *leaves});
+  /// What is granted to one publisher, where its ends at networks are gated.
+  void add_passages(std::size_t publisher, const std::vector<const Verdict*>& verdicts,
+                    std::vector<Passage>& to) {
+    resent_.clear();
+    for (const Verdict* v : verdicts)
+      for (const auto& crossing : crossings(*v))
+        if (!crossing.as_sent) resent_.insert(crossing.in);
+    const Publisher& p = members_.publisher(publisher);
+    for (const Verdict* v : verdicts) {
+      if (!v->granted) continue;
+      set_ = v->set;
+      for (const auto& [in, out, as_sent] : crossings(*v)) {
+        Passage passage{.publisher = publisher, .set = set_};
+        if (in != kLocal) passage.in = entry(p, in, Direction::ingress, kLocal);
+        if (out != kLocal) passage.out = entry(p, out, Direction::egress, in);
+        if ((in != kLocal && !passage.in) || (out != kLocal && !passage.out)) continue;
+        passage.by_kernel = in != kLocal && out != kLocal && is_joined_by_kernel(in, out);
+        to.push_back(passage);
+      }
     }
   }
 
@@ -151,7 +158,7 @@ class Planner {
     bool as_sent = true;
     for (std::size_t i = 0; i < v.route.size(); ++i) {
       if (v.route[i] != here_) {
-        as_sent = as_sent && !is_bus(v.route[i]);
+        as_sent = as_sent && !is_bus(v.route[i]) && !is_sent_anew(v.route, i);
         continue;
       }
       const std::size_t in = i == 0 ? kLocal : port_on(v.route[i - 1].index);
@@ -159,6 +166,17 @@ class Planner {
       found.push_back({in, out, as_sent});
     }
     return found;
+  }
+
+  [[nodiscard]] bool is_joined_by_kernel(std::size_t in, std::size_t out) const {
+    return are_joined_by_kernel(system_.gateways[here_.index], network_at(in), network_at(out));
+  }
+  /// A program of that gateway of the route sends the events by frames of its own.
+  [[nodiscard]] bool is_sent_anew(const std::vector<Place>& route, std::size_t at) const {
+    return route[at].kind == Place::Kind::gateway && at > 0 && at + 1 < route.size() &&
+           !are_joined_by_kernel(system_.gateways[route[at].index],
+                                 system_.networks[route[at - 1].index],
+                                 system_.networks[route[at + 1].index]);
   }
 
   [[nodiscard]] bool is_bus(Place hop) const {
@@ -183,8 +201,10 @@ class Planner {
     e.subject = system_.channels[p.channel].subject;
     if (network.carries_subjects()) {
       const std::size_t in = direction == Direction::ingress ? port : source;
-      if (in != kLocal && !resent_.contains(in)) e.station = p.station;
-      size_datagram(p, in, e);
+      const bool as_sent = in != kLocal && !resent_.contains(in) &&
+                           (direction == Direction::ingress || is_joined_by_kernel(in, port));
+      if (as_sent) e.station = p.station;
+      size_datagram(p, in, as_sent, e);
     } else if (!identify(p, network, *binding, e)) {
       return std::nullopt;
     }
@@ -242,9 +262,8 @@ class Planner {
   [[nodiscard]] std::optional<std::uint32_t> sender_between(std::size_t in, std::size_t out) const {
     if (in == kLocal) return std::nullopt;
     const auto& ports = system_.gateways[here_.index].ports;
-    const Network& from = system_.networks[ports[in].network];
-    const Network& to = system_.networks[ports[out].network];
-    return are_joined_by_kernel(from, to) ? std::nullopt : ports[out].sender;
+    return is_joined_by_kernel(in, out) ? std::nullopt
+                                        : sender_at(system_.gateways[here_.index], ports[out]);
   }
 
   /// Another publisher at the same place whose datagrams cannot be distinguished from those of `p`:
@@ -254,7 +273,7 @@ class Planner {
   }
 
   /// As long as the longest of those that cannot be distinguished: they share the entry.
-  void size_datagram(const Publisher& p, std::size_t in, GateEntry& e) const {
+  void size_datagram(const Publisher& p, std::size_t in, bool as_sent, GateEntry& e) const {
     const auto size_of = [this](const Publisher& publisher) {
       const AttributeSet& offered = attributes_in(publisher, set_);
       return offered.has(Attribute::max_payload) ? offered[Attribute::max_payload]
@@ -264,7 +283,7 @@ class Planner {
     if (in != kLocal)
       for (const std::size_t number : members_.publishers_of(p.channel))
         if (const Publisher& other = members_.publisher(number);
-            is_indistinguishable(p, other, !resent_.contains(in)))
+            is_indistinguishable(p, other, as_sent))
           bytes = std::max(bytes, size_of(other));
     e.fragmented = bytes > kDatagramBytes;
     e.max_length = static_cast<std::uint16_t>(std::min<Value>(bytes, kDatagramBytes));
@@ -313,11 +332,16 @@ class Planner {
   Rules rules_;
 };
 
-void add_publisher(Planner& planner, std::size_t publisher, const std::vector<Verdict>& verdicts) {
-  std::vector<const Verdict*> of_publisher;
+std::vector<const Verdict*> of_publisher(const std::vector<Verdict>& verdicts,
+                                         std::size_t publisher) {
+  std::vector<const Verdict*> found;
   for (const Verdict& v : verdicts)
-    if (v.publisher == publisher) of_publisher.push_back(&v);
-  planner.add(publisher, of_publisher);
+    if (v.publisher == publisher) found.push_back(&v);
+  return found;
+}
+
+void add_publisher(Planner& planner, std::size_t publisher, const std::vector<Verdict>& verdicts) {
+  planner.add(publisher, of_publisher(verdicts, publisher));
 }
 
 void add_channel(Planner& planner, const Members& members, std::size_t channel,
@@ -369,11 +393,28 @@ GateState gate_state(const System& system, const Members& members, std::size_t c
   return planner.take();
 }
 
-std::vector<Transit> transits(const System& system, const Members& members,
+std::vector<Passage> passages(const System& system, const Members& members, std::size_t channel,
+                              const std::vector<Verdict>& verdicts, std::size_t gateway) {
+  std::vector<Passage> found;
+  Planner planner(system, members, gateway);
+  for (const std::size_t publisher : members.publishers_of(channel)) {
+    planner.add_passages(publisher, of_publisher(verdicts, publisher), found);
+    Progress::step();
+  }
+  std::ranges::sort(found);
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+std::vector<Transit> transits(const System& system, const Members& members, std::size_t channel,
                               const std::vector<Verdict>& verdicts, std::size_t gateway) {
   std::vector<Transit> found;
-  Planner planner(system, members, gateway);
-  for (const Verdict& v : verdicts) planner.add_transits(v, found);
+  const auto is_bus = [&](const GateEntry& entry) {
+    const Port& port = system.gateways[gateway].ports[entry.port];
+    return system.networks[port.network].kind == NetworkKind::can;
+  };
+  for (const Passage& p : passages(system, members, channel, verdicts, gateway))
+    if (p.by_kernel && is_bus(*p.in)) found.push_back({*p.in, *p.out});
   std::ranges::sort(found);
   found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;

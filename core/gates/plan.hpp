@@ -95,8 +95,22 @@ struct GateChanges {
 /// less the Latency. 0: unknown, or nothing was granted.
 [[nodiscard]] Value silence_of(const Verdict& verdict);
 
-/// The form of the frames of a granted publisher where they enter a gateway and where they leave
-/// it, from one of its ports to another.
+/// Granted events of a publisher at a gateway: how their frames enter it and how they leave it.
+struct Passage {
+  std::size_t publisher = 0;
+  std::size_t set = 0;             ///< attribute set in use
+  std::optional<GateEntry> in{};   ///< none: the publisher is a program on the gateway
+  std::optional<GateEntry> out{};  ///< none: a subscriber is
+  bool by_kernel = false;          ///< from port to port, and no program carries them
+  auto operator<=>(const Passage&) const = default;
+};
+/// Of one channel, sorted, each once.
+[[nodiscard]] std::vector<Passage> passages(const System& system, const Members& members,
+                                            std::size_t channel,
+                                            const std::vector<Verdict>& verdicts,
+                                            std::size_t gateway);
+
+/// What of it the kernel carries from one bus to another.
 struct Transit {
   GateEntry in;
   GateEntry out;
@@ -104,6 +118,7 @@ struct Transit {
 };
 /// Of one channel, sorted, each once.
 [[nodiscard]] std::vector<Transit> transits(const System& system, const Members& members,
+                                            std::size_t channel,
                                             const std::vector<Verdict>& verdicts,
                                             std::size_t gateway);
 

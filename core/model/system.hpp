@@ -192,10 +192,11 @@ enum class Refused : std::uint8_t {
   silent,  ///< success: for programs that end at the first error
 };
 
-/// Who carries admitted frames from one CAN bus of a gateway to another.
+/// Who carries admitted events from one network of a gateway to another.
 enum class Forwarder : std::uint8_t {
-  can_gw,  ///< the kernel's can-gw, by rules that mlccad makes
-  none,    ///< another program, or none
+  relay,   ///< between CAN buses can-gw, by rules that mlccad makes; else mlcca-relay
+  can_gw,  ///< between CAN buses the same; between others the kernel; else the sender of a port
+  none,    ///< as can_gw, and mlccad makes no rules
 };
 
 /// One interface of a gateway, on one network.
@@ -214,7 +215,7 @@ struct Port {
   std::uint32_t control_uid = 0;  ///< user whose programs may send control traffic
   /// FAMOUSO's number of this gateway on its bus, as which it asks the broker for tags.
   std::optional<std::uint8_t> node;
-  /// The user whose program sends here what comes from networks that the kernel joins to no other.
+  /// The user whose program, and not mlcca-relay, sends here what the kernel does not carry.
   std::optional<std::uint32_t> sender;
   Origin origin;
 };
@@ -225,7 +226,8 @@ struct Gateway {
   std::string host;  ///< host name of the machine, empty: not stated
   AttributeSet provision;
   UserValues user;
-  Forwarder forwarder = Forwarder::can_gw;
+  Forwarder forwarder = Forwarder::relay;
+  std::optional<std::uint32_t> relay;  ///< user of mlcca-relay; none: this machine has no such user
   std::vector<Port> ports;
   Origin origin;
 

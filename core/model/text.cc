@@ -134,8 +134,8 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
              "node would relay on the way";
     case Obstacle::no_sender:
       return "events cross " + at() +
-             " between CAN and Ethernet, and no program is stated that carries "
-             "them: sender of its Port";
+             " by a program, and there is none: install mlcca-relay, whose user it "
+             "runs as, or state a sender of its Port";
     case Obstacle::untagged:
       return "waiting for its tag on " + at() + ": the broker has not dealt it yet";
     case Obstacle::contradicted:

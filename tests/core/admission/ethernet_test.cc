@@ -22,9 +22,10 @@ Network ethernet(const std::string& name) {
   return n;
 }
 
-/// The switch on the second bus or network, which is Ethernet.
+/// The switch on the second bus or network, which is Ethernet. What the kernel can carry it does.
 System from_ethernet() {
   System system = robot(0);
+  system.gateways[kBridge].forwarder = Forwarder::can_gw;
   system.networks[kSecondCan] = ethernet("lan");
   system.publishers[0].node = 5;
   return system;
