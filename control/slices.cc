@@ -76,6 +76,9 @@ class Slicer {
     fill(all.links, &Routes::links);
     fill(all.problems, &Routes::problems);
     fill(all.can_rules, &Routes::can_rules);
+    fill(all.transfers, &Routes::transfers);
+    for (Reply& reply : out_)
+      std::get<Routes>(reply.body).transfers_left_out = all.transfers_left_out;
     return std::move(out_);
   }
   std::vector<Reply> operator()(Channels& all) {
@@ -86,6 +89,7 @@ class Slicer {
       slice<Channels>().channels.push_back(std::move(row));
       filled_ += lines;
     }
+    fill(all.endpoints, &Channels::endpoints);
     for (Reply& reply : out_) std::get<Channels>(reply.body).left_out = all.left_out;
     return std::move(out_);
   }
@@ -110,6 +114,11 @@ class Slicer {
       slice<Networks>().networks.push_back(std::move(row));
       filled_ += lines;
     }
+    return std::move(out_);
+  }
+  std::vector<Reply> operator()(Transfers& all) {
+    slice<Transfers>();
+    fill(all.transfers, &Transfers::transfers);
     return std::move(out_);
   }
   std::vector<Reply> operator()(WhatIf& all) {

@@ -28,6 +28,7 @@ const control::Interface* interface_of(const control::Gate& gate,
                                        const std::vector<control::Interface>& interfaces);
 
 /// All resources, then who holds what of each.
+std::string render(const control::Transfers& transfers, Color color);
 std::string render(const control::Reservations& reservations, Color color);
 
 /// The losers first, then a line that counts.

@@ -139,14 +139,40 @@ std::string can_rules(const std::vector<control::CanRule>& all, Color color) {
   return table.empty() ? "" : "\ncan-gw rules\n" + table.text(color, "  ");
 }
 
+Table table_of(const std::vector<control::Transfer>& all) {
+  Table table({{"CHANNEL"}, {"PUBLISHER"}, {"FROM"}, {"TO"}, {"USER", Align::right}});
+  for (const auto& one : all)
+    table.add({{one.channel},
+               {one.publisher},
+               {one.from.interface},
+               {one.to.interface},
+               {fmt::format("{}", one.user)}});
+  return table;
+}
+
+std::string transfers(const control::Routes& routes, Color color) {
+  const Table table = table_of(routes.transfers);
+  if (table.empty()) return "";
+  std::string text = "\ncarried by programs\n" + table.text(color, "  ");
+  if (routes.transfers_left_out != 0)
+    text += fmt::format("  and {} more\n", routes.transfers_left_out);
+  return text;
+}
+
 }  // namespace
 
 std::string render(const control::Routes& routes, Color color) {
   auto text = ways(routes.routes, color) + media(routes.routes, color) +
-              links(routes.links, color) + can_rules(routes.can_rules, color);
+              links(routes.links, color) + can_rules(routes.can_rules, color) +
+              transfers(routes, color);
   if (!routes.problems.empty()) text += '\n';
   for (const auto& problem : routes.problems) text += styled(problem, Style::bad, color) + '\n';
   return text;
+}
+
+std::string render(const control::Transfers& transfers, Color color) {
+  const Table table = table_of(transfers.transfers);
+  return table.empty() ? "no program carries anything\n" : table.text(color);
 }
 
 }  // namespace mlcca::tools

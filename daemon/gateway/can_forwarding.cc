@@ -26,7 +26,7 @@ CanForwarding::CanForwarding(const Scene& scene, const GateDriver& gates, const 
 void CanForwarding::want(std::size_t channel) {
   std::vector<net::CanRule> rules;
   std::string why;
-  if (scene_.state->system().gateways[scene_.self].forwarder == core::Forwarder::can_gw) {
+  if (scene_.state->system().gateways[scene_.self].forwarder != core::Forwarder::none) {
     for (const core::Transit& transit : scene_.state->transits(scene_.self, channel)) {
       const int from = gates_.gated_interface(transit.in.port);
       const int to = gates_.gated_interface(transit.out.port);

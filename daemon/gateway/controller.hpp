@@ -24,10 +24,12 @@
 #include "daemon/gateway/delivery_health.hpp"
 #include "daemon/gateway/described.hpp"
 #include "daemon/gateway/drop_reports.hpp"
+#include "daemon/gateway/endpoints.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/gate_events.hpp"
 #include "daemon/gateway/health_report.hpp"
 #include "daemon/gateway/heartbeat.hpp"
+#include "daemon/gateway/local_ends.hpp"
 #include "daemon/gateway/meshes.hpp"
 #include "daemon/gateway/patience.hpp"
 #include "daemon/gateway/quotas.hpp"
@@ -100,7 +102,10 @@ class Controller {
 
   serve::Answer answer(const control::Request& request, const serve::Peer& peer);
   /// A connection has ended: the leases of what it held begin to run.
-  void session_closed(std::uint64_t session) { admissions_.session_closed(session); }
+  void session_closed(std::uint64_t session) {
+    admissions_.session_closed(session);
+    local_ends_.session_closed(session);
+  }
 
   // Time passes.
 
@@ -173,6 +178,8 @@ class Controller {
   Meshes meshes_;
   ChannelReports channels_{scene_,      outside_.gates, delivery_health_,
                            deliveries_, forwarding_,    meshes_};
+  LocalEnds local_ends_{outside_.log};
+  Endpoints endpoints_{scene_, outside_.gates, local_ends_};
   Safeguards safeguards_;
   Reloads reloads_;
   HealthReport health_;

@@ -50,4 +50,10 @@ void EventLog::write(Note note) {
   publish_(event);
 }
 
+void EventLog::tell_clients(control::Event event) const {
+  if (!publish_) return;
+  event.unix_ns = unix_ns();
+  publish_(event);
+}
+
 }  // namespace mlcca

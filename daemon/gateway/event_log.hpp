@@ -54,6 +54,8 @@ class EventLog {
     write(kind, 6, std::move(message), std::move(about));
   }
   void write(Note note);
+  /// What only clients that follow the subject need: neither for the journal nor for the history.
+  void tell_clients(control::Event event) const;
 
   /// While it lives, what is written was done at the request of `actor`; without one, the daemon
   /// did it by itself.

@@ -108,6 +108,7 @@ control::AnnounceRequest some_announcement(Octets& from) {
                                .name = attributes.publisher,
                                .attributes = std::move(attributes.offered)};
   std::ranges::move(attributes.required, std::back_inserter(out.attributes));
+  if (out.role == control::Role::subscriber && from.next() % 4 == 0) out.local = "0a1b2";
   return out;
 }
 
@@ -171,7 +172,11 @@ control::Request some_request(Octets& from) {
       break;
     }
     case 11:
-      out.body = control::RoutesRequest{};
+      if (out.slices)
+        out.body = control::RoutesRequest{};
+      else
+        out.body =
+            control::TransfersRequest{from.next() % 2 == 0 ? "" : from.one_of(kChannels), {}};
       break;
     case 12:
       out.body = control::ReservationsRequest{from.one_of(kPlaces)};

@@ -12,6 +12,8 @@
 
 #include "core/model/text.hpp"
 #include "daemon/gateway/channel_reports.hpp"
+#include "daemon/gateway/endpoints.hpp"
+#include "daemon/gateway/local_ends.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 #include "mlcca/check.hpp"
 
@@ -175,9 +177,21 @@ Response announce(Context& context, const Asker& asker, const control::AnnounceR
   const auto announced = announced_set(request.attributes);
   if (!announced) return invalid(announced.error().text);
   if (const auto why = ends.conflict(*end, *announced)) return invalid(*why);
+  if (!request.local.empty()) {
+    if (request.role != Role::subscriber)
+      return invalid("local is for subscribers: a publisher sends, and receives nothing");
+    const core::EventChannel& followed = state.system().channels[*channel];
+    if (const auto done = context.local_ends.add(followed, asker.peer.session, request.local);
+        !done)
+      return invalid(done.error().text);
+  }
   const auto report = [&context, channel = *channel, role = request.role, end = *end] {
-    return role == Role::publisher ? context.channels.of_publisher(channel, end)
-                                   : context.channels.of_subscriber(channel, end);
+    const bool publishes = role == Role::publisher;
+    control::Channels out = publishes ? context.channels.of_publisher(channel, end)
+                                      : context.channels.of_subscriber(channel, end);
+    out.endpoints = publishes ? context.endpoints.of_publisher(channel, end)
+                              : context.endpoints.of_subscribers(channel);
+    return out;
   };
   Response response = context.channels.has_many_lines(*channel) ? made_aside(context, asker, report)
                                                                 : Response(report());

@@ -2,6 +2,7 @@
 // The ways through the networks, the links of meshes, and the rules of can-gw.
 #include "daemon/gateway/can_forwarding.hpp"
 #include "daemon/gateway/channel_reports.hpp"
+#include "daemon/gateway/endpoints.hpp"
 #include "daemon/gateway/meshes.hpp"
 #include "daemon/gateway/outlook.hpp"
 #include "daemon/gateway/report.hpp"
@@ -18,6 +19,7 @@ Response routes(Context& context, const Asker& asker, const control::RoutesReque
       if (const auto* table = context.meshes.table(n))
         add_links(*context.meshes.mesh(n), *table, state.system().networks[n].name,
                   context.clock.monotonic_ns(), out);
+    context.endpoints.add_to(out);
     context.forwarding.add_to(out, rules == nullptr ? context.forwarding.read() : rules->read());
     return out;
   };

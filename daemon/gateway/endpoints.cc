@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/endpoints.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <utility>
+
+#include "core/model/medium.hpp"
+#include "core/model/words.hpp"
+#include "daemon/gateway/pace.hpp"
+
+namespace mlcca {
+namespace {
+
+constexpr std::size_t kTransferRow = 256;  // bytes on the wire, mostly
+
+void add_once(std::vector<control::Endpoint>& to, std::optional<control::Endpoint> endpoint) {
+  if (endpoint && std::ranges::find(to, *endpoint) == to.end()) to.push_back(*std::move(endpoint));
+}
+
+/// Frames of both come in by one entry of a gate and leave by one.
+bool is_same_way(const control::Transfer& a, control::Endpoint from, control::Endpoint to) {
+  from.fragmented = a.from.fragmented;
+  to.fragmented = a.to.fragmented;
+  from.frame_bytes = a.from.frame_bytes;
+  to.frame_bytes = a.to.frame_bytes;
+  return a.from == from && a.to == to;
+}
+
+}  // namespace
+
+std::vector<core::Passage> Endpoints::passages(std::size_t channel) const {
+  const core::State& state = *scene_.state;
+  return core::passages(state.system(), state.members(), channel,
+                        state.decisions()[channel].verdicts, scene_.self);
+}
+
+std::uint32_t Endpoints::event_bytes(const core::Passage& passage) const {
+  const core::Publisher& publisher = scene_.state->members().publisher(passage.publisher);
+  const AttributeSet& offered = core::attributes_in(publisher, passage.set);
+  if (offered.has(Attribute::max_payload))
+    return static_cast<std::uint32_t>(
+        std::min<Value>(offered[Attribute::max_payload], core::kDatagramMaxEvent));
+  // Not stated: what one frame holds, where frames do not carry the subject.
+  std::uint32_t most = core::kDatagramMaxEvent;
+  for (const auto& entry : {passage.in, passage.out})
+    if (entry && entry->mask != 0) most = std::min<std::uint32_t>(most, entry->max_length);
+  return most;
+}
+
+std::optional<control::Endpoint> Endpoints::endpoint(std::size_t channel,
+                                                     const core::GateEntry& entry,
+                                                     std::uint32_t event_bytes) const {
+  const int ifindex = gates_.gated_interface(entry.port);
+  if (ifindex == 0) return std::nullopt;
+  const core::System& system = scene_.state->system();
+  const core::Network& network =
+      system.networks[system.gateways[scene_.self].ports[entry.port].network];
+  control::Endpoint out;
+  out.network = network.name;
+  out.interface = gates_.interface_name(entry.port);
+  out.ifindex = static_cast<std::uint32_t>(ifindex);
+  out.can = !network.carries_subjects();
+  out.id = entry.id;
+  out.mask = entry.mask;
+  out.classic = entry.classic;
+  out.fd = entry.fd;
+  out.profile = core::words::kProfiles.of(network.profile);
+  out.frame_bytes = entry.max_length;
+  out.fragmented = entry.fragmented;
+  out.address = core::to_text(entry.station);
+  if (out.can)
+    out.fragmented = core::is_fragmented(network, network.binding_of(channel), event_bytes);
+  return out;
+}
+
+std::vector<control::Endpoint> Endpoints::of_publisher(std::size_t channel,
+                                                       std::size_t publisher) const {
+  std::vector<control::Endpoint> out;
+  for (const core::Passage& passage : passages(channel)) {
+    if (passage.publisher != publisher || passage.in) continue;
+    if (passage.out) {
+      add_once(out, endpoint(channel, *passage.out, event_bytes(passage)));
+      continue;
+    }
+    for (std::string& address :
+         local_ends_.addresses(scene_.state->system().channels[channel].subject)) {
+      control::Endpoint here;
+      here.local = std::move(address);
+      add_once(out, std::move(here));
+    }
+  }
+  return out;
+}
+
+std::vector<control::Endpoint> Endpoints::of_subscribers(std::size_t channel) const {
+  std::vector<control::Endpoint> out;
+  for (const core::Passage& passage : passages(channel)) {
+    if (passage.out) continue;
+    if (passage.in) {
+      add_once(out, endpoint(channel, *passage.in, event_bytes(passage)));
+      continue;
+    }
+    control::Endpoint here;
+    here.user = scene_.state->members().publisher(passage.publisher).uid;
+    if (here.user) add_once(out, std::move(here));
+  }
+  return out;
+}
+
+void Endpoints::add_transfers(std::size_t channel, std::optional<std::uint32_t> user,
+                              control::Transfers& to) const {
+  const core::State& state = *scene_.state;
+  const std::size_t before = to.transfers.size();
+  for (const core::Passage& passage : passages(channel)) {
+    if (!passage.in || !passage.out || passage.by_kernel) continue;
+    if (user && passage.out->uid != *user) continue;
+    const std::uint32_t bytes = event_bytes(passage);
+    auto from = endpoint(channel, *passage.in, bytes);
+    auto into = endpoint(channel, *passage.out, bytes);
+    if (!from || !into) continue;
+    // Publishers whose frames cannot be distinguished come and leave together.
+    const auto same = std::find_if(
+        to.transfers.begin() + static_cast<std::ptrdiff_t>(before), to.transfers.end(),
+        [&](const control::Transfer& other) { return is_same_way(other, *from, *into); });
+    if (same != to.transfers.end()) {
+      same->event_bytes = std::max(same->event_bytes, bytes);
+      same->from.fragmented |= from->fragmented;
+      same->to.fragmented |= into->fragmented;
+      continue;
+    }
+    const core::Publisher& publisher = state.members().publisher(passage.publisher);
+    to.transfers.push_back(
+        {.subject = state.system().channels[channel].subject,
+         .channel = state.system().channels[channel].name,
+         .publisher = publisher.name,
+         .from = *std::move(from),
+         .to = *std::move(into),
+         .event_bytes = bytes,
+         .period_ns = core::attributes_in(publisher, passage.set)[Attribute::period],
+         .user = passage.out->uid,
+         .latency_ns =
+             state.system().gateways[scene_.self].provision[Attribute::latency]});
+  }
+}
+
+void Endpoints::add_to(control::Routes& to) const {
+  control::Transfers all;
+  for (std::size_t channel = 0; channel < scene_.state->decisions().size(); ++channel) {
+    add_transfers(channel, {}, all);
+    const std::size_t room = control::Routes::kMostTransfers - to.transfers.size();
+    const std::size_t taken = std::min(room, all.transfers.size());
+    std::move(all.transfers.begin(), all.transfers.begin() + static_cast<std::ptrdiff_t>(taken),
+              std::back_inserter(to.transfers));
+    to.transfers_left_out += static_cast<std::uint32_t>(all.transfers.size() - taken);
+    all.transfers.clear();
+  }
+}
+
+serve::Slice Endpoints::some_transfers(std::size_t& at, std::optional<std::uint32_t> user) const {
+  control::Transfers out;
+  const std::size_t channels = scene_.state->decisions().size();
+  Pace pace(kTransferRow);
+  for (bool goes_on = true; goes_on && at < channels; ++at) {
+    const std::size_t before = out.transfers.size();
+    add_transfers(at, user, out);
+    goes_on = pace.made(std::max<std::size_t>(1, out.transfers.size() - before));
+  }
+  return {{std::move(out)}, at < channels};
+}
+
+}  // namespace mlcca

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Where programs on this gateway send granted events, and where they receive them.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "control/messages.hpp"
+#include "core/gates/plan.hpp"
+#include "daemon/gateway/local_ends.hpp"
+#include "daemon/gateway/scene.hpp"
+#include "daemon/outside/gate_driver.hpp"
+#include "daemon/serve/server.hpp"
+
+namespace mlcca {
+
+class Endpoints {
+ public:
+  /// All of them must outlive this.
+  Endpoints(const Scene& scene, const GateDriver& gates, const LocalEnds& local_ends)
+      : scene_(scene), gates_(gates), local_ends_(local_ends) {}
+
+  /// Of a publisher that is a program here; none where nothing of it is granted.
+  [[nodiscard]] std::vector<control::Endpoint> of_publisher(std::size_t channel,
+                                                            std::size_t publisher) const;
+  /// Of the subscribers that a channel has here.
+  [[nodiscard]] std::vector<control::Endpoint> of_subscribers(std::size_t channel) const;
+
+  /// What programs carry from network to network, of one channel. `user`: only that user's.
+  void add_transfers(std::size_t channel, std::optional<std::uint32_t> user,
+                     control::Transfers& to) const;
+  /// For `mlccactl routes`: of all channels.
+  void add_to(control::Routes& to) const;
+  /// The same of all channels from `at` on, as many as there is time for in one turn.
+  [[nodiscard]] serve::Slice some_transfers(std::size_t& at,
+                                            std::optional<std::uint32_t> user) const;
+
+ private:
+  [[nodiscard]] std::vector<core::Passage> passages(std::size_t channel) const;
+  /// Nothing: its port has no gate now.
+  [[nodiscard]] std::optional<control::Endpoint> endpoint(std::size_t channel,
+                                                          const core::GateEntry& entry,
+                                                          std::uint32_t event_bytes) const;
+  [[nodiscard]] std::uint32_t event_bytes(const core::Passage& passage) const;
+
+  const Scene& scene_;
+  const GateDriver& gates_;
+  const LocalEnds& local_ends_;
+};
+
+}  // namespace mlcca

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/local_ends.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace mlcca {
+namespace {
+
+/// Of unix(7): "The address consists of a null byte followed by 5 bytes in the character set
+/// [0-9a-f]." Other names may be those of somebody's service.
+bool is_given_by_kernel(std::string_view address) {
+  constexpr std::size_t digits = 5;
+  return address.size() == digits &&
+         address.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+}  // namespace
+
+Result<void> LocalEnds::add(const core::EventChannel& channel, std::uint64_t session,
+                            const std::string& address) {
+  if (!is_given_by_kernel(address))
+    return fail("'" + address +
+                "' is no address of a socket that was bound without a name: five hexadecimal "
+                "digits, see unix(7)");
+  Ends& ends = ends_[channel.subject];
+  const auto known = ends.by_session.find(session);
+  if (known != ends.by_session.end() && known->second == address) return {};
+  if (known == ends.by_session.end() && ends.by_session.size() >= kMostOfChannel)
+    return fail(channel.name + " has " + std::to_string(kMostOfChannel) +
+                " subscribers on this gateway, which is the most");
+  ends.channel = channel.name;
+  ends.by_session[session] = address;
+  report(channel.subject, channel.name);
+  return {};
+}
+
+void LocalEnds::session_closed(std::uint64_t session) {
+  for (auto it = ends_.begin(); it != ends_.end();) {
+    if (it->second.by_session.erase(session) != 0) report(it->first, it->second.channel);
+    it = it->second.by_session.empty() ? ends_.erase(it) : std::next(it);
+  }
+}
+
+std::vector<std::string> LocalEnds::addresses(core::Subject subject) const {
+  std::vector<std::string> out;
+  const auto known = ends_.find(subject);
+  if (known == ends_.end()) return out;
+  for (const auto& [session, address] : known->second.by_session)
+    if (std::ranges::find(out, address) == out.end()) out.push_back(address);
+  return out;
+}
+
+void LocalEnds::report(core::Subject subject, const std::string& channel) {
+  control::Event event;
+  event.kind = "local";
+  event.subject = subject;
+  event.channel = channel;
+  event.message = "the subscribers of " + channel + " on this gateway are others";
+  log_.tell_clients(std::move(event));
+}
+
+}  // namespace mlcca

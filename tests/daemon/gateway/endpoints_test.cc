@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Where programs on the gateway send granted events, and where they receive them.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "tests/daemon/gateway/bench.hpp"
+
+namespace mlcca::test {
+namespace {
+
+using control::AnnounceRequest;
+using control::Endpoint;
+using control::Role;
+using control::Transfer;
+
+constexpr core::Place kGateway{core::Place::Kind::gateway, 0};
+constexpr core::Place kEthernet{core::Place::Kind::network, 2};
+constexpr uid_t kUser = 1000;
+
+/// c0 of a program "p0" of user 1000 to both buses and to a program "here".
+core::System with_programs() {
+  core::System system = small_system();
+  system.publishers[0].place = kGateway;
+  system.publishers[0].uid = kUser;
+  core::Subscriber here = system.subscribers[0];
+  here.name = "here";
+  here.place = kGateway;
+  system.subscribers.push_back(here);
+  return system;
+}
+
+class Endpoints : public testing::Test {
+ protected:
+  void start(core::System system) {
+    bench_ = std::make_unique<Bench>(std::move(system));
+    ASSERT_FALSE(bench_->start());
+  }
+  std::vector<Endpoint> endpoints(const AnnounceRequest& request, std::uint64_t session,
+                                  uid_t user = kUser) {
+    const serve::Answer answer = bench_->ask(request, {.pid = 7, .uid = user, .session = session});
+    const auto* channels = std::get_if<control::Channels>(&answer.reply.body);
+    return channels == nullptr ? std::vector<Endpoint>{} : channels->endpoints;
+  }
+  std::vector<Endpoint> of_publisher() { return endpoints({"c0", Role::publisher, "", {}}, 1); }
+  std::string refusal(const AnnounceRequest& request, std::uint64_t session) {
+    const serve::Answer answer = bench_->ask(request, {.pid = 7, .uid = kUser, .session = session});
+    const auto* error = std::get_if<control::Error>(&answer.reply.body);
+    return error == nullptr ? "" : error->message;
+  }
+  std::vector<Transfer> transfers(const control::TransfersRequest& request) {
+    const serve::Answer answer = bench_->ask(request, outsider());
+    if (!answer.slices) return std::get<control::Transfers>(answer.reply.body).transfers;
+    std::vector<Transfer> all;
+    for (bool more = true; more;) {
+      const auto slice = answer.slices();
+      for (const Transfer& one : std::get<control::Transfers>(slice->body).transfers)
+        all.push_back(one);
+      more = slice->more;
+    }
+    return all;
+  }
+
+  std::unique_ptr<Bench> bench_;
+};
+
+TEST_F(Endpoints, APublisherSendsWhereItIsGranted) {
+  start(with_programs());
+  const auto all = of_publisher();
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].network, "can1");
+  EXPECT_EQ(all[0].interface, "can1");
+  EXPECT_NE(all[0].ifindex, 0U);
+  EXPECT_TRUE(all[0].can);
+  EXPECT_EQ(all[0].id, 0x10U);
+  EXPECT_TRUE(all[0].classic);
+  EXPECT_EQ(all[0].frame_bytes, 8U);
+  EXPECT_EQ(all[0].profile, "raw");
+  EXPECT_FALSE(all[0].fragmented);
+  EXPECT_TRUE(all[0].local.empty());
+  bench_->ask(control::WithdrawRequest{"c0"});
+  EXPECT_TRUE(of_publisher().empty());
+}
+
+TEST_F(Endpoints, ASubscriberReceivesWhereEventsComeFrom) {
+  core::System system = small_system();
+  system.subscribers[0].place = kGateway;
+  start(std::move(system));
+  const auto all = endpoints({"c0", Role::subscriber, "", {}}, 1, 4711);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].network, "can0");
+  EXPECT_EQ(all[0].id, 0x10U);
+  EXPECT_FALSE(all[0].user);
+}
+
+TEST_F(Endpoints, ProgramsOnTheGatewayReachEachOtherWithoutANetwork) {
+  start(with_programs());
+  const AnnounceRequest here{"c0", Role::subscriber, "", {}, "0a1b2"};
+  const auto from = endpoints(here, 2, 4711);
+  ASSERT_EQ(from.size(), 1U);
+  EXPECT_EQ(from[0].user, kUser) << "whose datagrams are the publisher's";
+  ASSERT_EQ(bench_->events.back(), "local");
+  const auto to = of_publisher();
+  ASSERT_EQ(to.size(), 2U);
+  EXPECT_EQ(to[0].local, "0a1b2");
+  EXPECT_EQ(to[1].interface, "can1");
+
+  const std::size_t events = bench_->events.size();
+  endpoints(here, 2, 4711);
+  EXPECT_EQ(bench_->events.size(), events) << "nothing is different";
+  bench_->daemon().session_closed(2);
+  EXPECT_EQ(bench_->events.size(), events + 1);
+  EXPECT_EQ(of_publisher().size(), 1U);
+}
+
+TEST_F(Endpoints, AnAddressIsOneThatTheKernelGaveToASubscriber) {
+  start(with_programs());
+  for (const char* address : {"0a1b", "0a1b22", "0A1B2", "/run/", "0a1b\n"})
+    EXPECT_NE(refusal({"c0", Role::subscriber, "", {}, address}, 2), "") << address;
+  EXPECT_NE(refusal({"c0", Role::publisher, "", {}, "0a1b2"}, 2), "");
+  EXPECT_EQ(of_publisher().size(), 1U);
+}
+
+TEST_F(Endpoints, OneChannelHasSoManySubscribersAndNoMore) {
+  start(with_programs());
+  for (std::size_t n = 0; n < LocalEnds::kMostOfChannel; ++n)
+    ASSERT_EQ(refusal({"c0", Role::subscriber, "", {}, "0a1b2"}, 2 + n), "");
+  EXPECT_EQ(refusal({"c0", Role::subscriber, "", {}, "0a1b2"}, 1000),
+            "c0 has 64 subscribers on this gateway, which is the most");
+  EXPECT_EQ(refusal({"c0", Role::subscriber, "", {}, "0a1b3"}, 2), "") << "it has another one";
+}
+
+TEST_F(Endpoints, ATransferSaysWhereItComesFromAndGoesTo) {
+  core::System system = small_system();
+  system.publishers[0].place = kEthernet;
+  system.publishers[0].station = *core::station_of("192.0.2.7");
+  start(std::move(system));
+  const auto all = transfers({"c0", {}});
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].channel, "c0");
+  EXPECT_EQ(all[0].publisher, "p0");
+  EXPECT_EQ(all[0].from.interface, "eth0");
+  EXPECT_FALSE(all[0].from.can);
+  EXPECT_EQ(all[0].from.address, "192.0.2.7");
+  EXPECT_EQ(all[0].to.interface, "can1");
+  EXPECT_EQ(all[0].to.id, 0x10U);
+  EXPECT_EQ(all[0].event_bytes, 8U);
+  EXPECT_EQ(all[0].period_ns, 50 * kMs);
+  EXPECT_EQ(all[0].user, 990U);
+  EXPECT_EQ(all[0].latency_ns, kMs) << "what forwarding may take here";
+  EXPECT_EQ(transfers({"", {}}), all);
+  EXPECT_EQ(transfers({"", 990}), all);
+  EXPECT_TRUE(transfers({"", 1000}).empty());
+  EXPECT_TRUE(transfers({"c1", {}}).empty());
+  const auto routes = bench_->ask(control::RoutesRequest{}, outsider());
+  EXPECT_EQ(std::get<control::Routes>(routes.reply.body).transfers, all);
+  bench_->ask(control::WithdrawRequest{"c0"});
+  EXPECT_TRUE(transfers({"", {}}).empty());
+}
+
+TEST_F(Endpoints, WhatTheKernelCarriesIsNoTransfer) {
+  start(small_system());
+  ASSERT_TRUE(bench_->state().decisions()[0].verdicts.at(0).granted);
+  EXPECT_TRUE(transfers({"", {}}).empty());
+}
+
+TEST_F(Endpoints, PublishersThatCannotBeDistinguishedAreOneTransfer) {
+  core::System system = small_system();
+  system.publishers[0].place = kEthernet;
+  system.publishers.push_back(system.publishers[0]);
+  system.publishers[1].name = "other";
+  start(std::move(system));
+  EXPECT_EQ(transfers({"", {}}).size(), 1U);
+}
+
+}  // namespace
+}  // namespace mlcca::test
