@@ -1,3 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# What carries events between networks: so far the protocols of FAMOUSO, without a program of their own.
-$(eval $(call library,relay,$(wildcard relay/*.cc)))
+# What carries events between networks, and the protocols of FAMOUSO.
+$(eval $(call library,relay,$(wildcard relay/*.cc relay/layers/*.cc)))
+$(eval $(call program,mlcca-relay,relay/program/main.cc daemon/manager.cc,$O/librelay.a $O/libcontrol.a,-lfmt))
+PROGRAMS += $O/mlcca-relay

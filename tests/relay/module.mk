@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-2-Clause
-$(eval $(call unit_test,relay_test,$(wildcard tests/relay/*.cc),$O/librelay.a,))
+$(eval $(call unit_test,relay_test,$(wildcard tests/relay/*.cc),$O/librelay.a $O/libcontrol.a,-lfmt))

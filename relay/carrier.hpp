@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Carries events from network to network: what the daemon has granted, and nothing else. The gates
+// on both sides judge its frames as those of any other program.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "control/messages.hpp"
+#include "relay/layers/layer.hpp"
+
+namespace mlcca::relay {
+
+/// What became of the events of one transfer.
+struct Carried {
+  std::uint64_t events = 0;
+  std::uint64_t dropped = 0;     ///< not taken by the other network: see Sent
+  std::uint64_t late = 0;        ///< sent later than the gateway promises
+  std::uint64_t longest_ns = 0;  ///< from the kernel's receipt to the end of sending
+};
+
+class Carrier {
+ public:
+  using OpenLayer = std::function<Result<std::unique_ptr<Layer>>(const control::Endpoint&)>;
+  /// The descriptor of an interface is there, or (-1) will be closed.
+  using Watch = std::function<void(std::uint32_t ifindex, int fd)>;
+  using Log = std::function<void(const std::string&)>;
+
+  struct Outside {
+    OpenLayer open;
+    Watch watch;
+    Log log;
+    std::function<std::uint64_t()> unix_ns;
+  };
+  explicit Carrier(Outside outside) : outside_(std::move(outside)) {}
+
+  /// What there is to carry from now on: all of it, or of one subject. What stays the same is not
+  /// interrupted and keeps its counters.
+  void set_all(const std::vector<control::Transfer>& transfers);
+  void set(std::uint64_t subject, const std::vector<control::Transfer>& transfers);
+
+  /// The descriptor of the interface can be read.
+  void receive(std::uint32_t ifindex);
+
+  [[nodiscard]] std::size_t transfers() const { return slots_.size() - free_.size(); }
+  [[nodiscard]] std::size_t interfaces() const { return layers_.size(); }
+  /// Of each transfer, as long as it is there.
+  void each(const std::function<void(const control::Transfer&, const Carried&)>& handler) const;
+  [[nodiscard]] Losses losses() const;
+
+ private:
+  struct Slot {
+    control::Transfer transfer;
+    Carried carried;
+    Layer* to = nullptr;
+  };
+
+  Layer* layer_of(const control::Endpoint& endpoint);
+  void exchange(std::uint64_t subject, const std::vector<control::Transfer>& transfers);
+  void add(const control::Transfer& transfer);
+  void remove(std::size_t slot);
+  void carry(const Layer::Arrival& arrival);
+  void close(std::uint32_t ifindex);
+  void close_unused();
+
+  Outside outside_;
+  std::vector<std::optional<Slot>> slots_;  ///< by follower
+  std::vector<std::size_t> free_;
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> by_subject_;
+  std::map<std::uint32_t, std::unique_ptr<Layer>> layers_;  ///< by interface
+};
+
+}  // namespace mlcca::relay

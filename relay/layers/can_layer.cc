@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "relay/layers/can_layer.hpp"
+
+#include <linux/can/raw.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "base/clock.hpp"
+#include "relay/layers/sockets.hpp"
+
+namespace mlcca::relay {
+namespace {
+
+constexpr std::uint32_t kFragmentBit = 1U << 21U;
+constexpr std::uint32_t kForm = CAN_EFF_FLAG | CAN_RTR_FLAG;
+/// Of a socket (CAN_RAW_FILTER_MAX); with more all frames are read, and looked up here.
+constexpr std::size_t kMostFilters = 512;
+
+/// Lengths of FD frames above 8 octets.
+constexpr std::array<std::uint8_t, 7> kFdLengths{12, 16, 20, 24, 32, 48, 64};
+std::optional<std::uint8_t> fd_length(std::size_t octets) {
+  if (octets <= CAN_MAX_DLEN) return static_cast<std::uint8_t>(octets);
+  const auto* const fits = std::ranges::find_if(kFdLengths, [&](auto n) { return n >= octets; });
+  return fits == kFdLengths.end() ? std::nullopt : std::optional(*fits);
+}
+
+// Cyphal/CAN 1.0, 4.2.1: start, end and toggle of a transfer of one frame, and its number.
+constexpr std::uint8_t kWholeTransfer = 0xe0;
+constexpr std::uint8_t kTransferIds = 0x1f;
+
+class RawSocket : public FrameSocket {
+ public:
+  explicit RawSocket(Fd socket) : socket_(std::move(socket)) {}
+  static Result<std::unique_ptr<FrameSocket>> open(std::uint32_t ifindex);
+
+  [[nodiscard]] int fd() const override { return socket_.get(); }
+  [[nodiscard]] Result<void> filter(const std::vector<can_filter>& filters) override {
+    if (::setsockopt(socket_.get(), SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
+                     static_cast<socklen_t>(filters.size() * sizeof(can_filter))) != 0)
+      return system_error("CAN_RAW_FILTER");
+    return {};
+  }
+  Got receive(Frame& to) override;
+  Sent send(const canfd_frame& frame, bool fd) override {
+    const std::size_t size = fd ? CANFD_MTU : CAN_MTU;
+    const ssize_t n = ::send(socket_.get(), &frame, size, MSG_DONTWAIT | MSG_NOSIGNAL);
+    return n >= 0 ? Sent::sent : failure_of_send();
+  }
+  [[nodiscard]] std::uint64_t dropped() const override { return dropped_; }
+
+ private:
+  Fd socket_;
+  std::uint64_t dropped_ = 0;
+};
+
+Result<std::unique_ptr<FrameSocket>> RawSocket::open(std::uint32_t ifindex) {
+  Fd socket(::socket(AF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW));
+  if (!socket) return system_error("a socket for CAN");
+  const int on = 1;
+  if (::setsockopt(socket.get(), SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) != 0)
+    return system_error("CAN_RAW_FD_FRAMES");
+  if (const auto done = ask_for_times(socket); !done) return std::unexpected(done.error());
+  widen(socket);
+  auto out = std::make_unique<RawSocket>(std::move(socket));
+  if (const auto done = out->filter({}); !done) return std::unexpected(done.error());
+  sockaddr_can address{};
+  address.can_family = AF_CAN;
+  address.can_ifindex = static_cast<int>(ifindex);
+  // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
+  if (::bind(out->fd(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    return system_error("bind");
+  return std::unique_ptr<FrameSocket>(std::move(out));
+}
+
+FrameSocket::Got RawSocket::receive(Frame& to) {
+  iovec data{.iov_base = &to.frame, .iov_len = sizeof to.frame};
+  alignas(cmsghdr) std::array<char, 128> control{};
+  msghdr message{};
+  message.msg_iov = &data;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  const ssize_t n = ::recvmsg(socket_.get(), &message, MSG_DONTWAIT);
+  if (n < 0) return errno == ENODEV || errno == ENXIO ? Got::gone : Got::nothing;
+  const Beside said = beside(message);
+  if (said.says_dropped) dropped_ = said.dropped;
+  to.fd = n == CANFD_MTU;
+  to.local = (message.msg_flags & MSG_DONTROUTE) != 0;
+  to.unix_ns = said.unix_ns;
+  if (n != CANFD_MTU && n != CAN_MTU) to.frame.len = CANFD_MAX_DLEN + 1;  // CAN XL: none of ours
+  return Got::frame;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Layer>> CanLayer::open(const control::Endpoint& endpoint) {
+  auto socket = RawSocket::open(endpoint.ifindex);
+  if (!socket) return fail(endpoint.interface + ": " + socket.error().text);
+  return std::unique_ptr<Layer>(std::make_unique<CanLayer>(std::move(*socket)));
+}
+
+// --- who follows ---------------------------------------------------------------------------------
+
+Result<CanLayer::Form> CanLayer::form_of(const control::Endpoint& endpoint) {
+  if (endpoint.profile == "famouso") return Form::famouso;
+  if (endpoint.fragmented)
+    return fail("events of several frames are carried on buses of profile famouso alone, and " +
+                endpoint.network + " is of " + endpoint.profile);
+  if (!endpoint.classic && !endpoint.fd)
+    return fail("CAN XL frames are not carried: " + endpoint.network);
+  return endpoint.profile == "cyphal" ? Form::cyphal : Form::plain;
+}
+
+/// As they are needed now; `before`: how many identities there were.
+Result<void> CanLayer::set_filters(std::size_t before) {
+  if (before > kMostFilters && identities_ > kMostFilters) return {};
+  if (identities_ > kMostFilters) return socket_->filter({can_filter{0, 0}});
+  std::vector<can_filter> filters;
+  for (const auto& [mask, by_id] : by_mask_)
+    for (const auto& [id, all] : by_id) filters.push_back({id, mask});
+  return socket_->filter(filters);
+}
+
+Result<void> CanLayer::follow(Follower follower, const control::Endpoint& endpoint,
+                              std::uint64_t /*subject*/, std::size_t longest) {
+  const auto form = form_of(endpoint);
+  if (!form) return std::unexpected(form.error());
+  auto& all = by_mask_[endpoint.mask][endpoint.id & endpoint.mask];
+  all.push_back({follower, *form, endpoint.classic, endpoint.fd, longest});
+  if (all.size() > 1) return {};
+  ++identities_;
+  return set_filters(identities_ - 1);
+}
+
+void CanLayer::leave(Follower follower, const control::Endpoint& endpoint,
+                     std::uint64_t /*subject*/) {
+  const auto mask = by_mask_.find(endpoint.mask);
+  if (mask == by_mask_.end()) return;
+  const auto known = mask->second.find(endpoint.id & endpoint.mask);
+  if (known == mask->second.end()) return;
+  std::erase_if(known->second, [&](const Following& f) { return f.follower == follower; });
+  if (!known->second.empty()) return;
+  mask->second.erase(known);
+  if (mask->second.empty()) by_mask_.erase(mask);
+  --identities_;
+  // Where that fails more frames come than are wanted, which does no harm.
+  static_cast<void>(set_filters(identities_ + 1));
+}
+
+// --- what comes ----------------------------------------------------------------------------------
+
+bool CanLayer::receive(std::size_t most, const OnEvent& on_event) {
+  for (std::size_t count = 0; count < most; ++count) {
+    FrameSocket::Frame frame;
+    const auto got = socket_->receive(frame);
+    if (got != FrameSocket::Got::frame) return got != FrameSocket::Got::gone;
+    if (!frame.local) take(frame, on_event);
+  }
+  return true;
+}
+
+void CanLayer::take(const FrameSocket::Frame& frame, const OnEvent& on_event) {
+  const std::uint32_t id = frame.frame.can_id;
+  if ((id & (CAN_ERR_FLAG | CAN_RTR_FLAG)) != 0 || frame.frame.len > CANFD_MAX_DLEN) return;
+  const Octets data(frame.frame.data, frame.frame.len);
+  bool taken = false;  // a fragment is taken once, whoever follows
+  std::optional<afp::Event> whole;
+  for (const auto& [mask, by_id] : by_mask_) {
+    const auto known = by_id.find(id & mask);
+    if (known == by_id.end()) continue;
+    for (const Following& f : known->second) {
+      if (!(frame.fd ? f.fd : f.classic)) continue;
+      if (f.form != Form::famouso || (id & kFragmentBit) == 0) {
+        take(f, frame, on_event);
+        continue;
+      }
+      if (!std::exchange(taken, true))
+        whole = fragments_.take(id & ~kFragmentBit & ~kForm, data, monotonic_ns());
+      if (whole) hand_over(f, *whole, frame.unix_ns, on_event);
+    }
+  }
+}
+
+void CanLayer::take(const Following& by, const FrameSocket::Frame& frame, const OnEvent& on_event) {
+  Octets data(frame.frame.data, frame.frame.len);
+  if (by.form == Form::cyphal) {
+    if (data.empty() || (data.back() & kWholeTransfer) != kWholeTransfer) {
+      ++losses_.malformed;
+      return;
+    }
+    data = data.first(data.size() - 1);
+  }
+  hand_over(by, data, frame.unix_ns, on_event);
+}
+
+void CanLayer::hand_over(const Following& to, Octets event, std::uint64_t unix_ns,
+                         const OnEvent& on_event) {
+  if (event.size() > to.longest)
+    ++losses_.too_long;
+  else
+    on_event({to.follower, event, unix_ns});
+}
+
+// --- what goes -----------------------------------------------------------------------------------
+
+Sent CanLayer::send_frame(const control::Endpoint& endpoint, std::uint32_t id, Octets data) {
+  const bool fd = !endpoint.classic;
+  const auto length = fd ? fd_length(data.size())
+                      : data.size() <= CAN_MAX_DLEN
+                          ? std::optional(static_cast<std::uint8_t>(data.size()))
+                          : std::nullopt;
+  if (!length || data.size() > endpoint.frame_bytes) return Sent::too_long;
+  canfd_frame frame{};
+  frame.can_id = id & ~CAN_RTR_FLAG;
+  frame.len = *length;
+  std::memcpy(static_cast<void*>(frame.data), data.data(), data.size());
+  return socket_->send(frame, fd);
+}
+
+Sent CanLayer::send_fragments(const control::Endpoint& endpoint, Octets event) {
+  auto fragments = afp::Fragments::of(afp::kCan, event);
+  if (!fragments) return Sent::too_long;
+  while (const auto fragment = fragments->next())
+    if (const Sent sent = send_frame(endpoint, endpoint.id | kFragmentBit, *fragment);
+        sent != Sent::sent)
+      return sent;
+  return Sent::sent;
+}
+
+Sent CanLayer::send(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) {
+  const auto form = form_of(endpoint);
+  if (!form) return Sent::failed;
+  if (*form == Form::famouso) {
+    if (event.size() > afp::kCan.payload) return send_fragments(endpoint, event);
+    return send_frame(endpoint, endpoint.id & ~kFragmentBit, event);
+  }
+  if (*form == Form::plain) return send_frame(endpoint, endpoint.id, event);
+  if (event.size() >= CANFD_MAX_DLEN) return Sent::too_long;
+  std::array<std::uint8_t, CANFD_MAX_DLEN> frame{};
+  std::ranges::copy(event, frame.begin());
+  // An FD frame is padded before the tail octet.
+  const auto length = endpoint.classic ? static_cast<std::uint8_t>(event.size() + 1)
+                                       : fd_length(event.size() + 1).value_or(CANFD_MAX_DLEN);
+  std::uint8_t& number = transfers_[subject];
+  frame.at(length - 1U) = static_cast<std::uint8_t>(kWholeTransfer | number);
+  number = (number + 1) & kTransferIds;
+  return send_frame(endpoint, endpoint.id, Octets(frame).first(length));
+}
+
+Losses CanLayer::losses() const {
+  Losses out = losses_;
+  const afp::Losses& of_fragments = fragments_.losses();
+  out.malformed += of_fragments.malformed;
+  out.incomplete += of_fragments.incomplete;
+  out.crowded += of_fragments.crowded;
+  out.in_socket += socket_->dropped();
+  return out;
+}
+
+}  // namespace mlcca::relay

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Events in CAN frames, as the profile of the bus has them:
+//
+//   famouso   up to 8 octets in a frame; longer ones in fragments, with bit 21 of the identifier
+//   cyphal    a transfer of one frame, without its tail octet
+//   others    the data of a frame
+//
+// The identifiers are those that the gate admits; see core/profiles.
+#pragma once
+#include <linux/can.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "base/handle.hpp"
+#include "relay/afp.hpp"
+#include "relay/layers/layer.hpp"
+
+namespace mlcca::relay {
+
+/// Between a layer and its bus, so that a test needs none.
+class FrameSocket {
+ public:
+  struct Frame {
+    canfd_frame frame{};
+    bool fd = false;
+    bool local = false;  ///< a program of this host has sent it
+    std::uint64_t unix_ns = 0;
+  };
+
+  FrameSocket() = default;
+  FrameSocket(const FrameSocket&) = delete;
+  FrameSocket& operator=(const FrameSocket&) = delete;
+  FrameSocket(FrameSocket&&) = delete;
+  FrameSocket& operator=(FrameSocket&&) = delete;
+  virtual ~FrameSocket() = default;
+
+  [[nodiscard]] virtual int fd() const = 0;
+  /// Only frames come that fit one of them.
+  [[nodiscard]] virtual Result<void> filter(const std::vector<can_filter>& filters) = 0;
+  enum class Got : std::uint8_t { frame, nothing, gone };
+  virtual Got receive(Frame& to) = 0;
+  virtual Sent send(const canfd_frame& frame, bool fd) = 0;
+  [[nodiscard]] virtual std::uint64_t dropped() const = 0;
+};
+
+class CanLayer : public Layer {
+ public:
+  static Result<std::unique_ptr<Layer>> open(const control::Endpoint& endpoint);
+  explicit CanLayer(std::unique_ptr<FrameSocket> socket) : socket_(std::move(socket)) {}
+
+  [[nodiscard]] int fd() const override { return socket_->fd(); }
+  [[nodiscard]] Result<void> follow(Follower follower, const control::Endpoint& endpoint,
+                                    std::uint64_t subject, std::size_t longest) override;
+  void leave(Follower follower, const control::Endpoint& endpoint, std::uint64_t subject) override;
+  bool receive(std::size_t most, const OnEvent& on_event) override;
+  Sent send(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) override;
+  [[nodiscard]] Losses losses() const override;
+
+ private:
+  enum class Form : std::uint8_t { plain, famouso, cyphal };
+  struct Following {
+    Follower follower = 0;
+    Form form = Form::plain;
+    bool classic = false;
+    bool fd = false;
+    std::size_t longest = 0;
+  };
+  /// Of one mask, by the bits that it leaves of an identifier.
+  using ById = std::unordered_map<std::uint32_t, std::vector<Following>>;
+
+  static Result<Form> form_of(const control::Endpoint& endpoint);
+  [[nodiscard]] Result<void> set_filters(std::size_t before);
+  void take(const FrameSocket::Frame& frame, const OnEvent& on_event);
+  void take(const Following& by, const FrameSocket::Frame& frame, const OnEvent& on_event);
+  void hand_over(const Following& to, Octets event, std::uint64_t unix_ns, const OnEvent& on_event);
+  Sent send_frame(const control::Endpoint& endpoint, std::uint32_t id, Octets data);
+  Sent send_fragments(const control::Endpoint& endpoint, Octets event);
+
+  std::unique_ptr<FrameSocket> socket_;
+  std::map<std::uint32_t, ById> by_mask_;
+  std::size_t identities_ = 0;  ///< of all masks
+  afp::Reassembly fragments_{afp::kCan};
+  std::unordered_map<std::uint64_t, std::uint8_t> transfers_;  ///< next transfer-id, by subject
+  Losses losses_;
+};
+
+}  // namespace mlcca::relay

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The events of one interface: sockets of this process that send them and receive them. The relay
+// has a layer for each interface, and so has a program that is linked with libmlcca.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "base/result.hpp"
+#include "control/messages.hpp"
+
+namespace mlcca::relay {
+
+using Octets = std::span<const std::uint8_t>;
+
+/// What became of an event that was sent.
+enum class Sent : std::uint8_t {
+  sent,
+  dropped,   ///< the queue of the interface or of the socket is full, or the gate drops it (CAN)
+  too_long,  ///< for the network
+  failed,    ///< the interface is gone or down
+};
+
+/// What came and gave no event.
+struct Losses {
+  std::uint64_t malformed = 0;   ///< frames or datagrams that are none of the profile
+  std::uint64_t incomplete = 0;  ///< events of several of them, of which one is missing
+  std::uint64_t crowded = 0;     ///< events that were given up: too many were begun
+  std::uint64_t too_long = 0;    ///< longer than the follower takes
+  std::uint64_t in_socket = 0;   ///< the process came too late, and its socket was full
+  [[nodiscard]] std::uint64_t all() const {
+    return malformed + incomplete + crowded + too_long + in_socket;
+  }
+};
+
+class Layer {
+ public:
+  /// Who follows a channel, by a number of the caller.
+  using Follower = std::uint32_t;
+  struct Arrival {
+    Follower follower = 0;
+    Octets event;               ///< valid until the handler returns
+    std::uint64_t unix_ns = 0;  ///< when the kernel received it, or its last frame
+  };
+  using OnEvent = std::function<void(const Arrival&)>;
+
+  Layer() = default;
+  Layer(const Layer&) = delete;
+  Layer& operator=(const Layer&) = delete;
+  Layer(Layer&&) = delete;
+  Layer& operator=(Layer&&) = delete;
+  virtual ~Layer() = default;
+
+  /// Can be read when receive() has something to do. It stays the same.
+  [[nodiscard]] virtual int fd() const = 0;
+  /// Events of the subject that come as the endpoint has them, of at most `longest` bytes. What the
+  /// interface itself sends is not received. Error: the profile is not known here, or the process
+  /// has no descriptors or memory left.
+  [[nodiscard]] virtual Result<void> follow(Follower follower, const control::Endpoint& endpoint,
+                                            std::uint64_t subject, std::size_t longest) = 0;
+  /// With what follow() was called with. Neither is for a handler of receive().
+  virtual void leave(Follower follower, const control::Endpoint& endpoint,
+                     std::uint64_t subject) = 0;
+  /// Takes at most `most` frames or datagrams, without waiting, and hands over the events that they
+  /// complete. False: the interface is gone.
+  virtual bool receive(std::size_t most, const OnEvent& on_event) = 0;
+  /// Never waits.
+  virtual Sent send(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) = 0;
+  [[nodiscard]] virtual Losses losses() const = 0;
+};
+
+/// Of the interface that the endpoint is on.
+[[nodiscard]] Result<std::unique_ptr<Layer>> open_layer(const control::Endpoint& endpoint);
+
+}  // namespace mlcca::relay

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "relay/layers/can_layer.hpp"
+#include "relay/layers/layer.hpp"
+#include "relay/layers/udp_layer.hpp"
+
+namespace mlcca::relay {
+
+Result<std::unique_ptr<Layer>> open_layer(const control::Endpoint& endpoint) {
+  return endpoint.can ? CanLayer::open(endpoint) : UdpLayer::open(endpoint);
+}
+
+}  // namespace mlcca::relay

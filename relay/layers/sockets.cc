@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "relay/layers/sockets.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+
+namespace mlcca::relay {
+namespace {
+
+constexpr std::uint64_t kSecond = 1'000'000'000;
+constexpr int kRoom = 1 << 20;  // bytes
+
+}  // namespace
+
+Beside beside(msghdr& message) {
+  Beside out;
+  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
+       part = CMSG_NXTHDR(&message, part)) {
+    if (part->cmsg_level != SOL_SOCKET) continue;
+    if (part->cmsg_type == SCM_TIMESTAMPNS) {
+      timespec time{};
+      std::memcpy(&time, CMSG_DATA(part), sizeof time);
+      out.unix_ns = static_cast<std::uint64_t>(time.tv_sec) * kSecond +
+                    static_cast<std::uint64_t>(time.tv_nsec);
+    } else if (part->cmsg_type == SO_RXQ_OVFL) {
+      std::memcpy(&out.dropped, CMSG_DATA(part), sizeof out.dropped);
+      out.says_dropped = true;
+    }
+  }
+  return out;
+}
+
+Result<void> ask_for_times(const Fd& socket) {
+  const int on = 1;
+  for (const int option : {SO_TIMESTAMPNS, SO_RXQ_OVFL})
+    if (::setsockopt(socket.get(), SOL_SOCKET, option, &on, sizeof on) != 0)
+      return system_error("setsockopt");
+  return {};
+}
+
+void widen(const Fd& socket) {
+  const int room = kRoom;
+  // What net.core.rmem_max leaves of it is enough.
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
+}
+
+Sent failure_of_send() {
+  switch (errno) {
+    case EAGAIN:
+    case ENOBUFS:
+    case ENOMEM:
+    case EPERM:
+      return Sent::dropped;
+    case EMSGSIZE:
+      return Sent::too_long;
+    default:
+      return Sent::failed;
+  }
+}
+
+std::unexpected<Error> system_error(const std::string& call) {
+  return fail(call + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
+}
+
+}  // namespace mlcca::relay

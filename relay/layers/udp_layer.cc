@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "relay/layers/udp_layer.hpp"
+
+#include <arpa/inet.h>
+#include <net/if.h>
+#include <sys/random.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <string>
+#include <utility>
+
+#include "base/clock.hpp"
+#include "relay/layers/sockets.hpp"
+
+namespace mlcca::relay {
+namespace {
+
+constexpr unsigned kOctet = 8;
+constexpr std::uint32_t kOctetMask = 0xff;
+constexpr std::size_t kSubject = 8;
+constexpr std::size_t kMostDatagram = kDatagramHeader + afp::kUdp.payload;
+/// `net.ipv4.igmp_max_memberships` is not less unless somebody makes it so; then joining says it.
+constexpr std::size_t kMostGroups = 20;
+
+std::uint64_t octet_of(std::uint64_t subject, unsigned number) {
+  return subject >> kOctet * (kSubject - 1 - number) & kOctetMask;
+}
+
+std::uint64_t random_number() {
+  std::uint64_t out = 0;
+  if (::getrandom(&out, sizeof out, GRND_NONBLOCK) != sizeof out) out = monotonic_ns();
+  return out;
+}
+
+/// The address of dotted digits; 0: any.
+std::uint32_t address_in(const std::string& text) {
+  in_addr address{};
+  return ::inet_pton(AF_INET, text.c_str(), &address) == 1 ? ntohl(address.s_addr) : 0;
+}
+
+template <class T>
+bool set(const Fd& socket, int level, int option, const T& value) {
+  return ::setsockopt(socket.get(), level, option, &value, sizeof value) == 0;
+}
+
+Result<Fd> event_socket(const control::Endpoint& endpoint) {
+  Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!socket) return system_error("socket");
+  const int on = 1;
+  const int off = 0;
+  const auto& name = endpoint.interface;
+  ip_mreqn outgoing{};
+  outgoing.imr_ifindex = static_cast<int>(endpoint.ifindex);
+  if (::setsockopt(socket.get(), SOL_SOCKET, SO_BINDTODEVICE, name.c_str(),
+                   static_cast<socklen_t>(name.size() + 1)) != 0)
+    return system_error(name);
+  if (!set(socket, SOL_SOCKET, SO_REUSEADDR, on) || !set(socket, SOL_SOCKET, SO_BROADCAST, on) ||
+      !set(socket, IPPROTO_IP, IP_MULTICAST_LOOP, off) ||
+      !set(socket, IPPROTO_IP, IP_MULTICAST_IF, outgoing))
+    return system_error("setsockopt");
+  if (const auto done = ask_for_times(socket); !done) return std::unexpected(done.error());
+  widen(socket);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(kEventPort);
+  // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
+  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    return system_error("bind to port " + std::to_string(kEventPort));
+  return socket;
+}
+
+}  // namespace
+
+std::uint32_t group_of(std::uint64_t subject) {
+  constexpr std::uint32_t first = 239;
+  const auto last = std::clamp<std::uint64_t>(octet_of(subject, 5), 1, 254);
+  return static_cast<std::uint32_t>(std::uint64_t{first} << 3 * kOctet |
+                                    octet_of(subject, 0) << 2 * kOctet |
+                                    octet_of(subject, 7) << kOctet | last);
+}
+
+std::optional<Datagram> parse_datagram(Octets octets) {
+  if (octets.size() < kDatagramHeader || octets[kSubject] > 1) return std::nullopt;
+  Datagram out;
+  for (const std::uint8_t octet : octets.first(kSubject))
+    out.subject = out.subject << kOctet | octet;
+  out.is_fragment = octets[kSubject] == 1;
+  out.data = octets.subspan(kDatagramHeader);
+  return out;
+}
+
+std::array<std::uint8_t, kDatagramHeader> datagram_header(std::uint64_t subject, bool is_fragment) {
+  std::array<std::uint8_t, kDatagramHeader> out{};
+  for (unsigned i = 0; i < kSubject; ++i)
+    out.at(i) = static_cast<std::uint8_t>(octet_of(subject, i));
+  out.back() = is_fragment ? 1 : 0;
+  return out;
+}
+
+Result<std::unique_ptr<Layer>> UdpLayer::open(const control::Endpoint& endpoint) {
+  auto socket = event_socket(endpoint);
+  if (!socket) return std::unexpected(socket.error());
+  return std::unique_ptr<Layer>(new UdpLayer(std::move(*socket), endpoint.ifindex));
+}
+
+UdpLayer::UdpLayer(Fd socket, std::uint32_t ifindex)
+    : socket_(std::move(socket)),
+      ifindex_(ifindex),
+      salt_(random_number() | 1),
+      number_(static_cast<std::uint32_t>(random_number())),
+      buffer_(kMostDatagram + 1) {}
+
+// --- who follows ---------------------------------------------------------------------------------
+
+Result<void> UdpLayer::join(std::uint32_t group) {
+  if (groups_.contains(group)) return {};
+  if (members_.empty() || members_.back().groups >= kMostGroups) {
+    Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    if (!socket) return system_error("socket");
+    members_.push_back({std::move(socket), 0});
+  }
+  ip_mreqn request{};
+  request.imr_multiaddr.s_addr = htonl(group);
+  request.imr_ifindex = static_cast<int>(ifindex_);
+  if (!set(members_.back().socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, request) && errno != EADDRINUSE)
+    return system_error("joining a multicast group");
+  ++members_.back().groups;
+  groups_.insert(group);
+  return {};
+}
+
+Result<void> UdpLayer::follow(Follower follower, const control::Endpoint& endpoint,
+                              std::uint64_t subject, std::size_t longest) {
+  if (const auto joined = join(group_of(subject)); !joined) return joined;
+  by_subject_[subject].push_back({follower, address_in(endpoint.address), longest});
+  return {};
+}
+
+/// Groups are never left: who subscribes again is in them at once, and they cost 32 bytes each.
+void UdpLayer::leave(Follower follower, const control::Endpoint& /*endpoint*/,
+                     std::uint64_t subject) {
+  const auto known = by_subject_.find(subject);
+  if (known == by_subject_.end()) return;
+  std::erase_if(known->second, [&](const Following& f) { return f.follower == follower; });
+  if (known->second.empty()) by_subject_.erase(known);
+}
+
+// --- what comes ----------------------------------------------------------------------------------
+
+bool UdpLayer::receive(std::size_t most, const OnEvent& on_event) {
+  for (std::size_t count = 0; count < most; ++count) {
+    sockaddr_in from{};
+    iovec data{.iov_base = buffer_.data(), .iov_len = buffer_.size()};
+    alignas(cmsghdr) std::array<char, 128> control{};
+    msghdr message{};
+    message.msg_name = &from;
+    message.msg_namelen = sizeof from;
+    message.msg_iov = &data;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    const ssize_t n = ::recvmsg(socket_.get(), &message, MSG_DONTWAIT);
+    if (n < 0 && (errno == ENODEV || errno == ENXIO)) return false;
+    if (n < 0 && errno != EAGAIN) continue;  // of an earlier datagram: ENETDOWN, ECONNREFUSED
+    if (n < 0) return true;
+    const Beside said = beside(message);
+    if (said.says_dropped) losses_.in_socket = said.dropped;
+    if (static_cast<std::size_t>(n) > kMostDatagram)
+      ++losses_.malformed;
+    else
+      take(Octets(buffer_).first(static_cast<std::size_t>(n)), ntohl(from.sin_addr.s_addr),
+           said.unix_ns, on_event);
+  }
+  return true;
+}
+
+void UdpLayer::take(Octets octets, std::uint32_t from, std::uint64_t unix_ns,
+                    const OnEvent& on_event) {
+  const auto datagram = parse_datagram(octets);
+  if (!datagram) {
+    ++losses_.malformed;
+    return;
+  }
+  const auto known = by_subject_.find(datagram->subject);
+  if (known == by_subject_.end()) return;
+  if (!datagram->is_fragment) {
+    hand_over(known->second, from, datagram->data, unix_ns, on_event);
+    return;
+  }
+  const auto source = std::rotl(datagram->subject * salt_, 32) * salt_ + from;
+  if (const auto event = fragments_.take(source, datagram->data, monotonic_ns()))
+    hand_over(known->second, from, *event, unix_ns, on_event);
+}
+
+/// To those who follow the sender, or else to those who follow anybody who has no follower.
+void UdpLayer::hand_over(const std::vector<Following>& all, std::uint32_t from, Octets event,
+                         std::uint64_t unix_ns, const OnEvent& on_event) {
+  const bool is_stated = std::ranges::find(all, from, &Following::address) != all.end();
+  for (const Following& f : all) {
+    if (f.address != (is_stated ? from : 0)) continue;
+    if (event.size() > f.longest)
+      ++losses_.too_long;
+    else
+      on_event({f.follower, event, unix_ns});
+  }
+}
+
+// --- what goes -----------------------------------------------------------------------------------
+
+Sent UdpLayer::send_one(const sockaddr_in& to, std::uint64_t subject, bool is_fragment,
+                        Octets data) {
+  auto header = datagram_header(subject, is_fragment);
+  std::array<iovec, 2> parts{
+      iovec{.iov_base = header.data(), .iov_len = header.size()},
+      iovec{.iov_base = const_cast<std::uint8_t*>(data.data()),  // NOLINT(*-const-cast): read only
+            .iov_len = data.size()}};
+  sockaddr_in address = to;
+  msghdr message{};
+  message.msg_name = &address;
+  message.msg_namelen = sizeof address;
+  message.msg_iov = parts.data();
+  message.msg_iovlen = parts.size();
+  const ssize_t n = ::sendmsg(socket_.get(), &message, MSG_DONTWAIT | MSG_NOSIGNAL);
+  return n >= 0 ? Sent::sent : failure_of_send();
+}
+
+Sent UdpLayer::send(const control::Endpoint& /*endpoint*/, std::uint64_t subject, Octets event) {
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(kEventPort);
+  to.sin_addr.s_addr = htonl(group_of(subject));
+  if (event.size() <= afp::kUdp.payload) return send_one(to, subject, false, event);
+  auto fragments = afp::Fragments::of(afp::kUdp, event, number_++);
+  if (!fragments) return Sent::too_long;
+  while (const auto fragment = fragments->next())
+    if (const Sent sent = send_one(to, subject, true, *fragment); sent != Sent::sent) return sent;
+  return Sent::sent;
+}
+
+Losses UdpLayer::losses() const {
+  Losses out = losses_;
+  const afp::Losses& of_fragments = fragments_.losses();
+  out.malformed += of_fragments.malformed;
+  out.incomplete += of_fragments.incomplete;
+  out.crowded += of_fragments.crowded;
+  return out;
+}
+
+}  // namespace mlcca::relay

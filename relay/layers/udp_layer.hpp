@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// FAMOUSO's events in UDP datagrams to port 9999:
+//
+//   subject[8] flag[1] data     flag 1: the data begins with a fragment header, else it is the
+//   event
+//
+// The group is 239.A.B.C, where A is octet 0 of the subject, B octet 7 and C octet 5 (1 for 0, 254
+// for 255). For example "Distance" goes to 239.68.101.110.
+#pragma once
+#include <netinet/in.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <unordered_map>
+#include <vector>
+
+#include "base/handle.hpp"
+#include "relay/afp.hpp"
+#include "relay/layers/layer.hpp"
+
+namespace mlcca::relay {
+
+inline constexpr std::uint16_t kEventPort = 9999;
+inline constexpr std::size_t kDatagramHeader = 9;
+
+/// Of a subject, in the order of the host.
+[[nodiscard]] std::uint32_t group_of(std::uint64_t subject);
+
+/// A datagram of an event; nothing: it is none.
+struct Datagram {
+  std::uint64_t subject = 0;
+  bool is_fragment = false;
+  Octets data;
+};
+[[nodiscard]] std::optional<Datagram> parse_datagram(Octets octets);
+[[nodiscard]] std::array<std::uint8_t, kDatagramHeader> datagram_header(std::uint64_t subject,
+                                                                        bool is_fragment);
+
+class UdpLayer : public Layer {
+ public:
+  static Result<std::unique_ptr<Layer>> open(const control::Endpoint& endpoint);
+
+  [[nodiscard]] int fd() const override { return socket_.get(); }
+  [[nodiscard]] Result<void> follow(Follower follower, const control::Endpoint& endpoint,
+                                    std::uint64_t subject, std::size_t longest) override;
+  void leave(Follower follower, const control::Endpoint& endpoint, std::uint64_t subject) override;
+  bool receive(std::size_t most, const OnEvent& on_event) override;
+  Sent send(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) override;
+  [[nodiscard]] Losses losses() const override;
+
+ private:
+  struct Following {
+    Follower follower = 0;
+    std::uint32_t address = 0;  ///< of the sender, in the order of the host; 0: any
+    std::size_t longest = 0;
+  };
+  /// Sockets that do nothing but stay in groups: one socket may be in 20 (igmp_max_memberships).
+  struct Member {
+    Fd socket;
+    std::size_t groups = 0;
+  };
+
+  UdpLayer(Fd socket, std::uint32_t ifindex);
+  [[nodiscard]] Result<void> join(std::uint32_t group);
+  void take(Octets octets, std::uint32_t from, std::uint64_t unix_ns, const OnEvent& on_event);
+  void hand_over(const std::vector<Following>& all, std::uint32_t from, Octets event,
+                 std::uint64_t unix_ns, const OnEvent& on_event);
+  Sent send_one(const sockaddr_in& to, std::uint64_t subject, bool is_fragment, Octets data);
+
+  Fd socket_;
+  std::uint32_t ifindex_;
+  std::vector<Member> members_;
+  std::set<std::uint32_t> groups_;
+  std::unordered_map<std::uint64_t, std::vector<Following>> by_subject_;
+  afp::Reassembly fragments_{afp::kUdp};
+  std::uint64_t salt_;    ///< so that nobody can make two sources one
+  std::uint32_t number_;  ///< of the next event that is fragmented
+  Losses losses_;
+  std::vector<std::uint8_t> buffer_;
+};
+
+}  // namespace mlcca::relay

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// mlcca-relay: carries granted events between the networks of a gateway that the kernel does not
+// join. It runs as a user of its own without capabilities; the gates admit its frames by that user.
+#include <sched.h>
+#include <sys/epoll.h>
+#include <sys/mman.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <map>
+#include <string>
+
+#include "base/clock.hpp"
+#include "base/number.hpp"
+#include "control/version.hpp"
+#include "daemon/manager.hpp"
+#include "relay/carrier.hpp"
+#include "relay/grants.hpp"
+
+namespace mlcca::relay {
+namespace {
+
+constexpr int kPriority = 10;  // of SCHED_FIFO: below what drivers use, above all usual programs
+constexpr std::uint64_t kReport = 10'000'000'000;  // ns
+constexpr std::uint64_t kAlive = 1'000'000'000;    // ns between signs of life
+constexpr int kRound = 1000;                       // ms: what is due without an event
+
+void say(const std::string& text) { write_at_once(STDERR_FILENO, text + '\n'); }
+
+std::string milliseconds(std::uint64_t ns) {
+  constexpr std::uint64_t in_a_micro = 1000;
+  return std::to_string(ns / in_a_micro) + " us";
+}
+
+/// Each is tried; without it delays are longer on a busy machine.
+std::string make_prompt() {
+  std::string out;
+  sched_param priority{};
+  priority.sched_priority = kPriority;
+  if (::sched_setscheduler(0, SCHED_FIFO, &priority) != 0)
+    out = std::string("normal priority (SCHED_FIFO: ") + std::strerror(errno) +
+          ")";  // NOLINT(concurrency-mt-unsafe)
+  else
+    out = "SCHED_FIFO " + std::to_string(kPriority);
+  if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) return out + ", memory not locked";
+  return out + ", memory locked";
+}
+
+class Program {
+ public:
+  explicit Program(const std::string& socket)
+      : epoll_(::epoll_create1(EPOLL_CLOEXEC)),
+        carrier_({.open = open_layer,
+                  .watch = [this](std::uint32_t ifindex, int fd) { watch(ifindex, fd); },
+                  .log = say,
+                  .unix_ns = [] { return unix_ns(); }}),
+        grants_(socket, ::geteuid(),
+                {.all = [this](const auto& transfers) { carrier_.set_all(transfers); },
+                 .of_subject = [this](std::uint64_t subject,
+                                      const auto& some) { carrier_.set(subject, some); },
+                 .log = say}) {}
+
+  int run();
+
+ private:
+  /// What the data of an event of epoll is: an interface, or one of these behind all of them.
+  static constexpr std::uint64_t kGrants = std::uint64_t{1} << 32U;
+  static constexpr std::uint64_t kSignals = kGrants + 1;
+
+  void add(int fd, std::uint64_t what) const {
+    epoll_event event{.events = EPOLLIN, .data = {.u64 = what}};
+    if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event) != 0)
+      say(std::string("epoll: ") + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
+  }
+  void watch(std::uint32_t ifindex, int fd) {
+    if (fd >= 0) {
+      add(fd, ifindex);
+      return;
+    }
+    grants_.ask_all();  // one of its networks has lost it, perhaps for a moment
+  }
+  bool on_signal();
+  void say_all() const;
+  void report(std::uint64_t now);
+
+  Fd epoll_;
+  Fd signals_;
+  Carrier carrier_;
+  Grants grants_;
+  std::uint64_t alive_at_ = 0;
+  std::uint64_t reported_at_ = 0;
+  std::uint64_t reported_ = 0;  ///< events that were lost or late
+};
+
+/// False: it is to end.
+bool Program::on_signal() {
+  signalfd_siginfo signal{};
+  if (::read(signals_.get(), &signal, sizeof signal) != sizeof signal) return true;
+  if (signal.ssi_signo != SIGUSR1) return false;
+  say_all();
+  return true;
+}
+
+void Program::say_all() const {
+  say(std::to_string(carrier_.transfers()) + " transfers on " +
+      std::to_string(carrier_.interfaces()) + " interfaces");
+  carrier_.each([](const control::Transfer& transfer, const Carried& carried) {
+    say(transfer.channel + " of " + transfer.publisher + ": " + transfer.from.interface + " to " +
+        transfer.to.interface + ": " + std::to_string(carried.events) + " events, " +
+        std::to_string(carried.dropped) + " dropped, " + std::to_string(carried.late) +
+        " late, longest " + milliseconds(carried.longest_ns));
+  });
+  const Losses lost = carrier_.losses();
+  say("not received: " + std::to_string(lost.malformed) + " malformed, " +
+      std::to_string(lost.incomplete) + " incomplete, " + std::to_string(lost.crowded) +
+      " crowded out, " + std::to_string(lost.too_long) + " too long, " +
+      std::to_string(lost.in_socket) + " dropped in a full socket");
+}
+
+/// At most one line in ten seconds, when something was lost since the last one.
+void Program::report(std::uint64_t now) {
+  if (now - reported_at_ < kReport) return;
+  reported_at_ = now;
+  std::uint64_t dropped = 0;
+  std::uint64_t late = 0;
+  std::uint64_t longest = 0;
+  carrier_.each([&](const control::Transfer&, const Carried& carried) {
+    dropped += carried.dropped;
+    late += carried.late;
+    longest = std::max(longest, carried.longest_ns);
+  });
+  const std::uint64_t lost = carrier_.losses().all();
+  if (dropped + late + lost > reported_)
+    say(std::to_string(dropped) + " events were not taken by a network, " + std::to_string(late) +
+        " were late (longest " + milliseconds(longest) + "), " + std::to_string(lost) +
+        " were not received whole; SIGUSR1 lists them");
+  reported_ = dropped + late + lost;
+}
+
+int Program::run() {
+  sigset_t mask;
+  sigemptyset(&mask);
+  for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) sigaddset(&mask, signal);
+  ::sigprocmask(SIG_BLOCK, &mask, nullptr);
+  signals_ = Fd(::signalfd(-1, &mask, SFD_CLOEXEC | SFD_NONBLOCK));
+  if (!epoll_ || !signals_) {
+    say("no descriptors are left");
+    return EXIT_FAILURE;
+  }
+  add(signals_.get(), kSignals);
+  add(grants_.fd(), kGrants);
+  notify("READY=1\nSTATUS=" + make_prompt());
+  std::array<epoll_event, 64> events{};
+  for (;;) {
+    const int n = ::epoll_wait(epoll_.get(), events.data(), events.size(), kRound);
+    for (int i = 0; i < n; ++i) {
+      const std::uint64_t what = events.at(static_cast<std::size_t>(i)).data.u64;
+      if (what == kGrants)
+        grants_.turn();
+      else if (what != kSignals)
+        carrier_.receive(static_cast<std::uint32_t>(what));
+      else if (!on_signal())
+        return EXIT_SUCCESS;
+    }
+    if (const std::uint64_t now = monotonic_ns(); now - alive_at_ >= kAlive) {
+      alive_at_ = now;
+      notify("WATCHDOG=1");
+      report(now);
+    }
+  }
+}
+
+int main(int argc, char** argv) {
+  std::string socket = "/run/mlcca/control.sock";
+  CLI::App app{
+      "mlcca-relay - carries granted events between networks that the kernel does not join"};
+  app.set_version_flag("--version", kVersion);
+  app.add_option("--socket", socket, "control socket of mlccad")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  return Program(socket).run();
+}
+
+}  // namespace
+}  // namespace mlcca::relay
+
+int main(int argc, char** argv) {
+  try {
+    return mlcca::relay::main(argc, argv);
+  } catch (const std::exception& error) {
+    mlcca::relay::say(std::string("mlcca-relay: ") + error.what());
+    return EXIT_FAILURE;
+  }
+}

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Events of a CAN bus without a bus: frames as they stand in the reference of FAMOUSO.
+#include "relay/layers/can_layer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mlcca::relay {
+namespace {
+
+constexpr std::uint32_t kId = 0x9f414065;  // node 5, tag 0x65, 29 bits
+constexpr std::uint32_t kMask = 0xdfffffff;
+constexpr std::uint32_t kFragment = 1U << 21U;
+
+class FakeSocket : public FrameSocket {
+ public:
+  [[nodiscard]] int fd() const override { return -1; }
+  [[nodiscard]] Result<void> filter(const std::vector<can_filter>& filters) override {
+    filters_ = filters;
+    return {};
+  }
+  Got receive(Frame& to) override {
+    if (in_.empty()) return gone_ ? Got::gone : Got::nothing;
+    to = in_.front();
+    in_.pop_front();
+    return Got::frame;
+  }
+  Sent send(const canfd_frame& frame, bool fd) override {
+    if (outcome_ != Sent::sent) return outcome_;
+    out_.push_back({frame, fd, false, 0});
+    return Sent::sent;
+  }
+  [[nodiscard]] std::uint64_t dropped() const override { return 3; }
+
+  std::deque<Frame> in_;
+  std::vector<Frame> out_;
+  std::vector<can_filter> filters_;
+  Sent outcome_ = Sent::sent;
+  bool gone_ = false;
+};
+
+FrameSocket::Frame frame(std::uint32_t id, std::vector<std::uint8_t> data, bool fd = false) {
+  FrameSocket::Frame out;
+  out.frame.can_id = id;
+  out.frame.len = static_cast<std::uint8_t>(data.size());
+  std::ranges::copy(data, out.frame.data);
+  out.fd = fd;
+  out.unix_ns = 7;
+  return out;
+}
+
+control::Endpoint endpoint(const std::string& profile, std::uint32_t id = kId,
+                           std::uint32_t mask = kMask) {
+  control::Endpoint out;
+  out.network = "bus";
+  out.can = true;
+  out.profile = profile;
+  out.id = id;
+  out.mask = mask;
+  out.classic = true;
+  out.frame_bytes = 8;
+  return out;
+}
+
+std::vector<std::uint8_t> counting(std::size_t size) {
+  std::vector<std::uint8_t> out(size);
+  std::iota(out.begin(), out.end(), std::uint8_t{0});
+  return out;
+}
+
+class CanLayerTest : public testing::Test {
+ protected:
+  CanLayerTest() {
+    auto socket = std::make_unique<FakeSocket>();
+    socket_ = socket.get();
+    layer_ = std::make_unique<CanLayer>(std::move(socket));
+  }
+  using Events = std::vector<std::pair<Layer::Follower, std::vector<std::uint8_t>>>;
+  Events events(std::vector<FrameSocket::Frame> frames) {
+    for (auto& one : frames) socket_->in_.push_back(one);
+    Events out;
+    layer_->receive(100, [&](const Layer::Arrival& a) {
+      out.emplace_back(a.follower, std::vector(a.event.begin(), a.event.end()));
+      EXPECT_EQ(a.unix_ns, 7U);
+    });
+    return out;
+  }
+  std::string sent() const {
+    static constexpr const char* digits = "0123456789abcdef";
+    std::string out;
+    for (const auto& one : socket_->out_) {
+      for (std::uint8_t i = 0; i < one.frame.len; ++i) {
+        out += digits[one.frame.data[i] >> 4U];
+        out += digits[one.frame.data[i] & 0xfU];
+      }
+      out += ' ';
+    }
+    return out;
+  }
+
+  FakeSocket* socket_ = nullptr;
+  std::unique_ptr<CanLayer> layer_;
+};
+
+TEST_F(CanLayerTest, ALongEventOfFamousoIsTheFragmentsOfTheReference) {
+  const auto to = endpoint("famouso");
+  ASSERT_EQ(layer_->send(to, 1, counting(20)), Sent::sent);
+  EXPECT_EQ(sent(), "2200010203040506 010708090a0b0c0d 000e0f10111213 ");
+  for (const auto& one : socket_->out_) EXPECT_EQ(one.frame.can_id, kId | kFragment);
+  socket_->out_.clear();
+  ASSERT_EQ(layer_->send(to, 1, counting(8)), Sent::sent);
+  EXPECT_EQ(sent(), "0001020304050607 ");
+  EXPECT_EQ(socket_->out_[0].frame.can_id, kId);
+  socket_->out_.clear();
+  ASSERT_EQ(layer_->send(to, 1, {}), Sent::sent);
+  EXPECT_EQ(socket_->out_[0].frame.len, 0);
+  EXPECT_EQ(layer_->send(to, 1, counting(24'609)), Sent::too_long);
+}
+
+TEST_F(CanLayerTest, FragmentsBecomeAnEventAndTwoSendersAreDistinguished) {
+  auto from = endpoint("famouso", kId, kMask & ~kFragment);
+  auto other = endpoint("famouso", kId + (1U << 14U), kMask & ~kFragment);
+  ASSERT_TRUE(layer_->follow(1, from, 1, 100));
+  ASSERT_TRUE(layer_->follow(2, other, 1, 100));
+  const std::uint32_t a = kId | kFragment;
+  const std::uint32_t b = a + (1U << 14U);
+  const auto got =
+      events({frame(a, {0x21, 0, 1, 2, 3, 4, 5, 6}), frame(b, {0x21, 9, 9, 9, 9, 9, 9, 9}),
+              frame(a, {0x00, 7, 8}), frame(b, {0x00, 8}), frame(kId, {1, 2})});
+  ASSERT_EQ(got.size(), 3U);
+  EXPECT_EQ(got[0], (std::pair{Layer::Follower{1}, counting(9)}));
+  EXPECT_EQ(got[1].first, 2U);
+  EXPECT_EQ(got[1].second.size(), 8U);
+  EXPECT_EQ(got[2].second, (std::vector<std::uint8_t>{1, 2}));
+}
+
+TEST_F(CanLayerTest, WhoeverFollowsGetsAnEventOnce) {
+  const auto from = endpoint("famouso", kId, kMask & ~kFragment);
+  ASSERT_TRUE(layer_->follow(1, from, 1, 100));
+  ASSERT_TRUE(layer_->follow(2, from, 1, 100));
+  ASSERT_TRUE(layer_->follow(3, endpoint("famouso", kId, 0xc0003fff), 1, 100));
+  const std::uint32_t id = kId | kFragment;
+  EXPECT_EQ(events({frame(id, {0x21, 0, 1, 2, 3, 4, 5, 6}), frame(id, {0x00, 7})}).size(), 3U);
+  EXPECT_EQ(layer_->losses().malformed, 0U);
+}
+
+TEST_F(CanLayerTest, OnlyWhatIsFollowedAndCameFromTheBusIsAnEvent) {
+  ASSERT_TRUE(layer_->follow(1, endpoint("raw", 0x123, 0xc00007ff), 1, 4));
+  auto own = frame(0x123, {1});
+  own.local = true;
+  const auto got =
+      events({own, frame(0x124, {1}), frame(0x123 | CAN_EFF_FLAG, {1}),
+              frame(0x123 | CAN_RTR_FLAG, {}), frame(CAN_ERR_FLAG | 0x123, {1}),
+              frame(0x123, {1}, true), frame(0x123, {1, 2, 3, 4, 5}), frame(0x123, {5})});
+  ASSERT_EQ(got.size(), 1U);
+  EXPECT_EQ(got[0].second, std::vector<std::uint8_t>{5});
+  EXPECT_EQ(layer_->losses().too_long, 1U);
+  EXPECT_EQ(layer_->losses().in_socket, 3U) << "what the socket has dropped";
+}
+
+TEST_F(CanLayerTest, CyphalHasATailThatIsNotOfTheEvent) {
+  const auto at = endpoint("cyphal");
+  ASSERT_TRUE(layer_->follow(1, at, 1, 8));
+  const auto got = events({frame(kId, {1, 2, 0xe5}), frame(kId, {1, 2, 0xa5}), frame(kId, {})});
+  ASSERT_EQ(got.size(), 1U);
+  EXPECT_EQ(got[0].second, (std::vector<std::uint8_t>{1, 2}));
+  EXPECT_EQ(layer_->losses().malformed, 2U);
+  for (int i = 0; i < 33; ++i) ASSERT_EQ(layer_->send(at, 1, counting(2)), Sent::sent);
+  ASSERT_EQ(layer_->send(at, 2, counting(7)), Sent::sent);
+  EXPECT_TRUE(sent().starts_with("0001e0 0001e1 ")) << sent();
+  EXPECT_TRUE(sent().ends_with("0001ff 0001e0 00010203040506e0 ")) << sent();
+  EXPECT_EQ(layer_->send(at, 1, counting(8)), Sent::too_long);
+}
+
+TEST_F(CanLayerTest, AnFdFrameHasOneOfItsLengths) {
+  auto to = endpoint("raw");
+  to.classic = false;
+  to.fd = true;
+  to.frame_bytes = 64;
+  ASSERT_EQ(layer_->send(to, 1, counting(13)), Sent::sent);
+  EXPECT_TRUE(socket_->out_[0].fd);
+  EXPECT_EQ(socket_->out_[0].frame.len, 16);
+  EXPECT_EQ(layer_->send(to, 1, counting(65)), Sent::too_long);
+}
+
+TEST_F(CanLayerTest, WhatCannotBeCarriedIsRefusedWithTheReason) {
+  auto long_events = endpoint("cyphal");
+  long_events.fragmented = true;
+  const auto refused = layer_->follow(1, long_events, 1, 100);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().text,
+            "events of several frames are carried on buses of profile famouso alone, and bus is of "
+            "cyphal");
+  EXPECT_EQ(layer_->send(long_events, 1, counting(1)), Sent::failed);
+}
+
+TEST_F(CanLayerTest, TheSocketLetsThroughWhatIsFollowed) {
+  ASSERT_TRUE(layer_->follow(1, endpoint("raw", 0x1, 0xc00007ff), 1, 8));
+  ASSERT_TRUE(layer_->follow(2, endpoint("raw", 0x1, 0xc00007ff), 1, 8));
+  ASSERT_EQ(socket_->filters_.size(), 1U);
+  EXPECT_EQ(socket_->filters_[0].can_id, 1U);
+  EXPECT_EQ(socket_->filters_[0].can_mask, 0xc00007ffU);
+  layer_->leave(1, endpoint("raw", 0x1, 0xc00007ff), 1);
+  EXPECT_EQ(socket_->filters_.size(), 1U);
+  layer_->leave(2, endpoint("raw", 0x1, 0xc00007ff), 1);
+  EXPECT_TRUE(socket_->filters_.empty());
+  // One socket has 512 filters: with more channels all frames come.
+  for (std::uint32_t i = 0; i < 513; ++i)
+    ASSERT_TRUE(layer_->follow(i, endpoint("raw", i, 0xc00007ff), 1, 8));
+  ASSERT_EQ(socket_->filters_.size(), 1U);
+  EXPECT_EQ(socket_->filters_[0].can_mask, 0U);
+  EXPECT_EQ(events({frame(0x1ff, {1}), frame(0x7ff, {1})}).size(), 1U);
+  layer_->leave(512, endpoint("raw", 512, 0xc00007ff), 1);
+  EXPECT_EQ(socket_->filters_.size(), 512U);
+}
+
+TEST_F(CanLayerTest, AnInterfaceThatIsGoneAndAQueueThatIsFullAreSaid) {
+  socket_->gone_ = true;
+  EXPECT_FALSE(layer_->receive(1, [](const auto&) {}));
+  socket_->outcome_ = Sent::dropped;
+  EXPECT_EQ(layer_->send(endpoint("famouso"), 1, counting(20)), Sent::dropped);
+}
+
+}  // namespace
+}  // namespace mlcca::relay
