@@ -34,7 +34,8 @@ constexpr std::array kKinds{
     Named{"lapsed", Meaning::happened, Cause::gates_closed},
     Named{"stopped", Meaning::happened, Cause::gates_closed},
     Named{"mode", Meaning::happened, Cause::mode},
-    Named{"binding", Meaning::none},
+    Named{"binding", Meaning::verdict},
+    Named{"local", Meaning::verdict},
 };
 
 const Named* kind_of(const control::Event& event) {

@@ -59,6 +59,22 @@ const char* name_of(Cause cause) {
   return "other";
 }
 
+const char* name_of(Published published) {
+  switch (published) {
+    case Published::sent:
+      return "sent";
+    case Published::partly:
+      return "sent in part";
+    case Published::lost:
+      return "lost";
+    case Published::not_granted:
+      return "not granted";
+    case Published::too_long:
+      return "too long";
+  }
+  return "unknown";
+}
+
 const char* name_of(State state) {
   switch (state) {
     case State::unannounced:
@@ -111,6 +127,22 @@ void Channel::on_exception(Handler handler) {
   part_->handler = handler ? std::make_shared<const Handler>(std::move(handler)) : nullptr;
 }
 std::shared_ptr<const Answer> Channel::answer() const { return part_->answer; }
+
+Published Channel::send(const void* data, std::size_t size) {
+  const auto connection = part_->connection.lock();
+  if (!connection) return Published::not_granted;
+  return connection->data().publish(*part_, {static_cast<const std::uint8_t*>(data), size});
+}
+
+void Channel::receive(std::function<void(const Event&)> handler) {
+  using Handlers = std::function<void(const Event&)>;
+  part_->on_event = handler ? std::make_shared<const Handlers>(std::move(handler)) : nullptr;
+}
+
+std::uint64_t Channel::losses() const {
+  const auto connection = part_->connection.lock();
+  return connection ? connection->data().lost() : 0;
+}
 
 std::shared_ptr<const Answer> Channel::take_up() {
   if (const auto connection = part_->connection.lock()) connection->take_up(part_);

@@ -152,6 +152,7 @@ void Client::Connection::take_up(const PartOf& part) {
 }
 
 void Client::Connection::ask(const PartOf& part) {
+  if (part->request.role == control::Role::subscriber) part->request.local = data_.address();
   part->asked = ++last_id_;
   part->outdated = part->failed = false;
   asked_.emplace(part->asked, Asked{part});
@@ -294,9 +295,7 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
     part->lost = true;
     return;
   }
-  if (const auto* channels = std::get_if<control::Channels>(&reply.body);
-      channels != nullptr && !channels->channels.empty())
-    part->subject = channels->channels.front().subject;
+  use_endpoints(part, reply);
   // Something has happened since the daemon was asked: only the next answer is sure to know it.
   if (part->outdated) {
     ask(part);
@@ -304,6 +303,16 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
   }
   part->take(std::make_shared<Answer>(std::move(*answer)));
   if (std::exchange(part->lost, false)) part->note(Cause::daemon_back, part->answer->reason);
+}
+
+/// They are those of the answer; without an answer that counts they stay, and the gates judge.
+void Client::Connection::use_endpoints(const PartOf& part, const control::Reply& reply) {
+  const auto* channels = std::get_if<control::Channels>(&reply.body);
+  if (channels != nullptr && !channels->channels.empty())
+    part->subject = channels->channels.front().subject;
+  const auto done =
+      data_.use(part, channels == nullptr ? std::vector<control::Endpoint>{} : channels->endpoints);
+  if (!done) part->note(Cause::other, "its events cannot be carried: " + done.error().text);
 }
 
 void Client::Connection::on_event(const control::Event& event) {
@@ -332,6 +341,7 @@ bool Client::Connection::has_exceptions() {
 }
 
 void Client::Connection::call_handlers() {
+  data_.receive();
   for (const PartOf& part : parts()) {
     // Not those that come while a handler runs: they are for the next turn.
     for (std::size_t left = part->waiting.size() + (part->lagged ? 1 : 0); left != 0; --left) {

@@ -11,6 +11,7 @@
 
 #include "base/handle.hpp"
 #include "base/result.hpp"
+#include "client/data.hpp"
 #include "client/part.hpp"
 #include "control/buffer.hpp"
 #include "control/messages.hpp"
@@ -33,8 +34,9 @@ class Client::Connection {
   void take_up(const PartOf& part);
   /// Receives, sends, connects: what can be done without waiting.
   void turn();
-  /// Calls handlers for what has happened.
+  /// Calls handlers for events, and for what has happened.
   void call_handlers();
+  [[nodiscard]] Data& data() { return data_; }
   /// Waits until turn() has something to do.
   void wait(std::chrono::milliseconds time) const;
 
@@ -67,6 +69,8 @@ class Client::Connection {
   /// Those that still exist.
   std::vector<PartOf> parts();
 
+  void use_endpoints(const PartOf& part, const control::Reply& reply);
+
   Options options_;
   Fd epoll_;
   Fd timer_;    ///< when to connect again
@@ -78,6 +82,7 @@ class Client::Connection {
   std::uint64_t last_id_ = 0;
   std::map<std::uint64_t, Asked> asked_;
   std::vector<std::weak_ptr<Channel::Part>> parts_;
+  Data data_{epoll_};
 };
 
 }  // namespace mlcca::client

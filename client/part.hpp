@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <vector>
 
 #include "control/messages.hpp"
 #include "mlcca/client/client.hpp"
@@ -17,12 +18,14 @@ struct Channel::Part {
   control::AnnounceRequest request;
   std::shared_ptr<const Answer> answer = std::make_shared<Answer>();
   std::shared_ptr<const Handler> handler;
-  std::uint64_t subject = 0;  ///< 0: not known yet
-  std::uint64_t asked = 0;    ///< the request that waits for an answer, 0: none
-  bool outdated = false;      ///< something has changed since it was asked
-  bool failed = false;        ///< the daemon could not answer: it is asked again later
-  bool lost = false;          ///< the daemon went after it was announced
-  bool lagged = false;        ///< exceptions were lost
+  std::shared_ptr<const SubscriberChannel::EventHandler> on_event;
+  std::vector<control::Endpoint> endpoints;  ///< where events go to, or come from
+  std::uint64_t subject = 0;                 ///< 0: not known yet
+  std::uint64_t asked = 0;                   ///< the request that waits for an answer, 0: none
+  bool outdated = false;                     ///< something has changed since it was asked
+  bool failed = false;  ///< the daemon could not answer: it is asked again later
+  bool lost = false;    ///< the daemon went after it was announced
+  bool lagged = false;  ///< exceptions were lost
   std::deque<Exception> waiting;
   std::weak_ptr<Client::Connection> connection;
 

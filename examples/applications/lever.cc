@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The lever of an emergency stop: a program on the gateway that announces the channel "stop" and
-// prints what is decided for it, and what becomes of that.
+// The lever of an emergency stop: a program on the gateway that publishes the heart-beat "stop"
+// every 50 ms, as long as the lever is not pulled, and prints what is decided for it.
 //   g++ -std=c++17 lever.cc $(pkg-config --cflags --libs mlcca) -o lever
 #include <chrono>
 #include <cstdint>
@@ -22,20 +22,20 @@ struct StopSpec {
   static constexpr std::uint64_t subject = 0x73746f7000000000;
   using attributes = mlcca::AttributeList<mlcca::Period<50_ms>, mlcca::Omission<2>>;
 };
+constexpr std::chrono::milliseconds kPeriod(50);
 
 void print(const std::string& what, const std::shared_ptr<const Answer>& answer) {
   std::cout << what << ": " << mlcca::client::name_of(answer->state) << ", " << answer->reason
             << std::endl;
-  for (const auto& delivery : answer->deliveries)
-    for (const auto& check : delivery.checks)
-      if (!check.fits)
-        std::cout << "  " << check.attribute << " at " << check.where << ": " << check.margin
-                  << std::endl;
 }
+
+// Of the machine that this is to run on.
+bool is_pulled() { return false; }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  using Clock = std::chrono::steady_clock;
   mlcca::client::Options options;
   if (argc > 1) options.socket = argv[1];
   mlcca::client::Client client(options);
@@ -44,5 +44,10 @@ int main(int argc, char** argv) {
     print(mlcca::client::name_of(exception.cause), exception.answer);
   });
   print("announced", stop.announce());
-  for (;;) client.wait(std::chrono::hours(1));
+  for (auto next = Clock::now();; next += kPeriod) {
+    // What is not granted is not sent: the machine stands still, and the exception says why.
+    if (!is_pulled()) stop.publish("go");
+    for (auto now = Clock::now(); now < next + kPeriod; now = Clock::now())
+      client.wait(std::chrono::ceil<std::chrono::milliseconds>(next + kPeriod - now));
+  }
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-$(eval $(call unit_test,client_test,tests/client/client_test.cc tests/client/exceptions_test.cc tests/control/server.cc,$O/libclient.a $O/libcontrol.a,-lfmt))
+$(eval $(call unit_test,client_test,tests/client/client_test.cc tests/client/exceptions_test.cc tests/control/server.cc,$O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt))
 
 # Installed as a package would, and used by a program that knows nothing of this tree.
 check-client: $O/mlccad $O/mlccactl $(CLIENT_LIBRARY) ## libmlcca, installed, against a real mlccad: root
@@ -11,3 +11,4 @@ check-client: $O/mlccad $O/mlccactl $(CLIENT_LIBRARY) ## libmlcca, installed, ag
 	$(Q)tail -n 3 $O/python_test.log | head -n 1
 	$(Q)tests/client/run $O $O/client-installed
 .PHONY: check-client
+$(eval $(call program,tests/speak,tests/client/speak.cc,$O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt))

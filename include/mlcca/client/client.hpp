@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The application's side of a gateway: a program takes up the publishers and subscribers that the
-// description has for it, learns what was decided for them and why, and gets an exception when that
-// changes. C++17 with the standard library. Link with -lmlcca (pkg-config mlcca).
+// description has for it, learns what was decided for them and why, publishes and receives events,
+// and gets an exception when what was decided changes. C++17 with the standard library. Link with
+// -lmlcca (pkg-config mlcca).
 //
 // A Client and its channels belong to one thread. Put Client::fd() into your poll, epoll, sd-event
-// or asio loop and call process() when it can be read, or call wait() in a loop of your own.
-// Events are sent and received by sockets of your own: this library carries none yet. After fork()
-// only one of both processes may go on using it. Before version 1.0 each minor version has an ABI
-// of its own, and the name of the library says which.
+// or asio loop and call process() when it can be read, or call wait() in a loop of your own. Events
+// go by sockets of this process and not by the daemon: the gate sees which user sends them. After
+// fork() only one of both processes may go on using it. Before version 1.0 each minor version has
+// an ABI of its own, and the name of the library says which.
 #pragma once
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -98,6 +100,25 @@ struct Exception {
   std::shared_ptr<const Answer> answer;  ///< what is decided now
 };
 
+/// An event that has come.
+struct Event {
+  const std::uint8_t* data = nullptr;  ///< valid as long as the handler runs
+  std::size_t size = 0;                ///< bytes, 0 to 65,535
+  const char* network = "";            ///< that it came from; empty: from a program on the gateway
+  /// When the kernel received it, or, of a program on the gateway, when it was read.
+  std::chrono::system_clock::time_point received;
+};
+
+/// What became of an event that was published.
+enum class Published : std::uint8_t {
+  sent,         ///< to every place that it is granted for
+  partly,       ///< to some of them; the others have a full queue, or their gate drops it
+  lost,         ///< to none of them
+  not_granted,  ///< nothing is granted, or nothing is known yet, so that it was not sent
+  too_long,     ///< longer than a network carries
+};
+MLCCA_API const char* name_of(Published published);
+
 struct Options {
   std::string socket = "/run/mlcca/control.sock";
   /// How long announce() and subscribe() wait for an answer; less than 0: without end.
@@ -134,6 +155,7 @@ class MLCCA_API Client {
  private:
   friend class Channel;
   class __attribute__((visibility("hidden"))) Connection;
+  class __attribute__((visibility("hidden"))) Data;
   std::shared_ptr<Connection> connection_;
 };
 
@@ -160,6 +182,9 @@ class MLCCA_API Channel {
           std::string name);
   ~Channel();
   std::shared_ptr<const Answer> take_up();
+  Published send(const void* data, std::size_t size);
+  void receive(std::function<void(const Event&)> handler);
+  [[nodiscard]] std::uint64_t losses() const;
 
  private:
   friend class Client;
@@ -180,6 +205,12 @@ class MLCCA_API PublisherChannel : public Channel {
   /// Takes the publisher up and waits for the answer, at most Options::patience. Whatever it is,
   /// the channel is announced again by itself whenever a daemon is there, until it is destroyed.
   std::shared_ptr<const Answer> announce() { return take_up(); }
+
+  /// Sends an event to every network that the channel is granted for, and to subscribers on this
+  /// gateway. Never waits. While the daemon is gone it goes on where it was granted, until the gate
+  /// closes after the grace period.
+  Published publish(const void* data, std::size_t size) { return send(data, size); }
+  Published publish(const std::string& text) { return send(text.data(), text.size()); }
 };
 
 class MLCCA_API SubscriberChannel : public Channel {
@@ -191,6 +222,14 @@ class MLCCA_API SubscriberChannel : public Channel {
 
   /// As PublisherChannel::announce().
   std::shared_ptr<const Answer> subscribe() { return take_up(); }
+
+  using EventHandler = std::function<void(const Event&)>;
+  /// Called by Client::process() for each event, in the order in which they came from a network.
+  /// The channel may be destroyed in it.
+  void on_event(EventHandler handler) { receive(std::move(handler)); }
+  /// Frames and events that came and were not whole, malformed, or lost in the socket of this
+  /// process since it subscribed.
+  [[nodiscard]] std::uint64_t lost() const { return losses(); }
 };
 
 }  // namespace mlcca::client

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "client/data.hpp"
+
+#include <sys/epoll.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <iterator>
+
+#include "base/clock.hpp"
+
+namespace mlcca::client {
+namespace {
+
+using relay::Sent;
+
+/// Of each socket in one call of process(): what is left keeps the descriptor readable.
+constexpr std::size_t kMostEvents = 64;
+
+std::chrono::system_clock::time_point time_of(std::uint64_t unix_ns) {
+  using Time = std::chrono::system_clock::time_point;
+  return Time(std::chrono::duration_cast<Time::duration>(std::chrono::nanoseconds(unix_ns)));
+}
+
+/// Of pointers of either kind.
+bool is_same(const auto& a, const auto& b) {
+  return !a.owner_before(b) && !b.owner_before(a);
+}
+
+}  // namespace
+
+// --- sockets -------------------------------------------------------------------------------------
+
+bool Client::Data::watch(int fd) const {
+  epoll_event event{.events = EPOLLIN, .data = {.fd = fd}};
+  return ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event) == 0;
+}
+
+std::string Client::Data::address() {
+  if (!local_) {
+    auto socket = LocalSocket::open();
+    if (!socket || !watch(socket->fd())) return {};
+    local_ = std::move(*socket);
+  }
+  return local_->address();
+}
+
+Result<relay::Layer*> Client::Data::layer_of(const control::Endpoint& endpoint) {
+  const auto known = layers_.find(endpoint.ifindex);
+  if (known != layers_.end()) return known->second.get();
+  auto layer = relay::open_layer(endpoint);
+  if (!layer) return std::unexpected(layer.error());
+  if (!watch((*layer)->fd()))
+    return fail(std::string("epoll: ") + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
+  return layers_.emplace(endpoint.ifindex, std::move(*layer)).first->second.get();
+}
+
+// --- who sends and receives where ----------------------------------------------------------------
+
+void Client::Data::leave(const std::weak_ptr<Channel::Part>& part) {
+  std::erase_if(following_, [&](const auto& one) {
+    const auto& [follower, following] = one;
+    if (!is_same(following.part, part)) return false;
+    if (const auto layer = layers_.find(following.endpoint.ifindex); layer != layers_.end())
+      layer->second->leave(follower, following.endpoint, following.subject);
+    return true;
+  });
+}
+
+void Client::Data::leave_expired() {
+  for (auto it = following_.begin(); it != following_.end();) {
+    const auto part = it->second.part;
+    ++it;
+    if (!part.expired()) continue;
+    leave(part);
+    it = following_.begin();
+  }
+}
+
+/// The interface is gone. Who followed it does so again when the daemon says that it is there.
+void Client::Data::close(std::uint32_t ifindex) {
+  layers_.erase(ifindex);
+  std::erase_if(following_, [&](const auto& one) {
+    if (one.second.endpoint.ifindex != ifindex) return false;
+    if (const auto part = one.second.part.lock()) part->endpoints.clear();
+    return true;
+  });
+}
+
+Result<void> Client::Data::use(const PartOf& part, std::vector<control::Endpoint> endpoints) {
+  leave_expired();
+  const bool publishes = part->request.role == control::Role::publisher;
+  Result<void> done;
+  if (!publishes && endpoints == part->endpoints) return done;
+  leave(part);
+  std::erase_if(locals_,
+                [&](const auto& other) { return other.expired() || is_same(other, part); });
+  for (const control::Endpoint& endpoint : endpoints) {
+    if (endpoint.user) locals_.push_back(part);
+    if (endpoint.user || !endpoint.local.empty()) continue;
+    // Of a publisher as well: the first event must not wait until its socket is there.
+    const auto layer = layer_of(endpoint);
+    Result<void> followed;
+    if (!layer) followed = std::unexpected(layer.error());
+    if (layer && !publishes) {
+      followed = (*layer)->follow(++last_, endpoint, part->subject, LocalSocket::kMostBytes);
+      if (followed) following_.emplace(last_, Following{part, endpoint, part->subject});
+    }
+    if (!followed) done = fail(endpoint.network + ": " + followed.error().text);
+  }
+  part->endpoints = std::move(endpoints);
+  return done;
+}
+
+// --- events --------------------------------------------------------------------------------------
+
+Published Client::Data::publish(const Channel::Part& part, Octets event) {
+  if (event.size() > LocalSocket::kMostBytes) return Published::too_long;
+  if (part.endpoints.empty()) return Published::not_granted;
+  std::size_t sent = 0;
+  bool too_long = false;
+  for (const control::Endpoint& endpoint : part.endpoints) {
+    if (!endpoint.local.empty()) {
+      if (!address().empty() && local_->send(endpoint.local, part.subject, event)) ++sent;
+      continue;
+    }
+    const auto layer = layer_of(endpoint);
+    const Sent how = layer ? (*layer)->send(endpoint, part.subject, event) : Sent::failed;
+    too_long = too_long || how == Sent::too_long;
+    if (how == Sent::sent) ++sent;
+    // Its interface has gone; it may be there again with the same number.
+    if (how == Sent::failed) close(endpoint.ifindex);
+  }
+  if (sent == part.endpoints.size()) return Published::sent;
+  if (sent != 0) return Published::partly;
+  return too_long ? Published::too_long : Published::lost;
+}
+
+void Client::Data::take_local(std::uint64_t subject, uid_t from, Octets event) {
+  for (const auto& weak : locals_) {
+    const auto part = weak.lock();
+    if (!part || part->subject != subject) continue;
+    if (std::ranges::any_of(part->endpoints, [&](const auto& e) { return e.user == from; }))
+      arrived_.push_back({weak, {}, {event.begin(), event.end()}, unix_ns()});
+  }
+}
+
+void Client::Data::take(const relay::Layer::Arrival& arrival) {
+  const auto known = following_.find(arrival.follower);
+  if (known == following_.end()) return;
+  const auto& [part, endpoint, subject] = known->second;
+  arrived_.push_back({part,
+                      endpoint.network,
+                      {arrival.event.begin(), arrival.event.end()},
+                      arrival.unix_ns == 0 ? unix_ns() : arrival.unix_ns});
+}
+
+void Client::Data::receive() {
+  if (arrived_.empty()) {
+    if (local_)
+      local_->receive(kMostEvents, [this](std::uint64_t subject, uid_t from, Octets event) {
+        take_local(subject, from, event);
+      });
+    std::vector<std::uint32_t> gone;
+    for (const auto& [ifindex, layer] : layers_)
+      if (!layer->receive(kMostEvents, [this](const auto& arrival) { take(arrival); }))
+        gone.push_back(ifindex);
+    for (const std::uint32_t ifindex : gone) close(ifindex);
+  }
+  call_handlers();
+}
+
+/// Where a handler throws, those behind it are for the next call.
+void Client::Data::call_handlers() {
+  std::vector<Arrived> all = std::exchange(arrived_, {});
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto part = all[i].part.lock();
+    const auto handler = part ? part->on_event : nullptr;  // which it may replace
+    if (!handler) continue;
+    Event event;
+    event.data = all[i].octets.data();
+    event.size = all[i].octets.size();
+    event.network = all[i].network.c_str();
+    event.received = time_of(all[i].unix_ns);
+    try {
+      (*handler)(event);
+    } catch (...) {
+      arrived_.assign(std::move_iterator(all.begin() + static_cast<std::ptrdiff_t>(i) + 1),
+                      std::move_iterator(all.end()));
+      throw;
+    }
+  }
+}
+
+std::uint64_t Client::Data::lost() const {
+  std::uint64_t all = 0;
+  for (const auto& [ifindex, layer] : layers_) all += layer->losses().all();
+  return all;
+}
+
+}  // namespace mlcca::client

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The events of a program's channels: sockets of its own on each interface that they are granted
+// for, and one for other programs on the gateway. They are opened when they are needed.
+#pragma once
+#include <sys/types.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/handle.hpp"
+#include "client/local_socket.hpp"
+#include "client/part.hpp"
+#include "mlcca/client/client.hpp"
+#include "relay/layers/layer.hpp"
+
+namespace mlcca::client {
+
+class Client::Data {
+ public:
+  using PartOf = std::shared_ptr<Channel::Part>;
+  using Octets = std::span<const std::uint8_t>;
+
+  /// The sockets are added to `epoll`, which must outlive this.
+  explicit Data(const Fd& epoll) : epoll_(epoll) {}
+
+  /// Where programs on the gateway send events that this one subscribes; empty: there are no
+  /// descriptors left.
+  [[nodiscard]] std::string address();
+  /// It sends and receives by these from now on. Error: one cannot be used, and why.
+  [[nodiscard]] Result<void> use(const PartOf& part, std::vector<control::Endpoint> endpoints);
+  [[nodiscard]] Published publish(const Channel::Part& part, Octets event);
+  /// Calls the handlers of what has come, up to a number of events.
+  void receive();
+  /// Of all interfaces.
+  [[nodiscard]] std::uint64_t lost() const;
+
+ private:
+  using Follower = relay::Layer::Follower;
+  /// A subscriber and one of its endpoints.
+  struct Following {
+    std::weak_ptr<Channel::Part> part;
+    control::Endpoint endpoint;
+    std::uint64_t subject = 0;
+  };
+
+  /// An event that waits for its handler, which may do with channels what it likes.
+  struct Arrived {
+    std::weak_ptr<Channel::Part> part;
+    std::string network;
+    std::vector<std::uint8_t> octets;
+    std::uint64_t unix_ns = 0;
+  };
+
+  [[nodiscard]] bool watch(int fd) const;
+  Result<relay::Layer*> layer_of(const control::Endpoint& endpoint);
+  void leave(const std::weak_ptr<Channel::Part>& part);
+  void leave_expired();
+  void close(std::uint32_t ifindex);
+  void take_local(std::uint64_t subject, uid_t from, Octets event);
+  void take(const relay::Layer::Arrival& arrival);
+  void call_handlers();
+
+  const Fd& epoll_;
+  std::optional<LocalSocket> local_;
+  std::map<std::uint32_t, std::unique_ptr<relay::Layer>> layers_;  ///< by interface
+  std::map<Follower, Following> following_;
+  Follower last_ = 0;
+  std::vector<std::weak_ptr<Channel::Part>> locals_;  ///< that receive from programs on the gateway
+  std::vector<Arrived> arrived_;
+};
+
+}  // namespace mlcca::client
