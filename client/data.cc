@@ -25,9 +25,7 @@ std::chrono::system_clock::time_point time_of(std::uint64_t unix_ns) {
 }
 
 /// Of pointers of either kind.
-bool is_same(const auto& a, const auto& b) {
-  return !a.owner_before(b) && !b.owner_before(a);
-}
+bool is_same(const auto& a, const auto& b) { return !a.owner_before(b) && !b.owner_before(a); }
 
 }  // namespace
 

@@ -115,18 +115,11 @@ class Planner {
     for (const Verdict* v : verdicts)
       for (const auto& crossing : crossings(*v))
         if (!crossing.as_sent) resent_.insert(crossing.in);
-    const Publisher& p = members_.publisher(publisher);
     for (const Verdict* v : verdicts) {
       if (!v->granted) continue;
       set_ = v->set;
-      for (const auto& [in, out, as_sent] : crossings(*v)) {
-        Passage passage{.publisher = publisher, .set = set_};
-        if (in != kLocal) passage.in = entry(p, in, Direction::ingress, kLocal);
-        if (out != kLocal) passage.out = entry(p, out, Direction::egress, in);
-        if ((in != kLocal && !passage.in) || (out != kLocal && !passage.out)) continue;
-        passage.by_kernel = in != kLocal && out != kLocal && is_joined_by_kernel(in, out);
-        to.push_back(passage);
-      }
+      for (const Crossing& crossing : crossings(*v))
+        if (auto found = passage(publisher, crossing)) to.push_back(*std::move(found));
     }
   }
 
@@ -144,6 +137,18 @@ class Planner {
     std::size_t out;
     bool as_sent;  ///< no bus was on the way: the frames are those of the publisher
   };
+
+  /// Nothing: an end of it is at a network that no gate can judge.
+  [[nodiscard]] std::optional<Passage> passage(std::size_t publisher, const Crossing& c) const {
+    const Publisher& p = members_.publisher(publisher);
+    Passage out{.publisher = publisher, .set = set_};
+    if (c.in != kLocal) out.in = entry(p, c.in, Direction::ingress, kLocal);
+    if (c.out != kLocal) out.out = entry(p, c.out, Direction::egress, c.in);
+    if (out.in.has_value() != (c.in != kLocal) || out.out.has_value() != (c.out != kLocal))
+      return std::nullopt;
+    out.by_kernel = c.in != kLocal && c.out != kLocal && is_joined_by_kernel(c.in, c.out);
+    return out;
+  }
 
   [[nodiscard]] std::size_t port_on(std::size_t network) const {
     const auto& ports = system_.gateways[here_.index].ports;
@@ -409,10 +414,13 @@ std::vector<Passage> passages(const System& system, const Members& members, std:
 std::vector<Transit> transits(const System& system, const Members& members, std::size_t channel,
                               const std::vector<Verdict>& verdicts, std::size_t gateway) {
   std::vector<Transit> found;
-  const auto is_bus = [&](const GateEntry& entry) {
-    const Port& port = system.gateways[gateway].ports[entry.port];
+  const auto is_can = [&](const Port& port) {
     return system.networks[port.network].kind == NetworkKind::can;
   };
+  const auto is_bus = [&](const GateEntry& entry) {
+    return is_can(system.gateways[gateway].ports[entry.port]);
+  };
+  if (std::ranges::count_if(system.gateways[gateway].ports, is_can) < 2) return found;
   for (const Passage& p : passages(system, members, channel, verdicts, gateway))
     if (p.by_kernel && is_bus(*p.in)) found.push_back({*p.in, *p.out});
   std::ranges::sort(found);

@@ -104,12 +104,13 @@ std::optional<StartError> Controller::read_what_was() {
   reloads_.note_loaded();
   if (const auto& cut = recorder_.recovered()) outside_.log.notice(Kind::trouble, *cut);
   admissions_.remember();
-  context_.emplace(
-      Context{options_,     outside_.clock, outside_.gates, outside_.control, scene_,
-              outside_.log, deliveries_,    turn_,          recorder_,        admissions_,
-              tags_,        gate_events_,   drops_,         delivery_health_, health_,
-              channels_,    endpoints_,     local_ends_,    forwarding_,      meshes_,
-              reloads_,     aside_,         patience_,      *history_,        started_});
+  context_.emplace(Context{options_,   outside_.clock,   outside_.gates, outside_.control,
+                           scene_,     outside_.log,     deliveries_,    turn_,
+                           recorder_,  admissions_,      tags_,          gate_events_,
+                           drops_,     delivery_health_, health_,        channels_,
+                           endpoints_, carriers_,        local_ends_,    forwarding_,
+                           meshes_,    reloads_,         aside_,         patience_,
+                           *history_,  started_});
   return std::nullopt;
 }
 

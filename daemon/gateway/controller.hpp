@@ -19,6 +19,7 @@
 #include "daemon/gateway/aside.hpp"
 #include "daemon/gateway/bus_monitor.hpp"
 #include "daemon/gateway/can_forwarding.hpp"
+#include "daemon/gateway/carriers.hpp"
 #include "daemon/gateway/channel_reports.hpp"
 #include "daemon/gateway/delivery_events.hpp"
 #include "daemon/gateway/delivery_health.hpp"
@@ -105,6 +106,7 @@ class Controller {
   void session_closed(std::uint64_t session) {
     admissions_.session_closed(session);
     local_ends_.session_closed(session);
+    carriers_.session_closed(session);
   }
 
   // Time passes.
@@ -169,7 +171,8 @@ class Controller {
   TagBindings tags_{scene_, outside_.gates, outside_.log, turn_, recorder_, outside_.clock};
   BusMonitor buses_{scene_, outside_.gates, outside_.log, turn_, outside_.clock};
   DropReports drops_{scene_, outside_.gates, outside_.log, deliveries_, outside_.clock, pulse_};
-  DeliveryHealth delivery_health_{scene_, outside_.gates, drops_, forwarding_};
+  Carriers carriers_;
+  DeliveryHealth delivery_health_{scene_, outside_.gates, drops_, forwarding_, carriers_};
   GateEvents gate_events_{
       {scene_, outside_.gates, outside_.links, outside_.log, deliveries_, delivery_health_, tags_}};
   Admissions admissions_{scene_, recorder_, outside_.log,  deliveries_,

@@ -39,6 +39,9 @@ std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
   Observed seen;
   seen.watch = std::move(watch);
   if (const std::string* why = forwarding_.obstacle(v.channel)) seen.not_forwarded = *why;
+  if (lacks_relay(v, rules))
+    seen.not_forwarded =
+        "mlcca-relay, which is to carry it, is not connected: start mlcca-relay.service";
   const core::GateRule* const in = way_in(rules);
   for (const core::GateRule& rule : rules) {
     if (!gates_.is_gated(rule.entry.port)) continue;
@@ -61,6 +64,18 @@ std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
     if (seen.unknown != 0) seen.latest_unknown = gates_.latest_unknown(port);
   }
   return troubles(seen);
+}
+
+/// It crosses this gateway by the relay, which has not asked what to carry.
+bool DeliveryHealth::lacks_relay(const core::Verdict& v, const core::GateState& rules) const {
+  const core::Gateway& here = scene_.state->system().gateways[scene_.self];
+  if (!here.relay || carriers_.has(*here.relay) ||
+      (!v.route.empty() && v.route.front().kind == core::Place::Kind::gateway))
+    return false;
+  return std::ranges::any_of(rules, [&](const core::GateRule& rule) {
+    return rule.entry.direction == core::Direction::egress && !rule.entry.source_port &&
+           rule.entry.uid == *here.relay && !here.ports[rule.entry.port].sender;
+  });
 }
 
 const core::GateRule* DeliveryHealth::way_in(const core::GateState& rules) {

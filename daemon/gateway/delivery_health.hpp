@@ -13,6 +13,7 @@
 #include "control/messages.hpp"
 #include "core/admission/state.hpp"
 #include "daemon/gateway/can_forwarding.hpp"
+#include "daemon/gateway/carriers.hpp"
 #include "daemon/gateway/drop_reports.hpp"
 #include "daemon/gateway/health.hpp"
 #include "daemon/gateway/scene.hpp"
@@ -24,8 +25,8 @@ class DeliveryHealth {
  public:
   /// All of them must outlive this.
   DeliveryHealth(const Scene& scene, const GateDriver& gates, const DropReports& drops,
-                 const CanForwarding& forwarding)
-      : scene_(scene), gates_(gates), drops_(drops), forwarding_(forwarding) {}
+                 const CanForwarding& forwarding, const Carriers& carriers)
+      : scene_(scene), gates_(gates), drops_(drops), forwarding_(forwarding), carriers_(carriers) {}
 
   /// Entries by which events of several publishers of a channel come or leave, sorted.
   [[nodiscard]] std::vector<core::GateEntry> shared_entries_of(std::size_t channel) const;
@@ -59,6 +60,7 @@ class DeliveryHealth {
   using Passed = std::map<core::GateEntry, std::uint64_t>;
   /// By where the events come in and where they leave.
   using Leaving = std::map<std::pair<core::GateEntry, core::GateEntry>, LatestLeft>;
+  [[nodiscard]] bool lacks_relay(const core::Verdict& v, const core::GateState& rules) const;
   [[nodiscard]] std::uint64_t passed_before(std::size_t channel,
                                             const core::GateEntry& entry) const;
 
@@ -73,6 +75,7 @@ class DeliveryHealth {
   const GateDriver& gates_;
   const DropReports& drops_;
   const CanForwarding& forwarding_;
+  const Carriers& carriers_;
   std::map<std::size_t, Passed> passed_before_;  ///< by channel, see restart()
   std::map<std::size_t, Leaving> leaving_;       ///< by channel
   std::set<std::size_t> troubled_;  ///< channels; each is examined again when it is reported

@@ -140,8 +140,7 @@ void Endpoints::add_transfers(std::size_t channel, std::optional<std::uint32_t> 
          .event_bytes = bytes,
          .period_ns = core::attributes_in(publisher, passage.set)[Attribute::period],
          .user = passage.out->uid,
-         .latency_ns =
-             state.system().gateways[scene_.self].provision[Attribute::latency]});
+         .latency_ns = state.system().gateways[scene_.self].provision[Attribute::latency]});
   }
 }
 

@@ -19,13 +19,13 @@ namespace {
 
 constexpr unsigned kOctet = 8;
 constexpr std::uint32_t kOctetMask = 0xff;
-constexpr std::size_t kSubject = 8;
+constexpr std::size_t kSubjectOctets = 8;
 constexpr std::size_t kMostDatagram = kDatagramHeader + afp::kUdp.payload;
 /// `net.ipv4.igmp_max_memberships` is not less unless somebody makes it so; then joining says it.
 constexpr std::size_t kMostGroups = 20;
 
 std::uint64_t octet_of(std::uint64_t subject, unsigned number) {
-  return subject >> kOctet * (kSubject - 1 - number) & kOctetMask;
+  return subject >> kOctet * (kSubjectOctets - 1 - number) & kOctetMask;
 }
 
 std::uint64_t random_number() {
@@ -82,18 +82,18 @@ std::uint32_t group_of(std::uint64_t subject) {
 }
 
 std::optional<Datagram> parse_datagram(Octets octets) {
-  if (octets.size() < kDatagramHeader || octets[kSubject] > 1) return std::nullopt;
+  if (octets.size() < kDatagramHeader || octets[kSubjectOctets] > 1) return std::nullopt;
   Datagram out;
-  for (const std::uint8_t octet : octets.first(kSubject))
+  for (const std::uint8_t octet : octets.first(kSubjectOctets))
     out.subject = out.subject << kOctet | octet;
-  out.is_fragment = octets[kSubject] == 1;
+  out.is_fragment = octets[kSubjectOctets] == 1;
   out.data = octets.subspan(kDatagramHeader);
   return out;
 }
 
 std::array<std::uint8_t, kDatagramHeader> datagram_header(std::uint64_t subject, bool is_fragment) {
   std::array<std::uint8_t, kDatagramHeader> out{};
-  for (unsigned i = 0; i < kSubject; ++i)
+  for (unsigned i = 0; i < kSubjectOctets; ++i)
     out.at(i) = static_cast<std::uint8_t>(octet_of(subject, i));
   out.back() = is_fragment ? 1 : 0;
   return out;

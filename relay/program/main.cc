@@ -35,7 +35,7 @@ constexpr int kRound = 1000;                       // ms: what is due without an
 
 void say(const std::string& text) { write_at_once(STDERR_FILENO, text + '\n'); }
 
-std::string milliseconds(std::uint64_t ns) {
+std::string microseconds_in(std::uint64_t ns) {
   constexpr std::uint64_t in_a_micro = 1000;
   return std::to_string(ns / in_a_micro) + " us";
 }
@@ -116,7 +116,7 @@ void Program::say_all() const {
     say(transfer.channel + " of " + transfer.publisher + ": " + transfer.from.interface + " to " +
         transfer.to.interface + ": " + std::to_string(carried.events) + " events, " +
         std::to_string(carried.dropped) + " dropped, " + std::to_string(carried.late) +
-        " late, longest " + milliseconds(carried.longest_ns));
+        " late, longest " + microseconds_in(carried.longest_ns));
   });
   const Losses lost = carrier_.losses();
   say("not received: " + std::to_string(lost.malformed) + " malformed, " +
@@ -140,7 +140,7 @@ void Program::report(std::uint64_t now) {
   const std::uint64_t lost = carrier_.losses().all();
   if (dropped + late + lost > reported_)
     say(std::to_string(dropped) + " events were not taken by a network, " + std::to_string(late) +
-        " were late (longest " + milliseconds(longest) + "), " + std::to_string(lost) +
+        " were late (longest " + microseconds_in(longest) + "), " + std::to_string(lost) +
         " were not received whole; SIGUSR1 lists them");
   reported_ = dropped + late + lost;
 }

@@ -62,3 +62,10 @@ run-bench: all $(BENCHES)
 
 $(eval $(call program,bench/start_bench,tests/bench/start_bench.cc tests/daemon/start/daemon.cc tests/daemon/gates/sandbox.cc,$O/libenforce.a,-lbpf -lfmt))
 BENCHES += $O/bench/start_bench
+
+# Events through mlcca-relay and between programs, each with a peer.
+$(eval $(call program,bench/probe,tests/bench/relay/probe.cc,$O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt -lpthread))
+BENCHES += $O/bench/probe
+run-bench-relay: all $O/bench/probe
+	$(Q)tests/bench/relay/run $O
+.PHONY: run-bench-relay

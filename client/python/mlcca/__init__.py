@@ -8,7 +8,8 @@
         while True:
             client.wait()
 
-mlcca.aio has the same for asyncio. Events are sent and received by sockets of your own: none is carried here yet.
+mlcca.aio has the same for asyncio. Events are sent and received by sockets of your own: libmlcca carries them, this
+package does not yet.
 """
 from mlcca.client import SOCKET, Channel, Client
 from mlcca.types import Answer, Cause, ChannelException, Check, Delivery, State

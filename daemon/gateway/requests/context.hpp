@@ -19,6 +19,7 @@ namespace mlcca {
 struct Options;
 class Admissions;
 class CanForwarding;
+class Carriers;
 class ChannelReports;
 class DeliveryEvents;
 class DeliveryHealth;
@@ -59,6 +60,7 @@ struct Context {
   HealthReport& health;
   ChannelReports& channels;
   Endpoints& endpoints;
+  Carriers& carriers;
   LocalEnds& local_ends;
   CanForwarding& forwarding;
   Meshes& meshes;

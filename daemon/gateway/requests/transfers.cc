@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What programs carry from one network of the gateway to another.
+#include "daemon/gateway/carriers.hpp"
 #include "daemon/gateway/channel_reports.hpp"
 #include "daemon/gateway/endpoints.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
@@ -7,6 +8,8 @@
 namespace mlcca::requests {
 
 Response transfers(Context& context, const Asker& asker, const control::TransfersRequest& request) {
+  // Who asks for its own carries it; from now on, until its connection ends.
+  if (request.user == asker.peer.uid) context.carriers.add(asker.peer.session, asker.peer.uid);
   if (request.channel.empty())
     return made_in_slices(context, 0,
                           [&context, user = request.user, at = std::size_t{0}]() mutable {

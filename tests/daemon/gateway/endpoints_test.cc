@@ -161,6 +161,25 @@ TEST_F(Endpoints, ATransferSaysWhereItComesFromAndGoesTo) {
   EXPECT_TRUE(transfers({"", {}}).empty());
 }
 
+TEST_F(Endpoints, ADeliveryThatTheRelayDoesNotCarryIsInTrouble) {
+  core::System system = small_system();
+  system.publishers[0].place = kEthernet;
+  start(std::move(system));
+  const auto troubles = [this] {
+    const auto answer = bench_->ask(control::ExplainRequest{"c0"});
+    return std::get<control::Channels>(answer.reply.body).channels.at(0).troubles;
+  };
+  const std::vector<std::string> missing{
+      "mlcca-relay, which is to carry it, is not connected: start mlcca-relay.service"};
+  EXPECT_EQ(troubles(), missing);
+  bench_->ask(control::TransfersRequest{"", 990}, {.pid = 7, .uid = kUser, .session = 5});
+  EXPECT_EQ(troubles(), missing) << "anybody may ask";
+  bench_->ask(control::TransfersRequest{"", 990}, {.pid = 7, .uid = 990, .session = 6});
+  EXPECT_TRUE(troubles().empty());
+  bench_->daemon().session_closed(6);
+  EXPECT_EQ(troubles(), missing);
+}
+
 TEST_F(Endpoints, WhatTheKernelCarriesIsNoTransfer) {
   start(small_system());
   ASSERT_TRUE(bench_->state().decisions()[0].verdicts.at(0).granted);

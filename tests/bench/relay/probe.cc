@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Times of events through a relay, and between programs on one gateway, with a peer of each that
+// does nothing but the system calls.
+//   probe delay SEND-ADDRESS RECEIVE-ADDRESS OUT-NAMESPACE COUNT   one way, through whoever carries
+//   it probe forward FROM-INTERFACE TO-INTERFACE                      the peer: recv and sendto,
+//   until it is killed probe local SOCKET COUNT                                       publish() to
+//   a handler, and its peer
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <net/if.h>
+#include <poll.h>
+#include <sched.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/handle.hpp"
+#include "base/unix_address.hpp"
+#include "mlcca/client/client.hpp"
+
+namespace {
+
+using namespace mlcca;  // NOLINT(google-build-using-namespace): a bench
+
+constexpr std::uint16_t kPort = 9999;
+constexpr const char* kGroup = "239.66.0.1";  // of the subject "B"
+constexpr std::size_t kHeader = 9;
+
+[[noreturn]] void give_up(const char* what) {
+  std::perror(what);
+  std::exit(1);
+}
+
+struct Stamp {
+  std::uint64_t number = 0;
+  std::uint64_t ns = 0;
+};
+
+const sockaddr* generic_of(const sockaddr_in& address) {
+  return reinterpret_cast<const sockaddr*>(&address);  // NOLINT(*-reinterpret-cast)
+}
+
+Fd udp_socket(const std::string& own, const std::string& interface) {
+  Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  const int on = 1;
+  const int off = 0;
+  ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  if (!interface.empty())
+    ::setsockopt(socket.get(), SOL_SOCKET, SO_BINDTODEVICE, interface.c_str(),
+                 static_cast<socklen_t>(interface.size() + 1));
+  ip_mreqn request{};
+  ::inet_pton(AF_INET, kGroup, &request.imr_multiaddr);
+  if (!own.empty()) ::inet_pton(AF_INET, own.c_str(), &request.imr_address);
+  if (!interface.empty())
+    request.imr_ifindex = static_cast<int>(::if_nametoindex(interface.c_str()));
+  if (::setsockopt(socket.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) != 0)
+    give_up("membership");
+  ::setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_IF, &request, sizeof request);
+  ::setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_LOOP, &off, sizeof off);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(kPort);
+  if (::bind(socket.get(), generic_of(address), sizeof address) != 0) give_up("bind");
+  return socket;
+}
+
+sockaddr_in group() {
+  sockaddr_in out{};
+  out.sin_family = AF_INET;
+  out.sin_port = htons(kPort);
+  ::inet_pton(AF_INET, kGroup, &out.sin_addr);
+  return out;
+}
+
+void print(const char* what, std::vector<std::uint64_t>& ns, std::size_t sent) {
+  std::sort(ns.begin(), ns.end());
+  if (ns.empty()) give_up("nothing came");
+  std::printf("%s %zu of %zu, p50 %.1f us, p99 %.1f us, worst %.1f us\n", what, ns.size(), sent,
+              static_cast<double>(ns[ns.size() / 2]) / 1e3,
+              static_cast<double>(ns[ns.size() * 99 / 100]) / 1e3,
+              static_cast<double>(ns.back()) / 1e3);
+}
+
+int delay(char** argv) {
+  const std::size_t count = std::strtoul(argv[3], nullptr, 10);
+  const Fd out = udp_socket(argv[0], "");
+  const Fd other(::open(argv[2], O_RDONLY | O_CLOEXEC));
+  if (::setns(other.get(), CLONE_NEWNET) != 0) give_up("setns");
+  const Fd in = udp_socket(argv[1], "");
+  timeval patience{.tv_sec = 2, .tv_usec = 0};
+  ::setsockopt(in.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  std::vector<std::uint64_t> times;
+  std::thread receiver([&] {
+    std::array<char, 2048> buffer{};
+    while (times.size() < count) {
+      const ssize_t n = ::recv(in.get(), buffer.data(), buffer.size(), 0);
+      const std::uint64_t now = monotonic_ns();
+      if (n < 0) return;
+      Stamp stamp;
+      std::memcpy(&stamp, buffer.data() + kHeader, sizeof stamp);
+      times.push_back(now - stamp.ns);
+    }
+  });
+  std::array<char, kHeader + sizeof(Stamp)> event{'B'};
+  const sockaddr_in to = group();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Stamp stamp{i, monotonic_ns()};
+    std::memcpy(event.data() + kHeader, &stamp, sizeof stamp);
+    ::sendto(out.get(), event.data(), event.size(), 0, generic_of(to), sizeof to);
+    std::this_thread::sleep_for(std::chrono::microseconds(500));
+  }
+  receiver.join();
+  print("through", times, count);
+  return 0;
+}
+
+int forward(char** argv) {
+  const Fd in = udp_socket("", argv[0]);
+  const Fd out = udp_socket("", argv[1]);
+  const sockaddr_in to = group();
+  std::array<char, 8192> buffer{};
+  for (;;) {
+    const ssize_t n = ::recv(in.get(), buffer.data(), buffer.size(), 0);
+    if (n > 0)
+      ::sendto(out.get(), buffer.data(), static_cast<std::size_t>(n), 0, generic_of(to), sizeof to);
+  }
+}
+
+void local_peer(std::size_t count) {
+  std::array<int, 2> pair{};
+  if (::socketpair(AF_UNIX, SOCK_DGRAM, 0, pair.data()) != 0) give_up("socketpair");
+  const Fd a(pair[0]);
+  const Fd b(pair[1]);
+  std::vector<std::uint64_t> times;
+  std::thread receiver([&] {
+    pollfd waits{.fd = b.get(), .events = POLLIN, .revents = 0};
+    while (times.size() < count) {
+      ::poll(&waits, 1, -1);
+      Stamp stamp;
+      if (::recv(b.get(), &stamp, sizeof stamp, MSG_DONTWAIT) == sizeof stamp)
+        times.push_back(monotonic_ns() - stamp.ns);
+    }
+  });
+  for (std::size_t i = 0; i < count; ++i) {
+    const Stamp stamp{i, monotonic_ns()};
+    ::send(a.get(), &stamp, sizeof stamp, 0);
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  receiver.join();
+  print("datagram", times, count);
+}
+
+int local(char** argv) {
+  const std::size_t count = std::strtoul(argv[1], nullptr, 10);
+  client::Options options;
+  options.socket = argv[0];
+  std::vector<std::uint64_t> times;
+  std::thread receiver([&] {
+    client::Client client(options);
+    client::SubscriberChannel subscriber(client, "here");
+    subscriber.on_event([&](const client::Event& event) {
+      Stamp stamp;
+      std::memcpy(&stamp, event.data, sizeof stamp);
+      if (stamp.ns != 0) times.push_back(monotonic_ns() - stamp.ns);
+    });
+    subscriber.subscribe();
+    while (times.size() < count) client.wait(std::chrono::seconds(1));
+  });
+  client::Client client(options);
+  client::PublisherChannel publisher(client, "here");
+  publisher.announce();
+  Stamp stamp;
+  const auto send = [&] { return publisher.publish(&stamp, sizeof stamp); };
+  while (send() != client::Published::sent) client.wait(std::chrono::milliseconds(20));
+  for (std::size_t i = 0; i < count; ++i) {
+    stamp = {i, monotonic_ns()};
+    send();
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  receiver.join();
+  print("publish", times, count);
+  local_peer(count);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string what = argc > 1 ? argv[1] : "";
+  if (what == "delay" && argc == 6) return delay(argv + 2);
+  if (what == "forward" && argc == 4) return forward(argv + 2);
+  if (what == "local" && argc == 4) return local(argv + 2);
+  std::fputs("probe delay|forward|local …, see the head of its source\n", stderr);
+  return 2;
+}
