@@ -101,13 +101,12 @@ bool Client::is_connected() const { return connection_->is_connected(); }
 
 void Client::process() {
   const auto connection = connection_;  // a handler may end this client
-  connection->turn();
-  connection->call_handlers();
+  connection->run(std::chrono::milliseconds(0));
 }
 
 void Client::wait(std::chrono::milliseconds time) {
-  connection_->wait(time);
-  process();
+  const auto connection = connection_;
+  connection->run(time);
 }
 
 Channel::Channel(Client& client, Role role, std::string channel, const AttributeSet& stated,

@@ -8,8 +8,10 @@
 #include <sys/timerfd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
+#include <span>
 #include <system_error>
 #include <utility>
 #include <variant>
@@ -237,9 +239,18 @@ void Client::Connection::watch() {
   ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, socket_.get(), &event);
 }
 
-void Client::Connection::wait(milliseconds time) const {
-  pollfd waits{.fd = epoll_.get(), .events = POLLIN, .revents = 0};
-  ::poll(&waits, 1, for_poll(time));
+/// An event takes no more system calls than it needs: the daemon is looked after when it has
+/// something to say.
+void Client::Connection::run(milliseconds time) {
+  std::array<epoll_event, 16> ready{};
+  const int count = ::epoll_wait(epoll_.get(), ready.data(), ready.size(),
+                                 data_.has_waiting() ? 0 : for_poll(time));
+  bool other = false;
+  for (const epoll_event& one : std::span(ready).first(count < 0 ? 0 : count))
+    if (!data_.receive(one.data.fd)) other = true;
+  if (other) turn();
+  data_.call_handlers();
+  if (other) call_exception_handlers();
 }
 
 /// Whatever there is for handlers.
@@ -340,8 +351,7 @@ bool Client::Connection::has_exceptions() {
       parts(), [](const PartOf& part) { return !part->waiting.empty() || part->lagged; });
 }
 
-void Client::Connection::call_handlers() {
-  data_.receive();
+void Client::Connection::call_exception_handlers() {
   for (const PartOf& part : parts()) {
     // Not those that come while a handler runs: they are for the next turn.
     for (std::size_t left = part->waiting.size() + (part->lagged ? 1 : 0); left != 0; --left) {

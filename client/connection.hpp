@@ -34,11 +34,10 @@ class Client::Connection {
   void take_up(const PartOf& part);
   /// Receives, sends, connects: what can be done without waiting.
   void turn();
-  /// Calls handlers for events, and for what has happened.
-  void call_handlers();
+  /// Waits until there is something to do, at most so long, does it, and calls handlers for events
+  /// and for what has happened.
+  void run(std::chrono::milliseconds time);
   [[nodiscard]] Data& data() { return data_; }
-  /// Waits until turn() has something to do.
-  void wait(std::chrono::milliseconds time) const;
 
  private:
   /// A request that is not answered yet; of a channel that may be gone.
@@ -65,6 +64,7 @@ class Client::Connection {
   void ask_again(const PartOf& part);
   void wake();
   [[nodiscard]] bool has_exceptions();
+  void call_exception_handlers();
   void wait_for_daemon(std::chrono::milliseconds time) const;
   /// Those that still exist.
   std::vector<PartOf> parts();

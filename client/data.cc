@@ -155,19 +155,19 @@ void Client::Data::take(const relay::Layer::Arrival& arrival) {
                       arrival.unix_ns == 0 ? unix_ns() : arrival.unix_ns});
 }
 
-void Client::Data::receive() {
-  if (arrived_.empty()) {
-    if (local_)
-      local_->receive(kMostEvents, [this](std::uint64_t subject, uid_t from, Octets event) {
-        take_local(subject, from, event);
-      });
-    std::vector<std::uint32_t> gone;
-    for (const auto& [ifindex, layer] : layers_)
-      if (!layer->receive(kMostEvents, [this](const auto& arrival) { take(arrival); }))
-        gone.push_back(ifindex);
-    for (const std::uint32_t ifindex : gone) close(ifindex);
+bool Client::Data::receive(int fd) {
+  if (local_ && local_->fd() == fd) {
+    local_->receive(kMostEvents, [this](std::uint64_t subject, uid_t from, Octets event) {
+      take_local(subject, from, event);
+    });
+    return true;
   }
-  call_handlers();
+  const auto found =
+      std::ranges::find_if(layers_, [fd](const auto& one) { return one.second->fd() == fd; });
+  if (found == layers_.end()) return false;
+  if (!found->second->receive(kMostEvents, [this](const auto& arrival) { take(arrival); }))
+    close(found->first);
+  return true;
 }
 
 /// Where a handler throws, those behind it are for the next call.

@@ -36,8 +36,12 @@ class Client::Data {
   /// It sends and receives by these from now on. Error: one cannot be used, and why.
   [[nodiscard]] Result<void> use(const PartOf& part, std::vector<control::Endpoint> endpoints);
   [[nodiscard]] Published publish(const Channel::Part& part, Octets event);
-  /// Calls the handlers of what has come, up to a number of events.
-  void receive();
+  /// Takes what has come by one of its descriptors, up to a number of events. False: it is none.
+  [[nodiscard]] bool receive(int fd);
+  /// Of what was taken.
+  void call_handlers();
+  /// A handler threw, and those behind it were not called yet.
+  [[nodiscard]] bool has_waiting() const { return !arrived_.empty(); }
   /// Of all interfaces.
   [[nodiscard]] std::uint64_t lost() const;
 
@@ -65,7 +69,6 @@ class Client::Data {
   void close(std::uint32_t ifindex);
   void take_local(std::uint64_t subject, uid_t from, Octets event);
   void take(const relay::Layer::Arrival& arrival);
-  void call_handlers();
 
   const Fd& epoll_;
   std::optional<LocalSocket> local_;

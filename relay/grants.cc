@@ -80,6 +80,7 @@ void Grants::connect() {
   send({0, control::MonitorRequest{}});
   all_due_ = true;
   ask_next();
+  flush();
 }
 
 void Grants::lose(const std::string& why) {
