@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What `mlccactl generate` makes of a description, on a gateway: the handlers of a specification
+// are called for the events and exceptions of its channel. For example, with the generated
+// namespace workshop::panel:
+//
+//   mlcca::client::Client client;
+//   mlcca::client::GeneratedSubscriber<workshop::panel::MotorSpec> motor(client);
+//   motor.subscribe();
+//   for (;;) client.wait(std::chrono::seconds(1));
+//
+// C++17 with the standard library.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "mlcca/client/client.hpp"
+
+namespace mlcca::client {
+namespace detail {
+
+/// The type that a generated exception handler takes.
+template <class Why>
+Why why_of(void (*handler)(Why));
+template <class Spec>
+using WhyOf = decltype(why_of(&Spec::exception));
+
+inline std::string subject_text(std::uint64_t subject) {
+  std::string out = "0x0000000000000000";
+  for (auto digit = out.rbegin(); subject != 0; ++digit, subject >>= 4U)
+    *digit = "0123456789abcdef"[subject & 0xfU];
+  return out;
+}
+
+/// Generated code knows four reasons, and what is none of them has no handler there.
+template <class Spec>
+void call_handler(const Exception& exception) {
+  using Why = WhyOf<Spec>;
+  switch (exception.cause) {
+    case Cause::refused:
+    case Cause::rejected:
+      Spec::exception(Why::refused);
+      break;
+    case Cause::withdrawn:
+    case Cause::gates_closed:
+      Spec::exception(Why::withdrawn);
+      break;
+    case Cause::degraded:
+    case Cause::upgraded:
+      Spec::exception(Why::switched);
+      break;
+    case Cause::policed:
+    case Cause::dropped:
+    case Cause::missing:
+      Spec::exception(Why::violated);
+      break;
+    default:
+      break;
+  }
+}
+
+}  // namespace detail
+
+/// Of a specification with exception(). `name`: of the publisher in the description, where several
+/// are for the user that runs this program.
+template <class Spec>
+class GeneratedPublisher : public PublisherChannel {
+ public:
+  explicit GeneratedPublisher(Client& client, std::string name = {})
+      : PublisherChannel(client, detail::subject_text(Spec::subject),
+                         values_of<typename Spec::attributes>(), std::move(name)) {
+    on_exception(detail::call_handler<Spec>);
+  }
+};
+
+/// Of a specification with notify() and exception().
+template <class Spec>
+class GeneratedSubscriber : public SubscriberChannel {
+ public:
+  explicit GeneratedSubscriber(Client& client, std::string name = {})
+      : SubscriberChannel(client, detail::subject_text(Spec::subject),
+                          values_of<typename Spec::attributes>(), std::move(name)) {
+    on_exception(detail::call_handler<Spec>);
+    on_event([](const Event& event) { Spec::notify(event.data, event.size); });
+  }
+};
+
+}  // namespace mlcca::client
