@@ -64,8 +64,9 @@ fuzz-$1: $O/fuzz/$1
 endef
 
 $(eval $(call fuzz_target,der_fuzz,,der,1500))
-$(eval $(call fuzz_target,afp_fuzz,relay,afp,600))
-$(eval $(call fuzz_target,famouso_fuzz,relay,famouso,1024))
+$(eval $(call fuzz_target,afp_fuzz,relay control,afp,600,-lfmt))
+$(eval $(call fuzz_target,famouso_fuzz,relay control,famouso,1024,-lfmt))
+$(eval $(call fuzz_target,layers_fuzz,relay control,layers,1024,-lfmt))
 $(eval $(call fuzz_target,description_fuzz,description core,description/good description/bad,16384,$(XML_LIBS) -lfmt))
 $(eval $(call fuzz_target,journal_fuzz,$(addprefix daemon/store/,oneofs journal format contents disk) tests/daemon/store/fake_disk control core,journal,2048,))
 $(eval $(call fuzz_target,replies_fuzz,$(addprefix tools/,$(basename $(notdir $(wildcard tools/render*.cc))) json table words values times) control core,replies,4096,))
