@@ -36,6 +36,7 @@ core::System with_programs() {
 class Endpoints : public testing::Test {
  protected:
   void start(core::System system) {
+    system.gateways[0].relay = 990;
     bench_ = std::make_unique<Bench>(std::move(system));
     ASSERT_FALSE(bench_->start());
   }
