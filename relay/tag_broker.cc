@@ -30,22 +30,23 @@ Frame half(const Frame& request, std::uint8_t which, TagNumber tag) {
 }  // namespace
 
 TagBroker::TagBroker(std::span<const Dealt> before) : taken_(kHighestTag + 1U) {
-  for (const auto& [subject, tag] : before) {
-    const bool known = std::ranges::find(dealt_, subject, &Dealt::first) != dealt_.end();
-    if (subject == 0 || tag > kHighestTag || taken_[tag] || known) continue;
-    taken_[tag] = true;
-    dealt_.emplace_back(subject, tag);
-  }
+  for (const auto& [subject, tag] : before)
+    if (subject != 0 && tag <= kHighestTag && !taken_[tag]) deal(subject, tag);
+}
+
+/// Unless the subject has a tag.
+void TagBroker::deal(SubjectId subject, TagNumber tag) {
+  if (!tags_.emplace(subject, tag).second) return;
+  taken_[tag] = true;
+  dealt_.emplace_back(subject, tag);
 }
 
 std::optional<TagNumber> TagBroker::tag_of_subject(SubjectId subject) {
   if (subject == 0) return std::nullopt;
-  const auto known = std::ranges::find(dealt_, subject, &Dealt::first);
-  if (known != dealt_.end()) return known->second;
+  if (const auto known = tags_.find(subject); known != tags_.end()) return known->second;
   while (next_ >= kLowestTag && taken_[next_]) --next_;
   if (next_ < kLowestTag) return std::nullopt;
-  taken_[next_] = true;
-  dealt_.emplace_back(subject, next_);
+  deal(subject, next_);
   return next_;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -40,7 +41,10 @@ class TagBroker {
   [[nodiscard]] std::span<const Dealt> dealt() const { return dealt_; }
 
  private:
+  void deal(SubjectId subject, TagNumber tag);
+
   std::vector<Dealt> dealt_;
+  std::unordered_map<SubjectId, TagNumber> tags_;
   std::vector<bool> taken_;
   TagNumber next_ = kHighestTag;
 };

@@ -14,7 +14,7 @@ soak: check-sanitized-all soak-fault soak-kills soak-torn soak-bus ## for hours:
 # They parse what comes from outside or manage the memory of gates, sessions and journals.
 SANITIZED := requests_test leases_test bus_load_test bypass_test drops_test turns_test server_test control_test \
 	rtnl_test forwarding_test slots_test readback_test drift_test vanish_test gates_lock_test full_disk_test \
-	radio_test
+	radio_test relay_test
 # Too long for CI, but sound: attach_test and store_test take minutes (journal_fuzz and control_fuzz go through the
 # same code), bus_sim_test has fewer sets there, those of the core, of descriptions and of tools compile for minutes (description_fuzz, replies_fuzz).
 SANITIZED_ALL := $(SANITIZED) attach_test store_test wire_live_test ether_table_test bus_sim_test can_test core_test \

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -218,7 +218,7 @@ Sent CanLayer::send_frame(const control::Endpoint& endpoint, std::uint32_t id, O
   canfd_frame frame{};
   frame.can_id = id & ~CAN_RTR_FLAG;
   frame.len = *length;
-  std::memcpy(static_cast<void*>(frame.data), data.data(), data.size());
+  std::ranges::copy(data, std::begin(frame.data));  // of an empty event, too, which has no address
   return socket_->send(frame, fd);
 }
 

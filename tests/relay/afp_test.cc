@@ -254,11 +254,13 @@ TEST(Afp, MemoryIsBoundedWhateverComes) {
   std::mt19937 random(2);
   for (const Form& form : {kCan, kUdp, Form{.payload = 16, .numbered = true}}) {
     Reassembly reassembly(form, {.begun = 16, .octets = 50'000, .remembered = 32});
+    std::vector<std::vector<Event>> events;
+    for (std::uint32_t number = 0; number < 200; ++number)
+      events.push_back(cut(form, event_of(random() % 3'000), number % 50));
     std::uint64_t now = 0;
     for (int i = 0; i < 30'000; ++i) {
-      auto fragments =
-          cut(form, event_of(random() % 3'000), static_cast<std::uint32_t>(random() % 50));
-      Event& octets = fragments[random() % fragments.size()];
+      const auto& fragments = events[random() % events.size()];
+      Event octets = fragments[random() % fragments.size()];
       if (random() % 4 == 0 && !octets.empty())
         octets[random() % std::min<std::size_t>(octets.size(), 7)] =
             static_cast<std::uint8_t>(random());

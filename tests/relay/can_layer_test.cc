@@ -123,6 +123,16 @@ TEST_F(CanLayerTest, ALongEventOfFamousoIsTheFragmentsOfTheReference) {
   EXPECT_EQ(layer_->send(to, 1, counting(24'609)), Sent::too_long);
 }
 
+TEST_F(CanLayerTest, AnEmptyEventIsAnEmptyFrame) {
+  for (const char* const profile : {"famouso", "raw"}) {
+    ASSERT_EQ(layer_->send(endpoint(profile), 1, {}), Sent::sent) << profile;
+    ASSERT_EQ(socket_->out_.size(), 1U);
+    EXPECT_EQ(socket_->out_[0].frame.len, 0) << profile;
+    socket_->out_.clear();
+  }
+  EXPECT_EQ(events({frame(kId, {})}), Events{}) << "followed by nobody";
+}
+
 TEST_F(CanLayerTest, FragmentsBecomeAnEventAndTwoSendersAreDistinguished) {
   auto from = endpoint("famouso", kId, kMask & ~kFragment);
   auto other = endpoint("famouso", kId + (1U << 14U), kMask & ~kFragment);

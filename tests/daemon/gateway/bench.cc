@@ -66,6 +66,7 @@ core::System bare(std::size_t buses) {
   core::Gateway g;
   g.name = "g";
   g.provision.set(Attribute::latency, kMs).set(Attribute::jitter, kMs);
+  g.relay = 990;
   for (std::size_t n = 0; n <= buses; ++n) {
     core::Port port;
     port.network = n;

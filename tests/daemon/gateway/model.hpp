@@ -112,6 +112,7 @@ class Model {
   void act() {
     steps_ += " act";
     bench_.act();
+    turn_ended_ = true;
     take_commits();
   }
 
@@ -184,6 +185,7 @@ class Model {
     }
     in_force_ = bench_.system;
     bench_.act();
+    turn_ended_ = true;
     bench_.commits.clear();
     adopt_recorded();
     expect_served();
@@ -237,7 +239,8 @@ class Model {
     settled_ =
         held_.empty() && unmended_.empty() && perhaps_gone_.empty() && perhaps_withdrawn_.empty();
     if (!settled_ || !wrong_.empty()) return;
-    served_ = served(bench_.state());
+    // What is granted without being asked for is on disk when the turn has ended.
+    served_ = turn_ended_ ? served(bench_.state()) : Served{};
     conditions_ = bench_.gates().conditions(bench_.state().system().networks.size());
     if (!chance(random_, 30)) return;
     const auto recorded = bench_.recorded(power_);
@@ -267,6 +270,7 @@ class Model {
   std::map<std::string, bool> withdrawn_;     ///< channels, as answered
   std::set<std::string> perhaps_withdrawn_;   ///< the answer was lost, or an error
   std::map<core::AdmissionId, std::set<std::uint64_t>> sessions_;  ///< who holds it
+  bool turn_ended_ = false;  ///< after the last step
   bool settled_ = false;
   Served served_;
   std::vector<core::Condition> conditions_;

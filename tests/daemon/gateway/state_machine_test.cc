@@ -50,6 +50,7 @@ class Machine : Model {
 
   void step() {
     ++tally.steps;
+    turn_ended_ = false;
     if (chance(random_, 25)) make_trouble();
     try {
       switch (below(random_, 16)) {
