@@ -270,7 +270,7 @@ class Model {
   std::map<std::string, bool> withdrawn_;     ///< channels, as answered
   std::set<std::string> perhaps_withdrawn_;   ///< the answer was lost, or an error
   std::map<core::AdmissionId, std::set<std::uint64_t>> sessions_;  ///< who holds it
-  bool turn_ended_ = false;  ///< after the last step
+  bool turn_ended_ = false;                                        ///< after the last step
   bool settled_ = false;
   Served served_;
   std::vector<core::Condition> conditions_;
