@@ -65,7 +65,7 @@ hash := \#
 # takes some files of the folder and must not get the libraries of the others (net/sources).
 ALONE := $(wildcard core/profiles/*.cc daemon/net/sources/*.cc) core/can/wire.cc core/mesh/medium_time.cc \
 	$(addprefix daemon/gates/,control.cc counters.cc pins.cc programs.cc roster.cc silence_timers.cc slot_spec.cc slots.cc) \
-	daemon/gateway/quotas.cc daemon/net/pair.cc examples/applications/motor.cc \
+	daemon/gateway/quotas.cc daemon/net/pair.cc $(wildcard examples/applications/*.cc) \
 	$(addprefix description/,grammar.cc parser.cc read.cc rules.cc source.cc xml.cc) \
 	$(addprefix tools/design/,check/check.cc check/watch.cc describe/edit.cc describe/markup.cc generate.cc) \
 	$(addprefix tools/,render_reservations.cc render_routes.cc render_system.cc sources/olsr.cc values.cc words.cc)

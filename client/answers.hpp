@@ -14,7 +14,6 @@ namespace mlcca::client {
 void summarise(Answer& answer);
 
 enum class Meaning : std::uint8_t {
-  none,       ///< of a change that other events report
   happened,   ///< an exception by itself
   verdict,    ///< what is decided may be otherwise: ask
   withdrawn,  ///< the same, and the safe side is known at once

@@ -328,7 +328,6 @@ void Client::Connection::use_endpoints(const PartOf& part, const control::Reply&
 
 void Client::Connection::on_event(const control::Event& event) {
   const Meaning meaning = meaning_of(event);
-  if (meaning == Meaning::none) return;
   for (const PartOf& part : parts()) {
     // Without a delivery only the name is known.
     const bool of_channel = event.subject != 0 && (event.subject == part->subject ||

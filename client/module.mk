@@ -34,7 +34,7 @@ install-client: $(CLIENT_LIBRARY) ## libmlcca for applications, with what pkg-co
 	$(Q)ln -sf libmlcca.so.$(CLIENT_ABI) $(DESTDIR)$(LIBDIR)/libmlcca.so
 	$(Q)install -d $(DESTDIR)$(PREFIX)/share/mlcca/proto/mlcca/v1
 	$(Q)install -m 644 proto/mlcca/v1/control.proto proto/mlcca/v1/options.proto $(DESTDIR)$(PREFIX)/share/mlcca/proto/mlcca/v1
-	$(Q)install -m 644 include/mlcca/client/*.hpp $(DESTDIR)$(PREFIX)/include/mlcca/client
+	$(Q)install -m 644 include/mlcca/client/*.h* $(DESTDIR)$(PREFIX)/include/mlcca/client
 	$(Q)for file in mlcca.pc:pkgconfig/mlcca.pc mlcca-config.cmake:cmake/mlcca/mlcca-config.cmake \
 		mlcca-config-version.cmake:cmake/mlcca/mlcca-config-version.cmake; do \
 		sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@VERSION@|$(CLIENT_VERSION)|g' \
@@ -48,6 +48,7 @@ PYTHON_DIR ?= $(PREFIX)/lib/$(if $(filter /usr,$(PREFIX)),python3,$(shell python
 install-python: ## the package mlcca for Python 3
 	$(Q)install -d $(DESTDIR)$(PYTHON_DIR)/mlcca
 	$(Q)install -m 644 client/python/mlcca/*.py client/python/mlcca/py.typed $(DESTDIR)$(PYTHON_DIR)/mlcca
+	$(Q)sed -i 's/@ABI@/$(CLIENT_ABI)/' $(DESTDIR)$(PYTHON_DIR)/mlcca/events.py
 	$(Q)$(PROTOC) -Iproto --python_out=$(DESTDIR)$(PYTHON_DIR) mlcca/v1/control.proto mlcca/v1/options.proto
 INSTALL += install-python
 .PHONY: install-python

@@ -2,6 +2,7 @@
 """The Python clients against a daemon that answers what a test wants. PYTHONPATH: where mlcca is installed."""
 import asyncio
 import os
+import re
 import socket
 import tempfile
 import threading
@@ -9,8 +10,9 @@ import unittest
 
 import mlcca
 import mlcca.aio
-from mlcca.session import encode
-from mlcca.types import Cause, State
+from mlcca.events import encode
+from mlcca.session import HAPPENED, MOST_EVENTS, Part, Role, VERDICT
+from mlcca.types import Cause, Published, State
 from mlcca.v1 import control_pb2
 
 SUBJECT = 0x73746f7000000000
@@ -25,6 +27,13 @@ def channels(granted, attribute_set=0):
         setattr(one, "from", "panel")
         one.rows.add(where="field", attribute="Omission", unit="events", required=2, provided_known=True, provided=1,
                      outcome=control_pb2.OUTCOME_FIT, margin="1 to spare")
+    return reply
+
+
+def granted_for(**endpoint):
+    """Events go to, or come from, a program on this gateway."""
+    reply = channels(True)
+    reply.channels.endpoints.add(**endpoint)
     return reply
 
 
@@ -146,6 +155,18 @@ class Clients:
         self.assertEqual(self.causes([channels(True), event("withdrawn"), event("granted")], [channels(True)], count=2),
                          [Cause.WITHDRAWN, Cause.GRANTED])
 
+    def test_where_events_go_is_asked_for_without_an_exception(self):
+        for kind in ("local", "binding"):
+            self.assertEqual(self.causes([channels(True), event(kind)], [channels(True), event("missing")], count=1),
+                             [Cause.MISSING])
+
+    def test_kinds_of_events_mean_the_same_in_both_languages(self):
+        with open(os.path.join(os.path.dirname(__file__), "../../client/answers.cc"), encoding="utf-8") as file:
+            kinds = re.findall(r'Named{"(\w+)", Meaning::(\w+)(?:, Cause::(\w+))?}', file.read())
+        self.assertEqual({kind for kind, meaning, _ in kinds if meaning != "happened"}, VERDICT)
+        self.assertEqual({kind: cause for kind, meaning, cause in kinds if meaning == "happened"},
+                         {kind: cause.name.lower() for kind, cause in HAPPENED.items()})
+
     def test_many_events_are_one_request(self):
         self.assertEqual(self.causes([channels(True)] + [event("withdrawn")] * 500, [channels(False)], count=1),
                          [Cause.WITHDRAWN])
@@ -201,7 +222,101 @@ class Clients:
                 self.publisher("/none", lambda _: True, **wrong)
 
 
+    def through(self, events, take, user=os.getuid()):
+        """What take(SUBSCRIBER'S PATH, PUBLISH) gives, where PUBLISH() publishes the events and gives what became of each."""
+        of_subscriber = Daemon([granted_for(user=user)])
+        publishers = []
+
+        def publish():
+            local = of_subscriber.requests[0].announce.local
+            of_publisher = Daemon([granted_for(local=local)])
+            publishers.append(of_publisher)
+            with mlcca.Client(of_publisher.path, patience=60) as client:
+                stop = client.publisher("stop")
+                before = stop.publish(b"early")
+                stop.announce()
+                return [before] + [stop.publish(event) for event in events]
+        try:
+            return take(of_subscriber.path, publish)
+        finally:
+            for daemon in publishers + [of_subscriber]:
+                daemon.close()
+
+    def test_events_go_from_one_program_to_the_other(self):
+        sent, came = self.through([b"go", b"", bytes(65_536), b"end"], self.subscriber)
+        self.assertEqual(sent, [Published.NOT_GRANTED, Published.SENT, Published.SENT, Published.TOO_LONG, Published.SENT])
+        self.assertEqual([e.data for e in came], [b"go", b"", b"end"])
+        self.assertEqual({e.network for e in came}, {""})
+        self.assertGreater(came[0].received_ns, 1_600_000_000_000_000_000)
+
+    def test_endpoints_that_cannot_be_used_are_an_exception(self):
+        wrong = channels(True)
+        wrong.channels.endpoints.add(network="field", interface="none0", ifindex=999_999)
+        _, told = self.both([wrong], count=1)
+        self.assertEqual(told[0].cause, Cause.OTHER)
+        self.assertIn("its events cannot be carried: field: none0", told[0].text)
+
+
 class Blocking(Clients, unittest.TestCase):
+    def subscriber(self, path, publish):
+        with mlcca.Client(path, patience=60) as client:
+            stop = client.subscriber("stop")
+            came = []
+            stop.on_event = came.append
+            stop.subscribe()
+            sent = publish()
+            while b"end" not in [event.data for event in came]:
+                client.wait(60)
+            self.assertEqual(stop.lost, 0)
+            return sent, came
+
+    def test_what_a_handler_raises_comes_out_and_the_other_events_are_kept(self):
+        def take(path, publish):
+            with mlcca.Client(path, patience=60) as client:
+                stop = client.subscriber("stop")
+                came = []
+
+                def handler(event):
+                    came.append(event.data)
+                    if event.data == b"1":
+                        raise ZeroDivisionError
+                stop.on_event = handler
+                stop.subscribe()
+                publish()
+                with self.assertRaises(ZeroDivisionError):
+                    client.wait(60)
+                self.assertEqual(came, [b"1"])
+                client.wait(60)
+                self.assertEqual(came, [b"1", b"2"])
+                stop.on_event = lambda _: stop.close()
+                publish()
+                client.wait(60)
+                stop.on_event = came.append
+                client.process()
+                self.assertEqual(came, [b"1", b"2"])
+        self.through([b"1", b"2"], take)
+
+    def test_events_of_other_users_do_not_come(self):
+        def take(path, publish):
+            with mlcca.Client(path, patience=60) as client:
+                stop = client.subscriber("stop")
+                stop.on_event = lambda event: self.fail("an event of another user")
+                stop.subscribe()
+                self.assertEqual(publish()[1:], [Published.SENT])
+                client.process()
+        self.through([b"1"], take, user=os.getuid() + 1)
+
+    def test_after_close_there_is_nothing(self):
+        client = mlcca.Client("/none")
+        stop, brake = client.publisher("stop"), client.subscriber("brake")
+        client.close()
+        client.close()
+        self.assertEqual((stop.publish(b"go"), brake.lost), (Published.NOT_GRANTED, 0))
+        client.process()
+        for call in (stop.announce, brake.subscribe, lambda: client.wait(1)):
+            with self.assertRaisesRegex(RuntimeError, "the client is closed"):
+                call()
+
     def publisher(self, path, done, announcements=1, **stated):
         with mlcca.Client(path, patience=60, first_retry=0.001) as client:
             stop = client.publisher("stop", "lever", **stated)
@@ -233,6 +348,41 @@ class Blocking(Clients, unittest.TestCase):
 
 
 class Asyncio(Clients, unittest.TestCase):
+    def subscriber(self, path, publish, wait_for=b"end"):
+        async def program():
+            async with mlcca.aio.Client(path, patience=60) as client:
+                stop = client.subscriber("stop")
+                await stop.subscribe()
+                sent = await asyncio.to_thread(publish)
+                came = []
+                async for event in stop.events():
+                    came.append(event)
+                    if event.data == wait_for:
+                        break
+                self.lost = stop.lost
+                return sent, came
+        return asyncio.run(asyncio.wait_for(program(), 120))
+
+    def test_a_publisher_of_asyncio_is_the_same(self):
+        async def program(path):
+            async with mlcca.aio.Client(path, patience=60) as client:
+                stop = client.publisher("stop")
+                before = stop.publish(b"early")
+                await stop.announce()
+                return before, stop.publish(b"go")
+        daemon = Daemon([granted_for(local="00000")])  # nobody is there
+        try:
+            self.assertEqual(asyncio.run(asyncio.wait_for(program(daemon.path), 120)), (Published.NOT_GRANTED, Published.LOST))
+        finally:
+            daemon.close()
+
+    def test_events_that_are_not_taken_are_bounded_and_counted(self):
+        part = Part("stop", Role.SUBSCRIBER, "", {})
+        for number in range(MOST_EVENTS + 3):
+            part.arrived(mlcca.Event(b"%d" % number, "", 0))
+        self.assertEqual((len(part.events), part.untaken), (MOST_EVENTS, 3))
+        self.assertEqual(part.events[0].data, b"0")
+
     def publisher(self, path, done, announcements=1, **stated):
         async def program():
             async with mlcca.aio.Client(path, patience=60, first_retry=0.001) as client:

@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Event channels of an MLCCA gateway, for programs in Python: verdicts with their reasons, and exceptions.
+"""Event channels of an MLCCA gateway, for programs in Python: verdicts with their reasons, events, and exceptions.
 
     with mlcca.Client() as client:
         stop = client.publisher("stop", Period="50ms")
         stop.on_exception = lambda exception: print(exception.cause.value, exception.text)
         print(stop.announce().state.value)
         while True:
-            client.wait()
+            stop.publish(b"go")
+            client.wait(0.05)
 
-mlcca.aio has the same for asyncio. Events are sent and received by sockets of your own: libmlcca carries them, this
-package does not yet.
+mlcca.aio has the same for asyncio. Events go by the sockets of libmlcca.
 """
-from mlcca.client import SOCKET, Channel, Client
-from mlcca.types import Answer, Cause, ChannelException, Check, Delivery, State
+from mlcca.client import SOCKET, Channel, Client, PublisherChannel, SubscriberChannel
+from mlcca.types import Answer, Cause, ChannelException, Check, Delivery, Event, Published, State
 
-__all__ = ["Answer", "Cause", "Channel", "ChannelException", "Check", "Client", "Delivery", "SOCKET", "State"]
+__all__ = ["Answer", "Cause", "Channel", "ChannelException", "Check", "Client", "Delivery", "Event", "Published",
+           "PublisherChannel", "SOCKET", "State", "SubscriberChannel"]

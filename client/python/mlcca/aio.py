@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The same for asyncio: announce() is awaited, and exceptions are iterated over."""
+"""The same for asyncio: announce() is awaited, and events and exceptions are iterated over."""
 from __future__ import annotations
 
 import asyncio
@@ -7,11 +7,11 @@ from typing import AsyncIterator, Optional
 
 from mlcca.client import SOCKET
 from mlcca.session import Part, ProtocolError, Role, Session
-from mlcca.types import Answer, ChannelException, State
+from mlcca.types import Answer, ChannelException, Event, Published, State
 
 
 class Channel:
-    """A publisher or a subscriber of a program. It is made by Client.publisher() or Client.subscriber()."""
+    """What a publisher and a subscriber of a program have in common."""
 
     def __init__(self, client: "Client", part: Part) -> None:
         self._client = client
@@ -21,10 +21,6 @@ class Channel:
     def answer(self) -> Answer:
         return self._part.answer
 
-    async def announce(self) -> Answer:
-        """As mlcca.Channel.announce()."""
-        return await self._client._take_up(self._part)
-
     async def exceptions(self) -> AsyncIterator[ChannelException]:
         """Without end; what came before is kept."""
         while True:
@@ -33,7 +29,40 @@ class Channel:
             await self._client._changed()
 
     def close(self) -> None:
+        """Nothing happens to it any more."""
         self._client._forget(self._part)
+
+
+class PublisherChannel(Channel):
+    """It is made by Client.publisher()."""
+
+    async def announce(self) -> Answer:
+        """As mlcca.PublisherChannel.announce()."""
+        return await self._client._take_up(self._part)
+
+    def publish(self, event: bytes) -> Published:
+        """As mlcca.PublisherChannel.publish(): it never waits."""
+        return self._client._session.sockets.publish(self._part.number, event)
+
+
+class SubscriberChannel(Channel):
+    """It is made by Client.subscriber()."""
+
+    async def subscribe(self) -> Answer:
+        """As mlcca.PublisherChannel.announce()."""
+        return await self._client._take_up(self._part)
+
+    async def events(self) -> AsyncIterator[Event]:
+        """Without end. At most 1,024 wait to be taken; those that come then are lost, see `lost`."""
+        while True:
+            while self._part.events:
+                yield self._part.events.popleft()
+            await self._client._changed()
+
+    @property
+    def lost(self) -> int:
+        """As mlcca.SubscriberChannel.lost, and events that were not taken in time."""
+        return self._client._session.sockets.lost() + self._part.untaken
 
 
 class Client:
@@ -50,14 +79,16 @@ class Client:
         self._hurry = asyncio.Event()   # somebody waits for a connection
         self._losses = 0
 
-    def publisher(self, channel: str, name: str = "", **stated: int | str) -> Channel:
+    def publisher(self, channel: str, name: str = "", **stated: int | str) -> PublisherChannel:
         """As mlcca.Client.publisher()."""
-        return Channel(self, Part(channel, Role.PUBLISHER, name, stated))
+        return PublisherChannel(self, Part(channel, Role.PUBLISHER, name, stated))
 
-    def subscriber(self, channel: str, name: str = "", **stated: int | str) -> Channel:
-        return Channel(self, Part(channel, Role.SUBSCRIBER, name, stated))
+    def subscriber(self, channel: str, name: str = "", **stated: int | str) -> SubscriberChannel:
+        """As mlcca.Client.publisher()."""
+        return SubscriberChannel(self, Part(channel, Role.SUBSCRIBER, name, stated))
 
     async def __aenter__(self) -> "Client":
+        asyncio.get_running_loop().add_reader(self._session.sockets.fileno(), self._take_events)
         self._task = asyncio.create_task(self._run())
         return self
 
@@ -65,10 +96,11 @@ class Client:
         assert self._task is not None
         self._task.cancel()
         await asyncio.gather(self._task, return_exceptions=True)
+        asyncio.get_running_loop().remove_reader(self._session.sockets.fileno())
+        self._session.sockets.close()
 
     async def _take_up(self, part: Part) -> Answer:
-        if part not in self._session.parts:
-            self._session.parts.append(part)
+        self._session.add(part)
         part.lost = False
         losses = self._losses
         if self._writer:
@@ -86,8 +118,11 @@ class Client:
         return part.answer
 
     def _forget(self, part: Part) -> None:
-        if part in self._session.parts:
-            self._session.parts.remove(part)
+        self._session.remove(part)
+
+    def _take_events(self) -> None:
+        self._session.take_events()
+        self._wake()
 
     async def _changed(self) -> None:
         await self._change.wait()

@@ -8,15 +8,16 @@ import time
 from typing import Callable, Mapping, Optional
 
 from mlcca.session import Part, ProtocolError, Role, Session
-from mlcca.types import Answer, ChannelException, State
+from mlcca.types import Answer, ChannelException, Event, Published, State
 
 SOCKET = "/run/mlcca/control.sock"
 MOST_READS = 16  # in one turn: a daemon that sends without pause does not keep a program from its work
 Handler = Callable[[ChannelException], None]
+EventHandler = Callable[[Event], None]
 
 
 class Channel:
-    """A publisher or a subscriber of a program. It is made by Client.publisher() or Client.subscriber()."""
+    """What a publisher and a subscriber of a program have in common."""
 
     def __init__(self, client: "Client", part: Part) -> None:
         self._client = client
@@ -27,16 +28,44 @@ class Channel:
     def answer(self) -> Answer:
         return self._part.answer
 
+    def close(self) -> None:
+        """Nothing happens to it any more."""
+        self._client._forget(self)
+
+
+class PublisherChannel(Channel):
+    """It is made by Client.publisher()."""
+
     def announce(self) -> Answer:
-        """Takes the end up and waits for the answer, at most as long as the client is patient.
+        """Takes the publisher up and waits for the answer, at most as long as the client is patient.
 
         Whatever it is, the channel is announced again by itself whenever a daemon is there, until close().
         """
         return self._client._take_up(self)
 
-    def close(self) -> None:
-        """Nothing happens to it any more."""
-        self._client._forget(self)
+    def publish(self, event: bytes) -> Published:
+        """Sends an event to every network that the channel is granted for, and to subscribers on this gateway.
+
+        Never waits. While the daemon is gone it goes on where it was granted, until the gate closes after the grace period.
+        """
+        return self._client._session.sockets.publish(self._part.number, event)
+
+
+class SubscriberChannel(Channel):
+    """It is made by Client.subscriber()."""
+
+    def __init__(self, client: "Client", part: Part) -> None:
+        super().__init__(client, part)
+        self.on_event: Optional[EventHandler] = None  # called by Client.process() and Client.wait()
+
+    def subscribe(self) -> Answer:
+        """As PublisherChannel.announce()."""
+        return self._client._take_up(self)
+
+    @property
+    def lost(self) -> int:
+        """Frames and events that came to this client and were not whole, malformed, or lost in a socket."""
+        return self._client._session.sockets.lost() + self._part.untaken
 
 
 class Client:
@@ -51,44 +80,50 @@ class Client:
         self._first_retry, self._longest_retry = first_retry, max(first_retry, longest_retry)
         self._retry, self._retry_at = first_retry, 0.0
         self._session = Session()
+        self._epoll = select.epoll()
+        self._epoll.register(self._session.sockets, select.EPOLLIN)
         self._socket: Optional[socket.socket] = None
         self._channels: list[Channel] = []
 
-    def publisher(self, channel: str, name: str = "", **stated: int | str) -> Channel:
+    def publisher(self, channel: str, name: str = "", **stated: int | str) -> PublisherChannel:
         """`channel`: its name, or its subject as "0xa4efeccc3210b497"; `name`: of the publisher, where several are for this
         user; the others: what the program was made with, such as Period="50ms". Raises ValueError."""
-        return Channel(self, Part(channel, Role.PUBLISHER, name, stated))
+        return PublisherChannel(self, Part(channel, Role.PUBLISHER, name, stated))
 
-    def subscriber(self, channel: str, name: str = "", **stated: int | str) -> Channel:
-        return Channel(self, Part(channel, Role.SUBSCRIBER, name, stated))
+    def subscriber(self, channel: str, name: str = "", **stated: int | str) -> SubscriberChannel:
+        """As publisher()."""
+        return SubscriberChannel(self, Part(channel, Role.SUBSCRIBER, name, stated))
 
     @property
     def connected(self) -> bool:
         return self._socket is not None
 
     def fileno(self) -> int:
-        """-1 while there is no connection: it changes when the daemon comes and goes."""
-        return self._socket.fileno() if self._socket else -1
+        """Can be read when there is something for process() to do. It stays the same until close()."""
+        return self._epoll.fileno()
 
     def process(self) -> None:
-        """Does what there is to do and calls exception handlers. Never waits."""
+        """Does what there is to do and calls handlers. Never waits. What a handler raises comes out of here; what else there
+        is for handlers is kept for the next call."""
         self._turn()
         for channel in list(self._channels):
-            for _ in range(channel._part.waits()):
-                exception = channel._part.take_exception()
+            part = channel._part
+            for _ in range(part.waits() if channel in self._channels else 0):
+                exception = part.take_exception()
                 if channel.on_exception:
                     channel.on_exception(exception)
                 if channel not in self._channels:
                     break
+            self._call_with_events(channel)
 
     def wait(self, seconds: Optional[float] = None) -> None:
         """process(), after waiting until there is something to do, for at most so long; None: without end."""
         end = None if seconds is None else time.monotonic() + seconds
-        while not any(c._part.waits() for c in self._channels):
+        while not any(c._part.waits() or c._part.events for c in self._channels):
             left = None if end is None else end - time.monotonic()
             if left is not None and left <= 0:
                 break
-            self._wait_for_daemon(left)
+            self._pause(left)
             self._turn()
         self.process()
 
@@ -97,7 +132,8 @@ class Client:
             self._socket.close()
         self._socket = None
         self._channels.clear()
-        self._session = Session()
+        self._session.sockets.close()
+        self._epoll.close()
 
     def __enter__(self) -> "Client":
         return self
@@ -109,9 +145,11 @@ class Client:
 
     def _take_up(self, channel: Channel) -> Answer:
         part = channel._part
+        if self._epoll.closed:
+            raise RuntimeError("the client is closed")
         if channel not in self._channels:
             self._channels.append(channel)
-            self._session.parts.append(part)
+        self._session.add(part)
         part.lost = False
         if not self._socket:
             self._connect(planned=False)
@@ -130,7 +168,16 @@ class Client:
     def _forget(self, channel: Channel) -> None:
         if channel in self._channels:
             self._channels.remove(channel)
-            self._session.parts.remove(channel._part)
+        self._session.remove(channel._part)
+
+    def _call_with_events(self, channel: Channel) -> None:
+        for _ in range(len(channel._part.events) if channel in self._channels else 0):
+            event = channel._part.events.popleft()
+            handler = channel.on_event if isinstance(channel, SubscriberChannel) else None
+            if handler:
+                handler(event)
+            if channel not in self._channels:
+                return
 
     # --- the connection -------------------------------------------------------------------------------------------
 
@@ -142,6 +189,7 @@ class Client:
         except OSError as error:
             self._lose(f"no daemon: {self._path}: {error.strerror or error}", planned)
             return
+        self._epoll.register(self._socket, select.EPOLLIN)
         self._session.connected()
 
     def _retry_later(self, planned: bool) -> None:
@@ -158,6 +206,9 @@ class Client:
         self._session.lost(why)
 
     def _turn(self) -> None:
+        if self._epoll.closed:
+            return
+        self._session.take_events()
         due = self._channels and time.monotonic() >= self._retry_at
         if not self._socket and due:
             self._connect()
@@ -171,6 +222,8 @@ class Client:
             self._lose(str(wrong))
         except OSError as error:
             self._lose(error.strerror or str(error))
+        if self._socket:
+            self._epoll.modify(self._socket, select.EPOLLIN | (select.EPOLLOUT if self._session.out else 0))
 
     def _send(self) -> None:
         while self._socket and self._session.out:
@@ -198,15 +251,24 @@ class Client:
             if any(part.failed for part in self._session.parts):
                 self._retry_later(planned=False)
 
-    def _wait_for_daemon(self, seconds: Optional[float]) -> None:
+    def _until_retry(self, seconds: Optional[float]) -> Optional[float]:
+        """How long to wait, where something is to be tried again before."""
+        if not self._channels or (self._socket and not any(part.failed for part in self._session.parts)):
+            return seconds
+        pause = max(self._retry_at - time.monotonic(), 0)
+        return pause if seconds is None else min(pause, seconds)
+
+    def _pause(self, seconds: Optional[float]) -> None:
+        """For events and the daemon."""
+        if self._epoll.closed:
+            raise RuntimeError("the client is closed")
+        if not self._channels and seconds is None:
+            raise RuntimeError("nothing is announced: wait() would have no end")
+        self._epoll.poll(self._until_retry(seconds))
+
+    def _wait_for_daemon(self, seconds: float) -> None:
+        """Not for events, which wait meanwhile."""
         if not self._socket:
-            pause = max(self._retry_at - time.monotonic(), 0) if self._channels else seconds
-            if pause is None:
-                raise RuntimeError("nothing is announced: wait() would have no end")
-            time.sleep(pause if seconds is None else min(pause, seconds))
+            time.sleep(self._until_retry(seconds) or 0)
             return
-        if any(part.failed for part in self._session.parts):
-            pause = max(self._retry_at - time.monotonic(), 0)
-            seconds = pause if seconds is None else min(pause, seconds)
-        writers = [self._socket] if self._session.out else []
-        select.select([self._socket], writers, [], seconds)
+        select.select([self._socket], [self._socket] if self._session.out else [], [], self._until_retry(seconds))

@@ -10,11 +10,13 @@ from typing import Deque, Mapping, Optional
 
 from google.protobuf.message import DecodeError
 
-from mlcca.types import Answer, Cause, ChannelException, Check, Delivery, State
+from mlcca.events import Events, encode
+from mlcca.types import Answer, Cause, ChannelException, Check, Delivery, Event, State
 from mlcca.v1 import control_pb2
 
 MOST_REPLY = 16 << 20  # bytes, as control.proto has it
 MOST_WAITING = 256      # exceptions that wait for a program that does not take them
+MOST_EVENTS = 1024      # of a channel that wait for a program that does not take them
 MOST_ROWS = 1 << 18     # deliveries of one answer
 
 # In whole numbers of the unit that the daemon counts in.
@@ -25,8 +27,8 @@ NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000}
 HAPPENED = {"excess": Cause.POLICED, "dropping": Cause.DROPPED, "missing": Cause.MISSING, "restored": Cause.RESTORED,
             "lapsed": Cause.GATES_CLOSED, "stopped": Cause.GATES_CLOSED, "mode": Cause.MODE}
 # What is decided may be otherwise: it is asked for.
-VERDICT = {"granted", "refused", "withdrawn", "released", "switched", "reinstated", "reload", "lagged"}
-MEANINGLESS = {"binding"}
+VERDICT = {"granted", "refused", "withdrawn", "released", "switched", "reinstated", "reload", "lagged", "local",
+           "binding"}
 # They are lost first where a program takes none.
 ONLY_INFORM = {Cause.POLICED, Cause.DROPPED, Cause.MISSING, Cause.RESTORED, Cause.MODE, Cause.OTHER}
 
@@ -53,17 +55,6 @@ def value_of(name: str, value: int | str) -> int:
     if not 0 <= value < 1 << 64:
         raise ValueError(f"{name} {value}: must be 0 to 2^64-1")
     return value
-
-
-def encode(request: control_pb2.Request) -> bytes:
-    body = request.SerializeToString()
-    head = bytearray()
-    size = len(body)
-    while size > 127:
-        head.append(size & 127 | 128)
-        size >>= 7
-    head.append(size)
-    return bytes(head) + body
 
 
 def check_of(row: control_pb2.Row) -> Check:
@@ -106,8 +97,21 @@ class Part:
         self.outdated = False  # something has changed since it was asked
         self.failed = False    # the daemon could not answer: it is asked again later
         self.lost = False      # the daemon went after it was announced
+        self.number = 0        # by which the sockets know it
+        self.events: Deque[Event] = deque()
+        self.untaken = 0       # events that were lost because so many waited
         self._waiting: Deque[ChannelException] = deque()
         self._lagged = False
+
+    @property
+    def publishes(self) -> bool:
+        return bool(self.request.role == Role.PUBLISHER.value)
+
+    def arrived(self, event: Event) -> None:
+        if len(self.events) < MOST_EVENTS:
+            self.events.append(event)
+        else:
+            self.untaken += 1
 
     def waits(self) -> int:
         """Exceptions that take_exception() has."""
@@ -173,10 +177,33 @@ class Session:
 
     def __init__(self) -> None:
         self.parts: list[Part] = []
+        self.sockets = Events()
         self.out = bytearray()
         self._in = bytearray()
         self._last_id = 0
+        self._last_number = 0
         self._whole: dict[int, control_pb2.Reply] = {}
+
+    def add(self, part: Part) -> None:
+        """From now on it is announced whenever there is a daemon."""
+        if part in self.parts:
+            return
+        self._last_number += 1
+        part.number = self._last_number
+        self.parts.append(part)
+
+    def remove(self, part: Part) -> None:
+        if part in self.parts:
+            self.parts.remove(part)
+            self.sockets.leave(part.number)
+
+    def take_events(self) -> None:
+        """What has come waits at its channels."""
+        arrived = self.sockets.take()
+        of_number = {part.number: part for part in self.parts} if arrived else {}
+        for arrival in arrived:
+            if arrival.end in of_number:
+                of_number[arrival.end].arrived(arrival.event)
 
     def connected(self) -> None:
         for part in self.parts:
@@ -194,6 +221,8 @@ class Session:
                 part.note(Cause.DAEMON_GONE, why)
 
     def ask(self, part: Part) -> None:
+        if not part.publishes:
+            part.request.local = self.sockets.address()
         self._last_id += 1
         part.asked, part.outdated, part.failed = self._last_id, False, False
         self.out += encode(control_pb2.Request(id=part.asked, announce=part.request, slices=True))
@@ -277,6 +306,9 @@ class Session:
             return
         if reply.channels.channels:
             part.subject = reply.channels.channels[0].subject
+        # They are those of this answer; without an answer that counts they stay, and the gates judge.
+        if wrong := self.sockets.use(part.number, part.publishes, reply):
+            part.note(Cause.OTHER, f"its events cannot be carried: {wrong}")
         # Something has happened since the daemon was asked: only the next answer is sure to know it.
         if part.outdated:
             self.ask(part)
@@ -287,8 +319,6 @@ class Session:
             part.note(Cause.DAEMON_BACK, part.answer.reason)
 
     def _on_event(self, event: control_pb2.Event) -> None:
-        if event.kind in MEANINGLESS:
-            return
         for part in self.parts:
             # Without a delivery only the name is known.
             of_channel = event.subject != 0 and (event.subject == part.subject or event.channel == part.request.channel)

@@ -37,6 +37,23 @@ class Cause(enum.Enum):
     OTHER = "other"                # of a newer daemon: see the text
 
 
+class Published(enum.Enum):
+    """What became of an event that was published."""
+    SENT = "sent"                # to every place that it is granted for
+    PARTLY = "sent in part"      # to some of them; the others have a full queue, or their gate drops it
+    LOST = "lost"                # to none of them
+    NOT_GRANTED = "not granted"  # nothing is granted, or nothing is known yet, so that it was not sent
+    TOO_LONG = "too long"        # longer than a network carries
+
+
+@dataclass(frozen=True)
+class Event:
+    """An event that has come."""
+    data: bytes       # 0 to 65,535 bytes
+    network: str      # that it came from; empty: from a program on the gateway
+    received_ns: int  # when the kernel received it, or, of a program on the gateway, when it was read; since 1970
+
+
 @dataclass(frozen=True)
 class Check:
     """One attribute, held against one place on the way of an event."""

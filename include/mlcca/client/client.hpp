@@ -25,6 +25,8 @@
 
 #define MLCCA_API __attribute__((visibility("default")))
 
+struct mlcca_events;  // mlcca/client/events.h
+
 namespace mlcca::client {
 
 /// One attribute, held against one place on the way of an event.
@@ -154,6 +156,7 @@ class MLCCA_API Client {
 
  private:
   friend class Channel;
+  friend struct ::mlcca_events;
   class __attribute__((visibility("hidden"))) Connection;
   class __attribute__((visibility("hidden"))) Data;
   std::shared_ptr<Connection> connection_;
@@ -188,6 +191,7 @@ class MLCCA_API Channel {
 
  private:
   friend class Client;
+  friend struct ::mlcca_events;
   struct __attribute__((visibility("hidden"))) Part;
   std::shared_ptr<Part> part_;
 };

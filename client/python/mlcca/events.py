@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Events by the sockets of libmlcca (mlcca/client/events.h), which are the same for every language."""
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+
+from mlcca.types import Event, Published
+from mlcca.v1 import control_pb2
+
+LIBRARY = "libmlcca.so.@ABI@"
+WHY_SIZE = 256
+
+_OnEvent = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_char_p,
+                            ctypes.c_uint64)
+_PUBLISHED = (Published.SENT, Published.PARTLY, Published.LOST, Published.NOT_GRANTED, Published.TOO_LONG)
+
+
+def _load() -> ctypes.CDLL:
+    try:
+        library = ctypes.CDLL(LIBRARY)
+    except OSError as missing:
+        raise ImportError(f"events go by {LIBRARY}, which cannot be loaded (package libmlcca@ABI@): {missing}") from missing
+    events, end, data, size = ctypes.c_void_p, ctypes.c_uint64, ctypes.c_char_p, ctypes.c_size_t
+    for name, result, arguments in (("new", events, ()),
+                                    ("free", None, (events,)),
+                                    ("fd", ctypes.c_int, (events,)),
+                                    ("address", ctypes.c_char_p, (events,)),
+                                    ("use", ctypes.c_int, (events, end, ctypes.c_int, data, size, data, size)),
+                                    ("leave", None, (events, end)),
+                                    ("publish", ctypes.c_int, (events, end, data, size)),
+                                    ("process", None, (events, _OnEvent, ctypes.c_void_p)),
+                                    ("lost", ctypes.c_uint64, (events,))):
+        function = getattr(library, f"mlcca_events_{name}")
+        function.restype, function.argtypes = result, arguments
+    return library
+
+
+def encode(message: control_pb2.Request | control_pb2.Reply) -> bytes:
+    """Behind its length as a varint."""
+    body = message.SerializeToString()
+    head = bytearray()
+    size = len(body)
+    while size > 127:
+        head.append(size & 127 | 128)
+        size >>= 7
+    head.append(size)
+    return bytes(head) + body
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """An event and the end of a channel that it is for."""
+    end: int
+    event: Event
+
+
+class Events:
+    """The sockets of one client. Nothing here waits."""
+
+    _library = _load()
+
+    def __init__(self) -> None:
+        self._events = self._library.mlcca_events_new()
+        if not self._events:
+            raise OSError("there are no file descriptors left for events")
+        self._arrived: list[Arrival] = []
+        self._on_event = _OnEvent(self._take)
+
+    def close(self) -> None:
+        if self._events:
+            self._library.mlcca_events_free(self._events)
+        self._events = None
+
+    def fileno(self) -> int:
+        """It stays the same."""
+        return int(self._library.mlcca_events_fd(self._events))
+
+    def address(self) -> str:
+        """Where programs on the gateway send events that this one subscribes."""
+        return bytes(self._library.mlcca_events_address(self._events)).decode()
+
+    def use(self, end: int, publishes: bool, reply: control_pb2.Reply) -> str:
+        """What of the endpoints in the reply cannot be used, and why; empty: nothing."""
+        wanted = control_pb2.Reply(id=1)
+        wanted.channels.endpoints.extend(reply.channels.endpoints)
+        wanted.channels.channels.extend(reply.channels.channels[:1])
+        data = encode(wanted)
+        why = ctypes.create_string_buffer(WHY_SIZE)
+        done = self._library.mlcca_events_use(self._events, end, 0 if publishes else 1, data, len(data), why, WHY_SIZE)
+        return "" if done == 0 else why.value.decode(errors="replace")
+
+    def leave(self, end: int) -> None:
+        if self._events:
+            self._library.mlcca_events_leave(self._events, end)
+
+    def publish(self, end: int, event: bytes) -> Published:
+        if not self._events:
+            return Published.NOT_GRANTED
+        return _PUBLISHED[self._library.mlcca_events_publish(self._events, end, event, len(event))]
+
+    def take(self) -> list[Arrival]:
+        """What has come, in its order."""
+        self._library.mlcca_events_process(self._events, self._on_event, None)
+        arrived, self._arrived = self._arrived, []
+        return arrived
+
+    def lost(self) -> int:
+        return int(self._library.mlcca_events_lost(self._events)) if self._events else 0
+
+    def _take(self, _: None, end: int, data: int, size: int, network: bytes, unix_ns: int) -> None:
+        content = ctypes.string_at(data, size) if size else b""
+        self._arrived.append(Arrival(end, Event(content, network.decode(), unix_ns)))
