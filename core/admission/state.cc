@@ -401,26 +401,51 @@ void State::decide(const std::map<std::size_t, Grants>& before) {
   std::vector<std::size_t> all(system_.channels.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   allocation.sort(all);
-  for (const std::size_t c : all) allocation.take_out(c);
-  ledger_.commit();
   for (const std::size_t c : all) {
+    allocation.take_out(c);
     decisions_[c] = {};
-    Progress::step();
   }
+  ledger_.commit();
+  bool all_kept = true;
   for (const std::size_t c : all) {
     const auto it = before.find(c);
     if (it == before.end() || it->second.set >= sets_of(system_, c)) continue;
     const Decision old = known(c, it->second);
-    if (old.granted == 0) continue;
-    decisions_[c] = decide_in(situation(), c, old.set, ledger_, &old);
-    ledger_.commit();
+    if (old.granted != 0 && !keep_after_restart(c, old)) all_kept = false;
   }
-  while (allocation.admit_waiting(all) || allocation.upgrade(all)) {
-  }
+  if (all_kept)
+    while (allocation.admit_waiting(all) || allocation.upgrade(all)) {
+    }
   for (const std::size_t c : all) {
     usage_.set(situation(), c, decisions_[c]);
     Progress::step();
   }
+  if (all_kept) return;
+  // Others go down before one is withdrawn, as when a network gets worse at run time.
+  for (std::size_t r = 0; r < system_.resources(); ++r) relieved_.insert(r);
+  for (const std::size_t c : all)
+    if (decisions_[c].granted == 0) touched_.insert(c);
+  static_cast<void>(settle());
+}
+
+/// What a channel was granted, if it can be kept as it was. Else it is taken for granted and
+/// touched, without anything in the ledger.
+bool State::keep_after_restart(std::size_t channel, const Decision& old) {
+  const Ledger::Mark mark = ledger_.mark();
+  Decision now = decide_in(situation(), channel, old.set, ledger_, &old);
+  const auto was_granted = [&](const Verdict& v) { return same_delivery(old, v) != nullptr; };
+  const bool kept = std::ranges::none_of(
+      now.verdicts, [&](const Verdict& v) { return !v.granted && was_granted(v); });
+  if (!kept) {
+    ledger_.roll_back(mark);
+    // The ways are those that it would have.
+    for (Verdict& v : now.verdicts) v.granted = was_granted(v);
+    now.granted = static_cast<std::size_t>(std::ranges::count_if(now.verdicts, &Verdict::granted));
+    touched_.insert(channel);
+  }
+  ledger_.commit();
+  decisions_[channel] = std::move(now);
+  return kept;
 }
 
 // --- gates --------------------------------------------------------------------------------------

@@ -191,6 +191,7 @@ class State {
     return {system_, topology_, members_, world_, withdrawn_};
   }
   [[nodiscard]] Decision known(std::size_t channel, const Grants& grants) const;
+  bool keep_after_restart(std::size_t channel, const Decision& old);
   void note_age(std::size_t channel);
   [[nodiscard]] bool is_used(std::size_t channel) const;
   [[nodiscard]] std::optional<std::size_t> free_unlisted() const;

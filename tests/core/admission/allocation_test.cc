@@ -207,6 +207,14 @@ TEST(AllocationTest, WhatWasGrantedBeforeTheRestartIsServedFirst) {
   EXPECT_EQ(s.service(), "-h");
 }
 
+TEST(AllocationTest, WhatCannotBeKeptAfterARestartIsDegradedBeforeOneIsWithdrawn) {
+  Scarce s({0, 0, 0});
+  s.carries(550);
+  // As before a reload by which the link is taken to carry less.
+  s.state().decide({{0, {0, {{"p0", 0, "air"}}}}, {1, {0, {{"p1", 0, "air"}}}}});
+  EXPECT_EQ(s.service(), "lll") << "the third has room then";
+}
+
 TEST(AllocationTest, AChannelThatMustGoDownComesBeforeOneThatWaits) {
   Scarce s({0, 0});
   s.carries(450);

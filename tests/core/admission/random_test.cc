@@ -346,6 +346,47 @@ TEST_P(RandomTest, BoundsHoldAndWhatIsTouchedIsDecidedAsIfEverythingWere) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomTest, ::testing::Range(1, 41));
 
+/// What a daemon writes down.
+std::map<std::size_t, Grants> grants_of(const State& state) {
+  std::map<std::size_t, Grants> all;
+  for (std::size_t c = 0; c < kChannels; ++c)
+    if (state.decisions()[c].granted != 0) all.emplace(c, state.grants(c));
+  return all;
+}
+
+/// By a restart a gateway becomes what it would have become without, where the networks have
+/// changed meanwhile.
+TEST(RandomRestartTest, NetworksThatAreWorseThenAreAsIfTheyHadBecomeSo) {
+  std::size_t degraded = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    Random random(seed);
+    const System system = random_system(random);
+    mesh::Graph graph = random_graph(random);
+    State goes_on(system);
+    goes_on.set_graph(kAir, graph);
+    goes_on.settle();
+    const auto before = grants_of(goes_on);
+    State again(system);
+    graph = varied(random, graph);
+    for (mesh::Link& link : graph.links) link.quality.rate /= 2;
+    Condition slow;
+    slow.timing.bitrate = 50'000;
+    for (State* s : {&goes_on, &again}) {
+      s->set_graph(kAir, graph);
+      s->set_condition(0, slow);
+    }
+    goes_on.settle();
+    again.decide(before);
+    EXPECT_EQ(service(again), service(goes_on)) << seed;
+    EXPECT_EQ(beyond_bounds(again), "") << seed;
+    for (const auto& [c, grants] : before) {
+      const Decision& now = again.decisions()[c];
+      if (now.granted >= grants.deliveries.size() && now.set > grants.set) ++degraded;
+    }
+  }
+  EXPECT_GT(degraded, 100U);
+}
+
 TEST(RandomReleaseTest, WhoCameAndWentLeavesNothing) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);
