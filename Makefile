@@ -171,7 +171,7 @@ cppcheck: ## defects that cppcheck finds without the headers of libraries
 # clang-tidy matches every check against the headers of a file, too, and for most files they are nine
 # tenths of its time. So it takes a part of the tree as one file, which includes the files of the part; of
 # ALONE it takes one file of each folder. One stamp a bundle: what did not change is not checked again.
-TIDY_PARTS := core control client relay description daemon/gateway daemon/net/sources daemon tools/awds \
+TIDY_PARTS := core control client relay/famouso relay description daemon/gateway daemon/net/sources daemon tools/awds \
 	tools/design/generate tools/design tools/doctor tools/readback tools/sources tools
 ifneq ($(filter tidy lint analyse,$(MAKECMDGOALS)),)
 tidy_rest := $(filter-out tests/% include/% bpf/%,$(shell git ls-files '*.cc'))

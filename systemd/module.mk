@@ -14,19 +14,21 @@ install-systemd:
 		systemd/mlcca-awds@.socket systemd/mlcca-sources.socket $(DESTDIR)$(UNITDIR)
 	$(Q)$(MAKE_UNIT) systemd/mlccad.service.in > $(DESTDIR)$(UNITDIR)/mlccad.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-relay.service.in > $(DESTDIR)$(UNITDIR)/mlcca-relay.service
+	$(Q)$(MAKE_UNIT) systemd/mlcca-famouso.service.in > $(DESTDIR)$(UNITDIR)/mlcca-famouso.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-gate.service.in > $(DESTDIR)$(UNITDIR)/mlcca-gate.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-awds@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-awds@.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-sources@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-sources@.service
 	$(Q)$(MAKE_UNIT) systemd/90-mlcca.rules.in > $(DESTDIR)$(UDEVDIR)/90-mlcca.rules
 	$(Q)install -m 644 systemd/mlcca.sysusers $(DESTDIR)$(SYSUSERSDIR)/mlcca.conf
 	$(Q)install -m 644 systemd/mlcca.tmpfiles $(DESTDIR)$(TMPFILESDIR)/mlcca.conf
-	$(Q)for f in gate.conf mlccad.conf; do \
+	$(Q)for f in gate.conf mlccad.conf famouso.conf; do \
 		[ -e $(DESTDIR)/etc/mlcca/$$f ] || install -m 644 systemd/$$f $(DESTDIR)/etc/mlcca/$$f; done
 install-programs: $(PROGRAMS)
 	$(call say,INSTALL,$(PREFIX)/sbin/mlccad $(PREFIX)/bin/mlccactl)
 	$(Q)install -d $(addprefix $(DESTDIR)$(PREFIX)/,sbin bin libexec/mlcca)
 	$(Q)install -m 755 $O/mlccad $(DESTDIR)$(PREFIX)/sbin/mlccad
 	$(Q)install -m 755 $O/mlcca-relay $(DESTDIR)$(PREFIX)/sbin/mlcca-relay
+	$(Q)install -m 755 $O/mlcca-famouso $(DESTDIR)$(PREFIX)/sbin/mlcca-famouso
 	$(Q)install -m 755 $O/mlccactl $(DESTDIR)$(PREFIX)/bin/mlccactl
 	$(Q)install -m 755 $O/mlcca-awds $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-awds
 	$(Q)install -m 755 $O/mlcca-sources $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-sources

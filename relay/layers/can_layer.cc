@@ -98,6 +98,10 @@ FrameSocket::Got RawSocket::receive(Frame& to) {
 
 }  // namespace
 
+Result<std::unique_ptr<FrameSocket>> open_frame_socket(std::uint32_t ifindex) {
+  return RawSocket::open(ifindex);
+}
+
 Result<std::unique_ptr<Layer>> CanLayer::open(const control::Endpoint& endpoint) {
   auto socket = RawSocket::open(endpoint.ifindex);
   if (!socket) return fail(endpoint.interface + ": " + socket.error().text);

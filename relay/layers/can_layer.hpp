@@ -48,6 +48,9 @@ class FrameSocket {
   [[nodiscard]] virtual std::uint64_t dropped() const = 0;
 };
 
+/// Of one bus; without a filter nothing comes. Frames of programs of this host come, too.
+[[nodiscard]] Result<std::unique_ptr<FrameSocket>> open_frame_socket(std::uint32_t ifindex);
+
 class CanLayer : public Layer {
  public:
   static Result<std::unique_ptr<Layer>> open(const control::Endpoint& endpoint);

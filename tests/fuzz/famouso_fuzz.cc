@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "relay/local_protocol.hpp"
-#include "relay/node_numbers.hpp"
-#include "relay/tag_broker.hpp"
+#include "relay/famouso/local_protocol.hpp"
+#include "relay/famouso/node_numbers.hpp"
+#include "relay/famouso/tag_broker.hpp"
 #include "tests/fuzz/demand.hpp"
 
 namespace {

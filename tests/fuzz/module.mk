@@ -3,7 +3,7 @@
 #
 #   $(eval $(call fuzz_target,NAME,ARCHIVES,CORPUS,MAX_LEN,LIBS))
 #
-# ARCHIVES: of ours (relay core control description enforce sources untrusted daemon tools design), built once with
+# ARCHIVES: of ours (relay client core control description enforce sources untrusted daemon tools design), built once with
 # instruments for all targets; a name with a slash is one more source (tests/tools/sources/proto_emulated).
 # CORPUS: folders below tests/corpus; what they hold is replayed whole, whatever MAX_LEN says.
 #
@@ -46,7 +46,7 @@ $O/fuzz/lib$1.a: $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 	$$(Q)rm -f $$@ && ar rcs $$@ $$^
 FUZZ_OBJECTS += $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 endef
-$(foreach library,relay core control description enforce sources untrusted daemon tools design doctor,$(eval $(call fuzz_library,$(library))))
+$(foreach library,relay client core control description enforce sources untrusted daemon tools design doctor,$(eval $(call fuzz_library,$(library))))
 
 define fuzz_target
 FUZZERS += $1
@@ -65,7 +65,7 @@ endef
 
 $(eval $(call fuzz_target,der_fuzz,,der,1500))
 $(eval $(call fuzz_target,afp_fuzz,relay control,afp,600,-lfmt))
-$(eval $(call fuzz_target,famouso_fuzz,relay control,famouso,1024,-lfmt))
+$(eval $(call fuzz_target,famouso_fuzz,relay client relay control,famouso,1024,-lfmt))
 $(eval $(call fuzz_target,layers_fuzz,relay control,layers,1024,-lfmt))
 $(eval $(call fuzz_target,description_fuzz,description core,description/good description/bad,16384,$(XML_LIBS) -lfmt))
 $(eval $(call fuzz_target,journal_fuzz,$(addprefix daemon/store/,oneofs journal format contents disk) tests/daemon/store/fake_disk control core,journal,2048,))

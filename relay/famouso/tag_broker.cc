@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "relay/tag_broker.hpp"
+#include "relay/famouso/tag_broker.hpp"
 
 #include <algorithm>
 #include <cstddef>

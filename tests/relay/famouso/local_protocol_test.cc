@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "relay/local_protocol.hpp"
+#include "relay/famouso/local_protocol.hpp"
 
 #include <gtest/gtest.h>
 

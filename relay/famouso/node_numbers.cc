@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "relay/node_numbers.hpp"
+#include "relay/famouso/node_numbers.hpp"
 
 #include <algorithm>
 

@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "relay/frame.hpp"
+#include "relay/famouso/frame.hpp"
 
 namespace mlcca::relay {
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "relay/node_numbers.hpp"
-#include "relay/tag_broker.hpp"
+#include "relay/famouso/node_numbers.hpp"
+#include "relay/famouso/tag_broker.hpp"
 
 namespace mlcca::relay {
 namespace {

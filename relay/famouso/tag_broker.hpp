@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "relay/frame.hpp"
+#include "relay/famouso/frame.hpp"
 
 namespace mlcca::relay {
 

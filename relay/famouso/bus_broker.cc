@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "relay/famouso/bus_broker.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace mlcca::relay {
+namespace {
+
+constexpr std::uint64_t kSecond = 1'000'000'000;
+constexpr unsigned kOctet = 8;
+
+std::uint64_t number_of(const Uid& uid) {
+  std::uint64_t out = 0;
+  for (const std::uint8_t octet : uid) out = out << kOctet | octet;
+  return out;
+}
+
+Uid uid_of(std::uint64_t number) {
+  Uid out{};
+  for (auto octet = out.rbegin(); octet != out.rend(); ++octet, number >>= kOctet)
+    *octet = static_cast<std::uint8_t>(number);
+  return out;
+}
+
+}  // namespace
+
+Result<BusBroker> BusBroker::make(const Uid& uid, DealtFile file, Stated stated, Log log) {
+  std::vector<NodeBroker::Dealt> nodes;
+  for (const auto& [of, number] : file.nodes())
+    nodes.emplace_back(uid_of(of), static_cast<NodeNumber>(number));
+  std::vector<TagBroker::Dealt> tags(file.tags().begin(), file.tags().end());
+  for (const auto& [subject, tag] : stated) {
+    const auto clashes = [&](const auto& dealt) {
+      return (dealt.first == subject) != (dealt.second == tag);
+    };
+    if (const auto other = std::ranges::find_if(tags, clashes); other != tags.end())
+      return fail(fmt::format(
+          "tag {:#x} of {:#018x} cannot be dealt: before, tag {:#x} was dealt to {:#018x}. Stop "
+          "all nodes of the bus, and remove the file of what was dealt",
+          tag, subject, other->second, other->first));
+    tags.emplace_back(subject, tag);
+  }
+  BusBroker out(uid, std::move(file), nodes, tags, std::move(log));
+  if (auto done = out.write_down(); !done) return std::unexpected(done.error());
+  return out;
+}
+
+/// What was dealt since it was written down the last time.
+Result<void> BusBroker::write_down() {
+  while (file_.nodes().size() < nodes_.dealt().size()) {
+    const auto& [uid, number] = nodes_.dealt()[file_.nodes().size()];
+    if (auto done = file_.add_node(number_of(uid), number); !done) return done;
+    log_(fmt::format("node {:#x} is {:#018x}", number, number_of(uid)));
+  }
+  while (file_.tags().size() < tags_.dealt().size()) {
+    const auto& [subject, tag] = tags_.dealt()[file_.tags().size()];
+    if (auto done = file_.add_tag(subject, tag); !done) return done;
+    log_(fmt::format("tag {:#x} is of {:#018x}", tag, subject));
+  }
+  return {};
+}
+
+bool BusBroker::may_answer(std::uint64_t now) {
+  if (now - second_ >= kSecond) {
+    second_ = now;
+    answered_ = 0;
+  }
+  return ++answered_ <= kMostPerSecond;
+}
+
+std::vector<Frame> BusBroker::take(const Frame& frame, std::uint64_t now) {
+  if (!may_answer(now)) return {};
+  std::vector<Frame> out;
+  if (const auto answer = nodes_.take(frame, now)) out.push_back(*answer);
+  if (const auto answer = tags_.take(frame)) out.insert(out.end(), answer->begin(), answer->end());
+  const auto written = write_down();
+  const std::string trouble = written ? "" : written.error().text;
+  if (trouble != std::exchange(trouble_, trouble) && !trouble.empty())
+    log_("not answered, since it cannot be written down: " + trouble);
+  if (!written) out.clear();
+  return out;
+}
+
+}  // namespace mlcca::relay

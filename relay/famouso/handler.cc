@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "relay/famouso/handler.hpp"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <span>
+#include <utility>
+
+#include "relay/layers/sockets.hpp"
+
+namespace mlcca::relay {
+namespace {
+
+constexpr int kBacklog = 16;
+constexpr std::uint64_t kRefusalPause = 1'000'000'000;
+constexpr std::size_t kRead = std::size_t{64} << 10U;
+
+std::string text_of(std::uint64_t subject) { return fmt::format("0x{:016x}", subject); }
+
+std::string text_of(const sockaddr_in& address) {
+  std::array<char, INET_ADDRSTRLEN> out{};
+  ::inet_ntop(AF_INET, &address.sin_addr, out.data(), out.size());
+  return std::string(out.data()) + ":" + std::to_string(ntohs(address.sin_port));
+}
+
+client::Options options_for(const std::string& socket) {
+  client::Options out;
+  out.socket = socket;
+  // Answers come as exceptions: nobody is kept waiting.
+  out.patience = std::chrono::milliseconds(0);
+  return out;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<EventChannelHandler>> EventChannelHandler::open(
+    std::uint32_t address, std::uint16_t port, std::optional<std::set<uid_t>> users,
+    const std::string& socket, Outside outside) {
+  Fd listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  Fd epoll(::epoll_create1(EPOLL_CLOEXEC));
+  if (!listener || !epoll) return system_error("socket");
+  const int on = 1;
+  ::setsockopt(listener.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  sockaddr_in at{};
+  at.sin_family = AF_INET;
+  at.sin_addr.s_addr = htonl(address);
+  at.sin_port = htons(port);
+  // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
+  if (::bind(listener.get(), reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0 ||
+      ::listen(listener.get(), kBacklog) != 0)
+    return system_error("listening at " + text_of(at));
+  std::unique_ptr<EventChannelHandler> out(new EventChannelHandler(
+      std::move(epoll), std::move(listener), std::move(users), socket, std::move(outside)));
+  if (!out->watch(out->listener_.get(), EPOLLIN, EPOLL_CTL_ADD) ||
+      !out->watch(out->client_.fd(), EPOLLIN, EPOLL_CTL_ADD))
+    return system_error("epoll");
+  return out;
+}
+
+EventChannelHandler::EventChannelHandler(Fd epoll, Fd listener,
+                                         std::optional<std::set<uid_t>> users,
+                                         const std::string& socket, Outside outside)
+    : epoll_(std::move(epoll)),
+      listener_(std::move(listener)),
+      users_(std::move(users)),
+      outside_(std::move(outside)),
+      client_(options_for(socket)) {}
+
+bool EventChannelHandler::watch(int fd, std::uint32_t events, int how) const {
+  epoll_event event{.events = events, .data = {.fd = fd}};
+  return ::epoll_ctl(epoll_.get(), how, fd, &event) == 0;
+}
+
+std::uint16_t EventChannelHandler::port() const {
+  sockaddr_in at{};
+  socklen_t size = sizeof at;
+  // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
+  ::getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&at), &size);
+  return ntohs(at.sin_port);
+}
+
+void EventChannelHandler::turn(std::uint64_t now) {
+  std::array<epoll_event, 64> ready{};
+  const int count = ::epoll_wait(epoll_.get(), ready.data(), ready.size(), 0);
+  for (const epoll_event& one : std::span(ready).first(count < 0 ? 0 : count)) {
+    const int fd = one.data.fd;
+    if (fd == listener_.get()) {
+      accept(now);
+    } else if (const auto known = connections_.find(fd); known != connections_.end()) {
+      if ((one.events & EPOLLOUT) != 0) write(fd, known->second);
+      if ((one.events & ~std::uint32_t{EPOLLOUT}) != 0) read(fd);
+    }
+  }
+  client_.process();
+  for (const auto& [fd, connection] : connections_)
+    if (!connection.opened && now - connection.since >= kPatience)
+      ended_.emplace(fd, "it has not said what it wants");
+  close_ended();
+}
+
+// --- connections ---------------------------------------------------------------------------------
+
+std::optional<std::string> EventChannelHandler::refusal(const Connection& connection,
+                                                        uid_t user) const {
+  if (users_ && !users_->contains(user))
+    return connection.name + ": it is not for programs of that user (--user)";
+  if (connections_.size() >= kMostConnections)
+    return connection.name + ": there are " + std::to_string(kMostConnections) + " connections";
+  return std::nullopt;
+}
+
+/// At most one line a second, whoever connects.
+void EventChannelHandler::refuse(const std::string& whom_and_why, std::uint64_t now) {
+  ++refused_;
+  if (refused_at_ != 0 && now - refused_at_ < kRefusalPause) return;
+  refused_at_ = now;
+  outside_.log(fmt::format("refused: {} ({} so far)", whom_and_why, refused_));
+}
+
+void EventChannelHandler::accept(std::uint64_t now) {
+  for (int i = 0; i < kBacklog; ++i) {
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
+    Fd socket(::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&from), &size,
+                        SOCK_CLOEXEC | SOCK_NONBLOCK));
+    if (!socket) return;
+    const auto user = outside_.user_of(socket.get());
+    if (!user) {
+      refuse(text_of(from) + ": whose it is is not known: " + user.error().text, now);
+      continue;
+    }
+    Connection connection{.socket = std::move(socket),
+                          .name = text_of(from) + " of uid " + std::to_string(*user),
+                          .session = {},
+                          .since = now};
+    if (const auto why = refusal(connection, *user)) {
+      refuse(*why, now);
+      continue;
+    }
+    const int on = 1;
+    const int fd = connection.socket.get();
+    ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    if (watch(fd, EPOLLIN, EPOLL_CTL_ADD)) connections_.emplace(fd, std::move(connection));
+  }
+}
+
+void EventChannelHandler::read(int fd) {
+  Connection& connection = connections_.at(fd);
+  std::array<std::uint8_t, kRead> octets{};
+  const ssize_t n = ::recv(fd, octets.data(), octets.size(), MSG_DONTWAIT);
+  if (n < 0 && (errno == EAGAIN || errno == EINTR)) return;
+  if (n <= 0) {
+    ended_.emplace(fd, "");
+    return;
+  }
+  std::vector<LocalSession::Event> events;
+  connection.session.take(std::span(octets).first(static_cast<std::size_t>(n)), events);
+  if (!connection.opened) open_channel(fd, connection);
+  if (!events.empty()) publish(connection, events);
+  if (connection.session.role() == LocalSession::Role::ended)
+    ended_.emplace(fd, connection.session.why());
+}
+
+void EventChannelHandler::close_ended() {
+  for (const auto& [fd, why] : std::exchange(ended_, {})) close(fd, why);
+}
+
+void EventChannelHandler::close(int fd, const std::string& why) {
+  const auto known = connections_.find(fd);
+  if (known == connections_.end()) return;
+  if (!why.empty()) outside_.log(known->second.name + " is closed: " + why);
+  const std::uint64_t subject = known->second.session.subject();
+  const auto leave = [&](auto& all) {
+    const auto shared = all.find(subject);
+    if (shared == all.end()) return;
+    shared->second.connections.erase(fd);
+    if (shared->second.connections.empty()) all.erase(shared);
+  };
+  leave(publishers_);
+  leave(subscribers_);
+  connections_.erase(known);
+}
+
+// --- channels ------------------------------------------------------------------------------------
+
+void EventChannelHandler::say_answer(const std::string& what, const client::Answer& answer) const {
+  outside_.log(what + ": " + client::name_of(answer.state) + ", " + answer.reason);
+}
+
+/// Once it is known which one the connection wants. The answer may be there at once or come later,
+/// as an exception.
+void EventChannelHandler::open_channel(int fd, Connection& connection) {
+  const auto role = connection.session.role();
+  const std::uint64_t subject = connection.session.subject();
+  const bool publishes = role == LocalSession::Role::publisher;
+  if (!publishes && role != LocalSession::Role::subscriber) return;
+  connection.opened = true;
+  const std::string what =
+      text_of(subject) + (publishes ? " is announced by " : " is subscribed by ") + connection.name;
+  outside_.log(what);
+  const auto say = [this, subject](const client::Exception& e) {
+    say_answer(text_of(subject) + ": " + client::name_of(e.cause), *e.answer);
+  };
+  if (publishes) {
+    auto& shared = publishers_[subject];
+    shared.connections.insert(fd);
+    if (shared.channel) return;
+    shared.channel = std::make_unique<client::PublisherChannel>(client_, text_of(subject));
+    shared.channel->on_exception(say);
+    say_answer(text_of(subject), *shared.channel->announce());
+  } else {
+    auto& shared = subscribers_[subject];
+    shared.connections.insert(fd);
+    if (shared.channel) return;
+    shared.channel = std::make_unique<client::SubscriberChannel>(client_, text_of(subject));
+    shared.channel->on_exception(say);
+    shared.channel->on_event([this, subject](const client::Event& e) { hand_out(subject, e); });
+    say_answer(text_of(subject), *shared.channel->subscribe());
+  }
+}
+
+/// It is said once that events are dropped, and once that they are not any more.
+void EventChannelHandler::publish(Connection& connection,
+                                  const std::vector<LocalSession::Event>& events) {
+  const std::uint64_t subject = connection.session.subject();
+  const auto known = publishers_.find(subject);
+  if (known == publishers_.end()) return;
+  auto& shared = known->second;
+  for (const auto& event : events) {
+    const auto how = shared.channel->publish(event.data(), event.size());
+    const bool drops = how != client::Published::sent && how != client::Published::partly;
+    if (drops) ++shared.dropped;
+    if (drops == shared.is_dropping) continue;
+    shared.is_dropping = drops;
+    outside_.log(text_of(subject) +
+                 (drops ? std::string(": events are dropped: ") + client::name_of(how)
+                        : ": events are sent again, after " +
+                              std::to_string(std::exchange(shared.dropped, 0)) + " dropped"));
+  }
+}
+
+void EventChannelHandler::hand_out(std::uint64_t subject, const client::Event& event) {
+  const auto known = subscribers_.find(subject);
+  if (known == subscribers_.end()) return;
+  for (const int fd : known->second.connections) {
+    Connection& connection = connections_.at(fd);
+    if (!connection.session.send({event.data, event.size}) &&
+        !std::exchange(connection.loses, true))
+      outside_.log(connection.name + " does not read: events of " + text_of(subject) +
+                   " are lost to it");
+    if (!connection.waiting) write(fd, connection);
+  }
+}
+
+void EventChannelHandler::write(int fd, Connection& connection) {
+  LocalSession& session = connection.session;
+  while (!session.waiting().empty()) {
+    const auto waiting = session.waiting();
+    const ssize_t n = ::send(fd, waiting.data(), waiting.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0 && errno == EAGAIN) break;
+    if (n < 0) {
+      ended_.emplace(fd, "");
+      return;
+    }
+    session.written(static_cast<std::size_t>(n));
+  }
+  const bool waits = !session.waiting().empty();
+  if (!waits) connection.loses = false;
+  if (waits == connection.waiting) return;
+  connection.waiting = waits;
+  static_cast<void>(watch(fd, waits ? EPOLLIN | EPOLLOUT : EPOLLIN, EPOLL_CTL_MOD));
+}
+
+}  // namespace mlcca::relay
