@@ -306,7 +306,8 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
     part->lost = true;
     return;
   }
-  use_endpoints(part, reply);
+  if (const auto done = data_.use(part, reply); !done)
+    part->note(Cause::other, "its events cannot be carried: " + done.error().text);
   // Something has happened since the daemon was asked: only the next answer is sure to know it.
   if (part->outdated) {
     ask(part);
@@ -314,16 +315,6 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
   }
   part->take(std::make_shared<Answer>(std::move(*answer)));
   if (std::exchange(part->lost, false)) part->note(Cause::daemon_back, part->answer->reason);
-}
-
-/// They are those of the answer; without an answer that counts they stay, and the gates judge.
-void Client::Connection::use_endpoints(const PartOf& part, const control::Reply& reply) {
-  const auto* channels = std::get_if<control::Channels>(&reply.body);
-  if (channels != nullptr && !channels->channels.empty())
-    part->subject = channels->channels.front().subject;
-  const auto done =
-      data_.use(part, channels == nullptr ? std::vector<control::Endpoint>{} : channels->endpoints);
-  if (!done) part->note(Cause::other, "its events cannot be carried: " + done.error().text);
 }
 
 void Client::Connection::on_event(const control::Event& event) {

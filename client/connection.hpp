@@ -69,8 +69,6 @@ class Client::Connection {
   /// Those that still exist.
   std::vector<PartOf> parts();
 
-  void use_endpoints(const PartOf& part, const control::Reply& reply);
-
   Options options_;
   Fd epoll_;
   Fd timer_;    ///< when to connect again

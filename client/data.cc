@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstring>
 #include <iterator>
+#include <variant>
 
 #include "base/clock.hpp"
 
@@ -87,7 +88,15 @@ void Client::Data::close(std::uint32_t ifindex) {
   });
 }
 
-Result<void> Client::Data::use(const PartOf& part, std::vector<control::Endpoint> endpoints) {
+Result<void> Client::Data::use(const PartOf& part, const control::Reply& reply) {
+  const auto* channels = std::get_if<control::Channels>(&reply.body);
+  if (channels == nullptr) return use_endpoints(part, {});
+  if (!channels->channels.empty()) part->subject = channels->channels.front().subject;
+  return use_endpoints(part, channels->endpoints);
+}
+
+Result<void> Client::Data::use_endpoints(const PartOf& part,
+                                         std::vector<control::Endpoint> endpoints) {
   leave_expired();
   const bool publishes = part->request.role == control::Role::publisher;
   Result<void> done;

@@ -33,8 +33,9 @@ class Client::Data {
   /// Where programs on the gateway send events that this one subscribes; empty: there are no
   /// descriptors left.
   [[nodiscard]] std::string address();
-  /// It sends and receives by these from now on. Error: one cannot be used, and why.
-  [[nodiscard]] Result<void> use(const PartOf& part, std::vector<control::Endpoint> endpoints);
+  /// It sends and receives by the endpoints of this answer from now on; of an error there are none.
+  /// Error: one cannot be used, and why.
+  [[nodiscard]] Result<void> use(const PartOf& part, const control::Reply& reply);
   [[nodiscard]] Published publish(const Channel::Part& part, Octets event);
   /// Takes what has come by one of its descriptors, up to a number of events. False: it is none.
   [[nodiscard]] bool receive(int fd);
@@ -64,6 +65,7 @@ class Client::Data {
 
   [[nodiscard]] bool watch(int fd) const;
   Result<relay::Layer*> layer_of(const control::Endpoint& endpoint);
+  Result<void> use_endpoints(const PartOf& part, std::vector<control::Endpoint> endpoints);
   void leave(const std::weak_ptr<Channel::Part>& part);
   void leave_expired();
   void close(std::uint32_t ifindex);

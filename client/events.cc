@@ -6,15 +6,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <chrono>
+#include <functional>
 #include <map>
 #include <memory>
 #include <new>
 #include <span>
 #include <string>
 #include <string_view>
-#include <variant>
-#include <vector>
 
 #include "client/data.hpp"
 #include "control/codec.hpp"
@@ -32,18 +31,12 @@ struct __attribute__((visibility("hidden"))) mlcca_events {
   using Part = Channel::Part;
   using Handler = mlcca::client::SubscriberChannel::EventHandler;
 
-  struct Arrived {
-    std::uint64_t end = 0;
-    std::string network;
-    std::vector<std::uint8_t> octets;
-    std::uint64_t unix_ns = 0;
-  };
-
   Fd epoll{::epoll_create1(EPOLL_CLOEXEC)};
   Client::Data data{epoll};
   std::string address;
   std::map<std::uint64_t, std::shared_ptr<Part>> ends;
-  std::vector<Arrived> arrived;
+  std::function<void(std::uint64_t end, const Event& event)>
+      on_event;  ///< of mlcca_events_process()
 
   const std::shared_ptr<Part>& end(std::uint64_t number, mlcca_role role);
   std::string use(const std::shared_ptr<Part>& part, std::string_view reply);
@@ -55,14 +48,8 @@ const std::shared_ptr<Channel::Part>& mlcca_events::end(std::uint64_t number, ml
   part = std::make_shared<Part>();
   part->request.role =
       role == MLCCA_PUBLISHER ? control::Role::publisher : control::Role::subscriber;
-  part->on_event = std::make_shared<const Handler>([this, number](const Event& event) {
-    using std::chrono::nanoseconds;
-    const auto when = std::chrono::duration_cast<nanoseconds>(event.received.time_since_epoch());
-    arrived.push_back({number,
-                       event.network,
-                       {event.data, event.data + event.size},
-                       static_cast<std::uint64_t>(when.count())});
-  });
+  part->on_event = std::make_shared<const Handler>(
+      [this, number](const Event& event) { on_event(number, event); });
   return part;
 }
 
@@ -73,11 +60,7 @@ std::string mlcca_events::use(const std::shared_ptr<Part>& part, std::string_vie
   const auto decoded = control::decode_reply(buffer);
   if (!decoded) return decoded.error().text;
   if (!*decoded || !buffer.content().empty()) return "what is given is not one reply";
-  const auto* channels = std::get_if<control::Channels>(&(**decoded).body);
-  if (channels != nullptr && !channels->channels.empty())
-    part->subject = channels->channels.front().subject;
-  const auto done =
-      data.use(part, channels == nullptr ? std::vector<control::Endpoint>{} : channels->endpoints);
+  const auto done = data.use(part, **decoded);
   return done ? std::string() : done.error().text;
 }
 
@@ -138,6 +121,12 @@ mlcca_published mlcca_events_publish(mlcca_events* events, uint64_t end, const v
 }
 
 void mlcca_events_process(mlcca_events* events, mlcca_on_event on_event, void* context) {
+  events->on_event = [on_event, context](std::uint64_t end, const Event& event) {
+    using std::chrono::nanoseconds;
+    const auto when = std::chrono::duration_cast<nanoseconds>(event.received.time_since_epoch());
+    on_event(context, end, event.data, event.size, event.network,
+             static_cast<std::uint64_t>(when.count()));
+  };
   std::array<epoll_event, 16> ready{};
   const int count = ::epoll_wait(events->epoll.get(), ready.data(), ready.size(), 0);
   try {
@@ -146,10 +135,6 @@ void mlcca_events_process(mlcca_events* events, mlcca_on_event on_event, void* c
     events->data.call_handlers();
   } catch (const std::bad_alloc&) {
   }
-  for (const auto& one : events->arrived)
-    on_event(context, one.end, one.octets.data(), one.octets.size(), one.network.c_str(),
-             one.unix_ns);
-  events->arrived.clear();
 }
 
 uint64_t mlcca_events_lost(const mlcca_events* events) { return events->data.lost(); }

@@ -9,28 +9,14 @@
 #include <cstring>
 #include <utility>
 
+#include "base/big_endian.hpp"
 #include "base/unix_address.hpp"
 
 namespace mlcca::client {
 namespace {
 
-constexpr unsigned kOctet = 8;
-
 std::unexpected<Error> system_error(const char* call) {
   return fail(std::string(call) + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
-}
-
-std::array<std::uint8_t, sizeof(std::uint64_t)> big_endian(std::uint64_t number) {
-  std::array<std::uint8_t, sizeof number> out{};
-  for (auto octet = out.rbegin(); octet != out.rend(); ++octet, number >>= kOctet)
-    *octet = static_cast<std::uint8_t>(number);
-  return out;
-}
-
-std::uint64_t from_big_endian(std::span<const std::uint8_t> octets) {
-  std::uint64_t out = 0;
-  for (const std::uint8_t octet : octets) out = out << kOctet | octet;
-  return out;
 }
 
 /// The user who has sent a message; nobody where the kernel does not say.

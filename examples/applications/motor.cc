@@ -28,7 +28,7 @@ class Motor {
     set(true);
   }
   // Called at least as often as the motor must react.
-  void look() {
+  void check() {
     if (Clock::now() - last_ > kLongestSilence) set(false);
   }
 
@@ -53,6 +53,6 @@ int main(int argc, char** argv) {
   std::cout << "subscribed: " << mlcca::client::name_of(stop.subscribe()->state) << std::endl;
   for (;;) {
     client.wait(std::chrono::milliseconds(10));
-    motor.look();
+    motor.check();
   }
 }

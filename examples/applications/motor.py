@@ -17,7 +17,7 @@ class Motor:
         self.last = time.monotonic()
         self.set(True)
 
-    def look(self):
+    def check(self):
         """Called at least as often as the motor must react."""
         if time.monotonic() - self.last > LONGEST_SILENCE:
             self.set(False)
@@ -35,4 +35,4 @@ with mlcca.Client(*sys.argv[1:]) as client:
     print("subscribed:", stop.subscribe().state.value, flush=True)
     while True:
         client.wait(0.01)
-        motor.look()
+        motor.check()

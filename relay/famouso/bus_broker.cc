@@ -7,31 +7,19 @@
 #include <utility>
 #include <vector>
 
+#include "base/big_endian.hpp"
+
 namespace mlcca::relay {
 namespace {
 
 constexpr std::uint64_t kSecond = 1'000'000'000;
-constexpr unsigned kOctet = 8;
-
-std::uint64_t number_of(const Uid& uid) {
-  std::uint64_t out = 0;
-  for (const std::uint8_t octet : uid) out = out << kOctet | octet;
-  return out;
-}
-
-Uid uid_of(std::uint64_t number) {
-  Uid out{};
-  for (auto octet = out.rbegin(); octet != out.rend(); ++octet, number >>= kOctet)
-    *octet = static_cast<std::uint8_t>(number);
-  return out;
-}
 
 }  // namespace
 
 Result<BusBroker> BusBroker::make(const Uid& uid, DealtFile file, Stated stated, Log log) {
   std::vector<NodeBroker::Dealt> nodes;
   for (const auto& [of, number] : file.nodes())
-    nodes.emplace_back(uid_of(of), static_cast<NodeNumber>(number));
+    nodes.emplace_back(big_endian(of), static_cast<NodeNumber>(number));
   std::vector<TagBroker::Dealt> tags(file.tags().begin(), file.tags().end());
   for (const auto& [subject, tag] : stated) {
     const auto clashes = [&](const auto& dealt) {
@@ -53,8 +41,8 @@ Result<BusBroker> BusBroker::make(const Uid& uid, DealtFile file, Stated stated,
 Result<void> BusBroker::write_down() {
   while (file_.nodes().size() < nodes_.dealt().size()) {
     const auto& [uid, number] = nodes_.dealt()[file_.nodes().size()];
-    if (auto done = file_.add_node(number_of(uid), number); !done) return done;
-    log_(fmt::format("node {:#x} is {:#018x}", number, number_of(uid)));
+    if (auto done = file_.add_node(from_big_endian(uid), number); !done) return done;
+    log_(fmt::format("node {:#x} is {:#018x}", number, from_big_endian(uid)));
   }
   while (file_.tags().size() < tags_.dealt().size()) {
     const auto& [subject, tag] = tags_.dealt()[file_.tags().size()];

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/big_endian.hpp"
+
 namespace mlcca::relay {
 namespace {
 
@@ -13,12 +15,6 @@ constexpr std::uint8_t kAnnounce = 0x56;
 constexpr std::size_t kSubject = 8;
 constexpr std::size_t kOpening = 1 + kSubject;
 constexpr std::size_t kHead = kOpening + 4;  // of an event
-
-std::uint64_t big_endian_in(std::span<const std::uint8_t> octets) {
-  std::uint64_t number = 0;
-  for (const std::uint8_t octet : octets) number = number << 8U | octet;
-  return number;
-}
 
 void put(std::uint64_t number, std::size_t octets, std::vector<std::uint8_t>& to) {
   while (octets-- > 0) to.push_back(static_cast<std::uint8_t>(number >> 8U * octets));
@@ -47,7 +43,7 @@ void LocalSession::take(Octets octets, std::vector<Event>& events) {
 
 bool LocalSession::take_opening() {
   if (in_.size() < kOpening) return false;
-  subject_ = big_endian_in(Octets(in_).subspan(1, kSubject));
+  subject_ = from_big_endian(Octets(in_).subspan(1, kSubject));
   if (in_[0] == kSubscribe)
     role_ = Role::subscriber;
   else if (in_[0] == kAnnounce)
@@ -66,7 +62,7 @@ bool LocalSession::take_event(std::vector<Event>& events) {
     return false;
   }
   if (in_.size() < kHead) return false;
-  const std::uint64_t length = big_endian_in(Octets(in_).subspan(kOpening, kHead - kOpening));
+  const std::uint64_t length = from_big_endian(Octets(in_).subspan(kOpening, kHead - kOpening));
   if (length > kMostOctets) {
     end("an event of " + std::to_string(length) + " octets: at most " +
         std::to_string(kMostOctets) + " are possible");

@@ -4,16 +4,12 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "base/big_endian.hpp"
+
 namespace mlcca::relay {
 namespace {
 
 constexpr std::size_t kHalf = 4;  // octets of a subject in one answer
-
-SubjectId subject_of(const Frame& frame) {
-  SubjectId subject = 0;
-  for (const std::uint8_t octet : frame.data) subject = subject << 8U | octet;
-  return subject;
-}
 
 Frame half(const Frame& request, std::uint8_t which, TagNumber tag) {
   Frame out{
@@ -55,7 +51,7 @@ std::optional<TagBroker::Answer> TagBroker::take(const Frame& frame) {
   if (!has_normal_priority(frame) || tag_of(frame) != kTagRequest || frame.length != 8 ||
       (frame.id & fragment_bit) != 0)
     return std::nullopt;
-  const auto tag = tag_of_subject(subject_of(frame));
+  const auto tag = tag_of_subject(from_big_endian(frame.data));
   if (!tag) return std::nullopt;
   return Answer{half(frame, 0, *tag), half(frame, 1, *tag)};
 }

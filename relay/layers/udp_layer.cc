@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "base/big_endian.hpp"
 #include "base/clock.hpp"
 #include "relay/layers/sockets.hpp"
 
@@ -84,8 +85,7 @@ std::uint32_t group_of(std::uint64_t subject) {
 std::optional<Datagram> parse_datagram(Octets octets) {
   if (octets.size() < kDatagramHeader || octets[kSubjectOctets] > 1) return std::nullopt;
   Datagram out;
-  for (const std::uint8_t octet : octets.first(kSubjectOctets))
-    out.subject = out.subject << kOctet | octet;
+  out.subject = from_big_endian(octets.first(kSubjectOctets));
   out.is_fragment = octets[kSubjectOctets] == 1;
   out.data = octets.subspan(kDatagramHeader);
   return out;
@@ -93,8 +93,7 @@ std::optional<Datagram> parse_datagram(Octets octets) {
 
 std::array<std::uint8_t, kDatagramHeader> datagram_header(std::uint64_t subject, bool is_fragment) {
   std::array<std::uint8_t, kDatagramHeader> out{};
-  for (unsigned i = 0; i < kSubjectOctets; ++i)
-    out.at(i) = static_cast<std::uint8_t>(octet_of(subject, i));
+  std::ranges::copy(big_endian(subject), out.begin());
   out.back() = is_fragment ? 1 : 0;
   return out;
 }
@@ -194,7 +193,7 @@ void UdpLayer::take(Octets octets, std::uint32_t from, std::uint64_t unix_ns,
     hand_over(known->second, from, *event, unix_ns, on_event);
 }
 
-/// To those who follow the sender, or else to those who follow anybody who has no follower.
+/// To those who follow the sender, or, where there are none, to those who follow any sender.
 void UdpLayer::hand_over(const std::vector<Following>& all, std::uint32_t from, Octets event,
                          std::uint64_t unix_ns, const OnEvent& on_event) {
   const bool is_stated = std::ranges::find(all, from, &Following::address) != all.end();

@@ -14,7 +14,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <exception>
 #include <map>
 #include <string>
 
@@ -24,6 +23,7 @@
 #include "daemon/manager.hpp"
 #include "relay/carrier.hpp"
 #include "relay/grants.hpp"
+#include "relay/run.hpp"
 
 namespace mlcca::relay {
 namespace {
@@ -32,8 +32,6 @@ constexpr int kPriority = 10;  // of SCHED_FIFO: below what drivers use, above a
 constexpr std::uint64_t kReport = 10'000'000'000;  // ns
 constexpr std::uint64_t kAlive = 1'000'000'000;    // ns between signs of life
 constexpr int kRound = 1000;                       // ms: what is due without an event
-
-void say(const std::string& text) { write_at_once(STDERR_FILENO, text + '\n'); }
 
 std::string microseconds_in(std::uint64_t ns) {
   constexpr std::uint64_t in_a_micro = 1000;
@@ -192,10 +190,5 @@ int main(int argc, char** argv) {
 }  // namespace mlcca::relay
 
 int main(int argc, char** argv) {
-  try {
-    return mlcca::relay::main(argc, argv);
-  } catch (const std::exception& error) {
-    mlcca::relay::say(std::string("mlcca-relay: ") + error.what());
-    return EXIT_FAILURE;
-  }
+  return mlcca::relay::run_program("mlcca-relay", mlcca::relay::main, argc, argv);
 }

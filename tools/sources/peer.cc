@@ -21,6 +21,7 @@
 
 #include "base/handle.hpp"
 #include "base/number.hpp"
+#include "base/tcp_table.hpp"
 #include "daemon/net/sources/timer.hpp"
 
 namespace mlcca::net {
@@ -106,41 +107,18 @@ std::optional<At> read_place(std::string_view text) {
   return out;
 }
 
-/// The first ten columns of a line: local address 1, state 3, owner 7, inode 9.
-using Columns = std::array<std::string_view, 10>;
-Columns columns_of(std::string_view line) {
-  Columns out;
-  for (auto& column : out) {
-    const auto begin = std::min(line.find_first_not_of(' '), line.size());
-    const auto end = std::min(line.find(' ', begin), line.size());
-    column = line.substr(begin, end - begin);
-    line.remove_prefix(end);
-  }
-  return out;
-}
-
 /// Those who listen come first: what follows is not read.
 Result<void> read_listeners(const char* path, Reachable& to) {
   const Fd file(::open(path, O_RDONLY | O_CLOEXEC));
   if (!file && errno == ENOENT) return {};  // no IPv6
   if (!file) return fail(system_error(path, errno));
-  std::string rest;  // of a line
-  std::array<char, 16384> block{};
   bool is_head = true;
-  for (std::size_t all = 0; all <= kMaxListeners;) {
-    const auto size = ::read(file.get(), block.data(), block.size());
-    if (size < 0) return fail(system_error(path, errno));
-    if (size == 0) return {};
-    all += static_cast<std::size_t>(size);
-    rest.append(block.data(), static_cast<std::size_t>(size));
-    std::size_t begin = 0;
-    for (std::size_t end = 0; (end = rest.find('\n', begin)) != std::string::npos; begin = end + 1)
-      if (!to.take(std::string_view(rest).substr(begin, end - begin)) &&
-          !std::exchange(is_head, false))
-        return {};
-    rest.erase(0, begin);
-  }
-  return fail(std::string(path) + ": too many sockets listen");
+  const int failed = read_tcp_table(file.get(), [&](std::string_view line) {
+    return to.take(line) || std::exchange(is_head, false);
+  });
+  if (failed == EFBIG) return fail(std::string(path) + ": too many sockets listen");
+  if (failed != 0) return fail(system_error(path, failed));
+  return {};
 }
 
 }  // namespace
@@ -153,7 +131,7 @@ Reachable::Reachable(const Endpoint& to) {
 Reachable::~Reachable() = default;
 
 bool Reachable::take(std::string_view line) {
-  const auto columns = columns_of(line);
+  const auto columns = tcp_columns(line);
   if (columns[3] != kListens) return false;
   const auto place = read_place(columns[1]);
   const int rank = to_ && place ? rank_of(*place, *to_) : 0;

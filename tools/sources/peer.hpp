@@ -31,9 +31,6 @@ struct Listener {
 };
 using Listeners = std::set<Listener>;
 
-/// Bytes of the kernel's list: some 400,000 sockets. None of them is kept.
-inline constexpr std::size_t kMaxListeners = std::size_t{64} << 20U;
-
 /// Those in texts of /proc/net/tcp and tcp6 that a connection to `to` may reach. The kernel prefers
 /// a socket that listens at that very address to those that listen at all, and to an IPv4 address
 /// one of IPv4: any user can listen at [::] beside another one's 127.0.0.1 or 0.0.0.0 (IPV6_V6ONLY)

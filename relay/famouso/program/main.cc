@@ -15,8 +15,6 @@
 #include <array>
 #include <csignal>
 #include <cstdlib>
-#include <exception>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -24,6 +22,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/big_endian.hpp"
 #include "base/clock.hpp"
 #include "base/number.hpp"
 #include "control/version.hpp"
@@ -31,6 +30,7 @@
 #include "relay/famouso/bus_broker.hpp"
 #include "relay/famouso/handler.hpp"
 #include "relay/famouso/peer_user.hpp"
+#include "relay/run.hpp"
 
 namespace mlcca::relay {
 namespace {
@@ -41,8 +41,6 @@ constexpr std::uint16_t kPort = 5005;
 constexpr TagNumber kFirstTag = 5;  // below: the protocols themselves
 constexpr std::size_t kMostFrames = 64;
 constexpr std::uint64_t kUid = 0x6d6c'6363'6100'0001;  // "mlcca" and a number
-
-void say(const std::string& text) { write_at_once(STDERR_FILENO, text + '\n'); }
 
 struct Options {
   std::string socket = "/run/mlcca/control.sock";
@@ -123,11 +121,7 @@ Result<Uid> uid_in(const std::string& text) {
   const auto number = prefixed_number_in<std::uint64_t>(text);
   if (!number || *number == 0)
     return fail("--uid " + text + ": must be a number of 64 bits other than 0");
-  Uid out{};
-  constexpr unsigned octet = 8;
-  for (unsigned i = 0; i < out.size(); ++i)
-    out.at(out.size() - 1 - i) = static_cast<std::uint8_t>(*number >> octet * i);
-  return out;
+  return big_endian(*number);
 }
 
 /// What the options mean. Errors: what is wrong in them.
@@ -185,7 +179,7 @@ class Bus {
 
  private:
   void send(const Frame& frame);
-  void tell(const std::string& trouble);
+  void report(const std::string& trouble);
 
   std::string interface_;
   BusBroker broker_;
@@ -194,7 +188,7 @@ class Bus {
 };
 
 /// Once, until it is another one.
-void Bus::tell(const std::string& trouble) {
+void Bus::report(const std::string& trouble) {
   if (trouble == std::exchange(trouble_, trouble)) return;
   say(interface_ + ": " + (trouble.empty() ? "in order" : trouble));
 }
@@ -203,7 +197,7 @@ bool Bus::open() {
   if (socket_) return false;
   const std::uint32_t ifindex = ::if_nametoindex(interface_.c_str());
   if (ifindex == 0) {
-    tell("there is no such interface");
+    report("there is no such interface");
     return false;
   }
   auto socket = open_frame_socket(ifindex);
@@ -213,11 +207,11 @@ bool Bus::open() {
     filtered = (*socket)->filter(
         {{CAN_EFF_FLAG | kNodeRequest, mask}, {CAN_EFF_FLAG | kTagRequest, mask}});
   if (!socket || !filtered) {
-    tell(socket ? filtered.error().text : socket.error().text);
+    report(socket ? filtered.error().text : socket.error().text);
     return false;
   }
   socket_ = std::move(*socket);
-  tell("");
+  report("");
   say(interface_ + ": broker of " + std::to_string(broker_.tags()) + " tags");
   return true;
 }
@@ -242,9 +236,9 @@ void Bus::send(const Frame& frame) {
   std::ranges::copy(frame.data, std::begin(out.data));
   if (!socket_) return;
   const Sent how = socket_->send(out, false);
-  tell(how == Sent::sent ? ""
-                         : "answers do not leave: the queue is full, or the gate drops them "
-                           "(control-user of the Port)");
+  report(how == Sent::sent ? ""
+                           : "answers do not leave: the queue is full, or the gate drops them "
+                             "(control-user of the Port)");
 }
 
 // --- the program ---------------------------------------------------------------------------------
@@ -357,10 +351,5 @@ int main(int argc, char** argv) {
 }  // namespace mlcca::relay
 
 int main(int argc, char** argv) {
-  try {
-    return mlcca::relay::main(argc, argv);
-  } catch (const std::exception& error) {
-    mlcca::relay::say(std::string("mlcca-famouso: ") + error.what());
-    return EXIT_FAILURE;
-  }
+  return mlcca::relay::run_program("mlcca-famouso", mlcca::relay::main, argc, argv);
 }

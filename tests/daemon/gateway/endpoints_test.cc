@@ -174,7 +174,7 @@ TEST_F(Endpoints, ADeliveryThatTheRelayDoesNotCarryIsInTrouble) {
       "mlcca-relay, which is to carry it, is not connected: start mlcca-relay.service"};
   EXPECT_EQ(troubles(), missing);
   bench_->ask(control::TransfersRequest{"", 990}, {.pid = 7, .uid = kUser, .session = 5});
-  EXPECT_EQ(troubles(), missing) << "anybody may ask";
+  EXPECT_EQ(troubles(), missing) << "any user may ask";
   bench_->ask(control::TransfersRequest{"", 990}, {.pid = 7, .uid = 990, .session = 6});
   EXPECT_TRUE(troubles().empty());
   bench_->daemon().session_closed(6);

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "base/big_endian.hpp"
 #include "tests/control/server.hpp"
 
 namespace mlcca::relay {
@@ -24,9 +25,9 @@ constexpr SubjectId kDistance = 0x44697374616e6365;
 constexpr SubjectId kSwitch = 0x5377697463685f5f;
 
 Frame tag_request(SubjectId subject, std::uint32_t node = 0x7d) {
-  Frame out{.id = kNormalPriority | node << kNodeShift | kTagRequest, .length = 8, .data = {}};
-  for (unsigned i = 0; i < 8; ++i) out.data.at(7 - i) = static_cast<std::uint8_t>(subject >> 8 * i);
-  return out;
+  return {.id = kNormalPriority | node << kNodeShift | kTagRequest,
+          .length = 8,
+          .data = big_endian(subject)};
 }
 
 class BusBrokerTest : public testing::Test {

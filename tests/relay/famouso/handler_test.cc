@@ -122,6 +122,12 @@ class HandlerTest : public testing::Test {
       handler.turn(now_);
     }
   }
+  /// Once the daemon has granted it to this program.
+  void take_up(EventChannelHandler& handler, Tcp& program, std::string_view opening) {
+    said_.clear();
+    program.say(opening);
+    until(handler, [&] { return has_said("granted, 1 to spare"); });
+  }
   bool has_said(std::string_view text) const { return all_said().find(text) != std::string::npos; }
   std::string all_said() const {
     std::string out;
@@ -147,9 +153,7 @@ TEST_F(HandlerTest, AnEventGoesFromOneProgramToTheOthers) {
   until(*handler, [&] { return has_said("granted, 1 to spare"); });
   until(*handler, [&] { return handler->channels() == 1 && handler->connections() == 2; });
   Tcp sonar(handler->port());
-  sonar.say(kAnnounce);
-  said_.clear();
-  until(*handler, [&] { return has_said("granted, 1"); });
+  take_up(*handler, sonar, kAnnounce);
   sonar.say(std::string(kAbc) + std::string(kEmpty));
   const std::string all = std::string(kAbc) + std::string(kEmpty);
   until(*handler, [&] { return one.heard() == all && other.heard() == all; });
@@ -165,12 +169,9 @@ TEST_F(HandlerTest, AnEventGoesFromOneProgramToTheOthers) {
 TEST_F(HandlerTest, TheSubjectInFrontOfAnEventMeansNothing) {
   const auto handler = open();
   Tcp display(handler->port());
-  display.say(kSubscribe);
-  until(*handler, [&] { return has_said("granted, 1"); });
-  said_.clear();
+  take_up(*handler, display, kSubscribe);
   Tcp sonar(handler->port());
-  sonar.say(kAnnounce);
-  until(*handler, [&] { return has_said("granted, 1"); });
+  take_up(*handler, sonar, kAnnounce);
   sonar.say("\x52XXXXXXXX\0\0\0\1z"sv);
   until(*handler, [&] {
     return display.heard() ==
@@ -275,10 +276,8 @@ TEST_F(HandlerTest, WhoDoesNotReadLosesEventsAndHoldsNobodyUp) {
   slow.say(kSubscribe);
   quick.say(kSubscribe);
   until(*handler, [&] { return handler->channels() == 1 && has_said("granted, 1"); });
-  said_.clear();
   Tcp sonar(handler->port());
-  sonar.say(kAnnounce);
-  until(*handler, [&] { return has_said("granted, 1"); });
+  take_up(*handler, sonar, kAnnounce);
   std::string event(
       "\x52"
       "Distance\0\0\xea\x60"sv);  // of 60,000 octets
