@@ -13,7 +13,7 @@ $(GUEST_READY): tests/guest/build-image tests/guest/extract-vmlinux tests/guest/
 
 guest-image: $(GUEST_READY) ## Debian's kernel and an initramfs for the guest
 
-check-guest: all $(GUEST_READY) $O/tests/nth_call.so ## the product on real SocketCAN and systemd, in QEMU
+check-guest: all $(GUEST_READY) $O/tests/nth_call.so $O/tests/speak ## the product on real SocketCAN and systemd, in QEMU
 	$(Q)for case in $(filter-out $(GUEST_TESTS) $(GUEST_SYSTEMD_TESTS),$(wildcard tests/guest/cases/*)); do \
 		echo "$$case is in no list of guest tests"; exit 1; done
 	$(Q)BUILD=$(abspath $O) GUEST_IMAGE=$(abspath $O)/guest tests/guest/run-tests -j $(GUEST_JOBS) \
