@@ -2,6 +2,7 @@
 /* The gate of one Ethernet-like interface. */
 #include <stdbool.h>
 #include <stddef.h>
+#include <linux/batadv_packet.h>
 #include <linux/bpf.h>
 #include <linux/if_ether.h>
 #include <linux/if_packet.h>

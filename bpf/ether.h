@@ -164,7 +164,7 @@ struct ether_fragment_key {
 	__u32 destination;
 	__u16 id;
 	__u8 direction;
-	__u8 inside; /* of an AWDS packet */
+	__u8 inside; /* of a packet of a mesh */
 };
 
 struct ether_fragment {

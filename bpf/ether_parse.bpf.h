@@ -208,6 +208,45 @@ static __always_inline enum nature parse_awds(const struct packet *p, __u32 at, 
 	return is_awds_business(kind) ? NOT_EVENT : OPAQUE;
 }
 
+/* Packets of batman-adv: <linux/batadv_packet.h>. *inner: as parse_awds(). */
+static __always_inline enum nature parse_batman(const struct packet *p, __u32 at, __u32 *inner)
+{
+	struct {
+		__u8 type;
+		__u8 version;
+	} head;
+
+	if (!TAKE(p, at, &head))
+		return MALFORMED;
+	if (head.version != BATADV_COMPAT_VERSION)
+		return OPAQUE;
+	switch (head.type) {
+	case BATADV_BCAST:
+		*inner = at + sizeof(struct batadv_bcast_packet);
+		return NOT_EVENT;
+	case BATADV_UNICAST:
+		*inner = at + sizeof(struct batadv_unicast_packet);
+		return NOT_EVENT;
+	case BATADV_UNICAST_4ADDR:
+		*inner = at + sizeof(struct batadv_unicast_4addr_packet);
+		return NOT_EVENT;
+	/* What a mesh has to say about itself is left alone. */
+	case BATADV_IV_OGM:
+	case BATADV_ELP:
+	case BATADV_OGM2:
+	case BATADV_ICMP:
+	case BATADV_UNICAST_TVLV:
+		return NOT_EVENT;
+	}
+	/* Fragments, coded packets and kinds that came later may have an event in them. */
+	return OPAQUE;
+}
+
+static __always_inline bool is_mesh(__be16 protocol)
+{
+	return protocol == bpf_htons(ETHER_P_AWDS) || protocol == bpf_htons(ETH_P_BATMAN);
+}
+
 /* Of the frame whose addresses stand at `at`. */
 static __always_inline void take_mac_at(const struct packet *p, __u32 at, struct event *e)
 {
@@ -235,8 +274,9 @@ static __always_inline enum nature parse(const struct packet *p, struct event *e
 	nature = parse_link(p, &at, &protocol);
 	if (nature != NOT_EVENT)
 		return nature;
-	if (protocol == bpf_htons(ETHER_P_AWDS)) {
-		nature = parse_awds(p, at, e, &inner);
+	if (is_mesh(protocol)) {
+		nature = protocol == bpf_htons(ETH_P_BATMAN) ? parse_batman(p, at, &inner)
+							     : parse_awds(p, at, e, &inner);
 		if (!inner)
 			return nature;
 		at = inner;
@@ -244,7 +284,7 @@ static __always_inline enum nature parse(const struct packet *p, struct event *e
 		nature = parse_link(p, &at, &protocol);
 		if (nature != NOT_EVENT)
 			return nature;
-		if (protocol == bpf_htons(ETHER_P_AWDS))
+		if (is_mesh(protocol))
 			return OPAQUE;
 		e->key.inside = 1;
 	}

@@ -2,6 +2,7 @@
 /* The gate of one Ethernet-like interface, for BPF_PROG_TEST_RUN. It is attached nowhere. */
 #include <stdbool.h>
 #include <stddef.h>
+#include <linux/batadv_packet.h>
 #include <linux/bpf.h>
 #include <linux/can.h>
 #include <linux/if_ether.h>

@@ -166,15 +166,12 @@ class Inspector {
     }
   }
 
-  /// Between two nodes nobody relays.
   void check_relays() {
     for (std::size_t n = 0; n < s_.networks.size(); ++n) {
-      if (!s_.networks[n].mesh || s_.networks[n].mesh->nodes.size() < 3) continue;
       for (std::size_t g = 0; g < s_.gateways.size(); ++g) {
-        if (relay_gate(s_, n, g) == RelayGate::none) continue;
-        add(FindingId::relay_gated, s_.gateways[g].port_on(n)->origin,
-            "the gate of gateway " + s_.gateways[g].name + " on mesh " + s_.networks[n].name +
-                " is below the mesh: events that its node only relays are dropped there",
+        const std::string problem = relay_problem(s_, n, g);
+        if (problem.empty()) continue;
+        add(FindingId::relay_gated, s_.gateways[g].port_on(n)->origin, problem,
             relay_hint(s_, n, g), kNone);
         out_.findings.back().place = {Place::Kind::gateway, g};
         out_.findings.back().has_place = true;

@@ -43,6 +43,15 @@ RelayGate relay_gate(const System& system, std::size_t network, std::size_t gate
   return RelayGate::none;
 }
 
+std::string relay_problem(const System& system, std::size_t network, std::size_t gateway) {
+  const Network& n = system.networks[network];
+  if (!n.mesh || n.mesh->nodes.size() < 3 ||
+      relay_gate(system, network, gateway) == RelayGate::none)
+    return {};
+  return "the gate of gateway " + system.gateways[gateway].name + " on mesh " + n.name +
+         " is below the mesh: events that its node only relays are dropped there";
+}
+
 std::string relay_hint(const System& system, std::size_t network, std::size_t gateway) {
   if (relay_gate(system, network, gateway) == RelayGate::routed)
     return "let other nodes relay: gateway " + system.gateways[gateway].name +

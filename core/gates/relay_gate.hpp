@@ -19,6 +19,10 @@ enum class RelayGate : std::uint8_t {
 /// The gate of a gateway's port on a network.
 [[nodiscard]] RelayGate relay_gate(const System& system, std::size_t network, std::size_t gateway);
 
+/// What `check` and status say of a gate that drops what its node relays; empty: none does. In a
+/// mesh of two nodes nobody relays.
+[[nodiscard]] std::string relay_problem(const System& system, std::size_t network,
+                                        std::size_t gateway);
 /// What to do about it.
 [[nodiscard]] std::string relay_hint(const System& system, std::size_t network,
                                      std::size_t gateway);

@@ -124,17 +124,17 @@ Result<void> remove_others_of_ours(const Place& place, const InPlace& ours) {
   return {};
 }
 
+Result<bool> is_in_place(const Place& place, Direction direction, std::uint32_t program) {
+  if (place.hook == Hook::tcx) return is_in_order(place.ifindex, direction, program);
+  const auto there = program_in_place(place.ifindex, direction);
+  if (!there) return std::unexpected(there.error());
+  return *there == program;
+}
+
 Result<bool> are_in_place(const Place& place, const InPlace& ours) {
   for (const auto direction : kBothDirections) {
-    const std::uint32_t id = ours.of(direction);
-    if (place.hook == Hook::tcx) {
-      const auto there = is_in_order(place.ifindex, direction, id);
-      if (!there || !*there) return there;
-      continue;
-    }
-    const auto there = program_in_place(place.ifindex, direction);
-    if (!there) return std::unexpected(there.error());
-    if (*there != id) return false;
+    const auto there = is_in_place(place, direction, ours.of(direction));
+    if (!there || !*there) return there;
   }
   return true;
 }
@@ -217,6 +217,17 @@ Result<bool> are_in_place(const Place& place, const GatePrograms& programs) {
   const auto ours = ids_of(programs);
   if (!ours) return std::unexpected(ours.error());
   return are_in_place(place, *ours);
+}
+
+Result<bool> are_both_removed(const Place& place, const GatePrograms& programs) {
+  const auto ours = ids_of(programs);
+  if (!ours) return std::unexpected(ours.error());
+  for (const auto direction : kBothDirections) {
+    const auto there = is_in_place(place, direction, ours->of(direction));
+    if (!there) return there;
+    if (*there) return false;
+  }
+  return true;
 }
 
 Result<void> put_gate_in_place(const Place& place, const GatePrograms& programs) {

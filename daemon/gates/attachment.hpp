@@ -61,6 +61,8 @@ struct GatePrograms {
 /// Both are in their places, each in its own. They are not where an `ingress` qdisc instead of
 /// clsact takes the egress filter for an ingress one.
 Result<bool> are_in_place(const Place& place, const GatePrograms& programs);
+/// Neither is in its place.
+Result<bool> are_both_removed(const Place& place, const GatePrograms& programs);
 /// Takes what is of any gate out of the order of TCX, but not `ours`. Error: it cannot be known.
 Result<void> remove_orphans(std::uint32_t ifindex, Direction direction, std::uint32_t ours);
 

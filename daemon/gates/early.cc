@@ -60,6 +60,12 @@ bool put_early(std::uint32_t ifindex, int program_fd, bool replace) {
          0;
 }
 
+void remove_early(std::uint32_t ifindex, int program_fd) {
+  const Complaints unheard;
+  LIBBPF_OPTS(bpf_xdp_attach_opts, only, .old_prog_fd = program_fd);
+  bpf_xdp_detach(static_cast<int>(ifindex), XDP_FLAGS_DRV_MODE, &only);
+}
+
 Result<void> note_early(const std::string& root, std::uint32_t program) {
   const auto notes = open_notes(root);
   if (!notes) return std::unexpected(notes.error());

@@ -21,6 +21,9 @@ std::vector<std::uint32_t> other_early_programs(std::uint32_t ifindex, std::uint
 /// the driver has no place, or another program is there.
 bool put_early(std::uint32_t ifindex, int program_fd, bool replace);
 
+/// Takes a program out of the driver, if it is there.
+void remove_early(std::uint32_t ifindex, int program_fd);
+
 /// Before it is put anywhere. `root`: above the layouts, so that an upgrade knows them too.
 Result<void> note_early(const std::string& root, std::uint32_t program);
 bool is_noted_early(const std::string& root, std::uint32_t program);

@@ -171,6 +171,10 @@ Result<bool> PortGate::attached() const {
   return are_in_place(state_->place, programs_of(object()));
 }
 
+Result<bool> PortGate::is_taken_off() const {
+  return are_both_removed(state_->place, programs_of(object()));
+}
+
 Result<void> PortGate::reattach() {
   state_->own();
   if (auto put = put_gate_in_place(state_->place, programs_of(object())); !put)
@@ -195,6 +199,11 @@ bool PortGate::hold_again() {
 
 void PortGate::unpin() {
   if (is_gone(ifindex())) publish(object().words().retired, std::uint32_t{1});
+  remove_pin_directory(state_->place.directory);
+}
+
+void PortGate::give_up() {
+  if (object().early_fd() >= 0) remove_early(ifindex(), object().early_fd());
   remove_pin_directory(state_->place.directory);
 }
 

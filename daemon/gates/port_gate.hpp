@@ -42,6 +42,8 @@ class PortGate {
   Result<void> put();
   /// Both programs are in their places now and are those of this object.
   [[nodiscard]] Result<bool> attached() const;
+  /// Neither of them is in its place.
+  [[nodiscard]] Result<bool> is_taken_off() const;
   /// Puts the same programs back after another program removed or replaced them; slots and counters
   /// stay.
   Result<void> reattach();
@@ -103,6 +105,9 @@ class PortGate {
   /// namespace, they go on with it, and let everything pass; of one that is here they stay in
   /// force.
   void unpin();
+  /// Removes what is left of a gate that was taken off an interface which is here: its program in
+  /// the driver, and the pins.
+  void give_up();
 
   struct Change {
     PortGate* gate;

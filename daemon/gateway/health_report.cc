@@ -7,6 +7,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/gates/relay_gate.hpp"
 #include "daemon/gateway/health.hpp"
 
 namespace mlcca {
@@ -90,6 +91,12 @@ control::Health HealthReport::health(const std::vector<control::Interface>& inte
     if (!condition.available && state.system().gateways[parts_.scene.self].port_on(n) == nullptr)
       lines.push_back(fmt::format("{}: {}", network.name, condition.problem));
   }
+  for (const std::string& name : parts_.gates.undescribed())
+    lines.push_back(name + " is not described, or without a profile: its gate stays closed");
+  for (std::size_t n = 0; n < state.system().networks.size(); ++n)
+    if (const std::string problem = core::relay_problem(state.system(), n, parts_.scene.self);
+        !problem.empty())
+      lines.push_back(problem + ": " + core::relay_hint(state.system(), n, parts_.scene.self));
   parts_.deliveries.add_to(lines);
   if (state.refused() != 0)
     lines.push_back(

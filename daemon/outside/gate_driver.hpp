@@ -73,6 +73,8 @@ class GateDriver {
   [[nodiscard]] virtual bool needs_recheck() const = 0;
   /// Why it is unknown whether gates without pins are left; empty: it is known.
   [[nodiscard]] virtual const std::string& orphans_unknown() const = 0;
+  /// Interfaces that have a gate and are not described, or without a profile: closed.
+  [[nodiscard]] virtual std::vector<std::string> undescribed() const = 0;
   /// Once a second, of each gate: frames that were sent past it are reported.
   virtual void check_bypass(int ifindex, std::int64_t now_s) = 0;
 

@@ -209,6 +209,15 @@ void Drift::keep_first(int ifindex, enforce::PortGate& gate, Seen& seen) {
           !standing.empty());
 }
 
+void Drift::report_taken_off(const enforce::PortGate& gate) {
+  report_(
+      Kind::drift,
+      fmt::format("the gate of {}, which is not described, was taken off: nothing is judged there "
+                  "any more",
+                  gate.name()),
+      true);
+}
+
 void Drift::report_moved(const net::Links::Moved& link) {
   if (gated_.erase(link.ifindex) == 0) return;
   report_(Kind::drift,

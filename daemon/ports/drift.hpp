@@ -33,6 +33,8 @@ class Drift {
   bool repair(int ifindex, enforce::PortGate& gate, const net::LinkTable& links);
   /// `gated`: interfaces that have a gate, sorted.
   void forget_all_but(const std::vector<int>& gated);
+  /// From an interface that is not described any more.
+  void report_taken_off(const enforce::PortGate& gate);
   /// An interface was taken to another namespace, where our gate is not; of those that had one.
   void report_moved(const net::Links::Moved& link);
   /// About once a second. `now_s`: any steady clock.

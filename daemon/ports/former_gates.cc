@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/ports/former_gates.hpp"
 
-#include <fmt/core.h>
-
 #include "core/model/progress.hpp"
 
 namespace mlcca {
@@ -54,10 +52,6 @@ void FormerGates::close(const net::Link& link, std::size_t slots, GateSet& gates
     return;
   }
   gates.find(link.ifindex)->deny_all();
-  report_(
-      {},
-      fmt::format("{} is not described, or without a profile: its gate stays closed", link.name),
-      true);
 }
 
 }  // namespace mlcca

@@ -84,6 +84,25 @@ void Ports::close_undescribed() {
   former_.close_pinned(enforce::pinned_interfaces(control_), present, gates);
   if (former_.may_leave_orphans())
     former_.close_orphans(enforce::gated_interfaces(), present, gates);
+  report_undescribed();
+}
+
+void Ports::report_undescribed() {
+  auto now = undescribed();
+  for (const std::string& name : now)
+    if (std::ranges::find(reported_undescribed_, name) == reported_undescribed_.end())
+      report_({}, name + " is not described, or without a profile: its gate stays closed", true);
+  reported_undescribed_ = std::move(now);
+}
+
+std::vector<std::string> Ports::undescribed() const {
+  std::vector<std::string> names;
+  for (const int ifindex : ports_.gates().interfaces()) {
+    if (ports_.is_to_be_gated(ifindex)) continue;
+    const auto link = links_.table().find(ifindex);
+    if (link != links_.table().end()) names.push_back(link->second.name);
+  }
+  return names;
 }
 
 void Ports::attach() {
@@ -124,12 +143,22 @@ void Ports::begin_repair() {
 
 bool Ports::repair(int ifindex) {
   HeldGate* const held = ports_.gates().find(ifindex);
-  if (held == nullptr) return true;
+  if (held == nullptr || give_up(ifindex, held->port_gate())) return true;
   const bool kept = drift_.repair(ifindex, held->port_gate(), links_.table());
   if (!kept) ports_.gates().forget(ifindex);
   for (GatedPort& gated : ports_)
     if (gated.port.ifindex() == ifindex) gated.port.keep_queue(links_.table(), report_);
   return kept;
+}
+
+/// A person takes the gate off an interface that is not described by removing its programs in both
+/// directions. Where one is left, or it cannot be known, the gate is repaired as any other.
+bool Ports::give_up(int ifindex, enforce::PortGate& gate) {
+  if (ports_.is_to_be_gated(ifindex) || !gate.is_taken_off().value_or(false)) return false;
+  drift_.report_taken_off(gate);
+  gate.give_up();
+  ports_.gates().forget(ifindex);
+  return true;
 }
 
 void Ports::check_bypass(int ifindex, std::int64_t now_s) {

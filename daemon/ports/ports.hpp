@@ -65,6 +65,7 @@ class Ports final : public GateDriver {
   [[nodiscard]] const std::string& orphans_unknown() const override {
     return former_.orphans_unknown();
   }
+  [[nodiscard]] std::vector<std::string> undescribed() const override;
   void check_bypass(int ifindex, std::int64_t now_s) override;
 
   // Slots.
@@ -139,8 +140,10 @@ class Ports final : public GateDriver {
   void forget_vanished();
   void match();
   void close_undescribed();
+  void report_undescribed();
   void attach();
   void settle();
+  bool give_up(int ifindex, enforce::PortGate& gate);
   [[nodiscard]] net::Presence presence(int ifindex) { return links_.presence(ifindex); }
 
   net::Links& links_;
@@ -150,6 +153,7 @@ class Ports final : public GateDriver {
   std::function<void()> step_ = [] {};
   GatedPorts ports_;
   VanishedGates vanished_;
+  std::vector<std::string> reported_undescribed_;
   FormerGates former_;
   Drift drift_;
 };

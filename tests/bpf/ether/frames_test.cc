@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Tables of packets through the real programs: one row, one behaviour.
 #include <gtest/gtest.h>
+#include <linux/batadv_packet.h>
 
 #include <string>
 
@@ -247,6 +248,13 @@ std::vector<Row> foreign_rows() {
       foreign("AwdsSubscription", ethernet(0x8334, awds_flood(0x7d, Bytes(8)))),
       foreign("ForeignTrafficInAwds",
               ethernet(0x8334, awds_unicast(98, ethernet(0x0806, Bytes(28))))),
+      foreign("BatmanOriginator", ethernet(0x4305, batman(BATADV_IV_OGM, Bytes(20)))),
+      foreign("BatmanOriginatorOfVersionFive", ethernet(0x4305, batman(BATADV_OGM2, Bytes(20)))),
+      foreign("BatmanNeighbour", ethernet(0x4305, batman(BATADV_ELP, Bytes(20)))),
+      foreign("BatmanPing", ethernet(0x4305, batman(BATADV_ICMP, Bytes(20)))),
+      foreign("BatmanTables", ethernet(0x4305, batman(BATADV_UNICAST_TVLV, Bytes(20)))),
+      foreign("ForeignTrafficInBatman",
+              ethernet(0x4305, batman(BATADV_UNICAST, ethernet(0x0806, Bytes(28))))),
   };
 }
 
@@ -280,6 +288,8 @@ std::vector<Row> malformed_rows() {
       bad("AFirstFragmentWithoutASubject", frame(event().fragment(0, 16))),
       bad("ATagWithoutRoom", cut(ethernet(0x8100, {}), 15)),
       bad("AwdsWithoutAKind", ethernet(0x8334, {1})),
+      bad("BatmanWithoutAVersion", ethernet(0x4305, {BATADV_BCAST})),
+      bad("BatmanThatEndsBehindItsHeader", ethernet(0x4305, batman(BATADV_BCAST, {}))),
 
       bad("AwdsEventThatIsCutOff", ethernet(0x8334, awds_flood(0x7c, awds_event(kSubject, 8, 1)))),
       bad("AwdsEventWithoutASubject",
@@ -315,6 +325,22 @@ std::vector<Row> carrier_rows() {
       passes("AsAwdsFragment", ethernet(0x8334, awds_unicast(0x7b, awds_event(kSubject, 8)))),
       passes("AsAwdsEventWithPadding",
              cut(ethernet(0x8334, awds_unicast(0x7c, awds_event(kSubject, 0))), 64)),
+      passes("InABatmanBroadcast", ethernet(0x4305, batman(BATADV_BCAST, frame(ip)))),
+      passes("InABatmanPacket", ethernet(0x4305, batman(BATADV_UNICAST, frame(ip)))),
+      passes("InABatmanPacketWithASource",
+             ethernet(0x4305, batman(BATADV_UNICAST_4ADDR, frame(ip)))),
+      passes("InBatmanWithTagsOnBothSides",
+             ethernet(0x4305, batman(BATADV_UNICAST, ethernet(0x0800, ip, {0x8100})), {0x8100})),
+      opaque("ABatmanFragment", ethernet(0x4305, batman(BATADV_UNICAST_FRAG, frame(ip)))),
+      opaque("CodedBatman", ethernet(0x4305, batman(BATADV_CODED, frame(ip)))),
+      opaque("AnUnknownTypeOfBatman", ethernet(0x4305, batman(0x60, frame(ip)))),
+      opaque("AnotherVersionOfBatman", ethernet(0x4305, batman(BATADV_UNICAST, frame(ip), 16))),
+      opaque("BatmanInBatman",
+             ethernet(0x4305, batman(BATADV_BCAST, ethernet(0x4305, batman(BATADV_BCAST, {}))))),
+      opaque("AwdsInBatman",
+             ethernet(0x4305, batman(BATADV_BCAST, ethernet(0x8334, awds_flood(98, {}))))),
+      opaque("BatmanInAwds",
+             ethernet(0x8334, awds_flood(98, ethernet(0x4305, batman(BATADV_BCAST, {}))))),
       opaque("AwdsInAwds", ethernet(0x8334, awds_flood(98, ethernet(0x8334, awds_flood(98, {}))))),
       opaque("EncryptedAwds", ethernet(0x8334, awds_flood(99, Bytes(40)))),
       opaque("AnAwdsFlow", ethernet(0x8334, Bytes(40, 3))),

@@ -59,8 +59,15 @@ EtherWorld::Seen EtherWorld::parse(const Bytes& bytes) {
     if (!type) return {.kind = Kind::malformed};
     at += 2;
     if (*type == 0x0800) return look_at_ip(bytes, at, inside);
-    if (*type != 0x8334) return {};
+    if (*type != 0x8334 && *type != 0x4305) return {};
     if (inside) return {.kind = Kind::opaque};
+    if (*type == 0x4305) {
+      const auto [kind, frame_at] = look_at_batman(bytes, at);
+      if (frame_at == 0) return {.kind = kind};
+      inside = true;
+      at = frame_at + 12;
+      continue;
+    }
     const auto kind = number(bytes, at, 1);
     if (!kind) return {.kind = Kind::malformed};
     const bool flood = (*kind & 3) == 1;
@@ -72,6 +79,31 @@ EtherWorld::Seen EtherWorld::parse(const Bytes& bytes) {
     at = what + 1 + 12;
   }
   return {.kind = Kind::opaque};
+}
+
+/// Where the Ethernet frame in a packet of batman-adv begins; 0 if it has none, and what that is
+/// then.
+std::pair<EtherWorld::Kind, std::size_t> EtherWorld::look_at_batman(const Bytes& bytes,
+                                                                    std::size_t at) {
+  const auto head = number(bytes, at, 2);
+  if (!head) return {Kind::malformed, 0};
+  if ((*head & 0xff) != 15) return {Kind::opaque, 0};
+  switch (*head >> 8) {
+    case 0x01:
+      return {Kind::foreign, at + 14};
+    case 0x40:
+      return {Kind::foreign, at + 10};
+    case 0x42:
+      return {Kind::foreign, at + 18};
+    case 0x00:
+    case 0x03:
+    case 0x04:
+    case 0x43:
+    case 0x44:
+      return {Kind::foreign, 0};
+    default:
+      return {Kind::opaque, 0};
+  }
 }
 
 EtherWorld::Seen EtherWorld::look_at_awds(const Bytes& bytes, std::size_t packet, std::size_t at,

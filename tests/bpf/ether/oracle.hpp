@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "tests/bpf/ether/loaded_ether.hpp"
@@ -58,6 +59,7 @@ class EtherWorld {
 
   static Seen parse(const Bytes& bytes);
   static Seen look_at_ip(const Bytes& bytes, std::size_t at, bool inside);
+  static std::pair<Kind, std::size_t> look_at_batman(const Bytes& bytes, std::size_t at);
   static Seen look_at_awds(const Bytes& bytes, std::size_t packet, std::size_t at, bool inside);
   Judgement judge_event(enforce::Direction direction, const Seen& seen, const Sender& sender);
   Judgement judge_later(enforce::Direction direction, const Seen& seen, const Sender& sender);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "tests/bpf/ether/packets.hpp"
 
+#include <linux/batadv_packet.h>
+
 #include "bpf/ether.h"
 
 namespace mlcca::test {
@@ -80,6 +82,18 @@ Bytes ethernet(std::uint16_t type, const Bytes& payload, const std::vector<std::
 
 Bytes awds_flood(std::uint8_t kind, const Bytes& payload) { return awds(1, 16, kind, payload); }
 Bytes awds_unicast(std::uint8_t kind, const Bytes& payload) { return awds(2, 22, kind, payload); }
+
+Bytes batman(std::uint8_t type, const Bytes& payload, std::uint8_t version) {
+  std::size_t header = sizeof(batadv_unicast_packet);
+  if (type == BATADV_BCAST) header = sizeof(batadv_bcast_packet);
+  if (type == BATADV_UNICAST_4ADDR) header = sizeof(batadv_unicast_4addr_packet);
+  if (type == BATADV_UNICAST_FRAG) header = sizeof(batadv_frag_packet);
+  Bytes out(header, 0x33);
+  out[0] = type;
+  out[1] = version;
+  append(out, payload);
+  return out;
+}
 
 Bytes awds_event(std::uint64_t subject, std::size_t payload, int longer) {
   Bytes out{0xaa};

@@ -45,6 +45,9 @@ inline constexpr std::uint64_t kAwdsSource = 0x02a1b2c3d4e5;
 /// AWDS packets as they follow the Ethernet header.
 Bytes awds_flood(std::uint8_t kind, const Bytes& payload);
 Bytes awds_unicast(std::uint8_t kind, const Bytes& payload);
+/// A packet of batman-adv, as it follows the Ethernet header: `type` is one of batadv_packettype,
+/// of which BCAST, UNICAST and UNICAST_4ADDR carry the Ethernet frame `payload`.
+Bytes batman(std::uint8_t type, const Bytes& payload, std::uint8_t version = 15);
 /// What follows the kind of a packet that publishes.
 Bytes awds_event(std::uint64_t subject, std::size_t payload, int longer = 0);
 

@@ -3,6 +3,7 @@
 // the plain rules must agree on every packet and on every counter.
 #include <bpf/bpf.h>
 #include <gtest/gtest.h>
+#include <linux/batadv_packet.h>
 #include <linux/pkt_cls.h>
 
 #include <algorithm>
@@ -106,6 +107,14 @@ Bytes random_awds(Random& random) {
   return packet;
 }
 
+Bytes random_batman(Random& random) {
+  const std::uint8_t type = random.of<std::uint8_t>(
+      {BATADV_BCAST, BATADV_UNICAST, BATADV_UNICAST_4ADDR, BATADV_UNICAST_FRAG, BATADV_IV_OGM,
+       BATADV_CODED, BATADV_ELP, BATADV_OGM2, BATADV_ICMP, BATADV_UNICAST_TVLV, 0x60});
+  return batman(type, ethernet(0x0800, random_ip(random), random_tags(random)),
+                random.chance(10) ? static_cast<std::uint8_t>(random.below(256)) : 15);
+}
+
 /// A test run does not take what is shorter than what its type promises.
 bool is_runnable(const Bytes& bytes) {
   if (bytes.size() < 15) return false;
@@ -114,9 +123,10 @@ bool is_runnable(const Bytes& bytes) {
 }
 
 Bytes random_packet(Random& random) {
-  const bool ip = !random.chance(4);
-  Bytes bytes = ethernet(ip ? 0x0800 : 0x8334, ip ? random_ip(random) : random_awds(random),
-                         random_tags(random));
+  const std::vector<std::uint16_t> tags = random_tags(random);
+  Bytes bytes = !random.chance(3)  ? ethernet(0x0800, random_ip(random), tags)
+                : random.chance(2) ? ethernet(0x8334, random_awds(random), tags)
+                                   : ethernet(0x4305, random_batman(random), tags);
   if (random.chance(40)) bytes[12 + random.below(2)] = static_cast<std::uint8_t>(random.below(256));
   if (random.chance(3))
     bytes[random.below(static_cast<std::uint32_t>(bytes.size()))] =

@@ -107,5 +107,17 @@ TEST(RelayGate, TheHintNamesWhatIsToBeDone) {
             "give the Port the mesh's own device: <Interface name=\"awds0\"/>");
 }
 
+TEST(RelayGate, IsAProblemWhereANodeMayRelay) {
+  System system = with_mesh({{mesh::SourceKind::batman, "bat0"}}, kRadio);
+  system.networks[0].mesh->nodes.resize(2);
+  EXPECT_EQ(relay_problem(system, 0, 0), "") << "between two nodes nobody relays";
+  system.networks[0].mesh->nodes.resize(3);
+  EXPECT_EQ(relay_problem(system, 0, 0),
+            "the gate of gateway g on mesh air is below the mesh: events that its node only relays "
+            "are dropped there");
+  system.gateways[0].ports[0].identity.name = "bat0";
+  EXPECT_EQ(relay_problem(system, 0, 0), "");
+}
+
 }  // namespace
 }  // namespace mlcca::core

@@ -167,6 +167,7 @@ class FakeGates final : public GateDriver {
   [[nodiscard]] bool out_of_hand() const override;
   [[nodiscard]] bool needs_recheck() const override { return false; }
   [[nodiscard]] const std::string& orphans_unknown() const override { return none_; }
+  [[nodiscard]] std::vector<std::string> undescribed() const override { return closed_interfaces; }
   void check_bypass(int /*ifindex*/, std::int64_t /*now_s*/) override {}
 
   Result<void> sync(const core::GateState& wanted) override;
@@ -217,6 +218,8 @@ class FakeGates final : public GateDriver {
     return std::nullopt;
   }
   [[nodiscard]] std::vector<control::Interface> report() const override;
+
+  std::vector<std::string> closed_interfaces;  ///< as undescribed() gives them
 
   /// What the gate of a port has to hold when all gates hold `wanted`; nothing: it has no gate.
   [[nodiscard]] std::optional<core::GateState> share_of(std::size_t port,

@@ -50,6 +50,17 @@ TEST_F(OnTheBench, WhatIsGrantedIsHeldByTheGatesAndAnsweredWhenTheDiskHasIt) {
   EXPECT_EQ(bench_.recorded(random_).admissions.size(), 1U);
 }
 
+TEST_F(OnTheBench, AGateThatIsClosedBecauseNothingDescribesItIsAReasonOfTheHealth) {
+  bench_.gates().closed_interfaces = {"can7"};
+  const auto answer = bench_.ask(control::StatusRequest{});
+  const auto* status = std::get_if<control::Status>(&answer.reply.body);
+  ASSERT_NE(status, nullptr);
+  EXPECT_EQ(status->health.state, control::HealthState::degraded);
+  EXPECT_EQ(status->health.reasons,
+            std::vector<std::string>{
+                "can7 is not described, or without a profile: its gate stays closed"});
+}
+
 /// Nothing may depend on that a further change is stored.
 TEST_F(OnTheBench, WhatTheDiskRefusedAndCouldNotUndoIsUndoneByTheNextRound) {
   ASSERT_TRUE(bench_.ask(newcomer()).held);

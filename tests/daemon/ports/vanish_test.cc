@@ -18,6 +18,8 @@
 
 #include "daemon/gates/attachment.hpp"
 #include "daemon/gates/gate_pins.hpp"
+#include "daemon/gates/pins.hpp"
+#include "daemon/gates/tcx.hpp"
 #include "daemon/net/pair.hpp"
 #include "daemon/ports/ports.hpp"
 #include "tests/daemon/gates/sandbox.hpp"
@@ -116,6 +118,25 @@ class VanishTest : public testing::Test {
     return there && there->is_gate();
   }
 
+  void describe_no_port() {
+    core::System nothing = one_ethernet();
+    nothing.gateways[0].ports.clear();
+    ports_->describe(nothing, 0);
+    reported_.clear();
+    for (int i = 0; i < 2; ++i) ports_->follow();
+    EXPECT_EQ(ports_->undescribed(), std::vector<std::string>{"eth7"});
+    ASSERT_EQ(reported_.size(), 1U) << "once";
+    EXPECT_EQ(reported_[0], "eth7 is not described, or without a profile: its gate stays closed");
+    reported_.clear();
+  }
+  /// As `tc qdisc del … clsact` and `bpftool net detach` do.
+  void take_off(enforce::Direction direction) {
+    const auto program = enforce::open_pin(
+        pins() + (direction == enforce::Direction::ingress ? "/ingress" : "/egress"));
+    const auto done = enforce::tcx_detach(kNear, direction, program.get());
+    EXPECT_TRUE(done) << done.error().text;
+  }
+
   [[nodiscard]] std::string shown() const { return ports_->report().at(0).drift; }
 
   static constexpr int kNear = 4711;
@@ -191,12 +212,12 @@ TEST_F(VanishTest, AGateWhosePinsAreGoneIsClosedAlsoWhereItIsNotDescribedAnyMore
   // A crash, then another program removes all pins.
   ports_.reset();
   control_ = enforce::Control::create(root_ = test::new_bpf_root()).value();
-  core::System nothing = one_ethernet();
-  nothing.gateways[0].ports.clear();
   ports_.emplace(
       *links_, control_, net::udev_facts,
       [this](const std::string&, const std::string& line, bool) { reported_.push_back(line); },
       [this](Kind, const std::string& line, bool) { reported_.push_back(line); });
+  core::System nothing = one_ethernet();
+  nothing.gateways[0].ports.clear();
   ports_->describe(nothing, 0);
   reported_.clear();
   fail_queries = ENOMEM;
@@ -212,6 +233,48 @@ TEST_F(VanishTest, AGateWhosePinsAreGoneIsClosedAlsoWhereItIsNotDescribedAnyMore
   EXPECT_EQ(reported_[1], "eth7 is not described, or without a profile: its gate stays closed");
   EXPECT_TRUE(is_gated()) << "by a gate of this daemon, which has pins";
   EXPECT_FALSE(ports_->needs_recheck());
+}
+
+TEST_F(VanishTest, AGateThatIsTakenOffAnInterfaceThatIsNotDescribedIsLetGo) {
+  describe_no_port();
+  for (const auto direction : enforce::kBothDirections) take_off(direction);
+  EXPECT_TRUE(ports_->repair(kNear));
+  EXPECT_FALSE(is_gated());
+  EXPECT_FALSE(std::filesystem::exists(pins()));
+  EXPECT_FALSE(ports_->next_gate(0));
+  ASSERT_EQ(reported_.size(), 1U);
+  EXPECT_EQ(reported_[0],
+            "the gate of eth7, which is not described, was taken off: nothing is judged there any "
+            "more");
+  ports_->describe(one_ethernet(), 0);
+  ports_->follow();
+  EXPECT_TRUE(is_gated()) << "it is described again";
+  EXPECT_TRUE(ports_->undescribed().empty());
+}
+
+TEST_F(VanishTest, OneThatIsTakenOffInOneDirectionIsPutBack) {
+  describe_no_port();
+  take_off(enforce::Direction::ingress);
+  EXPECT_TRUE(ports_->repair(kNear));
+  EXPECT_TRUE(is_gated());
+  EXPECT_TRUE(ports_->next_gate(0));
+}
+
+TEST_F(VanishTest, WhileItIsUnknownWhetherAGateWasTakenOffItIsHeld) {
+  describe_no_port();
+  for (const auto direction : enforce::kBothDirections) take_off(direction);
+  fail_queries = ENOMEM;
+  static_cast<void>(ports_->repair(kNear));
+  EXPECT_TRUE(ports_->next_gate(0));
+  fail_queries = 0;
+  static_cast<void>(ports_->repair(kNear));
+  EXPECT_FALSE(ports_->next_gate(0));
+}
+
+TEST_F(VanishTest, TheGateOfAPortIsPutBack) {
+  for (const auto direction : enforce::kBothDirections) take_off(direction);
+  EXPECT_TRUE(ports_->repair(kNear));
+  EXPECT_TRUE(is_gated());
 }
 
 TEST_F(VanishTest, WhileItIsUnknownWhetherItsInterfaceWentAGateIsHeld) {
