@@ -45,7 +45,7 @@ static __always_inline void count_pass(struct ether_cpu *cpu, __u32 direction, _
 	count_up(&count->bytes, e->len);
 }
 
-static __always_inline void tell_unknown(__u64 frames, __u32 direction, const struct event *e)
+static __always_inline void report_unknown(__u64 frames, __u32 direction, const struct event *e)
 {
 	struct gate_sample sample = {
 	    .ifindex = ifindex,
@@ -59,7 +59,7 @@ static __always_inline void tell_unknown(__u64 frames, __u32 direction, const st
 
 	__builtin_memcpy(sample.mac, e->mac, sizeof(sample.mac));
 
-	tell_sample(&sample, &table.sample_due);
+	report_sample(&sample, &table.sample_due);
 }
 
 /* The sequence is 0 while the entry changes hands. */
@@ -75,7 +75,7 @@ static __always_inline void note_unknown(struct ether_cpu *cpu, __u32 direction,
 		seen->subject = e->subject;
 		seen->direction = direction;
 		seen->count = 0;
-		tell_unknown(sequence, direction, e);
+		report_unknown(sequence, direction, e);
 	}
 	seen->len = e->len;
 	seen->station = e->station;

@@ -61,7 +61,7 @@ static __always_inline int drop(struct gate_cpu *cpu, __u32 direction, __u32 slo
 	return refusal(direction);
 }
 
-static __always_inline void tell_unknown(__u64 frames, __u32 direction, const struct frame *frame)
+static __always_inline void report_unknown(__u64 frames, __u32 direction, const struct frame *frame)
 {
 	struct gate_sample sample = {
 	    .ifindex = ifindex,
@@ -73,7 +73,7 @@ static __always_inline void tell_unknown(__u64 frames, __u32 direction, const st
 	    .audit = lets_all_through(),
 	};
 
-	tell_sample(&sample, &table.sample_due);
+	report_sample(&sample, &table.sample_due);
 }
 
 /* The sequence is 0 while the entry changes hands. */
@@ -91,7 +91,7 @@ static __always_inline void note_unknown(struct gate_cpu *cpu, __u32 direction,
 		seen->format = frame->format;
 		seen->direction = direction;
 		seen->count = 0;
-		tell_unknown(sequence, direction, frame);
+		report_unknown(sequence, direction, frame);
 	}
 	seen->len = frame->len;
 	seen->count++;

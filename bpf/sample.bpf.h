@@ -12,7 +12,7 @@ struct {
 	__uint(max_entries, GATE_EVENTS_SIZE);
 } events SEC(".maps");
 
-static __always_inline void tell_sample(struct gate_sample *sample, __u64 *due)
+static __always_inline void report_sample(struct gate_sample *sample, __u64 *due)
 {
 	sample->kind = GATE_E_UNKNOWN;
 	if (!take_turn(due, GATE_SAMPLE_NS, (GATE_SAMPLES - 1) * GATE_SAMPLE_NS,

@@ -45,7 +45,7 @@ class CaughtMessages {
   xmlStructuredErrorFunc old_function_;
 };
 
-/// The library's message; what only tells of a limit inside it becomes ours.
+/// The library's message; what only reports a limit inside it becomes ours.
 std::string words_for(const xmlError& error) {
   std::string_view text = error.message;
   while (text.ends_with('\n')) text.remove_suffix(1);
@@ -62,7 +62,7 @@ FindingId id_of(const xmlError& error) {
 
 std::string_view view_of(const xmlError& error) { return error.message; }
 
-/// What is wrong in a comment or a CDATA section is told with the line that it begins in; the
+/// What is wrong in a comment or a CDATA section is reported with the line that it begins in; the
 /// library finds the end of the file where one does not end.
 std::optional<Guard::Wrong> comment_message(const Guard& guard, const xmlError& error) {
   switch (error.code) {

@@ -71,9 +71,9 @@ void check_masks(const core::System& system, const core::Network& network, Probl
   }
   for (const auto* m : masked)
     for (const auto& b : network.bindings) {
-      // Of two masks the later one is told; equal numbers are told already.
-      const bool told = &b == m || (b.is_masked() && &b > m) || b.id == m->id;
-      if (told || !core::clash(network.profile, *m, b)) continue;
+      // Of two masks the later one is reported; equal numbers are reported already.
+      const bool reported = &b == m || (b.is_masked() && &b > m) || b.id == m->id;
+      if (reported || !core::clash(network.profile, *m, b)) continue;
       problems.add(
           m->origin, "Binding",
           fmt::format("{} 0x{:x} has {} 0x{:x} of channel {} in it, from {}: each "

@@ -60,8 +60,8 @@ class Inspector {
       if (each_) keep(channel, decision, std::span(out_.findings).subspan(before));
       if (progress_ && (channel + 1) % kProgressStep == 0) progress_(channel + 1);
     });
-    tell(situation);
-    if (buses_ != nullptr) tell_buses(situation);
+    report(situation);
+    if (buses_ != nullptr) report_buses(situation);
     for (std::size_t n = 0; n < s_.networks.size(); ++n)
       out_.networks.push_back({ledger_.reserved(n)});
     std::ranges::stable_sort(out_.findings, {}, [](const Finding& f) {
@@ -107,16 +107,16 @@ class Inspector {
       each_(channel, decision, errors);
   }
 
-  void tell(const Situation& situation) {
+  void report(const Situation& situation) {
     for (Kept& kept : kept_) {
       renew_responses(situation, ledger_, kept.decision);
       each_(kept.channel, kept.decision, kept.errors);
       for (std::size_t set = 0; set < sets_of(s_, kept.channel); ++set)
-        if (set != kept.decision.set) tell_other(situation, kept.channel, set);
+        if (set != kept.decision.set) report_other(situation, kept.channel, set);
     }
   }
 
-  void tell_other(const Situation& situation, std::size_t channel, std::size_t set) {
+  void report_other(const Situation& situation, std::size_t channel, std::size_t set) {
     const Ledger::Mark before = ledger_.mark();
     for (const std::size_t p : members_.publishers_of(channel)) ledger_.remove(p);
     Decision decision = decide_in(situation, channel, set, ledger_);
@@ -128,7 +128,7 @@ class Inspector {
     ledger_.roll_back(before);
   }
 
-  void tell_buses(const Situation& situation) {
+  void report_buses(const Situation& situation) {
     buses_->messages = messages_.take(situation, ledger_);
     for (std::size_t n = 0; n < s_.networks.size(); ++n) {
       const can::Schedule* bus = ledger_.schedule(n);

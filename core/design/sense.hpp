@@ -9,7 +9,7 @@
 
 namespace mlcca::core {
 
-/// Periods of this length and more on a channel with a safe side are told.
+/// Periods of this length and more on a channel with a safe side are reported.
 inline constexpr Value kLongPeriod = 3'600'000'000'000;  // ns, one hour
 
 /// MLCCA038 to 041, of the preferred attribute sets: one note at most of each kind for a channel or

@@ -363,7 +363,7 @@ bool Controller::write_some_history() {
   const bool more = patience_.wait_for([this, now] { return history_->flush_some(now); });
   for (std::string& line : history_->take_troubles())
     outside_.log.warning(Kind::trouble, std::move(line));
-  // What a start or a reload has to tell fills some MiB until it is written.
+  // What a start or a reload has to report fills some MiB until it is written.
   if (!more && writes_much_history_) ::malloc_trim(0);
   writes_much_history_ = more;
   return more;

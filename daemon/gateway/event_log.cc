@@ -50,7 +50,7 @@ void EventLog::write(Note note) {
   publish_(event);
 }
 
-void EventLog::tell_clients(control::Event event) const {
+void EventLog::notify_clients(control::Event event) const {
   if (!publish_) return;
   event.unix_ns = unix_ns();
   publish_(event);

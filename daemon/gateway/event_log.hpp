@@ -55,7 +55,7 @@ class EventLog {
   }
   void write(Note note);
   /// What only clients that follow the subject need: neither for the journal nor for the history.
-  void tell_clients(control::Event event) const;
+  void notify_clients(control::Event event) const;
 
   /// While it lives, what is written was done at the request of `actor`; without one, the daemon
   /// did it by itself.

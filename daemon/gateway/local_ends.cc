@@ -57,7 +57,7 @@ void LocalEnds::report(core::Subject subject, const std::string& channel) {
   event.subject = subject;
   event.channel = channel;
   event.message = "the subscribers of " + channel + " on this gateway are others";
-  log_.tell_clients(std::move(event));
+  log_.notify_clients(std::move(event));
 }
 
 }  // namespace mlcca

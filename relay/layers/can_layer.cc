@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/clock.hpp"
+#include "relay/fd_length.hpp"
 #include "relay/layers/sockets.hpp"
 
 namespace mlcca::relay {
@@ -21,17 +22,16 @@ constexpr std::uint32_t kForm = CAN_EFF_FLAG | CAN_RTR_FLAG;
 /// Of a socket (CAN_RAW_FILTER_MAX); with more all frames are read, and looked up here.
 constexpr std::size_t kMostFilters = 512;
 
-/// Lengths of FD frames above 8 octets.
-constexpr std::array<std::uint8_t, 7> kFdLengths{12, 16, 20, 24, 32, 48, 64};
-std::optional<std::uint8_t> fd_length(std::size_t octets) {
-  if (octets <= CAN_MAX_DLEN) return static_cast<std::uint8_t>(octets);
-  const auto* const fits = std::ranges::find_if(kFdLengths, [&](auto n) { return n >= octets; });
-  return fits == kFdLengths.end() ? std::nullopt : std::optional(*fits);
-}
+/// Of an identifier of Cyphal: its priority may be another one in the next transfer, and receivers
+/// ignore the reserved bits.
+constexpr std::uint32_t kPublisherOfCyphal = 0x1fffff;
 
-// Cyphal/CAN 1.0, 4.2.1: start, end and toggle of a transfer of one frame, and its number.
-constexpr std::uint8_t kWholeTransfer = 0xe0;
-constexpr std::uint8_t kTransferIds = 0x1f;
+/// On CAN FD a frame is padded to one of few lengths, up to 64 in steps of 16 at most.
+constexpr std::size_t kMostPadding = 15;
+Octets without_padding(Octets event, std::size_t longest) {
+  return event.size() > longest && event.size() - longest <= kMostPadding ? event.first(longest)
+                                                                          : event;
+}
 
 class RawSocket : public FrameSocket {
  public:
@@ -112,12 +112,14 @@ Result<std::unique_ptr<Layer>> CanLayer::open(const control::Endpoint& endpoint)
 
 Result<CanLayer::Form> CanLayer::form_of(const control::Endpoint& endpoint) {
   if (endpoint.profile == "famouso") return Form::famouso;
+  if (endpoint.profile == "cyphal") return Form::cyphal;
   if (endpoint.fragmented)
-    return fail("events of several frames are carried on buses of profile famouso alone, and " +
-                endpoint.network + " is of " + endpoint.profile);
+    return fail(
+        "events of several frames are carried on buses of profile famouso and cyphal, and " +
+        endpoint.network + " is of " + endpoint.profile);
   if (!endpoint.classic && !endpoint.fd)
     return fail("CAN XL frames are not carried: " + endpoint.network);
-  return endpoint.profile == "cyphal" ? Form::cyphal : Form::plain;
+  return Form::plain;
 }
 
 /// As they are needed now; `before`: how many identities there were.
@@ -172,42 +174,34 @@ void CanLayer::take(const FrameSocket::Frame& frame, const OnEvent& on_event) {
   const std::uint32_t id = frame.frame.can_id;
   if ((id & (CAN_ERR_FLAG | CAN_RTR_FLAG)) != 0 || frame.frame.len > CANFD_MAX_DLEN) return;
   const Octets data(frame.frame.data, frame.frame.len);
-  bool taken = false;  // a fragment is taken once, whoever follows
-  std::optional<afp::Event> whole;
+  bool taken = false;  // once, whoever follows
+  std::optional<std::vector<std::uint8_t>> whole;
   for (const auto& [mask, by_id] : by_mask_) {
     const auto known = by_id.find(id & mask);
     if (known == by_id.end()) continue;
     for (const Following& f : known->second) {
       if (!(frame.fd ? f.fd : f.classic)) continue;
-      if (f.form != Form::famouso || (id & kFragmentBit) == 0) {
-        take(f, frame, on_event);
+      if (f.form == Form::plain || (f.form == Form::famouso && (id & kFragmentBit) == 0)) {
+        hand_over(f, frame, data, on_event);
         continue;
       }
       if (!std::exchange(taken, true))
-        whole = fragments_.take(id & ~kFragmentBit & ~kForm, data, monotonic_ns());
-      if (whole) hand_over(f, *whole, frame.unix_ns, on_event);
+        whole = f.form == Form::cyphal
+                    ? transfers_.take(id & kPublisherOfCyphal, data, monotonic_ns())
+                    : fragments_.take(id & ~kFragmentBit & ~kForm, data, monotonic_ns());
+      if (whole) hand_over(f, frame, *whole, on_event);
     }
   }
 }
 
-void CanLayer::take(const Following& by, const FrameSocket::Frame& frame, const OnEvent& on_event) {
-  Octets data(frame.frame.data, frame.frame.len);
-  if (by.form == Form::cyphal) {
-    if (data.empty() || (data.back() & kWholeTransfer) != kWholeTransfer) {
-      ++losses_.malformed;
-      return;
-    }
-    data = data.first(data.size() - 1);
-  }
-  hand_over(by, data, frame.unix_ns, on_event);
-}
-
-void CanLayer::hand_over(const Following& to, Octets event, std::uint64_t unix_ns,
+/// `last`: the frame that completes the event.
+void CanLayer::hand_over(const Following& to, const FrameSocket::Frame& last, Octets event,
                          const OnEvent& on_event) {
+  if (last.fd) event = without_padding(event, to.longest);
   if (event.size() > to.longest)
     ++losses_.too_long;
   else
-    on_event({to.follower, event, unix_ns});
+    on_event({to.follower, event, last.unix_ns});
 }
 
 // --- what goes -----------------------------------------------------------------------------------
@@ -244,16 +238,13 @@ Sent CanLayer::send(const control::Endpoint& endpoint, std::uint64_t subject, Oc
     return send_frame(endpoint, endpoint.id & ~kFragmentBit, event);
   }
   if (*form == Form::plain) return send_frame(endpoint, endpoint.id, event);
-  if (event.size() >= CANFD_MAX_DLEN) return Sent::too_long;
-  std::array<std::uint8_t, CANFD_MAX_DLEN> frame{};
-  std::ranges::copy(event, frame.begin());
-  // An FD frame is padded before the tail octet.
-  const auto length = endpoint.classic ? static_cast<std::uint8_t>(event.size() + 1)
-                                       : fd_length(event.size() + 1).value_or(CANFD_MAX_DLEN);
-  std::uint8_t& number = transfers_[subject];
-  frame.at(length - 1U) = static_cast<std::uint8_t>(kWholeTransfer | number);
-  number = (number + 1) & kTransferIds;
-  return send_frame(endpoint, endpoint.id, Octets(frame).first(length));
+  std::uint8_t& number = numbers_[subject];
+  const auto frames = cyphal::frames_of(event, endpoint.frame_bytes, number);
+  if (!frames || (frames->size() > 1 && !endpoint.fragmented)) return Sent::too_long;
+  number = (number + 1) & cyphal::kNumbers;
+  for (const auto& frame : *frames)
+    if (const Sent sent = send_frame(endpoint, endpoint.id, frame); sent != Sent::sent) return sent;
+  return Sent::sent;
 }
 
 Losses CanLayer::losses() const {
@@ -262,6 +253,10 @@ Losses CanLayer::losses() const {
   out.malformed += of_fragments.malformed;
   out.incomplete += of_fragments.incomplete;
   out.crowded += of_fragments.crowded;
+  const cyphal::Losses& of_transfers = transfers_.losses();
+  out.malformed += of_transfers.malformed;
+  out.incomplete += of_transfers.incomplete;
+  out.crowded += of_transfers.crowded;
   out.in_socket += socket_->dropped();
   return out;
 }

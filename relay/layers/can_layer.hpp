@@ -2,7 +2,7 @@
 // Events in CAN frames, as the profile of the bus has them:
 //
 //   famouso   up to 8 octets in a frame; longer ones in fragments, with bit 21 of the identifier
-//   cyphal    a transfer of one frame, without its tail octet
+//   cyphal    transfers of one frame or of several
 //   others    the data of a frame
 //
 // The identifiers are those that the gate admits; see core/profiles.
@@ -18,6 +18,7 @@
 
 #include "base/handle.hpp"
 #include "relay/afp.hpp"
+#include "relay/cyphal.hpp"
 #include "relay/layers/layer.hpp"
 
 namespace mlcca::relay {
@@ -79,8 +80,8 @@ class CanLayer : public Layer {
   static Result<Form> form_of(const control::Endpoint& endpoint);
   [[nodiscard]] Result<void> set_filters(std::size_t before);
   void take(const FrameSocket::Frame& frame, const OnEvent& on_event);
-  void take(const Following& by, const FrameSocket::Frame& frame, const OnEvent& on_event);
-  void hand_over(const Following& to, Octets event, std::uint64_t unix_ns, const OnEvent& on_event);
+  void hand_over(const Following& to, const FrameSocket::Frame& last, Octets event,
+                 const OnEvent& on_event);
   Sent send_frame(const control::Endpoint& endpoint, std::uint32_t id, Octets data);
   Sent send_fragments(const control::Endpoint& endpoint, Octets event);
 
@@ -88,7 +89,8 @@ class CanLayer : public Layer {
   std::map<std::uint32_t, ById> by_mask_;
   std::size_t identities_ = 0;  ///< of all masks
   afp::Reassembly fragments_{afp::kCan};
-  std::unordered_map<std::uint64_t, std::uint8_t> transfers_;  ///< next transfer-id, by subject
+  cyphal::Reassembly transfers_;
+  std::unordered_map<std::uint64_t, std::uint8_t> numbers_;  ///< of the next transfer, by subject
   Losses losses_;
 };
 

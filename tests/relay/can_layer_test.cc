@@ -33,7 +33,7 @@ class FakeSocket : public FrameSocket {
   }
   Sent send(const canfd_frame& frame, bool fd) override {
     if (outcome_ != Sent::sent) return outcome_;
-    out_.push_back({frame, fd, false, 0});
+    out_.push_back({frame, fd, false, 7});
     return Sent::sent;
   }
   [[nodiscard]] std::uint64_t dropped() const override { return 3; }
@@ -188,6 +188,38 @@ TEST_F(CanLayerTest, CyphalHasATailThatIsNotOfTheEvent) {
   EXPECT_EQ(layer_->send(at, 1, counting(8)), Sent::too_long);
 }
 
+TEST_F(CanLayerTest, ALongEventOfCyphalIsATransferOfSeveralFrames) {
+  auto at = endpoint("cyphal");
+  at.fragmented = true;
+  ASSERT_EQ(layer_->send(at, 1, counting(9)), Sent::sent);
+  ASSERT_EQ(layer_->send(at, 1, counting(9)), Sent::sent);
+  EXPECT_EQ(sent(), "00010203040506a0 07086ede40 00010203040506a1 07086ede41 ");
+  ASSERT_TRUE(layer_->follow(1, at, 1, 9));
+  ASSERT_TRUE(layer_->follow(2, at, 1, 100));
+  const auto got = events(std::exchange(socket_->out_, {}));
+  ASSERT_EQ(got.size(), 4U) << "both follow, and each frame is taken once";
+  for (const auto& one : got) EXPECT_EQ(one.second, counting(9));
+}
+
+TEST_F(CanLayerTest, PaddingOfFdFramesIsNotOfTheEvent) {
+  for (const char* profile : {"raw", "cyphal"}) {
+    auto at = endpoint(profile);
+    at.classic = false;
+    at.fd = true;
+    at.frame_bytes = 64;
+    at.fragmented = profile == std::string("cyphal");
+    for (const std::size_t size : {std::size_t{9}, std::size_t{33}, std::size_t{70}}) {
+      if (size > 64 && !at.fragmented) continue;
+      ASSERT_TRUE(layer_->follow(1, at, 1, size));
+      ASSERT_EQ(layer_->send(at, 1, counting(size)), Sent::sent);
+      const auto got = events(std::exchange(socket_->out_, {}));
+      ASSERT_EQ(got.size(), 1U) << profile << ' ' << size;
+      EXPECT_EQ(got[0].second, counting(size));
+      layer_->leave(1, at, 1);
+    }
+  }
+}
+
 TEST_F(CanLayerTest, AnFdFrameHasOneOfItsLengths) {
   auto to = endpoint("raw");
   to.classic = false;
@@ -200,13 +232,14 @@ TEST_F(CanLayerTest, AnFdFrameHasOneOfItsLengths) {
 }
 
 TEST_F(CanLayerTest, WhatCannotBeCarriedIsRefusedWithTheReason) {
-  auto long_events = endpoint("cyphal");
+  auto long_events = endpoint("j1939");
   long_events.fragmented = true;
   const auto refused = layer_->follow(1, long_events, 1, 100);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().text,
-            "events of several frames are carried on buses of profile famouso alone, and bus is of "
-            "cyphal");
+  EXPECT_EQ(
+      refused.error().text,
+      "events of several frames are carried on buses of profile famouso and cyphal, and bus is "
+      "of j1939");
   EXPECT_EQ(layer_->send(long_events, 1, counting(1)), Sent::failed);
 }
 
