@@ -8,14 +8,14 @@ stage: all
 DEMO ?= guest
 run-demo: run-demo-$(DEMO)
 run-demo-guest: stage $(GUEST_READY)
-	$(Q)GUEST_IMAGE=$(abspath $O)/guest tests/guest/run --systemd --smp 2 -- \
+	$(Q)GUEST_IMAGE=$(abspath $O)/guest tests/guest/run --systemd --smp 2 --timeout 900 -- \
 		examples/volksbot/demo systemd $(abspath $(STAGE))
 run-demo-host: all
 	$(Q)unshare --net --mount sh -c 'mount -t tmpfs run /run && mkdir /run/netns && \
 		exec examples/volksbot/demo plain $(abspath $O)'
 .PHONY: stage run-demo run-demo-guest run-demo-host
 
-EXAMPLES := $(foreach e,volksbot mesh,$(wildcard examples/$e/*.xml examples/$e/*/*.xml examples/$e/*.md))
+EXAMPLES := $(foreach e,volksbot mesh rover,$(wildcard examples/$e/*.xml examples/$e/*/*.xml examples/$e/*.md examples/$e/*.py))
 install-examples:
 	$(call say,INSTALL,examples)
 	$(Q)for file in $(EXAMPLES); do \

@@ -23,9 +23,8 @@ enum class Presence : std::uint8_t {
 /// The links that a source reports whenever they are there.
 enum class Scope : std::uint8_t {
   none,
-  from_here,  ///< in the direction away from this machine
-  of_here,    ///< one end is this machine
-  of_mesh,    ///< all of the mesh
+  of_here,  ///< one end is this machine
+  of_mesh,  ///< all of the mesh
 };
 
 struct Role {
@@ -39,7 +38,7 @@ inline constexpr auto kRoles = std::to_array<Role>({
     {SourceKind::description, Presence::stated, Scope::none, true},
     {SourceKind::file, Presence::stated, Scope::none, true},
     {SourceKind::nl80211, Presence::device, Scope::of_here, true},
-    {SourceKind::batman, Presence::protocol, Scope::from_here, true},
+    {SourceKind::batman, Presence::protocol, Scope::of_here, true},
     {SourceKind::awds, Presence::protocol, Scope::of_mesh, true},
     {SourceKind::babel, Presence::protocol, Scope::of_here, false},
     {SourceKind::olsr, Presence::protocol, Scope::of_here, true},
@@ -82,8 +81,6 @@ static_assert(roles_are_dense());
       return true;
     case Scope::of_here:
       return here == from || here == to;
-    case Scope::from_here:
-      return here == from;
     case Scope::none:
       break;
   }

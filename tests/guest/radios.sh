@@ -13,12 +13,17 @@ three_radios() {
 	modprobe mac80211_hwsim radios=3 || fail "no radios"
 	for i in 0 1 2; do
 		[ -e /run/netns/node$i ] || ip netns add node$i
-		iw phy phy$i set netns name node$i || fail "phy$i cannot move"
-		in_ns node$i ip link set lo up
-		in_ns node$i iw dev wlan$i set type mp || fail "wlan$i is no mesh point"
-		in_ns node$i ip link set wlan$i name mesh0 mtu "${1:-1500}"
-		in_ns node$i ip link set mesh0 up
+		radio_point $i node$i "${1:-1500}"
 	done
+}
+
+# radio_point N NAMESPACE MTU: the same of one radio, in a namespace that is there, or (-) in this one.
+radio_point() {
+	[ "$2" = - ] || iw phy "phy$1" set netns name "$2" || fail "phy$1 cannot move"
+	in_ns "$2" ip link set lo up
+	in_ns "$2" iw dev "wlan$1" set type mp || fail "wlan$1 is no mesh point"
+	in_ns "$2" ip link set "wlan$1" name mesh0 mtu "$3"
+	in_ns "$2" ip link set mesh0 up
 }
 
 # isolate N: no radio receives radio N from now on, nor does it receive any.

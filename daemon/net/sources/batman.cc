@@ -105,7 +105,14 @@ core::mesh::Snapshot view(const Seen& seen, std::uint64_t now) {
     const auto loss = losses.find({neighbour.mac, neighbour.interface});
     if (loss != losses.end()) sample.loss = loss->second;
     sample.taken = time_before(now, neighbour.last_seen);
+    // What was heard of it came over the other direction. What that carries only the neighbour
+    // knows.
+    core::mesh::Sample back;
+    back.from = sample.to;
+    back.to = sample.from;
+    back.taken = sample.taken;
     out.links.push_back(std::move(sample));
+    out.links.push_back(std::move(back));
   }
   for (const Originator& way : seen.originators) {
     const HardInterface* const own = way.best ? interface_of(seen, way.interface) : nullptr;

@@ -283,7 +283,12 @@ TEST(BatmanView, ANeighboursThroughputIsALinkFromTheInterfaceItIsReceivedOn) {
           {.mac = kFar, .next_hop = kPeer, .interface = 4, .best = true, .quality = {}},
           {.mac = kFar, .next_hop = kFar, .interface = 4, .best = false, .quality = {}}}};
   const Snapshot snapshot = batman::view(seen, kNow);
-  ASSERT_EQ(snapshot.links.size(), 1U) << "an interface that went has no links";
+  ASSERT_EQ(snapshot.links.size(), 2U) << "an interface that went has no links";
+  const Sample& back = snapshot.links[1];
+  EXPECT_EQ(back.from, kPeer);
+  EXPECT_EQ(back.to, kOwn);
+  EXPECT_EQ(back.rate, 0U) << "it is there, and what it carries only the neighbour knows";
+  EXPECT_EQ(back.taken, kNow - 120'000'000);
   const Sample& link = snapshot.links.front();
   EXPECT_EQ(link.from, kOwn);
   EXPECT_EQ(link.to, kPeer);
@@ -302,7 +307,7 @@ TEST(BatmanView, BatmanIvReportsLossWithoutARate) {
       .originators = {
           {.mac = kPeer, .next_hop = kPeer, .interface = 4, .best = true, .quality = 204}}};
   const Snapshot snapshot = batman::view(seen, kNow);
-  ASSERT_EQ(snapshot.links.size(), 1U);
+  ASSERT_EQ(snapshot.links.size(), 2U);
   EXPECT_EQ(snapshot.links.front().rate, 0U);
   EXPECT_EQ(snapshot.links.front().loss, 200'000'000U);  // 1 - 204/255 = 0.2
 }
