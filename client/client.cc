@@ -43,6 +43,8 @@ const char* name_of(Cause cause) {
       return "missing";
     case Cause::restored:
       return "restored";
+    case Cause::late:
+      return "late";
     case Cause::gates_closed:
       return "gates closed";
     case Cause::mode:

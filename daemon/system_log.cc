@@ -35,6 +35,7 @@ constexpr std::array kKinds{
     KindInfo{"excess", "faf4d5399e254409bf55d3b1bb42104d"},
     KindInfo{"missing", "6f0a1c52b7e94d30a1d4c86e2f935b17"},
     KindInfo{"restored", "c2d87e4195f34ab68e03b7d1a65cf928"},
+    KindInfo{"late", "3c9b51e07a644f1d8e25d0b7f6a1984c"},
     KindInfo{"interface", "f1d09b13c2ac45a9b3d48dcf98334a4e"},
     KindInfo{"mode", "8e4024714a6c4e21bebd3ea336faf49b"},
     KindInfo{"reload", "16600d2717154f5087c62d70858f4596"},

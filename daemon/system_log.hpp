@@ -28,6 +28,7 @@ enum class Kind : std::uint8_t {
   excess,
   missing,
   restored,
+  late,  ///< a program that carries events took longer than the gateway states
   interface,
   mode,
   reload,

@@ -47,7 +47,7 @@ void Carrier::add(const control::Transfer& transfer) {
                  transfer.to.interface + ": " + done.error().text);
     return;
   }
-  slots_[number] = Slot{transfer, {}, to};
+  slots_[number] = Slot{.transfer = transfer, .carried = {}, .to = to, .delay = {}};
   by_subject_[transfer.subject].push_back(number);
 }
 
@@ -111,7 +111,21 @@ void Carrier::carry(const Layer::Arrival& arrival) {
   const std::uint64_t now = outside_.unix_ns();
   const std::uint64_t took = now > arrival.unix_ns ? now - arrival.unix_ns : 0;
   slot.carried.longest_ns = std::max(slot.carried.longest_ns, took);
-  if (slot.transfer.latency_ns != 0 && took > slot.transfer.latency_ns) ++slot.carried.late;
+  if (slot.transfer.latency_ns == 0 || took <= slot.transfer.latency_ns) return;
+  ++slot.carried.late;
+  ++slot.delay.late;
+  slot.delay.longest_ns = std::max(slot.delay.longest_ns, took);
+}
+
+void Carrier::take_delays(
+    std::uint64_t now, std::uint64_t pause,
+    const std::function<void(const control::Transfer&, const Delay&)>& handler) {
+  for (auto& slot : slots_) {
+    if (!slot || slot->delay.late == 0) continue;
+    if (slot->taken_at && now - *slot->taken_at < pause) continue;
+    slot->taken_at = now;
+    handler(slot->transfer, std::exchange(slot->delay, {}));
+  }
 }
 
 void Carrier::each(

@@ -25,6 +25,12 @@ struct Carried {
   std::uint64_t longest_ns = 0;  ///< from the kernel's receipt to the end of sending
 };
 
+/// Events of a transfer that were late since it was last asked for them.
+struct Delay {
+  std::uint64_t late = 0;
+  std::uint64_t longest_ns = 0;  ///< of them
+};
+
 class Carrier {
  public:
   using OpenLayer = std::function<Result<std::unique_ptr<Layer>>(const control::Endpoint&)>;
@@ -53,12 +59,17 @@ class Carrier {
   /// Of each transfer, as long as it is there.
   void each(const std::function<void(const control::Transfer&, const Carried&)>& handler) const;
   [[nodiscard]] Losses losses() const;
+  /// Of each transfer with late events, once in `pause` ns at most. `now`: any steady clock.
+  void take_delays(std::uint64_t now, std::uint64_t pause,
+                   const std::function<void(const control::Transfer&, const Delay&)>& handler);
 
  private:
   struct Slot {
     control::Transfer transfer;
     Carried carried;
     Layer* to = nullptr;
+    Delay delay;                                 ///< not taken yet
+    std::optional<std::uint64_t> taken_at = {};  ///< when the last one was
   };
 
   Layer* layer_of(const control::Endpoint& endpoint);

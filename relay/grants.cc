@@ -28,6 +28,7 @@ constexpr milliseconds kLongestRetry(1000);
 constexpr milliseconds kPause(20);
 /// With more subjects all are asked for.
 constexpr std::size_t kMostDue = 256;
+constexpr std::size_t kMostUnsent = std::size_t{64} << 10;
 constexpr std::size_t kReadSize = std::size_t{64} << 10;
 constexpr std::size_t kMostTransfers = std::size_t{1} << 20;
 
@@ -133,6 +134,13 @@ void Grants::ask_next() {
   send({0, std::move(request), true});
 }
 
+void Grants::report(control::DelayRequest delay) {
+  // What waits to be sent is bounded: a daemon that does not read is told less.
+  if (!socket_ || !has_answer_ || out_.size() > kMostUnsent) return;
+  send({0, std::move(delay)});
+  flush();
+}
+
 void Grants::send(control::Request request) {
   request.id = ++last_id_;
   out_ += control::encode(request);
@@ -175,7 +183,7 @@ void Grants::on_reply(control::Reply reply) {
     const auto* error = std::get_if<control::Error>(&reply.body);
     return lose(error == nullptr ? "mlccad sent a reply without a request" : error->message);
   }
-  if (reply.id != asked_) return;  // of monitor
+  if (reply.id != asked_) return;  // of monitor, or of a delay
   if (const auto joined = control::join(whole_, std::move(reply)); !joined)
     return lose(joined.error().text);
   if (const auto* some = std::get_if<control::Transfers>(&whole_->body);

@@ -36,6 +36,8 @@ class Grants {
   [[nodiscard]] bool is_connected() const { return static_cast<bool>(socket_); }
   /// The daemon has answered once what there is to carry.
   [[nodiscard]] bool has_answer() const { return has_answer_; }
+  /// Tells the daemon, if it is there and has answered. Its reply says nothing that matters here.
+  void report(control::DelayRequest delay);
   /// All is asked for once more, soon: an interface has gone or come.
   void ask_all();
 

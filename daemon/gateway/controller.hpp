@@ -172,7 +172,8 @@ class Controller {
   BusMonitor buses_{scene_, outside_.gates, outside_.log, turn_, outside_.clock};
   DropReports drops_{scene_, outside_.gates, outside_.log, deliveries_, outside_.clock, pulse_};
   Carriers carriers_;
-  DeliveryHealth delivery_health_{scene_, outside_.gates, drops_, forwarding_, carriers_};
+  DeliveryHealth delivery_health_{scene_,      outside_.gates, drops_,
+                                  forwarding_, carriers_,      outside_.clock};
   GateEvents gate_events_{
       {scene_, outside_.gates, outside_.links, outside_.log, deliveries_, delivery_health_, tags_}};
   Admissions admissions_{scene_, recorder_, outside_.log,  deliveries_,

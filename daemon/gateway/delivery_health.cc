@@ -45,6 +45,8 @@ std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
   const core::GateRule* const in = way_in(rules);
   for (const core::GateRule& rule : rules) {
     if (!gates_.is_gated(rule.entry.port)) continue;
+    if (rule.entry.direction == core::Direction::egress && carriers_.any_late())
+      seen.late = late_line(v, gates_.network_of(rule.entry.port));
     seen.passages.push_back(
         {.network = gates_.network_of(rule.entry.port),
          .leaves = rule.entry.direction == core::Direction::egress,
@@ -76,6 +78,18 @@ bool DeliveryHealth::lacks_relay(const core::Verdict& v, const core::GateState& 
     return rule.entry.direction == core::Direction::egress && !rule.entry.source_port &&
            rule.entry.uid == *here.relay && !here.ports[rule.entry.port].sender;
   });
+}
+
+std::string DeliveryHealth::late_line(const core::Verdict& v, const std::string& to) const {
+  const core::State& state = *scene_.state;
+  const auto late = carriers_.late(
+      {state.system().channels[v.channel].subject, state.members().publisher(v.publisher).name, to},
+      clock_.monotonic_ns());
+  if (!late) return {};
+  return fmt::format(
+      "the program that carries it to {} took up to {}, longer than the gateway states, for {}", to,
+      core::format_value(Attribute::latency, late->longest_ns / 1'000 * 1'000),
+      late->events == 1 ? "1 event" : fmt::format("{} events", late->events));
 }
 
 const core::GateRule* DeliveryHealth::way_in(const core::GateState& rules) {

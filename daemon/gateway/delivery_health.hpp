@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "control/messages.hpp"
 #include "core/admission/state.hpp"
 #include "daemon/gateway/can_forwarding.hpp"
@@ -25,8 +26,13 @@ class DeliveryHealth {
  public:
   /// All of them must outlive this.
   DeliveryHealth(const Scene& scene, const GateDriver& gates, const DropReports& drops,
-                 const CanForwarding& forwarding, const Carriers& carriers)
-      : scene_(scene), gates_(gates), drops_(drops), forwarding_(forwarding), carriers_(carriers) {}
+                 const CanForwarding& forwarding, const Carriers& carriers, const Clock& clock)
+      : scene_(scene),
+        gates_(gates),
+        drops_(drops),
+        forwarding_(forwarding),
+        carriers_(carriers),
+        clock_(clock) {}
 
   /// Entries by which events of several publishers of a channel come or leave, sorted.
   [[nodiscard]] std::vector<core::GateEntry> shared_entries_of(std::size_t channel) const;
@@ -39,6 +45,8 @@ class DeliveryHealth {
 
   /// The counters of a channel have just been polled.
   void judge(const DropReports::Polled& polled);
+  /// A program that carries events of a channel reports that some were late.
+  void note_late(std::size_t channel) { troubled_.insert(channel); }
   /// The kernel has reported that events of a channel are missing.
   void note_missing(std::size_t channel) { troubled_.insert(channel); }
   /// A channel has been decided otherwise: what its gates have passed so far says nothing of what
@@ -57,6 +65,8 @@ class DeliveryHealth {
   [[nodiscard]] bool is_large() const;
 
  private:
+  [[nodiscard]] std::string late_line(const core::Verdict& verdict, const std::string& to) const;
+
   using Passed = std::map<core::GateEntry, std::uint64_t>;
   /// By where the events come in and where they leave.
   using Leaving = std::map<std::pair<core::GateEntry, core::GateEntry>, LatestLeft>;
@@ -76,6 +86,7 @@ class DeliveryHealth {
   const DropReports& drops_;
   const CanForwarding& forwarding_;
   const Carriers& carriers_;
+  const Clock& clock_;
   std::map<std::size_t, Passed> passed_before_;  ///< by channel, see restart()
   std::map<std::size_t, Leaving> leaving_;       ///< by channel
   std::set<std::size_t> troubled_;  ///< channels; each is examined again when it is reported

@@ -99,6 +99,7 @@ std::vector<std::string> troubles(const Observed& seen) {
     lines.push_back(seen.not_forwarded);
   else
     add_lost(seen, lines);
+  if (!seen.late.empty()) lines.push_back(seen.late);
   return lines;
 }
 

@@ -88,6 +88,7 @@ class Program {
   bool on_signal();
   void say_all() const;
   void report(std::uint64_t now);
+  void report_delays(std::uint64_t now);
 
   Fd epoll_;
   Fd signals_;
@@ -143,6 +144,18 @@ void Program::report(std::uint64_t now) {
   reported_ = dropped + late + lost;
 }
 
+/// Each transfer at most once in ten seconds: the daemon makes an exception of it.
+void Program::report_delays(std::uint64_t now) {
+  carrier_.take_delays(now, kReport, [this](const control::Transfer& transfer, const Delay& delay) {
+    grants_.report({.subject = transfer.subject,
+                    .publisher = transfer.publisher,
+                    .from = transfer.from.network,
+                    .to = transfer.to.network,
+                    .late = delay.late,
+                    .longest_ns = delay.longest_ns});
+  });
+}
+
 int Program::run() {
   sigset_t mask;
   sigemptyset(&mask);
@@ -172,6 +185,7 @@ int Program::run() {
       alive_at_ = now;
       notify("WATCHDOG=1");
       report(now);
+      report_delays(now);
     }
   }
 }

@@ -157,16 +157,17 @@ TEST(Client, WhatHappensToEventsIsGivenWithItsNumbers) {
   std::get<control::Event>(missing.body).silent_ns = 161'000'000;
   std::get<control::Event>(missing.body).missing = 3;
   Scene scene({{{channels({delivery("bridge", true)}), missing, event("restored"), event("excess"),
-                 event("dropping"), event("lapsed", 0), event("mode", 0), event("invented")}}});
+                 event("dropping"), event("late"), event("lapsed", 0), event("mode", 0),
+                 event("invented")}}});
   Client client(scene.options());
   SubscriberChannel stop(client, "stop");
   stop.subscribe();
-  const auto all = exceptions(client, stop, 7);
+  const auto all = exceptions(client, stop, 8);
   EXPECT_EQ(causes(all), (std::vector<std::string>{"missing", "restored", "policed", "dropped",
-                                                   "gates closed", "mode", "other"}));
+                                                   "late", "gates closed", "mode", "other"}));
   EXPECT_EQ(all[0].silent, milliseconds(161));
   EXPECT_EQ(all[0].missing_events, 3U);
-  EXPECT_EQ(all[6].text, "what is invented");
+  EXPECT_EQ(all[7].text, "what is invented");
 }
 
 bool readable(const Client& client) {

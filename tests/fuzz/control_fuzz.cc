@@ -201,13 +201,20 @@ control::Request some_request(Octets& from) {
       break;
     }
     default: {
-      const unsigned which = from.next() % 5;
+      const unsigned which = from.next() % 6;
       if (which == 0)
         out.body = control::WithdrawRequest{from.one_of(kChannels)};
       else if (which == 1)
         out.body = control::ReinstateRequest{from.one_of(kChannels)};
       else if (which == 4)
         out.body = some_announcement(from);
+      else if (which == 5)
+        out.body = control::DelayRequest{.subject = from.next(),
+                                         .publisher = from.one_of(kChannels),
+                                         .from = from.one_of(kPlaces),
+                                         .to = from.one_of(kPlaces),
+                                         .late = from.next(),
+                                         .longest_ns = from.next()};
       else
         out.body = control::GateRequest{from.one_of(kPlaces)};
     }

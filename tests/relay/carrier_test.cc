@@ -156,6 +156,33 @@ TEST_F(CarrierTest, WhatStaysKeepsItsCounters) {
   EXPECT_EQ(counters().size(), 2U);
 }
 
+TEST_F(CarrierTest, WhatWasLateIsTakenOnceInAPause) {
+  carrier_.set_all({transfer(1, 10, 20), transfer(2, 10, 20)});
+  std::vector<std::string> taken;
+  const auto take = [&](std::uint64_t now) {
+    taken.clear();
+    carrier_.take_delays(now, 100, [&](const Transfer& t, const Delay& delay) {
+      taken.push_back(t.channel + ": " + std::to_string(delay.late) + ", " +
+                      std::to_string(delay.longest_ns));
+    });
+    return taken;
+  };
+  come(10, 1, "in time");
+  EXPECT_TRUE(take(1000).empty());
+  world_.now += 700;
+  come(10, 1, "late");
+  world_.now -= 100;
+  come(10, 1, "late");
+  EXPECT_EQ(take(1000), std::vector<std::string>{"c1: 2, 700"});
+  EXPECT_TRUE(take(1200).empty()) << "nothing was late since then";
+  come(10, 1, "late");
+  EXPECT_EQ(take(1200), std::vector<std::string>{"c1: 1, 600"});
+  come(10, 1, "late");
+  come(10, 2, "late");
+  EXPECT_EQ(take(1299), std::vector<std::string>{"c2: 1, 600"});
+  EXPECT_EQ(take(1300), std::vector<std::string>{"c1: 1, 600"});
+}
+
 TEST_F(CarrierTest, NothingGoesBackToWhereItCameFrom) {
   carrier_.set_all({transfer(1, 10, 10)});
   EXPECT_EQ(carrier_.transfers(), 0U);

@@ -75,7 +75,8 @@ _mlccactl() {
 		;;
 	--kind)
 		mapfile -t COMPREPLY < <(compgen -W "started stopped granted refused withdrawn switched
-			released dropping excess missing restored interface mode reload lapsed binding trouble" -- "$cur")
+			released reinstated dropping excess missing restored late interface mode reload lapsed drift bypass
+			binding trouble" -- "$cur")
 		return
 		;;
 	--by)

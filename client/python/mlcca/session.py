@@ -25,7 +25,7 @@ UNITS = {"Latency": "ns", "Jitter": "ns", "Deadline": "ns", "Period": "ns", "Ban
 NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000}
 
 HAPPENED = {"excess": Cause.POLICED, "dropping": Cause.DROPPED, "missing": Cause.MISSING, "restored": Cause.RESTORED,
-            "lapsed": Cause.GATES_CLOSED, "stopped": Cause.GATES_CLOSED, "mode": Cause.MODE}
+            "late": Cause.LATE, "lapsed": Cause.GATES_CLOSED, "stopped": Cause.GATES_CLOSED, "mode": Cause.MODE}
 # What is decided may be otherwise: it is asked for.
 VERDICT = {"granted", "refused", "withdrawn", "released", "switched", "reinstated", "reload", "lagged", "local",
            "binding"}

@@ -29,6 +29,7 @@ class Cause(enum.Enum):
     DROPPED = "dropped"            # the gate dropped frames of the channel
     MISSING = "missing"            # nothing has come for longer than a subscriber's Omission allows
     RESTORED = "restored"          # events come again
+    LATE = "late"                  # events took longer in mlcca-relay than the gateway states
     GATES_CLOSED = "gates closed"  # the kernel closed all gates for a while, or the daemon ends
     MODE = "mode"                  # enforce or audit
     LAGGED = "lagged"              # exceptions were lost: this program took them too slowly

@@ -28,6 +28,7 @@ constexpr std::tuple kTable{
     Row{Privilege::anyone, Trace::none, monitor},
     Row{Privilege::anyone, Trace::none, routes},
     Row{Privilege::anyone, Trace::none, transfers},
+    Row{Privilege::anyone, Trace::none, delay},
     Row{Privilege::anyone, Trace::none, reservations},
     Row{Privilege::anyone, Trace::none, what_if},
     Row{Privilege::anyone, Trace::none, history},

@@ -82,6 +82,7 @@ enum class Cause : std::uint8_t {
   dropped,       ///< the gate dropped frames of the channel
   missing,       ///< nothing has come for longer than a subscriber's Omission allows
   restored,      ///< events come again
+  late,          ///< events took longer in mlcca-relay than the gateway states
   gates_closed,  ///< the kernel closed all gates for a while, or the daemon ends and closes them
   mode,          ///< enforce or audit
   lagged,        ///< exceptions were lost: this program called process() too seldom

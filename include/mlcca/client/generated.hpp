@@ -52,6 +52,7 @@ void call_handler(const Exception& exception) {
     case Cause::policed:
     case Cause::dropped:
     case Cause::missing:
+    case Cause::late:
       Spec::exception(Why::violated);
       break;
     default:

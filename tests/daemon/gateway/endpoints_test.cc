@@ -181,6 +181,43 @@ TEST_F(Endpoints, ADeliveryThatTheRelayDoesNotCarryIsInTrouble) {
   EXPECT_EQ(troubles(), missing);
 }
 
+TEST_F(Endpoints, WhatTheRelayCarriesTooLateIsAnExceptionAndATrouble) {
+  core::System system = small_system();
+  system.publishers[0].place = kEthernet;
+  system.gateways[0].provision.set(Attribute::latency, 2 * kMs);
+  start(std::move(system));
+  const serve::Peer relay{.pid = 7, .uid = 990, .session = 6};
+  const Transfer carried = transfers({"", {}}).at(0);
+  control::DelayRequest delay{.subject = carried.subject,
+                              .publisher = carried.publisher,
+                              .from = carried.from.network,
+                              .to = carried.to.network,
+                              .late = 4,
+                              .longest_ns = 9'800'000};
+  const auto ask = [&](const serve::Peer& peer) { return bench_->ask(delay, peer).reply.body; };
+  const auto says = [](const auto& body) { return std::get<control::Done>(body).message; };
+  EXPECT_EQ(std::get<control::Error>(ask(relay)).kind, control::ErrorKind::forbidden)
+      << "it has not asked what it is to carry";
+  bench_->ask(control::TransfersRequest{"", 990}, relay);
+  EXPECT_EQ(std::get<control::Error>(ask({.pid = 7, .uid = kUser, .session = 6})).kind,
+            control::ErrorKind::forbidden);
+  EXPECT_NE(says(ask(relay)).find("4 events from"), std::string::npos);
+  const auto troubles = [this] {
+    const auto answer = bench_->ask(control::ExplainRequest{"c0"});
+    return std::get<control::Channels>(answer.reply.body).channels.at(0).troubles;
+  };
+  EXPECT_EQ(troubles(), std::vector<std::string>{
+                            "the program that carries it to can1 took up to 9.8 ms, longer than "
+                            "the gateway states, for 4 events"});
+  EXPECT_EQ(says(ask(relay)), "too soon after the last report");
+  delay.publisher = "another";
+  EXPECT_EQ(says(ask(relay)), "nothing that is granted is late");
+  delay.subject = 99;
+  EXPECT_TRUE(std::holds_alternative<control::Error>(ask(relay)));
+  bench_->clock.monotonic += 60 * 1'000 * kMs;
+  EXPECT_TRUE(troubles().empty()) << "it counts for a minute";
+}
+
 TEST_F(Endpoints, WhatTheKernelCarriesIsNoTransfer) {
   start(small_system());
   ASSERT_TRUE(bench_->state().decisions()[0].verdicts.at(0).granted);
