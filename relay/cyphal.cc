@@ -54,6 +54,9 @@ std::uint16_t crc(Octets octets, std::uint16_t begun) {
 // --- frames of an event --------------------------------------------------------------------------
 
 Result<std::vector<Event>> frames_of(Octets event, std::size_t frame_octets, std::uint8_t number) {
+  if (frame_octets < kTail || (frame_octets < kShort && event.size() + kTail > frame_octets))
+    return fail("frames of " + std::to_string(frame_octets) + " octets carry no event of " +
+                std::to_string(event.size()));
   const std::size_t chunk = frame_octets - kTail;
   number &= kNumbers;
   if (event.size() <= chunk) {

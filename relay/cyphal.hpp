@@ -30,8 +30,9 @@ inline constexpr std::uint8_t kNumbers = 0x1f;  ///< of transfers: these bits
 /// Polynomial 0x1021, begun with 0xffff; of the octets of "123456789" it is 0x29b1.
 [[nodiscard]] std::uint16_t crc(Octets octets, std::uint16_t begun = 0xffff);
 
-/// The frames of an event, each with its tail octet. `frame_octets`: 8, or more where frames are of
-/// CAN FD. Error: the event needs more than kMostFrames.
+/// The frames of an event, each with its tail octet. `frame_octets`: 8, more where frames are of
+/// CAN FD, or less where events are so short. Error: the event is longer than a frame of less than
+/// 8 octets carries, or needs more than kMostFrames.
 [[nodiscard]] Result<std::vector<Event>> frames_of(Octets event, std::size_t frame_octets,
                                                    std::uint8_t number);
 

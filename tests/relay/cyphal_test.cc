@@ -98,6 +98,14 @@ TEST_F(CyphalTest, ItHasAtMost4096Frames) {
   EXPECT_FALSE(frames_of(counting(4096 * 7 - 1), 8, 0));
 }
 
+TEST_F(CyphalTest, FramesThatAreShorterThanOneOfCanCarryAnEventEach) {
+  EXPECT_EQ(hex(frames_of(counting(2), 3, 0).value()), "0001e0 ");
+  EXPECT_FALSE(frames_of(counting(3), 3, 0));
+  EXPECT_TRUE(frames_of({}, 1, 0));
+  EXPECT_FALSE(frames_of(counting(1), 1, 0));
+  EXPECT_FALSE(frames_of({}, 0, 0));
+}
+
 TEST_F(CyphalTest, AFrameThatIsRepeatedIsTakenOnce) {
   auto four = frames(22, 3);
   ASSERT_EQ(four.size(), 4U);
