@@ -459,7 +459,11 @@
         <xsl:with-param name="row" select="$row"/>
       </xsl:call-template>
     </xsl:variable>
-    <xsl:if test="$open and string($computed)">
+    <!-- What is stated of a bus with a bit rate can be refuted by the response times on it, and FD frames
+         need the bit rate of their data. -->
+    <xsl:variable name="on-time" select="$row/@name = 'Deadline' or $row/@name = 'Latency'"/>
+    <xsl:variable name="timed" select="$hop/self::Network[Profile and (Bus/@bitrate or $binding[@format = 'fd'])]"/>
+    <xsl:if test="$open and (string($computed) or ($on-time and $timed))">
       <xsl:call-template name="undecided">
         <xsl:with-param name="publisher" select="$publisher"/>
         <xsl:with-param name="subscriber" select="$subscriber"/>

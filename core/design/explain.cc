@@ -62,6 +62,20 @@ bool is_about_medium(const Row& row) {
   return row.against == Against::schedule || row.against == Against::medium_time;
 }
 
+/// Where a network states a bandwidth and its links are known, only the tighter of both limits is
+/// said: a reader needs one number.
+bool has_tighter(const Verdict& v, const Row& row) {
+  const auto is_limit = [](const Row& one) {
+    return (one.against == Against::capacity || one.against == Against::medium_time) &&
+           one.comparison.attribute == Attribute::bandwidth && is_unfit(one);
+  };
+  return is_limit(row) && std::ranges::any_of(v.rows, [&](const Row& other) {
+           return other.place == row.place && is_limit(other) &&
+                  (other.comparison.provided < row.comparison.provided ||
+                   (other.comparison.provided == row.comparison.provided && &other < &row));
+         });
+}
+
 /// "robot-can, bridge, second-can"
 std::string way_of(const System& system, const Route& route) {
   std::string text;
@@ -199,7 +213,7 @@ void Explainer::add(const Verdict& v) {
   if (v.obstacle != Obstacle::none && id_of(v.obstacle) != FindingId::no_traffic) return;
   for (const std::size_t subscriber : v.subscribers) add_pair(v, subscriber);
   for (const Row& row : v.rows) {
-    if (!is_unfit(row)) continue;
+    if (!is_unfit(row) || has_tighter(v, row)) continue;
     if (row.against == Against::capacity) add_capacity(v, row);
     if (row.against == Against::overhearing) add_row(v, row, kNone);
     if (is_about_medium(row)) add_medium(v, row);

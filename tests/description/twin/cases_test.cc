@@ -129,6 +129,37 @@ TEST(Twin, SaysWhatItDoesNotDecideWhereNothingElseIsFound) {
                 "1 findings\n");
 }
 
+TEST(Twin, SaysThatResponseTimesCanRefuteWhatIsStatedOfABus) {
+  const auto note = [](const std::string& publisher) {
+    return "note MLCCA034: publisher " + publisher +
+           ", subscriber s, hop b, attribute Deadline: required 1000000 ns, provided what is "
+           "computed: not decided here, left to mlccactl check\n";
+  };
+  const auto bus = [](const std::string& rates, const std::string& format) {
+    const auto attribute = [](const std::string& name, const std::string& value) {
+      return "<Attribute><Name>" + name +
+             "</Name><Dimension><SIUnit><Seconds>1</Seconds></SIUnit><Magnitude>-6</Magnitude>"
+             "</Dimension><Value>" +
+             value + "</Value></Attribute>";
+    };
+    return "<System name='s'><EventChannel name='c'><SubjectUID>0x1</SubjectUID><Attributes>" +
+           attribute("Period", "1000") +
+           "</Attributes></EventChannel><Network name='b'>"
+           "<Kind>can</Kind><Profile>raw</Profile>" +
+           rates + "<Provision>" + attribute("Latency", "300") + attribute("Period", "1000") +
+           "</Provision><Binding channel='c'" + format +
+           "><Identifier form='standard'>0x10</Identifier></Binding></Network>"
+           "<Publisher name='p' channel='c' network='b'/>"
+           "<Subscriber name='s' channel='c' network='b'/></System>";
+  };
+  const Folder folder;
+  EXPECT_EQ(output_of(kCheck + folder.add("timed.xml", bus("<Bus bitrate='500000'/>", ""))),
+            note("p") + "0 findings\n");
+  EXPECT_EQ(output_of(kCheck + folder.add("fd.xml", bus("", " format='fd'"))),
+            note("p") + "0 findings\n");
+  EXPECT_EQ(output_of(kCheck + folder.add("virtual.xml", bus("", ""))), "0 findings\n");
+}
+
 TEST(Twin, WritesXmlOnDemand) {
   const std::string command =
       "xsltproc --nonet --stringparam format xml description/check.xsl "

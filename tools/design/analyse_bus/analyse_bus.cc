@@ -201,7 +201,9 @@ Exit run(const Options& options, bool json, Color color) {
   for (Bus& bus : read.buses) buses.push_back(analysed(std::move(bus), options.assign));
   const auto said = say(json ? write_json(buses) : write_text(buses, color));
   if (said != Exit::fine) return said;
-  return std::ranges::all_of(buses, &AnalysedBus::schedulable) ? Exit::fine : Exit::refused;
+  const bool all = std::ranges::all_of(
+      buses, [](const AnalysedBus& bus) { return bus.schedulable && refused_by_check(bus) == 0; });
+  return all ? Exit::fine : Exit::refused;
 }
 
 }  // namespace

@@ -136,6 +136,8 @@ std::string assumed_text(const AnalysedBus& analysed) {
   return text;
 }
 
+std::string messages(std::size_t n) { return n == 1 ? "1 message" : fmt::format("{} messages", n); }
+
 /// What the bus as a whole does, behind its load.
 std::string summary_of(const AnalysedBus& analysed) {
   const bool queue = has_short_queue(analysed);
@@ -144,6 +146,8 @@ std::string summary_of(const AnalysedBus& analysed) {
     text = "whether every deadline is met is not known";
   if (analysed.met_alone) text += " only while what is not counted is silent";
   if (queue) text += ", and frames can be lost in a queue that is too short";
+  if (const auto refused = refused_by_check(analysed); refused != 0)
+    text += fmt::format(", but mlccactl check refuses {}", messages(refused));
   return text;
 }
 
@@ -308,6 +312,13 @@ Json bus_json(const AnalysedBus& analysed) {
 }
 
 }  // namespace
+
+std::size_t refused_by_check(const AnalysedBus& analysed) {
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < analysed.responses.size(); ++i)
+    if (fate_of(analysed, i) == Fate::refused_by_check) ++n;
+  return n;
+}
 
 std::string write_text(const std::vector<AnalysedBus>& buses, Color color) {
   std::string text;

@@ -25,6 +25,9 @@ struct AnalysedBus {
   std::optional<std::vector<std::size_t>> order;  ///< highest priority first, if there is one
 };
 
+/// Messages that are in time here, and that check refuses for something that is no matter of time.
+[[nodiscard]] std::size_t refused_by_check(const AnalysedBus& analysed);
+
 std::string write_text(const std::vector<AnalysedBus>& buses, Color color);
 std::string write_json(const std::vector<AnalysedBus>& buses);
 

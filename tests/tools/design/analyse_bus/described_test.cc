@@ -49,6 +49,19 @@ std::string two_buses(const std::string& publisher_attributes, const std::string
       attribute("Deadline", time_value(30)) + "</Attributes></Subscriber>\n");
 }
 
+TEST_F(AnalyseBusTest, WhatCheckRefusesForSomethingElseIsNotFine) {
+  const auto traffic = attribute("Period", time_value(50)) + payload_of_7();
+  const auto fine = file("fine.xml", two_buses(traffic, "<Bus bitrate=\"250000\"/>"));
+  EXPECT_EQ(analyse(fine).status, 0);
+  const auto path = file("lossy.xml", two_buses(traffic + attribute("Omission", "<Value>2</Value>"),
+                                                "<Bus bitrate=\"250000\"/>"));
+  const auto refused = analyse(path);
+  EXPECT_EQ(refused.status, 1) << "no bus states an Omission";
+  EXPECT_NE(refused.out.find("every deadline is met, but mlccactl check refuses 1 message"),
+            std::string::npos)
+      << refused.out;
+}
+
 TEST_F(AnalyseBusTest, PublishersOfADescriptionAreAnalysedOnEachNetworkTheyCross) {
   const auto traffic = attribute("Period", time_value(50)) + payload_of_7();
   const auto path = file("two.xml", two_buses(traffic, "<Bus bitrate=\"250000\"/>"));

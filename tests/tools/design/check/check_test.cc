@@ -37,6 +37,37 @@ class ExitTest : public test::CheckTest {
   }
 };
 
+/// A mesh of one link of 11 Mbit/s that also states a bandwidth, and a stream that is too fast for
+/// both: the smaller one is said, and no other.
+TEST_F(ExitTest, AStreamThatIsTooFastForAMeshIsToldOneNumber) {
+  const auto bytes_a_second = [](const std::string& value) {
+    return "<Attribute><Name>Bandwidth</Name><Dimension><SIUnit><Bytes>1</Bytes><Seconds>-1</"
+           "Seconds>"
+           "</SIUnit></Dimension><Value>" +
+           value + "</Value></Attribute>";
+  };
+  for (const auto& [stated, id] :
+       {std::pair("697674", "MLCCA024"), std::pair("9000000", "MLCCA032")}) {
+    const auto path =
+        file("fast.xml",
+             system_of("<EventChannel name='v'><SubjectUID>0x1</SubjectUID><Attributes>" +
+                       bytes_a_second("9500000") +
+                       "</Attributes></EventChannel><Network name='air'><Kind>mesh</Kind><Mesh>"
+                       "<Node name='x' address='02:00:00:00:00:01'/>"
+                       "<Node name='y' address='02:00:00:00:00:02'/>"
+                       "<Link from='x' to='y' rate='11000000'/><Source kind='description'/></Mesh>"
+                       "<Provision>" +
+                       bytes_a_second(stated) +
+                       "</Provision></Network><Publisher name='p' channel='v' network='air'/>"
+                       "<Subscriber name='s' channel='v' network='air'/>"));
+    const auto found = Json::parse(test::run({"check", "--json", path}).out).at("findings");
+    std::vector<std::string> errors;
+    for (const auto& finding : found)
+      if (finding.at("severity") == "error") errors.push_back(finding.at("id"));
+    EXPECT_EQ(errors, std::vector<std::string>{id}) << found;
+  }
+}
+
 TEST_F(ExitTest, Is0WhereNothingIsFoundButNotes) {
   EXPECT_EQ(status_of({good()}), 0);
   EXPECT_EQ(status_of({noted()}), 0);
