@@ -49,8 +49,8 @@ struct Observed {
 ///   events come again, the latest 20 ms ago: not restored yet
 ///   40 frames came in from second-can and none left to robot-can
 ///   40 frames came in from second-can since the latest left to robot-can: nothing forwards them
-///   the program that carries it to lan took up to 9.8 ms, longer than the gateway states, for 4
-///   ... 12 frames on second-can name no known subject, the latest 124: does the publisher send ...
+///   12 frames on second-can name no known subject, the latest 124: does the publisher send ...
+///   the program that carries it to lan took up to 9.8 ms, longer than the gateway states, for ...
 [[nodiscard]] std::vector<std::string> troubles(const Observed& seen);
 
 /// That gates without pins may be left, because of `why`, an error that the system log has whole.

@@ -92,7 +92,7 @@ control::Health HealthReport::health(const std::vector<control::Interface>& inte
       lines.push_back(fmt::format("{}: {}", network.name, condition.problem));
   }
   for (const std::string& name : parts_.gates.undescribed())
-    lines.push_back(name + " is not described, or without a profile: its gate stays closed");
+    lines.push_back(undescribed_line(name));
   for (std::size_t n = 0; n < state.system().networks.size(); ++n)
     if (const std::string problem = core::relay_problem(state.system(), n, parts_.scene.self);
         !problem.empty())

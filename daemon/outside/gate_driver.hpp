@@ -22,6 +22,11 @@
 
 namespace mlcca {
 
+/// What the log and the health say of an interface that GateDriver::undescribed() names.
+[[nodiscard]] inline std::string undescribed_line(const std::string& interface) {
+  return interface + " is not described, or without a profile: its gate stays closed";
+}
+
 class GateDriver {
  public:
   GateDriver() = default;

@@ -91,7 +91,7 @@ void Ports::report_undescribed() {
   auto now = undescribed();
   for (const std::string& name : now)
     if (std::ranges::find(reported_undescribed_, name) == reported_undescribed_.end())
-      report_({}, name + " is not described, or without a profile: its gate stays closed", true);
+      report_({}, undescribed_line(name), true);
   reported_undescribed_ = std::move(now);
 }
 
