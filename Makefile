@@ -68,7 +68,8 @@ ALONE := $(wildcard core/profiles/*.cc daemon/net/sources/*.cc) core/can/wire.cc
 	daemon/gateway/quotas.cc daemon/net/pair.cc $(wildcard examples/applications/*.cc) \
 	$(addprefix description/,grammar.cc parser.cc read.cc rules.cc source.cc xml.cc) \
 	$(addprefix tools/design/,check/check.cc check/watch.cc describe/edit.cc describe/markup.cc generate.cc) \
-	$(addprefix tools/,render_reservations.cc render_routes.cc render_system.cc sources/olsr.cc values.cc words.cc)
+	$(wildcard tests/include/der/*.cc tests/description/grown/*.cc) tests/support/stretches.cc \
+	$(addprefix tools/,report.cc render_reservations.cc render_routes.cc render_system.cc sources/olsr.cc values.cc words.cc)
 # $(call objects_of,NAME,SOURCES)
 objects_of = $(if $(BUNDLE),$(foreach folder,$(sort $(dir $2)),$(call objects_of_folder,$1,$(folder),$(filter-out \
 	$(ALONE),$(call in_folder,$(folder),$2)))) $(patsubst %.cc,$O/%.o,$(filter $(ALONE),$2)),$(patsubst %.cc,$O/%.o,$2))
@@ -87,22 +88,31 @@ $O/lib$1.a: $$($1_objects)
 endef
 
 # $(call program,FILE,SOURCES,ARCHIVES,LIBS)
-define program
-$(notdir $1)_objects := $$(patsubst %.cc,$O/%.o,$2)
+program = $(call linked,$1,$(2:%.cc=$O/%.o),$3,$4)
+define linked
+$(notdir $1)_objects := $2
 OBJECTS += $$($(notdir $1)_objects)
 $O/$1: $$($(notdir $1)_objects) $3
 	$$(call say,LINK,$$@)
 	$$(Q)mkdir -p $$(@D) && $$(CXX) $$(LDFLAGS) -o $$@ $$($(notdir $1)_objects) $3 $4
 endef
 
+# Tests are bundled by program (tests/module.mk). NAME_bundles is of $O/bundle/tests.mk, which is made of
+# NAME_bundled.
+test_objects = $(if $(and $(TEST_BUNDLES),$(word 2,$2)),$(patsubst %,$O/bundle/tests/$1/%.o,$($1_bundles))$(patsubst \
+	%.cc, $O/%.o,$(filter-out $($1_bundled),$2)),$(2:%.cc=$O/%.o))
+
+bundled_test = $(if $(word 2,$2),$(eval $1_bundled := $(filter-out $(ALONE),$(filter tests/%,$2)))$(eval BUNDLED_TESTS += $1))
 # $(call unit_test,NAME,SOURCES,ARCHIVES,LIBS): needs no privileges. kernel_test: needs root.
 define unit_test
-$(call program,tests/$1,$2,$3,$4 -lgtest_main -lgtest -lpthread)
+$(call bundled_test,$1,$2)
+$(call linked,tests/$1,$(call test_objects,$1,$2),$3,$4 -lgtest_main -lgtest -lpthread)
 UNIT_TESTS += $O/tests/$1
 $(call sanitized_test,$1,$2,$3,$4)
 endef
 define kernel_test
-$(call program,tests/$1,$2,$3,$4 -lgtest_main -lgtest -lpthread)
+$(call bundled_test,$1,$2)
+$(call linked,tests/$1,$(call test_objects,$1,$2),$3,$4 -lgtest_main -lgtest -lpthread)
 KERNEL_TESTS += $O/tests/$1
 $(call sanitized_test,$1,$2,$3,$4)
 endef
@@ -119,7 +129,7 @@ endef
 include deps.mk
 include core/module.mk description/module.mk proto/module.mk control/module.mk client/module.mk relay/module.mk bpf/module.mk
 include daemon/module.mk tools/module.mk include/module.mk systemd/module.mk tests/module.mk
-include examples/module.mk docs/module.mk
+include examples/module.mk docs/module.mk cockpit/module.mk
 
 all: $(PROGRAMS) ## build mlccad, mlccactl and the gate
 
@@ -145,7 +155,7 @@ test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 
 test-all:
 	$(Q)$(MAKE) all check-layers check-format cppcheck tidy check-mcu
-	$(Q)$(MAKE) FUZZ_OPT=-O0 check-node check-fuzz check-work check-sanitized check-plain check-docs check-fault check-memory check-torn check-neighbour check-quotas check-client
+	$(Q)$(MAKE) FUZZ_OPT=-O0 check-node check-fuzz check-work check-sanitized check-plain check-docs check-fault check-memory check-torn check-neighbour check-quotas check-client check-exporter check-cockpit
 	$(Q)$(MAKE) check-harness check-guest
 
 lint: check-layers check-format cppcheck tidy ## layering, clang-format-19, cppcheck and clang-tidy-19
@@ -172,7 +182,8 @@ cppcheck: ## defects that cppcheck finds without the headers of libraries
 # tenths of its time. So it takes a part of the tree as one file, which includes the files of the part; of
 # ALONE it takes one file of each folder. One stamp a bundle: what did not change is not checked again.
 TIDY_PARTS := core control client relay/famouso relay description daemon/gateway daemon/net/sources daemon tools/awds \
-	tools/design/generate tools/design tools/doctor tools/readback tools/sources tools
+	tools/design/generate tools/design/import tools/design/export tools/design tools/doctor tools/readback tools/sources \
+	tools/learn tools/exporter tools/report tools
 ifneq ($(filter tidy lint analyse,$(MAKECMDGOALS)),)
 tidy_rest := $(filter-out tests/% include/% bpf/%,$(shell git ls-files '*.cc'))
 tidy_alone := $(filter-out daemon/net/sources/%,$(filter $(ALONE),$(tidy_rest)))
@@ -194,7 +205,7 @@ endif
 TIDY_CPPFLAGS = $(STD) $(CPPFLAGS) $(XML_CFLAGS) $(NL_CFLAGS)
 comma := ,
 tidy_run = $(CLANG_TIDY) --quiet --checks='$1' $(TIDY_FLAGS) $< -- $2 $(TIDY_CPPFLAGS) 2>$@.log || { cat $@.log; exit 1; }
-$O/tidy/%.ok: $O/tidy/%.cc .clang-tidy | $(BPF_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES)
+$O/tidy/%.ok: $O/tidy/%.cc .clang-tidy | $(BPF_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES) $O/gen/report_page.inc
 	$(call say,TIDY,$* ($(words $(filter-out %include,$(shell cat $<))) files))
 	$(Q)$(call tidy_run,-clang-analyzer-*$(comma)-misc-unused-using-decls$(TIDY_OFF))
 	$(Q)$(CXX) $(TIDY_CPPFLAGS) -MM -MP -MT $@ -MF $(@:.ok=.d) $<
@@ -211,6 +222,7 @@ analyse: $(TIDY_STAMPS:.ok=.analysed) ## the static analyzer of clang: half an h
 bench: ensure-deps ## ratios against named peers in the same run (root)
 	$(Q)$(MAKE) run-bench
 	$(Q)$(MAKE) run-bench-frames
+	$(Q)$(MAKE) run-bench-relay
 
 install: all $(INSTALL) ## install below $(DESTDIR)$(PREFIX); units and rules where the system looks for them
 

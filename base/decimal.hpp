@@ -56,6 +56,17 @@ class Decimal {
     return out;
   }
 
+  /// Times 10^power, exactly.
+  [[nodiscard]] Decimal times_power(int power) const {
+    Decimal out = *this;
+    if (digits_.empty()) return out;
+    const auto decimals = static_cast<std::ptrdiff_t>(decimals_) - power;
+    if (decimals < 0) out.digits_.append(static_cast<std::size_t>(-decimals), '0');
+    out.decimals_ = static_cast<std::size_t>(std::max<std::ptrdiff_t>(decimals, 0));
+    out.shorten();
+    return out;
+  }
+
   /// Times 10^power as an integer, rounded once. Nothing where it is not below 2^64 - 1, which
   /// stands for "no bound".
   [[nodiscard]] std::optional<std::uint64_t> scaled(int power, bool up) const {

@@ -9,6 +9,16 @@
 
 namespace mlcca {
 
+/// Frames that were dropped lately, and in how many seconds until now; 0 frames: none.
+struct RecentDrops {
+  std::uint64_t frames = 0;
+  std::int64_t seconds = 0;
+  bool operator==(const RecentDrops&) const = default;
+};
+
+/// What happened less than this time ago is recent, s: as often as a monitoring system asks.
+inline constexpr std::int64_t kRecent = 300;
+
 /// Remembers counters by key. Times are in seconds of any steady clock.
 template <class Key>
 class DropWatch {
@@ -17,8 +27,6 @@ class DropWatch {
   static constexpr std::int64_t kRepeat = 60;
   /// A difference of counters that are read while CPUs count may be behind by one for each.
   static constexpr std::uint64_t kBehind = 1024;
-  /// What was dropped less than this time ago is recent: as often as a monitoring system asks.
-  static constexpr std::int64_t kRecent = 300;
 
   /// Frames dropped since the last mention, if they are to be mentioned now. In the first round a
   /// counter is only remembered: what a former daemon counted is not reported again. Later a
@@ -29,9 +37,11 @@ class DropWatch {
     Seen& seen = it->second;
     if (!fresh && is_gone(seen)) seen = {};
     seen.round = round_;
+    if (fresh) seen.sampled = now;
     if (fresh && first_) seen.mentioned = seen.counted = dropped;
     if (dropped == 0 || dropped + kBehind < seen.mentioned) restart(seen);
     follow(seen, dropped, now);
+    seen.sampled = now;
     if (dropped <= seen.mentioned || (seen.ever && now - seen.at < kRepeat)) return std::nullopt;
     const std::uint64_t since = dropped - seen.mentioned;
     seen.mentioned = dropped;
@@ -41,12 +51,23 @@ class DropWatch {
   }
 
   /// Frames dropped since drops of this key began, if there was one in the last kRecent seconds as
-  /// far as sample() was given them; otherwise 0.
-  [[nodiscard]] std::uint64_t recent(const Key& key, std::int64_t now) const {
+  /// far as sample() was given them; otherwise none.
+  [[nodiscard]] RecentDrops recent(const Key& key, std::int64_t now) const {
     const auto known = seen_.find(key);
-    if (known == seen_.end() || is_gone(known->second)) return 0;
+    if (known == seen_.end() || is_gone(known->second)) return {};
     const Seen& seen = known->second;
-    return is_recent(seen, now) ? seen.counted - seen.began : 0;
+    if (!is_recent(seen, now)) return {};
+    return {seen.counted - seen.began, now - seen.none_until};
+  }
+
+  /// What drops mean changes now: those until now are not recent any more. How many of them were
+  /// not mentioned yet.
+  std::uint64_t close(const Key& key, std::uint64_t dropped, std::int64_t now) {
+    if (const auto known = seen_.find(key); known != seen_.end()) known->second.ever = false;
+    const auto since = sample(key, dropped, now);
+    Seen& seen = seen_.at(key);
+    seen.has_grown = seen.ever = false;
+    return since.value_or(0);
   }
 
   /// All counters have been sampled: a key that was not is gone.
@@ -86,9 +107,11 @@ class DropWatch {
     std::int64_t at = 0;
     bool ever = false;
     std::uint64_t round = 0;
-    std::uint64_t counted = 0;  ///< at the latest sample
-    std::uint64_t began = 0;    ///< counted when the drops that are recent began
-    std::int64_t grew = 0;      ///< when it was last found to be more
+    std::uint64_t counted = 0;    ///< at the latest sample
+    std::uint64_t began = 0;      ///< counted when the drops that are recent began
+    std::int64_t grew = 0;        ///< when it was last found to be more
+    std::int64_t sampled = 0;     ///< the latest sample
+    std::int64_t none_until = 0;  ///< the latest sample before the drops that are recent
     bool has_grown = false;
   };
   static constexpr std::size_t kTidied = 64;
@@ -102,7 +125,10 @@ class DropWatch {
   }
   static void follow(Seen& seen, std::uint64_t dropped, std::int64_t now) {
     if (dropped <= seen.counted) return;
-    if (!is_recent(seen, now)) seen.began = seen.counted;
+    if (!is_recent(seen, now)) {
+      seen.began = seen.counted;
+      seen.none_until = seen.sampled;
+    }
     seen.counted = dropped;
     seen.grew = now;
     seen.has_grown = true;

@@ -84,6 +84,9 @@ inline constexpr auto kAll = std::to_array<Unit>({
     {Measure::number, "events", 1},
 });
 
+/// Shares that have no unit: 0.01.
+inline constexpr auto kPlainShares = std::to_array<Unit>({{Measure::parts_per_billion, "", 1, 9}});
+
 /// Of long times, beside those above.
 inline constexpr auto kLongTimes = std::to_array<Unit>({
     {Measure::nanoseconds, "second", 1, 9},
@@ -111,6 +114,14 @@ inline constexpr auto kRadioRates = std::to_array<Unit>({
     {Measure::bits_per_second, "MByte/s", 8, 6},
     {Measure::bits_per_second, "GByte/s", 8, 9},
 });
+
+/// What an attribute measures whose unit in the attribute table (AttributeInfo::unit) is `base`.
+constexpr Measure measure_of(std::string_view base) {
+  if (base == "ns") return Measure::nanoseconds;
+  if (base == "bytes/s") return Measure::bytes_per_second;
+  if (base == "1e-9") return Measure::parts_per_billion;
+  return base == "bytes" ? Measure::bytes : Measure::number;
+}
 
 /// nullptr: there is none.
 constexpr const Unit* find(Measure measure, std::string_view name,

@@ -192,12 +192,15 @@ static inline __u64 ether_hash(__u64 seed, __u64 subject, __u32 direction)
 }
 
 /*
- * What a slot's frames come from: an IPv4 address, or ETHER_MAC and a MAC address. 0: a wildcard
+ * What a slot's frames come from: an IPv4 address, ETHER_MAC and a MAC address, or on 802.15.4
+ * ETHER_SHORT, PAN and short address or ETHER_EXTENDED and the extended address. 0: a wildcard
  * for who has no slot of that subject for himself. What is forwarded from one Ethernet-like
  * interface to another has one station in both slots, so that it is the publisher of its
  * gate_origin().
  */
-#define ETHER_MAC (1ULL << 48)
+#define ETHER_MAC      (1ULL << 48)
+#define ETHER_SHORT    (1ULL << 49)
+#define ETHER_EXTENDED (1ULL << 56) /* the bit of a group, which no station has in its address */
 
 static inline __u64 ether_station(const struct ether_slot *slot,
 				  const struct ether_contract *contract)

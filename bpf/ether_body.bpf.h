@@ -23,6 +23,8 @@ const volatile __u32 banks = 1;
 const volatile __u8 has_prefilter = false;
 /* Read packets by packet pointers; false where the verifier refuses unaligned loads. */
 const volatile __u8 direct_access = true;
+/* The interface is of IEEE 802.15.4. What a buffer says of its protocol is its sender's word. */
+const volatile __u8 is_wpan = false;
 #include "bpf/ether_maps.bpf.h"
 
 MAPPED_ARRAY(buckets, __u64);

@@ -25,6 +25,9 @@ struct gate_control control SEC(".data.control"); /* shared by all interfaces */
 /* Packets are read by a helper: that works on every machine, and is checked by the kernel soon. */
 #define direct_access false
 
+/* Set before loading: the interface is of IEEE 802.15.4. */
+const volatile __u8 is_wpan = false;
+
 #include "bpf/ether_parse.bpf.h"
 #include "bpf/ether_remember.bpf.h"
 

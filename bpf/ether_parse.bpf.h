@@ -242,6 +242,8 @@ static __always_inline enum nature parse_batman(const struct packet *p, __u32 at
 	return OPAQUE;
 }
 
+#include "bpf/ether_wpan.bpf.h"
+
 static __always_inline bool is_mesh(__be16 protocol)
 {
 	return protocol == bpf_htons(ETHER_P_AWDS) || protocol == bpf_htons(ETH_P_BATMAN);
@@ -258,10 +260,10 @@ static __always_inline void take_mac_at(const struct packet *p, __u32 at, struct
 		__builtin_memcpy(e->mac, &from, sizeof(from));
 }
 
-/* The sender of the frame, for reports; an AWDS packet states the station it is from. */
+/* The sender of the frame, for reports; AWDS packets and frames of 802.15.4 state a station. */
 static __always_inline void take_mac(const struct packet *p, struct event *e)
 {
-	if (!e->key.inside && !(e->station & ETHER_MAC))
+	if (!is_wpan && !e->key.inside && !(e->station & ETHER_MAC))
 		take_mac_at(p, 0, e);
 }
 
@@ -271,6 +273,8 @@ static __always_inline enum nature parse(const struct packet *p, struct event *e
 	enum nature nature;
 	__be16 protocol;
 
+	if (is_wpan)
+		return parse_wpan(p, e);
 	nature = parse_link(p, &at, &protocol);
 	if (nature != NOT_EVENT)
 		return nature;

@@ -10,8 +10,9 @@
 #include <linux/types.h>
 
 #include "bpf/gate_binding.h"
+#include "bpf/gate_transport.h"
 
-#define GATE_LAYOUT_VERSION 8
+#define GATE_LAYOUT_VERSION 9
 
 /* Our tc filters: this priority and handle belong to the gate, and nothing else is ever replaced.
  */
@@ -123,6 +124,11 @@ enum gate_mode {
 #define GATE_CLASSIC 1
 #define GATE_FD	     2
 #define GATE_XL	     8 /* identifier: the 11-bit priority */
+/*
+ * J1939: messages of 9 to max_len bytes as well, by the transport protocol. A frame alone has no
+ * more than its own format holds.
+ */
+#define GATE_TRANSPORT 16
 /* In the same bits: frames beyond the admitted traffic are counted, and pass. */
 #define GATE_EXCESS_PASSES 4
 
@@ -149,7 +155,7 @@ enum gate_reason {
 	GATE_R_ERROR_IN, /* not a drop: error frame let through at ingress */
 	GATE_R_EXCESS,	 /* admitted, but more than was admitted: see gate_slot */
 	GATE_R_FOREIGN,	 /* Ethernet, not a drop: no event traffic, left alone */
-	GATE_R_FRAGMENT, /* Ethernet: IP fragment whose first one was not admitted, or not seen */
+	GATE_R_FRAGMENT, /* part of a datagram or J1939 message whose first one was not admitted */
 	GATE_R_OPAQUE,	 /* Ethernet: may carry an event, and its subject cannot be seen */
 	GATE_REASONS = 16,
 };
@@ -173,7 +179,7 @@ enum gate_reason {
  */
 struct gate_slot {
 	__u8 verdict[2]; /* enum gate_verdict, in even and in odd generations */
-	__u16 max_len;	 /* payload bytes */
+	__u16 max_len;	 /* payload bytes, of a message with GATE_TRANSPORT */
 	__u32 id;
 	__u32 mask;
 	/* Egress: ifindex it must have entered by; 0: a local program; GATE_NO_SOURCE: the kernel
@@ -184,7 +190,7 @@ struct gate_slot {
 		__u32 uid;    /* otherwise: local sender's user, or GATE_ANY_UID */
 	};
 	__u16 next;   /* further slot of the same bucket; 0: none */
-	__u8 formats; /* GATE_CLASSIC | GATE_FD | GATE_XL */
+	__u8 formats; /* GATE_CLASSIC | GATE_FD | GATE_XL | GATE_TRANSPORT */
 	/* FAMOUSO: see gate_binding; nothing passes. Set by the program, cleared by user space. */
 	__u8 contradicted;
 	__u64 subject;
@@ -231,8 +237,8 @@ struct gate_audit {
 
 /*
  * One for each interface, one memory-mapped value. Written by user space, except for
- * `unknown_frames`, `last_reason`, the `due` of slots, what watches find and what audit mode
- * counts. A slot is a cache line.
+ * `unknown_frames`, `last_reason`, the `due` of slots, `sessions`, what watches find and what
+ * audit mode counts. A slot is a cache line.
  */
 struct gate_table {
 	__u32 layout_version;
@@ -262,6 +268,7 @@ struct gate_table {
 	struct gate_audit audit[GATE_SLOTS];
 	struct gate_binding bindings[GATE_BINDINGS];
 	struct gate_half halves[GATE_DIRECTIONS][GATE_ASKERS];
+	struct gate_session sessions[GATE_DIRECTIONS][GATE_TP_SOURCES]; /* by source address */
 };
 
 struct gate_count {
@@ -478,8 +485,9 @@ GATE_ASSERT(sizeof(struct gate_watch) == 256, "gate_watch is pinned layout");
 GATE_ASSERT(sizeof(struct gate_audit) == 16, "gate_audit is pinned layout");
 GATE_ASSERT(sizeof(struct gate_binding) == 40 && sizeof(struct gate_half) == 8,
 	    "gate_binding.h is pinned layout");
-GATE_ASSERT(sizeof(struct gate_table) ==
-		128 + (64 + 256) * 4096 + 4 * 18432 + 4096 + 256 + 16 * 4096 + 40 * 4096 + 8 * 512,
+GATE_ASSERT(sizeof(struct gate_session) == 16, "gate_transport.h is pinned layout");
+GATE_ASSERT(sizeof(struct gate_table) == 128 + (64 + 256) * 4096 + 4 * 18432 + 4096 + 256 +
+					     16 * 4096 + 40 * 4096 + 8 * 512 + 16 * 512,
 	    "gate_table is pinned layout");
 GATE_ASSERT(sizeof(struct gate_count) == 32, "gate_count is pinned layout");
 GATE_ASSERT(sizeof(struct gate_seen) == 24, "gate_seen is pinned layout");

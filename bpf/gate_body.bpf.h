@@ -37,6 +37,21 @@ struct {
 #include "bpf/gate_watch.bpf.h"
 #include "bpf/gate_tags.bpf.h"
 
+/* Whether the cost is within what was admitted, or counted only. False: to be dropped. */
+static __always_inline bool police(struct gate_cpu *cpu, __u32 at, __u64 cost, __u64 now)
+{
+	struct gate_slot *slot = &table.slots[at & (GATE_SLOTS - 1)];
+
+	if (!cost || take_turn(&slot->due, cost, READ_ONCE(slot->tolerance), now))
+		return true;
+	if (!(slot->formats & GATE_EXCESS_PASSES))
+		return false;
+	add(&cpu->slots[at & (GATE_SLOTS - 1)].excess, 1);
+	return true;
+}
+
+#include "bpf/gate_transport.bpf.h"
+
 /*
  * Polices, counts and watches a frame that its slot admits. One reading of the clock serves all of
  * it. False: more than was admitted, and to be dropped.
@@ -49,17 +64,27 @@ static __always_inline bool admit(struct gate_cpu *cpu, __u32 direction, __u32 a
 	__u64 cost = cost_of(READ_ONCE(slot->per_frame), READ_ONCE(slot->per_byte), frame->len),
 	      period = READ_ONCE(w->period), now = 0;
 
+	if (profile == GATE_PROFILE_J1939 && frame->transport)
+		return admit_transport(cpu, direction, at, frame);
 	if (cost || period)
 		now = bpf_ktime_get_ns();
-	if (cost && !take_turn(&slot->due, cost, READ_ONCE(slot->tolerance), now)) {
-		if (!(slot->formats & GATE_EXCESS_PASSES))
-			return false;
-		add(&cpu->slots[at & (GATE_SLOTS - 1)].excess, 1);
-	}
+	if (!police(cpu, at, cost, now))
+		return false;
 	count_pass(cpu, direction, at, frame);
 	if (period)
 		watch(w, period, now);
 	return true;
+}
+
+static __always_inline struct decision judge(struct __sk_buff *skb, __u32 direction,
+					     struct frame *frame)
+{
+	if (profile == GATE_PROFILE_J1939) {
+		frame->transport = TRANSPORT_NONE;
+		if (is_transport(frame))
+			return unpacked(judge_transport(skb, frame, direction));
+	}
+	return decide(skb, direction, frame);
 }
 
 SEC("tc")
@@ -89,7 +114,7 @@ int gate_ingress(struct __sk_buff *skb)
 	}
 
 	frame.source = GATE_NO_SOURCE;
-	d = decide(skb, GATE_INGRESS, &frame);
+	d = judge(skb, GATE_INGRESS, &frame);
 	if (is_reply(&frame))
 		heed_reply(skb, &frame, GATE_INGRESS, d.reason == GATE_R_PASSED);
 	if (d.reason != GATE_R_PASSED)
@@ -155,7 +180,7 @@ int gate_egress(struct __sk_buff *skb)
 		return heed_unless_dropped(skb, &frame,
 					   refuse_out(cpu, GATE_EGRESS, GATE_R_CLOSED, &frame));
 
-	d = decide(skb, GATE_EGRESS, &frame);
+	d = judge(skb, GATE_EGRESS, &frame);
 	if (d.reason != GATE_R_PASSED)
 		return heed_unless_dropped(skb, &frame, refuse_out(cpu, d.slot, d.reason, &frame));
 	if (!admit(cpu, GATE_EGRESS, d.slot, &frame))

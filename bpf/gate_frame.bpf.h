@@ -13,6 +13,10 @@ struct frame {
 	__u32 source;	  /* as source_of(); GATE_NO_SOURCE at ingress */
 	__u32 generation; /* of the verdicts that it is decided by */
 	__u32 read;	  /* sum of what was read for that: see moved_on() */
+	/* J1939, see gate_transport.bpf.h: set where `transport` is. */
+	__u32 transport; /* TRANSPORT_NONE unless it carries a part of a message that passes */
+	__u32 message;	 /* identifier of the message that it announces */
+	__u32 size;	 /* bytes of that message */
 };
 
 /* First words of struct can_frame and struct canfd_frame. */

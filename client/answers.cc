@@ -24,6 +24,7 @@ constexpr std::array kKinds{
     Named{"withdrawn", Meaning::withdrawn},
     Named{"released", Meaning::verdict},
     Named{"switched", Meaning::verdict},
+    Named{"rerouted", Meaning::verdict},
     Named{"reinstated", Meaning::verdict},
     Named{"reload", Meaning::verdict},
     Named{"lagged", Meaning::verdict},

@@ -6,21 +6,9 @@
 #include "base/number.hpp"
 #include "client/connection.hpp"
 #include "client/part.hpp"
+#include "control/attributes.hpp"
 
 namespace mlcca::client {
-namespace {
-
-std::vector<control::Attribute> attributes_of(const AttributeSet& set) {
-  std::vector<control::Attribute> out;
-  for (std::size_t i = 0; i < kAttributes; ++i)
-    if (const Attribute a = attribute_at(i); set.has(a))
-      out.push_back(
-          {.name = info(a).name, .value = set[a], .unit = info(a).unit, .dynamic = false});
-  return out;
-}
-
-}  // namespace
-
 const char* name_of(Cause cause) {
   switch (cause) {
     case Cause::granted:
@@ -118,7 +106,7 @@ Channel::Channel(Client& client, Role role, std::string channel, const Attribute
       .channel = std::move(channel),
       .role = role == Role::publisher ? control::Role::publisher : control::Role::subscriber,
       .name = std::move(name),
-      .attributes = attributes_of(stated)};
+      .attributes = control::attributes_of(stated)};
   part_->subject = prefixed_number_in<std::uint64_t>(part_->request.channel).value_or(0);
   part_->connection = client.connection_;
 }

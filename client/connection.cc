@@ -16,6 +16,7 @@
 #include <utility>
 #include <variant>
 
+#include "base/timer.hpp"
 #include "base/unix_address.hpp"
 #include "client/answers.hpp"
 #include "control/codec.hpp"
@@ -39,15 +40,6 @@ std::string text_of(int error) { return std::strerror(error); }  // NOLINT(concu
 bool add_to(const Fd& epoll, const Fd& fd, std::uint32_t events) {
   epoll_event event{.events = events, .data = {.fd = fd.get()}};
   return ::epoll_ctl(epoll.get(), EPOLL_CTL_ADD, fd.get(), &event) == 0;
-}
-
-void set_timer(const Fd& timer, milliseconds time) {
-  constexpr long in_a_second = 1000;
-  constexpr long in_a_milli = 1'000'000;
-  itimerspec at{};
-  at.it_value.tv_sec = time.count() / in_a_second;
-  at.it_value.tv_nsec = time.count() % in_a_second * in_a_milli;
-  ::timerfd_settime(timer.get(), 0, &at, nullptr);
 }
 
 int for_poll(milliseconds time) {
@@ -90,13 +82,13 @@ void Client::Connection::connect(Try why) {
     return;
   }
   socket_ = std::move(socket);
-  set_timer(timer_, milliseconds(0));
+  start_timer(timer_, milliseconds(0));
   for (const PartOf& part : parts()) ask(part);
   flush();
 }
 
 void Client::Connection::retry_later(Try after) {
-  set_timer(timer_, retry_);
+  start_timer(timer_, retry_);
   if (after == Try::planned) retry_ = std::min(retry_ * 2, options_.longest_retry);
 }
 

@@ -78,14 +78,28 @@ void Client::Data::leave_expired() {
   }
 }
 
-/// The interface is gone. Who followed it does so again when the daemon says that it is there.
-void Client::Data::close(std::uint32_t ifindex) {
-  layers_.erase(ifindex);
-  std::erase_if(following_, [&](const auto& one) {
+/// Its socket is of no use any more. Where the interface is there all the same, who followed it
+/// does so again; else when the daemon says that it is there.
+void Client::Data::renew(std::uint32_t ifindex) {
+  const auto known = layers_.find(ifindex);
+  if (known == layers_.end()) return;
+  closed_losses_ += known->second->losses().all();
+  layers_.erase(known);
+  std::vector<Following> former;
+  std::erase_if(following_, [&](auto& one) {
     if (one.second.endpoint.ifindex != ifindex) return false;
-    if (const auto part = one.second.part.lock()) part->endpoints.clear();
+    former.push_back(std::move(one.second));
     return true;
   });
+  for (Following& one : former) {
+    const auto part = one.part.lock();
+    if (!part) continue;
+    const auto layer = layer_of(one.endpoint);
+    if (layer && (*layer)->follow(++last_, one.endpoint, one.subject, LocalSocket::kMostBytes))
+      following_.emplace(last_, std::move(one));
+    else
+      part->endpoints.clear();
+  }
 }
 
 Result<void> Client::Data::use(const PartOf& part, const control::Reply& reply) {
@@ -138,7 +152,7 @@ Published Client::Data::publish(const Channel::Part& part, Octets event) {
     too_long = too_long || how == Sent::too_long;
     if (how == Sent::sent) ++sent;
     // Its interface has gone; it may be there again with the same number.
-    if (how == Sent::failed) close(endpoint.ifindex);
+    if (how == Sent::failed) renew(endpoint.ifindex);
   }
   if (sent == part.endpoints.size()) return Published::sent;
   if (sent != 0) return Published::partly;
@@ -175,7 +189,7 @@ bool Client::Data::receive(int fd) {
       std::ranges::find_if(layers_, [fd](const auto& one) { return one.second->fd() == fd; });
   if (found == layers_.end()) return false;
   if (!found->second->receive(kMostEvents, [this](const auto& arrival) { take(arrival); }))
-    close(found->first);
+    renew(found->first);
   return true;
 }
 
@@ -202,7 +216,7 @@ void Client::Data::call_handlers() {
 }
 
 std::uint64_t Client::Data::lost() const {
-  std::uint64_t all = 0;
+  std::uint64_t all = closed_losses_;
   for (const auto& [ifindex, layer] : layers_) all += layer->losses().all();
   return all;
 }

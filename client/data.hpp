@@ -43,7 +43,7 @@ class Client::Data {
   void call_handlers();
   /// A handler threw, and those behind it were not called yet.
   [[nodiscard]] bool has_waiting() const { return !arrived_.empty(); }
-  /// Of all interfaces.
+  /// Of all interfaces since it began.
   [[nodiscard]] std::uint64_t lost() const;
 
  private:
@@ -68,13 +68,14 @@ class Client::Data {
   Result<void> use_endpoints(const PartOf& part, std::vector<control::Endpoint> endpoints);
   void leave(const std::weak_ptr<Channel::Part>& part);
   void leave_expired();
-  void close(std::uint32_t ifindex);
+  void renew(std::uint32_t ifindex);
   void take_local(std::uint64_t subject, uid_t from, Octets event);
   void take(const relay::Layer::Arrival& arrival);
 
   const Fd& epoll_;
   std::optional<LocalSocket> local_;
   std::map<std::uint32_t, std::unique_ptr<relay::Layer>> layers_;  ///< by interface
+  std::uint64_t closed_losses_ = 0;  ///< of interfaces that were closed
   std::map<Follower, Following> following_;
   Follower last_ = 0;
   std::vector<std::weak_ptr<Channel::Part>> locals_;  ///< that receive from programs on the gateway

@@ -8,7 +8,7 @@ CLIENT_VERSION := $(shell sed -n 's/.*kVersion\[\] = "\(.*\)";/\1/p' control/ver
 CLIENT_ABI := $(basename $(CLIENT_VERSION))
 CLIENT_LIBRARY := $O/libmlcca.so.$(CLIENT_VERSION)
 # With what it has in common with the relay: the sockets that events go by.
-CLIENT_SOURCES := $(wildcard client/*.cc control/*.cc relay/layers/*.cc) relay/afp.cc relay/cyphal.cc
+CLIENT_SOURCES := $(wildcard client/*.cc control/*.cc relay/layers/*.cc) relay/afp.cc relay/cyphal.cc relay/j1939.cc
 CLIENT_OBJECTS := $(if $(BUNDLE),$(foreach folder,$(sort $(dir $(CLIENT_SOURCES))),$(call bundle,$O/bundle/pic/$(subst /,-,$(patsubst \
 	%/,%,$(folder))),$(call in_folder,$(folder),$(CLIENT_SOURCES)))),$(patsubst %.cc,$O/pic/%.o,$(CLIENT_SOURCES)))
 OBJECTS += $(CLIENT_OBJECTS)

@@ -59,6 +59,9 @@ void Channel::Part::note(Cause cause, std::string text, const control::Event* ev
     exception.publisher = event->publisher;
     exception.silent = std::chrono::nanoseconds(event->silent_ns);
     exception.missing_events = event->missing;
+    exception.frames = event->frames;
+    exception.late_events = event->late;
+    exception.longest = std::chrono::nanoseconds(event->longest_ns);
   }
   waiting.push_back(std::move(exception));
 }

@@ -121,6 +121,12 @@ class Slicer {
     fill(all.transfers, &Transfers::transfers);
     return std::move(out_);
   }
+  std::vector<Reply> operator()(Subscriptions& all) {
+    slice<Subscriptions>();
+    fill(all.networks, &Subscriptions::networks);
+    fill(all.onward, &Subscriptions::onward);
+    return std::move(out_);
+  }
   std::vector<Reply> operator()(WhatIf& all) {
     slice<WhatIf>().unchanged = all.unchanged;
     fill(all.outlooks, &WhatIf::outlooks);

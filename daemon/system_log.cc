@@ -29,6 +29,7 @@ constexpr std::array kKinds{
     KindInfo{"refused", "a761365c7d7649f79e98dc3442aa1d7a"},
     KindInfo{"withdrawn", "08b8e094cb174563a6171d269dba6874"},
     KindInfo{"switched", "349a04610aa34f5dbd79b55781cb57a0"},
+    KindInfo{"rerouted", "e7c1a84d52f043b6930d7be164a2f85c"},
     KindInfo{"released", "07140c11d56b4440bad6cc08ff7d96aa"},
     KindInfo{"reinstated", "5b0e3a1c97d24f6c8a40e2f17d9b6c33"},
     KindInfo{"dropping", "009adc297a61474d8ea0e3a17efa72f3"},
@@ -37,6 +38,7 @@ constexpr std::array kKinds{
     KindInfo{"restored", "c2d87e4195f34ab68e03b7d1a65cf928"},
     KindInfo{"late", "3c9b51e07a644f1d8e25d0b7f6a1984c"},
     KindInfo{"interface", "f1d09b13c2ac45a9b3d48dcf98334a4e"},
+    KindInfo{"gateway", "a94f0c6de27b4b1c9d35c1f08be6471e"},
     KindInfo{"mode", "8e4024714a6c4e21bebd3ea336faf49b"},
     KindInfo{"reload", "16600d2717154f5087c62d70858f4596"},
     KindInfo{"lapsed", "9e1ef985cd944886ba5ceea7d0859707"},
@@ -59,6 +61,7 @@ const char* verdict_of(Kind kind) {
   switch (kind) {
     case Kind::granted:
     case Kind::switched:
+    case Kind::rerouted:
       return "granted";
     case Kind::refused:
     case Kind::withdrawn:

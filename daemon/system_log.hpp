@@ -22,6 +22,7 @@ enum class Kind : std::uint8_t {
   refused,
   withdrawn,
   switched,
+  rerouted,  ///< a delivery that is granted takes another way
   released,
   reinstated,  ///< an operator takes it back that a channel was withdrawn
   dropping,
@@ -30,6 +31,7 @@ enum class Kind : std::uint8_t {
   restored,
   late,  ///< a program that carries events took longer than the gateway states
   interface,
+  gateway,  ///< another gateway has failed, or is back; or this one gives way to it
   mode,
   reload,
   lapsed,
@@ -62,6 +64,9 @@ struct Note {
   std::vector<std::uint64_t> admissions = {};  ///< run-time admissions that it concerns
   std::uint64_t silent_ns = 0;                 ///< of missing and restored: how long nothing came
   std::uint64_t missing = 0;                   ///< and how many events that are
+  std::uint64_t frames = 0;                    ///< of dropping and excess: since the last report
+  std::uint64_t late = 0;                      ///< of late: events since the last report
+  std::uint64_t longest_ns = 0;                ///< and the longest time of one of them
   std::optional<control::Actor> by = {};       ///< the client that asked for it
 };
 

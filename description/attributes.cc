@@ -11,6 +11,7 @@
 
 #include "base/decimal.hpp"
 #include "description/convert.hpp"
+#include "description/short_form.hpp"
 #include "description/suggest.hpp"
 
 namespace mlcca::description {
@@ -110,29 +111,46 @@ Dimension read_dimension(const Element* dimension) {
   return out;
 }
 
+Dimension inside(Attribute attribute) {
+  const auto& unit = unit_of(attribute);
+  return {.unit = unit.unit, .magnitude = -unit.scale};
+}
+
+std::string not_provided_words(std::string_view name) {
+  return fmt::format(
+      "{} is provided by no network and no gateway: it is held against the Latency; state that",
+      name);
+}
+
+std::string of_links_words(std::string_view name) {
+  return fmt::format(
+      "{} is not stated per hop: it follows from the links and packet-bytes of the Mesh", name);
+}
+
 std::expected<Value, std::string> to_value(Attribute attribute, std::string_view decimal,
-                                           const Dimension& dimension, Side side) {
+                                           const Dimension& dimension, Side side,
+                                           std::string_view written) {
   const auto& row = info(attribute);
   const auto& unit = unit_of(attribute);
+  const auto shown = [&] {
+    return written.empty() ? fmt::format("{} with Magnitude {}", decimal, dimension.magnitude)
+                           : std::string(written);
+  };
   if (side == Side::provision && row.composition == Composition::not_provided)
-    return std::unexpected(fmt::format(
-        "{} is provided by no network and no gateway: it is held against the Latency; state that",
-        row.name));
+    return std::unexpected(not_provided_words(row.name));
   if (dimension.unit != unit.unit)
     return std::unexpected(
         fmt::format("{} {}; here is {}", row.name, unit.right, dimension_words(dimension.unit)));
   const auto value = scaled(decimal, dimension.magnitude + unit.scale, rounds_up(side, row.better));
   if (!value)
-    return std::unexpected(fmt::format("{} {} with Magnitude {} is too large: at most {} {}",
-                                       row.name, decimal, dimension.magnitude, kUnbounded - 1,
-                                       row.unit));
+    return std::unexpected(fmt::format("{} {} is too large: at most {} {}", row.name, shown(),
+                                       kUnbounded - 1, row.unit));
   if (attribute == Attribute::packet_loss && *value > kCertainLoss)
-    return std::unexpected(fmt::format("{} {} with Magnitude {} is more than everything: at most 1",
-                                       row.name, decimal, dimension.magnitude));
+    return std::unexpected(
+        fmt::format("{} {} is more than everything: at most 1", row.name, shown()));
   const bool positive = attribute == Attribute::period || attribute == Attribute::deadline;
   if (positive && *value == 0)
-    return std::unexpected(fmt::format("{} must be at least 1 ns; {} with Magnitude {} is less",
-                                       row.name, decimal, dimension.magnitude));
+    return std::unexpected(fmt::format("{} must be at least 1 ns; {} is less", row.name, shown()));
   return *value;
 }
 
@@ -140,6 +158,16 @@ AttributeSet read_attributes(const Element& list, Side side, Problems& problems,
                              std::vector<UserValueDraft>& user) {
   AttributeSet set;
   const bool all_dynamic = is_true(list, "dynamic");
+  for (const auto& [key, text] : list.attributes) {
+    const auto attribute = with_short_name(key);
+    if (!attribute) continue;
+    const auto [decimal, dimension] = read_short(*attribute, text);
+    if (const auto result = to_value(*attribute, decimal, dimension, side, text))
+      set.set(*attribute, *result, all_dynamic);
+    else
+      problems.add(list.origin(), list.name, fmt::format("attribute {}: {}", key, result.error()),
+                   core::FindingId::not_in_schema);
+  }
   for (const auto& element : list.children) {
     const auto* name = element.child("Name");
     const auto* value = element.child("Value");

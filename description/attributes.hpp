@@ -29,6 +29,13 @@ struct Dimension {
   int magnitude = 0;  ///< power of ten, -30..30
 };
 
+/// The unit and magnitude of the attribute's integers: Seconds 1 and -9 of a Period.
+Dimension inside(Attribute attribute);
+
+/// Why no provision has it, and why no PerHop has it.
+std::string not_provided_words(std::string_view name);
+std::string of_links_words(std::string_view name);
+
 /// "s^-1 bytes"; empty for a plain number.
 std::string unit_words(const Unit& unit);
 
@@ -38,9 +45,10 @@ Dimension read_dimension(const Element* dimension);
 /// `decimal` (digits, optionally a point and more digits; at most 20 on each side) times
 /// 10^magnitude in the unit of the attribute's table row. The error says what would be right: wrong
 /// dimension, above 2^64 - 2 units, a loss above one, a Period or Deadline below 1 ns, a Deadline
-/// that is provided.
+/// that is provided. It shows the amount as `written`, or without that as Value and Magnitude.
 std::expected<Value, std::string> to_value(Attribute attribute, std::string_view decimal,
-                                           const Dimension& dimension, Side side);
+                                           const Dimension& dimension, Side side,
+                                           std::string_view written = {});
 
 /// A value whose attribute is not built in: what it means is known when the description has been
 /// read to its end.
@@ -52,8 +60,9 @@ struct UserValueDraft {
   core::Origin origin;
 };
 
-/// The list of an <Attributes> or <Provision> element: the built-in attributes, and into `user` the
-/// others. What is wrong, also an attribute that stands there twice, is reported and left out.
+/// The list of an <Attributes>, <Provision> or <PerHop> element, in either form: the built-in
+/// attributes, and into `user` the others. What is wrong, also an attribute that stands there
+/// twice, is reported and left out.
 AttributeSet read_attributes(const Element& list, Side side, Problems& problems,
                              std::vector<UserValueDraft>& user);
 

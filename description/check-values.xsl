@@ -11,7 +11,11 @@
   <xsl:variable name="none" select="substring($zeros, 1, 20)"/>
   <xsl:variable name="unbounded" select="'18446744073709551615'"/>
 
+  <!-- By what the name in the table is called in the form of the element: "period" as "Period". -->
   <xsl:key name="provided" match="Provision/Attribute" use="concat(generate-id(../..), ' ', normalize-space(Name))"/>
+  <xsl:key name="provided" match="Provision/@*[name() != 'dynamic']"
+           use="concat(generate-id(../..), ' ', translate(substring(name(), 1, 1), 'abcdefghijklmnopqrstuvwxyz', 'ABCDEFGHIJKLMNOPQRSTUVWXYZ'),
+                       substring(name(), 2))"/>
 
   <!-- ============================ what is stated ============================ -->
 
@@ -25,10 +29,14 @@
     <xsl:param name="set"/>
     <xsl:param name="row" select="."/>
     <xsl:param name="name" select="normalize-space($row/@name)"/>
+    <xsl:variable name="short" select="concat(translate(substring($name, 1, 1), 'ABCDEFGHIJKLMNOPQRSTUVWXYZ', 'abcdefghijklmnopqrstuvwxyz'), substring($name, 2))"/>
     <xsl:variable name="priority" select="number(translate($set/@priority, '+', ''))"/>
-    <xsl:variable name="of-set" select="$end/Attributes[number(translate(@priority, '+', '')) = $priority]/Attribute[normalize-space(Name) = $name]"/>
-    <xsl:variable name="of-all" select="$end/Attributes[not(@priority)]/Attribute[normalize-space(Name) = $name]"/>
-    <xsl:variable name="inherited" select="$set[$end/self::Subscriber or $name != 'Jitter']/Attribute[normalize-space(Name) = $name]"/>
+    <xsl:variable name="sets" select="$end/Attributes[number(translate(@priority, '+', '')) = $priority]"/>
+    <xsl:variable name="of-set" select="$sets/Attribute[normalize-space(Name) = $name] | $sets/@*[name() = $short and $row/self::t:attribute]"/>
+    <xsl:variable name="always" select="$end/Attributes[not(@priority)]"/>
+    <xsl:variable name="of-all" select="$always/Attribute[normalize-space(Name) = $name] | $always/@*[name() = $short and $row/self::t:attribute]"/>
+    <xsl:variable name="common" select="$set[$end/self::Subscriber or $name != 'Jitter']"/>
+    <xsl:variable name="inherited" select="$common/Attribute[normalize-space(Name) = $name] | $common/@*[name() = $short and $row/self::t:attribute]"/>
     <xsl:variable name="attribute" select="$of-set | $of-all[not($of-set)] | $inherited[not($of-set or $of-all)]"/>
     <xsl:choose>
       <xsl:when test="$attribute">
@@ -87,7 +95,7 @@
                                                      substring($name, 1, string-length($name) * ($name != 'Deadline')))"/>
     <xsl:variable name="stated" select="key('provided', concat(generate-id($hop), ' ', $held-against))"/>
     <xsl:variable name="for-good" select="$stated[not(normalize-space(@dynamic) = 'true' or normalize-space(@dynamic) = '1')]
-        [normalize-space(@dynamic) != '' or not(normalize-space(../@dynamic) = 'true' or normalize-space(../@dynamic) = '1')]"/>
+        [not(normalize-space(../@dynamic) = 'true' or normalize-space(../@dynamic) = '1')]"/>
     <xsl:variable name="on-a-bus" select="contains(' Latency Jitter Period MaxPayload ', concat(' ', $held-against, ' '))"/>
     <xsl:if test="$row/self::t:attribute and not($for-good) and
                   ($hop/self::Network[Mesh] or ($on-a-bus and $hop/self::Network[Bus/@bitrate and Profile]))">yes</xsl:if>
@@ -120,17 +128,22 @@
     </xsl:choose>
   </xsl:template>
 
-  <!-- An Attribute's value in the unit of its row: the point is moved, what is behind it is cut. -->
+  <!--
+    The value of an Attribute, or of an XML attribute with its unit, in the unit of its row: the point
+    is moved, what is behind it is cut.
+  -->
   <xsl:template name="whole">
     <xsl:param name="attribute"/>
     <xsl:param name="row"/>
     <xsl:param name="up"/>
+    <xsl:variable name="stated" select="normalize-space($attribute/Value | $attribute[not(self::*)])"/>
+    <xsl:variable name="unit" select="translate($stated, '0123456789.', '')"/>
     <!-- The second term is for "+3", which is no number to XPath; without a sign it is 0. -->
-    <xsl:variable name="magnitude" select="sum($attribute/Dimension/Magnitude[not(contains(., '+'))]) +
+    <xsl:variable name="magnitude" select="sum($units[@name = $unit]/@power) + sum($attribute/Dimension/Magnitude[not(contains(., '+'))]) +
                                            concat('0', normalize-space(substring-after($attribute/Dimension/Magnitude, '+')))"/>
     <xsl:variable name="resolution" select="sum($row/Dimension/Magnitude[not(contains(., '+'))]) +
                                             concat('0', normalize-space(substring-after($row/Dimension/Magnitude, '+')))"/>
-    <xsl:variable name="decimal" select="normalize-space($attribute/Value)"/>
+    <xsl:variable name="decimal" select="substring($stated, 1, string-length($stated) - string-length($unit))"/>
     <xsl:variable name="before" select="substring-before(concat($decimal, '.'), '.')"/>
     <xsl:variable name="digits" select="concat($before, substring-after($decimal, '.'))"/>
     <xsl:variable name="kept" select="string-length($before) + $magnitude - $resolution + sum($row/@scale)"/>

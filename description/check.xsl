@@ -25,6 +25,7 @@
     it against the schema, and "mlccactl check" knows the other rules. Names that lead nowhere
     (MLCCA005) and an xi:include that was not carried out (MLCCA001) are findings here all the same:
     what they hide would not be checked.
+  - An attribute may be an element or an XML attribute: period="50ms" is the Attribute Period.
   - Values are whole numbers of 20 digits in the unit of the table below, kept as strings: XSLT has
     only floating point, which would round them. They are cut or rounded up from the decimal as
     everywhere: a requirement towards harder, a provision towards worse.
@@ -55,7 +56,20 @@
   <t:attribute name="Omission" scale="0" unit="events" better="smaller"/>
   <t:attribute name="MaxPayload" scale="0" unit="bytes" better="larger" traffic="smaller" of-networks="yes"/>
 
+  <!-- Of XML attributes, as in system.xsd: powers of ten of the SI unit. -->
+  <t:unit name="s" power="0"/>
+  <t:unit name="ms" power="-3"/>
+  <t:unit name="us" power="-6"/>
+  <t:unit name="ns" power="-9"/>
+  <t:unit name="kB/s" power="3"/>
+  <t:unit name="MB/s" power="6"/>
+  <t:unit name="GB/s" power="9"/>
+  <t:unit name="%" power="-2"/>
+  <t:unit name="ppm" power="-6"/>
+  <t:unit name="ppb" power="-9"/>
+
   <xsl:variable name="table" select="document('')/xsl:stylesheet/t:attribute"/>
+  <xsl:variable name="units" select="document('')/xsl:stylesheet/t:unit"/>
   <xsl:variable name="user-attributes" select="/System/UserAttribute"/>
 
   <!-- By name, and by subject as 0x and 16 lower-case digits, which is also the default name. -->
@@ -307,6 +321,10 @@
         <xsl:value-of select="concat(normalize-space(), ' ')"/>
         <xsl:if test="normalize-space() = 'Period'">Deadline </xsl:if>
       </xsl:for-each>
+      <xsl:for-each select="($set | $publisher/Attributes | $subscriber/Attributes)/@*[name() != 'priority']">
+        <xsl:value-of select="concat(translate(substring(name(), 1, 1), 'abcdefghijklmnopqrstuvwxyz', 'ABCDEFGHIJKLMNOPQRSTUVWXYZ'), substring(name(), 2), ' ')"/>
+        <xsl:if test="name() = 'period'">Deadline </xsl:if>
+      </xsl:for-each>
     </xsl:variable>
     <!-- The rows of the table are in another document: there no key finds anything of this one. -->
     <xsl:for-each select="($table | $user-attributes)[contains($names, concat(' ', normalize-space(@name), ' '))]">
@@ -459,11 +477,23 @@
         <xsl:with-param name="row" select="$row"/>
       </xsl:call-template>
     </xsl:variable>
-    <!-- What is stated of a bus with a bit rate can be refuted by the response times on it, and FD frames
-         need the bit rate of their data. -->
+    <!-- What is stated of a bus with a bit rate can be refuted by the response times on it, and frames that
+         are or may be FD or XL need the bit rate of their data. -->
     <xsl:variable name="on-time" select="$row/@name = 'Deadline' or $row/@name = 'Latency'"/>
-    <xsl:variable name="timed" select="$hop/self::Network[Profile and (Bus/@bitrate or $binding[@format = 'fd'])]"/>
-    <xsl:if test="$open and (string($computed) or ($on-time and $timed))">
+    <xsl:variable name="timed" select="$hop/self::Network[Profile and (Bus/@bitrate or $binding[normalize-space(@format) != ''
+                                                            and normalize-space(@format) != 'classic'])]"/>
+    <!-- So can what is stated of a J1939 bus by the pauses between the frames of a message. -->
+    <xsl:variable name="paused">
+      <xsl:if test="($on-time or $row/@name = 'Jitter') and normalize-space($hop/Profile[1]) = 'j1939'">
+        <xsl:call-template name="is-fragmented">
+          <xsl:with-param name="set" select="$set"/>
+          <xsl:with-param name="publisher" select="$publisher"/>
+          <xsl:with-param name="hop" select="$hop"/>
+          <xsl:with-param name="binding" select="$binding"/>
+        </xsl:call-template>
+      </xsl:if>
+    </xsl:variable>
+    <xsl:if test="$open and (string($computed) or ($on-time and $timed) or string($paused))">
       <xsl:call-template name="undecided">
         <xsl:with-param name="publisher" select="$publisher"/>
         <xsl:with-param name="subscriber" select="$subscriber"/>
@@ -474,7 +504,7 @@
     </xsl:if>
     <xsl:variable name="composition" select="normalize-space($row/Composition)"/>
     <xsl:variable name="limits-by-statement-only" select="$row/@of-networks or $composition = 'maximum' or $composition = 'minimum'"/>
-    <xsl:if test="not($open) and not(string($computed)) and
+    <xsl:if test="not($open) and not(string($computed)) and not(string($paused)) and
                   (string($stated) or $hop/self::Network or not($limits-by-statement-only))">
       <xsl:variable name="unbounded-by-fragments">
         <xsl:if test="$row/@name = 'Omission' and string($stated) and $stated != $none">
@@ -505,14 +535,17 @@
   </xsl:template>
 
   <!-- Not empty if an event of the publisher is longer than a frame that FAMOUSO or Cyphal (which
-       needs a byte of it) puts it into. -->
+       needs a byte of it) puts it into, or J1939 what everybody gets in classic frames. -->
   <xsl:template name="is-fragmented">
     <xsl:param name="set"/>
     <xsl:param name="publisher"/>
     <xsl:param name="hop"/>
     <xsl:param name="binding"/>
     <xsl:variable name="profile" select="normalize-space($hop/Profile[1])"/>
-    <xsl:if test="($profile = 'famouso' or $profile = 'cyphal') and $binding">
+    <xsl:variable name="to" select="normalize-space($binding/PGN/@destination)"/>
+    <xsl:variable name="everybody" select="$to = '' or $to = '255' or $to = '0xff' or $to = '0xFF'"/>
+    <xsl:if test="$binding and ($profile = 'famouso' or $profile = 'cyphal' or
+                  ($profile = 'j1939' and $everybody and not($binding/@format != 'classic')))">
       <xsl:variable name="bytes">
         <xsl:call-template name="required-by">
           <xsl:with-param name="end" select="$publisher"/>

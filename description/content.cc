@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "description/short_form.hpp"
 #include "description/suggest.hpp"
 
 namespace mlcca::description {
@@ -90,10 +91,28 @@ std::string did_you_mean(std::string_view name, const Names& known) {
   return close.empty() ? "" : fmt::format("; did you mean {}?", close);
 }
 
+/// "Description"; of a choice "one of A, B", or "A, B in any order" where it is made several times.
+std::vector<std::string> words_of_steps(const ElementType& type) {
+  std::vector<std::string> out;
+  for (const Step& step : type.steps) {
+    Names names;
+    for (const auto& child : step.children) names.push_back(child.name);
+    const bool several = names.size() > 1;
+    out.push_back(fmt::format("{}{}{}", several && step.most == 1 ? "one of " : "",
+                              fmt::join(names, ", "),
+                              several && step.most != 1 ? " in any order" : ""));
+  }
+  return out;
+}
+
 std::string order_of(const ElementType& type, std::string_view element) {
   const auto names = names_of(type);
   if (type.steps.size() == 1 && names.size() > 1)
     return fmt::format("{} has one of {}", element, fmt::join(names, ", "));
+  const bool has_choice =
+      std::ranges::any_of(type.steps, [](const Step& step) { return step.children.size() > 1; });
+  if (has_choice && !type.any_order)
+    return fmt::format("{} has {}", element, fmt::join(words_of_steps(type), ", then "));
   return fmt::format("{} has {}{}", element, fmt::join(names, ", "),
                      type.steps.size() == 1 || type.any_order ? "" : ", in this order");
 }
@@ -169,11 +188,20 @@ std::string explain_incomplete(const ElementType& type, const Content& content) 
 std::string explain_key(const ElementType& type, std::string_view element, std::string_view key) {
   if (type.name == "Attribute" && key == "dynamic")
     return "attribute dynamic is only for a Provision: nothing else is a best case";
+  const bool is_list = list_named(type.name) != nullptr;
+  if (const auto attribute = with_short_name(key); attribute && is_list) {
+    const auto& row = info(*attribute);
+    if (row.composition == Composition::not_provided)
+      return fmt::format("attribute {}: {}", key, not_provided_words(row.name));
+    if (type.name == "PerHop")
+      return fmt::format("attribute {}: {}", key, of_links_words(row.name));
+  }
   if (type.keys.empty()) return fmt::format("attribute {} is not known: {} has none", key, element);
   Names names;
   for (const auto& k : type.keys) names.push_back(k.name);
-  return fmt::format("attribute {} is not known: {} has {}{}", key, element, fmt::join(names, ", "),
-                     did_you_mean(key, names));
+  return fmt::format("attribute {} is not known: {} has {}{}{}", key, element,
+                     fmt::join(names, ", "), did_you_mean(key, names),
+                     is_list ? "; a UserAttribute has a value in an element Attribute" : "");
 }
 
 }  // namespace mlcca::description

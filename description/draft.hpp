@@ -124,6 +124,8 @@ struct EndDraft {
   std::string channel;
   SeatDraft seat;
   std::uint32_t component = core::kNoComponent;  ///< index into Draft::components
+  std::string group;
+  std::string unit;
   std::vector<StatedDraft> own;
   core::Origin origin;
 };

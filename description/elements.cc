@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Elements that the schema has accepted, into the structs of the draft.
+#include <fmt/format.h>
+
 #include <cstdint>
 
 #include "core/model/text.hpp"
@@ -7,6 +9,7 @@
 #include "core/profiles/profile.hpp"
 #include "description/attributes.hpp"
 #include "description/convert.hpp"
+#include "description/decimals.hpp"
 #include "description/draft.hpp"
 #include "description/media.hpp"
 
@@ -99,12 +102,17 @@ class PartReader {
     if (const auto* mesh = e.child("Mesh")) out.mesh = read_mesh(*mesh, problems_);
     out.provision = provision(e);
     if (const auto* unlisted = e.child("Unlisted")) out.network.unlisted = policy(*unlisted);
+    if (const auto* some = e.child("Subscriptions"))
+      out.network.subscriptions = {
+          .accept = core::words::kSubscribings.or_first(some->valued("accept")),
+          .most = number_of<std::uint32_t>(*some, "most"),
+          .origin = some->origin()};
     for (const auto& child : e.children)
       if (child.name == "Binding") out.bindings.push_back(binding(child));
     return out;
   }
 
-  [[nodiscard]] static core::UnlistedPolicy policy(const Element& e) {
+  [[nodiscard]] core::UnlistedPolicy policy(const Element& e) const {
     core::UnlistedPolicy out;
     const auto allow = e.valued("allow");
     out.most = number_of<std::uint32_t>(e, "most");
@@ -114,6 +122,12 @@ class PartReader {
     const auto slash = allow.find('/');
     out.subject = number<core::Subject>(allow.substr(0, slash));
     out.bits = number<std::uint8_t>(allow.substr(slash + 1));
+    if (const core::Subject leading = out.leading(); leading != out.subject)
+      problems_.add(e.origin(), e.name,
+                    fmt::format("attribute allow: {} has bits behind its leading {}, which count "
+                                "for nothing: write 0x{:016x}/{}, or more bits",
+                                allow, out.bits, leading, out.bits),
+                    core::FindingId::rule);
     return out;
   }
 
@@ -147,6 +161,7 @@ class PartReader {
     GatewayDraft out;
     out.gateway.name = text_of(e, "name");
     out.gateway.host = text_of(e, "host");
+    out.gateway.presence = decimal_of(e, "presence", problems_);
     out.gateway.forwarder = core::words::kForwarders.or_first(e.valued("forward"));
     out.gateway.origin = e.origin();
     out.provision = provision(e);
@@ -201,6 +216,8 @@ class PartReader {
             .channel = text_of(e, "channel"),
             .seat = seat(e),
             .component = component,
+            .group = text_of(e, "group"),
+            .unit = text_of(e, "unit"),
             .own = sets(e),
             .origin = e.origin()};
   }

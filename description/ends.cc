@@ -82,6 +82,18 @@ class Ends {
   void place_components() {
     Index names("component");
     for (const auto& c : draft_.components) names.add(c.component.name);
+    // Where it is stated that a component sits there, and which node of a mesh it is.
+    using Where = std::pair<core::Origin, std::string_view>;
+    struct Stated {
+      Where place;
+      Where node;
+    };
+    std::vector<Stated> stated;
+    stated.reserve(draft_.components.size());
+    for (const auto& c : draft_.components) {
+      const Where own{c.component.origin, "Component"};
+      stated.push_back({own, own});
+    }
     for (auto& placement : draft_.placements) {
       const auto found = names.find(placement.component, placement.origin, "Placement", problems_);
       if (!found) continue;
@@ -91,15 +103,20 @@ class Ends {
             fmt::format("component {} already has its place: one is enough", placement.component));
         continue;
       }
+      const Where here{placement.origin, "Placement"};
+      stated[*found].place = here;
+      if (!placement.seat.mesh_node.empty()) stated[*found].node = here;
       inherit_sender(placement.seat, component.seat);
       if (placement.seat.mesh_node.empty()) placement.seat.mesh_node = component.seat.mesh_node;
       component.seat = std::move(placement.seat);
     }
-    for (auto& c : draft_.components) {
+    for (std::size_t i = 0; i < draft_.components.size(); ++i) {
+      auto& c = draft_.components[i];
+      const auto& [place, node] = stated[i];
       mesh_nodes_.emplace_back();
       places_.emplace_back();
       if (has_place(c.seat))
-        places_.back() = place_of(c.seat, c.component.origin, "Component");
+        places_.back() = place_of(c.seat, place.first, place.second);
       else
         say(FindingId::unplaced, c.component.origin, "Component",
             fmt::format("component {0} sits nowhere: add attribute network or gateway, or "
@@ -107,7 +124,7 @@ class Ends {
                         c.component.name));
       if (!places_.back()) continue;
       c.component.place = *places_.back();
-      mesh_nodes_.back() = mesh_node_of(c.seat, *places_.back(), c.component.origin, "Component");
+      mesh_nodes_.back() = mesh_node_of(c.seat, *places_.back(), node.first, node.second);
     }
   }
 
@@ -266,6 +283,7 @@ class Ends {
     out.channel = *channel;
     out.place = *place;
     out.uid = uid;
+    out.program_rule = program_rule_of(end, *place, "Publisher");
     out.mesh_node = mesh_node;
     out.station = station;
     out.component = end.component;
@@ -290,6 +308,7 @@ class Ends {
     out.place = *place;
     out.mesh_node = mesh_node;
     out.component = end.component;
+    out.program_rule = program_rule_of(end, *place, "Subscriber");
     out.origin = end.origin;
     set_attributes(out, end, std::identity{});
   }
@@ -348,17 +367,17 @@ class Ends {
         !to_.system.networks[place.index].carries_subjects()) {
       say(FindingId::wrong_place, end.origin, "Publisher",
           fmt::format(
-              "attribute address is for publishers on a network of kind udp-multicast or "
-              "mesh with {}: remove it",
+              "attribute address is for publishers on a network of kind udp-multicast, mesh or "
+              "ieee802154 with {}: remove it",
               core::for_profiles_with([](const auto& p) { return p.datagrams != nullptr; })));
       return {};
     }
-    const auto station = core::station_of(address);
+    const core::NetworkKind kind = to_.system.networks[place.index].kind;
+    const auto station = core::station_on(kind, address);
     if (!station)
       say(FindingId::wrong_place, end.origin, "Publisher",
-          fmt::format("attribute address: nobody sends from {}: state the IPv4 or MAC address of "
-                      "one station, such as 192.0.2.7",
-                      address));
+          fmt::format("attribute address: nobody sends from {}: state {}", address,
+                      core::station_words(kind)));
     return station.value_or(core::Station{});
   }
 
@@ -383,6 +402,37 @@ class Ends {
     say(uid.error().id, end.origin, "Publisher",
         fmt::format("attribute user: {}", uid.error().text));
     return std::nullopt;
+  }
+
+  /// Its number in the system.
+  std::uint32_t program_rule_of(const EndDraft& end, Place place, std::string_view element) {
+    if (end.group.empty() && end.unit.empty()) return core::kAnyProgram;
+    if (place.kind != Place::Kind::gateway) {
+      say(FindingId::wrong_place, end.origin, element,
+          fmt::format("attribute {} is for a program on a gateway: remove it",
+                      end.group.empty() ? "unit" : "group"));
+      return core::kAnyProgram;
+    }
+    core::ProgramRule rule{.gid = {}, .group = end.group, .unit = end.unit};
+    if (!end.unit.empty() && !end.unit.ends_with(".service") && !end.unit.ends_with(".scope"))
+      say(FindingId::wrong_place, end.origin, element,
+          fmt::format("attribute unit: {} runs no programs: name a unit such as camera.service",
+                      end.unit));
+    if (!end.group.empty()) {
+      const auto gid = users_of_ == Users::of_this_machine
+                           ? gid_of(end.group)
+                           : std::expected<std::uint32_t, NoUser>(0);  // nobody is asked for it
+      if (!gid)
+        say(gid.error().id, end.origin, element,
+            fmt::format("attribute group: {}", gid.error().text));
+      else
+        rule.gid = *gid;
+    }
+    auto& rules = to_.system.program_rules;
+    const auto known = std::ranges::find(rules, rule);
+    if (known != rules.end()) return static_cast<std::uint32_t>(known - rules.begin());
+    rules.push_back(std::move(rule));
+    return static_cast<std::uint32_t>(rules.size() - 1);
   }
 
   const std::expected<std::uint32_t, NoUser>& user_named(const std::string& user) {

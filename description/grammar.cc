@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/model/words.hpp"
+#include "description/short_form.hpp"
 
 namespace mlcca::description {
 
@@ -33,6 +34,15 @@ static_assert(are(type::kQueueing, words::kQueueings));
 static_assert(are(type::kRateKind, words::kRateKinds));
 static_assert(are(type::kRefused, words::kRefusals));
 static_assert(are(type::kSourceKind, words::kSourceKinds));
+/// Each built-in attribute has a short name.
+consteval bool has_every_short_name(const ElementType& list) {
+  return std::ranges::all_of(kAttributeTable, [&](const AttributeInfo& row) {
+    return std::ranges::any_of(list.keys,
+                               [&](const Key& key) { return is_short_of(key.name, row.name); });
+  });
+}
+static_assert(has_every_short_name(element::kAttributes));
+
 // A channel may also state none.
 static_assert(std::ranges::equal(type::kSafeSide.values,
                                  std::span(words::kSafeSides).subspan<1>()));

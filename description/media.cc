@@ -19,6 +19,7 @@
 #include "base/number.hpp"
 #include "core/model/words.hpp"
 #include "description/convert.hpp"
+#include "description/decimals.hpp"
 #include "description/suggest.hpp"
 #include "description/values.hpp"
 #include "mlcca/arithmetic.hpp"
@@ -29,30 +30,9 @@ namespace {
 using core::FindingId;
 using core::mesh::SourceKind;
 
-// --- decimals ------------------------------------------------------------------------------------
-
-/// What the scale makes of a decimal; nothing where there is none, or it is out of range.
-std::optional<Value> whole(std::string_view text, const Scale& scale) {
-  if (text.empty()) return std::nullopt;
-  const auto number = Decimal::read(text);
-  const auto value =
-      number ? number->scaled(scale.digits, scale.rounding == Rounding::up) : std::nullopt;
-  return value && *value >= scale.least && *value <= scale.most ? value : std::nullopt;
-}
-
-/// As it is stated; where that is wrong or absent, the default, or 0 without one.
 template <class Number>
 Number decimal(const Element& e, std::string_view attribute, Problems& problems) {
-  const auto* const key = e.known(attribute);
-  if (key == nullptr) return 0;
-  const auto& scale = key->type->scale;
-  if (const auto text = e.attribute(attribute); !text.empty()) {
-    if (const auto value = whole(text, scale)) return static_cast<Number>(*value);
-    problems.add(e.origin(), e.name,
-                 fmt::format("attribute {}: {} is not right: {}", attribute, text, scale.range),
-                 FindingId::not_in_schema);
-  }
-  return static_cast<Number>(whole(key->otherwise, scale).value_or(0));
+  return static_cast<Number>(decimal_of(e, attribute, problems));
 }
 
 // --- addresses -----------------------------------------------------------------------------------
@@ -178,10 +158,7 @@ StatedDraft per_hop(const Element& list, Problems& problems) {
     const auto* name = element.child("Name");
     for (const auto a : {Attribute::bandwidth, Attribute::max_payload})
       if (name != nullptr && name->text == info(a).name)
-        problems.add(element.origin(), element.name,
-                     fmt::format("{} is not stated per hop: it follows from the links and "
-                                 "packet-bytes of the Mesh",
-                                 name->text),
+        problems.add(element.origin(), element.name, of_links_words(name->text),
                      FindingId::wrong_place);
   }
   out.set.clear(Attribute::bandwidth);

@@ -52,6 +52,19 @@ std::string words_for(const xmlError& error) {
   if (text.contains("Huge input lookup") || text.contains("AttValue length too long"))
     return "a name or value is longer than 10 MB; that is the limit";
   if (error.code == XML_ERR_NO_MEMORY) return "cannot read the file: out of memory";
+  if (text.contains("not proper UTF-8")) {
+    const auto bytes = text.find("Bytes:");
+    return fmt::format("not well-formed XML: the text is not proper UTF-8 here{}: save it in UTF-8",
+                       bytes == std::string_view::npos
+                           ? ""
+                           : fmt::format(", at the bytes{}", text.substr(bytes + 6)));
+  }
+  if (error.code == XML_ERR_INVALID_CHAR)
+    return "not well-formed XML: a control character, which XML does not allow: remove it";
+  if (error.code == XML_ERR_NAME_REQUIRED && text.contains("StartTag"))
+    return "not well-formed XML: no name of an element follows '<': a comment begins with "
+           "\"<!--\", "
+           "and the character itself is written &lt;";
   return fmt::format("not well-formed XML: {}", text);
 }
 

@@ -116,6 +116,19 @@ void check_subscribe_tag(const core::System& system, const core::Network& networ
           FindingId::wrong_place);
 }
 
+void check_subscriptions(const core::Network& network, Problems& problems) {
+  const core::SubscriptionPolicy& policy = network.subscriptions;
+  if (policy.accept == core::Subscribing::nobody) return;
+  if (!core::has_subscriptions(network))
+    problems.add(
+        policy.origin, "Subscriptions",
+        fmt::format(
+            "{} is not of profile famouso on CAN, Ethernet or a mesh, whose nodes subscribe: "
+            "remove it",
+            network.name),
+        FindingId::wrong_place);
+}
+
 void check_bindings(const core::System& system, const core::Network& network, Problems& problems) {
   const auto say = [&](const Binding& b, std::string_view text) {
     problems.add(b.origin, "Binding", text, FindingId::identifier_clash);
@@ -199,10 +212,14 @@ const Binding* check_bound(const core::System& system, Bindings& bindings, const
 }
 
 /// How a network carries its largest event.
-std::string_view room_words(const core::Network& network, const Binding& binding) {
+std::string room_words(const core::Network& network, const Binding& binding) {
+  if (const auto* several = core::fragmentation_of(network, binding); several != nullptr)
+    return std::string(several->room);
   if (const auto* several = core::traits_of(network.profile).fragmentation; several != nullptr)
-    return several->room;
-  if (binding.format == FrameFormat::classic) return "in a classic frame (64 with format=\"fd\")";
+    return (binding.format == FrameFormat::classic ? "in a frame: " : "in an FD frame: ") +
+           std::string(several->obstacle(binding));
+  if (binding.format == FrameFormat::classic)
+    return "in a classic frame (64 with format=\"fd\", where the bus has a data bit rate)";
   return binding.format == FrameFormat::xl ? "in a CAN XL frame" : "in an FD frame";
 }
 
@@ -274,6 +291,18 @@ void check_pairs(const core::System& system, Problems& problems) {
           FindingId::too_many);
 }
 
+/// Of the kinds that do not fragment.
+void check_provided_payload(const core::Network& n, Problems& problems) {
+  if (n.kind != NetworkKind::ieee802154 || !n.carries_subjects()) return;
+  const Value most = core::event_bytes(n);
+  if (!n.provision.has(Attribute::max_payload) || n.provision[Attribute::max_payload] <= most)
+    return;
+  problems.add(n.origin, "Network",
+               fmt::format("MaxPayload {} bytes is more than a frame of IEEE 802.15.4 holds: at "
+                           "most {} bytes beside its header and the subject",
+                           n.provision[Attribute::max_payload], most));
+}
+
 }  // namespace
 
 void check_channels(const core::System& system, Problems& problems) {
@@ -315,19 +344,21 @@ void check_networks(const core::System& system, Problems& problems) {
       problems.add(n.origin, "Network",
                    "a CAN network needs a Profile: " +
                        core::profiles_with([](const auto& p) { return p.last != 0; }, " or "));
-    const bool ethernet = n.kind == NetworkKind::udp_multicast || n.kind == NetworkKind::mesh;
     const auto profile = core::words::kProfiles.of(n.profile);
     if (!can && n.profile != Profile::none && !datagrams)
       problems.add(n.origin, "Network",
                    fmt::format("Profile {} is for CAN: remove it, or say {}", profile,
                                core::profiles_with(
                                    [](const auto& p) { return p.datagrams != nullptr; }, " or ")));
-    if (!can && !ethernet && datagrams)
+    if (n.kind == NetworkKind::other && datagrams)
       problems.add(n.origin, "Network",
-                   fmt::format("Profile {} is for the kinds can, udp-multicast and mesh: remove it",
+                   fmt::format("Profile {} is for the kinds can, udp-multicast, mesh and "
+                               "ieee802154: remove it",
                                profile));
+    check_provided_payload(n, problems);
     check_bindings(system, n, problems);
     check_subscribe_tag(system, n, problems);
+    check_subscriptions(n, problems);
   }
   check_count(system.networks, kMaxNetworks, "Network", "networks", problems);
 }
@@ -348,6 +379,7 @@ void check_rules(const core::System& system, Problems& problems) {
   check_channels(system, problems);
   check_networks(system, problems);
   check_gateways(system, problems);
+  check_presence(system, problems);
   check_meshes(system, problems);
   check_ends(system, problems);
 }

@@ -43,6 +43,7 @@ void check_count(const Things& things, std::size_t most, std::string_view elemen
 void check_channels(const core::System& system, Problems& problems);
 void check_networks(const core::System& system, Problems& problems);
 void check_gateways(const core::System& system, Problems& problems);
+void check_presence(const core::System& system, Problems& problems);
 void check_meshes(const core::System& system, Problems& problems);
 void check_ends(const core::System& system, Problems& problems);
 

@@ -19,4 +19,7 @@ struct NoUser {
 /// The number of a user who is given by name or number. 2^32 - 1 is nobody's number.
 std::expected<std::uint32_t, NoUser> uid_of(const std::string& user);
 
+/// The same of a group.
+std::expected<std::uint32_t, NoUser> gid_of(const std::string& group);
+
 }  // namespace mlcca::description

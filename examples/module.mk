@@ -15,7 +15,7 @@ run-demo-host: all
 		exec examples/volksbot/demo plain $(abspath $O)'
 .PHONY: stage run-demo run-demo-guest run-demo-host
 
-EXAMPLES := $(foreach e,volksbot mesh rover,$(wildcard examples/$e/*.xml examples/$e/*/*.xml examples/$e/*.md examples/$e/*.py))
+EXAMPLES := $(foreach e,volksbot mesh rover wpan,$(wildcard examples/$e/*.xml examples/$e/*/*.xml examples/$e/*.md examples/$e/*.py))
 install-examples:
 	$(call say,INSTALL,examples)
 	$(Q)for file in $(EXAMPLES); do \

@@ -143,6 +143,7 @@ Losses Carrier::losses() const {
     all.crowded += some.crowded;
     all.too_long += some.too_long;
     all.in_socket += some.in_socket;
+    all.unsent += some.unsent;
   }
   return all;
 }

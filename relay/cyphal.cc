@@ -92,16 +92,16 @@ Reassembly::Session& Reassembly::session_of(Source source, std::uint64_t now) {
   if (known == sessions_.end()) {
     if (sessions_.size() >= limits_.sources) {
       const auto silent = std::ranges::min_element(
-          sessions_, {}, [](const auto& entry) { return entry.second.heard_at; });
+          sessions_, {}, [](const auto& entry) { return entry.second.latest_at; });
       give_up(silent->second, losses_.crowded);
       sessions_.erase(silent);
     }
     known = sessions_.emplace(source, Session{}).first;
   }
   Session& session = known->second;
-  if (session.is_begun && now - session.heard_at > limits_.lifetime_ns)
+  if (session.is_begun && now - session.latest_at > limits_.lifetime_ns)
     give_up(session, losses_.incomplete);
-  session.heard_at = now;
+  session.latest_at = now;
   return session;
 }
 
@@ -125,7 +125,7 @@ bool Reassembly::make_room(std::size_t octets, const Session& beside) {
     Session* victim = nullptr;
     for (auto& [source, session] : sessions_)
       if (session.is_begun && &session != &beside &&
-          (victim == nullptr || session.heard_at < victim->heard_at))
+          (victim == nullptr || session.latest_at < victim->latest_at))
         victim = &session;
     if (victim == nullptr) return false;
     give_up(*victim, losses_.crowded);

@@ -79,7 +79,7 @@ class Reassembly {
     std::uint8_t number = 0;             ///< of that transfer
     std::optional<std::uint8_t> latest;  ///< number of the latest complete one
     std::uint64_t completed_at = 0;
-    std::uint64_t heard_at = 0;
+    std::uint64_t latest_at = 0;
   };
   using All = std::map<Source, Session>;
 

@@ -11,10 +11,11 @@ install-systemd:
 	$(Q)install -d $(DESTDIR)$(UNITDIR) $(DESTDIR)$(UDEVDIR) $(DESTDIR)$(SYSUSERSDIR) \
 		$(DESTDIR)$(TMPFILESDIR) $(DESTDIR)/etc/mlcca
 	$(Q)install -m 644 systemd/mlccad.socket systemd/run-mlcca-bpf.mount \
-		systemd/mlcca-awds@.socket systemd/mlcca-sources.socket $(DESTDIR)$(UNITDIR)
+		systemd/mlcca-awds@.socket systemd/mlcca-exporter.socket systemd/mlcca-sources.socket $(DESTDIR)$(UNITDIR)
 	$(Q)$(MAKE_UNIT) systemd/mlccad.service.in > $(DESTDIR)$(UNITDIR)/mlccad.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-relay.service.in > $(DESTDIR)$(UNITDIR)/mlcca-relay.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-famouso.service.in > $(DESTDIR)$(UNITDIR)/mlcca-famouso.service
+	$(Q)$(MAKE_UNIT) systemd/mlcca-exporter.service.in > $(DESTDIR)$(UNITDIR)/mlcca-exporter.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-gate.service.in > $(DESTDIR)$(UNITDIR)/mlcca-gate.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-awds@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-awds@.service
 	$(Q)$(MAKE_UNIT) systemd/mlcca-sources@.service.in > $(DESTDIR)$(UNITDIR)/mlcca-sources@.service

@@ -1,5 +1,10 @@
 TEST_FOLDERS := $(sort $(dir $(wildcard tests/*/module.mk tests/*/*/module.mk tests/*/*/*/module.mk)))
+# Files of a test program that agree are compiled as one, too. Nothing else needs the list of them.
+TEST_BUNDLES := $(if $(BUNDLE),$(if $(filter run-demo install clean help,$(MAKECMDGOALS)),,$O/bundle/tests.mk))
+-include $(TEST_BUNDLES)
 include $(addsuffix module.mk,$(TEST_FOLDERS))
+$O/bundle/tests.mk: tests/support/bundle-tests $(foreach name,$(BUNDLED_TESTS),$($(name)_bundled))
+	$(Q)mkdir -p $(@D) && $< $@ $(foreach name,$(BUNDLED_TESTS),$(name)= $($(name)_bundled))
 TEST_OBJECTS := $(patsubst %.cc,$O/%.o,$(wildcard tests/*/*.cc tests/*/*/*.cc tests/*/*/*/*.cc))
 # What is tested is optimised; the tests themselves would cost most of the time of a build.
 $(filter-out $O/tests/bench/%,$(TEST_OBJECTS)): CXXFLAGS := $(patsubst -O2,-O1,$(CXXFLAGS))
@@ -9,6 +14,12 @@ check: $(UNIT_TESTS) ## unit tests: no root, seconds
 check-kernel: $(KERNEL_TESTS) ## the real BPF objects on this kernel: root
 	$(Q)tests/support/run-tests $(KERNEL_TESTS)
 soak: check-sanitized-all soak-fault soak-kills soak-torn soak-bus ## for hours: KILLS= kills, ROUNDS= rounds of torn surroundings, from SEED= where given
+
+$O/bundle/tests/%.o: CXXFLAGS := $(patsubst -O2,-O1,$(CXXFLAGS))
+$O/bundle/tests/%.o: CPPFLAGS += $(XML_CFLAGS) $(NL_CFLAGS) $(TOOLS_CPPFLAGS)
+$O/bundle/tests/%.o: $O/bundle/tests/%.cc | $(BPF_SKELETONS) $(BPF_TEST_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES)
+	$(call say,CXX,tests/$* ($(words $(filter-out $(hash)include,$(shell cat $<))) files))
+	$(Q)$(CXX) $(STD) $(WARN) -Wno-subobject-linkage $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
 
 # CI runs each test once: these under AddressSanitizer and UBSan, all others as they are installed.
 # They parse what comes from outside or manage the memory of gates, sessions and journals.

@@ -20,13 +20,16 @@
 #include <type_traits>
 #include <utility>
 #include <variant>
+#include <vector>
 
+#include "base/clock.hpp"
 #include "control/client.hpp"
 #include "tools/bandwidth.hpp"
 #include "tools/json.hpp"
 #include "tools/options.hpp"
 #include "tools/other_programs.hpp"
 #include "tools/render.hpp"
+#include "tools/report.hpp"
 #include "tools/requests.hpp"
 #include "tools/values.hpp"
 
@@ -328,6 +331,39 @@ Exit watch(const Options& options, const Arguments& arguments) {
   return follow(options, arguments.top);
 }
 
+/// What the page asks, each over the one connection, which the daemon answers in order.
+template <class Question>
+std::optional<Exit> add_answer(const Options& options, control::Client& client, const char* verb,
+                               Question question,
+                               std::vector<std::pair<std::string, std::string>>& to) {
+  const auto reply = client.call({0, std::move(question)});
+  if (!reply) return print_error(options, control::ErrorKind::world, reply.error().text);
+  if (const auto* error = std::get_if<control::Error>(&reply->body))
+    return print_error(options, *error);
+  to.emplace_back(verb, to_json(*reply));
+  return std::nullopt;
+}
+
+Exit print_report(const Options& options, const Arguments& arguments) {
+  if (!arguments.html)
+    return print_error(options, control::ErrorKind::invalid,
+                       "the report is a page of HTML: mlccactl report --html > FILE");
+  auto client = control::Client::connect(options.socket, options.patience);
+  if (!client) return print_error(options, control::ErrorKind::world, client.error().text);
+  constexpr std::uint32_t entries = 200;
+  std::vector<std::pair<std::string, std::string>> answers;
+  const auto add = [&](const char* verb, auto question) {
+    return add_answer(options, *client, verb, std::move(question), answers);
+  };
+  if (const auto exit = add("status", control::StatusRequest{})) return *exit;
+  if (const auto exit = add("channels", control::ChannelsRequest{})) return *exit;
+  if (const auto exit = add("networks", control::NetworksRequest{})) return *exit;
+  if (const auto exit = add("routes", control::RoutesRequest{})) return *exit;
+  if (const auto exit = add("reservations", control::ReservationsRequest{})) return *exit;
+  if (const auto exit = add("history", control::HistoryRequest{.limit = entries})) return *exit;
+  return print(report_page(answers, clock_ns(CLOCK_REALTIME)), Exit::fine);
+}
+
 /// As monitoring systems take it: OK, WARNING, CRITICAL, UNKNOWN.
 Exit exit_of(control::HealthState health) {
   switch (health) {
@@ -375,6 +411,8 @@ constexpr std::array kVerbs = {
          Takes::nothing, ask_plain<control::RoutesRequest>},
     Verb{"reservations", "what has been promised to whom, and what is left", Takes::place,
          ask_reservations},
+    Verb{"subscriptions", "who may subscribe over networks, and what is subscribed further on",
+         Takes::nothing, ask_plain<control::SubscriptionsRequest>},
     Verb{"gate", "what the gates hold: control traffic, channels, limits, counters", Takes::gate,
          ask_gate},
     Verb{"query", "would this be admitted? changes nothing", Takes::delivery, ask_query},
@@ -391,6 +429,7 @@ constexpr std::array kVerbs = {
     Verb{"explain", "why a channel is granted or refused, attribute by attribute", Takes::channel,
          ask_explain},
     Verb{"history", "what was decided, and why", Takes::past, ask_history},
+    Verb{"report", "the gateway as it is now, as one page of HTML", Takes::form, print_report},
     Verb{"monitor", "print events as they happen", Takes::nothing, monitor},
     Verb{"top", "a live screen: rates, jitter, loss, drops, what is reserved and used",
          Takes::screen, watch},

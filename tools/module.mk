@@ -6,16 +6,27 @@ TOOLS_SOURCES := $(filter-out tools/main.cc,$(wildcard tools/*.cc tools/top/*.cc
 TOOLS_CPPFLAGS := -DFMT_HEADER_ONLY
 
 $(eval $(call library,tools,$(TOOLS_SOURCES)))
+# The page of report --html is that of Cockpit.
+$O/gen/report_page.inc: tools/report/bundle tools/report/ask.js $(wildcard cockpit/*.js cockpit/*.html cockpit/*.css)
+	$(call say,PAGE,$@)
+	$(Q)mkdir -p $(@D) && tools/report/bundle cockpit tools/report/ask.js > $@
+$O/tools/report.o $O/fuzz/obj/tools/report.o: | $O/gen/report_page.inc
+$O/tools/report.o: $O/gen/report_page.inc
 TOOLS_ARCHIVES := $O/libtools.a $O/libcontrol.a $O/libcore.a
 $(eval $(call program,mlccactl,tools/main.cc,$(TOOLS_ARCHIVES),))
 $(tools_objects) $(mlccactl_objects): CPPFLAGS += $(TOOLS_CPPFLAGS)
 $O/mlccactl: LDFLAGS += $(MLCCACTL_STATIC)
 PROGRAMS += $O/mlccactl
 
-# The verbs of design time (check, describe, generate): mlccactl starts this program for them.
+# What `mlccactl learn` does with traffic.
+$(eval $(call library,learn,$(wildcard tools/learn/*.cc)))
+$(learn_objects): CPPFLAGS += $(TOOLS_CPPFLAGS)
+
+# The verbs of design time (check, describe, generate, learn): mlccactl starts this program for them.
 $(eval $(call library,design,$(filter-out tools/design/main.cc,$(wildcard tools/design/*.cc tools/design/*/*.cc))))
-DESIGN_ARCHIVES := $O/libdesign.a $O/libtools.a $O/libdescription.a $O/libcontrol.a $O/libcore.a
-$(eval $(call program,mlcca-design,tools/design/main.cc,$(DESIGN_ARCHIVES),$(XML_LIBS)))
+DESIGN_LIBS := $(XML_LIBS) -lz
+DESIGN_ARCHIVES := $O/libdesign.a $O/liblearn.a $O/libtools.a $O/libdescription.a $O/libcontrol.a $O/libcore.a
+$(eval $(call program,mlcca-design,tools/design/main.cc,$(DESIGN_ARCHIVES),$(DESIGN_LIBS)))
 $(design_objects) $(mlcca-design_objects): CPPFLAGS += $(TOOLS_CPPFLAGS) $(XML_CFLAGS)
 PROGRAMS += $O/mlcca-design
 
@@ -30,9 +41,8 @@ install-tools-extras:
 	$(call say,INSTALL,manual pages and shell completion)
 	$(Q)install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/man/man8 \
 		$(DESTDIR)$(PREFIX)/share/bash-completion/completions
-	$(Q)install -m 644 docs/man/mlccactl.1 docs/man/mlccactl-describe.1 docs/man/mlccactl-generate.1 \
-		$(DESTDIR)$(PREFIX)/share/man/man1
-	$(Q)install -m 644 docs/man/mlccad.8 $(DESTDIR)$(PREFIX)/share/man/man8
+	$(Q)install -m 644 $(wildcard docs/man/mlccactl*.1) $(DESTDIR)$(PREFIX)/share/man/man1
+	$(Q)install -m 644 $(wildcard docs/man/*.8) $(DESTDIR)$(PREFIX)/share/man/man8
 	$(Q)install -m 644 tools/completion/mlccactl.bash \
 		$(DESTDIR)$(PREFIX)/share/bash-completion/completions/mlccactl
 INSTALL += install-tools-extras
@@ -68,3 +78,18 @@ INSTALL += install-doctor
 # The only program that may listen to a network interface; mlccad reads it through a socket.
 $(eval $(call program,mlcca-awds,$(wildcard tools/awds/*.cc) daemon/listen.cc daemon/manager.cc,$O/libsources.a,$(SOURCES_LIBS)))
 PROGRAMS += $O/mlcca-awds
+
+# What mlccad says, for Prometheus; the rules and the dashboard are for its server.
+$(eval $(call library,exporter,$(filter-out tools/exporter/main.cc,$(wildcard tools/exporter/*.cc))))
+EXPORTER_ARCHIVES := $O/libexporter.a $O/libcontrol.a $O/libcore.a
+EXPORTER_LIBS := -lmicrohttpd -lsystemd
+$(eval $(call program,mlcca-exporter,tools/exporter/main.cc daemon/manager.cc,$(EXPORTER_ARCHIVES),$(EXPORTER_LIBS) -lfmt))
+PROGRAMS += $O/mlcca-exporter
+install-exporter: $O/mlcca-exporter
+	$(call say,INSTALL,the exporter with rules and dashboard)
+	$(Q)install -d $(addprefix $(DESTDIR)$(PREFIX)/,sbin share/mlcca-exporter)
+	$(Q)install -m 755 $O/mlcca-exporter $(DESTDIR)$(PREFIX)/sbin/mlcca-exporter
+	$(Q)install -m 644 tools/exporter/alerts.yml tools/exporter/dashboard.json \
+		$(DESTDIR)$(PREFIX)/share/mlcca-exporter
+INSTALL += install-exporter
+.PHONY: install-exporter

@@ -23,6 +23,10 @@ constexpr const char* kDefaultSocket = "/run/mlcca/control.sock";
 constexpr const char* kFooter =
     "Exit status: 0 granted or fine, 1 refused, 2 usage or unreadable input,\n"
     "3 no daemon or the outside world failed.";
+constexpr const char* kFooterOfStatus =
+    "Exit status: 0 fine, 2 usage, 3 no daemon or the outside world failed.\n"
+    "With --check: 0 healthy, 1 degraded, 2 closed, 3 unknown; 2 without a line on\n"
+    "standard output: usage.";
 constexpr unsigned kMaxNode = 253;  // of any profile
 constexpr unsigned kMaxPriority = 127;
 constexpr unsigned kMaxPacket = 65535;
@@ -227,6 +231,10 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
       app.add_flag("--check", to.check,
                    "one line for a monitoring system; exit status 0 healthy, 1 degraded, 2 closed, "
                    "3 unknown, since no daemon answers");
+      app.footer(kFooterOfStatus);
+      break;
+    case Takes::form:
+      app.add_flag("--html", to.html, "one file that loads nothing, with everything in it");
       break;
     case Takes::channel:
       add_channel(app, to);

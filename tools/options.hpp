@@ -46,6 +46,7 @@ struct Arguments {
   bool follow = false;
   std::string place;
   bool yes = false;                ///< do it without asking back
+  bool html = false;               ///< a page
   bool check = false;              ///< only the health, for a monitoring system
   bool verify = false;             ///< never seen: see is_read_back()
   std::vector<std::string> links;  ///< "[NETWORK/]FROM,TO=RATE"
@@ -75,6 +76,7 @@ enum class Takes : std::uint8_t {
   changes,  ///< links as they might be, and what might be gone
   past,     ///< of which channel, kind and time
   links,    ///< rates of a chain of links
+  form,     ///< in which to print
   screen,   ///< how often, and what of it
 };
 

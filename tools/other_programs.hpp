@@ -29,7 +29,13 @@ inline constexpr std::array kOtherVerbs = {
     OtherVerb{"analyse-bus", "response times of the messages of a CAN bus", &kDesign},
     OtherVerb{"check", "find what cannot work in the description of a system", &kDesign},
     OtherVerb{"describe", "create and edit the description of an event channel", &kDesign},
+    OtherVerb{"export", "what a description admits, for other tools", &kDesign},
+    OtherVerb{"format", "attributes of a description in the short form or the paper's", &kDesign},
     OtherVerb{"generate", "C++ and DER from the description of a system", &kDesign},
+    OtherVerb{"learn", "draft a description from the traffic that is there; asks no daemon",
+              &kDesign},
+    OtherVerb{"import", "describe a network from DBC or CANopen files", &kDesign},
+    OtherVerb{"new", "the first description of a system", &kDesign},
     OtherVerb{"doctor", "examine a CAN controller before it is trusted; asks no daemon", &kDoctor},
 };
 

@@ -98,6 +98,11 @@ std::string arrivals_of(const control::Watch& watch) {
   if (watch.events == 0)
     return fmt::format("nothing has come for {}{}", about(watch.since_last_ns),
                        watch.missing_now ? ": MISSING" : "");
+  // Of several publishers: how regularly one of them sends is not known.
+  if (watch.shared)
+    return fmt::format(
+        "only whether none of those that look alike sends; the latest event {} ago{}",
+        about(watch.since_last_ns), watch.missing_now ? ": MISSING" : "");
   std::string text = fmt::format("{} events", watch.events);
   if (watch.rate_mhz != 0)
     text += fmt::format(", {} a second", static_cast<double>(watch.rate_mhz) / 1e3);
@@ -109,7 +114,7 @@ std::string arrivals_of(const control::Watch& watch) {
 
 /// "44 ms to 101 ms, the latest 49 ms; in periods 0.875 to 1: 499, …"
 std::string gaps_of(const control::Watch& watch) {
-  if (watch.last_gap_ns == 0) return {};
+  if (watch.last_gap_ns == 0 || watch.shared) return {};
   std::vector<std::string> bins;
   for (std::size_t i = 0; i < watch.gaps.size(); ++i) {
     if (watch.gaps[i] == 0) continue;
@@ -129,13 +134,15 @@ std::string subscribers_of(const control::Channel& channel) {
   return names;
 }
 
-/// "7 passed, 0 dropped; 2 would have been dropped, audit mode let them through"
+/// "in all 7 passed, 0 dropped; 2 would have been dropped, audit mode let them through"
 std::string frames_of(const control::Channel& channel) {
-  auto text = fmt::format("{} passed, {} dropped", channel.passed, channel.dropped);
+  auto text = fmt::format("in all {} passed, {} dropped", channel.passed, channel.dropped);
   if (channel.would_drop != 0)
     text += fmt::format("; {} would have been dropped, audit mode let them through",
                         channel.would_drop);
   if (channel.excess != 0) text += fmt::format("; {} were more than admitted", channel.excess);
+  if (channel.would_exceed != 0)
+    text += fmt::format(" ({} of these passed in audit mode)", channel.would_exceed);
   return text;
 }
 

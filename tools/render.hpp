@@ -29,6 +29,8 @@ const control::Interface* interface_of(const control::Gate& gate,
 
 /// All resources, then who holds what of each.
 std::string render(const control::Transfers& transfers, Color color);
+std::string render(const control::Subscriptions& subscriptions, Color color);
+std::string render(const control::Presence& presence, Color color);
 std::string render(const control::Reservations& reservations, Color color);
 
 /// The losers first, then a line that counts.

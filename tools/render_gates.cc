@@ -39,6 +39,11 @@ Cell number(std::uint64_t n, Style style = Style::plain) {
   return {n == 0 ? "" : fmt::format("{}", n), style};
 }
 
+/// What audit mode let through stands among what would have been dropped.
+Cell excess(const control::GateSlot& slot) {
+  return number(slot.excess - std::min(slot.excess, slot.would_exceed), Style::warning);
+}
+
 /// Of Ethernet there is none: slots go by subject.
 Cell identifier(const control::GateSlot& slot, bool ethernet) {
   return {ethernet ? "" : print_can_id(slot.id)};
@@ -82,7 +87,7 @@ std::string slots(const std::vector<control::GateSlot>& all, bool control, bool 
                number(slot.passed),
                number(slot.dropped, Style::warning),
                slot.would_drop == 0 ? Cell{} : number(slot.would_drop, Style::warning),
-               number(slot.excess, Style::warning),
+               excess(slot),
                {slot.last_reason, Style::warning}});
   return table.empty() ? "" : table.text(color, "  ");
 }

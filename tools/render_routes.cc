@@ -2,6 +2,8 @@
 // The ways that data takes and what they give: routes, media, links of meshes, rules of can-gw.
 #include <fmt/format.h>
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/render.hpp"
@@ -159,6 +161,12 @@ std::string transfers(const control::Routes& routes, Color color) {
   return text;
 }
 
+/// Whose subscriptions count on a network.
+std::string_view subscribers_of(const control::SubscriptionNetwork& network) {
+  if (network.gateways_only) return "gateways";
+  return network.accepts_all ? "all" : "who states attributes";
+}
+
 }  // namespace
 
 std::string render(const control::Routes& routes, Color color) {
@@ -173,6 +181,38 @@ std::string render(const control::Routes& routes, Color color) {
 std::string render(const control::Transfers& transfers, Color color) {
   const Table table = table_of(transfers.transfers);
   return table.empty() ? "no program carries anything\n" : table.text(color);
+}
+
+std::string render(const control::Presence& presence, Color /*color*/) {
+  if (presence.interval_ns == 0) return presence.gateway + " does not announce itself\n";
+  std::string text = fmt::format("{} announces itself every {} on {}: it {}\n", presence.gateway,
+                                 print_value("Period", presence.interval_ns, "ns"),
+                                 fmt::join(presence.networks, ", "),
+                                 presence.forwards ? "forwards" : "leaves its ways to others");
+  for (const std::string& other : presence.not_received)
+    text += fmt::format("nothing is received of {}\n", other);
+  return text;
+}
+
+std::string render(const control::Subscriptions& subscriptions, Color color) {
+  Table networks({{"NETWORK"}, {"INTERFACE"}, {"FROM"}, {"MOST", Align::right}, {"PROBLEM"}});
+  for (const auto& one : subscriptions.networks)
+    networks.add({{one.network},
+                  {one.endpoint.interface},
+                  {std::string(subscribers_of(one))},
+                  {fmt::format("{}", one.most)},
+                  {one.problem, Style::bad}});
+  Table onward({{"CHANNEL"}, {"SUBSCRIBED ON"}, {"REQUIRED"}, {"PROBLEM"}});
+  for (const auto& one : subscriptions.onward) {
+    std::string required;
+    for (const auto& attribute : one.required)
+      required += fmt::format("{}{} {}", required.empty() ? "" : ", ", attribute.name,
+                              print_value(attribute.name, attribute.value, attribute.unit));
+    onward.add({{one.channel}, {one.network}, {required}, {one.problem, Style::bad}});
+  }
+  std::string text = networks.empty() ? "no network accepts subscriptions\n" : networks.text(color);
+  if (!onward.empty()) text += "\n" + onward.text(color);
+  return text;
 }
 
 }  // namespace mlcca::tools

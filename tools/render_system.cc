@@ -140,7 +140,7 @@ std::string unknown_frames(const std::vector<control::Interface>& all, Color col
                {"IDENTIFIER"},
                {"FORMAT"},
                {"LENGTH", Align::right},
-               {"FRAMES", Align::right},
+               {"SEEN", Align::right},
                {"SENDER"}});
   for (const auto& one : all)
     for (const auto& frame : one.unknown)

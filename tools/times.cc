@@ -25,6 +25,7 @@ constexpr std::uint64_t kDay = units::kDay * kSecond;
 
 /// Spans are of milliseconds and longer ones.
 const Unit* unit_named(std::string_view name) {
+  if (name == "m") name = "min";  // as sleep(1) and systemd.time(7) have it
   if (const Unit* const longer = units::find(Measure::nanoseconds, name, units::kLongTimes))
     return longer;
   const Unit* const unit = units::find(Measure::nanoseconds, name);

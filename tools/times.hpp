@@ -9,7 +9,7 @@
 
 namespace mlcca::tools {
 
-/// Nanoseconds of "30s" or "1h 30min": whole numbers, each with a unit (ms, s, min, h, d, w, or
+/// Nanoseconds of "30s" or "1h 30min": whole numbers, each with a unit (ms, s, m, min, h, d, w, or
 /// second, minute, hour, day, week and their plurals), added up. A day has 24 hours.
 Result<std::uint64_t> parse_span(std::string_view text);
 

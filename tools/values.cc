@@ -5,10 +5,8 @@
 #include <linux/can.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "base/decimal.hpp"
@@ -19,15 +17,7 @@
 namespace mlcca::tools {
 namespace {
 
-/// What attributes measure whose own unit is that of the table.
-Measure measure_of(std::string_view base) {
-  static constexpr std::array measures = {
-      std::pair("ns", Measure::nanoseconds), std::pair("bytes/s", Measure::bytes_per_second),
-      std::pair("1e-9", Measure::parts_per_billion), std::pair("bytes", Measure::bytes)};
-  const auto* const found =
-      std::ranges::find_if(measures, [&](const auto& one) { return base == one.first; });
-  return found == measures.end() ? Measure::number : found->second;
-}
+using units::measure_of;
 
 /// "ns, us, ms, s, min or h"; spellings that are not ASCII are accepted but not named.
 std::string units_of(std::string_view base) {
@@ -94,25 +84,35 @@ Result<Value> read_value(Attribute attribute, std::string_view text, Role role) 
   return *value;
 }
 
-Result<WithUnit> read_quantity(std::string_view text) {
+/// What does not fit 64 bits is too large: it must be `most` or less.
+Result<WithUnit> read_quantity(std::string_view text, std::string_view most) {
+  constexpr std::size_t most_decimals = 18;
   auto quantity = number_and_unit(text);
-  if (!quantity.number || !is_moderate(*quantity.number))
+  if (!quantity.number)
     return fail(fmt::format("'{}': must begin with a number of 0 or more, such as 50 or 12.5",
                             trimmed(text)));
+  if (quantity.number->decimals() > most_decimals)
+    return fail(fmt::format("'{}': must have at most {} decimals", trimmed(text), most_decimals));
+  if (!is_moderate(*quantity.number))
+    return fail(
+        fmt::format("'{}': too large, or too many digits: at most {}", trimmed(text), most));
   return quantity;
 }
 
 Result<Value> whole_parts(const Decimal& number, int power, Rounding rounding,
-                          std::string_view text) {
+                          std::string_view text, std::string_view most) {
   const auto value = number.scaled(power, rounding == Rounding::up);
-  if (!value) return fail(fmt::format("'{}': too large", text));
+  if (!value) return fail(fmt::format("'{}': too large: at most {}", text, most));
   return *value;
 }
+
+constexpr std::string_view kMostRate = "18446744073709551615 bit/s";
+constexpr std::string_view kMostMicroseconds = "18446744073709551 us";
 
 }  // namespace
 
 Result<std::uint64_t> parse_bit_rate(std::string_view text, Rounding rounding) {
-  const auto quantity = read_quantity(text);
+  const auto quantity = read_quantity(text, kMostRate);
   if (!quantity) return std::unexpected(quantity.error());
   const Unit* unit = units::find(Measure::bits_per_second, quantity->unit);
   if (unit == nullptr)
@@ -122,28 +122,30 @@ Result<std::uint64_t> parse_bit_rate(std::string_view text, Rounding rounding) {
         fmt::format("'{}': needs a unit of bit/s, kbit/s, Mbit/s, Gbit/s, B/s, kB/s, MB/s, "
                     "GB/s, KiB/s or MiB/s",
                     text));
-  auto rate = whole_parts(quantity->number->times(unit->factor), unit->power, rounding, text);
+  auto rate =
+      whole_parts(quantity->number->times(unit->factor), unit->power, rounding, text, kMostRate);
   if (rate && *rate == 0) return fail(fmt::format("'{}': must be 1 bit/s or more", text));
   return rate;
 }
 
 Result<std::uint64_t> parse_share(std::string_view text, std::uint64_t whole, Rounding rounding) {
-  const auto quantity = read_quantity(text);
+  constexpr std::string_view most = "1 or 100%";
+  const auto quantity = read_quantity(text, most);
   if (!quantity) return std::unexpected(quantity.error());
   if (!quantity->unit.empty() && quantity->unit != "%")
     return fail(fmt::format("'{}': must be a share such as 0.25 or 25%", text));
   const int power = quantity->unit.empty() ? 0 : -2;
-  auto parts = whole_parts(quantity->number->times(whole), power, rounding, text);
-  if (parts && *parts > whole) return fail(fmt::format("'{}': must be at most 1 or 100%", text));
+  auto parts = whole_parts(quantity->number->times(whole), power, rounding, text, most);
+  if (parts && *parts > whole) return fail(fmt::format("'{}': must be at most {}", text, most));
   return parts;
 }
 
 Result<std::uint64_t> parse_microseconds(std::string_view text, Rounding rounding) {
-  const auto quantity = read_quantity(text);
+  const auto quantity = read_quantity(text, kMostMicroseconds);
   if (!quantity) return std::unexpected(quantity.error());
   if (!quantity->unit.empty() && quantity->unit != "us")
     return fail(fmt::format("'{}': must be a number of microseconds", text));
-  return whole_parts(*quantity->number, 3, rounding, text);
+  return whole_parts(*quantity->number, 3, rounding, text, kMostMicroseconds);
 }
 
 std::string print_bit_rate(std::uint64_t bits_per_second) {

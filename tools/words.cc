@@ -46,7 +46,7 @@ Style style_of_event(std::string_view kind) {
   if (kind == "refused" || kind == "withdrawn" || kind == "lapsed" || kind == "missing")
     return Style::bad;
   if (kind == "dropping" || kind == "excess" || kind == "lagged" || kind == "mode" ||
-      kind == "switched" || kind == "binding")
+      kind == "switched" || kind == "rerouted" || kind == "gateway" || kind == "binding")
     return Style::warning;
   return Style::plain;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/admission/route_check.hpp"
+#include "core/admission/senders.hpp"
 #include "core/model/progress.hpp"
 #include "mlcca/check.hpp"
 #include "mlcca/compose.hpp"
@@ -13,34 +14,119 @@
 namespace mlcca::core {
 namespace {
 
-Verdict decide_one(const Situation& s, Ledger& ledger, const std::vector<Target>& targets,
-                   Verdict first, const Route* preferred) {
-  if (s.withdrawn[first.channel]) {
-    first.obstacle = Obstacle::withdrawn;
-    return first;
-  }
-  const auto& routes = s.topology.routes(s.members.publisher(first.publisher).place, first.to);
-  if (routes.empty()) {
-    first.obstacle = Obstacle::no_route;
-    return first;
-  }
-  const Verdict start = routes.size() > 1 ? first : Verdict{};
-  if (preferred != nullptr && *preferred != routes.front()) {
-    Verdict as_before = start;
-    as_before.route = *preferred;
-    check_route(s, ledger, targets, as_before);
-    if (as_before.granted) return as_before;
-  }
-  first.route = routes.front();
-  check_route(s, ledger, targets, first);
-  for (std::size_t i = 1; i < routes.size() && !first.granted; ++i) {
-    Verdict other = start;
-    other.route = routes[i];
-    check_route(s, ledger, targets, other);
-    if (other.granted) return other;
-  }
-  return first;
+bool passes(const Route& route, auto gateway_is) {
+  for (std::size_t i = 1; i + 1 < route.size(); ++i)
+    if (route[i].kind == Place::Kind::gateway && gateway_is(route[i].index)) return true;
+  return false;
 }
+
+/// The ways that a delivery may take, the one to be preferred first. Most have one alone: nothing
+/// is allocated for that.
+class Ways {
+ public:
+  Ways(const Situation& s, const std::vector<Route>& routes) : s_(s), routes_(routes) {
+    if (routes.size() == 1) return;
+    const auto announces = [&s](std::size_t g) { return s.system.gateways[g].presence != 0; };
+    elected_ = std::ranges::any_of(routes, [&](const Route& r) { return passes(r, announces); });
+    // Nobody takes the place of a gateway on the only way.
+    avoids_failed_ =
+        elected_ && !std::ranges::all_of(routes, [&](const auto& r) { return fails(r); });
+  }
+
+  /// All gateways that join the same networks choose the same one of them, whatever came before.
+  [[nodiscard]] bool elected() const { return elected_; }
+  [[nodiscard]] bool several() const { return behind(first()) != routes_.end(); }
+
+  using Way = std::vector<Route>::const_iterator;
+  [[nodiscard]] Way first() const { return next(routes_.begin()); }
+  [[nodiscard]] Way behind(Way way) const { return next(std::next(way)); }
+  [[nodiscard]] Way end() const { return routes_.end(); }
+
+ private:
+  [[nodiscard]] bool fails(const Route& route) const {
+    return passes(route, [this](std::size_t g) { return s_.world.failed[g]; });
+  }
+  [[nodiscard]] Way next(Way from) const {
+    return avoids_failed_
+               ? std::find_if(from, routes_.end(), [this](const Route& r) { return !fails(r); })
+               : from;
+  }
+
+  const Situation& s_;
+  const std::vector<Route>& routes_;
+  bool elected_ = false;
+  bool avoids_failed_ = false;
+};
+
+/// Decides the deliveries of a channel, one after the other.
+class Deliveries {
+ public:
+  /// `before`: as of decide_in().
+  Deliveries(const Situation& s, Ledger& ledger, const std::vector<Target>& targets,
+             const Decision* before)
+      : s_(s), ledger_(ledger), targets_(targets), before_(before), senders_(s.system, s.members) {}
+
+  Verdict decide_as_before(Verdict start) {
+    const Verdict* const old = before_ != nullptr ? same_delivery(*before_, start) : nullptr;
+    const bool kept = old != nullptr && old->granted;
+    const Ledger::Mark mark = ledger_.mark();
+    // Of what was granted before a restart the way is not known any more.
+    const Route* const way = kept && !old->route.empty() ? &old->route : nullptr;
+    Verdict v = decide(std::move(start), way);
+    if (v.granted && before_ != nullptr && !kept) {
+      ledger_.roll_back(mark);
+      v.granted = false;
+    }
+    return v;
+  }
+
+  /// What is granted, so that those decided later know its senders.
+  void note_granted(const Verdict& v) { senders_.add(v.publisher, v.route); }
+
+ private:
+  Verdict decide(Verdict first, const Route* preferred) {
+    if (s_.withdrawn[first.channel]) {
+      first.obstacle = Obstacle::withdrawn;
+      return first;
+    }
+    const auto& routes = s_.topology.routes(s_.members.publisher(first.publisher).place, first.to);
+    if (routes.empty()) {
+      first.obstacle = Obstacle::no_route;
+      return first;
+    }
+    const Ways ways(s_, routes);
+    const auto best = ways.first();
+    const Verdict start = ways.several() ? first : Verdict{};
+    if (preferred != nullptr && !ways.elected() && *preferred != *best) {
+      Verdict as_before = start;
+      check(as_before, *preferred);
+      if (as_before.granted) return as_before;
+    }
+    check(first, *best);
+    for (auto way = ways.behind(best); way != ways.end() && !first.granted;
+         way = ways.behind(way)) {
+      Verdict other = start;
+      check(other, *way);
+      if (other.granted) return other;
+    }
+    return first;
+  }
+
+  void check(Verdict& v, const Route& route) {
+    v.route = route;
+    if (const auto conflict = senders_.conflict(v.publisher, route)) {
+      v.obstacle = Obstacle::sender_twice;
+      v.obstacle_at = conflict->bus;
+    }
+    check_route(s_, ledger_, targets_, v);
+  }
+
+  const Situation& s_;
+  Ledger& ledger_;
+  const std::vector<Target>& targets_;
+  const Decision* before_;
+  Senders senders_;
+};
 
 }  // namespace
 
@@ -57,23 +143,17 @@ Decision decide_in(const Situation& situation, std::size_t channel, std::size_t 
   Decision decision;
   decision.set = set;
   const std::vector<Target> targets = targets_of(situation.members, channel);
-  for (const std::size_t publisher : situation.members.publishers_of(channel)) {
+  const auto& publishers = situation.members.publishers_of(channel);
+  Deliveries deliveries(situation, ledger, targets, before);
+  decision.verdicts.reserve(targets.size() * publishers.size());
+  for (const std::size_t publisher : publishers)
     for (const Target& target : targets) {
-      Verdict start = undecided(situation, channel, publisher, target, set);
-      const Verdict* old = before != nullptr ? same_delivery(*before, start) : nullptr;
-      const bool kept = old != nullptr && old->granted;
-      const Ledger::Mark mark = ledger.mark();
-      // Of what was granted before a restart the way is not known any more.
-      const Route* way = kept && !old->route.empty() ? &old->route : nullptr;
-      Verdict v = decide_one(situation, ledger, targets, std::move(start), way);
-      if (v.granted && before != nullptr && !kept) {
-        ledger.roll_back(mark);
-        v.granted = false;
-      }
-      if (v.granted) ++decision.granted;
-      decision.verdicts.push_back(std::move(v));
+      const Verdict& v = decision.verdicts.emplace_back(
+          deliveries.decide_as_before(undecided(situation, channel, publisher, target, set)));
+      if (!v.granted) continue;
+      ++decision.granted;
+      if (targets.size() * publishers.size() > 1) deliveries.note_granted(v);
     }
-  }
   return decision;
 }
 

@@ -31,13 +31,15 @@ struct Situation {
   const std::vector<bool>& withdrawn;  ///< per channel: by an operator
   /// At design time a best case passes: it is decided at run time, where it does not.
   bool best_cases_pass = false;
+  /// Verdicts have their hops, as at design time.
+  bool keeps_hops = false;
   /// Gets what is tried on buses, also where an obstacle stands in the way.
   std::vector<TriedMessage>* tried = nullptr;
 };
 
 /// Decides a channel in an attribute set and reserves what is granted. The ledger holds nothing of
 /// its publishers. With `before`: nothing is granted that was not granted there, and what was keeps
-/// its way if that is still possible.
+/// its way if that is still possible and no gateway on any way announces itself.
 [[nodiscard]] Decision decide_in(const Situation& situation, std::size_t channel, std::size_t set,
                                  Ledger& ledger, const Decision* before = nullptr);
 

@@ -148,7 +148,8 @@ Value Media::variation_before(std::size_t hop) const {
 }
 
 /// How long the hop may take at most, so that every subscriber that receives the events there or
-/// later has them in time: of what the other hops leave, buses get shares like their bit times.
+/// later has them in time: of what the other hops and the pauses of senders leave, buses get shares
+/// like their bit times.
 /// That does not depend on others on the buses, so a message is promised the same whenever it is
 /// decided.
 Value Media::delay_allowed(std::size_t hop) const {
@@ -163,6 +164,8 @@ Value Media::delay_allowed(std::size_t hop) const {
     for (std::size_t i = 0; i <= limit.hop; ++i) {
       if (const Value weight = bit_time(i); weight != 0) {
         all += weight;
+        latency = less(latency, pauses_at(i));
+        jitter = less(jitter, pauses_at(i));
         continue;
       }
       const Value promised = promised_delay(i);
@@ -170,7 +173,9 @@ Value Media::delay_allowed(std::size_t hop) const {
       jitter = less(jitter, std::min(variation_of(i), promised));
     }
     const Value allowed = std::min(latency, jitter);
-    if (allowed != kUnbounded) most = std::min(most, mul_div_down(allowed, bit_time(hop), all));
+    if (allowed == kUnbounded) continue;
+    const Value share = mul_div_down(allowed, bit_time(hop), all);
+    most = std::min(most, add_saturating(share, pauses_at(hop)));
   }
   return most;
 }
@@ -187,14 +192,10 @@ Value Media::promised_delay(std::size_t hop) const {
   const AttributeSet& stated = s_.system.networks[places_[hop].index].provision;
   if (kind_of(hop) != Kind::bus || is_missing(stated, Attribute::latency)) return kUnbounded;
   const Value latency = stated[Attribute::latency];
-  if (is_missing(stated, Attribute::jitter)) return latency;
-  return std::min(latency, stated[Attribute::jitter]);
-}
-
-std::uint32_t Media::sender_queue(std::size_t hop) const {
-  const Place sender = hop > 0 ? places_[hop - 1] : v_.route.front();
-  if (sender.kind != Place::Kind::gateway) return can::kOwnQueue;
-  return queue_of(s_.system, sender.index, places_[hop].index);
+  const Value promised = is_missing(stated, Attribute::jitter)
+                             ? latency
+                             : std::min(latency, stated[Attribute::jitter]);
+  return add_saturating(promised, pauses_at(hop));
 }
 
 void Media::late_row(Place hop, const can::Schedule::Late& late) {
@@ -244,6 +245,7 @@ void Media::take_bus(std::size_t hop) {
   const std::uint64_t key = Ledger::key_of(flow);
   message->jitter = variation_before(hop);
   message->queue = sender_queue(hop);
+  if (message->sender != can::kNoSender) name_sender(hop, publisher, *message);
   const Value promised = promised_delay(hop);
   Value delay = promised != kUnbounded ? promised : delay_allowed(hop);
   if (const can::Message* held = ledger_.schedule(network)->find(key)) {

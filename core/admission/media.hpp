@@ -71,6 +71,8 @@ class Media {
   [[nodiscard]] Value latency_of(std::size_t hop) const;
   [[nodiscard]] Value variation_of(std::size_t hop) const;
   [[nodiscard]] std::uint32_t sender_queue(std::size_t hop) const;
+  [[nodiscard]] Value pauses_at(std::size_t hop) const;
+  void name_sender(std::size_t hop, const Publisher& publisher, can::Message& message) const;
   [[nodiscard]] static std::vector<std::uint32_t> nodes_of(const mesh::Mesh& mesh, Place place);
   [[nodiscard]] std::vector<std::uint32_t> entries(std::size_t hop) const;
   [[nodiscard]] std::vector<std::uint32_t> exits(std::size_t hop) const;

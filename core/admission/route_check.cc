@@ -13,6 +13,7 @@
 #include "core/model/medium.hpp"
 #include "core/model/user_values.hpp"
 #include "core/profiles/profile.hpp"
+#include "mlcca/arithmetic.hpp"
 #include "mlcca/check.hpp"
 #include "mlcca/compose.hpp"
 
@@ -41,7 +42,7 @@ class RouteCheck {
     check_capacities();
     v_.rows.insert(v_.rows.end(), medium_rows.begin(), medium_rows.end());
     sum_up();
-    if (s_.best_cases_pass && goes_on())
+    if ((s_.best_cases_pass || s_.keeps_hops) && goes_on())
       v_.hops.assign(hops_.begin(), hops_.begin() + static_cast<std::ptrdiff_t>(count_));
     if (!v_.granted) ledger_.roll_back(before);
   }
@@ -63,7 +64,9 @@ class RouteCheck {
 
  private:
   [[nodiscard]] bool goes_on() const {
-    return v_.obstacle == Obstacle::none || s_.tried != nullptr;
+    // Of a second sender the way is checked all the same: it is not its only mistake, perhaps.
+    return v_.obstacle == Obstacle::none || v_.obstacle == Obstacle::sender_twice ||
+           s_.tried != nullptr;
   }
   [[nodiscard]] const Publisher& publisher() const { return s_.members.publisher(v_.publisher); }
   /// What the publisher states in the attribute set that is tried.
@@ -97,8 +100,26 @@ class RouteCheck {
     for (const Place hop : hops())
       if (hop.kind == Place::Kind::network) find_obstacle_on(hop);
     for (std::size_t i = 1; i + 1 < v_.route.size(); ++i)
-      if (v_.route[i].kind == Place::Kind::gateway && !is_carried(i))
-        obstruct(Obstacle::no_sender, v_.route[i]);
+      if (v_.route[i].kind == Place::Kind::gateway) {
+        if (!is_carried(i)) obstruct(Obstacle::no_sender, v_.route[i]);
+        if (is_renamed(i)) obstruct(Obstacle::renamed, v_.route[i]);
+      }
+  }
+
+  /// What the kernel carries from bus to bus keeps what is within its frames.
+  [[nodiscard]] bool is_renamed(std::size_t at) const {
+    const Gateway& gateway = s_.system.gateways[v_.route[at].index];
+    const Network& in = s_.system.networks[v_.route[at - 1].index];
+    const Network& out = s_.system.networks[v_.route[at + 1].index];
+    if (in.kind != NetworkKind::can || !are_joined_by_kernel(gateway, in, out)) return false;
+    const Binding* const from = in.binding_of(v_.channel);
+    const Binding* const to = out.binding_of(v_.channel);
+    if (from == nullptr || to == nullptr) return false;
+    const Value bytes = offered()[Attribute::max_payload];
+    const bool transported = transport_of(in, from, bytes) != nullptr;
+    if (transported != (transport_of(out, to, bytes) != nullptr)) return true;
+    return transported &&
+           identity_of(publisher(), in, *from, true) != identity_of(publisher(), out, *to, true);
   }
 
   /// Where a program has to carry events, its gates pass no sender that is not described.
@@ -126,7 +147,8 @@ class RouteCheck {
     }
     if (network.profile == Profile::none) return;
     if (network.carries_subjects()) {
-      if (offered()[Attribute::max_payload] > kDatagramMaxEvent) obstruct(Obstacle::too_long, hop);
+      if (offered()[Attribute::max_payload] > event_bytes(network))
+        obstruct(Obstacle::too_long, hop);
       return;
     }
     const Binding* binding = network.binding_of(v_.channel);
@@ -149,11 +171,16 @@ class RouteCheck {
       obstruct(Obstacle::too_long, hop);
   }
 
-  /// A bus that is analysed and has no rate for the data phase carries classic frames only.
+  /// A bus that is analysed and has no rate for the data phase carries classic frames only, and so
+  /// does an interface that a gateway sets up without one.
   [[nodiscard]] bool lacks_data_rate(std::size_t network, const Binding& binding) const {
-    const can::Schedule* bus = ledger_.schedule(network);
-    return binding.format != FrameFormat::classic && bus != nullptr &&
-           bus->assumptions().timing.data_bitrate == 0;
+    if (binding.format == FrameFormat::classic) return false;
+    if (const can::Schedule* bus = ledger_.schedule(network))
+      return bus->assumptions().timing.data_bitrate == 0;
+    return std::ranges::any_of(s_.system.gateways, [network](const Gateway& gateway) {
+      const Port* port = gateway.port_on(network);
+      return port != nullptr && port->managed && port->bitrate != 0 && port->data_bitrate == 0;
+    });
   }
 
   /// Only the interface knows the rates of a bus that states none.
@@ -173,9 +200,23 @@ class RouteCheck {
       out.frames = 1;
       if (out.gateway) continue;
       const Network& network = s_.system.networks[hop.index];
-      out.frames = static_cast<std::uint16_t>(
-          frames_per_event(network, network.binding_of(v_.channel), bytes));
+      const Binding* const binding = network.binding_of(v_.channel);
+      out.frames = static_cast<std::uint16_t>(frames_per_event(network, binding, bytes));
+      if (!is_forwarded(s_.system, hops(), count_ - 1))
+        add_pauses(pauses_of(network, binding, bytes), ledger_.schedule(hop.index) != nullptr,
+                   out.provision);
     }
+  }
+
+  /// What is stated is of frames: what the sender pauses between them comes on top.
+  static void add_pauses(Value pauses, bool analysed, AttributeSet& provision) {
+    if (pauses == 0) return;
+    if (!analysed && !provision.has(Attribute::latency) && provision.has(Attribute::period))
+      provision.set(Attribute::latency, provision[Attribute::period],
+                    provision.is_dynamic(Attribute::period));
+    for (const Attribute a : {Attribute::latency, Attribute::jitter})
+      if (provision.has(a))
+        provision.set(a, add_saturating(provision[a], pauses), provision.is_dynamic(a));
   }
 
   /// To have no bound is to be not provided.

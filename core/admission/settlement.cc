@@ -197,6 +197,23 @@ class State::Settlement {
     }
     for (auto& [network, links] : s_.new_graphs_) collect_mesh(network, std::move(links));
     s_.new_graphs_.clear();
+    for (const auto& [gateway, failed] : s_.new_failed_) collect_ways_over(gateway);
+  }
+
+  /// Channels that have a way over the gateway and another one.
+  void collect_ways_over(std::size_t gateway) {
+    const Place place{Place::Kind::gateway, gateway};
+    for (std::size_t c = 0; c < s_.decisions_.size(); ++c) {
+      Progress::step();
+      if (std::ranges::any_of(s_.decisions_[c].verdicts, [&](const Verdict& v) {
+            const auto& routes =
+                s_.topology_.routes(s_.members_.publisher(v.publisher).place, v.to);
+            return routes.size() > 1 && std::ranges::any_of(routes, [&](const Route& route) {
+                     return std::ranges::find(route, place) != route.end();
+                   });
+          }))
+        s_.touched_.insert(c);
+    }
   }
 
   /// Where load of an unadmitted sender is observed, the background depends on which channels are
@@ -277,6 +294,8 @@ class State::Settlement {
       Progress::made();
     }
     s_.new_conditions_.clear();
+    for (const auto& [gateway, failed] : s_.new_failed_) s_.world_.failed[gateway] = failed;
+    s_.new_failed_.clear();
     for (auto& [network, view, same_domains] : views_) {
       if (!same_domains) s_.ledger_.set_domains(network, view ? view->domains().count() : 0);
       s_.world_.meshes[network] = std::move(view);
@@ -333,7 +352,8 @@ class State::Settlement {
 };
 
 std::vector<Change> State::settle() {
-  if (new_conditions_.empty() && new_graphs_.empty() && touched_.empty() && relieved_.empty())
+  if (new_conditions_.empty() && new_graphs_.empty() && new_failed_.empty() && touched_.empty() &&
+      relieved_.empty())
     return {};
   return Settlement(*this).run();
 }

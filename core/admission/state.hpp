@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/admission/admission.hpp"
+#include "core/admission/onward.hpp"
 #include "core/admission/unlisted.hpp"
 #include "core/admission/usage.hpp"
 #include "core/admission/world.hpp"
@@ -52,6 +53,8 @@ class Proposal {
   [[nodiscard]] std::vector<const Verdict*> verdicts() const;
   /// What the gates of a gateway would have to change.
   [[nodiscard]] GateChanges changes(std::size_t gateway) const;
+  /// All of the channel, as it would be decided with the newcomer.
+  [[nodiscard]] const Decision& decision() const { return next_; }
   /// See core::exceeds_capacity(), with the newcomer.
   [[nodiscard]] std::optional<std::string> exceeds_capacity(std::size_t gateway) const;
 
@@ -128,6 +131,11 @@ class State {
   void set_graph(std::size_t network, std::optional<mesh::Graph> graph,
                  std::vector<std::string> addresses = {});
   void set_withdrawn(std::size_t channel, bool withdrawn);
+  /// See World::failed.
+  void set_failed(std::size_t gateway, bool failed) {
+    new_failed_.erase(gateway);
+    if (failed != world_.failed[gateway]) new_failed_.emplace(gateway, failed);
+  }
   /// The tag that the broker has dealt to a channel of which nothing is granted on the network now;
   /// 0: none that is known. Its binding there is dynamic.
   void set_tag(std::size_t network, std::size_t channel, std::uint32_t tag);
@@ -180,6 +188,11 @@ class State {
   [[nodiscard]] GateChanges gate_changes(const std::vector<Change>& changes, std::size_t gateway,
                                          const FormerRules& left = {}) const;
 
+  /// What the gateway subscribes of a channel on its networks, for subscribers that were admitted
+  /// at run time and are granted: to the network that the events come from, where that accepts
+  /// subscriptions.
+  [[nodiscard]] std::vector<OnwardSubscription> onward(std::size_t gateway, std::size_t channel);
+
   [[nodiscard]] std::optional<std::size_t> find_channel(const std::string& name_or_subject) const;
   [[nodiscard]] std::optional<std::size_t> channel_of(Subject subject) const;
   [[nodiscard]] std::optional<Place> find_place(const std::string& name) const;
@@ -190,6 +203,8 @@ class State {
   [[nodiscard]] Situation situation() const {
     return {system_, topology_, members_, world_, withdrawn_};
   }
+  /// What each hop of a granted delivery gives now. Leaves the ledger as it was.
+  [[nodiscard]] std::vector<Hop> hops_of_granted(const Verdict& verdict);
   [[nodiscard]] Decision known(std::size_t channel, const Grants& grants) const;
   bool keep_after_restart(std::size_t channel, const Decision& old);
   void note_age(std::size_t channel);
@@ -221,6 +236,7 @@ class State {
     std::vector<std::string> addresses;
   };
   std::map<std::size_t, NewGraph> new_graphs_;
+  std::map<std::size_t, bool> new_failed_;  // by gateway
   std::unordered_map<std::string, std::size_t> channel_of_name_;
   std::unordered_map<Subject, std::size_t> channel_of_subject_;
   std::unordered_map<std::string, Place> place_of_name_;

@@ -96,15 +96,19 @@ class MeshView {
   mutable std::unordered_map<std::uint32_t, std::vector<bool>> unrated_;  ///< reached from a node
 };
 
-/// One entry for each network.
+/// One entry for each network, and for each gateway.
 struct World {
   World() = default;
   explicit World(const System& system)
-      : conditions(system.networks.size()), meshes(system.networks.size()) {}
+      : conditions(system.networks.size()),
+        meshes(system.networks.size()),
+        failed(system.gateways.size(), false) {}
 
   std::vector<Condition> conditions;
   /// Empty where the network is no mesh that is evaluated, or nothing is known of it.
   std::vector<std::shared_ptr<const MeshView>> meshes;
+  /// By gateway: one that announces itself and is not there, so that others take its place.
+  std::vector<bool> failed;
 };
 
 /// Everything as described: meshes have the described links.

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/can/level.hpp"
+#include "core/can/sender.hpp"
 #include "core/can/shared_queue.hpp"
 
 namespace mlcca::core::can {
@@ -34,6 +35,7 @@ class Analysis {
   std::vector<Response> run() &&;
 
  private:
+  void make_senders();
   void make_queues(const Assumptions& assumptions);
   [[nodiscard]] std::size_t end_of(std::uint32_t priority) const;
   [[nodiscard]] Time blocking(std::uint32_t priority) const;
@@ -55,6 +57,8 @@ class Analysis {
   std::vector<Time> longest_to_;  ///< longest frame of the messages before here
   Streams streams_;
   std::vector<SharedQueue> queues_;
+  /// Of messages with pauses and a queue of their own: all of the same sender.
+  std::vector<std::vector<std::size_t>> same_sender_;
   std::vector<bool> stale_;  ///< messages with queues of their own
   std::vector<bool> queue_stale_;
   /// Messages that are blocked before each frame, where nothing but the messages is on the bus.
@@ -74,8 +78,10 @@ Analysis::Analysis(const Assumptions& assumptions, std::vector<Message> sorted,
                .responses = responses_,
                .bands = bands_,
                .interference = Interference(bit_time(assumptions.timing))},
+      same_sender_(messages_.size()),
       stale_(messages_.size(), true),
       unbounded_(messages_.size()) {
+  make_senders();
   for (std::size_t i = 0; i < messages_.size(); ++i) {
     Message& m = messages_[i];
     if (m.jitter > kLongestTime) {
@@ -89,12 +95,32 @@ Analysis::Analysis(const Assumptions& assumptions, std::vector<Message> sorted,
         is_coupled(m) && responses_[i] != kNever ? responses_[i] - m.last_frame : m.jitter;
     streams_.interference.insert(i, m, offered);
     longest_to_[i + 1] = std::max(longest_to_[i], m.longest_frame);
-    ends_.push_back(end_of(lowest_of(m)));
-    blocking_.push_back(blocking(lowest_of(m)));
+    std::uint32_t lowest = lowest_of(m);
+    for (const std::size_t k : same_sender_[i]) lowest = std::max(lowest, lowest_of(messages_[k]));
+    ends_.push_back(end_of(lowest));
+    blocking_.push_back(blocking(lowest));
     if (one_at_a_time(m) && overhead_.none() && !assumptions.unknown_senders)
       blocked_per_frame_.push_back(i);
   }
   make_queues(assumptions);
+}
+
+/// What a gateway pauses is over before its frames wait: it is jitter of the queue.
+void Analysis::make_senders() {
+  std::vector<Time> late(messages_.size(), 0);
+  for (std::size_t i = 0; i < messages_.size(); ++i) {
+    const Message& m = messages_[i];
+    if (m.sender == kNoSender && m.pauses == 0) continue;
+    if (shares_address(messages_, i)) late[i] = kNever;
+    if (m.pauses == 0 || late[i] == kNever) continue;
+    auto members = of_same_sender(messages_, i);
+    if (m.queue == kOwnQueue)
+      same_sender_[i] = std::move(members);
+    else
+      late[i] = pausing_time(messages_, members).value_or(kNever);
+  }
+  for (std::size_t i = 0; i < messages_.size(); ++i)
+    messages_[i].jitter = late[i] == kNever ? kNever : messages_[i].jitter + late[i];
 }
 
 void Analysis::make_queues(const Assumptions& assumptions) {
@@ -167,8 +193,15 @@ void Analysis::update_alone(std::size_t i) {
                     .longest = longest_to_[ends_[i]],
                     .blockers = blockers ? &*blockers : nullptr};
   LevelResponse found;
-  if (!depends_on_unbounded(ends_[i]))
+  if (depends_on_unbounded(ends_[i])) {
+    // Not bounded.
+  } else if (messages_[i].pauses > 0) {
+    const auto busy =
+        busy_time(streams_.interference, overhead_, messages_, same_sender_[i], level);
+    if (busy) found = {.bounded = true, .response = messages_[i].jitter + *busy, .first = 0};
+  } else {
     found = level_response(streams_.interference, overhead_, messages_[i], level, first_start_[i]);
+  }
   first_start_[i] = found.first;
   raise(i, found.bounded && found.response <= kLongestTime ? found.response : kNever);
 }
@@ -220,7 +253,14 @@ std::uint32_t Analysis::most_queued(const SharedQueue& queue) const {
     if (responses_[i] == kNever) return most;
     const Message& m = messages_[i];
     const Time period = std::min(m.period, kLongestTime);
-    frames += (responses_[i] + period - 1) / period * m.frames;
+    std::uint64_t most_there = (responses_[i] + period - 1) / period * m.frames;
+    if (m.least_pause > 0) {
+      // Frames come apart: those that have come since the first of them. What another bus has
+      // delayed may come nearer, by no more than its jitter.
+      const Time nearer = m.pauses > 0 ? 0 : m.jitter;
+      most_there = std::min(most_there, 1 + (responses_[i] - m.jitter + nearer) / m.least_pause);
+    }
+    frames += most_there;
   }
   return static_cast<std::uint32_t>(std::min(frames, most));
 }
@@ -248,7 +288,7 @@ std::vector<Response> Analysis::run() && {
 std::vector<unsigned> bands_of(const Assumptions& assumptions, std::span<const Message> messages) {
   std::vector<unsigned> bands(messages.size(), 0);
   struct Last {
-    std::uint32_t priority = 0;
+    std::uint32_t lowest = 0;  ///< of the frames in the band
     bool any = false;
     unsigned band = 0;
   };
@@ -259,10 +299,10 @@ std::vector<unsigned> bands_of(const Assumptions& assumptions, std::span<const M
     const Queue& queue = assumptions.queues[m.queue];
     if (queue.queueing != Queueing::priority) continue;
     Last& l = last[m.queue];
-    if (l.any && l.priority != m.priority)
+    if (l.any && l.lowest < m.priority)
       l.band = std::min(l.band + 1, std::max(queue.bands, 1U) - 1);
     l.any = true;
-    l.priority = m.priority;
+    l.lowest = std::max(l.lowest, lowest_of(m));
     bands[i] = l.band;
   }
   return bands;

@@ -56,6 +56,7 @@ struct Response {
 
 /// The band of each message in the priority queue that it shares, 0 first; 0 for others. The
 /// priorities of a queue have a band each while there are enough; all others share the last one.
+/// Messages whose priorities overlap (Message::lowest_priority) share a band.
 [[nodiscard]] std::vector<unsigned> bands_of(const Assumptions& assumptions,
                                              std::span<const Message> messages);
 

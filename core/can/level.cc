@@ -31,7 +31,7 @@ Unusable unusable(const Assumptions& assumptions, const Message& m) {
   if (m.period <= 1) return Unusable::period;
   if (m.frames < 1 || m.frames > most_frames) return Unusable::frames;
   if (m.last_frame < bit || m.last_frame > m.longest_frame || m.longest_frame > m.transmission ||
-      m.transmission > kLongestTime)
+      m.transmission > kLongestTime || m.pauses > kLongestTime)
     return Unusable::transmission;
   if (m.queue != kOwnQueue && m.queue >= assumptions.queues.size()) return Unusable::queue;
   if (m.jitter > kLongestTime) return Unusable::jitter;

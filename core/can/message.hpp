@@ -11,6 +11,8 @@ namespace mlcca::core::can {
 
 /// Message::queue of a node that always offers its highest-priority message first.
 inline constexpr std::uint32_t kOwnQueue = 0xffffffff;
+/// Message::sender of a message that waits for no other one of its sender.
+inline constexpr std::uint32_t kNoSender = 0xffffffff;
 
 /// A stream of events, each of one frame or several. Times of more than kLongestTime are not
 /// analysed: a response is not bounded then, a longer period counts as that one.
@@ -34,6 +36,14 @@ struct Message {
   Time deadline = 0;       ///< from the nominal release; may exceed the period
   Time jitter = 0;         ///< from the nominal release to when all frames of an event are queued
   std::uint32_t queue = kOwnQueue;  ///< index into Assumptions::queues: frames wait in that queue
+  /// Of an event of several frames: the sender offers the next frame no sooner than `least_pause`
+  /// after the one before, and all its pauses together are at most `pauses`.
+  Time least_pause = 0;
+  Time pauses = 0;
+  /// Events of messages with one sender come one after the other, in any order: the first frame of
+  /// one is offered when the last frame of the one before was sent. The low 8 bits are the address
+  /// that their frames have: nobody else may send with it.
+  std::uint32_t sender = kNoSender;
 
   bool operator==(const Message&) const = default;
 };

@@ -27,16 +27,34 @@ Range times_of(const Timing& timing, const Binding& binding, unsigned bytes) {
   return {std::min(classic, fd), std::max(classic, fd)};
 }
 
+/// First and last identifier of the frames.
+Identifier range_of(const FrameIdentity& identity, const Binding& binding) {
+  const std::uint32_t whole = binding.extended ? kExtendedBits : kStandardBits;
+  const std::uint32_t first = identity.id & whole;
+  return {.id = first, .last = first | (whole & ~identity.mask), .extended = binding.extended};
+}
+
+/// Events that fit a frame have the identifier of the event, others those of what carries them.
+void transport_in(const Fragmentation& transport, const Publisher& publisher,
+                  const Network& network, const Binding& binding, Message& m) {
+  const auto event = identity_of(publisher, network, binding, true);
+  for (const FrameIdentity& carrier : transport.carriers(*event)) {
+    const Identifier range = range_of(carrier, binding);
+    m.lowest_priority =
+        std::max({m.lowest_priority, m.priority, arbitration(range.last, range.extended)});
+    m.priority = std::min(m.priority, arbitration(range.id, range.extended));
+  }
+  m.least_pause = transport.least_pause;
+  m.sender = *publisher.node;
+}
+
 }  // namespace
 
 std::optional<Identifier> identifier_of(const Publisher& publisher, const Network& network,
                                         const Binding& binding, bool fragmented) {
   const auto identity = identity_of(publisher, network, binding, fragmented);
   if (!identity) return std::nullopt;
-  const std::uint32_t whole = binding.extended ? kExtendedBits : kStandardBits;
-  const std::uint32_t first = identity->id & whole;
-  return Identifier{
-      .id = first, .last = first | (whole & ~identity->mask), .extended = binding.extended};
+  return range_of(*identity, binding);
 }
 
 std::optional<Message> message_of(const System& system, const Publisher& publisher, std::size_t set,
@@ -56,11 +74,14 @@ std::optional<Message> message_of(const System& system, const Publisher& publish
   m.priority = arbitration(identifier->id, identifier->extended);
   if (identifier->last != identifier->id)
     m.lowest_priority = arbitration(identifier->last, identifier->extended);
+  if (const auto* transport = transport_of(medium, binding, bytes))
+    transport_in(*transport, publisher, medium, *binding, m);
+  m.pauses = pauses_of(medium, binding, bytes);
   m.longest_frame = times_of(timing, *binding, frame_bytes(medium, *binding, bytes)).longest;
   m.last_frame = m.longest_frame;
   m.transmission = m.longest_frame * m.frames;
   if (m.frames > 1) {
-    const Fragmentation& several = *traits_of(medium.profile).fragmentation;
+    const Fragmentation& several = *fragmentation_of(medium, *binding);
     const unsigned rest = several.last_frame(bytes, m.frames, most);
     const Range last = times_of(timing, *binding, std::max(rest, 1U));
     m.last_frame = last.shortest;

@@ -18,7 +18,8 @@ namespace mlcca::core::can {
 /// The identifier is what core/profiles/profile.hpp says; where the description leaves a part of it
 /// open, the message disturbs others with the first and suffers with the last of them. Where the
 /// size is not stated, an event counts as one longest frame of its binding; a longer event is
-/// fragmented as core/model/medium.hpp says.
+/// fragmented as core/model/medium.hpp says. Where fragments have identifiers of their own, the
+/// message has the pauses between them and is its node's, one event at a time.
 [[nodiscard]] std::optional<Message> message_of(const System& system, const Publisher& publisher,
                                                 std::size_t set, std::size_t network,
                                                 const Timing& timing);

@@ -34,6 +34,20 @@ bool is_in_vain(const Verdict& v, std::size_t network) {
   });
 }
 
+/// What the check found the message itself to take, its jitter included.
+std::optional<Value> refused_response(const Verdict& v, std::size_t network,
+                                      const can::Message& message) {
+  const auto row = std::ranges::find_if(v.rows, [&](const Row& one) {
+    return one.against == Against::schedule && one.end == v.publisher &&
+           one.place == Place{Place::Kind::network, network} &&
+           one.comparison.attribute == Attribute::deadline;
+  });
+  if (row == v.rows.end()) return std::nullopt;
+  const Comparison& c = row->comparison;
+  if (c.provided == kUnbounded) return can::kNever;
+  return c.required == 0 ? add_saturating(c.provided, message.jitter) : c.provided;
+}
+
 bool is_bus(const Ledger& ledger, Place place) {
   return place.kind == Place::Kind::network && ledger.schedule(place.index) != nullptr;
 }
@@ -83,6 +97,7 @@ void BusMessages::add(const Situation& situation, const Ledger& ledger, const Ve
                          .granted = true,
                          .granted_response = std::nullopt,
                          .granted_jitter = 0,
+                         .refused_response = std::nullopt,
                          .in_vain = false,
                          .unknown = unknown_before(v, i),
                          .before = bus_before(situation.system, ledger, v, i)});
@@ -99,6 +114,7 @@ void BusMessages::put(BusMessage next) {
   BusMessage& there = messages_[at->second];
   there.granted = there.granted && next.granted;
   there.in_vain = there.in_vain || next.in_vain;
+  if (next.refused_response) there.refused_response = next.refused_response;
   for (const Place place : next.unknown)
     if (std::ranges::find(there.unknown, place) == there.unknown.end())
       there.unknown.push_back(place);
@@ -141,6 +157,8 @@ void BusMessages::add_refused(const Situation& situation, Ledger& ledger, Verdic
          .granted = false,
          .granted_response = std::nullopt,
          .granted_jitter = 0,
+         .refused_response =
+             t.message ? refused_response(v, places[t.hop].index, *t.message) : std::nullopt,
          .in_vain = is_in_vain(v, places[t.hop].index),
          .unknown = unknown_before(again, t.hop),
          .before = bus_before(situation.system, ledger, again, t.hop)});

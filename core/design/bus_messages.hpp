@@ -30,6 +30,9 @@ struct BusMessage {
   /// bounded, and the jitter with it.
   std::optional<Value> granted_response;
   Value granted_jitter = 0;
+  /// Where a check refuses it because it would be late itself: the response time that the check
+  /// found, with what was granted before it; kNever if not bounded.
+  std::optional<Value> refused_response;
   bool in_vain = false;  ///< refused because something would be late or lost on this bus
   /// Hops before the bus of which nobody knows how long they delay events: they count as none.
   std::vector<Place> unknown;

@@ -8,6 +8,7 @@
 #include "core/can/level.hpp"
 #include "core/can/of_system.hpp"
 #include "core/can/schedule.hpp"
+#include "core/design/finding_of.hpp"
 #include "core/gates/relay_gate.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/model/text.hpp"
@@ -18,44 +19,6 @@
 
 namespace mlcca::core {
 namespace {
-
-FindingId id_of(Obstacle obstacle) {
-  switch (obstacle) {
-    case Obstacle::unbound:
-      return FindingId::unbound;
-    case Obstacle::no_node:
-      return FindingId::no_node;
-    case Obstacle::too_long:
-      return FindingId::too_long;
-    case Obstacle::no_data_rate:
-      return FindingId::no_data_rate;
-    case Obstacle::no_traffic:
-    case Obstacle::no_period:
-      return FindingId::no_traffic;
-    default:
-      return FindingId::no_route;
-  }
-}
-
-FindingId id_of(Against against) {
-  switch (against) {
-    case Against::hop:
-      return FindingId::hop_unfit;
-    case Against::end_to_end:
-      return FindingId::route_unfit;
-    case Against::traffic:
-      return FindingId::traffic_mismatch;
-    case Against::overhearing:
-      return FindingId::overhearing_unfit;
-    case Against::capacity:
-      return FindingId::capacity;
-    case Against::schedule:
-      return FindingId::deadline_missed;
-    case Against::medium_time:
-      return FindingId::medium_time;
-  }
-  return FindingId::rule;
-}
 
 /// What a medium has left depends on everybody, not on one pair of ends.
 bool is_about_medium(const Row& row) {
@@ -142,6 +105,16 @@ bool is_too_much_jitter(const can::Schedule& bus, can::Message message, Value ji
          (message.period != 0 && jitter / message.period >= can::kMaxInstances);
 }
 
+/// The late publisher, or the new one, of whose frames on the bus the tag is not known.
+const Publisher* untagged_of(const Situation& s, const Verdict& v, const Row& row) {
+  for (const std::size_t number : {std::size_t{row.end}, v.publisher}) {
+    const Publisher& p = s.members.publisher(number);
+    const Binding* const binding = s.system.networks[row.place.index].binding_of(p.channel);
+    if (binding != nullptr && binding->waits_for_tag()) return &p;
+  }
+  return nullptr;
+}
+
 /// What would help a message that comes too late: a better identifier only where others are in its
 /// way, and the bus has time for all of them.
 std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdict& v,
@@ -157,7 +130,8 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
       (newcomer ? mul_div_up(newcomer->transmission, mesh::kWhole, newcomer->period) : 0);
   if (all > mesh::kWhole) {
     const std::uint64_t tenths = all / (mesh::kWhole / 1000);
-    return "send less often, or use a faster bus: its frames would take " +
+    return "send less often, or use a faster bus: what is granted there and these frames would "
+           "take " +
            std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " % of the time";
   }
   const auto own = row.end == v.publisher ? newcomer : message_of(row.end, v.set);
@@ -174,7 +148,16 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
            " more time, let it send smaller events, or use a faster bus: its frames "
            "alone take " +
            format_value(Attribute::latency, own->transmission);
-  const auto goes_before = [&](const can::Message& m) { return m.priority < own->priority; };
+  if (const Publisher* const untagged = untagged_of(s, v, row))
+    return "state the ETag of channel " + s.system.channels[untagged->channel].name + " on " +
+           name_of(s.system, row.place) +
+           " in place of dynamic: as long as it is not known, it counts as the first one for "
+           "others and as the last one for " +
+           untagged->name;
+  // Of several identifiers the last one decides how long it waits.
+  const auto goes_before = [&](const can::Message& m) {
+    return m.priority < std::max(own->priority, own->lowest_priority);
+  };
   if (own && std::ranges::none_of(bus.messages(), goes_before) &&
       !(newcomer && goes_before(*newcomer)))
     return "allow " + late +
@@ -209,8 +192,10 @@ void Explainer::add(const Verdict& v) {
     add_run_time(v);
     return;
   }
-  if (v.obstacle != Obstacle::none) add_obstacle(v);
-  if (v.obstacle != Obstacle::none && id_of(v.obstacle) != FindingId::no_traffic) return;
+  // Of two senders of one identifier both are named: see Inspection.
+  const bool obstructed = v.obstacle != Obstacle::none && v.obstacle != Obstacle::sender_twice;
+  if (obstructed) add_obstacle(v);
+  if (obstructed && id_of(v.obstacle) != FindingId::no_traffic) return;
   for (const std::size_t subscriber : v.subscribers) add_pair(v, subscriber);
   for (const Row& row : v.rows) {
     if (!is_unfit(row) || has_tighter(v, row)) continue;
@@ -278,6 +263,11 @@ void Explainer::add_obstacle(const Verdict& v) {
       break;
     case Obstacle::no_sender:
       f.hint = "add sender=\"USER\" to the Port that the events leave by";
+      if (s_.system.gateways[v.obstacle_at.index].forwarder != Forwarder::relay)
+        f.hint += ", or forward=\"relay\" to the Gateway: then mlcca-relay carries them";
+      break;
+    case Obstacle::renamed:
+      f.hint = "let both Bindings have one PGN, one priority and classic frames";
       break;
     case Obstacle::untagged:
     case Obstacle::contradicted:
@@ -434,6 +424,7 @@ void Explainer::add_medium(const Verdict& v, const Row& row) {
   const std::string& publisher = s_.members.publisher(v.publisher).name;
   f.place = row.place;
   f.has_place = true;
+  if (queue) f.frames_of = static_cast<std::uint32_t>(row.end);
   f.attribute = info(c.attribute).name;
   f.required =
       queue ? std::to_string(row.reserved) + " frames" : format_value(c.attribute, c.required);
@@ -448,8 +439,12 @@ void Explainer::add_medium(const Verdict& v, const Row& row) {
       f.hint = late_hint(s_, *ledger_.schedule(row.place.index), v, row);
     return;
   }
+  // On the mesh itself several stations may want the events, each over other links.
+  std::string towards;
+  for (const std::size_t s : v.subscribers)
+    towards += (towards.empty() ? "" : ", ") + s_.members.subscriber(s).name;
   f.text = publisher + " needs " + f.required + " on " + name_of(s_.system, row.place) +
-           ", whose links have time for " + f.provided;
+           ", whose links towards " + towards + " have time for " + f.provided;
   f.hint = "send less, or state a lower attribute set";
 }
 

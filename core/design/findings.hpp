@@ -47,6 +47,8 @@ struct Finding {
   std::uint32_t channel = kNone;
   std::uint32_t publisher = kNone;
   std::uint32_t subscriber = kNone;
+  std::uint32_t frames_of =
+      kNone;    ///< a queue that is too short: the publisher whose frames it has
   Place place;  ///< hop, network or gateway; meaningful with has_place
   bool has_place = false;
   std::string attribute;  ///< name of the attribute that failed, or empty

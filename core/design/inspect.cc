@@ -12,7 +12,9 @@
 #include <utility>
 
 #include "core/admission/allocation.hpp"
+#include "core/admission/senders.hpp"
 #include "core/admission/world.hpp"
+#include "core/can/analysis.hpp"
 #include "core/can/of_system.hpp"
 #include "core/design/explain.hpp"
 #include "core/design/sense.hpp"
@@ -63,10 +65,11 @@ class Inspector {
     report(situation);
     if (buses_ != nullptr) report_buses(situation);
     for (std::size_t n = 0; n < s_.networks.size(); ++n)
-      out_.networks.push_back({ledger_.reserved(n)});
+      out_.networks.push_back({ledger_.reserved(n), time_of(n)});
     std::ranges::stable_sort(out_.findings, {}, [](const Finding& f) {
       return std::tuple(f.origin.file, f.origin.line, f.id);
     });
+    remove_repeated(out_.findings);
     return std::move(out_);
   }
 
@@ -88,6 +91,14 @@ class Inspector {
     Decision decision;
     std::vector<Finding> errors;
   };
+
+  /// Ends of one place are one thing to a reader, who sees texts.
+  static void remove_repeated(std::vector<Finding>& findings) {
+    std::set<std::tuple<std::uint32_t, int, FindingId, std::string>> said;
+    std::erase_if(findings, [&](const Finding& f) {
+      return !said.emplace(f.origin.file, f.origin.line, f.id, f.text).second;
+    });
+  }
 
   static std::vector<Finding> errors_of(std::span<const Finding> findings) {
     std::vector<Finding> out;
@@ -231,38 +242,48 @@ class Inspector {
     return can::timing_of(network).bitrate != 0 ? &network.name : nullptr;
   }
 
-  /// Devices that put frames on a bus: gateways by number, publishers there from kOwn on.
-  static constexpr std::size_t kOwn = std::size_t{1} << 32U;
+  /// What is granted takes of a medium that is analysed; nothing: it is not.
+  [[nodiscard]] std::optional<std::uint64_t> time_of(std::size_t network) const {
+    if (const can::Schedule* bus = ledger_.schedule(network)) return bus->utilisation_ppm();
+    const auto& mesh = world_.meshes[network];
+    if (!mesh) return std::nullopt;
+    Value fullest = 0;
+    for (std::size_t d = 0; d < mesh->domains().count(); ++d)
+      fullest = std::max(fullest, ledger_.medium_time(network, d));
+    return fullest / (mesh::kFullTime / mesh::kWhole);
+  }
 
-  /// Frames with one identifier have one sender on a CAN bus: two that start at once destroy each
-  /// other. Publishers on the bus itself are told apart by the rules of the description.
+  /// Says of each bus that a second sender of one identifier would be there, and who both are.
   void check_senders(std::size_t c, const std::vector<Verdict>& verdicts) {
-    std::map<std::pair<std::size_t, unsigned>, std::size_t> device_of;
+    Senders senders(s_, members_);
     std::set<std::size_t> said;
-    for (const Verdict& v : verdicts) {
-      if (v.outcome == Outcome::unfit) continue;
-      for (std::size_t i = 0; i < v.route.size(); ++i) {
-        const Place hop = v.route[i];
-        if (hop.kind != Place::Kind::network || s_.networks[hop.index].kind != NetworkKind::can)
-          continue;
-        const Publisher& p = members_.publisher(v.publisher);
-        const bool named = has_nodes(s_.networks[hop.index].profile);
-        const std::size_t device = i == 0 ? kOwn + v.publisher : v.route[i - 1].index;
-        const auto [it, fresh] =
-            device_of.try_emplace({hop.index, named ? p.node.value_or(0) : 0U}, device);
-        const bool both_own = it->second >= kOwn && device >= kOwn;
-        if (fresh || it->second == device || both_own || !said.insert(hop.index).second) continue;
-        add(FindingId::sender_twice, p.origin,
-            "events of channel " + s_.channels[c].name + " reach " + s_.networks[hop.index].name +
-                " over " + sender_words(it->second) + " and over " + sender_words(device) +
-                ": two senders of one identifier",
-            "declare routes over one gateway, or give each publisher a node of its own (where the "
-            "profile has nodes)",
-            c, static_cast<std::uint32_t>(v.publisher));
-        out_.findings.back().place = hop;
-        out_.findings.back().has_place = true;
-        out_.channels[c].outcome = Outcome::unfit;
-      }
+    std::vector<const Verdict*> granted_first;
+    granted_first.reserve(verdicts.size());
+    for (const Verdict& v : verdicts) granted_first.push_back(&v);
+    std::ranges::stable_partition(granted_first,
+                                  [](const Verdict* v) { return v->outcome != Outcome::unfit; });
+    for (const Verdict* const v : granted_first) {
+      const auto conflict = senders.conflict(v->publisher, v->route);
+      senders.add(v->publisher, v->route);
+      if (!conflict) continue;
+      // Whoever repairs what is refused must not find the next mistake only then. But its way may
+      // be another one then.
+      const bool one_own = conflict->first >= kOwn || conflict->other >= kOwn;
+      const bool certain =
+          v->outcome != Outcome::unfit || v->obstacle == Obstacle::sender_twice || one_own;
+      if (!certain || !said.insert(conflict->bus.index).second) continue;
+      const Publisher& p = members_.publisher(v->publisher);
+      add(FindingId::sender_twice, p.origin,
+          "events of channel " + s_.channels[c].name + " reach " +
+              s_.networks[conflict->bus.index].name + " over " +
+              sender_words(p.origin, conflict->first) + " and over " +
+              sender_words(p.origin, conflict->other) + ": two senders of one identifier",
+          "declare routes over one gateway, or give each publisher a node of its own (where the "
+          "profile has nodes)",
+          c, static_cast<std::uint32_t>(v->publisher));
+      out_.findings.back().place = conflict->bus;
+      out_.findings.back().has_place = true;
+      out_.channels[c].outcome = Outcome::unfit;
     }
   }
 
@@ -282,7 +303,8 @@ class Inspector {
           "publishers " + members_.publisher(first->second).name + " and " + p.name +
               " of channel " + s_.channels[c].name + " look alike to the gates on network " +
               s_.networks[p.place.index].name +
-              ": what one sends too much is taken from what the other may send",
+              ": what one sends too much is taken from what the other may send, and the silence of "
+              "one is not reported while the other sends",
           p.station.is_wildcard()
               ? "state the address that each of them sends from (address=\"192.0.2.7\")"
               : "give each of them an address of its own",
@@ -301,9 +323,18 @@ class Inspector {
     }
   }
 
-  [[nodiscard]] std::string sender_words(std::size_t device) const {
-    if (device >= kOwn) return "publisher " + members_.publisher(device - kOwn).name;
-    return "gateway " + s_.gateways[device].name;
+  /// "publisher pb (line 6)", as of a finding at `here`.
+  [[nodiscard]] std::string sender_words(Origin here, Device device) const {
+    const bool own = device >= kOwn;
+    const Origin there =
+        own ? members_.publisher(device - kOwn).origin : s_.gateways[device].origin;
+    std::string words = own ? "publisher " + members_.publisher(device - kOwn).name
+                            : "gateway " + s_.gateways[device].name;
+    if (there.line <= 0) return words;
+    words += " (line " + std::to_string(there.line);
+    if (there.file != here.file && there.file < s_.files.size())
+      words += " of " + s_.files[there.file];
+    return words + ")";
   }
 
   /// A gate drops what it does not know, after a crash too: a danger for what must arrive.
@@ -338,11 +369,67 @@ class Inspector {
   Inspection out_;
 };
 
+/// How long the queues of gateways must be, with all messages of a bus.
+class QueueLengths {
+ public:
+  QueueLengths(const InspectedBuses& buses, std::size_t network) {
+    const auto& assumptions = buses.assumptions[network];
+    if (!assumptions) return;
+    std::vector<can::Message> messages;
+    for (const BusMessage& m : buses.messages) {
+      if (m.network != network || !m.message) continue;
+      messages.push_back(*m.message);
+      messages.back().key = messages.size();
+      if (m.message->queue != can::kOwnQueue) queue_of_[m.publisher] = m.message->queue;
+    }
+    const auto responses = can::analyse(*assumptions, messages);
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      std::uint32_t& longest = longest_[messages[i].queue];
+      longest = std::max(longest, responses[i].bounded ? responses[i].queued_frames : kNone);
+    }
+  }
+  /// Of the queue that the frames of the publisher wait in; nothing: there is no bound, or no
+  /// queue.
+  [[nodiscard]] std::optional<std::uint32_t> of(std::size_t publisher) const {
+    const auto queue = queue_of_.find(publisher);
+    if (queue == queue_of_.end() || longest_.at(queue->second) == kNone) return std::nullopt;
+    return longest_.at(queue->second);
+  }
+
+ private:
+  std::map<std::size_t, std::uint32_t> queue_of_;
+  std::map<std::uint32_t, std::uint32_t> longest_;  ///< by queue
+};
+
+/// What is decided one after the other says how long a queue must be for those before. The hints
+/// say how long it must be for all.
+void state_queue_lengths(const System& system, Inspection& inspection,
+                         const InspectedBuses& buses) {
+  std::map<std::size_t, QueueLengths> lengths;  // by network
+  for (Finding& f : inspection.findings) {
+    if (f.id != FindingId::queue_too_short || f.frames_of == kNone) continue;
+    const QueueLengths& of_bus =
+        lengths.try_emplace(f.place.index, buses, f.place.index).first->second;
+    if (const auto longest = of_bus.of(f.frames_of))
+      f.hint = "send less often, or give the port of the gateway queue-length=\"" +
+               std::to_string(*longest) +
+               "\": so many frames wait there at most if all messages of " +
+               system.networks[f.place.index].name + " are sent";
+  }
+}
+
 }  // namespace
 
 Inspection inspect(const System& system, const InspectProgress& progress, const EachDecided& each,
                    InspectedBuses* buses) {
-  return Inspector(system, progress, each, buses).run();
+  Inspection inspection = Inspector(system, progress, each, buses).run();
+  if (std::ranges::none_of(inspection.findings,
+                           [](const Finding& f) { return f.id == FindingId::queue_too_short; }))
+    return inspection;
+  InspectedBuses own;
+  if (buses == nullptr) static_cast<void>(Inspector(system, {}, {}, &own).run());
+  state_queue_lengths(system, inspection, buses == nullptr ? own : *buses);
+  return inspection;
 }
 
 }  // namespace mlcca::core

@@ -26,6 +26,8 @@ struct ChannelResult {
 /// What all fit channels together need of a network.
 struct NetworkLoad {
   Value reserved = 0;  ///< payload bytes/s
+  /// 1e-6 of the time of a bus, or of the fullest domain of a mesh, where that is computed.
+  std::optional<std::uint64_t> time_ppm{};
 };
 
 /// What is on the analysed buses.

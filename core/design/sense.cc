@@ -45,8 +45,11 @@ class Sense {
                  add(FindingId::unstarted_sender, port.origin,
                      where + " leaves events to the program of its sender, which mlccad does not "
                              "start: without it they are granted, and none arrives",
-                     "let systemd start that program (a unit with User=), or remove sender: then "
-                     "mlcca-relay carries them"));
+                     std::string("let systemd start that program (a unit with User=), or ") +
+                         (gateway.forwarder == Forwarder::relay
+                              ? "remove sender: then mlcca-relay carries them"
+                              : "state forward=\"relay\" in place of sender: then mlcca-relay "
+                                "carries them")));
   }
 
  private:

@@ -80,9 +80,11 @@ class ControlRules {
   }
   /// Where datagrams carry the subject.
   void add_datagrams(std::size_t port, const ControlKind& kind, const ControlState& state,
-                     const Port& at) {
+                     const Port& at, const Network& network) {
     const std::size_t first = rules_.size();
-    add(port, kind.frames.front(), kind, state, at);
+    ControlFrames frames = kind.frames.front();
+    if (network.subscriptions.accept != Subscribing::nobody) frames.max_length = kSubscriptionBytes;
+    add(port, frames, kind, state, at);
     for (std::size_t i = first; i < rules_.size(); ++i) {
       GateEntry& entry = rules_[i].entry;
       entry.id = entry.mask = 0;
@@ -136,6 +138,7 @@ void add_can_frames(ControlRules& rules, std::size_t p, const Port& port, const 
   const ControlState state = control_at(network, port, kind);
   if (known.is_tagged && !has_own_tag(network)) return;
   for (const ControlFrames& open : known.frames) {
+    if (open.of_subscriptions && network.subscriptions.accept == Subscribing::nobody) continue;
     const ControlFrames frames = known.is_tagged ? tagged(open, network) : open;
     if (is_bound(network, frames)) continue;
     rules.add(p, frames, known, state, port);
@@ -145,6 +148,26 @@ void add_can_frames(ControlRules& rules, std::size_t p, const Port& port, const 
 }
 
 }  // namespace
+
+std::optional<FrameIdentity> subscription_frames(const Network& network, const Port& port) {
+  if (!has_broker(network) || !has_own_tag(network) || !port.node) return std::nullopt;
+  const ProfileTraits& traits = traits_of(network.profile);
+  for (const ControlKind& kind : traits.control)
+    if (kind.is_tagged) {
+      // Fragments differ in one bit, which is open here.
+      const FrameIdentity whole = tagged(kind.frames.front(), network).identity;
+      const FrameIdentity fragments = tagged(kind.frames.back(), network).identity;
+      Publisher self;
+      self.node = port.node;
+      self.priority = kSubscriptionPriority;
+      Binding binding;
+      binding.id = network.subscribe_tag;
+      binding.extended = true;
+      return FrameIdentity{.id = identity_of(self, network, binding, false)->id,
+                           .mask = whole.mask & ~(whole.id ^ fragments.id)};
+    }
+  return std::nullopt;
+}
 
 GateState control_rules(const System& system, std::size_t gateway,
                         std::optional<std::uint32_t> asker) {
@@ -160,7 +183,7 @@ GateState control_rules(const System& system, std::size_t gateway,
       if (network.kind == NetworkKind::can)
         add_can_frames(rules, p, ports[p], network, k, asker);
       else
-        rules.add_datagrams(p, kinds[k], control_at(network, ports[p], k), ports[p]);
+        rules.add_datagrams(p, kinds[k], control_at(network, ports[p], k), ports[p], network);
     }
   }
   return rules.take();

@@ -38,6 +38,12 @@ struct ControlState {
 };
 [[nodiscard]] ControlState control_at(const Network& network, const Port& port, std::size_t kind);
 
+/// Frames of subscriptions on a CAN network: as the gateway with that port sends them, and the mask
+/// by which others' are received. Nothing: the tag of kSubscribeSubject is not known, or the port
+/// states no node.
+[[nodiscard]] std::optional<FrameIdentity> subscription_frames(const Network& network,
+                                                               const Port& port);
+
 /// The rules of all control traffic of one gateway, sorted by entry. A kind that is switched off
 /// has rules that refuse. A number that a Binding gives to a channel is that channel's alone. Where
 /// the tag of kSubscribeSubject is not known, it has no rules. `asker`: the user who asks for tags

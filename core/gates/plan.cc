@@ -7,50 +7,14 @@
 #include <string>
 
 #include "core/gates/difference.hpp"
+#include "core/gates/together.hpp"
 #include "core/model/carrier.hpp"
 #include "core/model/medium.hpp"
 #include "core/model/progress.hpp"
 #include "mlcca/arithmetic.hpp"
-#include "mlcca/check.hpp"
 
 namespace mlcca::core {
 namespace {
-
-/// 500 ppm: a publisher's clock and ours.
-constexpr Value kClocks = 2000;
-
-Value slower(Value time) { return add_saturating(time, time / kClocks); }
-
-/// Of per_byte.
-constexpr Value kUnit = 256;
-
-/// What may come so often, in bytes: as much as its longest frames hold.
-Policing by_bytes(const Policing& p, Value longest) {
-  if (p.per_frame == 0) return p;
-  longest = std::max<Value>(longest, 1);
-  return {0, std::max<Value>(mul_saturating(p.per_frame, kUnit) / longest, 1), p.tolerance,
-          p.counts_only};
-}
-
-/// The traffic of two publishers that cannot be distinguished, whose frames hold `longest` bytes at
-/// most: the sum of their rates, and what both may send at once.
-Policing together(Policing a, Policing b, Value longest) {
-  if (!a.any() || !b.any()) return {};
-  if ((a.per_frame == 0) != (b.per_frame == 0)) {
-    a = by_bytes(a, longest);
-    b = by_bytes(b, longest);
-  }
-  const bool by_frame = a.per_frame != 0;
-  const Value x = by_frame ? a.per_frame : a.per_byte;
-  const Value y = by_frame ? b.per_frame : b.per_byte;
-  const Value sum = std::max<Value>(mul_div_down(x, y, add_saturating(x, y)), 1);
-  // At once a may send 1 + a.tolerance / x frames (or bytes of the one and the others).
-  const Value early =
-      add_saturating(mul_div_up(a.tolerance, sum, x), mul_div_up(b.tolerance, sum, y));
-  const Value one = by_frame ? sum : mul_saturating(sum, longest) / kUnit;
-  return {by_frame ? sum : 0, by_frame ? 0 : sum, add_saturating(early, one),
-          a.counts_only || b.counts_only};
-}
 
 /// Collects rules; the same entry from two publishers passes only if both do.
 class Rules {
@@ -60,20 +24,31 @@ class Rules {
     if (fresh) return;
     it->second.pass = it->second.pass && rule.pass;
     it->second.policing = together(it->second.policing, rule.policing, rule.entry.max_length);
-    it->second.watching = {};  // whose event is it that is missing?
+    it->second.watching = together(it->second.watching, rule.watching);
+    shared_.insert(rule.entry);
   }
   [[nodiscard]] GateState take() const {
     GateState state;
     state.reserve(rules_.size());
     for (const auto& [entry, rule] : rules_) {
       state.push_back(rule);
+      if (shared_.contains(entry)) state.back().watching = of_several(rule);
       Progress::step();
     }
     return state;
   }
 
  private:
+  /// An event of the one may be taken for a part of an event of the other. Where nothing passes,
+  /// nothing is missing.
+  static Watching of_several(const GateRule& rule) {
+    Watching out = rule.pass ? rule.watching : Watching{};
+    if (out.silence != 0) out.silence = add_saturating(out.silence, out.together);
+    return out;
+  }
+
   std::map<GateEntry, GateRule> rules_;
+  std::set<GateEntry> shared_;
 };
 
 class Planner {
@@ -209,7 +184,7 @@ class Planner {
       const bool as_sent = in != kLocal && !resent_.contains(in) &&
                            (direction == Direction::ingress || is_joined_by_kernel(in, port));
       if (as_sent) e.station = p.station;
-      size_datagram(p, in, as_sent, e);
+      size_datagram(p, in, as_sent, network, e);
     } else if (!identify(p, network, *binding, e)) {
       return std::nullopt;
     }
@@ -248,10 +223,11 @@ class Planner {
       const Network& network = network_at(port);
       const auto frames =
           frames_per_event(network, network.binding_of(p.channel), offered[Attribute::max_payload]);
-      rule.policing = policing_of(offered, frames,
-                                  network.carries_subjects() ? kDatagramMaxEvent : e->max_length);
+      rule.policing = policing_of(
+          offered, frames, network.carries_subjects() ? event_bytes(network) : e->max_length);
       rule.policing.counts_only = system_.gateways[here_.index].ports[port].excess == Excess::pass;
-      rule.watching = watching(offered, frames);
+      // Of a message that is announced the announcement alone is watched.
+      rule.watching = watching(offered, e->transport ? 1 : frames);
     }
     rules_.add(rule);
   }
@@ -278,11 +254,12 @@ class Planner {
   }
 
   /// As long as the longest of those that cannot be distinguished: they share the entry.
-  void size_datagram(const Publisher& p, std::size_t in, bool as_sent, GateEntry& e) const {
-    const auto size_of = [this](const Publisher& publisher) {
+  void size_datagram(const Publisher& p, std::size_t in, bool as_sent, const Network& network,
+                     GateEntry& e) const {
+    const auto size_of = [&](const Publisher& publisher) {
       const AttributeSet& offered = attributes_in(publisher, set_);
       return offered.has(Attribute::max_payload) ? offered[Attribute::max_payload]
-                                                 : kDatagramMaxEvent;
+                                                 : event_bytes(network);
     };
     Value bytes = size_of(p);
     if (in != kLocal)
@@ -290,8 +267,8 @@ class Planner {
         if (const Publisher& other = members_.publisher(number);
             is_indistinguishable(p, other, as_sent))
           bytes = std::max(bytes, size_of(other));
-    e.fragmented = bytes > kDatagramBytes;
-    e.max_length = static_cast<std::uint16_t>(std::min<Value>(bytes, kDatagramBytes));
+    e.fragmented = is_fragmented(network, nullptr, bytes);
+    e.max_length = static_cast<std::uint16_t>(std::min<Value>(bytes, datagram_bytes(network)));
   }
 
   [[nodiscard]] std::optional<FrameIdentity> identity_on(const Publisher& p, const Network& network,
@@ -300,10 +277,14 @@ class Planner {
                        is_fragmented(network, &b, attributes_in(p, set_)[Attribute::max_payload]));
   }
 
+  /// Or of a message that is transported.
   [[nodiscard]] std::uint16_t frame_length(const Publisher& p, const Network& network,
                                            const Binding& b) const {
     const AttributeSet& offered = attributes_in(p, set_);
     const bool sized = offered.has(Attribute::max_payload);
+    const Value bytes = offered[Attribute::max_payload];
+    if (transport_of(network, &b, bytes) != nullptr)
+      return static_cast<std::uint16_t>(std::min(bytes, event_bytes(network, b)));
     return static_cast<std::uint16_t>(
         sized ? frame_bytes(network, b, offered[Attribute::max_payload]) : frame_bytes(b));
   }
@@ -322,6 +303,7 @@ class Planner {
       if (other.place == p.place && identity_on(other, network, b) == identity)
         e.max_length = std::max(e.max_length, frame_length(other, network, b));
     }
+    e.transport = transport_of(network, &b, e.max_length) != nullptr;
     e.id = identity->id;
     e.mask = identity->mask | (b.remote_frames ? 0 : kRemoteFlag);
     return true;
@@ -359,36 +341,6 @@ void add_channel(Planner& planner, const Members& members, std::size_t channel,
 }
 
 }  // namespace
-
-Policing policing_of(const AttributeSet& offered, std::uint64_t frames, Value largest) {
-  constexpr Value second = 1'000'000'000;
-  const auto shortened = [](Value time) { return time - time / kClocks; };
-  const Value jitter = offered[Attribute::jitter];
-  Policing out;
-  if (offered.has(Attribute::period)) {
-    const Value period = shortened(offered[Attribute::period]);
-    out.per_frame = std::max<Value>(period / std::max<Value>(frames, 1), 1);
-    // The frames of an event come together, and the next event may be early.
-    out.tolerance = add_saturating(mul_saturating(period, 2) - out.per_frame, jitter);
-  } else if (offered.has(Attribute::bandwidth) && offered[Attribute::bandwidth] != 0) {
-    out.per_byte =
-        std::max<Value>(shortened(mul_div_down(second, kUnit, offered[Attribute::bandwidth])), 1);
-    const Value event =
-        offered.has(Attribute::max_payload) ? offered[Attribute::max_payload] : largest;
-    out.tolerance = add_saturating(
-        mul_saturating(out.per_byte, mul_saturating(std::max<Value>(event, 1), 2)) / kUnit, jitter);
-  }
-  return out;
-}
-
-Value silence_of(const Verdict& v) {
-  if (!v.granted || !worst_case_reaction(v)) return 0;
-  AttributeSet terms = reaction_terms(v);
-  terms.set(Attribute::period, slower(terms[Attribute::period]));
-  terms.set(Attribute::latency, 0);
-  const Value silence = mlcca::worst_case_reaction(terms);
-  return silence == kUnbounded ? 0 : silence;
-}
 
 GateState gate_state(const System& system, const Members& members, std::size_t channel,
                      const std::vector<Verdict>& verdicts, std::size_t gateway,
@@ -461,22 +413,30 @@ std::optional<std::string> exceeds_capacity(const System& system, const Members&
   return std::nullopt;
 }
 
-std::vector<GateEntry> shared_entries(const System& system, const Members& members,
-                                      std::size_t channel, const std::vector<Verdict>& verdicts,
-                                      std::size_t gateway) {
-  std::vector<GateEntry> all;
-  if (members.publishers_of(channel).size() < 2) return all;
+std::vector<SharedRule> shared_rules(const System& system, const Members& members,
+                                     std::size_t channel, const std::vector<Verdict>& verdicts,
+                                     std::size_t gateway) {
+  if (members.publishers_of(channel).size() < 2) return {};
+  std::map<GateEntry, std::vector<std::size_t>> users;
   for (const std::size_t publisher : members.publishers_of(channel)) {
     Planner planner(system, members, gateway);
     add_publisher(planner, publisher, verdicts);
-    for (const GateRule& rule : planner.take()) all.push_back(rule.entry);
+    for (const GateRule& rule : planner.take()) users[rule.entry].push_back(publisher);
   }
-  std::ranges::sort(all);
-  std::vector<GateEntry> shared;
-  for (std::size_t i = 1; i < all.size(); ++i)
-    if (all[i] == all[i - 1] && (shared.empty() || shared.back() != all[i]))
-      shared.push_back(all[i]);
+  std::erase_if(users, [](const auto& of_entry) { return of_entry.second.size() < 2; });
+  std::vector<SharedRule> shared;
+  if (users.empty()) return shared;
+  for (const GateRule& rule : gate_state(system, members, channel, verdicts, gateway))
+    if (const auto known = users.find(rule.entry); known != users.end())
+      shared.push_back({rule, std::move(known->second)});
   return shared;
+}
+
+std::vector<GateEntry> entries_of(const std::vector<SharedRule>& shared) {
+  std::vector<GateEntry> entries;
+  entries.reserve(shared.size());
+  for (const SharedRule& one : shared) entries.push_back(one.rule.entry);
+  return entries;
 }
 
 GateChanges difference(const GateState& now, const GateState& next) {

@@ -28,13 +28,16 @@ struct GateEntry {
   std::uint32_t uid = 0;     ///< egress, local program: its user
   bool from_kernel = false;  ///< egress: of no program, but of a protocol in the kernel
   Station station;           ///< Ethernet: who sent the frame; a wildcard: who has no other entry
-  std::uint16_t max_length = 0;  ///< payload bytes of a frame or datagram
+  std::uint16_t max_length = 0;  ///< payload bytes of a frame or datagram, or of a message
   bool classic = false;
   bool fd = false;
   bool xl = false;
   bool fragmented = false;  ///< Ethernet: a datagram may hold a fragment of an event
+  bool transport = false;   ///< CAN: transport_of() carries what is longer than a frame
   Subject subject = 0;
 
+  /// Payload bytes of a frame or datagram.
+  [[nodiscard]] std::uint16_t frame_length() const { return transport ? 8 : max_length; }
   auto operator<=>(const GateEntry&) const = default;
 };
 
@@ -144,11 +147,17 @@ inline constexpr std::size_t kMostEntries = 8;
                                                           const std::vector<Verdict>& verdicts,
                                                           std::size_t gateway);
 
-/// Entries by which events of several publishers of a channel come or leave: frames do not say
-/// whose they are. Sorted.
-[[nodiscard]] std::vector<GateEntry> shared_entries(const System& system, const Members& members,
-                                                    std::size_t channel,
-                                                    const std::vector<Verdict>& verdicts,
-                                                    std::size_t gateway);
+/// The rule by which events of several publishers of a channel come or leave: frames do not say
+/// whose they are. What it expects are events of any of them.
+struct SharedRule {
+  GateRule rule;
+  std::vector<std::size_t> publishers;  ///< two at least
+};
+/// Of one channel, sorted by entry.
+[[nodiscard]] std::vector<SharedRule> shared_rules(const System& system, const Members& members,
+                                                   std::size_t channel,
+                                                   const std::vector<Verdict>& verdicts,
+                                                   std::size_t gateway);
+[[nodiscard]] std::vector<GateEntry> entries_of(const std::vector<SharedRule>& shared);
 
 }  // namespace mlcca::core

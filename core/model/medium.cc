@@ -9,11 +9,29 @@ namespace {
 
 /// Payload bytes of a frame that are the event's, when it is in one frame.
 unsigned room(const Network& network, const Binding& binding) {
-  const Fragmentation* const several = traits_of(network.profile).fragmentation;
+  const Fragmentation* const several = fragmentation_of(network, binding);
   return frame_bytes(binding) - (several == nullptr ? 0 : several->tail);
 }
 
 }  // namespace
+
+const Fragmentation* fragmentation_of(const Network& network, const Binding& binding) {
+  const Fragmentation* const several = traits_of(network.profile).fragmentation;
+  if (several == nullptr || several->obstacle == nullptr) return several;
+  return several->obstacle(binding).empty() ? several : nullptr;
+}
+
+const Fragmentation* transport_of(const Network& network, const Binding* binding, Value bytes) {
+  if (network.carries_subjects() || !is_fragmented(network, binding, bytes)) return nullptr;
+  const Fragmentation* const several = fragmentation_of(network, *binding);
+  return several->carriers == nullptr ? nullptr : several;
+}
+
+Value pauses_of(const Network& network, const Binding* binding, Value bytes) {
+  const Fragmentation* const transport = transport_of(network, binding, bytes);
+  if (transport == nullptr) return 0;
+  return (frames_per_event(network, binding, bytes) - 1) * transport->longest_pause;
+}
 
 unsigned frame_bytes(const Binding& binding) {
   if (binding.format == FrameFormat::xl) return kXlBytes;
@@ -29,14 +47,23 @@ unsigned frame_bytes(const Network& network, const Binding& binding, Value bytes
 }
 
 Value event_bytes(const Network& network, const Binding& binding) {
-  const Fragmentation* const several = traits_of(network.profile).fragmentation;
+  const Fragmentation* const several = fragmentation_of(network, binding);
   const unsigned most = frame_bytes(binding);
   return several == nullptr ? most : several->largest(most);
 }
 
+Value event_bytes(const Network& network) {
+  return network.kind == NetworkKind::ieee802154 ? kWpanBytes : kDatagramMaxEvent;
+}
+
+unsigned datagram_bytes(const Network& network) {
+  return network.kind == NetworkKind::ieee802154 ? kWpanBytes : kDatagramBytes;
+}
+
 bool is_fragmented(const Network& network, const Binding* binding, Value bytes) {
-  if (network.carries_subjects()) return bytes > kDatagramBytes;
-  return traits_of(network.profile).fragmentation != nullptr && binding != nullptr &&
+  if (network.carries_subjects())
+    return bytes > datagram_bytes(network) && event_bytes(network) > datagram_bytes(network);
+  return binding != nullptr && fragmentation_of(network, *binding) != nullptr &&
          bytes > room(network, *binding);
 }
 

@@ -131,9 +131,26 @@ struct UnlistedPolicy {
   std::uint8_t bits = 0;    ///< 0: every subject
   std::uint32_t most = 16;  ///< such channels at once, 1 to 256
 
+  /// `subject` with 0 for the bits that do not count.
+  [[nodiscard]] Subject leading() const {
+    return bits == 0 ? 0 : subject >> (64U - bits) << (64U - bits);
+  }
   [[nodiscard]] bool admits(Subject s) const {
     return allowed && (bits == 0 || (s ^ subject) >> (64U - bits) == 0);
   }
+};
+
+/// Whose subscriptions count that come over a network of FAMOUSO, by its subject SUBSCRIB.
+enum class Subscribing : std::uint8_t {
+  nobody,
+  gateways,         ///< nobody's: gateways announce themselves there, and that is all
+  with_attributes,  ///< of who states what it requires
+  all,              ///< of FAMOUSO's own nodes, too: they require what the channel states
+};
+struct SubscriptionPolicy {
+  Subscribing accept = Subscribing::nobody;
+  std::uint32_t most = 64;  ///< that come over the network, at once, 1 to 1024
+  Origin origin;
 };
 
 struct Network {
@@ -147,6 +164,7 @@ struct Network {
   std::uint32_t subscribe_tag = 0;
   bool states_subscribe_tag = false;
   UnlistedPolicy unlisted;
+  SubscriptionPolicy subscriptions;
   std::optional<mesh::Mesh> mesh;  ///< of a mesh whose routes are evaluated
   AttributeSet provision;          ///< static provision; a dynamic mark makes it a best case
   UserValues user;
@@ -227,6 +245,9 @@ struct Gateway {
   AttributeSet provision;
   UserValues user;
   Forwarder forwarder = Forwarder::relay;
+  /// It announces itself on its networks in this interval, ns, and another gateway takes its place
+  /// when it fails; 0: it does not.
+  Value presence = 0;
   std::optional<std::uint32_t> relay;  ///< user of mlcca-relay; none: this machine has no such user
   std::vector<Port> ports;
   Origin origin;
@@ -264,6 +285,17 @@ struct Place {
 /// The component of an end that belongs to none.
 inline constexpr std::uint32_t kNoComponent = 0xffffffff;
 
+/// What a program on a gateway must be to take up an end, beside the user of a publisher: all of
+/// it.
+struct ProgramRule {
+  std::optional<std::uint32_t> gid;  ///< it is in that group
+  std::string group;                 ///< as it was stated
+  std::string unit;                  ///< it runs in that unit of systemd; empty: in any
+  bool operator==(const ProgramRule&) const = default;
+};
+/// Of System::program_rules: none.
+inline constexpr std::uint32_t kAnyProgram = 0xffffffff;
+
 struct Publisher {
   std::string name;
   std::size_t channel = 0;
@@ -278,6 +310,7 @@ struct Publisher {
   Station station;                   ///< what its frames come from, where they carry the subject
   std::uint8_t priority = 0x7d;      ///< famouso, 0 (highest)..127
   std::optional<std::uint32_t> uid;  ///< on a gateway: the user that may send
+  std::uint32_t program_rule = kAnyProgram;  ///< on a gateway: see System::program_rules
   Origin origin;
 };
 
@@ -289,7 +322,8 @@ struct Subscriber {
   UserValues user;
   std::vector<Alternative> lower;
   std::uint32_t component = kNoComponent;
-  std::optional<std::uint32_t> mesh_node;  ///< on a mesh: index into its nodes; none: any of them
+  std::optional<std::uint32_t> mesh_node;    ///< on a mesh: index into its nodes; none: any of them
+  std::uint32_t program_rule = kAnyProgram;  ///< on a gateway: see System::program_rules
   Origin origin;
 };
 
@@ -330,6 +364,12 @@ struct System {
   std::vector<DeclaredRoute> routes;
   std::vector<Publisher> publishers;
   std::vector<Subscriber> subscribers;
+  std::vector<ProgramRule> program_rules;  ///< that ends state, each once
+
+  /// What a program must be; nullptr: nothing beside its user.
+  [[nodiscard]] const ProgramRule* program_rule(std::uint32_t number) const {
+    return number < program_rules.size() ? &program_rules[number] : nullptr;
+  }
 
   /// What capacity is held of: each network, then each gateway.
   [[nodiscard]] std::size_t resources() const { return networks.size() + gateways.size(); }

@@ -86,6 +86,16 @@ std::string_view forms_of(const System& system, const Verdict& v) {
   return "may be FD frames";
 }
 
+/// Why longer events are not carried in several frames, where others are.
+std::string why_in_one_frame(const System& system, const Verdict& v) {
+  const Network& network = system.networks[v.obstacle_at.index];
+  const Binding* const binding = network.binding_of(v.channel);
+  const Fragmentation* const several = traits_of(network.profile).fragmentation;
+  if (binding == nullptr || several == nullptr || several->obstacle == nullptr) return {};
+  const std::string_view why = several->obstacle(*binding);
+  return why.empty() ? "" : ": " + std::string(why);
+}
+
 std::string obstacle_text(const System& system, const Members& members, const Verdict& v,
                           const std::string& problem) {
   const auto at = [&] { return name_of(system, v.obstacle_at); };
@@ -110,7 +120,7 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
       return "an event of " +
              format_value(Attribute::max_payload,
                           attributes_in(publisher, v.set)[Attribute::max_payload]) +
-             " does not fit a frame of " + at();
+             " does not fit a frame of " + at() + why_in_one_frame(system, v);
     case Obstacle::no_traffic:
       return "publisher " + publisher.name +
              " states neither Period with MaxPayload nor Bandwidth, and the capacity of " + at() +
@@ -133,9 +143,15 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
              " has its gate on a radio of the mesh, where it drops what its "
              "node would relay on the way";
     case Obstacle::no_sender:
-      return "events cross " + at() +
-             " by a program, and there is none: install mlcca-relay, whose user it "
-             "runs as, or state a sender of its Port";
+      return "events cross " + at() + " by a program, and there is none: " +
+             (system.gateways[v.obstacle_at.index].forwarder == Forwarder::relay
+                  ? "install mlcca-relay, whose user it runs as, or state a sender of its Port"
+                  : "state a sender of its Port, or forward=\"relay\" of the Gateway");
+    case Obstacle::renamed:
+      return "can-gw carries a message of several frames as it is, and the channel has another "
+             "PGN, "
+             "priority or frame format on the other side of " +
+             at();
     case Obstacle::untagged:
       return "waiting for its tag on " + at() + ": the broker has not dealt it yet";
     case Obstacle::contradicted:
@@ -145,6 +161,9 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
     case Obstacle::unlisted:
       return at() + " admits no channel " + format_subject(system.channels[v.channel].subject) +
              " that is not described: its Unlisted would have to allow it";
+    case Obstacle::sender_twice:
+      return "events of the channel reach " + at() +
+             " over another way already: two senders of one identifier";
   }
   return {};
 }
@@ -259,6 +278,18 @@ std::string where(const System& system, const Members& members, const Verdict& v
       return "medium time of " + name_of(system, row.place);
   }
   return {};
+}
+
+std::string names_of(const Members& members, const std::vector<std::size_t>& publishers) {
+  constexpr std::size_t most = 4;
+  const std::size_t named = publishers.size() > most ? most - 1 : publishers.size();
+  std::string text;
+  for (std::size_t i = 0; i < named; ++i) {
+    if (i != 0) text += i + 1 == publishers.size() ? " and " : ", ";
+    text += members.publisher(publishers[i]).name;
+  }
+  if (named == publishers.size()) return text;
+  return text + " and " + std::to_string(publishers.size() - named) + " more";
 }
 
 std::string schedule_text(const System& system, const Members& members, const Row& row) {

@@ -3,6 +3,7 @@
 #pragma once
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/mesh/graph.hpp"
 #include "core/model/members.hpp"
@@ -38,6 +39,10 @@ namespace mlcca::core {
 [[nodiscard]] std::string name_of(const mesh::Source& source);
 
 [[nodiscard]] const std::string& name_of(const System& system, Place place);
+
+/// "a", "a and b", "a, b, c and 5 more": those publishers.
+[[nodiscard]] std::string names_of(const Members& members,
+                                   const std::vector<std::size_t>& publishers);
 
 /// What a row checks: a hop's name, "end to end", "publisher NAME for NAME", "capacity of NAME",
 /// "listeners on NAME", "response times on NAME", "medium time of NAME".

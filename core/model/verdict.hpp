@@ -61,10 +61,12 @@ enum class Obstacle : std::uint8_t {
   no_rate,       ///< the links that lead through a mesh are there, and their rates are unknown
   relay_gated,   ///< a gateway on the way through a mesh drops at its gate what its node relays
   no_sender,     ///< no program carries events across a gateway, from CAN to Ethernet or back
+  renamed,       ///< the kernel would carry messages that name their PGN within, to another PGN
   untagged,      ///< the broker has not dealt the channel its tag on a network yet
   contradicted,  ///< the broker has dealt the channel's tag to another, or it another tag
   withdrawn,     ///< by an operator, until it is reinstated
   unlisted,      ///< the channel is not described, and a network admits no such channel
+  sender_twice,  ///< another device sends the channel's identifier on a bus already
 };
 
 /// What an analysed medium gives a flow: times on a CAN bus; over a mesh the way, whose rates

@@ -42,6 +42,7 @@ inline constexpr Words<SafeSide, 3> kSafeSides{{"", "drop", "deliver"}};
 inline constexpr Words<Queueing, 2> kQueueings{{"fifo", "priority"}};
 inline constexpr Words<Excess, 2> kExcesses{{"drop", "pass"}};
 inline constexpr Words<Refused, 2> kRefusals{{"error", "silent"}};
+inline constexpr Words<Subscribing, 4> kSubscribings{{"", "gateways", "attributes", "all"}};
 inline constexpr Words<Forwarder, 3> kForwarders{{"relay", "can-gw", "none"}};
 inline constexpr Words<Better, 2> kBetters{{"smaller", "larger"}};
 inline constexpr Words<mesh::Interference, 4> kInterferences{

@@ -27,7 +27,14 @@ constexpr ControlFrames asking_for_tag(ControlFrames frames) {
 }
 constexpr std::array kBinding = {asking_for_tag(extended(0x1f400002, kNode)),
                                  extended(0x1f5fc004, 0)};
-constexpr std::array kSubscribe = {extended(0x1f400000, kNode | kTagBits)};
+constexpr ControlFrames of_subscriptions(ControlFrames frames) {
+  frames.of_subscriptions = true;
+  return frames;
+}
+// What a node of FAMOUSO sends fits in a frame; what states attributes goes in fragments.
+constexpr std::array kSubscribe = {
+    extended(0x1f400000, kNode | kTagBits),
+    of_subscriptions(extended(0x1f400000 | kFragmentBit, kNode | kTagBits))};
 // A node subscribes all its channels at once when it starts.
 constexpr ControlKind kSubscribing{
     .name = "subscribe", .frames = kSubscribe, .rate = 100, .burst = 100, .is_tagged = true};

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // SAE J1939-21: priority, PGN with the destination of PDU1 in its low byte, source.
+#include <algorithm>
+
 #include "base/number.hpp"
+#include "core/model/medium.hpp"
 #include "core/profiles/definition.hpp"
 
 namespace mlcca::core::profiles {
@@ -72,6 +75,51 @@ FrameIdentity identity(const Publisher& p, const Binding& b, bool /*fragmented*/
   return f;
 }
 
+// The transport protocol (5.10 and annex C): a broadcast announce message (TP.CM_BAM) and packets
+// of 7 bytes (TP.DT), each 50 to 200 ms behind the one before, all towards everybody. What goes to
+// one address is asked for by its receiver, whose frames no channel admits.
+constexpr std::uint32_t kNumberAndDestination = 0x03ffff00;
+constexpr std::uint32_t kConnectionManagement = 0x00ecff00;
+constexpr std::uint32_t kDataTransfer = 0x00ebff00;
+constexpr std::uint8_t kEverybody = 0xff;
+constexpr Value kPacket = 7;
+constexpr Value kMessage = 1785;
+constexpr Value kMillisecond = 1'000'000;
+
+unsigned frames(Value bytes, unsigned /*mtu*/) {
+  return static_cast<unsigned>(1 + (std::min(bytes, kMessage) + kPacket - 1) / kPacket);
+}
+
+Value largest(unsigned /*mtu*/) { return kMessage; }
+
+/// A packet that is not full is filled up.
+unsigned last_frame(Value /*bytes*/, unsigned /*frames*/, unsigned mtu) { return mtu; }
+
+std::string_view obstacle(const Binding& b) {
+  if (b.format != FrameFormat::classic) return "the transport protocol is for classic frames";
+  if (b.destination && *b.destination != kEverybody)
+    return "what is longer goes to an address by RTS and CTS, which no gate can judge: leave "
+           "attribute destination out, or let it be 0xff";
+  return {};
+}
+
+std::array<FrameIdentity, 2> carriers(const FrameIdentity& event) {
+  const auto with = [&](std::uint32_t number) {
+    return FrameIdentity{.id = (event.id & ~kNumberAndDestination) | number,
+                         .mask = event.mask | kNumberAndDestination};
+  };
+  return {with(kConnectionManagement), with(kDataTransfer)};
+}
+
+constexpr Fragmentation kFragmentation{.frames = frames,
+                                       .largest = largest,
+                                       .last_frame = last_frame,
+                                       .room = "by the transport protocol",
+                                       .obstacle = obstacle,
+                                       .carriers = carriers,
+                                       .least_pause = 50 * kMillisecond,
+                                       .longest_pause = 200 * kMillisecond};
+
 bool same(const Binding& a, const Binding& b) {
   return a.id == b.id && (!a.destination || !b.destination || a.destination == b.destination);
 }
@@ -88,6 +136,7 @@ constinit const ProfileTraits j1939{.element = "a PGN",
                                     .unlisted_problem = unlisted_problem,
                                     .identity = identity,
                                     .overlap = same,
+                                    .fragmentation = &kFragmentation,
                                     .control = kControl};
 
 }  // namespace mlcca::core::profiles

@@ -83,6 +83,15 @@ bool Network::carries_subjects() const {
   return kind != NetworkKind::can && traits_of(profile).datagrams != nullptr;
 }
 
+bool has_subscriptions(const Network& network) {
+  const ProfileTraits& traits = traits_of(network.profile);
+  if (network.kind == NetworkKind::can)
+    return std::ranges::any_of(traits.control, &ControlKind::is_tagged);
+  // Frames of IEEE 802.15.4 are too short for what states attributes.
+  return network.carries_subjects() && network.kind != NetworkKind::ieee802154 &&
+         std::ranges::any_of(traits.datagram_control, &ControlKind::is_tagged);
+}
+
 bool can_send(const Publisher& publisher, const Network& network) {
   if (!has_nodes(network.profile)) return true;
   return publisher.node && *publisher.node <= traits_of(network.profile).last_node;

@@ -32,11 +32,19 @@ struct FrameIdentity {
   auto operator<=>(const FrameIdentity&) const = default;
 };
 
+/// Of a message about a subscription, at most: what it requires, or why it is refused.
+inline constexpr std::uint16_t kSubscriptionBytes = 256;
+
+/// As FAMOUSO's nodes have it in such messages.
+inline constexpr std::uint8_t kSubscriptionPriority = 0x7d;
+
 /// Frames of a kind of control traffic, as identifier and mask with kExtendedFlag in both.
 struct ControlFrames {
   FrameIdentity identity;
   std::uint16_t max_length = 8;
   bool asks_for_tag = false;  ///< of the broker
+  /// Of messages that only a network with a SubscriptionPolicy has.
+  bool of_subscriptions = false;
 };
 
 /// What a profile needs beside its channels.
@@ -61,6 +69,14 @@ struct Fragmentation {
   /// Payload bytes of the last frame; 0: all but one frame are full, and it is not said which.
   unsigned (*last_frame)(Value bytes, unsigned frames, unsigned frame_bytes) = nullptr;
   std::string_view room;  ///< in which the largest event is carried: "in 4096 frames"
+  /// What keeps events of this binding in one frame, as a clause; empty: nothing. nullptr: nothing.
+  std::string_view (*obstacle)(const Binding& binding) = nullptr;
+  /// Identities of the frames that carry an event in several frames, where these are not its own,
+  /// from its own identity: the first frame, and the others.
+  std::array<FrameIdentity, 2> (*carriers)(const FrameIdentity& event) = nullptr;
+  /// Between two frames of an event, as the sender takes it, at least and at most; 0: nothing.
+  Value least_pause = 0;    ///< ns
+  Value longest_pause = 0;  ///< ns
 };
 
 enum class IdentifierForm : std::uint8_t { extended, standard, stated };
@@ -116,6 +132,9 @@ struct ProfileTraits {
 [[nodiscard]] inline bool has_broker(const Network& network) {
   return network.kind == NetworkKind::can && traits_of(network.profile).deals_tags;
 }
+
+/// Its nodes subscribe by the subject SUBSCRIB.
+[[nodiscard]] bool has_subscriptions(const Network& network);
 
 /// Senders have numbers there, and each must state its own.
 [[nodiscard]] inline bool has_nodes(Profile profile) { return traits_of(profile).last_node >= 0; }

@@ -82,14 +82,15 @@ Result<void> put(std::uint32_t ifindex, Hook hook, const auto& programs) {
 }
 
 Result<void> close(std::uint32_t ifindex, Hook hook, const Control& control) {
-  const auto ethernet = is_ethernet(ifindex);
-  if (!ethernet) return std::unexpected(ethernet.error());
-  if (!*ethernet) {
+  const auto framing = framing_of(ifindex);
+  if (!framing) return std::unexpected(framing.error());
+  if (*framing == Framing::other) {
     const auto programs = Programs::load({.ifindex = ifindex}, control.shared(), {});
     return programs ? put(ifindex, hook, *programs) : std::unexpected(programs.error());
   }
-  const auto programs = EtherPrograms::load(
-      {ifindex, false}, EtherSizes::for_slots(0, possible_cpus()), control.shared(), {});
+  const auto programs =
+      EtherPrograms::load({.ifindex = ifindex, .wpan = *framing == Framing::wpan},
+                          EtherSizes::for_slots(0, possible_cpus()), control.shared(), {});
   return programs ? put(ifindex, hook, *programs) : std::unexpected(programs.error());
 }
 

@@ -44,10 +44,11 @@ Result<ClosedPrograms> ClosedPrograms::of_can(const SharedMaps& shared) {
               bpf_program__fd(object->progs.closed_egress));
 }
 
-Result<ClosedPrograms> ClosedPrograms::of_ethernet(const SharedMaps& shared) {
+Result<ClosedPrograms> ClosedPrograms::of_ethernet(const SharedMaps& shared, bool wpan) {
   const Complaints complaints;
   const Object<ether_closed_bpf> object(ether_closed_bpf::open(), &ether_closed_bpf::destroy);
   if (!object) return complaints.error("open the closed gate", errno);
+  object->rodata->is_wpan = wpan;
   int error = bpf_map__reuse_fd(object->maps.data_control, shared.control);
   if (error == 0)
     error = bpf_map__set_max_entries(object->maps.foreign_fragments,

@@ -15,7 +15,8 @@ namespace mlcca::enforce {
 class ClosedPrograms {
  public:
   static Result<ClosedPrograms> of_can(const SharedMaps& shared);
-  static Result<ClosedPrograms> of_ethernet(const SharedMaps& shared);
+  /// `wpan`: frames of IEEE 802.15.4, not of Ethernet.
+  static Result<ClosedPrograms> of_ethernet(const SharedMaps& shared, bool wpan);
 
   [[nodiscard]] int program_fd(Direction direction) const {
     return direction == Direction::ingress ? ingress_.get() : egress_.get();

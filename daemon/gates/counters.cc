@@ -89,6 +89,14 @@ std::vector<UnknownFrame> newest_of(std::span<const Cpu> cpus) {
   return newest;
 }
 
+/// "02:00:5e:10:00:01"
+std::string octets_text(std::uint64_t number, std::size_t octets) {
+  std::string out;
+  while (octets-- > 0)
+    out += fmt::format("{}{:02x}", out.empty() ? "" : ":", number >> 8 * octets & 0xff);
+  return out;
+}
+
 }  // namespace
 
 SlotCounters slot_counters(const gate_table& table, std::span<const gate_cpu> cpus,
@@ -119,17 +127,18 @@ std::vector<UnknownFrame> unknown_frames(std::span<const ether_cpu> cpus) {
 }
 
 std::string address_text(std::uint64_t station) {
+  if ((station & ETHER_EXTENDED) != 0) return octets_text(station & ~ETHER_EXTENDED, 8);
+  if ((station & ETHER_SHORT) != 0)
+    return fmt::format("{:#06x}:{:#06x}", station >> 16 & 0xffff, station & 0xffff);
   if (station == 0 || (station & ETHER_MAC) != 0) return {};
   return fmt::format("{}.{}.{}.{}", station >> 24 & 0xff, station >> 16 & 0xff, station >> 8 & 0xff,
                      station & 0xff);
 }
 
 std::string mac_text(std::uint64_t station, const Mac& mac) {
-  Mac of = mac;
-  if ((station & ETHER_MAC) != 0)
-    for (std::size_t i = 0; i < of.size(); ++i)
-      of.at(i) = static_cast<std::uint8_t>(station >> (8 * (of.size() - 1 - i)));
-  return of == Mac{} ? "" : fmt::format("{:02x}", fmt::join(of, ":"));
+  if (station >= ETHER_MAC && station < ETHER_SHORT)
+    return octets_text(station & ~ETHER_MAC, mac.size());
+  return mac == Mac{} ? "" : fmt::format("{:02x}", fmt::join(mac, ":"));
 }
 
 std::string sender_text(std::uint64_t station, const Mac& mac) {
@@ -170,7 +179,7 @@ const char* reason_text(gate_reason reason) {
     case GATE_R_FOREIGN:
       return "no event traffic";
     case GATE_R_FRAGMENT:
-      return "fragment of no admitted datagram";
+      return "part of no admitted message";
     case GATE_R_OPAQUE:
       return "subject cannot be seen";
     case GATE_REASONS:

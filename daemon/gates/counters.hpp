@@ -43,7 +43,7 @@ struct UnknownFrame {
   Mac mac = {};                ///< of the Ethernet frame it was in; 0: not read
 };
 
-/// "10.0.0.7" of a station that has an IPv4 address, "" of others.
+/// "10.0.0.7" of a station that has an IPv4 address, or one of 802.15.4; "" of others.
 std::string address_text(std::uint64_t station);
 /// "02:00:5e:10:00:01" of the sender: the station's own, else that of the frame; "" where none.
 std::string mac_text(std::uint64_t station, const Mac& mac);

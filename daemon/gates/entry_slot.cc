@@ -10,7 +10,7 @@ std::uint8_t formats_of(const core::GateEntry& e, core::NetworkKind kind) {
   if (kind != core::NetworkKind::can)
     return ETHER_UNFRAGMENTED | (e.fragmented ? ETHER_FRAGMENT : 0);
   return static_cast<std::uint8_t>((e.classic ? GATE_CLASSIC : 0) | (e.fd ? GATE_FD : 0) |
-                                   (e.xl ? GATE_XL : 0));
+                                   (e.xl ? GATE_XL : 0) | (e.transport ? GATE_TRANSPORT : 0));
 }
 
 /// An Ethernet gate makes it of the slot's own subject and station.

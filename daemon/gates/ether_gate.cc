@@ -113,8 +113,8 @@ Result<std::unique_ptr<GateObject>> EtherObject::load(const EtherKnobs& knobs,
 
 class EtherKind final : public GateKind {
  public:
-  explicit EtherKind(const EtherConfig& config)
-      : knobs_{config.ifindex, config.silent},
+  EtherKind(const EtherConfig& config, bool wpan)
+      : knobs_{config.ifindex, config.silent, wpan},
         wanted_(EtherSizes::for_slots(config.slots, possible_cpus())) {}
 
   bool take(const std::string& directory, const MapIds& ids) override {
@@ -146,10 +146,13 @@ Result<EtherGate> EtherGate::attach(const EtherConfig& config, const Control& co
 }
 
 Result<EtherGate> EtherGate::load(const EtherConfig& config, const Control& control) {
-  const auto ethernet = is_ethernet(config.ifindex);
-  if (!ethernet) return fail(fmt::format("gate of {}: {}", config.name, ethernet.error().text));
-  if (!*ethernet) return fail(fmt::format("gate of {}: it is no Ethernet interface", config.name));
-  EtherKind kind(config);
+  const auto framing =
+      config.framing ? Result<Framing>(*config.framing) : framing_of(config.ifindex);
+  if (!framing) return fail(fmt::format("gate of {}: {}", config.name, framing.error().text));
+  if (*framing == Framing::other)
+    return fail(fmt::format("gate of {}: it has frames neither of Ethernet nor of IEEE 802.15.4",
+                            config.name));
+  EtherKind kind(config, *framing == Framing::wpan);
   auto loaded = PortGate::load({config.ifindex, config.name, config.hook}, kind, control);
   if (!loaded) return std::unexpected(loaded.error());
   return EtherGate(std::move(*loaded), config.silent);

@@ -109,6 +109,7 @@ Result<EtherPrograms> EtherPrograms::load(const EtherKnobs& knobs, const EtherSi
         gate.rodata->slots_of_bank = sizes.slots;
         gate.rodata->banks = sizes.banks;
         gate.rodata->has_prefilter = sizes.has_prefilter();
+        gate.rodata->is_wpan = knobs.wpan;
         return maps.table ? reuse_maps(kMaps, gate, maps) : set_sizes(gate, sizes);
       });
   if (!object) return std::unexpected(object.error());

@@ -53,6 +53,7 @@ std::optional<EtherPinned> take_ether_maps(const std::string& directory, const M
 struct EtherKnobs {
   std::uint32_t ifindex = 0;
   bool silent = false;
+  bool wpan = false;  ///< frames of IEEE 802.15.4, not of Ethernet
 };
 
 class EtherPrograms {

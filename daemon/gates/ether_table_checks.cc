@@ -17,6 +17,13 @@ std::string name(const SlotSpec& s) {
   return fmt::format("slot of subject {:#018x} ({})", s.subject, to_text(s.direction));
 }
 
+/// As ether_station() has them.
+bool is_station(std::uint64_t station) {
+  constexpr std::uint64_t pan_and_address = 0xffffffff;
+  return (station & ETHER_EXTENDED) != 0 || station < ETHER_SHORT ||
+         (station & ~pan_and_address) == ETHER_SHORT;
+}
+
 Result<void> check_spec(const SlotSpec& s) {
   if (s.id != 0 || s.mask != 0) return fail(name(s) + ": an Ethernet frame has no identifier");
   if (s.formats == 0 || (s.formats & ~(ETHER_UNFRAGMENTED | ETHER_FRAGMENT)) != 0)
@@ -24,7 +31,7 @@ Result<void> check_spec(const SlotSpec& s) {
   if (s.max_len > ETHER_MAX_PAYLOAD)
     return fail(
         fmt::format("{}: a datagram has at most {} bytes of payload", name(s), ETHER_MAX_PAYLOAD));
-  if (s.station >= 2 * ETHER_MAC) return fail(name(s) + ": that is no address of a station");
+  if (!is_station(s.station)) return fail(name(s) + ": that is no address of a station");
   if (s.source > kLargestIfindex) return fail(name(s) + ": the source is no interface");
   return {};
 }

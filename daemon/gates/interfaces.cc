@@ -76,12 +76,15 @@ Result<Closing> put_closed(const Place& place, const ClosedPrograms& programs) {
   return closing;
 }
 
-/// Of an Ethernet interface, what carries events alone. By clsact where nothing can be pinned.
+/// Where frames carry the subject, what carries events alone. By clsact where nothing can be
+/// pinned.
 Result<Closing> put_closed(Place place, const Control& control) {
-  const auto ethernet = is_ethernet(place.ifindex);
-  if (!ethernet) return std::unexpected(ethernet.error());
-  const auto programs = *ethernet ? ClosedPrograms::of_ethernet(control.shared())
-                                  : ClosedPrograms::of_can(control.shared());
+  const auto framing = framing_of(place.ifindex);
+  if (!framing) return std::unexpected(framing.error());
+  const auto programs =
+      *framing == Framing::other
+          ? ClosedPrograms::of_can(control.shared())
+          : ClosedPrograms::of_ethernet(control.shared(), *framing == Framing::wpan);
   if (!programs) return std::unexpected(programs.error());
   if (place.hook == Hook::tcx && make_pin_directory(place.directory))
     if (auto put = put_closed(place, *programs)) return put;

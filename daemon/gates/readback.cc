@@ -18,6 +18,7 @@
 #include "core/model/text.hpp"
 #include "daemon/gates/control.hpp"
 #include "daemon/gates/early.hpp"
+#include "daemon/gates/ether_gate.hpp"
 #include "daemon/gates/ether_programs.hpp"
 #include "daemon/gates/ether_table.hpp"
 #include "daemon/gates/failure.hpp"
@@ -183,6 +184,9 @@ GateReading read_gate(const std::string& directory, std::uint32_t ifindex, const
     return gate;
   }
   gate.interface = interface.data();
+  const auto framing = framing_of(ifindex);
+  if (!framing) gate.problems.push_back(framing.error().text);
+  gate.wpan = framing && *framing == Framing::wpan;
   if (!open_pin(silence_timers_pin(directory)))
     gate.problems.emplace_back("the timers that notice missing events are not pinned");
   if (const auto ether = pinned_ether_maps(directory)) {

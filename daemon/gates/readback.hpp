@@ -29,7 +29,8 @@ struct GateReading {
   std::uint32_t ifindex = 0;
   std::string interface;  ///< empty: there is none of this index in this network namespace
   Hook hook = Hook::clsact;
-  bool ethernet = false;                      ///< else CAN
+  bool ethernet = false;                      ///< frames carry the subject; else CAN
+  bool wpan = false;                          ///< these are of IEEE 802.15.4
   std::uint32_t profile = GATE_PROFILE_NONE;  ///< CAN only
   std::vector<std::string> problems;          ///< what is not as the daemon leaves it
   bool readable = false;                      ///< `slots` are those that it has

@@ -22,8 +22,9 @@ static_assert(std::to_underlying(Direction::ingress) == GATE_INGRESS &&
 struct SlotSpec {
   Direction direction = Direction::ingress;
   bool pass = false;
-  std::uint16_t max_len = 8;            ///< payload bytes
-  std::uint8_t formats = GATE_CLASSIC;  ///< GATE_CLASSIC | GATE_FD | GATE_XL; Ethernet: ETHER_*
+  std::uint16_t max_len = 8;            ///< payload bytes; with GATE_TRANSPORT of a message
+  std::uint8_t formats = GATE_CLASSIC;  ///< GATE_CLASSIC | GATE_FD | GATE_XL | GATE_TRANSPORT;
+                                        ///< Ethernet: ETHER_*
   std::uint32_t id = 0;                 ///< with CAN_EFF_FLAG for 29 bits
   std::uint32_t mask = 0;               ///< has CAN_EFF_FLAG and the key (a masked slot: a part of
                                         ///< it); RTR unless declared

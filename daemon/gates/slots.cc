@@ -61,8 +61,12 @@ Result<void> check_spec(const SlotSpec& s, std::uint32_t profile) {
   if (masks_key(s, profile) && !may_be_masked(profile))
     return fail(name(s) + ": the mask leaves part of the key open");
   if ((s.id & CAN_ERR_FLAG) != 0) return fail(name(s) + ": error frames have no slot");
-  if (s.formats == 0 || (s.formats & ~(GATE_CLASSIC | GATE_FD | GATE_XL)) != 0)
+  if ((s.formats & ~GATE_TRANSPORT) == 0 ||
+      (s.formats & ~(GATE_CLASSIC | GATE_FD | GATE_XL | GATE_TRANSPORT)) != 0)
     return fail(name(s) + ": neither classic nor FD nor XL");
+  if ((s.formats & GATE_TRANSPORT) != 0 &&
+      (profile != GATE_PROFILE_J1939 || s.formats != (GATE_CLASSIC | GATE_TRANSPORT)))
+    return fail(name(s) + ": the transport protocol is of J1939, in classic frames");
   if ((s.formats & GATE_XL) != 0 && (s.id & CAN_EFF_FLAG) != 0)
     return fail(name(s) + ": CAN XL has 11 bits of priority");
   if (s.source > kLargestIfindex && s.source != GATE_NO_SOURCE)

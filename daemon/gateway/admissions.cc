@@ -3,6 +3,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
 #include <variant>
 
 #include "daemon/gateway/requests/asked.hpp"
@@ -12,6 +16,20 @@ namespace {
 
 constexpr std::uint64_t kTryAgain = 10'000'000'000;  // ns
 constexpr std::size_t kEndedTogether = 64;           // leases, written to disk together
+
+/// Why what came over a network does not count in this description; nothing: it does, or the
+/// admission is another one. Who states no attributes has no lease.
+std::optional<std::string> refuses_subscription(const core::State& state,
+                                                const control::Admit& admit) {
+  if (!admit.key.starts_with(subscription_keys(admit.to))) return std::nullopt;
+  const auto& networks = state.system().networks;
+  const auto network = std::ranges::find(networks, admit.to, &core::Network::name);
+  if (network == networks.end()) return std::nullopt;
+  const core::Subscribing least =
+      admit.lease_ns != 0 ? core::Subscribing::with_attributes : core::Subscribing::all;
+  if (network->subscriptions.accept >= least) return std::nullopt;
+  return admit.to + " accepts no such subscription";
+}
 
 }  // namespace
 
@@ -31,8 +49,8 @@ Admissions::LeftOut Admissions::restore_into(core::State& state) const {
     const auto* admit = std::get_if<control::Admit>(&request.body);
     if (admit == nullptr) continue;
     const auto listed = list(state, *admit);
-    const auto asked =
-        listed ? understand(state, *admit, request.id) : std::unexpected(listed.error());
+    auto asked = listed ? understand(state, *admit, request.id) : std::unexpected(listed.error());
+    if (auto why = refuses_subscription(state, *admit)) asked = fail(std::move(*why));
     if (asked && asked->admission)
       state.restore(*asked->admission);
     else

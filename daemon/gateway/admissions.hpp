@@ -60,6 +60,10 @@ class Admissions {
   [[nodiscard]] std::optional<core::AdmissionId> with_key(const std::string& key) const {
     return keys_.find(key);
   }
+  /// Admissions whose keys begin so.
+  [[nodiscard]] std::size_t count_of_keys(const std::string& prefix) const {
+    return keys_.count_with_prefix(prefix);
+  }
 
   /// One that was just granted to a connection.
   void add(core::AdmissionId id, const control::Admit& request, std::uint64_t session);

@@ -142,8 +142,8 @@ void write_report(int memory, control::Reply whole, bool may_slice) {
 /// there: however slow its client is, the place is free.
 class Aside::Report {
  public:
-  Report(Aside& aside, const serve::Peer& peer, Make make, bool may_slice)
-      : aside_(aside), peer_(peer), make_(std::move(make)), may_slice_(may_slice) {
+  Report(Aside& aside, serve::Peer peer, Make make, bool may_slice)
+      : aside_(aside), peer_(std::move(peer)), make_(std::move(make)), may_slice_(may_slice) {
     aside_.reports_.push_back(this);
   }
   Report(const Report&) = delete;

@@ -85,7 +85,7 @@ void BusMonitor::poll_refused(const core::Decision& decision, std::size_t port) 
     if (rules.empty()) continue;
     const Frames frames = gates_.frames(rules);
     const std::uint32_t load = senders_[{port, v.publisher}].measure(
-        frames.passed + frames.dropped + frames.would_drop, rules.front().entry.max_length,
+        frames.passed + frames.dropped + frames.would_drop, rules.front().entry.frame_length(),
         bus.assumptions().timing.bitrate, clock_.monotonic_ns());
     if (load != 0 && !bus.contains(core::Ledger::key_of({v.publisher, network, core::Flow::kOwn})))
       round_.refused.push_back({v.publisher, load});

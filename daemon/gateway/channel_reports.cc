@@ -20,14 +20,18 @@ std::vector<control::Channel> ChannelReports::report(
     const std::vector<const core::Verdict*>& verdicts) const {
   std::vector<control::Channel> out;
   if (verdicts.empty()) return out;
-  const auto shared = health_.shared_entries_of(verdicts.front()->channel);
+  const auto shared = health_.shared_of(verdicts.front()->channel);
+  const auto entries = core::entries_of(shared);
   for (const core::Verdict* v : verdicts) {
     const auto rules =
         core::gate_state(scene_.state->system(), scene_.state->members(), *v, scene_.self);
-    out.push_back(channel_report(*scene_.state, *v, gates_.frames(rules, shared)));
+    out.push_back(channel_report(*scene_.state, *v, gates_.frames(rules, entries)));
     if (!v->granted) continue;
-    out.back().watch = gates_.watch(rules);
-    out.back().troubles = health_.troubles_of(*v, rules, shared, out.back().watch);
+    auto supervision = health_.supervision_of(rules, shared);
+    control::Channel& channel = out.back();
+    channel.troubles = health_.troubles_of(*v, rules, shared, supervision);
+    channel.watch = std::move(supervision.watch);
+    set_not_supervised(channel, std::move(supervision.lacking));
   }
   return out;
 }

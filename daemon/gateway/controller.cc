@@ -48,13 +48,17 @@ Controller::Controller(Options options, Outside outside)
                 },
                 [this] { return summary(); }, pulse_}),
       health_({scene_, outside_.gates, outside_.control, outside_.links, meshes_, recorder_,
-               forwarding_, safeguards_, reloads_, tags_, admissions_, delivery_health_}),
+               forwarding_, safeguards_, reloads_, tags_, admissions_, delivery_health_, presence_,
+               outside_.clock}),
       aside_(outside_.loop) {
   outside_.gates.on_step(pulse_);
   turn_.add(buses_);
   turn_.add(tags_);
   turn_.on_lost([this](const auto& lost) { admissions_.take_back(lost); });
-  turn_.on_changed([this](std::size_t channel) { delivery_health_.restart(channel); });
+  turn_.on_changed([this](const core::Change& change) {
+    drops_.verdicts_changed(change);
+    delivery_health_.restart(change.channel);
+  });
   drops_.on_polled([this](const auto& polled) { delivery_health_.judge(polled); });
   plan_rounds();
 }
@@ -104,13 +108,13 @@ std::optional<StartError> Controller::read_what_was() {
   reloads_.note_loaded();
   if (const auto& cut = recorder_.recovered()) outside_.log.notice(Kind::trouble, *cut);
   admissions_.remember();
-  context_.emplace(Context{options_,   outside_.clock,   outside_.gates, outside_.control,
-                           scene_,     outside_.log,     deliveries_,    turn_,
-                           recorder_,  admissions_,      tags_,          gate_events_,
-                           drops_,     delivery_health_, health_,        channels_,
-                           endpoints_, carriers_,        local_ends_,    forwarding_,
-                           meshes_,    reloads_,         aside_,         patience_,
-                           *history_,  started_});
+  context_.emplace(Context{options_,    outside_.clock,   outside_.gates, outside_.control,
+                           scene_,      outside_.log,     deliveries_,    turn_,
+                           recorder_,   admissions_,      tags_,          gate_events_,
+                           drops_,      delivery_health_, health_,        channels_,
+                           endpoints_,  carriers_,        presence_,      local_ends_,
+                           forwarding_, meshes_,          reloads_,       aside_,
+                           patience_,   *history_,        started_});
   return std::nullopt;
 }
 
@@ -122,6 +126,7 @@ std::optional<StartError> Controller::open_gates() {
     return StartError{{done.error().text}};
   meshes_.describe(scene_.state->system(), scene_.self);
   meshes_.await_first_reports(kFirstReports, pulse_);
+  presence_.start();
   if (const auto done = put_in_force(before, TagBindings::Known::by_gates_and_disk); !done)
     outside_.log.error(Kind::trouble, done.error().text);
   if (const auto done =
@@ -136,6 +141,7 @@ std::optional<StartError> Controller::open_gates() {
     if (const auto cleared = control.clear_lapse(outside_.clock.monotonic_ns()); !cleared)
       return StartError{{cleared.error().text}};
   heartbeat_.end_start();
+  presence_.start();  // the start took time, in which nobody could ask or be received
   delivery_health_.forget();
   drops_.forget();  // what a former daemon has counted is not reported again
   turn_.open_unless_lost();
@@ -169,6 +175,7 @@ Result<void> Controller::put_in_force(const DeliveryEvents::Granted& granted_bef
   tags_.take_up(known);
   turn_.observe();
   put_graphs();
+  presence_.apply(state);
   std::map<std::size_t, core::Grants> before;
   for (const auto& [subject, grants] : granted_before) {
     if (const auto channel = state.find_channel(subject))
@@ -230,6 +237,7 @@ void Controller::act() {
   const core::Progress alive(pulse_);
   for (const std::size_t n : std::exchange(changed_meshes_, {}))
     if (const auto* table = meshes_.table(n)) put_graph(*scene_.state, n, *table);
+  presence_.apply(*scene_.state);
   static_cast<void>(turn_.settle());
   forwarding_.act();  // before the answers go out
   turn_.commit();
@@ -244,6 +252,7 @@ void Controller::beat() {
   if (control.lapsed() && outside_.links.problem().empty()) {
     reconcile();
     alive = control.clear_lapse(outside_.clock.monotonic_ns());
+    health_.note_lapse();
     outside_.log.error(
         Kind::lapsed,
         fmt::format(

@@ -28,6 +28,7 @@
 #include "daemon/gateway/endpoints.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/gate_events.hpp"
+#include "daemon/gateway/gateway_presence.hpp"
 #include "daemon/gateway/health_report.hpp"
 #include "daemon/gateway/heartbeat.hpp"
 #include "daemon/gateway/local_ends.hpp"
@@ -172,6 +173,7 @@ class Controller {
   BusMonitor buses_{scene_, outside_.gates, outside_.log, turn_, outside_.clock};
   DropReports drops_{scene_, outside_.gates, outside_.log, deliveries_, outside_.clock, pulse_};
   Carriers carriers_;
+  GatewayPresence presence_{{scene_, outside_.control, carriers_, outside_.log, outside_.clock}};
   DeliveryHealth delivery_health_{scene_,      outside_.gates, drops_,
                                   forwarding_, carriers_,      outside_.clock};
   GateEvents gate_events_{

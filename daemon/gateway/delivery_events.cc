@@ -43,12 +43,13 @@ void DeliveryEvents::verdict(Kind kind, const core::Verdict& v, const std::strin
               .admissions = admissions_of(v)});
 }
 
-void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event) {
+void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event,
+                             const std::string& publishers) {
   const core::EventChannel& channel = scene_.state->system().channels[v.channel];
   const core::Publisher& publisher = scene_.state->members().publisher(v.publisher);
   const Value period = std::max<Value>(core::attributes_in(publisher, v.set)[Attribute::period], 1);
-  const std::string what = fmt::format("{} ({}) of {}", channel.name,
-                                       core::format_subject(channel.subject), publisher.name);
+  const std::string what =
+      fmt::format("{} ({}) of {}", channel.name, core::format_subject(channel.subject), publishers);
   const auto time = core::format_value(Attribute::latency, event.silent / 1'000 * 1'000);
   const bool missing = event.kind == GATE_E_MISSING;
   Note note{.kind = missing ? Kind::missing : Kind::restored,
@@ -150,6 +151,8 @@ void DeliveryEvents::changes(const std::vector<core::Change>& changes) {
       if (!v.granted && was) verdict(Kind::withdrawn, v, verdict_line(*scene_.state, v));
       if (v.granted && was && v.set != old->set)
         verdict(Kind::switched, v, switch_line(*scene_.state, v, old->set));
+      else if (v.granted && was && v.route != old->route)
+        verdict(Kind::rerouted, v, reroute_line(*scene_.state, v, old->route));
       pulse_();
     }
   }
@@ -165,10 +168,20 @@ void DeliveryEvents::dropped(const core::Verdict& v, Fate fate, std::uint64_t fr
                {.subject = c.subject,
                 .channel = c.name,
                 .network = core::name_of(scene_.state->system(), publisher.place),
-                .publisher = publisher.name});
+                .publisher = publisher.name,
+                .frames = frames});
 }
 
-void DeliveryEvents::excess(const std::vector<const core::Verdict*>& verdicts,
+void DeliveryEvents::dropped_before(std::size_t channel, Fate fate, std::uint64_t frames) {
+  const core::EventChannel& c = scene_.state->system().channels[channel];
+  log_.warning(Kind::dropping,
+               dropped_line(fate, frames,
+                            fmt::format("of {} ({}) before it was granted", c.name,
+                                        core::format_subject(c.subject))),
+               {.subject = c.subject, .channel = c.name, .frames = frames});
+}
+
+void DeliveryEvents::excess(const std::vector<const core::Verdict*>& verdicts, Fate fate,
                             std::uint64_t frames) {
   const core::Verdict& first = *verdicts.front();
   const core::EventChannel& channel = scene_.state->system().channels[first.channel];
@@ -185,18 +198,20 @@ void DeliveryEvents::excess(const std::vector<const core::Verdict*>& verdicts,
   const core::Publisher& publisher = scene_.state->members().publisher(first.publisher);
   const AttributeSet& said = core::attributes_in(publisher, first.set);
   const Attribute what = said.has(Attribute::period) ? Attribute::period : Attribute::bandwidth;
-  log_.warning(
-      Kind::excess,
-      fmt::format("{} sent {} frames of {} ({}) more than was admitted: {} said {} {}",
-                  fmt::join(who, " or "), frames, channel.name,
-                  core::format_subject(channel.subject), who.size() > 1 ? who.front() : "it",
-                  info(what).name, core::format_value(what, said[what])),
-      {.subject = channel.subject,
-       .channel = channel.name,
-       .network = core::name_of(scene_.state->system(), first.to),
-       .from = core::name_of(scene_.state->system(), publisher.place),
-       .publisher = who.size() == 1 ? who.front() : "",
-       .admissions = ids});
+  log_.warning(Kind::excess,
+               fmt::format("{} sent {} of {} ({}) more than was admitted{}: {} said {} {}",
+                           fmt::join(who, " or "), frames_words(frames), channel.name,
+                           core::format_subject(channel.subject),
+                           fate == Fate::let_through ? ", passed in audit mode" : "",
+                           who.size() > 1 ? who.front() : "it", info(what).name,
+                           core::format_value(what, said[what])),
+               {.subject = channel.subject,
+                .channel = channel.name,
+                .network = core::name_of(scene_.state->system(), first.to),
+                .from = core::name_of(scene_.state->system(), publisher.place),
+                .publisher = who.size() == 1 ? who.front() : "",
+                .admissions = ids,
+                .frames = frames});
 }
 
 }  // namespace mlcca

@@ -32,8 +32,10 @@ class DeliveryEvents {
       : scene_(scene), log_(log), pulse_(std::move(pulse)) {}
 
   void verdict(Kind kind, const core::Verdict& verdict, const std::string& line);
-  /// Events are missing, or come again.
-  void silence(const core::Verdict& verdict, const gate_event& event);
+  /// Events are missing, or come again: of the publisher, or of all of several that look alike,
+  /// "a and b".
+  void silence(const core::Verdict& verdict, const gate_event& event,
+               const std::string& publishers);
   [[nodiscard]] Reported reported_of(const core::State& state) const;
   /// After a start or a reload: everything that was not reported before as it is, and of what was
   /// granted before what is not any more.
@@ -41,8 +43,10 @@ class DeliveryEvents {
   void changes(const std::vector<core::Change>& changes);
   void released(const std::vector<core::AdmissionId>& gone, const std::string& why);
   void dropped(const core::Verdict& verdict, Fate fate, std::uint64_t frames);
+  /// The same, of a channel that is granted now, before it was.
+  void dropped_before(std::size_t channel, Fate fate, std::uint64_t frames);
   /// Of frames of these verdicts, whose publishers cannot be distinguished where there are several.
-  void excess(const std::vector<const core::Verdict*>& verdicts, std::uint64_t frames);
+  void excess(const std::vector<const core::Verdict*>& verdicts, Fate fate, std::uint64_t frames);
 
   /// `id` is the publisher or one of the subscribers.
   [[nodiscard]] bool concerns(const core::Verdict& verdict, core::AdmissionId id) const;

@@ -25,19 +25,61 @@ std::uint64_t event_frames(const core::State& state, const core::Verdict& v,
   return core::frames_per_event(network, network.binding_of(v.channel), bytes);
 }
 
+/// By which the events of a delivery first come, if they are periodic.
+const core::GateRule* watched_rule(const core::GateState& rules) {
+  const auto own = std::ranges::find_if(
+      rules, [](const core::GateRule& rule) { return rule.watching.period != 0; });
+  return own == rules.end() ? nullptr : &*own;
+}
+
+const core::SharedRule* rule_of(const core::GateEntry& entry,
+                                const std::vector<core::SharedRule>& shared) {
+  const auto known =
+      std::ranges::find(shared, entry, [](const core::SharedRule& one) { return one.rule.entry; });
+  return known == shared.end() ? nullptr : &*known;
+}
+
 }  // namespace
 
-std::vector<core::GateEntry> DeliveryHealth::shared_entries_of(std::size_t channel) const {
-  return core::shared_entries(scene_.state->system(), scene_.state->members(), channel,
-                              scene_.state->decisions()[channel].verdicts, scene_.self);
+DeliveryHealth::Shared DeliveryHealth::shared_of(std::size_t channel) const {
+  return core::shared_rules(scene_.state->system(), scene_.state->members(), channel,
+                            scene_.state->decisions()[channel].verdicts, scene_.self);
+}
+
+DeliveryHealth::Supervision DeliveryHealth::supervision_of(const core::GateState& rules,
+                                                           const Shared& shared) const {
+  const core::GateRule* const own = watched_rule(rules);
+  if (own == nullptr) return {};
+  if (const core::SharedRule* both = rule_of(own->entry, shared)) {
+    Supervision found{gates_.watch({both->rule}), look_alikes_of(rules, shared)};
+    if (found.watch) found.watch->shared = true;
+    return found;
+  }
+  Supervision found{gates_.watch(rules), {}};
+  if (found.watch || own->watching.silence == 0 || !gates_.is_gated(own->entry.port)) return found;
+  found.lacking = own->watching.period > GATE_LONGEST_PERIOD
+                      ? "its Period is longer than a gate can watch"
+                      : fmt::format("the gate of {} watches as many publishers as it can",
+                                    gates_.interface_name(own->entry.port));
+  return found;
+}
+
+std::string DeliveryHealth::look_alikes_of(const core::GateState& rules,
+                                           const Shared& shared) const {
+  const core::GateRule* const own = watched_rule(rules);
+  if (own == nullptr || own->watching.silence == 0) return {};
+  const core::SharedRule* const both = rule_of(own->entry, shared);
+  if (both == nullptr) return {};
+  return core::names_of(scene_.state->members(), both->publishers) + " look alike to the gate";
 }
 
 std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
                                                      const core::GateState& rules,
-                                                     const std::vector<core::GateEntry>& shared,
-                                                     std::optional<control::Watch> watch) const {
+                                                     const Shared& shared,
+                                                     const Supervision& supervision) const {
   Observed seen;
-  seen.watch = std::move(watch);
+  seen.watch = supervision.watch;
+  seen.not_supervised = supervision.lacking;
   if (const std::string* why = forwarding_.obstacle(v.channel)) seen.not_forwarded = *why;
   if (lacks_relay(v, rules))
     seen.not_forwarded =
@@ -50,20 +92,21 @@ std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
     seen.passages.push_back(
         {.network = gates_.network_of(rule.entry.port),
          .leaves = rule.entry.direction == core::Direction::egress,
-         .is_shared = std::ranges::binary_search(shared, rule.entry),
+         .is_shared = rule_of(rule.entry, shared) != nullptr,
          .frames = gates_.frames({rule}),
          .passed_before = passed_before(v.channel, rule.entry),
          .event_frames = event_frames(*scene_.state, v, rule),
          .latest = in == nullptr ? std::nullopt : latest_left(v.channel, in->entry, rule.entry),
          .excess = drops_.recent(rule.entry, Drop::excess),
          .misfits = drops_.recent(rule.entry, Drop::misfit),
-         .would_be_misfits = drops_.recent(rule.entry, Drop::would_be_misfit)});
+         .would_be_misfits = drops_.recent(rule.entry, Drop::would_be_misfit),
+         .would_exceed = drops_.recent(rule.entry, Drop::would_exceed)});
   }
   // Unknown frames are read only where no events come: they may be the missing ones.
   if (in != nullptr && seen.watch && (seen.watch->missing_now || seen.watch->events == 0)) {
     const std::size_t port = in->entry.port;
     seen.unknown = drops_.recent_unknown(port);
-    if (seen.unknown != 0) seen.latest_unknown = gates_.latest_unknown(port);
+    if (seen.unknown.frames != 0) seen.latest_unknown = gates_.latest_unknown(port);
   }
   return troubles(seen);
 }
@@ -149,13 +192,14 @@ std::uint64_t DeliveryHealth::passed_before(std::size_t channel,
 void DeliveryHealth::judge(const DropReports::Polled& polled) {
   const auto& [verdicts, rules] = polled;
   const std::size_t channel = verdicts.front()->channel;
-  const auto shared = shared_entries_of(channel);
+  const Shared shared = shared_of(channel);
   // Granted ones come first.
   bool troubled = false;
   for (std::size_t i = 0; i < verdicts.size() && verdicts[i]->granted; ++i)
     note_leaving(channel, rules[i]);
   for (std::size_t i = 0; i < verdicts.size() && verdicts[i]->granted && !troubled; ++i)
-    troubled = !troubles_of(*verdicts[i], rules[i], shared, gates_.watch(rules[i])).empty();
+    troubled =
+        !troubles_of(*verdicts[i], rules[i], shared, supervision_of(rules[i], shared)).empty();
   if (troubled)
     troubled_.insert(channel);
   else
@@ -166,12 +210,12 @@ void DeliveryHealth::add_to(std::vector<std::string>& lines) const {
   const core::State& state = *scene_.state;
   for (const std::size_t channel : troubled_) {
     if (channel >= state.decisions().size()) break;
-    const auto shared = shared_entries_of(channel);
+    const Shared shared = shared_of(channel);
     for (const core::Verdict& v : state.decisions()[channel].verdicts) {
       if (!v.granted) continue;
       const auto rules = core::gate_state(state.system(), state.members(), v, scene_.self);
       const core::Publisher& publisher = state.members().publisher(v.publisher);
-      for (const std::string& line : troubles_of(v, rules, shared, gates_.watch(rules)))
+      for (const std::string& line : troubles_of(v, rules, shared, supervision_of(rules, shared)))
         lines.push_back(fmt::format("{} from {} ({}) to {}: {}",
                                     state.system().channels[channel].name,
                                     core::name_of(state.system(), publisher.place), publisher.name,

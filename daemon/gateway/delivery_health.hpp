@@ -34,14 +34,28 @@ class DeliveryHealth {
         carriers_(carriers),
         clock_(clock) {}
 
-  /// Entries by which events of several publishers of a channel come or leave, sorted.
-  [[nodiscard]] std::vector<core::GateEntry> shared_entries_of(std::size_t channel) const;
-  /// What is wrong with a granted delivery, one line each. `rules` are those of the verdict,
-  /// `shared` the shared entries of its channel.
+  using Shared = std::vector<core::SharedRule>;
+  /// Rules by which events of several publishers of a channel come or leave, sorted by entry.
+  [[nodiscard]] Shared shared_of(std::size_t channel) const;
+
+  // Of a granted delivery. `rules` are those of the verdict, `shared` those of its channel.
+
+  /// How its events come, and why nothing reports that they do not.
+  struct Supervision {
+    std::optional<control::Watch> watch;  ///< nothing: they are not watched
+    std::string lacking;                  ///< empty: it is reported, or no subscriber minds
+  };
+  [[nodiscard]] Supervision supervision_of(const core::GateState& rules,
+                                           const Shared& shared) const;
+  /// Why nothing would report the silence of its publisher alone, where others look like it; else
+  /// empty.
+  [[nodiscard]] std::string look_alikes_of(const core::GateState& rules,
+                                           const Shared& shared) const;
+  /// What is wrong with it, one line each.
   [[nodiscard]] std::vector<std::string> troubles_of(const core::Verdict& verdict,
                                                      const core::GateState& rules,
-                                                     const std::vector<core::GateEntry>& shared,
-                                                     std::optional<control::Watch> watch) const;
+                                                     const Shared& shared,
+                                                     const Supervision& supervision) const;
 
   /// The counters of a channel have just been polled.
   void judge(const DropReports::Polled& polled);

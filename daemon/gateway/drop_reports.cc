@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 
 namespace mlcca {
@@ -76,12 +77,38 @@ void DropReports::sample_entry(const core::GateRule& rule,
                                Dropped& sum) {
   const std::int64_t now = clock_.monotonic_s();
   const Frames frames = gates_.frames({rule});
-  const auto excess = of_entries_.sample({rule.entry, Drop::excess}, frames.excess, now);
-  if (excess && reporting == Reporting::yes) deliveries_.excess(users, *excess);
+  const std::uint64_t enforced = frames.excess - std::min(frames.excess, frames.would_exceed);
+  const auto excess = of_entries_.sample({rule.entry, Drop::excess}, enforced, now);
+  if (excess && reporting == Reporting::yes) deliveries_.excess(users, Fate::dropped, *excess);
+  const auto passed =
+      of_entries_.sample({rule.entry, Drop::would_exceed}, frames.would_exceed, now);
+  if (passed && reporting == Reporting::yes) deliveries_.excess(users, Fate::let_through, *passed);
   sum.dropped += of_entries_.sample({rule.entry, Drop::misfit}, misfits(frames), now).value_or(0);
   sum.would_drop +=
       of_entries_.sample({rule.entry, Drop::would_be_misfit}, would_be_misfits(frames), now)
           .value_or(0);
+}
+
+void DropReports::verdicts_changed(const core::Change& change) {
+  const core::State& state = *scene_.state;
+  const std::int64_t now = clock_.monotonic_s();
+  Dropped sum;
+  std::set<core::GateEntry> seen;
+  for (const core::Verdict& v : state.decisions()[change.channel].verdicts) {
+    const core::Verdict* const old = core::same_delivery(change.before, v);
+    if (!v.granted || (old != nullptr && old->granted)) continue;
+    for (const core::GateRule& rule :
+         core::gate_state(state.system(), state.members(), v, scene_.self)) {
+      if (!seen.insert(rule.entry).second) continue;
+      const Frames frames = gates_.frames({rule});
+      sum.dropped += of_entries_.close({rule.entry, Drop::misfit}, misfits(frames), now);
+      sum.would_drop +=
+          of_entries_.close({rule.entry, Drop::would_be_misfit}, would_be_misfits(frames), now);
+    }
+  }
+  if (sum.dropped != 0) deliveries_.dropped_before(change.channel, Fate::dropped, sum.dropped);
+  if (sum.would_drop != 0)
+    deliveries_.dropped_before(change.channel, Fate::let_through, sum.would_drop);
 }
 
 /// Of each entry once, with the first of the verdicts whose events come or leave by it; granted
@@ -123,7 +150,7 @@ void DropReports::poll_unknown(std::size_t port, Reporting reporting) {
                  dropped_line(fate, *fresh,
                               fmt::format("without a known subject on {} ({})",
                                           gates_.interface_name(port), network)),
-                 {.network = network});
+                 {.network = network, .frames = *fresh});
   };
   poll(Fate::dropped, frames.dropped);
   poll(Fate::let_through, frames.would_drop);

@@ -2,6 +2,7 @@
 // What the gates drop: their counters are polled, and what is new is reported to the operator and
 // to the applications that it concerns.
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -19,9 +20,9 @@
 
 namespace mlcca {
 
-/// Why frames of an entry are dropped, as far as that is counted apart. Excess is not counted apart
-/// by whether audit mode has let it through.
-enum class Drop : std::uint8_t { misfit, would_be_misfit, excess };
+/// Why frames of an entry are dropped, as far as that is counted apart. Excess: dropped, or passed
+/// because the port says so; would_exceed: passed in audit mode.
+enum class Drop : std::uint8_t { misfit, would_be_misfit, excess, would_exceed };
 
 class DropReports {
  public:
@@ -50,19 +51,23 @@ class DropReports {
   bool poll_some_ports();
   bool tidy() { return of_entries_.tidy(); }
 
+  /// Other verdicts about a channel are in force. What was dropped of deliveries that are granted
+  /// now, and were refused, says nothing about the grant.
+  void verdicts_changed(const core::Change& change);
   /// Everything that was not reported yet is, now: what the counters mean is about to change.
   void report_all();
   /// What is counted now was reported, or has a name that may mean something else.
   void forget();
 
   /// Frames of an entry that were dropped for a reason lately.
-  [[nodiscard]] std::uint64_t recent(const core::GateEntry& entry, Drop reason) const {
+  [[nodiscard]] RecentDrops recent(const core::GateEntry& entry, Drop reason) const {
     return of_entries_.recent({entry, reason}, clock_.monotonic_s());
   }
   /// Frames of no slot that came to a port lately, whatever became of them.
-  [[nodiscard]] std::uint64_t recent_unknown(std::size_t port) const {
-    return of_ports_.recent({port, Fate::dropped}, clock_.monotonic_s()) +
-           of_ports_.recent({port, Fate::let_through}, clock_.monotonic_s());
+  [[nodiscard]] RecentDrops recent_unknown(std::size_t port) const {
+    const RecentDrops dropped = of_ports_.recent({port, Fate::dropped}, clock_.monotonic_s());
+    const RecentDrops passed = of_ports_.recent({port, Fate::let_through}, clock_.monotonic_s());
+    return {dropped.frames + passed.frames, std::max(dropped.seconds, passed.seconds)};
   }
 
  private:

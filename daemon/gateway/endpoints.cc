@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/gates/control_traffic.hpp"
 #include "core/model/medium.hpp"
 #include "core/model/words.hpp"
 #include "daemon/gateway/pace.hpp"
@@ -42,36 +43,81 @@ std::uint32_t Endpoints::event_bytes(const core::Passage& passage) const {
   if (offered.has(Attribute::max_payload))
     return static_cast<std::uint32_t>(
         std::min<Value>(offered[Attribute::max_payload], core::kDatagramMaxEvent));
-  // Not stated: what one frame holds, where frames do not carry the subject.
+  // Not stated: what one frame holds, where events are not fragmented.
   std::uint32_t most = core::kDatagramMaxEvent;
   for (const auto& entry : {passage.in, passage.out})
-    if (entry && entry->mask != 0) most = std::min<std::uint32_t>(most, entry->max_length);
+    if (entry && (entry->mask != 0 || !entry->fragmented))
+      most = std::min<std::uint32_t>(most, entry->max_length);
   return most;
+}
+
+const core::Network& Endpoints::network_at(std::size_t port) const {
+  const core::System& system = scene_.state->system();
+  return system.networks[system.gateways[scene_.self].ports[port].network];
+}
+
+std::optional<control::Endpoint> Endpoints::at_port(std::size_t port) const {
+  const int ifindex = gates_.gated_interface(port);
+  if (ifindex == 0) return std::nullopt;
+  const core::Network& network = network_at(port);
+  control::Endpoint out;
+  out.network = network.name;
+  out.interface = gates_.interface_name(port);
+  out.ifindex = static_cast<std::uint32_t>(ifindex);
+  out.can = !network.carries_subjects();
+  out.wpan = !out.can && network.kind == core::NetworkKind::ieee802154;
+  out.profile = core::words::kProfiles.of(network.profile);
+  return out;
 }
 
 std::optional<control::Endpoint> Endpoints::endpoint(std::size_t channel,
                                                      const core::GateEntry& entry,
                                                      std::uint32_t event_bytes) const {
-  const int ifindex = gates_.gated_interface(entry.port);
-  if (ifindex == 0) return std::nullopt;
-  const core::System& system = scene_.state->system();
-  const core::Network& network =
-      system.networks[system.gateways[scene_.self].ports[entry.port].network];
-  control::Endpoint out;
-  out.network = network.name;
-  out.interface = gates_.interface_name(entry.port);
-  out.ifindex = static_cast<std::uint32_t>(ifindex);
-  out.can = !network.carries_subjects();
+  auto there = at_port(entry.port);
+  if (!there) return std::nullopt;
+  control::Endpoint& out = *there;
+  const core::Network& network = network_at(entry.port);
   out.id = entry.id;
   out.mask = entry.mask;
   out.classic = entry.classic;
   out.fd = entry.fd;
-  out.profile = core::words::kProfiles.of(network.profile);
-  out.frame_bytes = entry.max_length;
+  out.frame_bytes = entry.frame_length();
   out.fragmented = entry.fragmented;
   out.address = core::to_text(entry.station);
   if (out.can)
     out.fragmented = core::is_fragmented(network, network.binding_of(channel), event_bytes);
+  return there;
+}
+
+control::SubscriptionNetwork Endpoints::of_subscriptions(std::size_t port) const {
+  const core::Network& network = network_at(port);
+  control::SubscriptionNetwork out;
+  out.network = network.name;
+  out.accepts_all = network.subscriptions.accept == core::Subscribing::all;
+  out.most = network.subscriptions.most;
+  out.gateways_only = network.subscriptions.accept == core::Subscribing::gateways;
+  const core::Port& own = scene_.state->system().gateways[scene_.self].ports[port];
+  out.user = own.control_uid;
+  auto there = at_port(port);
+  if (!there) {
+    out.problem = "the interface is not there, or has no gate";
+    return out;
+  }
+  there->frame_bytes = core::kSubscriptionBytes;
+  if (there->can) {
+    const auto frames = core::subscription_frames(network, own);
+    if (!frames) {
+      out.problem = own.node ? "the tag of SUBSCRIB is not known yet"
+                             : "the Port states no node: subscriptions need a sender";
+      return out;
+    }
+    there->id = frames->id;
+    there->mask = frames->mask;
+    there->classic = true;
+    there->fragmented = true;
+    there->frame_bytes = core::kClassicBytes;
+  }
+  out.endpoint = *std::move(there);
   return out;
 }
 

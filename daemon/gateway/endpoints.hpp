@@ -27,6 +27,9 @@ class Endpoints {
   /// Of the subscribers that a channel has here.
   [[nodiscard]] std::vector<control::Endpoint> of_subscribers(std::size_t channel) const;
 
+  /// Where subscriptions come from and go to on a network of this gateway that accepts them.
+  [[nodiscard]] control::SubscriptionNetwork of_subscriptions(std::size_t port) const;
+
   /// What programs carry from network to network, of one channel. `user`: only that user's.
   void add_transfers(std::size_t channel, std::optional<std::uint32_t> user,
                      control::Transfers& to) const;
@@ -38,6 +41,9 @@ class Endpoints {
 
  private:
   [[nodiscard]] std::vector<core::Passage> passages(std::size_t channel) const;
+  [[nodiscard]] const core::Network& network_at(std::size_t port) const;
+  /// Nothing: the port has no gate now. It is the same of all channels.
+  [[nodiscard]] std::optional<control::Endpoint> at_port(std::size_t port) const;
   /// Nothing: its port has no gate now.
   [[nodiscard]] std::optional<control::Endpoint> endpoint(std::size_t channel,
                                                           const core::GateEntry& entry,

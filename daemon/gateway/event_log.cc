@@ -21,7 +21,10 @@ void EventLog::write(Kind kind, int priority, std::string message, About about) 
          .network = std::move(about.network),
          .from = std::move(about.from),
          .publisher = std::move(about.publisher),
-         .admissions = std::move(about.admissions)});
+         .admissions = std::move(about.admissions),
+         .frames = about.frames,
+         .late = about.late,
+         .longest_ns = about.longest_ns});
 }
 
 void EventLog::write(Note note) {
@@ -44,6 +47,9 @@ void EventLog::write(Note note) {
   event.message = std::move(note.message);
   event.admissions = std::move(note.admissions);
   event.silent_ns = note.silent_ns;
+  event.frames = note.frames;
+  event.late = note.late;
+  event.longest_ns = note.longest_ns;
   event.missing = note.missing;
   event.by = std::move(note.by);
   event.publisher = std::move(note.publisher);

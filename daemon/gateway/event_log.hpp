@@ -26,6 +26,9 @@ struct About {
   std::string from = {};
   std::string publisher = {};
   std::vector<std::uint64_t> admissions = {};
+  std::uint64_t frames = 0;
+  std::uint64_t late = 0;
+  std::uint64_t longest_ns = 0;
 };
 
 class EventLog {

@@ -13,10 +13,12 @@ namespace mlcca {
 void Forwarder::want(std::size_t channel, std::vector<net::CanRule> rules) {
   const auto known = needs_.find(channel);
   if (known == needs_.end() ? rules.empty() : known->second == rules) return;
-  // Publishers of one channel that cannot be distinguished share a rule; no other channel has it.
   if (known != needs_.end())
-    for (const net::CanRule& rule : known->second) wanted_.erase(rule);
-  for (const net::CanRule& rule : rules) wanted_.emplace(rule, channel);
+    for (const net::CanRule& rule : known->second) release(rule, channel);
+  for (const net::CanRule& rule : rules) {
+    channels_[rule].insert(channel);
+    wanted_.emplace(rule, channel);
+  }
   if (rules.empty())
     needs_.erase(channel);
   else
@@ -24,8 +26,22 @@ void Forwarder::want(std::size_t channel, std::vector<net::CanRule> rules) {
   changed_ = true;
 }
 
+/// Channels whose messages have the same frames share their rule.
+void Forwarder::release(const net::CanRule& rule, std::size_t channel) {
+  const auto users = channels_.find(rule);
+  if (users == channels_.end()) return;  // publishers of one channel share it too
+  users->second.erase(channel);
+  if (!users->second.empty()) {
+    wanted_[rule] = *users->second.begin();
+    return;
+  }
+  channels_.erase(users);
+  wanted_.erase(rule);
+}
+
 void Forwarder::forget() {
   needs_.clear();
+  channels_.clear();
   wanted_.clear();
   there_.reset();
   changed_ = true;

@@ -39,6 +39,7 @@ class Forwarder {
   [[nodiscard]] const std::string& problem() const { return problem_; }
   /// Wanted rules that rules of another program are in the way of.
   [[nodiscard]] const std::vector<net::CanRule>& in_way() const { return in_way_; }
+  /// One of those that need it.
   [[nodiscard]] std::optional<std::size_t> channel_of(const net::CanRule& rule) const;
   /// Rules that are wanted, and those that the kernel was last seen to have.
   [[nodiscard]] std::size_t rules() const { return wanted_.size() + (there_ ? there_->size() : 0); }
@@ -46,6 +47,7 @@ class Forwarder {
   [[nodiscard]] Result<std::vector<net::CanRuleThere>> read() { return kernel_->read(); }
 
  private:
+  void release(const net::CanRule& rule, std::size_t channel);
   void align();
   bool read_again();
   void apply(const RuleChanges& changes);
@@ -54,6 +56,7 @@ class Forwarder {
   std::unique_ptr<net::CanRules> kernel_;
   Report report_;
   std::map<std::size_t, std::vector<net::CanRule>> needs_;  ///< by channel
+  std::map<net::CanRule, std::set<std::size_t>> channels_;  ///< that need it
   Wanted wanted_;
   std::optional<std::vector<net::CanRuleThere>> there_;  ///< none: to be read
   std::vector<net::CanRule> in_way_;

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <set>
 
+#include "core/profiles/profile.hpp"
+
 namespace mlcca {
 namespace {
 
@@ -68,6 +70,21 @@ Carried carried(const CanRule& rule, const Others& others) {
   return out;
 }
 
+/// What carries messages of several PGNs of one source has one rule, whatever their priorities, so
+/// that nothing is carried twice. The gate of the other bus distinguishes them.
+void add_carriers(const core::GateEntry& in, std::vector<CanRule>& rules) {
+  constexpr std::uint32_t priority = 0x1c000000;
+  const core::Fragmentation& transport =
+      *core::traits_of(core::Profile::j1939).fragmentation;  // no other profile has any
+  CanRule rule = rules.front();
+  rule.fd = false;
+  for (const core::FrameIdentity& carrier : transport.carriers({.id = in.id, .mask = in.mask})) {
+    rule.mask = (carrier.mask & ~priority) | core::kRemoteFlag;
+    rule.id = carrier.id & rule.mask;
+    rules.push_back(rule);
+  }
+}
+
 std::uint32_t free_uid(std::set<std::uint32_t>& taken, std::uint32_t& from) {
   while (from < net::kLastUid && taken.contains(from)) ++from;
   taken.insert(from);
@@ -99,11 +116,16 @@ std::expected<std::vector<CanRule>, std::string> rules_of(const core::Transit& t
     rule.keep = ~rule.mask;
     rule.set = out.id;
   }
+  if (in.transport != out.transport || (in.transport && (in.id != out.id || in.mask != out.mask)))
+    return std::unexpected(
+        std::string("can-gw carries frames as they are, and a message of the transport protocol "
+                    "names its PGN within them"));
   std::vector<CanRule> rules;
   for (const bool fd : {false, true}) {
     rule.fd = fd;
     if (fd ? in.fd && out.fd : in.classic && out.classic) rules.push_back(rule);
   }
+  if (in.transport) add_carriers(in, rules);
   return rules;
 }
 

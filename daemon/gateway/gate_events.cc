@@ -42,12 +42,19 @@ void GateEvents::on_event(const gate_event& event) {
   const core::State& state = *parts_.scene.state;
   const auto channel = state.channel_of(event.subject);
   if (!channel) return;
+  std::vector<const core::Verdict*> concerned;
+  std::vector<std::size_t> publishers;
   for (const core::Verdict& v : state.decisions()[*channel].verdicts)
     if (v.granted && parts_.gates.is_of(event, core::gate_state(state.system(), state.members(), v,
                                                                 parts_.scene.self))) {
-      if (event.kind == GATE_E_MISSING) parts_.health.note_missing(*channel);
-      parts_.deliveries.silence(v, event);
+      concerned.push_back(&v);
+      if (std::ranges::find(publishers, v.publisher) == publishers.end())
+        publishers.push_back(v.publisher);
     }
+  if (concerned.empty()) return;
+  if (event.kind == GATE_E_MISSING) parts_.health.note_missing(*channel);
+  const std::string names = core::names_of(state.members(), publishers);
+  for (const core::Verdict* v : concerned) parts_.deliveries.silence(*v, event, names);
 }
 
 void GateEvents::on_sample(const gate_sample& sample) {
@@ -55,11 +62,13 @@ void GateEvents::on_sample(const gate_sample& sample) {
   for (std::size_t p = 0; p < parts_.gates.size(); ++p) {
     if (parts_.gates.interface_name(p) != interface) continue;
     const std::string& network = parts_.gates.network_of(p);
+    const UnknownFrames unknown = parts_.gates.unknown_frames(p);
     parts_.log.warning(
         Kind::dropping,
         fmt::format("a frame that names no known subject {} {} ({}): {}, {} bytes; {} so far",
                     sample.audit != 0 ? "would be dropped on" : "was dropped on", interface,
-                    network, frame_name(sample), sample.len, sample.frames),
+                    network, frame_name(sample), sample.len,
+                    sample.audit != 0 ? unknown.would_drop : unknown.dropped),
         {.network = network});
     return;
   }

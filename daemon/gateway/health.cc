@@ -8,6 +8,7 @@
 
 #include "control/watches.hpp"
 #include "core/model/text.hpp"
+#include "daemon/gateway/drops.hpp"
 
 namespace mlcca {
 namespace {
@@ -23,16 +24,21 @@ std::string time(std::uint64_t ns) {
   return core::format_value(Attribute::latency, ns - ns % 1'000'000);
 }
 
-std::string frames(std::uint64_t n) { return n == 1 ? "1 frame" : fmt::format("{} frames", n); }
+/// "18 frames on lan in the last 42 s". To a minute where it is minutes.
+std::string recent_frames(const RecentDrops& recent, const std::string& network) {
+  const auto seconds = std::max<std::int64_t>(recent.seconds, 1);
+  return fmt::format(
+      "{} on {} in the last {}", frames_words(recent.frames), network,
+      seconds < 120 ? fmt::format("{} s", seconds) : fmt::format("{} min", (seconds + 59) / 60));
+}
 
 /// Frames that were not granted may be those of the publisher.
 void add_unknown(const Observed& seen, std::vector<std::string>& lines) {
   const auto in = std::ranges::find(seen.passages, false, &Passage::leaves);
-  if (in == seen.passages.end() || seen.unknown == 0) return;
+  if (in == seen.passages.end() || seen.unknown.frames == 0) return;
   lines.push_back(fmt::format(
-      "{} on {} {} no known subject, the latest {}: does the publisher send by another name?",
-      frames(seen.unknown), in->network, seen.unknown == 1 ? "names" : "name",
-      seen.latest_unknown));
+      "{} named no known subject, the latest {}: does the publisher send by another name?",
+      recent_frames(seen.unknown, in->network), seen.latest_unknown));
 }
 
 void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
@@ -53,19 +59,27 @@ void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
   }
 }
 
-std::string misfit_line(const Passage& at, std::uint64_t n) {
-  return fmt::format("{} on {} {} the subject and differ{} from the grant{}{}", frames(n),
-                     at.network, n == 1 ? "names" : "name", n == 1 ? "s" : "",
-                     at.frames.last_reason.empty() ? "" : ": ", at.frames.last_reason);
+std::string misfit_line(const Passage& at, const RecentDrops& misfits) {
+  return fmt::format("{} named the subject and differed from the grant{}{}",
+                     recent_frames(misfits, at.network), at.frames.last_reason.empty() ? "" : ": ",
+                     at.frames.last_reason);
 }
 
+std::string excess_line(const Passage& at, const RecentDrops& excess) {
+  return fmt::format("{} {} more than was admitted", recent_frames(excess, at.network),
+                     excess.frames == 1 ? "was" : "were");
+}
+
+/// The mode may be another one since.
+constexpr std::string_view kInAuditMode = " (passed in audit mode)";
+
 void add_drops(const Passage& at, std::vector<std::string>& lines) {
-  if (at.excess != 0)
-    lines.push_back(fmt::format("{} on {} {} more than was admitted", frames(at.excess), at.network,
-                                at.excess == 1 ? "was" : "were"));
-  if (at.misfits != 0) lines.push_back(misfit_line(at, at.misfits));
-  if (at.would_be_misfits != 0)
-    lines.push_back(misfit_line(at, at.would_be_misfits) + " (audit mode: they pass)");
+  if (at.excess.frames != 0) lines.push_back(excess_line(at, at.excess));
+  if (at.would_exceed.frames != 0)
+    lines.push_back(excess_line(at, at.would_exceed).append(kInAuditMode));
+  if (at.misfits.frames != 0) lines.push_back(misfit_line(at, at.misfits));
+  if (at.would_be_misfits.frames != 0)
+    lines.push_back(misfit_line(at, at.would_be_misfits).append(kInAuditMode));
 }
 
 /// A grant that carries nothing, although its events come.
@@ -81,10 +95,10 @@ void add_lost(const Observed& seen, std::vector<std::string>& lines) {
     const std::uint64_t before = std::max(in->passed_before, none ? 0 : out.latest->in);
     const std::uint64_t came = in->frames.passed - std::min(before, in->frames.passed);
     if (came <= kOnTheirWay * in->event_frames) continue;
-    lines.push_back(
-        fmt::format("{} came in from {} {} left to {}{}", frames(came), in->network,
-                    none ? "and none" : "since the latest", out.network,
-                    out.misfits + out.would_be_misfits == 0 ? ": nothing forwards them" : ""));
+    lines.push_back(fmt::format(
+        "{} came in from {} {} left to {}{}", frames_words(came), in->network,
+        none ? "and none" : "since the latest", out.network,
+        out.misfits.frames + out.would_be_misfits.frames == 0 ? ": nothing forwards them" : ""));
   }
 }
 
@@ -94,6 +108,7 @@ std::vector<std::string> troubles(const Observed& seen) {
   std::vector<std::string> lines;
   if (seen.watch) add_silence(*seen.watch, lines);
   if (!lines.empty()) add_unknown(seen, lines);
+  if (!seen.not_supervised.empty()) lines.push_back("not supervised: " + seen.not_supervised);
   for (const Passage& at : seen.passages) add_drops(at, lines);
   if (!seen.not_forwarded.empty())
     lines.push_back(seen.not_forwarded);

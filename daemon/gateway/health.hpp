@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/drop_watch.hpp"
 #include "control/messages.hpp"
 #include "daemon/gateway/report.hpp"
 
@@ -28,28 +29,32 @@ struct Passage {
   std::uint64_t passed_before = 0;        ///< of them, when the channel was last decided otherwise
   std::uint64_t event_frames = 1;         ///< that an event may have there, before it is whole
   std::optional<LatestLeft> latest = {};  ///< leaves: at the latest poll; nothing: not polled yet
-  std::uint64_t excess = 0;               ///< recent ones in excess of the admitted traffic
-  std::uint64_t misfits = 0;  ///< recent ones that name the subject and differ from the grant
-  std::uint64_t would_be_misfits = 0;  ///< the same, let through by audit mode
+  RecentDrops excess = {};                ///< more than was admitted
+  RecentDrops misfits = {};               ///< named the subject and differed from the grant
+  RecentDrops would_be_misfits = {};      ///< the same, let through by audit mode
+  RecentDrops would_exceed = {};          ///< more than was admitted, let through by audit mode
 };
 
 /// Everything that this gateway knows of a granted delivery.
 struct Observed {
   std::optional<control::Watch> watch = {};
+  std::string not_supervised = {};  ///< why nothing reports its silence; empty: it is reported, or
+                                    ///< no subscriber minds
   std::vector<Passage> passages = {};
   std::string not_forwarded = {};   ///< why no rule of can-gw carries it; empty: none has to
   std::string late = {};            ///< that the program that carries it took too long; empty: no
-  std::uint64_t unknown = 0;        ///< recent frames without a slot where its events come in
+  RecentDrops unknown = {};         ///< frames without a slot where its events come in
   std::string latest_unknown = {};  ///< the latest of them: "123", "0x… from 10.0.0.7"
 };
 
 /// What is wrong with it, one line each; nothing where all is as granted:
 ///   nothing has come for 4.2 s: 84 events are missing
-///   12 frames on second-can were more than was admitted
+///   12 frames on second-can in the last 40 s were more than was admitted
 ///   events come again, the latest 20 ms ago: not restored yet
+///   not supervised: a and b look alike to the gate
 ///   40 frames came in from second-can and none left to robot-can
 ///   40 frames came in from second-can since the latest left to robot-can: nothing forwards them
-///   12 frames on second-can name no known subject, the latest 124: does the publisher send ...
+///   12 frames on second-can in the last 40 s named no known subject, the latest 124: does ...
 ///   the program that carries it to lan took up to 9.8 ms, longer than the gateway states, for ...
 [[nodiscard]] std::vector<std::string> troubles(const Observed& seen);
 

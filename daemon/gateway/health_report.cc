@@ -7,6 +7,7 @@
 #include <iterator>
 #include <utility>
 
+#include "base/drop_watch.hpp"
 #include "core/gates/relay_gate.hpp"
 #include "daemon/gateway/health.hpp"
 
@@ -65,6 +66,11 @@ void HealthReport::add_own(std::vector<std::string>& to) const {
     to.emplace_back("audit mode: nothing is dropped, data that was not admitted passes");
   if (parts_.control.lapsed())
     to.emplace_back("the heart-beat came too late: everything is denied");
+  if (const std::int64_t now = parts_.clock.monotonic_s(); lapsed_ && now - *lapsed_ < kRecent)
+    to.push_back(
+        fmt::format("the gates were closed until {} s ago, because the daemon gave no "
+                    "heart-beat for more than the grace",
+                    now - *lapsed_));
   std::ranges::move(problems(), std::back_inserter(to));
   std::ranges::move(parts_.safeguards.problems(), std::back_inserter(to));
   if (!parts_.reloads.last_error().empty())
@@ -73,6 +79,7 @@ void HealthReport::add_own(std::vector<std::string>& to) const {
   if (std::string words = withdrawn_words(*parts_.scene.state, parts_.recorder.contents().released);
       !words.empty())
     to.push_back(std::move(words));
+  std::ranges::move(parts_.presence.problems(), std::back_inserter(to));
   std::ranges::move(parts_.meshes.problems(), std::back_inserter(to));
   for (const Tag& tag : parts_.tags.all())
     if (!tag.problem().empty()) to.push_back(tag.name + ": " + tag.problem());

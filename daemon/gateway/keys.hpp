@@ -8,6 +8,11 @@
 
 namespace mlcca {
 
+/// What the keys of subscriptions that came over a network begin with.
+[[nodiscard]] inline std::string subscription_keys(const std::string& network) {
+  return "subscription " + network + " ";
+}
+
 class Keys {
  public:
   /// No key: nothing is remembered.
@@ -20,6 +25,13 @@ class Keys {
     const auto known = ids_.find(key);
     if (known == ids_.end()) return std::nullopt;
     return known->second;
+  }
+  [[nodiscard]] std::size_t count_with_prefix(const std::string& prefix) const {
+    std::size_t n = 0;
+    for (auto at = ids_.lower_bound(prefix); at != ids_.end() && at->first.starts_with(prefix);
+         ++at)
+      ++n;
+    return n;
   }
   void forget(std::uint64_t id) {
     const auto known = keys_.find(id);

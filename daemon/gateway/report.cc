@@ -157,7 +157,14 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
   out.dropped = frames.dropped;
   out.would_drop = frames.would_drop;
   out.excess = frames.excess;
+  out.would_exceed = frames.would_exceed;
   return out;
+}
+
+void set_not_supervised(control::Channel& channel, std::string why) {
+  channel.not_supervised = std::move(why);
+  if (!channel.not_supervised.empty() && !channel.reaction.empty())
+    channel.reaction = "not known: " + channel.not_supervised;
 }
 
 control::Network network_report(const core::State& state, std::size_t index) {
@@ -201,6 +208,23 @@ std::string switch_line(const core::State& state, const core::Verdict& v, std::s
                      core::sets_of(system, v.channel),
                      core::name_of(system, state.members().publisher(v.publisher).place),
                      core::name_of(system, v.to), why(state, v));
+}
+
+std::string reroute_line(const core::State& state, const core::Verdict& v,
+                         const core::Route& former_route) {
+  const core::System& system = state.system();
+  const core::EventChannel& channel = system.channels[v.channel];
+  const auto names = [&system](const core::Route& route) {
+    std::string out;
+    for (const core::Place hop : core::hops_of(route))
+      out += (out.empty() ? "" : ", ") + core::name_of(system, hop);
+    return out;
+  };
+  return fmt::format("{} ({}) takes another way from {} to {}: {} instead of {}: {}", channel.name,
+                     core::format_subject(channel.subject),
+                     core::name_of(system, state.members().publisher(v.publisher).place),
+                     core::name_of(system, v.to), names(v.route), names(former_route),
+                     why(state, v));
 }
 
 }  // namespace mlcca

@@ -32,7 +32,7 @@ Result<void> Turn::settle(const core::FormerRules& left) {
   for (const core::Change& change : changes) {
     parts_.recorder.note(change.channel);
     parts_.forwarding.want(change.channel);
-    changed_(change.channel);
+    changed_(change);
     core::Progress::made();
   }
   parts_.deliveries.changes(changes);

@@ -54,7 +54,7 @@ class Turn {
 
   void add(const ConditionSource& source) { sources_.push_back(&source); }
   /// Called with each channel that has just been decided otherwise and enforced.
-  void on_changed(std::function<void(std::size_t channel)> changed) {
+  void on_changed(std::function<void(const core::Change&)> changed) {
     changed_ = std::move(changed);
   }
   /// Called when the disk has refused what was admitted: no client has been granted it.
@@ -84,7 +84,7 @@ class Turn {
 
   Parts parts_;
   std::vector<const ConditionSource*> sources_;
-  std::function<void(std::size_t)> changed_ = [](std::size_t) {};
+  std::function<void(const core::Change&)> changed_ = [](const core::Change&) {};
   Lost lost_ = [](const auto&) {};
   Committed committed_ = [](const auto&) {};
 };

@@ -45,6 +45,7 @@ Link describe(rtnl_link* link) {
   out.alias = text_or_empty(rtnl_link_get_ifalias(link));
   out.is_can = rtnl_link_get_arptype(link) == ARPHRD_CAN;
   out.is_ethernet = rtnl_link_get_arptype(link) == ARPHRD_ETHER;
+  out.is_wpan = rtnl_link_get_arptype(link) == ARPHRD_IEEE802154;
   out.up = (rtnl_link_get_flags(link) & IFF_UP) != 0;
   if (rtnl_link_is_can(link) == 0) return out;
   std::uint32_t value = 0;

@@ -22,6 +22,7 @@ struct Link {
   std::string alias;
   bool is_can = false;             ///< ARPHRD_CAN
   bool is_ethernet = false;        ///< ARPHRD_ETHER
+  bool is_wpan = false;            ///< ARPHRD_IEEE802154
   bool up = false;                 ///< administratively
   std::string can_state;           ///< "error-active", "error-warning", "error-passive", "bus-off",
                                    ///< "stopped", "sleeping"; empty: the driver has none

@@ -31,7 +31,17 @@ void DescribedPort::take_over(const DescribedPort& former) {
 
 bool DescribedPort::can_have_gate(const net::Link& link) const {
   if (!needs_gate()) return false;
+  if (kind_ == core::NetworkKind::ieee802154) return link.is_wpan;
   return is_can() ? link.is_can : link.is_ethernet;
+}
+
+std::string DescribedPort::lacks_framing(const net::Link& link) const {
+  if (is_can()) return link.name + " is not a CAN interface";
+  if (kind_ == core::NetworkKind::ieee802154)
+    return link.name + " is not an interface of IEEE 802.15.4";
+  return link.name +
+         " has no Ethernet frames, and there is a gate for CAN, Ethernet and IEEE "
+         "802.15.4 only";
 }
 
 const net::Link* DescribedPort::link(const net::LinkTable& links) const {

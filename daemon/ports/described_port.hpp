@@ -36,6 +36,8 @@ class DescribedPort {
   [[nodiscard]] int ifindex() const { return ifindex_; }
   /// As it is listed; none: it is not.
   [[nodiscard]] const net::Link* link(const net::LinkTable& links) const;
+  /// "eth0 has no Ethernet frames, …": why there is none for this interface.
+  [[nodiscard]] std::string lacks_framing(const net::Link& link) const;
   /// Name of the interface now, or what it is recognised by.
   [[nodiscard]] std::string interface_name(const net::LinkTable& links) const;
   /// Why it cannot be used; empty: it can.

@@ -32,6 +32,7 @@ std::string formats_of(std::uint8_t formats, bool can) {
     add(GATE_CLASSIC, "classic");
     add(GATE_FD, "fd");
     add(GATE_XL, "xl");
+    add(GATE_TRANSPORT, "transport");
   } else {
     add(ETHER_UNFRAGMENTED, "unfragmented");
     add(ETHER_FRAGMENT, "fragments");
@@ -109,6 +110,7 @@ class GateReport {
       out.dropped = counted->dropped;
       out.excess = counted->excess + counted->would_exceed;
       out.would_drop = counted->would_drop;
+      out.would_exceed = counted->would_exceed;
       out.bytes = counted->bytes;
       if (counted->last_reason != GATE_R_PASSED)
         out.last_reason = enforce::reason_text(counted->last_reason);

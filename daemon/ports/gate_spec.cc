@@ -6,7 +6,7 @@ namespace mlcca {
 GateSpec gate_spec(const net::Link& link, core::NetworkKind kind, core::Profile profile,
                    core::Refused refused, std::size_t slots) {
   const bool silent = refused == core::Refused::silent;
-  if (kind == core::NetworkKind::can && !link.is_ethernet)
+  if (kind == core::NetworkKind::can && !link.is_ethernet && !link.is_wpan)
     return enforce::GateConfig{.ifindex = static_cast<std::uint32_t>(link.ifindex),
                                .name = link.name,
                                .profile = profile,
@@ -17,7 +17,8 @@ GateSpec gate_spec(const net::Link& link, core::NetworkKind kind, core::Profile 
                               .name = link.name,
                               .slots = slots,
                               .hook = {},
-                              .silent = silent};
+                              .silent = silent,
+                              .framing = {}};
 }
 
 GateSpec closed_gate_spec(const net::Link& link, std::size_t slots) {

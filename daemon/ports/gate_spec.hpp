@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the gate of an interface must be: of CAN or of Ethernet, of which profile, with how many
-// slots, and how it answers senders.
+// What the gate of an interface must be: of CAN or of another framing, of which profile, with how
+// many slots, and how it answers senders.
 #pragma once
 #include <cstddef>
 #include <variant>

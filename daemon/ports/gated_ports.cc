@@ -58,10 +58,7 @@ Result<void> GatedPorts::prepare(const core::System& system, std::size_t gateway
 void GatedPorts::attach(GatedPort& gated, const net::Link& link, const ReportLine& report) {
   DescribedPort& port = gated.port;
   if (!port.can_have_gate(link)) {
-    port.set_problem(port.is_can() ? link.name + " is not a CAN interface"
-                                   : link.name +
-                                         " has no Ethernet frames, and there is a gate for "
-                                         "CAN and Ethernet only");
+    port.set_problem(port.lacks_framing(link));
     return;
   }
   const auto done =

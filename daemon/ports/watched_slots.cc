@@ -65,7 +65,7 @@ bool is_of(const gate_event& event, const core::GateState& rules, const GatedPor
   return std::ranges::any_of(rules, [&](const core::GateRule& rule) {
     const enforce::PortGate* gate = ports.gate(rule.entry.port);
     const auto slot = slot_of(rule, ports);
-    return gate != nullptr && slot && gate->ifindex() == event.ifindex &&
+    return gate != nullptr && slot && slot->period != 0 && gate->ifindex() == event.ifindex &&
            rule.entry.subject == event.subject && gate->watched_as(*slot) == event.slot;
   });
 }

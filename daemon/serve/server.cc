@@ -39,19 +39,6 @@ Standing standing_of(const Peer& peer) {
   return peer.may_change ? Standing::member : Standing::other;
 }
 
-bool in_group(int fd, gid_t primary, gid_t group) {
-  if (primary == group) return true;
-  std::vector<gid_t> groups(64);
-  auto size = static_cast<socklen_t>(groups.size() * sizeof(gid_t));
-  if (::getsockopt(fd, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &size) < 0) {
-    if (errno != ERANGE) return false;
-    groups.resize(size / sizeof(gid_t));
-    if (::getsockopt(fd, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &size) < 0) return false;
-  }
-  groups.resize(size / sizeof(gid_t));
-  return std::ranges::find(groups, group) != groups.end();
-}
-
 }  // namespace
 
 Server::Server(sd_event* loop, Fd listening, gid_t group, AnswerTo answer)
@@ -112,9 +99,10 @@ Result<Peer> Server::identify(int fd) const {
   socklen_t size = sizeof who;
   if (::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &size) < 0)
     return system_error("SO_PEERCRED");
-  Peer peer{who.pid, who.uid, who.uid == 0, 0};
+  Peer peer{.pid = who.pid, .uid = who.uid, .may_change = who.uid == 0};
+  peer.process = process_of(fd, who.pid, who.gid);
   if (!peer.may_change && group_ != static_cast<gid_t>(-1))
-    peer.may_change = in_group(fd, who.gid, group_);
+    peer.may_change = peer.process->is_in(group_);
   return peer;
 }
 

@@ -15,6 +15,7 @@
 #include "base/result.hpp"
 #include "control/messages.hpp"
 #include "daemon/serve/arrivals.hpp"
+#include "daemon/serve/process.hpp"
 #include "daemon/serve/turns.hpp"
 
 namespace mlcca::serve {
@@ -23,8 +24,9 @@ namespace mlcca::serve {
 struct Peer {
   pid_t pid = 0;
   uid_t uid = 0;
-  bool may_change = false;    ///< root, or in the control group
-  std::uint64_t session = 0;  ///< number of the connection, never used twice
+  bool may_change = false;                      ///< root, or in the control group
+  std::uint64_t session = 0;                    ///< number of the connection, never used twice
+  std::shared_ptr<const Process> process = {};  ///< nullptr: not known
 };
 
 /// A part of a reply, see Reply.more in control.proto.

@@ -32,10 +32,13 @@ bool concerns_all(const control::Event& event) {
 }  // namespace
 
 Session::Session(Server& server, Fd socket, Peer peer)
-    : server_(server), socket_(std::move(socket)), peer_(peer), active_(monotonic_ns()) {}
+    : server_(server),
+      socket_(std::move(socket)),
+      peer_(std::move(peer)),
+      active_(monotonic_ns()) {}
 
 std::unique_ptr<Session> Session::open(Server& server, Fd socket, Peer peer) {
-  std::unique_ptr<Session> session(new Session(server, std::move(socket), peer));
+  std::unique_ptr<Session> session(new Session(server, std::move(socket), std::move(peer)));
   sd_event_source* raw = nullptr;
   if (sd_event_add_io(server.loop_, &raw, session->socket_.get(), EPOLLIN, &Session::on_io,
                       session.get()) < 0)

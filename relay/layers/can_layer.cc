@@ -10,7 +10,6 @@
 #include <optional>
 #include <utility>
 
-#include "base/clock.hpp"
 #include "relay/fd_length.hpp"
 #include "relay/layers/sockets.hpp"
 
@@ -78,19 +77,11 @@ Result<std::unique_ptr<FrameSocket>> RawSocket::open(std::uint32_t ifindex) {
 }
 
 FrameSocket::Got RawSocket::receive(Frame& to) {
-  iovec data{.iov_base = &to.frame, .iov_len = sizeof to.frame};
-  alignas(cmsghdr) std::array<char, 128> control{};
-  msghdr message{};
-  message.msg_iov = &data;
-  message.msg_iovlen = 1;
-  message.msg_control = control.data();
-  message.msg_controllen = control.size();
-  const ssize_t n = ::recvmsg(socket_.get(), &message, MSG_DONTWAIT);
+  const auto [n, flags, said] = receive_into(socket_, &to.frame, sizeof to.frame);
   if (n < 0) return errno == ENODEV || errno == ENXIO ? Got::gone : Got::nothing;
-  const Beside said = beside(message);
   if (said.says_dropped) dropped_ = said.dropped;
   to.fd = n == CANFD_MTU;
-  to.local = (message.msg_flags & MSG_DONTROUTE) != 0;
+  to.local = (flags & MSG_DONTROUTE) != 0;
   to.unix_ns = said.unix_ns;
   if (n != CANFD_MTU && n != CAN_MTU) to.frame.len = CANFD_MAX_DLEN + 1;  // CAN XL: none of ours
   return Got::frame;
@@ -105,7 +96,11 @@ Result<std::unique_ptr<FrameSocket>> open_frame_socket(std::uint32_t ifindex) {
 Result<std::unique_ptr<Layer>> CanLayer::open(const control::Endpoint& endpoint) {
   auto socket = RawSocket::open(endpoint.ifindex);
   if (!socket) return fail(endpoint.interface + ": " + socket.error().text);
-  return std::unique_ptr<Layer>(std::make_unique<CanLayer>(std::move(*socket)));
+  if (endpoint.profile != "j1939")
+    return std::unique_ptr<Layer>(std::make_unique<CanLayer>(std::move(*socket)));
+  auto alarm = Alarm::beside((*socket)->fd());
+  if (!alarm) return fail(endpoint.interface + ": " + alarm.error().text);
+  return std::unique_ptr<Layer>(std::make_unique<CanLayer>(std::move(*socket), std::move(*alarm)));
 }
 
 // --- who follows ---------------------------------------------------------------------------------
@@ -113,34 +108,53 @@ Result<std::unique_ptr<Layer>> CanLayer::open(const control::Endpoint& endpoint)
 Result<CanLayer::Form> CanLayer::form_of(const control::Endpoint& endpoint) {
   if (endpoint.profile == "famouso") return Form::famouso;
   if (endpoint.profile == "cyphal") return Form::cyphal;
+  if (endpoint.profile == "j1939" && endpoint.fragmented && endpoint.classic)
+    return Form::transport;
   if (endpoint.fragmented)
-    return fail(
-        "events of several frames are carried on buses of profile famouso and cyphal, and " +
-        endpoint.network + " is of " + endpoint.profile);
+    return fail("events of several frames are not carried on buses of profile " + endpoint.profile +
+                ", as " + endpoint.network + " is one");
   if (!endpoint.classic && !endpoint.fd)
     return fail("CAN XL frames are not carried: " + endpoint.network);
   return Form::plain;
 }
 
-/// As they are needed now; `before`: how many identities there were.
+std::size_t CanLayer::filters() const { return identities_ + carriers_.size(); }
+
+/// As they are needed now; `before`: how many there were.
 Result<void> CanLayer::set_filters(std::size_t before) {
-  if (before > kMostFilters && identities_ > kMostFilters) return {};
-  if (identities_ > kMostFilters) return socket_->filter({can_filter{0, 0}});
+  if (filters() == before || (before > kMostFilters && filters() > kMostFilters)) return {};
+  if (filters() > kMostFilters) return socket_->filter({can_filter{0, 0}});
   std::vector<can_filter> filters;
   for (const auto& [mask, by_id] : by_mask_)
     for (const auto& [id, all] : by_id) filters.push_back({id, mask});
+  for (const auto& [carrier, needed] : carriers_)
+    filters.push_back({carrier.first, carrier.second});
   return socket_->filter(filters);
+}
+
+/// The frames that carry messages of the endpoint's source, and perhaps others, are received as
+/// long as an endpoint needs them.
+void CanLayer::follow_carriers(const control::Endpoint& endpoint, bool more) {
+  constexpr std::uint32_t number = 0x03ffff00;
+  for (const std::uint32_t id :
+       {j1939::announcement_of(endpoint.id), j1939::packet_of(endpoint.id)}) {
+    const std::uint32_t mask = endpoint.mask | number;
+    const auto known = carriers_.try_emplace({id & mask, mask}, 0).first;
+    known->second += more ? 1 : std::size_t{0} - 1;
+    if (known->second == 0) carriers_.erase(known);
+  }
 }
 
 Result<void> CanLayer::follow(Follower follower, const control::Endpoint& endpoint,
                               std::uint64_t /*subject*/, std::size_t longest) {
   const auto form = form_of(endpoint);
   if (!form) return std::unexpected(form.error());
+  const std::size_t before = filters();
   auto& all = by_mask_[endpoint.mask][endpoint.id & endpoint.mask];
   all.push_back({follower, *form, endpoint.classic, endpoint.fd, longest});
-  if (all.size() > 1) return {};
-  ++identities_;
-  return set_filters(identities_ - 1);
+  if (*form == Form::transport) follow_carriers(endpoint, true);
+  if (all.size() == 1) ++identities_;
+  return set_filters(before);
 }
 
 void CanLayer::leave(Follower follower, const control::Endpoint& endpoint,
@@ -149,18 +163,25 @@ void CanLayer::leave(Follower follower, const control::Endpoint& endpoint,
   if (mask == by_mask_.end()) return;
   const auto known = mask->second.find(endpoint.id & endpoint.mask);
   if (known == mask->second.end()) return;
-  std::erase_if(known->second, [&](const Following& f) { return f.follower == follower; });
-  if (!known->second.empty()) return;
-  mask->second.erase(known);
-  if (mask->second.empty()) by_mask_.erase(mask);
-  --identities_;
+  const std::size_t before = filters();
+  std::erase_if(known->second, [&](const Following& f) {
+    if (f.follower != follower) return false;
+    if (f.form == Form::transport) follow_carriers(endpoint, false);
+    return true;
+  });
+  if (known->second.empty()) {
+    mask->second.erase(known);
+    if (mask->second.empty()) by_mask_.erase(mask);
+    --identities_;
+  }
   // Where that fails more frames come than are wanted, which does no harm.
-  static_cast<void>(set_filters(identities_ + 1));
+  static_cast<void>(set_filters(before));
 }
 
 // --- what comes ----------------------------------------------------------------------------------
 
 bool CanLayer::receive(std::size_t most, const OnEvent& on_event) {
+  send_due(0);
   for (std::size_t count = 0; count < most; ++count) {
     FrameSocket::Frame frame;
     const auto got = socket_->receive(frame);
@@ -174,6 +195,10 @@ void CanLayer::take(const FrameSocket::Frame& frame, const OnEvent& on_event) {
   const std::uint32_t id = frame.frame.can_id;
   if ((id & (CAN_ERR_FLAG | CAN_RTR_FLAG)) != 0 || frame.frame.len > CANFD_MAX_DLEN) return;
   const Octets data(frame.frame.data, frame.frame.len);
+  if (!carriers_.empty() && !frame.fd && (id & CAN_EFF_FLAG) != 0) {
+    if (j1939::is_announcement(id)) take_announcement(id, data);
+    if (j1939::is_packet(id)) take_packet(frame, data, on_event);
+  }
   bool taken = false;  // once, whoever follows
   std::optional<std::vector<std::uint8_t>> whole;
   for (const auto& [mask, by_id] : by_mask_) {
@@ -181,17 +206,43 @@ void CanLayer::take(const FrameSocket::Frame& frame, const OnEvent& on_event) {
     if (known == by_id.end()) continue;
     for (const Following& f : known->second) {
       if (!(frame.fd ? f.fd : f.classic)) continue;
-      if (f.form == Form::plain || (f.form == Form::famouso && (id & kFragmentBit) == 0)) {
+      if (f.form == Form::plain || f.form == Form::transport ||
+          (f.form == Form::famouso && (id & kFragmentBit) == 0)) {
         hand_over(f, frame, data, on_event);
         continue;
       }
       if (!std::exchange(taken, true))
-        whole = f.form == Form::cyphal
-                    ? transfers_.take(id & kPublisherOfCyphal, data, monotonic_ns())
-                    : fragments_.take(id & ~kFragmentBit & ~kForm, data, monotonic_ns());
+        whole = f.form == Form::cyphal ? transfers_.take(id & kPublisherOfCyphal, data, now_())
+                                       : fragments_.take(id & ~kFragmentBit & ~kForm, data, now_());
       if (whole) hand_over(f, frame, *whole, on_event);
     }
   }
+}
+
+/// Those who follow what a frame of that identifier would be, in messages.
+template <class Use>
+void CanLayer::each_of_message(std::uint32_t id, const Use& use) const {
+  for (const auto& [mask, by_id] : by_mask_) {
+    const auto known = by_id.find(id & mask);
+    if (known == by_id.end()) continue;
+    for (const Following& f : known->second)
+      if (f.form == Form::transport) use(f);
+  }
+}
+
+void CanLayer::take_announcement(std::uint32_t id, Octets data) {
+  const auto message = j1939::Reassembly::announced(id, data);
+  if (!message) return;
+  bool wanted = false;
+  each_of_message(*message, [&](const Following&) { wanted = true; });
+  messages_.announce(id, data, wanted, now_());
+}
+
+void CanLayer::take_packet(const FrameSocket::Frame& frame, Octets data, const OnEvent& on_event) {
+  const auto message = messages_.take(frame.frame.can_id, data, now_());
+  if (!message) return;
+  each_of_message(message->id,
+                  [&](const Following& f) { hand_over(f, frame, message->event, on_event); });
 }
 
 /// `last`: the frame that completes the event.
@@ -201,7 +252,7 @@ void CanLayer::hand_over(const Following& to, const FrameSocket::Frame& last, Oc
   if (event.size() > to.longest)
     ++losses_.too_long;
   else
-    on_event({to.follower, event, last.unix_ns});
+    on_event({to.follower, event, last.unix_ns, last.frame.can_id & CAN_EFF_MASK});
 }
 
 // --- what goes -----------------------------------------------------------------------------------
@@ -230,14 +281,8 @@ Sent CanLayer::send_fragments(const control::Endpoint& endpoint, Octets event) {
   return Sent::sent;
 }
 
-Sent CanLayer::send(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) {
-  const auto form = form_of(endpoint);
-  if (!form) return Sent::failed;
-  if (*form == Form::famouso) {
-    if (event.size() > afp::kCan.payload) return send_fragments(endpoint, event);
-    return send_frame(endpoint, endpoint.id & ~kFragmentBit, event);
-  }
-  if (*form == Form::plain) return send_frame(endpoint, endpoint.id, event);
+Sent CanLayer::send_transfer(const control::Endpoint& endpoint, std::uint64_t subject,
+                             Octets event) {
   std::uint8_t& number = numbers_[subject];
   const auto frames = cyphal::frames_of(event, endpoint.frame_bytes, number);
   if (!frames || (frames->size() > 1 && !endpoint.fragmented)) return Sent::too_long;
@@ -245,6 +290,59 @@ Sent CanLayer::send(const control::Endpoint& endpoint, std::uint64_t subject, Oc
   for (const auto& frame : *frames)
     if (const Sent sent = send_frame(endpoint, endpoint.id, frame); sent != Sent::sent) return sent;
   return Sent::sent;
+}
+
+/// Where the priority is open the frames have that of the transport protocol, the last one.
+Sent CanLayer::send_message(const control::Endpoint& endpoint, Octets event) {
+  constexpr std::uint32_t priorities = 0x1c000000;
+  const std::uint32_t id =
+      (endpoint.mask & priorities) == 0 ? endpoint.id | priorities : endpoint.id;
+  const std::uint32_t announcement = j1939::announcement_of(id);
+  auto frames = j1939::frames_of(event, id);
+  if (frames.empty()) return Sent::too_long;
+  if (!sending_.add({.announcement = announcement,
+                     .packet = j1939::packet_of(id),
+                     .frames = std::move(frames)}))
+    return Sent::dropped;
+  return send_due(announcement);
+}
+
+/// What became of `first`, a frame that is sent first of its event; sent: it waits.
+Sent CanLayer::send_due(std::uint32_t first) {
+  if (!sending_.due()) return Sent::sent;
+  Sent of_first = Sent::sent;
+  sending_.run(now_(), [&](std::uint32_t id, const j1939::Data& data) {
+    canfd_frame frame{};
+    frame.can_id = id;
+    frame.len = static_cast<std::uint8_t>(data.size());
+    std::ranges::copy(data, std::begin(frame.data));
+    const Sent how = socket_->send(frame, false);
+    if (id == first)
+      of_first = how;
+    else if (how != Sent::sent)
+      ++losses_.unsent;
+    return how == Sent::sent;
+  });
+  if (alarm_) alarm_->set(sending_.due());
+  return of_first;
+}
+
+Sent CanLayer::send(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) {
+  const auto form = form_of(endpoint);
+  if (!form) return Sent::failed;
+  switch (*form) {
+    case Form::famouso:
+      if (event.size() > afp::kCan.payload) return send_fragments(endpoint, event);
+      return send_frame(endpoint, endpoint.id & ~kFragmentBit, event);
+    case Form::cyphal:
+      return send_transfer(endpoint, subject, event);
+    case Form::transport:
+      if (event.size() > CAN_MAX_DLEN) return send_message(endpoint, event);
+      break;
+    case Form::plain:
+      break;
+  }
+  return send_frame(endpoint, endpoint.id, event);
 }
 
 Losses CanLayer::losses() const {
@@ -257,6 +355,8 @@ Losses CanLayer::losses() const {
   out.malformed += of_transfers.malformed;
   out.incomplete += of_transfers.incomplete;
   out.crowded += of_transfers.crowded;
+  out.malformed += messages_.losses().malformed;
+  out.incomplete += messages_.losses().incomplete;
   out.in_socket += socket_->dropped();
   return out;
 }

@@ -3,6 +3,7 @@
 //
 //   famouso   up to 8 octets in a frame; longer ones in fragments, with bit 21 of the identifier
 //   cyphal    transfers of one frame or of several
+//   j1939     the data of a frame; what is longer by the transport protocol
 //   others    the data of a frame
 //
 // The identifiers are those that the gate admits; see core/profiles.
@@ -14,11 +15,15 @@
 #include <memory>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "base/handle.hpp"
 #include "relay/afp.hpp"
 #include "relay/cyphal.hpp"
+#include "relay/j1939.hpp"
+#include "relay/layers/alarm.hpp"
 #include "relay/layers/layer.hpp"
 
 namespace mlcca::relay {
@@ -55,9 +60,13 @@ class FrameSocket {
 class CanLayer : public Layer {
  public:
   static Result<std::unique_ptr<Layer>> open(const control::Endpoint& endpoint);
-  explicit CanLayer(std::unique_ptr<FrameSocket> socket) : socket_(std::move(socket)) {}
+  /// `alarm`: beside the socket, where frames may have to wait; without it they go when receive()
+  /// is called. `now`: CLOCK_MONOTONIC, ns.
+  explicit CanLayer(std::unique_ptr<FrameSocket> socket, std::unique_ptr<Alarm> alarm = nullptr,
+                    std::uint64_t (*now)() = monotonic_ns)
+      : socket_(std::move(socket)), alarm_(std::move(alarm)), now_(now) {}
 
-  [[nodiscard]] int fd() const override { return socket_->fd(); }
+  [[nodiscard]] int fd() const override { return alarm_ ? alarm_->fd() : socket_->fd(); }
   [[nodiscard]] Result<void> follow(Follower follower, const control::Endpoint& endpoint,
                                     std::uint64_t subject, std::size_t longest) override;
   void leave(Follower follower, const control::Endpoint& endpoint, std::uint64_t subject) override;
@@ -66,7 +75,7 @@ class CanLayer : public Layer {
   [[nodiscard]] Losses losses() const override;
 
  private:
-  enum class Form : std::uint8_t { plain, famouso, cyphal };
+  enum class Form : std::uint8_t { plain, famouso, cyphal, transport };
   struct Following {
     Follower follower = 0;
     Form form = Form::plain;
@@ -77,19 +86,36 @@ class CanLayer : public Layer {
   /// Of one mask, by the bits that it leaves of an identifier.
   using ById = std::unordered_map<std::uint32_t, std::vector<Following>>;
 
+  /// Of frames that carry messages of several channels: identifier and mask.
+  using Carrier = std::pair<std::uint32_t, std::uint32_t>;
+
   static Result<Form> form_of(const control::Endpoint& endpoint);
+  void follow_carriers(const control::Endpoint& endpoint, bool more);
+  [[nodiscard]] std::size_t filters() const;
   [[nodiscard]] Result<void> set_filters(std::size_t before);
   void take(const FrameSocket::Frame& frame, const OnEvent& on_event);
+  void take_announcement(std::uint32_t id, Octets data);
+  void take_packet(const FrameSocket::Frame& frame, Octets data, const OnEvent& on_event);
+  template <class Use>
+  void each_of_message(std::uint32_t id, const Use& use) const;
   void hand_over(const Following& to, const FrameSocket::Frame& last, Octets event,
                  const OnEvent& on_event);
   Sent send_frame(const control::Endpoint& endpoint, std::uint32_t id, Octets data);
   Sent send_fragments(const control::Endpoint& endpoint, Octets event);
+  Sent send_transfer(const control::Endpoint& endpoint, std::uint64_t subject, Octets event);
+  Sent send_message(const control::Endpoint& endpoint, Octets event);
+  Sent send_due(std::uint32_t first);
 
   std::unique_ptr<FrameSocket> socket_;
+  std::unique_ptr<Alarm> alarm_;
+  std::uint64_t (*now_)();
   std::map<std::uint32_t, ById> by_mask_;
-  std::size_t identities_ = 0;  ///< of all masks
+  std::size_t identities_ = 0;               ///< of all masks
+  std::map<Carrier, std::size_t> carriers_;  ///< and the identities that need them
   afp::Reassembly fragments_{afp::kCan};
   cyphal::Reassembly transfers_;
+  j1939::Reassembly messages_;
+  j1939::Sending sending_;
   std::unordered_map<std::uint64_t, std::uint8_t> numbers_;  ///< of the next transfer, by subject
   Losses losses_;
 };

@@ -17,21 +17,22 @@ using Octets = std::span<const std::uint8_t>;
 
 /// What became of an event that was sent.
 enum class Sent : std::uint8_t {
-  sent,
+  sent,      ///< or it waits for its turn, where frames have to be apart
   dropped,   ///< the queue of the interface or of the socket is full, or the gate drops it (CAN)
   too_long,  ///< for the network
   failed,    ///< the interface is gone or down
 };
 
-/// What came and gave no event.
+/// What came and gave no event, and what was to be sent later and could not.
 struct Losses {
   std::uint64_t malformed = 0;   ///< frames or datagrams that are none of the profile
   std::uint64_t incomplete = 0;  ///< events of several of them, of which one is missing
   std::uint64_t crowded = 0;     ///< events that were given up: too many were begun
   std::uint64_t too_long = 0;    ///< longer than the follower takes
   std::uint64_t in_socket = 0;   ///< the process came too late, and its socket was full
+  std::uint64_t unsent = 0;      ///< events of which the network did not take a later frame
   [[nodiscard]] std::uint64_t all() const {
-    return malformed + incomplete + crowded + too_long + in_socket;
+    return malformed + incomplete + crowded + too_long + in_socket + unsent;
   }
 };
 
@@ -43,6 +44,9 @@ class Layer {
     Follower follower = 0;
     Octets event;               ///< valid until the handler returns
     std::uint64_t unix_ns = 0;  ///< when the kernel received it, or its last frame
+    /// Who sent it: on CAN the identifier of that frame, else the IPv4 address in the order of the
+    /// host.
+    std::uint32_t source = 0;
   };
   using OnEvent = std::function<void(const Arrival&)>;
 
@@ -63,10 +67,10 @@ class Layer {
   /// With what follow() was called with. Neither is for a handler of receive().
   virtual void leave(Follower follower, const control::Endpoint& endpoint,
                      std::uint64_t subject) = 0;
-  /// Takes at most `most` frames or datagrams, without waiting, and hands over the events that they
-  /// complete. False: the interface is gone.
+  /// Sends what has waited for its time, takes at most `most` frames or datagrams, without waiting,
+  /// and hands over the events that they complete. False: the interface is gone.
   virtual bool receive(std::size_t most, const OnEvent& on_event) = 0;
-  /// Never waits.
+  /// Never waits. Frames that have to be apart go later, from receive().
   virtual Sent send(const control::Endpoint& endpoint, std::uint64_t subject, Octets event) = 0;
   [[nodiscard]] virtual Losses losses() const = 0;
 };

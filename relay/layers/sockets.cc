@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "relay/layers/sockets.hpp"
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <ctime>
@@ -29,6 +30,22 @@ Beside beside(msghdr& message) {
     }
   }
   return out;
+}
+
+Received receive_into(const Fd& socket, void* data, std::size_t room, void* from,
+                      socklen_t from_size, int flags) {
+  iovec part{.iov_base = data, .iov_len = room};
+  alignas(cmsghdr) std::array<char, 128> control{};
+  msghdr message{};
+  message.msg_name = from;
+  message.msg_namelen = from_size;
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  const ssize_t size = ::recvmsg(socket.get(), &message, MSG_DONTWAIT | flags);
+  if (size < 0) return {};
+  return {size, message.msg_flags, beside(message)};
 }
 
 Result<void> ask_for_times(const Fd& socket) {

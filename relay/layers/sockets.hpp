@@ -3,6 +3,7 @@
 #pragma once
 #include <sys/socket.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -19,6 +20,16 @@ struct Beside {
   bool says_dropped = false;
 };
 [[nodiscard]] Beside beside(msghdr& message);
+
+/// A message that has come, or (size below 0) none; errno says why.
+struct Received {
+  ssize_t size = -1;
+  int flags = 0;
+  Beside beside;
+};
+/// Without waiting. `from`: gets the address of the sender, or nullptr.
+[[nodiscard]] Received receive_into(const Fd& socket, void* data, std::size_t room,
+                                    void* from = nullptr, socklen_t from_size = 0, int flags = 0);
 
 /// Each message that comes has its time and the number of those that were dropped.
 [[nodiscard]] Result<void> ask_for_times(const Fd& socket);

@@ -20,7 +20,6 @@ namespace {
 
 constexpr unsigned kOctet = 8;
 constexpr std::uint32_t kOctetMask = 0xff;
-constexpr std::size_t kSubjectOctets = 8;
 constexpr std::size_t kMostDatagram = kDatagramHeader + afp::kUdp.payload;
 /// `net.ipv4.igmp_max_memberships` is not less unless somebody makes it so; then joining says it.
 constexpr std::size_t kMostGroups = 20;
@@ -133,17 +132,14 @@ Result<void> UdpLayer::join(std::uint32_t group) {
 Result<void> UdpLayer::follow(Follower follower, const control::Endpoint& endpoint,
                               std::uint64_t subject, std::size_t longest) {
   if (const auto joined = join(group_of(subject)); !joined) return joined;
-  by_subject_[subject].push_back({follower, address_in(endpoint.address), longest});
+  followers_.add(follower, subject, address_in(endpoint.address), longest);
   return {};
 }
 
 /// Groups are never left: who subscribes again is in them at once, and they cost 32 bytes each.
 void UdpLayer::leave(Follower follower, const control::Endpoint& /*endpoint*/,
                      std::uint64_t subject) {
-  const auto known = by_subject_.find(subject);
-  if (known == by_subject_.end()) return;
-  std::erase_if(known->second, [&](const Following& f) { return f.follower == follower; });
-  if (known->second.empty()) by_subject_.erase(known);
+  followers_.remove(follower, subject);
 }
 
 // --- what comes ----------------------------------------------------------------------------------
@@ -151,20 +147,11 @@ void UdpLayer::leave(Follower follower, const control::Endpoint& /*endpoint*/,
 bool UdpLayer::receive(std::size_t most, const OnEvent& on_event) {
   for (std::size_t count = 0; count < most; ++count) {
     sockaddr_in from{};
-    iovec data{.iov_base = buffer_.data(), .iov_len = buffer_.size()};
-    alignas(cmsghdr) std::array<char, 128> control{};
-    msghdr message{};
-    message.msg_name = &from;
-    message.msg_namelen = sizeof from;
-    message.msg_iov = &data;
-    message.msg_iovlen = 1;
-    message.msg_control = control.data();
-    message.msg_controllen = control.size();
-    const ssize_t n = ::recvmsg(socket_.get(), &message, MSG_DONTWAIT);
+    const auto [n, flags, said] =
+        receive_into(socket_, buffer_.data(), buffer_.size(), &from, sizeof from);
     if (n < 0 && (errno == ENODEV || errno == ENXIO)) return false;
     if (n < 0 && errno != EAGAIN) continue;  // of an earlier datagram: ENETDOWN, ECONNREFUSED
     if (n < 0) return true;
-    const Beside said = beside(message);
     if (said.says_dropped) losses_.in_socket = said.dropped;
     if (static_cast<std::size_t>(n) > kMostDatagram)
       ++losses_.malformed;
@@ -182,28 +169,14 @@ void UdpLayer::take(Octets octets, std::uint32_t from, std::uint64_t unix_ns,
     ++losses_.malformed;
     return;
   }
-  const auto known = by_subject_.find(datagram->subject);
-  if (known == by_subject_.end()) return;
+  if (!followers_.any(datagram->subject)) return;
   if (!datagram->is_fragment) {
-    hand_over(known->second, from, datagram->data, unix_ns, on_event);
+    followers_.hand_over(datagram->subject, from, datagram->data, unix_ns, on_event, losses_);
     return;
   }
   const auto source = std::rotl(datagram->subject * salt_, 32) * salt_ + from;
   if (const auto event = fragments_.take(source, datagram->data, monotonic_ns()))
-    hand_over(known->second, from, *event, unix_ns, on_event);
-}
-
-/// To those who follow the sender, or, where there are none, to those who follow any sender.
-void UdpLayer::hand_over(const std::vector<Following>& all, std::uint32_t from, Octets event,
-                         std::uint64_t unix_ns, const OnEvent& on_event) {
-  const bool is_stated = std::ranges::find(all, from, &Following::address) != all.end();
-  for (const Following& f : all) {
-    if (f.address != (is_stated ? from : 0)) continue;
-    if (event.size() > f.longest)
-      ++losses_.too_long;
-    else
-      on_event({f.follower, event, unix_ns});
-  }
+    followers_.hand_over(datagram->subject, from, *event, unix_ns, on_event, losses_);
 }
 
 // --- what goes -----------------------------------------------------------------------------------

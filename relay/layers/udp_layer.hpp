@@ -14,11 +14,11 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <unordered_map>
 #include <vector>
 
 #include "base/handle.hpp"
 #include "relay/afp.hpp"
+#include "relay/layers/followers.hpp"
 #include "relay/layers/layer.hpp"
 
 namespace mlcca::relay {
@@ -52,11 +52,6 @@ class UdpLayer : public Layer {
   [[nodiscard]] Losses losses() const override;
 
  private:
-  struct Following {
-    Follower follower = 0;
-    std::uint32_t address = 0;  ///< of the sender, in the order of the host; 0: any
-    std::size_t longest = 0;
-  };
   /// Sockets that do nothing but stay in groups: one socket may be in 20 (igmp_max_memberships).
   struct Member {
     Fd socket;
@@ -66,15 +61,13 @@ class UdpLayer : public Layer {
   UdpLayer(Fd socket, std::uint32_t ifindex);
   [[nodiscard]] Result<void> join(std::uint32_t group);
   void take(Octets octets, std::uint32_t from, std::uint64_t unix_ns, const OnEvent& on_event);
-  void hand_over(const std::vector<Following>& all, std::uint32_t from, Octets event,
-                 std::uint64_t unix_ns, const OnEvent& on_event);
   Sent send_one(const sockaddr_in& to, std::uint64_t subject, bool is_fragment, Octets data);
 
   Fd socket_;
   std::uint32_t ifindex_;
   std::vector<Member> members_;
   std::set<std::uint32_t> groups_;
-  std::unordered_map<std::uint64_t, std::vector<Following>> by_subject_;
+  Followers<std::uint32_t> followers_;  ///< by IPv4 address, in the order of the host
   afp::Reassembly fragments_{afp::kUdp};
   std::uint64_t salt_;    ///< so that nobody can make two sources one
   std::uint32_t number_;  ///< of the next event that is fragmented

@@ -121,7 +121,8 @@ void Program::say_all() const {
   say("not received: " + std::to_string(lost.malformed) + " malformed, " +
       std::to_string(lost.incomplete) + " incomplete, " + std::to_string(lost.crowded) +
       " crowded out, " + std::to_string(lost.too_long) + " too long, " +
-      std::to_string(lost.in_socket) + " dropped in a full socket");
+      std::to_string(lost.in_socket) + " dropped in a full socket; " + std::to_string(lost.unsent) +
+      " not sent to the end");
 }
 
 /// At most one line in ten seconds, when something was lost since the last one.

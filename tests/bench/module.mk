@@ -66,6 +66,9 @@ BENCHES += $O/bench/start_bench
 # Events through mlcca-relay and between programs, each with a peer.
 $(eval $(call program,bench/probe,tests/bench/relay/probe.cc,$O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt -lpthread))
 BENCHES += $O/bench/probe
-run-bench-relay: all $O/bench/probe
+$(eval $(call program,bench/bus-probe,tests/bench/relay/bus_probe.cc,,-lpthread))
+BENCHES += $O/bench/bus-probe
+run-bench-relay: all $O/bench/probe $O/bench/bus-probe $(GUEST_READY)
 	$(Q)tests/bench/relay/run $O
+	$(Q)tests/bench/relay/run-bus $O
 .PHONY: run-bench-relay

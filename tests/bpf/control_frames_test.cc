@@ -122,7 +122,7 @@ std::vector<Row> rows() {
   };
 }
 
-class ControlFrames : public testing::TestWithParam<Row> {};
+class ControlFrames : public ::testing::TestWithParam<Row> {};
 
 TEST_P(ControlFrames, PassBothWaysOrNeither) {
   auto& gate = LoadedGate::with({.profile = gate_profile(GetParam().profile)});
@@ -136,7 +136,7 @@ TEST_P(ControlFrames, PassBothWaysOrNeither) {
       << "it never crosses a gateway";
 }
 
-INSTANTIATE_TEST_SUITE_P(Documents, ControlFrames, testing::ValuesIn(rows()),
+INSTANTIATE_TEST_SUITE_P(Documents, ControlFrames, ::testing::ValuesIn(rows()),
                          [](const auto& row) { return row.param.name; });
 
 TEST(ControlRate, IsKeptByTheGate) {

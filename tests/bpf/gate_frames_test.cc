@@ -361,7 +361,7 @@ std::vector<Row> all_rows() {
   return rows;
 }
 
-class GateFrames : public testing::TestWithParam<Row> {
+class GateFrames : public ::testing::TestWithParam<Row> {
  protected:
   static void check(const Row& row, const GateOptions& options) {
     auto& gate = LoadedGate::with(options);
@@ -405,7 +405,7 @@ TEST_P(GateFrames, WithPortableLoads) {
   check(GetParam(), options);
 }
 
-INSTANTIATE_TEST_SUITE_P(Table, GateFrames, testing::ValuesIn(all_rows()),
+INSTANTIATE_TEST_SUITE_P(Table, GateFrames, ::testing::ValuesIn(all_rows()),
                          [](const auto& row) { return row.param.name; });
 
 TEST(GateCounters, CountPayloadBytesAndNoneOfRemoteFrames) {

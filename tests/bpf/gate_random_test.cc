@@ -148,7 +148,7 @@ class Round {
   }
 
   void play() {
-    for (int i = 0; i < kFrames && !testing::Test::HasFailure(); ++i) {
+    for (int i = 0; i < kFrames && !::testing::Test::HasFailure(); ++i) {
       if (random_.chance(200)) change_state();
       if (random_.chance(100)) flip();
       step();

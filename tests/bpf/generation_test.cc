@@ -56,7 +56,7 @@ class Swapping {
   std::thread thread_;
 };
 
-class Pairs : public testing::TestWithParam<std::uint32_t> {};
+class Pairs : public ::testing::TestWithParam<std::uint32_t> {};
 
 /// Many pairs: a step takes far longer than a decision. One: hardly longer.
 TEST_P(Pairs, FrameOfTwoSlotsOfOppositeVerdictsIsNeverDecidedByHalfAStep) {
@@ -87,7 +87,7 @@ TEST_P(Pairs, FrameOfTwoSlotsOfOppositeVerdictsIsNeverDecidedByHalfAStep) {
   EXPECT_EQ(others, 0U) << "of " << passed << " frames, in " << steps << " steps";
 }
 
-INSTANTIATE_TEST_SUITE_P(Generation, Pairs, testing::Values(1, 1000));
+INSTANTIATE_TEST_SUITE_P(Generation, Pairs, ::testing::Values(1, 1000));
 
 TEST(Generation, VerdictsOfAWholeGenerationAreSeenTogether) {
   auto& gate = LoadedGate::with();

@@ -21,7 +21,7 @@ inline enforce::SlotSpec one_slot() {
   return s;
 }
 
-class OneSlot : public testing::Test {
+class OneSlot : public ::testing::Test {
  protected:
   void admit(const enforce::SlotSpec& s) {
     gate_.reset();

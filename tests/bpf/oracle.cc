@@ -127,8 +127,8 @@ bool fits_mask(const SlotSpec& s, std::uint32_t can_id) {
 
 /// The latest slot is asked first; a passing one wins, then the one that came furthest. Slots with
 /// a mask are asked when no slot has the frame's key.
-void decide(const World& world, Direction direction, const Parsed& f, std::int64_t from,
-            std::uint32_t mark, Judgement& j) {
+void decide_by_key(const World& world, Direction direction, const Parsed& f, std::int64_t from,
+                   std::uint32_t mark, Judgement& j) {
   j.reason = GATE_R_UNKNOWN;
   const auto name = key(world.profile, f.can_id);
   if (!name) return;
@@ -147,6 +147,16 @@ void decide(const World& world, Direction direction, const Parsed& f, std::int64
     }
     if (j.reason != GATE_R_UNKNOWN) return;
   }
+}
+
+/// Random frames announce no message (their payload is 0): a packet is of none.
+void decide(const World& world, Direction direction, const Parsed& f, std::int64_t from,
+            std::uint32_t mark, Judgement& j) {
+  constexpr std::uint32_t packet = 0xeb;
+  decide_by_key(world, direction, f, from, mark, j);
+  if (world.profile == GATE_PROFILE_J1939 && (f.can_id & CAN_EFF_FLAG) != 0 &&
+      bits(f.can_id, 16, 25) == packet && j.reason != GATE_R_PASSED)
+    j.reason = GATE_R_FRAGMENT;
 }
 
 Judgement refused(const World& world, gate_reason reason, std::uint32_t mark) {

@@ -173,7 +173,7 @@ class Flooding {
   std::atomic<std::uint64_t> last_ = 0;                   ///< before the last one
 };
 
-class PoliceFlood : public Police, public testing::WithParamInterface<unsigned> {};
+class PoliceFlood : public Police, public ::testing::WithParamInterface<unsigned> {};
 
 TEST_P(PoliceFlood, PassesAtTheAdmittedRateToTheFrame) {
   constexpr std::uint64_t millisecond = 1'000'000;
@@ -187,7 +187,7 @@ TEST_P(PoliceFlood, PassesAtTheAdmittedRateToTheFrame) {
   EXPECT_EQ(counted().excess, flood.sent - flood.passed);
   EXPECT_GT(flood.sent, 2 * flood.passed) << "no flood";
 }
-INSTANTIATE_TEST_SUITE_P(OnCpus, PoliceFlood, testing::Values(1U, 2U));
+INSTANTIATE_TEST_SUITE_P(OnCpus, PoliceFlood, ::testing::Values(1U, 2U));
 
 }  // namespace
 }  // namespace mlcca::test

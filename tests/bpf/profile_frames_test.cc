@@ -206,7 +206,7 @@ std::vector<Row> all_rows() {
   return rows;
 }
 
-class ProfileFrames : public testing::TestWithParam<Row> {};
+class ProfileFrames : public ::testing::TestWithParam<Row> {};
 
 TEST_P(ProfileFrames, AreJudgedAlikeInBothDirections) {
   for (const auto direction : {Direction::ingress, Direction::egress}) {
@@ -221,7 +221,7 @@ TEST_P(ProfileFrames, AreJudgedAlikeInBothDirections) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Documents, ProfileFrames, testing::ValuesIn(all_rows()),
+INSTANTIATE_TEST_SUITE_P(Documents, ProfileFrames, ::testing::ValuesIn(all_rows()),
                          [](const auto& row) { return row.param.name; });
 
 // --- what the kernel itself sends ----------------------------------------------------------------
@@ -245,7 +245,7 @@ TEST(FramesOfTheKernel, LeaveOnlyWhereASlotNamesIt) {
 
 // --- CAN XL (CiA 610-1): 11 bits of priority, 1 to 2048 bytes ------------------------------------
 
-class XlFrames : public testing::Test {
+class XlFrames : public ::testing::Test {
  protected:
   static SlotSpec xl_slot(unsigned max_len, std::uint8_t formats = GATE_XL) {
     auto s = slot(0x123, kForm | CAN_EFF_MASK);

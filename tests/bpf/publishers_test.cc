@@ -32,7 +32,7 @@ core::System two_switches() {
 }
 
 /// Gates of the bridge, both on the interface kIfindex: what one passes the other may let out.
-class Publishers : public testing::Test {
+class Publishers : public ::testing::Test {
  protected:
   void plan(const core::System& system) {
     const bool raw = system.networks[kRobotCan].profile == core::Profile::raw;

@@ -45,7 +45,7 @@ Bytes half_of(const Reply& r, int half) {
   return bytes;
 }
 
-class GateTags : public testing::Test {
+class GateTags : public ::testing::Test {
  protected:
   GateTags() {
     stated_.state(std::vector<enforce::StatedBinding>{{kSwitch, kTag, false}});

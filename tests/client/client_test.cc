@@ -156,9 +156,15 @@ TEST(Client, WhatHappensToEventsIsGivenWithItsNumbers) {
   control::Reply missing = event("missing");
   std::get<control::Event>(missing.body).silent_ns = 161'000'000;
   std::get<control::Event>(missing.body).missing = 3;
-  Scene scene({{{channels({delivery("bridge", true)}), missing, event("restored"), event("excess"),
-                 event("dropping"), event("late"), event("lapsed", 0), event("mode", 0),
-                 event("invented")}}});
+  control::Reply excess = event("excess");
+  std::get<control::Event>(excess.body).frames = 12;
+  control::Reply dropping = event("dropping");
+  std::get<control::Event>(dropping.body).frames = 34;
+  control::Reply late = event("late");
+  std::get<control::Event>(late.body).late = 5;
+  std::get<control::Event>(late.body).longest_ns = 7'000'000;
+  Scene scene({{{channels({delivery("bridge", true)}), missing, event("restored"), excess, dropping,
+                 late, event("lapsed", 0), event("mode", 0), event("invented")}}});
   Client client(scene.options());
   SubscriberChannel stop(client, "stop");
   stop.subscribe();
@@ -167,6 +173,10 @@ TEST(Client, WhatHappensToEventsIsGivenWithItsNumbers) {
                                                    "late", "gates closed", "mode", "other"}));
   EXPECT_EQ(all[0].silent, milliseconds(161));
   EXPECT_EQ(all[0].missing_events, 3U);
+  EXPECT_EQ(all[2].frames, 12U);
+  EXPECT_EQ(all[3].frames, 34U);
+  EXPECT_EQ(all[4].late_events, 5U);
+  EXPECT_EQ(all[4].longest, milliseconds(7));
   EXPECT_EQ(all[7].text, "what is invented");
 }
 

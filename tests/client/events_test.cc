@@ -63,7 +63,7 @@ struct Came {
   }
 };
 
-class EventsInC : public testing::Test {
+class EventsInC : public ::testing::Test {
  protected:
   std::vector<std::string> came() {
     Came out;

@@ -196,9 +196,12 @@ class Clients:
                                      [channels(True, 1)], count=2), [Cause.DEGRADED, Cause.UPGRADED])
 
     def test_what_happens_to_events_is_given_with_its_numbers(self):
-        _, all_of_them = self.both([channels(True), event("missing", silent_ns=161_000_000, missing=3), event("excess"),
-                                    event("lapsed", 0), event("invented")], count=4)
-        self.assertEqual([e.cause for e in all_of_them], [Cause.MISSING, Cause.POLICED, Cause.GATES_CLOSED, Cause.OTHER])
+        _, all_of_them = self.both([channels(True), event("missing", silent_ns=161_000_000, missing=3), event("excess", frames=12),
+                                    event("late", late=5, longest_ns=7_000_000), event("lapsed", 0), event("invented")], count=5)
+        self.assertEqual([e.cause for e in all_of_them],
+                         [Cause.MISSING, Cause.POLICED, Cause.LATE, Cause.GATES_CLOSED, Cause.OTHER])
+        self.assertEqual(all_of_them[1].frames, 12)
+        self.assertEqual((all_of_them[2].late_events, all_of_them[2].longest_ns), (5, 7_000_000))
         self.assertEqual((all_of_them[0].silent_ns, all_of_them[0].missing_events), (161_000_000, 3))
 
     def test_a_daemon_that_is_lost_is_reported_and_the_channel_announced_again(self):

@@ -65,7 +65,7 @@ struct Utf8Row {
 
 void PrintTo(const Utf8Row& row, std::ostream* out) { *out << row.name; }
 
-struct Utf8Test : testing::TestWithParam<Utf8Row> {};
+struct Utf8Test : ::testing::TestWithParam<Utf8Row> {};
 
 TEST_P(Utf8Test, KeepsWellFormedTextAndReplacesEachOtherByte) {
   EXPECT_EQ(to_utf8(GetParam().in), GetParam().out);
@@ -73,20 +73,20 @@ TEST_P(Utf8Test, KeepsWellFormedTextAndReplacesEachOtherByte) {
 
 INSTANTIATE_TEST_SUITE_P(
     Rfc3629, Utf8Test,
-    testing::Values(Utf8Row{"Empty", "", ""}, Utf8Row{"Ascii", "can0\x7f", "can0\x7f"},
-                    Utf8Row{"TwoBytes", "\xc2\x80\xdf\xbf", "\xc2\x80\xdf\xbf"},
-                    Utf8Row{"ThreeBytes", "\xe0\xa0\x80\xed\x9f\xbf\xef\xbf\xbd",
-                            "\xe0\xa0\x80\xed\x9f\xbf\xef\xbf\xbd"},
-                    Utf8Row{"FourBytes", "\xf0\x90\x80\x80\xf4\x8f\xbf\xbf",
-                            "\xf0\x90\x80\x80\xf4\x8f\xbf\xbf"},
-                    Utf8Row{"OverlongTwo", "\xc1\xbf", "\ufffd\ufffd"},
-                    Utf8Row{"OverlongThree", "\xe0\x9f\xbf", "\ufffd\ufffd\ufffd"},
-                    Utf8Row{"OverlongFour", "\xf0\x8f\xbf\xbf", "\ufffd\ufffd\ufffd\ufffd"},
-                    Utf8Row{"Surrogate", "\xed\xa0\x80", "\ufffd\ufffd\ufffd"},
-                    Utf8Row{"BeyondUnicode", "\xf4\x90\x80\x80", "\ufffd\ufffd\ufffd\ufffd"},
-                    Utf8Row{"LoneTail", "a\x80z", "a\ufffdz"},
-                    Utf8Row{"CutShort", "a\xe2\x82", "a\ufffd\ufffd"},
-                    Utf8Row{"CutByAscii", "\xe2\x82z", "\ufffd\ufffdz"}),
+    ::testing::Values(Utf8Row{"Empty", "", ""}, Utf8Row{"Ascii", "can0\x7f", "can0\x7f"},
+                      Utf8Row{"TwoBytes", "\xc2\x80\xdf\xbf", "\xc2\x80\xdf\xbf"},
+                      Utf8Row{"ThreeBytes", "\xe0\xa0\x80\xed\x9f\xbf\xef\xbf\xbd",
+                              "\xe0\xa0\x80\xed\x9f\xbf\xef\xbf\xbd"},
+                      Utf8Row{"FourBytes", "\xf0\x90\x80\x80\xf4\x8f\xbf\xbf",
+                              "\xf0\x90\x80\x80\xf4\x8f\xbf\xbf"},
+                      Utf8Row{"OverlongTwo", "\xc1\xbf", "\ufffd\ufffd"},
+                      Utf8Row{"OverlongThree", "\xe0\x9f\xbf", "\ufffd\ufffd\ufffd"},
+                      Utf8Row{"OverlongFour", "\xf0\x8f\xbf\xbf", "\ufffd\ufffd\ufffd\ufffd"},
+                      Utf8Row{"Surrogate", "\xed\xa0\x80", "\ufffd\ufffd\ufffd"},
+                      Utf8Row{"BeyondUnicode", "\xf4\x90\x80\x80", "\ufffd\ufffd\ufffd\ufffd"},
+                      Utf8Row{"LoneTail", "a\x80z", "a\ufffdz"},
+                      Utf8Row{"CutShort", "a\xe2\x82", "a\ufffd\ufffd"},
+                      Utf8Row{"CutByAscii", "\xe2\x82z", "\ufffd\ufffdz"}),
     [](const auto& row) { return row.param.name; });
 
 }  // namespace

@@ -35,8 +35,8 @@ std::optional<Request> next_request(Buffer& buffer) {
 
 std::string framed(const std::string& message) { return varint(message.size()) + message; }
 
-struct CodecRequestTest : testing::TestWithParam<test::NamedRequest> {};
-struct CodecReplyTest : testing::TestWithParam<test::NamedReply> {};
+struct CodecRequestTest : ::testing::TestWithParam<test::NamedRequest> {};
+struct CodecReplyTest : ::testing::TestWithParam<test::NamedReply> {};
 
 TEST_P(CodecRequestTest, ComesBackAsItWas) {
   auto buffer = exactly(encode(GetParam().request));
@@ -104,9 +104,9 @@ TEST_P(CodecRequestTest, SurvivesEveryFlippedBit) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, CodecRequestTest, testing::ValuesIn(test::all_requests()),
+INSTANTIATE_TEST_SUITE_P(All, CodecRequestTest, ::testing::ValuesIn(test::all_requests()),
                          [](const auto& row) { return row.param.name; });
-INSTANTIATE_TEST_SUITE_P(All, CodecReplyTest, testing::ValuesIn(test::all_replies()),
+INSTANTIATE_TEST_SUITE_P(All, CodecReplyTest, ::testing::ValuesIn(test::all_replies()),
                          [](const auto& row) { return row.param.name; });
 
 TEST(CodecTest, WritesWhatEveryProtobufRuntimeWrites) {
@@ -298,11 +298,11 @@ TEST(CodecTest, SurvivesGarbage) {
 }
 
 TEST(CodecTest, SaysNothingOnStandardErrorAboutMalformedMessages) {
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   auto buffer = exactly(framed("\x42\x03\x0a\x01\xff"));  // explain { channel: not UTF-8 }
   const auto decoded = decode_request(buffer);
   EXPECT_FALSE(decoded);
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
 }  // namespace

@@ -90,6 +90,7 @@ Channel granted_channel() {
   channel.admission = 7;
   channel.dropped = 0;
   channel.would_drop = 12;
+  channel.would_exceed = 5;
   channel.watch = full_watch();
   channel.troubles = {"nothing has come for 200 ms: 4 events are missing"};
   channel.reaction = "174 ms = (Omission 2 + 1) x Period 50 ms + Latency 12 ms + Jitter 12 ms";
@@ -233,7 +234,10 @@ Event full_event() {
           .admissions = {7, ~std::uint64_t{0}},
           .silent_ns = 174'000'000,
           .missing = 3,
-          .by = Actor{.uid = 1000, .user = "alice", .pid = 4242}};
+          .by = Actor{.uid = 1000, .user = "alice", .pid = 4242},
+          .frames = 12,
+          .late = 5,
+          .longest_ns = 7'000'000};
 }
 
 Routes full_routes() {
@@ -447,7 +451,8 @@ Channel long_channel() {
 
 std::vector<NamedReply> all_replies() {
   const auto error = [](ErrorKind kind) {
-    return Reply{1, Error{.kind = kind, .message = "no", .details = {"a.xml:1: x", "a.xml:2: y"}}};
+    return Reply{
+        1, control::Error{.kind = kind, .message = "no", .details = {"a.xml:1: x", "a.xml:2: y"}}};
   };
   return {{"ErrorUnspecified", error(ErrorKind::unspecified)},
           {"ErrorInvalid", error(ErrorKind::invalid)},
@@ -463,6 +468,8 @@ std::vector<NamedReply> all_replies() {
           {"Event", {0, full_event()}},
           {"Routes", {6, full_routes()}},
           {"Transfers", {6, full_transfers()}},
+          {"Subscriptions", {7, full_subscriptions()}},
+          {"Presence", {8, full_presence()}},
           {"RoutesOfPrograms", {6, Routes{{}, {}, {}, {}, full_transfers().transfers, 3}}},
           {"Announced", {6, Channels{{granted_channel()}, 0, {full_transfers().transfers[0].to}}}},
           {"Reservations", {7, full_reservations()}},

@@ -40,6 +40,8 @@ control::Event full_event();
 /// A way over both kinds of medium, and one that is not there.
 control::Routes full_routes();
 control::Transfers full_transfers();
+control::Subscriptions full_subscriptions();
+control::Presence full_presence();
 /// A gate with a slot of each kind, and one about which nothing is said.
 control::Gates full_gates();
 /// One resource of each kind; of the network more is promised than it has.

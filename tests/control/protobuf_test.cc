@@ -133,7 +133,7 @@ void refuse_what_protobuf_refuses(Result<Plain> (*read)(std::string_view)) {
     }
     if (Wire().ParseFromString(bytes)) continue;
     ++refused;
-    EXPECT_FALSE(read(bytes)) << testing::PrintToString(bytes);
+    EXPECT_FALSE(read(bytes)) << ::testing::PrintToString(bytes);
   }
   EXPECT_GT(refused, 400) << "hardly anything was wrong, so hardly anything tested";
 }

@@ -16,7 +16,7 @@
 namespace mlcca::test {
 
 TempDir::TempDir() {
-  std::string pattern = testing::TempDir() + "mlcca-XXXXXX";
+  std::string pattern = ::testing::TempDir() + "mlcca-XXXXXX";
   directory_ = ::mkdtemp(pattern.data());
 }
 

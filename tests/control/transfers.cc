@@ -43,4 +43,30 @@ Transfers full_transfers() {
             .latency_ns = 1'000'000}}};
 }
 
+Subscriptions full_subscriptions() {
+  const Endpoint endpoint = full_transfers().transfers[0].from;
+  return {{{.network = "second-can",
+            .accepts_all = true,
+            .most = 64,
+            .endpoint = endpoint,
+            .problem = "the tag of SUBSCRIB is not known yet",
+            .user = 991,
+            .gateways_only = false}},
+          {{.subject = 0xa4efeccc3210b497,
+            .channel = "emergency-switch",
+            .network = "second-can",
+            .required = {{.name = "Deadline", .value = 43'000'000, .unit = "ns", .dynamic = false}},
+            .problem = "it requires a user-defined attribute"}}};
+}
+
+Presence full_presence() {
+  return {.gateway = "main",
+          .interval_ns = 500'000'000,
+          .lasts_ns = ~std::uint64_t{0},
+          .forwards = true,
+          .not_received = {"back-up"},
+          .others = {"back-up", "third"},
+          .networks = {"lan", "second-can"}};
+}
+
 }  // namespace mlcca::test

@@ -74,7 +74,7 @@ TEST(Manager, WhoSharesAnOpenFileIsNotMadeToFail) {
 }
 
 TEST(Manager, AFileGrowsWhereItWasLeft) {
-  std::string path = testing::TempDir() + "mlcca-lines-XXXXXX";
+  std::string path = ::testing::TempDir() + "mlcca-lines-XXXXXX";
   const Fd file(::mkostemp(path.data(), O_CLOEXEC));
   EXPECT_TRUE(write_at_once(file.get(), "one\n"));
   EXPECT_TRUE(write_at_once(file.get(), "two\n"));

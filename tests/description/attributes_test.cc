@@ -25,7 +25,7 @@ struct Row {
   Value provision;
 };
 
-class Rounding : public testing::TestWithParam<Row> {};
+class Rounding : public ::testing::TestWithParam<Row> {};
 
 TEST_P(Rounding, GoesToHarderForRequirementsAndToWorseForProvisions) {
   const auto& r = GetParam();
@@ -40,7 +40,7 @@ constexpr Dimension times(Dimension d, int magnitude) {
 
 INSTANTIATE_TEST_SUITE_P(
     Values, Rounding,
-    testing::Values(
+    ::testing::Values(
         Row{"milliseconds", Attribute::latency, "50", times(kSeconds, -3), 50000000, 50000000},
         Row{"whole_from_fraction", Attribute::period, "0.050", kSeconds, 50000000, 50000000},
         Row{"trailing_zeros_are_exact", Attribute::latency, "1.000", kNanoseconds, 1, 1},

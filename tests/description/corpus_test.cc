@@ -35,7 +35,7 @@ std::string text_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-std::string case_name(const testing::TestParamInfo<std::string>& info) {
+std::string case_name(const ::testing::TestParamInfo<std::string>& info) {
   auto name = std::filesystem::path(info.param).stem().string();
   std::ranges::replace(name, '-', '_');
   return name;
@@ -184,7 +184,7 @@ std::set<std::string> facts(const core::System& s) {
   return out;
 }
 
-class BadDescription : public testing::TestWithParam<std::string> {};
+class BadDescription : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(BadDescription, IsRefusedWithExactlyTheExpectedProblems) {
   const auto expected = expectations(text_of(GetParam()));
@@ -203,9 +203,9 @@ TEST_P(BadDescription, IsRefusedWithExactlyTheExpectedProblems) {
   for (const auto& p : problems) ADD_FAILURE() << "not expected: " << to_string(p);
 }
 
-INSTANTIATE_TEST_SUITE_P(Corpus, BadDescription, testing::ValuesIn(files("bad")), case_name);
+INSTANTIATE_TEST_SUITE_P(Corpus, BadDescription, ::testing::ValuesIn(files("bad")), case_name);
 
-class GoodDescription : public testing::TestWithParam<std::string> {};
+class GoodDescription : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(GoodDescription, IsReadAsItsFactsSay) {
   const auto result = read(GetParam());
@@ -219,7 +219,7 @@ TEST_P(GoodDescription, IsReadAsItsFactsSay) {
   EXPECT_FALSE(expected.empty()) << GetParam() << " states no fact";
 }
 
-INSTANTIATE_TEST_SUITE_P(Corpus, GoodDescription, testing::ValuesIn(files("good")), case_name);
+INSTANTIATE_TEST_SUITE_P(Corpus, GoodDescription, ::testing::ValuesIn(files("good")), case_name);
 
 }  // namespace
 }  // namespace mlcca::description

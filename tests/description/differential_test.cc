@@ -344,7 +344,7 @@ TEST(Validators, AgreeOnThousandsOfMutations) {
       const auto tree = parsed(xml);
       for (auto changes = 1 + mutator.below(3); changes > 0; --changes) mutator.mutate(tree.get());
       ++(compare(reference, tree.get()) ? accepted : refused);
-      if (testing::Test::HasFailure()) return;
+      if (::testing::Test::HasFailure()) return;
     }
   // Both sides are really visited.
   EXPECT_GT(accepted, 1000U);

@@ -11,10 +11,10 @@
 
 namespace mlcca::description {
 
-class WithFolder : public testing::Test {
+class WithFolder : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string form = testing::TempDir() + "mlcca-description-XXXXXX";
+    std::string form = ::testing::TempDir() + "mlcca-description-XXXXXX";
     ASSERT_NE(mkdtemp(form.data()), nullptr);
     folder_ = form;
   }

@@ -72,7 +72,7 @@ struct Case {
   const char* problem;
 };
 
-class HugeToken : public testing::TestWithParam<Case> {};
+class HugeToken : public ::testing::TestWithParam<Case> {};
 
 TEST_P(HugeToken, IsAnsweredInBoundedMemory) {
   const auto& c = GetParam();
@@ -88,7 +88,7 @@ TEST_P(HugeToken, IsAnsweredInBoundedMemory) {
 
 INSTANTIATE_TEST_SUITE_P(
     Read, HugeToken,
-    testing::Values(
+    ::testing::Values(
         Case{"Attribute", "<System name=\"", "\"/>",
              "t.xml:1: a name or value is longer than 10 MB; that is the limit\n"},
         Case{"Text", "<System name=\"a\"><Network name=\"n\"><Kind>", "</Kind></Network></System>",
@@ -113,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(
              "t.xml:1: <System>: a name or value is longer than 10 MB; that is the limit\n"},
         Case{"Version", "<?xml version=\"1.", "\"?><System name=\"a\"/>",
              "t.xml:1: not well-formed XML: String not closed expecting \" or '\n"}),
-    [](const testing::TestParamInfo<Case>& one) { return std::string(one.param.name); });
+    [](const ::testing::TestParamInfo<Case>& one) { return std::string(one.param.name); });
 
 }  // namespace
 }  // namespace mlcca::description

@@ -330,14 +330,14 @@ TEST(Problems, AreShownUpToTheThousandthAndThenSaidToBeMore) {
 }
 
 TEST(Problems, PrintNothing) {
-  testing::internal::CaptureStderr();
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
   for (const std::string xml :
        {"", "<", "<System", "\xff\xfe<\0S", "<?xml version='1.0' encoding='x'?><S/>",
         "<!DOCTYPE a [<!ENTITY % b SYSTEM 'c'> %b;]><a/>", "<System name='a'>\xff"})
     EXPECT_FALSE(read_memory(xml, "t.xml")) << xml;
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
 }
 
 TEST(ReadMemory, RefusesWhatIsNoUtf8Xml) {
@@ -380,6 +380,14 @@ TEST(ReadMemory, AnElementThatComesTooLateIsReportedWithItsPlace) {
             "Attributes, in this order");
 }
 
+TEST(ReadMemory, OfAChoiceItDoesNotDemandAnOrder) {
+  EXPECT_EQ(problem_of("<System name='a'>\n<Component name='c'>\n<Publisher channel='x'/>\n"
+                       "<Description>d</Description>\n</Component>\n</System>\n"),
+            "t.xml:4: <Description>: comes too late: it belongs before Publisher in line 3, and "
+            "here may stand one of EventChannel, Publisher, Subscriber: Component has "
+            "Description, then EventChannel, Publisher, Subscriber in any order");
+}
+
 TEST(ReadMemory, AMistakeInATagOfSeveralLinesIsToldAtItsLine) {
   EXPECT_EQ(problem_of("<System name='a'>\n<EventChannel\n name='c'\n\n colour='red'\n>\n"
                        "<SubjectUID>0x1</SubjectUID>\n</EventChannel>\n</System>\n")
@@ -413,10 +421,10 @@ TEST(ReadMemory, ReadsTheSameTwice) {
   EXPECT_EQ(second->channels[2].origin.line, 4);
 }
 
-class ReadFile : public testing::Test {
+class ReadFile : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string form = testing::TempDir() + "mlcca-read-XXXXXX";
+    std::string form = ::testing::TempDir() + "mlcca-read-XXXXXX";
     ASSERT_NE(mkdtemp(form.data()), nullptr);
     folder_ = form;
   }

@@ -112,6 +112,18 @@ control::AnnounceRequest some_announcement(Octets& from) {
   return out;
 }
 
+control::SubscribeRequest some_subscription(Octets& from) {
+  control::ChannelRequest attributes;
+  fill(attributes, from);
+  return {.subject = from.next() % 8,
+          .network = from.one_of(kPlaces),
+          .source = from.next() % 4 == 0 ? from.one_of(kPlaces) : "0x12",
+          .required = std::move(attributes.required),
+          .states_attributes = from.next() % 4 != 0,
+          .lease_ns = std::uint64_t{from.next()} << 20U,
+          .end = from.next() % 4 == 0};
+}
+
 control::Request some_request(Octets& from) {
   control::Request out;
   const unsigned kind = from.next() % 16;
@@ -201,7 +213,7 @@ control::Request some_request(Octets& from) {
       break;
     }
     default: {
-      const unsigned which = from.next() % 6;
+      const unsigned which = from.next() % 10;
       if (which == 0)
         out.body = control::WithdrawRequest{from.one_of(kChannels)};
       else if (which == 1)
@@ -215,6 +227,21 @@ control::Request some_request(Octets& from) {
                                          .to = from.one_of(kPlaces),
                                          .late = from.next(),
                                          .longest_ns = from.next()};
+      else if (which == 6)
+        out.body = control::SubscriptionsRequest{};
+      else if (which == 7)
+        out.body = some_subscription(from);
+      else if (which == 8)
+        out.body = control::RefusalRequest{.subject = from.next(),
+                                           .network = from.one_of(kPlaces),
+                                           .source = from.one_of(kPlaces),
+                                           .reason = from.one_of(kChannels)};
+      else if (which == 9)
+        out.body = control::PresenceRequest{.network = from.one_of(kPlaces),
+                                            .gateway = from.one_of(kPlaces),
+                                            .lasts_ns = from.next(),
+                                            .forwards = from.next() % 2 == 0,
+                                            .not_received = {from.one_of(kPlaces)}};
       else
         out.body = control::GateRequest{from.one_of(kPlaces)};
     }

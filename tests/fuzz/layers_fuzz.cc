@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Any frames of a CAN bus and any datagrams, for followers of each profile. Each frame has an octet
-// of flags, one that says which identifier, its length, and its octets; what is left is a datagram.
+// Any frames of a CAN bus and of IEEE 802.15.4 and any datagrams, for followers of each profile.
+// Each frame has an octet of flags, one that says which identifier, its length, and its octets. All
+// of the input is a datagram, too.
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -12,6 +14,7 @@
 
 #include "relay/layers/can_layer.hpp"
 #include "relay/layers/udp_layer.hpp"
+#include "relay/layers/wpan_layer.hpp"
 #include "tests/fuzz/demand.hpp"
 
 namespace {
@@ -43,6 +46,24 @@ class Frames : public FrameSocket {
   std::deque<Frame> in;
 };
 
+class Radio : public WpanSocket {
+ public:
+  [[nodiscard]] int fd() const override { return -1; }
+  Got receive(Frame& to) override {
+    if (in.empty()) return Got::nothing;
+    to = in.front();
+    in.pop_front();
+    return Got::frame;
+  }
+  Sent send(Octets payload) override {
+    demand(payload.size() <= kWpanPayload, "more than a frame holds");
+    return Sent::sent;
+  }
+  [[nodiscard]] std::uint64_t dropped() const override { return 0; }
+
+  std::deque<Frame> in;
+};
+
 mlcca::control::Endpoint endpoint(const char* profile, std::uint32_t id, std::uint32_t mask) {
   mlcca::control::Endpoint out;
   out.can = out.classic = out.fd = true;
@@ -51,6 +72,47 @@ mlcca::control::Endpoint endpoint(const char* profile, std::uint32_t id, std::ui
   out.mask = mask;
   out.frame_bytes = CANFD_MAX_DLEN;
   return out;
+}
+
+/// Of J1939, of which longer ones come as messages.
+mlcca::control::Endpoint message(std::uint32_t id, std::uint32_t mask) {
+  mlcca::control::Endpoint out = endpoint("j1939", id, mask);
+  out.fd = false;
+  out.fragmented = true;
+  out.frame_bytes = CAN_MAX_DLEN;
+  return out;
+}
+
+std::vector<std::uint32_t> ids_of(const std::vector<mlcca::control::Endpoint>& followed) {
+  std::vector<std::uint32_t> out;
+  for (const auto& one : followed) out.push_back(one.id);
+  for (const std::uint32_t carrier : {0x98ecff05U, 0x98ebff05U, 0x80ecff05U})
+    out.push_back(carrier);
+  return out;
+}
+
+/// Frames of 802.15.4: an octet of length each, and the subject of the second follower in some.
+void send_by_radio(std::span<const std::uint8_t> rest) {
+  auto socket = std::make_unique<Radio>();
+  Radio& radio = *socket;
+  WpanLayer layer(std::move(socket));
+  constexpr std::array<std::uint64_t, 2> kSubjects{0, 0x44697374616e6365};
+  for (std::uint32_t i = 0; i < kSubjects.size(); ++i)
+    demand(layer.follow(i, {}, kSubjects.at(i), kLongest).has_value(), "it is not followed");
+  while (!rest.empty()) {
+    WpanSocket::Frame frame;
+    frame.size = rest[0];
+    const std::size_t length = std::min({frame.size, rest.size() - 1, kWpanPayload});
+    std::ranges::copy(rest.subspan(1, length), frame.payload.begin());
+    radio.in.push_back(frame);
+    rest = rest.subspan(1 + length);
+  }
+  while (!radio.in.empty())
+    layer.receive(16, [&](const Layer::Arrival& arrival) {
+      demand(arrival.event.size() <= kLongest, "longer than its follower takes");
+      demand(arrival.follower < kSubjects.size(), "nobody follows it");
+      static_cast<void>(layer.send({}, kSubjects.at(arrival.follower), arrival.event));
+    });
 }
 
 }  // namespace
@@ -62,8 +124,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   CanLayer layer(std::move(socket));
   const std::vector followed{endpoint("famouso", 0x9f414065, 0xdfffffff & ~kFragment),
                              endpoint("famouso", 0x80000066, 0xc0003fff),
-                             endpoint("raw", 0x123, 0xc00007ff), endpoint("raw", 0x120, 0xc00007f0),
-                             endpoint("cyphal", 0x9000, 0xc000ffff)};
+                             endpoint("raw", 0x123, 0xc00007ff),
+                             endpoint("raw", 0x120, 0xc00007f0),
+                             endpoint("cyphal", 0x9000, 0xc000ffff),
+                             message(0x98feca05, 0xdfffffff),
+                             message(0x80120005, 0xc3ff00ff)};
+  // What carries messages of the last two is none of theirs alone.
+  const std::vector<std::uint32_t> ids = ids_of(followed);
   for (std::uint32_t i = 0; i < followed.size(); ++i)
     demand(layer.follow(i, followed[i], i, kLongest).has_value(), "a profile is not known");
   while (rest.size() >= 3) {
@@ -71,7 +138,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     FrameSocket::Frame frame;
     frame.fd = (flags & 1U) != 0;
     frame.local = (flags & 2U) != 0;
-    frame.frame.can_id = followed[rest[1] % followed.size()].id;
+    frame.frame.can_id = ids[rest[1] % ids.size()];
     if ((flags & 4U) != 0) frame.frame.can_id |= kFragment;
     if ((flags & 8U) != 0) frame.frame.can_id ^= flags;
     if ((flags & 16U) != 0) frame.frame.can_id |= CAN_RTR_FLAG;
@@ -90,5 +157,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     });
   if (const auto datagram = parse_datagram({data, size}))
     demand(datagram->data.size() + kDatagramHeader == size, "octets are lost");
+  send_by_radio({data, size});
   return 0;
 }

@@ -3,11 +3,11 @@
 #
 #   $(eval $(call fuzz_target,NAME,ARCHIVES,CORPUS,MAX_LEN,LIBS))
 #
-# ARCHIVES: of ours (relay client core control description enforce sources untrusted daemon tools design), built once with
+# ARCHIVES: of ours (relay client core control description enforce sources untrusted daemon tools design learn), built once with
 # instruments for all targets; a name with a slash is one more source (tests/tools/sources/proto_emulated).
 # CORPUS: folders below tests/corpus; what they hold is replayed whole, whatever MAX_LEN says.
 #
-# `make check-fuzz` replays every corpus and goes on for FUZZ_SECONDS=20 a target; `make fuzz` goes on
+# `make check-fuzz` replays every corpus and goes on for FUZZ_SECONDS=10 a target; `make fuzz` goes on
 # for FUZZ_SECONDS=3600 with a corpus that grows below $O/fuzz/corpus. FUZZ="a b" names the targets.
 FUZZ_CXX ?= $(filter %ccache,$(firstword $(CXX))) clang++-19
 FUZZ_FLAGS := -std=c++23 -Wno-deprecated-declarations -gline-tables-only -fno-omit-frame-pointer
@@ -22,15 +22,16 @@ FUZZ_OBJECTS :=
 
 # What an object is compiled with by g++ differs by folder; here all of it is given to all.
 $O/fuzz/obj/%.o: CPPFLAGS += $(XML_CFLAGS) $(NL_CFLAGS)
-$(addprefix $O/fuzz/obj/,tools/%.o bundle/tools/%.o bundle/design/%.o bundle/doctor/%.o): CPPFLAGS += $(TOOLS_CPPFLAGS)
-$O/fuzz/obj/tests/%.o: FUZZ_INTO := -O0
+$(addprefix $O/fuzz/obj/,tools/%.o bundle/tools/%.o bundle/design/%.o bundle/doctor/%.o bundle/learn/%.o): CPPFLAGS += $(TOOLS_CPPFLAGS)
+$O/fuzz/obj/tests/%.o $O/fuzz/obj/bundle/tests/%.o: FUZZ_INTO := -O0
+$O/fuzz/obj/bundle/tests/%.o: CPPFLAGS += $(TOOLS_CPPFLAGS)
 $O/fuzz/obj/tests/fuzz/%.o: FUZZ_FLAGS += $(WARN)
 $O/fuzz/obj/tests/fuzz/%.o: FUZZ_INTO := $(FUZZ_OPT) -fsanitize=fuzzer-no-link
 $O/fuzz/obj/%.o: %.cc | $(BPF_SKELETONS) $(BPF_TEST_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES)
 	$(call say,FUZZCXX,$<)
 	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) $(FUZZ_INTO) -fsanitize=$(FUZZ_SANITIZERS) \
 		$(CPPFLAGS) -MMD -MP -c $< -o $@
-$O/fuzz/obj/bundle/%.o: $O/bundle/%.cc | $(BPF_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES)
+$O/fuzz/obj/bundle/%.o: $O/bundle/%.cc | $(BPF_SKELETONS) $(BPF_TEST_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES)
 	$(call say,FUZZCXX,$(patsubst $O/bundle/%.cc,%,$<))
 	$(Q)mkdir -p $(@D) && $(FUZZ_CXX) $(FUZZ_FLAGS) $(FUZZ_INTO) -fsanitize=$(FUZZ_SANITIZERS) \
 		$(CPPFLAGS) -MMD -MP -c $< -o $@
@@ -46,7 +47,7 @@ $O/fuzz/lib$1.a: $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 	$$(Q)rm -f $$@ && ar rcs $$@ $$^
 FUZZ_OBJECTS += $(patsubst $O/%.o,$O/fuzz/obj/%.o,$($1_objects) $2)
 endef
-$(foreach library,relay client core control description enforce sources untrusted daemon tools design doctor,$(eval $(call fuzz_library,$(library))))
+$(foreach library,relay client core control description enforce sources untrusted daemon tools design learn doctor,$(eval $(call fuzz_library,$(library))))
 
 define fuzz_target
 FUZZERS += $1
@@ -56,7 +57,7 @@ $O/fuzz/$1: $O/fuzz/obj/tests/fuzz/$1.o \
 	$$(call say,LINK,$$@)
 	$$(Q)$$(FUZZ_CXX) -fsanitize=fuzzer,$$(FUZZ_SANITIZERS) -o $$@ $$^ $5
 check-fuzz-$1: $O/fuzz/$1
-	$$(Q)tests/fuzz/run --seconds $$(or $$(FUZZ_SECONDS),20) --max-len $4 $O $1 $(addprefix tests/corpus/,$3)
+	$$(Q)tests/fuzz/run --seconds $$(or $$(FUZZ_SECONDS),10) --max-len $4 $O $1 $(addprefix tests/corpus/,$3)
 fuzz-$1: $O/fuzz/$1
 	$$(Q)tests/fuzz/run --keep --seconds $$(or $$(FUZZ_SECONDS),3600) --max-len $4 $O $1 \
 		$(addprefix tests/corpus/,$3)
@@ -65,12 +66,17 @@ endef
 
 $(eval $(call fuzz_target,der_fuzz,,der,1500))
 $(eval $(call fuzz_target,afp_fuzz,relay control,afp,600,-lfmt))
+$(eval $(call fuzz_target,j1939_fuzz,relay control,j1939,4096,-lfmt))
 $(eval $(call fuzz_target,famouso_fuzz,relay client relay control,famouso,1024,-lfmt))
 $(eval $(call fuzz_target,layers_fuzz,relay control,layers,1024,-lfmt))
-$(eval $(call fuzz_target,description_fuzz,description core,description/good description/bad,16384,$(XML_LIBS) -lfmt))
+FORMAT_OBJECTS := $(addprefix tools/,$(addprefix design/,format/rewrite describe/lists describe/layout describe/markup \
+	describe/quantity) escape values table)
+$(eval $(call fuzz_target,description_fuzz,$(FORMAT_OBJECTS) description control core,description/good description/bad,16384,$(XML_LIBS) -lfmt))
 $(eval $(call fuzz_target,journal_fuzz,$(addprefix daemon/store/,oneofs journal format contents disk) tests/daemon/store/fake_disk control core,journal,2048,))
 $(eval $(call fuzz_target,replies_fuzz,$(addprefix tools/,$(basename $(notdir $(wildcard tools/render*.cc))) json table words values times) control core,replies,4096,))
 $(eval $(call fuzz_target,tables_fuzz,tools/design/analyse_bus/table tools/design/analyse_bus/distinct tools/values core,tables,2048,))
+$(eval $(call fuzz_target,recordings_fuzz,learn tools/escape tools/table description control core,recordings,4096,$(XML_LIBS) -lz -lfmt))
+$(eval $(call fuzz_target,import_fuzz,$(basename $(wildcard tools/design/import/*.cc)) $(addprefix tools/,design/attribute_list escape table values) description control core,import,4096,$(XML_LIBS) -lfmt))
 $(eval $(call fuzz_target,sources_texts_fuzz,untrusted sources,sources_texts,16384,$(NL_LIBS) -lsystemd))
 $(eval $(call fuzz_target,sources_packets_fuzz,untrusted sources,sources_packets,16384,$(NL_LIBS) -lsystemd))
 $(eval $(call fuzz_target,netlink_fuzz,daemon sources core,netlink,2048,$(NL_LIBS) -lsystemd -lfmt))
@@ -78,7 +84,7 @@ $(eval $(call fuzz_target,netlink_fuzz,daemon sources core,netlink,2048,$(NL_LIB
 $(eval $(call fuzz_target,control_fuzz,$(addprefix tests/,fuzz/gateway_under_test fuzz/surroundings daemon/gates/sandbox) tools/readback/differences daemon sources enforce control description core,control,2048,$(DAEMON_LIBS)))
 
 FUZZ ?= $(FUZZERS)
-check-fuzz: $(addprefix check-fuzz-,$(FUZZ)) ## what comes from outside: stored corpus, then FUZZ_SECONDS=20 of mutations each
+check-fuzz: $(addprefix check-fuzz-,$(FUZZ)) ## what comes from outside: stored corpus, then FUZZ_SECONDS=10 of mutations each
 fuzz: $(addprefix fuzz-,$(FUZZ)) ## the same for FUZZ_SECONDS=3600 each, corpus kept below $O/fuzz (FUZZ="NAMES")
 .PHONY: check-fuzz fuzz
 

@@ -24,6 +24,12 @@ bpffs() {
 	mount -t bpf bpf $run/bpf || fail "no bpffs"
 }
 
+# pins: the directory of what the running daemon has pinned. Its name has the version of the layout.
+pins() { echo $run/bpf/v*; }
+
+# pins_of INTERFACE: those of its gate.
+pins_of() { echo "$(pins)/if$(cat /sys/class/net/"$1"/ifindex)"; }
+
 # start_daemon DESCRIPTION [OPTION...]: in the background; returns when it answers.
 start_daemon() {
 	"$mlccad" --description "$1" --socket $MLCCA_SOCKET --bpf-root $run/bpf \

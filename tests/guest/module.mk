@@ -24,11 +24,11 @@ check-harness: $(GUEST_READY) ## the guest harness itself
 
 .PHONY: guest-image check-guest check-harness
 
-GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-dies interfaces-change logger-case managed-interface same-identifier same-subject profile-change)
+GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-dies interfaces-change logger-case managed-interface same-identifier same-subject profile-change learn)
 GUEST_TESTS += $(addprefix tests/guest/cases/,mesh-nl80211 mesh-batman mesh-case-study mesh-relay-gate rover)
 GUEST_TESTS += $(addprefix tests/guest/cases/,bus-queue gateways-in-namespaces reservations unlisted-channels)
-GUEST_TESTS += $(addprefix tests/guest/cases/,babbling-node missing-events can-profiles forwarding)
-GUEST_TESTS += $(addprefix tests/guest/cases/,altered-slots famouso-tags famouso-claims famouso-broker relay relay-parallel)
+GUEST_TESTS += $(addprefix tests/guest/cases/,babbling-node missing-events can-profiles forwarding j1939-messages)
+GUEST_TESTS += $(addprefix tests/guest/cases/,altered-slots famouso-tags famouso-claims famouso-broker relay relay-parallel gateway-fails relay-wpan subscriptions-travel)
 GUEST_TESTS += $(addprefix tests/guest/cases/,attach-drift ethernet-gate ethernet-publishers doctor nth-call)
 GUEST_SYSTEMD_TESTS += $(addprefix tests/guest/cases/,service-life plugged-in awds-unit documents)
 check-guest: stage

@@ -194,6 +194,18 @@ class Levels : public ::testing::Test {
   static inline std::vector<Checked> all_;
 };
 
+TEST_F(Levels, TheDaemonRefusesOneOfTwoSendersOfOneIdentifier) {
+  std::size_t found = 0;
+  for (const auto& one : all_)
+    for (const auto& f : one.inspection.findings) {
+      if (f.id != core::FindingId::sender_twice) continue;
+      ++found;
+      const auto state = daemon_of(one.system);
+      EXPECT_FALSE(state->decisions()[f.channel].all_granted()) << f.text;
+    }
+  EXPECT_GT(found, 0U);
+}
+
 TEST_F(Levels, BothAnswersOfCheckAreFrequent) {
   std::map<Outcome, std::size_t> channels;
   std::size_t computed = 0;
@@ -242,6 +254,11 @@ TEST_F(Levels, EverythingThatIsComputedOrChosenIsFrequent) {
                                       "<Name>PacketLoss",
                                       "<Name>Omission",
                                       "<Name>Bandwidth",
+                                      " period=\"",
+                                      " jitter=\"",
+                                      " bandwidth=\"",
+                                      " maxPayload=\"",
+                                      "<PerHop latency=",
                                       "dynamic=\"true\"",
                                       "importance=",
                                       "format=\"fd\"",

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/description/twin/forms.hpp"
 #include "tests/description/twin/random_values.hpp"
 
 namespace mlcca::testing {
@@ -46,6 +47,7 @@ class Writer {
     choose_own();
     tight_ = random_.one_in(3);
     jittery_ = random_.one_in(4);
+    slow_ = random_.one_in(4);
     for (std::size_t n = 0; n < networks_; ++n) {
       mesh_.push_back(random_.one_in(2));
       udp_.push_back(!mesh_.back() && random_.one_in(6));
@@ -62,7 +64,7 @@ class Writer {
         [&](std::size_t n) { return is_bus(n) && kProfiles.at(profiles_[n]) != "raw"; });
     short_ = std::ranges::any_of(std::views::iota(std::size_t{0}, networks_), [&](std::size_t n) {
       const auto& profile = kProfiles.at(profiles_[n]);
-      return is_bus(n) && (profile == "raw" || profile == "j1939");
+      return is_bus(n) && profile == "raw";
     });
     const auto channels = 1 + random_.below(5);
     for (std::size_t c = 0; c < channels; ++c) sets_.push_back(random_.one_in(4) ? 2 : 1);
@@ -110,10 +112,13 @@ class Writer {
   std::string requirement() {
     static const std::vector<std::uint64_t> periods = {1000, 2000, 5000, 20000, 50000};
     std::string out;
-    if (!random_.one_in(16)) out += seconds("Period", random_.one_of(periods));
+    // Messages of J1939 take half a second and more.
+    if (!random_.one_in(16)) out += seconds("Period", slow_ ? 5'000'000 : random_.one_of(periods));
     if (!random_.one_in(16)) out += bytes(random_.below(random_.one_in(6) && !short_ ? 40 : 9));
-    if (random_.one_in(4)) out += seconds("Latency", 200 + random_.below(tight_ ? 2000 : 40000));
-    if (random_.one_in(6)) out += seconds("Deadline", 500 + random_.below(tight_ ? 4000 : 40000));
+    if (random_.one_in(4))
+      out += seconds("Latency", (200 + random_.below(tight_ ? 2000 : 40000)) * (slow_ ? 100 : 1));
+    if (random_.one_in(6))
+      out += seconds("Deadline", (500 + random_.below(tight_ ? 4000 : 40000)) * (slow_ ? 100 : 1));
     if (random_.one_in(6)) out += stated("Omission", "", random_.below(4));
     if (random_.one_in(10)) out += rate(100 + random_.below(20000));
     if (random_.one_in(jittery_ ? 2 : 20))
@@ -322,6 +327,7 @@ class Writer {
   std::size_t gateways_ = 0;
   std::vector<Own> own_;
   bool tight_ = false;
+  bool slow_ = false;  ///< periods are long
   bool jittery_ = false;
   bool numbered_ = false;  ///< some network's frames carry their node
   bool short_ = false;     ///< some network has no fragments
@@ -337,6 +343,6 @@ class Writer {
 
 }  // namespace
 
-std::string random_system(std::uint64_t seed) { return Writer(seed).write(); }
+std::string random_system(std::uint64_t seed) { return in_some_forms(Writer(seed).write(), seed); }
 
 }  // namespace mlcca::testing

@@ -3,8 +3,11 @@
 #include "relay/layers/can_layer.hpp"
 
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <deque>
 #include <numeric>
 #include <string>
@@ -74,7 +77,7 @@ std::vector<std::uint8_t> counting(std::size_t size) {
   return out;
 }
 
-class CanLayerTest : public testing::Test {
+class CanLayerTest : public ::testing::Test {
  protected:
   CanLayerTest() {
     auto socket = std::make_unique<FakeSocket>();
@@ -201,6 +204,159 @@ TEST_F(CanLayerTest, ALongEventOfCyphalIsATransferOfSeveralFrames) {
   for (const auto& one : got) EXPECT_EQ(one.second, counting(9));
 }
 
+// --- J1939 ---------------------------------------------------------------------------------------
+
+constexpr std::uint32_t kDm1 = CAN_EFF_FLAG | 0x18feca05;
+constexpr std::uint32_t kAllOfIt = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_EFF_MASK;
+
+std::uint64_t time_now = 0;  // of the layer, ns
+
+class J1939LayerTest : public CanLayerTest {
+ protected:
+  J1939LayerTest() {
+    time_now = 1'000'000'000;
+    auto socket = std::make_unique<FakeSocket>();
+    socket_ = socket.get();
+    layer_ = std::make_unique<CanLayer>(std::move(socket), nullptr, [] { return time_now; });
+    at_.fragmented = true;
+  }
+  /// Everything that waits, and the time of each frame is that of the pause.
+  std::vector<FrameSocket::Frame> all_sent() {
+    for (int i = 0; i < 300; ++i) {
+      time_now += j1939::kPause;
+      events({});
+    }
+    return std::exchange(socket_->out_, {});
+  }
+
+  control::Endpoint at_ = endpoint("j1939", kDm1, kAllOfIt);
+};
+
+TEST_F(J1939LayerTest, AShortEventIsAFrame) {
+  ASSERT_TRUE(layer_->follow(1, at_, 1, 20));
+  ASSERT_EQ(layer_->send(at_, 1, counting(8)), Sent::sent);
+  EXPECT_EQ(socket_->out_[0].frame.can_id, kDm1);
+  const auto got = events(std::exchange(socket_->out_, {}));
+  ASSERT_EQ(got.size(), 1U);
+  EXPECT_EQ(got[0].second, counting(8));
+}
+
+TEST_F(J1939LayerTest, ALongEventGoesFrameByFrameAndComesWhole) {
+  ASSERT_TRUE(layer_->follow(1, at_, 1, 20));
+  ASSERT_TRUE(layer_->follow(2, at_, 1, 19));
+  ASSERT_EQ(layer_->send(at_, 1, counting(20)), Sent::sent);
+  EXPECT_EQ(sent(), "20140003ffcafe00 ") << "the packets follow, each after a pause";
+  EXPECT_TRUE(events({}).empty());
+  EXPECT_EQ(socket_->out_.size(), 1U);
+  time_now += j1939::kPause;
+  EXPECT_TRUE(events({}).empty());
+  EXPECT_EQ(socket_->out_.size(), 2U);
+  const auto frames = all_sent();
+  ASSERT_EQ(frames.size(), 4U);
+  EXPECT_EQ(frames[0].frame.can_id, CAN_EFF_FLAG | 0x18ecff05);
+  EXPECT_EQ(frames[3].frame.can_id, CAN_EFF_FLAG | 0x18ebff05);
+  const auto got = events(frames);
+  ASSERT_EQ(got.size(), 1U);
+  EXPECT_EQ(got[0].first, 1U);
+  EXPECT_EQ(got[0].second, counting(20));
+  EXPECT_EQ(layer_->losses().too_long, 1U) << "for the other follower";
+}
+
+TEST_F(J1939LayerTest, MessagesOfOneSourceWaitForEachOther) {
+  auto other = endpoint("j1939", CAN_EFF_FLAG | 0x18fecb05, kAllOfIt);
+  auto elsewhere = endpoint("j1939", CAN_EFF_FLAG | 0x18feca06, kAllOfIt);
+  other.fragmented = elsewhere.fragmented = true;
+  ASSERT_TRUE(layer_->follow(1, at_, 1, 20));
+  ASSERT_TRUE(layer_->follow(2, other, 2, 20));
+  ASSERT_TRUE(layer_->follow(3, elsewhere, 1, 20));
+  for (const auto& to : {at_, other, elsewhere})
+    ASSERT_EQ(layer_->send(to, 1, counting(9 + (to == other ? 1 : 0))), Sent::sent);
+  EXPECT_EQ(socket_->out_.size(), 2U) << "those of two sources are under way";
+  const auto got = events(all_sent());
+  ASSERT_EQ(got.size(), 3U);
+  EXPECT_EQ(got[0].second, counting(9));
+  EXPECT_EQ(got[2].first, 2U);
+  EXPECT_EQ(got[2].second, counting(10));
+}
+
+TEST_F(J1939LayerTest, WhatCannotBeSentIsSaid) {
+  EXPECT_EQ(layer_->send(at_, 1, counting(1786)), Sent::too_long);
+  socket_->outcome_ = Sent::dropped;
+  EXPECT_EQ(layer_->send(at_, 1, counting(20)), Sent::dropped) << "the announcement";
+  EXPECT_EQ(layer_->losses().unsent, 0U);
+  socket_->outcome_ = Sent::sent;
+  time_now += j1939::kPause;
+  EXPECT_EQ(layer_->send(at_, 1, counting(20)), Sent::sent);
+  socket_->outcome_ = Sent::dropped;
+  EXPECT_TRUE(all_sent().size() == 1U);
+  EXPECT_EQ(layer_->losses().unsent, 1U) << "a packet";
+  socket_->outcome_ = Sent::sent;
+  for (std::size_t i = 0; i < j1939::Sending::kMostWaiting; ++i)
+    EXPECT_EQ(layer_->send(at_, 1, counting(20)), Sent::sent);
+  EXPECT_EQ(layer_->send(at_, 1, counting(20)), Sent::dropped) << "too many wait";
+}
+
+TEST_F(J1939LayerTest, AnOpenPriorityIsThatOfTheTransportProtocol) {
+  const auto open = [](std::uint32_t id, std::uint32_t bits) {
+    auto out = endpoint("j1939", CAN_EFF_FLAG | id, kAllOfIt & ~bits);
+    out.fragmented = true;
+    return out;
+  };
+  ASSERT_EQ(layer_->send(open(0x00feca05, 0x1c000000), 1, counting(9)), Sent::sent);
+  EXPECT_EQ(socket_->out_[0].frame.can_id, CAN_EFF_FLAG | 0x1cecff05);
+  ASSERT_EQ(layer_->send(open(0x18120006, 0xff00), 1, counting(9)), Sent::sent);
+  EXPECT_EQ(socket_->out_[1].frame.can_id, CAN_EFF_FLAG | 0x18ecff06);
+  EXPECT_EQ(socket_->out_[1].frame.data[6], 0x12);
+  EXPECT_EQ(socket_->out_[1].frame.data[5], 0) << "the destination is not in the PGN";
+}
+
+TEST_F(J1939LayerTest, OnlyWhatIsFollowedIsPutTogether) {
+  ASSERT_TRUE(layer_->follow(1, at_, 1, 20));
+  EXPECT_EQ(socket_->filters_.size(), 3U) << "the PGN, announcements and packets of its source";
+  auto other = endpoint("j1939", CAN_EFF_FLAG | 0x18fecb05, kAllOfIt);
+  other.fragmented = true;
+  ASSERT_EQ(layer_->send(other, 2, counting(20)), Sent::sent);
+  EXPECT_TRUE(events(all_sent()).empty());
+  EXPECT_EQ(layer_->losses().all(), 3U) << "those of the socket";
+  // Another PGN that its source announces meanwhile is the end of the one before.
+  ASSERT_EQ(layer_->send(at_, 1, counting(20)), Sent::sent);
+  auto frames = all_sent();
+  frames.insert(frames.begin() + 2,
+                frame(CAN_EFF_FLAG | 0x18ecff05, {0x20, 9, 0, 2, 0xff, 0xcb, 0xfe, 0}));
+  EXPECT_TRUE(events(frames).empty());
+  EXPECT_EQ(layer_->losses().incomplete, 1U);
+  ASSERT_TRUE(layer_->follow(2, other, 2, 20));
+  EXPECT_EQ(socket_->filters_.size(), 4U) << "one more PGN of the source";
+  layer_->leave(1, at_, 1);
+  EXPECT_EQ(socket_->filters_.size(), 3U);
+  layer_->leave(2, other, 2);
+  EXPECT_TRUE(socket_->filters_.empty());
+}
+
+TEST(Alarm, CanBeReadWhenTheTimeHasComeOrTheSocketCan) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  const Fd from(ends[0]);
+  const Fd to(ends[1]);
+  const auto alarm = Alarm::beside(from.get());
+  ASSERT_TRUE(alarm);
+  const auto ready = [&](int wait) {
+    pollfd one{.fd = (*alarm)->fd(), .events = POLLIN, .revents = 0};
+    return ::poll(&one, 1, wait) == 1;
+  };
+  EXPECT_FALSE(ready(0));
+  (*alarm)->set(0);
+  EXPECT_TRUE(ready(-1)) << "a time that has been";
+  (*alarm)->set(monotonic_ns() + 3'600'000'000'000);
+  EXPECT_FALSE(ready(0));
+  (*alarm)->set(monotonic_ns() + 1'000'000);
+  EXPECT_TRUE(ready(-1));
+  (*alarm)->set(std::nullopt);
+  EXPECT_FALSE(ready(0));
+  ASSERT_EQ(::write(to.get(), "", 1), 1);
+  EXPECT_TRUE(ready(-1));
+}
+
 TEST_F(CanLayerTest, PaddingOfFdFramesIsNotOfTheEvent) {
   for (const char* profile : {"raw", "cyphal"}) {
     auto at = endpoint(profile);
@@ -232,15 +388,17 @@ TEST_F(CanLayerTest, AnFdFrameHasOneOfItsLengths) {
 }
 
 TEST_F(CanLayerTest, WhatCannotBeCarriedIsRefusedWithTheReason) {
-  auto long_events = endpoint("j1939");
+  auto long_events = endpoint("raw");
   long_events.fragmented = true;
   const auto refused = layer_->follow(1, long_events, 1, 100);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(
-      refused.error().text,
-      "events of several frames are carried on buses of profile famouso and cyphal, and bus is "
-      "of j1939");
+  EXPECT_EQ(refused.error().text,
+            "events of several frames are not carried on buses of profile raw, as bus is one");
   EXPECT_EQ(layer_->send(long_events, 1, counting(1)), Sent::failed);
+  long_events.profile = "j1939";
+  long_events.classic = false;
+  long_events.fd = true;
+  EXPECT_FALSE(layer_->follow(1, long_events, 1, 100)) << "the transport protocol is not for FD";
 }
 
 TEST_F(CanLayerTest, TheSocketLetsThroughWhatIsFollowed) {

@@ -87,7 +87,7 @@ Transfer transfer(std::uint64_t subject, std::uint32_t from, std::uint32_t to) {
   return out;
 }
 
-class CarrierTest : public testing::Test {
+class CarrierTest : public ::testing::Test {
  protected:
   void come(std::uint32_t interface, std::uint64_t subject, const std::string& text) {
     world_.interfaces[interface].coming.emplace_back(subject, text);

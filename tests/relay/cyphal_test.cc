@@ -36,7 +36,7 @@ std::string hex(const std::vector<Event>& frames) {
   return out;
 }
 
-class CyphalTest : public testing::Test {
+class CyphalTest : public ::testing::Test {
  protected:
   /// The events that these frames complete.
   std::vector<Event> take(const std::vector<Event>& frames, Reassembly::Source source = 1) {

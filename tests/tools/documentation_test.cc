@@ -57,8 +57,9 @@ struct Help {
   Words options;
 };
 const Words kDoctor{"doctor"};
-const Words kDesign{"analyse-bus", "check", "describe", "generate"};
-const Words kOwnPage{"describe", "generate"};
+const Words kDesign{"analyse-bus", "check",  "describe", "export", "format",
+                    "generate",    "import", "learn",    "new"};
+const Words kOwnPage{"describe", "export", "generate", "import", "learn", "new"};
 
 Help help() {
   const auto text = test::run_mlccactl({"--help"}).out;
@@ -174,7 +175,7 @@ TEST(DocumentationTest, APageOfItsOwnDescribesEveryOptionOfAVerb) {
 }
 
 TEST(DocumentationTest, CompletionOffersEveryVerb) {
-  EXPECT_EQ(completions("mlccactl s", "/nonexistent"), (Words{"status"}));
+  EXPECT_EQ(completions("mlccactl s", "/nonexistent"), (Words{"status", "subscriptions"}));
   auto expected = help().verbs;
   expected.merge(options_in("--socket --timeout --json --no-color --help --version"));
   EXPECT_EQ(completions("mlccactl \"\"", "/nonexistent"), expected);
@@ -199,6 +200,17 @@ TEST(DocumentationTest, CompletionOffersFilesAndFormsToCheck) {
   const auto offered = completions("mlccactl check " + folder, "/nonexistent");
   EXPECT_TRUE(offered.contains(folder + "system.xml"));
   EXPECT_FALSE(offered.contains(folder + "demo")) << "it is no description";
+}
+
+TEST(DocumentationTest, CompletionOffersWhatImportTakes) {
+  EXPECT_EQ(completions("mlccactl import a.dbc --format d", "/nonexistent"), (Words{"dbc"}));
+  EXPECT_EQ(completions("mlccactl import a.dbc --profile \"\"", "/nonexistent"),
+            (Words{"raw", "j1939"}));
+}
+
+TEST(DocumentationTest, CompletionOffersWhatExportTakes) {
+  EXPECT_EQ(completions("mlccactl export a.xml --format \"\"", "/nonexistent"),
+            (Words{"dbc", "can-gw", "em_canid", "wireshark"}));
 }
 
 TEST(DocumentationTest, CompletionOffersWhatDescribeTakes) {

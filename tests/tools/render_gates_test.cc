@@ -79,6 +79,15 @@ TEST(RenderGates, ListsWhatAnEthernetGatePassesBesidesSubjectsAndWhatBecameOfFra
 )");
 }
 
+TEST(RenderGates, ExcessThatAuditModeLetThroughIsAmongWhatWouldHaveBeenDropped) {
+  auto gate = ethernet_gate();
+  gate.channels[0].excess = 9;
+  gate.channels[0].would_drop = 8;
+  gate.channels[0].would_exceed = 6;
+  const std::string text = render(control::Gates{{gate}}, its_interface(), Color::no);
+  EXPECT_TRUE(text.contains("      7        2           8       3  more than admitted")) << text;
+}
+
 TEST(RenderGates, AReasonHasOneRowForWhatIsDroppedAndWhatWouldBe) {
   auto status = test::full_status();
   control::Traffic& in = status.interfaces.at(0).ingress;
@@ -100,7 +109,7 @@ TEST(GatesAsJson, ReportGates) {
       "id": 2163146496, "mask": 3288334080, "formats": "classic",
       "max_length": 8, "source": "user 0", "per_frame_ns": 20000000, "per_byte": 3,
       "tolerance_ns": 5120000000, "excess_passes": true, "passed": 7, "dropped": 2, "excess": 1,
-      "bytes": 56, "last_reason": "more than admitted", "would_drop": 4,
+      "bytes": 56, "last_reason": "more than admitted", "would_drop": 4, "would_exceed": 0,
       "identifier": "00eeff00"})"));
 }
 

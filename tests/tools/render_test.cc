@@ -17,7 +17,7 @@ namespace {
 using control::Reply;
 using Json = nlohmann::json;
 
-struct RenderTest : testing::Test {
+struct RenderTest : ::testing::Test {
   RenderTest() {
     ::setenv("TZ", "UTC", 1);  // NOLINT(concurrency-mt-unsafe)
     ::tzset();
@@ -53,7 +53,7 @@ TEST_F(RenderTest, ExplainsARefusalAttributeByAttribute) {
   publisher    switch
   subscribers  motor-left, motor-right
   importance   3
-  frames       12 passed, 345 dropped; 6 were more than admitted
+  frames       in all 12 passed, 345 dropped; 6 were more than admitted
 )");
 }
 
@@ -70,7 +70,7 @@ TEST_F(RenderTest, ExplainsWhatTheMediaGiveAndWhichSetIsInUse) {
   publisher    switch
   subscribers  motor-left, motor-right
   importance   9
-  frames       12 passed, 0 dropped; 12 would have been dropped, audit mode let them through; 6 were more than admitted
+  frames       in all 12 passed, 0 dropped; 12 would have been dropped, audit mode let them through; 6 were more than admitted (5 of these passed in audit mode)
 )");
 }
 
@@ -262,11 +262,11 @@ frames by reason
   can0       out        more than admitted                  34
 
 unknown frames, last seen first
-  INTERFACE  DIRECTION  IDENTIFIER          FORMAT    LENGTH  FRAMES  SENDER
-  can0       in         18ffa533            classic        8      19
-  can0       out        123                 FD            64       2
-  can0       in         017                 XL          2048       1
-  can0       in         0xa4efeccc3210b497  datagram    8183       3  10.0.0.7 (02:00:5e:10:00:01)
+  INTERFACE  DIRECTION  IDENTIFIER          FORMAT    LENGTH  SEEN  SENDER
+  can0       in         18ffa533            classic        8    19
+  can0       out        123                 FD            64     2
+  can0       in         017                 XL          2048     1
+  can0       in         0xa4efeccc3210b497  datagram    8183     3  10.0.0.7 (02:00:5e:10:00:01)
 )");
 }
 
@@ -378,14 +378,14 @@ TEST_F(RenderTest, PrintsEveryDetailOfAnError) {
             "mlccactl: 2 errors\n  a:1: x\n  a:2: y\n");
 }
 
-struct JsonTest : testing::TestWithParam<test::NamedReply> {};
+struct JsonTest : ::testing::TestWithParam<test::NamedReply> {};
 
 TEST_P(JsonTest, IsOneObjectOnOneLine) {
   const auto json = json_of(GetParam().reply);
   EXPECT_TRUE(json.is_object());
 }
 
-INSTANTIATE_TEST_SUITE_P(All, JsonTest, testing::ValuesIn(test::all_replies()),
+INSTANTIATE_TEST_SUITE_P(All, JsonTest, ::testing::ValuesIn(test::all_replies()),
                          [](const auto& row) { return row.param.name; });
 
 TEST(JsonFieldsTest, CarryTheNamesAndUnitsOfTheProtocol) {
@@ -407,7 +407,7 @@ TEST(JsonFieldsTest, ReportHowWatchedEventsComeAndNullOfOthers) {
   EXPECT_EQ(json.at("channels").at(0).at("watch"), Json::parse(R"({"period_ns": 50000000,
       "timeout_ns": 162075000, "missing_now": true, "events": 1001, "missing": 4,
       "since_last_ns": 200000000, "last_gap_ns": 49000000, "shortest_gap_ns": 44000000,
-      "longest_gap_ns": 101000000, "jitter_ns": 6000000, "rate_mhz": 19975,
+      "longest_gap_ns": 101000000, "jitter_ns": 6000000, "rate_mhz": 19975, "shared": false,
       "gaps": [0, 0, 0, 0, 0, 0, 0, 499, 500, 0, 0, 0, 0, 0, 0, 1]})"));
   EXPECT_TRUE(json.at("channels").at(1).at("watch").is_null());
   EXPECT_EQ(json.at("channels").at(0).at("troubles"),

@@ -15,7 +15,7 @@ constexpr std::uint64_t kSecond = 1'000'000'000;
 constexpr std::uint64_t kNow = 1'795'267'815 * kSecond + kSecond / 2;
 
 /// Times are those of Berlin, without a database of zones.
-struct TimesTest : testing::Test {
+struct TimesTest : ::testing::Test {
   TimesTest() { in("CET-1CEST,M3.5.0,M10.5.0/3"); }
   static void in(const char* zone) {
     ::setenv("TZ", zone, 1);  // NOLINT(concurrency-mt-unsafe)

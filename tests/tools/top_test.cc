@@ -156,6 +156,26 @@ TEST(TopRatesTest, BeforeTwoEventsThereIsNoJitter) {
   EXPECT_FALSE(rows_by_subject(nullptr, sample(1, {channel})).at(0).loss);
 }
 
+TEST(TopRatesTest, OfPublishersThatLookAlikeJitterAndLossOfOneAreNotKnown) {
+  auto channel = delivery("beat", 0, 0);
+  channel.watch = control::Watch{};
+  channel.watch->events = 7;
+  channel.watch->missing = 1;
+  channel.watch->last_gap_ns = channel.watch->jitter_ns = 1'000'000;
+  channel.watch->shared = true;
+  channel.not_supervised = "a and b look alike to the gate";
+  channel.troubles = {"not supervised: a and b look alike to the gate"};
+  const Row row = rows_by_subject(nullptr, sample(1, {channel})).at(0);
+  EXPECT_FALSE(row.jitter);
+  EXPECT_FALSE(row.loss);
+  EXPECT_EQ(row.verdict, "NOWATCH");
+  channel.watch->missing_now = true;
+  EXPECT_EQ(rows_by_subject(nullptr, sample(1, {channel})).at(0).verdict, "MISSING");
+  channel.watch.reset();
+  channel.troubles.emplace_back("nothing forwards them");
+  EXPECT_EQ(rows_by_subject(nullptr, sample(1, {channel})).at(0).verdict, "TROUBLE");
+}
+
 Sample with_reservations(Sample s) {
   control::Resource bus;
   bus.name = "robot-can: bus time";

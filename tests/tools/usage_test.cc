@@ -20,7 +20,7 @@ struct UsageRow {
 };
 void PrintTo(const UsageRow& row, std::ostream* out) { *out << row.name; }
 
-struct MlccactlUsageTest : testing::TestWithParam<UsageRow> {};
+struct MlccactlUsageTest : ::testing::TestWithParam<UsageRow> {};
 
 TEST_P(MlccactlUsageTest, ExitsWith2AndSaysWhatIsWrong) {
   const auto outcome = run_mlccactl(GetParam().arguments, {"MLCCA_SOCKET=/nonexistent"});
@@ -32,7 +32,7 @@ TEST_P(MlccactlUsageTest, ExitsWith2AndSaysWhatIsWrong) {
 
 INSTANTIATE_TEST_SUITE_P(
     Wrong, MlccactlUsageTest,
-    testing::Values(
+    ::testing::Values(
         UsageRow{"NoVerb", {}, "no verb: must be one of status, networks, channels, routes"},
         UsageRow{"UnknownVerb", {"foo"}, "unknown verb 'foo': must be one of status"},
         UsageRow{"UnknownOption", {"--foo", "status"}, "unexpected argument '--foo'"},

@@ -16,7 +16,7 @@ struct Good {
 };
 void PrintTo(const Good& row, std::ostream* out) { *out << row.text; }
 
-struct GoodValueTest : testing::TestWithParam<Good> {};
+struct GoodValueTest : ::testing::TestWithParam<Good> {};
 
 TEST_P(GoodValueTest, IsReadExactlyOrRoundedToTheSafeSide) {
   const auto attribute = parse_attribute(GetParam().text, GetParam().role);
@@ -27,40 +27,39 @@ TEST_P(GoodValueTest, IsReadExactlyOrRoundedToTheSafeSide) {
 
 INSTANTIATE_TEST_SUITE_P(
     Units, GoodValueTest,
-    testing::Values(Good{"Period=50ms", 50'000'000}, Good{"Period=50 ms", 50'000'000},
-                    Good{" Period = 50ms ", 50'000'000}, Good{"Latency=5us", 5'000},
-                    Good{"Latency=5µs", 5'000}, Good{"Latency=5μs", 5'000}, Good{"Latency=7ns", 7},
-                    Good{"Deadline=1.5s", 1'500'000'000}, Good{"Jitter=2min", 120'000'000'000},
-                    Good{"Period=24h", 86'400'000'000'000}, Good{"Bandwidth=400kB/s", 400'000},
-                    Good{"Bandwidth=9B/s", 9}, Good{"Bandwidth=1.25MB/s", 1'250'000},
-                    Good{"Bandwidth=2GB/s", 2'000'000'000}, Good{"Bandwidth=1KiB/s", 1'024},
-                    Good{"Bandwidth=1MiB/s", 1'048'576}, Good{"Bandwidth=8bit/s", 1},
-                    Good{"Bandwidth=500kbit/s", 62'500}, Good{"Bandwidth=10Mbit/s", 1'250'000},
-                    Good{"Bandwidth=1Gbit/s", 125'000'000}, Good{"PacketLoss=0.5%", 5'000'000},
-                    Good{"PacketLoss=100%", 1'000'000'000},
-                    Good{"PacketLoss=100.000%", 1'000'000'000}, Good{"PacketLoss=3ppm", 3'000},
-                    Good{"PacketLoss=7ppb", 7}, Good{"Omission=2", 2}, Good{"Omission=0", 0},
-                    Good{"Omission=2 events", 2}, Good{"MaxPayload=8", 8},
-                    Good{"MaxPayload=8 bytes", 8}, Good{"MaxPayload=8B", 8},
-                    Good{"MaxPayload=1kB", 1'000}, Good{"MaxPayload=1.5KiB", 1'536}));
+    ::testing::Values(Good{"Period=50ms", 50'000'000}, Good{"Period=50 ms", 50'000'000},
+                      Good{" Period = 50ms ", 50'000'000}, Good{"Latency=5us", 5'000},
+                      Good{"Latency=5µs", 5'000}, Good{"Latency=5μs", 5'000},
+                      Good{"Latency=7ns", 7}, Good{"Deadline=1.5s", 1'500'000'000},
+                      Good{"Jitter=2min", 120'000'000'000}, Good{"Period=24h", 86'400'000'000'000},
+                      Good{"Bandwidth=400kB/s", 400'000}, Good{"Bandwidth=9B/s", 9},
+                      Good{"Bandwidth=1.25MB/s", 1'250'000}, Good{"Bandwidth=2GB/s", 2'000'000'000},
+                      Good{"Bandwidth=1KiB/s", 1'024}, Good{"Bandwidth=1MiB/s", 1'048'576},
+                      Good{"Bandwidth=8bit/s", 1}, Good{"Bandwidth=500kbit/s", 62'500},
+                      Good{"Bandwidth=10Mbit/s", 1'250'000}, Good{"Bandwidth=1Gbit/s", 125'000'000},
+                      Good{"PacketLoss=0.5%", 5'000'000}, Good{"PacketLoss=100%", 1'000'000'000},
+                      Good{"PacketLoss=100.000%", 1'000'000'000}, Good{"PacketLoss=3ppm", 3'000},
+                      Good{"PacketLoss=7ppb", 7}, Good{"Omission=2", 2}, Good{"Omission=0", 0},
+                      Good{"Omission=2 events", 2}, Good{"MaxPayload=8", 8},
+                      Good{"MaxPayload=8 bytes", 8}, Good{"MaxPayload=8B", 8},
+                      Good{"MaxPayload=1kB", 1'000}, Good{"MaxPayload=1.5KiB", 1'536}));
 
 INSTANTIATE_TEST_SUITE_P(
     Rounding, GoodValueTest,
-    testing::Values(Good{"Latency=1.9ns", 1}, Good{"Latency=0.9999999999us", 999},
-                    Good{"Period=1.9ns", 1}, Good{"Omission=2.9", 2},
-                    Good{"PacketLoss=0.00000019%", 1}, Good{"PacketLoss=0.1ppb", 0},
-                    Good{"Bandwidth=1bit/s", 1}, Good{"Bandwidth=9bit/s", 2},
-                    Good{"Bandwidth=0.000000001B/s", 1}, Good{"MaxPayload=7.1", 8},
-                    Good{"Jitter=1.9ns", 1}, Good{"Jitter=1.1ns", 2, Role::offered},
-                    Good{"Period=1.9ns", 1, Role::offered}, Good{"Latency=1.9ns", 1, Role::offered},
-                    Good{"MaxPayload=7.1", 8, Role::offered},
-                    Good{"Bandwidth=9bit/s", 2, Role::offered}));
+    ::testing::Values(
+        Good{"Latency=1.9ns", 1}, Good{"Latency=0.9999999999us", 999}, Good{"Period=1.9ns", 1},
+        Good{"Omission=2.9", 2}, Good{"PacketLoss=0.00000019%", 1}, Good{"PacketLoss=0.1ppb", 0},
+        Good{"Bandwidth=1bit/s", 1}, Good{"Bandwidth=9bit/s", 2},
+        Good{"Bandwidth=0.000000001B/s", 1}, Good{"MaxPayload=7.1", 8}, Good{"Jitter=1.9ns", 1},
+        Good{"Jitter=1.1ns", 2, Role::offered}, Good{"Period=1.9ns", 1, Role::offered},
+        Good{"Latency=1.9ns", 1, Role::offered}, Good{"MaxPayload=7.1", 8, Role::offered},
+        Good{"Bandwidth=9bit/s", 2, Role::offered}));
 
 INSTANTIATE_TEST_SUITE_P(Limits, GoodValueTest,
-                         testing::Values(Good{"Omission=18446744073709551614", ~0ULL - 1},
-                                         Good{"Period=1ns", 1}, Good{"Latency=0ns", 0},
-                                         Good{"Latency=0.000000000000000001s", 0},
-                                         Good{"Period=18446744073.709551614s", ~0ULL - 1}));
+                         ::testing::Values(Good{"Omission=18446744073709551614", ~0ULL - 1},
+                                           Good{"Period=1ns", 1}, Good{"Latency=0ns", 0},
+                                           Good{"Latency=0.000000000000000001s", 0},
+                                           Good{"Period=18446744073.709551614s", ~0ULL - 1}));
 
 struct Bad {
   const char* text;
@@ -68,7 +67,7 @@ struct Bad {
 };
 void PrintTo(const Bad& row, std::ostream* out) { *out << row.text; }
 
-struct BadValueTest : testing::TestWithParam<Bad> {};
+struct BadValueTest : ::testing::TestWithParam<Bad> {};
 
 TEST_P(BadValueTest, SaysWhatWouldBeRight) {
   const auto attribute = parse_attribute(GetParam().text, Role::required);
@@ -78,7 +77,7 @@ TEST_P(BadValueTest, SaysWhatWouldBeRight) {
 
 INSTANTIATE_TEST_SUITE_P(
     Values, BadValueTest,
-    testing::Values(
+    ::testing::Values(
         Bad{"Period", "'Period': must be Name=Value, such as Period=50ms"},
         Bad{"", "'': must be Name=Value, such as Period=50ms"},
         Bad{"period=1s", "unknown attribute 'period': it is spelled Period"},
@@ -107,21 +106,21 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Numbers, BadValueTest,
-    testing::Values(Bad{"Omission=18446744073709551616",
-                        "Omission=18446744073709551616: must be digits, at most one point and 18 "
-                        "decimals, and fit 64 bits without the point"},
-                    Bad{"Period=1.2.3ms",
-                        "Period=1.2.3ms: must be digits, at most one point and 18 decimals, and "
-                        "fit 64 bits without the point"},
-                    Bad{"Period=.5ms",
-                        "Period=.5ms: must be digits, at most one point and 18 decimals, and fit "
-                        "64 bits without the point"},
-                    Bad{"Period=5.ms",
-                        "Period=5.ms: must be digits, at most one point and 18 decimals, and fit "
-                        "64 bits without the point"},
-                    Bad{"Period=0.0000000000000000001s",
-                        "Period=0.0000000000000000001s: must be digits, at most one point and 18 "
-                        "decimals, and fit 64 bits without the point"}));
+    ::testing::Values(Bad{"Omission=18446744073709551616",
+                          "Omission=18446744073709551616: must be digits, at most one point and 18 "
+                          "decimals, and fit 64 bits without the point"},
+                      Bad{"Period=1.2.3ms",
+                          "Period=1.2.3ms: must be digits, at most one point and 18 decimals, and "
+                          "fit 64 bits without the point"},
+                      Bad{"Period=.5ms",
+                          "Period=.5ms: must be digits, at most one point and 18 decimals, and fit "
+                          "64 bits without the point"},
+                      Bad{"Period=5.ms",
+                          "Period=5.ms: must be digits, at most one point and 18 decimals, and fit "
+                          "64 bits without the point"},
+                      Bad{"Period=0.0000000000000000001s",
+                          "Period=0.0000000000000000001s: must be digits, at most one point and 18 "
+                          "decimals, and fit 64 bits without the point"}));
 
 TEST(ValueTest, CarriesNameAndUnitOfTheAttributeTable) {
   for (const auto* text : {"Latency=1s", "Jitter=1s", "Deadline=1s", "Period=1s", "Bandwidth=1B/s",

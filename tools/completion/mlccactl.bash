@@ -29,9 +29,9 @@ _mlccactl_can() {
 
 _mlccactl() {
 	local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
-	local verbs="status networks channels routes reservations gate query what-if announce admit renew release withdraw"
-	verbs+=" reinstate explain history monitor top mode reload bandwidth"
-	local others="analyse-bus check describe generate doctor"
+	local verbs="status networks channels routes reservations subscriptions gate query what-if announce admit renew release withdraw"
+	verbs+=" reinstate explain history report monitor top mode reload bandwidth"
+	local others="analyse-bus check describe export format generate import learn new doctor"
 	local common="--socket --timeout --json --no-color --help"
 	local offline="--json --no-color --help"
 	local attributes="Latency= Jitter= Deadline= Period= Bandwidth= PacketLoss= Omission= MaxPayload="
@@ -48,12 +48,15 @@ _mlccactl() {
 	done
 
 	case $prev in
-	--socket | --output | --bpf-root)
+	--socket | --output | -o | --bpf-root)
 		mapfile -t COMPREPLY < <(compgen -f -- "$cur")
 		return
 		;;
 	--format)
-		mapfile -t COMPREPLY < <(compgen -W "text json sarif html" -- "$cur")
+		local forms="text json sarif html"
+		[[ $verb == import ]] && forms="dbc eds"
+		[[ $verb == export ]] && forms="dbc can-gw em_canid wireshark"
+		mapfile -t COMPREPLY < <(compgen -W "$forms" -- "$cur")
 		return
 		;;
 	--from | --to | --without)
@@ -95,6 +98,14 @@ _mlccactl() {
 		mapfile -t COMPREPLY < <(compgen -W "single-domain 1-hop 2-hop 3-hop" -- "$cur")
 		return
 		;;
+	--profile)
+		mapfile -t COMPREPLY < <(compgen -W "raw j1939" -- "$cur")
+		return
+		;;
+	--interface)
+		mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_can)" -- "$cur")
+		return
+		;;
 	--safe-side)
 		mapfile -t COMPREPLY < <(compgen -W "drop deliver none" -- "$cur")
 		return
@@ -108,7 +119,7 @@ _mlccactl() {
 	--network | --bitrate | --data-bitrate | --background-load | --faults | --fault-interval-ms) return ;;
 	--fifo-depth | --bus-off) return ;;
 	--delay | --count | --filter | -d | -n) return ;;
-	--key | --lease | --link | --since | --until) return ;;
+	--key | --lease | --link | --since | --until | --gateway | --default-period) return ;;
 	--channel)
 		if [[ $verb == history ]]; then
 			mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_channels)" -- "$cur")
@@ -130,12 +141,24 @@ _mlccactl() {
 		words="--channel --subject --random-subject --name --description --safe-side --set --set-user"
 		words+=" --unset --priority --remove-set --dry-run $offline"
 		;;
+	format) words="--short --paper --in-place --output $offline" ;;
 	doctor) words="--can --send --id --fifo-depth --bus-off --bpf-root --json --help" ;;
 	generate) words="--component --out --force $offline" ;;
+	learn)
+		words="--for --output --merge --profile --bitrate --data-bitrate --name --gateway --user --no-local $offline"
+		[[ $cur == -* ]] || words="$(_mlccactl_can)"
+		;;
+	export) words="--format --network --gateway --output $offline" ;;
+	import)
+		words="--format --name --network --gateway --interface --profile --node --bitrate --data-bitrate"
+		words+=" --default-period --output $offline"
+		;;
+	new) words="--name --gateway --network --channel --dry-run $offline" ;;
 	query | admit)
 		words+=" --from --to --require --offer --node --priority --user --subscriber --publisher --subject --identifier --from-node --to-node --address"
 		;;
 	status) words+=" --check" ;;
+	report) words+=" --html" ;;
 	withdraw) words+=" --yes" ;;
 	release) words+=" --id --admission --key" ;;
 	renew) words+=" --id --admission --key" ;;
@@ -167,10 +190,11 @@ _mlccactl() {
 	query | admit | release | withdraw | reinstate | explain)
 		[[ $cur == -* ]] || words=$(_mlccactl_channels)
 		;;
-	analyse-bus | check | describe | generate)
+	analyse-bus | check | describe | export | format | generate | import | new)
 		if [[ $cur != -* ]]; then
 			local kinds='*.xml'
 			[[ $verb == analyse-bus ]] && kinds='*.@(xml|csv)'
+			[[ $verb == import ]] && kinds='*.@(dbc|DBC|eds|EDS|dcf|DCF)'
 			# Folders too: they lead to files.
 			mapfile -t COMPREPLY < <(compgen -f -X "!$kinds" -- "$cur"; compgen -d -- "$cur")
 			compopt -o filenames 2>/dev/null

@@ -38,7 +38,12 @@ int main(int argc, char** argv) {
   add_analyse_bus(app, context);
   add_check(app, context);
   add_describe(app, context);
+  add_export(app, context);
+  add_format(app, context);
   add_generate(app, context);
+  add_learn(app, context);
+  add_import(app, context);
+  add_new(app, context);
   for (auto* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
     verb->fallthrough();
     verb->footer(kFooter);

@@ -18,6 +18,11 @@ struct Context {
 void add_analyse_bus(CLI::App& app, Context& context);
 void add_check(CLI::App& app, Context& context);
 void add_describe(CLI::App& app, Context& context);
+void add_export(CLI::App& app, Context& context);
+void add_format(CLI::App& app, Context& context);
 void add_generate(CLI::App& app, Context& context);
+void add_learn(CLI::App& app, Context& context);
+void add_import(CLI::App& app, Context& context);
+void add_new(CLI::App& app, Context& context);
 
 }  // namespace mlcca::tools::design

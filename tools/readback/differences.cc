@@ -26,8 +26,8 @@ std::string formats_of(const SlotSpec& s, bool ethernet) {
   const auto named = [&s](int bit, const char* name) { return (s.formats & bit) != 0 ? name : ""; };
   return ethernet ? fmt::format("{}{}", named(ETHER_UNFRAGMENTED, " unfragmented"),
                                 named(ETHER_FRAGMENT, " fragments"))
-                  : fmt::format("{}{}{}", named(GATE_CLASSIC, " classic"), named(GATE_FD, " FD"),
-                                named(GATE_XL, " XL"));
+                  : fmt::format("{}{}{}{}", named(GATE_CLASSIC, " classic"), named(GATE_FD, " FD"),
+                                named(GATE_XL, " XL"), named(GATE_TRANSPORT, " transport"));
 }
 
 std::string source_of(const SlotSpec& s, const NameOf& name_of) {

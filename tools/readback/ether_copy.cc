@@ -65,12 +65,8 @@ Result<void> copy_table(const enforce::EtherImage& from, const enforce::EtherPin
 
 }  // namespace
 
-EtherCopy::EtherCopy(const enforce::GateReading& gate, enforce::EtherGate copy, Ends ip, Ends awds)
-    : gate_(std::move(copy)),
-      near_index_(static_cast<int>(gate.ifindex)),
-      ip_(std::move(ip)),
-      awds_(std::move(awds)),
-      probes_(gate) {}
+EtherCopy::EtherCopy(const enforce::GateReading& gate, enforce::EtherGate copy)
+    : gate_(std::move(copy)), near_index_(static_cast<int>(gate.ifindex)), probes_(gate) {}
 
 Result<EtherCopy::Ends> EtherCopy::open_ends(int near, int far, std::uint16_t ethertype) {
   auto at_gate = packet_socket(near, ethertype);
@@ -91,21 +87,19 @@ Result<EtherCopy> EtherCopy::make(const enforce::GateReading& gate, const Origin
   config.ifindex = gate.ifindex;
   config.name = gate.interface;
   config.slots = gate.ether_image->sizes.slots - ETHER_FIRST_SLOT;
+  config.framing = gate.wpan ? enforce::Framing::wpan : enforce::Framing::ethernet;
   auto copy = enforce::EtherGate::attach(config, control);
-  auto ip = open_ends(near_index, far_index, ETH_P_IP);
-  auto awds = open_ends(near_index, far_index, ETHER_P_AWDS);
   if (!copy) return std::unexpected(copy.error());
-  if (!ip || !awds) return std::unexpected((ip ? awds : ip).error());
   const std::string pins = enforce::gate_directory(control.directory(), gate.ifindex);
   const auto own = enforce::pinned_ether_maps(pins);
   if (!own) return fail("its copy has no maps");
   if (auto copied = copy_table(*gate.ether_image, *own); !copied)
     return std::unexpected(copied.error());
   if (Original(pins).tags != original.tags) return fail(kOtherVersion);
-  return EtherCopy(gate, std::move(*copy), std::move(*ip), std::move(*awds));
+  return EtherCopy(gate, std::move(*copy));
 }
 
-void EtherCopy::run(bool closed, Trial& trial) const {
+void EtherCopy::run(bool closed, Trial& trial) {
   for (const EtherProbe& probe : probes_.probes()) {
     const auto became = fate(probe);
     if (became)
@@ -118,9 +112,14 @@ void EtherCopy::run(bool closed, Trial& trial) const {
 }
 
 /// What leaves goes by the socket of its user, what comes in by the far end.
-Result<Fate> EtherCopy::fate(const EtherProbe& probe) const {
+Result<Fate> EtherCopy::fate(const EtherProbe& probe) {
   const std::uint16_t ethertype = ethertype_of(probe);
-  const Ends& ends = ethertype == ETHER_P_AWDS ? awds_ : ip_;
+  if (!ends_.contains(ethertype)) {
+    auto opened = open_ends(near_index_, kFarIndex + near_index_, ethertype);
+    if (!opened) return std::unexpected(opened.error());
+    ends_.emplace(ethertype, std::move(*opened));
+  }
+  const Ends& ends = ends_.at(ethertype);
   Fd program;
   if (probe.out) {
     auto made = packet_socket(near_index_, ethertype, probe.uid);

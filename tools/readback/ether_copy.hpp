@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A copy of an Ethernet gate on a pair of virtual interfaces.
+// A copy of a gate of Ethernet or of IEEE 802.15.4, on a pair of virtual Ethernet interfaces.
 #pragma once
-#include <memory>
+#include <cstdint>
+#include <map>
 
 #include "base/handle.hpp"
 #include "base/result.hpp"
@@ -20,7 +21,7 @@ class EtherCopy {
   static Result<EtherCopy> make(const enforce::GateReading& gate, const Original& original,
                                 const enforce::Control& control);
 
-  void run(bool closed, Trial& trial) const;
+  void run(bool closed, Trial& trial);
 
  private:
   /// What has passed the gate from the wire, and the wire.
@@ -29,14 +30,13 @@ class EtherCopy {
     Fd far;
   };
 
-  EtherCopy(const enforce::GateReading& gate, enforce::EtherGate copy, Ends ip, Ends awds);
+  EtherCopy(const enforce::GateReading& gate, enforce::EtherGate copy);
   static Result<Ends> open_ends(int near, int far, std::uint16_t ethertype);
-  [[nodiscard]] Result<Fate> fate(const EtherProbe& probe) const;
+  [[nodiscard]] Result<Fate> fate(const EtherProbe& probe);
 
   enforce::EtherGate gate_;
   int near_index_;
-  Ends ip_;
-  Ends awds_;
+  std::map<std::uint16_t, Ends> ends_;  ///< by ethertype
   EtherProbes probes_;
 };
 

@@ -18,6 +18,11 @@ constexpr std::uint16_t kMostPayload = 1400;
 /// 192.0.2.1, and where that is a station of the table the next ones (RFC 5737: they belong to no
 /// host).
 constexpr std::uint64_t kStation = 0xc0000201;
+/// On 802.15.4 short addresses of a made-up PAN.
+constexpr std::uint64_t kPan = 0x6d6c;
+constexpr std::uint64_t kWpanStation = ETHER_SHORT | kPan << 16U | 1;
+
+bool is_wpan(const EtherProbe& probe) { return core::Station{probe.station}.is_wpan(); }
 
 void put(std::vector<std::uint8_t>& to, std::uint64_t number, unsigned octets) {
   while (octets-- > 0) to.push_back(static_cast<std::uint8_t>(number >> (8 * octets)));
@@ -25,7 +30,8 @@ void put(std::vector<std::uint8_t>& to, std::uint64_t number, unsigned octets) {
 
 }  // namespace
 
-EtherProbes::EtherProbes(const enforce::GateReading& gate) {
+EtherProbes::EtherProbes(const enforce::GateReading& gate)
+    : first_station_(gate.wpan ? kWpanStation : kStation) {
   std::size_t forwarded = 0;
   std::vector<const enforce::SlotSpec*> within_reach;
   for (const enforce::SlotSpec& slot : gate.slots) {
@@ -40,8 +46,8 @@ EtherProbes::EtherProbes(const enforce::GateReading& gate) {
   for (std::size_t i = 0; i < within_reach.size(); i += step) add(*within_reach[i]);
   std::uint64_t unknown = 0x6d6c636361000000;
   while (slots_.contains(unknown)) ++unknown;
-  probes_.push_back({.out = false, .subject = unknown, .station = kStation});
-  probes_.push_back({.out = true, .subject = unknown, .station = kStation});
+  for (const bool out : {false, true})
+    probes_.push_back({.out = out, .subject = unknown, .station = first_station_});
   std::ranges::sort(probes_);
   const auto same = std::ranges::unique(probes_);
   probes_.erase(same.begin(), same.end());
@@ -74,7 +80,7 @@ void EtherProbes::add(const enforce::SlotSpec& slot) {
 
 std::uint64_t EtherProbes::station_without_slot(std::uint64_t subject) const {
   const auto [first, last] = slots_.equal_range(subject);
-  std::uint64_t station = kStation;
+  std::uint64_t station = first_station_;
   while (
       std::any_of(first, last, [&](const auto& known) { return known.second->station == station; }))
     ++station;
@@ -106,10 +112,33 @@ std::string to_text(const EtherProbe& probe) {
 }
 
 std::uint16_t ethertype_of(const EtherProbe& probe) {
-  return (probe.station & ETHER_MAC) != 0 ? ETHER_P_AWDS : ETH_P_IP;
+  if (!is_wpan(probe)) return (probe.station & ETHER_MAC) != 0 ? ETHER_P_AWDS : ETH_P_IP;
+  constexpr std::size_t type_at = std::size_t{2} * ETH_ALEN;
+  const auto frame = frame_of(probe);
+  const auto type = static_cast<std::uint16_t>(frame[type_at] << 8 | frame[type_at + 1]);
+  return type < ETH_P_802_3_MIN ? ETH_P_802_2 : type;
 }
 
 namespace {
+
+void put_little(std::vector<std::uint8_t>& to, std::uint64_t number, unsigned octets) {
+  for (; octets-- > 0; number >>= 8) to.push_back(static_cast<std::uint8_t>(number));
+}
+
+/// A data frame to all of one PAN.
+std::vector<std::uint8_t> wpan_frame(const EtherProbe& probe) {
+  constexpr std::uint64_t to_all = 0x0841;  // data, one PAN, short destination
+  constexpr unsigned from = 14;             // mode of the source: 2 short, 3 extended
+  const bool extended = (probe.station & ETHER_EXTENDED) != 0;
+  std::vector<std::uint8_t> frame;
+  put_little(frame, to_all | (extended ? 3U : 2U) << from, 2);
+  put_little(frame, 0, 1);  // sequence
+  put_little(frame, extended ? kPan : probe.station >> 16U, 2);
+  put_little(frame, 0xffff, 2);
+  put_little(frame, extended ? probe.station & ~ETHER_EXTENDED : probe.station, extended ? 8 : 2);
+  put(frame, probe.subject, sizeof(probe.subject));
+  return frame;
+}
 
 /// To a group address, from a made-up station of the link.
 std::vector<std::uint8_t> link_header(const EtherProbe& probe) {
@@ -154,10 +183,15 @@ std::vector<std::uint8_t> datagram(const EtherProbe& probe) {
   return frame;
 }
 
+std::vector<std::uint8_t> headers_of(const EtherProbe& probe) {
+  if (is_wpan(probe)) return wpan_frame(probe);
+  return ethertype_of(probe) == ETHER_P_AWDS ? awds_packet(probe) : datagram(probe);
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> frame_of(const EtherProbe& probe) {
-  auto frame = ethertype_of(probe) == ETHER_P_AWDS ? awds_packet(probe) : datagram(probe);
+  auto frame = headers_of(probe);
   frame.resize(frame.size() + probe.payload);
   return frame;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Which datagrams prove what an Ethernet gate holds, and what must become of them. Pure.
+// Which datagrams or frames of IEEE 802.15.4 prove what a gate holds, and what must become of them.
+// Pure.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -10,7 +11,8 @@
 
 namespace mlcca::readback {
 
-/// An event in one UDP datagram, or in one AWDS packet where its station has a MAC address.
+/// An event in one UDP datagram, in one AWDS packet where its station has a MAC address, or in one
+/// frame of IEEE 802.15.4 where it is a station of that.
 struct EtherProbe {
   bool out = false;  ///< sent by a program on this machine; else from the wire
   std::uint64_t subject = 0;
@@ -41,15 +43,17 @@ class EtherProbes {
   [[nodiscard]] std::uint64_t station_without_slot(std::uint64_t subject) const;
 
   std::unordered_multimap<std::uint64_t, const enforce::SlotSpec*> slots_;  ///< by subject
+  std::uint64_t first_station_;  ///< of those that probes are made up from
   std::vector<EtherProbe> probes_;
   std::vector<std::string> untried_;
 };
 
 std::string to_text(const EtherProbe& probe);
 
+/// By which the kernel sorts its frame on an Ethernet device, whatever it is.
 [[nodiscard]] std::uint16_t ethertype_of(const EtherProbe& probe);
 
-/// The Ethernet frame, with the headers of IPv4 and UDP or of AWDS.
+/// The Ethernet frame, with the headers of IPv4 and UDP or of AWDS; or the MAC frame of 802.15.4.
 std::vector<std::uint8_t> frame_of(const EtherProbe& probe);
 
 }  // namespace mlcca::readback

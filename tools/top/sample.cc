@@ -190,9 +190,11 @@ void add_unknown(const Interval& interval, const Sample* before, const Sample& n
     }
 }
 
+/// Of several publishers that look alike, how regularly one of them sends is not known.
 void add_watch(const control::Watch& watch, Row& row) {
-  if (watch.last_gap_ns != 0) row.jitter = static_cast<double>(watch.jitter_ns) / kSecond;
-  row.loss = share(watch.missing, add_saturating(watch.missing, watch.events));
+  if (watch.last_gap_ns != 0 && !watch.shared)
+    row.jitter = static_cast<double>(watch.jitter_ns) / kSecond;
+  if (!watch.shared) row.loss = share(watch.missing, add_saturating(watch.missing, watch.events));
   if (!watch.missing_now) return;
   row.verdict = control::is_coming_again(watch) ? "RETURNS" : "MISSING";
   row.style = Style::bad;
@@ -208,7 +210,8 @@ Row delivery(const control::Channel& c) {
       c.granted && c.sets > 1 ? fmt::format("set {}/{}", c.set + 1, c.sets) : verdict.text;
   row.style = c.granted && c.set != 0 ? Style::warning : verdict.style;
   if (!c.troubles.empty()) {
-    row.verdict = "TROUBLE";
+    const bool only_unsupervised = c.troubles.size() == 1 && !c.not_supervised.empty();
+    row.verdict = only_unsupervised ? "NOWATCH" : "TROUBLE";
     row.style = Style::bad;
   }
   if (c.watch) add_watch(*c.watch, row);

@@ -27,7 +27,7 @@ NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000}
 HAPPENED = {"excess": Cause.POLICED, "dropping": Cause.DROPPED, "missing": Cause.MISSING, "restored": Cause.RESTORED,
             "late": Cause.LATE, "lapsed": Cause.GATES_CLOSED, "stopped": Cause.GATES_CLOSED, "mode": Cause.MODE}
 # What is decided may be otherwise: it is asked for.
-VERDICT = {"granted", "refused", "withdrawn", "released", "switched", "reinstated", "reload", "lagged", "local",
+VERDICT = {"granted", "refused", "withdrawn", "released", "switched", "rerouted", "reinstated", "reload", "lagged", "local",
            "binding"}
 # They are lost first where a program takes none.
 ONLY_INFORM = {Cause.POLICED, Cause.DROPPED, Cause.MISSING, Cause.RESTORED, Cause.MODE, Cause.OTHER}
@@ -128,8 +128,12 @@ class Part:
             least = next((i for i, e in enumerate(self._waiting) if e.cause in ONLY_INFORM), 0)
             del self._waiting[least]
             self._lagged = True
-        publisher, silent, missing = (event.publisher, event.silent_ns, event.missing) if event else ("", 0, 0)
-        self._waiting.append(ChannelException(cause, text, publisher, silent, missing, self.answer))
+        if event is None:
+            self._waiting.append(ChannelException(cause, text, answer=self.answer))
+            return
+        self._waiting.append(ChannelException(
+            cause, text, publisher=event.publisher, silent_ns=event.silent_ns, missing_events=event.missing,
+            frames=event.frames, late_events=event.late, longest_ns=event.longest_ns, answer=self.answer))
 
     def concerns(self, event: control_pb2.Event) -> bool:
         """The event is of a delivery of this end; before there is one nothing but the channel is known."""

@@ -97,4 +97,7 @@ class ChannelException:
     publisher: str = ""      # that it is of, by its name; empty: of several, or of none
     silent_ns: int = 0       # missing, restored: how long nothing came
     missing_events: int = 0  # missing, restored: how many did not come in that time
+    frames: int = 0          # policed, dropped: so many since the last such exception
+    late_events: int = 0     # late: so many since the last such exception
+    longest_ns: int = 0      # late: the time that one of these took in mlcca-relay
     answer: Answer = field(default_factory=Answer)  # what is decided now

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "control/attributes.hpp"
 #include "core/model/text.hpp"
 #include "daemon/gateway/channel_reports.hpp"
 #include "daemon/gateway/endpoints.hpp"
@@ -35,18 +36,6 @@ bool differs(Role role, Attribute a, Value announced, Value decided) {
   const bool smaller_is_harder = info(a).better == Better::smaller;
   const bool turned_round = publishes ? a == Attribute::jitter : a == Attribute::max_payload;
   return smaller_is_harder != turned_round ? announced < decided : announced > decided;
-}
-
-/// What the program states, with the Deadline that follows from its Period. Error: there is no such
-/// attribute.
-Result<AttributeSet> announced_set(const std::vector<control::Attribute>& announced) {
-  AttributeSet out;
-  for (const control::Attribute& one : announced) {
-    const auto attribute = attribute_named(one.name);
-    if (!attribute) return fail(fmt::format("there is no attribute '{}'", one.name));
-    out.set(*attribute, one.value);
-  }
-  return out;
 }
 
 /// What of it does not go with `decided`; nothing: all of it does.
@@ -104,24 +93,41 @@ class Ends {
     return granted ? found
                    : requests::conflict(role_, announced, attributes_of(end, 0), "for this end");
   }
-  /// Frames of a publisher pass for one user alone. What a bus brings can be read by every user.
-  [[nodiscard]] bool is_for(std::size_t end, uid_t user) const {
-    return role_ == Role::subscriber || members_.publisher(end).uid == user;
+  /// Why the program may not be that end; nothing: it may. Frames of a publisher pass for one user
+  /// alone. What a bus brings can be read by every user, unless the end states who may.
+  [[nodiscard]] std::optional<std::string> forbids(std::size_t end, const serve::Peer& peer) const {
+    if (role_ == Role::publisher && members_.publisher(end).uid != peer.uid)
+      return fmt::format("is for programs of user {}, and this one is of user {}",
+                         members_.publisher(end).uid.value_or(0), peer.uid);
+    const core::ProgramRule* const rule = state_.system().program_rule(
+        role_ == Role::publisher ? members_.publisher(end).program_rule
+                                 : members_.subscriber(end).program_rule);
+    if (rule == nullptr) return std::nullopt;
+    if (!rule->group.empty() &&
+        (!rule->gid || peer.process == nullptr || !peer.process->is_in(*rule->gid)))
+      return fmt::format("is for programs in group {}, and this one is not in it", rule->group);
+    if (rule->unit.empty()) return std::nullopt;
+    if (peer.process == nullptr) return fmt::format("is for programs of unit {}", rule->unit);
+    const auto unit = peer.process->unit();
+    if (!unit) return fmt::format("is for programs of unit {}: {}", rule->unit, unit.error().text);
+    if (*unit == rule->unit) return std::nullopt;
+    return fmt::format("is for programs of unit {}, and this one is of {}", rule->unit,
+                       unit->empty() ? "none" : *unit);
   }
 
-  /// The one that a user may take up under that name; empty: the only one.
-  [[nodiscard]] Result<std::size_t> find(const std::string& name, uid_t user) const {
+  /// The one that a program may take up under that name; empty: the only one.
+  [[nodiscard]] Result<std::size_t> find(const std::string& name, const serve::Peer& peer) const {
     std::vector<std::size_t> found;
     std::ranges::copy_if(ends_, std::back_inserter(found),
                          [&](std::size_t end) { return name.empty() || name_of(end) == name; });
     if (found.empty()) return fail(none(name));
     const std::size_t one = found.front();
-    std::erase_if(found, [&](std::size_t end) { return !is_for(end, user); });
-    if (found.empty())
-      return fail(fmt::format("{} is for programs of user {}, and this one is of user {}",
-                              name_of(one), members_.publisher(one).uid.value_or(0), user));
+    const auto why = forbids(one, peer);
+    std::erase_if(found, [&](std::size_t end) { return forbids(end, peer).has_value(); });
+    if (found.empty()) return fail(fmt::format("{} {}", name_of(one), *why));
     if (found.size() > 1)
-      return fail(fmt::format("user {} may be {}: say which", user, fmt::join(names(found), ", ")));
+      return fail(
+          fmt::format("user {} may be {}: say which", peer.uid, fmt::join(names(found), ", ")));
     return found.front();
   }
 
@@ -172,9 +178,9 @@ Response announce(Context& context, const Asker& asker, const control::AnnounceR
   const auto channel = channel_named(state, request.channel);
   if (!channel) return invalid(channel.error().text);
   const Ends ends(context, *channel, request.role);
-  const auto end = ends.find(request.name, asker.peer.uid);
+  const auto end = ends.find(request.name, asker.peer);
   if (!end) return error_of(control::ErrorKind::forbidden, end.error().text);
-  const auto announced = announced_set(request.attributes);
+  const auto announced = control::set_of(request.attributes);
   if (!announced) return invalid(announced.error().text);
   if (const auto why = ends.conflict(*end, *announced)) return invalid(*why);
   if (!request.local.empty()) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/number.hpp"
+#include "control/attributes.hpp"
 #include "core/profiles/profile.hpp"
 
 namespace mlcca {
@@ -59,7 +60,7 @@ Result<std::optional<std::uint32_t>> mesh_node_named(const core::State& state, c
 
 Result<AttributeSet> overridden(AttributeSet base, const std::vector<control::Attribute>& changes) {
   for (const control::Attribute& change : changes) {
-    const auto attribute = attribute_named(change.name);
+    const auto attribute = control::attribute_named(change.name);
     if (!attribute)
       return fail(fmt::format("there is no attribute '{}' (there are: {})", change.name,
                               known(kAttributeTable)));
@@ -99,14 +100,14 @@ Result<core::Station> station_named(const core::State& state, core::Place place,
   if (place.kind != core::Place::Kind::network ||
       !state.system().networks[place.index].carries_subjects())
     return fail(
-        "an address is said only for a publisher on a network of kind udp-multicast or mesh with " +
+        "an address is said only for a publisher on a network of kind udp-multicast, mesh or "
+        "ieee802154 with " +
         core::for_profiles_with([](const auto& p) { return p.datagrams != nullptr; }));
-  const auto station = core::station_of(address);
+  const core::NetworkKind kind = state.system().networks[place.index].kind;
+  const auto station = core::station_on(kind, address);
   if (!station)
     return fail(
-        fmt::format("no station sends from '{}': state the IPv4 or MAC address of one station, "
-                    "such as 192.0.2.7",
-                    address));
+        fmt::format("no station sends from '{}': state {}", address, core::station_words(kind)));
   return *station;
 }
 
@@ -333,12 +334,6 @@ Result<void> understand_subscriber(const core::State& state, const control::Chan
 }
 
 }  // namespace
-
-std::optional<Attribute> attribute_named(std::string_view name) {
-  for (std::size_t i = 0; i < kAttributes; ++i)
-    if (name == kAttributeTable[i].name) return attribute_at(i);
-  return std::nullopt;
-}
 
 Result<Asked> understand(const core::State& state, const control::ChannelRequest& request,
                          core::AdmissionId id) {

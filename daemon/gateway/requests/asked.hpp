@@ -3,7 +3,6 @@
 // channel, and nonsense is refused with what would be right.
 #pragma once
 #include <optional>
-#include <string_view>
 
 #include "base/result.hpp"
 #include "control/messages.hpp"
@@ -34,12 +33,9 @@ struct Asked {
 /// Channel by name or 0x subject; the error names what is known.
 [[nodiscard]] Result<std::size_t> channel_named(const core::State& state, const std::string& name);
 
-/// ns that an admission lives without being renewed; 0: until it is released. One that a connection
-/// As the table of attributes has it.
-[[nodiscard]] std::optional<Attribute> attribute_named(std::string_view name);
-
 /// Whether a key can be shown and stored.
 [[nodiscard]] Result<void> check_key(const std::string& key);
+/// ns that an admission lives without being renewed; 0: until it is released. One that a connection
 /// holds lives 10 s longer than that if it says nothing else.
 [[nodiscard]] std::uint64_t lease_of(const control::Admit& request);
 

@@ -60,7 +60,16 @@ Body outcome_of(const Context& context, const core::Proposal& proposal, const As
   control::Channels out;
   auto verdicts = proposal.verdicts();
   out.left_out = leave_out(state, verdicts);
-  for (const core::Verdict* v : verdicts) out.channels.push_back(channel_report(state, *v, {}));
+  const auto shared = core::shared_rules(state.system(), state.members(), asked.channel,
+                                         proposal.decision().verdicts, context.scene.self);
+  for (const core::Verdict* v : verdicts) {
+    out.channels.push_back(channel_report(state, *v, {}));
+    if (v->granted)
+      set_not_supervised(
+          out.channels.back(),
+          context.delivery_health.look_alikes_of(
+              core::gate_state(state.system(), state.members(), *v, context.scene.self), shared));
+  }
   if (!proposal.fit())
     for (control::Channel& channel : out.channels)
       if (channel.admission == asked.admission->id) channel.admission = 0;

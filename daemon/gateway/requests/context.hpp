@@ -29,6 +29,7 @@ class EventLog;
 class GateControl;
 class GateDriver;
 class GateEvents;
+class GatewayPresence;
 class HealthReport;
 class LocalEnds;
 class Meshes;
@@ -61,6 +62,7 @@ struct Context {
   ChannelReports& channels;
   Endpoints& endpoints;
   Carriers& carriers;
+  GatewayPresence& presence;
   LocalEnds& local_ends;
   CanForwarding& forwarding;
   Meshes& meshes;

@@ -49,7 +49,9 @@ Response delay(Context& context, const Asker& asker, const control::DelayRequest
                       {.subject = transfer->subject,
                        .channel = transfer->channel,
                        .network = request.to,
-                       .publisher = transfer->publisher});
+                       .publisher = transfer->publisher,
+                       .late = request.late,
+                       .longest_ns = request.longest_ns});
   return control::Done{line};
 }
 

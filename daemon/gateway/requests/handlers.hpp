@@ -26,6 +26,11 @@ Response gate(Context& context, const Asker& asker, const control::GateRequest& 
 Response withdraw(Context& context, const Asker& asker, const control::WithdrawRequest& request);
 Response delay(Context& context, const Asker& asker, const control::DelayRequest& request);
 Response transfers(Context& context, const Asker& asker, const control::TransfersRequest& request);
+Response subscriptions(Context& context, const Asker& asker,
+                       const control::SubscriptionsRequest& request);
+Response subscribe(Context& context, const Asker& asker, const control::SubscribeRequest& request);
+Response refusal(Context& context, const Asker& asker, const control::RefusalRequest& request);
+Response presence(Context& context, const Asker& asker, const control::PresenceRequest& request);
 Response reinstate(Context& context, const Asker& asker, const control::ReinstateRequest& request);
 
 }  // namespace mlcca::requests

@@ -100,6 +100,9 @@ struct Exception {
   std::string publisher;              ///< that it is of, by its name; empty: of several, or of none
   std::chrono::nanoseconds silent{};  ///< missing, restored: how long nothing came
   std::uint64_t missing_events = 0;   ///< missing, restored: how many did not come in that time
+  std::uint64_t frames = 0;           ///< policed, dropped: so many since the last such exception
+  std::uint64_t late_events = 0;      ///< late: so many since the last such exception
+  std::chrono::nanoseconds longest{};    ///< late: the time that one of these took in mlcca-relay
   std::shared_ptr<const Answer> answer;  ///< what is decided now
 };
 
@@ -232,8 +235,9 @@ class MLCCA_API SubscriberChannel : public Channel {
   /// Called by Client::process() for each event, in the order in which they came from a network.
   /// The channel may be destroyed in it.
   void on_event(EventHandler handler) { receive(std::move(handler)); }
-  /// Frames and events that came and were not whole, malformed, or lost in the socket of this
-  /// process since it subscribed.
+  /// Frames and events that came from networks to any channel of this Client and were not whole,
+  /// malformed, or lost in a socket of this process, since it was made. Those of programs on the
+  /// gateway itself, which the kernel drops where the socket is full, are not counted.
   [[nodiscard]] std::uint64_t lost() const { return losses(); }
 };
 

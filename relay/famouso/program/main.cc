@@ -27,9 +27,12 @@
 #include "base/number.hpp"
 #include "control/version.hpp"
 #include "daemon/manager.hpp"
+#include "description/read.hpp"
 #include "relay/famouso/bus_broker.hpp"
 #include "relay/famouso/handler.hpp"
 #include "relay/famouso/peer_user.hpp"
+#include "relay/famouso/program/described_tags.hpp"
+#include "relay/famouso/subscriber_program.hpp"
 #include "relay/run.hpp"
 
 namespace mlcca::relay {
@@ -49,6 +52,8 @@ struct Options {
   bool any_user = false;
   std::vector<std::string> brokers;
   std::vector<std::string> tags;
+  std::string description = "/etc/mlcca/system.xml";
+  bool subscriptions = false;
   std::string uid = fmt::format("{:#018x}", kUid);
   std::string state_directory = "/var/lib/mlcca-famouso";
 };
@@ -117,6 +122,18 @@ Result<std::vector<TagBroker::Dealt>> tags_in(const std::vector<std::string>& te
   return out;
 }
 
+/// Why the tag of the description cannot be dealt beside those of --tag; nothing: it can.
+std::optional<std::string> clash(const std::vector<TagBroker::Dealt>& stated, SubjectId subject,
+                                 TagNumber tag) {
+  for (const auto& [other, number] : stated)
+    if ((other == subject) != (number == tag))
+      return fmt::format(
+          "the description has the tag {:#x} for the subject {:#018x}, and --tag {:#x} "
+          "for {:#018x}",
+          tag, subject, number, other);
+  return std::nullopt;
+}
+
 Result<Uid> uid_in(const std::string& text) {
   const auto number = prefixed_number_in<std::uint64_t>(text);
   if (!number || *number == 0)
@@ -128,14 +145,47 @@ Result<Uid> uid_in(const std::string& text) {
 struct Settings {
   std::optional<Address> listen;
   std::optional<std::set<uid_t>> users;  ///< none: all
-  std::vector<std::string> brokers;
-  std::vector<TagBroker::Dealt> tags;
+  struct BrokerOf {
+    std::string interface;
+    std::vector<TagBroker::Dealt> tags;  ///< that are stated
+  };
+  std::vector<BrokerOf> brokers;
   Uid uid{};
 };
+
+/// "can0", or "can0=NETWORK" of the description. Errors: what is wrong with one of them.
+Result<std::vector<Settings::BrokerOf>> brokers_in(const Options& options) {
+  const auto stated = tags_in(options.tags);
+  if (!stated) return std::unexpected(stated.error());
+  std::optional<core::System> system;
+  std::vector<Settings::BrokerOf> out;
+  for (const std::string& text : options.brokers) {
+    const auto equals = text.find('=');
+    Settings::BrokerOf one{.interface = text.substr(0, equals), .tags = *stated};
+    if (one.interface.empty() || one.interface.size() >= IFNAMSIZ || one.interface.contains('/'))
+      return fail("--broker " + text + ": must be the name of an interface, such as can0");
+    if (equals != std::string::npos) {
+      if (!system) {
+        auto read = description::read(options.description);
+        if (!read) return fail(description::to_string(read.error().front()));
+        system = std::move(*read);
+      }
+      const auto described = described_tags(*system, text.substr(equals + 1));
+      if (!described) return fail("--broker " + text + ": " + described.error().text);
+      for (const auto& [subject, tag] : *described)
+        if (const auto why = clash(one.tags, subject, tag))
+          return fail("--broker " + text + ": " + *why);
+        else
+          one.tags.emplace_back(subject, tag);
+    }
+    out.push_back(std::move(one));
+  }
+  return out;
+}
 Result<Settings> read(const Options& options) {
   Settings out;
-  if (options.listen.empty() && options.brokers.empty())
-    return fail("nothing is to be done: see --listen and --broker");
+  if (options.listen.empty() && options.brokers.empty() && !options.subscriptions)
+    return fail("nothing is to be done: see --listen, --broker and --subscriptions");
   if (!options.listen.empty()) {
     const auto at = address_in(options.listen);
     if (!at) return std::unexpected(at.error());
@@ -146,13 +196,9 @@ Result<Settings> read(const Options& options) {
       return fail("--listen needs --user for each user whose programs may connect, or --any-user");
     if (!options.any_user) out.users = std::move(*users);
   }
-  for (const std::string& interface : options.brokers)
-    if (interface.empty() || interface.size() >= IFNAMSIZ || interface.contains('/'))
-      return fail("--broker " + interface + ": must be the name of an interface, such as can0");
-  out.brokers = options.brokers;
-  auto tags = tags_in(options.tags);
-  if (!tags) return std::unexpected(tags.error());
-  out.tags = std::move(*tags);
+  auto brokers = brokers_in(options);
+  if (!brokers) return std::unexpected(brokers.error());
+  out.brokers = std::move(*brokers);
   const auto uid = uid_in(options.uid);
   if (!uid) return std::unexpected(uid.error());
   out.uid = *uid;
@@ -258,6 +304,7 @@ class Program {
   Fd epoll_{::epoll_create1(EPOLL_CLOEXEC)};
   Fd signals_;
   std::unique_ptr<EventChannelHandler> handler_;
+  std::unique_ptr<SubscriberProgram> subscriber_;
   std::vector<Bus> buses_;
 };
 
@@ -268,13 +315,25 @@ Result<void> Program::prepare(const Options& options, const Settings& settings) 
   ::sigprocmask(SIG_BLOCK, &mask, nullptr);
   signals_ = Fd(::signalfd(-1, &mask, SFD_CLOEXEC | SFD_NONBLOCK));
   if (!epoll_ || !signals_ || !watch(signals_.get())) return fail("no descriptors are left");
-  for (const std::string& interface : settings.brokers) {
+  for (const auto& [interface, tags] : settings.brokers) {
     auto file = DealtFile::open(options.state_directory + "/" + interface);
     if (!file) return std::unexpected(file.error());
     const auto log = [interface](const std::string& text) { say(interface + ": " + text); };
-    auto broker = BusBroker::make(settings.uid, std::move(*file), settings.tags, log);
+    auto broker = BusBroker::make(settings.uid, std::move(*file), tags, log);
     if (!broker) return fail(interface + ": " + broker.error().text);
     buses_.emplace_back(interface, std::move(*broker));
+  }
+  if (options.subscriptions) {
+    subscriber_ = std::make_unique<SubscriberProgram>(
+        options.socket, ::geteuid(),
+        SubscriberProgram::Outside{.watch =
+                                       [this](int fd, bool there) {
+                                         // What is closed is not watched any more.
+                                         if (there && !watch(fd)) say("no descriptors are left");
+                                       },
+                                   .log = say,
+                                   .now = monotonic_ns});
+    if (!watch(subscriber_->fd())) return fail("no descriptors are left");
   }
   if (!settings.listen) return {};
   auto handler =
@@ -290,6 +349,7 @@ Result<void> Program::prepare(const Options& options, const Settings& settings) 
 int Program::time_to_wait(std::uint64_t now) const {
   std::uint64_t due = now + kRound;
   for (const Bus& bus : buses_) due = std::min(due, bus.due());
+  if (subscriber_) due = std::min(due, subscriber_->due_at());
   return due <= now ? 0 : static_cast<int>((due - now + kInAMilli - 1) / kInAMilli);
 }
 
@@ -307,9 +367,11 @@ int Program::run() {
       if (fd == signals_.get()) return EXIT_SUCCESS;
       for (Bus& bus : buses_)
         if (bus.fd() == fd) bus.receive(now);
+      if (subscriber_) subscriber_->receive(fd);
     }
     for (Bus& bus : buses_) bus.expire(now);
     if (handler_) handler_->turn(now);
+    if (subscriber_) subscriber_->turn();
     if (now - alive_at < kRound) continue;
     alive_at = now;
     notify("WATCHDOG=1");
@@ -325,10 +387,16 @@ int main(int argc, char** argv) {
                  "programs connect to this port of 127.0.0.1, or to ADDRESS:PORT (FAMOUSO: 5005)");
   app.add_option("--user", options.users, "whose programs may connect; may be given several times");
   app.add_flag("--any-user", options.any_user, "all users of this host may connect");
-  app.add_option("--broker", options.brokers,
-                 "CAN interface whose nodes get numbers and tags; may be given several times");
+  app.add_option(
+      "--broker", options.brokers,
+      "CAN interface whose nodes get numbers and tags, or INTERFACE=NETWORK with the tags "
+      "that the description states there; may be given several times");
+  app.add_option("--description", options.description, "of the networks of --broker")
+      ->capture_default_str();
   app.add_option("--tag", options.tags,
                  "SUBJECT=TAG: the tag that the description states; may be given several times");
+  app.add_flag("--subscriptions", options.subscriptions,
+               "answer what nodes subscribe where the description accepts that, and pass it on");
   app.add_option("--uid", options.uid, "of the broker as a node")->capture_default_str();
   app.add_option("--state-directory", options.state_directory, "what was dealt is kept here")
       ->capture_default_str();

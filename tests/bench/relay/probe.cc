@@ -29,69 +29,17 @@
 #include "base/handle.hpp"
 #include "base/unix_address.hpp"
 #include "mlcca/client/client.hpp"
+#include "tests/bench/relay/udp.hpp"
 
 namespace {
 
-using namespace mlcca;  // NOLINT(google-build-using-namespace): a bench
-
-constexpr std::uint16_t kPort = 9999;
-constexpr const char* kGroup = "239.66.0.1";  // of the subject "B"
-constexpr std::size_t kHeader = 9;
-
-[[noreturn]] void give_up(const char* what) {
-  std::perror(what);
-  std::exit(1);
-}
+using namespace mlcca;         // NOLINT(google-build-using-namespace): a bench
+using namespace mlcca::bench;  // NOLINT(google-build-using-namespace)
 
 struct Stamp {
   std::uint64_t number = 0;
   std::uint64_t ns = 0;
 };
-
-const sockaddr* generic_of(const sockaddr_in& address) {
-  return reinterpret_cast<const sockaddr*>(&address);  // NOLINT(*-reinterpret-cast)
-}
-
-Fd udp_socket(const std::string& own, const std::string& interface) {
-  Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  const int on = 1;
-  const int off = 0;
-  ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  if (!interface.empty())
-    ::setsockopt(socket.get(), SOL_SOCKET, SO_BINDTODEVICE, interface.c_str(),
-                 static_cast<socklen_t>(interface.size() + 1));
-  ip_mreqn request{};
-  ::inet_pton(AF_INET, kGroup, &request.imr_multiaddr);
-  if (!own.empty()) ::inet_pton(AF_INET, own.c_str(), &request.imr_address);
-  if (!interface.empty())
-    request.imr_ifindex = static_cast<int>(::if_nametoindex(interface.c_str()));
-  if (::setsockopt(socket.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) != 0)
-    give_up("membership");
-  ::setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_IF, &request, sizeof request);
-  ::setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_LOOP, &off, sizeof off);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(kPort);
-  if (::bind(socket.get(), generic_of(address), sizeof address) != 0) give_up("bind");
-  return socket;
-}
-
-sockaddr_in group() {
-  sockaddr_in out{};
-  out.sin_family = AF_INET;
-  out.sin_port = htons(kPort);
-  ::inet_pton(AF_INET, kGroup, &out.sin_addr);
-  return out;
-}
-
-void print(const char* what, std::vector<std::uint64_t>& ns, std::size_t sent) {
-  std::sort(ns.begin(), ns.end());
-  if (ns.empty()) give_up("nothing came");
-  std::printf("%s %zu of %zu, p50 %.1f us, p99 %.1f us, worst %.1f us\n", what, ns.size(), sent,
-              static_cast<double>(ns[ns.size() / 2]) / 1e3,
-              static_cast<double>(ns[ns.size() * 99 / 100]) / 1e3,
-              static_cast<double>(ns.back()) / 1e3);
-}
 
 int delay(char** argv) {
   const std::size_t count = std::strtoul(argv[3], nullptr, 10);

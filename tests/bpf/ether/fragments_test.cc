@@ -32,7 +32,7 @@ class OnCpu {
   cpu_set_t before_{};
 };
 
-class EtherFragments : public testing::Test {
+class EtherFragments : public ::testing::Test {
  protected:
   EtherFragments() { gate_.admit({admitted_}); }
   bool passes(const Datagram& d, std::size_t begin, std::size_t end) {

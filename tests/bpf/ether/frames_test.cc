@@ -357,7 +357,7 @@ std::vector<Row> carrier_rows() {
   return rows;
 }
 
-class EtherFrames : public testing::TestWithParam<Row> {
+class EtherFrames : public ::testing::TestWithParam<Row> {
  protected:
   static void check(LoadedEther& gate, const Row& row) {
     gate.admit(row.slots);
@@ -470,13 +470,13 @@ TEST(EtherStations, OneThatBabblesTakesNothingFromAnother) {
   EXPECT_EQ(gate.counted(of(0x0a000002)).excess, 0U);
 }
 
-std::string name_of(const testing::TestParamInfo<Row>& info) { return info.param.name; }
-INSTANTIATE_TEST_SUITE_P(Subject, EtherFrames, testing::ValuesIn(subject_rows()), name_of);
-INSTANTIATE_TEST_SUITE_P(Sender, EtherFrames, testing::ValuesIn(sender_rows()), name_of);
-INSTANTIATE_TEST_SUITE_P(Station, EtherFrames, testing::ValuesIn(station_rows()), name_of);
-INSTANTIATE_TEST_SUITE_P(Foreign, EtherFrames, testing::ValuesIn(foreign_rows()), name_of);
-INSTANTIATE_TEST_SUITE_P(Malformed, EtherFrames, testing::ValuesIn(malformed_rows()), name_of);
-INSTANTIATE_TEST_SUITE_P(Carrier, EtherFrames, testing::ValuesIn(carrier_rows()), name_of);
+std::string name_of(const ::testing::TestParamInfo<Row>& info) { return info.param.name; }
+INSTANTIATE_TEST_SUITE_P(Subject, EtherFrames, ::testing::ValuesIn(subject_rows()), name_of);
+INSTANTIATE_TEST_SUITE_P(Sender, EtherFrames, ::testing::ValuesIn(sender_rows()), name_of);
+INSTANTIATE_TEST_SUITE_P(Station, EtherFrames, ::testing::ValuesIn(station_rows()), name_of);
+INSTANTIATE_TEST_SUITE_P(Foreign, EtherFrames, ::testing::ValuesIn(foreign_rows()), name_of);
+INSTANTIATE_TEST_SUITE_P(Malformed, EtherFrames, ::testing::ValuesIn(malformed_rows()), name_of);
+INSTANTIATE_TEST_SUITE_P(Carrier, EtherFrames, ::testing::ValuesIn(carrier_rows()), name_of);
 
 }  // namespace
 }  // namespace mlcca::test

@@ -73,7 +73,7 @@ Bytes of_subject(std::uint64_t subject) {
   return packet([=](Datagram& d) { d.subject = subject; });
 }
 
-class EtherPairs : public testing::TestWithParam<std::uint64_t> {};
+class EtherPairs : public ::testing::TestWithParam<std::uint64_t> {};
 
 /// Many pairs: a step takes far longer than a decision. One: hardly longer.
 TEST_P(EtherPairs, EventOfTwoSlotsOfOppositeVerdictsIsNeverDecidedByHalfAStep) {
@@ -99,7 +99,7 @@ TEST_P(EtherPairs, EventOfTwoSlotsOfOppositeVerdictsIsNeverDecidedByHalfAStep) {
   EXPECT_EQ(others, 0U) << "of " << reasons[GATE_R_PASSED] << " events, in " << steps << " steps";
 }
 
-INSTANTIATE_TEST_SUITE_P(EtherGeneration, EtherPairs, testing::Values(1, 1000));
+INSTANTIATE_TEST_SUITE_P(EtherGeneration, EtherPairs, ::testing::Values(1, 1000));
 
 /// In the driver, in tc and by a later IP fragment: the same half.
 TEST(EtherGeneration, VerdictsOfAWholeGenerationAreSeenTogetherWithThoseOfCan) {

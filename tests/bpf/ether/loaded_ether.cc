@@ -58,6 +58,7 @@ LoadedEther::LoadedEther(const EtherOptions& options)
   knobs->slots_of_bank = sizes_.slots;
   knobs->banks = sizes_.banks;
   knobs->has_prefilter = sizes_.has_prefilter();
+  knobs->is_wpan = options.wpan;
   const auto& maps = object_->maps;
   bpf_map__set_max_entries(maps.buckets, sizes_.buckets);
   bpf_map__set_max_entries(maps.ether_prefilter, sizes_.prefilters());
@@ -201,6 +202,15 @@ void LoadedEther::admit(const std::vector<enforce::SlotSpec>& specs) {
   const auto added = table_->apply(changes);
   if (!added) std::fprintf(stderr, "%s\n", added.error().text.c_str());
   require(added.has_value(), "add slots");
+}
+
+bool drops(const enforce::ClosedPrograms& closed, enforce::Direction direction,
+           const Bytes& bytes) {
+  LIBBPF_OPTS(bpf_test_run_opts, run);
+  run.data_in = bytes.data();
+  run.data_size_in = static_cast<std::uint32_t>(bytes.size());
+  require(bpf_prog_test_run_opts(closed.program_fd(direction), &run) == 0, "run a packet");
+  return static_cast<int>(run.retval) == TC_ACT_SHOT;
 }
 
 }  // namespace mlcca::test

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/gates/closed_programs.hpp"
 #include "daemon/gates/counters.hpp"
 #include "daemon/gates/ether_table.hpp"
 #include "daemon/gates/mapped.hpp"
@@ -27,6 +28,7 @@ struct EtherOptions {
   bool direct_access = true;
   bool atomic_counts = false;
   std::size_t slots = 0;
+  bool wpan = false;
 
   auto operator<=>(const EtherOptions&) const = default;
 };
@@ -93,5 +95,8 @@ class LoadedEther {
   enforce::EtherMemory memory_;
   std::unique_ptr<enforce::EtherTable> table_;
 };
+
+/// What an interface gets before there is a daemon.
+bool drops(const enforce::ClosedPrograms& closed, enforce::Direction direction, const Bytes& bytes);
 
 }  // namespace mlcca::test

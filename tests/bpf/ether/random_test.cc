@@ -155,7 +155,7 @@ class Round {
 
   void play() {
     for (std::uint32_t i = 0, count = random_.below(20); i < count; ++i) add();
-    for (int i = 0; i < kPackets && !testing::Test::HasFailure(); ++i) {
+    for (int i = 0; i < kPackets && !::testing::Test::HasFailure(); ++i) {
       if (random_.chance(300)) change_state();
       if (random_.chance(100)) flip();
       if (random_.chance(300)) remove();
@@ -277,15 +277,6 @@ TEST(EtherAgainstPlainRules, AgreesOnRandomPackets) {
   }
 }
 
-/// What an interface gets before there is a daemon, beside a gate that is closed.
-bool drops(const enforce::ClosedPrograms& closed, Direction direction, const Bytes& bytes) {
-  LIBBPF_OPTS(bpf_test_run_opts, run);
-  run.data_in = bytes.data();
-  run.data_size_in = static_cast<std::uint32_t>(bytes.size());
-  EXPECT_EQ(bpf_prog_test_run_opts(closed.program_fd(direction), &run), 0);
-  return static_cast<int>(run.retval) == TC_ACT_SHOT;
-}
-
 TEST(EtherBeforeThereIsADaemon, DropsWhatAClosedGateDrops) {
   for (unsigned seed = 1; seed <= 20 && !HasFailure(); ++seed) {
     SCOPED_TRACE(seed);
@@ -294,7 +285,7 @@ TEST(EtherBeforeThereIsADaemon, DropsWhatAClosedGateDrops) {
     gate.control().open = 0;
     gate.control().mode = seed % 5 == 0 ? GATE_AUDIT : GATE_ENFORCE;
     const auto closed =
-        enforce::ClosedPrograms::of_ethernet({.control = gate.control_fd(), .events = -1});
+        enforce::ClosedPrograms::of_ethernet({.control = gate.control_fd(), .events = -1}, false);
     ASSERT_TRUE(closed) << closed.error().text;
     std::size_t dropped = 0;
     for (int i = 0; i < kPackets && !HasFailure(); ++i) {

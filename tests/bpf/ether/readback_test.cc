@@ -20,7 +20,7 @@ class EtherReadback : public EtherSockets {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(By, EtherReadback, testing::ValuesIn(hooks()), name_of);
+INSTANTIATE_TEST_SUITE_P(By, EtherReadback, ::testing::ValuesIn(hooks()), name_of);
 
 TEST_P(EtherReadback, IsWhatWasPutThere) {
   SlotSpec refused = slot(Direction::ingress, kSubject + 1);

@@ -113,7 +113,7 @@ TEST_P(EtherSilence, ASlotThatDoesNotPassIsNotSupervised) {
   EXPECT_EQ(next().subject, kSubject + 2) << "nothing more was reported of the others";
 }
 
-INSTANTIATE_TEST_SUITE_P(By, EtherSilence, testing::ValuesIn(hooks()), name_of);
+INSTANTIATE_TEST_SUITE_P(By, EtherSilence, ::testing::ValuesIn(hooks()), name_of);
 
 }  // namespace
 }  // namespace mlcca::enforce

@@ -133,7 +133,7 @@ inline SlotSpec slot(Direction direction, std::uint64_t subject = kSubject) {
 }
 
 /// By clsact, and by TCX where the kernel has it.
-class EtherSockets : public testing::TestWithParam<Hook> {
+class EtherSockets : public ::testing::TestWithParam<Hook> {
  protected:
   EtherSockets() : control_(create()), gate_(attach()) {
     // As long as a test takes on a busy machine.
@@ -196,5 +196,7 @@ class EtherSockets : public testing::TestWithParam<Hook> {
 inline std::vector<Hook> hooks() {
   return kernel_has_tcx() ? std::vector{Hook::clsact, Hook::tcx} : std::vector{Hook::clsact};
 }
-inline std::string name_of(const testing::TestParamInfo<Hook>& hook) { return to_text(hook.param); }
+inline std::string name_of(const ::testing::TestParamInfo<Hook>& hook) {
+  return to_text(hook.param);
+}
 }  // namespace mlcca::enforce

@@ -382,11 +382,12 @@ TEST_P(EtherSockets, ADeviceWithoutEthernetFramesHasNoGate) {
   shell("ip tuntap add dev none0 mode tun");
   const auto gate = EtherGate::attach({if_nametoindex("none0"), "none0", 0, {}}, control_);
   ASSERT_FALSE(gate);
-  EXPECT_EQ(gate.error().text, "gate of none0: it is no Ethernet interface");
+  EXPECT_EQ(gate.error().text,
+            "gate of none0: it has frames neither of Ethernet nor of IEEE 802.15.4");
   shell("ip link del none0");
 }
 
-INSTANTIATE_TEST_SUITE_P(By, EtherSockets, testing::ValuesIn(hooks()), name_of);
+INSTANTIATE_TEST_SUITE_P(By, EtherSockets, ::testing::ValuesIn(hooks()), name_of);
 
 }  // namespace
 }  // namespace mlcca::enforce

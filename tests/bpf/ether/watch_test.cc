@@ -21,7 +21,7 @@ SlotSpec watched(const SlotSpec& spec, std::uint64_t period = kPeriod) {
   return with(spec, [=](SlotSpec& s) { s.period = period; });
 }
 
-class EtherWatch : public testing::TestWithParam<std::size_t> {
+class EtherWatch : public ::testing::TestWithParam<std::size_t> {
  protected:
   void admit(const SlotSpec& s) {
     gate_.admit({s});
@@ -157,7 +157,7 @@ TEST_P(EtherWatch, EveryEventOfTwoCpusIsCountedOnce) {
 }
 
 /// Of a bank of counters for each CPU, and of one for all.
-INSTANTIATE_TEST_SUITE_P(Tables, EtherWatch, testing::Values(0, ETHER_BANKED_SLOTS));
+INSTANTIATE_TEST_SUITE_P(Tables, EtherWatch, ::testing::Values(0, ETHER_BANKED_SLOTS));
 
 }  // namespace
 }  // namespace mlcca::test

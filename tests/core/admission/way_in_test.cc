@@ -79,12 +79,55 @@ System entering_twice(Value capacity) {
 }
 
 TEST(WayInTest, EventsThatEnterANetworkTwiceTakeItsCapacityTwice) {
-  const State enough(entering_twice(320));  // two heart-beats of 160 B/s
+  const auto entering = [](Value capacity) {
+    System system = entering_twice(capacity);
+    for (Network& n : system.networks) {
+      n.kind = NetworkKind::other;
+      n.profile = Profile::none;
+    }
+    return system;
+  };
+  const State enough(entering(320));  // two heart-beats of 160 B/s
   EXPECT_TRUE(std::ranges::all_of(enough.decisions()[0].verdicts, &Verdict::granted));
   EXPECT_EQ(enough.ledger().reserved(kRobotCan), 320U);
   EXPECT_EQ(enough.ledger().reserved(kSecondCan), 160U) << "sent once";
-  const State short_by_one(entering_twice(319));
+  const State short_by_one(entering(319));
   EXPECT_EQ(std::ranges::count_if(short_by_one.decisions()[0].verdicts, &Verdict::granted), 1);
+}
+
+TEST(WayInTest, OfTwoGatewaysThatWouldSendOneIdentifierToABusTheSecondIsRefused) {
+  const State state(entering_twice(320));
+  EXPECT_TRUE(towards(state, network(kRobotCan)).granted);
+  const Verdict& twice = towards(state, network(kFar));
+  EXPECT_FALSE(twice.granted);
+  EXPECT_EQ(twice.obstacle, Obstacle::sender_twice);
+  EXPECT_EQ(twice.obstacle_at, network(kRobotCan));
+  EXPECT_EQ(state.ledger().reserved(kRobotCan), 160U);
+}
+
+TEST(WayInTest, ASecondSenderOfOneIdentifierIsAvoidedByAnotherWay) {
+  System system = entering_twice(320);
+  system.routes.push_back(
+      {{network(kSecondCan), gateway(kFast), network(kRobotCan), gateway(kBehind), network(kFar)},
+       {}});
+  const State state(std::move(system));
+  EXPECT_TRUE(towards(state, network(kRobotCan)).granted);
+  EXPECT_TRUE(towards(state, network(kFar)).granted);
+  EXPECT_TRUE(passes(towards(state, network(kFar)), kFast));
+}
+
+TEST(WayInTest, APublisherOnABusAndAGatewayDoNotBothSendOneIdentifierThere) {
+  System system = two_ways(0);
+  Publisher own = system.publishers[0];
+  own.name = "own";
+  own.place = network(kRobotCan);
+  system.publishers.push_back(own);
+  const State state(std::move(system));
+  const auto& verdicts = state.decisions()[0].verdicts;
+  ASSERT_EQ(verdicts.size(), 2U);
+  EXPECT_TRUE(verdicts[0].granted);
+  EXPECT_FALSE(verdicts[1].granted);
+  EXPECT_EQ(verdicts[1].obstacle, Obstacle::sender_twice);
 }
 
 TEST(WayInTest, TwoGatewaysSendTheEventsOfOnePublisherUnderOneIdentifier) {

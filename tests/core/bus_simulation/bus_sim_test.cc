@@ -45,6 +45,7 @@ struct Kind {
   bool jitter = false;
   bool equal = false;  ///< priorities
   bool fragmented = false;
+  bool paused = false;  ///< events of several frames, of senders that pause between them
   unsigned fifos = 0;
   unsigned priority_queues = 0;
   bool errors = false;
@@ -64,6 +65,14 @@ constexpr auto kKinds = std::to_array<Kind>({
      .jitter = true,
      .fragmented = true,
      .priority_queues = 1},
+    {.name = "paused", .load = 60, .jitter = true, .paused = true},
+    {.name = "paused, equal", .load = 50, .equal = true, .fragmented = true, .paused = true},
+    {.name = "paused, unadmitted",
+     .load = 50,
+     .jitter = true,
+     .paused = true,
+     .errors = true,
+     .unadmitted = true},
     {.name = "errors", .load = 50, .jitter = true, .errors = true},
     {.name = "everything",
      .load = 45,
@@ -98,6 +107,28 @@ can::Assumptions random_assumptions(const Kind& kind, Random& random) {
   return a;
 }
 
+/// Some messages become those of senders that pause: a period has room for what a sender sends.
+void pause(Set& set, Random& random) {
+  std::array<Time, 3> together{};
+  for (can::Message& m : set.messages) {
+    if (m.queue != can::kOwnQueue || random.one_in(2)) continue;
+    m.frames = static_cast<std::uint32_t>(random.between(2, 5));
+    m.last_frame = m.longest_frame;
+    m.transmission = m.frames * m.longest_frame;
+    m.back_to_back = false;
+    m.pauses = (m.frames - 1) * random.between(1, 4000) * kMicrosecond;
+    if (!random.one_in(3)) m.sender = static_cast<std::uint32_t>(random.below(together.size()));
+    if (m.sender != can::kNoSender) together.at(m.sender) += m.pauses + 2 * m.transmission;
+  }
+  for (can::Message& m : set.messages) {
+    if (m.pauses == 0) continue;
+    const Time needed =
+        m.sender == can::kNoSender ? m.pauses + 2 * m.transmission : together.at(m.sender);
+    m.period = std::max(m.period, needed * random.between(8, 30) / 10);
+    m.deadline = m.period + m.jitter;
+  }
+}
+
 Set random_set(const Kind& kind, Random& random) {
   Set set{random_assumptions(kind, random), {}};
   const std::size_t count = random.between(2, kMostMessages);
@@ -126,6 +157,7 @@ Set random_set(const Kind& kind, Random& random) {
     if (!set.assumptions.queues.empty() && random.one_in(2))
       m.queue = static_cast<std::uint32_t>(random.below(set.assumptions.queues.size()));
   }
+  if (kind.paused) pause(set, random);
   if (!kind.equal)
     for (std::size_t i = count; i-- > 1;)
       std::swap(set.messages[i].priority, set.messages[random.below(i + 1)].priority);

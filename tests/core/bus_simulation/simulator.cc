@@ -69,6 +69,7 @@ class Bus {
         sources_(messages.size()),
         own_(messages.size()),
         gap_(messages.size(), false),
+        turn_(messages.size()),
         band_(messages.size(), 0),
         gateways_(assumptions.queues.size()),
         bit_(can::bit_time(assumptions.timing)),
@@ -87,9 +88,11 @@ class Bus {
     Time now = 0;
     while (seen_.frames + seen_.errors < world_.most_frames) {
       take_arrivals(now);
-      if (pending_ == 0 && !has_unadmitted(now)) {
-        if (next_ == kFar || now > world_.idle_after) break;
-        now = world_.unadmitted ? std::min(next_, world_.unadmitted_from) : next_;
+      if (!is_anything_offered(now) && !has_unadmitted(now)) {
+        const Time next = std::min(next_, next_turn());
+        if (next == kFar || (pending_ == 0 && now > world_.idle_after)) break;
+        now = std::max(now, world_.unadmitted ? std::min(next, world_.unadmitted_from) : next);
+        continue;
       }
       // A frame that comes within a bit of the start still takes part in the arbitration.
       take_arrivals(now + bit_ - 1);
@@ -218,6 +221,58 @@ class Bus {
     return world_.unadmitted && now >= world_.unadmitted_from;
   }
 
+  // --- senders that pause, and send one event after the other
+  // -------------------------------------
+
+  struct Turn {
+    std::size_t message = kNoSender;  ///< whose event is being sent
+    Time from = 0;                    ///< the next frame is not offered before
+  };
+  /// Of a sender: kept with its first message.
+  [[nodiscard]] std::size_t first_of_sender(std::size_t i) const {
+    if (messages_[i].sender == can::kNoSender) return i;
+    std::size_t first = 0;
+    while (messages_[first].sender != messages_[i].sender) ++first;
+    return first;
+  }
+  [[nodiscard]] bool pauses(std::size_t i) const { return messages_[i].pauses > 0; }
+  [[nodiscard]] bool is_in_turn(std::size_t i, Time now) const {
+    const Turn& turn = turn_[first_of_sender(i)];
+    return turn.from <= now && (turn.message == i || turn.message == kNoSender);
+  }
+  /// The victim's event waits for all others of its sender.
+  [[nodiscard]] bool gives_way(std::size_t i) const {
+    if (i != world_.victim || turn_[first_of_sender(i)].message == i) return false;
+    for (std::size_t k = 0; k < messages_.size(); ++k)
+      if (k != i && !own_[k].empty() && first_of_sender(k) == first_of_sender(i)) return true;
+    return false;
+  }
+  [[nodiscard]] bool is_offered(std::size_t i, Time now) const {
+    if (own_[i].empty()) return false;
+    return !pauses(i) || (is_in_turn(i, now + bit_ - 1) && !gives_way(i));
+  }
+  [[nodiscard]] bool is_anything_offered(Time now) const {
+    for (std::size_t i = 0; i < own_.size(); ++i)
+      if (is_offered(i, now)) return true;
+    return std::ranges::any_of(gateways_, [](const Gateway& g) { return !g.controller.empty(); });
+  }
+  [[nodiscard]] Time next_turn() const {
+    Time next = kFar;
+    for (std::size_t i = 0; i < own_.size(); ++i)
+      if (!own_[i].empty() && pauses(i)) {
+        const Turn& turn = turn_[first_of_sender(i)];
+        if (turn.message == i || turn.message == kNoSender) next = std::min(next, turn.from);
+      }
+    return next;
+  }
+  void pause_after(const Frame& frame, Time end) {
+    const can::Message& m = messages_[frame.message];
+    const Time longest = m.pauses / std::max(m.frames - 1, 1U);
+    const Time pause = random_.one_in(4) ? random_.below(longest + 1) : longest;
+    turn_[first_of_sender(frame.message)] = {.message = frame.last ? kNoSender : frame.message,
+                                             .from = frame.last ? end : end + pause};
+  }
+
   // --- the bus
   // ------------------------------------------------------------------------------------
 
@@ -234,7 +289,7 @@ class Bus {
       winner = who;
     };
     for (std::size_t i = 0; i < own_.size(); ++i) {
-      if (!own_[i].empty() && !gap_[i]) bid(i, i);
+      if (is_offered(i, now) && !gap_[i]) bid(i, i);
       gap_[i] = false;
     }
     for (std::size_t q = 0; q < gateways_.size(); ++q)
@@ -243,7 +298,7 @@ class Bus {
     if (winner != kNoSender) return winner;
     // On an idle bus who was late for one arbitration starts the next.
     for (std::size_t i = 0; i < own_.size(); ++i)
-      if (!own_[i].empty()) bid(i, i);
+      if (is_offered(i, now)) bid(i, i);
     return winner;
   }
 
@@ -270,6 +325,8 @@ class Bus {
     queue.pop();
     if (gateway)
       refill(who - kGateways);
+    else if (pauses(who))
+      pause_after(frame, end);
     else
       gap_[who] = world_.one_at_a_time && m.frames > 1 && !m.back_to_back;
     if (frame.last) {
@@ -299,6 +356,7 @@ class Bus {
   std::vector<Source> sources_;
   std::vector<Fifo<Frame>> own_;
   std::vector<bool> gap_;  ///< the next frame comes too late for the next arbitration
+  std::vector<Turn> turn_;
   std::vector<unsigned> band_;
   std::vector<Gateway> gateways_;
   Fifo<Time> errors_;

@@ -211,6 +211,104 @@ TEST(Analysis, FragmentsOfAnotherIdentifierCountBothWays) {
             3 * kMillisecond);  // blocked by one that is fragmented, then by one that is not
 }
 
+// --- senders that pause --------------------------------------------------------------------------
+
+Message paused(std::uint64_t key, std::uint32_t priority, std::uint32_t frames, Time pauses) {
+  Message m = message(key, priority, kMillisecond, 1000 * kMillisecond);
+  m.frames = frames;
+  m.transmission = frames * kMillisecond;
+  m.pauses = pauses;
+  m.least_pause = 50 * kMillisecond;
+  return m;
+}
+
+TEST(Analysis, PausesAreAPartOfTheResponse) {
+  auto set = std::vector{paused(0, 2, 4, 600 * kMillisecond)};
+  EXPECT_EQ(analyse(bus(), set)[0].response, 604 * kMillisecond);
+  // Each of the four frames is blocked once by the lower one; the higher one comes seven times.
+  set.push_back(message(1, 3, kMillisecond, 1000 * kMillisecond));
+  EXPECT_EQ(analyse(bus(), set)[0].response, 608 * kMillisecond);
+  set.push_back(message(2, 1, kMillisecond, 100 * kMillisecond));
+  EXPECT_EQ(analyse(bus(), set)[0].response, 615 * kMillisecond);
+  set[0].jitter = 10 * kMillisecond;
+  EXPECT_EQ(analyse(bus(), set)[0].response, 625 * kMillisecond);
+  // Lower ones wait for all of its frames, which may come together.
+  EXPECT_EQ(analyse(bus(), set)[1].response, 6 * kMillisecond);
+  set[0].period = 610 * kMillisecond;
+  EXPECT_FALSE(analyse(bus(), set)[0].bounded) << "pauses leave no time for the next event";
+}
+
+TEST(Analysis, EventsOfOneSenderWaitForEachOther) {
+  auto set = std::vector{paused(0, 1, 4, 300 * kMillisecond), paused(1, 2, 3, 200 * kMillisecond),
+                         paused(2, 3, 3, 100 * kMillisecond)};
+  set[0].sender = set[1].sender = 5;
+  set[2].sender = 6;
+  const auto found = analyse(bus(), set);
+  // All frames of both, each blocked by the one of the other sender.
+  EXPECT_EQ(found[0].response, (7 + 500 + 7) * kMillisecond);
+  EXPECT_EQ(found[1].response, found[0].response);
+  EXPECT_EQ(found[2].response, (3 + 100 + 7) * kMillisecond);
+}
+
+TEST(Analysis, AnAddressHasOneSender) {
+  auto set = std::vector{paused(0, 1, 4, 300 * kMillisecond), paused(1, 2, 3, 200 * kMillisecond),
+                         paused(2, 3, 3, 100 * kMillisecond)};
+  set[0].sender = 5;
+  set[1].sender = 5 | 1U << 8U;
+  set[2].sender = 6;
+  auto found = analyse(bus(), set);
+  EXPECT_FALSE(found[0].bounded);
+  EXPECT_FALSE(found[1].bounded);
+  set[1].sender = 7 | 1U << 8U;
+  found = analyse(bus(), set);
+  EXPECT_TRUE(found[0].bounded && found[1].bounded && found[2].bounded);
+  auto assumptions = bus();
+  assumptions.queues = {{}, {}};
+  set[0].queue = 0;
+  set[1] = paused(1, 2, 3, 200 * kMillisecond);
+  set[1].queue = 1;
+  set[1].sender = 5;
+  EXPECT_FALSE(analyse(assumptions, set)[0].bounded) << "two gateways";
+}
+
+TEST(Analysis, WhatAGatewayPausesIsJitterOfItsQueue) {
+  auto assumptions = bus();
+  assumptions.queues = {{.queueing = Queueing::fifo, .fifo_depth = 1, .length = 10}};
+  auto set = std::vector{paused(0, 1, 40, 700 * kMillisecond)};
+  set[0].queue = 0;
+  const auto alone = analyse(assumptions, set);
+  EXPECT_EQ(alone[0].response, 740 * kMillisecond);
+  EXPECT_EQ(alone[0].queued_frames, 1U) << "each is sent before the next one comes";
+  // What comes from another bus has no pauses here, and may have become nearer on the way.
+  set[0].pauses = 0;
+  set[0].jitter = 100 * kMillisecond;
+  const auto forwarded = analyse(assumptions, set);
+  EXPECT_EQ(forwarded[0].response, 140 * kMillisecond);
+  EXPECT_EQ(forwarded[0].queued_frames, 1 + (40 + 100) / 50U);
+  // With another message of the relay's session the pauses add up.
+  set[0] = paused(0, 1, 4, 300 * kMillisecond);
+  set.push_back(paused(1, 2, 3, 200 * kMillisecond));
+  for (Message& m : set) {
+    m.queue = 0;
+    m.sender = 5;
+  }
+  EXPECT_EQ(analyse(assumptions, set)[0].response, (500 + 7) * kMillisecond);
+}
+
+TEST(Analysis, MessagesWhosePrioritiesOverlapShareABand) {
+  auto set = std::vector{message(0, 1, kMillisecond, kMillisecond),
+                         message(1, 2, kMillisecond, kMillisecond),
+                         message(2, 3, kMillisecond, kMillisecond)};
+  for (Message& m : set) m.queue = 0;
+  auto assumptions = bus();
+  assumptions.queues = {{.queueing = Queueing::priority}};
+  EXPECT_EQ(bands_of(assumptions, set), (std::vector<unsigned>{0, 1, 2}));
+  set[0].lowest_priority = 2;
+  EXPECT_EQ(bands_of(assumptions, set), (std::vector<unsigned>{0, 0, 1}));
+  set[0].lowest_priority = 9;
+  EXPECT_EQ(bands_of(assumptions, set), (std::vector<unsigned>{0, 0, 0}));
+}
+
 TEST(Analysis, BandsAreSharedFromTheLastOn) {
   std::vector<Message> set;
   for (std::uint32_t i = 0; i < 5; ++i) {

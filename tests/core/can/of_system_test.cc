@@ -53,6 +53,29 @@ TEST(OfSystem, AFrameTakesTheTimeOfItsFormat) {
             xl_frame_time(kTiming, 100));
 }
 
+TEST(OfSystem, AMessageOfJ1939IsItsNodesWithPausesBetweenTheFrames) {
+  System system = described(Profile::j1939, FrameFormat::classic, 20, true);
+  system.networks[0].bindings[0].id = 0xfeca;
+  system.networks[0].bindings[0].priority = 6;
+  const auto m = made(system);
+  EXPECT_EQ(m.frames, 4U) << "an announcement and three packets";
+  EXPECT_EQ(m.transmission, 4 * time_of(false, 8, true));
+  EXPECT_EQ(m.last_frame, time_of(false, 8, true)) << "the last packet is filled up";
+  EXPECT_FALSE(m.back_to_back);
+  EXPECT_EQ(m.pauses, 3 * 200'000'000U);
+  EXPECT_EQ(m.least_pause, 50'000'000U);
+  EXPECT_EQ(m.sender, 5U);
+  // Packets win against announcements, and these against an event that fits a frame.
+  EXPECT_EQ(m.priority, arbitration(0x18ebff05, true));
+  EXPECT_EQ(m.lowest_priority, arbitration(0x18feca05, true));
+  system.networks[0].bindings[0].priority = std::nullopt;
+  EXPECT_EQ(made(system).priority, arbitration(0x00ebff05, true));
+  EXPECT_EQ(made(system).lowest_priority, arbitration(0x1cfeca05, true));
+  const auto in_a_frame = made(described(Profile::j1939, FrameFormat::classic, 8, true));
+  EXPECT_EQ(in_a_frame.pauses, 0U);
+  EXPECT_EQ(in_a_frame.sender, kNoSender);
+}
+
 TEST(OfSystem, WhereTheFormatIsOpenTheLongerFrameCounts) {
   // Without a faster data phase an FD frame is longer, with a fast one a long classic frame is.
   const System system = described(Profile::raw, FrameFormat::any, 8, false);

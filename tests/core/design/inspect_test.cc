@@ -453,8 +453,10 @@ const Finding& late_in(const Inspection& inspection) {
 
 TEST(InspectTest, ABusThatIsOverloadedIsNotHelpedByAnIdentifier) {
   const Inspection result = inspect(on_bus(2'000, 50 * kMs));
-  EXPECT_EQ(late_in(result).hint,
-            "send less often, or use a faster bus: its frames would take 160.0 % of the time");
+  EXPECT_EQ(
+      late_in(result).hint,
+      "send less often, or use a faster bus: what is granted there and these frames would take "
+      "160.0 % of the time");
 }
 
 TEST(InspectTest, FramesThatAloneTakeTooLongAreNotHelpedByAnIdentifier) {

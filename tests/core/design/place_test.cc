@@ -107,11 +107,47 @@ TEST(FindingPlace, OfAPortThatCannotBeMeantSoIsItsGateway) {
     if (f.id == Id::managed_in_vain || f.id == Id::unstarted_sender)
       expect_place(f, gateway(kBridge), "");
   }
+  EXPECT_TRUE(of(found, Id::unstarted_sender)
+                  .hint.ends_with("or remove sender: then mlcca-relay carries them"));
+  for (const Forwarder other : {Forwarder::can_gw, Forwarder::none}) {
+    system.gateways[kBridge].forwarder = other;
+    EXPECT_TRUE(of(inspect(system), Id::unstarted_sender)
+                    .hint.ends_with(
+                        "or state forward=\"relay\" in place of sender: then mlcca-relay carries "
+                        "them"));
+  }
+  system.gateways[kBridge].forwarder = Forwarder::relay;
   EXPECT_EQ(managed, 1U) << "of the port that is not on CAN";
   EXPECT_EQ(senders, 2U) << "a program carries events either way";
   system.networks[kSecondCan] = can_network("second-can");
   for (const Finding& f : inspect(system).findings)
     EXPECT_FALSE(f.id == Id::managed_in_vain || f.id == Id::unstarted_sender) << f.text;
+}
+
+TEST(NoSender, IsAnsweredByWhatTheGatewayCanHave) {
+  System system = described(0);
+  system.networks[kSecondCan].kind = NetworkKind::udp_multicast;
+  system.networks[kSecondCan].bindings.clear();
+  system.publishers[0].node = 5;
+  const auto found = [&](Forwarder forwarder) {
+    system.gateways[kBridge].forwarder = forwarder;
+    return of(inspect(system), Id::no_route);
+  };
+  const Finding relay = found(Forwarder::relay);
+  EXPECT_TRUE(
+      relay.text.ends_with("there is none: install mlcca-relay, whose user it runs as, or "
+                           "state a sender of its Port"))
+      << relay.text;
+  EXPECT_EQ(relay.hint, "add sender=\"USER\" to the Port that the events leave by");
+  for (const Forwarder other : {Forwarder::can_gw, Forwarder::none}) {
+    const Finding none = found(other);
+    EXPECT_TRUE(none.text.ends_with(
+        "there is none: state a sender of its Port, or forward=\"relay\" of the Gateway"))
+        << none.text;
+    EXPECT_EQ(none.hint,
+              "add sender=\"USER\" to the Port that the events leave by, or forward=\"relay\" to "
+              "the Gateway: then mlcca-relay carries them");
+  }
 }
 
 /// Frames of CAN name their publisher by node or identifier.

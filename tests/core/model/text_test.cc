@@ -106,5 +106,20 @@ TEST(TextTest, WritesSubjectsWithAllDigits) {
   EXPECT_EQ(format_subject(1), "0x0000000000000001");
 }
 
+TEST(TextTest, NamesSeveralPublishers) {
+  System system;
+  for (const char* name : {"a", "b", "c", "d", "e"}) {
+    Publisher p;
+    p.name = name;
+    system.publishers.push_back(p);
+  }
+  system.channels.emplace_back();
+  const Members members(system);
+  EXPECT_EQ(names_of(members, {0}), "a");
+  EXPECT_EQ(names_of(members, {0, 1}), "a and b");
+  EXPECT_EQ(names_of(members, {0, 1, 2, 3}), "a, b, c and d");
+  EXPECT_EQ(names_of(members, {0, 1, 2, 3, 4}), "a, b, c and 2 more");
+}
+
 }  // namespace
 }  // namespace mlcca::core

@@ -84,7 +84,7 @@ class Traffic {
   std::thread thread_;
 };
 
-class AttachTo : public testing::Test {
+class AttachTo : public ::testing::Test {
  protected:
   explicit AttachTo(Hook hook) : hook_(hook), root_(test::new_bpf_root()), control_(create(root_)) {
     // As long as a test takes on a busy machine.
@@ -143,7 +143,7 @@ class AttachTo : public testing::Test {
 };
 
 /// What has to hold in either hook.
-class Attach : public AttachTo, public testing::WithParamInterface<Hook> {
+class Attach : public AttachTo, public ::testing::WithParamInterface<Hook> {
  protected:
   Attach() : AttachTo(GetParam()) {}
 };
@@ -152,7 +152,7 @@ class Clsact : public AttachTo {
   Clsact() : AttachTo(Hook::clsact) {}
 };
 /// Only where the kernel has it.
-class Tcx : public AttachTo, public testing::WithParamInterface<Hook> {
+class Tcx : public AttachTo, public ::testing::WithParamInterface<Hook> {
  protected:
   Tcx() : AttachTo(Hook::tcx) {}
 };
@@ -162,6 +162,8 @@ inline std::vector<Hook> all_hooks() {
 inline std::vector<Hook> tcx_if_there() {
   return kernel_has_tcx() ? std::vector{Hook::tcx} : std::vector<Hook>{};
 }
-inline std::string name_of(const testing::TestParamInfo<Hook>& hook) { return to_text(hook.param); }
+inline std::string name_of(const ::testing::TestParamInfo<Hook>& hook) {
+  return to_text(hook.param);
+}
 
 }  // namespace mlcca::enforce

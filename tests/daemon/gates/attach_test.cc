@@ -314,7 +314,7 @@ TEST_F(Clsact, ForeignFilterBeforeOursComesAfterItAgain) {
   EXPECT_EQ(test::filter_at(bus, true, GATE_TC_PRIORITY, GATE_TC_HANDLE + 1), 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Hooks, Attach, testing::ValuesIn([] {
+INSTANTIATE_TEST_SUITE_P(Hooks, Attach, ::testing::ValuesIn([] {
                            auto hooks = tcx_if_there();
                            hooks.push_back(Hook::clsact);
                            return hooks;

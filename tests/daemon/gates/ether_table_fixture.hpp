@@ -34,7 +34,7 @@ inline SlotChanges removing(std::vector<SlotSpec> specs) {
   return c;
 }
 
-class EtherTableTest : public testing::Test {
+class EtherTableTest : public ::testing::Test {
  protected:
   explicit EtherTableTest(const EtherSizes& sizes = EtherSizes::for_slots(0, 2))
       : sizes_(sizes),

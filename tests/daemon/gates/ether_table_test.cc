@@ -144,7 +144,7 @@ TEST_F(EtherTableTest, WhatIsWrongChangesNothing) {
   bad.max_len = ETHER_MAX_PAYLOAD + 1;
   refused(adding({bad}), "at most 8183 bytes");
   bad = slot(2);
-  bad.station = 2 * ETHER_MAC;
+  bad.station = 2 * ETHER_SHORT;
   refused(adding({bad}), "no address of a station");
   refused(adding({slot(1)}), "there already");
   refused(adding({slot(2), slot(2)}), "there twice");

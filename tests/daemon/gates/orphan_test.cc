@@ -32,7 +32,7 @@ namespace {
 
 using test::becomes;
 
-class Orphan : public AttachTo, public testing::WithParamInterface<Hook> {
+class Orphan : public AttachTo, public ::testing::WithParamInterface<Hook> {
  protected:
   Orphan() : AttachTo(GetParam()) {}
 
@@ -219,8 +219,8 @@ TEST_P(Orphan, AGateThatIsTakenOverStaysOpenAllTheTime) {
 }
 
 // With clsact the move takes the qdisc off, and the gate with it.
-INSTANTIATE_TEST_SUITE_P(By, Moved, testing::ValuesIn(tcx_if_there()), name_of);
-INSTANTIATE_TEST_SUITE_P(By, Orphan, testing::ValuesIn(all_hooks()), name_of);
+INSTANTIATE_TEST_SUITE_P(By, Moved, ::testing::ValuesIn(tcx_if_there()), name_of);
+INSTANTIATE_TEST_SUITE_P(By, Orphan, ::testing::ValuesIn(all_hooks()), name_of);
 
 TEST_P(Attach, UnpinnedGateOfAnInterfaceThatIsHereStaysInForce) {
   const Bus bus("bus0");

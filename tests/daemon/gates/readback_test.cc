@@ -163,7 +163,7 @@ TEST_P(Tcx, ReadBackNamesAProgramBeforeOurs) {
 }
 
 /// An open word with a grace of an hour, as anyone with the right to it can write there.
-class ReadBackOfGrace : public testing::Test {
+class ReadBackOfGrace : public ::testing::Test {
  protected:
   ReadBackOfGrace() {
     EXPECT_TRUE(control_.set_grace(3'600'000'000'000));

@@ -107,7 +107,7 @@ struct BadSpec {
   const char* text;
 };
 
-class BadSlots : public Slots, public testing::WithParamInterface<BadSpec> {};
+class BadSlots : public Slots, public ::testing::WithParamInterface<BadSpec> {};
 
 TEST_P(BadSlots, AreRefusedWithoutAChange) {
   auto slots = read(true, GetParam().profile);
@@ -121,7 +121,7 @@ TEST_P(BadSlots, AreRefusedWithoutAChange) {
 
 INSTANTIATE_TEST_SUITE_P(
     Table, BadSlots,
-    testing::Values(
+    ::testing::Values(
         BadSpec{"StandardIdInFamouso", GATE_PROFILE_FAMOUSO, [](auto& s) { s.id = 0x10; },
                 "no such identifier"},
         BadSpec{"NoProfile", GATE_PROFILE_NONE, [](auto&) {}, "no such identifier"},
@@ -147,6 +147,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadSpec{"NoFormat", GATE_PROFILE_RAW, [](auto& s) { s.formats = 0; }, "neither classic"},
         BadSpec{"UnknownFormat", GATE_PROFILE_RAW, [](auto& s) { s.formats = 4; },
                 "neither classic"},
+        BadSpec{"TransportOfAnotherProfile", GATE_PROFILE_RAW,
+                [](auto& s) { s.formats = GATE_CLASSIC | GATE_TRANSPORT; }, "is of J1939"},
+        BadSpec{"TransportAlone", GATE_PROFILE_J1939, [](auto& s) { s.formats = GATE_TRANSPORT; },
+                "neither classic"},
+        BadSpec{"TransportInFdFrames", GATE_PROFILE_J1939,
+                [](auto& s) { s.formats = GATE_FD | GATE_TRANSPORT; }, "in classic frames"},
         BadSpec{"NoIfindexAsSource", GATE_PROFILE_RAW, [](auto& s) { s.source = 0x80000000; },
                 "no interface"},
         BadSpec{"NoOriginAsOrigin", GATE_PROFILE_RAW,

@@ -25,7 +25,7 @@ SlotChanges adding(std::vector<SlotSpec> specs) {
   return changes;
 }
 
-class SlotTraffic : public testing::Test {
+class SlotTraffic : public ::testing::Test {
  protected:
   SlotTable read() {
     auto table = SlotTable::read({*memory_, {cpus_.get(), 2}, generation_}, GATE_PROFILE_RAW, true,

@@ -61,7 +61,7 @@ inline std::vector<std::uint32_t> colliding(std::size_t count) {
   return ids;
 }
 
-class Slots : public testing::Test {
+class Slots : public ::testing::Test {
  protected:
   SlotTable read(bool fresh = true, std::uint32_t profile = GATE_PROFILE_RAW) {
     auto table = SlotTable::read({*memory_, {cpus_.get(), 2}, generation_}, profile, fresh, [this] {

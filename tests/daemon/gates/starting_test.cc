@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint64_t kSecond = 1'000'000'000;
 constexpr std::uint64_t kLimit = 30 * kSecond;
 
-class StartingTest : public testing::Test {
+class StartingTest : public ::testing::Test {
  protected:
   StartingTest() : control_(std::move(*Control::create(test::new_bpf_root()))) { control_.open(); }
   /// A daemon that starts at that time.

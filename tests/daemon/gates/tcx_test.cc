@@ -168,7 +168,7 @@ TEST_P(Tcx, ClosedByClsactWhereNoLinkCanBePinned) {
   EXPECT_EQ(test::filter_at(bus, true, GATE_TC_PRIORITY, GATE_TC_HANDLE), 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Kernel, Tcx, testing::ValuesIn(tcx_if_there()), name_of);
+INSTANTIATE_TEST_SUITE_P(Kernel, Tcx, ::testing::ValuesIn(tcx_if_there()), name_of);
 
 }  // namespace
 }  // namespace mlcca::enforce

@@ -2,6 +2,7 @@
 // A program takes up the end that is meant for it, and no other one.
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <variant>
@@ -45,7 +46,7 @@ control::Attribute attribute(const std::string& name, Value value) {
   return {.name = name, .value = value, .unit = {}, .dynamic = false};
 }
 
-class Announce : public testing::Test {
+class Announce : public ::testing::Test {
  protected:
   serve::Answer ask(const AnnounceRequest& request, serve::Peer peer = program()) {
     return bench_.ask(request, peer);
@@ -102,6 +103,60 @@ TEST_F(Announce, APublisherIsOnlyForItsUser) {
     EXPECT_EQ(
         refusal({"c0", Role::publisher, "", {}}, program(other)),
         "lever is for programs of user 1000, and this one is of user " + std::to_string(other));
+}
+
+/// In a group of that number and in that unit; or one that has ended.
+class FakeProcess final : public serve::Process {
+ public:
+  FakeProcess(gid_t group, std::string unit, bool lives = true)
+      : group_(group), unit_(std::move(unit)), lives_(lives) {}
+  [[nodiscard]] bool is_in(gid_t group) const override { return group == group_; }
+  [[nodiscard]] Result<std::string> unit() const override {
+    if (!lives_) return fail("the process that connected has ended");
+    return unit_;
+  }
+
+ private:
+  gid_t group_;
+  std::string unit_;
+  bool lives_;
+};
+
+serve::Peer program_in(gid_t group, const std::string& unit, bool lives = true) {
+  return {
+      .pid = 7, .uid = kUser, .process = std::make_shared<const FakeProcess>(group, unit, lives)};
+}
+
+TEST_F(Announce, AnEndMayBeForAGroupAndAUnitAlone) {
+  bench_.system.program_rules = {{.gid = 44, .group = "drivers", .unit = ""},
+                                 {.gid = {}, .group = "", .unit = "lamp.service"}};
+  bench_.system.publishers[0].program_rule = 0;
+  bench_.system.subscribers.back().program_rule = 1;
+  reload();
+  const AnnounceRequest lever{"c0", Role::publisher, "", {}};
+  EXPECT_EQ(refusal(lever, program_in(44, "")), "");
+  const std::string not_in = "lever is for programs in group drivers, and this one is not in it";
+  EXPECT_EQ(refusal(lever, program_in(45, "")), not_in);
+  EXPECT_EQ(refusal(lever), not_in) << "nobody knows its groups";
+  EXPECT_EQ(refusal(lever, {.pid = 7, .uid = 0}),
+            "lever is for programs of user 1000, and this one is of user 0");
+  const AnnounceRequest lamp{"c0", Role::subscriber, "", {}};
+  EXPECT_EQ(refusal(lamp, program_in(1, "lamp.service")), "");
+  EXPECT_EQ(refusal(lamp, program_in(1, "other.service")),
+            "lamp is for programs of unit lamp.service, and this one is of other.service");
+  EXPECT_EQ(refusal(lamp, program_in(1, "")),
+            "lamp is for programs of unit lamp.service, and this one is of none");
+  EXPECT_EQ(refusal(lamp, program_in(1, "lamp.service", false)),
+            "lamp is for programs of unit lamp.service: the process that connected has ended");
+  EXPECT_NE(refusal(lamp), "");
+}
+
+/// A group that this machine does not know is nobody's.
+TEST_F(Announce, AGroupWithoutANumberHasNoMembers) {
+  bench_.system.program_rules = {{.gid = {}, .group = "drivers", .unit = ""}};
+  bench_.system.publishers[0].program_rule = 0;
+  reload();
+  EXPECT_NE(refusal({"c0", Role::publisher, "", {}}, program_in(0, "")), "");
 }
 
 TEST_F(Announce, WhatIsNotThereIsRefusedWithWhatIs) {

@@ -78,7 +78,7 @@ bool has_child() {
   return ::waitid(P_ALL, 0, &who, WEXITED | WNOHANG | WNOWAIT) == 0;
 }
 
-class AsideTest : public testing::Test {
+class AsideTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     const auto before = [] {

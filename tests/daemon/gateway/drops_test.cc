@@ -54,23 +54,37 @@ TEST(DropWatch, WhatIsGoneGivesItsMemoryBackInPieces) {
   EXPECT_EQ(watch.sample(3, 3, 2), 3U) << "begins at nothing";
 }
 
+TEST(DropWatch, SaysInWhatTimeTheRecentOnesWereDropped) {
+  DropWatch<std::string> watch;
+  watch.sample("a", 5, 10);
+  watch.sample("a", 9, 11);
+  EXPECT_EQ(watch.recent("a", 11), (RecentDrops{4, 1})) << "since the sample before";
+  watch.sample("a", 12, 40);
+  EXPECT_EQ(watch.recent("a", 52), (RecentDrops{7, 42}));
+  watch.forget();
+  watch.sample("a", 12, 60);
+  EXPECT_EQ(watch.recent("a", 60), RecentDrops{});
+  watch.sample("a", 30, 61);
+  EXPECT_EQ(watch.recent("a", 70), (RecentDrops{18, 10}));
+}
+
 TEST(DropWatch, WhatWasDroppedInTheLastFiveMinutesIsRecent) {
   DropWatch<std::string> watch;
   watch.sample("a", 5, 0);
-  EXPECT_EQ(watch.recent("a", 0), 0U) << "of a daemon before this one";
-  EXPECT_EQ(watch.recent("b", 0), 0U) << "it was not sampled";
+  EXPECT_EQ(watch.recent("a", 0).frames, 0U) << "of a daemon before this one";
+  EXPECT_EQ(watch.recent("b", 0).frames, 0U) << "it was not sampled";
   watch.sample("a", 7, 10);
   watch.sample("a", 12, 200);
-  EXPECT_EQ(watch.recent("a", 200), 7U) << "since the drops began, mentioned or not";
-  EXPECT_EQ(watch.recent("a", 499), 7U);
-  EXPECT_EQ(watch.recent("a", 500), 0U) << "300 s after the latest one";
+  EXPECT_EQ(watch.recent("a", 200).frames, 7U) << "since the drops began, mentioned or not";
+  EXPECT_EQ(watch.recent("a", 499).frames, 7U);
+  EXPECT_EQ(watch.recent("a", 500).frames, 0U) << "300 s after the latest one";
   watch.sample("a", 13, 600);
-  EXPECT_EQ(watch.recent("a", 600), 1U) << "the drops of then are over";
+  EXPECT_EQ(watch.recent("a", 600).frames, 1U) << "the drops of then are over";
   watch.sample("a", 0, 601);
   watch.sample("a", 2, 602);
-  EXPECT_EQ(watch.recent("a", 602), 2U) << "the counter has started again";
+  EXPECT_EQ(watch.recent("a", 602).frames, 2U) << "the counter has started again";
   watch.forget();
-  EXPECT_EQ(watch.recent("a", 602), 0U);
+  EXPECT_EQ(watch.recent("a", 602).frames, 0U);
 }
 
 TEST(DropWatch, AwakeItMentionsTheRestAtOnce) {

@@ -33,7 +33,7 @@ core::System with_programs() {
   return system;
 }
 
-class Endpoints : public testing::Test {
+class Endpoints : public ::testing::Test {
  protected:
   void start(core::System system) {
     system.gateways[0].relay = 990;
@@ -160,6 +160,21 @@ TEST_F(Endpoints, ATransferSaysWhereItComesFromAndGoesTo) {
   EXPECT_EQ(std::get<control::Routes>(routes.reply.body).transfers, all);
   bench_->ask(control::WithdrawRequest{"c0"});
   EXPECT_TRUE(transfers({"", {}}).empty());
+}
+
+TEST_F(Endpoints, OnWpanAnEndpointSaysSoAndHoldsOneFrame) {
+  core::System system = small_system();
+  system.publishers[0].place = kEthernet;
+  system.publishers[0].station = *core::station_of("0xbeef:0x0002");
+  system.networks[kEthernet.index].kind = core::NetworkKind::ieee802154;
+  start(std::move(system));
+  const auto all = transfers({"c0", {}});
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_FALSE(all[0].from.can);
+  EXPECT_TRUE(all[0].from.wpan);
+  EXPECT_FALSE(all[0].from.fragmented);
+  EXPECT_EQ(all[0].from.address, "0xbeef:0x0002");
+  EXPECT_FALSE(all[0].to.wpan);
 }
 
 TEST_F(Endpoints, ADeliveryThatTheRelayDoesNotCarryIsInTrouble) {

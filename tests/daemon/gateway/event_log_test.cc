@@ -14,7 +14,7 @@
 namespace mlcca {
 namespace {
 
-class EventLogTest : public testing::Test {
+class EventLogTest : public ::testing::Test {
  protected:
   EventLogTest() {
     log_.on_event([this](const control::Event& event) { published_.push_back(event); });

@@ -103,6 +103,53 @@ TEST(ForwardingTest, TheFragmentBitStaysAsItIs) {
     EXPECT_EQ(((transit.in.id | bit) & r.keep) | r.set, transit.out.id | bit);
 }
 
+core::Transit transported(std::uint32_t id, std::uint32_t open = 0) {
+  core::GateEntry e = entry(core::kExtendedFlag | id);
+  e.mask &= ~open;
+  e.id &= e.mask;
+  e.transport = true;
+  e.max_length = 20;
+  return {e, e};
+}
+
+TEST(ForwardingTest, MessagesAreCarriedWithTheFramesThatAnnounceThem) {
+  const auto rules = rules_of(transported(0x18feca05), kFrom, kTo);
+  ASSERT_TRUE(rules) << rules.error();
+  ASSERT_EQ(rules->size(), 3U);
+  EXPECT_EQ(rules->at(0).id, core::kExtendedFlag | 0x18feca05);
+  EXPECT_EQ(rules->at(1).id, core::kExtendedFlag | 0x00ecff05);
+  EXPECT_EQ(rules->at(2).id, core::kExtendedFlag | 0x00ebff05);
+  for (const std::size_t carrier : {1U, 2U}) {
+    EXPECT_EQ(rules->at(carrier).mask, kExact & ~0x1c000000U);
+    EXPECT_FALSE(rules->at(carrier).fd);
+  }
+}
+
+TEST(ForwardingTest, MessagesOfOneSourceShareTheRulesOfWhatCarriesThem) {
+  const auto first = rules_of(transported(0x18feca05), kFrom, kTo);
+  const auto second = rules_of(transported(0x0cfecb05, 0x1c000000), kFrom, kTo);
+  const auto to_all = rules_of(transported(0x18120005, 0xff00), kFrom, kTo);
+  ASSERT_TRUE(first && second && to_all);
+  for (const std::size_t carrier : {1U, 2U}) {
+    EXPECT_EQ(first->at(carrier), second->at(carrier));
+    EXPECT_EQ(first->at(carrier), to_all->at(carrier));
+  }
+}
+
+TEST(ForwardingTest, AMessageKeepsThePgnThatItNames) {
+  core::Transit renamed = transported(0x18feca05);
+  renamed.out.id = core::kExtendedFlag | 0x18fecb05;
+  core::Transit in_one_frame = transported(0x18feca05);
+  in_one_frame.out.transport = false;
+  for (const auto& transit : {renamed, in_one_frame}) {
+    const auto rules = rules_of(transit, kFrom, kTo);
+    ASSERT_FALSE(rules);
+    EXPECT_EQ(rules.error(),
+              "can-gw carries frames as they are, and a message of the transport protocol names "
+              "its PGN within them");
+  }
+}
+
 TEST(ForwardingTest, EventsThatAreSplitOnOneBusOnlyCannotBeCarried) {
   core::Transit transit{entry(1), entry(1)};
   transit.in.mask &= ~(1U << 21);
@@ -254,6 +301,22 @@ TEST_F(ForwarderTest, RulesComeWithTheGrantAndGoWithIt) {
   forwarder_.act();
   EXPECT_TRUE(kernel_.rules.empty());
   EXPECT_TRUE(reported_.empty());
+}
+
+TEST_F(ForwarderTest, ARuleStaysAsLongAsAChannelNeedsIt) {
+  forwarder_.want(1, {rule(1), rule(9)});
+  forwarder_.want(2, {rule(2), rule(9), rule(9)});
+  forwarder_.act();
+  EXPECT_EQ(kernel_.rules.size(), 3U);
+  EXPECT_EQ(forwarder_.channel_of(rule(9)), 1U);
+  forwarder_.want(1, {});
+  forwarder_.act();
+  EXPECT_EQ(kernel_.rules.size(), 2U);
+  EXPECT_EQ(forwarder_.channel_of(rule(9)), 2U);
+  forwarder_.want(2, {rule(2)});
+  forwarder_.act();
+  EXPECT_EQ(kernel_.rules.size(), 1U);
+  EXPECT_FALSE(forwarder_.channel_of(rule(9)));
 }
 
 TEST_F(ForwarderTest, WhatADeadDaemonLeftIsTakenOverOrTakenAway) {

@@ -78,30 +78,48 @@ TEST(Health, UnknownFramesAreReportedWhereNothingComes) {
   Observed seen{.watch = control::Watch{}, .passages = {in(0), out(0)}};
   seen.watch->period_ns = 50'000'000;
   seen.watch->since_last_ns = 4 * kSecond;
-  seen.unknown = 80;
+  seen.unknown = {80, 42};
   seen.latest_unknown = "1F480065";
   EXPECT_EQ(troubles(seen),
             (Lines{"no publisher sends: nothing has come since it was granted, 4 s ago",
-                   "80 frames on second-can name no known subject, the latest 1F480065: does the "
-                   "publisher send by another name?"}));
+                   "80 frames on second-can in the last 42 s named no known subject, the latest "
+                   "1F480065: does the publisher send by another name?"}));
   seen.watch->events = 7;
   seen.watch->since_last_ns = 1;
   EXPECT_EQ(troubles(seen), Lines{}) << "its events come";
 }
 
+TEST(Health, WhoseSilenceNothingReportsIsNotHealthy) {
+  Observed seen{.watch = heart_beat(), .not_supervised = "a and b look alike to the gate"};
+  EXPECT_EQ(troubles(seen), Lines{"not supervised: a and b look alike to the gate"});
+  seen.watch->missing_now = true;
+  seen.watch->since_last_ns = 4'200 * kMillisecond;
+  EXPECT_EQ(troubles(seen), (Lines{"nothing has come for 4.2 s: 84 events are missing",
+                                   "not supervised: a and b look alike to the gate"}));
+}
+
 TEST(Health, DropsAreReportedWithTheirPlace) {
   Observed seen{.passages = {in(100), out(100)}};
-  seen.passages[0].excess = 12;
-  seen.passages[1].misfits = 1;
+  seen.passages[0].excess = {12, 119};
+  seen.passages[1].misfits = {1, 0};
   seen.passages[1].frames.last_reason = "longer than granted";
   EXPECT_EQ(troubles(seen),
-            (Lines{"12 frames on second-can were more than was admitted",
-                   "1 frame on robot-can names the subject and differs from the grant: longer than "
-                   "granted"}));
-  seen.passages[1].would_be_misfits = 2;
-  EXPECT_EQ(troubles(seen).back(),
-            "2 frames on robot-can name the subject and differ from the grant: longer than granted "
-            "(audit mode: they pass)");
+            (Lines{"12 frames on second-can in the last 119 s were more than was admitted",
+                   "1 frame on robot-can in the last 1 s named the subject and differed from the "
+                   "grant: longer than granted"}));
+  seen.passages[1].would_be_misfits = {2, 121};
+  EXPECT_EQ(
+      troubles(seen).back(),
+      "2 frames on robot-can in the last 3 min named the subject and differed from the grant: "
+      "longer than granted (passed in audit mode)")
+      << "and dropped now, perhaps";
+  EXPECT_EQ(troubles({.passages = {[] {
+                        Passage p = in(100);
+                        p.would_exceed = {1, 60};
+                        return p;
+                      }()}}),
+            Lines{"1 frame on second-can in the last 60 s was more than was admitted (passed in "
+                  "audit mode)"});
 }
 
 TEST(Health, AGrantThatCarriesNothingSaysWhere) {
@@ -118,7 +136,7 @@ TEST(Health, AGrantThatCarriesNothingSaysWhere) {
   earlier.passed_before = 40;
   EXPECT_EQ(troubles({.passages = {earlier, out(0)}}), Lines{}) << "left by a slot that is gone";
   auto refused = out(0);
-  refused.misfits = 40;
+  refused.misfits = {40, 1};
   EXPECT_EQ(troubles({.passages = {in(40), refused}}).back(),
             "40 frames came in from second-can and none left to robot-can");
   EXPECT_EQ(troubles({.passages = {in(40), out(0)}, .not_forwarded = "why"}), Lines{"why"});

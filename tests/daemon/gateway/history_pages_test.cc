@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint64_t kStart = 1'700'000'000'000'000'000;  // ns since 1970
 constexpr std::size_t kPage = HistoryPages::kPage;
 
-class HistoryPagesTest : public testing::Test {
+class HistoryPagesTest : public ::testing::Test {
  protected:
   /// The messages of the rows are 0, 1, 2, …
   void append(std::size_t count, std::uint64_t step_ns = 1) {

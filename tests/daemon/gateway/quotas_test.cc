@@ -28,7 +28,7 @@ TEST(PairsQuota, EndsAtItsLimitAndNotBefore) {
                  {"have added 1048065 pairs", "would add 512", "may be 1048576", "release"});
 }
 
-class AdmissionQuota : public testing::Test {
+class AdmissionQuota : public ::testing::Test {
  protected:
   void admit(uid_t by, std::size_t count = 1) {
     for (std::size_t n = 0; n < count; ++n) held_.put({++last_, control::Admit{}}, by);
@@ -68,7 +68,7 @@ TEST_F(AdmissionQuota, MoreThanTheQuotaFromBeforeStaysAndNothingIsAdded) {
   expect_refused(refusal(kAnna), {"holds 4196"});
 }
 
-class RowsQuota : public testing::Test {
+class RowsQuota : public ::testing::Test {
  protected:
   Quotas quotas_;
   std::uint64_t now_ = 50 * kSecond;

@@ -11,7 +11,7 @@
 namespace mlcca {
 namespace {
 
-class ReadingTest : public testing::Test {
+class ReadingTest : public ::testing::Test {
  protected:
   void SetUp() override {
     sd_event* raw = nullptr;

@@ -9,7 +9,7 @@ namespace mlcca {
 namespace {
 
 /// Each piece of a job takes a millionth of what it is asked to, and writes its letter.
-class RoundsTest : public testing::Test {
+class RoundsTest : public ::testing::Test {
  protected:
   void add(char letter, std::size_t pieces, std::uint64_t ns) {
     rounds_.add([this, letter, pieces, ns, done = std::size_t{0}]() mutable {

@@ -47,7 +47,7 @@ core::System machine(bool switch_is_dealt = false) {
   return system;
 }
 
-class TagClaims : public testing::Test {
+class TagClaims : public ::testing::Test {
  protected:
   TagClaims() { describe(machine()); }
   void describe(const core::System& system) {

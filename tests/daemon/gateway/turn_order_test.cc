@@ -2,6 +2,7 @@
 // The order of a turn, and what requests may do, in a whole gateway among fakes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <string>
@@ -248,6 +249,48 @@ TEST_F(OnTheBench, GatesThatClosedForWantOfAHeartBeatAreReconciledAndOpened) {
   bench_.daemon().beat();
   EXPECT_TRUE(bench_.kernel.passes());
   EXPECT_EQ(bench_.events.back(), "lapsed");
+}
+
+TEST_F(OnTheBench, ALapseIsAReasonOfTheHealthForFiveMinutes) {
+  const auto reasons = [this] {
+    return std::get<control::Status>(bench_.ask(control::StatusRequest{}).reply.body)
+        .health.reasons;
+  };
+  ASSERT_EQ(reasons(), std::vector<std::string>{});
+  bench_.clock.monotonic += 60'000'000'000;
+  bench_.kernel.advance_to(bench_.clock.monotonic);
+  bench_.daemon().beat();
+  bench_.clock.monotonic += 3'000'000'000;
+  EXPECT_EQ(reasons(), std::vector<std::string>{
+                           "the gates were closed until 3 s ago, because the daemon gave no "
+                           "heart-beat for more than the grace"});
+  bench_.clock.monotonic += 297'000'000'000;
+  EXPECT_EQ(reasons(), std::vector<std::string>{});
+}
+
+/// Of a channel that was refused, frames do not differ from what it is granted later.
+TEST_F(OnTheBench, WhatWasDroppedWhileAChannelWasRefusedIsNoReasonAfterIt) {
+  const auto reasons = [this] {
+    return std::get<control::Status>(bench_.ask(control::StatusRequest{}).reply.body)
+        .health.reasons;
+  };
+  bench_.round();
+  bench_.ask(control::WithdrawRequest{"c0"});
+  bench_.act();
+  bench_.round();
+  bench_.gates().counted[1].dropped = 61;
+  bench_.events.clear();
+  bench_.ask(control::ReinstateRequest{"c0"});
+  bench_.act();
+  EXPECT_EQ(std::ranges::count(bench_.events, "dropping"), 1) << "they are reported all the same";
+  bench_.round();
+  EXPECT_EQ(reasons(), std::vector<std::string>{});
+  bench_.gates().counted[1].dropped = 63;
+  bench_.clock.monotonic += 1'000'000'000;
+  bench_.round();
+  ASSERT_FALSE(reasons().empty());
+  for (const std::string& reason : reasons())
+    EXPECT_TRUE(reason.contains("2 frames on ")) << reason << ": those that came since";
 }
 
 }  // namespace

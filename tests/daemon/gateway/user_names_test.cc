@@ -13,7 +13,7 @@
 namespace mlcca {
 namespace {
 
-class UserNamesTest : public testing::Test {
+class UserNamesTest : public ::testing::Test {
  protected:
   UserNamesTest() {
     std::array<char, 32> name{"/tmp/mlcca-users-XXXXXX"};

@@ -84,7 +84,7 @@ namespace mlcca::net {
 namespace {
 
 nlmsghdr& first_of(msghdr* message) { return *static_cast<nlmsghdr*>(message->msg_iov->iov_base); }
-class RtnlTest : public testing::Test {
+class RtnlTest : public ::testing::Test {
  protected:
   ~RtnlTest() override { heal(); }
   static void heal() {

@@ -44,7 +44,7 @@ namespace {
 
 constexpr std::size_t kMany = 3'000;  // channels: more than the smallest gate has room for
 
-class ChangeTest : public testing::Test {
+class ChangeTest : public ::testing::Test {
  protected:
   ChangeTest() {
     for (const int n : {0, 1}) {

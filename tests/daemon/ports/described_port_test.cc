@@ -4,12 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+#include <vector>
+
 #include "tests/daemon/ports/fake_gates.hpp"
 
 namespace mlcca {
 namespace {
 
-class DescribedPortTest : public testing::Test {
+class DescribedPortTest : public ::testing::Test {
  protected:
   DescribedPortTest() {
     system_.networks.resize(1);
@@ -74,6 +77,30 @@ TEST_F(DescribedPortTest, TwoInterfacesThatMatchAreNone) {
   EXPECT_EQ(match(), 7);
   EXPECT_EQ(port().ifindex(), 0);
   EXPECT_NE(port().problem().find("name the interface more closely"), std::string::npos);
+}
+
+TEST_F(DescribedPortTest, HasAGateForInterfacesOfItsKindAlone) {
+  net::Link can = link();
+  net::Link ethernet;
+  ethernet.name = "eth0";
+  ethernet.is_ethernet = true;
+  net::Link wpan;
+  wpan.name = "wpan0";
+  wpan.is_wpan = true;
+  const std::vector<std::pair<core::NetworkKind, const net::Link*>> rows = {
+      {core::NetworkKind::can, &can},
+      {core::NetworkKind::udp_multicast, &ethernet},
+      {core::NetworkKind::mesh, &ethernet},
+      {core::NetworkKind::ieee802154, &wpan}};
+  for (const auto& [kind, fits] : rows) {
+    system_.networks[0].kind = kind;
+    const DescribedPort port(system_, system_.gateways[0].ports[0]);
+    for (const net::Link* one : {&can, &ethernet, &wpan})
+      EXPECT_EQ(port.can_have_gate(*one), one == fits) << one->name;
+    if (kind == core::NetworkKind::ieee802154) {
+      EXPECT_EQ(port.lacks_framing(ethernet), "eth0 is not an interface of IEEE 802.15.4");
+    }
+  }
 }
 
 TEST_F(DescribedPortTest, CannotBeUsedWhileItsInterfaceIsDownOrHasNoBitRate) {

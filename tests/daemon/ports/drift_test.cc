@@ -27,7 +27,7 @@
 namespace mlcca::enforce {
 namespace {
 
-class DriftTest : public AttachTo, public testing::WithParamInterface<Hook> {
+class DriftTest : public AttachTo, public ::testing::WithParamInterface<Hook> {
  protected:
   DriftTest() : AttachTo(GetParam()) {
     gates_.emplace(ifindex(), &gate_);
@@ -451,13 +451,13 @@ TEST_P(DriftInTheDriver, OneOfOursThatIsNotThePinnedOneIsReadBack) {
                         ") is not the pinned one (0)"});
 }
 
-INSTANTIATE_TEST_SUITE_P(Hooks, DriftTest, testing::ValuesIn([] {
+INSTANTIATE_TEST_SUITE_P(Hooks, DriftTest, ::testing::ValuesIn([] {
                            auto hooks = tcx_if_there();
                            hooks.push_back(Hook::clsact);
                            return hooks;
                          }()),
                          name_of);
-INSTANTIATE_TEST_SUITE_P(Hooks, DriftInTheDriver, testing::ValuesIn([] {
+INSTANTIATE_TEST_SUITE_P(Hooks, DriftInTheDriver, ::testing::ValuesIn([] {
                            auto hooks = tcx_if_there();
                            hooks.push_back(Hook::clsact);
                            return hooks;

@@ -19,7 +19,7 @@ void shell(const std::string& command) {
   ASSERT_EQ(std::system(command.c_str()), 0) << command;  // NOLINT(*-command-processor)
 }
 
-class FollowTest : public testing::Test {
+class FollowTest : public ::testing::Test {
  protected:
   FollowTest() {
     const auto paired = net::make_pair("veth", {"eth7", kNear}, {"far7", kFar});

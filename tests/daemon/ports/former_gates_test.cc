@@ -15,7 +15,7 @@ Result<std::vector<std::uint32_t>> pinned(std::vector<std::uint32_t> interfaces)
 using Found = Result<std::vector<enforce::GatedInterface>>;
 
 /// Interface 7 is a port, 8 is none.
-class FormerGatesTest : public testing::Test {
+class FormerGatesTest : public ::testing::Test {
  protected:
   FormerGatesTest() {
     links_.emplace(7, test::ethernet(7, "eth7"));

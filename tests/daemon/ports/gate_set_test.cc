@@ -15,7 +15,7 @@ GateSpec spec(int ifindex, std::size_t slots) {
                    slots);
 }
 
-class GateSetTest : public testing::Test {
+class GateSetTest : public ::testing::Test {
  protected:
   GateSetTest() {
     EXPECT_TRUE(gates_.hold(spec(1, 8)));

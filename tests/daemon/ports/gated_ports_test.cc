@@ -13,7 +13,7 @@
 namespace mlcca {
 namespace {
 
-class GatedPortsTest : public testing::Test {
+class GatedPortsTest : public ::testing::Test {
  protected:
   GatedPortsTest() {
     for (const int n : {0, 1})
@@ -89,8 +89,9 @@ TEST_F(GatedPortsTest, AnInterfaceOfAnotherKindGetsNoGate) {
   follow();
   EXPECT_FALSE(ports_.has_gate(0));
   EXPECT_FALSE(ports_.wants_gate(links_));
-  EXPECT_EQ(ports_[0].problem(),
-            "eth0 has no Ethernet frames, and there is a gate for CAN and Ethernet only");
+  EXPECT_EQ(
+      ports_[0].problem(),
+      "eth0 has no Ethernet frames, and there is a gate for CAN, Ethernet and IEEE 802.15.4 only");
 }
 
 TEST_F(GatedPortsTest, ASlotNamesTheInterfaceThatItsFramesComeFrom) {

@@ -47,7 +47,7 @@ int hold_lock_of(const std::string& path) {
 int lock_as_the_service(const std::string& root) { return lock_gates(root) ? 0 : 1; }
 
 /// A bpffs as run-mlcca-bpf.mount and mlcca-gate.service make it.
-class GatesLockTest : public testing::Test {
+class GatesLockTest : public ::testing::Test {
  protected:
   GatesLockTest() {
     ::umask(0);

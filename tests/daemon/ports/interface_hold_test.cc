@@ -9,7 +9,7 @@
 namespace mlcca {
 namespace {
 
-class InterfaceHoldTest : public testing::Test {
+class InterfaceHoldTest : public ::testing::Test {
  protected:
   /// As a gate for so many slots.
   bool attach(std::size_t slots = 8) {

@@ -84,7 +84,7 @@ void shell(const std::string& command) {
   ASSERT_EQ(std::system(command.c_str()), 0) << command;  // NOLINT(*-command-processor)
 }
 
-class VanishTest : public testing::Test {
+class VanishTest : public ::testing::Test {
  protected:
   VanishTest() {
     const auto paired = net::make_pair("veth", {"eth7", kNear}, {"far7", kFar});

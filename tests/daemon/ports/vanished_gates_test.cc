@@ -9,7 +9,7 @@
 namespace mlcca {
 namespace {
 
-class VanishedGatesTest : public testing::Test {
+class VanishedGatesTest : public ::testing::Test {
  protected:
   VanishedGatesTest() {
     EXPECT_TRUE(gates_.hold(closed_gate_spec(eth7_, 8)));

@@ -11,7 +11,7 @@ namespace {
 
 constexpr uid_t kNewcomer = 999;
 
-class PlacesTest : public testing::Test {
+class PlacesTest : public ::testing::Test {
  protected:
   void hold(uid_t uid, Standing standing, std::size_t connections, Use use = Use::idle) {
     for (std::size_t i = 0; i < connections; ++i, ++last_)

@@ -31,7 +31,7 @@ constexpr int kManyTurns = 20'000;
 constexpr gid_t kGroup = 4242;
 constexpr gid_t kNoGroup = 65'000;
 
-class ServerTest : public testing::Test {
+class ServerTest : public ::testing::Test {
  protected:
   void SetUp() override {
     std::string name = (std::filesystem::temp_directory_path() / "serve-XXXXXX").string();

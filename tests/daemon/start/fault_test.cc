@@ -50,7 +50,7 @@ std::string beside_this(const std::string& name) {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
 }
 
-class StartFaultTest : public testing::Test {
+class StartFaultTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { make_links(1); }
   void TearDown() override {

@@ -46,7 +46,7 @@ class MuteSource {
 /// One more than those whose status is made by the daemon itself: a child process makes it.
 constexpr int kManyPorts = 17;
 
-class StartTest : public testing::Test {
+class StartTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { make_links(kManyPorts); }
 

@@ -45,7 +45,7 @@ std::string with_policy(const std::string& allow) {
   return text;
 }
 
-class UnlistedDaemon : public testing::Test {
+class UnlistedDaemon : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { make_links(1); }
 

@@ -15,7 +15,7 @@
 namespace mlcca::store::test {
 namespace {
 
-class AFullDisk : public testing::Test {
+class AFullDisk : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     ASSERT_EQ(::unshare(CLONE_NEWNS), 0);

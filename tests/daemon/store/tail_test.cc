@@ -266,7 +266,7 @@ TEST(AFileOfALaterVersion, IsLeftAlone) {
         good + batch(1, 1, unknown) + batch(2, 1, entry(field(3, field(1, "0x1"))));
     const auto disk = disk_with(bytes);
     const auto journal = Journal::open("/d", *disk);
-    ASSERT_FALSE(journal) << testing::PrintToString(unknown);
+    ASSERT_FALSE(journal) << ::testing::PrintToString(unknown);
     ASSERT_NE(journal.error().text.find("/d/journal: the batch at byte "), std::string::npos)
         << journal.error().text;
     ASSERT_EQ(bytes_of(*disk), bytes);

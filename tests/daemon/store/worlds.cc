@@ -10,7 +10,7 @@
 namespace mlcca::store::test {
 
 Folder::Folder() {
-  std::string form = testing::TempDir() + "mlcca-store-XXXXXX";
+  std::string form = ::testing::TempDir() + "mlcca-store-XXXXXX";
   if (::mkdtemp(form.data()) == nullptr) std::abort();
   path_ = form;
 }

@@ -155,8 +155,12 @@ TEST(Twin, SaysThatResponseTimesCanRefuteWhatIsStatedOfABus) {
   const Folder folder;
   EXPECT_EQ(output_of(kCheck + folder.add("timed.xml", bus("<Bus bitrate='500000'/>", ""))),
             note("p") + "0 findings\n");
-  EXPECT_EQ(output_of(kCheck + folder.add("fd.xml", bus("", " format='fd'"))),
-            note("p") + "0 findings\n");
+  for (const std::string format : {"fd", "any", "xl", " any "})
+    EXPECT_EQ(output_of(kCheck + folder.add("fd.xml", bus("", " format='" + format + "'"))),
+              note("p") + "0 findings\n")
+        << format;
+  EXPECT_EQ(output_of(kCheck + folder.add("classic.xml", bus("", " format='classic'"))),
+            "0 findings\n");
   EXPECT_EQ(output_of(kCheck + folder.add("virtual.xml", bus("", ""))), "0 findings\n");
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/description/twin/forms.hpp"
 #include "tests/description/twin/random_values.hpp"
 
 namespace mlcca::testing {
@@ -193,7 +194,7 @@ class Writer {
     static const std::vector<std::string> formats = {"", "classic", "fd", "any"};
     const bool raw = network.frames == Frames::raw;
     std::string format = random_.one_of(formats);
-    if (raw) format = long_frames_ ? "fd" : "";
+    if (raw) format = !long_frames_ ? "" : random_.one_in(2) ? "fd" : "any";
     return "<Binding channel=\"" + reference(channels_[i]) + "\"" + attribute("format", format) +
            ">" +
            (raw ? "<Identifier form=\"standard\">0x" + std::to_string(i + 1) + "</Identifier>"
@@ -348,6 +349,8 @@ class Writer {
 
 }  // namespace
 
-std::string random_description(std::uint64_t seed) { return Writer(seed).write(); }
+std::string random_description(std::uint64_t seed) {
+  return in_some_forms(Writer(seed).write(), seed);
+}
 
 }  // namespace mlcca::testing

@@ -30,7 +30,7 @@ Frame tag_request(SubjectId subject, std::uint32_t node = 0x7d) {
           .data = big_endian(subject)};
 }
 
-class BusBrokerTest : public testing::Test {
+class BusBrokerTest : public ::testing::Test {
  protected:
   Result<BusBroker> make(std::vector<TagBroker::Dealt> stated = {}) {
     auto file = DealtFile::open(path_);

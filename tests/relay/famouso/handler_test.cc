@@ -79,7 +79,7 @@ class Tcp {
 };
 
 /// A daemon that grants what passes between programs of this user, unless it is told otherwise.
-class HandlerTest : public testing::Test {
+class HandlerTest : public ::testing::Test {
  protected:
   test::Server::Answer answer(const control::Request& request) {
     const auto* announce = std::get_if<control::AnnounceRequest>(&request.body);

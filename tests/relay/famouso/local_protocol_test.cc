@@ -26,7 +26,7 @@ Octets from_hex(std::string text) {
 }
 std::string text_of(const Octets& octets) { return {octets.begin(), octets.end()}; }
 
-class LocalProtocol : public testing::Test {
+class LocalProtocol : public ::testing::Test {
  protected:
   void take(const Octets& octets) { session_.take(octets, events_); }
   void take(const std::string& hex) { take(from_hex(hex)); }

@@ -50,7 +50,7 @@ struct ModeCase {
   std::uint32_t mode;
   Outcome outcome;
 };
-class ModeTest : public testing::TestWithParam<ModeCase> {};
+class ModeTest : public ::testing::TestWithParam<ModeCase> {};
 
 TEST_P(ModeTest, WhatKeepsFramesFromTheBusFails) {
   auto device = controller();
@@ -59,15 +59,15 @@ TEST_P(ModeTest, WhatKeepsFramesFromTheBusFails) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ModeTest,
-                         testing::Values(ModeCase{0, Outcome::ok},
-                                         ModeCase{CAN_CTRLMODE_LOOPBACK, Outcome::failed},
-                                         ModeCase{CAN_CTRLMODE_LISTENONLY, Outcome::failed},
-                                         ModeCase{CAN_CTRLMODE_ONE_SHOT, Outcome::failed},
-                                         ModeCase{CAN_CTRLMODE_PRESUME_ACK, Outcome::failed},
-                                         ModeCase{CAN_CTRLMODE_FD_NON_ISO, Outcome::failed},
-                                         ModeCase{CAN_CTRLMODE_FD, Outcome::ok},
-                                         ModeCase{CAN_CTRLMODE_3_SAMPLES, Outcome::ok},
-                                         ModeCase{CAN_CTRLMODE_BERR_REPORTING, Outcome::ok}));
+                         ::testing::Values(ModeCase{0, Outcome::ok},
+                                           ModeCase{CAN_CTRLMODE_LOOPBACK, Outcome::failed},
+                                           ModeCase{CAN_CTRLMODE_LISTENONLY, Outcome::failed},
+                                           ModeCase{CAN_CTRLMODE_ONE_SHOT, Outcome::failed},
+                                           ModeCase{CAN_CTRLMODE_PRESUME_ACK, Outcome::failed},
+                                           ModeCase{CAN_CTRLMODE_FD_NON_ISO, Outcome::failed},
+                                           ModeCase{CAN_CTRLMODE_FD, Outcome::ok},
+                                           ModeCase{CAN_CTRLMODE_3_SAMPLES, Outcome::ok},
+                                           ModeCase{CAN_CTRLMODE_BERR_REPORTING, Outcome::ok}));
 
 TEST(DeviceTest, OnlyErrorActiveIsAGoodState) {
   for (const char* state : {"error-warning", "error-passive", "bus-off", "sleeping"}) {

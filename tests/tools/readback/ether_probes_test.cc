@@ -117,5 +117,35 @@ TEST(EtherProbes, AFrameIsWhatTheGateReads) {
   EXPECT_EQ(std::string(frame.begin() + 42, frame.begin() + 50), "Distance");
 }
 
+TEST(EtherProbes, OnWpanAreFramesOfItsStations) {
+  auto brief = slot(0x44697374616e6365);
+  brief.station = ETHER_SHORT | 0xbeef0002;
+  auto extended = slot(8);
+  extended.station = ETHER_EXTENDED | 0x0200000000000001;
+  auto g = gate({brief, extended});
+  g.wpan = true;
+  const EtherProbes probes(g);
+  const std::uint64_t another = ETHER_SHORT | 0x6d6c0001;
+  const EtherProbe fits{.subject = brief.subject, .payload = 100, .station = brief.station};
+  EXPECT_TRUE(has(probes, fits));
+  EXPECT_TRUE(has(probes, {.subject = brief.subject, .payload = 100, .station = another}));
+  EXPECT_TRUE(has(probes, {.subject = 0x6d6c636361000000, .station = another}));
+  EXPECT_TRUE(has(probes, {.out = true, .subject = 0x6d6c636361000000, .station = another}));
+  EXPECT_TRUE(probes.is_admitted(fits));
+
+  auto frame = frame_of(fits);
+  EXPECT_EQ(frame.size(), 9U + 8U + 100U);
+  frame.resize(17);
+  EXPECT_EQ(frame, (std::vector<std::uint8_t>{0x41, 0x88, 0, 0xef, 0xbe, 0xff, 0xff, 2, 0, 0x44,
+                                              0x69, 0x73, 0x74, 0x61, 0x6e, 0x63, 0x65}));
+  EXPECT_EQ(ethertype_of(fits), 0x7461) << "octets of the subject are where Ethernet has it";
+  auto long_frame = frame_of({.subject = 8, .station = extended.station});
+  EXPECT_EQ(long_frame,
+            (std::vector<std::uint8_t>{0x41, 0xc8, 0, 0x6c, 0x6d, 0xff, 0xff, 1, 0, 0, 0, 0,
+                                       0,    0,    2, 0,    0,    0,    0,    0, 0, 0, 8}));
+  EXPECT_EQ(ethertype_of({.subject = 8, .station = extended.station}), 4) << "ETH_P_802_2";
+  EXPECT_EQ(to_text(fits), "0x44697374616e6365 of 100 bytes from 0xbeef:0x0002");
+}
+
 }  // namespace
 }  // namespace mlcca::readback

@@ -15,7 +15,7 @@ namespace {
 using core::mesh::Source;
 using core::mesh::SourceKind;
 
-class Conversation : public testing::Test {
+class Conversation : public ::testing::Test {
  protected:
   Conversation() {
     sd_event* raw = nullptr;

@@ -96,7 +96,7 @@ TEST(LinkFile, AllOfALossCanBeLost) {
   EXPECT_NE(error_of("n1 n2 1Mbit/s loss=0.0000000001"), "none");
 }
 
-class WatchedFile : public testing::Test {
+class WatchedFile : public ::testing::Test {
  protected:
   static void write(const std::string& path, const std::string& text) {
     std::ofstream(path, std::ios::binary) << text;

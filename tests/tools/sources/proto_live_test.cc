@@ -103,7 +103,7 @@ const std::string kOne = "02:00:00:00:00:01";
 const std::string kTwo = "02:00:00:00:00:02";
 const std::string kThree = "02:00:00:00:00:03";
 
-class AwdsLive : public testing::Test {
+class AwdsLive : public ::testing::Test {
  protected:
   AwdsLive() : there_(new_namespace()) { add_interface(); }
 
@@ -208,7 +208,7 @@ TEST_F(AwdsLive, TheHelperKeepsNoCapability) {
 }
 
 /// Two machines, babeld on each: a and b, 10.9.1.1 and 10.9.2.1.
-class BabelLive : public testing::Test {
+class BabelLive : public ::testing::Test {
  protected:
   BabelLive() {
     b_ = new_namespace();

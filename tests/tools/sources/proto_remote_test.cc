@@ -67,7 +67,7 @@ pid_t only_child() {
   return 0;
 }
 
-class RemoteSource : public testing::Test {
+class RemoteSource : public ::testing::Test {
  protected:
   RemoteSource() {
     std::ofstream(links_) << "a b 24Mbit/s both\n";

@@ -73,17 +73,26 @@ std::string words_of(core::can::Unusable why) {
   }
 }
 
+/// A message that nobody can analyse, and why; empty: there is none.
+std::string unusable_words(const Bus& bus, const std::vector<core::can::Message>& sorted) {
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    if (const auto why = unusable(bus.assumptions, sorted[i]); why != core::can::Unusable::no)
+      return fmt::format("Because of {} nothing is bounded{}: {}.", printable(bus.messages[i].name),
+                         why == core::can::Unusable::jitter ? " that it may win against" : "",
+                         bus.messages[i].unbounded_on.empty()
+                             ? words_of(why)
+                             : fmt::format("it is not bounded on {}, from where it comes",
+                                           printable(bus.messages[i].unbounded_on)));
+  return {};
+}
+
 /// Why something is not bounded, with the name of the message that is the reason; empty: nothing is
 /// unbounded. `sorted`: highest priority first.
 std::string unbounded_words(const AnalysedBus& analysed,
                             const std::vector<core::can::Message>& sorted) {
   const auto& bus = analysed.bus;
   const auto name = [&](std::size_t i) { return printable(bus.messages[i].name); };
-  for (std::size_t i = 0; i < sorted.size(); ++i)
-    if (const auto why = unusable(bus.assumptions, sorted[i]); why != core::can::Unusable::no)
-      return fmt::format("Because of {} nothing is bounded{}: {}.", name(i),
-                         why == core::can::Unusable::jitter ? " that it may win against" : "",
-                         words_of(why));
+  if (std::string words = unusable_words(bus, sorted); !words.empty()) return words;
   for (std::size_t i = 0; i < sorted.size(); ++i)
     if (const auto late = sorted[i].jitter / sorted[i].period; late >= core::can::kMaxInstances)
       return fmt::format(
@@ -104,6 +113,27 @@ std::string unbounded_words(const AnalysedBus& analysed,
           "identifier is not bounded.",
           name(i), static_cast<double>(load) / 10'000);
   }
+  const auto bounded_without = [&](auto&& leave_out) {
+    core::can::Assumptions less = bus.assumptions;
+    leave_out(less);
+    const auto responses = analyse(less, sorted);
+    return std::ranges::all_of(responses, &core::can::Response::bounded);
+  };
+  const core::FaultHypothesis& faults = bus.assumptions.faults;
+  if (faults.count != 0 && bounded_without([](core::can::Assumptions& less) { less.faults = {}; }))
+    return fmt::format(
+        "{} is the first that is not bounded: the errors that are assumed ({} within {} ms) and "
+        "what "
+        "is sent again leave no time for it, without them all are bounded.",
+        name(static_cast<std::size_t>(first - analysed.responses.begin())), faults.count,
+        static_cast<double>(faults.interval) / 1e6);
+  if (bus.assumptions.background != 0 &&
+      bounded_without([](core::can::Assumptions& less) { less.background = 0; }))
+    return fmt::format(
+        "{} is the first that is not bounded: the background load of {} % leaves no time for it, "
+        "without that all are bounded.",
+        name(static_cast<std::size_t>(first - analysed.responses.begin())),
+        static_cast<double>(bus.assumptions.background) / 10'000);
   return fmt::format(
       "{} is the first that is not bounded: what may go before its frames or block them leaves no "
       "time for all of them.",
@@ -126,6 +156,12 @@ bool holds_with_uncounted(const Bus& bus, std::vector<core::can::Message> messag
 
 AnalysedBus analysed(Bus bus, bool assign) {
   AnalysedBus result;
+  if (!bus.why_not.empty()) {
+    bus.messages.clear();
+    result.schedulable = false;
+    result.bus = std::move(bus);
+    return result;
+  }
   std::ranges::stable_sort(bus.messages, {},
                            [](const BusMessage& m) { return m.message.priority; });
   const auto messages = messages_of(bus);

@@ -15,6 +15,7 @@ struct BusMessage {
   std::string name;
   std::uint32_t id = 0;  ///< 11 or 29 bits
   bool extended = false;
+  bool tag_known = true;        ///< otherwise a broker deals it: `id` is the least that it can be
   std::uint64_t bytes = 0;      ///< payload of one frame; of a described publisher, of one event
   std::string where;            ///< "file:line" of a table or a description
   std::string node;             ///< of a table: whose FIFO its frames wait in, or empty
@@ -22,14 +23,19 @@ struct BusMessage {
   /// Of what is granted: the response with what else is, and what of it is this bus's; ns.
   std::optional<std::uint64_t> granted_response;
   std::uint64_t granted_on_bus = 0;
+  /// Of what check refuses for being late itself: the response that it found; ns, kNever: no bound.
+  std::optional<std::uint64_t> refused_response;
   /// check refuses it because of the bus, though it may be another message that would be late.
   bool in_vain = false;
   bool from_elsewhere = false;  ///< a gateway sends it on: its jitter follows from the way before
+  std::string unbounded_on;     ///< bus on the way before where it is not bounded, so that its
+                                ///< jitter here is kNever
   core::can::Message message;
 };
 
 struct Bus {
-  std::string network;  ///< empty: from a table
+  std::string network;               ///< empty: from a table
+  std::vector<std::string> why_not;  ///< it is not analysed, and has no messages: sentences
   core::can::Assumptions assumptions;
   std::vector<BusMessage> messages;
   /// What is not stated although the bounds depend on it, and which publishers are left out:
@@ -67,7 +73,8 @@ inline constexpr std::uint32_t kMostArbitrationRate = 1'000'000;
 Buses read_table(std::string_view text, const std::string& file, const BusOptions& options);
 
 /// The CAN networks of a description, with the described publishers whose events cross them, as a
-/// check of the description decides them.
+/// check of the description decides them. One that cannot be analysed says why; if none can, these
+/// are problems.
 Buses read_description(const std::string& file, const BusOptions& options);
 
 /// Messages of one name, and those that several senders give one identifier: no bound holds for

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/admission/world.hpp"
@@ -45,16 +46,14 @@ class DescribedBuses {
                       ? "no CAN network: there is nothing to analyse"
                       : fmt::format("no CAN network '{}': --network must name one of the system",
                                     options_.network));
-    for (const core::Network& network : system_.networks)
-      if (is_wanted(network) && network.bus.bitrate == 0)
-        problem(network.origin,
-                fmt::format("the bit rate of network {} is not described: state it with --bitrate",
-                            network.name));
-    if (problems_.empty()) inspection_ = core::inspect(system_, {}, {}, &inspected_);
-    for (std::size_t n = 0; problems_.empty() && n < system_.networks.size(); ++n)
+    if (!problems_.empty()) return {{}, std::move(problems_)};
+    inspection_ = core::inspect(system_, {}, {}, &inspected_);
+    for (std::size_t n = 0; n < system_.networks.size(); ++n)
       if (is_wanted(system_.networks[n])) add_network(n);
-    if (!problems_.empty()) buses_.clear();
-    return {std::move(buses_), std::move(problems_)};
+    const auto is_analysed = [](const Bus& bus) { return bus.why_not.empty(); };
+    if (std::ranges::any_of(buses_, is_analysed)) return {std::move(buses_), {}};
+    for (Bus& bus : buses_) std::ranges::move(bus.why_not, std::back_inserter(problems_));
+    return {{}, std::move(problems_)};
   }
 
  private:
@@ -69,21 +68,35 @@ class DescribedBuses {
     if (!files.empty()) file = origin.file < files.size() ? files[origin.file] : files.front();
     return origin.line > 0 ? fmt::format("{}:{}", file, origin.line) : file;
   }
+  [[nodiscard]] std::string at(core::Origin origin, const std::string& text) const {
+    return fmt::format("{}: {}", where(origin), text);
+  }
   void problem(core::Origin origin, const std::string& text) {
-    problems_.push_back(fmt::format("{}: {}", where(origin), text));
+    problems_.push_back(at(origin, text));
   }
 
   void add_network(std::size_t n) {
     const core::Network& network = system_.networks[n];
     Bus bus;
     bus.network = network.name;
+    if (network.bus.bitrate == 0) {
+      bus.why_not.push_back(
+          at(network.origin,
+             fmt::format("the bit rate of network {} is not described: state it with --bitrate",
+                         network.name)));
+      buses_.push_back(std::move(bus));
+      return;
+    }
     bus.assumptions = *inspected_.assumptions[n];
-    check_formats(n);
+    check_formats(n, bus);
     for (const core::BusMessage& m : inspected_.messages)
       if (m.network == n) add_message(bus, m);
     name_ways(bus);
-    for (std::string& text : problems_of(bus.messages, network.name))
-      problems_.push_back(std::move(text));
+    std::ranges::move(problems_of(bus.messages, network.name), std::back_inserter(bus.why_not));
+    // Without any of its messages there is nothing to say of a bus.
+    if (bus.messages.empty()) std::ranges::move(lacking_, std::back_inserter(bus.why_not));
+    for (const std::string& text : std::exchange(lacking_, {}))
+      bus.unknown.push_back(text + "; it counts as nothing");
     for (const core::Finding& f : inspection_.findings) {
       if (f.id == core::FindingId::unused_publisher && is_on(f.publisher, n)) {
         bus.left_out.push_back(f.text);
@@ -111,11 +124,11 @@ class DescribedBuses {
     return message;
   }
 
-  void check_formats(std::size_t n) {
+  void check_formats(std::size_t n, Bus& bus) const {
     for (const core::Finding& f : inspection_.findings)
       if (f.id == core::FindingId::no_data_rate && f.has_place &&
           f.place == Place{Place::Kind::network, n})
-        problem(f.origin, f.text + ": " + f.hint);
+        bus.why_not.push_back(at(f.origin, f.text + ": " + f.hint));
   }
 
   void add_message(Bus& bus, const core::BusMessage& from) {
@@ -123,7 +136,7 @@ class DescribedBuses {
     const core::Network& network = system_.networks[from.network];
     const core::Binding* binding = network.binding_of(p.channel);
     if (!from.message || binding == nullptr) {
-      problem(p.origin, why_not(p, network, binding));
+      lacking_.push_back(at(p.origin, why_not(p, network, binding)));
       return;
     }
     const AttributeSet& offered = core::attributes_in(p, from.set);
@@ -134,6 +147,7 @@ class DescribedBuses {
         core::can::identifier_of(p, network, *binding, from.message->frames > 1);
     m.id = identifier->id;
     m.extended = identifier->extended;
+    m.tag_known = !binding->waits_for_tag();
     m.bytes = offered.has(Attribute::max_payload) ? offered[Attribute::max_payload]
                                                   : core::frame_bytes(*binding);
     m.granted = from.granted;
@@ -141,9 +155,11 @@ class DescribedBuses {
       m.granted_response = from.granted_response;
       m.granted_on_bus = *from.granted_response - from.granted_jitter;
     }
+    m.refused_response = from.refused_response;
     m.in_vain = from.in_vain;
     m.from_elsewhere = from.from != core::Flow::kOwn;
     m.message = *from.message;
+    m.unbounded_on = unbounded_before(from);
     m.message.key = core::Ledger::key_of({from.publisher, from.network, from.from});
     froms_.push_back(from.from);
     for (const Place place : from.unknown)
@@ -151,6 +167,23 @@ class DescribedBuses {
                                         core::name_of(system_, place), p.name,
                                         counted_instead(place)));
     bus.messages.push_back(std::move(m));
+  }
+
+  /// The first bus on the way where it is not bounded, if its jitter has no bound because of that.
+  [[nodiscard]] std::string unbounded_before(const core::BusMessage& from) const {
+    std::string name;
+    for (const core::BusMessage* m = &from;
+         m != nullptr && m->message && m->before && m->message->jitter == core::can::kNever;
+         m = message_before(*m))
+      name = system_.networks[m->before->network].name;
+    return name;
+  }
+  [[nodiscard]] const core::BusMessage* message_before(const core::BusMessage& m) const {
+    const auto before = std::ranges::find_if(inspected_.messages, [&](const auto& other) {
+      return other.network == m.before->network && other.publisher == m.publisher &&
+             other.from == m.before->from;
+    });
+    return before == inspected_.messages.end() ? nullptr : &*before;
   }
 
   /// What counts in place of a delay that is not known.
@@ -214,7 +247,8 @@ class DescribedBuses {
   const BusOptions& options_;
   core::Inspection inspection_;
   core::InspectedBuses inspected_;
-  std::vector<std::size_t> froms_;  ///< of all messages, in their order
+  std::vector<std::size_t> froms_;    ///< of all messages, in their order
+  std::vector<std::string> lacking_;  ///< of messages of the bus that are not known
   std::vector<Bus> buses_;
   std::vector<std::string> problems_;
 };

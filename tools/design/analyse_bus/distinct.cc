@@ -40,7 +40,11 @@ std::vector<std::string> problems_of(const std::vector<BusMessage>& messages,
   std::vector<std::string> problems;
   const std::string on = network.empty() ? "" : " on " + network;
   for_each_again(
-      messages, [](const BusMessage& m) { return std::tuple(m.id, m.extended); },
+      messages,
+      [](const BusMessage& m) {
+        // Tags that a broker has still to deal are different ones.
+        return std::tuple(m.id, m.extended, m.tag_known ? 0 : m.message.key + 1);
+      },
       [&](const BusMessage& first, const BusMessage& again) {
         if (same_sender(first, again)) return;
         problems.push_back(fmt::format(

@@ -116,10 +116,26 @@ Result<std::uint64_t> whole_number(std::string_view text, std::uint64_t least, s
   return *value;
 }
 
+/// An error that quotes `number`, with `text` in its place.
+std::string quoted_as(std::string error, std::string_view number, std::string_view text) {
+  if (const auto at = error.find(number); at != std::string::npos)
+    error.replace(at, number.size(), text);
+  return error;
+}
+
 Result<bool> yes_or_no(std::string_view text, std::string_view what) {
-  if (text == "1" || text == "true") return true;
-  if (text == "0" || text == "false") return false;
+  const std::string small = in_small_letters(text);  // spreadsheets write TRUE
+  if (small == "1" || small == "true") return true;
+  if (small == "0" || small == "false") return false;
   return fail(fmt::format("{} '{}': must be 0, 1, true or false", what, text));
+}
+
+/// By its mark, or by its first character in two octets; empty: it may be UTF-8.
+std::string_view other_encoding(std::string_view text) {
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return "UTF-16";
+  if (text.size() < 2) return {};
+  if (text[0] != '\0' && text[1] == '\0') return "UTF-16LE";
+  return text[0] == '\0' && text[1] != '\0' ? "UTF-16BE" : "";
 }
 
 class TableReader {
@@ -135,8 +151,8 @@ class TableReader {
 
   Buses read(std::string_view text) && {
     constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
-    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
-      problem("header", "the table is UTF-16: save it as UTF-8");
+    if (const auto encoding = other_encoding(text); !encoding.empty()) {
+      problem("header", fmt::format("the table is {}: save it as UTF-8", encoding));
       return {{}, std::move(problems_)};
     }
     if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
@@ -314,11 +330,15 @@ class TableReader {
                         std::string_view what) {
     // Where columns are not between commas, one is the point of a number in many countries.
     std::string number(text);
-    if (separator_ != ',' && std::ranges::count(number, ',') == 1)
-      std::ranges::replace(number, ',', '.');
+    const bool has_comma = separator_ != ',' && number.contains(',');
+    if (has_comma) std::ranges::replace(number, ',', '.');
     const auto time = parse_microseconds(number, rounding);
-    if (!time)
-      problem(what, fmt::format("{} {}", what, time.error().text));
+    if (has_comma && std::ranges::count(number, '.') > 1)
+      problem(what, fmt::format("{} '{}': must have one decimal point or comma, and none between "
+                                "thousands",
+                                what, text));
+    else if (!time)
+      problem(what, fmt::format("{} {}", what, quoted_as(time.error().text, number, text)));
     else if (positive && *time == 0)
       problem(what, fmt::format("{} '{}': must be more than 0", what, text));
     else

@@ -18,6 +18,7 @@ constexpr std::uint64_t kMicrosecond = 1'000;  // ns
 constexpr double kWhole = 1e6;                 // 1e-6 units
 
 std::string in_us(std::uint64_t ns) {
+  if (ns == core::can::kNever) return "-";
   return fmt::format("{}.{:03}", ns / kMicrosecond, ns % kMicrosecond);
 }
 
@@ -26,11 +27,17 @@ std::string slack_of(std::uint64_t deadline, std::uint64_t response) {
 }
 
 std::string identifier_of(const BusMessage& m) {
+  if (!m.tag_known) return "tag not known";
   return m.extended ? fmt::format("0x{:08x}", m.id) : fmt::format("0x{:03x}", m.id);
 }
 
 double as_us(std::uint64_t ns) {
   return static_cast<double>(ns) / static_cast<double>(kMicrosecond);
+}
+
+/// Null where there is no bound.
+Json us_or_null(std::uint64_t ns) {
+  return ns == core::can::kNever ? Json(nullptr) : Json(as_us(ns));
 }
 
 /// How the message does, as a word for programs.
@@ -82,10 +89,12 @@ std::string verdict_of(const AnalysedBus& analysed, std::size_t i) {
   return {};
 }
 
-/// The response with nothing on the buses but what check grants, where that is another one.
-std::string granted_of(const BusMessage& m, const core::can::Response& r) {
-  if (!m.granted_response || (r.bounded && r.response == *m.granted_response)) return {};
-  return in_us(*m.granted_response);
+/// The response that check found beside the messages that it grants, where that is another one.
+std::string checked_of(const BusMessage& m, const core::can::Response& r) {
+  const auto checked = m.granted_response ? m.granted_response : m.refused_response;
+  if (!checked) return {};
+  if (*checked == core::can::kNever) return r.bounded ? "no bound" : "";
+  return r.bounded && r.response == *checked ? "" : in_us(*checked);
 }
 
 std::string_view word_of(Fate fate) {
@@ -120,15 +129,15 @@ std::string assumed_text(const AnalysedBus& analysed) {
   bool late_though_granted = false;
   for (std::size_t i = 0; i < analysed.responses.size(); ++i) {
     const BusMessage& m = analysed.bus.messages[i];
-    differs = differs || !granted_of(m, analysed.responses[i]).empty();
+    differs = differs || !checked_of(m, analysed.responses[i]).empty();
     late_though_granted = late_though_granted || (m.granted.value_or(false) && m.granted_response &&
                                                   !analysed.responses[i].meets(m.message.deadline));
   }
   std::string text;
   if (differs)
     text +=
-        "Response us: every message of the table sends. Granted us: only those send that mlccactl "
-        "check grants.\n";
+        "Response us: every message of the table sends. Check us: only those send that mlccactl "
+        "check grants, and the message of the row.\n";
   if (late_though_granted)
     text +=
         "mlccactl check grants a message that is late here, because the gates drop what it "
@@ -166,9 +175,12 @@ std::vector<std::string> order_may_exist(const AnalysedBus& analysed) {
   for (const BusMessage& m : messages)
     if (m.from_elsewhere && m.message.jitter > 0)
       why.push_back(fmt::format(
-          "{} comes here from another network with a jitter of {} us. A better order of the "
-          "identifiers there can lessen that: change that bus first, then analyse again.",
-          printable(m.name), in_us(m.message.jitter)));
+          "{} comes here from another network with a jitter {}. A better order of the identifiers "
+          "there can lessen that: change that bus first, then analyse again.",
+          printable(m.name),
+          m.message.jitter == core::can::kNever
+              ? "that is not bounded"
+              : fmt::format("of {} us", in_us(m.message.jitter))));
   return why;
 }
 
@@ -204,11 +216,12 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
   const Bus& bus = analysed.bus;
   std::string text;
   if (!bus.network.empty()) text += fmt::format("Network {}\n", printable(bus.network));
+  if (!bus.why_not.empty()) return text + sentences("Not analysed:", bus.why_not);
   Table table({{"Message"},
                {"Identifier", Align::right},
                {"Frame us", Align::right},
                {"Jitter us", Align::right},
-               {"Granted us", Align::right},
+               {"Check us", Align::right},
                {"Response us", Align::right},
                {"Deadline us", Align::right},
                {"Slack us", Align::right},
@@ -221,7 +234,7 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
                {identifier_of(m)},
                {in_us(m.message.longest_frame)},
                {m.message.jitter == 0 ? "" : in_us(m.message.jitter)},
-               {granted_of(m, r)},
+               {checked_of(m, r)},
                {r.bounded ? in_us(r.response) : "-", style},
                {in_us(m.message.deadline)},
                {r.bounded ? slack_of(m.message.deadline, r.response) : "-", style},
@@ -249,24 +262,26 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
 Json message_json(const AnalysedBus& analysed, std::size_t i) {
   const BusMessage& m = analysed.bus.messages[i];
   const core::can::Response& r = analysed.responses[i];
-  const double deadline = as_us(m.message.deadline);
   Json out{{"name", m.name},
-           {"id", m.id},
+           {"id", m.tag_known ? Json(m.id) : Json(nullptr)},
            {"extended", m.extended},
            {"bytes", m.bytes},
            {"frames", m.message.frames},
            {"frame_time_us", as_us(m.message.longest_frame)},
            {"response_us", nullptr},
-           {"deadline_us", deadline},
+           {"deadline_us", us_or_null(m.message.deadline)},
            {"slack_us", nullptr},
            {"period_us", as_us(m.message.period)},
-           {"jitter_us", as_us(m.message.jitter)},
+           {"jitter_us", us_or_null(m.message.jitter)},
            {"schedulable", static_cast<bool>(analysed.fit[i])},
            {"verdict", word_of(fate_of(analysed, i))}};
   if (m.granted) out["granted"] = *m.granted;
   if (m.granted_response) {
     out["granted_response_us"] = as_us(*m.granted_response);
     out["granted_on_bus_us"] = as_us(m.granted_on_bus);
+  }
+  if (m.refused_response) {
+    out["refused_response_us"] = us_or_null(*m.refused_response);
   }
   if (!m.node.empty()) out["node"] = m.node;
   if (const auto* queue = queue_of(analysed, i)) {
@@ -288,6 +303,12 @@ Json bus_json(const AnalysedBus& analysed) {
   const Bus& bus = analysed.bus;
   Json out = Json::object();
   if (!bus.network.empty()) out["network"] = bus.network;
+  if (!bus.why_not.empty()) {
+    out["schedulable"] = false;
+    out["not_analysed"] = bus.why_not;
+    out["messages"] = Json::array();
+    return out;
+  }
   out["bitrate"] = bus.assumptions.timing.bitrate;
   if (bus.assumptions.timing.data_bitrate != 0)
     out["data_bitrate"] = bus.assumptions.timing.data_bitrate;

@@ -9,7 +9,7 @@
 #include "tools/design/check/graphviz.hpp"
 #include "tools/design/check/tables.hpp"
 #include "tools/design/check/write.hpp"
-#include "tools/design/escape.hpp"
+#include "tools/escape.hpp"
 
 namespace mlcca::tools::design {
 namespace {

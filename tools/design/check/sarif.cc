@@ -6,6 +6,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "base/hash.hpp"
 #include "control/version.hpp"
 #include "tools/design/check/uri.hpp"
 #include "tools/design/check/write.hpp"
@@ -68,13 +69,6 @@ std::string identity_of(const ReportedFinding& f) {
     while (i + 1 < f.text.size() && f.text[i + 1] >= '0' && f.text[i + 1] <= '9') ++i;
   }
   return out;
-}
-
-/// FNV-1a, 64 bits: the same on every machine.
-std::uint64_t hash_of(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  return hash;
 }
 
 class Run {

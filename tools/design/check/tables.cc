@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "core/model/text.hpp"
-#include "tools/design/escape.hpp"
+#include "tools/escape.hpp"
 
 namespace mlcca::tools::design {
 namespace {
@@ -105,17 +105,30 @@ std::string provision_text(const core::System& system, const AttributeSet& set,
   return out.empty() ? "nothing is stated" : html_text(out);
 }
 
-std::string load_cell(const core::Network& network, Value reserved) {
-  const auto text = core::format_value(Attribute::bandwidth, reserved);
-  if (!network.provision.has(Attribute::bandwidth)) return "no capacity is stated";
-  const Value capacity = network.provision[Attribute::bandwidth];
-  const auto share =
-      capacity == 0
-          ? 0.0
-          : 100.0 * std::min(1.0, static_cast<double>(reserved) / static_cast<double>(capacity));
-  return fmt::format(
-      R"(<span class="bar"><span style="width:{0:.1f}%"></span></span> {1} of {2} ({0:.1f} %))",
-      share, text, core::format_value(Attribute::bandwidth, capacity));
+std::string bar(double percent) {
+  return fmt::format(R"(<span class="bar"><span style="width:{:.1f}%"></span></span> )",
+                     std::min(percent, 100.0));
+}
+
+/// Where both a bandwidth is stated and the time of the medium is computed, both.
+std::string load_cell(const core::Network& network, const core::NetworkLoad& load) {
+  std::string out;
+  if (network.provision.has(Attribute::bandwidth)) {
+    const Value capacity = network.provision[Attribute::bandwidth];
+    const double percent = capacity == 0
+                               ? 0.0
+                               : 100.0 * std::min(1.0, static_cast<double>(load.reserved) /
+                                                           static_cast<double>(capacity));
+    out = fmt::format("{}{} of {} ({:.1f} %)", bar(percent),
+                      core::format_value(Attribute::bandwidth, load.reserved),
+                      core::format_value(Attribute::bandwidth, capacity), percent);
+  }
+  if (load.time_ppm) {
+    const double percent = static_cast<double>(*load.time_ppm) / 10'000;
+    out += fmt::format("{}{}{:.2f} % of the time of the {}", out.empty() ? "" : "<br>",
+                       bar(percent), percent, network.mesh ? "medium" : "bus");
+  }
+  return out.empty() ? "no capacity is stated" : out;
 }
 
 const char* words_of(Composition composition) {
@@ -180,7 +193,7 @@ std::string networks_table(const SystemReport& report) {
     if (!rows.wants_more()) continue;
     const auto& network = system.networks[n];
     const auto load = n < report.inspection.networks.size()
-                          ? load_cell(network, report.inspection.networks[n].reserved)
+                          ? load_cell(network, report.inspection.networks[n])
                           : "";
     rows.add({html_text(network.name), std::string(core::to_text(network.kind)),
               provision_text(system, network.provision, network.user), load});

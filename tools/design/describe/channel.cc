@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -13,12 +12,10 @@
 #include "base/number.hpp"
 #include "control/utf8.hpp"
 #include "description/values.hpp"
+#include "tools/design/describe/lists.hpp"
 
 namespace mlcca::tools::design {
 namespace {
-
-constexpr std::array<std::string_view, description::kBaseUnits> kBaseElements = {
-    "Seconds", "Bytes", "Metres", "Kilograms", "Amperes", "Kelvins", "Moles", "Candelas"};
 
 void collect(const Node& node, std::vector<const Node*>& found) {
   if (node.name == "EventChannel") {
@@ -50,29 +47,14 @@ int number(std::string_view text) {
   return number_in<int>(text).value_or(0);  // the schema has bounded it
 }
 
-description::Dimension dimension_of(const Markup& markup, const Node* node) {
-  description::Dimension result;
-  if (node == nullptr) return result;
-  result.magnitude = number(text_of(markup, node->child("Magnitude")));
-  const auto* unit = node->child("SIUnit");
-  if (unit == nullptr) return result;
-  for (std::size_t i = 0; i < kBaseElements.size(); ++i)
-    result.unit.at(i) =
-        static_cast<std::int8_t>(number(text_of(markup, unit->child(kBaseElements.at(i)))));
-  return result;
-}
-
 AttributeSetText read_set(const Markup& markup, const Node& node) {
   AttributeSetText result;
   if (const auto* priority = node.attribute("priority")) {
     result.has_priority = true;
     result.priority = number(markup.text_of(*priority));
   }
-  for (const auto& child : node.children)
-    if (child.name == "Attribute")
-      result.attributes.push_back({.name = text_of(markup, child.child("Name")),
-                                   .value = text_of(markup, child.child("Value")),
-                                   .dimension = dimension_of(markup, child.child("Dimension"))});
+  for (auto& listed : attributes_of(markup, node))
+    result.attributes.push_back(std::move(listed.quantity));
   return result;
 }
 
@@ -87,15 +69,12 @@ std::string problem_of(const description::ValueType& type, std::string_view text
 /// Of one set: bad values, and what stands there twice.
 void add_problems(const Markup& markup, const Node& set, std::vector<std::string>& problems) {
   std::set<std::string> seen;
-  const auto attributes = read_set(markup, set).attributes;
-  for (std::size_t i = 0, at = 0; i < set.children.size(); ++i) {
-    if (set.children[i].name != "Attribute") continue;
-    const auto& quantity = attributes[at++];
+  for (const auto& [quantity, element, key, line] : attributes_of(markup, set)) {
     if (const auto problem = design::problem_of(quantity); !problem.empty())
-      problems.push_back(fmt::format("line {}: {}", set.children[i].line, problem));
+      problems.push_back(fmt::format("line {}: {}", line, problem));
     if (!seen.insert(quantity.name).second)
-      problems.push_back(fmt::format("line {}: {} stands here a second time: state it once",
-                                     set.children[i].line, quantity.name));
+      problems.push_back(
+          fmt::format("line {}: {} stands here a second time: state it once", line, quantity.name));
   }
 }
 

@@ -5,48 +5,28 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
+#include "description/short_form.hpp"
 #include "tools/design/describe/layout.hpp"
-#include "tools/design/escape.hpp"
+#include "tools/design/describe/lists.hpp"
+#include "tools/escape.hpp"
 
 namespace mlcca::tools::design {
 namespace {
 
-constexpr std::array<const char*, description::kBaseUnits> kBaseElements = {
-    "Seconds", "Bytes", "Metres", "Kilograms", "Amperes", "Kelvins", "Moles", "Candelas"};
-
-NewElement leaf(std::string name, std::string text) {
-  return {.name = std::move(name), .text = std::move(text), .children = {}, .attributes = {}};
-}
-NewElement parent(std::string name, std::vector<NewElement> children) {
-  return {.name = std::move(name), .text = {}, .children = std::move(children), .attributes = {}};
+std::string short_name_of(const Quantity& quantity) {
+  for (std::size_t i = 0; i < kAttributes; ++i)
+    if (quantity.name == kAttributeTable[i].name) return description::short_name(attribute_at(i));
+  return {};
 }
 
-NewElement unit_element(const description::Unit& unit) {
-  auto result = parent("SIUnit", {});
-  for (std::size_t i = 0; i < unit.size(); ++i)
-    if (unit.at(i) != 0)
-      result.children.push_back(leaf(kBaseElements.at(i), std::to_string(unit.at(i))));
-  return result;
-}
-
-NewElement dimension_element(const description::Dimension& dimension) {
-  auto result = parent("Dimension", {});
-  if (dimension.unit != description::Unit{})
-    result.children.push_back(unit_element(dimension.unit));
-  if (dimension.magnitude != 0)
-    result.children.push_back(leaf("Magnitude", std::to_string(dimension.magnitude)));
-  return result;
-}
-
-NewElement attribute_element(const Quantity& quantity) {
-  auto result = parent("Attribute", {leaf("Name", quantity.name)});
-  auto dimension = dimension_element(quantity.dimension);
-  if (!dimension.children.empty()) result.children.push_back(std::move(dimension));
-  result.children.push_back(leaf("Value", quantity.value));
-  return result;
+/// Puts what is new into the tag of a list, or as an element where the short form cannot say it.
+void state(NewElement& list, const Quantity& quantity) {
+  if (const auto value = short_value(list.name, quantity))
+    list.attributes += fmt::format(" {}=\"{}\"", short_name_of(quantity), *value);
+  else
+    list.children.push_back(attribute_element(quantity));
 }
 
 /// One channel of a text; each step finds its elements again, because the one before moved them.
@@ -92,9 +72,15 @@ class Editor {
     if (!set) return std::unexpected(set.error());
     set_ = *set;
     name_ = edit.name;
-    if (attribute() == nullptr)
+    const auto now = attributes_of(markup_, *sets().at(set_));
+    const auto found =
+        std::ranges::find(now, name_, [](const Listed& l) { return l.quantity.name; });
+    if (found == now.end())
       return fail(fmt::format("there is no {} that could be removed", edit.name));
-    remove(markup_, *attribute());
+    if (found->element != nullptr)
+      remove(markup_, *found->element);
+    else
+      set_attribute(markup_, *sets().at(set_), std::string(found->key->name), "");
     return {};
   }
 
@@ -167,14 +153,14 @@ class Editor {
   }
 
   std::size_t make_set(const std::vector<AttributeSetText>& sets, std::optional<int> priority) {
-    auto element = parent("Attributes", {});
+    NewElement element{.name = "Attributes", .text = {}, .children = {}, .attributes = {}};
+    if (priority) element.attributes = fmt::format(" priority=\"{}\"", *priority);
     // An attribute that is not stated again stays required: a set without it would be granted on
     // any network.
     if (!sets.empty())
       for (const auto& quantity :
            std::ranges::max_element(sets, {}, &AttributeSetText::priority)->attributes)
-        element.children.push_back(attribute_element(quantity));
-    if (priority) element.attributes = fmt::format(" priority=\"{}\"", *priority);
+        state(element, quantity);
     if (sets.empty()) {
       const auto* before = node().child("Description");
       if (before == nullptr) before = node().child("SubjectUID");
@@ -191,13 +177,30 @@ class Editor {
 
   void add(const Quantity& quantity) {
     const auto& set = *sets().at(set_);
-    if (set.children.empty())
+    if (const auto value = keeps_to_elements(set) ? std::nullopt : short_value(set.name, quantity))
+      set_attribute(markup_, set, short_name_of(quantity), *value);
+    else if (set.children.empty())
       insert_first(markup_, set, attribute_element(quantity));
     else
       insert_after(markup_, set.children.back(), attribute_element(quantity));
   }
 
+  /// The list states built-in attributes, and all of them in the form of the paper.
+  [[nodiscard]] bool keeps_to_elements(const Node& set) const {
+    const auto all = attributes_of(markup_, set);
+    return std::ranges::none_of(all, [](const Listed& l) { return l.key != nullptr; }) &&
+           std::ranges::any_of(all,
+                               [](const Listed& l) { return names_built_in(l.quantity.name); });
+  }
+
   void change(const Quantity& from, const Quantity& to) {
+    if (attribute() == nullptr) {
+      const auto& set = *sets().at(set_);
+      const auto value = short_value(set.name, to);
+      set_attribute(markup_, set, short_name_of(to), value.value_or(""));
+      if (!value) insert_first(markup_, *sets().at(set_), attribute_element(to));
+      return;
+    }
     if (from.value != to.value) replace_text(markup_, *attribute()->child("Value"), to.value);
     if (attribute()->child("Dimension") == nullptr) {
       const auto dimension = dimension_element(to.dimension);

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "tools/design/escape.hpp"
+#include "tools/escape.hpp"
 
 namespace mlcca::tools::design {
 namespace {
@@ -13,26 +13,24 @@ namespace {
 constexpr std::string_view kSpace = " \t\r\n";
 constexpr std::string_view kBlank = " \t";
 
-/// Where the line that `at` is on starts.
+}  // namespace
+
 std::size_t line_start(std::string_view text, std::size_t at) {
   const auto newline = text.substr(0, at).rfind('\n');
   return newline == std::string_view::npos ? 0 : newline + 1;
 }
 
-/// The blanks that the line of `at` begins with.
 std::string indentation(std::string_view text, std::size_t at) {
   const auto start = line_start(text, at);
   const auto end = std::min(text.find_first_not_of(kBlank, start), text.size());
   return std::string(text.substr(start, end - start));
 }
 
-/// Nothing but blanks stands before `at` on its line.
 bool begins_line(std::string_view text, std::size_t at) {
   const auto start = line_start(text, at);
   return text.substr(start, at - start).find_first_not_of(kBlank) == std::string_view::npos;
 }
 
-/// How much deeper a child stands than its parent.
 std::string step(const Markup& markup) {
   const auto& text = markup.text();
   const auto& root = markup.root();
@@ -44,12 +42,16 @@ std::string step(const Markup& markup) {
   return "  ";
 }
 
+namespace {
+
 bool has_grandchildren(const NewElement& element) {
   return std::ranges::any_of(element.children,
                              [](const NewElement& child) { return !child.children.empty(); });
 }
 
 std::string on_one_line(const NewElement& element) {
+  if (element.text.empty() && element.children.empty())
+    return fmt::format("<{}{}/>", element.name, element.attributes);
   std::string inside = escaped(element.text);
   for (const auto& child : element.children) inside += on_one_line(child);
   return fmt::format("<{0}{1}>{2}</{0}>", element.name, element.attributes, inside);
@@ -57,12 +59,12 @@ std::string on_one_line(const NewElement& element) {
 
 /// Lists stand a line a child, and an attribute with a unit does; a unit itself is one line.
 bool needs_lines(const NewElement& element) {
-  return element.name == "Attributes" ||
+  return (element.name == "Attributes" && !element.children.empty()) ||
          (element.name == "Attribute" && has_grandchildren(element));
 }
 
-/// `indent` is the line break and the blanks before the element; without a line break in it,
-/// everything is one line.
+}  // namespace
+
 std::string written(const NewElement& element, const std::string& indent, const std::string& step) {
   if (!needs_lines(element) || !indent.contains('\n')) return on_one_line(element);
   std::string out = fmt::format("<{}{}>", element.name, element.attributes);
@@ -70,6 +72,8 @@ std::string written(const NewElement& element, const std::string& indent, const 
     out += indent + step + written(child, indent + step, step);
   return out + indent + fmt::format("</{}>", element.name);
 }
+
+namespace {
 
 /// Behind the comments that follow on the same line, if nothing else does.
 std::size_t after_comments(std::string_view text, std::size_t at) {

@@ -17,6 +17,20 @@ struct NewElement {
   std::string attributes;  ///< as they stand in the tag, with the leading space
 };
 
+/// Where the line that `at` is on starts, and the blanks that it begins with.
+std::size_t line_start(std::string_view text, std::size_t at);
+std::string indentation(std::string_view text, std::size_t at);
+
+/// Nothing but blanks stands before `at` on its line.
+bool begins_line(std::string_view text, std::size_t at);
+
+/// How much deeper a child stands than its parent.
+std::string step(const Markup& markup);
+
+/// The element as text. `indent` is the line break and the blanks before it; without a line break
+/// in it, everything is one line.
+std::string written(const NewElement& element, const std::string& indent, const std::string& step);
+
 /// Puts the element behind `sibling`, and behind a comment that follows it on its line.
 void insert_after(Markup& markup, const Node& sibling, const NewElement& element);
 

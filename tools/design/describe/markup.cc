@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/number.hpp"
+#include "description/source.hpp"
 
 namespace mlcca::tools::design {
 namespace {
@@ -205,6 +206,7 @@ const MarkupAttribute* Node::attribute(std::string_view key) const {
 }
 
 Result<void> check_prolog(std::string_view text) {
+  if (auto wrong = description::wrong_start(text, true)) return fail(std::move(*wrong));
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   if (text.contains('\0')) return fail("this is not XML in UTF-8: it holds a zero byte");
   for (std::size_t at = 0;;) {

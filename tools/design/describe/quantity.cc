@@ -46,23 +46,6 @@ struct Prefix {
 constexpr auto kPrefixes =
     std::to_array<Prefix>({{"n", -9}, {"u", -6}, {"m", -3}, {"k", 3}, {"M", 6}, {"G", 9}});
 
-/// The dimension that attributes with that unit of the attribute table have in XML.
-struct TableUnit {
-  std::string_view unit;  ///< as in AttributeInfo::unit
-  int magnitude;
-  std::int8_t seconds;
-  std::int8_t bytes;
-};
-constexpr auto kTableUnits = std::to_array<TableUnit>({{"ns", -9, 1, 0},
-                                                       {"bytes/s", 0, -1, 1},
-                                                       {"1e-9", -9, 0, 0},
-                                                       {"events", 0, 0, 0},
-                                                       {"bytes", 0, 0, 1}});
-
-const TableUnit& table_unit(const AttributeInfo& row) {
-  return *std::ranges::find(kTableUnits, std::string_view(row.unit), &TableUnit::unit);
-}
-
 /// Of this file's own table: a header's constant has an address in each file.
 std::optional<Attribute> built_in_named(std::string_view name) {
   for (std::size_t i = 0; i < kAttributes; ++i)
@@ -203,12 +186,11 @@ Result<Quantity> parse_built_in(std::string_view text) {
   const auto [number, unit_name] = number_and_unit(parts->second);
   const mlcca::Unit* const typed = unit_of(known->unit, unit_name);
   if (!number || typed == nullptr) return fail(fmt::format("'{}': no such unit", text));
-  const auto& unit = table_unit(info(*built_in_named(known->name)));
-  Quantity result{.name = known->name, .value = {}, .dimension = {}};
-  result.dimension.unit.at(kSeconds) = unit.seconds;
-  result.dimension.unit.at(kBytes) = unit.bytes;
+  Quantity result{.name = known->name,
+                  .value = {},
+                  .dimension = description::inside(*built_in_named(known->name))};
   // A unit is a power of ten of the one inside, times what no power of ten can say: 60, 1024, 125.
-  result.dimension.magnitude = unit.magnitude + typed->power;
+  result.dimension.magnitude += typed->power;
   result.value = number->times(typed->factor).text();
   return result;
 }

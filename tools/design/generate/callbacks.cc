@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "base/hash.hpp"
 #include "tools/design/generate/names.hpp"
 
 namespace mlcca::tools::design {
@@ -52,9 +53,9 @@ std::string_view take_line(std::string_view& text) {
 }
 
 std::string checksum_of(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a
+  std::uint64_t hash = kHashOfNothing;
   for (const unsigned char c : text)
-    if (c != '\r') hash = (hash ^ c) * 0x100000001b3;
+    if (c != '\r') hash = hash_with(hash, c);
   return fmt::format("{:016x}", hash);
 }
 

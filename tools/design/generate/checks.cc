@@ -21,7 +21,13 @@ std::vector<RouteHop> hops_of(const core::Verdict& verdict) {
   std::vector<RouteHop> out;
   if (verdict.hops.empty()) return out;
   const auto places = core::hops_of(verdict.route);
-  for (std::size_t i = 0; i < verdict.hops.size(); ++i) out.push_back({places[i], verdict.hops[i]});
+  for (std::size_t i = 0; i < verdict.hops.size(); ++i) {
+    const bool late = std::ranges::any_of(verdict.rows, [&](const core::Row& row) {
+      return row.against == core::Against::schedule && row.place == places[i] &&
+             core::is_unfit(row);
+    });
+    out.push_back({places[i], verdict.hops[i], verdict.granted, late});
+  }
   return out;
 }
 

@@ -22,6 +22,8 @@ namespace mlcca::tools::design {
 struct RouteHop {
   core::Place place;
   Hop gives;
+  bool granted = true;
+  bool late = false;  ///< refused there: a bus gives what it would be held to, and no response time
 };
 
 /// What `mlccactl check` decides about a whole system, in every attribute set.

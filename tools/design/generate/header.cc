@@ -270,14 +270,24 @@ class Writer {
     add("/// What {} {} gives events of channel {}.\n/// Computed: {},\n/// {}.\n"
         "struct {} {{\n  using provision = {};\n}};\n\n",
         word_of(hop.place), comment_text(name), comment_text(channel_name), which,
-        computed_from(hop.place), type, text);
+        computed_from(hop), type, text);
   }
 
-  [[nodiscard]] std::string computed_from(Place place) const {
-    const auto& network = system_.networks[place.index];
+  [[nodiscard]] std::string computed_from(const RouteHop& hop) const {
+    const auto& network = system_.networks[hop.place.index];
     if (network.mesh && core::mesh::is_measured(*network.mesh))
       return "from PerHop, for one link at best: the links are measured at run time";
     if (network.mesh) return "from the links of the mesh as they are described";
+    if (hop.late)
+      return fmt::format(
+          "from {}: the channel is refused there, and Latency and Jitter are what its deadline\n"
+          "/// allows, not response times",
+          print_bitrate(core::can::timing_of(network).bitrate));
+    if (!hop.granted)
+      return fmt::format(
+          "from {} and the response times of the messages that are granted: the channel\n"
+          "/// is refused, but not for these",
+          print_bitrate(core::can::timing_of(network).bitrate));
     return fmt::format("from {} and the response times of all messages that are granted",
                        print_bitrate(core::can::timing_of(network).bitrate));
   }

@@ -28,7 +28,7 @@ const Sample* find(const Snapshot& snapshot, const std::string& from, const std:
   return it == snapshot.links.end() ? nullptr : &*it;
 }
 
-class RadioView : public testing::Test {
+class RadioView : public ::testing::Test {
  protected:
   RadioView() {
     seen.interface = {.mac = kOwn, .mesh = true, .frequency = 2412};

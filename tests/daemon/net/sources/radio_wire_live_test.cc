@@ -28,7 +28,7 @@ bool enter_namespace() {
   return entered;
 }
 
-class WireLive : public testing::Test {
+class WireLive : public ::testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(enter_namespace()) << "needs root";

@@ -302,5 +302,59 @@ TEST_F(AnalyseBusTest, NamesTheMessageOfWhichTooManyEventsWaitAtOnce) {
       << slow(path).out;
 }
 
+TEST_F(AnalyseBusTest, SpreadsheetsWriteTrueInCapitals) {
+  const auto expected = slow(table("A,1,true,7,2500,2500,0\n"), {"--json"}).out;
+  for (const char* yes : {"TRUE", "True", "1"})
+    EXPECT_EQ(slow(table("A,1," + std::string(yes) + ",7,2500,2500,0\n"), {"--json"}).out, expected)
+        << yes;
+  EXPECT_TRUE(slow(table("A,1,WAHR,7,2500,2500,0\n"))
+                  .error.contains("extended 'WAHR': must be 0, 1, true or false"));
+}
+
+TEST_F(AnalyseBusTest, NumbersAreQuotedAsTheyStandThere) {
+  const auto with = [&](const std::string& period) {
+    return slow(file("t.csv", "name;id;extended;bytes;period_us\nA;1;0;7;" + period + "\n")).error;
+  };
+  EXPECT_TRUE(
+      with("1.000,5").contains("period_us '1.000,5': must have one decimal point or comma, "
+                               "and none between thousands"))
+      << with("1.000,5");
+  EXPECT_TRUE(with("1,000,5").contains("period_us '1,000,5': must have one")) << with("1,000,5");
+  EXPECT_TRUE(with("2,5x").contains("period_us '2,5x': must be a number of microseconds"))
+      << with("2,5x");
+  EXPECT_TRUE(
+      with("99999999999999999999999")
+          .contains("period_us '99999999999999999999999': too large, or too many digits: at "
+                    "most 18446744073709551 us"))
+      << with("99999999999999999999999");
+  EXPECT_TRUE(with("99999999999999999").contains("too large: at most 18446744073709551 us"))
+      << with("99999999999999999");
+}
+
+TEST_F(AnalyseBusTest, TheEncodingOfATableIsNamedWithoutAMarkToo) {
+  const std::string header = "name";
+  std::string little;
+  std::string big;
+  for (const char c : header) {
+    little += std::string{c, '\0'};
+    big += std::string{'\0', c};
+  }
+  EXPECT_TRUE(
+      slow(file("le.csv", little)).error.contains("the table is UTF-16LE: save it as UTF-8"));
+  EXPECT_TRUE(slow(file("be.csv", big)).error.contains("the table is UTF-16BE: save it as UTF-8"));
+  EXPECT_TRUE(slow(file("mark.csv", "\xff\xfe" + little)).error.contains("the table is UTF-16: "));
+}
+
+TEST_F(AnalyseBusTest, ErrorsThatLeaveNoTimeAreNamed) {
+  const auto path = table("a,1,0,8,10000,10000,0\n");
+  const auto done = slow(path, {"--faults", "1", "--fault-interval-ms", "0.1"});
+  EXPECT_EQ(done.status, 1) << done.error;
+  EXPECT_TRUE(
+      done.out.contains("a is the first that is not bounded: the errors that are assumed (1 "
+                        "within 0.1 ms) and what is sent again leave no time for it, without "
+                        "them all are bounded."))
+      << done.out;
+}
+
 }  // namespace
 }  // namespace mlcca

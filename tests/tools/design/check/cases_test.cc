@@ -70,7 +70,7 @@ int status_for(const Lines& expected) {
   return status;
 }
 
-class Case : public testing::TestWithParam<std::string> {};
+class Case : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Case, IsFoundExactly) {
   const auto expected = expected_of(GetParam());
@@ -81,13 +81,13 @@ TEST_P(Case, IsFoundExactly) {
   EXPECT_EQ(outcome.error, "");
 }
 
-std::string case_name(const testing::TestParamInfo<std::string>& info) {
+std::string case_name(const ::testing::TestParamInfo<std::string>& info) {
   auto name = info.param;
   std::ranges::replace(name, '-', '_');
   return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Corpus, Case, testing::ValuesIn(cases()), case_name);
+INSTANTIATE_TEST_SUITE_P(Corpus, Case, ::testing::ValuesIn(cases()), case_name);
 
 TEST(CasesTest, EveryKindOfFindingHasACaseThatYieldsNothingElse) {
   std::set<std::string> alone;

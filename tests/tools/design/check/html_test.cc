@@ -13,7 +13,7 @@
 #include "tools/design/check/drawing.hpp"
 #include "tools/design/check/graphviz.hpp"
 #include "tools/design/check/tables.hpp"
-#include "tools/design/escape.hpp"
+#include "tools/escape.hpp"
 
 namespace mlcca {
 namespace {
@@ -58,6 +58,22 @@ TEST_F(HtmlTest, ShowsFindingsChannelsAndNetworksWithADrawing) {
   EXPECT_TRUE(page.contains("class=\"edge channel unfit\""));
 }
 
+TEST_F(HtmlTest, TheLoadOfABusIsTheTimeThatItsFramesTake) {
+  const auto page = html(
+      file("s.xml",
+           test::system_of(
+               "<EventChannel name='speed'><SubjectUID>0x1</SubjectUID>"
+               "<Attributes period='10ms' maxPayload='8'/></EventChannel>"
+               "<Network name='b'><Kind>can</Kind><Profile>raw</Profile><Bus bitrate='500000'/>"
+               "<Binding channel='speed'><Identifier form='standard'>0x10</Identifier></Binding>"
+               "</Network><Publisher channel='speed' network='b'/>"
+               "<Subscriber channel='speed' network='b'/>")),
+      0);
+  // 135 bits of 2 us in each 10 ms.
+  EXPECT_TRUE(page.contains("2.70 % of the time of the bus")) << page;
+  EXPECT_FALSE(page.contains("no capacity is stated"));
+}
+
 TEST_F(HtmlTest, LoadsNothingAndRunsNothing) {
   const auto page = html(file("s.xml", test::system_of(test::delivery(2, 2))), 0);
   for (const auto* part :
@@ -94,7 +110,7 @@ TEST_F(HtmlTest, WhatADescriptionSaysStaysText) {
 }
 
 TEST_F(HtmlTest, EscapesTextForContentAndAttributes) {
-  EXPECT_EQ(tools::design::html_text("<a b='c' d=\"e\">&\x1b\n"),
+  EXPECT_EQ(tools::html_text("<a b='c' d=\"e\">&\x1b\n"),
             "&lt;a b=&#39;c&#39; d=&quot;e&quot;&gt;&amp;??");
 }
 

@@ -53,7 +53,7 @@ std::string content_of(const std::string& path) {
 }
 
 RunOutcome run(const std::vector<std::string>& arguments, const Surroundings& how) {
-  std::string files = testing::TempDir() + "mlcca-run-XXXXXX";
+  std::string files = ::testing::TempDir() + "mlcca-run-XXXXXX";
   EXPECT_NE(::mkdtemp(files.data()), nullptr);
   const auto binary = program();
   const std::string out = how.out != nullptr ? how.out : files + "/out";
@@ -143,7 +143,7 @@ int Running::wait() {
 }
 
 void CheckTest::SetUp() {
-  std::string form = testing::TempDir() + "mlcca-check-XXXXXX";
+  std::string form = ::testing::TempDir() + "mlcca-check-XXXXXX";
   ASSERT_NE(::mkdtemp(form.data()), nullptr);
   folder_ = form;
 }

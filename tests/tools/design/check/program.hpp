@@ -61,7 +61,7 @@ class Running {
 };
 
 /// A folder of its own for each test.
-class CheckTest : public testing::Test {
+class CheckTest : public ::testing::Test {
  protected:
   void SetUp() override;
   void TearDown() override;

@@ -16,7 +16,7 @@ using std::chrono::milliseconds;
 using tools::design::ProgressLine;
 
 /// A line whose time the test makes.
-class ProgressTest : public testing::Test {
+class ProgressTest : public ::testing::Test {
  protected:
   ProgressLine::Time now{};
   std::vector<std::string> written;

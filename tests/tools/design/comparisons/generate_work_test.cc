@@ -59,11 +59,11 @@ std::uint64_t work_for(int buses) {
   tools::design::Context context;
   CLI::App app;
   tools::design::add_generate(app, context);
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   const std::uint64_t before = compared();
   app.parse(std::vector<std::string>{folder + "/out", "--out", file, "generate"});  // from the end
   const std::uint64_t work = compared() - before;
-  testing::internal::GetCapturedStdout();
+  ::testing::internal::GetCapturedStdout();
   EXPECT_EQ(context.exit, tools::Exit::fine);
   std::size_t headers = 0;
   for (const auto& made : fs::directory_iterator(folder + "/out"))

@@ -18,18 +18,17 @@ TEST(DescribeSetsTest, PriorityIsForTheOptionsBehindIt) {
                 .status,
             0);
   const auto text = content_of(file);
-  const auto high = text.find("<Attributes priority=\"10\">");
-  const auto low = text.find("<Attributes priority=\"-5\">");
-  EXPECT_LT(high, text.find("<Value>1</Value>"));
-  EXPECT_LT(text.find("<Value>1</Value>"), low);
-  EXPECT_LT(low, text.find("<Value>4</Value>"));
+  EXPECT_TRUE(
+      text.contains("  <Attributes priority=\"10\" omission=\"1\"/>\n"
+                    "  <Attributes priority=\"-5\" omission=\"4\"/>\n"))
+      << text;
 
   const auto unclear = run({"describe", file, "--set", "Omission=2"});
   EXPECT_EQ(unclear.status, 2);
   EXPECT_TRUE(unclear.error.contains("of priority 10, -5: say which")) << unclear.error;
   ASSERT_EQ(run({"describe", file, "--remove-set", "10"}).status, 0);
   EXPECT_FALSE(content_of(file).contains("priority=\"10\""));
-  EXPECT_TRUE(content_of(file).contains("<Value>4</Value>"));
+  EXPECT_TRUE(content_of(file).contains("omission=\"4\""));
 }
 
 TEST(DescribeSetsTest, ASecondSetGivesTheFirstItsPriority) {
@@ -37,8 +36,9 @@ TEST(DescribeSetsTest, ASecondSetGivesTheFirstItsPriority) {
   const auto file = folder.path("c.xml");
   ASSERT_EQ(run({"describe", file, "--set", "Omission=1"}).status, 0);
   ASSERT_EQ(run({"describe", file, "--priority", "-1", "--set", "Omission=9"}).status, 0);
-  EXPECT_TRUE(content_of(file).contains("<Attributes priority=\"0\">")) << content_of(file);
-  EXPECT_TRUE(content_of(file).contains("<Attributes priority=\"-1\">"));
+  EXPECT_TRUE(content_of(file).contains("<Attributes omission=\"1\" priority=\"0\"/>"))
+      << content_of(file);
+  EXPECT_TRUE(content_of(file).contains("<Attributes priority=\"-1\" omission=\"9\"/>"));
 }
 
 TEST(DescribeSetsTest, ANewSetStartsAsTheOneThatWasPreferred) {
@@ -60,12 +60,11 @@ TEST(DescribeSetsTest, ANewSetStartsAsTheOneThatWasPreferred) {
             0);
   const auto text = content_of(file);
   EXPECT_TRUE(description::check_part(file).empty()) << text;
-  const auto first = text.substr(text.find("priority=\"0\""), text.find("priority=\"5\""));
-  EXPECT_TRUE(first.contains("<Value>1</Value>")) << text;
-  const auto last = text.substr(text.find("priority=\"-1\""));
-  EXPECT_TRUE(last.contains("<Value>9</Value>")) << text;
-  EXPECT_TRUE(last.contains("<Value>8</Value>")) << text;
-  EXPECT_FALSE(last.contains("Period")) << text;
+  EXPECT_TRUE(text.contains(
+      "  <Attributes omission=\"1\" period=\"50ms\" priority=\"0\"/>\n"
+      "  <Attributes priority=\"5\" omission=\"0\" period=\"50ms\" maxPayload=\"8\"/>\n"
+      "  <Attributes priority=\"-1\" omission=\"9\" maxPayload=\"8\"/>\n"))
+      << text;
 }
 
 }  // namespace

@@ -65,11 +65,12 @@ int ask_for_type(std::uint32_t ifindex, std::uint16_t& type) {
 
 }  // namespace
 
-Result<bool> is_ethernet(std::uint32_t ifindex) {
+Result<Framing> framing_of(std::uint32_t ifindex) {
   std::uint16_t type = 0;
   if (const int error = ask_for_type(ifindex, type); error != 0)
     return failure(fmt::format("ask for the hardware type of interface {}", ifindex), error);
-  return type == ARPHRD_ETHER;
+  if (type == ARPHRD_IEEE802154) return Framing::wpan;
+  return type == ARPHRD_ETHER ? Framing::ethernet : Framing::other;
 }
 
 }  // namespace mlcca::enforce

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace mlcca::tools::design {
+namespace mlcca::tools {
 
 /// Markup characters as references, for content and for attribute values in double or single
 /// quotes.
@@ -13,4 +13,11 @@ std::string escaped(std::string_view text, std::string_view apostrophe = "&apos;
 /// The same for HTML, with control characters as '?'.
 std::string html_text(std::string_view text);
 
-}  // namespace mlcca::tools::design
+/// One line of text in UTF-8: control characters become blanks, and it is cut between two
+/// characters.
+std::string one_line(std::string_view from);
+
+/// A line for within <!-- -->, where two hyphens would end it.
+std::string in_comment(std::string_view text);
+
+}  // namespace mlcca::tools

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#pragma once
+#include <sys/timerfd.h>
+
+#include <chrono>
+
+#include "base/handle.hpp"
+
+namespace mlcca {
+
+/// The timerfd can be read after that time, once. Another time takes its place; 0: never.
+inline void start_timer(const Fd& timer, std::chrono::milliseconds time) {
+  constexpr long in_a_second = 1000;
+  constexpr long in_a_milli = 1'000'000;
+  itimerspec at{};
+  at.it_value.tv_sec = time.count() / in_a_second;
+  at.it_value.tv_nsec = time.count() % in_a_second * in_a_milli;
+  ::timerfd_settime(timer.get(), 0, &at, nullptr);
+}
+
+}  // namespace mlcca

@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: GPL-2.0-only OR BSD-2-Clause */
+/*
+ * Messages that the transport protocol of J1939 carries: see gate_transport.h. What announces a
+ * message is decided as a frame of the PGN that it names, of the format GATE_TRANSPORT and as long
+ * as the message. Each packet is decided once more: as a frame of the message that its source has
+ * announced, in its turn. So a slot that is closed or removed ends the message with the next
+ * packet, and a sender that the slot does not name adds nothing to it. Everything else with these
+ * PGNs is control traffic: its own key decides. Only frames of these PGNs come here.
+ */
+#ifndef MLCCA_GATE_TRANSPORT_BPF_H
+#define MLCCA_GATE_TRANSPORT_BPF_H
+
+/* What frame.transport says. */
+#define TRANSPORT_NONE	   0
+#define TRANSPORT_PACKET   1
+#define TRANSPORT_ANNOUNCE 2 /* and above 8 bits the number of packets */
+
+static __always_inline bool is_transport(const struct frame *frame)
+{
+	__u32 pgn = frame->can_id & GATE_TP_PGN_MASK;
+
+	return (pgn == GATE_TP_CM || pgn == GATE_TP_DT) && (frame->can_id & CAN_EFF_FLAG);
+}
+
+static __always_inline struct gate_session *session_of(const struct frame *frame, __u32 direction)
+{
+	return &table.sessions[direction & (GATE_DIRECTIONS - 1)][frame->can_id & GATE_TP_SOURCE];
+}
+
+static __always_inline __u64 session_state(__u32 id, __u32 slot, __u32 packets, __u32 next)
+{
+	return (__u64)next << 56 | (__u64)packets << 48 | (__u64)(slot & (GATE_SLOTS - 1)) << 32 |
+	       (id & (CAN_EFF_MASK & ~GATE_TP_PRIORITY));
+}
+
+/* The frame as one of the message, with the priority that it has. */
+static __always_inline void make_message(struct frame *frame, __u32 id, __u32 len)
+{
+	frame->can_id = (frame->can_id & (CAN_EFF_FLAG | GATE_TP_PRIORITY)) | id;
+	frame->format = GATE_TRANSPORT;
+	frame->len = len;
+}
+
+/*
+ * The message that is announced: the frame is what is decided, and gets the identifier of the
+ * message. GATE_R_UNKNOWN: it is no channel's.
+ */
+static __always_inline __u64 judge_announcement(struct __sk_buff *skb, struct frame *frame,
+						__u32 direction, const __u8 *data)
+{
+	__u32 size = data[1] | data[2] << 8, pgn = data[5] | data[6] << 8 | data[7] << 16,
+	      id = pgn << 8 | (frame->can_id & GATE_TP_SOURCE),
+	      destination = frame->can_id & GATE_TP_DESTINATION;
+	struct frame message = *frame;
+	__u64 found;
+
+	if (pgn >> 18)
+		return packed(GATE_R_MALFORMED, direction);
+	if ((id & GATE_J1939_PDU2) != GATE_J1939_PDU2) {
+		if (pgn & 0xff)
+			return packed(GATE_R_MALFORMED, direction);
+		id |= destination;
+	}
+	make_message(&message, id, size);
+	found = decide_again(skb, &message, direction);
+	if (found >> 32 == GATE_R_UNKNOWN)
+		frame->message = message.can_id;
+	if (found >> 32 != GATE_R_PASSED)
+		return found;
+	/* A request to send is answered by frames of others, which no slot admits. */
+	if (data[0] != GATE_TP_BAM || destination != GATE_TP_EVERYBODY)
+		return packed(GATE_R_FORMAT, found);
+	if (size < GATE_TP_LEAST || size > GATE_TP_MOST ||
+	    data[3] != (size + GATE_TP_PACKET - 1) / GATE_TP_PACKET)
+		return packed(GATE_R_LENGTH, found);
+	frame->message = id;
+	frame->size = size;
+	frame->transport = TRANSPORT_ANNOUNCE | (__u32)data[3] << 8;
+	return found;
+}
+
+/* GATE_R_UNKNOWN: its source has announced nothing that it could be of. */
+static __always_inline __u64 judge_packet(struct __sk_buff *skb, struct frame *frame,
+					  __u32 direction, __u32 number)
+{
+	struct gate_session *session = session_of(frame, direction);
+	__u64 state = READ_ONCE(session->state), now = bpf_ktime_get_ns(), found;
+	__u32 slot = state >> 32 & (GATE_SLOTS - 1), packets = state >> 48 & 0xff;
+	struct frame message = *frame;
+
+	if (!state || now - READ_ONCE(session->latest) > GATE_TP_TIMEOUT)
+		return packed(GATE_R_UNKNOWN, direction);
+	make_message(&message, state & CAN_EFF_MASK, GATE_TP_LEAST);
+	found = decide_again(skb, &message, direction);
+	if (found >> 32 != GATE_R_PASSED)
+		return found >> 32 == GATE_R_UNKNOWN ? packed(GATE_R_FRAGMENT, direction) : found;
+	if ((__u32)found != slot)
+		return packed(GATE_R_SOURCE, found);
+	if (number != state >> 56 || (frame->can_id & GATE_TP_DESTINATION) != GATE_TP_EVERYBODY)
+		return packed(GATE_R_FRAGMENT, found);
+	if (__sync_val_compare_and_swap(&session->state, state,
+					number == packets ? 0 : state + (1ULL << 56)) != state)
+		return packed(GATE_R_FRAGMENT, found);
+	WRITE_ONCE(session->latest, now);
+	frame->transport = TRANSPORT_PACKET;
+	return found;
+}
+
+/*
+ * What the source sent before is over for all who have seen this announcement: at ingress all have,
+ * at egress those of what passes.
+ */
+static __always_inline void end_session(const struct frame *frame, __u32 direction)
+{
+	WRITE_ONCE(session_of(frame, direction)->state, 0);
+}
+
+/* Not static: the verifier checks it once by itself. */
+__noinline __u64 judge_transport(struct __sk_buff *skb, struct frame *frame, __u32 direction)
+{
+	__u64 found = packed(GATE_R_UNKNOWN, direction), own;
+	bool announces = false;
+	__u8 data[CAN_MAX_DLEN];
+
+	direction &= GATE_DIRECTIONS - 1;
+	if (!frame)
+		return packed(GATE_R_UNKNOWN, direction);
+	if (frame->format == GATE_CLASSIC && frame->len == CAN_MAX_DLEN &&
+	    !(frame->can_id & CAN_RTR_FLAG) &&
+	    !bpf_skb_load_bytes(skb, skb->len - CAN_MAX_DLEN, data, sizeof(data))) {
+		if ((frame->can_id & GATE_TP_PGN_MASK) == GATE_TP_DT) {
+			found = judge_packet(skb, frame, direction, data[0]);
+		} else if (data[0] == GATE_TP_BAM || data[0] == GATE_TP_RTS) {
+			announces = data[0] == GATE_TP_BAM;
+			found = judge_announcement(skb, frame, direction, data);
+		}
+	}
+	if (announces && direction == GATE_INGRESS)
+		end_session(frame, direction);
+	if (found >> 32 != GATE_R_UNKNOWN)
+		return found;
+	own = decide_again(skb, frame, direction);
+	if (own >> 32 == GATE_R_PASSED) {
+		if (announces)
+			end_session(frame, direction);
+		return own;
+	}
+	/* Reported by the PGN that was announced; a packet alone says of none. */
+	if (announces) {
+		frame->can_id = frame->message;
+		return found;
+	}
+	if ((frame->can_id & GATE_TP_PGN_MASK) == GATE_TP_DT)
+		return packed(GATE_R_FRAGMENT, own);
+	return own;
+}
+
+/* As admit(): the announcement pays for all frames and bytes of the message. */
+static __always_inline bool admit_transport(struct gate_cpu *cpu, __u32 direction, __u32 at,
+					    const struct frame *frame)
+{
+	struct gate_slot *slot = &table.slots[at & (GATE_SLOTS - 1)];
+	struct gate_watch *w = &table.watches[at & (GATE_SLOTS - 1)];
+	struct gate_session *session = session_of(frame, direction);
+	__u32 packets = frame->transport >> 8 & 0xff;
+	__u64 cost, period, now;
+
+	if (frame->transport == TRANSPORT_PACKET) {
+		count_pass(cpu, direction, at, frame);
+		return true;
+	}
+	cost = cost_of(READ_ONCE(slot->per_frame) * (packets + 1), READ_ONCE(slot->per_byte),
+		       frame->size);
+	period = READ_ONCE(w->period);
+	now = bpf_ktime_get_ns();
+	if (!police(cpu, at, cost, now))
+		return false;
+	WRITE_ONCE(session->latest, now);
+	store_in_order(&session->state, session_state(frame->message, at, packets, 1));
+	count_pass(cpu, direction, at, frame);
+	if (period)
+		watch(w, period, now);
+	return true;
+}
+
+#endif

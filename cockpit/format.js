@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Numbers as a person reads them.
+
+const shortened = (value) => value.toLocaleString("en", { maximumSignificantDigits: 3 });
+
+function scaled(value, steps) {
+  for (const [size, unit] of steps) if (value >= size) return `${shortened(value / size)} ${unit}`;
+  return `${shortened(value)} ${steps.at(-1)[1]}`;
+}
+
+export function duration(ns) {
+  if (ns === null || ns === undefined) return "";
+  if (ns === "unbounded") return "for ever";
+  return scaled(ns, [[86400e9, "d"], [3600e9, "h"], [60e9, "min"],
+    [1e9, "s"], [1e6, "ms"], [1e3, "µs"], [1, "ns"]]);
+}
+export const rate = (bytes) => scaled(bytes, [[1e9, "GB/s"], [1e6, "MB/s"], [1e3, "kB/s"], [1, "B/s"]]);
+export const bits = (bit) => scaled(bit, [[1e9, "Gbit/s"], [1e6, "Mbit/s"], [1e3, "kbit/s"], [1, "bit/s"]]);
+export const percent = (part) => `${shortened(part * 100)} %`;
+export const count = (n) => (n ?? 0).toLocaleString("en");
+export const many = (n, one, more = `${one}s`) => `${count(n)} ${n === 1 ? one : more}`;
+export const moment = (unixNs) => new Date(unixNs / 1e6).toLocaleString("sv");
+
+export function value(number, unit) {
+  if (number === null || number === undefined) return "nothing";
+  if (number === "unbounded") return "unbounded";
+  if (unit === "ns") return duration(number);
+  if (unit === "bytes/s") return rate(number);
+  if (unit === "1e-9") return percent(number / 1e9);
+  return `${count(number)}${unit === "events" ? "" : ` ${unit}`}`;
+}

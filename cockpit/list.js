@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A grid of which only the rows in sight are elements, so that 1,000 of them cost what 30 do.
+import { h } from "./dom.js";
+
+const kBeyond = 6; // rows above and below what is in sight
+
+export class List {
+  /** `cells(row)`: the cells of a row; `columns`: their names. */
+  constructor({ label, columns, cells, open, height = 48 }) {
+    Object.assign(this, { columns, cells, open, height, rows: [], at: 0, shown: new Map() });
+    this.body = h("div", { class: "rows", role: "presentation" });
+    this.scroller = h("div", { class: "scroller", role: "rowgroup", onscroll: () => this.later() }, this.body);
+    this.element = h("div", { class: "list", role: "grid", "aria-label": label, onkeydown: (e) => this.key(e) },
+      h("div", { class: "row head", role: "row", "aria-rowindex": 1 },
+        columns.map((name) => h("div", { role: "columnheader" }, name))),
+      this.scroller);
+    new ResizeObserver(() => this.later()).observe(this.scroller);
+  }
+  show(rows) {
+    this.rows = rows;
+    this.at = Math.min(this.at, Math.max(0, rows.length - 1));
+    this.element.setAttribute("aria-rowcount", rows.length + 1);
+    this.body.style.height = `${rows.length * this.height}px`;
+    const focused = this.body.contains(document.activeElement);
+    this.clear();
+    this.paint();
+    if (focused) this.shown.get(this.at)?.focus();
+  }
+  clear() {
+    this.body.replaceChildren();
+    this.shown.clear();
+  }
+  later() {
+    this.due ??= requestAnimationFrame(() => {
+      this.due = undefined;
+      this.paint();
+    });
+  }
+  paint() {
+    const top = this.scroller.scrollTop;
+    const first = Math.max(0, Math.floor(top / this.height) - kBeyond);
+    const last = Math.min(this.rows.length, Math.ceil((top + (this.scroller.clientHeight || 480)) / this.height) + kBeyond);
+    for (const [i, element] of this.shown)
+      if ((i < first || i >= last) && i !== this.at) {
+        element.remove();
+        this.shown.delete(i);
+      }
+    for (let i = first; i < last; ++i) if (!this.shown.has(i)) this.add(i);
+    if (this.rows.length && !this.shown.has(this.at)) this.add(this.at);
+  }
+  add(i) {
+    const row = h("div", { class: `row ${this.rows[i].state ?? ""}`, role: "row", "aria-rowindex": i + 2,
+      tabindex: i === this.at ? 0 : -1, onclick: () => this.choose(i, true) },
+    this.cells(this.rows[i]).map((cell) => h("div", { role: "gridcell" }, cell)));
+    row.style.transform = `translateY(${i * this.height}px)`;
+    this.shown.set(i, row);
+    this.body.append(row);
+  }
+  choose(i, open) {
+    this.shown.get(this.at)?.setAttribute("tabindex", -1);
+    this.at = i;
+    const y = i * this.height;
+    const { scrollTop, clientHeight } = this.scroller;
+    if (y < scrollTop) this.scroller.scrollTop = y;
+    else if (y + this.height > scrollTop + clientHeight) this.scroller.scrollTop = y + this.height - clientHeight;
+    this.paint();
+    const row = this.shown.get(i);
+    row.setAttribute("tabindex", 0);
+    row.focus({ preventScroll: true });
+    if (open) this.open(this.rows[i]);
+  }
+  key(e) {
+    const page = Math.max(1, Math.floor(this.scroller.clientHeight / this.height) - 1);
+    const steps = { ArrowDown: 1, ArrowUp: -1, PageDown: page, PageUp: -page, Home: -Infinity, End: Infinity };
+    if (!this.rows.length) return;
+    if (e.key in steps) this.choose(Math.min(this.rows.length - 1, Math.max(0, this.at + steps[e.key])), false);
+    else if (e.key === "Enter" || e.key === " ") this.choose(this.at, true);
+    else return;
+    e.preventDefault();
+  }
+}

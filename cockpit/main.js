@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// When what is asked, and where it is shown.
+/* global cockpit */
+import { ask, follow, kLive } from "./ask.js";
+import { admit, changeMode, reinstate, release, reload, withdraw } from "./changes.js";
+import { channelDetail, placeDetail, silence, verdict } from "./detail.js";
+import { by, h, svg } from "./dom.js";
+import { draw } from "./drawing.js";
+import { count, many, moment, percent } from "./format.js";
+import { List } from "./list.js";
+import { graphOf, key, kStates, sorted, xmlOf } from "./model.js";
+
+const kSamples = 240; // of what is reserved, for as long as the page is open
+const kLoud = ["withdrawn", "refused", "missing", "lapsed", "drift", "bypass", "mode", "trouble"];
+const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], live: false };
+const samples = new Map();
+let chosen = null; // key of the channel whose detail is open
+let opened = null; // what had the focus before
+
+const put = (id, ...children) => by(id).replaceChildren(...children.flat().filter((c) => c !== null));
+const say = (text) => { by("said").textContent = text; };
+
+// --- the first five seconds: is it safe, and if not, why ------------------------------------------
+
+const kHealth = {
+  healthy: ["good", "✓", "Everything is as described"], degraded: ["warn", "!", "Something needs attention"],
+  closed: ["bad", "✕", "Closed: everything is denied"], unknown: ["warn", "?", "The health is not known"],
+};
+
+function showHealth(problem) {
+  const { status } = now;
+  const header = by("health");
+  if (!status) {
+    header.className = "health bad";
+    put("verdict", h("span", { class: "mark", "aria-hidden": "true" }, "✕"), "No daemon answers");
+    put("reasons", h("li", {}, problem));
+    by("reasons").hidden = false;
+    return put("figures");
+  }
+  const [look, mark, text] = kHealth[status.health.state];
+  header.className = `health ${look}`;
+  header.querySelector("h1").textContent = `${status.gateway} of ${status.system}`;
+  const verdictText = `${mark}${text}`;
+  if (by("verdict").textContent !== verdictText) put("verdict", h("span", { class: "mark", "aria-hidden": "true" }, mark), text);
+  const reasons = status.health.reasons.map((r) => h("li", {}, r));
+  if (status.health.left_out) reasons.push(h("li", {}, `and ${count(status.health.left_out)} more`));
+  put("reasons", reasons);
+  by("reasons").hidden = !reasons.length;
+  const silent = now.channels.filter((c) => c.state === "silent").length;
+  const figure = (name, text_, look_ = "") => h("div", { class: look_ }, h("dt", {}, name), h("dd", {}, text_));
+  put("figures", figure("granted", count(status.channels_granted)),
+    figure("refused", count(status.channels_refused), status.channels_refused ? "bad" : ""),
+    figure("silent", count(silent), silent ? "bad" : ""),
+    figure("mode", status.mode, status.mode === "audit" ? "bad" : ""),
+    kLive ? figure("events", now.live ? "live" : "not live", now.live ? "" : "bad") : figure("as of", moment(now.status.taken_unix_ns)));
+  if (kLive && (!by("actions").childElementCount || by("actions").dataset.mode !== status.mode)) {
+    by("actions").dataset.mode = status.mode;
+    const button = (label, run) => h("button", { type: "button", onclick: run }, label);
+    put("actions", button(status.mode === "audit" ? "Enforce…" : "Audit mode…", () => changeMode(now.status.mode)),
+      button("Admit…", () => admit(now.channels.map((c) => c.name), [...graphOf(now).places.keys()])), button("Reload…", reload));
+  }
+}
+
+// --- the map --------------------------------------------------------------------------------------
+
+function showMap() {
+  const channel = now.channels.find((c) => key(c) === chosen);
+  const focused = by("map").contains(document.activeElement) ? document.activeElement.getAttribute("aria-label") : null;
+  put("map", now.networks.length ? draw(graphOf(now), channel, by("map").clientWidth, openPlace)
+    : h("p", { class: "quiet" }, "No network is described."));
+  if (focused) [...by("map").querySelectorAll("[role=button]")].find((b) => b.getAttribute("aria-label") === focused)?.focus();
+}
+
+// --- details --------------------------------------------------------------------------------------
+
+function openDetail(title, content, keep) {
+  const detail = by("detail");
+  if (detail.hidden) opened = document.activeElement;
+  detail.hidden = false;
+  document.body.classList.add("with-detail");
+  put("detail", h("div", { class: "detail-head" }, h("h2", { id: "detail-title" }, title),
+    h("button", { type: "button", class: "close", "aria-label": "Close the details", onclick: closeDetail }, "✕")), content);
+  if (!keep) detail.focus({ preventScroll: true });
+}
+function closeDetail() {
+  by("detail").hidden = true;
+  document.body.classList.remove("with-detail");
+  chosen = null;
+  showMap();
+  opened?.focus();
+}
+function openPlace(name) {
+  chosen = null;
+  showMap();
+  openDetail(name, placeDetail(graphOf(now).places.get(name), now.reservations));
+}
+function openChannel(c, keep = false) {
+  chosen = key(c);
+  const button = (label, run) => h("button", { type: "button", onclick: run }, label);
+  openDetail(`${c.name}: ${c.from} to ${c.to}`, channelDetail(c, !kLive ? [] : [
+    c.withdrawn ? button("Reinstate…", () => reinstate(c.name)) : button("Withdraw…", () => withdraw(c.name)),
+    c.admission ? button("Release…", () => release(c)) : null].filter(Boolean)), keep);
+  showMap();
+}
+
+// --- tabs -----------------------------------------------------------------------------------------
+
+const filter = { text: "", state: "all" };
+const list = new List({
+  label: "Deliveries", columns: ["Verdict", "Channel", "Way", "Why", "Passed", "Dropped", "Events"], open: (c) => openChannel(c),
+  cells: (c) => [verdict(c.state), c.name, `${c.from} › ${c.to}`, c.troubles[0] ?? c.reason, count(c.passed), count(c.dropped), silence(c)],
+});
+
+function showChannels() {
+  const text = filter.text.toLowerCase();
+  list.show(now.channels.filter((c) => (filter.state === "all" || (filter.state === "attention" ? kStates[c.state].bad : c.granted === (filter.state === "granted")))
+    && (!text || `${c.name} ${c.publisher} ${c.from} ${c.to} ${c.subject}`.toLowerCase().includes(text))));
+  by("shown").textContent = `${count(list.rows.length)} of ${count(now.channels.length)}`;
+}
+
+function channelsPanel() {
+  return [h("div", { class: "tools" },
+    h("label", {}, "Find ", h("input", { type: "search", oninput: (e) => { filter.text = e.target.value; showChannels(); } })),
+    h("label", {}, "Show ", h("select", { onchange: (e) => { filter.state = e.target.value; showChannels(); } },
+      ["all", "attention", "granted", "refused"].map((value) => h("option", { value }, value === "attention" ? "what needs attention" : value)))),
+    h("span", { id: "shown", class: "quiet", role: "status" })), list.element];
+}
+
+function spark(points) {
+  const width = 240, height = 36;
+  const first = points[0].at, span = Math.max(1, points.at(-1).at - first);
+  const path = points.map((p) => `${((p.at - first) / span * width).toFixed(1)},${(height - 2 - Math.min(1, p.part) * (height - 4)).toFixed(1)}`);
+  return svg("svg", { viewBox: `0 0 ${width} ${height}`, class: "spark", role: "img", preserveAspectRatio: "none",
+    "aria-label": `from ${percent(points[0].part)} to ${percent(points.at(-1).part)} since the page was opened` },
+  svg("polyline", { points: points.length > 1 ? path.join(" ") : `0,${path[0].split(",")[1]} ${width},${path[0].split(",")[1]}` }));
+}
+function reservedPanel() {
+  const known = now.reservations.filter((r) => r.capacity);
+  if (!known.length) return [h("p", { class: "quiet" }, "No resource has a capacity that is known.")];
+  return [h("ul", { class: "resources" }, known.map((r) => {
+    const part = r.reserved / r.capacity;
+    const taken = r.background / r.capacity;
+    const meter = h("div", { class: "meter", role: "img", "aria-label": `${percent(part)} reserved, ${percent(taken)} taken by others` }, h("span", { class: "used" }), h("span", { class: "others" }));
+    meter.children[0].style.width = `${Math.min(1, part) * 100}%`;
+    meter.children[1].style.width = `${Math.min(1 - Math.min(1, part), taken) * 100}%`;
+    const top = [...r.reservations].sort((a, b) => b.amount - a.amount);
+    return h("li", {}, h("h3", {}, r.name, h("span", { class: "quiet" }, ` ${r.kind}`)), meter,
+      h("p", {}, `${percent(part)} reserved${taken ? `, ${percent(taken)} taken by others` : ""}`), spark(samples.get(`${r.kind} ${r.name}`)),
+      top.length ? h("details", {}, h("summary", {}, many(top.length, "reservation")), h("ol", {}, top.slice(0, 50).map((one) =>
+        h("li", {}, `${one.channel} of ${one.publisher}: ${percent(one.amount / r.capacity)}`))),
+      top.length > 50 ? h("p", { class: "quiet" }, `and ${count(top.length - 50)} smaller ones`) : "") : null);
+  }))];
+}
+function historyPanel() {
+  if (!now.history.length) return [h("p", { class: "quiet" }, "Nothing has been decided yet.")];
+  return [h("ol", { class: "history" }, now.history.slice(0, 200).map((e) => h("li", {},
+    h("time", { datetime: new Date(e.unix_ns / 1e6).toISOString() }, moment(e.unix_ns)), h("span", { class: `kind ${e.kind}` }, e.kind),
+    h("span", { class: "message" }, e.message))))];
+}
+function auditPanel() {
+  const found = (now.status?.interfaces ?? []).flatMap((i) => i.unknown.map((frame) => ({ i, frame })));
+  if (!found.length) return [h("p", { class: "quiet" }, "No frames came that nobody has announced.")];
+  return [h("p", {}, "Frames that nobody has announced. To let some of them pass, add what is shown to the description, with the true Period."),
+    h("ul", { class: "found" }, found.map(({ i, frame }) => {
+      const xml = xmlOf(i, frame);
+      const name = frame.subject ?? frame.identifier;
+      return h("li", {}, h("h3", {}, `${name} on ${i.network}`),
+        h("p", {}, `${many(frame.frames, "frame")} of ${many(frame.length, "byte")} ${frame.egress ? "to" : "from"} ${i.name}${frame.address ? `, from ${frame.address}` : ""}`),
+        h("details", {}, h("summary", {}, `Add ${name}`), h("pre", { tabindex: 0, "aria-label": `XML for ${name}` }, xml),
+          h("button", { type: "button", onclick: async (e) => { await navigator.clipboard.writeText(xml); e.target.textContent = "Copied"; say("Copied"); } }, "Copy")));
+    }))];
+}
+
+const kTabs = { channels: ["Channels", null], reserved: ["Reserved", reservedPanel], history: ["History", historyPanel], found: ["Not announced", auditPanel] };
+let tab = "channels";
+function openTab(name, focus) {
+  tab = name;
+  for (const one of Object.keys(kTabs)) {
+    by(`tab-${one}`).setAttribute("aria-selected", one === name);
+    by(`tab-${one}`).tabIndex = one === name ? 0 : -1;
+    by(`panel-${one}`).hidden = one !== name;
+  }
+  if (focus) by(`tab-${name}`).focus();
+  showTab();
+}
+function showTab() {
+  const [, panel] = kTabs[tab];
+  if (!panel) return showChannels();
+  const open = [...by(`panel-${tab}`).querySelectorAll("details")].map((d) => d.open);
+  if (by(`panel-${tab}`).contains(document.activeElement)) return undefined; // who reads there is not disturbed
+  put(`panel-${tab}`, panel());
+  by(`panel-${tab}`).querySelectorAll("details").forEach((d, i) => { d.open = open[i] ?? false; });
+  return undefined;
+}
+function makeTabs() {
+  const names = Object.keys(kTabs);
+  put("tabs", names.map((name, i) => h("button", { type: "button", role: "tab", id: `tab-${name}`, "aria-controls": `panel-${name}`,
+    onclick: () => openTab(name), onkeydown: (e) => {
+      const step = { ArrowRight: 1, ArrowLeft: -1 }[e.key];
+      if (step) openTab(names[(i + step + names.length) % names.length], true);
+    } }, kTabs[name][0])));
+  put("panels", names.map((name) => h("section", { role: "tabpanel", id: `panel-${name}`, "aria-labelledby": `tab-${name}`, class: "card" },
+    name === "channels" ? channelsPanel() : [])));
+  openTab("channels");
+}
+
+// --- asking ---------------------------------------------------------------------------------------
+
+let asking = false, again = false, due;
+/** Status first, so that what matters is seen while the rest is on its way. */
+async function refresh() {
+  clearTimeout(due);
+  if (asking) { again = true; return; }
+  asking = true;
+  try {
+    now.status = await ask("status");
+    showHealth();
+    const parts = await Promise.all([ask("channels"), ask("networks"), ask("routes"), ask("reservations"), ask("history", "--limit", "200")]);
+    now.channels = sorted(parts[0].channels);
+    now.networks = parts[1].networks;
+    now.routes = parts[2];
+    now.reservations = parts[3].resources;
+    now.history = parts[4].entries;
+    for (const r of now.reservations) if (r.capacity) {
+      const name = `${r.kind} ${r.name}`;
+      const line = samples.get(name) ?? [];
+      samples.set(name, [...line, { at: Date.now(), part: r.reserved / r.capacity }].slice(-kSamples));
+    }
+    showHealth();
+    showMap();
+    showTab();
+    const open = now.channels.find((c) => key(c) === chosen);
+    if (open && !by("detail").contains(document.activeElement.closest?.(".buttons, .wide") ?? null)) openChannel(open, true);
+  } catch (problem) {
+    now.status = null;
+    showHealth(problem.message);
+  }
+  asking = false;
+  document.body.dataset.ready = String(Number(document.body.dataset.ready ?? 0) + 1);
+  // 1,000 channels are 4 MB: counters are asked less often there.
+  soon(again ? 300 : now.channels.length > 200 ? 30000 : 5000);
+  again = false;
+}
+function soon(ms) {
+  clearTimeout(due);
+  if (!cockpit.hidden) due = setTimeout(refresh, ms);
+}
+
+function followCockpitStyle() {
+  const style = (kLive && localStorage.getItem("shell:style")) || "auto";
+  const dark = style === "dark" || (style === "auto" && matchMedia("(prefers-color-scheme: dark)").matches);
+  document.documentElement.classList.toggle("pf-theme-dark", dark);
+}
+
+followCockpitStyle();
+window.addEventListener("storage", followCockpitStyle);
+window.addEventListener("cockpit-style", followCockpitStyle);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", followCockpitStyle);
+makeTabs();
+document.addEventListener("keydown", (e) => { if (e.key === "Escape" && !by("detail").hidden && !by("dialog").open) closeDetail(); });
+let width = 0;
+new ResizeObserver(() => { if (by("map").clientWidth !== width) { width = by("map").clientWidth; if (now.status) showMap(); } }).observe(by("map"));
+cockpit.addEventListener("visibilitychange", () => { if (!cockpit.hidden) refresh(); });
+refresh();
+follow((event) => {
+  if (kLoud.includes(event.kind)) say(event.message);
+  soon(300);
+}, (live) => {
+  now.live = live;
+  if (now.status) showHealth();
+});

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What follows from the answers of mlccactl. Nothing here draws.
+
+export const key = (c) => [c.subject, c.publisher, c.admission, c.from, c.to].join("\n");
+
+/** refused, silent, trouble, degraded or granted: the worst that is true. */
+export function stateOf(c) {
+  if (c.withdrawn) return "withdrawn";
+  if (!c.granted) return "refused";
+  if (c.watch?.missing_now) return "silent";
+  if (c.troubles.length) return "trouble";
+  return c.set > 0 ? "degraded" : "granted";
+}
+export const kStates = {
+  refused: { mark: "✕", rank: 0, bad: true },
+  silent: { mark: "!", rank: 1, bad: true },
+  trouble: { mark: "!", rank: 2, bad: true },
+  withdrawn: { mark: "–", rank: 3 },
+  degraded: { mark: "↓", rank: 4 },
+  granted: { mark: "✓", rank: 5 },
+};
+
+export function sorted(channels) {
+  return channels.map((c) => ({ ...c, state: stateOf(c) })).sort((a, b) =>
+    kStates[a.state].rank - kStates[b.state].rank || a.name.localeCompare(b.name) || a.to.localeCompare(b.to));
+}
+
+/** The largest share of a resource of a network or gateway that is reserved or taken; null: not known. */
+export function load(name, resources) {
+  let most = null;
+  for (const r of resources)
+    if ((r.name === name || r.name.startsWith(`${name}: `)) && r.capacity)
+      most = Math.max(most ?? 0, (r.reserved + r.background) / r.capacity);
+  return most;
+}
+
+/**
+ * The last place of the route that its events reach. Of a refused channel that is the one before the first hop that
+ * does not fit; where no single hop is to blame, or the channel is withdrawn, it does not leave where it begins.
+ */
+export function lastHop(c) {
+  if (c.granted) return c.route.length - 1;
+  const unfit = c.route.findIndex((place) => c.rows.some((row) => row.outcome !== "fit" && row.where === place));
+  return Math.max(0, unfit - 1);
+}
+
+/** Places and what joins them, with the channels that go from one to the next. */
+export function graphOf({ status, networks, channels, reservations, routes }) {
+  const places = new Map();
+  const place = (name, gateway) => {
+    if (!places.has(name)) places.set(name, { name, gateway, next: new Set(), order: 0 });
+    return places.get(name);
+  };
+  for (const n of networks) {
+    const here = place(n.name, false);
+    here.network = n;
+    here.interfaces = status.interfaces.filter((i) => i.network === n.name);
+    here.links = routes.links.filter((l) => l.network === n.name);
+    here.load = load(n.name, reservations);
+    for (const g of n.gateways) {
+      const gateway = place(g, true);
+      gateway.next.add(n.name);
+      here.next.add(g);
+    }
+  }
+  for (const g of places.values()) if (g.gateway) {
+    g.own = g.name === status.gateway;
+    g.load = load(g.name, reservations);
+  }
+  const edges = new Map();
+  for (const c of channels) {
+    const from = places.get(c.from);
+    const to = places.get(c.to);
+    if (from) from.order -= 1;
+    if (to) to.order += 1;
+    const end = lastHop(c);
+    for (let i = 0; i + 1 < c.route.length; ++i) {
+      const [a, b] = [c.route[i], c.route[i + 1]].sort();
+      const edge = edges.get(`${a}\n${b}`) ?? { a, b, granted: 0, refused: 0 };
+      if (c.granted) edge.granted += 1;
+      else if (i === end) edge.refused += 1; // in front of it, it ends
+      edges.set(`${a}\n${b}`, edge);
+    }
+  }
+  for (const p of places.values())
+    for (const n of p.next) {
+      const [a, b] = [p.name, n].sort();
+      if (!edges.has(`${a}\n${b}`)) edges.set(`${a}\n${b}`, { a, b, granted: 0, refused: 0 });
+    }
+  return { places, edges: [...edges.values()], columns: columnsOf(places) };
+}
+
+/** Breadth first from where most events come from, so that they go from left to right. */
+function columnsOf(places) {
+  const columns = [];
+  const seen = new Set();
+  const rest = [...places.values()].sort((a, b) => a.order - b.order || a.name.localeCompare(b.name));
+  for (const root of rest) {
+    let front = seen.has(root.name) ? [] : [root];
+    for (let column = 0; front.length; ++column) {
+      for (const p of front) seen.add(p.name);
+      (columns[column] ??= []).push(...front);
+      front = [...new Set(front.flatMap((p) => [...p.next]))].filter((n) => !seen.has(n))
+        .map((n) => places.get(n));
+    }
+  }
+  return columns;
+}
+
+/** What a description would need for frames without a slot. The Period is not known. */
+export function xmlOf(iface, frame) {
+  const escaped = (text) => String(text).replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
+  const hex = frame.subject ?? `0x6964${(frame.can_id & 0x1fffffff).toString(16).padStart(12, "0")}`;
+  const name = frame.subject ? `found-${frame.subject.slice(2)}` : `found-${frame.identifier.trim().replace(/\s+/g, "-")}`;
+  const extended = !frame.subject && frame.can_id >= 0x80000000;
+  const bytes = "<Dimension><SIUnit><Bytes>1</Bytes></SIUnit></Dimension>";
+  const ms = "<Dimension><SIUnit><Seconds>1</Seconds></SIUnit><Magnitude>-3</Magnitude></Dimension>";
+  const lines = [
+    `<EventChannel name="${escaped(name)}">`,
+    `  <SubjectUID>${escaped(hex)}</SubjectUID>`,
+    "  <Attributes>",
+    "    <!-- State the true Period: 100 ms is a guess. -->",
+    `    <Attribute><Name>Period</Name>${ms}<Value>100</Value></Attribute>`,
+    `    <Attribute><Name>MaxPayload</Name>${bytes}<Value>${frame.length}</Value></Attribute>`,
+    "  </Attributes>",
+    "</EventChannel>",
+  ];
+  if (!frame.subject)
+    lines.push(`<!-- In <Network name="${escaped(iface.network)}">: -->`,
+      `<Binding channel="${escaped(name)}"><Identifier${extended ? ' form="extended"' : ""}>0x${(frame.can_id & 0x1fffffff).toString(16)}</Identifier></Binding>`);
+  lines.push(`<Publisher channel="${escaped(name)}" network="${escaped(iface.network)}"/>`);
+  return lines.join("\n");
+}

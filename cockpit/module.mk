@@ -1,0 +1,11 @@
+# The page of Cockpit: files as they are, no build step.
+COCKPIT_FILES := $(filter-out %.mk,$(wildcard cockpit/*))
+install-cockpit:
+	$(call say,INSTALL,the page of Cockpit)
+	$(Q)install -d $(DESTDIR)$(PREFIX)/share/cockpit/mlcca
+	$(Q)install -m 644 $(COCKPIT_FILES) $(DESTDIR)$(PREFIX)/share/cockpit/mlcca
+INSTALL += install-cockpit
+
+check-cockpit: $O/mlccad $O/mlccactl ## the page in Chromium, of a real cockpit-ws and daemon (root): SCREENSHOTS=folder
+	$(Q)tests/cockpit/run $O $(SCREENSHOTS)
+.PHONY: install-cockpit check-cockpit

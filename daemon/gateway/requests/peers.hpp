@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The program of a gateway that receives and sends subscriptions on networks of FAMOUSO.
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "control/messages.hpp"
+#include "daemon/gateway/requests/context.hpp"
+
+namespace mlcca::requests {
+
+/// The ports of this gateway whose networks accept subscriptions.
+[[nodiscard]] std::vector<std::size_t> subscription_ports(const Context& context);
+/// The one of a network, whose control traffic the user may send. The error says what is missing.
+[[nodiscard]] Result<std::size_t> subscription_port(const Context& context, uid_t user,
+                                                    const std::string& network);
+
+}  // namespace mlcca::requests

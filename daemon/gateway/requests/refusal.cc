@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A subscription that this gateway has passed on was refused further on.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "core/model/text.hpp"
+#include "daemon/gateway/event_log.hpp"
+#include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/gateway/requests/peers.hpp"
+
+namespace mlcca::requests {
+namespace {
+
+constexpr std::size_t kLongestReason = 512;
+
+/// For a line of a log.
+std::string printable_part(const std::string& text) {
+  std::string out = text.substr(0, kLongestReason);
+  std::ranges::replace_if(out, [](unsigned char c) { return c < ' ' || c == 127; }, '?');
+  return out;
+}
+
+}  // namespace
+
+Response refusal(Context& context, const Asker& asker, const control::RefusalRequest& request) {
+  const auto port = subscription_port(context, asker.peer.uid, request.network);
+  if (!port) return error_of(control::ErrorKind::forbidden, port.error().text);
+  core::State& state = *context.scene.state;
+  const auto channel = channel_named(state, core::format_subject(request.subject));
+  if (!channel) return invalid(channel.error().text);
+  const auto onward = state.onward(context.scene.self, *channel);
+  const bool is_ours = std::ranges::any_of(onward, [&](const core::OnwardSubscription& one) {
+    return state.system().networks[one.network].name == request.network;
+  });
+  if (!is_ours) return control::Done{"nothing of that is subscribed on the network now"};
+  std::vector<std::uint64_t> concerned;
+  for (const auto& [id, of] : state.admissions())
+    if (of == *channel) concerned.push_back(id);
+  const core::EventChannel& named = state.system().channels[*channel];
+  context.log.warning(Kind::refused,
+                      fmt::format("{} ({}) from {}: refused further on by {}: {}", named.name,
+                                  core::format_subject(named.subject), request.network,
+                                  printable_part(request.source), printable_part(request.reason)),
+                      {.subject = named.subject,
+                       .channel = named.name,
+                       .network = request.network,
+                       .admissions = std::move(concerned)});
+  return control::Done{"reported"};
+}
+
+}  // namespace mlcca::requests

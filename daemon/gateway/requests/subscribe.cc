@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A peer on a network subscribes, renews its subscription, or ends it: an admission of a subscriber
+// there, under a key of its own.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "control/attributes.hpp"
+#include "core/model/text.hpp"
+#include "daemon/gateway/admissions.hpp"
+#include "daemon/gateway/keys.hpp"
+#include "daemon/gateway/recorder.hpp"
+#include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/gateway/requests/peers.hpp"
+
+namespace mlcca::requests {
+namespace {
+
+constexpr std::size_t kLongestSource = 45;  // an address in text
+
+bool is_plain(const std::string& source) {
+  return !source.empty() && source.size() <= kLongestSource &&
+         std::ranges::all_of(source, [](char c) { return c > ' ' && c < 127; });
+}
+
+/// What the peer would be admitted by. Error: an attribute is not known.
+Result<control::Admit> admission_of(const control::SubscribeRequest& request) {
+  control::Admit out;
+  out.channel = core::format_subject(request.subject);
+  out.to = request.network;
+  out.subscriber = fmt::format("peer-{}", request.source);
+  out.key = subscription_keys(request.network) + fmt::format("{} {}", request.source, out.channel);
+  out.lease_ns = request.lease_ns;
+  const auto required = control::set_of(request.required);
+  if (!required) return std::unexpected(required.error());
+  out.required = control::attributes_of(*required);
+  return out;
+}
+
+/// Why the network accepts no further one; nothing: it does.
+std::optional<std::string> exceeds_policy(const Context& context, const core::Network& network) {
+  const std::size_t now = context.admissions.count_of_keys(subscription_keys(network.name));
+  if (now < network.subscriptions.most) return std::nullopt;
+  return fmt::format("{} has {} subscriptions, and its Subscriptions allow no more", network.name,
+                     now);
+}
+
+Response end(Context& context, const std::string& key) {
+  const auto known = context.admissions.with_key(key);
+  if (!known) return control::Done{"there is no such subscription"};
+  if (const auto done = context.admissions.release({*known}, "released"); !done)
+    return failed(done.error().text);
+  return control::Done{fmt::format("released admission {}", *known)};
+}
+
+}  // namespace
+
+Response subscribe(Context& context, const Asker& asker, const control::SubscribeRequest& request) {
+  const auto port = subscription_port(context, asker.peer.uid, request.network);
+  if (!port) return error_of(control::ErrorKind::forbidden, port.error().text);
+  if (!is_plain(request.source))
+    return invalid("say the source: a node or an address, such as 0x12 or 192.0.2.7");
+  const core::System& system = context.scene.state->system();
+  const core::Network& network =
+      system.networks[system.gateways[context.scene.self].ports[*port].network];
+  if (network.subscriptions.accept < core::Subscribing::with_attributes && !request.end)
+    return error_of(control::ErrorKind::forbidden,
+                    fmt::format("{} accepts no subscriptions (accept=\"gateways\")", network.name));
+  if (!request.states_attributes && !request.end &&
+      network.subscriptions.accept != core::Subscribing::all)
+    return error_of(control::ErrorKind::forbidden,
+                    fmt::format("{} accepts no subscriptions without attributes (accept=\"all\")",
+                                network.name));
+  const auto wanted = admission_of(request);
+  if (!wanted) return invalid(wanted.error().text);
+  if (request.end) return end(context, wanted->key);
+  const auto known = context.admissions.with_key(wanted->key);
+  const control::Request* held =
+      known ? context.recorder.contents().admissions.find(*known) : nullptr;
+  if (held != nullptr && std::get<control::Admit>(held->body) != *wanted) {
+    // It requires something else now: what it had is not kept for that.
+    if (const auto done = context.admissions.release({*known}, "replaced"); !done)
+      return failed(done.error().text);
+    held = nullptr;
+  }
+  if (held == nullptr)
+    if (const auto why = exceeds_policy(context, network)) return invalid(*why);
+  return admit(context, asker, *wanted);
+}
+
+}  // namespace mlcca::requests

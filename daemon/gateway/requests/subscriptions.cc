@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Where peers may subscribe, and what the gateway itself subscribes for who was admitted behind it.
+#include <cstddef>
+#include <utility>
+
+#include "control/attributes.hpp"
+#include "core/admission/onward.hpp"
+#include "daemon/gateway/endpoints.hpp"
+#include "daemon/gateway/pace.hpp"
+#include "daemon/gateway/requests/handlers.hpp"
+#include "daemon/gateway/requests/peers.hpp"
+
+namespace mlcca::requests {
+namespace {
+
+constexpr std::size_t kOnwardRow = 256;  // bytes on the wire, mostly
+
+void add_channel(Context& context, std::size_t channel, control::Subscriptions& to) {
+  core::State& state = *context.scene.state;
+  const core::System& system = state.system();
+  const core::EventChannel& described = system.channels[channel];
+  for (const core::OnwardSubscription& one : state.onward(context.scene.self, channel))
+    to.onward.push_back({.subject = described.subject,
+                         .channel = described.name,
+                         .network = system.networks[one.network].name,
+                         .required = control::attributes_of(one.required),
+                         .problem = one.problem});
+}
+
+/// As many channels from `at` on as there is time for in one turn.
+serve::Slice some_onward(Context& context, std::size_t& at) {
+  control::Subscriptions out;
+  if (at == 0)
+    for (const std::size_t port : subscription_ports(context))
+      out.networks.push_back(context.endpoints.of_subscriptions(port));
+  const std::size_t channels = context.scene.state->decisions().size();
+  Pace pace(kOnwardRow);
+  for (bool goes_on = true; goes_on && at < channels; ++at) {
+    const std::size_t before = out.onward.size();
+    add_channel(context, at, out);
+    goes_on = pace.made(out.onward.size() - before);
+  }
+  return {{std::move(out)}, at < channels};
+}
+
+}  // namespace
+
+Response subscriptions(Context& context, const Asker& /*asker*/,
+                       const control::SubscriptionsRequest& /*request*/) {
+  return made_in_slices(
+      context, 0, [&context, at = std::size_t{0}]() mutable { return some_onward(context, at); });
+}
+
+}  // namespace mlcca::requests

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "relay/daemon_link.hpp"
+
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include "base/unix_address.hpp"
+#include "control/codec.hpp"
+#include "control/slices.hpp"
+
+namespace mlcca::relay {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kLongestRetry(1000);
+/// While the daemon does not read.
+constexpr milliseconds kPauseOfSending(20);
+constexpr std::size_t kReadSize = std::size_t{64} << 10U;
+/// Of one reply: each has some hundred rows at least.
+constexpr std::size_t kMostSlices = 65'536;
+constexpr std::size_t kMostRows = std::size_t{1} << 20U;
+
+std::string text_of(int error) { return std::strerror(error); }  // NOLINT(concurrency-mt-unsafe)
+
+bool add_to(const Fd& epoll, const Fd& fd) {
+  epoll_event event{.events = EPOLLIN, .data = {.fd = fd.get()}};
+  return ::epoll_ctl(epoll.get(), EPOLL_CTL_ADD, fd.get(), &event) == 0;
+}
+
+constexpr std::array<std::string_view, 9> kDecisions{"granted",    "refused",  "withdrawn",
+                                                     "switched",   "rerouted", "released",
+                                                     "reinstated", "binding",  "local"};
+constexpr std::array<std::string_view, 5> kOfAll{"reload", "lagged", "interface", "mode",
+                                                 "started"};
+
+/// Of the lists that this program asks for.
+bool is_without_end(const control::Reply& reply) {
+  if (const auto* some = std::get_if<control::Transfers>(&reply.body))
+    return some->transfers.size() > kMostRows;
+  const auto* some = std::get_if<control::Subscriptions>(&reply.body);
+  return some != nullptr && some->onward.size() > kMostRows;
+}
+
+}  // namespace
+
+Affects affected_by(const control::Event& event) {
+  if (std::ranges::find(kOfAll, event.kind) != kOfAll.end()) return Affects::all;
+  const bool decides = std::ranges::find(kDecisions, event.kind) != kDecisions.end();
+  return decides && event.subject != 0 ? Affects::subject : Affects::nothing;
+}
+
+DaemonLink::DaemonLink(std::string socket, Handlers handlers)
+    : path_(std::move(socket)),
+      handlers_(std::move(handlers)),
+      epoll_(::epoll_create1(EPOLL_CLOEXEC)),
+      timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
+  add_to(epoll_, timer_);
+}
+
+// --- the connection ------------------------------------------------------------------------------
+
+void DaemonLink::connect() {
+  const auto address = unix_address(path_);
+  if (!address) return lose(address.error().text);
+  Fd socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!socket || ::connect(socket.get(), generic(*address), sizeof *address) != 0 ||
+      !add_to(epoll_, socket))
+    return lose("no daemon: " + path_ + ": " + text_of(errno));
+  socket_ = std::move(socket);
+  if (std::exchange(reported_gone_, false)) handlers_.log("mlccad answers again");
+  send({0, control::MonitorRequest{}});
+  handlers_.connected();
+  flush();
+}
+
+void DaemonLink::lose(const std::string& why) {
+  if (!std::exchange(reported_gone_, true))
+    handlers_.log(why + ": what is carried stays, and its gates decide");
+  socket_.reset();
+  in_ = control::Buffer();
+  out_.clear();
+  whole_.reset();
+  handlers_.lost();
+  set_timer(retry_);
+  retry_ = std::min(retry_ * 2, kLongestRetry);
+}
+
+void DaemonLink::turn() {
+  std::uint64_t expired = 0;
+  const bool due = ::read(timer_.get(), &expired, sizeof expired) == sizeof expired;
+  if (!socket_ && due)
+    connect();
+  else if (due)
+    handlers_.timer();
+  if (socket_) flush();
+  if (socket_) receive();
+  if (socket_) flush();
+}
+
+std::uint64_t DaemonLink::send(control::Request request) {
+  request.id = ++last_id_;
+  out_ += control::encode(request);
+  return request.id;
+}
+
+void DaemonLink::flush() {
+  while (!out_.empty()) {
+    const ssize_t n = ::send(socket_.get(), out_.data(), out_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0 && errno == EAGAIN) return set_timer(kPauseOfSending);
+    // What the daemon has said before it closed is read; then the connection ends.
+    if (n < 0) {
+      out_.clear();
+      ::shutdown(socket_.get(), SHUT_RDWR);
+      return;
+    }
+    out_.erase(0, static_cast<std::size_t>(n));
+  }
+}
+
+void DaemonLink::receive() {
+  const auto room = in_.space(kReadSize);
+  const ssize_t n = ::recv(socket_.get(), room.data(), room.size(), MSG_DONTWAIT);
+  if (n < 0 && (errno == EINTR || errno == EAGAIN)) return;
+  if (n <= 0) return lose(n == 0 ? "mlccad closed the connection" : text_of(errno));
+  in_.commit(static_cast<std::size_t>(n));
+  while (socket_) {
+    auto reply = control::decode_reply(in_);
+    if (reply && !*reply) return;
+    if (!reply) return lose(reply.error().text);
+    on_reply(std::move(**reply));
+  }
+}
+
+void DaemonLink::on_reply(control::Reply reply) {
+  if (const auto* event = std::get_if<control::Event>(&reply.body)) return handlers_.event(*event);
+  if (reply.id == 0) {
+    const auto* error = std::get_if<control::Error>(&reply.body);
+    return lose(error == nullptr ? "mlccad sent a reply without a request" : error->message);
+  }
+  // Replies come in the order of the requests, so that slices of two are never mixed.
+  if (!whole_) slices_ = 0;
+  if (const auto joined = control::join(whole_, std::move(reply)); !joined)
+    return lose(joined.error().text);
+  if (++slices_ > kMostSlices || is_without_end(*whole_))
+    return lose("mlccad sent a list without end");
+  if (whole_->more) return;
+  handlers_.reply(*std::exchange(whole_, std::nullopt));
+}
+
+}  // namespace mlcca::relay

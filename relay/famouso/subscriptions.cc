@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "relay/famouso/subscriptions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <variant>
+
+#include "control/attributes.hpp"
+
+namespace mlcca::relay {
+namespace {
+
+using Kind = Subscription::Kind;
+
+constexpr std::uint64_t kInASecond = 1'000'000'000;
+
+/// ns
+std::uint64_t lease_of(const Subscription& wanted) {
+  return std::clamp(wanted.lease_s, Subscriptions::kShortestLease, Subscriptions::kLongestLease) *
+         kInASecond;
+}
+
+/// What a reply to a subscription says: granted, or why not.
+std::optional<std::string> refusal_in(const control::Reply& reply) {
+  if (const auto* error = std::get_if<control::Error>(&reply.body)) return error->message;
+  const auto* channels = std::get_if<control::Channels>(&reply.body);
+  if (channels == nullptr) return std::nullopt;
+  for (const control::Channel& one : channels->channels)
+    if (!one.granted) return fmt::format("{} to {}: {}", one.from, one.to, one.reason);
+  if (channels->channels.empty()) return "nobody publishes it";
+  return std::nullopt;
+}
+
+}  // namespace
+
+// --- what the daemon says ------------------------------------------------------------------------
+
+void Subscriptions::set(const control::Subscriptions& said, std::uint64_t now) {
+  std::map<std::string, control::SubscriptionNetwork> networks;
+  for (const control::SubscriptionNetwork& network : said.networks) {
+    const auto before = networks_.find(network.network);
+    if (!network.problem.empty() &&
+        (before == networks_.end() || before->second.problem != network.problem))
+      outside_.log(fmt::format("no subscriptions on {}: {}", network.network, network.problem));
+    if (network.gateways_only) continue;
+    networks.emplace(network.network, network);
+  }
+  networks_ = std::move(networks);
+  std::erase_if(peers_, [&](const auto& one) { return !networks_.contains(one.first.network); });
+
+  std::map<OwnKey, AttributeSet> wanted;
+  for (const control::OnwardSubscription& one : said.onward) {
+    const auto network = networks_.find(one.network);
+    if (network == networks_.end() || !network->second.problem.empty()) continue;
+    const auto required = control::set_of(one.required);
+    if (one.problem.empty() && required)
+      wanted.emplace(OwnKey{one.subject, one.network}, *required);
+    else
+      outside_.log(fmt::format("{} is not subscribed on {}: {}", one.channel, one.network,
+                               required ? one.problem : required.error().text));
+  }
+  for (auto it = own_.begin(); it != own_.end();) {
+    if (wanted.contains(it->first)) {
+      ++it;
+      continue;
+    }
+    Subscription over = it->second.message;
+    over.kind = Kind::end;
+    over.lease_s = 0;
+    over.hops = 0;
+    if (it->second.was_sent) outside_.send(it->first.network, encode(over));
+    it = own_.erase(it);
+  }
+  for (const auto& [key, required] : wanted) {
+    const auto [at, fresh] = own_.try_emplace(key);
+    Own& own = at->second;
+    if (!fresh && own.message.required == required) continue;
+    if (fresh) own.message.number = outside_.random();
+    own.message.kind = Kind::subscribe;
+    own.message.subject = key.subject;
+    own.message.required = required;
+    own.message.lease_s = static_cast<std::uint16_t>(3 * kRenewal / kInASecond);
+    own.due_at = now;
+  }
+  turn(now);
+}
+
+/// Those that who subscribed behind this gateway has left. What was admitted here itself begins.
+std::uint8_t Subscriptions::hops_left(const OwnKey& key) const {
+  std::optional<std::uint8_t> most;
+  for (const auto& [peer, state] : peers_)
+    if (peer.subject == key.subject && peer.network != key.network &&
+        state.verdict == Verdict::granted)
+      most =
+          std::max(most.value_or(0), state.wanted.kind == Kind::plain ? kHops : state.wanted.hops);
+  return most.value_or(kHops);
+}
+
+void Subscriptions::send_own(const OwnKey& key, Own& own, std::uint64_t now) {
+  own.due_at = now + kRenewal;
+  const std::uint8_t left = hops_left(key);
+  if (left == 0) return;  // it has come over as many gateways as may be
+  own.message.hops = static_cast<std::uint8_t>(left - 1);
+  outside_.send(key.network, encode(own.message));
+  // Then gateways of FAMOUSO, which keep a subscription for ever.
+  if (!std::exchange(own.was_sent, true)) {
+    Subscription plain;
+    plain.subject = key.subject;
+    outside_.send(key.network, encode(plain));
+  }
+}
+
+// --- messages ------------------------------------------------------------------------------------
+
+void Subscriptions::receive(const std::string& network, const std::string& source, Octets event,
+                            std::uint64_t now) {
+  const auto accepting = networks_.find(network);
+  const auto message = parse_subscription(event);
+  if (!message || accepting == networks_.end()) return;
+  PeerKey key{network, message->subject, source};
+  switch (message->kind) {
+    case Kind::plain:
+      // Who states attributes says the same to gateways of FAMOUSO.
+      if (accepting->second.accepts_all && !peers_.contains(key))
+        subscribe(std::move(key), *message, now);
+      return;
+    case Kind::subscribe:
+      subscribe(std::move(key), *message, now);
+      return;
+    case Kind::end:
+      end(key);
+      return;
+    case Kind::granted:
+    case Kind::refused:
+      on_answer(network, source, *message);
+      return;
+  }
+}
+
+void Subscriptions::subscribe(PeerKey key, const Subscription& message, std::uint64_t now) {
+  auto known = peers_.find(key);
+  if (known == peers_.end() && peers_on(key.network) >= networks_[key.network].most) {
+    if (message.kind == Kind::plain) return;
+    Subscription full{.kind = Kind::refused, .subject = message.subject, .number = message.number};
+    full.reason = fmt::format("{} has as many subscriptions as it allows", key.network);
+    outside_.send(key.network, encode(full));
+    return;
+  }
+  if (known == peers_.end()) known = peers_.emplace(key, Peer{.wanted = message}).first;
+  Peer& peer = known->second;
+  const bool holds = !peer.admitted && peer.verdict == Verdict::refused &&
+                     peer.wanted.required == message.required && peer.ends_at &&
+                     *peer.ends_at > now;
+  peer.wanted = message;
+  peer.to_answer = true;
+  if (holds) return answer(known->first, peer);
+  if (message.kind == Kind::plain)
+    peer.ends_at.reset();
+  else
+    peer.ends_at = now + lease_of(message);
+  if (message.has_user_attributes) {
+    peer.verdict = Verdict::refused;
+    peer.reason = "user-defined attributes are not known to gateways on the way";
+    peer.ends_at = now + kRefusalHolds;
+    return answer(known->first, peer);
+  }
+  peer.to_ask = true;
+  turn(now);
+}
+
+void Subscriptions::end(const PeerKey& key) {
+  const auto known = peers_.find(key);
+  if (known == peers_.end()) return;
+  if (known->second.admitted || known->second.verdict == Verdict::unknown) to_end_.insert(key);
+  peers_.erase(known);
+}
+
+/// Of one of our own subscriptions.
+void Subscriptions::on_answer(const std::string& network, const std::string& source,
+                              const Subscription& message) {
+  const auto known = own_.find({message.subject, network});
+  if (known == own_.end() || known->second.message.number != message.number) return;
+  Own& own = known->second;
+  std::optional<std::string> refused;
+  if (message.kind == Kind::refused)
+    refused = fmt::format("{} on {}: {}", source, network, message.reason);
+  if (own.refused == refused) return;
+  own.refused = refused;
+  if (refused)
+    outside_.report({.subject = message.subject,
+                     .network = network,
+                     .source = source,
+                     .reason = message.reason});
+  answer_all_of(message.subject);
+}
+
+const std::string* Subscriptions::refused_further_on(std::uint64_t subject,
+                                                     const std::string& network) const {
+  for (auto own = own_.lower_bound({subject, {}});
+       own != own_.end() && own->first.subject == subject; ++own)
+    if (own->first.network != network && own->second.refused) return &*own->second.refused;
+  return nullptr;
+}
+
+void Subscriptions::answer_all_of(std::uint64_t subject) {
+  for (auto& [key, peer] : peers_)
+    if (key.subject == subject && peer.verdict == Verdict::granted) answer(key, peer);
+}
+
+/// Where it is another answer than before, or one is due.
+void Subscriptions::answer(const PeerKey& key, Peer& peer) {
+  std::string why;
+  if (peer.verdict == Verdict::refused) why = peer.reason;
+  if (const auto* further = refused_further_on(key.subject, key.network);
+      further != nullptr && peer.verdict == Verdict::granted)
+    why = *further;
+  if (peer.verdict == Verdict::unknown) return;
+  if (!std::exchange(peer.to_answer, false) && peer.answered == why) return;
+  peer.answered = why;
+  if (peer.wanted.kind == Kind::plain) return;  // they expect none
+  Subscription out{.kind = why.empty() ? Kind::granted : Kind::refused,
+                   .subject = key.subject,
+                   .number = peer.wanted.number};
+  out.reason = std::move(why);
+  outside_.send(key.network, encode(out));
+}
+
+// --- the daemon's decisions ----------------------------------------------------------------------
+
+bool Subscriptions::ask(const PeerKey& key, const Subscription& wanted, bool end) {
+  const bool plain = wanted.kind == Kind::plain;
+  const std::uint64_t number = outside_.ask({.subject = key.subject,
+                                             .network = key.network,
+                                             .source = key.source,
+                                             .required = control::attributes_of(wanted.required),
+                                             .states_attributes = !plain,
+                                             .lease_ns = plain ? 0 : lease_of(wanted),
+                                             .end = end});
+  if (number == 0) return false;
+  asked_[number] = {key, end};
+  return true;
+}
+
+void Subscriptions::answered(std::uint64_t request, const control::Reply& reply,
+                             std::uint64_t now) {
+  const auto asked = asked_.extract(request);
+  if (asked.empty()) return;
+  const auto known = peers_.find(asked.mapped().peer);
+  if (asked.mapped().end || known == peers_.end() || known->second.to_ask) return turn(now);
+  Peer& peer = known->second;
+  const auto refusal = refusal_in(reply);
+  const Verdict before = std::exchange(peer.verdict, refusal ? Verdict::refused : Verdict::granted);
+  peer.reason = refusal.value_or("");
+  if (before != peer.verdict)
+    outside_.log(fmt::format("{} on {} subscribes {:#018x}: {}", known->first.source,
+                             known->first.network, known->first.subject,
+                             refusal ? "refused, " + *refusal : "granted"));
+  peer.admitted = peer.admitted || !refusal;
+  // Nothing was admitted: it is forgotten soon, and may ask again.
+  const bool is_over = refusal && !peer.admitted;
+  if (is_over && peer.wanted.kind != Kind::plain) peer.ends_at = now + kRefusalHolds;
+  answer(known->first, peer);
+  if (is_over && peer.wanted.kind == Kind::plain) peers_.erase(known);
+  turn(now);
+}
+
+void Subscriptions::decided(std::uint64_t subject) {
+  for (auto& [key, peer] : peers_)
+    if (key.subject == subject && peer.admitted) peer.to_ask = true;
+}
+
+void Subscriptions::ask_all() {
+  for (auto& [key, peer] : peers_)
+    if (peer.admitted || peer.verdict == Verdict::unknown) peer.to_ask = true;
+}
+
+// --- time ----------------------------------------------------------------------------------------
+
+std::size_t Subscriptions::peers_on(const std::string& network) const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(peers_, [&](const auto& one) { return one.first.network == network; }));
+}
+
+void Subscriptions::turn(std::uint64_t now) {
+  std::vector<PeerKey> over;
+  for (const auto& [key, peer] : peers_)
+    if (peer.ends_at && *peer.ends_at <= now) over.push_back(key);
+  // The lease at the daemon is as long: it ends by itself, and perhaps a little later.
+  for (const PeerKey& key : over) end(key);
+  for (auto it = to_end_.begin(); it != to_end_.end() && asked_.size() < kMostAsked;) {
+    if (!ask(*it, {.kind = Kind::end}, true)) break;
+    it = to_end_.erase(it);
+  }
+  for (auto& [key, peer] : peers_) {
+    if (asked_.size() >= kMostAsked) break;
+    if (peer.to_ask && ask(key, peer.wanted, false)) peer.to_ask = false;
+  }
+  for (auto& [key, own] : own_)
+    if (own.due_at <= now) send_own(key, own, now);
+}
+
+}  // namespace mlcca::relay

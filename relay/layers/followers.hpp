@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Who follows which subject, where frames carry it.
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "relay/layers/layer.hpp"
+
+namespace mlcca::relay {
+
+inline constexpr std::size_t kSubjectOctets = 8;
+
+/// `Address`: of a sender; one made by default is of any.
+template <class Address>
+class Followers {
+ public:
+  void add(Layer::Follower follower, std::uint64_t subject, Address address, std::size_t longest) {
+    by_subject_[subject].push_back({follower, std::move(address), longest});
+  }
+  void remove(Layer::Follower follower, std::uint64_t subject) {
+    const auto known = by_subject_.find(subject);
+    if (known == by_subject_.end()) return;
+    std::erase_if(known->second, [&](const One& one) { return one.follower == follower; });
+    if (known->second.empty()) by_subject_.erase(known);
+  }
+  [[nodiscard]] bool any(std::uint64_t subject) const { return by_subject_.contains(subject); }
+
+  /// To those who follow the sender, or, where there are none, to those who follow any sender.
+  void hand_over(std::uint64_t subject, const Address& from, Octets event, std::uint64_t unix_ns,
+                 const Layer::OnEvent& on_event, Losses& losses) const {
+    const auto known = by_subject_.find(subject);
+    if (known == by_subject_.end()) return;
+    const auto& all = known->second;
+    const bool is_stated = std::ranges::find(all, from, &One::address) != all.end();
+    for (const One& one : all) {
+      if (one.address != (is_stated ? from : Address{})) continue;
+      if (event.size() > one.longest)
+        ++losses.too_long;
+      else
+        on_event({one.follower, event, unix_ns, source_of(from)});
+    }
+  }
+
+ private:
+  /// As of Layer::Arrival.
+  static std::uint32_t source_of(const Address& from) {
+    if constexpr (std::is_convertible_v<Address, std::uint32_t>) return from;
+    return 0;
+  }
+  struct One {
+    Layer::Follower follower = 0;
+    Address address;
+    std::size_t longest = 0;
+  };
+  std::unordered_map<std::uint64_t, std::vector<One>> by_subject_;
+};
+
+}  // namespace mlcca::relay

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Whom a gateway answers what, what it asks the daemon, and what it passes on.
+#include "relay/famouso/subscriptions.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mlcca::relay {
+namespace {
+
+using Kind = Subscription::Kind;
+
+constexpr std::uint64_t kDistance = 0x44697374616e6365;
+constexpr std::uint64_t kSecond = 1'000'000'000;
+
+/// Two networks, a bus and a lan, between which events go.
+class SubscriptionsTest : public ::testing::Test {
+ protected:
+  struct Sent {
+    std::string network;
+    Subscription message;
+  };
+
+  SubscriptionsTest() {
+    for (const char* name : {"bus", "lan"}) {
+      said_.networks.emplace_back();
+      said_.networks.back().network = name;
+      said_.networks.back().most = 4;
+    }
+    subscriptions_.set(said_, 0);
+  }
+
+  static control::Reply granted() {
+    control::Channels out;
+    out.channels.emplace_back();
+    out.channels.back().granted = true;
+    return {0, std::move(out)};
+  }
+  static control::Reply refused(const std::string& why) {
+    control::Channels out;
+    out.channels.emplace_back();
+    out.channels.back().from = "lan";
+    out.channels.back().to = "bus";
+    out.channels.back().reason = why;
+    return {0, std::move(out)};
+  }
+  static Subscription wanted(std::uint32_t number, Value latency = 10'000'000) {
+    Subscription out{
+        .kind = Kind::subscribe, .subject = kDistance, .number = number, .lease_s = 60, .hops = 8};
+    out.required.set(Attribute::latency, latency);
+    return out;
+  }
+  void come(const std::string& source, const Subscription& message, std::uint64_t now = 0,
+            const std::string& network = "bus") {
+    subscriptions_.receive(network, source, encode(message), now);
+  }
+  /// The daemon answers what it was asked first.
+  void answer(const control::Reply& reply, std::uint64_t now = 0) {
+    ASSERT_FALSE(open_.empty());
+    const std::uint64_t number = open_.front();
+    open_.erase(open_.begin());
+    subscriptions_.answered(number, reply, now);
+  }
+  std::vector<Sent> take_sent() { return std::exchange(sent_, {}); }
+  void say_onward(Value latency) {
+    said_.onward.clear();
+    control::OnwardSubscription one;
+    one.subject = kDistance;
+    one.channel = "distance";
+    one.network = "lan";
+    one.required.push_back({.name = "Latency", .value = latency, .unit = {}, .dynamic = false});
+    said_.onward.push_back(one);
+  }
+
+  control::Subscriptions said_;
+  std::vector<control::SubscribeRequest> asked_;
+  std::vector<std::uint64_t> open_;
+  std::vector<Sent> sent_;
+  std::vector<control::RefusalRequest> reports_;
+  std::vector<std::string> log_;
+  bool connected_ = true;
+  Subscriptions subscriptions_{
+      {.send =
+           [this](const std::string& network, Octets event) {
+             const auto message = parse_subscription(event);
+             ASSERT_TRUE(message);
+             sent_.push_back({network, *message});
+           },
+       .ask = [this](control::SubscribeRequest request) -> std::uint64_t {
+         if (!connected_) return 0;
+         asked_.push_back(std::move(request));
+         open_.push_back(asked_.size());
+         return asked_.size();
+       },
+       .report =
+           [this](control::RefusalRequest request) { reports_.push_back(std::move(request)); },
+       .log = [this](const std::string& line) { log_.push_back(line); },
+       .random = [] { return 77U; }}};
+};
+
+TEST_F(SubscriptionsTest, TheDaemonDecidesAndThePeerIsAnswered) {
+  come("0x12", wanted(5));
+  ASSERT_EQ(asked_.size(), 1U);
+  EXPECT_EQ(asked_[0].network, "bus");
+  EXPECT_EQ(asked_[0].source, "0x12");
+  EXPECT_EQ(asked_[0].subject, kDistance);
+  EXPECT_TRUE(asked_[0].states_attributes);
+  EXPECT_EQ(asked_[0].lease_ns, 60 * kSecond);
+  ASSERT_EQ(asked_[0].required.size(), 1U);
+  EXPECT_EQ(asked_[0].required[0].name, "Latency");
+  EXPECT_TRUE(take_sent().empty());
+  answer(granted());
+  const auto sent = take_sent();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].network, "bus");
+  EXPECT_EQ(sent[0].message.kind, Kind::granted);
+  EXPECT_EQ(sent[0].message.number, 5U);
+}
+
+TEST_F(SubscriptionsTest, ARefusalNamesTheHopAndIsRepeatedWithoutAskingAgain) {
+  come("0x12", wanted(5));
+  answer(refused("bus: 12 ms of the 10 ms"));
+  auto sent = take_sent();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].message.kind, Kind::refused);
+  EXPECT_EQ(sent[0].message.reason, "lan to bus: bus: 12 ms of the 10 ms");
+  come("0x12", wanted(5), kSecond);
+  EXPECT_EQ(asked_.size(), 1U);
+  sent = take_sent();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].message.kind, Kind::refused);
+  // With another requirement, or later, it is another question.
+  come("0x12", wanted(5, 20'000'000), 2 * kSecond);
+  EXPECT_EQ(asked_.size(), 2U);
+  answer(refused("still not"), 2 * kSecond);
+  come("0x12", wanted(5, 20'000'000), 13 * kSecond);
+  EXPECT_EQ(asked_.size(), 3U);
+}
+
+TEST_F(SubscriptionsTest, WhatIsNotRenewedEnds) {
+  come("0x12", wanted(5));
+  answer(granted());
+  come("0x12", wanted(5), 30 * kSecond);
+  answer(granted(), 30 * kSecond);
+  subscriptions_.turn(89 * kSecond);
+  EXPECT_EQ(subscriptions_.peers(), 1U);
+  EXPECT_EQ(asked_.size(), 2U);
+  subscriptions_.turn(90 * kSecond);
+  EXPECT_EQ(subscriptions_.peers(), 0U);
+  ASSERT_EQ(asked_.size(), 3U);
+  EXPECT_TRUE(asked_[2].end);
+  EXPECT_EQ(asked_[2].source, "0x12");
+}
+
+TEST_F(SubscriptionsTest, WhoEndsItIsForgottenByTheDaemonToo) {
+  come("0x12", wanted(5));
+  answer(granted());
+  come("0x12", {.kind = Kind::end, .subject = kDistance, .number = 5}, kSecond);
+  subscriptions_.turn(kSecond);
+  ASSERT_EQ(asked_.size(), 2U);
+  EXPECT_TRUE(asked_[1].end);
+  EXPECT_EQ(subscriptions_.peers(), 0U);
+}
+
+TEST_F(SubscriptionsTest, NodesOfFamousoCountWhereThePolicySaysSo) {
+  come("0x12", {.subject = kDistance});
+  EXPECT_TRUE(asked_.empty());
+  said_.networks[0].accepts_all = true;
+  subscriptions_.set(said_, 0);
+  come("0x12", {.subject = kDistance});
+  ASSERT_EQ(asked_.size(), 1U);
+  EXPECT_FALSE(asked_[0].states_attributes);
+  EXPECT_EQ(asked_[0].lease_ns, 0U);
+  answer(granted());
+  EXPECT_TRUE(take_sent().empty());  // they expect no answer
+  subscriptions_.turn(1'000'000 * kSecond);
+  EXPECT_EQ(subscriptions_.peers(), 1U);  // they subscribe once, for ever
+  // On a network that accepts none, nobody is heard.
+  come("192.0.2.7", {.subject = kDistance}, 0, "elsewhere");
+  EXPECT_EQ(asked_.size(), 1U);
+}
+
+TEST_F(SubscriptionsTest, ANetworkHasNoMoreThanItAllows) {
+  for (unsigned i = 0; i < 4; ++i) {
+    come("0x1" + std::to_string(i), wanted(i));
+    answer(granted());
+  }
+  take_sent();
+  come("0x20", wanted(9));
+  EXPECT_EQ(asked_.size(), 4U);
+  const auto sent = take_sent();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].message.kind, Kind::refused);
+  EXPECT_EQ(sent[0].message.reason, "bus has as many subscriptions as it allows");
+  EXPECT_EQ(subscriptions_.peers(), 4U);
+}
+
+TEST_F(SubscriptionsTest, WhatIsRequiredFurtherOnIsPassedOnAndRenewedAndEnded) {
+  come("0x12", wanted(5));
+  answer(granted());
+  take_sent();
+  say_onward(7'000'000);
+  subscriptions_.set(said_, 0);
+  auto sent = take_sent();
+  ASSERT_EQ(sent.size(), 2U);
+  EXPECT_EQ(sent[0].network, "lan");
+  EXPECT_EQ(sent[0].message.kind, Kind::subscribe);
+  EXPECT_EQ(sent[0].message.required[Attribute::latency], 7'000'000U);
+  EXPECT_EQ(sent[0].message.lease_s, 60);
+  EXPECT_EQ(sent[0].message.hops, 7);
+  EXPECT_EQ(sent[1].message.kind, Kind::plain);  // for gateways of FAMOUSO, once
+  subscriptions_.turn(Subscriptions::kRenewal);
+  sent = take_sent();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].message.kind, Kind::subscribe);
+  say_onward(6'000'000);
+  subscriptions_.set(said_, Subscriptions::kRenewal + 1);
+  ASSERT_EQ(take_sent().size(), 1U);
+  said_.onward.clear();
+  subscriptions_.set(said_, Subscriptions::kRenewal + 2);
+  sent = take_sent();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].message.kind, Kind::end);
+  EXPECT_EQ(subscriptions_.own(), 0U);
+}
+
+TEST_F(SubscriptionsTest, WhoHasComeOverAsManyGatewaysAsMayBeIsNotPassedOn) {
+  Subscription last = wanted(5);
+  last.hops = 0;
+  come("0x12", last);
+  answer(granted());
+  take_sent();
+  say_onward(7'000'000);
+  subscriptions_.set(said_, 0);
+  EXPECT_TRUE(take_sent().empty());
+}
+
+TEST_F(SubscriptionsTest, ARefusalFurtherOnTravelsBackToWhoSubscribed) {
+  come("0x12", wanted(5));
+  answer(granted());
+  say_onward(7'000'000);
+  subscriptions_.set(said_, 0);
+  take_sent();
+  Subscription no{.kind = Kind::refused, .subject = kDistance, .number = 77};
+  no.reason = "far to lan: Latency 9 ms";
+  come("192.0.2.9", no, 0, "lan");
+  ASSERT_EQ(reports_.size(), 1U);
+  EXPECT_EQ(reports_[0].network, "lan");
+  EXPECT_EQ(reports_[0].source, "192.0.2.9");
+  EXPECT_EQ(reports_[0].reason, "far to lan: Latency 9 ms");
+  auto sent = take_sent();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].network, "bus");
+  EXPECT_EQ(sent[0].message.kind, Kind::refused);
+  EXPECT_EQ(sent[0].message.reason, "192.0.2.9 on lan: far to lan: Latency 9 ms");
+  come("192.0.2.9", no, 0, "lan");  // once
+  EXPECT_EQ(reports_.size(), 1U);
+  EXPECT_TRUE(take_sent().empty());
+  come("192.0.2.9", {.kind = Kind::granted, .subject = kDistance, .number = 77}, 0, "lan");
+  sent = take_sent();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].message.kind, Kind::granted);
+  // Of another subscription: not ours.
+  come("192.0.2.9", {.kind = Kind::refused, .subject = kDistance, .number = 78}, 0, "lan");
+  EXPECT_TRUE(take_sent().empty());
+}
+
+TEST_F(SubscriptionsTest, WhatTheDaemonDecidesLaterIsReportedToThePeer) {
+  come("0x12", wanted(5));
+  answer(granted());
+  take_sent();
+  subscriptions_.decided(kDistance);
+  subscriptions_.turn(kSecond);
+  answer(refused("lan is down"), kSecond);
+  auto sent = take_sent();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].message.kind, Kind::refused);
+  // The daemon has it still: its lease is renewed, and it may be granted again.
+  come("0x12", wanted(5), 30 * kSecond);
+  EXPECT_EQ(asked_.size(), 3U);
+  answer(refused("lan is down"), 30 * kSecond);
+  take_sent();
+  subscriptions_.decided(kDistance);
+  subscriptions_.turn(40 * kSecond);
+  answer(granted(), 40 * kSecond);
+  sent = take_sent();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].message.kind, Kind::granted);
+  subscriptions_.turn(90 * kSecond);
+  ASSERT_EQ(asked_.size(), 5U);
+  EXPECT_TRUE(asked_[4].end);
+}
+
+TEST_F(SubscriptionsTest, ADaemonThatIsAwayIsAskedWhenItIsBack) {
+  connected_ = false;
+  come("0x12", wanted(5));
+  EXPECT_TRUE(asked_.empty());
+  connected_ = true;
+  subscriptions_.turn(kSecond);
+  EXPECT_EQ(asked_.size(), 1U);
+  subscriptions_.daemon_gone();
+  open_.clear();
+  subscriptions_.ask_all();
+  subscriptions_.turn(2 * kSecond);
+  EXPECT_EQ(asked_.size(), 2U);
+}
+
+}  // namespace
+}  // namespace mlcca::relay

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// mlccactl import of CANopen EDS and DCF files.
+#include "tests/tools/design/import/import_test.hpp"
+
+namespace mlcca {
+namespace {
+
+using EdsImportTest = ImportTest;
+
+constexpr const char* kDrive = R"(; a drive
+[FileInfo]
+FileName=drive.dcf
+[DeviceInfo]
+ProductName=Servo Drive
+[DeviceComissioning]
+NodeID=5
+NodeName=left
+Baudrate=250
+[1005]
+DefaultValue=0x80
+[1014]
+DefaultValue=$NODEID+0x80
+[1017]
+DefaultValue=0
+ParameterValue=100
+[1200sub1]
+DefaultValue=$NODEID+0x600
+[1800sub1]
+DefaultValue=$NODEID+0x180
+[1800sub2]
+DefaultValue=255
+[1800sub3]
+DefaultValue=50
+[1800sub5]
+DefaultValue=20
+[1A00]
+SubNumber=3
+[1A00sub0]
+DefaultValue=2
+[1A00sub1]
+DefaultValue=0x60410010
+[1A00sub2]
+DefaultValue=0x606c0020
+[1801sub1]
+DefaultValue=0x80000285
+[1802sub1]
+DefaultValue=0x385
+[1400sub1]
+DefaultValue=0x20A
+)";
+
+constexpr const char* kMaster =
+    "[DeviceInfo]\nProductName=PLC\n[1800sub1]\nDefaultValue=$NODEID+0x200\n"
+    "[1016sub0]\nDefaultValue=1\n[1016sub1]\nDefaultValue=0x000500fa\n"
+    "[1400sub1]\nDefaultValue=0x185\n";
+
+TEST_F(EdsImportTest, PdosAndTheHeartBeatAreChannels) {
+  const auto out = json("drive.dcf", kDrive, {"--network", "can"});
+  EXPECT_TRUE(has("<Profile>canopen</Profile>") && has("<Bus bitrate=\"250000\"/>")) << draft_;
+  EXPECT_TRUE(has("<Binding channel=\"left-5-TPDO1\"><COBID>0x185</COBID></Binding>")) << draft_;
+  EXPECT_TRUE(has("<Binding channel=\"left-5-heartbeat\"><COBID>0x705</COBID></Binding>"));
+  const auto pdo = part("<EventChannel name=\"left-5-TPDO1\">", "</EventChannel>");
+  EXPECT_NE(pdo.find("period=\"5ms\""), std::string::npos) << "inhibit time, 5 ms: " << pdo;
+  EXPECT_NE(pdo.find("maxPayload=\"6\""), std::string::npos) << "16 and 32 bits: " << pdo;
+  EXPECT_NE(part("name=\"left-5-heartbeat\"", "</EventChannel>").find("period=\"100ms\""),
+            std::string::npos)
+      << "ParameterValue goes before DefaultValue";
+  EXPECT_FALSE(has("TPDO2")) << "it is switched off";
+  EXPECT_EQ(lacking(out, "unused"), 1U);
+  EXPECT_EQ(lacking(out, "control"), 2U) << "SYNC and EMCY";
+  EXPECT_EQ(lacking(out, "sdo"), 1U);
+  EXPECT_EQ(lacking(out, "no-mapping"), 2U) << "TPDO3 and RPDO1";
+  EXPECT_EQ(lacking(out, "no-sender"), 1U) << "RPDO1";
+  EXPECT_EQ(lacking(out, "distance"), 1U);
+  for (const auto& finding : checked()["findings"])
+    EXPECT_NE(finding["severity"], "error") << finding.dump();
+}
+
+TEST_F(EdsImportTest, FilesOfOneNetworkAreItsNodes) {
+  const auto master = folder_.write("master.eds", kMaster);
+  json("drive.dcf", kDrive,
+       {master, "--network", "can", "--network", "can", "--node", "5", "--node", "10"});
+  EXPECT_NE(part("<Component name=\"PLC-10\"", "</Component>")
+                .find("<Subscriber channel=\"left-5-TPDO1\"/>"),
+            std::string::npos)
+      << draft_;
+  EXPECT_NE(part("<Component name=\"PLC-10\"", "</Component>")
+                .find("<Subscriber channel=\"left-5-heartbeat\"/>"),
+            std::string::npos)
+      << draft_;
+  EXPECT_NE(part("<Component name=\"left-5\"", "</Component>")
+                .find("<Subscriber channel=\"PLC-10-TPDO1\"/>"),
+            std::string::npos)
+      << draft_;
+  EXPECT_FALSE(has("unnamed-sender"));
+}
+
+TEST_F(EdsImportTest, AnEdsNeedsTheNumberOfItsNode) {
+  const auto done = import("master.eds", kMaster);
+  EXPECT_EQ(done.status, 2);
+  EXPECT_NE(done.error.find("state --node"), std::string::npos) << done.error;
+  EXPECT_EQ(import("master.eds", kMaster, {"--node", "10"}).status, 0);
+}
+
+TEST_F(EdsImportTest, IsRefusedWithItsLineAndWhatWouldBeRight) {
+  EXPECT_NE(import("a.eds", "[DeviceInfo]\nProductName\n").error.find("a.eds:2: must be [SECTION]"),
+            std::string::npos);
+  EXPECT_NE(import("a.eds", "[DeviceInfo\n", {"--format", "eds"}).error.find("a.eds:1: a section"),
+            std::string::npos);
+  EXPECT_NE(import("a.eds", "[DeviceInfo]\n", {"--node", "1"}).error.find("there is no PDO"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace mlcca

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// mlccactl new: by options, and by questions on a terminal.
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/tools/design/describe/program.hpp"
+
+namespace mlcca {
+namespace {
+
+class NewTest : public ::testing::Test {
+ protected:
+  test::Ran make(std::vector<std::string> options) {
+    options.insert(options.begin(), {"new", path_});
+    return test::run(std::move(options));
+  }
+  [[nodiscard]] std::string made() const { return test::content_of(path_); }
+  [[nodiscard]] bool has(const std::string& text) const {
+    return made().find(text) != std::string::npos;
+  }
+
+  test::Folder folder_;
+  std::string path_ = folder_.path("robot.xml");
+};
+
+TEST_F(NewTest, OptionsMakeADescriptionThatFits) {
+  const auto done = make({"--name", "robot", "--gateway", "laptop", "--network",
+                          "bus:can:can0:250k", "--network", "lan:udp-multicast:eth0", "--channel",
+                          "speed:50ms:8:bus:lan", "--channel", "stop:20ms:4:lan:bus,lan"});
+  ASSERT_EQ(done.status, 0) << done.error;
+  EXPECT_TRUE(has("<Bus bitrate=\"250000\"/>")) << made();
+  EXPECT_TRUE(has("<Identifier form=\"standard\">0x101<")) << made();
+  EXPECT_TRUE(has("<Port network=\"lan\"><Interface name=\"eth0\"/></Port>")) << made();
+  const auto checked = test::run({"check", path_});
+  EXPECT_EQ(checked.status, 0) << checked.out;
+  EXPECT_NE(checked.out.find("robot: 2 channels: 2 fit"), std::string::npos) << checked.out;
+}
+
+TEST_F(NewTest, AMeshIsDecidedAtRunTime) {
+  ASSERT_EQ(make({"--gateway", "laptop", "--network", "bus:can:can0", "--network", "air:mesh:mesh0",
+                  "--channel", "speed:50ms:8:bus:air"})
+                .status,
+            0);
+  const auto checked = test::run({"check", path_});
+  EXPECT_NE(checked.out.find("1 decided at run time"), std::string::npos) << checked.out;
+}
+
+TEST_F(NewTest, AFileIsNotOverwritten) {
+  folder_.write("robot.xml", "mine");
+  EXPECT_EQ(make({"--network", "bus:can:can0"}).status, 3);
+  EXPECT_EQ(made(), "mine");
+}
+
+TEST_F(NewTest, ADryRunWritesNothing) {
+  const auto done = make({"--network", "bus:can:can0", "--dry-run"});
+  EXPECT_NE(done.out.find("<System name=\"system\">"), std::string::npos);
+  EXPECT_EQ(made(), "");
+}
+
+struct NewRow {
+  const char* name;
+  std::vector<std::string> options;
+  const char* error;  ///< part of it
+};
+void PrintTo(const NewRow& row, std::ostream* out) { *out << row.name; }
+struct NewWrongTest : NewTest, ::testing::WithParamInterface<NewRow> {};
+
+TEST_P(NewWrongTest, IsRefusedWithWhatWouldBeRight) {
+  const auto done = make(GetParam().options);
+  EXPECT_EQ(done.status, 2);
+  EXPECT_NE(done.error.find(GetParam().error), std::string::npos) << done.error;
+  EXPECT_EQ(made(), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Options, NewWrongTest,
+    ::testing::Values(
+        NewRow{"Nothing", {}, "say what there is"},
+        NewRow{"NoNetwork", {"--gateway", "g"}, "a system has at least one"},
+        NewRow{"Kind", {"--network", "a:bus:can0"}, "'bus': must be can, udp-multicast or mesh"},
+        NewRow{"Parts", {"--network", "a"}, "must be NAME:KIND:INTERFACE"},
+        NewRow{"Name", {"--network", "0:can:can0"}, "a letter, then up to 62 letters"},
+        NewRow{"Interface", {"--network", "a:can:<x>"}, "as the kernel names interfaces"},
+        NewRow{"Twice", {"--network", "a:can:x", "--network", "a:can:y"}, "the name is taken"},
+        NewRow{"Rate", {"--network", "a:can:x:2M"}, "a CAN bus has at most 1M"},
+        NewRow{"Unknown",
+               {"--network", "a:can:x", "--channel", "c:1s:8:b:a"},
+               "'b': there is no such network; there are a"},
+        NewRow{"Period", {"--network", "a:can:x", "--channel", "c:1:8:a:a"}, "needs a unit"},
+        NewRow{"Long", {"--network", "a:can:x", "--channel", "c:1s:9:a:a"}, "at most 8 bytes"}),
+    [](const auto& row) { return row.param.name; });
+
+TEST_F(NewTest, QuestionsMakeTheSame) {
+  test::OnTerminal terminal({"new", path_});
+  terminal.await("Gateway");
+  terminal.type("laptop\n");
+  terminal.await("Network");
+  terminal.type("bus:kan:can0\n");
+  terminal.await("must be can, udp-multicast or mesh");
+  terminal.type("bus:can:can0\n");
+  terminal.await("Network");
+  terminal.type("\n");
+  terminal.await("Channel");
+  terminal.type("speed:50ms:8:bus:bus\n");
+  terminal.await("Channel");
+  terminal.type("\n");
+  terminal.await("Write");
+  terminal.type("yes\n");
+  EXPECT_EQ(terminal.finish(), 0) << terminal.screen();
+  EXPECT_TRUE(has("<Publisher channel=\"speed\" network=\"bus\"/>")) << made();
+}
+
+TEST_F(NewTest, TheEndOfTheInputWritesNothing) {
+  test::OnTerminal terminal({"new", path_});
+  terminal.await("Gateway");
+  terminal.type("\x04");
+  EXPECT_EQ(terminal.finish(), 1) << terminal.screen();
+  EXPECT_EQ(made(), "");
+}
+
+}  // namespace
+}  // namespace mlcca

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is drafted from traffic: it is a description, it grants what was seen, and refuses what was
+// not.
+#include "tools/learn/draft.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "core/admission/state.hpp"
+#include "core/gates/plan.hpp"
+#include "description/read.hpp"
+#include "tests/tools/learn/traffic.hpp"
+
+namespace mlcca::learn {
+namespace {
+
+using test::kMs;
+using test::kSecond;
+using test::Sent;
+using test::Traffic;
+
+const std::vector<std::string> kNames = {"can0", "can1"};
+
+Draft drafted(const std::vector<Sent>& sent, DraftOptions options = {},
+              std::vector<std::string> names = kNames) {
+  Observer observer;
+  for (const Sent& one : sent) observer.add(one.frame());
+  observer.finish(names.size());
+  return draft_of(observer, names, options);
+}
+
+const DraftChannel& channel(const Draft& draft, std::string_view name) {
+  static const DraftChannel none;
+  const auto found = std::ranges::find(draft.channels, name, &DraftChannel::name);
+  EXPECT_NE(found, draft.channels.end()) << name;
+  return found == draft.channels.end() ? none : *found;
+}
+
+core::System described(const Draft& draft) {
+  auto system = description::read_memory(draft.xml, "draft.xml", {}, description::Users::any);
+  if (!system) {
+    for (const auto& problem : system.error()) ADD_FAILURE() << description::to_string(problem);
+    ADD_FAILURE() << draft.xml;
+    return {};
+  }
+  return std::move(*system);
+}
+
+/// Deliveries that are refused.
+std::size_t refused_in(const Draft& draft) {
+  const core::State state(described(draft));
+  std::size_t refused = 0;
+  for (const auto& decision : state.decisions())
+    refused += static_cast<std::size_t>(
+        std::ranges::count(decision.verdicts, false, &core::Verdict::granted));
+  return refused;
+}
+
+std::vector<Sent> two_buses(std::uint64_t seed, std::uint64_t seconds) {
+  Traffic traffic(seed);
+  traffic.periodic(0, 0x100, 10 * kMs, kMs / 3, 8, seconds, 1000)
+      .periodic(0, 0x1a0, 20 * kMs, kMs, 6, seconds)
+      .periodic(0, 0x2f0, 100 * kMs, 2 * kMs, 4, seconds)
+      .periodic(0, 0x18fef100 | kExtended, 100 * kMs, 3 * kMs, 8, seconds)
+      .bursts(1, 0x3e8, 4, kMs / 2, kSecond, seconds)
+      .forwarded(0, 0x100, 1)
+      .forwarded(0, 0x2f0, 1);
+  return traffic.sent();
+}
+
+TEST(Draft, HasThePeriodsLengthsAndCrossingsThatWereSeen) {
+  const Draft draft = drafted(two_buses(1, 60));
+  ASSERT_EQ(draft.channels.size(), 5U);
+  const auto& fast = channel(draft, "can0-100");
+  EXPECT_TRUE(fast.periodic);
+  EXPECT_EQ(fast.period, 10 * kMs);
+  EXPECT_EQ(fast.bytes, 8U);
+  EXPECT_EQ(fast.crosses_to, std::vector<std::string>{"can1"});
+  EXPECT_EQ(fast.omission, 2U) << "one was lost, and one more is the margin";
+  EXPECT_EQ(channel(draft, "can0-18FEF100").period, 100 * kMs);
+  EXPECT_TRUE(channel(draft, "can0-1A0").crosses_to.empty());
+  const auto& burst = channel(draft, "can1-3E8");
+  EXPECT_FALSE(burst.periodic);
+  EXPECT_GT(burst.period, 50 * kMs) << "a burst is no rate";
+}
+
+TEST(Draft, IsADescriptionOfWhichEverythingIsGranted) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed)
+    EXPECT_EQ(refused_in(drafted(two_buses(seed, 30))), 0U);
+}
+
+TEST(Draft, TheSameTrafficGivesTheSameDraft) {
+  EXPECT_EQ(drafted(two_buses(3, 20)).xml, drafted(two_buses(3, 20)).xml);
+}
+
+/// A gate that holds what the draft grants, as far as it polices and measures. What it drops of
+/// what comes in on the interfaces.
+class Gate {
+ public:
+  explicit Gate(const Draft& draft) : state_(described(draft)) {
+    const core::System& system = state_.system();
+    for (const core::GateRule& rule : state_.gate_state(0)) {
+      if (rule.entry.direction != core::Direction::ingress || !rule.pass) continue;
+      const auto network = system.gateways[0].ports[rule.entry.port].network;
+      rules_.push_back({network, rule, 0});
+    }
+  }
+
+  bool passes(const Sent& frame) {
+    for (Held& held : rules_) {
+      const auto id = frame.id;
+      if (held.network != frame.interface || (id & held.rule.entry.mask) != held.rule.entry.id)
+        continue;
+      if (frame.data.size() > held.rule.entry.frame_length()) return false;
+      const auto& policing = held.rule.policing;
+      if (policing.per_frame == 0) return true;
+      if (frame.ns + policing.tolerance < held.due) return false;
+      held.due = std::max(held.due, frame.ns) + policing.per_frame;
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  struct Held {
+    std::size_t network;
+    core::GateRule rule;
+    std::uint64_t due;
+  };
+  core::State state_;
+  std::vector<Held> rules_;
+};
+
+TEST(Draft, LearnedOnTheFirstHalfItDropsNothingOfTheSecond) {
+  std::uint64_t all = 0;
+  std::uint64_t dropped = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const auto sent = two_buses(seed, 120);
+    std::vector<Sent> first;
+    std::ranges::copy_if(sent, std::back_inserter(first),
+                         [](const Sent& s) { return s.ns < 60 * kSecond; });
+    Gate gate(drafted(first));
+    for (const Sent& one : sent) {
+      // What crossed is sent by the gateway itself there.
+      if (one.ns < 60 * kSecond || (one.interface == 1 && one.id != 0x3e8)) continue;
+      ++all;
+      if (!gate.passes(one)) ++dropped;
+    }
+  }
+  EXPECT_GT(all, 60'000U);
+  EXPECT_LT(dropped * 1000, all) << dropped << " of " << all;
+}
+
+TEST(Draft, AttacksAreDropped) {
+  const auto sent = two_buses(7, 60);
+  Gate gate(drafted(sent));
+  const auto passing = [&](std::uint32_t id, std::size_t bytes, std::uint64_t gap, unsigned count) {
+    unsigned passed = 0;
+    for (unsigned i = 0; i < count; ++i)
+      if (gate.passes({100 * kSecond + i * gap, 0, id, std::vector<std::uint8_t>(bytes)})) ++passed;
+    return passed;
+  };
+  EXPECT_EQ(passing(0x123, 8, kMs, 1000), 0U) << "an unknown identifier";
+  EXPECT_EQ(passing(0x1a0, 8, 20 * kMs, 100), 0U) << "a wrong length";
+  EXPECT_LE(passing(0x100, 8, kMs / 5, 5000), 110U)
+      << "a flood for a second: its 100 events, and the tolerance";
+  EXPECT_EQ(passing(0x100 | kExtended, 8, 10 * kMs, 100), 0U) << "the other form of an identifier";
+}
+
+TEST(Draft, SendersOfJ1939ArePublishersOfOneChannel) {
+  Traffic traffic(5);
+  traffic.periodic(0, 0x0cf00400 | kExtended, 20 * kMs, kMs, 8, 30)
+      .periodic(0, 0x0cf00403 | kExtended, 20 * kMs, kMs, 8, 30)
+      .periodic(0, 0x18eeff00 | kExtended, kSecond, 0, 8, 30);
+  const Draft draft = drafted(traffic.sent(), {}, {"can0"});
+  ASSERT_EQ(draft.channels.size(), 1U) << "claims are control traffic";
+  EXPECT_EQ(draft.channels[0].name, "can0-pgn-F004");
+  EXPECT_EQ(draft.channels[0].publishers.size(), 2U);
+  EXPECT_EQ(refused_in(draft), 0U);
+}
+
+TEST(Draft, ATransferOfCyphalOfSeveralFramesIsOneEvent) {
+  std::vector<Sent> sent;
+  std::uint8_t id = 0;
+  for (int i = 0; i < 100; ++i, id = (id + 1) & 0x1f) {
+    const std::uint64_t t = kSecond + static_cast<std::uint64_t>(i) * 50 * kMs;
+    for (int part = 0; part < 3; ++part) {
+      std::vector<std::uint8_t> data(part == 2 ? 3 : 7, 9);
+      data.push_back(static_cast<std::uint8_t>((part == 0 ? 0x80 : 0) | (part == 2 ? 0x40 : 0) |
+                                               (part % 2 == 0 ? 0x20 : 0) | id));
+      sent.push_back(
+          {t + static_cast<std::uint64_t>(part) * kMs / 4, 0, 0x107d552aU | kExtended, data});
+    }
+  }
+  // 0x107d552a: subject 0x1d55 is the heart-beat of nodes; another one.
+  for (Sent& one : sent) one.id = 0x1064d22aU | kExtended;
+  const Draft draft = drafted(sent, {}, {"can0"});
+  ASSERT_EQ(draft.channels.size(), 1U);
+  EXPECT_EQ(draft.channels[0].events, 100U);
+  EXPECT_EQ(draft.channels[0].period, 50 * kMs);
+  EXPECT_EQ(draft.channels[0].bytes, 7U + 7U + 3U - 2U);
+  EXPECT_EQ(refused_in(draft), 0U);
+}
+
+TEST(Draft, NamesThatADescriptionCannotHaveAreMadeOnes) {
+  Traffic traffic(6);
+  const Draft draft = drafted(traffic.periodic(0, 0x123, 10 * kMs, 0, 8, 2).sent(), {}, {"<0\"&>"});
+  const auto system = described(draft);
+  ASSERT_EQ(system.networks.size(), 1U);
+  EXPECT_EQ(system.networks[0].name, "if_0___");
+  EXPECT_EQ(system.gateways[0].ports[0].identity.name, "if_0___");
+  const auto kernel = described(drafted({}, {}, {"0can.5@x+"}));
+  EXPECT_EQ(kernel.gateways[0].ports[0].identity.name, "0can.5@x+");
+}
+
+TEST(Draft, WhateverARecordingCallsAnInterfaceTheDraftIsADescription) {
+  for (const char* name : {"a--b", "-->", "--", "a-", "\xff\xfe", "<![CDATA[", "&x;"})
+    EXPECT_EQ(described(drafted({}, {}, {name})).networks.size(), 1U) << name;
+}
+
+TEST(Draft, OfWhatCameOnceThePeriodIsAssumedAndSaidToBe) {
+  const Draft draft = drafted({{kSecond, 0, 0x7df, {1, 2}}}, {}, {"can0"});
+  ASSERT_EQ(draft.channels.size(), 1U);
+  EXPECT_EQ(draft.channels[0].period, 100 * kMs);
+  EXPECT_TRUE(draft.xml.contains("seen once: the Period is assumed")) << draft.xml;
+  EXPECT_EQ(refused_in(draft), 0U);
+}
+
+TEST(Draft, ProgramsOfTheHostThatSendArePublishersOfTheGateway) {
+  Traffic traffic(8);
+  auto sent = traffic.periodic(0, 0x123, 10 * kMs, 0, 8, 5).sent();
+  for (Sent& one : sent) one.local = true;
+  const auto system = described(drafted(sent, {.user = "root"}, {"can0"}));
+  ASSERT_EQ(system.publishers.size(), 1U);
+  EXPECT_EQ(system.publishers[0].place.kind, core::Place::Kind::gateway);
+  EXPECT_EQ(system.subscribers.at(0).place.kind, core::Place::Kind::network);
+}
+
+TEST(Draft, NothingThatWasSeenGivesADescriptionToo) {
+  EXPECT_EQ(described(drafted({}, {}, {"can0"})).networks.size(), 1U);
+  EXPECT_EQ(described(drafted({}, {}, {})).gateways.size(), 0U);
+}
+
+TEST(Draft, TimesAreExact) {
+  EXPECT_EQ(time_words(50 * kMs), "50ms");
+  EXPECT_EQ(time_words(1'250'000), "1.25ms");
+  EXPECT_EQ(time_words(320'000), "320us");
+  EXPECT_EQ(time_words(1'000'000'001), "1.000000001s");
+  EXPECT_EQ(time_words(7), "7ns");
+  EXPECT_EQ(time_words(0), "0ns");
+}
+
+}  // namespace
+}  // namespace mlcca::learn

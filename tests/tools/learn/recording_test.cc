@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/learn/recording.hpp"
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <fstream>
+
+#include "tests/tools/design/describe/program.hpp"
+#include "tests/tools/learn/traffic.hpp"
+
+namespace mlcca::learn {
+namespace {
+
+using test::Sent;
+
+struct ReadBack {
+  std::vector<Sent> sent;
+  std::vector<std::string> names;
+  Left left;
+  std::string error;
+};
+
+ReadBack read(const std::string& text, const std::string& name = "can0.log") {
+  const mlcca::test::Folder folder;
+  const auto path = folder.write(name, text);
+  ReadBack out;
+  Interfaces interfaces;
+  const auto left = read_recording(path, interfaces, [&](const Frame& f) {
+    out.sent.push_back({f.ns, f.interface, f.id, {f.data.begin(), f.data.end()}, f.fd, f.local});
+  });
+  out.names = interfaces.names();
+  if (left)
+    out.left = *left;
+  else
+    out.error = left.error().text;
+  return out;
+}
+
+std::string little(std::uint64_t value, unsigned bytes) {
+  std::string out;
+  for (unsigned i = 0; i < bytes; ++i) out += static_cast<char>(value >> 8 * i & 0xff);
+  return out;
+}
+std::string big(std::uint64_t value, unsigned bytes) {
+  std::string out;
+  for (unsigned i = bytes; i-- > 0;) out += static_cast<char>(value >> 8 * i & 0xff);
+  return out;
+}
+std::string socketcan(std::uint32_t id, const std::string& data, bool fd = false) {
+  return big(id, 4) + static_cast<char>(data.size()) + std::string(1, fd ? '\4' : '\0') +
+         std::string(2, '\0') + data;
+}
+
+TEST(Recording, ReadsALogOfCandump) {
+  const auto is = read(
+      "(1436509052.249713) can0 123#1122\n"
+      "(1436509052.249714) vcan1 18FEF100#\n"
+      "(1436509052.250) can0 123##1AABB\r\n"
+      "(1436509053.000001) can0 7FF#R8\n"
+      "(1436509054.000001) can0 20000080#0000000000000000\n"
+      "(1436509055.000001) can0 001#01 T\n");
+  ASSERT_EQ(is.error, "");
+  EXPECT_EQ(is.names, (std::vector<std::string>{"can0", "vcan1"}));
+  ASSERT_EQ(is.sent.size(), 5U) << "an error frame is none";
+  EXPECT_EQ(is.sent[0].ns, 1'436'509'052'249'713'000U);
+  EXPECT_EQ(is.sent[0].id, 0x123U);
+  EXPECT_EQ(is.sent[0].data, (std::vector<std::uint8_t>{0x11, 0x22}));
+  EXPECT_EQ(is.sent[1].id, 0x18fef100U | kExtended);
+  EXPECT_EQ(is.sent[1].interface, 1U);
+  EXPECT_TRUE(is.sent[2].fd);
+  EXPECT_EQ(is.sent[2].data, (std::vector<std::uint8_t>{0xaa, 0xbb}));
+  EXPECT_EQ(is.sent[3].id, 0x7ffU | kRemote);
+  EXPECT_TRUE(is.sent[4].local);
+  EXPECT_EQ(is.left.lines, 0U);
+}
+
+TEST(Recording, SaysWhichLinesAreNoFrames) {
+  const auto is = read(
+      "(1.0) can0 123#11\n(1.1) can0 12#11\n(1.2) can0 123#1\n(x) can0 123#11\n"
+      "(1.3) can0 123#112233445566778899\n(1.4) can0 FFF#\n");
+  EXPECT_EQ(is.sent.size(), 1U);
+  EXPECT_EQ(is.left.lines, 5U);
+  EXPECT_TRUE(is.left.first.starts_with("line 2: '(1.1) can0 12#11' is no frame")) << is.left.first;
+}
+
+TEST(Recording, ReadsPcapOfBothOrdersAndResolutions) {
+  for (const bool is_big : {false, true})
+    for (const bool ns : {false, true}) {
+      const auto put = [&](std::uint64_t v, unsigned n) {
+        return is_big ? big(v, n) : little(v, n);
+      };
+      const auto packet = socketcan(0x123, "ab");
+      const auto is = read(put(ns ? 0xa1b23c4d : 0xa1b2c3d4, 4) + put(2, 2) + put(4, 2) +
+                               std::string(8, '\0') + put(65535, 4) + put(227, 4) + put(7, 4) +
+                               put(5, 4) + put(packet.size(), 4) + put(packet.size(), 4) + packet,
+                           "bus-a.pcap");
+      ASSERT_EQ(is.error, "");
+      ASSERT_EQ(is.sent.size(), 1U);
+      EXPECT_EQ(is.sent[0].ns, 7'000'000'000U + (ns ? 5 : 5'000));
+      EXPECT_EQ(is.sent[0].id, 0x123U);
+      EXPECT_EQ(is.names, std::vector<std::string>{"bus-a"});
+    }
+}
+
+TEST(Recording, ReadsPcapngWithTheNamesOfItsInterfaces) {
+  const auto block = [](std::uint32_t type, std::string body) {
+    body.resize((body.size() + 3) / 4 * 4);
+    const auto size = little(body.size() + 12, 4);
+    return little(type, 4) + size + body + size;
+  };
+  const auto packet = socketcan(0x98fef100, "12345678");
+  const auto is = read(
+      block(0x0a0d0d0a,
+            little(0x1a2b3c4d, 4) + little(1, 2) + little(0, 2) + std::string(8, '\xff')) +
+      block(1, little(227, 2) + little(0, 2) + little(0, 4) + little(2, 2) + little(4, 2) + "can7" +
+                   little(9, 2) + little(1, 2) + std::string("\x09\0\0\0", 4) + little(0, 4)) +
+      block(6, little(0, 4) + little(1, 4) + little(2, 4) + little(packet.size(), 4) +
+                   little(packet.size(), 4) + packet) +
+      block(6, little(5, 4) + little(1, 4) + little(2, 4) + little(0, 4) + little(0, 4)));
+  ASSERT_EQ(is.error, "");
+  EXPECT_EQ(is.names, std::vector<std::string>{"can7"});
+  ASSERT_EQ(is.sent.size(), 1U);
+  EXPECT_EQ(is.sent[0].ns, (std::uint64_t{1} << 32U) + 2);
+  EXPECT_EQ(is.sent[0].data.size(), 8U);
+  EXPECT_EQ(is.left.lines, 1U) << "of an interface that is not described";
+}
+
+TEST(Recording, ReadsLogsOfVectorInText) {
+  const auto is = read(
+      "date Wed Apr 20 10:10:10 am 2016\nbase hex  timestamps absolute\n"
+      "internal events logged\n"
+      "   0.000000 Start of measurement\n"
+      "   2.501000 1  223             Rx   d 4 01 02 03 a4\n"
+      "   2.502000 2  18EBFF00x       Tx   d 2 01 A0\n"
+      "   2.503000 1  100             Rx   r\n"
+      "   2.504000 CANFD   2 Rx  300                                  1 0 9 12 01 02 03 04 05 06 "
+      "07 08 09 0a 0b 0c\n"
+      "   2.505000 1  ErrorFrame\n",
+      "x.asc");
+  ASSERT_EQ(is.error, "");
+  EXPECT_EQ(is.names, (std::vector<std::string>{"can1", "can2"}));
+  ASSERT_EQ(is.sent.size(), 4U);
+  EXPECT_EQ(is.sent[0].ns, 2'501'000'000U);
+  EXPECT_EQ(is.sent[0].data.back(), 0xa4);
+  EXPECT_EQ(is.sent[1].id, 0x18ebff00U | kExtended);
+  EXPECT_TRUE(is.sent[1].local);
+  EXPECT_EQ(is.sent[2].id, 0x100U | kRemote);
+  EXPECT_TRUE(is.sent[3].fd);
+  EXPECT_EQ(is.sent[3].data.size(), 12U);
+}
+
+std::string blf_object(std::uint32_t type, const std::string& body, std::uint64_t time = 0) {
+  return "LOBJ" + little(32, 2) + little(1, 2) + little(32 + body.size(), 4) + little(type, 4) +
+         little(2, 4) + little(0, 4) + little(time, 8) + body;
+}
+std::string blf_of(const std::vector<std::string>& containers, bool compressed) {
+  std::string out = "LOGG" + little(144, 4) + std::string(136, '\0');
+  for (const std::string& inner : containers) {
+    std::string packed = inner;
+    if (compressed) {
+      uLongf size = ::compressBound(inner.size());
+      packed.resize(size);
+      ::compress(reinterpret_cast<Bytef*>(packed.data()), &size,
+                 reinterpret_cast<const Bytef*>(inner.data()), inner.size());
+      packed.resize(size);
+    }
+    const auto size = 32 + packed.size();
+    out += "LOBJ" + little(16, 2) + little(1, 2) + little(size, 4) + little(10, 4) +
+           little(compressed ? 2 : 0, 2) + std::string(6, '\0') + little(inner.size(), 4) +
+           std::string(4, '\0') + packed + std::string(size % 4, '\0');
+  }
+  return out;
+}
+
+TEST(Recording, ReadsLogsOfVectorInBinaryAlsoOverTheEndsOfContainers) {
+  const std::string first = blf_object(
+      1, little(1, 2) + std::string("\0\2", 2) + little(0x123, 4) + "ab\0\0\0\0\0\0", 42);
+  const std::string second =
+      blf_object(86, little(2, 2) + std::string("\1\1", 2) + little(0x80000123, 4) +
+                         std::string("c\0\0\0\0\0\0\0", 8));
+  const std::string all = first + second;
+  for (const bool compressed : {false, true}) {
+    const auto is = read(blf_of({all.substr(0, 60), all.substr(60)}, compressed), "x.blf");
+    ASSERT_EQ(is.error, "");
+    ASSERT_EQ(is.sent.size(), 2U);
+    EXPECT_EQ(is.sent[0].id, 0x123U);
+    EXPECT_EQ(is.sent[0].ns, 42U);
+    EXPECT_EQ(is.sent[0].data, (std::vector<std::uint8_t>{'a', 'b'}));
+    EXPECT_EQ(is.sent[1].id, 0x123U | kExtended);
+    EXPECT_TRUE(is.sent[1].local);
+    EXPECT_EQ(is.names, (std::vector<std::string>{"can1", "can2"}));
+  }
+}
+
+TEST(Recording, SaysWhatIsWrongWithAFile) {
+  EXPECT_TRUE(read("hello\n").error.contains("this is no recording that can be read"));
+  EXPECT_TRUE(read("").error.contains("the file is empty"));
+  EXPECT_TRUE(
+      read(big(0xa1b2c3d4, 4) + std::string(10, '\0')).error.contains("ends within its header"));
+  EXPECT_TRUE(read(big(0xa1b2c3d4, 4) + std::string(16, '\0') + big(1, 4))
+                  .error.contains("link type 1 has no CAN frames"));
+  EXPECT_TRUE(read("LOGG" + little(144, 4) + std::string(136, '\0') + std::string(20, 'x'))
+                  .error.contains("offset 144: no object begins here"));
+  EXPECT_TRUE(
+      read("(1.0) can0 " + std::string(5000, 'A')).error.contains("line 1 has 5011 characters"));
+  Interfaces none;
+  EXPECT_TRUE(read_recording("/nowhere/x.log", none, [](const Frame&) {})
+                  .error()
+                  .text.contains("/nowhere/x.log: No such file"));
+}
+
+TEST(Recording, OfMoreInterfacesThanThereMayBeTheOthersAreCounted) {
+  std::string text;
+  for (std::size_t i = 0; i < Interfaces::kMost + 5; ++i)
+    text += "(1.0) can" + std::to_string(i) + " 123#11\n";
+  const auto is = read(text);
+  EXPECT_EQ(is.sent.size(), Interfaces::kMost);
+  EXPECT_EQ(is.left.interfaces, 5U);
+}
+
+}  // namespace
+}  // namespace mlcca::learn

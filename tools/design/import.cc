@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// mlccactl import: descriptions from what other tools know of a network.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <expected>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/model/words.hpp"
+#include "tools/design/import/draft.hpp"
+#include "tools/design/import/formats.hpp"
+#include "tools/design/lacks_json.hpp"
+#include "tools/design/mistakes.hpp"
+#include "tools/design/safe_file.hpp"
+#include "tools/design/say.hpp"
+#include "tools/design/verbs.hpp"
+#include "tools/values.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct ImportArguments {
+  std::vector<std::string> files;
+  std::vector<std::string> networks;
+  std::vector<std::string> interfaces;
+  std::vector<unsigned> nodes;
+  std::string format;
+  std::string gateway;
+  std::string name = "imported";
+  std::string period;
+  std::string bitrate;
+  std::string data_bitrate;
+  std::string profile;
+  std::string output;
+};
+
+/// "powertrain" of "dir/powertrain.dbc".
+std::string stem_of(const std::string& path) {
+  const auto name = path.substr(path.rfind('/') + 1);
+  const auto dot = name.rfind('.');
+  return name_from(dot == std::string::npos || dot == 0 ? name : name.substr(0, dot));
+}
+
+class Import {
+ public:
+  Import(const ImportArguments& arguments, const Context& context)
+      : a_(arguments), context_(context) {}
+
+  Exit run() {
+    auto done = carry_out();
+    if (done) return *done;
+    return say(done.error(), context_.json);
+  }
+
+ private:
+  using Outcome = std::expected<Exit, Refusal>;
+
+  static std::unexpected<Refusal> refuse(Exit exit, std::string message) {
+    return std::unexpected(Refusal{exit, std::move(message), {}});
+  }
+
+  Outcome carry_out() {
+    if (auto good = understand(); !good) return refuse(Exit::usage, good.error().text);
+    for (std::size_t i = 0; i < a_.files.size(); ++i)
+      if (auto done = read(a_.files[i], i); !done) return done;
+    for (auto& network : networks_) name_senders(network);
+    if (!a_.interfaces.empty() && a_.interfaces.size() != networks_.size())
+      return refuse(Exit::usage, fmt::format("--interface is given {} times for {} networks: give "
+                                             "it once for each, in their order",
+                                             a_.interfaces.size(), networks_.size()));
+    const auto draft = draft_of(networks_, {a_.name, a_.gateway, a_.interfaces});
+    if (auto refused = mistakes_in(draft, "draft")) return std::unexpected(std::move(*refused));
+    if (!a_.output.empty())
+      if (const auto written = create_file(a_.output, draft); !written)
+        return refuse(Exit::world, written.error().text);
+    return report(draft);
+  }
+
+  Result<void> understand() {
+    if (!a_.networks.empty() && a_.networks.size() != a_.files.size())
+      return fail(
+          fmt::format("--network is given {} times for {} files: give it once for each, in "
+                      "their order",
+                      a_.networks.size(), a_.files.size()));
+    if (!a_.nodes.empty() && a_.nodes.size() != a_.files.size())
+      return fail("--node is given once for each file, or not at all");
+    if (a_.gateway.empty() != a_.interfaces.empty())
+      return fail(
+          "--gateway and --interface go together: a gateway has an interface on each network");
+    std::vector<std::string> names = {a_.name};
+    names.insert(names.end(), a_.networks.begin(), a_.networks.end());
+    if (!a_.gateway.empty()) names.push_back(a_.gateway);
+    for (const auto& name : names)
+      if (name_from(name) != name)
+        return fail(
+            fmt::format("'{}': a name is a letter, then up to 62 letters, digits, dots, "
+                        "underscores or hyphens",
+                        name));
+    if (!a_.period.empty()) {
+      const auto period = parse_attribute("Period=" + a_.period, Role::offered);
+      if (!period) return fail("--default-period: " + period.error().text);
+      options_.default_period = period->value;
+      if (options_.default_period == 0) return fail("--default-period: must be more than 0");
+    }
+    if (!a_.profile.empty()) options_.profile = core::words::kProfiles.find(a_.profile);
+    if (auto good = rate("--bitrate", a_.bitrate, 1'000'000, options_.bitrate); !good) return good;
+    return rate("--data-bitrate", a_.data_bitrate, 8'000'000, options_.data_bitrate);
+  }
+
+  static Result<void> rate(const char* option, const std::string& text, std::uint32_t most,
+                           std::uint32_t& to) {
+    if (text.empty()) return {};
+    const bool plain = std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+    const auto read = parse_bit_rate(plain ? text + " bit/s" : text, Rounding::down);
+    if (!read) return fail(fmt::format("{}: {}", option, read.error().text));
+    if (*read > most)
+      return fail(fmt::format("{} '{}': at most {}", option, text, print_bitrate(most)));
+    to = static_cast<std::uint32_t>(*read);
+    return {};
+  }
+
+  Outcome read(const std::string& path, std::size_t i) {
+    const auto file = read_file(path, kMostImported);
+    if (!file) return refuse(Exit::world, file.error().text);
+    if (!*file) return refuse(Exit::world, path + ": No such file or directory");
+    const auto* format = a_.format.empty() ? recognise((*file)->text) : format_called(a_.format);
+    if (format == nullptr)
+      return refuse(Exit::usage,
+                    fmt::format("{}: is in no format that is known: --format states one of {}",
+                                path, format_names()));
+    options_.node = a_.nodes.empty() ? 0 : a_.nodes[i];
+    auto network = format->read((*file)->text, path, options_);
+    if (!network) return refuse(Exit::usage, network.error().text);
+    network->name = a_.networks.empty() ? stem_of(path) : a_.networks[i];
+    for (auto& other : networks_) {
+      if (other.name != network->name) continue;
+      if (!other.is_part || !network->is_part)
+        return refuse(Exit::usage, fmt::format("{}: the network {} is that of {}: give each a name "
+                                               "by --network",
+                                               path, network->name, other.file));
+      merge(other, std::move(*network));
+      return Exit::fine;
+    }
+    networks_.push_back(std::move(*network));
+    return Exit::fine;
+  }
+
+  [[nodiscard]] Outcome report(const std::string& draft) const {
+    if (context_.json)
+      return say(json(draft).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+    for (const auto& network : networks_) {
+      fmt::print(stderr, "{}", to_text(network.lacks, network.file));
+      fmt::print(stderr, "{}: {} messages of {} nodes\n", printable(network.file),
+                 network.messages.size(), network.nodes.size());
+    }
+    return a_.output.empty() ? say(draft) : Exit::fine;
+  }
+
+  [[nodiscard]] Json json(const std::string& draft) const {
+    auto networks = Json::array();
+    for (const auto& network : networks_) {
+      networks.push_back({{"file", network.file},
+                          {"network", network.name},
+                          {"messages", network.messages.size()},
+                          {"nodes", network.nodes.size()},
+                          {"no_counterpart", to_json(network.lacks)}});
+    }
+    Json out = {{"output", a_.output.empty() ? Json() : Json(a_.output)},
+                {"networks", std::move(networks)}};
+    if (a_.output.empty()) out["text"] = draft;
+    return out;
+  }
+
+  const ImportArguments& a_;
+  const Context& context_;
+  ImportOptions options_;
+  std::vector<ImportedNetwork> networks_;
+};
+
+}  // namespace
+
+void add_import(CLI::App& app, Context& context) {
+  auto* verb = app.add_subcommand("import", "describe a network from DBC or CANopen files");
+  auto a = std::make_shared<ImportArguments>();
+  verb->add_option("file", a->files, "each becomes a network")->required()->type_name("FILE");
+  verb->add_option("--format", a->format, "of the files; otherwise recognised by their content")
+      ->check(CLI::IsMember(format_list()))
+      ->type_name("FORM");
+  verb->add_option("--name", a->name, "of the system")->type_name("NAME")->capture_default_str();
+  verb->add_option(
+          "--network", a->networks,
+          "name of the network, once for each file; otherwise the file's name; CANopen files "
+          "with one name are nodes of one network")
+      ->allow_extra_args(false)
+      ->type_name("NAME");
+  verb->add_option("--gateway", a->gateway, "a gateway with a port on each network")
+      ->type_name("NAME");
+  verb->add_option("--interface", a->interfaces, "of that gateway, once for each network")
+      ->allow_extra_args(false)
+      ->type_name("NAME");
+  verb->add_option("--profile", a->profile,
+                   "raw or j1939, of a DBC file; otherwise j1939 if all its messages are")
+      ->check(CLI::IsMember({"raw", "j1939"}))
+      ->type_name("PROFILE");
+  verb->add_option("--node", a->nodes,
+                   "of a CANopen file that states none, 1 to 127, once for each file")
+      ->check(CLI::Range(1U, 127U))
+      ->allow_extra_args(false)
+      ->type_name("N");
+  verb->add_option("--bitrate", a->bitrate,
+                   "of the bus, such as 500k; otherwise what the file states, or 500k")
+      ->type_name("BIT/S");
+  verb->add_option("--data-bitrate", a->data_bitrate,
+                   "of the data phase of FD frames; otherwise what the file states, or 2M")
+      ->type_name("BIT/S");
+  verb->add_option("--default-period", a->period,
+                   "of a message for which the file states no cycle time, by default 100ms")
+      ->type_name("TIME");
+  verb->add_option("--output", a->output, "a new file, instead of standard output")
+      ->type_name("FILE");
+  verb->callback([a, &context] { context.exit = Import(*a, context).run(); });
+}
+
+}  // namespace mlcca::tools::design

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What a DBC file means: periods, identifiers, senders.
+#include "tools/design/import/dbc.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "base/number.hpp"
+#include "core/profiles/profile.hpp"
+#include "tools/design/import/text.hpp"
+#include "tools/values.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+constexpr double kMostMilliseconds = 86'400'000;  // a day
+constexpr double kNanosecondsOfMs = 1e6;
+constexpr std::uint32_t kClassicBytes = 8;
+constexpr std::uint32_t kFdBytes = 64;
+constexpr std::uint32_t kLongJ1939 = 1785;
+constexpr std::uint8_t kNullAddress = 0xfe;
+constexpr std::uint32_t kUpToKilobits = 10'000;  // a smaller Baudrate is in kbit/s
+constexpr std::string_view kUnnamed = "unnamed-sender";
+
+bool says(const DbcValue& value, std::string_view part) {
+  if (!value) return false;
+  const auto same = [](char a, char b) {
+    const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c; };
+    return small(a) == small(b);
+  };
+  return !std::ranges::search(*value, part, same).empty() || part.empty();
+}
+
+/// ns of a number of milliseconds above 0.
+std::optional<Value> time_of(const DbcValue& value) {
+  if (!value) return std::nullopt;
+  const auto number = number_in<double>(*value);
+  if (!number || std::isnan(*number) || *number <= 0 || *number > kMostMilliseconds)
+    return std::nullopt;
+  return std::max<Value>(1, static_cast<Value>(std::llround(*number * kNanosecondsOfMs)));
+}
+
+class DbcMeaning {
+ public:
+  DbcMeaning(DbcFile file, const std::string& name, const ImportOptions& options)
+      : dbc_(std::move(file)), options_(options) {
+    out_.file = name;
+    out_.lacks = std::move(dbc_.lacks);
+  }
+
+  ImportedNetwork take() {
+    out_.profile =
+        options_.profile.value_or(is_j1939() ? core::Profile::j1939 : core::Profile::raw);
+    for (const auto& node : dbc_.nodes) add(node);
+    for (const auto& message : dbc_.messages)
+      if (out_.profile == core::Profile::j1939)
+        add_group(message);
+      else
+        add_frame(message);
+    finish();
+    return std::move(out_);
+  }
+
+ private:
+  void lack(std::string_view kind, std::string_view what, int line, std::string item) {
+    out_.lacks.add(kind, what, line, std::move(item));
+  }
+
+  /// Every message is a parameter group.
+  [[nodiscard]] bool is_j1939() const {
+    const bool stated = says(dbc_.protocol, "j1939");
+    return std::ranges::all_of(dbc_.messages, [&](const DbcMessage& m) {
+      return (m.id & core::kExtendedFlag) != 0 && (stated || says(m.format, "J1939PG"));
+    });
+  }
+
+  void add(const DbcNode& node) {
+    ImportedNode next;
+    next.name = node.long_name && !node.long_name->empty() ? *node.long_name : node.name;
+    next.description = node.comment;
+    if (out_.profile == core::Profile::j1939 && node.address) {
+      const auto number = number_in<unsigned>(*node.address);
+      if (number && *number > 0 && *number < kNullAddress)
+        next.number = static_cast<std::uint8_t>(*number);
+    }
+    out_.nodes.push_back(std::move(next));
+  }
+
+  /// Period and size, and what was assumed of them.
+  void describe(const DbcMessage& from, ImportedMessage& to) {
+    to.name = from.long_name && !from.long_name->empty() ? *from.long_name : from.name;
+    to.description = from.comment;
+    to.line = from.line;
+    to.receivers = from.receivers;
+    to.attributes.set(Attribute::max_payload, from.bytes);
+    period(from, to);
+    if (from.multiplexed)
+      lack("multiplexed", "one channel has all that a message is multiplexed of", from.line,
+           from.name);
+  }
+
+  void period(const DbcMessage& from, ImportedMessage& to) {
+    const bool on_events = says(from.send_type, "spontan") || says(from.send_type, "event") ||
+                           says(from.send_type, "change") || says(from.send_type, "write") ||
+                           says(from.send_type, "trigger");
+    auto least = time_of(from.cycle);
+    if (!least) least = time_of(from.signal_cycle);
+    const bool cyclic = least.has_value();
+    if (const auto fast = time_of(from.fast); fast && (!least || *fast < *least)) {
+      lack("fast", "the Period is the shorter cycle that the message has while it is active",
+           from.line, fmt::format("{}: {}", from.name, print_duration(*fast)));
+      least = fast;
+    }
+    const auto delay = time_of(from.delay);
+    if (delay && (on_events || !least)) {
+      if (!least || *delay < *least) {
+        lack("distance", "the Period is the least distance of what is sent on events", from.line,
+             fmt::format("{}: {}", from.name, print_duration(*delay)));
+        least = delay;
+      }
+    } else if (on_events && cyclic) {
+      lack("events",
+           "is sent on events too, and no distance is stated: what comes sooner than the "
+           "Period is dropped as excess",
+           from.line, from.name);
+    }
+    if (!least) {
+      least = options_.default_period;
+      to.remark = fmt::format("Assumed: the file states no cycle time of {}.", from.name);
+      lack("no-cycle",
+           fmt::format("no cycle time is stated: Period {} is assumed (--default-period)",
+                       print_duration(*least)),
+           from.line, from.name);
+    }
+    to.attributes.set(Attribute::period, *least);
+  }
+
+  void add_frame(const DbcMessage& from) {
+    if (from.bytes > kFdBytes)
+      return lack("too-long", "more than 64 bytes are no frame: left out", from.line,
+                  fmt::format("{}: {} bytes", from.name, from.bytes));
+    ImportedMessage next;
+    next.extended = (from.id & core::kExtendedFlag) != 0;
+    next.id = from.id & ~core::kExtendedFlag;
+    if (next.id > core::kExtendedBits)
+      return lack("identifier", "more than 29 bits are no identifier: left out", from.line,
+                  fmt::format("{}: 0x{:x}", from.name, from.id));
+    if (!next.extended && next.id > core::kStandardBits) {
+      lack("assumed-extended", "more than 11 bits: taken as an extended identifier", from.line,
+           fmt::format("{}: 0x{:x}", from.name, next.id));
+      next.extended = true;
+    }
+    if (!known_.try_emplace({next.id, next.extended}, 0).second)
+      return lack("repeated", "another message has the identifier: left out", from.line, from.name);
+    next.format = format_of(from);
+    describe(from, next);
+    if (!is_bindable(out_, next)) return;
+    frame_senders(from, next);
+    out_.messages.push_back(std::move(next));
+  }
+
+  core::FrameFormat format_of(const DbcMessage& from) {
+    const bool stated_fd = says(from.format, "_FD");
+    if (from.bytes > kClassicBytes && !stated_fd)
+      lack("assumed-fd", "more than 8 bytes: taken as an FD frame", from.line,
+           fmt::format("{}: {} bytes", from.name, from.bytes));
+    if (stated_fd || from.bytes > kClassicBytes) return core::FrameFormat::fd;
+    const bool fd_bus = says(dbc_.bus_type, "FD");
+    if (!fd_bus || from.format) return core::FrameFormat::classic;
+    lack("assumed-any", "the bus has FD frames, and this message does not say: both pass",
+         from.line, from.name);
+    return core::FrameFormat::any;
+  }
+
+  /// An identifier has one sender.
+  void frame_senders(const DbcMessage& from, ImportedMessage& to) {
+    if (from.senders.empty()) return unnamed(from, to, std::nullopt);
+    to.senders.push_back({from.senders.front(), std::nullopt});
+    for (std::size_t i = 1; i < from.senders.size(); ++i)
+      lack("further-senders", "an identifier has one sender: this node publishes nothing of it",
+           from.line, fmt::format("{}: {}", from.name, dbc_.nodes[from.senders[i]].name));
+    std::erase(to.receivers, from.senders.front());
+  }
+
+  void unnamed(const DbcMessage& from, ImportedMessage& to, std::optional<std::uint8_t> number) {
+    if (!unnamed_) {
+      unnamed_ = out_.nodes.size();
+      out_.nodes.push_back({std::string(kUnnamed), "senders that the file does not name", {}});
+    }
+    to.senders.push_back({*unnamed_, number});
+    lack("no-sender", "no sender is named: published by unnamed-sender", from.line, from.name);
+  }
+
+  /// A parameter group, with all messages that are of it.
+  void add_group(const DbcMessage& from) {
+    if ((from.id & core::kExtendedFlag) == 0)
+      return lack("identifier", "11 bits are no parameter group: left out", from.line, from.name);
+    const std::uint32_t id = from.id & ~core::kExtendedFlag;
+    if (id > core::kExtendedBits || from.bytes > kLongJ1939)
+      return lack("too-long", "more than 29 bits or 1785 bytes are no parameter group: left out",
+                  from.line, from.name);
+    constexpr std::uint32_t first_broadcast = 240;  // PDU2
+    ImportedMessage next;
+    next.extended = true;
+    next.id = (id >> 8U) & 0x3ffffU;
+    next.priority = static_cast<std::uint8_t>(id >> 26U);
+    if (((id >> 16U) & 0xffU) < first_broadcast) {
+      const auto destination = static_cast<std::uint8_t>(id >> 8U);
+      next.id &= 0x3ff00U;
+      if (destination != kNullAddress) next.destination = destination;
+    }
+    describe(from, next);
+    group_senders(from, static_cast<std::uint8_t>(id), next);
+    if (!is_bindable(out_, next)) return;
+    auto& group = groups_[next.id];
+    for (const auto known : group) {
+      auto& other = out_.messages[known];
+      if (other.destination == next.destination) return merge(next, other);
+      if (!other.destination || !next.destination)
+        return lack("overlap", "another message has the parameter group to any address: left out",
+                    from.line, fmt::format("{} with {}", next.name, other.name));
+    }
+    group.push_back(out_.messages.size());
+    out_.messages.push_back(std::move(next));
+  }
+
+  void group_senders(const DbcMessage& from, std::uint8_t source, ImportedMessage& to) {
+    const bool states_source = source < kNullAddress;
+    if (from.senders.empty() && states_source) return unnamed(from, to, source);
+    for (const auto node : from.senders) {
+      ImportedEnd end{node, std::nullopt};
+      if (states_source && from.senders.size() == 1) end.number = source;
+      if (end.number == out_.nodes[node].number) end.number.reset();
+      if (!end.number && !out_.nodes[node].number) {
+        lack("no-address", "no source address is stated: state node of a Publisher", from.line,
+             fmt::format("{}: {}", from.name, dbc_.nodes[node].name));
+        continue;
+      }
+      if (!sends_as(to.senders, number(end))) to.senders.push_back(end);
+      std::erase(to.receivers, node);
+    }
+    if (from.senders.empty())
+      lack("no-sender", "neither a sender nor an address is stated: nobody publishes it", from.line,
+           from.name);
+  }
+
+  [[nodiscard]] std::optional<std::uint8_t> number(const ImportedEnd& end) const {
+    return end.number ? end.number : out_.nodes[end.node].number;
+  }
+  /// One of the ends has that number.
+  [[nodiscard]] bool sends_as(const std::vector<ImportedEnd>& ends,
+                              std::optional<std::uint8_t> wanted) const {
+    return std::ranges::any_of(ends, [&](const ImportedEnd& end) { return number(end) == wanted; });
+  }
+
+  /// Two messages of one parameter group: the longer one, the shorter period, all ends.
+  void merge(const ImportedMessage& next, ImportedMessage& into) {
+    lack("one-group", "is of the same parameter group as another message, and one channel with it",
+         next.line, fmt::format("{} with {}", next.name, into.name));
+    if (next.priority != into.priority) into.priority.reset();
+    const auto take = [&](Attribute a, bool larger) {
+      if ((next.attributes[a] > into.attributes[a]) == larger)
+        into.attributes.set(a, next.attributes[a]);
+    };
+    take(Attribute::max_payload, true);
+    take(Attribute::period, false);
+    for (const auto& sender : next.senders)
+      if (!sends_as(into.senders, number(sender))) into.senders.push_back(sender);
+    for (const auto node : next.receivers)
+      if (std::ranges::find(into.receivers, node) == into.receivers.end())
+        into.receivers.push_back(node);
+    for (const auto& sender : into.senders) std::erase(into.receivers, sender.node);
+  }
+
+  void finish() {
+    const auto rate = [&](const DbcValue& value) -> std::uint32_t {
+      auto number = value ? number_in<std::uint32_t>(*value).value_or(0) : 0;
+      if (number < kUpToKilobits) number *= 1000;
+      return number;
+    };
+    constexpr std::uint32_t most = 1'000'000;
+    constexpr std::uint32_t most_data = 8'000'000;
+    out_.bitrate = options_.bitrate != 0 ? options_.bitrate : rate(dbc_.baudrate);
+    if (out_.bitrate == 0 || out_.bitrate > most) {
+      out_.bitrate = kAssumedBitrate;
+      lack("bit-rate", "is not stated (--bitrate)", 0, "500 kbit/s are assumed");
+    }
+    if (std::ranges::all_of(out_.messages, [](const ImportedMessage& m) {
+          return m.format == core::FrameFormat::classic;
+        }))
+      return;
+    out_.data_bitrate =
+        options_.data_bitrate != 0 ? options_.data_bitrate : rate(dbc_.data_baudrate);
+    if (out_.data_bitrate < out_.bitrate || out_.data_bitrate > most_data) {
+      out_.data_bitrate = std::max(kAssumedDataBitrate, out_.bitrate);
+      lack("data-bit-rate", "of FD frames is not stated (--data-bitrate)", 0,
+           "2 Mbit/s are assumed");
+    }
+  }
+
+  DbcFile dbc_;
+  const ImportOptions& options_;
+  ImportedNetwork out_;
+  std::optional<std::size_t> unnamed_;
+  std::map<std::pair<std::uint32_t, bool>, int> known_;
+  std::map<std::uint32_t, std::vector<std::size_t>> groups_;  ///< messages of a PGN
+};
+
+}  // namespace
+
+Result<ImportedNetwork> import_dbc(std::string_view text, const std::string& file,
+                                   const ImportOptions& options) {
+  bool converted = false;
+  const auto readable = utf8_of(text, converted);
+  auto read = read_dbc(readable, file);
+  if (!read) return std::unexpected(std::move(read.error()));
+  if (converted) read->lacks.add("encoding", "is no UTF-8", 0, "read as Windows-1252");
+  return DbcMeaning(std::move(*read), file, options).take();
+}
+
+}  // namespace mlcca::tools::design

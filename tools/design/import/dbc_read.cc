@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The statements of a DBC file, one after the other.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <unordered_map>
+#include <utility>
+
+#include "base/number.hpp"
+#include "tools/design/import/dbc.hpp"
+#include "tools/design/import/dbc_attributes.hpp"
+#include "tools/design/import/dbc_scan.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+constexpr std::string_view kNobody = "Vector__XXX";
+/// Vector's tools keep signals without a message there.
+constexpr std::string_view kNoMessage = "VECTOR__INDEPENDENT_SIG_MSG";
+constexpr std::uint32_t kNoMessageId = 0xc0000000;
+constexpr std::size_t kMostSenders = 256;  // of a message
+
+bool is_number(std::string_view word) {
+  return word.find_first_not_of("0123456789.+-") == std::string_view::npos;
+}
+
+class DbcReader {
+ public:
+  DbcReader(std::string_view text, const std::string& file) : scan_(text), file_(file) {}
+
+  Result<DbcFile> read() {
+    while (scan_.peek().kind != DbcToken::Kind::end) {
+      statement();
+      if (!error_.empty()) return fail(error_);
+    }
+    if (scan_.unclosed() != 0)
+      return fail(fmt::format("{}:{}: these quotes are never closed", file_, scan_.unclosed()));
+    if (out_.messages.empty())
+      return fail(fmt::format(
+          "{}: there is no message in it: a DBC file has lines such as \"BO_ 256 Name: 8 Node\"",
+          file_));
+    definitions_.complete(out_);
+    for (const auto& message : out_.messages)
+      if (message.signals != 0)
+        lack("signals", "have no counterpart: a channel has whole messages", message.line,
+             fmt::format("{}: {}", message.name, message.signals));
+    for (const auto& [name, seen] : unused_)
+      lack("attributes", "have no counterpart; how many values of each", seen.line,
+           fmt::format("{}: {}", name, seen.count));
+    for (const auto& [name, seen] : other_)
+      lack("statements", "have no counterpart; how many of each", seen.line,
+           fmt::format("{}: {}", name, seen.count));
+    return std::move(out_);
+  }
+
+ private:
+  struct Seen {
+    int line = 0;
+    std::size_t count = 0;
+  };
+
+  void lack(std::string_view kind, std::string_view what, int line, std::string item) {
+    out_.lacks.add(kind, what, line, std::move(item));
+  }
+
+  void wrong(int line, const std::string& text) {
+    if (error_.empty()) error_ = fmt::format("{}:{}: {}", file_, line, text);
+  }
+
+  void wrong(const DbcToken& found, const char* expected) {
+    if (scan_.unclosed() != 0) return wrong(scan_.unclosed(), "these quotes are never closed");
+    wrong(found.line, found.kind == DbcToken::Kind::end
+                          ? fmt::format("the file ends where {} must follow", expected)
+                          : fmt::format("\"{}\": must be {}", found.text.substr(0, 40), expected));
+  }
+
+  static void see(std::map<std::string, Seen>& in, std::string name, int line) {
+    if (in.size() >= 1000 && !in.contains(name)) name = "others";
+    auto& seen = in[std::move(name)];
+    if (seen.count++ == 0) seen.line = line;
+  }
+
+  /// The number that the next word is; 0 and an error if it is none.
+  template <class Number>
+  Number number(const char* what) {
+    const auto token = scan_.take();
+    const auto value =
+        token.kind == DbcToken::Kind::word ? number_in<Number>(token.text) : std::nullopt;
+    if (!value) wrong(token, what);
+    return value.value_or(0);
+  }
+
+  std::string_view word(const char* what) {
+    const auto token = scan_.take();
+    if (token.kind != DbcToken::Kind::word) wrong(token, what);
+    return token.text;
+  }
+
+  void mark(char wanted, const char* what) {
+    const auto token = scan_.take();
+    if (!token.is(wanted)) wrong(token, what);
+  }
+
+  void statement() {
+    const auto token = scan_.take();
+    // Names of the section NS_ stand alone on their lines, not always behind a blank.
+    if (token.first && scan_.peek().first && token.kind == DbcToken::Kind::word) return;
+    if (token.is_word("BO_")) return message(token.line);
+    if (token.is_word("SG_")) return signal();
+    if (token.is_word("BU_")) return nodes();
+    if (token.is_word("BO_TX_BU_")) return senders();
+    if (token.is_word("CM_")) return comment();
+    if (token.is_word("BA_DEF_")) return definition();
+    if (token.is_word("BA_DEF_DEF_")) return default_value();
+    if (token.is_word("BA_")) return value();
+    if (token.is_word("VERSION") || token.is_word("BS_")) return scan_.skip_line();
+    if (token.is_word("NS_")) {
+      scan_.skip_line();
+      scan_.skip_indented();
+      return;
+    }
+    if (token.is(';')) return;
+    if (token.kind == DbcToken::Kind::word && token.first && !is_number(token.text)) {
+      see(other_, std::string(token.text.substr(0, 40)), token.line);
+      scan_.skip_statement();
+      return;
+    }
+    wrong(token, "a statement such as BO_, SG_ or BA_, at the begin of a line");
+  }
+
+  void message(int line) {
+    DbcMessage next;
+    next.line = line;
+    next.id = number<std::uint32_t>("the identifier of a message, 0 to 4294967295");
+    next.name = word("the name of a message");
+    mark(':', "':' behind the name of a message");
+    next.bytes = number<std::uint32_t>("the size of a message in bytes");
+    current_.reset();
+    known_sender(next);
+    if (!error_.empty()) return;
+    if (next.name == kNoMessage || next.id == kNoMessageId) return;
+    if (!by_id_.try_emplace(next.id, out_.messages.size()).second)
+      return lack("repeated", "another message has the identifier: left out", line, next.name);
+    if (out_.messages.size() >= kMostMessages)
+      return wrong(line, fmt::format("there are more than {} messages", kMostMessages));
+    current_ = out_.messages.size();
+    out_.messages.push_back(std::move(next));
+  }
+
+  /// Some tools leave the sender out.
+  void known_sender(DbcMessage& message) {
+    if (scan_.peek().first || scan_.peek().kind != DbcToken::Kind::word) return;
+    if (const auto node = node_called(scan_.take())) message.senders.push_back(*node);
+  }
+
+  std::optional<std::size_t> node_called(const DbcToken& token) {
+    if (token.text == kNobody) return std::nullopt;
+    const auto [known, is_new] =
+        node_numbers_.try_emplace(std::string(token.text), out_.nodes.size());
+    if (!is_new) return known->second;
+    if (out_.nodes.size() >= kMostNodes) {
+      wrong(token.line, fmt::format("there are more than {} nodes", kMostNodes));
+      return std::nullopt;
+    }
+    out_.nodes.push_back(
+        {.name = std::string(token.text), .comment = {}, .address = {}, .long_name = {}});
+    return known->second;
+  }
+
+  void nodes() {
+    mark(':', "':' behind BU_");
+    while (error_.empty() && scan_.peek().kind == DbcToken::Kind::word && !scan_.peek().first)
+      node_called(scan_.take());
+  }
+
+  void signal() {
+    const auto line = scan_.peek().line;
+    word("the name of a signal");
+    bool multiplexed = false;
+    while (error_.empty() && !scan_.peek().is(':')) {
+      if (scan_.peek().first || scan_.peek().kind != DbcToken::Kind::word)
+        return wrong(scan_.peek(), "':' behind the name of a signal");
+      scan_.take();
+      multiplexed = true;  // "M", "m0" or "m0M"
+    }
+    if (!error_.empty()) return;
+    // Up to the unit: bits, factor, range.
+    while (scan_.peek().kind != DbcToken::Kind::text) {
+      if (scan_.peek().first || scan_.peek().kind == DbcToken::Kind::end)
+        return wrong(line, "a signal has a unit in quotes, perhaps an empty one (\"\")");
+      scan_.take();
+    }
+    scan_.take();
+    receivers(multiplexed);
+  }
+
+  void receivers(bool multiplexed) {
+    auto* message = current_ ? &out_.messages[*current_] : nullptr;
+    if (message != nullptr) {
+      ++message->signals;
+      message->multiplexed = message->multiplexed || multiplexed;
+    }
+    while (error_.empty() && !scan_.peek().first && scan_.peek().kind != DbcToken::Kind::end) {
+      const auto token = scan_.take();
+      if (token.kind != DbcToken::Kind::word || message == nullptr) continue;
+      const auto node = node_called(token);
+      if (!node || !is_first_time(*node)) continue;
+      if (++receivers_ > kMostReceivers)
+        return wrong(token.line, fmt::format("there are more than {} receivers", kMostReceivers));
+      message->receivers.push_back(*node);
+    }
+  }
+
+  /// That it receives current_.
+  bool is_first_time(std::size_t node) {
+    if (node >= received_.size()) received_.resize(node + 1, kMostMessages);
+    return std::exchange(received_[node], *current_) != *current_;
+  }
+
+  DbcMessage* message_with(std::uint32_t id) {
+    const auto found = by_id_.find(id);
+    return found == by_id_.end() ? nullptr : &out_.messages[found->second];
+  }
+
+  void senders() {
+    auto* message = message_with(number<std::uint32_t>("the identifier of a message"));
+    while (error_.empty() && !scan_.peek().is(';') && scan_.peek().kind != DbcToken::Kind::end) {
+      const auto token = scan_.take();
+      if (token.kind != DbcToken::Kind::word) continue;
+      const auto node = node_called(token);
+      if (node && message != nullptr && message->senders.size() < kMostSenders &&
+          std::ranges::find(message->senders, *node) == message->senders.end())
+        message->senders.push_back(*node);
+    }
+    scan_.skip_statement();
+  }
+
+  /// What CM_ and BA_ are about, which is taken from the front.
+  struct About {
+    DbcObject object = DbcObject::network;
+    DbcMessage* message = nullptr;
+    DbcNode* node = nullptr;
+  };
+
+  About about() {
+    About out;
+    const auto token = scan_.peek();
+    if (token.kind != DbcToken::Kind::word) return out;
+    if (token.text == "BU_") {
+      scan_.take();
+      out.object = DbcObject::node;
+      const auto found = node_numbers_.find(std::string(word("the name of a node")));
+      if (found != node_numbers_.end()) out.node = &out_.nodes[found->second];
+    } else if (token.text == "BO_" || token.text == "SG_") {
+      scan_.take();
+      out.object = token.text == "BO_" ? DbcObject::message : DbcObject::signal;
+      out.message = message_with(number<std::uint32_t>("the identifier of a message"));
+      if (out.object == DbcObject::signal) word("the name of a signal");
+    } else if (token.text == "EV_") {
+      scan_.take();
+      out.object = DbcObject::other;
+      word("the name of an environment variable");
+    }
+    return out;
+  }
+
+  void comment() {
+    const int line = scan_.peek().line;
+    const auto to = about();
+    if (error_.empty() && scan_.peek().kind != DbcToken::Kind::text)
+      wrong(scan_.peek(), "a comment in quotes");
+    if (scan_.unclosed() != 0) return;
+    if (!error_.empty()) {
+      // It says nothing to us: no reason to refuse the file.
+      lack("comments", "have no place, or are not understood", line, std::exchange(error_, {}));
+      scan_.skip_statement();
+      return;
+    }
+    const auto text = scan_.take();
+    if (to.object == DbcObject::node && to.node != nullptr) to.node->comment = text.text;
+    if (to.object == DbcObject::message && to.message != nullptr) to.message->comment = text.text;
+    if (to.object != DbcObject::node && to.object != DbcObject::message)
+      lack("comments", "have no place, or are not understood", text.line,
+           std::string(text.text.substr(0, 60)));
+    scan_.skip_statement();
+  }
+
+  DbcObject object() {
+    const auto token = scan_.peek();
+    if (token.kind != DbcToken::Kind::word) return DbcObject::network;
+    scan_.take();
+    if (token.text == "BO_") return DbcObject::message;
+    if (token.text == "BU_") return DbcObject::node;
+    if (token.text == "SG_") return DbcObject::signal;
+    return DbcObject::other;
+  }
+
+  void definition() {
+    const auto what = object();
+    const auto name = scan_.take();
+    if (name.kind != DbcToken::Kind::text) return wrong(name, "the name of an attribute in quotes");
+    std::vector<std::string> words;
+    while (!scan_.peek().is(';') && scan_.peek().kind != DbcToken::Kind::end)
+      if (const auto token = scan_.take();
+          token.kind == DbcToken::Kind::text && words.size() < 1000)
+        words.emplace_back(token.text);
+    if (!definitions_.define(what, name.text, std::move(words)))
+      return wrong(name.line, "more than 4096 attributes are defined");
+    scan_.skip_statement();
+  }
+
+  void default_value() {
+    const auto name = scan_.take();
+    if (name.kind != DbcToken::Kind::text) return wrong(name, "the name of an attribute in quotes");
+    const auto value = scan_.take();
+    if (value.kind == DbcToken::Kind::word || value.kind == DbcToken::Kind::text)
+      definitions_.set_default(name.text, std::string(value.text));
+    if (!value.is(';')) scan_.skip_statement();
+  }
+
+  void value() {
+    const auto name = scan_.take();
+    if (name.kind != DbcToken::Kind::text) return wrong(name, "the name of an attribute in quotes");
+    const auto to = about();
+    if (!error_.empty()) return;
+    const auto value = scan_.take();
+    if (value.kind != DbcToken::Kind::word && value.kind != DbcToken::Kind::text)
+      return wrong(value, "the value of the attribute");
+    keep(to, name, std::string(value.text));
+    scan_.skip_statement();
+  }
+
+  void keep(const About& to, const DbcToken& name, std::string value) {
+    const auto role = role_of(to.object, name.text);
+    DbcValue* place = nullptr;
+    if (role == DbcRole::none) return see(unused_, std::string(name.text.substr(0, 60)), name.line);
+    if (to.message != nullptr) place = place_of(*to.message, role);
+    if (to.node != nullptr) place = place_of(*to.node, role);
+    if (to.object == DbcObject::network) place = place_of(out_, role);
+    if (place != nullptr && (!*place || *place == "0" || (*place)->empty()))
+      *place = std::move(value);
+  }
+
+  DbcScanner scan_;
+  const std::string& file_;
+  DbcFile out_;
+  std::string error_;
+  DbcDefinitions definitions_;
+  std::optional<std::size_t> current_;  ///< the message that signals belong to
+  std::unordered_map<std::uint32_t, std::size_t> by_id_;
+  std::unordered_map<std::string, std::size_t> node_numbers_;
+  std::map<std::string, Seen> unused_;
+  std::map<std::string, Seen> other_;
+  std::size_t receivers_ = 0;
+  std::vector<std::size_t> received_;  ///< of each node, the latest message that it receives
+};
+
+}  // namespace
+
+Result<DbcFile> read_dbc(std::string_view text, const std::string& file) {
+  return DbcReader(text, file).read();
+}
+
+}  // namespace mlcca::tools::design

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/design/import/draft.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "base/hash.hpp"
+#include "core/model/words.hpp"
+#include "tools/design/attribute_list.hpp"
+#include "tools/escape.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+constexpr std::size_t kMostName = 63;  // of a description
+
+bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
+bool is_name(char c) {
+  return is_letter(c) || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
+}
+
+/// Names that are given once each.
+class NamesOnce {
+ public:
+  /// `wanted`, or with `otherwise` behind it, or with a number.
+  std::string take(const std::string& wanted, std::string_view otherwise) {
+    if (taken_.insert(wanted).second) return wanted;
+    if (auto other = with(wanted, otherwise); taken_.insert(other).second) return other;
+    for (auto& number = next_[wanted];; ++number)
+      if (auto other = with(wanted, std::to_string(number + 2)); taken_.insert(other).second)
+        return other;
+  }
+
+ private:
+  static std::string with(const std::string& name, std::string_view tail) {
+    const auto room = kMostName - std::min(kMostName - 1, tail.size() + 1);
+    return name_from(fmt::format("{}.{}", name.substr(0, room), tail));
+  }
+  std::set<std::string> taken_;
+  std::map<std::string, unsigned> next_;
+};
+
+class Writer {
+ public:
+  Writer(std::vector<ImportedNetwork>& networks, const DraftOptions& options)
+      : networks_(networks), options_(options) {}
+
+  std::string write() {
+    name_all();
+    out_ = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!--\n";
+    for (const auto& network : networks_)
+      put("  Imported from {}: {} messages.\n", in_comment(network.file), network.messages.size());
+    out_ += "  What was assumed stands in comments like this one: look at each of them.\n-->\n";
+    put("<System name=\"{}\">\n", options_.system);
+    for (const auto& network : networks_) channels(network);
+    for (const auto& network : networks_) this->network(network);
+    if (!options_.gateway.empty()) gateway();
+    for (const auto& network : networks_) components(network);
+    out_ += "</System>\n";
+    return std::move(out_);
+  }
+
+ private:
+  template <class... T>
+  void put(fmt::format_string<T...> format, T&&... values) {
+    fmt::format_to(std::back_inserter(out_), format, std::forward<T>(values)...);
+  }
+
+  void name_all() {
+    NamesOnce channels;
+    NamesOnce components;
+    std::set<std::uint64_t> subjects;
+    for (auto& network : networks_) {
+      for (auto& message : network.messages) {
+        const auto name = channels.take(name_from(message.name), network.name);
+        renamed(network, message.line, message.name, name);
+        message.name = name;
+        auto subject = subject_of(network.name, message);
+        while (subject == 0 || !subjects.insert(subject).second) ++subject;
+        subjects_.push_back(subject);
+      }
+      for (auto& node : network.nodes) {
+        const auto name = components.take(name_from(node.name), network.name);
+        renamed(network, 0, node.name, name);
+        node.name = name;
+      }
+    }
+  }
+
+  static void renamed(ImportedNetwork& network, int line, const std::string& before,
+                      const std::string& now) {
+    if (before != now)
+      network.lacks.add("renamed", "a name is taken, or is none of a description", line,
+                        fmt::format("{} is called {}", before, now));
+  }
+
+  void remark(std::string_view indent, std::string_view text) {
+    if (!text.empty()) put("{}<!-- {} -->\n", indent, in_comment(text));
+  }
+
+  void description(std::string_view indent, std::string_view text) {
+    if (const auto line = one_line(text); !line.empty())
+      put("{}<Description>{}</Description>\n", indent, escaped(line));
+  }
+
+  void channels(const ImportedNetwork& network) {
+    for (const auto& message : network.messages) {
+      remark("  ", message.remark);
+      put("  <EventChannel name=\"{}\">\n    <SubjectUID>0x{:016x}</SubjectUID>\n", message.name,
+          subjects_.at(next_subject_++));
+      description("    ", message.description);
+      out_ += attribute_list("Attributes", message.attributes, "    ");
+      out_ += "  </EventChannel>\n";
+    }
+  }
+
+  void network(const ImportedNetwork& network) {
+    put("  <Network name=\"{}\">\n    <Kind>{}</Kind>\n", network.name,
+        core::words::kNetworkKinds.of(network.kind));
+    if (network.kind == core::NetworkKind::can) {
+      put("    <Profile>{}</Profile>\n    <Bus bitrate=\"{}\"",
+          core::words::kProfiles.of(network.profile), network.bitrate);
+      if (network.data_bitrate != 0) put(" data-bitrate=\"{}\"", network.data_bitrate);
+      out_ += "/>\n";
+      for (const auto& message : network.messages) binding(network, message);
+    }
+    out_ += "  </Network>\n";
+  }
+
+  void binding(const ImportedNetwork& network, const ImportedMessage& message) {
+    put("    <Binding channel=\"{}\"", message.name);
+    if (message.format != core::FrameFormat::classic)
+      put(" format=\"{}\"", core::words::kFrameFormats.of(message.format));
+    out_ += '>';
+    const auto priority =
+        message.priority ? fmt::format(" priority=\"{}\"", *message.priority) : std::string();
+    switch (network.profile) {
+      case core::Profile::j1939:
+        put("<PGN{}{}>0x{:x}</PGN>", priority,
+            message.destination ? fmt::format(" destination=\"0x{:02x}\"", *message.destination)
+                                : std::string(),
+            message.id);
+        break;
+      case core::Profile::cyphal:
+        put("<SubjectID{}>{}</SubjectID>", priority, message.id);
+        break;
+      case core::Profile::canopen:
+        put("<COBID>0x{:03x}</COBID>", message.id);
+        break;
+      default:
+        put("<Identifier form=\"{}\">0x{:03x}</Identifier>",
+            message.extended ? "extended" : "standard", message.id);
+    }
+    out_ += "</Binding>\n";
+  }
+
+  void gateway() {
+    constexpr Value millisecond = 1'000'000;
+    remark("  ", "Assumed of the gateway: measure what it adds to the way of an event.");
+    put("  <Gateway name=\"{}\">\n", options_.gateway);
+    AttributeSet provision;
+    provision.set(Attribute::latency, millisecond)
+        .set(Attribute::jitter, millisecond)
+        .set(Attribute::omission, 0);
+    out_ += attribute_list("Provision", provision, "    ");
+    for (std::size_t i = 0; i < networks_.size(); ++i)
+      put("    <Port network=\"{}\"><Interface name=\"{}\"/></Port>\n", networks_[i].name,
+          escaped(options_.interfaces.at(i)));
+    out_ += "  </Gateway>\n";
+  }
+
+  struct Ends {
+    std::vector<std::pair<std::size_t, std::optional<std::uint8_t>>> published;
+    std::vector<std::size_t> subscribed;
+  };
+
+  void components(const ImportedNetwork& network) {
+    std::vector<Ends> ends(network.nodes.size());
+    for (std::size_t m = 0; m < network.messages.size(); ++m) {
+      for (const auto& sender : network.messages[m].senders)
+        ends.at(sender.node).published.emplace_back(m, sender.number);
+      for (const auto node : network.messages[m].receivers) ends.at(node).subscribed.push_back(m);
+    }
+    for (std::size_t n = 0; n < ends.size(); ++n) component(network, network.nodes[n], ends[n]);
+  }
+
+  void component(const ImportedNetwork& network, const ImportedNode& node, const Ends& ends) {
+    put(R"(  <Component name="{}" network="{}")", node.name, network.name);
+    if (node.number) put(R"( node="{}")", *node.number);
+    if (ends.published.empty() && ends.subscribed.empty() && node.description.empty()) {
+      out_ += "/>\n";
+      return;
+    }
+    out_ += ">\n";
+    description("    ", node.description);
+    for (const auto& [message, number] : ends.published)
+      put("    <Publisher channel=\"{}\"{}/>\n", network.messages[message].name,
+          number ? fmt::format(" node=\"{}\"", *number) : std::string());
+    for (const auto message : ends.subscribed)
+      put("    <Subscriber channel=\"{}\"/>\n", network.messages[message].name);
+    out_ += "  </Component>\n";
+  }
+
+  std::vector<ImportedNetwork>& networks_;
+  const DraftOptions& options_;
+  std::string out_;
+  std::vector<std::uint64_t> subjects_;
+  std::size_t next_subject_ = 0;
+};
+
+}  // namespace
+
+std::uint64_t subject_of(std::string_view network, const ImportedMessage& message) {
+  auto subject = hash_of(fmt::format("\n{}{:x}/{}", message.extended ? "x" : "", message.id,
+                                     message.destination ? *message.destination + 1 : 0),
+                         hash_of(network));
+  // The last octets alone would leave the leading bits alike: stir once more (splitmix64).
+  subject = (subject ^ (subject >> 30U)) * 0xbf58476d1ce4e5b9;
+  subject = (subject ^ (subject >> 27U)) * 0x94d049bb133111eb;
+  return (subject ^ (subject >> 31U)) | 1U;
+}
+
+std::string name_from(std::string_view text) {
+  std::string out;
+  for (const char c : text)
+    if (is_name(c))
+      out += c;
+    else if (!out.ends_with('-'))
+      out += '-';
+  if (out.empty() || !is_letter(out.front())) out.insert(0, "n");
+  if (out.size() > kMostName) out.resize(kMostName);
+  return out;
+}
+
+std::string draft_of(std::vector<ImportedNetwork>& networks, const DraftOptions& options) {
+  return Writer(networks, options).write();
+}
+
+}  // namespace mlcca::tools::design

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/design/import/eds.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "tools/design/import/eds_read.hpp"
+#include "tools/design/import/text.hpp"
+#include "tools/values.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+constexpr std::uint32_t kInvalid = 0x80000000;  // of a COB-ID: not used
+constexpr std::uint32_t kLongId = 0x20000000;   // 29 bits
+constexpr std::uint32_t kShortId = 0x7ff;       // bits of a COB-ID
+constexpr std::uint32_t kPdos = 0x200;          // of each direction
+constexpr std::uint32_t kMostMapped = 64;       // objects in a PDO
+constexpr std::uint32_t kHeartbeat = 0x700;     // COB-ID, and the node
+constexpr std::uint32_t kMostNode = 127;
+constexpr std::uint32_t kPdoBytes = 8;
+constexpr Value kTenthOfMs = 100'000;  // ns, unit of inhibit times
+constexpr Value kMs = 1'000'000;       // ns
+
+/// Where the parameters of PDOs stand: those that are sent, and those that are received.
+struct PdoKind {
+  std::string_view name;
+  std::uint32_t communication;
+  std::uint32_t mapping;
+  bool sent;
+};
+constexpr PdoKind kSent{"TPDO", 0x1800, 0x1a00, true};
+constexpr PdoKind kReceived{"RPDO", 0x1400, 0x1600, false};
+
+class EdsMeaning {
+ public:
+  EdsMeaning(EdsFile eds, const std::string& file, const ImportOptions& options, unsigned node)
+      : eds_(std::move(eds)), options_(options), node_(node) {
+    out_.file = file;
+    out_.profile = core::Profile::canopen;
+    out_.is_part = true;
+  }
+
+  ImportedNetwork take() {
+    const auto& called = eds_.node_name.empty() ? eds_.product : eds_.node_name;
+    out_.nodes.push_back({fmt::format("{}-{}", called.empty() ? "node" : called, node_),
+                          eds_.product, std::nullopt});
+    for (const auto* kind : {&kSent, &kReceived})
+      for (std::uint32_t i = 0; i < kPdos; ++i) pdo(*kind, i);
+    heartbeat();
+    consumers();
+    others();
+    bit_rate();
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] std::optional<std::uint32_t> number(std::uint32_t index, std::uint32_t sub) const {
+    return eds_.number(index, sub, node_);
+  }
+  [[nodiscard]] int line_of(std::uint32_t index, std::uint32_t sub) const {
+    const auto found = eds_.objects.find({index, sub});
+    return found == eds_.objects.end() ? 0 : found->second.line;
+  }
+
+  void lack(std::string_view kind, std::string_view what, int line, std::string item) {
+    out_.lacks.add(kind, what, line, std::move(item));
+  }
+
+  void pdo(const PdoKind& kind, std::uint32_t i) {
+    const auto index = kind.communication + i;
+    const auto cob = number(index, 1);
+    const auto name = fmt::format("{}-{}{}", out_.nodes.front().name, kind.name, i + 1);
+    const int line = line_of(index, 1);
+    if (!cob) {
+      if (line != 0) lack("no-cob-id", "is no number: left out", line, name);
+      return;
+    }
+    if ((*cob & kInvalid) != 0) return lack("unused", "a PDO that is switched off", line, name);
+    if ((*cob & kLongId) != 0)
+      return lack("identifier", "29 bits are no COB-ID of a network: left out", line, name);
+    ImportedMessage next;
+    next.name = name;
+    next.line = line;
+    next.id = *cob & kShortId;
+    next.attributes.set(Attribute::max_payload, bytes(kind.mapping + i, line, name));
+    if (kind.sent) {
+      next.senders.push_back({0, std::nullopt});
+      period(index, line, next);
+    } else {
+      next.receivers.push_back(0);
+      next.attributes.set(Attribute::period, options_.default_period);
+    }
+    add(std::move(next));
+  }
+
+  /// Of what is mapped; 8 where the file does not say.
+  Value bytes(std::uint32_t mapping, int line, const std::string& name) {
+    const auto count = std::min(number(mapping, 0).value_or(0), kMostMapped);
+    std::uint32_t bits = 0;
+    for (std::uint32_t sub = 1; sub <= count; ++sub)
+      bits += number(mapping, sub).value_or(0) & 0xffU;
+    if (bits == 0 || bits > 8 * kPdoBytes) {
+      lack("no-mapping", "no mapping of 1 to 64 bits is stated: 8 bytes are assumed", line, name);
+      return kPdoBytes;
+    }
+    return (bits + 7) / 8;
+  }
+
+  void period(std::uint32_t index, int line, ImportedMessage& to) {
+    constexpr std::uint32_t last_synchronous = 240;
+    const auto type = number(index, 2).value_or(0xff);
+    const auto inhibit = number(index, 3).value_or(0) * kTenthOfMs;
+    const auto timer = number(index, 5).value_or(0) * kMs;
+    const auto sync = number(0x1006, 0).value_or(0) * Value{1000};  // ns of us
+    Value least = 0;
+    if (type >= 1 && type <= last_synchronous)
+      least = sync * type;
+    else if (timer != 0 && inhibit != 0)
+      least = std::min(timer, inhibit);
+    else
+      least = std::max(timer, inhibit);
+    if (type > last_synchronous && inhibit != 0 && inhibit < timer)
+      lack("distance", "the Period is the inhibit time: events may come sooner than the timer",
+           line, fmt::format("{}: {}", to.name, print_duration(inhibit)));
+    else if (type > last_synchronous && timer != 0 && inhibit == 0)
+      lack("events",
+           "no inhibit time is stated: what comes sooner than the event timer is dropped "
+           "as excess",
+           line, to.name);
+    if (least == 0) {
+      least = options_.default_period;
+      to.remark = fmt::format(
+          "Assumed: neither an event timer nor an inhibit time is stated of {}.", to.name);
+      lack("no-cycle",
+           fmt::format("no time is stated: Period {} is assumed (--default-period)",
+                       print_duration(least)),
+           line, to.name);
+    }
+    to.attributes.set(Attribute::period, least);
+  }
+
+  void heartbeat() {
+    const auto time = number(0x1017, 0).value_or(0);
+    if (time == 0) return;
+    ImportedMessage next;
+    next.name = out_.nodes.front().name + "-heartbeat";
+    next.line = line_of(0x1017, 0);
+    next.id = kHeartbeat + node_;
+    next.attributes.set(Attribute::max_payload, 1).set(Attribute::period, time * kMs);
+    next.senders.push_back({0, std::nullopt});
+    add(std::move(next));
+  }
+
+  /// Whose heart-beats this node waits for. How long it waits is a requirement that only a person
+  /// can turn into an Omission.
+  void consumers() {
+    const auto count = std::min(number(0x1016, 0).value_or(0), kMostNode);
+    for (std::uint32_t sub = 1; sub <= count; ++sub) {
+      const auto value = number(0x1016, sub).value_or(0);
+      const auto node = (value >> 16U) & 0xffU;
+      if (node == 0 || node > kMostNode || node == node_ || (value & 0xffffU) == 0) continue;
+      ImportedMessage next;
+      next.name = fmt::format("node-{}-heartbeat", node);
+      next.line = line_of(0x1016, sub);
+      next.id = kHeartbeat + node;
+      next.receivers.push_back(0);
+      next.attributes.set(Attribute::max_payload, 1)
+          .set(Attribute::period, options_.default_period);
+      lack("consumer-time", "state how many heart-beats may be missed (Omission)", next.line,
+           fmt::format("{}: {} ms", next.name, value & 0xffffU));
+      add(std::move(next));
+    }
+  }
+
+  void add(ImportedMessage next) {
+    for (const auto& other : out_.messages)
+      if (other.id == next.id)
+        return lack("repeated", "another message has the COB-ID: left out", next.line, next.name);
+    if (is_bindable(out_, next)) out_.messages.push_back(std::move(next));
+  }
+
+  void others() {
+    struct Service {
+      std::uint32_t index;
+      std::string_view what;
+    };
+    for (const auto& service :
+         {Service{0x1005, "SYNC"}, Service{0x1012, "TIME"}, Service{0x1014, "EMCY"}})
+      if (const int line = line_of(service.index, 0); line != 0)
+        lack("control", "passes as control traffic, and is no channel", line,
+             std::string(service.what));
+    std::size_t sdos = 0;
+    for (std::uint32_t i = 0; i < 0x100; ++i)
+      sdos += (line_of(0x1200 + i, 1) != 0 ? 1U : 0U) + (line_of(0x1280 + i, 1) != 0 ? 1U : 0U);
+    if (sdos != 0)
+      lack("sdo", "do not pass a gate: bind their COB-IDs if they shall", 0,
+           fmt::format("{} SDO channels", sdos));
+  }
+
+  void bit_rate() {
+    constexpr std::uint32_t most = 1000;
+    out_.bitrate = options_.bitrate;
+    if (out_.bitrate == 0 && eds_.kilobits && *eds_.kilobits > 0 && *eds_.kilobits <= most)
+      out_.bitrate = *eds_.kilobits * 1000;
+    if (out_.bitrate != 0) return;
+    out_.bitrate = kAssumedBitrate;
+    lack("bit-rate", "is not stated (--bitrate)", 0, "500 kbit/s are assumed");
+  }
+
+  EdsFile eds_;
+  const ImportOptions& options_;
+  unsigned node_;
+  ImportedNetwork out_;
+};
+
+}  // namespace
+
+Result<ImportedNetwork> import_eds(std::string_view text, const std::string& file,
+                                   const ImportOptions& options) {
+  bool converted = false;
+  const auto readable = utf8_of(text, converted);
+  auto read = read_eds(readable, file);
+  if (!read) return std::unexpected(std::move(read.error()));
+  const auto node = options.node != 0 ? options.node : read->node.value_or(0);
+  if (node == 0 || node > kMostNode)
+    return fail(
+        fmt::format("{}: it states no NodeID of 1 to 127, as the EDS of a kind of device: "
+                    "state --node",
+                    file));
+  auto out = EdsMeaning(std::move(*read), file, options, node).take();
+  if (out.messages.empty())
+    return fail(fmt::format("{}: there is no PDO that is switched on, and no heart-beat", file));
+  if (converted) out.lacks.add("encoding", "is no UTF-8", 0, "read as Windows-1252");
+  return out;
+}
+
+}  // namespace mlcca::tools::design

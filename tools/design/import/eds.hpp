@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// CANopen device descriptions (CiA 306): an EDS of a kind of device, a DCF of one device. The PDOs
+// and the heart-beat of a node.
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "base/result.hpp"
+#include "tools/design/import/network.hpp"
+
+namespace mlcca::tools::design {
+
+Result<ImportedNetwork> import_eds(std::string_view text, const std::string& file,
+                                   const ImportOptions& options);
+
+}  // namespace mlcca::tools::design

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What every format that is imported becomes: one network, its nodes, its messages.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/model/system.hpp"
+#include "mlcca/attribute.hpp"
+#include "tools/design/import/lacks.hpp"
+
+namespace mlcca::tools::design {
+
+struct ImportedNode {
+  std::string name;
+  std::string description;
+  std::optional<std::uint8_t> number;  ///< of a sender, where the profile has one
+};
+
+/// An end of a message: who, and how it differs from the message.
+struct ImportedEnd {
+  std::size_t node = 0;                ///< index into ImportedNetwork::nodes
+  std::optional<std::uint8_t> number;  ///< that it sends as; none: the node's own
+};
+
+struct ImportedMessage {
+  std::string name;
+  std::string description;
+  int line = 0;
+  std::uint32_t id = 0;  ///< as of core::Binding, or a number of its own where there are none
+  bool extended = false;
+  core::FrameFormat format{};
+  std::optional<std::uint8_t> priority;     ///< j1939, cyphal
+  std::optional<std::uint8_t> destination;  ///< j1939
+  AttributeSet attributes;
+  std::string remark;  ///< what was assumed of it, for a comment; empty: nothing
+  std::vector<ImportedEnd> senders;
+  std::vector<std::size_t> receivers;  ///< indices into ImportedNetwork::nodes, each once
+};
+
+struct ImportedNetwork {
+  std::string file;
+  std::string name;
+  core::NetworkKind kind{};
+  core::Profile profile{};
+  std::uint32_t bitrate = 0;       ///< bit/s, 0: not stated
+  std::uint32_t data_bitrate = 0;  ///< bit/s, 0: no FD frames
+  bool is_part = false;            ///< files of other nodes of the same network may follow
+  std::vector<ImportedNode> nodes;
+  std::vector<ImportedMessage> messages;
+  Lacks lacks;
+};
+
+/// Whether the profile has such a number, and events of that size. If not, why not is added to the
+/// lacks of the network: the message is left out.
+bool is_bindable(ImportedNetwork& network, const ImportedMessage& message);
+
+/// Puts what another file says of the same network to it: a message of both has the ends of both.
+void merge(ImportedNetwork& into, ImportedNetwork from);
+
+/// Messages that only receivers are known of are published by a node for all of them, unless the
+/// profile wants to know its number.
+void name_senders(ImportedNetwork& network);
+
+/// What the command line says of every file.
+struct ImportOptions {
+  Value default_period = 100'000'000;  ///< ns, of a message that states no cycle
+  std::uint32_t bitrate = 0;           ///< bit/s, 0: what the file states
+  std::uint32_t data_bitrate = 0;
+  std::optional<core::Profile> profile;  ///< none: what the file is
+  unsigned node = 0;                     ///< CANopen, 1 to 127; 0: what the file states
+};
+
+/// Largest file, bytes.
+inline constexpr std::size_t kMostImported = std::size_t{32} << 20U;
+inline constexpr std::size_t kMostMessages = 65'536;
+inline constexpr std::size_t kMostNodes = 4'096;
+inline constexpr std::size_t kMostReceivers = 262'144;  ///< of all messages together
+inline constexpr std::uint32_t kAssumedBitrate = 500'000;
+inline constexpr std::uint32_t kAssumedDataBitrate = 2'000'000;
+
+}  // namespace mlcca::tools::design

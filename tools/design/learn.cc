@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// mlccactl learn: a description drafted from the traffic that is there.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/model/words.hpp"
+#include "description/read.hpp"
+#include "tools/design/learn_merge.hpp"
+#include "tools/design/mistakes.hpp"
+#include "tools/design/new/plan.hpp"
+#include "tools/design/safe_file.hpp"
+#include "tools/design/say.hpp"
+#include "tools/design/verbs.hpp"
+#include "tools/learn/draft.hpp"
+#include "tools/learn/live.hpp"
+#include "tools/learn/observer.hpp"
+#include "tools/learn/recording.hpp"
+#include "tools/table.hpp"
+#include "tools/times.hpp"
+#include "tools/values.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct LearnArguments {
+  std::vector<std::string> sources;
+  std::string time = "10min";
+  std::string output;
+  std::string gateway;
+  std::vector<std::string> profiles;
+  std::vector<std::string> bitrates;
+  std::vector<std::string> data_bitrates;
+  learn::DraftOptions draft;
+  bool no_local = false;
+  std::string merge;
+};
+
+volatile std::sig_atomic_t stop_asked = 0;
+
+/// "can0=500k" into the interface and the rest.
+std::optional<std::pair<std::string, std::string>> assignment(const std::string& text) {
+  const auto at = text.find('=');
+  if (at == std::string::npos || at == 0) return std::nullopt;
+  return std::pair(text.substr(0, at), text.substr(at + 1));
+}
+
+class Learn {
+ public:
+  Learn(LearnArguments& arguments, const Context& context) : a_(arguments), context_(context) {}
+
+  Exit run() {
+    if (const auto refused = prepare()) return say(*refused, context_.json);
+    if (const auto refused = observe()) return say(*refused, context_.json);
+    observer_.finish(interfaces_.names().size());
+    if (observer_.flows().empty()) {
+      notes_.emplace_back("no events were seen: is there traffic, and are the interfaces up?");
+    }
+    const learn::Draft draft = learn::draft_of(observer_, interfaces_.names(), a_.draft);
+    if (described_) return report_merged(draft);
+    if (const auto refused = mistakes_in(draft.xml, "draft", description::Users::any))
+      return say(*refused, context_.json);
+    if (!a_.output.empty())
+      if (const auto made = create_file(a_.output, draft.xml); !made)
+        return say({Exit::usage, made.error().text, {}}, context_.json);
+    return report(draft);
+  }
+
+ private:
+  [[nodiscard]] static Refusal wrong(std::string text) {
+    return {Exit::usage, std::move(text), {}};
+  }
+
+  std::optional<Refusal> prepare() {
+    const auto time = parse_span(a_.time);
+    if (!time) return wrong("--for: " + time.error().text);
+    time_ = *time;
+    if (!a_.output.empty() && ::access(a_.output.c_str(), F_OK) == 0)
+      return wrong(a_.output + " exists, and nothing is overwritten: name another file");
+    a_.draft.local_subscribers = !a_.no_local;
+    if (!a_.gateway.empty()) a_.draft.gateway = a_.gateway;
+    for (const auto& [option, name] :
+         {std::pair("--name", &a_.draft.system), std::pair("--gateway", &a_.draft.gateway)})
+      if (auto problem = problem_of_planned_name(*name); !problem.empty())
+        return wrong(fmt::format("{}: {}", option, problem));
+    if (auto refused = read_described()) return refused;
+    if (auto refused = read_rates(a_.bitrates, "--bitrate", a_.draft.bitrates)) return refused;
+    if (auto refused = read_rates(a_.data_bitrates, "--data-bitrate", a_.draft.data_bitrates))
+      return refused;
+    return read_profiles();
+  }
+
+  /// What --merge names.
+  std::optional<Refusal> read_described() {
+    if (a_.merge.empty()) return std::nullopt;
+    if (!a_.output.empty()) return wrong("--merge prints a difference: it goes without --output");
+    auto described = description::read(a_.merge, description::Users::any);
+    if (!described) {
+      Refusal refused = wrong(a_.merge + ": the description cannot be used");
+      refused.details.reserve(described.error().size());
+      for (const auto& problem : described.error())
+        refused.details.push_back(description::to_string(problem));
+      return refused;
+    }
+    described_ = std::move(*described);
+    const auto adopted = adopt(*described_, a_.gateway, a_.draft);
+    return adopted ? std::nullopt : std::optional(wrong(adopted.error().text));
+  }
+
+  static std::optional<Refusal> read_rates(const std::vector<std::string>& texts,
+                                           const char* option,
+                                           std::map<std::string, std::uint32_t>& to) {
+    for (const std::string& text : texts) {
+      const auto parts = assignment(text);
+      const auto rate = parts ? parse_bit_rate(parts->second, Rounding::down)
+                              : Result<std::uint64_t>(fail("write can0=500k"));
+      if (!rate) return wrong(fmt::format("{} {}: {}", option, text, rate.error().text));
+      to[parts->first] = static_cast<std::uint32_t>(std::min<std::uint64_t>(*rate, UINT32_MAX));
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Refusal> read_profiles() {
+    for (const std::string& text : a_.profiles) {
+      const auto parts = assignment(text);
+      const auto profile = parts ? core::words::kProfiles.find(parts->second) : std::nullopt;
+      if (!profile || *profile == core::Profile::none)
+        return wrong(
+            fmt::format("--profile {}: write an interface and one of {}, such as can0=j1939", text,
+                        fmt::join(std::span(core::words::kProfiles).subspan(1), ", ")));
+      observer_.state(interfaces_.number_of(parts->first), *profile);
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Refusal> observe() {
+    std::vector<std::string> live;
+    for (const std::string& source : a_.sources) {
+      struct stat status{};
+      if (::stat(source.c_str(), &status) == 0) {
+        if (auto refused = read_file_of_frames(source)) return refused;
+      } else if (learn::is_interface(source)) {
+        live.push_back(source);
+      } else {
+        return wrong(source + ": there is neither such a file nor such an interface");
+      }
+    }
+    return live.empty() ? std::nullopt : listen(live);
+  }
+
+  std::optional<Refusal> read_file_of_frames(const std::string& path) {
+    const auto left = learn::read_recording(path, interfaces_,
+                                            [this](const auto& frame) { observer_.add(frame); });
+    if (!left) return wrong(left.error().text);
+    if (left->lines != 0)
+      notes_.push_back(fmt::format(
+          "{}: {} passed over, the first: {}", path,
+          left->lines == 1 ? "1 entry" : fmt::format("{} entries", left->lines), left->first));
+    if (left->interfaces != 0)
+      notes_.push_back(fmt::format("{}: {} frames of further interfaces: {} are the most", path,
+                                   left->interfaces, learn::Interfaces::kMost));
+    return std::nullopt;
+  }
+
+  std::optional<Refusal> listen(const std::vector<std::string>& live) {
+    for (const std::string& name : live) {
+      const learn::Rates rates = learn::rates_of(name);
+      if (rates.bitrate != 0) a_.draft.bitrates.try_emplace(name, rates.bitrate);
+      if (rates.data_bitrate != 0) a_.draft.data_bitrates.try_emplace(name, rates.data_bitrate);
+    }
+    const auto listener = learn::Listener::open(live, interfaces_);
+    if (!listener) return Refusal{Exit::world, listener.error().text, {}};
+    struct sigaction action{};
+    action.sa_handler = [](int) { stop_asked = 1; };
+    ::sigaction(SIGINT, &action, nullptr);
+    ::sigaction(SIGTERM, &action, nullptr);
+    if (::isatty(STDERR_FILENO) != 0)
+      fmt::print(stderr,
+                 "listening to {} for {}; Ctrl-C ends it earlier, and drafts what was seen\n",
+                 fmt::join(live, ", "), print_duration(time_));
+    const auto listened = (*listener)->listen(
+        time_, [] { return stop_asked != 0; }, [this](const auto& frame) { observer_.add(frame); });
+    if (!listened) return Refusal{Exit::world, listened.error().text, {}};
+    if ((*listener)->lost() != 0)
+      notes_.push_back(
+          fmt::format("{} frames came too fast and were not seen", (*listener)->lost()));
+    return std::nullopt;
+  }
+
+  [[nodiscard]] Exit report_merged(const learn::Draft& draft) {
+    const auto merged = merge(*described_, draft, a_.draft);
+    if (!merged) return say({Exit::usage, merged.error().text, {}}, context_.json);
+    std::string text;
+    for (const auto& [path, changed] : merged->files) {
+      const auto diff = diff_of(path, changed);
+      if (!diff) return say({Exit::world, diff.error().text, {}}, context_.json);
+      text += *diff;
+    }
+    if (context_.json) {
+      const Json out = {{"diff", text}, {"differs", merged->differs}, {"notes", notes_}};
+      return say(out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+    }
+    for (const std::string& line : merged->differs)
+      fmt::print(stderr, "differs: {}\n", printable(line));
+    for (const std::string& note : notes_) fmt::print(stderr, "note: {}\n", printable(note));
+    const Exit said = say(text);
+    return said == Exit::fine && !(text.empty() && merged->differs.empty()) ? Exit::refused : said;
+  }
+
+  [[nodiscard]] Exit report(const learn::Draft& draft) {
+    std::ranges::copy(draft.left_out, std::back_inserter(notes_));
+    if (context_.json)
+      return say(json_of(draft).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+    std::string text = a_.output.empty() ? draft.xml : text_of(draft);
+    for (const std::string& note : notes_) fmt::print(stderr, "note: {}\n", printable(note));
+    if (!a_.output.empty())
+      text +=
+          fmt::format("\n{}: created; read it, then 'mlccactl check {}'\n", a_.output, a_.output);
+    return say(text);
+  }
+
+  [[nodiscard]] std::string text_of(const learn::Draft& draft) const {
+    const Color color = color_of(STDOUT_FILENO, context_.no_color);
+    std::string out;
+    for (std::size_t i = 0; i < interfaces_.names().size(); ++i) {
+      const auto& of = observer_.interfaces()[i];
+      out += fmt::format("{}: {} frames, profile {} ({} % sure: {})\n",
+                         printable(interfaces_.names()[i]), of.frames,
+                         core::words::kProfiles.of(of.recognised->profile), of.recognised->percent,
+                         of.recognised->why);
+    }
+    Table table({{"CHANNEL"},
+                 {"EVENTS", Align::right},
+                 {"PERIOD", Align::right},
+                 {"JITTER", Align::right},
+                 {"LONGEST GAP", Align::right},
+                 {"OMISSION", Align::right},
+                 {"BYTES", Align::right},
+                 {"KIND"},
+                 {"CROSSES TO"}});
+    for (const auto& channel : draft.channels)
+      table.add({{channel.name},
+                 {fmt::format("{}", channel.events)},
+                 {learn::time_words(channel.period)},
+                 {channel.jitter == 0 ? "" : learn::time_words(channel.jitter)},
+                 {print_duration(channel.longest_gap)},
+                 {channel.periodic ? fmt::format("{}", channel.omission) : ""},
+                 {fmt::format("{}", channel.bytes)},
+                 {channel.periodic ? "periodic" : "aperiodic"},
+                 {fmt::format("{}", fmt::join(channel.crosses_to, ", "))}});
+    return out + "\n" + table.text(color);
+  }
+
+  [[nodiscard]] Json json_of(const learn::Draft& draft) const {
+    Json interfaces = Json::array();
+    for (std::size_t i = 0; i < interfaces_.names().size(); ++i) {
+      const auto& of = observer_.interfaces()[i];
+      interfaces.push_back({{"name", interfaces_.names()[i]},
+                            {"frames", of.frames},
+                            {"profile", core::words::kProfiles.of(of.recognised->profile)},
+                            {"percent", of.recognised->percent},
+                            {"why", of.recognised->why}});
+    }
+    Json channels = Json::array();
+    for (const auto& channel : draft.channels)
+      channels.push_back({{"name", channel.name},
+                          {"interface", channel.interface},
+                          {"identifier", channel.identifier},
+                          {"events", channel.events},
+                          {"periodic", channel.periodic},
+                          {"period_ns", channel.period},
+                          {"jitter_ns", channel.jitter},
+                          {"median_gap_ns", channel.median},
+                          {"longest_gap_ns", channel.longest_gap},
+                          {"omission", channel.omission},
+                          {"bytes", channel.bytes},
+                          {"publishers", channel.publishers},
+                          {"crosses_to", channel.crosses_to}});
+    Json out = {{"interfaces", std::move(interfaces)},
+                {"channels", std::move(channels)},
+                {"notes", notes_}};
+    if (a_.output.empty()) out["description"] = draft.xml;
+    return out;
+  }
+
+  LearnArguments& a_;
+  const Context& context_;
+  std::optional<core::System> described_;
+  std::uint64_t time_ = 0;  ///< ns
+  learn::Interfaces interfaces_;
+  learn::Observer observer_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace
+
+void add_learn(CLI::App& app, Context& context) {
+  auto* verb = app.add_subcommand("learn", "draft a description from the traffic that is there");
+  auto a = std::make_shared<LearnArguments>();
+  verb->add_option(
+          "source", a->sources,
+          "CAN interfaces to listen to, or recordings: candump -l, pcap, pcapng, .asc, .blf")
+      ->required()
+      ->type_name("INTERFACE|FILE");
+  verb->add_option("--for", a->time, "how long to listen")
+      ->type_name("TIME")
+      ->capture_default_str();
+  verb->add_option("--output", a->output, "write the draft to this new file, and print a table")
+      ->type_name("FILE.xml");
+  verb->add_option("--profile", a->profiles,
+                   "the profile of an interface, instead of the one that is recognised; repeatable")
+      ->type_name("INTERFACE=PROFILE")
+      ->allow_extra_args(false);
+  verb->add_option("--bitrate", a->bitrates,
+                   "the bit rate of an interface, such as can0=500k; repeatable")
+      ->type_name("INTERFACE=RATE")
+      ->allow_extra_args(false);
+  verb->add_option("--data-bitrate", a->data_bitrates, "the same of its FD data phase; repeatable")
+      ->type_name("INTERFACE=RATE")
+      ->allow_extra_args(false);
+  verb->add_option("--name", a->draft.system, "name of the system")->capture_default_str();
+  verb->add_option("--gateway", a->gateway,
+                   "name of this gateway; default: gateway, or with --merge the "
+                   "only one that is described");
+  verb->add_option(
+          "--merge", a->merge,
+          "print what would have to be added to this description, as a patch, and what differs")
+      ->type_name("SYSTEM.xml");
+  verb->add_option("--user", a->draft.user, "user of programs here that send")
+      ->capture_default_str();
+  verb->add_flag("--no-local", a->no_local, "no program on this gateway receives anything");
+  verb->callback([a, &context] { context.exit = Learn(*a, context).run(); });
+}
+
+}  // namespace mlcca::tools::design

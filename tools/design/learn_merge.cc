@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/design/learn_merge.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "base/handle.hpp"
+#include "core/model/text.hpp"
+#include "core/profiles/profile.hpp"
+#include "tools/design/describe/markup.hpp"
+#include "tools/design/safe_file.hpp"
+
+extern char** environ;  // NOLINT(*-redundant-declaration): not in every C library's headers
+
+namespace mlcca::tools::design {
+namespace {
+
+constexpr std::size_t kLargestFile = 16U << 20U;  // as `describe` edits
+
+std::optional<std::size_t> network_named(const core::System& system, const std::string& name) {
+  const auto found = std::ranges::find(system.networks, name, &core::Network::name);
+  if (found == system.networks.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - system.networks.begin());
+}
+
+/// The binding that frames with this number belong to.
+const core::Binding* binding_of(const core::Network& network, std::uint32_t number) {
+  const std::uint32_t id = number & learn::kIdentifierBits;
+  const bool raw = network.profile == core::Profile::raw;
+  const auto found = std::ranges::find_if(network.bindings, [&](const core::Binding& b) {
+    if (!raw) return b.id == id && !b.waits_for_tag();
+    return b.extended == ((number & learn::kExtended) != 0) && (id & b.mask) == (b.id & b.mask);
+  });
+  return found == network.bindings.end() ? nullptr : &*found;
+}
+
+/// Publishers of a channel on a network.
+std::vector<const core::Publisher*> publishers_of(const core::System& system, std::size_t channel,
+                                                  std::size_t network) {
+  std::vector<const core::Publisher*> out;
+  for (const core::Publisher& p : system.publishers)
+    if (p.channel == channel && p.place.kind == core::Place::Kind::network &&
+        p.place.index == network)
+      out.push_back(&p);
+  return out;
+}
+
+/// Text that is put into a file behind some byte.
+struct Insertion {
+  std::size_t at = 0;
+  std::string text;
+};
+
+/// The element of that name that begins in that line.
+const Node* element_at(const Node& node, std::string_view name, int line) {
+  if (node.name == name && node.line == line) return &node;
+  for (const Node& child : node.children)
+    if (const Node* found = element_at(child, name, line)) return found;
+  return nullptr;
+}
+
+/// The start of the line in which an end tag stands, if nothing but blanks is before it there.
+std::size_t before_end_tag(const Markup& markup, const Node& node) {
+  const std::string& text = markup.text();
+  std::size_t at = node.content.to;
+  while (at > node.content.from && (text[at - 1] == ' ' || text[at - 1] == '\t')) --at;
+  return at > 0 && text[at - 1] == '\n' ? at : node.content.to;
+}
+
+class Merge {
+ public:
+  Merge(const core::System& system, const learn::DraftOptions& options)
+      : system_(system), options_(options) {}
+
+  Result<Merged> run(const learn::Draft& draft) {
+    std::string channels;
+    std::string ends;
+    std::map<std::size_t, std::string> bindings;
+    std::set<std::pair<std::size_t, std::size_t>> seen;  // channel and network
+    for (const learn::DraftChannel& row : draft.channels) {
+      const auto network = network_of(row.interface);
+      if (!network) return fail(missing(row.interface));
+      if (const auto* bound = binding_of(system_.networks[*network], row.number)) {
+        seen.emplace(bound->channel, *network);
+        compare(row, *bound, *network, ends);
+        continue;
+      }
+      channels += row.channel_xml;
+      for (const auto& [interface, text] : row.binding_xml) {
+        const auto at = network_of(interface);
+        if (!at) return fail(missing(interface));
+        bindings[*at] += text;
+      }
+      for (const std::string& publisher : row.publisher_xml) ends += publisher;
+      ends += row.subscriber_xml;
+    }
+    note_unseen(seen, draft);
+    if (!channels.empty() || !ends.empty())
+      if (const auto put = insert(0, "System", 1, channels + ends, true); !put)
+        return std::unexpected(put.error());
+    for (const auto& [network, text] : bindings) {
+      const core::Origin& origin = system_.networks[network].origin;
+      if (const auto put = insert(origin.file, "Network", origin.line, text, false); !put)
+        return std::unexpected(put.error());
+    }
+    return finish();
+  }
+
+ private:
+  [[nodiscard]] std::optional<std::size_t> network_of(const std::string& interface) const {
+    const auto known = options_.networks.find(interface);
+    return known == options_.networks.end() ? std::nullopt : network_named(system_, known->second);
+  }
+  [[nodiscard]] static std::string missing(const std::string& interface) {
+    return fmt::format(
+        "no port of the gateway names the interface {}: describe its network and port first, or "
+        "draft a description of its own by --output",
+        interface);
+  }
+
+  /// What is described, and was seen otherwise; senders that are not described are proposed.
+  void compare(const learn::DraftChannel& row, const core::Binding& bound, std::size_t network,
+               std::string& ends) {
+    const core::EventChannel& channel = system_.channels[bound.channel];
+    const auto publishers = publishers_of(system_, bound.channel, network);
+    const std::string who =
+        fmt::format("{} ({} on {})", channel.name, row.identifier, row.interface);
+    for (std::size_t i = 0; i < row.publishers.size(); ++i) {
+      const bool has_nodes = core::has_nodes(system_.networks[network].profile);
+      const auto known = std::ranges::find_if(publishers, [&](const core::Publisher* p) {
+        return !has_nodes || (p->node && *p->node == row.nodes[i]);
+      });
+      if (known == publishers.end()) {
+        merged_.differs.push_back(
+            has_nodes
+                ? fmt::format("{}: node {} sends it, and is not described as a publisher there",
+                              who, row.nodes[i])
+                : fmt::format("{}: is sent there, and no publisher is described there", who));
+        std::string text = row.publisher_xml[i];
+        const std::string drafted = "channel=\"" + row.name + "\"";
+        text.replace(text.find(drafted), drafted.size(), "channel=\"" + channel.name + "\"");
+        ends += text;
+        continue;
+      }
+      compare(row, who, **known);
+    }
+  }
+
+  void compare(const learn::DraftChannel& row, const std::string& who, const core::Publisher& p) {
+    const AttributeSet& stated = p.attributes;
+    const Value period = stated[Attribute::period];
+    // Within the tolerance of clocks and of the draft.
+    if (stated.has(Attribute::period) && row.period + row.period / 50 < period)
+      merged_.differs.push_back(fmt::format(
+          "{}: publisher {} states Period {}, and {} was seen: frames would be dropped", who,
+          p.name, core::format_value(Attribute::period, period), learn::time_words(row.period)));
+    if (stated.has(Attribute::max_payload) && row.bytes > stated[Attribute::max_payload])
+      merged_.differs.push_back(fmt::format(
+          "{}: publisher {} states MaxPayload {}, and {} bytes were seen: frames would be "
+          "dropped",
+          who, p.name, core::format_value(Attribute::max_payload, stated[Attribute::max_payload]),
+          row.bytes));
+    if (row.periodic && stated.has(Attribute::period) && period + period / 2 < row.period)
+      merged_.differs.push_back(fmt::format(
+          "{}: publisher {} states Period {}, and {} was seen: it is reported as missing", who,
+          p.name, core::format_value(Attribute::period, period), learn::time_words(row.period)));
+  }
+
+  void note_unseen(const std::set<std::pair<std::size_t, std::size_t>>& seen,
+                   const learn::Draft& draft) {
+    std::set<std::size_t> listened;
+    for (const auto& [interface, name] : options_.networks)
+      if (std::ranges::any_of(draft.channels,
+                              [&](const auto& row) { return row.interface == interface; }))
+        if (const auto network = network_of(interface)) listened.insert(*network);
+    for (const core::Publisher& p : system_.publishers)
+      if (p.place.kind == core::Place::Kind::network && listened.contains(p.place.index) &&
+          !seen.contains({p.channel, p.place.index}))
+        merged_.differs.push_back(fmt::format(
+            "{} of {} on {}: is described, and nothing of it was seen",
+            system_.channels[p.channel].name, p.name, system_.networks[p.place.index].name));
+  }
+
+  /// Puts `text` before the end of an element of a file. `is_root`: of the root, whatever its line.
+  Result<void> insert(std::uint32_t file, std::string_view element, int line,
+                      const std::string& text, bool is_root) {
+    if (file >= system_.files.size()) return fail("the description has no such file");
+    const std::string& path = system_.files[file];
+    if (!texts_.contains(path)) {
+      const auto content = read_file(path, kLargestFile);
+      if (!content) return std::unexpected(content.error());
+      if (!*content) return fail(path + ": is gone");
+      texts_.emplace(path, (*content)->text);
+    }
+    const Markup markup(texts_.at(path));
+    const Node* const node = is_root ? &markup.root() : element_at(markup.root(), element, line);
+    if (node == nullptr || node->name != element)
+      return fail(fmt::format("{}: no <{}> begins in line {} any more", path, element, line));
+    if (!node->has_end_tag)
+      return fail(
+          fmt::format("{}:{}: <{}/> has no end tag to put elements before", path, line, element));
+    insertions_[path].push_back({before_end_tag(markup, *node), text});
+    return {};
+  }
+
+  Result<Merged> finish() {
+    for (auto& [path, all] : insertions_) {
+      // From the back, so that places before stay what they are.
+      std::ranges::stable_sort(all, std::ranges::greater{}, &Insertion::at);
+      std::string text = texts_.at(path);
+      for (const Insertion& one : all) text.insert(one.at, one.text);
+      merged_.files.emplace_back(path, std::move(text));
+    }
+    return std::move(merged_);
+  }
+
+  const core::System& system_;
+  const learn::DraftOptions& options_;
+  std::map<std::string, std::string> texts_;
+  std::map<std::string, std::vector<Insertion>> insertions_;
+  Merged merged_;
+};
+
+}  // namespace
+
+Result<void> adopt(const core::System& system, const std::string& gateway,
+                   learn::DraftOptions& options) {
+  const core::Gateway* here = nullptr;
+  for (const core::Gateway& g : system.gateways)
+    if (g.name == gateway || (gateway.empty() && system.gateways.size() == 1)) here = &g;
+  if (here == nullptr) {
+    std::vector<std::string> names;
+    names.reserve(system.gateways.size());
+    for (const core::Gateway& g : system.gateways) names.push_back(g.name);
+    return fail(fmt::format("say by --gateway which one this is: {}", fmt::join(names, ", ")));
+  }
+  options.gateway = here->name;
+  for (const core::Port& port : here->ports)
+    if (!port.identity.name.empty())
+      options.networks[port.identity.name] = system.networks[port.network].name;
+  return {};
+}
+
+Result<Merged> merge(const core::System& system, const learn::Draft& draft,
+                     const learn::DraftOptions& options) {
+  return Merge(system, options).run(draft);
+}
+
+Result<std::string> diff_of(const std::string& path, const std::string& text) {
+  const auto system_error = [](const char* call) {
+    return fail(std::string(call) + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
+  };
+  const Fd changed(::memfd_create("changed", MFD_CLOEXEC));
+  const Fd out(::memfd_create("diff", MFD_CLOEXEC));
+  if (!changed || !out) return system_error("memfd_create");
+  for (std::size_t at = 0; at < text.size();) {
+    const ssize_t n = ::write(changed.get(), text.data() + at, text.size() - at);
+    if (n < 0) return system_error("write");
+    at += static_cast<std::size_t>(n);
+  }
+  if (::lseek(changed.get(), 0, SEEK_SET) < 0) return system_error("lseek");
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_adddup2(&actions, changed.get(), STDIN_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions, out.get(), STDOUT_FILENO);
+  std::array<std::string, 7> words{"diff", "-u", "--label=" + path, "--label=" + path, "--",
+                                   path,   "-"};
+  std::array<char*, words.size() + 1> arguments{};
+  std::ranges::transform(words, arguments.begin(), [](std::string& word) { return word.data(); });
+  pid_t child = 0;
+  const int error = ::posix_spawnp(&child, "diff", &actions, nullptr, arguments.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) return fail(std::string("diff: ") + std::strerror(error));  // NOLINT(*-mt-unsafe)
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) return system_error("waitpid");
+  if (!WIFEXITED(status) || WEXITSTATUS(status) > 1) return fail("diff has failed");
+  std::string result;
+  std::array<char, 65'536> buffer{};
+  ::lseek(out.get(), 0, SEEK_SET);
+  for (ssize_t n = 0; (n = ::read(out.get(), buffer.data(), buffer.size())) > 0;)
+    result.append(buffer.data(), static_cast<std::size_t>(n));
+  return result;
+}
+
+}  // namespace mlcca::tools::design

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Nothing leaves a verb that a daemon would not read.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "description/read.hpp"
+#include "tools/design/say.hpp"
+
+namespace mlcca::tools::design {
+
+/// Why a description that a verb has made is not written; nothing: it can be read. `name` stands
+/// for it in the details.
+inline std::optional<Refusal> mistakes_in(
+    const std::string& text, const std::string& name,
+    description::Users users = description::Users::of_this_machine) {
+  const auto read = description::read_memory(text, name, {}, users);
+  if (read) return std::nullopt;
+  Refusal out{Exit::usage, "the description would have mistakes; nothing was written", {}};
+  out.details.reserve(read.error().size());
+  for (const auto& problem : read.error()) out.details.push_back(description::to_string(problem));
+  return out;
+}
+
+}  // namespace mlcca::tools::design

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// mlccactl new: the first description of a system, by flags or questions.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/number.hpp"
+#include "tools/design/describe/ask.hpp"
+#include "tools/design/mistakes.hpp"
+#include "tools/design/new/plan.hpp"
+#include "tools/design/safe_file.hpp"
+#include "tools/design/say.hpp"
+#include "tools/design/verbs.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct NewArguments {
+  std::string file;
+  std::string name;
+  std::string gateway;
+  std::vector<std::string> networks;
+  std::vector<std::string> channels;
+  bool dry_run = false;
+};
+
+/// 0 where the kernel has none: asked for again.
+std::uint64_t random_number() {
+  const auto text = random_subject();
+  return text ? prefixed_number_in<std::uint64_t>(*text).value_or(0) : 0;
+}
+
+class New {
+ public:
+  New(const NewArguments& arguments, const Context& context) : a_(arguments), context_(context) {}
+
+  Exit run() {
+    if (const auto refused = carry_out()) return say(*refused, context_.json);
+    return exit_;
+  }
+
+ private:
+  static Refusal refusal(Exit exit, std::string message) { return {exit, std::move(message), {}}; }
+
+  std::optional<Refusal> carry_out() {
+    const bool asks = a_.networks.empty() && a_.channels.empty() && a_.gateway.empty();
+    if (asks && (context_.json || !Terminal::is_there()))
+      return refusal(Exit::usage,
+                     "say what there is (--network bus:can:can0; --help lists the "
+                     "options), or start it on a terminal to be asked");
+    if (!random_subject()) return refusal(Exit::world, "the kernel gives no random numbers");
+    plan_.name = a_.name;
+    if (auto problem = problem_of_planned_name(plan_.name); !problem.empty())
+      return refusal(Exit::usage, "--name: " + problem);
+    if (asks) {
+      if (!ask()) return refusal(Exit::refused, a_.file + ": nothing was written");
+    } else if (auto taken = take_flags(); !taken) {
+      return refusal(Exit::usage, taken.error().text);
+    }
+    return write();
+  }
+
+  Result<void> take_flags() {
+    if (auto set = set_gateway(a_.gateway); !set) return fail("--gateway: " + set.error().text);
+    for (const auto& network : a_.networks)
+      if (auto added = add_network(plan_, network); !added)
+        return fail("--network " + added.error().text);
+    for (const auto& channel : a_.channels)
+      if (auto added = add_channel(plan_, channel); !added)
+        return fail("--channel " + added.error().text);
+    if (plan_.networks.empty()) return fail("--network: a system has at least one");
+    return {};
+  }
+
+  Result<void> set_gateway(const std::string& name) {
+    if (name.empty()) return {};
+    if (auto problem = problem_of_planned_name(name); !problem.empty())
+      return fail(std::move(problem));
+    plan_.gateway = name;
+    return {};
+  }
+
+  /// False at the end of the input.
+  template <class Accept>
+  bool question(const std::string& text, const std::string& otherwise, Accept accept) {
+    for (;;) {
+      auto answer = terminal_.ask(text);
+      if (!answer) return false;
+      const auto done = accept(answer->empty() ? otherwise : *answer);
+      if (done) return true;
+      Terminal::say("  " + printable(done.error().text));
+    }
+  }
+
+  bool ask() {
+    Terminal::say(a_.file + ": a new system. An empty answer takes what stands in brackets.");
+    return question("Gateway, the computer between the networks [gateway]: ", "gateway",
+                    [&](const std::string& name) { return set_gateway(name); }) &&
+           several(
+               "Network, as NAME:KIND:INTERFACE (KIND is can, udp-multicast or mesh; a CAN bus "
+               "may have :BITRATE) [no more]: ",
+               [&](const std::string& text) { return add_network(plan_, text); },
+               [&] { return !plan_.networks.empty(); }) &&
+           several(
+               "Channel, as NAME:PERIOD:BYTES:FROM:TO, such as speed:50ms:8:" +
+                   plan_.networks.front().name + ":" + plan_.networks.back().name + " [no more]: ",
+               [&](const std::string& text) { return add_channel(plan_, text); },
+               [] { return true; }) &&
+           confirm(terminal_, fmt::format("Write {}?", a_.file));
+  }
+
+  /// Until the answer is empty and that is enough.
+  template <class Add, class IsEnough>
+  bool several(const std::string& text, Add add, IsEnough is_enough) {
+    for (bool more = true; more;) {
+      const bool answered = question(text, "", [&](const std::string& answer) -> Result<void> {
+        if (!answer.empty()) return add(answer);
+        if (!is_enough()) return fail("at least one is needed");
+        more = false;
+        return {};
+      });
+      if (!answered) return false;
+    }
+    return true;
+  }
+
+  std::optional<Refusal> write() {
+    const auto text = description_of(plan_, random_number);
+    if (auto refused = mistakes_in(text, a_.file)) return refused;
+    if (!a_.dry_run)
+      if (const auto written = create_file(a_.file, text); !written)
+        return refusal(Exit::world, written.error().text);
+    report(text);
+    return std::nullopt;
+  }
+
+  void report(const std::string& text) {
+    if (context_.json) {
+      Json out = {{"file", a_.file},
+                  {"written", !a_.dry_run},
+                  {"networks", plan_.networks.size()},
+                  {"channels", plan_.channels.size()}};
+      if (a_.dry_run) out["text"] = text;
+      exit_ = say(out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+    } else if (a_.dry_run) {
+      exit_ = say(text);
+    } else {
+      exit_ = say(fmt::format("{}: created. Now: mlccactl check {}\n", printable(a_.file),
+                              printable(a_.file)));
+    }
+  }
+
+  const NewArguments& a_;
+  const Context& context_;
+  Terminal terminal_;
+  Plan plan_;
+  Exit exit_ = Exit::fine;
+};
+
+}  // namespace
+
+void add_new(CLI::App& app, Context& context) {
+  auto* verb = app.add_subcommand("new", "the first description of a system");
+  auto a = std::make_shared<NewArguments>();
+  a->name = "system";
+  verb->add_option("file", a->file, "is created")->required()->type_name("FILE");
+  verb->add_option("--name", a->name, "of the system")->type_name("NAME")->capture_default_str();
+  verb->add_option("--gateway", a->gateway, "with a port on each network")->type_name("NAME");
+  verb->add_option("--network", a->networks,
+                   "NAME:KIND:INTERFACE, KIND is can, udp-multicast or mesh; of can perhaps "
+                   ":BITRATE; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NETWORK");
+  verb->add_option("--channel", a->channels,
+                   "NAME:PERIOD:BYTES:FROM:TO, such as speed:50ms:8:bus:lan; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("CHANNEL");
+  verb->add_flag("--dry-run", a->dry_run, "print the description instead of writing it");
+  verb->callback([a, &context] { context.exit = New(*a, context).run(); });
+}
+
+}  // namespace mlcca::tools::design

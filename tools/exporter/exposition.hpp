@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The text format of Prometheus, version 0.0.4.
+#pragma once
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace mlcca::exporter {
+
+inline constexpr const char* kContentType = "text/plain; version=0.0.4; charset=utf-8";
+
+/// "name=\"value\",…" of labels; what stands in a value is escaped.
+class Labels {
+ public:
+  Labels() = default;
+  Labels(std::initializer_list<std::pair<std::string_view, std::string_view>> pairs) {
+    for (const auto& [name, value] : pairs) add(name, value);
+  }
+  /// Of what text() gave.
+  static Labels made(std::string text) {
+    Labels labels;
+    labels.text_ = std::move(text);
+    return labels;
+  }
+  void add(std::string_view name, std::string_view value);
+  [[nodiscard]] Labels with(std::string_view name, std::string_view value) const {
+    Labels more = *this;
+    more.add(name, value);
+    return more;
+  }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+/// A metric with all of its samples.
+class Family {
+ public:
+  /// `type`: "gauge" or "counter", whose `name` ends with _total. Both outlive this.
+  Family(std::string_view name, std::string_view type, std::string_view help);
+
+  void add(const Labels& labels, double value);
+  void add(const Labels& labels, std::uint64_t value);
+  void add(double value) { add(Labels(), value); }
+  void add(std::uint64_t value) { add(Labels(), value); }
+  void add(const Labels& labels, bool value) { add(labels, std::uint64_t{value ? 1U : 0U}); }
+  void add(bool value) { add(Labels(), value); }
+
+  /// Empty without samples: Prometheus knows a metric by them.
+  [[nodiscard]] std::string text() const;
+  void append_to(std::string& page) const;
+
+ private:
+  void begin(const Labels& labels);
+  std::string_view name_;
+  std::string_view type_;
+  std::string_view help_;
+  std::string samples_;
+};
+
+}  // namespace mlcca::exporter

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/exporter/metrics.hpp"
+
+#include "control/version.hpp"
+#include "tools/exporter/exposition.hpp"
+
+namespace mlcca::exporter {
+namespace {
+
+constexpr std::size_t kBytesOfADelivery = 1024;
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// What may stand in a name or an address, so that digits beside it are a part of it.
+bool is_of_a_word(char c) {
+  return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '-' ||
+         c == ':' || c == '/' || (static_cast<unsigned char>(c) & 0x80U) != 0;
+}
+
+/// The end of the decimal number that begins at `from`.
+std::size_t end_of_number(std::string_view text, std::size_t from) {
+  std::size_t at = from;
+  while (at < text.size() && is_digit(text[at])) ++at;
+  if (at + 1 < text.size() && text[at] == '.' && is_digit(text[at + 1])) {
+    ++at;
+    while (at < text.size() && is_digit(text[at])) ++at;
+  }
+  return at;
+}
+
+/// "10.0.0.7" goes on behind what looks like a number; so does "2a", but not "2:" or "5 ms".
+bool goes_on(std::string_view text, std::size_t at) {
+  if (at >= text.size()) return false;
+  const char after = at + 1 < text.size() ? text[at + 1] : ' ';
+  if (text[at] == '.' || text[at] == ':') return is_of_a_word(after);
+  return is_of_a_word(text[at]);
+}
+
+void add_self(const Answers& answers, const LeftOut& left_out, const Past& past, double took_s,
+              std::string& page) {
+  Family build("mlcca_exporter_build_info", "gauge", "The version of this exporter; always 1.");
+  build.add(Labels{{"version", kVersion}}, true);
+  build.append_to(page);
+  Family took("mlcca_exporter_scrape_duration_seconds", "gauge", "How long mlccad was asked.");
+  took.add(took_s);
+  took.append_to(page);
+  Family scrapes("mlcca_exporter_scrapes_total", "counter", "Scrapes since this exporter started.");
+  scrapes.add(past.scrapes);
+  scrapes.append_to(page);
+  Family failures("mlcca_exporter_scrape_errors_total", "counter",
+                  "Requests to mlccad that failed since this exporter started.");
+  for (const char* request :
+       {"connect", "status", "networks", "channels", "reservations", "gate", "routes"}) {
+    const auto known = past.failures.find(request);
+    failures.add(Labels{{"request", request}},
+                 known == past.failures.end() ? std::uint64_t{0} : known->second);
+  }
+  failures.append_to(page);
+  if (!answers.live.status) return;
+  Family age("mlcca_exporter_reports_age_seconds", "gauge",
+             "Age of what is not asked in each scrape: networks, resources, links and the room of "
+             "gates.");
+  age.add(answers.reports_age_s);
+  age.append_to(page);
+  Family left("mlcca_exporter_left_out", "gauge",
+              "How many of a kind have no series because there are more than the limit.");
+  for (const auto& [kind, count] : left_out)
+    left.add(Labels{{"kind", kind}}, static_cast<std::uint64_t>(count));
+  left.append_to(page);
+}
+
+}  // namespace
+
+std::string without_numbers(std::string_view reason) {
+  std::string out;
+  out.reserve(reason.size());
+  for (std::size_t at = 0; at < reason.size();) {
+    const bool begins = is_digit(reason[at]) &&
+                        (at == 0 || (!is_of_a_word(reason[at - 1]) && reason[at - 1] != '.'));
+    const std::size_t end = begins ? end_of_number(reason, at) : at;
+    if (begins && !goes_on(reason, end)) {
+      out += 'N';
+      at = end;
+      continue;
+    }
+    // The whole word, so that its further digits are not taken for numbers.
+    do {
+      out += reason[at++];
+    } while (at < reason.size() && is_of_a_word(reason[at - 1]) &&
+             (is_of_a_word(reason[at]) || reason[at] == '.'));
+  }
+  return out;
+}
+
+std::string page(const Answers& answers, const Most& most, const Past& past, double took_s) {
+  std::string page;
+  if (answers.live.channels)  // about: it need not be moved while it grows
+    page.reserve(answers.live.channels->channels.size() * kBytesOfADelivery);
+  LeftOut left_out{{"deliveries", 0}, {"interfaces", 0}, {"networks", 0}, {"resources", 0},
+                   {"links", 0},      {"control", 0},    {"reasons", 0}};
+  Family up("mlcca_up", "gauge", "Whether mlccad answered; without an answer nothing is known.");
+  up.add(answers.live.status.has_value());
+  up.append_to(page);
+  const auto& [live, reports, age_s] = answers;
+  if (live.status) {
+    add_status(*live.status, most, left_out, page);
+    add_networks(reports, most, left_out, page);
+    if (reports.gates) add_gates(*reports.gates, most, left_out, page);
+    if (live.channels) add_deliveries(*live.channels, most, left_out, page);
+  }
+  add_self(answers, left_out, past, took_s, page);
+  return page;
+}
+
+}  // namespace mlcca::exporter

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Logs of Vector tools in binary: a header "LOGG", then objects "LOBJ", of which containers hold
+// others, compressed by zlib. Numbers are little-endian. An object may begin in one container and
+// end in the next one.
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/learn/formats.hpp"
+
+namespace mlcca::learn {
+namespace {
+
+constexpr std::uint32_t kCanMessage = 1;
+constexpr std::uint32_t kContainer = 10;
+constexpr std::uint32_t kCanMessage2 = 86;
+constexpr std::uint32_t kFdMessage = 100;
+constexpr std::uint32_t kFdMessage64 = 101;
+constexpr std::uint32_t kObject = 0x4a424f4c;  // "LOBJ"
+constexpr std::uint32_t kNothing = 0;
+constexpr std::uint32_t kLongestObject = 1U << 20U;      // of which one is a frame
+constexpr std::uint32_t kLargestContainer = 64U << 20U;  // uncompressed; tools write 128 KiB
+constexpr std::size_t kHeader = 16;                      // that all objects have
+constexpr std::uint32_t kTenMicroseconds = 1;            // unit of times; else ns
+
+template <class Number>
+Number at(Bytes bytes, std::size_t offset) {
+  return number_at<Number>(bytes, offset, false);
+}
+
+class Blf {
+ public:
+  explicit Blf(Recording& recording) : recording_(recording) {}
+
+  Result<void> read() {
+    const Bytes all = recording_.bytes;
+    if (all.size() < 8) return fail("the file ends within its header");
+    const auto header = at<std::uint32_t>(all, 4);
+    if (header < 8 || header > all.size())
+      return fail("offset 4: a header of " + std::to_string(header) + " bytes does not fit");
+    for (std::size_t offset = header; offset + kHeader <= all.size();) {
+      if (at<std::uint32_t>(all, offset) != kObject)
+        return fail("offset " + std::to_string(offset) + ": no object begins here");
+      const std::uint64_t size = at<std::uint32_t>(all, offset + 8);
+      if (size < kHeader || size > all.size() - offset)
+        return fail("offset " + std::to_string(offset + 8) + ": an object of " +
+                    std::to_string(size) + " bytes does not fit into the file");
+      const Bytes object = all.subspan(offset, size);
+      if (at<std::uint32_t>(all, offset + 12) == kContainer) {
+        if (const auto done = open_container(object); !done)
+          return fail("offset " + std::to_string(offset) + ": " + done.error().text);
+      } else {
+        take_object(object);
+      }
+      offset += size + size % 4;
+    }
+    return {};
+  }
+
+ private:
+  Result<void> open_container(Bytes object) {
+    constexpr std::size_t before = 32;
+    if (object.size() < before) return fail("a container without its header");
+    const auto method = at<std::uint16_t>(object, kHeader);
+    const auto size = at<std::uint32_t>(object, kHeader + 8);
+    const Bytes packed = object.subspan(before);
+    if (size > kLargestContainer)
+      return fail("a container of " + std::to_string(size) +
+                  " bytes: " + std::to_string(kLargestContainer) + " are the limit");
+    const std::size_t kept = rest_.size();
+    if (method == 0) {
+      rest_.insert(rest_.end(), packed.begin(), packed.end());
+    } else if (method == 2) {
+      rest_.resize(kept + size);
+      uLongf length = size;
+      if (::uncompress(rest_.data() + kept, &length, packed.data(), packed.size()) != Z_OK ||
+          length != size)
+        return fail("a container that cannot be uncompressed");
+    } else {
+      return fail("a container with compression method " + std::to_string(method) +
+                  ": 0 (none) and 2 (zlib) are known");
+    }
+    return take_objects();
+  }
+
+  /// All that are complete; what is left is the beginning of one.
+  Result<void> take_objects() {
+    const Bytes all(rest_);
+    std::size_t offset = 0;
+    while (all.size() - offset >= kHeader) {
+      if (at<std::uint32_t>(all, offset) != kObject) {  // padding between objects
+        ++offset;
+        continue;
+      }
+      const auto size = at<std::uint32_t>(all, offset + 8);
+      if (size < kHeader || size > kLongestObject)
+        return fail("an object of " + std::to_string(size) + " bytes");
+      if (size > all.size() - offset) break;
+      take_object(all.subspan(offset, size));
+      offset += size;
+    }
+    rest_.erase(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(offset));
+    return {};
+  }
+
+  void take_object(Bytes object) {
+    constexpr std::size_t shortest = 32;  // header with a time
+    const auto type = at<std::uint32_t>(object, 12);
+    if (type != kCanMessage && type != kCanMessage2 && type != kFdMessage && type != kFdMessage64) {
+      if (type != kNothing) recording_.pass_over("an object of type " + std::to_string(type));
+      return;
+    }
+    const std::size_t header = at<std::uint16_t>(object, 4);
+    if (object.size() < shortest || header < shortest || header > object.size()) return;
+    Frame frame;
+    const auto time = at<std::uint64_t>(object, 24);
+    const bool coarse = at<std::uint32_t>(object, kHeader) == kTenMicroseconds;
+    if (coarse && time > UINT64_MAX / 10'000) return;
+    frame.ns = coarse ? time * 10'000 : time;
+    const Bytes body = object.subspan(header);
+    if (type == kFdMessage64)
+      take_fd64(body, frame);
+    else
+      take_message(body, type == kFdMessage, frame);
+  }
+
+  void take_message(Bytes body, bool fd, Frame frame) {
+    const std::size_t data = fd ? 20 : 8;
+    if (body.size() < data) return;
+    const auto flags = body[2];
+    frame.local = (flags & 1U) != 0;
+    frame.fd = fd && (body[13] & 1U) != 0;
+    std::size_t size = fd ? body[14] : std::min<std::size_t>(body[3], 8);
+    if ((flags & 0x80U) != 0) size = 0;
+    hand_over(body, data, size, (flags & 0x80U) != 0, at<std::uint16_t>(body, 0), frame);
+  }
+
+  void take_fd64(Bytes body, Frame frame) {
+    constexpr std::size_t data = 40;
+    if (body.size() < data) return;
+    const auto flags = at<std::uint32_t>(body, 12);
+    frame.fd = (flags & 0x1000U) != 0;
+    frame.local = body[35] == 1;
+    const bool remote = (flags & 0x10U) != 0;
+    hand_over(body, data, remote ? 0 : body[2], remote, body[0], frame);
+  }
+
+  void hand_over(Bytes body, std::size_t data, std::size_t size, bool remote, unsigned channel,
+                 Frame& frame) {
+    if (size > (frame.fd ? 64U : 8U) || size > body.size() - data) return;
+    frame.id = at<std::uint32_t>(body, 4) & (kExtended | kIdentifierBits);
+    if (!frame.is_extended() && frame.id > 0x7ff) return;
+    if (remote) frame.id |= kRemote;
+    frame.data = body.subspan(data, size);
+    frame.interface = recording_.interfaces.number_of("can" + std::to_string(channel));
+    recording_.take(frame);
+  }
+
+  Recording& recording_;
+  std::vector<std::uint8_t> rest_;
+};
+
+}  // namespace
+
+Result<void> read_blf(Recording& recording) { return Blf(recording).read(); }
+
+}  // namespace mlcca::learn

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// A line of candump -l: "(1436509052.249713) can0 123#1122", FD frames as 123##1AABB with their
+// flags in one digit, remote frames as 123#R or 123#R8, and at the end, with -x, R for received and
+// T for sent.
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "tools/learn/formats.hpp"
+
+namespace mlcca::learn {
+namespace {
+
+constexpr std::size_t kMostData = 64;
+constexpr std::size_t kClassic = 8;
+
+int digit_of(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+/// Digits of any number, until something else comes; how many, and their value.
+struct Digits {
+  std::uint64_t value = 0;
+  std::size_t count = 0;
+};
+Digits decimal_at(std::string_view text) {
+  Digits out;
+  while (out.count < text.size() && out.count < 18 && text[out.count] >= '0' &&
+         text[out.count] <= '9')
+    out.value = out.value * 10 + static_cast<std::uint64_t>(text[out.count++] - '0');
+  return out;
+}
+
+/// "(1436509052.249713)" in ns; false: it is no time.
+bool take_time(std::string_view word, std::uint64_t& ns) {
+  if (!word.starts_with('(') || !word.ends_with(')')) return false;
+  word = word.substr(1, word.size() - 2);
+  const Digits seconds = decimal_at(word);
+  if (seconds.count == 0 || seconds.count > 10) return false;
+  ns = seconds.value * 1'000'000'000;
+  word.remove_prefix(seconds.count);
+  if (word.empty()) return true;
+  word.remove_prefix(1);
+  const Digits fraction = decimal_at(word);
+  if (fraction.count == 0 || fraction.count != word.size() || fraction.count > 9) return false;
+  std::uint64_t part = fraction.value;
+  for (std::size_t i = fraction.count; i < 9; ++i) part *= 10;
+  ns += part;
+  return true;
+}
+
+/// "123" or "18FEF100", cut off the word with the '#' behind it; false: it is no identifier.
+bool take_identifier(std::string_view& word, std::uint32_t& id) {
+  constexpr std::size_t standard = 3;
+  constexpr std::size_t extended = 8;
+  std::size_t at = 0;
+  id = 0;
+  for (int digit = 0; at < word.size() && (digit = digit_of(word[at])) >= 0; ++at) {
+    if (at == extended) return false;
+    id = id << 4 | static_cast<std::uint32_t>(digit);
+  }
+  if ((at != standard && at != extended) || at == word.size() || word[at] != '#') return false;
+  if (at == extended && (id & kError) == 0) id = (id & kIdentifierBits) | kExtended;
+  word.remove_prefix(at + 1);
+  return at == extended || id <= 0x7ff;
+}
+
+/// "1122", with or without dots between the bytes; nothing: it is no data.
+std::optional<std::size_t> take_data(std::string_view word, std::size_t most,
+                                     std::array<std::uint8_t, kMostData>& data) {
+  std::size_t size = 0;
+  while (!word.empty()) {
+    if (word.starts_with('.')) word.remove_prefix(1);
+    if (word.starts_with('_') && most == kClassic && size == most) break;  // a length code above 8
+    if (word.size() < 2 || size == most) return std::nullopt;
+    const int high = digit_of(word[0]);
+    const int low = digit_of(word[1]);
+    if (high < 0 || low < 0) return std::nullopt;
+    data[size++] = static_cast<std::uint8_t>(high << 4 | low);
+    word.remove_prefix(2);
+  }
+  return size;
+}
+
+/// "123#1122": false: it is no frame.
+bool take_frame(std::string_view word, Frame& frame, std::array<std::uint8_t, kMostData>& data) {
+  if (!take_identifier(word, frame.id)) return false;
+  frame.fd = word.starts_with('#');
+  if (frame.fd) {
+    if (word.size() < 2 || digit_of(word[1]) < 0) return false;
+    word.remove_prefix(2);
+  }
+  if (!frame.fd && word.starts_with('R')) {
+    frame.id |= kRemote;
+    return word.size() <= 3;
+  }
+  const auto size = take_data(word, frame.fd ? kMostData : kClassic, data);
+  if (size) frame.data = {data.data(), *size};
+  return size.has_value();
+}
+
+}  // namespace
+
+Result<void> read_candump(Recording& recording) {
+  Lines lines(recording.bytes);
+  std::string_view name;  // of the latest interface, which is mostly that of the next line
+  std::uint32_t number = 0;
+  std::array<std::uint8_t, kMostData> data{};
+  while (lines.next()) {
+    std::string_view line = lines.line();
+    if (line.size() > Lines::kLongest)
+      return fail("line " + std::to_string(lines.number()) + " has " + std::to_string(line.size()) +
+                  " characters: no line of candump is so long");
+    Frame frame;
+    const auto time = next_word(line);
+    if (time.empty()) continue;
+    const auto interface = next_word(line);
+    const auto text = next_word(line);
+    if (!take_time(time, frame.ns) || interface.empty() || !take_frame(text, frame, data)) {
+      recording.pass_over(
+          "line " + std::to_string(lines.number()) + ": '" +
+          std::string(lines.line().substr(0, 60)) +
+          "' is no frame as candump -l writes it: (1436509052.249713) can0 123#1122");
+      continue;
+    }
+    if (interface != name) {
+      number = recording.interfaces.number_of(interface);
+      name = interface;
+    }
+    frame.interface = number;
+    frame.local = next_word(line) == "T";
+    if ((frame.id & kError) != 0) continue;
+    recording.take(frame);
+  }
+  return {};
+}
+
+}  // namespace mlcca::learn

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// From frames of a profile to events: whose they are, of which channel, and how long, also where an
+// event has several frames.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+
+#include "core/model/system.hpp"
+#include "tools/learn/frame.hpp"
+
+namespace mlcca::learn {
+
+/// The number of a channel in its profile: an identifier (raw) with kExtended where it has 29 bits,
+/// a COB-ID, PGN, subject-id or etag.
+struct Event {
+  std::uint64_t ns = 0;
+  std::uint32_t number = 0;
+  std::uint32_t node = 0;         ///< of the sender, where the profile has nodes
+  std::uint32_t priority = 0;     ///< where the profile has priorities, as it has them
+  std::uint32_t bytes = 0;        ///< of the event
+  std::uint32_t frame_bytes = 0;  ///< of its longest frame
+  bool fd = false;
+  bool remote = false;
+  bool local = false;
+};
+
+class Decoder {
+ public:
+  explicit Decoder(core::Profile profile) : profile_(profile) {}
+
+  using OnEvent = std::function<void(const Event&)>;
+  /// Calls `on_event` when the last frame of an event has come.
+  void take(const Frame& frame, const OnEvent& on_event);
+
+  [[nodiscard]] core::Profile profile() const { return profile_; }
+  /// Frames of the profile's own control traffic, which need no channel.
+  [[nodiscard]] std::uint64_t control_frames() const { return control_; }
+  /// Frames that no channel of the profile can have: services of Cyphal, for example.
+  [[nodiscard]] std::uint64_t other_frames() const { return others_; }
+
+ private:
+  /// An event of which frames have come.
+  struct Begun {
+    Event event;
+    std::uint64_t latest = 0;
+  };
+  static constexpr std::size_t kMostBegun = 1024;
+
+  [[nodiscard]] bool is_control(const Frame& frame) const;
+  void take_j1939(const Frame& frame, Event event, const OnEvent& on_event);
+  void take_cyphal(const Frame& frame, Event event, const OnEvent& on_event);
+  void take_famouso(const Frame& frame, Event event, const OnEvent& on_event);
+  /// One more frame; `is_last`: it completes the event, of which `less` bytes are none of its own.
+  void go_on(std::uint32_t id, const Event& event, bool is_first, bool is_last, std::uint32_t less,
+             const OnEvent& on_event);
+
+  core::Profile profile_;
+  std::map<std::uint32_t, Begun> begun_;  ///< by identifier
+  std::uint64_t control_ = 0;
+  std::uint64_t others_ = 0;
+};
+
+}  // namespace mlcca::learn

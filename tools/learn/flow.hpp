@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is seen of the events of one publisher: how often they come, how unevenly, how long they
+// are. Events are handed over in the order of time; memory does not grow with their number.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace mlcca::learn {
+
+/// A period, and how early events came to it at most, ns: a policer with that period and tolerance
+/// (GCRA) would have let all of them pass.
+struct Rate {
+  std::uint64_t period = 0;
+  std::uint64_t early = 0;
+};
+
+class Flow {
+ public:
+  /// An event at `ns`, of `bytes`.
+  void add(std::uint64_t ns, std::uint32_t bytes);
+
+  [[nodiscard]] std::uint64_t events() const { return events_; }
+  [[nodiscard]] std::uint32_t least_bytes() const { return least_bytes_; }
+  [[nodiscard]] std::uint32_t most_bytes() const { return most_bytes_; }
+
+  // Of the times between two events, ns; 0 with less than two of them.
+  [[nodiscard]] std::uint64_t shortest_gap() const { return gaps_ == 0 ? 0 : shortest_; }
+  [[nodiscard]] std::uint64_t longest_gap() const { return longest_; }
+  /// To 2 %.
+  [[nodiscard]] std::uint64_t median_gap() const { return quantile(0.5); }
+  [[nodiscard]] std::uint64_t quantile(double share) const;
+  /// Of all gaps, those within a tenth of the median, or of a whole multiple of it up to 10: events
+  /// may be lost.
+  [[nodiscard]] double regular_share() const;
+
+  /// For periods up to the median or mean of the first gaps, the longest first. Empty with less
+  /// than kFirst events.
+  [[nodiscard]] std::vector<Rate> rates() const;
+
+  /// So many events are kept until their rate is known well enough to judge all others by it.
+  static constexpr std::size_t kFirst = 33;
+
+ private:
+  // A gap of g ns counts in octave log2(g), each of 32 parts.
+  static constexpr unsigned kParts = 32;
+  static constexpr unsigned kLowest = 10;   // 1 us
+  static constexpr unsigned kHighest = 40;  // 18 minutes
+  using Histogram = std::array<std::uint32_t, std::size_t{kParts} * (kHighest - kLowest)>;
+
+  static std::size_t part_of(std::uint64_t gap);
+  static std::uint64_t middle_of(std::size_t part);
+  void choose_periods();
+  void judge(std::uint64_t ns);
+
+  struct Policer {
+    std::uint64_t period = 0;
+    std::uint64_t due = 0;  ///< when the next event may come, ns; 0: at once
+    std::uint64_t early = 0;
+  };
+  static constexpr std::size_t kPolicers = 12;
+
+  std::uint64_t events_ = 0;
+  std::uint64_t gaps_ = 0;
+  std::uint64_t last_ = 0;
+  std::uint64_t shortest_ = UINT64_MAX;
+  std::uint64_t longest_ = 0;
+  std::uint32_t least_bytes_ = UINT32_MAX;
+  std::uint32_t most_bytes_ = 0;
+  std::vector<std::uint64_t> begin_;  ///< the first kFirst times, until the periods are chosen
+  std::array<Policer, kPolicers> policers_{};
+  std::unique_ptr<Histogram> histogram_;
+};
+
+/// The largest of the numbers 1, 1.2, 1.25, 1.5, 1.6, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten
+/// that is within 2 % of `ns`; `ns` itself to two digits, rounded down, where there is none.
+[[nodiscard]] std::uint64_t nominal(std::uint64_t ns);
+
+}  // namespace mlcca::learn

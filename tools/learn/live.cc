@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/learn/live.hpp"
+
+#include <linux/can.h>
+#include <linux/can/netlink.h>
+#include <linux/can/raw.h>
+#include <linux/if.h>
+#include <linux/if_arp.h>
+#include <linux/if_link.h>
+#include <linux/rtnetlink.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "base/clock.hpp"
+#include "base/handle.hpp"
+
+namespace mlcca::learn {
+namespace {
+
+constexpr int kBuffer = 16 * 1024 * 1024;  // bytes: a second of a bus, many times
+constexpr std::size_t kBatch = 256;        // frames that are read of a socket at once
+constexpr int kAsk = 100;                  // ms
+
+std::unexpected<Error> system_error(const std::string& call) {
+  return fail(call + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
+}
+
+template <class T>
+bool set(const Fd& socket, int level, int option, const T& value) {
+  return ::setsockopt(socket.get(), level, option, &value, sizeof value) == 0;
+}
+
+/// 0: there is none.
+int index_of(const std::string& name) {
+  const Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  ifreq request{};
+  if (name.size() >= sizeof request.ifr_name) return 0;
+  name.copy(request.ifr_name, name.size());
+  return ::ioctl(socket.get(), SIOCGIFINDEX, &request) == 0 ? request.ifr_ifindex : 0;
+}
+
+/// A frame in memory of its own, so that those of several sockets can be sorted.
+struct Read {
+  canfd_frame frame{};
+  std::uint64_t ns = 0;
+  std::uint32_t interface = 0;
+  bool fd = false;
+  bool local = false;
+};
+
+struct Listened {
+  Fd socket;
+  std::uint32_t number = 0;
+  std::uint64_t lost = 0;
+};
+
+class Sockets final : public Listener {
+ public:
+  Result<void> add(const std::string& name, std::uint32_t number) {
+    const int index = index_of(name);
+    if (index == 0) return fail(name + ": there is no such interface");
+    Fd socket(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW));
+    if (!socket) return system_error(name + ": socket");
+    ifreq request{};
+    name.copy(request.ifr_name, sizeof request.ifr_name - 1);
+    if (::ioctl(socket.get(), SIOCGIFHWADDR, &request) == 0 &&
+        request.ifr_hwaddr.sa_family != ARPHRD_CAN)
+      return fail(name + ": is no CAN interface");
+    const int on = 1;
+    static_cast<void>(set(socket, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, on));
+    if (!set(socket, SOL_SOCKET, SO_RCVBUFFORCE, kBuffer))
+      static_cast<void>(set(socket, SOL_SOCKET, SO_RCVBUF, kBuffer));
+    if (!set(socket, SOL_SOCKET, SO_TIMESTAMPNS, on) || !set(socket, SOL_SOCKET, SO_RXQ_OVFL, on))
+      return system_error(name + ": setsockopt");
+    sockaddr_can address{};
+    address.can_family = AF_CAN;
+    address.can_ifindex = index;
+    // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
+    if (::bind(socket.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
+      return system_error(name + ": bind");
+    all_.push_back({std::move(socket), number, 0});
+    return {};
+  }
+
+  Result<void> listen(std::uint64_t ns, const std::function<bool()>& stop,
+                      const OnFrame& on_frame) override {
+    const std::uint64_t end = monotonic_ns() + ns;
+    std::vector<pollfd> polled;
+    polled.reserve(all_.size());
+    for (const Listened& one : all_) polled.push_back({one.socket.get(), POLLIN, 0});
+    while (monotonic_ns() < end && !stop()) {
+      if (::poll(polled.data(), polled.size(), kAsk) < 0 && errno != EINTR)
+        return system_error("poll");
+      batch_.clear();
+      for (std::size_t i = 0; i < all_.size(); ++i)
+        if (polled[i].revents != 0 && !read(all_[i])) return system_error("recvmsg");
+      std::ranges::stable_sort(batch_, {}, &Read::ns);
+      for (const Read& one : batch_) {
+        Frame frame;
+        frame.ns = one.ns;
+        frame.interface = one.interface;
+        frame.id = one.frame.can_id;
+        frame.fd = one.fd;
+        frame.local = one.local;
+        frame.data = std::span(one.frame.data).first(std::min<std::size_t>(one.frame.len, 64));
+        on_frame(frame);
+      }
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::uint64_t lost() const override {
+    std::uint64_t sum = 0;
+    for (const Listened& one : all_) sum += one.lost;
+    return sum;
+  }
+
+ private:
+  bool read(Listened& from) {
+    for (std::size_t i = 0; i < kBatch; ++i) {
+      Read one;
+      iovec data{.iov_base = &one.frame, .iov_len = sizeof one.frame};
+      alignas(cmsghdr) std::array<char, 128> control{};
+      msghdr message{};
+      message.msg_iov = &data;
+      message.msg_iovlen = 1;
+      message.msg_control = control.data();
+      message.msg_controllen = control.size();
+      const ssize_t n = ::recvmsg(from.socket.get(), &message, MSG_DONTWAIT);
+      // An interface that goes down stays: it may come again.
+      if (n < 0) return errno == EAGAIN || errno == EINTR || errno == ENETDOWN || errno == ENODEV;
+      one.fd = n == CANFD_MTU;
+      one.local = (message.msg_flags & MSG_DONTROUTE) != 0;
+      one.interface = from.number;
+      for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
+           part = CMSG_NXTHDR(&message, part)) {
+        if (part->cmsg_level != SOL_SOCKET) continue;
+        if (part->cmsg_type == SCM_TIMESTAMPNS) {
+          timespec time{};
+          std::memcpy(&time, CMSG_DATA(part), sizeof time);
+          one.ns = static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 +
+                   static_cast<std::uint64_t>(time.tv_nsec);
+        } else if (part->cmsg_type == SO_RXQ_OVFL) {
+          std::uint32_t dropped = 0;
+          std::memcpy(&dropped, CMSG_DATA(part), sizeof dropped);
+          from.lost = dropped;
+        }
+      }
+      if ((one.frame.can_id & CAN_ERR_FLAG) == 0) batch_.push_back(one);
+    }
+    return true;
+  }
+
+  std::vector<Listened> all_;
+  std::vector<Read> batch_;
+};
+
+/// The attribute of that type among some; nothing: there is none.
+std::optional<std::span<const std::uint8_t>> attribute(std::span<const std::uint8_t> all,
+                                                       std::uint16_t type) {
+  while (all.size() >= sizeof(rtattr)) {
+    rtattr head{};
+    std::memcpy(&head, all.data(), sizeof head);
+    if (head.rta_len < sizeof head || head.rta_len > all.size()) return std::nullopt;
+    if ((head.rta_type & NLA_TYPE_MASK) == type)
+      return all.subspan(sizeof head, head.rta_len - sizeof head);
+    all = all.subspan(std::min<std::size_t>(RTA_ALIGN(head.rta_len), all.size()));
+  }
+  return std::nullopt;
+}
+
+std::uint32_t rate_in(std::span<const std::uint8_t> data, std::uint16_t type) {
+  const auto timing = attribute(data, type);
+  std::uint32_t rate = 0;  // the first member of struct can_bittiming
+  if (timing && timing->size() >= sizeof rate) std::memcpy(&rate, timing->data(), sizeof rate);
+  return rate;
+}
+
+}  // namespace
+
+bool is_interface(const std::string& name) { return index_of(name) != 0; }
+
+Rates rates_of(const std::string& interface) {
+  const Fd socket(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE));
+  struct {
+    nlmsghdr head;
+    ifinfomsg link;
+  } request{};
+  request.head.nlmsg_len = sizeof request;
+  request.head.nlmsg_type = RTM_GETLINK;
+  request.head.nlmsg_flags = NLM_F_REQUEST;
+  request.link.ifi_index = index_of(interface);
+  const timeval patience{.tv_sec = 1, .tv_usec = 0};
+  if (!socket || request.link.ifi_index == 0 || !set(socket, SOL_SOCKET, SO_RCVTIMEO, patience) ||
+      ::send(socket.get(), &request, sizeof request, 0) < 0)
+    return {};
+  std::vector<std::uint8_t> reply(65'536);
+  const ssize_t n = ::recv(socket.get(), reply.data(), reply.size(), 0);
+  constexpr std::size_t heads = sizeof(nlmsghdr) + sizeof(ifinfomsg);
+  if (n < static_cast<ssize_t>(heads)) return {};
+  nlmsghdr head{};
+  std::memcpy(&head, reply.data(), sizeof head);
+  if (head.nlmsg_type != RTM_NEWLINK) return {};
+  const auto all = std::span<const std::uint8_t>(reply).first(static_cast<std::size_t>(n));
+  const auto info = attribute(all.subspan(heads), IFLA_LINKINFO);
+  const auto data = info ? attribute(*info, IFLA_INFO_DATA) : std::nullopt;
+  if (!data) return {};
+  return {rate_in(*data, IFLA_CAN_BITTIMING), rate_in(*data, IFLA_CAN_DATA_BITTIMING)};
+}
+
+Result<std::unique_ptr<Listener>> Listener::open(const std::vector<std::string>& interfaces,
+                                                 Interfaces& numbers) {
+  auto out = std::make_unique<Sockets>();
+  for (const std::string& name : interfaces)
+    if (const auto added = out->add(name, numbers.number_of(name)); !added)
+      return std::unexpected(added.error());
+  return out;
+}
+
+}  // namespace mlcca::learn

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Listening to CAN interfaces. Needs no privileges: every user may read a CAN bus.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "tools/learn/frame.hpp"
+#include "tools/learn/recording.hpp"
+
+namespace mlcca::learn {
+
+/// Rates that a driver states, bit/s; 0: none.
+struct Rates {
+  std::uint32_t bitrate = 0;
+  std::uint32_t data_bitrate = 0;
+};
+/// Of a CAN interface; none of a virtual one.
+[[nodiscard]] Rates rates_of(const std::string& interface);
+
+/// There is an interface of that name.
+[[nodiscard]] bool is_interface(const std::string& name);
+
+class Listener {
+ public:
+  /// Error: there is no such interface, or it is no CAN interface.
+  static Result<std::unique_ptr<Listener>> open(const std::vector<std::string>& interfaces,
+                                                Interfaces& numbers);
+  Listener() = default;
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+  Listener(Listener&&) = delete;
+  Listener& operator=(Listener&&) = delete;
+  virtual ~Listener() = default;
+
+  /// Hands over what comes, in the order of time, until `ns` are over or `stop` says so, which is
+  /// asked ten times a second.
+  virtual Result<void> listen(std::uint64_t ns, const std::function<bool()>& stop,
+                              const OnFrame& on_frame) = 0;
+  /// Frames that came too fast to be read.
+  [[nodiscard]] virtual std::uint64_t lost() const = 0;
+};
+
+}  // namespace mlcca::learn

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// pcap (draft-ietf-opsawg-pcap) and pcapng (draft-ietf-opsawg-pcapng) with frames of SocketCAN:
+// link type 227, and 113 and 276 ("any") of packets with the protocols of CAN.
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/learn/formats.hpp"
+
+namespace mlcca::learn {
+namespace {
+
+constexpr std::uint32_t kSocketCan = 227;
+constexpr std::uint32_t kCooked = 113;
+constexpr std::uint32_t kCooked2 = 276;
+constexpr std::uint16_t kCan = 0x000c;    // ETH_P_CAN
+constexpr std::uint16_t kCanFd = 0x000d;  // ETH_P_CANFD
+constexpr std::uint8_t kFdFlag = 0x04;    // CANFD_FDF
+constexpr std::uint64_t kSecond = 1'000'000'000;
+constexpr std::size_t kLongestPacket = 1U << 18U;  // as the formats have it
+
+std::string at_offset(std::size_t offset) { return "offset " + std::to_string(offset); }
+
+bool is_can_link(std::uint32_t type) {
+  return type == kSocketCan || type == kCooked || type == kCooked2;
+}
+
+/// One packet of a link type; false: no CAN frame.
+bool take_packet(Bytes packet, std::uint32_t link, std::uint64_t ns, std::uint32_t interface,
+                 Recording& recording) {
+  bool local = false;
+  if (link == kCooked) {
+    if (packet.size() < 16) return false;
+    local = number_at<std::uint16_t>(packet, 0, true) == 4;  // PACKET_OUTGOING
+    const auto protocol = number_at<std::uint16_t>(packet, 14, true);
+    if (protocol != kCan && protocol != kCanFd) return false;
+    packet = packet.subspan(16);
+  } else if (link == kCooked2) {
+    if (packet.size() < 20) return false;
+    const auto protocol = number_at<std::uint16_t>(packet, 0, true);
+    if (protocol != kCan && protocol != kCanFd) return false;
+    local = packet[10] == 4;
+    packet = packet.subspan(20);
+  }
+  return take_socketcan(packet, ns, interface, local, recording);
+}
+
+/// Of one section of pcapng.
+struct NgInterface {
+  std::uint32_t link = 0;
+  std::uint32_t number = 0;
+  std::uint64_t units = 1'000'000;  ///< of a second
+};
+
+/// if_tsresol: a power of ten, or of two where the highest bit is set.
+std::uint64_t units_of(std::uint8_t resolution) {
+  constexpr unsigned most_bits = 60;
+  constexpr unsigned most_digits = 18;
+  const unsigned power = resolution & 0x7fU;
+  if ((resolution & 0x80U) != 0) return std::uint64_t{1} << std::min(power, most_bits);
+  std::uint64_t units = 1;
+  for (unsigned i = 0; i < std::min(power, most_digits); ++i) units *= 10;
+  return units;
+}
+
+/// if_name and if_tsresol among the options of an interface description.
+void read_options(Bytes options, bool big, std::string& name, std::uint64_t& units) {
+  for (std::size_t at = 0; at + 4 <= options.size();) {
+    const auto code = number_at<std::uint16_t>(options, at, big);
+    const std::size_t size = number_at<std::uint16_t>(options, at + 2, big);
+    at += 4;
+    if (code == 0 || at + size > options.size()) return;
+    const Bytes value = options.subspan(at, size);
+    if (code == 2) name.assign(value.begin(), value.end());
+    if (code == 9 && size == 1) units = units_of(value.front());
+    at += (size + 3) / 4 * 4;
+  }
+}
+
+std::uint64_t in_ns(std::uint64_t units, std::uint64_t per_second) {
+  const std::uint64_t seconds = units / per_second;
+  const std::uint64_t rest = units % per_second;
+  __extension__ using Wide = unsigned __int128;
+  return seconds * kSecond + static_cast<std::uint64_t>(Wide{rest} * kSecond / per_second);
+}
+
+class PcapNg {
+ public:
+  explicit PcapNg(Recording& recording) : recording_(recording) {}
+
+  Result<void> read() {
+    const Bytes all = recording_.bytes;
+    for (std::size_t at = 0; at < all.size();) {
+      if (at + 12 > all.size()) return fail(at_offset(at) + ": the file ends within a block");
+      const auto type = number_at<std::uint32_t>(all, at, big_);
+      if (type == 0x0a0d0d0a) {
+        const auto magic = number_at<std::uint32_t>(all, at + 8, true);
+        if (magic != 0x1a2b3c4d && magic != 0x4d3c2b1a)
+          return fail(at_offset(at + 8) + ": no byte-order magic of pcapng");
+        big_ = magic == 0x1a2b3c4d;
+        interfaces_.clear();
+      }
+      const auto size = number_at<std::uint32_t>(all, at + 4, big_);
+      if (size < 12 || size % 4 != 0 || size > all.size() - at)
+        return fail(at_offset(at + 4) + ": a block of " + std::to_string(size) +
+                    " bytes does not fit into the file");
+      block(type, all.subspan(at + 8, size - 12), at);
+      at += size;
+    }
+    return {};
+  }
+
+ private:
+  void block(std::uint32_t type, Bytes body, std::size_t at) {
+    if (type == 1 && body.size() >= 8 && interfaces_.size() < 4096) {
+      NgInterface one;
+      one.link = number_at<std::uint16_t>(body, 0, big_);
+      std::string name = "can" + std::to_string(interfaces_.size());
+      read_options(body.subspan(8), big_, name, one.units);
+      one.number = is_can_link(one.link) ? recording_.interfaces.number_of(name) : 0;
+      interfaces_.push_back(one);
+    }
+    if (type != 6 || body.size() < 20) return;  // an enhanced packet block
+    const auto interface = number_at<std::uint32_t>(body, 0, big_);
+    const auto size = number_at<std::uint32_t>(body, 12, big_);
+    if (interface >= interfaces_.size() || size > body.size() - 20) {
+      recording_.pass_over(at_offset(at) + ": a packet of an interface that is not described");
+      return;
+    }
+    const NgInterface& from = interfaces_[interface];
+    const auto units = std::uint64_t{number_at<std::uint32_t>(body, 4, big_)} << 32U |
+                       number_at<std::uint32_t>(body, 8, big_);
+    if (!is_can_link(from.link) || !take_packet(body.subspan(20, size), from.link,
+                                                in_ns(units, from.units), from.number, recording_))
+      recording_.pass_over(at_offset(at) + ": a packet that is no CAN frame");
+  }
+
+  Recording& recording_;
+  std::vector<NgInterface> interfaces_;
+  bool big_ = true;
+};
+
+}  // namespace
+
+bool take_socketcan(Bytes packet, std::uint64_t ns, std::uint32_t interface, bool local,
+                    Recording& recording) {
+  if (packet.size() < 8) return false;
+  Frame frame;
+  frame.ns = ns;
+  frame.interface = interface;
+  frame.local = local;
+  frame.id = number_at<std::uint32_t>(packet, 0, true);
+  const std::size_t size = packet[4];
+  frame.fd = size > 8 || (packet[5] & kFdFlag) != 0;
+  if (size > (frame.fd ? 64U : 8U) || size > packet.size() - 8) return false;
+  frame.data = packet.subspan(8, size);
+  if ((frame.id & kError) == 0) recording.take(frame);
+  return true;
+}
+
+Result<void> read_pcap(Recording& recording) {
+  const Bytes all = recording.bytes;
+  if (all.size() < 24) return fail("the file ends within its header");
+  const auto magic = number_at<std::uint32_t>(all, 0, true);
+  const bool big = magic == 0xa1b2c3d4 || magic == 0xa1b23c4d;
+  const bool nanoseconds = magic == 0xa1b23c4d || magic == 0x4d3cb2a1;
+  const auto link = number_at<std::uint32_t>(all, 20, big) & 0xffffU;
+  if (!is_can_link(link))
+    return fail("link type " + std::to_string(link) +
+                " has no CAN frames: record a CAN interface (SocketCAN, 227)");
+  const auto interface = recording.interfaces.number_of(recording.stem);
+  for (std::size_t at = 24; at < all.size();) {
+    if (all.size() - at < 16) return fail(at_offset(at) + ": the file ends within a packet");
+    const auto size = number_at<std::uint32_t>(all, at + 8, big);
+    if (size > kLongestPacket || size > all.size() - at - 16)
+      return fail(at_offset(at) + ": a packet of " + std::to_string(size) +
+                  " bytes does not fit into the file");
+    const std::uint64_t fraction = number_at<std::uint32_t>(all, at + 4, big);
+    const auto ns = number_at<std::uint32_t>(all, at, big) * kSecond +
+                    (nanoseconds ? fraction : fraction * 1000);
+    if (!take_packet(all.subspan(at + 16, size), link, ns, interface, recording))
+      recording.pass_over(at_offset(at) + ": a packet that is no CAN frame");
+    at += 16 + size;
+  }
+  return {};
+}
+
+Result<void> read_pcapng(Recording& recording) { return PcapNg(recording).read(); }
+
+}  // namespace mlcca::learn

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/learn/recognise.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace mlcca::learn {
+namespace {
+
+constexpr std::size_t kMostIdentifiers = 4096;
+
+unsigned percent_of(std::size_t part, std::size_t all) {
+  return all == 0 ? 0 : static_cast<unsigned>(part * 100 / all);
+}
+
+}  // namespace
+
+void Recogniser::add(const Frame& frame) {
+  if (frames_ >= kMost) return;
+  ++frames_;
+  if (!frame.is_extended()) {
+    add_standard(frame);
+    return;
+  }
+  ++extended_;
+  add_tail(frame);
+  add_groups(frame.id & kIdentifierBits);
+}
+
+/// CANopen: heart-beats, SYNC and SDO.
+void Recogniser::add_standard(const Frame& frame) {
+  const std::uint32_t id = frame.id & kIdentifierBits;
+  const auto& data = frame.data;
+  if (standard_.size() < kMostIdentifiers || standard_.contains(id)) ++standard_[id];
+  constexpr std::array<std::uint8_t, 4> states = {0, 4, 5, 127};
+  const bool state = data.size() == 1 && std::ranges::find(states, data[0]) != states.end();
+  if (id > 0x700 && id <= 0x77f && state) ++heartbeats_[id & 0x7fU];
+  const bool answer = id > 0x580 && id < 0x600;
+  const bool question = id > 0x600 && id < 0x680;
+  if ((answer || question) && data.size() == 8) ++services_;
+}
+
+/// Cyphal: whether the last byte is that of the next transfer, or of the same one.
+void Recogniser::add_tail(const Frame& frame) {
+  const std::uint32_t id = frame.id & kIdentifierBits;
+  if (frame.data.empty() || (tails_.size() >= kMostIdentifiers && !tails_.contains(id))) return;
+  const std::uint8_t tail = frame.data.back();
+  const auto [known, fresh] = tails_.try_emplace(id, tail);
+  if (fresh) return;
+  ++compared_;
+  const std::uint8_t before = known->second;
+  known->second = tail;
+  constexpr std::uint8_t first = 0x80;
+  constexpr std::uint8_t last = 0x40;
+  constexpr std::uint8_t toggle = 0x20;
+  constexpr std::uint8_t number = 0x1f;
+  const bool next_transfer = (before & last) != 0 && (tail & first) != 0 && (tail & toggle) != 0 &&
+                             (tail & number) == ((before + 1U) & number);
+  const bool same_transfer = (before & last) == 0 && (tail & first) == 0 &&
+                             (tail & number) == (before & number) &&
+                             (tail & toggle) != (before & toggle);
+  if (next_transfer || same_transfer) ++successors_;
+}
+
+/// J1939: PGNs; FAMOUSO: what broker and nodes say, with priority 0x7d and tags 2 and 4.
+void Recogniser::add_groups(std::uint32_t id) {
+  constexpr std::array<std::uint32_t, 5> managing = {0xee, 0xea, 0xec, 0xeb, 0xe8};
+  constexpr std::uint32_t pdu2 = 240;
+  const std::uint32_t format = id >> 16U & 0xffU;
+  const bool page0 = (id >> 24U & 3U) == 0;
+  if (page0 && format >= pdu2) ++broadcast_;
+  if (page0 && std::ranges::find(managing, format) != managing.end()) ++management_;
+  const std::uint32_t tag = id & 0x3fffU;
+  if ((id >> 22U & 0x7fU) == 0x7d && (tag == 2 || tag == 4)) ++binding_;
+}
+
+Recognised Recogniser::result() const {
+  if (frames_ == 0) return {core::Profile::raw, 0, "no frames were seen"};
+  const unsigned extended = percent_of(extended_, frames_);
+  if (extended >= 90) return of_extended();
+  if (extended_ == 0 && !heartbeats_.empty()) {
+    // Function codes of the predefined connection set, of nodes that are alive.
+    std::size_t known = 0;
+    for (const auto& [id, count] : standard_)
+      if (id <= 0x80 || heartbeats_.contains(id & 0x7fU)) known += count;
+    const unsigned share = percent_of(known, frames_);
+    if (share >= 80)
+      return {core::Profile::canopen, std::min(60 + share / 3, 95U),
+              fmt::format("{} nodes send heart-beats (0x700 and the node), {} % of the frames are "
+                          "theirs, SYNC or NMT{}",
+                          heartbeats_.size(), share, services_ == 0 ? "" : ", and there are SDOs")};
+  }
+  return {core::Profile::raw, 90,
+          extended_ == 0
+              ? std::string("11-bit identifiers without the traffic of CANopen")
+              : fmt::format("{} % of the frames have 29-bit identifiers, the others 11", extended)};
+}
+
+Recognised Recogniser::of_extended() const {
+  using core::Profile;
+  const unsigned successors = percent_of(successors_, compared_);
+  if (compared_ >= 20 && successors >= 90)
+    return {Profile::cyphal, std::min(successors, 99U),
+            fmt::format("29-bit identifiers, and {} % of the frames of an identifier end with the "
+                        "next transfer-id in their last byte",
+                        successors)};
+  if (binding_ != 0)
+    return {Profile::famouso, 95,
+            fmt::format("{} frames ask for tags or deal them, with priority 0x7d", binding_)};
+  const unsigned j1939 = percent_of(broadcast_ + management_, extended_);
+  if (j1939 >= 70 && management_ != 0)
+    return {Profile::j1939, std::min(70 + j1939 / 4, 98U),
+            fmt::format("29-bit identifiers, {} % of them of PGNs that go to everybody or manage "
+                        "the network ({} address claims, requests or announcements)",
+                        j1939, management_)};
+  if (j1939 >= 80)
+    return {Profile::j1939, 70,
+            fmt::format("29-bit identifiers, {} % of them of PGNs that go to everybody; no address "
+                        "claim was seen",
+                        j1939)};
+  return {Profile::raw, 60, "29-bit identifiers of no profile that is known here"};
+}
+
+}  // namespace mlcca::learn

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Recordings of CAN traffic: logs of candump (-l, -L), pcap and pcapng with frames of SocketCAN,
+// logs of Vector tools in text (ASC) and binary (BLF). What they hold is input from outside.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.hpp"
+#include "tools/learn/frame.hpp"
+
+namespace mlcca::learn {
+
+/// The interfaces of all recordings, numbered in the order in which they were first seen.
+class Interfaces {
+ public:
+  static constexpr std::size_t kMost = 64;
+  /// The number of a name; kMost where there are that many others.
+  std::uint32_t number_of(std::string_view name);
+  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+
+ private:
+  std::vector<std::string> names_;
+};
+
+using OnFrame = std::function<void(const Frame&)>;
+
+/// What was in a recording beside frames.
+struct Left {
+  std::uint64_t lines = 0;       ///< or records that are no CAN frames
+  std::string first;             ///< where the first one is and what it is
+  std::uint64_t interfaces = 0;  ///< frames of interfaces beyond Interfaces::kMost
+};
+
+/// Hands over the frames of a recording in its order. Formats that have numbers of channels instead
+/// of names give "can" and the number. An error says what is wrong with the file, with the line or
+/// the offset; the frames before it have been handed over.
+Result<Left> read_recording(const std::string& path, Interfaces& interfaces,
+                            const OnFrame& on_frame);
+/// The same of bytes; `stem`: the name of an interface in a format that has none.
+Result<Left> read_recording(std::span<const std::uint8_t> bytes, const std::string& stem,
+                            Interfaces& interfaces, const OnFrame& on_frame);
+
+}  // namespace mlcca::learn
