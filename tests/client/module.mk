@@ -2,7 +2,7 @@
 $(eval $(call unit_test,client_test,tests/client/client_test.cc tests/client/exceptions_test.cc tests/client/events_test.cc tests/control/server.cc,$O/libclient.a $O/librelay.a $O/libcontrol.a,-lfmt))
 
 # Installed as a package would, and used by a program that knows nothing of this tree.
-check-client: $O/mlccad $O/mlccactl $(CLIENT_LIBRARY) ## libmlcca, installed, against a real mlccad: root
+check-client: $O/mlccad $O/mlccactl $O/mlcca-design $(CLIENT_LIBRARY) ## libmlcca, installed, against a real mlccad: root
 	$(call say,TEST,a program outside of the tree)
 	$(Q)rm -rf $O/client-installed
 	$(Q)$(MAKE) --no-print-directory DESTDIR=$(abspath $O)/client-installed PREFIX=/usr install-client install-headers install-python
