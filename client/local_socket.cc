@@ -5,19 +5,15 @@
 #include <sys/un.h>
 
 #include <array>
-#include <cerrno>
 #include <cstring>
 #include <utility>
 
 #include "base/big_endian.hpp"
+#include "base/system_error.hpp"
 #include "base/unix_address.hpp"
 
 namespace mlcca::client {
 namespace {
-
-std::unexpected<Error> system_error(const char* call) {
-  return fail(std::string(call) + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
-}
 
 /// The user who has sent a message; nobody where the kernel does not say.
 uid_t sender_of(msghdr& message) {

@@ -13,21 +13,17 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <new>
 #include <optional>
 #include <utility>
 
 #include "base/handle.hpp"
+#include "base/system_error.hpp"
 
 namespace mlcca::net {
 namespace {
 
 using LinkObject = std::unique_ptr<rtnl_link, FreeWith<rtnl_link_put>>;
-
-std::unexpected<Error> system_error(const std::string& call, int error) {
-  return fail(call + ": " + std::strerror(error));  // NOLINT(concurrency-mt-unsafe)
-}
 
 std::string text_or_empty(const char* text) { return text == nullptr ? "" : text; }
 

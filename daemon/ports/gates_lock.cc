@@ -10,19 +10,15 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
+#include "base/system_error.hpp"
 #include "bpf/gate.h"
 
 namespace mlcca {
 namespace {
 
 constexpr const char* kLock = "lock";
-
-std::unexpected<Error> system_error(const std::string& path) {
-  return fail(path + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
-}
 
 /// Ours, or root's; root trusts whomever it has given the bpffs to.
 bool is_trusted(uid_t owner, uid_t of_root) {

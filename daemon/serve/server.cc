@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/system_error.hpp"
 #include "control/codec.hpp"
 #include "daemon/serve/places.hpp"
 #include "daemon/serve/session.hpp"
@@ -24,10 +25,6 @@ namespace {
 
 constexpr std::uint64_t kSweepInterval = 5'000'000;  // µs
 constexpr std::uint64_t kSweepAccuracy = 1'000'000;  // µs
-
-std::unexpected<Error> system_error(const std::string& call) {
-  return fail(call + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
-}
 
 bool has_hung_up(int fd) {
   pollfd socket{.fd = fd, .events = 0, .revents = 0};

@@ -11,15 +11,12 @@
 #include <ranges>
 #include <utility>
 
+#include "base/system_error.hpp"
 #include "daemon/store/checksum.hpp"
 #include "daemon/store/format.hpp"
 
 namespace mlcca::store {
 namespace {
-
-std::unexpected<Error> system_error(const std::string& what) {
-  return fail(what + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
-}
 
 Result<std::string> read_all(Disk& disk, int fd, const std::string& path) {
   const std::int64_t size = disk.size(fd);

@@ -76,8 +76,4 @@ Sent failure_of_send() {
   }
 }
 
-std::unexpected<Error> system_error(const std::string& call) {
-  return fail(call + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
-}
-
 }  // namespace mlcca::relay

@@ -9,6 +9,7 @@
 
 #include "base/handle.hpp"
 #include "base/result.hpp"
+#include "base/system_error.hpp"
 #include "relay/layers/layer.hpp"
 
 namespace mlcca::relay {
@@ -38,6 +39,5 @@ void widen(const Fd& socket);
 
 /// What a failed send means for the event; errno is what it is.
 [[nodiscard]] Sent failure_of_send();
-[[nodiscard]] std::unexpected<Error> system_error(const std::string& call);
 
 }  // namespace mlcca::relay

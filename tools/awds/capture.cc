@@ -10,17 +10,13 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
+#include "base/system_error.hpp"
 #include "tools/sources/awds_packet.hpp"
 
 namespace mlcca::awds {
 namespace {
-
-std::unexpected<Error> system_error(const std::string& what) {
-  return fail(what + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe): one thread
-}
 
 sock_filter step(std::uint16_t code, std::uint32_t k, std::uint8_t yes = 0, std::uint8_t no = 0) {
   return {.code = code, .jt = yes, .jf = no, .k = k};

@@ -5,17 +5,12 @@
 #include <sys/socket.h>
 
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
+#include "base/system_error.hpp"
+
 namespace mlcca::awds {
-namespace {
-
-std::unexpected<Error> system_error(const std::string& what, int error) {
-  return fail(what + ": " + std::strerror(error));  // NOLINT(concurrency-mt-unsafe): one thread
-}
-
-}  // namespace
+namespace {}  // namespace
 
 Result<void> Readers::start() {
   sd_event_source* raw = nullptr;

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "base/number.hpp"
+#include "base/system_error.hpp"
 
 namespace mlcca::doctor {
 namespace {
@@ -28,10 +29,6 @@ constexpr unsigned kNumberBytes = 4;
 constexpr std::uint8_t kFiller = 0x55;
 /// Frames of a whole measurement wait in it: 768 bytes each.
 constexpr int kBuffer = 8 << 20;
-
-std::unexpected<Error> system_error(const std::string& what) {
-  return fail(what + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe): one thread
-}
 
 template <class T>
 bool set(int fd, int level, int option, const T& value) {

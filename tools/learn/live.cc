@@ -23,6 +23,7 @@
 
 #include "base/clock.hpp"
 #include "base/handle.hpp"
+#include "base/system_error.hpp"
 
 namespace mlcca::learn {
 namespace {
@@ -30,10 +31,6 @@ namespace {
 constexpr int kBuffer = 16 * 1024 * 1024;  // bytes: a second of a bus, many times
 constexpr std::size_t kBatch = 256;        // frames that are read of a socket at once
 constexpr int kAsk = 100;                  // ms
-
-std::unexpected<Error> system_error(const std::string& call) {
-  return fail(call + ": " + std::strerror(errno));  // NOLINT(concurrency-mt-unsafe)
-}
 
 template <class T>
 bool set(const Fd& socket, int level, int option, const T& value) {
