@@ -25,6 +25,7 @@
 #include "tools/design/safe_file.hpp"
 #include "tools/design/say.hpp"
 #include "tools/design/verbs.hpp"
+#include "tools/elements.hpp"
 #include "tools/learn/draft.hpp"
 #include "tools/learn/live.hpp"
 #include "tools/learn/observer.hpp"
@@ -256,8 +257,8 @@ class Learn {
     for (const auto& channel : draft.channels)
       table.add({{channel.name},
                  {fmt::format("{}", channel.events)},
-                 {learn::time_words(channel.period)},
-                 {channel.jitter == 0 ? "" : learn::time_words(channel.jitter)},
+                 {time_words(channel.period)},
+                 {channel.jitter == 0 ? "" : time_words(channel.jitter)},
                  {print_duration(channel.longest_gap)},
                  {channel.periodic ? fmt::format("{}", channel.omission) : ""},
                  {fmt::format("{}", channel.bytes)},

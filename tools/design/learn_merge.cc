@@ -22,6 +22,7 @@
 #include "core/profiles/profile.hpp"
 #include "tools/design/describe/markup.hpp"
 #include "tools/design/safe_file.hpp"
+#include "tools/elements.hpp"
 
 extern char** environ;  // NOLINT(*-redundant-declaration): not in every C library's headers
 
@@ -166,7 +167,7 @@ class Merge {
     if (stated.has(Attribute::period) && row.period + row.period / 50 < period)
       merged_.differs.push_back(fmt::format(
           "{}: publisher {} states Period {}, and {} was seen: frames would be dropped", who,
-          p.name, core::format_value(Attribute::period, period), learn::time_words(row.period)));
+          p.name, core::format_value(Attribute::period, period), time_words(row.period)));
     if (stated.has(Attribute::max_payload) && row.bytes > stated[Attribute::max_payload])
       merged_.differs.push_back(fmt::format(
           "{}: publisher {} states MaxPayload {}, and {} bytes were seen: frames would be "
@@ -176,7 +177,7 @@ class Merge {
     if (row.periodic && stated.has(Attribute::period) && period + period / 2 < row.period)
       merged_.differs.push_back(fmt::format(
           "{}: publisher {} states Period {}, and {} was seen: it is reported as missing", who,
-          p.name, core::format_value(Attribute::period, period), learn::time_words(row.period)));
+          p.name, core::format_value(Attribute::period, period), time_words(row.period)));
   }
 
   void note_unseen(const std::set<std::pair<std::size_t, std::size_t>>& seen,

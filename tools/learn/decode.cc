@@ -4,17 +4,12 @@
 #include <algorithm>
 
 #include "core/profiles/profile.hpp"
+#include "tools/elements.hpp"
 
 namespace mlcca::learn {
 
 bool Decoder::is_control(const Frame& frame) const {
-  const std::uint32_t id = frame.id & (kExtended | kIdentifierBits);
-  return std::ranges::any_of(
-      core::traits_of(profile_).control, [id](const core::ControlKind& kind) {
-        return std::ranges::any_of(kind.frames, [id](const core::ControlFrames& frames) {
-          return !frames.of_subscriptions && (id & frames.identity.mask) == frames.identity.id;
-        });
-      });
+  return tools::is_control(profile_, frame.id & (kExtended | kIdentifierBits));
 }
 
 void Decoder::take(const Frame& frame, const OnEvent& on_event) {
@@ -25,8 +20,13 @@ void Decoder::take(const Frame& frame, const OnEvent& on_event) {
   event.remote = (frame.id & kRemote) != 0;
   event.local = frame.local;
   event.number = frame.id & (kExtended | kIdentifierBits);
-  const auto form = core::traits_of(profile_).form;
-  if (profile_ == core::Profile::j1939 && frame.is_extended()) {
+  const auto parts = tools::parts_of(profile_, frame.id);
+  if (parts) {
+    event.number = parts->number;
+    event.node = parts->node;
+    event.priority = parts->priority;
+  }
+  if (profile_ == core::Profile::j1939 && parts) {
     take_j1939(frame, event, on_event);
     return;
   }
@@ -34,15 +34,14 @@ void Decoder::take(const Frame& frame, const OnEvent& on_event) {
     ++control_;
     return;
   }
-  if (form != core::IdentifierForm::stated &&
-      frame.is_extended() != (form == core::IdentifierForm::extended)) {
+  if (!parts) {
     ++others_;
     return;
   }
   if (profile_ == core::Profile::cyphal)
     take_cyphal(frame, event, on_event);
-  else if (profile_ == core::Profile::famouso)
-    take_famouso(frame, event, on_event);
+  else if (profile_ == core::Profile::famouso && parts->is_fragment)
+    take_fragment(frame, event, on_event);
   else
     on_event(event);
 }
@@ -50,18 +49,11 @@ void Decoder::take(const Frame& frame, const OnEvent& on_event) {
 /// SAE J1939-21: a message of more than 8 bytes is announced, with its length and PGN; the packets
 /// behind it are its data.
 void Decoder::take_j1939(const Frame& frame, Event event, const OnEvent& on_event) {
-  constexpr std::uint32_t pdu2 = 240;
   constexpr std::uint32_t connection = 0xec00;
   constexpr std::uint8_t broadcast = 32;
   constexpr std::uint8_t request_to_send = 16;
-  const std::uint32_t id = frame.id & kIdentifierBits;
-  event.priority = id >> 26U;
-  event.node = id & 0xffU;
-  std::uint32_t pgn = id >> 8U & 0x3ffffU;
-  if ((pgn >> 8U & 0xffU) < pdu2) pgn &= 0x3ff00U;
-  event.number = pgn;
   const auto& data = frame.data;
-  if (pgn == connection && data.size() == 8 &&
+  if (event.number == connection && data.size() == 8 &&
       (data[0] == broadcast || data[0] == request_to_send)) {
     event.number = data[5] | std::uint32_t{data[6]} << 8U | std::uint32_t{data[7]} << 16U;
     event.bytes = data[1] | std::uint32_t{data[2]} << 8U;
@@ -80,16 +72,10 @@ void Decoder::take_j1939(const Frame& frame, Event event, const OnEvent& on_even
 /// Cyphal/CAN: the last byte of a frame says whether it is the first or the last one of a transfer,
 /// and a transfer of several frames ends with a CRC of two bytes.
 void Decoder::take_cyphal(const Frame& frame, Event event, const OnEvent& on_event) {
-  constexpr std::uint32_t service = 1U << 25U;
-  constexpr std::uint32_t anonymous = 1U << 24U;
-  const std::uint32_t id = frame.id & kIdentifierBits;
-  if ((id & (service | anonymous)) != 0 || frame.data.empty()) {
+  if (frame.data.empty()) {
     ++others_;
     return;
   }
-  event.priority = id >> 26U;
-  event.number = id >> 8U & 0x1fffU;
-  event.node = id & 0x7fU;
   --event.bytes;
   const std::uint8_t tail = frame.data.back();
   const bool first = (tail & 0x80U) != 0;
@@ -97,25 +83,11 @@ void Decoder::take_cyphal(const Frame& frame, Event event, const OnEvent& on_eve
   if (first && last)
     on_event(event);
   else
-    go_on(id, event, first, last, 2, on_event);
+    go_on(frame.id & kIdentifierBits, event, first, last, 2, on_event);
 }
 
-/// FAMOUSO: fragments have a bit of the identifier, and begin with how many follow.
-void Decoder::take_famouso(const Frame& frame, Event event, const OnEvent& on_event) {
-  constexpr std::uint32_t fragment = 1U << 21U;
-  constexpr std::uint32_t first_tag = 0x64;
-  const std::uint32_t id = frame.id & kIdentifierBits;
-  event.priority = id >> 22U & 0x7fU;
-  event.number = id & 0x3fffU;
-  event.node = id >> 14U & 0x7fU;
-  if (event.number < first_tag) {
-    ++others_;
-    return;
-  }
-  if ((id & fragment) == 0) {
-    on_event(event);
-    return;
-  }
+/// FAMOUSO: fragments begin with how many follow.
+void Decoder::take_fragment(const Frame& frame, Event event, const OnEvent& on_event) {
   if (frame.data.empty()) return;
   const std::uint8_t head = frame.data.front();
   const bool is_short = (head & 0x80U) == 0;
@@ -123,7 +95,7 @@ void Decoder::take_famouso(const Frame& frame, Event event, const OnEvent& on_ev
   const bool first = (head & (is_short ? 0x20U : 0x10U)) != 0;
   const std::uint32_t follow = is_short ? head & 0x1fU : (head & 0x0fU) << 8U | frame.data[1];
   event.bytes -= is_short ? 1 : 2;
-  go_on(id, event, first, follow == 0, 0, on_event);
+  go_on(frame.id & kIdentifierBits, event, first, follow == 0, 0, on_event);
 }
 
 void Decoder::go_on(std::uint32_t id, const Event& event, bool is_first, bool is_last,

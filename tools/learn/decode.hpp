@@ -11,8 +11,7 @@
 
 namespace mlcca::learn {
 
-/// The number of a channel in its profile: an identifier (raw) with kExtended where it has 29 bits,
-/// a COB-ID, PGN, subject-id or etag.
+/// Number, node and priority are those of tools::IdentifierParts.
 struct Event {
   std::uint64_t ns = 0;
   std::uint32_t number = 0;
@@ -50,7 +49,7 @@ class Decoder {
   [[nodiscard]] bool is_control(const Frame& frame) const;
   void take_j1939(const Frame& frame, Event event, const OnEvent& on_event);
   void take_cyphal(const Frame& frame, Event event, const OnEvent& on_event);
-  void take_famouso(const Frame& frame, Event event, const OnEvent& on_event);
+  void take_fragment(const Frame& frame, Event event, const OnEvent& on_event);
   /// One more frame; `is_last`: it completes the event, of which `less` bytes are none of its own.
   void go_on(std::uint32_t id, const Event& event, bool is_first, bool is_last, std::uint32_t less,
              const OnEvent& on_event);

@@ -14,15 +14,14 @@
 #include "base/number.hpp"
 #include "core/model/words.hpp"
 #include "core/profiles/profile.hpp"
+#include "tools/elements.hpp"
 #include "tools/escape.hpp"
-#include "tools/learn/elements.hpp"
 
 namespace mlcca::learn {
 namespace {
 
 using core::Profile;
 
-constexpr std::uint64_t kRare = 100'000'000;        // ns: Period of what came once
 constexpr std::uint32_t kAssumedBitrate = 500'000;  // bit/s, where none is stated
 constexpr std::uint64_t kAssumedLatency =
     1'000'000;                           // ns that forwarding takes, where none was seen
@@ -42,7 +41,7 @@ std::uint64_t rounded_up(std::uint64_t value) {
 std::string about(std::uint64_t ns) {
   std::uint64_t unit = 1;
   while (ns / unit >= 1000) unit *= 10;
-  return time_words((ns + unit / 2) / unit * unit);
+  return tools::time_words((ns + unit / 2) / unit * unit);
 }
 
 std::uint64_t with_margin(std::uint64_t value, unsigned percent) {
@@ -61,8 +60,9 @@ Times times_of(const Flow& flow) {
   Times out;
   const auto rates = flow.rates();
   if (rates.empty()) {
-    out.period =
-        flow.events() < 2 ? kRare : std::max<std::uint64_t>(nominal(flow.shortest_gap() / 2), 1000);
+    out.period = flow.events() < 2
+                     ? tools::kPeriodOfOne
+                     : std::max<std::uint64_t>(tools::nominal(flow.shortest_gap() / 2), 1000);
     out.seen =
         flow.events() < 2
             ? std::string("seen once: the Period is assumed")
@@ -82,14 +82,14 @@ Times times_of(const Flow& flow) {
   out.jitter = chosen->early == 0 ? 0 : with_margin(chosen->early, 25);
   if (out.periodic)
     out.seen = fmt::format("{} events, median gap {}, shortest {}, longest {}; Jitter {} + 25 %",
-                           flow.events(), about(nominal(median)), about(flow.shortest_gap()),
+                           flow.events(), about(tools::nominal(median)), about(flow.shortest_gap()),
                            about(flow.longest_gap()), about(chosen->early));
   else
     out.seen = fmt::format(
         "aperiodic: {} events, median gap {}, shortest {}, longest {}; the Period is the one that "
         "all "
         "of them kept, early by {} + 25 % at most",
-        flow.events(), about(nominal(median)), about(flow.shortest_gap()),
+        flow.events(), about(tools::nominal(median)), about(flow.shortest_gap()),
         about(flow.longest_gap()), about(chosen->early));
   return out;
 }
@@ -127,7 +127,7 @@ class Drafter {
     for (const std::string& name : names_) {
       const auto described = options_.networks.find(name);
       std::string network =
-          described == options_.networks.end() ? name_like(name) : described->second;
+          described == options_.networks.end() ? tools::name_like(name) : described->second;
       while (!used_.insert(network).second) network += "-2";
       networks_.push_back(network);
     }
@@ -253,10 +253,10 @@ class Drafter {
   void describe(const Channel& channel) {
     DraftChannel row;
     const Profile profile = profile_of(channel.interface);
-    row.name = channel_name(profile, networks_[channel.interface], channel.number);
+    row.name = tools::channel_name(profile, networks_[channel.interface], channel.number);
     row.interface = names_[channel.interface];
     row.number = channel.number;
-    row.identifier = number_text(profile, channel.number);
+    row.identifier = tools::number_text(profile, channel.number);
     const Together together = put_together(channel, row);
     shortest_period_ = std::min(shortest_period_, row.period);
     std::string comment = together.seen;
@@ -266,7 +266,7 @@ class Drafter {
     row.channel_xml = fmt::format(
         "  <!-- {} -->\n  <EventChannel name=\"{}\">\n    <SubjectUID>0x{:016x}</SubjectUID>\n"
         "    <Attributes period=\"{}\"{} maxPayload=\"{}\"/>\n  </EventChannel>\n",
-        comment, row.name, subject_of(row.name), time_words(row.period),
+        comment, row.name, tools::subject_of(row.name), tools::time_words(row.period),
         row.periodic ? fmt::format(R"( omission="{}")", row.omission) : "",
         std::max(row.bytes, 1U));
     bind(row, channel.interface, channel.number, together);
@@ -292,7 +292,7 @@ class Drafter {
     row.binding_xml[names_[interface]] =
         fmt::format("    <Binding channel=\"{}\"{}{}>{}</Binding>\n", row.name, format,
                     together.remote ? R"( remote-frames="true")" : "",
-                    binding_element(profile, number, priority));
+                    tools::binding_element(profile, number, priority));
     if (together.fd) fd_[interface] = true;
   }
 
@@ -318,9 +318,9 @@ class Drafter {
     text = fmt::format(R"(  <Publisher name="{}" channel="{}" {})", name, row.name, where);
     std::string own;
     if (source.times.period != row.period)
-      own += fmt::format(" period=\"{}\"", time_words(source.times.period));
+      own += fmt::format(" period=\"{}\"", tools::time_words(source.times.period));
     if (source.times.jitter != 0)
-      own += fmt::format(" jitter=\"{}\"", time_words(source.times.jitter));
+      own += fmt::format(" jitter=\"{}\"", tools::time_words(source.times.jitter));
     text += own.empty() ? "/>\n" : fmt::format(">\n    <Attributes{}/>\n  </Publisher>\n", own);
   }
 
@@ -348,11 +348,11 @@ class Drafter {
         stated == options_.bitrates.end() ? kAssumedBitrate : stated->second;
     const auto data = options_.data_bitrates.find(name);
     std::string& xml = out_.xml;
-    xml += fmt::format("  <!-- {}: {} frames; profile {}, {} % sure: {} -->\n",
-                       tools::in_comment(name), of.frames, profile_word(of.recognised->profile),
-                       of.recognised->percent, of.recognised->why);
+    xml += fmt::format(
+        "  <!-- {}: {} frames; profile {}, {} % sure: {} -->\n", tools::in_comment(name), of.frames,
+        tools::profile_word(of.recognised->profile), of.recognised->percent, of.recognised->why);
     xml += fmt::format("  <Network name=\"{}\">\n    <Kind>can</Kind>\n    <Profile>{}</Profile>\n",
-                       networks_[interface], profile_word(of.recognised->profile));
+                       networks_[interface], tools::profile_word(of.recognised->profile));
     if (stated == options_.bitrates.end())
       xml += "    <!-- The bit rate is assumed: state the real one. -->\n";
     std::string data_rate;
@@ -373,7 +373,7 @@ class Drafter {
     if (of.decoder->other_frames() != 0)
       out_.left_out.push_back(fmt::format("{}: {} frames that no channel of profile {} can have",
                                           name, of.decoder->other_frames(),
-                                          profile_word(of.recognised->profile)));
+                                          tools::profile_word(of.recognised->profile)));
   }
 
   void write_gateway() {
@@ -390,14 +390,14 @@ class Drafter {
         "    <Provision latency=\"{0}\" jitter=\"{0}\" period=\"{1}\" omission=\"0\" "
         "packetLoss=\"0\" "
         "maxPayload=\"65535\"/>\n",
-        time_words(latency), time_words(period));
+        tools::time_words(latency), tools::time_words(period));
     std::set<std::string> used;
     for (std::uint32_t i = 0; i < networks_.size(); ++i) {
       constexpr std::size_t stem = 11;
-      std::string interface = interface_like(names_[i]);
+      std::string interface = tools::interface_like(names_[i]);
       // Names of a recording that are none of interfaces may become alike.
       for (unsigned number = 2; !used.insert(interface).second; ++number)
-        interface = fmt::format("{}-{}", interface_like(names_[i]).substr(0, stem), number);
+        interface = fmt::format("{}-{}", tools::interface_like(names_[i]).substr(0, stem), number);
       xml += fmt::format("    <Port network=\"{}\"><Interface name=\"{}\"/></Port>\n", networks_[i],
                          interface);
     }
@@ -417,22 +417,6 @@ class Drafter {
 };
 
 }  // namespace
-
-std::string time_words(std::uint64_t ns) {
-  constexpr std::array<std::pair<std::uint64_t, const char*>, 4> units = {
-      {{1'000'000'000, "s"}, {1'000'000, "ms"}, {1'000, "us"}, {1, "ns"}}};
-  for (const auto& [size, name] : units) {
-    if (ns < size) continue;
-    std::string out = std::to_string(ns / size);
-    if (ns % size != 0) {
-      std::string fraction = std::to_string(size + ns % size).substr(1);
-      while (fraction.ends_with('0')) fraction.pop_back();
-      out += "." + fraction;
-    }
-    return out + name;
-  }
-  return "0ns";
-}
 
 Draft draft_of(const Observer& observer, const std::vector<std::string>& names,
                const DraftOptions& options) {

@@ -57,7 +57,4 @@ struct Draft {
 [[nodiscard]] Draft draft_of(const Observer& observer, const std::vector<std::string>& names,
                              const DraftOptions& options);
 
-/// "50ms", "1.25ms", "320us": exact.
-[[nodiscard]] std::string time_words(std::uint64_t ns);
-
 }  // namespace mlcca::learn

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "tools/elements.hpp"
+
 namespace mlcca::learn {
 
 std::size_t Flow::part_of(std::uint64_t gap) {
@@ -81,7 +83,7 @@ void Flow::choose_periods() {
   const std::uint64_t first = std::max({gaps[gaps.size() / 2], mean, std::uint64_t{1000}});
   constexpr std::array<unsigned, kPolicers> percent = {100, 99, 98, 95, 90, 80,
                                                        67,  50, 33, 25, 10, 5};
-  const std::uint64_t period = nominal(first);
+  const std::uint64_t period = tools::nominal(first);
   for (std::size_t i = 0; i < kPolicers; ++i)
     policers_[i].period = std::max<std::uint64_t>(period * percent[i] / 100, 1);
   for (const std::uint64_t ns : begin_) judge(ns);
@@ -100,20 +102,6 @@ std::vector<Rate> Flow::rates() const {
   if (events_ < kFirst) return out;
   for (const Policer& p : policers_) out.push_back({p.period, p.early});
   return out;
-}
-
-std::uint64_t nominal(std::uint64_t ns) {
-  constexpr std::array<unsigned, 12> nice = {100, 120, 125, 150, 160, 200,
-                                             250, 300, 400, 500, 600, 800};
-  std::uint64_t ten = 1;
-  while (ten <= ns / 10) ten *= 10;
-  for (const std::uint64_t scale : {ten, ten * 10})  // 9.9 is near 10
-    for (const unsigned n : nice) {
-      const std::uint64_t round = n * (scale / 100 == 0 ? 1 : scale / 100);
-      if (scale >= 100 && round - round / 50 <= ns && ns <= round + round / 50) return round;
-    }
-  const std::uint64_t digit = std::max<std::uint64_t>(ten / 10, 1);
-  return ns / digit * digit;
 }
 
 }  // namespace mlcca::learn

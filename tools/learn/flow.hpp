@@ -74,8 +74,4 @@ class Flow {
   std::unique_ptr<Histogram> histogram_;
 };
 
-/// The largest of the numbers 1, 1.2, 1.25, 1.5, 1.6, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten
-/// that is within 2 % of `ns`; `ns` itself to two digits, rounded down, where there is none.
-[[nodiscard]] std::uint64_t nominal(std::uint64_t ns);
-
 }  // namespace mlcca::learn

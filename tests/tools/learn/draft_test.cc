@@ -243,14 +243,5 @@ TEST(Draft, NothingThatWasSeenGivesADescriptionToo) {
   EXPECT_EQ(described(drafted({}, {}, {})).gateways.size(), 0U);
 }
 
-TEST(Draft, TimesAreExact) {
-  EXPECT_EQ(time_words(50 * kMs), "50ms");
-  EXPECT_EQ(time_words(1'250'000), "1.25ms");
-  EXPECT_EQ(time_words(320'000), "320us");
-  EXPECT_EQ(time_words(1'000'000'001), "1.000000001s");
-  EXPECT_EQ(time_words(7), "7ns");
-  EXPECT_EQ(time_words(0), "0ns");
-}
-
 }  // namespace
 }  // namespace mlcca::learn

@@ -17,16 +17,6 @@ Flow flow_of(const std::vector<test::Sent>& sent) {
   return flow;
 }
 
-TEST(Flow, NominalPeriodsAreThoseThatPeopleChoose) {
-  EXPECT_EQ(nominal(10 * kMs), 10 * kMs);
-  EXPECT_EQ(nominal(9'998'000), 10 * kMs);
-  EXPECT_EQ(nominal(10'150'000), 10 * kMs);
-  EXPECT_EQ(nominal(99'000'000), 100 * kMs);
-  EXPECT_EQ(nominal(24'900'000), 25 * kMs);
-  EXPECT_EQ(nominal(733'333'333), 730 * kMs);
-  EXPECT_EQ(nominal(1), 1U);
-}
-
 TEST(Flow, KnowsThePeriodTheGapsAndTheLengths) {
   test::Traffic traffic(1);
   const Flow flow = flow_of(traffic.periodic(0, 0x100, 10 * kMs, kMs / 2, 8, 60).sent());

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/elements.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "base/hash.hpp"
+#include "core/model/words.hpp"
+#include "core/profiles/profile.hpp"
+
+namespace mlcca::tools {
+
+using core::kExtendedBits;
+using core::kExtendedFlag;
+using core::Profile;
+
+std::string name_like(std::string_view text) {
+  std::string out;
+  for (const char c : text.substr(0, 40)) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       c == '.' || c == '_' || c == '-';
+    out += plain ? c : '_';
+  }
+  const bool begins_well =
+      !out.empty() && ((out[0] >= 'a' && out[0] <= 'z') || (out[0] >= 'A' && out[0] <= 'Z'));
+  return begins_well ? out : "if" + out;
+}
+
+std::string interface_like(std::string_view text) {
+  constexpr std::size_t longest = 15;  // IFNAMSIZ; characters as the schema has them
+  std::string like = name_like(text).substr(0, longest);
+  if (text.empty() || text.size() > longest || std::string_view(".@+-").contains(text.front()))
+    return like;
+  const bool plain = std::ranges::all_of(text, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string_view("_.@+-").contains(c);
+  });
+  return plain ? std::string(text) : like;
+}
+
+std::uint64_t subject_of(std::string_view name) {
+  const std::uint64_t hash = hash_of(name);
+  return hash == 0 ? 1 : hash;
+}
+
+/// SAE J1939-21: below this PDU format a PGN has no group extension, but the address it is for.
+constexpr std::uint32_t kPdu2 = 240;
+/// FAMOUSO: those below are of management.
+constexpr std::uint32_t kFirstTag = 0x64;
+
+std::optional<IdentifierParts> parts_of(Profile profile, std::uint32_t id) {
+  const auto form = core::traits_of(profile).form;
+  const bool is_extended = (id & kExtendedFlag) != 0;
+  if (form != core::IdentifierForm::stated &&
+      is_extended != (form == core::IdentifierForm::extended))
+    return std::nullopt;
+  const std::uint32_t bits = id & kExtendedBits;
+  switch (profile) {
+    case Profile::j1939: {
+      std::uint32_t pgn = bits >> 8U & 0x3ffffU;
+      if ((pgn >> 8U & 0xffU) < kPdu2) pgn &= 0x3ff00U;
+      return IdentifierParts{.number = pgn, .node = bits & 0xffU, .priority = bits >> 26U};
+    }
+    case Profile::cyphal: {
+      constexpr std::uint32_t service = 1U << 25U;
+      constexpr std::uint32_t anonymous = 1U << 24U;
+      if ((bits & (service | anonymous)) != 0) return std::nullopt;
+      return IdentifierParts{
+          .number = bits >> 8U & 0x1fffU, .node = bits & 0x7fU, .priority = bits >> 26U};
+    }
+    case Profile::famouso: {
+      constexpr std::uint32_t fragment = 1U << 21U;
+      const std::uint32_t tag = bits & 0x3fffU;
+      if (tag < kFirstTag) return std::nullopt;
+      return IdentifierParts{.number = tag,
+                             .node = bits >> 14U & 0x7fU,
+                             .priority = bits >> 22U & 0x7fU,
+                             .is_fragment = (bits & fragment) != 0};
+    }
+    default:
+      return IdentifierParts{.number = id & (kExtendedFlag | kExtendedBits)};
+  }
+}
+
+bool is_control(Profile profile, std::uint32_t id) {
+  return std::ranges::any_of(core::traits_of(profile).control, [id](const auto& kind) {
+    return !kind.is_tagged &&
+           std::ranges::any_of(kind.frames, [id](const core::ControlFrames& frames) {
+             return (id & frames.identity.mask) == frames.identity.id;
+           });
+  });
+}
+
+std::string number_text(Profile profile, std::uint32_t number) {
+  const std::uint32_t bits = number & kExtendedBits;
+  switch (profile) {
+    case Profile::cyphal:
+      return fmt::format("{}", bits);
+    case Profile::j1939:
+      return fmt::format("0x{:x}", bits);
+    default:
+      return (number & kExtendedFlag) != 0 ? fmt::format("0x{:08x}", bits)
+                                           : fmt::format("0x{:03x}", bits);
+  }
+}
+
+std::string channel_name(Profile profile, std::string_view network, std::uint32_t number) {
+  const auto bits = number & kExtendedBits;
+  switch (profile) {
+    case Profile::cyphal:
+      return fmt::format("{}-subject-{}", network, bits);
+    case Profile::j1939:
+      return fmt::format("{}-pgn-{:X}", network, bits);
+    case Profile::famouso:
+      return fmt::format("{}-etag-{:X}", network, bits);
+    case Profile::canopen:
+      return fmt::format("{}-cob-{:03X}", network, bits);
+    default:
+      return (number & kExtendedFlag) != 0 ? fmt::format("{}-{:08X}", network, bits)
+                                           : fmt::format("{}-{:03X}", network, bits);
+  }
+}
+
+std::string binding_element(Profile profile, std::uint32_t number,
+                            std::optional<std::uint32_t> priority) {
+  const std::string text = number_text(profile, number);
+  const std::string stated = priority ? fmt::format(" priority=\"{}\"", *priority) : "";
+  switch (profile) {
+    case Profile::cyphal:
+      return fmt::format("<SubjectID{}>{}</SubjectID>", stated, text);
+    case Profile::j1939:
+      return fmt::format("<PGN{}>{}</PGN>", stated, text);
+    case Profile::famouso:
+      return fmt::format("<ETag>{}</ETag>", text);
+    case Profile::canopen:
+      return fmt::format("<COBID>{}</COBID>", text);
+    default:
+      return fmt::format("<Identifier form=\"{}\">{}</Identifier>",
+                         (number & kExtendedFlag) != 0 ? "extended" : "standard", text);
+  }
+}
+
+std::string profile_word(Profile profile) {
+  return std::string(core::words::kProfiles.of(profile));
+}
+
+std::string time_words(std::uint64_t ns) {
+  constexpr std::array<std::pair<std::uint64_t, const char*>, 4> units = {
+      {{1'000'000'000, "s"}, {1'000'000, "ms"}, {1'000, "us"}, {1, "ns"}}};
+  for (const auto& [size, name] : units) {
+    if (ns < size) continue;
+    std::string out = std::to_string(ns / size);
+    if (ns % size != 0) {
+      std::string fraction = std::to_string(size + ns % size).substr(1);
+      while (fraction.ends_with('0')) fraction.pop_back();
+      out += "." + fraction;
+    }
+    return out + name;
+  }
+  return "0ns";
+}
+
+std::uint64_t nominal(std::uint64_t ns) {
+  constexpr std::array<unsigned, 12> nice = {100, 120, 125, 150, 160, 200,
+                                             250, 300, 400, 500, 600, 800};
+  std::uint64_t ten = 1;
+  while (ten <= ns / 10) ten *= 10;
+  for (const std::uint64_t scale : {ten, ten * 10})  // 9.9 is near 10
+    for (const unsigned n : nice) {
+      const std::uint64_t round = n * (scale / 100 == 0 ? 1 : scale / 100);
+      if (scale >= 100 && round - round / 50 <= ns && ns <= round + round / 50) return round;
+    }
+  const std::uint64_t digit = std::max<std::uint64_t>(ten / 10, 1);
+  return ns / digit * digit;
+}
+
+}  // namespace mlcca::tools
