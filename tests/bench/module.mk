@@ -72,3 +72,8 @@ run-bench-relay: all $O/bench/probe $O/bench/bus-probe $(GUEST_READY)
 	$(Q)tests/bench/relay/run $O
 	$(Q)tests/bench/relay/run-bus $O
 .PHONY: run-bench-relay
+
+# What it takes to learn from four buses, beside candump.
+run-bench-learn: all $(GUEST_READY)
+	$(Q)tests/bench/learn/run $O
+.PHONY: run-bench-learn
