@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Notices that frames are being dropped, and says so without flooding the journal.
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -40,6 +41,7 @@ class DropWatch {
     if (fresh) seen.sampled = now;
     if (fresh && first_) seen.mentioned = seen.counted = dropped;
     if (dropped == 0 || dropped + kBehind < seen.mentioned) restart(seen);
+    grown_ = dropped - std::min(dropped, seen.counted);
     follow(seen, dropped, now);
     seen.sampled = now;
     if (dropped <= seen.mentioned || (seen.ever && now - seen.at < kRepeat)) return std::nullopt;
@@ -49,6 +51,9 @@ class DropWatch {
     seen.ever = true;
     return since;
   }
+
+  /// Frames dropped between the latest sample and the one before it of its key.
+  [[nodiscard]] std::uint64_t grown() const { return grown_; }
 
   /// Frames dropped since drops of this key began, if there was one in the last kRecent seconds as
   /// far as sample() was given them; otherwise none.
@@ -136,6 +141,7 @@ class DropWatch {
   std::map<Key, Seen> seen_;
   std::uint64_t round_ = 0;
   bool first_ = true;
+  std::uint64_t grown_ = 0;
   std::optional<Key> tidied_;  ///< up to here, since tidy() began at the front
 };
 

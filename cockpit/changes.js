@@ -29,11 +29,14 @@ const field = (name, label, more = {}) => h("label", {}, label, h("input", { nam
 
 export function changeMode(mode) {
   const to = mode === "audit" ? "enforce" : "audit";
-  form(`Change to ${to} mode`, h("p", {}, to === "audit"
+  const what = h("p", {}, to === "audit"
     ? "In audit mode nothing is dropped: data that was not admitted passes, and is counted."
-    : "What is not admitted is dropped from now on."), `Change to ${to}`, async () => {
-    await change("mode", to);
-    return "";
+    : "What is not admitted is dropped, from now on or from when nothing would have been dropped for some time.");
+  const later = field("clean", "Only after so long without a drop, such as 24h; empty: now");
+  form(`Change to ${to} mode`, to === "audit" ? what : [what, later], `Change to ${to}`, async (data) => {
+    const when = data.get("clean");
+    const done = await change("mode", to, ...(when ? ["--when-clean", when] : []));
+    return when ? done.message : "";
   }, to === "audit");
 }
 

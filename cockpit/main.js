@@ -8,11 +8,12 @@ import { by, h, svg } from "./dom.js";
 import { draw } from "./drawing.js";
 import { count, many, moment, percent } from "./format.js";
 import { List } from "./list.js";
-import { graphOf, key, kStates, sorted, xmlOf } from "./model.js";
+import { graphOf, key, kStates, sorted } from "./model.js";
 
+const kFindings = 200; // that are shown
 const kSamples = 240; // of what is reserved, for as long as the page is open
 const kLoud = ["withdrawn", "refused", "missing", "lapsed", "drift", "bypass", "mode", "trouble"];
-const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], live: false };
+const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], audit: null, live: false };
 const samples = new Map();
 let chosen = null; // key of the channel whose detail is open
 let opened = null; // what had the focus before
@@ -157,21 +158,23 @@ function historyPanel() {
     h("time", { datetime: new Date(e.unix_ns / 1e6).toISOString() }, moment(e.unix_ns)), h("span", { class: `kind ${e.kind}` }, e.kind),
     h("span", { class: "message" }, e.message))))];
 }
+/** "stop of lever", a subject, or an identifier. */
+const nameOf = (f) => f.channel ? `${f.channel} of ${f.publisher}` : f.subject ?? (f.identifier || "frames");
 function auditPanel() {
-  const found = (now.status?.interfaces ?? []).flatMap((i) => i.unknown.map((frame) => ({ i, frame })));
-  if (!found.length) return [h("p", { class: "quiet" }, "No frames came that nobody has announced.")];
-  return [h("p", {}, "Frames that nobody has announced. To let some of them pass, add what is shown to the description, with the true Period."),
-    h("ul", { class: "found" }, found.map(({ i, frame }) => {
-      const xml = xmlOf(i, frame);
-      const name = frame.subject ?? frame.identifier;
-      return h("li", {}, h("h3", {}, `${name} on ${i.network}`),
-        h("p", {}, `${many(frame.frames, "frame")} of ${many(frame.length, "byte")} ${frame.egress ? "to" : "from"} ${i.name}${frame.address ? `, from ${frame.address}` : ""}`),
-        h("details", {}, h("summary", {}, `Add ${name}`), h("pre", { tabindex: 0, "aria-label": `XML for ${name}` }, xml),
-          h("button", { type: "button", onclick: async (e) => { await navigator.clipboard.writeText(xml); e.target.textContent = "Copied"; say("Copied"); } }, "Copy")));
-    }))];
+  const { audit } = now;
+  if (!audit?.findings.length) return [h("p", { class: "quiet" }, "Nothing was refused.")];
+  const lines = (f) => [
+    h("p", {}, [f.would_drop ? `${many(f.would_drop, "frame")} would have been dropped` : null, f.dropped ? `${many(f.dropped, "frame")} dropped` : null]
+      .filter(Boolean).join(", ") + ` ${f.egress ? "to" : "from"} ${f.interface}${f.address ? `, sent by ${f.address}` : ""}: ${f.reason}`),
+    h("p", { class: "quiet" }, `since ${moment(f.first_unix_s * 1e9)}, latest ${moment(f.last_unix_s * 1e9)}`),
+    f.add ? h("details", {}, h("summary", {}, `Add ${nameOf(f)}`), h("pre", { tabindex: 0, "aria-label": `XML for ${nameOf(f)}` }, f.add),
+      h("button", { type: "button", onclick: async (e) => { await navigator.clipboard.writeText(f.add); e.target.textContent = "Copied"; say("Copied"); } }, "Copy")) : null];
+  return [h("p", {}, "What the gates have refused, or would have refused in audit mode. To admit some of it, add what is shown to the description."),
+    h("ul", { class: "found" }, audit.findings.slice(0, kFindings).map((f) => h("li", {}, h("h3", {}, `${nameOf(f)} on ${f.network}`), lines(f)))),
+    audit.findings.length > kFindings ? h("p", { class: "quiet" }, `and ${count(audit.findings.length - kFindings)} older ones`) : ""];
 }
 
-const kTabs = { channels: ["Channels", null], reserved: ["Reserved", reservedPanel], history: ["History", historyPanel], found: ["Not announced", auditPanel] };
+const kTabs = { channels: ["Channels", null], reserved: ["Reserved", reservedPanel], history: ["History", historyPanel], found: ["Refused", auditPanel] };
 let tab = "channels";
 function openTab(name, focus) {
   tab = name;
@@ -215,12 +218,13 @@ async function refresh() {
   try {
     now.status = await ask("status");
     showHealth();
-    const parts = await Promise.all([ask("channels"), ask("networks"), ask("routes"), ask("reservations"), ask("history", "--limit", "200")]);
+    const parts = await Promise.all([ask("channels"), ask("networks"), ask("routes"), ask("reservations"), ask("history", "--limit", "200"), ask("audit", "report")]);
     now.channels = sorted(parts[0].channels);
     now.networks = parts[1].networks;
     now.routes = parts[2];
     now.reservations = parts[3].resources;
     now.history = parts[4].entries;
+    now.audit = parts[5];
     for (const r of now.reservations) if (r.capacity) {
       const name = `${r.kind} ${r.name}`;
       const line = samples.get(name) ?? [];

@@ -106,28 +106,3 @@ function columnsOf(places) {
   }
   return columns;
 }
-
-/** What a description would need for frames without a slot. The Period is not known. */
-export function xmlOf(iface, frame) {
-  const escaped = (text) => String(text).replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
-  const hex = frame.subject ?? `0x6964${(frame.can_id & 0x1fffffff).toString(16).padStart(12, "0")}`;
-  const name = frame.subject ? `found-${frame.subject.slice(2)}` : `found-${frame.identifier.trim().replace(/\s+/g, "-")}`;
-  const extended = !frame.subject && frame.can_id >= 0x80000000;
-  const bytes = "<Dimension><SIUnit><Bytes>1</Bytes></SIUnit></Dimension>";
-  const ms = "<Dimension><SIUnit><Seconds>1</Seconds></SIUnit><Magnitude>-3</Magnitude></Dimension>";
-  const lines = [
-    `<EventChannel name="${escaped(name)}">`,
-    `  <SubjectUID>${escaped(hex)}</SubjectUID>`,
-    "  <Attributes>",
-    "    <!-- State the true Period: 100 ms is a guess. -->",
-    `    <Attribute><Name>Period</Name>${ms}<Value>100</Value></Attribute>`,
-    `    <Attribute><Name>MaxPayload</Name>${bytes}<Value>${frame.length}</Value></Attribute>`,
-    "  </Attributes>",
-    "</EventChannel>",
-  ];
-  if (!frame.subject)
-    lines.push(`<!-- In <Network name="${escaped(iface.network)}">: -->`,
-      `<Binding channel="${escaped(name)}"><Identifier${extended ? ' form="extended"' : ""}>0x${(frame.can_id & 0x1fffffff).toString(16)}</Identifier></Binding>`);
-  lines.push(`<Publisher channel="${escaped(name)}" network="${escaped(iface.network)}"/>`);
-  return lines.join("\n");
-}

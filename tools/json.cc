@@ -16,6 +16,7 @@
 #include "control/fields.hpp"
 #include "core/model/text.hpp"
 #include "mlcca/attribute.hpp"
+#include "tools/audit.hpp"
 #include "tools/render.hpp"
 #include "tools/values.hpp"
 
@@ -97,6 +98,20 @@ Json of(const control::Gate& g) {
   for (const char* list : {"control", "channels"})
     for (auto& slot : out[list])
       for (const char* of_can : {"id", "mask", "identifier"}) slot.erase(of_can);
+  return out;
+}
+
+/// Each finding with its identifier as candump writes it, and with what a description would need.
+Json of(const control::Audit& a) {
+  auto out = fields_of(a);
+  for (std::size_t i = 0; i < a.findings.size(); ++i) {
+    const control::Finding& f = a.findings[i];
+    Json& one = out["findings"][i];
+    const bool is_can = f.channel.empty() && f.subject == 0;
+    one["identifier"] = is_can ? Json(name_of(f)) : Json();
+    const std::string add = addition(a, f);
+    one["add"] = add.empty() ? Json() : Json(add);
+  }
   return out;
 }
 

@@ -24,6 +24,7 @@
 
 #include "base/clock.hpp"
 #include "control/client.hpp"
+#include "tools/audit.hpp"
 #include "tools/bandwidth.hpp"
 #include "tools/json.hpp"
 #include "tools/options.hpp"
@@ -307,7 +308,19 @@ Exit ask_explain(const Options& options, const Arguments& arguments) {
 }
 
 Exit ask_mode(const Options& options, const Arguments& arguments) {
-  return ask(options, control::ModeRequest{arguments.mode});
+  return ask_made(options, mode(arguments));
+}
+
+Exit ask_audit(const Options& options, const Arguments& arguments) {
+  if (!arguments.xml) return ask(options, control::AuditRequest{});
+  if (options.json)
+    return print_error(options, control::ErrorKind::invalid,
+                       "--xml goes without --json, which has the same in \"add\"");
+  const auto reply = reply_to(options, control::AuditRequest{});
+  if (!reply) return reply.error();
+  const auto* const found = std::get_if<control::Audit>(&reply->body);
+  if (found == nullptr) return print_reply<control::AuditRequest>(options, *reply);
+  return print(additions(*found), Exit::fine);
 }
 
 Exit print_bandwidth(const Options& options, const Arguments& arguments) {
@@ -359,6 +372,7 @@ Exit print_report(const Options& options, const Arguments& arguments) {
   if (const auto exit = add("channels", control::ChannelsRequest{})) return *exit;
   if (const auto exit = add("networks", control::NetworksRequest{})) return *exit;
   if (const auto exit = add("routes", control::RoutesRequest{})) return *exit;
+  if (const auto exit = add("audit", control::AuditRequest{})) return *exit;
   if (const auto exit = add("reservations", control::ReservationsRequest{})) return *exit;
   if (const auto exit = add("history", control::HistoryRequest{.limit = entries})) return *exit;
   return print(report_page(answers, clock_ns(CLOCK_REALTIME)), Exit::fine);
@@ -433,6 +447,8 @@ constexpr std::array kVerbs = {
     Verb{"monitor", "print events as they happen", Takes::nothing, monitor},
     Verb{"top", "a live screen: rates, jitter, loss, drops, what is reserved and used",
          Takes::screen, watch},
+    Verb{"audit", "what was refused, or would have been: by whom, since when, what to add",
+         Takes::findings, ask_audit},
     Verb{"mode", "enforce, or audit: count what would be dropped and drop nothing", Takes::mode,
          ask_mode},
     Verb{"reload", "read the description again, all or nothing", Takes::nothing,

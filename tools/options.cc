@@ -278,6 +278,17 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
           ->required()
           ->type_name("enforce|audit")
           ->check(CLI::IsMember({"enforce", "audit"}));
+      app.add_option("--when-clean", to.when_clean,
+                     "enforce not now, but when nothing would have been dropped for this time, "
+                     "such as 24h")
+          ->type_name("TIME");
+      break;
+    case Takes::findings:
+      app.add_option("report", to.report, "what was refused, or would have been")
+          ->required()
+          ->type_name("report")
+          ->check(CLI::IsMember({"report"}));
+      app.add_flag("--xml", to.xml, "only the elements that a description would need for it");
       break;
     case Takes::links:
       add_links(app, to.bandwidth);

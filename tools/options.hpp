@@ -37,6 +37,9 @@ struct Arguments {
   std::string address;
   std::optional<std::uint64_t> admission;
   std::string mode;
+  std::string when_clean;  ///< a span of time
+  std::string report;      ///< of audit mode
+  bool xml = false;        ///< what a description lacks, alone
   std::string key;    ///< the user's own name of an admission
   std::string lease;  ///< a span of time
   bool hold = false;
@@ -71,6 +74,7 @@ enum class Takes : std::uint8_t {
   admission,     ///< a channel, or the id of an admission
   lease,         ///< the id or the key of an admission
   mode,
+  findings,  ///< of audit mode, and in which form
   place,    ///< perhaps a network or gateway
   gate,     ///< perhaps an interface or network
   changes,  ///< links as they might be, and what might be gone

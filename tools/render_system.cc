@@ -1,29 +1,20 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What the gateway is: its status, interfaces and networks.
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdint>
-#include <ctime>
 #include <string_view>
 #include <vector>
 
 #include "core/model/text.hpp"
 #include "tools/render.hpp"
+#include "tools/times.hpp"
 #include "tools/values.hpp"
 #include "tools/words.hpp"
 
 namespace mlcca::tools {
 namespace {
-
-std::string moment(std::uint64_t unix_s) {
-  if (unix_s == 0) return "never";
-  const auto seconds = static_cast<std::time_t>(unix_s);
-  std::tm local{};
-  ::localtime_r(&seconds, &local);
-  return fmt::format("{:%Y-%m-%d %H:%M:%S}", local);
-}
 
 Cell link(const control::Interface& interface) {
   if (interface.ifindex == 0) return {"absent", Style::warning};
@@ -186,6 +177,13 @@ std::string left_out(const control::Health& health) {
   return health.left_out == 0 ? "" : fmt::format("and {} more", health.left_out);
 }
 
+std::string mode_of(const control::Status& status) {
+  if (status.when_clean_ns == 0) return status.mode;
+  return fmt::format("{}; enforces when nothing would have been dropped for {}: it has been {}",
+                     status.mode, core::format_span(status.when_clean_ns),
+                     core::format_span(status.clean_ns));
+}
+
 std::string health_lines(const control::Health& health, Color color) {
   const auto [text, style] = health_cell(health);
   std::string lines = fmt::format("{:<11}  {}\n", "health", styled(text, style, color));
@@ -219,15 +217,15 @@ std::string render(const control::Status& status, Color color) {
   if (status.mode != "enforce")
     text += styled("AUDIT MODE: nothing is dropped, unfit data passes", Style::bad, color) + '\n';
   line("gateway", fmt::format("{} of {}", status.gateway, status.system), Style::bold);
-  line("mlccad", fmt::format("{}, since {}", status.version, moment(status.started_unix_s)));
+  line("mlccad", fmt::format("{}, since {}", status.version, print_second(status.started_unix_s)));
   line("description",
-       fmt::format("{}, read {}", status.description_file, moment(status.loaded_unix_s)));
+       fmt::format("{}, read {}", status.description_file, print_second(status.loaded_unix_s)));
   if (status.open)
     line("gate", "open: verdicts are in force", Style::good);
   else
     line("gate", "CLOSED: everything is denied", Style::bad);
   text += health_lines(status.health, color);
-  line("mode", status.mode, status.mode == "enforce" ? Style::good : Style::bad);
+  line("mode", mode_of(status), status.mode == "enforce" ? Style::good : Style::bad);
   line("channels",
        fmt::format("{} granted, {} refused", status.channels_granted, status.channels_refused));
   line("grace",

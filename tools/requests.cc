@@ -187,6 +187,16 @@ Result<control::WhatIfRequest> what_if(const Arguments& from) {
   return request;
 }
 
+Result<control::ModeRequest> mode(const Arguments& from) {
+  control::ModeRequest request{.mode = from.mode};
+  if (from.when_clean.empty()) return request;
+  const auto span = parse_span(from.when_clean);
+  if (!span) return fail("--when-clean: " + span.error().text);
+  if (*span == 0) return fail("--when-clean: without it the gates enforce at once");
+  request.when_clean_ns = *span;
+  return request;
+}
+
 Result<control::HistoryRequest> history(const Arguments& from, std::uint64_t now_unix_ns) {
   const auto since = moment("--since", from.since, now_unix_ns);
   if (!since) return std::unexpected(since.error());

@@ -23,6 +23,9 @@ Result<control::AnnounceRequest> announce(const Arguments& from);
 /// RATE 0: the link is gone.
 Result<control::WhatIfRequest> what_if(const Arguments& from);
 
+/// --when-clean is a span as parse_span() reads it.
+Result<control::ModeRequest> mode(const Arguments& from);
+
 /// --since and --until are moments as parse_moment() reads them.
 Result<control::HistoryRequest> history(const Arguments& from, std::uint64_t now_unix_ns);
 

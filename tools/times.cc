@@ -175,4 +175,12 @@ std::string print_moment(std::uint64_t unix_ns) {
                      unix_ns % kSecond / kMillisecond);
 }
 
+std::string print_second(std::uint64_t unix_s) {
+  if (unix_s == 0) return "never";
+  const auto seconds = static_cast<std::time_t>(unix_s);
+  std::tm local{};
+  ::localtime_r(&seconds, &local);
+  return fmt::format("{:%Y-%m-%d %H:%M:%S}", local);
+}
+
 }  // namespace mlcca::tools

@@ -20,5 +20,7 @@ Result<std::uint64_t> parse_moment(std::string_view text, std::uint64_t now_unix
 
 /// "2023-11-14 22:13:20.123", local time, of nanoseconds since 1970.
 std::string print_moment(std::uint64_t unix_ns);
+/// "2023-11-14 22:13:20", local time, of seconds since 1970; "never" of 0.
+std::string print_second(std::uint64_t unix_s);
 
 }  // namespace mlcca::tools

@@ -178,6 +178,20 @@ std::string format_value(Attribute attribute, Value value) {
   return with_unit(value, units.back());
 }
 
+std::string format_span(Value ns) {
+  constexpr std::array<std::pair<Value, const char*>, 4> units = {
+      {{24UL * 3600, "d"}, {3600, "h"}, {60, "min"}, {1, "s"}}};
+  const Value seconds = ns / 1'000'000'000;
+  std::size_t first = 0;
+  while (first + 1 < units.size() && seconds < units.at(first).first) ++first;
+  const auto [size, name] = units.at(first);
+  std::string text = std::to_string(seconds / size) + " " + name;
+  if (first + 1 == units.size()) return text;
+  const auto [smaller, its_name] = units.at(first + 1);
+  const Value rest = seconds % size / smaller;
+  return rest == 0 ? text : text + " " + std::to_string(rest) + " " + its_name;
+}
+
 std::string format_margin(const Comparison& c) {
   if (!c.known) return "not provided";
   if (c.required == c.provided) return "exactly met";

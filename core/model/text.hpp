@@ -14,6 +14,8 @@ namespace mlcca::core {
 
 /// "50 ms", "400 kB/s", "0.5 %", "2", "unbounded": at most three decimals, rounded to the nearest.
 [[nodiscard]] std::string format_value(Attribute attribute, Value value);
+/// "1 d 2 h", "3 min 20 s", "4 s" of nanoseconds: the two largest units that it has, rounded down.
+[[nodiscard]] std::string format_span(Value ns);
 
 /// Of a row: its attribute's name, and values as format_value has them. A user-defined one is
 /// "21.5 K".

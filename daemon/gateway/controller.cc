@@ -108,13 +108,12 @@ std::optional<StartError> Controller::read_what_was() {
   reloads_.note_loaded();
   if (const auto& cut = recorder_.recovered()) outside_.log.notice(Kind::trouble, *cut);
   admissions_.remember();
-  context_.emplace(Context{options_,    outside_.clock,   outside_.gates, outside_.control,
-                           scene_,      outside_.log,     deliveries_,    turn_,
-                           recorder_,   admissions_,      tags_,          gate_events_,
-                           drops_,      delivery_health_, health_,        channels_,
-                           endpoints_,  carriers_,        presence_,      local_ends_,
-                           forwarding_, meshes_,          reloads_,       aside_,
-                           patience_,   *history_,        started_});
+  context_.emplace(Context{
+      options_,    outside_.clock, outside_.gates,   outside_.control, scene_,    outside_.log,
+      deliveries_, turn_,          recorder_,        admissions_,      tags_,     gate_events_,
+      audit_,      modes_,         delivery_health_, health_,          channels_, endpoints_,
+      carriers_,   presence_,      local_ends_,      forwarding_,      meshes_,   reloads_,
+      aside_,      patience_,      *history_,        started_});
   return std::nullopt;
 }
 
@@ -148,6 +147,7 @@ std::optional<StartError> Controller::open_gates() {
   outside_.log.notice(Kind::started, "started: " + summary());
   if (control.mode() == enforce::Mode::audit)
     outside_.log.warning(Kind::mode, "AUDIT MODE: nothing is dropped, everything is only counted");
+  if (history_) audit_keeper_.restore(*history_);
   admissions_.report_left_out();
   deliveries_.outcome(before, {});
   forwarding_.act();
@@ -160,7 +160,9 @@ void Controller::stop() {
   forwarding_.stop();
   outside_.log.notice(Kind::stopped, "stopped: the gates stay in the kernel and deny everything");
   turn_.commit();
-  if (history_) history_->flush(outside_.clock.unix_ns());
+  if (!history_) return;
+  history_->flush(outside_.clock.unix_ns());
+  audit_keeper_.keep(*history_);
 }
 
 /// Interfaces, links and gates for a description that has just become the one in force; what was
@@ -307,7 +309,7 @@ std::string Controller::summary() const {
   const core::State& state = *scene_.state;
   return fmt::format("{} of {}: {} granted, {} refused, {}{}",
                      state.system().gateways[scene_.self].name, state.system().name,
-                     state.granted(), state.refused(), mode_name(outside_.control),
+                     state.granted(), state.refused(), modes_.name(),
                      outside_.control.is_open() ? "" : ", closed");
 }
 
@@ -328,6 +330,10 @@ void Controller::plan_rounds() {
   rounds_.add([this] { return drops_.poll_some_channels(); });
   rounds_.add([this] { return drops_.tidy(); });
   rounds_.add([this] { return drops_.poll_some_ports(); });
+  once([this] { modes_.poll(); });
+  once([this] {
+    if (history_) audit_keeper_.poll(*history_);
+  });
   rounds_.add([this] { return poll_next_bypass(); });
   once([this] { tags_.poll(); });
   once([this] { tags_.ask(); });

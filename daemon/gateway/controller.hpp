@@ -17,6 +17,8 @@
 #include "control/messages.hpp"
 #include "daemon/gateway/admissions.hpp"
 #include "daemon/gateway/aside.hpp"
+#include "daemon/gateway/audit_keeper.hpp"
+#include "daemon/gateway/audit_log.hpp"
 #include "daemon/gateway/bus_monitor.hpp"
 #include "daemon/gateway/can_forwarding.hpp"
 #include "daemon/gateway/carriers.hpp"
@@ -33,6 +35,7 @@
 #include "daemon/gateway/heartbeat.hpp"
 #include "daemon/gateway/local_ends.hpp"
 #include "daemon/gateway/meshes.hpp"
+#include "daemon/gateway/modes.hpp"
 #include "daemon/gateway/patience.hpp"
 #include "daemon/gateway/quotas.hpp"
 #include "daemon/gateway/recorder.hpp"
@@ -171,7 +174,11 @@ class Controller {
               forwarding_, pulse_}};
   TagBindings tags_{scene_, outside_.gates, outside_.log, turn_, recorder_, outside_.clock};
   BusMonitor buses_{scene_, outside_.gates, outside_.log, turn_, outside_.clock};
-  DropReports drops_{scene_, outside_.gates, outside_.log, deliveries_, outside_.clock, pulse_};
+  AuditLog audit_{scene_, outside_.gates, outside_.clock};
+  DropReports drops_{scene_, outside_.gates, outside_.log, deliveries_,
+                     audit_, outside_.clock, pulse_};
+  Modes modes_{outside_.control, outside_.log, drops_, audit_};
+  AuditKeeper audit_keeper_{audit_, modes_, outside_.log, patience_, outside_.clock};
   Carriers carriers_;
   GatewayPresence presence_{{scene_, outside_.control, carriers_, outside_.log, outside_.clock}};
   DeliveryHealth delivery_health_{scene_,      outside_.gates, drops_,

@@ -23,6 +23,20 @@ std::uint64_t would_be_misfits(const Frames& frames) {
   return frames.would_drop - std::min(frames.would_drop, frames.would_exceed);
 }
 
+std::uint64_t counted(const Frames& frames, Drop reason) {
+  switch (reason) {
+    case Drop::misfit:
+      return misfits(frames);
+    case Drop::would_be_misfit:
+      return would_be_misfits(frames);
+    case Drop::excess:
+      return frames.excess - std::min(frames.excess, frames.would_exceed);
+    case Drop::would_exceed:
+      return frames.would_exceed;
+  }
+  return 0;
+}
+
 }  // namespace
 
 /// The next one each time, and so many in a round; what is refused is reported when all of them
@@ -67,6 +81,7 @@ void DropReports::report_all() {
 }
 
 void DropReports::forget() {
+  audit_.restart_clean();
   of_entries_.forget();
   of_ports_.forget();
   poll_all(Reporting::no);
@@ -75,18 +90,31 @@ void DropReports::forget() {
 void DropReports::sample_entry(const core::GateRule& rule,
                                const std::vector<const core::Verdict*>& users, Reporting reporting,
                                Dropped& sum) {
-  const std::int64_t now = clock_.monotonic_s();
   const Frames frames = gates_.frames({rule});
-  const std::uint64_t enforced = frames.excess - std::min(frames.excess, frames.would_exceed);
-  const auto excess = of_entries_.sample({rule.entry, Drop::excess}, enforced, now);
+  const core::Verdict& user = *users.front();
+  const auto excess = sample(rule.entry, Drop::excess, user, frames);
   if (excess && reporting == Reporting::yes) deliveries_.excess(users, Fate::dropped, *excess);
-  const auto passed =
-      of_entries_.sample({rule.entry, Drop::would_exceed}, frames.would_exceed, now);
+  const auto passed = sample(rule.entry, Drop::would_exceed, user, frames);
   if (passed && reporting == Reporting::yes) deliveries_.excess(users, Fate::let_through, *passed);
-  sum.dropped += of_entries_.sample({rule.entry, Drop::misfit}, misfits(frames), now).value_or(0);
-  sum.would_drop +=
-      of_entries_.sample({rule.entry, Drop::would_be_misfit}, would_be_misfits(frames), now)
-          .value_or(0);
+  sum.dropped += sample(rule.entry, Drop::misfit, user, frames).value_or(0);
+  sum.would_drop += sample(rule.entry, Drop::would_be_misfit, user, frames).value_or(0);
+}
+
+/// Excess that the port lets pass is reported, and no finding: nothing would have been dropped.
+std::optional<std::uint64_t> DropReports::sample(const core::GateEntry& entry, Drop reason,
+                                                 const core::Verdict& user, const Frames& frames) {
+  const auto mention =
+      of_entries_.sample({entry, reason}, counted(frames, reason), clock_.monotonic_s());
+  const std::uint64_t grown = of_entries_.grown();
+  const bool is_excess = reason == Drop::excess || reason == Drop::would_exceed;
+  if (grown == 0 || (reason == Drop::excess && frames.excess_dropped == 0)) return mention;
+  const bool passed = reason == Drop::would_be_misfit || reason == Drop::would_exceed;
+  const std::string excess = enforce::reason_text(GATE_R_EXCESS);
+  // Of the latest frame that was refused: it may be one in excess.
+  const std::string misfit = frames.last_reason == excess ? "not as granted" : frames.last_reason;
+  audit_.refused(user, entry, is_excess ? excess : misfit,
+                 passed ? Fate::let_through : Fate::dropped, grown);
+  return mention;
 }
 
 void DropReports::verdicts_changed(const core::Change& change) {
@@ -141,6 +169,10 @@ void DropReports::poll(const core::Decision& decision, Reporting reporting) {
 }
 
 void DropReports::poll_unknown(std::size_t port, Reporting reporting) {
+  if (reporting == Reporting::yes)
+    audit_.poll(port);
+  else
+    audit_.take_up(port);
   const UnknownFrames frames = gates_.unknown_frames(port);
   const auto poll = [&](Fate fate, std::uint64_t counted) {
     const auto fresh = of_ports_.sample({port, fate}, counted, clock_.monotonic_s());

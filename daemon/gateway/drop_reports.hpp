@@ -6,12 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
 #include "base/drop_watch.hpp"
 #include "core/admission/state.hpp"
+#include "daemon/gateway/audit_log.hpp"
 #include "daemon/gateway/delivery_events.hpp"
 #include "daemon/gateway/drops.hpp"
 #include "daemon/gateway/event_log.hpp"
@@ -35,11 +37,13 @@ class DropReports {
 
   /// `pulse` is called after each step of what takes long. All of them must outlive this.
   DropReports(const Scene& scene, const GateDriver& gates, EventLog& log,
-              DeliveryEvents& deliveries, const Clock& clock, std::function<void()> pulse)
+              DeliveryEvents& deliveries, AuditLog& audit, const Clock& clock,
+              std::function<void()> pulse)
       : scene_(scene),
         gates_(gates),
         log_(log),
         deliveries_(deliveries),
+        audit_(audit),
         clock_(clock),
         pulse_(std::move(pulse)) {}
 
@@ -80,6 +84,9 @@ class DropReports {
   };
   void sample_entry(const core::GateRule& rule, const std::vector<const core::Verdict*>& users,
                     Reporting reporting, Dropped& sum);
+  /// Frames that are to be reported now, if any; the growth goes to the audit log.
+  std::optional<std::uint64_t> sample(const core::GateEntry& entry, Drop reason,
+                                      const core::Verdict& user, const Frames& frames);
   void poll(const core::Decision& decision, Reporting reporting);
   void poll_unknown(std::size_t port, Reporting reporting);
 
@@ -87,6 +94,7 @@ class DropReports {
   const GateDriver& gates_;
   EventLog& log_;
   DeliveryEvents& deliveries_;
+  AuditLog& audit_;
   const Clock& clock_;
   std::function<void()> pulse_;
   OnPolled on_polled_ = [](const Polled&) {};

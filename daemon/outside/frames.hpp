@@ -12,6 +12,13 @@ struct UnknownFrames {
   std::uint64_t would_drop = 0;  ///< let through by audit mode
 };
 
+/// Frames of a port that were refused for a reason that is of no slot, and not for want of one.
+struct Refusals {
+  const char* reason = "";  ///< in words
+  bool egress = false;
+  UnknownFrames frames;
+};
+
 /// Frames that the slots of a delivery have passed and dropped at this gateway.
 struct Frames {
   std::uint64_t passed = 0;

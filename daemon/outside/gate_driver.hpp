@@ -17,6 +17,7 @@
 #include "core/gates/plan.hpp"
 #include "core/model/system.hpp"
 #include "daemon/gates/bindings.hpp"
+#include "daemon/gates/counters.hpp"
 #include "daemon/gates/slot_spec.hpp"
 #include "daemon/outside/frames.hpp"
 
@@ -135,6 +136,9 @@ class GateDriver {
   [[nodiscard]] virtual std::optional<BusCounters> bus_counters(std::size_t port) = 0;
   /// Frames that belong to no slot so far, on one port.
   [[nodiscard]] virtual UnknownFrames unknown_frames(std::size_t port) const = 0;
+  /// Those of them that the gate saw last, of each kind how many at least.
+  [[nodiscard]] virtual std::vector<enforce::UnknownFrame> seen_unknown(std::size_t port) const = 0;
+  [[nodiscard]] virtual std::vector<Refusals> refusals(std::size_t port) const = 0;
   /// The latest frame of no slot that came in: "123", "0x4e6f626f64790000 from 10.0.0.7".
   [[nodiscard]] virtual std::string latest_unknown(std::size_t port) const = 0;
   /// FAMOUSO's tags in the gate of a port; nothing where there is no gate that holds any.

@@ -75,6 +75,21 @@ UnknownFrames unknown_frames(const enforce::PortGate* gate) {
   return sum;
 }
 
+std::vector<Refusals> refusals(const enforce::PortGate* gate) {
+  if (gate == nullptr) return {};
+  std::vector<Refusals> out;
+  for (const auto direction : enforce::kBothDirections) {
+    const enforce::ReasonCounters dropped = gate->reasons(direction);
+    const enforce::ReasonCounters passed = gate->would_drop(direction);
+    for (const gate_reason reason :
+         {GATE_R_ERROR_FRAME, GATE_R_MALFORMED, GATE_R_CLOSED, GATE_R_OPAQUE})
+      out.push_back({.reason = enforce::reason_text(reason),
+                     .egress = direction == enforce::Direction::egress,
+                     .frames = {dropped.at(reason), passed.at(reason)}});
+  }
+  return out;
+}
+
 std::string latest_unknown(const enforce::PortGate* gate) {
   if (gate == nullptr) return {};
   for (const enforce::UnknownFrame& f : gate->unknown()) {

@@ -14,7 +14,9 @@ namespace mlcca {
 
 /// Frames of no slot so far. `gate`: none, or of one port.
 [[nodiscard]] UnknownFrames unknown_frames(const enforce::PortGate* gate);
-/// The latest one that came in: "123", "0x4e6f626f64790000 from 10.0.0.7".
+/// What was refused for reasons that are of no slot: the gate was closed, a frame malformed.
+[[nodiscard]] std::vector<Refusals> refusals(const enforce::PortGate* gate);
+/// The latest unknown one that came in: "123", "0x4e6f626f64790000 from 10.0.0.7".
 [[nodiscard]] std::string latest_unknown(const enforce::PortGate* gate);
 /// Of every port, in their order.
 [[nodiscard]] std::vector<control::Interface> port_reports(const GatedPorts& ports,

@@ -128,6 +128,13 @@ class Ports final : public GateDriver {
   [[nodiscard]] UnknownFrames unknown_frames(std::size_t port) const override {
     return mlcca::unknown_frames(gate(port));
   }
+  [[nodiscard]] std::vector<enforce::UnknownFrame> seen_unknown(std::size_t port) const override {
+    const enforce::PortGate* const of_port = gate(port);
+    return of_port == nullptr ? std::vector<enforce::UnknownFrame>() : of_port->unknown();
+  }
+  [[nodiscard]] std::vector<Refusals> refusals(std::size_t port) const override {
+    return mlcca::refusals(gate(port));
+  }
   [[nodiscard]] std::string latest_unknown(std::size_t port) const override {
     return mlcca::latest_unknown(gate(port));
   }

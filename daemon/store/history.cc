@@ -38,6 +38,10 @@ constexpr const char* kSchema = R"(
     user TEXT,
     pid INTEGER
   );
+  CREATE TABLE IF NOT EXISTS note (
+    name TEXT PRIMARY KEY,
+    bytes BLOB NOT NULL
+  );
   CREATE INDEX IF NOT EXISTS decision_time ON decision (unix_ns);
   CREATE INDEX IF NOT EXISTS decision_channel ON decision (channel, unix_ns);
   CREATE INDEX IF NOT EXISTS decision_kind ON decision (kind, unix_ns);
@@ -349,6 +353,30 @@ Result<std::vector<Decision>> History::select(const HistoryFilter& filter, std::
     if (stepped != SQLITE_ROW) return failed();
     found.push_back(decision_of(rows));
   }
+}
+
+// --- notes ---------------------------------------------------------------------------------------
+
+Result<void> History::keep_note(const std::string& name, const std::string& bytes) {
+  return with_database([&]() -> Result<void> {
+    const auto statement = prepare("INSERT OR REPLACE INTO note (name, bytes) VALUES (?1, ?2)");
+    if (!statement) return std::unexpected(statement.error());
+    bind(statement->get(), 1, name);
+    sqlite3_bind_blob64(statement->get(), 2, bytes.data(), bytes.size(), SQLITE_STATIC);
+    return finish(statement->get());
+  });
+}
+
+Result<std::string> History::note(const std::string& name) {
+  return with_database([&]() -> Result<std::string> {
+    const auto statement = prepare("SELECT bytes FROM note WHERE name = ?1");
+    if (!statement) return std::unexpected(statement.error());
+    bind(statement->get(), 1, name);
+    const int stepped = sqlite3_step(statement->get());
+    if (stepped == SQLITE_DONE) return std::string();
+    if (stepped != SQLITE_ROW) return failed();
+    return text_of(statement->get(), 0);
+  });
 }
 
 std::vector<std::string> History::take_troubles() { return std::exchange(troubles_, {}); }

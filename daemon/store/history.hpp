@@ -76,6 +76,12 @@ class History {
   /// of one time the later decision is first. An error says what the database said.
   [[nodiscard]] Result<std::vector<Decision>> query(const HistoryFilter& filter);
 
+  /// Bytes that another part of the daemon wants to find again, by a name of its own: at once, in
+  /// place of what it has kept before.
+  Result<void> keep_note(const std::string& name, const std::string& bytes);
+  /// Empty: nothing was kept.
+  [[nodiscard]] Result<std::string> note(const std::string& name);
+
   /// What the operator should know (a database set aside, a disk that is full, and when it is not
   /// any more), each said once.
   std::vector<std::string> take_troubles();

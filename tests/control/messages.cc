@@ -475,6 +475,7 @@ std::vector<NamedReply> all_replies() {
           {"Reservations", {7, full_reservations()}},
           {"Gates", {8, full_gates()}},
           {"WhatIf", {8, full_what_if()}},
+          {"Audit", {10, full_audit()}},
           {"History", {9, full_history()}}};
 }
 

@@ -171,7 +171,8 @@ control::Request some_request(Octets& from) {
       out.body = control::MonitorRequest{};
       break;
     case 8:
-      out.body = control::ModeRequest{from.next() % 2 == 0 ? "enforce" : "audit"};
+      out.body = control::ModeRequest{from.next() % 2 == 0 ? "enforce" : "audit",
+                                      from.next() % 4 == 0 ? from.next() * 1'000'000'000ULL : 0};
       break;
     case 9:
       out.body = control::ReloadRequest{};
@@ -213,7 +214,7 @@ control::Request some_request(Octets& from) {
       break;
     }
     default: {
-      const unsigned which = from.next() % 10;
+      const unsigned which = from.next() % 11;
       if (which == 0)
         out.body = control::WithdrawRequest{from.one_of(kChannels)};
       else if (which == 1)
@@ -229,6 +230,8 @@ control::Request some_request(Octets& from) {
                                          .longest_ns = from.next()};
       else if (which == 6)
         out.body = control::SubscriptionsRequest{};
+      else if (which == 10)
+        out.body = control::AuditRequest{};
       else if (which == 7)
         out.body = some_subscription(from);
       else if (which == 8)

@@ -30,7 +30,7 @@ _mlccactl_can() {
 _mlccactl() {
 	local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
 	local verbs="status networks channels routes reservations subscriptions gate query what-if announce admit renew release withdraw"
-	verbs+=" reinstate explain history report monitor top mode reload bandwidth"
+	verbs+=" reinstate explain history report monitor top audit mode reload bandwidth"
 	local others="analyse-bus check describe export format generate import learn new doctor"
 	local common="--socket --timeout --json --no-color --help"
 	local offline="--json --no-color --help"
@@ -119,7 +119,7 @@ _mlccactl() {
 	--network | --bitrate | --data-bitrate | --background-load | --faults | --fault-interval-ms) return ;;
 	--fifo-depth | --bus-off) return ;;
 	--delay | --count | --filter | -d | -n) return ;;
-	--key | --lease | --link | --since | --until | --gateway | --default-period) return ;;
+	--key | --lease | --when-clean | --link | --since | --until | --gateway | --default-period) return ;;
 	--channel)
 		if [[ $verb == history ]]; then
 			mapfile -t COMPREPLY < <(compgen -W "$(_mlccactl_channels)" -- "$cur")
@@ -168,7 +168,14 @@ _mlccactl() {
 	bandwidth)
 		words+=" --packet --header --overhead-us --loss --limit --background --domain --demand"
 		;;
-	mode) [[ $cur == -* ]] || words="enforce audit" ;;
+	mode)
+		words+=" --when-clean"
+		[[ $cur == -* ]] || words="enforce audit"
+		;;
+	audit)
+		words+=" --xml"
+		[[ $cur == -* ]] || words="report"
+		;;
 	esac
 	case $verb in
 	admit) words+=" --key --lease --hold" ;;

@@ -37,10 +37,6 @@ Response known(Context& context, const Asker& asker, const Asked& asked) {
   return made_aside(context, asker, [&context, asked] { return context.channels.known(asked); });
 }
 
-const char* mode_name(const GateControl& control) {
-  return control.mode() == enforce::Mode::audit ? "audit" : "enforce";
-}
-
 Result<void> set_withdrawn(Context& context, std::size_t channel, bool withdrawn) {
   context.turn.commit();
   const std::string subject =

@@ -18,6 +18,7 @@ namespace mlcca {
 
 struct Options;
 class Admissions;
+class AuditLog;
 class CanForwarding;
 class Carriers;
 class ChannelReports;
@@ -33,6 +34,7 @@ class GatewayPresence;
 class HealthReport;
 class LocalEnds;
 class Meshes;
+class Modes;
 class Patience;
 class Recorder;
 class Reloads;
@@ -56,7 +58,8 @@ struct Context {
   Admissions& admissions;
   TagBindings& tags;
   GateEvents& gate_events;
-  DropReports& drops;
+  const AuditLog& audit;
+  Modes& modes;
   DeliveryHealth& delivery_health;
   HealthReport& health;
   ChannelReports& channels;
@@ -81,8 +84,6 @@ struct Context {
                                       std::function<serve::Slice()> next);
 /// What is known of deliveries, in one turn or aside.
 [[nodiscard]] Response known(Context& context, const Asker& asker, const Asked& asked);
-/// "enforce" or "audit".
-[[nodiscard]] const char* mode_name(const GateControl& control);
 /// On disk first, then in the kernel. After an error nothing has changed.
 [[nodiscard]] Result<void> set_withdrawn(Context& context, std::size_t channel, bool withdrawn);
 /// What a new admission would be given, or an error that says that there is no endpoint on the

@@ -24,6 +24,7 @@ Response what_if(Context& context, const Asker& asker, const control::WhatIfRequ
 Response history(Context& context, const Asker& asker, const control::HistoryRequest& request);
 Response gate(Context& context, const Asker& asker, const control::GateRequest& request);
 Response withdraw(Context& context, const Asker& asker, const control::WithdrawRequest& request);
+Response audit(Context& context, const Asker& asker, const control::AuditRequest& request);
 Response delay(Context& context, const Asker& asker, const control::DelayRequest& request);
 Response transfers(Context& context, const Asker& asker, const control::TransfersRequest& request);
 Response subscriptions(Context& context, const Asker& asker,

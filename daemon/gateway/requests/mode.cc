@@ -1,32 +1,30 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Enforce, or audit: count what would be dropped and drop nothing.
+// Enforce, now or when nothing would have been dropped for some time, or audit.
 #include <fmt/core.h>
 
-#include "daemon/gateway/drop_reports.hpp"
-#include "daemon/gateway/event_log.hpp"
+#include "daemon/gateway/modes.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
-#include "daemon/outside/gate_control.hpp"
 
 namespace mlcca::requests {
+namespace {
+
+constexpr std::uint64_t kSecond = 1'000'000'000;
+constexpr std::uint64_t kYear = 365 * 24 * 3600 * kSecond;
+
+}  // namespace
 
 Response mode(Context& context, const Asker& /*asker*/, const control::ModeRequest& request) {
   if (request.mode != "enforce" && request.mode != "audit")
     return invalid(fmt::format("there is no mode '{}': it is enforce or audit", request.mode));
-  {
-    // What was dropped so far is reported as what became of it, and no client has asked for it.
-    const EventLog::Acting no_actor(context.log, std::nullopt);
-    context.drops.report_all();
-  }
-  if (request.mode == "audit") {
-    context.control.set_mode(enforce::Mode::audit);
-    const std::string line = "AUDIT MODE: nothing is dropped, everything is only counted";
-    context.log.warning(Kind::mode, line);
-    return control::Done{line};
-  }
-  context.control.set_mode(enforce::Mode::enforce);
-  const std::string line = "enforcing: what is not admitted is dropped";
-  context.log.notice(Kind::mode, line);
-  return control::Done{line};
+  if (request.when_clean_ns == 0)
+    return request.mode == "audit" ? context.modes.audit() : context.modes.enforce();
+  if (request.mode == "audit")
+    return invalid("audit mode begins at once: the time without drops is for enforce");
+  if (request.when_clean_ns < kSecond || request.when_clean_ns > kYear)
+    return invalid("the time without drops must be 1 second to 365 days");
+  auto done = context.modes.enforce_when_clean(request.when_clean_ns);
+  if (!done) return invalid(done.error().text);
+  return std::move(*done);
 }
 
 }  // namespace mlcca::requests

@@ -3,6 +3,7 @@
 #include "control/version.hpp"
 #include "daemon/gateway/delivery_health.hpp"
 #include "daemon/gateway/health_report.hpp"
+#include "daemon/gateway/modes.hpp"
 #include "daemon/gateway/reloads.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 #include "daemon/options.hpp"
@@ -20,7 +21,9 @@ control::Status status_of(const Context& c) {
   s.gateway = c.scene.state->system().gateways[c.scene.self].name;
   s.system = c.scene.state->system().name;
   s.description_file = c.options.description;
-  s.mode = mode_name(c.control);
+  s.mode = c.modes.name();
+  s.when_clean_ns = c.modes.when_clean();
+  s.clean_ns = c.modes.clean();
   s.open = c.control.is_open() && !c.control.lapsed();
   s.grace_ns = c.control.grace();
   s.lapses = c.control.lapses();

@@ -37,6 +37,7 @@ constexpr std::tuple kTable{
     Row{Privilege::anyone, Trace::none, what_if},
     Row{Privilege::anyone, Trace::none, history},
     Row{Privilege::anyone, Trace::none, gate},
+    Row{Privilege::anyone, Trace::none, audit},
     Row{Privilege::member, Trace::none, renew},
     Row{Privilege::member, Trace::history, admit},
     Row{Privilege::member, Trace::history, release},

@@ -6,6 +6,18 @@
 namespace mlcca::core {
 namespace {
 
+TEST(Text, SpansHaveTheirTwoLargestUnits) {
+  constexpr Value kSecond = 1'000'000'000;
+  EXPECT_EQ(format_span(0), "0 s");
+  EXPECT_EQ(format_span(4 * kSecond + 999'999'999), "4 s");
+  EXPECT_EQ(format_span(59 * kSecond), "59 s");
+  EXPECT_EQ(format_span(60 * kSecond), "1 min");
+  EXPECT_EQ(format_span(200 * kSecond), "3 min 20 s");
+  EXPECT_EQ(format_span(3600 * kSecond + 59 * kSecond), "1 h");
+  EXPECT_EQ(format_span(86'400 * kSecond), "1 d");
+  EXPECT_EQ(format_span(94'000 * kSecond), "1 d 2 h");
+}
+
 TEST(TextTest, WritesValuesWithTheUnitAPersonWouldUse) {
   EXPECT_EQ(format_value(Attribute::period, 50'000'000), "50 ms");
   EXPECT_EQ(format_value(Attribute::latency, 1'500), "1.5 us");

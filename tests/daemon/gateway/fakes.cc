@@ -421,6 +421,16 @@ UnknownFrames FakeGates::unknown_frames(std::size_t port) const {
   return found == unknown.end() ? UnknownFrames{} : found->second;
 }
 
+std::vector<enforce::UnknownFrame> FakeGates::seen_unknown(std::size_t port) const {
+  const auto found = seen.find(ports_[port].port.identity.name);
+  return found == seen.end() ? std::vector<enforce::UnknownFrame>() : found->second;
+}
+
+std::vector<Refusals> FakeGates::refusals(std::size_t port) const {
+  const auto found = refused.find(ports_[port].port.identity.name);
+  return found == refused.end() ? std::vector<Refusals>() : found->second;
+}
+
 std::vector<control::Interface> FakeGates::report() const {
   std::vector<control::Interface> out;
   for (std::size_t p = 0; p < ports_.size(); ++p) {

@@ -213,6 +213,8 @@ class FakeGates final : public GateDriver {
   [[nodiscard]] std::vector<core::Condition> conditions(std::size_t networks) const override;
   [[nodiscard]] std::optional<BusCounters> bus_counters(std::size_t port) override;
   [[nodiscard]] UnknownFrames unknown_frames(std::size_t port) const override;
+  [[nodiscard]] std::vector<enforce::UnknownFrame> seen_unknown(std::size_t port) const override;
+  [[nodiscard]] std::vector<Refusals> refusals(std::size_t port) const override;
   [[nodiscard]] std::string latest_unknown(std::size_t /*port*/) const override { return "123"; }
   [[nodiscard]] std::optional<enforce::Bindings> bindings(std::size_t /*port*/) const override {
     return std::nullopt;
@@ -228,8 +230,10 @@ class FakeGates final : public GateDriver {
   [[nodiscard]] bool has_refused(std::size_t port) const { return ports_[port].refused; }
 
   // What tests say:
-  std::map<std::string, BusCounters> carried;       ///< by interface
-  std::map<std::string, UnknownFrames> unknown;     ///< by interface
+  std::map<std::string, BusCounters> carried;                      ///< by interface
+  std::map<std::string, UnknownFrames> unknown;                    ///< by interface
+  std::map<std::string, std::vector<enforce::UnknownFrame>> seen;  ///< by interface
+  std::map<std::string, std::vector<Refusals>> refused;            ///< by interface
   std::map<core::Subject, Frames> counted;          ///< what frames() says of a subject
   std::map<core::Direction, std::uint64_t> passed;  ///< frames() of a single rule, if any
   std::optional<control::Watch> watched;            ///< what watch() says

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/audit_keeper.hpp"
+
+#include <string>
+#include <variant>
+
+#include "control/buffer.hpp"
+#include "control/codec.hpp"
+
+namespace mlcca {
+namespace {
+
+constexpr const char* kName = "audit";
+
+}  // namespace
+
+/// The history says itself why it cannot be read. Something else, of a later version, is as
+/// nothing.
+void AuditKeeper::restore(store::History& from) {
+  kept_at_ = clock_.monotonic_s();
+  const auto kept = patience_.wait_for([&from] { return from.note(kName); });
+  if (!kept || kept->empty()) return;
+  control::Buffer buffer;
+  buffer.append(*kept);
+  const auto reply = control::decode_reply(buffer);
+  const auto* const audit =
+      reply && *reply ? std::get_if<control::Audit>(&(*reply)->body) : nullptr;
+  if (audit == nullptr) {
+    log_.warning(Kind::trouble,
+                 "what audit mode has found so far is lost: it cannot be read by this version");
+    return;
+  }
+  audit_.restore(*audit);
+  modes_.restore(audit->when_clean_ns);
+  kept_when_clean_ = audit->when_clean_ns;
+}
+
+void AuditKeeper::poll(store::History& to) {
+  const bool is_due = clock_.monotonic_s() - kept_at_ >= kInterval;
+  if (is_due || modes_.when_clean() != kept_when_clean_) keep(to);
+}
+
+void AuditKeeper::keep(store::History& to) {
+  kept_at_ = clock_.monotonic_s();
+  const std::uint64_t when_clean = modes_.when_clean();
+  if (!audit_.take_news() && when_clean == kept_when_clean_) return;
+  control::Audit audit = audit_.contents();
+  audit.when_clean_ns = when_clean;
+  kept_when_clean_ = when_clean;
+  const std::string bytes = control::encode(control::Reply{0, std::move(audit)});
+  const auto kept = patience_.wait_for([&] { return to.keep_note(kName, bytes); });
+  if (problem_.is_new(kept ? "" : "what audit mode has found is not kept: " + kept.error().text))
+    log_.warning(Kind::trouble, problem_.text());
+}
+
+}  // namespace mlcca

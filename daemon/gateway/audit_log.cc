@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/audit_log.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <unordered_set>
+#include <vector>
+
+#include "core/gates/control_traffic.hpp"
+#include "core/model/text.hpp"
+#include "daemon/gates/counters.hpp"
+#include "daemon/gateway/report.hpp"
+
+namespace mlcca {
+namespace {
+
+/// A counter that is less than before has begun again.
+std::uint64_t grown(std::uint64_t now, std::uint64_t before) {
+  return now >= before ? now - before : now;
+}
+
+UnknownFrames grown(const UnknownFrames& now, const UnknownFrames& before) {
+  return {grown(now.dropped, before.dropped), grown(now.would_drop, before.would_drop)};
+}
+
+const char* refused_text() { return enforce::reason_text(GATE_R_DENIED); }
+
+/// Frames that rules of this gateway are made for.
+class Ruled {
+ public:
+  explicit Ruled(const Scene& scene) {
+    const core::State& state = *scene.state;
+    const core::System& system = state.system();
+    add(core::control_rules(system, scene.self));
+    add(core::gate_state(system, state.members(), state.decisions(), scene.self));
+  }
+
+  [[nodiscard]] bool has(std::size_t port, const control::Finding& frame) const {
+    if (frame.subject != 0) return subjects_.contains({port, frame.egress, frame.subject});
+    const Gate gate{port, frame.egress, 0};
+    for (auto it = ids_.lower_bound(gate); it != ids_.end(); ++it) {
+      const auto& [of_port, egress, mask] = it->first;
+      if (of_port != port || egress != frame.egress) break;
+      if (it->second.contains(frame.can_id & mask)) return true;
+    }
+    return false;
+  }
+
+ private:
+  using Gate = std::tuple<std::size_t, bool, std::uint32_t>;  // with the mask of a CAN frame
+
+  void add(const core::GateState& rules) {
+    for (const core::GateRule& rule : rules) {
+      const core::GateEntry& e = rule.entry;
+      const bool egress = e.direction == core::Direction::egress;
+      if (e.mask != 0)
+        ids_[{e.port, egress, e.mask}].insert(e.id);
+      else
+        subjects_.insert({e.port, egress, e.subject});
+    }
+  }
+
+  std::map<Gate, std::unordered_set<std::uint32_t>> ids_;
+  std::set<std::tuple<std::size_t, bool, core::Subject>> subjects_;
+};
+
+/// By the names that a finding has.
+const core::Verdict* delivery_of(const core::State& state, const control::Finding& finding) {
+  const core::System& system = state.system();
+  const auto channel =
+      std::ranges::find(system.channels, finding.channel, &core::EventChannel::name);
+  if (channel == system.channels.end()) return nullptr;
+  const auto at = static_cast<std::size_t>(channel - system.channels.begin());
+  for (const core::Verdict& v : state.decisions()[at].verdicts)
+    if (state.members().publisher(v.publisher).name == finding.publisher &&
+        core::name_of(system, v.to) == finding.to)
+      return &v;
+  return nullptr;
+}
+
+}  // namespace
+
+void AuditLog::restore(const control::Audit& kept) {
+  since_unix_s_ = kept.since_unix_s;
+  left_out_ = kept.left_out;
+  for (const control::Finding& f : kept.findings) {
+    const std::uint8_t format = f.xl ? GATE_XL : f.fd ? GATE_FD : GATE_CLASSIC;
+    const bool is_can = f.channel.empty() && f.subject == 0;
+    const Key key{.interface = f.interface,
+                  .network = f.network,
+                  .egress = f.egress,
+                  .reason = f.reason,
+                  .channel = f.channel,
+                  .publisher = f.publisher,
+                  .to = f.to,
+                  .can_id = f.can_id,
+                  .format = is_can ? format : std::uint8_t{0},
+                  .subject = f.subject,
+                  .address = f.address,
+                  .mac = f.mac};
+    findings_[key] = {.dropped = f.dropped,
+                      .would_drop = f.would_drop,
+                      .first_unix_s = f.first_unix_s,
+                      .last_unix_s = f.last_unix_s,
+                      .busy_gap = f.busy_gap_ns,
+                      .length = f.length};
+  }
+}
+
+// --- finding -------------------------------------------------------------------------------------
+
+void AuditLog::refused(const core::Verdict& verdict, const core::GateEntry& entry,
+                       const std::string& reason, Fate fate, std::uint64_t frames) {
+  const core::State& state = *scene_.state;
+  note({.interface = gates_.interface_name(entry.port),
+        .network = gates_.network_of(entry.port),
+        .egress = entry.direction == core::Direction::egress,
+        .reason = reason,
+        .channel = state.system().channels[verdict.channel].name,
+        .publisher = state.members().publisher(verdict.publisher).name,
+        .to = core::name_of(state.system(), verdict.to)},
+       {.fate = fate, .frames = frames});
+}
+
+void AuditLog::poll(std::size_t port) { poll(port, Reporting::yes); }
+
+void AuditLog::take_up(std::size_t port) {
+  polled_.erase(port);
+  poll(port, Reporting::no);
+}
+
+void AuditLog::poll(std::size_t port, Reporting reporting) {
+  Polled& last = polled_[port];
+  const std::uint64_t now = clock_.monotonic_ns();
+  const std::uint64_t span = last.at == 0 ? 0 : now - last.at;
+  last.at = now;
+  poll_reasons(port, last, reporting);
+  const UnknownFrames unknown = gates_.unknown_frames(port);
+  const UnknownFrames fresh = grown(unknown, std::exchange(last.unknown, unknown));
+  if (fresh.dropped + fresh.would_drop != 0 || reporting == Reporting::no)
+    // The mode does not change between two polls.
+    poll_frames(port, last,
+                {.fate = fresh.dropped != 0 ? Fate::dropped : Fate::let_through, .span = span},
+                reporting);
+}
+
+void AuditLog::poll_reasons(std::size_t port, Polled& last, Reporting reporting) {
+  for (const Refusals& counted : gates_.refusals(port)) {
+    UnknownFrames& before = last.reasons[{counted.reason, counted.egress}];
+    const UnknownFrames fresh = grown(counted.frames, before);
+    before = counted.frames;
+    if (reporting == Reporting::no) continue;
+    const Key key{.interface = gates_.interface_name(port),
+                  .network = gates_.network_of(port),
+                  .egress = counted.egress,
+                  .reason = counted.reason};
+    if (fresh.dropped != 0) note(key, {.fate = Fate::dropped, .frames = fresh.dropped});
+    if (fresh.would_drop != 0) note(key, {.fate = Fate::let_through, .frames = fresh.would_drop});
+  }
+}
+
+/// The gate counts as long as no other kind of frame takes the place: then it begins again.
+void AuditLog::poll_frames(std::size_t port, Polled& last, News news, Reporting reporting) {
+  decltype(last.frames) now;
+  for (const enforce::UnknownFrame& f : gates_.seen_unknown(port)) {
+    const bool egress = f.direction == enforce::Direction::egress;
+    const auto key = std::tuple(f.can_id, f.subject, f.format, egress);
+    now[key] = {f.count, f.sequence};
+    const auto known = last.frames.find(key);
+    const Polled::Frame before = known == last.frames.end() ? Polled::Frame{} : known->second;
+    if (reporting == Reporting::no || f.sequence == before.sequence) continue;
+    news.frames = f.count > before.count ? f.count - before.count : f.count;
+    news.length = f.len;
+    note({.interface = gates_.interface_name(port),
+          .network = gates_.network_of(port),
+          .egress = egress,
+          .reason = enforce::reason_text(GATE_R_UNKNOWN),
+          .can_id = f.can_id,
+          .format = f.format,
+          .subject = f.subject,
+          .address = enforce::address_text(f.station),
+          .mac = enforce::mac_text(f.station, f.mac)},
+         news);
+  }
+  last.frames = std::move(now);
+}
+
+void AuditLog::note(const Key& key, const News& news) {
+  const std::uint64_t now = clock_.monotonic_ns();
+  const std::uint64_t unix_s = clock_.unix_ns() / 1'000'000'000;
+  if (!findings_.contains(key)) make_room();
+  Finding& f = findings_[key];
+  if (f.first_unix_s == 0) f.first_unix_s = unix_s;
+  f.last_unix_s = unix_s;
+  (news.fate == Fate::dropped ? f.dropped : f.would_drop) += news.frames;
+  f.length = std::max(f.length, news.length);
+  std::uint64_t gap = 0;
+  if (news.frames > 1) gap = news.span / news.frames;
+  if (news.frames == 1 && f.noted != 0) gap = now - f.noted;
+  if (gap != 0 && (f.busy_gap == 0 || gap < f.busy_gap)) f.busy_gap = gap;
+  f.noted = now;
+  if (news.fate == Fate::let_through) clean_since_ = now;
+  has_news_ = true;
+}
+
+void AuditLog::make_room() {
+  if (findings_.size() < kMost) return;
+  findings_.erase(std::ranges::min_element(findings_, {}, [](const auto& one) {
+    const Finding& f = one.second;
+    return std::pair(f.dropped + f.would_drop, f.last_unix_s);
+  }));
+  ++left_out_;
+}
+
+// --- what was found ------------------------------------------------------------------------------
+
+control::Audit AuditLog::contents() const {
+  control::Audit out;
+  out.since_unix_s = since_unix_s_;
+  out.left_out = left_out_;
+  out.findings.reserve(findings_.size());
+  for (const auto& [key, f] : findings_)
+    out.findings.push_back({.interface = key.interface,
+                            .network = key.network,
+                            .egress = key.egress,
+                            .reason = key.reason,
+                            .dropped = f.dropped,
+                            .would_drop = f.would_drop,
+                            .first_unix_s = f.first_unix_s,
+                            .last_unix_s = f.last_unix_s,
+                            .busy_gap_ns = f.busy_gap,
+                            .channel = key.channel,
+                            .publisher = key.publisher,
+                            .to = key.to,
+                            .can_id = key.can_id,
+                            .length = f.length,
+                            .fd = key.format == GATE_FD,
+                            .xl = key.format == GATE_XL,
+                            .subject = key.subject,
+                            .address = key.address,
+                            .mac = key.mac});
+  std::ranges::stable_sort(out.findings, std::ranges::greater{}, &control::Finding::last_unix_s);
+  return out;
+}
+
+control::Audit AuditLog::report() const {
+  const core::State& state = *scene_.state;
+  control::Audit out = contents();
+  out.gateway = state.system().gateways[scene_.self].name;
+  const Ruled ruled(scene_);
+  std::erase_if(out.findings, [&](control::Finding& f) {
+    std::size_t port = 0;
+    while (port < gates_.size() &&
+           (gates_.interface_name(port) != f.interface || gates_.network_of(port) != f.network))
+      ++port;
+    if (port == gates_.size()) return true;
+    f.profile = core::to_text(gates_.profile(port));
+    if (!f.channel.empty()) {
+      const core::Verdict* const v = delivery_of(state, f);
+      if (v == nullptr) return true;
+      if (f.reason != refused_text()) return false;
+      if (v->granted) return true;
+      f.reason += ": " + why(state, *v);
+      return false;
+    }
+    const bool names_frame = f.reason == enforce::reason_text(GATE_R_UNKNOWN);
+    return names_frame && ruled.has(port, f);
+  });
+  return out;
+}
+
+}  // namespace mlcca

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/modes.hpp"
+
+#include <fmt/core.h>
+
+#include <optional>
+#include <string>
+
+#include "core/model/text.hpp"
+
+namespace mlcca {
+
+/// What was dropped so far is reported as what became of it, and no client has asked for it.
+void Modes::report_drops() {
+  const EventLog::Acting no_actor(log_, std::nullopt);
+  drops_.report_all();
+}
+
+control::Done Modes::set(enforce::Mode mode) {
+  report_drops();
+  when_clean_ = 0;
+  control_.set_mode(mode);
+  if (mode == enforce::Mode::audit) {
+    audit_.restart_clean();
+    std::string line = "AUDIT MODE: nothing is dropped, everything is only counted";
+    log_.warning(Kind::mode, line);
+    return {std::move(line)};
+  }
+  std::string line = "enforcing: what is not admitted is dropped";
+  log_.notice(Kind::mode, line);
+  return {std::move(line)};
+}
+
+control::Done Modes::enforce() { return set(enforce::Mode::enforce); }
+control::Done Modes::audit() { return set(enforce::Mode::audit); }
+
+Result<control::Done> Modes::enforce_when_clean(std::uint64_t when_clean) {
+  if (!is_audit())
+    return fail("the gates enforce already: 'mode audit' is what comes before --when-clean");
+  when_clean_ = when_clean;
+  std::string line = fmt::format(
+      "audit mode until nothing would have been dropped for {}: then the gates enforce; for {} "
+      "nothing would have been",
+      core::format_span(when_clean), core::format_span(clean()));
+  log_.notice(Kind::mode, line);
+  return control::Done{std::move(line)};
+}
+
+void Modes::restore(std::uint64_t when_clean) {
+  if (!is_audit() || when_clean == 0) return;
+  when_clean_ = when_clean;
+  log_.notice(Kind::mode,
+              fmt::format("the gates enforce when nothing would have been dropped for {} from now "
+                          "on, as was asked for",
+                          core::format_span(when_clean)));
+}
+
+/// What the counters say in the end decides, not what was polled until now.
+void Modes::poll() {
+  if (when_clean() == 0 || clean() < when_clean_) return;
+  report_drops();
+  if (clean() < when_clean_) return;
+  log_.notice(Kind::mode, fmt::format("nothing would have been dropped for {}",
+                                      core::format_span(when_clean_)));
+  set(enforce::Mode::enforce);
+}
+
+const char* Modes::name() const { return is_audit() ? "audit" : "enforce"; }
+
+}  // namespace mlcca

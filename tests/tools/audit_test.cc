@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/audit.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "core/model/text.hpp"
+#include "tests/control/messages.hpp"
+#include "tools/elements.hpp"
+#include "tools/json.hpp"
+#include "tools/options.hpp"
+#include "tools/render.hpp"
+#include "tools/requests.hpp"
+
+namespace mlcca::tools {
+namespace {
+
+/// Times as anywhere.
+class AuditReport : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ::setenv("TZ", "UTC", 1);
+    ::tzset();
+  }
+  control::Audit audit_ = test::full_audit();
+};
+
+TEST_F(AuditReport, ListsWhatWasRefusedAndWhatADescriptionWouldNeed) {
+  const std::string expected = R"(AUDIT MODE: nothing is dropped; counted since 2023-11-14 22:13:20
+for 3 h nothing would have been dropped; the gates enforce after 1 d without
+
+INTERFACE  WAY  FRAME OR DELIVERY           SENDER                         WOULD DROP  DROPPED  FIRST                LATEST               WHY
+can0       in   123                                                              4210        7  2023-11-14 22:13:21  2023-11-15 22:13:20  unknown subject
+can1       in   0cf00417                    node 23                                 1           2023-11-14 22:13:22  2023-11-14 22:13:22  unknown subject
+eth0       in   0x4e6f626f64790000          192.0.2.7 (02:00:5e:10:00:01)           3           2023-11-14 22:13:23  2023-11-14 22:13:24  unknown subject
+can1       out  emergency-switch of switch                                         12           2023-11-14 22:13:25  2023-11-14 22:13:26  refused: Omission 2 required, field provides 5 (3 too many)
+eth0       in                                                                                2  2023-11-14 22:13:27  2023-11-14 22:13:28  malformed
+31 further ones had fewer frames and are not listed
+
+To admit what is wanted of it, add to the description:
+
+<!-- 123 on can0: 4217 frames since 2023-11-14 22:13:21, in the busiest second one every 20ms: the Period is that. -->
+<EventChannel name="robot-can-123">
+  <SubjectUID>{}</SubjectUID>
+  <Attributes period="20ms" maxPayload="8"/>
+</EventChannel>
+<!-- in Network robot-can: -->
+<Binding channel="robot-can-123" format="fd"><Identifier form="standard">0x123</Identifier></Binding>
+<Publisher name="robot-can-123" channel="robot-can-123" network="robot-can"/>
+<Subscriber name="robot-can-123-receiver" channel="robot-can-123" gateway="bridge"/>
+
+<!-- 0cf00417 on can1: 1 frame since 2023-11-14 22:13:22; the Period is assumed. -->
+<EventChannel name="truck-pgn-F004">
+  <SubjectUID>{}</SubjectUID>
+  <Attributes period="100ms" maxPayload="8"/>
+</EventChannel>
+<!-- in Network truck: -->
+<Binding channel="truck-pgn-F004"><PGN priority="3">0xf004</PGN></Binding>
+<Publisher name="truck-pgn-F004" channel="truck-pgn-F004" network="truck" node="23"/>
+<Subscriber name="truck-pgn-F004-receiver" channel="truck-pgn-F004" gateway="bridge"/>
+
+<!-- 0x4e6f626f64790000 on eth0: 3 frames since 2023-11-14 22:13:23, in the busiest second one every 500ms: the Period is that. -->
+<EventChannel name="lan-4e6f626f64790000">
+  <SubjectUID>0x4e6f626f64790000</SubjectUID>
+  <Attributes period="500ms" maxPayload="40"/>
+</EventChannel>
+<Publisher name="lan-4e6f626f64790000" channel="lan-4e6f626f64790000" network="lan" address="192.0.2.7"/>
+<Subscriber name="lan-4e6f626f64790000-receiver" channel="lan-4e6f626f64790000" gateway="bridge"/>
+)";
+  EXPECT_EQ(render(audit_, Color::no),
+            fmt::format(fmt::runtime(expected), core::format_subject(subject_of("robot-can-123")),
+                        core::format_subject(subject_of("truck-pgn-F004"))));
+}
+
+TEST_F(AuditReport, WhatThisComputerSendsIsOfAProgramHere) {
+  audit_.findings[0].egress = true;
+  const std::string text = addition(audit_, audit_.findings[0]);
+  EXPECT_TRUE(text.contains("gateway=\"bridge\" user=\"root\"/>")) << text;
+  EXPECT_TRUE(text.contains("-receiver\" channel=\"robot-can-123\" network=\"robot-can\"/>"))
+      << text;
+}
+
+TEST_F(AuditReport, WhatNoChannelCanHaveHasNothingToAdd) {
+  control::Finding f = audit_.findings[1];
+  f.can_id = 0x123;
+  EXPECT_EQ(addition(audit_, f), "") << "11 bits on a J1939 network";
+  f.can_id = 0x98eeff17;
+  EXPECT_EQ(addition(audit_, f), "") << "an address claim";
+  f.profile = "of-a-later-version";
+  EXPECT_EQ(addition(audit_, f), "");
+  EXPECT_EQ(addition(audit_, audit_.findings[3]), "");
+  EXPECT_EQ(addition(audit_, audit_.findings[4]), "");
+}
+
+TEST_F(AuditReport, NamesStayTextInTheAddition) {
+  audit_.gateway = "g\"/><x";
+  audit_.findings[0].interface = "a-->b";
+  const std::string text = addition(audit_, audit_.findings[0]);
+  EXPECT_FALSE(text.contains("<x")) << text;
+  EXPECT_FALSE(text.contains("a-->b")) << text;
+}
+
+TEST_F(AuditReport, OnlyTheFirstAdditionsFollowTheTable) {
+  audit_.findings.resize(1);
+  for (int i = 0; i < 9; ++i) audit_.findings.push_back(audit_.findings[0]);
+  const std::string text = render(audit_, Color::no);
+  EXPECT_TRUE(text.contains("\n2 more: 'mlccactl audit report --xml' prints them all\n")) << text;
+}
+
+TEST_F(AuditReport, SaysThatNothingWasRefused) {
+  EXPECT_EQ(render(control::Audit{.mode = "enforce", .since_unix_s = 1'700'000'000}, Color::no),
+            "enforcing; counted since 2023-11-14 22:13:20\n\nnothing was refused\n");
+}
+
+TEST_F(AuditReport, IsJsonWithTheAddition) {
+  const auto json = nlohmann::json::parse(to_json(control::Reply{1, audit_}));
+  EXPECT_EQ(json["findings"][0]["identifier"], "123");
+  EXPECT_EQ(json["findings"][0]["add"], addition(audit_, audit_.findings[0]));
+  EXPECT_TRUE(json["findings"][2]["identifier"].is_null());
+  EXPECT_EQ(json["findings"][2]["subject"], "0x4e6f626f64790000");
+  EXPECT_TRUE(json["findings"][3]["add"].is_null());
+  EXPECT_EQ(json["when_clean_ns"], 86'400'000'000'000);
+}
+
+TEST_F(AuditReport, TheStatusSaysWhenTheGatesEnforce) {
+  control::Status status = test::full_status();
+  status.mode = "audit";
+  status.when_clean_ns = 86'400'000'000'000;
+  status.clean_ns = 60'500'000'000;
+  EXPECT_TRUE(render(status, Color::no)
+                  .contains("mode         audit; enforces when nothing would have been dropped for "
+                            "1 d: it has been 1 min\n"))
+      << render(status, Color::no);
+}
+
+TEST_F(AuditReport, TheTimeToEnforceIsASpan) {
+  Arguments arguments;
+  arguments.mode = "enforce";
+  EXPECT_EQ(mode(arguments)->when_clean_ns, 0U);
+  arguments.when_clean = "24h";
+  EXPECT_EQ(mode(arguments)->when_clean_ns, 86'400'000'000'000U);
+  for (const char* wrong : {"24", "soon", "0s"}) {
+    arguments.when_clean = wrong;
+    EXPECT_FALSE(mode(arguments)) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace mlcca::tools
