@@ -9,8 +9,10 @@
 #include "core/can/of_system.hpp"
 #include "core/can/schedule.hpp"
 #include "core/design/finding_of.hpp"
+#include "core/design/hints.hpp"
 #include "core/gates/relay_gate.hpp"
 #include "core/mesh/mesh.hpp"
+#include "core/model/medium.hpp"
 #include "core/model/text.hpp"
 #include "core/model/user_values.hpp"
 #include "mlcca/arithmetic.hpp"
@@ -92,11 +94,36 @@ std::string stated_by(const System& system, Place place) {
   return (evaluated ? "PerHop of " : "") + name_of(system, place);
 }
 
-/// What a mesh provides of it is composed of what each of its links does.
+/// What a mesh provides of it is composed of what each of its links does, unless it states it
+/// whole.
 bool follows_from_links(const System& system, const Row& row) {
   if (row.is_user() || row.place.kind != Place::Kind::network) return false;
-  const auto& mesh = system.networks[row.place.index].mesh;
-  return mesh && mesh->per_hop.has(held_against(row.comparison.attribute));
+  const Network& network = system.networks[row.place.index];
+  const Attribute a = held_against(row.comparison.attribute);
+  return network.mesh && network.mesh->per_hop.has(a) && !network.provision.has(a);
+}
+
+/// An event of several frames is lost with any of them, and nothing says how many events in a row
+/// those are that a network may lose.
+bool is_unbounded_omission(const Row& row) {
+  return !row.is_user() && row.comparison.attribute == Attribute::omission &&
+         row.comparison.provided == kUnbounded;
+}
+
+/// What would let a hop give what it does not.
+std::string hop_hint(const System& system, const Row& row, const std::string& required) {
+  const std::string provided = provided_name(system, row);
+  const std::string& place = name_of(system, row.place);
+  if (!row.comparison.known)
+    return "state " + provided + " of " + stated_by(system, row.place) +
+           ": what is not stated is not given";
+  if (is_unbounded_omission(row))
+    return "send events that fit one frame of " + place + ", or let it lose none (Omission 0)";
+  if (follows_from_links(system, row))
+    return "each link has the " + provided +
+           " that PerHop states: let it be better, take fewer links, or ask less";
+  return "let " + place + " provide " + provided + " " + required +
+         " or better, ask less, or take another way";
 }
 
 bool is_too_much_jitter(const can::Schedule& bus, can::Message message, Value jitter) {
@@ -124,6 +151,13 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
     return can::message_of(s.system, s.members.publisher(publisher), set, row.place.index, timing);
   };
   const std::string& late = s.members.publisher(row.end).name;
+  const AttributeSet& provision = s.system.networks[row.place.index].provision;
+  if (provision.has(Attribute::latency) &&
+      provision[Attribute::latency] == row.comparison.required &&
+      row.comparison.provided != kUnbounded)
+    return "state no Latency of " + name_of(s.system, row.place) +
+           ", or one that its bit rate can keep: it promises " +
+           format_value(Attribute::latency, row.comparison.required);
   const auto newcomer = message_of(v.publisher, v.set);
   const std::uint64_t all =
       bus.utilisation_ppm() +
@@ -242,13 +276,15 @@ void Explainer::add_obstacle(const Verdict& v) {
       break;
     case Obstacle::no_data_rate:
       f.origin = s_.system.networks[v.obstacle_at.index].origin;
-      f.hint = "add data-bitrate to the Bus of Network " + name_of(s_.system, v.obstacle_at) +
-               ", or let the Binding have format=\"classic\"";
+      f.hint = "add data-bitrate to the Bus of Network " + name_of(s_.system, v.obstacle_at);
+      if (attributes_in(publisher, v.set)[Attribute::max_payload] <= kClassicBytes)
+        f.hint += ", or let the Binding have format=\"classic\"";
       break;
     case Obstacle::no_path:
       f.hint = s_.system.networks[v.obstacle_at.index].mesh->nodes.empty()
                    ? "describe the nodes of the mesh"
-                   : "state the links of the mesh, or a source that knows them";
+                   : "state the links that lead there, each in its direction, or a source that "
+                     "knows them; without a mesh-node an end may be at any node";
       break;
     case Obstacle::no_rate:
       f.hint =
@@ -393,15 +429,7 @@ void Explainer::add_row(const Verdict& v, const Row& row, std::size_t subscriber
       f.text = publisher + " to " + listener + ": " + asked + " required by " +
                asker(s_, v, row, subscriber) + ", " + name_of(system, row.place) + " provides " +
                numbers;
-      if (!c.known)
-        f.hint = "state " + provided_name(system, row) + " of " + stated_by(system, row.place) +
-                 ": what is not stated is not given";
-      else if (follows_from_links(system, row))
-        f.hint = "each link has the " + provided_name(system, row) +
-                 " that PerHop states: let it be better, take fewer links, or ask less";
-      else
-        f.hint = "let " + name_of(system, row.place) + " provide " + provided_name(system, row) +
-                 " " + f.required + " or better, ask less, or take another way";
+      f.hint = hop_hint(system, row, f.required);
       break;
     case Against::overhearing:
       f.text = publisher + " to " + name_of(system, v.to) + ": " + f.attribute + " " + f.required +
@@ -432,9 +460,9 @@ void Explainer::add_medium(const Verdict& v, const Row& row) {
   if (row.against == Against::schedule) {
     f.text = "with " + publisher + ", " + schedule_text(s_.system, s_.members, row);
     if (queue)
-      f.hint = "send less often, or give the port of the gateway queue-length=\"" +
-               std::to_string(row.reserved) +
-               "\"; mlccactl analyse-bus says what all messages of the bus need together";
+      f.hint = queue_hint(row.reserved,
+                          "mlccactl analyse-bus says what all messages of the bus "
+                          "need together");
     else
       f.hint = late_hint(s_, *ledger_.schedule(row.place.index), v, row);
     return;

@@ -17,6 +17,7 @@
 #include "core/can/analysis.hpp"
 #include "core/can/of_system.hpp"
 #include "core/design/explain.hpp"
+#include "core/design/hints.hpp"
 #include "core/design/sense.hpp"
 #include "core/gates/plan.hpp"
 #include "core/gates/relay_gate.hpp"
@@ -278,9 +279,8 @@ class Inspector {
               s_.networks[conflict->bus.index].name + " over " +
               sender_words(p.origin, conflict->first) + " and over " +
               sender_words(p.origin, conflict->other) + ": two senders of one identifier",
-          "declare routes over one gateway, or give each publisher a node of its own (where the "
-          "profile has nodes)",
-          c, static_cast<std::uint32_t>(v->publisher));
+          sender_hint(s_.networks[conflict->bus.index].profile), c,
+          static_cast<std::uint32_t>(v->publisher));
       out_.findings.back().place = conflict->bus;
       out_.findings.back().has_place = true;
       out_.channels[c].outcome = Outcome::unfit;
@@ -411,10 +411,8 @@ void state_queue_lengths(const System& system, Inspection& inspection,
     const QueueLengths& of_bus =
         lengths.try_emplace(f.place.index, buses, f.place.index).first->second;
     if (const auto longest = of_bus.of(f.frames_of))
-      f.hint = "send less often, or give the port of the gateway queue-length=\"" +
-               std::to_string(*longest) +
-               "\": so many frames wait there at most if all messages of " +
-               system.networks[f.place.index].name + " are sent";
+      f.hint = queue_hint(*longest, "so many frames wait there at most if all messages of " +
+                                        system.networks[f.place.index].name + " are sent");
   }
 }
 

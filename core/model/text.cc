@@ -314,8 +314,8 @@ std::string schedule_text(const System& system, const Members& members, const Ro
   const Comparison& c = row.comparison;
   if (c.attribute == Attribute::omission)
     return frames + " could find the queue of their gateway full and be lost: it holds " +
-           std::to_string(row.room) + " frames, and up to " + std::to_string(row.reserved) +
-           " wait in it";
+           std::to_string(row.room) + (row.room == 1 ? " frame" : " frames") + ", and up to " +
+           std::to_string(row.reserved) + " wait in it";
   if (c.required == 0 && c.provided != kUnbounded)
     return "no time is left for " + frames + ": they take up to " +
            format_value(Attribute::latency, c.provided) +

@@ -141,7 +141,7 @@ std::optional<StartError> Controller::open_gates() {
       return StartError{{cleared.error().text}};
   heartbeat_.end_start();
   presence_.start();  // the start took time, in which nobody could ask or be received
-  delivery_health_.forget();
+  delivery_health_.forget(pulse_);
   drops_.forget();  // what a former daemon has counted is not reported again
   turn_.open_unless_lost();
   outside_.log.notice(Kind::started, "started: " + summary());

@@ -168,6 +168,16 @@ std::optional<LatestLeft> DeliveryHealth::latest_left(std::size_t channel,
   return known->second;
 }
 
+void DeliveryHealth::forget(const std::function<void()>& pulse) {
+  troubled_.clear();
+  passed_before_.clear();
+  leaving_.clear();
+  for (std::size_t channel = 0; channel < scene_.state->decisions().size(); ++channel) {
+    restart(channel);
+    pulse();
+  }
+}
+
 void DeliveryHealth::restart(std::size_t channel) {
   leaving_.erase(channel);
   Passed passed;

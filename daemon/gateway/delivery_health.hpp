@@ -3,6 +3,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -66,12 +67,9 @@ class DeliveryHealth {
   /// A channel has been decided otherwise: what its gates have passed so far says nothing of what
   /// is granted from now on.
   void restart(std::size_t channel);
-  /// Numbers of channels mean something else now.
-  void forget() {
-    troubled_.clear();
-    passed_before_.clear();
-    leaving_.clear();
-  }
+  /// Numbers of channels mean something else now, and what was granted before may be other.
+  /// `pulse` is called after each channel.
+  void forget(const std::function<void()>& pulse);
   /// Adds the troubles of all channels to the lines of a report; about as many lines as a report
   /// lists.
   void add_to(std::vector<std::string>& lines) const;

@@ -105,7 +105,7 @@ Body Reloads::put_in_force(DescribedResult read) {
   if (const auto done = parts_.put_in_force(before); !done)
     return roll_back(std::move(former), std::move(loads), before, done.error());
   parts_.gates.end_change();
-  parts_.health.forget();
+  parts_.health.forget(parts_.pulse);
   parts_.drops.forget();
   parts_.turn.open_unless_lost();
   note_loaded();
@@ -129,7 +129,7 @@ Body Reloads::roll_back(Described former, BusMonitor::Loads loads,
   parts_.gates.go_back();
   static_cast<void>(parts_.put_in_force(before));
   parts_.gates.end_change();
-  parts_.health.forget();
+  parts_.health.forget(parts_.pulse);
   parts_.drops.forget();
   parts_.turn.open_unless_lost();
   return failed(last_error_);

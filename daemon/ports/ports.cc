@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/ports/ports.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 
 #include "core/model/progress.hpp"
@@ -123,8 +125,19 @@ void Ports::attach() {
 void Ports::settle() {
   for (GatedPort& gated : ports_) {
     gated.port.settle(links_.table(), report_);
+    if (const DescribedPort& port = gated.port; port.problem().empty() && is_closed(port))
+      gated.port.set_problem(fmt::format(
+          "{} has no profile, and {} has a gate, which stays closed: state a Profile, or take the "
+          "gate off",
+          port.network(), port.interface_name(links_.table())));
     core::Progress::made();
   }
+}
+
+/// A former description had a gate there, which nobody has taken off.
+bool Ports::is_closed(const DescribedPort& port) const {
+  return port.ifindex() != 0 && !ports_.is_to_be_gated(port.ifindex()) &&
+         ports_.gates().find(port.ifindex()) != nullptr;
 }
 
 bool Ports::repair() {
@@ -143,7 +156,11 @@ void Ports::begin_repair() {
 
 bool Ports::repair(int ifindex) {
   HeldGate* const held = ports_.gates().find(ifindex);
-  if (held == nullptr || give_up(ifindex, held->port_gate())) return true;
+  if (held == nullptr) return true;
+  if (give_up(ifindex, held->port_gate()))
+    // A port without a profile can be used from now on.
+    return std::ranges::none_of(
+        ports_, [ifindex](const GatedPort& gated) { return gated.port.ifindex() == ifindex; });
   const bool kept = drift_.repair(ifindex, held->port_gate(), links_.table());
   if (!kept) ports_.gates().forget(ifindex);
   for (GatedPort& gated : ports_)

@@ -215,6 +215,23 @@ TEST_F(OnTheBench, AForwarderThatEndsIsReportedAfterItsLastFrame) {
       << "slots that were made anew";
 }
 
+/// Slots outlive a reload and a daemon, and what they have counted says nothing of a new grant.
+TEST_F(OnTheBench, FramesFromBeforeAReloadAreNotMissedBehindIt) {
+  const auto troubles = [&] {
+    const auto answer = bench_.ask(control::ExplainRequest{"c0"});
+    return std::get<control::Channels>(answer.reply.body).channels.at(0).troubles;
+  };
+  bench_.gates().passed = {{core::Direction::ingress, 422}, {core::Direction::egress, 0}};
+  static_cast<void>(bench_.ask(control::ReloadRequest{}));
+  bench_.reading().finish();
+  bench_.round();
+  EXPECT_EQ(troubles(), std::vector<std::string>{});
+  bench_.gates().passed = {{core::Direction::ingress, 430}, {core::Direction::egress, 0}};
+  bench_.round();
+  EXPECT_EQ(troubles(), std::vector<std::string>{"8 frames came in from can0 and none left to "
+                                                 "can1: nothing forwards them"});
+}
+
 TEST_F(OnTheBench, AReloadIsOneStepOrNothing) {
   bench_.readable = false;
   auto answer = bench_.ask(control::ReloadRequest{});

@@ -252,6 +252,24 @@ TEST_F(VanishTest, AGateThatIsTakenOffAnInterfaceThatIsNotDescribedIsLetGo) {
   EXPECT_TRUE(ports_->undescribed().empty());
 }
 
+/// Or else what is granted there would be dropped.
+TEST_F(VanishTest, APortWithoutAProfileCannotBeUsedWhileAFormerGateIsThere) {
+  core::System bare = one_ethernet();
+  bare.networks[0].profile = core::Profile::none;
+  ports_->describe(bare, 0);
+  ports_->follow();
+  EXPECT_TRUE(is_gated());
+  EXPECT_FALSE(ports_->conditions(1)[0].available);
+  EXPECT_EQ(ports_->problem(0),
+            "lan has no profile, and eth7 has a gate, which stays closed: state a Profile, or take "
+            "the gate off");
+  for (const auto direction : enforce::kBothDirections) take_off(direction);
+  EXPECT_FALSE(ports_->repair(kNear)) << "follow() is due";
+  follow();
+  EXPECT_EQ(ports_->problem(0), "");
+  EXPECT_TRUE(ports_->conditions(1)[0].available);
+}
+
 TEST_F(VanishTest, OneThatIsTakenOffInOneDirectionIsPutBack) {
   describe_no_port();
   take_off(enforce::Direction::ingress);

@@ -255,8 +255,8 @@ class TableReader {
 
   void take_message(const std::vector<std::string>& cells) {
     if (cells.size() != columns_) {
-      problem("values", fmt::format("{} values: must be {}, one for each column of the header{}",
-                                    cells.size(), columns_,
+      problem("values", fmt::format("{} value{}: must be {}, one for each column of the header{}",
+                                    cells.size(), cells.size() == 1 ? "" : "s", columns_,
                                     commented_ ? " (what follows a # is a comment)" : ""));
       return;
     }

@@ -253,8 +253,9 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
   text += assumed_text(analysed);
   if (!analysed.why_unbounded.empty()) text += analysed.why_unbounded + "\n";
   text += sentences("Not known:", bus.unknown) + sentences("Not counted:", bus.left_out) +
-          sentences("mlccactl check refuses, with the times beside the messages that it grants:",
-                    bus.findings);
+          sentences(
+              "'mlccactl check' refuses these; their times are beside the messages that it grants:",
+              bus.findings);
   if (analysed.assigned) text += order_text(analysed);
   return text;
 }

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/design/hints.hpp"
+
+#include "core/profiles/profile.hpp"
+
+namespace mlcca::core {
+
+std::string queue_hint(std::uint32_t frames, const std::string& why) {
+  constexpr std::uint32_t most = 10'000;  // as the schema has it
+  const std::string less = "send less often, or smaller events";
+  const std::string needed = std::to_string(frames);
+  if (frames > most)
+    return less + ": the queue would have to hold " + needed + " frames, and " +
+           std::to_string(most) + " are the most";
+  return less + ", or give the port of the gateway queue-length=\"" + needed + "\": " + why;
+}
+
+std::string sender_hint(Profile profile) {
+  const std::string hint =
+      "let the events reach the bus once: over one gateway, or by the publisher";
+  return has_nodes(profile) ? hint + "; or give each publisher a node of its own" : hint;
+}
+
+}  // namespace mlcca::core
