@@ -10,6 +10,8 @@
 #include "core/can/schedule.hpp"
 #include "core/design/finding_of.hpp"
 #include "core/design/hints.hpp"
+#include "core/design/late_hint.hpp"
+#include "core/design/room.hpp"
 #include "core/gates/relay_gate.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/model/medium.hpp"
@@ -21,11 +23,6 @@
 
 namespace mlcca::core {
 namespace {
-
-/// What a medium has left depends on everybody, not on one pair of ends.
-bool is_about_medium(const Row& row) {
-  return row.against == Against::schedule || row.against == Against::medium_time;
-}
 
 /// Where a network states a bandwidth and its links are known, only the tighter of both limits is
 /// said: a reader needs one number.
@@ -124,82 +121,6 @@ std::string hop_hint(const System& system, const Row& row, const std::string& re
            " that PerHop states: let it be better, take fewer links, or ask less";
   return "let " + place + " provide " + provided + " " + required +
          " or better, ask less, or take another way";
-}
-
-bool is_too_much_jitter(const can::Schedule& bus, can::Message message, Value jitter) {
-  message.jitter = jitter;
-  return can::unusable(bus.assumptions(), message) == can::Unusable::jitter ||
-         (message.period != 0 && jitter / message.period >= can::kMaxInstances);
-}
-
-/// The late publisher, or the new one, of whose frames on the bus the tag is not known.
-const Publisher* untagged_of(const Situation& s, const Verdict& v, const Row& row) {
-  for (const std::size_t number : {std::size_t{row.end}, v.publisher}) {
-    const Publisher& p = s.members.publisher(number);
-    const Binding* const binding = s.system.networks[row.place.index].binding_of(p.channel);
-    if (binding != nullptr && binding->waits_for_tag()) return &p;
-  }
-  return nullptr;
-}
-
-/// What would help a message that comes too late: a better identifier only where others are in its
-/// way, and the bus has time for all of them.
-std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdict& v,
-                      const Row& row) {
-  const can::Timing& timing = bus.assumptions().timing;
-  const auto message_of = [&](std::size_t publisher, std::size_t set) {
-    return can::message_of(s.system, s.members.publisher(publisher), set, row.place.index, timing);
-  };
-  const std::string& late = s.members.publisher(row.end).name;
-  const AttributeSet& provision = s.system.networks[row.place.index].provision;
-  if (provision.has(Attribute::latency) &&
-      provision[Attribute::latency] == row.comparison.required &&
-      row.comparison.provided != kUnbounded)
-    return "state no Latency of " + name_of(s.system, row.place) +
-           ", or one that its bit rate can keep: it promises " +
-           format_value(Attribute::latency, row.comparison.required);
-  const auto newcomer = message_of(v.publisher, v.set);
-  const std::uint64_t all =
-      bus.utilisation_ppm() +
-      (newcomer ? mul_div_up(newcomer->transmission, mesh::kWhole, newcomer->period) : 0);
-  if (all > mesh::kWhole) {
-    const std::uint64_t tenths = all / (mesh::kWhole / 1000);
-    return "send less often, or use a faster bus: what is granted there and these frames would "
-           "take " +
-           std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " % of the time";
-  }
-  const auto own = row.end == v.publisher ? newcomer : message_of(row.end, v.set);
-  const Value jitter = attributes_in(s.members.publisher(row.end), v.set)[Attribute::jitter];
-  if (own && row.comparison.provided == kUnbounded && is_too_much_jitter(bus, *own, jitter))
-    return "state a smaller Jitter of " + late + ": " + format_value(Attribute::jitter, jitter) +
-           " is more than what is analysed";
-  if (row.comparison.provided == kUnbounded)
-    return "send less often: what goes before these frames can take all of the bus";
-  if (row.comparison.required == 0)
-    return "allow more time, or let the rest of the way take less: state shorter times of it";
-  if (own && own->transmission > row.comparison.required)
-    return "allow " + late +
-           " more time, let it send smaller events, or use a faster bus: its frames "
-           "alone take " +
-           format_value(Attribute::latency, own->transmission);
-  if (const Publisher* const untagged = untagged_of(s, v, row))
-    return "state the ETag of channel " + s.system.channels[untagged->channel].name + " on " +
-           name_of(s.system, row.place) +
-           " in place of dynamic: as long as it is not known, it counts as the first one for "
-           "others and as the last one for " +
-           untagged->name;
-  // Of several identifiers the last one decides how long it waits.
-  const auto goes_before = [&](const can::Message& m) {
-    return m.priority < std::max(own->priority, own->lowest_priority);
-  };
-  if (own && std::ranges::none_of(bus.messages(), goes_before) &&
-      !(newcomer && goes_before(*newcomer)))
-    return "allow " + late +
-           " more time, send smaller events, or use a faster bus: no identifier there is better "
-           "than its own";
-  return "give " + late +
-         " a better identifier if there is an order for all (mlccactl analyse-bus --assign), send "
-         "less often, or allow more time";
 }
 
 /// False where a required Deadline follows from a Period.
@@ -347,6 +268,14 @@ void Explainer::add_run_time(const Verdict& v) {
     if (what.find(name) == std::string::npos)
       add(name + " " + format_value(s_.system, row, row.comparison.required));
   }
+  for (const Row& row : v.rows)
+    if (is_for_want_of_room(row)) {
+      add("whether " + name_of(s_.system, row.place) +
+          " has room for it beside what else is decided at run time");
+      point_to(row.place);
+      if (row.against == Against::schedule && row.comparison.attribute != Attribute::omission)
+        f.hint = late_hint(s_, *ledger_.schedule(row.place.index), v, row);
+    }
   for (const Place hop : hops_of(v.route)) {
     for (const std::string& words : open_on_bus(v, hop)) {
       add(words);

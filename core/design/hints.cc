@@ -5,8 +5,8 @@
 
 namespace mlcca::core {
 
-std::string queue_hint(std::uint32_t frames, const std::string& why) {
-  constexpr std::uint32_t most = 10'000;  // as the schema has it
+std::string queue_hint(std::uint64_t frames, const std::string& why) {
+  constexpr std::uint64_t most = 10'000;  // as the schema has it
   const std::string less = "send less often, or smaller events";
   const std::string needed = std::to_string(frames);
   if (frames > most)

@@ -9,7 +9,7 @@
 namespace mlcca::core {
 
 /// Of a queue of a gateway in which so many frames wait; `why` says whose they are.
-[[nodiscard]] std::string queue_hint(std::uint32_t frames, const std::string& why);
+[[nodiscard]] std::string queue_hint(std::uint64_t frames, const std::string& why);
 /// Of two senders of one identifier on a bus.
 [[nodiscard]] std::string sender_hint(Profile profile);
 

@@ -53,11 +53,19 @@ bool has_no_links(const core::System& system, core::Place place) {
   return mesh && !mesh->nodes.empty() && mesh->links.empty() && mesh->sources.empty();
 }
 
+/// It states what only the run time knows.
+bool is_dynamic(const core::Network& network) {
+  for (std::size_t i = 0; i < kAttributes; ++i)
+    if (network.provision.is_dynamic(attribute_at(i))) return true;
+  return false;
+}
+
 /// What check says of a system.
 struct Checked {
   core::System system;
   core::Inspection inspection;
-  std::map<Delivery, bool> granted;
+  std::map<Delivery, bool> granted;  ///< at run time, perhaps
+  std::set<Delivery> at_run_time;
   std::map<OnBus, core::MediumUse> on_bus;  ///< of what is granted
   bool best_cases = false;                  ///< some of it is left to the run time
   std::size_t without_links = 0;            ///< verdicts over a mesh that has no links
@@ -80,7 +88,8 @@ Checked checked(const std::string& text) {
       [&](std::size_t channel, const core::Decision& decision, std::span<const core::Finding>) {
         if (!used.insert(channel).second) return;
         for (const core::Verdict& v : decision.verdicts) {
-          out.granted[{channel, v.publisher, v.to}] = v.granted;
+          out.granted[{channel, v.publisher, v.to}] = v.outcome != Outcome::unfit;
+          if (v.outcome == Outcome::run_time) out.at_run_time.insert({channel, v.publisher, v.to});
           for (const core::MediumUse& use : v.media)
             if (v.granted && use.key != 0) out.on_bus[{use.network, use.key}] = use;
           out.best_cases |= v.outcome == Outcome::run_time;
@@ -95,9 +104,7 @@ Checked checked(const std::string& text) {
         }
       });
   // What a preferred set leaves to the run time may be chosen there or not.
-  for (const auto& network : out.system.networks)
-    for (std::size_t i = 0; i < kAttributes; ++i)
-      out.best_cases |= network.provision.is_dynamic(attribute_at(i));
+  out.best_cases |= std::ranges::any_of(out.system.networks, is_dynamic);
   return out;
 }
 
@@ -125,26 +132,32 @@ bool has_error_of(const Checked& checked, design::End end) {
   return false;
 }
 
-/// What a gateway decides when it knows the links that are described.
-std::unique_ptr<core::State> daemon_of(const core::System& system) {
-  auto state = std::make_unique<core::State>(system);
-  const core::World world = core::described_world(system);
-  for (std::size_t n = 0; n < system.networks.size(); ++n) {
-    if (!world.meshes[n]) continue;
-    mesh::Graph graph = world.meshes[n]->graph;
-    if (system.networks[n].mesh->sources.empty()) graph.links.clear();
-    state->set_graph(n, std::move(graph));
-  }
-  state->decide();
-  return state;
-}
-
 /// A source beside the description knows its links.
 bool is_measured(const core::Network& network) {
   if (!network.mesh) return false;
   return std::ranges::any_of(network.mesh->sources, [](const mesh::Source& source) {
     return source.kind != mesh::SourceKind::description;
   });
+}
+
+enum class Knows : bool { described_links, no_measured_links };
+
+/// What a gateway decides when it knows the links that are described, or while no source has
+/// reported any.
+std::unique_ptr<core::State> daemon_of(const core::System& system,
+                                       Knows knows = Knows::described_links) {
+  auto state = std::make_unique<core::State>(system);
+  const core::World world = core::described_world(system);
+  for (std::size_t n = 0; n < system.networks.size(); ++n) {
+    if (!world.meshes[n]) continue;
+    mesh::Graph graph = world.meshes[n]->graph;
+    if (system.networks[n].mesh->sources.empty() ||
+        (knows == Knows::no_measured_links && is_measured(system.networks[n])))
+      graph.links.clear();
+    state->set_graph(n, std::move(graph));
+  }
+  state->decide();
+  return state;
 }
 
 /// What a gateway decides when other links have been measured than those that are described: of
@@ -338,6 +351,26 @@ TEST_F(Levels, ADaemonThatMeasuresLinksRefusesWhatCheckRefuses) {
   }
   EXPECT_GT(granted, kSystems / 100);
   EXPECT_GT(refuted, kSystems / 100);
+}
+
+/// What is left to the run time holds nothing until its links are known: who competes with it is
+/// not promised anything by check, nor refused.
+TEST_F(Levels, ADaemonThatKnowsNoLinksDecidesAsCheckSays) {
+  std::size_t compared = 0;
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    const core::System& system = all_[i].system;
+    if (!core::is_plain(system) || std::ranges::none_of(system.networks, is_measured)) continue;
+    if (std::ranges::any_of(system.networks, is_dynamic)) continue;
+    const auto daemon = daemon_of(system, Knows::no_measured_links);
+    for (std::size_t c = 0; c < daemon->decisions().size(); ++c)
+      for (const core::Verdict& v : daemon->decisions()[c].verdicts) {
+        const Delivery delivery{c, v.publisher, v.to};
+        if (all_[i].at_run_time.contains(delivery)) continue;
+        ++compared;
+        ASSERT_EQ(v.granted, all_[i].granted.at(delivery)) << "channel " << c << "\n" << texts_[i];
+      }
+  }
+  EXPECT_GT(compared, kSystems / 100);
 }
 
 TEST_F(Levels, TheChecksOfGeneratedCodeGrantWhatCheckGrants) {

@@ -22,10 +22,11 @@ std::vector<RouteHop> hops_of(const core::Verdict& verdict) {
   if (verdict.hops.empty()) return out;
   const auto places = core::hops_of(verdict.route);
   for (std::size_t i = 0; i < verdict.hops.size(); ++i) {
-    const bool late = std::ranges::any_of(verdict.rows, [&](const core::Row& row) {
-      return row.against == core::Against::schedule && row.place == places[i] &&
-             core::is_unfit(row);
-    });
+    const bool late =
+        !verdict.granted && std::ranges::any_of(verdict.rows, [&](const core::Row& row) {
+          return row.against == core::Against::schedule && row.place == places[i] &&
+                 core::is_unfit(row);
+        });
     out.push_back({places[i], verdict.hops[i], verdict.granted, late});
   }
   return out;
@@ -70,7 +71,10 @@ Decisions::Decisions(const core::System& system)
       sets_[channel] = decision.set;
     }
     for (const core::Verdict& v : decision.verdicts)
-      deliveries_[{v.publisher, v.to, decision.set}] = {hops_of(v), v.granted, kept};
+      // What is granted only while others are not is decided at run time, and refused by nobody
+      // yet.
+      deliveries_[{v.publisher, v.to, decision.set}] = {
+          hops_of(v), v.granted || v.outcome == Outcome::run_time, kept};
   };
   static_cast<void>(core::inspect(system, {}, keep));
 }

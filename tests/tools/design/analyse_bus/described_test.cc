@@ -204,7 +204,8 @@ TEST_F(AnalyseBusTest, SaysWhyCheckGrantsWhatIsLateWhereEverythingSends) {
       "mlccactl check grants a message that is late here, because the gates drop what it "
       "refuses.\n"))
       << crowded.out;
-  EXPECT_TRUE(crowded.out.contains("refuses, with the times beside the messages that it grants:"))
+  EXPECT_TRUE(crowded.out.contains(
+      "'mlccactl check' refuses these; their times are beside the messages that it grants:"))
       << crowded.out;
   const auto alone = analyse(file("alone.xml", crowded_bus(1)));
   EXPECT_EQ(alone.status, 0) << alone.out;
