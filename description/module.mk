@@ -23,11 +23,18 @@ $O/reference.html: description/reference.xsl description/system.xsd \
 	$(Q)mkdir -p $(@D) && xsltproc --nonet -o $@ description/reference.xsl description/system.xsd
 reference: $O/reference.html ## the reference of the description format, as HTML
 
+# The same as a manual page.
+$O/mlcca-system.5: docs/man/mlcca-system.5.in description/man.xsl description/reference.xsl description/system.xsd
+	$(call say,XSLT,$@)
+	$(Q)mkdir -p $(@D) && xsltproc --nonet description/man.xsl description/system.xsd | cat docs/man/mlcca-system.5.in - > $@
+MADE_PAGES := $O/reference.html $O/mlcca-system.5
+
 FORMAT_FILES := $(addprefix description/,system.xsd check.xsl check-values.xsl check-report.xsl check-sense.xsl)
-install-format: $O/reference.html
+install-format: $(MADE_PAGES)
 	$(call say,INSTALL,schema and XSLT check and reference of the description format)
-	$(Q)install -d $(DESTDIR)$(PREFIX)/share/mlcca $(DESTDIR)$(PREFIX)/share/doc/mlcca
+	$(Q)install -d $(addprefix $(DESTDIR)$(PREFIX)/share/,mlcca doc/mlcca man/man5)
 	$(Q)install -m 644 $(FORMAT_FILES) $(DESTDIR)$(PREFIX)/share/mlcca
 	$(Q)install -m 644 $O/reference.html $(DESTDIR)$(PREFIX)/share/doc/mlcca/reference.html
+	$(Q)install -m 644 $O/mlcca-system.5 $(DESTDIR)$(PREFIX)/share/man/man5/mlcca-system.5
 INSTALL += install-format
 .PHONY: reference install-format

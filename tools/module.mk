@@ -37,14 +37,18 @@ install-design: $O/mlcca-design
 INSTALL += install-design
 .PHONY: install-design
 
+# Where Debian's zsh looks for what packages install; elsewhere `make ZSHDIR=…`.
+ZSHDIR ?= $(PREFIX)/share/zsh/$(if $(filter /usr,$(PREFIX)),vendor-completions,site-functions)
 install-tools-extras:
 	$(call say,INSTALL,manual pages and shell completion)
-	$(Q)install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/man/man8 \
-		$(DESTDIR)$(PREFIX)/share/bash-completion/completions
+	$(Q)install -d $(addprefix $(DESTDIR)$(PREFIX)/share/,man/man1 man/man8 bash-completion/completions \
+		fish/vendor_completions.d) $(DESTDIR)$(ZSHDIR)
 	$(Q)install -m 644 $(wildcard docs/man/mlccactl*.1) $(DESTDIR)$(PREFIX)/share/man/man1
 	$(Q)install -m 644 $(wildcard docs/man/*.8) $(DESTDIR)$(PREFIX)/share/man/man8
 	$(Q)install -m 644 tools/completion/mlccactl.bash \
 		$(DESTDIR)$(PREFIX)/share/bash-completion/completions/mlccactl
+	$(Q)install -m 644 tools/completion/mlccactl.fish $(DESTDIR)$(PREFIX)/share/fish/vendor_completions.d
+	$(Q)install -m 644 tools/completion/_mlccactl $(DESTDIR)$(ZSHDIR)
 INSTALL += install-tools-extras
 .PHONY: install-tools-extras
 

@@ -1,9 +1,10 @@
 # The commands of the documentation are run and what they print is compared: here those that need no
 # gateway, by the guest test `documents` the others. NOT_RUN: blocks that say why they are not run.
 NOT_RUN := 4
-check-docs: $O/mlccactl $O/mlcca-design $O/mlcca-doctor ## links, drawings and form of the documentation, and its commands
+check-docs: $O/mlccactl $O/mlcca-design $O/mlcca-doctor $O/mlcca-system.5 ## links, drawings and form of the documentation, and its commands
 	$(Q)tests/docs/form
 	$(Q)tests/bench/age check
+	$(Q)BUILD=$(abspath $O) tests/docs/man
 	$(Q)BUILD=$(abspath $O) tests/docs/additions
 	$(Q)tests/docs/sessions count $(NOT_RUN)
 	$(Q)BUILD=$(abspath $O) tests/docs/sessions host

@@ -14,6 +14,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/handle.hpp"
@@ -57,6 +58,7 @@ struct Help {
   Words options;
 };
 const Words kDoctor{"doctor"};
+constexpr const char* kCommon = "--socket --timeout --json --no-color --help";
 const Words kDesign{"analyse-bus", "check",  "describe", "export", "format",
                     "generate",    "import", "learn",    "new"};
 const Words kOwnPage{"describe", "export", "generate", "import", "learn", "new"};
@@ -95,22 +97,58 @@ std::string quoted(const std::string& text) {
   return result + "'";
 }
 
+/// What `command` prints, with mlccactl of this build and the daemon at `socket`.
+std::string output_of(const std::string& command, const std::string& socket) {
+  const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path();
+  const auto environment =
+      "export PATH=" + program.string() + ":$PATH MLCCA_SOCKET=" + socket + "; timeout 60 ";
+  const std::unique_ptr<FILE, FreeWith<::pclose>> shell(
+      ::popen((environment + command).c_str(), "r"));
+  std::string text;
+  std::array<char, 4096> piece{};
+  while (const auto n = std::fread(piece.data(), 1, piece.size(), shell.get()))
+    text.append(piece.data(), n);
+  return text;
+}
+
 /// What bash offers for the last of `words`, with the daemon at `socket`.
 Words completions(const std::string& words, const std::string& socket) {
-  const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path();
   const std::string script =
-      "export PATH=" + program.string() + ":$PATH MLCCA_SOCKET=" + socket + "; . " +
-      (mlcca::testing::source_tree() / "tools/completion/mlccactl.bash").string() +
+      ". " + (mlcca::testing::source_tree() / "tools/completion/mlccactl.bash").string() +
       "; COMP_WORDS=(" + words +
       "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _mlccactl;"
       " printf '%s\\n' \"${COMPREPLY[@]}\"";
-  const std::unique_ptr<FILE, FreeWith<::pclose>> bash(
-      ::popen(("bash -c " + quoted(script)).c_str(), "r"));
-  std::string text;
-  std::array<char, 4096> piece{};
-  while (const auto n = std::fread(piece.data(), 1, piece.size(), bash.get()))
-    text.append(piece.data(), n);
-  return words_of(text);
+  return words_of(output_of("bash -c " + quoted(script), socket));
+}
+
+/// What zsh or fish offers at the end of each of `lines`. One shell for all: it takes long to
+/// start.
+std::vector<Words> offered_by(const std::string& shell, const std::vector<std::string>& lines,
+                              const std::string& socket = "/nonexistent") {
+  const auto& tree = mlcca::testing::source_tree();
+  auto command = (tree / "tests/tools" / (shell + "-completions")).string() + " " +
+                 (tree / "tools/completion").string();
+  for (const auto& line : lines) command += " " + quoted(line);
+  std::istringstream printed(output_of(command, socket));
+  std::vector<Words> result;
+  Words words;
+  for (std::string line; std::getline(printed, line);) {
+    if (line == "end")
+      result.push_back(std::exchange(words, {}));
+    else
+      words.insert(line);
+  }
+  result.resize(lines.size());
+  return result;
+}
+
+/// What is offered behind a verb and "--". Without a daemon there is no socket.
+Words options_behind(const std::string& verb) {
+  auto options = options_in(test::run_mlccactl({verb, "--help"}).out);
+  options.merge(options_in(kDoctor.contains(verb)   ? "--json --help"
+                           : kDesign.contains(verb) ? "--json --no-color --help"
+                                                    : kCommon));
+  return options;
 }
 
 TEST(DocumentationTest, ManualDescribesEveryVerbAndOption) {
@@ -177,20 +215,65 @@ TEST(DocumentationTest, APageOfItsOwnDescribesEveryOptionOfAVerb) {
 TEST(DocumentationTest, CompletionOffersEveryVerb) {
   EXPECT_EQ(completions("mlccactl s", "/nonexistent"), (Words{"status", "subscriptions"}));
   auto expected = help().verbs;
-  expected.merge(options_in("--socket --timeout --json --no-color --help --version"));
+  expected.merge(options_in(std::string(kCommon) + " --version"));
   EXPECT_EQ(completions("mlccactl \"\"", "/nonexistent"), expected);
 }
 
 TEST(DocumentationTest, CompletionOffersEveryOptionOfAVerb) {
-  for (const auto& verb : help().verbs) {
-    auto expected = options_in(test::run_mlccactl({verb, "--help"}).out);
-    // Without a daemon there is no socket.
-    expected.merge(options_in(kDoctor.contains(verb) ? "--json --help"
-                              : kDesign.contains(verb)
-                                  ? "--json --no-color --help"
-                                  : "--socket --timeout --json --no-color --help"));
-    EXPECT_EQ(completions("mlccactl " + verb + " --", "/nonexistent"), expected) << verb;
-  }
+  for (const auto& verb : help().verbs)
+    EXPECT_EQ(completions("mlccactl " + verb + " --", "/nonexistent"), options_behind(verb))
+        << verb;
+}
+
+class ShellTest : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Documentation, ShellTest, ::testing::Values("zsh", "fish"),
+                         [](const auto& shell) { return std::string(shell.param); });
+
+TEST_P(ShellTest, OffersEveryVerbAndEveryOptionOfAVerbAndNoOthers) {
+  const auto verbs = help().verbs;
+  std::vector<std::string> lines{"mlccactl ", "mlccactl --", "mlccactl gate --verify --"};
+  for (const auto& verb : verbs) lines.push_back("mlccactl " + verb + " --");
+  const auto offered = offered_by(GetParam(), lines);
+  EXPECT_EQ(offered[0], verbs);
+  EXPECT_EQ(offered[1], options_in(std::string(kCommon) + " --version"));
+  EXPECT_EQ(offered[2],
+            options_in("--json " + test::run_mlccactl({"gate", "--verify", "--help"}).out));
+  std::size_t at = 3;
+  for (const auto& verb : verbs) EXPECT_EQ(offered[at++], options_behind(verb)) << verb;
+}
+
+TEST_P(ShellTest, OffersWhatOptionsTake) {
+  const auto folder =
+      (mlcca::testing::source_tree() / "examples/volksbot/").lexically_normal().string();
+  const auto offered =
+      offered_by(GetParam(), {"mlccactl check --format s", "mlccactl import a.dbc --profile ",
+                              "mlccactl export a.xml --format ", "mlccactl describe a.xml --set Pe",
+                              "mlccactl describe a.xml --unset Pe", "mlccactl mode a",
+                              "mlccactl check " + folder});
+  EXPECT_EQ(offered[0], (Words{"sarif"}));
+  EXPECT_EQ(offered[1], (Words{"raw", "j1939"}));
+  EXPECT_EQ(offered[2], (Words{"dbc", "can-gw", "em_canid", "wireshark"}));
+  // What a shell puts behind a word is no part of it for zsh.
+  EXPECT_TRUE(offered[3] == Words{"Period="} || offered[3] == Words{"Period"});
+  EXPECT_EQ(offered[4], (Words{"Period"}));
+  EXPECT_EQ(offered[5], (Words{"audit"}));
+  const auto is_offered = [&](const std::string& file) {
+    return offered[6].contains(file) || offered[6].contains(folder + file);
+  };
+  EXPECT_TRUE(is_offered("system.xml"));
+  EXPECT_FALSE(is_offered("demo")) << "it is no description";
+}
+
+TEST_P(ShellTest, AsksTheDaemonForNames) {
+  test::Server server([](const control::Request& request) {
+    if (std::holds_alternative<control::NetworksRequest>(request.body))
+      return test::Server::Answer{{{0, test::full_networks()}}};
+    return test::Server::Answer{{{0, control::Channels{{test::refused_channel()}}}}};
+  });
+  const auto offered =
+      offered_by(GetParam(), {"mlccactl explain em", "mlccactl query a --from "}, server.path());
+  EXPECT_EQ(offered[0], (Words{"emergency-switch"}));
+  EXPECT_EQ(offered[1], (Words{"robot-can", "mesh", "bridge", "second-bridge"}));
 }
 
 TEST(DocumentationTest, CompletionOffersFilesAndFormsToCheck) {
