@@ -155,7 +155,7 @@ test: ensure-deps ## everything: layers, format, unit, kernel and guest tests
 
 test-all:
 	$(Q)$(MAKE) all check-layers check-format cppcheck tidy check-mcu
-	$(Q)$(MAKE) FUZZ_OPT=-O0 check-node check-fuzz check-work check-sanitized check-plain check-docs check-fault check-memory check-torn check-neighbour check-quotas check-client check-exporter check-cockpit
+	$(Q)$(MAKE) FUZZ_OPT=-O0 check-node check-fuzz check-work check-sanitized check-plain check-docs check-install check-fault check-memory check-torn check-neighbour check-quotas check-client check-exporter check-cockpit
 	$(Q)$(MAKE) check-harness check-guest
 
 lint: check-layers check-format cppcheck tidy ## layering, clang-format-19, cppcheck and clang-tidy-19
@@ -226,6 +226,22 @@ bench: ensure-deps ## ratios against named peers in the same run (root)
 
 install: all $(INSTALL) ## install below $(DESTDIR)$(PREFIX); units and rules where the system looks for them
 
+# What `make install` would put there is seen in a folder beside; programs are empty files for that, so that
+# nothing is compiled. Folders of other programs stay, and in /etc what somebody has changed.
+uninstall: ## remove what `make install` of the same variables has put there; INSTALL=install-client: this alone
+	$(Q)scratch=$$(mktemp -d) && trap 'rm -rf $$scratch' EXIT && mkdir $$scratch/build && \
+	touch $(patsubst $O/%,$$scratch/build/%,$(PROGRAMS) $(MADE_PAGES)) && \
+	$(MAKE) O=$$scratch/build BUNDLE= DESTDIR=$$scratch/root $(patsubst $O/%,-o $$scratch/build/%,$(PROGRAMS) $(MADE_PAGES)) \
+		$(INSTALL) >/dev/null && cd $$scratch/root && \
+	find . ! -type d | while read -r file; do there=$(abspath $(DESTDIR))/$${file#./}; case $$file in \
+		./etc/*) if [ -e $$there ] && ! cmp -s $$file $$there; then echo "$$there has been changed and stays"; continue; fi;; esac; \
+		rm -f $$there || exit 1; done && \
+	find . -depth -type d -path '*/mlcca*' | while read -r folder; do there=$(abspath $(DESTDIR))/$${folder#./}; \
+		[ ! -d $$there ] || rmdir --ignore-fail-on-non-empty $$there || exit 1; done
+
+check-install: all $(MADE_PAGES) ## uninstall takes away what install has brought, and nothing else
+	$(Q)+tests/support/check-install $O
+
 clean: ## remove the build tree
 	$(Q)rm -rf $O $(CLEAN_EXTRA)
 
@@ -233,4 +249,4 @@ help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 	@echo "  variables      O=build V=1 SAN=address,undefined DESTDIR= PREFIX=/usr/local CXX= CXXFLAGS="
 
-.PHONY: all demo test test-all lint check-layers check-format format cppcheck tidy analyse bench install clean help
+.PHONY: all demo test test-all lint check-layers check-format format cppcheck tidy analyse bench install uninstall check-install clean help

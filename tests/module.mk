@@ -1,6 +1,6 @@
 TEST_FOLDERS := $(sort $(dir $(wildcard tests/*/module.mk tests/*/*/module.mk tests/*/*/*/module.mk)))
 # Files of a test program that agree are compiled as one, too. Nothing else needs the list of them.
-TEST_BUNDLES := $(if $(BUNDLE),$(if $(filter run-demo install clean help,$(MAKECMDGOALS)),,$O/bundle/tests.mk))
+TEST_BUNDLES := $(if $(BUNDLE),$(if $(filter run-demo install uninstall clean help,$(MAKECMDGOALS)),,$O/bundle/tests.mk))
 -include $(TEST_BUNDLES)
 include $(addsuffix module.mk,$(TEST_FOLDERS))
 $O/bundle/tests.mk: tests/support/bundle-tests $(foreach name,$(BUNDLED_TESTS),$($(name)_bundled))
