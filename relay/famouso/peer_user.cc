@@ -17,7 +17,7 @@
 namespace mlcca::relay {
 namespace {
 
-constexpr const char* kTable = "/proc/net/tcp";
+constexpr const char* kTable = "/proc/self/net/tcp";
 /// "0100007F:138D": the address as it is in memory, the port as a number.
 std::optional<TcpEnd> end_in(std::string_view text) {
   const auto colon = text.find(':');
