@@ -50,7 +50,7 @@ OBJECTS := # every C++ object, for the dependency files
 UNIT_TESTS := # test executables that need no privileges
 KERNEL_TESTS := # test executables that need root and this kernel
 SANITIZED_OBJECTS := # of all tests, under AddressSanitizer and UBSan
-INSTALL := # targets that install something
+PARTS := # targets that install something
 CLEAN_EXTRA :=
 
 # BUNDLE=1 compiles the files of one folder of a library as one: headers and templates are read once
@@ -224,15 +224,15 @@ bench: ensure-deps ## ratios against named peers in the same run (root)
 	$(Q)$(MAKE) run-bench-frames
 	$(Q)$(MAKE) run-bench-relay
 
-install: all $(INSTALL) ## install below $(DESTDIR)$(PREFIX); units and rules where the system looks for them
+install: all $(PARTS) ## install below $(DESTDIR)$(PREFIX); units and rules where the system looks for them
 
 # What `make install` would put there is seen in a folder beside; programs are empty files for that, so that
 # nothing is compiled. Folders of other programs stay, and in /etc what somebody has changed.
-uninstall: ## remove what `make install` of the same variables has put there; INSTALL=install-client: this alone
+uninstall: ## remove what `make install` of the same variables has put there; PARTS=install-client: this alone
 	$(Q)scratch=$$(mktemp -d) && trap 'rm -rf $$scratch' EXIT && mkdir $$scratch/build && \
 	touch $(patsubst $O/%,$$scratch/build/%,$(PROGRAMS) $(MADE_PAGES)) && \
 	$(MAKE) O=$$scratch/build BUNDLE= DESTDIR=$$scratch/root $(patsubst $O/%,-o $$scratch/build/%,$(PROGRAMS) $(MADE_PAGES)) \
-		$(INSTALL) >/dev/null && cd $$scratch/root && \
+		$(PARTS) >/dev/null && cd $$scratch/root && \
 	find . ! -type d | while read -r file; do there=$(abspath $(DESTDIR))/$${file#./}; case $$file in \
 		./etc/*) if [ -e $$there ] && ! cmp -s $$file $$there; then echo "$$there has been changed and stays"; continue; fi;; esac; \
 		rm -f $$there || exit 1; done && \

@@ -1,6 +1,7 @@
 # The gate: BPF object -> skeleton header. The shared header gate.h is a prerequisite of both sides.
 # v3: atomic operations that return a value; every kernel since 5.12 has them.
-BPF_CFLAGS := -target bpf -mcpu=v3 -O2 -g -Wall -Werror -I. -I/usr/include/$(shell gcc -print-multiarch 2>/dev/null)
+# BTF names source files by the folder of compilation; with "." the object is the same wherever it is built.
+BPF_CFLAGS := -target bpf -mcpu=v3 -O2 -g -fdebug-compilation-dir=. -Wall -Werror -I. -I/usr/include/$(shell gcc -print-multiarch 2>/dev/null)
 # Kept between runs of make.
 .PRECIOUS: $O/bpf/%.bpf.o
 BPF_SKELETONS := $O/gen/gate.skel.h $O/gen/deadman.skel.h $O/gen/watch.skel.h $O/gen/ether.skel.h $O/gen/ether_watch.skel.h $O/gen/roster.skel.h \

@@ -39,7 +39,7 @@ install-client: $(CLIENT_LIBRARY) ## libmlcca for applications, with what pkg-co
 		mlcca-config-version.cmake:cmake/mlcca/mlcca-config-version.cmake; do \
 		sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@VERSION@|$(CLIENT_VERSION)|g' \
 			client/$${file%%:*}.in >$(DESTDIR)$(LIBDIR)/$${file#*:} || exit 1; done
-INSTALL += install-client
+PARTS += install-client
 .PHONY: install-client
 
 # The same in Python, with what protoc makes of the protocol. Debian's Python looks there.
@@ -50,5 +50,5 @@ install-python: ## the package mlcca for Python 3
 	$(Q)install -m 644 client/python/mlcca/*.py client/python/mlcca/py.typed $(DESTDIR)$(PYTHON_DIR)/mlcca
 	$(Q)sed -i 's/@ABI@/$(CLIENT_ABI)/' $(DESTDIR)$(PYTHON_DIR)/mlcca/events.py
 	$(Q)$(PROTOC) -Iproto --python_out=$(DESTDIR)$(PYTHON_DIR) mlcca/v1/control.proto mlcca/v1/options.proto
-INSTALL += install-python
+PARTS += install-python
 .PHONY: install-python

@@ -4,7 +4,7 @@ install-cockpit:
 	$(call say,INSTALL,the page of Cockpit)
 	$(Q)install -d $(DESTDIR)$(PREFIX)/share/cockpit/mlcca
 	$(Q)install -m 644 $(COCKPIT_FILES) $(DESTDIR)$(PREFIX)/share/cockpit/mlcca
-INSTALL += install-cockpit
+PARTS += install-cockpit
 
 check-cockpit: $O/mlccad $O/mlccactl ## the page in Chromium, of a real cockpit-ws and daemon (root): SCREENSHOTS=folder
 	$(Q)tests/cockpit/run $O $(SCREENSHOTS)

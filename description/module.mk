@@ -36,5 +36,5 @@ install-format: $(MADE_PAGES)
 	$(Q)install -m 644 $(FORMAT_FILES) $(DESTDIR)$(PREFIX)/share/mlcca
 	$(Q)install -m 644 $O/reference.html $(DESTDIR)$(PREFIX)/share/doc/mlcca/reference.html
 	$(Q)install -m 644 $O/mlcca-system.5 $(DESTDIR)$(PREFIX)/share/man/man5/mlcca-system.5
-INSTALL += install-format
+PARTS += install-format
 .PHONY: reference install-format

@@ -5,7 +5,7 @@ install-docs:
 	$(Q)for file in $(PAGES); do \
 		install -D -m 644 $$file $(DESTDIR)$(PREFIX)/share/doc/mlcca/$$file || exit 1; \
 	done
-INSTALL += install-docs
+PARTS += install-docs
 
 DRAWINGS := $(wildcard docs/drawings/*.txt)
 drawings: $(DRAWINGS:.txt=.svg) ## the drawings of the documentation, from their sources

@@ -15,11 +15,12 @@ run-demo-host: all
 		exec examples/volksbot/demo plain $(abspath $O)'
 .PHONY: stage run-demo run-demo-guest run-demo-host
 
-EXAMPLES := $(foreach e,volksbot mesh rover wpan,$(wildcard examples/$e/*.xml examples/$e/*/*.xml examples/$e/*.md examples/$e/*.py))
+EXAMPLES := $(foreach e,volksbot mesh rover wpan applications,$(wildcard examples/$e/*.xml examples/$e/*/*.xml examples/$e/*.md \
+	examples/$e/*.py examples/$e/*.cc examples/$e/CMakeLists.txt)) examples/learn/short.log
 install-examples:
 	$(call say,INSTALL,examples)
 	$(Q)for file in $(EXAMPLES); do \
 		install -D -m 644 $$file $(DESTDIR)$(PREFIX)/share/doc/mlcca/$$file || exit 1; \
 	done
-INSTALL += install-examples
+PARTS += install-examples
 .PHONY: install-examples

@@ -28,6 +28,6 @@ install-headers: ## the attribute core below $(DESTDIR)$(PREFIX)/include/mlcca
 	$(Q)install -d $(DESTDIR)$(PREFIX)/include/mlcca/famouso
 	$(Q)install -m 644 $(CORE_HEADERS) $(DESTDIR)$(PREFIX)/include/mlcca
 	$(Q)install -m 644 $(FAMOUSO_HEADERS) $(DESTDIR)$(PREFIX)/include/mlcca/famouso
-INSTALL += install-headers
+PARTS += install-headers
 
 .PHONY: check-mcu install-headers

@@ -33,5 +33,5 @@ install-programs: $(PROGRAMS)
 	$(Q)install -m 755 $O/mlccactl $(DESTDIR)$(PREFIX)/bin/mlccactl
 	$(Q)install -m 755 $O/mlcca-awds $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-awds
 	$(Q)install -m 755 $O/mlcca-sources $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-sources
-INSTALL += install-programs install-systemd
+PARTS += install-programs install-systemd
 .PHONY: install-systemd install-programs

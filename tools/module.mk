@@ -34,7 +34,7 @@ install-design: $O/mlcca-design
 	$(call say,INSTALL,the verbs of design time)
 	$(Q)install -d $(DESTDIR)$(PREFIX)/libexec/mlcca
 	$(Q)install -m 755 $O/mlcca-design $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-design
-INSTALL += install-design
+PARTS += install-design
 .PHONY: install-design
 
 # Where Debian's zsh looks for what packages install; elsewhere `make ZSHDIR=…`.
@@ -49,7 +49,7 @@ install-tools-extras:
 		$(DESTDIR)$(PREFIX)/share/bash-completion/completions/mlccactl
 	$(Q)install -m 644 tools/completion/mlccactl.fish $(DESTDIR)$(PREFIX)/share/fish/vendor_completions.d
 	$(Q)install -m 644 tools/completion/_mlccactl $(DESTDIR)$(ZSHDIR)
-INSTALL += install-tools-extras
+PARTS += install-tools-extras
 .PHONY: install-tools-extras
 
 # What untrusted peers write is read by a program of its own, and by an archive that mlccad does not have.
@@ -65,7 +65,7 @@ install-readback: $O/mlcca-readback
 	$(call say,INSTALL,the reader of what is in force)
 	$(Q)install -d $(DESTDIR)$(PREFIX)/libexec/mlcca
 	$(Q)install -m 755 $O/mlcca-readback $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-readback
-INSTALL += install-readback
+PARTS += install-readback
 .PHONY: install-readback
 
 # What `mlccactl doctor` becomes.
@@ -76,7 +76,7 @@ install-doctor: $O/mlcca-doctor
 	$(call say,INSTALL,the doctor)
 	$(Q)install -d $(DESTDIR)$(PREFIX)/libexec/mlcca
 	$(Q)install -m 755 $O/mlcca-doctor $(DESTDIR)$(PREFIX)/libexec/mlcca/mlcca-doctor
-INSTALL += install-doctor
+PARTS += install-doctor
 .PHONY: install-doctor
 
 # The only program that may listen to a network interface; mlccad reads it through a socket.
@@ -95,5 +95,5 @@ install-exporter: $O/mlcca-exporter
 	$(Q)install -m 755 $O/mlcca-exporter $(DESTDIR)$(PREFIX)/sbin/mlcca-exporter
 	$(Q)install -m 644 tools/exporter/alerts.yml tools/exporter/dashboard.json \
 		$(DESTDIR)$(PREFIX)/share/mlcca-exporter
-INSTALL += install-exporter
+PARTS += install-exporter
 .PHONY: install-exporter
