@@ -58,6 +58,9 @@ CLEAN_EXTRA :=
 # file is compiled alone, so that a change of one file is built in seconds. `make demo` and `make test`
 # bundle where no file was compiled alone yet.
 BUNDLE ?=
+ifeq ($(MAKECMDGOALS),uninstall)
+override BUNDLE := # nothing is built
+endif
 BUNDLE_IF_BARE := $(if $(BUNDLE)$(wildcard $O/core/model/*.o),$(BUNDLE),1)
 hash := \#
 # Files that must be compiled alone: names of theirs, or of headers that they need, stand in another
@@ -231,7 +234,7 @@ install: all $(PARTS) ## install below $(DESTDIR)$(PREFIX); units and rules wher
 uninstall: ## remove what `make install` of the same variables has put there; PARTS=install-client: this alone
 	$(Q)scratch=$$(mktemp -d) && trap 'rm -rf $$scratch' EXIT && mkdir $$scratch/build && \
 	touch $(patsubst $O/%,$$scratch/build/%,$(PROGRAMS) $(MADE_PAGES)) && \
-	$(MAKE) O=$$scratch/build BUNDLE= DESTDIR=$$scratch/root $(patsubst $O/%,-o $$scratch/build/%,$(PROGRAMS) $(MADE_PAGES)) \
+	$(MAKE) --no-print-directory O=$$scratch/build BUNDLE= DESTDIR=$$scratch/root $(patsubst $O/%,-o $$scratch/build/%,$(PROGRAMS) $(MADE_PAGES)) \
 		$(PARTS) >/dev/null && cd $$scratch/root && \
 	find . ! -type d | while read -r file; do there=$(abspath $(DESTDIR))/$${file#./}; case $$file in \
 		./etc/*) if [ -e $$there ] && ! cmp -s $$file $$there; then echo "$$there has been changed and stays"; continue; fi;; esac; \
