@@ -27,7 +27,7 @@ void check(ImportedNetwork network) {
   auto other = network;
   other.file = "other";
   if (network.is_part) merge(network, std::move(other));
-  name_senders(network);
+  complete(network);
   std::vector<ImportedNetwork> networks = {std::move(network)};
   auto again = networks;
   const auto draft = draft_of(networks, {"fuzz", "gate", {"can0"}});
@@ -42,7 +42,7 @@ void check(ImportedNetwork network) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const auto names = format_list();
-  const auto* format = format_called(names.at(data[0] % names.size()));
+  const auto* format = format_called(names.at((data[0] & 0x3fU) % names.size()));
   ImportOptions options;
   if ((data[0] & 0x40U) != 0) options.profile = core::Profile::j1939;
   if ((data[0] & 0x80U) != 0) options.profile = core::Profile::raw;

@@ -72,7 +72,7 @@ class Import {
     if (auto good = understand(); !good) return refuse(Exit::usage, good.error().text);
     for (std::size_t i = 0; i < a_.files.size(); ++i)
       if (auto done = read(a_.files[i], i); !done) return done;
-    for (auto& network : networks_) name_senders(network);
+    for (auto& network : networks_) complete(network);
     if (!a_.interfaces.empty() && a_.interfaces.size() != networks_.size())
       return refuse(Exit::usage, fmt::format("--interface is given {} times for {} networks: give "
                                              "it once for each, in their order",
@@ -143,7 +143,7 @@ class Import {
     network->name = a_.networks.empty() ? stem_of(path) : a_.networks[i];
     for (auto& other : networks_) {
       if (other.name != network->name) continue;
-      if (!other.is_part || !network->is_part)
+      if (!may_merge(other, *network))
         return refuse(Exit::usage, fmt::format("{}: the network {} is that of {}: give each a name "
                                                "by --network",
                                                path, network->name, other.file));
@@ -152,6 +152,11 @@ class Import {
     }
     networks_.push_back(std::move(*network));
     return Exit::fine;
+  }
+
+  /// Files of its nodes.
+  static bool may_merge(const ImportedNetwork& a, const ImportedNetwork& b) {
+    return a.is_part && b.is_part && a.kind == b.kind && a.profile == b.profile;
   }
 
   [[nodiscard]] Outcome report(const std::string& draft) const {
@@ -189,7 +194,8 @@ class Import {
 }  // namespace
 
 void add_import(CLI::App& app, Context& context) {
-  auto* verb = app.add_subcommand("import", "describe a network from DBC or CANopen files");
+  auto* verb = app.add_subcommand(
+      "import", "describe a network from DBC, CANopen, Cyphal, ROS 2 or DDS files");
   auto a = std::make_shared<ImportArguments>();
   verb->add_option("file", a->files, "each becomes a network")->required()->type_name("FILE");
   verb->add_option("--format", a->format, "of the files; otherwise recognised by their content")
@@ -198,8 +204,8 @@ void add_import(CLI::App& app, Context& context) {
   verb->add_option("--name", a->name, "of the system")->type_name("NAME")->capture_default_str();
   verb->add_option(
           "--network", a->networks,
-          "name of the network, once for each file; otherwise the file's name; CANopen files "
-          "with one name are nodes of one network")
+          "name of the network, once for each file; otherwise the file's name; files of nodes "
+          "(CANopen, Cyphal, ROS 2, DDS) with one name are one network")
       ->allow_extra_args(false)
       ->type_name("NAME");
   verb->add_option("--gateway", a->gateway, "a gateway with a port on each network")
@@ -212,7 +218,7 @@ void add_import(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({"raw", "j1939"}))
       ->type_name("PROFILE");
   verb->add_option("--node", a->nodes,
-                   "of a CANopen file that states none, 1 to 127, once for each file")
+                   "of a CANopen or Cyphal file that states none, 1 to 127, once for each file")
       ->check(CLI::Range(1U, 127U))
       ->allow_extra_args(false)
       ->type_name("N");

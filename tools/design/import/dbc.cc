@@ -95,7 +95,7 @@ class DbcMeaning {
     to.name = from.long_name && !from.long_name->empty() ? *from.long_name : from.name;
     to.description = from.comment;
     to.line = from.line;
-    to.receivers = from.receivers;
+    to.receivers = receivers_of(from.receivers);
     to.attributes.set(Attribute::max_payload, from.bytes);
     period(from, to);
     if (from.multiplexed)
@@ -179,11 +179,11 @@ class DbcMeaning {
   /// An identifier has one sender.
   void frame_senders(const DbcMessage& from, ImportedMessage& to) {
     if (from.senders.empty()) return unnamed(from, to, std::nullopt);
-    to.senders.push_back({from.senders.front(), std::nullopt});
+    to.senders.push_back({from.senders.front(), std::nullopt, {}});
     for (std::size_t i = 1; i < from.senders.size(); ++i)
       lack("further-senders", "an identifier has one sender: this node publishes nothing of it",
            from.line, fmt::format("{}: {}", from.name, dbc_.nodes[from.senders[i]].name));
-    std::erase(to.receivers, from.senders.front());
+    remove_receiver(to, from.senders.front());
   }
 
   void unnamed(const DbcMessage& from, ImportedMessage& to, std::optional<std::uint8_t> number) {
@@ -191,7 +191,7 @@ class DbcMeaning {
       unnamed_ = out_.nodes.size();
       out_.nodes.push_back({std::string(kUnnamed), "senders that the file does not name", {}});
     }
-    to.senders.push_back({*unnamed_, number});
+    to.senders.push_back({*unnamed_, number, {}});
     lack("no-sender", "no sender is named: published by unnamed-sender", from.line, from.name);
   }
 
@@ -232,7 +232,7 @@ class DbcMeaning {
     const bool states_source = source < kNullAddress;
     if (from.senders.empty() && states_source) return unnamed(from, to, source);
     for (const auto node : from.senders) {
-      ImportedEnd end{node, std::nullopt};
+      ImportedEnd end{node, std::nullopt, {}};
       if (states_source && from.senders.size() == 1) end.number = source;
       if (end.number == out_.nodes[node].number) end.number.reset();
       if (!end.number && !out_.nodes[node].number) {
@@ -241,7 +241,7 @@ class DbcMeaning {
         continue;
       }
       if (!sends_as(to.senders, number(end))) to.senders.push_back(end);
-      std::erase(to.receivers, node);
+      remove_receiver(to, node);
     }
     if (from.senders.empty())
       lack("no-sender", "neither a sender nor an address is stated: nobody publishes it", from.line,
@@ -270,10 +270,8 @@ class DbcMeaning {
     take(Attribute::period, false);
     for (const auto& sender : next.senders)
       if (!sends_as(into.senders, number(sender))) into.senders.push_back(sender);
-    for (const auto node : next.receivers)
-      if (std::ranges::find(into.receivers, node) == into.receivers.end())
-        into.receivers.push_back(node);
-    for (const auto& sender : into.senders) std::erase(into.receivers, sender.node);
+    for (const auto& receiver : next.receivers) add_receiver(into, receiver);
+    for (const auto& sender : into.senders) remove_receiver(into, sender.node);
   }
 
   void finish() {
@@ -285,21 +283,10 @@ class DbcMeaning {
     constexpr std::uint32_t most = 1'000'000;
     constexpr std::uint32_t most_data = 8'000'000;
     out_.bitrate = options_.bitrate != 0 ? options_.bitrate : rate(dbc_.baudrate);
-    if (out_.bitrate == 0 || out_.bitrate > most) {
-      out_.bitrate = kAssumedBitrate;
-      lack("bit-rate", "is not stated (--bitrate)", 0, "500 kbit/s are assumed");
-    }
-    if (std::ranges::all_of(out_.messages, [](const ImportedMessage& m) {
-          return m.format == core::FrameFormat::classic;
-        }))
-      return;
+    if (out_.bitrate > most) out_.bitrate = 0;
     out_.data_bitrate =
         options_.data_bitrate != 0 ? options_.data_bitrate : rate(dbc_.data_baudrate);
-    if (out_.data_bitrate < out_.bitrate || out_.data_bitrate > most_data) {
-      out_.data_bitrate = std::max(kAssumedDataBitrate, out_.bitrate);
-      lack("data-bit-rate", "of FD frames is not stated (--data-bitrate)", 0,
-           "2 Mbit/s are assumed");
-    }
+    if (out_.data_bitrate > most_data) out_.data_bitrate = 0;
   }
 
   DbcFile dbc_;

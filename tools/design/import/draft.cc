@@ -114,13 +114,14 @@ class Writer {
       remark("  ", message.remark);
       put("  <EventChannel name=\"{}\">\n    <SubjectUID>0x{:016x}</SubjectUID>\n", message.name,
           subjects_.at(next_subject_++));
-      description("    ", message.description);
+      description("    ", message.description.empty() ? message.type : message.description);
       out_ += attribute_list("Attributes", message.attributes, "    ");
       out_ += "  </EventChannel>\n";
     }
   }
 
   void network(const ImportedNetwork& network) {
+    remark("  ", network.remark);
     put("  <Network name=\"{}\">\n    <Kind>{}</Kind>\n", network.name,
         core::words::kNetworkKinds.of(network.kind));
     if (network.kind == core::NetworkKind::can) {
@@ -129,6 +130,11 @@ class Writer {
       if (network.data_bitrate != 0) put(" data-bitrate=\"{}\"", network.data_bitrate);
       out_ += "/>\n";
       for (const auto& message : network.messages) binding(network, message);
+    } else {
+      remark("    ",
+             "Assumed: nothing is known of what this network gives, so that check compares "
+             "publishers with subscribers. State what was measured, without dynamic.");
+      out_ += "    <Provision dynamic=\"true\" latency=\"0ns\" period=\"1ns\" omission=\"0\"/>\n";
     }
     out_ += "  </Network>\n";
   }
@@ -175,17 +181,19 @@ class Writer {
     out_ += "  </Gateway>\n";
   }
 
+  /// Of a node: indices of messages, and how it is an end of them.
   struct Ends {
-    std::vector<std::pair<std::size_t, std::optional<std::uint8_t>>> published;
-    std::vector<std::size_t> subscribed;
+    std::vector<std::pair<std::size_t, const ImportedEnd*>> published;
+    std::vector<std::pair<std::size_t, const ImportedEnd*>> subscribed;
   };
 
   void components(const ImportedNetwork& network) {
     std::vector<Ends> ends(network.nodes.size());
     for (std::size_t m = 0; m < network.messages.size(); ++m) {
       for (const auto& sender : network.messages[m].senders)
-        ends.at(sender.node).published.emplace_back(m, sender.number);
-      for (const auto node : network.messages[m].receivers) ends.at(node).subscribed.push_back(m);
+        ends.at(sender.node).published.emplace_back(m, &sender);
+      for (const auto& receiver : network.messages[m].receivers)
+        ends.at(receiver.node).subscribed.emplace_back(m, &receiver);
     }
     for (std::size_t n = 0; n < ends.size(); ++n) component(network, network.nodes[n], ends[n]);
   }
@@ -199,12 +207,22 @@ class Writer {
     }
     out_ += ">\n";
     description("    ", node.description);
-    for (const auto& [message, number] : ends.published)
-      put("    <Publisher channel=\"{}\"{}/>\n", network.messages[message].name,
-          number ? fmt::format(" node=\"{}\"", *number) : std::string());
-    for (const auto message : ends.subscribed)
-      put("    <Subscriber channel=\"{}\"/>\n", network.messages[message].name);
+    for (const auto& [message, as] : ends.published)
+      end("Publisher", network.messages[message], *as);
+    for (const auto& [message, as] : ends.subscribed)
+      end("Subscriber", network.messages[message], *as);
     out_ += "  </Component>\n";
+  }
+
+  void end(std::string_view element, const ImportedMessage& message, const ImportedEnd& as) {
+    put("    <{} channel=\"{}\"{}", element, message.name,
+        as.number ? fmt::format(" node=\"{}\"", *as.number) : std::string());
+    if (as.attributes.empty()) {
+      out_ += "/>\n";
+      return;
+    }
+    out_ += ">\n" + attribute_list("Attributes", as.attributes, "      ");
+    put("    </{}>\n", element);
   }
 
   std::vector<ImportedNetwork>& networks_;
@@ -217,9 +235,11 @@ class Writer {
 }  // namespace
 
 std::uint64_t subject_of(std::string_view network, const ImportedMessage& message) {
-  auto subject = hash_of(fmt::format("\n{}{:x}/{}", message.extended ? "x" : "", message.id,
-                                     message.destination ? *message.destination + 1 : 0),
-                         hash_of(network));
+  const auto identity = message.topic.empty()
+                            ? fmt::format("\n{}{:x}/{}", message.extended ? "x" : "", message.id,
+                                          message.destination ? *message.destination + 1 : 0)
+                            : fmt::format("\n{}", message.topic);
+  auto subject = hash_of(identity, hash_of(network));
   // The last octets alone would leave the leading bits alike: stir once more (splitmix64).
   subject = (subject ^ (subject >> 30U)) * 0xbf58476d1ce4e5b9;
   subject = (subject ^ (subject >> 27U)) * 0x94d049bb133111eb;

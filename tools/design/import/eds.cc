@@ -88,10 +88,10 @@ class EdsMeaning {
     next.id = *cob & kShortId;
     next.attributes.set(Attribute::max_payload, bytes(kind.mapping + i, line, name));
     if (kind.sent) {
-      next.senders.push_back({0, std::nullopt});
+      next.senders.push_back({0, std::nullopt, {}});
       period(index, line, next);
     } else {
-      next.receivers.push_back(0);
+      add_receiver(next, {0, std::nullopt, {}});
       next.attributes.set(Attribute::period, options_.default_period);
     }
     add(std::move(next));
@@ -151,7 +151,7 @@ class EdsMeaning {
     next.line = line_of(0x1017, 0);
     next.id = kHeartbeat + node_;
     next.attributes.set(Attribute::max_payload, 1).set(Attribute::period, time * kMs);
-    next.senders.push_back({0, std::nullopt});
+    next.senders.push_back({0, std::nullopt, {}});
     add(std::move(next));
   }
 
@@ -167,7 +167,7 @@ class EdsMeaning {
       next.name = fmt::format("node-{}-heartbeat", node);
       next.line = line_of(0x1016, sub);
       next.id = kHeartbeat + node;
-      next.receivers.push_back(0);
+      add_receiver(next, {0, std::nullopt, {}});
       next.attributes.set(Attribute::max_payload, 1)
           .set(Attribute::period, options_.default_period);
       lack("consumer-time", "state how many heart-beats may be missed (Omission)", next.line,
@@ -206,9 +206,6 @@ class EdsMeaning {
     out_.bitrate = options_.bitrate;
     if (out_.bitrate == 0 && eds_.kilobits && *eds_.kilobits > 0 && *eds_.kilobits <= most)
       out_.bitrate = *eds_.kilobits * 1000;
-    if (out_.bitrate != 0) return;
-    out_.bitrate = kAssumedBitrate;
-    lack("bit-rate", "is not stated (--bitrate)", 0, "500 kbit/s are assumed");
   }
 
   EdsFile eds_;

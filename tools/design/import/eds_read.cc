@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "base/number.hpp"
+#include "tools/design/import/text.hpp"
 
 namespace mlcca::tools::design {
 namespace {
@@ -18,12 +19,6 @@ std::string in_small(std::string_view text) {
   for (char& c : out)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return out;
-}
-
-std::string_view without_blanks(std::string_view text) {
-  while (!text.empty() && static_cast<unsigned char>(text.front()) <= ' ') text.remove_prefix(1);
-  while (!text.empty() && static_cast<unsigned char>(text.back()) <= ' ') text.remove_suffix(1);
-  return text;
 }
 
 /// "0x1f", "037" (octal, as CiA 306 has it) or "31".

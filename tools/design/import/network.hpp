@@ -3,8 +3,11 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "core/model/system.hpp"
@@ -23,26 +26,36 @@ struct ImportedNode {
 struct ImportedEnd {
   std::size_t node = 0;                ///< index into ImportedNetwork::nodes
   std::optional<std::uint8_t> number;  ///< that it sends as; none: the node's own
+  AttributeSet attributes;             ///< of its own, in place of those of the message
 };
 
 struct ImportedMessage {
   std::string name;
   std::string description;
+  std::string type;  ///< of its data; empty: the format knows none
   int line = 0;
-  std::uint32_t id = 0;  ///< as of core::Binding, or a number of its own where there are none
+  std::uint32_t id = 0;  ///< as of core::Binding
   bool extended = false;
+  std::string topic;  ///< what it is known by where there is no Binding
   core::FrameFormat format{};
   std::optional<std::uint8_t> priority;     ///< j1939, cyphal
   std::optional<std::uint8_t> destination;  ///< j1939
   AttributeSet attributes;
   std::string remark;  ///< what was assumed of it, for a comment; empty: nothing
   std::vector<ImportedEnd> senders;
-  std::vector<std::size_t> receivers;  ///< indices into ImportedNetwork::nodes, each once
+  std::vector<ImportedEnd> receivers;  ///< each once
 };
+
+/// As receivers that require nothing of their own.
+std::vector<ImportedEnd> receivers_of(const std::vector<std::size_t>& nodes);
+void remove_receiver(ImportedMessage& message, std::size_t node);
+/// Of two ends at one node the stricter attributes count.
+void add_receiver(ImportedMessage& message, const ImportedEnd& end);
 
 struct ImportedNetwork {
   std::string file;
   std::string name;
+  std::string remark;  ///< what is to be known of it, for a comment; empty: nothing
   core::NetworkKind kind{};
   core::Profile profile{};
   std::uint32_t bitrate = 0;       ///< bit/s, 0: not stated
@@ -57,12 +70,30 @@ struct ImportedNetwork {
 /// lacks of the network: the message is left out.
 bool is_bindable(ImportedNetwork& network, const ImportedMessage& message);
 
+/// Messages of a network, of which those with one identity become one.
+class Joiner {
+ public:
+  explicit Joiner(ImportedNetwork& network);
+  /// `file` says in a list where it comes from; empty: from the file of the network.
+  void add(ImportedMessage message, std::string_view file);
+
+ private:
+  /// Topic, identifier, whether it is extended.
+  using Identity = std::tuple<std::string, std::uint32_t, bool>;
+  static Identity identity_of(const ImportedMessage& message);
+  void join(ImportedMessage& into, ImportedMessage from);
+
+  ImportedNetwork& network_;
+  std::map<Identity, std::size_t> known_;
+};
+
 /// Puts what another file says of the same network to it: a message of both has the ends of both.
 void merge(ImportedNetwork& into, ImportedNetwork from);
 
-/// Messages that only receivers are known of are published by a node for all of them, unless the
-/// profile wants to know its number.
-void name_senders(ImportedNetwork& network);
+/// What is left to be said when all files of a network are read: bit rates that none states, and
+/// messages that only receivers are known of. Those are published by a node for all of them, unless
+/// the profile wants to know its number.
+void complete(ImportedNetwork& network);
 
 /// What the command line says of every file.
 struct ImportOptions {
@@ -70,7 +101,7 @@ struct ImportOptions {
   std::uint32_t bitrate = 0;           ///< bit/s, 0: what the file states
   std::uint32_t data_bitrate = 0;
   std::optional<core::Profile> profile;  ///< none: what the file is
-  unsigned node = 0;                     ///< CANopen, 1 to 127; 0: what the file states
+  unsigned node = 0;                     ///< CANopen, Cyphal, 1 to 127; 0: what the file states
 };
 
 /// Largest file, bytes.

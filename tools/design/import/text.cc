@@ -47,4 +47,10 @@ std::string utf8_of(std::string_view text, bool& converted) {
   return out;
 }
 
+std::string_view without_blanks(std::string_view text) {
+  while (!text.empty() && static_cast<unsigned char>(text.front()) <= ' ') text.remove_prefix(1);
+  while (!text.empty() && static_cast<unsigned char>(text.back()) <= ' ') text.remove_suffix(1);
+  return text;
+}
+
 }  // namespace mlcca::tools::design

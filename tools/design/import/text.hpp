@@ -10,4 +10,7 @@ namespace mlcca::tools::design {
 /// character of Latin-1; `converted` says whether.
 std::string utf8_of(std::string_view text, bool& converted);
 
+/// Neither blanks nor control characters at the ends.
+std::string_view without_blanks(std::string_view text);
+
 }  // namespace mlcca::tools::design
