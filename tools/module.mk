@@ -24,7 +24,8 @@ $(learn_objects): CPPFLAGS += $(TOOLS_CPPFLAGS)
 
 # The verbs of design time (check, describe, generate, learn): mlccactl starts this program for them.
 $(eval $(call library,design,$(filter-out tools/design/main.cc,$(wildcard tools/design/*.cc tools/design/*/*.cc))))
-DESIGN_LIBS := $(XML_LIBS) -lz
+YAML_LIBS := $(shell $(PKG_CONFIG) --libs yaml-0.1 2>/dev/null)
+DESIGN_LIBS := $(XML_LIBS) $(YAML_LIBS) -lz
 DESIGN_ARCHIVES := $O/libdesign.a $O/liblearn.a $O/libtools.a $O/libdescription.a $O/libcontrol.a $O/libcore.a
 $(eval $(call program,mlcca-design,tools/design/main.cc,$(DESIGN_ARCHIVES),$(DESIGN_LIBS)))
 $(design_objects) $(mlcca-design_objects): CPPFLAGS += $(TOOLS_CPPFLAGS) $(XML_CFLAGS)

@@ -288,7 +288,8 @@ TEST(DocumentationTest, CompletionOffersFilesAndFormsToCheck) {
 }
 
 TEST(DocumentationTest, CompletionOffersWhatImportTakes) {
-  EXPECT_EQ(completions("mlccactl import a.dbc --format d", "/nonexistent"), (Words{"dbc"}));
+  EXPECT_EQ(completions("mlccactl import a.dbc --format d", "/nonexistent"),
+            (Words{"dbc", "dds-xml"}));
   EXPECT_EQ(completions("mlccactl import a.dbc --profile \"\"", "/nonexistent"),
             (Words{"raw", "j1939"}));
 }

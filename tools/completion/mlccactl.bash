@@ -54,7 +54,7 @@ _mlccactl() {
 		;;
 	--format)
 		local forms="text json sarif html"
-		[[ $verb == import ]] && forms="dbc eds"
+		[[ $verb == import ]] && forms="dbc eds cyphal dds-xml ros2-params ros2-topics"
 		[[ $verb == export ]] && forms="dbc can-gw em_canid wireshark"
 		mapfile -t COMPREPLY < <(compgen -W "$forms" -- "$cur")
 		return
@@ -201,7 +201,7 @@ _mlccactl() {
 		if [[ $cur != -* ]]; then
 			local kinds='*.xml'
 			[[ $verb == analyse-bus ]] && kinds='*.@(xml|csv)'
-			[[ $verb == import ]] && kinds='*.@(dbc|DBC|eds|EDS|dcf|DCF)'
+			[[ $verb == import ]] && kinds='*.@(dbc|DBC|eds|EDS|dcf|DCF|yaml|yml|json|txt|xml)'
 			# Folders too: they lead to files.
 			mapfile -t COMPREPLY < <(compgen -f -X "!$kinds" -- "$cur"; compgen -d -- "$cur")
 			compopt -o filenames 2>/dev/null

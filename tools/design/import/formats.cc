@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 
+#include "tools/design/import/cyphal.hpp"
 #include "tools/design/import/dbc.hpp"
+#include "tools/design/import/dds.hpp"
 #include "tools/design/import/eds.hpp"
 
 namespace mlcca::tools::design {
@@ -23,9 +26,32 @@ bool is_eds(std::string_view text) {
   return has_line(text, "[DeviceInfo]") || has_line(text, "[FileInfo]");
 }
 
+bool has_any(std::string_view text, std::initializer_list<std::string_view> words) {
+  return std::ranges::any_of(words, [&](std::string_view word) { return text.contains(word); });
+}
+
+bool is_cyphal(std::string_view text) {
+  return has_any(text, {"uavcan.pub.", "uavcan.sub.", "uavcan.node.id"});
+}
+
+bool is_dds_xml(std::string_view text) {
+  return has_any(text, {"<data_writer", "<data_reader", "<datawriter_qos", "<datareader_qos",
+                        "<publisher profile_name", "<subscriber profile_name"});
+}
+
+bool is_ros2_params(std::string_view text) { return text.contains("qos_overrides"); }
+
+bool is_ros2_topics(std::string_view text) {
+  return text.contains("Endpoint type: ") && text.contains("Node name: ");
+}
+
 constexpr auto kFormats = std::to_array<ImportFormat>({
     {"dbc", is_dbc, import_dbc},
     {"eds", is_eds, import_eds},
+    {"cyphal", is_cyphal, import_cyphal},
+    {"dds-xml", is_dds_xml, import_dds_xml},
+    {"ros2-params", is_ros2_params, import_ros2_params},
+    {"ros2-topics", is_ros2_topics, import_ros2_topics},
 });
 
 }  // namespace

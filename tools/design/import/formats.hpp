@@ -23,7 +23,7 @@ struct ImportFormat {
 const ImportFormat* recognise(std::string_view text);
 const ImportFormat* format_called(std::string_view name);
 std::vector<std::string> format_list();
-/// "dbc, eds"
+/// "dbc, eds, ..."
 std::string format_names();
 
 }  // namespace mlcca::tools::design

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// `ros2 topic info --verbose` does not print the name of the topic: a line in front of it does, or
+// the file is called like it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "base/number.hpp"
+#include "tools/design/import/dds.hpp"
+#include "tools/design/import/text.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+constexpr std::size_t kMostTopicLine = 4'096;
+/// Lines that say nothing which is needed.
+constexpr auto kSilentKeys = std::to_array<std::string_view>(
+    {"Publisher count", "Subscription count", "Topic type hash", "GID", "QoS profile"});
+/// Policies that have no counterpart.
+constexpr auto kListedKeys =
+    std::to_array<std::string_view>({"Reliability", "History (Depth)", "Durability", "Liveliness"});
+
+class TopicsReader {
+ public:
+  TopicsReader(std::string_view text, const std::string& file) : rest_(text), file_(file) {}
+
+  Result<ImportedNetwork> read(const ImportOptions& options) {
+    while (!rest_.empty() && error_.empty()) {
+      ++line_;
+      const auto size = std::min(rest_.find('\n'), rest_.size());
+      take(without_blanks(rest_.substr(0, size)));
+      rest_.remove_prefix(std::min(size + 1, rest_.size()));
+    }
+    end_of_endpoint();
+    if (error_.empty() && ends_.empty())
+      error_ = fmt::format(
+          "{}: there is no publisher or subscription in it: print it with \"ros2 "
+          "topic info --verbose\"",
+          file_);
+    if (!error_.empty()) return fail(error_);
+    return ends_.take(file_, options);
+  }
+
+ private:
+  void wrong(std::string_view text) {
+    if (error_.empty()) error_ = fmt::format("{}:{}: {}", file_, line_, text);
+  }
+
+  void take(std::string_view line) {
+    if (line.empty()) return;
+    if (line.size() > kMostTopicLine)
+      return wrong(fmt::format("a line has at most {} bytes", kMostTopicLine));
+    if (names_topic(line)) return;
+    const auto colon = line.find(": ");
+    const auto key = line.substr(
+        0, colon == std::string_view::npos && line.ends_with(':') ? line.size() - 1 : colon);
+    const auto value = colon == std::string_view::npos ? std::string_view()
+                                                       : without_blanks(line.substr(colon + 2));
+    if (key == "Type") return begin_topic(value);
+    if (key == "Node name") return begin_endpoint(value);
+    if (std::ranges::find(kSilentKeys, key) != kSilentKeys.end()) return;
+    if (!open_ || !of_endpoint(key, value))
+      ends_.lacks.add("lines", "are not understood", line_, std::string(line.substr(0, 80)));
+  }
+
+  /// "/chatter", "Topic: /chatter" or "$ ros2 topic info -v /chatter"
+  bool names_topic(std::string_view line) {
+    const bool is_command = line.contains("ros2 topic info");
+    if (!is_command && line.starts_with("Topic: /")) line.remove_prefix(7);
+    const auto at = is_command ? line.find(" /") + 1 : 0;
+    if (at >= line.size() || line[at] != '/') return is_command;
+    const auto name = line.substr(at, line.find(' ', at) - at);
+    if (!is_command && name.size() != line.size()) return false;
+    end_of_endpoint();
+    next_topic_ = name;
+    return true;
+  }
+
+  void begin_topic(std::string_view type) {
+    end_of_endpoint();
+    if (next_topic_.empty() && topics_ > 0)
+      return wrong("which topic is this? Put its name on a line in front of \"Type:\"");
+    topic_ = std::exchange(next_topic_, {});
+    if (topic_.empty()) {
+      topic_ = "/" + stem_of_file(file_);
+      ends_.lacks.add("no-topic", "its name is not stated: that of the file is taken", line_,
+                      topic_);
+    }
+    type_ = type;
+    ++topics_;
+  }
+
+  void begin_endpoint(std::string_view name) {
+    end_of_endpoint();
+    if (topics_ == 0) begin_topic({});
+    open_ = DdsEnd{};
+    open_->line = line_;
+    open_->topic = topic_;
+    open_->type = type_;
+    name_ = name;
+  }
+
+  bool of_endpoint(std::string_view key, std::string_view value) {
+    if (key == "Node namespace") {
+      space_ = value;
+    } else if (key == "Topic type") {
+      open_->type = value;
+    } else if (key == "Endpoint type") {
+      is_stated_ = value == "PUBLISHER" || value == "SUBSCRIPTION";
+      if (!is_stated_) wrong("an endpoint is PUBLISHER or SUBSCRIPTION");
+      open_->writes = value == "PUBLISHER";
+    } else if (key == "Lifespan") {
+      duration(key, value, open_->lifespan);
+    } else if (key == "Deadline") {
+      duration(key, value, open_->deadline);
+    } else if (key == "Liveliness lease duration") {
+      duration(key, value, open_->lease);
+    } else if (std::ranges::find(kListedKeys, key) != kListedKeys.end()) {
+      open_->policies.push_back({std::string(key), std::string(value), line_});
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  /// "Infinite", or "100000000 nanoseconds"
+  void duration(std::string_view key, std::string_view value, std::optional<Value>& to) {
+    if (value == "Infinite") return;
+    auto rest = value;
+    const auto number = take_number<std::uint64_t>(rest);
+    const bool is_time = rest.empty() || rest == " nanoseconds";
+    if (take_duration(is_time ? number : std::nullopt, to) == DdsDuration::no_number)
+      wrong(fmt::format("{}: must be Infinite or a number of nanoseconds", key));
+  }
+
+  void end_of_endpoint() {
+    if (!open_) return;
+    auto end = *std::exchange(open_, std::nullopt);
+    if (!std::exchange(is_stated_, false)) return wrong("the endpoint before has no Endpoint type");
+    // "/" or "/robot"
+    end.node = fmt::format("{}/{}", space_ == "/" ? "" : space_, name_).substr(1);
+    if (end.node.empty()) end.node = "unnamed-node";
+    space_.clear();
+    if (const auto why = ends_.add(std::move(end)); !why.empty()) wrong(why);
+  }
+
+  std::string_view rest_;
+  const std::string& file_;
+  int line_ = 0;
+  std::string error_;
+  DdsEnds ends_;
+  std::size_t topics_ = 0;
+  std::string next_topic_;
+  std::string topic_;
+  std::string type_;
+  std::optional<DdsEnd> open_;
+  std::string name_;   ///< of the node of open_
+  std::string space_;  ///< the namespace of that
+  bool is_stated_ = false;
+};
+
+}  // namespace
+
+Result<ImportedNetwork> import_ros2_topics(std::string_view text, const std::string& file,
+                                           const ImportOptions& options) {
+  bool converted = false;
+  const auto readable = utf8_of(text, converted);
+  auto out = TopicsReader(readable, file).read(options);
+  if (out && converted) out->lacks.add("encoding", "is no UTF-8", 0, "read as Windows-1252");
+  return out;
+}
+
+}  // namespace mlcca::tools::design
