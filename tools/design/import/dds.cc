@@ -148,7 +148,7 @@ DdsDuration take_duration(std::optional<std::uint64_t> ns, std::optional<Value>&
   to.reset();
   if (!ns) return DdsDuration::no_number;
   if (*ns == 0 || *ns >= infinite) return DdsDuration::infinite;
-  to = *ns;
+  to = ns;
   return DdsDuration::finite;
 }
 

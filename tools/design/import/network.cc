@@ -23,7 +23,7 @@ bool may_have_senders(const ImportedNetwork& network) {
 ImportedEnd with_own(ImportedEnd end, const AttributeSet& before, const AttributeSet& now) {
   for (std::size_t i = 0; i < kAttributes; ++i) {
     const auto a = attribute_at(i);
-    if (!end.attributes.has(a) && before.has(a) && !(now.has(a) && now[a] == before[a]))
+    if (!end.attributes.has(a) && before.has(a) && (!now.has(a) || now[a] != before[a]))
       end.attributes.set(a, before[a]);
   }
   return end;

@@ -119,10 +119,10 @@ class ParamsReader {
   }
 
   void state(const YamlValue& value, std::string_view name, DdsEnd& end) {
-    auto* const duration = name == "deadline"                    ? &end.deadline
-                           : name == "lifespan"                  ? &end.lifespan
-                           : name == "liveliness_lease_duration" ? &end.lease
-                                                                 : nullptr;
+    std::optional<Value>* duration = nullptr;
+    if (name == "deadline") duration = &end.deadline;
+    if (name == "lifespan") duration = &end.lifespan;
+    if (name == "liveliness_lease_duration") duration = &end.lease;
     if (duration == nullptr) {
       end.policies.push_back({std::string(name), value.text, value.line});
       return;
