@@ -5,28 +5,21 @@
 #include <net/if.h>
 #include <sys/random.h>
 
-#include <algorithm>
+#include <array>
 #include <bit>
 #include <cerrno>
 #include <string>
 #include <utility>
 
-#include "base/big_endian.hpp"
 #include "base/clock.hpp"
 #include "relay/layers/sockets.hpp"
 
 namespace mlcca::relay {
 namespace {
 
-constexpr unsigned kOctet = 8;
-constexpr std::uint32_t kOctetMask = 0xff;
 constexpr std::size_t kMostDatagram = kDatagramHeader + afp::kUdp.payload;
 /// `net.ipv4.igmp_max_memberships` is not less unless somebody makes it so; then joining says it.
 constexpr std::size_t kMostGroups = 20;
-
-std::uint64_t octet_of(std::uint64_t subject, unsigned number) {
-  return subject >> kOctet * (kSubjectOctets - 1 - number) & kOctetMask;
-}
 
 std::uint64_t random_number() {
   std::uint64_t out = 0;
@@ -72,30 +65,6 @@ Result<Fd> event_socket(const control::Endpoint& endpoint) {
 }
 
 }  // namespace
-
-std::uint32_t group_of(std::uint64_t subject) {
-  constexpr std::uint32_t first = 239;
-  const auto last = std::clamp<std::uint64_t>(octet_of(subject, 5), 1, 254);
-  return static_cast<std::uint32_t>(std::uint64_t{first} << 3 * kOctet |
-                                    octet_of(subject, 0) << 2 * kOctet |
-                                    octet_of(subject, 7) << kOctet | last);
-}
-
-std::optional<Datagram> parse_datagram(Octets octets) {
-  if (octets.size() < kDatagramHeader || octets[kSubjectOctets] > 1) return std::nullopt;
-  Datagram out;
-  out.subject = from_big_endian(octets.first(kSubjectOctets));
-  out.is_fragment = octets[kSubjectOctets] == 1;
-  out.data = octets.subspan(kDatagramHeader);
-  return out;
-}
-
-std::array<std::uint8_t, kDatagramHeader> datagram_header(std::uint64_t subject, bool is_fragment) {
-  std::array<std::uint8_t, kDatagramHeader> out{};
-  std::ranges::copy(big_endian(subject), out.begin());
-  out.back() = is_fragment ? 1 : 0;
-  return out;
-}
 
 Result<std::unique_ptr<Layer>> UdpLayer::open(const control::Endpoint& endpoint) {
   auto socket = event_socket(endpoint);
