@@ -18,7 +18,7 @@ void learn_from(std::span<const std::uint8_t> bytes) {
   learn::Observer observer;
   static_cast<void>(learn::read_recording(bytes, "recording", interfaces,
                                           [&](const learn::Frame& f) { observer.add(f); }));
-  observer.finish(interfaces.names().size());
+  observer.finish(interfaces.names().size(), interfaces.media());
   const learn::Draft draft = learn::draft_of(observer, interfaces.names(), {});
   const auto system = description::read_memory(draft.xml, "draft.xml", {}, description::Users::any);
   fuzz::demand(system.has_value(), draft.xml);
