@@ -7,6 +7,7 @@
 #include <array>
 #include <utility>
 
+#include "base/big_endian.hpp"
 #include "base/hash.hpp"
 #include "core/model/words.hpp"
 #include "core/profiles/profile.hpp"
@@ -122,6 +123,21 @@ std::string channel_name(Profile profile, std::string_view network, std::uint32_
       return (number & kExtendedFlag) != 0 ? fmt::format("{}-{:08X}", network, bits)
                                            : fmt::format("{}-{:03X}", network, bits);
   }
+}
+
+std::string channel_name(std::string_view network, core::Subject subject) {
+  return fmt::format("{}-{:016x}", network, subject);
+}
+
+std::string spelled(core::Subject subject) {
+  std::string out;
+  for (const std::uint8_t octet : big_endian(subject)) out += static_cast<char>(octet);
+  out.erase(out.find_last_not_of('\0') + 1);  // short ones are filled up
+  const bool is_written = std::ranges::all_of(out, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string_view("_.!/: ").contains(c);
+  });
+  return is_written ? out : std::string();
 }
 
 std::string binding_element(Profile profile, std::uint32_t number,

@@ -40,6 +40,10 @@ struct IdentifierParts {
 /// "can0-123", "can0-pgn-F004".
 [[nodiscard]] std::string channel_name(core::Profile profile, std::string_view network,
                                        std::uint32_t number);
+/// "eth0-44697374616e6365", of a subject as frames of Ethernet carry it.
+[[nodiscard]] std::string channel_name(std::string_view network, core::Subject subject);
+/// "Distance": what a subject of FAMOUSO spells; empty: it spells nothing that people write.
+[[nodiscard]] std::string spelled(core::Subject subject);
 /// What a Binding contains. `priority`: of profiles whose bindings have one; nothing: any.
 [[nodiscard]] std::string binding_element(core::Profile profile, std::uint32_t number,
                                           std::optional<std::uint32_t> priority);

@@ -26,7 +26,7 @@ $(learn_objects): CPPFLAGS += $(TOOLS_CPPFLAGS)
 $(eval $(call library,design,$(filter-out tools/design/main.cc,$(wildcard tools/design/*.cc tools/design/*/*.cc))))
 YAML_LIBS := $(shell $(PKG_CONFIG) --libs yaml-0.1 2>/dev/null)
 DESIGN_LIBS := $(XML_LIBS) $(YAML_LIBS) -lz
-DESIGN_ARCHIVES := $O/libdesign.a $O/liblearn.a $O/libtools.a $O/libdescription.a $O/libcontrol.a $O/libcore.a
+DESIGN_ARCHIVES := $O/libdesign.a $O/liblearn.a $O/librelay.a $O/libtools.a $O/libdescription.a $O/libcontrol.a $O/libcore.a
 $(eval $(call program,mlcca-design,tools/design/main.cc,$(DESIGN_ARCHIVES),$(DESIGN_LIBS)))
 $(design_objects) $(mlcca-design_objects): CPPFLAGS += $(TOOLS_CPPFLAGS) $(XML_CFLAGS)
 PROGRAMS += $O/mlcca-design

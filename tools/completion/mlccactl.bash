@@ -27,6 +27,11 @@ _mlccactl_can() {
 	grep -lx 280 /sys/class/net/*/type 2>/dev/null | cut -d/ -f5
 }
 
+# Those of Ethernet, which are 1, as well.
+_mlccactl_learnable() {
+	grep -lxE '1|280' /sys/class/net/*/type 2>/dev/null | cut -d/ -f5
+}
+
 _mlccactl() {
 	local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]}
 	local verbs="status networks channels routes reservations subscriptions gate query what-if announce admit renew release withdraw"
@@ -146,7 +151,7 @@ _mlccactl() {
 	generate) words="--component --out --force $offline" ;;
 	learn)
 		words="--for --output --merge --profile --bitrate --data-bitrate --name --gateway --user --no-local $offline"
-		[[ $cur == -* ]] || words="$(_mlccactl_can)"
+		[[ $cur == -* ]] || words="$(_mlccactl_learnable)"
 		;;
 	export) words="--format --network --gateway --output $offline" ;;
 	import)

@@ -68,7 +68,8 @@ class Learn {
   Exit run() {
     if (const auto refused = prepare()) return say(*refused, context_.json);
     if (const auto refused = observe()) return say(*refused, context_.json);
-    observer_.finish(interfaces_.names().size());
+    observer_.finish(interfaces_.names().size(), interfaces_.media());
+    note_profiles();
     if (observer_.flows().empty()) {
       notes_.emplace_back("no events were seen: is there traffic, and are the interfaces up?");
     }
@@ -144,9 +145,21 @@ class Learn {
         return wrong(
             fmt::format("--profile {}: write an interface and one of {}, such as can0=j1939", text,
                         fmt::join(std::span(core::words::kProfiles).subspan(1), ", ")));
-      observer_.state(interfaces_.number_of(parts->first), *profile);
+      observer_.state(interfaces_.number_of(parts->first, learn::Medium::unknown), *profile);
     }
     return std::nullopt;
+  }
+
+  /// Profiles of CAN that were stated of an Ethernet.
+  void note_profiles() {
+    for (std::size_t i = 0; i < interfaces_.names().size(); ++i) {
+      const auto& of = observer_.interfaces()[i];
+      if (of.is_stated && of.medium == learn::Medium::ethernet &&
+          of.decoder->profile() != core::Profile::famouso)
+        notes_.push_back(fmt::format(
+            "{}: the profile {} is for CAN, and {} has frames of Ethernet", interfaces_.names()[i],
+            core::words::kProfiles.of(of.decoder->profile()), interfaces_.names()[i]));
+    }
   }
 
   std::optional<Refusal> observe() {
@@ -206,6 +219,7 @@ class Learn {
   [[nodiscard]] Exit report_merged(const learn::Draft& draft) {
     const auto merged = merge(*described_, draft, a_.draft);
     if (!merged) return say({Exit::usage, merged.error().text, {}}, context_.json);
+    std::ranges::copy(draft.left_out, std::back_inserter(notes_));
     std::string text;
     for (const auto& [path, changed] : merged->files) {
       const auto diff = diff_of(path, changed);
@@ -240,10 +254,11 @@ class Learn {
     std::string out;
     for (std::size_t i = 0; i < interfaces_.names().size(); ++i) {
       const auto& of = observer_.interfaces()[i];
-      out += fmt::format("{}: {} frames, profile {} ({} % sure: {})\n",
-                         printable(interfaces_.names()[i]), of.frames,
-                         core::words::kProfiles.of(of.recognised->profile), of.recognised->percent,
-                         of.recognised->why);
+      out +=
+          fmt::format("{}: {} {}, profile {} ({} % sure: {})\n", printable(interfaces_.names()[i]),
+                      of.frames, of.medium == learn::Medium::ethernet ? "datagrams" : "frames",
+                      core::words::kProfiles.of(of.recognised->profile), of.recognised->percent,
+                      of.recognised->why);
     }
     Table table({{"CHANNEL"},
                  {"EVENTS", Align::right},
@@ -272,13 +287,16 @@ class Learn {
     for (std::size_t i = 0; i < interfaces_.names().size(); ++i) {
       const auto& of = observer_.interfaces()[i];
       interfaces.push_back({{"name", interfaces_.names()[i]},
+                            {"medium", of.medium == learn::Medium::ethernet ? "ethernet" : "can"},
                             {"frames", of.frames},
                             {"profile", core::words::kProfiles.of(of.recognised->profile)},
                             {"percent", of.recognised->percent},
                             {"why", of.recognised->why}});
     }
     Json channels = Json::array();
-    for (const auto& channel : draft.channels)
+    for (const auto& channel : draft.channels) {
+      Json publishers = Json::array();
+      for (const auto& publisher : channel.publishers) publishers.push_back(publisher.name);
       channels.push_back({{"name", channel.name},
                           {"interface", channel.interface},
                           {"identifier", channel.identifier},
@@ -290,8 +308,9 @@ class Learn {
                           {"longest_gap_ns", channel.longest_gap},
                           {"omission", channel.omission},
                           {"bytes", channel.bytes},
-                          {"publishers", channel.publishers},
+                          {"publishers", std::move(publishers)},
                           {"crosses_to", channel.crosses_to}});
+    }
     Json out = {{"interfaces", std::move(interfaces)},
                 {"channels", std::move(channels)},
                 {"notes", notes_}};
@@ -315,7 +334,8 @@ void add_learn(CLI::App& app, Context& context) {
   auto a = std::make_shared<LearnArguments>();
   verb->add_option(
           "source", a->sources,
-          "CAN interfaces to listen to, or recordings: candump -l, pcap, pcapng, .asc, .blf")
+          "interfaces of CAN or Ethernet to listen to, or recordings: candump -l, pcap, pcapng, "
+          ".asc, .blf")
       ->required()
       ->type_name("INTERFACE|FILE");
   verb->add_option("--for", a->time, "how long to listen")

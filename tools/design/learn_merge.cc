@@ -18,6 +18,7 @@
 #include <set>
 
 #include "base/handle.hpp"
+#include "core/model/station.hpp"
 #include "core/model/text.hpp"
 #include "core/profiles/profile.hpp"
 #include "tools/design/describe/markup.hpp"
@@ -48,17 +49,6 @@ const core::Binding* binding_of(const core::Network& network, std::uint32_t numb
   return found == network.bindings.end() ? nullptr : &*found;
 }
 
-/// Publishers of a channel on a network.
-std::vector<const core::Publisher*> publishers_of(const core::System& system, std::size_t channel,
-                                                  std::size_t network) {
-  std::vector<const core::Publisher*> out;
-  for (const core::Publisher& p : system.publishers)
-    if (p.channel == channel && p.place.kind == core::Place::Kind::network &&
-        p.place.index == network)
-      out.push_back(&p);
-  return out;
-}
-
 /// Text that is put into a file behind some byte.
 struct Insertion {
   std::size_t at = 0;
@@ -87,32 +77,17 @@ class Merge {
       : system_(system), options_(options) {}
 
   Result<Merged> run(const learn::Draft& draft) {
-    std::string channels;
-    std::string ends;
-    std::map<std::size_t, std::string> bindings;
-    std::set<std::pair<std::size_t, std::size_t>> seen;  // channel and network
     for (const learn::DraftChannel& row : draft.channels) {
-      const auto network = network_of(row.interface);
-      if (!network) return fail(missing(row.interface));
-      if (const auto* bound = binding_of(system_.networks[*network], row.number)) {
-        seen.emplace(bound->channel, *network);
-        compare(row, *bound, *network, ends);
-        continue;
-      }
-      channels += row.channel_xml;
-      for (const auto& [interface, text] : row.binding_xml) {
-        const auto at = network_of(interface);
-        if (!at) return fail(missing(interface));
-        bindings[*at] += text;
-      }
-      for (const std::string& publisher : row.publisher_xml) ends += publisher;
-      ends += row.subscriber_xml;
+      if (!network_of(row.interface)) return fail(missing(row.interface));
+      const auto known = channel_of(row);
+      if (const auto done = known ? compare(row, *known) : add(row); !done)
+        return std::unexpected(done.error());
     }
-    note_unseen(seen, draft);
-    if (!channels.empty() || !ends.empty())
-      if (const auto put = insert(0, "System", 1, channels + ends, true); !put)
+    note_unseen(draft);
+    if (!channels_.empty() || !ends_.empty())
+      if (const auto put = insert(0, "System", 1, channels_ + ends_, true); !put)
         return std::unexpected(put.error());
-    for (const auto& [network, text] : bindings) {
+    for (const auto& [network, text] : bindings_) {
       const core::Origin& origin = system_.networks[network].origin;
       if (const auto put = insert(origin.file, "Network", origin.line, text, false); !put)
         return std::unexpected(put.error());
@@ -132,64 +107,154 @@ class Merge {
         interface);
   }
 
+  /// What the identifier means that the channel has on an interface of CAN.
+  [[nodiscard]] const core::Binding* bound(const learn::DraftChannel& row,
+                                           const std::string& interface) const {
+    const auto network = network_of(interface);
+    return network ? binding_of(system_.networks[*network],
+                                static_cast<std::uint32_t>(row.numbers.at(interface)))
+                   : nullptr;
+  }
+
+  /// The described one: by an identifier, where it begins if it has one there, or by its subject.
+  [[nodiscard]] std::optional<std::size_t> channel_of(const learn::DraftChannel& row) const {
+    if (row.binding_xml.contains(row.interface))
+      if (const auto* binding = bound(row, row.interface)) return binding->channel;
+    if (row.subject) {
+      const auto same =
+          std::ranges::find(system_.channels, *row.subject, &core::EventChannel::subject);
+      if (same != system_.channels.end())
+        return static_cast<std::size_t>(same - system_.channels.begin());
+    }
+    for (const auto& [interface, text] : row.binding_xml)
+      if (const auto* binding = bound(row, interface)) return binding->channel;
+    return std::nullopt;
+  }
+
+  Result<void> add(const learn::DraftChannel& row) {
+    for (const auto& [interface, number] : row.numbers)
+      if (!network_of(interface)) return fail(missing(interface));
+    channels_ += row.channel_xml;
+    for (const auto& [interface, text] : row.binding_xml) bindings_[*network_of(interface)] += text;
+    for (const learn::DraftPublisher& publisher : row.publishers) ends_ += publisher.xml;
+    ends_ += row.subscriber_xml;
+    return {};
+  }
+
+  /// Of the drafted channel, for the described one.
+  static std::string renamed(const learn::DraftChannel& row, const core::EventChannel& channel,
+                             std::string text) {
+    const std::string drafted = "channel=\"" + row.name + "\"";
+    const auto at = text.find(drafted);
+    return at == std::string::npos
+               ? text
+               : text.replace(at, drafted.size(), "channel=\"" + channel.name + "\"");
+  }
+
   /// What is described, and was seen otherwise; senders that are not described are proposed.
-  void compare(const learn::DraftChannel& row, const core::Binding& bound, std::size_t network,
-               std::string& ends) {
-    const core::EventChannel& channel = system_.channels[bound.channel];
-    const auto publishers = publishers_of(system_, bound.channel, network);
-    const std::string who =
-        fmt::format("{} ({} on {})", channel.name, row.identifier, row.interface);
-    for (std::size_t i = 0; i < row.publishers.size(); ++i) {
-      const bool has_nodes = core::has_nodes(system_.networks[network].profile);
-      const auto known = std::ranges::find_if(publishers, [&](const core::Publisher* p) {
-        return !has_nodes || (p->node && *p->node == row.nodes[i]);
-      });
-      if (known == publishers.end()) {
-        merged_.differs.push_back(
-            has_nodes
-                ? fmt::format("{}: node {} sends it, and is not described as a publisher there",
-                              who, row.nodes[i])
-                : fmt::format("{}: is sent there, and no publisher is described there", who));
-        std::string text = row.publisher_xml[i];
-        const std::string drafted = "channel=\"" + row.name + "\"";
-        text.replace(text.find(drafted), drafted.size(), "channel=\"" + channel.name + "\"");
-        ends += text;
+  Result<void> compare(const learn::DraftChannel& row, std::size_t number) {
+    const core::EventChannel& channel = system_.channels[number];
+    if (row.subject && *row.subject != channel.subject)
+      merged_.differs.push_back(fmt::format("{}: its events have the subject {} on Ethernet",
+                                            channel.name, core::format_subject(*row.subject)));
+    compare_bindings(row, number);
+    for (const learn::DraftPublisher& publisher : row.publishers) {
+      const auto network = network_of(publisher.interface);
+      if (!network) return fail(missing(publisher.interface));
+      seen_.emplace(number, *network);
+      const std::string who =
+          fmt::format("{} ({} on {})", channel.name, row.identifier, publisher.interface);
+      if (const auto* known = described(publisher, number, *network)) {
+        compare(publisher, who, *known);
         continue;
       }
-      compare(row, who, **known);
+      merged_.differs.push_back(who + undescribed(publisher, *network));
+      ends_ += renamed(row, channel, publisher.xml);
+    }
+    return {};
+  }
+
+  /// Identifiers that the channel has on buses on which nothing is bound to it.
+  void compare_bindings(const learn::DraftChannel& row, std::size_t number) {
+    const core::EventChannel& channel = system_.channels[number];
+    for (const auto& [interface, text] : row.binding_xml) {
+      const auto network = network_of(interface);
+      const auto* binding = bound(row, interface);
+      if (!network || (binding != nullptr && binding->channel == number)) continue;
+      merged_.differs.push_back(
+          binding == nullptr
+              ? fmt::format("{}: is on {}, and not bound there", channel.name, interface)
+              : fmt::format("{}: is on {}, by an identifier that is bound to {}", channel.name,
+                            interface, system_.channels[binding->channel].name));
+      if (binding == nullptr) bindings_[*network] += renamed(row, channel, text);
     }
   }
 
-  void compare(const learn::DraftChannel& row, const std::string& who, const core::Publisher& p) {
+  /// The publisher that is described, if it is.
+  [[nodiscard]] const core::Publisher* described(const learn::DraftPublisher& seen,
+                                                 std::size_t channel, std::size_t network) const {
+    using Kind = core::Place::Kind;
+    const core::Network& on = system_.networks[network];
+    const core::Publisher* wildcard = nullptr;
+    for (const core::Publisher& p : system_.publishers) {
+      if (p.channel != channel) continue;
+      const bool there = seen.local ? p.place.kind == Kind::gateway &&
+                                          system_.gateways[p.place.index].name == options_.gateway
+                                    : p.place.kind == Kind::network && p.place.index == network;
+      if (!there) continue;
+      if (on.carries_subjects()) {
+        if (seen.local || p.station.bits == seen.node) return &p;
+        if (p.station.is_wildcard()) wildcard = &p;
+      } else if (!core::has_nodes(on.profile) || (p.node && *p.node == seen.node)) {
+        return &p;
+      }
+    }
+    return wildcard;
+  }
+
+  [[nodiscard]] std::string undescribed(const learn::DraftPublisher& seen,
+                                        std::size_t network) const {
+    const core::Network& on = system_.networks[network];
+    if (seen.local)
+      return ": a program on the gateway sends it, and is not described as a publisher";
+    if (on.carries_subjects())
+      return fmt::format(": {} sends it, and is not described as a publisher there",
+                         core::to_text(core::Station{seen.node}));
+    if (core::has_nodes(on.profile))
+      return fmt::format(": node {} sends it, and is not described as a publisher there",
+                         seen.node);
+    return ": is sent there, and no publisher is described there";
+  }
+
+  void compare(const learn::DraftPublisher& seen, const std::string& who,
+               const core::Publisher& p) {
     const AttributeSet& stated = p.attributes;
     const Value period = stated[Attribute::period];
     // Within the tolerance of clocks and of the draft.
-    if (stated.has(Attribute::period) && row.period + row.period / 50 < period)
+    if (stated.has(Attribute::period) && seen.period + seen.period / 50 < period)
       merged_.differs.push_back(fmt::format(
           "{}: publisher {} states Period {}, and {} was seen: frames would be dropped", who,
-          p.name, core::format_value(Attribute::period, period), time_words(row.period)));
-    if (stated.has(Attribute::max_payload) && row.bytes > stated[Attribute::max_payload])
+          p.name, core::format_value(Attribute::period, period), time_words(seen.period)));
+    if (stated.has(Attribute::max_payload) && seen.bytes > stated[Attribute::max_payload])
       merged_.differs.push_back(fmt::format(
           "{}: publisher {} states MaxPayload {}, and {} bytes were seen: frames would be "
           "dropped",
           who, p.name, core::format_value(Attribute::max_payload, stated[Attribute::max_payload]),
-          row.bytes));
-    if (row.periodic && stated.has(Attribute::period) && period + period / 2 < row.period)
+          seen.bytes));
+    if (seen.periodic && stated.has(Attribute::period) && period + period / 2 < seen.period)
       merged_.differs.push_back(fmt::format(
           "{}: publisher {} states Period {}, and {} was seen: it is reported as missing", who,
-          p.name, core::format_value(Attribute::period, period), time_words(row.period)));
+          p.name, core::format_value(Attribute::period, period), time_words(seen.period)));
   }
 
-  void note_unseen(const std::set<std::pair<std::size_t, std::size_t>>& seen,
-                   const learn::Draft& draft) {
+  void note_unseen(const learn::Draft& draft) {
     std::set<std::size_t> listened;
-    for (const auto& [interface, name] : options_.networks)
-      if (std::ranges::any_of(draft.channels,
-                              [&](const auto& row) { return row.interface == interface; }))
-        if (const auto network = network_of(interface)) listened.insert(*network);
+    for (const learn::DraftChannel& row : draft.channels)
+      for (const learn::DraftPublisher& publisher : row.publishers)
+        if (const auto network = network_of(publisher.interface)) listened.insert(*network);
     for (const core::Publisher& p : system_.publishers)
       if (p.place.kind == core::Place::Kind::network && listened.contains(p.place.index) &&
-          !seen.contains({p.channel, p.place.index}))
+          !seen_.contains({p.channel, p.place.index}))
         merged_.differs.push_back(fmt::format(
             "{} of {} on {}: is described, and nothing of it was seen",
             system_.channels[p.channel].name, p.name, system_.networks[p.place.index].name));
@@ -230,6 +295,10 @@ class Merge {
 
   const core::System& system_;
   const learn::DraftOptions& options_;
+  std::string channels_;
+  std::string ends_;
+  std::map<std::size_t, std::string> bindings_;         ///< by network
+  std::set<std::pair<std::size_t, std::size_t>> seen_;  ///< channel and network
   std::map<std::string, std::string> texts_;
   std::map<std::string, std::vector<Insertion>> insertions_;
   Merged merged_;

@@ -2,8 +2,10 @@
 #include "tools/learn/decode.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
-#include "core/profiles/profile.hpp"
+#include "base/big_endian.hpp"
+#include "core/gates/control_traffic.hpp"
 #include "tools/elements.hpp"
 
 namespace mlcca::learn {
@@ -20,6 +22,7 @@ void Decoder::take(const Frame& frame, const OnEvent& on_event) {
   event.remote = (frame.id & kRemote) != 0;
   event.local = frame.local;
   event.number = frame.id & (kExtended | kIdentifierBits);
+  event.head = frame.data;
   const auto parts = tools::parts_of(profile_, frame.id);
   if (parts) {
     event.number = parts->number;
@@ -30,7 +33,10 @@ void Decoder::take(const Frame& frame, const OnEvent& on_event) {
     take_j1939(frame, event, on_event);
     return;
   }
-  if (is_control(frame)) {
+  if (profile_ == core::Profile::famouso) take_binding(frame);
+  const bool subscribes =
+      profile_ == core::Profile::famouso && parts && parts->number == subscribe_tag_;
+  if (is_control(frame) || subscribes) {
     ++control_;
     return;
   }
@@ -46,6 +52,20 @@ void Decoder::take(const Frame& frame, const OnEvent& on_event) {
     on_event(event);
 }
 
+/// The answer of the broker has two frames: node, which half, tag, four bytes of the subject.
+void Decoder::take_binding(const Frame& frame) {
+  constexpr std::uint32_t answer = 0x1f5fc004;
+  const auto& data = frame.data;
+  if ((frame.id & kIdentifierBits) != answer || data.size() != 8) return;
+  const std::uint32_t tag = (data[2] & 0x3fU) << 8U | data[3];
+  const auto half = static_cast<std::uint32_t>(from_big_endian(data.subspan(4)));
+  const bool is_second = data[1] != 0;
+  if (!is_second)
+    half_dealt_ = half == core::kSubscribeSubject >> 32U ? tag : 0;
+  else if (half_dealt_ == tag && half == (core::kSubscribeSubject & UINT32_MAX))
+    subscribe_tag_ = tag;
+}
+
 /// SAE J1939-21: a message of more than 8 bytes is announced, with its length and PGN; the packets
 /// behind it are its data.
 void Decoder::take_j1939(const Frame& frame, Event event, const OnEvent& on_event) {
@@ -58,6 +78,7 @@ void Decoder::take_j1939(const Frame& frame, Event event, const OnEvent& on_even
     event.number = data[5] | std::uint32_t{data[6]} << 8U | std::uint32_t{data[7]} << 16U;
     event.bytes = data[1] | std::uint32_t{data[2]} << 8U;
     event.frame_bytes = 8;
+    event.head = {};
     ++control_;
     on_event(event);
     return;
@@ -77,6 +98,7 @@ void Decoder::take_cyphal(const Frame& frame, Event event, const OnEvent& on_eve
     return;
   }
   --event.bytes;
+  event.head = frame.data.first(frame.data.size() - 1);
   const std::uint8_t tail = frame.data.back();
   const bool first = (tail & 0x80U) != 0;
   const bool last = (tail & 0x40U) != 0;
@@ -95,7 +117,14 @@ void Decoder::take_fragment(const Frame& frame, Event event, const OnEvent& on_e
   const bool first = (head & (is_short ? 0x20U : 0x10U)) != 0;
   const std::uint32_t follow = is_short ? head & 0x1fU : (head & 0x0fU) << 8U | frame.data[1];
   event.bytes -= is_short ? 1 : 2;
+  event.head = frame.data.subspan(is_short ? 1 : 2);
   go_on(frame.id & kIdentifierBits, event, first, follow == 0, 0, on_event);
+}
+
+void Decoder::Begun::add_head(std::span<const std::uint8_t> data) {
+  const auto more = data.first(std::min(data.size(), kHead - head_bytes));
+  std::ranges::copy(more, head.begin() + static_cast<std::ptrdiff_t>(head_bytes));
+  head_bytes += more.size();
 }
 
 void Decoder::go_on(std::uint32_t id, const Event& event, bool is_first, bool is_last,
@@ -105,7 +134,8 @@ void Decoder::go_on(std::uint32_t id, const Event& event, bool is_first, bool is
     if (known == begun_.end() && begun_.size() >= kMostBegun)
       begun_.erase(
           std::ranges::min_element(begun_, {}, [](const auto& one) { return one.second.latest; }));
-    begun_[id] = {event, event.ns};
+    Begun& first = begun_[id] = {event, event.ns};
+    first.add_head(event.head);
     return;
   }
   if (known == begun_.end()) return;  // its first frame was not seen
@@ -113,10 +143,13 @@ void Decoder::go_on(std::uint32_t id, const Event& event, bool is_first, bool is
   begun.latest = event.ns;
   begun.event.bytes = std::min(begun.event.bytes + event.bytes, 65'535U);
   begun.event.frame_bytes = std::max(begun.event.frame_bytes, event.frame_bytes);
+  begun.add_head(event.head);
   if (!is_last) return;
-  Event whole = begun.event;
+  const Begun done = begun;
   begun_.erase(known);
+  Event whole = done.event;
   whole.bytes -= std::min(whole.bytes, less);
+  whole.head = std::span(done.head).first(std::min<std::size_t>(done.head_bytes, whole.bytes));
   on_event(whole);
 }
 

@@ -2,26 +2,35 @@
 // From frames of a profile to events: whose they are, of which channel, and how long, also where an
 // event has several frames.
 #pragma once
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <span>
 
 #include "core/model/system.hpp"
 #include "tools/learn/frame.hpp"
 
 namespace mlcca::learn {
 
-/// Number, node and priority are those of tools::IdentifierParts.
+/// Events are compared by so many of their first bytes, and by their length.
+inline constexpr std::size_t kHead = 64;
+
+/// On CAN number, node and priority are those of tools::IdentifierParts.
 struct Event {
   std::uint64_t ns = 0;
-  std::uint32_t number = 0;
-  std::uint32_t node = 0;         ///< of the sender, where the profile has nodes
+  std::uint64_t number = 0;       ///< on Ethernet: the subject
+  std::uint32_t node = 0;         ///< of the sender, where the profile has nodes; or its address
   std::uint32_t priority = 0;     ///< where the profile has priorities, as it has them
   std::uint32_t bytes = 0;        ///< of the event
   std::uint32_t frame_bytes = 0;  ///< of its longest frame
   bool fd = false;
   bool remote = false;
   bool local = false;
+  std::array<std::uint8_t, 6> mac{};  ///< of the sender, on Ethernet; zeros: not known
+  /// Its first bytes, up to kHead, valid during the call that hands it over; fewer: not known.
+  std::span<const std::uint8_t> head;
 };
 
 class Decoder {
@@ -43,10 +52,15 @@ class Decoder {
   struct Begun {
     Event event;
     std::uint64_t latest = 0;
+    std::array<std::uint8_t, kHead> head{};
+    std::size_t head_bytes = 0;
+    void add_head(std::span<const std::uint8_t> data);
   };
   static constexpr std::size_t kMostBegun = 1024;
 
   [[nodiscard]] bool is_control(const Frame& frame) const;
+  /// FAMOUSO: learns which tag the broker deals to the subject SUBSCRIB.
+  void take_binding(const Frame& frame);
   void take_j1939(const Frame& frame, Event event, const OnEvent& on_event);
   void take_cyphal(const Frame& frame, Event event, const OnEvent& on_event);
   void take_fragment(const Frame& frame, Event event, const OnEvent& on_event);
@@ -56,6 +70,9 @@ class Decoder {
 
   core::Profile profile_;
   std::map<std::uint32_t, Begun> begun_;  ///< by identifier
+  /// FAMOUSO: of the subject SUBSCRIB; until it is seen to be dealt, the one that is dealt first.
+  std::uint32_t subscribe_tag_ = 0x3fff;
+  std::uint32_t half_dealt_ = 0;  ///< to a subject that begins like it
   std::uint64_t control_ = 0;
   std::uint64_t others_ = 0;
 };

@@ -6,16 +6,18 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <functional>
 #include <optional>
 #include <set>
 #include <utility>
 
-#include "base/number.hpp"
-#include "core/model/words.hpp"
+#include "core/gates/plan.hpp"
+#include "core/model/station.hpp"
+#include "core/model/text.hpp"
 #include "core/profiles/profile.hpp"
 #include "tools/elements.hpp"
 #include "tools/escape.hpp"
+#include "tools/learn/channels.hpp"
 
 namespace mlcca::learn {
 namespace {
@@ -24,98 +26,13 @@ using core::Profile;
 
 constexpr std::uint32_t kAssumedBitrate = 500'000;  // bit/s, where none is stated
 constexpr std::uint64_t kAssumedLatency =
-    1'000'000;                           // ns that forwarding takes, where none was seen
-constexpr double kRegular = 0.9;         // share of gaps near the median, of what is periodic
-constexpr std::uint64_t kBurst = 8;      // events at once, of what is aperiodic
-constexpr double kCopied = 0.9;          // share of events that came from there, of what crosses
-constexpr std::uint64_t kFarApart = 10;  // longest gap over the median, of what is aperiodic
+    1'000'000;  // ns that forwarding takes, where none was seen
+constexpr std::uint64_t kAssumedEthernet = 100'000;  // ns that an Ethernet takes
+constexpr std::size_t kLongestName = 63;
 
-/// Up to two digits.
-std::uint64_t rounded_up(std::uint64_t value) {
-  std::uint64_t unit = 1;
-  while (value / unit >= 100) unit *= 10;
-  return (value + unit - 1) / unit * unit;
+std::string mac_text(const std::array<std::uint8_t, 6>& mac) {
+  return fmt::format("{:02x}", fmt::join(mac, ":"));
 }
-
-/// To three digits, for people.
-std::string about(std::uint64_t ns) {
-  std::uint64_t unit = 1;
-  while (ns / unit >= 1000) unit *= 10;
-  return tools::time_words((ns + unit / 2) / unit * unit);
-}
-
-std::uint64_t with_margin(std::uint64_t value, unsigned percent) {
-  return rounded_up(value + value * percent / 100);
-}
-
-/// What is stated of the times of a flow.
-struct Times {
-  std::uint64_t period = 0;
-  std::uint64_t jitter = 0;
-  bool periodic = false;
-  std::string seen;  ///< in words, with the margin
-};
-
-Times times_of(const Flow& flow) {
-  Times out;
-  const auto rates = flow.rates();
-  if (rates.empty()) {
-    out.period = flow.events() < 2
-                     ? tools::kPeriodOfOne
-                     : std::max<std::uint64_t>(tools::nominal(flow.shortest_gap() / 2), 1000);
-    out.seen =
-        flow.events() < 2
-            ? std::string("seen once: the Period is assumed")
-            : fmt::format("seen {} times only, {} apart at least: the Period is half of that",
-                          flow.events(), about(flow.shortest_gap()));
-    return out;
-  }
-  const std::uint64_t median = flow.median_gap();
-  out.periodic = flow.regular_share() >= kRegular && flow.longest_gap() / kFarApart <= median;
-  // The gate lets events be early by one Period and the Jitter.
-  const auto fits = [&](const Rate& rate) {
-    return rate.early <= (out.periodic ? rate.period / 2 : rate.period * kBurst);
-  };
-  auto chosen = std::ranges::find_if(rates, fits);
-  if (chosen == rates.end()) chosen = std::prev(rates.end());
-  out.period = chosen->period;
-  out.jitter = chosen->early == 0 ? 0 : with_margin(chosen->early, 25);
-  if (out.periodic)
-    out.seen = fmt::format("{} events, median gap {}, shortest {}, longest {}; Jitter {} + 25 %",
-                           flow.events(), about(tools::nominal(median)), about(flow.shortest_gap()),
-                           about(flow.longest_gap()), about(chosen->early));
-  else
-    out.seen = fmt::format(
-        "aperiodic: {} events, median gap {}, shortest {}, longest {}; the Period is the one that "
-        "all "
-        "of them kept, early by {} + 25 % at most",
-        flow.events(), about(tools::nominal(median)), about(flow.shortest_gap()),
-        about(flow.longest_gap()), about(chosen->early));
-  return out;
-}
-
-/// Events that were lost in a row at most.
-std::uint64_t omission_of(const Flow& flow) {
-  const std::uint64_t median = std::max<std::uint64_t>(flow.median_gap(), 1);
-  const std::uint64_t periods = (flow.longest_gap() + median / 2) / median;
-  return periods == 0 ? 0 : periods - 1;
-}
-
-/// One publisher of a channel.
-struct Source {
-  FlowKey key;
-  const Seen* seen = nullptr;
-  Times times;
-};
-
-/// A channel that begins on an interface.
-struct Channel {
-  std::uint32_t interface = 0;
-  std::uint32_t number = 0;
-  std::vector<Source> sources;
-  std::map<std::uint32_t, Crossing> to;                 ///< where copies were seen
-  std::map<std::uint32_t, std::uint32_t> number_there;  ///< of the copies
-};
 
 class Drafter {
  public:
@@ -131,7 +48,9 @@ class Drafter {
       while (!used_.insert(network).second) network += "-2";
       networks_.push_back(network);
     }
-    collect();
+    channels_ = channels_of(observer_);
+    for (const Channel& channel : channels_)
+      if (channel.subject) subjects_.insert(*channel.subject);
     write();
     return std::move(out_);
   }
@@ -140,65 +59,34 @@ class Drafter {
   [[nodiscard]] Profile profile_of(std::uint32_t interface) const {
     return observer_.interfaces()[interface].recognised->profile;
   }
-
-  /// Where most of the events of a flow had been before; nothing: they begin here.
-  [[nodiscard]] static std::optional<std::uint32_t> origin_of(const Seen& seen) {
-    for (const auto& [interface, crossing] : seen.from)
-      if (static_cast<double>(crossing.events) >=
-              kCopied * static_cast<double>(seen.flow.events()) &&
-          seen.flow.events() >= 3)
-        return interface;
-    return std::nullopt;
+  [[nodiscard]] bool is_ethernet(std::uint32_t interface) const {
+    return observer_.interfaces()[interface].medium == Medium::ethernet;
+  }
+  /// FAMOUSO on Ethernet has addresses in their place.
+  [[nodiscard]] bool has_nodes(std::uint32_t interface) const {
+    return !is_ethernet(interface) && core::has_nodes(profile_of(interface));
   }
 
-  /// The flow that a copy is of, over several interfaces where it began; the flow itself, if it is
-  /// no copy.
-  [[nodiscard]] const std::pair<const FlowKey, Seen>& beginning_of(
-      const std::pair<const FlowKey, Seen>& flow) const {
-    constexpr int most_interfaces = 8;
-    const auto* at = &flow;
-    for (int i = 0; i < most_interfaces; ++i) {
-      const auto origin = origin_of(at->second);
-      if (!origin) break;
-      FlowKey key = at->first;
-      key.interface = *origin;
-      key.local = false;
-      auto before = observer_.flows().find(key);
-      key.local = true;
-      if (before == observer_.flows().end()) before = observer_.flows().find(key);
-      if (before == observer_.flows().end()) break;
-      at = &*before;
-    }
-    return *at;
-  }
-
-  void collect() {
-    for (const auto& [key, seen] : observer_.flows()) {
-      if (origin_of(seen)) continue;
-      Channel& channel = channels_[{key.interface, key.number}];
-      channel.interface = key.interface;
-      channel.number = key.number;
-      channel.sources.push_back({key, &seen, times_of(seen.flow)});
-    }
-    for (const auto& flow : observer_.flows()) {
-      const auto& [key, seen] = flow;
-      const auto& begins = beginning_of(flow);
-      const auto channel = channels_.find({begins.first.interface, begins.first.number});
-      if (&begins == &flow || channel == channels_.end()) continue;
-      const auto most = std::ranges::max_element(seen.from, {},
-                                                 [](const auto& one) { return one.second.events; });
-      channel->second.to[key.interface] = most->second;
-      channel->second.number_there[key.interface] = key.number;
+  /// `stem` and `end`, as long as a name may be, that no other publisher has.
+  std::string publisher_name(const std::string& stem, const std::string& end) {
+    std::string out;
+    std::string number;
+    for (unsigned n = 2;; ++n) {
+      out = stem.substr(0, kLongestName - std::min(kLongestName, end.size() + number.size())) +
+            end + number;
+      if (publishers_.insert(out).second) return out;
+      number = fmt::format("-{}", n);
     }
   }
 
   void write() {
-    for (auto& [key, channel] : channels_) describe(channel);
+    for (const Channel& channel : channels_) describe(channel);
+    note_alike();
     std::string channels;
     std::string ends;
     for (const DraftChannel& row : out_.channels) {
       channels += row.channel_xml;
-      for (const std::string& publisher : row.publisher_xml) ends += publisher;
+      for (const DraftPublisher& publisher : row.publishers) ends += publisher.xml;
       ends += row.subscriber_xml;
     }
     std::string& xml = out_.xml;
@@ -218,129 +106,249 @@ class Drafter {
     xml += "</System>\n";
   }
 
-  /// What the flows of a channel have together.
-  struct Together {
-    bool fd = false;
-    bool classic = false;
-    bool remote = false;
-    std::set<std::uint32_t> priorities;
-    std::string seen;  ///< of the first publisher, in words
-  };
-  static Together put_together(const Channel& channel, DraftChannel& row) {
-    Together out;
+  /// What the flows of a channel have together; gives what was seen of the first one, in words.
+  /// No subscriber asks for a shorter Period than each publisher has.
+  std::string put_together(const Channel& channel, DraftChannel& row) {
     row.periodic = true;
-    row.period = UINT64_MAX;
     for (const Source& source : channel.sources) {
       const Flow& flow = source.seen->flow;
       row.events += flow.events();
-      row.period = std::min(row.period, source.times.period);
+      row.period = std::max(row.period, source.times.period);
+      shortest_period_ = std::min(shortest_period_, source.times.period);
       row.jitter = std::max(row.jitter, source.times.jitter);
       row.median = row.median == 0 ? flow.median_gap() : std::min(row.median, flow.median_gap());
       row.longest_gap = std::max(row.longest_gap, flow.longest_gap());
       row.bytes = std::max(row.bytes, flow.most_bytes());
       row.periodic = row.periodic && source.times.periodic;
       if (source.times.periodic) row.omission = std::max(row.omission, omission_of(flow) + 1);
-      out.fd = out.fd || source.seen->fd != 0;
-      out.classic = out.classic || source.seen->fd < flow.events();
-      out.remote = out.remote || source.seen->remote != 0;
-      out.priorities.insert(source.seen->priorities.begin(), source.seen->priorities.end());
-      if (out.seen.empty()) out.seen = source.times.seen;
     }
     if (!row.periodic) row.omission = 0;
-    return out;
+    return channel.sources.front().times.seen;
+  }
+
+  /// Nothing but Ethernet says the subject.
+  std::uint64_t subject_for(const Channel& channel, const std::string& name) {
+    if (channel.subject) return *channel.subject;
+    std::string text = name;
+    for (;;) {
+      const std::uint64_t subject = tools::subject_of(text);
+      if (subjects_.insert(subject).second) return subject;
+      text += '+';
+    }
   }
 
   void describe(const Channel& channel) {
     DraftChannel row;
-    const Profile profile = profile_of(channel.interface);
-    row.name = tools::channel_name(profile, networks_[channel.interface], channel.number);
+    const std::string& network = networks_[channel.interface];
+    if (is_ethernet(channel.interface)) {
+      row.name = tools::channel_name(network, channel.number);
+      row.identifier = core::format_subject(channel.number);
+    } else {
+      const Profile profile = profile_of(channel.interface);
+      const auto number = static_cast<std::uint32_t>(channel.number);
+      row.name = tools::channel_name(profile, network, number);
+      row.identifier = tools::number_text(profile, number);
+    }
     row.interface = names_[channel.interface];
-    row.number = channel.number;
-    row.identifier = tools::number_text(profile, channel.number);
-    const Together together = put_together(channel, row);
-    shortest_period_ = std::min(shortest_period_, row.period);
-    std::string comment = together.seen;
+    row.subject = channel.subject;
+    std::string comment = put_together(channel, row);
     if (channel.sources.size() > 1)
       comment += fmt::format("; the first of {} publishers", channel.sources.size());
     if (row.periodic) comment += fmt::format("; {} lost in a row at most, + 1", row.omission - 1);
+    if (const auto text = tools::spelled(channel.subject.value_or(0)); !text.empty())
+      comment += fmt::format("; its subject is the text {}", tools::in_comment(text));
     row.channel_xml = fmt::format(
         "  <!-- {} -->\n  <EventChannel name=\"{}\">\n    <SubjectUID>0x{:016x}</SubjectUID>\n"
         "    <Attributes period=\"{}\"{} maxPayload=\"{}\"/>\n  </EventChannel>\n",
-        comment, row.name, tools::subject_of(row.name), tools::time_words(row.period),
+        comment, row.name, subject_for(channel, row.name), tools::time_words(row.period),
         row.periodic ? fmt::format(R"( omission="{}")", row.omission) : "",
         std::max(row.bytes, 1U));
-    bind(row, channel.interface, channel.number, together);
-    for (const auto& [interface, crossing] : channel.to) {
-      bind(row, interface, channel.number_there.at(interface), together);
+    for (const auto& [interface, place] : channel.places) {
+      row.numbers[names_[interface]] = place.number;
+      if (!is_ethernet(interface)) bind(row, interface, place);
+      if (!place.crossing) continue;
       row.crosses_to.push_back(names_[interface]);
-      longest_crossing_ = std::max(longest_crossing_, crossing.longest_ns);
+      longest_crossing_ = std::max(longest_crossing_, place.crossing->longest_ns);
     }
-    for (const Source& source : channel.sources) write_publisher(row, channel, source);
+    write_publishers(row, channel);
     write_subscribers(row, channel);
     out_.channels.push_back(std::move(row));
   }
 
-  void bind(DraftChannel& row, std::uint32_t interface, std::uint32_t number,
-            const Together& together) {
+  void bind(DraftChannel& row, std::uint32_t interface, const Place& place) {
     const Profile profile = profile_of(interface);
     const bool has_priority = core::traits_of(profile).has_number_priority;
-    const auto priority = has_priority && together.priorities.size() == 1
-                              ? std::optional(*together.priorities.begin())
+    const auto priority = has_priority && place.priorities.size() == 1
+                              ? std::optional(*place.priorities.begin())
                               : std::nullopt;
     std::string format;
-    if (together.fd) format = together.classic ? R"( format="any")" : R"( format="fd")";
-    row.binding_xml[names_[interface]] =
-        fmt::format("    <Binding channel=\"{}\"{}{}>{}</Binding>\n", row.name, format,
-                    together.remote ? R"( remote-frames="true")" : "",
-                    tools::binding_element(profile, number, priority));
-    if (together.fd) fd_[interface] = true;
+    if (place.fd) format = place.classic ? R"( format="any")" : R"( format="fd")";
+    row.binding_xml[names_[interface]] = fmt::format(
+        "    <Binding channel=\"{}\"{}{}>{}</Binding>\n", row.name, format,
+        place.remote ? R"( remote-frames="true")" : "",
+        tools::binding_element(profile, static_cast<std::uint32_t>(place.number), priority));
+    if (place.fd) fd_[interface] = true;
   }
 
-  void write_publisher(DraftChannel& row, const Channel& channel, const Source& source) {
-    const Profile profile = profile_of(channel.interface);
-    const std::string& network = networks_[channel.interface];
-    std::string name = row.name;
+  /// A gate distinguishes so many senders of a subject: the ones with most events. One entry is for
+  /// all others.
+  void write_publishers(DraftChannel& row, const Channel& channel) {
+    std::map<std::uint32_t, std::vector<std::pair<std::uint64_t, const Source*>>> senders;
+    for (const Source& source : channel.sources)
+      if (is_ethernet(source.key.interface) && !source.key.local)
+        senders[source.key.interface].emplace_back(source.seen->flow.events(), &source);
+    std::set<const Source*> unnamed;
+    for (auto& [interface, all] : senders) {
+      if (all.size() <= core::kMostEntries) continue;
+      std::ranges::stable_sort(all, std::ranges::greater{},
+                               [](const auto& one) { return one.first; });
+      for (std::size_t i = core::kMostEntries - 1; i < all.size(); ++i)
+        unnamed.insert(all[i].second);
+      out_.left_out.push_back(
+          fmt::format("{}: {} senders of {}: a gate distinguishes {} and takes the others together",
+                      names_[interface], all.size(), row.name, core::kMostEntries - 1));
+    }
+    for (const Source& source : channel.sources)
+      write_publisher(row, channel, source, !unnamed.contains(&source));
+  }
+
+  /// What its frames must carry on the buses that it crosses to.
+  [[nodiscard]] std::string node_beyond(const Channel& channel) const {
+    for (const auto& [interface, place] : channel.places) {
+      if (!place.crossing || !has_nodes(interface)) continue;
+      std::string out = fmt::format(R"( node="{}")", place.node);
+      if (core::traits_of(profile_of(interface)).has_sender_priority && !place.priorities.empty())
+        out += fmt::format(R"( priority="{}")", *place.priorities.begin());
+      return out;
+    }
+    return {};
+  }
+
+  void write_publisher(DraftChannel& row, const Channel& channel, const Source& source,
+                       bool has_address) {
+    const std::uint32_t interface = source.key.interface;
     std::string where = source.key.local
                             ? fmt::format(R"(gateway="{}" user="{}")", options_.gateway,
                                           tools::escaped(options_.user))
-                            : fmt::format("network=\"{}\"", network);
-    if (core::has_nodes(profile)) {
-      name += fmt::format("-of-{:02X}", source.key.node);
+                            : fmt::format("network=\"{}\"", networks_[interface]);
+    std::string end = source.key.local ? "-here" : "";
+    std::string comment;
+    if (has_nodes(interface)) {
+      end = fmt::format("-of-{:02X}", source.key.node);
       where += fmt::format(R"( node="{}")", source.key.node);
-    } else if (source.key.local) {
-      name += "-here";
+      if (core::traits_of(profile_of(interface)).has_sender_priority &&
+          !source.seen->priorities.empty())
+        where += fmt::format(R"( priority="{}")", *source.seen->priorities.begin());
+    } else {
+      if (is_ethernet(interface) && !source.key.local) {
+        const std::string address = core::to_text(core::Station{source.key.node});
+        end = "-of-" + address;
+        if (has_address) where += fmt::format(R"( address="{}")", address);
+        if (source.seen->mac != std::array<std::uint8_t, 6>{})
+          comment = fmt::format("  <!-- its frames are from {} -->\n", mac_text(source.seen->mac));
+      }
+      where += node_beyond(channel);
     }
-    if (core::traits_of(profile).has_sender_priority && !source.seen->priorities.empty())
-      where += fmt::format(R"( priority="{}")", *source.seen->priorities.begin());
-    row.publishers.push_back(name);
-    row.nodes.push_back(source.key.node);
-    std::string& text = row.publisher_xml.emplace_back();
-    text = fmt::format(R"(  <Publisher name="{}" channel="{}" {})", name, row.name, where);
+    const std::string name = publisher_name(row.name, end);
+    std::string text =
+        comment + fmt::format(R"(  <Publisher name="{}" channel="{}" {})", name, row.name, where);
     std::string own;
     if (source.times.period != row.period)
       own += fmt::format(" period=\"{}\"", tools::time_words(source.times.period));
     if (source.times.jitter != 0)
       own += fmt::format(" jitter=\"{}\"", tools::time_words(source.times.jitter));
     text += own.empty() ? "/>\n" : fmt::format(">\n    <Attributes{}/>\n  </Publisher>\n", own);
+    row.publishers.push_back({name, names_[interface], source.key.node, source.key.local,
+                              source.times.period, source.seen->flow.most_bytes(),
+                              source.times.periodic, std::move(text)});
   }
 
   void write_subscribers(DraftChannel& row, const Channel& channel) {
-    for (const auto& [interface, crossing] : channel.to)
-      row.subscriber_xml += fmt::format(
-          "  <!-- its frames were there {} to {} later -->\n"
-          "  <Subscriber channel=\"{}\" network=\"{}\"/>\n",
-          about(crossing.shortest_ns), about(crossing.longest_ns), row.name, networks_[interface]);
+    for (const auto& [interface, place] : channel.places) {
+      if (place.crossing)
+        row.subscriber_xml +=
+            fmt::format("  <!-- its frames were there {} to {} later -->\n",
+                        about(place.crossing->shortest_ns), about(place.crossing->longest_ns));
+      if (place.crossing || place.local)
+        row.subscriber_xml += fmt::format("  <Subscriber channel=\"{}\" network=\"{}\"/>\n",
+                                          row.name, networks_[interface]);
+    }
     const bool all_local =
         std::ranges::all_of(channel.sources, [](const Source& s) { return s.key.local; });
-    if (all_local && channel.to.empty())
-      row.subscriber_xml += fmt::format("  <Subscriber channel=\"{}\" network=\"{}\"/>\n", row.name,
-                                        networks_[channel.interface]);
-    else if (options_.local_subscribers && !all_local)
+    if (options_.local_subscribers && !all_local)
       row.subscriber_xml += fmt::format("  <Subscriber channel=\"{}\" gateway=\"{}\"/>\n", row.name,
                                         options_.gateway);
   }
 
+  void note_alike() {
+    constexpr std::size_t most = 8;
+    const auto& all = observer_.alike();
+    for (std::size_t i = 0; i < std::min(all.size(), most); ++i)
+      out_.left_out.push_back(fmt::format(
+          "{} had the same few contents as {} shortly before: if it is one channel, describe it as "
+          "one",
+          name_of(all[i].first), name_of(all[i].second)));
+    if (all.size() > most)
+      out_.left_out.push_back(fmt::format("{} further pairs were alike", all.size() - most));
+  }
+  [[nodiscard]] std::string name_of(const FlowKey& key) const {
+    return names_[key.interface] + " " +
+           (is_ethernet(key.interface)
+                ? core::format_subject(key.number)
+                : tools::number_text(profile_of(key.interface),
+                                     static_cast<std::uint32_t>(key.number)));
+  }
+
   void write_network(std::uint32_t interface) {
+    const auto& of = observer_.interfaces()[interface];
+    const std::string& name = names_[interface];
+    out_.xml += fmt::format(
+        "  <!-- {}: {} {}; profile {}, {} % sure: {} -->\n", tools::in_comment(name), of.frames,
+        is_ethernet(interface) ? "datagrams" : "frames",
+        tools::profile_word(of.recognised->profile), of.recognised->percent, of.recognised->why);
+    if (of.unfollowed != 0)
+      out_.left_out.push_back(
+          fmt::format("{}: {} events of further identifiers: {} are followed at most", name,
+                      of.unfollowed, Observer::kMostFlows));
+    if (is_ethernet(interface))
+      write_ethernet(interface);
+    else
+      write_bus(interface);
+  }
+
+  void write_ethernet(std::uint32_t interface) {
+    const auto& of = observer_.interfaces()[interface];
+    const std::string& name = names_[interface];
+    std::string& xml = out_.xml;
+    xml += fmt::format("  <Network name=\"{}\">\n    <Kind>udp-multicast</Kind>\n",
+                       networks_[interface]);
+    if (of.recognised->profile == Profile::famouso)
+      xml += fmt::format(
+          "    <Profile>famouso</Profile>\n"
+          "    <!-- What it provides is assumed: state what your switches do. -->\n"
+          "    <Provision latency=\"{0}\" jitter=\"{0}\" period=\"{1}\" omission=\"0\" "
+          "packetLoss=\"0\" maxPayload=\"65535\"/>\n",
+          tools::time_words(kAssumedEthernet), tools::time_words(provided_period()));
+    xml += "  </Network>\n";
+    const Datagrams& datagrams = *of.datagrams;
+    if (datagrams.others() != 0)
+      out_.left_out.push_back(
+          fmt::format("{}: {} datagrams of other traffic, which needs no channel: {}", name,
+                      datagrams.others(), datagrams.other_ports()));
+    if (datagrams.malformed() != 0)
+      out_.left_out.push_back(fmt::format("{}: {} datagrams to FAMOUSO's ports that are no events",
+                                          name, datagrams.malformed()));
+    if (datagrams.incomplete() != 0)
+      out_.left_out.push_back(fmt::format("{}: {} events of which a fragment was not seen", name,
+                                          datagrams.incomplete()));
+    if (datagrams.management() != 0)
+      out_.left_out.push_back(fmt::format(
+          "{}: {} events of the subject ManChan!, which a gate drops unless you describe "
+          "a channel for it",
+          name, datagrams.management()));
+  }
+
+  void write_bus(std::uint32_t interface) {
     const auto& of = observer_.interfaces()[interface];
     const std::string& name = names_[interface];
     const auto stated = options_.bitrates.find(name);
@@ -348,9 +356,6 @@ class Drafter {
         stated == options_.bitrates.end() ? kAssumedBitrate : stated->second;
     const auto data = options_.data_bitrates.find(name);
     std::string& xml = out_.xml;
-    xml += fmt::format(
-        "  <!-- {}: {} frames; profile {}, {} % sure: {} -->\n", tools::in_comment(name), of.frames,
-        tools::profile_word(of.recognised->profile), of.recognised->percent, of.recognised->why);
     xml += fmt::format("  <Network name=\"{}\">\n    <Kind>can</Kind>\n    <Profile>{}</Profile>\n",
                        networks_[interface], tools::profile_word(of.recognised->profile));
     if (stated == options_.bitrates.end())
@@ -366,21 +371,20 @@ class Drafter {
       if (const auto bound = row.binding_xml.find(name); bound != row.binding_xml.end())
         xml += bound->second;
     xml += "  </Network>\n";
-    if (of.unfollowed != 0)
-      out_.left_out.push_back(
-          fmt::format("{}: {} events of further identifiers: {} are followed at most", name,
-                      of.unfollowed, Observer::kMostFlows));
     if (of.decoder->other_frames() != 0)
       out_.left_out.push_back(fmt::format("{}: {} frames that no channel of profile {} can have",
                                           name, of.decoder->other_frames(),
                                           tools::profile_word(of.recognised->profile)));
   }
 
+  /// As short as any channel's.
+  [[nodiscard]] std::uint64_t provided_period() const {
+    return shortest_period_ == UINT64_MAX ? kAssumedLatency : shortest_period_;
+  }
+
   void write_gateway() {
     const std::uint64_t latency =
         longest_crossing_ == 0 ? kAssumedLatency : with_margin(longest_crossing_, 50);
-    const std::uint64_t period =
-        shortest_period_ == UINT64_MAX ? kAssumedLatency : shortest_period_;
     std::string& xml = out_.xml;
     xml += longest_crossing_ == 0 ? "  <!-- Nothing crossed it: its Latency is assumed. -->\n"
                                   : fmt::format("  <!-- Frames took {} at most, + 50 %. -->\n",
@@ -390,7 +394,7 @@ class Drafter {
         "    <Provision latency=\"{0}\" jitter=\"{0}\" period=\"{1}\" omission=\"0\" "
         "packetLoss=\"0\" "
         "maxPayload=\"65535\"/>\n",
-        tools::time_words(latency), tools::time_words(period));
+        tools::time_words(latency), tools::time_words(provided_period()));
     std::set<std::string> used;
     for (std::uint32_t i = 0; i < networks_.size(); ++i) {
       constexpr std::size_t stem = 11;
@@ -409,7 +413,9 @@ class Drafter {
   const DraftOptions& options_;
   std::vector<std::string> networks_;
   std::set<std::string> used_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Channel> channels_;
+  std::vector<Channel> channels_;
+  std::set<std::uint64_t> subjects_;
+  std::set<std::string> publishers_;  ///< their names
   std::map<std::uint32_t, bool> fd_;
   std::uint64_t shortest_period_ = UINT64_MAX;
   std::uint64_t longest_crossing_ = 0;

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,27 +23,38 @@ struct DraftOptions {
   bool local_subscribers = true;  ///< programs on the gateway receive what comes
 };
 
+/// A publisher as it is drafted.
+struct DraftPublisher {
+  std::string name;
+  std::string interface;     ///< where it sends
+  std::uint32_t node = 0;    ///< where the profile has nodes; on Ethernet its address
+  bool local = false;        ///< a program on the gateway
+  std::uint64_t period = 0;  ///< ns, as it is stated
+  std::uint32_t bytes = 0;
+  bool periodic = false;
+  std::string xml;
+};
+
 /// One channel as it is drafted, for a table and for tests.
 struct DraftChannel {
   std::string name;
   std::string interface;
   std::string identifier;  ///< as a person writes it
   std::uint64_t events = 0;
-  std::uint64_t period = 0;       ///< ns, as it is stated
+  std::uint64_t period = 0;       ///< ns, as it is stated: the longest of its publishers
   std::uint64_t jitter = 0;       ///< ns
   std::uint64_t median = 0;       ///< ns between events, as it was seen
   std::uint64_t longest_gap = 0;  ///< ns
   std::uint64_t omission = 0;     ///< stated; of periodic channels
   std::uint32_t bytes = 0;
   bool periodic = false;
-  std::vector<std::string> publishers;
-  std::vector<std::uint32_t> nodes;     ///< of these publishers, where the profile has nodes
-  std::vector<std::string> crosses_to;  ///< interfaces
-  std::uint32_t number = 0;             ///< see Event
+  std::vector<DraftPublisher> publishers;
+  std::vector<std::string> crosses_to;           ///< interfaces
+  std::map<std::string, std::uint64_t> numbers;  ///< see Event, by interface
+  std::optional<std::uint64_t> subject;          ///< that was seen on Ethernet
   // The elements of the description, each in lines of its own:
   std::string channel_xml;
-  std::map<std::string, std::string> binding_xml = {};  ///< by interface
-  std::vector<std::string> publisher_xml;
+  std::map<std::string, std::string> binding_xml = {};  ///< by interface of CAN
   std::string subscriber_xml;
 };
 

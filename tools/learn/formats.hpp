@@ -21,14 +21,14 @@ struct Recording {
   std::string stem;  ///< of the file's name: what formats without interface names call theirs
   Left left{};
 
-  /// Something that is no CAN frame, and is passed over.
+  /// Something that is no frame, and is passed over.
   void pass_over(const std::string& what) {
     if (left.lines++ == 0) left.first = what;
   }
   /// Hands the frame over, unless its interface is one too many, or no frame can have its
   /// identifier.
   void take(const Frame& frame) {
-    if (!frame.is_extended() && (frame.id & kIdentifierBits) > 0x7ff)
+    if (!frame.datagram && !frame.is_extended() && (frame.id & kIdentifierBits) > 0x7ff)
       pass_over("an identifier of 11 bits above 0x7ff");
     else if (frame.interface >= Interfaces::kMost)
       ++left.interfaces;

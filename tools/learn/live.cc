@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "tools/learn/live.hpp"
 
+#include <fmt/format.h>
 #include <linux/can.h>
 #include <linux/can/netlink.h>
 #include <linux/can/raw.h>
 #include <linux/if.h>
 #include <linux/if_arp.h>
 #include <linux/if_link.h>
+#include <linux/if_packet.h>
 #include <linux/rtnetlink.h>
 #include <poll.h>
 #include <sys/ioctl.h>
@@ -16,6 +18,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstddef>
 #include <cstring>
 #include <optional>
 #include <span>
@@ -24,6 +27,7 @@
 #include "base/clock.hpp"
 #include "base/handle.hpp"
 #include "base/system_error.hpp"
+#include "tools/learn/packet_socket.hpp"
 
 namespace mlcca::learn {
 namespace {
@@ -48,44 +52,85 @@ int index_of(const std::string& name) {
 
 /// A frame in memory of its own, so that those of several sockets can be sorted.
 struct Read {
-  canfd_frame frame{};
-  std::uint64_t ns = 0;
-  std::uint32_t interface = 0;
-  bool fd = false;
-  bool local = false;
+  Frame frame;  ///< its data begins at `begin`
+  std::array<std::uint8_t, kFrameRead> bytes{};
+  std::size_t begin = 0;
 };
 
 struct Listened {
   Fd socket;
   std::uint32_t number = 0;
+  bool ethernet = false;
   std::uint64_t lost = 0;
 };
 
+/// Of CAN, as it stands in the bytes; false: it is an error frame.
+bool read_can(std::size_t bytes, int flags, Read& one) {
+  canfd_frame frame{};
+  std::memcpy(&frame, one.bytes.data(), sizeof frame);
+  one.frame.id = frame.can_id;
+  one.frame.fd = bytes == CANFD_MTU;
+  one.frame.local = (flags & MSG_DONTROUTE) != 0;
+  one.begin = offsetof(canfd_frame, data);
+  one.frame.data = std::span(one.bytes).subspan(one.begin, std::min<std::size_t>(frame.len, 64));
+  return (frame.can_id & CAN_ERR_FLAG) == 0;
+}
+
+bool read_ethernet_frame(std::size_t bytes, unsigned type, Read& one) {
+  const auto all = std::span<const std::uint8_t>(one.bytes).first(std::min(bytes, kFrameRead));
+  if (!read_packet(all, type, one.frame)) return false;
+  one.begin = static_cast<std::size_t>(one.frame.data.data() - one.bytes.data());
+  return true;
+}
+
+/// Its type, ARPHRD_*; 0: not known.
+unsigned device_type(const std::string& name) {
+  const Fd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  ifreq request{};
+  name.copy(request.ifr_name, sizeof request.ifr_name - 1);
+  return ::ioctl(socket.get(), SIOCGIFHWADDR, &request) == 0 ? request.ifr_hwaddr.sa_family : 0U;
+}
+
+Result<Fd> open_can_socket(const std::string& name, int index) {
+  Fd socket(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW));
+  if (!socket) return system_error(name + ": socket");
+  const int on = 1;
+  static_cast<void>(set(socket, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, on));
+  sockaddr_can address{};
+  address.can_family = AF_CAN;
+  address.can_ifindex = index;
+  // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
+  if (::bind(socket.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
+    return system_error(name + ": bind");
+  return socket;
+}
+
+/// Times and losses come with each frame.
+bool ask(const Fd& socket) {
+  const int on = 1;
+  if (!set(socket, SOL_SOCKET, SO_RCVBUFFORCE, kBuffer))
+    static_cast<void>(set(socket, SOL_SOCKET, SO_RCVBUF, kBuffer));
+  return set(socket, SOL_SOCKET, SO_TIMESTAMPNS, on) && set(socket, SOL_SOCKET, SO_RXQ_OVFL, on);
+}
+
 class Sockets final : public Listener {
  public:
-  Result<void> add(const std::string& name, std::uint32_t number) {
+  Result<void> add(const std::string& name, Interfaces& numbers) {
     const int index = index_of(name);
     if (index == 0) return fail(name + ": there is no such interface");
-    Fd socket(::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW));
-    if (!socket) return system_error(name + ": socket");
-    ifreq request{};
-    name.copy(request.ifr_name, sizeof request.ifr_name - 1);
-    if (::ioctl(socket.get(), SIOCGIFHWADDR, &request) == 0 &&
-        request.ifr_hwaddr.sa_family != ARPHRD_CAN)
-      return fail(name + ": is no CAN interface");
-    const int on = 1;
-    static_cast<void>(set(socket, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, on));
-    if (!set(socket, SOL_SOCKET, SO_RCVBUFFORCE, kBuffer))
-      static_cast<void>(set(socket, SOL_SOCKET, SO_RCVBUF, kBuffer));
-    if (!set(socket, SOL_SOCKET, SO_TIMESTAMPNS, on) || !set(socket, SOL_SOCKET, SO_RXQ_OVFL, on))
-      return system_error(name + ": setsockopt");
-    sockaddr_can address{};
-    address.can_family = AF_CAN;
-    address.can_ifindex = index;
-    // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
-    if (::bind(socket.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
-      return system_error(name + ": bind");
-    all_.push_back({std::move(socket), number, 0});
+    const unsigned type = device_type(name);
+    if (type == ARPHRD_IEEE802154)
+      return fail(name + ": traffic of IEEE 802.15.4 is not learned yet");
+    if (type != ARPHRD_CAN && type != ARPHRD_ETHER)
+      return fail(name + ": is neither a CAN nor an Ethernet interface");
+    const bool ethernet = type == ARPHRD_ETHER;
+    auto socket = ethernet ? open_packet_socket(name, index) : open_can_socket(name, index);
+    if (!socket) return std::unexpected(socket.error());
+    if (!ask(*socket)) return system_error(name + ": setsockopt");
+    const auto number = numbers.number_of(name, ethernet ? Medium::ethernet : Medium::can);
+    if (number == Interfaces::kMost)
+      return fail(fmt::format("{}: {} interfaces are the most", name, Interfaces::kMost));
+    all_.push_back({std::move(*socket), number, ethernet, 0});
     return {};
   }
 
@@ -101,16 +146,11 @@ class Sockets final : public Listener {
       batch_.clear();
       for (std::size_t i = 0; i < all_.size(); ++i)
         if (polled[i].revents != 0 && !read(all_[i])) return system_error("recvmsg");
-      std::ranges::stable_sort(batch_, {}, &Read::ns);
-      for (const Read& one : batch_) {
-        Frame frame;
-        frame.ns = one.ns;
-        frame.interface = one.interface;
-        frame.id = one.frame.can_id;
-        frame.fd = one.fd;
-        frame.local = one.local;
-        frame.data = std::span(one.frame.data).first(std::min<std::size_t>(one.frame.len, 64));
-        on_frame(frame);
+      std::ranges::stable_sort(batch_, {}, [](const Read& one) { return one.frame.ns; });
+      for (Read& one : batch_) {
+        // It was copied since it was read.
+        one.frame.data = std::span(one.bytes).subspan(one.begin, one.frame.data.size());
+        on_frame(one.frame);
       }
     }
     return {};
@@ -126,34 +166,40 @@ class Sockets final : public Listener {
   bool read(Listened& from) {
     for (std::size_t i = 0; i < kBatch; ++i) {
       Read one;
-      iovec data{.iov_base = &one.frame, .iov_len = sizeof one.frame};
+      iovec data{.iov_base = one.bytes.data(), .iov_len = one.bytes.size()};
       alignas(cmsghdr) std::array<char, 128> control{};
+      sockaddr_ll sender{};
       msghdr message{};
       message.msg_iov = &data;
       message.msg_iovlen = 1;
       message.msg_control = control.data();
       message.msg_controllen = control.size();
+      if (from.ethernet) {
+        message.msg_name = &sender;
+        message.msg_namelen = sizeof sender;
+      }
       const ssize_t n = ::recvmsg(from.socket.get(), &message, MSG_DONTWAIT);
       // An interface that goes down stays: it may come again.
       if (n < 0) return errno == EAGAIN || errno == EINTR || errno == ENETDOWN || errno == ENODEV;
-      one.fd = n == CANFD_MTU;
-      one.local = (message.msg_flags & MSG_DONTROUTE) != 0;
-      one.interface = from.number;
+      const auto bytes = static_cast<std::size_t>(n);
+      one.frame.interface = from.number;
       for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
            part = CMSG_NXTHDR(&message, part)) {
         if (part->cmsg_level != SOL_SOCKET) continue;
         if (part->cmsg_type == SCM_TIMESTAMPNS) {
           timespec time{};
           std::memcpy(&time, CMSG_DATA(part), sizeof time);
-          one.ns = static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 +
-                   static_cast<std::uint64_t>(time.tv_nsec);
+          one.frame.ns = static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 +
+                         static_cast<std::uint64_t>(time.tv_nsec);
         } else if (part->cmsg_type == SO_RXQ_OVFL) {
           std::uint32_t dropped = 0;
           std::memcpy(&dropped, CMSG_DATA(part), sizeof dropped);
           from.lost = dropped;
         }
       }
-      if ((one.frame.can_id & CAN_ERR_FLAG) == 0) batch_.push_back(one);
+      if (from.ethernet ? read_ethernet_frame(bytes, sender.sll_pkttype, one)
+                        : read_can(bytes, message.msg_flags, one))
+        batch_.push_back(one);
     }
     return true;
   }
@@ -219,8 +265,7 @@ Result<std::unique_ptr<Listener>> Listener::open(const std::vector<std::string>&
                                                  Interfaces& numbers) {
   auto out = std::make_unique<Sockets>();
   for (const std::string& name : interfaces)
-    if (const auto added = out->add(name, numbers.number_of(name)); !added)
-      return std::unexpected(added.error());
+    if (const auto added = out->add(name, numbers); !added) return std::unexpected(added.error());
   return out;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Listening to CAN interfaces. Needs no privileges: every user may read a CAN bus.
+// Listening to interfaces. CAN needs no privileges: every user may read a CAN bus. Ethernet needs
+// CAP_NET_RAW.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -26,7 +27,7 @@ struct Rates {
 
 class Listener {
  public:
-  /// Error: there is no such interface, or it is no CAN interface.
+  /// Error: there is no such interface, it is of another kind, or the process may not listen to it.
   static Result<std::unique_ptr<Listener>> open(const std::vector<std::string>& interfaces,
                                                 Interfaces& numbers);
   Listener() = default;

@@ -5,11 +5,14 @@
 #include <utility>
 
 #include "base/hash.hpp"
+#include "relay/fd_length.hpp"
 
 namespace mlcca::learn {
 namespace {
 
 constexpr std::size_t kMostPriorities = 8;
+constexpr std::uint64_t kFewestCopies = 3;
+constexpr double kCopied = 0.9;  // share of events that came from there, of what crosses
 
 /// Of identifier and data; 0 stands for nothing.
 std::uint64_t content_of(const Frame& frame) {
@@ -20,10 +23,25 @@ std::uint64_t content_of(const Frame& frame) {
   return hash | 1U;
 }
 
+/// Of length and first bytes; nothing where these are not known. CAN FD has not all lengths: what
+/// is carried there is filled up with zeros.
+std::optional<std::uint64_t> content_of(const Event& event) {
+  if (event.remote || event.head.size() < std::min<std::size_t>(event.bytes, kHead))
+    return std::nullopt;
+  const auto head = event.head.first(std::min(event.head.size(), kHead));
+  const auto filled = relay::fd_length(event.bytes);
+  const std::uint32_t bytes = filled ? *filled : event.bytes;
+  std::uint64_t hash = kHashOfNothing;
+  for (unsigned shift = 0; shift < 32; shift += 8)
+    hash = hash_with(hash, static_cast<std::uint8_t>(bytes >> shift & 0xffU));
+  for (const std::uint8_t byte : head) hash = hash_with(hash, byte);
+  for (std::size_t i = head.size(); filled && i < bytes; ++i) hash = hash_with(hash, 0);
+  return hash;
+}
+
 }  // namespace
 
-// --- copies
-// ----------------------------------------------------------------------------------------
+// --- copies --------------------------------------------------------------------------------------
 
 std::optional<Copies::Origin> Copies::origin_of(const Frame& frame) {
   while (recent_.size() <= frame.interface)
@@ -48,8 +66,7 @@ std::optional<Copies::Origin> Copies::origin_of(const Frame& frame) {
   return out;
 }
 
-// --- flows
-// -----------------------------------------------------------------------------------------
+// --- flows ---------------------------------------------------------------------------------------
 
 Observer::Interface& Observer::at(std::uint32_t interface) {
   if (interfaces_.size() <= interface) {
@@ -61,6 +78,7 @@ Observer::Interface& Observer::at(std::uint32_t interface) {
 
 void Observer::state(std::uint32_t interface, core::Profile profile) {
   Interface& of = at(interface);
+  of.is_stated = true;
   of.recognised = Recognised{profile, 100, "it is stated"};
   of.decoder = std::make_unique<Decoder>(profile);
 }
@@ -68,6 +86,16 @@ void Observer::state(std::uint32_t interface, core::Profile profile) {
 void Observer::add(const Frame& frame) {
   Interface& of = at(frame.interface);
   ++of.frames;
+  if (frame.datagram) {
+    of.medium = Medium::ethernet;
+    if (!of.datagrams) of.datagrams = std::make_unique<Datagrams>();
+    of.datagrams->take(frame, [&](const Event& event) {
+      Seen* const seen = record(frame.interface, event);
+      if (seen != nullptr) seen->mac = event.mac;
+    });
+    return;
+  }
+  of.medium = Medium::can;
   const auto origin = copies_.origin_of(frame);
   if (of.decoder) {
     follow(frame, origin);
@@ -91,36 +119,96 @@ void Observer::decide(std::uint32_t interface) {
   }
 }
 
-void Observer::finish(std::size_t interfaces) {
+void Observer::finish(std::size_t interfaces, std::span<const Medium> media) {
   if (interfaces != 0) at(static_cast<std::uint32_t>(interfaces - 1));
-  for (std::uint32_t i = 0; i < interfaces_.size(); ++i)
-    if (!interfaces_[i].decoder) decide(i);
+  for (std::uint32_t i = 0; i < interfaces_.size(); ++i) {
+    Interface& of = interfaces_[i];
+    if (of.medium == Medium::unknown && i < media.size()) of.medium = media[i];
+    if (of.medium != Medium::ethernet) {
+      if (!of.decoder) decide(i);
+      continue;
+    }
+    if (!of.datagrams) of.datagrams = std::make_unique<Datagrams>();
+    // FAMOUSO is the only profile of such networks.
+    if (!of.is_stated || of.recognised->profile != core::Profile::famouso)
+      of.recognised = of.datagrams->recognised();
+  }
+  find_origins();
+}
+
+Seen* Observer::record(std::uint32_t interface, const Event& event) {
+  const FlowKey key{interface, event.number, event.node, event.local};
+  auto known = flows_.find(key);
+  if (known == flows_.end()) {
+    if (flows_.size() == kMostFlows) {
+      ++interfaces_[interface].unfollowed;
+      return nullptr;
+    }
+    known = flows_.try_emplace(key).first;
+    known->second.number = static_cast<std::uint32_t>(order_.size());
+    order_.push_back(key);
+  }
+  Seen& seen = known->second;
+  seen.flow.add(event.ns, event.bytes);
+  seen.frame_bytes = std::max(seen.frame_bytes, event.frame_bytes);
+  if (seen.priorities.size() < kMostPriorities) seen.priorities.insert(event.priority);
+  if (event.fd) ++seen.fd;
+  if (event.remote) ++seen.remote;
+  if (const auto content = content_of(event))
+    crossings_.add(seen.number, interface, event.ns, *content);
+  return &seen;
 }
 
 void Observer::follow(const Frame& frame, const std::optional<Copies::Origin>& origin) {
   interfaces_[frame.interface].decoder->take(frame, [&](const Event& event) {
-    const FlowKey key{frame.interface, event.number, event.node, event.local};
-    auto known = flows_.find(key);
-    if (known == flows_.end()) {
-      if (flows_.size() == kMostFlows) {
-        ++interfaces_[frame.interface].unfollowed;
-        return;
-      }
-      known = flows_.try_emplace(key).first;
-    }
-    Seen& seen = known->second;
-    seen.flow.add(event.ns, event.bytes);
-    seen.frame_bytes = std::max(seen.frame_bytes, event.frame_bytes);
-    if (seen.priorities.size() < kMostPriorities) seen.priorities.insert(event.priority);
-    if (event.fd) ++seen.fd;
-    if (event.remote) ++seen.remote;
-    if (!origin) return;
-    Crossing& crossing = seen.from[origin->interface];
-    const std::uint64_t took = frame.ns - origin->ns;
-    ++crossing.events;
-    crossing.longest_ns = std::max(crossing.longest_ns, took);
-    crossing.shortest_ns = std::min(crossing.shortest_ns, took);
+    Seen* const seen = record(frame.interface, event);
+    if (seen != nullptr && origin) seen->from[origin->interface].add(frame.ns - origin->ns);
   });
+}
+
+// --- origins -------------------------------------------------------------------------------------
+
+/// Where most of the events of a flow had been before, on another bus, if they had.
+const FlowKey* Observer::origin_on_can(const FlowKey& key, Seen& seen) const {
+  const auto most =
+      std::ranges::max_element(seen.from, {}, [](const auto& one) { return one.second.events; });
+  const std::uint64_t events = seen.flow.events();
+  if (most == seen.from.end() || events < kFewestCopies ||
+      static_cast<double>(most->second.events) < kCopied * static_cast<double>(events))
+    return nullptr;
+  for (const bool local : {false, true}) {
+    const auto before = flows_.find({most->first, key.number, key.node, local});
+    if (before == flows_.end()) continue;
+    seen.crossing = most->second;
+    return &before->first;
+  }
+  return nullptr;
+}
+
+void Observer::find_origins() {
+  std::vector<Crossings::Of> all(order_.size());
+  for (auto& [key, seen] : flows_) {
+    const bool ethernet = interfaces_[key.interface].medium == Medium::ethernet;
+    const FlowKey* const origin = ethernet ? nullptr : origin_on_can(key, seen);
+    if (origin != nullptr) seen.origin = *origin;
+    all[seen.number] = {.interface = key.interface,
+                        .ethernet = ethernet,
+                        .number = key.number,
+                        .local = key.local,
+                        .origin = {}};
+  }
+  for (const auto& [key, seen] : flows_)
+    if (seen.origin) all[seen.number].origin = flows_.at(*seen.origin).number;
+  for (const Crossings::Found& found : crossings_.find(std::move(all))) {
+    const FlowKey& copy = order_[found.copy];
+    const FlowKey& origin = order_[found.origin];
+    if (!found.sure) {
+      alike_.emplace_back(copy, origin);
+      continue;
+    }
+    flows_.at(copy).origin = origin;
+    flows_.at(copy).crossing = found.crossing;
+  }
 }
 
 }  // namespace mlcca::learn

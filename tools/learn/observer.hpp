@@ -9,8 +9,12 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
+#include <utility>
 #include <vector>
 
+#include "tools/learn/crossings.hpp"
+#include "tools/learn/datagrams.hpp"
 #include "tools/learn/decode.hpp"
 #include "tools/learn/flow.hpp"
 #include "tools/learn/recognise.hpp"
@@ -20,17 +24,10 @@ namespace mlcca::learn {
 /// Whose events they are, on which interface.
 struct FlowKey {
   std::uint32_t interface = 0;
-  std::uint32_t number = 0;  ///< of the channel, see Event
+  std::uint64_t number = 0;  ///< of the channel, see Event
   std::uint32_t node = 0;
   bool local = false;  ///< sent by a program of the host
   auto operator<=>(const FlowKey&) const = default;
-};
-
-/// Of frames that came in on one interface and left by another.
-struct Crossing {
-  std::uint64_t events = 0;
-  std::uint64_t longest_ns = 0;
-  std::uint64_t shortest_ns = UINT64_MAX;
 };
 
 struct Seen {
@@ -39,14 +36,20 @@ struct Seen {
   std::uint32_t frame_bytes = 0;       ///< of the longest frame
   std::uint64_t fd = 0;                ///< events in FD frames
   std::uint64_t remote = 0;            ///< remote frames
-  /// Events that had come in on that interface before.
+  std::array<std::uint8_t, 6> mac{};   ///< of the latest event, on Ethernet
+  std::uint32_t number = 0;            ///< of the flow, in the order in which they began
+  /// Events whose frames had come in on that CAN interface before.
   std::map<std::uint32_t, Crossing> from;
+  // Once all of it was seen: the flow whose events these are, on another interface.
+  std::optional<FlowKey> origin;
+  Crossing crossing;
 };
 
-/// Recognises copies of frames: the same identifier and data on another interface within kWindow.
+/// Recognises copies of CAN frames: the same identifier and data on another interface within
+/// kWindow.
 class Copies {
  public:
-  static constexpr std::uint64_t kWindow = 100'000'000;  // ns
+  static constexpr std::uint64_t kWindow = Crossings::kWindow;
 
   struct Origin {
     std::uint32_t interface = 0;
@@ -72,21 +75,26 @@ class Observer {
 
   /// Of an interface whose profile is stated.
   void state(std::uint32_t interface, core::Profile profile);
-  /// Frames in the order of their times.
+  /// Frames in the order of their times, as far as their interfaces are read together.
   void add(const Frame& frame);
-  /// What is recognised with fewer frames than Recogniser::kMost is decided now. There are so many
-  /// interfaces, some perhaps without a frame.
-  void finish(std::size_t interfaces);
+  /// What is recognised with fewer frames than Recogniser::kMost is decided now, and what crosses.
+  /// There are so many interfaces, some perhaps without a frame; of these the medium may be known.
+  void finish(std::size_t interfaces, std::span<const Medium> media = {});
 
   struct Interface {
+    Medium medium = Medium::unknown;
     Recogniser recogniser;
     std::optional<Recognised> recognised;  ///< once it is decided
-    std::unique_ptr<Decoder> decoder;
+    std::unique_ptr<Decoder> decoder;      ///< of CAN
+    std::unique_ptr<Datagrams> datagrams;  ///< of Ethernet
+    bool is_stated = false;                ///< its profile
     std::uint64_t frames = 0;
     std::uint64_t unfollowed = 0;  ///< events of flows beyond kMostFlows
   };
   [[nodiscard]] const std::vector<Interface>& interfaces() const { return interfaces_; }
   [[nodiscard]] const std::map<FlowKey, Seen>& flows() const { return flows_; }
+  /// Flows of the same content at the same times, that may be one by chance: the later one first.
+  [[nodiscard]] const std::vector<std::pair<FlowKey, FlowKey>>& alike() const { return alike_; }
 
  private:
   struct Kept {
@@ -97,11 +105,18 @@ class Observer {
   Interface& at(std::uint32_t interface);
   void decide(std::uint32_t interface);
   void follow(const Frame& frame, const std::optional<Copies::Origin>& origin);
+  /// Nothing: it is one flow too many.
+  Seen* record(std::uint32_t interface, const Event& event);
+  [[nodiscard]] const FlowKey* origin_on_can(const FlowKey& key, Seen& seen) const;
+  void find_origins();
 
   std::vector<Interface> interfaces_;
   std::vector<std::vector<Kept>> kept_;  ///< of each interface, until its profile is decided
   std::map<FlowKey, Seen> flows_;
+  std::vector<FlowKey> order_;  ///< flows by their numbers
   Copies copies_;
+  Crossings crossings_;
+  std::vector<std::pair<FlowKey, FlowKey>> alike_;
 };
 
 }  // namespace mlcca::learn

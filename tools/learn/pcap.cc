@@ -1,55 +1,123 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// pcap (draft-ietf-opsawg-pcap) and pcapng (draft-ietf-opsawg-pcapng) with frames of SocketCAN:
-// link type 227, and 113 and 276 ("any") of packets with the protocols of CAN.
+// pcap (draft-ietf-opsawg-pcap) and pcapng (draft-ietf-opsawg-pcapng) with frames of SocketCAN
+// (link type 227), of Ethernet (1), and of both as "any" has them (113 and 276).
 #include <algorithm>
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "tools/learn/ether.hpp"
 #include "tools/learn/formats.hpp"
 
 namespace mlcca::learn {
 namespace {
 
+constexpr std::uint32_t kEthernet = 1;
 constexpr std::uint32_t kSocketCan = 227;
 constexpr std::uint32_t kCooked = 113;
 constexpr std::uint32_t kCooked2 = 276;
-constexpr std::uint16_t kCan = 0x000c;    // ETH_P_CAN
-constexpr std::uint16_t kCanFd = 0x000d;  // ETH_P_CANFD
-constexpr std::uint8_t kFdFlag = 0x04;    // CANFD_FDF
+constexpr std::uint16_t kCan = 0x000c;     // ETH_P_CAN
+constexpr std::uint16_t kCanFd = 0x000d;   // ETH_P_CANFD
+constexpr std::uint16_t kOutgoing = 4;     // PACKET_OUTGOING
+constexpr std::uint16_t kEtherDevice = 1;  // ARPHRD_ETHER
+constexpr std::uint8_t kFdFlag = 0x04;     // CANFD_FDF
 constexpr std::uint64_t kSecond = 1'000'000'000;
 constexpr std::size_t kLongestPacket = 1U << 18U;  // as the formats have it
+constexpr std::size_t kMostDescribed = 4096;       // interfaces of a section
+constexpr const char* kNoFrame = "a packet that is neither a frame of CAN nor a sound one of IPv4";
 
 std::string at_offset(std::size_t offset) { return "offset " + std::to_string(offset); }
 
-bool is_can_link(std::uint32_t type) {
-  return type == kSocketCan || type == kCooked || type == kCooked2;
+bool is_known(std::uint32_t link) {
+  return link == kEthernet || link == kSocketCan || link == kCooked || link == kCooked2;
 }
 
-/// One packet of a link type; false: no CAN frame.
-bool take_packet(Bytes packet, std::uint32_t link, std::uint64_t ns, std::uint32_t interface,
-                 Recording& recording) {
+/// What "any" has in front of a packet.
+struct Cooked {
   bool local = false;
-  if (link == kCooked) {
-    if (packet.size() < 16) return false;
-    local = number_at<std::uint16_t>(packet, 0, true) == 4;  // PACKET_OUTGOING
-    const auto protocol = number_at<std::uint16_t>(packet, 14, true);
-    if (protocol != kCan && protocol != kCanFd) return false;
-    packet = packet.subspan(16);
-  } else if (link == kCooked2) {
-    if (packet.size() < 20) return false;
-    const auto protocol = number_at<std::uint16_t>(packet, 0, true);
-    if (protocol != kCan && protocol != kCanFd) return false;
-    local = packet[10] == 4;
-    packet = packet.subspan(20);
-  }
-  return take_socketcan(packet, ns, interface, local, recording);
+  std::uint16_t device = 0;  ///< ARPHRD_*
+  std::uint32_t index = 0;   ///< of the interface; 0: it is not said
+  Bytes sender;              ///< its address, of 6 bytes or none
+  std::uint16_t protocol = 0;
+};
+
+/// Cuts it off the packet; false: there is less.
+bool take_cooked(Bytes& packet, std::uint32_t link, Cooked& head) {
+  const bool second = link == kCooked2;
+  const std::size_t size = second ? 20 : 16;
+  if (packet.size() < size) return false;
+  head.local = (second ? packet[10] : number_at<std::uint16_t>(packet, 0, true)) == kOutgoing;
+  head.device = number_at<std::uint16_t>(packet, second ? 8 : 2, true);
+  head.protocol = number_at<std::uint16_t>(packet, second ? 0 : 14, true);
+  if (second) head.index = number_at<std::uint32_t>(packet, 4, true);
+  const std::size_t bytes = second ? packet[11] : number_at<std::uint16_t>(packet, 4, true);
+  if (bytes == 6) head.sender = packet.subspan(second ? 12 : 6, 6);
+  packet = packet.subspan(size);
+  return true;
 }
+
+/// The packets of one interface of a recording, or of all that "any" has.
+class Packets {
+ public:
+  Packets(std::string name, std::uint32_t link, Recording& recording)
+      : name_(std::move(name)), link_(link), recording_(recording) {
+    if (link == kSocketCan) number(0, Medium::can);
+    if (link == kEthernet) number(0, Medium::ethernet);
+  }
+
+  /// False: it is none that can be read. What is other traffic on Ethernet is no mistake.
+  bool take(Bytes packet, std::uint64_t ns) {
+    if (link_ == kEthernet) {
+      Frame frame;
+      return hand_over(read_ethernet(packet, frame), frame, ns, 0);
+    }
+    Cooked head;
+    if (link_ != kSocketCan) {
+      if (!take_cooked(packet, link_, head)) return false;
+      if (head.protocol != kCan && head.protocol != kCanFd) return take_other(packet, ns, head);
+    }
+    return take_socketcan(packet, ns, number(head.index, Medium::can), head.local, recording_);
+  }
+
+ private:
+  bool take_other(Bytes packet, std::uint64_t ns, const Cooked& head) {
+    if (head.device != kEtherDevice) return true;
+    Frame frame;
+    frame.local = head.local;
+    std::ranges::copy(head.sender, frame.datagram.emplace().mac.begin());
+    return hand_over(read_ethertype(head.protocol, packet, frame), frame, ns, head.index);
+  }
+
+  bool hand_over(Carries carries, Frame& frame, std::uint64_t ns, std::uint32_t index) {
+    if (carries == Carries::broken) return false;
+    frame.ns = ns;
+    frame.interface = number(index, Medium::ethernet);
+    if (carries == Carries::datagram) recording_.take(frame);
+    return true;
+  }
+
+  /// "any" has the frames of several interfaces, and says of some which one it was.
+  std::uint32_t number(std::uint32_t index, Medium medium) {
+    const auto known = numbers_.find({index, medium});
+    if (known != numbers_.end()) return known->second;
+    const std::string name = index == 0 ? name_ : name_ + "-" + std::to_string(index);
+    const auto out = recording_.interfaces.number_of(name, medium);
+    if (numbers_.size() < Interfaces::kMost) numbers_[{index, medium}] = out;
+    return out;
+  }
+
+  std::string name_;
+  std::uint32_t link_;
+  Recording& recording_;
+  std::map<std::pair<std::uint32_t, Medium>, std::uint32_t> numbers_;
+};
 
 /// Of one section of pcapng.
 struct NgInterface {
-  std::uint32_t link = 0;
-  std::uint32_t number = 0;
+  std::optional<Packets> packets;   ///< where its link type is known
   std::uint64_t units = 1'000'000;  ///< of a second
 };
 
@@ -113,13 +181,13 @@ class PcapNg {
 
  private:
   void block(std::uint32_t type, Bytes body, std::size_t at) {
-    if (type == 1 && body.size() >= 8 && interfaces_.size() < 4096) {
+    if (type == 1 && body.size() >= 8 && interfaces_.size() < kMostDescribed) {
       NgInterface one;
-      one.link = number_at<std::uint16_t>(body, 0, big_);
-      std::string name = "can" + std::to_string(interfaces_.size());
+      const std::uint32_t link = number_at<std::uint16_t>(body, 0, big_);
+      std::string name = (link == kEthernet ? "eth" : "can") + std::to_string(interfaces_.size());
       read_options(body.subspan(8), big_, name, one.units);
-      one.number = is_can_link(one.link) ? recording_.interfaces.number_of(name) : 0;
-      interfaces_.push_back(one);
+      if (is_known(link)) one.packets.emplace(name, link, recording_);
+      interfaces_.push_back(std::move(one));
     }
     if (type != 6 || body.size() < 20) return;  // an enhanced packet block
     const auto interface = number_at<std::uint32_t>(body, 0, big_);
@@ -128,12 +196,11 @@ class PcapNg {
       recording_.pass_over(at_offset(at) + ": a packet of an interface that is not described");
       return;
     }
-    const NgInterface& from = interfaces_[interface];
+    NgInterface& from = interfaces_[interface];
     const auto units = std::uint64_t{number_at<std::uint32_t>(body, 4, big_)} << 32U |
                        number_at<std::uint32_t>(body, 8, big_);
-    if (!is_can_link(from.link) || !take_packet(body.subspan(20, size), from.link,
-                                                in_ns(units, from.units), from.number, recording_))
-      recording_.pass_over(at_offset(at) + ": a packet that is no CAN frame");
+    if (!from.packets || !from.packets->take(body.subspan(20, size), in_ns(units, from.units)))
+      recording_.pass_over(at_offset(at) + ": " + kNoFrame);
   }
 
   Recording& recording_;
@@ -166,10 +233,11 @@ Result<void> read_pcap(Recording& recording) {
   const bool big = magic == 0xa1b2c3d4 || magic == 0xa1b23c4d;
   const bool nanoseconds = magic == 0xa1b23c4d || magic == 0x4d3cb2a1;
   const auto link = number_at<std::uint32_t>(all, 20, big) & 0xffffU;
-  if (!is_can_link(link))
+  if (!is_known(link))
     return fail("link type " + std::to_string(link) +
-                " has no CAN frames: record a CAN interface (SocketCAN, 227)");
-  const auto interface = recording.interfaces.number_of(recording.stem);
+                " has neither frames of CAN nor of Ethernet: record a CAN interface (SocketCAN, "
+                "227), an Ethernet interface (1) or any (113, 276)");
+  Packets packets(recording.stem, link, recording);
   for (std::size_t at = 24; at < all.size();) {
     if (all.size() - at < 16) return fail(at_offset(at) + ": the file ends within a packet");
     const auto size = number_at<std::uint32_t>(all, at + 8, big);
@@ -179,8 +247,8 @@ Result<void> read_pcap(Recording& recording) {
     const std::uint64_t fraction = number_at<std::uint32_t>(all, at + 4, big);
     const auto ns = number_at<std::uint32_t>(all, at, big) * kSecond +
                     (nanoseconds ? fraction : fraction * 1000);
-    if (!take_packet(all.subspan(at + 16, size), link, ns, interface, recording))
-      recording.pass_over(at_offset(at) + ": a packet that is no CAN frame");
+    if (!packets.take(all.subspan(at + 16, size), ns))
+      recording.pass_over(at_offset(at) + ": " + kNoFrame);
     at += 16 + size;
   }
   return {};

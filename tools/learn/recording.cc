@@ -34,11 +34,18 @@ Reader reader_of(Bytes bytes) {
 
 }  // namespace
 
-std::uint32_t Interfaces::number_of(std::string_view name) {
+std::uint32_t Interfaces::number_of(std::string_view name, Medium medium) {
   const auto known = std::ranges::find(names_, name);
-  if (known != names_.end()) return static_cast<std::uint32_t>(known - names_.begin());
+  if (known != names_.end()) {
+    const auto number = static_cast<std::size_t>(known - names_.begin());
+    if (media_[number] == Medium::unknown) media_[number] = medium;
+    if (medium == Medium::unknown || media_[number] == medium)
+      return static_cast<std::uint32_t>(number);
+    return number_of(std::string(name) + (medium == Medium::can ? "-can" : "-eth"), medium);
+  }
   if (names_.size() == kMost) return kMost;
   names_.emplace_back(name);
+  media_.push_back(medium);
   return static_cast<std::uint32_t>(names_.size() - 1);
 }
 
@@ -59,9 +66,8 @@ Result<Left> read_recording(Bytes bytes, const std::string& stem, Interfaces& in
   const Reader read = reader_of(bytes);
   if (read == nullptr)
     return fail(
-        "this is no recording that can be read: a log of candump (-l), pcap or pcapng with CAN "
-        "frames, "
-        "or a log of a Vector tool (.asc, .blf)");
+        "this is no recording that can be read: a log of candump (-l), pcap or pcapng with frames "
+        "of CAN or Ethernet, or a log of a Vector tool (.asc, .blf)");
   Recording recording{bytes, interfaces, on_frame, stem};
   if (const auto done = read(recording); !done) return std::unexpected(done.error());
   return std::move(recording.left);

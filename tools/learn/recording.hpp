@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Recordings of CAN traffic: logs of candump (-l, -L), pcap and pcapng with frames of SocketCAN,
-// logs of Vector tools in text (ASC) and binary (BLF). What they hold is input from outside.
+// Recordings of traffic: logs of candump (-l, -L), pcap and pcapng with frames of SocketCAN and of
+// Ethernet, logs of Vector tools in text (ASC) and binary (BLF). What they hold is input from
+// outside.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -18,19 +19,22 @@ namespace mlcca::learn {
 class Interfaces {
  public:
   static constexpr std::size_t kMost = 64;
-  /// The number of a name; kMost where there are that many others.
-  std::uint32_t number_of(std::string_view name);
+  /// The number of a name; kMost where there are that many others. A name that is of the other
+  /// medium already, as "any" can be of both, gets "-can" or "-eth" at its end.
+  std::uint32_t number_of(std::string_view name, Medium medium = Medium::can);
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+  [[nodiscard]] const std::vector<Medium>& media() const { return media_; }
 
  private:
   std::vector<std::string> names_;
+  std::vector<Medium> media_;
 };
 
 using OnFrame = std::function<void(const Frame&)>;
 
 /// What was in a recording beside frames.
 struct Left {
-  std::uint64_t lines = 0;       ///< or records that are no CAN frames
+  std::uint64_t lines = 0;       ///< or records that are no frames
   std::string first;             ///< where the first one is and what it is
   std::uint64_t interfaces = 0;  ///< frames of interfaces beyond Interfaces::kMost
 };

@@ -198,8 +198,8 @@ TEST(Recording, SaysWhatIsWrongWithAFile) {
   EXPECT_TRUE(read("").error.contains("the file is empty"));
   EXPECT_TRUE(
       read(big(0xa1b2c3d4, 4) + std::string(10, '\0')).error.contains("ends within its header"));
-  EXPECT_TRUE(read(big(0xa1b2c3d4, 4) + std::string(16, '\0') + big(1, 4))
-                  .error.contains("link type 1 has no CAN frames"));
+  EXPECT_TRUE(read(big(0xa1b2c3d4, 4) + std::string(16, '\0') + big(6, 4))
+                  .error.contains("link type 6 has neither frames of CAN nor of Ethernet"));
   EXPECT_TRUE(read("LOGG" + little(144, 4) + std::string(136, '\0') + std::string(20, 'x'))
                   .error.contains("offset 144: no object begins here"));
   EXPECT_TRUE(

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "tests/tools/design/describe/program.hpp"
+#include "tests/tools/learn/pcap_file.hpp"
+#include "tests/tools/learn/traffic.hpp"
 
 namespace mlcca::test {
 namespace {
@@ -22,6 +24,22 @@ std::string frames(const std::string& interface, const std::string& id, unsigned
     out += "\n";
   }
   return out;
+}
+
+using learn::test::event;
+using learn::test::kDistance;
+using learn::test::kMs;
+using learn::test::station;
+
+/// 60 events of a subject on an Ethernet, one every 100 ms; the file is named by the interface.
+std::string datagrams(std::uint64_t subject, std::uint8_t sender, std::size_t bytes) {
+  learn::test::PcapFile file(1);
+  for (std::uint64_t i = 0; i < 60; ++i) {
+    std::vector<std::uint8_t> data(bytes, static_cast<std::uint8_t>(i));
+    const std::uint64_t ns = 100'000 * kMs + i * 100 * kMs;
+    file.add(ns, frame_of(event(ns, 0, subject, station(sender), data)));
+  }
+  return file.bytes();
 }
 
 struct LearnVerb : ::testing::Test {
@@ -101,6 +119,77 @@ TEST_F(LearnVerb, WhatIsNotAsItIsDescribedIsSaid) {
   EXPECT_EQ(unknown.status, 2);
   EXPECT_TRUE(unknown.error.contains("no port of the gateway names the interface can7"))
       << unknown.error;
+}
+
+TEST_F(LearnVerb, OfAnEthernetItDraftsWhatCheckTakes) {
+  const auto trace = folder.write("eth0.pcap", datagrams(kDistance, 7, 8));
+  const auto path = folder.path("system.xml");
+  const Ran ran = run({"learn", trace, "--output", path});
+  EXPECT_EQ(ran.status, 0) << ran.error;
+  EXPECT_TRUE(
+      ran.out.starts_with("eth0: 60 datagrams, profile famouso (99 % sure: 100 % of 60 "
+                          "datagrams to ports 9999 and 8888 are events, 60 of them"))
+      << ran.out;
+  EXPECT_EQ(run({"check", path}).status, 0);
+  EXPECT_EQ(run({"learn", trace, "--merge", path}).out, "") << "it is all described";
+}
+
+TEST_F(LearnVerb, OnEthernetChannelsAreFoundBySubjectWhateverTheirName) {
+  const auto trace = folder.write("eth0.pcap", datagrams(kDistance, 7, 8));
+  const auto path = folder.path("system.xml");
+  ASSERT_EQ(run({"learn", trace, "--output", path}).status, 0);
+  std::string text = content_of(path);
+  for (std::size_t at = 0; (at = text.find("\"eth0-44697374616e6365\"")) != std::string::npos;)
+    text.replace(at, 23, "\"distance\"");
+  const auto renamed = folder.write("renamed.xml", text);
+  const auto other = folder.write("eth0.pcapng", datagrams(kDistance, 9, 20));
+  const Ran ran = run({"learn", other, "--merge", renamed});
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_TRUE(
+      ran.error.contains("distance (0x44697374616e6365 on eth0): 192.0.2.9 sends it, and "
+                         "is not described as a publisher there"))
+      << ran.error;
+  EXPECT_TRUE(
+      ran.out.contains("+  <Publisher name=\"eth0-44697374616e6365-of-192.0.2.9\" "
+                       "channel=\"distance\" network=\"eth0\" address=\"192.0.2.9\""))
+      << ran.out;
+  const Ran patched = run_program({"patch", renamed, folder.write("change.patch", ran.out)});
+  ASSERT_EQ(patched.status, 0) << patched.out;
+  EXPECT_NE(run({"check", renamed}).status, 2) << "it is a description";
+}
+
+TEST_F(LearnVerb, WhatNowCrossesToABusIsBoundThere) {
+  const auto trace = folder.write("eth0.pcap", datagrams(kDistance, 7, 4));
+  std::string frames;
+  for (unsigned i = 0; i < 60; ++i) {
+    const std::string tenths = std::to_string(i % 10);
+    const std::string byte =
+        std::string(1, "0123456789ABCDEF"[i / 16]) + "0123456789ABCDEF"[i % 16];
+    frames += "(" + std::to_string(100 + i / 10) + "." + tenths + "01000) can0 123#" + byte + byte +
+              byte + byte + "\n";
+  }
+  const auto log = folder.write("can0.log", frames);
+  const auto other = folder.write("other.log", "(100.0) can0 321#01\n");
+  const auto path = folder.path("system.xml");
+  ASSERT_EQ(run({"learn", trace, other, "--output", path}).status, 0);
+  const Ran ran = run({"learn", trace, log, "--merge", path});
+  EXPECT_EQ(ran.status, 1) << ran.error;
+  EXPECT_TRUE(ran.error.contains("eth0-44697374616e6365: is on can0, and not bound there"))
+      << ran.error;
+  EXPECT_TRUE(
+      ran.out.contains("+    <Binding channel=\"eth0-44697374616e6365\"><Identifier "
+                       "form=\"standard\">0x123</Identifier></Binding>"))
+      << ran.out;
+  const Ran both = run({"learn", trace, log, "--json"});
+  EXPECT_TRUE(both.out.contains(R"("crosses_to":["can0"])")) << both.out;
+}
+
+TEST_F(LearnVerb, AProfileOfCanIsNoneOfAnEthernet) {
+  const auto trace = folder.write("eth0.pcap", datagrams(kDistance, 7, 8));
+  const Ran ran = run({"learn", trace, "--profile", "eth0=j1939"});
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_TRUE(ran.error.contains("the profile j1939 is for CAN")) << ran.error;
+  EXPECT_TRUE(ran.out.contains("<Profile>famouso</Profile>")) << ran.out;
 }
 
 }  // namespace

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/learn/crossings.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/learn/traffic.hpp"
+
+namespace mlcca::learn {
+namespace {
+
+using test::kMs;
+using test::kSecond;
+
+/// Flow 0 is on a bus, flow 1 on an Ethernet, as are further ones.
+std::vector<Crossings::Of> flows_on(std::size_t count, bool local = false) {
+  std::vector<Crossings::Of> out;
+  for (std::uint32_t i = 0; i < count; ++i)
+    out.push_back({.interface = i, .ethernet = i != 0, .number = 7, .local = local, .origin = {}});
+  return out;
+}
+
+TEST(Crossings, WhatHadBeenThereShortlyBeforeIsACopy) {
+  Crossings crossings;
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    crossings.add(0, 0, kSecond + i * 10 * kMs, i);
+    crossings.add(1, 1, kSecond + i * 10 * kMs + kMs / 2 + i, i);
+  }
+  const auto found = crossings.find(flows_on(2));
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].copy, 1U);
+  EXPECT_EQ(found[0].origin, 0U);
+  EXPECT_TRUE(found[0].sure);
+  EXPECT_EQ(found[0].crossing.events, 100U);
+  EXPECT_EQ(found[0].crossing.shortest_ns, kMs / 2);
+  EXPECT_EQ(found[0].crossing.longest_ns, kMs / 2 + 99);
+}
+
+TEST(Crossings, TheOrderInWhichInterfacesAreReadDoesNotMatter) {
+  Crossings crossings;
+  for (std::uint64_t i = 0; i < 100; ++i) crossings.add(1, 1, i * 10 * kMs + kMs, i);
+  for (std::uint64_t i = 0; i < 100; ++i) crossings.add(0, 0, i * 10 * kMs, i);
+  ASSERT_EQ(crossings.find(flows_on(2)).size(), 1U);
+}
+
+TEST(Crossings, SomeOfTheEventsMayBeLost) {
+  Crossings crossings;
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    crossings.add(0, 0, i * 10 * kMs, i);
+    if (i % 10 != 0) crossings.add(1, 1, i * 10 * kMs + kMs, i);
+  }
+  EXPECT_EQ(crossings.find(flows_on(2)).size(), 1U);
+}
+
+TEST(Crossings, OtherContentOrOtherTimesAreNoCopies) {
+  Crossings late;
+  Crossings other;
+  Crossings half;
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    late.add(0, 0, i * 10 * kMs, i);
+    late.add(1, 1, i * 10 * kMs + 101 * kMs, i);
+    other.add(0, 0, i * 10 * kMs, i);
+    other.add(1, 1, i * 10 * kMs + kMs, i + 1000);
+    half.add(0, 0, i * 10 * kMs, i);
+    half.add(1, 1, i * 10 * kMs + kMs, i % 2 == 0 ? i : i + 1000);
+  }
+  EXPECT_TRUE(late.find(flows_on(2)).empty());
+  EXPECT_TRUE(other.find(flows_on(2)).empty());
+  EXPECT_TRUE(half.find(flows_on(2)).empty()) << "half of them are its own";
+}
+
+TEST(Crossings, AFewEventsThatHaveTheContentOfManyAreNoCopies) {
+  Crossings crossings;
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    crossings.add(0, 0, i * kMs, i % 4);
+    if (i % 100 == 0) crossings.add(1, 1, i * kMs + kMs / 2, i / 100 % 4);
+  }
+  EXPECT_TRUE(crossings.find(flows_on(2)).empty());
+}
+
+TEST(Crossings, WhatNeverChangesIsSureOnlyWhereThisHostSendsIt) {
+  for (const bool local : {false, true}) {
+    Crossings crossings;
+    for (std::uint64_t i = 0; i < 100; ++i) {
+      crossings.add(0, 0, i * 50 * kMs, 1);
+      crossings.add(1, 1, i * 50 * kMs + kMs, 1);
+    }
+    const auto found = crossings.find(flows_on(2, local));
+    ASSERT_EQ(found.size(), 1U) << "and not the other way round as well";
+    EXPECT_EQ(found[0].copy, 1U) << "the one that is nearer in time";
+    EXPECT_EQ(found[0].sure, local);
+  }
+}
+
+TEST(Crossings, OverSeveralEthernetsEachCopyIsOfTheOneBefore) {
+  Crossings crossings;
+  for (std::uint64_t i = 0; i < 100; ++i)
+    for (std::uint32_t flow = 0; flow < 3; ++flow)
+      crossings.add(flow, flow, i * 10 * kMs + flow * kMs, i);
+  const auto found = crossings.find(flows_on(3));
+  ASSERT_EQ(found.size(), 2U);
+  for (const auto& one : found) EXPECT_EQ(one.origin, one.copy - 1);
+}
+
+TEST(Crossings, EventsOfAnotherSubjectAreNoCopiesOnAnotherEthernet) {
+  auto flows = flows_on(3);
+  flows[1].number = 8;
+  Crossings crossings;
+  for (std::uint64_t i = 0; i < 100; ++i)
+    for (std::uint32_t flow = 1; flow < 3; ++flow)
+      crossings.add(flow, flow, i * 10 * kMs + flow * kMs, i);
+  EXPECT_TRUE(crossings.find(flows).empty());
+}
+
+TEST(Crossings, OfWhatWasHeardAtDifferentTimesTheCommonPartCounts) {
+  Crossings crossings;
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    if (i < 120) crossings.add(0, 0, i * 100 * kMs, i);
+    if (i >= 80) crossings.add(1, 1, i * 100 * kMs + kMs, i);
+  }
+  EXPECT_EQ(crossings.find(flows_on(2)).size(), 1U);
+}
+
+TEST(Crossings, OfMuchTrafficStretchesOfTimeAreEnough) {
+  Crossings crossings(2000);
+  for (std::uint64_t i = 0; i < 200'000; ++i) {
+    crossings.add(0, 0, i * 10 * kMs, i);
+    crossings.add(1, 1, i * 10 * kMs + kMs, i);
+    // A slow one beside it.
+    if (i % 100 == 0) crossings.add(2, 2, i * 10 * kMs + 2 * kMs, i);
+  }
+  auto flows = flows_on(3);
+  flows[2].number = 8;
+  const auto found = crossings.find(flows);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_LE(found[0].crossing.events, 2000U);
+  EXPECT_GE(found[0].crossing.events, 100U);
+}
+
+TEST(Crossings, OneInstantWithEverythingInItIsBounded) {
+  Crossings crossings(10'000);
+  for (std::uint64_t i = 0; i < 100'000; ++i)
+    crossings.add(static_cast<std::uint32_t>(i % 2), static_cast<std::uint32_t>(i % 2), 42, 1);
+  EXPECT_LE(crossings.find(flows_on(2)).size(), 1U);
+}
+
+}  // namespace
+}  // namespace mlcca::learn

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/learn/channels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <ranges>
+#include <utility>
+
+#include "tools/elements.hpp"
+
+namespace mlcca::learn {
+namespace {
+
+constexpr double kRegular = 0.9;         // share of gaps near the median, of what is periodic
+constexpr std::uint64_t kBurst = 8;      // events at once, of what is aperiodic
+constexpr std::uint64_t kFarApart = 10;  // longest gap over the median, of what is aperiodic
+
+/// Up to two digits.
+std::uint64_t rounded_up(std::uint64_t value) {
+  std::uint64_t unit = 1;
+  while (value / unit >= 100) unit *= 10;
+  return (value + unit - 1) / unit * unit;
+}
+
+}  // namespace
+
+std::string about(std::uint64_t ns) {
+  std::uint64_t unit = 1;
+  while (ns / unit >= 1000) unit *= 10;
+  return tools::time_words((ns + unit / 2) / unit * unit);
+}
+
+std::uint64_t with_margin(std::uint64_t value, unsigned percent) {
+  return rounded_up(value + value * percent / 100);
+}
+
+Times times_of(const Flow& flow) {
+  Times out;
+  const auto rates = flow.rates();
+  if (rates.empty()) {
+    out.period = flow.events() < 2
+                     ? tools::kPeriodOfOne
+                     : std::max<std::uint64_t>(tools::nominal(flow.shortest_gap() / 2), 1000);
+    out.seen =
+        flow.events() < 2
+            ? std::string("seen once: the Period is assumed")
+            : fmt::format("seen {} times only, {} apart at least: the Period is half of that",
+                          flow.events(), about(flow.shortest_gap()));
+    return out;
+  }
+  const std::uint64_t median = flow.median_gap();
+  out.periodic = flow.regular_share() >= kRegular && flow.longest_gap() / kFarApart <= median;
+  // The gate lets events be early by one Period and the Jitter.
+  const auto fits = [&](const Rate& rate) {
+    return rate.early <= (out.periodic ? rate.period / 2 : rate.period * kBurst);
+  };
+  auto chosen = std::ranges::find_if(rates, fits);
+  if (chosen == rates.end()) chosen = std::prev(rates.end());
+  out.period = chosen->period;
+  out.jitter = chosen->early == 0 ? 0 : with_margin(chosen->early, 25);
+  if (out.periodic)
+    out.seen = fmt::format("{} events, median gap {}, shortest {}, longest {}; Jitter {} + 25 %",
+                           flow.events(), about(tools::nominal(median)), about(flow.shortest_gap()),
+                           about(flow.longest_gap()), about(chosen->early));
+  else
+    out.seen = fmt::format(
+        "aperiodic: {} events, median gap {}, shortest {}, longest {}; the Period is the one that "
+        "all of them kept, early by {} + 25 % at most",
+        flow.events(), about(tools::nominal(median)), about(flow.shortest_gap()),
+        about(flow.longest_gap()), about(chosen->early));
+  return out;
+}
+
+std::uint64_t omission_of(const Flow& flow) {
+  const std::uint64_t median = std::max<std::uint64_t>(flow.median_gap(), 1);
+  const std::uint64_t periods = (flow.longest_gap() + median / 2) / median;
+  return periods == 0 ? 0 : periods - 1;
+}
+
+// --- channels ------------------------------------------------------------------------------------
+
+namespace {
+
+/// A channel on one CAN interface, or a subject wherever it is.
+using Key = std::pair<std::uint32_t, std::uint64_t>;
+constexpr std::uint32_t kAnyEthernet = UINT32_MAX;  // in the place of an interface
+
+class Collector {
+ public:
+  explicit Collector(const Observer& observer) : observer_(observer) {}
+
+  std::vector<Channel> run() {
+    for (const auto& [key, seen] : observer_.flows())
+      if (is_followed(key)) number_of(key_of(key));
+    for (const auto& [key, seen] : observer_.flows())
+      if (is_followed(key) && seen.origin) join(key);
+    for (const auto& [key, seen] : observer_.flows())
+      if (is_followed(key)) put(key, seen);
+    std::vector<Channel> out;
+    for (auto& [group, channel] : channels_)
+      if (!channel.sources.empty()) out.push_back(std::move(channel));
+    std::ranges::sort(out, {}, [](const Channel& c) { return std::pair(c.interface, c.number); });
+    return out;
+  }
+
+ private:
+  [[nodiscard]] bool is_ethernet(std::uint32_t interface) const {
+    return observer_.interfaces()[interface].medium == Medium::ethernet;
+  }
+  [[nodiscard]] bool is_followed(const FlowKey& key) const {
+    return !is_ethernet(key.interface) ||
+           observer_.interfaces()[key.interface].recognised->profile == core::Profile::famouso;
+  }
+  [[nodiscard]] Key key_of(const FlowKey& key) const {
+    return {is_ethernet(key.interface) ? kAnyEthernet : key.interface, key.number};
+  }
+
+  std::size_t number_of(const Key& key) {
+    const auto [known, fresh] = numbers_.try_emplace(key, groups_.size());
+    if (fresh) {
+      groups_.emplace_back().emplace(key.first, key.second);
+      parents_.push_back(known->second);
+    }
+    return known->second;
+  }
+  std::size_t root(std::size_t at) {
+    while (parents_[at] != at) at = parents_[at] = parents_[parents_[at]];
+    return at;
+  }
+
+  /// Makes the channel of a copy the one of its origin, unless a network had two numbers of it
+  /// then.
+  void join(const FlowKey& copy) {
+    const FlowKey& origin = *observer_.flows().at(copy).origin;
+    if (!is_followed(origin)) return;
+    std::size_t to = root(number_of(key_of(origin)));
+    std::size_t from = root(number_of(key_of(copy)));
+    if (to != from) {
+      if (groups_[to].size() < groups_[from].size()) std::swap(to, from);
+      for (const auto& [interface, number] : groups_[from])
+        if (groups_[to].contains(interface)) return;
+      groups_[to].merge(groups_[from]);
+      parents_[from] = to;
+    }
+    joined_.insert(copy);
+  }
+
+  /// It came from another flow, over several interfaces perhaps, that began somewhere.
+  [[nodiscard]] bool is_copy(const FlowKey& key) const {
+    constexpr int most_interfaces = 64;
+    const FlowKey* at = &key;
+    for (int i = 0; i < most_interfaces; ++i) {
+      const Seen& seen = observer_.flows().at(*at);
+      if (!seen.origin || !joined_.contains(*at)) return at != &key;
+      at = &*seen.origin;
+    }
+    return false;  // in a circle: nothing began
+  }
+
+  void put(const FlowKey& key, const Seen& seen) {
+    Channel& channel = channels_[root(number_of(key_of(key)))];
+    if (is_ethernet(key.interface)) channel.subject = key.number;
+    Place& place = channel.places[key.interface];
+    place.number = key.number;
+    place.fd = place.fd || seen.fd != 0;
+    place.classic = place.classic || seen.fd < seen.flow.events();
+    place.remote = place.remote || seen.remote != 0;
+    place.priorities.insert(seen.priorities.begin(), seen.priorities.end());
+    if (is_copy(key)) {
+      if (place.crossing && place.crossing->events > seen.crossing.events) return;
+      place.crossing = seen.crossing;
+      place.node = key.node;
+      return;
+    }
+    place.local = place.local || key.local;
+    if (channel.sources.empty()) {
+      channel.interface = key.interface;
+      channel.number = key.number;
+    }
+    add_source(channel, {key, &seen, times_of(seen.flow)});
+  }
+
+  /// Programs of this host have no numbers on Ethernet, and are one publisher.
+  void add_source(Channel& channel, Source source) const {
+    if (source.key.local && is_ethernet(source.key.interface))
+      for (Source& other : channel.sources)
+        if (other.key.local && is_ethernet(other.key.interface)) {
+          if (other.times.period > source.times.period) std::swap(other, source);
+          other.times.jitter = std::max(other.times.jitter, source.times.jitter);
+          return;
+        }
+    channel.sources.push_back(std::move(source));
+  }
+
+  const Observer& observer_;
+  std::map<Key, std::size_t> numbers_;
+  /// Channels that are one: their numbers by interface, or kAnyEthernet. On a bus each has one
+  /// number, and on all Ethernets one subject.
+  std::vector<std::map<std::uint32_t, std::uint64_t>> groups_;
+  std::vector<std::size_t> parents_;
+  std::set<FlowKey> joined_;
+  std::map<std::size_t, Channel> channels_;  ///< by group
+};
+
+}  // namespace
+
+std::vector<Channel> channels_of(const Observer& observer) { return Collector(observer).run(); }
+
+}  // namespace mlcca::learn
