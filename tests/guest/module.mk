@@ -24,7 +24,7 @@ check-harness: $(GUEST_READY) ## the guest harness itself
 
 .PHONY: guest-image check-guest check-harness
 
-GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-dies interfaces-change logger-case managed-interface same-identifier same-subject profile-change learn)
+GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-dies interfaces-change logger-case managed-interface same-identifier same-subject profile-change learn learn-recording audit-report)
 GUEST_TESTS += $(addprefix tests/guest/cases/,mesh-nl80211 mesh-batman mesh-case-study mesh-relay-gate rover)
 GUEST_TESTS += $(addprefix tests/guest/cases/,bus-queue gateways-in-namespaces reservations unlisted-channels)
 GUEST_TESTS += $(addprefix tests/guest/cases/,babbling-node missing-events can-profiles forwarding j1939-messages)
