@@ -11,41 +11,26 @@
 #include "core/admission/state.hpp"
 #include "core/gates/plan.hpp"
 #include "description/read.hpp"
+#include "tests/tools/learn/drafted.hpp"
 #include "tests/tools/learn/traffic.hpp"
 
 namespace mlcca::learn {
 namespace {
 
+using test::described;
+using test::drafted;
+using test::Gate;
 using test::kMs;
+using test::kNames;
 using test::kSecond;
 using test::Sent;
 using test::Traffic;
-
-const std::vector<std::string> kNames = {"can0", "can1"};
-
-Draft drafted(const std::vector<Sent>& sent, DraftOptions options = {},
-              std::vector<std::string> names = kNames) {
-  Observer observer;
-  for (const Sent& one : sent) observer.add(one.frame());
-  observer.finish(names.size());
-  return draft_of(observer, names, options);
-}
 
 const DraftChannel& channel(const Draft& draft, std::string_view name) {
   static const DraftChannel none;
   const auto found = std::ranges::find(draft.channels, name, &DraftChannel::name);
   EXPECT_NE(found, draft.channels.end()) << name;
   return found == draft.channels.end() ? none : *found;
-}
-
-core::System described(const Draft& draft) {
-  auto system = description::read_memory(draft.xml, "draft.xml", {}, description::Users::any);
-  if (!system) {
-    for (const auto& problem : system.error()) ADD_FAILURE() << description::to_string(problem);
-    ADD_FAILURE() << draft.xml;
-    return {};
-  }
-  return std::move(*system);
 }
 
 /// Deliveries that are refused.
@@ -94,44 +79,6 @@ TEST(Draft, IsADescriptionOfWhichEverythingIsGranted) {
 TEST(Draft, TheSameTrafficGivesTheSameDraft) {
   EXPECT_EQ(drafted(two_buses(3, 20)).xml, drafted(two_buses(3, 20)).xml);
 }
-
-/// A gate that holds what the draft grants, as far as it polices and measures. What it drops of
-/// what comes in on the interfaces.
-class Gate {
- public:
-  explicit Gate(const Draft& draft) : state_(described(draft)) {
-    const core::System& system = state_.system();
-    for (const core::GateRule& rule : state_.gate_state(0)) {
-      if (rule.entry.direction != core::Direction::ingress || !rule.pass) continue;
-      const auto network = system.gateways[0].ports[rule.entry.port].network;
-      rules_.push_back({network, rule, 0});
-    }
-  }
-
-  bool passes(const Sent& frame) {
-    for (Held& held : rules_) {
-      const auto id = frame.id;
-      if (held.network != frame.interface || (id & held.rule.entry.mask) != held.rule.entry.id)
-        continue;
-      if (frame.data.size() > held.rule.entry.frame_length()) return false;
-      const auto& policing = held.rule.policing;
-      if (policing.per_frame == 0) return true;
-      if (frame.ns + policing.tolerance < held.due) return false;
-      held.due = std::max(held.due, frame.ns) + policing.per_frame;
-      return true;
-    }
-    return false;
-  }
-
- private:
-  struct Held {
-    std::size_t network;
-    core::GateRule rule;
-    std::uint64_t due;
-  };
-  core::State state_;
-  std::vector<Held> rules_;
-};
 
 TEST(Draft, LearnedOnTheFirstHalfItDropsNothingOfTheSecond) {
   std::uint64_t all = 0;

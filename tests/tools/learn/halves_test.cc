@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Recordings of real traffic: what is drafted of the first half lets the second half pass, and not
+// what does not belong there. With MLCCA_RECORDINGS=DIRECTORY those of other people, too.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tests/tools/learn/drafted.hpp"
+#include "tools/learn/recording.hpp"
+
+namespace mlcca::learn {
+namespace {
+
+using test::Gate;
+using test::Sent;
+
+/// Of the first interface of a recording: what crosses to others is sent by the gateway itself.
+std::vector<Sent> frames_of(const std::string& path, std::vector<std::string>& names) {
+  std::vector<Sent> all;
+  Interfaces interfaces;
+  const auto read = read_recording(path, interfaces, [&](const Frame& f) {
+    if (f.interface != 0 || (f.id & kError) != 0) return;
+    all.push_back({.ns = f.ns,
+                   .interface = 0,
+                   .id = f.id,
+                   .data = {f.data.begin(), f.data.end()},
+                   .fd = f.fd});
+  });
+  EXPECT_TRUE(read) << read.error().text;
+  names = {interfaces.names().at(0)};
+  return all;
+}
+
+std::vector<std::string> recordings() {
+  std::vector<std::string> paths = {"examples/learn/short.log"};
+  if (const char* const more = std::getenv("MLCCA_RECORDINGS"); more != nullptr)
+    for (const auto& file : std::filesystem::directory_iterator(more))
+      paths.push_back(file.path().string());
+  return paths;
+}
+
+TEST(Halves, TheSecondHalfOfARecordingPassesAndAttacksDoNot) {
+  for (const std::string& path : recordings()) {
+    std::vector<std::string> names;
+    const std::vector<Sent> all = frames_of(path, names);
+    ASSERT_FALSE(all.empty()) << path;
+    const std::uint64_t middle = all.front().ns + (all.back().ns - all.front().ns) / 2;
+    std::vector<Sent> first;
+    std::ranges::copy_if(all, std::back_inserter(first),
+                         [middle](const Sent& s) { return s.ns < middle; });
+    const Draft draft = test::drafted(first, {}, names);
+    Gate gate(draft);
+    std::uint64_t legitimate = 0;
+    std::uint64_t dropped = 0;
+    for (const Sent& one : all) {
+      if (one.ns < middle) continue;
+      ++legitimate;
+      dropped += gate.passes(one) ? 0 : 1;
+    }
+    std::printf("%s: %zu frames, %zu channels; of the second half %llu of %llu dropped\n",
+                path.c_str(), all.size(), draft.channels.size(),
+                static_cast<unsigned long long>(dropped),
+                static_cast<unsigned long long>(legitimate));
+    if (path == recordings().front()) {
+      EXPECT_LT(dropped * 1000, legitimate) << path;
+    }
+    const std::uint64_t later = all.back().ns + test::kSecond;
+    const Sent known = first.front();
+    EXPECT_FALSE(gate.passes({.ns = later, .id = 0x7fd, .data = {1}})) << path << ": unknown";
+    std::uint64_t passed = 0;
+    for (std::uint64_t i = 0; i < 100'000; ++i)
+      passed += gate.passes({.ns = later + i * 1000, .id = known.id, .data = known.data}) ? 1 : 0;
+    EXPECT_LT(passed, 10'000U) << path << ": a flood";
+    Sent longer = known;
+    longer.ns = later + test::kSecond;
+    longer.data.resize(64);
+    EXPECT_FALSE(gate.passes(longer)) << path << ": too long";
+  }
+}
+
+}  // namespace
+}  // namespace mlcca::learn

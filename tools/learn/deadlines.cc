@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/learn/deadlines.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/can/analysis.hpp"
+#include "core/design/inspect.hpp"
+
+namespace mlcca::learn {
+namespace {
+
+/// The longest response time of a channel on each bus, ns; nothing: it has no bound there.
+using OnBuses = std::map<std::size_t, std::map<std::size_t, std::optional<std::uint64_t>>>;
+
+OnBuses responses_of(const core::System& system, const core::InspectedBuses& buses) {
+  OnBuses out;
+  for (std::size_t n = 0; n < buses.assumptions.size(); ++n) {
+    if (!buses.assumptions[n]) continue;
+    std::vector<core::can::Message> messages;
+    std::vector<std::size_t> channels;
+    for (const core::BusMessage& m : buses.messages) {
+      if (m.network != n || !m.message) continue;
+      messages.push_back(*m.message);
+      messages.back().key = messages.size();
+      channels.push_back(system.publishers[m.publisher].channel);
+    }
+    const auto responses = core::can::analyse(*buses.assumptions[n], messages);
+    for (std::size_t i = 0; i < responses.size(); ++i) {
+      auto [at, fresh] = out[channels[i]].try_emplace(n, std::uint64_t{0});
+      if (!responses[i].bounded)
+        at->second.reset();
+      else if (at->second)
+        at->second = std::max<std::uint64_t>(*at->second, responses[i].response);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& system) {
+  core::InspectedBuses buses;
+  std::ignore = core::inspect(system, {}, {}, &buses);
+  std::map<std::string, std::uint64_t> out;
+  for (const auto& [channel, on_buses] : responses_of(system, buses)) {
+    // Each gateway between two buses takes what its Provision says.
+    std::uint64_t takes = 0;
+    for (const core::Gateway& gateway : system.gateways)
+      if (on_buses.size() > 1) takes += gateway.provision[Attribute::latency];
+    bool bounded = true;
+    for (const auto& [bus, response] : on_buses) {
+      bounded = bounded && response.has_value();
+      takes += response.value_or(0);
+    }
+    const core::EventChannel& c = system.channels[channel];
+    if (bounded && takes > c.attributes[Attribute::period]) out.emplace(c.name, takes + takes / 4);
+  }
+  return out;
+}
+
+}  // namespace mlcca::learn

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Deadlines that the CAN buses of a drafted description can keep. Traffic does not say what must
+// arrive in time, and without a Deadline a description asks for the Period: which a bus need not
+// keep where senders have bursts.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "core/model/system.hpp"
+
+namespace mlcca::learn {
+
+/// By name of the channel, ns: of those that could take longer than they may, if everything that is
+/// described is sent. A quarter is added to what they take. Channels without a bound are left out.
+[[nodiscard]] std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& system);
+
+}  // namespace mlcca::learn
