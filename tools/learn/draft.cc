@@ -69,13 +69,11 @@ class Drafter {
 
   /// `stem` and `end`, as long as a name may be, that no other publisher has.
   std::string publisher_name(const std::string& stem, const std::string& end) {
-    std::string out;
-    std::string number;
-    for (unsigned n = 2;; ++n) {
-      out = stem.substr(0, kLongestName - std::min(kLongestName, end.size() + number.size())) +
-            end + number;
+    for (unsigned n = 1;; ++n) {
+      const std::string behind = n == 1 ? end : fmt::format("{}-{}", end, n);
+      std::string out = stem.substr(0, kLongestName - std::min(kLongestName, behind.size()));
+      out += behind;
       if (publishers_.insert(out).second) return out;
-      number = fmt::format("-{}", n);
     }
   }
 

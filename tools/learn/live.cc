@@ -113,6 +113,24 @@ bool ask(const Fd& socket) {
   return set(socket, SOL_SOCKET, SO_TIMESTAMPNS, on) && set(socket, SOL_SOCKET, SO_RXQ_OVFL, on);
 }
 
+/// When it came, and how many were lost before.
+void read_control(msghdr& message, std::uint64_t& ns, std::uint64_t& lost) {
+  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
+       part = CMSG_NXTHDR(&message, part)) {
+    if (part->cmsg_level != SOL_SOCKET) continue;
+    if (part->cmsg_type == SCM_TIMESTAMPNS) {
+      timespec time{};
+      std::memcpy(&time, CMSG_DATA(part), sizeof time);
+      ns = static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 +
+           static_cast<std::uint64_t>(time.tv_nsec);
+    } else if (part->cmsg_type == SO_RXQ_OVFL) {
+      std::uint32_t dropped = 0;
+      std::memcpy(&dropped, CMSG_DATA(part), sizeof dropped);
+      lost = dropped;
+    }
+  }
+}
+
 class Sockets final : public Listener {
  public:
   Result<void> add(const std::string& name, Interfaces& numbers) {
@@ -183,20 +201,7 @@ class Sockets final : public Listener {
       if (n < 0) return errno == EAGAIN || errno == EINTR || errno == ENETDOWN || errno == ENODEV;
       const auto bytes = static_cast<std::size_t>(n);
       one.frame.interface = from.number;
-      for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
-           part = CMSG_NXTHDR(&message, part)) {
-        if (part->cmsg_level != SOL_SOCKET) continue;
-        if (part->cmsg_type == SCM_TIMESTAMPNS) {
-          timespec time{};
-          std::memcpy(&time, CMSG_DATA(part), sizeof time);
-          one.frame.ns = static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 +
-                         static_cast<std::uint64_t>(time.tv_nsec);
-        } else if (part->cmsg_type == SO_RXQ_OVFL) {
-          std::uint32_t dropped = 0;
-          std::memcpy(&dropped, CMSG_DATA(part), sizeof dropped);
-          from.lost = dropped;
-        }
-      }
+      read_control(message, one.frame.ns, from.lost);
       if (from.ethernet ? read_ethernet_frame(bytes, sender.sll_pkttype, one)
                         : read_can(bytes, message.msg_flags, one))
         batch_.push_back(one);
