@@ -19,6 +19,7 @@
 
 #include "core/model/words.hpp"
 #include "description/read.hpp"
+#include "tools/design/learn_deadlines.hpp"
 #include "tools/design/learn_merge.hpp"
 #include "tools/design/mistakes.hpp"
 #include "tools/design/new/plan.hpp"
@@ -73,7 +74,7 @@ class Learn {
     if (observer_.flows().empty()) {
       notes_.emplace_back("no events were seen: is there traffic, and are the interfaces up?");
     }
-    const learn::Draft draft = learn::draft_of(observer_, interfaces_.names(), a_.draft);
+    const learn::Draft draft = draft_that_holds(observer_, interfaces_.names(), a_.draft);
     if (described_) return report_merged(draft);
     if (const auto refused = mistakes_in(draft.xml, "draft", description::Users::any))
       return say(*refused, context_.json);

@@ -155,10 +155,15 @@ class Drafter {
     if (row.periodic) comment += fmt::format("; {} lost in a row at most, + 1", row.omission - 1);
     if (const auto text = tools::spelled(channel.subject.value_or(0)); !text.empty())
       comment += fmt::format("; its subject is the text {}", tools::in_comment(text));
+    std::string deadline;
+    if (const auto needed = options_.deadlines.find(row.name); needed != options_.deadlines.end()) {
+      deadline = fmt::format(R"( deadline="{}")", tools::time_words(rounded_up(needed->second)));
+      comment += "; the Deadline is what its bus can keep with all of this on it, + 25 %";
+    }
     row.channel_xml = fmt::format(
         "  <!-- {} -->\n  <EventChannel name=\"{}\">\n    <SubjectUID>0x{:016x}</SubjectUID>\n"
-        "    <Attributes period=\"{}\"{} maxPayload=\"{}\"/>\n  </EventChannel>\n",
-        comment, row.name, subject_for(channel, row.name), tools::time_words(row.period),
+        "    <Attributes period=\"{}\"{}{} maxPayload=\"{}\"/>\n  </EventChannel>\n",
+        comment, row.name, subject_for(channel, row.name), tools::time_words(row.period), deadline,
         row.periodic ? fmt::format(R"( omission="{}")", row.omission) : "",
         std::max(row.bytes, 1U));
     for (const auto& [interface, place] : channel.places) {

@@ -19,6 +19,8 @@ struct DraftOptions {
   std::map<std::string, std::uint32_t> data_bitrates = {};  ///< the same of the FD data phase
   /// Names of networks that are described already, by interface.
   std::map<std::string, std::string> networks = {};
+  /// Names of channels that state a Deadline, ns; see deadlines_that_hold().
+  std::map<std::string, std::uint64_t> deadlines = {};
   std::string user = "root";      ///< of programs on the gateway that send
   bool local_subscribers = true;  ///< programs on the gateway receive what comes
 };

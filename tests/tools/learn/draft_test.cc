@@ -76,6 +76,18 @@ TEST(Draft, IsADescriptionOfWhichEverythingIsGranted) {
     EXPECT_EQ(refused_in(drafted(two_buses(seed, 30))), 0U);
 }
 
+/// A required Period without a Deadline asks for one of the Period, which a bus need not keep where
+/// others send bursts.
+TEST(Draft, BurstsOfManySendersAreGrantedWithDeadlinesThatTheBusCanKeep) {
+  Traffic traffic(3);
+  for (std::uint32_t n = 0; n < 12; ++n)
+    traffic.bursts(0, (0x18f00000 + n) | kExtended, 8, 300'000, kSecond / 4, 60);
+  traffic.periodic(0, 0x1ff00000 | kExtended, 5 * kMs, kMs / 10, 8, 60);
+  const Draft draft = drafted(traffic.sent(), {.bitrates = {{"can0", 500'000}}}, {"can0"});
+  EXPECT_EQ(refused_in(draft), 0U) << draft.xml;
+  EXPECT_TRUE(draft.xml.contains(" deadline=\"")) << draft.xml;
+}
+
 TEST(Draft, TheSameTrafficGivesTheSameDraft) {
   EXPECT_EQ(drafted(two_buses(3, 20)).xml, drafted(two_buses(3, 20)).xml);
 }

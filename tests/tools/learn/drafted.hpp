@@ -14,6 +14,7 @@
 #include "core/gates/plan.hpp"
 #include "description/read.hpp"
 #include "tests/tools/learn/traffic.hpp"
+#include "tools/design/learn_deadlines.hpp"
 #include "tools/learn/draft.hpp"
 #include "tools/learn/observer.hpp"
 
@@ -26,7 +27,7 @@ inline Draft drafted(const std::vector<Sent>& sent, DraftOptions options = {},
   Observer observer;
   for (const Sent& one : sent) observer.add(one.frame());
   observer.finish(names.size());
-  return draft_of(observer, names, options);
+  return tools::design::draft_that_holds(observer, names, options);
 }
 
 inline core::System described(const Draft& draft) {

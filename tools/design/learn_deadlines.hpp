@@ -6,13 +6,20 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "core/model/system.hpp"
+#include "tools/learn/draft.hpp"
 
-namespace mlcca::learn {
+namespace mlcca::tools::design {
 
 /// By name of the channel, ns: of those that could take longer than they may, if everything that is
 /// described is sent. A quarter is added to what they take. Channels without a bound are left out.
 [[nodiscard]] std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& system);
 
-}  // namespace mlcca::learn
+/// As draft_of(), and with them.
+[[nodiscard]] learn::Draft draft_that_holds(const learn::Observer& observer,
+                                            const std::vector<std::string>& names,
+                                            learn::DraftOptions options);
+
+}  // namespace mlcca::tools::design

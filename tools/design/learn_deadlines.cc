@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "tools/learn/deadlines.hpp"
+#include "tools/design/learn_deadlines.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <optional>
-#include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "core/can/analysis.hpp"
 #include "core/design/inspect.hpp"
+#include "description/read.hpp"
 
-namespace mlcca::learn {
+namespace mlcca::tools::design {
 namespace {
 
 /// The longest response time of a channel on each bus, ns; nothing: it has no bound there.
@@ -63,4 +64,14 @@ std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& sys
   return out;
 }
 
-}  // namespace mlcca::learn
+learn::Draft draft_that_holds(const learn::Observer& observer,
+                              const std::vector<std::string>& names, learn::DraftOptions options) {
+  learn::Draft draft = learn::draft_of(observer, names, options);
+  auto system = description::read_memory(draft.xml, "draft", {}, description::Users::any);
+  if (!system) return draft;  // who asked for it says why it cannot be read
+  system->sort_bindings();
+  options.deadlines = deadlines_that_hold(*system);
+  return options.deadlines.empty() ? draft : learn::draft_of(observer, names, options);
+}
+
+}  // namespace mlcca::tools::design
