@@ -14,7 +14,7 @@ namespace mlcca::learn {
 namespace {
 
 constexpr double kRegular = 0.9;         // share of gaps near the median, of what is periodic
-constexpr std::uint64_t kBurst = 8;      // events at once, of what is aperiodic
+constexpr std::uint64_t kBurst = 32;     // events at once, of what is aperiodic
 constexpr std::uint64_t kFarApart = 10;  // longest gap over the median, of what is aperiodic
 
 /// Up to two digits.
@@ -40,14 +40,16 @@ Times times_of(const Flow& flow) {
   Times out;
   const auto rates = flow.rates();
   if (rates.empty()) {
-    out.period = flow.events() < 2
-                     ? tools::kPeriodOfOne
-                     : std::max<std::uint64_t>(tools::nominal(flow.shortest_gap() / 2), 1000);
-    out.seen =
-        flow.events() < 2
-            ? std::string("seen once: the Period is assumed")
-            : fmt::format("seen {} times only, {} apart at least: the Period is half of that",
-                          flow.events(), about(flow.shortest_gap()));
+    out.period = tools::kPeriodOfOne;
+    out.seen = "seen once: the Period is assumed";
+    if (flow.events() < 2) return out;
+    out.period = std::max<std::uint64_t>(tools::nominal(flow.mean_of_few() / 2), 1000);
+    const std::uint64_t early = flow.early_of_few(out.period);
+    out.jitter = early == 0 ? 0 : with_margin(early, 100);
+    out.seen = fmt::format(
+        "seen {} times only, every {} in the mean, {} apart at least: the Period is half the mean, "
+        "and the Jitter twice what they were early by",
+        flow.events(), about(flow.mean_of_few()), about(flow.shortest_gap()));
     return out;
   }
   const std::uint64_t median = flow.median_gap();

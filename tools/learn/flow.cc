@@ -91,10 +91,23 @@ void Flow::choose_periods() {
 }
 
 void Flow::judge(std::uint64_t ns) {
-  for (Policer& p : policers_) {
-    if (ns < p.due) p.early = std::max(p.early, p.due - ns);
-    p.due = std::max(p.due, ns) + p.period;
-  }
+  for (Policer& p : policers_) p.take(ns);
+}
+
+void Flow::Policer::take(std::uint64_t ns) {
+  if (ns < due) early = std::max(early, due - ns);
+  due = std::max(due, ns) + period;
+}
+
+std::uint64_t Flow::mean_of_few() const {
+  if (begin_.size() < 2) return 0;
+  return (begin_.back() - begin_.front()) / (begin_.size() - 1);
+}
+
+std::uint64_t Flow::early_of_few(std::uint64_t period) const {
+  Policer policer{.period = period};
+  for (const std::uint64_t ns : begin_) policer.take(ns);
+  return policer.early;
 }
 
 std::vector<Rate> Flow::rates() const {

@@ -36,6 +36,12 @@ class Flow {
   /// may be lost.
   [[nodiscard]] double regular_share() const;
 
+  // Of a flow with 2 events to kFirst:
+  /// ns between two events.
+  [[nodiscard]] std::uint64_t mean_of_few() const;
+  /// How early events came to a period at most, ns.
+  [[nodiscard]] std::uint64_t early_of_few(std::uint64_t period) const;
+
   /// For periods up to the median or mean of the first gaps, the longest first. Empty with less
   /// than kFirst events.
   [[nodiscard]] std::vector<Rate> rates() const;
@@ -59,6 +65,7 @@ class Flow {
     std::uint64_t period = 0;
     std::uint64_t due = 0;  ///< when the next event may come, ns; 0: at once
     std::uint64_t early = 0;
+    void take(std::uint64_t ns);
   };
   static constexpr std::size_t kPolicers = 12;
 

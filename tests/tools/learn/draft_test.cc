@@ -88,6 +88,19 @@ TEST(Draft, BurstsOfManySendersAreGrantedWithDeadlinesThatTheBusCanKeep) {
   EXPECT_TRUE(draft.xml.contains(" deadline=\"")) << draft.xml;
 }
 
+/// A burst says how early events may be, not how often they come.
+TEST(Draft, WhatCameSeldomAndInPairsReservesAboutWhatItTakes) {
+  std::vector<Sent> sent;
+  for (std::uint64_t i = 0; i < 24; ++i)
+    sent.push_back({.ns = i / 2 * kSecond + i % 2 * 2 * kMs, .id = 0x123, .data = {1, 2}});
+  const Draft draft = drafted(sent, {}, {"can0"});
+  const auto& pairs = channel(draft, "can0-123");
+  EXPECT_GE(pairs.period, 200 * kMs);
+  EXPECT_GE(pairs.jitter, 200 * kMs);
+  Gate gate(draft);
+  for (const Sent& one : sent) EXPECT_TRUE(gate.passes(one));
+}
+
 TEST(Draft, TheSameTrafficGivesTheSameDraft) {
   EXPECT_EQ(drafted(two_buses(3, 20)).xml, drafted(two_buses(3, 20)).xml);
 }
