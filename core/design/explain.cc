@@ -123,6 +123,21 @@ std::string hop_hint(const System& system, const Row& row, const std::string& re
          " or better, ask less, or take another way";
 }
 
+/// The first row of it; nullptr: there is none.
+const Row* want_of_room(const Verdict& v) {
+  const auto found = std::ranges::find_if(v.rows, is_for_want_of_room);
+  return found == v.rows.end() ? nullptr : &*found;
+}
+
+/// FD frames on a bus that states no bit rate for their data phase.
+std::string data_rate_hint(const System& system, const Verdict& v, const Publisher& publisher) {
+  const std::string hint =
+      "add data-bitrate to the Bus of Network " + name_of(system, v.obstacle_at);
+  const bool fits_classic =
+      attributes_in(publisher, v.set)[Attribute::max_payload] <= kClassicBytes;
+  return fits_classic ? hint + ", or let the Binding have format=\"classic\"" : hint;
+}
+
 /// False where a required Deadline follows from a Period.
 bool states_deadline(const Situation& s, const Verdict& v, std::size_t subscriber) {
   if (attributes_in(s.members.publisher(v.publisher), v.set).has(Attribute::deadline)) return true;
@@ -197,9 +212,7 @@ void Explainer::add_obstacle(const Verdict& v) {
       break;
     case Obstacle::no_data_rate:
       f.origin = s_.system.networks[v.obstacle_at.index].origin;
-      f.hint = "add data-bitrate to the Bus of Network " + name_of(s_.system, v.obstacle_at);
-      if (attributes_in(publisher, v.set)[Attribute::max_payload] <= kClassicBytes)
-        f.hint += ", or let the Binding have format=\"classic\"";
+      f.hint = data_rate_hint(s_.system, v, publisher);
       break;
     case Obstacle::no_path:
       f.hint = s_.system.networks[v.obstacle_at.index].mesh->nodes.empty()
@@ -268,14 +281,13 @@ void Explainer::add_run_time(const Verdict& v) {
     if (what.find(name) == std::string::npos)
       add(name + " " + format_value(s_.system, row, row.comparison.required));
   }
-  for (const Row& row : v.rows)
-    if (is_for_want_of_room(row)) {
-      add("whether " + name_of(s_.system, row.place) +
-          " has room for it beside what else is decided at run time");
-      point_to(row.place);
-      if (row.against == Against::schedule && row.comparison.attribute != Attribute::omission)
-        f.hint = late_hint(s_, *ledger_.schedule(row.place.index), v, row);
-    }
+  if (const Row* const row = want_of_room(v)) {
+    add("whether " + name_of(s_.system, row->place) +
+        " has room for it beside what else is decided at run time");
+    point_to(row->place);
+    if (row->against == Against::schedule && row->comparison.attribute != Attribute::omission)
+      f.hint = late_hint(s_, *ledger_.schedule(row->place.index), v, *row);
+  }
   for (const Place hop : hops_of(v.route)) {
     for (const std::string& words : open_on_bus(v, hop)) {
       add(words);

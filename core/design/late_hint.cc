@@ -66,7 +66,7 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
     return "send less often: what goes before these frames can take all of the bus";
   if (row.comparison.required == 0)
     return "allow more time, or let the rest of the way take less: state shorter times of it";
-  const std::string promise = promise_of(s.system, row);
+  std::string promise = promise_of(s.system, row);
   if (own && own->transmission > row.comparison.required && !promise.empty()) return promise;
   if (own && own->transmission > row.comparison.required)
     return "allow " + late +

@@ -85,7 +85,8 @@ void AuditLog::restore(const control::Audit& kept) {
   since_unix_s_ = kept.since_unix_s;
   left_out_ = kept.left_out;
   for (const control::Finding& f : kept.findings) {
-    const std::uint8_t format = f.xl ? GATE_XL : f.fd ? GATE_FD : GATE_CLASSIC;
+    const std::uint8_t without_xl = f.fd ? GATE_FD : GATE_CLASSIC;
+    const std::uint8_t format = f.xl ? std::uint8_t{GATE_XL} : without_xl;
     const bool is_can = f.channel.empty() && f.subject == 0;
     const Key key{.interface = f.interface,
                   .network = f.network,

@@ -190,17 +190,22 @@ class Merge {
     }
   }
 
+  /// Its publishers there send what was seen: by a program here, or on the network.
+  [[nodiscard]] bool is_sent_at(core::Place place, bool local, std::size_t network) const {
+    if (local)
+      return place.kind == core::Place::Kind::gateway &&
+             system_.gateways[place.index].name == options_.gateway;
+    return place.kind == core::Place::Kind::network && place.index == network;
+  }
+
   /// The publisher that is described, if it is.
   [[nodiscard]] const core::Publisher* described(const learn::DraftPublisher& seen,
                                                  std::size_t channel, std::size_t network) const {
-    using Kind = core::Place::Kind;
     const core::Network& on = system_.networks[network];
     const core::Publisher* wildcard = nullptr;
     for (const core::Publisher& p : system_.publishers) {
       if (p.channel != channel) continue;
-      const bool there = seen.local ? p.place.kind == Kind::gateway &&
-                                          system_.gateways[p.place.index].name == options_.gateway
-                                    : p.place.kind == Kind::network && p.place.index == network;
+      const bool there = is_sent_at(p.place, seen.local, network);
       if (!there) continue;
       if (on.carries_subjects()) {
         if (seen.local || p.station.bits == seen.node) return &p;

@@ -9,7 +9,7 @@ namespace mlcca::requests {
 namespace {
 
 constexpr std::uint64_t kSecond = 1'000'000'000;
-constexpr std::uint64_t kYear = 365 * 24 * 3600 * kSecond;
+constexpr std::uint64_t kYear = 365ULL * 24 * 3600 * kSecond;
 
 }  // namespace
 

@@ -138,6 +138,12 @@ std::string_view other_encoding(std::string_view text) {
   return text[0] == '\0' && text[1] != '\0' ? "UTF-16BE" : "";
 }
 
+std::string values_wrong(std::size_t values, std::size_t columns, bool commented) {
+  return fmt::format("{} value{}: must be {}, one for each column of the header{}", values,
+                     values == 1 ? "" : "s", columns,
+                     commented ? " (what follows a # is a comment)" : "");
+}
+
 class TableReader {
  public:
   TableReader(const std::string& file, const BusOptions& options) : file_(file) {
@@ -255,9 +261,7 @@ class TableReader {
 
   void take_message(const std::vector<std::string>& cells) {
     if (cells.size() != columns_) {
-      problem("values", fmt::format("{} value{}: must be {}, one for each column of the header{}",
-                                    cells.size(), cells.size() == 1 ? "" : "s", columns_,
-                                    commented_ ? " (what follows a # is a comment)" : ""));
+      problem("values", values_wrong(cells.size(), columns_, commented_));
       return;
     }
     const std::size_t problems = found_;
