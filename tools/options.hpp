@@ -40,8 +40,8 @@ struct Arguments {
   std::string when_clean;  ///< a span of time
   std::string report;      ///< of audit mode
   bool xml = false;        ///< what a description lacks, alone
-  std::string key;    ///< the user's own name of an admission
-  std::string lease;  ///< a span of time
+  std::string key;         ///< the user's own name of an admission
+  std::string lease;       ///< a span of time
   bool hold = false;
   std::string role;
   std::string end;                 ///< its name
@@ -75,13 +75,13 @@ enum class Takes : std::uint8_t {
   lease,         ///< the id or the key of an admission
   mode,
   findings,  ///< of audit mode, and in which form
-  place,    ///< perhaps a network or gateway
-  gate,     ///< perhaps an interface or network
-  changes,  ///< links as they might be, and what might be gone
-  past,     ///< of which channel, kind and time
-  links,    ///< rates of a chain of links
-  form,     ///< in which to print
-  screen,   ///< how often, and what of it
+  place,     ///< perhaps a network or gateway
+  gate,      ///< perhaps an interface or network
+  changes,   ///< links as they might be, and what might be gone
+  past,      ///< of which channel, kind and time
+  links,     ///< rates of a chain of links
+  form,      ///< in which to print
+  screen,    ///< how often, and what of it
 };
 
 struct Options {

@@ -49,8 +49,8 @@ control::Reservations full_reservations();
 /// One outlook for each effect, the gain first.
 control::WhatIf full_what_if();
 control::History full_history();
-/// Five findings: a CAN frame, a longer one with 29 bits, a datagram, a refused delivery, frames that
-/// cannot be read.
+/// Five findings: a CAN frame, a longer one with 29 bits, a datagram, a refused delivery, frames
+/// that cannot be read.
 control::Audit full_audit();
 
 }  // namespace mlcca::test
