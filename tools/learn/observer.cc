@@ -199,7 +199,8 @@ void Observer::find_origins() {
   }
   for (const auto& [key, seen] : flows_)
     if (seen.origin) all[seen.number].origin = flows_.at(*seen.origin).number;
-  for (const Crossings::Found& found : crossings_.find(std::move(all))) {
+  const auto crossings = crossings_.find(std::move(all));
+  for (const Crossings::Found& found : crossings) {
     const FlowKey& copy = order_[found.copy];
     const FlowKey& origin = order_[found.origin];
     if (!found.sure) {
