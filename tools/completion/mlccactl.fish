@@ -74,6 +74,12 @@ function __mlccactl_can
     test -n "$types"; and string replace -rf '.*/([^/]*)/type$' '$1' -- (grep -lx 280 $types)
 end
 
+# Those of Ethernet, which are 1, as well.
+function __mlccactl_learnable
+    set -l types /sys/class/net/*/type
+    test -n "$types"; and string replace -rf '.*/([^/]*)/type$' '$1' -- (grep -lxE '1|280' $types)
+end
+
 # Files whose names end in one of these, and the folders that lead to them.
 function __mlccactl_files
     set -l endings (string join '|' $argv)
@@ -260,5 +266,5 @@ __mlccactl_option 'doctor' -l bpf-root -x -a '(__fish_complete_directories)' -d 
 complete -c mlccactl -n '__mlccactl_verb check describe export format generate new' -a '(__mlccactl_files xml)'
 complete -c mlccactl -n '__mlccactl_verb analyse-bus' -a '(__mlccactl_files xml csv)'
 complete -c mlccactl -n '__mlccactl_verb import' -a '(__mlccactl_files dbc eds dcf)'
-complete -c mlccactl -n '__mlccactl_verb learn' -a '(__mlccactl_can)'
+complete -c mlccactl -n '__mlccactl_verb learn' -a '(__mlccactl_learnable)'
 complete -c mlccactl -n '__mlccactl_verb learn' -F
