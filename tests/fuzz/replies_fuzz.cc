@@ -10,6 +10,7 @@
 
 #include "control/codec.hpp"
 #include "tests/fuzz/demand.hpp"
+#include "tools/audit.hpp"
 #include "tools/json.hpp"
 #include "tools/render.hpp"
 
