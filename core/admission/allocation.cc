@@ -124,10 +124,10 @@ bool Allocation::step_up(std::size_t channel) {
   Progress::step();
   if (is_best(channel)) return false;
   const Decision& now = decisions_[channel];
-  const std::size_t sets = sets_of(s_.system, channel);
-  std::size_t first = sets;
-  if (now.granted != 0) first = now.all_granted() ? now.set : now.set + 1;
-  for (std::size_t set = first; set-- > 0;) {
+  // What is waiting of it may be served in a lower set than the one in use: service comes before
+  // quality for its deliveries, too.
+  const bool whole = now.granted != 0 && now.all_granted();
+  for (std::size_t set = whole ? now.set : sets_of(s_.system, channel); set-- > 0;) {
     const Ledger::Mark mark = ledger_.mark();
     take_out(channel);
     Decision next = decide_in(s_, channel, set, ledger_);
