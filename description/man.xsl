@@ -17,14 +17,15 @@
   <xsl:template match="/xs:schema">
     <xsl:text>.SH ELEMENTS&#10;</xsl:text>
     <xsl:apply-templates select="xs:complexType" mode="part"/>
-    <xsl:text>.SH VALUES&#10;White space around a value does not count.&#10;</xsl:text>
+    <!-- Patterns are long words: no adjustment. -->
+    <xsl:text>.SH VALUES&#10;.na&#10;White space around a value does not count.&#10;</xsl:text>
     <xsl:for-each select="xs:simpleType">
       <xsl:sort select="@name"/>
       <xsl:variable name="words"><xsl:apply-templates select="." mode="words"/></xsl:variable>
       <xsl:call-template name="entry"><xsl:with-param name="name" select="@name"/></xsl:call-template>
       <xsl:call-template name="line"><xsl:with-param name="text" select="$words"/></xsl:call-template>
     </xsl:for-each>
-    <xsl:text>.TP&#10;.B boolean&#10;true or 1, false or 0&#10;</xsl:text>
+    <xsl:text>.TP&#10;.B boolean&#10;true or 1, false or 0&#10;.ad&#10;</xsl:text>
     <xsl:text>.SH INCLUDED FILES AND LIMITS&#10;</xsl:text>
     <!-- The first half says what the first paragraph does. -->
     <xsl:call-template name="lines">
@@ -131,10 +132,11 @@
     </xsl:if>
   </xsl:template>
 
-  <!-- A line that would begin with a full stop is no request. A sentence a line, as roff wants it. -->
+  <!-- A line that would begin with a full stop is no request. A sentence a line, as roff wants it. A pattern may be
+       broken behind each of its parts. -->
   <xsl:template name="line">
     <xsl:param name="text"/>
-    <xsl:variable name="plain" select="str:replace(str:replace(normalize-space($text), '\', '\e'), '-', '\-')"/>
+    <xsl:variable name="plain" select="str:replace(str:replace(str:replace(normalize-space($text), '\', '\e'), '-', '\-'), '|', '|\:')"/>
     <xsl:value-of select="concat('\&amp;', str:replace($plain, '. ', '.&#10;\&amp;'), '&#10;')"/>
   </xsl:template>
 </xsl:stylesheet>
