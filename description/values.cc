@@ -10,6 +10,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/ascii.hpp"
 #include "base/number.hpp"
 #include "description/problems.hpp"
 #include "description/suggest.hpp"
@@ -32,8 +33,6 @@ bool fits(Form form, std::string_view text) {
   }
   return at == end;
 }
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 /// An optional sign and digits, as a number; nothing for anything else. What is beyond the range of
 /// long becomes its end.

@@ -7,6 +7,7 @@
 #include <array>
 #include <utility>
 
+#include "base/ascii.hpp"
 #include "base/big_endian.hpp"
 #include "base/hash.hpp"
 #include "core/model/words.hpp"
@@ -20,14 +21,8 @@ using core::Profile;
 
 std::string name_like(std::string_view text) {
   std::string out;
-  for (const char c : text.substr(0, 40)) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                       c == '.' || c == '_' || c == '-';
-    out += plain ? c : '_';
-  }
-  const bool begins_well =
-      !out.empty() && ((out[0] >= 'a' && out[0] <= 'z') || (out[0] >= 'A' && out[0] <= 'Z'));
-  return begins_well ? out : "if" + out;
+  for (const char c : text.substr(0, 40)) out += is_of_name(c) ? c : '_';
+  return !out.empty() && is_letter(out.front()) ? out : "if" + out;
 }
 
 std::string interface_like(std::string_view text) {
@@ -35,11 +30,7 @@ std::string interface_like(std::string_view text) {
   std::string like = name_like(text).substr(0, longest);
   if (text.empty() || text.size() > longest || std::string_view(".@+-").contains(text.front()))
     return like;
-  const bool plain = std::ranges::all_of(text, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           std::string_view("_.@+-").contains(c);
-  });
-  return plain ? std::string(text) : like;
+  return std::ranges::all_of(text, is_of_interface_name) ? std::string(text) : like;
 }
 
 std::uint64_t subject_of(std::string_view name) {
@@ -133,10 +124,8 @@ std::string spelled(core::Subject subject) {
   std::string out;
   for (const std::uint8_t octet : big_endian(subject)) out += static_cast<char>(octet);
   out.erase(out.find_last_not_of('\0') + 1);  // short ones are filled up
-  const bool is_written = std::ranges::all_of(out, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           std::string_view("_.!/: ").contains(c);
-  });
+  const bool is_written = std::ranges::all_of(
+      out, [](char c) { return is_alphanumeric(c) || std::string_view("_.!/: ").contains(c); });
   return is_written ? out : std::string();
 }
 

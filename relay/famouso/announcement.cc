@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "base/ascii.hpp"
 #include "base/big_endian.hpp"
 
 namespace mlcca::relay {
@@ -17,11 +18,6 @@ constexpr std::size_t kForwardsAt = 18;
 constexpr std::size_t kNamesAt = 19;
 constexpr std::size_t kLongestName = 63;
 
-bool is_of_name(std::uint8_t c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
-         c == '_' || c == '-';
-}
-
 /// Nothing: one of them is none.
 std::optional<std::vector<std::string>> names_in(Octets rest) {
   std::vector<std::string> names;
@@ -29,7 +25,8 @@ std::optional<std::vector<std::string>> names_in(Octets rest) {
     const std::size_t size = rest.front();
     if (size == 0 || size > kLongestName || size >= rest.size()) return std::nullopt;
     const Octets name = rest.subspan(1, size);
-    if (!std::ranges::all_of(name, is_of_name)) return std::nullopt;
+    if (!std::ranges::all_of(name, [](std::uint8_t c) { return is_of_name(static_cast<char>(c)); }))
+      return std::nullopt;
     names.emplace_back(name.begin(), name.end());
     rest = rest.subspan(1 + size);
   }

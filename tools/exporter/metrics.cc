@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "tools/exporter/metrics.hpp"
 
+#include "base/ascii.hpp"
 #include "control/version.hpp"
 #include "tools/exporter/exposition.hpp"
 
@@ -9,12 +10,10 @@ namespace {
 
 constexpr std::size_t kBytesOfADelivery = 1024;
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 /// What may stand in a name or an address, so that digits beside it are a part of it.
 bool is_of_a_word(char c) {
-  return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '-' ||
-         c == ':' || c == '/' || (static_cast<unsigned char>(c) & 0x80U) != 0;
+  return is_alphanumeric(c) || c == '_' || c == '-' || c == ':' || c == '/' ||
+         (static_cast<unsigned char>(c) & 0x80U) != 0;
 }
 
 /// The end of the decimal number that begins at `from`.

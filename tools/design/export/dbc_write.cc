@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "base/ascii.hpp"
 #include "mlcca/attribute.hpp"
 #include "tools/design/export/admitted.hpp"
 #include "tools/values.hpp"
@@ -21,9 +22,7 @@ constexpr std::uint32_t kClassicFrame = 8;
 constexpr std::uint32_t kFdFrame = 64;
 constexpr double kNanosOfMilli = 1e6;
 
-bool is_of_name(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-}
+bool is_of_dbc_name(char c) { return is_alphanumeric(c) || c == '_'; }
 
 /// Names of a DBC file: letters, digits and '_', each once.
 class DbcNames {
@@ -35,8 +34,8 @@ class DbcNames {
   }
   std::string take(const std::string& name) {
     std::string wanted;
-    for (const char c : name) wanted += is_of_name(c) ? c : '_';
-    if (wanted.empty() || (wanted.front() >= '0' && wanted.front() <= '9')) wanted.insert(0, "_");
+    for (const char c : name) wanted += is_of_dbc_name(c) ? c : '_';
+    if (wanted.empty() || is_digit(wanted.front())) wanted.insert(0, "_");
     wanted.resize(std::min(wanted.size(), kMostDbcName));
     auto taken = wanted;
     for (unsigned i = 2; !taken_.insert(taken).second; ++i) {

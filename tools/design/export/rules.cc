@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "base/ascii.hpp"
 #include "core/gates/plan.hpp"
 #include "tools/design/export/admitted.hpp"
 
@@ -18,11 +19,7 @@ constexpr std::size_t kMatchesOfAFilter = 50;  // of at most 500
 
 /// In a shell script only what needs no quotes.
 bool is_plain(std::string_view name) {
-  const auto plain = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           std::string_view("._-@+").contains(c);
-  };
-  return !name.empty() && std::ranges::all_of(name, plain);
+  return !name.empty() && std::ranges::all_of(name, is_of_interface_name);
 }
 
 Result<std::string> interface_of(const core::System& system, const core::Gateway& gateway,

@@ -7,6 +7,8 @@
 #include <array>
 #include <cctype>
 
+#include "base/ascii.hpp"
+
 namespace mlcca::tools::design {
 namespace {
 
@@ -33,16 +35,14 @@ constexpr auto kReserved = std::to_array<std::string_view>(
      "wchar_t",       "while",       "xor",       "xor_eq",    "checks",       "const_cast",
      "dynamic_cast",  "i386"});
 
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_large(char c) { return c >= 'A' && c <= 'Z'; }
-char small(char c) { return is_large(c) ? static_cast<char>(c + 32) : c; }
-char large(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; }
+char small(char c) { return is_large_letter(c) ? static_cast<char>(c + 32) : c; }
+char large(char c) { return is_small_letter(c) ? static_cast<char>(c - 32) : c; }
 
 /// "CAN" is "Can": words in large letters alone have the form of macros.
 std::string capitalised(std::string word) {
-  const bool shouted = word.size() > 1 &&
-                       std::ranges::all_of(word, [](char c) { return is_large(c) || is_digit(c); });
+  const bool shouted = word.size() > 1 && std::ranges::all_of(word, [](char c) {
+                         return is_large_letter(c) || is_digit(c);
+                       });
   if (shouted) std::ranges::transform(word, word.begin(), small);
   word.front() = large(word.front());
   return word;
@@ -81,7 +81,7 @@ std::string type_name(std::string_view name) {
     word.clear();
   };
   for (const char c : name) {
-    if (is_letter(c) || is_digit(c))
+    if (is_alphanumeric(c))
       word += c;
     else
       end_word();
@@ -94,7 +94,7 @@ std::string type_name(std::string_view name) {
 std::string file_name(std::string_view name) {
   std::string out;
   for (const char c : name) {
-    if (is_letter(c) || is_digit(c))
+    if (is_alphanumeric(c))
       out += small(c);
     else if (!out.empty() && out.back() != '_')
       out += '_';

@@ -3,12 +3,13 @@
 
 #include <algorithm>
 
+#include "base/ascii.hpp"
+
 namespace mlcca::tools::design {
 namespace {
 
 bool is_of_word(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-         c == '.' || c == '-' || c == '+' || static_cast<unsigned char>(c) >= 0x80;
+  return is_of_name(c) || c == '+' || static_cast<unsigned char>(c) >= 0x80;
 }
 
 }  // namespace

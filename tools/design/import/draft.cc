@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "base/ascii.hpp"
 #include "base/hash.hpp"
 #include "core/model/words.hpp"
 #include "tools/design/attribute_list.hpp"
@@ -19,11 +20,6 @@ namespace mlcca::tools::design {
 namespace {
 
 constexpr std::size_t kMostName = 63;  // of a description
-
-bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
-bool is_name(char c) {
-  return is_letter(c) || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
-}
 
 /// Names that are given once each.
 class NamesOnce {
@@ -249,7 +245,7 @@ std::uint64_t subject_of(std::string_view network, const ImportedMessage& messag
 std::string name_from(std::string_view text) {
   std::string out;
   for (const char c : text)
-    if (is_name(c))
+    if (is_of_name(c))
       out += c;
     else if (!out.ends_with('-'))
       out += '-';

@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "base/ascii.hpp"
 #include "base/number.hpp"
 #include "core/model/words.hpp"
 #include "description/values.hpp"
@@ -28,10 +29,8 @@ constexpr Value kMostBytes = 65'535;
 
 bool is_interface_name(std::string_view name) {
   constexpr std::size_t most = 15;
-  return !name.empty() && name.size() <= most && std::ranges::all_of(name, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           std::string_view("_.@+-").find(c) != std::string_view::npos;
-  }) && std::string_view(".@+-").find(name.front()) == std::string_view::npos;
+  return !name.empty() && name.size() <= most && std::ranges::all_of(name, is_of_interface_name) &&
+         std::string_view(".@+-").find(name.front()) == std::string_view::npos;
 }
 
 std::vector<std::string> parts_of(std::string_view text, char between) {
