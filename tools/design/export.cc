@@ -36,20 +36,10 @@ class Export {
   Export(const ExportArguments& arguments, const Context& context)
       : a_(arguments), context_(context) {}
 
-  Exit run() {
-    auto done = carry_out();
-    if (done) return *done;
-    return say(done.error(), context_.json);
-  }
+  Exit run() { return finish(carry_out(), context_.json); }
 
  private:
-  using Outcome = std::expected<Exit, Refusal>;
-
-  static std::unexpected<Refusal> refuse(Exit exit, std::string message) {
-    return std::unexpected(Refusal{exit, std::move(message), {}});
-  }
-
-  Outcome carry_out() {
+  Finished carry_out() {
     auto system = description::read(a_.system, description::Users::any);
     if (!system) {
       Refusal refusal{
@@ -105,7 +95,7 @@ class Export {
     return fail(fmt::format("there is no such {} {}; there are {}", what, name, names));
   }
 
-  [[nodiscard]] Outcome report(const Exported& made) const {
+  [[nodiscard]] Finished report(const Exported& made) const {
     if (context_.json) {
       Json out = {{"output", a_.output.empty() ? Json() : Json(a_.output)},
                   {"no_counterpart", to_json(made.lacks)}};

@@ -35,25 +35,14 @@ class Generate {
  public:
   Generate(const Arguments& arguments, const Context& context) : a_(arguments), context_(context) {}
 
-  Exit run() {
-    auto done = carry_out();
-    if (done) return *done;
-    say(done.error(), context_.json);
-    return done.error().exit;
-  }
+  Exit run() { return finish(carry_out(), context_.json); }
 
  private:
-  using Outcome = std::expected<Exit, Refusal>;
-
-  static std::unexpected<Refusal> refuse(Exit exit, std::string message) {
-    return std::unexpected(Refusal{exit, std::move(message), {}});
-  }
-
   static std::unexpected<Refusal> refuse_to_write(const Error& why) {
     return refuse(Exit::usage, why.text + "; nothing was written");
   }
 
-  Outcome carry_out() {
+  Finished carry_out() {
     auto system = description::read(a_.system, description::Users::any);
     if (!system) {
       Refusal refusal{Exit::usage, fmt::format("{}: cannot be generated from", a_.system), {}};
@@ -73,8 +62,8 @@ class Generate {
   }
 
   /// Everything is made before anything is written.
-  Outcome make(const core::System& system, const std::vector<Unit>& units,
-               const TargetFolder& output) {
+  Finished make(const core::System& system, const std::vector<Unit>& units,
+                const TargetFolder& output) {
     const Decisions decisions(system);
     for (const auto& unit : units) {
       auto header = header_of(system, decisions, unit);
@@ -105,7 +94,7 @@ class Generate {
     return Exit::fine;
   }
 
-  Outcome write(const TargetFolder& output) {
+  Finished write(const TargetFolder& output) {
     for (const auto& file : files_) {
       if (const auto good = output.check_link(file.name); !good)
         return refuse_to_write(good.error());

@@ -43,32 +43,15 @@ struct ImportArguments {
   std::string output;
 };
 
-/// "powertrain" of "dir/powertrain.dbc".
-std::string stem_of(const std::string& path) {
-  const auto name = path.substr(path.rfind('/') + 1);
-  const auto dot = name.rfind('.');
-  return name_from(dot == std::string::npos || dot == 0 ? name : name.substr(0, dot));
-}
-
 class Import {
  public:
   Import(const ImportArguments& arguments, const Context& context)
       : a_(arguments), context_(context) {}
 
-  Exit run() {
-    auto done = carry_out();
-    if (done) return *done;
-    return say(done.error(), context_.json);
-  }
+  Exit run() { return finish(carry_out(), context_.json); }
 
  private:
-  using Outcome = std::expected<Exit, Refusal>;
-
-  static std::unexpected<Refusal> refuse(Exit exit, std::string message) {
-    return std::unexpected(Refusal{exit, std::move(message), {}});
-  }
-
-  Outcome carry_out() {
+  Finished carry_out() {
     if (auto good = understand(); !good) return refuse(Exit::usage, good.error().text);
     for (std::size_t i = 0; i < a_.files.size(); ++i)
       if (auto done = read(a_.files[i], i); !done) return done;
@@ -128,7 +111,7 @@ class Import {
     return {};
   }
 
-  Outcome read(const std::string& path, std::size_t i) {
+  Finished read(const std::string& path, std::size_t i) {
     const auto file = read_file(path, kMostImported);
     if (!file) return refuse(Exit::world, file.error().text);
     if (!*file) return refuse(Exit::world, path + ": No such file or directory");
@@ -140,7 +123,7 @@ class Import {
     options_.node = a_.nodes.empty() ? 0 : a_.nodes[i];
     auto network = format->read((*file)->text, path, options_);
     if (!network) return refuse(Exit::usage, network.error().text);
-    network->name = a_.networks.empty() ? stem_of(path) : a_.networks[i];
+    network->name = a_.networks.empty() ? name_from(stem_of_file(path)) : a_.networks[i];
     for (auto& other : networks_) {
       if (other.name != network->name) continue;
       if (!may_merge(other, *network))
@@ -159,7 +142,7 @@ class Import {
     return a.is_part && b.is_part && a.kind == b.kind && a.profile == b.profile;
   }
 
-  [[nodiscard]] Outcome report(const std::string& draft) const {
+  [[nodiscard]] Finished report(const std::string& draft) const {
     if (context_.json)
       return say(json(draft).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
     for (const auto& network : networks_) {

@@ -333,13 +333,11 @@ class CyphalMeaning {
 
 Result<ImportedNetwork> import_cyphal(std::string_view text, const std::string& file,
                                       const ImportOptions& options) {
-  bool converted = false;
-  const auto readable = utf8_of(text, converted);
-  const auto yaml = read_yaml(readable, file);
-  if (!yaml) return std::unexpected(yaml.error());
-  auto out = CyphalMeaning(*yaml, file, options).take();
-  if (out && converted) out->lacks.add("encoding", "is no UTF-8", 0, "read as Windows-1252");
-  return out;
+  return read_as_utf8(text, [&](std::string_view readable) -> Result<ImportedNetwork> {
+    const auto yaml = read_yaml(readable, file);
+    if (!yaml) return std::unexpected(yaml.error());
+    return CyphalMeaning(*yaml, file, options).take();
+  });
 }
 
 }  // namespace mlcca::tools::design

@@ -163,14 +163,11 @@ std::string DdsEnds::add(DdsEnd end) {
   return {};
 }
 
-ImportedNetwork DdsEnds::take(const std::string& file, const ImportOptions& options) {
+Result<ImportedNetwork> DdsEnds::take(const std::string& file, const ImportOptions& options,
+                                      const std::string& error, std::string_view lacking) {
+  if (!error.empty()) return fail(error);
+  if (ends_.empty()) return fail(fmt::format("{}: {}", file, lacking));
   return DdsMeaning(file, options, std::move(lacks)).take(ends_);
-}
-
-std::string stem_of_file(std::string_view path) {
-  const auto name = path.substr(path.rfind('/') + 1);
-  const auto dot = name.rfind('.');
-  return std::string(dot == std::string_view::npos || dot == 0 ? name : name.substr(0, dot));
 }
 
 }  // namespace mlcca::tools::design

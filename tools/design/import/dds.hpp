@@ -43,18 +43,16 @@ class DdsEnds {
  public:
   /// What is wrong with one more; empty: nothing.
   std::string add(DdsEnd end);
-  [[nodiscard]] bool empty() const { return ends_.empty(); }
   Lacks lacks;
-  /// The network that they become.
-  ImportedNetwork take(const std::string& file, const ImportOptions& options);
+  /// The network that they become; `error`: what was wrong with the file, if anything was;
+  /// `lacking`: what it ought to have, where it has no end.
+  Result<ImportedNetwork> take(const std::string& file, const ImportOptions& options,
+                               const std::string& error, std::string_view lacking);
 
  private:
   std::vector<DdsEnd> ends_;
   std::set<std::string> nodes_;
 };
-
-/// "drive" of "dir/drive.yaml".
-std::string stem_of_file(std::string_view path);
 
 /// qos_overrides in parameters of ROS 2 nodes.
 Result<ImportedNetwork> import_ros2_params(std::string_view text, const std::string& file,

@@ -67,13 +67,9 @@ class ProfileReader {
 
   Result<ImportedNetwork> read(std::string_view text, const ImportOptions& options) {
     parse(text);
-    if (error_.empty() && ends_.empty())
-      error_ = fmt::format(
-          "{}: there is no profile of a data writer or data reader in it, such as <data_writer "
-          "profile_name=\"...\">",
-          file_);
-    if (!error_.empty()) return fail(error_);
-    return ends_.take(file_, options);
+    return ends_.take(file_, options, error_,
+                      "there is no profile of a data writer or data reader in it, such as "
+                      "<data_writer profile_name=\"...\">");
   }
 
  private:

@@ -218,21 +218,20 @@ class EdsMeaning {
 
 Result<ImportedNetwork> import_eds(std::string_view text, const std::string& file,
                                    const ImportOptions& options) {
-  bool converted = false;
-  const auto readable = utf8_of(text, converted);
-  auto read = read_eds(readable, file);
-  if (!read) return std::unexpected(std::move(read.error()));
-  const auto node = options.node != 0 ? options.node : read->node.value_or(0);
-  if (node == 0 || node > kMostNode)
-    return fail(
-        fmt::format("{}: it states no NodeID of 1 to 127, as the EDS of a kind of device: "
-                    "state --node",
-                    file));
-  auto out = EdsMeaning(std::move(*read), file, options, node).take();
-  if (out.messages.empty())
-    return fail(fmt::format("{}: there is no PDO that is switched on, and no heart-beat", file));
-  if (converted) out.lacks.add("encoding", "is no UTF-8", 0, "read as Windows-1252");
-  return out;
+  return read_as_utf8(text, [&](std::string_view readable) -> Result<ImportedNetwork> {
+    auto read = read_eds(readable, file);
+    if (!read) return std::unexpected(std::move(read.error()));
+    const auto node = options.node != 0 ? options.node : read->node.value_or(0);
+    if (node == 0 || node > kMostNode)
+      return fail(
+          fmt::format("{}: it states no NodeID of 1 to 127, as the EDS of a kind of device: "
+                      "state --node",
+                      file));
+    auto out = EdsMeaning(std::move(*read), file, options, node).take();
+    if (out.messages.empty())
+      return fail(fmt::format("{}: there is no PDO that is switched on, and no heart-beat", file));
+    return out;
+  });
 }
 
 }  // namespace mlcca::tools::design

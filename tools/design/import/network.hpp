@@ -10,9 +10,11 @@
 #include <tuple>
 #include <vector>
 
+#include "base/result.hpp"
 #include "core/model/system.hpp"
 #include "mlcca/attribute.hpp"
 #include "tools/design/import/lacks.hpp"
+#include "tools/design/import/text.hpp"
 
 namespace mlcca::tools::design {
 
@@ -65,6 +67,17 @@ struct ImportedNetwork {
   std::vector<ImportedMessage> messages;
   Lacks lacks;
 };
+
+/// Of a text that does not say how it is encoded: `read` gets it in UTF-8, and what it was is
+/// listed.
+template <class Read>
+Result<ImportedNetwork> read_as_utf8(std::string_view text, const Read& read) {
+  bool converted = false;
+  const std::string readable = utf8_of(text, converted);
+  Result<ImportedNetwork> out = read(std::string_view(readable));
+  if (out && converted) out->lacks.add("encoding", "is no UTF-8", 0, "read as Windows-1252");
+  return out;
+}
 
 /// Whether the profile has such a number, and events of that size. If not, why not is added to the
 /// lacks of the network: the message is left out.

@@ -28,13 +28,9 @@ class ParamsReader {
       const int line = end.line;
       if (const auto why = ends_.add(std::move(end)); !why.empty()) wrong(line, why);
     }
-    if (error_.empty() && ends_.empty())
-      error_ = fmt::format(
-          "{}: there is no quality of service in it: parameters are such as "
-          "\"qos_overrides./TOPIC.publisher.deadline\"",
-          file_);
-    if (!error_.empty()) return fail(error_);
-    return ends_.take(file_, options);
+    return ends_.take(file_, options, error_,
+                      "there is no quality of service in it: parameters are such as "
+                      "\"qos_overrides./TOPIC.publisher.deadline\"");
   }
 
  private:
@@ -143,13 +139,11 @@ class ParamsReader {
 
 Result<ImportedNetwork> import_ros2_params(std::string_view text, const std::string& file,
                                            const ImportOptions& options) {
-  bool converted = false;
-  const auto readable = utf8_of(text, converted);
-  const auto yaml = read_yaml(readable, file);
-  if (!yaml) return std::unexpected(yaml.error());
-  auto out = ParamsReader(*yaml, file).read(options);
-  if (out && converted) out->lacks.add("encoding", "is no UTF-8", 0, "read as Windows-1252");
-  return out;
+  return read_as_utf8(text, [&](std::string_view readable) -> Result<ImportedNetwork> {
+    const auto yaml = read_yaml(readable, file);
+    if (!yaml) return std::unexpected(yaml.error());
+    return ParamsReader(*yaml, file).read(options);
+  });
 }
 
 }  // namespace mlcca::tools::design

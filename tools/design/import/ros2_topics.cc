@@ -34,13 +34,9 @@ class TopicsReader {
       rest_.remove_prefix(std::min(size + 1, rest_.size()));
     }
     end_of_endpoint();
-    if (error_.empty() && ends_.empty())
-      error_ = fmt::format(
-          "{}: there is no publisher or subscription in it: print it with \"ros2 "
-          "topic info --verbose\"",
-          file_);
-    if (!error_.empty()) return fail(error_);
-    return ends_.take(file_, options);
+    return ends_.take(file_, options, error_,
+                      "there is no publisher or subscription in it: print it with \"ros2 topic "
+                      "info --verbose\"");
   }
 
  private:
@@ -165,11 +161,8 @@ class TopicsReader {
 
 Result<ImportedNetwork> import_ros2_topics(std::string_view text, const std::string& file,
                                            const ImportOptions& options) {
-  bool converted = false;
-  const auto readable = utf8_of(text, converted);
-  auto out = TopicsReader(readable, file).read(options);
-  if (out && converted) out->lacks.add("encoding", "is no UTF-8", 0, "read as Windows-1252");
-  return out;
+  return read_as_utf8(
+      text, [&](std::string_view readable) { return TopicsReader(readable, file).read(options); });
 }
 
 }  // namespace mlcca::tools::design

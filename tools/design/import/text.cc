@@ -53,4 +53,10 @@ std::string_view without_blanks(std::string_view text) {
   return text;
 }
 
+std::string stem_of_file(std::string_view path) {
+  const auto name = path.substr(path.rfind('/') + 1);
+  const auto dot = name.rfind('.');
+  return std::string(dot == std::string_view::npos || dot == 0 ? name : name.substr(0, dot));
+}
+
 }  // namespace mlcca::tools::design

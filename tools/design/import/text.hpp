@@ -10,6 +10,9 @@ namespace mlcca::tools::design {
 /// character of Latin-1; `converted` says whether.
 std::string utf8_of(std::string_view text, bool& converted);
 
+/// "drive" of "dir/drive.yaml".
+std::string stem_of_file(std::string_view path);
+
 /// Neither blanks nor control characters at the ends.
 std::string_view without_blanks(std::string_view text);
 
