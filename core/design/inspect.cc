@@ -429,19 +429,11 @@ class Inspector {
 class QueueLengths {
  public:
   QueueLengths(const InspectedBuses& buses, std::size_t network) {
-    const auto& assumptions = buses.assumptions[network];
-    if (!assumptions) return;
-    std::vector<can::Message> messages;
-    for (const BusMessage& m : buses.messages) {
-      if (m.network != network || !m.message) continue;
-      messages.push_back(*m.message);
-      messages.back().key = messages.size();
-      if (m.message->queue != can::kOwnQueue) queue_of_[m.publisher] = m.message->queue;
-    }
-    const auto responses = can::analyse(*assumptions, messages);
-    for (std::size_t i = 0; i < messages.size(); ++i) {
-      std::uint32_t& longest = longest_[messages[i].queue];
-      longest = std::max(longest, responses[i].bounded ? responses[i].queued_frames : kNone);
+    for (const SentMessage& sent : all_sent(buses, network)) {
+      const std::uint32_t queue = sent.message->message->queue;
+      if (queue != can::kOwnQueue) queue_of_[sent.message->publisher] = queue;
+      std::uint32_t& longest = longest_[queue];
+      longest = std::max(longest, sent.response.bounded ? sent.response.queued_frames : kNone);
     }
   }
   /// Of the queue that the frames of the publisher wait in; nothing: there is no bound, or no
@@ -473,6 +465,22 @@ void state_queue_lengths(const System& system, Inspection& inspection,
 }
 
 }  // namespace
+
+std::vector<SentMessage> all_sent(const InspectedBuses& buses, std::size_t network) {
+  const auto& assumptions = buses.assumptions[network];
+  if (!assumptions) return {};
+  std::vector<SentMessage> out;
+  std::vector<can::Message> messages;
+  for (const BusMessage& m : buses.messages) {
+    if (m.network != network || !m.message) continue;
+    out.push_back({&m, {}});
+    messages.push_back(*m.message);
+    messages.back().key = messages.size();
+  }
+  const auto responses = can::analyse(*assumptions, messages);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].response = responses[i];
+  return out;
+}
 
 Inspection inspect(const System& system, const InspectProgress& progress, const EachDecided& each,
                    InspectedBuses* buses) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/admission/admission.hpp"
+#include "core/can/analysis.hpp"
 #include "core/can/message.hpp"
 #include "core/design/bus_messages.hpp"
 #include "core/design/findings.hpp"
@@ -35,6 +36,14 @@ struct InspectedBuses {
   std::vector<std::optional<can::Assumptions>> assumptions;  ///< of each network, where analysed
   std::vector<BusMessage> messages;                          ///< by network, then publisher
 };
+
+/// A message on a bus and its response time, if all messages there are sent.
+struct SentMessage {
+  const BusMessage* message = nullptr;
+  can::Response response;
+};
+/// Of one network, those of which the description says enough; none where it is not analysed.
+[[nodiscard]] std::vector<SentMessage> all_sent(const InspectedBuses& buses, std::size_t network);
 
 struct Inspection {
   std::vector<Finding> findings;  ///< in the order of the description: file, line, number

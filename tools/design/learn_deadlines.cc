@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/can/analysis.hpp"
 #include "core/design/inspect.hpp"
 #include "description/read.hpp"
 
@@ -21,22 +20,13 @@ using OnBuses = std::map<std::size_t, std::map<std::size_t, std::optional<std::u
 OnBuses responses_of(const core::System& system, const core::InspectedBuses& buses) {
   OnBuses out;
   for (std::size_t n = 0; n < buses.assumptions.size(); ++n) {
-    if (!buses.assumptions[n]) continue;
-    std::vector<core::can::Message> messages;
-    std::vector<std::size_t> channels;
-    for (const core::BusMessage& m : buses.messages) {
-      if (m.network != n || !m.message) continue;
-      messages.push_back(*m.message);
-      messages.back().key = messages.size();
-      channels.push_back(system.publishers[m.publisher].channel);
-    }
-    const auto responses = core::can::analyse(*buses.assumptions[n], messages);
-    for (std::size_t i = 0; i < responses.size(); ++i) {
-      auto [at, fresh] = out[channels[i]].try_emplace(n, std::uint64_t{0});
-      if (!responses[i].bounded)
+    for (const core::SentMessage& sent : core::all_sent(buses, n)) {
+      const std::size_t channel = system.publishers[sent.message->publisher].channel;
+      auto [at, fresh] = out[channel].try_emplace(n, std::uint64_t{0});
+      if (!sent.response.bounded)
         at->second.reset();
       else if (at->second)
-        at->second = std::max<std::uint64_t>(*at->second, responses[i].response);
+        at->second = std::max<std::uint64_t>(*at->second, sent.response.response);
     }
   }
   return out;
