@@ -124,20 +124,21 @@ void AuditLog::refused(const core::Verdict& verdict, const core::GateEntry& entr
        {.fate = fate, .frames = frames});
 }
 
-void AuditLog::poll(std::size_t port) { poll(port, Reporting::yes); }
-
-void AuditLog::take_up(std::size_t port) {
-  polled_.erase(port);
-  poll(port, Reporting::no);
+void AuditLog::poll(std::size_t port, const UnknownFrames& unknown) {
+  poll(port, unknown, Reporting::yes);
 }
 
-void AuditLog::poll(std::size_t port, Reporting reporting) {
+void AuditLog::take_up(std::size_t port, const UnknownFrames& unknown) {
+  polled_.erase(port);
+  poll(port, unknown, Reporting::no);
+}
+
+void AuditLog::poll(std::size_t port, const UnknownFrames& unknown, Reporting reporting) {
   Polled& last = polled_[port];
   const std::uint64_t now = clock_.monotonic_ns();
   const std::uint64_t span = last.at == 0 ? 0 : now - last.at;
   last.at = now;
   poll_reasons(port, last, reporting);
-  const UnknownFrames unknown = gates_.unknown_frames(port);
   const UnknownFrames fresh = grown(unknown, std::exchange(last.unknown, unknown));
   if (fresh.dropped + fresh.would_drop != 0 || reporting == Reporting::no)
     // The mode does not change between two polls.

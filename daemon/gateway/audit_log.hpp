@@ -39,10 +39,11 @@ class AuditLog {
   /// So many frames of a delivery were refused since the last call, `reason` in words.
   void refused(const core::Verdict& verdict, const core::GateEntry& entry,
                const std::string& reason, Fate fate, std::uint64_t frames);
-  /// Looks for frames that a port has refused since the last poll and that belong to no delivery.
-  void poll(std::size_t port);
+  /// Looks for frames that a port has refused since the last poll and that belong to no delivery;
+  /// `unknown`: those without a slot so far.
+  void poll(std::size_t port, const UnknownFrames& unknown);
   /// What the gate of a port has counted until now is not reported any more.
-  void take_up(std::size_t port);
+  void take_up(std::size_t port, const UnknownFrames& unknown);
 
   /// The rules are other ones now: for how long they would have dropped nothing begins again.
   void restart_clean() { clean_since_ = clock_.monotonic_ns(); }
@@ -104,7 +105,7 @@ class AuditLog {
   };
   enum class Reporting : bool { no, yes };
 
-  void poll(std::size_t port, Reporting reporting);
+  void poll(std::size_t port, const UnknownFrames& unknown, Reporting reporting);
   void poll_reasons(std::size_t port, Polled& last, Reporting reporting);
   void poll_frames(std::size_t port, Polled& last, News news, Reporting reporting);
   void note(const Key& key, const News& news);

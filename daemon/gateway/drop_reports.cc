@@ -169,11 +169,11 @@ void DropReports::poll(const core::Decision& decision, Reporting reporting) {
 }
 
 void DropReports::poll_unknown(std::size_t port, Reporting reporting) {
-  if (reporting == Reporting::yes)
-    audit_.poll(port);
-  else
-    audit_.take_up(port);
   const UnknownFrames frames = gates_.unknown_frames(port);
+  if (reporting == Reporting::yes)
+    audit_.poll(port, frames);
+  else
+    audit_.take_up(port, frames);
   const auto poll = [&](Fate fate, std::uint64_t counted) {
     const auto fresh = of_ports_.sample({port, fate}, counted, clock_.monotonic_s());
     if (!fresh || reporting == Reporting::no) return;

@@ -98,12 +98,12 @@ TEST_F(AuditOnTheBench, FramesThatTakeTurnsInAPlaceOfTheGateAreAllCounted) {
 TEST_F(AuditOnTheBench, WhatAFormerDaemonHasCountedIsNoFinding) {
   see("can0", 0x123, 9);
   AuditLog log(bench_.daemon().scene(), bench_.gates(), bench_.clock);
-  log.take_up(0);
-  log.poll(0);
+  log.take_up(0, bench_.gates().unknown_frames(0));
+  log.poll(0, bench_.gates().unknown_frames(0));
   EXPECT_TRUE(log.contents().findings.empty());
   see("can0", 0x123, 11);
   see("can0", 0x124, 3);
-  log.poll(0);
+  log.poll(0, bench_.gates().unknown_frames(0));
   const auto findings = log.contents().findings;
   ASSERT_EQ(findings.size(), 2U);
   EXPECT_EQ(findings[0].dropped, 2U);
