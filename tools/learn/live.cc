@@ -27,6 +27,7 @@
 #include "base/clock.hpp"
 #include "base/handle.hpp"
 #include "base/system_error.hpp"
+#include "relay/layers/sockets.hpp"
 #include "tools/learn/packet_socket.hpp"
 
 namespace mlcca::learn {
@@ -106,29 +107,10 @@ Result<Fd> open_can_socket(const std::string& name, int index) {
 }
 
 /// Times and losses come with each frame.
-bool ask(const Fd& socket) {
-  const int on = 1;
+Result<void> ask(const Fd& socket) {
   if (!set(socket, SOL_SOCKET, SO_RCVBUFFORCE, kBuffer))
     static_cast<void>(set(socket, SOL_SOCKET, SO_RCVBUF, kBuffer));
-  return set(socket, SOL_SOCKET, SO_TIMESTAMPNS, on) && set(socket, SOL_SOCKET, SO_RXQ_OVFL, on);
-}
-
-/// When it came, and how many were lost before.
-void read_control(msghdr& message, std::uint64_t& ns, std::uint64_t& lost) {
-  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
-       part = CMSG_NXTHDR(&message, part)) {
-    if (part->cmsg_level != SOL_SOCKET) continue;
-    if (part->cmsg_type == SCM_TIMESTAMPNS) {
-      timespec time{};
-      std::memcpy(&time, CMSG_DATA(part), sizeof time);
-      ns = static_cast<std::uint64_t>(time.tv_sec) * 1'000'000'000 +
-           static_cast<std::uint64_t>(time.tv_nsec);
-    } else if (part->cmsg_type == SO_RXQ_OVFL) {
-      std::uint32_t dropped = 0;
-      std::memcpy(&dropped, CMSG_DATA(part), sizeof dropped);
-      lost = dropped;
-    }
-  }
+  return relay::ask_for_times(socket);
 }
 
 class Sockets final : public Listener {
@@ -144,7 +126,7 @@ class Sockets final : public Listener {
     const bool ethernet = type == ARPHRD_ETHER;
     auto socket = ethernet ? open_packet_socket(name, index) : open_can_socket(name, index);
     if (!socket) return std::unexpected(socket.error());
-    if (!ask(*socket)) return system_error(name + ": setsockopt");
+    if (const auto asked = ask(*socket); !asked) return fail(name + ": " + asked.error().text);
     const auto number = numbers.number_of(name, ethernet ? Medium::ethernet : Medium::can);
     if (number == Interfaces::kMost)
       return fail(fmt::format("{}: {} interfaces are the most", name, Interfaces::kMost));
@@ -184,26 +166,19 @@ class Sockets final : public Listener {
   bool read(Listened& from) {
     for (std::size_t i = 0; i < kBatch; ++i) {
       Read one;
-      iovec data{.iov_base = one.bytes.data(), .iov_len = one.bytes.size()};
-      alignas(cmsghdr) std::array<char, 128> control{};
       sockaddr_ll sender{};
-      msghdr message{};
-      message.msg_iov = &data;
-      message.msg_iovlen = 1;
-      message.msg_control = control.data();
-      message.msg_controllen = control.size();
-      if (from.ethernet) {
-        message.msg_name = &sender;
-        message.msg_namelen = sizeof sender;
-      }
-      const ssize_t n = ::recvmsg(from.socket.get(), &message, MSG_DONTWAIT);
+      const relay::Received got =
+          relay::receive_into(from.socket, one.bytes.data(), one.bytes.size(),
+                              from.ethernet ? &sender : nullptr, from.ethernet ? sizeof sender : 0);
       // An interface that goes down stays: it may come again.
-      if (n < 0) return errno == EAGAIN || errno == EINTR || errno == ENETDOWN || errno == ENODEV;
-      const auto bytes = static_cast<std::size_t>(n);
+      if (got.size < 0)
+        return errno == EAGAIN || errno == EINTR || errno == ENETDOWN || errno == ENODEV;
+      const auto bytes = static_cast<std::size_t>(got.size);
       one.frame.interface = from.number;
-      read_control(message, one.frame.ns, from.lost);
+      one.frame.ns = got.beside.unix_ns;
+      if (got.beside.says_dropped) from.lost = got.beside.dropped;
       if (from.ethernet ? read_ethernet_frame(bytes, sender.sll_pkttype, one)
-                        : read_can(bytes, message.msg_flags, one))
+                        : read_can(bytes, got.flags, one))
         batch_.push_back(one);
     }
     return true;
