@@ -17,12 +17,14 @@
 namespace mlcca::learn {
 namespace {
 
+using test::before;
 using test::described;
 using test::drafted;
 using test::Gate;
 using test::kMs;
 using test::kNames;
 using test::kSecond;
+using test::refused_in;
 using test::Sent;
 using test::Traffic;
 
@@ -31,16 +33,6 @@ const DraftChannel& channel(const Draft& draft, std::string_view name) {
   const auto found = std::ranges::find(draft.channels, name, &DraftChannel::name);
   EXPECT_NE(found, draft.channels.end()) << name;
   return found == draft.channels.end() ? none : *found;
-}
-
-/// Deliveries that are refused.
-std::size_t refused_in(const Draft& draft) {
-  const core::State state(described(draft));
-  std::size_t refused = 0;
-  for (const auto& decision : state.decisions())
-    refused += static_cast<std::size_t>(
-        std::ranges::count(decision.verdicts, false, &core::Verdict::granted));
-  return refused;
 }
 
 std::vector<Sent> two_buses(std::uint64_t seed, std::uint64_t seconds) {
@@ -106,23 +98,16 @@ TEST(Draft, TheSameTrafficGivesTheSameDraft) {
 }
 
 TEST(Draft, LearnedOnTheFirstHalfItDropsNothingOfTheSecond) {
-  std::uint64_t all = 0;
-  std::uint64_t dropped = 0;
+  test::Share dropped;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const auto sent = two_buses(seed, 120);
-    std::vector<Sent> first;
-    std::ranges::copy_if(sent, std::back_inserter(first),
-                         [](const Sent& s) { return s.ns < 60 * kSecond; });
-    Gate gate(drafted(first));
-    for (const Sent& one : sent) {
-      // What crossed is sent by the gateway itself there.
-      if (one.ns < 60 * kSecond || (one.interface == 1 && one.id != 0x3e8)) continue;
-      ++all;
-      if (!gate.passes(one)) ++dropped;
-    }
+    Gate gate(drafted(before(sent, 60 * kSecond)));
+    // What crossed is sent by the gateway itself there.
+    dropped += test::from(sent, 60 * kSecond, gate,
+                          [](const Sent& one) { return one.interface == 0 || one.id == 0x3e8; });
   }
-  EXPECT_GT(all, 60'000U);
-  EXPECT_LT(dropped * 1000, all) << dropped << " of " << all;
+  EXPECT_GT(dropped.of, 60'000U);
+  EXPECT_LT(dropped.frames * 1000, dropped.of) << dropped.frames << " of " << dropped.of;
 }
 
 TEST(Draft, AttacksAreDropped) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +39,16 @@ inline core::System described(const Draft& draft) {
     return {};
   }
   return std::move(*system);
+}
+
+/// Deliveries that are refused.
+inline std::size_t refused_in(const Draft& draft) {
+  const core::State state(described(draft));
+  std::size_t refused = 0;
+  for (const auto& decision : state.decisions())
+    refused += static_cast<std::size_t>(
+        std::ranges::count(decision.verdicts, false, &core::Verdict::granted));
+  return refused;
 }
 
 /// A gate that holds what the draft grants, as far as it polices and measures. What it drops of
@@ -77,5 +88,34 @@ class Gate {
   core::State state_;
   std::vector<Held> rules_;
 };
+
+inline std::vector<Sent> before(const std::vector<Sent>& sent, std::uint64_t ns) {
+  std::vector<Sent> first;
+  std::ranges::copy_if(sent, std::back_inserter(first),
+                       [ns](const Sent& one) { return one.ns < ns; });
+  return first;
+}
+
+/// So many of so many frames.
+struct Share {
+  std::uint64_t frames = 0;
+  std::uint64_t of = 0;
+  Share& operator+=(const Share& other) {
+    frames += other.frames;
+    of += other.of;
+    return *this;
+  }
+};
+/// What a gate drops of the frames from a time on that count.
+template <class AnyGate, class Counts>
+Share from(const std::vector<Sent>& sent, std::uint64_t ns, AnyGate& gate, const Counts& counts) {
+  Share dropped;
+  for (const Sent& one : sent) {
+    if (one.ns < ns || !counts(one)) continue;
+    ++dropped.of;
+    if (!gate.passes(one)) ++dropped.frames;
+  }
+  return dropped;
+}
 
 }  // namespace mlcca::learn::test

@@ -10,16 +10,19 @@
 #include "description/read.hpp"
 #include "relay/afp.hpp"
 #include "relay/layers/datagram.hpp"
+#include "tests/tools/learn/drafted.hpp"
 #include "tests/tools/learn/traffic.hpp"
 #include "tools/learn/draft.hpp"
 
 namespace mlcca::learn {
 namespace {
 
+using test::described;
 using test::event;
 using test::kDistance;
 using test::kMs;
 using test::kSecond;
+using test::refused_in;
 using test::Sent;
 using test::station;
 using test::Traffic;
@@ -35,24 +38,6 @@ Draft draft_from(const std::vector<Sent>& sent, std::vector<std::string> names,
     media.push_back(name.starts_with("eth") ? Medium::ethernet : Medium::can);
   observer.finish(names.size(), media);
   return draft_of(observer, names, options);
-}
-
-core::System system_of(const Draft& draft) {
-  auto system = description::read_memory(draft.xml, "draft.xml", {}, description::Users::any);
-  if (!system) {
-    for (const auto& problem : system.error()) ADD_FAILURE() << description::to_string(problem);
-    ADD_FAILURE() << draft.xml;
-    return {};
-  }
-  return std::move(*system);
-}
-
-std::size_t refusals(const Draft& draft) {
-  const core::State state(system_of(draft));
-  std::size_t refused = 0;
-  for (const auto& decision : state.decisions())
-    for (const auto& verdict : decision.verdicts) refused += verdict.granted ? 0 : 1;
-  return refused;
 }
 
 std::vector<Sent> lan(std::uint64_t seed, std::uint64_t seconds) {
@@ -74,7 +59,7 @@ TEST(EthernetDraft, HasTheSubjectsTheSendersAndTheirTimes) {
   ASSERT_EQ(distance.publishers.size(), 2U);
   EXPECT_EQ(distance.publishers[0].period, 20 * kMs);
   EXPECT_EQ(draft.channels[1].bytes, 300U);
-  const auto system = system_of(draft);
+  const auto system = described(draft);
   ASSERT_EQ(system.networks.size(), 1U);
   EXPECT_EQ(system.networks[0].kind, core::NetworkKind::udp_multicast);
   EXPECT_EQ(system.networks[0].profile, core::Profile::famouso);
@@ -84,18 +69,18 @@ TEST(EthernetDraft, HasTheSubjectsTheSendersAndTheirTimes) {
   EXPECT_EQ(core::to_text(system.publishers[1].station), "192.0.2.8");
   EXPECT_TRUE(draft.xml.contains("its subject is the text Distance")) << draft.xml;
   EXPECT_TRUE(draft.xml.contains("its frames are from 02:00:5e:00:00:07")) << draft.xml;
-  EXPECT_EQ(refusals(draft), 0U);
+  EXPECT_EQ(refused_in(draft), 0U);
 }
 
 TEST(EthernetDraft, IsADescriptionOfWhichEverythingIsGranted) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed)
-    EXPECT_EQ(refusals(draft_from(lan(seed, 30), {"eth0"})), 0U);
+    EXPECT_EQ(refused_in(draft_from(lan(seed, 30), {"eth0"})), 0U);
 }
 
 /// A gate that holds what the draft grants on an Ethernet.
 class EtherGate {
  public:
-  explicit EtherGate(const Draft& draft) : state_(system_of(draft)) {
+  explicit EtherGate(const Draft& draft) : state_(described(draft)) {
     for (const core::GateRule& rule : state_.gate_state(0))
       if (rule.entry.direction == core::Direction::ingress && rule.pass && rule.entry.subject != 0)
         rules_.push_back({rule, 0});
@@ -128,22 +113,14 @@ class EtherGate {
 };
 
 TEST(EthernetDraft, LearnedOnTheFirstHalfItDropsNothingOfTheSecond) {
-  std::uint64_t all = 0;
-  std::uint64_t dropped = 0;
+  test::Share dropped;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const auto sent = lan(seed, 240);
-    std::vector<Sent> first;
-    std::ranges::copy_if(sent, std::back_inserter(first),
-                         [](const Sent& s) { return s.ns < 120 * kSecond; });
-    EtherGate gate(draft_from(first, {"eth0"}));
-    for (const Sent& one : sent) {
-      if (one.ns < 120 * kSecond) continue;
-      ++all;
-      if (!gate.passes(one)) ++dropped;
-    }
+    EtherGate gate(draft_from(test::before(sent, 120 * kSecond), {"eth0"}));
+    dropped += test::from(sent, 120 * kSecond, gate, [](const Sent&) { return true; });
   }
-  EXPECT_GT(all, 50'000U);
-  EXPECT_LT(dropped * 1000, all) << dropped << " of " << all;
+  EXPECT_GT(dropped.of, 50'000U);
+  EXPECT_LT(dropped.frames * 1000, dropped.of) << dropped.frames << " of " << dropped.of;
 }
 
 TEST(EthernetDraft, AttacksAreDropped) {
@@ -175,12 +152,12 @@ TEST(EthernetDraft, WhatComesFromABusIsOneChannelWithTheSubject) {
   EXPECT_EQ(crossing.name, "can0-100");
   EXPECT_EQ(crossing.subject, kDistance);
   EXPECT_EQ(crossing.crosses_to, std::vector<std::string>{"eth0"});
-  const auto system = system_of(draft);
+  const auto system = described(draft);
   EXPECT_EQ(system.channels[0].subject, kDistance);
   ASSERT_EQ(system.networks[0].bindings.size(), 2U);
   EXPECT_EQ(system.networks[0].bindings[0].id, 0x100U);
   EXPECT_EQ(std::ranges::count(system.publishers, std::size_t{0}, &core::Publisher::channel), 1);
-  EXPECT_EQ(refusals(draft), 0U) << draft.xml;
+  EXPECT_EQ(refused_in(draft), 0U) << draft.xml;
 }
 
 TEST(EthernetDraft, WhatGoesToABusIsOneChannelWithABindingThere) {
@@ -194,7 +171,7 @@ TEST(EthernetDraft, WhatGoesToABusIsOneChannelWithABindingThere) {
   EXPECT_EQ(draft.channels[0].crosses_to, std::vector<std::string>{"can0"});
   EXPECT_EQ(draft.channels[0].publishers.size(), 2U);
   EXPECT_TRUE(draft.channels[0].binding_xml.contains("can0"));
-  system_of(draft);
+  described(draft);
 }
 
 TEST(EthernetDraft, WhatIsFilledUpForAFrameOfCanFdIsTheSameEvent) {
@@ -211,7 +188,7 @@ TEST(EthernetDraft, WhatIsFilledUpForAFrameOfCanFdIsTheSameEvent) {
   ASSERT_EQ(draft.channels.size(), 1U) << draft.xml;
   EXPECT_EQ(draft.channels[0].bytes, 9U);
   EXPECT_TRUE(draft.channels[0].binding_xml.at("can0").contains("format=\"fd\""));
-  system_of(draft);
+  described(draft);
 }
 
 TEST(EthernetDraft, WhatHasSeveralFramesOnABusIsTheSameEvent) {
@@ -245,12 +222,12 @@ TEST(EthernetDraft, OnABusWithNodesTheSenderHasTheOneThatItsFramesHadThere) {
   observer.finish(2);
   const Draft draft = draft_of(observer, {"can0", "eth0"}, {});
   ASSERT_EQ(draft.channels.size(), 1U) << draft.xml;
-  const auto system = system_of(draft);
+  const auto system = described(draft);
   ASSERT_EQ(system.publishers.size(), 1U);
   EXPECT_EQ(system.publishers[0].node, 0x21);
   EXPECT_EQ(system.publishers[0].priority, 0x7d);
   EXPECT_EQ(core::to_text(system.publishers[0].station), "192.0.2.7");
-  EXPECT_EQ(refusals(draft), 0U) << draft.xml;
+  EXPECT_EQ(refused_in(draft), 0U) << draft.xml;
 }
 
 TEST(EthernetDraft, ThatItCrossesIsSeenInRecordingsThatAreReadOneAfterTheOther) {
@@ -275,7 +252,7 @@ TEST(EthernetDraft, WhatIsAlikeByChanceIsLeftToAPerson) {
   EXPECT_EQ(draft.left_out[0],
             "eth0 0x44697374616e6365 had the same few contents as can0 0x100 shortly before: if it "
             "is one channel, describe it as one");
-  EXPECT_EQ(refusals(draft), 0U);
+  EXPECT_EQ(refused_in(draft), 0U);
 }
 
 TEST(EthernetDraft, ASubjectOnTwoEthernetsIsOneChannel) {
@@ -285,7 +262,7 @@ TEST(EthernetDraft, ASubjectOnTwoEthernetsIsOneChannel) {
   const Draft draft = draft_from(traffic.sent(), {"eth0", "eth1"});
   ASSERT_EQ(draft.channels.size(), 1U);
   EXPECT_EQ(draft.channels[0].publishers.size(), 2U);
-  EXPECT_EQ(refusals(draft), 0U);
+  EXPECT_EQ(refused_in(draft), 0U);
 }
 
 TEST(EthernetDraft, ProgramsOfTheHostAreOnePublisherOfTheGateway) {
@@ -295,12 +272,12 @@ TEST(EthernetDraft, ProgramsOfTheHostAreOnePublisherOfTheGateway) {
   auto sent = traffic.sent();
   for (Sent& one : sent) one.local = true;
   const Draft draft = draft_from(sent, {"eth0"});
-  const auto system = system_of(draft);
+  const auto system = described(draft);
   ASSERT_EQ(system.publishers.size(), 1U);
   EXPECT_EQ(system.publishers[0].place.kind, core::Place::Kind::gateway);
   ASSERT_EQ(system.subscribers.size(), 1U);
   EXPECT_EQ(system.subscribers[0].place.kind, core::Place::Kind::network);
-  EXPECT_EQ(refusals(draft), 0U);
+  EXPECT_EQ(refused_in(draft), 0U);
 }
 
 TEST(EthernetDraft, MoreSendersThanAGateDistinguishesShareAnEntry) {
@@ -308,12 +285,12 @@ TEST(EthernetDraft, MoreSendersThanAGateDistinguishesShareAnEntry) {
   for (std::uint8_t i = 1; i <= 20; ++i)
     traffic.events(0, kDistance, station(i), (10U + i) * kMs, kMs, 8, 10);
   const Draft draft = draft_from(traffic.sent(), {"eth0"});
-  const auto system = system_of(draft);
+  const auto system = described(draft);
   EXPECT_EQ(system.publishers.size(), 20U);
   EXPECT_EQ(std::ranges::count_if(system.publishers,
                                   [](const auto& p) { return !p.station.is_wildcard(); }),
             7);
-  EXPECT_EQ(refusals(draft), 0U);
+  EXPECT_EQ(refused_in(draft), 0U);
   EXPECT_TRUE(draft.left_out.at(0).contains("20 senders")) << draft.left_out[0];
 }
 
@@ -325,7 +302,7 @@ TEST(EthernetDraft, OtherTrafficIsNamedAndNotDrafted) {
   }
   const Draft draft = draft_from(sent, {"eth0"});
   EXPECT_TRUE(draft.channels.empty());
-  EXPECT_EQ(system_of(draft).networks.at(0).profile, core::Profile::none);
+  EXPECT_EQ(described(draft).networks.at(0).profile, core::Profile::none);
   ASSERT_EQ(draft.left_out.size(), 1U);
   EXPECT_EQ(draft.left_out[0],
             "eth0: 100 datagrams of other traffic, which needs no channel: port 5353 (100)");
@@ -344,14 +321,14 @@ TEST(EthernetDraft, WhatTwoGatewaysCarryInACircleIsStillDrafted) {
     }
   const Draft draft = draft_from(sent, {"can0", "can1", "eth0"});
   EXPECT_GE(draft.channels.size(), 1U);
-  system_of(draft);
+  described(draft);
 }
 
 TEST(EthernetDraft, LongNamesStayNames) {
   Traffic traffic(9);
   traffic.events(0, kDistance, station(250), 20 * kMs, kMs, 8, 10);
   const Draft draft = draft_from(traffic.sent(), {"eth" + std::string(60, 'x')});
-  EXPECT_EQ(system_of(draft).publishers.size(), 1U);
+  EXPECT_EQ(described(draft).publishers.size(), 1U);
 }
 
 }  // namespace

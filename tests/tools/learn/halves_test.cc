@@ -50,24 +50,16 @@ TEST(Halves, TheSecondHalfOfARecordingPassesAndAttacksDoNot) {
     const std::vector<Sent> all = frames_of(path, names);
     ASSERT_FALSE(all.empty()) << path;
     const std::uint64_t middle = all.front().ns + (all.back().ns - all.front().ns) / 2;
-    std::vector<Sent> first;
-    std::ranges::copy_if(all, std::back_inserter(first),
-                         [middle](const Sent& s) { return s.ns < middle; });
+    const std::vector<Sent> first = test::before(all, middle);
     const Draft draft = test::drafted(first, {}, names);
     Gate gate(draft);
-    std::uint64_t legitimate = 0;
-    std::uint64_t dropped = 0;
-    for (const Sent& one : all) {
-      if (one.ns < middle) continue;
-      ++legitimate;
-      dropped += gate.passes(one) ? 0 : 1;
-    }
+    const test::Share dropped = test::from(all, middle, gate, [](const Sent&) { return true; });
     std::printf("%s: %zu frames, %zu channels; of the second half %llu of %llu dropped\n",
                 path.c_str(), all.size(), draft.channels.size(),
-                static_cast<unsigned long long>(dropped),
-                static_cast<unsigned long long>(legitimate));
+                static_cast<unsigned long long>(dropped.frames),
+                static_cast<unsigned long long>(dropped.of));
     if (path == recordings().front()) {
-      EXPECT_LT(dropped * 1000, legitimate) << path;
+      EXPECT_LT(dropped.frames * 1000, dropped.of) << path;
     }
     const std::uint64_t later = all.back().ns + test::kSecond;
     const Sent known = first.front();
