@@ -23,6 +23,10 @@ bool same_sources(const core::mesh::Mesh& a, const core::mesh::Mesh& b) {
   });
 }
 
+bool is_description(const core::mesh::Source& source) {
+  return source.kind == core::mesh::SourceKind::description;
+}
+
 std::optional<std::uint32_t> node_of(const core::mesh::Mesh& mesh, std::size_t gateway) {
   const auto it = std::ranges::find(mesh.nodes, std::optional<std::uint32_t>(gateway),
                                     &core::mesh::Node::gateway);
@@ -32,11 +36,13 @@ std::optional<std::uint32_t> node_of(const core::mesh::Mesh& mesh, std::size_t g
 
 }  // namespace
 
-/// What was known before a reload is known until the sources say something else.
+/// What was known before a reload is known until the sources say something else; what the former
+/// description said of links counts no more.
 void Meshes::hand_over(const core::mesh::LinkTable& former, Entry& entry) {
   std::vector<core::mesh::Snapshot> known(entry.mesh.sources.size());
   for (const core::mesh::Known& link : former.links())
-    if (!link.stale) known[link.source].links.push_back(link.sample);
+    if (!link.stale && !is_description(entry.mesh.sources[link.source]))
+      known[link.source].links.push_back(link.sample);
   for (std::size_t s = 0; s < known.size(); ++s)
     if (!known[s].links.empty()) entry.table.take(s, known[s], monotonic_ns());
 }
@@ -84,11 +90,26 @@ void Meshes::describe(const core::System& system, std::size_t self) {
   arm();
 }
 
+/// They are known at once, before anything is decided with them, and never grow old.
+void Meshes::take_described(Entry& entry, std::size_t source) {
+  const std::uint64_t now = monotonic_ns();
+  entry.table.take(source, core::mesh::described_snapshot(entry.mesh, now), now);
+  entry.reported.back() = true;
+  entry.sources.emplace_back();
+  entry.problems.back() = entry.table.problem(source);
+  if (const std::string& problem = entry.problems.back(); !problem.empty())
+    report_(entry.name, problem_line(entry, source, problem), true);
+}
+
 void Meshes::open_sources(Entry& entry) {
   for (std::size_t s = 0; s < entry.mesh.sources.size(); ++s) {
     entry.reported.push_back(false);
     entry.problems.emplace_back();
     entry.lines.emplace_back();
+    if (is_description(entry.mesh.sources[s])) {
+      take_described(entry, s);
+      continue;
+    }
     auto source = net::open_source(
         entry.mesh.sources[s], entry.mesh, loop_,
         [this, &entry, s](const core::mesh::Snapshot& snapshot) { take(entry, s, snapshot); });

@@ -68,6 +68,7 @@ class Meshes {
   static void hand_over(const core::mesh::LinkTable& former, Entry& entry);
   static std::string problem_line(const Entry& entry, std::size_t source,
                                   const std::string& problem);
+  void take_described(Entry& entry, std::size_t source);
   void open_sources(Entry& entry);
   void take(Entry& entry, std::size_t source, const core::mesh::Snapshot& snapshot);
   void expire();

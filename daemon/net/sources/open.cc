@@ -5,7 +5,6 @@
 
 #include "daemon/net/sources/batman.hpp"
 #include "daemon/net/sources/bounds.hpp"
-#include "daemon/net/sources/described.hpp"
 #include "daemon/net/sources/nl80211.hpp"
 #include "daemon/net/sources/remote.hpp"
 #include "daemon/net/sources/source.hpp"
@@ -20,7 +19,7 @@ Result<std::unique_ptr<LinkSource>> open_source(const core::mesh::Source& source
   using enum core::mesh::SourceKind;
   switch (source.kind) {
     case description:
-      return open_described(mesh, loop, std::move(report));
+      return fail("links that the description states need no source");
     case nl80211:
       return open_nl80211(source, loop, std::move(report));
     case batman:

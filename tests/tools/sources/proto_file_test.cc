@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "daemon/net/sources/described.hpp"
 #include "tests/tools/sources/proto_loop.hpp"
 #include "tools/sources/file.hpp"
 
