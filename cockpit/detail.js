@@ -62,7 +62,7 @@ export function placeDetail(p, resources) {
       network.provision.map((a) => fact(a.name, `${value(a.value, a.unit)}${a.dynamic ? ", at best" : ""}`)), held,
       p.interfaces.map((i) => [
         fact(i.name, [i.ifindex ? (i.up ? "up" : "down") : "absent", i.can_state, i.bitrate ? bits(i.bitrate) : "",
-          i.profile === "none" ? "no gate by design" : i.attached ? `gate on ${i.hook}, ${many(i.slots, "slot")}` : "NO GATE",
+          i.profile === "none" ? (i.attached ? "CLOSED: no profile" : "no gate by design") : i.attached ? `gate on ${i.hook}, ${many(i.slots, "slot")}` : "NO GATE",
           i.problem, i.drift].filter(Boolean).join(", ")),
         ["ingress", "egress"].map((way) => fact(way === "ingress" ? "Came in" : "Went out",
           `${count(i[way].passed)} passed, ${count(i[way].dropped)} dropped${Object.entries(i[way].reasons)

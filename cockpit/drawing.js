@@ -23,7 +23,7 @@ function thirdLine(p) {
     if (!i.ifindex) return `${i.name} is absent`;
     if (!i.up) return `${i.name} is down`;
     if (i.problem) return `${i.name}: ${i.problem}`;
-    return `${i.name}${i.profile === "none" ? ", no gate" : i.attached ? ", gated" : ", NO GATE"}`;
+    return `${i.name}${i.profile === "none" && !i.attached ? ", no gate" : i.attached ? ", gated" : ", NO GATE"}`;
   }).join("; ");
 }
 const isBad = (p) => !p.gateway && (!p.network.available

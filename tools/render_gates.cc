@@ -95,6 +95,7 @@ std::string slots(const std::vector<control::GateSlot>& all, bool control, bool 
 std::string attachment(const control::Gate& gate, const control::Interface* interface,
                        Color color) {
   if (!gate.attached) return styled("NOT ATTACHED", Style::bad, color);
+  if (gate.profile == "none") return styled("closed: no profile", Style::bad, color);
   std::string text = styled("attached", Style::good, color);
   if (interface == nullptr) return text;
   if (!interface->hook.empty()) text += " by " + printable(interface->hook);

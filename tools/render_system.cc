@@ -23,7 +23,8 @@ Cell link(const control::Interface& interface) {
 
 Cell gate(const control::Interface& interface) {
   if (interface.ifindex == 0) return {};
-  if (interface.profile == "none") return {"none: not enforced"};
+  if (interface.profile == "none")
+    return interface.attached ? Cell{"closed: no profile", Style::bad} : Cell{"none: not enforced"};
   if (!interface.attached) return {"NOT ATTACHED", Style::bad};
   return {interface.drops_early ? "attached early" : "attached", Style::good};
 }

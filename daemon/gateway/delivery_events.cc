@@ -66,7 +66,7 @@ void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event,
   if (missing)
     note.message = fmt::format(
         "{} towards {}: {} {}, {} missing where {} may be", what, note.network,
-        event.never != 0 ? "nothing has come since it was granted, for" : "nothing has come for",
+        event.never != 0 ? "nothing has come since the gate lets it in, for" : "nothing has come for",
         time, note.missing == 1 ? "1 event is" : fmt::format("{} events are", note.missing),
         v.requirement[Attribute::omission]);
   else

@@ -54,7 +54,7 @@ void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
                                 missing == 1 ? "is" : "are"));
   } else if (never && (watch.missing_now ||
                        watch.since_last_ns > std::max(kFirstEvent, period * kFirstPeriods))) {
-    lines.push_back(fmt::format("no publisher sends: nothing has come since it was granted, {} ago",
+    lines.push_back(fmt::format("no publisher sends: nothing has come since the gate lets it in, {} ago",
                                 time(watch.since_last_ns)));
   }
 }

@@ -65,6 +65,7 @@ class GateReport {
     const bool can = ports_[p].is_can();
     out.masked_room = can ? GATE_WALK : 0;
     const enforce::PortGate* gate = ports_.gate(p);
+    if (gate == nullptr) gate = ports_.closed_gate(p);
     if (gate == nullptr) return out;
     out.attached = gate->attached().value_or(false);
     out.room = static_cast<std::uint32_t>(gate->room());
@@ -173,6 +174,10 @@ class GateReport {
   mutable std::map<std::uint32_t, Identifiers> entered_;  ///< by interface
 };
 
+bool has_report(const GatedPorts& ports, std::size_t port) {
+  return ports[port].needs_gate() || ports.closed_gate(port) != nullptr;
+}
+
 }  // namespace
 
 control::Gates gate_reports(const GatedPorts& ports, const net::LinkTable& links,
@@ -180,7 +185,7 @@ control::Gates gate_reports(const GatedPorts& ports, const net::LinkTable& links
   control::Gates out;
   const GateReport report(ports, links, state);
   for (std::size_t p = 0; p < ports.size(); ++p)
-    if (ports[p].needs_gate() &&
+    if (has_report(ports, p) &&
         (place.empty() || place == ports[p].network() || place == ports[p].interface_name(links)))
       out.gates.push_back(report.gate_of(p));
   return out;
@@ -189,7 +194,7 @@ control::Gates gate_reports(const GatedPorts& ports, const net::LinkTable& links
 std::string gated_places(const GatedPorts& ports, const net::LinkTable& links) {
   std::vector<std::string> names;
   for (std::size_t p = 0; p < ports.size(); ++p)
-    if (ports[p].needs_gate())
+    if (has_report(ports, p))
       names.push_back(fmt::format("{} of {}", ports[p].interface_name(links), ports[p].network()));
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }

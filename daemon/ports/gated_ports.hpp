@@ -53,6 +53,9 @@ class GatedPorts {
   [[nodiscard]] enforce::PortGate* gate(std::size_t port) const;
   [[nodiscard]] enforce::Gate* can_gate(std::size_t port) const;
   [[nodiscard]] bool has_gate(std::size_t port) const { return held(port) != nullptr; }
+  /// A former description had a gate there, which nobody has taken off: it stays closed. nullptr:
+  /// there is none, or the port needs one.
+  [[nodiscard]] enforce::PortGate* closed_gate(std::size_t port) const;
 
   /// The interface is a port that needs a gate.
   [[nodiscard]] bool is_to_be_gated(int ifindex) const;

@@ -114,6 +114,7 @@ std::vector<control::Interface> port_reports(const GatedPorts& ports, const net:
       if (!links.problem().empty())
         i.drift += (i.drift.empty() ? "" : "; ") + links.problem() + ": all stays as it was";
     }
+    if (const enforce::PortGate* gate = ports.closed_gate(p)) add_gate(*gate, i);
     out.push_back(std::move(i));
     core::Progress::made();
   }

@@ -90,14 +90,23 @@ void Ports::close_undescribed() {
 }
 
 void Ports::report_undescribed() {
-  auto now = undescribed();
+  auto now = closed();
   for (const std::string& name : now)
     if (std::ranges::find(reported_undescribed_, name) == reported_undescribed_.end())
       report_({}, undescribed_line(name), true);
   reported_undescribed_ = std::move(now);
 }
 
+/// Those of ports without a profile are said to be the problem of the port.
 std::vector<std::string> Ports::undescribed() const {
+  auto names = closed();
+  for (std::size_t p = 0; p < ports_.size(); ++p)
+    if (ports_.closed_gate(p) != nullptr)
+      std::erase(names, ports_[p].interface_name(links_.table()));
+  return names;
+}
+
+std::vector<std::string> Ports::closed() const {
   std::vector<std::string> names;
   for (const int ifindex : ports_.gates().interfaces()) {
     if (ports_.is_to_be_gated(ifindex)) continue;
@@ -123,21 +132,17 @@ void Ports::attach() {
 }
 
 void Ports::settle() {
+  std::size_t p = 0;
   for (GatedPort& gated : ports_) {
     gated.port.settle(links_.table(), report_);
-    if (const DescribedPort& port = gated.port; port.problem().empty() && is_closed(port))
+    const DescribedPort& port = gated.port;
+    if (ports_.closed_gate(p++) != nullptr && port.problem().empty())
       gated.port.set_problem(fmt::format(
           "{} has no profile, and {} has a gate, which stays closed: state a Profile, or take the "
           "gate off",
           port.network(), port.interface_name(links_.table())));
     core::Progress::made();
   }
-}
-
-/// A former description had a gate there, which nobody has taken off.
-bool Ports::is_closed(const DescribedPort& port) const {
-  return port.ifindex() != 0 && !ports_.is_to_be_gated(port.ifindex()) &&
-         ports_.gates().find(port.ifindex()) != nullptr;
 }
 
 bool Ports::repair() {

@@ -150,7 +150,7 @@ class Ports final : public GateDriver {
   void report_undescribed();
   void attach();
   void settle();
-  [[nodiscard]] bool is_closed(const DescribedPort& port) const;
+  [[nodiscard]] std::vector<std::string> closed() const;
   bool give_up(int ifindex, enforce::PortGate& gate);
   [[nodiscard]] net::Presence presence(int ifindex) { return links_.presence(ifindex); }
 

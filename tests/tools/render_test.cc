@@ -349,6 +349,15 @@ TEST_F(RenderTest, SaysThatANetworkWithoutAProfileHasNoGate) {
   EXPECT_EQ(shown.find("NOT ATTACHED"), std::string::npos) << shown;
 }
 
+TEST_F(RenderTest, SaysThatAGateOfAFormerDescriptionStaysClosed) {
+  auto status = test::full_status();
+  status.interfaces[0].attached = true;
+  status.interfaces[0].profile = "none";
+  const std::string shown = render(status, Color::no);
+  EXPECT_NE(shown.find("closed: no profile"), std::string::npos) << shown;
+  EXPECT_EQ(shown.find("not enforced"), std::string::npos) << shown;
+}
+
 TEST_F(RenderTest, ShowsWhatNetworksProvideAndWhatIsReserved) {
   EXPECT_EQ(
       render(test::full_networks(), Color::no),

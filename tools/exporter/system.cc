@@ -123,7 +123,7 @@ void add_interfaces(std::span<const control::Interface> interfaces, std::string&
     const auto labels = of_interface(i);
     present.add(labels, i.ifindex != 0);
     up.add(labels, i.up);
-    if (i.profile != "none") attached.add(labels, i.attached);
+    if (i.profile != "none" || i.attached) attached.add(labels, i.attached);
     problem.add(labels, !i.problem.empty() || !i.drift.empty());
     if (!i.can_state.empty()) can_state.add(labels.with("state", i.can_state), true);
     if (i.bitrate != 0) bitrate.add(labels, i.bitrate / kBitsInAByte);

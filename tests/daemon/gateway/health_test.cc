@@ -55,13 +55,13 @@ TEST(Health, APublisherThatNeverSentIsReportedAfterThreePeriodsAndASecond) {
   EXPECT_EQ(troubles(seen), Lines{}) << "it may be starting";
   seen.watch->since_last_ns = kSecond + kMillisecond;
   EXPECT_EQ(troubles(seen),
-            Lines{"no publisher sends: nothing has come since it was granted, 1.001 s ago"});
+            Lines{"no publisher sends: nothing has come since the gate lets it in, 1.001 s ago"});
   seen.watch->period_ns = 10 * kSecond;
   seen.watch->since_last_ns = 30 * kSecond;
   EXPECT_EQ(troubles(seen), Lines{});
   seen.watch->since_last_ns = 31 * kSecond;
   EXPECT_EQ(troubles(seen),
-            Lines{"no publisher sends: nothing has come since it was granted, 31 s ago"});
+            Lines{"no publisher sends: nothing has come since the gate lets it in, 31 s ago"});
 }
 
 TEST(Health, GatesThatCannotBeListedAreOneShortSentence) {
@@ -81,7 +81,7 @@ TEST(Health, UnknownFramesAreReportedWhereNothingComes) {
   seen.unknown = {80, 42};
   seen.latest_unknown = "1F480065";
   EXPECT_EQ(troubles(seen),
-            (Lines{"no publisher sends: nothing has come since it was granted, 4 s ago",
+            (Lines{"no publisher sends: nothing has come since the gate lets it in, 4 s ago",
                    "80 frames on second-can in the last 42 s named no known subject, the latest "
                    "1F480065: does the publisher send by another name?"}));
   seen.watch->events = 7;

@@ -263,10 +263,15 @@ TEST_F(VanishTest, APortWithoutAProfileCannotBeUsedWhileAFormerGateIsThere) {
   EXPECT_EQ(ports_->problem(0),
             "lan has no profile, and eth7 has a gate, which stays closed: state a Profile, or take "
             "the gate off");
+  EXPECT_TRUE(ports_->undescribed().empty()) << "that is said of the port";
+  EXPECT_TRUE(ports_->report().at(0).attached);
+  const core::State state(std::move(bare));
+  EXPECT_TRUE(ports_->gates(state, "").gates.at(0).attached);
   for (const auto direction : enforce::kBothDirections) take_off(direction);
   EXPECT_FALSE(ports_->repair(kNear)) << "follow() is due";
   follow();
   EXPECT_EQ(ports_->problem(0), "");
+  EXPECT_FALSE(ports_->report().at(0).attached);
   EXPECT_TRUE(ports_->conditions(1)[0].available);
 }
 

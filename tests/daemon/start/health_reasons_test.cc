@@ -124,7 +124,7 @@ TEST_F(HealthReasons, PublishersThatLookAlikeAreReportedAsNotSupervised) {
       << ctl(gateway, {"--json", "channels"});
   EXPECT_TRUE(
       gateway.comes_to_log("hb (0x0000000000000011) of p-hb and p-hb2 towards gate: nothing "
-                           "has come since it was granted"))
+                           "has come since the gate lets it in"))
       << gateway.log();
 
   gateway.describe(look_alikes(true));
