@@ -17,6 +17,12 @@
            use="concat(generate-id(../..), ' ', translate(substring(name(), 1, 1), 'abcdefghijklmnopqrstuvwxyz', 'ABCDEFGHIJKLMNOPQRSTUVWXYZ'),
                        substring(name(), 2))"/>
 
+  <!-- The same of what each link of a mesh gives. -->
+  <xsl:key name="given-by-links" match="PerHop/Attribute" use="concat(generate-id(../../..), ' ', normalize-space(Name))"/>
+  <xsl:key name="given-by-links" match="PerHop/@*[name() != 'dynamic']"
+           use="concat(generate-id(../../..), ' ', translate(substring(name(), 1, 1), 'abcdefghijklmnopqrstuvwxyz', 'ABCDEFGHIJKLMNOPQRSTUVWXYZ'),
+                       substring(name(), 2))"/>
+
   <!-- ============================ what is stated ============================ -->
 
   <!--

@@ -319,11 +319,11 @@
       <xsl:text> </xsl:text>
       <xsl:for-each select="($set | $publisher/Attributes | $subscriber/Attributes)/Attribute/Name">
         <xsl:value-of select="concat(normalize-space(), ' ')"/>
-        <xsl:if test="normalize-space() = 'Period'">Deadline </xsl:if>
+        <xsl:if test="normalize-space() = 'Period'">Deadline Bandwidth </xsl:if>
       </xsl:for-each>
       <xsl:for-each select="($set | $publisher/Attributes | $subscriber/Attributes)/@*[name() != 'priority']">
         <xsl:value-of select="concat(translate(substring(name(), 1, 1), 'abcdefghijklmnopqrstuvwxyz', 'ABCDEFGHIJKLMNOPQRSTUVWXYZ'), substring(name(), 2), ' ')"/>
-        <xsl:if test="name() = 'period'">Deadline </xsl:if>
+        <xsl:if test="name() = 'period'">Deadline Bandwidth </xsl:if>
       </xsl:for-each>
     </xsl:variable>
     <!-- The rows of the table are in another document: there no key finds anything of this one. -->
@@ -392,6 +392,14 @@
         </xsl:otherwise>
       </xsl:choose>
     </xsl:variable>
+    <xsl:if test="$open and @name = 'Bandwidth' and not(string($union))">
+      <xsl:call-template name="leave-medium-time">
+        <xsl:with-param name="set" select="$set"/>
+        <xsl:with-param name="publisher" select="$publisher"/>
+        <xsl:with-param name="subscriber" select="$subscriber"/>
+        <xsl:with-param name="legs" select="$legs"/>
+      </xsl:call-template>
+    </xsl:if>
     <xsl:if test="string($union)">
       <xsl:for-each select="$legs">
         <xsl:variable name="hop" select="key('place', normalize-space(.))"/>
@@ -412,6 +420,56 @@
     </xsl:if>
   </xsl:template>
 
+  <!-- The time that events take of a mesh is computed, whether they state a Bandwidth or not; the current
+       node is the row of Bandwidth. -->
+  <xsl:template name="leave-medium-time">
+    <xsl:param name="set"/>
+    <xsl:param name="publisher"/>
+    <xsl:param name="subscriber"/>
+    <xsl:param name="legs"/>
+    <xsl:variable name="row" select="."/>
+    <xsl:variable name="rate">
+      <xsl:call-template name="rate-of">
+        <xsl:with-param name="set" select="$set"/>
+        <xsl:with-param name="publisher" select="$publisher"/>
+      </xsl:call-template>
+    </xsl:variable>
+    <xsl:for-each select="$legs[string($rate)]">
+      <xsl:variable name="hop" select="key('place', normalize-space(.))/self::Network[Mesh]"/>
+      <xsl:if test="$hop">
+        <xsl:call-template name="undecided">
+          <xsl:with-param name="publisher" select="$publisher"/>
+          <xsl:with-param name="subscriber" select="$subscriber"/>
+          <xsl:with-param name="hop" select="$hop"/>
+          <xsl:with-param name="row" select="$row"/>
+          <xsl:with-param name="required" select="string($rate)"/>
+        </xsl:call-template>
+      </xsl:if>
+    </xsl:for-each>
+  </xsl:template>
+
+  <!-- By the size and the Period of the events, or nothing. -->
+  <xsl:template name="rate-of">
+    <xsl:param name="set"/>
+    <xsl:param name="publisher"/>
+    <xsl:call-template name="rate">
+      <xsl:with-param name="bytes">
+        <xsl:call-template name="required-by">
+          <xsl:with-param name="end" select="$publisher"/>
+          <xsl:with-param name="set" select="$set"/>
+          <xsl:with-param name="row" select="$table[@name = 'MaxPayload']"/>
+        </xsl:call-template>
+      </xsl:with-param>
+      <xsl:with-param name="period">
+        <xsl:call-template name="required-by">
+          <xsl:with-param name="end" select="$publisher"/>
+          <xsl:with-param name="set" select="$set"/>
+          <xsl:with-param name="row" select="$table[@name = 'Period']"/>
+        </xsl:call-template>
+      </xsl:with-param>
+    </xsl:call-template>
+  </xsl:template>
+
   <!-- What the publisher really offers; the current node is the attribute's row. -->
   <xsl:template name="check-traffic">
     <xsl:param name="channel"/>
@@ -423,21 +481,9 @@
     <xsl:variable name="provided">
       <xsl:choose>
         <xsl:when test="@name = 'Bandwidth' and $offered = ''">
-          <xsl:call-template name="rate">
-            <xsl:with-param name="bytes">
-              <xsl:call-template name="required-by">
-                <xsl:with-param name="end" select="$publisher"/>
-                <xsl:with-param name="set" select="$set"/>
-                <xsl:with-param name="row" select="$table[@name = 'MaxPayload']"/>
-              </xsl:call-template>
-            </xsl:with-param>
-            <xsl:with-param name="period">
-              <xsl:call-template name="required-by">
-                <xsl:with-param name="end" select="$publisher"/>
-                <xsl:with-param name="set" select="$set"/>
-                <xsl:with-param name="row" select="$table[@name = 'Period']"/>
-              </xsl:call-template>
-            </xsl:with-param>
+          <xsl:call-template name="rate-of">
+            <xsl:with-param name="set" select="$set"/>
+            <xsl:with-param name="publisher" select="$publisher"/>
           </xsl:call-template>
         </xsl:when>
         <xsl:otherwise><xsl:value-of select="$offered"/></xsl:otherwise>
@@ -482,6 +528,10 @@
     <xsl:variable name="on-time" select="$row/@name = 'Deadline' or $row/@name = 'Latency'"/>
     <xsl:variable name="timed" select="$hop/self::Network[Profile and (Bus/@bitrate or $binding[normalize-space(@format) != ''
                                                             and normalize-space(@format) != 'classic'])]"/>
+    <!-- What is stated of a mesh can be refuted by what its links give. -->
+    <xsl:variable name="by-links" select="key('given-by-links', concat(generate-id($hop), ' ', substring('Latency', 1, 7 * $on-time),
+                                                substring($row/@name, 1, string-length($row/@name) * not($on-time)))) |
+                                          key('given-by-links', concat(generate-id($hop[$on-time]), ' Period'))"/>
     <!-- So can what is stated of a J1939 bus by the pauses between the frames of a message. -->
     <xsl:variable name="paused">
       <xsl:if test="($on-time or $row/@name = 'Jitter') and normalize-space($hop/Profile[1]) = 'j1939'">
@@ -493,7 +543,7 @@
         </xsl:call-template>
       </xsl:if>
     </xsl:variable>
-    <xsl:if test="$open and (string($computed) or ($on-time and $timed) or string($paused))">
+    <xsl:if test="$open and (string($computed) or ($on-time and $timed) or $by-links or string($paused))">
       <xsl:call-template name="undecided">
         <xsl:with-param name="publisher" select="$publisher"/>
         <xsl:with-param name="subscriber" select="$subscriber"/>

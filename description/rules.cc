@@ -264,7 +264,7 @@ void check_twice(const core::System& system, Problems& problems) {
     }
     const core::Publisher& p = *told_apart[i].second;
     problems.add(p.origin, "Publisher",
-                 fmt::format("channel {} is already published by this sender in {}: {}",
+                 fmt::format("nothing distinguishes it from the publisher of channel {} in {}: {}",
                              system.channels[p.channel].name,
                              line_words(system, p.origin, told_apart[first].second->origin),
                              core::way_to_differ(p)),

@@ -299,6 +299,22 @@ void add_arguments(CLI::App& app, Takes takes, Arguments& to) {
   }
 }
 
+/// Options of which one is needed stand under the words that say so.
+class OptionsOfGroups : public CLI::Formatter {
+ public:
+  std::string make_expanded(const CLI::App* group) const override {
+    std::string text = CLI::Formatter::make_expanded(group);
+    // What CLI11 says of them: "  [Exactly 1 of the following options is required]".
+    constexpr std::string_view last = "required]\n";
+    const auto said = text.find(last);
+    if (!group->get_name().empty() || said == std::string::npos) return text;
+    text.erase(0, said + last.size());
+    if (text.starts_with("  Options:\n")) text.erase(0, text.find('\n') + 1);
+    return fmt::format("\n{} of these is needed:\n{}",
+                       group->get_require_option_max() == 1 ? "One" : "At least one", text);
+  }
+};
+
 /// With the help that says more: of the verb that was understood, or else of all.
 std::string wrong(const CLI::App& app, std::string_view what) {
   const auto verbs = app.get_subcommands();
@@ -334,6 +350,7 @@ std::variant<Command, Exit> parse(std::span<const Verb> verbs, int argc, const c
   double seconds = std::chrono::duration<double>(control::kPatience).count();
 
   CLI::App app("Asks and steers mlccad, the gateway that lets no unfit data pass.", "mlccactl");
+  app.formatter(std::make_shared<OptionsOfGroups>());
   app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
   app.set_help_flag("-h,--help", "print this help");
   app.add_option("--socket", options.socket, "control socket of mlccad")

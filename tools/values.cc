@@ -119,8 +119,8 @@ Result<std::uint64_t> parse_bit_rate(std::string_view text, Rounding rounding) {
     unit = units::find(Measure::bits_per_second, quantity->unit, units::kRadioRates);
   if (unit == nullptr)
     return fail(
-        fmt::format("'{}': needs a unit of bit/s, kbit/s, Mbit/s, Gbit/s, B/s, kB/s, MB/s, "
-                    "GB/s, KiB/s or MiB/s",
+        fmt::format("'{}': needs a unit of k, M or G (bit/s), bit/s, kbit/s, Mbit/s, Gbit/s, B/s, "
+                    "kB/s, MB/s, GB/s, KiB/s or MiB/s",
                     text));
   auto rate =
       whole_parts(quantity->number->times(unit->factor), unit->power, rounding, text, kMostRate);

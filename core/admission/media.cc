@@ -63,11 +63,16 @@ bool is_empty(const AttributeSet& offered) {
   return offered.has(Attribute::max_payload) && offered[Attribute::max_payload] == 0;
 }
 
-/// What the links of a way give, beside their rate, which is reckoned as medium time.
+/// What the links of a way give, beside their rate, which is reckoned as medium time. Where the
+/// mesh itself is said to give something else for good, the worse of both counts.
 void provide_links(AttributeSet& provision, const AttributeSet& given, bool dynamic) {
   for (std::size_t i = 0; i < kAttributes; ++i) {
     const Attribute a = attribute_at(i);
-    if (a != Attribute::bandwidth && given.has(a)) provide(provision, a, given[a], dynamic);
+    if (a == Attribute::bandwidth || !given.has(a)) continue;
+    Value value = given[a];
+    if (!is_missing(provision, a) && satisfies(info(a).better, value, provision[a]))
+      value = provision[a];
+    provision.set(a, value, dynamic);
   }
 }
 
@@ -151,7 +156,7 @@ Value Media::variation_before(std::size_t hop) const {
 /// later has them in time: of what the other hops and the pauses of senders leave, buses get shares
 /// like their bit times.
 /// That does not depend on others on the buses, so a message is promised the same whenever it is
-/// decided.
+/// decided. Where the pauses alone are longer than all of the time, it is shared out like them.
 Value Media::delay_allowed(std::size_t hop) const {
   const Publisher& publisher = s_.members.publisher(v_.publisher);
   const Value source = attributes_in(publisher, v_.set)[Attribute::jitter];
@@ -160,10 +165,13 @@ Value Media::delay_allowed(std::size_t hop) const {
     if (limit.hop < hop) continue;
     Value latency = limit.latency;
     Value jitter = less(limit.jitter, source);
+    const Value whole = std::min(latency, jitter);
     Value all = 0;
+    Value pauses = 0;
     for (std::size_t i = 0; i <= limit.hop; ++i) {
       if (const Value weight = bit_time(i); weight != 0) {
         all += weight;
+        pauses = add_saturating(pauses, pauses_at(i));
         latency = less(latency, pauses_at(i));
         jitter = less(jitter, pauses_at(i));
         continue;
@@ -171,6 +179,10 @@ Value Media::delay_allowed(std::size_t hop) const {
       const Value promised = promised_delay(i);
       latency = less(latency, std::min(latency_of(i), promised));
       jitter = less(jitter, std::min(variation_of(i), promised));
+    }
+    if (pauses > whole) {
+      most = std::min(most, mul_div_down(whole, pauses_at(hop), pauses));
+      continue;
     }
     const Value allowed = std::min(latency, jitter);
     if (allowed == kUnbounded) continue;

@@ -91,13 +91,15 @@ std::string stated_by(const System& system, Place place) {
   return (evaluated ? "PerHop of " : "") + name_of(system, place);
 }
 
-/// What a mesh provides of it is composed of what each of its links does, unless it states it
-/// whole.
+/// What a mesh provides of it is composed of what each of its links does, unless the mesh itself is
+/// said to give no more.
 bool follows_from_links(const System& system, const Row& row) {
   if (row.is_user() || row.place.kind != Place::Kind::network) return false;
   const Network& network = system.networks[row.place.index];
   const Attribute a = held_against(row.comparison.attribute);
-  return network.mesh && network.mesh->per_hop.has(a) && !network.provision.has(a);
+  const AttributeSet& stated = network.provision;
+  return network.mesh && network.mesh->per_hop.has(a) &&
+         !(stated.has(a) && stated[a] == row.comparison.provided);
 }
 
 /// An event of several frames is lost with any of them, and nothing says how many events in a row
@@ -394,10 +396,11 @@ void Explainer::add_medium(const Verdict& v, const Row& row) {
   f.place = row.place;
   f.has_place = true;
   if (queue) f.frames_of = static_cast<std::uint32_t>(row.end);
-  f.attribute = info(c.attribute).name;
+  f.attribute = queue ? "queue-length" : info(c.attribute).name;
   f.required =
       queue ? std::to_string(row.reserved) + " frames" : format_value(c.attribute, c.required);
-  f.provided = queue ? std::to_string(row.room) + " frames" : format_value(c.attribute, c.provided);
+  f.provided = queue ? std::to_string(row.room) + (row.room == 1 ? " frame" : " frames")
+                     : format_value(c.attribute, c.provided);
   if (row.against == Against::schedule) {
     f.text = "with " + publisher + ", " + schedule_text(s_.system, s_.members, row);
     if (queue)

@@ -38,6 +38,21 @@ std::string promise_of(const System& system, const Row& row) {
          format_value(Attribute::latency, row.comparison.required);
 }
 
+/// Events whose sender pauses between their frames; empty: these pauses are not the cause.
+std::string pauses_hint(const std::string& late, const can::Message& own, const Row& row) {
+  const bool bounded = row.comparison.provided != kUnbounded;
+  const Value taken = add_saturating(own.transmission, own.pauses);
+  if (own.pauses == 0 || taken <= (bounded ? row.comparison.required : own.period)) return {};
+  const std::string most = format_value(Attribute::latency, taken);
+  return (bounded ? "allow " + late + " more time" : "let " + late + " send less often") +
+         ", or let its events fit one frame: the transport protocol sends " +
+         std::to_string(own.frames) + " frames for each, which take up to " + most +
+         " with the pauses between them" +
+         (bounded
+              ? ""
+              : ", and the next event comes after " + format_value(Attribute::period, own.period));
+}
+
 }  // namespace
 
 std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdict& v,
@@ -58,6 +73,8 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
            std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " % of the time";
   }
   const auto own = row.end == v.publisher ? newcomer : message_of(row.end, v.set);
+  if (own)
+    if (std::string hint = pauses_hint(late, *own, row); !hint.empty()) return hint;
   const Value jitter = attributes_in(s.members.publisher(row.end), v.set)[Attribute::jitter];
   if (own && row.comparison.provided == kUnbounded && is_too_much_jitter(bus, *own, jitter))
     return "state a smaller Jitter of " + late + ": " + format_value(Attribute::jitter, jitter) +

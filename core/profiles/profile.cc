@@ -114,9 +114,11 @@ std::optional<Sender> sender_of(const System& system, const Publisher& publisher
 }
 
 std::string_view way_to_differ(const Publisher& publisher) {
-  if (publisher.place.kind == Place::Kind::gateway) return "another user or node is needed";
-  return publisher.node ? "every publisher has a node of its own"
-                        : "an identifier has one sender on a bus";
+  if (publisher.place.kind == Place::Kind::gateway)
+    return "give it another user, or a node of its own";
+  return publisher.node ? "give it a node of its own"
+                        : "an identifier has one sender on a bus: describe one of them, or give "
+                          "its events a channel of their own";
 }
 
 std::optional<FrameIdentity> identity_of(const Publisher& publisher, const Network& network,

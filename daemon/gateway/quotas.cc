@@ -55,8 +55,7 @@ std::optional<std::string> Quotas::refuse_change(uid_t user, std::uint64_t now) 
   if (owed + each <= rows.at_once * each) return std::nullopt;
   const std::uint64_t wait = owed + each - rows.at_once * each;
   return fmt::format(
-      "changes of user {} have made {} rows of the history lately, and one user may make {} at "
-      "once "
+      "changes of user {} lately count as {} rows of the history, and one user may make {} at once "
       "and {} a second: ask again in {} s",
       user, (owed + each - 1) / each, rows.at_once, rows.per_second,
       (wait + kSecond - 1) / kSecond);

@@ -270,9 +270,9 @@ Result<void> check_sender(const core::State& state, const core::Publisher& newco
   const auto& members = state.members();
   for (const std::size_t p : members.publishers_of(newcomer.channel))
     if (core::sender_of(state.system(), members.publisher(p)) == sender)
-      return fail(fmt::format("channel {} is already published by this sender, as {}: {}",
-                              state.system().channels[newcomer.channel].name,
-                              members.publisher(p).name, core::way_to_differ(newcomer)));
+      return fail(fmt::format(
+          "nothing distinguishes it from publisher {} of channel {}: {}", members.publisher(p).name,
+          state.system().channels[newcomer.channel].name, core::way_to_differ(newcomer)));
   return {};
 }
 

@@ -171,6 +171,30 @@ TEST(MeasuredMeshTest, WhatOneLinkCannotGiveNoWayCan) {
   EXPECT_EQ(checked.inspection.findings[0].provided, "100 ms");
 }
 
+/// A way of two links of 10 ms takes 20 ms, whatever is said of the mesh as a whole.
+TEST(MeasuredMeshTest, WhatAMeshStatesForGoodIsNoBetterThanWhatItsLinksGive) {
+  System system = measured();
+  system.networks[kAir].provision.set(Attribute::latency, kMs);
+  EXPECT_EQ(only(check(system).inspection).id, Id::run_time);
+  system.subscribers[0].attributes.set(Attribute::deadline, 8 * kMs);
+  const Checked checked = check(system);
+  ASSERT_FALSE(checked.inspection.findings.empty());
+  const Finding& finding = checked.inspection.findings[0];
+  EXPECT_EQ(finding.id, Id::hop_unfit);
+  EXPECT_EQ(finding.provided, "10 ms");
+}
+
+TEST(MeasuredMeshTest, WhatAMeshStatesForGoodCountsWhereItIsWorse) {
+  System system = measured();
+  system.networks[kAir].provision.set(Attribute::latency, 2 * kFiftyMs);
+  const Checked checked = check(system);
+  ASSERT_FALSE(checked.inspection.findings.empty());
+  EXPECT_EQ(checked.inspection.findings[0].id, Id::hop_unfit);
+  EXPECT_EQ(checked.inspection.findings[0].provided, "100 ms");
+  EXPECT_TRUE(checked.inspection.findings[0].hint.starts_with("let air provide"))
+      << checked.inspection.findings[0].hint;
+}
+
 TEST(MeasuredMeshTest, WhatNoLinkStatesIsToBeStatedInPerHop) {
   System system = measured();
   system.networks[kAir].mesh->per_hop.clear(Attribute::omission);

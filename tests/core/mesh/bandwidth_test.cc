@@ -141,7 +141,7 @@ TEST(BandwidthTest, WhatCannotBeUsedIsExplained) {
   };
   const std::vector<Wrong> wrongs = {
       {{"24"}, "'24': needs a unit"},
-      {{"24furlongs"}, "needs a unit of bit/s, kbit/s"},
+      {{"24furlongs"}, "needs a unit of k, M or G (bit/s), bit/s, kbit/s"},
       {{"fast"}, "must begin with a number"},
       {{"-5M"}, "-5M"},
       {{"0Mbit/s"}, "must be 1 bit/s or more"},

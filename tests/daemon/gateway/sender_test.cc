@@ -36,9 +36,11 @@ std::string answer_to(const core::System& system, const control::ChannelRequest&
 }
 
 TEST(SenderTest, RefusesAPublisherWhoseIdentifierIsTaken) {
-  EXPECT_EQ(answer_to(raw_robot(), twin()),
-            "channel emergency-switch is already published by this sender, as switch: an "
-            "identifier has one sender on a bus");
+  EXPECT_EQ(
+      answer_to(raw_robot(), twin()),
+      "nothing distinguishes it from publisher switch of channel emergency-switch: an identifier "
+      "has one sender on a bus: describe one of them, or give its events a channel of their "
+      "own");
 }
 
 TEST(SenderTest, ANodeDoesNotDistinguishPublishersWhereNoFrameNamesIt) {
@@ -51,8 +53,8 @@ TEST(SenderTest, DistinguishesPublishersByTheirNodeWhereFramesNameIt) {
   auto request = twin();
   request.node = core::testing::kSwitchNode;
   EXPECT_EQ(answer_to(robot(0), request),
-            "channel emergency-switch is already published by this sender, as switch: every "
-            "publisher has a node of its own");
+            "nothing distinguishes it from publisher switch of channel emergency-switch: give it a "
+            "node of its own");
   request.node = core::testing::kSwitchNode + 1;
   EXPECT_EQ(answer_to(robot(0), request), "understood");
 }

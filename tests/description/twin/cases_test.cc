@@ -129,6 +129,17 @@ TEST(Twin, SaysWhatItDoesNotDecideWhereNothingElseIsFound) {
                 "1 findings\n");
 }
 
+TEST(Twin, LeavesWhatTheLinksOfAMeshGiveAndCarryToTheChecker) {
+  const auto note = [](const std::string& what) {
+    return "note MLCCA034: publisher p, subscriber s, hop mesh, attribute " + what +
+           ", provided what is computed: not decided here, left to mlccactl check\n";
+  };
+  EXPECT_EQ(output_of(kCheck + std::string("tests/description/twin/cases/mesh-computed.xml")),
+            note("Latency: required 50000000 ns") + note("Deadline: required 100000000 ns") +
+                note("Period: required 100000000 ns") + note("Bandwidth: required 80 bytes/s") +
+                note("MaxPayload: required 8 bytes") + "0 findings\n");
+}
+
 TEST(Twin, SaysThatResponseTimesCanRefuteWhatIsStatedOfABus) {
   const auto note = [](const std::string& publisher) {
     return "note MLCCA034: publisher " + publisher +

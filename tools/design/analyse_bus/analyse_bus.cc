@@ -268,6 +268,7 @@ void add_analyse_bus(CLI::App& app, Context& context) {
                    "share of the bus that others take at any priority, such as 0.05")
       ->type_name("SHARE");
   verb->add_option("--faults", options->faults, "errors on the bus within --fault-interval-ms")
+      ->check(CLI::Range(0U, ~0U))
       ->type_name("N");
   verb->add_option("--fault-interval-ms", options->fault_interval_ms, "see --faults")
       ->check(CLI::NonNegativeNumber)

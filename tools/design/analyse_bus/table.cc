@@ -344,7 +344,7 @@ class TableReader {
     else if (!time)
       problem(what, fmt::format("{} {}", what, quoted_as(time.error().text, number, text)));
     else if (positive && *time == 0)
-      problem(what, fmt::format("{} '{}': must be more than 0", what, text));
+      problem(what, fmt::format("{} '{}': must be 0.001 (1 ns) or more", what, text));
     else
       return *time;
     return 0;

@@ -131,7 +131,7 @@ TEST_F(AnalyseBusTest, EveryBadLineIsNamedAndNothingElseIsSaid) {
       {"a,0x20000000,1,8,1000,1000,0", "id '0x20000000'"},
       {"a,1,2,8,1000,1000,0", "extended '2': must be 0, 1, true or false"},
       {"a,1,0,9,1000,1000,0", "bytes '9': must be a whole number from 0 to 8"},
-      {"a,1,0,8,0,1000,0", "period_us '0': must be more than 0"},
+      {"a,1,0,8,0,1000,0", "period_us '0': must be 0.001 (1 ns) or more"},
       {"a,1,0,8,1000,soon,0", "deadline_us 'soon'"},
       {"a,1,0,8,1000,1000,-1", "jitter_us '-1'"},
       {"a,1,0,8,1000,1000", "6 values: must be 7"},

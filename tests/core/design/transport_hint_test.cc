@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is said of J1939 messages whose transport takes longer than they may.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "core/design/inspect.hpp"
+#include "tests/core/design/inspected.hpp"
+
+namespace mlcca::core::testing {
+namespace {
+
+constexpr Value kMillisecond = 1'000'000;
+
+/// 20 bytes: an announcement and three packets, with up to 200 ms between two of the four.
+System transported(Value period, Value deadline) {
+  System system;
+  system.name = "tractor";
+  system.files = {"s.xml"};
+  EventChannel& channel = system.channels.emplace_back();
+  channel.name = "identity";
+  channel.subject = 1;
+  channel.attributes = AttributeSet{}
+                           .set(Attribute::period, period)
+                           .set(Attribute::deadline, deadline)
+                           .set(Attribute::max_payload, 20);
+  Network& bus = system.networks.emplace_back();
+  bus.name = "drive";
+  bus.profile = Profile::j1939;
+  bus.bus.bitrate = 250'000;
+  Binding& pgn = bus.bindings.emplace_back();
+  pgn.id = 65'001;
+  pgn.extended = true;
+  pgn.priority = 3;
+  Publisher& publisher = system.publishers.emplace_back();
+  publisher.name = "engine";
+  publisher.place = {Place::Kind::network, 0};
+  publisher.node = 3;
+  publisher.attributes = channel.attributes;
+  Subscriber& subscriber = system.subscribers.emplace_back();
+  subscriber.name = "panel";
+  subscriber.place = {Place::Kind::network, 0};
+  subscriber.attributes = channel.attributes;
+  return system;
+}
+
+TEST(TransportHintTest, PausesThatAreLongerThanTheDeadlineAreTheCause) {
+  const Inspection inspection = inspect(transported(700 * kMillisecond, 500 * kMillisecond));
+  const Finding& found = only(inspection);
+  EXPECT_EQ(found.id, Id::deadline_missed);
+  EXPECT_TRUE(found.text.contains("602.56 ms of the 500 ms they may take at most")) << found.text;
+  EXPECT_EQ(found.hint,
+            "allow engine more time, or let its events fit one frame: the transport protocol sends "
+            "4 frames for each, which take up to 602.56 ms with the pauses between them");
+}
+
+TEST(TransportHintTest, PausesThatAreLongerThanThePeriodAreTheCause) {
+  const Inspection inspection = inspect(transported(500 * kMillisecond, 2'000 * kMillisecond));
+  const Finding& found = only(inspection);
+  EXPECT_EQ(found.hint,
+            "let engine send less often, or let its events fit one frame: the transport protocol "
+            "sends 4 frames for each, which take up to 602.56 ms with the pauses between them, and "
+            "the next event comes after 500 ms");
+}
+
+TEST(TransportHintTest, TheyFitWhereThereIsTime) {
+  EXPECT_TRUE(inspect(transported(700 * kMillisecond, 603 * kMillisecond)).findings.empty());
+}
+
+}  // namespace
+}  // namespace mlcca::core::testing
