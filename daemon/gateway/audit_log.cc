@@ -152,7 +152,7 @@ void AuditLog::poll_reasons(std::size_t port, Polled& last, Reporting reporting)
     UnknownFrames& before = last.reasons[{counted.reason, counted.egress}];
     const UnknownFrames fresh = grown(counted.frames, before);
     before = counted.frames;
-    if (reporting == Reporting::no) continue;
+    if (reporting == Reporting::no || fresh.dropped + fresh.would_drop == 0) continue;
     const Key key{.interface = gates_.interface_name(port),
                   .network = gates_.network_of(port),
                   .egress = counted.egress,
