@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <utility>
 
 namespace mlcca {
 
@@ -20,7 +21,8 @@ struct RecentDrops {
 /// What happened less than this time ago is recent, s: as often as a monitoring system asks.
 inline constexpr std::int64_t kRecent = 300;
 
-/// Remembers counters by key. Times are in seconds of any steady clock.
+/// Remembers counters by key, those that are not 0: most never are. Times are in seconds of any
+/// steady clock.
 template <class Key>
 class DropWatch {
  public:
@@ -34,11 +36,15 @@ class DropWatch {
   /// counter begins at 0, and one that is less than before by more than kBehind, or 0, has started
   /// again.
   std::optional<std::uint64_t> sample(const Key& key, std::uint64_t dropped, std::int64_t now) {
+    if (!began_) began_ = now;
+    grown_ = 0;
+    if (dropped == 0 && !seen_.contains(key)) return std::nullopt;
     auto [it, fresh] = seen_.try_emplace(key);
     Seen& seen = it->second;
     if (!fresh && is_gone(seen)) seen = {};
     seen.round = round_;
-    if (fresh) seen.sampled = now;
+    // It was 0 in the round before, if it was sampled then.
+    if (fresh) seen.sampled = before_began_.value_or(now);
     if (fresh && first_) seen.mentioned = seen.counted = dropped;
     if (dropped == 0 || dropped + kBehind < seen.mentioned) restart(seen);
     grown_ = dropped - std::min(dropped, seen.counted);
@@ -70,8 +76,8 @@ class DropWatch {
   std::uint64_t close(const Key& key, std::uint64_t dropped, std::int64_t now) {
     if (const auto known = seen_.find(key); known != seen_.end()) known->second.ever = false;
     const auto since = sample(key, dropped, now);
-    Seen& seen = seen_.at(key);
-    seen.has_grown = seen.ever = false;
+    if (const auto known = seen_.find(key); known != seen_.end())
+      known->second.has_grown = known->second.ever = false;
     return since.value_or(0);
   }
 
@@ -79,6 +85,7 @@ class DropWatch {
   void end_round() {
     ++round_;
     first_ = false;
+    before_began_ = std::exchange(began_, std::nullopt);
   }
 
   /// Gives back the memory of some of what is gone, the next ones with each call; false once it has
@@ -104,6 +111,7 @@ class DropWatch {
   void forget() {
     seen_.clear();
     first_ = true;
+    began_ = before_began_ = std::nullopt;
   }
 
  private:
@@ -141,6 +149,8 @@ class DropWatch {
   std::map<Key, Seen> seen_;
   std::uint64_t round_ = 0;
   bool first_ = true;
+  std::optional<std::int64_t> began_;         ///< when this round did
+  std::optional<std::int64_t> before_began_;  ///< when the round before did
   std::uint64_t grown_ = 0;
   std::optional<Key> tidied_;  ///< up to here, since tidy() began at the front
 };

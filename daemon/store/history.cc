@@ -16,11 +16,13 @@ namespace mlcca::store {
 namespace {
 
 // WAL and NORMAL: a crash loses the last decisions at most, never the database, and a flush waits
-// for the disk only when the log is copied back.
+// for the disk only when the log is copied back. 256 KiB of pages are kept: rows are added at the
+// end, and read by few.
 constexpr const char* kPragmas = R"(
   PRAGMA journal_mode = WAL;
   PRAGMA synchronous = NORMAL;
   PRAGMA trusted_schema = OFF;
+  PRAGMA cache_size = -256;
 )";
 constexpr const char* kSchema = R"(
   BEGIN IMMEDIATE;

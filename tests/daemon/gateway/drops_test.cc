@@ -68,6 +68,20 @@ TEST(DropWatch, SaysInWhatTimeTheRecentOnesWereDropped) {
   EXPECT_EQ(watch.recent("a", 70), (RecentDrops{18, 10}));
 }
 
+/// A gateway of ten thousand channels would spend most of its memory on what never happens.
+TEST(DropWatch, CountersThatAreNothingTakeNoMemory) {
+  DropWatch<int> watch;
+  for (int key = 0; key < 1000; ++key) watch.sample(key, 0, 0);
+  watch.end_round();
+  for (int key = 0; key < 1000; ++key) EXPECT_EQ(watch.sample(key, 0, 1), std::nullopt);
+  EXPECT_EQ(watch.close(1, 0, 1), 0U);
+  watch.end_round();
+  EXPECT_EQ(watch.size(), 0U);
+  EXPECT_EQ(watch.sample(7, 4, 3), 4U);
+  EXPECT_EQ(watch.recent(7, 3), (RecentDrops{4, 2})) << "since the round before began, at 1 s";
+  EXPECT_EQ(watch.size(), 1U);
+}
+
 TEST(DropWatch, WhatWasDroppedInTheLastFiveMinutesIsRecent) {
   DropWatch<std::string> watch;
   watch.sample("a", 5, 0);
@@ -91,6 +105,7 @@ TEST(DropWatch, AwakeItMentionsTheRestAtOnce) {
   DropWatch<std::string> watch;
   watch.sample("a", 0, 0);
   watch.sample("b", 0, 0);
+  watch.end_round();
   EXPECT_EQ(watch.sample("a", 1, 1), 1U);
   watch.wake();
   EXPECT_EQ(watch.sample("a", 4, 2), 3U);
