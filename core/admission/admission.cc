@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/admission/echoes.hpp"
 #include "core/admission/route_check.hpp"
 #include "core/admission/senders.hpp"
 #include "core/model/progress.hpp"
@@ -61,10 +62,17 @@ class Ways {
 /// Decides the deliveries of a channel, one after the other.
 class Deliveries {
  public:
-  /// `before`: as of decide_in().
+  /// `before`: as of decide_in(). `barred`: gateways that carry nothing of what they would take
+  /// from any sender.
   Deliveries(const Situation& s, Ledger& ledger, const std::vector<Target>& targets,
-             const Decision* before)
-      : s_(s), ledger_(ledger), targets_(targets), before_(before), senders_(s.system, s.members) {}
+             const Decision* before, const std::vector<std::size_t>& barred)
+      : s_(s),
+        ledger_(ledger),
+        targets_(targets),
+        before_(before),
+        barred_(barred),
+        senders_(s.system, s.members),
+        carriers_(s.system) {}
 
   Verdict decide_as_before(Verdict start) {
     const Verdict* const old = before_ != nullptr ? same_delivery(*before_, start) : nullptr;
@@ -81,7 +89,10 @@ class Deliveries {
   }
 
   /// What is granted, so that those decided later know its senders.
-  void note_granted(const Verdict& v) { senders_.add(v.publisher, v.route); }
+  void note_granted(const Verdict& v) {
+    senders_.add(v.publisher, v.route);
+    carriers_.add(v.publisher, v.route);
+  }
 
  private:
   Verdict decide(Verdict first, const Route* preferred) {
@@ -117,16 +128,48 @@ class Deliveries {
     if (const auto conflict = senders_.conflict(v.publisher, route)) {
       v.obstacle = Obstacle::sender_twice;
       v.obstacle_at = conflict->bus;
+    } else if (const auto again = carriers_.twice(v.publisher, route)) {
+      v.obstacle = Obstacle::echo;
+      v.obstacle_at = *again;
+    } else if (const auto barred = barred_on(v.publisher, route)) {
+      v.obstacle = Obstacle::echo;
+      v.obstacle_at = *barred;
     }
     check_route(s_, ledger_, targets_, v);
+  }
+
+  [[nodiscard]] std::optional<Place> barred_on(std::size_t publisher, const Route& route) const {
+    for (const std::size_t gateway : barred_)
+      if (takes_any_sender(s_.system, s_.members.publisher(publisher), route, gateway))
+        return Place{Place::Kind::gateway, gateway};
+    return std::nullopt;
   }
 
   const Situation& s_;
   Ledger& ledger_;
   const std::vector<Target>& targets_;
   const Decision* before_;
+  const std::vector<std::size_t>& barred_;
   Senders senders_;
+  Carriers carriers_;
 };
+
+Decision decide_all(const Situation& situation, std::size_t channel, std::size_t set,
+                    Deliveries deliveries, const std::vector<Target>& targets) {
+  Decision decision;
+  decision.set = set;
+  const auto& publishers = situation.members.publishers_of(channel);
+  decision.verdicts.reserve(targets.size() * publishers.size());
+  for (const std::size_t publisher : publishers)
+    for (const Target& target : targets) {
+      const Verdict& v = decision.verdicts.emplace_back(
+          deliveries.decide_as_before(undecided(situation, channel, publisher, target, set)));
+      if (!v.granted) continue;
+      ++decision.granted;
+      if (targets.size() * publishers.size() > 1) deliveries.note_granted(v);
+    }
+  return decision;
+}
 
 }  // namespace
 
@@ -140,21 +183,21 @@ const Verdict* same_delivery(const Decision& decision, const Verdict& v) {
 Decision decide_in(const Situation& situation, std::size_t channel, std::size_t set, Ledger& ledger,
                    const Decision* before) {
   Progress::made();
-  Decision decision;
-  decision.set = set;
   const std::vector<Target> targets = targets_of(situation.members, channel);
-  const auto& publishers = situation.members.publishers_of(channel);
-  Deliveries deliveries(situation, ledger, targets, before);
-  decision.verdicts.reserve(targets.size() * publishers.size());
-  for (const std::size_t publisher : publishers)
-    for (const Target& target : targets) {
-      const Verdict& v = decision.verdicts.emplace_back(
-          deliveries.decide_as_before(undecided(situation, channel, publisher, target, set)));
-      if (!v.granted) continue;
-      ++decision.granted;
-      if (targets.size() * publishers.size() > 1) deliveries.note_granted(v);
-    }
-  return decision;
+  std::vector<std::size_t> barred;
+  for (;;) {
+    const Ledger::Mark mark = ledger.mark();
+    const std::size_t tried = situation.tried == nullptr ? 0 : situation.tried->size();
+    Decision decision = decide_all(situation, channel, set,
+                                   Deliveries(situation, ledger, targets, before, barred), targets);
+    // With each round one more gateway takes nothing from any sender; where none does, there is no
+    // echo.
+    const auto echo = find_echo(situation.system, situation.members, decision.verdicts);
+    if (!echo) return decision;
+    ledger.roll_back(mark);
+    if (situation.tried != nullptr) situation.tried->resize(tried);
+    barred.push_back(*echo);
+  }
 }
 
 void renew_responses(const Situation& situation, Ledger& ledger, Decision& decision) {

@@ -233,6 +233,12 @@ void Explainer::add_obstacle(const Verdict& v) {
             relay_gate(s_.system, hop.index, v.obstacle_at.index) != RelayGate::none)
           f.hint = relay_hint(s_.system, hop.index, v.obstacle_at.index);
       break;
+    case Obstacle::echo:
+      f.hint = v.obstacle_at.kind == Place::Kind::gateway
+                   ? "state the address of each publisher of the channel, or a Route over gateways "
+                     "that form no ring"
+                   : "let one gateway bring them there: change a Route";
+      break;
     case Obstacle::no_sender:
       f.hint = "add sender=\"USER\" to the Port that the events leave by";
       if (s_.system.gateways[v.obstacle_at.index].forwarder != Forwarder::relay)

@@ -18,6 +18,8 @@ namespace mlcca::core {
       return FindingId::no_data_rate;
     case Obstacle::sender_twice:
       return FindingId::sender_twice;
+    case Obstacle::echo:
+      return FindingId::echo;
     case Obstacle::no_traffic:
     case Obstacle::no_period:
       return FindingId::no_traffic;

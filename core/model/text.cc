@@ -164,6 +164,13 @@ std::string obstacle_text(const System& system, const Members& members, const Ve
     case Obstacle::sender_twice:
       return "events of the channel reach " + at() +
              " over another way already: two senders of one identifier";
+    case Obstacle::echo:
+      if (v.obstacle_at.kind == Place::Kind::gateway)
+        return "gateway " + at() +
+               " could not distinguish these events from those that another gateway brings, and "
+               "would carry both: they would arrive twice, or go round";
+      return "events of the publisher reach " + at() + " over another way already: they would " +
+             "arrive twice";
   }
   return {};
 }

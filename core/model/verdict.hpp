@@ -67,6 +67,7 @@ enum class Obstacle : std::uint8_t {
   withdrawn,     ///< by an operator, until it is reinstated
   unlisted,      ///< the channel is not described, and a network admits no such channel
   sender_twice,  ///< another device sends the channel's identifier on a bus already
+  echo,          ///< its events would come to a network twice, or go round over several gateways
 };
 
 /// What an analysed medium gives a flow: times on a CAN bus; over a mesh the way, whose rates
