@@ -53,7 +53,8 @@ Arrivals arrivals(const gate_watch& watch, std::uint64_t now) {
   out.since_last = begin != 0 && now > begin ? now - begin : 0;
   const std::uint64_t first = load(watch.first);
   if (out.events > 1 && last > first) out.rate = per_1000_seconds(out.events - 1, last - first);
-  out.silent = load(watch.silent) != 0 && load(watch.silence) != 0;
+  out.silence = load(watch.silence);
+  out.silent = load(watch.silent) != 0 && out.silence != 0;
   out.missing = load(watch.missing);
   // As between two events half a period late is missing; once silence is too long no more is late.
   if (last != 0 && period != 0 && out.since_last > period)

@@ -23,6 +23,7 @@ struct Arrivals {
   std::uint64_t shortest = 0;
   std::uint64_t longest = 0;
   std::uint64_t jitter = 0;
+  std::uint64_t silence = 0;  ///< after which it is silent; 0: never
   bool silent = false;
   std::uint64_t gaps[GATE_GAPS] = {};  // NOLINT(*-avoid-c-arrays): as in gate_watch
 };

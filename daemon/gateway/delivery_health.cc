@@ -51,7 +51,9 @@ DeliveryHealth::Supervision DeliveryHealth::supervision_of(const core::GateState
   const core::GateRule* const own = watched_rule(rules);
   if (own == nullptr) return {};
   if (const core::SharedRule* both = rule_of(own->entry, shared)) {
-    Supervision found{gates_.watch({both->rule}), look_alikes_of(rules, shared)};
+    core::GateRule rule = both->rule;
+    rule.watching.silence = own->watching.silence;  // of this delivery
+    Supervision found{gates_.watch({rule}), look_alikes_of(rules, shared)};
     if (found.watch) found.watch->shared = true;
     return found;
   }

@@ -41,6 +41,12 @@ void add_unknown(const Observed& seen, std::vector<std::string>& lines) {
       recent_frames(seen.unknown, in->network), seen.latest_unknown));
 }
 
+/// Where no subscriber says how long it waits.
+bool is_late(const control::Watch& watch) {
+  const std::uint64_t periods = std::max<std::uint64_t>(watch.period_ns, 1) * kFirstPeriods;
+  return watch.since_last_ns > std::max(kFirstEvent, periods);
+}
+
 void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
   const std::uint64_t period = std::max<std::uint64_t>(watch.period_ns, 1);
   const bool never = watch.events == 0;
@@ -52,10 +58,13 @@ void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
     lines.push_back(fmt::format("nothing has come for {}: {} {} missing", time(watch.since_last_ns),
                                 missing == 1 ? "1 event" : fmt::format("{} events", missing),
                                 missing == 1 ? "is" : "are"));
-  } else if (never && (watch.missing_now ||
-                       watch.since_last_ns > std::max(kFirstEvent, period * kFirstPeriods))) {
-    lines.push_back(fmt::format("no publisher sends: nothing has come since the gate lets it in, {} ago",
-                                time(watch.since_last_ns)));
+  } else if (never && (watch.missing_now || is_late(watch))) {
+    lines.push_back(
+        fmt::format("no publisher sends: nothing has come since the gate lets it in, {} ago",
+                    time(watch.since_last_ns)));
+  } else if (watch.timeout_ns == 0 && is_late(watch)) {
+    lines.push_back(fmt::format("nothing has come for {}, and the publisher sends every {}",
+                                time(watch.since_last_ns), time(watch.period_ns)));
   }
 }
 

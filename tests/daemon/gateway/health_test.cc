@@ -64,6 +64,18 @@ TEST(Health, APublisherThatNeverSentIsReportedAfterThreePeriodsAndASecond) {
             Lines{"no publisher sends: nothing has come since the gate lets it in, 31 s ago"});
 }
 
+TEST(Health, APublisherThatSendsNoMoreIsReportedWhereNobodyStatesAnOmission) {
+  Observed seen{.watch = heart_beat()};
+  seen.watch->timeout_ns = 0;
+  seen.watch->since_last_ns = kSecond;
+  EXPECT_EQ(troubles(seen), Lines{});
+  seen.watch->since_last_ns = 15 * kSecond;
+  EXPECT_EQ(troubles(seen),
+            Lines{"nothing has come for 15 s, and the publisher sends every 50 ms"});
+  seen.watch->timeout_ns = 20 * kSecond;
+  EXPECT_EQ(troubles(seen), Lines{}) << "its subscriber says that it may";
+}
+
 TEST(Health, GatesThatCannotBeListedAreOneShortSentence) {
   EXPECT_EQ(unlisted_gates("list the programs of gates: No such process (libbpf: failed to find "
                            "valid kernel BTF libbpf: Error loading vmlinux BTF: -3 )"),

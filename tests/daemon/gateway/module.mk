@@ -20,4 +20,4 @@ $(eval $(call unit_test,event_log_test,tests/daemon/gateway/event_log_test.cc te
 # A whole controller among fakes.
 GATEWAY_BENCH := $(addprefix tests/daemon/,gateway/bench.cc gateway/fakes.cc store/fake_disk.cc)
 $(eval $(call unit_test,state_machine_test,tests/daemon/gateway/state_machine_test.cc $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
-$(eval $(call unit_test,turn_order_test,tests/daemon/gateway/turn_order_test.cc tests/daemon/gateway/announce_test.cc tests/daemon/gateway/audit_test.cc tests/daemon/gateway/endpoints_test.cc tests/daemon/gateway/subscriptions_test.cc tests/daemon/gateway/presence_test.cc tests/daemon/gateway/described_links_test.cc $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))
+$(eval $(call unit_test,turn_order_test,tests/daemon/gateway/turn_order_test.cc tests/daemon/gateway/announce_test.cc tests/daemon/gateway/audit_test.cc tests/daemon/gateway/endpoints_test.cc tests/daemon/gateway/subscriptions_test.cc tests/daemon/gateway/presence_test.cc tests/daemon/gateway/described_links_test.cc tests/daemon/gateway/silence_test.cc $(GATEWAY_BENCH),$(DAEMON_ARCHIVES),$(DAEMON_LIBS)))

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Events that stay out, for subscribers that do not all wait equally long, in a whole gateway among
+// fakes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/gates/plan.hpp"
+#include "tests/daemon/gateway/bench.hpp"
+
+namespace mlcca::test {
+namespace {
+
+/// c0 every 50 ms from can0 to can1, where up to six events may be lost, and to eth0, where none
+/// may.
+core::System with_two_subscribers() {
+  core::System system = small_system();
+  for (core::Network& n : system.networks) n.provision.set(Attribute::omission, 0);
+  system.gateways[0].provision.set(Attribute::omission, 0);
+  system.subscribers[0].attributes.set(Attribute::omission, 6);
+  core::Subscriber strict = system.subscribers[0];
+  strict.name = "strict";
+  strict.place.index = 2;
+  strict.attributes.set(Attribute::omission, 0);
+  system.subscribers.push_back(strict);
+  return system;
+}
+
+constexpr std::size_t kPatient = 1;  // networks
+constexpr std::size_t kStrict = 2;
+
+class Silence : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_FALSE(bench_.start());
+    ASSERT_EQ(bench_.state().granted(), 2U);
+    ASSERT_GT(patience(kPatient), 5 * patience(kStrict));
+    bench_.log().on_event([this](const control::Event& event) {
+      if (event.kind == "missing" || event.kind == "restored")
+        said_.push_back(event.kind + " " + event.network);
+    });
+  }
+  /// How long the subscribers there wait for the next event.
+  [[nodiscard]] Value patience(std::size_t network) const {
+    for (const core::Verdict& v : bench_.state().decisions()[0].verdicts)
+      if (v.to.index == network) return core::silence_of(v);
+    return 0;
+  }
+  void TearDown() override { bench_.log().on_event({}); }
+
+  void gate_says(std::uint32_t kind, std::uint64_t silent) {
+    gate_event event{};
+    event.kind = kind;
+    event.subject = 1;
+    event.silent = silent;
+    bench_.control().events.push_back(event);
+    bench_.daemon().gates_reported();
+  }
+  /// The latest event came so long ago.
+  void is_silent_for(std::uint64_t ns) {
+    bench_.gates().watched = control::Watch{};
+    bench_.gates().watched->period_ns = 50 * kMs;
+    bench_.gates().watched->events = 9;
+    bench_.gates().watched->since_last_ns = ns;
+  }
+  std::vector<std::string> after(std::uint64_t ns) {
+    bench_.clock.monotonic += ns;
+    bench_.round();
+    return std::exchange(said_, {});
+  }
+
+  Bench bench_{with_two_subscribers()};
+  std::vector<std::string> said_;
+};
+
+using Said = std::vector<std::string>;
+
+TEST_F(Silence, IsReportedToEachSubscriberWhenItsOwnTimeIsOver) {
+  gate_says(GATE_E_MISSING, patience(kStrict));
+  EXPECT_EQ(std::exchange(said_, {}), Said{"missing eth0"});
+  is_silent_for(patience(kPatient) - kMs);
+  EXPECT_EQ(after(patience(kPatient) - kMs - patience(kStrict)), Said{}) << "a millisecond is left";
+  is_silent_for(patience(kPatient));
+  EXPECT_EQ(after(kMs), Said{"missing can1"});
+  EXPECT_EQ(after(60 * kMs), Said{}) << "once";
+  gate_says(GATE_E_RESTORED, 500 * kMs);
+  std::ranges::sort(said_);
+  EXPECT_EQ(said_, (Said{"restored can1", "restored eth0"}));
+}
+
+TEST_F(Silence, ThatIsOverInTimeIsNotReportedToWhoWaitsLonger) {
+  gate_says(GATE_E_MISSING, patience(kStrict));
+  gate_says(GATE_E_RESTORED, patience(kStrict) + kMs);
+  EXPECT_EQ(std::exchange(said_, {}), (Said{"missing eth0", "restored eth0"}));
+  is_silent_for(10 * kMs);
+  EXPECT_EQ(after(1'000 * kMs), Said{});
+}
+
+/// The gate says that they come again when they have for a while.
+TEST_F(Silence, IsMeasuredFromTheLatestEvent) {
+  gate_says(GATE_E_MISSING, patience(kStrict));
+  said_.clear();
+  is_silent_for(20 * kMs);
+  EXPECT_EQ(after(patience(kPatient) - patience(kStrict)), Said{});
+  is_silent_for(patience(kPatient));
+  EXPECT_EQ(after(patience(kPatient) - 20 * kMs), Said{"missing can1"});
+}
+
+TEST_F(Silence, OfAChannelThatIsGrantedNoMoreIsNotReported) {
+  gate_says(GATE_E_MISSING, patience(kStrict));
+  said_.clear();
+  is_silent_for(400 * kMs);
+  bench_.system.subscribers.erase(bench_.system.subscribers.begin());
+  static_cast<void>(bench_.ask(control::ReloadRequest{}));
+  bench_.reading().finish();
+  EXPECT_EQ(after(400 * kMs), Said{});
+}
+
+}  // namespace
+}  // namespace mlcca::test
