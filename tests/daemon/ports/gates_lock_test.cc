@@ -67,6 +67,15 @@ class GatesLockTest : public ::testing::Test {
   const std::string root_ = test::new_bpf_root();
 };
 
+/// Or else two daemons could begin there at once.
+TEST_F(GatesLockTest, AFolderThatIsNotThereYetIsMadeInTheBpffsAndLocked) {
+  const std::string folder = root_ + "/later";
+  auto first = lock_gates(folder);
+  ASSERT_TRUE(first) << first.error().text;
+  EXPECT_FALSE(lock_gates(folder));
+  EXPECT_FALSE(*keep_lock(*first, folder)) << "it is held as it was";
+}
+
 TEST_F(GatesLockTest, IsHeldByOneProcessAtATime) {
   {
     const auto first = lock_gates(root_);
