@@ -110,7 +110,8 @@ class Sense {
     Finding& f =
         add(FindingId::long_period, end.origin,
             end.name + " states a Period of " + period + " on channel " + s_.channels[c].name +
-                ", on which safety depends: a failure may go unnoticed for that long",
+                ", on which safety depends: a failure is noticed after (Omission + 1) Periods at "
+                "the earliest",
             "look at the unit of the Period: heart-beats mostly have milliseconds");
     f.channel = static_cast<std::uint32_t>(c);
     f.publisher = publisher;

@@ -24,6 +24,13 @@ bool is_met_by_rule(const Comparison& c) {
          (c.attribute == Attribute::period && c.provided == c.required);
 }
 
+/// What is left of the time of a mesh is less than what its way could carry alone.
+bool is_said_of_the_medium(const Verdict& verdict, const Row& row) {
+  return !row.is_user() && row.comparison.attribute == Attribute::bandwidth &&
+         std::ranges::any_of(
+             verdict.rows, [](const Row& other) { return other.against == Against::medium_time; });
+}
+
 }  // namespace
 
 bool is_said_by_another(const Verdict& verdict, const Row& row) {
@@ -37,6 +44,19 @@ bool is_said_by_another(const Verdict& verdict, const Row& row) {
   });
 }
 
+bool is_unknown_for_lateness(const Verdict& verdict, const Row& row) {
+  const Attribute a = row.comparison.attribute;
+  const bool is_time =
+      a == Attribute::deadline || a == Attribute::latency || a == Attribute::jitter;
+  if (row.is_user() || !is_time || is_unfit(row) || row.against == Against::schedule ||
+      row.against == Against::traffic)
+    return false;
+  return std::ranges::any_of(verdict.rows, [&row](const Row& other) {
+    return other.against == Against::schedule && is_unfit(other) &&
+           (row.against != Against::hop || row.place == other.place);
+  });
+}
+
 const Row* deciding_row(const Verdict& verdict) {
   const Row* tightest = nullptr;
   for (const Row& row : verdict.rows) {
@@ -46,7 +66,7 @@ const Row* deciding_row(const Verdict& verdict) {
       continue;
     }
     if (row.against != Against::end_to_end) continue;
-    if (is_met_by_rule(row.comparison)) continue;
+    if (is_met_by_rule(row.comparison) || is_said_of_the_medium(verdict, row)) continue;
     if (tightest == nullptr || slack(row.comparison) < slack(tightest->comparison)) tightest = &row;
   }
   if (verdict.granted && tightest == nullptr && !verdict.rows.empty()) return &verdict.rows.front();

@@ -120,6 +120,10 @@ struct Decision {
 /// give to one alone, and what one hop cannot give, the whole way cannot.
 [[nodiscard]] bool is_said_by_another(const Verdict& verdict, const Row& row);
 
+/// Times of a way on which a message would come too late on a bus: how long it takes there is what
+/// the row of the schedule says, and the others were compared without it.
+[[nodiscard]] bool is_unknown_for_lateness(const Verdict& verdict, const Row& row);
+
 /// The row that decided a refusal, or the one with the smallest relative margin of a grant.
 [[nodiscard]] const Row* deciding_row(const Verdict& verdict);
 

@@ -66,7 +66,8 @@ void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event,
   if (missing)
     note.message = fmt::format(
         "{} towards {}: {} {}, {} missing where {} may be", what, note.network,
-        event.never != 0 ? "nothing has come since the gate lets it in, for" : "nothing has come for",
+        event.never != 0 ? "nothing has come since the gate lets it in, for"
+                         : "nothing has come for",
         time, note.missing == 1 ? "1 event is" : fmt::format("{} events are", note.missing),
         v.requirement[Attribute::omission]);
   else
@@ -75,13 +76,23 @@ void DeliveryEvents::silence(const core::Verdict& v, const gate_event& event,
   log_.write(std::move(note));
 }
 
+/// What has to change so that a verdict is reported again: of a grant not by how much it is met,
+/// which others change.
+std::pair<std::size_t, std::string> DeliveryEvents::as_reported(const core::State& state,
+                                                                const core::Verdict& v) {
+  if (!v.granted) return {v.set, verdict_line(state, v)};
+  std::string way;
+  for (const core::Place place : v.route) way += core::name_of(state.system(), place) + " ";
+  return {v.set, way};
+}
+
 DeliveryEvents::Reported DeliveryEvents::reported_of(const core::State& state) const {
   Reported reported;
   for (const core::Decision& decision : state.decisions()) {
     for (const core::Verdict& v : decision.verdicts)
       reported.emplace(std::pair(core::format_subject(state.system().channels[v.channel].subject),
                                  state.delivery_of(v)),
-                       std::pair(v.set, verdict_line(state, v)));
+                       as_reported(state, v));
     pulse_();
   }
   return reported;
@@ -96,11 +107,11 @@ void DeliveryEvents::outcome(const Granted& before, const Reported& reported) {
       const core::Delivery delivery = scene_.state->delivery_of(v);
       const auto known = lost.find(subject);
       const bool was = known != lost.end() && std::erase(known->second.deliveries, delivery) != 0;
-      const std::pair outcome(v.set, verdict_line(*scene_.state, v));
-      const auto as_reported = reported.find({subject, delivery});
-      if (as_reported != reported.end() && as_reported->second == outcome) continue;
+      const auto known_before = reported.find({subject, delivery});
+      if (known_before != reported.end() && known_before->second == as_reported(*scene_.state, v))
+        continue;
       const Kind not_granted = was ? Kind::withdrawn : Kind::refused;
-      verdict(v.granted ? Kind::granted : not_granted, v, outcome.second);
+      verdict(v.granted ? Kind::granted : not_granted, v, verdict_line(*scene_.state, v));
       pulse_();
     }
     pulse_();

@@ -52,6 +52,8 @@ class DeliveryEvents {
   [[nodiscard]] bool concerns(const core::Verdict& verdict, core::AdmissionId id) const;
 
  private:
+  [[nodiscard]] static std::pair<std::size_t, std::string> as_reported(
+      const core::State& state, const core::Verdict& verdict);
   void gone(const std::string& subject, const core::Delivery& delivery);
   [[nodiscard]] std::vector<core::AdmissionId> admissions_of(const core::Verdict& verdict) const;
 

@@ -29,11 +29,14 @@ control::Outcome outcome_of(Outcome outcome) {
 }
 
 /// Which of the comparisons are listed, in their order: before all others those that do not fit.
-std::vector<std::size_t> listed_rows(const std::vector<core::Row>& rows) {
+std::vector<std::size_t> listed_rows(const core::Verdict& v) {
+  const std::vector<core::Row>& rows = v.rows;
   std::vector<std::size_t> listed;
   const auto add = [&](bool fit) {
     for (std::size_t i = 0; i < rows.size() && listed.size() < control::Channel::kMostRows; ++i)
-      if ((rows[i].comparison.outcome == Outcome::fit) == fit) listed.push_back(i);
+      if ((rows[i].comparison.outcome == Outcome::fit) == fit &&
+          !core::is_unknown_for_lateness(v, rows[i]))
+        listed.push_back(i);
   };
   add(false);
   add(true);
@@ -138,7 +141,7 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
     out.media.push_back(medium_report(state, v, use, Own::is_available));
   out.reason = why(state, v);
   for (const core::Place place : v.route) out.route.push_back(core::name_of(system, place));
-  const auto rows = listed_rows(v.rows);
+  const auto rows = listed_rows(v);
   out.rows_left_out = static_cast<std::uint32_t>(v.rows.size() - rows.size());
   for (const std::size_t at : rows) {
     const core::Row& row = v.rows[at];
@@ -153,7 +156,8 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
                         .margin = core::format_margin(system, row)});
   }
   if (v.granted) out.reaction = core::reaction(v);
-  out.passed = frames.passed;
+  // The gates may pass others of its publisher, to other places.
+  out.passed = v.granted ? frames.passed : 0;
   out.dropped = frames.dropped;
   out.would_drop = frames.would_drop;
   out.excess = frames.excess;

@@ -26,6 +26,9 @@ int main(int argc, char** argv) {
   CLI::App app("Checks and describes systems, and generates code for them.", "mlccactl");
   app.set_version_flag("--version", fmt::format("mlccactl {}", kVersion), "print the version");
   app.set_help_flag("-h,--help", "print this help");
+  // Of the verbs that ask mlccad: these ask nobody.
+  std::string unused;
+  for (const char* option : {"--socket", "--timeout"}) app.add_option(option, unused)->group("");
   app.add_flag("--json", context.json, "print JSON");
   app.add_flag("--no-color", context.no_color, "no colour on a terminal, as with NO_COLOR");
   app.footer(kFooter);

@@ -204,6 +204,9 @@ void understand(Options& options) {
   if (!options.background.empty()) {
     const auto share = parse_share(options.background, 1'000'000, Rounding::up);
     if (!share) throw CLI::ValidationError("--background-load", share.error().text);
+    if (*share >= 1'000'000)
+      throw CLI::ValidationError("--background-load",
+                                 "'" + options.background + "': must be less than 1 (100%)");
     options.bus.background = static_cast<std::uint32_t>(*share);
   }
   if (options.faults == 0 && options.fault_interval_ms != 0)
