@@ -19,10 +19,18 @@ check-guest: all $(GUEST_READY) $O/tests/nth_call.so $O/tests/speak ## the produ
 	$(Q)BUILD=$(abspath $O) GUEST_IMAGE=$(abspath $O)/guest tests/guest/run-tests -j $(GUEST_JOBS) \
 		$O/guest/log $(GUEST_TESTS) --systemd $(GUEST_SYSTEMD_TESTS)
 
+# Of what is built: no file is compiled for them. The pages that they carry may be older than those of the tree.
+PACKAGES_READY := $O/packages/ready
+$(PACKAGES_READY): tests/guest/build-packages tests/guest/dpkg-database $(wildcard debian/* systemd/*) $(PROGRAMS) $(MADE_PAGES)
+	$(call say,DEB,$(@D))
+	$(Q)BUNDLE=$(BUNDLE) tests/guest/build-packages $O $(@D) && touch $@
+
+packages: $(PACKAGES_READY) ## the packages for the guest, of what is built
+
 check-harness: $(GUEST_READY) ## the guest harness itself
 	$(Q)GUEST_IMAGE=$(abspath $O)/guest tests/guest/selftest
 
-.PHONY: guest-image check-guest check-harness
+.PHONY: guest-image packages check-guest check-harness
 
 GUEST_TESTS += $(addprefix tests/guest/cases/,emergency-stop frame-forms daemon-dies interfaces-change logger-case managed-interface same-identifier same-subject profile-change learn learn-recording audit-report)
 GUEST_TESTS += $(addprefix tests/guest/cases/,mesh-nl80211 mesh-batman mesh-case-study mesh-relay-gate rover)
@@ -30,5 +38,5 @@ GUEST_TESTS += $(addprefix tests/guest/cases/,bus-queue gateways-in-namespaces r
 GUEST_TESTS += $(addprefix tests/guest/cases/,babbling-node missing-events can-profiles forwarding j1939-messages)
 GUEST_TESTS += $(addprefix tests/guest/cases/,altered-slots famouso-tags famouso-claims famouso-broker relay relay-parallel relay-ring gateway-fails relay-wpan subscriptions-travel)
 GUEST_TESTS += $(addprefix tests/guest/cases/,attach-drift ethernet-gate ethernet-publishers doctor nth-call)
-GUEST_SYSTEMD_TESTS += $(addprefix tests/guest/cases/,service-life plugged-in awds-unit documents package-test)
-check-guest: stage
+GUEST_SYSTEMD_TESTS += $(addprefix tests/guest/cases/,service-life plugged-in awds-unit documents package-test package-life newcomer)
+check-guest: stage $(PACKAGES_READY)
