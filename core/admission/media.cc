@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/admission/provided.hpp"
 #include "core/admission/route_check.hpp"
 #include "core/can/of_system.hpp"
 #include "core/gates/relay_gate.hpp"
@@ -21,35 +22,6 @@ Value less(Value a, Value b) {
   return a > b ? a - b : 0;
 }
 
-bool is_missing(const AttributeSet& provision, Attribute a) {
-  return !provision.has(a) || provision.is_dynamic(a);
-}
-
-void provide(AttributeSet& provision, Attribute a, Value value, bool dynamic = false) {
-  if (is_missing(provision, a)) provision.set(a, value, dynamic);
-}
-
-/// What is computed sustains the Period of the events. That promises nothing of how long they take,
-/// as a Period that the description states does: without a Latency there is none.
-void provide_period(AttributeSet& provision, Value period, bool dynamic = false) {
-  if (!is_missing(provision, Attribute::period)) return;
-  if (!provision.has(Attribute::latency)) provision.set(Attribute::latency, kUnbounded);
-  provision.set(Attribute::period, period, dynamic);
-}
-
-void provide_response(AttributeSet& provision, Value response) {
-  provide(provision, Attribute::latency, response);
-  provide(provision, Attribute::jitter, response);
-}
-
-/// Over a mesh events are sent in packets, however long they are, and as often as the time of the
-/// medium lasts.
-void provide_events(AttributeSet& provision, const AttributeSet& offered, bool dynamic = false) {
-  provide(provision, Attribute::max_payload, kUnbounded, dynamic);
-  if (offered.has(Attribute::period))
-    provide_period(provision, offered[Attribute::period], dynamic);
-}
-
 /// Something could know what its links carry, if anything is asked.
 bool may_know_rates(const mesh::Mesh& mesh) {
   return std::ranges::any_of(mesh.sources, mesh::knows_rates);
@@ -61,28 +33,6 @@ bool is_fixed(const mesh::Mesh& mesh) { return !mesh::is_measured(mesh); }
 
 bool is_empty(const AttributeSet& offered) {
   return offered.has(Attribute::max_payload) && offered[Attribute::max_payload] == 0;
-}
-
-/// What the links of a way give, beside their rate, which is reckoned as medium time. Where the
-/// mesh itself is said to give something else for good, the worse of both counts.
-void provide_links(AttributeSet& provision, const AttributeSet& given, bool dynamic) {
-  for (std::size_t i = 0; i < kAttributes; ++i) {
-    const Attribute a = attribute_at(i);
-    if (a == Attribute::bandwidth || !given.has(a)) continue;
-    Value value = given[a];
-    if (!is_missing(provision, a) && satisfies(info(a).better, value, provision[a]))
-      value = provision[a];
-    provision.set(a, value, dynamic);
-  }
-}
-
-/// From a node to itself: there is nothing in between.
-void provide_everything(AttributeSet& provision, const AttributeSet& offered) {
-  for (const Attribute a :
-       {Attribute::latency, Attribute::jitter, Attribute::omission, Attribute::packet_loss})
-    provide(provision, a, 0);
-  provide(provision, Attribute::bandwidth, kUnbounded);
-  provide_events(provision, offered);
 }
 
 }  // namespace

@@ -56,7 +56,8 @@ INSTANTIATE_TEST_SUITE_P(
         UsageRow{"LinkFromNowhere", {"what-if", "--link", ",b=0"}, "must be FROM,TO=RATE"},
         UsageRow{"LinkToNowhere", {"what-if", "--link", "a,=0"}, "must be FROM,TO=RATE"},
         UsageRow{"LinkOfNoNetwork", {"what-if", "--link", "/a,b=0"}, "must be FROM,TO=RATE"},
-        UsageRow{"LinkWithoutUnit", {"what-if", "--link", "a,b=6"}, "needs a unit of k, M or G (bit/s)"},
+        UsageRow{
+            "LinkWithoutUnit", {"what-if", "--link", "a,b=6"}, "needs a unit of k, M or G (bit/s)"},
         UsageRow{"LeaseWithoutUnit", {"admit", "a", "--lease", "30"}, "--lease '30': must be"},
         UsageRow{"LeaseZero", {"admit", "a", "--lease", "0s"}, "must be more than 0"},
         UsageRow{"LeaseOfAQuery", {"query", "a", "--lease", "1s"}, "unexpected argument"},
