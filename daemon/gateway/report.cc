@@ -156,8 +156,8 @@ control::Channel channel_report(const core::State& state, const core::Verdict& v
                         .margin = core::format_margin(system, row)});
   }
   if (v.granted) out.reaction = core::reaction(v);
-  // The gates may pass others of its publisher, to other places.
-  out.passed = v.granted ? frames.passed : 0;
+  // Without a way all that is counted is what comes in of its publisher.
+  out.passed = v.granted || !v.route.empty() ? frames.passed : 0;
   out.dropped = frames.dropped;
   out.would_drop = frames.would_drop;
   out.excess = frames.excess;
