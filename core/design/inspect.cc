@@ -18,6 +18,7 @@
 #include "core/can/of_system.hpp"
 #include "core/design/explain.hpp"
 #include "core/design/hints.hpp"
+#include "core/design/load.hpp"
 #include "core/design/room.hpp"
 #include "core/design/sense.hpp"
 #include "core/gates/plan.hpp"
@@ -76,7 +77,7 @@ class Inspector {
     report(situation);
     if (buses_ != nullptr) report_buses(situation);
     for (std::size_t n = 0; n < s_.networks.size(); ++n)
-      out_.networks.push_back({ledger_.reserved(n), time_of(n)});
+      out_.networks.push_back(load_of(ledger_, world_, n));
     std::ranges::stable_sort(out_.findings, {}, [](const Finding& f) {
       return std::tuple(f.origin.file, f.origin.line, f.id);
     });
@@ -294,17 +295,6 @@ class Inspector {
     if (place.kind != Place::Kind::network) return nullptr;
     const Network& network = s_.networks[place.index];
     return can::timing_of(network).bitrate != 0 ? &network.name : nullptr;
-  }
-
-  /// What is granted takes of a medium that is analysed; nothing: it is not.
-  [[nodiscard]] std::optional<std::uint64_t> time_of(std::size_t network) const {
-    if (const can::Schedule* bus = ledger_.schedule(network)) return bus->utilisation_ppm();
-    const auto& mesh = world_.meshes[network];
-    if (!mesh) return std::nullopt;
-    Value fullest = 0;
-    for (std::size_t d = 0; d < mesh->domains().count(); ++d)
-      fullest = std::max(fullest, ledger_.medium_time(network, d));
-    return fullest / (mesh::kFullTime / mesh::kWhole);
   }
 
   /// Says of each bus that a second sender of one identifier would be there, and who both are.

@@ -12,6 +12,7 @@
 #include "core/can/message.hpp"
 #include "core/design/bus_messages.hpp"
 #include "core/design/findings.hpp"
+#include "core/design/load.hpp"
 #include "core/model/system.hpp"
 #include "mlcca/satisfies.hpp"
 
@@ -22,13 +23,6 @@ struct ChannelResult {
   std::size_t deliveries = 0;      ///< from each publisher to each place with subscribers
   Outcome outcome = Outcome::fit;  ///< the worst of them; unfit too where a publisher is missing
   std::size_t set = 0;             ///< the attribute set that is used
-};
-
-/// What all fit channels together need of a network.
-struct NetworkLoad {
-  Value reserved = 0;  ///< payload bytes/s
-  /// 1e-6 of the time of a bus, or of the fullest domain of a mesh, where that is computed.
-  std::optional<std::uint64_t> time_ppm{};
 };
 
 /// What is on the analysed buses.
