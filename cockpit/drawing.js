@@ -2,109 +2,132 @@
 // The networks hop by hop. A channel is drawn along its route, from its first place to its last one, or to where
 // it is refused.
 import { svg } from "./dom.js";
-import { bits, count, many, percent, rate } from "./format.js";
+import { count, many, percent } from "./format.js";
+import { inColumns, inTree, kHeight } from "./layout.js";
 import { lastHop } from "./model.js";
 
-const kWidth = 190, kHeight = 92, kGap = 110, kRow = 26;
+const kEdge = 14; // of a box
+const kLine = 16; // height of a line of a label
 
-function subtitle(p) {
-  if (p.gateway) return p.own ? "this gateway" : "gateway";
-  const can = p.interfaces.find((i) => i.bitrate);
-  const rates = p.links.map((l) => l.believed_rate).filter((r) => r > 0);
-  const of = can ? bits(can.bitrate)
-    : rates.length ? `${many(rates.length, "link")}, ${bits(Math.min(...rates))} or more`
-      : p.network.capacity ? rate(p.network.capacity) : "no rate stated";
-  return `${p.network.kind}, ${of}`;
+let pen; // measures texts
+function widthOf(text, font = "13px") {
+  if (pen === undefined) pen = document.createElement("canvas").getContext("2d");
+  pen.font = `${font} ${getComputedStyle(document.body).fontFamily}`;
+  return pen.measureText(text).width;
 }
-function thirdLine(p) {
-  if (p.gateway) return "";
-  if (!p.network.available) return p.network.problem || "not available";
-  return p.interfaces.map((i) => {
-    if (!i.ifindex) return `${i.name} is absent`;
-    if (!i.up) return `${i.name} is down`;
-    if (i.problem) return `${i.name}: ${i.problem}`;
-    return `${i.name}${i.profile === "none" && !i.attached ? ", no gate" : i.attached ? ", gated" : ", NO GATE"}`;
-  }).join("; ");
+function clipped(text, width, font) {
+  if (widthOf(text, font) <= width) return text;
+  let [fits, not] = [0, text.length];
+  while (fits + 1 < not) {
+    const middle = (fits + not) >> 1;
+    if (widthOf(`${text.slice(0, middle)}…`, font) <= width) fits = middle;
+    else not = middle;
+  }
+  return `${text.slice(0, fits).replace(/[\uD800-\uDBFF]$/, "")}…`;
 }
-const isBad = (p) => !p.gateway && (!p.network.available
-  || p.interfaces.some((i) => !i.ifindex || !i.up || i.problem || (!i.attached && i.profile !== "none")));
-const clipped = (text, most) => (text.length > most ? `${text.slice(0, most - 1)}…` : text);
+const points = (corners) => corners.map(([x, y]) => `${x},${y}`).join(" ");
 
-/** Whole numbers: where each place is. `tall`: from top to bottom, for a narrow screen. */
-function layout(columns, tall) {
-  const along = tall ? kHeight + 56 : kWidth + kGap;
-  const across = tall ? kWidth + 20 : kHeight + kRow;
-  const most = Math.max(1, ...columns.map((c) => c.length));
-  const at = new Map();
-  columns.forEach((column, i) => column.forEach((p, j) => {
-    const a = i * along;
-    const b = (j + (most - column.length) / 2) * across;
-    at.set(p.name, tall ? { x: b, y: a } : { x: a, y: b });
-  }));
-  const length = columns.length * along - (along - (tall ? kHeight : kWidth));
-  const width = most * across - (tall ? 20 : kRow);
-  return { at, width: tall ? width : length, height: tall ? length : width };
-}
-const centre = ({ x, y }) => ({ x: x + kWidth / 2, y: y + kHeight / 2 });
-
-/** From border to border. */
-function between(a, b, tall) {
-  const [p, q] = [centre(a), centre(b)];
-  const sign = (n) => Math.sign(n);
-  return tall && p.y !== q.y
-    ? [p.x, p.y + sign(q.y - p.y) * kHeight / 2, q.x, q.y - sign(q.y - p.y) * kHeight / 2]
-    : p.x === q.x ? [p.x, p.y + sign(q.y - p.y) * kHeight / 2, q.x, q.y - sign(q.y - p.y) * kHeight / 2]
-      : [p.x + sign(q.x - p.x) * kWidth / 2, p.y, q.x - sign(q.x - p.x) * kWidth / 2, q.y];
+/** How many of the lines go through a box; from corner to corner they are sampled. */
+function through(box, lines) {
+  const hit = ([x1, y1], [x2, y2]) => {
+    for (let i = 0; i <= 24; ++i) {
+      const [x, y] = [x1 + (x2 - x1) * i / 24, y1 + (y2 - y1) * i / 24];
+      if (x > box.left && x < box.right && y > box.top && y < box.bottom) return true;
+    }
+    return false;
+  };
+  return lines.filter((corners) => corners.some((corner, i) => i > 0 && hit(corners[i - 1], corner))).length;
 }
 
-function edge({ a, b, granted, refused }, at, tall) {
-  const [x1, y1, x2, y2] = between(at.get(a), at.get(b), tall);
-  const [x, y] = [(x1 + x2) / 2, (y1 + y2) / 2];
-  const group = svg("g", { class: `edge ${granted ? "" : "idle"}` },
-    svg("title", {}, `${a} and ${b}: ${many(granted, "delivery", "deliveries")} granted, ${count(refused)} refused`),
-    svg("line", { x1, y1, x2, y2, "stroke-width": granted ? Math.min(10, 2 + 2 * Math.log10(granted)) : 1.5 }));
-  const side = tall ? { dx: 8, anchor: "start", up: -2, down: 14 } : { dx: 0, anchor: "middle", up: -9, down: 20 };
-  if (granted) group.append(svg("text", { x: x + side.dx, y: y + side.up, "text-anchor": side.anchor, class: "good" }, `✓ ${count(granted)}`));
-  if (refused) group.append(svg("text", { x: x + side.dx, y: y + side.down, "text-anchor": side.anchor, class: "bad" }, `✕ ${count(refused)}`));
+/** Of the places for a label where none stands yet, the one that fewest lines go through; null: there is no room. */
+function roomFor(places, width, height, { taken, lines }) {
+  let best = null;
+  for (const { x, y, anchor } of places) {
+    const left = anchor === "middle" ? x - width / 2 : anchor === "end" ? x - width : x;
+    const here = { left, top: y - height / 2, right: left + width, bottom: y + height / 2 };
+    if (taken.some((t) => here.left < t.right && t.left < here.right && here.top < t.bottom && t.top < here.bottom)) continue;
+    here.crossed = through(here, lines);
+    if (!best || here.crossed < best.crossed) best = here;
+    if (best.crossed <= 1) break; // its own line
+  }
+  if (best) taken.push(best);
+  return best;
+}
+
+/** Who makes the graph may keep places by something else than what they are called. */
+const called = (p) => p.label ?? p.name;
+
+function line(e, places, layout) {
+  const { a, b, granted, open, refused } = e;
+  const carried = granted + open;
+  const said = `${called(places.get(a))} and ${called(places.get(b))}: ${many(granted, "delivery", "deliveries")} granted, ${
+    open ? `${count(open)} decided at run time, ` : ""}${count(refused)} refused`;
+  return svg("g", { class: `edge ${carried ? "" : "idle"}`, role: "img", "aria-label": said }, svg("title", {}, said),
+    svg("polyline", { points: points(layout.line(a, b)), "stroke-width": carried ? Math.min(10, 2 + 2 * Math.log10(carried)) : 1.5 }));
+}
+
+const kLooks = [["granted", "✓", "good"], ["open", "◌", "warn"], ["refused", "✕", "bad"]];
+
+/** What is on a line, in numbers; null: there is nothing, or no room. */
+function label(e, layout, room) {
+  const texts = kLooks.filter(([what]) => e[what]).map(([what, mark, look]) => {
+    const text = `${mark} ${count(e[what])}`;
+    return { text, look, width: widthOf(text, "600 13px") };
+  });
+  if (!texts.length) return null;
+  const { stacked } = layout;
+  const width = stacked ? Math.max(...texts.map((t) => t.width)) : texts.reduce((sum, t) => sum + t.width, 12 * (texts.length - 1));
+  const here = roomFor(layout.labels(e.a, e.b), width + 8, (stacked ? texts.length : 1) * kLine + 2, room);
+  if (!here) return null; // the title of the line has it
+  const group = svg("g", { class: "label", "aria-hidden": "true" },
+    svg("rect", { x: here.left, y: here.top, width: here.right - here.left, height: here.bottom - here.top, rx: 3 }));
+  let [x, y] = [stacked ? (here.left + here.right) / 2 : here.left + 4, here.top + kLine - 3];
+  for (const { text, look, width: own } of texts) {
+    group.append(svg("text", { x, y, "text-anchor": stacked ? "middle" : "start", class: look }, text));
+    if (stacked) y += kLine;
+    else x += own + 12;
+  }
   return group;
 }
 
 function box(p, at, choose) {
-  const { x, y } = at.get(p.name);
-  const bad = isBad(p);
-  const lines = [clipped(p.name, 20), clipped(subtitle(p), 28), clipped(thirdLine(p), 28)];
-  const full = `${p.name}: ${subtitle(p)}. ${thirdLine(p)}${p.load === null || p.load === undefined ? "" : `, ${percent(p.load)} reserved`}`;
-  const node = svg("g", { class: `place ${p.gateway ? "gateway" : ""} ${bad ? "ill" : ""}`, tabindex: 0, role: "button",
-    "aria-label": full, transform: `translate(${x} ${y})`, onclick: () => choose(p.name),
+  const { x, y, width } = at.get(p.name);
+  const room = width - 2 * kEdge;
+  const loaded = p.load !== null && p.load !== undefined;
+  const full = `${called(p)}: ${p.subtitle}${p.note ? `. ${p.note}` : ""}${loaded ? `, ${percent(p.load)} reserved` : ""}`;
+  const node = svg("g", { class: `place ${p.gateway ? "gateway" : ""} ${p.ill ? "ill" : ""}`, tabindex: 0, role: "button",
+    "data-place": p.name, transform: `translate(${x} ${y})`, onclick: () => choose(p.name),
     onkeydown: (e) => { if (e.key === "Enter" || e.key === " ") { e.preventDefault(); choose(p.name); } } },
   svg("title", {}, full),
-  svg("rect", { width: kWidth, height: kHeight, rx: p.gateway ? 20 : 6 }),
-  svg("text", { x: 14, y: 27, class: "name" }, lines[0]),
-  svg("text", { x: 14, y: 47, class: "quiet" }, lines[1]),
-  svg("text", { x: 14, y: 65, class: bad ? "bad" : "quiet" }, lines[2]));
-  if (p.load !== null && p.load !== undefined)
-    node.append(svg("rect", { class: "bar", x: 14, y: 76, width: kWidth - 28, height: 5, rx: 2.5 }),
-      svg("rect", { class: p.load > 0.9 ? "bar full" : "bar used", x: 14, y: 76, height: 5, rx: 2.5,
-        width: p.load ? Math.max(2, Math.min(1, p.load) * (kWidth - 28)) : 0 }));
+  svg("rect", { width, height: kHeight, rx: p.gateway ? 20 : 6 }),
+  svg("text", { x: kEdge, y: 27, class: "name" }, clipped(called(p), room, "600 15px")),
+  svg("text", { x: kEdge, y: 47, class: "quiet" }, clipped(p.subtitle, room)),
+  svg("text", { x: kEdge, y: 65, class: p.ill ? "bad" : "quiet" }, clipped(p.note, room, p.ill ? "600 13px" : "13px")));
+  if (loaded)
+    node.append(svg("rect", { class: "bar", x: kEdge, y: 76, width: room, height: 5, rx: 2.5 }),
+      svg("rect", { class: p.load > 0.9 ? "bar full" : "bar used", x: kEdge, y: 76, height: 5, rx: 2.5,
+        width: p.load ? Math.max(2, Math.min(1, p.load) * room) : 0 }));
   return node;
 }
 
-function way(c, at, tall) {
+function way(c, layout) {
+  const { at } = layout;
   const end = lastHop(c);
-  const group = svg("g", { class: `way ${c.granted ? "" : "stopped"}`, "aria-hidden": "true" });
+  const group = svg("g", { class: `way ${c.granted ? (c.open ? "open" : "") : "stopped"}`, "aria-hidden": "true" });
   for (let i = 0; i < end; ++i) {
-    const [a, b] = [at.get(c.route[i]), at.get(c.route[i + 1])];
-    if (!a || !b) return group;
-    const [x1, y1, x2, y2] = between(a, b, tall);
-    group.append(svg("line", { x1, y1, x2, y2 }));
+    if (!at.has(c.route[i]) || !at.has(c.route[i + 1])) return group;
+    group.append(svg("polyline", { points: points(layout.line(c.route[i], c.route[i + 1])) }));
   }
   for (const name of c.route.slice(0, end + 1))
-    if (at.has(name)) group.append(svg("rect", { ...at.get(name), width: kWidth, height: kHeight, rx: 8 }));
-  const [stop, next] = [at.get(c.route[end]), at.get(c.route[end + 1])];
-  if (!c.granted && stop && next) {
-    const [x1, y1, x2, y2] = between(stop, next, tall);
-    const length = Math.hypot(x2 - x1, y2 - y1) || 1;
-    group.append(svg("g", { transform: `translate(${x1 + (x2 - x1) / length * 16} ${y1 + (y2 - y1) / length * 16})` },
+    if (at.has(name)) group.append(svg("rect", { ...at.get(name), height: kHeight, rx: 8 }));
+  const [stop, next] = [c.route[end], c.route[end + 1]];
+  if (!c.granted && at.has(stop) && at.has(next)) {
+    const corners = layout.line(stop, next);
+    const [[x1, y1], [x2, y2]] = corners;
+    const part = 16 / (Math.hypot(x2 - x1, y2 - y1) || 1);
+    // Of a line that others begin with, too, it is the corner where they part.
+    const [x, y] = corners.length === 3 ? corners[1] : [x1 + (x2 - x1) * part, y1 + (y2 - y1) * part];
+    group.append(svg("g", { transform: `translate(${x} ${y})` },
       svg("circle", { r: 11 }), svg("path", { d: "M-4.5 -4.5 L4.5 4.5 M4.5 -4.5 L-4.5 4.5" })));
   }
   return group;
@@ -112,12 +135,15 @@ function way(c, at, tall) {
 
 /** `chosen`: the channel whose way is shown, or none. */
 export function draw(graph, chosen, available, choose) {
-  const tall = available < graph.columns.length * (kWidth + kGap) - kGap - 60;
-  const { at, width, height } = layout(graph.columns, tall);
-  const image = svg("svg", { viewBox: `-6 -6 ${width + 12} ${height + 12}`, class: "drawing", role: "group",
+  const edges = graph.edges.filter((e) => graph.places.has(e.a) && graph.places.has(e.b));
+  const columns = inColumns(graph.columns, edges);
+  const wide = columns.width <= available + 60;
+  const layout = wide ? columns : inTree(graph.columns, edges, available);
+  const image = svg("svg", { viewBox: `-6 -6 ${layout.width + 12} ${layout.height + 12}`, class: "drawing", role: "group",
     "aria-label": `${many(graph.places.size, "network or gateway", "networks and gateways")}` });
-  image.append(...graph.edges.filter((e) => at.has(e.a) && at.has(e.b)).map((e) => edge(e, at, tall)),
-    ...graph.columns.flat().map((p) => box(p, at, choose)), ...(chosen ? [way(chosen, at, tall)] : []));
-  image.style.width = `min(100%, ${(width + 12) * Math.min(1.7, Math.max(1, available / 1500))}px)`;
+  const room = { taken: [], lines: edges.map((e) => layout.line(e.a, e.b)) };
+  image.append(...edges.map((e) => line(e, graph.places, layout)), ...graph.columns.flat().map((p) => box(p, layout.at, choose)),
+    ...(chosen ? [way(chosen, layout)] : []), ...edges.map((e) => label(e, layout, room)).filter(Boolean));
+  image.style.width = `min(100%, ${(layout.width + 12) * (wide ? Math.min(1.7, Math.max(1, available / 1500)) : 1)}px)`;
   return image;
 }

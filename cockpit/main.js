@@ -66,10 +66,10 @@ function showHealth(problem) {
 
 function showMap() {
   const channel = now.channels.find((c) => key(c) === chosen);
-  const focused = by("map").contains(document.activeElement) ? document.activeElement.getAttribute("aria-label") : null;
+  const focused = by("map").contains(document.activeElement) ? document.activeElement.dataset.place : undefined;
   put("map", now.networks.length ? draw(graphOf(now), channel, by("map").clientWidth, openPlace)
     : h("p", { class: "quiet" }, "No network is described."));
-  if (focused) [...by("map").querySelectorAll("[role=button]")].find((b) => b.getAttribute("aria-label") === focused)?.focus();
+  if (focused !== undefined) [...by("map").querySelectorAll("[role=button]")].find((b) => b.dataset.place === focused)?.focus();
 }
 
 // --- details --------------------------------------------------------------------------------------

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What follows from the answers of mlccactl. Nothing here draws.
+import { inWords } from "./place.js";
 
 export const key = (c) => [c.subject, c.publisher, c.admission, c.from, c.to].join("\n");
 
@@ -44,7 +45,7 @@ export function lastHop(c) {
   return Math.max(0, unfit - 1);
 }
 
-/** Places and what joins them, with the channels that go from one to the next. */
+/** Places and what joins them, as they are now, with the channels that go from one to the next. */
 export function graphOf({ status, networks, channels, reservations, routes }) {
   const places = new Map();
   const place = (name, gateway) => {
@@ -63,30 +64,40 @@ export function graphOf({ status, networks, channels, reservations, routes }) {
       here.next.add(g);
     }
   }
-  for (const g of places.values()) if (g.gateway) {
-    g.own = g.name === status.gateway;
-    g.load = load(g.name, reservations);
+  for (const p of places.values()) {
+    if (p.gateway) {
+      p.own = p.name === status.gateway;
+      p.load = load(p.name, reservations);
+    }
+    Object.assign(p, inWords(p));
   }
+  return joined(places, channels);
+}
+
+/** `places` by name, each with those `next` to it. A channel with `many` stands for so many with one way. */
+export function joined(places, channels) {
   const edges = new Map();
+  const between = (p, q) => {
+    const [a, b] = [p, q].sort();
+    const name = `${a}\n${b}`;
+    if (!edges.has(name)) edges.set(name, { a, b, granted: 0, open: 0, refused: 0 });
+    return edges.get(name);
+  };
   for (const c of channels) {
+    const all = c.many ?? 1;
     const from = places.get(c.from);
     const to = places.get(c.to);
-    if (from) from.order -= 1;
-    if (to) to.order += 1;
+    if (from) from.order -= all;
+    if (to) to.order += all;
     const end = lastHop(c);
     for (let i = 0; i + 1 < c.route.length; ++i) {
-      const [a, b] = [c.route[i], c.route[i + 1]].sort();
-      const edge = edges.get(`${a}\n${b}`) ?? { a, b, granted: 0, refused: 0 };
-      if (c.granted) edge.granted += 1;
-      else if (i === end) edge.refused += 1; // in front of it, it ends
-      edges.set(`${a}\n${b}`, edge);
+      const edge = between(c.route[i], c.route[i + 1]);
+      if (c.granted) edge[c.open ? "open" : "granted"] += all;
+      else if (i === end) edge.refused += all; // in front of it, it ends
     }
   }
   for (const p of places.values())
-    for (const n of p.next) {
-      const [a, b] = [p.name, n].sort();
-      if (!edges.has(`${a}\n${b}`)) edges.set(`${a}\n${b}`, { a, b, granted: 0, refused: 0 });
-    }
+    for (const n of p.next) between(p.name, n);
   return { places, edges: [...edges.values()], columns: columnsOf(places) };
 }
 
@@ -94,7 +105,7 @@ export function graphOf({ status, networks, channels, reservations, routes }) {
 function columnsOf(places) {
   const columns = [];
   const seen = new Set();
-  const rest = [...places.values()].sort((a, b) => a.order - b.order || a.name.localeCompare(b.name));
+  const rest = [...places.values()].sort((a, b) => a.order - b.order || (a.label ?? a.name).localeCompare(b.label ?? b.name));
   for (const root of rest) {
     let front = seen.has(root.name) ? [] : [root];
     for (let column = 0; front.length; ++column) {

@@ -9,7 +9,7 @@ $(eval $(call library,tools,$(TOOLS_SOURCES)))
 # The page of report --html is that of Cockpit.
 $O/gen/report_page.inc: tools/report/bundle tools/report/ask.js $(wildcard cockpit/*.js cockpit/*.html cockpit/*.css)
 	$(call say,PAGE,$@)
-	$(Q)mkdir -p $(@D) && tools/report/bundle cockpit tools/report/ask.js > $@
+	$(Q)mkdir -p $(@D) && tools/report/bundle page cockpit tools/report/ask.js > $@
 $O/tools/report.o $O/fuzz/obj/tools/report.o: | $O/gen/report_page.inc
 $O/tools/report.o: $O/gen/report_page.inc
 TOOLS_ARCHIVES := $O/libtools.a $O/libcontrol.a $O/libcore.a

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What the drawing says in a place: its kind, and how it is now.
+import { bits, many, rate } from "./format.js";
+
+/** "can, 500 kbit/s": the `slowest` of a mesh's `links` in bit/s, `capacity` in bytes/s. */
+export function carries(kind, { bitrate, links, slowest, capacity }) {
+  return `${kind}, ${bitrate ? bits(bitrate)
+    : links ? `${many(links, "link")}, ${bits(slowest)} or more`
+      : capacity ? rate(capacity) : "no rate stated"}`;
+}
+
+function condition(p) {
+  if (!p.network.available) return p.network.problem || "not available";
+  return p.interfaces.map((i) => {
+    if (!i.ifindex) return `${i.name} is absent`;
+    if (!i.up) return `${i.name} is down`;
+    if (i.problem) return `${i.name}: ${i.problem}`;
+    return `${i.name}${i.profile === "none" && !i.attached ? ", no gate" : i.attached ? ", gated" : ", NO GATE"}`;
+  }).join("; ");
+}
+
+/** `subtitle` and `note` are lines of its box; `ill`: it needs attention. */
+export function inWords(p) {
+  if (p.gateway) return { subtitle: p.own ? "this gateway" : "gateway", note: "", ill: false };
+  const rates = p.links.map((l) => l.believed_rate).filter((r) => r > 0);
+  return {
+    subtitle: carries(p.network.kind, {
+      bitrate: p.interfaces.find((i) => i.bitrate)?.bitrate, capacity: p.network.capacity,
+      links: rates.length, slowest: Math.min(...rates),
+    }),
+    note: condition(p),
+    ill: !p.network.available || p.interfaces.some((i) => !i.ifindex || !i.up || i.problem || (!i.attached && i.profile !== "none")),
+  };
+}
