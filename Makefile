@@ -70,7 +70,7 @@ ALONE := $(wildcard core/profiles/*.cc daemon/net/sources/*.cc) core/can/wire.cc
 	$(addprefix daemon/gates/,control.cc counters.cc pins.cc programs.cc roster.cc silence_timers.cc slot_spec.cc slots.cc) \
 	daemon/gateway/quotas.cc daemon/net/pair.cc $(wildcard examples/applications/*.cc) \
 	$(addprefix description/,grammar.cc parser.cc read.cc rules.cc source.cc xml.cc) \
-	$(addprefix tools/design/,check/check.cc check/watch.cc describe/edit.cc describe/markup.cc generate.cc) \
+	$(addprefix tools/design/,check/check.cc check/page.cc check/watch.cc describe/edit.cc describe/markup.cc generate.cc) \
 	$(wildcard tests/include/der/*.cc tests/description/grown/*.cc) tests/support/stretches.cc \
 	$(addprefix tools/,report.cc render_reservations.cc render_routes.cc render_system.cc sources/olsr.cc values.cc words.cc)
 # $(call objects_of,NAME,SOURCES)
@@ -208,7 +208,7 @@ endif
 TIDY_CPPFLAGS = $(STD) $(CPPFLAGS) $(XML_CFLAGS) $(NL_CFLAGS)
 comma := ,
 tidy_run = $(CLANG_TIDY) --quiet --checks='$1' $(TIDY_FLAGS) $< -- $2 $(TIDY_CPPFLAGS) 2>$@.log || { cat $@.log; exit 1; }
-$O/tidy/%.ok: $O/tidy/%.cc .clang-tidy | $(BPF_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES) $O/gen/report_page.inc
+$O/tidy/%.ok: $O/tidy/%.cc .clang-tidy | $(BPF_SKELETONS) $(CONTROL_HEADERS) $(DESCRIPTION_TABLES) $O/gen/report_page.inc $O/gen/check_page.inc
 	$(call say,TIDY,$* ($(words $(filter-out %include,$(shell cat $<))) files))
 	$(Q)$(call tidy_run,-clang-analyzer-*$(comma)-misc-unused-using-decls$(TIDY_OFF))
 	$(Q)$(CXX) $(TIDY_CPPFLAGS) -MM -MP -MT $@ -MF $(@:.ok=.d) $<

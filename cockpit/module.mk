@@ -6,6 +6,8 @@ install-cockpit:
 	$(Q)install -m 644 $(COCKPIT_FILES) $(DESTDIR)$(PREFIX)/share/cockpit/mlcca
 PARTS += install-cockpit
 
-check-cockpit: $O/mlccad $O/mlccactl ## the page in Chromium, of a real cockpit-ws and daemon (root): SCREENSHOTS=folder
+check-cockpit: check-report $O/mlccad $O/mlccactl ## the page in Chromium, of a real cockpit-ws and daemon (root): SCREENSHOTS=folder
 	$(Q)tests/cockpit/run $O $(SCREENSHOTS)
-.PHONY: install-cockpit check-cockpit
+check-report: $O/mlccactl $O/mlcca-design ## what check --format html writes, in Chromium
+	$(Q)tests/cockpit/report $O $(SCREENSHOTS)
+.PHONY: install-cockpit check-cockpit check-report

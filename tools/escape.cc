@@ -59,6 +59,17 @@ std::string one_line(std::string_view from) {
   return out + "...";
 }
 
+std::string json_in_markup(std::string_view json) {
+  std::string out;
+  out.reserve(json.size());
+  for (const char c : json)
+    if (c == '<')
+      out += "\\u003c";
+    else
+      out += c;
+  return out;
+}
+
 std::string in_comment(std::string_view text) {
   auto out = one_line(text);
   for (auto at = out.find("--"); at != std::string::npos; at = out.find("--", at))

@@ -17,6 +17,10 @@ std::string html_text(std::string_view text);
 /// characters.
 std::string one_line(std::string_view from);
 
+/// JSON for within a <script> element. JSON has '<' in strings only, and there it becomes \u003c:
+/// nothing that they say can end the element.
+std::string json_in_markup(std::string_view json);
+
 /// A line for within <!-- -->, where two hyphens would end it.
 std::string in_comment(std::string_view text);
 

@@ -12,6 +12,12 @@ $O/gen/report_page.inc: tools/report/bundle tools/report/ask.js $(wildcard cockp
 	$(Q)mkdir -p $(@D) && tools/report/bundle page cockpit tools/report/ask.js > $@
 $O/tools/report.o $O/fuzz/obj/tools/report.o: | $O/gen/report_page.inc
 $O/tools/report.o: $O/gen/report_page.inc
+# So is the drawing of check --format html.
+$O/gen/check_page.inc: tools/report/bundle $(wildcard tools/design/check/page.*s cockpit/*.js cockpit/*.css)
+	$(call say,PAGE,$@)
+	$(Q)mkdir -p $(@D) && tools/report/bundle check cockpit tools/design/check > $@
+$O/tools/design/check/page.o $O/fuzz/obj/tools/design/check/page.o: | $O/gen/check_page.inc
+$O/tools/design/check/page.o: $O/gen/check_page.inc
 TOOLS_ARCHIVES := $O/libtools.a $O/libcontrol.a $O/libcore.a
 $(eval $(call program,mlccactl,tools/main.cc,$(TOOLS_ARCHIVES),))
 $(tools_objects) $(mlccactl_objects): CPPFLAGS += $(TOOLS_CPPFLAGS)

@@ -48,13 +48,14 @@ class Check {
 
  private:
   [[nodiscard]] Report examine() const {
-    if (::isatty(STDERR_FILENO) == 0) return make_report(options_.files, {});
+    const auto depth = options_.format == "html" ? Depth::deliveries : Depth::findings;
+    if (::isatty(STDERR_FILENO) == 0) return make_report(options_.files, {}, depth);
     ProgressLine line(std::chrono::steady_clock::now, [](std::string_view text) {
       fmt::print(stderr, "{}", text);
       std::fflush(stderr);
     });
-    return make_report(options_.files,
-                       [&](std::string_view what, double done) { line.show(what, done); });
+    return make_report(
+        options_.files, [&](std::string_view what, double done) { line.show(what, done); }, depth);
   }
 
   [[nodiscard]] std::string written(const Report& report) const {

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One page without scripts and without anything from elsewhere; what the description says is text.
+// One page with nothing from elsewhere. Its tables are complete without the script, which adds the
+// drawing; what the description says is text.
 #include <fmt/format.h>
 
-#include <iterator>
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "control/version.hpp"
-#include "tools/design/check/drawing.hpp"
-#include "tools/design/check/graphviz.hpp"
+#include "tools/design/check/map.hpp"
+#include "tools/design/check/page.hpp"
 #include "tools/design/check/tables.hpp"
 #include "tools/design/check/write.hpp"
 #include "tools/escape.hpp"
@@ -14,122 +18,158 @@
 namespace mlcca::tools::design {
 namespace {
 
-// The policy holds even if a text were not escaped: nothing is loaded, nothing runs.
+using Json = nlohmann::ordered_json;
+
+// The policy holds even if a text were not escaped: nothing is loaded, no other script runs.
 constexpr std::string_view kHead = R"(<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; )"
+                                   R"(style-src 'unsafe-inline'; script-src '{}'">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-)";
-
-constexpr std::string_view kStyle = R"(<style>
-:root { color-scheme: light dark; --text: #1f2328; --back: #ffffff; --line: #d0d7de;
-  --soft: #57606a; --good: #1a7f37; --maybe: #b26a00; --bad: #c62828; }
-@media (prefers-color-scheme: dark) { :root { --text: #e6edf3; --back: #0d1117; --line: #30363d;
-  --soft: #9198a1; --good: #3fb950; --maybe: #e3a008; --bad: #ff7b72; } }
-body { color: var(--text); background: var(--back); font: 15px/1.45 system-ui, sans-serif;
-  margin: 2rem auto; max-width: 72rem; padding: 0 1rem; }
-h1 { margin-bottom: .2rem; } h2 { margin-top: 2.5rem; border-bottom: 1px solid var(--line); }
-table { border-collapse: collapse; width: 100%; margin: .5rem 0 1.5rem; }
-th, td { text-align: left; vertical-align: top; padding: .3rem .6rem;
-  border-bottom: 1px solid var(--line); overflow-wrap: anywhere; }
-td:first-child { white-space: nowrap; }
-code { font-family: ui-monospace, monospace; font-size: .92em; }
-.hint, .more, footer { color: var(--soft); } .hint { margin: .2rem 0 0; }
-.counts b { margin-right: .2rem; } .counts span { margin-right: 1.2rem; }
-tr.fit td:nth-child(4), .good { color: var(--good); }
-tr.run-time td:nth-child(4), .maybe { color: var(--maybe); }
-tr.unfit td:nth-child(4), .bad { color: var(--bad); font-weight: 600; }
-.bar { display: inline-block; width: 8rem; height: .7rem; border: 1px solid var(--soft); }
-.bar span { display: block; height: 100%; background: var(--soft); }
-figure { margin: 1rem 0; overflow-x: auto; } figure svg { max-width: 100%; height: auto; }
-svg text { fill: var(--text); }
-svg .network ellipse, svg .gateway polygon, svg .end path { stroke: var(--text); }
-svg .fit path, svg .fit polygon { stroke: var(--good); } svg .fit polygon { fill: var(--good); }
-svg .run-time path, svg .run-time polygon { stroke: var(--maybe); }
-svg .run-time polygon { fill: var(--maybe); }
-svg .unfit path, svg .unfit polygon, svg .unfit polyline { stroke: var(--bad); }
-svg .unfit polygon { fill: var(--bad); }
-@media print { body { margin: 0; max-width: none; } tr, figure { break-inside: avoid; } }
-</style>
+<title>MLCCA check: {}, {}</title>
+<style>
 )";
 
 constexpr std::string_view kLegend =
-    "<figcaption><span class=\"good\">━━▶ solid green: fits</span> · "
-    "<span class=\"maybe\">╍╍▶ dashed amber: decided at run time</span> · "
-    "<span class=\"bad\">┅┅┤ dotted red with a bar: does not fit</span> · "
-    "dashed outline and the word dynamic: states best cases only";
+    "<p class=\"legend\"><span class=\"outcome fit\">✓ fits</span> · "
+    "<span class=\"outcome run-time\">◌ decided at run time</span> · "
+    "<span class=\"outcome unfit\">✕ does not fit</span>: deliveries from one place to the next. "
+    "A channel of the table below shows its way.</p>\n";
 
-std::string summary(std::string_view title, const SystemReport& system) {
-  if (!system.readable)
-    return fmt::format("<p class=\"bad\">{} cannot be read: repair the errors first.</p>\n", title);
-  if (!system.inspected)
-    return "<p class=\"bad\">The deliveries are checked when the names and rules are right.</p>\n";
-  const auto counts = counts_of(system);
-  const char* const refused =
-      system.usable
-          ? ""
-          : "<p class=\"bad\">The description is not usable for the errors below. Without "
-            "them:</p>\n";
+std::string figure(std::string_view name, std::size_t n, std::string_view kind) {
+  return fmt::format("<div class=\"{}\"><dt>{}</dt><dd>{}</dd></div>", n == 0 ? "" : kind, name, n);
+}
+
+/// What the whole comes to: class, mark and sentence.
+struct Headline {
+  const char* kind;
+  const char* mark;
+  std::string text;
+};
+
+Headline headline(const Report& report, const Totals& totals) {
+  if (totals.errors != 0)
+    return {"bad", "✕",
+            counted(totals.errors, "error") +
+                (report.readable() ? ": not everything can work" : ": not everything can be read")};
+  if (totals.warnings != 0)
+    return {"warn", "!", "No errors, " + counted(totals.warnings, "warning")};
+  std::size_t open = 0;
+  for (const auto& system : report.systems) open += counts_of(system).run_time;
+  if (open != 0)
+    return {"good", "✓", "No errors; " + counted(open, "channel") + " decided at run time"};
+  return {"good", "✓", "No errors"};
+}
+
+std::string top(const Report& report) {
+  const auto totals = report.totals();
+  const auto [kind, mark, text] = headline(report, totals);
   return fmt::format(
-      "{}<p class=\"counts\"><span><b>{}</b>:</span><span class=\"good\"><b>{}</b> fit</span>"
-      "<span class=\"maybe\"><b>{}</b> decided at run time</span>"
-      "<span class=\"bad\"><b>{}</b> do not fit</span></p>\n",
-      refused, counted(system.inspection.channels.size(), "channel"), counts.fit, counts.run_time,
-      counts.unfit);
+      "<header class=\"health {}\">\n<h1>MLCCA check</h1>\n<p class=\"headline\">"
+      "<span class=\"mark\" aria-hidden=\"true\">{}</span>{}</p>\n<dl class=\"figures\">{}{}{}"
+      "</dl>\n</header>\n",
+      kind, mark, text, figure("errors", totals.errors, "bad"),
+      figure("warnings", totals.warnings, "warn"), figure("notes", totals.notes, ""));
 }
 
-std::string figure(const SystemReport& system, std::size_t number) {
-  const auto drawing = draw(system, number);
-  const auto svg = draw_svg(drawing.source);
-  if (!svg)
-    return fmt::format("<p class=\"more\">There is no drawing: {}.</p>\n",
-                       html_text(svg.error().text));
-  auto out = fmt::format("<figure>\n{}{}", *svg, kLegend);
-  if (drawing.aggregated)
-    out += " · an edge stands for all channels of one outcome between two places";
-  if (drawing.left_out != 0) out += fmt::format(" · {} more parts are not drawn", drawing.left_out);
-  return out + "</figcaption>\n</figure>\n";
+std::string title_of(const SystemReport& system, const FileNames& names) {
+  return html_text(system.system.name.empty() ? names.of(system.file) : system.system.name);
 }
 
-std::string findings(const std::vector<ReportedFinding>& all) {
-  std::string out;
-  for (const auto severity : {core::Severity::error, core::Severity::warning, core::Severity::note})
-    out += findings_table(all, severity);
-  return out.empty() ? "<p class=\"good\">No findings.</p>\n" : out;
+std::string summary(const SystemReport& system) {
+  if (!system.readable)
+    return "<p class=\"trouble\">It cannot be read: repair the errors first.</p>\n";
+  if (!system.inspected)
+    return "<p class=\"trouble\">The deliveries are checked when the names and rules are "
+           "right.</p>\n";
+  const auto counts = counts_of(system);
+  const auto part = [](std::size_t n, const char* words, Outcome outcome) {
+    return fmt::format("<span class=\"{}\"><b>{}</b> {}</span>",
+                       n == 0 ? "quiet" : said(outcome).kind, n, words);
+  };
+  return fmt::format(
+      "{}<p class=\"counts\"><span>{}:</span> {} {} {}</p>\n",
+      system.usable ? ""
+                    : "<p class=\"trouble\">The description is not usable for the errors below. "
+                      "Without them:</p>\n",
+      counted(system.inspection.channels.size(), "channel"),
+      part(counts.fit, system.usable ? "fit" : "would fit", Outcome::fit),
+      part(counts.run_time, "decided at run time", Outcome::run_time),
+      part(counts.unfit, "do not fit", Outcome::unfit));
 }
 
-std::string section(const SystemReport& system, std::size_t number) {
-  const auto title = html_text(system.system.name.empty() ? system.file : system.system.name);
-  auto out = fmt::format("<section>\n<h2>{}</h2>\n<p><code>{}</code></p>\n", title,
-                         html_text(system.file));
-  out += summary(title, system);
-  if (system.readable) out += figure(system, number);
-  out += findings(system.findings);
+std::string section(const SystemReport& system, std::size_t number, const FileNames& names,
+                    Json& maps) {
+  const auto prefix = fmt::format("s{}-", number);
+  auto out = fmt::format(
+      "<section class=\"system\" aria-labelledby=\"{0}title {0}file\">\n<h2 "
+      "id=\"{0}title\">{1}</h2>\n"
+      "<p class=\"quiet\" id=\"{0}file\"><code>{2}</code></p>\n{3}",
+      prefix, title_of(system, names), path_text(names.of(system.file)), summary(system));
+  const auto found = findings_tables(system.findings, names);
+  auto map = map_of(system);
+  if (!map.json["places"].empty()) {
+    out += fmt::format(
+        "<div class=\"card\" id=\"{0}map\">\n<h3>Networks</h3>\n<div class=\"chosen\"></div>\n"
+        "<div class=\"map\" data-prefix=\"{0}\"><p class=\"quiet\">The drawing is made by a "
+        "script. "
+        "The tables below say the same.</p></div>\n{1}</div>\n",
+        prefix, kLegend);
+    maps.push_back(std::move(map.json));
+  }
+  out += found.empty() ? "<p class=\"none\">No findings.</p>\n" : found;
   if (system.readable)
-    out += channels_table(system) + networks_table(system) + user_attributes_table(system.system);
+    out += (system.inspected ? deliveries_table(system, map.way_of, prefix) : "") +
+           buses_tables(system) + meshes_tables(system) + places_table(system, prefix) +
+           user_attributes_table(system.system);
   return out + "</section>\n";
+}
+
+std::string contents(const Report& report, const FileNames& names) {
+  if (report.systems.size() < 2) return {};
+  std::string out = "<nav class=\"card\" aria-label=\"Systems\">\n<ul>";
+  for (std::size_t i = 0; i < report.systems.size(); ++i) {
+    const auto& system = report.systems[i];
+    const auto errors = std::ranges::count_if(system.findings, [](const ReportedFinding& f) {
+      return core::info(f.id).severity == core::Severity::error;
+    });
+    out += fmt::format(
+        R"(<li><a href="#s{}-title">{}</a> <span class="quiet">{}</span>{}</li>)", i + 1,
+        title_of(system, names), path_text(names.of(system.file)),
+        errors == 0
+            ? ""
+            : " " + verdict({"✕", counted(static_cast<std::size_t>(errors), "error").c_str(),
+                             "unfit"}));
+  }
+  return out + "</ul>\n</nav>\n";
 }
 
 }  // namespace
 
 std::string write_html(const Report& report) {
   const auto totals = report.totals();
-  std::string out(kHead);
-  out += fmt::format("<title>MLCCA check: {}, {}</title>\n", counted(totals.errors, "error"),
-                     counted(totals.warnings, "warning"));
-  out += kStyle;
-  out += fmt::format(
-      "</head>\n<body>\n<h1>MLCCA check</h1>\n<p class=\"counts\"><span class=\"bad\">{}</span>"
-      "<span class=\"maybe\">{}</span><span>{}</span></p>\n",
-      counted(totals.errors, "error"), counted(totals.warnings, "warning"),
-      counted(totals.notes, "note"));
-  for (std::size_t i = 0; i < report.systems.size(); ++i) out += section(report.systems[i], i + 1);
-  if (!report.part_files.empty() && report.systems.empty())
-    out += "<section>\n<h2>Parts</h2>\n" + findings(report.parts) + "</section>\n";
-  out += fmt::format("<footer>mlccactl {}</footer>\n</body>\n</html>\n", kVersion);
-  return out;
+  std::error_code gone;
+  const FileNames names(report.files(), std::filesystem::current_path(gone).native());
+  auto out = fmt::format(kHead, page_script_hash(), counted(totals.errors, "error"),
+                         counted(totals.warnings, "warning"));
+  out += page_style();
+  out += "</style>\n</head>\n<body>\n<main>\n" + top(report) + contents(report, names);
+  Json maps = Json::array();
+  for (std::size_t i = 0; i < report.systems.size(); ++i)
+    out += section(report.systems[i], i + 1, names, maps);
+  if (!report.part_files.empty() && report.systems.empty()) {
+    const auto found = findings_tables(report.parts, names);
+    out += "<section class=\"system\">\n<h2>Parts</h2>\n" +
+           (found.empty() ? "<p class=\"none\">No findings.</p>\n" : found) + "</section>\n";
+  }
+  out += fmt::format("<footer class=\"quiet\">mlccactl {}</footer>\n</main>\n", kVersion);
+  out += R"(<script type="application/json" id="maps">)" +
+         json_in_markup(maps.dump(-1, ' ', false, Json::error_handler_t::replace)) + "</script>\n";
+  out += R"(<script type="module">)";
+  out += page_script();
+  return out + "</script>\n</body>\n</html>\n";
 }
 
 }  // namespace mlcca::tools::design

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 #include <unordered_set>
 #include <utility>
 
+#include "core/model/members.hpp"
 #include "core/model/text.hpp"
 #include "description/read.hpp"
 
@@ -71,7 +73,26 @@ void sort_findings(const core::System& system, std::vector<ReportedFinding>& fin
   });
 }
 
-SystemReport check_system(const std::vector<std::string>& paths, const ReportProgress& progress) {
+core::Inspection decide(SystemReport& report, const core::InspectProgress& progress, Depth depth) {
+  if (depth == Depth::findings) return core::inspect(report.system, progress);
+  const core::Members members(report.system);
+  std::vector<bool> known(report.system.channels.size(), false);
+  auto inspection = core::inspect(
+      report.system, progress,
+      [&](std::size_t channel, const core::Decision& decision, std::span<const core::Finding>) {
+        // The set that is used comes first.
+        if (known[channel]) return;
+        known[channel] = true;
+        for (const core::Verdict& verdict : decision.verdicts)
+          report.deliveries.push_back(in_words(report.system, members, verdict));
+      },
+      &report.buses);
+  std::ranges::stable_sort(report.deliveries, {}, &ReportedDelivery::channel);
+  return inspection;
+}
+
+SystemReport check_system(const std::vector<std::string>& paths, const ReportProgress& progress,
+                          Depth depth) {
   SystemReport out;
   out.file = paths.front();
   const auto say = [&](std::string_view what, double done) {
@@ -92,9 +113,10 @@ SystemReport check_system(const std::vector<std::string>& paths, const ReportPro
   if (!out.inspected) return out;
   out.system.sort_bindings();
   const auto all = static_cast<double>(std::max<std::size_t>(out.system.channels.size(), 1));
-  out.inspection = core::inspect(out.system, [&](std::size_t done) {
+  const auto progressed = [&](std::size_t done) {
     say("checking", kReadingShare + (1 - kReadingShare) * static_cast<double>(done) / all);
-  });
+  };
+  out.inspection = decide(out, progressed, depth);
   const bool problems = !out.findings.empty();
   for (auto& finding : std::exchange(out.inspection.findings, {}))
     out.findings.push_back(reported(out.system, finding));
@@ -158,7 +180,8 @@ ChannelCounts counts_of(const SystemReport& system) {
   return counts;
 }
 
-Report make_report(const std::vector<std::string>& paths, const ReportProgress& progress) {
+Report make_report(const std::vector<std::string>& paths, const ReportProgress& progress,
+                   Depth depth) {
   Report report;
   std::vector<std::string> systems;
   std::vector<std::string> parts;
@@ -169,7 +192,7 @@ Report make_report(const std::vector<std::string>& paths, const ReportProgress& 
   for (const auto& path : systems) {
     std::vector<std::string> together{path};
     together.insert(together.end(), parts.begin(), parts.end());
-    report.systems.push_back(check_system(together, progress));
+    report.systems.push_back(check_system(together, progress, depth));
   }
   if (!systems.empty()) return report;
   report.part_files = parts;

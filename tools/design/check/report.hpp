@@ -11,6 +11,7 @@
 #include "core/design/findings.hpp"
 #include "core/design/inspect.hpp"
 #include "core/model/system.hpp"
+#include "tools/design/check/deliveries.hpp"
 #include "tools/exit.hpp"
 
 namespace mlcca::tools::design {
@@ -41,6 +42,9 @@ struct SystemReport {
   core::System system;          ///< only its files unless readable
   core::Inspection inspection;  ///< without findings: they are below; empty unless inspected
   std::vector<ReportedFinding> findings;  ///< by file as they appear, line, number
+  /// With Depth::deliveries: by channel, each in the attribute set that is used.
+  std::vector<ReportedDelivery> deliveries;
+  core::InspectedBuses buses;
 };
 
 struct Totals {
@@ -70,10 +74,14 @@ struct Report {
 /// Part of the work that is done, from 0 to 1, in words such as "reading".
 using ReportProgress = std::function<void(std::string_view what, double done)>;
 
+/// What a report has beside findings and counts; more takes longer.
+enum class Depth : std::uint8_t { findings, deliveries };
+
 /// Checks every file whose root is a System; files with a part as root count as included in each of
 /// them, or are held against the schema where there is no System. A path that is given twice counts
 /// once.
-Report make_report(const std::vector<std::string>& paths, const ReportProgress& progress);
+Report make_report(const std::vector<std::string>& paths, const ReportProgress& progress,
+                   Depth depth = Depth::findings);
 
 /// fine (notes do not count), refused (errors or warnings), or usage (a file cannot be read).
 [[nodiscard]] Exit status_of(const Report& report);

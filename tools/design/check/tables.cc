@@ -4,50 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
+#include <filesystem>
+#include <utility>
 
 #include "core/model/text.hpp"
 #include "tools/escape.hpp"
 
 namespace mlcca::tools::design {
 namespace {
-
-/// A table that stops at kMaxRows. Cells are HTML.
-class Rows {
- public:
-  Rows(const char* title, std::initializer_list<const char*> columns) : title_(title) {
-    for (const auto* column : columns) head_ += fmt::format("<th scope=\"col\">{}</th>", column);
-    columns_ = columns.size();
-  }
-
-  /// False where the row would not be shown: it need not be made.
-  bool wants_more() {
-    ++all_;
-    return all_ <= kMaxRows;
-  }
-  void add(std::initializer_list<std::string> cells, const char* kind = "") {
-    body_ += fmt::format("<tr class=\"{}\">", kind);
-    for (const auto& cell : cells) body_ += "<td>" + cell + "</td>";
-    body_ += "</tr>\n";
-  }
-
-  [[nodiscard]] std::string html() const {
-    if (all_ == 0) return {};
-    auto out = fmt::format("<h3>{} ({})</h3>\n<table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{}",
-                           title_, all_, head_, body_);
-    if (all_ > kMaxRows)
-      out += fmt::format("<tr><td colspan=\"{}\" class=\"more\">{} more are not shown</td></tr>\n",
-                         columns_, all_ - kMaxRows);
-    return out + "</tbody>\n</table>\n";
-  }
-
- private:
-  const char* title_;
-  std::string head_;
-  std::string body_;
-  std::size_t columns_ = 0;
-  std::size_t all_ = 0;
-};
 
 const char* title_of(core::Severity severity) {
   switch (severity) {
@@ -64,26 +28,23 @@ const char* title_of(core::Severity severity) {
 std::string finding_text(const ReportedFinding& f) {
   auto out = f.element.empty() ? "" : "<code>&lt;" + html_text(f.element) + "&gt;</code> ";
   out += html_text(f.text);
-  if (!f.hint.empty()) out += "<p class=\"hint\">" + html_text(f.hint) + "</p>";
+  if (!f.hint.empty()) out += "<p class=\"quiet\">" + html_text(f.hint) + "</p>";
   return out;
 }
 
-/// Word and class of an outcome; the word carries it without colour.
-struct Said {
-  const char* word;
-  const char* kind;
-};
-
-Said said(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::fit:
-      return {"✓ fit", "fit"};
-    case Outcome::run_time:
-      return {"◌ decided at run time", "run-time"};
-    case Outcome::unfit:
-      break;
+std::string findings_table(const std::vector<ReportedFinding>& findings, core::Severity severity,
+                           const FileNames& names) {
+  Rows rows(title_of(severity), {"Id", "Where", "What"});
+  for (const auto& f : findings) {
+    const auto& info = core::info(f.id);
+    if (info.severity != severity || !rows.wants_more()) continue;
+    const auto file = names.of(f.file);
+    const auto where = f.line > 0 ? fmt::format("{}:{}", file, f.line) : file;
+    rows.add({fmt::format(R"(<span class="id">{}</span> <span class="quiet id">{}</span>)",
+                          core::code_of(f.id), info.name),
+              "<code>" + path_text(where) + "</code>", finding_text(f)});
   }
-  return {"✗ does not fit", "unfit"};
+  return rows.html();
 }
 
 /// "Latency 5 ms, Omission 0 (best case)"
@@ -105,30 +66,17 @@ std::string provision_text(const core::System& system, const AttributeSet& set,
   return out.empty() ? "nothing is stated" : html_text(out);
 }
 
-std::string bar(double percent) {
-  return fmt::format(R"(<span class="bar"><span style="width:{:.1f}%"></span></span> )",
-                     std::min(percent, 100.0));
-}
-
-/// Where both a bandwidth is stated and the time of the medium is computed, both.
-std::string load_cell(const core::Network& network, const core::NetworkLoad& load) {
-  std::string out;
-  if (network.provision.has(Attribute::bandwidth)) {
-    const Value capacity = network.provision[Attribute::bandwidth];
-    const double percent = capacity == 0
-                               ? 0.0
-                               : 100.0 * std::min(1.0, static_cast<double>(load.reserved) /
-                                                           static_cast<double>(capacity));
-    out = fmt::format("{}{} of {} ({:.1f} %)", bar(percent),
-                      core::format_value(Attribute::bandwidth, load.reserved),
-                      core::format_value(Attribute::bandwidth, capacity), percent);
-  }
-  if (load.time_ppm) {
-    const double percent = static_cast<double>(*load.time_ppm) / 10'000;
-    out += fmt::format("{}{}{:.2f} % of the time of the {}", out.empty() ? "" : "<br>",
-                       bar(percent), percent, network.mesh ? "medium" : "bus");
-  }
-  return out.empty() ? "no capacity is stated" : out;
+/// Of payload, where a capacity is stated.
+std::string reserved_cell(const core::Network& network, const core::NetworkLoad& load) {
+  if (!network.provision.has(Attribute::bandwidth)) return {};
+  const Value capacity = network.provision[Attribute::bandwidth];
+  const double part =
+      capacity == 0
+          ? 0.0
+          : std::min(1.0, static_cast<double>(load.reserved) / static_cast<double>(capacity));
+  return fmt::format("{}: {} of {}", meter(static_cast<std::uint64_t>(part * 1e6), 1'000'000),
+                     core::format_value(Attribute::bandwidth, load.reserved),
+                     core::format_value(Attribute::bandwidth, capacity));
 }
 
 const char* words_of(Composition composition) {
@@ -150,58 +98,195 @@ std::string set_words(const core::EventChannel& channel, std::size_t set) {
   return fmt::format("priority {} (not the preferred one)", channel.lower[set - 1].priority);
 }
 
-void add_channels(Rows& rows, const SystemReport& system, Outcome outcome) {
-  for (std::size_t c = 0; c < system.inspection.channels.size(); ++c) {
-    const auto& result = system.inspection.channels[c];
-    if (result.outcome != outcome || !rows.wants_more()) continue;
-    const auto& channel = system.system.channels[c];
-    const auto [word, kind] = said(outcome);
-    const auto set = set_words(channel, result.set);
-    rows.add({html_text(channel.name), "<code>" + core::format_subject(channel.subject) + "</code>",
-              std::to_string(result.deliveries), word, set, html_text(channel.description)},
-             kind);
+/// The rows of one system's channels.
+class Deliveries {
+ public:
+  Deliveries(const SystemReport& report, const std::vector<std::size_t>& ways,
+             const std::string& prefix)
+      : r_(report),
+        s_(report.system),
+        ways_(ways),
+        prefix_(prefix),
+        has_sets_(std::ranges::any_of(s_.channels, [](const auto& c) { return !c.lower.empty(); })),
+        has_reactions_(
+            std::ranges::any_of(r_.deliveries, [](const auto& d) { return !d.reaction.empty(); })),
+        rows_("Channels, by delivery", columns()) {}
+
+  std::string html() && {
+    for (const auto outcome : {Outcome::unfit, Outcome::run_time, Outcome::fit}) {
+      std::size_t next = 0;
+      for (std::size_t c = 0; c < s_.channels.size(); ++c) add_channel(c, next, outcome);
+    }
+    return rows_.html();
   }
+
+ private:
+  [[nodiscard]] std::vector<const char*> columns() const {
+    std::vector<const char*> out{"Channel", "Outcome", "From and to", "Way", "Smallest margin"};
+    if (has_reactions_) out.push_back("Reaction to silence");
+    if (has_sets_) out.push_back("Attribute set");
+    return out;
+  }
+
+  /// `next`: the first delivery of the channel, and then that of the channel behind it.
+  void add_channel(std::size_t c, std::size_t& next, Outcome outcome) {
+    const auto& result = r_.inspection.channels[c];
+    const std::size_t first = next;
+    bool any_unfit = false;
+    for (; next < r_.deliveries.size() && r_.deliveries[next].channel == c; ++next)
+      any_unfit = any_unfit || r_.deliveries[next].outcome == Outcome::unfit;
+    if (first == next) {
+      if (result.outcome == outcome && rows_.wants_more())
+        rows_.add(cells(c, outcome, "", "", "nobody publishes it, or nobody subscribes it"),
+                  said(outcome).kind);
+      return;
+    }
+    // All of them together, such as for want of room in a gateway.
+    const bool as_a_whole = result.outcome == Outcome::unfit && !any_unfit;
+    for (std::size_t d = first; d < next; ++d) {
+      const auto own = as_a_whole ? Outcome::unfit : r_.deliveries[d].outcome;
+      if (own == outcome && rows_.wants_more()) add_delivery(d, own);
+    }
+  }
+
+  void add_delivery(std::size_t number, Outcome outcome) {
+    const ReportedDelivery& d = r_.deliveries[number];
+    const auto ends = fmt::format("{} <span class=\"quiet\">to</span> {}", html_text(d.publisher),
+                                  html_text(d.subscribers));
+    auto row = cells(d.channel, outcome, ends, way(d), html_text(d.margin));
+    row[0] = fmt::format(R"(<a href="#{}map" data-way="{}">{}</a>{})", prefix_, ways_[number],
+                         html_text(s_.channels[d.channel].name), about(d.channel));
+    std::size_t column = 5;
+    if (has_reactions_ && !d.reaction.empty())
+      row[column] =
+          fmt::format("{}{} <span class=\"quiet\">= {}</span>", html_text(d.reaction),
+                      outcome == Outcome::run_time ? " at best" : "", html_text(d.reaction_terms));
+    column += has_reactions_ ? 1 : 0;
+    if (has_sets_) row[column] = set_words(s_.channels[d.channel], d.set);
+    rows_.add(row, said(outcome).kind);
+  }
+
+  [[nodiscard]] std::string about(std::size_t channel) const {
+    const auto& c = s_.channels[channel];
+    auto out = fmt::format("<br><code class=\"quiet\">{}</code>", core::format_subject(c.subject));
+    if (!c.description.empty())
+      out += fmt::format("<p class=\"quiet\">{}</p>", html_text(c.description));
+    return out;
+  }
+
+  [[nodiscard]] std::vector<std::string> cells(std::size_t channel, Outcome outcome,
+                                               std::string ends, std::string way,
+                                               std::string margin) const {
+    std::vector<std::string> out{html_text(s_.channels[channel].name) + about(channel),
+                                 verdict(said(outcome)), std::move(ends), std::move(way),
+                                 std::move(margin)};
+    out.resize(5U + (has_reactions_ ? 1U : 0U) + (has_sets_ ? 1U : 0U));
+    return out;
+  }
+
+  [[nodiscard]] std::string way(const ReportedDelivery& d) const {
+    if (d.route.empty())
+      return fmt::format("{} <span class=\"quiet\">to</span> {}",
+                         html_text(core::name_of(s_, d.from)), html_text(core::name_of(s_, d.to)));
+    std::string out;
+    for (const core::Place place : d.route) {
+      const bool stops = d.refused_at && *d.refused_at == place;
+      out += fmt::format("{}{}{}", out.empty() ? "" : " › ", stops ? "✕ " : "",
+                         html_text(core::name_of(s_, place)));
+    }
+    return out;
+  }
+
+  const SystemReport& r_;
+  const core::System& s_;
+  const std::vector<std::size_t>& ways_;
+  const std::string& prefix_;
+  bool has_sets_;
+  bool has_reactions_;
+  Rows rows_;
+};
+
+std::string interface_words(const core::InterfaceIdentity& identity) {
+  for (const auto* text : {&identity.name, &identity.alias, &identity.id_path, &identity.serial})
+    if (!text->empty()) return *text;
+  return {};
+}
+
+/// "gateway by can0"
+void join(std::string& out, const std::string& name, const core::Port& port) {
+  const auto interface = interface_words(port.identity);
+  out += fmt::format("{}{}{}", out.empty() ? "" : ", ", html_text(name),
+                     interface.empty() ? "" : " by " + html_text(interface));
 }
 
 }  // namespace
 
-std::string findings_table(const std::vector<ReportedFinding>& findings, core::Severity severity) {
-  Rows rows(title_of(severity), {"Id", "Where", "What"});
-  for (const auto& f : findings) {
-    const auto& info = core::info(f.id);
-    if (info.severity != severity || !rows.wants_more()) continue;
-    const auto where = f.line > 0 ? fmt::format("{}:{}", f.file, f.line) : f.file;
-    rows.add({fmt::format("<abbr title=\"{}: {}\">{}</abbr>", html_text(info.title),
-                          html_text(info.advice), core::code_of(f.id)),
-              "<code>" + html_text(where) + "</code>", finding_text(f)});
+FileNames::FileNames(const std::vector<std::string>& files, std::string folder)
+    : folder_(std::move(folder)) {
+  if (!folder_.ends_with('/')) folder_ += '/';
+  bool first = true;
+  for (const std::string& file : files) {
+    if (!file.starts_with('/') || file.starts_with(folder_)) continue;
+    const auto end = first ? file.end() : std::ranges::mismatch(common_, file).in2;
+    first = false;
+    common_.assign(file.begin(), end);
+    common_.resize(common_.rfind('/') + 1);
   }
-  return rows.html();
 }
 
-std::string channels_table(const SystemReport& system) {
-  Rows rows("Channels",
-            {"Channel", "Subject", "Deliveries", "Outcome", "Attribute set", "Description"});
-  for (const auto outcome : {Outcome::unfit, Outcome::run_time, Outcome::fit})
-    add_channels(rows, system, outcome);
-  return rows.html();
+std::string FileNames::of(const std::string& file) const {
+  if (file.size() > folder_.size() && file.starts_with(folder_)) return file.substr(folder_.size());
+  if (file.size() > common_.size() && file.starts_with(common_)) return file.substr(common_.size());
+  return file;
 }
 
-std::string networks_table(const SystemReport& report) {
-  Rows rows("Networks and gateways", {"Name", "Kind", "Provides", "Reserved"});
+std::string findings_tables(const std::vector<ReportedFinding>& findings, const FileNames& names) {
+  std::string out;
+  for (const auto severity : {core::Severity::error, core::Severity::warning, core::Severity::note})
+    out += findings_table(findings, severity, names);
+  return out;
+}
+
+std::string deliveries_table(const SystemReport& report, const std::vector<std::size_t>& ways,
+                             const std::string& prefix) {
+  return Deliveries(report, ways, prefix).html();
+}
+
+std::string places_table(const SystemReport& report, const std::string& prefix) {
   const auto& system = report.system;
+  const bool limited = std::ranges::any_of(system.networks, [](const core::Network& n) {
+    return n.provision.has(Attribute::bandwidth);
+  });
+  std::vector<const char*> columns{"Name", "Kind", "Joined to", "Provides"};
+  if (limited) columns.push_back("Reserved");
+  Rows rows("Networks and gateways", columns);
+  const auto add = [&](core::Place place, std::string kind, std::string joined,
+                       const core::UserValues& user, std::string reserved) {
+    std::vector<std::string> cells{
+        html_text(core::name_of(system, place)), std::move(kind), std::move(joined),
+        provision_text(system, system.provision_of(place), user), std::move(reserved)};
+    cells.resize(columns.size());
+    rows.add(cells, "", fmt::format("{}p{}", prefix, system.resource_of(place)));
+  };
   for (std::size_t n = 0; n < system.networks.size(); ++n) {
     if (!rows.wants_more()) continue;
     const auto& network = system.networks[n];
-    const auto load = n < report.inspection.networks.size()
-                          ? load_cell(network, report.inspection.networks[n])
-                          : "";
-    rows.add({html_text(network.name), std::string(core::to_text(network.kind)),
-              provision_text(system, network.provision, network.user), load});
+    std::string joined;
+    for (const auto& gateway : system.gateways)
+      if (const auto* port = gateway.port_on(n)) join(joined, gateway.name, *port);
+    add({core::Place::Kind::network, n}, std::string(core::to_text(network.kind)), joined,
+        network.user,
+        n < report.inspection.networks.size()
+            ? reserved_cell(network, report.inspection.networks[n])
+            : "");
   }
-  for (const auto& gateway : system.gateways)
-    if (rows.wants_more())
-      rows.add({html_text(gateway.name), "gateway",
-                provision_text(system, gateway.provision, gateway.user), ""});
+  for (std::size_t g = 0; g < system.gateways.size(); ++g) {
+    if (!rows.wants_more()) continue;
+    const auto& gateway = system.gateways[g];
+    std::string joined;
+    for (const auto& port : gateway.ports) join(joined, system.networks[port.network].name, port);
+    add({core::Place::Kind::gateway, g}, "gateway", joined, gateway.user, "");
+  }
   return rows.html();
 }
 

@@ -20,7 +20,7 @@ std::string write_json(const Report& report);
 /// SARIF 2.1.0, as editors and code hosts read it.
 std::string write_sarif(const Report& report);
 
-/// A page of its own, with a drawing of each network where Graphviz is installed.
+/// A page of its own: tables that are complete, and a script that draws the networks.
 std::string write_html(const Report& report);
 
 }  // namespace mlcca::tools::design

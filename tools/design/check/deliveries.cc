@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/design/check/deliveries.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/model/text.hpp"
+
+namespace mlcca::tools::design {
+namespace {
+
+using core::Against;
+using core::Obstacle;
+
+constexpr std::size_t kMostNamed = 4;
+
+std::string subscribers_of(const core::Members& members, const core::Verdict& v) {
+  std::string out;
+  const std::size_t all = v.subscribers.size();
+  const std::size_t named = all > kMostNamed ? kMostNamed - 1 : all;
+  for (std::size_t i = 0; i < named; ++i)
+    out += (i == 0 ? "" : ", ") + members.subscriber(v.subscribers[i]).name;
+  return named == all ? out : fmt::format("{} and {} more", out, all - named);
+}
+
+/// The obstacle stands at a place of the route.
+bool has_place(Obstacle obstacle) {
+  switch (obstacle) {
+    case Obstacle::none:
+    case Obstacle::no_route:
+    case Obstacle::no_traffic:
+    case Obstacle::withdrawn:
+    case Obstacle::unlisted:
+      return false;
+    default:
+      return true;
+  }
+}
+
+/// It says that the place, as a hop, is what does not fit.
+bool blames(const core::Row& row, core::Place place) {
+  if (row.place != place || !is_unfit(row)) return false;
+  return row.against == Against::hop || row.against == Against::capacity ||
+         row.against == Against::schedule || row.against == Against::medium_time;
+}
+
+std::optional<core::Place> refused_at(const core::Verdict& v) {
+  for (const core::Place place : v.route) {
+    if (has_place(v.obstacle) && v.obstacle_at == place) return place;
+    if (std::ranges::any_of(v.rows, [&](const auto& row) { return blames(row, place); }))
+      return place;
+  }
+  return std::nullopt;
+}
+
+std::string margin_of(const core::System& system, const core::Members& members,
+                      const core::Verdict& v) {
+  const core::Row* const row = v.granted ? core::deciding_row(v) : nullptr;
+  if (row == nullptr) return core::reason(system, members, v);
+  return fmt::format("{}, {}: {}", core::attribute_name(system, *row),
+                     core::where(system, members, v, *row), core::format_margin(system, *row));
+}
+
+}  // namespace
+
+ReportedDelivery in_words(const core::System& system, const core::Members& members,
+                          const core::Verdict& v) {
+  ReportedDelivery out;
+  out.channel = v.channel;
+  out.publisher = members.publisher(v.publisher).name;
+  out.subscribers = subscribers_of(members, v);
+  out.outcome = v.outcome;
+  out.set = v.set;
+  out.from = members.publisher(v.publisher).place;
+  out.to = v.to;
+  out.route = v.route;
+  if (v.outcome == Outcome::unfit) out.refused_at = refused_at(v);
+  out.margin = margin_of(system, members, v);
+  if (v.outcome == Outcome::unfit) return out;
+  const std::string reaction = core::reaction(v);
+  const auto equals = reaction.find(" = ");
+  if (equals == std::string::npos) return out;
+  out.reaction = reaction.substr(0, equals);
+  out.reaction_terms = reaction.substr(equals + 3);
+  return out;
+}
+
+}  // namespace mlcca::tools::design
