@@ -129,6 +129,20 @@ class DescribedBuses {
       if (f.id == core::FindingId::no_data_rate && f.has_place &&
           f.place == Place{Place::Kind::network, n})
         bus.why_not.push_back(at(f.origin, f.text + ": " + f.hint));
+    if (!bus.why_not.empty() || bus.assumptions.timing.data_bitrate != 0) return;
+    // The check names the first such bus of a way alone.
+    const core::Network& network = system_.networks[n];
+    for (const core::BusMessage& m : inspected_.messages) {
+      if (m.network != n) continue;
+      const std::size_t channel = system_.publishers[m.publisher].channel;
+      const core::Binding* const binding = network.binding_of(channel);
+      if (binding == nullptr || binding->format == core::FrameFormat::classic) continue;
+      bus.why_not.push_back(at(
+          network.origin, fmt::format("frames of channel {} are not all classic, and {} has no bit "
+                                      "rate for their data phase: state it with --data-bitrate",
+                                      system_.channels[channel].name, network.name)));
+      return;
+    }
   }
 
   void add_message(Bus& bus, const core::BusMessage& from) {

@@ -343,6 +343,13 @@ TEST_F(AnalyseBusTest, FramesWithADataPhaseNeedItsBitRate) {
   EXPECT_EQ(analyse(described, {"--network", "far"}).status, 2);
   EXPECT_NE(test::run({"check", described}).out.find("MLCCA035"), std::string::npos);
   EXPECT_EQ(analyse(described, {"--network", "far", "--data-bitrate", "2M"}).status, 0);
+  // On both buses of its way.
+  text.replace(text.find("<Binding channel=\"speed\""), 24,
+               "<Binding channel=\"speed\" format=\"fd\"");
+  const auto neither = analyse(file("fd2.xml", text));
+  EXPECT_EQ(neither.status, 2) << neither.out;
+  EXPECT_TRUE(neither.error.contains("near has no bit rate for their data phase")) << neither.error;
+  EXPECT_TRUE(neither.error.contains("far has no bit rate for their data phase")) << neither.error;
 }
 
 TEST_F(AnalyseBusTest, AJitterThatIsTooLongIsNamedAndUnboundsOnlyWhatIsBelow) {
