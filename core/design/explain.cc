@@ -99,7 +99,20 @@ bool follows_from_links(const System& system, const Row& row) {
   const Attribute a = held_against(row.comparison.attribute);
   const AttributeSet& stated = network.provision;
   return network.mesh && network.mesh->per_hop.has(a) &&
-         !(stated.has(a) && stated[a] == row.comparison.provided);
+         (!stated.has(a) || stated[a] != row.comparison.provided);
+}
+
+std::string echo_hint(const Verdict& v) {
+  return v.obstacle_at.kind == Place::Kind::gateway
+             ? "state the address of each publisher of the channel, or a Route over gateways that "
+               "form no ring"
+             : "let one gateway bring them there: change a Route";
+}
+
+std::string carrier_hint(const System& system, const Verdict& v) {
+  const bool has_relay = system.gateways[v.obstacle_at.index].forwarder == Forwarder::relay;
+  return std::string("add sender=\"USER\" to the Port that the events leave by") +
+         (has_relay ? "" : ", or forward=\"relay\" to the Gateway: then mlcca-relay carries them");
 }
 
 /// An event of several frames is lost with any of them, and nothing says how many events in a row
@@ -234,15 +247,10 @@ void Explainer::add_obstacle(const Verdict& v) {
           f.hint = relay_hint(s_.system, hop.index, v.obstacle_at.index);
       break;
     case Obstacle::echo:
-      f.hint = v.obstacle_at.kind == Place::Kind::gateway
-                   ? "state the address of each publisher of the channel, or a Route over gateways "
-                     "that form no ring"
-                   : "let one gateway bring them there: change a Route";
+      f.hint = echo_hint(v);
       break;
     case Obstacle::no_sender:
-      f.hint = "add sender=\"USER\" to the Port that the events leave by";
-      if (s_.system.gateways[v.obstacle_at.index].forwarder != Forwarder::relay)
-        f.hint += ", or forward=\"relay\" to the Gateway: then mlcca-relay carries them";
+      f.hint = carrier_hint(s_.system, v);
       break;
     case Obstacle::renamed:
       f.hint = "let both Bindings have one PGN, one priority and classic frames";
