@@ -56,14 +56,15 @@ Result<struct stat> check_root(int root_fd, const std::string& root) {
 void make_folder_in_bpffs(const std::string& root) {
   const std::string above = std::filesystem::path(root).parent_path();
   struct statfs system{};
-  if (::statfs(above.c_str(), &system) == 0 && system.f_type == BPF_FS_MAGIC)
+  if (::access(root.c_str(), F_OK) < 0 && errno == ENOENT &&
+      ::statfs(above.c_str(), &system) == 0 && system.f_type == BPF_FS_MAGIC)
     static_cast<void>(::mkdir(root.c_str(), S_IRWXU));
 }
 
 }  // namespace
 
 Result<Fd> lock_gates(const std::string& root) {
-  if (::access(root.c_str(), F_OK) < 0 && errno == ENOENT) make_folder_in_bpffs(root);
+  make_folder_in_bpffs(root);
   Fd folder(::open(root.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));  // NOLINT(*-vararg)
   // NOLINTNEXTLINE(*-vararg)
   if (!folder && errno == ENOENT) folder.reset(::open("/", O_PATH | O_DIRECTORY | O_CLOEXEC));

@@ -46,7 +46,7 @@ class Awds final : public LinkSource {
     Fd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
     // A local socket connects at once or not at all.
     if (!socket || ::connect(socket.get(), generic(address_), sizeof address_) < 0) {
-      problem_ = system_error(path_, errno);
+      problem_ = error_words(path_, errno);
       return;
     }
     if (const auto checked = check_peer(socket.get()); !checked) {
@@ -56,7 +56,7 @@ class Awds final : public LinkSource {
     sd_event_source* raw = nullptr;
     if (const int e = sd_event_add_io(loop_, &raw, socket.get(), EPOLLIN, on_packets, this);
         e < 0) {
-      problem_ = system_error(path_, -e);
+      problem_ = error_words(path_, -e);
       return;
     }
     io_.reset(raw);
@@ -76,7 +76,7 @@ class Awds final : public LinkSource {
       const auto size = ::recv(socket_.get(), packet.data(), packet.size(), 0);
       if (size < 0 && (errno == EAGAIN || errno == EINTR)) break;
       if (size <= 0) {
-        disconnect(size == 0 ? "has closed" : system_error("receiving", errno));
+        disconnect(size == 0 ? "has closed" : error_words("receiving", errno));
         changed = true;
         break;
       }

@@ -148,9 +148,9 @@ std::optional<std::string> take_line(const std::vector<std::string>& words, cons
 /// Of a regular file: another would block, or never end.
 Result<std::string> read_file(const std::string& path) {
   const Fd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file) return fail(system_error(path, errno));
+  if (!file) return fail(error_words(path, errno));
   struct stat about{};
-  if (::fstat(file.get(), &about) < 0) return fail(system_error(path, errno));
+  if (::fstat(file.get(), &about) < 0) return fail(error_words(path, errno));
   if (!S_ISREG(about.st_mode)) return fail(path + ": is not a regular file");
   if (auto checked = check_owner(path, about.st_uid); !checked)
     return std::unexpected(checked.error());
@@ -160,7 +160,7 @@ Result<std::string> read_file(const std::string& path) {
   for (;;) {
     const ssize_t n = ::read(file.get(), block.data(), block.size());
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return fail(system_error(path, errno));
+    if (n < 0) return fail(error_words(path, errno));
     if (n == 0) return text;
     text.append(block.data(), static_cast<std::size_t>(n));
     if (text.size() > kMaxFileBytes)

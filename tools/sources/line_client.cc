@@ -40,14 +40,14 @@ Result<void> LineClient::begin_connecting() {
   listeners_ = std::move(*listeners);
   socket_.reset(
       ::socket(endpoint_.address.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!socket_) return fail(system_error("socket", errno));
+  if (!socket_) return fail(error_words("socket", errno));
   // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
   const auto* address = reinterpret_cast<const sockaddr*>(&endpoint_.address);
   if (::connect(socket_.get(), address, endpoint_.size) < 0 && errno != EINPROGRESS)
-    return fail(system_error("connecting", errno));
+    return fail(error_words("connecting", errno));
   sd_event_source* raw = nullptr;
   if (const int e = sd_event_add_io(loop_, &raw, socket_.get(), EPOLLOUT, on_io, this); e < 0)
-    return fail(system_error("watching the connection", -e));
+    return fail(error_words("watching the connection", -e));
   io_.reset(raw);
   return {};
 }
@@ -73,7 +73,7 @@ int LineClient::on_io(sd_event_source*, int, std::uint32_t, void* self) noexcept
   socklen_t size = sizeof error;
   ::getsockopt(client.socket_.get(), SOL_SOCKET, SO_ERROR, &error, &size);
   if (error != 0) {
-    client.end(system_error("connecting", error));
+    client.end(error_words("connecting", error));
     return 0;
   }
   if (const auto checked = client.check_server(); !checked) {
@@ -102,7 +102,7 @@ void LineClient::receive() {
   std::array<char, kTurn> chunk{};
   const auto size = ::recv(socket_.get(), chunk.data(), chunk.size(), 0);
   if (size < 0) {
-    if (errno != EAGAIN && errno != EINTR) end(system_error("receiving", errno));
+    if (errno != EAGAIN && errno != EINTR) end(error_words("receiving", errno));
     return;
   }
   if (size == 0) {

@@ -40,7 +40,7 @@ Result<net::facts::Question> read_question() {
     if (ready < 0 && errno == EINTR) continue;
     if (ready <= 0) return fail("no request says what to watch");
     const auto size = ::recv(kConversation, buffer.data(), buffer.size(), 0);
-    if (size < 0) return fail(net::system_error("standard input is to be a socket", errno));
+    if (size < 0) return fail(net::error_words("standard input is to be a socket", errno));
     if (size == 0) return fail("no request says what to watch");
     auto question = reader.take({buffer.data(), static_cast<std::size_t>(size)});
     if (!question) return std::unexpected(question.error());
@@ -55,7 +55,7 @@ class Answers {
   Result<void> start(sd_event* loop) {
     sd_event_source* raw = nullptr;
     if (const int e = sd_event_add_io(loop, &raw, kConversation, EPOLLRDHUP, on_io, this); e < 0)
-      return fail(net::system_error("watching the conversation", -e));
+      return fail(net::error_words("watching the conversation", -e));
     io_.reset(raw);
     loop_ = loop;
     return {};
@@ -105,7 +105,7 @@ Result<void> serve() {
   const auto question = read_question();
   if (!question) return std::unexpected(question.error());
   sd_event* raw = nullptr;
-  if (const int e = sd_event_new(&raw); e < 0) return fail(net::system_error("event loop", -e));
+  if (const int e = sd_event_new(&raw); e < 0) return fail(net::error_words("event loop", -e));
   const std::unique_ptr<sd_event, FreeWith<sd_event_unref>> loop(raw);
   Answers answers;
   if (auto started = answers.start(raw); !started) return started;
@@ -122,7 +122,7 @@ Result<void> serve() {
     };
     if (auto started = refused.start(raw, report_why); !started) return started;
   }
-  if (const int e = sd_event_loop(raw); e < 0) return fail(net::system_error("event loop", -e));
+  if (const int e = sd_event_loop(raw); e < 0) return fail(net::error_words("event loop", -e));
   return {};
 }
 

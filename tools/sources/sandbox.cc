@@ -26,7 +26,7 @@
 namespace mlcca::sources {
 namespace {
 
-using net::system_error;
+using net::error_words;
 
 // A sanitizer maps terabytes and makes system calls of its own.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -40,7 +40,7 @@ constexpr rlim_t kDescriptors = 16;
 
 Result<void> limit(__rlimit_resource what, rlim_t most) {
   const rlimit both{.rlim_cur = most, .rlim_max = most};
-  if (::setrlimit(what, &both) < 0) return fail(system_error("setrlimit", errno));
+  if (::setrlimit(what, &both) < 0) return fail(error_words("setrlimit", errno));
   return {};
 }
 
@@ -60,7 +60,7 @@ Result<void> drop_capabilities() {
   __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
   const std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> none{};
   if (::syscall(SYS_capset, &header, none.data()) < 0)
-    return fail(system_error("giving up capabilities", errno));
+    return fail(error_words("giving up capabilities", errno));
   return {};
 }
 
@@ -166,7 +166,7 @@ class Filter {
     const sock_fprog program{.len = static_cast<unsigned short>(steps_.size()),
                              .filter = steps_.data()};
     if (::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) < 0)
-      return fail(system_error("seccomp", errno));
+      return fail(error_words("seccomp", errno));
     return {};
   }
 
@@ -200,13 +200,13 @@ Result<void> filter_system_calls() {
 }  // namespace
 
 Result<void> enter_sandbox() {
-  if (::close_range(3, ~0U, 0) < 0) return fail(system_error("closing descriptors", errno));
+  if (::close_range(3, ~0U, 0) < 0) return fail(error_words("closing descriptors", errno));
   if (::prctl(PR_SET_PDEATHSIG, SIGKILL) < 0 || ::prctl(PR_SET_DUMPABLE, 0) < 0)
-    return fail(system_error("prctl", errno));
+    return fail(error_words("prctl", errno));
   if (auto limited = limit_resources(); !limited) return limited;
   if (auto dropped = drop_capabilities(); !dropped) return dropped;
   if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) < 0)
-    return fail(system_error("no new privileges", errno));
+    return fail(error_words("no new privileges", errno));
   return kSanitized ? Result<void>{} : filter_system_calls();
 }
 

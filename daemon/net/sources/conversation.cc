@@ -119,7 +119,7 @@ Result<std::unique_ptr<Conversation>> Conversation::open(sd_event* loop, int pro
   if (e >= 0) e = sd_event_add_defer(loop, &raw, on_send_failed, self);
   made->send_failed_.reset(raw);
   if (e >= 0) e = sd_event_source_set_enabled(raw, SD_EVENT_OFF);
-  if (e < 0) return fail(system_error("netlink socket", -e));
+  if (e < 0) return fail(error_words("netlink socket", -e));
   return made;
 }
 

@@ -49,7 +49,7 @@ Result<void> KernelSource::join_notices() {
   };
   e = sd_event_add_io(loop_, &raw, nl_socket_get_fd(notices_.get()), EPOLLIN, on_notice, this);
   noticed_.reset(raw);
-  if (e < 0) return fail(system_error("rtnetlink link notifications", -e));
+  if (e < 0) return fail(error_words("rtnetlink link notifications", -e));
   return {};
 }
 
@@ -156,7 +156,7 @@ void KernelSource::report_problem(std::string problem) {
 
 void KernelSource::report_refusal(const std::string& what, int error) {
   if (error != EINTR) {
-    report_problem(system_error(what, error));
+    report_problem(error_words(what, error));
     return;
   }
   end();

@@ -66,7 +66,7 @@ class Remote final : public LinkSource {
     if (const int e =
             sd_event_add_io(loop_, &raw, peer->socket.get(), EPOLLIN | EPOLLOUT, on_io, this);
         e < 0) {
-      end(system_error("watching the process that reads it", -e));
+      end(error_words("watching the process that reads it", -e));
       return;
     }
     io_.reset(raw);
@@ -149,7 +149,7 @@ class Remote final : public LinkSource {
 
   static std::string ended(int error) {
     const std::string what = "the process that reads it has ended";
-    return error == 0 ? what : system_error(what, error);
+    return error == 0 ? what : error_words(what, error);
   }
 
   void end(const std::string& why) {

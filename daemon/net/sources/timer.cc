@@ -23,7 +23,7 @@ void stamp(core::mesh::Snapshot& snapshot, std::uint64_t taken) {
   for (auto& sample : snapshot.links) sample.taken = taken;
 }
 
-std::string system_error(const std::string& what, int error) {
+std::string error_words(const std::string& what, int error) {
   return what + ": " + std::strerror(error);  // NOLINT(concurrency-mt-unsafe): one thread
 }
 
@@ -32,7 +32,7 @@ Result<void> Timer::start(sd_event* loop, std::function<void()> call) {
   sd_event_source* raw = nullptr;
   const int e =
       sd_event_add_time_relative(loop, &raw, CLOCK_MONOTONIC, 0, kAccuracy, on_time, this);
-  if (e < 0) return fail(system_error("timer", -e));
+  if (e < 0) return fail(error_words("timer", -e));
   source_.reset(raw);
   return {};
 }

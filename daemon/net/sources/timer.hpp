@@ -27,7 +27,7 @@ inline constexpr std::uint64_t kLeastPause = 100'000;      ///< µs between two 
 void stamp(core::mesh::Snapshot& snapshot, std::uint64_t taken);
 
 /// "WHAT: words of the error".
-[[nodiscard]] std::string system_error(const std::string& what, int error);
+[[nodiscard]] std::string error_words(const std::string& what, int error);
 
 /// Calls a function from the loop, once for each time that it is set.
 class Timer {

@@ -76,9 +76,9 @@ void subscribe(System& system, std::size_t at) {
 }
 
 /// What each gateway carries, by what it takes from whom.
-class World {
+class Propagation {
  public:
-  World(const System& system, const Decision& decision) : system_(system) {
+  Propagation(const System& system, const Decision& decision) : system_(system) {
     for (const Verdict& v : decision.verdicts) {
       if (!v.granted) continue;
       to_[v.publisher].insert(v.to.index);
@@ -145,7 +145,7 @@ class World {
 std::string wrong_with(const System& system) {
   State state(system);
   state.settle();
-  const World world(system, state.decisions()[0]);
+  const Propagation world(system, state.decisions()[0]);
   std::string wrong;
   for (std::size_t p = 0; p < system.publishers.size(); ++p) wrong += world.send(p);
   return wrong;
