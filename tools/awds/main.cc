@@ -37,7 +37,7 @@ Result<void> drop_capabilities() {
   __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
   const std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> none{};
   if (::syscall(SYS_capset, &header, none.data()) < 0)
-    return fail(net::system_error("giving up capabilities", errno));
+    return fail(net::error_words("giving up capabilities", errno));
   return {};
 }
 
@@ -57,7 +57,7 @@ class Relay {
   Result<void> start() {
     sd_event_source* raw = nullptr;
     if (const int e = sd_event_add_io(loop_, &raw, capture_.fd(), EPOLLIN, on_packets, this); e < 0)
-      return fail(net::system_error("watching the interface", -e));
+      return fail(net::error_words("watching the interface", -e));
     io_.reset(raw);
     if (auto started = readers_.start(); !started) return started;
     return timer_.start(loop_, [this] { poll(); });  // at once, and then periodically
@@ -113,10 +113,10 @@ Result<void> serve(const std::string& interface, const char* path) {
   const std::unique_ptr<sd_event, FreeWith<sd_event_unref>> loop(raw);
   for (const int signal : {SIGTERM, SIGINT})
     if (e >= 0) e = sd_event_add_signal(raw, nullptr, signal, nullptr, nullptr);
-  if (e < 0) return fail(net::system_error("event loop", -e));
+  if (e < 0) return fail(net::error_words("event loop", -e));
   Relay relay(std::move(*capture), std::move(*listening), raw);
   if (auto started = relay.start(); !started) return started;
-  if (e = sd_event_loop(raw); e < 0) return fail(net::system_error("event loop", -e));
+  if (e = sd_event_loop(raw); e < 0) return fail(net::error_words("event loop", -e));
   return {};
 }
 
