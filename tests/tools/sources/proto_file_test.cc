@@ -196,33 +196,5 @@ TEST_F(WatchedFile, ARelativePathIsRefusedAtOnce) {
   EXPECT_NE(test::Watched(relative, kMesh).error(), "");
 }
 
-TEST(DescribedLinks, AreReportedAsDescribedAndStayYoung) {
-  auto mesh = kMesh;
-  core::mesh::DescribedLink link;
-  link.from = 2;
-  link.to = 0;
-  link.rate = 11'000'000;
-  link.loss = 7;
-  link.channel = 5;
-  link.kind = RateKind::effective;
-  mesh.links.push_back(link);
-  test::Watched watched([&](sd_event* loop, LinkSource::Report report) {
-    return open_source(core::mesh::Source{}, mesh, loop, std::move(report));
-  });
-  const auto first = watched.await([](const auto& s) { return s.links.size() == 1; });
-  ASSERT_TRUE(first) << watched.last();
-  Sample expected;
-  expected.from = "02:00:00:00:00:03";
-  expected.to = "02:00:00:00:00:01";
-  expected.rate = 11'000'000;
-  expected.loss = 7;
-  expected.channel = 5;
-  expected.kind = RateKind::effective;
-  expected.taken = first->links[0].taken;
-  EXPECT_EQ(first->links[0], expected);
-  EXPECT_TRUE(
-      watched.await([&](const auto& s) { return s.links[0].taken > first->links[0].taken; }));
-}
-
 }  // namespace
 }  // namespace mlcca::net
