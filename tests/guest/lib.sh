@@ -25,13 +25,13 @@ expect_eq() {
 # generous on a machine that does nothing else; on a busy one six times as much is waited for. What must happen within
 # a time is measured by the times at which it happened, never by this limit.
 wait_for() {
-	local end now
-	read -r now _ </proc/uptime # hundredths of a second, and no clock that anybody sets
-	end=$((10#${now/./} + $1 * ${PATIENCE:-6} * 100))
+	local wait_up wait_end # COMMAND sees them: names that no case has
+	read -r wait_up _ </proc/uptime # hundredths of a second, and no clock that anybody sets
+	wait_end=$((10#${wait_up/./} + $1 * ${PATIENCE:-6} * 100))
 	shift
 	until "$@" >/dev/null 2>&1; do
-		read -r now _ </proc/uptime
-		[ $((10#${now/./})) -lt "$end" ] || fail "never came true: $*"
+		read -r wait_up _ </proc/uptime
+		[ $((10#${wait_up/./})) -lt "$wait_end" ] || fail "never came true: $*"
 		sleep 0.02
 	done
 }
