@@ -32,9 +32,9 @@ class DropWatch {
   static constexpr std::uint64_t kBehind = 1024;
 
   /// Frames dropped since the last mention, if they are to be mentioned now. In the first round a
-  /// counter is only remembered: what a former daemon counted is not reported again. Later a
-  /// counter begins at 0, and one that is less than before by more than kBehind, or 0, has started
-  /// again.
+  /// counter is only remembered, if it is not 0: what a former daemon counted is not reported
+  /// again. Who counts from nothing ends the first round before it samples. Later a counter begins
+  /// at 0, and one that is less than before by more than kBehind, or 0, has started again.
   std::optional<std::uint64_t> sample(const Key& key, std::uint64_t dropped, std::int64_t now) {
     if (!began_) began_ = now;
     grown_ = 0;

@@ -25,7 +25,9 @@ class Drift {
   /// By ifindex.
   using Gates = std::map<int, enforce::PortGate*>;
 
-  explicit Drift(Report report) : report_(std::move(report)) {}
+  explicit Drift(Report report) : report_(std::move(report)) {
+    reported_past_.end_round();  // it counts itself, from nothing
+  }
 
   /// Puts gates back, and first, and pins them again. Gives those that cannot be put back.
   std::vector<int> repair(const Gates& gates, const net::LinkTable& links);
