@@ -273,14 +273,14 @@ TEST_F(HtmlTest, SeveralSystemsAreOnePage) {
 
 TEST_F(HtmlTest, PathsAreShort) {
   using tools::design::FileNames;
-  const FileNames names({"/home/p/a/s.xml", "/home/p/b/t.xml", "x/y.xml", "/work/tree/z.xml"},
-                        "/work/tree");
+  const FileNames names({"/home/p/a/s.xml", "/home/p/b/t.xml", "x/y.xml", "/srv/tree/z.xml"},
+                        "/srv/tree");
   EXPECT_EQ(names.of("x/y.xml"), "x/y.xml");
-  EXPECT_EQ(names.of("/work/tree/z.xml"), "z.xml");
+  EXPECT_EQ(names.of("/srv/tree/z.xml"), "z.xml");
   EXPECT_EQ(names.of("/home/p/a/s.xml"), "a/s.xml");
   const FileNames alone({"/home/p/a/s.xml"}, "/");
   EXPECT_EQ(alone.of("/home/p/a/s.xml"), "home/p/a/s.xml");
-  const FileNames outside({"/home/p/a/s.xml"}, "/work");
+  const FileNames outside({"/home/p/a/s.xml"}, "/srv");
   EXPECT_EQ(outside.of("/home/p/a/s.xml"), "s.xml");
   EXPECT_EQ(outside.of(""), "");
   const auto page = html(file("s.xml", test::system_of(test::delivery(2, 3))), 1);
