@@ -2,7 +2,6 @@
 #include "core/admission/echoes.hpp"
 
 #include <algorithm>
-#include <tuple>
 
 namespace mlcca::core {
 namespace {

@@ -6,9 +6,10 @@
 
 #include <compare>
 #include <cstdint>
+#include <map>
 #include <set>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "base/clock.hpp"
 #include "bpf/gate.h"
@@ -59,24 +60,21 @@ class GateEvents {
     core::Delivery delivery;
     auto operator<=>(const Key&) const = default;
   };
-  struct Waiting {
-    Key key;
-    std::uint64_t due = 0;  ///< ns, CLOCK_MONOTONIC
-  };
 
   [[nodiscard]] Key key_of(const core::Verdict& verdict) const;
-  [[nodiscard]] const core::Verdict* granted(const Key& key) const;
   void missing(const core::Verdict& verdict, const gate_event& event,
                const std::string& publishers);
   void restored(const core::Verdict& verdict, const gate_event& event,
                 const std::string& publishers);
-  void wait(Key key, std::uint64_t due);
-  void examine(const Key& key);
+  void wait(const Key& key, std::uint64_t due);
+  void wait_no_more(const Key& key);
+  void examine(const Key& key, const core::Verdict& verdict);
   void arm();
 
   Parts parts_;
-  std::vector<Waiting> waiting_;
-  std::set<Key> reported_;  ///< missing, and not restored yet
+  std::map<Key, std::uint64_t> waiting_;            ///< until when: ns, CLOCK_MONOTONIC
+  std::set<std::pair<std::uint64_t, Key>> by_due_;  ///< the same, the next one first
+  std::set<Key> reported_;                          ///< missing, and not restored yet
   net::Timer timer_;
 };
 

@@ -110,6 +110,16 @@ TEST_F(Silence, IsMeasuredFromTheLatestEvent) {
   EXPECT_EQ(after(patience(kPatient) - 20 * kMs), Said{"missing can1"});
 }
 
+/// Between the two the gate was closed and opened, and reports no end of the first one.
+TEST_F(Silence, ThatBeginsAnewIsReportedAgain) {
+  for (int i = 0; i < 2; ++i) {
+    gate_says(GATE_E_MISSING, patience(kStrict));
+    said_.clear();
+    is_silent_for(patience(kPatient));
+    EXPECT_EQ(after(patience(kPatient) - patience(kStrict)), Said{"missing can1"}) << i;
+  }
+}
+
 TEST_F(Silence, OfAChannelThatIsGrantedNoMoreIsNotReported) {
   gate_says(GATE_E_MISSING, patience(kStrict));
   said_.clear();
