@@ -71,8 +71,7 @@ class Deliveries {
         targets_(targets),
         before_(before),
         barred_(barred),
-        senders_(s.system, s.members),
-        carriers_(s.system) {}
+        senders_(s.system, s.members) {}
 
   Verdict decide_as_before(Verdict start) {
     const Verdict* const old = before_ != nullptr ? same_delivery(*before_, start) : nullptr;
@@ -89,10 +88,7 @@ class Deliveries {
   }
 
   /// What is granted, so that those decided later know its senders.
-  void note_granted(const Verdict& v) {
-    senders_.add(v.publisher, v.route);
-    carriers_.add(v.publisher, v.route);
-  }
+  void note_granted(const Verdict& v) { senders_.add(v.publisher, v.route); }
 
  private:
   Verdict decide(Verdict first, const Route* preferred) {
@@ -126,11 +122,9 @@ class Deliveries {
   void check(Verdict& v, const Route& route) {
     v.route = route;
     if (const auto conflict = senders_.conflict(v.publisher, route)) {
-      v.obstacle = Obstacle::sender_twice;
-      v.obstacle_at = conflict->bus;
-    } else if (const auto again = carriers_.twice(v.publisher, route)) {
-      v.obstacle = Obstacle::echo;
-      v.obstacle_at = *again;
+      const bool bus = s_.system.networks[conflict->network.index].kind == NetworkKind::can;
+      v.obstacle = bus ? Obstacle::sender_twice : Obstacle::echo;
+      v.obstacle_at = conflict->network;
     } else if (const auto barred = barred_on(v.publisher, route)) {
       v.obstacle = Obstacle::echo;
       v.obstacle_at = *barred;
@@ -151,7 +145,6 @@ class Deliveries {
   const Decision* before_;
   const std::vector<std::size_t>& barred_;
   Senders senders_;
-  Carriers carriers_;
 };
 
 Decision decide_all(const Situation& situation, std::size_t channel, std::size_t set,

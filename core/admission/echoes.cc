@@ -2,6 +2,7 @@
 #include "core/admission/echoes.hpp"
 
 #include <algorithm>
+#include <vector>
 
 namespace mlcca::core {
 namespace {
@@ -118,32 +119,6 @@ std::optional<std::size_t> find_echo(const System& system, const Members& member
     }
   }
   return std::nullopt;
-}
-
-void Carriers::each(std::size_t publisher, const Route& route, auto sends) const {
-  for (std::size_t i = 1; i < route.size(); ++i)
-    if (carries_subjects(system_, route[i]))
-      sends(Sent{publisher, route[i].index, route[i - 1].index});
-}
-
-std::optional<Place> Carriers::twice(std::size_t publisher, const Route& route) const {
-  std::optional<Place> out;
-  if (sent_.empty()) return out;
-  each(publisher, route, [&](const Sent& one) {
-    const auto at =
-        std::ranges::lower_bound(sent_, Sent{.publisher = publisher, .network = one.network});
-    if (!out && at != sent_.end() && at->publisher == publisher && at->network == one.network &&
-        at->gateway != one.gateway)
-      out = Place{Place::Kind::network, one.network};
-  });
-  return out;
-}
-
-void Carriers::add(std::size_t publisher, const Route& route) {
-  each(publisher, route, [this](const Sent& one) {
-    const auto at = std::ranges::lower_bound(sent_, one);
-    if (at == sent_.end() || *at != one) sent_.insert(at, one);
-  });
 }
 
 }  // namespace mlcca::core

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "core/model/members.hpp"
 #include "core/model/system.hpp"
@@ -22,29 +21,5 @@ namespace mlcca::core {
 /// granted of the verdicts; nothing: none would. All verdicts are of one channel.
 [[nodiscard]] std::optional<std::size_t> find_echo(const System& system, const Members& members,
                                                    std::span<const Verdict> verdicts);
-
-/// What gateways have sent of each publisher of a channel so far: each of its events is on a
-/// network once.
-class Carriers {
- public:
-  explicit Carriers(const System& system) : system_(system) {}
-
-  /// The first network of the route that the publisher's events reach by another way already, or
-  /// are sent on.
-  [[nodiscard]] std::optional<Place> twice(std::size_t publisher, const Route& route) const;
-  void add(std::size_t publisher, const Route& route);
-
- private:
-  struct Sent {
-    std::size_t publisher = 0;
-    std::size_t network = 0;
-    std::size_t gateway = 0;
-    auto operator<=>(const Sent&) const = default;
-  };
-  void each(std::size_t publisher, const Route& route, auto sends) const;
-
-  const System& system_;
-  std::vector<Sent> sent_;  ///< sorted
-};
 
 }  // namespace mlcca::core

@@ -309,22 +309,22 @@ class Inspector {
     for (const Verdict* const v : granted_first) {
       const auto conflict = senders.conflict(v->publisher, v->route);
       senders.add(v->publisher, v->route);
-      if (!conflict) continue;
+      if (!conflict || s_.networks[conflict->network.index].kind != NetworkKind::can) continue;
       // Whoever repairs what is refused must not find the next mistake only then. But its way may
       // be another one then.
       const bool one_own = conflict->first >= kOwn || conflict->other >= kOwn;
       const bool certain =
           v->outcome != Outcome::unfit || v->obstacle == Obstacle::sender_twice || one_own;
-      if (!certain || !said.insert(conflict->bus.index).second) continue;
+      if (!certain || !said.insert(conflict->network.index).second) continue;
       const Publisher& p = members_.publisher(v->publisher);
       add(FindingId::sender_twice, p.origin,
           "events of channel " + s_.channels[c].name + " reach " +
-              s_.networks[conflict->bus.index].name + " over " +
+              s_.networks[conflict->network.index].name + " over " +
               sender_words(p.origin, conflict->first) + " and over " +
               sender_words(p.origin, conflict->other) + ": two senders of one identifier",
-          sender_hint(s_.networks[conflict->bus.index].profile), c,
+          sender_hint(s_.networks[conflict->network.index].profile), c,
           static_cast<std::uint32_t>(v->publisher));
-      out_.findings.back().place = conflict->bus;
+      out_.findings.back().place = conflict->network;
       out_.findings.back().has_place = true;
       out_.channels[c].outcome = Outcome::unfit;
     }
