@@ -45,7 +45,7 @@ LinkTable::LinkTable(const Mesh& mesh, std::optional<std::uint32_t> here)
 }
 
 bool LinkTable::is_description(std::size_t source) const {
-  return source < mesh_.sources.size() && mesh_.sources[source].kind == SourceKind::description;
+  return source < mesh_.sources.size() && mesh::is_description(mesh_.sources[source]);
 }
 
 std::uint64_t LinkTable::fresh_until(const Report& report) const {

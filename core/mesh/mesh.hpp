@@ -79,6 +79,11 @@ struct Source {
   bool operator==(const Source&) const = default;
 };
 
+/// What it says of links is stated, and neither measured nor ever old.
+[[nodiscard]] inline bool is_description(const Source& source) {
+  return source.kind == SourceKind::description;
+}
+
 inline constexpr std::uint32_t kWhole = 1'000'000;  ///< 1e-6 units of a whole
 
 struct Mesh {

@@ -68,8 +68,7 @@ static_assert(roles_are_dense());
 
 /// At run time something else may know better links than those that are described.
 [[nodiscard]] inline bool is_measured(const Mesh& mesh) {
-  return std::ranges::any_of(
-      mesh.sources, [](const Source& source) { return source.kind != SourceKind::description; });
+  return !std::ranges::all_of(mesh.sources, is_description);
 }
 
 /// Whether a source of that kind reports the link if it is there. `here`: the node of this

@@ -23,10 +23,6 @@ bool same_sources(const core::mesh::Mesh& a, const core::mesh::Mesh& b) {
   });
 }
 
-bool is_description(const core::mesh::Source& source) {
-  return source.kind == core::mesh::SourceKind::description;
-}
-
 std::optional<std::uint32_t> node_of(const core::mesh::Mesh& mesh, std::size_t gateway) {
   const auto it = std::ranges::find(mesh.nodes, std::optional<std::uint32_t>(gateway),
                                     &core::mesh::Node::gateway);
@@ -41,7 +37,7 @@ std::optional<std::uint32_t> node_of(const core::mesh::Mesh& mesh, std::size_t g
 void Meshes::hand_over(const core::mesh::LinkTable& former, Entry& entry) {
   std::vector<core::mesh::Snapshot> known(entry.mesh.sources.size());
   for (const core::mesh::Known& link : former.links())
-    if (!link.stale && !is_description(entry.mesh.sources[link.source]))
+    if (!link.stale && !core::mesh::is_description(entry.mesh.sources[link.source]))
       known[link.source].links.push_back(link.sample);
   for (std::size_t s = 0; s < known.size(); ++s)
     if (!known[s].links.empty()) entry.table.take(s, known[s], monotonic_ns());
@@ -106,7 +102,7 @@ void Meshes::open_sources(Entry& entry) {
     entry.reported.push_back(false);
     entry.problems.emplace_back();
     entry.lines.emplace_back();
-    if (is_description(entry.mesh.sources[s])) {
+    if (core::mesh::is_description(entry.mesh.sources[s])) {
       take_described(entry, s);
       continue;
     }
