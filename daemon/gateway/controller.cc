@@ -330,7 +330,7 @@ void Controller::plan_rounds() {
   rounds_.add([this] { return drops_.poll_some_channels(); });
   rounds_.add([this] { return drops_.tidy(); });
   rounds_.add([this] { return drops_.poll_some_ports(); });
-  once([this] { gate_events_.poll(); });
+  once([this] { silences_.poll(); });
   once([this] { modes_.poll(); });
   once([this] {
     if (history_) audit_keeper_.poll(*history_);

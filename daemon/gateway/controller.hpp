@@ -183,8 +183,10 @@ class Controller {
   GatewayPresence presence_{{scene_, outside_.control, carriers_, outside_.log, outside_.clock}};
   DeliveryHealth delivery_health_{scene_,      outside_.gates, drops_,
                                   forwarding_, carriers_,      outside_.clock};
-  GateEvents gate_events_{{outside_.loop, scene_, outside_.clock, outside_.gates, outside_.links,
-                           outside_.log, deliveries_, delivery_health_, tags_}};
+  SilenceReports silences_{outside_.loop,  scene_,      outside_.clock,
+                           outside_.gates, deliveries_, delivery_health_};
+  GateEvents gate_events_{
+      {scene_, outside_.gates, outside_.links, outside_.log, silences_, delivery_health_, tags_}};
   Admissions admissions_{scene_, recorder_, outside_.log,  deliveries_,
                          turn_,  tags_,     outside_.clock};
   std::set<std::size_t> changed_meshes_;  ///< networks

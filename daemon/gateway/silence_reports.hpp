@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// When events stay out: a gate watches each publisher for the subscriber that waits least; each
+// other one is told when its own time is over.
+#pragma once
+#include <systemd/sd-event.h>
+
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "base/clock.hpp"
+#include "bpf/gate.h"
+#include "core/admission/state.hpp"
+#include "core/model/verdict.hpp"
+#include "daemon/gateway/delivery_events.hpp"
+#include "daemon/gateway/delivery_health.hpp"
+#include "daemon/gateway/scene.hpp"
+#include "daemon/net/sources/timer.hpp"
+#include "daemon/outside/gate_driver.hpp"
+
+namespace mlcca {
+
+class SilenceReports {
+ public:
+  /// All of them must outlive this.
+  SilenceReports(sd_event* loop, const Scene& scene, const Clock& clock, const GateDriver& gates,
+                 DeliveryEvents& deliveries, DeliveryHealth& health);
+
+  /// The gate says that events of a granted delivery are missing, or come again. `publishers`: the
+  /// names of those that look alike to it.
+  void on_event(const core::Verdict& verdict, const gate_event& event,
+                const std::string& publishers);
+  /// Reports what has been missing for long enough by now. Called by a timer; a further call does
+  /// no harm.
+  void poll();
+
+ private:
+  struct Key {
+    core::Subject subject = 0;
+    core::Delivery delivery;
+    auto operator<=>(const Key&) const = default;
+  };
+
+  [[nodiscard]] Key key_of(const core::Verdict& verdict) const;
+  void missing(const core::Verdict& verdict, const gate_event& event,
+               const std::string& publishers);
+  void restored(const core::Verdict& verdict, const gate_event& event,
+                const std::string& publishers);
+  void wait(const Key& key, std::uint64_t due);
+  void wait_no_more(const Key& key);
+  void examine(const core::Verdict& verdict);
+  void forget_ended();
+  void arm();
+
+  const Scene& scene_;
+  const Clock& clock_;
+  const GateDriver& gates_;
+  DeliveryEvents& deliveries_;
+  DeliveryHealth& health_;
+  std::map<Key, std::uint64_t> waiting_;            ///< until when: ns, CLOCK_MONOTONIC
+  std::set<std::pair<std::uint64_t, Key>> by_due_;  ///< the same, the next one first
+  std::set<Key> reported_;                          ///< missing, and not restored yet
+  net::Timer timer_;
+};
+
+}  // namespace mlcca
