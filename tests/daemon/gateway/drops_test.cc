@@ -69,6 +69,14 @@ TEST(DropWatch, SaysInWhatTimeTheRecentOnesWereDropped) {
 }
 
 /// A gateway of ten thousand channels would spend most of its memory on what never happens.
+/// As Drift counts what was sent past a gate.
+TEST(DropWatch, WhoCountsFromNothingIsMentionedAtOnce) {
+  DropWatch<std::string> watch;
+  watch.end_round();
+  EXPECT_EQ(watch.sample("a", 0, 1), std::nullopt);
+  EXPECT_EQ(watch.sample("a", 200, 1), 200U);
+}
+
 TEST(DropWatch, CountersThatAreNothingTakeNoMemory) {
   DropWatch<int> watch;
   for (int key = 0; key < 1000; ++key) watch.sample(key, 0, 0);
