@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "core/can/level.hpp"
 #include "core/can/of_system.hpp"
 #include "core/model/text.hpp"
+#include "core/model/topology.hpp"
 #include "mlcca/arithmetic.hpp"
 
 namespace mlcca::core {
@@ -36,6 +38,22 @@ std::string promise_of(const System& system, const Row& row) {
   return "state no Latency of " + name_of(system, row.place) +
          ", or one that its bit rate can keep: it promises " +
          format_value(Attribute::latency, row.comparison.required);
+}
+
+/// Where the gateways on its way take most of its time; empty: they do not.
+std::string gateways_hint(const System& system, const Verdict& v, const std::string& late) {
+  Value asked = kUnbounded;
+  for (const Attribute a : {Attribute::deadline, Attribute::latency})
+    if (v.requirement.has(a)) asked = std::min(asked, v.requirement[a]);
+  Value taken = 0;
+  for (const Place hop : hops_of(v.route))
+    if (const AttributeSet& gives = system.provision_of(hop);
+        hop.kind == Place::Kind::gateway && gives.has(Attribute::latency))
+      taken = add_saturating(taken, gives[Attribute::latency]);
+  if (asked == kUnbounded || taken <= asked / 2) return {};
+  return "allow " + late + " more time, or let the gateways on its way take less: they take " +
+         format_value(Attribute::latency, taken) + " of its " +
+         format_value(Attribute::latency, asked);
 }
 
 /// Events whose sender pauses between their frames; empty: these pauses are not the cause.
@@ -83,6 +101,8 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
     return "send less often: what goes before these frames can take all of the bus";
   if (row.comparison.required == 0)
     return "allow more time, or let the rest of the way take less: state shorter times of it";
+  if (row.end == v.publisher)
+    if (std::string hint = gateways_hint(s.system, v, late); !hint.empty()) return hint;
   std::string promise = promise_of(s.system, row);
   if (own && own->transmission > row.comparison.required && !promise.empty()) return promise;
   if (own && own->transmission > row.comparison.required)

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What is said of J1939 messages whose transport takes longer than they may.
+// What is said of messages that come too late: J1939 transport, and gateways that take the time.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "core/design/inspect.hpp"
@@ -65,6 +66,26 @@ TEST(TransportHintTest, PausesThatAreLongerThanThePeriodAreTheCause) {
 
 TEST(TransportHintTest, TheyFitWhereThereIsTime) {
   EXPECT_TRUE(inspect(transported(700 * kMillisecond, 603 * kMillisecond)).findings.empty());
+}
+
+/// Neither frames nor identifiers help where a gateway takes nearly all of the time.
+TEST(LateHintTest, TheGatewaysOfTheWayAreNamedWhereTheyTakeMostOfTheTime) {
+  System system = described(0);
+  for (const std::size_t n : {kRobotCan, kSecondCan}) {
+    system.networks[n].bus.bitrate = 500'000;
+    system.networks[n].provision = AttributeSet{}.set(Attribute::omission, 0);
+  }
+  system.gateways[kBridge]
+      .provision.set(Attribute::latency, 5 * kMillisecond)
+      .set(Attribute::jitter, 0);
+  system.publishers[0].attributes.set(Attribute::deadline, 5 * kMillisecond + 100'000);
+  const Inspection inspection = inspect(system);
+  const auto late = std::ranges::find(inspection.findings, Id::deadline_missed, &Finding::id);
+  ASSERT_NE(late, inspection.findings.end());
+  EXPECT_TRUE(
+      late->hint.ends_with("let the gateways on its way take less: they take 5 ms of its "
+                           "5.1 ms"))
+      << late->hint;
 }
 
 }  // namespace
