@@ -71,6 +71,35 @@ std::string pauses_hint(const std::string& late, const can::Message& own, const 
               : ", and the next event comes after " + format_value(Attribute::period, own.period));
 }
 
+// What helps a message that waits for others: a better identifier, where there is one.
+std::string identifier_hint(const can::Schedule& bus, const std::optional<can::Message>& newcomer,
+                            const std::optional<can::Message>& own, const std::string& late) {
+  // Of several identifiers the last one decides how long it waits.
+  const auto goes_before = [&](const can::Message& m) {
+    return m.priority < std::max(own->priority, own->lowest_priority);
+  };
+  if (own && std::ranges::none_of(bus.messages(), goes_before) &&
+      !(newcomer && goes_before(*newcomer)))
+    return "allow " + late +
+           " more time, send smaller events, or use a faster bus: no identifier there is better "
+           "than its own";
+  return "give " + late +
+         " a better identifier if there is an order for all (mlccactl analyse-bus --assign), send "
+         "less often, or allow more time";
+}
+
+// What helps where the messages together need more time than there is, or nothing.
+std::string overload_hint(const can::Schedule& bus, const std::optional<can::Message>& newcomer) {
+  const std::uint64_t all =
+      bus.utilisation_ppm() +
+      (newcomer ? mul_div_up(newcomer->transmission, mesh::kWhole, newcomer->period) : 0);
+  if (all <= mesh::kWhole) return {};
+  const std::uint64_t tenths = all / (mesh::kWhole / 1000);
+  return "send less often, or use a faster bus: what is granted there and these frames would "
+         "take " +
+         std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " % of the time";
+}
+
 }  // namespace
 
 std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdict& v,
@@ -81,15 +110,7 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
   };
   const std::string& late = s.members.publisher(row.end).name;
   const auto newcomer = message_of(v.publisher, v.set);
-  const std::uint64_t all =
-      bus.utilisation_ppm() +
-      (newcomer ? mul_div_up(newcomer->transmission, mesh::kWhole, newcomer->period) : 0);
-  if (all > mesh::kWhole) {
-    const std::uint64_t tenths = all / (mesh::kWhole / 1000);
-    return "send less often, or use a faster bus: what is granted there and these frames would "
-           "take " +
-           std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " % of the time";
-  }
+  if (std::string hint = overload_hint(bus, newcomer); !hint.empty()) return hint;
   const auto own = row.end == v.publisher ? newcomer : message_of(row.end, v.set);
   if (own)
     if (std::string hint = pauses_hint(late, *own, row); !hint.empty()) return hint;
@@ -117,18 +138,7 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
            "others and as the last one for " +
            untagged->name;
   if (!promise.empty()) return promise;
-  // Of several identifiers the last one decides how long it waits.
-  const auto goes_before = [&](const can::Message& m) {
-    return m.priority < std::max(own->priority, own->lowest_priority);
-  };
-  if (own && std::ranges::none_of(bus.messages(), goes_before) &&
-      !(newcomer && goes_before(*newcomer)))
-    return "allow " + late +
-           " more time, send smaller events, or use a faster bus: no identifier there is better "
-           "than its own";
-  return "give " + late +
-         " a better identifier if there is an order for all (mlccactl analyse-bus --assign), send "
-         "less often, or allow more time";
+  return identifier_hint(bus, newcomer, own, late);
 }
 
 }  // namespace mlcca::core
