@@ -31,10 +31,11 @@ $(learn_objects): CPPFLAGS += $(TOOLS_CPPFLAGS)
 # The verbs of design time (check, describe, generate, learn): mlccactl starts this program for them.
 $(eval $(call library,design,$(filter-out tools/design/main.cc,$(wildcard tools/design/*.cc tools/design/*/*.cc))))
 YAML_LIBS := $(shell $(PKG_CONFIG) --libs yaml-0.1 2>/dev/null)
-DESIGN_LIBS := $(XML_LIBS) $(YAML_LIBS) -lz
-DESIGN_ARCHIVES := $O/libdesign.a $O/liblearn.a $O/librelay.a $O/libtools.a $O/libdescription.a $O/libcontrol.a $O/libcore.a
+DESIGN_LIBS := $(XML_LIBS) $(YAML_LIBS) $(NL_LIBS) -lz
+# `learn` reads the rules of can-gw.
+DESIGN_ARCHIVES := $O/libdesign.a $O/daemon/net/can_routes.o $O/daemon/net/rtnl.o $O/liblearn.a $O/librelay.a $O/libtools.a $O/libdescription.a $O/libcontrol.a $O/libcore.a
 $(eval $(call program,mlcca-design,tools/design/main.cc,$(DESIGN_ARCHIVES),$(DESIGN_LIBS)))
-$(design_objects) $(mlcca-design_objects): CPPFLAGS += $(TOOLS_CPPFLAGS) $(XML_CFLAGS)
+$(design_objects) $(mlcca-design_objects): CPPFLAGS += $(TOOLS_CPPFLAGS) $(XML_CFLAGS) $(NL_CFLAGS)
 PROGRAMS += $O/mlcca-design
 
 install-design: $O/mlcca-design

@@ -2,11 +2,13 @@
 // mlccactl learn: a description drafted from the traffic that is there.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <net/if.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <map>
 #include <memory>
@@ -18,6 +20,7 @@
 #include <vector>
 
 #include "core/model/words.hpp"
+#include "daemon/net/can_routes.hpp"
 #include "description/read.hpp"
 #include "tools/design/learn_deadlines.hpp"
 #include "tools/design/learn_merge.hpp"
@@ -28,6 +31,7 @@
 #include "tools/design/verbs.hpp"
 #include "tools/elements.hpp"
 #include "tools/learn/draft.hpp"
+#include "tools/learn/kernel_copies.hpp"
 #include "tools/learn/live.hpp"
 #include "tools/learn/observer.hpp"
 #include "tools/learn/recording.hpp"
@@ -200,6 +204,7 @@ class Learn {
     }
     const auto listener = learn::Listener::open(live, interfaces_);
     if (!listener) return Refusal{Exit::world, listener.error().text, {}};
+    const learn::KernelCopies carried = carried_by_kernel(live);
     struct sigaction action{};
     action.sa_handler = [](int) { stop_asked = 1; };
     ::sigaction(SIGINT, &action, nullptr);
@@ -209,12 +214,33 @@ class Learn {
                  "listening to {} for {}; Ctrl-C ends it earlier, and drafts what was seen\n",
                  fmt::join(live, ", "), print_duration(time_));
     const auto listened = (*listener)->listen(
-        time_, [] { return stop_asked != 0; }, [this](const auto& frame) { observer_.add(frame); });
+        time_, [] { return stop_asked != 0; },
+        [&](const learn::Frame& frame) {
+          carried.copies_of(frame, observer_.add(frame),
+                            [this](const learn::Frame& copy) { observer_.add(copy); });
+        });
     if (!listened) return Refusal{Exit::world, listened.error().text, {}};
     if ((*listener)->lost() != 0)
       notes_.push_back(
           fmt::format("{} frames came too fast and were not seen", (*listener)->lost()));
     return std::nullopt;
+  }
+
+  /// The rules of can-gw as they are when learning begins.
+  learn::KernelCopies carried_by_kernel(const std::vector<std::string>& live) {
+    const auto rules = net::KernelCanRules().read();
+    if (!rules) {
+      notes_.push_back(rules.error().text + ": what the kernel carries is not known");
+      return {};
+    }
+    learn::KernelCopies out(*rules, live, interfaces_, [](int index) {
+      std::array<char, IF_NAMESIZE> name{};
+      return std::string(::if_indextoname(static_cast<unsigned>(index), name.data()) == nullptr
+                             ? ""
+                             : name.data());
+    });
+    std::ranges::copy(out.notes(), std::back_inserter(notes_));
+    return out;
   }
 
   [[nodiscard]] Exit report_merged(const learn::Draft& draft) {

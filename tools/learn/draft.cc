@@ -269,9 +269,11 @@ class Drafter {
   void write_subscribers(DraftChannel& row, const Channel& channel) {
     for (const auto& [interface, place] : channel.places) {
       if (place.crossing)
-        row.subscriber_xml +=
-            fmt::format("  <!-- its frames were there {} to {} later -->\n",
-                        about(place.crossing->shortest_ns), about(place.crossing->longest_ns));
+        row.subscriber_xml += place.crossing->longest_ns == 0
+                                  ? "  <!-- a rule of can-gw carries its frames there -->\n"
+                                  : fmt::format("  <!-- its frames were there {} to {} later -->\n",
+                                                about(place.crossing->shortest_ns),
+                                                about(place.crossing->longest_ns));
       if (place.crossing || place.local)
         row.subscriber_xml += fmt::format("  <Subscriber channel=\"{}\" network=\"{}\"/>\n",
                                           row.name, networks_[interface]);
@@ -389,9 +391,10 @@ class Drafter {
     const std::uint64_t latency =
         longest_crossing_ == 0 ? kAssumedLatency : with_margin(longest_crossing_, 50);
     std::string& xml = out_.xml;
-    xml += longest_crossing_ == 0 ? "  <!-- Nothing crossed it: its Latency is assumed. -->\n"
-                                  : fmt::format("  <!-- Frames took {} at most, + 50 %. -->\n",
-                                                about(longest_crossing_));
+    xml +=
+        longest_crossing_ == 0
+            ? "  <!-- Nothing was seen to cross it: its Latency is assumed. -->\n"
+            : fmt::format("  <!-- Frames took {} at most, + 50 %. -->\n", about(longest_crossing_));
     xml += fmt::format("  <Gateway name=\"{}\">\n", options_.gateway);
     xml += fmt::format(
         "    <Provision latency=\"{0}\" jitter=\"{0}\" period=\"{1}\" omission=\"0\" "

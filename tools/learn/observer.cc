@@ -83,7 +83,7 @@ void Observer::state(std::uint32_t interface, core::Profile profile) {
   of.decoder = std::make_unique<Decoder>(profile);
 }
 
-void Observer::add(const Frame& frame) {
+std::optional<std::uint32_t> Observer::add(const Frame& frame) {
   Interface& of = at(frame.interface);
   ++of.frames;
   if (frame.datagram) {
@@ -93,13 +93,14 @@ void Observer::add(const Frame& frame) {
       Seen* const seen = record(frame.interface, event);
       if (seen != nullptr) seen->mac = event.mac;
     });
-    return;
+    return std::nullopt;
   }
   of.medium = Medium::can;
   const auto origin = copies_.origin_of(frame);
+  const auto before = origin ? std::optional(origin->interface) : std::nullopt;
   if (of.decoder) {
     follow(frame, origin);
-    return;
+    return before;
   }
   of.recogniser.add(frame);
   Kept& kept = kept_[frame.interface].emplace_back();
@@ -107,6 +108,7 @@ void Observer::add(const Frame& frame) {
   kept.frame = frame;
   kept.origin = origin;
   if (of.recogniser.frames() == Recogniser::kMost) decide(frame.interface);
+  return before;
 }
 
 void Observer::decide(std::uint32_t interface) {

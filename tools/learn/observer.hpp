@@ -75,8 +75,9 @@ class Observer {
 
   /// Of an interface whose profile is stated.
   void state(std::uint32_t interface, core::Profile profile);
-  /// Frames in the order of their times, as far as their interfaces are read together.
-  void add(const Frame& frame);
+  /// Frames in the order of their times, as far as their interfaces are read together. Returns the
+  /// CAN interface on which the frame was seen before, if it is a copy.
+  std::optional<std::uint32_t> add(const Frame& frame);
   /// What is recognised with fewer frames than Recogniser::kMost is decided now, and what crosses.
   /// There are so many interfaces, some perhaps without a frame; of these the medium may be known.
   void finish(std::size_t interfaces, std::span<const Medium> media = {});
