@@ -160,6 +160,14 @@ Value Media::promised_delay(std::size_t hop) const {
   return add_saturating(promised, pauses_at(hop));
 }
 
+/// How long a bus may delay events is jitter on the next one, so before another bus it is one
+/// Period at most: otherwise who allows more time would fill the queue there.
+Value Media::most_handed_on(std::size_t hop, const can::Message& message) const {
+  for (std::size_t i = hop + 1; i < hops_.size(); ++i)
+    if (kind_of(i) == Kind::bus) return add_saturating(message.period, message.pauses);
+  return kUnbounded;
+}
+
 void Media::late_row(Place hop, const can::Schedule::Late& late) {
   Row row{.place = hop, .against = Against::schedule};
   row.end = static_cast<std::uint32_t>(Ledger::publisher_of(late.key));
@@ -209,7 +217,8 @@ void Media::take_bus(std::size_t hop) {
   message->queue = sender_queue(hop);
   if (message->sender != can::kNoSender) name_sender(hop, publisher, *message);
   const Value promised = promised_delay(hop);
-  Value delay = promised != kUnbounded ? promised : delay_allowed(hop);
+  Value delay = promised;
+  if (promised == kUnbounded) delay = std::min(delay_allowed(hop), most_handed_on(hop, *message));
   if (const can::Message* held = ledger_.schedule(network)->find(key)) {
     // For another place behind this bus: whoever is stricter counts.
     message->jitter = std::max(message->jitter, held->jitter);

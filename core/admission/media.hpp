@@ -65,6 +65,7 @@ class Media {
   void compare_medium_time(const Crossing& crossing, std::size_t hop);
   void late_row(Place hop, const can::Schedule::Late& late);
   [[nodiscard]] Value delay_allowed(std::size_t hop) const;
+  [[nodiscard]] Value most_handed_on(std::size_t hop, const can::Message& message) const;
   [[nodiscard]] Value bit_time(std::size_t hop) const;
   [[nodiscard]] Value promised_delay(std::size_t hop) const;
   [[nodiscard]] Value variation_before(std::size_t hop) const;

@@ -19,6 +19,7 @@
 #include "core/design/explain.hpp"
 #include "core/design/hints.hpp"
 #include "core/design/load.hpp"
+#include "core/design/refused_on_bus.hpp"
 #include "core/design/room.hpp"
 #include "core/design/sense.hpp"
 #include "core/gates/plan.hpp"
@@ -75,6 +76,7 @@ class Inspector {
     if (has_best_cases_ && any_refused) decide_without_best_cases(situation);
     for (const auto& [channel, decision] : contested_) examine(situation, channel, decision);
     report(situation);
+    refused_on_bus_.report(s_, members_, ledger_, out_.findings);
     if (buses_ != nullptr) report_buses(situation);
     for (std::size_t n = 0; n < s_.networks.size(); ++n)
       out_.networks.push_back(load_of(ledger_, world_, n));
@@ -101,6 +103,7 @@ class Inspector {
   void examine(const Situation& situation, std::size_t channel, const Decision& decision) {
     const std::size_t before = out_.findings.size();
     check_channel(channel, decision, Explainer(situation, ledger_, out_.findings));
+    for (const Verdict& v : decision.verdicts) refused_on_bus_.add(v);
     if (buses_ != nullptr) messages_.add(situation, ledger_, decision);
     if (each_) keep(channel, decision, std::span(out_.findings).subspan(before));
   }
@@ -402,6 +405,7 @@ class Inspector {
   const EachDecided& each_;
   InspectedBuses* buses_;
   BusMessages messages_;
+  RefusedOnBus refused_on_bus_;
   std::vector<Kept> kept_;
   std::vector<bool> best_cases_;  ///< channels of which something is decided at run time
   bool has_best_cases_ = false;

@@ -40,6 +40,17 @@ std::string promise_of(const System& system, const Row& row) {
          format_value(Attribute::latency, row.comparison.required);
 }
 
+/// Where it promises less than the frames of one event take; empty: it does not.
+std::string unkept_promise(const System& system, const Row& row, const can::Message& own) {
+  const AttributeSet& provision = system.networks[row.place.index].provision;
+  if (!provision.has(Attribute::latency) || own.transmission <= provision[Attribute::latency])
+    return {};
+  return "state no Latency of " + name_of(system, row.place) +
+         ", or one that its bit rate can keep: it promises " +
+         format_value(Attribute::latency, provision[Attribute::latency]) +
+         ", and the frames of one event take " + format_value(Attribute::latency, own.transmission);
+}
+
 /// Where the gateways on its way take most of its time; empty: they do not.
 std::string gateways_hint(const System& system, const Verdict& v, const std::string& late) {
   Value asked = kUnbounded;
@@ -112,8 +123,11 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
   const auto newcomer = message_of(v.publisher, v.set);
   if (std::string hint = overload_hint(bus, newcomer); !hint.empty()) return hint;
   const auto own = row.end == v.publisher ? newcomer : message_of(row.end, v.set);
-  if (own)
-    if (std::string hint = pauses_hint(late, *own, row); !hint.empty()) return hint;
+  if (own) {
+    std::string hint = unkept_promise(s.system, row, *own);
+    if (hint.empty()) hint = pauses_hint(late, *own, row);
+    if (!hint.empty()) return hint;
+  }
   const Value jitter = attributes_in(s.members.publisher(row.end), v.set)[Attribute::jitter];
   if (own && row.comparison.provided == kUnbounded && is_too_much_jitter(bus, *own, jitter))
     return "state a smaller Jitter of " + late + ": " + format_value(Attribute::jitter, jitter) +
@@ -124,8 +138,6 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
     return "allow more time, or let the rest of the way take less: state shorter times of it";
   if (row.end == v.publisher)
     if (std::string hint = gateways_hint(s.system, v, late); !hint.empty()) return hint;
-  std::string promise = promise_of(s.system, row);
-  if (own && own->transmission > row.comparison.required && !promise.empty()) return promise;
   if (own && own->transmission > row.comparison.required)
     return "allow " + late +
            " more time, let it send smaller events, or use a faster bus: its frames "
@@ -137,7 +149,7 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
            " in place of dynamic: as long as it is not known, it counts as the first one for "
            "others and as the last one for " +
            untagged->name;
-  if (!promise.empty()) return promise;
+  if (std::string promise = promise_of(s.system, row); !promise.empty()) return promise;
   return identifier_hint(bus, newcomer, own, late);
 }
 

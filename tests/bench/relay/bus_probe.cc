@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Times of events between a CAN bus and UDP, and the peer that carries them with nothing but the
 // system calls. Addresses and groups are those of the subject "B".
-//   bus-probe to-udp CAN-INTERFACE ADDRESS OUT-NAMESPACE COUNT GAP-US   from the bus to UDP,
-//   through bus-probe to-bus ADDRESS CAN-INTERFACE OUT-NAMESPACE COUNT GAP-US   whoever carries
-//   them; back bus-probe forward CAN-INTERFACE UDP-INTERFACE CAN-ID                the peer, both
-//   ways
+//   bus-probe to-udp CAN-INTERFACE ADDRESS OUT-NAMESPACE COUNT GAP-US
+//       from the bus to UDP, through whoever carries them
+//   bus-probe to-bus ADDRESS CAN-INTERFACE OUT-NAMESPACE COUNT GAP-US
+//       and back
+//   bus-probe forward CAN-INTERFACE UDP-INTERFACE CAN-ID
+//       the peer, both ways
+//   bus-probe to-tunnel CAN-INTERFACE ADDRESS OUT-NAMESPACE COUNT GAP-US
+//   bus-probe from-tunnel ADDRESS CAN-INTERFACE OUT-NAMESPACE COUNT GAP-US
+//       the same through cannelloni, whose datagrams go to port 20000 of ADDRESS and come from
+//       port 20000 of the address before it
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <linux/can.h>
@@ -22,6 +28,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -34,6 +41,9 @@ namespace {
 
 using namespace mlcca;         // NOLINT(google-build-using-namespace): a bench
 using namespace mlcca::bench;  // NOLINT(google-build-using-namespace)
+
+constexpr canid_t kSenders = 0x1f480064 | CAN_EFF_FLAG;   // priority 0x7d, node 0x20, etag 0x64
+constexpr canid_t kGateways = 0x1f484064 | CAN_EFF_FLAG;  // the same of node 0x21
 
 /// Frames of its own are not received.
 Fd bus_socket(const char* interface) {
@@ -99,9 +109,48 @@ class Lan {
   Fd socket_;
 };
 
+/// The other end of cannelloni: datagrams of version 2 with one classic frame each when sent, and
+/// the first one of several when received.
+class Tunnel {
+ public:
+  explicit Tunnel(const std::string& own)
+      : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(20000);
+    ::inet_pton(AF_INET, own.c_str(), &address.sin_addr);
+    if (::bind(socket_.get(), generic_of(address), sizeof address) != 0) give_up("bind");
+    address.sin_addr.s_addr = htonl(ntohl(address.sin_addr.s_addr) - 1);
+    if (::connect(socket_.get(), generic_of(address), sizeof address) != 0) give_up("connect");
+  }
+  [[nodiscard]] int fd() const { return socket_.get(); }
+  void send(const void* data, std::size_t size) {
+    std::array<std::uint8_t, kHead + CAN_MAX_DLEN> bytes{2, 0, number_++, 0, 1};
+    const std::uint32_t id = htonl(kGateways);
+    std::memcpy(bytes.data() + kIdentifier, &id, sizeof id);
+    bytes[kHead - 1] = static_cast<std::uint8_t>(size);
+    std::memcpy(bytes.data() + kHead, data, size);
+    ::send(socket_.get(), bytes.data(), kHead + size, 0);
+  }
+  ssize_t receive(void* to, std::size_t room) const {
+    std::array<std::uint8_t, 2048> bytes{};
+    const ssize_t n = ::recv(socket_.get(), bytes.data(), bytes.size(), 0);
+    if (n < static_cast<ssize_t>(kHead)) return -1;
+    const std::size_t size = std::min<std::size_t>(static_cast<std::size_t>(n) - kHead, room);
+    std::memcpy(to, bytes.data() + kHead, size);
+    return static_cast<ssize_t>(size);
+  }
+
+ private:
+  static constexpr std::size_t kIdentifier = 5;  ///< octets of a datagram before its first frame
+  static constexpr std::size_t kHead = kIdentifier + 5;  ///< and before the data of that
+  Fd socket_;
+  std::uint8_t number_ = 0;
+};
+
 /// Each event is the time at which it was sent.
 template <class Out, class In>
-void measure(const Out& out, const In& in, std::size_t count, unsigned gap_us) {
+void measure(Out&& out, const In& in, std::size_t count, unsigned gap_us) {
   timeval patience{.tv_sec = 2, .tv_usec = 0};
   ::setsockopt(in.fd(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   std::vector<std::uint64_t> times;
@@ -125,28 +174,38 @@ void measure(const Out& out, const In& in, std::size_t count, unsigned gap_us) {
   print("events", times, count);
 }
 
-constexpr canid_t kSenders = 0x1f480064 | CAN_EFF_FLAG;  // priority 0x7d, node 0x20, etag 0x64
-
 void enter(const char* name_space) {
   const Fd other(::open(name_space, O_RDONLY | O_CLOEXEC));
   if (::setns(other.get(), CLONE_NEWNET) != 0) give_up("setns");
 }
 
-int to_udp(char** argv) {
+int to_udp(char** argv, bool tunnel) {
   const Bus out(argv[0], kSenders);
   enter(argv[2]);
-  const Lan in(argv[1], "");
-  measure(out, in, std::strtoul(argv[3], nullptr, 10),
-          static_cast<unsigned>(std::strtoul(argv[4], nullptr, 10)));
+  const auto count = std::strtoul(argv[3], nullptr, 10);
+  const auto gap_us = static_cast<unsigned>(std::strtoul(argv[4], nullptr, 10));
+  if (tunnel)
+    measure(out, Tunnel(argv[1]), count, gap_us);
+  else
+    measure(out, Lan(argv[1], ""), count, gap_us);
   return 0;
 }
 
-int to_bus(char** argv) {
-  const Lan out(argv[0], "");
+int to_bus(char** argv, bool tunnel) {
+  std::optional<Lan> lan;
+  std::optional<Tunnel> far_end;
+  if (tunnel)
+    far_end.emplace(argv[0]);
+  else
+    lan.emplace(argv[0], "");
   enter(argv[2]);
   const Bus in(argv[1], kSenders);
-  measure(out, in, std::strtoul(argv[3], nullptr, 10),
-          static_cast<unsigned>(std::strtoul(argv[4], nullptr, 10)));
+  const auto count = std::strtoul(argv[3], nullptr, 10);
+  const auto gap_us = static_cast<unsigned>(std::strtoul(argv[4], nullptr, 10));
+  if (tunnel)
+    measure(*far_end, in, count, gap_us);
+  else
+    measure(*lan, in, count, gap_us);
   return 0;
 }
 
@@ -171,9 +230,13 @@ int forward(char** argv) {
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
-  if (what == "to-udp" && argc == 7) return to_udp(argv + 2);
-  if (what == "to-bus" && argc == 7) return to_bus(argv + 2);
+  if (what == "to-udp" && argc == 7) return to_udp(argv + 2, false);
+  if (what == "to-bus" && argc == 7) return to_bus(argv + 2, false);
+  if (what == "to-tunnel" && argc == 7) return to_udp(argv + 2, true);
+  if (what == "from-tunnel" && argc == 7) return to_bus(argv + 2, true);
   if (what == "forward" && argc == 5) return forward(argv + 2);
-  std::fputs("bus-probe to-udp|to-bus|forward …, see the head of its source\n", stderr);
+  std::fputs(
+      "bus-probe to-udp|to-bus|to-tunnel|from-tunnel|forward …, see the head of its source\n",
+      stderr);
   return 2;
 }

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Times of events through a relay, and between programs on one gateway, with a peer of each that
 // does nothing but the system calls.
-//   probe delay SEND-ADDRESS RECEIVE-ADDRESS OUT-NAMESPACE COUNT   one way, through whoever carries
-//   it probe forward FROM-INTERFACE TO-INTERFACE                      the peer: recv and sendto,
-//   until it is killed probe local SOCKET COUNT                                       publish() to
-//   a handler, and its peer
+//   probe delay SEND-ADDRESS RECEIVE-ADDRESS OUT-NAMESPACE COUNT
+//       one way, through whoever carries it
+//   probe forward FROM-INTERFACE TO-INTERFACE
+//       the peer: recv and sendto, until it is killed
+//   probe local SOCKET COUNT
+//       publish() to a handler, and its peer
+//   probe announce SOCKET COUNT
+//       announce() of the channels idle0, idle1, …, each to its verdict, which is in force when it
+//       returns; and what a channel then takes of memory while nothing is sent
 #include <arpa/inet.h>
 #include <fcntl.h>
+#include <malloc.h>
 #include <net/if.h>
 #include <poll.h>
 #include <sched.h>
@@ -21,6 +27,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -143,6 +150,41 @@ int local(char** argv) {
   return 0;
 }
 
+/// Bytes that this process holds in its heap.
+std::size_t heap_bytes() {
+  const auto info = ::mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
+
+int announce(char** argv) {
+  const std::size_t count = std::strtoul(argv[1], nullptr, 10);
+  client::Options options;
+  options.socket = argv[0];
+  client::Client client(options);
+  std::vector<std::unique_ptr<client::PublisherChannel>> channels;
+  channels.reserve(count);
+  std::vector<std::uint64_t> times;
+  times.reserve(count);
+  std::size_t before = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i == 1) before = heap_bytes();  // the first one brings the connection
+    channels.push_back(
+        std::make_unique<client::PublisherChannel>(client, "idle" + std::to_string(i)));
+    const std::uint64_t began = monotonic_ns();
+    const auto answer = channels.back()->announce();
+    times.push_back(monotonic_ns() - began);
+    if (answer->state != client::State::granted) give_up(answer->reason.c_str());
+  }
+  client.process();
+  if (count > 1)
+    std::printf("memory %zu bytes for each channel in the program\n",
+                (heap_bytes() - before) / (count - 1));
+  print("announce", times, count);
+  std::fflush(stdout);
+  ::pause();
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -150,6 +192,7 @@ int main(int argc, char** argv) {
   if (what == "delay" && argc == 6) return delay(argv + 2);
   if (what == "forward" && argc == 4) return forward(argv + 2);
   if (what == "local" && argc == 4) return local(argv + 2);
-  std::fputs("probe delay|forward|local …, see the head of its source\n", stderr);
+  if (what == "announce" && argc == 4) return announce(argv + 2);
+  std::fputs("probe delay|forward|local|announce …, see the head of its source\n", stderr);
   return 2;
 }

@@ -140,8 +140,9 @@ std::string assumed_text(const AnalysedBus& analysed) {
         "check grants, and the message of the row.\n";
   if (late_though_granted)
     text +=
-        "mlccactl check grants a message that is late here, because the gates drop what it "
-        "refuses.\n";
+        "mlccactl check grants a message that is late here: it counts what it refuses as silent. "
+        "Gates drop what comes from other networks, and no gate keeps off the bus what its own "
+        "nodes send.\n";
   return text;
 }
 

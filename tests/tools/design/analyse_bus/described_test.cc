@@ -201,8 +201,9 @@ TEST_F(AnalyseBusTest, SaysWhyCheckGrantsWhatIsLateWhereEverythingSends) {
   EXPECT_TRUE(crowded.out.contains(
       "Response us: every message of the table sends. Check us: only those send that mlccactl "
       "check grants, and the message of the row.\n"
-      "mlccactl check grants a message that is late here, because the gates drop what it "
-      "refuses.\n"))
+      "mlccactl check grants a message that is late here: it counts what it refuses as silent. "
+      "Gates drop what comes from other networks, and no gate keeps off the bus what its own "
+      "nodes send.\n"))
       << crowded.out;
   EXPECT_TRUE(crowded.out.contains(
       "'mlccactl check' refuses these; their times are beside the messages that it grants:"))

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "core/design/refused_on_bus.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "core/can/analysis.hpp"
+#include "core/can/of_system.hpp"
+#include "core/model/text.hpp"
+#include "mlcca/arithmetic.hpp"
+
+namespace mlcca::core {
+
+namespace {
+
+/// It is refused because something would be late on its own bus: the reason says so already.
+bool is_for_bus(const Verdict& v) {
+  return std::ranges::any_of(v.rows, [&](const Row& row) {
+    return row.against == Against::schedule && is_unfit(row) && !v.route.empty() &&
+           row.place == v.route.front();
+  });
+}
+
+}  // namespace
+
+void RefusedOnBus::add(const Verdict& verdict) {
+  if (verdict.outcome != Outcome::unfit)
+    granted_.insert(verdict.publisher);
+  else if (!is_for_bus(verdict))
+    refused_.try_emplace(verdict.publisher, verdict.set);
+}
+
+void RefusedOnBus::report(const System& system, const Members& members, const Ledger& ledger,
+                          std::vector<Finding>& to) const {
+  if (refused_.empty()) return;
+  for (std::size_t n = 0; n < system.networks.size(); ++n)
+    if (const can::Schedule* const bus = ledger.schedule(n); bus != nullptr)
+      report(system, members, *bus, n, to);
+}
+
+void RefusedOnBus::report(const System& system, const Members& members, const can::Schedule& bus,
+                          std::size_t network, std::vector<Finding>& to) const {
+  std::vector<can::Message> messages(bus.messages().begin(), bus.messages().end());
+  const std::size_t held = messages.size();
+  std::vector<std::size_t> senders;
+  for (const auto& [number, set] : refused_) {
+    const Publisher& p = members.publisher(number);
+    if (p.place != Place{Place::Kind::network, network} || granted_.contains(number)) continue;
+    auto message = can::message_of(system, p, set, network, bus.assumptions().timing);
+    if (!message) continue;
+    message->deadline = can::kNever;
+    messages.push_back(*message);
+    senders.push_back(number);
+  }
+  if (senders.empty()) return;
+  const auto responses = can::analyse(bus.assumptions(), messages);
+  std::size_t late = held;
+  std::size_t others = 0;
+  for (std::size_t i = 0; i < held; ++i) {
+    if (can::fits(bus.assumptions(), messages[i], responses[i])) continue;
+    if (late == held)
+      late = i;
+    else
+      ++others;
+  }
+  if (late == held) return;
+  const Publisher& sender = members.publisher(senders.front());
+  const Publisher& victim = members.publisher(Ledger::publisher_of(messages[late].key));
+  std::string text = sender.name;
+  if (senders.size() > 1) text += " and " + std::to_string(senders.size() - 1) + " more";
+  text += senders.size() == 1 ? " is refused, and no gate keeps its frames off "
+                              : " are refused, and no gate keeps their frames off ";
+  text += system.networks[network].name + ": while they are sent, " + victim.name;
+  if (responses[late].bounded && !responses[late].meets(messages[late].deadline))
+    text += " could take " + format_value(Attribute::latency, responses[late].response) +
+            " of the " + format_value(Attribute::latency, messages[late].deadline);
+  else if (responses[late].bounded)
+    text += " could lose frames in its queue";
+  else
+    text += " could wait without a bound";
+  if (others != 0)
+    text += ", and " + std::to_string(others) +
+            (others == 1 ? " message more is late" : " messages more are late");
+  Finding& f = to.emplace_back();
+  f.id = FindingId::refused_on_bus;
+  f.origin = sender.origin;
+  f.text = std::move(text);
+  f.hint =
+      "change what " + sender.name +
+      " is refused for, or take it off the bus: what is granted there is in time for sure only "
+      "while it is silent";
+  f.channel = static_cast<std::uint32_t>(sender.channel);
+  f.publisher = static_cast<std::uint32_t>(senders.front());
+  f.place = {Place::Kind::network, network};
+  f.has_place = true;
+}
+
+}  // namespace mlcca::core

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// What is refused and yet may be sent: no gate lies between a publisher and the bus that it is on.
+#pragma once
+#include <cstddef>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "core/design/findings.hpp"
+#include "core/model/members.hpp"
+#include "core/model/verdict.hpp"
+#include "core/reserve/ledger.hpp"
+
+namespace mlcca::core {
+
+class RefusedOnBus {
+ public:
+  /// A verdict as it was decided in the end.
+  void add(const Verdict& verdict);
+  /// MLCCA044 of each analysed bus where something that is granted would be late if what is refused
+  /// there is sent all the same, when everything is decided.
+  void report(const System& system, const Members& members, const Ledger& ledger,
+              std::vector<Finding>& to) const;
+
+ private:
+  void report(const System& system, const Members& members, const can::Schedule& bus,
+              std::size_t network, std::vector<Finding>& to) const;
+
+  std::set<std::size_t> granted_;  ///< publishers to somebody: the bus has their frames
+  std::map<std::size_t, std::size_t> refused_{};  ///< publishers, with their attribute sets
+};
+
+}  // namespace mlcca::core
