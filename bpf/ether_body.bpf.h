@@ -221,20 +221,29 @@ foreign:
 	return TC_ACT_UNSPEC;
 }
 
+/* Not static, as read_event(). */
+__noinline __u32 copies_event(struct __sk_buff *skb)
+{
+	struct packet p = packet_of(skb);
+	struct event e = {};
+
+	return is_event_copy(&p, skb->protocol, &e);
+}
+
 SEC("tc")
 int ether_ingress(struct __sk_buff *skb)
 {
 	struct ether_cpu *cpu;
 
-	/* A local copy of what local programs send to a group: it was on no wire, and has no
-	 * header. */
-	if (skb->pkt_type == PACKET_LOOPBACK) {
-		cpu = this_cpu();
-		if (cpu)
-			count_reason(cpu, GATE_INGRESS, GATE_R_ECHO);
-		return TC_ACT_UNSPEC;
-	}
-	return filter(skb, GATE_INGRESS);
+	if (skb->pkt_type != PACKET_LOOPBACK)
+		return filter(skb, GATE_INGRESS);
+	cpu = this_cpu();
+	if (cpu)
+		count_reason(cpu, GATE_INGRESS, GATE_R_ECHO);
+	return copies_event(skb) && READ_ONCE(control.mode) != GATE_AUDIT &&
+		       !READ_ONCE(table.retired)
+		   ? TC_ACT_SHOT
+		   : TC_ACT_UNSPEC;
 }
 
 SEC("tc")

@@ -65,11 +65,21 @@ static __always_inline int filter(struct __sk_buff *skb, __u32 direction)
 	return READ_ONCE(control.mode) == GATE_AUDIT ? TC_ACT_UNSPEC : TC_ACT_SHOT;
 }
 
+__noinline __u32 copies_event(struct __sk_buff *skb)
+{
+	struct packet p = {.ctx = skb, .len = skb->len};
+	struct event e = {};
+
+	return is_event_copy(&p, skb->protocol, &e);
+}
+
 SEC("tc")
 int closed_ingress(struct __sk_buff *skb)
 {
-	/* A local copy of what local programs send to a group: it was on no wire. */
-	return skb->pkt_type == PACKET_LOOPBACK ? TC_ACT_UNSPEC : filter(skb, GATE_INGRESS);
+	if (skb->pkt_type != PACKET_LOOPBACK)
+		return filter(skb, GATE_INGRESS);
+	return copies_event(skb) && READ_ONCE(control.mode) != GATE_AUDIT ? TC_ACT_SHOT
+									  : TC_ACT_UNSPEC;
 }
 
 SEC("tc")

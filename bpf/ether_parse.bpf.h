@@ -295,4 +295,19 @@ static __always_inline enum nature parse(const struct packet *p, struct event *e
 	return protocol == bpf_htons(ETH_P_IP) ? parse_ip(p, at, e) : NOT_EVENT;
 }
 
+/*
+ * Of the local copy of what a program here sends to a group or to everybody, which the kernel makes
+ * before the gate sees the packet leave. It begins with the IP header. Nobody knows whose it is,
+ * and an event in it was admitted to nobody.
+ */
+static __always_inline bool is_event_copy(const struct packet *p, __be16 protocol, struct event *e)
+{
+	enum nature nature;
+
+	if (protocol != bpf_htons(ETH_P_IP))
+		return false;
+	nature = parse_ip(p, 0, e);
+	return nature != NOT_EVENT && nature != NOT_EVENT_FIRST;
+}
+
 #endif
