@@ -150,9 +150,9 @@ void Subscriptions::subscribe(PeerKey key, const Subscription& message, std::uin
   }
   if (known == peers_.end()) known = peers_.emplace(key, Peer{.wanted = message}).first;
   Peer& peer = known->second;
-  const bool holds = !peer.admitted && peer.verdict == Verdict::refused &&
-                     peer.wanted.required == message.required && peer.ends_at &&
-                     *peer.ends_at > now;
+  const bool is_same = peer.wanted.required == message.required;
+  const bool holds = is_same && peer.verdict == Verdict::refused && now < peer.not_before;
+  if (!is_same) peer.not_before = 0;
   peer.wanted = message;
   peer.to_answer = true;
   if (holds) return answer(known->first, peer);
@@ -163,7 +163,7 @@ void Subscriptions::subscribe(PeerKey key, const Subscription& message, std::uin
   if (message.has_user_attributes) {
     peer.verdict = Verdict::refused;
     peer.reason = "user-defined attributes are not known to gateways on the way";
-    peer.ends_at = now + kRefusalHolds;
+    peer.ends_at = peer.not_before = now + kRefusalHolds;
     return answer(known->first, peer);
   }
   peer.to_ask = true;
@@ -258,6 +258,7 @@ void Subscriptions::answered(std::uint64_t request, const control::Reply& reply,
                              known->first.network, known->first.subject,
                              refusal ? "refused, " + *refusal : "granted"));
   peer.admitted = peer.admitted || !refusal;
+  peer.not_before = refusal ? now + kRefusalHolds : 0;
   // Nothing was admitted: it is forgotten soon, and may ask again.
   const bool is_over = refusal && !peer.admitted;
   if (is_over && peer.wanted.kind != Kind::plain) peer.ends_at = now + kRefusalHolds;
@@ -295,7 +296,7 @@ void Subscriptions::turn(std::uint64_t now) {
   }
   for (auto& [key, peer] : peers_) {
     if (asked_.size() >= kMostAsked) break;
-    if (peer.to_ask && ask(key, peer.wanted, false)) peer.to_ask = false;
+    if (peer.to_ask && now >= peer.not_before && ask(key, peer.wanted, false)) peer.to_ask = false;
   }
   for (auto& [key, own] : own_)
     if (own.due_at <= now) send_own(key, own, now);

@@ -25,7 +25,8 @@ class Subscriptions {
   /// Of peers: what they state is taken for at least and at most so long, s.
   static constexpr std::uint16_t kShortestLease = 10;
   static constexpr std::uint16_t kLongestLease = 3'600;
-  /// A refusal is repeated for so long without asking the daemon again, ns.
+  /// A refusal is repeated for so long without asking the daemon again, ns, whatever happens: a
+  /// question in vain is itself reported as something that happened to the subject.
   static constexpr std::uint64_t kRefusalHolds = 10'000'000'000;
   /// Requests to the daemon that are not answered.
   static constexpr std::size_t kMostAsked = 64;
@@ -77,6 +78,7 @@ class Subscriptions {
     std::string reason{};                    ///< of its refusal
     bool admitted = false;                   ///< granted once, and not ended: the daemon has it
     bool to_ask = false;
+    std::uint64_t not_before = 0;           ///< refused: when the daemon is asked again at first
     bool to_answer = false;                 ///< whatever it was answered before
     std::optional<std::string> answered{};  ///< empty: granted; else why refused
   };

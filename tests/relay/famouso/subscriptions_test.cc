@@ -294,6 +294,27 @@ TEST_F(SubscriptionsTest, WhatTheDaemonDecidesLaterIsReportedToThePeer) {
   EXPECT_TRUE(asked_[4].end);
 }
 
+/// A question in vain is written down by the daemon, which reports that to everybody.
+TEST_F(SubscriptionsTest, WhatWasRefusedIsNotAskedAgainAtOnceThoughItIsAdmittedAsItWasBefore) {
+  come("0x12", wanted(5));
+  answer(granted());
+  come("0x12", wanted(6, 3'000'000), kSecond);
+  ASSERT_EQ(asked_.size(), 2U);
+  answer(refused("Latency 3 ms required"), kSecond);
+  for (std::uint64_t now = kSecond; now < 10 * kSecond; now += kSecond) {
+    subscriptions_.decided(kDistance);
+    subscriptions_.turn(now);
+    come("0x12", wanted(7, 3'000'000), now);
+  }
+  EXPECT_EQ(asked_.size(), 2U);
+  EXPECT_EQ(take_sent().back().message.reason, "lan to bus: Latency 3 ms required");
+  subscriptions_.turn(11 * kSecond);
+  EXPECT_EQ(asked_.size(), 3U) << "later there may be room";
+  come("0x12", wanted(8, 9'000'000), 11 * kSecond);
+  answer(refused("Latency 3 ms required"), 11 * kSecond);
+  EXPECT_EQ(asked_.size(), 4U) << "another requirement is another question";
+}
+
 TEST_F(SubscriptionsTest, ADaemonThatIsAwayIsAskedWhenItIsBack) {
   connected_ = false;
   come("0x12", wanted(5));
