@@ -22,6 +22,9 @@ namespace {
 constexpr int kBacklog = 16;
 constexpr std::uint64_t kRefusalPause = 1'000'000'000;
 constexpr std::size_t kRead = std::size_t{64} << 10U;
+/// Events of a program, before those for programs here are taken out of the kernel: it keeps some
+/// hundred.
+constexpr std::size_t kAtOnce = 16;
 
 std::string text_of(std::uint64_t subject) { return fmt::format("0x{:016x}", subject); }
 
@@ -96,13 +99,11 @@ void EventChannelHandler::turn(std::uint64_t now) {
       accept(now);
     } else if (const auto known = connections_.find(fd); known != connections_.end()) {
       if ((one.events & EPOLLOUT) != 0) write(fd, known->second);
-      if ((one.events & ~std::uint32_t{EPOLLOUT}) != 0) read(fd);
+      if ((one.events & ~std::uint32_t{EPOLLOUT}) != 0) read(fd, now);
     }
   }
   client_.process();
-  for (const auto& [fd, connection] : connections_)
-    if (!connection.opened && now - connection.since >= kPatience)
-      ended_.emplace(fd, "it has not said what it wants");
+  read_again(now);
   close_ended();
 }
 
@@ -125,6 +126,14 @@ void EventChannelHandler::refuse(const std::string& whom_and_why, std::uint64_t 
   outside_.log(fmt::format("refused: {} ({} so far)", whom_and_why, refused_));
 }
 
+void EventChannelHandler::make_room(std::uint64_t now) {
+  if (connections_.size() < kMostConnections) return;
+  for (const auto& [fd, connection] : connections_)
+    if (!connection.opened && now - connection.since >= kPatience)
+      ended_.emplace(fd, "it has not said what it wants, and there is no room for others");
+  close_ended();
+}
+
 void EventChannelHandler::accept(std::uint64_t now) {
   for (int i = 0; i < kBacklog; ++i) {
     sockaddr_in from{};
@@ -141,7 +150,9 @@ void EventChannelHandler::accept(std::uint64_t now) {
     Connection connection{.socket = std::move(socket),
                           .name = text_of(from) + " of uid " + std::to_string(*user),
                           .session = {},
-                          .since = now};
+                          .since = now,
+                          .held_since = {}};
+    if (!users_ || users_->contains(*user)) make_room(now);
     if (const auto why = refusal(connection, *user)) {
       refuse(*why, now);
       continue;
@@ -153,10 +164,11 @@ void EventChannelHandler::accept(std::uint64_t now) {
   }
 }
 
-void EventChannelHandler::read(int fd) {
+void EventChannelHandler::read(int fd, std::uint64_t now) {
   Connection& connection = connections_.at(fd);
   std::array<std::uint8_t, kRead> octets{};
-  const ssize_t n = ::recv(fd, octets.data(), octets.size(), MSG_DONTWAIT);
+  const std::size_t missing = connection.session.missing();
+  const ssize_t n = ::recv(fd, octets.data(), missing == 0 ? octets.size() : missing, MSG_DONTWAIT);
   if (n < 0 && (errno == EAGAIN || errno == EINTR)) return;
   if (n <= 0) {
     ended_.emplace(fd, "");
@@ -164,10 +176,36 @@ void EventChannelHandler::read(int fd) {
   }
   std::vector<LocalSession::Event> events;
   connection.session.take(std::span(octets).first(static_cast<std::size_t>(n)), events);
-  if (!connection.opened) open_channel(fd, connection);
+  if (!connection.opened) {
+    open_channel(fd, connection);
+    hold(fd, connection, now);
+  }
   if (!events.empty()) publish(connection, events);
   if (connection.session.role() == LocalSession::Role::ended)
     ended_.emplace(fd, connection.session.why());
+}
+
+/// The kernel keeps what comes, and that the program has ended.
+void EventChannelHandler::hold(int fd, Connection& connection, std::uint64_t now) {
+  if (connection.session.role() != LocalSession::Role::publisher) return;
+  const auto known = publishers_.find(connection.session.subject());
+  if (known == publishers_.end() || known->second.answered) return;
+  connection.held_since = now;
+  static_cast<void>(watch(fd, 0, EPOLL_CTL_DEL));
+}
+
+void EventChannelHandler::read_again(std::uint64_t now) {
+  for (auto& [subject, shared] : publishers_)
+    if (shared.channel->answer()->state != client::State::no_daemon) shared.answered = true;
+  for (auto& [fd, connection] : connections_) {
+    if (!connection.held_since) continue;
+    const auto known = publishers_.find(connection.session.subject());
+    if (known != publishers_.end() && !known->second.answered &&
+        now - *connection.held_since < kHeld)
+      continue;
+    connection.held_since.reset();
+    if (!watch(fd, EPOLLIN, EPOLL_CTL_ADD)) ended_.emplace(fd, "no descriptors are left");
+  }
 }
 
 void EventChannelHandler::close_ended() {
@@ -235,7 +273,9 @@ void EventChannelHandler::publish(Connection& connection,
   const auto known = publishers_.find(subject);
   if (known == publishers_.end()) return;
   auto& shared = known->second;
+  std::size_t count = 0;
   for (const auto& event : events) {
+    if (count++ % kAtOnce == 0) client_.process();
     const auto how = shared.channel->publish(event.data(), event.size());
     const bool drops = how != client::Published::sent && how != client::Published::partly;
     if (drops) ++shared.dropped;

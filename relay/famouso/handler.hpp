@@ -27,8 +27,13 @@ namespace mlcca::relay {
 class EventChannelHandler {
  public:
   static constexpr std::size_t kMostConnections = 256;
-  /// A connection that has not said for so long what it wants is closed, ns.
+  /// A connection that has not said for so long what it wants is closed when there is no room for
+  /// another one, ns. FAMOUSO's handler waits without end, and its programs may connect long before
+  /// they announce.
   static constexpr std::uint64_t kPatience = 10'000'000'000;
+  /// What a publisher sends is not read before mlccad has answered, or for so long, ns: a program
+  /// may announce, publish once and end.
+  static constexpr std::uint64_t kHeld = 1'000'000'000;
 
   struct Outside {
     std::function<void(const std::string&)> log;
@@ -60,9 +65,10 @@ class EventChannelHandler {
     std::string name;  ///< "127.0.0.1:40000 of uid 1000"
     LocalSession session;
     std::uint64_t since = 0;
-    bool opened = false;   ///< its channel is known
-    bool waiting = false;  ///< for room to write
-    bool loses = false;    ///< so much waits that events are lost
+    bool opened = false;                      ///< its channel is known
+    std::optional<std::uint64_t> held_since;  ///< not read: mlccad has not answered yet
+    bool waiting = false;                     ///< for room to write
+    bool loses = false;                       ///< so much waits that events are lost
   };
   /// All connections of a subject have one channel of each role.
   template <class ChannelOf>
@@ -71,6 +77,7 @@ class EventChannelHandler {
     std::set<int> connections;
     std::uint64_t dropped = 0;  ///< events of programs that were not sent
     bool is_dropping = false;
+    bool answered = false;  ///< once
   };
 
   EventChannelHandler(Fd epoll, Fd listener, std::optional<std::set<uid_t>> users,
@@ -79,8 +86,11 @@ class EventChannelHandler {
   void accept(std::uint64_t now);
   [[nodiscard]] std::optional<std::string> refusal(const Connection& connection, uid_t user) const;
   void refuse(const std::string& whom_and_why, std::uint64_t now);
-  void read(int fd);
+  void make_room(std::uint64_t now);
+  void read(int fd, std::uint64_t now);
   void open_channel(int fd, Connection& connection);
+  void hold(int fd, Connection& connection, std::uint64_t now);
+  void read_again(std::uint64_t now);
   void publish(Connection& connection, const std::vector<LocalSession::Event>& events);
   void hand_out(std::uint64_t subject, const client::Event& event);
   void write(int fd, Connection& connection);

@@ -41,6 +41,10 @@ void LocalSession::take(Octets octets, std::vector<Event>& events) {
   }
 }
 
+std::size_t LocalSession::missing() const {
+  return role_ == Role::unknown ? kOpening - in_.size() : 0;
+}
+
 bool LocalSession::take_opening() {
   if (in_.size() < kOpening) return false;
   subject_ = from_big_endian(Octets(in_).subspan(1, kSubject));

@@ -39,6 +39,10 @@ class LocalSession {
   /// counts: the subject in front of an event means nothing, as in FAMOUSO.
   void take(Octets octets, std::vector<Event>& events);
 
+  /// Octets until it is known what the client wants; 0: it is. Take no more before, so that events
+  /// that follow at once stay where they are until the channel is there.
+  [[nodiscard]] std::size_t missing() const;
+
   /// An event for a subscriber. False: it is lost, since too much waits.
   bool send(Octets event);
   /// What waits to be written, and how much of it was.

@@ -17,12 +17,24 @@
 namespace mlcca::relay {
 namespace {
 
-constexpr const char* kTable = "/proc/self/net/tcp";
+constexpr std::size_t kWord = 8;  // digits
+constexpr std::uint32_t kMapped = 0xffff;
+/// Of an IPv6 socket that speaks IPv4, as Java and .NET open them: ::ffff:127.0.0.1 is
+/// "0000000000000000FFFF00000100007F". Returned: "0100007F".
+std::string_view ipv4_part(std::string_view address) {
+  if (address.size() != 4 * kWord) return address;
+  for (std::size_t word = 0; word < 3; ++word)
+    if (number_in<std::uint32_t>(address.substr(word * kWord, kWord), kHexadecimalBase) !=
+        (word == 2 ? htonl(kMapped) : 0))
+      return {};
+  return address.substr(3 * kWord);
+}
+
 /// "0100007F:138D": the address as it is in memory, the port as a number.
 std::optional<TcpEnd> end_in(std::string_view text) {
   const auto colon = text.find(':');
   if (colon == std::string_view::npos) return std::nullopt;
-  const auto address = number_in<std::uint32_t>(text.substr(0, colon), kHexadecimalBase);
+  const auto address = number_in<std::uint32_t>(ipv4_part(text.substr(0, colon)), kHexadecimalBase);
   const auto port = number_in<std::uint16_t>(text.substr(colon + 1), kHexadecimalBase);
   if (!address || !port) return std::nullopt;
   return TcpEnd{.address = ntohl(*address), .port = *port};
@@ -39,12 +51,29 @@ std::optional<TcpEnd> end_of(int socket, NameOf* name_of) {
   return TcpEnd{.address = ntohl(address.sin_addr.s_addr), .port = ntohs(address.sin_port)};
 }
 
+Result<std::optional<uid_t>> owner_in(const char* path, const TcpEnd& local, const TcpEnd& remote) {
+  const Fd table(::open(path, O_RDONLY | O_CLOEXEC));
+  std::optional<uid_t> owner;
+  if (!table && errno == ENOENT) return owner;  // no IPv6
+  if (!table) return system_error(path);
+  const int failed = read_tcp_table(table.get(), [&](std::string_view line) {
+    owner = owner_in_line(line, local, remote);
+    return !owner;
+  });
+  if (failed == EFBIG) return fail(std::string(path) + ": too many sockets");
+  errno = failed;
+  if (failed != 0) return system_error(path);
+  return owner;
+}
+
 }  // namespace
 
 std::optional<uid_t> owner_in_line(std::string_view line, const TcpEnd& local,
                                    const TcpEnd& remote) {
   const TcpColumns columns = tcp_columns(line);
   if (end_in(columns[1]) != local || end_in(columns[2]) != remote) return std::nullopt;
+  // A socket that is closed already has no inode, and stands there as root's.
+  if (columns[9] == "0") return std::nullopt;
   return number_in<uid_t>(columns[7]);
 }
 
@@ -52,18 +81,12 @@ Result<uid_t> user_at_other_end(int socket) {
   const auto here = end_of(socket, ::getsockname);
   const auto there = end_of(socket, ::getpeername);
   if (!here || !there) return fail("it is gone");
-  const Fd table(::open(kTable, O_RDONLY | O_CLOEXEC));
-  if (!table) return system_error(kTable);
-  std::optional<uid_t> owner;
-  const int failed = read_tcp_table(table.get(), [&](std::string_view line) {
-    owner = owner_in_line(line, *there, *here);
-    return !owner;
-  });
-  if (failed == EFBIG) return fail(std::string(kTable) + ": too many sockets");
-  errno = failed;
-  if (failed != 0) return system_error(kTable);
-  if (!owner) return fail("no socket of this host is its other end");
-  return *owner;
+  for (const char* path : {"/proc/self/net/tcp", "/proc/self/net/tcp6"}) {
+    const auto owner = owner_in(path, *there, *here);
+    if (!owner) return std::unexpected(owner.error());
+    if (*owner) return **owner;
+  }
+  return fail("no open socket of this host is its other end");
 }
 
 }  // namespace mlcca::relay

@@ -18,7 +18,8 @@ struct TcpEnd {
   friend bool operator==(const TcpEnd&, const TcpEnd&) = default;
 };
 
-/// The owner of a socket from `local` to `remote`, if a line of /proc/self/net/tcp is of it.
+/// The owner of a socket from `local` to `remote`, if a line of /proc/self/net/tcp or tcp6 is
+/// of it.
 [[nodiscard]] std::optional<uid_t> owner_in_line(std::string_view line, const TcpEnd& local,
                                                  const TcpEnd& remote);
 

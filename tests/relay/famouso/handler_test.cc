@@ -218,19 +218,82 @@ TEST_F(HandlerTest, WhoSaysSomethingElseIsClosed) {
   EXPECT_EQ(handler->channels(), 0U);
 }
 
-TEST_F(HandlerTest, WhoSaysNothingIsClosedAfterAWhile) {
+/// FAMOUSO's binding for Python connects when a channel is made, and says what it wants when the
+/// program announces.
+TEST_F(HandlerTest, WhoSaysNothingMayStayWhereThereIsRoom) {
   const auto handler = open();
   Tcp silent(handler->port());
   silent.say(
       "\x50"
       "Dist"sv);
   until(*handler, [&] { return handler->connections() == 1; });
-  now_ = EventChannelHandler::kPatience;
+  now_ += 1000 * EventChannelHandler::kPatience;
   handler->turn(now_);
   EXPECT_FALSE(silent.is_closed());
-  now_ += 1;
-  until(*handler, [&] { return silent.is_closed(); });
+  silent.say("ance"sv);
+  until(*handler, [&] { return handler->channels() == 1; });
+}
+
+TEST_F(HandlerTest, WhoSaysNothingIsClosedAfterAWhileWhereThereIsNone) {
+  const auto handler = open();
+  Tcp silent(handler->port());
+  until(*handler, [&] { return handler->connections() == 1; });
+  now_ += EventChannelHandler::kPatience;
+  std::vector<std::unique_ptr<Tcp>> all;
+  for (std::size_t i = 1; i < EventChannelHandler::kMostConnections; ++i) {
+    all.push_back(std::make_unique<Tcp>(handler->port()));
+    handler->turn(now_);
+  }
+  until(*handler, [&] { return handler->connections() == EventChannelHandler::kMostConnections; });
+  EXPECT_FALSE(silent.is_closed());
+  Tcp next(handler->port());
+  next.say(kSubscribe);
+  until(*handler, [&] { return handler->channels() == 1; });
+  EXPECT_TRUE(silent.is_closed());
   EXPECT_TRUE(has_said("it has not said what it wants"));
+}
+
+/// One that publishes once and ends, as FAMOUSO's bindings let it.
+TEST_F(HandlerTest, AnEventRightBehindTheAnnouncementIsNotLost) {
+  const auto handler = open();
+  Tcp display(handler->port());
+  take_up(*handler, display, kSubscribe);
+  Tcp sonar(handler->port());
+  sonar.say(std::string(kAnnounce) + std::string(kAbc));
+  until(*handler, [&] { return handler->connections() == 2; });
+  sonar.close();
+  until(*handler, [&] { return display.heard() == kAbc; });
+  until(*handler, [&] { return handler->connections() == 1 && handler->channels() == 1; });
+  EXPECT_FALSE(has_said("are dropped")) << all_said();
+}
+
+TEST_F(HandlerTest, WithoutAnAnswerItIsDroppedAfterAWhile) {
+  const auto handler = EventChannelHandler::open(
+      INADDR_LOOPBACK, 0, {}, "/nonexistent",
+      {.log = [this](const std::string& text) { said_.push_back(text); }, .user_of = user_of_});
+  ASSERT_TRUE(handler) << handler.error().text;
+  Tcp sonar((*handler)->port());
+  sonar.say(std::string(kAnnounce) + std::string(kAbc));
+  until(**handler, [&] { return (*handler)->channels() == 1; });
+  now_ += EventChannelHandler::kHeld - 1;
+  (*handler)->turn(now_);
+  EXPECT_FALSE(has_said("are dropped"));
+  now_ += 1;
+  until(**handler, [&] { return has_said("events are dropped: not granted"); });
+}
+
+/// Events for programs here go through the kernel, which keeps no more than some hundred.
+TEST_F(HandlerTest, NoneOfManyAtOnceIsLost) {
+  const auto handler = open();
+  Tcp display(handler->port());
+  take_up(*handler, display, kSubscribe);
+  Tcp sonar(handler->port());
+  take_up(*handler, sonar, kAnnounce);
+  std::string all;
+  for (int i = 0; i < 3000; ++i) all += kAbc;  // 48,000 octets
+  sonar.say(all);
+  until(*handler, [&] { return display.heard().size() == all.size() || has_said("lost"); });
+  EXPECT_EQ(display.heard(), all) << all_said();
 }
 
 TEST_F(HandlerTest, OnlyProgramsOfTheseUsersMayConnect) {
@@ -312,6 +375,39 @@ TEST(PeerUser, IsThatOfTheOtherSocketAndNotOurs) {
         "   3: 0100007F:9C40 0100007F:138D 01 a b c -1"})
     EXPECT_EQ(owner_in_line(other, there, here), std::nullopt) << other;
   EXPECT_FALSE(user_at_other_end(-1));
+  const std::string closed =
+      "   3: 0100007F:9C40 0100007F:138D 05 00000000:00000000 00:00000000 00000000     0        0 "
+      "0 "
+      "2 ffff";
+  EXPECT_EQ(owner_in_line(closed, there, here), std::nullopt)
+      << "not root's: its program closed it";
+}
+
+/// Java opens an IPv6 socket and connects it to ::ffff:127.0.0.1.
+TEST(PeerUser, IsThatOfAnIpv6SocketThatSpeaksIpv4) {
+  const TcpEnd there{.address = INADDR_LOOPBACK, .port = 40'000};
+  const TcpEnd here{.address = INADDR_LOOPBACK, .port = 5005};
+  const auto line = [](const std::string& before) {
+    return "   3: " + before + "0100007F:9C40 " + before +
+           "0100007F:138D 01 00000000:00000000 00:00000000 00000000  1000        0 68010 1 ff";
+  };
+  EXPECT_EQ(owner_in_line(line("0000000000000000FFFF0000"), there, here), 1000U);
+  for (const char* other : {"000000000000000000000000", "0000000001000000FFFF0000", "FFFF0000"})
+    EXPECT_EQ(owner_in_line(line(other), there, here), std::nullopt) << other;
+}
+
+TEST_F(HandlerTest, AProgramMayConnectByAnIpv6Socket) {
+  const Fd socket(::socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  if (!socket) GTEST_SKIP() << "no IPv6";
+  const auto handler = open(std::set<uid_t>{::getuid()});
+  sockaddr_in6 at{};
+  at.sin6_family = AF_INET6;
+  at.sin6_port = htons(handler->port());
+  ASSERT_EQ(::inet_pton(AF_INET6, "::ffff:127.0.0.1", &at.sin6_addr), 1);
+  ASSERT_EQ(::connect(socket.get(), reinterpret_cast<sockaddr*>(&at), sizeof at), 0);
+  ASSERT_EQ(::send(socket.get(), kSubscribe.data(), kSubscribe.size(), MSG_NOSIGNAL), 9);
+  until(*handler, [&] { return handler->channels() == 1 || has_said("refused: "); });
+  EXPECT_EQ(handler->channels(), 1U) << all_said();
 }
 
 }  // namespace
