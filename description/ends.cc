@@ -352,7 +352,7 @@ class Ends {
           return core::traits_of(of_frames(n)).has_sender_priority;
         }))
       wrong(
-          fmt::format("attribute priority is for {}, which no network speaks here: remove it "
+          fmt::format("attribute priority is for {}, which no CAN network speaks here: remove it "
                       "({} have a priority in their Binding)",
                       core::for_profiles_with([](const auto& p) { return p.has_sender_priority; }),
                       core::elements_with([](const auto& p) { return p.has_number_priority; })));

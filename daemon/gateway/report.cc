@@ -35,7 +35,8 @@ std::vector<std::size_t> listed_rows(const core::Verdict& v) {
   const auto add = [&](bool fit) {
     for (std::size_t i = 0; i < rows.size() && listed.size() < control::Channel::kMostRows; ++i)
       if ((rows[i].comparison.outcome == Outcome::fit) == fit &&
-          !core::is_unknown_for_lateness(v, rows[i]))
+          !core::is_unknown_for_lateness(v, rows[i]) &&
+          !(rows[i].against == core::Against::hop && core::is_said_by_another(v, rows[i])))
         listed.push_back(i);
   };
   add(false);

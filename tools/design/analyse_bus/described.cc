@@ -9,6 +9,7 @@
 #include "core/admission/world.hpp"
 #include "core/can/of_system.hpp"
 #include "core/design/inspect.hpp"
+#include "core/mesh/roles.hpp"
 #include "core/model/medium.hpp"
 #include "core/model/text.hpp"
 #include "core/profiles/profile.hpp"
@@ -209,6 +210,9 @@ class DescribedBuses {
     const AttributeSet& whole =
         network ? system_.networks[place.index].provision : system_.gateways[place.index].provision;
     const AttributeSet& stated = mesh != nullptr ? mesh->per_hop : whole;
+    if (mesh != nullptr && mesh->links.empty() &&
+        std::ranges::none_of(mesh->sources, core::mesh::knows_rates))
+      return ", and counts as nothing: no Source knows the rates of its links";
     if (stated.has(Attribute::latency))
       return mesh != nullptr ? " before the run time, and counts as that of one link (PerHop)"
                              : " before the run time, and counts as its best case";

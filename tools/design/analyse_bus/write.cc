@@ -242,7 +242,9 @@ std::string bus_text(const AnalysedBus& analysed, Color color) {
                {verdict_of(analysed, i), style}});
   }
   if (table.empty())
-    text += "Nothing that is described sends here.\n";
+    text += bus.left_out.empty()
+                ? "Nothing that is described sends here.\n"
+                : "What is described here has no subscriber, and is not counted.\n";
   else
     text += table.text(color);
   text += fmt::format("Bus load {:.2f} % at {}", static_cast<double>(analysed.load) * 100 / kWhole,

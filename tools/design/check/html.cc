@@ -90,14 +90,15 @@ std::string summary(const SystemReport& system) {
                        n == 0 ? "quiet" : said(outcome).kind, n, words);
   };
   return fmt::format(
-      "{}<p class=\"counts\"><span>{}:</span> {} {} {}</p>\n",
+      "{}<p class=\"counts\"><span>{}:</span> {} {} {} {}</p>\n",
       system.usable ? ""
                     : "<p class=\"trouble\">The description is not usable for the errors below. "
                       "Without them:</p>\n",
       counted(system.inspection.channels.size(), "channel"),
       part(counts.fit, system.usable ? "fit" : "would fit", Outcome::fit),
       part(counts.run_time, "decided at run time", Outcome::run_time),
-      part(counts.unfit, "do not fit", Outcome::unfit));
+      part(counts.unfit, "do not fit", Outcome::unfit),
+      counts.unused == 0 ? "" : part(counts.unused, "without use", Outcome::fit));
 }
 
 std::string section(const SystemReport& system, std::size_t number, const FileNames& names,

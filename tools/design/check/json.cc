@@ -21,7 +21,8 @@ Json to_json(const SystemReport& system) {
   out["channels"] = {{"all", system.inspection.channels.size()},
                      {"fit", counts.fit},
                      {"run_time", counts.run_time},
-                     {"unfit", counts.unfit}};
+                     {"unfit", counts.unfit},
+                     {"unused", counts.unused}};
   return out;
 }
 

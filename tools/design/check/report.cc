@@ -170,7 +170,9 @@ Exit status_of(const Report& report) {
 ChannelCounts counts_of(const SystemReport& system) {
   ChannelCounts counts;
   for (const auto& channel : system.inspection.channels) {
-    if (channel.outcome == Outcome::fit)
+    if (channel.outcome == Outcome::fit && channel.deliveries == 0)
+      ++counts.unused;
+    else if (channel.outcome == Outcome::fit)
       ++counts.fit;
     else if (channel.outcome == Outcome::run_time)
       ++counts.run_time;

@@ -58,6 +58,7 @@ struct ChannelCounts {
   std::size_t fit = 0;
   std::size_t run_time = 0;
   std::size_t unfit = 0;
+  std::size_t unused = 0;  ///< nothing to decide: nobody publishes, or nobody subscribes
 };
 
 struct Report {

@@ -41,10 +41,11 @@ std::string channels_line(const SystemReport& system) {
   if (!system.inspected)
     return fmt::format("{}: deliveries are checked when the names and rules are right", name);
   const auto counts = counts_of(system);
-  return fmt::format("{}: {}{}: {} {}, {} decided at run time, {} do not fit", name,
+  return fmt::format("{}: {}{}: {} {}, {} decided at run time, {} do not fit{}", name,
                      system.usable ? "" : "not usable for these errors; without them, ",
                      counted(system.inspection.channels.size(), "channel"), counts.fit,
-                     system.usable ? "fit" : "would fit", counts.run_time, counts.unfit);
+                     system.usable ? "fit" : "would fit", counts.run_time, counts.unfit,
+                     counts.unused == 0 ? "" : fmt::format(", {} without use", counts.unused));
 }
 
 }  // namespace

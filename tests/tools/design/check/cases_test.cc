@@ -101,6 +101,16 @@ TEST(CasesTest, EveryKindOfFindingHasACaseThatYieldsNothingElse) {
     EXPECT_TRUE(alone.contains(core::code_of(info.id))) << core::code_of(info.id);
 }
 
+TEST(CasesTest, WhatNobodyUsesIsNotCalledFit) {
+  for (const char* const name : {"unused-channel", "unused-publisher"}) {
+    const auto outcome = test::run({"check", path_of(name)});
+    EXPECT_NE(
+        outcome.out.find("1 channel: 0 fit, 0 decided at run time, 0 do not fit, 1 without use"),
+        std::string::npos)
+        << outcome.out;
+  }
+}
+
 TEST(CasesTest, EveryCaseHasACleanTwin) {
   const auto all = cases();
   for (const auto& name : all) {

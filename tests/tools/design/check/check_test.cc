@@ -220,7 +220,7 @@ TEST_F(JsonTest, IsOneObjectOnOneLineWithTheFieldsThatApply) {
                           {"readable", true},
                           {"usable", true},
                           {"inspected", true},
-                          {"channels", {{"all", 1}, {"fit", 0}, {"run_time", 0}, {"unfit", 1}}}}}));
+                          {"channels", {{"all", 1}, {"fit", 0}, {"run_time", 0}, {"unfit", 1}, {"unused", 0}}}}}));
   ASSERT_EQ(json["findings"].size(), 1U);
   const auto& f = json["findings"][0];
   EXPECT_EQ(f["id"], "MLCCA021");
