@@ -298,8 +298,7 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
     part->lost = true;
     return;
   }
-  if (const auto done = data_.use(part, reply); !done)
-    part->note(Cause::other, "its events cannot be carried: " + done.error().text);
+  carry(part, reply);
   // Something has happened since the daemon was asked: only the next answer is sure to know it.
   if (part->outdated) {
     ask(part);
@@ -307,6 +306,20 @@ void Client::Connection::on_answer(const PartOf& part, const control::Reply& rep
   }
   part->take(std::make_shared<Answer>(std::move(*answer)));
   if (std::exchange(part->lost, false)) part->note(Cause::daemon_back, part->answer->reason);
+}
+
+/// What cannot be carried may be later: another program may hold the port for a while.
+void Client::Connection::carry(const PartOf& part, const control::Reply& reply) {
+  const auto done = data_.use(part, reply);
+  const std::string problem = done ? "" : done.error().text;
+  if (!done) {
+    part->failed = true;
+    start_timer(timer_, options_.longest_retry);
+  }
+  if (part->problem == problem) return;
+  part->problem = problem;
+  part->note(Cause::other,
+             done ? "its events can be carried again" : "its events cannot be carried: " + problem);
 }
 
 void Client::Connection::on_event(const control::Event& event) {

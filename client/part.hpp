@@ -26,6 +26,7 @@ struct Channel::Part {
   bool failed = false;  ///< the daemon could not answer: it is asked again later
   bool lost = false;    ///< the daemon went after it was announced
   bool lagged = false;  ///< exceptions were lost
+  std::string problem;  ///< why its events cannot be carried; empty: they can
   std::deque<Exception> waiting;
   std::weak_ptr<Client::Connection> connection;
 

@@ -20,18 +20,30 @@ Layer* Carrier::layer_of(const control::Endpoint& endpoint) {
   if (known != layers_.end()) return known->second.get();
   auto layer = outside_.open(endpoint);
   if (!layer) {
-    outside_.log(endpoint.interface + " cannot be used: " + layer.error().text);
+    note_problem(endpoint.interface, endpoint.interface + " cannot be used: " + layer.error().text);
     return nullptr;
   }
+  if (problems_.erase(endpoint.interface) != 0)
+    outside_.log(endpoint.interface + " can be used again");
   outside_.watch(endpoint.ifindex, (*layer)->fd());
   return layers_.emplace(endpoint.ifindex, std::move(*layer)).first->second.get();
 }
 
-void Carrier::add(const control::Transfer& transfer) {
-  if (transfer.from.ifindex == transfer.to.ifindex) return;  // it would come back for ever
+void Carrier::note_problem(const std::string& of, const std::string& text) {
+  std::string& known = problems_[of];
+  if (known == text) return;
+  known = text;
+  outside_.log(text);
+}
+
+bool Carrier::add(const control::Transfer& transfer) {
+  if (transfer.from.ifindex == transfer.to.ifindex) return true;  // it would come back for ever
   Layer* const from = layer_of(transfer.from);
   Layer* const to = layer_of(transfer.to);
-  if (from == nullptr || to == nullptr) return;
+  return from != nullptr && to != nullptr && start(transfer, *from, *to);
+}
+
+bool Carrier::start(const control::Transfer& transfer, Layer& from, Layer& to) {
   std::size_t number = slots_.size();
   if (free_.empty()) {
     slots_.emplace_back();
@@ -39,16 +51,24 @@ void Carrier::add(const control::Transfer& transfer) {
     number = free_.back();
     free_.pop_back();
   }
-  const auto done = from->follow(static_cast<Layer::Follower>(number), transfer.from,
-                                 transfer.subject, transfer.event_bytes);
+  const auto done = from.follow(static_cast<Layer::Follower>(number), transfer.from,
+                                transfer.subject, transfer.event_bytes);
+  const std::string way = transfer.channel + " is not carried from " + transfer.from.interface +
+                          " to " + transfer.to.interface;
   if (!done) {
     free_.push_back(number);
-    outside_.log(transfer.channel + " is not carried from " + transfer.from.interface + " to " +
-                 transfer.to.interface + ": " + done.error().text);
-    return;
+    note_problem(way, way + ": " + done.error().text);
+    return false;
   }
-  slots_[number] = Slot{.transfer = transfer, .carried = {}, .to = to, .delay = {}};
+  problems_.erase(way);
+  slots_[number] = Slot{.transfer = transfer, .carried = {}, .to = &to, .delay = {}};
   by_subject_[transfer.subject].push_back(number);
+  return true;
+}
+
+void Carrier::retry() {
+  for (const control::Transfer& transfer : std::exchange(waiting_, {}))
+    if (!add(transfer)) waiting_.push_back(transfer);
 }
 
 void Carrier::remove(std::size_t number) {
@@ -80,12 +100,15 @@ void Carrier::exchange(std::uint64_t subject, const std::vector<control::Transfe
     else
       fresh.erase(same);
   }
-  for (const control::Transfer* transfer : fresh) add(*transfer);
+  std::erase_if(waiting_, [&](const auto& transfer) { return transfer.subject == subject; });
+  for (const control::Transfer* transfer : fresh)
+    if (!add(*transfer)) waiting_.push_back(*transfer);
 }
 
 void Carrier::set_all(const std::vector<control::Transfer>& transfers) {
   std::unordered_map<std::uint64_t, std::vector<control::Transfer>> by_subject;
   for (const auto& [subject, numbers] : by_subject_) by_subject[subject];
+  for (const control::Transfer& transfer : waiting_) by_subject[transfer.subject];
   for (const control::Transfer& transfer : transfers)
     by_subject[transfer.subject].push_back(transfer);
   for (const auto& [subject, some] : by_subject) exchange(subject, some);

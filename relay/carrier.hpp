@@ -51,6 +51,9 @@ class Carrier {
   void set_all(const std::vector<control::Transfer>& transfers);
   void set(std::uint64_t subject, const std::vector<control::Transfer>& transfers);
 
+  /// Tries once more what could not be carried until now: a port may be free again.
+  void retry();
+
   /// The descriptor of the interface can be read.
   void receive(std::uint32_t ifindex);
 
@@ -74,7 +77,10 @@ class Carrier {
 
   Layer* layer_of(const control::Endpoint& endpoint);
   void exchange(std::uint64_t subject, const std::vector<control::Transfer>& transfers);
-  void add(const control::Transfer& transfer);
+  /// False: an interface cannot be used, or does not follow the subject.
+  bool add(const control::Transfer& transfer);
+  bool start(const control::Transfer& transfer, Layer& from, Layer& to);
+  void note_problem(const std::string& of, const std::string& text);
   void remove(std::size_t slot);
   void carry(const Layer::Arrival& arrival);
   void close(std::uint32_t ifindex);
@@ -85,6 +91,8 @@ class Carrier {
   std::vector<std::size_t> free_;
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> by_subject_;
   std::map<std::uint32_t, std::unique_ptr<Layer>> layers_;  ///< by interface
+  std::vector<control::Transfer> waiting_;                  ///< could not be carried yet
+  std::map<std::string, std::string> problems_;             ///< why, as it was logged
 };
 
 }  // namespace mlcca::relay

@@ -187,6 +187,7 @@ int Program::run() {
       notify("WATCHDOG=1");
       report(now);
       report_delays(now);
+      carrier_.retry();
     }
   }
 }

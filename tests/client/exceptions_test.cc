@@ -147,6 +147,22 @@ TEST(Exceptions, WhatADaemonCannotAnswerIsAskedForLater) {
   EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"daemon back"});
 }
 
+/// Another program may hold the port for a while.
+TEST(Exceptions, EventsThatCannotBeCarriedAreTriedAgain) {
+  control::Channels nowhere{{delivery("field", true)}, 0};
+  nowhere.endpoints.emplace_back();
+  nowhere.endpoints.back().network = "field";
+  nowhere.endpoints.back().interface = "none0";
+  nowhere.endpoints.back().ifindex = 999'999;
+  Scene scene({{{{0, nowhere}}}, {{{0, nowhere}}}, {{channels({delivery("field", true)})}}});
+  Client client(scene.options());
+  PublisherChannel stop(client, "stop");
+  stop.announce();
+  const auto all = exceptions(client, stop, 2);
+  EXPECT_NE(all[0].text.find("its events cannot be carried: field: none0"), std::string::npos);
+  EXPECT_EQ(all[1].text, "its events can be carried again") << "and the first one once";
+}
+
 TEST(Exceptions, AHandlerKeepsItsState) {
   Scene scene({{{channels({delivery("robot-can", true)}), event("missing"), event("restored")}}});
   Client client(scene.options());

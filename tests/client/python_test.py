@@ -259,6 +259,12 @@ class Clients:
         self.assertEqual(told[0].cause, Cause.OTHER)
         self.assertIn("its events cannot be carried: field: none0", told[0].text)
 
+    def test_endpoints_that_cannot_be_used_are_tried_again(self):
+        wrong = channels(True)
+        wrong.channels.endpoints.add(network="field", interface="none0", ifindex=999_999)
+        _, told = self.both([wrong], [wrong], [channels(True)], count=2)
+        self.assertEqual(told[1].text, "its events can be carried again")
+
 
 class Blocking(Clients, unittest.TestCase):
     def subscriber(self, path, publish):

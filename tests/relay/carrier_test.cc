@@ -215,5 +215,36 @@ TEST_F(CarrierTest, WhatCannotBeCarriedIsReportedAndHindersNothing) {
   EXPECT_EQ(world_.interfaces[20].sent.size(), 1U);
 }
 
+/// Another program may hold the port for a while.
+TEST_F(CarrierTest, WhatCouldNotBeCarriedIsTriedAgain) {
+  world_.interfaces[30].usable = false;
+  carrier_.set_all({transfer(1, 10, 30), transfer(2, 10, 20)});
+  carrier_.retry();
+  carrier_.retry();
+  EXPECT_EQ(carrier_.transfers(), 1U);
+  EXPECT_EQ(world_.log, (std::vector<std::string>{"if30 cannot be used: no such device"}))
+      << "once";
+  world_.interfaces[30].usable = true;
+  carrier_.retry();
+  EXPECT_EQ(carrier_.transfers(), 2U);
+  EXPECT_EQ(world_.log.back(), "if30 can be used again");
+  come(10, 1, "goes");
+  EXPECT_EQ(world_.interfaces[30].sent.size(), 1U);
+  carrier_.retry();
+  EXPECT_EQ(carrier_.transfers(), 2U);
+}
+
+TEST_F(CarrierTest, WhatIsNotGrantedAnyMoreIsNotTriedAgain) {
+  world_.interfaces[30].usable = false;
+  carrier_.set_all({transfer(1, 10, 30), transfer(2, 10, 30)});
+  carrier_.set(1, {});
+  world_.interfaces[30].usable = true;
+  carrier_.retry();
+  EXPECT_EQ(carrier_.transfers(), 1U);
+  carrier_.set_all({});
+  carrier_.retry();
+  EXPECT_EQ(carrier_.transfers(), 0U);
+}
+
 }  // namespace
 }  // namespace mlcca::relay

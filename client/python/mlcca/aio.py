@@ -164,7 +164,8 @@ class Client:
                     self._send()
                     self._wake()
                     if any(part.failed for part in self._session.parts):
-                        asyncio.get_running_loop().call_later(retry, self._ask_failed)
+                        later = retry if self._session.retry_soon else self._longest_retry
+                        asyncio.get_running_loop().call_later(later, self._ask_failed)
             except ProtocolError as wrong:
                 why = str(wrong)
             except OSError as error:

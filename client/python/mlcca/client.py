@@ -248,8 +248,10 @@ class Client:
                 return
             self._session.receive(data)
             self._retry = self._first_retry
-            if any(part.failed for part in self._session.parts):
+            if self._session.retry_soon:
                 self._retry_later(planned=False)
+            elif any(part.failed for part in self._session.parts):
+                self._retry_at = time.monotonic() + self._longest_retry
 
     def _until_retry(self, seconds: Optional[float]) -> Optional[float]:
         """How long to wait, where something is to be tried again before."""

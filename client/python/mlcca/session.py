@@ -96,6 +96,7 @@ class Part:
         self.asked = 0         # the request that waits for an answer, 0: none
         self.outdated = False  # something has changed since it was asked
         self.failed = False    # the daemon could not answer: it is asked again later
+        self.problem = ""      # why its events cannot be carried; empty: they can
         self.lost = False      # the daemon went after it was announced
         self.number = 0        # by which the sockets know it
         self.events: Deque[Event] = deque()
@@ -238,6 +239,11 @@ class Session:
         else:
             part.outdated = True
 
+    @property
+    def retry_soon(self) -> bool:
+        """The daemon could not answer; what is held by another program takes longer."""
+        return any(part.failed and not part.problem for part in self.parts)
+
     def ask_failed(self) -> None:
         """Those that the daemon could not answer before."""
         for part in self.parts:
@@ -311,8 +317,12 @@ class Session:
         if reply.channels.channels:
             part.subject = reply.channels.channels[0].subject
         # They are those of this answer; without an answer that counts they stay, and the gates judge.
-        if wrong := self.sockets.use(part.number, part.publishes, reply):
-            part.note(Cause.OTHER, f"its events cannot be carried: {wrong}")
+        # Another program may hold the port for a while: it is tried again.
+        wrong = self.sockets.use(part.number, part.publishes, reply)
+        part.failed = bool(wrong)
+        if wrong != part.problem:
+            part.problem = wrong
+            part.note(Cause.OTHER, f"its events cannot be carried: {wrong}" if wrong else "its events can be carried again")
         # Something has happened since the daemon was asked: only the next answer is sure to know it.
         if part.outdated:
             self.ask(part)
