@@ -46,7 +46,11 @@ Controller::Controller(Options options, Outside outside)
                 [this](const DeliveryEvents::Granted& before) {
                   return put_in_force(before, TagBindings::Known::by_gates);
                 },
-                [this] { return summary(); }, pulse_}),
+                [this] { return summary(); },
+                [this](uid_t user, std::uint64_t rows) {
+                  quotas_.charge(user, rows, outside_.clock.monotonic_ns());
+                },
+                pulse_}),
       health_({scene_, outside_.gates, outside_.control, outside_.links, meshes_, recorder_,
                forwarding_, safeguards_, reloads_, tags_, admissions_, delivery_health_, presence_,
                outside_.clock}),
@@ -277,8 +281,9 @@ serve::Answer Controller::answer(const control::Request& request, const serve::P
                       fmt::format("only root and members of the group {} may change anything",
                                   options_.group))}};
   const bool counts = requests::trace_of(request) == requests::Trace::history;
-  if (counts)
-    if (const auto why = quotas_.refuse_change(peer.uid, outside_.clock.monotonic_ns()))
+  if (counts && !requests::takes_away(*context_, request))
+    if (const auto why = quotas_.refuse_change(peer.uid, outside_.clock.monotonic_ns(),
+                                               requests::least_rows_of(request)))
       return {{request.id, failed("nothing was changed: " + *why)}};
   const core::Progress alive(pulse_);
   const EventLog::Acting acting(outside_.log,

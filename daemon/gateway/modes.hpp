@@ -31,6 +31,7 @@ class Modes {
   /// Once a second: enforces if it is time.
   void poll();
 
+  [[nodiscard]] bool is_audit() const { return control_.mode() == enforce::Mode::audit; }
   /// "enforce" or "audit".
   [[nodiscard]] const char* name() const;
   /// Asked for, and not yet: ns; 0: it is not.
@@ -39,7 +40,6 @@ class Modes {
   [[nodiscard]] std::uint64_t clean() const { return is_audit() ? audit_.clean_ns() : 0; }
 
  private:
-  [[nodiscard]] bool is_audit() const { return control_.mode() == enforce::Mode::audit; }
   void report_drops();
   control::Done set(enforce::Mode mode);
 

@@ -46,18 +46,22 @@ std::optional<std::string> Quotas::refuse_pairs(std::size_t now, std::size_t mor
       now, more, kPairs);
 }
 
-std::optional<std::string> Quotas::refuse_change(uid_t user, std::uint64_t now) const {
+std::optional<std::string> Quotas::refuse_change(uid_t user, std::uint64_t now,
+                                                 std::uint64_t least) const {
   const auto known = paid_until_.find(user);
   if (known == paid_until_.end() || known->second <= now) return std::nullopt;
   const Rows& rows = rows_of(user);
   const std::uint64_t each = kSecond / rows.per_second;
   const std::uint64_t owed = known->second - now;
-  if (owed + each <= rows.at_once * each) return std::nullopt;
-  const std::uint64_t wait = owed + each - rows.at_once * each;
+  const std::uint64_t then = owed + least * each;
+  if (then <= rows.at_once * each) return std::nullopt;
+  const std::uint64_t wait = then - rows.at_once * each;
+  const std::string this_one = least > 1 ? fmt::format(", this one as {} at least", least) : "";
   return fmt::format(
-      "changes of user {} lately count as {} rows of the history, and one user may make {} at once "
-      "and {} a second: ask again in {} s",
-      user, (owed + each - 1) / each, rows.at_once, rows.per_second,
+      "changes of user {} lately count as {} rows of the history{}, and one user may make {} at "
+      "once and {} a second: ask again in {} s ('withdraw', 'release' and the end of audit mode do "
+      "not wait)",
+      user, (owed + each - 1) / each, this_one, rows.at_once, rows.per_second,
       (wait + kSecond - 1) / kSecond);
 }
 

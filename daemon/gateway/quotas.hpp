@@ -35,16 +35,19 @@ class Quotas {
   };
   static constexpr Rows kRowsOfUser{10'000, 5};
   static constexpr Rows kRowsOfRoot{100'000, 1'000};
-  /// A reload reports every channel: it counts as so many.
-  static constexpr std::uint64_t kRowsOfReload = 1'000;
+  /// The work of a reload counts as so many, beside what it reports: that of 100,000 channels takes
+  /// about as long as these take to be made up for.
+  static constexpr std::uint64_t kRowsOfReload = 50;
 
   /// Why a user must not have one more admission, and what to do; nothing when he may.
   [[nodiscard]] static std::optional<std::string> refuse_admission(uid_t user,
                                                                    const store::Admissions& held);
   /// Why there must not be so many more pairs, and what to do; nothing when there may.
   [[nodiscard]] static std::optional<std::string> refuse_pairs(std::size_t now, std::size_t more);
-  /// Why a user must not change anything now; nothing when he may.
-  [[nodiscard]] std::optional<std::string> refuse_change(uid_t user, std::uint64_t now) const;
+  /// Why a user must not change anything now that counts as so many rows at least; nothing when he
+  /// may.
+  [[nodiscard]] std::optional<std::string> refuse_change(uid_t user, std::uint64_t now,
+                                                         std::uint64_t least = 1) const;
   /// What a change of his has made. It may be more than is left: then he waits the longer.
   void charge(uid_t user, std::uint64_t rows, std::uint64_t now);
   /// Users who have not all of their rows left.

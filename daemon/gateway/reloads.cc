@@ -22,7 +22,7 @@ bool Reloads::start_reading(std::uint64_t session) {
   const auto current =
       std::make_shared<Current>(Current{std::nullopt, session, parts_.log.actor()});
   const bool begun = parts_.reading.begin([read, from = parts_.read] { *read = from(); },
-                                          [this, read] { end(put_in_force(std::move(**read))); });
+                                          [this, read] { end(take(std::move(**read))); });
   if (!begun) return false;
   parts_.log.add_rows(Quotas::kRowsOfReload);
   current_ = current;
@@ -85,8 +85,17 @@ Body Reloads::refuse(const Error& no_gates) {
   return failed(last_error_);
 }
 
+/// Whoever has asked for it pays for what it reports.
+Body Reloads::take(DescribedResult read) {
+  const auto actor = current_ ? current_->actor : std::nullopt;
+  const EventLog::Acting acting(parts_.log, actor);
+  const std::uint64_t rows = parts_.log.rows();
+  Body done = put_in_force(std::move(read));
+  if (actor) parts_.charge(actor->uid, parts_.log.rows() - rows);
+  return done;
+}
+
 Body Reloads::put_in_force(DescribedResult read) {
-  const EventLog::Acting acting(parts_.log, current_ ? current_->actor : std::nullopt);
   const core::Progress alive(parts_.pulse);
   parts_.turn.commit();
   const auto before = parts_.recorder.granted();

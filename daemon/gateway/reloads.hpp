@@ -2,6 +2,8 @@
 // Another description takes the place of the one in force: it is read on a thread, and put in force
 // in one step of the loop, or nothing changes.
 #pragma once
+#include <sys/types.h>
+
 #include <cstdint>
 #include <expected>
 #include <functional>
@@ -56,6 +58,8 @@ class Reloads {
     std::function<Result<void>(const DeliveryEvents::Granted&)> put_in_force;
     /// The gateway in one line.
     std::function<std::string()> summary;
+    /// A user pays for rows of the history.
+    std::function<void(uid_t user, std::uint64_t rows)> charge;
     std::function<void()> pulse;
   };
   explicit Reloads(Parts parts) : parts_(std::move(parts)) {}
@@ -87,6 +91,7 @@ class Reloads {
   [[nodiscard]] bool start_reading(std::uint64_t session);
   [[nodiscard]] const char* why_not_begun() const;
   void end(Body body);
+  Body take(DescribedResult read);
   Body put_in_force(DescribedResult read);
   Body refuse(StartError why);
   Body refuse(const Error& no_gates);

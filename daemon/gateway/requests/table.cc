@@ -4,6 +4,8 @@
 #include <tuple>
 #include <variant>
 
+#include "daemon/gateway/modes.hpp"
+#include "daemon/gateway/quotas.hpp"
 #include "daemon/gateway/requests/handlers.hpp"
 
 namespace mlcca::requests {
@@ -61,6 +63,17 @@ Privilege privilege_of(const control::Request& request) {
 
 Trace trace_of(const control::Request& request) {
   return std::visit([](const auto& body) { return row_of(body).trace; }, request.body);
+}
+
+std::uint64_t least_rows_of(const control::Request& request) {
+  return std::holds_alternative<control::ReloadRequest>(request.body) ? Quotas::kRowsOfReload : 1;
+}
+
+bool takes_away(const Context& context, const control::Request& request) {
+  if (const auto* mode = std::get_if<control::ModeRequest>(&request.body))
+    return mode->mode == "enforce" && mode->when_clean_ns == 0 && context.modes.is_audit();
+  return std::holds_alternative<control::WithdrawRequest>(request.body) ||
+         std::holds_alternative<control::ReleaseRequest>(request.body);
 }
 
 Response handle(Context& context, const Asker& asker, const control::Request& request) {

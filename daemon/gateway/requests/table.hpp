@@ -21,6 +21,11 @@ enum class Trace : std::uint8_t {
 
 [[nodiscard]] Privilege privilege_of(const control::Request& request);
 [[nodiscard]] Trace trace_of(const control::Request& request);
+/// So many of these a request makes at least that is not refused.
+[[nodiscard]] std::uint64_t least_rows_of(const control::Request& request);
+/// It lets less pass than now and nothing more: no quota delays it, and its rows count all the
+/// same. What it takes away comes back by requests alone that may have to wait.
+[[nodiscard]] bool takes_away(const Context& context, const control::Request& request);
 /// Privileges have been checked.
 [[nodiscard]] Response handle(Context& context, const Asker& asker,
                               const control::Request& request);
