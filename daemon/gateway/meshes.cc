@@ -16,11 +16,23 @@ constexpr std::uint64_t kLinesAtOnce = 10;            // of one source
 constexpr std::uint64_t kLineAgain = 10'000'000'000;  // ns after which there is one more
 constexpr std::uint64_t kStep = 20'000'000;           // ns
 
-bool same_sources(const core::mesh::Mesh& a, const core::mesh::Mesh& b) {
-  return std::ranges::equal(a.sources, b.sources, [](const auto& x, const auto& y) {
-    return x.kind == y.kind && x.interface == y.interface && x.endpoint == y.endpoint &&
-           x.metric == y.metric;
-  });
+bool is_same(const core::mesh::Source& x, const core::mesh::Source& y) {
+  return x.kind == y.kind && x.interface == y.interface && x.endpoint == y.endpoint &&
+         x.metric == y.metric;
+}
+
+/// Where each of the former sources is among those of the new description; nothing: it is gone.
+std::vector<std::optional<std::size_t>> places_of(const std::vector<core::mesh::Source>& former,
+                                                  const std::vector<core::mesh::Source>& sources) {
+  std::vector<std::optional<std::size_t>> places(former.size());
+  std::vector<bool> taken(sources.size(), false);
+  for (std::size_t f = 0; f < former.size(); ++f)
+    for (std::size_t s = 0; s < sources.size() && !places[f]; ++s) {
+      if (taken[s] || !is_same(former[f], sources[s])) continue;
+      places[f] = s;
+      taken[s] = true;
+    }
+  return places;
 }
 
 std::optional<std::uint32_t> node_of(const core::mesh::Mesh& mesh, std::size_t gateway) {
@@ -32,13 +44,16 @@ std::optional<std::uint32_t> node_of(const core::mesh::Mesh& mesh, std::size_t g
 
 }  // namespace
 
-/// What was known before a reload is known until the sources say something else; what the former
-/// description said of links counts no more.
-void Meshes::hand_over(const core::mesh::LinkTable& former, Entry& entry) {
+/// What was known before a reload is known until the source that has said it says something else.
+/// What a source said that is gone counts no more, nor what the former description said of links.
+void Meshes::hand_over(const Entry& former, Entry& entry) {
+  const auto places = places_of(former.mesh.sources, entry.mesh.sources);
   std::vector<core::mesh::Snapshot> known(entry.mesh.sources.size());
-  for (const core::mesh::Known& link : former.links())
-    if (!link.stale && !core::mesh::is_description(entry.mesh.sources[link.source]))
-      known[link.source].links.push_back(link.sample);
+  for (const core::mesh::Known& link : former.table.links()) {
+    const auto place = places[link.source];
+    if (place && !link.stale && !core::mesh::is_description(entry.mesh.sources[*place]))
+      known[*place].links.push_back(link.sample);
+  }
   for (std::size_t s = 0; s < known.size(); ++s)
     if (!known[s].links.empty()) entry.table.take(s, known[s], monotonic_ns());
 }
@@ -77,10 +92,9 @@ void Meshes::describe(const core::System& system, std::size_t self) {
                                                      {},
                                                      {},
                                                      {}}));
-    const auto with_same_sources = std::ranges::find_if(former, [&](const auto& e) {
-      return e != nullptr && e->name == network.name && same_sources(e->mesh, *network.mesh);
-    });
-    if (with_same_sources != former.end()) hand_over((*with_same_sources)->table, *entries_.back());
+    const auto of_name = std::ranges::find_if(
+        former, [&](const auto& e) { return e != nullptr && e->name == network.name; });
+    if (of_name != former.end()) hand_over(**of_name, *entries_.back());
     open_sources(*entries_.back());
   }
   arm();
@@ -106,7 +120,7 @@ void Meshes::open_sources(Entry& entry) {
       take_described(entry, s);
       continue;
     }
-    auto source = net::open_source(
+    auto source = open_(
         entry.mesh.sources[s], entry.mesh, loop_,
         [this, &entry, s](const core::mesh::Snapshot& snapshot) { take(entry, s, snapshot); });
     if (source) {

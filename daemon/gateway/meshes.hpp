@@ -26,14 +26,18 @@ class Meshes {
       std::function<void(const std::string& network, const std::string& line, bool problem)>;
   /// The links of a network are believed to be others than before.
   using Changed = std::function<void(std::size_t network)>;
+  using Open = std::function<decltype(net::open_source)>;
 
   /// `loop` must outlive this.
-  Meshes(sd_event* loop, Changed changed, Report report)
-      : loop_(loop), changed_(std::move(changed)), report_(std::move(report)) {}
+  Meshes(sd_event* loop, Changed changed, Report report, Open open = net::open_source)
+      : loop_(loop),
+        changed_(std::move(changed)),
+        report_(std::move(report)),
+        open_(std::move(open)) {}
 
   /// The meshes of a new description. What is known of a mesh that is described as before stays
-  /// known. A source that cannot be opened is reported and knows nothing. `self`: the gateway of
-  /// this machine.
+  /// known, and what a source has said that is among those of the mesh as before. A source that
+  /// cannot be opened is reported and knows nothing. `self`: the gateway of this machine.
   void describe(const core::System& system, std::size_t self);
 
   /// Runs the loop until every source has reported once, at most `limit_ns`: a daemon that starts
@@ -65,7 +69,7 @@ class Meshes {
     std::vector<Lines> lines;           // per source
     std::vector<std::unique_ptr<net::LinkSource>> sources;
   };
-  static void hand_over(const core::mesh::LinkTable& former, Entry& entry);
+  static void hand_over(const Entry& former, Entry& entry);
   static std::string problem_line(const Entry& entry, std::size_t source,
                                   const std::string& problem);
   void take_described(Entry& entry, std::size_t source);
@@ -78,6 +82,7 @@ class Meshes {
   sd_event* loop_;
   Changed changed_;
   Report report_;
+  Open open_;
   std::vector<std::unique_ptr<Entry>> entries_;
   Timer timer_;
 };
