@@ -31,6 +31,12 @@ std::optional<std::string> refuses_subscription(const core::State& state,
   return admit.to + " accepts no such subscription";
 }
 
+/// Null: there is none.
+const control::Admit* recorded(const Recorder& recorder, core::AdmissionId id) {
+  const control::Request* request = recorder.contents().admissions.find(id);
+  return request != nullptr ? std::get_if<control::Admit>(&request->body) : nullptr;
+}
+
 }  // namespace
 
 void Admissions::remember() {
@@ -63,13 +69,44 @@ Admissions::LeftOut Admissions::restore_into(core::State& state) const {
   return left_out;
 }
 
-void Admissions::report_left_out() const {
-  for (const auto& [id, why] : left_out_) {
-    const auto* request = recorder_.contents().admissions.find(id);
-    const auto* admit = request != nullptr ? std::get_if<control::Admit>(&request->body) : nullptr;
-    log_.warning(Kind::trouble, why,
-                 {.channel = admit != nullptr ? admit->channel : "", .admissions = {id}});
-  }
+void Admissions::report_left_out() {
+  for (const auto& [id, why] : left_out_)
+    if (const auto before = reported_.find(id); before == reported_.end() || before->second != why)
+      log_.warning(Kind::trouble, why, about(id));
+  reported_ = left_out_;
+}
+
+std::vector<core::AdmissionId> Admissions::left_out_of(const std::string& channel) const {
+  const auto subject = core::parse_subject(channel);
+  const auto described = scene_.state->find_channel(channel);
+  const auto is_it = [&](const std::string& name) {
+    return name == channel || (subject && core::parse_subject(name) == subject) ||
+           (described && scene_.state->find_channel(name) == described);
+  };
+  std::vector<core::AdmissionId> found;
+  for (const auto& [id, why] : left_out_)
+    if (const auto* admit = recorded(recorder_, id); admit != nullptr && is_it(admit->channel))
+      found.push_back(id);
+  return found;
+}
+
+About Admissions::about(core::AdmissionId id) const {
+  const core::State& state = *scene_.state;
+  const auto* admit = recorded(recorder_, id);
+  const auto in_force = state.admissions().find(id);
+  std::optional<std::size_t> channel;
+  if (in_force != state.admissions().end())
+    channel = in_force->second;
+  else if (admit != nullptr)
+    channel = state.find_channel(admit->channel);
+  if (channel)
+    return {.subject = state.system().channels[*channel].subject,
+            .channel = state.system().channels[*channel].name,
+            .admissions = {id}};
+  if (admit == nullptr) return {.admissions = {id}};
+  return {.subject = core::parse_subject(admit->channel).value_or(0),
+          .channel = admit->channel,
+          .admissions = {id}};
 }
 
 Result<core::AdmissionId> Admissions::named(core::AdmissionId id, const std::string& key) const {
@@ -116,10 +153,19 @@ Result<void> Admissions::release(const std::vector<core::AdmissionId>& gone,
                                  const std::string& why) {
   turn_.commit();
   std::vector<store::Entry> entries;
+  std::vector<About> released;
   entries.reserve(gone.size());
-  for (const core::AdmissionId id : gone) entries.emplace_back(store::Removed{id});
+  released.reserve(gone.size());
+  for (const core::AdmissionId id : gone) {
+    entries.emplace_back(store::Removed{id});
+    released.push_back(about(id));
+  }
   if (auto done = recorder_.write_at_once(entries); !done) return done;
-  deliveries_.released(gone, why);
+  for (About& one : released) {
+    const std::string of = one.channel.empty() ? "" : " of " + one.channel;
+    const core::AdmissionId id = one.admissions.front();
+    log_.notice(Kind::released, fmt::format("admission {}{}: {}", id, of, why), std::move(one));
+  }
   // A gate that refuses denies as a whole, and the log says so: they are released all the same.
   static_cast<void>(turn_.settle(forget(gone)));
   tags_.leave_unused();

@@ -15,7 +15,6 @@
 #include "base/result.hpp"
 #include "control/messages.hpp"
 #include "core/admission/state.hpp"
-#include "daemon/gateway/delivery_events.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/keys.hpp"
 #include "daemon/gateway/leases.hpp"
@@ -32,15 +31,9 @@ class Admissions {
   using LeftOut = std::map<core::AdmissionId, std::string>;
 
   /// All of them must outlive this.
-  Admissions(Scene& scene, Recorder& recorder, EventLog& log, DeliveryEvents& deliveries,
-             Turn& turn, TagBindings& tags, const Clock& clock)
-      : scene_(scene),
-        recorder_(recorder),
-        log_(log),
-        deliveries_(deliveries),
-        turn_(turn),
-        tags_(tags),
-        clock_(clock) {}
+  Admissions(Scene& scene, Recorder& recorder, EventLog& log, Turn& turn, TagBindings& tags,
+             const Clock& clock)
+      : scene_(scene), recorder_(recorder), log_(log), turn_(turn), tags_(tags), clock_(clock) {}
 
   /// After a start: keys and leases of what is recorded. No client is connected, so each lease
   /// starts again.
@@ -52,8 +45,10 @@ class Admissions {
   /// Those that have no place in the description that is in force.
   [[nodiscard]] const LeftOut& left_out() const { return left_out_; }
   void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
-  /// Warns of each of them.
-  void report_left_out() const;
+  /// Warns of each of them that was not reported so at the latest time.
+  void report_left_out();
+  /// Those of a channel that a client calls so. The description need not have it any more.
+  [[nodiscard]] std::vector<core::AdmissionId> left_out_of(const std::string& channel) const;
 
   /// By its key, or else by its number; also one that is left out. The error says what is missing.
   [[nodiscard]] Result<core::AdmissionId> named(core::AdmissionId id, const std::string& key) const;
@@ -80,7 +75,8 @@ class Admissions {
   }
   void renew(core::AdmissionId id) { leases_.renew(id, clock_.monotonic_ns()); }
 
-  /// Takes admissions back: on disk first, then in the kernel. After an error nothing has changed.
+  /// Takes admissions back, also those that are left out: on disk first, then in the kernel. After
+  /// an error nothing has changed.
   Result<void> release(const std::vector<core::AdmissionId>& gone, const std::string& why);
   /// The disk has refused what was admitted: no client has been granted it.
   void take_back(const std::vector<core::AdmissionId>& lost);
@@ -88,19 +84,21 @@ class Admissions {
   bool end_some();
 
  private:
+  /// Which channel it is of; also one that is left out.
+  [[nodiscard]] About about(core::AdmissionId id) const;
   /// Takes them out of everything but the disk. Gives what the gates had of their channels.
   core::FormerRules forget(const std::vector<core::AdmissionId>& gone);
 
   Scene& scene_;
   Recorder& recorder_;
   EventLog& log_;
-  DeliveryEvents& deliveries_;
   Turn& turn_;
   TagBindings& tags_;
   const Clock& clock_;
   Keys keys_;
   Leases leases_;
   LeftOut left_out_;
+  LeftOut reported_;  ///< as of the latest report_left_out()
   std::map<core::AdmissionId, std::set<std::uint64_t>> held_;  ///< by which connections
 };
 

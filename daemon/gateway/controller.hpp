@@ -187,8 +187,7 @@ class Controller {
                            outside_.gates, deliveries_, delivery_health_};
   GateEvents gate_events_{
       {scene_, outside_.gates, outside_.links, outside_.log, silences_, delivery_health_, tags_}};
-  Admissions admissions_{scene_, recorder_, outside_.log,  deliveries_,
-                         turn_,  tags_,     outside_.clock};
+  Admissions admissions_{scene_, recorder_, outside_.log, turn_, tags_, outside_.clock};
   std::set<std::size_t> changed_meshes_;  ///< networks
   Meshes meshes_;
   ChannelReports channels_{scene_,      outside_.gates, delivery_health_,

@@ -138,21 +138,6 @@ void DeliveryEvents::gone(const std::string& subject, const core::Delivery& deli
                                                       : std::vector<core::AdmissionId>{}});
 }
 
-void DeliveryEvents::released(const std::vector<core::AdmissionId>& gone, const std::string& why) {
-  for (const core::AdmissionId id : gone) {
-    const auto known = scene_.state->admissions().find(id);
-    const core::EventChannel* channel = known != scene_.state->admissions().end()
-                                            ? &scene_.state->system().channels[known->second]
-                                            : nullptr;
-    log_.notice(Kind::released,
-                fmt::format("admission {}{}: {}", id,
-                            channel != nullptr ? " of " + channel->name : "", why),
-                {.subject = channel != nullptr ? channel->subject : 0,
-                 .channel = channel != nullptr ? channel->name : "",
-                 .admissions = {id}});
-  }
-}
-
 void DeliveryEvents::changes(const std::vector<core::Change>& changes) {
   for (const core::Change& change : changes) {
     for (const core::Verdict& v : scene_.state->decisions()[change.channel].verdicts) {

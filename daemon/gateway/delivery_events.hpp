@@ -41,7 +41,6 @@ class DeliveryEvents {
   /// granted before what is not any more.
   void outcome(const Granted& before, const Reported& reported);
   void changes(const std::vector<core::Change>& changes);
-  void released(const std::vector<core::AdmissionId>& gone, const std::string& why);
   void dropped(const core::Verdict& verdict, Fate fate, std::uint64_t frames);
   /// The same, of a channel that is granted now, before it was.
   void dropped_before(std::size_t channel, Fate fate, std::uint64_t frames);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "daemon/gateway/admissions.hpp"
@@ -18,10 +19,12 @@ Response release(Context& context, const Asker& /*asker*/, const control::Releas
     if (!named) return invalid(named.error().text);
     gone.push_back(*named);
   } else {
+    gone = context.admissions.left_out_of(request.channel);
     const auto named = channel_named(state, request.channel);
-    if (!named) return invalid(named.error().text);
+    if (!named && gone.empty()) return invalid(named.error().text);
     for (const auto& [admission, of] : state.admissions())
-      if (of == *named) gone.push_back(admission);
+      if (named && of == *named) gone.push_back(admission);
+    std::ranges::sort(gone);
     if (gone.empty())
       return invalid(
           fmt::format("{0} has no run-time admission: what is described of it is stopped "
