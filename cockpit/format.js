@@ -27,5 +27,11 @@ export function value(number, unit) {
   if (unit === "ns") return duration(number);
   if (unit === "bytes/s") return rate(number);
   if (unit === "1e-9") return percent(number / 1e9);
-  return `${count(number)}${unit === "events" ? "" : ` ${unit}`}`;
+  const own = /^1e(-?\d+)(?: (.*))?$/.exec(unit);  // of an attribute that the description defines
+  if (own) {
+    const places = Math.min(Math.max(-Number(own[1]), 0), 20);
+    const text = (number * 10 ** Number(own[1])).toLocaleString("en", { maximumFractionDigits: places });
+    return own[2] ? `${text} ${own[2]}` : text;
+  }
+  return `${count(number)}${unit === "events" || unit === "" ? "" : ` ${unit}`}`;
 }

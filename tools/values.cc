@@ -58,6 +58,20 @@ bool is_moderate(const Decimal& number) {
          (number.digits().empty() || number_in<Value>(number.digits()));
 }
 
+/// From a unit as core::unit_name has it: "1e-1 K" is K in tenths.
+core::UserAttribute own_of(std::string_view unit) {
+  core::UserAttribute own;
+  own.unit = unit;
+  if (!unit.starts_with("1e")) return own;
+  constexpr int most = 30;  // of a description
+  const std::size_t end = std::min(unit.find(' '), unit.size());
+  const auto magnitude = number_in<int>(unit.substr(2, end - 2));
+  if (!magnitude || *magnitude < -most || *magnitude > most) return own;
+  own.magnitude = *magnitude;
+  own.unit = unit.substr(std::min(end + 1, unit.size()));
+  return own;
+}
+
 bool rounds_up(Attribute attribute, Role role) {
   const bool more_traffic = role == Role::offered && attribute == Attribute::jitter;
   return more_traffic || info(attribute).better == Better::larger;
@@ -174,8 +188,7 @@ const Unit* unit_of(std::string_view base, std::string_view name) {
 std::string print_value(std::string_view attribute, std::uint64_t value, std::string_view unit) {
   for (std::size_t i = 0; i < kAttributes; ++i)
     if (attribute == kAttributeTable[i].name) return core::format_value(attribute_at(i), value);
-  if (value == kUnbounded) return "unbounded";
-  return unit.empty() ? fmt::format("{}", value) : fmt::format("{} {}", value, unit);
+  return core::format_user_value(own_of(unit), value);
 }
 
 std::string print_duration(std::uint64_t ns) {

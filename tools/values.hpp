@@ -40,7 +40,8 @@ Result<std::uint64_t> parse_microseconds(std::string_view text, Rounding roundin
 /// "7.542857 Mbit/s" of bit/s, exactly.
 std::string print_bit_rate(std::uint64_t bits_per_second);
 
-/// "50 ms"; "12 apples" for an attribute and unit that are not in mlcca::kAttributeTable.
+/// "50 ms"; for an attribute that is not in mlcca::kAttributeTable "12 apples", and "1.2 apples" of
+/// the unit "1e-1 apples".
 std::string print_value(std::string_view attribute, std::uint64_t value, std::string_view unit);
 
 /// "50 ms" of nanoseconds, "for ever" of 2^64-1.

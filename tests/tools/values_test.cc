@@ -150,6 +150,17 @@ TEST(ValueTest, OfAnUnknownAttributeIsPrintedWithItsUnit) {
   EXPECT_EQ(print_value("Hops", kUnbounded, ""), "unbounded");
 }
 
+TEST(ValueTest, OfAnAttributeOfTheDescriptionIsPrintedAsCheckPrintsIt) {
+  EXPECT_EQ(print_value("Temperature", 3100, "1e-1 K"), "310 K");
+  EXPECT_EQ(print_value("Temperature", 3105, "1e-1 K"), "310.5 K");
+  EXPECT_EQ(print_value("Pressure", 12, "1e2 m^-1 kg s^-2"), "1200 m^-1 kg s^-2");
+  EXPECT_EQ(print_value("Trust", 25, "1e-1"), "2.5");
+  EXPECT_EQ(print_value("Trust", kUnbounded, "1e-1"), "unbounded");
+  EXPECT_EQ(print_value("Odd", 3, "1e5000 K"), "3 1e5000 K") << "no magnitude that there is";
+  EXPECT_EQ(print_value("Odd", 3, "1e-1K"), "3 1e-1K");
+  EXPECT_EQ(print_value("Odd", 3, "1e"), "3 1e");
+}
+
 TEST(ValueTest, DurationMayBeForEver) {
   EXPECT_EQ(print_duration(10'000'000'000), "10 s");
   EXPECT_EQ(print_duration(0), "0 ns");
