@@ -51,6 +51,8 @@ Result<Fd> event_socket(const control::Endpoint& endpoint) {
     return system_error(name);
   if (!set(socket, SOL_SOCKET, SO_REUSEADDR, on) || !set(socket, SOL_SOCKET, SO_BROADCAST, on) ||
       !set(socket, IPPROTO_IP, IP_MULTICAST_LOOP, off) ||
+      // Otherwise the kernel reports success of what a gate or a queue drops.
+      !set(socket, IPPROTO_IP, IP_RECVERR, on) ||
       !set(socket, IPPROTO_IP, IP_MULTICAST_IF, outgoing))
     return system_error("setsockopt");
   if (const auto done = ask_for_times(socket); !done) return std::unexpected(done.error());
@@ -120,7 +122,10 @@ bool UdpLayer::receive(std::size_t most, const OnEvent& on_event) {
         receive_into(socket_, buffer_.data(), buffer_.size(), &from, sizeof from);
     if (n < 0 && (errno == ENODEV || errno == ENXIO)) return false;
     if (n < 0 && errno != EAGAIN) continue;  // of an earlier datagram: ENETDOWN, ECONNREFUSED
-    if (n < 0) return true;
+    if (n < 0) {
+      if (count == 0) read_errors();
+      return true;
+    }
     if (said.says_dropped) losses_.in_socket = said.dropped;
     if (static_cast<std::size_t>(n) > kMostDatagram)
       ++losses_.malformed;
@@ -129,6 +134,14 @@ bool UdpLayer::receive(std::size_t most, const OnEvent& on_event) {
            said.unix_ns, on_event);
   }
   return true;
+}
+
+/// What is reported of datagrams that were sent before makes the socket readable until it is read.
+void UdpLayer::read_errors() {
+  constexpr unsigned most = 64;
+  for (unsigned i = 0; i < most; ++i)
+    if (receive_into(socket_, buffer_.data(), buffer_.size(), nullptr, 0, MSG_ERRQUEUE).size < 0)
+      return;
 }
 
 void UdpLayer::take(Octets octets, std::uint32_t from, std::uint64_t unix_ns,

@@ -37,6 +37,7 @@ class UdpLayer : public Layer {
 
   UdpLayer(Fd socket, std::uint32_t ifindex);
   [[nodiscard]] Result<void> join(std::uint32_t group);
+  void read_errors();
   void take(Octets octets, std::uint32_t from, std::uint64_t unix_ns, const OnEvent& on_event);
   Sent send_one(const sockaddr_in& to, std::uint64_t subject, bool is_fragment, Octets data);
 
