@@ -65,6 +65,7 @@ Delivery delivery_of(const control::Channel& from) {
                .trouble = from.troubles.empty() ? "" : from.troubles.front(),
                .route = from.route,
                .checks = {}};
+  out.checks.reserve(from.rows.size());
   std::ranges::transform(from.rows, std::back_inserter(out.checks), check_of);
   return out;
 }
@@ -97,6 +98,7 @@ std::optional<Answer> answer_of(const control::Reply& reply) {
   }
   const auto* channels = std::get_if<control::Channels>(&reply.body);
   if (channels == nullptr) return std::nullopt;
+  out.deliveries.reserve(channels->channels.size());
   std::ranges::transform(channels->channels, std::back_inserter(out.deliveries), delivery_of);
   summarise(out);
   return out;

@@ -2,7 +2,7 @@
 // What a channel of a program is to its connection.
 #pragma once
 #include <cstdint>
-#include <deque>
+#include <list>
 #include <memory>
 #include <vector>
 
@@ -27,7 +27,7 @@ struct Channel::Part {
   bool lost = false;    ///< the daemon went after it was announced
   bool lagged = false;  ///< exceptions were lost
   std::string problem;  ///< why its events cannot be carried; empty: they can
-  std::deque<Exception> waiting;
+  std::list<Exception> waiting;  ///< takes no memory while nothing waits
   std::weak_ptr<Client::Connection> connection;
 
   /// Where too many wait, what only informs goes first, then what is oldest.
