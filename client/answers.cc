@@ -104,6 +104,10 @@ std::optional<Answer> answer_of(const control::Reply& reply) {
   return out;
 }
 
+bool is_refused_further_on(const control::Event& event) {
+  return event.kind == "refused" && event.publisher.empty() && !event.network.empty();
+}
+
 Meaning meaning_of(const control::Event& event) {
   const Named* const known = kind_of(event);
   return known == nullptr ? Meaning::happened : known->meaning;

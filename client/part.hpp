@@ -23,10 +23,10 @@ struct Channel::Part {
   std::uint64_t subject = 0;                 ///< 0: not known yet
   std::uint64_t asked = 0;                   ///< the request that waits for an answer, 0: none
   bool outdated = false;                     ///< something has changed since it was asked
-  bool failed = false;  ///< the daemon could not answer: it is asked again later
-  bool lost = false;    ///< the daemon went after it was announced
-  bool lagged = false;  ///< exceptions were lost
-  std::string problem;  ///< why its events cannot be carried; empty: they can
+  bool failed = false;           ///< the daemon could not answer: it is asked again later
+  bool lost = false;             ///< the daemon went after it was announced
+  bool lagged = false;           ///< exceptions were lost
+  std::string problem;           ///< why its events cannot be carried; empty: they can
   std::list<Exception> waiting;  ///< takes no memory while nothing waits
   std::weak_ptr<Client::Connection> connection;
 

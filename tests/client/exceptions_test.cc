@@ -147,6 +147,31 @@ TEST(Exceptions, WhatADaemonCannotAnswerIsAskedForLater) {
   EXPECT_EQ(causes(exceptions(client, stop, 1)), Texts{"daemon back"});
 }
 
+/// This gateway has granted it, and asked the next one in vain.
+TEST(Exceptions, ARefusalFurtherOnIsToldToSubscribers) {
+  control::Reply further = event("refused");
+  auto& said = std::get<control::Event>(further.body);
+  said.network = "middle";
+  said.message = "stop from middle: refused further on by 10.77.3.2: Latency 4 ms required";
+  for (const bool subscribes : {true, false}) {
+    Scene scene({{{channels({delivery("field", true)}), further, event("dropping")}},
+                 {{channels({delivery("field", true)})}}});
+    Client client(scene.options());
+    SubscriberChannel subscriber(client, "stop");
+    PublisherChannel publisher(client, "stop");
+    Channel& channel = subscribes ? static_cast<Channel&>(subscriber) : publisher;
+    if (subscribes)
+      subscriber.subscribe();
+    else
+      publisher.announce();
+    const auto all = exceptions(client, channel, subscribes ? 2 : 1);
+    EXPECT_EQ(causes(all), subscribes ? (Texts{"refused", "dropped"}) : (Texts{"dropped"}));
+    if (subscribes) {
+      EXPECT_EQ(all[0].text, said.message);
+    }
+  }
+}
+
 /// Another program may hold the port for a while.
 TEST(Exceptions, EventsThatCannotBeCarriedAreTriedAgain) {
   control::Channels nowhere{{delivery("field", true)}, 0};

@@ -315,6 +315,19 @@ class Blocking(Clients, unittest.TestCase):
                 client.process()
         self.through([b"1"], take, user=os.getuid() + 1)
 
+    def test_a_refusal_further_on_is_told_to_a_subscriber(self):
+        daemon = Daemon([channels(True), event("refused", network="middle")], [channels(True)])
+        try:
+            with mlcca.Client(daemon.path, patience=60) as client:
+                stop, told = client.subscriber("stop"), []
+                stop.on_exception = told.append
+                stop.subscribe()
+                while not told:
+                    client.wait(60)
+        finally:
+            daemon.close()
+        self.assertEqual([(e.cause, e.text) for e in told], [(Cause.REFUSED, "what is refused")])
+
     def test_after_close_there_is_nothing(self):
         client = mlcca.Client("/none")
         stop, brake = client.publisher("stop"), client.subscriber("brake")

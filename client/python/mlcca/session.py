@@ -341,6 +341,11 @@ class Session:
             # What came before the first answer happened before it was announced.
             if event.kind not in VERDICT and part.answer.state is State.UNANNOUNCED:
                 continue
+            # Of a subscription that the gateway has passed on: what it decides itself has not changed.
+            if event.kind == "refused" and not event.publisher and event.network:
+                if not part.publishes:
+                    part.note(Cause.REFUSED, event.message, event)
+                continue
             if event.kind not in VERDICT:
                 if event.subject == 0 or part.concerns(event):
                     part.note(HAPPENED.get(event.kind, Cause.OTHER), event.message, event)
