@@ -14,6 +14,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -169,9 +170,12 @@ class Learn {
 
   std::optional<Refusal> observe() {
     std::vector<std::string> live;
+    std::set<std::pair<::dev_t, ::ino_t>> files;
     for (const std::string& source : a_.sources) {
       struct stat status{};
       if (::stat(source.c_str(), &status) == 0) {
+        if (!files.emplace(status.st_dev, status.st_ino).second)
+          return wrong(source + " is given twice: each recording counts once");
         if (auto refused = read_file_of_frames(source)) return refused;
       } else if (learn::is_interface(source)) {
         live.push_back(source);
@@ -183,6 +187,7 @@ class Learn {
   }
 
   std::optional<Refusal> read_file_of_frames(const std::string& path) {
+    observer_.begin(path);
     const auto left = learn::read_recording(path, interfaces_,
                                             [this](const auto& frame) { observer_.add(frame); });
     if (!left) return wrong(left.error().text);
@@ -204,6 +209,7 @@ class Learn {
     }
     const auto listener = learn::Listener::open(live, interfaces_);
     if (!listener) return Refusal{Exit::world, listener.error().text, {}};
+    observer_.begin("what was listened to");
     const learn::KernelCopies carried = carried_by_kernel(live);
     struct sigaction action{};
     action.sa_handler = [](int) { stop_asked = 1; };

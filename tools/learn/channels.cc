@@ -41,8 +41,13 @@ Times times_of(const Flow& flow) {
   const auto rates = flow.rates();
   if (rates.empty()) {
     out.period = tools::kPeriodOfOne;
-    out.seen = "seen once: the Period is assumed";
-    if (flow.events() < 2) return out;
+    out.seen = flow.events() < 2
+                   ? "seen once: the Period is assumed"
+                   : fmt::format(
+                         "seen {} times, each alone in its recording or before time went "
+                         "back: the Period is assumed",
+                         flow.events());
+    if (flow.gaps() == 0) return out;
     out.period = std::max<std::uint64_t>(tools::nominal(flow.mean_of_few() / 2), 1000);
     const std::uint64_t early = flow.early_of_few(out.period);
     out.jitter = early == 0 ? 0 : with_margin(early, 100);

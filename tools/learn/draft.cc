@@ -311,6 +311,8 @@ class Drafter {
         "  <!-- {}: {} {}; profile {}, {} % sure: {} -->\n", tools::in_comment(name), of.frames,
         is_ethernet(interface) ? "datagrams" : "frames",
         tools::profile_word(of.recognised->profile), of.recognised->percent, of.recognised->why);
+    for (std::string& note : of.timeline.notes(name, observer_.recordings()))
+      out_.left_out.push_back(std::move(note));
     if (of.unfollowed != 0)
       out_.left_out.push_back(
           fmt::format("{}: {} events of further identifiers: {} are followed at most", name,

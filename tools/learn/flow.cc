@@ -24,28 +24,41 @@ std::uint64_t Flow::middle_of(std::size_t part) {
   return low + (std::uint64_t{1} << (octave - 5)) / 2;
 }
 
-void Flow::add(std::uint64_t ns, std::uint32_t bytes) {
+void Flow::add(std::uint64_t ns, std::uint32_t bytes, Stretch stretch) {
+  // Recordings of several queues may be so much out of order, ns.
+  constexpr std::uint64_t disorder = 1'000'000;
   least_bytes_ = std::min(least_bytes_, bytes);
   most_bytes_ = std::max(most_bytes_, bytes);
-  if (events_++ == 0) {
-    last_ = ns;
-    begin_.push_back(ns);
+  const bool is_reset = events_++ == 0 || stretch.clock != stretch_.clock || ns + disorder < last_;
+  const bool is_new = is_reset || stretch != stretch_;
+  stretch_ = stretch;
+  if (!is_reset) ns = std::max(ns, last_);
+  const std::uint64_t gap = ns - std::exchange(last_, ns);
+  if (!is_new) count_gap(gap);
+  if (gaps_ + 1 >= kFirst && begin_.empty()) {
+    judge({ns, is_new, is_reset});
     return;
   }
-  ns = std::max(ns, last_);  // recordings of several interfaces may be a little out of order
-  const std::uint64_t gap = ns - std::exchange(last_, ns);
+  keep({ns, is_new, is_reset});
+  if (gaps_ + 1 == kFirst) choose_periods();
+}
+
+void Flow::count_gap(std::uint64_t gap) {
   if (!histogram_) histogram_ = std::make_unique<Histogram>();
   ++gaps_;
   shortest_ = std::min(shortest_, gap);
   longest_ = std::max(longest_, gap);
   std::uint32_t& count = (*histogram_)[part_of(gap)];
   if (count != UINT32_MAX) ++count;
-  if (events_ < kFirst) {
-    begin_.push_back(ns);
-    return;
+}
+
+/// Events that are alone in their stretches say nothing, and are not kept.
+void Flow::keep(Moment event) {
+  if (event.is_new && !begin_.empty() && begin_.back().is_new) {
+    event.is_reset = event.is_reset || begin_.back().is_reset;
+    begin_.pop_back();
   }
-  if (events_ == kFirst) choose_periods();
-  judge(ns);
+  begin_.push_back(event);
 }
 
 std::uint64_t Flow::quantile(double share) const {
@@ -76,43 +89,47 @@ double Flow::regular_share() const {
 /// From the median or mean of the first gaps downwards.
 void Flow::choose_periods() {
   std::vector<std::uint64_t> gaps;
-  for (std::size_t i = 1; i < begin_.size(); ++i) gaps.push_back(begin_[i] - begin_[i - 1]);
+  for (std::size_t i = 1; i < begin_.size(); ++i)
+    if (!begin_[i].is_new) gaps.push_back(begin_[i].ns - begin_[i - 1].ns);
   std::ranges::nth_element(gaps, gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2));
   // Of bursts the median is the time within one, and the mean is what they take of the bus.
-  const std::uint64_t mean = (begin_.back() - begin_.front()) / gaps.size();
-  const std::uint64_t first = std::max({gaps[gaps.size() / 2], mean, std::uint64_t{1000}});
+  const std::uint64_t first = std::max({gaps[gaps.size() / 2], mean_of_few(), std::uint64_t{1000}});
   constexpr std::array<unsigned, kPolicers> percent = {100, 99, 98, 95, 90, 80,
                                                        67,  50, 33, 25, 10, 5};
   const std::uint64_t period = tools::nominal(first);
   for (std::size_t i = 0; i < kPolicers; ++i)
     policers_[i].period = std::max<std::uint64_t>(period * percent[i] / 100, 1);
-  for (const std::uint64_t ns : begin_) judge(ns);
+  for (const Moment& one : begin_) judge(one);
   begin_ = {};
 }
 
-void Flow::judge(std::uint64_t ns) {
-  for (Policer& p : policers_) p.take(ns);
+void Flow::judge(const Moment& event) {
+  for (Policer& p : policers_) p.take(event);
 }
 
-void Flow::Policer::take(std::uint64_t ns) {
+void Flow::Policer::take(const Moment& event) {
+  const std::uint64_t ns = event.ns;
+  if (event.is_reset) due = 0;
   if (ns < due) early = std::max(early, due - ns);
   due = std::max(due, ns) + period;
 }
 
 std::uint64_t Flow::mean_of_few() const {
-  if (begin_.size() < 2) return 0;
-  return (begin_.back() - begin_.front()) / (begin_.size() - 1);
+  std::uint64_t sum = 0;
+  for (std::size_t i = 1; i < begin_.size(); ++i)
+    if (!begin_[i].is_new) sum += begin_[i].ns - begin_[i - 1].ns;
+  return gaps_ == 0 ? 0 : sum / gaps_;
 }
 
 std::uint64_t Flow::early_of_few(std::uint64_t period) const {
   Policer policer{.period = period};
-  for (const std::uint64_t ns : begin_) policer.take(ns);
+  for (const Moment& one : begin_) policer.take(one);
   return policer.early;
 }
 
 std::vector<Rate> Flow::rates() const {
   std::vector<Rate> out;
-  if (events_ < kFirst) return out;
+  if (gaps_ + 1 < kFirst) return out;
   for (const Policer& p : policers_) out.push_back({p.period, p.early});
   return out;
 }

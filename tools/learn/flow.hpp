@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // What is seen of the events of one publisher: how often they come, how unevenly, how long they
-// are. Events are handed over in the order of time; memory does not grow with their number.
+// are. Events are handed over in the order of time, in stretches (see Timeline); memory does not
+// grow with their number.
 #pragma once
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
+
+#include "tools/learn/timeline.hpp"
 
 namespace mlcca::learn {
 
@@ -19,14 +22,16 @@ struct Rate {
 
 class Flow {
  public:
-  /// An event at `ns`, of `bytes`.
-  void add(std::uint64_t ns, std::uint32_t bytes);
+  /// An event at `ns`, of `bytes`. What is between two events of different stretches of time is no
+  /// gap.
+  void add(std::uint64_t ns, std::uint32_t bytes, Stretch stretch = {});
 
   [[nodiscard]] std::uint64_t events() const { return events_; }
   [[nodiscard]] std::uint32_t least_bytes() const { return least_bytes_; }
   [[nodiscard]] std::uint32_t most_bytes() const { return most_bytes_; }
 
-  // Of the times between two events, ns; 0 with less than two of them.
+  // Of the times between two events of a stretch, ns; 0 where there are none.
+  [[nodiscard]] std::uint64_t gaps() const { return gaps_; }
   [[nodiscard]] std::uint64_t shortest_gap() const { return gaps_ == 0 ? 0 : shortest_; }
   [[nodiscard]] std::uint64_t longest_gap() const { return longest_; }
   /// To 2 %.
@@ -36,14 +41,14 @@ class Flow {
   /// may be lost.
   [[nodiscard]] double regular_share() const;
 
-  // Of a flow with 2 events to kFirst:
+  // Of a flow with fewer than kFirst - 1 gaps:
   /// ns between two events.
   [[nodiscard]] std::uint64_t mean_of_few() const;
   /// How early events came to a period at most, ns.
   [[nodiscard]] std::uint64_t early_of_few(std::uint64_t period) const;
 
   /// For periods up to the median or mean of the first gaps, the longest first. Empty with less
-  /// than kFirst events.
+  /// than kFirst - 1 gaps.
   [[nodiscard]] std::vector<Rate> rates() const;
 
   /// So many events are kept until their rate is known well enough to judge all others by it.
@@ -56,27 +61,37 @@ class Flow {
   static constexpr unsigned kHighest = 40;  // 18 minutes
   using Histogram = std::array<std::uint32_t, std::size_t{kParts} * (kHighest - kLowest)>;
 
+  /// When an event came, whether what is before it is no gap, and whether that has another clock.
+  struct Moment {
+    std::uint64_t ns = 0;
+    bool is_new = false;
+    bool is_reset = false;
+  };
+
   static std::size_t part_of(std::uint64_t gap);
   static std::uint64_t middle_of(std::size_t part);
+  void keep(Moment event);
+  void count_gap(std::uint64_t gap);
   void choose_periods();
-  void judge(std::uint64_t ns);
+  void judge(const Moment& event);
 
   struct Policer {
     std::uint64_t period = 0;
     std::uint64_t due = 0;  ///< when the next event may come, ns; 0: at once
     std::uint64_t early = 0;
-    void take(std::uint64_t ns);
+    void take(const Moment& event);
   };
   static constexpr std::size_t kPolicers = 12;
 
   std::uint64_t events_ = 0;
   std::uint64_t gaps_ = 0;
   std::uint64_t last_ = 0;
+  Stretch stretch_;
   std::uint64_t shortest_ = UINT64_MAX;
   std::uint64_t longest_ = 0;
   std::uint32_t least_bytes_ = UINT32_MAX;
   std::uint32_t most_bytes_ = 0;
-  std::vector<std::uint64_t> begin_;  ///< the first kFirst times, until the periods are chosen
+  std::vector<Moment> begin_;  ///< until the periods are chosen
   std::array<Policer, kPolicers> policers_{};
   std::unique_ptr<Histogram> histogram_;
 };

@@ -86,11 +86,13 @@ void Observer::state(std::uint32_t interface, core::Profile profile) {
 std::optional<std::uint32_t> Observer::add(const Frame& frame) {
   Interface& of = at(frame.interface);
   ++of.frames;
+  const Stretch stretch =
+      of.timeline.take(frame.ns, static_cast<std::uint32_t>(recordings_.size() - 1));
   if (frame.datagram) {
     of.medium = Medium::ethernet;
     if (!of.datagrams) of.datagrams = std::make_unique<Datagrams>();
     of.datagrams->take(frame, [&](const Event& event) {
-      Seen* const seen = record(frame.interface, event);
+      Seen* const seen = record(frame.interface, event, stretch);
       if (seen != nullptr) seen->mac = event.mac;
     });
     return std::nullopt;
@@ -99,7 +101,7 @@ std::optional<std::uint32_t> Observer::add(const Frame& frame) {
   const auto origin = copies_.origin_of(frame);
   const auto before = origin ? std::optional(origin->interface) : std::nullopt;
   if (of.decoder) {
-    follow(frame, origin);
+    follow(frame, origin, stretch);
     return before;
   }
   of.recogniser.add(frame);
@@ -107,6 +109,7 @@ std::optional<std::uint32_t> Observer::add(const Frame& frame) {
   std::ranges::copy(frame.data, kept.data.begin());
   kept.frame = frame;
   kept.origin = origin;
+  kept.stretch = stretch;
   if (of.recogniser.frames() == Recogniser::kMost) decide(frame.interface);
   return before;
 }
@@ -117,7 +120,7 @@ void Observer::decide(std::uint32_t interface) {
   of.decoder = std::make_unique<Decoder>(of.recognised->profile);
   for (Kept& kept : std::exchange(kept_[interface], {})) {
     kept.frame.data = {kept.data.data(), kept.frame.data.size()};
-    follow(kept.frame, kept.origin);
+    follow(kept.frame, kept.origin, kept.stretch);
   }
 }
 
@@ -138,7 +141,7 @@ void Observer::finish(std::size_t interfaces, std::span<const Medium> media) {
   find_origins();
 }
 
-Seen* Observer::record(std::uint32_t interface, const Event& event) {
+Seen* Observer::record(std::uint32_t interface, const Event& event, Stretch stretch) {
   const FlowKey key{interface, event.number, event.node, event.local};
   auto known = flows_.find(key);
   if (known == flows_.end()) {
@@ -151,7 +154,7 @@ Seen* Observer::record(std::uint32_t interface, const Event& event) {
     order_.push_back(key);
   }
   Seen& seen = known->second;
-  seen.flow.add(event.ns, event.bytes);
+  seen.flow.add(event.ns, event.bytes, stretch);
   seen.frame_bytes = std::max(seen.frame_bytes, event.frame_bytes);
   if (seen.priorities.size() < kMostPriorities) seen.priorities.insert(event.priority);
   if (event.fd) ++seen.fd;
@@ -161,9 +164,10 @@ Seen* Observer::record(std::uint32_t interface, const Event& event) {
   return &seen;
 }
 
-void Observer::follow(const Frame& frame, const std::optional<Copies::Origin>& origin) {
+void Observer::follow(const Frame& frame, const std::optional<Copies::Origin>& origin,
+                      Stretch stretch) {
   interfaces_[frame.interface].decoder->take(frame, [&](const Event& event) {
-    Seen* const seen = record(frame.interface, event);
+    Seen* const seen = record(frame.interface, event, stretch);
     if (seen != nullptr && origin) seen->from[origin->interface].add(frame.ns - origin->ns);
   });
 }

@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "tools/learn/decode.hpp"
 #include "tools/learn/flow.hpp"
 #include "tools/learn/recognise.hpp"
+#include "tools/learn/timeline.hpp"
 
 namespace mlcca::learn {
 
@@ -73,6 +75,8 @@ class Observer {
   /// Flows that are followed; frames of further ones are counted.
   static constexpr std::size_t kMostFlows = 4096;
 
+  /// What follows is of that recording, or is listened to.
+  void begin(const std::string& recording) { recordings_.push_back(recording); }
   /// Of an interface whose profile is stated.
   void state(std::uint32_t interface, core::Profile profile);
   /// Frames in the order of their times, as far as their interfaces are read together. Returns the
@@ -91,8 +95,10 @@ class Observer {
     bool is_stated = false;                ///< its profile
     std::uint64_t frames = 0;
     std::uint64_t unfollowed = 0;  ///< events of flows beyond kMostFlows
+    Timeline timeline;
   };
   [[nodiscard]] const std::vector<Interface>& interfaces() const { return interfaces_; }
+  [[nodiscard]] const std::vector<std::string>& recordings() const { return recordings_; }
   [[nodiscard]] const std::map<FlowKey, Seen>& flows() const { return flows_; }
   /// Flows of the same content at the same times, that may be one by chance: the later one first.
   [[nodiscard]] const std::vector<std::pair<FlowKey, FlowKey>>& alike() const { return alike_; }
@@ -102,15 +108,17 @@ class Observer {
     Frame frame;
     std::array<std::uint8_t, 64> data;
     std::optional<Copies::Origin> origin;
+    Stretch stretch;
   };
   Interface& at(std::uint32_t interface);
   void decide(std::uint32_t interface);
-  void follow(const Frame& frame, const std::optional<Copies::Origin>& origin);
+  void follow(const Frame& frame, const std::optional<Copies::Origin>& origin, Stretch stretch);
   /// Nothing: it is one flow too many.
-  Seen* record(std::uint32_t interface, const Event& event);
+  Seen* record(std::uint32_t interface, const Event& event, Stretch stretch);
   [[nodiscard]] const FlowKey* origin_on_can(const FlowKey& key, Seen& seen) const;
   void find_origins();
 
+  std::vector<std::string> recordings_ = {"what was seen"};
   std::vector<Interface> interfaces_;
   std::vector<std::vector<Kept>> kept_;  ///< of each interface, until its profile is decided
   std::map<FlowKey, Seen> flows_;

@@ -84,11 +84,33 @@ TEST(Flow, OfFewEventsNoRateIsKnown) {
   EXPECT_FALSE(flow.rates().empty());
 }
 
-TEST(Flow, TimesThatGoBackwardsAreTakenAsTheLatestOne) {
+TEST(Flow, TimesThatGoBackwardsALittleAreTakenAsTheLatestOne) {
   Flow flow;
-  for (std::uint64_t i = 0; i < 100; ++i) flow.add((100 - i) * kMs, 1);
-  EXPECT_EQ(flow.longest_gap(), 0U);
+  for (std::uint64_t i = 0; i < 100; ++i) flow.add(kSecond + i / 2 * kMs - i % 2 * 1000, 1);
+  EXPECT_EQ(flow.shortest_gap(), 0U);
+  EXPECT_LE(flow.longest_gap(), kMs);
+  EXPECT_EQ(flow.gaps(), 99U);
+}
+
+TEST(Flow, WhatIsBetweenTwoStretchesIsNoGap) {
+  Flow flow;
+  for (std::uint64_t i = 0; i < 100; ++i)
+    flow.add(i % 50 * 10 * kMs, 1, {.clock = static_cast<std::uint32_t>(i / 50)});
   EXPECT_EQ(flow.events(), 100U);
+  EXPECT_EQ(flow.gaps(), 98U);
+  EXPECT_EQ(flow.shortest_gap(), 10 * kMs);
+  EXPECT_EQ(flow.longest_gap(), 10 * kMs);
+  ASSERT_FALSE(flow.rates().empty());
+  EXPECT_EQ(flow.rates().front().period, 10 * kMs);
+  EXPECT_EQ(flow.rates().front().early, 0U);
+}
+
+TEST(Flow, OfEventsThatAreAloneInTheirStretchesNothingIsKnown) {
+  Flow flow;
+  for (std::uint32_t i = 0; i < 1000; ++i) flow.add(i * kSecond, 1, {.part = i});
+  EXPECT_EQ(flow.gaps(), 0U);
+  EXPECT_EQ(flow.mean_of_few(), 0U);
+  EXPECT_TRUE(flow.rates().empty());
 }
 
 }  // namespace

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "tools/learn/timeline.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tools/values.hpp"
+
+namespace mlcca::learn {
+namespace {
+
+/// Before a pause there must have been so many frames, in such a time.
+constexpr std::uint64_t kFewestFrames = 32;
+constexpr std::uint64_t kShortestActive = 1'000'000'000;  // ns
+/// Earlier time stamps count from the beginning of their recording, ns.
+constexpr std::uint64_t kFirstDate = 365ULL * 86'400 * 1'000'000'000;
+
+/// As candump has it, so that it can be searched for: 1436509052.249713.
+std::string stamp(std::uint64_t ns) {
+  return fmt::format("{}.{:06}", ns / 1'000'000'000, ns / 1000 % 1'000'000);
+}
+
+/// To three digits.
+std::string span_words(std::uint64_t ns) {
+  std::uint64_t unit = 1;
+  while (ns / unit >= 1000) unit *= 10;
+  return tools::print_duration(ns / unit * unit);
+}
+
+}  // namespace
+
+Stretch Timeline::take(std::uint64_t ns, std::uint32_t recording) {
+  ++frames_;
+  if (ranges_.empty() || ranges_.back().recording != recording) {
+    begin(ns, recording);
+    return stretch_;
+  }
+  Range& range = ranges_.back();
+  range.first = std::min(range.first, ns);
+  range.last = std::max(range.last, ns);
+  if (ns + kDisorder < last_) {
+    if (times_back_++ == 0) first_back_ = {recording, last_, ns};
+    last_ = ns;
+    ++stretch_.clock;
+  } else if (ns > last_) {
+    go_on(ns, frames_ > kFewestFrames && active_ >= kShortestActive);
+  }
+  return stretch_;
+}
+
+/// A further recording goes on where the one before it ends, or is for itself.
+void Timeline::begin(std::uint64_t ns, std::uint32_t recording) {
+  const bool is_first = ranges_.empty();
+  const bool has_dates = !is_first && ns >= kFirstDate && last_ >= kFirstDate;
+  ranges_.push_back({recording, ns, ns});
+  if (is_first) {
+    last_ = ns;
+  } else if (!has_dates || ns + kDisorder < last_) {
+    last_ = ns;
+    ++stretch_.clock;
+  } else if (ns > last_) {
+    go_on(ns, true);
+  }
+}
+
+void Timeline::go_on(std::uint64_t ns, bool may_pause) {
+  const std::uint64_t gap = ns - last_;
+  last_ = ns;
+  if (may_pause && gap >= kPause && gap / kFarLonger > longest_) {
+    ++pauses_;
+    longest_pause_ = std::max(longest_pause_, gap);
+    ++stretch_.part;
+    return;
+  }
+  longest_ = std::max(longest_, gap);
+  covered_ += gap;
+  if (gap < kPause) active_ += gap;
+}
+
+// --- notes ---------------------------------------------------------------------------------------
+
+std::vector<std::string> Timeline::notes(const std::string& interface,
+                                         std::span<const std::string> recordings) const {
+  std::vector<std::string> out;
+  if (times_back_ != 0)
+    out.push_back(fmt::format(
+        "{}: time goes back by {} in {}, to {}{}: no gap between events is counted there",
+        interface, span_words(first_back_.from - first_back_.to), recordings[first_back_.recording],
+        stamp(first_back_.to),
+        times_back_ == 1 ? "" : fmt::format(", and {} times in all", times_back_)));
+  if (pauses_ != 0)
+    out.push_back(
+        fmt::format("{}: {} in which nothing at all came, {}of {}: {} no gap of a channel",
+                    interface, pauses_ == 1 ? "1 pause" : fmt::format("{} pauses", pauses_),
+                    pauses_ == 1 ? "" : "the longest ", span_words(longest_pause_),
+                    pauses_ == 1 ? "it is" : "they are"));
+  note_order(interface, recordings, out);
+  return out;
+}
+
+/// Recordings in the wrong order, and those of one time, of which the first pair is named.
+void Timeline::note_order(const std::string& interface, std::span<const std::string> recordings,
+                          std::vector<std::string>& out) const {
+  std::string earlier;
+  std::string same;
+  for (std::size_t i = 1; i < ranges_.size(); ++i) {
+    const Range& one = ranges_[i];
+    for (std::size_t j = 0; j < i; ++j) {
+      const Range& before = ranges_[j];
+      if (one.first < kFirstDate || before.first < kFirstDate) continue;
+      const bool overlaps =
+          one.first + kDisorder < before.last && before.first + kDisorder < one.last;
+      if (overlaps && same.empty())
+        same = fmt::format(
+            "{}: {} has frames of the same time as {}: what is in both is counted twice", interface,
+            recordings[one.recording], recordings[before.recording]);
+      if (j + 1 == i && !overlaps && one.first < before.first && earlier.empty())
+        earlier = fmt::format(
+            "{}: {} begins before {}, and each is taken for itself: state the earlier "
+            "one first",
+            interface, recordings[one.recording], recordings[before.recording]);
+    }
+  }
+  if (!earlier.empty()) out.push_back(std::move(earlier));
+  if (!same.empty()) out.push_back(std::move(same));
+}
+
+}  // namespace mlcca::learn
