@@ -2,6 +2,7 @@
 // mlccactl import: descriptions from what other tools know of a network.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -69,6 +70,8 @@ class Import {
   }
 
   Result<void> understand() {
+    if (!a_.output.empty() && ::access(a_.output.c_str(), F_OK) == 0)
+      return fail(a_.output + " exists, and nothing is overwritten: name another file");
     if (!a_.networks.empty() && a_.networks.size() != a_.files.size())
       return fail(
           fmt::format("--network is given {} times for {} files: give it once for each, in "

@@ -94,8 +94,11 @@ class Draft {
 
   Result<void> become(const std::string& target, bool replace) {
     if (::renameat2(AT_FDCWD, name_.c_str(), AT_FDCWD, target.c_str(),
-                    replace ? 0U : static_cast<unsigned>(RENAME_NOREPLACE)) != 0)
+                    replace ? 0U : static_cast<unsigned>(RENAME_NOREPLACE)) != 0) {
+      if (errno == EEXIST)
+        return fail(target + " exists, and nothing is overwritten: name another file");
       return failed(target, "rename");
+    }
     there_ = false;
     return {};
   }

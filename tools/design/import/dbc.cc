@@ -103,7 +103,23 @@ class DbcMeaning {
            from.name);
   }
 
+  /// Times that are none.
+  void list_times(const DbcMessage& from) {
+    const std::pair<const char*, const DbcValue*> all[] = {
+        {"cycle time", &from.cycle},
+        {"cycle time of a signal", &from.signal_cycle},
+        {"fast cycle time", &from.fast},
+        {"distance", &from.delay}};
+    for (const auto& [name, value] : all) {
+      if (!*value || (*value)->empty() || time_of(*value)) continue;
+      if (const auto number = number_in<double>(**value); number && *number == 0) continue;
+      lack("no-time", "is no number of milliseconds up to a day: left out", from.line,
+           fmt::format("{}: {} \"{}\"", from.name, name, (*value)->substr(0, 40)));
+    }
+  }
+
   void period(const DbcMessage& from, ImportedMessage& to) {
+    list_times(from);
     const bool on_events = says(from.send_type, "spontan") || says(from.send_type, "event") ||
                            says(from.send_type, "change") || says(from.send_type, "write") ||
                            says(from.send_type, "trigger");

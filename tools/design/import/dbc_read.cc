@@ -22,6 +22,16 @@ constexpr std::string_view kNoMessage = "VECTOR__INDEPENDENT_SIG_MSG";
 constexpr std::uint32_t kNoMessageId = 0xc0000000;
 constexpr std::size_t kMostSenders = 256;  // of a message
 
+/// Of the statements that may follow the names of nodes.
+bool is_keyword(std::string_view word) {
+  constexpr auto all = std::to_array<std::string_view>(
+      {"NS_", "BS_", "BU_", "BO_", "SG_", "EV_", "CM_", "BA_", "VAL_", "VERSION"});
+  return std::ranges::any_of(all, [&](std::string_view one) { return word == one; }) ||
+         (word.ends_with('_') && std::ranges::any_of(all, [&](std::string_view one) {
+            return one.ends_with('_') && word.starts_with(one);
+          }));
+}
+
 bool is_number(std::string_view word) {
   return word.find_first_not_of("0123456789.+-") == std::string_view::npos;
 }
@@ -106,7 +116,9 @@ class DbcReader {
   void statement() {
     const auto token = scan_.take();
     // Names of the section NS_ stand alone on their lines, not always behind a blank.
-    if (token.first && scan_.peek().first && token.kind == DbcToken::Kind::word) return;
+    if (token.first && scan_.peek().first && token.kind == DbcToken::Kind::word)
+      return alone(token);
+    in_names_ = token.is_word("NS_");
     if (token.is_word("BO_")) return message(token.line);
     if (token.is_word("SG_")) return signal();
     if (token.is_word("BU_")) return nodes();
@@ -130,6 +142,12 @@ class DbcReader {
     wrong(token, "a statement such as BO_, SG_ or BA_, at the begin of a line");
   }
 
+  void alone(const DbcToken& token) {
+    if (!in_names_)
+      lack("alone", "stand alone on a line: left out", token.line,
+           std::string(token.text.substr(0, 40)));
+  }
+
   void message(int line) {
     DbcMessage next;
     next.line = line;
@@ -140,7 +158,9 @@ class DbcReader {
     current_.reset();
     known_sender(next);
     if (!error_.empty()) return;
-    if (next.name == kNoMessage || next.id == kNoMessageId) return;
+    is_none_ = next.name == kNoMessage || next.id == kNoMessageId;
+    if (is_none_)
+      return lack("no-message", "signals of no message: left out", line, std::move(next.name));
     if (!by_id_.try_emplace(next.id, out_.messages.size()).second)
       return lack("repeated", "another message has the identifier: left out", line, next.name);
     if (out_.messages.size() >= kMostMessages)
@@ -171,13 +191,17 @@ class DbcReader {
 
   void nodes() {
     mark(':', "':' behind BU_");
-    while (error_.empty() && scan_.peek().kind == DbcToken::Kind::word && !scan_.peek().first)
+    // They may go on in the next lines, which a blank then begins.
+    while (error_.empty() && scan_.peek().kind == DbcToken::Kind::word &&
+           (!scan_.peek().first || (scan_.is_indented() && !is_keyword(scan_.peek().text))))
       node_called(scan_.take());
   }
 
   void signal() {
     const auto line = scan_.peek().line;
-    word("the name of a signal");
+    const auto name = word("the name of a signal");
+    if (is_none_)
+      lack("no-message", "signals of no message: left out", line, std::string(name.substr(0, 60)));
     bool multiplexed = false;
     while (error_.empty() && !scan_.peek().is(':')) {
       if (scan_.peek().first || scan_.peek().kind != DbcToken::Kind::word)
@@ -202,8 +226,11 @@ class DbcReader {
       ++message->signals;
       message->multiplexed = message->multiplexed || multiplexed;
     }
-    while (error_.empty() && !scan_.peek().first && scan_.peek().kind != DbcToken::Kind::end) {
+    bool goes_on = false;  // in the next line, behind a comma
+    while (error_.empty() && (!scan_.peek().first || goes_on) &&
+           scan_.peek().kind != DbcToken::Kind::end) {
       const auto token = scan_.take();
+      goes_on = token.is(',');
       if (token.kind != DbcToken::Kind::word || message == nullptr) continue;
       const auto node = node_called(token);
       if (!node || !is_first_time(*node)) continue;
@@ -225,7 +252,10 @@ class DbcReader {
   }
 
   void senders() {
-    auto* message = message_with(number<std::uint32_t>("the identifier of a message"));
+    const auto line = scan_.peek().line;
+    const auto id = number<std::uint32_t>("the identifier of a message");
+    auto* message = message_with(id);
+    if (message == nullptr && error_.empty()) unknown(line, "BO_TX_BU_", fmt::format("BO_ {}", id));
     while (error_.empty() && !scan_.peek().is(';') && scan_.peek().kind != DbcToken::Kind::end) {
       const auto token = scan_.take();
       if (token.kind != DbcToken::Kind::word) continue;
@@ -242,6 +272,7 @@ class DbcReader {
     DbcObject object = DbcObject::network;
     DbcMessage* message = nullptr;
     DbcNode* node = nullptr;
+    std::string unknown;  ///< a message or node that does not exist, as it is named
   };
 
   About about() {
@@ -251,12 +282,20 @@ class DbcReader {
     if (token.text == "BU_") {
       scan_.take();
       out.object = DbcObject::node;
-      const auto found = node_numbers_.find(std::string(word("the name of a node")));
-      if (found != node_numbers_.end()) out.node = &out_.nodes[found->second];
+      const auto name = word("the name of a node");
+      const auto found = node_numbers_.find(std::string(name));
+      if (found != node_numbers_.end())
+        out.node = &out_.nodes[found->second];
+      else
+        out.unknown = fmt::format("BU_ {}", name.substr(0, 60));
     } else if (token.text == "BO_" || token.text == "SG_") {
       scan_.take();
       out.object = token.text == "BO_" ? DbcObject::message : DbcObject::signal;
-      out.message = message_with(number<std::uint32_t>("the identifier of a message"));
+      const auto id = number<std::uint32_t>("the identifier of a message");
+      out.message = message_with(id);
+      // What is said of kNoMessage is left out with its signals.
+      if (out.message == nullptr && id != kNoMessageId)
+        out.unknown = fmt::format("{} {}", token.text, id);
       if (out.object == DbcObject::signal) word("the name of a signal");
     } else if (token.text == "EV_") {
       scan_.take();
@@ -279,12 +318,18 @@ class DbcReader {
       return;
     }
     const auto text = scan_.take();
+    if (!to.unknown.empty()) unknown(text.line, "CM_", to.unknown);
     if (to.object == DbcObject::node && to.node != nullptr) to.node->comment = text.text;
     if (to.object == DbcObject::message && to.message != nullptr) to.message->comment = text.text;
-    if (to.object != DbcObject::node && to.object != DbcObject::message)
+    if (to.object != DbcObject::node && to.object != DbcObject::message && to.unknown.empty())
       lack("comments", "have no place, or are not understood", text.line,
            std::string(text.text.substr(0, 60)));
     scan_.skip_statement();
+  }
+
+  void unknown(int line, std::string_view what, std::string_view of) {
+    lack("unknown", "are of messages and nodes that do not exist: left out", line,
+         fmt::format("{}: {}", what.substr(0, 60), of));
   }
 
   DbcObject object() {
@@ -336,6 +381,7 @@ class DbcReader {
     const auto role = role_of(to.object, name.text);
     DbcValue* place = nullptr;
     if (role == DbcRole::none) return see(unused_, std::string(name.text.substr(0, 60)), name.line);
+    if (!to.unknown.empty()) unknown(name.line, name.text, to.unknown);
     if (to.message != nullptr) place = place_of(*to.message, role);
     if (to.node != nullptr) place = place_of(*to.node, role);
     if (to.object == DbcObject::network) place = place_of(out_, role);
@@ -349,6 +395,8 @@ class DbcReader {
   std::string error_;
   DbcDefinitions definitions_;
   std::optional<std::size_t> current_;  ///< the message that signals belong to
+  bool is_none_ = false;                ///< they belong to kNoMessage
+  bool in_names_ = false;               ///< of the section NS_
   std::unordered_map<std::uint32_t, std::size_t> by_id_;
   std::unordered_map<std::string, std::size_t> node_numbers_;
   std::map<std::string, Seen> unused_;

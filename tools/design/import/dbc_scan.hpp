@@ -34,6 +34,8 @@ class DbcScanner {
   explicit DbcScanner(std::string_view text) : rest_(text) { advance(); }
 
   [[nodiscard]] const DbcToken& peek() const { return next_; }
+  /// The line of peek() begins with a blank.
+  [[nodiscard]] bool is_indented() const { return indented_; }
   DbcToken take();
   /// Up to the next token that is the first on its line.
   void skip_line();

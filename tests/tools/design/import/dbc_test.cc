@@ -113,6 +113,52 @@ TEST_F(DbcImportTest, WhatHasNoCounterpartIsListedWithItsLine) {
   EXPECT_TRUE(has("<!-- Assumed: the file states no cycle time of Odd. -->")) << draft_;
 }
 
+TEST_F(DbcImportTest, WhatIsOfNoMessageIsListed) {
+  const auto out = json("bus.dbc", kBus);
+  EXPECT_EQ(lacking(out, "no-message"), 2U) << "the message that is none, and its signal";
+  const auto said = import("bus.dbc", kBus).error;
+  EXPECT_NE(said.find("bus.dbc:26: Lost"), std::string::npos) << said;
+}
+
+TEST_F(DbcImportTest, WhatIsSaidOfMessagesAndNodesThatDoNotExistIsListed) {
+  const auto text = bus_with(
+      "BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 65535;\nBA_ \"GenMsgCycleTime\" BO_ 999 10;\n"
+      "BA_DEF_ SG_ \"GenSigCycleTime\" INT 0 65535;\nBA_ \"GenSigCycleTime\" SG_ 998 S 10;\n"
+      "BA_DEF_ BU_ \"NmStationAddress\" INT 0 254;\nBA_ \"NmStationAddress\" BU_ Gone 3;\n"
+      "CM_ BO_ 997 \"text\";\nBO_TX_BU_ 996 : N,M;\n");
+  EXPECT_EQ(lacking(json("a.dbc", text), "unknown"), 5U);
+  const auto said = import("a.dbc", text).error;
+  for (const char* item : {"a.dbc:5: GenMsgCycleTime: BO_ 999", "a.dbc:7: GenSigCycleTime: SG_ 998",
+                           "a.dbc:9: NmStationAddress: BU_ Gone", "a.dbc:10: CM_: BO_ 997",
+                           "a.dbc:11: BO_TX_BU_: BO_ 996"})
+    EXPECT_NE(said.find(item), std::string::npos) << item << "\n" << said;
+}
+
+TEST_F(DbcImportTest, NodesMayGoOnInTheNextLine) {
+  const std::string end = "\nBO_ 256 A: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" Vector__XXX\n";
+  EXPECT_EQ(json("a.dbc", "BU_: N\n  More\n\tLast Two\n BA_DEF_ \"x\" INT 0 1;" +
+                              end)["networks"][0]["nodes"],
+            4);
+  json("c.dbc", "BU_: N\nBO_ 256 A: 8 N\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" One,\n   Two\n");
+  EXPECT_NE(part("<Component name=\"Two\"", "</Component>").find("Subscriber channel=\"A\""),
+            std::string::npos)
+      << draft_;
+  const auto out = json("b.dbc", "BU_: N\nStray" + end);
+  EXPECT_EQ(out["networks"][0]["nodes"], 1);
+  EXPECT_EQ(lacking(out, "alone"), 1U);
+}
+
+TEST_F(DbcImportTest, TimesThatAreNoneAreListed) {
+  const char* const definition = "BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 65535;\n";
+  for (const char* value : {"soon", "-5", "90000000", "\"\xc2\xbd\""}) {
+    const auto text =
+        bus_with(fmt::format("{}BA_ \"GenMsgCycleTime\" BO_ 256 {};\n", definition, value));
+    EXPECT_EQ(lacking(json("a.dbc", text), "no-time"), 1U) << value;
+  }
+  const auto text = bus_with(std::string(definition) + "BA_ \"GenMsgCycleTime\" BO_ 256 0;\n");
+  EXPECT_EQ(lacking(json("a.dbc", text), "no-time"), 0U) << "none is stated";
+}
+
 TEST_F(DbcImportTest, AtMostTwentyOfAKindAreListed) {
   std::string text = "BU_: N\n";
   for (int i = 1; i <= 25; ++i) text += fmt::format("BO_ {} M{}: 8 N\n", i, i);
@@ -281,7 +327,10 @@ TEST_F(DbcImportTest, SeveralFilesAreNetworksOfOneSystem) {
 TEST_F(DbcImportTest, NothingIsOverwritten) {
   const auto output = folder_.write("there.xml", "mine");
   const auto done = import("a.dbc", bus_with(""), {"--output", output});
-  EXPECT_EQ(done.status, 3);
+  EXPECT_EQ(done.status, 2);
+  EXPECT_NE(done.error.find("there.xml exists, and nothing is overwritten: name another file"),
+            std::string::npos)
+      << done.error;
   EXPECT_EQ(test::content_of(output), "mine");
   EXPECT_EQ(import("a.dbc", bus_with(""), {"--output", folder_.path("new.xml")}).status, 0);
   EXPECT_NE(test::content_of(folder_.path("new.xml")).find("<System"), std::string::npos);
