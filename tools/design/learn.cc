@@ -76,9 +76,10 @@ class Learn {
     if (const auto refused = observe()) return say(*refused, context_.json);
     observer_.finish(interfaces_.names().size(), interfaces_.media());
     note_profiles();
-    if (observer_.flows().empty()) {
-      notes_.emplace_back("no events were seen: is there traffic, and are the interfaces up?");
-    }
+    if (observer_.flows().empty())
+      notes_.emplace_back(
+          listened_ ? "no events were seen: is there traffic, and are the interfaces up?"
+                    : "no events were seen: what is recorded needs no channel of the profile");
     const learn::Draft draft = draft_that_holds(observer_, interfaces_.names(), a_.draft);
     if (described_) return report_merged(draft);
     if (const auto refused = mistakes_in(draft.xml, "draft", description::Users::any))
@@ -183,14 +184,21 @@ class Learn {
         return wrong(source + ": there is neither such a file nor such an interface");
       }
     }
-    return live.empty() ? std::nullopt : listen(live);
+    listened_ = !live.empty();
+    return listened_ ? listen(live) : std::nullopt;
   }
 
   std::optional<Refusal> read_file_of_frames(const std::string& path) {
     observer_.begin(path);
-    const auto left = learn::read_recording(path, interfaces_,
-                                            [this](const auto& frame) { observer_.add(frame); });
+    bool has_frames = false;
+    const auto left = learn::read_recording(path, interfaces_, [&](const auto& frame) {
+      has_frames = true;
+      observer_.add(frame);
+    });
     if (!left) return wrong(left.error().text);
+    if (!has_frames)
+      return wrong(fmt::format("{}: no frame was recognised in it{}{}", path,
+                               left->first.empty() ? "" : ": ", left->first));
     if (left->lines != 0)
       notes_.push_back(fmt::format(
           "{}: {} passed over, the first: {}", path,
@@ -358,6 +366,7 @@ class Learn {
   learn::Interfaces interfaces_;
   learn::Observer observer_;
   std::vector<std::string> notes_;
+  bool listened_ = false;  ///< to interfaces, and not only read recordings
 };
 
 }  // namespace
@@ -365,10 +374,10 @@ class Learn {
 void add_learn(CLI::App& app, Context& context) {
   auto* verb = app.add_subcommand("learn", "draft a description from the traffic that is there");
   auto a = std::make_shared<LearnArguments>();
-  verb->add_option(
-          "source", a->sources,
-          "interfaces of CAN or Ethernet to listen to, or recordings: candump -l, pcap, pcapng, "
-          ".asc, .blf")
+  verb->add_option("source", a->sources,
+                   "interfaces of CAN or Ethernet to listen to, or recordings: candump -l or -ta, "
+                   "pcap, pcapng, "
+                   ".asc, .blf")
       ->required()
       ->type_name("INTERFACE|FILE");
   verb->add_option("--for", a->time, "how long to listen")

@@ -36,24 +36,6 @@ Digits decimal_at(std::string_view text) {
   return out;
 }
 
-/// "(1436509052.249713)" in ns; false: it is no time.
-bool take_time(std::string_view word, std::uint64_t& ns) {
-  if (!word.starts_with('(') || !word.ends_with(')')) return false;
-  word = word.substr(1, word.size() - 2);
-  const Digits seconds = decimal_at(word);
-  if (seconds.count == 0 || seconds.count > 10) return false;
-  ns = seconds.value * 1'000'000'000;
-  word.remove_prefix(seconds.count);
-  if (word.empty()) return true;
-  word.remove_prefix(1);
-  const Digits fraction = decimal_at(word);
-  if (fraction.count == 0 || fraction.count != word.size() || fraction.count > 9) return false;
-  std::uint64_t part = fraction.value;
-  for (std::size_t i = fraction.count; i < 9; ++i) part *= 10;
-  ns += part;
-  return true;
-}
-
 /// "123" or "18FEF100", cut off the word with the '#' behind it; false: it is no identifier.
 bool take_identifier(std::string_view& word, std::uint32_t& id) {
   constexpr std::size_t standard = 3;
@@ -106,6 +88,23 @@ bool take_frame(std::string_view word, Frame& frame, std::array<std::uint8_t, kM
 
 }  // namespace
 
+bool take_candump_time(std::string_view word, std::uint64_t& ns) {
+  if (!word.starts_with('(') || !word.ends_with(')')) return false;
+  word = word.substr(1, word.size() - 2);
+  const Digits seconds = decimal_at(word);
+  if (seconds.count == 0 || seconds.count > 10) return false;
+  ns = seconds.value * 1'000'000'000;
+  word.remove_prefix(seconds.count);
+  if (word.empty()) return true;
+  word.remove_prefix(1);
+  const Digits fraction = decimal_at(word);
+  if (fraction.count == 0 || fraction.count != word.size() || fraction.count > 9) return false;
+  std::uint64_t part = fraction.value;
+  for (std::size_t i = fraction.count; i < 9; ++i) part *= 10;
+  ns += part;
+  return true;
+}
+
 Result<void> read_candump(Recording& recording) {
   Lines lines(recording.bytes);
   std::string_view name;  // of the latest interface, which is mostly that of the next line
@@ -121,7 +120,7 @@ Result<void> read_candump(Recording& recording) {
     if (time.empty()) continue;
     const auto interface = next_word(line);
     const auto text = next_word(line);
-    if (!take_time(time, frame.ns) || interface.empty() || !take_frame(text, frame, data)) {
+    if (!take_candump_time(time, frame.ns) || interface.empty() || !take_frame(text, frame, data)) {
       recording.pass_over(
           "line " + std::to_string(lines.number()) + ": '" +
           std::string(lines.line().substr(0, 60)) +

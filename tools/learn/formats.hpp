@@ -38,10 +38,17 @@ struct Recording {
 };
 
 Result<void> read_candump(Recording& recording);
+Result<void> read_candump_screen(Recording& recording);
 Result<void> read_asc(Recording& recording);
 Result<void> read_blf(Recording& recording);
 Result<void> read_pcap(Recording& recording);
 Result<void> read_pcapng(Recording& recording);
+
+/// What candump shows on a screen, as the first line tells.
+enum class Screen : std::uint8_t { none, with_times, with_dates, without_times };
+Screen screen_of(Bytes bytes);
+/// "(1436509052.249713)" in ns; false: it is no time.
+bool take_candump_time(std::string_view word, std::uint64_t& ns);
 
 /// A frame of SocketCAN in a packet: an identifier in big-endian order, length, flags, two bytes,
 /// data. False: it is none.

@@ -16,6 +16,9 @@ inline constexpr std::uint32_t kRemote = 0x40000000U;
 inline constexpr std::uint32_t kError = 0x20000000U;
 inline constexpr std::uint32_t kIdentifierBits = 0x1fffffffU;
 
+/// Time stamps before this one count from the beginning of a recording, and not from 1970, ns.
+inline constexpr std::uint64_t kFirstDate = 365ULL * 86'400 * 1'000'000'000;
+
 /// What an interface has; unknown: nothing was seen of it yet.
 enum class Medium : std::uint8_t { unknown, can, ethernet };
 

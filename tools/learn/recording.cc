@@ -27,6 +27,7 @@ Reader reader_of(Bytes bytes) {
     if (text.starts_with(magic)) return read_pcap;
   if (text.starts_with("date ") || text.starts_with("base ") || text.starts_with("//"))
     return read_asc;
+  if (screen_of(bytes) != Screen::none) return read_candump_screen;
   const auto first = text.find_first_not_of(" \t\r\n");
   if (first != std::string_view::npos && text[first] == '(') return read_candump;
   return nullptr;
@@ -66,7 +67,8 @@ Result<Left> read_recording(Bytes bytes, const std::string& stem, Interfaces& in
   const Reader read = reader_of(bytes);
   if (read == nullptr)
     return fail(
-        "this is no recording that can be read: a log of candump (-l), pcap or pcapng with frames "
+        "this is no recording that can be read: a log of candump (-l, -ta), pcap or pcapng with "
+        "frames "
         "of CAN or Ethernet, or a log of a Vector tool (.asc, .blf)");
   Recording recording{bytes, interfaces, on_frame, stem};
   if (const auto done = read(recording); !done) return std::unexpected(done.error());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Recordings of traffic: logs of candump (-l, -L), pcap and pcapng with frames of SocketCAN and of
-// Ethernet, logs of Vector tools in text (ASC) and binary (BLF). What they hold is input from
-// outside.
+// Recordings of traffic: logs of candump (-l, -L) and what it shows on a screen (-ta, -tz), pcap
+// and pcapng with frames of SocketCAN and of Ethernet, logs of Vector tools in text (ASC) and
+// binary (BLF). What they hold is input from outside.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -5,7 +5,8 @@
 
 #include <algorithm>
 
-#include "tools/values.hpp"
+#include "core/model/text.hpp"
+#include "tools/learn/frame.hpp"
 
 namespace mlcca::learn {
 namespace {
@@ -13,8 +14,6 @@ namespace {
 /// Before a pause there must have been so many frames, in such a time.
 constexpr std::uint64_t kFewestFrames = 32;
 constexpr std::uint64_t kShortestActive = 1'000'000'000;  // ns
-/// Earlier time stamps count from the beginning of their recording, ns.
-constexpr std::uint64_t kFirstDate = 365ULL * 86'400 * 1'000'000'000;
 
 /// As candump has it, so that it can be searched for: 1436509052.249713.
 std::string stamp(std::uint64_t ns) {
@@ -25,7 +24,7 @@ std::string stamp(std::uint64_t ns) {
 std::string span_words(std::uint64_t ns) {
   std::uint64_t unit = 1;
   while (ns / unit >= 1000) unit *= 10;
-  return tools::print_duration(ns / unit * unit);
+  return core::format_value(Attribute::latency, ns / unit * unit);
 }
 
 }  // namespace
