@@ -290,16 +290,34 @@ class Learn {
     return say(text);
   }
 
+  /// Of a CAN bus whose bit rate is known, in percent.
+  [[nodiscard]] std::optional<double> load_of(std::size_t interface) const {
+    const auto rate = [&](const std::map<std::string, std::uint32_t>& rates) {
+      const auto known = rates.find(interfaces_.names()[interface]);
+      return known == rates.end() ? 0 : known->second;
+    };
+    const auto& of = observer_.interfaces()[interface];
+    if (of.medium != learn::Medium::can) return std::nullopt;
+    return of.load_percent(rate(a_.draft.bitrates), rate(a_.draft.data_bitrates));
+  }
+
+  static const char* kind_of(const learn::DraftChannel& channel) {
+    if (channel.periodic) return "periodic";
+    return channel.bursts ? "bursts" : "aperiodic";
+  }
+
   [[nodiscard]] std::string text_of(const learn::Draft& draft) const {
     const Color color = color_of(STDOUT_FILENO, context_.no_color);
     std::string out;
     for (std::size_t i = 0; i < interfaces_.names().size(); ++i) {
       const auto& of = observer_.interfaces()[i];
-      out +=
-          fmt::format("{}: {} {}, profile {} ({} % sure: {})\n", printable(interfaces_.names()[i]),
-                      of.frames, of.medium == learn::Medium::ethernet ? "datagrams" : "frames",
-                      core::words::kProfiles.of(of.recognised->profile), of.recognised->percent,
-                      of.recognised->why);
+      const auto load = load_of(i);
+      out += fmt::format("{}: {} {}{}, profile {} ({} % sure: {})\n",
+                         printable(interfaces_.names()[i]), of.frames,
+                         of.medium == learn::Medium::ethernet ? "datagrams" : "frames",
+                         load ? fmt::format(", load {:.1f} %", *load) : "",
+                         core::words::kProfiles.of(of.recognised->profile), of.recognised->percent,
+                         of.recognised->why);
     }
     Table table({{"CHANNEL"},
                  {"EVENTS", Align::right},
@@ -308,6 +326,7 @@ class Learn {
                  {"LONGEST GAP", Align::right},
                  {"OMISSION", Align::right},
                  {"BYTES", Align::right},
+                 {"BYTES/S", Align::right},
                  {"KIND"},
                  {"CROSSES TO"}});
     for (const auto& channel : draft.channels)
@@ -318,7 +337,8 @@ class Learn {
                  {print_duration(channel.longest_gap)},
                  {channel.periodic ? fmt::format("{}", channel.omission) : ""},
                  {fmt::format("{}", channel.bytes)},
-                 {channel.periodic ? "periodic" : "aperiodic"},
+                 {fmt::format("{:.0f}", channel.bytes_per_second)},
+                 {kind_of(channel)},
                  {fmt::format("{}", fmt::join(channel.crosses_to, ", "))}});
     return out + "\n" + table.text(color);
   }
@@ -333,6 +353,7 @@ class Learn {
                             {"profile", core::words::kProfiles.of(of.recognised->profile)},
                             {"percent", of.recognised->percent},
                             {"why", of.recognised->why}});
+      if (const auto load = load_of(i)) interfaces.back()["load_percent"] = *load;
     }
     Json channels = Json::array();
     for (const auto& channel : draft.channels) {
@@ -343,12 +364,14 @@ class Learn {
                           {"identifier", channel.identifier},
                           {"events", channel.events},
                           {"periodic", channel.periodic},
+                          {"kind", kind_of(channel)},
                           {"period_ns", channel.period},
                           {"jitter_ns", channel.jitter},
                           {"median_gap_ns", channel.median},
                           {"longest_gap_ns", channel.longest_gap},
                           {"omission", channel.omission},
                           {"bytes", channel.bytes},
+                          {"bytes_per_second", channel.bytes_per_second},
                           {"publishers", std::move(publishers)},
                           {"crosses_to", channel.crosses_to}});
     }

@@ -36,29 +36,46 @@ std::uint64_t with_margin(std::uint64_t value, unsigned percent) {
   return rounded_up(value + value * percent / 100);
 }
 
-Times times_of(const Flow& flow) {
+namespace {
+
+Times times_of_few(const Flow& flow, OfFew few) {
   Times out;
+  out.period = tools::kPeriodOfOne;
+  out.seen = flow.events() < 2
+                 ? "seen once: the Period is assumed"
+                 : fmt::format(
+                       "seen {} times, each alone in its recording or before time went "
+                       "back: the Period is assumed",
+                       flow.events());
+  if (flow.gaps() == 0) return out;
+  const std::uint64_t mean = flow.mean_of_few();
+  const bool is_half = few == OfFew::half_the_mean;
+  out.period = std::max<std::uint64_t>(tools::nominal(is_half ? mean / 2 : mean), 1000);
+  out.bursts = flow.comes_in_bursts();
+  const std::uint64_t early = flow.early_of_few(out.period);
+  out.jitter = early == 0 ? 0 : with_margin(early, 100);
+  out.seen = fmt::format(
+      "seen {} times only{}, every {} in the mean, {} apart at least: the Period is {}, and the "
+      "Jitter twice what they were early by",
+      flow.events(), out.bursts ? ", in bursts" : "", about(mean), about(flow.shortest_gap()),
+      is_half ? "half the mean" : "the mean, which its transport protocol needs");
+  return out;
+}
+
+/// As people state it, and as long as a gap that was seen.
+std::uint64_t usual_gap(const Flow& flow) {
+  return std::clamp(tools::nominal(flow.median_gap()), flow.shortest_gap(), flow.longest_gap());
+}
+
+}  // namespace
+
+Times times_of(const Flow& flow, OfFew few) {
   const auto rates = flow.rates();
-  if (rates.empty()) {
-    out.period = tools::kPeriodOfOne;
-    out.seen = flow.events() < 2
-                   ? "seen once: the Period is assumed"
-                   : fmt::format(
-                         "seen {} times, each alone in its recording or before time went "
-                         "back: the Period is assumed",
-                         flow.events());
-    if (flow.gaps() == 0) return out;
-    out.period = std::max<std::uint64_t>(tools::nominal(flow.mean_of_few() / 2), 1000);
-    const std::uint64_t early = flow.early_of_few(out.period);
-    out.jitter = early == 0 ? 0 : with_margin(early, 100);
-    out.seen = fmt::format(
-        "seen {} times only, every {} in the mean, {} apart at least: the Period is half the mean, "
-        "and the Jitter twice what they were early by",
-        flow.events(), about(flow.mean_of_few()), about(flow.shortest_gap()));
-    return out;
-  }
+  if (rates.empty()) return times_of_few(flow, few);
+  Times out;
   const std::uint64_t median = flow.median_gap();
   out.periodic = flow.regular_share() >= kRegular && flow.longest_gap() / kFarApart <= median;
+  out.bursts = !out.periodic && flow.comes_in_bursts();
   // The gate lets events be early by one Period and the Jitter.
   const auto fits = [&](const Rate& rate) {
     return rate.early <= (out.periodic ? rate.period / 2 : rate.period * kBurst);
@@ -69,14 +86,14 @@ Times times_of(const Flow& flow) {
   out.jitter = chosen->early == 0 ? 0 : with_margin(chosen->early, 25);
   if (out.periodic)
     out.seen = fmt::format("{} events, median gap {}, shortest {}, longest {}; Jitter {} + 25 %",
-                           flow.events(), about(tools::nominal(median)), about(flow.shortest_gap()),
+                           flow.events(), about(usual_gap(flow)), about(flow.shortest_gap()),
                            about(flow.longest_gap()), about(chosen->early));
   else
     out.seen = fmt::format(
-        "aperiodic: {} events, median gap {}, shortest {}, longest {}; the Period is the one that "
-        "all of them kept, early by {} + 25 % at most",
-        flow.events(), about(tools::nominal(median)), about(flow.shortest_gap()),
-        about(flow.longest_gap()), about(chosen->early));
+        "{}: {} events, median gap {}, shortest {}, longest {}; the Period is the one that all of "
+        "them kept, early by {} + 25 % at most",
+        out.bursts ? "aperiodic, in bursts" : "aperiodic", flow.events(), about(usual_gap(flow)),
+        about(flow.shortest_gap()), about(flow.longest_gap()), about(chosen->early));
   return out;
 }
 
@@ -116,6 +133,7 @@ class Collector {
   [[nodiscard]] bool is_ethernet(std::uint32_t interface) const {
     return observer_.interfaces()[interface].medium == Medium::ethernet;
   }
+  /// Control traffic is a channel only where it crosses.
   [[nodiscard]] bool is_followed(const FlowKey& key) const {
     return !is_ethernet(key.interface) ||
            observer_.interfaces()[key.interface].recognised->profile == core::Profile::famouso;

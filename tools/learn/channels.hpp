@@ -18,9 +18,12 @@ struct Times {
   std::uint64_t period = 0;  ///< ns
   std::uint64_t jitter = 0;  ///< ns
   bool periodic = false;
-  std::string seen;  ///< in words, with the margin
+  bool bursts = false;  ///< not periodic, and many events come soon after another
+  std::string seen;     ///< in words, with the margin
 };
-[[nodiscard]] Times times_of(const Flow& flow);
+/// What the Period of a flow with few events is.
+enum class OfFew : std::uint8_t { half_the_mean, the_mean };
+[[nodiscard]] Times times_of(const Flow& flow, OfFew few = OfFew::half_the_mean);
 /// Events that were lost in a row at most.
 [[nodiscard]] std::uint64_t omission_of(const Flow& flow);
 

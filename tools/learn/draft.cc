@@ -117,10 +117,16 @@ class Drafter {
       row.median = row.median == 0 ? flow.median_gap() : std::min(row.median, flow.median_gap());
       row.longest_gap = std::max(row.longest_gap, flow.longest_gap());
       row.bytes = std::max(row.bytes, flow.most_bytes());
+      const std::uint64_t covered = observer_.interfaces()[source.key.interface].timeline.covered();
+      if (covered != 0)
+        row.bytes_per_second +=
+            static_cast<double>(flow.all_bytes()) * 1e9 / static_cast<double>(covered);
+      row.bursts = row.bursts || source.times.bursts;
       row.periodic = row.periodic && source.times.periodic;
       if (source.times.periodic) row.omission = std::max(row.omission, omission_of(flow) + 1);
     }
     if (!row.periodic) row.omission = 0;
+    row.bursts = row.bursts && !row.periodic;
     return channel.sources.front().times.seen;
   }
 

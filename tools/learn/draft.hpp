@@ -49,7 +49,9 @@ struct DraftChannel {
   std::uint64_t longest_gap = 0;  ///< ns
   std::uint64_t omission = 0;     ///< stated; of periodic channels
   std::uint32_t bytes = 0;
+  double bytes_per_second = 0;  ///< as it was seen
   bool periodic = false;
+  bool bursts = false;
   std::vector<DraftPublisher> publishers;
   std::vector<std::string> crosses_to;           ///< interfaces
   std::map<std::string, std::uint64_t> numbers;  ///< see Event, by interface

@@ -27,6 +27,7 @@ std::uint64_t Flow::middle_of(std::size_t part) {
 void Flow::add(std::uint64_t ns, std::uint32_t bytes, Stretch stretch) {
   // Recordings of several queues may be so much out of order, ns.
   constexpr std::uint64_t disorder = 1'000'000;
+  all_bytes_ += bytes;
   least_bytes_ = std::min(least_bytes_, bytes);
   most_bytes_ = std::max(most_bytes_, bytes);
   const bool is_reset = events_++ == 0 || stretch.clock != stretch_.clock || ns + disorder < last_;
@@ -46,6 +47,7 @@ void Flow::add(std::uint64_t ns, std::uint32_t bytes, Stretch stretch) {
 void Flow::count_gap(std::uint64_t gap) {
   if (!histogram_) histogram_ = std::make_unique<Histogram>();
   ++gaps_;
+  sum_ += gap;
   shortest_ = std::min(shortest_, gap);
   longest_ = std::max(longest_, gap);
   std::uint32_t& count = (*histogram_)[part_of(gap)];
@@ -84,6 +86,16 @@ double Flow::regular_share() const {
       regular += (*histogram_)[part];
   }
   return static_cast<double>(regular) / static_cast<double>(gaps_);
+}
+
+bool Flow::comes_in_bursts() const {
+  constexpr std::uint64_t fewest = 4;
+  if (gaps_ < fewest) return false;
+  const std::uint64_t soon = sum_ / gaps_ / 10;
+  std::uint64_t count = 0;
+  for (std::size_t part = 0; part < histogram_->size() && middle_of(part) < soon; ++part)
+    count += (*histogram_)[part];
+  return count * 4 >= gaps_;
 }
 
 /// From the median or mean of the first gaps downwards.

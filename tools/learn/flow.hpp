@@ -27,6 +27,7 @@ class Flow {
   void add(std::uint64_t ns, std::uint32_t bytes, Stretch stretch = {});
 
   [[nodiscard]] std::uint64_t events() const { return events_; }
+  [[nodiscard]] std::uint64_t all_bytes() const { return all_bytes_; }
   [[nodiscard]] std::uint32_t least_bytes() const { return least_bytes_; }
   [[nodiscard]] std::uint32_t most_bytes() const { return most_bytes_; }
 
@@ -40,6 +41,9 @@ class Flow {
   /// Of all gaps, those within a tenth of the median, or of a whole multiple of it up to 10: events
   /// may be lost.
   [[nodiscard]] double regular_share() const;
+
+  /// A quarter of the gaps or more are less than a tenth of their mean.
+  [[nodiscard]] bool comes_in_bursts() const;
 
   // Of a flow with fewer than kFirst - 1 gaps:
   /// ns between two events.
@@ -89,6 +93,8 @@ class Flow {
   Stretch stretch_;
   std::uint64_t shortest_ = UINT64_MAX;
   std::uint64_t longest_ = 0;
+  std::uint64_t sum_ = 0;  ///< of all gaps
+  std::uint64_t all_bytes_ = 0;
   std::uint32_t least_bytes_ = UINT32_MAX;
   std::uint32_t most_bytes_ = 0;
   std::vector<Moment> begin_;  ///< until the periods are chosen

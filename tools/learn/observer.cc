@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/hash.hpp"
+#include "core/can/wire.hpp"
 #include "relay/fd_length.hpp"
 
 namespace mlcca::learn {
@@ -13,6 +14,17 @@ namespace {
 constexpr std::size_t kMostPriorities = 8;
 constexpr std::uint64_t kFewestCopies = 3;
 constexpr double kCopied = 0.9;  // share of events that came from there, of what crosses
+
+core::can::WireLength wire_length_of(const Frame& frame) {
+  core::can::WireFrame wire{.id = frame.id & kIdentifierBits,
+                            .extended = frame.is_extended(),
+                            .fd = frame.fd,
+                            .remote = (frame.id & kRemote) != 0,
+                            .switches = frame.fd,
+                            .size = static_cast<std::uint8_t>(frame.data.size())};
+  std::ranges::copy(frame.data, wire.data.begin());
+  return core::can::wire_length(wire);
+}
 
 /// Of identifier and data; 0 stands for nothing.
 std::uint64_t content_of(const Frame& frame) {
@@ -66,6 +78,15 @@ std::optional<Copies::Origin> Copies::origin_of(const Frame& frame) {
   return out;
 }
 
+std::optional<double> Observer::Interface::load_percent(std::uint32_t bitrate,
+                                                        std::uint32_t data_bitrate) const {
+  if (bitrate == 0 || (fast_bits != 0 && data_bitrate == 0) || timeline.covered() == 0)
+    return std::nullopt;
+  double seconds = static_cast<double>(slow_bits) / bitrate;
+  if (fast_bits != 0) seconds += static_cast<double>(fast_bits) / data_bitrate;
+  return seconds * 1e9 / static_cast<double>(timeline.covered()) * 100;
+}
+
 // --- flows ---------------------------------------------------------------------------------------
 
 Observer::Interface& Observer::at(std::uint32_t interface) {
@@ -98,6 +119,9 @@ std::optional<std::uint32_t> Observer::add(const Frame& frame) {
     return std::nullopt;
   }
   of.medium = Medium::can;
+  const auto length = wire_length_of(frame);
+  of.slow_bits += length.slow;
+  of.fast_bits += length.fast;
   const auto origin = copies_.origin_of(frame);
   const auto before = origin ? std::optional(origin->interface) : std::nullopt;
   if (of.decoder) {

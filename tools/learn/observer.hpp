@@ -74,6 +74,7 @@ class Observer {
  public:
   /// Flows that are followed; frames of further ones are counted.
   static constexpr std::size_t kMostFlows = 4096;
+  static constexpr std::size_t kMostControl = 16;
 
   /// What follows is of that recording, or is listened to.
   void begin(const std::string& recording) { recordings_.push_back(recording); }
@@ -96,6 +97,11 @@ class Observer {
     std::uint64_t frames = 0;
     std::uint64_t unfollowed = 0;  ///< events of flows beyond kMostFlows
     Timeline timeline;
+    std::uint64_t slow_bits = 0;  ///< of all frames of CAN, with their stuff bits
+    std::uint64_t fast_bits = 0;  ///< of these, in the data phase of FD frames
+    /// How much of the time frames were on the bus; nothing where the rates are not known.
+    [[nodiscard]] std::optional<double> load_percent(std::uint32_t bitrate,
+                                                     std::uint32_t data_bitrate) const;
   };
   [[nodiscard]] const std::vector<Interface>& interfaces() const { return interfaces_; }
   [[nodiscard]] const std::vector<std::string>& recordings() const { return recordings_; }

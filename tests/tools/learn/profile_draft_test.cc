@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Drafts of buses with a profile: the transport protocol of J1939, heart-beats of CANopen; and what
+// a table says of channels and buses.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "tests/tools/design/describe/program.hpp"
+#include "tests/tools/learn/drafted.hpp"
+#include "tests/tools/learn/traffic.hpp"
+
+namespace mlcca::learn {
+namespace {
+
+using mlcca::test::Folder;
+using mlcca::test::Ran;
+using mlcca::test::run;
+using test::drafted;
+using test::kMs;
+using test::kSecond;
+using test::refused_in;
+using test::Sent;
+using test::Traffic;
+
+const DraftChannel* find(const Draft& draft, std::string_view name) {
+  const auto found = std::ranges::find(draft.channels, name, &DraftChannel::name);
+  return found == draft.channels.end() ? nullptr : &*found;
+}
+
+std::vector<Sent> in_order(std::vector<Sent> sent) {
+  std::ranges::stable_sort(sent, {}, &Sent::ns);
+  return sent;
+}
+
+// --- what is said of channels --------------------------------------------------------------------
+
+TEST(ProfileDraft, BurstsAreTold) {
+  Traffic traffic(4);
+  traffic.bursts(0, 0x3e8, 4, kMs / 2, kSecond, 60).periodic(0, 0x100, 20 * kMs, kMs, 8, 60);
+  std::uint64_t ns = 0;
+  std::vector<Sent> sent = traffic.sent();
+  for (unsigned i = 0; i < 100; ++i) {
+    ns += 100 * kMs + traffic.below(900 * kMs);
+    sent.push_back({ns, 0, 0x200, {1}});
+  }
+  const Draft draft = drafted(in_order(sent), {}, {"can0"});
+  EXPECT_TRUE(find(draft, "can0-3E8")->bursts);
+  EXPECT_TRUE(draft.xml.contains("aperiodic, in bursts: ")) << draft.xml;
+  EXPECT_FALSE(find(draft, "can0-100")->bursts);
+  EXPECT_FALSE(find(draft, "can0-200")->bursts);
+  EXPECT_FALSE(find(draft, "can0-200")->periodic);
+}
+
+TEST(ProfileDraft, AChannelHasTheBandwidthThatWasSeen) {
+  const Draft draft =
+      drafted(Traffic(5).periodic(0, 0x100, 10 * kMs, 0, 8, 60).sent(), {}, {"can0"});
+  EXPECT_NEAR(draft.channels.at(0).bytes_per_second, 800, 5);
+}
+
+TEST(ProfileDraft, TheMedianIsNoLessThanTheShortestGapAndNoMoreThanTheLongest) {
+  std::vector<Sent> sent;
+  for (std::uint64_t i = 0; i < 100; ++i)
+    sent.push_back({i * 50'200'000 + i % 2 * 1000, 0, 0x123, {1}});
+  const Draft draft = drafted(sent, {}, {"can0"});
+  EXPECT_TRUE(draft.xml.contains("median gap 50.2ms, shortest 50.2ms")) << draft.xml;
+}
+
+TEST(ProfileDraft, TheTableHasLoadAndBandwidth) {
+  const Folder folder;
+  std::string text;
+  for (unsigned i = 0; i < 1000; ++i)
+    text += "(1700000" + std::to_string(100 + i / 100) + "." +
+            std::to_string(100 + i % 100).substr(1) + "0000) can0 123#5555555555555555\n";
+  const auto log = folder.write("a.log", text);
+  const Ran ran = run({"learn", log, "--bitrate", "can0=100k", "--output", folder.path("a.xml")});
+  EXPECT_EQ(ran.status, 0) << ran.error;
+  // 111 bits and hardly any stuff bits, 100 times a second.
+  EXPECT_TRUE(ran.out.contains("can0: 1000 frames, load 11.")) << ran.out;
+  EXPECT_TRUE(ran.out.contains("BYTES/S")) << ran.out;
+  EXPECT_TRUE(ran.out.contains("    801  periodic")) << ran.out;
+  const Ran json = run({"learn", log, "--bitrate", "can0=100k", "--json"});
+  EXPECT_TRUE(json.out.contains(R"("load_percent":11.)")) << json.out;
+  EXPECT_TRUE(json.out.contains(R"("kind":"periodic")")) << json.out;
+  EXPECT_TRUE(json.out.contains(R"("bytes_per_second":800.8)")) << json.out;
+  EXPECT_TRUE(
+      run({"learn", log, "--output", folder.path("b.xml")}).out.contains("1000 frames, profile"))
+      << "no bit rate is known";
+}
+
+}  // namespace
+}  // namespace mlcca::learn
