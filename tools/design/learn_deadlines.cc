@@ -34,6 +34,17 @@ OnBuses responses_of(const core::System& system, const core::InspectedBuses& bus
 
 }  // namespace
 
+std::set<std::string> too_often_for_transport(const core::System& system) {
+  core::InspectedBuses buses;
+  std::ignore = core::inspect(system, {}, {}, &buses);
+  std::set<std::string> out;
+  for (std::size_t n = 0; n < buses.assumptions.size(); ++n)
+    for (const core::SentMessage& sent : core::all_sent(buses, n))
+      if (!sent.response.bounded && sent.message->message && sent.message->message->pauses != 0)
+        out.insert(system.channels[system.publishers[sent.message->publisher].channel].name);
+  return out;
+}
+
 std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& system) {
   core::InspectedBuses buses;
   std::ignore = core::inspect(system, {}, {}, &buses);
@@ -60,6 +71,13 @@ learn::Draft draft_that_holds(const learn::Observer& observer,
   auto system = description::read_memory(draft.xml, "draft", {}, description::Users::any);
   if (!system) return draft;  // who asked for it says why it cannot be read
   system->sort_bindings();
+  options.at_mean = too_often_for_transport(*system);
+  if (!options.at_mean.empty()) {
+    draft = learn::draft_of(observer, names, options);
+    system = description::read_memory(draft.xml, "draft", {}, description::Users::any);
+    if (!system) return draft;
+    system->sort_bindings();
+  }
   options.deadlines = deadlines_that_hold(*system);
   return options.deadlines.empty() ? draft : learn::draft_of(observer, names, options);
 }

@@ -5,6 +5,7 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,11 @@ namespace mlcca::tools::design {
 /// described is sent. A quarter is added to what they take. Channels without a bound are left out.
 [[nodiscard]] std::map<std::string, std::uint64_t> deadlines_that_hold(const core::System& system);
 
-/// As draft_of(), and with them.
+/// Names of channels whose messages the transport protocol of J1939 cannot send as often as their
+/// Period says, with the pauses that it may make between packets.
+[[nodiscard]] std::set<std::string> too_often_for_transport(const core::System& system);
+
+/// As draft_of(), with Periods of few events and with Deadlines that can be kept.
 [[nodiscard]] learn::Draft draft_that_holds(const learn::Observer& observer,
                                             const std::vector<std::string>& names,
                                             learn::DraftOptions options);

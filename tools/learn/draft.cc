@@ -78,7 +78,7 @@ class Drafter {
   }
 
   void write() {
-    for (const Channel& channel : channels_) describe(channel);
+    for (Channel& channel : channels_) describe(channel);
     note_alike();
     std::string channels;
     std::string ends;
@@ -141,7 +141,7 @@ class Drafter {
     }
   }
 
-  void describe(const Channel& channel) {
+  void describe(Channel& channel) {
     DraftChannel row;
     const std::string& network = networks_[channel.interface];
     if (is_ethernet(channel.interface)) {
@@ -155,6 +155,9 @@ class Drafter {
     }
     row.interface = names_[channel.interface];
     row.subject = channel.subject;
+    if (options_.at_mean.contains(row.name))
+      for (Source& source : channel.sources)
+        source.times = times_of(source.seen->flow, OfFew::the_mean);
     std::string comment = put_together(channel, row);
     if (channel.sources.size() > 1)
       comment += fmt::format("; the first of {} publishers", channel.sources.size());

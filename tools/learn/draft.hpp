@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct DraftOptions {
   std::map<std::string, std::string> networks = {};
   /// Names of channels that state a Deadline, ns; see deadlines_that_hold().
   std::map<std::string, std::uint64_t> deadlines = {};
+  /// Names of channels with few events whose Period is the mean of their gaps and not half of it.
+  std::set<std::string> at_mean = {};
   std::string user = "root";      ///< of programs on the gateway that send
   bool local_subscribers = true;  ///< programs on the gateway receive what comes
 };

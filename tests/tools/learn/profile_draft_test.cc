@@ -34,6 +34,29 @@ std::vector<Sent> in_order(std::vector<Sent> sent) {
   return sent;
 }
 
+// --- J1939 ---------------------------------------------------------------------------------------
+
+/// Announced to everybody, and three packets behind it.
+void put_broadcast(std::vector<Sent>& to, std::uint64_t ns, std::uint8_t content) {
+  to.push_back({ns, 0, 0x1cecff00U | kExtended, {0x20, 20, 0, 3, 0xff, 0xca, 0xfe, 0}});
+  for (std::uint8_t packet = 1; packet <= 3; ++packet)
+    to.push_back({ns + packet * 50 * kMs,
+                  0,
+                  0x1cebff00U | kExtended,
+                  {packet, content, content, content, content, content, content, content}});
+}
+
+TEST(ProfileDraft, FewMessagesOfATransportProtocolHaveAPeriodThatItCanKeep) {
+  auto sent = Traffic(1).periodic(0, 0x0cf00403 | kExtended, 20 * kMs, kMs, 8, 30).sent();
+  sent.push_back({1, 0, 0x18eeff00U | kExtended, std::vector<std::uint8_t>(8)});
+  for (std::uint8_t i = 0; i < 30; ++i) put_broadcast(sent, i * kSecond + 50 * kMs, i);
+  const Draft draft = drafted(in_order(sent), {}, {"can0"});
+  const DraftChannel* const long_one = find(draft, "can0-pgn-FECA");
+  ASSERT_NE(long_one, nullptr) << draft.xml;
+  EXPECT_EQ(long_one->period, kSecond);
+  EXPECT_EQ(refused_in(draft), 0U) << draft.xml;
+}
+
 // --- what is said of channels --------------------------------------------------------------------
 
 TEST(ProfileDraft, BurstsAreTold) {
