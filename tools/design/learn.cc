@@ -76,11 +76,11 @@ class Learn {
     if (const auto refused = observe()) return say(*refused, context_.json);
     observer_.finish(interfaces_.names().size(), interfaces_.media());
     note_profiles();
-    if (observer_.flows().empty())
+    const learn::Draft draft = draft_that_holds(observer_, interfaces_.names(), a_.draft);
+    if (draft.channels.empty())
       notes_.emplace_back(
           listened_ ? "no events were seen: is there traffic, and are the interfaces up?"
                     : "no events were seen: what is recorded needs no channel of the profile");
-    const learn::Draft draft = draft_that_holds(observer_, interfaces_.names(), a_.draft);
     if (described_) return report_merged(draft);
     if (const auto refused = mistakes_in(draft.xml, "draft", description::Users::any))
       return say(*refused, context_.json);

@@ -117,6 +117,8 @@ class Collector {
 
   std::vector<Channel> run() {
     for (const auto& [key, seen] : observer_.flows())
+      if (seen.origin) crossing_.insert({key, *seen.origin});
+    for (const auto& [key, seen] : observer_.flows())
       if (is_followed(key)) number_of(key_of(key));
     for (const auto& [key, seen] : observer_.flows())
       if (is_followed(key) && seen.origin) join(key);
@@ -135,6 +137,7 @@ class Collector {
   }
   /// Control traffic is a channel only where it crosses.
   [[nodiscard]] bool is_followed(const FlowKey& key) const {
+    if (observer_.flows().at(key).control && !crossing_.contains(key)) return false;
     return !is_ethernet(key.interface) ||
            observer_.interfaces()[key.interface].recognised->profile == core::Profile::famouso;
   }
@@ -226,6 +229,7 @@ class Collector {
   std::vector<std::map<std::uint32_t, std::uint64_t>> groups_;
   std::vector<std::size_t> parents_;
   std::set<FlowKey> joined_;
+  std::set<FlowKey> crossing_;               ///< what crosses, and what it comes from
   std::map<std::size_t, Channel> channels_;  ///< by group
 };
 

@@ -14,6 +14,12 @@ bool Decoder::is_control(const Frame& frame) const {
   return tools::is_control(profile_, frame.id & (kExtended | kIdentifierBits));
 }
 
+/// CiA 301: of 0x700 and the number of the node, one byte with its state.
+bool Decoder::is_heart_beat(const Frame& frame) {
+  const std::uint32_t id = frame.id & (kExtended | kIdentifierBits);
+  return id > 0x700 && id <= 0x77f && frame.data.size() == 1 && (frame.id & kRemote) == 0;
+}
+
 void Decoder::take(const Frame& frame, const OnEvent& on_event) {
   Event event;
   event.ns = frame.ns;
@@ -38,6 +44,11 @@ void Decoder::take(const Frame& frame, const OnEvent& on_event) {
       profile_ == core::Profile::famouso && parts && parts->number == subscribe_tag_;
   if (is_control(frame) || subscribes) {
     ++control_;
+    event.control = profile_ == core::Profile::canopen && is_heart_beat(frame);
+    if (event.control)
+      on_event(event);
+    else
+      ++lost_control_;
     return;
   }
   if (!parts) {
@@ -85,6 +96,7 @@ void Decoder::take_j1939(const Frame& frame, Event event, const OnEvent& on_even
   }
   if (is_control(frame)) {
     ++control_;
+    ++lost_control_;
     return;
   }
   on_event(event);

@@ -28,6 +28,7 @@ struct Event {
   bool fd = false;
   bool remote = false;
   bool local = false;
+  bool control = false;  ///< control traffic that a channel can carry: heart-beats of CANopen
   std::array<std::uint8_t, 6> mac{};  ///< of the sender, on Ethernet; zeros: not known
   /// Its first bytes, up to kHead, valid during the call that hands it over; fewer: not known.
   std::span<const std::uint8_t> head;
@@ -44,6 +45,8 @@ class Decoder {
   [[nodiscard]] core::Profile profile() const { return profile_; }
   /// Frames of the profile's own control traffic, which need no channel.
   [[nodiscard]] std::uint64_t control_frames() const { return control_; }
+  /// Of these, those that are no events.
+  [[nodiscard]] std::uint64_t lost_control_frames() const { return lost_control_; }
   /// Frames that no channel of the profile can have: services of Cyphal, for example.
   [[nodiscard]] std::uint64_t other_frames() const { return others_; }
 
@@ -59,6 +62,7 @@ class Decoder {
   static constexpr std::size_t kMostBegun = 1024;
 
   [[nodiscard]] bool is_control(const Frame& frame) const;
+  static bool is_heart_beat(const Frame& frame);
   /// FAMOUSO: learns which tag the broker deals to the subject SUBSCRIB.
   void take_binding(const Frame& frame);
   void take_j1939(const Frame& frame, Event event, const OnEvent& on_event);
@@ -74,6 +78,7 @@ class Decoder {
   std::uint32_t subscribe_tag_ = 0x3fff;
   std::uint32_t half_dealt_ = 0;  ///< to a subject that begins like it
   std::uint64_t control_ = 0;
+  std::uint64_t lost_control_ = 0;
   std::uint64_t others_ = 0;
 };
 

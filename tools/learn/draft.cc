@@ -79,6 +79,7 @@ class Drafter {
 
   void write() {
     for (Channel& channel : channels_) describe(channel);
+    note_control();
     note_alike();
     std::string channels;
     std::string ends;
@@ -122,6 +123,7 @@ class Drafter {
         row.bytes_per_second +=
             static_cast<double>(flow.all_bytes()) * 1e9 / static_cast<double>(covered);
       row.bursts = row.bursts || source.times.bursts;
+      row.control = row.control || source.seen->control;
       row.periodic = row.periodic && source.times.periodic;
       if (source.times.periodic) row.omission = std::max(row.omission, omission_of(flow) + 1);
     }
@@ -292,6 +294,29 @@ class Drafter {
     if (options_.local_subscribers && !all_local)
       row.subscriber_xml += fmt::format("  <Subscriber channel=\"{}\" gateway=\"{}\"/>\n", row.name,
                                         options_.gateway);
+  }
+
+  /// A gateway lets no control traffic cross: where it does, it is a channel like others.
+  void note_control() {
+    for (const DraftChannel& row : out_.channels)
+      if (row.control)
+        out_.left_out.push_back(fmt::format(
+            "heart-beats {} go from {} to {}: the draft has the channel {} for them, since control "
+            "traffic crosses no gateway",
+            row.identifier, row.interface, fmt::join(row.crosses_to, ", "), row.name));
+    for (std::uint32_t i = 0; i < names_.size(); ++i) {
+      const auto& crossed = observer_.interfaces()[i].crossed_control;
+      if (crossed.empty()) continue;
+      std::vector<std::string> all;
+      all.reserve(crossed.size());
+      for (const auto& [which, count] : crossed)
+        all.push_back(fmt::format("{} from {} ({})", tools::number_text(Profile::raw, which.first),
+                                  names_[which.second], count));
+      out_.left_out.push_back(
+          fmt::format("{}: control traffic came from another interface, and the draft does not "
+                      "have it, since it crosses no gateway: {}",
+                      names_[i], fmt::join(all, ", ")));
+    }
   }
 
   void note_alike() {

@@ -55,6 +55,7 @@ struct DraftChannel {
   double bytes_per_second = 0;  ///< as it was seen
   bool periodic = false;
   bool bursts = false;
+  bool control = false;  ///< control traffic of its profile that crosses
   std::vector<DraftPublisher> publishers;
   std::vector<std::string> crosses_to;           ///< interfaces
   std::map<std::string, std::uint64_t> numbers;  ///< see Event, by interface

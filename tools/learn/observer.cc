@@ -183,17 +183,25 @@ Seen* Observer::record(std::uint32_t interface, const Event& event, Stretch stre
   if (seen.priorities.size() < kMostPriorities) seen.priorities.insert(event.priority);
   if (event.fd) ++seen.fd;
   if (event.remote) ++seen.remote;
-  if (const auto content = content_of(event))
+  seen.control = event.control;
+  // Heart-beats of all nodes are alike: they go from bus to bus only.
+  if (const auto content = content_of(event); content && !event.control)
     crossings_.add(seen.number, interface, event.ns, *content);
   return &seen;
 }
 
 void Observer::follow(const Frame& frame, const std::optional<Copies::Origin>& origin,
                       Stretch stretch) {
-  interfaces_[frame.interface].decoder->take(frame, [&](const Event& event) {
+  Interface& of = interfaces_[frame.interface];
+  const std::uint64_t lost = of.decoder->lost_control_frames();
+  of.decoder->take(frame, [&](const Event& event) {
     Seen* const seen = record(frame.interface, event, stretch);
     if (seen != nullptr && origin) seen->from[origin->interface].add(frame.ns - origin->ns);
   });
+  if (!origin || of.decoder->lost_control_frames() == lost) return;
+  const std::pair which(frame.id & (kExtended | kIdentifierBits), origin->interface);
+  if (of.crossed_control.size() < kMostControl || of.crossed_control.contains(which))
+    ++of.crossed_control[which];
 }
 
 // --- origins -------------------------------------------------------------------------------------

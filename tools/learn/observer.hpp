@@ -39,6 +39,7 @@ struct Seen {
   std::uint64_t fd = 0;                ///< events in FD frames
   std::uint64_t remote = 0;            ///< remote frames
   std::array<std::uint8_t, 6> mac{};   ///< of the latest event, on Ethernet
+  bool control = false;                ///< control traffic of the profile
   std::uint32_t number = 0;            ///< of the flow, in the order in which they began
   /// Events whose frames had come in on that CAN interface before.
   std::map<std::uint32_t, Crossing> from;
@@ -97,6 +98,9 @@ class Observer {
     std::uint64_t frames = 0;
     std::uint64_t unfollowed = 0;  ///< events of flows beyond kMostFlows
     Timeline timeline;
+    /// Frames of control traffic that had been on another interface before, by identifier and that
+    /// interface: those that no channel can have, the first kMostControl.
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t> crossed_control;
     std::uint64_t slow_bits = 0;  ///< of all frames of CAN, with their stuff bits
     std::uint64_t fast_bits = 0;  ///< of these, in the data phase of FD frames
     /// How much of the time frames were on the bus; nothing where the rates are not known.

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <span>
+#include <vector>
+
 #include "tests/tools/learn/traffic.hpp"
 
 namespace mlcca::learn {
@@ -44,6 +48,27 @@ TEST(Decoder, TheTagOfSubscriptionsIsTheOneThatTheBrokerDeals) {
                   .empty());
   EXPECT_TRUE(decoded(decoder, {famouso(0x200, {1})}).empty());
   EXPECT_EQ(decoded(decoder, {famouso(0x3fff, {1}), famouso(0x3ffe, {1})}).size(), 2U);
+}
+
+TEST(Decoder, HeartBeatsOfCanopenAreControlTrafficThatAChannelCanCarry) {
+  Decoder decoder(core::Profile::canopen);
+  constexpr std::array<std::uint8_t, 2> state = {5, 0};
+  std::vector<Event> events;
+  const auto take = [&](std::uint32_t id, std::size_t bytes) {
+    Frame frame;
+    frame.id = id;
+    frame.data = std::span(state).first(bytes);
+    decoder.take(frame, [&](const Event& event) { events.push_back(event); });
+  };
+  take(0x701, 1);
+  take(0x181, 2);
+  take(0x080, 0);
+  take(0x702 | kRemote, 1);  // node guarding
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_TRUE(events[0].control);
+  EXPECT_FALSE(events[1].control);
+  EXPECT_EQ(decoder.control_frames(), 3U);
+  EXPECT_EQ(decoder.lost_control_frames(), 2U);
 }
 
 }  // namespace

@@ -34,6 +34,11 @@ std::vector<Sent> in_order(std::vector<Sent> sent) {
   return sent;
 }
 
+bool notes(const Draft& draft, std::string_view text) {
+  return std::ranges::any_of(draft.left_out,
+                             [&](const std::string& note) { return note.contains(text); });
+}
+
 // --- J1939 ---------------------------------------------------------------------------------------
 
 /// Announced to everybody, and three packets behind it.
@@ -55,6 +60,48 @@ TEST(ProfileDraft, FewMessagesOfATransportProtocolHaveAPeriodThatItCanKeep) {
   ASSERT_NE(long_one, nullptr) << draft.xml;
   EXPECT_EQ(long_one->period, kSecond);
   EXPECT_EQ(refused_in(draft), 0U) << draft.xml;
+}
+
+// --- CANopen -------------------------------------------------------------------------------------
+
+/// Two nodes with their heart-beats, and PDOs that say them apart.
+std::vector<Sent> nodes(bool crosses) {
+  std::vector<Sent> sent;
+  for (std::uint64_t ms = 0; ms < 30'000; ms += 10) {
+    sent.push_back({ms * kMs, 0, 0x181, std::vector<std::uint8_t>(4, ms / 10 & 0xffU)});
+    if (ms % 500 == 0) sent.push_back({(ms + 1) * kMs, 0, 0x701, {5}});
+    if (ms % 500 == 0) sent.push_back({(ms + 2) * kMs, 1, 0x702, {5}});
+    if (!crosses) continue;
+    sent.push_back({ms * kMs + kMs / 2, 1, 0x181, std::vector<std::uint8_t>(4, ms / 10 & 0xffU)});
+    if (ms % 500 == 0) sent.push_back({(ms + 1) * kMs + kMs / 2, 1, 0x701, {5}});
+    if (ms % 1000 == 0) sent.push_back({(ms + 3) * kMs, 0, 0x080, {}});
+    if (ms % 1000 == 0) sent.push_back({(ms + 3) * kMs + kMs / 2, 1, 0x080, {}});
+  }
+  return in_order(sent);
+}
+
+TEST(ProfileDraft, HeartBeatsThatCrossAreChannels) {
+  const Draft draft = drafted(nodes(true));
+  const DraftChannel* const beat = find(draft, "can0-cob-701");
+  ASSERT_NE(beat, nullptr) << draft.xml;
+  EXPECT_EQ(beat->period, 500 * kMs);
+  EXPECT_EQ(beat->crosses_to, std::vector<std::string>{"can1"});
+  EXPECT_TRUE(notes(draft, "heart-beats 0x701 go from can0 to can1")) << draft.xml;
+  EXPECT_EQ(find(draft, "can1-cob-702"), nullptr) << "it stays where it is";
+  EXPECT_EQ(refused_in(draft), 0U) << draft.xml;
+}
+
+TEST(ProfileDraft, OtherControlTrafficThatCrossesIsNamed) {
+  const Draft draft = drafted(nodes(true));
+  EXPECT_EQ(find(draft, "can0-cob-080"), nullptr);
+  EXPECT_TRUE(notes(draft, "can1: control traffic came from another interface")) << draft.xml;
+  EXPECT_TRUE(notes(draft, "0x080 from can0 (30)"));
+}
+
+TEST(ProfileDraft, HeartBeatsThatStayNeedNoChannel) {
+  const Draft draft = drafted(nodes(false));
+  EXPECT_EQ(draft.channels.size(), 1U) << draft.xml;
+  EXPECT_TRUE(draft.left_out.empty());
 }
 
 // --- what is said of channels --------------------------------------------------------------------
