@@ -19,11 +19,13 @@
 namespace mlcca::tools {
 namespace {
 
-Result<std::vector<control::Attribute>> attributes(const std::vector<std::string>& texts,
-                                                   Role role) {
+using Parse = Result<control::Attribute>(std::string_view, Role);
+
+Result<std::vector<control::Attribute>> attributes(const std::vector<std::string>& texts, Role role,
+                                                   Parse& parse) {
   std::vector<control::Attribute> result;
   for (const auto& text : texts) {
-    auto attribute = parse_attribute(text, role);
+    auto attribute = parse(text, role);
     if (!attribute) return std::unexpected(std::move(attribute).error());
     if (std::ranges::find(result, attribute->name, &control::Attribute::name) != result.end())
       return fail(fmt::format("{}: {} is given twice", text, attribute->name));
@@ -75,9 +77,9 @@ Result<std::vector<control::Identifier>> identifiers(const std::vector<std::stri
 }
 
 Result<control::ChannelRequest> delivery(const Arguments& from) {
-  auto required = attributes(from.require, Role::required);
+  auto required = attributes(from.require, Role::required, parse_stated);
   if (!required) return std::unexpected(std::move(required).error());
-  auto offered = attributes(from.offer, Role::offered);
+  auto offered = attributes(from.offer, Role::offered, parse_stated);
   if (!offered) return std::unexpected(std::move(offered).error());
   if (from.subject.empty() && !from.identifiers.empty())
     return fail("--identifier goes with --subject: other channels are described");
@@ -155,7 +157,7 @@ Result<control::Query> query(const Arguments& from) {
 
 Result<control::AnnounceRequest> announce(const Arguments& from) {
   const bool publishes = from.role == "publisher";
-  auto stated = attributes(from.state, publishes ? Role::offered : Role::required);
+  auto stated = attributes(from.state, publishes ? Role::offered : Role::required, parse_attribute);
   if (!stated) return std::unexpected(std::move(stated).error());
   return control::AnnounceRequest{
       .channel = from.channel,

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/decimal.hpp"
@@ -56,20 +57,6 @@ bool is_moderate(const Decimal& number) {
   constexpr std::size_t most_decimals = 18;
   return number.decimals() <= most_decimals &&
          (number.digits().empty() || number_in<Value>(number.digits()));
-}
-
-/// From a unit as core::unit_name has it: "1e-1 K" is K in tenths.
-core::UserAttribute own_of(std::string_view unit) {
-  core::UserAttribute own;
-  own.unit = unit;
-  if (!unit.starts_with("1e")) return own;
-  constexpr int most = 30;  // of a description
-  const std::size_t end = std::min(unit.find(' '), unit.size());
-  const auto magnitude = number_in<int>(unit.substr(2, end - 2));
-  if (!magnitude || *magnitude < -most || *magnitude > most) return own;
-  own.magnitude = *magnitude;
-  own.unit = unit.substr(std::min(end + 1, unit.size()));
-  return own;
 }
 
 bool rounds_up(Attribute attribute, Role role) {
@@ -181,6 +168,26 @@ Result<control::Attribute> parse_attribute(std::string_view text, Role role) {
                             .dynamic = false};
 }
 
+Result<control::Attribute> parse_stated(std::string_view text, Role role) {
+  const auto equals = text.find('=');
+  const std::string_view name = trimmed(text.substr(0, equals));
+  const bool of_table = std::ranges::any_of(
+      kAttributeTable, [&](const AttributeInfo& row) { return same_letters(name, row.name); });
+  if (of_table || equals == std::string_view::npos || name.empty())
+    return parse_attribute(text, role);
+  const auto [number, unit] = number_and_unit(text.substr(equals + 1));
+  if (!number || !is_moderate(*number))
+    return fail(fmt::format(
+        "{}: must be a number of 0 or more, such as 50 or 12.5, with at most 18 decimals", text));
+  std::string unit_inside(unit);
+  if (number->decimals() != 0)
+    unit_inside = fmt::format("1e-{}{}{}", number->decimals(), unit.empty() ? "" : " ", unit);
+  return control::Attribute{.name = std::string(name),
+                            .value = number_in<Value>(number->digits()).value_or(0),
+                            .unit = std::move(unit_inside),
+                            .dynamic = false};
+}
+
 const Unit* unit_of(std::string_view base, std::string_view name) {
   return units::find(measure_of(base), name);
 }
@@ -188,7 +195,7 @@ const Unit* unit_of(std::string_view base, std::string_view name) {
 std::string print_value(std::string_view attribute, std::uint64_t value, std::string_view unit) {
   for (std::size_t i = 0; i < kAttributes; ++i)
     if (attribute == kAttributeTable[i].name) return core::format_value(attribute_at(i), value);
-  return core::format_user_value(own_of(unit), value);
+  return core::format_user_value(core::of_unit(unit), value);
 }
 
 std::string print_duration(std::uint64_t ns) {

@@ -24,6 +24,11 @@ enum class Role : std::uint8_t {
 /// rounded as `role` says. The error says what would be right.
 Result<control::Attribute> parse_attribute(std::string_view text, Role role);
 
+/// The same; and where the table has no such name, what the description in force may define, as it
+/// is written: value and unit of "Temperature=31.5K" are 315 and "1e-1 K". The daemon says whether
+/// there is such an attribute and what it is stated in.
+Result<control::Attribute> parse_stated(std::string_view text, Role role);
+
 /// The unit `name` (may be empty, where none is needed) of attributes whose own unit is `base`
 /// (AttributeInfo::unit); nullptr if they do not take it.
 const Unit* unit_of(std::string_view base, std::string_view name);

@@ -5,6 +5,7 @@
 #include <array>
 #include <span>
 
+#include "base/number.hpp"
 #include "core/model/words.hpp"
 #include "core/profiles/profile.hpp"
 
@@ -219,6 +220,19 @@ std::string unit_name(const System& system, const Row& row) {
   if (attribute.magnitude == 0) return attribute.unit;
   return "1e" + std::to_string(attribute.magnitude) +
          (attribute.unit.empty() ? "" : " " + attribute.unit);
+}
+
+UserAttribute of_unit(std::string_view name) {
+  UserAttribute out;
+  out.unit = name;
+  if (!name.starts_with("1e")) return out;
+  constexpr int most = 30;  // of a description
+  const std::size_t end = std::min(name.find(' '), name.size());
+  const auto magnitude = number_in<int>(name.substr(2, end - 2));
+  if (!magnitude || *magnitude < -most || *magnitude > most) return out;
+  out.magnitude = *magnitude;
+  out.unit = name.substr(std::min(end + 1, name.size()));
+  return out;
 }
 
 std::string format_user_value(const UserAttribute& attribute, Value value) {

@@ -22,6 +22,8 @@ namespace mlcca::core {
 [[nodiscard]] std::string attribute_name(const System& system, const Row& row);
 /// Unit of the row's integers: "ns", or "1e-3 K" of a user-defined attribute.
 [[nodiscard]] std::string unit_name(const System& system, const Row& row);
+/// The other way round: unit and magnitude of "1e-3 K". What begins otherwise is a unit as it is.
+[[nodiscard]] UserAttribute of_unit(std::string_view name);
 [[nodiscard]] std::string format_value(const System& system, const Row& row, Value value);
 [[nodiscard]] std::string format_user_value(const UserAttribute& attribute, Value value);
 [[nodiscard]] std::string format_margin(const System& system, const Row& row);

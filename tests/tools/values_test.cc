@@ -161,6 +161,24 @@ TEST(ValueTest, OfAnAttributeOfTheDescriptionIsPrintedAsCheckPrintsIt) {
   EXPECT_EQ(print_value("Odd", 3, "1e"), "3 1e");
 }
 
+TEST(StatedTest, OfTheDescriptionGoesToTheDaemonAsItIsWritten) {
+  const auto inside = [](const char* text) {
+    const auto stated = parse_stated(text, Role::required);
+    return stated ? stated->name + "|" + std::to_string(stated->value) + "|" + stated->unit
+                  : stated.error().text;
+  };
+  EXPECT_EQ(inside("Trust=4"), "Trust|4|");
+  EXPECT_EQ(inside("Trust=0"), "Trust|0|");
+  EXPECT_EQ(inside("Temperature=310K"), "Temperature|310|K");
+  EXPECT_EQ(inside("Temperature = 31.50 K"), "Temperature|315|1e-1 K");
+  EXPECT_EQ(inside("Trust=2.5"), "Trust|25|1e-1");
+  EXPECT_EQ(inside("Speed=3 m s^-1"), "Speed|3|m s^-1");
+  EXPECT_EQ(inside("Period=50ms"), "Period|50000000|ns");
+  EXPECT_EQ(inside("period=50ms"), "unknown attribute 'period': it is spelled Period");
+  EXPECT_TRUE(std::string(inside("Trust=high")).starts_with("Trust=high: must be a number"));
+  EXPECT_TRUE(std::string(inside("Trust")).contains("must be Name=Value"));
+}
+
 TEST(ValueTest, DurationMayBeForEver) {
   EXPECT_EQ(print_duration(10'000'000'000), "10 s");
   EXPECT_EQ(print_duration(0), "0 ns");

@@ -6,11 +6,12 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/number.hpp"
-#include "control/attributes.hpp"
 #include "core/profiles/profile.hpp"
+#include "daemon/gateway/requests/stated.hpp"
 
 namespace mlcca {
 namespace {
@@ -58,17 +59,6 @@ Result<std::optional<std::uint32_t>> mesh_node_named(const core::State& state, c
   return static_cast<std::uint32_t>(it - nodes.begin());
 }
 
-Result<AttributeSet> overridden(AttributeSet base, const std::vector<control::Attribute>& changes) {
-  for (const control::Attribute& change : changes) {
-    const auto attribute = control::attribute_named(change.name);
-    if (!attribute)
-      return fail(fmt::format("there is no attribute '{}' (there are: {})", change.name,
-                              known(kAttributeTable)));
-    base.set(*attribute, change.value);
-  }
-  return base;
-}
-
 /// Names go into one-line logs: no control characters.
 Result<std::string> end_name(const std::string& given, const std::string& otherwise) {
   if (given.empty()) return otherwise;
@@ -79,17 +69,23 @@ Result<std::string> end_name(const std::string& given, const std::string& otherw
   return given;
 }
 
-/// What a newcomer states in each of the channel's attribute sets.
-template <class End, class Stated>
-Result<void> set_attributes(End& end, const core::EventChannel& channel, const Stated& stated) {
-  auto first = stated(channel.attributes);
+/// What a newcomer states in each of the channel's attribute sets, of which it takes over `kept`.
+template <class End, class Kept>
+Result<void> set_attributes(End& end, const core::System& system,
+                            const std::vector<control::Attribute>& stated, const Kept& kept) {
+  const core::EventChannel& channel = system.channels[end.channel];
+  auto first = overridden(kept(channel.attributes), system, stated);
   if (!first) return std::unexpected(first.error());
+  auto own = overridden(channel.user, system, stated);
+  if (!own) return std::unexpected(own.error());
   end.attributes = *first;
-  end.user = channel.user;
+  end.user = std::move(*own);
   for (const core::Alternative& lower : channel.lower) {
-    auto set = stated(lower.attributes);
+    auto set = overridden(kept(lower.attributes), system, stated);
     if (!set) return std::unexpected(set.error());
-    end.lower.push_back({lower.priority, *set, lower.user});
+    auto user = overridden(lower.user, system, stated);
+    if (!user) return std::unexpected(user.error());
+    end.lower.push_back({lower.priority, *set, std::move(*user)});
   }
   return {};
 }
@@ -118,8 +114,8 @@ Result<core::Publisher> new_publisher(const core::State& state,
   p.channel = channel;
   p.place = from;
   // The channel's Jitter is what subscribers ask; a publisher's own is stated by itself.
-  const auto stated = set_attributes(p, state.system().channels[channel], [&](AttributeSet base) {
-    return overridden(base.clear(Attribute::jitter), request.offered);
+  const auto stated = set_attributes(p, state.system(), request.offered, [](AttributeSet base) {
+    return base.clear(Attribute::jitter);
   });
   if (!stated) return std::unexpected(stated.error());
   auto name = end_name(request.publisher, fmt::format("publisher-{}", id));
@@ -167,9 +163,8 @@ Result<core::Subscriber> new_subscriber(const core::State& state,
   core::Subscriber s;
   s.channel = channel;
   s.place = to;
-  const auto stated =
-      set_attributes(s, state.system().channels[channel],
-                     [&](const AttributeSet& base) { return overridden(base, request.required); });
+  const auto stated = set_attributes(s, state.system(), request.required,
+                                     [](const AttributeSet& base) { return base; });
   if (!stated) return std::unexpected(stated.error());
   auto name = end_name(request.subscriber, fmt::format("subscriber-{}", id));
   if (!name) return std::unexpected(name.error());
