@@ -20,15 +20,16 @@ control::Traffic traffic_of(const enforce::PortGate& gate, enforce::Direction di
     const auto reason = static_cast<gate_reason>(i);
     if (reason == GATE_R_PASSED) out.passed = reasons[i];
     if (reason == GATE_R_UNKNOWN) out.unknown = reasons[i];
-    if (enforce::is_drop(reason)) out.dropped += reasons[i];
-    out.reasons.push_back({enforce::reason_text(reason), reasons[i]});
+    const bool is_drop = enforce::is_drop(reason);
+    if (is_drop) out.dropped += reasons[i];
+    out.reasons.push_back({enforce::reason_text(reason), reasons[i], !is_drop});
   }
   const auto spared = gate.would_drop(direction);
   for (std::size_t i = 0; i < spared.size(); ++i) {
     if (spared[i] == 0) continue;
     out.would_drop += spared[i];
     out.would_drop_reasons.push_back(
-        {enforce::reason_text(static_cast<gate_reason>(i)), spared[i]});
+        {enforce::reason_text(static_cast<gate_reason>(i)), spared[i], false});
   }
   return out;
 }

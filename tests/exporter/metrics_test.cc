@@ -111,6 +111,28 @@ TEST(ExporterPage, GivesTheReasonOtherToFramesOfWhichNoneIsStated) {
   EXPECT_TRUE(has(page, of + R"(direction="in",reason="other"} 2)"));
 }
 
+TEST(ExporterPage, CountsWhatPassedAsNoDrop) {
+  Answers answers;
+  answers.live.status.emplace();
+  auto& i = answers.live.status->interfaces.emplace_back();
+  i.name = "eth0";
+  i.network = "lan";
+  i.ingress.passed = 40;
+  i.ingress.dropped = 3;
+  i.ingress.reasons = {{"passed", 40, true}, {"no event traffic", 12, true}, {"malformed", 3}};
+  const auto page = page_of(answers);
+  const auto of = [](const std::string& metric, const std::string& rest) {
+    return "mlcca_interface_frames_" + metric +
+           R"(_total{interface="eth0",network="lan",direction="in",)" + rest;
+  };
+  EXPECT_TRUE(has(page, of("passed", R"(kind="admitted"} 40)")));
+  EXPECT_TRUE(has(page, of("passed", R"(kind="no event traffic"} 12)")));
+  EXPECT_TRUE(has(page, of("dropped", R"(reason="malformed"} 3)")));
+  EXPECT_TRUE(has(page, of("dropped", R"(reason="other"} 0)")));
+  EXPECT_EQ(page.find(R"(reason="passed")"), std::string::npos);
+  EXPECT_EQ(page.find(R"(reason="no event traffic")"), std::string::npos);
+}
+
 TEST(ExporterPage, ShowsRefusedDeliveriesFirstAndCountsWhatItLeavesOut) {
   auto troubled = delivery("troubled", true);
   troubled.troubles = {"nothing has come"};

@@ -75,7 +75,8 @@ Labels of_interface(const control::Interface& i) {
 }
 
 struct Frames {
-  Family passed{"mlcca_interface_frames_passed_total", "counter", "Frames that passed the gate."};
+  Family passed{"mlcca_interface_frames_passed_total", "counter",
+                "Frames that passed the gate, by kind: admitted, or what the gate leaves alone."};
   Family dropped{"mlcca_interface_frames_dropped_total", "counter",
                  "Frames that the gate dropped, by reason."};
   Family would_drop{"mlcca_interface_frames_would_drop_total", "counter",
@@ -84,17 +85,26 @@ struct Frames {
 
   void add(const Labels& interface, const char* direction, const control::Traffic& traffic) {
     const auto labels = interface.with("direction", direction);
-    passed.add(labels, traffic.passed);
+    add_passed(labels, traffic);
     add_by_reason(labels, traffic.dropped, traffic.reasons, dropped);
     add_by_reason(labels, traffic.would_drop, traffic.would_drop_reasons, would_drop);
   }
 
  private:
+  void add_passed(const Labels& labels, const control::Traffic& traffic) {
+    constexpr std::string_view of_admitted = "passed";
+    passed.add(labels.with("kind", "admitted"), traffic.passed);
+    for (const auto& count : traffic.reasons)
+      if (count.passed && count.reason != of_admitted)
+        passed.add(labels.with("kind", count.reason), count.frames);
+  }
+
   /// What no reason is stated for has the reason "other", so that the sum is all.
   static void add_by_reason(const Labels& labels, std::uint64_t all,
                             const std::vector<control::ReasonCount>& reasons, Family& to) {
     std::uint64_t stated = 0;
     for (const auto& count : reasons) {
+      if (count.passed) continue;
       to.add(labels.with("reason", count.reason), count.frames);
       stated += count.frames;
     }
