@@ -104,13 +104,13 @@ Json of(const control::Gate& g) {
 /// Each finding with its identifier as candump writes it, and with what a description would need.
 Json of(const control::Audit& a) {
   auto out = fields_of(a);
+  const std::vector<std::string> additions = additions_of(a);
   for (std::size_t i = 0; i < a.findings.size(); ++i) {
     const control::Finding& f = a.findings[i];
     Json& one = out["findings"][i];
     const bool is_can = f.channel.empty() && f.subject == 0;
     one["identifier"] = is_can ? Json(name_of(f)) : Json();
-    const std::string add = addition(a, f);
-    one["add"] = add.empty() ? Json() : Json(add);
+    one["add"] = additions[i].empty() ? Json() : Json(additions[i]);
   }
   return out;
 }

@@ -9,6 +9,7 @@
 
 #include "core/gates/control_traffic.hpp"
 #include "core/model/text.hpp"
+#include "core/profiles/profile.hpp"
 #include "daemon/gates/counters.hpp"
 #include "daemon/gateway/report.hpp"
 
@@ -64,6 +65,35 @@ class Ruled {
   std::map<Gate, std::unordered_set<std::uint32_t>> ids_;
   std::set<std::tuple<std::size_t, bool, core::Subject>> subjects_;
 };
+
+/// Whoever sends it.
+bool is_of(const core::Binding& binding, core::Profile profile, std::uint32_t can_id) {
+  if (binding.waits_for_tag()) return false;
+  core::Publisher anyone;
+  anyone.node = 0;
+  const core::ProfileTraits& traits = core::traits_of(profile);
+  const core::FrameIdentity of = traits.identity(anyone, binding, false);
+  const std::uint32_t id = of.id | (binding.extended ? core::kExtendedFlag : 0U);
+  const std::uint32_t number = traits.deals_tags ? traits.last : traits.number_bits;
+  const std::uint32_t mask = (of.mask & number) | core::kExtendedFlag;
+  return ((can_id ^ id) & mask) == 0;
+}
+
+/// The name of the channel that a frame without a rule has in the description; empty: it has none.
+std::string described_channel(const core::System& system, const control::Finding& frame) {
+  if (frame.subject != 0) {
+    const auto channel =
+        std::ranges::find(system.channels, frame.subject, &core::EventChannel::subject);
+    return channel == system.channels.end() ? std::string() : channel->name;
+  }
+  const auto network = std::ranges::find(system.networks, frame.network, &core::Network::name);
+  if (network == system.networks.end() || network->profile == core::Profile::none) return {};
+  const auto binding = std::ranges::find_if(network->bindings, [&](const core::Binding& one) {
+    return is_of(one, network->profile, frame.can_id);
+  });
+  return binding == network->bindings.end() ? std::string()
+                                            : system.channels[binding->channel].name;
+}
 
 /// By the names that a finding has.
 const core::Verdict* delivery_of(const core::State& state, const control::Finding& finding) {
@@ -266,8 +296,10 @@ control::Audit AuditLog::report() const {
       f.reason += ": " + why(state, *v);
       return false;
     }
-    const bool names_frame = f.reason == enforce::reason_text(GATE_R_UNKNOWN);
-    return names_frame && ruled.has(port, f);
+    if (f.reason != enforce::reason_text(GATE_R_UNKNOWN)) return false;
+    if (ruled.has(port, f)) return true;
+    f.described = described_channel(state.system(), f);
+    return false;
   });
   return out;
 }

@@ -52,7 +52,8 @@ class AuditLog {
 
   /// Everything, the latest first: to be kept for the next daemon, see restore().
   [[nodiscard]] control::Audit contents() const;
-  /// The same, without what the gateway has rules for now, and of refused deliveries with why.
+  /// The same, without what the gateway has rules for now; of refused deliveries with why, of
+  /// unknown frames with the channel that the description has for them.
   [[nodiscard]] control::Audit report() const;
   /// Something was found since the last call.
   [[nodiscard]] bool take_news() { return std::exchange(has_news_, false); }

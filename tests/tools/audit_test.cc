@@ -18,6 +18,13 @@
 namespace mlcca::tools {
 namespace {
 
+std::size_t times(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++found;
+  return found;
+}
+
 /// Times as anywhere.
 class AuditReport : public ::testing::Test {
  protected:
@@ -25,6 +32,13 @@ class AuditReport : public ::testing::Test {
     ::setenv("TZ", "UTC", 1);
     ::tzset();
   }
+  /// For this finding alone.
+  [[nodiscard]] std::string addition_for(const control::Finding& finding) const {
+    control::Audit alone = audit_;
+    alone.findings = {finding};
+    return additions(alone);
+  }
+
   control::Audit audit_ = test::full_audit();
 };
 
@@ -77,7 +91,7 @@ To admit what is wanted of it, add to the description:
 
 TEST_F(AuditReport, WhatThisComputerSendsIsOfAProgramHere) {
   audit_.findings[0].egress = true;
-  const std::string text = addition(audit_, audit_.findings[0]);
+  const std::string text = addition_for(audit_.findings[0]);
   EXPECT_TRUE(text.contains("gateway=\"bridge\" user=\"root\"/>")) << text;
   EXPECT_TRUE(text.contains("-receiver\" channel=\"robot-can-123\" network=\"robot-can\"/>"))
       << text;
@@ -86,26 +100,95 @@ TEST_F(AuditReport, WhatThisComputerSendsIsOfAProgramHere) {
 TEST_F(AuditReport, WhatNoChannelCanHaveHasNothingToAdd) {
   control::Finding f = audit_.findings[1];
   f.can_id = 0x123;
-  EXPECT_EQ(addition(audit_, f), "") << "11 bits on a J1939 network";
+  EXPECT_EQ(addition_for(f), "") << "11 bits on a J1939 network";
   f.can_id = 0x98eeff17;
-  EXPECT_EQ(addition(audit_, f), "") << "an address claim";
+  EXPECT_EQ(addition_for(f), "") << "an address claim";
   f.profile = "of-a-later-version";
-  EXPECT_EQ(addition(audit_, f), "");
-  EXPECT_EQ(addition(audit_, audit_.findings[3]), "");
-  EXPECT_EQ(addition(audit_, audit_.findings[4]), "");
+  EXPECT_EQ(addition_for(f), "");
+  EXPECT_EQ(addition_for(audit_.findings[3]), "");
+  EXPECT_EQ(addition_for(audit_.findings[4]), "");
+}
+
+/// A subject names one channel of the whole system.
+TEST_F(AuditReport, ASubjectOnTwoNetworksIsOneChannelWithAPublisherForEach) {
+  control::Finding f = audit_.findings[2];
+  audit_.findings = {f};
+  f.interface = "eth1";
+  f.network = "field";
+  f.address = "198.51.100.4";
+  f.length = 60;
+  f.busy_gap_ns = 20'000'000;
+  audit_.findings.push_back(f);
+  f.address = "198.51.100.5";
+  audit_.findings.push_back(f);
+  const std::string text = additions(audit_);
+  EXPECT_EQ(times(text, "<EventChannel "), 1U) << text;
+  EXPECT_EQ(times(text, "<Subscriber "), 1U) << text;
+  EXPECT_TRUE(text.contains(R"(<Attributes period="20ms" maxPayload="60"/>)")) << text;
+  const std::string of = R"( channel="lan-4e6f626f64790000" network=)";
+  EXPECT_TRUE(text.contains("<Publisher name=\"lan-4e6f626f64790000\"" + of +
+                            "\"lan\" address=\"192.0.2.7\"/>"))
+      << text;
+  EXPECT_TRUE(text.contains("<Publisher name=\"field-4e6f626f64790000\"" + of +
+                            "\"field\" address=\"198.51.100.4\"/>"))
+      << text;
+  EXPECT_TRUE(text.contains("<Publisher name=\"field-4e6f626f64790000-2\"" + of +
+                            "\"field\" address=\"198.51.100.5\"/>"))
+      << text;
+  const auto json = nlohmann::json::parse(to_json(control::Reply{1, audit_}));
+  std::string all;
+  for (const auto& one : json["findings"])
+    all += (all.empty() ? "" : "\n") + one["add"].get<std::string>();
+  EXPECT_EQ(all, text);
+}
+
+TEST_F(AuditReport, NodesOfOneMessageShareItsChannelAndItsBinding) {
+  audit_.findings = {audit_.findings[1], audit_.findings[1], audit_.findings[1]};
+  audit_.findings[1].can_id = 0x8cf00418;
+  audit_.findings[2].egress = true;
+  const std::string text = additions(audit_);
+  EXPECT_EQ(times(text, "<EventChannel "), 1U) << text;
+  EXPECT_EQ(times(text, "<Binding "), 1U) << text;
+  EXPECT_EQ(times(text, "<Publisher "), 3U) << text;
+  EXPECT_EQ(times(text, "<Subscriber "), 2U) << text;
+  EXPECT_EQ(times(text, "name=\"truck-pgn-F004-receiver\""), 1U) << text;
+}
+
+TEST_F(AuditReport, ADescribedChannelGetsNoSecondOne) {
+  control::Finding f = audit_.findings[2];
+  f.described = "door";
+  std::string text = addition_for(f);
+  EXPECT_FALSE(text.contains("<EventChannel ")) << text;
+  EXPECT_FALSE(text.contains("<Subscriber ")) << text;
+  EXPECT_TRUE(text.contains(R"(<Publisher name="lan-4e6f626f64790000" channel="door" )"
+                            R"(network="lan" address="192.0.2.7"/>)"))
+      << text;
+  f.egress = true;
+  text = addition_for(f);
+  EXPECT_FALSE(text.contains("<EventChannel ")) << text;
+  EXPECT_TRUE(text.contains(R"(channel="door" network="lan"/>)")) << text;
+  f = audit_.findings[0];
+  f.described = "door";
+  text = addition_for(f);
+  EXPECT_FALSE(text.contains("<EventChannel ")) << text;
+  EXPECT_FALSE(text.contains("<Binding ")) << text;
+  EXPECT_TRUE(text.contains(R"(<Publisher name="robot-can-123" channel="door" )")) << text;
 }
 
 TEST_F(AuditReport, NamesStayTextInTheAddition) {
   audit_.gateway = "g\"/><x";
   audit_.findings[0].interface = "a-->b";
-  const std::string text = addition(audit_, audit_.findings[0]);
+  const std::string text = addition_for(audit_.findings[0]);
   EXPECT_FALSE(text.contains("<x")) << text;
   EXPECT_FALSE(text.contains("a-->b")) << text;
 }
 
 TEST_F(AuditReport, OnlyTheFirstAdditionsFollowTheTable) {
   audit_.findings.resize(1);
-  for (int i = 0; i < 9; ++i) audit_.findings.push_back(audit_.findings[0]);
+  for (std::uint32_t i = 1; i < 10; ++i) {
+    audit_.findings.push_back(audit_.findings[0]);
+    audit_.findings.back().can_id += i;
+  }
   const std::string text = render(audit_, Color::no);
   EXPECT_TRUE(text.contains("\n2 more: 'mlccactl audit report --xml' prints them all\n")) << text;
 }
@@ -118,7 +201,7 @@ TEST_F(AuditReport, SaysThatNothingWasRefused) {
 TEST_F(AuditReport, IsJsonWithTheAddition) {
   const auto json = nlohmann::json::parse(to_json(control::Reply{1, audit_}));
   EXPECT_EQ(json["findings"][0]["identifier"], "123");
-  EXPECT_EQ(json["findings"][0]["add"], addition(audit_, audit_.findings[0]));
+  EXPECT_EQ(json["findings"][0]["add"], addition_for(audit_.findings[0]));
   EXPECT_TRUE(json["findings"][2]["identifier"].is_null());
   EXPECT_EQ(json["findings"][2]["subject"], "0x4e6f626f64790000");
   EXPECT_TRUE(json["findings"][3]["add"].is_null());

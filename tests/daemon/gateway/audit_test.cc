@@ -126,6 +126,42 @@ TEST_F(AuditOnTheBench, WhatIsDescribedNowIsNoFinding) {
   EXPECT_EQ(findings[0].can_id, 0x7ffU);
 }
 
+/// Then it lacks a publisher there, and no channel.
+TEST_F(AuditOnTheBench, AFrameOfADescribedChannelNamesIt) {
+  const core::GateState rules = bench_.wanted();
+  const auto granted = std::ranges::find_if(rules, [](const core::GateRule& r) {
+    return r.pass && r.entry.direction == core::Direction::ingress && r.entry.mask != 0 &&
+           r.entry.subject != 0;
+  });
+  ASSERT_NE(granted, rules.end());
+  const std::string other = bench_.gates().interface_name(1 - granted->entry.port);
+  see(other, granted->entry.id, 3);
+  see(other, 0x7ff, 3);
+  pass(kSecond);
+  auto findings = audit().findings;
+  ASSERT_EQ(findings.size(), 2U);
+  std::ranges::sort(findings, {}, &control::Finding::can_id);
+  EXPECT_EQ(findings[0].described.empty(), findings[0].can_id == 0x7ff);
+  EXPECT_EQ(findings[1].described.empty(), findings[1].can_id == 0x7ff);
+  EXPECT_EQ(findings[0].described + findings[1].described, "c0");
+}
+
+TEST_F(AuditOnTheBench, ASubjectOfADescribedChannelNamesIt) {
+  const core::Subject known = bench_.system.channels[0].subject;
+  auto& seen = bench_.gates().seen["can1"];
+  for (const core::Subject subject : {known, known + 99}) {
+    auto& frame = seen.emplace_back();
+    frame.subject = subject;
+    frame.count = 3;
+    frame.sequence = ++sequence_;
+  }
+  ++bench_.gates().unknown["can1"].dropped;
+  pass(kSecond);
+  const auto findings = audit().findings;
+  ASSERT_EQ(findings.size(), 2U);
+  for (const control::Finding& f : findings) EXPECT_EQ(f.described, f.subject == known ? "c0" : "");
+}
+
 TEST_F(AuditOnTheBench, ARefusedDeliverySaysWhyUntilItIsGranted) {
   bench_.ask(control::WithdrawRequest{"c0"});
   bench_.act();

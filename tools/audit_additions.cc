@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Elements for what the gates refused. A subject names one channel of the whole system: whatever is
+// seen of it at several gates becomes one channel.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/model/text.hpp"
+#include "core/model/words.hpp"
+#include "core/profiles/profile.hpp"
+#include "tools/audit.hpp"
+#include "tools/elements.hpp"
+#include "tools/escape.hpp"
+#include "tools/times.hpp"
+#include "tools/values.hpp"
+#include "tools/words.hpp"
+
+namespace mlcca::tools {
+namespace {
+
+using core::Profile;
+
+bool is_can_frame(const control::Finding& f) {
+  return f.channel.empty() && f.subject == 0 && f.reason == "unknown subject";
+}
+
+/// What the identifier of a CAN frame says of its channel; nothing where it has none.
+std::optional<IdentifierParts> channel_of(const control::Finding& f) {
+  const auto profile = core::words::kProfiles.find(f.profile);
+  if (!profile || *profile == Profile::none) return std::nullopt;
+  const std::uint32_t id = f.can_id & (core::kExtendedFlag | core::kExtendedBits);
+  return is_control(*profile, id) ? std::nullopt : parts_of(*profile, id);
+}
+
+/// What an addition is made of.
+struct Elements {
+  std::string channel;
+  std::string subject;
+  std::string binding;    ///< empty: frames carry the subject
+  std::string publisher;  ///< further attributes of it
+  std::uint32_t bytes = 0;
+  std::string note;
+};
+
+std::optional<Elements> elements_of_can(const control::Finding& f) {
+  const auto parts = channel_of(f);
+  if (!parts) return std::nullopt;
+  const Profile profile = *core::words::kProfiles.find(f.profile);
+  const core::ProfileTraits& traits = core::traits_of(profile);
+  Elements out;
+  out.channel = channel_name(profile, f.network, parts->number);
+  out.subject = core::format_subject(subject_of(out.channel));
+  std::string format;
+  if (f.fd) format = R"( format="fd")";
+  if (f.xl) format = R"( format="xl")";
+  if ((f.can_id & core::kRemoteFlag) != 0) format += R"( remote-frames="true")";
+  const auto priority = traits.has_number_priority ? std::optional(parts->priority) : std::nullopt;
+  out.binding = fmt::format("<Binding channel=\"{}\"{}>{}</Binding>", escaped(out.channel), format,
+                            binding_element(profile, parts->number, priority));
+  if (core::has_nodes(profile)) out.publisher += fmt::format(R"( node="{}")", parts->node);
+  if (traits.has_sender_priority)
+    out.publisher += fmt::format(R"( priority="{}")", parts->priority);
+  const std::uint32_t tail = traits.fragmentation == nullptr ? 0 : traits.fragmentation->tail;
+  out.bytes = f.length - std::min(f.length, tail);
+  if (parts->is_fragment)
+    out.note = " Its events have several frames: learn finds how long they are.";
+  return out;
+}
+
+std::optional<Elements> elements_of(const control::Finding& f) {
+  if (is_can_frame(f)) return elements_of_can(f);
+  if (f.subject == 0 || !f.channel.empty()) return std::nullopt;
+  Elements out;
+  out.subject = core::format_subject(f.subject);
+  out.channel = fmt::format("{}-{}", f.network, out.subject.substr(2));
+  out.bytes = f.length;
+  if (!f.egress && !f.address.empty())
+    out.publisher = fmt::format(R"( address="{}")", escaped(f.address));
+  return out;
+}
+
+/// A channel that is drafted or described.
+struct Channel {
+  std::string name;
+  std::uint64_t period = 0;  ///< of its fastest sender, ns; 0: nothing was seen twice
+  std::uint32_t bytes = 1;
+  bool is_described = false;
+  bool stands = false;          ///< an addition has it
+  std::set<std::string> parts;  ///< what additions have of it, without the names
+};
+
+class Additions {
+ public:
+  explicit Additions(const control::Audit& audit) : audit_(audit) {
+    for (const control::Finding& f : audit.findings)
+      if (const auto elements = elements_of(f)) note(f, *elements);
+  }
+
+  /// In the order of the findings. Empty: nothing, or former additions have it.
+  std::string next(const control::Finding& f) {
+    const auto elements = elements_of(f);
+    if (!elements) return {};
+    Channel& channel = channels_.at(key_of(f, *elements));
+    const std::string heading =
+        fmt::format("<!-- {} on {}: {}{} -->\n", in_comment(name_of(f)), in_comment(f.interface),
+                    seen(f, channel), elements->note);
+    std::string body = channel.stands || channel.is_described ? "" : draft(channel, *elements);
+    channel.stands = true;
+    if (!channel.is_described) body += binding(f, channel, *elements);
+    body += publisher(f, channel, *elements) + subscriber(f, channel, *elements);
+    return body.empty() ? body : heading + body;
+  }
+
+ private:
+  static std::string key_of(const control::Finding& f, const Elements& elements) {
+    return f.described.empty() ? elements.subject : "described " + f.described;
+  }
+
+  void note(const control::Finding& f, const Elements& elements) {
+    Channel& channel = channels_[key_of(f, elements)];
+    channel.is_described = !f.described.empty();
+    if (channel.name.empty()) channel.name = channel.is_described ? f.described : elements.channel;
+    channel.bytes = std::max(channel.bytes, elements.bytes);
+    if (f.busy_gap_ns == 0) return;
+    const std::uint64_t period = nominal(f.busy_gap_ns);
+    channel.period = channel.period == 0 ? period : std::min(channel.period, period);
+  }
+
+  static std::string seen(const control::Finding& f, const Channel& channel) {
+    const std::uint64_t frames = f.dropped + f.would_drop;
+    std::string out = fmt::format("{} frame{} since {}", frames, frames == 1 ? "" : "s",
+                                  print_second(f.first_unix_s));
+    if (f.busy_gap_ns != 0)
+      out +=
+          fmt::format(", in the busiest second one every {}", time_words(nominal(f.busy_gap_ns)));
+    if (channel.is_described)
+      return out + fmt::format(". The description has its channel {}.", in_comment(channel.name));
+    if (channel.stands) return out + fmt::format("; of {}, see above.", in_comment(channel.name));
+    if (channel.period == 0) return out + "; the Period is assumed.";
+    return out + (nominal(f.busy_gap_ns) == channel.period ? ": the Period is that." : ".");
+  }
+
+  static std::string draft(const Channel& channel, const Elements& elements) {
+    return fmt::format(
+        "<EventChannel name=\"{}\">\n  <SubjectUID>{}</SubjectUID>\n"
+        "  <Attributes period=\"{}\" maxPayload=\"{}\"/>\n</EventChannel>\n",
+        escaped(channel.name), elements.subject,
+        time_words(channel.period == 0 ? kPeriodOfOne : channel.period), channel.bytes);
+  }
+
+  static std::string binding(const control::Finding& f, Channel& channel,
+                             const Elements& elements) {
+    if (elements.binding.empty() || !channel.parts.insert("binding " + f.network).second) return {};
+    return fmt::format("<!-- in Network {}: -->\n{}\n", in_comment(f.network), elements.binding);
+  }
+
+  std::string publisher(const control::Finding& f, Channel& channel, const Elements& elements) {
+    const std::string end =
+        (f.egress ? fmt::format(R"(gateway="{}" user="root")", escaped(audit_.gateway))
+                  : fmt::format(R"(network="{}")", escaped(f.network))) +
+        elements.publisher;
+    if (!channel.parts.insert("publisher " + end).second) return {};
+    const char* const unless = channel.is_described ? ", unless it is described" : "";
+    return fmt::format("{}<Publisher name=\"{}\" channel=\"{}\" {}/>\n",
+                       f.egress ? fmt::format("<!-- sent by this computer: state the user of the "
+                                              "program{} -->\n",
+                                              unless)
+                                : "",
+                       escaped(name(elements.channel)), escaped(channel.name), end);
+  }
+
+  /// What comes to a described channel has its receivers.
+  std::string subscriber(const control::Finding& f, Channel& channel, const Elements& elements) {
+    if (channel.is_described && !f.egress) return {};
+    const std::string end = f.egress ? fmt::format(R"(network="{}")", escaped(f.network))
+                                     : fmt::format(R"(gateway="{}")", escaped(audit_.gateway));
+    if (!channel.parts.insert("subscriber " + end).second) return {};
+    return fmt::format("<Subscriber name=\"{}\" channel=\"{}\" {}/>\n",
+                       escaped(name(elements.channel + "-receiver")), escaped(channel.name), end);
+  }
+
+  /// That no other element of the additions has.
+  std::string name(const std::string& wanted) {
+    std::string out = wanted;
+    for (int number = 2; !names_.insert(out).second; ++number)
+      out = fmt::format("{}-{}", wanted, number);
+    return out;
+  }
+
+  const control::Audit& audit_;
+  std::map<std::string, Channel> channels_;
+  std::set<std::string> names_;
+};
+
+}  // namespace
+
+std::string sender_of(const control::Finding& f) {
+  if (!is_can_frame(f)) return print_sender({.address = f.address, .mac = f.mac});
+  const auto profile = core::words::kProfiles.find(f.profile);
+  const auto parts = channel_of(f);
+  if (!parts || !profile || !core::has_nodes(*profile)) return {};
+  return fmt::format("node {}", parts->node);
+}
+
+std::string name_of(const control::Finding& f) {
+  if (!f.channel.empty()) return fmt::format("{} of {}", f.channel, f.publisher);
+  if (f.subject != 0) return core::format_subject(f.subject);
+  return is_can_frame(f) ? print_can_id(f.can_id) : std::string();
+}
+
+std::vector<std::string> additions_of(const control::Audit& audit) {
+  Additions additions(audit);
+  std::vector<std::string> out;
+  out.reserve(audit.findings.size());
+  for (const control::Finding& f : audit.findings) out.push_back(additions.next(f));
+  return out;
+}
+
+std::string additions(const control::Audit& audit) {
+  std::string out;
+  for (const std::string& one : additions_of(audit))
+    if (!one.empty()) out += (out.empty() ? "" : "\n") + one;
+  return out;
+}
+
+}  // namespace mlcca::tools
