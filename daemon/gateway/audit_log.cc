@@ -291,7 +291,7 @@ control::Audit AuditLog::report() const {
     if (!f.channel.empty()) {
       const core::Verdict* const v = delivery_of(state, f);
       if (v == nullptr) return true;
-      if (f.reason != refused_text()) return false;
+      if (!f.reason.ends_with(refused_text())) return false;
       if (v->granted) return true;
       f.reason += ": " + why(state, *v);
       return false;

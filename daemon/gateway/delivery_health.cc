@@ -8,6 +8,7 @@
 
 #include "core/model/medium.hpp"
 #include "core/model/text.hpp"
+#include "daemon/gates/counters.hpp"
 #include "daemon/gateway/report_size.hpp"
 
 namespace mlcca {
@@ -23,6 +24,12 @@ std::uint64_t event_frames(const core::State& state, const core::Verdict& v,
   const core::Publisher& publisher = state.members().publisher(v.publisher);
   const Value bytes = core::attributes_in(publisher, v.set)[Attribute::max_payload];
   return core::frames_per_event(network, network.binding_of(v.channel), bytes);
+}
+
+/// The latest drop may be one in excess, which says nothing about those that differed.
+Frames without_excess_as_reason(Frames frames) {
+  if (frames.last_reason == enforce::reason_text(GATE_R_EXCESS)) frames.last_reason.clear();
+  return frames;
 }
 
 /// By which the events of a delivery first come, if they are periodic.
@@ -95,7 +102,7 @@ std::vector<std::string> DeliveryHealth::troubles_of(const core::Verdict& v,
         {.network = gates_.network_of(rule.entry.port),
          .leaves = rule.entry.direction == core::Direction::egress,
          .is_shared = rule_of(rule.entry, shared) != nullptr,
-         .frames = gates_.frames({rule}),
+         .frames = without_excess_as_reason(gates_.frames({rule})),
          .passed_before = passed_before(v.channel, rule.entry),
          .event_frames = event_frames(*scene_.state, v, rule),
          .latest = in == nullptr ? std::nullopt : latest_left(v.channel, in->entry, rule.entry),

@@ -43,6 +43,7 @@ std::uint64_t counted(const Frames& frames, Drop reason) {
 /// have been polled.
 bool DropReports::poll_some_channels() {
   const auto& all = scene_.state->decisions();
+  if (next_channel_ == 0) causes_.begin_round();
   if (next_channel_ < all.size()) poll(all[next_channel_++], Reporting::yes);
   if (next_channel_ >= all.size()) {
     next_channel_ = 0;
@@ -63,6 +64,8 @@ bool DropReports::poll_some_ports() {
 }
 
 void DropReports::poll_all(Reporting reporting) {
+  // A round that has begun goes on: some of its channels were not sampled yet.
+  if (next_channel_ == 0) causes_.begin_round();
   for (const core::Decision& decision : scene_.state->decisions()) {
     poll(decision, reporting);
     pulse_();
@@ -84,6 +87,8 @@ void DropReports::forget() {
   audit_.restart_clean();
   of_entries_.forget();
   of_ports_.forget();
+  causes_.forget();
+  next_channel_ = 0;
   poll_all(Reporting::no);
 }
 
@@ -109,11 +114,13 @@ std::optional<std::uint64_t> DropReports::sample(const core::GateEntry& entry, D
   const bool is_excess = reason == Drop::excess || reason == Drop::would_exceed;
   if (grown == 0 || (reason == Drop::excess && frames.excess_dropped == 0)) return mention;
   const bool passed = reason == Drop::would_be_misfit || reason == Drop::would_exceed;
-  const std::string excess = enforce::reason_text(GATE_R_EXCESS);
-  // Of the latest frame that was refused: it may be one in excess.
-  const std::string misfit = frames.last_reason == excess ? "not as granted" : frames.last_reason;
-  audit_.refused(user, entry, is_excess ? excess : misfit,
-                 passed ? Fate::let_through : Fate::dropped, grown);
+  const Fate fate = passed ? Fate::let_through : Fate::dropped;
+  if (is_excess) {
+    audit_.refused(user, entry, enforce::reason_text(GATE_R_EXCESS), fate, grown);
+    return mention;
+  }
+  for (const auto& cause : causes_.of(entry, fate, grown, frames.last_reason))
+    audit_.refused(user, entry, cause.reason, fate, cause.frames);
   return mention;
 }
 

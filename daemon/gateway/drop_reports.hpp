@@ -17,6 +17,7 @@
 #include "daemon/gateway/delivery_events.hpp"
 #include "daemon/gateway/drops.hpp"
 #include "daemon/gateway/event_log.hpp"
+#include "daemon/gateway/misfit_causes.hpp"
 #include "daemon/gateway/scene.hpp"
 #include "daemon/outside/gate_driver.hpp"
 
@@ -45,7 +46,8 @@ class DropReports {
         deliveries_(deliveries),
         audit_(audit),
         clock_(clock),
-        pulse_(std::move(pulse)) {}
+        pulse_(std::move(pulse)),
+        causes_(gates) {}
 
   /// Called with each channel whose counters have just been polled.
   void on_polled(OnPolled polled) { on_polled_ = std::move(polled); }
@@ -84,7 +86,7 @@ class DropReports {
   };
   void sample_entry(const core::GateRule& rule, const std::vector<const core::Verdict*>& users,
                     Reporting reporting, Dropped& sum);
-  /// Frames that are to be reported now, if any; the growth goes to the audit log.
+  /// Frames that are to be reported now, if any; the growth goes to the audit log, by cause.
   std::optional<std::uint64_t> sample(const core::GateEntry& entry, Drop reason,
                                       const core::Verdict& user, const Frames& frames);
   void poll(const core::Decision& decision, Reporting reporting);
@@ -97,6 +99,7 @@ class DropReports {
   AuditLog& audit_;
   const Clock& clock_;
   std::function<void()> pulse_;
+  MisfitCauses causes_;
   OnPolled on_polled_ = [](const Polled&) {};
   DropWatch<std::pair<core::GateEntry, Drop>> of_entries_;
   DropWatch<std::pair<std::size_t, Fate>> of_ports_;

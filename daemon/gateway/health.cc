@@ -69,9 +69,11 @@ void add_silence(const control::Watch& watch, std::vector<std::string>& lines) {
 }
 
 std::string misfit_line(const Passage& at, const RecentDrops& misfits) {
-  return fmt::format("{} named the subject and differed from the grant{}{}",
-                     recent_frames(misfits, at.network), at.frames.last_reason.empty() ? "" : ": ",
-                     at.frames.last_reason);
+  const std::string& latest = at.frames.last_reason;
+  std::string line = fmt::format("{} named the subject and differed from the grant",
+                                 recent_frames(misfits, at.network));
+  if (latest.empty()) return line;
+  return line + (misfits.frames == 1 ? ": " : ", the latest: ") + latest;
 }
 
 std::string excess_line(const Passage& at, const RecentDrops& excess) {

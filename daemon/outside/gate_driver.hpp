@@ -139,6 +139,8 @@ class GateDriver {
   /// Those of them that the gate saw last, of each kind how many at least.
   [[nodiscard]] virtual std::vector<enforce::UnknownFrame> seen_unknown(std::size_t port) const = 0;
   [[nodiscard]] virtual std::vector<Refusals> refusals(std::size_t port) const = 0;
+  /// Those of all slots of a port by reason, without excess; what is of no slot may be among them.
+  [[nodiscard]] virtual std::vector<Refusals> misfits(std::size_t port) const = 0;
   /// The latest frame of no slot that came in: "123", "0x4e6f626f64790000 from 10.0.0.7".
   [[nodiscard]] virtual std::string latest_unknown(std::size_t port) const = 0;
   /// FAMOUSO's tags in the gate of a port; nothing where there is no gate that holds any.

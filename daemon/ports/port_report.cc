@@ -4,6 +4,8 @@
 #include <fmt/core.h>
 #include <linux/can.h>
 
+#include <array>
+#include <span>
 #include <utility>
 
 #include "core/model/progress.hpp"
@@ -76,19 +78,35 @@ UnknownFrames unknown_frames(const enforce::PortGate* gate) {
   return sum;
 }
 
-std::vector<Refusals> refusals(const enforce::PortGate* gate) {
+namespace {
+
+std::vector<Refusals> counted_for(const enforce::PortGate* gate,
+                                  std::span<const gate_reason> reasons) {
   if (gate == nullptr) return {};
   std::vector<Refusals> out;
   for (const auto direction : enforce::kBothDirections) {
     const enforce::ReasonCounters dropped = gate->reasons(direction);
     const enforce::ReasonCounters passed = gate->would_drop(direction);
-    for (const gate_reason reason :
-         {GATE_R_ERROR_FRAME, GATE_R_MALFORMED, GATE_R_CLOSED, GATE_R_OPAQUE})
+    for (const gate_reason reason : reasons)
       out.push_back({.reason = enforce::reason_text(reason),
                      .egress = direction == enforce::Direction::egress,
                      .frames = {dropped.at(reason), passed.at(reason)}});
   }
   return out;
+}
+
+}  // namespace
+
+std::vector<Refusals> refusals(const enforce::PortGate* gate) {
+  constexpr std::array reasons{GATE_R_ERROR_FRAME, GATE_R_MALFORMED, GATE_R_CLOSED, GATE_R_OPAQUE};
+  return counted_for(gate, reasons);
+}
+
+std::vector<Refusals> misfits(const enforce::PortGate* gate) {
+  constexpr std::array reasons{
+      GATE_R_IDENTIFIER,  GATE_R_SOURCE,    GATE_R_FORMAT, GATE_R_LENGTH,   GATE_R_DENIED,
+      GATE_R_ERROR_FRAME, GATE_R_MALFORMED, GATE_R_CLOSED, GATE_R_FRAGMENT, GATE_R_OPAQUE};
+  return counted_for(gate, reasons);
 }
 
 std::string latest_unknown(const enforce::PortGate* gate) {

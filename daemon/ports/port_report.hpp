@@ -16,6 +16,8 @@ namespace mlcca {
 [[nodiscard]] UnknownFrames unknown_frames(const enforce::PortGate* gate);
 /// What was refused for reasons that are of no slot: the gate was closed, a frame malformed.
 [[nodiscard]] std::vector<Refusals> refusals(const enforce::PortGate* gate);
+/// Of all slots, and whatever else the gate counts for the same reasons.
+[[nodiscard]] std::vector<Refusals> misfits(const enforce::PortGate* gate);
 /// The latest unknown one that came in: "123", "0x4e6f626f64790000 from 10.0.0.7".
 [[nodiscard]] std::string latest_unknown(const enforce::PortGate* gate);
 /// Of every port, in their order.

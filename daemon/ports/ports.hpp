@@ -135,6 +135,9 @@ class Ports final : public GateDriver {
   [[nodiscard]] std::vector<Refusals> refusals(std::size_t port) const override {
     return mlcca::refusals(gate(port));
   }
+  [[nodiscard]] std::vector<Refusals> misfits(std::size_t port) const override {
+    return mlcca::misfits(gate(port));
+  }
   [[nodiscard]] std::string latest_unknown(std::size_t port) const override {
     return mlcca::latest_unknown(gate(port));
   }

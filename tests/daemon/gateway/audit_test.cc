@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <variant>
 #include <vector>
@@ -287,6 +288,63 @@ TEST_F(AuditOnTheBench, ATimeThatMakesNoSenseIsRefused) {
   EXPECT_TRUE(is_done({"enforce", 365 * 24 * kHour}));
   EXPECT_FALSE(is_done({"enforce", 365 * 24 * kHour + 1}));
   EXPECT_EQ(status().when_clean_ns, 365 * 24 * kHour) << "what was refused changed nothing";
+}
+
+/// Frames of a delivery for several reasons: a gate counts those by port.
+class CausesOnTheBench : public AuditOnTheBench {
+ protected:
+  /// What the gate of can0 has refused at ingress in all, and of the delivery.
+  void refuse(std::uint64_t longer, std::uint64_t source, std::uint64_t of_delivery,
+              const std::string& latest) {
+    bench_.gates().misfitting["can0"] = {{"longer than granted", false, {longer, 0}},
+                                         {"not from the granted source", false, {source, 0}},
+                                         {"longer than granted", true, {77 + longer, 0}}};
+    bench_.gates().counted[1] = {.dropped = of_delivery, .last_reason = latest};
+  }
+  /// Frames at ingress of can0 by reason.
+  std::map<std::string, std::uint64_t> causes() {
+    std::map<std::string, std::uint64_t> out;
+    for (const control::Finding& f : audit().findings)
+      if (f.interface == "can0" && !f.egress) out[f.reason] += f.dropped;
+    return out;
+  }
+};
+
+using Counts = std::map<std::string, std::uint64_t>;
+
+TEST_F(CausesOnTheBench, OfOneDeliveryAloneAreExact) {
+  pass(kSecond);
+  for (std::uint64_t i = 1; i <= 3; ++i) {
+    refuse(20 * i, 20 * i, 40 * i, "longer than granted");
+    pass(kSecond);
+  }
+  EXPECT_EQ(causes(), (Counts{{"longer than granted", 60}, {"not from the granted source", 60}}));
+}
+
+TEST_F(CausesOnTheBench, AreExactWhereTheGateRefusedForOneReason) {
+  pass(kSecond);
+  refuse(50, 0, 20, "longer than granted");
+  pass(kSecond);
+  pass(kSecond);
+  refuse(50, 40, 21, "not from the granted source");
+  pass(kSecond);
+  EXPECT_EQ(causes(), (Counts{{"longer than granted", 20}, {"not from the granted source", 1}}));
+}
+
+TEST_F(CausesOnTheBench, OfSeveralDeliveriesAtOnceNameTheLatest) {
+  pass(kSecond);
+  refuse(50, 40, 20, "longer than granted");
+  pass(kSecond);
+  EXPECT_EQ(causes(), (Counts{{"several causes, the latest: longer than granted", 20}}));
+}
+
+TEST_F(CausesOnTheBench, AreNoExcess) {
+  pass(kSecond);
+  bench_.gates().misfitting["can0"] = {{"longer than granted", false, {5, 0}}};
+  bench_.gates().counted[1] = {
+      .dropped = 8, .excess = 3, .excess_dropped = 3, .last_reason = "more than admitted"};
+  pass(kSecond);
+  EXPECT_EQ(causes(), (Counts{{"longer than granted", 5}, {"more than admitted", 3}}));
 }
 
 TEST_F(AuditOnTheBench, WhatIsKeptIsGivenBackWhole) {

@@ -431,6 +431,11 @@ std::vector<Refusals> FakeGates::refusals(std::size_t port) const {
   return found == refused.end() ? std::vector<Refusals>() : found->second;
 }
 
+std::vector<Refusals> FakeGates::misfits(std::size_t port) const {
+  const auto found = misfitting.find(ports_[port].port.identity.name);
+  return found == misfitting.end() ? std::vector<Refusals>() : found->second;
+}
+
 std::vector<control::Interface> FakeGates::report() const {
   std::vector<control::Interface> out;
   for (std::size_t p = 0; p < ports_.size(); ++p) {

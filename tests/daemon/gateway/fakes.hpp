@@ -215,6 +215,7 @@ class FakeGates final : public GateDriver {
   [[nodiscard]] UnknownFrames unknown_frames(std::size_t port) const override;
   [[nodiscard]] std::vector<enforce::UnknownFrame> seen_unknown(std::size_t port) const override;
   [[nodiscard]] std::vector<Refusals> refusals(std::size_t port) const override;
+  [[nodiscard]] std::vector<Refusals> misfits(std::size_t port) const override;
   [[nodiscard]] std::string latest_unknown(std::size_t /*port*/) const override { return "123"; }
   [[nodiscard]] std::optional<enforce::Bindings> bindings(std::size_t /*port*/) const override {
     return std::nullopt;
@@ -234,6 +235,7 @@ class FakeGates final : public GateDriver {
   std::map<std::string, UnknownFrames> unknown;                    ///< by interface
   std::map<std::string, std::vector<enforce::UnknownFrame>> seen;  ///< by interface
   std::map<std::string, std::vector<Refusals>> refused;            ///< by interface
+  std::map<std::string, std::vector<Refusals>> misfitting;         ///< by interface
   std::map<core::Subject, Frames> counted;          ///< what frames() says of a subject
   std::map<core::Direction, std::uint64_t> passed;  ///< frames() of a single rule, if any
   std::optional<control::Watch> watched;            ///< what watch() says

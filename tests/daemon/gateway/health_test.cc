@@ -122,9 +122,13 @@ TEST(Health, DropsAreReportedWithTheirPlace) {
   seen.passages[1].would_be_misfits = {2, 121};
   EXPECT_EQ(
       troubles(seen).back(),
-      "2 frames on robot-can in the last 3 min named the subject and differed from the grant: "
-      "longer than granted (passed in audit mode)")
+      "2 frames on robot-can in the last 3 min named the subject and differed from the grant, the "
+      "latest: longer than granted (passed in audit mode)")
       << "and dropped now, perhaps";
+  seen.passages[1].frames.last_reason = "";
+  EXPECT_EQ(troubles(seen).back(),
+            "2 frames on robot-can in the last 3 min named the subject and differed from the grant "
+            "(passed in audit mode)");
   EXPECT_EQ(troubles({.passages = {[] {
                         Passage p = in(100);
                         p.would_exceed = {1, 60};

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "daemon/gateway/misfit_causes.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <string_view>
+#include <utility>
+
+#include "daemon/gates/counters.hpp"
+
+namespace mlcca {
+namespace {
+
+std::uint64_t counted(const Refusals& refusals, Fate fate) {
+  return fate == Fate::dropped ? refusals.frames.dropped : refusals.frames.would_drop;
+}
+
+/// Since the counters were as `before`, which have the same order; one that is less has begun
+/// again.
+std::uint64_t grown(const Refusals& now, const std::vector<Refusals>& before, Fate fate) {
+  const auto old = std::ranges::find_if(before, [&now](const Refusals& one) {
+    return one.egress == now.egress && std::string_view(one.reason) == now.reason;
+  });
+  const std::uint64_t from = old == before.end() ? 0 : counted(*old, fate);
+  const std::uint64_t to = counted(now, fate);
+  return to >= from ? to - from : to;
+}
+
+}  // namespace
+
+void MisfitCauses::begin_round() {
+  Counts now;
+  for (std::size_t p = 0; p < gates_.size(); ++p) now[p] = gates_.misfits(p);
+  before_ = began_.empty() ? now : std::move(began_);
+  began_ = std::move(now);
+}
+
+std::vector<MisfitCauses::Cause> MisfitCauses::of(const core::GateEntry& entry, Fate fate,
+                                                  std::uint64_t frames,
+                                                  const std::string& latest) const {
+  const auto before = before_.find(entry.port);
+  std::vector<Cause> causes;
+  if (before != before_.end())
+    for (const Refusals& now : gates_.misfits(entry.port)) {
+      if (now.egress != (entry.direction == core::Direction::egress)) continue;
+      const std::uint64_t fresh = grown(now, before->second, fate);
+      if (fresh != 0) causes.push_back({now.reason, fresh});
+    }
+  const std::uint64_t all =
+      std::accumulate(causes.begin(), causes.end(), std::uint64_t{0},
+                      [](std::uint64_t sum, const Cause& cause) { return sum + cause.frames; });
+  if (causes.size() == 1 && all >= frames) return {{causes.front().reason, frames}};
+  if (all == frames) return causes;
+  // The latest frame may be one in excess, which has fitted.
+  if (latest.empty() || latest == enforce::reason_text(GATE_R_EXCESS))
+    return {{"not as granted", frames}};
+  return {
+      {causes.empty() || frames == 1 ? latest : "several causes, the latest: " + latest, frames}};
+}
+
+}  // namespace mlcca
