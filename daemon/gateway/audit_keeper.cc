@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gateway/audit_keeper.hpp"
 
+#include <algorithm>
 #include <string>
 #include <variant>
 
@@ -36,21 +37,28 @@ void AuditKeeper::restore(store::History& from) {
 }
 
 void AuditKeeper::poll(store::History& to) {
-  const bool is_due = clock_.monotonic_s() - kept_at_ >= kInterval;
-  if (is_due || modes_.when_clean() != kept_when_clean_) keep(to);
+  const std::int64_t interval = std::max(kInterval, kept_bytes_ / kBytesPerSecond);
+  const bool is_due = clock_.monotonic_s() - kept_at_ >= interval;
+  // The time is over, or was asked for.
+  const bool is_changed = modes_.when_clean() != kept_when_clean_ && !is_behind_;
+  if (is_due || is_changed) static_cast<void>(keep(to));
 }
 
-void AuditKeeper::keep(store::History& to) {
+Result<void> AuditKeeper::keep(store::History& to) {
   kept_at_ = clock_.monotonic_s();
   const std::uint64_t when_clean = modes_.when_clean();
-  if (!audit_.take_news() && when_clean == kept_when_clean_) return;
+  if (!audit_.take_news() && when_clean == kept_when_clean_ && !is_behind_) return {};
   control::Audit audit = audit_.contents();
   audit.when_clean_ns = when_clean;
-  kept_when_clean_ = when_clean;
   const std::string bytes = control::encode(control::Reply{0, std::move(audit)});
   const auto kept = patience_.wait_for([&] { return to.keep_note(kName, bytes); });
   if (problem_.is_new(kept ? "" : "what audit mode has found is not kept: " + kept.error().text))
     log_.warning(Kind::trouble, problem_.text());
+  is_behind_ = !kept;
+  if (!kept) return std::unexpected(kept.error());
+  kept_when_clean_ = when_clean;
+  kept_bytes_ = static_cast<std::int64_t>(bytes.size());
+  return {};
 }
 
 }  // namespace mlcca

@@ -6,6 +6,7 @@
 
 #include "base/clock.hpp"
 #include "base/problem.hpp"
+#include "base/result.hpp"
 #include "daemon/gateway/audit_log.hpp"
 #include "daemon/gateway/event_log.hpp"
 #include "daemon/gateway/modes.hpp"
@@ -16,8 +17,10 @@ namespace mlcca {
 
 class AuditKeeper {
  public:
-  /// So often what is new is written, s: after a loss of power what is newer is lost.
-  static constexpr std::int64_t kInterval = 600;
+  /// What is new is written this often, s, and less often where it is more than this many bytes/s:
+  /// what is newer is lost with a crash of the daemon or a loss of power.
+  static constexpr std::int64_t kInterval = 10;
+  static constexpr std::int64_t kBytesPerSecond = 1024;
 
   /// All of them must outlive this.
   AuditKeeper(AuditLog& audit, Modes& modes, EventLog& log, Patience& patience, const Clock& clock)
@@ -27,8 +30,8 @@ class AuditKeeper {
   void restore(store::History& from);
   /// Once a second.
   void poll(store::History& to);
-  /// Now, if anything is new.
-  void keep(store::History& to);
+  /// Now, if anything is new. An error was logged.
+  Result<void> keep(store::History& to);
 
  private:
   AuditLog& audit_;
@@ -38,7 +41,9 @@ class AuditKeeper {
   const Clock& clock_;
   Problem problem_;
   std::int64_t kept_at_ = 0;           ///< monotonic s
+  std::int64_t kept_bytes_ = 0;        ///< at that time
   std::uint64_t kept_when_clean_ = 0;  ///< ns
+  bool is_behind_ = false;             ///< the latest attempt failed
 };
 
 }  // namespace mlcca

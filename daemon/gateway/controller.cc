@@ -113,11 +113,11 @@ std::optional<StartError> Controller::read_what_was() {
   if (const auto& cut = recorder_.recovered()) outside_.log.notice(Kind::trouble, *cut);
   admissions_.remember();
   context_.emplace(Context{
-      options_,    outside_.clock, outside_.gates,   outside_.control, scene_,    outside_.log,
-      deliveries_, turn_,          recorder_,        admissions_,      tags_,     gate_events_,
-      audit_,      modes_,         delivery_health_, health_,          channels_, endpoints_,
-      carriers_,   presence_,      local_ends_,      forwarding_,      meshes_,   reloads_,
-      aside_,      patience_,      *history_,        started_});
+      options_,    outside_.clock, outside_.gates, outside_.control, scene_,      outside_.log,
+      deliveries_, turn_,          recorder_,      admissions_,      tags_,       gate_events_,
+      audit_,      audit_keeper_,  modes_,         delivery_health_, health_,     channels_,
+      endpoints_,  carriers_,      presence_,      local_ends_,      forwarding_, meshes_,
+      reloads_,    aside_,         patience_,      *history_,        started_});
   return std::nullopt;
 }
 
@@ -166,7 +166,7 @@ void Controller::stop() {
   turn_.commit();
   if (!history_) return;
   history_->flush(outside_.clock.unix_ns());
-  audit_keeper_.keep(*history_);
+  static_cast<void>(audit_keeper_.keep(*history_));
 }
 
 /// Interfaces, links and gates for a description that has just become the one in force; what was

@@ -18,6 +18,7 @@ namespace mlcca {
 
 struct Options;
 class Admissions;
+class AuditKeeper;
 class AuditLog;
 class CanForwarding;
 class Carriers;
@@ -59,6 +60,7 @@ struct Context {
   TagBindings& tags;
   GateEvents& gate_events;
   const AuditLog& audit;
+  AuditKeeper& audit_keeper;
   Modes& modes;
   DeliveryHealth& delivery_health;
   HealthReport& health;

@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "daemon/gateway/audit_keeper.hpp"
 #include "daemon/gateway/audit_log.hpp"
 #include "tests/daemon/gateway/bench.hpp"
 
@@ -345,6 +348,49 @@ TEST_F(CausesOnTheBench, AreNoExcess) {
       .dropped = 8, .excess = 3, .excess_dropped = 3, .last_reason = "more than admitted"};
   pass(kSecond);
   EXPECT_EQ(causes(), (Counts{{"longer than granted", 5}, {"more than admitted", 3}}));
+}
+
+/// The daemon is killed, and the next one finds what the former had said and seen.
+class AuditOfACrash : public AuditOnTheBench {
+ protected:
+  void SetUp() override {
+    ASSERT_NE(::mkdtemp(folder_.data()), nullptr);
+    bench_.state_directory = folder_;
+    AuditOnTheBench::SetUp();
+  }
+  void TearDown() override {
+    bench_.end();
+    std::filesystem::remove_all(folder_);
+  }
+  void crash() {
+    bench_.end();
+    ASSERT_FALSE(bench_.start());
+  }
+
+ private:
+  std::string folder_ = ::testing::TempDir() + "mlcca-audit-XXXXXX";
+};
+
+TEST_F(AuditOfACrash, AnAnsweredRequestIsOnTheDisk) {
+  ASSERT_TRUE(is_done({"audit"}));
+  ASSERT_TRUE(is_done({"enforce", kHour}));
+  crash();
+  EXPECT_EQ(status().when_clean_ns, kHour);
+  ASSERT_TRUE(is_done({"audit"}));
+  crash();
+  EXPECT_EQ(status().when_clean_ns, 0U) << "it was taken back";
+}
+
+TEST_F(AuditOfACrash, FindingsOfMoreThanTenSecondsAgoAreKept) {
+  see("can0", 0x123, 30);
+  pass(kSecond);
+  for (int i = 0; i < AuditKeeper::kInterval; ++i) pass(kSecond);
+  see("can0", 0x123, 37);
+  pass(kSecond);
+  crash();
+  const auto findings = audit().findings;
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].dropped, 30U);
 }
 
 TEST_F(AuditOnTheBench, WhatIsKeptIsGivenBackWhole) {

@@ -194,7 +194,7 @@ std::optional<StartError> Bench::start() {
   control_ = std::make_unique<FakeControl>(kernel);
   reading_ = std::make_unique<FakeBackground>(clock);
   Options options;
-  options.state_directory = "/nowhere/at/all";
+  options.state_directory = state_directory;
   options.bpf_root = "/nowhere/at/all";
   controller_ = std::make_unique<Controller>(
       options, Outside{.gates = *gates_,
@@ -244,7 +244,7 @@ core::GateState Bench::wanted() const {
 
 store::Contents Bench::recorded(std::mt19937& random) const {
   const auto copy = memory_->after_power_loss(random);
-  const auto journal = store::Journal::open("/nowhere/at/all", *copy);
+  const auto journal = store::Journal::open(state_directory, *copy);
   return journal ? journal->contents() : store::Contents{};
 }
 

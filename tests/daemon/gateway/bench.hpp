@@ -79,8 +79,9 @@ class Bench {
   FakeClock clock;
   core::System system;  ///< what a start or a reload reads; none: it cannot be read
   bool readable = true;
-  std::vector<Result<void>> commits;  ///< what on_commit() was called with
-  std::vector<std::string> events;    ///< kinds
+  std::string state_directory = "/nowhere/at/all";  ///< of the history, on the real disk
+  std::vector<Result<void>> commits;                ///< what on_commit() was called with
+  std::vector<std::string> events;                  ///< kinds
 
  private:
   std::unique_ptr<store::test::MemoryDisk> memory_;
