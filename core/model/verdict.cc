@@ -9,14 +9,6 @@
 namespace mlcca::core {
 namespace {
 
-/// Share of the better side that is left, in 1/1024: 0 is exactly met.
-Value slack(const Comparison& c) {
-  const Value larger = c.required > c.provided ? c.required : c.provided;
-  if (larger == 0) return 0;
-  if (larger == kUnbounded) return 1024;
-  return mul_div_down(c.margin(), 1024, larger);
-}
-
 /// As a rule what is carried is exactly what the publisher offers; what a person wants to know is
 /// how near time and loss are.
 bool is_met_by_rule(const Comparison& c) {
@@ -31,7 +23,26 @@ bool is_said_of_the_medium(const Verdict& verdict, const Row& row) {
              verdict.rows, [](const Row& other) { return other.against == Against::medium_time; });
 }
 
+/// What cannot fit before what is not known yet.
+const Row* refusing_row(const Verdict& verdict) {
+  const Row* unknown = nullptr;
+  for (const Row& row : verdict.rows) {
+    const bool fits = at_run_time(row.comparison.outcome) == Outcome::fit;
+    if (fits || is_said_by_another(verdict, row)) continue;
+    if (is_unfit(row)) return &row;
+    if (unknown == nullptr) unknown = &row;
+  }
+  return unknown;
+}
+
 }  // namespace
+
+Value slack(const Comparison& c) {
+  const Value larger = c.required > c.provided ? c.required : c.provided;
+  if (larger == 0) return 0;
+  if (larger == kUnbounded) return 1024;
+  return mul_div_down(c.margin(), 1024, larger);
+}
 
 bool is_said_by_another(const Verdict& verdict, const Row& row) {
   const Attribute attribute = row.comparison.attribute;
@@ -58,18 +69,14 @@ bool is_unknown_for_lateness(const Verdict& verdict, const Row& row) {
 }
 
 const Row* deciding_row(const Verdict& verdict) {
+  if (!verdict.granted) return refusing_row(verdict);
   const Row* tightest = nullptr;
   for (const Row& row : verdict.rows) {
-    const bool fits = at_run_time(row.comparison.outcome) == Outcome::fit;
-    if (!verdict.granted) {
-      if (!fits && !is_said_by_another(verdict, row)) return &row;
-      continue;
-    }
     if (row.against != Against::end_to_end) continue;
     if (is_met_by_rule(row.comparison) || is_said_of_the_medium(verdict, row)) continue;
     if (tightest == nullptr || slack(row.comparison) < slack(tightest->comparison)) tightest = &row;
   }
-  if (verdict.granted && tightest == nullptr && !verdict.rows.empty()) return &verdict.rows.front();
+  if (tightest == nullptr && !verdict.rows.empty()) return &verdict.rows.front();
   return tightest;
 }
 

@@ -124,6 +124,9 @@ struct Decision {
 /// the row of the schedule says, and the others were compared without it.
 [[nodiscard]] bool is_unknown_for_lateness(const Verdict& verdict, const Row& row);
 
+/// Share of the better side that is left, in 1/1024: 0 is exactly met.
+[[nodiscard]] Value slack(const Comparison& comparison);
+
 /// The row that decided a refusal, or the one with the smallest relative margin of a grant.
 [[nodiscard]] const Row* deciding_row(const Verdict& verdict);
 

@@ -68,6 +68,15 @@ TEST(DecidingRow, OfARefusalIsTheFirstThatIsNotFulfilled) {
   EXPECT_EQ(deciding_row(refused({row(Attribute::latency, 10, 9)})), nullptr);
 }
 
+TEST(DecidingRow, OfARefusalIsWhatCannotFitBeforeWhatIsNotKnownYet) {
+  Row open = row(Attribute::latency, 10, 9, Against::hop);
+  open.comparison.outcome = Outcome::run_time;
+  const Verdict v = refused({open, row(Attribute::omission, 2, 5, Against::hop)});
+  EXPECT_EQ(deciding_row(v), &v.rows[1]);
+  const Verdict all_open = refused({open, open});
+  EXPECT_EQ(deciding_row(all_open), &all_open.rows[0]);
+}
+
 TEST(DecidingRow, WhatAHopCannotGiveIsNotSaidOfTheWholeWay) {
   const Verdict v = refused({row(Attribute::omission, 0, 1), row(Attribute::jitter, 1, 2),
                              row(Attribute::omission, 0, 1, Against::hop)});

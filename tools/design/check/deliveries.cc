@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/admission/route_check.hpp"
 #include "core/model/text.hpp"
 
 namespace mlcca::tools::design {
@@ -54,12 +55,27 @@ std::optional<core::Place> refused_at(const core::Verdict& v) {
   return std::nullopt;
 }
 
-std::string margin_of(const core::System& system, const core::Members& members,
-                      const core::Verdict& v) {
+void add_margin(const core::System& system, const core::Members& members, const core::Verdict& v,
+                ReportedDelivery& to) {
   const core::Row* const row = v.granted ? core::deciding_row(v) : nullptr;
-  if (row == nullptr) return core::reason(system, members, v);
-  return fmt::format("{}, {}: {}", core::attribute_name(system, *row),
-                     core::where(system, members, v, *row), core::format_margin(system, *row));
+  if (row == nullptr) {
+    to.margin = core::reason(system, members, v);
+    return;
+  }
+  to.margin = fmt::format("{}, {}: {}", core::attribute_name(system, *row),
+                          core::where(system, members, v, *row), core::format_margin(system, *row));
+  to.share = core::slack(row->comparison);
+}
+
+/// Its frames on the bus at that place of the route.
+bool is_on_its_way(const core::System& system, const core::BusMessage& m,
+                   const ReportedDelivery& d) {
+  if (!m.granted || m.publisher != d.publisher_number) return false;
+  for (std::size_t hop = 0; hop < d.route.size(); ++hop)
+    if (d.route[hop] == core::Place{core::Place::Kind::network, m.network} &&
+        core::flow_on(system, d.publisher_number, d.route, hop).from == m.from)
+      return true;
+  return false;
 }
 
 }  // namespace
@@ -68,6 +84,7 @@ ReportedDelivery in_words(const core::System& system, const core::Members& membe
                           const core::Verdict& v) {
   ReportedDelivery out;
   out.channel = v.channel;
+  out.publisher_number = v.publisher;
   out.publisher = members.publisher(v.publisher).name;
   out.subscribers = subscribers_of(members, v);
   out.outcome = v.outcome;
@@ -76,7 +93,7 @@ ReportedDelivery in_words(const core::System& system, const core::Members& membe
   out.to = v.to;
   out.route = v.route;
   if (v.outcome == Outcome::unfit) out.refused_at = refused_at(v);
-  out.margin = margin_of(system, members, v);
+  add_margin(system, members, v, out);
   if (v.outcome == Outcome::unfit) return out;
   const std::string reaction = core::reaction(v);
   const auto equals = reaction.find(" = ");
@@ -84,6 +101,26 @@ ReportedDelivery in_words(const core::System& system, const core::Members& membe
   out.reaction = reaction.substr(0, equals);
   out.reaction_terms = reaction.substr(equals + 3);
   return out;
+}
+
+void consider(const core::System& system, const std::vector<core::BusMessage>& messages,
+              ReportedDelivery& delivery) {
+  if (delivery.outcome == Outcome::unfit) return;
+  for (const core::BusMessage& m : messages) {
+    if (!m.message || !m.granted_response || !is_on_its_way(system, m, delivery)) continue;
+    Comparison c;
+    c.attribute = Attribute::deadline;
+    c.outcome = Outcome::fit;
+    c.known = true;
+    c.required = m.message->deadline;
+    c.provided = *m.granted_response;
+    if (c.provided > c.required) continue;
+    const Value share = core::slack(c);
+    if (share >= delivery.share) continue;
+    delivery.share = share;
+    delivery.margin = fmt::format("Deadline, response times on {}: {}",
+                                  system.networks[m.network].name, core::format_margin(c));
+  }
 }
 
 }  // namespace mlcca::tools::design

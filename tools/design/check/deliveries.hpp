@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/design/bus_messages.hpp"
 #include "core/model/members.hpp"
 #include "core/model/system.hpp"
 #include "core/model/verdict.hpp"
@@ -15,6 +16,7 @@ namespace mlcca::tools::design {
 /// From a publisher to a place with subscribers.
 struct ReportedDelivery {
   std::size_t channel = 0;
+  std::size_t publisher_number = 0;
   std::string publisher;
   std::string subscribers;  ///< "a, b, c and 5 more"
   Outcome outcome = Outcome::fit;
@@ -24,11 +26,16 @@ struct ReportedDelivery {
   core::Route route;                        ///< of a refusal the one that was tried; may be empty
   std::optional<core::Place> refused_at{};  ///< the first place of the route that does not fit
   std::string margin;                       ///< the smallest, with what it is of; or why not
+  Value share = 0;                          ///< of the margin, as core::slack() has it; 0: why not
   std::string reaction;                     ///< "174 ms", at worst; empty: not known
   std::string reaction_terms;               ///< "(Omission 2 + 1) x Period 50 ms + …"
 };
 
 ReportedDelivery in_words(const core::System& system, const core::Members& members,
                           const core::Verdict& verdict);
+
+/// A grant may have a smaller margin on one of the buses of its way: they are known at last.
+void consider(const core::System& system, const std::vector<core::BusMessage>& messages,
+              ReportedDelivery& delivery);
 
 }  // namespace mlcca::tools::design

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <span>
 #include <unordered_set>
 #include <utility>
@@ -87,6 +88,11 @@ core::Inspection decide(SystemReport& report, const core::InspectProgress& progr
           report.deliveries.push_back(in_words(report.system, members, verdict));
       },
       &report.buses);
+  std::map<std::size_t, std::vector<core::BusMessage>> by_publisher;
+  for (const core::BusMessage& m : report.buses.messages) by_publisher[m.publisher].push_back(m);
+  for (ReportedDelivery& d : report.deliveries)
+    if (const auto own = by_publisher.find(d.publisher_number); own != by_publisher.end())
+      consider(report.system, own->second, d);
   std::ranges::stable_sort(report.deliveries, {}, &ReportedDelivery::channel);
   return inspection;
 }
