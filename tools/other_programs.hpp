@@ -34,7 +34,8 @@ inline constexpr std::array kOtherVerbs = {
     OtherVerb{"generate", "C++ and DER from the description of a system", &kDesign},
     OtherVerb{"learn", "draft a description from the traffic that is there; asks no daemon",
               &kDesign},
-    OtherVerb{"import", "describe a network from DBC or CANopen files", &kDesign},
+    OtherVerb{"import", "describe a network from DBC, CANopen, Cyphal, ROS 2 or DDS files",
+              &kDesign},
     OtherVerb{"new", "the first description of a system", &kDesign},
     OtherVerb{"doctor", "examine a CAN controller before it is trusted; asks no daemon", &kDoctor},
 };

@@ -266,6 +266,37 @@ TEST_P(ShellTest, OffersWhatOptionsTake) {
   EXPECT_FALSE(is_offered("demo")) << "it is no description";
 }
 
+/// The forms of files that import knows, as its help has them.
+Words forms_of_import() {
+  const auto help = test::run_mlccactl({"import", "--help"}).out;
+  const std::string before = "--format FORM:{";
+  const auto from = help.find(before);
+  if (from == std::string::npos) return {};
+  auto list = help.substr(from + before.size());
+  list.resize(list.find('}'));
+  std::ranges::replace(list, ',', ' ');
+  return words_of(list);
+}
+
+TEST(DocumentationTest, CompletionOffersEveryFormOfImport) {
+  EXPECT_EQ(completions("mlccactl import --format \"\"", "/nonexistent"), forms_of_import());
+}
+
+TEST_P(ShellTest, OffersEveryFormOfImportAndItsFiles) {
+  const std::string folder = ::testing::TempDir() + "mlcca-forms-" + GetParam() + "/";
+  std::filesystem::create_directory(folder);
+  for (const char* name : {"a.dbc", "a.EDS", "a.yaml", "a.json", "a.txt", "a.xml", "a.png"})
+    std::ofstream(folder + name) << '\n';
+  const auto offered =
+      offered_by(GetParam(), {"mlccactl import --format ", "mlccactl import " + folder});
+  std::filesystem::remove_all(folder);
+  EXPECT_EQ(offered[0], forms_of_import());
+  ASSERT_GT(offered[0].size(), 5U);
+  for (const char* name : {"a.dbc", "a.EDS", "a.yaml", "a.json", "a.txt", "a.xml"})
+    EXPECT_TRUE(offered[1].contains(name) || offered[1].contains(folder + name)) << name;
+  EXPECT_FALSE(offered[1].contains("a.png") || offered[1].contains(folder + "a.png"));
+}
+
 TEST_P(ShellTest, AsksTheDaemonForNames) {
   test::Server server([](const control::Request& request) {
     if (std::holds_alternative<control::NetworksRequest>(request.body))

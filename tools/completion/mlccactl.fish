@@ -132,7 +132,7 @@ complete -c mlccactl -n __mlccactl_no_verb -a export -d 'what a description admi
 complete -c mlccactl -n __mlccactl_no_verb -a format -d 'attributes in the short form or in that of the paper'
 complete -c mlccactl -n __mlccactl_no_verb -a generate -d 'C++ and DER from the description of a system'
 complete -c mlccactl -n __mlccactl_no_verb -a learn -d 'draft a description from the traffic that is there'
-complete -c mlccactl -n __mlccactl_no_verb -a import -d 'describe a network from DBC or CANopen files'
+complete -c mlccactl -n __mlccactl_no_verb -a import -d 'describe a network from DBC, CANopen, Cyphal, ROS 2 or DDS files'
 complete -c mlccactl -n __mlccactl_no_verb -a new -d 'the first description of a system'
 complete -c mlccactl -n __mlccactl_no_verb -a doctor -d 'examine a CAN controller before it is trusted'
 
@@ -248,11 +248,11 @@ __mlccactl_option 'learn' -l no-local -d 'no program on this gateway receives an
 __mlccactl_option 'learn import new' -l name -x -d 'name of the system'
 __mlccactl_option 'learn import new' -l gateway -x -d 'name of the gateway'
 
-__mlccactl_option 'import' -l format -x -a 'dbc eds' -d 'of the files'
+__mlccactl_option 'import' -l format -x -a 'dbc eds cyphal dds-xml ros2-params ros2-topics' -d 'of the files'
 __mlccactl_option 'import new' -l network -x -d 'of a network'
 __mlccactl_option 'import' -l interface -x -a '(__mlccactl_can)' -d 'of that gateway, once for each network'
 __mlccactl_option 'import' -l profile -x -a 'raw j1939' -d 'of a DBC file'
-__mlccactl_option 'import' -l node -x -d 'of a CANopen file that states none'
+__mlccactl_option 'import' -l node -x -d 'of a CANopen or Cyphal file that states none'
 __mlccactl_option 'import' -l default-period -x -d 'where the file states no cycle time'
 __mlccactl_option 'new' -l channel -x -d 'a channel and what it needs'
 
@@ -265,6 +265,6 @@ __mlccactl_option 'doctor' -l bpf-root -x -a '(__fish_complete_directories)' -d 
 
 complete -c mlccactl -n '__mlccactl_verb check describe export format generate new' -a '(__mlccactl_files xml)'
 complete -c mlccactl -n '__mlccactl_verb analyse-bus' -a '(__mlccactl_files xml csv)'
-complete -c mlccactl -n '__mlccactl_verb import' -a '(__mlccactl_files dbc eds dcf)'
+complete -c mlccactl -n '__mlccactl_verb import' -a '(__mlccactl_files dbc eds dcf yaml yml json txt xml)'
 complete -c mlccactl -n '__mlccactl_verb learn' -a '(__mlccactl_learnable)'
 complete -c mlccactl -n '__mlccactl_verb learn' -F
