@@ -165,8 +165,9 @@ function auditPanel() {
   if (!audit?.findings.length) return [h("p", { class: "quiet" }, "Nothing was refused.")];
   const lines = (f) => [
     h("p", {}, [f.would_drop ? `${many(f.would_drop, "frame")} would have been dropped` : null, f.dropped ? `${many(f.dropped, "frame")} dropped` : null]
-      .filter(Boolean).join(", ") + ` ${f.egress ? "to" : "from"} ${f.interface}${f.address ? `, sent by ${f.address}` : ""}: ${f.reason}`),
+      .filter(Boolean).join(", ") + ` ${f.egress ? "to" : "from"} ${f.interface}${f.address || f.sender ? `, sent by ${f.address || f.sender}` : ""}: ${f.reason}`),
     h("p", { class: "quiet" }, `since ${moment(f.first_unix_s * 1e9)}, latest ${moment(f.last_unix_s * 1e9)}`),
+    f.advice ? h("p", {}, f.advice) : null,
     f.add ? h("details", {}, h("summary", {}, `Add ${nameOf(f)}`), h("pre", { tabindex: 0, "aria-label": `XML for ${nameOf(f)}` }, f.add),
       h("button", { type: "button", onclick: async (e) => { await navigator.clipboard.writeText(f.add); e.target.textContent = "Copied"; say("Copied"); } }, "Copy")) : null];
   return [h("p", {}, "What the gates have refused, or would have refused in audit mode. To admit some of it, add what is shown to the description."),

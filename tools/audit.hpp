@@ -18,6 +18,8 @@ std::string additions(const control::Audit& audit);
 
 /// "123", "0x4e6f626f64790000", "emergency-switch of switch"; empty: frames that cannot be read.
 std::string name_of(const control::Finding& finding);
+/// Of a delivery: what to do where its frames are wanted, in a line; empty: nothing to advise.
+std::string advice(const control::Finding& finding);
 /// "192.0.2.7 (02:00:5e:10:00:01)", "node 23"; empty: not known.
 std::string sender_of(const control::Finding& finding);
 

@@ -199,7 +199,27 @@ class Additions {
 
 }  // namespace
 
+std::string advice(const control::Finding& f) {
+  if (f.channel.empty()) return {};
+  if (f.reason.contains("longer than granted"))
+    return fmt::format(
+        "if such frames of {} are wanted, state a larger maxPayload: 'mlccactl learn --merge' "
+        "measures it",
+        f.channel);
+  if (f.reason == "more than admitted")
+    return fmt::format(
+        "if all frames of {} are wanted, state a shorter period, or a jitter: 'mlccactl learn "
+        "--merge' measures both",
+        f.channel);
+  if (f.reason.contains("not from the granted source"))
+    return fmt::format("somebody else sends {}: 'mlccactl learn --merge' finds who", f.channel);
+  if (f.reason.contains("refused"))
+    return fmt::format("'mlccactl explain {}' says what would have to change", f.channel);
+  return {};
+}
+
 std::string sender_of(const control::Finding& f) {
+  if (!f.channel.empty()) return f.sender;
   if (!is_can_frame(f)) return print_sender({.address = f.address, .mac = f.mac});
   const auto profile = core::words::kProfiles.find(f.profile);
   const auto parts = channel_of(f);

@@ -110,6 +110,8 @@ Json of(const control::Audit& a) {
     Json& one = out["findings"][i];
     const bool is_can = f.channel.empty() && f.subject == 0;
     one["identifier"] = is_can ? Json(name_of(f)) : Json();
+    const std::string advised = advice(f);
+    one["advice"] = advised.empty() ? Json() : Json(advised);
     one["add"] = additions[i].empty() ? Json() : Json(additions[i]);
   }
   return out;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "daemon/gateway/audit_log.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 #include <set>
@@ -93,6 +95,19 @@ std::string described_channel(const core::System& system, const control::Finding
   });
   return binding == network->bindings.end() ? std::string()
                                             : system.channels[binding->channel].name;
+}
+
+/// Such frames had the identifier and the source that were granted.
+bool is_of_publisher(const std::string& reason) {
+  return reason == enforce::reason_text(GATE_R_LENGTH) ||
+         reason == enforce::reason_text(GATE_R_FORMAT) ||
+         reason == enforce::reason_text(GATE_R_EXCESS);
+}
+
+std::string words_of(const core::Publisher& publisher) {
+  if (publisher.node) return fmt::format("node {}", *publisher.node);
+  if (!publisher.station.is_wildcard()) return core::to_text(publisher.station);
+  return publisher.uid ? fmt::format("user {}", *publisher.uid) : std::string();
 }
 
 /// By the names that a finding has.
@@ -291,6 +306,7 @@ control::Audit AuditLog::report() const {
     if (!f.channel.empty()) {
       const core::Verdict* const v = delivery_of(state, f);
       if (v == nullptr) return true;
+      if (is_of_publisher(f.reason)) f.sender = words_of(state.members().publisher(v->publisher));
       if (!f.reason.ends_with(refused_text())) return false;
       if (v->granted) return true;
       f.reason += ": " + why(state, *v);

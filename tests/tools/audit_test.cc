@@ -54,6 +54,9 @@ can1       out  emergency-switch of switch                                      
 eth0       in                                                                                2  2023-11-14 22:13:27  2023-11-14 22:13:28  malformed
 31 further ones had fewer frames and are not listed
 
+Of deliveries that the description has:
+- 'mlccactl explain emergency-switch' says what would have to change
+
 To admit what is wanted of it, add to the description:
 
 <!-- 123 on can0: 4217 frames since 2023-11-14 22:13:21, in the busiest second one every 20ms: the Period is that. -->
@@ -181,6 +184,30 @@ TEST_F(AuditReport, NamesStayTextInTheAddition) {
   const std::string text = addition_for(audit_.findings[0]);
   EXPECT_FALSE(text.contains("<x")) << text;
   EXPECT_FALSE(text.contains("a-->b")) << text;
+}
+
+TEST_F(AuditReport, SaysOfADeliveryWhoSentAndWhatToDo) {
+  control::Finding f = audit_.findings[3];
+  const auto advised = [&f](const std::string& reason) {
+    f.reason = reason;
+    return advice(f);
+  };
+  EXPECT_TRUE(advised("longer than granted").contains("a larger maxPayload")) << f.reason;
+  EXPECT_TRUE(advised("several causes, the latest: longer than granted").contains("maxPayload"));
+  EXPECT_TRUE(advised("more than admitted").contains("a shorter period, or a jitter"));
+  EXPECT_TRUE(advised("not from the granted source").contains("finds who"));
+  EXPECT_EQ(advised("refused: withdrawn"),
+            "'mlccactl explain emergency-switch' says what would have to change");
+  EXPECT_EQ(advised("frame format not granted"), "");
+  EXPECT_EQ(advice(audit_.findings[0]), "") << "it has an addition";
+  f.reason = "longer than granted";
+  f.sender = "node 23";
+  audit_.findings = {f};
+  EXPECT_TRUE(render(audit_, Color::no).contains("emergency-switch of switch  node 23"))
+      << render(audit_, Color::no);
+  const auto json = nlohmann::json::parse(to_json(control::Reply{1, audit_}));
+  EXPECT_EQ(json["findings"][0]["advice"], advice(f));
+  EXPECT_EQ(json["findings"][0]["sender"], "node 23");
 }
 
 TEST_F(AuditReport, OnlyTheFirstAdditionsFollowTheTable) {

@@ -350,6 +350,21 @@ TEST_F(CausesOnTheBench, AreNoExcess) {
   EXPECT_EQ(causes(), (Counts{{"longer than granted", 5}, {"more than admitted", 3}}));
 }
 
+/// Who it is, if the description says it, is known of what has come from the granted source alone.
+TEST_F(AuditOnTheBench, TheSenderIsThePublisherWhereTheGateHasSeenIt) {
+  bench_.system.publishers[0].node = 23;
+  ASSERT_FALSE(bench_.start());
+  pass(kSecond);
+  bench_.gates().counted[1] = {.dropped = 3, .last_reason = "longer than granted"};
+  pass(kSecond);
+  ASSERT_FALSE(audit().findings.empty());
+  for (const control::Finding& f : audit().findings) EXPECT_EQ(f.sender, "node 23");
+  bench_.gates().counted[1] = {.dropped = 5, .last_reason = "not from the granted source"};
+  pass(kSecond);
+  for (const control::Finding& f : audit().findings)
+    EXPECT_EQ(f.sender, f.reason == "longer than granted" ? "node 23" : "");
+}
+
 /// The daemon is killed, and the next one finds what the former had said and seen.
 class AuditOfACrash : public AuditOnTheBench {
  protected:
