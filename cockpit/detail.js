@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The story of a decision, as `mlccactl explain` reports it, and what a place is.
 import { h } from "./dom.js";
-import { bits, count, duration, many, percent, rate, value } from "./format.js";
+import { bits, count, duration, many, moment, percent, rate, value } from "./format.js";
 import { kStates } from "./model.js";
 
 const fact = (name, text) => (text === "" || text === null || text === undefined ? [] : [h("dt", {}, name), h("dd", {}, text)]);
@@ -26,11 +26,12 @@ function story(c) {
   return table("Attribute by attribute", ["Where", "Attribute", "Required", "Provided", "Margin"], rows);
 }
 
-export function channelDetail(c, actions) {
+export function channelDetail(c, actions, taken) {
   const w = c.watch;
   return [
     h("p", { class: "lead" }, verdict(c.state), h("br"), c.reason),
     ...c.troubles.map((t) => h("p", { class: "trouble" }, t)),
+    h("p", { class: "quiet" }, `as of ${moment(taken)}`),
     c.description ? h("p", {}, c.description) : null,
     h("ol", { class: "hops", "aria-label": "Route" }, c.route.map((place) => h("li", {}, place))),
     story(c),

@@ -11,9 +11,11 @@ import { List } from "./list.js";
 import { graphOf, key, kStates, sorted } from "./model.js";
 
 const kFindings = 200; // that are shown
+const kEntries = 200; // of the history that are shown, and that are asked for where nothing is searched
+const kSearched = 10000; // that are asked for else: as many as mlccactl gives
 const kSamples = 240; // of what is reserved, for as long as the page is open
 const kLoud = ["withdrawn", "refused", "missing", "lapsed", "drift", "bypass", "mode", "trouble"];
-const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], audit: null, live: false };
+const now = { status: null, networks: [], channels: [], reservations: [], routes: { links: [] }, history: [], audit: null, live: false, taken: 0 };
 const samples = new Map();
 let chosen = null; // key of the channel whose detail is open
 let opened = null; // what had the focus before
@@ -53,7 +55,9 @@ function showHealth(problem) {
     figure("refused", count(status.channels_refused), status.channels_refused ? "bad" : ""),
     figure("silent", count(silent), silent ? "bad" : ""),
     figure("mode", status.mode, status.mode === "audit" ? "bad" : ""),
-    kLive ? figure("events", now.live ? "live" : "not live", now.live ? "" : "bad") : figure("as of", moment(now.status.taken_unix_ns)));
+    kLive ? figure("events", now.live ? "live" : "not live", now.live ? "" : "bad") : null,
+    // Events come at once; counters, and for how long nothing has come, are those of the latest question.
+    now.taken ? figure("counters as of", moment(now.taken)) : null);
   if (kLive && (!by("actions").childElementCount || by("actions").dataset.mode !== status.mode)) {
     by("actions").dataset.mode = status.mode;
     const button = (label, run) => h("button", { type: "button", onclick: run }, label);
@@ -100,7 +104,7 @@ function openChannel(c, keep = false) {
   const button = (label, run) => h("button", { type: "button", onclick: run }, label);
   openDetail(`${c.name}: ${c.from} to ${c.to}`, channelDetail(c, !kLive ? [] : [
     c.withdrawn ? button("Reinstate…", () => reinstate(c.name)) : button("Withdraw…", () => withdraw(c.name)),
-    c.admission ? button("Release…", () => release(c)) : null].filter(Boolean)), keep);
+    c.admission ? button("Release…", () => release(c)) : null].filter(Boolean), now.taken), keep);
   showMap();
 }
 
@@ -152,11 +156,37 @@ function reservedPanel() {
       top.length > 50 ? h("p", { class: "quiet" }, `and ${count(top.length - 50)} smaller ones`) : "") : null);
   }))];
 }
-function historyPanel() {
-  if (!now.history.length) return [h("p", { class: "quiet" }, "Nothing has been decided yet.")];
-  return [h("ol", { class: "history" }, now.history.slice(0, 200).map((e) => h("li", {},
+const past = { text: "", people: false };
+const pastAsked = () => String(past.text || past.people ? kSearched : kEntries);
+let searching;
+/** Shows what is there, and asks for older entries. */
+function search() {
+  showHistory();
+  clearTimeout(searching);
+  searching = setTimeout(async () => {
+    try {
+      now.history = (await ask("history", "--limit", pastAsked())).entries;
+      showHistory();
+    } catch (problem) {
+      say(problem.message);
+    }
+  }, 300);
+}
+function showHistory() {
+  const text = past.text.toLowerCase();
+  const found = now.history.filter((e) => (!past.people || e.by)
+    && (!text || `${e.kind} ${e.channel} ${e.from} ${e.to} ${e.network} ${e.message}`.toLowerCase().includes(text)));
+  put("past", found.length ? h("ol", { class: "history" }, found.slice(0, kEntries).map((e) => h("li", {},
     h("time", { datetime: new Date(e.unix_ns / 1e6).toISOString() }, moment(e.unix_ns)), h("span", { class: `kind ${e.kind}` }, e.kind),
-    h("span", { class: "message" }, e.message))))];
+    h("span", { class: "message" }, e.message))))
+    : h("p", { class: "quiet" }, now.history.length ? "No entry is like that." : "Nothing has been decided yet."));
+  by("past-shown").textContent = `${count(Math.min(found.length, kEntries))} of the latest ${count(now.history.length)}`;
+}
+function historyPanel() {
+  return [h("div", { class: "tools" },
+    h("label", {}, "Find ", h("input", { type: "search", id: "past-text", oninput: (e) => { past.text = e.target.value; search(); } })),
+    h("label", { class: "tick" }, h("input", { type: "checkbox", id: "past-people", onchange: (e) => { past.people = e.target.checked; search(); } }), "changes by people only"),
+    h("span", { id: "past-shown", class: "quiet", role: "status" })), h("div", { id: "past" })];
 }
 /** "stop of lever", a subject, or an identifier. */
 const nameOf = (f) => f.channel ? `${f.channel} of ${f.publisher}` : f.subject ?? (f.identifier || "frames");
@@ -175,7 +205,9 @@ function auditPanel() {
     audit.findings.length > kFindings ? h("p", { class: "quiet" }, `and ${count(audit.findings.length - kFindings)} older ones`) : ""];
 }
 
-const kTabs = { channels: ["Channels", null], reserved: ["Reserved", reservedPanel], history: ["History", historyPanel], found: ["Refused", auditPanel] };
+// What a tab has, and what shows it anew: those with fields are not made again.
+const kTabs = { channels: ["Channels", channelsPanel, showChannels], reserved: ["Reserved", reservedPanel],
+  history: ["History", historyPanel, showHistory], found: ["Refused", auditPanel] };
 let tab = "channels";
 function openTab(name, focus) {
   tab = name;
@@ -188,8 +220,8 @@ function openTab(name, focus) {
   showTab();
 }
 function showTab() {
-  const [, panel] = kTabs[tab];
-  if (!panel) return showChannels();
+  const [, panel, show] = kTabs[tab];
+  if (show) return show();
   const open = [...by(`panel-${tab}`).querySelectorAll("details")].map((d) => d.open);
   if (by(`panel-${tab}`).contains(document.activeElement)) return undefined; // who reads there is not disturbed
   put(`panel-${tab}`, panel());
@@ -204,7 +236,7 @@ function makeTabs() {
       if (step) openTab(names[(i + step + names.length) % names.length], true);
     } }, kTabs[name][0])));
   put("panels", names.map((name) => h("section", { role: "tabpanel", id: `panel-${name}`, "aria-labelledby": `tab-${name}`, class: "card" },
-    name === "channels" ? channelsPanel() : [])));
+    kTabs[name][2] ? kTabs[name][1]() : [])));
   openTab("channels");
 }
 
@@ -219,13 +251,15 @@ async function refresh() {
   try {
     now.status = await ask("status");
     showHealth();
-    const parts = await Promise.all([ask("channels"), ask("networks"), ask("routes"), ask("reservations"), ask("history", "--limit", "200"), ask("audit", "report")]);
+    const taken = kLive ? Date.now() * 1e6 : now.status.taken_unix_ns;
+    const parts = await Promise.all([ask("channels"), ask("networks"), ask("routes"), ask("reservations"), ask("history", "--limit", pastAsked()), ask("audit", "report")]);
     now.channels = sorted(parts[0].channels);
     now.networks = parts[1].networks;
     now.routes = parts[2];
     now.reservations = parts[3].resources;
     now.history = parts[4].entries;
     now.audit = parts[5];
+    now.taken = taken;
     for (const r of now.reservations) if (r.capacity) {
       const name = `${r.kind} ${r.name}`;
       const line = samples.get(name) ?? [];
