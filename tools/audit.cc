@@ -18,6 +18,19 @@ namespace {
 /// So many additions stand below the table.
 constexpr std::size_t kMostAdditions = 8;
 
+std::string advice_lines(const control::Audit& audit) {
+  std::set<std::string> advised;
+  for (const control::Finding& f : audit.findings)
+    if (std::string line = advice(f); !line.empty()) advised.insert(std::move(line));
+  if (advised.empty()) return {};
+  std::string out = "\nOf deliveries that the description has:\n";
+  std::size_t lines = 0;
+  for (const std::string& line : advised)
+    if (lines++ < kMostAdditions) out += "- " + line + '\n';
+  if (lines > kMostAdditions) out += fmt::format("and {} more\n", lines - kMostAdditions);
+  return out;
+}
+
 }  // namespace
 
 std::string render(const control::Audit& audit, Color color) {
@@ -55,14 +68,7 @@ std::string render(const control::Audit& audit, Color color) {
   out += '\n' + table.text(color);
   if (audit.left_out != 0)
     out += fmt::format("{} further ones had fewer frames and are not listed\n", audit.left_out);
-  std::set<std::string> advised;
-  for (const control::Finding& f : audit.findings)
-    if (std::string line = advice(f); !line.empty()) advised.insert(std::move(line));
-  if (!advised.empty()) out += "\nOf deliveries that the description has:\n";
-  std::size_t lines = 0;
-  for (const std::string& line : advised)
-    if (lines++ < kMostAdditions) out += "- " + line + '\n';
-  if (lines > kMostAdditions) out += fmt::format("and {} more\n", lines - kMostAdditions);
+  out += advice_lines(audit);
   std::vector<std::string> shown;
   std::size_t all = 0;
   for (std::string& one : additions_of(audit)) {

@@ -124,6 +124,16 @@ const core::Verdict* delivery_of(const core::State& state, const control::Findin
   return nullptr;
 }
 
+/// Adds who has sent, and why it was refused. False: it is granted now, or there is none any more.
+bool complete_delivery(const core::State& state, control::Finding& f) {
+  const core::Verdict* const v = delivery_of(state, f);
+  if (v == nullptr) return false;
+  if (is_of_publisher(f.reason)) f.sender = words_of(state.members().publisher(v->publisher));
+  if (!f.reason.ends_with(refused_text())) return true;
+  f.reason += ": " + why(state, *v);
+  return !v->granted;
+}
+
 }  // namespace
 
 void AuditLog::restore(const control::Audit& kept) {
@@ -303,15 +313,7 @@ control::Audit AuditLog::report() const {
       ++port;
     if (port == gates_.size()) return true;
     f.profile = core::to_text(gates_.profile(port));
-    if (!f.channel.empty()) {
-      const core::Verdict* const v = delivery_of(state, f);
-      if (v == nullptr) return true;
-      if (is_of_publisher(f.reason)) f.sender = words_of(state.members().publisher(v->publisher));
-      if (!f.reason.ends_with(refused_text())) return false;
-      if (v->granted) return true;
-      f.reason += ": " + why(state, *v);
-      return false;
-    }
+    if (!f.channel.empty()) return !complete_delivery(state, f);
     if (f.reason != enforce::reason_text(GATE_R_UNKNOWN)) return false;
     if (ruled.has(port, f)) return true;
     f.described = described_channel(state.system(), f);

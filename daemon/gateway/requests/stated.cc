@@ -27,6 +27,7 @@ std::string unknown(const core::System& system, std::string_view name) {
   std::vector<std::string_view> table;
   for (const AttributeInfo& row : kAttributeTable) table.emplace_back(row.name);
   std::vector<std::string_view> own;
+  own.reserve(system.user_attributes.size());
   for (const core::UserAttribute& attribute : system.user_attributes)
     own.emplace_back(attribute.name);
   return fmt::format("there is no attribute '{}' (there are: {}; the description defines: {})",
