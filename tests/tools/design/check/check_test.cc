@@ -214,13 +214,15 @@ TEST_F(JsonTest, IsOneObjectOnOneLineWithTheFieldsThatApply) {
   EXPECT_EQ(outcome.out.find('\n'), outcome.out.size() - 1);
   const auto json = Json::parse(outcome.out);
   EXPECT_EQ(json["version"], 1);
-  EXPECT_EQ(json["systems"],
-            Json::array({{{"file", name},
-                          {"name", "test"},
-                          {"readable", true},
-                          {"usable", true},
-                          {"inspected", true},
-                          {"channels", {{"all", 1}, {"fit", 0}, {"run_time", 0}, {"unfit", 1}, {"unused", 0}}}}}));
+  EXPECT_EQ(
+      json["systems"],
+      Json::array({{{"file", name},
+                    {"name", "test"},
+                    {"readable", true},
+                    {"usable", true},
+                    {"inspected", true},
+                    {"channels",
+                     {{"all", 1}, {"fit", 0}, {"run_time", 0}, {"unfit", 1}, {"unused", 0}}}}}));
   ASSERT_EQ(json["findings"].size(), 1U);
   const auto& f = json["findings"][0];
   EXPECT_EQ(f["id"], "MLCCA021");
