@@ -22,6 +22,14 @@ bool is_for_bus(const Verdict& v) {
   });
 }
 
+/// " could take 810 us of the 600 us"
+std::string harm_to(const can::Message& message, const can::Response& response) {
+  if (!response.bounded) return " could wait without a bound";
+  if (response.meets(message.deadline)) return " could lose frames in its queue";
+  return " could take " + format_value(Attribute::latency, response.response) + " of the " +
+         format_value(Attribute::latency, message.deadline);
+}
+
 }  // namespace
 
 void RefusedOnBus::add(const Verdict& verdict) {
@@ -66,19 +74,13 @@ void RefusedOnBus::report(const System& system, const Members& members, const ca
   }
   if (late == held) return;
   const Publisher& sender = members.publisher(senders.front());
-  const Publisher& victim = members.publisher(Ledger::publisher_of(messages[late].key));
   std::string text = sender.name;
   if (senders.size() > 1) text += " and " + std::to_string(senders.size() - 1) + " more";
   text += senders.size() == 1 ? " is refused, and no gate keeps its frames off "
                               : " are refused, and no gate keeps their frames off ";
-  text += system.networks[network].name + ": while they are sent, " + victim.name;
-  if (responses[late].bounded && !responses[late].meets(messages[late].deadline))
-    text += " could take " + format_value(Attribute::latency, responses[late].response) +
-            " of the " + format_value(Attribute::latency, messages[late].deadline);
-  else if (responses[late].bounded)
-    text += " could lose frames in its queue";
-  else
-    text += " could wait without a bound";
+  text += system.networks[network].name + ": while they are sent, " +
+          members.publisher(Ledger::publisher_of(messages[late].key)).name +
+          harm_to(messages[late], responses[late]);
   if (others != 0)
     text += ", and " + std::to_string(others) +
             (others == 1 ? " message more is late" : " messages more are late");
