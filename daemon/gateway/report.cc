@@ -32,11 +32,13 @@ control::Outcome outcome_of(Outcome outcome) {
 std::vector<std::size_t> listed_rows(const core::Verdict& v) {
   const std::vector<core::Row>& rows = v.rows;
   std::vector<std::size_t> listed;
+  const auto is_listed = [&](const core::Row& row) {
+    if (core::is_unknown_for_lateness(v, row)) return false;
+    return row.against != core::Against::hop || !core::is_said_by_another(v, row);
+  };
   const auto add = [&](bool fit) {
     for (std::size_t i = 0; i < rows.size() && listed.size() < control::Channel::kMostRows; ++i)
-      if ((rows[i].comparison.outcome == Outcome::fit) == fit &&
-          !core::is_unknown_for_lateness(v, rows[i]) &&
-          !(rows[i].against == core::Against::hop && core::is_said_by_another(v, rows[i])))
+      if ((rows[i].comparison.outcome == Outcome::fit) == fit && is_listed(rows[i]))
         listed.push_back(i);
   };
   add(false);
