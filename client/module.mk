@@ -38,6 +38,7 @@ install-client: $(CLIENT_LIBRARY) ## libmlcca for applications, with what pkg-co
 	$(Q)for file in mlcca.pc:pkgconfig/mlcca.pc mlcca-config.cmake:cmake/mlcca/mlcca-config.cmake \
 		mlcca-config-version.cmake:cmake/mlcca/mlcca-config-version.cmake; do \
 		sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@VERSION@|$(CLIENT_VERSION)|g' \
+			-e "s|@TO_PREFIX@|$$(realpath -m --relative-to=$(LIBDIR) $(PREFIX))|g" \
 			client/$${file%%:*}.in >$(DESTDIR)$(LIBDIR)/$${file#*:} || exit 1; done
 PARTS += install-client
 .PHONY: install-client

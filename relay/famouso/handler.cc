@@ -19,7 +19,8 @@
 namespace mlcca::relay {
 namespace {
 
-constexpr int kBacklog = 16;
+constexpr int kBacklog = 512;      // that wait to be accepted: a full list costs them seconds
+constexpr int kMostAccepted = 16;  // before others have their turn
 constexpr std::uint64_t kRefusalPause = 1'000'000'000;
 constexpr std::size_t kRead = std::size_t{64} << 10U;
 /// Events of a program, before those for programs here are taken out of the kernel: it keeps some
@@ -135,7 +136,7 @@ void EventChannelHandler::make_room(std::uint64_t now) {
 }
 
 void EventChannelHandler::accept(std::uint64_t now) {
-  for (int i = 0; i < kBacklog; ++i) {
+  for (int i = 0; i < kMostAccepted; ++i) {
     sockaddr_in from{};
     socklen_t size = sizeof from;
     // NOLINTNEXTLINE(*-reinterpret-cast): the sockets API
