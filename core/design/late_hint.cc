@@ -51,6 +51,26 @@ std::string unkept_promise(const System& system, const Row& row, const can::Mess
          ", and the frames of one event take " + format_value(Attribute::latency, own.transmission);
 }
 
+/// Where a Jitter allows less than a time does: what a bus delays counts as both. Empty: it does
+/// not.
+std::string jitter_hint(const System& system, const Verdict& v, const Row& row) {
+  const std::string bus = name_of(system, row.place);
+  const AttributeSet& gives = system.networks[row.place.index].provision;
+  if (gives.has(Attribute::latency) && gives.has(Attribute::jitter) &&
+      gives[Attribute::jitter] < gives[Attribute::latency] &&
+      row.comparison.required <= gives[Attribute::jitter])
+    return "state a larger Jitter of " + bus +
+           ", or none: what it delays counts as Jitter too, and " +
+           format_value(Attribute::jitter, gives[Attribute::jitter]) + " is what it promises";
+  if (!v.requirement.has(Attribute::jitter)) return {};
+  const Value jitter = v.requirement[Attribute::jitter];
+  for (const Attribute a : {Attribute::deadline, Attribute::latency})
+    if (v.requirement.has(a) && v.requirement[a] <= jitter) return {};
+  if (row.comparison.required > jitter) return {};
+  return "allow more Jitter: what a bus delays counts as Jitter, and " +
+         format_value(Attribute::jitter, jitter) + " is required";
+}
+
 /// Where the gateways on its way take most of its time; empty: they do not.
 std::string gateways_hint(const System& system, const Verdict& v, const std::string& late) {
   Value asked = kUnbounded;
@@ -125,6 +145,7 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
   const auto own = row.end == v.publisher ? newcomer : message_of(row.end, v.set);
   if (own) {
     std::string hint = unkept_promise(s.system, row, *own);
+    if (hint.empty() && row.end == v.publisher) hint = jitter_hint(s.system, v, row);
     if (hint.empty()) hint = pauses_hint(late, *own, row);
     if (!hint.empty()) return hint;
   }

@@ -83,7 +83,7 @@ void RefusedOnBus::report(const System& system, const Members& members, const ca
           harm_to(messages[late], responses[late]);
   if (others != 0)
     text += ", and " + std::to_string(others) +
-            (others == 1 ? " message more is late" : " messages more are late");
+            (others == 1 ? " message more may fail so" : " messages more may fail so");
   Finding& f = to.emplace_back();
   f.id = FindingId::refused_on_bus;
   f.origin = sender.origin;

@@ -340,7 +340,7 @@ std::string schedule_text(const System& system, const Members& members, const Ro
   if (c.required == 0 && c.provided != kUnbounded)
     return "no time is left for " + frames + ": they take up to " +
            format_value(Attribute::latency, c.provided) +
-           " there, and the rest of their way may take all that their deadline allows";
+           " there, and the rest of their way may take all that they are allowed";
   if (c.provided == kUnbounded) return frames + " could wait without a bound";
   return frames + " could take " + format_value(Attribute::latency, c.provided) + " of the " +
          format_value(Attribute::latency, c.required) + " they may take at most";

@@ -287,7 +287,7 @@ TEST(BusTest, WhereTheOtherHopsTakeAllOfTheTimeNoneIsLeft) {
   ASSERT_NE(row, refused.rows.end());
   EXPECT_EQ(schedule_text(state.system(), state.members(), *row),
             "no time is left for the frames of p0 (c0) on bus: they take up to 1.08 ms there, and "
-            "the rest of their way may take all that their deadline allows");
+            "the rest of their way may take all that they are allowed");
 }
 
 /// One mesh of two nodes, one link of 8 kbit/s: 1000 bytes/s.

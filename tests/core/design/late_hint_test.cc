@@ -88,5 +88,44 @@ TEST(LateHintTest, TheGatewaysOfTheWayAreNamedWhereTheyTakeMostOfTheTime) {
       << late->hint;
 }
 
+/// 8 bytes each 50 ms on one bus of 500 kbit/s: 270 us.
+System one_message(AttributeSet provision, AttributeSet required = {}) {
+  System system = transported(50 * kMillisecond, 50 * kMillisecond);
+  Network& bus = system.networks[0];
+  bus.profile = Profile::raw;
+  bus.bus.bitrate = 500'000;
+  bus.provision = provision;
+  bus.bindings[0].id = 0x10;
+  bus.bindings[0].extended = false;
+  for (AttributeSet* set : {&system.channels[0].attributes, &system.publishers[0].attributes,
+                            &system.subscribers[0].attributes})
+    set->set(Attribute::max_payload, 8);
+  if (required.has(Attribute::jitter))
+    system.subscribers[0].attributes.set(Attribute::jitter, required[Attribute::jitter]);
+  return system;
+}
+
+/// More time would help nothing.
+TEST(LateHintTest, AJitterThatIsTheCauseIsNamed) {
+  const auto hint_of = [](const System& system) {
+    const Inspection inspection = inspect(system);
+    const auto late = std::ranges::find(inspection.findings, Id::deadline_missed, &Finding::id);
+    return late == inspection.findings.end() ? std::string("none") : late->hint;
+  };
+  const auto promises = [](Value latency, Value jitter) {
+    return AttributeSet{}.set(Attribute::latency, latency).set(Attribute::jitter, jitter);
+  };
+  EXPECT_EQ(hint_of(one_message(promises(3 * kMillisecond, 100'000))),
+            "state a larger Jitter of drive, or none: what it delays counts as Jitter too, and 100 "
+            "us is what it promises");
+  EXPECT_EQ(
+      hint_of(one_message(promises(3 * kMillisecond, 0))),
+      "state a larger Jitter of drive, or none: what it delays counts as Jitter too, and 0 ns "
+      "is what it promises");
+  EXPECT_EQ(hint_of(one_message({}, AttributeSet{}.set(Attribute::jitter, 200'000))),
+            "allow more Jitter: what a bus delays counts as Jitter, and 200 us is required");
+  EXPECT_EQ(hint_of(one_message(promises(3 * kMillisecond, kMillisecond))), "none");
+}
+
 }  // namespace
 }  // namespace mlcca::core::testing

@@ -137,8 +137,7 @@ class Deliveries {
       any_unfit = any_unfit || r_.deliveries[next].outcome == Outcome::unfit;
     if (first == next) {
       if (result.outcome == outcome && rows_.wants_more())
-        rows_.add(cells(c, outcome, "", "", "nobody publishes it, or nobody subscribes it"),
-                  said(outcome).kind);
+        add_unused(c, outcome == Outcome::fit ? Said{"–", "without use", "unused"} : said(outcome));
       return;
     }
     // All of them together, such as for want of room in a gateway.
@@ -153,7 +152,7 @@ class Deliveries {
     const ReportedDelivery& d = r_.deliveries[number];
     const auto ends = fmt::format("{} <span class=\"quiet\">to</span> {}", html_text(d.publisher),
                                   html_text(d.subscribers));
-    auto row = cells(d.channel, outcome, ends, way(d), html_text(d.margin));
+    auto row = cells(d.channel, said(outcome), ends, way(d), html_text(d.margin));
     row[0] = fmt::format(R"(<a href="#{}map" data-way="{}">{}</a>{})", prefix_, ways_[number],
                          html_text(s_.channels[d.channel].name), about(d.channel));
     std::size_t column = 5;
@@ -166,6 +165,11 @@ class Deliveries {
     rows_.add(row, said(outcome).kind);
   }
 
+  void add_unused(std::size_t channel, const Said& outcome) {
+    rows_.add(cells(channel, outcome, "", "", "nobody publishes it, or nobody subscribes it"),
+              outcome.kind);
+  }
+
   [[nodiscard]] std::string about(std::size_t channel) const {
     const auto& c = s_.channels[channel];
     auto out = fmt::format("<br><code class=\"quiet\">{}</code>", core::format_subject(c.subject));
@@ -174,11 +178,11 @@ class Deliveries {
     return out;
   }
 
-  [[nodiscard]] std::vector<std::string> cells(std::size_t channel, Outcome outcome,
+  [[nodiscard]] std::vector<std::string> cells(std::size_t channel, const Said& outcome,
                                                std::string ends, std::string way,
                                                std::string margin) const {
     std::vector<std::string> out{html_text(s_.channels[channel].name) + about(channel),
-                                 verdict(said(outcome)), std::move(ends), std::move(way),
+                                 verdict(outcome), std::move(ends), std::move(way),
                                  std::move(margin)};
     out.resize(5U + (has_reactions_ ? 1U : 0U) + (has_sets_ ? 1U : 0U));
     return out;

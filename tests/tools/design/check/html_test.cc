@@ -166,6 +166,12 @@ TEST_F(HtmlTest, TheSmallestMarginMayBeThatOfABus) {
   EXPECT_TRUE(text.contains("Deadline, end to end: 49.46 ms to spare")) << text;
 }
 
+TEST_F(HtmlTest, AChannelWithoutUseIsNotSaidToFit) {
+  const auto text = text_of(html("tests/tools/design/check/cases/unused-channel.xml", 0));
+  EXPECT_TRUE(text.contains("– without use nobody publishes it, or nobody subscribes it")) << text;
+  EXPECT_FALSE(text.contains("✓ fits nobody")) << text;
+}
+
 TEST_F(HtmlTest, ARefusalShowsWhatDoesNotFitAndNotWhatIsOpen) {
   const auto text = text_of(html("examples/volksbot/second-bus.xml", 1));
   EXPECT_TRUE(text.contains("robot-can Omission 2 required, awds provides 5 (3 too many)")) << text;
