@@ -102,6 +102,14 @@ std::string pauses_hint(const std::string& late, const can::Message& own, const 
               : ", and the next event comes after " + format_value(Attribute::period, own.period));
 }
 
+/// What lies in the message itself, or in what is asked of it; empty: nothing.
+std::string own_hint(const System& system, const Verdict& v, const Row& row,
+                     const can::Message& own, const std::string& late) {
+  std::string hint = unkept_promise(system, row, own);
+  if (hint.empty() && row.end == v.publisher) hint = jitter_hint(system, v, row);
+  return hint.empty() ? pauses_hint(late, own, row) : hint;
+}
+
 // What helps a message that waits for others: a better identifier, where there is one.
 std::string identifier_hint(const can::Schedule& bus, const std::optional<can::Message>& newcomer,
                             const std::optional<can::Message>& own, const std::string& late) {
@@ -143,12 +151,8 @@ std::string late_hint(const Situation& s, const can::Schedule& bus, const Verdic
   const auto newcomer = message_of(v.publisher, v.set);
   if (std::string hint = overload_hint(bus, newcomer); !hint.empty()) return hint;
   const auto own = row.end == v.publisher ? newcomer : message_of(row.end, v.set);
-  if (own) {
-    std::string hint = unkept_promise(s.system, row, *own);
-    if (hint.empty() && row.end == v.publisher) hint = jitter_hint(s.system, v, row);
-    if (hint.empty()) hint = pauses_hint(late, *own, row);
-    if (!hint.empty()) return hint;
-  }
+  if (own)
+    if (std::string hint = own_hint(s.system, v, row, *own, late); !hint.empty()) return hint;
   const Value jitter = attributes_in(s.members.publisher(row.end), v.set)[Attribute::jitter];
   if (own && row.comparison.provided == kUnbounded && is_too_much_jitter(bus, *own, jitter))
     return "state a smaller Jitter of " + late + ": " + format_value(Attribute::jitter, jitter) +
