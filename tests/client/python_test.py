@@ -6,6 +6,7 @@ import re
 import socket
 import tempfile
 import threading
+import time
 import unittest
 
 import mlcca
@@ -99,8 +100,31 @@ class Daemon:
         self.folder.cleanup()
 
 
+class Chatty(Daemon):
+    """Something happens all the time."""
+
+    def serve(self, stream):
+        over = threading.Event()
+
+        def talk():
+            while not over.wait(0.01):
+                try:
+                    self.connection.sendall(encode(event("dropping")))
+                except OSError:
+                    return
+        talking = threading.Thread(target=talk, daemon=True)
+        talking.start()
+        try:
+            super().serve(stream)
+        finally:
+            over.set()
+            talking.join()
+
+
 class Clients:
     """The same program with either client: announces "stop" and takes so many exceptions."""
+
+    longest_retry = 5
 
     def publisher(self, path, done, announcements=1, **stated):
         """The answer, and the exceptions until `done` says so of them."""
@@ -265,6 +289,18 @@ class Clients:
         _, told = self.both([wrong], [wrong], [channels(True)], count=2)
         self.assertEqual(told[1].text, "its events can be carried again")
 
+    def test_what_else_happens_neither_puts_a_retry_off_nor_makes_more_of_it(self):
+        self.longest_retry = 0.2
+        wrong = channels(True)
+        wrong.channels.endpoints.add(network="field", interface="none0", ifindex=999_999)
+        daemon = Chatty([wrong])
+        began = time.monotonic()
+        try:
+            self.publisher(daemon.path, lambda _: len(daemon.requests) >= 6)
+        finally:
+            daemon.close()
+        self.assertGreaterEqual(time.monotonic() - began, 5 * self.longest_retry)
+
 
 class Blocking(Clients, unittest.TestCase):
     def subscriber(self, path, publish):
@@ -340,7 +376,7 @@ class Blocking(Clients, unittest.TestCase):
                 call()
 
     def publisher(self, path, done, announcements=1, **stated):
-        with mlcca.Client(path, patience=60, first_retry=0.001) as client:
+        with mlcca.Client(path, patience=60, first_retry=0.001, longest_retry=self.longest_retry) as client:
             stop = client.publisher("stop", "lever", **stated)
             exceptions = []
             stop.on_exception = exceptions.append
@@ -407,7 +443,7 @@ class Asyncio(Clients, unittest.TestCase):
 
     def publisher(self, path, done, announcements=1, **stated):
         async def program():
-            async with mlcca.aio.Client(path, patience=60, first_retry=0.001) as client:
+            async with mlcca.aio.Client(path, patience=60, first_retry=0.001, longest_retry=self.longest_retry) as client:
                 stop = client.publisher("stop", "lever", **stated)
                 exceptions = []
                 for _ in range(announcements):

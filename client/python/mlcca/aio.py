@@ -77,6 +77,7 @@ class Client:
         self._change = asyncio.Event()
         self._wanted = asyncio.Event()  # something is announced
         self._hurry = asyncio.Event()   # somebody waits for a connection
+        self._again: Optional[asyncio.TimerHandle] = None  # asks those that failed
         self._losses = 0
 
     def publisher(self, channel: str, name: str = "", **stated: int | str) -> PublisherChannel:
@@ -138,9 +139,19 @@ class Client:
             self._session.out.clear()
 
     def _ask_failed(self) -> None:
+        self._again = None
         if self._writer:
             self._session.ask_failed()
             self._send()
+
+    def _ask_failed_in(self, seconds: float) -> None:
+        """Once, however often it is called meanwhile, and no later than planned."""
+        loop = asyncio.get_running_loop()
+        if self._again is not None:
+            if self._again.when() <= loop.time() + seconds:
+                return
+            self._again.cancel()
+        self._again = loop.call_later(seconds, self._ask_failed)
 
     async def _pause(self, seconds: float) -> None:
         try:
@@ -164,8 +175,7 @@ class Client:
                     self._send()
                     self._wake()
                     if any(part.failed for part in self._session.parts):
-                        later = retry if self._session.retry_soon else self._longest_retry
-                        asyncio.get_running_loop().call_later(later, self._ask_failed)
+                        self._ask_failed_in(retry if self._session.retry_soon else self._longest_retry)
             except ProtocolError as wrong:
                 why = str(wrong)
             except OSError as error:

@@ -248,10 +248,11 @@ class Client:
                 return
             self._session.receive(data)
             self._retry = self._first_retry
-            if self._session.retry_soon:
-                self._retry_later(planned=False)
-            elif any(part.failed for part in self._session.parts):
-                self._retry_at = time.monotonic() + self._longest_retry
+            if any(part.failed for part in self._session.parts):
+                now = time.monotonic()
+                due = now + (self._retry if self._session.retry_soon else self._longest_retry)
+                # What else comes meanwhile puts nothing off.
+                self._retry_at = min(self._retry_at, due) if self._retry_at > now else due
 
     def _until_retry(self, seconds: Optional[float]) -> Optional[float]:
         """How long to wait, where something is to be tried again before."""
