@@ -4,8 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
+#include <tuple>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -68,34 +71,54 @@ class Ruled {
   std::set<std::tuple<std::size_t, bool, core::Subject>> subjects_;
 };
 
-/// Whoever sends it.
-bool is_of(const core::Binding& binding, core::Profile profile, std::uint32_t can_id) {
-  if (binding.waits_for_tag()) return false;
-  core::Publisher anyone;
-  anyone.node = 0;
-  const core::ProfileTraits& traits = core::traits_of(profile);
-  const core::FrameIdentity of = traits.identity(anyone, binding, false);
-  const std::uint32_t id = of.id | (binding.extended ? core::kExtendedFlag : 0U);
-  const std::uint32_t number = traits.deals_tags ? traits.last : traits.number_bits;
-  const std::uint32_t mask = (of.mask & number) | core::kExtendedFlag;
-  return ((can_id ^ id) & mask) == 0;
-}
+/// Which channels the description has for frames without a rule, whoever sends them.
+class DescribedFrames {
+ public:
+  explicit DescribedFrames(const core::State& state) : state_(state) {}
 
-/// The name of the channel that a frame without a rule has in the description; empty: it has none.
-std::string described_channel(const core::System& system, const control::Finding& frame) {
-  if (frame.subject != 0) {
-    const auto channel =
-        std::ranges::find(system.channels, frame.subject, &core::EventChannel::subject);
-    return channel == system.channels.end() ? std::string() : channel->name;
+  /// Its name; empty: there is none.
+  std::string channel_of(const control::Finding& frame) {
+    const core::System& system = state_.system();
+    std::optional<std::size_t> channel;
+    if (frame.subject != 0)
+      channel = state_.channel_of(frame.subject);
+    else
+      for (const auto& [mask, channels] : identifiers_of(frame.network))
+        if (const auto found = channels.find(frame.can_id & mask); found != channels.end())
+          channel = std::min(channel.value_or(found->second), found->second);
+    return channel ? system.channels[*channel].name : std::string();
   }
-  const auto network = std::ranges::find(system.networks, frame.network, &core::Network::name);
-  if (network == system.networks.end() || network->profile == core::Profile::none) return {};
-  const auto binding = std::ranges::find_if(network->bindings, [&](const core::Binding& one) {
-    return is_of(one, network->profile, frame.can_id);
-  });
-  return binding == network->bindings.end() ? std::string()
-                                            : system.channels[binding->channel].name;
-}
+
+ private:
+  /// Channels by identifier, by the mask that frames are compared with.
+  using Identifiers = std::map<std::uint32_t, std::unordered_map<std::uint32_t, std::size_t>>;
+
+  const Identifiers& identifiers_of(const std::string& network) {
+    const auto [known, fresh] = by_network_.try_emplace(network);
+    if (!fresh) return known->second;
+    const core::System& system = state_.system();
+    const auto of = std::ranges::find(system.networks, network, &core::Network::name);
+    if (of != system.networks.end() && of->profile != core::Profile::none) add(*of, known->second);
+    return known->second;
+  }
+
+  static void add(const core::Network& network, Identifiers& to) {
+    core::Publisher anyone;
+    anyone.node = 0;
+    const core::ProfileTraits& traits = core::traits_of(network.profile);
+    const std::uint32_t number = traits.deals_tags ? traits.last : traits.number_bits;
+    for (const core::Binding& binding : network.bindings) {
+      if (binding.waits_for_tag()) continue;
+      const core::FrameIdentity of = traits.identity(anyone, binding, false);
+      const std::uint32_t id = of.id | (binding.extended ? core::kExtendedFlag : 0U);
+      const std::uint32_t mask = (of.mask & number) | core::kExtendedFlag;
+      to[mask].try_emplace(id & mask, binding.channel);
+    }
+  }
+
+  const core::State& state_;
+  std::map<std::string, Identifiers> by_network_;  ///< of those that were asked for
+};
 
 /// Such frames had the identifier and the source that were granted.
 bool is_of_publisher(const std::string& reason) {
@@ -306,6 +329,7 @@ control::Audit AuditLog::report() const {
   control::Audit out = contents();
   out.gateway = state.system().gateways[scene_.self].name;
   const Ruled ruled(scene_);
+  DescribedFrames described(state);
   std::erase_if(out.findings, [&](control::Finding& f) {
     std::size_t port = 0;
     while (port < gates_.size() &&
@@ -316,7 +340,7 @@ control::Audit AuditLog::report() const {
     if (!f.channel.empty()) return !complete_delivery(state, f);
     if (f.reason != enforce::reason_text(GATE_R_UNKNOWN)) return false;
     if (ruled.has(port, f)) return true;
-    f.described = described_channel(state.system(), f);
+    f.described = described.channel_of(f);
     return false;
   });
   return out;
