@@ -29,15 +29,19 @@ const Publisher* untagged_of(const Situation& s, const Verdict& v, const Row& ro
   return nullptr;
 }
 
+std::string without_promise(const System& system, const Row& row, Value promised) {
+  return "state no Latency of " + name_of(system, row.place) +
+         ", or one that its bit rate can keep: it promises " +
+         format_value(Attribute::latency, promised);
+}
+
 /// Where the bus itself promises to take no longer; empty: it does not.
 std::string promise_of(const System& system, const Row& row) {
   const AttributeSet& provision = system.networks[row.place.index].provision;
   if (!provision.has(Attribute::latency) ||
       provision[Attribute::latency] != row.comparison.required)
     return {};
-  return "state no Latency of " + name_of(system, row.place) +
-         ", or one that its bit rate can keep: it promises " +
-         format_value(Attribute::latency, row.comparison.required);
+  return without_promise(system, row, row.comparison.required);
 }
 
 /// Where it promises less than the frames of one event take; empty: it does not.
@@ -45,9 +49,7 @@ std::string unkept_promise(const System& system, const Row& row, const can::Mess
   const AttributeSet& provision = system.networks[row.place.index].provision;
   if (!provision.has(Attribute::latency) || own.transmission <= provision[Attribute::latency])
     return {};
-  return "state no Latency of " + name_of(system, row.place) +
-         ", or one that its bit rate can keep: it promises " +
-         format_value(Attribute::latency, provision[Attribute::latency]) +
+  return without_promise(system, row, provision[Attribute::latency]) +
          ", and the frames of one event take " + format_value(Attribute::latency, own.transmission);
 }
 

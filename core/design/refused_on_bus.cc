@@ -8,10 +8,8 @@
 #include "core/can/analysis.hpp"
 #include "core/can/of_system.hpp"
 #include "core/model/text.hpp"
-#include "mlcca/arithmetic.hpp"
 
 namespace mlcca::core {
-
 namespace {
 
 /// It is refused because something would be late on its own bus: the reason says so already.
