@@ -105,6 +105,17 @@ bool take_candump_time(std::string_view word, std::uint64_t& ns) {
   return true;
 }
 
+Result<void> check_candump_length(const Lines& lines) {
+  if (lines.line().size() <= Lines::kLongest) return {};
+  return fail("line " + std::to_string(lines.number()) + " has " +
+              std::to_string(lines.line().size()) + " characters: no line of candump is so long");
+}
+
+void pass_over_line(Recording& recording, const Lines& lines, std::string_view why) {
+  recording.pass_over("line " + std::to_string(lines.number()) + ": '" +
+                      std::string(lines.line().substr(0, 60)) + "' " + std::string(why));
+}
+
 Result<void> read_candump(Recording& recording) {
   Lines lines(recording.bytes);
   std::string_view name;  // of the latest interface, which is mostly that of the next line
@@ -112,19 +123,15 @@ Result<void> read_candump(Recording& recording) {
   std::array<std::uint8_t, kMostData> data{};
   while (lines.next()) {
     std::string_view line = lines.line();
-    if (line.size() > Lines::kLongest)
-      return fail("line " + std::to_string(lines.number()) + " has " + std::to_string(line.size()) +
-                  " characters: no line of candump is so long");
+    if (const auto checked = check_candump_length(lines); !checked) return checked;
     Frame frame;
     const auto time = next_word(line);
     if (time.empty()) continue;
     const auto interface = next_word(line);
     const auto text = next_word(line);
     if (!take_candump_time(time, frame.ns) || interface.empty() || !take_frame(text, frame, data)) {
-      recording.pass_over(
-          "line " + std::to_string(lines.number()) + ": '" +
-          std::string(lines.line().substr(0, 60)) +
-          "' is no frame as candump -l writes it: (1436509052.249713) can0 123#1122");
+      pass_over_line(recording, lines,
+                     "is no frame as candump -l writes it: (1436509052.249713) can0 123#1122");
       continue;
     }
     if (interface != name) {

@@ -138,18 +138,15 @@ Result<void> read_candump_screen(Recording& recording) {
   Shown data{};
   while (lines.next()) {
     std::string_view line = lines.line();
-    if (line.size() > Lines::kLongest)
-      return fail("line " + std::to_string(lines.number()) + " has " + std::to_string(line.size()) +
-                  " characters: no line of candump is so long");
+    if (const auto checked = check_candump_length(lines); !checked) return checked;
     Frame frame;
     const auto time = next_word(line);
     if (time.empty()) continue;
     std::string_view interface;
     if (!take_candump_time(time, frame.ns) || !take_shown(line, interface, frame, data)) {
-      recording.pass_over("line " + std::to_string(lines.number()) + ": '" +
-                          std::string(lines.line().substr(0, 60)) +
-                          "' is no frame as candump -ta shows it: (1436509052.249713)  can0  123   "
-                          "[2]  11 22");
+      pass_over_line(recording, lines,
+                     "is no frame as candump -ta shows it: (1436509052.249713)  can0  123   "
+                     "[2]  11 22");
       continue;
     }
     if ((frame.id & kError) != 0) continue;

@@ -44,28 +44,6 @@ Result<void> read_blf(Recording& recording);
 Result<void> read_pcap(Recording& recording);
 Result<void> read_pcapng(Recording& recording);
 
-/// What candump shows on a screen, as the first line tells.
-enum class Screen : std::uint8_t { none, with_times, with_dates, without_times };
-Screen screen_of(Bytes bytes);
-/// "(1436509052.249713)" in ns; false: it is no time.
-bool take_candump_time(std::string_view word, std::uint64_t& ns);
-
-/// A frame of SocketCAN in a packet: an identifier in big-endian order, length, flags, two bytes,
-/// data. False: it is none.
-bool take_socketcan(Bytes packet, std::uint64_t ns, std::uint32_t interface, bool local,
-                    Recording& recording);
-
-/// Reads numbers in the order of the file, or nothing beyond its end.
-template <class Number>
-Number number_at(Bytes bytes, std::size_t at, bool big_endian) {
-  Number out = 0;
-  for (std::size_t i = 0; i < sizeof(Number); ++i) {
-    const auto from = big_endian ? i : sizeof(Number) - 1 - i;
-    out = static_cast<Number>(out << 8 | bytes[at + from]);
-  }
-  return out;
-}
-
 /// The lines of a text, one after the other, without its end. Those of more than 4096 bytes are
 /// longer than any format has.
 class Lines {
@@ -92,6 +70,32 @@ class Lines {
   std::string_view line_;
   std::uint64_t number_ = 0;
 };
+
+/// What candump shows on a screen, as the first line tells.
+enum class Screen : std::uint8_t { none, with_times, with_dates, without_times };
+Screen screen_of(Bytes bytes);
+/// "(1436509052.249713)" in ns; false: it is no time.
+bool take_candump_time(std::string_view word, std::uint64_t& ns);
+/// Error: the line is longer than any of candump.
+Result<void> check_candump_length(const Lines& lines);
+/// The line is no frame: "line 3: 'hello' is no frame …".
+void pass_over_line(Recording& recording, const Lines& lines, std::string_view why);
+
+/// A frame of SocketCAN in a packet: an identifier in big-endian order, length, flags, two bytes,
+/// data. False: it is none.
+bool take_socketcan(Bytes packet, std::uint64_t ns, std::uint32_t interface, bool local,
+                    Recording& recording);
+
+/// Reads numbers in the order of the file, or nothing beyond its end.
+template <class Number>
+Number number_at(Bytes bytes, std::size_t at, bool big_endian) {
+  Number out = 0;
+  for (std::size_t i = 0; i < sizeof(Number); ++i) {
+    const auto from = big_endian ? i : sizeof(Number) - 1 - i;
+    out = static_cast<Number>(out << 8 | bytes[at + from]);
+  }
+  return out;
+}
 
 /// Cuts the next word off a line: what is before a blank or a tab. Empty: there is none.
 std::string_view next_word(std::string_view& line);
