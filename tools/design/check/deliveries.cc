@@ -103,23 +103,23 @@ ReportedDelivery in_words(const core::System& system, const core::Members& membe
   return out;
 }
 
-void consider(const core::System& system, const std::vector<core::BusMessage>& messages,
+void consider(const core::System& system, std::span<const core::BusMessage* const> messages,
               ReportedDelivery& delivery) {
   if (delivery.outcome == Outcome::unfit) return;
-  for (const core::BusMessage& m : messages) {
-    if (!m.message || !m.granted_response || !is_on_its_way(system, m, delivery)) continue;
+  for (const core::BusMessage* const m : messages) {
+    if (!m->message || !m->granted_response || !is_on_its_way(system, *m, delivery)) continue;
     Comparison c;
     c.attribute = Attribute::deadline;
     c.outcome = Outcome::fit;
     c.known = true;
-    c.required = m.message->deadline;
-    c.provided = *m.granted_response;
+    c.required = m->message->deadline;
+    c.provided = *m->granted_response;
     if (c.provided > c.required) continue;
     const Value share = core::slack(c);
     if (share >= delivery.share) continue;
     delivery.share = share;
     delivery.margin = fmt::format("Deadline, response times on {}: {}",
-                                  system.networks[m.network].name, core::format_margin(c));
+                                  system.networks[m->network].name, core::format_margin(c));
   }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,7 @@ ReportedDelivery in_words(const core::System& system, const core::Members& membe
                           const core::Verdict& verdict);
 
 /// A grant may have a smaller margin on one of the buses of its way: they are known at last.
-void consider(const core::System& system, const std::vector<core::BusMessage>& messages,
+void consider(const core::System& system, std::span<const core::BusMessage* const> messages,
               ReportedDelivery& delivery);
 
 }  // namespace mlcca::tools::design

@@ -88,8 +88,8 @@ core::Inspection decide(SystemReport& report, const core::InspectProgress& progr
           report.deliveries.push_back(in_words(report.system, members, verdict));
       },
       &report.buses);
-  std::map<std::size_t, std::vector<core::BusMessage>> by_publisher;
-  for (const core::BusMessage& m : report.buses.messages) by_publisher[m.publisher].push_back(m);
+  std::map<std::size_t, std::vector<const core::BusMessage*>> by_publisher;
+  for (const core::BusMessage& m : report.buses.messages) by_publisher[m.publisher].push_back(&m);
   for (ReportedDelivery& d : report.deliveries)
     if (const auto own = by_publisher.find(d.publisher_number); own != by_publisher.end())
       consider(report.system, own->second, d);
