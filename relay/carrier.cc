@@ -103,6 +103,7 @@ void Carrier::exchange(std::uint64_t subject, const std::vector<control::Transfe
   std::erase_if(waiting_, [&](const auto& transfer) { return transfer.subject == subject; });
   for (const control::Transfer* transfer : fresh)
     if (!add(*transfer)) waiting_.push_back(*transfer);
+  if (waiting_.empty()) problems_.clear();
 }
 
 void Carrier::set_all(const std::vector<control::Transfer>& transfers) {
