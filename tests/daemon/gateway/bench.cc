@@ -122,6 +122,16 @@ core::Place anywhere(Random& random, const core::System& system) {
 
 }  // namespace
 
+control::Admit newcomer() {
+  control::Admit request;
+  request.channel = "c1";
+  request.from = "can0";
+  request.to = "can1";
+  request.publisher = "new";
+  request.subscriber = "late";
+  return request;
+}
+
 core::System small_system() {
   core::System system = bare(2);
   add_channel(system, 50 * kMs);

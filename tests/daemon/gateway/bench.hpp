@@ -28,6 +28,8 @@ inline constexpr core::Subject kUnlistedSubjects = 0x5600000000000000;
 /// Two buses and an Ethernet behind one gateway "g"; a channel "c0" goes from the first bus to the
 /// second one, and there is no other one.
 core::System small_system();
+/// From its first bus to the second one.
+control::Admit newcomer();
 /// Two or three buses and an Ethernet behind one gateway; four to seven channels whose ends are
 /// anywhere. Mostly not all of them fit.
 core::System random_system(Random& random);

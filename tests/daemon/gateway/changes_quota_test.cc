@@ -44,15 +44,6 @@ class ChangesQuota : public ::testing::Test {
     }
     return kMany;
   }
-  static control::Admit newcomer() {
-    control::Admit request;
-    request.channel = "c1";
-    request.from = "can0";
-    request.to = "can1";
-    request.publisher = "new";
-    request.subscriber = "late";
-    return request;
-  }
 
   Bench bench_{small_system()};
 };

@@ -22,16 +22,6 @@ class OnTheBench : public ::testing::Test {
     ASSERT_FALSE(bench_.start());
     bench_.commits.clear();
   }
-  /// From the first bus to the second one.
-  static control::Admit newcomer() {
-    control::Admit request;
-    request.channel = "c1";
-    request.from = "can0";
-    request.to = "can1";
-    request.publisher = "new";
-    request.subscriber = "late";
-    return request;
-  }
   static bool is_error(const serve::Answer& answer) {
     return std::holds_alternative<control::Error>(answer.reply.body);
   }
