@@ -27,7 +27,7 @@ std::vector<control::Channel> ChannelReports::report(
         core::gate_state(scene_.state->system(), scene_.state->members(), *v, scene_.self);
     out.push_back(channel_report(*scene_.state, *v, gates_.frames(rules, entries)));
     if (!v->granted) continue;
-    auto supervision = health_.supervision_of(rules, shared);
+    auto supervision = health_.supervision_of(*v, rules, shared);
     control::Channel& channel = out.back();
     channel.troubles = health_.troubles_of(*v, rules, shared, supervision);
     channel.watch = std::move(supervision.watch);

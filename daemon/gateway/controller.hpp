@@ -181,10 +181,11 @@ class Controller {
   AuditKeeper audit_keeper_{audit_, modes_, outside_.log, patience_, outside_.clock};
   Carriers carriers_;
   GatewayPresence presence_{{scene_, outside_.control, carriers_, outside_.log, outside_.clock}};
-  DeliveryHealth delivery_health_{scene_,      outside_.gates, drops_,
-                                  forwarding_, carriers_,      outside_.clock};
-  SilenceReports silences_{outside_.loop,  scene_,      outside_.clock,
-                           outside_.gates, deliveries_, delivery_health_};
+  ReportedSilences reported_silences_{scene_};
+  DeliveryHealth delivery_health_{scene_,         outside_.gates,    drops_, forwarding_, carriers_,
+                                  outside_.clock, reported_silences_};
+  SilenceReports silences_{outside_.loop, scene_,           outside_.clock,    outside_.gates,
+                           deliveries_,   delivery_health_, reported_silences_};
   GateEvents gate_events_{
       {scene_, outside_.gates, outside_.links, outside_.log, silences_, delivery_health_, tags_}};
   Admissions admissions_{scene_, recorder_, outside_.log, turn_, tags_, outside_.clock};

@@ -53,8 +53,18 @@ DeliveryHealth::Shared DeliveryHealth::shared_of(std::size_t channel) const {
                             scene_.state->decisions()[channel].verdicts, scene_.self);
 }
 
-DeliveryHealth::Supervision DeliveryHealth::supervision_of(const core::GateState& rules,
+/// The gate knows the silence of the subscriber that waits least. Who waits longer misses events
+/// from its own report on, until the end of the silence is reported.
+DeliveryHealth::Supervision DeliveryHealth::supervision_of(const core::Verdict& verdict,
+                                                           const core::GateState& rules,
                                                            const Shared& shared) const {
+  Supervision found = seen_at_gate(rules, shared);
+  if (found.watch && silences_.contains(verdict)) found.watch->missing_now = true;
+  return found;
+}
+
+DeliveryHealth::Supervision DeliveryHealth::seen_at_gate(const core::GateState& rules,
+                                                         const Shared& shared) const {
   const core::GateRule* const own = watched_rule(rules);
   if (own == nullptr) return {};
   if (const core::SharedRule* both = rule_of(own->entry, shared)) {
@@ -218,7 +228,8 @@ void DeliveryHealth::judge(const DropReports::Polled& polled) {
     note_leaving(channel, rules[i]);
   for (std::size_t i = 0; i < verdicts.size() && verdicts[i]->granted && !troubled; ++i)
     troubled =
-        !troubles_of(*verdicts[i], rules[i], shared, supervision_of(rules[i], shared)).empty();
+        !troubles_of(*verdicts[i], rules[i], shared, supervision_of(*verdicts[i], rules[i], shared))
+             .empty();
   if (troubled)
     troubled_.insert(channel);
   else
@@ -234,7 +245,8 @@ void DeliveryHealth::add_to(std::vector<std::string>& lines) const {
       if (!v.granted) continue;
       const auto rules = core::gate_state(state.system(), state.members(), v, scene_.self);
       const core::Publisher& publisher = state.members().publisher(v.publisher);
-      for (const std::string& line : troubles_of(v, rules, shared, supervision_of(rules, shared)))
+      for (const std::string& line :
+           troubles_of(v, rules, shared, supervision_of(v, rules, shared)))
         lines.push_back(fmt::format("{} from {} ({}) to {}: {}",
                                     state.system().channels[channel].name,
                                     core::name_of(state.system(), publisher.place), publisher.name,

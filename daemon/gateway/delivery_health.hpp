@@ -18,6 +18,7 @@
 #include "daemon/gateway/carriers.hpp"
 #include "daemon/gateway/drop_reports.hpp"
 #include "daemon/gateway/health.hpp"
+#include "daemon/gateway/reported_silences.hpp"
 #include "daemon/gateway/scene.hpp"
 #include "daemon/outside/gate_driver.hpp"
 
@@ -27,13 +28,15 @@ class DeliveryHealth {
  public:
   /// All of them must outlive this.
   DeliveryHealth(const Scene& scene, const GateDriver& gates, const DropReports& drops,
-                 const CanForwarding& forwarding, const Carriers& carriers, const Clock& clock)
+                 const CanForwarding& forwarding, const Carriers& carriers, const Clock& clock,
+                 const ReportedSilences& silences)
       : scene_(scene),
         gates_(gates),
         drops_(drops),
         forwarding_(forwarding),
         carriers_(carriers),
-        clock_(clock) {}
+        clock_(clock),
+        silences_(silences) {}
 
   using Shared = std::vector<core::SharedRule>;
   /// Rules by which events of several publishers of a channel come or leave, sorted by entry.
@@ -46,7 +49,8 @@ class DeliveryHealth {
     std::optional<control::Watch> watch;  ///< nothing: they are not watched
     std::string lacking;                  ///< empty: it is reported, or no subscriber minds
   };
-  [[nodiscard]] Supervision supervision_of(const core::GateState& rules,
+  [[nodiscard]] Supervision supervision_of(const core::Verdict& verdict,
+                                           const core::GateState& rules,
                                            const Shared& shared) const;
   /// Why nothing would report the silence of its publisher alone, where others look like it; else
   /// empty.
@@ -77,6 +81,7 @@ class DeliveryHealth {
   [[nodiscard]] bool is_large() const;
 
  private:
+  [[nodiscard]] Supervision seen_at_gate(const core::GateState& rules, const Shared& shared) const;
   [[nodiscard]] std::string late_line(const core::Verdict& verdict, const std::string& to) const;
 
   using Passed = std::map<core::GateEntry, std::uint64_t>;
@@ -99,6 +104,7 @@ class DeliveryHealth {
   const CanForwarding& forwarding_;
   const Carriers& carriers_;
   const Clock& clock_;
+  const ReportedSilences& silences_;
   std::map<std::size_t, Passed> passed_before_;  ///< by channel, see restart()
   std::map<std::size_t, Leaving> leaving_;       ///< by channel
   std::set<std::size_t> troubled_;  ///< channels; each is examined again when it is reported

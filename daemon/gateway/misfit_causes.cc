@@ -55,7 +55,7 @@ std::vector<MisfitCauses::Cause> MisfitCauses::of(const core::GateEntry& entry, 
   if (latest.empty() || latest == enforce::reason_text(GATE_R_EXCESS))
     return {{"not as granted", frames}};
   return {
-      {causes.empty() || frames == 1 ? latest : "several causes, the latest: " + latest, frames}};
+      {causes.empty() || frames == 1 ? latest : "cause not known, the latest: " + latest, frames}};
 }
 
 }  // namespace mlcca

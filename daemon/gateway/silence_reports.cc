@@ -10,8 +10,13 @@ namespace mlcca {
 
 SilenceReports::SilenceReports(sd_event* loop, const Scene& scene, const Clock& clock,
                                const GateDriver& gates, DeliveryEvents& deliveries,
-                               DeliveryHealth& health)
-    : scene_(scene), clock_(clock), gates_(gates), deliveries_(deliveries), health_(health) {
+                               DeliveryHealth& health, ReportedSilences& reported)
+    : scene_(scene),
+      clock_(clock),
+      gates_(gates),
+      deliveries_(deliveries),
+      health_(health),
+      reported_(reported) {
   // Without a timer the rounds poll, once a second.
   static_cast<void>(timer_.start(loop, [this] { poll(); }));
 }
@@ -26,8 +31,7 @@ void SilenceReports::on_event(const core::Verdict& verdict, const gate_event& ev
 }
 
 SilenceReports::Key SilenceReports::key_of(const core::Verdict& verdict) const {
-  const core::State& state = *scene_.state;
-  return {state.system().channels[verdict.channel].subject, state.delivery_of(verdict)};
+  return silent_delivery(*scene_.state, verdict);
 }
 
 void SilenceReports::missing(const core::Verdict& verdict, const gate_event& event,
@@ -35,21 +39,20 @@ void SilenceReports::missing(const core::Verdict& verdict, const gate_event& eve
   const Value longest = core::silence_of(verdict);
   if (longest == 0) return;  // nobody there minds
   if (event.silent < longest) {
-    reported_.erase(key_of(verdict));  // of a silence before
+    reported_.remove(verdict);  // of a silence before
     wait(key_of(verdict), clock_.monotonic_ns() + (longest - event.silent));
     return;
   }
-  reported_.insert(key_of(verdict));
+  reported_.add(verdict);
   deliveries_.silence(verdict, event, publishers);
 }
 
 /// What a former daemon has reported is not known here.
 void SilenceReports::restored(const core::Verdict& verdict, const gate_event& event,
                               const std::string& publishers) {
-  const Key key = key_of(verdict);
-  wait_no_more(key);
+  wait_no_more(key_of(verdict));
   const Value longest = core::silence_of(verdict);
-  if (reported_.erase(key) != 0 || (longest != 0 && event.silent >= longest))
+  if (reported_.remove(verdict) || (longest != 0 && event.silent >= longest))
     deliveries_.silence(verdict, event, publishers);
 }
 
@@ -82,7 +85,7 @@ void SilenceReports::poll() {
     for (const core::Verdict& v : state.decisions()[*channel].verdicts)
       if (v.granted && deliveries.contains(state.delivery_of(v))) examine(v);
   }
-  forget_ended();
+  reported_.forget_ended();
   arm();
 }
 
@@ -104,17 +107,6 @@ void SilenceReports::examine(const core::Verdict& verdict) {
   event.silent = watch->since_last_ns;
   event.never = watch->events == 0 ? 1 : 0;
   missing(verdict, event, core::names_of(state.members(), {verdict.publisher}));
-}
-
-/// Of deliveries that are granted no more nobody reports an end.
-void SilenceReports::forget_ended() {
-  const core::State& state = *scene_.state;
-  if (reported_.size() <= 2 * state.granted() + 16) return;
-  std::set<Key> granted;
-  for (const core::Decision& decision : state.decisions())
-    for (const core::Verdict& v : decision.verdicts)
-      if (v.granted) granted.insert(key_of(v));
-  std::erase_if(reported_, [&granted](const Key& key) { return !granted.contains(key); });
 }
 
 void SilenceReports::arm() {

@@ -4,7 +4,6 @@
 #pragma once
 #include <systemd/sd-event.h>
 
-#include <compare>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -17,6 +16,7 @@
 #include "core/model/verdict.hpp"
 #include "daemon/gateway/delivery_events.hpp"
 #include "daemon/gateway/delivery_health.hpp"
+#include "daemon/gateway/reported_silences.hpp"
 #include "daemon/gateway/scene.hpp"
 #include "daemon/net/sources/timer.hpp"
 #include "daemon/outside/gate_driver.hpp"
@@ -27,7 +27,7 @@ class SilenceReports {
  public:
   /// All of them must outlive this.
   SilenceReports(sd_event* loop, const Scene& scene, const Clock& clock, const GateDriver& gates,
-                 DeliveryEvents& deliveries, DeliveryHealth& health);
+                 DeliveryEvents& deliveries, DeliveryHealth& health, ReportedSilences& reported);
 
   /// The gate says that events of a granted delivery are missing, or come again. `publishers`: the
   /// names of those that look alike to it.
@@ -38,11 +38,7 @@ class SilenceReports {
   void poll();
 
  private:
-  struct Key {
-    core::Subject subject = 0;
-    core::Delivery delivery;
-    auto operator<=>(const Key&) const = default;
-  };
+  using Key = SilentDelivery;
 
   [[nodiscard]] Key key_of(const core::Verdict& verdict) const;
   void missing(const core::Verdict& verdict, const gate_event& event,
@@ -52,7 +48,6 @@ class SilenceReports {
   void wait(const Key& key, std::uint64_t due);
   void wait_no_more(const Key& key);
   void examine(const core::Verdict& verdict);
-  void forget_ended();
   void arm();
 
   const Scene& scene_;
@@ -60,9 +55,9 @@ class SilenceReports {
   const GateDriver& gates_;
   DeliveryEvents& deliveries_;
   DeliveryHealth& health_;
+  ReportedSilences& reported_;
   std::map<Key, std::uint64_t> waiting_;            ///< until when: ns, CLOCK_MONOTONIC
   std::set<std::pair<std::uint64_t, Key>> by_due_;  ///< the same, the next one first
-  std::set<Key> reported_;                          ///< missing, and not restored yet
   net::Timer timer_;
 };
 

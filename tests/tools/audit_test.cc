@@ -193,7 +193,7 @@ TEST_F(AuditReport, SaysOfADeliveryWhoSentAndWhatToDo) {
     return advice(f);
   };
   EXPECT_TRUE(advised("longer than granted").contains("a larger maxPayload")) << f.reason;
-  EXPECT_TRUE(advised("several causes, the latest: longer than granted").contains("maxPayload"));
+  EXPECT_TRUE(advised("cause not known, the latest: longer than granted").contains("maxPayload"));
   EXPECT_TRUE(advised("more than admitted").contains("a shorter period, or a jitter"));
   EXPECT_TRUE(advised("not from the granted source").contains("finds who"));
   EXPECT_EQ(advised("refused: withdrawn"),

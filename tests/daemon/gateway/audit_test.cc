@@ -338,7 +338,7 @@ TEST_F(CausesOnTheBench, OfSeveralDeliveriesAtOnceNameTheLatest) {
   pass(kSecond);
   refuse(50, 40, 20, "longer than granted");
   pass(kSecond);
-  EXPECT_EQ(causes(), (Counts{{"several causes, the latest: longer than granted", 20}}));
+  EXPECT_EQ(causes(), (Counts{{"cause not known, the latest: longer than granted", 20}}));
 }
 
 TEST_F(CausesOnTheBench, AreNoExcess) {

@@ -73,6 +73,15 @@ class Silence : public ::testing::Test {
     return std::exchange(said_, {});
   }
 
+  /// Whether `channels` shows the delivery to that network as missing.
+  [[nodiscard]] bool is_shown(std::size_t network) {
+    const auto answer = bench_.ask(control::ExplainRequest{"c0"});
+    for (const control::Channel& one : std::get<control::Channels>(answer.reply.body).channels)
+      if (one.to == bench_.system.networks[network].name)
+        return one.watch && one.watch->missing_now;
+    return false;
+  }
+
   Bench bench_{with_two_subscribers()};
   std::vector<std::string> said_;
 };
@@ -118,6 +127,19 @@ TEST_F(Silence, ThatBeginsAnewIsReportedAgain) {
     is_silent_for(patience(kPatient));
     EXPECT_EQ(after(patience(kPatient) - patience(kStrict)), Said{"missing can1"}) << i;
   }
+}
+
+/// As long as the end of its silence has not been reported, whichever event has come meanwhile.
+TEST_F(Silence, IsShownForWhoWaitsLongerUntilItsEndIsReported) {
+  gate_says(GATE_E_MISSING, patience(kStrict));
+  EXPECT_FALSE(is_shown(kPatient)) << "its own time is not over";
+  is_silent_for(patience(kPatient));
+  after(patience(kPatient) - patience(kStrict));
+  EXPECT_TRUE(is_shown(kPatient));
+  is_silent_for(10 * kMs);
+  EXPECT_TRUE(is_shown(kPatient)) << "the first event has come";
+  gate_says(GATE_E_RESTORED, patience(kPatient) + kMs);
+  EXPECT_FALSE(is_shown(kPatient));
 }
 
 TEST_F(Silence, OfAChannelThatIsGrantedNoMoreIsNotReported) {
